@@ -1,0 +1,1 @@
+//! The whole camera: optics, sensor and processing composed, and its description.

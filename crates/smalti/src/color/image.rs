@@ -1,0 +1,104 @@
+//! A picture: three planes in a stated colour space.
+
+use thiserror::Error;
+
+use crate::numeric::Planes;
+
+/// What three planes of numbers mean.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum ColorSpace {
+    /// CIE X, Y, Z of the 1931 observer; the scale is that of the maker, stated where it matters.
+    Xyz,
+    /// Linear light, primaries of IEC 61966-2-1, D65 white = (1, 1, 1).
+    LinearSrgb,
+    /// As [`ColorSpace::LinearSrgb`], encoded by the sRGB curve, 0 to 1.
+    Srgb,
+    /// Linear light, Display P3 primaries (SMPTE EG 432-1 with D65 white).
+    LinearDisplayP3,
+    /// As [`ColorSpace::LinearDisplayP3`], encoded by the sRGB curve, 0 to 1.
+    DisplayP3,
+}
+
+/// An image that cannot be.
+#[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
+pub enum ImageError {
+    /// A picture has three planes.
+    #[error("a picture has 3 planes, got {got}")]
+    Planes {
+        /// Planes that came.
+        got: usize,
+    },
+    /// The operation is defined in another colour space.
+    #[error("expected an image in {expected:?}, got {got:?}")]
+    Space {
+        /// The space it is defined in.
+        expected: ColorSpace,
+        /// The space of the image.
+        got: ColorSpace,
+    },
+    /// Two images that are compared differ in size.
+    #[error("the images differ in size: {left_rows} × {left_cols} and {right_rows} × {right_cols}")]
+    Size {
+        /// Rows of the first.
+        left_rows: usize,
+        /// Columns of the first.
+        left_cols: usize,
+        /// Rows of the second.
+        right_rows: usize,
+        /// Columns of the second.
+        right_cols: usize,
+    },
+}
+
+/// Three planes of equal size in a colour space.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Image {
+    space: ColorSpace,
+    planes: Planes,
+}
+
+impl Image {
+    /// An image of three planes.
+    ///
+    /// # Errors
+    /// When there are not three.
+    pub fn new(space: ColorSpace, planes: Planes) -> Result<Self, ImageError> {
+        if planes.count() == 3 {
+            Ok(Self { space, planes })
+        } else {
+            Err(ImageError::Planes { got: planes.count() })
+        }
+    }
+
+    /// What the numbers mean.
+    #[must_use]
+    pub fn space(&self) -> ColorSpace {
+        self.space
+    }
+
+    /// Rows.
+    #[must_use]
+    pub fn rows(&self) -> usize {
+        self.planes.rows()
+    }
+
+    /// Columns.
+    #[must_use]
+    pub fn cols(&self) -> usize {
+        self.planes.cols()
+    }
+
+    /// The three planes.
+    #[must_use]
+    pub fn planes(&self) -> &Planes {
+        &self.planes
+    }
+
+    /// The three planes by value.
+    #[must_use]
+    pub fn into_planes(self) -> Planes {
+        self.planes
+    }
+}

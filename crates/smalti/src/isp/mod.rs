@@ -1,0 +1,1 @@
+//! Processing: from raw samples to a picture.

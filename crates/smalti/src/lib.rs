@@ -1,0 +1,31 @@
+//! Smalti simulates a camera, from a radiometric spectral scene to a scored picture, in order to design
+//! colour filter arrays and their image processing together.
+//!
+//! The modules follow the light, and each imports only from those before it:
+//!
+//! [`numeric`] → [`spectrum`] → [`color`] → [`scene`] → [`optics`] → [`sensor`] → [`isp`] → [`metrics`] →
+//! [`camera`]
+//!
+//! | stage | from | to | unit of the result |
+//! |---|---|---|---|
+//! | [`scene`] | reflectances, illuminant | [`scene::Scene`] | photons s⁻¹ m⁻² sr⁻¹ nm⁻¹ |
+//! | [`optics`] | [`scene::Scene`] | [`optics::OpticalImage`] | photons s⁻¹ m⁻² nm⁻¹ |
+//! | [`sensor`] | [`optics::OpticalImage`] | [`sensor::RawImage`] | digital numbers |
+//! | [`isp`] | [`sensor::RawImage`] | [`color::Image`] | relative, in a stated colour space |
+//! | [`metrics`] | images | numbers | as named |
+//!
+//! This crate is pure computation: it opens no file, prints nothing and keeps no global state. Reading and
+//! writing is `smalti-io`'s, the command is `smalti-cli`'s. No function panics on any input: what cannot be
+//! computed is an error that says why.
+//!
+//! Out of scope: ray tracing of scenes or lenses, video, and raw formats of single camera makers.
+
+pub mod camera;
+pub mod color;
+pub mod isp;
+pub mod metrics;
+pub mod numeric;
+pub mod optics;
+pub mod scene;
+pub mod sensor;
+pub mod spectrum;

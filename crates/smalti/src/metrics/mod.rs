@@ -1,0 +1,1 @@
+//! What a picture is worth, in numbers: plain functions on images.

@@ -1,0 +1,5 @@
+//! Arithmetic that knows nothing of light: image planes, random numbers, Fourier transforms, least squares.
+
+mod planes;
+
+pub use planes::{Planes, ShapeError};

@@ -1,0 +1,49 @@
+//! The image that the lens throws on the sensor.
+
+use crate::spectrum::{Observer, SpectralCube, SpectrumError};
+
+/// Spectral irradiance on the sensor plane, photons s⁻¹ m⁻² nm⁻¹, centred on the optical axis. Sample `(r, c)`
+/// is the mean over a square of side `sample_spacing_m`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct OpticalImage {
+    irradiance: SpectralCube,
+    sample_spacing_m: f64,
+}
+
+impl OpticalImage {
+    /// An optical image from its parts.
+    ///
+    /// # Errors
+    /// When the spacing is not positive and finite.
+    pub fn new(irradiance: SpectralCube, sample_spacing_m: f64) -> Result<Self, SpectrumError> {
+        if !(sample_spacing_m.is_finite() && sample_spacing_m > 0.0) {
+            return Err(SpectrumError::Parameter {
+                name: "sample_spacing_m",
+                value: sample_spacing_m,
+                expected: "more than 0",
+            });
+        }
+        Ok(Self { irradiance, sample_spacing_m })
+    }
+
+    /// Photons s⁻¹ m⁻² nm⁻¹.
+    #[must_use]
+    pub fn irradiance(&self) -> &SpectralCube {
+        &self.irradiance
+    }
+
+    /// Distance between neighbouring samples on the sensor, m, equal in both directions.
+    #[must_use]
+    pub fn sample_spacing_m(&self) -> f64 {
+        self.sample_spacing_m
+    }
+
+    /// Illuminance of every sample, lux (CIE 1931), in row order.
+    ///
+    /// # Errors
+    /// Never for a valid image.
+    pub fn illuminance_lux(&self) -> Result<Vec<f32>, SpectrumError> {
+        let xyz = Observer::Cie1931.xyz_planes_from_photons(&self.irradiance)?;
+        Ok(xyz.plane(1).to_vec())
+    }
+}

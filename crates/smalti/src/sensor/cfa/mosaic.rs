@@ -1,0 +1,219 @@
+//! The mosaic tile, its channels and the colour filter array that joins them.
+
+use thiserror::Error;
+
+use crate::spectrum::{Spectrum, SpectrumError};
+
+/// What can be wrong with a colour filter array.
+#[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
+pub enum CfaError {
+    /// The tile has no cells, more than 65536, or lines of different length.
+    #[error("a mosaic tile is a rectangle of 1 to 65536 cells; got {rows} × {cols} with {cells} cells")]
+    Tile {
+        /// Rows.
+        rows: usize,
+        /// Columns.
+        cols: usize,
+        /// Cells that came.
+        cells: usize,
+    },
+    /// A cell names a channel that does not exist.
+    #[error("cell ({row}, {col}) names channel {channel}, but there are {channels} (counted from 0)")]
+    CellChannel {
+        /// Row of the cell.
+        row: usize,
+        /// Column of the cell.
+        col: usize,
+        /// Channel it names.
+        channel: usize,
+        /// Channels there are.
+        channels: usize,
+    },
+    /// A channel appears in no cell.
+    #[error("channel {channel} appears in no cell of the mosaic")]
+    UnusedChannel {
+        /// Its index.
+        channel: usize,
+    },
+    /// A pattern uses a letter without a filter.
+    #[error(
+        "the pattern uses '{letter}' at row {row}, column {col}, but no filter has that name; filters: {known}"
+    )]
+    UnknownLetter {
+        /// The letter.
+        letter: char,
+        /// Row of the pattern.
+        row: usize,
+        /// Column of the pattern.
+        col: usize,
+        /// The filters there are.
+        known: String,
+    },
+    /// No built-in has that name.
+    #[error("no built-in {what} is called '{name}'{}", suggestion.as_ref().map(|s| format!("; did you mean '{s}'?")).unwrap_or_default())]
+    UnknownName {
+        /// What was looked for (CFA, filter).
+        what: &'static str,
+        /// The name.
+        name: String,
+        /// The nearest name there is.
+        suggestion: Option<String>,
+    },
+    /// A parameter is out of its range.
+    #[error("{name} is {value}; expected {expected}")]
+    Parameter {
+        /// Its name.
+        name: String,
+        /// Its value.
+        value: f64,
+        /// The range.
+        expected: &'static str,
+    },
+    /// Spectral data do not fit.
+    #[error(transparent)]
+    Spectrum(#[from] SpectrumError),
+}
+
+/// A tile of channel indices, repeated over the sensor from its top left corner. Every channel below
+/// [`Mosaic::channels`] appears in at least one cell.
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+pub struct Mosaic {
+    rows: usize,
+    cols: usize,
+    cells: Vec<u8>,
+    channels: usize,
+}
+
+impl Mosaic {
+    /// A tile from its cells in row order.
+    ///
+    /// # Errors
+    /// When the number of cells is not `rows * cols` or is 0 or above 65536, or a channel below the largest
+    /// one is in no cell.
+    pub fn new(rows: usize, cols: usize, cells: Vec<u8>) -> Result<Self, CfaError> {
+        let count = rows.checked_mul(cols).unwrap_or(usize::MAX);
+        if count == 0 || count > 65536 || cells.len() != count {
+            return Err(CfaError::Tile { rows, cols, cells: cells.len() });
+        }
+        let channels = cells.iter().copied().max().map_or(0, |m| usize::from(m) + 1);
+        match (0..channels).find(|&c| !cells.iter().any(|&x| usize::from(x) == c)) {
+            Some(channel) => Err(CfaError::UnusedChannel { channel }),
+            None => Ok(Self { rows, cols, cells, channels }),
+        }
+    }
+
+    /// Rows of the tile.
+    #[must_use]
+    pub fn rows(&self) -> usize {
+        self.rows
+    }
+
+    /// Columns of the tile.
+    #[must_use]
+    pub fn cols(&self) -> usize {
+        self.cols
+    }
+
+    /// Number of channels.
+    #[must_use]
+    pub fn channels(&self) -> usize {
+        self.channels
+    }
+
+    /// The cells of the tile in row order.
+    #[must_use]
+    pub fn cells(&self) -> &[u8] {
+        &self.cells
+    }
+
+    /// The channel of a pixel anywhere on the sensor.
+    #[must_use]
+    pub fn channel_at(&self, row: usize, col: usize) -> usize {
+        usize::from(self.cells[(row % self.rows) * self.cols + col % self.cols])
+    }
+
+    /// The mosaic as seen after cropping `rows` from the top and `cols` from the left.
+    #[must_use]
+    pub fn shifted(&self, rows: usize, cols: usize) -> Self {
+        let cell = |i: usize| {
+            self.channel_at(i / self.cols + rows % self.rows, i % self.cols + cols % self.cols) as u8
+        };
+        Self { cells: (0..self.cells.len()).map(cell).collect(), ..self.clone() }
+    }
+}
+
+/// One channel of a colour filter array.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Channel {
+    /// Its name, a letter where the pattern is written in letters.
+    pub name: String,
+    /// Transmittance of its filter, 0 to 1.
+    pub transmittance: Spectrum,
+}
+
+/// A mosaic and the filter of each of its channels. Cells that are weighted mixtures of primaries
+/// (Hirakawa-Wolfe, Condat) are channels of their own, their transmittance the mixture.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Cfa {
+    name: String,
+    mosaic: Mosaic,
+    channels: Vec<Channel>,
+}
+
+impl Cfa {
+    /// A colour filter array from its parts.
+    ///
+    /// # Errors
+    /// When a cell names a channel that is not there, a channel is in no cell, the grids of the channels
+    /// differ, or a transmittance is outside 0–1.
+    pub fn new(name: impl Into<String>, mosaic: Mosaic, channels: Vec<Channel>) -> Result<Self, CfaError> {
+        if mosaic.channels() > channels.len() {
+            let at = mosaic.cells().iter().position(|&c| usize::from(c) >= channels.len()).unwrap_or(0);
+            return Err(CfaError::CellChannel {
+                row: at / mosaic.cols(),
+                col: at % mosaic.cols(),
+                channel: usize::from(mosaic.cells()[at]),
+                channels: channels.len(),
+            });
+        }
+        if mosaic.channels() < channels.len() {
+            return Err(CfaError::UnusedChannel { channel: mosaic.channels() });
+        }
+        let grid = channels[0].transmittance.grid();
+        for c in &channels {
+            if c.transmittance.grid() != grid {
+                return Err(SpectrumError::GridMismatch { left: grid, right: c.transmittance.grid() }.into());
+            }
+            // Measured curves overshoot 1 by rounding; a thousandth is forgiven.
+            if let Some(i) = c.transmittance.values().iter().position(|v| !(-1e-3..=1.001).contains(v)) {
+                return Err(SpectrumError::Value {
+                    quantity: "the transmittance of a filter",
+                    wavelength_nm: grid.wavelength_nm(i),
+                    value: c.transmittance.values()[i],
+                    expected: "0 to 1 was expected",
+                }
+                .into());
+            }
+        }
+        Ok(Self { name: name.into(), mosaic, channels })
+    }
+
+    /// What it is called.
+    #[must_use]
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// The tile.
+    #[must_use]
+    pub fn mosaic(&self) -> &Mosaic {
+        &self.mosaic
+    }
+
+    /// The channels, in the order of the indices in the tile.
+    #[must_use]
+    pub fn channels(&self) -> &[Channel] {
+        &self.channels
+    }
+}

@@ -1,0 +1,9 @@
+//! The image sensor: colour filter array, pixel, exposure, noise, analog-to-digital conversion.
+//!
+//! [`Cfa`] and [`RawImage`] know nothing of the simulator: the raw file of a real camera is the same type.
+
+pub mod cfa;
+mod raw;
+
+pub use cfa::{Cfa, CfaError, Channel, Mosaic};
+pub use raw::{RawError, RawImage, RawSamples, Sampling};

@@ -1,0 +1,185 @@
+//! What comes out of a sensor, simulated or real.
+
+use thiserror::Error;
+
+use super::Mosaic;
+use crate::numeric::ShapeError;
+
+/// A raw image that cannot be.
+#[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
+pub enum RawError {
+    /// The number of samples does not match the size.
+    #[error(transparent)]
+    Shape(#[from] ShapeError),
+    /// Black and white level do not make a range.
+    #[error("white level {white} must lie above black level {black}, both finite")]
+    Levels {
+        /// Black level, digital numbers.
+        black: f64,
+        /// White level, digital numbers.
+        white: f64,
+    },
+    /// The names do not match the channels.
+    #[error("expected {expected} channel names, got {got}")]
+    Names {
+        /// Channels.
+        expected: usize,
+        /// Names that came.
+        got: usize,
+    },
+}
+
+/// The samples of a raw image.
+#[derive(Debug, Clone, PartialEq)]
+pub enum RawSamples {
+    /// Digital numbers of a converter of at most 16 bits.
+    Digital(Vec<u16>),
+    /// Volts at the pixel output, where there is no converter (`adc_bits = 0`).
+    Analog(Vec<f32>),
+}
+
+impl RawSamples {
+    /// Number of samples.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        match self {
+            Self::Digital(v) => v.len(),
+            Self::Analog(v) => v.len(),
+        }
+    }
+
+    /// Whether there is none.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+}
+
+/// Which channels each pixel has seen.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Sampling {
+    /// One channel per pixel: a colour filter array.
+    Mosaic(Mosaic),
+    /// Every channel at every pixel, one plane per channel: a prism with a sensor for each channel, or captures
+    /// one after another.
+    Full {
+        /// Number of channels.
+        channels: usize,
+    },
+}
+
+impl Sampling {
+    /// Number of channels.
+    #[must_use]
+    pub fn channels(&self) -> usize {
+        match self {
+            Self::Mosaic(m) => m.channels(),
+            Self::Full { channels } => *channels,
+        }
+    }
+
+    /// Number of planes of samples.
+    #[must_use]
+    pub fn planes(&self) -> usize {
+        match self {
+            Self::Mosaic(_) => 1,
+            Self::Full { channels } => *channels,
+        }
+    }
+}
+
+/// Raw samples with what is needed to read them.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RawImage {
+    rows: usize,
+    cols: usize,
+    samples: RawSamples,
+    sampling: Sampling,
+    channel_names: Vec<String>,
+    black_level: f64,
+    white_level: f64,
+}
+
+impl RawImage {
+    /// A raw image from its parts; samples ordered plane, row, column. `black_level` is the sample without
+    /// light, `white_level` the one at saturation, both in the unit of the samples.
+    ///
+    /// # Errors
+    /// When sizes do not match or the levels make no range.
+    pub fn new(
+        rows: usize,
+        cols: usize,
+        samples: RawSamples,
+        sampling: Sampling,
+        channel_names: Vec<String>,
+        black_level: f64,
+        white_level: f64,
+    ) -> Result<Self, RawError> {
+        let count = sampling.planes();
+        let expected = rows.checked_mul(cols).and_then(|n| n.checked_mul(count)).unwrap_or(usize::MAX);
+        if samples.len() != expected || expected == 0 {
+            return Err(ShapeError { count, rows, cols, expected, got: samples.len() }.into());
+        }
+        if channel_names.len() != sampling.channels() {
+            return Err(RawError::Names { expected: sampling.channels(), got: channel_names.len() });
+        }
+        if !(black_level.is_finite() && white_level.is_finite() && white_level > black_level) {
+            return Err(RawError::Levels { black: black_level, white: white_level });
+        }
+        Ok(Self { rows, cols, samples, sampling, channel_names, black_level, white_level })
+    }
+
+    /// Rows.
+    #[must_use]
+    pub fn rows(&self) -> usize {
+        self.rows
+    }
+
+    /// Columns.
+    #[must_use]
+    pub fn cols(&self) -> usize {
+        self.cols
+    }
+
+    /// The samples, ordered plane, row, column.
+    #[must_use]
+    pub fn samples(&self) -> &RawSamples {
+        &self.samples
+    }
+
+    /// Which channels each pixel has seen.
+    #[must_use]
+    pub fn sampling(&self) -> &Sampling {
+        &self.sampling
+    }
+
+    /// Names of the channels.
+    #[must_use]
+    pub fn channel_names(&self) -> &[String] {
+        &self.channel_names
+    }
+
+    /// The sample without light.
+    #[must_use]
+    pub fn black_level(&self) -> f64 {
+        self.black_level
+    }
+
+    /// The sample at saturation.
+    #[must_use]
+    pub fn white_level(&self) -> f64 {
+        self.white_level
+    }
+
+    /// All samples as `(value − black) / (white − black)`; below 0 where noise took them there.
+    #[must_use]
+    pub fn normalized(&self) -> Vec<f32> {
+        let gain = 1.0 / (self.white_level - self.black_level);
+        let (gain, black) = (gain as f32, self.black_level as f32);
+        match &self.samples {
+            RawSamples::Digital(v) => v.iter().map(|&x| (f32::from(x) - black) * gain).collect(),
+            RawSamples::Analog(v) => v.iter().map(|&x| (x - black) * gain).collect(),
+        }
+    }
+}

@@ -1,0 +1,86 @@
+//! A spectral image: one plane per wavelength.
+
+use super::{Spectrum, SpectrumError, WavelengthGrid};
+use crate::numeric::{Planes, ShapeError};
+
+/// Image planes over a wavelength grid, plane `i` at wavelength `i`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SpectralCube {
+    grid: WavelengthGrid,
+    planes: Planes,
+}
+
+impl SpectralCube {
+    /// A cube of non-negative finite values.
+    ///
+    /// # Errors
+    /// When the number of planes is not that of the grid, or a value is negative, NaN or infinite.
+    pub fn new(grid: WavelengthGrid, planes: Planes) -> Result<Self, SpectrumError> {
+        if planes.count() != grid.len() {
+            return Err(SpectrumError::Length { expected: grid.len(), got: planes.count() });
+        }
+        if planes.plane_len() == 0 {
+            return Err(ShapeError {
+                count: planes.count(),
+                rows: planes.rows(),
+                cols: planes.cols(),
+                expected: 1,
+                got: 0,
+            }
+            .into());
+        }
+        for (i, plane) in planes.planes().enumerate() {
+            // `>=` is false for NaN; infinity is caught by the upper bound.
+            if let Some(&bad) = plane.iter().find(|&&v| !(v >= 0.0 && v <= f32::MAX)) {
+                return Err(SpectrumError::Value {
+                    quantity: "the spectral image",
+                    wavelength_nm: grid.wavelength_nm(i),
+                    value: f64::from(bad),
+                    expected: "radiance and irradiance are finite and not negative",
+                });
+            }
+        }
+        Ok(Self { grid, planes })
+    }
+
+    /// The wavelengths.
+    #[must_use]
+    pub fn grid(&self) -> WavelengthGrid {
+        self.grid
+    }
+
+    /// Rows of the image.
+    #[must_use]
+    pub fn rows(&self) -> usize {
+        self.planes.rows()
+    }
+
+    /// Columns of the image.
+    #[must_use]
+    pub fn cols(&self) -> usize {
+        self.planes.cols()
+    }
+
+    /// The planes, one per wavelength.
+    #[must_use]
+    pub fn planes(&self) -> &Planes {
+        &self.planes
+    }
+
+    /// The planes by value.
+    #[must_use]
+    pub fn into_planes(self) -> Planes {
+        self.planes
+    }
+
+    /// The spectrum of one pixel; `None` outside the image.
+    #[must_use]
+    pub fn pixel(&self, row: usize, col: usize) -> Option<Spectrum> {
+        if row >= self.rows() || col >= self.cols() {
+            return None;
+        }
+        let at = row * self.cols() + col;
+        let values = self.planes.planes().map(|p| f64::from(p[at])).collect();
+        Spectrum::new(self.grid, values).ok()
+    }
+}

@@ -1,0 +1,149 @@
+//! A sampled spectral function.
+
+use super::{SpectrumError, WavelengthGrid};
+
+/// What a spectrum is taken to be outside the range it was measured in.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Outside {
+    /// Unknown: asking for it is an error.
+    Error,
+    /// Zero, as for a sensitivity or a colour matching function.
+    Zero,
+    /// The value at the nearer end, as for a reflectance.
+    Hold,
+}
+
+/// One value per wavelength of a grid. The unit is that of the quantity it holds.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Spectrum {
+    grid: WavelengthGrid,
+    values: Vec<f64>,
+}
+
+impl Spectrum {
+    /// A spectrum from its samples.
+    ///
+    /// # Errors
+    /// When the number of values is not that of the grid, or one is not finite.
+    pub fn new(grid: WavelengthGrid, values: Vec<f64>) -> Result<Self, SpectrumError> {
+        if values.len() != grid.len() {
+            return Err(SpectrumError::Length { expected: grid.len(), got: values.len() });
+        }
+        if let Some(i) = values.iter().position(|v| !v.is_finite()) {
+            return Err(SpectrumError::Value {
+                quantity: "the spectrum",
+                wavelength_nm: grid.wavelength_nm(i),
+                value: values[i],
+                expected: "a finite number was expected",
+            });
+        }
+        Ok(Self { grid, values })
+    }
+
+    /// The function `f(wavelength_nm)` sampled on a grid. Values that are not finite become zero.
+    #[must_use]
+    pub fn from_fn(grid: WavelengthGrid, mut f: impl FnMut(f64) -> f64) -> Self {
+        let finite = |v: f64| if v.is_finite() { v } else { 0.0 };
+        let values = grid.wavelengths_nm().map(|nm| finite(f(nm))).collect();
+        Self { grid, values }
+    }
+
+    /// The same value at every wavelength.
+    #[must_use]
+    pub fn constant(grid: WavelengthGrid, value: f64) -> Self {
+        Self::from_fn(grid, |_| value)
+    }
+
+    /// The wavelengths.
+    #[must_use]
+    pub fn grid(&self) -> WavelengthGrid {
+        self.grid
+    }
+
+    /// The samples, in the order of the grid.
+    #[must_use]
+    pub fn values(&self) -> &[f64] {
+        &self.values
+    }
+
+    /// The value at a wavelength by linear interpolation; `None` outside the grid.
+    #[must_use]
+    pub fn at(&self, wavelength_nm: f64) -> Option<f64> {
+        // A thousandth of a nanometre forgives rounding in grids that should coincide.
+        const SLACK_NM: f64 = 1e-3;
+        let x = (wavelength_nm - self.grid.start_nm()) / self.grid.step_nm();
+        let last = (self.values.len() - 1) as f64;
+        let slack = SLACK_NM / self.grid.step_nm();
+        if !(x >= -slack && x <= last + slack) {
+            return None;
+        }
+        let x = x.clamp(0.0, last);
+        let i = (x.floor() as usize).min(self.values.len().saturating_sub(2));
+        let t = x - i as f64;
+        let next = self.values.get(i + 1).copied().unwrap_or(self.values[i]);
+        Some(if t == 0.0 { self.values[i] } else { self.values[i] * (1.0 - t) + next * t })
+    }
+
+    /// The spectrum on another grid, by linear interpolation.
+    ///
+    /// # Errors
+    /// When the new grid reaches beyond this one and `outside` is [`Outside::Error`].
+    pub fn resampled(&self, grid: WavelengthGrid, outside: Outside) -> Result<Self, SpectrumError> {
+        if grid == self.grid {
+            return Ok(self.clone());
+        }
+        let values = grid
+            .wavelengths_nm()
+            .map(|nm| match (self.at(nm), outside) {
+                (Some(v), _) => Ok(v),
+                (None, Outside::Zero) => Ok(0.0),
+                (None, Outside::Hold) if nm < self.grid.start_nm() => Ok(self.values[0]),
+                (None, Outside::Hold) => Ok(self.values[self.values.len() - 1]),
+                (None, Outside::Error) => Err(SpectrumError::Coverage {
+                    have_start_nm: self.grid.start_nm(),
+                    have_end_nm: self.grid.end_nm(),
+                    need_start_nm: grid.start_nm(),
+                    need_end_nm: grid.end_nm(),
+                }),
+            })
+            .collect::<Result<_, _>>()?;
+        Ok(Self { grid, values })
+    }
+
+    /// Every value changed by `f(wavelength_nm, value)`. Values that are not finite become zero.
+    #[must_use]
+    pub fn map(&self, mut f: impl FnMut(f64, f64) -> f64) -> Self {
+        let mut values = self.values.iter();
+        Self::from_fn(self.grid, |nm| values.next().map_or(0.0, |&v| f(nm, v)))
+    }
+
+    /// Every value times a factor.
+    #[must_use]
+    pub fn scaled(&self, factor: f64) -> Self {
+        self.map(|_, v| v * factor)
+    }
+
+    /// The product, wavelength by wavelength.
+    ///
+    /// # Errors
+    /// When the grids differ.
+    pub fn times(&self, other: &Self) -> Result<Self, SpectrumError> {
+        if self.grid != other.grid {
+            return Err(SpectrumError::GridMismatch { left: self.grid, right: other.grid });
+        }
+        let values = self.values.iter().zip(&other.values).map(|(a, b)| a * b).collect();
+        Self::new(self.grid, values)
+    }
+
+    /// Sum of the values times the step, in the unit of the values times nm.
+    #[must_use]
+    pub fn integral(&self) -> f64 {
+        self.values.iter().sum::<f64>() * self.grid.step_nm()
+    }
+
+    /// The largest value.
+    #[must_use]
+    pub fn max(&self) -> f64 {
+        self.values.iter().copied().fold(f64::NEG_INFINITY, f64::max)
+    }
+}

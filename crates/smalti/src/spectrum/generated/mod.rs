@@ -1,0 +1,39 @@
+//! Published tables, as numbers. Written by `tools/generate_tables.py`.
+
+mod colorchecker;
+mod illuminants;
+mod observers;
+
+pub use colorchecker::{COLORCHECKER, COLORCHECKER_NAMES};
+pub use illuminants::{D65_TABLE, DAYLIGHT_BASIS, F2, F11, LED_B3};
+pub use observers::{CIE_1931_2DEG, CIE_1964_10DEG, CIE_2015_2DEG};
+
+use super::{Outside, Spectrum, SpectrumError, WavelengthGrid};
+
+/// `N` functions tabulated on a uniform wavelength grid.
+#[derive(Debug)]
+pub struct Table<const N: usize> {
+    /// First wavelength, nm.
+    pub start_nm: f64,
+    /// Step, nm.
+    pub step_nm: f64,
+    /// One row per wavelength.
+    pub rows: &'static [[f64; N]],
+}
+
+impl<const N: usize> Table<N> {
+    /// Column `column` on another grid, interpolated linearly.
+    ///
+    /// # Errors
+    /// When the grid reaches beyond the table and `outside` is [`Outside::Error`].
+    pub fn spectrum(
+        &self,
+        column: usize,
+        grid: WavelengthGrid,
+        outside: Outside,
+    ) -> Result<Spectrum, SpectrumError> {
+        let own = WavelengthGrid::new(self.start_nm, self.step_nm, self.rows.len())?;
+        let values = self.rows.iter().map(|r| r.get(column).copied().unwrap_or(0.0)).collect();
+        Spectrum::new(own, values)?.resampled(grid, outside)
+    }
+}

@@ -1,0 +1,17 @@
+//! Spectra on a uniform wavelength grid, observers, illuminants, reflectances and spectral image cubes.
+//!
+//! Integrals over wavelength are plain sums times the step, as in ISETCam and in CIE 15's summation method.
+
+mod cube;
+mod curve;
+pub mod generated;
+mod grid;
+mod illuminant;
+mod observer;
+pub mod units;
+
+pub use cube::SpectralCube;
+pub use curve::{Outside, Spectrum};
+pub use grid::{SpectrumError, WavelengthGrid};
+pub use illuminant::Illuminant;
+pub use observer::Observer;
