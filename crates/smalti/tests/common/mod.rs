@@ -1,0 +1,55 @@
+//! Where the reference values of ISETCam lie, and how to read them. Not every test uses everything.
+#![allow(dead_code, missing_docs, clippy::unwrap_used, clippy::panic)]
+
+use std::path::PathBuf;
+
+/// The folder of reference values beside the checkout; `None`, with a message, when it is absent.
+pub fn oracle() -> Option<PathBuf> {
+    let dir = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../../shared/oracle");
+    if dir.is_dir() {
+        return Some(dir);
+    }
+    eprintln!("skipped: no reference values at ../shared/oracle");
+    None
+}
+
+/// Rows of numbers.
+pub fn csv(text: &str) -> Vec<Vec<f64>> {
+    text.lines()
+        .filter(|l| !l.trim().is_empty() && !l.starts_with('#'))
+        .map(|l| l.split(',').map(|v| v.trim().parse().unwrap()).collect())
+        .collect()
+}
+
+/// A CSV file of the reference values.
+pub fn oracle_csv(name: &str) -> Option<Vec<Vec<f64>>> {
+    oracle().map(|d| csv(&std::fs::read_to_string(d.join(name)).unwrap()))
+}
+
+/// A JSON file of the reference values.
+pub fn oracle_json(name: &str) -> Option<serde_json::Value> {
+    oracle().map(|d| serde_json::from_str(&std::fs::read_to_string(d.join(name)).unwrap()).unwrap())
+}
+
+/// A JSON array of numbers, flattened.
+pub fn numbers(v: &serde_json::Value) -> Vec<f64> {
+    match v {
+        serde_json::Value::Array(a) => a.iter().flat_map(numbers).collect(),
+        serde_json::Value::Number(n) => vec![n.as_f64().unwrap()],
+        other => panic!("expected numbers, got {other}"),
+    }
+}
+
+/// Asserts agreement relative to the largest expected value; a failure prints the largest and the RMS error.
+pub fn assert_close(what: &str, got: &[f64], expected: &[f64], tolerance: f64) {
+    assert_eq!(got.len(), expected.len(), "{what}: number of values");
+    let scale = expected.iter().fold(0.0f64, |m, v| m.max(v.abs())).max(f64::MIN_POSITIVE);
+    let errors: Vec<f64> = got.iter().zip(expected).map(|(g, e)| (g - e).abs() / scale).collect();
+    let (at, largest) = errors.iter().copied().enumerate().fold((0, 0.0), |m, e| if e.1 > m.1 || e.1.is_nan() { e } else { m });
+    let rms = (errors.iter().map(|e| e * e).sum::<f64>() / errors.len().max(1) as f64).sqrt();
+    assert!(
+        largest <= tolerance,
+        "{what}: largest error {largest:.3e} of the maximum at {at} (got {}, expected {}), RMS {rms:.3e}, allowed {tolerance:.1e}",
+        got[at], expected[at]
+    );
+}
