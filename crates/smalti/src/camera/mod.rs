@@ -1,1 +1,3 @@
 //! The whole camera: optics, sensor and processing composed, and its description.
+
+pub mod description;
