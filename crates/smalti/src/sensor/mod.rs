@@ -5,5 +5,5 @@
 pub mod cfa;
 mod raw;
 
-pub use cfa::{Cfa, CfaError, Channel, Mosaic};
+pub use cfa::{Cfa, CfaError, Channel, Filter, Mosaic};
 pub use raw::{RawError, RawImage, RawSamples, Sampling};
