@@ -70,6 +70,16 @@ pub enum CfaError {
         /// The range.
         expected: &'static str,
     },
+    /// A parameter written as text cannot be read.
+    #[error("{name} is '{value}'; expected {expected}")]
+    ParameterText {
+        /// Its name.
+        name: String,
+        /// The text.
+        value: String,
+        /// What can be read.
+        expected: &'static str,
+    },
     /// Spectral data do not fit.
     #[error(transparent)]
     Spectrum(#[from] SpectrumError),
