@@ -2,6 +2,7 @@
 
 pub mod elementary;
 pub mod normal;
+pub mod least_squares;
 pub mod philox;
 mod planes;
 pub mod poisson;
