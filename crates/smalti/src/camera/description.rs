@@ -6,6 +6,9 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
+use crate::numeric::Planes;
+use crate::sensor::Filter;
+
 /// A camera file.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
@@ -34,61 +37,6 @@ impl Default for CameraDescription {
     }
 }
 
-/// A function of wavelength, 0 to 1: a filter, a quantum efficiency, a lens transmittance.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case", deny_unknown_fields)]
-pub enum Curve {
-    /// The same at every wavelength.
-    Flat(f64),
-    /// `peak · exp(−(λ − center)² / 2 sigma²)`.
-    Gaussian {
-        /// Wavelength of the peak, nm.
-        center_nm: f64,
-        /// Standard deviation, nm.
-        sigma_nm: f64,
-        /// Transmittance at the peak.
-        #[serde(default = "one")]
-        peak: f64,
-    },
-    /// `peak` between two wavelengths, zero elsewhere.
-    Box {
-        /// Centre of the band, nm.
-        center_nm: f64,
-        /// Full width, nm.
-        width_nm: f64,
-        /// Transmittance in the band.
-        #[serde(default = "one")]
-        peak: f64,
-    },
-    /// `peak · (1 + cos(2π (λ − center) / width)) / 2` within the width, zero elsewhere.
-    RaisedCosine {
-        /// Wavelength of the peak, nm.
-        center_nm: f64,
-        /// Full width, nm; half of it at half height.
-        width_nm: f64,
-        /// Transmittance at the peak.
-        #[serde(default = "one")]
-        peak: f64,
-    },
-    /// A curve of the catalogue (`smalti list filters`).
-    Builtin(String),
-    /// A CSV file of wavelength_nm and value; `file.csv#column` picks a column by its header.
-    File(String),
-    /// Samples on a uniform grid: what a file becomes in a resolved description.
-    Samples {
-        /// First wavelength, nm.
-        start_nm: f64,
-        /// Step, nm.
-        step_nm: f64,
-        /// One value per wavelength.
-        values: Vec<f64>,
-    },
-}
-
-fn one() -> f64 {
-    1.0
-}
-
 /// How the lens forms the image.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
@@ -115,6 +63,19 @@ pub enum FalloffName {
     Cos4,
 }
 
+/// What lies beyond the border of the scene.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum SurroundName {
+    /// Nothing, as in ISETCam: the border of the picture darkens.
+    Dark,
+    /// The outermost samples go on.
+    Edge,
+    /// The scene mirrored at its border.
+    #[default]
+    Mirror,
+}
+
 /// Order of the Zernike polynomials.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
@@ -138,14 +99,16 @@ pub struct OpticsDescription {
     pub focal_length_mm: f64,
     /// Fall-off towards the edge.
     pub falloff: FalloffName,
+    /// What the lens sees beyond the border of the scene.
+    pub surround: SurroundName,
     /// Transmittance of the lens.
-    pub transmittance: Curve,
+    pub transmittance: Filter,
     /// Infrared-cut filter in front of the sensor; absent: none.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub ir_cut: Option<Curve>,
-    /// Separation of the four spots of a birefringent low-pass filter on the sensor, µm; 0: none.
+    pub ir_cut: Option<Filter>,
+    /// Separation of the four spots of a birefringent low-pass filter on the sensor, µm in both directions; 0: none.
     pub low_pass_separation_um: f64,
-    /// Defocus at the exit pupil, dioptres.
+    /// Error of the lens' power, dioptres.
     pub defocus_dioptres: f64,
     /// Wavelength at which the lens is in focus, nm; only with `chromatic_dioptres_per_um`.
     pub chromatic_reference_nm: f64,
@@ -168,7 +131,8 @@ impl Default for OpticsDescription {
             f_number: 4.0,
             focal_length_mm: 3.863,
             falloff: FalloffName::Cos4,
-            transmittance: Curve::Flat(1.0),
+            surround: SurroundName::Mirror,
+            transmittance: Filter::Flat(1.0),
             ir_cut: None,
             low_pass_separation_um: 0.0,
             defocus_dioptres: 0.0,
@@ -185,23 +149,31 @@ impl Default for OpticsDescription {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PsfDescription {
-    /// A `.npy` of shape (wavelengths, rows, cols); each plane is scaled to unit sum.
+    /// A `.npy` of shape (wavelengths, rows, cols), or (rows, cols) for all wavelengths; each plane is scaled to
+    /// unit sum, its centre at (rows / 2, cols / 2).
     pub file: String,
     /// Distance between samples on the sensor, µm.
     pub spacing_um: f64,
     /// First wavelength, nm.
+    #[serde(default = "first_nm")]
     pub start_nm: f64,
     /// Step between the planes, nm.
+    #[serde(default = "step_nm")]
     pub step_nm: f64,
-    /// Samples of the file, planes by rows by cols: filled in when the file is read.
+    /// What is in the file: filled in when it is read.
     #[serde(skip)]
-    pub samples: Vec<f32>,
-    /// Rows and columns of each plane: filled in when the file is read.
-    #[serde(skip)]
-    pub size: (usize, usize),
-    /// SHA-256 of the samples, so that a resolved description names its data: filled in when the file is read.
+    pub planes: Option<Planes>,
+    /// BLAKE3 hash of the file, so that a resolved description names its data: filled in when it is read.
     #[serde(default, skip_serializing_if = "String::is_empty")]
-    pub sha256: String,
+    pub hash: String,
+}
+
+fn first_nm() -> f64 {
+    400.0
+}
+
+fn step_nm() -> f64 {
+    10.0
 }
 
 /// How a sensor sees colour.
@@ -237,16 +209,18 @@ pub struct SensorDescription {
     pub dsnu_mv: f64,
     /// Noise common to a row, drawn anew for each capture, mV.
     pub row_noise_mv: f64,
-    /// Noise common to a column, drawn anew for each capture, mV.
+    /// Offset common to a column, fixed for the device, standard deviation in mV.
     pub column_noise_mv: f64,
     /// Pixels that give no signal, per million.
     pub dead_pixels_ppm: f64,
-    /// Pixels that are saturated, per million.
+    /// Pixels with a large dark signal, per million.
     pub hot_pixels_ppm: f64,
+    /// Dark signal of a hot pixel, V/s.
+    pub hot_pixel_dark_voltage_v_per_s: f64,
     /// Which device: pixels differ from device to device, not from capture to capture.
     pub serial: u64,
     /// Electrons per photon that reaches the photodetector.
-    pub quantum_efficiency: Curve,
+    pub quantum_efficiency: Filter,
     /// Share of a pixel's signal that its neighbours receive, percent in all; 0: none.
     pub crosstalk_percent: f64,
     /// The pixel.
@@ -269,8 +243,9 @@ impl Default for SensorDescription {
             column_noise_mv: 0.0,
             dead_pixels_ppm: 0.0,
             hot_pixels_ppm: 0.0,
+            hot_pixel_dark_voltage_v_per_s: 1.0,
             serial: 1,
-            quantum_efficiency: Curve::Flat(1.0),
+            quantum_efficiency: Filter::Flat(1.0),
             crosstalk_percent: 0.0,
             pixel: PixelDescription::default(),
             cfa: CfaDescription::default(),
@@ -292,10 +267,9 @@ pub struct PixelDescription {
     pub voltage_swing_v: f64,
     /// Electrons a pixel holds.
     pub full_well_e: f64,
-    /// Dark signal at `temperature_c`'s reference, V/s.
+    /// Dark signal at 25 °C, V/s.
     pub dark_voltage_v_per_s: f64,
-    /// Temperature of the sensor, °C; the dark signal is stated at 25 °C and doubles every
-    /// `dark_doubling_c`.
+    /// Temperature of the sensor, °C; the dark signal doubles with every `dark_doubling_c` above 25.
     pub temperature_c: f64,
     /// Temperature step that doubles the dark signal, °C.
     pub dark_doubling_c: f64,
@@ -364,7 +338,7 @@ pub struct CfaDescription {
     pub pattern: PatternDescription,
     /// One filter per letter; with the name of a built-in, those named here replace its own.
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
-    pub filters: BTreeMap<String, Curve>,
+    pub filters: BTreeMap<String, Filter>,
     /// Letters that stand for weighted sums of filters: `a = { R = 0.5, G = 0.5 }`.
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     pub mixtures: BTreeMap<String, BTreeMap<String, f64>>,
@@ -405,7 +379,7 @@ pub struct ExposureDescription {
     pub auto_percentile: f64,
     /// Multiplies the voltage. ISETCam's gain of the same name divides.
     pub analog_gain: f64,
-    /// Added to the voltage after the gain, mV.
+    /// Added to the voltage before the gain, mV.
     pub analog_offset_mv: f64,
 }
 

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::{CfaError, named};
-use crate::spectrum::{Spectrum, WavelengthGrid};
+use crate::spectrum::{Outside, Spectrum, WavelengthGrid};
 
 /// The shape of a filter's transmittance. Wavelengths are in nanometres, `peak` is the largest transmittance,
 /// 0 to 1 (exclusive of 0 only where nothing would pass at all).
@@ -20,6 +20,7 @@ pub enum Filter {
         /// Standard deviation, above 0.
         sigma_nm: f64,
         /// Largest transmittance.
+        #[serde(default = "one")]
         peak: f64,
     },
     /// `peak` from `low_nm` to `high_nm`, nothing elsewhere. Each sample is the mean over its own interval of
@@ -30,6 +31,7 @@ pub enum Filter {
         /// Upper edge, above the lower one.
         high_nm: f64,
         /// Transmittance between the edges.
+        #[serde(default = "one")]
         peak: f64,
     },
     /// One period of a raised cosine, `peak (1 + cos(π (λ − center) / fwhm)) / 2`, zero beyond `fwhm` from the
@@ -40,6 +42,7 @@ pub enum Filter {
         /// Full width at half maximum, above 0.
         fwhm_nm: f64,
         /// Largest transmittance.
+        #[serde(default = "one")]
         peak: f64,
     },
     /// Passes wavelengths above the edge: `peak / (1 + exp(−(λ − edge) / width))`. From 10 % to 90 % of the
@@ -50,6 +53,7 @@ pub enum Filter {
         /// Width of the edge, above 0.
         width_nm: f64,
         /// Transmittance far above the edge.
+        #[serde(default = "one")]
         peak: f64,
     },
     /// Passes wavelengths below the edge: `peak` minus the [`Filter::LongPass`] of the same edge.
@@ -59,6 +63,7 @@ pub enum Filter {
         /// Width of the edge, above 0.
         width_nm: f64,
         /// Transmittance far below the edge.
+        #[serde(default = "one")]
         peak: f64,
     },
     /// A band with the magnitude of a Butterworth filter, `peak / (1 + (2 (λ − center) / fwhm)^(2 order))`:
@@ -69,12 +74,29 @@ pub enum Filter {
         /// Full width at half maximum, above 0.
         fwhm_nm: f64,
         /// Largest transmittance.
+        #[serde(default = "one")]
         peak: f64,
         /// Order, 1 to 100.
         order: u32,
     },
     /// A filter of the library by its name, as [`builtin_filters`](super::builtin_filters) lists them.
     Builtin(String),
+    /// A file of wavelengths and values. This library opens no file: whoever does replaces it by
+    /// [`Filter::Samples`].
+    File(String),
+    /// Samples on a uniform grid, linear between them.
+    Samples {
+        /// First wavelength.
+        start_nm: f64,
+        /// Step.
+        step_nm: f64,
+        /// One value per wavelength, 0 to 1.
+        values: Vec<f64>,
+    },
+}
+
+fn one() -> f64 {
+    1.0
 }
 
 impl Filter {
@@ -129,6 +151,11 @@ impl Filter {
                 sampled(&|nm| peak / (1.0 + libm::pow((2.0 * (nm - center_nm) / fwhm_nm).abs(), power)))
             }
             Self::Builtin(ref name) => named::spectrum(name, grid),
+            Self::File(ref name) => Err(CfaError::UnreadFile { name: name.clone() }),
+            Self::Samples { start_nm, step_nm, ref values } => {
+                let own = WavelengthGrid::new(start_nm, step_nm, values.len())?;
+                Ok(Spectrum::new(own, values.clone())?.resampled(grid, Outside::Error)?)
+            }
         }
     }
 }

@@ -60,6 +60,12 @@ pub enum CfaError {
         /// The nearest name there is.
         suggestion: Option<String>,
     },
+    /// A filter names a file that has not been read.
+    #[error("the filter file '{name}' has not been read")]
+    UnreadFile {
+        /// The file.
+        name: String,
+    },
     /// A parameter is out of its range.
     #[error("{name} is {value}; expected {expected}")]
     Parameter {
