@@ -2,10 +2,12 @@
 
 mod colorchecker;
 mod illuminants;
+mod natural;
 mod observers;
 
 pub use colorchecker::{COLORCHECKER, COLORCHECKER_NAMES};
 pub use illuminants::{D65_TABLE, DAYLIGHT_BASIS, F2, F11, LED_B3};
+pub use natural::{NATURAL, NATURAL_NAMES};
 pub use observers::{CIE_1931_2DEG, CIE_1964_10DEG, CIE_2015_2DEG};
 
 use super::{Outside, Spectrum, SpectrumError, WavelengthGrid};
