@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use super::difference::three;
-use super::display::{ENCODED_KNEE, LINEAR_KNEE, Primaries, decode_srgb, encode_srgb, matrices};
+use super::display::{ENCODED_KNEE, LINEAR_KNEE, Primaries, decode_srgb, matrices};
 use super::matrix::{IDENTITY, Matrix3, product};
 use super::{ColorSpace, Image, ImageError};
 use crate::numeric::Planes;
@@ -95,14 +95,15 @@ impl DecodeTable {
     }
 
     fn at(&self, encoded: f32) -> f32 {
-        let v = encoded.max(0.0).min(1.0);
-        if v <= ENCODED_KNEE as f32 {
-            return v / 12.92;
+        let v = encoded.clamp(0.0, 1.0);
+        if v > ENCODED_KNEE as f32 {
+            let x = v * Self::STEPS as f32;
+            let i = x as usize;
+            let t = x - i as f32;
+            self.0[i] + t * (self.0[i + 1] - self.0[i])
+        } else {
+            v / 12.92 // and NaN
         }
-        let x = v * Self::STEPS as f32;
-        let i = x as usize;
-        let t = x - i as f32;
-        self.0[i] + t * (self.0[i + 1] - self.0[i])
     }
 }
 
@@ -138,21 +139,23 @@ impl EncodeTable {
     }
 
     fn at(&self, linear: f32) -> f32 {
-        let v = linear.max(0.0).min(1.0);
-        if v <= LINEAR_KNEE as f32 {
-            return 12.92 * v;
+        let v = linear.clamp(0.0, 1.0);
+        if v > LINEAR_KNEE as f32 {
+            let i = Self::index(v);
+            let mask = (1 << (23 - Self::BITS)) - 1;
+            let t = (v.to_bits() & mask) as f32 / (mask + 1) as f32;
+            // The curve passes 1 by a rounding.
+            (self.0[i] + t * (self.0[i + 1] - self.0[i])).min(1.0)
+        } else {
+            12.92 * v // and NaN
         }
-        let i = Self::index(v);
-        let mask = (1 << (23 - Self::BITS)) - 1;
-        let t = (v.to_bits() & mask) as f32 / (mask + 1) as f32;
-        // The curve passes 1 by a rounding.
-        (self.0[i] + t * (self.0[i + 1] - self.0[i])).min(1.0)
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::color::display::encode_srgb;
 
     const ALL: [ColorSpace; 5] = [
         ColorSpace::Xyz,
@@ -197,8 +200,9 @@ mod tests {
             assert!((f64::from(encode.at(v)) - encode_srgb(f64::from(v))).abs() < 1e-6, "encode {v}");
             assert!((f64::from(decode.at(v)) - decode_srgb(f64::from(v))).abs() < 2e-7, "decode {v}");
         }
-        assert_eq!((encode.at(f32::NAN), encode.at(-1.0), encode.at(2.0)), (0.0, 0.0, 1.0));
-        assert_eq!((decode.at(f32::NAN), decode.at(-1.0), decode.at(2.0)), (0.0, 0.0, 1.0));
+        assert_eq!((encode.at(-1.0), encode.at(2.0)), (0.0, 1.0));
+        assert_eq!((decode.at(-1.0), decode.at(2.0)), (0.0, 1.0));
+        assert!(encode.at(f32::NAN).is_nan() && decode.at(f32::NAN).is_nan());
     }
 
     #[test]

@@ -11,6 +11,7 @@ pub mod difference;
 pub mod display;
 mod image;
 pub mod matrix;
+pub mod scielab;
 
 pub use adaptation::Adaptation;
 pub use cie1976::{

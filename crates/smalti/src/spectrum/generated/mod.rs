@@ -1,7 +1,10 @@
 //! Published tables, as numbers. Written by `tools/generate_tables.py`.
 
+// Some reflectances happen to begin like 1/π.
+#[allow(clippy::approx_constant)]
 mod colorchecker;
 mod illuminants;
+#[allow(clippy::approx_constant)]
 mod natural;
 mod observers;
 
