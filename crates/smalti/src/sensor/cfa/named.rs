@@ -134,7 +134,7 @@ fn band(name: &str) -> Option<(f64, f64)> {
 }
 
 // The edges of the generic set lie where those of common sensors do, near the crossings of the Nikon D5100's curves
-// (490 and 575 nm); 10 % to 90 % takes 53 nm, as in pigment filters. Red, green and blue add up to at most PEAK.
+// (499 and 579 nm); 10 % to 90 % takes 53 nm, as in pigment filters. Red, green and blue add up to at most PEAK.
 const BLUE_GREEN_NM: f64 = 495.0;
 const GREEN_RED_NM: f64 = 580.0;
 const EDGE_NM: f64 = 12.0;
