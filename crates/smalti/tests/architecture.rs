@@ -1,5 +1,6 @@
 //! The shape of the library: modules import only from those before them in the direction of light, and nothing opens
 //! a file, prints or reads the environment.
+#![allow(clippy::unwrap_used, clippy::panic)]
 
 use std::path::{Path, PathBuf};
 

@@ -1,4 +1,5 @@
 //! Patterns, mixtures and random tiles of colour filter arrays.
+#![allow(clippy::unwrap_used, clippy::panic)]
 
 use proptest::prelude::*;
 use smalti::sensor::cfa::{BayerPhase, Modulation, WeightedMosaic, blue_noise};

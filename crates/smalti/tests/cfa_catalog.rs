@@ -1,4 +1,5 @@
 //! The catalogue of colour filter arrays.
+#![allow(clippy::unwrap_used, clippy::panic)]
 
 use std::collections::{BTreeMap, HashSet};
 

@@ -1,4 +1,5 @@
 //! Filter curves and quantum efficiency.
+#![allow(clippy::unwrap_used, clippy::panic)]
 
 use smalti::sensor::cfa::{CfaError, Filter, builtin_filters};
 use smalti::sensor::{QuantumEfficiency, silicon_absorption_per_m};

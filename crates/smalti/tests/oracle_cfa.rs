@@ -1,4 +1,5 @@
 //! Filters and patterns of the reference cases.
+#![allow(clippy::unwrap_used, clippy::panic)]
 
 #[allow(unreachable_pub)]
 mod common;
