@@ -40,7 +40,7 @@ const LUKAC: &str = "[lukac2005] R. Lukac, K. N. Plataniotis, Color filter array
 const HIRAKAWA: &str = "[hirakawa2008] compared in K. Hirakawa, P. J. Wolfe, Spatio-spectral color filter array design for \
     optimal image recovery, IEEE Trans. Image Process. 17(10), 1876 (2008); as in isetL3.";
 const KIJIMA: &str = "[kijima2007] T. Kijima, H. Nakamura, J. Compton, J. Hamilton, Image sensor with improved light \
-    sensitivity, US 7,916,362 (US 2007/0177236); [kumar2009] M. Kumar et al., ICIP 2009, 2681; as in isetL3.";
+    sensitivity, US 2007/0177236 (2007); [kumar2009] M. Kumar et al., ICIP 2009, 2681; as in isetL3.";
 const YAMAGAMI: &str = "[yamagami1994] T. Yamagami, T. Sasaki, A. Suga, US 5,323,233 (1994); as in isetL3.";
 const DCRAW: &str = "Arrangement as raw converters read it (dcraw's table of filter patterns, G M / Y C for the PowerShot Pro90 IS \
     and G1).";
@@ -209,7 +209,7 @@ pub(super) static CATALOG: &[CfaInfo] = &[
         &["RC", "CB"],
         &[('R', "red"), ('C', "clear"), ('B', "blue")],
         "Aptina Clarity+: Bayer with clear in place of green.",
-        "[aptina2012] Aptina's Clarity+ solution, technology white paper; as in isetL3.",
+        "[aptina] Aptina's Clarity+ solution, an Aptina technology white paper; as in isetL3.",
     ),
     entry(
         "rccc",
@@ -233,7 +233,7 @@ pub(super) static CATALOG: &[CfaInfo] = &[
         &["CY", "YM"],
         &[('C', "cyan"), ('Y', "yellow"), ('M', "magenta")],
         "Bayer's arrangement in complementary colours, yellow in place of green.",
-        "Kodak DCS 620x and 720x (1999–2001); arrangement as raw converters read it (dcraw: colours M Y C Y).",
+        "Kodak DCS 620x and 720x; arrangement as raw converters read it (dcraw: colours M Y C Y).",
     ),
     entry("cygm", &["gmyc", "cmyg"], &["GM", "YC"], CYGM, "Complementary colours and green.", DCRAW),
     entry(
@@ -277,7 +277,7 @@ pub(super) static CATALOG: &[CfaInfo] = &[
         &["BG", "IR"],
         RGBI,
         "Bayer with the green beside red replaced by near infrared.",
-        "[omnivision2013] OmniVision OV4682; described so by e-con Systems (the green next to red is infrared).",
+        "OmniVision OV4682 (RGB-Ir); described so by e-con Systems (the green next to red is infrared).",
     ),
     entry(
         "rgbir-4x4",
@@ -285,7 +285,7 @@ pub(super) static CATALOG: &[CfaInfo] = &[
         &["BGRG", "GIGI", "RGBG", "GIGI"],
         RGBI,
         "Half of the pixels green, an eighth red, an eighth blue, a quarter near infrared.",
-        "[omnivision2014] OmniVision OV4686 and successors; read from public driver code, no paper.",
+        "OmniVision OV4686; read from public driver code, no paper.",
     ),
     entry(
         "rgbx",
@@ -313,7 +313,7 @@ pub(super) static CATALOG: &[CfaInfo] = &[
     entry(
         "multispectral-3x3",
         &["ms9", "multispectral-9"],
-        &["ABC", "DEF", "GHI"],
+        &["AFH", "EGC", "IBD"],
         &[
             ('A', "band-1-of-9"),
             ('B', "band-2-of-9"),
@@ -325,7 +325,7 @@ pub(super) static CATALOG: &[CfaInfo] = &[
             ('H', "band-8-of-9"),
             ('I', "band-9-of-9"),
         ],
-        "Nine bands in reading order.",
+        "Nine bands; every row and column has one of each third of the spectrum.",
         OWN,
     ),
     entry(
@@ -358,7 +358,7 @@ pub(super) static CATALOG: &[CfaInfo] = &[
     entry(
         "multispectral-5x5",
         &["ms25", "multispectral-25"],
-        &["ABCDE", "FGHIJ", "KLMNO", "PQRST", "UVWXY"],
+        &["ALWIT", "HSEKV", "OUGRD", "QCNYF", "XJPBM"],
         &[
             ('A', "band-1-of-25"),
             ('B', "band-2-of-25"),
@@ -386,7 +386,7 @@ pub(super) static CATALOG: &[CfaInfo] = &[
             ('X', "band-24-of-25"),
             ('Y', "band-25-of-25"),
         ],
-        "Twenty-five bands in reading order.",
+        "Twenty-five bands; every row and column has one of each fifth of the spectrum.",
         OWN,
     ),
     CfaInfo {

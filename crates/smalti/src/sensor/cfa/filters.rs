@@ -6,7 +6,7 @@ use super::{CfaError, named};
 use crate::spectrum::{Outside, Spectrum, WavelengthGrid};
 
 /// The shape of a filter's transmittance. Wavelengths are in nanometres, `peak` is the largest transmittance,
-/// 0 to 1 (exclusive of 0 only where nothing would pass at all).
+/// 0 to 1.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 #[non_exhaustive]

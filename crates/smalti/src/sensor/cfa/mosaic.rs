@@ -108,7 +108,7 @@ impl Mosaic {
     /// When the number of cells is not `rows * cols` or is 0 or above 65536, or a channel below the largest
     /// one is in no cell.
     pub fn new(rows: usize, cols: usize, cells: Vec<u8>) -> Result<Self, CfaError> {
-        let count = rows.checked_mul(cols).unwrap_or(usize::MAX);
+        let count = rows.saturating_mul(cols);
         if count == 0 || count > 65536 || cells.len() != count {
             return Err(CfaError::Tile { rows, cols, cells: cells.len() });
         }

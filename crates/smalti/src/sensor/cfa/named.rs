@@ -21,9 +21,9 @@ const FORMULA: &str = "Formula of this library, in the manner of pigment filters
 const DARRODI: &str = "Measured at NPL: Darrodi, Finlayson, Goodman, Mackiewicz, J. Opt. Soc. Am. A 32(3), 381 (2015), \
     doi:10.1364/JOSAA.32.000381; numbers read from colour-science 0.4.7 (BSD-3-Clause).";
 const D5100: &str = "Nikon D5100: spectral sensitivity of the whole camera (filter, quantum efficiency, infrared cut), each \
-    channel relative to its own maximum; zero outside 380–780 nm.";
+    channel relative to its own maximum; zero outside 380–780 nm. To be used with an ideal photodiode.";
 const MERRILL: &str = "Sigma SD Merrill (layered sensor): spectral sensitivity of the whole camera (layer, quantum efficiency, \
-    infrared cut), each channel relative to its own maximum; zero outside 400–680 nm.";
+    infrared cut), each channel relative to its own maximum; zero outside 400–680 nm. To be used with an ideal photodiode.";
 
 const fn info(name: &'static str, summary: &'static str, source: &'static str) -> FilterInfo {
     FilterInfo { name, summary, source }
@@ -134,7 +134,7 @@ fn band(name: &str) -> Option<(f64, f64)> {
 }
 
 // The edges of the generic set lie where those of common sensors do, near the crossings of the Nikon D5100's curves
-// (490 and 575 nm); 10 % to 90 % takes 53 nm, as in pigment filters. Red, green and blue add up to at most PEAK.
+// (499 and 579 nm); 10 % to 90 % takes 53 nm, as in pigment filters. Red, green and blue add up to at most PEAK.
 const BLUE_GREEN_NM: f64 = 495.0;
 const GREEN_RED_NM: f64 = 580.0;
 const EDGE_NM: f64 = 12.0;

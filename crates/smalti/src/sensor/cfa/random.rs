@@ -60,11 +60,9 @@ pub fn blue_noise(channels: usize, rows: usize, cols: usize, seed: u64) -> Resul
                     - 2.0 * (kernel(a, a) - kernel(a, b));
                 // Rounding must not keep two equal states swapping for ever.
                 if p != q && gain > 1e-9 {
-                    for i in 0..count {
-                        let change = kernel(i, b) - kernel(i, a);
-                        field[p][i] += change;
-                        field[q][i] -= change;
-                    }
+                    let change = |i: usize| kernel(i, b) - kernel(i, a);
+                    field[p].iter_mut().enumerate().for_each(|(i, f)| *f += change(i));
+                    field[q].iter_mut().enumerate().for_each(|(i, f)| *f -= change(i));
                     cells.swap(a, b);
                     moved = true;
                 }
