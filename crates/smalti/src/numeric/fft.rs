@@ -237,7 +237,7 @@ impl RealFft2 {
             self.half_cols() * TILE,
             work.tasks.first().map_or(0, |t| t.tile.len()),
         )?;
-        let window = out_cols.checked_mul(self.rows).unwrap_or(usize::MAX);
+        let window = out_cols.saturating_mul(self.rows);
         let fits = (1..=self.cols).contains(&out_cols) && (1..=window).contains(&out.len());
         if !fits || !out.len().is_multiple_of(out_cols) {
             return Err(FftError::Length { what: "the output window", expected: window, got: out.len() });
