@@ -1,5 +1,5 @@
 //! The lens against the reference values of ISETCam.
-#![allow(missing_docs)]
+#![allow(missing_docs, clippy::unwrap_used)]
 
 #[allow(unreachable_pub)]
 mod common;

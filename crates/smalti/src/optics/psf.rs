@@ -94,7 +94,12 @@ impl PsfStack {
         let (rows, cols) = (self.planes.rows(), self.planes.cols());
         // Padding makes the transform smooth enough to interpolate: the finer the more so, at a price in memory.
         let longest = rows.max(cols);
-        let side = fast_len(longest * if longest <= 512 { 4 } else { 2 });
+        let padding = match longest {
+            0..=128 => 8,
+            129..=512 => 4,
+            _ => 2,
+        };
+        let side = fast_len(longest * padding);
         let mut square = vec![0.0f32; side * side];
         for (plane, weight) in [(index, 1.0 - t), (index + 1, t)] {
             if weight == 0.0 {
