@@ -3,6 +3,7 @@
 pub mod elementary;
 pub mod normal;
 pub mod least_squares;
+pub mod fft;
 pub mod philox;
 mod planes;
 pub mod poisson;

@@ -1,0 +1,116 @@
+//! What can go wrong between scene and sensor plane.
+
+use thiserror::Error;
+
+use crate::numeric::ShapeError;
+use crate::numeric::fft::FftError;
+use crate::spectrum::SpectrumError;
+
+/// What can be wrong with optics, or with the scene put before them.
+#[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
+pub enum OpticsError {
+    /// A parameter is out of its range.
+    #[error("{name} is {value}; expected {expected}")]
+    Parameter {
+        /// Its name.
+        name: &'static str,
+        /// Its value.
+        value: f64,
+        /// The range.
+        expected: &'static str,
+    },
+    /// The scene is at or within the focal length: there is no real image.
+    #[error(
+        "the scene is {distance_m} m from the lens; a focal length of {focal_length_m} m needs more than that"
+    )]
+    SceneTooNear {
+        /// Distance of the scene.
+        distance_m: f64,
+        /// Focal length.
+        focal_length_m: f64,
+    },
+    /// No Zernike mode has this number.
+    #[error("there is no Zernike mode {number}; expected {expected}")]
+    ZernikeNumber {
+        /// The number asked for.
+        number: usize,
+        /// The numbers that exist here.
+        expected: &'static str,
+    },
+    /// No Zernike mode has this order and frequency.
+    #[error(
+        "there is no Zernike mode of order {n} and frequency {m}; expected an order up to 20, |m| ≤ n, n − m even"
+    )]
+    ZernikeOrder {
+        /// Radial order.
+        n: u32,
+        /// Azimuthal frequency.
+        m: i32,
+    },
+    /// The wavefront bends too fast for a sampled pupil; such blur is geometrical, not wave optics.
+    #[error(
+        "the wavefront error changes by {waves_per_radius:.1} waves per pupil radius; up to {limit} can be sampled"
+    )]
+    WavefrontTooSteep {
+        /// Largest slope.
+        waves_per_radius: f64,
+        /// Largest slope that can be sampled.
+        limit: f64,
+    },
+    /// The blur is wider than the image by far.
+    #[error(
+        "the blur reaches {radius_m:.3e} m, the image is {image_m:.3e} m wide; up to four times that is possible"
+    )]
+    BlurTooWide {
+        /// Radius of the blur on the sensor.
+        radius_m: f64,
+        /// Larger side of the image.
+        image_m: f64,
+    },
+    /// A point spread function cannot be used.
+    #[error("point spread function {index}: {problem}")]
+    Psf {
+        /// Which of the stack, from 0.
+        index: usize,
+        /// What is wrong and what was expected.
+        problem: &'static str,
+    },
+    /// Point spread functions and their wavelengths do not pair.
+    #[error("{wavelengths} wavelengths for {planes} point spread functions; expected as many")]
+    PsfCount {
+        /// Wavelengths given.
+        wavelengths: usize,
+        /// Point spread functions given.
+        planes: usize,
+    },
+    /// Point spread functions are unknown at a wavelength of the scene.
+    #[error("the point spread functions cover {have_start_nm}–{have_end_nm} nm, but {need_nm} nm is needed")]
+    PsfCoverage {
+        /// First wavelength of the stack.
+        have_start_nm: f64,
+        /// Last wavelength of the stack.
+        have_end_nm: f64,
+        /// The wavelength without one.
+        need_nm: f64,
+    },
+    /// Spectral data do not fit.
+    #[error(transparent)]
+    Spectrum(#[from] SpectrumError),
+    /// The image cannot be transformed.
+    #[error(transparent)]
+    Fft(#[from] FftError),
+    /// Planes do not fit.
+    #[error(transparent)]
+    Shape(#[from] ShapeError),
+}
+
+/// `Ok` when `value` is finite and `good`, else the parameter error that names it.
+pub(super) fn require(
+    good: bool,
+    name: &'static str,
+    value: f64,
+    expected: &'static str,
+) -> Result<(), OpticsError> {
+    if good && value.is_finite() { Ok(()) } else { Err(OpticsError::Parameter { name, value, expected }) }
+}

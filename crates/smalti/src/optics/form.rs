@@ -1,0 +1,170 @@
+//! Forming the optical image.
+
+use rayon::prelude::*;
+
+use super::error::OpticsError;
+use super::geometry::Geometry;
+use super::image::OpticalImage;
+use super::lens::{Blur, Falloff, Optics};
+use super::otf::Otf;
+use super::padding::Extent;
+use crate::numeric::Planes;
+use crate::numeric::fft::{RealFft2, Workspace};
+use crate::scene::Scene;
+use crate::spectrum::SpectralCube;
+
+/// Bands per set of scratch memory, at least: keeps all scratch together below the size of the image.
+const BANDS_PER_GROUP: usize = 8;
+/// Widest blur, in sides of the image.
+const WIDEST_BLUR: f64 = 4.0;
+
+impl Optics {
+    /// The irradiance that the lens makes of a scene, photons s⁻¹ m⁻² nm⁻¹, on the wavelengths of the scene and with
+    /// its samples, enlarged by [`Padding`](super::Padding). Fall-off is applied first, then the blur.
+    ///
+    /// Needs the memory of scene and image, and scratch for some planes per thread. The result has the same bits for
+    /// any number of threads.
+    ///
+    /// # Errors
+    /// When a parameter is out of range, the scene is not beyond the focal length, a spectrum or the point spread
+    /// functions do not cover the scene's wavelengths, or the blur is too steep or too wide to compute.
+    pub fn image(&self, scene: &Scene) -> Result<OpticalImage, OpticsError> {
+        let radiance = scene.radiance();
+        let grid = radiance.grid();
+        let geometry = self.geometry(scene.distance_m())?;
+        let spacing_m = geometry.sample_spacing_m(scene.horizontal_fov_deg(), radiance.cols());
+        self.padding.check()?;
+        let transmittance = self.transmittance_on(grid)?;
+        let wavelengths: Vec<f64> = grid.wavelengths_nm().collect();
+        let blur = Blur::new(self, &geometry, &wavelengths)?;
+
+        let band = |b: usize| Band {
+            radiance: radiance.planes().plane(b),
+            gain: (transmittance.values()[b] * geometry.irradiance_per_radiance_sr()) as f32,
+        };
+        let falloff = FalloffMap::new(self.falloff, &geometry, radiance, spacing_m);
+        let planes = if blur.is_none() {
+            let cols = radiance.cols();
+            let mut planes = Planes::zeros(radiance.rows(), cols, grid.len());
+            let rows = planes.data_mut().par_chunks_mut(cols);
+            rows.enumerate().for_each(|(i, out)| {
+                band(i / radiance.rows()).row(i % radiance.rows(), &falloff, out);
+            });
+            planes
+        } else {
+            let frame = self.frame(radiance, spacing_m, blur.reach_m())?;
+            let mut planes = Planes::zeros(frame.rows.out, frame.cols.out, grid.len());
+            let groups = rayon::current_num_threads().min(grid.len() / BANDS_PER_GROUP).max(1);
+            let per_group = grid.len().div_ceil(groups);
+            let plane_len = planes.plane_len();
+            let groups = planes.data_mut().par_chunks_mut(plane_len * per_group);
+            groups.enumerate().try_for_each(|(g, group)| {
+                let mut work = frame.fft.workspace();
+                for (i, out) in group.chunks_exact_mut(plane_len).enumerate() {
+                    let b = g * per_group + i;
+                    let otf = blur.otf(grid.wavelength_nm(b))?;
+                    frame.blur(&mut work, &band(b), &falloff, &otf, out)?;
+                }
+                Ok::<_, OpticsError>(())
+            })?;
+            planes
+        };
+        Ok(OpticalImage::new(SpectralCube::new(grid, planes)?, spacing_m)?)
+    }
+
+    fn frame(&self, radiance: &SpectralCube, spacing_m: f64, reach_m: f64) -> Result<Frame, OpticsError> {
+        let (rows, cols) = (radiance.rows(), radiance.cols());
+        let longest = rows.max(cols) as f64;
+        let reach = (reach_m / spacing_m).ceil();
+        if reach.is_nan() || reach > WIDEST_BLUR * longest {
+            return Err(OpticsError::BlurTooWide { radius_m: reach_m, image_m: longest * spacing_m });
+        }
+        let rows = self.padding.extent(rows, reach as usize);
+        let cols = self.padding.extent(cols, reach as usize);
+        Ok(Frame { fft: RealFft2::new(rows.total, cols.total)?, rows, cols, spacing_m })
+    }
+}
+
+/// One wavelength of the scene, and what turns it into irradiance on the axis.
+struct Band<'a> {
+    radiance: &'a [f32],
+    gain: f32,
+}
+
+impl Band<'_> {
+    /// Irradiance of a row of the scene without blur.
+    fn row(&self, row: usize, falloff: &FalloffMap, out: &mut [f32]) {
+        let cols = out.len();
+        let radiance = self.radiance.get(row * cols..(row + 1) * cols).unwrap_or(&[]);
+        if let FalloffMap::Cos4 { x2, y2 } = falloff {
+            let y2 = y2.get(row).copied().unwrap_or(0.0);
+            for ((o, &v), &x2) in out.iter_mut().zip(radiance).zip(x2) {
+                // tan² of the field angle is x² + y² over the squared image distance.
+                let cos2 = 1.0 / (1.0 + x2 + y2);
+                *o = v * self.gain * (cos2 * cos2);
+            }
+        } else {
+            for (o, &v) in out.iter_mut().zip(radiance) {
+                *o = v * self.gain;
+            }
+        }
+    }
+}
+
+/// Squared positions of columns and rows, in image distances.
+enum FalloffMap {
+    None,
+    Cos4 { x2: Vec<f32>, y2: Vec<f32> },
+}
+
+impl FalloffMap {
+    fn new(falloff: Falloff, geometry: &Geometry, radiance: &SpectralCube, spacing_m: f64) -> Self {
+        let squares = |count: usize| {
+            let middle = (count as f64 - 1.0) / 2.0;
+            let unit = spacing_m / geometry.image_distance_m();
+            (0..count).map(|i| ((i as f64 - middle) * unit).powi(2) as f32).collect()
+        };
+        match falloff {
+            Falloff::None => Self::None,
+            Falloff::Cos4 => Self::Cos4 { x2: squares(radiance.cols()), y2: squares(radiance.rows()) },
+        }
+    }
+}
+
+/// The padded image and its transform.
+struct Frame {
+    fft: RealFft2,
+    rows: Extent,
+    cols: Extent,
+    spacing_m: f64,
+}
+
+impl Frame {
+    /// One band through the lens.
+    fn blur(
+        &self,
+        work: &mut Workspace,
+        band: &Band<'_>,
+        falloff: &FalloffMap,
+        otf: &Otf,
+        out: &mut [f32],
+    ) -> Result<(), OpticsError> {
+        let (rows, cols) = (self.rows, self.cols);
+        let otf = otf.on_grid(rows.total, cols.total, self.spacing_m);
+        let fill = |r: usize, row: &mut [f32]| {
+            let Some(source) = rows.source(r) else {
+                row.fill(0.0);
+                return;
+            };
+            band.row(source, falloff, &mut row[cols.offset..cols.offset + cols.len]);
+            for c in (0..cols.offset).chain(cols.offset + cols.len..cols.total) {
+                row[c] = cols.source(c).map_or(0.0, |s| row[cols.offset + s]);
+            }
+        };
+        // Ringing of a spectrum cut by coarse sampling, and rounding; NaN stays to be found.
+        let not_negative = |v: f32| if v < 0.0 { 0.0 } else { v };
+        let passing = otf.passing();
+        let apply = |kx: usize, column: &mut [_]| otf.apply(kx, column);
+        Ok(self.fft.filter(work, fill, passing, apply, (out, cols.out), not_negative)?)
+    }
+}

@@ -1,0 +1,120 @@
+//! Where the image lies and how large it is.
+
+use super::error::{OpticsError, require};
+
+/// A thin lens before a plane scene, in air.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Geometry {
+    image_distance_m: f64,
+    magnification: f64,
+    working_f_number: f64,
+}
+
+impl Geometry {
+    /// The image of a scene at `distance_m` (may be infinite), by the lens equation 1/f = 1/s + 1/s'.
+    ///
+    /// # Errors
+    /// When focal length or f-number is not positive and finite, or the scene is not beyond the focal length.
+    pub fn thin_lens(focal_length_m: f64, f_number: f64, distance_m: f64) -> Result<Self, OpticsError> {
+        check_lens(focal_length_m, f_number)?;
+        let too_near = OpticsError::SceneTooNear { distance_m, focal_length_m };
+        if distance_m.is_nan() || distance_m <= focal_length_m {
+            return Err(too_near);
+        }
+        let magnification = -focal_length_m / (distance_m - focal_length_m);
+        let image_distance_m = focal_length_m * (1.0 - magnification);
+        // A scene a rounding error beyond the focal length images at infinity.
+        if !image_distance_m.is_finite() {
+            return Err(too_near);
+        }
+        let working_f_number = f_number * (1.0 - magnification);
+        Ok(Self { image_distance_m, magnification, working_f_number })
+    }
+
+    /// A pinhole does not focus: the image plane stays at the focal length and the magnification term of the
+    /// camera equation is absent, wherever the scene is.
+    ///
+    /// # Errors
+    /// When focal length or f-number is not positive and finite.
+    pub fn pinhole(focal_length_m: f64, f_number: f64) -> Result<Self, OpticsError> {
+        check_lens(focal_length_m, f_number)?;
+        Ok(Self { image_distance_m: focal_length_m, magnification: 0.0, working_f_number: f_number })
+    }
+
+    /// From lens to image, m.
+    #[must_use]
+    pub fn image_distance_m(&self) -> f64 {
+        self.image_distance_m
+    }
+
+    /// Size in the image over size in the scene; negative, as the image is upside down (which the samples
+    /// ignore: row 0 stays the top of the scene).
+    #[must_use]
+    pub fn magnification(&self) -> f64 {
+        self.magnification
+    }
+
+    /// N (1 + |m|), the f-number seen from the image. It sets irradiance and diffraction.
+    #[must_use]
+    pub fn working_f_number(&self) -> f64 {
+        self.working_f_number
+    }
+
+    /// Irradiance over radiance on the axis of a lossless lens, sr: π / (1 + 4 N² (1 + |m|)²).
+    #[must_use]
+    pub fn irradiance_per_radiance_sr(&self) -> f64 {
+        std::f64::consts::PI / (1.0 + 4.0 * self.working_f_number * self.working_f_number)
+    }
+
+    /// Distance between samples on the sensor, m, of a scene with `cols` samples over a field of view:
+    /// 2 s' tan(fov / 2) / cols.
+    #[must_use]
+    pub fn sample_spacing_m(&self, horizontal_fov_deg: f64, cols: usize) -> f64 {
+        2.0 * self.image_distance_m * (horizontal_fov_deg.to_radians() / 2.0).tan() / cols as f64
+    }
+
+    /// Angle between the axis and the ray through the lens' centre to a point of the sensor, rad.
+    #[must_use]
+    pub fn field_angle_rad(&self, x_m: f64, y_m: f64) -> f64 {
+        (x_m.hypot(y_m) / self.image_distance_m).atan()
+    }
+}
+
+fn check_lens(focal_length_m: f64, f_number: f64) -> Result<(), OpticsError> {
+    require(focal_length_m > 0.0, "focal_length_m", focal_length_m, "more than 0")?;
+    require(f_number > 0.0, "f_number", f_number, "more than 0")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_lens_equation_holds() {
+        let g = Geometry::thin_lens(0.05, 2.0, 0.4).unwrap();
+        assert!((1.0 / 0.05 - 1.0 / 0.4 - 1.0 / g.image_distance_m()).abs() < 1e-12);
+        assert!((g.magnification() + g.image_distance_m() / 0.4).abs() < 1e-12);
+    }
+
+    #[test]
+    fn unit_magnification_at_twice_the_focal_length() {
+        let g = Geometry::thin_lens(0.05, 2.0, 0.1).unwrap();
+        assert!((g.magnification() + 1.0).abs() < 1e-12 && (g.working_f_number() - 4.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_scene_at_infinity_images_at_the_focal_length() {
+        let g = Geometry::thin_lens(0.05, 2.0, f64::INFINITY).unwrap();
+        assert_eq!((g.image_distance_m(), g.working_f_number()), (0.05, 2.0));
+    }
+
+    #[test]
+    fn impossible_lenses_are_refused() {
+        for (f, n, d) in [(0.0, 2.0, 1.0), (0.05, 0.0, 1.0), (0.05, f64::NAN, 1.0), (f64::NAN, 2.0, 1.0)] {
+            assert!(matches!(Geometry::thin_lens(f, n, d), Err(OpticsError::Parameter { .. })));
+        }
+        for d in [0.05, 0.01, -1.0, f64::NAN] {
+            assert!(matches!(Geometry::thin_lens(0.05, 2.0, d), Err(OpticsError::SceneTooNear { .. })));
+        }
+    }
+}

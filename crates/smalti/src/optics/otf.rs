@@ -1,0 +1,264 @@
+//! The optical transfer function of one wavelength.
+
+use super::diffraction::diffraction_limit;
+use super::olpf::BirefringentLowPass;
+use crate::numeric::fft::{Complex32, bin_frequency};
+
+/// Optical transfer function of a lens and its low-pass filter at one wavelength: 1 at frequency zero.
+/// Frequencies are cycles per metre on the sensor, `fx` to the right, `fy` *down* the rows.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Otf {
+    cutoff_cy_per_m: f64,
+    lens: LensTransfer,
+    low_pass: Option<BirefringentLowPass>,
+}
+
+/// The lens' part.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) enum LensTransfer {
+    /// No blur.
+    Unity,
+    /// A table over frequency from 0 to the cut-off; round spots.
+    Radial(Vec<f32>),
+    /// Mean phase factor over the pupil, to multiply with the diffraction limit.
+    Pupil {
+        /// Over two-dimensional frequency.
+        mean_phase: FrequencyGrid,
+        /// Table of the diffraction limit.
+        limit: Vec<f32>,
+    },
+    /// Transform of a point spread function.
+    Sampled(FrequencyGrid),
+}
+
+impl Otf {
+    pub(super) fn new(
+        cutoff_cy_per_m: f64,
+        lens: LensTransfer,
+        low_pass: Option<BirefringentLowPass>,
+    ) -> Self {
+        Self { cutoff_cy_per_m, lens, low_pass }
+    }
+
+    /// Nothing passes at or above this frequency in x or y, cycles/m; infinite for a pinhole.
+    #[must_use]
+    pub fn cutoff_cy_per_m(&self) -> f64 {
+        self.cutoff_cy_per_m
+    }
+
+    /// Transfer at a frequency.
+    #[must_use]
+    pub fn at(&self, fx_cy_per_m: f64, fy_cy_per_m: f64) -> Complex32 {
+        let (fx, fy) = (fx_cy_per_m, fy_cy_per_m);
+        let nu = fx.hypot(fy) / self.cutoff_cy_per_m;
+        let lens = match &self.lens {
+            LensTransfer::Unity => Complex32::ONE,
+            LensTransfer::Radial(table) => lookup(table, nu as f32).into(),
+            LensTransfer::Pupil { mean_phase, .. } => mean_phase.at(fx, fy) * diffraction_limit(nu) as f32,
+            LensTransfer::Sampled(grid) if fx.abs().max(fy.abs()) < self.cutoff_cy_per_m => grid.at(fx, fy),
+            LensTransfer::Sampled(_) => Complex32::ZERO,
+        };
+        lens * self.low_pass.map_or(1.0, |f| f.transfer(fx, fy)) as f32
+    }
+
+    /// The function on the frequencies of a transform.
+    pub(super) fn on_grid(&self, rows: usize, cols: usize, spacing_m: f64) -> OtfOnGrid<'_> {
+        let low_pass_rows = self
+            .low_pass
+            .map(|f| (0..rows).map(|k| f.transfer(0.0, bin_frequency(k, rows) / spacing_m) as f32).collect());
+        OtfOnGrid { otf: self, rows, col_step: 1.0 / (cols as f64 * spacing_m), spacing_m, low_pass_rows }
+    }
+}
+
+/// An [`Otf`] bound to the size and spacing of an image.
+pub(super) struct OtfOnGrid<'a> {
+    otf: &'a Otf,
+    rows: usize,
+    col_step: f64,
+    spacing_m: f64,
+    low_pass_rows: Option<Vec<f32>>,
+}
+
+impl OtfOnGrid<'_> {
+    /// Horizontal bins that may pass light.
+    pub(super) fn passing(&self) -> usize {
+        // A float too large for an integer, as of a pinhole, becomes the largest integer.
+        (self.otf.cutoff_cy_per_m / self.col_step).ceil() as usize
+    }
+
+    /// Multiplies the spectrum at horizontal bin `kx`.
+    pub(super) fn apply(&self, kx: usize, column: &mut [Complex32]) {
+        let (otf, rows) = (self.otf, self.rows);
+        let fx = kx as f64 * self.col_step;
+        let fy = |ky: usize| bin_frequency(ky, rows) / self.spacing_m;
+        match &otf.lens {
+            LensTransfer::Unity => {}
+            LensTransfer::Radial(table) => self.apply_radial(fx, table, column),
+            LensTransfer::Pupil { mean_phase, limit } => {
+                let mean_phase = mean_phase.at_column(fx);
+                for (ky, v) in column.iter_mut().enumerate() {
+                    let fy = fy(ky);
+                    let limit = lookup(limit, (fx.hypot(fy) / otf.cutoff_cy_per_m) as f32);
+                    *v = if limit > 0.0 { *v * mean_phase.at(fy) * limit } else { Complex32::ZERO };
+                }
+            }
+            LensTransfer::Sampled(grid) => {
+                let grid = grid.at_column(fx);
+                for (ky, v) in column.iter_mut().enumerate() {
+                    let fy = fy(ky);
+                    *v = if fy.abs() < otf.cutoff_cy_per_m { *v * grid.at(fy) } else { Complex32::ZERO };
+                }
+            }
+        }
+        if let (Some(filter), Some(factors)) = (&otf.low_pass, &self.low_pass_rows) {
+            let along_x = filter.transfer(fx, 0.0) as f32;
+            for (v, k) in column.iter_mut().zip(factors) {
+                *v *= along_x * k;
+            }
+        }
+    }
+
+    /// Frequencies above and below zero share a value: one look-up serves two samples.
+    fn apply_radial(&self, fx: f64, table: &[f32], column: &mut [Complex32]) {
+        let rows = column.len();
+        let x = (fx / self.otf.cutoff_cy_per_m) as f32;
+        let step = (1.0 / (rows as f64 * self.spacing_m * self.otf.cutoff_cy_per_m)) as f32;
+        for ky in 0..=rows / 2 {
+            let y = ky as f32 * step;
+            let nu = (x * x + y * y).sqrt();
+            if nu >= 1.0 {
+                column[ky..=rows - ky.max(1)].fill(Complex32::ZERO);
+                return;
+            }
+            let h = lookup(table, nu);
+            column[ky] *= h;
+            if ky > 0 && rows - ky != ky {
+                column[rows - ky] *= h;
+            }
+        }
+    }
+}
+
+/// A table over 0 to 1 at `nu`, by linear interpolation; 0 from 1 on.
+pub(super) fn lookup(table: &[f32], nu: f32) -> f32 {
+    let at = nu * (table.len() - 1) as f32;
+    let i = at as usize;
+    match table.get(i..i + 2) {
+        Some(&[a, b]) => a + (at - i as f32) * (b - a),
+        _ => 0.0,
+    }
+}
+
+/// A Hermitian function of frequency on a square grid, periodic, as the half spectrum of [`RealFft2`] orders it.
+///
+/// [`RealFft2`]: crate::numeric::fft::RealFft2
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct FrequencyGrid {
+    side: usize,
+    step_cy_per_m: f64,
+    half: Vec<Complex32>,
+}
+
+/// A [`FrequencyGrid`] at one horizontal frequency.
+struct GridColumn<'a> {
+    grid: &'a FrequencyGrid,
+    first: i64,
+    weights: [f32; 4],
+}
+
+impl FrequencyGrid {
+    /// `half` holds `side * (side / 2 + 1)` values.
+    pub(super) fn new(side: usize, step_cy_per_m: f64, half: Vec<Complex32>) -> Self {
+        Self { side, step_cy_per_m, half }
+    }
+
+    /// Cubic interpolation (Keys 1981).
+    pub(super) fn at(&self, fx: f64, fy: f64) -> Complex32 {
+        self.at_column(fx).at(fy)
+    }
+
+    fn at_column(&self, fx: f64) -> GridColumn<'_> {
+        let (first, weights) = keys1981(fx / self.step_cy_per_m);
+        GridColumn { grid: self, first, weights }
+    }
+
+    fn node(&self, kx: i64, ky: i64) -> Complex32 {
+        let side = self.side as i64;
+        let (x, y) = (kx.rem_euclid(side), ky.rem_euclid(side));
+        if x <= side / 2 {
+            self.half[(x * side + y) as usize]
+        } else {
+            self.half[((side - x) * side + (side - y) % side) as usize].conj()
+        }
+    }
+}
+
+impl GridColumn<'_> {
+    fn at(&self, fy: f64) -> Complex32 {
+        let (first, weights) = keys1981(fy / self.grid.step_cy_per_m);
+        let mut sum = Complex32::ZERO;
+        for (kx, wx) in (self.first..).zip(self.weights) {
+            for (ky, wy) in (first..).zip(weights) {
+                sum += self.grid.node(kx, ky) * (wx * wy);
+            }
+        }
+        sum
+    }
+}
+
+/// First node and weights of the cubic that interpolates at `x` (Keys 1981, a = −1/2).
+fn keys1981(x: f64) -> (i64, [f32; 4]) {
+    let base = x.floor();
+    let t = (x - base) as f32;
+    let weights = [
+        ((-0.5 * t + 1.0) * t - 0.5) * t,
+        (1.5 * t - 2.5) * t * t + 1.0,
+        ((-1.5 * t + 2.0) * t + 0.5) * t,
+        (0.5 * t - 0.5) * t * t,
+    ];
+    (base as i64 - 1, weights)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn applying_to_a_grid_is_multiplying_by_the_function() {
+        let spread: Vec<_> = (0..16 * 9).map(|i| Complex32::new((i % 7) as f32, 0.0)).collect();
+        let lenses = [
+            LensTransfer::Unity,
+            LensTransfer::Radial(super::super::diffraction::in_focus()),
+            LensTransfer::Sampled(FrequencyGrid::new(16, 0.05, spread.clone())),
+            LensTransfer::Pupil {
+                mean_phase: FrequencyGrid::new(16, 0.05, spread),
+                limit: super::super::diffraction::in_focus(),
+            },
+        ];
+        let low_pass = BirefringentLowPass { horizontal_separation_m: 0.7, vertical_separation_m: 1.1 };
+        for lens in lenses {
+            for (rows, cols) in [(24, 20), (15, 9), (1, 1), (2, 2)] {
+                let otf = Otf::new(0.37, lens.clone(), Some(low_pass));
+                let grid = otf.on_grid(rows, cols, 1.0);
+                for kx in 0..grid.passing().min(cols / 2 + 1) {
+                    let mut column = vec![Complex32::ONE; rows];
+                    grid.apply(kx, &mut column);
+                    for (ky, v) in column.iter().enumerate() {
+                        let want = otf.at(bin_frequency(kx, cols), bin_frequency(ky, rows));
+                        assert!((v - want).norm() < 1e-5, "{rows} {kx} {ky} {v} {want}");
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn cubic_weights_sum_to_one_and_reproduce_lines() {
+        for i in 0..20 {
+            let x = f64::from(i) * 0.17 - 1.3;
+            let (first, w) = keys1981(x);
+            let line: f64 = (0..4).map(|k| (first + k as i64) as f64 * f64::from(w[k])).sum();
+            assert!((w.iter().sum::<f32>() - 1.0).abs() < 1e-6 && (line - x).abs() < 1e-6);
+        }
+    }
+}

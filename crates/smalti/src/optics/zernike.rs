@@ -1,0 +1,295 @@
+//! Zernike polynomials, orthonormal on the unit disc: the RMS wavefront error of a term is its coefficient.
+//!
+//! Numbered as by Noll (1976) or by OSA/ANSI Z80.28. Angles are counted from the pupil's x axis (to the right in
+//! the picture) towards y (up).
+
+use super::error::{OpticsError, require};
+
+/// Highest radial order; beyond it the sums below would lose digits.
+const MAX_ORDER: u32 = 20;
+/// Modes up to [`MAX_ORDER`].
+const MODES: usize = 231;
+
+/// One polynomial, by radial order `n` and azimuthal frequency `m` (negative: sine).
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub struct ZernikeMode {
+    n: u32,
+    m: i32,
+}
+
+/// How modes are numbered.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ZernikeIndex {
+    /// Noll 1976, from 1; defocus is 4.
+    Noll,
+    /// OSA/ANSI Z80.28, from 0; defocus is 4.
+    Osa,
+}
+
+impl ZernikeMode {
+    /// A mode of order `n` ≤ 20 and frequency `m`.
+    ///
+    /// # Errors
+    /// When |m| > n, n − m is odd, or the order is too high.
+    pub fn new(n: u32, m: i32) -> Result<Self, OpticsError> {
+        if n > MAX_ORDER || m.unsigned_abs() > n || !(n - m.unsigned_abs()).is_multiple_of(2) {
+            return Err(OpticsError::ZernikeOrder { n, m });
+        }
+        Ok(Self { n, m })
+    }
+
+    /// The mode with a number.
+    ///
+    /// # Errors
+    /// When there is none, or its order is above 20.
+    pub fn from_index(index: ZernikeIndex, number: usize) -> Result<Self, OpticsError> {
+        let (first, expected) = match index {
+            ZernikeIndex::Noll => (1, "1 to 231 (Noll)"),
+            ZernikeIndex::Osa => (0, "0 to 230 (OSA/ANSI)"),
+        };
+        if !(first..first + MODES).contains(&number) {
+            return Err(OpticsError::ZernikeNumber { number, expected });
+        }
+        // Both numberings run through the orders one after another: the order is known from the count.
+        let mut n = 0u32;
+        while (n as usize + 1) * (n as usize + 2) / 2 <= number - first {
+            n += 1;
+        }
+        let signed = n as i32;
+        (-signed..=signed)
+            .step_by(2)
+            .map(|m| Self { n, m })
+            .find(|mode| mode.number(index) == number)
+            .ok_or(OpticsError::ZernikeNumber { number, expected })
+    }
+
+    /// Its number.
+    #[must_use]
+    pub fn number(self, index: ZernikeIndex) -> usize {
+        let (n, m) = (self.n as usize, self.m);
+        match index {
+            ZernikeIndex::Osa => ((n * (n + 2)) as i64 + i64::from(m)) as usize / 2,
+            ZernikeIndex::Noll => {
+                // Even numbers are cosines; which of ±m comes first depends on the order.
+                let cosine_first = n % 4 < 2;
+                let second = if cosine_first { m <= 0 } else { m >= 0 };
+                n * (n + 1) / 2 + m.unsigned_abs() as usize + usize::from(second)
+            }
+        }
+    }
+
+    /// Radial order.
+    #[must_use]
+    pub fn n(self) -> u32 {
+        self.n
+    }
+
+    /// Azimuthal frequency; negative for sines.
+    #[must_use]
+    pub fn m(self) -> i32 {
+        self.m
+    }
+
+    /// Value at a point of the unit disc.
+    #[must_use]
+    pub fn at(self, x: f64, y: f64) -> f64 {
+        let (n, m) = (self.n, self.m.unsigned_abs());
+        let rho2 = x * x + y * y;
+        // R = Σ (−1)^k (n−k)! / (k! (p−k)! (q−k)!) ρ^(n−2k), p and q = (n ± m) / 2; Horner in ρ² from k = 0.
+        let (p, q) = (f64::from((n + m) / 2), f64::from((n - m) / 2));
+        let mut term = (0..(n - m) / 2).fold(1.0, |b, i| b * f64::from(n - i) / (q - f64::from(i)));
+        let mut radial = term;
+        for k in 0..(n - m) / 2 {
+            let k = f64::from(k);
+            term *= -(p - k) * (q - k) / ((k + 1.0) * (f64::from(n) - k));
+            radial = radial * rho2 + term;
+        }
+        // ρ^m cos mθ and ρ^m sin mθ are the parts of (x + iy)^m.
+        let (re, im) = (0..m).fold((1.0, 0.0), |(re, im), _| (re * x - im * y, re * y + im * x));
+        let norm = f64::from((n + 1) * if m == 0 { 1 } else { 2 }).sqrt();
+        norm * radial * if self.m < 0 { im } else { re }
+    }
+}
+
+/// Unit of Zernike coefficients.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum WavefrontUnit {
+    /// µm.
+    Micrometres,
+    /// Waves of this length, nm.
+    Waves {
+        /// The wavelength, nm. The error in metres is the same at all wavelengths.
+        at_nm: f64,
+    },
+}
+
+/// A wavefront error as a sum of Zernike modes, the same length at every wavelength.
+///
+/// A positive error delays nothing and advances nothing in itself; what is fixed is the image: a tilt with a
+/// positive coefficient moves the image towards +x (right) or +y (up).
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Wavefront {
+    /// Modes and their coefficients, m.
+    terms: Vec<(ZernikeMode, f64)>,
+}
+
+impl Wavefront {
+    /// From coefficients of single modes; a mode may come more than once.
+    ///
+    /// # Errors
+    /// When a coefficient is not finite, or the wavelength of the unit is not positive.
+    pub fn new(terms: &[(ZernikeMode, f64)], unit: WavefrontUnit) -> Result<Self, OpticsError> {
+        let metres = match unit {
+            WavefrontUnit::Micrometres => 1e-6,
+            WavefrontUnit::Waves { at_nm } => {
+                require(at_nm > 0.0, "wavelength of the Zernike coefficients", at_nm, "more than 0")?;
+                at_nm * 1e-9
+            }
+        };
+        let scaled = terms.iter().map(|&(mode, c)| {
+            require(true, "a Zernike coefficient", c, "a finite number")?;
+            Ok((mode, c * metres))
+        });
+        Ok(Self { terms: scaled.collect::<Result<_, OpticsError>>()? })
+    }
+
+    /// From a list of coefficients in the order of an index, from its first number (Noll 1, OSA 0).
+    ///
+    /// # Errors
+    /// As [`Wavefront::new`], and when the list is longer than 231.
+    pub fn from_list(
+        index: ZernikeIndex,
+        coefficients: &[f64],
+        unit: WavefrontUnit,
+    ) -> Result<Self, OpticsError> {
+        let first = usize::from(index == ZernikeIndex::Noll);
+        let terms = coefficients.iter().enumerate();
+        let terms: Vec<_> = terms
+            .map(|(i, &c)| Ok((ZernikeMode::from_index(index, i + first)?, c)))
+            .collect::<Result<_, OpticsError>>()?;
+        Self::new(&terms, unit)
+    }
+
+    /// The error at a point of the pupil (unit disc), m.
+    #[must_use]
+    pub fn at_m(&self, x: f64, y: f64) -> f64 {
+        self.terms.iter().map(|(mode, c)| c * mode.at(x, y)).sum()
+    }
+
+    /// RMS of the error over the pupil without its mean (piston), m.
+    #[must_use]
+    pub fn rms_m(&self) -> f64 {
+        let mut terms: Vec<(ZernikeMode, f64)> = Vec::new();
+        for &(mode, c) in self.terms.iter().filter(|(mode, _)| mode.n > 0) {
+            match terms.iter_mut().find(|(m, _)| *m == mode) {
+                Some((_, sum)) => *sum += c,
+                None => terms.push((mode, c)),
+            }
+        }
+        terms.iter().map(|(_, c)| c * c).sum::<f64>().sqrt()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn published_numbers() {
+        // n, m, Noll, OSA: Noll 1976 table I; ANSI Z80.28 table 1.
+        let table = [
+            (0, 0, 1, 0),
+            (1, 1, 2, 2),
+            (1, -1, 3, 1),
+            (2, 0, 4, 4),
+            (2, -2, 5, 3),
+            (2, 2, 6, 5),
+            (3, -1, 7, 7),
+            (3, 1, 8, 8),
+            (3, -3, 9, 6),
+            (3, 3, 10, 9),
+            (4, 0, 11, 12),
+            (4, 2, 12, 13),
+            (4, -2, 13, 11),
+            (4, 4, 14, 14),
+            (4, -4, 15, 10),
+            (5, 1, 16, 18),
+            (5, -1, 17, 17),
+            (6, 0, 22, 24),
+        ];
+        for (n, m, noll, osa) in table {
+            let mode = ZernikeMode::new(n, m).unwrap();
+            assert_eq!(
+                (mode.number(ZernikeIndex::Noll), mode.number(ZernikeIndex::Osa)),
+                (noll, osa),
+                "{n} {m}"
+            );
+        }
+    }
+
+    #[test]
+    fn numbers_convert_both_ways() {
+        for (index, first) in [(ZernikeIndex::Noll, 1), (ZernikeIndex::Osa, 0)] {
+            for j in first..first + MODES {
+                assert_eq!(ZernikeMode::from_index(index, j).unwrap().number(index), j);
+            }
+            assert!(ZernikeMode::from_index(index, first + MODES).is_err());
+        }
+        assert!(ZernikeMode::from_index(ZernikeIndex::Noll, 0).is_err());
+        assert!(ZernikeMode::new(2, 1).is_err() && ZernikeMode::new(2, -4).is_err());
+        assert!(ZernikeMode::new(22, 0).is_err() && ZernikeMode::new(3, i32::MIN).is_err());
+    }
+
+    #[test]
+    fn polynomials_as_published() {
+        let (x, y) = (0.3, -0.5);
+        let r2: f64 = x * x + y * y;
+        let value = |n, m| ZernikeMode::new(n, m).unwrap().at(x, y);
+        let close = |a: f64, b: f64| assert!((a - b).abs() < 1e-12, "{a} {b}");
+        close(value(1, -1), 2.0 * y);
+        close(value(2, 0), 3f64.sqrt() * (2.0 * r2 - 1.0));
+        close(value(2, -2), 6f64.sqrt() * 2.0 * x * y);
+        close(value(3, 1), 8f64.sqrt() * (3.0 * r2 - 2.0) * x);
+        close(value(4, 0), 5f64.sqrt() * (6.0 * r2 * r2 - 6.0 * r2 + 1.0));
+    }
+
+    #[test]
+    fn modes_are_orthonormal() {
+        // Gauss-free check: a fine polar midpoint rule.
+        let modes: Vec<_> = (0..28).map(|j| ZernikeMode::from_index(ZernikeIndex::Osa, j).unwrap()).collect();
+        let mut gram = vec![0.0; 28 * 28];
+        let (nr, nt) = (200, 32);
+        for i in 0..nr {
+            let r = (i as f64 + 0.5) / f64::from(nr);
+            for t in 0..nt {
+                let (s, c) = (std::f64::consts::TAU * f64::from(t) / f64::from(nt)).sin_cos();
+                let v: Vec<f64> = modes.iter().map(|z| z.at(r * c, r * s)).collect();
+                for a in 0..28 {
+                    for b in 0..28 {
+                        gram[a * 28 + b] += v[a] * v[b] * 2.0 * r / f64::from(nr * nt);
+                    }
+                }
+            }
+        }
+        for a in 0..28 {
+            for b in 0..28 {
+                let want = if a == b { 1.0 } else { 0.0 };
+                assert!((gram[a * 28 + b] - want).abs() < 2e-3, "{a} {b} {}", gram[a * 28 + b]);
+            }
+        }
+    }
+
+    #[test]
+    fn waves_and_micrometres_agree() {
+        let unit = WavefrontUnit::Waves { at_nm: 500.0 };
+        let a = Wavefront::from_list(ZernikeIndex::Noll, &[0.0, 0.0, 0.0, 0.2], unit).unwrap();
+        let b =
+            Wavefront::from_list(ZernikeIndex::Osa, &[0.0, 0.0, 0.0, 0.0, 0.1], WavefrontUnit::Micrometres);
+        let b = b.unwrap();
+        assert!((a.at_m(0.3, 0.1) - b.at_m(0.3, 0.1)).abs() < 1e-18);
+        assert!((a.rms_m() - 1e-7).abs() < 1e-20);
+        for (c, at_nm) in [(f64::NAN, 500.0), (1.0, 0.0), (1.0, f64::NAN)] {
+            assert!(Wavefront::from_list(ZernikeIndex::Noll, &[c], WavefrontUnit::Waves { at_nm }).is_err());
+        }
+    }
+}
