@@ -4,10 +4,13 @@
 mod common;
 
 use common::assert_close;
+use rustfft::FftPlanner;
+use rustfft::num_complex::Complex;
 use smalti::scene::{
-    Checkerboard, FrequencyOrientation, FrequencySweep, GreySteps, PointGrid, Sampling, Scene, SceneError,
-    Setting, SiemensStar, SlantedBar, ZonePlate, checkerboard, frequency_orientation, frequency_sweep,
-    grey_steps, macbeth, point_grid, siemens_star, slanted_bar, uniform, zone_plate, zone_plate_isetcam,
+    Checkerboard, DeadLeaves, FrequencyOrientation, FrequencySweep, GreySteps, PointGrid, Sampling, Scene,
+    SceneError, Setting, SiemensStar, SlantedBar, ZonePlate, checkerboard, dead_leaves,
+    frequency_orientation, frequency_sweep, grey_steps, macbeth, point_grid, siemens_star, slanted_bar,
+    uniform, zone_plate, zone_plate_isetcam,
 };
 use smalti::spectrum::{Illuminant, Observer, Spectrum, WavelengthGrid};
 
@@ -330,4 +333,67 @@ fn any_grid_works() {
     let scene = macbeth::chart(2, &s).unwrap();
     assert!((scene.mean_luminance_cd_m2().unwrap() - 20.0).abs() < 1e-4);
     assert_eq!(scene.radiance().grid().end_nm(), 1000.0);
+}
+
+/// Power of a square plane by distance from zero frequency, in cycles per image, after a Hann window.
+fn radial_power(plane: &[f32], n: usize) -> Vec<f64> {
+    let mean = plane.iter().map(|&v| f64::from(v)).sum::<f64>() / plane.len() as f64;
+    let window = |i: usize| 1.0 - (std::f64::consts::TAU * (i as f64 + 0.5) / n as f64).cos();
+    let mut data: Vec<Complex<f64>> = (0..n * n)
+        .map(|i| Complex::new((f64::from(plane[i]) - mean) * window(i / n) * window(i % n), 0.0))
+        .collect();
+    let fft = FftPlanner::new().plan_fft_forward(n);
+    for _ in 0..2 {
+        fft.process(&mut data);
+        data = (0..n * n).map(|i| data[i % n * n + i / n]).collect();
+    }
+    let signed = |i: usize| if i < n / 2 { i as f64 } else { i as f64 - n as f64 };
+    let (mut sum, mut count) = (vec![0.0; n / 2], vec![0.0f64; n / 2]);
+    for (i, v) in data.iter().enumerate() {
+        let ring = signed(i / n).hypot(signed(i % n)).round() as usize;
+        if ring < n / 2 {
+            sum[ring] += v.norm_sqr();
+            count[ring] += 1.0;
+        }
+    }
+    sum.iter().zip(&count).map(|(s, c)| s / c.max(1.0)).collect()
+}
+
+#[test]
+fn dead_leaves_have_the_spectrum_of_photographs() {
+    // Over four decades of radius, so that neither limit shows in the middle of the spectrum.
+    let n = 256;
+    let grid = WavelengthGrid::new(550.0, 10.0, 1).unwrap();
+    let greys: Vec<Spectrum> = (0..11).map(|i| Spectrum::constant(grid, f64::from(i) / 10.0)).collect();
+    let mut power = vec![0.0; n / 2];
+    for seed in 0..24 {
+        let leaves = DeadLeaves { rows: n, cols: n, least_radius_px: 0.5, largest_radius_px: 5000.0, seed };
+        let scene = dead_leaves(&leaves, &greys, &Setting { grid, ..Setting::default() }).unwrap();
+        let one = radial_power(scene.radiance().planes().plane(0), n);
+        power.iter_mut().zip(one).for_each(|(sum, p)| *sum += p);
+    }
+    // Straight line through log power over log frequency, from 3 to 64 cycles per image (a quarter per pixel).
+    let points: Vec<[f64; 2]> = (3..=64).map(|f| [f64::from(f).ln(), power[f as usize].ln()]).collect();
+    let mean = |axis: usize| points.iter().map(|p| p[axis]).sum::<f64>() / points.len() as f64;
+    let (mx, my) = (mean(0), mean(1));
+    let slope = points.iter().map(|p| (p[0] - mx) * (p[1] - my)).sum::<f64>()
+        / points.iter().map(|p| (p[0] - mx).powi(2)).sum::<f64>();
+    eprintln!("power spectrum falls as f^{slope:.2}");
+    assert!((-2.4..=-1.8).contains(&slope), "power falls as f^{slope:.2}");
+}
+
+#[test]
+fn dead_leaves_are_the_same_for_any_number_of_threads() {
+    let list = macbeth::reflectances(GRID).unwrap();
+    let draw = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        let leaves = DeadLeaves { rows: 100, cols: 70, ..DeadLeaves::default() };
+        pool.install(|| dead_leaves(&leaves, &list, &setting(10.0)).unwrap())
+    };
+    assert_eq!(draw(1), draw(5));
+    let leaves = DeadLeaves { rows: 100, cols: 70, seed: 2, ..DeadLeaves::default() };
+    assert_ne!(draw(1), dead_leaves(&leaves, &list, &setting(10.0)).unwrap());
+    assert!(dead_leaves(&leaves, &[], &setting(10.0)).is_err());
+    let negative = [Spectrum::constant(GRID, -0.1)];
+    assert!(dead_leaves(&leaves, &negative, &setting(10.0)).is_err());
 }

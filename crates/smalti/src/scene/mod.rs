@@ -4,8 +4,10 @@
 //! distance and the field of view. Pixels hold the mean over their area, except where a pattern is sampled as
 //! ISETCam does it, so that both can be compared ([`Sampling`]).
 
+pub mod catalog;
 mod checkerboard;
 mod compose;
+mod dead_leaves;
 mod error;
 mod frequency_orientation;
 mod frequency_sweep;
@@ -23,6 +25,7 @@ mod zone_plate;
 
 pub use self::checkerboard::{Checkerboard, checkerboard};
 pub use self::compose::MAX_VALUES;
+pub use self::dead_leaves::{DeadLeaves, dead_leaves};
 pub use self::error::SceneError;
 pub use self::frequency_orientation::{FrequencyOrientation, frequency_orientation};
 pub use self::frequency_sweep::{FrequencySweep, frequency_sweep};
