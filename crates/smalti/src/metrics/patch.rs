@@ -78,10 +78,10 @@ pub fn patch_means(planes: &Planes, rects: &[Rect]) -> Result<Vec<Vec<f64>>, Met
 }
 
 /// Mean and sample variance (divisor n − 1) in two passes; the variance of fewer than two values is 0.
-pub(super) fn mean_and_variance(values: impl Iterator<Item = f64> + Clone) -> (f64, f64) {
-    let n = values.clone().count() as f64;
-    let mean = values.clone().sum::<f64>() / n;
-    let squares: f64 = values.map(|v| (v - mean) * (v - mean)).sum();
+pub(super) fn mean_and_variance<I: Iterator<Item = f64>>(values: impl Fn() -> I) -> (f64, f64) {
+    let n = values().count() as f64;
+    let mean = values().sum::<f64>() / n;
+    let squares: f64 = values().map(|v| (v - mean) * (v - mean)).sum();
     (mean, if n > 1.0 { squares / (n - 1.0) } else { 0.0 })
 }
 
