@@ -30,8 +30,8 @@ impl SpectralCube {
             .into());
         }
         for (i, plane) in planes.planes().enumerate() {
-            // `>=` is false for NaN; infinity is caught by the upper bound.
-            if let Some(&bad) = plane.iter().find(|&&v| !(v >= 0.0 && v <= f32::MAX)) {
+            // The range holds neither NaN nor infinity.
+            if let Some(&bad) = plane.iter().find(|&v| !(0.0..=f32::MAX).contains(v)) {
                 return Err(SpectrumError::Value {
                     quantity: "the spectral image",
                     wavelength_nm: grid.wavelength_nm(i),

@@ -4,6 +4,12 @@ use super::generated::{DAYLIGHT_BASIS, F2, F11, LED_B3};
 use super::units::{BOLTZMANN_J_PER_K, LIGHT_M_PER_S, PLANCK_J_S, photons_per_joule};
 use super::{Outside, Spectrum, SpectrumError, WavelengthGrid};
 
+/// The CIE named its D illuminants with c₂ = 1.4380e-2 m K; c₂ is 1.4388e-2 since 1968, which moves them up.
+const C2_SINCE_1968: f64 = 1.4388 / 1.4380;
+
+/// Every name [`Illuminant::from_name`] takes, besides the forms with a temperature.
+const NAMES: [&str; 9] = ["A", "D50", "D55", "D65", "D75", "E", "F2", "F11", "LED"];
+
 /// A light source. Its spectral power is relative; scenes set the luminance.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
@@ -38,14 +44,114 @@ pub enum Illuminant {
 }
 
 impl Illuminant {
-    /// Daylight of 6504 K. The CIE names D-illuminants with the c₂ of 1931; D65 is 6500 K × 1.4388/1.4380.
-    pub const D65: Self = Self::Daylight { cct_k: 6500.0 * 1.4388 / 1.4380 };
+    /// Daylight of 5003 K, the white of print.
+    pub const D50: Self = Self::Daylight { cct_k: 5000.0 * C2_SINCE_1968 };
+    /// Daylight of 5503 K.
+    pub const D55: Self = Self::Daylight { cct_k: 5500.0 * C2_SINCE_1968 };
+    /// Daylight of 6504 K, the white of sRGB.
+    pub const D65: Self = Self::Daylight { cct_k: 6500.0 * C2_SINCE_1968 };
+    /// Daylight of 7504 K.
+    pub const D75: Self = Self::Daylight { cct_k: 7500.0 * C2_SINCE_1968 };
+
+    /// The names that [`Illuminant::from_name`] takes, besides `D:<kelvin>` and `blackbody:<kelvin>`.
+    #[must_use]
+    pub fn names() -> &'static [&'static str] {
+        &NAMES
+    }
+
+    /// An illuminant from its name, in any case: one of [`Illuminant::names`], `D:<kelvin>` for CIE daylight or
+    /// `blackbody:<kelvin>` for a Planckian radiator. `FL2`, `FL11` and `LED-B3` are accepted as well.
+    ///
+    /// # Errors
+    /// When the name is unknown (the error holds the nearest known one), or the temperature is out of range.
+    ///
+    /// ```
+    /// use smalti::spectrum::Illuminant;
+    /// assert_eq!(Illuminant::from_name("d65")?, Illuminant::D65);
+    /// assert_eq!(Illuminant::from_name("D:5600")?, Illuminant::Daylight { cct_k: 5600.0 });
+    /// assert!(Illuminant::from_name("D56").unwrap_err().to_string().contains("D55"));
+    /// # Ok::<(), smalti::spectrum::SpectrumError>(())
+    /// ```
+    pub fn from_name(name: &str) -> Result<Self, SpectrumError> {
+        let unknown = || SpectrumError::UnknownName {
+            what: "illuminant",
+            name: name.to_owned(),
+            nearest: nearest_name(name, &NAMES),
+            expected: format!("{}, D:<kelvin>, blackbody:<kelvin>", NAMES.join(", ")),
+        };
+        let key = name.trim().to_ascii_lowercase();
+        if let Some((kind, kelvin)) = key.split_once(':') {
+            let kelvin: f64 =
+                kelvin.trim().trim_end_matches('k').trim_end().parse().map_err(|_| unknown())?;
+            let illuminant = match kind.trim() {
+                "d" | "daylight" => Self::Daylight { cct_k: kelvin },
+                "blackbody" | "planck" => Self::Blackbody { temperature_k: kelvin },
+                _ => return Err(unknown()),
+            };
+            illuminant.check()?;
+            return Ok(illuminant);
+        }
+        Ok(match key.as_str() {
+            "a" => Self::A,
+            "d50" => Self::D50,
+            "d55" => Self::D55,
+            "d65" => Self::D65,
+            "d75" => Self::D75,
+            "e" => Self::E,
+            "f2" | "fl2" => Self::F2,
+            "f11" | "fl11" => Self::F11,
+            "led" | "led-b3" => Self::Led,
+            _ => return Err(unknown()),
+        })
+    }
+
+    /// Its name, in the form that [`Illuminant::from_name`] takes; a measured one has the name it was given.
+    #[must_use]
+    pub fn name(&self) -> String {
+        let fixed = match self {
+            Self::A => "A",
+            Self::E => "E",
+            Self::F2 => "F2",
+            Self::F11 => "F11",
+            Self::Led => "LED",
+            d if *d == Self::D50 => "D50",
+            d if *d == Self::D55 => "D55",
+            d if *d == Self::D65 => "D65",
+            d if *d == Self::D75 => "D75",
+            Self::Daylight { cct_k } => return format!("D:{cct_k}"),
+            Self::Blackbody { temperature_k } => return format!("blackbody:{temperature_k}"),
+            Self::Measured { name, .. } => return name.clone(),
+        };
+        fixed.to_owned()
+    }
+
+    /// Whether the temperature is one the formula is defined for.
+    fn check(&self) -> Result<(), SpectrumError> {
+        match *self {
+            Self::Daylight { cct_k } if !(4000.0..=25000.0).contains(&cct_k) => {
+                Err(SpectrumError::Parameter {
+                    name: "cct_k",
+                    value: cct_k,
+                    expected: "4000 to 25000 K for CIE daylight",
+                })
+            }
+            Self::Blackbody { temperature_k } if !(100.0..=1e9).contains(&temperature_k) => {
+                Err(SpectrumError::Parameter {
+                    name: "temperature_k",
+                    value: temperature_k,
+                    expected: "100 to 1e9 K",
+                })
+            }
+            _ => Ok(()),
+        }
+    }
 
     /// Relative spectral power per nm, 100 at 560 nm where the source is defined by a formula.
     ///
     /// # Errors
     /// When a temperature is out of range, or tabulated data do not cover the grid.
     pub fn energy(&self, grid: WavelengthGrid) -> Result<Spectrum, SpectrumError> {
+        self.check()?;
         match self {
             Self::A => Ok(planck_relative(grid, 2848.0, 1.435e-2)),
             Self::E => Ok(Spectrum::constant(grid, 100.0)),
@@ -54,13 +160,6 @@ impl Illuminant {
             Self::F11 => F11.spectrum(0, grid, Outside::Error),
             Self::Led => LED_B3.spectrum(0, grid, Outside::Error),
             Self::Blackbody { temperature_k } => {
-                if !(temperature_k.is_finite() && *temperature_k >= 100.0) {
-                    return Err(SpectrumError::Parameter {
-                        name: "temperature_k",
-                        value: *temperature_k,
-                        expected: "at least 100 K",
-                    });
-                }
                 Ok(planck_relative(grid, *temperature_k, PLANCK_J_S * LIGHT_M_PER_S / BOLTZMANN_J_PER_K))
             }
             Self::Measured { power, .. } => power.resampled(grid, Outside::Error),
@@ -76,6 +175,25 @@ impl Illuminant {
     }
 }
 
+/// The candidate with the smallest edit distance to `name`, ignoring case.
+fn nearest_name(name: &str, candidates: &[&'static str]) -> &'static str {
+    let name: Vec<char> = name.trim().to_ascii_lowercase().chars().take(64).collect();
+    let distance = |candidate: &str| {
+        let mut row: Vec<usize> = (0..=name.len()).collect();
+        for (i, c) in candidate.to_ascii_lowercase().chars().enumerate() {
+            let mut diagonal = i;
+            row[0] = i + 1;
+            for (j, &n) in name.iter().enumerate() {
+                let substituted = diagonal + usize::from(n != c);
+                diagonal = row[j + 1];
+                row[j + 1] = substituted.min(row[j] + 1).min(diagonal + 1);
+            }
+        }
+        row[name.len()]
+    };
+    candidates.iter().copied().min_by_key(|c| distance(c)).unwrap_or("")
+}
+
 /// Planck's law scaled to 100 at 560 nm.
 fn planck_relative(grid: WavelengthGrid, temperature_k: f64, c2_m_k: f64) -> Spectrum {
     let exponent = |nm: f64| c2_m_k / (nm * 1e-9 * temperature_k);
@@ -86,16 +204,10 @@ fn planck_relative(grid: WavelengthGrid, temperature_k: f64, c2_m_k: f64) -> Spe
 /// CIE daylight, CIE 15:2018 section 4.1.2.
 fn daylight(grid: WavelengthGrid, cct_k: f64) -> Result<Spectrum, SpectrumError> {
     let t = cct_k;
-    let x = if (4000.0..=7000.0).contains(&t) {
+    let x = if t <= 7000.0 {
         0.244063 + 0.09911e3 / t + 2.9678e6 / (t * t) - 4.6070e9 / (t * t * t)
-    } else if t > 7000.0 && t <= 25000.0 {
-        0.237040 + 0.24748e3 / t + 1.9018e6 / (t * t) - 2.0064e9 / (t * t * t)
     } else {
-        return Err(SpectrumError::Parameter {
-            name: "cct_k",
-            value: t,
-            expected: "4000 to 25000 K for CIE daylight",
-        });
+        0.237040 + 0.24748e3 / t + 1.9018e6 / (t * t) - 2.0064e9 / (t * t * t)
     };
     let y = -3.000 * x * x + 2.870 * x - 0.275;
     // CIE 15 rounds M1 and M2 to three decimals; the tabulated D65 follows from that.
