@@ -5,9 +5,13 @@
 mod common;
 
 use common::{assert_close, numbers, oracle, oracle_csv, oracle_json};
+use smalti::color::DeltaE;
 use smalti::metrics::Rect;
+use smalti::metrics::color_accuracy::{LabWhite, color_accuracy};
 use smalti::metrics::esfr::{EsfrOptions, ISETCAM_LUMINANCE_WEIGHTS, picture_sfr};
 use smalti::numeric::Planes;
+
+const CASES: [&str; 7] = ["nikonD100", "isetRGB", "g3a", "g4a", "g5a", "g6a", "g7a"];
 
 fn planes(names: &[String]) -> Planes {
     let tables: Vec<_> = names.iter().map(|n| oracle_csv(n).unwrap()).collect();
@@ -55,9 +59,44 @@ fn bars_of_all_cases() {
     if oracle().is_none() {
         return;
     }
-    for id in ["nikonD100", "isetRGB", "g3a", "g4a", "g5a", "g6a", "g7a"] {
+    for id in CASES {
         let case = oracle_json(&format!("ip_case_{id}.json")).unwrap();
         let image = planes(&[1, 2, 3].map(|c| format!("bar_lrgb_{id}_ch{c}.csv")));
         compare(id, &image, &case["mtf"], "mtf", 2e-3);
+    }
+}
+
+fn xyz(v: &serde_json::Value) -> Vec<[f64; 3]> {
+    v.as_array().unwrap().iter().map(|p| numbers(p).try_into().unwrap()).collect()
+}
+
+/// Every case scores its measured XYZ against the ideal chart.
+#[test]
+fn color_accuracy_of_all_cases() {
+    let Some(scene) = oracle_json("scene_macbeth_d65.json") else { return };
+    let reference = xyz(&scene["ideal_XYZ_maxY100"]);
+    for id in CASES {
+        let case = oracle_json(&format!("ip_case_{id}.json")).unwrap();
+        for scoring in ["sRGB", "custom"] {
+            let want = &case["mac_noisefree"][scoring];
+            let measured = xyz(&want["xyz"]);
+            let got = color_accuracy(&measured, &reference, 3, LabWhite::Reference).unwrap();
+            let what = |formula: &str| format!("{id}, {scoring}, {formula}");
+            // CIE 1994 is not symmetric, and ISETCam takes the measured colour for the standard; CIE (and we) the
+            // reference.
+            let pairs = got.measured_lab.iter().zip(&got.reference_lab);
+            let swapped: Vec<f64> = pairs.map(|(&m, &r)| DeltaE::Cie1994.between(m, r)).collect();
+            for (formula, got) in [
+                ("1976", &got.delta_e_76.per_patch),
+                ("1994", &swapped),
+                ("2000", &got.delta_e_2000.per_patch),
+            ] {
+                let mean = [want[format!("mean_dE{formula}")].as_f64().unwrap()];
+                assert_close(&what(formula), got, &numbers(&want[format!("dE{formula}")]), 1e-4);
+                assert_close(&what(formula), &[got.iter().sum::<f64>() / 24.0], &mean, 1e-4);
+            }
+            let own = color_accuracy(&measured, &reference, 3, LabWhite::Own).unwrap().delta_e_76;
+            assert_close(&what("own white"), &own.per_patch, &numbers(&want["dE1976_ownwhite"]), 1e-4);
+        }
     }
 }

@@ -26,7 +26,8 @@ pub struct DynamicRange {
 /// # Errors
 /// When a figure is negative or not finite, or saturation does not lie above the smallest signal.
 pub fn dynamic_range(saturation_e: f64, dark_noise_e: f64, step_e: f64) -> Result<DynamicRange, MetricError> {
-    for (name, value) in [("saturation_e", saturation_e), ("dark_noise_e", dark_noise_e), ("step_e", step_e)] {
+    for (name, value) in [("saturation_e", saturation_e), ("dark_noise_e", dark_noise_e), ("step_e", step_e)]
+    {
         if !(value >= 0.0 && value.is_finite()) {
             return Err(MetricError::Parameter { name, value, expected: "a finite number not below 0" });
         }

@@ -4,6 +4,7 @@ use thiserror::Error;
 
 use super::Rect;
 use crate::color::ImageError;
+use crate::color::scielab::ScielabError;
 
 /// A measurement that cannot be made on what was given.
 #[derive(Debug, Clone, PartialEq, Error)]
@@ -122,4 +123,7 @@ pub enum MetricError {
     /// The image is not of the kind that was expected.
     #[error(transparent)]
     Image(#[from] ImageError),
+    /// S-CIELAB does not apply.
+    #[error(transparent)]
+    Scielab(#[from] ScielabError),
 }

@@ -19,7 +19,11 @@ pub struct LuminanceNoise {
 /// # Errors
 /// When the plane or a patch is not there, there is no patch, a patch has fewer than two pixels, a value is not
 /// finite, or the mean of a patch is not above 0.
-pub fn luminance_noise(planes: &Planes, plane: usize, patches: &[Rect]) -> Result<LuminanceNoise, MetricError> {
+pub fn luminance_noise(
+    planes: &Planes,
+    plane: usize,
+    patches: &[Rect],
+) -> Result<LuminanceNoise, MetricError> {
     let statistics = plane_statistics(planes, plane, patches)?;
     let percent: Vec<f64> = statistics.iter().map(|&(mean, std)| 100.0 * std / mean).collect();
     let mean_percent = percent.iter().sum::<f64>() / percent.len() as f64;
@@ -51,7 +55,10 @@ pub(super) fn plane_statistics(
         if mean > 0.0 {
             Ok((mean, variance.sqrt()))
         } else {
-            Err(MetricError::Undefined { quantity: "noise relative to the mean", reason: "the mean is not above 0" })
+            Err(MetricError::Undefined {
+                quantity: "noise relative to the mean",
+                reason: "the mean is not above 0",
+            })
         }
     };
     patches.iter().map(statistics).collect()

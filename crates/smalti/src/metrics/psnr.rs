@@ -25,7 +25,11 @@ pub fn psnr(image: &Planes, reference: &Planes, region: Rect, peak: f64) -> Resu
     same_size(image, reference)?;
     region.within(image.rows(), image.cols())?;
     if !(peak > 0.0 && peak.is_finite()) {
-        return Err(MetricError::Parameter { name: "peak", value: peak, expected: "a finite number above 0" });
+        return Err(MetricError::Parameter {
+            name: "peak",
+            value: peak,
+            expected: "a finite number above 0",
+        });
     }
     let mse = |p: usize| {
         let cols = image.cols();
