@@ -134,11 +134,11 @@ fn x_trans_has_every_colour_in_every_row_and_column() {
 #[test]
 fn snapshot_arrays_see_every_part_of_the_spectrum_in_every_row_and_column() {
     for (name, n) in [("multispectral-3x3", 3), ("multispectral-5x5", 5)] {
-        let lines: Vec<Vec<char>> = cfa::pattern(name).unwrap().iter().map(|l| l.chars().collect()).collect();
-        let part = |c: char| (c as usize - 'A' as usize) / n;
+        let text: Vec<char> = cfa::pattern(name).unwrap().concat().chars().collect();
+        let part = |row: usize, col: usize| (text[row * n + col] as usize - 'A' as usize) / n;
         for i in 0..n {
-            assert_eq!((0..n).map(|c| part(lines[i][c])).collect::<HashSet<_>>().len(), n);
-            assert_eq!((0..n).map(|r| part(lines[r][i])).collect::<HashSet<_>>().len(), n);
+            assert_eq!((0..n).map(|k| part(i, k)).collect::<HashSet<_>>().len(), n);
+            assert_eq!((0..n).map(|k| part(k, i)).collect::<HashSet<_>>().len(), n);
         }
     }
 }
