@@ -4,6 +4,7 @@ use super::CfaError;
 use super::filters::{Filter, logistic};
 use super::generated::{NIKON_D5100, SIGMA_SD_MERRILL};
 use super::nearest::nearest;
+use crate::sensor::QuantumEfficiency;
 use crate::spectrum::{Outside, Spectrum, WavelengthGrid};
 
 /// A filter that can be asked for by name.
@@ -59,6 +60,12 @@ static INFOS: &[FilterInfo] = &[
          maximum as they are apart; peak 0.9.",
         FORMULA,
     ),
+    info(
+        "silicon",
+        "Quantum efficiency of a back-illuminated photodiode, 3.5 µm deep: 0.78 at 500 nm, 0.15 at 850 nm.",
+        "Absorption of silicon: Green, Sol. Energy Mater. Sol. Cells 92, 1305 (2008), doi:10.1016/j.solmat.2008.06.009.",
+    ),
+    info("ir-cut", "Infrared-cut filter with a smooth edge near 650 nm.", FORMULA),
     info("nikon-d5100/R", D5100, DARRODI),
     info("nikon-d5100/G", D5100, DARRODI),
     info("nikon-d5100/B", D5100, DARRODI),
@@ -105,6 +112,8 @@ pub(super) fn spectrum(name: &str, grid: WavelengthGrid) -> Result<Spectrum, Cfa
         "five-band/O" => gaussian(600.0, 20.0),
         "five-band/R" => gaussian(650.0, 20.0),
         "narrow" => gaussian(540.0, 10.0),
+        "silicon" => Ok(QuantumEfficiency::SILICON.spectrum(grid)?),
+        "ir-cut" => Ok(crate::optics::builtin::ir_cut(grid)),
         "nikon-d5100/R" => Ok(NIKON_D5100.spectrum(0, grid, Outside::Zero)?),
         "nikon-d5100/G" => Ok(NIKON_D5100.spectrum(1, grid, Outside::Zero)?),
         "nikon-d5100/B" => Ok(NIKON_D5100.spectrum(2, grid, Outside::Zero)?),
