@@ -42,7 +42,7 @@ def smalti_seconds():
     subprocess.run(
         ["cargo", "bench", "-q", "-p", "smalti", "--bench", "demosaic", "--",
          "--warm-up-time", "0.5", "--measurement-time", "2", "--noplot"],
-        cwd=ROOT, check=True, stdout=subprocess.DEVNULL,
+        cwd=ROOT, check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
     )
     found = {}
     for path in (ROOT / "target/criterion").glob("*/*/new/benchmark.json"):

@@ -49,6 +49,9 @@ pub enum IspError {
         /// Columns of the image.
         cols: usize,
     },
+    /// A plan made for one mosaic was given an image of another.
+    #[error("the image has another mosaic than the demosaicker was made for")]
+    Mosaic,
     /// Two things that meet have different numbers of channels.
     #[error("{what} has {got} channels, expected {expected}")]
     Channels {

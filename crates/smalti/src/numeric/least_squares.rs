@@ -53,7 +53,7 @@ impl<'a> Matrix<'a> {
     }
 
     fn checked(self, matrix: &'static str, rows: usize) -> Result<MatRef<'a, f64>, LeastSquaresError> {
-        let expected = rows.checked_mul(self.cols).unwrap_or(usize::MAX);
+        let expected = rows.saturating_mul(self.cols);
         if self.rows != rows || self.values.len() != expected {
             let got = self.values.len();
             return Err(LeastSquaresError::Shape { matrix, rows, cols: self.cols, expected, got });

@@ -1,13 +1,17 @@
 //! Demosaicking: every channel at every pixel.
 
-pub mod bilinear;
+mod adams1997;
+mod bayer;
+mod bilinear;
 mod delaunay;
+mod malvar2004;
 mod plan;
 mod simd;
 
 use super::IspError;
 use crate::numeric::Planes;
-use crate::sensor::{Mosaic, RawImage, Sampling};
+use crate::sensor::{RawImage, Sampling};
+pub use bilinear::Bilinear;
 use plan::Source;
 use simd::Simd;
 
@@ -18,6 +22,11 @@ pub enum Demosaic {
     /// Linear interpolation between the samples of a channel that enclose the pixel, for any mosaic.
     #[default]
     Bilinear,
+    /// Malvar, He and Cutler 2004, linear with 5 × 5 filters, for Bayer mosaics.
+    Malvar2004,
+    /// Green along the smaller gradient, the other channels by their difference to green, for Bayer mosaics
+    /// (Hamilton and Adams 1997).
+    Adaptive,
 }
 
 impl Demosaic {
@@ -39,48 +48,62 @@ impl Demosaic {
             }
             Sampling::Mosaic(m) => m,
         };
+        let mut out = Planes::zeros(raw.rows(), raw.cols(), mosaic.channels());
+        let (source, planes) = (Source::of(raw), out.data_mut());
         match self {
-            Self::Bilinear => bilinear::plan(mosaic)?.apply(Source::of(raw), simd),
+            Self::Bilinear => Bilinear::new(mosaic)?.plan().apply(source, simd, planes)?,
+            Self::Malvar2004 => malvar2004::plan(mosaic)?.apply(source, simd, planes)?,
+            Self::Adaptive => adams1997::apply(mosaic, source, simd, planes)?,
         }
+        Ok(out)
     }
 }
 
-/// Where the channels of a Bayer mosaic lie.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-struct Bayer {
-    /// The channel that every second pixel has.
-    green: usize,
-    /// Whether it is at pixel (0, 0).
-    green_at_origin: bool,
-    /// The other channel of even rows, and of odd rows.
-    chroma: [usize; 2],
-}
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::numeric::philox::Stream;
+    use crate::sensor::{Mosaic, RawSamples};
 
-impl Bayer {
-    fn is_green(&self, row: usize, col: usize) -> bool {
-        (row + col).is_multiple_of(2) == self.green_at_origin
+    fn raw(mosaic: &Mosaic, rows: usize, cols: usize) -> RawImage {
+        let mut random = Stream::new(5, 0, 0);
+        let samples = (0..rows * cols).map(|_| random.next_u32() as u16).collect();
+        let names = (0..mosaic.channels()).map(|c| c.to_string()).collect();
+        let sampling = Sampling::Mosaic(mosaic.clone());
+        RawImage::new(rows, cols, RawSamples::Digital(samples), sampling, names, 64.0, 65535.0).unwrap()
     }
 
-    fn chroma_of_row(&self, row: usize) -> usize {
-        self.chroma[row % 2]
+    fn mosaics() -> Vec<Mosaic> {
+        let tile = |rows, cols, cells: &[u8]| Mosaic::new(rows, cols, cells.to_vec()).unwrap();
+        vec![
+            tile(2, 2, &[0, 1, 1, 2]),
+            tile(2, 2, &[1, 0, 2, 1]),
+            tile(2, 2, &[0, 1, 2, 3]),
+            tile(3, 3, &[0, 1, 2, 3, 4, 5, 1, 2, 3]),
+            tile(1, 5, &[0, 1, 2, 1, 3]),
+        ]
     }
-}
 
-/// The Bayer layout of a mosaic: any that repeats after 2 × 2 and has three channels, one on a diagonal.
-fn is_bayer(mosaic: &Mosaic, method: &'static str) -> Result<Bayer, IspError> {
-    let at = |r, c| mosaic.channel_at(r, c);
-    let (rows, cols, channels) = (mosaic.rows(), mosaic.cols(), mosaic.channels());
-    let repeats = rows.is_multiple_of(2)
-        && cols.is_multiple_of(2)
-        && (0..rows).all(|r| (0..cols).all(|c| at(r, c) == at(r % 2, c % 2)));
-    let quad = [at(0, 0), at(0, 1), at(1, 0), at(1, 1)];
-    if repeats && channels == 3 {
-        if quad[0] == quad[3] {
-            return Ok(Bayer { green: quad[0], green_at_origin: true, chroma: [quad[1], quad[2]] });
+    /// Every instruction set and the way pixel by pixel give the same bits.
+    #[test]
+    fn all_ways_agree() {
+        for (mosaic, (rows, cols)) in
+            mosaics().iter().flat_map(|m| [(5, 7), (33, 66), (19, 161), (40, 700)].map(|s| (m, s)))
+        {
+            let raw = raw(mosaic, rows, cols);
+            let plan = Bilinear::new(mosaic).unwrap();
+            let one_by_one = plan.plan().pixel_by_pixel(Source::of(&raw));
+            let RawSamples::Digital(samples) = raw.samples() else { unreachable!() };
+            let integers = |simd| {
+                let mut out = vec![0; one_by_one.len()];
+                plan.apply_u16_with(simd, samples, rows, cols, &mut out).unwrap();
+                out
+            };
+            for simd in Simd::all() {
+                let planes = Demosaic::Bilinear.apply_with(simd, &raw).unwrap();
+                assert_eq!(planes.data(), one_by_one, "{simd:?} {mosaic:?} {rows} × {cols}");
+                assert_eq!(integers(simd), integers(Simd::all()[0]), "{simd:?} {mosaic:?}");
+            }
         }
-        if quad[1] == quad[2] {
-            return Ok(Bayer { green: quad[1], green_at_origin: false, chroma: [quad[0], quad[3]] });
-        }
     }
-    Err(IspError::UnsupportedCfa { rows, cols, channels, method })
 }

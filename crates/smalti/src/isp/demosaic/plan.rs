@@ -8,8 +8,8 @@ use std::collections::BTreeMap;
 use rayon::prelude::*;
 
 use super::super::IspError;
-use super::simd::{LANES, LaneTap, Simd, weighted_row};
-use crate::numeric::Planes;
+use super::simd::{LANES, LaneTap, Sample, Simd};
+use crate::numeric::ShapeError;
 use crate::sensor::{Mosaic, RawImage, RawSamples};
 
 /// Rows done by one task. Fixed, so that the work is cut the same way for any number of threads.
@@ -62,9 +62,22 @@ impl<'a> Source<'a> {
         Self { samples, black: raw.black_level() as f32, gain, rows: raw.rows(), cols: raw.cols() }
     }
 
+    /// 16-bit samples as they are.
+    pub(super) fn digital(samples: &'a [u16], rows: usize, cols: usize) -> Self {
+        Self { samples: Samples::Digital(samples), black: 0.0, gain: 1.0, rows, cols }
+    }
+
     /// Values that are normalised already.
     pub(super) fn normalized(values: &'a [f32], rows: usize, cols: usize) -> Self {
         Self { samples: Samples::Analog(values), black: 0.0, gain: 1.0, rows, cols }
+    }
+
+    pub(super) fn rows(&self) -> usize {
+        self.rows
+    }
+
+    pub(super) fn cols(&self) -> usize {
+        self.cols
     }
 
     pub(super) fn at(&self, row: usize, col: usize) -> f32 {
@@ -142,16 +155,22 @@ impl Plan {
         &self.taps[cell * self.mosaic.channels() + channel]
     }
 
-    /// One plane per channel.
-    pub(super) fn apply(&self, source: Source<'_>, simd: Simd) -> Result<Planes, IspError> {
-        let (rows, cols) = (source.rows, source.cols);
-        if self.border == Border::Normalize {
-            self.every_channel_is_seen(rows, cols)?;
+    /// One plane per channel, one after another, written to `out`.
+    pub(super) fn apply<T: Sample>(
+        &self,
+        source: Source<'_>,
+        simd: Simd,
+        out: &mut [T],
+    ) -> Result<(), IspError> {
+        let (rows, cols, count) = (source.rows, source.cols, self.mosaic.channels());
+        let expected = rows.saturating_mul(cols).saturating_mul(count);
+        if out.len() != expected {
+            return Err(ShapeError { count, rows, cols, expected, got: out.len() }.into());
         }
+        self.every_channel_is_seen(rows, cols)?;
         let layout = Layout::new(self, cols);
         let vectors = layout.as_ref().map(|l| self.vectors(l));
-        let mut out = Planes::zeros(rows, cols, self.mosaic.channels());
-        bands(out.data_mut(), rows, cols).into_par_iter().enumerate().for_each_init(
+        bands(out, rows, cols).into_par_iter().enumerate().for_each_init(
             Vec::new,
             |buffer, (i, mut band)| {
                 let first = i * BAND_ROWS;
@@ -161,7 +180,17 @@ impl Plan {
                 }
             },
         );
-        Ok(out)
+        Ok(())
+    }
+
+    /// As [`Plan::apply`], the slow way.
+    #[cfg(test)]
+    pub(super) fn pixel_by_pixel(&self, source: Source<'_>) -> Vec<f32> {
+        let mut out = vec![0.0; source.rows * source.cols * self.mosaic.channels()];
+        for (i, mut band) in bands(&mut out, source.rows, source.cols).into_iter().enumerate() {
+            self.pixel_band(source, i * BAND_ROWS, &mut band);
+        }
+        out
     }
 
     /// An image smaller than the tile may hold no sample of some channel.
@@ -214,25 +243,25 @@ impl Plan {
         0.0 // not reached: every channel has been seen
     }
 
-    fn pixel_band(&self, source: Source<'_>, first: usize, band: &mut [&mut [f32]]) {
+    fn pixel_band<T: Sample>(&self, source: Source<'_>, first: usize, band: &mut [&mut [T]]) {
         for (channel, rows) in band.iter_mut().enumerate() {
             for (row, out) in rows.chunks_mut(source.cols).enumerate() {
                 for (col, o) in out.iter_mut().enumerate() {
-                    *o = self.pixel(&source, first + row, col, channel);
+                    *o = T::from_f32(self.pixel(&source, first + row, col, channel));
                 }
             }
         }
     }
 
     #[allow(clippy::too_many_arguments)]
-    fn vector_band(
+    fn vector_band<T: Sample>(
         &self,
         source: Source<'_>,
         simd: Simd,
         layout: &Layout,
         vectors: &[RowVectors],
         first: usize,
-        band: &mut [&mut [f32]],
+        band: &mut [&mut [T]],
         buffer: &mut Vec<f32>,
     ) {
         let (rows, cols, channels) = (source.rows, source.cols, self.mosaic.channels());
@@ -252,13 +281,13 @@ impl Plan {
                 let out = &mut plane[i * cols..(i + 1) * cols];
                 let edges = if inside {
                     let v = &vectors[(row % self.mosaic.rows()) * channels + channel];
-                    weighted_row(simd, &v.taps, &v.spans, &buffer[i * layout.stride..], out);
+                    T::weighted_row(simd, &v.taps, &v.spans, &buffer[i * layout.stride..], out);
                     (0..side).chain(cols - side..cols)
                 } else {
                     (0..cols).chain(0..0)
                 };
                 for col in edges {
-                    out[col] = self.pixel(&source, row, col, channel);
+                    out[col] = T::from_f32(self.pixel(&source, row, col, channel));
                 }
             }
         }

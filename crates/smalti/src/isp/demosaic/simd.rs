@@ -84,25 +84,105 @@ pub(super) struct LaneTap {
     pub(super) weights: [f32; LANES],
 }
 
+/// A sample that a plan can write.
+pub(super) trait Sample: Copy + Default + Send + Sync {
+    fn from_f32(value: f32) -> Self;
+    /// [`weighted_row_f32`] or its like.
+    fn weighted_row(simd: Simd, taps: &[LaneTap], spans: &[(usize, usize)], window: &[f32], out: &mut [Self]);
+}
+
+impl Sample for f32 {
+    #[inline(always)]
+    fn from_f32(value: f32) -> Self {
+        value
+    }
+
+    fn weighted_row(
+        simd: Simd,
+        taps: &[LaneTap],
+        spans: &[(usize, usize)],
+        window: &[f32],
+        out: &mut [Self],
+    ) {
+        weighted_row_f32(simd, taps, spans, window, out);
+    }
+}
+
+impl Sample for u16 {
+    /// The nearest integer. `value` is a weighted mean of 16-bit numbers, so it is in range; the sum with 2²³ leaves
+    /// it in the low bits of the mantissa, which vectorises where a checked conversion does not.
+    #[inline(always)]
+    fn from_f32(value: f32) -> Self {
+        (value + 8_388_608.0).to_bits() as u16
+    }
+
+    fn weighted_row(
+        simd: Simd,
+        taps: &[LaneTap],
+        spans: &[(usize, usize)],
+        window: &[f32],
+        out: &mut [Self],
+    ) {
+        weighted_row_u16(simd, taps, spans, window, out);
+    }
+}
+
 dispatched! {
     /// One row of one channel: `out[x] = Σ weight · window[x + offset]`, where the taps of the vector at `x` are
     /// `spans[(x / LANES) % spans.len()]`. `window` reaches a vector beyond the last offset of the row.
-    weighted_row => weighted_row_body(taps: &[LaneTap], spans: &[(usize, usize)], window: &[f32], out: &mut [f32])
+    weighted_row_f32 => weighted_row_body(taps: &[LaneTap], spans: &[(usize, usize)], window: &[f32], out: &mut [f32])
 }
 
+dispatched! {
+    /// As [`weighted_row_f32`], rounded.
+    weighted_row_u16 => weighted_row_body(taps: &[LaneTap], spans: &[(usize, usize)], window: &[f32], out: &mut [u16])
+}
+
+/// Vectors that share one reading of the weights.
+const BLOCK: usize = 8;
+
 #[inline(always)]
-fn weighted_row_body(taps: &[LaneTap], spans: &[(usize, usize)], window: &[f32], out: &mut [f32]) {
-    for ((i, out), &(from, to)) in out.chunks_mut(LANES).enumerate().zip(spans.iter().cycle()) {
-        let mut sum = [0.0f32; LANES];
-        for tap in &taps[from..to] {
-            let Some(samples) = window[i * LANES + tap.offset..].first_chunk::<LANES>() else { continue };
+fn weighted_row_body<T: Sample>(taps: &[LaneTap], spans: &[(usize, usize)], window: &[f32], out: &mut [T]) {
+    let step = spans.len() * LANES;
+    for (vector, &(from, to)) in spans.iter().enumerate() {
+        let taps = taps.get(from..to).unwrap_or(&[]);
+        let mut at = vector * LANES;
+        while at + (BLOCK - 1) * step + LANES <= out.len() {
+            weighted_block::<T, BLOCK>(taps, step, &window[at..], &mut out[at..]);
+            at += BLOCK * step;
+        }
+        while at < out.len() {
+            weighted_block::<T, 1>(taps, step, &window[at..], &mut out[at..]);
+            at += step;
+        }
+    }
+}
+
+/// `B` vectors of pixels, `step` apart.
+#[inline(always)]
+fn weighted_block<T: Sample, const B: usize>(taps: &[LaneTap], step: usize, window: &[f32], out: &mut [T]) {
+    let mut sums = [[0.0f32; LANES]; B];
+    for tap in taps {
+        for (b, sum) in sums.iter_mut().enumerate() {
+            let at = tap.offset + b * step;
+            let Some(samples) = window.get(at..at + LANES).and_then(|s| s.first_chunk::<LANES>()) else {
+                return;
+            };
             for lane in 0..LANES {
                 sum[lane] += tap.weights[lane] * samples[lane];
             }
         }
-        match out.first_chunk_mut::<LANES>() {
-            Some(full) => *full = sum,
-            None => out.copy_from_slice(&sum[..out.len()]),
+    }
+    for (b, sum) in sums.into_iter().enumerate() {
+        let values = sum.map(T::from_f32);
+        match out[b * step..].first_chunk_mut::<LANES>() {
+            Some(full) => *full = values,
+            // The last vector of a row; there are fewer lanes than the row's own.
+            None => {
+                for (o, v) in out[b * step..].iter_mut().zip(values) {
+                    *o = v;
+                }
+            }
         }
     }
 }
@@ -160,7 +240,7 @@ fn bayer_vector<const N: usize>(
     let outs = (green.first_chunk_mut::<N>(), own.first_chunk_mut::<N>(), other.first_chunk_mut::<N>());
     let (Some(green), Some(own), Some(other)) = outs else { return };
     for i in 0..N {
-        let is_green = lines.green_first == ((col + i) % 2 == 0);
+        let is_green = lines.green_first == (col + i).is_multiple_of(2);
         let across = half(west[i], east[i]);
         let down = half(north[i], south[i]);
         let four = quarter(west[i], east[i], north[i], south[i]);
