@@ -117,3 +117,60 @@ impl PlanckianLocus {
         Ok(Cct { cct_k, duv })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::color::cie1976::xyz_from_xy;
+
+    fn locus() -> PlanckianLocus {
+        PlanckianLocus::new(Observer::Cie1931).unwrap()
+    }
+
+    #[test]
+    fn a_blackbody_has_its_own_temperature() {
+        let grid = WavelengthGrid::new(360.0, 5.0, 95).unwrap();
+        for temperature_k in [1200.0, 2856.0, 5000.0, 6504.0, 20_000.0, 60_000.0] {
+            let light = Illuminant::Blackbody { temperature_k }.photons(grid).unwrap();
+            let got = locus().cct(Observer::Cie1931.xyz_from_photons(&light).unwrap()).unwrap();
+            assert!((got.cct_k / temperature_k - 1.0).abs() < 1e-6 && got.duv.abs() < 1e-9, "{got:?}");
+        }
+    }
+
+    /// CIE daylight lies 0.003 above the locus; its formula gives the temperature back to a few kelvin.
+    #[test]
+    fn daylight_has_the_temperature_it_is_named_by() {
+        let grid = WavelengthGrid::new(360.0, 5.0, 95).unwrap();
+        for cct_k in [4000.0, 5003.0, 6504.0, 7504.0, 12_000.0, 25_000.0] {
+            let light = Illuminant::Daylight { cct_k }.photons(grid).unwrap();
+            let got = locus().cct(Observer::Cie1931.xyz_from_photons(&light).unwrap()).unwrap();
+            assert!((got.cct_k / cct_k - 1.0).abs() < 2e-3, "{cct_k}: {got:?}");
+            assert!((0.0015..0.0045).contains(&got.duv), "{cct_k}: {got:?}");
+        }
+    }
+
+    /// Expected: colour-science 0.4.7, `uv_to_CCT_Ohno2013`, which interpolates a table: 1e-3 in temperature.
+    #[test]
+    fn agrees_with_ohno_2013() {
+        for (xy, cct_k, duv) in [
+            ([0.4578, 0.4101], 2725.109, -0.0000096),
+            ([0.31271, 0.32902], 6503.622, 0.003212),
+            ([0.3, 0.3], 7739.124, -0.005345),
+            ([0.45, 0.42], 2916.818, 0.004492),
+            ([0.26, 0.27], 15345.232, 0.003956),
+        ] {
+            let got = locus().cct(xyz_from_xy(xy, 1.0).unwrap()).unwrap();
+            assert!((got.cct_k / cct_k - 1.0).abs() < 1e-3, "{xy:?}: {got:?}, not {cct_k}");
+            assert!((got.duv - duv).abs() < 1e-5, "{xy:?}: {got:?}, not {duv}");
+        }
+    }
+
+    #[test]
+    fn saturated_colours_have_none() {
+        assert!(matches!(locus().cct([0.0; 3]), Err(CctError::NoChromaticity(_))));
+        for xy in [[0.15, 0.06], [0.3, 0.6], [0.7, 0.3]] {
+            let xyz = xyz_from_xy(xy, 1.0).unwrap();
+            assert!(matches!(locus().cct(xyz), Err(CctError::FarFromLocus { .. })), "{xy:?}");
+        }
+    }
+}

@@ -10,6 +10,7 @@ mod convert;
 pub mod difference;
 pub mod display;
 mod image;
+pub mod jakob_hanika2019;
 pub mod matrix;
 pub mod scielab;
 

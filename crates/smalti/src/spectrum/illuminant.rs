@@ -220,3 +220,134 @@ fn daylight(grid: WavelengthGrid, cct_k: f64) -> Result<Spectrum, SpectrumError>
     let values = (0..grid.len()).map(|i| s0.values()[i] + m1 * s1.values()[i] + m2 * s2.values()[i]);
     Spectrum::new(grid, values.map(|v| v.max(0.0)).collect())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::spectrum::Observer;
+    use crate::spectrum::generated::D65_TABLE;
+
+    fn grid(step_nm: f64) -> WavelengthGrid {
+        WavelengthGrid::new(380.0, step_nm, (400.0 / step_nm) as usize + 1).unwrap()
+    }
+
+    fn xy(illuminant: &Illuminant, observer: Observer, grid: WavelengthGrid) -> [f64; 2] {
+        let [x, y, z] = observer.xyz_from_photons(&illuminant.photons(grid).unwrap()).unwrap();
+        [x / (x + y + z), y / (x + y + z)]
+    }
+
+    #[test]
+    fn the_formula_gives_the_tabulated_d65() {
+        let grid = WavelengthGrid::new(300.0, 5.0, 97).unwrap();
+        let (formula, table) =
+            (Illuminant::D65.energy(grid).unwrap(), D65_TABLE.spectrum(0, grid, Outside::Error).unwrap());
+        for ((nm, got), want) in grid.wavelengths_nm().zip(formula.values()).zip(table.values()) {
+            // The table's digits go to 1e-4; M₁ and M₂ were rounded in making it, as here.
+            assert!((got - want).abs() < 1e-3 * want.max(1.0), "{nm} nm: {got} is not {want}");
+        }
+    }
+
+    /// White points of the 1931 and 1964 observers: CIE 15:2004, tables T.3 and T.8.1; LED-B3 CIE 15:2018. Those of
+    /// the lamps hold in steps of 5 nm, in which their spectra are defined: interpolated lines are not the lines.
+    #[test]
+    fn white_points_are_the_published_ones() {
+        let (two, ten) = (Observer::Cie1931, Observer::Cie1964);
+        for (name, observer, x, y) in [
+            ("A", two, 0.44758, 0.40745),
+            ("D50", two, 0.34567, 0.35851),
+            ("D55", two, 0.33243, 0.34744),
+            ("D65", two, 0.31272, 0.32903),
+            ("D75", two, 0.29903, 0.31488),
+            ("E", two, 1.0 / 3.0, 1.0 / 3.0),
+            ("F2", two, 0.3721, 0.3751),
+            ("F11", two, 0.3805, 0.3769),
+            ("LED", two, 0.3756, 0.3723),
+            ("A", ten, 0.45117, 0.40594),
+            ("D50", ten, 0.34773, 0.35952),
+            ("D65", ten, 0.31381, 0.33098),
+            ("E", ten, 1.0 / 3.0, 1.0 / 3.0),
+        ] {
+            let illuminant = Illuminant::from_name(name).unwrap();
+            let lamp = ["F2", "F11", "LED"].contains(&name);
+            for step_nm in if lamp { vec![5.0] } else { vec![1.0, 5.0] } {
+                let got = xy(&illuminant, observer, grid(step_nm));
+                assert!(
+                    (got[0] - x).abs() < 1e-4 && (got[1] - y).abs() < 1e-4,
+                    "{name} {observer:?} {step_nm} nm: {got:?}, not {x}, {y}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn planck_obeys_wien_and_stefan_boltzmann() {
+        let wien_m_k = 2.897_771_955e-3;
+        for temperature_k in [3000.0, 5772.0, 10_000.0] {
+            let body = Illuminant::Blackbody { temperature_k };
+            let peak_nm = wien_m_k / temperature_k * 1e9;
+            let near = WavelengthGrid::new(peak_nm - 10.0, 1.0, 21).unwrap();
+            let power = body.energy(near).unwrap();
+            let at = power.values().iter().position(|&v| v == power.max()).unwrap();
+            assert_eq!(at, 10, "{temperature_k} K");
+        }
+        // The relative power is scaled at 560 nm; undone by Planck's law there, the sum follows T⁴.
+        let total = |temperature_k: f64| {
+            let grid = WavelengthGrid::new(20.0, 20.0, 20_000).unwrap();
+            let c2 = PLANCK_J_S * LIGHT_M_PER_S / BOLTZMANN_J_PER_K;
+            let at_560 = 1.0 / (c2 / (560e-9 * temperature_k)).exp_m1();
+            Illuminant::Blackbody { temperature_k }.energy(grid).unwrap().integral() * at_560
+        };
+        let exponent = (total(6000.0) / total(3000.0)).log2();
+        assert!((exponent - 4.0).abs() < 1e-4, "{exponent}");
+    }
+
+    #[test]
+    fn names_round_trip() {
+        for name in Illuminant::names() {
+            assert_eq!(Illuminant::from_name(name).unwrap().name(), *name);
+        }
+        for name in ["D:5600", "blackbody:3000"] {
+            assert_eq!(Illuminant::from_name(name).unwrap().name(), name);
+        }
+        assert_eq!(
+            Illuminant::from_name(" Daylight: 5600 K ").unwrap(),
+            Illuminant::Daylight { cct_k: 5600.0 }
+        );
+        assert_eq!(Illuminant::from_name("fl11").unwrap(), Illuminant::F11);
+    }
+
+    #[test]
+    fn a_wrong_name_gets_the_nearest_right_one() {
+        for (name, expected) in [("D6", "D65"), ("F111", "F11"), ("LEDs", "LED"), ("d655", "D65")] {
+            match Illuminant::from_name(name) {
+                Err(SpectrumError::UnknownName { nearest, .. }) => assert_eq!(nearest, expected, "{name}"),
+                other => panic!("{name}: {other:?}"),
+            }
+        }
+        for name in
+            ["", ":", "D:", "D:x", "D:NaN", "D:1e4000", "D:3999", "blackbody:0", "blackbody:-1", "x:5000"]
+        {
+            assert!(Illuminant::from_name(name).is_err(), "{name}");
+        }
+        assert!(Illuminant::from_name(&"é".repeat(100_000)).is_err());
+    }
+
+    #[test]
+    fn daylight_formula_is_continuous_at_7000_k() {
+        let at = |cct_k| xy(&Illuminant::Daylight { cct_k }, Observer::Cie1931, grid(5.0));
+        let (below, above) = (at(6999.9), at(7000.1));
+        assert!((below[0] - above[0]).abs() < 1e-4 && (below[1] - above[1]).abs() < 1e-4);
+    }
+
+    #[test]
+    fn data_that_do_not_reach_are_an_error() {
+        let infrared = WavelengthGrid::new(800.0, 10.0, 20).unwrap();
+        for illuminant in [Illuminant::D65, Illuminant::F2, Illuminant::Led] {
+            assert!(
+                matches!(illuminant.energy(infrared), Err(SpectrumError::Coverage { .. })),
+                "{illuminant:?}"
+            );
+        }
+        assert!(Illuminant::A.energy(infrared).is_ok());
+    }
+}

@@ -30,3 +30,43 @@ fn named<const N: usize>(
 ) -> Result<Vec<(&'static str, Spectrum)>, SpectrumError> {
     names.iter().enumerate().map(|(i, &name)| Ok((name, table.spectrum(i, grid, Outside::Hold)?))).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn reflectances_are_between_0_and_1() {
+        let grid = WavelengthGrid::new(360.0, 10.0, 48).unwrap();
+        let (chart, nature) = (colorchecker(grid).unwrap(), natural(grid).unwrap());
+        assert_eq!(chart.len(), 24);
+        assert!(nature.len() >= 100);
+        for (name, reflectance) in chart.iter().chain(&nature) {
+            assert!(reflectance.values().iter().all(|r| (0.0..=1.0).contains(r)), "{name}");
+        }
+    }
+
+    #[test]
+    fn the_chart_runs_from_dark_skin_to_black() {
+        let chart = colorchecker(WavelengthGrid::VISIBLE).unwrap();
+        assert_eq!((chart[0].0, chart[5].0, chart[18].0), ("dark skin", "bluish green", "white 9.5 (.05 D)"));
+        let greys: Vec<f64> = chart[18..].iter().map(|(_, r)| r.at(550.0).unwrap()).collect();
+        assert!(greys.windows(2).all(|w| w[1] < w[0]), "{greys:?}");
+    }
+
+    #[test]
+    fn natural_objects_look_as_they_should() {
+        let nature = natural(WavelengthGrid::new(380.0, 10.0, 41).unwrap()).unwrap();
+        let mut names: Vec<&str> = nature.iter().map(|n| n.0).collect();
+        names.sort_unstable();
+        names.dedup();
+        assert_eq!(names.len(), nature.len(), "names are unique");
+        for (name, r) in nature.iter().filter(|n| n.0.starts_with("leaf")) {
+            // Chlorophyll: absorption at 680 nm, the red edge towards 760 nm, green above blue.
+            let at = |nm| r.at(nm).unwrap();
+            assert!(at(760.0) > 1.3 * at(680.0) && at(550.0) > at(450.0), "{name}");
+        }
+        let tomato = &nature.iter().find(|n| n.0.contains("Solanum lycopersicum")).unwrap().1;
+        assert!(tomato.at(640.0).unwrap() > 10.0 * tomato.at(540.0).unwrap());
+    }
+}

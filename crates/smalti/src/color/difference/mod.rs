@@ -123,3 +123,67 @@ pub(super) fn map_of_planes(
     });
     DifferenceMap { rows, cols, values }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// XYZ of ISETCam's reference pairs against (95.047, 100, 108.883), and its ΔE 76, 94, 2000.
+    const PAIRS: [([f64; 3], [f64; 3], [f64; 3]); 3] = [
+        (
+            [30.764112659150424, 42.451918914251394, 15.14678375253094],
+            [31.59658942395125, 43.91297783763098, 15.999875935482336],
+            [1.5634726777210028, 1.1604994275750429, 0.9357689797998079],
+        ),
+        (
+            [61.83877493878611, 12.380196114964559, 32.390591530703105],
+            [60.114838243365185, 13.271894932179265, 33.339451396224476],
+            [10.0558612815655, 1.7299197389551637, 1.6492863458197207],
+        ),
+        (
+            [6.881447233416562, 22.323896460701455, 85.6932677076033],
+            [6.969765650754653, 21.044957457546232, 86.9062971789474],
+            [7.646734996164636, 2.8461401880434836, 2.49810131643714],
+        ),
+    ];
+    const WHITE: [f64; 3] = [95.047, 100.0, 108.883];
+    const ALL: [DeltaE; 3] = [DeltaE::Cie1976, DeltaE::Cie1994, DeltaE::Ciede2000];
+
+    #[test]
+    fn agrees_with_isetcam() {
+        for (xyz1, xyz2, expected) in PAIRS {
+            for (formula, expected) in ALL.into_iter().zip(expected) {
+                let got = formula.between(lab_from_xyz(xyz1, WHITE), lab_from_xyz(xyz2, WHITE));
+                // ISETCam rounds (6/29)³, so only the last digits differ.
+                assert!((got - expected).abs() < 1e-6, "{formula:?}: {got} is not {expected}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_map_holds_the_difference_of_each_pixel() {
+        let image = |second: bool| {
+            let data = (0..3)
+                .flat_map(|c| PAIRS.iter().map(move |p| if second { p.1[c] } else { p.0[c] } as f32))
+                .collect();
+            Image::new(ColorSpace::Xyz, Planes::new(1, 3, 3, data).unwrap()).unwrap()
+        };
+        for (k, formula) in ALL.into_iter().enumerate() {
+            let map = delta_e_map(&image(false), &image(true), WHITE, formula).unwrap();
+            for (got, pair) in map.values.iter().zip(PAIRS) {
+                assert!((f64::from(*got) - pair.2[k]).abs() < 1e-4);
+            }
+            let mean = PAIRS.iter().map(|p| p.2[k]).sum::<f64>() / 3.0;
+            assert!((map.mean() - mean).abs() < 1e-4);
+        }
+    }
+
+    #[test]
+    fn pictures_that_cannot_be_compared_are_refused() {
+        let image = |space, cols| Image::new(space, Planes::zeros(2, cols, 3)).unwrap();
+        let compare = |a: &Image, b: &Image| delta_e_map(a, b, WHITE, DeltaE::Cie1976);
+        let xyz = image(ColorSpace::Xyz, 2);
+        assert!(matches!(compare(&xyz, &image(ColorSpace::Xyz, 3)), Err(ImageError::Size { .. })));
+        assert!(matches!(compare(&xyz, &image(ColorSpace::Srgb, 2)), Err(ImageError::Space { .. })));
+    }
+}
