@@ -361,7 +361,8 @@ fn radial_power(plane: &[f32], n: usize) -> Vec<f64> {
 
 #[test]
 fn dead_leaves_have_the_spectrum_of_photographs() {
-    // Over four decades of radius, so that neither limit shows in the middle of the spectrum.
+    // Over four decades of radius, so that neither limit shows in the middle of the spectrum. For photographs
+    // exponents of 1.8 (Ruderman 1994) to 1.9 (van der Schaaf and van Hateren 1996) were measured.
     let n = 256;
     let grid = WavelengthGrid::new(550.0, 10.0, 1).unwrap();
     let greys: Vec<Spectrum> = (0..11).map(|i| Spectrum::constant(grid, f64::from(i) / 10.0)).collect();
@@ -379,7 +380,7 @@ fn dead_leaves_have_the_spectrum_of_photographs() {
     let slope = points.iter().map(|p| (p[0] - mx) * (p[1] - my)).sum::<f64>()
         / points.iter().map(|p| (p[0] - mx).powi(2)).sum::<f64>();
     eprintln!("power spectrum falls as f^{slope:.2}");
-    assert!((-2.4..=-1.8).contains(&slope), "power falls as f^{slope:.2}");
+    assert!((-2.2..=-1.7).contains(&slope), "power falls as f^{slope:.2}");
 }
 
 #[test]

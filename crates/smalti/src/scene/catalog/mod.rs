@@ -8,10 +8,10 @@ use self::nearest::nearest;
 pub use self::params::ParamInfo;
 use self::params::{Args, COMMON, Kind, number, whole};
 use super::{
-    Checkerboard, DeadLeaves, FrequencyOrientation, FrequencySweep, GreySteps, PointGrid, Sampling, Scene,
-    SceneError, Setting, SiemensStar, SlantedBar, ZonePlate, checkerboard, dead_leaves,
-    frequency_orientation, frequency_sweep, grey_steps, macbeth, point_grid, siemens_star, slanted_bar,
-    uniform, zone_plate, zone_plate_isetcam,
+    Checkerboard, DeadLeaves, FrequencyOrientation, FrequencySweep, GreySteps, PointGrid, ResolutionChart,
+    Sampling, Scene, SceneError, Setting, SiemensStar, SlantedBar, ZonePlate, checkerboard, dead_leaves,
+    frequency_orientation, frequency_sweep, grey_steps, hdr, macbeth, point_grid, resolution_chart,
+    siemens_star, slanted_bar, uniform, zone_plate, zone_plate_isetcam,
 };
 use crate::spectrum::Spectrum;
 
@@ -85,7 +85,7 @@ fn sampling(args: &Args<'_>) -> Sampling {
     if args.choice("sampling") == "isetcam" { Sampling::Isetcam } else { Sampling::Area }
 }
 
-static SCENES: [SceneInfo; 11] = [
+static SCENES: [SceneInfo; 13] = [
     SceneInfo {
         name: "macbeth",
         summary: "ColorChecker, 24 patches in 4 rows of 6",
@@ -256,6 +256,24 @@ static SCENES: [SceneInfo; 11] = [
             } else {
                 dead_leaves(&leaves, natural, s)
             }
+        },
+    },
+    SceneInfo {
+        name: "hdr",
+        summary: "room with sunlit floor, window, bare bulb and dark corridor: more than 5 decades",
+        parameters: &[whole!("rows", 384, 8..=16384, "rows, pixels; 3/2 as many columns")],
+        build: |a, s, _| hdr(a.count("rows"), s),
+    },
+    SceneInfo {
+        name: "resolution-chart",
+        summary: "slanted squares, wedges, lines, rings and text in the manner of ISO 12233",
+        parameters: &[
+            whole!("rows", 1080, 60..=16384, "rows, pixels; 4/3 as many columns"),
+            number!("contrast", "40", 1.001..=1e9, "white over black luminance"),
+        ],
+        build: |a, s, _| {
+            let chart = ResolutionChart { rows: a.count("rows"), contrast_ratio: a.number("contrast") };
+            resolution_chart(&chart, s)
         },
     },
 ];
