@@ -8,7 +8,7 @@ use super::olpf::BirefringentLowPass;
 use super::otf::{LensTransfer, Otf};
 use super::padding::Padding;
 use super::psf::PsfStack;
-use super::pupil::{Pupil, steepest_m};
+use super::pupil::Pupil;
 use super::zernike::Wavefront;
 use crate::numeric::Planes;
 use crate::numeric::fft::{Complex32, RealFft2, bin_frequency};
@@ -203,16 +203,18 @@ impl<'a> Blur<'a> {
         }
         let working_f_number = geometry.working_f_number();
         let mut blur = Self { optics, working_f_number, pupil: None, reach_m: 0.0 };
-        let mut slope_m = 0.0f64;
         let shortest_m = 1e-9 * wavelengths_nm.iter().copied().fold(f64::INFINITY, f64::min);
         let none = Wavefront::default();
         let wavefront = match &optics.model {
             OpticsModel::Zernike { wavefront, .. } => wavefront,
             _ => &none,
         };
+        let mut rim_m = 0.0f64;
         for &nm in wavelengths_nm {
-            slope_m = slope_m.max(steepest_m(wavefront, blur.rim_m(nm)?));
+            rim_m = rim_m.max(blur.rim_m(nm)?.abs());
         }
+        // The slope of W₂₀ ρ² at the rim; that of the sum is no more than the sum.
+        let slope_m = wavefront.steepest_m() + 2.0 * rim_m;
         match &optics.model {
             OpticsModel::Zernike { .. } => blur.pupil = Some(Pupil::new(wavefront, slope_m, shortest_m)?),
             OpticsModel::Psf(stack) => blur.reach_m = stack.reach_m(),
