@@ -162,16 +162,17 @@ impl Optics {
         require((1..=8192).contains(&size), "size of the point spread function", size as f64, "1 to 8192")?;
         require(spacing_m > 0.0, "spacing_m", spacing_m, "more than 0")?;
         let otf = self.otf(wavelength_nm, distance_m)?;
-        let centre = (size / 2) as f64;
+        let otf = otf.on_grid(size, size, spacing_m);
         let fft = RealFft2::new(size, size)?;
         let mut spectrum = vec![Complex32::ZERO; size * fft.half_cols()];
-        for (kx, column) in spectrum.chunks_exact_mut(size).enumerate() {
+        for (kx, column) in spectrum.chunks_exact_mut(size).enumerate().take(otf.passing()) {
             for (ky, v) in column.iter_mut().enumerate() {
-                let (fx, fy) = (bin_frequency(kx, size), bin_frequency(ky, size));
-                let turn = -std::f64::consts::TAU * centre * (fx + fy);
-                let to_centre = Complex32::new(turn.cos() as f32, turn.sin() as f32);
-                *v = otf.at(fx / spacing_m, fy / spacing_m) * to_centre;
+                // A point at the centre.
+                let turn = (size / 2) as f64 * (bin_frequency(kx, size) + bin_frequency(ky, size));
+                let (sin, cos) = (-std::f64::consts::TAU * turn).sin_cos();
+                *v = Complex32::new(cos as f32, sin as f32);
             }
+            otf.apply(kx, column);
         }
         Ok(Planes::new(size, size, 1, fft.inverse(&spectrum)?)?)
     }
