@@ -117,4 +117,18 @@ mod tests {
             assert!(matches!(Geometry::thin_lens(0.05, 2.0, d), Err(OpticsError::SceneTooNear { .. })));
         }
     }
+
+    proptest::proptest! {
+        #[test]
+        fn any_lens_before_any_scene_has_an_image(f in 1e-4..1.0f64, n in 0.5..64.0f64, d in 1e-4..1e6f64) {
+            match Geometry::thin_lens(f, n, d) {
+                Ok(g) => {
+                    assert!(d > f && g.magnification() < 0.0 && g.image_distance_m() >= f);
+                    assert!((1.0 / f - 1.0 / d - 1.0 / g.image_distance_m()).abs() < 1e-9 / f);
+                    assert!(g.working_f_number() >= n && g.irradiance_per_radiance_sr() > 0.0);
+                }
+                Err(e) => assert!(d <= f, "{e}"),
+            }
+        }
+    }
 }

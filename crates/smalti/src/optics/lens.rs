@@ -8,7 +8,7 @@ use super::olpf::BirefringentLowPass;
 use super::otf::{LensTransfer, Otf};
 use super::padding::Padding;
 use super::psf::PsfStack;
-use super::pupil::{Pupil, steepest_m};
+use super::pupil::Pupil;
 use super::zernike::Wavefront;
 use crate::numeric::Planes;
 use crate::numeric::fft::{Complex32, RealFft2, bin_frequency};
@@ -162,16 +162,17 @@ impl Optics {
         require((1..=8192).contains(&size), "size of the point spread function", size as f64, "1 to 8192")?;
         require(spacing_m > 0.0, "spacing_m", spacing_m, "more than 0")?;
         let otf = self.otf(wavelength_nm, distance_m)?;
-        let centre = (size / 2) as f64;
+        let otf = otf.on_grid(size, size, spacing_m);
         let fft = RealFft2::new(size, size)?;
         let mut spectrum = vec![Complex32::ZERO; size * fft.half_cols()];
-        for (kx, column) in spectrum.chunks_exact_mut(size).enumerate() {
+        for (kx, column) in spectrum.chunks_exact_mut(size).enumerate().take(otf.passing()) {
             for (ky, v) in column.iter_mut().enumerate() {
-                let (fx, fy) = (bin_frequency(kx, size), bin_frequency(ky, size));
-                let turn = -std::f64::consts::TAU * centre * (fx + fy);
-                let to_centre = Complex32::new(turn.cos() as f32, turn.sin() as f32);
-                *v = otf.at(fx / spacing_m, fy / spacing_m) * to_centre;
+                // A point at the centre.
+                let turn = (size / 2) as f64 * (bin_frequency(kx, size) + bin_frequency(ky, size));
+                let (sin, cos) = (-std::f64::consts::TAU * turn).sin_cos();
+                *v = Complex32::new(cos as f32, sin as f32);
             }
+            otf.apply(kx, column);
         }
         Ok(Planes::new(size, size, 1, fft.inverse(&spectrum)?)?)
     }
@@ -203,16 +204,18 @@ impl<'a> Blur<'a> {
         }
         let working_f_number = geometry.working_f_number();
         let mut blur = Self { optics, working_f_number, pupil: None, reach_m: 0.0 };
-        let mut slope_m = 0.0f64;
         let shortest_m = 1e-9 * wavelengths_nm.iter().copied().fold(f64::INFINITY, f64::min);
         let none = Wavefront::default();
         let wavefront = match &optics.model {
             OpticsModel::Zernike { wavefront, .. } => wavefront,
             _ => &none,
         };
+        let mut rim_m = 0.0f64;
         for &nm in wavelengths_nm {
-            slope_m = slope_m.max(steepest_m(wavefront, blur.rim_m(nm)?));
+            rim_m = rim_m.max(blur.rim_m(nm)?.abs());
         }
+        // The slope of W₂₀ ρ² at the rim; that of the sum is no more than the sum.
+        let slope_m = wavefront.steepest_m() + 2.0 * rim_m;
         match &optics.model {
             OpticsModel::Zernike { .. } => blur.pupil = Some(Pupil::new(wavefront, slope_m, shortest_m)?),
             OpticsModel::Psf(stack) => blur.reach_m = stack.reach_m(),

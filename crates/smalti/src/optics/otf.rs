@@ -160,10 +160,9 @@ pub(super) struct FrequencyGrid {
 }
 
 /// A [`FrequencyGrid`] at one horizontal frequency.
-struct GridColumn<'a> {
-    grid: &'a FrequencyGrid,
-    first: i64,
-    weights: [f32; 4],
+struct GridColumn {
+    step_cy_per_m: f64,
+    values: Vec<Complex32>,
 }
 
 impl FrequencyGrid {
@@ -174,12 +173,21 @@ impl FrequencyGrid {
 
     /// Cubic interpolation (Keys 1981).
     pub(super) fn at(&self, fx: f64, fy: f64) -> Complex32 {
-        self.at_column(fx).at(fy)
+        let (first, weights) = keys1981(fy / self.step_cy_per_m);
+        let nodes = (first..).zip(weights);
+        nodes.map(|(ky, w)| self.along_x(fx, ky) * w).sum()
     }
 
-    fn at_column(&self, fx: f64) -> GridColumn<'_> {
+    /// Interpolated along x at every vertical node, so that a column costs four products per sample, not sixteen.
+    fn at_column(&self, fx: f64) -> GridColumn {
+        let values = (0..self.side as i64).map(|ky| self.along_x(fx, ky)).collect();
+        GridColumn { step_cy_per_m: self.step_cy_per_m, values }
+    }
+
+    fn along_x(&self, fx: f64, ky: i64) -> Complex32 {
         let (first, weights) = keys1981(fx / self.step_cy_per_m);
-        GridColumn { grid: self, first, weights }
+        let nodes = (first..).zip(weights);
+        nodes.map(|(kx, w)| self.node(kx, ky) * w).sum()
     }
 
     fn node(&self, kx: i64, ky: i64) -> Complex32 {
@@ -193,16 +201,12 @@ impl FrequencyGrid {
     }
 }
 
-impl GridColumn<'_> {
+impl GridColumn {
     fn at(&self, fy: f64) -> Complex32 {
-        let (first, weights) = keys1981(fy / self.grid.step_cy_per_m);
-        let mut sum = Complex32::ZERO;
-        for (kx, wx) in (self.first..).zip(self.weights) {
-            for (ky, wy) in (first..).zip(weights) {
-                sum += self.grid.node(kx, ky) * (wx * wy);
-            }
-        }
-        sum
+        let (first, weights) = keys1981(fy / self.step_cy_per_m);
+        let side = self.values.len() as i64;
+        let nodes = (first..).zip(weights);
+        nodes.map(|(ky, w)| self.values[ky.rem_euclid(side) as usize] * w).sum()
     }
 }
 

@@ -102,25 +102,6 @@ impl Pupil {
     }
 }
 
-/// Largest slope of a wavefront over the unit disc, m per pupil radius.
-pub(super) fn steepest_m(wavefront: &Wavefront, rim_m: f64) -> f64 {
-    const N: i32 = 64;
-    const STEP: f64 = 1.0 / 1024.0;
-    let error = |x: f64, y: f64| wavefront.at_m(x, y) + rim_m * (x * x + y * y);
-    let mut steepest = 0.0f64;
-    for r in -N..=N {
-        for c in -N..=N {
-            let (x, y) = (f64::from(c) / f64::from(N), f64::from(r) / f64::from(N));
-            if x * x + y * y <= 1.0 {
-                let dx = error(x + STEP, y) - error(x - STEP, y);
-                let dy = error(x, y + STEP) - error(x, y - STEP);
-                steepest = steepest.max(dx.hypot(dy) / (2.0 * STEP));
-            }
-        }
-    }
-    steepest
-}
-
 #[cfg(test)]
 mod tests {
     use super::super::diffraction::{diffraction_limit, out_of_focus};
@@ -167,7 +148,7 @@ mod tests {
         let unit = WavefrontUnit::Waves { at_nm: 500.0 };
         for (list, dx, dy) in [([0.0, 0.5, 0.0], 1.0, 0.0), ([0.0, 0.0, 0.5], 0.0, 1.0)] {
             let tilt = Wavefront::from_list(ZernikeIndex::Noll, &list, unit).unwrap();
-            let pupil = Pupil::new(&tilt, steepest_m(&tilt, 0.0), 500e-9).unwrap();
+            let pupil = Pupil::new(&tilt, tilt.steepest_m(), 500e-9).unwrap();
             let grid = pupil.mean_phase(500e-9, 0.0, 1.0).unwrap();
             for (fx, fy) in [(0.1, 0.0), (0.0, 0.2), (0.3, 0.4), (-0.3, 0.2), (0.2, -0.3)] {
                 let got = grid.at(fx, fy);

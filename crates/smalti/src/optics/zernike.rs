@@ -150,7 +150,9 @@ impl Wavefront {
             require(true, "a Zernike coefficient", c, "a finite number")?;
             Ok((mode, c * metres))
         });
-        Ok(Self { terms: scaled.collect::<Result<_, OpticsError>>()? })
+        let mut terms = scaled.collect::<Result<Vec<_>, OpticsError>>()?;
+        terms.retain(|&(_, c)| c != 0.0);
+        Ok(Self { terms })
     }
 
     /// From a list of coefficients in the order of an index, from its first number (Noll 1, OSA 0).
@@ -174,6 +176,25 @@ impl Wavefront {
     #[must_use]
     pub fn at_m(&self, x: f64, y: f64) -> f64 {
         self.terms.iter().map(|(mode, c)| c * mode.at(x, y)).sum()
+    }
+
+    /// Largest slope over the pupil, m per pupil radius.
+    pub(super) fn steepest_m(&self) -> f64 {
+        const N: i32 = 64;
+        const STEP: f64 = 1.0 / 1024.0;
+        let mut steepest = 0.0f64;
+        if self.terms.is_empty() {
+            return steepest;
+        }
+        for (r, c) in (-N..=N).flat_map(|r| (-N..=N).map(move |c| (r, c))) {
+            let (x, y) = (f64::from(c) / f64::from(N), f64::from(r) / f64::from(N));
+            if x * x + y * y <= 1.0 {
+                let dx = self.at_m(x + STEP, y) - self.at_m(x - STEP, y);
+                let dy = self.at_m(x, y + STEP) - self.at_m(x, y - STEP);
+                steepest = steepest.max(dx.hypot(dy) / (2.0 * STEP));
+            }
+        }
+        steepest
     }
 
     /// RMS of the error over the pupil without its mean (piston), m.
@@ -277,6 +298,16 @@ mod tests {
                 assert!((gram[a * 28 + b] - want).abs() < 2e-3, "{a} {b} {}", gram[a * 28 + b]);
             }
         }
+    }
+
+    #[test]
+    fn slopes_of_tilt_and_defocus() {
+        let steepest = |list: &[f64]| {
+            Wavefront::from_list(ZernikeIndex::Noll, list, WavefrontUnit::Micrometres).unwrap().steepest_m()
+                * 1e6
+        };
+        assert!((steepest(&[5.0, 1.0]) - 2.0).abs() < 1e-9);
+        assert!((steepest(&[0.0, 0.0, 0.0, 1.0]) - 4.0 * 3f64.sqrt()).abs() < 1e-6);
     }
 
     #[test]
