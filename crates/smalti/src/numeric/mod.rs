@@ -1,6 +1,10 @@
 //! Arithmetic that knows nothing of light: image planes, random numbers, Fourier transforms, least squares.
 
+pub mod elementary;
+pub mod normal;
 pub mod philox;
 mod planes;
+pub mod poisson;
+pub(crate) mod simd;
 
 pub use planes::{Planes, ShapeError};
