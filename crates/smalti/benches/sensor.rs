@@ -61,7 +61,7 @@ fn image() -> OpticalImage {
 
 fn capture(c: &mut Criterion) {
     let (sensor, image) = (sensor(), image());
-    let exposure = Exposure::new(0.0055);
+    let exposure = Exposure::new(0.0015);
     let mut group = c.benchmark_group("capture 24 megapixels");
     group.throughput(Throughput::Elements((ROWS * COLS) as u64)).sample_size(10);
     for mode in [NoiseMode::None, NoiseMode::PhotonOnly, NoiseMode::All] {

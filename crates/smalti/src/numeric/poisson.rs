@@ -6,6 +6,9 @@
 //!
 //! [hormann1993]: https://doi.org/10.1016/0167-6687(93)90997-4
 
+// Lanes are indexed: that is how loops over several arrays become vector code.
+#![allow(clippy::needless_range_loop)]
+
 use super::elementary::{exp_f64, ln_f64};
 use super::philox::philox4x32;
 
@@ -41,14 +44,26 @@ impl LaneCounter {
         let counter = [self.first.wrapping_add(lane), self.row, self.purpose, self.attempt.wrapping_add(n)];
         philox4x32(counter, self.key)
     }
+
+    /// The random words of the first attempt of every lane, word by word.
+    #[inline(always)]
+    #[must_use]
+    pub fn block(&self) -> [[u32; LANES]; 4] {
+        let mut words = [[0; LANES]; 4];
+        for i in 0..LANES {
+            let w = self.words(i as u32, 0);
+            (words[0][i], words[1][i], words[2][i], words[3][i]) = (w[0], w[1], w[2], w[3]);
+        }
+        words
+    }
 }
 
 /// Replaces each mean by a draw. Means that are not positive give 0. `words` are those of attempt 0.
 #[inline(always)]
+#[allow(clippy::manual_clamp)] // which would keep NaN
 pub fn poisson_lanes(counter: &LaneCounter, words: [&[u32; LANES]; 2], means: &mut [f64; LANES]) {
     let (mut any_small, mut any_large) = (false, false);
     for m in means.iter_mut() {
-        // `max` also turns NaN into 0.
         *m = m.max(0.0).min(LARGEST_MEAN);
         any_small |= *m < PTRS_FROM;
         any_large |= *m >= PTRS_FROM;
@@ -106,7 +121,7 @@ fn inversion_lanes(words: [&[u32; LANES]; 2], means: &[f64; LANES], counts: &mut
 const LN_FACTORIAL: [f64; 16] = [
     0.0,
     0.0,
-    0.693_147_180_559_945_3,
+    std::f64::consts::LN_2,
     1.791_759_469_228_055,
     3.178_053_830_347_945_8,
     4.787_491_742_782_046,
@@ -267,12 +282,8 @@ mod tests {
         for row in 0..blocks {
             let counter = LaneCounter { key: [7, 9], first: 0, row, purpose: 3, attempt: 0 };
             let mut means = [mean; LANES];
-            let (mut a, mut b) = ([0; LANES], [0; LANES]);
-            for i in 0..LANES {
-                let w = counter.words(i as u32, 0);
-                (a[i], b[i]) = (w[0], w[1]);
-            }
-            poisson_lanes(&counter, [&a, &b], &mut means);
+            let words = counter.block();
+            poisson_lanes(&counter, [&words[0], &words[1]], &mut means);
             out.extend(means);
         }
         out
@@ -332,9 +343,8 @@ mod tests {
             let counter = LaneCounter { key: [1, 2], first, row: 5, purpose: 3, attempt: 0 };
             // Neighbours at all levels, the lane in question at `mean`.
             let mut means: [f64; LANES] =
-                std::array::from_fn(|i| if (i as u32 + first) % 3 == 0 { mean } else { i as f64 });
-            let words: [[u32; LANES]; 2] =
-                std::array::from_fn(|j| std::array::from_fn(|i| counter.words(i as u32, 0)[j]));
+                std::array::from_fn(|i| if (i as u32 + first).is_multiple_of(3) { mean } else { i as f64 });
+            let words = counter.block();
             poisson_lanes(&counter, [&words[0], &words[1]], &mut means);
             means
         };

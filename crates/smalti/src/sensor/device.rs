@@ -7,9 +7,7 @@ use crate::spectrum::{Outside, Spectrum, SpectrumError, WavelengthGrid};
 /// anything is allocated. A window of a larger sensor may be captured.
 pub const MAX_SAMPLES: usize = 1 << 29;
 
-/// The three ways of seeing colour of Catrysse, Wandell and El Gamal ([catrysse1999]).
-///
-/// [catrysse1999]: https://doi.org/10.1117/12.342861
+/// The three ways of seeing colour of Catrysse, Wandell and El Gamal (1999, Proc. SPIE 3650).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum ColorArchitecture {
     /// One channel per pixel, as the mosaic tells.

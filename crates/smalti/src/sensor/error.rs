@@ -48,8 +48,8 @@ pub enum SensorError {
         /// Columns of the sensor.
         cols: usize,
     },
-    /// The pixel pitch is not a length.
-    #[error("pitch_m is {value}; expected more than 0 and at most 1e-2 m")]
+    /// The pixel pitch is not that of a pixel.
+    #[error("pitch_m is {value}; expected 1e-9 to 1e-2 m")]
     Pitch {
         /// The value.
         value: f64,
@@ -60,32 +60,32 @@ pub enum SensorError {
         /// The value.
         value: f64,
     },
-    /// The conversion gain does not turn electrons into volts.
-    #[error("conversion_gain_v_per_e is {value}; expected a finite number above 0")]
+    /// The conversion gain is out of its range.
+    #[error("conversion_gain_v_per_e is {value}; expected 1e-12 to 1 V")]
     ConversionGain {
         /// The value.
         value: f64,
     },
     /// The voltage swing leaves no range.
-    #[error("voltage_swing_v is {value}; expected a finite number above 0")]
+    #[error("voltage_swing_v is {value}; expected 1e-6 to 1e3 V")]
     VoltageSwing {
         /// The value.
         value: f64,
     },
     /// The well holds nothing.
-    #[error("full_well_e is {value}; expected a finite number above 0")]
+    #[error("full_well_e is {value}; expected 1 to 1e12 electrons")]
     FullWell {
         /// The value.
         value: f64,
     },
     /// Dark voltage is negative or not a number.
-    #[error("dark_voltage_v_per_s is {value}; expected a finite number, 0 or more")]
+    #[error("dark_voltage_v_per_s is {value}; expected 0 to 1e3 V/s")]
     DarkVoltage {
         /// The value.
         value: f64,
     },
     /// Read noise is negative or not a number.
-    #[error("read_noise_v is {value}; expected a finite number, 0 or more")]
+    #[error("read_noise_v is {value}; expected 0 to 1e3 V")]
     ReadNoise {
         /// The value.
         value: f64,
@@ -158,20 +158,20 @@ pub enum SensorError {
         /// Last wavelength of the light.
         need_end_nm: f64,
     },
-    /// The exposure time is negative or not a number.
-    #[error("time_s is {value}; expected a finite number, 0 (a bias frame) or more")]
+    /// The exposure time is out of its range.
+    #[error("time_s is {value}; expected 0 (a bias frame) to 1e9 s")]
     ExposureTime {
         /// The value.
         value: f64,
     },
-    /// The analog gain is not positive.
-    #[error("analog_gain is {value}; expected a finite number above 0")]
+    /// The analog gain is out of its range.
+    #[error("analog_gain is {value}; expected 1e-6 to 1e6")]
     AnalogGain {
         /// The value.
         value: f64,
     },
-    /// The analog offset is not a number.
-    #[error("analog_offset_v is {value}; expected a finite number that leaves the swing some signal")]
+    /// The analog offset is out of its range, or pushes all signal out of the swing.
+    #[error("analog_offset_v is {value}; expected −1e3 to 1e3 V that leave the swing some signal")]
     AnalogOffset {
         /// The value.
         value: f64,

@@ -27,13 +27,13 @@ impl Exposure {
     /// # Errors
     /// The first field that is impossible.
     pub fn validate(&self) -> Result<(), SensorError> {
-        if !(self.time_s.is_finite() && self.time_s >= 0.0) {
+        if !(0.0..=1e9).contains(&self.time_s) {
             return Err(SensorError::ExposureTime { value: self.time_s });
         }
-        if !(self.analog_gain.is_finite() && self.analog_gain > 0.0) {
+        if !(1e-6..=1e6).contains(&self.analog_gain) {
             return Err(SensorError::AnalogGain { value: self.analog_gain });
         }
-        if !self.analog_offset_v.is_finite() {
+        if !(-1e3..=1e3).contains(&self.analog_offset_v) {
             return Err(SensorError::AnalogOffset { value: self.analog_offset_v });
         }
         Ok(())

@@ -53,8 +53,8 @@ impl NonUniformity {
             ("hot_pixel_dark_voltage_v_per_s", self.hot_pixel_dark_voltage_v_per_s),
         ];
         for (field, value) in deviations {
-            if !(value.is_finite() && value >= 0.0) {
-                let expected = "a finite number, 0 or more";
+            if !(0.0..=1e3).contains(&value) {
+                let expected = "0 to 1e3";
                 return Err(SensorError::NonUniformity { field, value, expected });
             }
         }

@@ -6,7 +6,7 @@ use crate::spectrum::units::{BOLTZMANN_J_PER_K, ELECTRON_C};
 /// One pixel, equal over the sensor.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Pixel {
-    /// Distance between neighbouring pixels, m, equal in both directions; above 0, at most 1 cm.
+    /// Distance between neighbouring pixels, m, equal in both directions, 1 nm to 1 cm.
     pub pitch_m: f64,
     /// Area of the photodetector as a fraction of the pixel, 0–1, above 0. The photodetector is a square in the
     /// middle of the pixel.
@@ -29,28 +29,28 @@ impl Pixel {
     /// # Errors
     /// The first field that is impossible.
     pub fn validate(&self) -> Result<(), SensorError> {
-        let positive = |v: f64| v.is_finite() && v > 0.0;
-        let not_negative = |v: f64| v.is_finite() && v >= 0.0;
-        if !(self.pitch_m > 0.0 && self.pitch_m <= 1e-2) {
-            return Err(SensorError::Pitch { value: self.pitch_m });
+        // The bounds are far outside of what is built; they keep single precision from overflow.
+        let (p, within) = (self, |v: f64, low: f64, high: f64| (low..=high).contains(&v));
+        if !within(p.pitch_m, 1e-9, 1e-2) {
+            return Err(SensorError::Pitch { value: p.pitch_m });
         }
-        if !(self.fill_factor > 0.0 && self.fill_factor <= 1.0) {
-            return Err(SensorError::FillFactor { value: self.fill_factor });
+        if !(p.fill_factor > 0.0 && p.fill_factor <= 1.0) {
+            return Err(SensorError::FillFactor { value: p.fill_factor });
         }
-        if !positive(self.conversion_gain_v_per_e) {
-            return Err(SensorError::ConversionGain { value: self.conversion_gain_v_per_e });
+        if !within(p.conversion_gain_v_per_e, 1e-12, 1.0) {
+            return Err(SensorError::ConversionGain { value: p.conversion_gain_v_per_e });
         }
-        if !positive(self.voltage_swing_v) {
-            return Err(SensorError::VoltageSwing { value: self.voltage_swing_v });
+        if !within(p.voltage_swing_v, 1e-6, 1e3) {
+            return Err(SensorError::VoltageSwing { value: p.voltage_swing_v });
         }
-        if !positive(self.full_well_e) {
-            return Err(SensorError::FullWell { value: self.full_well_e });
+        if !within(p.full_well_e, 1.0, 1e12) {
+            return Err(SensorError::FullWell { value: p.full_well_e });
         }
-        if !not_negative(self.dark_voltage_v_per_s) {
-            return Err(SensorError::DarkVoltage { value: self.dark_voltage_v_per_s });
+        if !within(p.dark_voltage_v_per_s, 0.0, 1e3) {
+            return Err(SensorError::DarkVoltage { value: p.dark_voltage_v_per_s });
         }
-        if !not_negative(self.read_noise_v) {
-            return Err(SensorError::ReadNoise { value: self.read_noise_v });
+        if !within(p.read_noise_v, 0.0, 1e3) {
+            return Err(SensorError::ReadNoise { value: p.read_noise_v });
         }
         Ok(())
     }
@@ -78,7 +78,7 @@ pub enum DarkCurrentTemperature {
         /// Activation energy, eV.
         energy_ev: f64,
     },
-    /// `2^((T − T₀)/ΔT)`, the doubling interval of EMVA 1288 (release 4.0, section 2.4): typically 6–10 K.
+    /// `2^((T − T₀)/ΔT)`, the doubling interval of EMVA standard 1288: typically 6–10 K.
     Doubling {
         /// Temperature of the sensor, K.
         temperature_k: f64,

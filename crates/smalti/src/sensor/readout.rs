@@ -19,9 +19,6 @@ mod purpose {
     pub(super) const COLUMN: u32 = 0x5345_4e04;
 }
 
-/// Words of a block of lanes.
-type Words = [[u32; LANES]; 4];
-
 /// All that a block needs to know.
 pub(super) struct Readout {
     mode: NoiseMode,
@@ -138,8 +135,7 @@ impl Readout {
                 purpose: purpose::PIXEL,
                 attempt: plane << 16,
             };
-            let mut words: Words = [[0; LANES]; 4];
-            fill(&counter, &mut words);
+            let words = counter.block();
             poisson_lanes(&counter, [&words[0], &words[1]], &mut electrons);
             if self.mode == NoiseMode::All && self.read_noise_v > 0.0 {
                 for i in 0..LANES {
@@ -185,8 +181,7 @@ impl Readout {
             purpose: purpose::PATTERN,
             attempt: self.pattern_plane(plane),
         };
-        let mut words: Words = [[0; LANES]; 4];
-        fill(&counter, &mut words);
+        let words = counter.block();
         for i in 0..LANES {
             let (a, b) = normal_pair(words[0][i], words[1][i]);
             response[i] = (1.0 + self.prnu * a).max(0.0);
@@ -199,13 +194,5 @@ impl Readout {
                 electrons[i] = if w < self.dead_below { 0.0 } else { electrons[i] + dark };
             }
         }
-    }
-}
-
-#[inline(always)]
-fn fill(counter: &LaneCounter, words: &mut Words) {
-    for i in 0..LANES {
-        let w = counter.words(i as u32, 0);
-        (words[0][i], words[1][i], words[2][i], words[3][i]) = (w[0], w[1], w[2], w[3]);
     }
 }
