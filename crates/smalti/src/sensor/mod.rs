@@ -21,7 +21,6 @@ mod readout;
 pub use adc::Adc;
 pub use capture::NoiseMode;
 pub use cfa::{Cfa, CfaError, Channel, Filter, Mosaic};
-pub use cfa::{Cfa, CfaError, Channel, Mosaic};
 pub use device::{Aperture, ColorArchitecture, MAX_SAMPLES, Sensor, Window};
 pub use error::SensorError;
 pub use exposure::{AutoExposure, Exposure};
