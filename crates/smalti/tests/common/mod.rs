@@ -45,11 +45,16 @@ pub fn assert_close(what: &str, got: &[f64], expected: &[f64], tolerance: f64) {
     assert_eq!(got.len(), expected.len(), "{what}: number of values");
     let scale = expected.iter().fold(0.0f64, |m, v| m.max(v.abs())).max(f64::MIN_POSITIVE);
     let errors: Vec<f64> = got.iter().zip(expected).map(|(g, e)| (g - e).abs() / scale).collect();
-    let (at, largest) = errors.iter().copied().enumerate().fold((0, 0.0), |m, e| if e.1 > m.1 || e.1.is_nan() { e } else { m });
+    let (at, largest) = errors
+        .iter()
+        .copied()
+        .enumerate()
+        .fold((0, 0.0), |m, e| if e.1 > m.1 || e.1.is_nan() { e } else { m });
     let rms = (errors.iter().map(|e| e * e).sum::<f64>() / errors.len().max(1) as f64).sqrt();
     assert!(
         largest <= tolerance,
         "{what}: largest error {largest:.3e} of the maximum at {at} (got {}, expected {}), RMS {rms:.3e}, allowed {tolerance:.1e}",
-        got[at], expected[at]
+        got[at],
+        expected[at]
     );
 }
