@@ -151,6 +151,41 @@ fn bayer_methods_reproduce_constants_and_gradients() {
     }
 }
 
+/// A corner of the random mosaic of the reference values and what ISETCam makes of its inside.
+#[test]
+fn bilinear_is_isetcams() {
+    let mosaic = Mosaic::new(2, 2, vec![1, 0, 2, 1]).unwrap();
+    let samples = [
+        [0.6229, 0.6175, 0.0034, 0.9297, 0.6892, 0.1492],
+        [0.7418, 0.1267, 0.6779, 0.942, 0.9967, 0.8447],
+        [0.7952, 0.0018, 0.3379, 0.3444, 0.1615, 0.2948],
+        [0.9425, 0.8714, 0.31, 0.3548, 0.0486, 0.4532],
+        [0.7399, 0.2095, 0.8185, 0.5247, 0.9867, 0.9993],
+        [0.9223, 0.2155, 0.4807, 0.7756, 0.5335, 0.8523],
+    ];
+    let expected = [
+        [0.30965, 0.47335, 0.63705, 0.429525],
+        [0.0018, 0.1731, 0.3444, 0.3196],
+        [0.10565, 0.2701, 0.43455, 0.5408],
+        [0.2095, 0.3671, 0.5247, 0.762],
+        [0.1267, 0.3525, 0.942, 0.65935],
+        [0.5328, 0.3379, 0.44905, 0.1615],
+        [0.8714, 0.59565, 0.3548, 0.48905],
+        [0.661325, 0.8185, 0.7339, 0.9867],
+        [0.70985, 0.6779, 0.8373, 0.9967],
+        [0.66805, 0.49395, 0.5083, 0.52265],
+        [0.62625, 0.31, 0.1793, 0.0486],
+        [0.663875, 0.39535, 0.3432, 0.29105],
+    ];
+    let planes = Demosaic::Bilinear.apply(&raw_of(&mosaic, 6, 6, |r, c| samples[r][c])).unwrap();
+    let inside = |channel: usize, r: usize, c: usize| expected[channel * 4 + r - 1][c - 1];
+    // f32 rounding of a sum of four.
+    assert!(largest_error(&planes, inside, 1) < 2e-7);
+    // At the border the mean is over the neighbours there are, where ISETCam repeats the outermost samples.
+    assert_eq!(planes.plane(1)[1], (samples[0][0] + samples[0][2] + samples[1][1]) / 3.0);
+    assert_eq!(planes.plane(0)[0], samples[0][1]);
+}
+
 /// The filters of Malvar, He and Cutler as their paper prints them, by the response to a single bright sample.
 #[test]
 fn malvar_impulses() {

@@ -119,6 +119,9 @@ pub fn lstsq_constrained(
     let free = Mat::<f64>::identity(unknowns, unknowns) - &c_inverse * c;
     let residual = b - a * &fixed;
     let x = fixed + pseudo_inverse((a * free).as_ref(), a.norm_l2())? * residual;
+    // Where A is badly conditioned X is large, and its rounding breaks the condition; one correction mends that.
+    let miss = d - c * &x;
+    let x = x + c_inverse * miss;
     Ok(row_major(x))
 }
 
