@@ -18,6 +18,7 @@ mod error;
 pub mod esfr;
 pub mod luminance_noise;
 mod patch;
+pub mod photon_transfer;
 pub mod psnr;
 pub mod snr;
 pub mod visual_snr;
