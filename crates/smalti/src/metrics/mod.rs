@@ -12,6 +12,7 @@
 //!
 //! Sums run in one fixed order, so a result has the same bits whatever the number of threads.
 
+pub mod aliasing;
 pub mod color_accuracy;
 pub mod dynamic_range;
 mod error;
