@@ -12,12 +12,14 @@
 //!
 //! Sums run in one fixed order, so a result has the same bits whatever the number of threads.
 
+pub mod aliasing;
 pub mod color_accuracy;
 pub mod dynamic_range;
 mod error;
 pub mod esfr;
 pub mod luminance_noise;
 mod patch;
+pub mod photon_transfer;
 pub mod psnr;
 pub mod snr;
 pub mod visual_snr;
