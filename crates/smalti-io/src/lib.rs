@@ -15,7 +15,7 @@
 //! writes to a temporary file beside the target and renames it: a target is either whole or as it was.
 
 //pub mod cache;
-//pub mod dng;
+pub mod dng;
 mod error;
 pub mod exr;
 mod file;

@@ -22,10 +22,26 @@ pub(crate) const SOFTWARE: u16 = 305;
 pub(crate) const TILE_WIDTH: u16 = 322;
 pub(crate) const TILE_LENGTH: u16 = 323;
 pub(crate) const TILE_OFFSETS: u16 = 324;
-pub(crate) const TILE_BYTE_COUNTS: u16 = 325;
 pub(crate) const SUB_IFDS: u16 = 330;
 pub(crate) const SAMPLE_FORMAT: u16 = 339;
+pub(crate) const CFA_REPEAT_PATTERN_DIM: u16 = 33421;
+pub(crate) const CFA_PATTERN: u16 = 33422;
 pub(crate) const ICC_PROFILE: u16 = 34675;
+pub(crate) const DNG_VERSION: u16 = 50706;
+pub(crate) const DNG_BACKWARD_VERSION: u16 = 50707;
+pub(crate) const UNIQUE_CAMERA_MODEL: u16 = 50708;
+pub(crate) const CFA_PLANE_COLOR: u16 = 50710;
+pub(crate) const CFA_LAYOUT: u16 = 50711;
+pub(crate) const LINEARIZATION_TABLE: u16 = 50712;
+pub(crate) const BLACK_LEVEL_REPEAT_DIM: u16 = 50713;
+pub(crate) const BLACK_LEVEL: u16 = 50714;
+pub(crate) const BLACK_LEVEL_DELTA_H: u16 = 50715;
+pub(crate) const BLACK_LEVEL_DELTA_V: u16 = 50716;
+pub(crate) const WHITE_LEVEL: u16 = 50717;
+pub(crate) const COLOR_MATRIX_1: u16 = 50721;
+pub(crate) const AS_SHOT_NEUTRAL: u16 = 50728;
+pub(crate) const CALIBRATION_ILLUMINANT_1: u16 = 50778;
+pub(crate) const ACTIVE_AREA: u16 = 50829;
 
 /// Content of a field.
 #[derive(Debug, Clone, PartialEq)]
