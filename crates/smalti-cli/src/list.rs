@@ -2,7 +2,7 @@
 
 use serde_json::json;
 use smalti::metrics;
-use smalti::scene;
+use smalti::scene::catalog;
 use smalti::sensor::cfa;
 use smalti::spectrum::Illuminant;
 use smalti_io::cameras;
@@ -41,9 +41,9 @@ struct Entry {
 }
 
 fn scenes() -> Vec<Entry> {
-    let entry = |s: &scene::SceneInfo| {
-        let parameter = |p: &scene::ParamInfo| format!("?{}={}  {} ({})", p.name, p.default, p.doc, p.expected);
-        let as_json = |p: &scene::ParamInfo| json!({"name": p.name, "default": p.default, "expected": p.expected, "doc": p.doc});
+    let entry = |s: &catalog::SceneInfo| {
+        let parameter = |p: &catalog::ParamInfo| format!("?{}={}  {} ({})", p.name, p.default, p.doc, p.expected);
+        let as_json = |p: &catalog::ParamInfo| json!({"name": p.name, "default": p.default, "expected": p.expected, "doc": p.doc});
         Entry {
             name: s.name.into(),
             summary: s.summary.into(),
@@ -54,7 +54,7 @@ fn scenes() -> Vec<Entry> {
             }),
         }
     };
-    scene::names().iter().map(entry).collect()
+    catalog::names().iter().map(entry).collect()
 }
 
 fn cfas() -> Vec<Entry> {

@@ -7,8 +7,8 @@ use smalti::camera::Camera;
 use smalti::color::jakob_hanika2019::Uplift;
 use smalti::color::ColorSpace;
 use smalti::scene::{self, Scene, Setting};
-use smalti::spectrum::{Illuminant, WavelengthGrid};
-use smalti_io::exr::{ReadOptions, SceneDefaults};
+use smalti::spectrum::{Illuminant, Observer, WavelengthGrid, reflectance};
+use smalti_io::exr::{Quantity, ReadOptions, SceneDefaults, SpectralFile};
 use smalti_io::{cameras, exr, picture};
 
 use crate::args::{CameraOptions, SceneOptions};
@@ -45,9 +45,10 @@ pub(crate) fn scene(
     let setting = setting(options, grid, fov_deg)?;
     let path = Path::new(name);
     if !(path.is_file() || has_extension(path, &["exr", "png", "tif", "tiff", "jpg", "jpeg"])) {
-        return Ok(scene::build(name, &setting)?);
+        let natural: Vec<_> = reflectance::natural(grid)?.into_iter().map(|(_, s)| s).collect();
+        return Ok(scene::catalog::build(name, &setting, &natural)?);
     }
-    let scene = file_scene(path, options, &setting)?;
+    let scene = file_scene(path, &setting)?;
     // What was typed holds, whatever the file states.
     let scene = match &options.illuminant {
         Some(_) => scene.relit(&setting.illuminant)?,
@@ -67,29 +68,29 @@ pub(crate) fn scene(
     }
 }
 
-fn file_scene(path: &Path, options: &SceneOptions, setting: &Setting) -> anyhow::Result<Scene> {
+/// A file as a scene. What it leaves unsaid is that of the setting.
+fn file_scene(path: &Path, setting: &Setting) -> anyhow::Result<Scene> {
     let read = ReadOptions::default();
-    if has_extension(path, &["exr"]) && exr::is_spectral(path)? {
-        let defaults = SceneDefaults {
-            luminance_cd_m2: setting.luminance_cd_m2,
-            distance_m: setting.distance_m,
-            horizontal_fov_deg: setting.horizontal_fov_deg,
-            illuminant: setting.illuminant.clone(),
-        };
+    let defaults = SceneDefaults {
+        luminance_cd_m2: setting.luminance_cd_m2,
+        distance_m: setting.distance_m,
+        horizontal_fov_deg: setting.horizontal_fov_deg,
+        // Files that say nothing of their light are taken for daylight; another is put on by re-lighting.
+        illuminant: Illuminant::D65,
+    };
+    if has_extension(path, &["exr"]) && exr::is_spectral(path, &read)? {
         return Ok(exr::read(path, &read)?.into_scene(&defaults)?);
     }
     let image = picture::read(path, &read)?.image.converted(ColorSpace::LinearSrgb)?;
-    // A photograph says nothing of the light it was taken in: its white is taken for that of D65, then re-lit.
-    let light = match &options.illuminant {
-        Some(_) => Illuminant::D65,
-        None => setting.illuminant.clone(),
+    let lifted = SpectralFile {
+        name: path.file_stem().map_or_else(|| "picture".into(), |s| s.to_string_lossy().into_owned()),
+        cube: Uplift::new(setting.grid, Observer::Cie1931)?.uplift_image(&image)?,
+        quantity: Quantity::Reflectance,
+        illuminant: None,
+        distance_m: None,
+        horizontal_fov_deg: None,
     };
-    let photons = light.photons(setting.grid)?;
-    let uplift = Uplift::new(setting.grid)?;
-    let reflectance = uplift.uplift_image(&image)?;
-    let name = path.file_stem().map_or_else(|| "picture".into(), |s| s.to_string_lossy().into_owned());
-    Ok(Scene::from_reflectance(name, reflectance, &photons, setting.distance_m, setting.horizontal_fov_deg)?
-        .with_mean_luminance(setting.luminance_cd_m2)?)
+    Ok(lifted.into_scene(&defaults)?)
 }
 
 pub(crate) fn has_extension(path: &Path, known: &[&str]) -> bool {

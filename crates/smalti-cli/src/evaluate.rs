@@ -1,0 +1,119 @@
+//! `smalti evaluate`: the scores of cameras, as a table or as JSON.
+
+use std::path::Path;
+
+use anyhow::Context;
+use serde_json::json;
+use smalti::camera::{Camera, CameraError, Evaluation, EvaluationPictures, EvaluationSettings, evaluate};
+use smalti::color::{ColorSpace, Image};
+use smalti::numeric::Planes;
+use smalti::optics::{OPTICAL_IMAGE_REVISION, OpticalImage};
+use smalti_io::cache::{Cache, KeyBuilder};
+use smalti_io::picture::{self, Depth};
+use smalti_io::write;
+
+use crate::args::{Common, Evaluate};
+use crate::progress::Progress;
+use crate::{resolve, table};
+
+pub(crate) fn run(args: &Evaluate, common: &Common) -> anyhow::Result<()> {
+    let illuminant = resolve::illuminant(&args.illuminant)?;
+    let cameras = args
+        .cameras
+        .iter()
+        .map(|name| resolve::camera(name, &args.camera_options))
+        .collect::<anyhow::Result<Vec<Camera>>>()?;
+    let cache = if common.no_cache { Cache::disabled() } else { Cache::open(None) };
+    let progress = Progress::new((cameras.len() * args.luminance.len()) as u64, common.quiet);
+    let mut results = Vec::new();
+    for camera in &cameras {
+        for &luminance_cd_m2 in &args.luminance {
+            let name = &camera.description().name;
+            progress.begin(format!("{name} at {luminance_cd_m2} cd/m²"));
+            let seed = args.camera_options.seed;
+            let settings = EvaluationSettings { luminance_cd_m2, illuminant: illuminant.clone(), seed };
+            let (scores, pictures) = evaluate(camera, &settings, &|key, make| cached(&cache, key, make))
+                .with_context(|| format!("{name} at {luminance_cd_m2} cd/m²"))?;
+            if let Some(dir) = &args.output {
+                let folder = dir.join(format!("{name}-{luminance_cd_m2}-cd-m2"));
+                write_pictures(&folder, &pictures)?;
+            }
+            results.push((camera, scores));
+            progress.done();
+        }
+    }
+    progress.finish();
+    let document = json!({
+        "smalti_version": env!("CARGO_PKG_VERSION"),
+        "illuminant": args.illuminant,
+        "cameras": results.iter().map(|(c, s)| entry(c, s)).collect::<anyhow::Result<Vec<_>>>()?,
+    });
+    let text = serde_json::to_string_pretty(&document)? + "\n";
+    if let Some(dir) = &args.output {
+        write::bytes(&dir.join("results.json"), text.as_bytes())?;
+    }
+    crate::print(&if args.json { text } else { scores_table(&results) })
+}
+
+/// One optical image, from the cache where it is there.
+fn cached(
+    cache: &Cache,
+    key: &str,
+    make: &dyn Fn() -> Result<OpticalImage, CameraError>,
+) -> Result<OpticalImage, CameraError> {
+    let mut hash = KeyBuilder::new();
+    hash.bytes("revision", &OPTICAL_IMAGE_REVISION.to_le_bytes()).bytes("version", env!("CARGO_PKG_VERSION").as_bytes());
+    let key = hash.bytes("target", key.as_bytes()).finish();
+    if let Some(image) = cache.get(&key) {
+        return Ok(image);
+    }
+    let image = make()?;
+    // A cache that cannot be written costs time, not the result.
+    let _ = cache.put(&key, &image);
+    Ok(image)
+}
+
+fn entry(camera: &Camera, scores: &Evaluation) -> anyhow::Result<serde_json::Value> {
+    let mut entry = json!({"camera": camera.description().name});
+    if let (Some(into), serde_json::Value::Object(scores)) = (entry.as_object_mut(), serde_json::to_value(scores)?) {
+        into.extend(scores);
+        into.insert("description".into(), serde_json::to_value(camera.description())?);
+    }
+    Ok(entry)
+}
+
+fn scores_table(results: &[(&Camera, Evaluation)]) -> String {
+    let header = [
+        "camera", "cd/m²", "ΔE76", "ΔE2000", "MTF50 cy/mm", "MTF50 cy/px", "noise %", "aliasing %", "range dB", "exposure ms",
+    ];
+    let row = |(camera, s): &(&Camera, Evaluation)| {
+        vec![
+            camera.description().name.clone(),
+            format!("{}", s.luminance_cd_m2),
+            format!("{:.2}", s.delta_e_76.mean),
+            format!("{:.2}", s.delta_e_2000.mean),
+            format!("{:.1}", s.mtf50_cy_per_mm),
+            format!("{:.3}", s.mtf50_cy_per_px),
+            format!("{:.2}", s.luminance_noise_percent.mean),
+            format!("{:.1}", s.aliasing_percent),
+            format!("{:.1}", s.dynamic_range_db),
+            format!("{:.1}", s.exposure.macbeth_s * 1e3),
+        ]
+    };
+    table::render(&header, &results.iter().map(row).collect::<Vec<_>>())
+}
+
+fn write_pictures(dir: &Path, pictures: &EvaluationPictures) -> anyhow::Result<()> {
+    std::fs::create_dir_all(dir).with_context(|| format!("cannot make the folder {}", dir.display()))?;
+    for (name, image) in [("macbeth", &pictures.macbeth), ("edge", &pictures.edge), ("zone-plate", &pictures.zone_plate)] {
+        let shown = image.converted(ColorSpace::Srgb)?;
+        picture::write_png(&dir.join(format!("{name}.png")), &shown, Depth::Eight)?;
+    }
+    // A difference has two signs: grey is none.
+    let planes = &pictures.aliasing;
+    let largest = planes.data().iter().fold(0.0f32, |m, v| m.max(v.abs())).max(f32::MIN_POSITIVE);
+    let data = planes.data().iter().map(|v| 0.5 + 0.5 * v / largest).collect();
+    let image = Image::new(ColorSpace::Srgb, Planes::new(planes.rows(), planes.cols(), 3, data)?)?;
+    picture::write_png(&dir.join("aliasing.png"), &image, Depth::Eight)?;
+    Ok(())
+}

@@ -1,0 +1,211 @@
+//! `smalti simulate`: one capture, from the scene to a picture.
+
+use std::path::Path;
+
+use anyhow::Context;
+use serde_json::json;
+use smalti::camera::{Camera, Photograph};
+use smalti::color::scielab::{DeltaE, Scielab};
+use smalti::color::{ColorSpace, Image};
+use smalti::isp::{Isp, WhiteBalance};
+use smalti::metrics::Rect;
+use smalti::metrics::psnr::psnr;
+use smalti::metrics::visual_snr::scielab_score;
+use smalti::numeric::Planes;
+use smalti::scene::Scene;
+use smalti::sensor::{NoiseMode, RawImage, RawSamples};
+use smalti_io::dng::{self, ColorMatrix, DngInfo};
+use smalti_io::picture::{self, Depth};
+use smalti_io::stages::write_stage;
+use smalti_io::write;
+
+use crate::args::{Common, Noise, Simulate};
+use crate::progress::Progress;
+use crate::resolve;
+
+/// Pixels per degree at which S-CIELAB looks at pictures: a desktop screen of 100 dpi from 0.7 m is near 48, a good one 60.
+const VIEWING_PX_PER_DEGREE: f64 = 60.0;
+/// The share of pixels that may be brighter than white when the brightness of a picture is chosen.
+const BRIGHT_SHARE: f64 = 0.005;
+
+pub(crate) fn run(args: &Simulate, common: &Common) -> anyhow::Result<()> {
+    let progress = Progress::new(4, common.quiet);
+    progress.begin("scene");
+    let mut camera = resolve::camera(&args.camera, &args.camera_options)?;
+    let scene = scene(args, &camera)?;
+    progress.done();
+    progress.begin("optics");
+    if !args.full_frame {
+        camera.sensor.window = Some(camera.window_on(&scene)?);
+    }
+    let optical_image = camera.optics.image(&scene)?;
+    progress.done();
+    progress.begin("sensor and processing");
+    let noise = match args.noise {
+        Noise::None => NoiseMode::None,
+        Noise::Shot => NoiseMode::PhotonOnly,
+        Noise::All => NoiseMode::All,
+    };
+    let photo = camera.photograph(optical_image, scene.illuminant(), noise, args.camera_options.seed)?;
+    progress.done();
+    progress.begin("writing");
+    let dir = &args.output;
+    std::fs::create_dir_all(dir).with_context(|| format!("cannot make the folder {}", dir.display()))?;
+    let shown = shown(&photo.picture);
+    let output = camera.output_space();
+    let depth = if args.bits == "16" { Depth::Sixteen } else { Depth::Eight };
+    picture::write_png(&dir.join("rendered.png"), &shown.image.converted(output)?, depth)?;
+    dng::write(&dir.join("raw.dng"), &photo.raw, &dng_info(&camera, &scene)?)?;
+    if args.stages {
+        write_stages(dir, &scene, &photo)?;
+    }
+    let metrics = metrics(args, &camera, &scene, &photo, shown.gain)?;
+    let text = serde_json::to_string_pretty(&metrics)? + "\n";
+    write::bytes(&dir.join("metrics.json"), text.as_bytes())?;
+    progress.finish();
+    if args.json {
+        return crate::print(&text);
+    }
+    let count = if args.stages { "raw.dng, metrics.json, stages.json" } else { "raw.dng, metrics.json" };
+    crate::print(&format!("{}  ({count} beside it)\n", dir.join("rendered.png").display()))
+}
+
+/// The scene, as wide as needed to lie on the sensor whole, unless its field of view was stated. Built-in scenes get at
+/// least as many samples as pixels where they have a size.
+fn scene(args: &Simulate, camera: &Camera) -> anyhow::Result<Scene> {
+    let scene = resolve::scene(&args.scene, &args.scene_options, camera.grid(), None)?;
+    if args.scene_options.fov.is_some() || args.scene.contains("fov=") {
+        return Ok(scene);
+    }
+    let (rows, cols) = (scene.radiance().rows(), scene.radiance().cols());
+    let by_height = camera.sensor.rows * cols / rows.max(1);
+    let deg = camera.field_of_view_deg(camera.sensor.cols.min(by_height).max(1), scene.distance_m())?;
+    Ok(scene.with_fov(deg)?)
+}
+
+struct Shown {
+    image: Image,
+    gain: f64,
+}
+
+/// A picture as bright as a viewer expects: all but the brightest half percent within the range of the display.
+fn shown(picture: &Image) -> Shown {
+    let mut luminance: Vec<f32> = picture.planes().plane(1).to_vec();
+    let at = ((luminance.len() - 1) as f64 * (1.0 - BRIGHT_SHARE)) as usize;
+    let (_, &mut bright, _) = luminance.select_nth_unstable_by(at, f32::total_cmp);
+    let gain = if bright > 0.0 { 1.0 / f64::from(bright) } else { 1.0 };
+    let planes = picture.planes();
+    let data = planes.data().iter().map(|&v| v * gain as f32).collect();
+    let image = Planes::new(planes.rows(), planes.cols(), 3, data)
+        .ok()
+        .and_then(|p| Image::new(picture.space(), p).ok())
+        .unwrap_or_else(|| picture.clone());
+    Shown { image, gain }
+}
+
+fn dng_info(camera: &Camera, scene: &Scene) -> anyhow::Result<DngInfo> {
+    let isp = camera.isp(scene.illuminant(), WhiteBalance::None)?;
+    Ok(DngInfo {
+        make: "Smalti".into(),
+        model: camera.description().name.clone(),
+        // The matrix holds for the light of the scene; Exif has no code for most lights, and 255 means "other".
+        color_matrix: Some(ColorMatrix { camera_from_xyz: camera.camera_from_xyz(scene.illuminant())?, light_source: 255 }),
+        as_shot_neutral: Some(isp.color_matrix.camera_white().to_vec()),
+    })
+}
+
+/// How far the picture is from what the standard observer sees through the same lens and pixels.
+fn metrics(
+    args: &Simulate,
+    camera: &Camera,
+    scene: &Scene,
+    photo: &Photograph,
+    gain: f64,
+) -> anyhow::Result<serde_json::Value> {
+    let colors = camera.isp(scene.illuminant(), WhiteBalance::None)?;
+    let measured = colors.render(&photo.raw)?;
+    let reference = camera.reference(&photo.optical_image)?;
+    // The picture's scale is that of the exposure; the reference is brought to the same mean luminance.
+    let mean = |i: &Image| i.planes().plane(1).iter().map(|&v| f64::from(v)).sum::<f64>() / i.planes().plane_len() as f64;
+    let scale = mean(&measured) / mean(&reference);
+    let white = colors.color_matrix.xyz_white();
+    let reference_planes = scaled(reference.planes(), scale)?;
+    let peak = f64::from(reference_planes.plane(1).iter().copied().fold(0.0f32, f32::max));
+    let reference = Image::new(ColorSpace::Xyz, reference_planes)?;
+    let (scielab, cpsnr) = if scale.is_finite() && scale > 0.0 {
+        let settings = Scielab::new(VIEWING_PX_PER_DEGREE, DeltaE::Cie1976);
+        // Lightness is relative to the brightest white the exposure leaves unclipped.
+        let white = white.map(|v| v * peak);
+        let score = scielab_score(&measured, &reference, white, &settings)?.mean;
+        let whole = Rect::whole(measured.rows(), measured.cols());
+        (Some(score), Some(psnr(measured.planes(), reference.planes(), whole, peak)?.color_db))
+    } else {
+        (None, None)
+    };
+    let lux = photo.optical_image.illuminance_lux()?;
+    let levels = photo.raw.normalized();
+    let share = |n: usize| 100.0 * n as f64 / levels.len() as f64;
+    Ok(json!({
+        "smalti_version": env!("CARGO_PKG_VERSION"),
+        "camera": camera.description().name,
+        "scene": {
+            "name": args.scene,
+            "mean_luminance_cd_m2": scene.mean_luminance_cd_m2()?,
+            "distance_m": scene.distance_m(),
+            "horizontal_fov_deg": scene.horizontal_fov_deg(),
+        },
+        "seed": args.camera_options.seed,
+        "noise": format!("{:?}", args.noise).to_lowercase(),
+        "exposure_time_s": photo.exposure.time_s,
+        "mean_illuminance_lux": lux.iter().map(|&v| f64::from(v)).sum::<f64>() / lux.len() as f64,
+        "raw": {
+            "rows": photo.raw.rows(),
+            "cols": photo.raw.cols(),
+            "mean_percent_of_saturation": share(1) * levels.iter().map(|&v| f64::from(v)).sum::<f64>(),
+            "saturated_percent": share(levels.iter().filter(|&&v| v >= 1.0).count()),
+        },
+        "picture": {
+            "brightness_gain": gain,
+            "scielab_mean": scielab,
+            "cpsnr_db": cpsnr,
+            "viewing_px_per_degree": VIEWING_PX_PER_DEGREE,
+        },
+        "description": camera.description(),
+    }))
+}
+
+fn scaled(planes: &Planes, factor: f64) -> anyhow::Result<Planes> {
+    let data = planes.data().iter().map(|&v| (f64::from(v) * factor) as f32).collect();
+    Ok(Planes::new(planes.rows(), planes.cols(), planes.count(), data)?)
+}
+
+/// Every stage as `.npy`, with axes and units in `stages.json`.
+fn write_stages(dir: &Path, scene: &Scene, photo: &Photograph) -> anyhow::Result<()> {
+    let cube = |name: &str, cube: &smalti::spectrum::SpectralCube, unit: &str, numbers: &[(&str, &[f64])]| {
+        let axes = [("wavelength", cube.grid().len()), ("row", cube.rows()), ("column", cube.cols())];
+        let nm: Vec<f64> = cube.grid().wavelengths_nm().collect();
+        let numbers: Vec<(&str, &[f64])> = numbers.iter().copied().chain([("wavelengths_nm", &nm[..])]).collect();
+        write_stage(dir, name, &axes, cube.planes().data(), unit, &numbers)
+    };
+    let facts: [(&str, &[f64]); 2] =
+        [("distance_m", &[scene.distance_m()]), ("horizontal_fov_deg", &[scene.horizontal_fov_deg()])];
+    cube("1-scene-radiance", scene.radiance(), "photons s^-1 m^-2 sr^-1 nm^-1", &facts)?;
+    let image = &photo.optical_image;
+    let spacing: [(&str, &[f64]); 1] = [("sample_spacing_m", &[image.sample_spacing_m()])];
+    cube("2-optical-image-irradiance", image.irradiance(), "photons s^-1 m^-2 nm^-1", &spacing)?;
+    write_raw(dir, &photo.raw)?;
+    let planes = photo.picture.planes();
+    let axes = [("XYZ", 3), ("row", planes.rows()), ("column", planes.cols())];
+    write_stage(dir, "4-picture-xyz", &axes, planes.data(), "relative, Y = 1 is the brightest white the sensor holds", &[])?;
+    Ok(())
+}
+
+fn write_raw(dir: &Path, raw: &RawImage) -> anyhow::Result<()> {
+    let axes = [("plane", raw.sampling().planes()), ("row", raw.rows()), ("column", raw.cols())];
+    let levels: [(&str, &[f64]); 2] = [("black_level", &[raw.black_level()]), ("white_level", &[raw.white_level()])];
+    match raw.samples() {
+        RawSamples::Digital(v) => write_stage(dir, "3-raw", &axes, v, "digital numbers", &levels)?,
+        RawSamples::Analog(v) => write_stage(dir, "3-raw", &axes, v, "V", &levels)?,
+    }
+    Ok(())
+}
