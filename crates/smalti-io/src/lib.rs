@@ -14,16 +14,16 @@
 //! takes memory for what a header declares before it has been compared with what the file can hold. Every writer
 //! writes to a temporary file beside the target and renames it: a target is either whole or as it was.
 
-//pub mod cache;
+pub mod cache;
 pub mod dng;
 mod error;
 pub mod exr;
 mod file;
 mod icc;
-//pub mod npy;
+pub mod npy;
 pub mod picture;
 pub mod spectrum_csv;
-//pub mod stages;
+pub mod stages;
 pub mod text;
 mod tiff_tags;
 mod wavelengths;

@@ -73,5 +73,28 @@ const LINEAR_RAW: u16 = 34892;
 /// Letters of the colour codes 0 to 6 of `CFAPlaneColor`.
 const COLOR_LETTERS: [&str; 7] = ["R", "G", "B", "C", "M", "Y", "W"];
 
+/// The code of every channel for `CFAPattern`: that of its letter where it has one of its own, else the next free
+/// from 7 on. `None` when the codes, a byte each, do not suffice.
+fn color_codes(names: &[String]) -> Option<Vec<u8>> {
+    let mut codes: Vec<u8> = Vec::with_capacity(names.len());
+    let mut free = COLOR_LETTERS.len() as u8..=u8::MAX;
+    for name in names {
+        let known = COLOR_LETTERS.iter().position(|l| *l == name).map(|c| c as u8);
+        codes.push(match known.filter(|c| !codes.contains(c)) {
+            Some(code) => code,
+            None => free.next()?,
+        });
+    }
+    Some(codes)
+}
+
+/// The channels in the order of the planes in `CFAPlaneColor`. That is the order of the codes: LibRaw takes red,
+/// green, blue in no other.
+fn plane_order(codes: &[u8]) -> Vec<usize> {
+    let mut order: Vec<usize> = (0..codes.len()).collect();
+    order.sort_by_key(|&c| codes.get(c));
+    order
+}
+
 #[cfg(test)]
 mod tests;

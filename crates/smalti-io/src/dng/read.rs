@@ -5,7 +5,9 @@ use std::path::Path;
 use smalti::sensor::{Mosaic, RawImage, RawSamples, Sampling};
 
 use super::samples::{Area, Shape, decode};
-use super::{CFA, COLOR_LETTERS, ColorMatrix, Description, Dng, DngInfo, Facts, LINEAR_RAW};
+use super::{
+    CFA, COLOR_LETTERS, ColorMatrix, Description, Dng, DngInfo, Facts, LINEAR_RAW, color_codes, plane_order,
+};
 use crate::error::At;
 use crate::tiff_tags::{self as tags, Ifd, Tiff};
 use crate::{IoError, Limits, file};
@@ -72,27 +74,41 @@ pub fn from_bytes(bytes: &[u8], path: &Path) -> Result<Dng, IoError> {
     let black = black_level(ifd, &mut notes);
     let facts =
         first.text(tags::IMAGE_DESCRIPTION).and_then(|t| serde_json::from_str::<Description>(&t).ok());
-    let facts = facts.map(|d| d.smalti).filter(|f| agrees(f, &sampling));
-    let (names, black, white) = match facts {
-        Some(f) => (f.channels, f.black_level, f.white_level),
-        None => (names, black, white),
+    let facts = facts.and_then(|d| described(d.smalti, &sampling, ifd));
+    let (sampling, names, order, black, white) = match facts {
+        Some((f, sampling, order)) => (sampling, f.channels, order, f.black_level, f.white_level),
+        None => {
+            let order = (0..sampling.channels()).collect();
+            (sampling, names, order, black, white)
+        }
     };
     let (rows, cols) = (area.bottom - area.top, area.right - area.left);
-    let channels = sampling.channels();
     let raw = RawImage::new(rows, cols, samples, sampling, names, black, white).at(path)?;
-    Ok(Dng { raw, info: info(first, channels), notes })
+    Ok(Dng { raw, info: info(first, &order), notes })
 }
 
-/// Whether the description was written for this mosaic, and not left behind by a program that changed it.
-fn agrees(facts: &Facts, sampling: &Sampling) -> bool {
-    let same_mosaic = match (sampling, &facts.mosaic) {
-        (Sampling::Full { .. }, None) => true,
+/// The sampling in the words of the description, and its channels in the order of DNG's planes. `None` where the
+/// description is not of this mosaic: left behind by a program that changed the image.
+fn described(facts: Facts, stated: &Sampling, ifd: &Ifd<'_>) -> Option<(Facts, Sampling, Vec<usize>)> {
+    if facts.channels.len() != stated.channels() {
+        return None;
+    }
+    match (stated, &facts.mosaic) {
+        (Sampling::Full { channels }, None) => Some((facts, stated.clone(), (0..*channels).collect())),
         (Sampling::Mosaic(m), Some(rows)) => {
-            rows.len() == m.rows() && rows.iter().map(Vec::as_slice).eq(m.cells().chunks(m.cols()))
+            let codes = color_codes(&facts.channels)?;
+            let cells = rows.concat();
+            let pattern: Option<Vec<u8>> =
+                cells.iter().map(|c| codes.get(usize::from(*c)).copied()).collect();
+            let same_tile = rows.len() == m.rows() && rows.iter().all(|r| r.len() == m.cols());
+            if !same_tile || pattern.as_deref() != ifd.raw(tags::CFA_PATTERN) {
+                return None;
+            }
+            let mosaic = Mosaic::new(m.rows(), m.cols(), cells).ok()?;
+            Some((facts, Sampling::Mosaic(mosaic), plane_order(&codes)))
         }
-        _ => false,
-    };
-    same_mosaic && facts.channels.len() == sampling.channels()
+        _ => None,
+    }
 }
 
 fn shape(ifd: &Ifd<'_>, path: &Path) -> Result<Shape, IoError> {
@@ -203,19 +219,23 @@ fn black_level(ifd: &Ifd<'_>, notes: &mut Vec<String>) -> f64 {
     mean
 }
 
-fn info(first: &Ifd<'_>, channels: usize) -> DngInfo {
-    let matrix = first.numbers(tags::COLOR_MATRIX_1).filter(|m| m.len() == 3 * channels);
-    let rows = matrix.map(|m| m.as_chunks::<3>().0.to_vec());
+/// Names and colour; `order` gives the channel of each of DNG's planes.
+fn info(first: &Ifd<'_>, order: &[usize]) -> DngInfo {
+    let channels = order.len();
+    let plane = |c: usize| order.iter().position(|&o| o == c);
     let light_source = first.size(tags::CALIBRATION_ILLUMINANT_1).unwrap_or(0) as u16;
-    let usable = |rows: &Vec<[f64; 3]>| rows.iter().flatten().all(|v| v.is_finite());
+    let matrix = first.numbers(tags::COLOR_MATRIX_1).filter(|m| m.len() == 3 * channels && finite(m));
+    let row = |m: &[f64], c: usize| m.as_chunks::<3>().0.get(plane(c)?).copied();
+    let matrix = matrix.and_then(|m| (0..channels).map(|c| row(&m, c)).collect());
+    let neutral = first.numbers(tags::AS_SHOT_NEUTRAL).filter(|n| n.len() == channels && finite(n));
     DngInfo {
         make: first.text(tags::MAKE).unwrap_or_default(),
         model: first.text(tags::MODEL).unwrap_or_default(),
-        color_matrix: rows
-            .filter(usable)
-            .map(|camera_from_xyz| ColorMatrix { camera_from_xyz, light_source }),
-        as_shot_neutral: first
-            .numbers(tags::AS_SHOT_NEUTRAL)
-            .filter(|n| n.len() == channels && n.iter().all(|v| v.is_finite())),
+        color_matrix: matrix.map(|camera_from_xyz| ColorMatrix { camera_from_xyz, light_source }),
+        as_shot_neutral: neutral.and_then(|n| (0..channels).map(|c| n.get(plane(c)?).copied()).collect()),
     }
+}
+
+fn finite(values: &[f64]) -> bool {
+    values.iter().all(|v| v.is_finite())
 }

@@ -20,7 +20,8 @@ fn bytes_of(raw: &RawImage, info: &DngInfo) -> Vec<u8> {
     let dir = tempfile::tempdir().unwrap();
     let path = dir.path().join("f.dng");
     write(&path, raw, info).unwrap();
-    assert_eq!(read(&path, Limits::default()).unwrap().raw, *raw);
+    let back = read(&path, Limits::default()).unwrap();
+    assert_eq!((&back.raw, &back.info), (raw, info));
     std::fs::read(&path).unwrap()
 }
 
@@ -40,7 +41,10 @@ fn every_kind_of_mosaic_reads_back_equal() {
         as_shot_neutral: Some(vec![0.5, 1.0, 0.75]),
     };
     let bayer = digital(6, 8, Mosaic::new(2, 2, vec![1, 0, 2, 1]).unwrap(), &["R", "G", "B"]);
-    assert_eq!(parse(&bytes_of(&bayer, &info)).unwrap(), Dng { raw: bayer, info, notes: vec![] });
+    assert_eq!(parse(&bytes_of(&bayer, &info)).unwrap().notes, Vec::<String>::new());
+
+    let reversed = digital(6, 8, Mosaic::new(2, 2, vec![1, 0, 2, 1]).unwrap(), &["B", "G", "R"]);
+    bytes_of(&reversed, &info);
 
     let plain = DngInfo::default();
     // Letters in another order than DNG's, letters twice, names DNG has no code for, a tile wider than the image.
@@ -72,7 +76,7 @@ fn volts_and_full_sampling_read_back_equal() {
 
 #[test]
 fn without_our_description_the_fields_of_dng_suffice() {
-    let raw = digital(4, 4, Mosaic::new(2, 2, vec![0, 1, 2, 0]).unwrap(), &["G", "R", "B"]);
+    let raw = digital(4, 4, Mosaic::new(2, 2, vec![2, 1, 0, 2]).unwrap(), &["R", "G", "B"]);
     let mut bytes = bytes_of(&raw, &DngInfo::default());
     let at = bytes.windows(6).position(|w| w == b"smalti").unwrap();
     bytes[at] = b'x';

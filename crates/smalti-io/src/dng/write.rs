@@ -6,7 +6,7 @@ use std::path::Path;
 
 use smalti::sensor::{RawImage, RawSamples, Sampling};
 
-use super::{CFA, COLOR_LETTERS, Description, DngInfo, Facts, LINEAR_RAW};
+use super::{CFA, Description, DngInfo, Facts, LINEAR_RAW, color_codes, plane_order};
 use crate::text::ascii_json;
 use crate::tiff_tags::{self as tags, Value};
 use crate::{IoError, write};
@@ -113,7 +113,10 @@ fn fields(path: &Path, raw: &RawImage, info: &DngInfo) -> Result<BTreeMap<u16, V
             fields.insert(tags::PHOTOMETRIC, Value::Short(vec![LINEAR_RAW]));
         }
         Sampling::Mosaic(mosaic) => {
-            let codes = color_codes(path, raw.channel_names())?;
+            let codes = color_codes(raw.channel_names()).ok_or_else(|| {
+                let expected = "at most 248 without a letter of DNG";
+                IoError::field(path, "channels", channels.to_string(), expected)
+            })?;
             let code = |c: &u8| codes.get(usize::from(*c)).copied().unwrap_or(0);
             let side = |n: usize| {
                 u16::try_from(n).map_err(|_| {
@@ -124,10 +127,18 @@ fn fields(path: &Path, raw: &RawImage, info: &DngInfo) -> Result<BTreeMap<u16, V
             fields.insert(tags::PHOTOMETRIC, Value::Short(vec![CFA]));
             fields.insert(tags::CFA_REPEAT_PATTERN_DIM, Value::Short(dim));
             fields.insert(tags::CFA_PATTERN, Value::Byte(mosaic.cells().iter().map(code).collect()));
-            fields.insert(tags::CFA_PLANE_COLOR, Value::Byte(codes.clone()));
+            fields.insert(
+                tags::CFA_PLANE_COLOR,
+                Value::Byte(plane_order(&codes).into_iter().filter_map(|c| codes.get(c).copied()).collect()),
+            );
             fields.insert(tags::CFA_LAYOUT, Value::Short(vec![1]));
         }
     }
+    // Rows of the matrix stand in the order of the colour planes.
+    let order = match raw.sampling() {
+        Sampling::Mosaic(_) => plane_order(&color_codes(raw.channel_names()).unwrap_or_default()),
+        Sampling::Full { channels } => (0..*channels).collect(),
+    };
     let per_channel = |field: &str, got: usize| {
         if got == channels {
             return Ok(());
@@ -141,38 +152,19 @@ fn fields(path: &Path, raw: &RawImage, info: &DngInfo) -> Result<BTreeMap<u16, V
     };
     if let Some(matrix) = &info.color_matrix {
         per_channel("color_matrix", matrix.camera_from_xyz.len())?;
-        let values = matrix.camera_from_xyz.iter().flatten().map(|&v| signed_fraction(v)).collect();
+        let rows = order.iter().filter_map(|&c| matrix.camera_from_xyz.get(c));
+        let values = rows.flatten().map(|&v| signed_fraction(v)).collect();
         fields.insert(tags::COLOR_MATRIX_1, Value::SignedRational(values));
         fields.insert(tags::CALIBRATION_ILLUMINANT_1, Value::Short(vec![matrix.light_source]));
     }
     if let Some(neutral) = &info.as_shot_neutral {
         per_channel("as_shot_neutral", neutral.len())?;
-        fields.insert(tags::AS_SHOT_NEUTRAL, Value::Rational(neutral.iter().map(|&v| fraction(v)).collect()));
+        fields.insert(
+            tags::AS_SHOT_NEUTRAL,
+            Value::Rational(order.iter().filter_map(|&c| neutral.get(c)).map(|&v| fraction(v)).collect()),
+        );
     }
     Ok(fields)
-}
-
-/// The code of every channel for `CFAPlaneColor`: that of its letter where it has one of its own, else the next
-/// free from 7 on.
-fn color_codes(path: &Path, names: &[String]) -> Result<Vec<u8>, IoError> {
-    let mut codes: Vec<u8> = Vec::with_capacity(names.len());
-    let mut next = COLOR_LETTERS.len() as u8;
-    for name in names {
-        let known = COLOR_LETTERS.iter().position(|l| *l == name).map(|c| c as u8);
-        let code = known.filter(|c| !codes.contains(c)).unwrap_or(next);
-        if code == next {
-            next = next.checked_add(1).ok_or_else(|| {
-                IoError::field(
-                    path,
-                    "channels",
-                    names.len().to_string(),
-                    "at most 248 without a letter of DNG",
-                )
-            })?;
-        }
-        codes.push(code);
-    }
-    Ok(codes)
 }
 
 fn black(level: f64, planes: usize) -> Value {

@@ -56,7 +56,9 @@ pub(super) fn decode(bytes: &[u8], path: &Path, options: &ReadOptions) -> Result
         let profile = decoder.get_tag_u8_vec(Tag::Unknown(tiff_tags::ICC_PROFILE)).ok();
         let (rows, cols) = (rows as usize, cols as usize);
         let max = |bits: u8| ((1u64 << bits.min(32)) - 1) as f32;
-        let (mut samples, float): (Vec<f32>, bool) = match decoder.read_image().map_err(wrong)? {
+        let mut decoded = DecodingResult::U8(Vec::new());
+        let layout = decoder.read_image_to_buffer(&mut decoded).map_err(wrong)?;
+        let (mut samples, float): (Vec<f32>, bool) = match decoded {
             DecodingResult::U8(v) if bits == 8 => (v.iter().map(|&x| f32::from(x) / 255.0).collect(), false),
             DecodingResult::U16(v) => (v.iter().map(|&x| f32::from(x) / max(bits)).collect(), false),
             DecodingResult::F16(v) => (v.iter().map(|x| x.to_f32()).collect(), true),
@@ -66,6 +68,11 @@ pub(super) fn decode(bytes: &[u8], path: &Path, options: &ReadOptions) -> Result
                 return Err(IoError::field(path, "BitsPerSample", bits.to_string(), expected));
             }
         };
+        if layout.planes > 1 {
+            let pixels = samples.len() / layout.planes;
+            let place = |i: usize| i % layout.planes * pixels + i / layout.planes;
+            samples = (0..samples.len()).filter_map(|i| samples.get(place(i)).copied()).collect();
+        }
         let mut notes = Vec::new();
         alpha_note(&mut notes, channels);
         let space = if float {

@@ -1,0 +1,342 @@
+//! Optical images kept on disk between runs, found by the hash of what they were computed from.
+//!
+//! A cache may lose anything at any time: what is absent, cut short or damaged is `None`, and the caller computes
+//! it again. Entries are written atomically, so that several processes may share a folder.
+
+use std::fs::{self, File};
+use std::io::{Read, Write};
+use std::path::{Path, PathBuf};
+use std::time::SystemTime;
+
+use smalti::numeric::Planes;
+use smalti::optics::OpticalImage;
+use smalti::spectrum::{SpectralCube, WavelengthGrid};
+
+use crate::{IoError, write};
+
+/// The largest size of a cache unless [`Cache::with_limit`] says otherwise, bytes.
+pub const DEFAULT_LIMIT: u64 = 2 << 30;
+
+const MAGIC: &[u8; 8] = b"SMALTIOI";
+// Part of every entry: one of another version is ignored.
+const VERSION: u32 = 1;
+const HEADER_LEN: usize = 8 + 4 + 32 + 3 * 8 + 3 * 8 + 4 + 4;
+const EXTENSION: &str = "smalti-oi";
+
+/// A 256-bit BLAKE3 hash of the canonical description of a computation.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub struct CacheKey([u8; 32]);
+
+impl std::fmt::Display for CacheKey {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        self.0.iter().try_for_each(|b| write!(f, "{b:02x}"))
+    }
+}
+
+/// Builds a key from labelled parts. Label and length of every part are hashed too: `("a", "bc")` and
+/// `("ab", "c")` differ.
+#[derive(Debug, Clone, Default)]
+pub struct KeyBuilder(blake3::Hasher);
+
+impl KeyBuilder {
+    /// A key of nothing yet. Put the version of what computes into it: a cache must not outlive a correction.
+    #[must_use]
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Adds bytes under a label.
+    pub fn bytes(&mut self, label: &str, value: &[u8]) -> &mut Self {
+        for part in [label.as_bytes(), value] {
+            self.0.update(&(part.len() as u64).to_le_bytes());
+            self.0.update(part);
+        }
+        self
+    }
+
+    /// Adds numbers under a label.
+    pub fn f64s(&mut self, label: &str, values: &[f64]) -> &mut Self {
+        let bytes: Vec<u8> = values.iter().flat_map(|v| v.to_le_bytes()).collect();
+        self.bytes(label, &bytes)
+    }
+
+    /// Adds image planes under a label.
+    pub fn f32s(&mut self, label: &str, values: &[f32]) -> &mut Self {
+        if cfg!(target_endian = "little") {
+            return self.bytes(label, bytemuck::cast_slice(values));
+        }
+        let bytes: Vec<u8> = values.iter().flat_map(|v| v.to_le_bytes()).collect();
+        self.bytes(label, &bytes)
+    }
+
+    /// The key.
+    #[must_use]
+    pub fn finish(&self) -> CacheKey {
+        CacheKey(*self.0.finalize().as_bytes())
+    }
+}
+
+/// A folder of optical images.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Cache {
+    dir: Option<PathBuf>,
+    limit_bytes: u64,
+}
+
+impl Cache {
+    /// A cache in `dir`, else in `$SMALTI_CACHE_DIR`, else in `smalti` below `$XDG_CACHE_HOME`, `~/.cache` or
+    /// `%LOCALAPPDATA%`. Without any of these it is disabled. The folder is made by the first [`Cache::put`].
+    #[must_use]
+    pub fn open(dir: Option<PathBuf>) -> Self {
+        let variable = |name: &str| std::env::var_os(name).filter(|v| !v.is_empty()).map(PathBuf::from);
+        let dir = dir
+            .or_else(|| variable("SMALTI_CACHE_DIR"))
+            .or_else(|| variable("XDG_CACHE_HOME").map(|d| d.join("smalti")))
+            .or_else(|| variable("HOME").map(|d| d.join(".cache").join("smalti")))
+            .or_else(|| variable("LOCALAPPDATA").map(|d| d.join("smalti")));
+        Self { dir, limit_bytes: DEFAULT_LIMIT }
+    }
+
+    /// A cache that keeps nothing.
+    #[must_use]
+    pub fn disabled() -> Self {
+        Self { dir: None, limit_bytes: 0 }
+    }
+
+    /// The same cache, holding at most `limit_bytes`.
+    #[must_use]
+    pub fn with_limit(self, limit_bytes: u64) -> Self {
+        Self { limit_bytes, ..self }
+    }
+
+    /// The folder; `None` when disabled.
+    #[must_use]
+    pub fn dir(&self) -> Option<&Path> {
+        self.dir.as_deref()
+    }
+
+    fn path(&self, key: &CacheKey) -> Option<PathBuf> {
+        self.dir.as_ref().map(|d| d.join(format!("{key}.{EXTENSION}")))
+    }
+
+    /// The image of that key, bit for bit as it was put; `None` when it is absent or damaged.
+    #[must_use]
+    pub fn get(&self, key: &CacheKey) -> Option<OpticalImage> {
+        let mut file = File::open(self.path(key)?).ok()?;
+        let mut header = [0; HEADER_LEN];
+        file.read_exact(&mut header).ok()?;
+        let header = Header::parse(&header, key)?;
+        // Before memory is taken, the file must have the length its header asks for.
+        let values = header.rows.checked_mul(header.cols)?.checked_mul(header.grid.len())?;
+        let expected = (values as u64).checked_mul(4)?.checked_add(HEADER_LEN as u64)?;
+        if file.metadata().ok()?.len() != expected {
+            return None;
+        }
+        let mut data = vec![0f32; values];
+        let bytes: &mut [u8] = bytemuck::cast_slice_mut(&mut data);
+        file.read_exact(bytes).ok()?;
+        if crc32fast::hash(bytes) != header.checksum {
+            return None;
+        }
+        for v in &mut data {
+            *v = f32::from_bits(u32::from_le(v.to_bits()));
+        }
+        let planes = Planes::new(header.rows, header.cols, header.grid.len(), data).ok()?;
+        let cube = SpectralCube::new(header.grid, planes).ok()?;
+        // The time of the last use decides what goes first. A file system without it only forgets less wisely.
+        let _ = File::options()
+            .append(true)
+            .open(self.path(key)?)
+            .and_then(|f| f.set_modified(SystemTime::now()));
+        OpticalImage::new(cube, header.sample_spacing_m).ok()
+    }
+
+    /// Keeps an image, and removes those not used for longest until the cache is within its limit. An image larger
+    /// than the limit is not kept; a disabled cache does nothing.
+    ///
+    /// # Errors
+    /// When the folder or file cannot be written.
+    pub fn put(&self, key: &CacheKey, image: &OpticalImage) -> Result<(), IoError> {
+        let (Some(dir), Some(path)) = (&self.dir, self.path(key)) else { return Ok(()) };
+        let cube = image.irradiance();
+        let data = cube.planes().data();
+        let size = (data.len() as u64).saturating_mul(4).saturating_add(HEADER_LEN as u64);
+        if size > self.limit_bytes {
+            return Ok(());
+        }
+        fs::create_dir_all(dir).map_err(|source| IoError::Write { path: dir.clone(), source })?;
+        let swapped: Vec<f32>;
+        let data = if cfg!(target_endian = "little") {
+            data
+        } else {
+            swapped = data.iter().map(|v| f32::from_bits(v.to_bits().to_le())).collect();
+            &swapped
+        };
+        let bytes: &[u8] = bytemuck::cast_slice(data);
+        let header = Header {
+            rows: cube.rows(),
+            cols: cube.cols(),
+            grid: cube.grid(),
+            sample_spacing_m: image.sample_spacing_m(),
+            checksum: crc32fast::hash(bytes),
+        };
+        self.evict(dir, &path, self.limit_bytes - size);
+        write::atomic(&path, |out| {
+            out.write_all(&header.bytes(key))
+                .and_then(|()| out.write_all(bytes))
+                .map_err(|source| IoError::Write { path: path.clone(), source })
+        })
+    }
+
+    /// Removes the entries (and temporary files of processes that died) not used for longest, beside `kept`, until
+    /// at most `bytes` are left. What cannot be removed stays: another process may have been faster.
+    fn evict(&self, dir: &Path, kept: &Path, bytes: u64) {
+        let Ok(listing) = fs::read_dir(dir) else { return };
+        let mut entries: Vec<(SystemTime, u64, PathBuf)> = listing
+            .flatten()
+            .map(|e| (e.path(), e.metadata()))
+            .filter(|(path, _)| path.to_string_lossy().contains(EXTENSION) && path != kept)
+            .filter_map(|(path, metadata)| {
+                let metadata = metadata.ok().filter(fs::Metadata::is_file)?;
+                Some((metadata.modified().unwrap_or(SystemTime::UNIX_EPOCH), metadata.len(), path))
+            })
+            .collect();
+        entries.sort();
+        let mut total: u64 = entries.iter().map(|(_, len, _)| len).sum();
+        for (_, len, path) in entries {
+            if total <= bytes {
+                break;
+            }
+            let _ = fs::remove_file(path);
+            total -= len;
+        }
+    }
+}
+
+struct Header {
+    rows: usize,
+    cols: usize,
+    grid: WavelengthGrid,
+    sample_spacing_m: f64,
+    /// CRC-32 of the values: it finds damage, not malice.
+    checksum: u32,
+}
+
+impl Header {
+    fn bytes(&self, key: &CacheKey) -> Vec<u8> {
+        let mut out = MAGIC.to_vec();
+        out.extend(VERSION.to_le_bytes());
+        out.extend(key.0);
+        for n in [self.rows, self.cols, self.grid.len()] {
+            out.extend((n as u64).to_le_bytes());
+        }
+        for v in [self.grid.start_nm(), self.grid.step_nm(), self.sample_spacing_m] {
+            out.extend(v.to_le_bytes());
+        }
+        out.extend(self.checksum.to_le_bytes());
+        let own = crc32fast::hash(&out);
+        out.extend(own.to_le_bytes());
+        out
+    }
+
+    fn parse(bytes: &[u8; HEADER_LEN], key: &CacheKey) -> Option<Self> {
+        let (body, own) = bytes.split_last_chunk::<4>()?;
+        if crc32fast::hash(body) != u32::from_le_bytes(*own) {
+            return None;
+        }
+        let rest = body.strip_prefix(MAGIC)?.strip_prefix(&VERSION.to_le_bytes())?.strip_prefix(&key.0)?;
+        let (numbers, rest) = rest.as_chunks::<8>();
+        let [rows, cols, count, start_nm, step_nm, spacing] = numbers.first_chunk::<6>()?;
+        let size = |b: &[u8; 8]| usize::try_from(u64::from_le_bytes(*b)).ok();
+        let float = |b: &[u8; 8]| f64::from_le_bytes(*b);
+        Some(Self {
+            rows: size(rows)?,
+            cols: size(cols)?,
+            grid: WavelengthGrid::new(float(start_nm), float(step_nm), size(count)?).ok()?,
+            sample_spacing_m: float(spacing),
+            checksum: u32::from_le_bytes(*rest.first_chunk()?),
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn image(rows: usize, cols: usize, value: f32) -> OpticalImage {
+        let grid = WavelengthGrid::new(400.0, 100.0 / 3.0, 4).unwrap();
+        let data = (0..rows * cols * 4).map(|i| value + i as f32).collect();
+        let planes = Planes::new(rows, cols, 4, data).unwrap();
+        OpticalImage::new(SpectralCube::new(grid, planes).unwrap(), 1.1e-6).unwrap()
+    }
+
+    fn key(text: &str) -> CacheKey {
+        KeyBuilder::new().bytes("test", text.as_bytes()).finish()
+    }
+
+    #[test]
+    fn an_image_comes_back_equal_and_another_key_finds_nothing() {
+        let dir = tempfile::tempdir().unwrap();
+        let cache = Cache::open(Some(dir.path().join("deep/cache")));
+        assert_eq!(cache.get(&key("a")), None);
+        cache.put(&key("a"), &image(5, 7, 0.1)).unwrap();
+        assert_eq!(cache.get(&key("a")).unwrap(), image(5, 7, 0.1));
+        assert_eq!(cache.get(&key("b")), None);
+        let disabled = Cache::disabled();
+        disabled.put(&key("a"), &image(5, 7, 0.1)).unwrap();
+        assert_eq!(disabled.get(&key("a")), None);
+    }
+
+    #[test]
+    fn labels_and_lengths_are_part_of_the_key() {
+        let of = |parts: &[(&str, &[u8])]| {
+            parts.iter().fold(KeyBuilder::new(), |mut k, (l, v)| k.bytes(l, v).clone()).finish()
+        };
+        assert_ne!(of(&[("a", b"bc")]), of(&[("ab", b"c")]));
+        assert_ne!(of(&[("a", b"b"), ("c", b"d")]), of(&[("a", b"bcd")]));
+        assert_eq!(
+            KeyBuilder::new().f32s("x", &[1.5]).finish(),
+            KeyBuilder::new().bytes("x", &1.5f32.to_le_bytes()).finish()
+        );
+    }
+
+    #[test]
+    fn any_damage_is_found_and_mended() {
+        let dir = tempfile::tempdir().unwrap();
+        let cache = Cache::open(Some(dir.path().to_owned()));
+        let k = key("a");
+        cache.put(&k, &image(2, 3, 0.1)).unwrap();
+        let path = cache.path(&k).unwrap();
+        let good = fs::read(&path).unwrap();
+        for i in 0..good.len() {
+            let mut bad = good.clone();
+            bad[i] ^= 0x10;
+            fs::write(&path, &bad).unwrap();
+            assert_eq!(cache.get(&k), None, "byte {i}");
+        }
+        for cut in [0, 10, HEADER_LEN, good.len() - 1] {
+            fs::write(&path, &good[..cut]).unwrap();
+            assert_eq!(cache.get(&k), None, "cut at {cut}");
+        }
+        cache.put(&k, &image(2, 3, 0.1)).unwrap();
+        assert_eq!(cache.get(&k).unwrap(), image(2, 3, 0.1));
+    }
+
+    #[test]
+    fn the_least_recently_used_goes_first() {
+        let dir = tempfile::tempdir().unwrap();
+        let one = (HEADER_LEN + 4 * 4 * 100) as u64;
+        let cache = Cache::open(Some(dir.path().to_owned())).with_limit(3 * one);
+        for name in ["a", "b", "c"] {
+            cache.put(&key(name), &image(10, 10, 1.0)).unwrap();
+            std::thread::sleep(std::time::Duration::from_millis(15));
+        }
+        assert!(cache.get(&key("a")).is_some());
+        cache.put(&key("d"), &image(10, 10, 1.0)).unwrap();
+        let there: Vec<bool> = ["a", "b", "c", "d"].iter().map(|n| cache.get(&key(n)).is_some()).collect();
+        assert_eq!(there, [true, false, true, true]);
+        cache.put(&key("big"), &image(40, 40, 1.0)).unwrap();
+        assert!(cache.get(&key("big")).is_none());
+        assert!(cache.get(&key("d")).is_some());
+    }
+}

@@ -1,0 +1,220 @@
+//! NumPy's `.npy` (format 1.0 and 2.0): little-endian `f4`, `f8`, `u2` in C order.
+
+use std::io::Write;
+use std::path::Path;
+
+use crate::{IoError, Limits, file, write};
+
+const MAGIC: &[u8; 6] = b"\x93NUMPY";
+// NumPy aligns the data so that they can be mapped into memory.
+const ALIGNMENT: usize = 64;
+
+/// A type of element.
+pub trait Element: Copy + sealed::Sealed {
+    /// How NumPy calls it.
+    const DESCR: &'static str;
+    #[doc(hidden)]
+    fn extend(self, out: &mut Vec<u8>);
+}
+
+mod sealed {
+    pub trait Sealed {}
+}
+
+macro_rules! element {
+    ($($t:ty => $descr:literal),*) => {$(
+        impl sealed::Sealed for $t {}
+        impl Element for $t {
+            const DESCR: &'static str = $descr;
+            fn extend(self, out: &mut Vec<u8>) {
+                out.extend_from_slice(&self.to_le_bytes());
+            }
+        }
+    )*};
+}
+element!(f32 => "<f4", f64 => "<f8", u16 => "<u2");
+
+/// The elements of an array.
+#[derive(Debug, Clone, PartialEq)]
+pub enum NpyData {
+    /// `<f4`.
+    F32(Vec<f32>),
+    /// `<f8`.
+    F64(Vec<f64>),
+    /// `<u2`.
+    U16(Vec<u16>),
+}
+
+/// An array: its elements in C order (the last index runs fastest).
+#[derive(Debug, Clone, PartialEq)]
+pub struct NpyArray {
+    /// Length of every axis; none for a single number.
+    pub shape: Vec<usize>,
+    /// As many elements as the shape asks for.
+    pub data: NpyData,
+}
+
+/// Writes an array in C order.
+///
+/// # Errors
+/// When the number of elements is not that of the shape, or the file cannot be written.
+pub fn write<T: Element>(path: &Path, shape: &[usize], data: &[T]) -> Result<(), IoError> {
+    if shape.iter().try_fold(1usize, |p, &n| p.checked_mul(n)) != Some(data.len()) {
+        let found = format!("{shape:?}");
+        return Err(IoError::field(path, "shape", found, format!("a shape of {} elements", data.len())));
+    }
+    let mut axes: String = shape.iter().map(|n| format!("{n}, ")).collect();
+    // A tuple of one keeps its comma.
+    if shape.len() > 1 {
+        axes.truncate(axes.len() - 2);
+    }
+    let mut header =
+        format!("{{'descr': '{}', 'fortran_order': False, 'shape': ({}), }}", T::DESCR, axes.trim_end());
+    let unpadded = MAGIC.len() + 4 + header.len() + 1;
+    header.push_str(&" ".repeat(unpadded.next_multiple_of(ALIGNMENT) - unpadded));
+    header.push('\n');
+    let length = u16::try_from(header.len())
+        .map_err(|_| IoError::field(path, "shape", format!("{} axes", shape.len()), "fewer axes"))?;
+    write::atomic(path, |out| {
+        let io = |source| IoError::Write { path: path.to_owned(), source };
+        out.write_all(MAGIC).map_err(io)?;
+        out.write_all(&[1, 0]).map_err(io)?;
+        out.write_all(&length.to_le_bytes()).map_err(io)?;
+        out.write_all(header.as_bytes()).map_err(io)?;
+        let mut bytes = Vec::with_capacity(1 << 16);
+        for chunk in data.chunks(1 << 13) {
+            bytes.clear();
+            chunk.iter().for_each(|v| v.extend(&mut bytes));
+            out.write_all(&bytes).map_err(io)?;
+        }
+        Ok(())
+    })
+}
+
+/// Reads an array of `f4`, `f8` or `u2`, little-endian, in C order.
+///
+/// # Errors
+/// When the file cannot be read, is not an `.npy`, holds another type or order, or its length is not that of its
+/// shape.
+pub fn read(path: &Path, limits: Limits) -> Result<NpyArray, IoError> {
+    from_bytes(&file::read(path, limits.file_bytes)?, path)
+}
+
+/// As [`read`], from memory; `path` is only named.
+///
+/// # Errors
+/// As [`read`].
+pub fn from_bytes(bytes: &[u8], path: &Path) -> Result<NpyArray, IoError> {
+    let not_npy =
+        || IoError::UnknownFormat { path: path.to_owned(), expected: "a NumPy .npy file of format 1 or 2" };
+    let rest = bytes.strip_prefix(MAGIC).ok_or_else(not_npy)?;
+    let (length, rest) = match rest {
+        [1, _, a, b, rest @ ..] => (usize::from(u16::from_le_bytes([*a, *b])), rest),
+        [2, _, a, b, c, d, rest @ ..] => (u32::from_le_bytes([*a, *b, *c, *d]) as usize, rest),
+        _ => return Err(not_npy()),
+    };
+    let (header, data) = rest.split_at_checked(length).ok_or_else(not_npy)?;
+    let header = std::str::from_utf8(header).map_err(|_| not_npy())?;
+
+    let descr = value(header, "descr").unwrap_or("absent");
+    if value(header, "fortran_order").is_none_or(|v| !v.starts_with("False")) {
+        return Err(IoError::field(path, "fortran_order", "not False", "False: elements in C order"));
+    }
+    let shape = shape(header).ok_or_else(|| IoError::field(path, "shape", header, "a tuple of lengths"))?;
+    let size = match descr.get(..5) {
+        Some("'<f4'") => 4,
+        Some("'<f8'") => 8,
+        Some("'<u2'") => 2,
+        _ => {
+            let found = descr.split(',').next().unwrap_or_default();
+            return Err(IoError::field(path, "descr", found, "'<f4', '<f8' or '<u2'"));
+        }
+    };
+    let need = shape.iter().try_fold(size, |p: usize, &n| p.checked_mul(n)).unwrap_or(usize::MAX);
+    if need > data.len() {
+        let (need, have) = (need as u64, data.len() as u64);
+        return Err(IoError::Truncated { path: path.to_owned(), what: "the array", need, have });
+    }
+    if need < data.len() {
+        let found = format!("{} bytes long", data.len());
+        return Err(IoError::field(path, "the data", found, format!("{need} bytes for the shape {shape:?}")));
+    }
+    let data = match size {
+        2 => NpyData::U16(data.as_chunks().0.iter().map(|b| u16::from_le_bytes(*b)).collect()),
+        4 => NpyData::F32(data.as_chunks().0.iter().map(|b| f32::from_le_bytes(*b)).collect()),
+        _ => NpyData::F64(data.as_chunks().0.iter().map(|b| f64::from_le_bytes(*b)).collect()),
+    };
+    Ok(NpyArray { shape, data })
+}
+
+/// What stands behind a key of the header, a Python dictionary in one line.
+fn value<'a>(header: &'a str, key: &str) -> Option<&'a str> {
+    let (_, rest) = header.split_once(&format!("'{key}'"))?;
+    rest.trim_start().strip_prefix(':').map(str::trim_start)
+}
+
+fn shape(header: &str) -> Option<Vec<usize>> {
+    let (tuple, _) = value(header, "shape")?.strip_prefix('(')?.split_once(')')?;
+    tuple.split(',').map(str::trim).filter(|n| !n.is_empty()).map(|n| n.parse().ok()).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    fn bytes_of<T: Element>(shape: &[usize], data: &[T]) -> Vec<u8> {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("a.npy");
+        write(&path, shape, data).unwrap();
+        std::fs::read(path).unwrap()
+    }
+
+    #[test]
+    fn the_header_is_that_of_numpy() {
+        let bytes = bytes_of(&[2, 3], &[0f32; 6]);
+        assert_eq!(bytes.len(), 128 + 24);
+        assert!(bytes[10..].starts_with(b"{'descr': '<f4', 'fortran_order': False, 'shape': (2, 3), }  "));
+        assert_eq!(bytes[127], b'\n');
+        assert!(bytes_of(&[6], &[0u16; 6]).windows(14).any(|w| w == b"'shape': (6,),"));
+        assert!(bytes_of(&[], &[0f64]).windows(12).any(|w| w == b"'shape': (),"));
+    }
+
+    #[test]
+    fn what_is_not_read_is_said() {
+        let path = Path::new("a.npy");
+        let error = |b: &[u8]| from_bytes(b, path).unwrap_err().to_string();
+        assert!(error(b"x").contains("a NumPy .npy file"));
+        let good = bytes_of(&[2, 3], &[0f32; 6]);
+        assert!(error(&good[..140]).contains("the array needs 24 bytes, but the file has 12"));
+        let text = |from: &str, to: &str| {
+            let at = good.windows(from.len()).position(|w| w == from.as_bytes()).unwrap();
+            let mut b = good.clone();
+            b[at..at + from.len()].copy_from_slice(to.as_bytes());
+            error(&b)
+        };
+        assert!(text("<f4", ">f4").contains("descr is '>f4'; expected '<f4', '<f8' or '<u2'"));
+        assert!(text("False", "True ").contains("C order"));
+        assert!(text("(2, 3)", "(2, 2)").contains("24 bytes long; expected 16 bytes"));
+        assert!(write(path, &[4], &[1u16; 3]).unwrap_err().to_string().contains("a shape of 3 elements"));
+    }
+
+    proptest! {
+        #[test]
+        fn arrays_read_back_equal((r, c) in (0usize..6, 0usize..6), seed in any::<u32>()) {
+            let floats: Vec<f32> = (0..r * c).map(|i| f32::from_bits((seed ^ i as u32) & 0x7f7f_ffff)).collect();
+            let back = from_bytes(&bytes_of(&[r, c], &floats), Path::new("a")).unwrap();
+            prop_assert_eq!(back, NpyArray { shape: vec![r, c], data: NpyData::F32(floats) });
+        }
+
+        #[test]
+        fn mutated_and_random_files_are_read_or_refused(at in any::<prop::sample::Index>(), v in any::<u8>(), rest in prop::collection::vec(any::<u8>(), 0..200)) {
+            let mut bytes = bytes_of(&[2, 3], &[0f32; 6]);
+            let i = at.index(bytes.len());
+            bytes[i] = v;
+            let _ = from_bytes(&bytes, Path::new("a"));
+            let _ = from_bytes(&[MAGIC, &rest[..]].concat(), Path::new("a"));
+        }
+    }
+}
