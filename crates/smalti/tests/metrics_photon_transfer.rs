@@ -1,5 +1,5 @@
 //! A simulated sensor is measured, and what was put in comes back.
-#![allow(missing_docs)]
+#![allow(missing_docs, clippy::unwrap_used)]
 
 use std::f64::consts::PI;
 

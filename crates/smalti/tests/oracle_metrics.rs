@@ -1,5 +1,5 @@
 //! Metrics against ISETCam's.
-#![allow(missing_docs)]
+#![allow(missing_docs, clippy::unwrap_used)]
 
 #[allow(unreachable_pub)]
 mod common;
@@ -8,8 +8,11 @@ use common::{assert_close, numbers, oracle, oracle_csv, oracle_json};
 use smalti::color::DeltaE;
 use smalti::metrics::Rect;
 use smalti::metrics::color_accuracy::{LabWhite, color_accuracy};
-use smalti::metrics::esfr::{EsfrOptions, ISETCAM_LUMINANCE_WEIGHTS, picture_sfr};
+use smalti::metrics::esfr::{
+    EsfrOptions, ISETCAM_LUMINANCE_WEIGHTS, find_edge_region, picture_sfr, raw_channel_sfr,
+};
 use smalti::numeric::Planes;
+use smalti::sensor::{Mosaic, RawImage, RawSamples, Sampling};
 
 const CASES: [&str; 7] = ["nikonD100", "isetRGB", "g3a", "g4a", "g5a", "g6a", "g7a"];
 
@@ -98,5 +101,35 @@ fn color_accuracy_of_all_cases() {
             let own = color_accuracy(&measured, &reference, 3, LabWhite::Own).unwrap().delta_e_76;
             assert_close(&what("own white"), &own.per_patch, &numbers(&want["dE1976_ownwhite"]), 1e-4);
         }
+    }
+}
+
+/// The region is found on the picture and on a raw channel; both see one edge of slope 3:7.
+#[test]
+fn the_bar_is_found_and_its_mosaic_measured() {
+    let Some(volts) = oracle_csv("sensor_bar_volts_noisefree_nikonD100.csv") else { return };
+    let (rows, cols) = (volts.len(), volts[0].len());
+    let data: Vec<f32> = volts.iter().flatten().map(|&v| v as f32).collect();
+    // Means of 2 × 2 cells: a small picture without a mosaic.
+    let cell = |i: usize| {
+        let (y, x) = (2 * (i / (cols / 2)), 2 * (i % (cols / 2)));
+        (data[y * cols + x]
+            + data[y * cols + x + 1]
+            + data[(y + 1) * cols + x]
+            + data[(y + 1) * cols + x + 1])
+            / 4.0
+    };
+    let small = Planes::new(rows / 2, cols / 2, 1, (0..(rows / 2) * (cols / 2)).map(cell).collect()).unwrap();
+    let found = find_edge_region(&small, 0).unwrap();
+    eprintln!("{rows} × {cols}: {found:?}");
+    let bayer = Mosaic::new(2, 2, vec![1, 0, 2, 1]).unwrap();
+    let names = ["R", "G", "B"].map(String::from).to_vec();
+    let raw = RawImage::new(rows, cols, RawSamples::Analog(data), Sampling::Mosaic(bayer), names, 0.0, 1.0);
+    let raw = raw.unwrap();
+    let rect = Rect { row: 2 * found.row, col: 2 * found.col, rows: 2 * found.rows, cols: 2 * found.cols };
+    for channel in 0..3 {
+        let sfr = raw_channel_sfr(&raw, channel, rect, &EsfrOptions::default()).unwrap();
+        eprintln!("{channel} {:?} {} {}", sfr.mtf50_cy_per_mm(2.8e-6), sfr.edge_angle_deg, sfr.contrast);
+        assert!((sfr.edge_angle_deg.abs() - (3f64 / 7.0).atan().to_degrees()).abs() < 0.3);
     }
 }

@@ -122,6 +122,35 @@ mod tests {
         assert!(r.delta_e_76.mean <= r.delta_e_76.max);
     }
 
+    /// Four patches of a case of ISETCam (true display model), in its order: the first column of the
+    /// chart, white last. Its CIE 1994 takes the measured colour for the standard and is left out.
+    #[test]
+    fn isetcam_scores_alike() {
+        let reference = [
+            [14.559363638404493, 12.80967814876669, 7.72241697263944],
+            [45.268065052940045, 36.903060446110935, 7.501173892707602],
+            [10.49101522724143, 8.32095446318704, 33.288980253726166],
+            [95.60563350083007, 100.0, 97.91107939625356],
+        ];
+        let measured = [
+            [14.944634698804155, 13.076617798099655, 8.020924710085842],
+            [45.02628066145714, 36.7880233078866, 7.493890556407223],
+            [9.84892995579425, 8.151865193286408, 31.98512570448407],
+            [95.2315303782242, 100.0, 97.38658843859672],
+        ];
+        let r = color_accuracy(&measured, &reference, 3, LabWhite::Reference).unwrap();
+        let check = |got: &PatchDifferences, expected: [f64; 4]| {
+            for (g, e) in got.per_patch.iter().zip(expected) {
+                assert!((g - e).abs() < 1e-6, "{g}, expected {e}");
+            }
+        };
+        check(&r.delta_e_76, [0.8212436778867107, 0.35497208516444323, 3.731077170760853, 0.744595492986193]);
+        check(
+            &r.delta_e_2000,
+            [0.731423565915419, 0.1709686578101885, 1.834276705562981, 1.0189065019062236],
+        );
+    }
+
     #[test]
     fn what_cannot_be_compared_is_refused() {
         let run = |m: &[[f64; 3]], white| color_accuracy(m, &CHART, white, LabWhite::Own).unwrap_err();

@@ -13,6 +13,7 @@
 //! Sums run in one fixed order, so a result has the same bits whatever the number of threads.
 
 pub mod aliasing;
+mod catalog;
 pub mod color_accuracy;
 pub mod dynamic_range;
 mod error;
@@ -24,5 +25,6 @@ pub mod psnr;
 pub mod snr;
 pub mod visual_snr;
 
+pub use catalog::{Better, CATALOG, MetricInfo};
 pub use error::MetricError;
 pub use patch::{Rect, patch_means};

@@ -1,0 +1,191 @@
+//! The metrics there are, for lists and reports.
+
+/// Which way a metric improves.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Better {
+    /// Smaller is better.
+    Lower,
+    /// Larger is better.
+    Higher,
+    /// A property, neither good nor bad in itself.
+    Neither,
+}
+
+/// One metric.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct MetricInfo {
+    /// Its name in results.
+    pub name: &'static str,
+    /// Its unit.
+    pub unit: &'static str,
+    /// Which way it improves.
+    pub better: Better,
+    /// What it says, in a sentence.
+    pub doc: &'static str,
+    /// The standard or paper that defines it.
+    pub source: &'static str,
+}
+
+const fn metric(
+    name: &'static str,
+    unit: &'static str,
+    better: Better,
+    doc: &'static str,
+    source: &'static str,
+) -> MetricInfo {
+    MetricInfo { name, unit, better, doc, source }
+}
+
+use Better::{Higher, Lower, Neither};
+
+/// All metrics, by what they measure: colour, detail, noise, distance from a reference, sensor.
+pub const CATALOG: &[MetricInfo] = &[
+    metric(
+        "delta_e_76",
+        "ΔE*ab",
+        Lower,
+        "Colour difference of chart patches, the distance in CIELAB; white patches scaled to Y = 100.",
+        "ISO/CIE 11664-4:2019",
+    ),
+    metric(
+        "delta_e_94",
+        "ΔE*94",
+        Lower,
+        "Colour difference of chart patches, chroma and hue weighted for graphic arts.",
+        "CIE 116-1995",
+    ),
+    metric(
+        "delta_e_2000",
+        "ΔE00",
+        Lower,
+        "Colour difference of chart patches as large as it is seen.",
+        "ISO/CIE 11664-6:2014",
+    ),
+    metric(
+        "scielab_mean",
+        "ΔE",
+        Lower,
+        "Mean colour difference from a reference picture after the blur of the eye at the viewing distance.",
+        "Zhang & Wandell 1997",
+    ),
+    metric(
+        "mtf50_cy_per_px",
+        "cycles/pixel",
+        Higher,
+        "Frequency at which a slanted edge keeps half of its contrast.",
+        "ISO 12233 e-SFR",
+    ),
+    metric(
+        "mtf50_cy_per_mm",
+        "cycles/mm",
+        Higher,
+        "The same on the sensor, with its pixel pitch.",
+        "ISO 12233 e-SFR",
+    ),
+    metric(
+        "esfr_aliasing_percent",
+        "%",
+        Lower,
+        "Area under the edge response from half a cycle per pixel upwards.",
+        "ISETCam ISO12233",
+    ),
+    metric(
+        "aliasing_percent",
+        "%",
+        Lower,
+        "Energy of a picture that no linear transfer of an alias-free reference explains; luminance plus colour.",
+        "defined by smalti, see metrics::aliasing",
+    ),
+    metric(
+        "luminance_noise_percent",
+        "%",
+        Lower,
+        "Standard deviation over mean of luminance on grey patches.",
+        "ISETCam, after ISO 15739",
+    ),
+    metric("snr_db", "dB", Higher, "Mean over standard deviation of a uniform patch.", "ISO 15739:2023"),
+    metric(
+        "visual_snr",
+        "1/ΔE*ab",
+        Higher,
+        "Reciprocal of the standard deviation of a uniform patch in S-CIELAB.",
+        "Farrell et al. 2010",
+    ),
+    metric("psnr_db", "dB", Higher, "Peak over RMS difference from a reference, per plane.", "common use"),
+    metric(
+        "cpsnr_db",
+        "dB",
+        Higher,
+        "Peak over RMS difference from a reference, over all planes.",
+        "common use in demosaicking",
+    ),
+    metric(
+        "dynamic_range_db",
+        "dB",
+        Higher,
+        "Saturation over the signal that equals its noise.",
+        "EMVA 1288 release 4.0 Linear",
+    ),
+    metric(
+        "dynamic_range_stops",
+        "stops",
+        Higher,
+        "The same in powers of two.",
+        "EMVA 1288 release 4.0 Linear",
+    ),
+    metric(
+        "gain_dn_per_e",
+        "DN/e⁻",
+        Neither,
+        "System gain, the slope of temporal variance over mean.",
+        "EMVA 1288 release 4.0 Linear",
+    ),
+    metric(
+        "dark_noise_e",
+        "e⁻",
+        Lower,
+        "Temporal noise in the dark without that of quantisation.",
+        "EMVA 1288 release 4.0 Linear",
+    ),
+    metric(
+        "saturation_e",
+        "e⁻",
+        Higher,
+        "Signal at the largest temporal variance.",
+        "EMVA 1288 release 4.0 Linear",
+    ),
+    metric(
+        "prnu_percent",
+        "%",
+        Lower,
+        "Spatial standard deviation of the photoresponse.",
+        "EMVA 1288 release 4.0 Linear",
+    ),
+    metric(
+        "dsnu_e",
+        "e⁻",
+        Lower,
+        "Spatial standard deviation of the dark signal.",
+        "EMVA 1288 release 4.0 Linear",
+    ),
+    metric(
+        "linearity_error_percent",
+        "%",
+        Lower,
+        "Mean deviation of the signal from a straight line over exposure.",
+        "EMVA 1288 release 4.0 Linear",
+    ),
+];
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_are_unique_and_everything_is_said() {
+        for (i, m) in CATALOG.iter().enumerate() {
+            assert!(CATALOG[..i].iter().all(|n| n.name != m.name), "{} appears twice", m.name);
+            assert!(!m.name.is_empty() && !m.unit.is_empty() && m.doc.ends_with('.') && !m.source.is_empty());
+        }
+    }
+}
