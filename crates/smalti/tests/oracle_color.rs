@@ -24,14 +24,14 @@ fn lab_and_differences() {
     // 1e-4 of the largest coordinate. ISETCam rounds (6/29)³ to 0.008856, these colours lie above it.
     assert_close("Lab 1", lab1.as_flattened(), &numbers(&o["lab1"]), 1e-6);
     assert_close("Lab 2", lab2.as_flattened(), &numbers(&o["lab2"]), 1e-6);
-    let formulas: [(&str, fn([f64; 3], [f64; 3]) -> f64); 3] =
-        [("dE76", delta_e_76), ("dE94", delta_e_94), ("dE00", delta_e_2000)];
+    type Formula = fn([f64; 3], [f64; 3]) -> f64;
+    let formulas: [(&str, Formula); 3] = [("dE76", delta_e_76), ("dE94", delta_e_94), ("dE00", delta_e_2000)];
     for (key, formula) in formulas {
         let got: Vec<f64> = lab1.iter().zip(&lab2).map(|(a, b)| formula(*a, *b)).collect();
         assert_close(key, &got, &numbers(&o[key]), 1e-6);
     }
     let (sharma1, sharma2) = (triples(&o["sharma_lab1"]), triples(&o["sharma_lab2"]));
-    for (key, formula) in [("sharma_dE00", delta_e_2000 as fn(_, _) -> _), ("sharma_dE94", delta_e_94)] {
+    for (key, formula) in [("sharma_dE00", delta_e_2000 as Formula), ("sharma_dE94", delta_e_94)] {
         let got: Vec<f64> = sharma1.iter().zip(&sharma2).map(|(a, b)| formula(*a, *b)).collect();
         assert_close(key, &got, &numbers(&o[key]), 1e-6);
     }
