@@ -1,6 +1,7 @@
 //! Colour against the reference values of ISETCam.
 #![allow(clippy::unwrap_used)]
 
+#[allow(unreachable_pub)] // shared by all tests of the folder
 mod common;
 
 use common::{assert_close, numbers, oracle_csv, oracle_json};
@@ -68,6 +69,31 @@ fn pictures() -> [Image; 2] {
     data.map(|d| Image::new(ColorSpace::Xyz, Planes::new(N, N, 3, d).unwrap()).unwrap())
 }
 
+/// Kernels, opponent colours and borders as ISETCam has them.
+fn isetcam(formula: DeltaE) -> Scielab {
+    Scielab {
+        kernels: KernelWidth::Isetcam,
+        opponent: Opponent::Degrees10,
+        boundary: Boundary::Periodic,
+        ..Scielab::new(60.0, formula)
+    }
+}
+
+/// The means of ISETCam (May 2021) stand here, so that this bites without the reference values.
+#[test]
+fn scielab_means() {
+    let [reference, test] = pictures();
+    for (formula, expected) in [
+        (DeltaE::Cie1976, 2.887909773352255),
+        (DeltaE::Cie1994, 2.8163364671155167),
+        (DeltaE::Ciede2000, 2.845799328731382),
+    ] {
+        let mean = isetcam(formula).compare(&reference, &test, [95.047, 100.0, 108.883]).unwrap().mean();
+        // Our planes are f32.
+        assert_close(&format!("{formula:?}"), &[mean], &[expected], 1e-5);
+    }
+}
+
 #[test]
 fn scielab() {
     let Some(o) = oracle_json("metric_scielab.json") else { return };
@@ -76,13 +102,7 @@ fn scielab() {
     for (name, formula) in
         [("dE1976", DeltaE::Cie1976), ("dE1994", DeltaE::Cie1994), ("dE2000", DeltaE::Ciede2000)]
     {
-        let settings = Scielab {
-            kernels: KernelWidth::Isetcam,
-            opponent: Opponent::Degrees10,
-            boundary: Boundary::Periodic,
-            ..Scielab::new(60.0, formula)
-        };
-        let map = settings.compare(&reference, &test, white).unwrap();
+        let map = isetcam(formula).compare(&reference, &test, white).unwrap();
         let expected: Vec<f64> =
             oracle_csv(&format!("metric_scielab_out_{name}.csv")).unwrap().into_iter().flatten().collect();
         // ISETCam's circular convolution comes out rolled by one row and one column.
