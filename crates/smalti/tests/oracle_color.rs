@@ -1,6 +1,7 @@
 //! Colour against the reference values of ISETCam.
 #![allow(clippy::unwrap_used)]
 
+#[allow(unreachable_pub)] // shared by all tests of the folder
 mod common;
 
 use common::{assert_close, numbers, oracle_csv, oracle_json};
@@ -24,14 +25,14 @@ fn lab_and_differences() {
     // 1e-4 of the largest coordinate. ISETCam rounds (6/29)³ to 0.008856, these colours lie above it.
     assert_close("Lab 1", lab1.as_flattened(), &numbers(&o["lab1"]), 1e-6);
     assert_close("Lab 2", lab2.as_flattened(), &numbers(&o["lab2"]), 1e-6);
-    let formulas: [(&str, fn([f64; 3], [f64; 3]) -> f64); 3] =
-        [("dE76", delta_e_76), ("dE94", delta_e_94), ("dE00", delta_e_2000)];
+    type Formula = fn([f64; 3], [f64; 3]) -> f64;
+    let formulas: [(&str, Formula); 3] = [("dE76", delta_e_76), ("dE94", delta_e_94), ("dE00", delta_e_2000)];
     for (key, formula) in formulas {
         let got: Vec<f64> = lab1.iter().zip(&lab2).map(|(a, b)| formula(*a, *b)).collect();
         assert_close(key, &got, &numbers(&o[key]), 1e-6);
     }
     let (sharma1, sharma2) = (triples(&o["sharma_lab1"]), triples(&o["sharma_lab2"]));
-    for (key, formula) in [("sharma_dE00", delta_e_2000 as fn(_, _) -> _), ("sharma_dE94", delta_e_94)] {
+    for (key, formula) in [("sharma_dE00", delta_e_2000 as Formula), ("sharma_dE94", delta_e_94)] {
         let got: Vec<f64> = sharma1.iter().zip(&sharma2).map(|(a, b)| formula(*a, *b)).collect();
         assert_close(key, &got, &numbers(&o[key]), 1e-6);
     }
@@ -68,6 +69,31 @@ fn pictures() -> [Image; 2] {
     data.map(|d| Image::new(ColorSpace::Xyz, Planes::new(N, N, 3, d).unwrap()).unwrap())
 }
 
+/// Kernels, opponent colours and borders as ISETCam has them.
+fn isetcam(formula: DeltaE) -> Scielab {
+    Scielab {
+        kernels: KernelWidth::Isetcam,
+        opponent: Opponent::Degrees10,
+        boundary: Boundary::Periodic,
+        ..Scielab::new(60.0, formula)
+    }
+}
+
+/// The means of ISETCam (May 2021) stand here, so that this bites without the reference values.
+#[test]
+fn scielab_means() {
+    let [reference, test] = pictures();
+    for (formula, expected) in [
+        (DeltaE::Cie1976, 2.887909773352255),
+        (DeltaE::Cie1994, 2.8163364671155167),
+        (DeltaE::Ciede2000, 2.845799328731382),
+    ] {
+        let mean = isetcam(formula).compare(&reference, &test, [95.047, 100.0, 108.883]).unwrap().mean();
+        // Our planes are f32.
+        assert_close(&format!("{formula:?}"), &[mean], &[expected], 1e-5);
+    }
+}
+
 #[test]
 fn scielab() {
     let Some(o) = oracle_json("metric_scielab.json") else { return };
@@ -76,13 +102,7 @@ fn scielab() {
     for (name, formula) in
         [("dE1976", DeltaE::Cie1976), ("dE1994", DeltaE::Cie1994), ("dE2000", DeltaE::Ciede2000)]
     {
-        let settings = Scielab {
-            kernels: KernelWidth::Isetcam,
-            opponent: Opponent::Degrees10,
-            boundary: Boundary::Periodic,
-            ..Scielab::new(60.0, formula)
-        };
-        let map = settings.compare(&reference, &test, white).unwrap();
+        let map = isetcam(formula).compare(&reference, &test, white).unwrap();
         let expected: Vec<f64> =
             oracle_csv(&format!("metric_scielab_out_{name}.csv")).unwrap().into_iter().flatten().collect();
         // ISETCam's circular convolution comes out rolled by one row and one column.

@@ -31,27 +31,36 @@ pub enum UpliftError {
 #[derive(Debug, Clone)]
 pub struct Uplift {
     grid: WavelengthGrid,
-    /// Position of each wavelength: −1 at 400 nm, 1 at 700 nm.
-    position: Vec<f64>,
-    /// Weights of each wavelength in X, Y, Z under D65, relative to white.
-    weights: Vec<[f64; 3]>,
+    /// The wavelengths, in blocks of four.
+    blocks: Vec<Block>,
     /// XYZ relative to white from linear sRGB.
     relative_xyz_from_rgb: Matrix3,
     /// Coefficients over (largest channel, its value, the ratios of the next two channels to it), the last fastest.
     table: Vec<[f64; 3]>,
 }
 
+/// Four wavelengths side by side, for SIMD; those past the end of the grid have no weight.
+#[derive(Debug, Clone, Copy, Default)]
+struct Block {
+    /// Position of each: −1 at 400 nm, 1 at 700 nm.
+    position: [f64; LANES],
+    /// Weights of each in X, Y and Z under D65, relative to white.
+    weights: [[f64; LANES]; 3],
+}
+
+const LANES: usize = 4;
+
 /// Nodes of the table along each ratio, evenly spaced.
-const RATIOS: usize = 16;
+const RATIOS: usize = 24;
 /// Nodes along the value of the largest channel.
-const VALUES: usize = 24;
+const VALUES: usize = 32;
 /// The range of that value. No sigmoid is 0 or 1 throughout; these limits cost less than 0.1 ΔE.
 const DARKEST: f64 = 1e-4;
 const LIGHTEST: f64 = 0.9995;
 /// ΔE*ab at which a single colour counts as found.
 const TOLERANCE: f64 = 1e-5;
-/// ΔE*ab at which a pixel counts as found: far below what is seen, and one step from the table for most.
-const IMAGE_TOLERANCE: f64 = 0.1;
+/// ΔE*ab at which a pixel counts as found: far below what is seen, and met by the table itself for most.
+const IMAGE_TOLERANCE: f64 = 0.2;
 /// Pixels that one task works on.
 const CHUNK: usize = 4096;
 
@@ -65,7 +74,7 @@ impl Uplift {
         let d65 =
             Illuminant::D65.energy(WavelengthGrid::new(360.0, 1.0, 471)?)?.resampled(grid, Outside::Zero)?;
         let [x, y, z] = observer.matching_functions(grid)?;
-        let mut weights: Vec<[f64; 3]> =
+        let weights: Vec<[f64; 3]> =
             (0..grid.len()).map(|i| [&x, &y, &z].map(|m| m.values()[i] * d65.values()[i])).collect();
         let white = [0, 1, 2].map(|c| weights.iter().map(|w| w[c]).sum::<f64>());
         if let Some(&none) = white.iter().find(|&&w| w.is_nan() || w <= 0.0) {
@@ -76,13 +85,18 @@ impl Uplift {
             }
             .into());
         }
-        weights.iter_mut().for_each(|w| *w = [w[0] / white[0], w[1] / white[1], w[2] / white[2]]);
+        let mut blocks = vec![Block::default(); grid.len().div_ceil(LANES)];
+        for (i, (nm, w)) in grid.wavelengths_nm().zip(&weights).enumerate() {
+            let block = &mut blocks[i / LANES];
+            block.position[i % LANES] = position(nm);
+            for c in 0..3 {
+                block.weights[c][i % LANES] = w[c] / white[c];
+            }
+        }
         let (xyz_from_rgb, _) = matrices(&Primaries::SRGB);
-        let position = grid.wavelengths_nm().map(|nm| (nm - 550.0) / 150.0).collect();
         let mut uplift = Self {
             grid,
-            position,
-            weights,
+            blocks,
             relative_xyz_from_rgb: xyz_from_rgb.map(|row| {
                 let white = row[0] + row[1] + row[2];
                 row.map(|v| v / white)
@@ -111,7 +125,7 @@ impl Uplift {
     /// The reflectance of coefficients, 0 to 1.
     #[must_use]
     pub fn reflectance(&self, coefficients: [f64; 3]) -> Spectrum {
-        Spectrum::from_fn(self.grid, |nm| sigmoid(polynomial(coefficients, (nm - 550.0) / 150.0)))
+        Spectrum::from_fn(self.grid, |nm| sigmoid(polynomial(coefficients, position(nm))))
     }
 
     /// A picture in [`ColorSpace::LinearSrgb`] as reflectances: lit by D65 it has the colours of the picture
@@ -127,24 +141,34 @@ impl Uplift {
         image.check_finite()?;
         let n = image.planes().plane_len();
         let source = three(image.planes());
-        // a, b, c and the scale of each pixel.
-        let mut fitted = vec![[0.0f32; 4]; n];
-        fitted.par_chunks_mut(CHUNK).enumerate().for_each(|(chunk, out)| {
-            for (i, f) in out.iter_mut().enumerate() {
-                let rgb = source.map(|p| f64::from(p[chunk * CHUNK + i]));
-                let scale = rgb.iter().copied().fold(1.0, f64::max);
-                let cell = Cell::of(rgb.map(|v| v / scale));
-                let start = cell.interpolate(&self.table);
-                let [a, b, c] = self.solved(self.target(&cell.rgb), start, IMAGE_TOLERANCE);
-                *f = [a as f32, b as f32, c as f32, scale as f32];
-            }
-        });
+        // a, b, c and the scale of each pixel, chunk by chunk.
+        let fitted: Vec<[Vec<f32>; 4]> = (0..n.div_ceil(CHUNK))
+            .into_par_iter()
+            .map(|chunk| {
+                let pixels = chunk * CHUNK..n.min((chunk + 1) * CHUNK);
+                let mut out = [(); 4].map(|()| Vec::with_capacity(CHUNK));
+                for at in pixels {
+                    let rgb = source.map(|p| f64::from(p[at]));
+                    let scale = rgb.iter().copied().fold(1.0, f64::max);
+                    let cell = Cell::of(rgb.map(|v| v / scale));
+                    let target = self.target(&cell.rgb);
+                    let start = cell.interpolate(&self.table);
+                    let near = square(minus(self.lab(start), target)) < IMAGE_TOLERANCE * IMAGE_TOLERANCE;
+                    let [a, b, c] = if near { start } else { self.solved(target, start, IMAGE_TOLERANCE) };
+                    for (o, v) in out.iter_mut().zip([a, b, c, scale]) {
+                        o.push(v as f32);
+                    }
+                }
+                out
+            })
+            .collect();
         let mut planes = Planes::zeros(image.rows(), image.cols(), self.grid.len());
         if n > 0 {
-            planes.data_mut().par_chunks_mut(n).zip(&self.position).for_each(|(plane, &p)| {
-                let p = p as f32;
-                plane.par_chunks_mut(CHUNK).zip(fitted.par_chunks(CHUNK)).for_each(|(out, fitted)| {
-                    for (o, &[a, b, c, scale]) in out.iter_mut().zip(fitted) {
+            let wavelengths: Vec<f64> = self.grid.wavelengths_nm().collect();
+            planes.data_mut().par_chunks_mut(n).zip(&wavelengths).for_each(|(plane, &nm)| {
+                let p = position(nm) as f32;
+                plane.par_chunks_mut(CHUNK).zip(&fitted).for_each(|(out, [a, b, c, scale])| {
+                    for ((((o, a), b), c), scale) in out.iter_mut().zip(a).zip(b).zip(c).zip(scale) {
                         let x = (a * p + b) * p + c;
                         *o = scale * (0.5 + 0.5 * x / (1.0 + x * x).sqrt());
                     }
@@ -159,22 +183,41 @@ impl Uplift {
         lab_from_xyz(apply(&self.relative_xyz_from_rgb, *rgb), [1.0; 3])
     }
 
-    /// CIELAB of coefficients under D65, and its derivatives: one row per L*, a*, b*.
-    fn lab_and_jacobian(&self, coefficients: [f64; 3]) -> ([f64; 3], Matrix3) {
-        let mut xyz = [0.0; 3];
-        let mut slope = [[0.0; 3]; 3];
-        for (&p, w) in self.position.iter().zip(&self.weights) {
-            let x = polynomial(coefficients, p);
-            let root = 1.0 / (1.0 + x * x).sqrt();
-            let (s, ds) = (0.5 + 0.5 * x * root, 0.5 * root * root * root);
-            for c in 0..3 {
-                xyz[c] += w[c] * s;
-                let k = w[c] * ds;
-                slope[c][0] += k * p * p;
-                slope[c][1] += k * p;
-                slope[c][2] += k;
+    /// CIELAB of coefficients under D65.
+    fn lab(&self, coefficients: [f64; 3]) -> [f64; 3] {
+        let mut sums = [[0.0; LANES]; 3];
+        for block in &self.blocks {
+            for l in 0..LANES {
+                let s = sigmoid(polynomial(coefficients, block.position[l]));
+                for (sum, w) in sums.iter_mut().zip(&block.weights) {
+                    sum[l] += w[l] * s;
+                }
             }
         }
+        lab_from_xyz(sums.map(|s| s.iter().sum()), [1.0; 3])
+    }
+
+    /// CIELAB of coefficients under D65, and its derivatives: one row per L*, a*, b*.
+    fn lab_and_jacobian(&self, coefficients: [f64; 3]) -> ([f64; 3], Matrix3) {
+        let mut sums = [[0.0; LANES]; 3];
+        let mut slopes = [[[0.0; LANES]; 3]; 3];
+        for block in &self.blocks {
+            for l in 0..LANES {
+                let p = block.position[l];
+                let x = polynomial(coefficients, p);
+                let root = 1.0 / (1.0 + x * x).sqrt();
+                let (s, ds) = (0.5 + 0.5 * x * root, 0.5 * root * root * root);
+                for ((sum, slope), w) in sums.iter_mut().zip(&mut slopes).zip(&block.weights) {
+                    sum[l] += w[l] * s;
+                    let k = w[l] * ds;
+                    slope[0][l] += k * p * p;
+                    slope[1][l] += k * p;
+                    slope[2][l] += k;
+                }
+            }
+        }
+        let xyz: [f64; 3] = sums.map(|s| s.iter().sum());
+        let slope: Matrix3 = slopes.map(|s| s.map(|s| s.iter().sum()));
         let lab = lab_from_xyz(xyz, [1.0; 3]);
         // Derivative of the cube root of CIELAB and of the line that replaces it near black.
         let df =
@@ -270,8 +313,8 @@ struct Cell {
 
 impl Cell {
     fn of(rgb: [f64; 3]) -> Self {
-        // `max` drops a NaN.
-        let rgb = rgb.map(|v| v.max(0.0).min(1.0));
+        // NaN is not above 0.
+        let rgb = rgb.map(|v| if v > 0.0 { v.min(1.0) } else { 0.0 });
         let channel = if rgb[0] >= rgb[1] && rgb[0] >= rgb[2] {
             0
         } else if rgb[1] >= rgb[2] {
@@ -327,6 +370,11 @@ impl Cell {
     }
 }
 
+/// Where a wavelength lies: −1 at 400 nm, 1 at 700 nm.
+fn position(wavelength_nm: f64) -> f64 {
+    (wavelength_nm - 550.0) / 150.0
+}
+
 fn polynomial([a, b, c]: [f64; 3], p: f64) -> f64 {
     (a * p + b) * p + c
 }
@@ -362,7 +410,8 @@ mod tests {
     use crate::color::difference::delta_e_2000;
 
     fn lab_of(uplift: &Uplift, reflectance: &[f64]) -> [f64; 3] {
-        let xyz = [0, 1, 2].map(|c| uplift.weights.iter().zip(reflectance).map(|(w, r)| w[c] * r).sum());
+        let weight = |c: usize, i: usize| uplift.blocks[i / LANES].weights[c][i % LANES];
+        let xyz = [0, 1, 2].map(|c| reflectance.iter().enumerate().map(|(i, r)| weight(c, i) * r).sum());
         lab_from_xyz(xyz, [1.0; 3])
     }
 
@@ -400,21 +449,22 @@ mod tests {
         }
         // The sigmoid's limits at black and white cost 0.05; the picture's tolerance comes on top.
         assert!(worst.0 < 0.06, "single {worst:?}");
-        assert!(worst_image.0 < 0.2, "picture {worst_image:?}");
+        assert!(worst_image.0 < 0.4, "picture {worst_image:?}");
     }
 
     #[test]
     fn other_grids_and_observers_come_back_too() {
-        let grids = [(380.0, 5.0, 81), (360.0, 10.0, 65), (400.0, 10.0, 31)];
-        for (start, step, count) in grids {
-            for observer in [Observer::Cie1931, Observer::Cie1964, Observer::Cie2015] {
-                let uplift = Uplift::new(WavelengthGrid::new(start, step, count).unwrap(), observer).unwrap();
-                for rgb in colours(85) {
-                    let spectrum = uplift.reflectance(uplift.coefficients(rgb));
-                    assert!(spectrum.values().iter().all(|r| (0.0..=1.0).contains(r)));
-                    let de = delta_e_2000(uplift.target(&rgb), lab_of(&uplift, spectrum.values()));
-                    assert!(de < 0.06, "{observer:?} {start}:{step}: {rgb:?} gives {de}");
-                }
+        for (start, step, count, observer) in [
+            (380.0, 5.0, 81, Observer::Cie1964),
+            (360.0, 10.0, 65, Observer::Cie2015),
+            (400.0, 20.0, 16, Observer::Cie1931),
+        ] {
+            let uplift = Uplift::new(WavelengthGrid::new(start, step, count).unwrap(), observer).unwrap();
+            for rgb in colours(85) {
+                let spectrum = uplift.reflectance(uplift.coefficients(rgb));
+                assert!(spectrum.values().iter().all(|r| (0.0..=1.0).contains(r)));
+                let de = delta_e_2000(uplift.target(&rgb), lab_of(&uplift, spectrum.values()));
+                assert!(de < 0.06, "{observer:?} {start}:{step}: {rgb:?} gives {de}");
             }
         }
     }

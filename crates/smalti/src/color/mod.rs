@@ -20,3 +20,29 @@ pub use cie1976::{
 };
 pub use difference::{DeltaE, DifferenceMap};
 pub use image::{ColorSpace, Image, ImageError};
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::color::jakob_hanika2019::Uplift;
+    use crate::numeric::Planes;
+    use crate::spectrum::{Observer, WavelengthGrid};
+
+    #[test]
+    fn the_number_of_threads_changes_no_bit() {
+        let picture = |seed: usize| {
+            let data = (0..3 * 131 * 257).map(|i| ((i * 7919 + seed * 31) % 1021) as f32 / 1020.0).collect();
+            Image::new(ColorSpace::LinearSrgb, Planes::new(131, 257, 3, data).unwrap()).unwrap()
+        };
+        let (a, b) = (picture(0), picture(1));
+        let run = |threads| {
+            rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap().install(|| {
+                let [x, y] = [&a, &b].map(|i| i.converted(ColorSpace::Xyz).unwrap());
+                let map = scielab::scielab(&x, &y, [0.95047, 1.0, 1.08883], 40.0, DeltaE::Ciede2000).unwrap();
+                let uplift = Uplift::new(WavelengthGrid::VISIBLE, Observer::Cie1931).unwrap();
+                (map, a.converted(ColorSpace::DisplayP3).unwrap(), uplift.uplift_image(&a).unwrap())
+            })
+        };
+        assert!(run(1) == run(3));
+    }
+}

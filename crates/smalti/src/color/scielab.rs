@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use thiserror::Error;
 
 use super::difference::{DeltaE, DifferenceMap, check_pair, map_of_planes, three};
-use super::matrix::{IDENTITY, Matrix3, apply, inverse};
+use super::matrix::{IDENTITY, Matrix3, inverse};
 use super::{Image, ImageError};
 
 /// What stops S-CIELAB.
@@ -317,7 +317,8 @@ mod tests {
     #[test]
     fn a_fine_pattern_vanishes_and_a_coarse_one_stays() {
         let mean = grey(96, 96, |_, _| 50.0);
-        let with_period = |p: f64| grey(96, 96, move |_, c| 50.0 + 10.0 * (c as f64 * 6.283185 / p).sin());
+        let with_period =
+            |p: f64| grey(96, 96, move |_, c| 50.0 + 10.0 * (c as f64 * std::f64::consts::TAU / p).sin());
         let score = |p: f64| scielab(&mean, &with_period(p), WHITE, 60.0, DeltaE::Ciede2000).unwrap().mean();
         // 30, 10 and 1.25 cycles per degree.
         let (fine, middle, coarse) = (score(3.0), score(6.0), score(48.0));

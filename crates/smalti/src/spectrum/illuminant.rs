@@ -318,7 +318,7 @@ mod tests {
 
     #[test]
     fn a_wrong_name_gets_the_nearest_right_one() {
-        for (name, expected) in [("D6", "D65"), ("F111", "F11"), ("LEDs", "LED"), ("d655", "D65")] {
+        for (name, expected) in [("D6", "D65"), ("F111", "F11"), ("LEDs", "LED"), ("d 65", "D65")] {
             match Illuminant::from_name(name) {
                 Err(SpectrumError::UnknownName { nearest, .. }) => assert_eq!(nearest, expected, "{name}"),
                 other => panic!("{name}: {other:?}"),

@@ -1,9 +1,14 @@
 //! CIE standard observers.
 
+use rayon::prelude::*;
+
 use super::generated::{CIE_1931_2DEG, CIE_1964_10DEG, CIE_2015_2DEG, Table};
 use super::{Outside, Spectrum, SpectrumError, WavelengthGrid};
 use crate::numeric::Planes;
 use crate::spectrum::units::{EFFICACY_LM_PER_W, photons_per_joule};
+
+/// Pixels that one task works on, few enough to stay in cache over all wavelengths.
+const CHUNK: usize = 4096;
 
 /// Colour matching functions to turn spectra into tristimulus values.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -66,16 +71,21 @@ impl Observer {
     pub fn xyz_planes_from_photons(self, cube: &super::SpectralCube) -> Result<Planes, SpectrumError> {
         let weights = self.photon_weights(cube.grid())?;
         let mut out = Planes::zeros(cube.rows(), cube.cols(), 3);
-        for (c, w) in weights.iter().enumerate() {
-            let sum = out.plane_mut(c);
-            for (plane, &k) in cube.planes().planes().zip(w.values()) {
-                // Photon counts near 1e16 times weights near 1e-14: within f32 at every step.
-                let k = k as f32;
-                for (s, &v) in sum.iter_mut().zip(plane) {
-                    *s += k * v;
-                }
-            }
+        let n = out.plane_len();
+        if n == 0 {
+            return Ok(out);
         }
+        out.data_mut().par_chunks_mut(n).zip(&weights).for_each(|(sum, w)| {
+            sum.par_chunks_mut(CHUNK).enumerate().for_each(|(chunk, sum)| {
+                for (plane, &k) in cube.planes().planes().zip(w.values()) {
+                    // Photon counts near 1e16 times weights near 1e-14: within f32 at every step.
+                    let k = k as f32;
+                    for (s, &v) in sum.iter_mut().zip(&plane[chunk * CHUNK..]) {
+                        *s += k * v;
+                    }
+                }
+            });
+        });
         Ok(out)
     }
 }
