@@ -1,5 +1,6 @@
 //! Scenes against ISETCam. Its Planck constant is 1.6e-5 from the exact one, which shifts all photon counts; its D65
 //! differs by up to 6e-4 from the CIE formula, so its own light is fed where the light is not what is tested.
+#![allow(clippy::unwrap_used)]
 
 #[allow(unreachable_pub)]
 mod common;

@@ -1,4 +1,5 @@
 //! Scenes: laws, and the figures of ISETCam that must hold without its files at hand.
+#![allow(clippy::unwrap_used)]
 
 #[allow(unreachable_pub)]
 mod common;
@@ -7,10 +8,10 @@ use common::assert_close;
 use rustfft::FftPlanner;
 use rustfft::num_complex::Complex;
 use smalti::scene::{
-    Checkerboard, DeadLeaves, FrequencyOrientation, FrequencySweep, GreySteps, PointGrid, Sampling, Scene,
-    SceneError, Setting, SiemensStar, SlantedBar, ZonePlate, checkerboard, dead_leaves,
-    frequency_orientation, frequency_sweep, grey_steps, macbeth, point_grid, siemens_star, slanted_bar,
-    uniform, zone_plate, zone_plate_isetcam,
+    Checkerboard, DeadLeaves, FrequencyOrientation, FrequencySweep, GreySteps, PointGrid, ResolutionChart,
+    Sampling, Scene, SceneError, Setting, SiemensStar, SlantedBar, ZonePlate, checkerboard, dead_leaves,
+    frequency_orientation, frequency_sweep, grey_steps, hdr, macbeth, point_grid, resolution_chart,
+    siemens_star, slanted_bar, uniform, zone_plate, zone_plate_isetcam,
 };
 use smalti::spectrum::{Illuminant, Observer, Spectrum, WavelengthGrid};
 
@@ -197,6 +198,13 @@ fn mean_luminance_is_what_was_asked() {
         siemens_star(&SiemensStar { size: 64, ..SiemensStar::default() }, s),
         point_grid(&PointGrid { points: 2, ..PointGrid::default() }, s),
         checkerboard(&Checkerboard { squares: 4, square_px: 4, ..Checkerboard::default() }, s),
+        resolution_chart(&ResolutionChart { rows: 96, ..ResolutionChart::default() }, s),
+        dead_leaves(
+            &DeadLeaves { rows: 40, cols: 60, ..DeadLeaves::default() },
+            &macbeth::reflectances(GRID).unwrap(),
+            s,
+        ),
+        hdr(40, s),
     ];
     for scene in scenes {
         let scene = scene.unwrap();
@@ -397,4 +405,33 @@ fn dead_leaves_are_the_same_for_any_number_of_threads() {
     assert!(dead_leaves(&leaves, &[], &setting(10.0)).is_err());
     let negative = [Spectrum::constant(GRID, -0.1)];
     assert!(dead_leaves(&leaves, &negative, &setting(10.0)).is_err());
+}
+
+#[test]
+fn the_room_spans_more_than_five_decades() {
+    let scene = hdr(96, &setting(100.0)).unwrap();
+    let mut luminance = scene.luminance_cd_m2().unwrap();
+    luminance.sort_by(f32::total_cmp);
+    assert!(luminance[0] > 0.0);
+    // Even without the darkest and the brightest half percent, so it is areas that differ, not single pixels.
+    let half_percent = luminance.len() / 200;
+    let decades = |cut: usize| (luminance[luminance.len() - 1 - cut] / luminance[cut]).log10();
+    eprintln!("{:.1} decades, {:.1} without a percent", decades(0), decades(half_percent));
+    assert!(decades(0) > 7.0 && decades(half_percent) > 5.0);
+}
+
+#[test]
+fn a_zone_plate_keeps_its_symmetry_and_contrast() {
+    let scene = zone_plate(&ZonePlate { size: 128, frequency: 0.5, contrast: 0.8 }, &setting(100.0)).unwrap();
+    let (plane, n) = (scene.radiance().planes().plane(15), 128);
+    for (r, c) in [(0, 5), (17, 63), (40, 90)] {
+        let v = plane[r * n + c];
+        for mirrored in [plane[r * n + n - 1 - c], plane[(n - 1 - r) * n + c], plane[c * n + r]] {
+            assert!((v / mirrored - 1.0).abs() < 1e-6);
+        }
+    }
+    let white = scene.illuminant().values()[15] as f32;
+    let (least, most) =
+        plane.iter().fold((f32::MAX, 0.0f32), |(a, b), &v| (a.min(v / white), b.max(v / white)));
+    assert!(least > 0.1 && most <= 0.9 && most > 0.89, "{least} {most}");
 }

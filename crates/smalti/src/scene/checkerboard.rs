@@ -34,7 +34,7 @@ pub fn checkerboard(board: &Checkerboard, setting: &Setting) -> Result<Scene, Sc
     let n = squares * square_px;
     check_size(n, n, setting.grid)?;
     let dark = (1.0 / contrast_ratio) as f32;
-    let value = |i: usize| if (i / n / square_px + i % n / square_px) % 2 == 0 { 1.0 } else { dark };
+    let value = |i: usize| if (i / n / square_px + i % n / square_px).is_multiple_of(2) { 1.0 } else { dark };
     let reflectance: Vec<f32> = (0..n * n).map(value).collect();
     grey("checkerboard", n, n, &reflectance, setting)
 }

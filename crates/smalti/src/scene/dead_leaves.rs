@@ -250,10 +250,11 @@ impl Band {
 }
 
 /// The part of a pixel that a disc covers, from the position of the pixel's centre relative to that of the disc. The
-/// circle is taken as straight within the pixel; for a radius of 1.5 pixels the error is at most 0.04.
+/// circle is taken as straight within the pixel, but moved inwards by the mean of its sagitta over a pixel, s²/2r
+/// from -1/2 to 1/2.
 fn disc_cover(dx: f64, dy: f64, radius: f64) -> f32 {
     let distance = dx.hypot(dy);
-    let depth = radius - distance;
+    let depth = radius - distance - 1.0 / (24.0 * radius);
     if distance == 0.0 {
         return (2.0 * depth).clamp(0.0, 1.0) as f32;
     }
@@ -294,7 +295,7 @@ mod tests {
 
     #[test]
     fn a_leaf_covers_its_area() {
-        for (radius, tolerance) in [(1.5, 0.02), (4.0, 0.005), (11.3, 0.001)] {
+        for (radius, tolerance) in [(1.5, 0.01), (4.0, 0.001), (11.3, 1e-4)] {
             let mut band = Band::new(0, 32, 32);
             band.paint(&[Leaf { x: 15.3, y: 16.4, radius, spectrum: 0 }]);
             let area: f64 = band.fragments.iter().flatten().map(|f| f64::from(f.weight)).sum();

@@ -18,6 +18,7 @@ mod point_grid;
 mod quadrature;
 mod raster;
 mod resolution_chart;
+#[allow(clippy::module_inception)] // the type that the module is about
 mod scene;
 mod setting;
 mod siemens_star;

@@ -71,7 +71,7 @@ fn add_edge(change: &mut [f64], width: usize, a: [f64; 2], b: [f64; 2]) {
     let rows = change.len() / (width + 1);
     let slope = (b[0] - a[0]) / (b[1] - a[1]);
     let (top, bottom) = (a[1].max(0.0), b[1].min(rows as f64));
-    if !(top < bottom) {
+    if top >= bottom {
         return;
     }
     for row in top as usize..(bottom.ceil() as usize).min(rows) {

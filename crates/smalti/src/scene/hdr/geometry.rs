@@ -63,3 +63,15 @@ impl Shape {
         }
     }
 }
+
+/// Whether a ray of sight meets a block, also from inside.
+pub(super) fn meets(low: Vec3, high: Vec3, origin: Vec3, direction: Vec3) -> bool {
+    let (mut enter, mut leave) = (0.0f64, f64::INFINITY);
+    for i in 0..3 {
+        let inverse = 1.0 / direction[i];
+        let (a, b) = ((low[i] - origin[i]) * inverse, (high[i] - origin[i]) * inverse);
+        enter = enter.max(a.min(b));
+        leave = leave.min(a.max(b));
+    }
+    enter <= leave
+}

@@ -1,7 +1,7 @@
 //! What stands in the room, and how much light falls where. Lengths in m, x right, y up, z away from the camera;
 //! light in cd/m² of a white diffuser (illuminance over π) or, where a source itself is seen, of that source.
 
-use super::geometry::{Shape, Vec3, add, dot, scale, sub, unit};
+use super::geometry::{Shape, Vec3, add, dot, meets, scale, sub, unit};
 use crate::scene::macbeth;
 
 /// Index of a reflectance: those of the ColorChecker, then these greys.
@@ -26,7 +26,10 @@ const WALL: f64 = 0.15;
 /// Openings in the back wall: x from, x to, y from, y to.
 const WINDOW: [f64; 4] = [-2.0, -0.35, 0.95, 2.2];
 const DOOR: [f64; 4] = [1.35, 2.2, 0.0, 2.05];
-const CORRIDOR_END: f64 = 8.6;
+const CORRIDOR: [f64; 2] = [1.25, 3.9];
+const CORRIDOR_END: f64 = 8.3;
+/// Rays that miss this block need not be tried against what is in it.
+const TABLE_BOUNDS: [Vec3; 2] = [[-0.36, -0.01, 2.94], [1.16, 1.23, 3.76]];
 /// A clear halogen bulb of 150 cd; its luminance is that over its disc.
 const BULB: Vec3 = [0.62, 1.22, 3.35];
 const BULB_RADIUS: f64 = 0.035;
@@ -61,6 +64,8 @@ pub(super) struct Shade {
 pub(super) struct Room {
     /// Furniture casts shadows; walls are known to enclose it.
     furniture: Vec<(Shape, Surface)>,
+    /// The table and what stands on it, within [`TABLE_BOUNDS`].
+    table: Vec<(Shape, Surface)>,
     walls: Vec<(Shape, Surface)>,
 }
 
@@ -71,7 +76,7 @@ impl Room {
         let matt = |reflectance| Surface::Matt(reflectance, 1.0);
         let ([x0, y0, z0], [x1, y1, z1]) = (LOW, HIGH);
         let (back, end) = (z1 + WALL, CORRIDOR_END);
-        let ([wl, wr, wb, wt], [dl, dr, _, dt]) = (WINDOW, DOOR);
+        let ([wl, wr, wb, wt], [dl, dr, _, dt], [cl, cr]) = (WINDOW, DOOR, CORRIDOR);
         let plaster = matt(WHITE);
         let mut walls = vec![
             block([x0 - 1.0, y0 - 1.0, z0], [x1 + 1.0, y0, z1], Surface::Boards),
@@ -87,13 +92,14 @@ impl Room {
             block([dl, dt, z1], [dr, y1, back], plaster),
             block([dr, y0, z1], [x1, y1, back], plaster),
             // The corridor and what stands in it.
-            block([dl - 1.0, y0 - 1.0, z1], [dr + 1.0, y0, end], matt(BROWN)),
-            block([dl - 1.5, y0, back], [dl - 0.1, y1, end], plaster),
-            block([dr + 0.1, y0, back], [dr + 1.5, y1, end], plaster),
-            block([dl - 1.0, y1 - 0.2, back], [dr + 1.0, y1 + 1.0, end], plaster),
-            block([dl - 1.0, y0, end], [dr + 1.0, y1, end + 1.0], plaster),
-            block([1.5, 0.0, 8.0], [2.0, 1.0, 8.5], matt(BLACK)),
-            ball([1.75, 1.18, 8.25], 0.18, matt(RED)),
+            block([dl, y0 - 1.0, z1], [dr, y0, back], matt(BROWN)),
+            block([cl, y0 - 1.0, back], [cr, y0, end], matt(BROWN)),
+            block([cl - 1.0, y0, back], [cl, y1, end], plaster),
+            block([cr, y0, back], [cr + 1.0, y1, end], plaster),
+            block([cl, y1 - 0.2, back], [cr, y1 + 1.0, end], plaster),
+            block([cl, y0, end], [cr, y1, end + 1.0], plaster),
+            block([2.35, 0.0, 6.9], [2.75, 1.0, 7.3], matt(BLACK)),
+            ball([2.55, 1.2, 7.1], 0.2, matt(RED)),
         ];
         for (x, width) in [(wl, 0.05), ((wl + wr) / 2.0, 0.03), (wr, 0.05)] {
             walls.push(block([x - width, wb, z1 + 0.03], [x + width, wt, z1 + 0.08], plaster));
@@ -104,7 +110,7 @@ impl Room {
         walls.push(block([wl - 0.1, wb - 0.06, z1 - 0.18], [wr + 0.1, wb - 0.02, z1], plaster));
         walls.push(block([0.0, 1.25, z1 - 0.02], [1.05, 1.95, z1], Surface::Chart));
 
-        let mut furniture = vec![
+        let mut table = vec![
             // A table with a lamp, a chrome ball and fruit.
             block([-0.35, 0.70, 2.95], [1.15, 0.75, 3.75], Surface::Matt(ORANGE, 0.75)),
             block([0.54, 0.75, 3.27], [0.70, 0.77, 3.43], matt(BLACK)),
@@ -113,6 +119,8 @@ impl Room {
             ball([0.28, 0.81, 3.15], 0.06, matt(YELLOW)),
             ball([0.40, 0.815, 3.24], 0.065, matt(RED)),
             ball([0.95, 0.83, 3.25], 0.08, matt(GREEN)),
+        ];
+        let furniture = vec![
             // A chest in the dark corner, and balls on the floor.
             block([-2.6, 0.0, 2.0], [-1.95, 0.8, 3.6], matt(BROWN)),
             block([-2.55, 0.8, 2.2], [-2.1, 1.15, 2.6], matt(BLACK)),
@@ -120,10 +128,10 @@ impl Room {
             ball([1.75, 0.3, 2.9], 0.3, matt(WHITE)),
         ];
         for (x, z) in [(-0.30, 3.0), (1.06, 3.0), (-0.30, 3.66), (1.06, 3.66)] {
-            furniture.push(block([x, 0.0, z], [x + 0.05, 0.70, z + 0.05], Surface::Matt(ORANGE, 0.75)));
+            table.push(block([x, 0.0, z], [x + 0.05, 0.70, z + 0.05], Surface::Matt(ORANGE, 0.75)));
         }
         walls.push(ball(BULB, BULB_RADIUS, Surface::Bulb));
-        Self { furniture, walls }
+        Self { furniture, table, walls }
     }
 
     /// What is seen along a ray. `part` in 0..9 chooses which ninth of the sky's samples to take; all parts together
@@ -131,7 +139,9 @@ impl Room {
     pub(super) fn seen(&self, origin: Vec3, direction: Vec3, part: usize) -> Shade {
         let (mut origin, mut direction, mut dimmed) = (origin, direction, 1.0);
         loop {
-            let all = self.walls.iter().chain(&self.furniture);
+            let near_table = meets(TABLE_BOUNDS[0], TABLE_BOUNDS[1], origin, direction);
+            let table = self.table.iter().take(if near_table { self.table.len() } else { 0 });
+            let all = self.walls.iter().chain(&self.furniture).chain(table);
             let hits = all.filter_map(|(s, surface)| s.hit(origin, direction).map(|h| (h, *surface)));
             let Some(((t, normal), surface)) = hits.min_by(|a, b| a.0.0.total_cmp(&b.0.0)) else {
                 return dim(outside(unit(direction)), dimmed);
@@ -170,7 +180,7 @@ impl Room {
             let facing = 0.55 - 0.45 * normal[2];
             return (9.0 * (-1.9 * depth).exp() * facing, 0.0);
         }
-        let mut daylight = 28.0 * self.openness(point, normal);
+        let mut daylight = 28.0 * self.openness(point, normal, part);
         let mut lamplight = 0.12 * daylight;
         // The sky through the window: 2 × 2 of 6 × 6 samples.
         let [x0, x1, y0, y1] = WINDOW;
@@ -200,16 +210,19 @@ impl Room {
     }
 
     fn shadowed(&self, from: Vec3, to: Vec3) -> bool {
-        self.furniture.iter().any(|(s, _)| s.hit(from, to).is_some_and(|(t, _)| t < 1.0))
+        let hit = |(s, _): &(Shape, Surface)| s.hit(from, to).is_some_and(|(t, _)| t < 1.0);
+        self.furniture.iter().any(hit)
+            || meets(TABLE_BOUNDS[0], TABLE_BOUNDS[1], from, to) && self.table.iter().any(hit)
     }
 
     /// How much of the light that the walls reflect arrives, 0 to 1: less in corners, under and behind furniture.
-    fn openness(&self, point: Vec3, normal: Vec3) -> f64 {
+    fn openness(&self, point: Vec3, normal: Vec3, part: usize) -> f64 {
         let corner: f64 = (0..3)
             .flat_map(|i| [point[i] - LOW[i], HIGH[i] - point[i]].map(|d| (i, d)))
             .filter(|&(i, _)| normal[i].abs() < 0.9)
             .map(|(_, d)| 1.0 - 0.45 * (-d.max(0.0) / 0.35).exp())
             .product();
+        // Two of six directions per part.
         let sides = [
             [0.0, 0.0, 0.0],
             [0.7, 0.0, 0.0],
@@ -218,8 +231,9 @@ impl Room {
             [0.0, 0.0, 0.7],
             [0.0, 0.0, -0.7],
         ];
+        let sides = [sides[part % 3], sides[3 + part % 3]];
         let open = sides.iter().filter(|&&s| !self.shadowed(point, scale(unit(add(normal, s)), 0.9))).count();
-        corner * (0.06 + 0.94 * open as f64 / sides.len() as f64)
+        corner * (0.06 + 0.94 * open as f64 / 2.0)
     }
 }
 
@@ -241,7 +255,7 @@ fn sun_enters(point: Vec3, to_sun: Vec3) -> bool {
 fn outside(direction: Vec3) -> Shade {
     let (x, y) = (direction[0] / direction[2].max(0.1), direction[1] / direction[2].max(0.1));
     let far = 0.10 + 0.03 * (7.0 * x).sin() + 0.015 * (17.0 * x + 1.0).sin();
-    let near = 0.0 + 0.05 * (3.1 * x + 2.0).sin();
+    let near = 0.05 * (3.1 * x + 2.0).sin();
     let (reflectance, daylight) = if y < near {
         (FOLIAGE, 9_000.0)
     } else if y < far {
