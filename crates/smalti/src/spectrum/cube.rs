@@ -1,5 +1,7 @@
 //! A spectral image: one plane per wavelength.
 
+use rayon::prelude::*;
+
 use super::{Spectrum, SpectrumError, WavelengthGrid};
 use crate::numeric::{Planes, ShapeError};
 
@@ -29,16 +31,18 @@ impl SpectralCube {
             }
             .into());
         }
-        for (i, plane) in planes.planes().enumerate() {
-            // `>=` is false for NaN; infinity is caught by the upper bound.
-            if let Some(&bad) = plane.iter().find(|&&v| !(v >= 0.0 && v <= f32::MAX)) {
-                return Err(SpectrumError::Value {
-                    quantity: "the spectral image",
-                    wavelength_nm: grid.wavelength_nm(i),
-                    value: f64::from(bad),
-                    expected: "radiance and irradiance are finite and not negative",
-                });
-            }
+        let bands = planes.data().par_chunks(planes.plane_len()).enumerate();
+        let bad = bands.find_map_first(|(i, plane)| {
+            // No range contains NaN; infinity is above it.
+            plane.iter().find(|v| !(0.0..=f32::MAX).contains(*v)).map(|&v| (i, v))
+        });
+        if let Some((i, bad)) = bad {
+            return Err(SpectrumError::Value {
+                quantity: "the spectral image",
+                wavelength_nm: grid.wavelength_nm(i),
+                value: f64::from(bad),
+                expected: "radiance and irradiance are finite and not negative",
+            });
         }
         Ok(Self { grid, planes })
     }
