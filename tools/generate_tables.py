@@ -2,9 +2,10 @@
 """Writes crates/smalti/src/spectrum/generated/*.rs from colour-science's data sets.
 
     pip install colour-science==0.4.7
-    python3 tools/generate_tables.py
+    python3 tools/generate_tables.py && cargo fmt
 
-Each table names its primary source; the package (BSD-3-Clause) is where the numbers were read.
+Each table names its primary source; the package (BSD-3-Clause) is where the numbers were read, except for the
+natural reflectances, which are in tools/data with their source and licence.
 """
 import pathlib
 import warnings
@@ -12,6 +13,7 @@ import warnings
 warnings.simplefilter("ignore")
 import colour  # noqa: E402
 
+DATA = pathlib.Path(__file__).resolve().parent / "data"
 OUT = pathlib.Path(__file__).resolve().parent.parent / "crates/smalti/src/spectrum/generated"
 
 
@@ -72,6 +74,15 @@ def main():
         "/// Names of the patches, in the order of the columns.\npub static COLORCHECKER_NAMES: [&str; 24] = [\n"
         + "".join(f'    "{n}",\n' for n in names) + "];\n\n",
         table("COLORCHECKER", "Average of 30 charts (D. Pascale, BabelColor, 2012).", sh.start, sh.interval, rows),
+    ])
+    lines = (DATA / "natural_reflectances.csv").read_text().splitlines()
+    objects = [line.split(",") for line in lines if not line.startswith("#")]
+    rows = list(zip(*[[int(v) / 1e5 for v in o[1:]] for o in objects]))
+    n = len(objects)
+    write("natural.rs", "Reflectances of natural objects.", [
+        f"/// What they are, in the order of the columns.\npub static NATURAL_NAMES: [&str; {n}] = [\n"
+        + "".join(f'    "{o[0]}",\n' for o in objects) + "];\n\n",
+        table("NATURAL", "Selected from Morimoto et al. (2022), doi 10.5281/zenodo.5189606, CC BY 4.0.", 380, 10, rows),
     ])
 
 

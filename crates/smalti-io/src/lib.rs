@@ -1,1 +1,33 @@
-//! Every file format Smalti reads and writes, one module each. The only crate of the workspace that opens files.
+//! Every file format Smalti reads and writes. This crate is the only one that opens files.
+//!
+//! | module | formats | to and from |
+//! |---|---|---|
+//! | [`spectrum_csv`] | CSV | [`smalti::spectrum::Spectrum`] |
+//! | [`exr`] | spectral OpenEXR (PBRT and Fichet et al. 2021 layouts) | [`exr::SpectralFile`], [`smalti::scene::Scene`] |
+//! | [`picture`] | PNG, TIFF, JPEG, OpenEXR RGB in; PNG, TIFF out | [`smalti::color::Image`] |
+//! | [`dng`] | DNG (uncompressed) | [`smalti::sensor::RawImage`] |
+//! | [`npy`], [`stages`] | NumPy arrays and a JSON of their units | slices |
+//! | [`cache`] | own | [`smalti::optics::OpticalImage`] |
+//! | [`text`] | UTF-8 | `String` |
+//!
+//! Every reader has two doors: `read(path)` and `from_bytes(bytes, name)`. Neither panics on any input, and neither
+//! takes memory for what a header declares before it has been compared with what the file can hold. Every writer
+//! writes to a temporary file beside the target and renames it: a target is either whole or as it was.
+
+//pub mod cache;
+pub mod dng;
+mod error;
+pub mod exr;
+mod file;
+mod icc;
+//pub mod npy;
+pub mod picture;
+pub mod spectrum_csv;
+//pub mod stages;
+pub mod text;
+mod tiff_tags;
+mod wavelengths;
+pub mod write;
+
+pub use error::IoError;
+pub use file::Limits;

@@ -1,1 +1,13 @@
-//! The whole camera: optics, sensor and processing composed, and its description.
+//! The whole camera: optics, sensor and processing composed, its description, its evaluation.
+
+mod camera;
+pub mod description;
+mod error;
+mod evaluate;
+mod resolve;
+
+pub use self::camera::{Camera, Photograph};
+pub use description::CameraDescription;
+pub use error::CameraError;
+pub use evaluate::{Evaluation, EvaluationSettings, PatchScores, evaluate};
+pub use resolve::ExposureTime;

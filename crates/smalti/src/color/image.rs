@@ -38,6 +38,20 @@ pub enum ImageError {
         /// The space of the image.
         got: ColorSpace,
     },
+    /// A value is NaN or infinite.
+    #[error(
+        "plane {plane} of the picture is {value} at row {row}, column {col}; a finite number was expected"
+    )]
+    Value {
+        /// Plane, from 0.
+        plane: usize,
+        /// Row, from 0.
+        row: usize,
+        /// Column, from 0.
+        col: usize,
+        /// The value.
+        value: f32,
+    },
     /// Two images that are compared differ in size.
     #[error("the images differ in size: {left_rows} × {left_cols} and {right_rows} × {right_cols}")]
     Size {
@@ -69,6 +83,21 @@ impl Image {
             Ok(Self { space, planes })
         } else {
             Err(ImageError::Planes { got: planes.count() })
+        }
+    }
+
+    /// Whether every value is finite.
+    ///
+    /// # Errors
+    /// [`ImageError::Value`] of the first that is not.
+    pub fn check_finite(&self) -> Result<(), ImageError> {
+        match self.planes.data().iter().position(|v| !v.is_finite()) {
+            None => Ok(()),
+            Some(i) => {
+                let (n, cols) = (self.planes.plane_len(), self.cols());
+                let (plane, row, col) = (i / n, i % n / cols, i % cols);
+                Err(ImageError::Value { plane, row, col, value: self.planes.data()[i] })
+            }
         }
     }
 

@@ -1,5 +1,52 @@
 //! What stands before the camera: spectral radiance with an absolute luminance, a distance and a field of view.
+//!
+//! Charts and patterns are functions of their own parameters and a [`Setting`]: the light, the mean luminance, the
+//! distance and the field of view. Pixels hold the mean over their area, except where a pattern is sampled as
+//! ISETCam does it, so that both can be compared ([`Sampling`]).
 
+pub mod catalog;
+mod checkerboard;
+mod compose;
+mod dead_leaves;
+mod error;
+mod frequency_orientation;
+mod frequency_sweep;
+mod grey_steps;
+mod hdr;
+pub mod macbeth;
+mod point_grid;
+mod quadrature;
+mod raster;
+mod resolution_chart;
 mod scene;
+mod setting;
+mod siemens_star;
+mod slanted_bar;
+mod uniform;
+mod zone_plate;
 
-pub use self::scene::{Scene, SceneError};
+pub use self::checkerboard::{Checkerboard, checkerboard};
+pub use self::compose::MAX_VALUES;
+pub use self::dead_leaves::{DeadLeaves, dead_leaves};
+pub use self::error::SceneError;
+pub use self::frequency_orientation::{FrequencyOrientation, frequency_orientation};
+pub use self::frequency_sweep::{FrequencySweep, frequency_sweep};
+pub use self::grey_steps::{GreySteps, grey_steps};
+pub use self::hdr::hdr;
+pub use self::point_grid::{PointGrid, point_grid};
+pub use self::resolution_chart::{ResolutionChart, resolution_chart};
+pub use self::scene::Scene;
+pub use self::setting::Setting;
+pub use self::siemens_star::{SiemensStar, siemens_star};
+pub use self::slanted_bar::{SlantedBar, slanted_bar};
+pub use self::uniform::uniform;
+pub use self::zone_plate::{ZonePlate, zone_plate, zone_plate_isetcam};
+
+/// How a pattern becomes pixels.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Sampling {
+    /// Points, with ISETCam's rules for clipping and ties.
+    Isetcam,
+    /// The mean over the area of each pixel.
+    Area,
+}

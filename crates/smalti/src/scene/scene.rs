@@ -1,27 +1,16 @@
 //! The scene: a flat image of spectral radiance at a distance.
 
-use thiserror::Error;
+use rayon::prelude::*;
 
-use crate::spectrum::{Observer, SpectralCube, Spectrum, SpectrumError};
+use super::SceneError;
+use super::error::require;
+use super::setting::{require_distance, require_fov, require_luminance};
+use crate::numeric::Planes;
+use crate::spectrum::{Illuminant, Observer, SpectralCube, Spectrum, SpectrumError};
 
-/// What can be wrong with a scene.
-#[derive(Debug, Clone, PartialEq, Error)]
-#[non_exhaustive]
-pub enum SceneError {
-    /// A parameter is out of its range.
-    #[error("{name} is {value}; expected {expected}")]
-    Parameter {
-        /// Its name.
-        name: &'static str,
-        /// Its value.
-        value: f64,
-        /// The range.
-        expected: &'static str,
-    },
-    /// Spectral data do not fit.
-    #[error(transparent)]
-    Spectrum(#[from] SpectrumError),
-}
+/// Below this fraction of its largest value a light is taken to be absent when a scene is relit: what is
+/// divided out there would be rounding, not reflectance.
+const NO_LIGHT: f64 = 1e-6;
 
 /// Spectral radiance of a plane that faces the camera.
 #[derive(Debug, Clone, PartialEq)]
@@ -51,20 +40,8 @@ impl Scene {
                 SpectrumError::GridMismatch { left: radiance.grid(), right: illuminant.grid() }.into()
             );
         }
-        if !(distance_m.is_finite() && distance_m > 0.0) {
-            return Err(SceneError::Parameter {
-                name: "distance_m",
-                value: distance_m,
-                expected: "more than 0",
-            });
-        }
-        if !(horizontal_fov_deg > 0.0 && horizontal_fov_deg < 180.0) {
-            return Err(SceneError::Parameter {
-                name: "horizontal_fov_deg",
-                value: horizontal_fov_deg,
-                expected: "between 0 and 180",
-            });
-        }
+        require_distance(distance_m)?;
+        require_fov(horizontal_fov_deg)?;
         Ok(Self { name: name.into(), radiance, illuminant, distance_m, horizontal_fov_deg })
     }
 
@@ -104,12 +81,148 @@ impl Scene {
     /// Never for a valid scene.
     pub fn mean_luminance_cd_m2(&self) -> Result<f64, SceneError> {
         let y = &Observer::Cie1931.photon_weights(self.radiance.grid())?[1];
-        let planes = self.radiance.planes();
-        let sum: f64 = planes
-            .planes()
-            .zip(y.values())
-            .map(|(p, w)| w * p.iter().map(|&v| f64::from(v)).sum::<f64>())
-            .sum();
-        Ok(sum / planes.plane_len() as f64)
+        Ok(self.plane_means().iter().zip(y.values()).map(|(mean, weight)| mean * weight).sum())
+    }
+
+    /// Tristimulus values of every pixel as three planes X, Y, Z (CIE 1931), absolute: Y in cd/m².
+    ///
+    /// # Errors
+    /// Never for a valid scene.
+    pub fn xyz(&self) -> Result<Planes, SceneError> {
+        Ok(Observer::Cie1931.xyz_planes_from_photons(&self.radiance)?)
+    }
+
+    /// Luminance of every pixel, cd/m² (CIE 1931), in row order.
+    ///
+    /// # Errors
+    /// Never for a valid scene.
+    pub fn luminance_cd_m2(&self) -> Result<Vec<f32>, SceneError> {
+        const CHUNK: usize = 4096;
+        let y = &Observer::Cie1931.photon_weights(self.radiance.grid())?[1];
+        let planes: Vec<&[f32]> = self.radiance.planes().planes().collect();
+        let mut out = vec![0.0f32; self.radiance.planes().plane_len()];
+        out.par_chunks_mut(CHUNK).enumerate().for_each(|(i, chunk)| {
+            for (plane, &weight) in planes.iter().zip(y.values()) {
+                let weight = weight as f32;
+                for (sum, &v) in chunk.iter_mut().zip(&plane[i * CHUNK..]) {
+                    *sum += weight * v;
+                }
+            }
+        });
+        Ok(out)
+    }
+
+    /// The scene with all radiance, and its light, multiplied so that the mean luminance is as asked, cd/m².
+    ///
+    /// # Errors
+    /// When the luminance is not within 0–10¹² cd/m², or the scene has none.
+    pub fn with_mean_luminance(self, cd_m2: f64) -> Result<Self, SceneError> {
+        require_luminance(cd_m2)?;
+        let factor = cd_m2 / self.some_luminance(self.mean_luminance_cd_m2()?)?;
+        let factors = vec![factor; self.radiance.grid().len()];
+        let illuminant = self.illuminant.scaled(factor);
+        self.multiplied(&factors, illuminant)
+    }
+
+    /// The scene under another light: its radiance is divided by the old light and multiplied by the new one,
+    /// wavelength by wavelength. The mean luminance stays, as with ISETCam's `sceneAdjustIlluminant`, since
+    /// the power of an [`Illuminant`] is relative; [`Scene::with_mean_luminance`] sets another.
+    ///
+    /// # Errors
+    /// When the old light has less than 10⁻⁶ of its maximum at a wavelength where the new one has power,
+    /// when the new one does not cover the grid, or when the result has no luminance.
+    pub fn relit(self, illuminant: &Illuminant) -> Result<Self, SceneError> {
+        let grid = self.radiance.grid();
+        let new = illuminant.photons(grid)?;
+        let old_max = self.illuminant.max();
+        let mut factors = Vec::with_capacity(grid.len());
+        for (i, (&old, &new)) in self.illuminant.values().iter().zip(new.values()).enumerate() {
+            let present = old > NO_LIGHT * old_max;
+            if !present && new > 0.0 {
+                let fraction = if old_max > 0.0 { old / old_max } else { 0.0 };
+                return Err(SceneError::NoLightToDivideBy { wavelength_nm: grid.wavelength_nm(i), fraction });
+            }
+            factors.push(if present { new / old } else { 0.0 });
+        }
+        let y = &Observer::Cie1931.photon_weights(grid)?[1];
+        let luminance = |factors: &[f64]| -> f64 {
+            let means = self.plane_means();
+            means.iter().zip(y.values()).zip(factors).map(|((m, w), f)| m * w * f).sum()
+        };
+        let before = luminance(&vec![1.0; grid.len()]);
+        let scale = before / self.some_luminance(luminance(&factors))?;
+        factors.iter_mut().for_each(|f| *f *= scale);
+        self.multiplied(&factors, new.scaled(scale))
+    }
+
+    /// The scene at another distance, m. Its angular size stays, so it grows with the distance.
+    ///
+    /// # Errors
+    /// When the distance is not positive.
+    pub fn with_distance(self, distance_m: f64) -> Result<Self, SceneError> {
+        require_distance(distance_m)?;
+        Ok(Self { distance_m, ..self })
+    }
+
+    /// The scene with another horizontal field of view, degrees.
+    ///
+    /// # Errors
+    /// When it is not within 0–180°.
+    pub fn with_fov(self, horizontal_fov_deg: f64) -> Result<Self, SceneError> {
+        require_fov(horizontal_fov_deg)?;
+        Ok(Self { horizontal_fov_deg, ..self })
+    }
+
+    /// The part of `rows` × `cols` pixels from `row`, `col` on. Pixels keep their size on the scene plane, so the
+    /// field of view shrinks; the mean luminance becomes that of the part.
+    ///
+    /// # Errors
+    /// When the part is empty or reaches beyond the scene.
+    pub fn cropped(self, row: usize, col: usize, rows: usize, cols: usize) -> Result<Self, SceneError> {
+        let (all_rows, all_cols) = (self.radiance.rows(), self.radiance.cols());
+        let fits = |from: usize, count: usize, all: usize| count > 0 && from <= all && count <= all - from;
+        require(fits(row, rows, all_rows), "rows", rows as f64, "at least 1, within the scene")?;
+        require(fits(col, cols, all_cols), "cols", cols as f64, "at least 1, within the scene")?;
+        let mut part = Planes::zeros(rows, cols, self.radiance.planes().count());
+        for (to, from) in part.data_mut().chunks_exact_mut(rows * cols).zip(self.radiance.planes().planes()) {
+            let kept = from.chunks_exact(all_cols).skip(row);
+            for (to, from) in to.chunks_exact_mut(cols).zip(kept) {
+                to.copy_from_slice(&from[col..col + cols]);
+            }
+        }
+        let half = (self.horizontal_fov_deg / 2.0).to_radians().tan() * cols as f64 / all_cols as f64;
+        let horizontal_fov_deg = 2.0 * half.atan().to_degrees();
+        let radiance = SpectralCube::new(self.radiance.grid(), part)?;
+        Ok(Self { radiance, horizontal_fov_deg, ..self })
+    }
+
+    /// Mean of every plane. Each sum runs in order, so it does not depend on the number of threads.
+    fn plane_means(&self) -> Vec<f64> {
+        let planes: Vec<&[f32]> = self.radiance.planes().planes().collect();
+        planes
+            .par_iter()
+            .map(|p| p.iter().map(|&v| f64::from(v)).sum::<f64>() / p.len().max(1) as f64)
+            .collect()
+    }
+
+    fn some_luminance(&self, cd_m2: f64) -> Result<f64, SceneError> {
+        let grid = self.radiance.grid();
+        if cd_m2 > 0.0 {
+            Ok(cd_m2)
+        } else {
+            Err(SceneError::Dark { start_nm: grid.start_nm(), end_nm: grid.end_nm() })
+        }
+    }
+
+    /// Each plane times its factor, and the light replaced.
+    fn multiplied(self, factors: &[f64], illuminant: Spectrum) -> Result<Self, SceneError> {
+        let grid = self.radiance.grid();
+        let mut planes = self.radiance.into_planes();
+        let len = planes.plane_len().max(1);
+        planes.data_mut().par_chunks_mut(len).zip(factors).for_each(|(plane, &factor)| {
+            // The product is rounded once, so that going there and back loses no more than it must.
+            plane.iter_mut().for_each(|v| *v = (f64::from(*v) * factor) as f32);
+        });
+        Ok(Self { radiance: SpectralCube::new(grid, planes)?, illuminant, ..self })
     }
 }

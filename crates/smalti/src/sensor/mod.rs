@@ -1,9 +1,31 @@
 //! The image sensor: colour filter array, pixel, exposure, noise, analog-to-digital conversion.
 //!
-//! [`Cfa`] and [`RawImage`] know nothing of the simulator: the raw file of a real camera is the same type.
+//! [`Sensor::capture`] turns an optical image into a [`RawImage`]. [`Cfa`] and [`RawImage`] know nothing of the
+//! simulator: the raw file of a real camera is the same type.
 
+mod adc;
+mod capture;
 pub mod cfa;
+mod collect;
+mod device;
+mod error;
+mod exposure;
+mod geometry;
+mod noise_model;
+mod nonuniformity;
+mod pixel;
+mod quantum_efficiency;
 mod raw;
+mod readout;
 
-pub use cfa::{Cfa, CfaError, Channel, Mosaic};
+pub use adc::Adc;
+pub use capture::NoiseMode;
+pub use cfa::{Cfa, CfaError, Channel, Filter, Mosaic};
+pub use device::{Aperture, ColorArchitecture, MAX_SAMPLES, Sensor, Window};
+pub use error::SensorError;
+pub use exposure::{AutoExposure, Exposure};
+pub use noise_model::NoiseVariance;
+pub use nonuniformity::NonUniformity;
+pub use pixel::{DarkCurrentTemperature, Pixel};
+pub use quantum_efficiency::{QuantumEfficiency, silicon_absorption_per_m};
 pub use raw::{RawError, RawImage, RawSamples, Sampling};

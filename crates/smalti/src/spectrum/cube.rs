@@ -33,7 +33,7 @@ impl SpectralCube {
         }
         let bands = planes.data().par_chunks(planes.plane_len()).enumerate();
         let bad = bands.find_map_first(|(i, plane)| {
-            // No range contains NaN; infinity is above it.
+            // The range holds neither NaN nor infinity.
             plane.iter().find(|v| !(0.0..=f32::MAX).contains(*v)).map(|&v| (i, v))
         });
         if let Some((i, bad)) = bad {

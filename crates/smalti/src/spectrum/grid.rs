@@ -72,6 +72,18 @@ pub enum SpectrumError {
         /// The range.
         expected: &'static str,
     },
+    /// No data set has this name.
+    #[error("unknown {what} `{name}`; did you mean `{nearest}`? Expected one of {expected}")]
+    UnknownName {
+        /// What was asked for.
+        what: &'static str,
+        /// The name.
+        name: String,
+        /// The known name nearest to it.
+        nearest: &'static str,
+        /// The known names.
+        expected: String,
+    },
     /// The shape of a cube does not match its data.
     #[error(transparent)]
     Shape(#[from] ShapeError),

@@ -8,6 +8,7 @@ pub mod generated;
 mod grid;
 mod illuminant;
 mod observer;
+pub mod reflectance;
 pub mod units;
 
 pub use cube::SpectralCube;

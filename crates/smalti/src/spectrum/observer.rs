@@ -79,3 +79,73 @@ impl Observer {
         Ok(out)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const ALL: [Observer; 3] = [Observer::Cie1931, Observer::Cie1964, Observer::Cie2015];
+
+    fn one_nm() -> WavelengthGrid {
+        WavelengthGrid::new(360.0, 1.0, 471).unwrap()
+    }
+
+    /// Equal energy is white to the 3e-4 that the published tables leave (1931: 106.865, 106.857, 106.892).
+    #[test]
+    fn equal_energy_is_white() {
+        for observer in ALL {
+            let [x, y, z] = observer.matching_functions(one_nm()).unwrap().map(|f| f.integral());
+            assert!((x / y - 1.0).abs() < 4e-4 && (z / y - 1.0).abs() < 4e-4, "{observer:?}: {x} {y} {z}");
+        }
+    }
+
+    /// Printed values of CIE 15:2004, tables T.4 and T.5; for 2015 the Stockman-Sharpe cone fundamentals through the
+    /// matrix of CIE 170-2:2015 (1.94735469 −1.41445123 0.36476327; 0.68990272 0.34832189 0; 0 0 1.93485343).
+    #[test]
+    fn tabulated_values() {
+        for (observer, nm, expected) in [
+            (Observer::Cie1931, 555.0, [0.512050, 1.000000, 0.005750]),
+            (Observer::Cie1931, 445.0, [0.34806, 0.0298, 1.78260]),
+            (Observer::Cie1931, 600.0, [1.0622, 0.6310, 0.0008]),
+            (Observer::Cie1964, 555.0, [0.616053, 0.999110, 0.001091]),
+            (Observer::Cie1964, 600.0, [1.123990, 0.658341, 0.0]),
+            (Observer::Cie2015, 450.0, [0.3224636, 0.0647235, 1.8485454]),
+            (Observer::Cie2015, 555.0, [0.5280234, 0.9994606, 0.0023272]),
+        ] {
+            let functions = observer.matching_functions(one_nm()).unwrap();
+            for (f, expected) in functions.iter().zip(expected) {
+                let got = f.at(nm).unwrap();
+                assert!(
+                    (got - expected).abs() < 6e-7 + 1e-4 * expected,
+                    "{observer:?} {nm}: {got}, not {expected}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn a_watt_at_555_nm_is_683_lumen() {
+        let grid = WavelengthGrid::new(555.0, 1.0, 1).unwrap();
+        let photons = Spectrum::constant(grid, photons_per_joule(555.0));
+        let [_, y, _] = Observer::Cie1931.xyz_from_photons(&photons).unwrap();
+        assert!((y - EFFICACY_LM_PER_W).abs() < 1e-9, "{y}");
+    }
+
+    #[test]
+    fn planes_hold_the_values_of_each_pixel() {
+        let grid = WavelengthGrid::VISIBLE;
+        let data: Vec<f32> = (0..31 * 6).map(|i| 1e15 * (1 + i % 7) as f32).collect();
+        let cube = super::super::SpectralCube::new(grid, Planes::new(2, 3, 31, data).unwrap()).unwrap();
+        for observer in ALL {
+            let planes = observer.xyz_planes_from_photons(&cube).unwrap();
+            for at in 0..6 {
+                let pixel = cube.pixel(at / 3, at % 3).unwrap();
+                let expected = observer.xyz_from_photons(&pixel).unwrap();
+                for (c, e) in expected.into_iter().enumerate() {
+                    // Sums of 31 single-precision products.
+                    assert!((f64::from(planes.plane(c)[at]) / e - 1.0).abs() < 1e-5);
+                }
+            }
+        }
+    }
+}

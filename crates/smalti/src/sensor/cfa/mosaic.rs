@@ -60,6 +60,12 @@ pub enum CfaError {
         /// The nearest name there is.
         suggestion: Option<String>,
     },
+    /// A filter names a file that has not been read.
+    #[error("the filter file '{name}' has not been read")]
+    UnreadFile {
+        /// The file.
+        name: String,
+    },
     /// A parameter is out of its range.
     #[error("{name} is {value}; expected {expected}")]
     Parameter {
@@ -68,6 +74,16 @@ pub enum CfaError {
         /// Its value.
         value: f64,
         /// The range.
+        expected: &'static str,
+    },
+    /// A parameter written as text cannot be read.
+    #[error("{name} is '{value}'; expected {expected}")]
+    ParameterText {
+        /// Its name.
+        name: String,
+        /// The text.
+        value: String,
+        /// What can be read.
         expected: &'static str,
     },
     /// Spectral data do not fit.
@@ -92,7 +108,7 @@ impl Mosaic {
     /// When the number of cells is not `rows * cols` or is 0 or above 65536, or a channel below the largest
     /// one is in no cell.
     pub fn new(rows: usize, cols: usize, cells: Vec<u8>) -> Result<Self, CfaError> {
-        let count = rows.checked_mul(cols).unwrap_or(usize::MAX);
+        let count = rows.saturating_mul(cols);
         if count == 0 || count > 65536 || cells.len() != count {
             return Err(CfaError::Tile { rows, cols, cells: cells.len() });
         }

@@ -1,11 +1,16 @@
 //! Published tables, as numbers. Written by `tools/generate_tables.py`.
 
+// Some reflectances happen to begin like 1/π.
+#[allow(clippy::approx_constant)]
 mod colorchecker;
 mod illuminants;
+#[allow(clippy::approx_constant)]
+mod natural;
 mod observers;
 
 pub use colorchecker::{COLORCHECKER, COLORCHECKER_NAMES};
 pub use illuminants::{D65_TABLE, DAYLIGHT_BASIS, F2, F11, LED_B3};
+pub use natural::{NATURAL, NATURAL_NAMES};
 pub use observers::{CIE_1931_2DEG, CIE_1964_10DEG, CIE_2015_2DEG};
 
 use super::{Outside, Spectrum, SpectrumError, WavelengthGrid};

@@ -1,0 +1,114 @@
+//! `smalti list`: what is built in.
+
+use serde_json::json;
+use smalti::metrics;
+use smalti::scene;
+use smalti::sensor::cfa;
+use smalti::spectrum::Illuminant;
+use smalti_io::cameras;
+
+use crate::args::{List, Listing};
+
+pub(crate) fn run(args: &List) -> anyhow::Result<()> {
+    let entries = match args.what {
+        Listing::Scenes => scenes(),
+        Listing::Cfas => cfas(),
+        Listing::Cameras => builtin_cameras(),
+        Listing::Illuminants => illuminants(),
+        Listing::Filters => filters(),
+        Listing::Metrics => metric_list(),
+    };
+    if args.json {
+        let json: Vec<_> = entries.iter().map(|e| e.json.clone()).collect();
+        return crate::print(&(serde_json::to_string_pretty(&json)? + "\n"));
+    }
+    let width = entries.iter().map(|e| e.name.chars().count()).max().unwrap_or(0);
+    let mut out = String::new();
+    for e in &entries {
+        out += &format!("{:width$}  {}\n", e.name, e.summary);
+        for line in &e.details {
+            out += &format!("{:width$}    {line}\n", "");
+        }
+    }
+    crate::print(&out)
+}
+
+struct Entry {
+    name: String,
+    summary: String,
+    details: Vec<String>,
+    json: serde_json::Value,
+}
+
+fn scenes() -> Vec<Entry> {
+    let entry = |s: &scene::SceneInfo| {
+        let parameter = |p: &scene::ParamInfo| format!("?{}={}  {} ({})", p.name, p.default, p.doc, p.expected);
+        let as_json = |p: &scene::ParamInfo| json!({"name": p.name, "default": p.default, "expected": p.expected, "doc": p.doc});
+        Entry {
+            name: s.name.into(),
+            summary: s.summary.into(),
+            details: s.parameters.iter().map(parameter).collect(),
+            json: json!({
+                "name": s.name, "summary": s.summary,
+                "parameters": s.parameters.iter().map(as_json).collect::<Vec<_>>(),
+            }),
+        }
+    };
+    scene::names().iter().map(entry).collect()
+}
+
+fn cfas() -> Vec<Entry> {
+    let entry = |c: &cfa::CfaInfo| {
+        let pattern = c.pattern();
+        Entry {
+            name: c.name.into(),
+            summary: format!("{} ({} × {})", c.summary, c.rows(), c.cols()),
+            details: pattern.iter().cloned().chain([c.source.to_owned()]).collect(),
+            json: json!({
+                "name": c.name, "aliases": c.aliases, "summary": c.summary, "source": c.source,
+                "rows": c.rows(), "cols": c.cols(), "pattern": pattern,
+            }),
+        }
+    };
+    cfa::names().iter().map(entry).collect()
+}
+
+fn builtin_cameras() -> Vec<Entry> {
+    let entry = |c: &cameras::CameraInfo| Entry {
+        name: c.name.into(),
+        summary: c.summary.into(),
+        details: Vec::new(),
+        json: json!({"name": c.name, "summary": c.summary, "toml": c.toml}),
+    };
+    cameras::names().iter().map(entry).collect()
+}
+
+fn illuminants() -> Vec<Entry> {
+    let entry = |name: &&str| Entry {
+        name: (*name).into(),
+        summary: String::new(),
+        details: Vec::new(),
+        json: json!({"name": name}),
+    };
+    Illuminant::names().iter().map(entry).collect()
+}
+
+fn filters() -> Vec<Entry> {
+    let entry = |f: &cfa::FilterInfo| Entry {
+        name: f.name.into(),
+        summary: f.summary.into(),
+        details: vec![f.source.into()],
+        json: json!({"name": f.name, "summary": f.summary, "source": f.source}),
+    };
+    cfa::builtin_filters().iter().map(entry).collect()
+}
+
+fn metric_list() -> Vec<Entry> {
+    let entry = |m: &metrics::MetricInfo| Entry {
+        name: m.name.into(),
+        summary: format!("[{}] {}", m.unit, m.summary),
+        details: vec![m.source.into()],
+        json: json!({"name": m.name, "unit": m.unit, "summary": m.summary, "source": m.source}),
+    };
+    metrics::catalog().iter().map(entry).collect()
+}

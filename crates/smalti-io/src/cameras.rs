@@ -1,0 +1,135 @@
+//! Cameras by name or file: described in TOML, checked, resolved.
+
+use std::path::{Path, PathBuf};
+
+use smalti::camera::{Camera, CameraDescription, CameraError};
+use smalti::numeric::Planes;
+use smalti::sensor::Filter;
+use smalti::spectrum::WavelengthGrid;
+
+use crate::camera_toml::{CameraSource, Override, beside};
+use crate::diagnostic::{Diagnostic, nearest};
+use crate::{npy, spectrum_csv, text};
+
+/// A built-in camera.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct CameraInfo {
+    /// Its name.
+    pub name: &'static str,
+    /// What it is.
+    pub summary: &'static str,
+    /// Its file.
+    pub toml: &'static str,
+}
+
+macro_rules! builtin {
+    ($name:literal, $summary:literal) => {
+        CameraInfo { name: $name, summary: $summary, toml: include_str!(concat!("../cameras/", $name, ".toml")) }
+    };
+}
+
+static CAMERAS: &[CameraInfo] = &[
+    builtin!("bayer", "The L³ slides' camera, Bayer"),
+    builtin!("rgbw", "The L³ slides' camera, RGBW 2 × 2"),
+    builtin!("clarity", "The L³ slides' camera, RCCB as in Aptina Clarity+"),
+    builtin!("kodak", "The L³ slides' camera, Kodak's panchromatic 4 × 4"),
+    builtin!("wang", "The L³ slides' camera, Wang et al. 2011, 5 × 5"),
+    builtin!("table1", "\"Resolution in Color Filter Array Images\", table 1"),
+    builtin!("phone", "A phone of 2020: 1 µm pixels at f/1.8"),
+];
+
+/// The built-in cameras.
+#[must_use]
+pub fn names() -> &'static [CameraInfo] {
+    CAMERAS
+}
+
+/// A camera by name or file, overrides applied, the files that it names read.
+///
+/// # Errors
+/// When there is none of that name, or a key, a value or a file does not fit; with the line where there is one.
+pub fn load(name: &str, overrides: &[Override], grid: WavelengthGrid) -> Result<Camera, Box<Diagnostic>> {
+    let source = source(name)?;
+    let mut description = source.describe(overrides)?;
+    read_files(&mut description, &source)?;
+    Camera::new(description, grid).map_err(|e| Box::new(about(&source, overrides, &e)))
+}
+
+fn source(name: &str) -> Result<CameraSource, Box<Diagnostic>> {
+    if let Some(c) = CAMERAS.iter().find(|c| c.name == name) {
+        return Ok(CameraSource { name: name.into(), folder: PathBuf::new(), text: c.toml.into() });
+    }
+    let path = Path::new(name);
+    let is_file = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("toml")) || path.is_file();
+    if !is_file {
+        let known: Vec<&str> = CAMERAS.iter().map(|c| c.name).collect();
+        let list = format!("built in: {}; or give a .toml file", known.join(", "));
+        let help = match nearest(name, &known) {
+            Some(near) => format!("did you mean '{near}'? {list}"),
+            None => list,
+        };
+        return Err(Box::new(Diagnostic { help: Some(help), ..Diagnostic::new(name, "no such camera") }));
+    }
+    let text = text::read_to_string(path).map_err(|e| Box::new(Diagnostic::new("camera", e.to_string())))?;
+    let folder = path.parent().map(Path::to_owned).unwrap_or_default();
+    Ok(CameraSource { name: name.into(), folder, text })
+}
+
+/// Shows an impossible value where it stands: on the command line, in the file, or nowhere if it is a default.
+fn about(source: &CameraSource, overrides: &[Override], error: &CameraError) -> Diagnostic {
+    match error {
+        CameraError::Key { key, message } => match overrides.iter().rev().find(|o| &o.key == key) {
+            Some(o) => Diagnostic::new(format!("--set {}={}", o.key, o.value), format!("`{key}`: {message}")),
+            None => source.about_key(key, message),
+        },
+        other => Diagnostic::new(source.name.clone(), other.to_string()),
+    }
+}
+
+/// Replaces every named file by what is in it, so that the description stands alone.
+fn read_files(d: &mut CameraDescription, source: &CameraSource) -> Result<(), Box<Diagnostic>> {
+    let lens = [("optics.transmittance".to_owned(), Some(&mut d.optics.transmittance)), ("optics.ir_cut".to_owned(), d.optics.ir_cut.as_mut())];
+    let sensor = [("sensor.quantum_efficiency".to_owned(), Some(&mut d.sensor.quantum_efficiency))];
+    let filters = d.sensor.cfa.filters.iter_mut().map(|(letter, f)| (format!("sensor.cfa.filters.{letter}"), Some(f)));
+    for (key, filter) in lens.into_iter().chain(sensor).chain(filters) {
+        if let Some(filter) = filter {
+            read_curve(filter, &source.folder).map_err(|e| Box::new(source.about_key(&key, &e)))?;
+        }
+    }
+    if let Some(psf) = &mut d.optics.psf {
+        let path = beside(&source.folder, &psf.file);
+        let read = || -> Result<(Planes, String), String> {
+            let array = npy::read(&path).map_err(|e| e.to_string())?;
+            let (count, rows, cols) = match array.shape[..] {
+                [rows, cols] => (1, rows, cols),
+                [count, rows, cols] => (count, rows, cols),
+                _ => return Err(format!("{}: expected 2 or 3 dimensions, got {}", path.display(), array.shape.len())),
+            };
+            let planes = Planes::new(rows, cols, count, array.to_f32()).map_err(|e| e.to_string())?;
+            let bytes: Vec<u8> = planes.data().iter().flat_map(|v| v.to_le_bytes()).collect();
+            Ok((planes, blake3::hash(&bytes).to_hex().to_string()))
+        };
+        let (planes, hash) = read().map_err(|e| Box::new(source.about_key("optics.psf.file", &e)))?;
+        if !psf.hash.is_empty() && psf.hash != hash {
+            let message = format!("the file has the hash {hash}, not that of the description");
+            return Err(Box::new(source.about_key("optics.psf.hash", &message)));
+        }
+        (psf.planes, psf.hash) = (Some(planes), hash);
+    }
+    Ok(())
+}
+
+/// Replaces a named file by the samples in it.
+fn read_curve(filter: &mut Filter, folder: &Path) -> Result<(), String> {
+    if let Filter::File(name) = filter {
+        let path = beside(folder, name);
+        let spectrum = spectrum_csv::read_spectrum(&path.to_string_lossy()).map_err(|e| e.to_string())?;
+        let grid = spectrum.grid();
+        *filter = Filter::Samples {
+            start_nm: grid.start_nm(),
+            step_nm: grid.step_nm(),
+            values: spectrum.values().to_vec(),
+        };
+    }
+    Ok(())
+}

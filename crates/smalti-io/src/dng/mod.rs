@@ -1,0 +1,77 @@
+//! Raw images as DNG (Adobe Digital Negative 1.4, an extension of TIFF/EP), uncompressed.
+//!
+//! What DNG has a field for is stated there: mosaic, levels, colour matrix. Its colours are red, green, blue, cyan,
+//! magenta, yellow and white; a channel of another name gets a code from 7 on. Names, exact levels and the unit
+//! also stand as JSON in `ImageDescription`, so that [`read`] returns an equal [`RawImage`] for any mosaic.
+
+mod read;
+mod samples;
+mod write;
+
+use smalti::sensor::RawImage;
+
+pub use read::{from_bytes, read};
+pub use write::write;
+
+/// How the camera sees colour, to develop the raw by.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ColorMatrix {
+    /// One row per channel: camera values from CIE XYZ (`ColorMatrix1`).
+    pub camera_from_xyz: Vec<[f64; 3]>,
+    /// The light it holds for, by its Exif `LightSource` code: 17 A, 20 D55, 21 D65, 22 D75, 23 D50.
+    pub light_source: u16,
+}
+
+/// What a DNG says beside the raw image.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct DngInfo {
+    /// Maker of the camera; not written when empty.
+    pub make: String,
+    /// Its model. `UniqueCameraModel` is make and model.
+    pub model: String,
+    /// Without it raw developers show the raw colours or refuse the file.
+    pub color_matrix: Option<ColorMatrix>,
+    /// Camera values of a neutral surface, one per channel.
+    pub as_shot_neutral: Option<Vec<f64>>,
+}
+
+/// A DNG as read.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Dng {
+    /// The raw image, cropped to the active area.
+    pub raw: RawImage,
+    /// The rest.
+    pub info: DngInfo,
+    /// What was simplified or left aside.
+    pub notes: Vec<String>,
+}
+
+/// The JSON in `ImageDescription`.
+#[derive(Debug, serde::Serialize, serde::Deserialize)]
+struct Description {
+    smalti: Facts,
+}
+
+/// What the fields of DNG cannot hold, or only rounded.
+#[derive(Debug, serde::Serialize, serde::Deserialize)]
+struct Facts {
+    /// Names of the channels.
+    channels: Vec<String>,
+    /// Channel of every cell of the mosaic, row by row; absent where every pixel has every channel.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    mosaic: Option<Vec<Vec<u8>>>,
+    /// "digital numbers" or "V".
+    unit: String,
+    black_level: f64,
+    white_level: f64,
+}
+
+// Values of PhotometricInterpretation.
+const CFA: u16 = 32803;
+const LINEAR_RAW: u16 = 34892;
+
+/// Letters of the colour codes 0 to 6 of `CFAPlaneColor`.
+const COLOR_LETTERS: [&str; 7] = ["R", "G", "B", "C", "M", "Y", "W"];
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,206 @@
+//! Writing DNG.
+
+use std::collections::BTreeMap;
+use std::io::Write;
+use std::path::Path;
+
+use smalti::sensor::{RawImage, RawSamples, Sampling};
+
+use super::{CFA, COLOR_LETTERS, Description, DngInfo, Facts, LINEAR_RAW};
+use crate::text::ascii_json;
+use crate::tiff_tags::{self as tags, Value};
+use crate::{IoError, write};
+
+/// Writes a raw image: digital numbers as 16-bit, volts as 32-bit floating point; a mosaic as CFA, full sampling as
+/// LinearRaw. Levels that are not whole numbers are rounded in the DNG fields (white) or written as fractions
+/// (black, 0 where negative) and stand exactly in the description.
+///
+/// # Errors
+/// When matrix or neutral do not have a row per channel, there are more channels than DNG has codes for, the file
+/// would pass 4 GiB, or it cannot be written.
+pub fn write(path: &Path, raw: &RawImage, info: &DngInfo) -> Result<(), IoError> {
+    let fields = fields(path, raw, info)?;
+    let digital = matches!(raw.samples(), RawSamples::Digital(_));
+    let bytes = raw.samples().len() as u64 * if digital { 2 } else { 4 };
+    let rows = raw.rows() as u32;
+    write::atomic(path, |out| {
+        tags::write_header(out, fields, rows, bytes)
+            .and_then(|()| match raw.samples() {
+                RawSamples::Digital(v) => write_interleaved(out, v, raw, |x| x.to_le_bytes()),
+                RawSamples::Analog(v) => write_interleaved(out, v, raw, |x| x.to_le_bytes()),
+            })
+            .map_err(|source| IoError::Write { path: path.to_owned(), source })
+    })
+}
+
+/// Row by row, the planes of each pixel side by side.
+fn write_interleaved<T: Copy, const N: usize>(
+    out: &mut impl Write,
+    values: &[T],
+    raw: &RawImage,
+    bytes: fn(T) -> [u8; N],
+) -> std::io::Result<()> {
+    let (cols, planes) = (raw.cols(), raw.sampling().planes());
+    let plane_len = raw.rows() * cols;
+    let mut row_bytes = vec![[0u8; N]; cols * planes];
+    for row in 0..raw.rows() {
+        for p in 0..planes {
+            let from = values.iter().skip(p * plane_len + row * cols).take(cols);
+            for (to, &v) in row_bytes.iter_mut().skip(p).step_by(planes).zip(from) {
+                *to = bytes(v);
+            }
+        }
+        out.write_all(row_bytes.as_flattened())?;
+    }
+    Ok(())
+}
+
+fn fields(path: &Path, raw: &RawImage, info: &DngInfo) -> Result<BTreeMap<u16, Value>, IoError> {
+    let channels = raw.sampling().channels();
+    let planes = raw.sampling().planes();
+    let size = |n: usize, what: &str| {
+        u32::try_from(n).map_err(|_| IoError::field(path, what, n.to_string(), "less than 2³²"))
+    };
+    let (rows, cols) = (size(raw.rows(), "rows")?, size(raw.cols(), "cols")?);
+    let samples_per_pixel = u16::try_from(planes)
+        .map_err(|_| IoError::field(path, "channels", planes.to_string(), "at most 65535"))?;
+    let (bits, format, backward) = match raw.samples() {
+        RawSamples::Digital(_) => (16, 1, 1),
+        // Floating point came with DNG 1.4.
+        RawSamples::Analog(_) => (32, 3, 4),
+    };
+    let model = format!("{} {}", info.make, info.model).trim().to_owned();
+    let model = if model.is_empty() { "Smalti".to_owned() } else { model };
+    let mosaic = match raw.sampling() {
+        Sampling::Mosaic(m) => Some(m.cells().chunks(m.cols()).map(<[u8]>::to_vec).collect()),
+        Sampling::Full { .. } => None,
+    };
+    let facts = Facts {
+        channels: raw.channel_names().to_vec(),
+        mosaic,
+        unit: if bits == 16 { "digital numbers".into() } else { "V".into() },
+        black_level: raw.black_level(),
+        white_level: raw.white_level(),
+    };
+
+    let mut fields = BTreeMap::from([
+        (tags::NEW_SUBFILE_TYPE, Value::Long(vec![0])),
+        (tags::IMAGE_WIDTH, Value::Long(vec![cols])),
+        (tags::IMAGE_LENGTH, Value::Long(vec![rows])),
+        (tags::BITS_PER_SAMPLE, Value::Short(vec![bits; planes])),
+        (tags::COMPRESSION, Value::Short(vec![1])),
+        (tags::IMAGE_DESCRIPTION, Value::Ascii(ascii_json(&Description { smalti: facts }))),
+        (tags::ORIENTATION, Value::Short(vec![1])),
+        (tags::SAMPLES_PER_PIXEL, Value::Short(vec![samples_per_pixel])),
+        (tags::PLANAR_CONFIGURATION, Value::Short(vec![1])),
+        (tags::SOFTWARE, Value::Ascii(concat!("smalti ", env!("CARGO_PKG_VERSION")).into())),
+        (tags::SAMPLE_FORMAT, Value::Short(vec![format; planes])),
+        (tags::DNG_VERSION, Value::Byte(vec![1, 4, 0, 0])),
+        (tags::DNG_BACKWARD_VERSION, Value::Byte(vec![1, backward, 0, 0])),
+        (tags::UNIQUE_CAMERA_MODEL, Value::Ascii(ascii(&model))),
+        (tags::BLACK_LEVEL_REPEAT_DIM, Value::Short(vec![1, 1])),
+        (tags::BLACK_LEVEL, black(raw.black_level(), planes)),
+        (tags::WHITE_LEVEL, Value::Long(vec![raw.white_level().round().clamp(1.0, 4e9) as u32; planes])),
+        (tags::ACTIVE_AREA, Value::Long(vec![0, 0, rows, cols])),
+    ]);
+    for (tag, text) in [(tags::MAKE, &info.make), (tags::MODEL, &info.model)] {
+        if !text.is_empty() {
+            fields.insert(tag, Value::Ascii(ascii(text)));
+        }
+    }
+    match raw.sampling() {
+        Sampling::Full { .. } => {
+            fields.insert(tags::PHOTOMETRIC, Value::Short(vec![LINEAR_RAW]));
+        }
+        Sampling::Mosaic(mosaic) => {
+            let codes = color_codes(path, raw.channel_names())?;
+            let code = |c: &u8| codes.get(usize::from(*c)).copied().unwrap_or(0);
+            let side = |n: usize| {
+                u16::try_from(n).map_err(|_| {
+                    IoError::field(path, "the mosaic", n.to_string(), "at most 65535 cells a side")
+                })
+            };
+            let dim = vec![side(mosaic.rows())?, side(mosaic.cols())?];
+            fields.insert(tags::PHOTOMETRIC, Value::Short(vec![CFA]));
+            fields.insert(tags::CFA_REPEAT_PATTERN_DIM, Value::Short(dim));
+            fields.insert(tags::CFA_PATTERN, Value::Byte(mosaic.cells().iter().map(code).collect()));
+            fields.insert(tags::CFA_PLANE_COLOR, Value::Byte(codes.clone()));
+            fields.insert(tags::CFA_LAYOUT, Value::Short(vec![1]));
+        }
+    }
+    let per_channel = |field: &str, got: usize| {
+        if got == channels {
+            return Ok(());
+        }
+        Err(IoError::field(
+            path,
+            field,
+            format!("{got} long"),
+            format!("one entry for each of {channels} channels"),
+        ))
+    };
+    if let Some(matrix) = &info.color_matrix {
+        per_channel("color_matrix", matrix.camera_from_xyz.len())?;
+        let values = matrix.camera_from_xyz.iter().flatten().map(|&v| signed_fraction(v)).collect();
+        fields.insert(tags::COLOR_MATRIX_1, Value::SignedRational(values));
+        fields.insert(tags::CALIBRATION_ILLUMINANT_1, Value::Short(vec![matrix.light_source]));
+    }
+    if let Some(neutral) = &info.as_shot_neutral {
+        per_channel("as_shot_neutral", neutral.len())?;
+        fields.insert(tags::AS_SHOT_NEUTRAL, Value::Rational(neutral.iter().map(|&v| fraction(v)).collect()));
+    }
+    Ok(fields)
+}
+
+/// The code of every channel for `CFAPlaneColor`: that of its letter where it has one of its own, else the next
+/// free from 7 on.
+fn color_codes(path: &Path, names: &[String]) -> Result<Vec<u8>, IoError> {
+    let mut codes: Vec<u8> = Vec::with_capacity(names.len());
+    let mut next = COLOR_LETTERS.len() as u8;
+    for name in names {
+        let known = COLOR_LETTERS.iter().position(|l| *l == name).map(|c| c as u8);
+        let code = known.filter(|c| !codes.contains(c)).unwrap_or(next);
+        if code == next {
+            next = next.checked_add(1).ok_or_else(|| {
+                IoError::field(
+                    path,
+                    "channels",
+                    names.len().to_string(),
+                    "at most 248 without a letter of DNG",
+                )
+            })?;
+        }
+        codes.push(code);
+    }
+    Ok(codes)
+}
+
+fn black(level: f64, planes: usize) -> Value {
+    if level >= 0.0 && level.fract() == 0.0 && level <= f64::from(u32::MAX) {
+        Value::Long(vec![level as u32; planes])
+    } else {
+        Value::Rational(vec![fraction(level); planes])
+    }
+}
+
+/// The nearest fraction over a power of ten; 0 for what is negative.
+fn fraction(v: f64) -> (u32, u32) {
+    let mut denominator = 1_000_000_000u32;
+    while denominator > 1 && v * f64::from(denominator) > f64::from(u32::MAX) {
+        denominator /= 10;
+    }
+    ((v * f64::from(denominator)).round() as u32, denominator)
+}
+
+fn signed_fraction(v: f64) -> (i32, i32) {
+    let mut denominator = 1_000_000_000i32;
+    while denominator > 1 && (v * f64::from(denominator)).abs() > f64::from(i32::MAX) {
+        denominator /= 10;
+    }
+    ((v * f64::from(denominator)).round() as i32, denominator)
+}
+
+/// TIFF knows ASCII only.
+fn ascii(text: &str) -> String {
+    text.chars().map(|c| if c.is_ascii_graphic() || c == ' ' { c } else { '?' }).collect()
+}

@@ -1,0 +1,208 @@
+use std::path::{Path, PathBuf};
+
+use proptest::prelude::*;
+use smalti::numeric::Planes;
+use smalti::scene::Scene;
+use smalti::spectrum::Illuminant;
+use smalti::spectrum::units::photons_per_joule;
+
+use super::*;
+use crate::IoError;
+
+fn cube(grid: WavelengthGrid, rows: usize, cols: usize) -> SpectralCube {
+    let n = rows * cols * grid.len();
+    let data = (0..n).map(|i| 1e15 * (1.0 + (i * 7919 % 1000) as f32 / 333.0)).collect();
+    SpectralCube::new(grid, Planes::new(rows, cols, grid.len(), data).unwrap()).unwrap()
+}
+
+fn scene(grid: WavelengthGrid) -> Scene {
+    let light = Illuminant::D65.photons(grid).unwrap();
+    Scene::new("a scene, “quoted”", cube(grid, 4, 5), light, 1.2, 9.7).unwrap()
+}
+
+fn round_trip(file: &SpectralFile, layout: Layout) -> (SpectralFile, Vec<u8>) {
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("f.exr");
+    write(&path, file, layout).unwrap();
+    (read(&path, &ReadOptions::default()).unwrap(), std::fs::read(&path).unwrap())
+}
+
+#[test]
+fn a_scene_survives_both_layouts_exactly() {
+    for grid in [WavelengthGrid::VISIBLE, WavelengthGrid::new(380.0, 1000.0 / 3.0 / 30.0, 12).unwrap()] {
+        for layout in [Layout::Pbrt, Layout::Fichet2021] {
+            let scene = scene(grid);
+            let file = SpectralFile::of_scene(&scene);
+            let (back, bytes) = round_trip(&file, layout);
+            assert_eq!(back, file);
+            assert_eq!(back.into_scene(&SceneDefaults::default()).unwrap(), scene);
+            assert_eq!(round_trip(&file, layout).1, bytes, "equal values make equal bytes");
+        }
+    }
+}
+
+#[test]
+fn energy_is_photons_over_photons_per_joule() {
+    let file = SpectralFile::of_scene(&scene(WavelengthGrid::VISIBLE));
+    let energy = file.clone().into_energy().unwrap();
+    let ratio = f64::from(file.cube.planes().plane(3)[7]) / f64::from(energy.cube.planes().plane(3)[7]);
+    assert!((ratio / photons_per_joule(430.0) - 1.0).abs() < 1e-6);
+    let (back, _) = round_trip(&energy, Layout::Fichet2021);
+    assert_eq!(back.quantity, Quantity::Energy);
+    let again = back.into_scene(&SceneDefaults::default()).unwrap();
+    for (a, b) in again.radiance().planes().data().iter().zip(file.cube.planes().data()) {
+        // Two roundings of f32.
+        assert!((a / b - 1.0).abs() <= 2.4e-7);
+    }
+}
+
+#[test]
+fn a_reflectance_is_lit_and_scaled() {
+    let grid = WavelengthGrid::VISIBLE;
+    let half = Planes::new(2, 3, grid.len(), vec![0.5; 6 * grid.len()]).unwrap();
+    let file = SpectralFile {
+        name: "half".into(),
+        cube: SpectralCube::new(grid, half).unwrap(),
+        quantity: Quantity::Reflectance,
+        illuminant: None,
+        distance_m: None,
+        horizontal_fov_deg: None,
+    };
+    assert!(write(Path::new("x.exr"), &file, Layout::Pbrt).is_err());
+    let (back, _) = round_trip(&file, Layout::Fichet2021);
+    assert_eq!(back, SpectralFile { name: "half".into(), ..file });
+    let scene =
+        back.into_scene(&SceneDefaults { luminance_cd_m2: 50.0, ..SceneDefaults::default() }).unwrap();
+    assert!((scene.mean_luminance_cd_m2().unwrap() - 50.0).abs() < 1e-4);
+    let white = f64::from(scene.radiance().planes().plane(15)[0]) / scene.illuminant().values()[15];
+    assert!((white - 0.5).abs() < 1e-6);
+}
+
+#[test]
+fn a_black_relative_image_cannot_be_scaled() {
+    let grid = WavelengthGrid::VISIBLE;
+    let file = SpectralFile {
+        name: "black".into(),
+        cube: SpectralCube::new(grid, Planes::zeros(1, 1, 31)).unwrap(),
+        quantity: Quantity::RelativeEnergy,
+        illuminant: None,
+        distance_m: None,
+        horizontal_fov_deg: None,
+    };
+    let error = file.into_scene(&SceneDefaults::default()).unwrap_err().to_string();
+    assert_eq!(error, "black: the mean luminance is 0; expected light to scale");
+}
+
+/// Channels written by hand, for what our writer never writes.
+fn exr_with(channels: &[(&str, [f32; 2])]) -> Vec<u8> {
+    use ::exr::prelude::*;
+    let list = channels.iter().map(|(n, v)| AnyChannel::new(Text::from(*n), FlatSamples::F32(v.to_vec())));
+    let layer = Layer::new(
+        (2, 1),
+        LayerAttributes::default(),
+        Encoding::UNCOMPRESSED,
+        AnyChannels::sort(list.collect()),
+    );
+    let mut out = std::io::Cursor::new(Vec::new());
+    Image::from_layer(layer).write().to_buffered(&mut out).unwrap();
+    out.into_inner()
+}
+
+fn read_bytes(bytes: &[u8]) -> Result<SpectralFile, IoError> {
+    from_bytes(bytes, Path::new("f.exr"), &ReadOptions::default())
+}
+
+#[test]
+fn unequal_wavelengths_and_units_are_resampled() {
+    let bytes = exr_with(&[
+        ("S0.0,42um", [4.0, 4.0]),
+        ("S0.405,0nm", [1.0, 1.0]),
+        ("S0.400nm", [0.0, 0.0]),
+        ("R", [9.0; 2]),
+    ]);
+    let file = read_bytes(&bytes).unwrap();
+    assert_eq!(file.quantity, Quantity::RelativeEnergy);
+    assert_eq!((file.cube.grid().start_nm(), file.cube.grid().len()), (400.0, 5));
+    let got: Vec<f32> = file.cube.planes().planes().map(|p| p[1]).collect();
+    for (g, e) in got.iter().zip([0.0, 1.0, 2.0, 3.0, 4.0]) {
+        assert!((g - e).abs() < 1e-5, "{got:?}");
+    }
+}
+
+#[test]
+fn bad_values_name_their_band_and_pixel() {
+    let bytes = exr_with(&[("S0.400,0nm", [1.0, 1.0]), ("S0.410,0nm", [1.0, -0.25])]);
+    let error = read_bytes(&bytes).unwrap_err().to_string();
+    assert_eq!(
+        error,
+        "f.exr: channel S0.410,0nm, row 0, column 1 is -0.25; expected a finite number, not negative"
+    );
+    let clamp = ReadOptions { clamp_negative: true, ..ReadOptions::default() };
+    assert_eq!(from_bytes(&bytes, Path::new("f"), &clamp).unwrap().cube.planes().plane(1), [1.0, 0.0]);
+    let nan = exr_with(&[("S0.400,0nm", [f32::NAN, 1.0]), ("S0.410,0nm", [1.0, 1.0])]);
+    assert!(
+        from_bytes(&nan, Path::new("f"), &clamp).unwrap_err().to_string().contains("row 0, column 0 is NaN")
+    );
+}
+
+#[test]
+fn what_is_missing_is_said() {
+    let rgb = exr_with(&[("R", [1.0; 2]), ("G", [1.0; 2]), ("B", [1.0; 2])]);
+    assert!(read_bytes(&rgb).unwrap_err().to_string().contains("the spectrum is absent"));
+    let two = exr_with(&[("Radiance.C01", [1.0; 2]), ("Radiance.C02", [2.0; 2])]);
+    assert!(read_bytes(&two).unwrap_err().to_string().contains("not stated for 2 bands"));
+    let grid = WavelengthGrid::new(500.0, 100.0, 2).unwrap();
+    let options = ReadOptions { grid: Some(grid), ..ReadOptions::default() };
+    assert_eq!(from_bytes(&two, Path::new("f"), &options).unwrap().cube.grid(), grid);
+    assert!(read_bytes(b"not exr").unwrap_err().to_string().starts_with("f.exr: not a valid OpenEXR file"));
+    let picture = crate::picture::from_bytes(&rgb, Path::new("f"), &options).unwrap();
+    assert_eq!(picture.image.planes().data(), [1.0; 6]);
+    assert!(crate::picture::from_bytes(&two, Path::new("f"), &options).is_err());
+}
+
+#[test]
+fn the_rendered_chess_set_is_read() {
+    let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data/chess-set-spectral.exr");
+    if !path.is_file() {
+        eprintln!("skipped: no ../shared/data/chess-set-spectral.exr");
+        return;
+    }
+    let file = read(&path, &ReadOptions::default()).unwrap();
+    assert_eq!((file.cube.rows(), file.cube.cols(), file.cube.grid()), (320, 320, WavelengthGrid::VISIBLE));
+    assert_eq!((file.quantity, file.name.as_str()), (Quantity::RelativeEnergy, "chess-set-spectral"));
+    let scene = file.into_scene(&SceneDefaults::default()).unwrap();
+    assert!((scene.mean_luminance_cd_m2().unwrap() - 100.0).abs() < 1e-3);
+    let picture = crate::picture::read(&path, &ReadOptions::default()).unwrap();
+    assert_eq!(picture.image.rows(), 320);
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(128))]
+
+    #[test]
+    fn mutated_files_are_read_or_refused(
+        at in prop::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 1..6),
+        cut in any::<prop::sample::Index>(), whole in any::<bool>(), header in any::<bool>(), spectral in any::<bool>(),
+    ) {
+        let mut bytes = if spectral {
+            round_trip(&SpectralFile::of_scene(&scene(WavelengthGrid::new(400.0, 100.0, 3).unwrap())), Layout::Fichet2021).1
+        } else {
+            exr_with(&[("R", [1.0; 2]), ("G", [1.0; 2]), ("B", [1.0; 2])])
+        };
+        for (index, value) in at {
+            let i = index.index(if header { bytes.len().min(400) } else { bytes.len() });
+            bytes[i] = value;
+        }
+        if !whole {
+            bytes.truncate(cut.index(bytes.len()));
+        }
+        let _ = read_bytes(&bytes);
+        let _ = crate::picture::from_bytes(&bytes, Path::new("f"), &ReadOptions::default());
+    }
+
+    #[test]
+    fn random_bytes_are_refused(rest in prop::collection::vec(any::<u8>(), 0..400)) {
+        prop_assert!(read_bytes(&rest).is_err());
+        prop_assert!(read_bytes(&[b"\x76\x2f\x31\x01\x02\0\0\0", &rest[..]].concat()).is_err());
+    }
+}

@@ -1,0 +1,43 @@
+//! Reading JPEG (ITU-T T.81), baseline and progressive.
+
+use std::io::Cursor;
+use std::path::Path;
+
+use smalti::color::ColorSpace;
+use zune_jpeg::JpegDecoder;
+use zune_jpeg::zune_core::colorspace::ColorSpace as Coded;
+use zune_jpeg::zune_core::options::DecoderOptions;
+
+use super::{PROFILE_NOTE, Picture, from_interleaved};
+use crate::IoError;
+use crate::exr::ReadOptions;
+use crate::file::guarded;
+
+pub(super) fn decode(bytes: &[u8], path: &Path, options: &ReadOptions) -> Result<Picture, IoError> {
+    let wrong = |message: String| IoError::Decode { path: path.to_owned(), format: "JPEG", message };
+    guarded(path, "JPEG", || {
+        let settings = DecoderOptions::default()
+            .jpeg_set_out_colorspace(Coded::RGB)
+            .set_strict_mode(true)
+            .set_max_width(usize::from(u16::MAX))
+            .set_max_height(usize::from(u16::MAX));
+        let mut decoder = JpegDecoder::new_with_options(Cursor::new(bytes), settings);
+        decoder.decode_headers().map_err(|e| wrong(e.to_string()))?;
+        let info = decoder.info().ok_or_else(|| wrong("no header".into()))?;
+        let (rows, cols) = (usize::from(info.height), usize::from(info.width));
+        let pixels = rows as u64 * cols as u64;
+        options.limits.check(path, "the picture", pixels.saturating_mul(3), bytes.len() as u64)?;
+        if pixels.saturating_mul(3 + 12 + 12) > options.limits.decoded_bytes {
+            let (bytes, limit) = (pixels.saturating_mul(27), options.limits.decoded_bytes);
+            return Err(IoError::TooLarge { path: path.to_owned(), what: "the picture", bytes, limit });
+        }
+        let buffer = decoder.decode().map_err(|e| wrong(e.to_string()))?;
+        let mut notes = Vec::new();
+        if decoder.icc_profile().is_some() {
+            notes.push(PROFILE_NOTE.to_owned());
+        }
+        let samples: Vec<f32> = buffer.iter().map(|&b| f32::from(b) / 255.0).collect();
+        let image = from_interleaved(path, (rows, cols, 3), &samples, ColorSpace::Srgb)?;
+        Ok(Picture { image, bits: 8, notes })
+    })
+}

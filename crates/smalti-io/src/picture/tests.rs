@@ -1,0 +1,108 @@
+use proptest::prelude::*;
+
+use super::*;
+use crate::Limits;
+
+fn ramp(space: ColorSpace, rows: usize, cols: usize) -> Image {
+    let n = rows * cols * 3;
+    let data = (0..n).map(|i| ((i * 7919 % 65536) as f32) / 65535.0).collect();
+    Image::new(space, Planes::new(rows, cols, 3, data).unwrap()).unwrap()
+}
+
+fn largest_difference(a: &Image, b: &Image) -> f32 {
+    a.planes().data().iter().zip(b.planes().data()).map(|(x, y)| (x - y).abs()).fold(0.0, f32::max)
+}
+
+#[test]
+fn what_is_written_reads_back_with_its_space() {
+    let dir = tempfile::tempdir().unwrap();
+    for name in ["a.png", "a.tif"] {
+        for space in [ColorSpace::Srgb, ColorSpace::DisplayP3] {
+            for (depth, max) in [(Depth::Eight, 255.0), (Depth::Sixteen, 65535.0)] {
+                let path = dir.path().join(name);
+                let image = ramp(space, 5, 7);
+                write(&path, &image, depth).unwrap();
+                let back = read(&path, &ReadOptions::default()).unwrap();
+                assert_eq!(back.image.space(), space, "{name}");
+                assert!(back.notes.is_empty(), "{:?}", back.notes);
+                // Rounding to the nearest level, and f32.
+                assert!(largest_difference(&image, &back.image) < 0.5001 / max, "{name} {depth:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn only_encoded_pictures_are_written() {
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("a.png");
+    assert!(write(&path, &ramp(ColorSpace::LinearSrgb, 2, 2), Depth::Eight).is_err());
+    assert!(write(&dir.path().join("a.gif"), &ramp(ColorSpace::Srgb, 2, 2), Depth::Eight).is_err());
+    let nan =
+        Image::new(ColorSpace::Srgb, Planes::new(1, 2, 3, vec![0.0, f32::NAN, 0.0, 0.0, 0.0, 0.0]).unwrap());
+    let error = write(&path, &nan.unwrap(), Depth::Eight).unwrap_err().to_string();
+    assert!(error.contains("channel R, row 0, column 1"), "{error}");
+    assert!(std::fs::read_dir(dir.path()).unwrap().next().is_none());
+}
+
+#[test]
+fn a_png_gamma_is_undone() {
+    let mut bytes = Vec::new();
+    let mut encoder = ::png::Encoder::new(&mut bytes, 1, 1);
+    encoder.set_color(::png::ColorType::Grayscale);
+    encoder.set_source_gamma(::png::ScaledFloat::new(0.5));
+    encoder.write_header().unwrap().write_image_data(&[128]).unwrap();
+    let p = from_bytes(&bytes, Path::new("f.png"), &ReadOptions::default()).unwrap();
+    assert_eq!(p.image.space(), ColorSpace::LinearSrgb);
+    assert!((p.image.planes().plane(2)[0] - (128.0f32 / 255.0).powi(2)).abs() < 1e-6);
+}
+
+/// A PNG that declares 60000 × 60000 pixels in a few bytes.
+fn bomb() -> Vec<u8> {
+    let mut bytes = Vec::new();
+    ::png::Encoder::new(&mut bytes, 60_000, 60_000).write_header().unwrap();
+    bytes
+}
+
+#[test]
+fn a_bomb_is_refused_before_memory_is_taken() {
+    let error = from_bytes(&bomb(), Path::new("f.png"), &ReadOptions::default()).unwrap_err();
+    assert!(matches!(error, IoError::Truncated { .. }), "{error}");
+    let small = Limits { decoded_bytes: 1 << 10, ..Limits::default() };
+    let options = ReadOptions { limits: small, ..ReadOptions::default() };
+    assert!(matches!(from_bytes(&bomb(), Path::new("f.png"), &options), Err(IoError::TooLarge { .. })));
+}
+
+fn samples() -> Vec<Vec<u8>> {
+    let dir = tempfile::tempdir().unwrap();
+    ["a.png", "b.tif"]
+        .iter()
+        .map(|name| {
+            let path = dir.path().join(name);
+            write(&path, &ramp(ColorSpace::DisplayP3, 9, 6), Depth::Sixteen).unwrap();
+            std::fs::read(path).unwrap()
+        })
+        .collect()
+}
+
+proptest! {
+    #[test]
+    fn mutated_files_are_read_or_refused(which in 0usize..2, at in prop::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 1..6), cut in any::<prop::sample::Index>(), whole in any::<bool>()) {
+        let mut bytes = samples().swap_remove(which);
+        for (index, value) in at {
+            let i = index.index(bytes.len());
+            bytes[i] = value;
+        }
+        if !whole {
+            let n = cut.index(bytes.len());
+            bytes.truncate(n);
+        }
+        let _ = from_bytes(&bytes, Path::new("f"), &ReadOptions::default());
+    }
+
+    #[test]
+    fn random_bytes_are_refused(magic in prop::sample::select(vec![&b"\x89PNG\r\n\x1a\n"[..], b"II*\0\x08\0\0\0", b"MM\0*\0\0\0\x08", b"\xff\xd8\xff\xe0", b"\x76\x2f\x31\x01\x02\0\0\0", b""]), rest in prop::collection::vec(any::<u8>(), 0..300)) {
+        let bytes = [magic, &rest].concat();
+        prop_assert!(from_bytes(&bytes, Path::new("f"), &ReadOptions::default()).is_err());
+    }
+}

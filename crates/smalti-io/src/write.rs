@@ -1,0 +1,130 @@
+//! Writing a file whole or not at all.
+
+use std::fs::{self, File, OpenOptions};
+use std::io::{self, BufWriter, Write};
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use crate::IoError;
+
+/// Where an atomic write goes: buffered and seekable.
+pub type Target = BufWriter<File>;
+
+/// Removes the temporary file unless it was renamed.
+struct Temporary {
+    path: PathBuf,
+    keep: bool,
+}
+
+impl Drop for Temporary {
+    fn drop(&mut self) {
+        if !self.keep {
+            // Nothing more can be done about a file that cannot be removed; the write itself has already failed.
+            let _ = fs::remove_file(&self.path);
+        }
+    }
+}
+
+/// Writes a file by `fill` under a temporary name in the same folder, then renames it over `path`. On any failure
+/// (of `fill` too, or a panic in it) the temporary file is removed and `path` is as it was.
+///
+/// The data are handed to the operating system, not forced to the disk: a loss of power may lose the file.
+///
+/// # Errors
+/// What `fill` returns, or [`IoError::Write`].
+pub fn atomic(path: &Path, fill: impl FnOnce(&mut Target) -> Result<(), IoError>) -> Result<(), IoError> {
+    let io = |source| IoError::Write { path: path.to_owned(), source };
+    let (file, mut temporary) = create_beside(path).map_err(io)?;
+    let mut target = BufWriter::with_capacity(1 << 18, file);
+    fill(&mut target)?;
+    let file = target.into_inner().map_err(|e| io(e.into_error()))?;
+    drop(file);
+    fs::rename(&temporary.path, path).map_err(io)?;
+    temporary.keep = true;
+    Ok(())
+}
+
+/// Writes `bytes` as by [`atomic`].
+///
+/// # Errors
+/// [`IoError::Write`].
+pub fn bytes(path: &Path, bytes: &[u8]) -> Result<(), IoError> {
+    atomic(path, |out| {
+        out.write_all(bytes).map_err(|source| IoError::Write { path: path.to_owned(), source })
+    })
+}
+
+/// A new file in the folder of `path`, under a name no other process or thread has.
+fn create_beside(path: &Path) -> io::Result<(File, Temporary)> {
+    static COUNTER: AtomicU64 = AtomicU64::new(0);
+    let Some(name) = path.file_name() else {
+        return Err(io::Error::new(io::ErrorKind::InvalidInput, "the path names no file"));
+    };
+    let mut last = io::Error::from(io::ErrorKind::AlreadyExists);
+    for _ in 0..64 {
+        let number = COUNTER.fetch_add(1, Ordering::Relaxed);
+        let mut hidden = std::ffi::OsString::from(".");
+        hidden.push(name);
+        hidden.push(format!(".{}-{number}.tmp", std::process::id()));
+        let beside = path.with_file_name(hidden);
+        match OpenOptions::new().write(true).create_new(true).open(&beside) {
+            Ok(file) => return Ok((file, Temporary { path: beside, keep: false })),
+            Err(error) if error.kind() == io::ErrorKind::AlreadyExists => last = error,
+            Err(error) => return Err(error),
+        }
+    }
+    Err(last)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn names(dir: &Path) -> Vec<String> {
+        fs::read_dir(dir).unwrap().map(|e| e.unwrap().file_name().into_string().unwrap()).collect()
+    }
+
+    #[test]
+    fn a_file_is_replaced_whole() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("a.txt");
+        bytes(&path, b"one").unwrap();
+        bytes(&path, b"two").unwrap();
+        assert_eq!(fs::read(&path).unwrap(), b"two");
+        assert_eq!(names(dir.path()), ["a.txt"]);
+    }
+
+    #[test]
+    fn a_writer_that_fails_midway_leaves_everything_as_it_was() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("a.txt");
+        bytes(&path, b"one").unwrap();
+        let result = atomic(&path, |out| {
+            // More than the buffer, so that something has reached the file.
+            out.write_all(&vec![7; 1 << 20]).unwrap();
+            Err(IoError::Write { path: path.clone(), source: io::Error::other("the disk is full") })
+        });
+        assert!(result.unwrap_err().to_string().ends_with("a.txt: the disk is full"));
+        assert_eq!(fs::read(&path).unwrap(), b"one");
+        assert_eq!(names(dir.path()), ["a.txt"]);
+    }
+
+    #[test]
+    fn a_writer_that_panics_leaves_nothing() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("a.txt");
+        let caught = std::panic::catch_unwind(|| atomic(&path, |_| panic!("midway")));
+        assert!(caught.is_err());
+        assert!(names(dir.path()).is_empty());
+    }
+
+    #[test]
+    fn a_folder_or_a_missing_folder_is_an_error_that_names_the_file() {
+        let dir = tempfile::tempdir().unwrap();
+        assert!(bytes(dir.path(), b"x").is_err());
+        let error = bytes(&dir.path().join("no/such.txt"), b"x").unwrap_err();
+        assert!(error.to_string().contains("such.txt"));
+        assert!(names(dir.path()).is_empty());
+        assert!(bytes(Path::new("/"), b"x").is_err());
+    }
+}

@@ -1,0 +1,205 @@
+//! The camera: its parts, resolved from a description, and the way from a scene to a picture.
+
+use super::CameraError;
+use super::description::{
+    CameraDescription, ColorCorrectionName, DemosaicName, WhiteBalanceName,
+};
+use super::resolve::{self, ExposureTime};
+use crate::color::{ColorSpace, Image};
+use crate::isp::{Classic, ColorConstraint, Demosaic, Isp, WhiteBalance, color_matrix};
+use crate::optics::{OpticalImage, Optics};
+use crate::scene::Scene;
+use crate::sensor::{
+    Cfa, Channel, ColorArchitecture, Exposure, Mosaic, NoiseMode, NonUniformity, RawImage, Sensor, Window,
+};
+use crate::spectrum::{Observer, Spectrum, WavelengthGrid, reflectance};
+
+/// A camera, ready to take pictures of scenes on one wavelength grid.
+#[derive(Debug, Clone)]
+pub struct Camera {
+    description: CameraDescription,
+    grid: WavelengthGrid,
+    /// The lens.
+    pub optics: Optics,
+    /// The image sensor.
+    pub sensor: Sensor,
+    exposure_time: ExposureTime,
+    analog_gain: f64,
+    analog_offset_v: f64,
+}
+
+/// One picture with all that led to it.
+#[derive(Debug, Clone)]
+pub struct Photograph {
+    /// Irradiance on the sensor.
+    pub optical_image: OpticalImage,
+    /// The exposure, stated or found.
+    pub exposure: Exposure,
+    /// The raw file.
+    pub raw: RawImage,
+    /// The picture in XYZ, white-balanced as described.
+    pub picture: Image,
+}
+
+impl Camera {
+    /// A camera from its description, its curves sampled on a wavelength grid.
+    ///
+    /// # Errors
+    /// On the first key that is impossible: its name, its value, what was expected.
+    pub fn new(description: CameraDescription, grid: WavelengthGrid) -> Result<Self, CameraError> {
+        let (exposure_time, analog_gain, analog_offset_v) = resolve::exposure(&description)?;
+        Ok(Self {
+            optics: resolve::optics(&description.optics, grid)?,
+            sensor: resolve::sensor(&description.sensor, grid)?,
+            exposure_time,
+            analog_gain,
+            analog_offset_v,
+            description,
+            grid,
+        })
+    }
+
+    /// What the camera was made from.
+    #[must_use]
+    pub fn description(&self) -> &CameraDescription {
+        &self.description
+    }
+
+    /// The wavelengths of its curves.
+    #[must_use]
+    pub fn grid(&self) -> WavelengthGrid {
+        self.grid
+    }
+
+    /// The same camera with another number of pixels, all of them read.
+    #[must_use]
+    pub fn with_size(&self, rows: usize, cols: usize) -> Self {
+        let sensor = Sensor { rows, cols, window: None, ..self.sensor.clone() };
+        Self { sensor, ..self.clone() }
+    }
+
+    /// Field of view, degrees, that `cols` pixels span of a scene at a distance.
+    ///
+    /// # Errors
+    /// When the scene is not beyond the focal length.
+    pub fn field_of_view_deg(&self, cols: usize, distance_m: f64) -> Result<f64, CameraError> {
+        let width_m = cols as f64 * self.sensor.pixel.pitch_m;
+        let geometry = self.optics.geometry(distance_m)?;
+        Ok(2.0 * (width_m / 2.0 / geometry.image_distance_m()).atan().to_degrees())
+    }
+
+    /// The pixels that a scene covers, in the middle of the sensor and in whole tiles of the mosaic, so that the
+    /// pattern begins as on the whole sensor.
+    ///
+    /// # Errors
+    /// When the scene is not beyond the focal length.
+    pub fn window_on(&self, scene: &Scene) -> Result<Window, CameraError> {
+        let radiance = scene.radiance();
+        let geometry = self.optics.geometry(scene.distance_m())?;
+        let spacing_m = geometry.sample_spacing_m(scene.horizontal_fov_deg(), radiance.cols());
+        let mosaic = self.sensor.cfa.mosaic();
+        let extent = |samples: usize, pixels: usize, tile: usize| {
+            // A hundredth of a pixel forgives rounding in a field of view that was computed from the pixels.
+            let covered = (samples as f64 * spacing_m / self.sensor.pixel.pitch_m + 0.01).floor();
+            let covered = (covered.max(1.0) as usize).min(pixels);
+            let first = (pixels - covered).div_ceil(2).next_multiple_of(tile).min(pixels - covered.min(pixels));
+            (first, covered.min(pixels - first))
+        };
+        let (row, rows) = extent(radiance.rows(), self.sensor.rows, mosaic.rows());
+        let (col, cols) = extent(radiance.cols(), self.sensor.cols, mosaic.cols());
+        Ok(Window { row, col, rows, cols })
+    }
+
+    /// The exposure for an optical image: the stated time, or the one that the rule finds.
+    ///
+    /// # Errors
+    /// When there is no light to find a time by.
+    pub fn exposure(&self, image: &OpticalImage) -> Result<Exposure, CameraError> {
+        let fixed = |time_s| Exposure { time_s, analog_gain: self.analog_gain, analog_offset_v: self.analog_offset_v };
+        match self.exposure_time {
+            ExposureTime::Fixed(time_s) => Ok(fixed(time_s)),
+            ExposureTime::Auto(rule) => Ok(fixed(rule.exposure_time(&self.sensor, image, &fixed(1.0))?)),
+        }
+    }
+
+    /// The processing for scenes under a light (photons): demosaicking, white balance, colour matrix.
+    ///
+    /// # Errors
+    /// When the colour matrix cannot be computed.
+    pub fn isp(&self, light: &Spectrum, white_balance: WhiteBalance) -> Result<Classic, CameraError> {
+        let isp = &self.description.isp;
+        let surfaces = match isp.color_correction {
+            ColorCorrectionName::Macbeth => reflectance::colorchecker(self.grid)?,
+            ColorCorrectionName::Natural => reflectance::natural(self.grid)?,
+        };
+        let surfaces: Vec<Spectrum> = surfaces.into_iter().map(|(_, s)| s).collect();
+        let constraint = if isp.preserve_white { ColorConstraint::PreserveWhite } else { ColorConstraint::None };
+        let responsivities = self.sensor_responsivities()?;
+        let matrix = color_matrix(&responsivities, &surfaces, light, Observer::Cie1931, constraint)?;
+        let demosaic = match isp.demosaic {
+            DemosaicName::Bilinear => Demosaic::Bilinear,
+            DemosaicName::Malvar2004 => Demosaic::Malvar2004,
+            DemosaicName::Adaptive => Demosaic::Adaptive,
+        };
+        Ok(Classic { demosaic, white_balance, ..Classic::new(matrix) })
+    }
+
+    /// The white balance of the description.
+    #[must_use]
+    pub fn white_balance(&self) -> WhiteBalance {
+        match self.description.isp.white_balance {
+            WhiteBalanceName::None => WhiteBalance::None,
+            WhiteBalanceName::GrayWorld => WhiteBalance::GrayWorld,
+            WhiteBalanceName::Illuminant => WhiteBalance::Illuminant,
+        }
+    }
+
+    /// Electrons per photon that enters the lens, per channel: lens, filters, quantum efficiency.
+    fn sensor_responsivities(&self) -> Result<Vec<Spectrum>, CameraError> {
+        let lens = self.optics.transmittance_on(self.grid)?;
+        let channels = self.sensor.spectral_responsivity_on(self.grid)?;
+        channels.iter().map(|c| Ok(c.times(&lens)?)).collect()
+    }
+
+    /// Takes a picture of what the lens throws on the sensor, under a light (photons).
+    ///
+    /// # Errors
+    /// When a stage refuses; the message says which.
+    pub fn photograph(
+        &self,
+        optical_image: OpticalImage,
+        light: &Spectrum,
+        noise: NoiseMode,
+        seed: u64,
+    ) -> Result<Photograph, CameraError> {
+        let exposure = self.exposure(&optical_image)?;
+        let raw = self.sensor.capture(&optical_image, &exposure, noise, seed)?;
+        let picture = self.isp(light, self.white_balance())?.render(&raw)?;
+        Ok(Photograph { optical_image, exposure, raw, picture })
+    }
+
+    /// What the standard observer would see through the same lens and pixels: XYZ of every pixel that is read, without
+    /// noise, mosaic or saturation, absolute up to a common factor.
+    ///
+    /// # Errors
+    /// As [`Sensor::expected_volts`].
+    pub fn reference(&self, image: &OpticalImage) -> Result<Image, CameraError> {
+        let weights = Observer::Cie1931.photon_weights(self.grid)?;
+        let largest = weights.iter().map(Spectrum::max).fold(0.0, f64::max);
+        let channel = |(name, w): (&str, &Spectrum)| Channel { name: name.into(), transmittance: w.scaled(1.0 / largest) };
+        let channels: Vec<Channel> = ["X", "Y", "Z"].into_iter().zip(&weights).map(channel).collect();
+        let sensor = Sensor {
+            cfa: Cfa::new("observer", Mosaic::new(1, 3, vec![0, 1, 2])?, channels)?,
+            architecture: ColorArchitecture::Prism,
+            quantum_efficiency: Spectrum::constant(self.grid, 1.0),
+            ir_cut: None,
+            crosstalk: None,
+            nonuniformity: NonUniformity::default(),
+            ..self.sensor.clone()
+        };
+        // A well and a swing that nothing fills, so that the reference never clips.
+        let pixel = crate::sensor::Pixel { full_well_e: 1e30, voltage_swing_v: 1e30, conversion_gain_v_per_e: 1.0, ..sensor.pixel };
+        let volts = Sensor { pixel, ..sensor }.expected_volts(image, &Exposure::new(1.0))?;
+        Ok(Image::new(ColorSpace::Xyz, volts)?)
+    }
+}

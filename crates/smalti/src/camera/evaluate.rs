@@ -1,0 +1,277 @@
+//! The scores of a camera on three targets: colour and noise on the ColorChecker, resolution on a slanted edge,
+//! aliasing on a zone plate.
+//!
+//! Every target is as large on the sensor, in pixels, for every camera, so that scores rest on equally many samples.
+//! Colour and resolution are measured without noise: they are properties of the design, not of one capture. Noise
+//! is measured on one capture with all noise.
+
+use serde::Serialize;
+
+use super::{Camera, CameraError};
+use crate::color::Image;
+use crate::isp::{Isp, WhiteBalance};
+use crate::metrics::color_accuracy::{LabWhite, color_accuracy};
+use crate::metrics::dynamic_range::dynamic_range;
+use crate::metrics::esfr::{EsfrOptions, edge_sfr};
+use crate::metrics::luminance_noise::luminance_noise;
+use crate::metrics::{MetricError, Rect, patch_means};
+use crate::numeric::Planes;
+use crate::optics::OpticalImage;
+use crate::scene::{self, Scene, Setting, SlantedBar, ZonePlate, macbeth};
+use crate::sensor::NoiseMode;
+use crate::spectrum::{Illuminant, Observer};
+
+/// Pixels of the sensor that a patch of the chart spans.
+const PATCH_PX: usize = 40;
+/// Pixels that are measured in the middle of a patch, as many as ISETCam takes.
+const PATCH_CORE_PX: usize = 25;
+/// Samples of the scene per patch: fewer than pixels, as in ISETCam, since patches are flat.
+const PATCH_SAMPLES: usize = 32;
+/// Pixels of the sensor that the edge scene spans; it has 513 samples.
+const EDGE_PX: usize = 120;
+/// The region in which the edge is measured, row, column, rows, columns: ISETCam's for this scene.
+const EDGE_REGION: Rect = Rect { row: 27, col: 37, rows: 66, cols: 44 };
+/// Pixels of the sensor that the zone plate spans.
+const ZONE_PX: usize = 256;
+/// Samples of the zone plate per pixel of the sensor.
+const ZONE_SAMPLES_PER_PX: usize = 3;
+/// Patches of the grey series, from white to black.
+const GREYS: std::ops::Range<usize> = 18..24;
+const WHITE: usize = 18;
+/// The plane Y of a picture in XYZ.
+const LUMINANCE: usize = 1;
+
+/// What the targets are lit by.
+#[derive(Debug, Clone, PartialEq)]
+pub struct EvaluationSettings {
+    /// Mean luminance of every target, cd/m².
+    pub luminance_cd_m2: f64,
+    /// The light.
+    pub illuminant: Illuminant,
+    /// Seed of the noise.
+    pub seed: u64,
+}
+
+impl Default for EvaluationSettings {
+    /// 75 cd/m² of D65.
+    fn default() -> Self {
+        Self { luminance_cd_m2: 75.0, illuminant: Illuminant::D65, seed: 1 }
+    }
+}
+
+/// A figure for each patch, and their mean.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct PatchScores {
+    /// Mean over the patches.
+    pub mean: f64,
+    /// One per patch, row by row from dark skin, or from white to black for the grey series.
+    pub per_patch: Vec<f64>,
+}
+
+impl From<Vec<f64>> for PatchScores {
+    fn from(per_patch: Vec<f64>) -> Self {
+        Self { mean: per_patch.iter().sum::<f64>() / per_patch.len().max(1) as f64, per_patch }
+    }
+}
+
+/// Exposure times found or stated for the targets.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct ExposureTimes {
+    /// The ColorChecker, s.
+    pub macbeth_s: f64,
+    /// The slanted edge, s.
+    pub edge_s: f64,
+    /// The zone plate, s.
+    pub zone_plate_s: f64,
+}
+
+/// The scores of a camera.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Evaluation {
+    /// Mean luminance of the targets, cd/m².
+    pub luminance_cd_m2: f64,
+    /// Colour difference of 1976 from the chart itself, white patch at Y = 100.
+    pub delta_e_76: PatchScores,
+    /// CIEDE2000 from the chart itself, white patch at Y = 100.
+    pub delta_e_2000: PatchScores,
+    /// Frequency at which the response to an edge falls to one half, cycles per mm on the sensor.
+    pub mtf50_cy_per_mm: f64,
+    /// The same in cycles per pixel.
+    pub mtf50_cy_per_px: f64,
+    /// `100 · std(Y) / mean(Y)` on the grey series, percent.
+    pub luminance_noise_percent: PatchScores,
+    /// Share of the zone plate's picture that is not in the zone plate, percent.
+    pub aliasing_percent: f64,
+    /// Signal range of the pixel, from read noise to saturation, dB.
+    pub dynamic_range_db: f64,
+    /// Exposure times.
+    pub exposure: ExposureTimes,
+    /// Seed of the noise.
+    pub seed: u64,
+}
+
+/// The pictures of the targets, in XYZ.
+#[derive(Debug, Clone)]
+pub struct EvaluationPictures {
+    /// The chart, with all noise.
+    pub macbeth: Image,
+    /// The edge, without noise.
+    pub edge: Image,
+    /// The zone plate, without noise.
+    pub zone_plate: Image,
+    /// What of the zone plate's picture is not in the zone plate.
+    pub aliasing: Planes,
+}
+
+/// Finds the optical image of a name, or makes it: where images are cached between runs.
+pub type OpticalImages<'a> =
+    &'a (dyn Fn(&str, &dyn Fn() -> Result<OpticalImage, CameraError>) -> Result<OpticalImage, CameraError> + Sync);
+
+/// Scores a camera. `images` may keep optical images; `&|_, make| make()` makes them anew.
+///
+/// # Errors
+/// When a stage refuses, or a metric cannot be computed.
+pub fn evaluate(
+    camera: &Camera,
+    settings: &EvaluationSettings,
+    images: OpticalImages<'_>,
+) -> Result<(Evaluation, EvaluationPictures), CameraError> {
+    let setting = Setting {
+        luminance_cd_m2: settings.luminance_cd_m2,
+        illuminant: settings.illuminant.clone(),
+        grid: camera.grid(),
+        ..Setting::default()
+    };
+    let chart = Target::chart(camera, &setting)?;
+    let edge = Target::edge(camera, &setting)?;
+    let zone = Target::zone_plate(camera, &setting)?;
+    let ((chart, edge), zone) = rayon::join(
+        || rayon::join(|| chart.shoot(settings, images), || edge.shoot(settings, images)),
+        || zone.shoot(settings, images),
+    );
+    let (chart, edge, zone) = (chart?, edge?, zone?);
+    let colors = chart_scores(camera, &setting, &chart)?;
+    let mtf50_cy_per_px = edge_mtf50(&edge.clean)?;
+    let evaluation = Evaluation {
+        luminance_cd_m2: settings.luminance_cd_m2,
+        delta_e_76: colors.delta_e_76.into(),
+        delta_e_2000: colors.delta_e_2000.into(),
+        mtf50_cy_per_mm: mtf50_cy_per_px / (camera.sensor.pixel.pitch_m * 1e3),
+        mtf50_cy_per_px,
+        luminance_noise_percent: colors.luminance_noise_percent.into(),
+        aliasing_percent: 0.0,
+        dynamic_range_db: 0.0,
+        exposure: ExposureTimes { macbeth_s: chart.time_s, edge_s: edge.time_s, zone_plate_s: zone.time_s },
+        seed: settings.seed,
+    };
+    let pictures = EvaluationPictures {
+        macbeth: chart.noisy,
+        edge: edge.clean,
+        zone_plate: zone.clean,
+        aliasing: Planes::zeros(1, 1, 3),
+    };
+    Ok((evaluation, pictures))
+}
+
+/// A scene and the camera cut to it.
+struct Target {
+    camera: Camera,
+    scene: Box<dyn Fn() -> Result<Scene, CameraError> + Sync>,
+    key: String,
+}
+
+/// Pictures of a target.
+struct Shots {
+    clean: Image,
+    noisy: Image,
+    reference: Image,
+    time_s: f64,
+}
+
+impl Target {
+    fn new(
+        camera: &Camera,
+        rows: usize,
+        cols: usize,
+        setting: &Setting,
+        name: &str,
+        scene: impl Fn(&Setting) -> Result<Scene, CameraError> + Sync + 'static,
+    ) -> Result<Self, CameraError> {
+        let horizontal_fov_deg = camera.field_of_view_deg(cols, setting.distance_m)?;
+        let setting = Setting { horizontal_fov_deg, ..setting.clone() };
+        let key = format!("{name} {setting:?} {:?}", camera.optics);
+        Ok(Self { camera: camera.with_size(rows, cols), scene: Box::new(move || scene(&setting)), key })
+    }
+
+    fn chart(camera: &Camera, setting: &Setting) -> Result<Self, CameraError> {
+        let (rows, cols) = (macbeth::ROWS * PATCH_PX, macbeth::COLS * PATCH_PX);
+        Self::new(camera, rows, cols, setting, "macbeth", |s| Ok(macbeth::chart(PATCH_SAMPLES, s)?))
+    }
+
+    fn edge(camera: &Camera, setting: &Setting) -> Result<Self, CameraError> {
+        let bar = SlantedBar { sampling: scene::Sampling::Area, ..SlantedBar::default() };
+        Self::new(camera, EDGE_PX, EDGE_PX, setting, "edge", move |s| Ok(scene::slanted_bar(&bar, s)?))
+    }
+
+    fn zone_plate(camera: &Camera, setting: &Setting) -> Result<Self, CameraError> {
+        let size = ZONE_PX * ZONE_SAMPLES_PER_PX;
+        // Up to the sensor's Nyquist frequency in the middle of each side.
+        let plate = ZonePlate { size, frequency: 0.5 / ZONE_SAMPLES_PER_PX as f64, ..ZonePlate::default() };
+        Self::new(camera, ZONE_PX, ZONE_PX, setting, "zone-plate", move |s| Ok(scene::zone_plate(&plate, s)?))
+    }
+
+    fn shoot(&self, settings: &EvaluationSettings, images: OpticalImages<'_>) -> Result<Shots, CameraError> {
+        let camera = &self.camera;
+        let make = || Ok(camera.optics.image(&(self.scene)()?)?);
+        let image = images(&self.key, &make)?;
+        let light = settings.illuminant.photons(camera.grid())?;
+        let isp = camera.isp(&light, WhiteBalance::None)?;
+        let exposure = camera.exposure(&image)?;
+        let take = |noise| -> Result<Image, CameraError> {
+            Ok(isp.render(&camera.sensor.capture(&image, &exposure, noise, settings.seed)?)?)
+        };
+        Ok(Shots {
+            clean: take(NoiseMode::None)?,
+            noisy: take(NoiseMode::All)?,
+            reference: camera.reference(&image)?,
+            time_s: exposure.time_s,
+        })
+    }
+}
+
+struct ChartScores {
+    delta_e_76: Vec<f64>,
+    delta_e_2000: Vec<f64>,
+    luminance_noise_percent: Vec<f64>,
+}
+
+fn chart_scores(camera: &Camera, setting: &Setting, shots: &Shots) -> Result<ChartScores, CameraError> {
+    let rect = |i: usize| {
+        let inset = (PATCH_PX - PATCH_CORE_PX) / 2;
+        Rect {
+            row: i / macbeth::COLS * PATCH_PX + inset,
+            col: i % macbeth::COLS * PATCH_PX + inset,
+            rows: PATCH_CORE_PX,
+            cols: PATCH_CORE_PX,
+        }
+    };
+    let light = setting.illuminant.photons(camera.grid())?;
+    let xyz = |s: &crate::spectrum::Spectrum| Ok(Observer::Cie1931.xyz_from_photons(&s.times(&light)?)?);
+    let expected = macbeth::reflectances(camera.grid())?.iter().map(xyz).collect::<Result<Vec<_>, CameraError>>()?;
+    let rects: Vec<Rect> = (0..expected.len()).map(rect).collect();
+    let means = patch_means(shots.clean.planes(), &rects)?;
+    let measured: Vec<[f64; 3]> = means.iter().map(|m| [m[0], m[1], m[2]]).collect();
+    let accuracy = color_accuracy(&measured, &expected, WHITE, LabWhite::Reference)?;
+    let greys = luminance_noise(shots.noisy.planes(), LUMINANCE, &rects[GREYS])?;
+    Ok(ChartScores {
+        delta_e_76: accuracy.delta_e_76.per_patch,
+        delta_e_2000: accuracy.delta_e_2000.per_patch,
+        luminance_noise_percent: greys.percent,
+    })
+}
+
+fn edge_mtf50(picture: &Image) -> Result<f64, CameraError> {
+    let sfr = edge_sfr(picture.planes(), LUMINANCE, EDGE_REGION, &EsfrOptions::default())?;
+    let missing = MetricError::NoEdge { reason: "the response does not fall to one half" };
+    Ok(sfr.mtf50_cy_per_px.ok_or(missing)?)
+}

@@ -1,0 +1,294 @@
+//! From the description to the parts: every key checked in the user's unit, then turned into SI.
+
+use super::CameraError;
+use super::description::{
+    ArchitectureName, AutoExposureName, CameraDescription, FalloffName, OpticsDescription, OpticsModelName,
+    PatternDescription, SensorDescription, SurroundName, ZernikeOrdering,
+};
+use crate::optics::{
+    BirefringentLowPass, Boundary, ChromaticFocus, Defocus, Falloff, Optics, OpticsModel, Padding, PsfStack,
+    Transmittance, Wavefront, WavefrontUnit, ZernikeIndex, ZernikeMode,
+};
+use crate::sensor::cfa::{self, WeightedMosaic};
+use crate::sensor::{
+    Adc, Aperture, AutoExposure, Cfa, Channel, ColorArchitecture, DarkCurrentTemperature, Filter, Mosaic, NonUniformity,
+    Pixel, Sensor,
+};
+use crate::spectrum::{Spectrum, WavelengthGrid};
+
+const ZERO_CELSIUS_K: f64 = 273.15;
+/// Temperature at which descriptions state the dark signal.
+const REFERENCE_C: f64 = 25.0;
+
+fn key(key: &str, message: impl std::fmt::Display) -> CameraError {
+    CameraError::Key { key: key.into(), message: message.to_string() }
+}
+
+/// Refuses a value outside `low..=high`, and NaN.
+fn within(name: &str, value: f64, low: f64, high: f64) -> Result<f64, CameraError> {
+    if value >= low && value <= high {
+        Ok(value)
+    } else {
+        Err(key(name, format_args!("{value} is out of range; expected {low} to {high}")))
+    }
+}
+
+/// Refuses what is not above 0 and at most `high`.
+fn positive(name: &str, value: f64, high: f64) -> Result<f64, CameraError> {
+    if value > 0.0 && value <= high {
+        Ok(value)
+    } else {
+        Err(key(name, format_args!("{value} is out of range; expected more than 0 and at most {high}")))
+    }
+}
+
+fn curve(name: &str, filter: &Filter, grid: WavelengthGrid) -> Result<Spectrum, CameraError> {
+    let spectrum = filter.spectrum(grid).map_err(|e| key(name, e))?;
+    match spectrum.values().iter().position(|v| !(-1e-3..=1.001).contains(v)) {
+        None => Ok(spectrum.map(|_, v| v.clamp(0.0, 1.0))),
+        Some(i) => {
+            let (value, nm) = (spectrum.values()[i], grid.wavelength_nm(i));
+            Err(key(name, format_args!("{value} at {nm} nm; expected 0 to 1")))
+        }
+    }
+}
+
+/// The lens of a description, its curves on a wavelength grid.
+pub(super) fn optics(d: &OpticsDescription, grid: WavelengthGrid) -> Result<Optics, CameraError> {
+    let focal_length_m = positive("optics.focal_length_mm", d.focal_length_mm, 1e5)? * 1e-3;
+    let f_number = positive("optics.f_number", d.f_number, 1e3)?;
+    let separation_um = within("optics.low_pass_separation_um", d.low_pass_separation_um, 0.0, 1e3)?;
+    Ok(Optics {
+        model: model(d)?,
+        falloff: match d.falloff {
+            FalloffName::None => Falloff::None,
+            FalloffName::Cos4 => Falloff::Cos4,
+        },
+        transmittance: Transmittance::Spectral(curve("optics.transmittance", &d.transmittance, grid)?),
+        ir_cut: d.ir_cut.as_ref().map(|f| curve("optics.ir_cut", f, grid)).transpose()?,
+        olpf: (separation_um > 0.0).then_some(BirefringentLowPass {
+            horizontal_separation_m: separation_um * 1e-6,
+            vertical_separation_m: separation_um * 1e-6,
+        }),
+        padding: Padding {
+            boundary: match d.surround {
+                SurroundName::Dark => Boundary::Dark,
+                SurroundName::Edge => Boundary::Edge,
+                SurroundName::Mirror => Boundary::Mirror,
+            },
+            ..Padding::default()
+        },
+        ..Optics::new(focal_length_m, f_number)
+    })
+}
+
+fn model(d: &OpticsDescription) -> Result<OpticsModel, CameraError> {
+    let defocus = match within("optics.defocus_dioptres", d.defocus_dioptres, -1e4, 1e4)? {
+        0.0 => Defocus::None,
+        dioptres => Defocus::Dioptres(dioptres),
+    };
+    let reference_nm = positive("optics.chromatic_reference_nm", d.chromatic_reference_nm, 1e5)?;
+    let slope = within("optics.chromatic_dioptres_per_um", d.chromatic_dioptres_per_um, -1e4, 1e4)?;
+    let chromatic = match slope {
+        0.0 => ChromaticFocus::None,
+        _ => ChromaticFocus::Linear { reference_nm, dioptres_per_nm: slope * 1e-3 },
+    };
+    if d.model != OpticsModelName::Zernike && !d.zernike_um.is_empty() {
+        return Err(key("optics.zernike_um", "coefficients need model = \"zernike\""));
+    }
+    if d.model != OpticsModelName::Psf && d.psf.is_some() {
+        return Err(key("optics.psf", "a point spread function needs model = \"psf\""));
+    }
+    match d.model {
+        OpticsModelName::Pinhole => Ok(OpticsModel::Pinhole),
+        OpticsModelName::Diffraction => Ok(OpticsModel::Diffraction { defocus, chromatic }),
+        OpticsModelName::Zernike => Ok(OpticsModel::Zernike { wavefront: wavefront(d)?, defocus, chromatic }),
+        OpticsModelName::Psf => Ok(OpticsModel::Psf(psf(d)?)),
+    }
+}
+
+fn wavefront(d: &OpticsDescription) -> Result<Wavefront, CameraError> {
+    let index = match d.zernike_ordering {
+        ZernikeOrdering::Noll => ZernikeIndex::Noll,
+        ZernikeOrdering::Osa => ZernikeIndex::Osa,
+    };
+    let term = |(number, &um): (&String, &f64)| {
+        let name = format!("optics.zernike_um.{number}");
+        let parsed = number.parse().map_err(|_| key(&name, "the key is the number of a Zernike mode"))?;
+        Ok((ZernikeMode::from_index(index, parsed).map_err(|e| key(&name, e))?, um))
+    };
+    let terms = d.zernike_um.iter().map(term).collect::<Result<Vec<_>, CameraError>>()?;
+    Wavefront::new(&terms, WavefrontUnit::Micrometres).map_err(|e| key("optics.zernike_um", e))
+}
+
+fn psf(d: &OpticsDescription) -> Result<PsfStack, CameraError> {
+    let psf = d.psf.as_ref().ok_or_else(|| key("optics.psf", "model = \"psf\" needs a table [optics.psf]"))?;
+    let planes = psf.planes.clone().ok_or_else(|| key("optics.psf.file", format_args!("'{}' has not been read", psf.file)))?;
+    let spacing_m = positive("optics.psf.spacing_um", psf.spacing_um, 1e4)? * 1e-6;
+    let made = if planes.count() == 1 {
+        PsfStack::achromatic(planes.rows(), planes.cols(), planes.into_data(), spacing_m)
+    } else {
+        let grid = WavelengthGrid::new(psf.start_nm, psf.step_nm, planes.count())
+            .map_err(|e| key("optics.psf", e))?;
+        PsfStack::new(grid.wavelengths_nm().collect(), planes, spacing_m)
+    };
+    made.map_err(|e| key("optics.psf.file", e))
+}
+
+/// The sensor of a description, its curves on a wavelength grid.
+pub(super) fn sensor(d: &SensorDescription, grid: WavelengthGrid) -> Result<Sensor, CameraError> {
+    let p = &d.pixel;
+    let well_v = positive("sensor.pixel.full_well_e", p.full_well_e, 1e9)?;
+    let pixel = Pixel {
+        pitch_m: positive("sensor.pixel.pitch_um", p.pitch_um, 1e4)? * 1e-6,
+        fill_factor: positive("sensor.pixel.fill_factor", p.fill_factor, 1.0)?,
+        conversion_gain_v_per_e: positive("sensor.pixel.conversion_gain_uv_per_e", p.conversion_gain_uv_per_e, 1e6)? * 1e-6,
+        voltage_swing_v: positive("sensor.pixel.voltage_swing_v", p.voltage_swing_v, 1e3)?,
+        full_well_e: well_v,
+        dark_voltage_v_per_s: within("sensor.pixel.dark_voltage_v_per_s", p.dark_voltage_v_per_s, 0.0, 1e3)?,
+        read_noise_v: within("sensor.pixel.read_noise_mv", p.read_noise_mv, 0.0, 1e5)? * 1e-3,
+    };
+    let temperature_c = within("sensor.pixel.temperature_c", p.temperature_c, -200.0, 200.0)?;
+    let interval_k = within("sensor.pixel.dark_doubling_c", p.dark_doubling_c, 1.0, 100.0)?;
+    let nonuniformity = NonUniformity {
+        prnu_fraction: within("sensor.prnu_percent", d.prnu_percent, 0.0, 100.0)? * 1e-2,
+        dsnu_v: within("sensor.dsnu_mv", d.dsnu_mv, 0.0, 1e5)? * 1e-3,
+        row_noise_v: within("sensor.row_noise_mv", d.row_noise_mv, 0.0, 1e5)? * 1e-3,
+        column_noise_v: within("sensor.column_noise_mv", d.column_noise_mv, 0.0, 1e5)? * 1e-3,
+        dead_pixel_fraction: within("sensor.dead_pixels_ppm", d.dead_pixels_ppm, 0.0, 1e6)? * 1e-6,
+        hot_pixel_fraction: within("sensor.hot_pixels_ppm", d.hot_pixels_ppm, 0.0, 1e6)? * 1e-6,
+        hot_pixel_dark_voltage_v_per_s: within(
+            "sensor.hot_pixel_dark_voltage_v_per_s",
+            d.hot_pixel_dark_voltage_v_per_s,
+            0.0,
+            1e3,
+        )?,
+        device_serial: d.serial,
+    };
+    if d.adc_bits > 16 {
+        return Err(key("sensor.adc_bits", format_args!("{} is out of range; expected 0 (none) to 16", d.adc_bits)));
+    }
+    let adc = Adc { bits: d.adc_bits, black_level_dn: d.black_level_dn };
+    adc.validate().map_err(|e| key("sensor.black_level_dn", e))?;
+    // Half of what leaks goes to the four neighbours across an edge each, nothing across the corners.
+    let leak = within("sensor.crosstalk_percent", d.crosstalk_percent, 0.0, 100.0)? * 1e-2;
+    let side = leak / 4.0;
+    let sensor = Sensor {
+        aperture: Aperture::Area,
+        crosstalk: (leak > 0.0).then_some([[0.0, side, 0.0], [side, 1.0 - leak, side], [0.0, side, 0.0]]),
+        nonuniformity,
+        adc,
+        architecture: match d.architecture {
+            ArchitectureName::Mosaic => ColorArchitecture::Mosaic,
+            ArchitectureName::Prism => ColorArchitecture::Prism,
+            ArchitectureName::FieldSequential => ColorArchitecture::FieldSequential,
+        },
+        dark_temperature: Some(DarkCurrentTemperature::Doubling {
+            temperature_k: temperature_c + ZERO_CELSIUS_K,
+            reference_k: REFERENCE_C + ZERO_CELSIUS_K,
+            interval_k,
+        }),
+        ..Sensor::new(
+            d.rows,
+            d.cols,
+            pixel,
+            color_filter_array(d, grid)?,
+            curve("sensor.quantum_efficiency", &d.quantum_efficiency, grid)?,
+        )
+    };
+    sensor.validate().map_err(|e| key("sensor", e))?;
+    Ok(sensor)
+}
+
+fn color_filter_array(d: &SensorDescription, grid: WavelengthGrid) -> Result<Cfa, CameraError> {
+    let mut filters = Vec::new();
+    for (letter, filter) in &d.cfa.filters {
+        let name = format!("sensor.cfa.filters.{letter}");
+        filters.push((single_letter(&name, letter)?, curve(&name, filter, grid)?));
+    }
+    match &d.cfa.pattern {
+        PatternDescription::Name(name) => {
+            if let Some(letter) = d.cfa.mixtures.keys().next() {
+                let name = format!("sensor.cfa.mixtures.{letter}");
+                return Err(key(&name, "mixtures need a pattern in letters"));
+            }
+            let at = if filters.is_empty() { "sensor.cfa.pattern" } else { "sensor.cfa.filters" };
+            cfa::builtin_with(name, grid, &filters).map_err(|e| key(at, e))
+        }
+        PatternDescription::Letters(lines) if d.cfa.mixtures.is_empty() => {
+            Cfa::from_pattern(lines.join("/"), lines, &filters).map_err(|e| key("sensor.cfa.pattern", e))
+        }
+        PatternDescription::Letters(lines) => mixed(d, lines, &filters),
+    }
+}
+
+/// A pattern some of whose letters stand for weighted sums of filters.
+fn mixed(d: &SensorDescription, lines: &[String], filters: &[(char, Spectrum)]) -> Result<Cfa, CameraError> {
+    let (mosaic, letters) = Mosaic::from_letters(lines).map_err(|e| key("sensor.cfa.pattern", e))?;
+    let mut of_letter = Vec::new();
+    for &letter in &letters {
+        let mut weights = vec![0.0; filters.len()];
+        match d.cfa.mixtures.get(&letter.to_string()) {
+            Some(mixture) => {
+                for (part, &weight) in mixture {
+                    let name = format!("sensor.cfa.mixtures.{letter}");
+                    let part = single_letter(&name, part)?;
+                    let at = filters.iter().position(|(f, _)| *f == part);
+                    let at = at.ok_or_else(|| key(&name, format_args!("no filter is called '{part}'")))?;
+                    weights[at] = within(&name, weight, 0.0, 1.0)?;
+                }
+            }
+            None => match filters.iter().position(|(f, _)| *f == letter) {
+                Some(at) => weights[at] = 1.0,
+                None => return Err(key("sensor.cfa.pattern", format_args!("'{letter}' is neither a filter nor a mixture"))),
+            },
+        }
+        of_letter.push(weights);
+    }
+    let weights = mosaic.cells().iter().flat_map(|&c| of_letter[usize::from(c)].clone()).collect();
+    let tile = WeightedMosaic::new(mosaic.rows(), mosaic.cols(), filters.len(), weights);
+    let channel = |(letter, s): &(char, Spectrum)| Channel { name: letter.to_string(), transmittance: s.clone() };
+    let primaries: Vec<Channel> = filters.iter().map(channel).collect();
+    tile.and_then(|t| t.cfa(lines.join("/"), &primaries)).map_err(|e| key("sensor.cfa.mixtures", e))
+}
+
+fn single_letter(name: &str, text: &str) -> Result<char, CameraError> {
+    let mut chars = text.chars();
+    match (chars.next(), chars.next()) {
+        (Some(letter), None) => Ok(letter),
+        _ => Err(key(name, format_args!("'{text}' is not a single letter"))),
+    }
+}
+
+/// How the exposure time is found.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum ExposureTime {
+    /// Stated, s.
+    Fixed(f64),
+    /// By a rule.
+    Auto(AutoExposure),
+}
+
+/// The exposure of a description: time, gain, offset in V.
+pub(super) fn exposure(d: &CameraDescription) -> Result<(ExposureTime, f64, f64), CameraError> {
+    let e = &d.exposure;
+    let gain = positive("exposure.analog_gain", e.analog_gain, 1e6)?;
+    let offset_v = within("exposure.analog_offset_mv", e.analog_offset_mv, -1e5, 1e5)? * 1e-3;
+    let target = |default: f64| match e.auto_target {
+        Some(t) => positive("exposure.auto_target", t, 1.0),
+        None => Ok(default),
+    };
+    let time = match (e.time_ms, e.auto) {
+        (Some(_), Some(_)) => return Err(key("exposure.auto", "give either time_ms or auto, not both")),
+        (Some(ms), None) => ExposureTime::Fixed(within("exposure.time_ms", ms, 0.0, 1e9)? * 1e-3),
+        (None, None | Some(AutoExposureName::Specular)) => {
+            ExposureTime::Auto(AutoExposure::Specular { fraction: target(0.95)? })
+        }
+        (None, Some(AutoExposureName::Mean)) => ExposureTime::Auto(AutoExposure::Mean { target: target(0.18)? }),
+        (None, Some(AutoExposureName::Luminance)) => {
+            let percentile = within("exposure.auto_percentile", e.auto_percentile, 0.0, 100.0)?;
+            ExposureTime::Auto(AutoExposure::LuminancePercentile { percentile, target: target(0.95)? })
+        }
+    };
+    Ok((time, gain, offset_v))
+}

@@ -1,0 +1,189 @@
+//! Colour differences in CIELAB, each formula in a file of its own, and maps of them over pictures.
+
+mod cie76;
+mod cie94;
+mod ciede2000;
+
+use rayon::prelude::*;
+
+pub use cie76::delta_e_76;
+pub use cie94::delta_e_94;
+pub use ciede2000::delta_e_2000;
+
+use super::cie1976::lab_from_xyz;
+use super::{ColorSpace, Image, ImageError};
+use crate::numeric::Planes;
+
+/// Pixels that one task works on; fixed, so that results do not depend on the number of threads.
+const CHUNK: usize = 4096;
+
+/// A colour difference formula.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[non_exhaustive]
+pub enum DeltaE {
+    /// Euclidean distance in CIELAB.
+    Cie1976,
+    /// CIE 1994 for graphic arts; the first colour is the standard.
+    Cie1994,
+    /// CIEDE2000.
+    #[default]
+    Ciede2000,
+}
+
+impl DeltaE {
+    /// The difference between two colours in CIELAB.
+    #[must_use]
+    pub fn between(self, lab1: [f64; 3], lab2: [f64; 3]) -> f64 {
+        match self {
+            Self::Cie1976 => delta_e_76(lab1, lab2),
+            Self::Cie1994 => delta_e_94(lab1, lab2),
+            Self::Ciede2000 => delta_e_2000(lab1, lab2),
+        }
+    }
+}
+
+/// A colour difference at every pixel.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DifferenceMap {
+    /// Rows.
+    pub rows: usize,
+    /// Columns.
+    pub cols: usize,
+    /// ΔE in row order.
+    pub values: Vec<f32>,
+}
+
+impl DifferenceMap {
+    /// The mean over all pixels; 0 for an empty map.
+    #[must_use]
+    pub fn mean(&self) -> f64 {
+        self.values.iter().map(|&v| f64::from(v)).sum::<f64>() / self.values.len().max(1) as f64
+    }
+
+    /// The largest value; 0 for an empty map.
+    #[must_use]
+    pub fn max(&self) -> f32 {
+        self.values.iter().copied().fold(0.0, f32::max)
+    }
+}
+
+/// ΔE at every pixel of two pictures of equal size in [`ColorSpace::Xyz`], against a white in the same scale.
+///
+/// # Errors
+/// When a picture is not in XYZ, or the sizes differ.
+pub fn delta_e_map(
+    reference: &Image,
+    test: &Image,
+    white: [f64; 3],
+    formula: DeltaE,
+) -> Result<DifferenceMap, ImageError> {
+    check_pair(reference, test)?;
+    let size = (reference.rows(), reference.cols());
+    Ok(map_of_planes(size, three(reference.planes()), three(test.planes()), white, formula))
+}
+
+/// Whether two pictures can be compared.
+pub(super) fn check_pair(reference: &Image, test: &Image) -> Result<(), ImageError> {
+    for image in [reference, test] {
+        if image.space() != ColorSpace::Xyz {
+            return Err(ImageError::Space { expected: ColorSpace::Xyz, got: image.space() });
+        }
+    }
+    if (reference.rows(), reference.cols()) != (test.rows(), test.cols()) {
+        return Err(ImageError::Size {
+            left_rows: reference.rows(),
+            left_cols: reference.cols(),
+            right_rows: test.rows(),
+            right_cols: test.cols(),
+        });
+    }
+    Ok(())
+}
+
+/// The planes of a picture.
+pub(super) fn three(planes: &Planes) -> [&[f32]; 3] {
+    [planes.plane(0), planes.plane(1), planes.plane(2)]
+}
+
+/// ΔE of planes that are known to have equal length.
+pub(super) fn map_of_planes(
+    (rows, cols): (usize, usize),
+    reference: [&[f32]; 3],
+    test: [&[f32]; 3],
+    white: [f64; 3],
+    formula: DeltaE,
+) -> DifferenceMap {
+    let mut values = vec![0.0f32; rows * cols];
+    values.par_chunks_mut(CHUNK).enumerate().for_each(|(chunk, out)| {
+        for (i, value) in out.iter_mut().enumerate() {
+            let at = chunk * CHUNK + i;
+            let lab = |p: [&[f32]; 3]| lab_from_xyz([0, 1, 2].map(|c| f64::from(p[c][at])), white);
+            *value = formula.between(lab(reference), lab(test)) as f32;
+        }
+    });
+    DifferenceMap { rows, cols, values }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// XYZ of ISETCam's reference pairs against (95.047, 100, 108.883), and its ΔE 76, 94, 2000.
+    const PAIRS: [([f64; 3], [f64; 3], [f64; 3]); 3] = [
+        (
+            [30.764112659150424, 42.451918914251394, 15.14678375253094],
+            [31.59658942395125, 43.91297783763098, 15.999875935482336],
+            [1.5634726777210028, 1.1604994275750429, 0.9357689797998079],
+        ),
+        (
+            [61.83877493878611, 12.380196114964559, 32.390591530703105],
+            [60.114838243365185, 13.271894932179265, 33.339451396224476],
+            [10.0558612815655, 1.7299197389551637, 1.6492863458197207],
+        ),
+        (
+            [6.881447233416562, 22.323896460701455, 85.6932677076033],
+            [6.969765650754653, 21.044957457546232, 86.9062971789474],
+            [7.646734996164636, 2.8461401880434836, 2.49810131643714],
+        ),
+    ];
+    const WHITE: [f64; 3] = [95.047, 100.0, 108.883];
+    const ALL: [DeltaE; 3] = [DeltaE::Cie1976, DeltaE::Cie1994, DeltaE::Ciede2000];
+
+    #[test]
+    fn agrees_with_isetcam() {
+        for (xyz1, xyz2, expected) in PAIRS {
+            for (formula, expected) in ALL.into_iter().zip(expected) {
+                let got = formula.between(lab_from_xyz(xyz1, WHITE), lab_from_xyz(xyz2, WHITE));
+                // ISETCam rounds (6/29)³, so only the last digits differ.
+                assert!((got - expected).abs() < 1e-6, "{formula:?}: {got} is not {expected}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_map_holds_the_difference_of_each_pixel() {
+        let image = |second: bool| {
+            let data = (0..3)
+                .flat_map(|c| PAIRS.iter().map(move |p| if second { p.1[c] } else { p.0[c] } as f32))
+                .collect();
+            Image::new(ColorSpace::Xyz, Planes::new(1, 3, 3, data).unwrap()).unwrap()
+        };
+        for (k, formula) in ALL.into_iter().enumerate() {
+            let map = delta_e_map(&image(false), &image(true), WHITE, formula).unwrap();
+            for (got, pair) in map.values.iter().zip(PAIRS) {
+                assert!((f64::from(*got) - pair.2[k]).abs() < 1e-4);
+            }
+            let mean = PAIRS.iter().map(|p| p.2[k]).sum::<f64>() / 3.0;
+            assert!((map.mean() - mean).abs() < 1e-4);
+        }
+    }
+
+    #[test]
+    fn pictures_that_cannot_be_compared_are_refused() {
+        let image = |space, cols| Image::new(space, Planes::zeros(2, cols, 3)).unwrap();
+        let compare = |a: &Image, b: &Image| delta_e_map(a, b, WHITE, DeltaE::Cie1976);
+        let xyz = image(ColorSpace::Xyz, 2);
+        assert!(matches!(compare(&xyz, &image(ColorSpace::Xyz, 3)), Err(ImageError::Size { .. })));
+        assert!(matches!(compare(&xyz, &image(ColorSpace::Srgb, 2)), Err(ImageError::Space { .. })));
+    }
+}

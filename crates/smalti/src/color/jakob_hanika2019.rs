@@ -1,0 +1,460 @@
+//! Pictures in sRGB lifted to smooth reflectance spectra.
+//!
+//! W. Jakob and J. Hanika (2019), "A low-dimensional function space for efficient spectral upsampling", *Computer
+//! Graphics Forum* 38(2): a reflectance is a sigmoid of a quadratic polynomial of the wavelength, whose three
+//! coefficients are found by least squares in CIELAB under D65. Between 0 and 1 everywhere, it can be lit by anything.
+
+use rayon::prelude::*;
+use thiserror::Error;
+
+use super::cie1976::lab_from_xyz;
+use super::difference::three;
+use super::display::{Primaries, matrices};
+use super::matrix::{Matrix3, apply, inverse};
+use super::{ColorSpace, Image, ImageError};
+use crate::numeric::Planes;
+use crate::spectrum::{Illuminant, Observer, Outside, SpectralCube, Spectrum, SpectrumError, WavelengthGrid};
+
+/// What stops the uplifting.
+#[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
+pub enum UpliftError {
+    /// The picture is not one it can be applied to.
+    #[error(transparent)]
+    Image(#[from] ImageError),
+    /// The wavelengths do not reach where the observer sees.
+    #[error(transparent)]
+    Spectrum(#[from] SpectrumError),
+}
+
+/// Reflectance spectra for colours of sRGB, on a wavelength grid.
+#[derive(Debug, Clone)]
+pub struct Uplift {
+    grid: WavelengthGrid,
+    /// Position of each wavelength: −1 at 400 nm, 1 at 700 nm.
+    position: Vec<f64>,
+    /// Weights of each wavelength in X, Y, Z under D65, relative to white.
+    weights: Vec<[f64; 3]>,
+    /// XYZ relative to white from linear sRGB.
+    relative_xyz_from_rgb: Matrix3,
+    /// Coefficients over (largest channel, its value, the ratios of the next two channels to it), the last fastest.
+    table: Vec<[f64; 3]>,
+}
+
+/// Nodes of the table along each ratio, evenly spaced.
+const RATIOS: usize = 16;
+/// Nodes along the value of the largest channel.
+const VALUES: usize = 24;
+/// The range of that value. No sigmoid is 0 or 1 throughout; these limits cost less than 0.1 ΔE.
+const DARKEST: f64 = 1e-4;
+const LIGHTEST: f64 = 0.9995;
+/// ΔE*ab at which a single colour counts as found.
+const TOLERANCE: f64 = 1e-5;
+/// ΔE*ab at which a pixel counts as found: far below what is seen, and one step from the table for most.
+const IMAGE_TOLERANCE: f64 = 0.1;
+/// Pixels that one task works on.
+const CHUNK: usize = 4096;
+
+impl Uplift {
+    /// Prepares the table for a grid that covers the visible range, and an observer; D65 is white.
+    ///
+    /// # Errors
+    /// When the grid does not meet the observer's sensitivity.
+    pub fn new(grid: WavelengthGrid, observer: Observer) -> Result<Self, UpliftError> {
+        // Beyond 830 nm D65 is not defined, and not seen.
+        let d65 =
+            Illuminant::D65.energy(WavelengthGrid::new(360.0, 1.0, 471)?)?.resampled(grid, Outside::Zero)?;
+        let [x, y, z] = observer.matching_functions(grid)?;
+        let mut weights: Vec<[f64; 3]> =
+            (0..grid.len()).map(|i| [&x, &y, &z].map(|m| m.values()[i] * d65.values()[i])).collect();
+        let white = [0, 1, 2].map(|c| weights.iter().map(|w| w[c]).sum::<f64>());
+        if let Some(&none) = white.iter().find(|&&w| w.is_nan() || w <= 0.0) {
+            return Err(SpectrumError::Parameter {
+                name: "the observer's response to D65 on the wavelength grid",
+                value: none,
+                expected: "a grid that covers the visible range",
+            }
+            .into());
+        }
+        weights.iter_mut().for_each(|w| *w = [w[0] / white[0], w[1] / white[1], w[2] / white[2]]);
+        let (xyz_from_rgb, _) = matrices(&Primaries::SRGB);
+        let position = grid.wavelengths_nm().map(|nm| (nm - 550.0) / 150.0).collect();
+        let mut uplift = Self {
+            grid,
+            position,
+            weights,
+            relative_xyz_from_rgb: xyz_from_rgb.map(|row| {
+                let white = row[0] + row[1] + row[2];
+                row.map(|v| v / white)
+            }),
+            table: Vec::new(),
+        };
+        uplift.table = uplift.tabulate();
+        Ok(uplift)
+    }
+
+    /// The grid of the spectra.
+    #[must_use]
+    pub fn grid(&self) -> WavelengthGrid {
+        self.grid
+    }
+
+    /// Coefficients a, b, c of the reflectance of a linear sRGB colour: ½ + x / (2 √(1 + x²)) with
+    /// x = a p² + b p + c and p = (λ − 550 nm) / 150 nm. Channels are clipped to 0–1; NaN counts as 0.
+    #[must_use]
+    pub fn coefficients(&self, rgb: [f64; 3]) -> [f64; 3] {
+        let cell = Cell::of(rgb);
+        let start = cell.interpolate(&self.table);
+        self.solved(self.target(&cell.rgb), start, TOLERANCE)
+    }
+
+    /// The reflectance of coefficients, 0 to 1.
+    #[must_use]
+    pub fn reflectance(&self, coefficients: [f64; 3]) -> Spectrum {
+        Spectrum::from_fn(self.grid, |nm| sigmoid(polynomial(coefficients, (nm - 550.0) / 150.0)))
+    }
+
+    /// A picture in [`ColorSpace::LinearSrgb`] as reflectances: lit by D65 it has the colours of the picture
+    /// (relative to white). Channels below 0 count as 0. A pixel with a channel above 1 is that of the pixel divided by
+    /// its largest channel, times that channel: a "reflectance" above 1, as of a lamp.
+    ///
+    /// # Errors
+    /// When the picture is in another colour space, or holds a value that is not finite.
+    pub fn uplift_image(&self, image: &Image) -> Result<SpectralCube, UpliftError> {
+        if image.space() != ColorSpace::LinearSrgb {
+            return Err(ImageError::Space { expected: ColorSpace::LinearSrgb, got: image.space() }.into());
+        }
+        image.check_finite()?;
+        let n = image.planes().plane_len();
+        let source = three(image.planes());
+        // a, b, c and the scale of each pixel.
+        let mut fitted = vec![[0.0f32; 4]; n];
+        fitted.par_chunks_mut(CHUNK).enumerate().for_each(|(chunk, out)| {
+            for (i, f) in out.iter_mut().enumerate() {
+                let rgb = source.map(|p| f64::from(p[chunk * CHUNK + i]));
+                let scale = rgb.iter().copied().fold(1.0, f64::max);
+                let cell = Cell::of(rgb.map(|v| v / scale));
+                let start = cell.interpolate(&self.table);
+                let [a, b, c] = self.solved(self.target(&cell.rgb), start, IMAGE_TOLERANCE);
+                *f = [a as f32, b as f32, c as f32, scale as f32];
+            }
+        });
+        let mut planes = Planes::zeros(image.rows(), image.cols(), self.grid.len());
+        if n > 0 {
+            planes.data_mut().par_chunks_mut(n).zip(&self.position).for_each(|(plane, &p)| {
+                let p = p as f32;
+                plane.par_chunks_mut(CHUNK).zip(fitted.par_chunks(CHUNK)).for_each(|(out, fitted)| {
+                    for (o, &[a, b, c, scale]) in out.iter_mut().zip(fitted) {
+                        let x = (a * p + b) * p + c;
+                        *o = scale * (0.5 + 0.5 * x / (1.0 + x * x).sqrt());
+                    }
+                });
+            });
+        }
+        Ok(SpectralCube::new(self.grid, planes)?)
+    }
+
+    /// CIELAB of a linear sRGB colour.
+    fn target(&self, rgb: &[f64; 3]) -> [f64; 3] {
+        lab_from_xyz(apply(&self.relative_xyz_from_rgb, *rgb), [1.0; 3])
+    }
+
+    /// CIELAB of coefficients under D65, and its derivatives: one row per L*, a*, b*.
+    fn lab_and_jacobian(&self, coefficients: [f64; 3]) -> ([f64; 3], Matrix3) {
+        let mut xyz = [0.0; 3];
+        let mut slope = [[0.0; 3]; 3];
+        for (&p, w) in self.position.iter().zip(&self.weights) {
+            let x = polynomial(coefficients, p);
+            let root = 1.0 / (1.0 + x * x).sqrt();
+            let (s, ds) = (0.5 + 0.5 * x * root, 0.5 * root * root * root);
+            for c in 0..3 {
+                xyz[c] += w[c] * s;
+                let k = w[c] * ds;
+                slope[c][0] += k * p * p;
+                slope[c][1] += k * p;
+                slope[c][2] += k;
+            }
+        }
+        let lab = lab_from_xyz(xyz, [1.0; 3]);
+        // Derivative of the cube root of CIELAB and of the line that replaces it near black.
+        let df =
+            xyz.map(|t| if t > 216.0 / 24389.0 { 1.0 / (3.0 * t.cbrt().powi(2)) } else { 841.0 / 108.0 });
+        let jacobian = [0, 1, 2].map(|k| {
+            let [fx, fy, fz] = [0, 1, 2].map(|c| df[c] * slope[c][k]);
+            [116.0 * fy, 500.0 * (fx - fy), 200.0 * (fy - fz)]
+        });
+        // Transposed: the rows above are per coefficient.
+        (lab, [0, 1, 2].map(|r| [jacobian[0][r], jacobian[1][r], jacobian[2][r]]))
+    }
+
+    /// Least squares by Gauss-Newton steps damped as by Levenberg and Marquardt, until ΔE*ab is below `tolerance`.
+    fn solved(&self, target: [f64; 3], start: [f64; 3], tolerance: f64) -> [f64; 3] {
+        let mut at = start;
+        let (lab, mut jacobian) = self.lab_and_jacobian(at);
+        let mut residual = minus(lab, target);
+        let mut damping = 1e-4;
+        for _ in 0..60 {
+            let error = square(residual);
+            if error < tolerance * tolerance || damping > 1e8 {
+                break;
+            }
+            let Some(step) = step(&jacobian, residual, damping) else { break };
+            let next = minus(at, step);
+            let (lab, next_jacobian) = self.lab_and_jacobian(next);
+            let next_residual = minus(lab, target);
+            if square(next_residual) < error {
+                (at, jacobian, residual) = (next, next_jacobian, next_residual);
+                damping *= 0.1;
+            } else {
+                damping *= 10.0;
+            }
+        }
+        at
+    }
+
+    fn tabulate(&self) -> Vec<[f64; 3]> {
+        let lines: Vec<Vec<[f64; 3]>> = (0..3 * RATIOS * RATIOS)
+            .into_par_iter()
+            .map(|line| {
+                let (channel, second, third) =
+                    (line / (RATIOS * RATIOS), line / RATIOS % RATIOS, line % RATIOS);
+                let ratio = |i: usize| i as f64 / (RATIOS - 1) as f64;
+                let solve = |value: usize, start| {
+                    let v = value_of_node(value);
+                    let mut rgb = [0.0; 3];
+                    rgb[channel] = v;
+                    rgb[(channel + 1) % 3] = v * ratio(second);
+                    rgb[(channel + 2) % 3] = v * ratio(third);
+                    self.solved(self.target(&rgb), start, TOLERANCE)
+                };
+                // From a middle grey outwards, each from its neighbour: the extremes are far from any fixed start.
+                let middle = VALUES / 2;
+                let mut column = vec![[0.0; 3]; VALUES];
+                column[middle] = solve(middle, [0.0; 3]);
+                for v in (0..middle).rev() {
+                    column[v] = solve(v, column[v + 1]);
+                }
+                for v in middle + 1..VALUES {
+                    column[v] = solve(v, column[v - 1]);
+                }
+                column
+            })
+            .collect();
+        let mut table = vec![[0.0; 3]; 3 * VALUES * RATIOS * RATIOS];
+        for (line, column) in lines.iter().enumerate() {
+            let (channel, ratios) = (line / (RATIOS * RATIOS), line % (RATIOS * RATIOS));
+            for (v, c) in column.iter().enumerate() {
+                table[(channel * VALUES + v) * RATIOS * RATIOS + ratios] = *c;
+            }
+        }
+        table
+    }
+}
+
+/// Value of the largest channel at a node: dense near black and near white, where the coefficients run away.
+fn value_of_node(node: usize) -> f64 {
+    let t = node as f64 / (VALUES - 1) as f64;
+    let smooth = |t: f64| t * t * (3.0 - 2.0 * t);
+    DARKEST + (LIGHTEST - DARKEST) * smooth(smooth(t))
+}
+
+/// Where a colour lies in the table.
+struct Cell {
+    /// The colour within the limits of the table.
+    rgb: [f64; 3],
+    /// Index of the corner nearest black.
+    corner: usize,
+    /// Fractions along value, second and third channel.
+    fraction: [f64; 3],
+}
+
+impl Cell {
+    fn of(rgb: [f64; 3]) -> Self {
+        // `max` drops a NaN.
+        let rgb = rgb.map(|v| v.max(0.0).min(1.0));
+        let channel = if rgb[0] >= rgb[1] && rgb[0] >= rgb[2] {
+            0
+        } else if rgb[1] >= rgb[2] {
+            1
+        } else {
+            2
+        };
+        let largest = rgb[channel];
+        let value = largest.clamp(DARKEST, LIGHTEST);
+        // Black has no ratios; it counts as grey.
+        let ratio = |i: usize| if largest > 0.0 { rgb[(channel + i) % 3] / largest } else { 1.0 };
+        let split = |r: f64| {
+            let x = r * (RATIOS - 1) as f64;
+            let i = (x as usize).min(RATIOS - 2);
+            (i, x - i as f64)
+        };
+        let (second, third) = (ratio(1), ratio(2));
+        let ((i, fi), (j, fj)) = (split(second), split(third));
+        let (mut low, mut high) = (0, VALUES - 1);
+        while high - low > 1 {
+            let middle = (low + high) / 2;
+            if value_of_node(middle) <= value {
+                low = middle;
+            } else {
+                high = middle;
+            }
+        }
+        let (a, b) = (value_of_node(low), value_of_node(high));
+        let mut limited = [0.0; 3];
+        limited[channel] = value;
+        limited[(channel + 1) % 3] = value * second;
+        limited[(channel + 2) % 3] = value * third;
+        Self {
+            rgb: limited,
+            corner: ((channel * VALUES + low) * RATIOS + i) * RATIOS + j,
+            fraction: [(value - a) / (b - a), fi, fj],
+        }
+    }
+
+    fn interpolate(&self, table: &[[f64; 3]]) -> [f64; 3] {
+        let [fv, fi, fj] = self.fraction;
+        let mut sum = [0.0; 3];
+        for (value, wv) in [(0, 1.0 - fv), (RATIOS * RATIOS, fv)] {
+            for (second, wi) in [(0, 1.0 - fi), (RATIOS, fi)] {
+                for (third, wj) in [(0, 1.0 - fj), (1, fj)] {
+                    let node = table[self.corner + value + second + third];
+                    let w = wv * wi * wj;
+                    sum = [sum[0] + w * node[0], sum[1] + w * node[1], sum[2] + w * node[2]];
+                }
+            }
+        }
+        sum
+    }
+}
+
+fn polynomial([a, b, c]: [f64; 3], p: f64) -> f64 {
+    (a * p + b) * p + c
+}
+
+fn sigmoid(x: f64) -> f64 {
+    0.5 + 0.5 * x / (1.0 + x * x).sqrt()
+}
+
+fn minus(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+}
+
+fn square(v: [f64; 3]) -> f64 {
+    v[0] * v[0] + v[1] * v[1] + v[2] * v[2]
+}
+
+/// The damped normal equations; `None` where they have no solution.
+fn step(jacobian: &Matrix3, residual: [f64; 3], damping: f64) -> Option<[f64; 3]> {
+    let j = jacobian;
+    let normal = [0, 1, 2].map(|a| {
+        [0, 1, 2].map(|b| {
+            let v = j[0][a] * j[0][b] + j[1][a] * j[1][b] + j[2][a] * j[2][b];
+            if a == b { v * (1.0 + damping) } else { v }
+        })
+    });
+    let gradient = [0, 1, 2].map(|a| j[0][a] * residual[0] + j[1][a] * residual[1] + j[2][a] * residual[2]);
+    Some(apply(&inverse(&normal)?, gradient))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::color::difference::delta_e_2000;
+
+    fn lab_of(uplift: &Uplift, reflectance: &[f64]) -> [f64; 3] {
+        let xyz = [0, 1, 2].map(|c| uplift.weights.iter().zip(reflectance).map(|(w, r)| w[c] * r).sum());
+        lab_from_xyz(xyz, [1.0; 3])
+    }
+
+    /// Encoded values 0 to 255 in even steps, all combinations, as linear light; and very dark ones.
+    fn colours(step: usize) -> Vec<[f64; 3]> {
+        let levels: Vec<f64> = (0..=255)
+            .step_by(step)
+            .map(|v| crate::color::display::decode_srgb(v as f64 / 255.0))
+            .chain([crate::color::display::decode_srgb(1.0 / 255.0), 0.999, 0.9999])
+            .collect();
+        let n = levels.len();
+        (0..n * n * n).map(|i| [levels[i / n / n], levels[i / n % n], levels[i % n]]).collect()
+    }
+
+    #[test]
+    fn every_colour_of_srgb_comes_back() {
+        let uplift = Uplift::new(WavelengthGrid::VISIBLE, Observer::Cie1931).unwrap();
+        let rgb = colours(17);
+        let n = rgb.len();
+        let data = [0, 1, 2].iter().flat_map(|&c| rgb.iter().map(move |v| v[c] as f32)).collect();
+        let image = Image::new(ColorSpace::LinearSrgb, Planes::new(1, n, 3, data).unwrap()).unwrap();
+        let cube = uplift.uplift_image(&image).unwrap();
+        let (mut worst_image, mut worst) = ((0.0, [0.0; 3]), (0.0, [0.0; 3]));
+        for (i, &v) in rgb.iter().enumerate() {
+            let target = uplift.target(&v);
+            let from_image = delta_e_2000(target, lab_of(&uplift, cube.pixel(0, i).unwrap().values()));
+            let exact = uplift.reflectance(uplift.coefficients(v));
+            let single = delta_e_2000(target, lab_of(&uplift, exact.values()));
+            if from_image > worst_image.0 {
+                worst_image = (from_image, v);
+            }
+            if single > worst.0 {
+                worst = (single, v);
+            }
+        }
+        // The sigmoid's limits at black and white cost 0.05; the picture's tolerance comes on top.
+        assert!(worst.0 < 0.06, "single {worst:?}");
+        assert!(worst_image.0 < 0.2, "picture {worst_image:?}");
+    }
+
+    #[test]
+    fn other_grids_and_observers_come_back_too() {
+        let grids = [(380.0, 5.0, 81), (360.0, 10.0, 65), (400.0, 10.0, 31)];
+        for (start, step, count) in grids {
+            for observer in [Observer::Cie1931, Observer::Cie1964, Observer::Cie2015] {
+                let uplift = Uplift::new(WavelengthGrid::new(start, step, count).unwrap(), observer).unwrap();
+                for rgb in colours(85) {
+                    let spectrum = uplift.reflectance(uplift.coefficients(rgb));
+                    assert!(spectrum.values().iter().all(|r| (0.0..=1.0).contains(r)));
+                    let de = delta_e_2000(uplift.target(&rgb), lab_of(&uplift, spectrum.values()));
+                    assert!(de < 0.06, "{observer:?} {start}:{step}: {rgb:?} gives {de}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn spectra_are_smooth_and_grey_is_flat() {
+        let uplift = Uplift::new(WavelengthGrid::VISIBLE, Observer::Cie1931).unwrap();
+        let grey = uplift.reflectance(uplift.coefficients([0.2; 3]));
+        assert!(grey.values().iter().all(|r| (r - 0.2).abs() < 1e-4));
+        for rgb in colours(51) {
+            // A sigmoid of a parabola changes direction once at most.
+            let spectrum = uplift.reflectance(uplift.coefficients(rgb));
+            let rises: Vec<bool> = spectrum
+                .values()
+                .windows(2)
+                .filter(|w| (w[1] - w[0]).abs() > 1e-12)
+                .map(|w| w[1] > w[0])
+                .collect();
+            assert!(rises.windows(2).filter(|w| w[0] != w[1]).count() <= 1, "{rgb:?}");
+        }
+    }
+
+    #[test]
+    fn pictures_keep_highlights_and_bad_ones_are_refused() {
+        let uplift = Uplift::new(WavelengthGrid::VISIBLE, Observer::Cie1931).unwrap();
+        let picture = |space, data: Vec<f32>| {
+            Image::new(space, Planes::new(1, data.len() / 3, 3, data).unwrap()).unwrap()
+        };
+        let cube = uplift
+            .uplift_image(&picture(ColorSpace::LinearSrgb, vec![4.0, -1.0, 2.0, 0.5, 1.0, 0.5]))
+            .unwrap();
+        let unit = uplift.reflectance(uplift.coefficients([1.0, 0.5, 0.25]));
+        for (got, want) in cube.pixel(0, 0).unwrap().values().iter().zip(unit.values()) {
+            assert!((got - 4.0 * want).abs() < 0.02, "{got} is not four times {want}");
+        }
+        assert!(uplift.uplift_image(&picture(ColorSpace::Srgb, vec![0.0; 3])).is_err());
+        let e =
+            uplift.uplift_image(&picture(ColorSpace::LinearSrgb, vec![0.0, 0.0, 0.0, f32::NAN, 0.0, 0.0]));
+        assert!(matches!(e, Err(UpliftError::Image(ImageError::Value { plane: 1, row: 0, col: 1, .. }))));
+        let infrared = WavelengthGrid::new(900.0, 10.0, 11).unwrap();
+        assert!(matches!(Uplift::new(infrared, Observer::Cie1931), Err(UpliftError::Spectrum(_))));
+    }
+}

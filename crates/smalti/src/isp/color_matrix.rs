@@ -1,0 +1,225 @@
+//! Tristimulus values from camera channels by least squares over a set of reflectances.
+
+use super::IspError;
+use crate::numeric::least_squares::{Matrix, lstsq, lstsq_constrained};
+use crate::spectrum::{Observer, Spectrum};
+
+/// What a colour matrix must hold exactly.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[non_exhaustive]
+pub enum ColorConstraint {
+    /// Nothing: the smallest error over the reflectances.
+    #[default]
+    None,
+    /// The illuminant's white comes out as it is (Finlayson and Drew 1997), so greys carry no cast.
+    PreserveWhite,
+}
+
+/// A linear map from `N` camera channels to CIE X, Y, Z under one illuminant.
+///
+/// Scale: camera values are such that a perfect white diffuser puts the channel that sees it brightest at 1, and its
+/// Y is 1. For a picture that is exposed less, both are less by the same factor; so, applied to channels that are 1
+/// at saturation, Y = 1 is the brightest white the sensor can hold.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ColorMatrix {
+    xyz_from_camera: Vec<[f64; 3]>,
+    camera_white: Vec<f64>,
+    xyz_white: [f64; 3],
+}
+
+impl ColorMatrix {
+    /// A matrix that is known: per channel its part in X, Y, Z; what the channels and X, Y, Z are for white.
+    ///
+    /// # Errors
+    /// When the numbers of channels differ or are 0, a value is not finite, or the white is not positive.
+    pub fn new(
+        xyz_from_camera: Vec<[f64; 3]>,
+        camera_white: Vec<f64>,
+        xyz_white: [f64; 3],
+    ) -> Result<Self, IspError> {
+        let expected = xyz_from_camera.len();
+        if expected == 0 {
+            return Err(IspError::Empty { what: "camera channels" });
+        }
+        if camera_white.len() != expected {
+            return Err(IspError::Channels { what: "the camera's white", expected, got: camera_white.len() });
+        }
+        let parameter = |name, value, expected| IspError::Parameter { name, value, expected };
+        if let Some(&v) = xyz_from_camera.iter().flatten().find(|v| !v.is_finite()) {
+            return Err(parameter("a coefficient of the colour matrix", v, "a finite number"));
+        }
+        let positive = |v: &&f64| !(v.is_finite() && **v >= 0.0);
+        if let Some(&v) = camera_white.iter().chain(&xyz_white).find(positive) {
+            return Err(parameter("white", v, "a finite number of at least 0"));
+        }
+        if xyz_white[1] <= 0.0 {
+            return Err(parameter("Y of white", xyz_white[1], "a positive number"));
+        }
+        Ok(Self { xyz_from_camera, camera_white, xyz_white })
+    }
+
+    /// Per channel, its part in X, Y, Z: the columns of the 3 × N matrix.
+    #[must_use]
+    pub fn xyz_from_camera(&self) -> &[[f64; 3]] {
+        &self.xyz_from_camera
+    }
+
+    /// The channels for a perfect white diffuser, the largest 1 where [`color_matrix`] made it.
+    #[must_use]
+    pub fn camera_white(&self) -> &[f64] {
+        &self.camera_white
+    }
+
+    /// X, Y, Z of a perfect white diffuser under the illuminant, Y = 1 where [`color_matrix`] made it.
+    #[must_use]
+    pub fn xyz_white(&self) -> [f64; 3] {
+        self.xyz_white
+    }
+
+    /// X, Y, Z of one set of channels. Channels beyond those of the matrix are left out.
+    #[must_use]
+    pub fn xyz(&self, camera: &[f64]) -> [f64; 3] {
+        let mut xyz = [0.0; 3];
+        for (column, v) in self.xyz_from_camera.iter().zip(camera) {
+            (0..3).for_each(|i| xyz[i] += column[i] * v);
+        }
+        xyz
+    }
+}
+
+/// The colour matrix that makes the smallest squared error of X, Y, Z over `reflectances` under an illuminant.
+///
+/// `responsivities` are those of the channels per photon (filter times lens times quantum efficiency; a factor common
+/// to all does not matter), `illuminant_photons` is in photons per nm, in any unit. All are on one grid.
+///
+/// Any number of channels will do. Where there are more than the reflectances can tell apart (their spectra have some
+/// six to eight degrees of freedom), or channels are mixtures of others, the matrix of smallest norm is taken, which
+/// amplifies noise least.
+///
+/// # Errors
+/// When a list is empty, grids differ, the solver fails, or the illuminant is dark to camera or observer.
+pub fn color_matrix(
+    responsivities: &[Spectrum],
+    reflectances: &[Spectrum],
+    illuminant_photons: &Spectrum,
+    observer: Observer,
+    constraint: ColorConstraint,
+) -> Result<ColorMatrix, IspError> {
+    for (what, list) in [("camera channels", responsivities), ("reflectances", reflectances)] {
+        if list.is_empty() {
+            return Err(IspError::Empty { what });
+        }
+    }
+    let weighted = |by: &[Spectrum]| -> Result<Vec<Spectrum>, IspError> {
+        by.iter().map(|s| Ok(s.times(illuminant_photons)?)).collect()
+    };
+    let camera = weighted(responsivities)?;
+    let eye = weighted(&observer.photon_weights(illuminant_photons.grid())?)?;
+    let white = |s: &[Spectrum]| s.iter().map(Spectrum::integral).collect::<Vec<f64>>();
+    let (camera_white, eye_white) = (white(&camera), white(&eye));
+    let brightest = camera_white.iter().copied().fold(0.0, f64::max);
+    if brightest <= 0.0 {
+        return Err(IspError::NoResponse { what: "the camera" });
+    }
+    let [x, y, z] = eye_white[..] else { return Err(IspError::NoResponse { what: "the observer" }) };
+    if y <= 0.0 {
+        return Err(IspError::NoResponse { what: "the observer" });
+    }
+    let responses = |to: &[Spectrum], scale: f64| -> Result<Vec<f64>, IspError> {
+        let mut rows = Vec::with_capacity(reflectances.len() * to.len());
+        for r in reflectances {
+            for s in to {
+                rows.push(r.times(s)?.integral() / scale);
+            }
+        }
+        Ok(rows)
+    };
+    let (channels, samples) = (responsivities.len(), reflectances.len());
+    let (a, b) = (responses(&camera, brightest)?, responses(&eye, y)?);
+    let camera_white: Vec<f64> = camera_white.iter().map(|v| v / brightest).collect();
+    let xyz_white = [x / y, 1.0, z / y];
+    let (a, b) = (Matrix::new(samples, channels, &a), Matrix::new(samples, 3, &b));
+    let x = match constraint {
+        ColorConstraint::None => lstsq(a, b)?,
+        ColorConstraint::PreserveWhite => {
+            lstsq_constrained(a, b, Matrix::new(1, channels, &camera_white), Matrix::new(1, 3, &xyz_white))?
+        }
+    };
+    let columns = x.chunks_exact(3).map(|c| [c[0], c[1], c[2]]).collect();
+    ColorMatrix::new(columns, camera_white, xyz_white)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::spectrum::generated::COLORCHECKER;
+    use crate::spectrum::{Illuminant, Outside, WavelengthGrid};
+    use approx::assert_abs_diff_eq;
+
+    const GRID: WavelengthGrid = WavelengthGrid::VISIBLE;
+
+    fn gaussian(center_nm: f64, sigma_nm: f64) -> Spectrum {
+        Spectrum::from_fn(GRID, |nm| (-0.5 * ((nm - center_nm) / sigma_nm).powi(2)).exp())
+    }
+
+    fn chart() -> Vec<Spectrum> {
+        (0..24).map(|i| COLORCHECKER.spectrum(i, GRID, Outside::Error).unwrap()).collect()
+    }
+
+    fn matrix(channels: &[Spectrum], constraint: ColorConstraint) -> ColorMatrix {
+        let light = Illuminant::D65.photons(GRID).unwrap();
+        color_matrix(channels, &chart(), &light, Observer::Cie1931, constraint).unwrap()
+    }
+
+    /// A camera that meets the Luther condition sees as the observer does: the fit is exact.
+    #[test]
+    fn luther_camera_is_exact() {
+        let eye = Observer::Cie1931.photon_weights(GRID).unwrap();
+        for constraint in [ColorConstraint::None, ColorConstraint::PreserveWhite] {
+            let m = matrix(&eye, constraint);
+            let back = m.xyz(m.camera_white());
+            (0..3).for_each(|i| assert_abs_diff_eq!(back[i], m.xyz_white()[i], epsilon = 1e-12));
+            assert_abs_diff_eq!(m.xyz_from_camera()[0][1], 0.0, epsilon = 1e-10);
+        }
+    }
+
+    #[test]
+    fn white_is_preserved_exactly_by_any_number_of_channels() {
+        for n in 1..=31 {
+            let channels: Vec<_> =
+                (0..n).map(|i| gaussian(410.0 + 280.0 * i as f64 / n as f64, 25.0)).collect();
+            let m = matrix(&channels, ColorConstraint::PreserveWhite);
+            let back = m.xyz(m.camera_white());
+            (0..3).for_each(|i| assert_abs_diff_eq!(back[i], m.xyz_white()[i], epsilon = 1e-9));
+        }
+    }
+
+    #[test]
+    fn a_channel_twice_shares_its_part() {
+        let (r, g, b) = (gaussian(600.0, 35.0), gaussian(540.0, 40.0), gaussian(460.0, 30.0));
+        let once = matrix(&[r.clone(), g.clone(), b.clone()], ColorConstraint::None);
+        let twice = matrix(&[r, g.clone(), b, g], ColorConstraint::None);
+        for i in 0..3 {
+            assert_abs_diff_eq!(twice.xyz_from_camera()[1][i], twice.xyz_from_camera()[3][i], epsilon = 1e-9);
+            assert_abs_diff_eq!(
+                twice.xyz_from_camera()[1][i],
+                once.xyz_from_camera()[1][i] / 2.0,
+                epsilon = 1e-9
+            );
+        }
+    }
+
+    #[test]
+    fn a_blind_camera_is_refused() {
+        let light = Illuminant::D65.photons(GRID).unwrap();
+        let dark = [Spectrum::constant(GRID, 0.0)];
+        let fit = |c: &[Spectrum], r: &[Spectrum]| {
+            color_matrix(c, r, &light, Observer::Cie1931, ColorConstraint::None)
+        };
+        assert!(matches!(fit(&dark, &chart()), Err(IspError::NoResponse { .. })));
+        assert!(matches!(fit(&dark, &[]), Err(IspError::Empty { what: "reflectances" })));
+        assert!(matches!(fit(&[], &chart()), Err(IspError::Empty { .. })));
+        let other = Spectrum::constant(WavelengthGrid::new(400.0, 5.0, 61).unwrap(), 1.0);
+        assert!(matches!(fit(&[other], &chart()), Err(IspError::Spectrum(_))));
+    }
+}

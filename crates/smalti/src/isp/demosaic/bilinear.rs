@@ -1,0 +1,171 @@
+//! Bilinear interpolation of any mosaic, and its fast integer form for Bayer.
+
+use rayon::prelude::*;
+
+use super::super::IspError;
+use super::bayer::Bayer;
+use super::delaunay;
+use super::plan::{BAND_ROWS, Border, Plan, Source, Tap, bands};
+use super::simd::{BayerLines, Simd, bayer_row};
+use crate::numeric::{Planes, ShapeError};
+use crate::sensor::{Mosaic, RawImage, Sampling};
+
+/// Bilinear demosaicking of one mosaic: a normalised convolution whose weights are those of linear interpolation
+/// between the samples of a channel that enclose a pixel. Made once per mosaic, applied to any number of images.
+///
+/// Linear gradients are reproduced away from the border, measured samples are kept. At the border the weights of the
+/// samples that are there are scaled to sum to 1; where none is there, the mean of the nearest of the channel is taken.
+///
+/// ```
+/// use smalti::isp::demosaic::Bilinear;
+/// use smalti::sensor::Mosaic;
+///
+/// let stripes = Mosaic::new(1, 3, vec![0, 1, 2])?;
+/// let mut planes = [0; 3 * 6];
+/// Bilinear::new(&stripes)?.apply_u16(&[10, 20, 30, 40, 50, 60], 1, 6, &mut planes)?;
+/// assert_eq!(planes[..6], [10, 20, 30, 40, 40, 40]); // red, measured at the first and fourth pixel
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Debug, Clone)]
+pub struct Bilinear {
+    mosaic: Mosaic,
+    bayer: Option<Bayer>,
+    plan: Plan,
+}
+
+impl Bilinear {
+    /// Finds the weights for a mosaic.
+    ///
+    /// # Errors
+    /// [`IspError::SparseChannel`] when samples of a channel are so far apart that none within 64 pixels enclose
+    /// some pixel.
+    pub fn new(mosaic: &Mosaic) -> Result<Self, IspError> {
+        let (rows, cols) = (mosaic.rows() as i64, mosaic.cols() as i64);
+        let plan = Plan::new(mosaic, Border::Normalize, |row, col, channel| {
+            let is_sample = |r: i64, c: i64| {
+                let (r, c) = ((row as i64 + r).rem_euclid(rows), (col as i64 + c).rem_euclid(cols));
+                mosaic.channel_at(r as usize, c as usize) == channel
+            };
+            let reach = delaunay::MAX_REACH as usize;
+            let weights =
+                delaunay::weights(is_sample).ok_or(IspError::SparseChannel { channel, row, col, reach })?;
+            let tap = |((row, col), weight): ((i64, i64), f64)| Tap {
+                row: row as i32,
+                col: col as i32,
+                weight: weight as f32,
+            };
+            Ok(weights.into_iter().map(tap).collect())
+        })?;
+        Ok(Self { mosaic: mosaic.clone(), bayer: Bayer::of(mosaic), plan })
+    }
+
+    /// One plane per channel, as [`super::Demosaic::apply`] gives, written over planes that are there already.
+    ///
+    /// # Errors
+    /// [`IspError::Mosaic`] when the raw image has another mosaic, [`IspError::Shape`] when `out` is not of the size
+    /// of the image with one plane per channel, [`IspError::ChannelNotSeen`] when the image misses a channel.
+    pub fn apply_into(&self, raw: &RawImage, out: &mut Planes) -> Result<(), IspError> {
+        let (rows, cols) = (raw.rows(), raw.cols());
+        if *raw.sampling() != Sampling::Mosaic(self.mosaic.clone()) {
+            return Err(IspError::Mosaic);
+        }
+        if (out.rows(), out.cols()) != (rows, cols) {
+            let expected = self.mosaic.channels() * rows * cols;
+            let got = out.data().len();
+            return Err(ShapeError { count: self.mosaic.channels(), rows, cols, expected, got }.into());
+        }
+        self.plan.apply(Source::of(raw), Simd::best(), out.data_mut())
+    }
+
+    /// 16-bit samples, `rows` × `cols`, into planes of 16 bits, one after another in the order of the channels, to
+    /// the nearest integer (halves on Bayer mosaics up, as in OpenCV). Black level is left in.
+    ///
+    /// # Errors
+    /// When `samples.len()` is not `rows * cols`, `out.len()` is not that times the channels, or the image misses
+    /// a channel.
+    pub fn apply_u16(
+        &self,
+        samples: &[u16],
+        rows: usize,
+        cols: usize,
+        out: &mut [u16],
+    ) -> Result<(), IspError> {
+        self.apply_u16_with(Simd::best(), samples, rows, cols, out)
+    }
+
+    pub(super) fn apply_u16_with(
+        &self,
+        simd: Simd,
+        samples: &[u16],
+        rows: usize,
+        cols: usize,
+        out: &mut [u16],
+    ) -> Result<(), IspError> {
+        let expected = rows.saturating_mul(cols);
+        let count = self.mosaic.channels();
+        for (count, got) in [(1, samples.len()), (count, out.len())] {
+            let expected = expected.saturating_mul(count);
+            if expected != got || got == 0 {
+                return Err(ShapeError { count, rows, cols, expected, got }.into());
+            }
+        }
+        match self.bayer {
+            Some(bayer) if rows >= 2 && cols >= 2 => bayer_u16(simd, bayer, samples, rows, cols, out),
+            _ => self.plan.apply(Source::digital(samples, rows, cols), simd, out)?,
+        }
+        Ok(())
+    }
+
+    pub(super) fn plan(&self) -> &Plan {
+        &self.plan
+    }
+}
+
+/// The integer form for Bayer; sizes have been checked.
+fn bayer_u16(simd: Simd, bayer: Bayer, samples: &[u16], rows: usize, cols: usize, out: &mut [u16]) {
+    bands(out, rows, cols).into_par_iter().enumerate().for_each(|(i, mut band)| {
+        let line = |row: usize| &samples[row * cols..(row + 1) * cols];
+        let height = band.first().map_or(0, |b| b.len() / cols);
+        for k in 0..height {
+            let row = i * BAND_ROWS + k;
+            // Above and below the image lies the row on the other side, which holds the same channels.
+            let above = line(if row == 0 { 1 } else { row - 1 });
+            let below = line(if row + 1 == rows { rows - 2 } else { row + 1 });
+            let [a, b, c] = &mut band[..] else { continue };
+            let mut planes = [a, b, c].map(|p| &mut p[k * cols..(k + 1) * cols]);
+            let green = bayer.green;
+            let own = bayer.chroma_of_row(row);
+            let other = 3 - green - own;
+            let Ok([g, own, other]) = planes.get_disjoint_mut([green, own, other]) else { continue };
+            let lines = BayerLines { above, here: line(row), below, green_first: bayer.is_green(row, 0) };
+            bayer_row(simd, lines, g, own, other);
+            for col in [0, cols - 1] {
+                (g[col], own[col], other[col]) = border_pixel(&lines, col, row == 0 || row + 1 == rows);
+            }
+            if row == 0 || row + 1 == rows {
+                // Doubling the row that is there would weigh it twice in the green mean of four.
+                for col in 1..cols - 1 {
+                    g[col] = border_pixel(&lines, col, true).0;
+                }
+            }
+        }
+    });
+}
+
+/// Green, the row's own chroma and the other chroma at a pixel whose row or column is outermost.
+fn border_pixel(lines: &BayerLines<'_>, col: usize, outer_row: bool) -> (u16, u16, u16) {
+    let sides = [col.checked_sub(1), Some(col + 1).filter(|&c| c < lines.here.len())];
+    let mean = |values: &[u32]| {
+        let n = values.len() as u32;
+        ((values.iter().sum::<u32>() + n / 2) / n.max(1)) as u16
+    };
+    let of = |line: &[u16]| -> Vec<u32> { sides.iter().flatten().map(|&c| u32::from(line[c])).collect() };
+    let (here, above, below) = (lines.here[col], u32::from(lines.above[col]), u32::from(lines.below[col]));
+    let beside = of(lines.here);
+    if lines.green_first == col.is_multiple_of(2) {
+        return (here, mean(&beside), mean(&[above, below]));
+    }
+    let vertical = if outer_row { vec![above] } else { vec![above, below] };
+    let green = mean(&[beside, vertical].concat());
+    (green, here, mean(&[of(lines.above), of(lines.below)].concat()))
+}

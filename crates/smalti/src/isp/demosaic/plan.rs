@@ -1,0 +1,357 @@
+//! Linear demosaicking: for each cell of the tile and each channel, a short list of weighted samples.
+//!
+//! A plan is made once per mosaic and applied to images of any size. Rows are done in parallel in bands of fixed
+//! height, columns in vectors whose weights repeat with the tile.
+
+use std::collections::BTreeMap;
+
+use rayon::prelude::*;
+
+use super::super::IspError;
+use super::simd::{LANES, LaneTap, Sample, Simd};
+use crate::numeric::ShapeError;
+use crate::sensor::{Mosaic, RawImage, RawSamples};
+
+/// Rows done by one task. Fixed, so that the work is cut the same way for any number of threads.
+pub(super) const BAND_ROWS: usize = 16;
+/// Vectors of weights that may be kept; a tile that needs more is done pixel by pixel.
+const MAX_VECTORS: usize = 1 << 15;
+
+/// One weighted sample, at a distance from the pixel that is interpolated.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Tap {
+    pub(super) row: i32,
+    pub(super) col: i32,
+    pub(super) weight: f32,
+}
+
+/// What stands in for samples beyond the border of the image.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Border {
+    /// Nothing: the weights of the samples that are there are scaled to sum to 1. Where none is there, the mean of
+    /// the nearest samples of the channel.
+    Normalize,
+    /// The image mirrored about its outermost pixels, which keeps the phase of a tile of 2 × 2.
+    Mirror,
+}
+
+/// Raw samples that are normalised as they are read.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Source<'a> {
+    samples: Samples<'a>,
+    black: f32,
+    gain: f32,
+    rows: usize,
+    cols: usize,
+}
+
+#[derive(Debug, Clone, Copy)]
+enum Samples<'a> {
+    Digital(&'a [u16]),
+    Analog(&'a [f32]),
+}
+
+impl<'a> Source<'a> {
+    /// The first plane of a raw image, to be read as [`RawImage::normalized`] does.
+    pub(super) fn of(raw: &'a RawImage) -> Self {
+        let samples = match raw.samples() {
+            RawSamples::Digital(v) => Samples::Digital(v),
+            RawSamples::Analog(v) => Samples::Analog(v),
+        };
+        let gain = (1.0 / (raw.white_level() - raw.black_level())) as f32;
+        Self { samples, black: raw.black_level() as f32, gain, rows: raw.rows(), cols: raw.cols() }
+    }
+
+    /// 16-bit samples as they are.
+    pub(super) fn digital(samples: &'a [u16], rows: usize, cols: usize) -> Self {
+        Self { samples: Samples::Digital(samples), black: 0.0, gain: 1.0, rows, cols }
+    }
+
+    /// Values that are normalised already.
+    pub(super) fn normalized(values: &'a [f32], rows: usize, cols: usize) -> Self {
+        Self { samples: Samples::Analog(values), black: 0.0, gain: 1.0, rows, cols }
+    }
+
+    pub(super) fn rows(&self) -> usize {
+        self.rows
+    }
+
+    pub(super) fn cols(&self) -> usize {
+        self.cols
+    }
+
+    pub(super) fn at(&self, row: usize, col: usize) -> f32 {
+        let i = row * self.cols + col;
+        let value = match self.samples {
+            Samples::Digital(v) => f32::from(v[i]),
+            Samples::Analog(v) => v[i],
+        };
+        (value - self.black) * self.gain
+    }
+
+    /// A row, written to `out`, which has a place for each of its samples.
+    pub(super) fn read_row(&self, row: usize, out: &mut [f32]) {
+        let at = row * self.cols..(row + 1) * self.cols;
+        match self.samples {
+            Samples::Digital(v) => {
+                for (o, &x) in out.iter_mut().zip(&v[at]) {
+                    *o = (f32::from(x) - self.black) * self.gain;
+                }
+            }
+            Samples::Analog(v) => {
+                for (o, &x) in out.iter_mut().zip(&v[at]) {
+                    *o = (x - self.black) * self.gain;
+                }
+            }
+        }
+    }
+}
+
+/// A place mirrored into `0..len` about the outermost pixels.
+pub(super) fn mirrored(at: isize, len: usize) -> usize {
+    let period = 2 * (len as isize - 1);
+    if period <= 0 {
+        return 0;
+    }
+    let folded = at.rem_euclid(period);
+    folded.min(period - folded) as usize
+}
+
+/// The weights of a linear demosaicking method for one mosaic.
+#[derive(Debug, Clone)]
+pub(super) struct Plan {
+    mosaic: Mosaic,
+    border: Border,
+    /// Cell by cell, channel by channel, in the order rows then columns of the samples.
+    taps: Vec<Vec<Tap>>,
+    reach_rows: usize,
+    reach_cols: usize,
+}
+
+impl Plan {
+    /// A plan from `taps(row, col, channel)` for each cell of the tile.
+    pub(super) fn new(
+        mosaic: &Mosaic,
+        border: Border,
+        taps: impl Fn(usize, usize, usize) -> Result<Vec<Tap>, IspError> + Sync,
+    ) -> Result<Self, IspError> {
+        let (cols, channels) = (mosaic.cols(), mosaic.channels());
+        let taps = (0..mosaic.cells().len() * channels)
+            .into_par_iter()
+            .map(|i| {
+                let (cell, channel) = (i / channels, i % channels);
+                let mut taps = taps(cell / cols, cell % cols, channel)?;
+                taps.sort_unstable_by_key(|t| (t.row, t.col));
+                Ok(taps)
+            })
+            .collect::<Result<Vec<_>, IspError>>()?;
+        let reach = |f: fn(&Tap) -> i32| taps.iter().flatten().map(|t| f(t).unsigned_abs() as usize).max();
+        let (reach_rows, reach_cols) = (reach(|t| t.row).unwrap_or(0), reach(|t| t.col).unwrap_or(0));
+        Ok(Self { mosaic: mosaic.clone(), border, taps, reach_rows, reach_cols })
+    }
+
+    fn taps(&self, row: usize, col: usize, channel: usize) -> &[Tap] {
+        let cell = (row % self.mosaic.rows()) * self.mosaic.cols() + col % self.mosaic.cols();
+        &self.taps[cell * self.mosaic.channels() + channel]
+    }
+
+    /// One plane per channel, one after another, written to `out`.
+    pub(super) fn apply<T: Sample>(
+        &self,
+        source: Source<'_>,
+        simd: Simd,
+        out: &mut [T],
+    ) -> Result<(), IspError> {
+        let (rows, cols, count) = (source.rows, source.cols, self.mosaic.channels());
+        let expected = rows.saturating_mul(cols).saturating_mul(count);
+        if out.len() != expected {
+            return Err(ShapeError { count, rows, cols, expected, got: out.len() }.into());
+        }
+        self.every_channel_is_seen(rows, cols)?;
+        let layout = Layout::new(self, cols);
+        let vectors = layout.as_ref().map(|l| self.vectors(l));
+        bands(out, rows, cols).into_par_iter().enumerate().for_each_init(
+            Vec::new,
+            |buffer, (i, mut band)| {
+                let first = i * BAND_ROWS;
+                match (&layout, &vectors) {
+                    (Some(l), Some(v)) => self.vector_band(source, simd, l, v, first, &mut band, buffer),
+                    _ => self.pixel_band(source, first, &mut band),
+                }
+            },
+        );
+        Ok(())
+    }
+
+    /// As [`Plan::apply`], the slow way.
+    #[cfg(test)]
+    pub(super) fn pixel_by_pixel(&self, source: Source<'_>) -> Vec<f32> {
+        let mut out = vec![0.0; source.rows * source.cols * self.mosaic.channels()];
+        for (i, mut band) in bands(&mut out, source.rows, source.cols).into_iter().enumerate() {
+            self.pixel_band(source, i * BAND_ROWS, &mut band);
+        }
+        out
+    }
+
+    /// An image smaller than the tile may hold no sample of some channel.
+    fn every_channel_is_seen(&self, rows: usize, cols: usize) -> Result<(), IspError> {
+        let m = &self.mosaic;
+        let mut seen = vec![false; m.channels()];
+        for r in 0..rows.min(m.rows()) {
+            (0..cols.min(m.cols())).for_each(|c| seen[m.channel_at(r, c)] = true);
+        }
+        match seen.iter().position(|s| !s) {
+            Some(channel) => Err(IspError::ChannelNotSeen { channel, rows, cols }),
+            None => Ok(()),
+        }
+    }
+
+    /// The value of a channel at a pixel, wherever it lies.
+    fn pixel(&self, source: &Source<'_>, row: usize, col: usize, channel: usize) -> f32 {
+        let (mut sum, mut total, mut missing) = (0.0f32, 0.0f32, false);
+        for t in self.taps(row, col, channel) {
+            let (r, c) = (row as isize + t.row as isize, col as isize + t.col as isize);
+            let inside = (0..source.rows as isize).contains(&r) && (0..source.cols as isize).contains(&c);
+            if inside {
+                sum += t.weight * source.at(r as usize, c as usize);
+                total += t.weight;
+            } else if self.border == Border::Mirror {
+                sum += t.weight * source.at(mirrored(r, source.rows), mirrored(c, source.cols));
+            } else {
+                missing = true;
+            }
+        }
+        match missing {
+            false => sum,
+            true if total > 0.0 => sum / total,
+            true => self.nearest(source, row, col, channel),
+        }
+    }
+
+    /// The mean of the nearest samples of a channel, by growing squares.
+    fn nearest(&self, source: &Source<'_>, row: usize, col: usize, channel: usize) -> f32 {
+        for ring in 1..source.rows.max(source.cols) {
+            let rows = row.saturating_sub(ring)..=(row + ring).min(source.rows - 1);
+            let cols = col.saturating_sub(ring)..=(col + ring).min(source.cols - 1);
+            let square = rows.flat_map(|r| cols.clone().map(move |c| (r, c)));
+            let of_channel = square.filter(|&(r, c)| self.mosaic.channel_at(r, c) == channel);
+            let (n, sum) = of_channel.fold((0u32, 0.0f32), |(n, s), (r, c)| (n + 1, s + source.at(r, c)));
+            if n > 0 {
+                return sum / n as f32;
+            }
+        }
+        0.0 // not reached: every channel has been seen
+    }
+
+    fn pixel_band<T: Sample>(&self, source: Source<'_>, first: usize, band: &mut [&mut [T]]) {
+        for (channel, rows) in band.iter_mut().enumerate() {
+            for (row, out) in rows.chunks_mut(source.cols).enumerate() {
+                for (col, o) in out.iter_mut().enumerate() {
+                    *o = T::from_f32(self.pixel(&source, first + row, col, channel));
+                }
+            }
+        }
+    }
+
+    #[allow(clippy::too_many_arguments)]
+    fn vector_band<T: Sample>(
+        &self,
+        source: Source<'_>,
+        simd: Simd,
+        layout: &Layout,
+        vectors: &[RowVectors],
+        first: usize,
+        band: &mut [&mut [T]],
+        buffer: &mut Vec<f32>,
+    ) {
+        let (rows, cols, channels) = (source.rows, source.cols, self.mosaic.channels());
+        let (up, side) = (self.reach_rows, self.reach_cols);
+        let band_rows = band.first().map_or(0, |b| b.len() / cols);
+        // Row `first - up` of the image lies at the top of the buffer, whether it exists or not.
+        buffer.resize((band_rows + 2 * up) * layout.stride, 0.0);
+        for (i, line) in buffer.chunks_mut(layout.stride).enumerate() {
+            if let Some(row) = (first + i).checked_sub(up).filter(|&r| r < rows) {
+                source.read_row(row, &mut line[side..side + cols]);
+            }
+        }
+        for i in 0..band_rows {
+            let row = first + i;
+            let inside = row >= up && row + up < rows;
+            for (channel, plane) in band.iter_mut().enumerate() {
+                let out = &mut plane[i * cols..(i + 1) * cols];
+                let edges = if inside {
+                    let v = &vectors[(row % self.mosaic.rows()) * channels + channel];
+                    T::weighted_row(simd, &v.taps, &v.spans, &buffer[i * layout.stride..], out);
+                    (0..side).chain(cols - side..cols)
+                } else {
+                    (0..cols).chain(0..0)
+                };
+                for col in edges {
+                    out[col] = T::from_f32(self.pixel(&source, row, col, channel));
+                }
+            }
+        }
+    }
+
+    /// The taps of each row of the tile and channel, gathered by vector of columns.
+    fn vectors(&self, layout: &Layout) -> Vec<RowVectors> {
+        let offset = |(row, col): (i32, i32)| {
+            let down = (self.reach_rows as i64 + i64::from(row)) as usize;
+            down * layout.stride + (self.reach_cols as i64 + i64::from(col)) as usize
+        };
+        let row_vectors = |i: usize| {
+            let (row, channel) = (i / self.mosaic.channels(), i % self.mosaic.channels());
+            let mut v = RowVectors::default();
+            for vector in 0..layout.period {
+                let mut at: BTreeMap<(i32, i32), [f32; LANES]> = BTreeMap::new();
+                for lane in 0..LANES {
+                    for t in self.taps(row, vector * LANES + lane, channel) {
+                        at.entry((t.row, t.col)).or_default()[lane] += t.weight;
+                    }
+                }
+                let from = v.taps.len();
+                v.taps.extend(at.into_iter().map(|(at, weights)| LaneTap { offset: offset(at), weights }));
+                v.spans.push((from, v.taps.len()));
+            }
+            v
+        };
+        (0..self.mosaic.rows() * self.mosaic.channels()).map(row_vectors).collect()
+    }
+}
+
+/// The taps of one row of the tile and one channel: `spans` cuts them by vector, which repeat along the row.
+#[derive(Debug, Default)]
+struct RowVectors {
+    taps: Vec<LaneTap>,
+    spans: Vec<(usize, usize)>,
+}
+
+/// How rows lie in the buffer of a band, and after how many vectors the weights repeat.
+#[derive(Debug)]
+struct Layout {
+    stride: usize,
+    period: usize,
+}
+
+impl Layout {
+    /// `None` where the image is too small, or the tile too large, for vectors.
+    fn new(plan: &Plan, cols: usize) -> Option<Self> {
+        let m = &plan.mosaic;
+        // The least common multiple of tile width and lanes, in vectors; LANES is a power of two.
+        let period = m.cols() >> m.cols().trailing_zeros().min(LANES.trailing_zeros());
+        let count = period.saturating_mul(m.rows()).saturating_mul(m.channels());
+        let stride = cols.next_multiple_of(LANES) + 2 * plan.reach_cols;
+        (count <= MAX_VECTORS && cols > 2 * plan.reach_cols).then_some(Self { stride, period })
+    }
+}
+
+/// The rows of each band, plane by plane.
+pub(super) fn bands<T>(data: &mut [T], rows: usize, cols: usize) -> Vec<Vec<&mut [T]>> {
+    let mut bands: Vec<Vec<&mut [T]>> = (0..rows.div_ceil(BAND_ROWS)).map(|_| Vec::new()).collect();
+    for plane in data.chunks_mut((rows * cols).max(1)) {
+        for (band, rows) in bands.iter_mut().zip(plane.chunks_mut(BAND_ROWS * cols)) {
+            band.push(rows);
+        }
+    }
+    bands
+}

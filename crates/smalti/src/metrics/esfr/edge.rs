@@ -1,0 +1,145 @@
+//! Where the edge is: samples in lines across it, the centroid on each line, a straight line through them.
+
+use std::f64::consts::PI;
+
+use super::{CentroidWindow, EdgeOrientation, MetricError, Rect};
+
+/// Pixels that a region needs in each direction: fewer leave no room for two plateaus and an edge.
+const MINIMUM_SIDE: usize = 8;
+
+/// Lines of samples across the edge.
+pub(super) struct Lines {
+    /// Per line, in order: places along the line in pixels and values. A line may be empty.
+    pub(super) lines: Vec<Vec<(f64, f64)>>,
+    /// Pixels along a line, whether sampled or not.
+    pub(super) width: usize,
+}
+
+/// A straight edge: at line `y` it stands at `intercept + slope * y`, in pixels.
+pub(super) struct EdgeLine {
+    pub(super) intercept: f64,
+    pub(super) slope: f64,
+    pub(super) residual_rms: f64,
+}
+
+/// The samples of a region as lines across its edge: rows for a vertical edge, columns for a horizontal one.
+pub(super) fn gather(
+    rect: Rect,
+    value: impl Fn(usize, usize) -> Option<f64>,
+) -> Result<(EdgeOrientation, Lines), MetricError> {
+    let shorter = rect.rows.min(rect.cols);
+    if shorter < MINIMUM_SIDE {
+        let what = "pixels along the shorter side of the edge region";
+        return Err(MetricError::TooFew { what, minimum: MINIMUM_SIDE, got: shorter });
+    }
+    // Sums and counts of the outer thirds: left, right, top, bottom. The direction in which they differ more
+    // is the one across the edge.
+    let mut outer = [(0.0, 0usize); 4];
+    for row in 0..rect.rows {
+        for col in 0..rect.cols {
+            let Some(v) = value(rect.row + row, rect.col + col) else { continue };
+            if !v.is_finite() {
+                let index = row * rect.cols + col;
+                return Err(MetricError::NotFinite { what: "the edge region", index });
+            }
+            let (h, w) = (rect.rows / 3, rect.cols / 3);
+            let inside = [col < w, col >= rect.cols - w, row < h, row >= rect.rows - h];
+            for (sum, _) in outer.iter_mut().zip(inside).filter(|(_, inside)| *inside) {
+                *sum = (sum.0 + v, sum.1 + 1);
+            }
+        }
+    }
+    let mean = |(sum, count): (f64, usize)| sum / count.max(1) as f64;
+    let [left, right, top, bottom] = outer.map(mean);
+    let vertical = (left - right).abs() >= (top - bottom).abs();
+    let (orientation, count, width) = if vertical {
+        (EdgeOrientation::Vertical, rect.rows, rect.cols)
+    } else {
+        (EdgeOrientation::Horizontal, rect.cols, rect.rows)
+    };
+    let sample = |line: usize, x: usize| {
+        let (row, col) = if vertical { (line, x) } else { (x, line) };
+        value(rect.row + row, rect.col + col).map(|v| (x as f64, v))
+    };
+    let lines = (0..count).map(|line| (0..width).filter_map(|x| sample(line, x)).collect()).collect();
+    Ok((orientation, Lines { lines, width }))
+}
+
+/// The straight edge through the centroids of the lines: once with a window on the middle of the region, once
+/// with windows centred on the first fit.
+pub(super) fn fit(lines: &Lines, windows: CentroidWindow) -> Result<EdgeLine, MetricError> {
+    let middle = (lines.width - 1) as f64 / 2.0;
+    // sfrmat counts places from 1 and lays its window over differences that stand half a pixel earlier.
+    let (shift, ahead) = match windows {
+        CentroidWindow::OnEdge => (0.0, 0.0),
+        CentroidWindow::Sfrmat => (-0.5, 1.0),
+    };
+    let first = fit_once(lines, windows, |_| middle + shift)?;
+    let fit = fit_once(lines, windows, |y| first.intercept + first.slope * (y + ahead) + shift)?;
+    let at_middle = fit.intercept + fit.slope * (lines.lines.len() - 1) as f64 / 2.0;
+    if !(0.0..=(lines.width - 1) as f64).contains(&at_middle) {
+        return Err(MetricError::NoEdge { reason: "the fitted line misses the middle of the region" });
+    }
+    if fit.residual_rms > lines.width as f64 / 8.0 {
+        return Err(MetricError::NoEdge { reason: "its lines do not agree on a straight edge" });
+    }
+    Ok(fit)
+}
+
+fn fit_once(
+    lines: &Lines,
+    windows: CentroidWindow,
+    centre: impl Fn(f64) -> f64,
+) -> Result<EdgeLine, MetricError> {
+    let last = (lines.width - 1) as f64;
+    let located: Vec<(f64, f64)> = lines
+        .lines
+        .iter()
+        .enumerate()
+        .filter_map(|(i, line)| {
+            let y = i as f64;
+            centroid(line, windows, centre(y), last).filter(|x| (0.0..=last).contains(x)).map(|x| (y, x))
+        })
+        .collect();
+    let with_samples = lines.lines.iter().filter(|l| !l.is_empty()).count();
+    if located.len() < 4 || 2 * located.len() < with_samples {
+        return Err(MetricError::NoEdge { reason: "most lines show no step" });
+    }
+    let n = located.len() as f64;
+    let (mean_y, mean_x) = located.iter().fold((0.0, 0.0), |m, p| (m.0 + p.0 / n, m.1 + p.1 / n));
+    let (yy, xy) = located.iter().fold((0.0, 0.0), |s, &(y, x)| {
+        (s.0 + (y - mean_y) * (y - mean_y), s.1 + (y - mean_y) * (x - mean_x))
+    });
+    let slope = xy / yy;
+    let intercept = mean_x - slope * mean_y;
+    let squares: f64 = located.iter().map(|&(y, x)| (x - intercept - slope * y).powi(2)).sum();
+    Ok(EdgeLine { intercept, slope, residual_rms: (squares / n).sqrt() })
+}
+
+/// Centroid of the differences between neighbouring samples under a Hamming window that peaks at `centre` and
+/// reaches its end at the farther end of the line. The sign of the edge cancels. `None` where nothing differs.
+fn centroid(line: &[(f64, f64)], windows: CentroidWindow, centre: f64, last: f64) -> Option<f64> {
+    let differences = line.windows(2).filter_map(|pair| match *pair {
+        [(x0, v0), (x1, v1)] => Some(((x0 + x1) / 2.0, v1 - v0)),
+        _ => None,
+    });
+    let (margin, repeated) = match windows {
+        CentroidWindow::OnEdge => (0.0, None),
+        // sfrmat keeps the number of values by repeating the first difference.
+        CentroidWindow::Sfrmat => (0.5, differences.clone().next().map(|(x, d)| (x - 1.0, d))),
+    };
+    let half_width = (centre + margin).max(last - margin - centre);
+    let (mut sum, mut moment, mut size) = (0.0, 0.0, 0.0);
+    for (x, difference) in repeated.into_iter().chain(differences) {
+        let weighted = difference * hamming(x - centre, half_width);
+        sum += weighted;
+        moment += weighted * x;
+        size += weighted.abs();
+    }
+    (sum.abs() > 1e-9 * size).then(|| moment / sum)
+}
+
+/// Hamming window: 1 at 0, 0.08 at `half_width`, 0 beyond.
+pub(super) fn hamming(distance: f64, half_width: f64) -> f64 {
+    if distance.abs() > half_width { 0.0 } else { 0.54 + 0.46 * (PI * distance / half_width).cos() }
+}

@@ -1,0 +1,95 @@
+//! Luminance noise on grey patches.
+
+use super::patch::mean_and_variance;
+use super::{MetricError, Rect};
+use crate::numeric::Planes;
+
+/// Noise of each patch and their mean.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LuminanceNoise {
+    /// `100 · std(Y) / mean(Y)` per patch, in percent; the standard deviation has the divisor n − 1.
+    pub percent: Vec<f64>,
+    /// Their mean.
+    pub mean_percent: f64,
+}
+
+/// Luminance noise of uniform patches of a plane that holds luminance (the Y of XYZ, any scale), as ISETCam scores
+/// the grey series of the Macbeth chart.
+///
+/// # Errors
+/// When the plane or a patch is not there, there is no patch, a patch has fewer than two pixels, a value is not
+/// finite, or the mean of a patch is not above 0.
+pub fn luminance_noise(
+    planes: &Planes,
+    plane: usize,
+    patches: &[Rect],
+) -> Result<LuminanceNoise, MetricError> {
+    let statistics = plane_statistics(planes, plane, patches)?;
+    let percent: Vec<f64> = statistics.iter().map(|&(mean, std)| 100.0 * std / mean).collect();
+    let mean_percent = percent.iter().sum::<f64>() / percent.len() as f64;
+    Ok(LuminanceNoise { percent, mean_percent })
+}
+
+/// Mean, which is above 0, and standard deviation of every patch.
+pub(super) fn plane_statistics(
+    planes: &Planes,
+    plane: usize,
+    patches: &[Rect],
+) -> Result<Vec<(f64, f64)>, MetricError> {
+    if plane >= planes.count() {
+        return Err(MetricError::Plane { index: plane, count: planes.count() });
+    }
+    if patches.is_empty() {
+        return Err(MetricError::TooFew { what: "patches", minimum: 1, got: 0 });
+    }
+    let statistics = |rect: &Rect| {
+        rect.within(planes.rows(), planes.cols())?;
+        if rect.len() < 2 {
+            return Err(MetricError::TooFew { what: "pixels in a patch", minimum: 2, got: rect.len() });
+        }
+        let values = || rect.values(planes.plane(plane), planes.cols());
+        if let Some(index) = values().position(|v| !v.is_finite()) {
+            return Err(MetricError::NotFinite { what: "a patch", index });
+        }
+        let (mean, variance) = mean_and_variance(values);
+        if mean > 0.0 {
+            Ok((mean, variance.sqrt()))
+        } else {
+            Err(MetricError::Undefined {
+                quantity: "noise relative to the mean",
+                reason: "the mean is not above 0",
+            })
+        }
+    };
+    patches.iter().map(statistics).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn noise_of_known_patches() {
+        // Left patch 9, 11 alternating: mean 10, std sqrt(8 / 7); right patch constant.
+        let data = (0..32).map(|i| if i % 8 < 4 { 9.0 + 2.0 * (i % 2) as f32 } else { 5.0 }).collect();
+        let p = Planes::new(4, 8, 1, data).unwrap();
+        let left = Rect { row: 0, col: 0, rows: 2, cols: 4 };
+        let right = Rect { row: 0, col: 4, rows: 4, cols: 4 };
+        let n = luminance_noise(&p, 0, &[left, right]).unwrap();
+        let expected = 10.0 * (8.0f64 / 7.0).sqrt();
+        assert!((n.percent[0] - expected).abs() < 1e-12 && n.percent[1] == 0.0);
+        assert!((n.mean_percent - expected / 2.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn what_has_no_answer_is_refused() {
+        let p = Planes::zeros(4, 4, 1);
+        let all = Rect::whole(4, 4);
+        assert!(matches!(luminance_noise(&p, 0, &[all]), Err(MetricError::Undefined { .. })));
+        assert!(matches!(luminance_noise(&p, 0, &[]), Err(MetricError::TooFew { .. })));
+        assert!(matches!(luminance_noise(&p, 1, &[all]), Err(MetricError::Plane { .. })));
+        let mut hole = Planes::zeros(4, 4, 1);
+        hole.data_mut()[3] = f32::INFINITY;
+        assert!(matches!(luminance_noise(&hole, 0, &[all]), Err(MetricError::NotFinite { .. })));
+    }
+}

@@ -1,0 +1,89 @@
+//! Mean squared error and peak signal-to-noise ratio against a reference.
+
+use super::{MetricError, Rect};
+use crate::numeric::Planes;
+
+/// How far an image is from a reference of the same size.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Psnr {
+    /// Mean squared difference per plane.
+    pub mse: Vec<f64>,
+    /// `10 · log10(peak² / mse)` per plane, decibels; infinite where nothing differs.
+    pub psnr_db: Vec<f64>,
+    /// Mean squared difference over all planes.
+    pub cmse: f64,
+    /// The peak signal-to-noise ratio over all planes (CPSNR), decibels.
+    pub cpsnr_db: f64,
+}
+
+/// Compares an image with a reference inside a region (leave out the border where demosaicking is extrapolation).
+/// `peak` is the largest value an image can have: 1 or 255 as the images are scaled.
+///
+/// # Errors
+/// When the sizes differ, the region leaves the image, `peak` is not above 0, or a value is not finite.
+pub fn psnr(image: &Planes, reference: &Planes, region: Rect, peak: f64) -> Result<Psnr, MetricError> {
+    same_size(image, reference)?;
+    region.within(image.rows(), image.cols())?;
+    if !(peak > 0.0 && peak.is_finite()) {
+        return Err(MetricError::Parameter {
+            name: "peak",
+            value: peak,
+            expected: "a finite number above 0",
+        });
+    }
+    let mse = |p: usize| {
+        let cols = image.cols();
+        let pairs = region.values(image.plane(p), cols).zip(region.values(reference.plane(p), cols));
+        pairs.map(|(a, b)| (a - b) * (a - b)).sum::<f64>() / region.len() as f64
+    };
+    let mse: Vec<f64> = (0..image.count()).map(mse).collect();
+    if let Some(index) = mse.iter().position(|v| !v.is_finite()) {
+        return Err(MetricError::NotFinite { what: "the mean squared error of the planes", index });
+    }
+    let decibels = |mse: f64| 10.0 * (peak * peak / mse).log10();
+    let cmse = mse.iter().sum::<f64>() / mse.len() as f64;
+    Ok(Psnr { psnr_db: mse.iter().map(|&v| decibels(v)).collect(), cpsnr_db: decibels(cmse), mse, cmse })
+}
+
+/// Checks that two images have the same rows, columns and planes, at least one of each.
+pub(super) fn same_size(left: &Planes, right: &Planes) -> Result<(), MetricError> {
+    let size = |p: &Planes| (p.rows(), p.cols(), p.count());
+    if size(left) != size(right) {
+        return Err(MetricError::Size { left: size(left), right: size(right) });
+    }
+    if left.data().is_empty() {
+        return Err(MetricError::TooFew { what: "values in the image", minimum: 1, got: 0 });
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn known_errors() {
+        let a = Planes::new(2, 2, 2, vec![0.5; 8]).unwrap();
+        let b = Planes::new(2, 2, 2, [[0.5; 4], [0.75; 4]].concat()).unwrap();
+        let r = psnr(&a, &b, Rect::whole(2, 2), 1.0).unwrap();
+        assert_eq!(r.mse, [0.0, 0.0625]);
+        assert_eq!(r.psnr_db[0], f64::INFINITY);
+        assert!((r.psnr_db[1] - 12.041_199_826_559_248).abs() < 1e-12);
+        assert!((r.cpsnr_db - 15.051_499_783_199_06).abs() < 1e-12);
+        let scaled = |p: &Planes| Planes::new(2, 2, 2, p.data().iter().map(|v| v * 255.0).collect()).unwrap();
+        let s = psnr(&scaled(&a), &scaled(&b), Rect::whole(2, 2), 255.0).unwrap();
+        assert!((s.cpsnr_db - r.cpsnr_db).abs() < 1e-9);
+    }
+
+    #[test]
+    fn what_cannot_be_compared_is_refused() {
+        let (a, b) = (Planes::zeros(2, 2, 1), Planes::zeros(2, 2, 3));
+        assert!(matches!(psnr(&a, &b, Rect::whole(2, 2), 1.0), Err(MetricError::Size { .. })));
+        assert!(matches!(psnr(&a, &a, Rect::whole(2, 3), 1.0), Err(MetricError::Region { .. })));
+        assert!(matches!(psnr(&a, &a, Rect::whole(2, 2), 0.0), Err(MetricError::Parameter { .. })));
+        let none = Planes::zeros(2, 2, 0);
+        assert!(matches!(psnr(&none, &none, Rect::whole(2, 2), 1.0), Err(MetricError::TooFew { .. })));
+        let nan = Planes::new(1, 1, 1, vec![f32::NAN]).unwrap();
+        assert!(matches!(psnr(&nan, &nan, Rect::whole(1, 1), 1.0), Err(MetricError::NotFinite { .. })));
+    }
+}

@@ -1,0 +1,135 @@
+//! Noise and differences as an eye at a distance sees them: visual SNR and S-CIELAB.
+
+use super::{MetricError, Rect};
+use crate::color::scielab::Scielab;
+use crate::color::{DeltaE, DifferenceMap, Image};
+use crate::numeric::Planes;
+
+/// How fine the pixels of a picture are to the eye, in pixels per degree: pictures of `pixels_per_inch` seen from
+/// `distance_m`.
+#[must_use]
+pub fn samples_per_degree(pixels_per_inch: f64, distance_m: f64) -> f64 {
+    pixels_per_inch / 0.0254 * distance_m * 2.0 * 0.5f64.to_radians().tan()
+}
+
+/// The S-CIELAB difference of two pictures and its mean.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ScielabScore {
+    /// ΔE at every pixel.
+    pub map: DifferenceMap,
+    /// Mean over all pixels.
+    pub mean: f64,
+}
+
+/// S-CIELAB of a picture against a reference, both in XYZ, with a white in the same scale.
+///
+/// # Errors
+/// When the pictures are not in XYZ or empty, their sizes differ, or the resolution is out of range.
+pub fn scielab_score(
+    picture: &Image,
+    reference: &Image,
+    white: [f64; 3],
+    settings: &Scielab,
+) -> Result<ScielabScore, MetricError> {
+    if picture.planes().data().is_empty() {
+        return Err(MetricError::TooFew { what: "pixels in the picture", minimum: 1, got: 0 });
+    }
+    let map = settings.compare(reference, picture, white)?;
+    Ok(ScielabScore { mean: map.mean(), map })
+}
+
+/// Visual signal-to-noise ratio of a uniform region of a picture in XYZ ([farrell2010]): the reciprocal of the standard
+/// deviation of its S-CIELAB values, √(var L* + var a* + var b*), taken as the RMS of ΔE 1976 between the region and
+/// its own mean. 1 means that the noise is about as large as a just visible difference; infinite without noise.
+///
+/// `white` is in the scale of the picture; `samples_per_degree` says how large the pixels appear.
+///
+/// # Errors
+/// When the picture is not in XYZ, the region leaves it or has fewer than two pixels, a value is not finite, or
+/// `samples_per_degree` is not within 1–2000.
+///
+/// [farrell2010]: https://doi.org/10.1117/12.839149
+pub fn visual_snr(
+    picture: &Image,
+    region: Rect,
+    white: [f64; 3],
+    samples_per_degree: f64,
+) -> Result<f64, MetricError> {
+    region.within(picture.rows(), picture.cols())?;
+    if region.len() < 2 {
+        return Err(MetricError::TooFew { what: "pixels in the region", minimum: 2, got: region.len() });
+    }
+    let planes = picture.planes();
+    let cut: Vec<f64> = planes.planes().flat_map(|p| region.values(p, planes.cols())).collect();
+    if let Some(index) = cut.iter().position(|v| !v.is_finite()) {
+        return Err(MetricError::NotFinite { what: "the region", index });
+    }
+    let means: Vec<f64> = cut.chunks(region.len()).map(|p| p.iter().sum::<f64>() / p.len() as f64).collect();
+    let uniform = means.iter().flat_map(|&m| std::iter::repeat_n(m as f32, region.len())).collect();
+    let image = |data: Vec<f32>| {
+        // The buffer has three planes of the size of the region, so neither step fails.
+        let shaped = Planes::new(region.rows, region.cols, 3, data);
+        let shaped = shaped.unwrap_or_else(|_| Planes::zeros(region.rows, region.cols, 3));
+        Image::new(picture.space(), shaped)
+    };
+    let noisy = image(cut.iter().map(|&v| v as f32).collect())?;
+    let map = Scielab::new(samples_per_degree, DeltaE::Cie1976).compare(&image(uniform)?, &noisy, white)?;
+    let squares: f64 = map.values.iter().map(|&v| f64::from(v) * f64::from(v)).sum();
+    let variance = squares / (region.len() - 1) as f64;
+    // A picture in single precision is not flatter than this after filtering.
+    Ok(if variance < 1e-10 { f64::INFINITY } else { 1.0 / variance.sqrt() })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::color::ColorSpace;
+    use crate::numeric::philox::Stream;
+
+    const WHITE: [f64; 3] = [95.047, 100.0, 108.883];
+
+    fn grey(noise: f64) -> Image {
+        let mut s = Stream::new(5, 0, 0);
+        let y: Vec<f64> = (0..80 * 80).map(|_| 40.0 + noise * (s.uniform() - 0.5)).collect();
+        let data = WHITE.iter().flat_map(|w| y.iter().map(move |y| (y * w / 100.0) as f32)).collect();
+        Image::new(ColorSpace::Xyz, Planes::new(80, 80, 3, data).unwrap()).unwrap()
+    }
+
+    #[test]
+    fn noise_weighs_less_from_afar_and_halves_when_halved() {
+        let region = Rect { row: 4, col: 4, rows: 72, cols: 72 };
+        let snr = |noise, samples| visual_snr(&grey(noise), region, WHITE, samples).unwrap();
+        let near = snr(2.0, 20.0);
+        assert!(snr(2.0, 60.0) > 2.0 * near);
+        assert!((snr(1.0, 20.0) / near - 2.0).abs() < 0.01);
+        assert_eq!(snr(0.0, 20.0), f64::INFINITY);
+    }
+
+    #[test]
+    fn a_uniform_shift_scores_its_own_difference() {
+        let (a, b) = (grey(0.0), grey(0.0));
+        let score = scielab_score(&a, &b, WHITE, &Scielab::new(40.0, DeltaE::Ciede2000)).unwrap();
+        assert_eq!((score.mean, score.map.values.len()), (0.0, 6400));
+    }
+
+    #[test]
+    fn resolution_of_a_display() {
+        // ISETCam's default display: 41 samples per degree at 120 dots per inch and half a metre.
+        assert!((samples_per_degree(120.0, 0.5) - 41.0).abs() < 0.5);
+    }
+
+    #[test]
+    fn bad_input_is_refused() {
+        let run = |image: &Image, rows, samples| {
+            visual_snr(image, Rect { row: 0, col: 0, rows, cols: 4 }, WHITE, samples).unwrap_err()
+        };
+        assert!(matches!(run(&grey(1.0), 81, 30.0), MetricError::Region { .. }));
+        assert!(matches!(run(&grey(1.0), 4, 0.0), MetricError::Scielab(_)));
+        let srgb = Image::new(ColorSpace::Srgb, Planes::zeros(4, 4, 3)).unwrap();
+        assert!(matches!(run(&srgb, 4, 30.0), MetricError::Scielab(_)));
+        let mut hole = Planes::zeros(4, 4, 3);
+        hole.data_mut()[1] = f32::NAN;
+        let hole = Image::new(ColorSpace::Xyz, hole).unwrap();
+        assert!(matches!(run(&hole, 4, 30.0), MetricError::NotFinite { .. }));
+    }
+}

@@ -1,0 +1,133 @@
+//! Logarithm, exponential and sine in plain arithmetic, without branches or calls into a maths library: a loop
+//! over them becomes vector code, and every instruction set, machine and lane gives the same bits.
+//!
+//! All are truncated Taylor series with exact rational coefficients after an exact range reduction; the
+//! truncation lies below the rounding of the type. The arguments are those of the samplers: see each function.
+
+use std::f32::consts as f32c;
+use std::f64::consts as f64c;
+
+/// Natural logarithm of a normal positive number.
+#[inline(always)]
+#[must_use]
+pub fn ln_f64(x: f64) -> f64 {
+    // x = 2^e · m with m in [√½, √2): moving the exponent by the bits of √½ makes the split one subtraction.
+    const SQRT_HALF: u64 = 0x3FE6_A09E_667F_3BCD;
+    let offset = x.to_bits().wrapping_sub(SQRT_HALF);
+    // A signed 12-bit exponent, turned into a number by adding it to the mantissa of 1.5 · 2^52.
+    let exponent = (offset as i64 >> 52) as u64;
+    const MAGIC: f64 = 6_755_399_441_055_744.0;
+    let e = f64::from_bits(MAGIC.to_bits().wrapping_add(exponent)) - MAGIC;
+    let m = f64::from_bits((offset & 0x000F_FFFF_FFFF_FFFF).wrapping_add(SQRT_HALF));
+    // ln m = 2 artanh s, |s| ≤ 0.1716.
+    let s = (m - 1.0) / (m + 1.0);
+    let z = s * s;
+    let mut sum = 1.0 / 21.0;
+    for c in [
+        1.0 / 19.0,
+        1.0 / 17.0,
+        1.0 / 15.0,
+        1.0 / 13.0,
+        1.0 / 11.0,
+        1.0 / 9.0,
+        1.0 / 7.0,
+        1.0 / 5.0,
+        1.0 / 3.0,
+    ] {
+        sum = sum * z + c;
+    }
+    e * f64c::LN_2 + (2.0 * s + 2.0 * s * z * sum)
+}
+
+/// Natural logarithm of a normal positive number.
+#[inline(always)]
+#[must_use]
+pub fn ln_f32(x: f32) -> f32 {
+    const SQRT_HALF: u32 = 0x3F35_04F3;
+    let offset = x.to_bits().wrapping_sub(SQRT_HALF);
+    let e = (offset as i32 >> 23) as f32;
+    let m = f32::from_bits((offset & 0x007F_FFFF).wrapping_add(SQRT_HALF));
+    let s = (m - 1.0) / (m + 1.0);
+    let z = s * s;
+    let sum = (((z * (1.0 / 9.0) + 1.0 / 7.0) * z + 1.0 / 5.0) * z + 1.0 / 3.0) * z;
+    e * f32c::LN_2 + (2.0 * s + 2.0 * s * sum)
+}
+
+/// `exp(x)` for `x` in −700..=700.
+#[inline(always)]
+#[must_use]
+pub fn exp_f64(x: f64) -> f64 {
+    // ln 2 in two parts, the first short enough that its multiples below 2^11 are exact.
+    const LN2_HIGH: f64 = 0.693_147_180_369_123_8;
+    const LN2_LOW: f64 = 1.908_214_929_270_587_7e-10;
+    const MAGIC: f64 = 6_755_399_441_055_744.0;
+    let shifted = x * f64c::LOG2_E + MAGIC;
+    let n = shifted - MAGIC;
+    let r = (x - n * LN2_HIGH) - n * LN2_LOW;
+    // |r| ≤ 0.347: r^14/14! < 5e-18.
+    let mut sum = 1.0;
+    for k in [13.0, 12.0, 11.0, 10.0, 9.0, 8.0, 7.0, 6.0, 5.0, 4.0, 3.0, 2.0, 1.0] {
+        sum = 1.0 + r * sum * (1.0 / k);
+    }
+    let power = shifted.to_bits().wrapping_sub(MAGIC.to_bits()).wrapping_add(1023) << 52;
+    sum * f64::from_bits(power)
+}
+
+/// Sine and cosine of `2π · turn · 2⁻³²`.
+#[inline(always)]
+#[must_use]
+pub fn sin_cos_turn(turn: u32) -> (f32, f32) {
+    // The nearest quarter turn, and what is left: −⅛..⅛ of a turn.
+    let quarter = turn.wrapping_add(1 << 29) >> 30;
+    let rest = turn.wrapping_sub(quarter << 30) as i32;
+    let x = rest as f32 * (f32c::TAU / 4_294_967_296.0);
+    let z = x * x;
+    let s = x + x * z * (-1.0 / 6.0 + z * (1.0 / 120.0 + z * (-1.0 / 5040.0 + z * (1.0 / 362_880.0))));
+    let c = 1.0
+        + z * (-0.5 + z * (1.0 / 24.0 + z * (-1.0 / 720.0 + z * (1.0 / 40_320.0 - z * (1.0 / 3_628_800.0)))));
+    let (a, b) = if quarter & 1 == 1 { (c, s) } else { (s, c) };
+    let flip_sin = (quarter & 2) << 30;
+    let flip_cos = (quarter.wrapping_add(1) & 2) << 30;
+    (f32::from_bits(a.to_bits() ^ flip_sin), f32::from_bits(b.to_bits() ^ flip_cos))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn logarithms_are_right_to_rounding() {
+        for i in 0..20_000 {
+            let x = 1e-12 * 1.003f64.powi(i);
+            let scale = x.ln().abs().max(1.0);
+            assert!((ln_f64(x) - x.ln()).abs() <= 4e-16 * scale, "{x}");
+            let y = x as f32;
+            assert!((f64::from(ln_f32(y)) - f64::from(y).ln()).abs() <= 1.5e-7 * scale, "{y}");
+        }
+        // Near 1 the relative error counts: there the logarithm itself is small.
+        for i in 1..1000 {
+            let x = 1.0 + f64::from(i) * 1e-5;
+            assert!((ln_f64(x) / x.ln() - 1.0).abs() < 1e-15);
+        }
+        assert_eq!((ln_f64(1.0), ln_f32(1.0)), (0.0, 0.0));
+    }
+
+    #[test]
+    fn exponentials_are_right_to_rounding() {
+        for i in -6000..6000 {
+            let x = f64::from(i) * 0.1;
+            assert!((exp_f64(x) / x.exp() - 1.0).abs() < 5e-16, "{x}");
+        }
+    }
+
+    #[test]
+    fn sines_are_right_to_rounding() {
+        for i in 0..100_000u32 {
+            let turn = i.wrapping_mul(42_949).wrapping_add(i);
+            let angle = f64::from(turn) / 4_294_967_296.0 * f64c::TAU;
+            let (s, c) = sin_cos_turn(turn);
+            assert!((f64::from(s) - angle.sin()).abs() < 1.2e-7, "{turn}");
+            assert!((f64::from(c) - angle.cos()).abs() < 1.2e-7, "{turn}");
+        }
+    }
+}

@@ -1,0 +1,365 @@
+//! Poisson deviates, exact at every mean: inversion below 10, Hörmann's PTRS above ([hormann1993]).
+//!
+//! Works on a block of lanes at once. Every lane draws from a Philox stream of its own, so a rejection in one
+//! lane moves no other, and the result does not depend on how pixels are grouped into blocks. Counts are whole
+//! numbers in `f64`, which holds them one by one to 2⁵³.
+//!
+//! [hormann1993]: https://doi.org/10.1016/0167-6687(93)90997-4
+
+// Lanes are indexed: that is how loops over several arrays become vector code.
+#![allow(clippy::needless_range_loop)]
+
+use super::elementary::{exp_f64, ln_f64};
+use super::philox::philox4x32;
+
+/// Lanes of a block.
+pub const LANES: usize = 128;
+
+/// Below this mean, inversion: PTRS is defined from 10 on.
+const PTRS_FROM: f64 = 10.0;
+/// Above this mean a count is no longer exact in `f64`; means are held to it.
+const LARGEST_MEAN: f64 = 1e15;
+
+/// The counter of each lane: word 0 is `first + lane`, words 1 and 2 are common, word 3 counts attempts from
+/// `attempt` on. The first attempt's words 0 and 1 are passed in, because the caller has use for words 2 and 3.
+#[derive(Debug, Clone, Copy)]
+pub struct LaneCounter {
+    /// Key of the generator.
+    pub key: [u32; 2],
+    /// Word 0 of lane 0.
+    pub first: u32,
+    /// Word 1.
+    pub row: u32,
+    /// Word 2.
+    pub purpose: u32,
+    /// Word 3 of the first attempt.
+    pub attempt: u32,
+}
+
+impl LaneCounter {
+    /// The random words of a lane's `n`-th attempt.
+    #[inline(always)]
+    #[must_use]
+    pub fn words(&self, lane: u32, n: u32) -> [u32; 4] {
+        let counter = [self.first.wrapping_add(lane), self.row, self.purpose, self.attempt.wrapping_add(n)];
+        philox4x32(counter, self.key)
+    }
+
+    /// The random words of the first attempt of every lane, word by word.
+    #[inline(always)]
+    #[must_use]
+    pub fn block(&self) -> [[u32; LANES]; 4] {
+        let mut words = [[0; LANES]; 4];
+        for i in 0..LANES {
+            let w = self.words(i as u32, 0);
+            (words[0][i], words[1][i], words[2][i], words[3][i]) = (w[0], w[1], w[2], w[3]);
+        }
+        words
+    }
+}
+
+/// Replaces each mean by a draw. Means that are not positive give 0. `words` are those of attempt 0.
+#[inline(always)]
+#[allow(clippy::manual_clamp)] // which would keep NaN
+pub fn poisson_lanes(counter: &LaneCounter, words: [&[u32; LANES]; 2], means: &mut [f64; LANES]) {
+    let (mut any_small, mut any_large) = (false, false);
+    for m in means.iter_mut() {
+        *m = m.max(0.0).min(LARGEST_MEAN);
+        any_small |= *m < PTRS_FROM;
+        any_large |= *m >= PTRS_FROM;
+    }
+    let mut counts = [0.0; LANES];
+    if any_large {
+        ptrs_lanes(counter, words, means, &mut counts);
+    }
+    if any_small {
+        inversion_lanes(words, means, &mut counts);
+    }
+    *means = counts;
+}
+
+/// Inversion by sequential search, for the lanes whose mean is below [`PTRS_FROM`].
+#[inline(always)]
+fn inversion_lanes(words: [&[u32; LANES]; 2], means: &[f64; LANES], counts: &mut [f64; LANES]) {
+    const GROUP: usize = 16;
+    // P(K > 120) for a mean of 10 is 1e-84, far below the 2^-53 of the uniform.
+    const LARGEST: u32 = 120;
+    for base in (0..LANES).step_by(GROUP) {
+        let (mut u, mut term, mut cumulated, mut count) =
+            ([0.0; GROUP], [0.0; GROUP], [0.0; GROUP], [0.0f64; GROUP]);
+        let mut mean = [0.0f64; GROUP];
+        for i in 0..GROUP {
+            let bits = u64::from(words[0][base + i]) << 32 | u64::from(words[1][base + i]);
+            mean[i] = means[base + i];
+            u[i] = (bits >> 11) as f64 * (1.0 / (1u64 << 53) as f64);
+            // Lanes of the other method are done at once.
+            u[i] = if mean[i] < PTRS_FROM { u[i] } else { -1.0 };
+            term[i] = exp_f64(-mean[i].min(PTRS_FROM));
+            cumulated[i] = term[i];
+        }
+        for k in 1..=LARGEST {
+            let inverse = 1.0 / f64::from(k);
+            let mut searching = 0.0;
+            for i in 0..GROUP {
+                let step = if u[i] >= cumulated[i] { 1.0 } else { 0.0 };
+                count[i] += step;
+                searching += step;
+                term[i] *= mean[i] * inverse;
+                cumulated[i] += term[i];
+            }
+            if searching == 0.0 {
+                break;
+            }
+        }
+        for i in 0..GROUP {
+            counts[base + i] = if mean[i] < PTRS_FROM { count[i] } else { counts[base + i] };
+        }
+    }
+}
+
+/// ln k! for k below 16.
+const LN_FACTORIAL: [f64; 16] = [
+    0.0,
+    0.0,
+    std::f64::consts::LN_2,
+    1.791_759_469_228_055,
+    3.178_053_830_347_945_8,
+    4.787_491_742_782_046,
+    6.579_251_212_010_101,
+    8.525_161_361_065_415,
+    10.604_602_902_745_25,
+    12.801_827_480_081_469,
+    15.104_412_573_075_516,
+    17.502_307_845_873_887,
+    19.987_214_495_661_885,
+    22.552_163_853_123_425,
+    25.191_221_182_738_68,
+    27.899_271_383_840_89,
+];
+
+/// PTRS for the lanes whose mean is at least [`PTRS_FROM`]: all lanes try at once, those that the cheap test
+/// leaves open are gathered for the full test, those that fail are gathered for the next attempt.
+#[inline(always)]
+fn ptrs_lanes(
+    counter: &LaneCounter,
+    words: [&[u32; LANES]; 2],
+    means: &[f64; LANES],
+    counts: &mut [f64; LANES],
+) {
+    let mut open = Trials::default();
+    let mut accepted = [0u8; LANES];
+    for i in 0..LANES {
+        let t = Trial::new(means[i].max(PTRS_FROM), words[0][i], words[1][i]);
+        counts[i] = t.k;
+        accepted[i] = u8::from(t.quick | (means[i] < PTRS_FROM));
+    }
+    let mut n = 0;
+    for i in 0..LANES {
+        open.lane[n] = i as u32;
+        n += usize::from(accepted[i] == 0);
+    }
+    for j in 0..n {
+        let i = open.lane[j] as usize % LANES;
+        (open.mean[j], open.u[j], open.v[j]) = (means[i], words[0][i], words[1][i]);
+    }
+    let mut attempt = 0;
+    loop {
+        // The open trials take the full test; those that fail stay, packed to the front.
+        let failed = open.full_test(n, counts);
+        if failed == 0 {
+            return;
+        }
+        n = failed;
+        attempt += 1;
+        for j in 0..LANES.min(n.next_multiple_of(8)) {
+            let w = counter.words(open.lane[j], attempt);
+            (open.u[j], open.v[j]) = (w[0], w[1]);
+        }
+    }
+}
+
+/// One trial of PTRS.
+struct Trial {
+    /// The count it proposes.
+    k: f64,
+    /// Whether the squeeze accepts it.
+    quick: bool,
+    /// Whether the full test accepts it, were it made, needs these.
+    us: f64,
+    v: f64,
+    a: f64,
+    b: f64,
+    inverse_alpha: f64,
+}
+
+impl Trial {
+    /// Hörmann 1993, algorithm PTRS, steps 0 and 1. `mean` is at least 10.
+    #[inline(always)]
+    fn new(mean: f64, word_u: u32, word_v: u32) -> Self {
+        const UNIT: f64 = 1.0 / 4_294_967_296.0;
+        // Both off their ends: u in (−½, ½), v in (0, 1).
+        let u = (f64::from(word_u) + 0.5) * UNIT - 0.5;
+        let v = (f64::from(word_v) + 0.5) * UNIT;
+        let b = 0.931 + 2.53 * mean.sqrt();
+        let a = -0.059 + 0.02483 * b;
+        let us = 0.5 - u.abs();
+        let k = ((2.0 * a / us + b) * u + mean + 0.43).floor();
+        let quick = (us >= 0.07) & (v <= 0.9277 - 3.6224 / (b - 2.0));
+        Self { k, quick, us, v, a, b, inverse_alpha: 1.1239 + 1.1328 / (b - 3.4) }
+    }
+}
+
+/// Trials gathered from the lanes where the matter is open.
+struct Trials {
+    lane: [u32; LANES],
+    mean: [f64; LANES],
+    u: [u32; LANES],
+    v: [u32; LANES],
+}
+
+impl Default for Trials {
+    #[inline(always)]
+    fn default() -> Self {
+        Self { lane: [0; LANES], mean: [PTRS_FROM; LANES], u: [0; LANES], v: [0; LANES] }
+    }
+}
+
+impl Trials {
+    /// Tests the first `n` trials, writes the counts of those accepted, packs the others to the front, and
+    /// returns how many those are.
+    #[inline(always)]
+    fn full_test(&mut self, n: usize, counts: &mut [f64; LANES]) -> usize {
+        let mut k = [0.0; LANES];
+        let mut ln_factorial = [0.0; LANES];
+        let mut accepted = [0u8; LANES];
+        let padded = n.next_multiple_of(8).min(LANES);
+        for j in 0..padded {
+            k[j] = Trial::new(self.mean[j].max(PTRS_FROM), self.u[j], self.v[j]).k;
+        }
+        for j in 0..padded {
+            ln_factorial[j] = LN_FACTORIAL[k[j].clamp(0.0, 15.0) as usize];
+        }
+        for j in 0..padded {
+            let mean = self.mean[j].max(PTRS_FROM);
+            let t = Trial::new(mean, self.u[j], self.v[j]);
+            // ln of the probability of k: k ln(λ/k) + k − λ − Stirling's series, in which nothing large cancels;
+            // below 16 the series is not exact, and the factorial is tabulated.
+            let small = t.k < 16.0;
+            let kk = t.k.max(1.0);
+            let inv = 1.0 / kk;
+            let inv2 = inv * inv;
+            let series =
+                inv * (1.0 / 12.0 - inv2 * (1.0 / 360.0 - inv2 * (1.0 / 1260.0 - inv2 * (1.0 / 1680.0))));
+            let ratio = if small { mean } else { mean * inv };
+            let rest = if small { -ln_factorial[j] } else { kk - series };
+            let root = if small { 1.0 } else { (std::f64::consts::TAU * kk).sqrt() };
+            let ln_probability = t.k * ln_f64(ratio) + (rest - mean);
+            let hat = t.v * t.inverse_alpha / (t.a / (t.us * t.us) + t.b) * root;
+            let possible = (t.k >= 0.0) & !((t.us < 0.013) & (t.v > t.us));
+            let full = possible & (ln_f64(hat) <= ln_probability);
+            accepted[j] = u8::from(full | t.quick);
+        }
+        let mut failed = 0;
+        for j in 0..n {
+            let lane = self.lane[j];
+            if accepted[j] == 1 {
+                counts[lane as usize % LANES] = k[j];
+            }
+            self.lane[failed] = lane;
+            self.mean[failed] = self.mean[j];
+            failed += usize::from(accepted[j] == 0);
+        }
+        failed
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn draws(mean: f64, blocks: u32) -> Vec<f64> {
+        let mut out = Vec::new();
+        for row in 0..blocks {
+            let counter = LaneCounter { key: [7, 9], first: 0, row, purpose: 3, attempt: 0 };
+            let mut means = [mean; LANES];
+            let words = counter.block();
+            poisson_lanes(&counter, [&words[0], &words[1]], &mut means);
+            out.extend(means);
+        }
+        out
+    }
+
+    fn ln_pmf(mean: f64, k: f64) -> f64 {
+        k * mean.ln() - mean - libm::lgamma(k + 1.0)
+    }
+
+    /// Mean, variance and the chi-square of the histogram, within four standard errors of the exact law.
+    #[test]
+    fn draws_follow_the_exact_law() {
+        const BLOCKS: u32 = 1500;
+        let n = f64::from(BLOCKS) * LANES as f64;
+        for mean in [1e-3, 0.1, 1.0, 5.0, 9.99, 10.0, 10.5, 15.0, 30.0, 100.0, 1e3, 1e4, 1e6] {
+            let mut all = draws(mean, BLOCKS);
+            assert!(all.iter().all(|k| k.fract() == 0.0 && *k >= 0.0));
+            let m = all.iter().sum::<f64>() / n;
+            let v = all.iter().map(|k| (k - m) * (k - m)).sum::<f64>() / (n - 1.0);
+            assert!((m - mean).abs() < 4.0 * (mean / n).sqrt(), "mean {m} for {mean}");
+            // Var(s²) ≈ (μ4 − σ⁴)/n with μ4 = λ + 3λ².
+            let se = ((mean + 2.0 * mean * mean) / n).sqrt();
+            assert!((v - mean).abs() < 4.0 * se, "variance {v} for {mean}");
+
+            // Cells of at least 20 expected counts and at most 60 cells.
+            all.sort_by(f64::total_cmp);
+            let least = 20.0f64.max(n / 60.0);
+            let first = (mean - 8.0 * mean.sqrt()).floor().max(0.0);
+            let last = (mean + 8.0 * mean.sqrt() + 12.0).ceil();
+            let (mut expected, mut chi2, mut cells, mut seen, mut rest) = (0.0, 0.0, 0, 0usize, n);
+            let mut k = first;
+            while k <= last {
+                expected += n * ln_pmf(mean, k).exp();
+                if expected >= least && rest - expected >= least {
+                    let upto = all.partition_point(|x| *x <= k);
+                    let got = (upto - seen) as f64;
+                    chi2 += (got - expected) * (got - expected) / expected;
+                    (seen, rest, expected, cells) = (upto, rest - expected, 0.0, cells + 1);
+                }
+                k += 1.0;
+            }
+            let got = (all.len() - seen) as f64;
+            if cells > 0 {
+                chi2 += (got - rest) * (got - rest) / rest;
+            }
+            let freedom = f64::from(cells);
+            assert!(
+                chi2 < freedom + 4.0 * (2.0 * freedom).sqrt() + 6.0,
+                "chi² {chi2} of {freedom} for {mean}"
+            );
+        }
+    }
+
+    #[test]
+    fn a_lane_does_not_depend_on_its_block() {
+        let block = |first: u32, mean: f64| {
+            let counter = LaneCounter { key: [1, 2], first, row: 5, purpose: 3, attempt: 0 };
+            // Neighbours at all levels, the lane in question at `mean`.
+            let mut means: [f64; LANES] =
+                std::array::from_fn(|i| if (i as u32 + first).is_multiple_of(3) { mean } else { i as f64 });
+            let words = counter.block();
+            poisson_lanes(&counter, [&words[0], &words[1]], &mut means);
+            means
+        };
+        for mean in [0.5, 9.9, 12.0, 250.0, 1e5] {
+            let (a, b) = (block(0, mean), block(30, mean));
+            assert!((30..LANES).filter(|i| i % 3 == 0).all(|i| a[i] == b[i - 30]));
+        }
+    }
+
+    #[test]
+    fn impossible_means_give_nothing_and_vast_ones_a_number() {
+        for (mean, low, high) in
+            [(0.0, 0.0, 0.0), (-5.0, 0.0, 0.0), (f64::NAN, 0.0, 0.0), (f64::INFINITY, 0.99e15, 1.01e15)]
+        {
+            assert!(draws(mean, 1).iter().all(|k| (low..=high).contains(k)), "{mean}");
+        }
+    }
+}

@@ -1,0 +1,279 @@
+//! The built-in scenes by name: `zone-plate`, or with parameters, `zone-plate?frequency=0.25&size=512`. Parameters
+//! are separated by `&` or `,` (which a shell leaves alone).
+
+mod nearest;
+mod params;
+
+use self::nearest::nearest;
+pub use self::params::ParamInfo;
+use self::params::{Args, COMMON, Kind, number, whole};
+use super::{
+    Checkerboard, DeadLeaves, FrequencyOrientation, FrequencySweep, GreySteps, PointGrid, ResolutionChart,
+    Sampling, Scene, SceneError, Setting, SiemensStar, SlantedBar, ZonePlate, checkerboard, dead_leaves,
+    frequency_orientation, frequency_sweep, grey_steps, hdr, macbeth, point_grid, resolution_chart,
+    siemens_star, slanted_bar, uniform, zone_plate, zone_plate_isetcam,
+};
+use crate::spectrum::Spectrum;
+
+/// A built-in scene.
+#[derive(Debug, Clone, Copy)]
+pub struct SceneInfo {
+    /// Its name.
+    pub name: &'static str,
+    /// What it shows, in a line.
+    pub summary: &'static str,
+    /// Its own parameters; [`common_parameters`] come on top.
+    pub parameters: &'static [ParamInfo],
+    build: fn(&Args<'_>, &Setting, &[Spectrum]) -> Result<Scene, SceneError>,
+}
+
+/// The built-in scenes.
+#[must_use]
+pub fn names() -> &'static [SceneInfo] {
+    &SCENES
+}
+
+/// The parameters that every scene understands; where they are not given, the setting holds.
+#[must_use]
+pub fn common_parameters() -> &'static [ParamInfo] {
+    &COMMON
+}
+
+/// Builds a scene from its name and parameters. `natural` are the reflectances (on the grid of the setting) that
+/// patterns of natural materials draw from; the ColorChecker's are taken when it is empty.
+///
+/// # Errors
+/// An unknown scene or parameter (with the nearest known one), a value out of its range, a scene that would be too
+/// large, or a setting that is out of range.
+pub fn build(spec: &str, setting: &Setting, natural: &[Spectrum]) -> Result<Scene, SceneError> {
+    let (name, parameters) = spec.split_once('?').unwrap_or((spec, ""));
+    let name = name.trim();
+    let Some(info) = SCENES.iter().find(|s| s.name == name) else {
+        let names: Vec<&'static str> = SCENES.iter().map(|s| s.name).collect();
+        return Err(SceneError::UnknownScene {
+            name: name.to_owned(),
+            nearest: nearest(name, &names),
+            known: names.join(", "),
+        });
+    };
+    let args = Args::parse(info.name, info.parameters, parameters)?;
+    let setting = Setting {
+        luminance_cd_m2: args.number_if("luminance").unwrap_or(setting.luminance_cd_m2),
+        distance_m: args.number_if("distance").unwrap_or(setting.distance_m),
+        horizontal_fov_deg: args.number_if("fov").unwrap_or(setting.horizontal_fov_deg),
+        illuminant: args.light().unwrap_or_else(|| setting.illuminant.clone()),
+        grid: setting.grid,
+    };
+    setting.check()?;
+    (info.build)(&args, &setting, natural)
+}
+
+/// Point samples as ISETCam takes them, or the mean over each pixel.
+macro_rules! sampling {
+    ($default:literal) => {
+        ParamInfo {
+            name: "sampling",
+            default: $default,
+            expected: "isetcam or area",
+            doc: "point samples with ISETCam's rules, or the mean over each pixel",
+            kind: Kind::Choice(&["isetcam", "area"]),
+        }
+    };
+}
+
+fn sampling(args: &Args<'_>) -> Sampling {
+    if args.choice("sampling") == "isetcam" { Sampling::Isetcam } else { Sampling::Area }
+}
+
+static SCENES: [SceneInfo; 13] = [
+    SceneInfo {
+        name: "macbeth",
+        summary: "ColorChecker, 24 patches in 4 rows of 6",
+        parameters: &[whole!("patch", 32, 1..=4096, "rows and columns of a patch, pixels")],
+        build: |a, s, _| macbeth::chart(a.count("patch"), s),
+    },
+    SceneInfo {
+        name: "slanted-bar",
+        summary: "slanted edge for the spatial frequency response (ISO 12233)",
+        parameters: &[
+            whole!("size", 512, 2..=16384, "size, pixels; one more row and column are drawn"),
+            number!("slope", "7/3", 0.01..=1e6, "slope of the edge, rows per column"),
+            number!(
+                "angle",
+                "",
+                0.01..=89.0,
+                "angle of the edge from the vertical, degrees; instead of slope"
+            ),
+            number!("contrast", "1e6", 1.001..=1e9, "bright over dark luminance; 4 in ISO 12233:2017"),
+            sampling!("isetcam"),
+        ],
+        build: |a, s, _| {
+            let slope = a.number_if("angle").map_or_else(|| a.number("slope"), SlantedBar::slope_of_angle);
+            let (size, contrast_ratio) = (a.count("size"), a.number("contrast"));
+            slanted_bar(&SlantedBar { size, slope, contrast_ratio, sampling: sampling(a) }, s)
+        },
+    },
+    SceneInfo {
+        name: "zone-plate",
+        summary: "circular zone plate, to see aliasing",
+        parameters: &[
+            whole!("size", 384, 2..=16384, "rows and columns, pixels"),
+            number!("frequency", "0.5", 1e-3..=2.0, "frequency at the sides, cycles per pixel"),
+            number!("contrast", "1", 1e-3..=1.0, "contrast (Michelson)"),
+            ParamInfo {
+                name: "sampling",
+                default: "area",
+                expected: "isetcam or area",
+                doc: "ISETCam's plate (always 384 pixels, clipped), or the mean over each pixel",
+                kind: Kind::Choice(&["isetcam", "area"]),
+            },
+        ],
+        build: |a, s, _| match sampling(a) {
+            Sampling::Isetcam => zone_plate_isetcam(s),
+            Sampling::Area => {
+                let (frequency, contrast) = (a.number("frequency"), a.number("contrast"));
+                zone_plate(&ZonePlate { size: a.count("size"), frequency, contrast }, s)
+            }
+        },
+    },
+    SceneInfo {
+        name: "uniform",
+        summary: "white field without structure",
+        parameters: &[whole!("size", 64, 1..=16384, "rows and columns, pixels")],
+        build: |a, s, _| uniform(a.count("size"), a.count("size"), s),
+    },
+    SceneInfo {
+        name: "grey-steps",
+        summary: "wedge of grey bars in equal steps of density",
+        parameters: &[
+            whole!("steps", 20, 2..=4096, "number of bars"),
+            whole!("step", 32, 1..=4096, "columns of a bar, pixels"),
+            whole!("rows", 160, 1..=16384, "rows, pixels"),
+            number!("density", "3", 0.01..=8.0, "density of the darkest bar"),
+        ],
+        build: |a, s, _| {
+            let (steps, step_px, rows) = (a.count("steps"), a.count("step"), a.count("rows"));
+            grey_steps(&GreySteps { steps, step_px, rows, density: a.number("density") }, s)
+        },
+    },
+    SceneInfo {
+        name: "frequency-sweep",
+        summary: "grating, frequency growing to the right, contrast downwards (Campbell-Robson)",
+        parameters: &[
+            whole!("rows", 384, 1..=16384, "rows, pixels"),
+            whole!("cols", 768, 2..=16384, "columns, pixels"),
+            number!("lowest", "1/256", 1e-6..=1.0, "frequency at the left, cycles per pixel"),
+            number!("highest", "0.5", 1e-6..=2.0, "frequency at the right, cycles per pixel; above lowest"),
+            number!("contrast", "0.01", 1e-6..=1.0, "contrast (Michelson) at the top; 1 at the bottom"),
+        ],
+        build: |a, s, _| {
+            let (rows, cols) = (a.count("rows"), a.count("cols"));
+            let (lowest, highest) = (a.number("lowest"), a.number("highest"));
+            let least_contrast = a.number("contrast");
+            frequency_sweep(&FrequencySweep { rows, cols, lowest, highest, least_contrast }, s)
+        },
+    },
+    SceneInfo {
+        name: "frequency-orientation",
+        summary: "gratings of growing frequency (to the right) and turning direction (downwards)",
+        parameters: &[
+            whole!("block", 32, 2..=4096, "rows and columns of a grating, pixels"),
+            whole!("frequencies", 8, 1..=64, "gratings from left to right, 1, 2, … cycles each"),
+            whole!("angles", 8, 1..=64, "gratings from top to bottom, 0 to 90°"),
+            number!("contrast", "1", 1e-3..=1.0, "contrast (Michelson)"),
+            sampling!("area"),
+        ],
+        build: |a, s, _| {
+            let target = FrequencyOrientation {
+                block_px: a.count("block"),
+                frequencies: a.count("frequencies"),
+                angles: a.count("angles"),
+                contrast: a.number("contrast"),
+                sampling: sampling(a),
+            };
+            frequency_orientation(&target, s)
+        },
+    },
+    SceneInfo {
+        name: "siemens-star",
+        summary: "dark spokes on white, frequency growing towards the centre",
+        parameters: &[
+            whole!("size", 512, 8..=16384, "rows and columns, pixels"),
+            whole!("cycles", 72, 2..=1024, "dark spokes"),
+            number!("contrast", "1000", 1.001..=1e9, "bright over dark luminance"),
+        ],
+        build: |a, s, _| {
+            let (size, cycles) = (a.count("size"), a.count("cycles"));
+            siemens_star(&SiemensStar { size, cycles, contrast_ratio: a.number("contrast") }, s)
+        },
+    },
+    SceneInfo {
+        name: "point-grid",
+        summary: "bright points on black, to see the point spread",
+        parameters: &[
+            whole!("points", 15, 1..=1024, "points in each direction"),
+            whole!("spacing", 32, 2..=4096, "distance between points, pixels"),
+            number!("diameter", "2", 0.1..=4096.0, "diameter of a point, pixels; less than spacing"),
+        ],
+        build: |a, s, _| {
+            let (points, spacing_px) = (a.count("points"), a.count("spacing"));
+            point_grid(&PointGrid { points, spacing_px, diameter_px: a.number("diameter") }, s)
+        },
+    },
+    SceneInfo {
+        name: "checkerboard",
+        summary: "white and dark squares in turn",
+        parameters: &[
+            whole!("squares", 16, 1..=4096, "squares in each direction"),
+            whole!("square", 32, 1..=4096, "rows and columns of a square, pixels"),
+            number!("contrast", "1000", 1.001..=1e9, "bright over dark luminance"),
+        ],
+        build: |a, s, _| {
+            let (squares, square_px) = (a.count("squares"), a.count("square"));
+            checkerboard(&Checkerboard { squares, square_px, contrast_ratio: a.number("contrast") }, s)
+        },
+    },
+    SceneInfo {
+        name: "dead-leaves",
+        summary: "discs that occlude each other, with the power spectrum of photographs",
+        parameters: &[
+            whole!("rows", 512, 1..=16384, "rows, pixels"),
+            whole!("cols", 512, 1..=16384, "columns, pixels"),
+            number!("least", "1.5", 0.5..=1e4, "least radius, pixels"),
+            number!("largest", "200", 0.6..=1e5, "largest radius, pixels; above least"),
+            whole!("seed", 1, 0..=18446744073709551615, "equal seeds give equal pictures"),
+        ],
+        build: |a, s, natural| {
+            let leaves = DeadLeaves {
+                rows: a.count("rows"),
+                cols: a.count("cols"),
+                least_radius_px: a.number("least"),
+                largest_radius_px: a.number("largest"),
+                seed: a.whole("seed"),
+            };
+            if natural.is_empty() {
+                dead_leaves(&leaves, &macbeth::reflectances(s.grid)?, s)
+            } else {
+                dead_leaves(&leaves, natural, s)
+            }
+        },
+    },
+    SceneInfo {
+        name: "hdr",
+        summary: "room with sunlit floor, window, bare bulb and dark corridor: more than 5 decades",
+        parameters: &[whole!("rows", 384, 8..=16384, "rows, pixels; 3/2 as many columns")],
+        build: |a, s, _| hdr(a.count("rows"), s),
+    },
+    SceneInfo {
+        name: "resolution-chart",
+        summary: "slanted squares, wedges, lines, rings and text in the manner of ISO 12233",
+        parameters: &[
+            whole!("rows", 1080, 60..=16384, "rows, pixels; 4/3 as many columns"),
+            number!("contrast", "40", 1.001..=1e9, "white over black luminance"),
+        ],
+        build: |a, s, _| {
+            let chart = ResolutionChart { rows: a.count("rows"), contrast_ratio: a.number("contrast") };
+            resolution_chart(&chart, s)
+        },
+    },
+];

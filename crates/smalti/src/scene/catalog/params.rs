@@ -1,0 +1,245 @@
+//! Parameters of the built-in scenes: what they are, and how their values are read.
+
+use super::nearest::nearest;
+use crate::scene::SceneError;
+use crate::spectrum::Illuminant;
+
+/// A parameter of a built-in scene.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ParamInfo {
+    /// Its name.
+    pub name: &'static str,
+    /// What it is when not given; empty where the setting decides.
+    pub default: &'static str,
+    /// The values it takes, in words.
+    pub expected: &'static str,
+    /// What it means.
+    pub doc: &'static str,
+    pub(super) kind: Kind,
+}
+
+/// How a value is read and what it may be.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Kind {
+    Whole { least: u64, most: u64 },
+    Number { least: f64, most: f64 },
+    Choice(&'static [&'static str]),
+    Light,
+}
+
+/// A whole number; its range stands once and is put into words from there.
+macro_rules! whole {
+    ($name:literal, $default:literal, $least:literal ..= $most:literal, $doc:literal) => {
+        ParamInfo {
+            name: $name,
+            default: stringify!($default),
+            expected: concat!("a whole number from ", $least, " to ", $most),
+            doc: $doc,
+            kind: Kind::Whole { least: $least, most: $most },
+        }
+    };
+}
+
+/// A number, also as a fraction such as 7/3; its range stands once and is put into words from there.
+macro_rules! number {
+    ($name:literal, $default:literal, $least:literal ..= $most:literal, $doc:literal) => {
+        ParamInfo {
+            name: $name,
+            default: $default,
+            expected: concat!("a number from ", $least, " to ", $most),
+            doc: $doc,
+            kind: Kind::Number { least: $least, most: $most },
+        }
+    };
+}
+
+pub(super) use {number, whole};
+
+/// What every scene understands; without them the setting holds.
+pub(super) static COMMON: [ParamInfo; 4] = [
+    number!("luminance", "", 1e-9..=1e12, "mean luminance, cd/m²"),
+    number!("distance", "", 1e-6..=1e9, "distance from the lens, m"),
+    number!("fov", "", 1e-6..=179.999, "full horizontal field of view, degrees"),
+    ParamInfo {
+        name: "illuminant",
+        default: "",
+        expected: "A, E, F2, F11, LED, a daylight such as D65 or D5000K (4000 to 25000 K), or a blackbody such as 2856K (100 K to 1e5 K)",
+        doc: "light on the scene",
+        kind: Kind::Light,
+    },
+];
+
+/// The values given for one scene, checked against its parameters.
+pub(super) struct Args<'a> {
+    scene: &'static str,
+    own: &'static [ParamInfo],
+    given: Vec<(&'static ParamInfo, &'a str)>,
+}
+
+impl<'a> Args<'a> {
+    /// Reads `name=value` pieces separated by `&` or `,`.
+    pub(super) fn parse(
+        scene: &'static str,
+        own: &'static [ParamInfo],
+        text: &'a str,
+    ) -> Result<Self, SceneError> {
+        let mut args = Self { scene, own, given: Vec::new() };
+        for piece in text.split(['&', ',']).filter(|p| !p.trim().is_empty()) {
+            let syntax = |expected| SceneError::Syntax { scene, piece: piece.to_owned(), expected };
+            let (name, value) = piece.split_once('=').ok_or_else(|| syntax("name=value"))?;
+            let (name, value) = (name.trim(), value.trim());
+            let Some(info) = args.all().find(|p| p.name == name) else {
+                return Err(args.unknown(name));
+            };
+            if args.given.iter().any(|(p, _)| p.name == name) {
+                return Err(syntax("each parameter once"));
+            }
+            args.given.push((info, value));
+            if !info.kind.accepts(value) {
+                return Err(args.bad(info));
+            }
+        }
+        Ok(args)
+    }
+
+    fn all(&self) -> impl Iterator<Item = &'static ParamInfo> + use<> {
+        self.own.iter().chain(&COMMON)
+    }
+
+    fn unknown(&self, name: &str) -> SceneError {
+        let names: Vec<&'static str> = self.all().map(|p| p.name).collect();
+        SceneError::UnknownParameter {
+            scene: self.scene,
+            name: name.to_owned(),
+            nearest: nearest(name, &names),
+            known: names.join(", "),
+        }
+    }
+
+    fn bad(&self, info: &'static ParamInfo) -> SceneError {
+        let value = self.text(info.name).unwrap_or_default().to_owned();
+        SceneError::BadValue { scene: self.scene, name: info.name, value, expected: info.expected }
+    }
+
+    /// What was given for a parameter.
+    fn text(&self, name: &str) -> Option<&'a str> {
+        self.given.iter().find(|(p, _)| p.name == name).map(|(_, value)| *value)
+    }
+
+    /// What was given, or the default; empty only where neither is.
+    fn text_or_default(&self, name: &str) -> &str {
+        let default = || self.all().find(|p| p.name == name).map_or("", |p| p.default);
+        self.text(name).unwrap_or_else(default)
+    }
+
+    /// A whole number. Zero for a name the scene does not have, which a test rules out.
+    pub(super) fn whole(&self, name: &str) -> u64 {
+        parse_whole(self.text_or_default(name)).unwrap_or(0)
+    }
+
+    /// A whole number of pixels or things.
+    pub(super) fn count(&self, name: &str) -> usize {
+        usize::try_from(self.whole(name)).unwrap_or(usize::MAX)
+    }
+
+    /// A number, if given or if there is a default.
+    pub(super) fn number_if(&self, name: &str) -> Option<f64> {
+        parse_number(self.text_or_default(name))
+    }
+
+    /// A number with a default.
+    pub(super) fn number(&self, name: &str) -> f64 {
+        self.number_if(name).unwrap_or(0.0)
+    }
+
+    /// One of several words.
+    pub(super) fn choice(&self, name: &str) -> &str {
+        self.text_or_default(name)
+    }
+
+    /// The light, if given.
+    pub(super) fn light(&self) -> Option<Illuminant> {
+        self.text("illuminant").and_then(parse_light)
+    }
+}
+
+impl Kind {
+    fn accepts(self, text: &str) -> bool {
+        match self {
+            Self::Whole { least, most } => parse_whole(text).is_some_and(|v| (least..=most).contains(&v)),
+            Self::Number { least, most } => parse_number(text).is_some_and(|v| v >= least && v <= most),
+            Self::Choice(words) => words.contains(&text),
+            Self::Light => parse_light(text).is_some(),
+        }
+    }
+}
+
+/// A whole number, also written as `1e3`.
+fn parse_whole(text: &str) -> Option<u64> {
+    let exact = |v: f64| (v >= 0.0 && v.fract() == 0.0 && v < 9e15).then_some(v as u64);
+    text.parse().ok().or_else(|| text.parse().ok().and_then(exact))
+}
+
+/// A finite number, or a fraction of two.
+fn parse_number(text: &str) -> Option<f64> {
+    let one = |t: &str| t.trim().parse::<f64>().ok();
+    let value = match text.split_once('/') {
+        Some((a, b)) => one(a)? / one(b)?,
+        None => one(text)?,
+    };
+    value.is_finite().then_some(value)
+}
+
+fn parse_light(text: &str) -> Option<Illuminant> {
+    // The c₂ of 1931 behind the names: Dxx is xx00 K × 1.4388/1.4380, as in `Illuminant::D65`.
+    let named = |hundreds: f64| Illuminant::Daylight { cct_k: hundreds * 100.0 * 1.4388 / 1.4380 };
+    let kelvin =
+        |t: &str, least: f64, most: f64| t.parse::<f64>().ok().filter(|v| (least..=most).contains(v));
+    match text {
+        "A" => Some(Illuminant::A),
+        "E" => Some(Illuminant::E),
+        "F2" => Some(Illuminant::F2),
+        "F11" => Some(Illuminant::F11),
+        "LED" => Some(Illuminant::Led),
+        "D50" => Some(named(50.0)),
+        "D55" => Some(named(55.0)),
+        "D65" => Some(Illuminant::D65),
+        "D75" => Some(named(75.0)),
+        _ => {
+            let number = text.strip_suffix('K')?;
+            match number.strip_prefix('D') {
+                Some(t) => kelvin(t, 4000.0, 25000.0).map(|cct_k| Illuminant::Daylight { cct_k }),
+                None => {
+                    kelvin(number, 100.0, 1e5).map(|temperature_k| Illuminant::Blackbody { temperature_k })
+                }
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_and_lights() {
+        assert_eq!(parse_whole("1e3"), Some(1000));
+        assert_eq!(parse_whole("18446744073709551615"), Some(u64::MAX));
+        assert_eq!(
+            [parse_whole("-1"), parse_whole("1.5"), parse_whole("nan"), parse_whole("1e99")],
+            [None; 4]
+        );
+        assert_eq!(parse_number("7/3"), Some(7.0 / 3.0));
+        assert_eq!(
+            [parse_number("inf"), parse_number("1/0"), parse_number("x"), parse_number("")],
+            [None; 4]
+        );
+        assert_eq!(parse_light("D65"), Some(Illuminant::D65));
+        assert_eq!(parse_light("2856K"), Some(Illuminant::Blackbody { temperature_k: 2856.0 }));
+        assert_eq!(parse_light("D5000K"), Some(Illuminant::Daylight { cct_k: 5000.0 }));
+        assert_eq!(
+            [parse_light("D3000K"), parse_light("NaNK"), parse_light("65"), parse_light("é")],
+            [None, None, None, None]
+        );
+    }
+}

@@ -1,0 +1,40 @@
+//! A checkerboard.
+
+use super::compose::{check_size, grey};
+use super::error::require;
+use super::{Scene, SceneError, Setting};
+
+/// White and dark squares in turn, white at the top left.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Checkerboard {
+    /// Squares in each direction, 1 to 4096.
+    pub squares: usize,
+    /// Rows and columns of a square in pixels, 1 to 4096.
+    pub square_px: usize,
+    /// Luminance of the white squares over that of the dark ones, more than 1.
+    pub contrast_ratio: f64,
+}
+
+impl Default for Checkerboard {
+    fn default() -> Self {
+        Self { squares: 16, square_px: 32, contrast_ratio: 1e3 }
+    }
+}
+
+/// Draws the board. Its edges run between pixels, so nothing needs smoothing.
+///
+/// # Errors
+/// When a parameter is out of its range, or the setting is.
+pub fn checkerboard(board: &Checkerboard, setting: &Setting) -> Result<Scene, SceneError> {
+    let Checkerboard { squares, square_px, contrast_ratio } = *board;
+    require((1..=4096).contains(&squares), "squares", squares as f64, "1 to 4096")?;
+    require((1..=4096).contains(&square_px), "square_px", square_px as f64, "1 to 4096")?;
+    let contrast_ok = contrast_ratio.is_finite() && contrast_ratio > 1.0;
+    require(contrast_ok, "contrast_ratio", contrast_ratio, "more than 1")?;
+    let n = squares * square_px;
+    check_size(n, n, setting.grid)?;
+    let dark = (1.0 / contrast_ratio) as f32;
+    let value = |i: usize| if (i / n / square_px + i % n / square_px) % 2 == 0 { 1.0 } else { dark };
+    let reflectance: Vec<f32> = (0..n * n).map(value).collect();
+    grey("checkerboard", n, n, &reflectance, setting)
+}

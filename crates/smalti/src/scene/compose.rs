@@ -1,0 +1,119 @@
+//! From a few spectra and a map to a spectral image of chosen mean luminance. Besides the image itself, memory is
+//! a few bytes per pixel.
+
+use rayon::prelude::*;
+
+use super::{Scene, SceneError, Setting};
+use crate::numeric::Planes;
+use crate::spectrum::{Observer, SpectralCube, Spectrum, WavelengthGrid};
+
+/// Most values (pixels times wavelengths) of a built-in scene: 4 GiB.
+pub const MAX_VALUES: usize = 1 << 30;
+
+/// A part of one pixel that shows one spectrum.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Fragment {
+    /// Column of the pixel.
+    pub col: u32,
+    /// Index into the list of spectra.
+    pub spectrum: u32,
+    /// Share of the pixel, or any other factor on the spectrum.
+    pub weight: f32,
+}
+
+/// An error when a scene of this size would be too large, or empty. To be called before anything is allocated.
+pub(super) fn check_size(rows: usize, cols: usize, grid: WavelengthGrid) -> Result<(), SceneError> {
+    let values = rows.checked_mul(cols).and_then(|n| n.checked_mul(grid.len())).unwrap_or(usize::MAX);
+    if (1..=MAX_VALUES).contains(&values) && rows <= u32::MAX as usize && cols <= u32::MAX as usize {
+        Ok(())
+    } else {
+        Err(SceneError::TooLarge { rows, cols, bands: grid.len(), limit: MAX_VALUES })
+    }
+}
+
+/// A scene of grey reflectances, one per pixel in row order.
+pub(super) fn grey(
+    name: &str,
+    rows: usize,
+    cols: usize,
+    reflectance: &[f32],
+    setting: &Setting,
+) -> Result<Scene, SceneError> {
+    let light = setting.light()?;
+    let mean = reflectance.iter().map(|&v| f64::from(v)).sum::<f64>() / reflectance.len().max(1) as f64;
+    let scale = scale_to(setting, &light, mean)?;
+    let light = light.scaled(scale);
+    fill(name, rows, cols, light.clone(), setting, |row, band, out| {
+        // Rounded once per pixel: equal reflectance gives radiance in exact proportion to the light.
+        let light = light.values()[band];
+        for (out, &r) in out.iter_mut().zip(&reflectance[row * cols..]) {
+            *out = (light * f64::from(r)) as f32;
+        }
+    })
+}
+
+/// A scene of weighted spectra: row `r` shows `rows[r]`. `radiance` holds relative photon radiance; `light`, in the
+/// same unit, is the radiance of a perfect white diffuser.
+pub(super) fn fragments(
+    name: &str,
+    cols: usize,
+    rows: &[Vec<Fragment>],
+    radiance: &[Spectrum],
+    light: &Spectrum,
+    setting: &Setting,
+) -> Result<Scene, SceneError> {
+    let y = &Observer::Cie1931.photon_weights(setting.grid)?[1];
+    let luminance = radiance.iter().map(|s| Ok(s.times(y)?.values().iter().sum()));
+    let luminance = luminance.collect::<Result<Vec<f64>, SceneError>>()?;
+    let sums: Vec<f64> = rows
+        .par_iter()
+        .map(|row| row.iter().map(|f| f64::from(f.weight) * luminance[f.spectrum as usize]).sum())
+        .collect();
+    let mean = sums.iter().sum::<f64>() / (rows.len() * cols).max(1) as f64;
+    let scale = scale_of(setting, mean)?;
+    let by_band: Vec<Vec<f32>> = (0..setting.grid.len())
+        .map(|band| radiance.iter().map(|s| (s.values()[band] * scale) as f32).collect())
+        .collect();
+    fill(name, rows.len(), cols, light.scaled(scale), setting, |row, band, out| {
+        let spectra = &by_band[band];
+        for f in &rows[row] {
+            out[f.col as usize] += f.weight * spectra[f.spectrum as usize];
+        }
+    })
+}
+
+/// Reflectances under a light.
+pub(super) fn lit(reflectances: &[Spectrum], light: &Spectrum) -> Result<Vec<Spectrum>, SceneError> {
+    reflectances.iter().map(|r| Ok(r.times(light)?)).collect()
+}
+
+/// The factor on the light that brings a mean reflectance to the luminance of the setting.
+fn scale_to(setting: &Setting, light: &Spectrum, mean_reflectance: f64) -> Result<f64, SceneError> {
+    scale_of(setting, Observer::Cie1931.xyz_from_photons(light)?[1] * mean_reflectance)
+}
+
+fn scale_of(setting: &Setting, mean_luminance: f64) -> Result<f64, SceneError> {
+    let scale = setting.luminance_cd_m2 / mean_luminance;
+    if mean_luminance > 0.0 && scale.is_finite() {
+        Ok(scale)
+    } else {
+        Err(SceneError::Dark { start_nm: setting.grid.start_nm(), end_nm: setting.grid.end_nm() })
+    }
+}
+
+/// Fills a cube row by row of each plane, in parallel, with `paint(row, band, out)`.
+fn fill(
+    name: &str,
+    rows: usize,
+    cols: usize,
+    light: Spectrum,
+    setting: &Setting,
+    paint: impl Fn(usize, usize, &mut [f32]) + Sync,
+) -> Result<Scene, SceneError> {
+    setting.check()?;
+    check_size(rows, cols, setting.grid)?;
+    let mut planes = Planes::zeros(rows, cols, setting.grid.len());
+    planes.data_mut().par_chunks_mut(cols).enumerate().for_each(|(i, out)| paint(i % rows, i / rows, out));
+    let radiance = SpectralCube::new(setting.grid, planes)?;
+    Scene::new(name, radiance, light, setting.distance_m, setting.horizontal_fov_deg)
+}

@@ -1,0 +1,122 @@
+//! What can be wrong with a scene, or with the words that ask for one.
+
+use thiserror::Error;
+
+use crate::spectrum::SpectrumError;
+
+/// What can be wrong with a scene.
+#[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
+pub enum SceneError {
+    /// A parameter is out of its range.
+    #[error("{name} is {value}; expected {expected}")]
+    Parameter {
+        /// Its name.
+        name: &'static str,
+        /// Its value.
+        value: f64,
+        /// The range.
+        expected: &'static str,
+    },
+    /// The spectral image would be larger than [`MAX_VALUES`](super::MAX_VALUES).
+    #[error(
+        "a scene of {rows} × {cols} pixels at {bands} wavelengths is too large; expected at most {limit} values"
+    )]
+    TooLarge {
+        /// Rows asked for.
+        rows: usize,
+        /// Columns asked for.
+        cols: usize,
+        /// Wavelengths of the grid.
+        bands: usize,
+        /// Most values that a scene may have.
+        limit: usize,
+    },
+    /// The scene has no luminance, so no factor brings it to a chosen one.
+    #[error(
+        "the scene has no luminance on the grid {start_nm}–{end_nm} nm, so it cannot be scaled to a chosen one; expected light between 360 and 830 nm"
+    )]
+    Dark {
+        /// First wavelength of the scene.
+        start_nm: f64,
+        /// Last wavelength of the scene.
+        end_nm: f64,
+    },
+    /// The scene cannot be relit: its light has (almost) no power where the new light has some.
+    #[error(
+        "the scene's light has {fraction:.1e} of its maximum at {wavelength_nm} nm, so what the scene reflects there is unknown; expected a light with power wherever the new one has some"
+    )]
+    NoLightToDivideBy {
+        /// The wavelength.
+        wavelength_nm: f64,
+        /// The old light there, relative to its largest value.
+        fraction: f64,
+    },
+    /// The number of reflectances is not the one the pattern needs.
+    #[error("got {got} reflectances; expected {expected}")]
+    Reflectances {
+        /// How many came.
+        got: usize,
+        /// How many are needed, in words.
+        expected: &'static str,
+    },
+    /// No built-in scene has this name.
+    #[error("there is no scene named '{name}'; did you mean '{nearest}'? Known scenes: {known}")]
+    UnknownScene {
+        /// The name.
+        name: String,
+        /// The built-in name nearest to it.
+        nearest: &'static str,
+        /// All names, separated by commas.
+        known: String,
+    },
+    /// The scene has no parameter of this name.
+    #[error(
+        "the scene '{scene}' has no parameter '{name}'; did you mean '{nearest}'? Its parameters: {known}"
+    )]
+    UnknownParameter {
+        /// The scene.
+        scene: &'static str,
+        /// The name.
+        name: String,
+        /// The parameter nearest to it.
+        nearest: &'static str,
+        /// All its parameters, separated by commas.
+        known: String,
+    },
+    /// The value of a parameter cannot be read, or is out of its range.
+    #[error("{name}={value} for the scene '{scene}'; expected {expected}")]
+    BadValue {
+        /// The scene.
+        scene: &'static str,
+        /// The parameter.
+        name: &'static str,
+        /// What was given.
+        value: String,
+        /// What was expected.
+        expected: &'static str,
+    },
+    /// A piece of the specification is not `name=value`, or a parameter is given twice.
+    #[error("'{piece}' in the parameters of the scene '{scene}'; expected {expected}")]
+    Syntax {
+        /// The scene.
+        scene: &'static str,
+        /// The piece.
+        piece: String,
+        /// What was expected.
+        expected: &'static str,
+    },
+    /// Spectral data do not fit.
+    #[error(transparent)]
+    Spectrum(#[from] SpectrumError),
+}
+
+/// An error unless `ok`.
+pub(super) fn require(
+    ok: bool,
+    name: &'static str,
+    value: f64,
+    expected: &'static str,
+) -> Result<(), SceneError> {
+    if ok { Ok(()) } else { Err(SceneError::Parameter { name, value, expected }) }
+}

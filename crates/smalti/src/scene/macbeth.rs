@@ -1,0 +1,98 @@
+//! The ColorChecker ("Macbeth chart"): 24 matt patches in four rows of six.
+//!
+//! Patch `i` counts row by row from dark skin (top left) to black (bottom right); the last row is the grey series
+//! from white to black. Patches are squares that touch each other, without a frame, as in ISETCam's chart. Tables
+//! made with ISETCam often count column by column instead.
+
+use super::compose::{Fragment, check_size, fragments, lit};
+use super::error::require;
+use super::{Scene, SceneError, Setting};
+use crate::spectrum::generated::COLORCHECKER;
+use crate::spectrum::{Outside, Spectrum, SpectrumError, WavelengthGrid};
+
+/// Rows of patches.
+pub const ROWS: usize = 4;
+/// Columns of patches.
+pub const COLS: usize = 6;
+
+/// Pixels of a scene that a patch fills.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct PatchRect {
+    /// First row.
+    pub row: usize,
+    /// First column.
+    pub col: usize,
+    /// Rows.
+    pub rows: usize,
+    /// Columns.
+    pub cols: usize,
+}
+
+/// Where patch `index` lies in a chart with patches of `patch_px` pixels; `None` from 24 on.
+#[must_use]
+pub fn patch_rect(index: usize, patch_px: usize) -> Option<PatchRect> {
+    (index < ROWS * COLS).then(|| PatchRect {
+        row: index / COLS * patch_px,
+        col: index % COLS * patch_px,
+        rows: patch_px,
+        cols: patch_px,
+    })
+}
+
+/// The reflectances of the 24 patches (average of 30 charts, 380–730 nm; held beyond), row by row from dark skin.
+///
+/// # Errors
+/// Never for a valid grid.
+pub fn reflectances(grid: WavelengthGrid) -> Result<Vec<Spectrum>, SceneError> {
+    (0..ROWS * COLS).map(|i| Ok(COLORCHECKER.spectrum(i, grid, Outside::Hold)?)).collect()
+}
+
+/// The chart, 4 × 6 patches of `patch_px` × `patch_px` pixels.
+///
+/// # Errors
+/// When `patch_px` is 0, the scene would be too large, or the setting is out of range.
+pub fn chart(patch_px: usize, setting: &Setting) -> Result<Scene, SceneError> {
+    chart_of(&reflectances(setting.grid)?, patch_px, setting)
+}
+
+/// The chart with other reflectances: 24, row by row, on the grid of the setting.
+///
+/// # Errors
+/// As [`chart`], and when there are not 24 reflectances, one is negative, or their grid is another.
+pub fn chart_of(reflectances: &[Spectrum], patch_px: usize, setting: &Setting) -> Result<Scene, SceneError> {
+    if reflectances.len() != ROWS * COLS {
+        return Err(SceneError::Reflectances { got: reflectances.len(), expected: "24, row by row" });
+    }
+    check_reflectances(reflectances, setting.grid)?;
+    require(patch_px > 0, "patch_px", patch_px as f64, "at least 1")?;
+    let (rows, cols) = (ROWS.saturating_mul(patch_px), COLS.saturating_mul(patch_px));
+    check_size(rows, cols, setting.grid)?;
+    let row_of = |row: usize| -> Vec<Fragment> {
+        let first = row / patch_px * COLS;
+        (0..cols)
+            .map(|col| Fragment { col: col as u32, spectrum: (first + col / patch_px) as u32, weight: 1.0 })
+            .collect()
+    };
+    let painted: Vec<_> = (0..rows).map(row_of).collect();
+    let light = setting.light()?;
+    fragments("macbeth", cols, &painted, &lit(reflectances, &light)?, &light, setting)
+}
+
+/// An error when a reflectance is negative or on another grid.
+pub(super) fn check_reflectances(list: &[Spectrum], grid: WavelengthGrid) -> Result<(), SceneError> {
+    for r in list {
+        if r.grid() != grid {
+            return Err(SpectrumError::GridMismatch { left: r.grid(), right: grid }.into());
+        }
+        if let Some(i) = r.values().iter().position(|&v| v < 0.0) {
+            return Err(SpectrumError::Value {
+                quantity: "a reflectance",
+                wavelength_nm: grid.wavelength_nm(i),
+                value: r.values()[i],
+                expected: "reflectances are not negative",
+            }
+            .into());
+        }
+    }
+    Ok(())
+}

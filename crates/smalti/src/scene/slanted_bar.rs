@@ -1,0 +1,78 @@
+//! The slanted edge for measuring the spatial frequency response (ISO 12233).
+
+use super::compose::{check_size, grey};
+use super::error::require;
+use super::raster::Canvas;
+use super::{Sampling, Scene, SceneError, Setting};
+
+/// A straight edge through the centre; left of it, seen along a positive slope, is the bright half.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SlantedBar {
+    /// Size; the scene has `2 * round(size / 2) + 1` rows and columns, so that the edge runs through the middle of a
+    /// pixel. 1 to 32768.
+    pub size: usize,
+    /// Slope of the edge, rows per column, not 0; the edge is `atan(1 / slope)` from the vertical.
+    pub slope: f64,
+    /// Luminance of the bright half over that of the dark half, more than 1.
+    pub contrast_ratio: f64,
+    /// `Isetcam`: a pixel is bright when its centre is strictly on the bright side. `Area`: it holds the mean.
+    pub sampling: Sampling,
+}
+
+impl Default for SlantedBar {
+    /// As ISETCam's `sceneCreate('slantedBar', 512)`: 513 × 513, slope 7/3 (23.2° from the vertical), contrast 10⁶.
+    fn default() -> Self {
+        Self { size: 512, slope: 7.0 / 3.0, contrast_ratio: 1e6, sampling: Sampling::Isetcam }
+    }
+}
+
+impl SlantedBar {
+    /// The slope of an edge so many degrees from the vertical.
+    #[must_use]
+    pub fn slope_of_angle(angle_deg: f64) -> f64 {
+        1.0 / angle_deg.to_radians().tan()
+    }
+}
+
+/// Draws the edge.
+///
+/// The inclusion rule of [`Sampling::Isetcam`] is that of ISETCam in exact arithmetic: with Y the row and X the
+/// column counted from the central pixel, bright where Y > slope·X. ISETCam compares in single precision, so a
+/// few pixels whose centres lie on the edge itself differ.
+///
+/// # Errors
+/// When a parameter is out of its range, or the setting is.
+pub fn slanted_bar(bar: &SlantedBar, setting: &Setting) -> Result<Scene, SceneError> {
+    let SlantedBar { size, slope, contrast_ratio, sampling } = *bar;
+    require((1..=32768).contains(&size), "size", size as f64, "1 to 32768")?;
+    require(slope.is_finite() && slope != 0.0, "slope", slope, "a finite number, not 0")?;
+    let contrast_ok = contrast_ratio.is_finite() && contrast_ratio > 1.0;
+    require(contrast_ok, "contrast_ratio", contrast_ratio, "more than 1")?;
+    let half = size.div_ceil(2);
+    let n = 2 * half + 1;
+    check_size(n, n, setting.grid)?;
+    let dark = (1.0 / contrast_ratio) as f32;
+    let reflectance = match sampling {
+        Sampling::Isetcam => {
+            let from_centre = |i: usize| i as f64 - half as f64;
+            let value = |i: usize| if from_centre(i / n) > slope * from_centre(i % n) { 1.0 } else { dark };
+            (0..n * n).map(value).collect()
+        }
+        Sampling::Area => {
+            let mut canvas = Canvas::new(n, n, dark);
+            // The bright half-plane is bounded by the edge and by a box beyond the image.
+            let (middle, reach) = (n as f64 / 2.0, 2.0 * n as f64);
+            let length = slope.hypot(1.0);
+            let along = [reach / length, reach * slope / length];
+            // Towards larger Y - slope * X.
+            let across = [-along[1], along[0]];
+            let corner = |u: f64, v: f64| {
+                [middle + u * along[0] + v * across[0], middle + u * along[1] + v * across[1]]
+            };
+            canvas
+                .fill(&[vec![corner(-1.0, 0.0), corner(1.0, 0.0), corner(1.0, 1.0), corner(-1.0, 1.0)]], 1.0);
+            canvas.values().to_vec()
+        }
+    };
+    grey("slanted-bar", n, n, &reflectance, setting)
+}

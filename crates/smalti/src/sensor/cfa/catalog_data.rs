@@ -1,0 +1,448 @@
+//! The entries of the catalogue. Patterns are facts of their publications; "as in isetL3" says that the pattern was
+//! read from the table that Stanford's group published with its L³ work (`s_makeCFAs.m`), not from the original.
+
+use super::Modulation;
+use super::catalog::CfaInfo;
+
+/// How the tile of an entry is given.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Layout {
+    /// One letter per cell.
+    Letters(&'static [&'static str]),
+    /// Mixtures of primaries on one carrier.
+    Weighted { rows: usize, cols: usize, carrier: [f64; 2], primaries: &'static [Modulation] },
+    /// Made from parameters.
+    Random,
+}
+
+type Filters = &'static [(char, &'static str)];
+
+const RGB: Filters = &[('R', "red"), ('G', "green"), ('B', "blue")];
+const RGBW: Filters = &[('R', "red"), ('G', "green"), ('B', "blue"), ('W', "white")];
+const CYGM: Filters = &[('C', "cyan"), ('Y', "yellow"), ('G', "green"), ('M', "magenta")];
+const RGBI: Filters =
+    &[('R', "red+infrared"), ('G', "green+infrared"), ('B', "blue+infrared"), ('I', "infrared")];
+
+const fn entry(
+    name: &'static str,
+    aliases: &'static [&'static str],
+    lines: &'static [&'static str],
+    filters: Filters,
+    summary: &'static str,
+    source: &'static str,
+) -> CfaInfo {
+    CfaInfo { name, aliases, summary, source, filters, layout: Layout::Letters(lines) }
+}
+
+const BAYER: &str = "[bayer1976] B. E. Bayer, Color imaging array, US 3,971,065 (1976).";
+const LUKAC: &str = "[lukac2005] R. Lukac, K. N. Plataniotis, Color filter arrays: design and performance analysis, IEEE Trans. \
+    Consum. Electron. 51(4), 1260 (2005); as in isetL3.";
+const HIRAKAWA: &str = "[hirakawa2008] compared in K. Hirakawa, P. J. Wolfe, Spatio-spectral color filter array design for \
+    optimal image recovery, IEEE Trans. Image Process. 17(10), 1876 (2008); as in isetL3.";
+const KIJIMA: &str = "[kijima2007] T. Kijima, H. Nakamura, J. Compton, J. Hamilton, Image sensor with improved light \
+    sensitivity, US 2007/0177236 (2007); [kumar2009] M. Kumar et al., ICIP 2009, 2681; as in isetL3.";
+const YAMAGAMI: &str = "[yamagami1994] T. Yamagami, T. Sasaki, A. Suga, US 5,323,233 (1994); as in isetL3.";
+const DCRAW: &str = "Arrangement as raw converters read it (dcraw's table of filter patterns, G M / Y C for the PowerShot Pro90 IS \
+    and G1).";
+const OWN: &str = "Arrangement of this library; arrangements of commercial snapshot sensors differ and could not be checked.";
+
+/// Half a turn of the carrier apart per row, a third per column, with the largest amplitude within 0–1: the cosine
+/// takes 0 and ±√3/2 there, so that the weights are 0, ½ and 1.
+const CONDAT_AMPLITUDE: f64 = 0.577_350_269_189_625_8;
+const QUARTER_ROOT_2: f64 = 0.353_553_390_593_273_8;
+
+pub(super) static CATALOG: &[CfaInfo] = &[
+    entry("bayer", &["rggb", "bayer-rggb"], &["RG", "GB"], RGB, "Bayer, red in the corner.", BAYER),
+    entry("bayer-bggr", &["bggr"], &["BG", "GR"], RGB, "Bayer, blue in the corner.", BAYER),
+    entry("bayer-grbg", &["grbg"], &["GR", "BG"], RGB, "Bayer, green in the corner, then red.", BAYER),
+    entry("bayer-gbrg", &["gbrg"], &["GB", "RG"], RGB, "Bayer, green in the corner, then blue.", BAYER),
+    entry(
+        "quad-bayer",
+        &["quad", "tetracell"],
+        &["RRGG", "RRGG", "GGBB", "GGBB"],
+        RGB,
+        "Each cell of Bayer as 2 × 2 pixels, to be binned in low light.",
+        "[sony2018] Sony Semiconductor Solutions, IMX586 (Quad Bayer array), press release of 23 July 2018.",
+    ),
+    entry(
+        "nona-bayer",
+        &["nona", "nonacell"],
+        &["RRRGGG", "RRRGGG", "RRRGGG", "GGGBBB", "GGGBBB", "GGGBBB"],
+        RGB,
+        "Each cell of Bayer as 3 × 3 pixels.",
+        "[samsung2020] Samsung, ISOCELL Bright HM1 (Nonacell), press release of 12 February 2020.",
+    ),
+    entry(
+        "xtrans",
+        &["x-trans", "fujifilm-x-trans"],
+        &["GBGGRG", "RGRBGB", "GBGGRG", "GRGGBG", "BGBRGR", "GRGGBG"],
+        RGB,
+        "Fujifilm's 6 × 6, every row and column with all three colours.",
+        "[fujifilm2012] Fujifilm X-Pro1, X-Trans CMOS (2012); as in isetL3 and in raw converters' tables.",
+    ),
+    entry(
+        "yamanaka",
+        &[],
+        &["GRGB", "GBGR"],
+        RGB,
+        "Green in every other column, red and blue alternating between.",
+        "[yamanaka1977] S. Yamanaka, Solid state color camera, US 4,054,906 (1977); as in isetL3.",
+    ),
+    entry(
+        "lukac",
+        &["modified-bayer"],
+        &["GR", "GB", "RG", "BG"],
+        RGB,
+        "Bayer with every other pair of rows shifted.",
+        LUKAC,
+    ),
+    entry(
+        "diagonal-bayer",
+        &[],
+        &["RGBG", "GRGB", "BGRG", "GBGR"],
+        RGB,
+        "Green checkerboard, red and blue on diagonals between.",
+        LUKAC,
+    ),
+    entry("stripe-vertical", &["stripes", "vertical-stripes"], &["RGB"], RGB, "Vertical stripes.", HIRAKAWA),
+    entry(
+        "stripe-horizontal",
+        &["horizontal-stripes"],
+        &["R", "G", "B"],
+        RGB,
+        "Horizontal stripes.",
+        HIRAKAWA,
+    ),
+    entry(
+        "stripe-diagonal",
+        &["diagonal", "diagonal-stripes"],
+        &["RGB", "BRG", "GBR"],
+        RGB,
+        "Diagonal stripes.",
+        HIRAKAWA,
+    ),
+    entry(
+        "rgbw",
+        &["rgbw-2x2", "wrgb"],
+        &["RG", "WB"],
+        RGBW,
+        "Bayer with one green replaced by white.",
+        "[gindele2002] E. B. Gindele, A. C. Gallagher, US 6,476,865 (2002); [parmar2009] M. Parmar, B. A. Wandell, Interleaved \
+         imaging, Proc. SPIE 7250, 725008 (2009); as in isetL3.",
+    ),
+    entry(
+        "kodak",
+        &["kodak2", "kodak-cfa2.0", "truesense", "rgbw-kodak"],
+        &["WBWG", "BWGW", "WGWR", "GWRW"],
+        RGBW,
+        "Kodak CFA 2.0: half of the pixels white, colours paired along diagonals.",
+        KIJIMA,
+    ),
+    entry(
+        "kodak-b",
+        &["rgbw-kodak-b"],
+        &["GWRW", "GWRW", "BWGW", "BWGW"],
+        RGBW,
+        "Kodak, white columns, colours doubled down the column.",
+        KIJIMA,
+    ),
+    entry(
+        "kodak-c",
+        &["rgbw-kodak-c"],
+        &["GWRW", "BWGW"],
+        RGBW,
+        "Kodak, white columns, colours in Bayer's arrangement between.",
+        KIJIMA,
+    ),
+    entry(
+        "rgbw-sony",
+        &["sony", "sony-rgbw"],
+        &["WBWG", "RWGW", "WGWB", "GWRW"],
+        RGBW,
+        "Sony: white checkerboard, green on every other diagonal between.",
+        "[sony2012] Sony, stacked CMOS image sensor with RGBW coding, press release 12-010E of 23 January 2012; as in isetL3.",
+    ),
+    entry(
+        "rgbw-yamagami",
+        &["yamagami"],
+        &["WGWG", "RWBW", "WGWG", "BWRW"],
+        RGBW,
+        "White checkerboard, green rows and red-blue rows between.",
+        YAMAGAMI,
+    ),
+    entry(
+        "rgbw-yamagami-b",
+        &[],
+        &["WGWRWB", "RWBWGW"],
+        RGBW,
+        "White checkerboard, equal numbers of red, green and blue between.",
+        YAMAGAMI,
+    ),
+    entry(
+        "rgbw-susanu",
+        &["susanu"],
+        &["RWBWGW", "WBWGWR", "BWGWRW", "WGWRWB", "GWRWBW", "WRWBWG"],
+        RGBW,
+        "White checkerboard, red, green and blue on diagonals between.",
+        "[susanu2009] G. Susanu et al., RGBW sensor array, US 2009/0167893 (2009); as in isetL3.",
+    ),
+    entry(
+        "wang2011",
+        &["wang", "wang-5x5"],
+        &["WRBWG", "WGWRB", "RBWGW", "GWRBW", "BWGWR"],
+        RGBW,
+        "5 × 5 with 40 % white, chrominance at (4π/5, 2π/5) and (2π/5, −4π/5).",
+        "[wang2011] J. Wang, C. Zhang, P. Hao, New color filter arrays of high light sensitivity and high demosaicking \
+         performance, ICIP 2011, 3153; as in isetL3, and its carriers are those the paper states.",
+    ),
+    entry(
+        "chakrabarti2014",
+        &["chakrabarti"],
+        &["WWWWWW", "WWWWWW", "WWRGWW", "WWGBWW", "WWWWWW", "WWWWWW"],
+        RGBW,
+        "White with one 2 × 2 Bayer block in 6 × 6 pixels.",
+        "[chakrabarti2014] A. Chakrabarti, W. T. Freeman, T. Zickler, Rethinking color cameras, ICCP 2014; as in isetL3.",
+    ),
+    entry(
+        "rccb",
+        &["clarity+", "aptina-clarity", "rwbw"],
+        &["RC", "CB"],
+        &[('R', "red"), ('C', "clear"), ('B', "blue")],
+        "Aptina Clarity+: Bayer with clear in place of green.",
+        "[aptina] Aptina's Clarity+ solution, an Aptina technology white paper; as in isetL3.",
+    ),
+    entry(
+        "rccc",
+        &[],
+        &["RC", "CC"],
+        &[('R', "red"), ('C', "clear")],
+        "Three clear pixels and a red one, for driver assistance.",
+        "Common in automotive sensors (Aptina/onsemi AR0132AT); stated by makers as three clear and one red, without a paper.",
+    ),
+    entry(
+        "ryyb",
+        &["huawei-ryyb"],
+        &["RY", "YB"],
+        &[('R', "red"), ('Y', "yellow"), ('B', "blue")],
+        "Bayer with yellow in place of green.",
+        "[huawei2019] Huawei P30 Pro, SuperSpectrum sensor (IMX650), announcement of 26 March 2019.",
+    ),
+    entry(
+        "cyym",
+        &["kodak-cyym"],
+        &["CY", "YM"],
+        &[('C', "cyan"), ('Y', "yellow"), ('M', "magenta")],
+        "Bayer's arrangement in complementary colours, yellow in place of green.",
+        "Kodak DCS 620x and 720x; arrangement as raw converters read it (dcraw: colours M Y C Y).",
+    ),
+    entry("cygm", &["gmyc", "cmyg"], &["GM", "YC"], CYGM, "Complementary colours and green.", DCRAW),
+    entry(
+        "cygm-interlaced",
+        &["gmcymgcy"],
+        &["GM", "CY", "MG", "CY"],
+        CYGM,
+        "Complementary colours and green for field readout: sums of two rows give luminance and chrominance.",
+        "[sato1983] I. Sato et al., Color image pick-up apparatus, US 4,390,895 (1983), for the principle; arrangement as raw \
+         converters read it (dcraw, Canon PowerShot 600).",
+    ),
+    entry(
+        "rgbe",
+        &["sony-rgbe", "rgeb"],
+        &["RE", "GB"],
+        &[('R', "red"), ('G', "green"), ('B', "blue"), ('E', "emerald")],
+        "Bayer with one green replaced by emerald.",
+        "[sony2003] Sony press release 03-029E of 15 July 2003 (DSC-F828); as in isetL3 and dcraw.",
+    ),
+    entry(
+        "rgbcmy",
+        &["rgbcmy-3x2"],
+        &["RC", "BY", "GM"],
+        &[('R', "red"), ('G', "green"), ('B', "blue"), ('C', "cyan"), ('M', "magenta"), ('Y', "yellow")],
+        "Six colours in 3 × 2.",
+        "[lansel2011] S. Lansel, B. Wandell, Local linear learned image processing pipeline, Imaging Systems and Applications 2011, \
+         IMC3; as in isetL3.",
+    ),
+    entry(
+        "cmy",
+        &["cmy-sajadi"],
+        &["CMY", "MYC"],
+        &[('C', "cyan"), ('M', "magenta"), ('Y', "yellow")],
+        "Complementary colours only, 2 × 3.",
+        "[sajadi2011] B. Sajadi et al., Switchable primaries using shiftable layers of color filter arrays, SIGGRAPH 2011; as in \
+         isetL3.",
+    ),
+    entry(
+        "rgbir",
+        &["rgb-ir", "rgbir-2x2"],
+        &["BG", "IR"],
+        RGBI,
+        "Bayer with the green beside red replaced by near infrared.",
+        "OmniVision OV4682 (RGB-Ir); described so by e-con Systems (the green next to red is infrared).",
+    ),
+    entry(
+        "rgbir-4x4",
+        &["rgb-ir-4x4"],
+        &["BGRG", "GIGI", "RGBG", "GIGI"],
+        RGBI,
+        "Half of the pixels green, an eighth red, an eighth blue, a quarter near infrared.",
+        "OmniVision OV4686; read from public driver code, no paper.",
+    ),
+    entry(
+        "rgbx",
+        &["rgbn", "medical"],
+        &["RG", "XB"],
+        &[('R', "red"), ('G', "green"), ('B', "blue"), ('X', "narrow")],
+        "Bayer with one green replaced by a narrow band, as for medical imaging.",
+        "Arrangement as in isetL3 (Bayer with one green replaced with narrow band); the band is this library's.",
+    ),
+    entry(
+        "five-band",
+        &["monno", "monno5"],
+        &["RGOG", "GCGB", "OGRG", "GBGC"],
+        &[
+            ('R', "five-band/R"),
+            ('O', "five-band/O"),
+            ('G', "five-band/G"),
+            ('C', "five-band/C"),
+            ('B', "five-band/B"),
+        ],
+        "Half of the pixels green; red, orange, cyan and blue an eighth each.",
+        "[monno2012] Y. Monno, M. Tanaka, M. Okutomi, Multispectral demosaicking using guided filter, Proc. SPIE 8299, 82990O \
+         (2012); as in isetL3.",
+    ),
+    entry(
+        "multispectral-3x3",
+        &["ms9", "multispectral-9"],
+        &["AFH", "EGC", "IBD"],
+        &[
+            ('A', "band-1-of-9"),
+            ('B', "band-2-of-9"),
+            ('C', "band-3-of-9"),
+            ('D', "band-4-of-9"),
+            ('E', "band-5-of-9"),
+            ('F', "band-6-of-9"),
+            ('G', "band-7-of-9"),
+            ('H', "band-8-of-9"),
+            ('I', "band-9-of-9"),
+        ],
+        "Nine bands; every row and column has one of each third of the spectrum.",
+        OWN,
+    ),
+    entry(
+        "multispectral-4x4",
+        &["ms16", "multispectral-16", "binary-tree-16"],
+        &["AICK", "MEOG", "DLBJ", "PHNF"],
+        &[
+            ('A', "band-1-of-16"),
+            ('B', "band-2-of-16"),
+            ('C', "band-3-of-16"),
+            ('D', "band-4-of-16"),
+            ('E', "band-5-of-16"),
+            ('F', "band-6-of-16"),
+            ('G', "band-7-of-16"),
+            ('H', "band-8-of-16"),
+            ('I', "band-9-of-16"),
+            ('J', "band-10-of-16"),
+            ('K', "band-11-of-16"),
+            ('L', "band-12-of-16"),
+            ('M', "band-13-of-16"),
+            ('N', "band-14-of-16"),
+            ('O', "band-15-of-16"),
+            ('P', "band-16-of-16"),
+        ],
+        "Sixteen bands, checkerboards split into checkerboards.",
+        "[miao2006] L. Miao, H. Qi, The design and evaluation of a generic method for generating mosaicked multispectral filter \
+         arrays, IEEE Trans. Image Process. 15(9), 2780 (2006), for the method (binary tree, equal probabilities); which band \
+         goes to which leaf is this library's.",
+    ),
+    entry(
+        "multispectral-5x5",
+        &["ms25", "multispectral-25"],
+        &["ALWIT", "HSEKV", "OUGRD", "QCNYF", "XJPBM"],
+        &[
+            ('A', "band-1-of-25"),
+            ('B', "band-2-of-25"),
+            ('C', "band-3-of-25"),
+            ('D', "band-4-of-25"),
+            ('E', "band-5-of-25"),
+            ('F', "band-6-of-25"),
+            ('G', "band-7-of-25"),
+            ('H', "band-8-of-25"),
+            ('I', "band-9-of-25"),
+            ('J', "band-10-of-25"),
+            ('K', "band-11-of-25"),
+            ('L', "band-12-of-25"),
+            ('M', "band-13-of-25"),
+            ('N', "band-14-of-25"),
+            ('O', "band-15-of-25"),
+            ('P', "band-16-of-25"),
+            ('Q', "band-17-of-25"),
+            ('R', "band-18-of-25"),
+            ('S', "band-19-of-25"),
+            ('T', "band-20-of-25"),
+            ('U', "band-21-of-25"),
+            ('V', "band-22-of-25"),
+            ('W', "band-23-of-25"),
+            ('X', "band-24-of-25"),
+            ('Y', "band-25-of-25"),
+        ],
+        "Twenty-five bands; every row and column has one of each fifth of the spectrum.",
+        OWN,
+    ),
+    CfaInfo {
+        name: "hirakawa2008",
+        aliases: &["hirakawa-wolfe", "hirakawa"],
+        summary: "Chrominance at the carrier (π, π/2): red and blue in quadrature, green opposite to their sum; 2 × 4 cells.",
+        source: "[hirakawa2008] K. Hirakawa, P. J. Wolfe, Spatio-spectral color filter array design for optimal image recovery, IEEE \
+                 Trans. Image Process. 17(10), 1876 (2008), for the principle; weights computed here from the carrier, as the \
+                 paper's tables could not be checked.",
+        filters: RGB,
+        layout: Layout::Weighted {
+            rows: 2,
+            cols: 4,
+            carrier: [1.0, 1.0],
+            primaries: &[
+                Modulation { mean: 0.5, amplitude: QUARTER_ROOT_2, phase_turns: -0.125 },
+                Modulation { mean: 0.5, amplitude: 0.5, phase_turns: 0.5 },
+                Modulation { mean: 0.5, amplitude: QUARTER_ROOT_2, phase_turns: 0.125 },
+            ],
+        },
+    },
+    CfaInfo {
+        name: "condat2011",
+        aliases: &["condat"],
+        summary: "Chrominance at the carrier (π, 2π/3): red, green and blue a third of a turn apart at full amplitude; 2 × 3 cells.",
+        source: "[condat2011] L. Condat, A new color filter array with optimal properties for noiseless and noisy color image \
+                 acquisition, IEEE Trans. Image Process. 20(8), 2200 (2011); cells computed from that description (2 × 3, largest \
+                 amplitude within 0–1), their choice of origin and colour order may differ.",
+        filters: RGB,
+        layout: Layout::Weighted {
+            rows: 2,
+            cols: 3,
+            carrier: [1.0, 1.0],
+            primaries: &[
+                Modulation { mean: 0.5, amplitude: CONDAT_AMPLITUDE, phase_turns: -0.25 },
+                Modulation { mean: 0.5, amplitude: CONDAT_AMPLITUDE, phase_turns: -0.25 + 1.0 / 3.0 },
+                Modulation { mean: 0.5, amplitude: CONDAT_AMPLITUDE, phase_turns: -0.25 - 1.0 / 3.0 },
+            ],
+        },
+    },
+    CfaInfo {
+        name: "random",
+        aliases: &["blue-noise"],
+        summary: "Random with blue noise: random?channels=3&rows=8&cols=8&seed=1 (each optional).",
+        source: "[condat2010] L. Condat, Color filter array design using random patterns with blue noise chromatic spectra, Image Vis. \
+                 Comput. 28(8), 1196 (2010), for the aim; [ulichney1993] R. Ulichney, The void-and-cluster method for dither array \
+                 generation, Proc. SPIE 1913, 332 (1993), for the energy. The tiles are this library's.",
+        filters: RGB,
+        layout: Layout::Random,
+    },
+    entry(
+        "mono",
+        &["monochrome"],
+        &["W"],
+        &[('W', "white")],
+        "No colour filter.",
+        "A sensor without a colour filter array.",
+    ),
+];

@@ -1,0 +1,186 @@
+//! Filter curves by formula, sampled on any wavelength grid.
+
+use serde::{Deserialize, Serialize};
+
+use super::{CfaError, named};
+use crate::spectrum::{Outside, Spectrum, WavelengthGrid};
+
+/// The shape of a filter's transmittance. Wavelengths are in nanometres, `peak` is the largest transmittance,
+/// 0 to 1.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+#[non_exhaustive]
+pub enum Filter {
+    /// The same transmittance, 0 to 1, at every wavelength.
+    Flat(f64),
+    /// `peak exp(−½ ((λ − center) / sigma)²)`, sampled at the wavelengths of the grid.
+    Gaussian {
+        /// Wavelength of the peak.
+        center_nm: f64,
+        /// Standard deviation, above 0.
+        sigma_nm: f64,
+        /// Largest transmittance.
+        #[serde(default = "one")]
+        peak: f64,
+    },
+    /// `peak` from `low_nm` to `high_nm`, nothing elsewhere. Each sample is the mean over its own interval of
+    /// one grid step, so that the integral is `peak (high_nm − low_nm)` wherever the edges lie between samples.
+    Box {
+        /// Lower edge.
+        low_nm: f64,
+        /// Upper edge, above the lower one.
+        high_nm: f64,
+        /// Transmittance between the edges.
+        #[serde(default = "one")]
+        peak: f64,
+    },
+    /// One period of a raised cosine, `peak (1 + cos(π (λ − center) / fwhm)) / 2`, zero beyond `fwhm` from the
+    /// centre. Neighbours one `fwhm` apart add up to `peak` at every wavelength between their centres.
+    RaisedCosine {
+        /// Wavelength of the peak.
+        center_nm: f64,
+        /// Full width at half maximum, above 0.
+        fwhm_nm: f64,
+        /// Largest transmittance.
+        #[serde(default = "one")]
+        peak: f64,
+    },
+    /// Passes wavelengths above the edge: `peak / (1 + exp(−(λ − edge) / width))`. From 10 % to 90 % of the
+    /// peak takes 4.4 widths.
+    LongPass {
+        /// Wavelength of half the peak.
+        edge_nm: f64,
+        /// Width of the edge, above 0.
+        width_nm: f64,
+        /// Transmittance far above the edge.
+        #[serde(default = "one")]
+        peak: f64,
+    },
+    /// Passes wavelengths below the edge: `peak` minus the [`Filter::LongPass`] of the same edge.
+    ShortPass {
+        /// Wavelength of half the peak.
+        edge_nm: f64,
+        /// Width of the edge, above 0.
+        width_nm: f64,
+        /// Transmittance far below the edge.
+        #[serde(default = "one")]
+        peak: f64,
+    },
+    /// A band with the magnitude of a Butterworth filter, `peak / (1 + (2 (λ − center) / fwhm)^(2 order))`:
+    /// flatter on top and steeper at the edges the higher the order.
+    Butterworth {
+        /// Middle of the band.
+        center_nm: f64,
+        /// Full width at half maximum, above 0.
+        fwhm_nm: f64,
+        /// Largest transmittance.
+        #[serde(default = "one")]
+        peak: f64,
+        /// Order, 1 to 100.
+        order: u32,
+    },
+    /// A filter of the library by its name, as [`builtin_filters`](super::builtin_filters) lists them.
+    Builtin(String),
+    /// A file of wavelengths and values. This library opens no file: whoever does replaces it by
+    /// [`Filter::Samples`].
+    File(String),
+    /// Samples on a uniform grid, linear between them.
+    Samples {
+        /// First wavelength.
+        start_nm: f64,
+        /// Step.
+        step_nm: f64,
+        /// One value per wavelength, 0 to 1.
+        values: Vec<f64>,
+    },
+}
+
+fn one() -> f64 {
+    1.0
+}
+
+impl Filter {
+    /// The transmittance on a grid.
+    ///
+    /// # Errors
+    /// When a parameter is out of its range or not finite, no built-in filter has the name, or a measured curve
+    /// does not reach as far as the grid and cannot be taken as zero there.
+    pub fn spectrum(&self, grid: WavelengthGrid) -> Result<Spectrum, CfaError> {
+        let sampled = |f: &dyn Fn(f64) -> f64| Ok(Spectrum::from_fn(grid, f));
+        match *self {
+            Self::Flat(value) => {
+                within("the transmittance of a flat filter", value, 0.0, 1.0, "0 to 1")?;
+                Ok(Spectrum::constant(grid, value))
+            }
+            Self::Gaussian { center_nm, sigma_nm, peak } => {
+                band(center_nm, "sigma_nm", sigma_nm, peak)?;
+                sampled(&|nm| peak * libm::exp(-0.5 * ((nm - center_nm) / sigma_nm).powi(2)))
+            }
+            Self::Box { low_nm, high_nm, peak } => {
+                wavelength("low_nm", low_nm)?;
+                wavelength("high_nm", high_nm)?;
+                if high_nm <= low_nm {
+                    return Err(parameter("high_nm", high_nm, "a wavelength above low_nm"));
+                }
+                within("peak", peak, 0.0, 1.0, "0 to 1")?;
+                let half = grid.step_nm() / 2.0;
+                sampled(&|nm| {
+                    let covered = high_nm.min(nm + half) - low_nm.max(nm - half);
+                    peak * covered.max(0.0) / grid.step_nm()
+                })
+            }
+            Self::RaisedCosine { center_nm, fwhm_nm, peak } => {
+                band(center_nm, "fwhm_nm", fwhm_nm, peak)?;
+                sampled(&|nm| {
+                    let x = ((nm - center_nm) / fwhm_nm).clamp(-1.0, 1.0);
+                    peak * 0.5 * (1.0 + libm::cos(std::f64::consts::PI * x))
+                })
+            }
+            Self::LongPass { edge_nm, width_nm, peak } => {
+                band(edge_nm, "width_nm", width_nm, peak)?;
+                sampled(&|nm| peak * logistic((nm - edge_nm) / width_nm))
+            }
+            Self::ShortPass { edge_nm, width_nm, peak } => {
+                band(edge_nm, "width_nm", width_nm, peak)?;
+                sampled(&|nm| peak * logistic((edge_nm - nm) / width_nm))
+            }
+            Self::Butterworth { center_nm, fwhm_nm, peak, order } => {
+                band(center_nm, "fwhm_nm", fwhm_nm, peak)?;
+                within("order", f64::from(order), 1.0, 100.0, "1 to 100")?;
+                let power = 2.0 * f64::from(order);
+                sampled(&|nm| peak / (1.0 + libm::pow((2.0 * (nm - center_nm) / fwhm_nm).abs(), power)))
+            }
+            Self::Builtin(ref name) => named::spectrum(name, grid),
+            Self::File(ref name) => Err(CfaError::UnreadFile { name: name.clone() }),
+            Self::Samples { start_nm, step_nm, ref values } => {
+                let own = WavelengthGrid::new(start_nm, step_nm, values.len())?;
+                Ok(Spectrum::new(own, values.clone())?.resampled(grid, Outside::Error)?)
+            }
+        }
+    }
+}
+
+/// The step from 0 to 1, with ½ at 0; it does not overflow far from it.
+pub(super) fn logistic(x: f64) -> f64 {
+    1.0 / (1.0 + libm::exp(-x))
+}
+
+fn parameter(name: &str, value: f64, expected: &'static str) -> CfaError {
+    CfaError::Parameter { name: name.into(), value, expected }
+}
+
+fn within(name: &str, value: f64, low: f64, high: f64, expected: &'static str) -> Result<(), CfaError> {
+    if (low..=high).contains(&value) { Ok(()) } else { Err(parameter(name, value, expected)) }
+}
+
+fn wavelength(name: &str, nm: f64) -> Result<(), CfaError> {
+    if nm.is_finite() && nm > 0.0 { Ok(()) } else { Err(parameter(name, nm, "a positive wavelength in nm")) }
+}
+
+fn band(center_nm: f64, width: &str, width_nm: f64, peak: f64) -> Result<(), CfaError> {
+    wavelength("the wavelength of the filter", center_nm)?;
+    if !(width_nm.is_finite() && width_nm > 0.0) {
+        return Err(parameter(width, width_nm, "a width above 0 nm"));
+    }
+    within("peak", peak, 0.0, 1.0, "0 to 1")
+}

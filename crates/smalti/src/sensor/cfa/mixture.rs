@@ -1,0 +1,163 @@
+//! Mosaics whose cells are weighted mixtures of a few primaries, and those built from carriers.
+
+use super::{Cfa, CfaError, Channel, Mosaic};
+use crate::spectrum::{Spectrum, SpectrumError};
+
+/// A tile whose cells each pass a fraction of every primary: the transmittance of a cell is the sum of the
+/// primaries' transmittances, each times its weight.
+///
+/// Weights are from 0 to 1 each: 1 passes all that the primary's own filter would. Their sum may exceed 1,
+/// since primaries that do not overlap add up to at most one of them at any wavelength; where the primaries do
+/// overlap, [`WeightedMosaic::cfa`] brings the whole array down by one factor.
+#[derive(Debug, Clone, PartialEq)]
+pub struct WeightedMosaic {
+    rows: usize,
+    cols: usize,
+    primaries: usize,
+    weights: Vec<f64>,
+}
+
+/// The weight of one primary over the tile: `mean + amplitude cos(2π (carrier · position) + phase)`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Modulation {
+    /// Mean weight.
+    pub mean: f64,
+    /// Amplitude about the mean.
+    pub amplitude: f64,
+    /// Phase at the first cell, turns (1 is 2π).
+    pub phase_turns: f64,
+}
+
+impl WeightedMosaic {
+    /// A tile from the weights of its cells, in the order row, column, primary.
+    ///
+    /// # Errors
+    /// When the number of weights is not `rows * cols * primaries`, there is no cell or primary or more than
+    /// 65536 cells, or a weight is not within 0–1.
+    pub fn new(rows: usize, cols: usize, primaries: usize, weights: Vec<f64>) -> Result<Self, CfaError> {
+        let count = rows.checked_mul(cols).filter(|n| (1..=65536).contains(n)).unwrap_or(0);
+        if count == 0 || count.checked_mul(primaries) != Some(weights.len()) || primaries == 0 {
+            return Err(CfaError::Tile { rows, cols, cells: weights.len() / primaries.max(1) });
+        }
+        match weights.iter().position(|w| !(0.0..=1.0).contains(w)) {
+            Some(at) => Err(CfaError::Parameter {
+                name: format!(
+                    "the weight of primary {} in cell ({}, {})",
+                    at % primaries,
+                    at / primaries / cols,
+                    at / primaries % cols
+                ),
+                value: weights[at],
+                expected: "0 to 1",
+            }),
+            None => Ok(Self { rows, cols, primaries, weights }),
+        }
+    }
+
+    /// A tile in which each primary modulates one carrier, the way in which Hirakawa and Wolfe (2008) and
+    /// Condat (2011) write colour filter arrays: luminance stays at frequency zero, and chrominance lies
+    /// wholly at the carrier. `carrier` counts cycles over the rows and over the columns of the tile.
+    ///
+    /// # Errors
+    /// As [`WeightedMosaic::new`].
+    pub fn modulated(
+        rows: usize,
+        cols: usize,
+        carrier: [f64; 2],
+        primaries: &[Modulation],
+    ) -> Result<Self, CfaError> {
+        if rows.checked_mul(cols).is_none_or(|n| n > 65536) {
+            return Err(CfaError::Tile { rows, cols, cells: 0 });
+        }
+        let weight = |cell: usize, m: &Modulation| {
+            let turns = carrier[0] * (cell / cols) as f64 / rows as f64
+                + carrier[1] * (cell % cols) as f64 / cols as f64
+                + m.phase_turns;
+            let value = m.mean + m.amplitude * libm::cos(std::f64::consts::TAU * turns);
+            // Rounding of the cosine would set equal cells apart and put a weight of 0 below it.
+            (value * 1e9).round() / 1e9 + 0.0
+        };
+        let weights = (0..rows * cols).flat_map(|cell| primaries.iter().map(move |m| weight(cell, m)));
+        Self::new(rows, cols, primaries.len(), weights.collect())
+    }
+
+    /// Rows of the tile.
+    #[must_use]
+    pub fn rows(&self) -> usize {
+        self.rows
+    }
+
+    /// Columns of the tile.
+    #[must_use]
+    pub fn cols(&self) -> usize {
+        self.cols
+    }
+
+    /// The weights of the primaries in a cell anywhere on the sensor.
+    #[must_use]
+    pub fn weights_at(&self, row: usize, col: usize) -> &[f64] {
+        let cell = row % self.rows * self.cols + col % self.cols;
+        &self.weights[cell * self.primaries..][..self.primaries]
+    }
+
+    /// The distinct mixtures in order of first appearance, and the mosaic of their indices.
+    ///
+    /// # Errors
+    /// When there are more than 256 of them.
+    pub fn distinct(&self) -> Result<(Mosaic, Vec<Vec<f64>>), CfaError> {
+        let mut mixtures: Vec<Vec<f64>> = Vec::new();
+        let mut cells = Vec::with_capacity(self.rows * self.cols);
+        for weights in self.weights.chunks_exact(self.primaries) {
+            let index = mixtures.iter().position(|m| m == weights).unwrap_or_else(|| {
+                mixtures.push(weights.to_vec());
+                mixtures.len() - 1
+            });
+            cells.push(u8::try_from(index).map_err(|_| CfaError::Parameter {
+                name: "the number of distinct mixtures".into(),
+                value: mixtures.len() as f64,
+                expected: "at most 256",
+            })?);
+        }
+        Ok((Mosaic::new(self.rows, self.cols, cells)?, mixtures))
+    }
+
+    /// The colour filter array: a channel for each distinct mixture, named by its weights (`1R+0.5G`).
+    ///
+    /// Where a mixture would pass more than all light (overlapping primaries), the transmittances of all
+    /// channels are divided by the largest one, so that the ratios between cells stay as designed.
+    ///
+    /// # Errors
+    /// When the number of primaries is not that of the weights, their grids differ, or as [`Cfa::new`].
+    pub fn cfa(&self, name: impl Into<String>, primaries: &[Channel]) -> Result<Cfa, CfaError> {
+        let Some(first) = primaries.first().filter(|_| primaries.len() == self.primaries) else {
+            return Err(CfaError::Parameter {
+                name: "the number of primaries".into(),
+                value: primaries.len() as f64,
+                expected: "one per weight of a cell",
+            });
+        };
+        let grid = first.transmittance.grid();
+        if let Some(p) = primaries.iter().find(|p| p.transmittance.grid() != grid) {
+            return Err(SpectrumError::GridMismatch { left: grid, right: p.transmittance.grid() }.into());
+        }
+        let (mosaic, mixtures) = self.distinct()?;
+        let mix = |weights: &Vec<f64>| {
+            let at =
+                |i: usize| weights.iter().zip(primaries).map(|(w, p)| w * p.transmittance.values()[i]).sum();
+            Spectrum::new(grid, (0..grid.len()).map(at).collect())
+        };
+        let spectra = mixtures.iter().map(mix).collect::<Result<Vec<_>, _>>()?;
+        let largest = spectra.iter().map(Spectrum::max).fold(1.0, f64::max);
+        let named = |weights: &[f64]| {
+            let parts = weights.iter().zip(primaries).filter(|(w, _)| **w > 0.0);
+            let text: Vec<String> = parts.map(|(w, p)| format!("{w:.3}{}", p.name)).collect();
+            text.join("+")
+        };
+        let channels = mixtures
+            .iter()
+            .zip(&spectra)
+            .map(|(m, s)| Channel { name: named(m), transmittance: s.scaled(1.0 / largest) })
+            .collect();
+        Cfa::new(name, mosaic, channels)
+    }
+}

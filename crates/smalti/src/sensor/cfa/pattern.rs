@@ -1,0 +1,156 @@
+//! Mosaics written in letters, and what can be read off a tile: its period, its phase, whether it is Bayer's.
+
+use super::{Cfa, CfaError, Channel, Mosaic};
+use crate::spectrum::Spectrum;
+
+/// Where the three kinds of cell of a 2 × 2 tile lie in which one channel fills a diagonal: Bayer's
+/// arrangement, whatever the colours (RYYB and RCCB have it as well).
+///
+/// Which of the two single channels is red is not in the geometry; those who need it look at the filters.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub struct BayerPhase {
+    /// The channel of the diagonal, green in a Bayer mosaic.
+    pub diagonal: usize,
+    /// The other channel of the even rows (0, 2, …).
+    pub even_rows: usize,
+    /// The other channel of the odd rows.
+    pub odd_rows: usize,
+    /// Column, 0 or 1, of the diagonal channel in the even rows; in the odd rows it is the other one.
+    pub diagonal_col: usize,
+}
+
+impl Mosaic {
+    /// A tile written one letter per cell, one text per row, and the letter of each channel. Channels are
+    /// counted in the order in which their letters first appear, row by row.
+    ///
+    /// # Errors
+    /// When the rows differ in length, there is no cell, or there are more than 256 different letters.
+    pub fn from_letters<S: AsRef<str>>(lines: &[S]) -> Result<(Self, Vec<char>), CfaError> {
+        let mut letters: Vec<char> = Vec::new();
+        let mut cells = Vec::new();
+        let cols = lines.first().map_or(0, |l| l.as_ref().chars().count());
+        let total = lines.iter().map(|l| l.as_ref().chars().count()).sum();
+        let tile = CfaError::Tile { rows: lines.len(), cols, cells: total };
+        if lines.iter().any(|l| l.as_ref().chars().count() != cols) || total > 65536 {
+            return Err(tile);
+        }
+        for letter in lines.iter().flat_map(|l| l.as_ref().chars()) {
+            let channel = letters.iter().position(|&l| l == letter).unwrap_or_else(|| {
+                letters.push(letter);
+                letters.len() - 1
+            });
+            cells.push(u8::try_from(channel).map_err(|_| tile.clone())?);
+        }
+        Ok((Self::new(lines.len(), cols, cells)?, letters))
+    }
+
+    /// The tile as text, one letter per cell and one text per row; `None` when there are fewer letters than
+    /// channels.
+    #[must_use]
+    pub fn to_letters(&self, letters: &[char]) -> Option<Vec<String>> {
+        let line = |row: &[u8]| row.iter().map(|&c| letters.get(usize::from(c))).collect::<Option<String>>();
+        self.cells().chunks(self.cols()).map(line).collect()
+    }
+
+    /// The smallest tile that covers the sensor in the same way.
+    #[must_use]
+    pub fn reduced(&self) -> Self {
+        let (rows, cols) = (self.rows(), self.cols());
+        let repeats = |dr: usize, dc: usize| {
+            (0..rows).all(|r| (0..cols).all(|c| self.channel_at(r, c) == self.channel_at(r + dr, c + dc)))
+        };
+        let divisors = |n: usize| (1..=n).filter(move |d| n.is_multiple_of(*d));
+        let rows = divisors(rows).find(|&d| repeats(d, 0)).unwrap_or(rows);
+        let cols = divisors(cols).find(|&d| repeats(0, d)).unwrap_or(cols);
+        let cells = (0..rows * cols).map(|i| self.channel_at(i / cols, i % cols) as u8).collect();
+        // Every channel of the tile is in its period, so the parts are valid.
+        Self::new(rows, cols, cells).unwrap_or_else(|_| self.clone())
+    }
+
+    /// One tile for all mosaics that differ by a shift: the reduced tile, at the shift whose cells come first
+    /// in row order. Two mosaics are the same up to the choice of the origin when their canonical tiles are
+    /// equal.
+    #[must_use]
+    pub fn canonical(&self) -> Self {
+        let tile = self.reduced();
+        let (rows, cols) = (tile.rows(), tile.cols());
+        // Ranks of the rows read cyclically from each cell, then of all rows from each cell: doubling the
+        // length that has been compared needs log₂ steps, where comparing every shift would need n².
+        let mut rank: Vec<u32> = tile.cells().iter().map(|&c| u32::from(c)).collect();
+        let doubled = |rank: &[u32], dr: usize, dc: usize| {
+            let pair = |i: usize| (rank[i], rank[(i / cols + dr) % rows * cols + (i % cols + dc) % cols]);
+            let mut order: Vec<_> = (0..rank.len()).map(pair).collect();
+            order.sort_unstable();
+            order.dedup();
+            (0..rank.len()).map(|i| order.binary_search(&pair(i)).unwrap_or(0) as u32).collect::<Vec<_>>()
+        };
+        for step in std::iter::successors(Some(1), |s| Some(s * 2)).take_while(|&s| s < cols) {
+            rank = doubled(&rank, 0, step);
+        }
+        for step in std::iter::successors(Some(1), |s| Some(s * 2)).take_while(|&s| s < rows) {
+            rank = doubled(&rank, step, 0);
+        }
+        let first = (0..rank.len()).min_by_key(|&i| rank[i]).unwrap_or(0);
+        tile.shifted(first / cols, first % cols)
+    }
+
+    /// Where the cells lie when this is Bayer's arrangement (three channels, one on a diagonal); `None` when it
+    /// is not.
+    #[must_use]
+    pub fn bayer_phase(&self) -> Option<BayerPhase> {
+        let tile = self.reduced();
+        let &[a, b, c, d] = tile.cells() else { return None };
+        if tile.rows() != 2 || tile.channels() != 3 {
+            return None;
+        }
+        let [a, b, c, d] = [a, b, c, d].map(usize::from);
+        if a == d {
+            Some(BayerPhase { diagonal: a, even_rows: b, odd_rows: c, diagonal_col: 0 })
+        } else if b == c {
+            Some(BayerPhase { diagonal: b, even_rows: a, odd_rows: d, diagonal_col: 1 })
+        } else {
+            None
+        }
+    }
+}
+
+impl Cfa {
+    /// A colour filter array from a pattern in letters and a filter (transmittance, 0 to 1) for each letter.
+    /// Filters that the pattern does not use are ignored.
+    ///
+    /// # Errors
+    /// When the pattern is not a rectangle, a letter has no filter, or as [`Cfa::new`].
+    pub fn from_pattern<S: AsRef<str>>(
+        name: impl Into<String>,
+        lines: &[S],
+        filters: &[(char, Spectrum)],
+    ) -> Result<Self, CfaError> {
+        let (mosaic, letters) = Mosaic::from_letters(lines)?;
+        let channel = |(index, &letter): (usize, &char)| match filters.iter().find(|(l, _)| *l == letter) {
+            Some((_, filter)) => Ok(Channel { name: letter.into(), transmittance: filter.clone() }),
+            None => {
+                let at = mosaic.cells().iter().position(|&c| usize::from(c) == index).unwrap_or(0);
+                let known: Vec<String> = filters.iter().map(|(l, _)| l.to_string()).collect();
+                Err(CfaError::UnknownLetter {
+                    letter,
+                    row: at / mosaic.cols(),
+                    col: at % mosaic.cols(),
+                    known: known.join(", "),
+                })
+            }
+        };
+        let channels = letters.iter().enumerate().map(channel).collect::<Result<_, _>>()?;
+        Self::new(name, mosaic, channels)
+    }
+
+    /// The pattern in letters, one text per row; `None` when the name of a channel is not a single letter.
+    #[must_use]
+    pub fn letters(&self) -> Option<Vec<String>> {
+        let single = |name: &str| {
+            let mut chars = name.chars();
+            chars.next().filter(|_| chars.next().is_none())
+        };
+        let letters: Option<Vec<char>> = self.channels().iter().map(|c| single(&c.name)).collect();
+        self.mosaic().to_letters(&letters?)
+    }
+}

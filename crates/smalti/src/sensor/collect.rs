@@ -1,0 +1,169 @@
+//! From the optical image to photoelectrons per second: first over wavelength, at the resolution of the image,
+//! then over each pixel, of the channel it has.
+
+use std::ops::Range;
+
+use rayon::prelude::*;
+
+use super::geometry::{AxisGeometry, Taps};
+use super::{ColorArchitecture, Sensor, SensorError};
+use crate::numeric::simd::{Kernel, dispatch};
+use crate::optics::OpticalImage;
+
+/// Light on a sensor, ready to be gathered row by row.
+pub(super) struct Collector<'a> {
+    sensor: &'a Sensor,
+    /// Photoelectrons per second for a photodetector wholly in a sample's light: row, channel, column.
+    rates: Vec<f32>,
+    channels: usize,
+    width: usize,
+    rows: Taps,
+    cols: Taps,
+    /// Sensor row of the first of `rows`; columns likewise.
+    origin: [i64; 2],
+}
+
+/// Photoelectrons per second beyond which `f32` sums might overflow.
+const LARGEST_RATE: f32 = 1e30;
+
+impl Sensor {
+    fn axes(&self, image: &OpticalImage) -> [AxisGeometry; 2] {
+        let cube = image.irradiance();
+        let spacing = image.sample_spacing_m();
+        [(self.rows, cube.rows()), (self.cols, cube.cols())].map(|(pixels, samples)| AxisGeometry {
+            pixels,
+            pitch_in_samples: self.pixel.pitch_m / spacing,
+            side_in_samples: self.pixel.pitch_m * self.pixel.fill_factor.sqrt() / spacing,
+            samples,
+            aperture: self.aperture,
+        })
+    }
+
+    /// Rows and columns of the read-out part, with the dummy pixels that crosstalk needs around it.
+    fn gathered(&self) -> [Range<i64>; 2] {
+        let w = self.read_window();
+        let border = i64::from(self.crosstalk.is_some());
+        [(w.row, w.rows), (w.col, w.cols)]
+            .map(|(first, count)| first as i64 - border..(first + count) as i64 + border)
+    }
+
+    /// Rows and columns of the image that the read-out part sees.
+    pub(super) fn footprint(&self, image: &OpticalImage) -> [Range<usize>; 2] {
+        let [rows, cols] = self.axes(image);
+        let [row_range, col_range] = self.gathered();
+        [rows.taps(row_range).used, cols.taps(col_range).used]
+    }
+}
+
+impl<'a> Collector<'a> {
+    /// Integrates over wavelength what the sensor sees of the image.
+    pub(super) fn new(sensor: &'a Sensor, image: &OpticalImage) -> Result<Self, SensorError> {
+        let cube = image.irradiance();
+        let scale = cube.grid().step_nm() * sensor.pixel.photodetector_area_m2();
+        let responsivity = sensor.spectral_responsivity_on(cube.grid())?;
+        let weights: Vec<Vec<f32>> =
+            responsivity.iter().map(|r| r.values().iter().map(|v| (v * scale) as f32).collect()).collect();
+        let [row_axis, col_axis] = sensor.axes(image);
+        let [row_range, col_range] = sensor.gathered();
+        let origin = [row_range.start, col_range.start];
+        let (rows, cols) = (row_axis.taps(row_range), col_axis.taps(col_range));
+        let (width, channels) = (cols.used.len(), weights.len());
+        let mut rates = vec![0.0f32; rows.used.len() * channels * width];
+        let planes: Vec<&[f32]> = cube.planes().planes().collect();
+        rates.par_chunks_exact_mut((channels * width).max(1)).enumerate().for_each(|(r, out)| {
+            let first = (rows.used.start + r) * cube.cols() + cols.used.start;
+            dispatch(SpectralRow { planes: &planes, weights: &weights, first, width, out });
+        });
+        Ok(Self { sensor, rates, channels, width, rows, cols, origin })
+    }
+
+    /// Rows and columns of pixels that can be gathered: the read-out part with its border.
+    pub(super) fn size(&self) -> (usize, usize) {
+        let [rows, cols] = self.sensor.gathered();
+        ((rows.end - rows.start) as usize, (cols.end - cols.start) as usize)
+    }
+
+    /// Photoelectrons per second of row `row` (counted within [`Collector::size`]) of a plane of samples, before
+    /// crosstalk. `lines` is scratch.
+    #[inline(always)]
+    pub(super) fn gather_row(&self, row: usize, plane: usize, lines: &mut Vec<f32>, out: &mut [f32]) {
+        let mosaic = self.sensor.cfa.mosaic();
+        // Dummy pixels at −1 continue the mosaic.
+        let wrap = |at: i64, period: usize| at.rem_euclid(period as i64) as usize;
+        let tile_row = wrap(self.origin[0] + row as i64, mosaic.rows()) * mosaic.cols();
+        let tile = match self.sensor.architecture {
+            ColorArchitecture::Mosaic => {
+                mosaic.cells().get(tile_row..tile_row + mosaic.cols()).unwrap_or(&[])
+            }
+            ColorArchitecture::Prism | ColorArchitecture::FieldSequential => &[],
+        };
+        let weights = self.rows.weights_of(row);
+        lines.clear();
+        if weights.is_empty() || self.width == 0 {
+            out.fill(0.0);
+            return;
+        }
+        // The rows of the image under this row of pixels, one line per channel that occurs in it.
+        let mut line_of = [0usize; 256];
+        for channel in 0..self.channels {
+            let wanted = if tile.is_empty() {
+                channel == plane
+            } else {
+                tile.iter().any(|&c| usize::from(c) == channel)
+            };
+            if !wanted {
+                continue;
+            }
+            let start = lines.len();
+            line_of[channel % 256] = start;
+            lines.resize(start + self.width, 0.0);
+            let line = &mut lines[start..];
+            for (t, &w) in weights.iter().enumerate() {
+                let at = ((self.rows.first(row) + t) * self.channels + channel) * self.width;
+                for (l, r) in line.iter_mut().zip(&self.rates[at..at + self.width]) {
+                    *l += w * r;
+                }
+            }
+        }
+        let mut cell = if tile.is_empty() { 0 } else { wrap(self.origin[1], tile.len()) };
+        for (i, o) in out.iter_mut().enumerate() {
+            let channel = tile.get(cell).map_or(plane % 256, |&c| usize::from(c));
+            cell = if cell + 1 >= tile.len() { 0 } else { cell + 1 };
+            let at = line_of[channel] + self.cols.first(i);
+            let mut sum = 0.0;
+            for (w, l) in self.cols.weights_of(i).iter().zip(&lines[at..]) {
+                sum += w * l;
+            }
+            *o = sum;
+        }
+    }
+}
+
+/// One row of the image, integrated over wavelength for every channel.
+struct SpectralRow<'a> {
+    planes: &'a [&'a [f32]],
+    weights: &'a [Vec<f32>],
+    first: usize,
+    width: usize,
+    out: &'a mut [f32],
+}
+
+impl Kernel for SpectralRow<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        for (i, plane) in self.planes.iter().enumerate() {
+            let light = &plane[self.first..self.first + self.width];
+            for (line, weights) in self.out.chunks_exact_mut(self.width).zip(self.weights) {
+                let w = weights[i];
+                for (o, l) in line.iter_mut().zip(light) {
+                    *o += w * l;
+                }
+            }
+        }
+        for o in self.out.iter_mut() {
+            *o = o.min(LARGEST_RATE);
+        }
+    }
+}

@@ -1,0 +1,167 @@
+//! Which samples of the optical image a pixel gathers, and with what weights. Rows and columns separate.
+
+use std::ops::Range;
+
+use super::Aperture;
+
+/// One axis of the sensor over one axis of the image.
+pub(super) struct AxisGeometry {
+    /// Pixels along the whole axis, centred on the optical axis.
+    pub(super) pixels: usize,
+    /// Pixel pitch over sample spacing.
+    pub(super) pitch_in_samples: f64,
+    /// Side of the photodetector over sample spacing.
+    pub(super) side_in_samples: f64,
+    /// Samples of the image, centred on the optical axis.
+    pub(super) samples: usize,
+    /// How light is gathered.
+    pub(super) aperture: Aperture,
+}
+
+/// Weights of a run of pixels. A pixel beyond the image has none; one that is partly beyond has weights that sum
+/// to the part within.
+pub(super) struct Taps {
+    first_sample: Vec<u32>,
+    first_weight: Vec<u32>,
+    weights: Vec<f32>,
+    /// The samples that are used, of all that the image has; `first_sample` counts from its start.
+    pub(super) used: Range<usize>,
+    /// Most weights of a pixel.
+    pub(super) most: usize,
+}
+
+impl AxisGeometry {
+    /// The weights of pixels `range` (indices below 0 and beyond the end are those of dummy pixels).
+    pub(super) fn taps(&self, range: Range<i64>) -> Taps {
+        let mut first_sample = Vec::with_capacity((range.end - range.start).max(0) as usize);
+        let mut first_weight = Vec::with_capacity(first_sample.capacity() + 1);
+        let mut weights: Vec<f32> = Vec::new();
+        for pixel in range {
+            first_weight.push(weights.len() as u32);
+            let centre = (pixel as f64 - (self.pixels as f64 - 1.0) / 2.0) * self.pitch_in_samples
+                + self.samples as f64 / 2.0;
+            first_sample.push(match self.aperture {
+                Aperture::Area => self.push_area(centre, &mut weights),
+                Aperture::Point => self.push_point(centre, &mut weights),
+            });
+        }
+        first_weight.push(weights.len() as u32);
+        let mut taps = Taps { first_sample, first_weight, weights, used: 0..0, most: 0 };
+        let (mut low, mut high) = (usize::MAX, 0);
+        for i in 0..taps.first_sample.len() {
+            let n = taps.weights_of(i).len();
+            if n > 0 {
+                let first = taps.first_sample[i] as usize;
+                (low, high) = (low.min(first), high.max(first + n));
+                taps.most = taps.most.max(n);
+            }
+        }
+        taps.used = low.min(high)..high;
+        for (i, first) in taps.first_sample.iter_mut().enumerate() {
+            let empty = taps.first_weight[i] == taps.first_weight[i + 1];
+            *first = if empty { 0 } else { *first - taps.used.start as u32 };
+        }
+        taps
+    }
+
+    /// Overlap of the photodetector with each sample's square, relative to the photodetector.
+    fn push_area(&self, centre: f64, weights: &mut Vec<f32>) -> u32 {
+        let (low, high) = (centre - self.side_in_samples / 2.0, centre + self.side_in_samples / 2.0);
+        let (from, to) = (low.max(0.0), high.min(self.samples as f64));
+        if from >= to {
+            return 0;
+        }
+        let first = from.floor();
+        let mut sample = first;
+        while sample < to {
+            let overlap = to.min(sample + 1.0) - from.max(sample);
+            weights.push((overlap / (high - low)) as f32);
+            sample += 1.0;
+        }
+        first as u32
+    }
+
+    /// Linear interpolation between the centres of the samples, zero beyond the outermost.
+    fn push_point(&self, centre: f64, weights: &mut Vec<f32>) -> u32 {
+        let at = centre - 0.5;
+        let last = self.samples as f64 - 1.0;
+        // Rounding of the centring must not push a pixel on the outermost sample outside.
+        if at < -1e-9 || at > last + 1e-9 {
+            return 0;
+        }
+        let at = at.clamp(0.0, last);
+        let first = at.floor().min((last - 1.0).max(0.0));
+        let t = (at - first) as f32;
+        weights.push(1.0 - t);
+        if last > 0.0 {
+            weights.push(t);
+        }
+        first as u32
+    }
+}
+
+impl Taps {
+    /// First sample of a pixel, counted from the start of `used`.
+    #[inline(always)]
+    pub(super) fn first(&self, pixel: usize) -> usize {
+        self.first_sample[pixel] as usize
+    }
+
+    /// Weights of a pixel, of the samples from its first on.
+    #[inline(always)]
+    pub(super) fn weights_of(&self, pixel: usize) -> &[f32] {
+        &self.weights[self.first_weight[pixel] as usize..self.first_weight[pixel + 1] as usize]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn taps(pixels: usize, pitch: f64, side: f64, samples: usize, aperture: Aperture) -> Taps {
+        AxisGeometry { pixels, pitch_in_samples: pitch, side_in_samples: side, samples, aperture }
+            .taps(0..pixels as i64)
+    }
+
+    #[test]
+    fn weights_inside_the_image_sum_to_one() {
+        for (pitch, side) in [(0.3, 0.2), (1.0, 1.0), (2.7, 1.9), (9.3, 9.3)] {
+            for aperture in [Aperture::Area, Aperture::Point] {
+                let t = taps(11, pitch, side, 200, aperture);
+                for i in 0..11 {
+                    let sum: f32 = t.weights_of(i).iter().sum();
+                    assert!((sum - 1.0).abs() < 1e-6, "{sum}");
+                }
+            }
+        }
+    }
+
+    /// With full fill factor the pixels tile the image: every sample is used exactly once.
+    #[test]
+    fn pixels_tile_the_image() {
+        let t = taps(40, 1.7, 1.7, 30, Aperture::Area);
+        let mut share = vec![0.0f64; 30];
+        for i in 0..40 {
+            for (j, w) in t.weights_of(i).iter().enumerate() {
+                share[t.used.start + t.first(i) + j] += f64::from(*w) * 1.7;
+            }
+        }
+        assert!(share.iter().all(|s| (s - 1.0).abs() < 1e-6), "{share:?}");
+    }
+
+    #[test]
+    fn pixels_beyond_the_image_see_nothing() {
+        let t = taps(9, 1.0, 0.5, 3, Aperture::Area);
+        assert_eq!((t.used.clone(), t.most), (0..3, 1));
+        assert!((0..9).all(|i| t.weights_of(i).is_empty() != (3..6).contains(&i)));
+        let none = AxisGeometry {
+            pixels: 9,
+            pitch_in_samples: 1.0,
+            side_in_samples: 0.5,
+            samples: 3,
+            aperture: Aperture::Area,
+        }
+        .taps(0..2);
+        assert!(none.used.is_empty());
+    }
+}

@@ -1,0 +1,74 @@
+//! How pixels differ from one another, and what rows and columns share.
+
+use super::SensorError;
+
+/// Non-uniformity of a device. All but the row noise is fixed: it belongs to the device with this serial number
+/// and the absolute position of the pixel, and is the same in every exposure and under any window.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct NonUniformity {
+    /// Standard deviation of the pixels' gain (photo response), as a fraction: 0.01 is 1 %.
+    pub prnu_fraction: f64,
+    /// Standard deviation of the pixels' offset (dark signal), V before the analog gain.
+    pub dsnu_v: f64,
+    /// Standard deviation of an offset common to a row, drawn anew in every capture, V before the analog gain.
+    pub row_noise_v: f64,
+    /// Standard deviation of an offset common to a column (its amplifier), fixed, V before the analog gain.
+    pub column_noise_v: f64,
+    /// Fraction of pixels that collect nothing: neither light nor dark current.
+    pub dead_pixel_fraction: f64,
+    /// Fraction of pixels whose dark signal is `hot_pixel_dark_voltage_v_per_s`.
+    pub hot_pixel_fraction: f64,
+    /// Dark signal of a hot pixel at the reference temperature, V/s.
+    pub hot_pixel_dark_voltage_v_per_s: f64,
+    /// Serial number: devices with different numbers have independent patterns.
+    pub device_serial: u64,
+}
+
+impl Default for NonUniformity {
+    /// A perfect device. Hot pixels, once there are any, gain 1 V/s.
+    fn default() -> Self {
+        Self {
+            prnu_fraction: 0.0,
+            dsnu_v: 0.0,
+            row_noise_v: 0.0,
+            column_noise_v: 0.0,
+            dead_pixel_fraction: 0.0,
+            hot_pixel_fraction: 0.0,
+            hot_pixel_dark_voltage_v_per_s: 1.0,
+            device_serial: 0,
+        }
+    }
+}
+
+impl NonUniformity {
+    /// Checks every field.
+    ///
+    /// # Errors
+    /// The first field that is impossible.
+    pub fn validate(&self) -> Result<(), SensorError> {
+        let deviations = [
+            ("dsnu_v", self.dsnu_v),
+            ("row_noise_v", self.row_noise_v),
+            ("column_noise_v", self.column_noise_v),
+            ("hot_pixel_dark_voltage_v_per_s", self.hot_pixel_dark_voltage_v_per_s),
+        ];
+        for (field, value) in deviations {
+            if !(0.0..=1e3).contains(&value) {
+                let expected = "0 to 1e3";
+                return Err(SensorError::NonUniformity { field, value, expected });
+            }
+        }
+        let fractions = [
+            ("prnu_fraction", self.prnu_fraction),
+            ("dead_pixel_fraction", self.dead_pixel_fraction),
+            ("hot_pixel_fraction", self.hot_pixel_fraction),
+            ("dead and hot pixel fraction together", self.dead_pixel_fraction + self.hot_pixel_fraction),
+        ];
+        for (field, value) in fractions {
+            if !(0.0..=1.0).contains(&value) {
+                return Err(SensorError::NonUniformity { field, value, expected: "0 to 1" });
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,198 @@
+//! From the mean number of photoelectrons of a pixel to its voltage at the converter: every noise term, in the
+//! order in which the pixel meets them, on blocks of lanes.
+
+use super::{Exposure, NoiseMode, Sensor, SensorError};
+use crate::numeric::normal::normal_pair;
+use crate::numeric::philox::philox4x32;
+use crate::numeric::poisson::{LANES, LaneCounter, poisson_lanes};
+
+/// Word 2 of the generator's counter: what the numbers are for. Word 0 is the column, word 1 the row, word 3 the
+/// plane (upper half) and the attempt (lower half).
+mod purpose {
+    /// Light and read noise, keyed by the seed.
+    pub(super) const PIXEL: u32 = 0x5345_4e01;
+    /// Row noise, keyed by the seed.
+    pub(super) const ROW: u32 = 0x5345_4e02;
+    /// Gain, offset and defects of a pixel, keyed by the serial number.
+    pub(super) const PATTERN: u32 = 0x5345_4e03;
+    /// Offset of a column, keyed by the serial number.
+    pub(super) const COLUMN: u32 = 0x5345_4e04;
+}
+
+/// All that a block needs to know.
+pub(super) struct Readout {
+    mode: NoiseMode,
+    seed: [u32; 2],
+    serial: [u32; 2],
+    /// Exposure time of one plane, s.
+    time_s: f32,
+    dark_e: f64,
+    hot_dark_e: f64,
+    full_well_e: f64,
+    conversion_gain: f32,
+    prnu: f32,
+    dsnu_v: f32,
+    read_noise_v: f32,
+    row_noise_v: f32,
+    column_noise_v: f32,
+    /// Words below it: dead; below the second: hot. Both 33 bits, so that all pixels may be.
+    dead_below: u64,
+    hot_below: u64,
+    gain: f32,
+    offset_v: f32,
+    swing_v: f32,
+    /// Whether planes have separate patterns (a prism's sensors) or one (sequential captures).
+    separate_patterns: bool,
+}
+
+fn key(v: u64) -> [u32; 2] {
+    [v as u32, (v >> 32) as u32]
+}
+
+impl Readout {
+    pub(super) fn new(
+        sensor: &Sensor,
+        exposure: &Exposure,
+        time_s: f64,
+        mode: NoiseMode,
+        seed: u64,
+    ) -> Result<Self, SensorError> {
+        let (pixel, non) = (&sensor.pixel, &sensor.nonuniformity);
+        let temperature = sensor.dark_temperature.map_or(Ok(1.0), |t| t.factor())?;
+        let dark_e = |v_per_s: f64| v_per_s * temperature * time_s / pixel.conversion_gain_v_per_e;
+        let words = |fraction: f64| (fraction * 4_294_967_296.0).round() as u64;
+        let dead_below = words(non.dead_pixel_fraction);
+        Ok(Self {
+            mode,
+            seed: key(seed),
+            serial: key(non.device_serial),
+            time_s: time_s as f32,
+            dark_e: dark_e(pixel.dark_voltage_v_per_s),
+            hot_dark_e: dark_e(non.hot_pixel_dark_voltage_v_per_s),
+            full_well_e: pixel.full_well_e,
+            conversion_gain: pixel.conversion_gain_v_per_e as f32,
+            prnu: non.prnu_fraction as f32,
+            dsnu_v: non.dsnu_v as f32,
+            read_noise_v: pixel.read_noise_v as f32,
+            row_noise_v: non.row_noise_v as f32,
+            column_noise_v: non.column_noise_v as f32,
+            dead_below,
+            hot_below: dead_below + words(non.hot_pixel_fraction),
+            gain: exposure.analog_gain as f32,
+            offset_v: exposure.analog_offset_v as f32,
+            swing_v: pixel.voltage_swing_v as f32,
+            separate_patterns: sensor.architecture == super::ColorArchitecture::Prism,
+        })
+    }
+
+    fn pattern_plane(&self, plane: u32) -> u32 {
+        if self.separate_patterns { plane << 16 } else { 0 }
+    }
+
+    /// Fixed offsets of the columns from `first` on, V.
+    pub(super) fn column_offsets(&self, first: u32, plane: u32, out: &mut [f32]) {
+        if self.mode != NoiseMode::All {
+            return out.fill(0.0);
+        }
+        for (i, o) in out.iter_mut().enumerate() {
+            let counter = [first.wrapping_add(i as u32), 0, purpose::COLUMN, self.pattern_plane(plane)];
+            let w = philox4x32(counter, self.serial);
+            *o = self.column_noise_v * normal_pair(w[0], w[1]).0;
+        }
+    }
+
+    /// The offset of a row in this capture, V.
+    #[inline(always)]
+    pub(super) fn row_offset(&self, row: u32, plane: u32) -> f32 {
+        let w = philox4x32([0, row, purpose::ROW, plane << 16], self.seed);
+        self.row_noise_v * normal_pair(w[0], w[1]).0
+    }
+
+    /// Volts at the converter of the pixels from `(row, col)` on, not above the swing. `light` is photoelectrons
+    /// per second.
+    #[inline(always)]
+    pub(super) fn block(
+        &self,
+        (row, col, plane): (u32, u32, u32),
+        light: &[f32; LANES],
+        fixed_offset_v: &[f32; LANES],
+        volts: &mut [f32; LANES],
+    ) {
+        let mut electrons = [0.0f64; LANES];
+        for i in 0..LANES {
+            electrons[i] = f64::from(light[i] * self.time_s);
+        }
+        let mut response = [1.0f32; LANES];
+        let mut offset = [0.0f32; LANES];
+        if self.mode == NoiseMode::All {
+            self.pattern((row, col, plane), &mut electrons, &mut response, &mut offset);
+        }
+        if self.mode != NoiseMode::None {
+            let counter = LaneCounter {
+                key: self.seed,
+                first: col,
+                row,
+                purpose: purpose::PIXEL,
+                attempt: plane << 16,
+            };
+            let words = counter.block();
+            poisson_lanes(&counter, [&words[0], &words[1]], &mut electrons);
+            if self.mode == NoiseMode::All && self.read_noise_v > 0.0 {
+                for i in 0..LANES {
+                    offset[i] += self.read_noise_v * normal_pair(words[2][i], words[3][i]).0;
+                }
+            }
+        }
+        if self.mode == NoiseMode::All {
+            let row_offset = if self.row_noise_v > 0.0 { self.row_offset(row, plane) } else { 0.0 };
+            for i in 0..LANES {
+                offset[i] += row_offset + fixed_offset_v[i];
+            }
+        }
+        for i in 0..LANES {
+            let v = electrons[i].min(self.full_well_e) as f32 * self.conversion_gain;
+            let v = v * response[i] + offset[i];
+            volts[i] = ((v + self.offset_v) * self.gain).min(self.swing_v);
+        }
+    }
+
+    /// Adds dark current, takes out dead pixels, and gives each pixel its gain and offset.
+    #[inline(always)]
+    fn pattern(
+        &self,
+        (row, col, plane): (u32, u32, u32),
+        electrons: &mut [f64; LANES],
+        response: &mut [f32; LANES],
+        offset: &mut [f32; LANES],
+    ) {
+        let defects = self.hot_below > 0;
+        if !defects {
+            for e in electrons.iter_mut() {
+                *e += self.dark_e;
+            }
+        }
+        if !defects && self.prnu == 0.0 && self.dsnu_v == 0.0 {
+            return;
+        }
+        let counter = LaneCounter {
+            key: self.serial,
+            first: col,
+            row,
+            purpose: purpose::PATTERN,
+            attempt: self.pattern_plane(plane),
+        };
+        let words = counter.block();
+        for i in 0..LANES {
+            let (a, b) = normal_pair(words[0][i], words[1][i]);
+            response[i] = (1.0 + self.prnu * a).max(0.0);
+            offset[i] = self.dsnu_v * b;
+        }
+        if defects {
+            for i in 0..LANES {
+                let w = u64::from(words[2][i]);
+                let dark = if w < self.hot_below { self.hot_dark_e } else { self.dark_e };
+                electrons[i] = if w < self.dead_below { 0.0 } else { electrons[i] + dark };
+            }
+        }
+    }
+}

@@ -1,0 +1,29 @@
+# `just` lists the recipes.
+default:
+    @just --list
+
+# The tests.
+test:
+    cargo test --workspace
+
+# Everything that must hold before a change lands.
+ci:
+    .ci/run
+
+# All benchmarks; `just bench optics` runs one.
+bench name="":
+    cargo bench --workspace {{ if name == "" { "" } else { "--bench " + name } }}
+
+# Bayer demosaicking against OpenCV, in one run.
+bench-opencv:
+    python3 tools/bench_opencv.py
+
+# Fuzzes one parser for a minute: `just fuzz exr`.
+fuzz target seconds="60":
+    cd fuzz && RUSTC_BOOTSTRAP=1 cargo fuzz run {{target}} -- -max_total_time={{seconds}}
+
+# Regenerates the tables of published figures.
+tables:
+    python3 tools/generate_tables.py
+    python3 tools/generate_cameras.py
+    cargo fmt --all
