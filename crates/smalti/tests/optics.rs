@@ -210,6 +210,30 @@ fn defocus_is_the_same_by_all_ways() {
 }
 
 #[test]
+fn a_spread_function_from_outside_blurs_like_the_lens_it_came_from() {
+    let lens = Optics { model: zernike(&[0.0, 0.0, 0.0, 0.1, 0.05, 0.0, 0.1, 0.05]), ..perfect() };
+    let wavelengths: Vec<f64> = grid().wavelengths_nm().collect();
+    let psf = |nm: &f64| lens.psf(*nm, 10.0, 0.5e-6, 256).unwrap().into_data();
+    // Spread functions of a band-limited transfer are not negative but for rounding.
+    let data = wavelengths.iter().flat_map(psf).map(|v: f32| v.max(0.0)).collect();
+    let stack = PsfStack::new(wavelengths, Planes::new(256, 256, 3, data).unwrap(), 0.5e-6).unwrap();
+    let outside = Optics { model: OpticsModel::Psf(stack), ..perfect() };
+    let scene = scene(64, 64, 2e-6, |r, c| if (20..40).contains(&r) && c > 30 { 1.0 } else { 0.1 });
+    // The same torus for both: all of it is in the image.
+    let padding = Padding { boundary: Boundary::Dark, margin: 1.0 };
+    let image = |o: Optics| Optics { padding, ..o }.image(&scene).unwrap();
+    let (a, b) = (image(lens), image(outside));
+    let (a, b) = (a.irradiance().planes(), b.irradiance().planes());
+    for band in 0..3 {
+        let peak = a.plane(band).iter().copied().fold(0.0, f32::max);
+        // The tails that a spread function of 128 µm cuts off.
+        let worst =
+            a.plane(band).iter().zip(b.plane(band)).map(|(x, y)| (x - y).abs() / peak).fold(0.0, f32::max);
+        assert!(worst < 2e-3, "{band} {worst}");
+    }
+}
+
+#[test]
 fn the_airy_disc_is_first_dark_at_1_22_lambda_n() {
     let psf = perfect().psf(550.0, f64::INFINITY, 0.02e-6, 1024).unwrap();
     let line = &psf.data()[512 * 1024..513 * 1024];

@@ -98,7 +98,7 @@ impl OtfOnGrid<'_> {
                 let mean_phase = mean_phase.at_column(fx);
                 for (ky, v) in column.iter_mut().enumerate() {
                     let fy = fy(ky);
-                    let limit = lookup(limit, (fx.hypot(fy) / otf.cutoff_cy_per_m) as f32);
+                    let limit = lookup(limit, ((fx * fx + fy * fy).sqrt() / otf.cutoff_cy_per_m) as f32);
                     *v = if limit > 0.0 { *v * mean_phase.at(fy) * limit } else { Complex32::ZERO };
                 }
             }
@@ -161,7 +161,9 @@ pub(super) struct FrequencyGrid {
 
 /// A [`FrequencyGrid`] at one horizontal frequency.
 struct GridColumn {
+    side: i64,
     step_cy_per_m: f64,
+    /// One period, and its first three values again.
     values: Vec<Complex32>,
 }
 
@@ -180,8 +182,9 @@ impl FrequencyGrid {
 
     /// Interpolated along x at every vertical node, so that a column costs four products per sample, not sixteen.
     fn at_column(&self, fx: f64) -> GridColumn {
-        let values = (0..self.side as i64).map(|ky| self.along_x(fx, ky)).collect();
-        GridColumn { step_cy_per_m: self.step_cy_per_m, values }
+        let side = self.side as i64;
+        let values = (0..side + 3).map(|ky| self.along_x(fx, ky)).collect();
+        GridColumn { side, step_cy_per_m: self.step_cy_per_m, values }
     }
 
     fn along_x(&self, fx: f64, ky: i64) -> Complex32 {
@@ -204,23 +207,26 @@ impl FrequencyGrid {
 impl GridColumn {
     fn at(&self, fy: f64) -> Complex32 {
         let (first, weights) = keys1981(fy / self.step_cy_per_m);
-        let side = self.values.len() as i64;
-        let nodes = (first..).zip(weights);
-        nodes.map(|(ky, w)| self.values[ky.rem_euclid(side) as usize] * w).sum()
+        // Frequencies are asked for up to half the period either way.
+        let first = if first < 0 { first + self.side } else { first };
+        let nodes = self.values.get(first as usize..).unwrap_or(&[]);
+        nodes.iter().zip(weights).map(|(v, w)| v * w).sum()
     }
 }
 
 /// First node and weights of the cubic that interpolates at `x` (Keys 1981, a = −1/2).
 fn keys1981(x: f64) -> (i64, [f32; 4]) {
-    let base = x.floor();
-    let t = (x - base) as f32;
+    // Not `floor`, which is a call into libm on x86-64 without SSE4.1.
+    let toward_zero = x as i64;
+    let base = toward_zero - i64::from(toward_zero as f64 > x);
+    let t = (x - base as f64) as f32;
     let weights = [
         ((-0.5 * t + 1.0) * t - 0.5) * t,
         (1.5 * t - 2.5) * t * t + 1.0,
         ((-1.5 * t + 2.0) * t + 0.5) * t,
         (0.5 * t - 0.5) * t * t,
     ];
-    (base as i64 - 1, weights)
+    (base.saturating_sub(1), weights)
 }
 
 #[cfg(test)]

@@ -125,8 +125,7 @@ pub enum WavefrontUnit {
 
 /// A wavefront error as a sum of Zernike modes, the same length at every wavelength.
 ///
-/// A positive error delays nothing and advances nothing in itself; what is fixed is the image: a tilt with a
-/// positive coefficient moves the image towards +x (right) or +y (up).
+/// The sign is fixed by the image: a tilt with a positive coefficient moves it towards +x (right) or +y (up).
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Wavefront {
     /// Modes and their coefficients, m.

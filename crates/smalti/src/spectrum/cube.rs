@@ -1,5 +1,7 @@
 //! A spectral image: one plane per wavelength.
 
+use rayon::prelude::*;
+
 use super::{Spectrum, SpectrumError, WavelengthGrid};
 use crate::numeric::{Planes, ShapeError};
 
@@ -29,16 +31,18 @@ impl SpectralCube {
             }
             .into());
         }
-        for (i, plane) in planes.planes().enumerate() {
+        let bands = planes.data().par_chunks(planes.plane_len()).enumerate();
+        let bad = bands.find_map_first(|(i, plane)| {
             // The range holds neither NaN nor infinity.
-            if let Some(&bad) = plane.iter().find(|&v| !(0.0..=f32::MAX).contains(v)) {
-                return Err(SpectrumError::Value {
-                    quantity: "the spectral image",
-                    wavelength_nm: grid.wavelength_nm(i),
-                    value: f64::from(bad),
-                    expected: "radiance and irradiance are finite and not negative",
-                });
-            }
+            plane.iter().find(|v| !(0.0..=f32::MAX).contains(*v)).map(|&v| (i, v))
+        });
+        if let Some((i, bad)) = bad {
+            return Err(SpectrumError::Value {
+                quantity: "the spectral image",
+                wavelength_nm: grid.wavelength_nm(i),
+                value: f64::from(bad),
+                expected: "radiance and irradiance are finite and not negative",
+            });
         }
         Ok(Self { grid, planes })
     }
