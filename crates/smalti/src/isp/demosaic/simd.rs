@@ -173,8 +173,12 @@ fn weighted_block<T: Sample, const B: usize>(taps: &[LaneTap], step: usize, wind
             }
         }
     }
-    for (b, sum) in sums.into_iter().enumerate() {
-        let values = sum.map(T::from_f32);
+    for (b, sum) in sums.iter().enumerate() {
+        // Not `map`: its closure would be compiled without the instruction set, and called.
+        let mut values = [T::default(); LANES];
+        for lane in 0..LANES {
+            values[lane] = T::from_f32(sum[lane]);
+        }
         match out[b * step..].first_chunk_mut::<LANES>() {
             Some(full) => *full = values,
             // The last vector of a row; there are fewer lanes than the row's own.
