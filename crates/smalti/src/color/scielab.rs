@@ -38,7 +38,8 @@ pub enum KernelWidth {
 /// The observer's matrix to opponent colours.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Opponent {
-    /// From XYZ of a 2° observer (the paper's).
+    /// From XYZ of a 2° observer, as the paper has it; but Z goes into red-green with +0.077, as in its program: with
+    /// the −0.077 in print white would be far from neutral.
     #[default]
     Degrees2,
     /// From XYZ of the 10° observer (the first S-CIELAB program's).

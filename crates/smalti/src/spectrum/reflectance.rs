@@ -15,7 +15,7 @@ pub fn colorchecker(grid: WavelengthGrid) -> Result<Vec<(&'static str, Spectrum)
 /// Natural objects with their names: flowers, leaves, fruits, vegetables, barks and stones, 0 to 1; measured
 /// 380–780 nm, constant beyond. A selection in steps of 10 nm from the 359 spectra of Morimoto et al. (2022),
 /// "Spectral measurement of daylights and surface properties of natural objects in Japan", *Optics Express* 30(3),
-/// <https://doi.org/10.5281/zenodo.5189606>, CC BY 4.0.
+/// <https://doi.org/10.5281/zenodo.5189606>, CC BY 4.0. Below 400 nm those of small objects are noisy.
 ///
 /// # Errors
 /// Never for a valid grid.
