@@ -106,9 +106,9 @@ fn filters() -> Vec<Entry> {
 fn metric_list() -> Vec<Entry> {
     let entry = |m: &metrics::MetricInfo| Entry {
         name: m.name.into(),
-        summary: format!("[{}] {}", m.unit, m.summary),
+        summary: format!("[{}] {}", m.unit, m.doc),
         details: vec![m.source.into()],
-        json: json!({"name": m.name, "unit": m.unit, "summary": m.summary, "source": m.source}),
+        json: json!({"name": m.name, "unit": m.unit, "doc": m.doc, "source": m.source}),
     };
-    metrics::catalog().iter().map(entry).collect()
+    metrics::CATALOG.iter().map(entry).collect()
 }

@@ -5,8 +5,8 @@ use std::path::Path;
 use anyhow::Context;
 use serde_json::json;
 use smalti::camera::{Camera, Photograph};
-use smalti::color::scielab::{DeltaE, Scielab};
-use smalti::color::{ColorSpace, Image};
+use smalti::color::scielab::Scielab;
+use smalti::color::{ColorSpace, DeltaE, Image};
 use smalti::isp::{Isp, WhiteBalance};
 use smalti::metrics::Rect;
 use smalti::metrics::psnr::psnr;
@@ -138,7 +138,7 @@ fn metrics(
         let white = white.map(|v| v * peak);
         let score = scielab_score(&measured, &reference, white, &settings)?.mean;
         let whole = Rect::whole(measured.rows(), measured.cols());
-        (Some(score), Some(psnr(measured.planes(), reference.planes(), whole, peak)?.color_db))
+        (Some(score), Some(psnr(measured.planes(), reference.planes(), whole, peak)?.cpsnr_db))
     } else {
         (None, None)
     };

@@ -9,7 +9,7 @@ use smalti::spectrum::WavelengthGrid;
 
 use crate::camera_toml::{CameraSource, Override, beside};
 use crate::diagnostic::{Diagnostic, nearest};
-use crate::{npy, spectrum_csv, text};
+use crate::{Limits, npy, spectrum_csv, text};
 
 /// A built-in camera.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -99,7 +99,7 @@ fn read_files(d: &mut CameraDescription, source: &CameraSource) -> Result<(), Bo
     if let Some(psf) = &mut d.optics.psf {
         let path = beside(&source.folder, &psf.file);
         let read = || -> Result<(Planes, String), String> {
-            let array = npy::read(&path).map_err(|e| e.to_string())?;
+            let array = npy::read(&path, Limits::default()).map_err(|e| e.to_string())?;
             let (count, rows, cols) = match array.shape[..] {
                 [rows, cols] => (1, rows, cols),
                 [count, rows, cols] => (count, rows, cols),

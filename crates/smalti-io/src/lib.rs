@@ -8,6 +8,7 @@
 //! | [`dng`] | DNG (uncompressed) | [`smalti::sensor::RawImage`] |
 //! | [`npy`], [`stages`] | NumPy arrays and a JSON of their units | slices |
 //! | [`cache`] | own | [`smalti::optics::OpticalImage`] |
+//! | [`cameras`] | TOML | [`smalti::camera::Camera`] |
 //! | [`text`] | UTF-8 | `String` |
 //!
 //! Every reader has two doors: `read(path)` and `from_bytes(bytes, name)`. Neither panics on any input, and neither
@@ -15,6 +16,9 @@
 //! writes to a temporary file beside the target and renames it: a target is either whole or as it was.
 
 pub mod cache;
+mod camera_toml;
+pub mod cameras;
+mod diagnostic;
 pub mod dng;
 mod error;
 pub mod exr;
@@ -29,5 +33,7 @@ mod tiff_tags;
 mod wavelengths;
 pub mod write;
 
+pub use camera_toml::{CameraSource, Override};
+pub use diagnostic::Diagnostic;
 pub use error::IoError;
 pub use file::Limits;

@@ -54,6 +54,18 @@ pub struct NpyArray {
     pub data: NpyData,
 }
 
+impl NpyArray {
+    /// The elements in single precision.
+    #[must_use]
+    pub fn to_f32(&self) -> Vec<f32> {
+        match &self.data {
+            NpyData::F32(v) => v.clone(),
+            NpyData::F64(v) => v.iter().map(|&x| x as f32).collect(),
+            NpyData::U16(v) => v.iter().map(|&x| f32::from(x)).collect(),
+        }
+    }
+}
+
 /// Writes an array in C order.
 ///
 /// # Errors

@@ -12,7 +12,7 @@ mod write;
 use smalti::spectrum::{SpectralCube, Spectrum, WavelengthGrid};
 
 pub use layout::Layout;
-pub use read::{from_bytes, read};
+pub use read::{from_bytes, is_spectral, read};
 pub(crate) use rgb::rgb_from_bytes;
 pub use scene::SceneDefaults;
 pub use write::write;

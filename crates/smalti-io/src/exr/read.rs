@@ -49,6 +49,28 @@ pub fn from_bytes(bytes: &[u8], path: &Path, options: &ReadOptions) -> Result<Sp
     Err(IoError::field(path, "the spectrum", "absent", expected))
 }
 
+/// Whether a file has spectral channels in either layout; only its header is looked at.
+///
+/// # Errors
+/// When the file cannot be read or is not OpenEXR.
+pub fn is_spectral(path: &Path, options: &ReadOptions) -> Result<bool, IoError> {
+    let bytes = file::read(path, options.limits.file_bytes)?;
+    let meta = guarded(path, "OpenEXR", || {
+        MetaData::read_from_buffered(Cursor::new(&bytes), false).map_err(|e| IoError::Decode {
+            path: path.to_owned(),
+            format: "OpenEXR",
+            message: e.to_string(),
+        })
+    })?;
+    for header in &meta.headers {
+        let names: Vec<String> = header.channels.list.iter().map(|c| c.name.to_string()).collect();
+        if bands(names.iter().map(String::as_str), path)?.is_some() {
+            return Ok(true);
+        }
+    }
+    Ok(false)
+}
+
 /// All layers, flat, at full resolution, after the header was compared with the length of the file.
 pub(super) fn load(
     bytes: &[u8],

@@ -2,11 +2,12 @@
 
 use super::CameraError;
 use super::description::{
-    CameraDescription, ColorCorrectionName, DemosaicName, WhiteBalanceName,
+    CameraDescription, ColorCorrectionName, DemosaicName, OutputName, WhiteBalanceName,
 };
 use super::resolve::{self, ExposureTime};
 use crate::color::{ColorSpace, Image};
-use crate::isp::{Classic, ColorConstraint, Demosaic, Isp, WhiteBalance, color_matrix};
+use crate::isp::{Classic, ColorConstraint, Demosaic, Isp, IspError, WhiteBalance, color_matrix};
+use crate::numeric::least_squares::{Matrix, lstsq};
 use crate::optics::{OpticalImage, Optics};
 use crate::scene::Scene;
 use crate::sensor::{
@@ -110,16 +111,23 @@ impl Camera {
         Ok(Window { row, col, rows, cols })
     }
 
+    /// The exposure without its time, which is 1 s.
+    #[must_use]
+    pub fn gain_and_offset(&self) -> Exposure {
+        Exposure { time_s: 1.0, analog_gain: self.analog_gain, analog_offset_v: self.analog_offset_v }
+    }
+
     /// The exposure for an optical image: the stated time, or the one that the rule finds.
     ///
     /// # Errors
     /// When there is no light to find a time by.
     pub fn exposure(&self, image: &OpticalImage) -> Result<Exposure, CameraError> {
-        let fixed = |time_s| Exposure { time_s, analog_gain: self.analog_gain, analog_offset_v: self.analog_offset_v };
-        match self.exposure_time {
-            ExposureTime::Fixed(time_s) => Ok(fixed(time_s)),
-            ExposureTime::Auto(rule) => Ok(fixed(rule.exposure_time(&self.sensor, image, &fixed(1.0))?)),
-        }
+        let exposure = self.gain_and_offset();
+        let time_s = match self.exposure_time {
+            ExposureTime::Fixed(time_s) => time_s,
+            ExposureTime::Auto(rule) => rule.exposure_time(&self.sensor, image, &exposure)?,
+        };
+        Ok(Exposure { time_s, ..exposure })
     }
 
     /// The processing for scenes under a light (photons): demosaicking, white balance, colour matrix.
@@ -128,13 +136,9 @@ impl Camera {
     /// When the colour matrix cannot be computed.
     pub fn isp(&self, light: &Spectrum, white_balance: WhiteBalance) -> Result<Classic, CameraError> {
         let isp = &self.description.isp;
-        let surfaces = match isp.color_correction {
-            ColorCorrectionName::Macbeth => reflectance::colorchecker(self.grid)?,
-            ColorCorrectionName::Natural => reflectance::natural(self.grid)?,
-        };
-        let surfaces: Vec<Spectrum> = surfaces.into_iter().map(|(_, s)| s).collect();
+        let surfaces = self.surfaces()?;
         let constraint = if isp.preserve_white { ColorConstraint::PreserveWhite } else { ColorConstraint::None };
-        let responsivities = self.sensor_responsivities()?;
+        let responsivities = self.responsivities()?;
         let matrix = color_matrix(&responsivities, &surfaces, light, Observer::Cie1931, constraint)?;
         let demosaic = match isp.demosaic {
             DemosaicName::Bilinear => Demosaic::Bilinear,
@@ -142,6 +146,54 @@ impl Camera {
             DemosaicName::Adaptive => Demosaic::Adaptive,
         };
         Ok(Classic { demosaic, white_balance, ..Classic::new(matrix) })
+    }
+
+    /// Camera values from XYZ under a light (photons), a row per channel, as raw files state it: least squares over the
+    /// surfaces that the colour matrix is fitted to.
+    ///
+    /// # Errors
+    /// When the solver fails.
+    pub fn camera_from_xyz(&self, light: &Spectrum) -> Result<Vec<[f64; 3]>, CameraError> {
+        let responsivities = self.responsivities()?;
+        let observer = Observer::Cie1931.photon_weights(self.grid)?;
+        let white = |s: &Spectrum| Ok::<f64, CameraError>(s.times(light)?.integral());
+        let camera_white = responsivities.iter().map(white).collect::<Result<Vec<_>, _>>()?;
+        let camera_scale = camera_white.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
+        let observer_scale = white(&observer[1])?;
+        let (mut xyz, mut camera) = (Vec::new(), Vec::new());
+        let surfaces = self.surfaces()?;
+        for surface in &surfaces {
+            let lit = surface.times(light)?;
+            for (list, curves, scale) in
+                [(&mut xyz, &observer[..], observer_scale), (&mut camera, &responsivities[..], camera_scale)]
+            {
+                for curve in curves {
+                    list.push(curve.times(&lit)?.integral() / scale);
+                }
+            }
+        }
+        let (rows, channels) = (surfaces.len(), responsivities.len());
+        let solved = lstsq(Matrix::new(rows, 3, &xyz), Matrix::new(rows, channels, &camera)).map_err(IspError::from)?;
+        let entry = |row: usize, channel: usize| solved.get(row * channels + channel).copied().unwrap_or(0.0);
+        Ok((0..channels).map(|c| std::array::from_fn(|row| entry(row, c))).collect())
+    }
+
+    /// The reflectances that the colour matrix is fitted to.
+    fn surfaces(&self) -> Result<Vec<Spectrum>, CameraError> {
+        let named = match self.description.isp.color_correction {
+            ColorCorrectionName::Macbeth => reflectance::colorchecker(self.grid)?,
+            ColorCorrectionName::Natural => reflectance::natural(self.grid)?,
+        };
+        Ok(named.into_iter().map(|(_, s)| s).collect())
+    }
+
+    /// The colour space that pictures are written in.
+    #[must_use]
+    pub fn output_space(&self) -> ColorSpace {
+        match self.description.isp.output {
+            OutputName::Srgb => ColorSpace::Srgb,
+            OutputName::DisplayP3 => ColorSpace::DisplayP3,
+        }
     }
 
     /// The white balance of the description.
@@ -155,7 +207,7 @@ impl Camera {
     }
 
     /// Electrons per photon that enters the lens, per channel: lens, filters, quantum efficiency.
-    fn sensor_responsivities(&self) -> Result<Vec<Spectrum>, CameraError> {
+    fn responsivities(&self) -> Result<Vec<Spectrum>, CameraError> {
         let lens = self.optics.transmittance_on(self.grid)?;
         let channels = self.sensor.spectral_responsivity_on(self.grid)?;
         channels.iter().map(|c| Ok(c.times(&lens)?)).collect()

@@ -8,8 +8,11 @@
 use serde::Serialize;
 
 use super::{Camera, CameraError};
-use crate::color::Image;
+use crate::color::display::Primaries;
+use crate::color::matrix::{IDENTITY, product};
+use crate::color::{Adaptation, Image};
 use crate::isp::{Isp, WhiteBalance};
+use crate::metrics::aliasing::{Aliasing, aliasing};
 use crate::metrics::color_accuracy::{LabWhite, color_accuracy};
 use crate::metrics::dynamic_range::dynamic_range;
 use crate::metrics::esfr::{EsfrOptions, edge_sfr};
@@ -18,7 +21,7 @@ use crate::metrics::{MetricError, Rect, patch_means};
 use crate::numeric::Planes;
 use crate::optics::OpticalImage;
 use crate::scene::{self, Scene, Setting, SlantedBar, ZonePlate, macbeth};
-use crate::sensor::NoiseMode;
+use crate::sensor::{Exposure, NoiseMode};
 use crate::spectrum::{Illuminant, Observer};
 
 /// Pixels of the sensor that a patch of the chart spans.
@@ -38,6 +41,8 @@ const ZONE_SAMPLES_PER_PX: usize = 3;
 /// Patches of the grey series, from white to black.
 const GREYS: std::ops::Range<usize> = 18..24;
 const WHITE: usize = 18;
+/// Luminance of the primaries of sRGB (IEC 61966-2-1).
+const SRGB_LUMINANCE: [f64; 3] = [0.2126, 0.7152, 0.0722];
 /// The plane Y of a picture in XYZ.
 const LUMINANCE: usize = 1;
 
@@ -100,9 +105,11 @@ pub struct Evaluation {
     pub mtf50_cy_per_px: f64,
     /// `100 · std(Y) / mean(Y)` on the grey series, percent.
     pub luminance_noise_percent: PatchScores,
-    /// Share of the zone plate's picture that is not in the zone plate, percent.
+    /// Energy in the picture of the zone plate that is not in the zone plate, percent.
     pub aliasing_percent: f64,
-    /// Signal range of the pixel, from read noise to saturation, dB.
+    /// The part of it that is colour.
+    pub color_aliasing_percent: f64,
+    /// From the smallest signal that stands out of the dark noise to saturation, dB (EMVA 1288).
     pub dynamic_range_db: f64,
     /// Exposure times.
     pub exposure: ExposureTimes,
@@ -152,6 +159,7 @@ pub fn evaluate(
     let (chart, edge, zone) = (chart?, edge?, zone?);
     let colors = chart_scores(camera, &setting, &chart)?;
     let mtf50_cy_per_px = edge_mtf50(&edge.clean)?;
+    let aliasing = zone_plate_aliasing(&zone, &setting)?;
     let evaluation = Evaluation {
         luminance_cd_m2: settings.luminance_cd_m2,
         delta_e_76: colors.delta_e_76.into(),
@@ -159,8 +167,9 @@ pub fn evaluate(
         mtf50_cy_per_mm: mtf50_cy_per_px / (camera.sensor.pixel.pitch_m * 1e3),
         mtf50_cy_per_px,
         luminance_noise_percent: colors.luminance_noise_percent.into(),
-        aliasing_percent: 0.0,
-        dynamic_range_db: 0.0,
+        aliasing_percent: aliasing.total_percent,
+        color_aliasing_percent: aliasing.color_percent,
+        dynamic_range_db: pixel_dynamic_range_db(camera)?,
         exposure: ExposureTimes { macbeth_s: chart.time_s, edge_s: edge.time_s, zone_plate_s: zone.time_s },
         seed: settings.seed,
     };
@@ -168,7 +177,7 @@ pub fn evaluate(
         macbeth: chart.noisy,
         edge: edge.clean,
         zone_plate: zone.clean,
-        aliasing: Planes::zeros(1, 1, 3),
+        aliasing: aliasing.difference,
     };
     Ok((evaluation, pictures))
 }
@@ -274,4 +283,39 @@ fn edge_mtf50(picture: &Image) -> Result<f64, CameraError> {
     let sfr = edge_sfr(picture.planes(), LUMINANCE, EDGE_REGION, &EsfrOptions::default())?;
     let missing = MetricError::NoEdge { reason: "the response does not fall to one half" };
     Ok(sfr.mtf50_cy_per_px.ok_or(missing)?)
+}
+
+/// Compared in linear sRGB with the light made white, where the zone plate is neutral.
+fn zone_plate_aliasing(shots: &Shots, setting: &Setting) -> Result<Aliasing, CameraError> {
+    let white = Observer::Cie1931.xyz_from_photons(&setting.illuminant.photons(setting.grid)?)?;
+    let (picture, reference) = (linear_srgb(&shots.clean, white), linear_srgb(&shots.reference, white));
+    Ok(aliasing(&picture, &reference, &SRGB_LUMINANCE)?)
+}
+
+/// A picture in XYZ with its white made that of sRGB.
+fn linear_srgb(picture: &Image, white: [f64; 3]) -> Planes {
+    let d65 = Primaries::SRGB.white_xyz().unwrap_or([1.0; 3]);
+    let adapted = Adaptation::Bradford.matrix(d65, white).unwrap_or(IDENTITY);
+    let rgb_from_xyz = product(&Primaries::SRGB.rgb_from_xyz().unwrap_or(IDENTITY), &adapted);
+    let xyz = picture.planes();
+    let mut rgb = Planes::zeros(xyz.rows(), xyz.cols(), 3);
+    for (c, row) in rgb_from_xyz.iter().enumerate() {
+        let [x, y, z] = row.map(|v| v as f32);
+        let of = xyz.plane(0).iter().zip(xyz.plane(1)).zip(xyz.plane(2));
+        for (out, ((a, b), c)) in rgb.plane_mut(c).iter_mut().zip(of) {
+            *out = x * a + y * b + z * c;
+        }
+    }
+    rgb
+}
+
+fn pixel_dynamic_range_db(camera: &Camera) -> Result<f64, CameraError> {
+    let (sensor, pixel) = (&camera.sensor, &camera.sensor.pixel);
+    let exposure = Exposure { time_s: 0.0, ..camera.gain_and_offset() };
+    let volts_per_e = pixel.conversion_gain_v_per_e * exposure.analog_gain;
+    let zero_v = exposure.analog_offset_v * exposure.analog_gain;
+    let step_v = if sensor.adc.bits == 0 { 0.0 } else { pixel.voltage_swing_v / sensor.adc.levels() };
+    let saturation_e = (sensor.saturation_v(&exposure) - zero_v) / volts_per_e;
+    let read_e = pixel.read_noise_v / pixel.conversion_gain_v_per_e;
+    Ok(dynamic_range(saturation_e, read_e, step_v / volts_per_e)?.db)
 }

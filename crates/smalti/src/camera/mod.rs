@@ -9,5 +9,5 @@ mod resolve;
 pub use self::camera::{Camera, Photograph};
 pub use description::CameraDescription;
 pub use error::CameraError;
-pub use evaluate::{Evaluation, EvaluationSettings, PatchScores, evaluate};
+pub use evaluate::{Evaluation, EvaluationPictures, EvaluationSettings, ExposureTimes, OpticalImages, PatchScores, evaluate};
 pub use resolve::ExposureTime;

@@ -2,6 +2,9 @@
 
 use crate::spectrum::{Observer, SpectralCube, SpectrumError};
 
+/// Raised whenever a change alters the optical image of some lens and scene: what was kept of older revisions is void.
+pub const OPTICAL_IMAGE_REVISION: u32 = 1;
+
 /// Spectral irradiance on the sensor plane, photons s⁻¹ m⁻² nm⁻¹, centred on the optical axis. Sample `(r, c)`
 /// is the mean over a square of side `sample_spacing_m`.
 #[derive(Debug, Clone, PartialEq)]

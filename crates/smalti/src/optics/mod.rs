@@ -28,7 +28,7 @@ mod zernike;
 pub use error::OpticsError;
 pub use focus::{ChromaticFocus, Defocus};
 pub use geometry::Geometry;
-pub use image::OpticalImage;
+pub use image::{OPTICAL_IMAGE_REVISION, OpticalImage};
 pub use lens::{Falloff, Optics, OpticsModel, Transmittance};
 pub use olpf::BirefringentLowPass;
 pub use otf::Otf;
