@@ -18,8 +18,7 @@ mod point_grid;
 mod quadrature;
 mod raster;
 mod resolution_chart;
-#[allow(clippy::module_inception)] // the type that the module is about
-mod scene;
+mod radiance;
 mod setting;
 mod siemens_star;
 mod slanted_bar;
@@ -36,7 +35,7 @@ pub use self::grey_steps::{GreySteps, grey_steps};
 pub use self::hdr::hdr;
 pub use self::point_grid::{PointGrid, point_grid};
 pub use self::resolution_chart::{ResolutionChart, resolution_chart};
-pub use self::scene::Scene;
+pub use self::radiance::Scene;
 pub use self::setting::Setting;
 pub use self::siemens_star::{SiemensStar, siemens_star};
 pub use self::slanted_bar::{SlantedBar, slanted_bar};
