@@ -13,7 +13,7 @@ use crate::numeric::ShapeError;
 use crate::sensor::{Mosaic, RawImage, RawSamples};
 
 /// Rows done by one task. Fixed, so that the work is cut the same way for any number of threads.
-pub(super) const BAND_ROWS: usize = 16;
+pub(super) const BAND_ROWS: usize = 32;
 /// Vectors of weights that may be kept; a tile that needs more is done pixel by pixel.
 const MAX_VECTORS: usize = 1 << 15;
 

@@ -161,32 +161,37 @@ fn weighted_row_body<T: Sample>(taps: &[LaneTap], spans: &[(usize, usize)], wind
 /// `B` vectors of pixels, `step` apart.
 #[inline(always)]
 fn weighted_block<T: Sample, const B: usize>(taps: &[LaneTap], step: usize, window: &[f32], out: &mut [T]) {
+    // Windows of one length, one per vector, so that each tap is checked against their end once.
+    let Some(len) = window.len().checked_sub((B - 1) * step) else { return };
+    let mut windows = [window; B];
+    for (b, w) in windows.iter_mut().enumerate() {
+        *w = &window[b * step..][..len];
+    }
     let mut sums = [[0.0f32; LANES]; B];
     for tap in taps {
-        for (b, sum) in sums.iter_mut().enumerate() {
-            let at = tap.offset + b * step;
-            let Some(samples) = window.get(at..at + LANES).and_then(|s| s.first_chunk::<LANES>()) else {
-                return;
-            };
+        let (from, to) = (tap.offset, tap.offset + LANES);
+        if from > to || to > len {
+            return;
+        }
+        for b in 0..B {
+            let samples = &windows[b][from..to];
             for lane in 0..LANES {
-                sum[lane] += tap.weights[lane] * samples[lane];
+                sums[b][lane] += tap.weights[lane] * samples[lane];
             }
         }
     }
     for (b, sum) in sums.iter().enumerate() {
-        // Not `map`: its closure would be compiled without the instruction set, and called.
+        // A loop, not `map`: its closure would be compiled without the instruction set, and called. And by way of an
+        // array of its own: written straight to `out`, the sums are kept in memory rather than in registers.
         let mut values = [T::default(); LANES];
         for lane in 0..LANES {
             values[lane] = T::from_f32(sum[lane]);
         }
-        match out[b * step..].first_chunk_mut::<LANES>() {
+        let out = &mut out[b * step..];
+        match out.first_chunk_mut::<LANES>() {
             Some(full) => *full = values,
-            // The last vector of a row; there are fewer lanes than the row's own.
-            None => {
-                for (o, v) in out[b * step..].iter_mut().zip(values) {
-                    *o = v;
-                }
-            }
+            // The last vector of a row, cut off by its end.
+            None => out.iter_mut().zip(values).for_each(|(o, v)| *o = v),
         }
     }
 }
