@@ -1,4 +1,5 @@
-//! Spatial frequency response from a slanted edge (e-SFR), in the manner of ISO 12233 ([iso12233], [burns2000]).
+//! Spatial frequency response from a slanted edge (e-SFR), in the manner of ISO 12233 ([iso12233]) and
+//! P. D. Burns (2000), "Slanted-edge MTF for digital camera and scanner analysis", IS&T PICS.
 //!
 //! An edge that is a little slanted is met by every line of pixels at another phase; all lines together sample
 //! its profile much finer than the pixels do. On each line the edge is located by the centroid of the windowed
@@ -7,7 +8,6 @@
 //! line spread; the modulus of its Fourier transform, 1 at frequency 0, is the response.
 //!
 //! [iso12233]: https://www.iso.org/standard/71696.html
-//! [burns2000]: Peter D. Burns, Slanted-edge MTF for digital camera and scanner analysis, IS&T PICS 2000
 
 mod edge;
 mod region;
