@@ -24,6 +24,9 @@ use crate::{IoError, text, write};
 /// Most samples that resampling makes.
 pub const MAX_SAMPLES: usize = 10_000;
 
+/// Most values that resampling makes in all columns together.
+const MAX_VALUES: usize = 1 << 20;
+
 /// Spectra of one file, all on one grid.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SpectrumTable {
@@ -155,7 +158,9 @@ pub fn parse(text: &str, path: &Path) -> Result<SpectrumTable, IoError> {
         return Err(IoError::field(path, "the table", found, "at least two wavelengths"));
     }
 
-    let grid = uniform_grid(&wavelengths_nm, MAX_SAMPLES).at(path)?;
+    // Many columns share the samples: a small file must not ask for much memory.
+    let most = MAX_SAMPLES.min(MAX_VALUES / names.len()).max(wavelengths_nm.len());
+    let grid = uniform_grid(&wavelengths_nm, most).at(path)?;
     let places = places(&wavelengths_nm, grid);
     let resampled = |v: &[f64]| {
         let at = |i: usize| v.get(i).copied().unwrap_or(0.0);
@@ -239,6 +244,15 @@ mod tests {
         for (got, want) in s.values().iter().zip([0.0, 1.0, 2.0, 3.0, 4.0]) {
             assert!((got - want).abs() < 1e-12);
         }
+    }
+
+    #[test]
+    fn many_columns_share_the_samples() {
+        let columns = 2000;
+        let row = |nm: f64| format!("{nm}{}\n", ",1".repeat(columns));
+        let text = [400.0, 400.001, 800.0].map(row).concat();
+        let grid = parse(&text, Path::new("f")).unwrap().columns()[0].1.grid();
+        assert_eq!(grid.len(), MAX_VALUES / columns);
     }
 
     #[test]

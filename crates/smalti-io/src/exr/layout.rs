@@ -207,7 +207,7 @@ mod tests {
     fn gaps_and_repetitions_are_errors() {
         let path = Path::new("f.exr");
         let of = |names: &[&'static str]| {
-            bands(names.to_vec().into_iter(), path).map(|_| ()).map_err(|e| e.to_string())
+            bands(names.iter().copied(), path).map(|_| ()).map_err(|e| e.to_string())
         };
         assert!(of(&["Radiance.C01", "Radiance.C03"]).unwrap_err().contains("Radiance.C02"));
         assert!(of(&["S0.400nm", "S0.400,0nm"]).unwrap_err().contains("in two channels"));

@@ -111,8 +111,8 @@ pub(super) fn load(
     })
 }
 
-fn text<'a>(attributes: &'a HashMap<Text, AttributeValue>, name: &str) -> Option<String> {
-    attributes.iter().find(|(key, _)| key.to_string() == name).and_then(|(_, value)| match value {
+fn text(attributes: &HashMap<Text, AttributeValue>, name: &str) -> Option<String> {
+    attributes.iter().find(|(key, _)| **key == *name).and_then(|(_, value)| match value {
         AttributeValue::Text(text) => Some(text.to_string()),
         _ => None,
     })

@@ -105,7 +105,7 @@ impl SpectralFile {
                 return Err(IoError::field(&path, "luminance_cd_m2", found, "more than 0"));
             }
             let mean = mean_luminance(&radiance, &path)?;
-            if !(mean > 0.0) {
+            if mean <= 0.0 {
                 return Err(IoError::field(&path, "the mean luminance", "0", "light to scale"));
             }
             let factor = luminance / mean;

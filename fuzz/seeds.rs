@@ -1,0 +1,79 @@
+//! Writes a small corpus for every target, from our own writers: `cargo run --bin seeds -- corpus`.
+
+use std::error::Error;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use smalti::color::{ColorSpace, Image};
+use smalti::numeric::Planes;
+use smalti::sensor::{Mosaic, RawImage, RawSamples, Sampling};
+use smalti::spectrum::{SpectralCube, Spectrum, WavelengthGrid};
+use smalti_io::exr::{Layout, Quantity, SpectralFile};
+use smalti_io::picture::Depth;
+use smalti_io::{dng, exr, npy, picture, spectrum_csv};
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let corpus = PathBuf::from(std::env::args().nth(1).ok_or("usage: seeds FOLDER")?);
+    let folder = |target: &str| -> Result<PathBuf, std::io::Error> {
+        let dir = corpus.join(target);
+        fs::create_dir_all(&dir)?;
+        Ok(dir)
+    };
+    let ramp = |n: usize| (0..n).map(|i| i as f32 / n as f32).collect::<Vec<f32>>();
+
+    let dir = folder("spectrum_csv")?;
+    let grid = WavelengthGrid::new(400.0, 50.0, 7)?;
+    let flat = Spectrum::constant(grid, 0.5);
+    spectrum_csv::write(&dir.join("two.csv"), &[("R", &flat), ("G", &flat)])?;
+    fs::write(dir.join("unequal.csv"), "# comment\nnm,v\n400,1\n405,2\n420,3\n")?;
+
+    let dir = folder("exr")?;
+    let cube = SpectralCube::new(grid, Planes::new(3, 4, 7, ramp(84))?)?;
+    for (quantity, layout) in [
+        (Quantity::Photons, Layout::Fichet2021),
+        (Quantity::Energy, Layout::Pbrt),
+        (Quantity::Reflectance, Layout::Fichet2021),
+    ] {
+        let file = SpectralFile {
+            name: "seed".into(),
+            cube: cube.clone(),
+            quantity,
+            illuminant: Some(flat.clone()),
+            distance_m: Some(1.0),
+            horizontal_fov_deg: Some(10.0),
+        };
+        exr::write(&dir.join(format!("{quantity:?}.exr")), &file, layout)?;
+    }
+
+    let dir = folder("picture")?;
+    for space in [ColorSpace::Srgb, ColorSpace::DisplayP3] {
+        let image = Image::new(space, Planes::new(5, 6, 3, ramp(90))?)?;
+        for (bits, depth) in [(8, Depth::Eight), (16, Depth::Sixteen)] {
+            for extension in ["png", "tif"] {
+                picture::write(&dir.join(format!("{space:?}{bits}.{extension}")), &image, depth)?;
+            }
+        }
+    }
+    // The smallest JPEG header; the fuzzer finds its way from there.
+    fs::write(dir.join("start.jpg"), b"\xff\xd8\xff\xe0\0\x10JFIF\0\x01\x01\0\0\x01\0\x01\0\0\xff\xd9")?;
+
+    seeds_of_dng(&folder("dng")?)?;
+
+    let dir = folder("npy")?;
+    npy::write(&dir.join("f4.npy"), &[2, 3], &ramp(6))?;
+    npy::write(&dir.join("u2.npy"), &[4], &[1u16, 2, 3, 4])?;
+    npy::write(&dir.join("f8.npy"), &[], &[1f64])?;
+    Ok(())
+}
+
+fn seeds_of_dng(dir: &Path) -> Result<(), Box<dyn Error>> {
+    let names = ["R", "G", "B"].map(str::to_owned).to_vec();
+    let mosaic = Sampling::Mosaic(Mosaic::new(2, 2, vec![0, 1, 1, 2])?);
+    let digital = RawSamples::Digital((0..48).collect());
+    let raw = RawImage::new(6, 8, digital, mosaic, names.clone(), 2.0, 47.0)?;
+    dng::write(&dir.join("bayer.dng"), &raw, &dng::DngInfo::default())?;
+    let analog = RawSamples::Analog((0..48).map(|i| i as f32 / 48.0).collect());
+    let raw = RawImage::new(4, 4, analog, Sampling::Full { channels: 3 }, names, 0.0, 1.0)?;
+    dng::write(&dir.join("full.dng"), &raw, &dng::DngInfo::default())?;
+    Ok(())
+}

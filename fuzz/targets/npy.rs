@@ -1,0 +1,8 @@
+//! NumPy arrays.
+#![no_main]
+
+use std::path::Path;
+
+libfuzzer_sys::fuzz_target!(|data: &[u8]| {
+    let _ = smalti_io::npy::from_bytes(data, Path::new("fuzz"));
+});
