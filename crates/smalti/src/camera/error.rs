@@ -23,30 +23,30 @@ pub enum CameraError {
         message: String,
     },
     /// Optics refused.
-    #[error("optics: {0}")]
+    #[error(transparent)]
     Optics(#[from] OpticsError),
     /// The sensor refused.
-    #[error("sensor: {0}")]
+    #[error(transparent)]
     Sensor(#[from] SensorError),
     /// The colour filter array is impossible.
-    #[error("colour filter array: {0}")]
+    #[error(transparent)]
     Cfa(#[from] CfaError),
     /// A raw image is impossible.
-    #[error("raw image: {0}")]
+    #[error(transparent)]
     Raw(#[from] RawError),
     /// The processing refused.
-    #[error("processing: {0}")]
+    #[error(transparent)]
     Isp(#[from] IspError),
     /// A scene is impossible.
-    #[error("scene: {0}")]
+    #[error(transparent)]
     Scene(#[from] SceneError),
     /// A metric cannot be computed.
-    #[error("metric: {0}")]
+    #[error(transparent)]
     Metric(#[from] MetricError),
     /// A picture is impossible.
-    #[error("picture: {0}")]
+    #[error(transparent)]
     Image(#[from] ImageError),
     /// Spectral data do not fit.
-    #[error("spectrum: {0}")]
+    #[error(transparent)]
     Spectrum(#[from] SpectrumError),
 }

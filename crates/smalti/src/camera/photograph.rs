@@ -11,7 +11,7 @@ use crate::numeric::least_squares::{Matrix, lstsq};
 use crate::optics::{OpticalImage, Optics};
 use crate::scene::Scene;
 use crate::sensor::{
-    Cfa, Channel, ColorArchitecture, Exposure, Mosaic, NoiseMode, NonUniformity, RawImage, Sensor, Window,
+    Cfa, Channel, ColorArchitecture, Exposure, Mosaic, NoiseMode, NonUniformity, Pixel, RawImage, Sensor, Window,
 };
 use crate::spectrum::{Observer, Spectrum, WavelengthGrid, reflectance};
 
@@ -250,7 +250,7 @@ impl Camera {
             ..self.sensor.clone()
         };
         // A well and a swing that nothing fills, so that the reference never clips.
-        let pixel = crate::sensor::Pixel { full_well_e: 1e30, voltage_swing_v: 1e30, conversion_gain_v_per_e: 1.0, ..sensor.pixel };
+        let pixel = Pixel { full_well_e: 1e12, voltage_swing_v: 1e3, conversion_gain_v_per_e: 1e-9, ..sensor.pixel };
         let volts = Sensor { pixel, ..sensor }.expected_volts(image, &Exposure::new(1.0))?;
         Ok(Image::new(ColorSpace::Xyz, volts)?)
     }
