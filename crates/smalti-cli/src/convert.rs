@@ -15,7 +15,7 @@ pub(crate) fn run(args: &Convert, common: &Common) -> anyhow::Result<()> {
     let progress = Progress::new(2, common.quiet);
     progress.begin("reading");
     let grid = resolve::wavelengths(&args.wavelengths)?;
-    let scene = resolve::scene(&args.scene, &args.scene_options, grid, None)?;
+    let scene = resolve::scene(&args.scene, &args.scene_options, grid)?;
     progress.done();
     progress.begin("writing");
     let path = &args.output;

@@ -84,7 +84,7 @@ fn entry(camera: &Camera, scores: &Evaluation) -> anyhow::Result<serde_json::Val
 
 fn scores_table(results: &[(&Camera, Evaluation)]) -> String {
     let header = [
-        "camera", "cd/m²", "ΔE76", "ΔE2000", "MTF50 cy/mm", "MTF50 cy/px", "noise %", "aliasing %", "range dB", "exposure ms",
+        "camera", "cd/m²", "ΔE76", "ΔE2000", "MTF50 cy/mm", "MTF50 cy/px", "noise %", "aliasing %", "clipped %", "range dB", "exposure ms",
     ];
     let row = |(camera, s): &(&Camera, Evaluation)| {
         vec![
@@ -96,6 +96,7 @@ fn scores_table(results: &[(&Camera, Evaluation)]) -> String {
             format!("{:.3}", s.mtf50_cy_per_px),
             format!("{:.2}", s.luminance_noise_percent.mean),
             format!("{:.1}", s.aliasing_percent),
+            format!("{:.1}", s.saturated_percent),
             format!("{:.1}", s.dynamic_range_db),
             format!("{:.1}", s.exposure.macbeth_s * 1e3),
         ]

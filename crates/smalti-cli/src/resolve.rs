@@ -23,13 +23,13 @@ pub(crate) fn illuminant(name: &str) -> anyhow::Result<Illuminant> {
     Ok(Illuminant::from_name(name)?)
 }
 
-/// The setting of a scene: what was typed, then the defaults. `fov_deg` is the field of view where none was typed.
-fn setting(options: &SceneOptions, grid: WavelengthGrid, fov_deg: Option<f64>) -> anyhow::Result<Setting> {
+/// The setting of a scene: what was typed, then the defaults.
+fn setting(options: &SceneOptions, grid: WavelengthGrid) -> anyhow::Result<Setting> {
     let default = Setting::default();
     Ok(Setting {
         luminance_cd_m2: options.luminance.unwrap_or(default.luminance_cd_m2),
         distance_m: options.distance.unwrap_or(default.distance_m),
-        horizontal_fov_deg: options.fov.or(fov_deg).unwrap_or(default.horizontal_fov_deg),
+        horizontal_fov_deg: options.fov.unwrap_or(default.horizontal_fov_deg),
         illuminant: options.illuminant.as_deref().map_or(Ok(default.illuminant), illuminant)?,
         grid,
     })
@@ -40,11 +40,10 @@ pub(crate) fn scene(
     name: &str,
     options: &SceneOptions,
     grid: WavelengthGrid,
-    fov_deg: Option<f64>,
 ) -> anyhow::Result<Scene> {
-    let setting = setting(options, grid, fov_deg)?;
+    let setting = setting(options, grid)?;
     let path = Path::new(name);
-    if !(path.is_file() || has_extension(path, &["exr", "png", "tif", "tiff", "jpg", "jpeg"])) {
+    if !is_file(name) {
         let natural: Vec<_> = reflectance::natural(grid)?.into_iter().map(|(_, s)| s).collect();
         return Ok(scene::catalog::build(name, &setting, &natural)?);
     }
@@ -62,7 +61,7 @@ pub(crate) fn scene(
         Some(m) => scene.with_distance(m)?,
         None => scene,
     };
-    match options.fov.or(fov_deg) {
+    match options.fov {
         Some(deg) => Ok(scene.with_fov(deg)?),
         None => Ok(scene),
     }
@@ -91,6 +90,12 @@ fn file_scene(path: &Path, setting: &Setting) -> anyhow::Result<Scene> {
         horizontal_fov_deg: None,
     };
     Ok(lifted.into_scene(&defaults)?)
+}
+
+/// Whether a scene is meant as a file: it is one, or its name ends as one.
+pub(crate) fn is_file(name: &str) -> bool {
+    let path = Path::new(name);
+    path.is_file() || has_extension(path, &["exr", "png", "tif", "tiff", "jpg", "jpeg"])
 }
 
 pub(crate) fn has_extension(path: &Path, known: &[&str]) -> bool {

@@ -70,17 +70,17 @@ pub(crate) fn run(args: &Simulate, common: &Common) -> anyhow::Result<()> {
     crate::print(&format!("{}  ({count} beside it)\n", dir.join("rendered.png").display()))
 }
 
-/// The scene, as wide as needed to lie on the sensor whole, unless its field of view was stated. Built-in scenes get at
-/// least as many samples as pixels where they have a size.
+/// The scene, as wide as needed to lie on the sensor whole, unless its field of view was stated. A file is not spread
+/// over more pixels than it has.
 fn scene(args: &Simulate, camera: &Camera) -> anyhow::Result<Scene> {
-    let scene = resolve::scene(&args.scene, &args.scene_options, camera.grid(), None)?;
+    let scene = resolve::scene(&args.scene, &args.scene_options, camera.grid())?;
     if args.scene_options.fov.is_some() || args.scene.contains("fov=") {
         return Ok(scene);
     }
     let (rows, cols) = (scene.radiance().rows(), scene.radiance().cols());
-    let by_height = camera.sensor.rows * cols / rows.max(1);
-    let deg = camera.field_of_view_deg(camera.sensor.cols.min(by_height).max(1), scene.distance_m())?;
-    Ok(scene.with_fov(deg)?)
+    let whole = camera.sensor.cols.min(camera.sensor.rows * cols / rows.max(1));
+    let span = if resolve::is_file(&args.scene) { whole.min(cols) } else { whole };
+    Ok(scene.with_fov(camera.field_of_view_deg(span.max(1), scene.distance_m())?)?)
 }
 
 struct Shown {
@@ -144,7 +144,7 @@ fn metrics(
     };
     let lux = photo.optical_image.illuminance_lux()?;
     let levels = photo.raw.normalized();
-    let share = |n: usize| 100.0 * n as f64 / levels.len() as f64;
+    let mean_level = levels.iter().map(|&v| f64::from(v)).sum::<f64>() / levels.len() as f64;
     Ok(json!({
         "smalti_version": env!("CARGO_PKG_VERSION"),
         "camera": camera.description().name,
@@ -161,8 +161,8 @@ fn metrics(
         "raw": {
             "rows": photo.raw.rows(),
             "cols": photo.raw.cols(),
-            "mean_percent_of_saturation": share(1) * levels.iter().map(|&v| f64::from(v)).sum::<f64>(),
-            "saturated_percent": share(levels.iter().filter(|&&v| v >= 1.0).count()),
+            "mean_percent_of_saturation": 100.0 * mean_level,
+            "saturated_percent": photo.raw.saturated_percent(),
         },
         "picture": {
             "brightness_gain": gain,

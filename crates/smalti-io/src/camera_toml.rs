@@ -155,7 +155,7 @@ fn explain(message: &str) -> (String, Option<String>) {
 
 /// The path of a file that a camera file names, relative to the folder of that file.
 #[must_use]
-pub fn beside(folder: &Path, name: &str) -> PathBuf {
+pub(crate) fn beside(folder: &Path, name: &str) -> PathBuf {
     let path = Path::new(name);
     if path.is_absolute() { path.to_owned() } else { folder.join(path) }
 }

@@ -21,7 +21,7 @@ use crate::metrics::{MetricError, Rect, patch_means};
 use crate::numeric::Planes;
 use crate::optics::OpticalImage;
 use crate::scene::{self, Scene, Setting, SlantedBar, ZonePlate, macbeth};
-use crate::sensor::{Exposure, NoiseMode};
+use crate::sensor::{Adc, Exposure, NoiseMode, Sensor};
 use crate::spectrum::{Illuminant, Observer};
 
 /// Pixels of the sensor that a patch of the chart spans.
@@ -105,6 +105,8 @@ pub struct Evaluation {
     pub mtf50_cy_per_px: f64,
     /// `100 · std(Y) / mean(Y)` on the grey series, percent.
     pub luminance_noise_percent: PatchScores,
+    /// Share of the chart's raw samples that are saturated, percent: colours that clip are wrong colours.
+    pub saturated_percent: f64,
     /// Energy in the picture of the zone plate that is not in the zone plate, percent.
     pub aliasing_percent: f64,
     /// The part of it that is colour.
@@ -167,6 +169,7 @@ pub fn evaluate(
         mtf50_cy_per_mm: mtf50_cy_per_px / (camera.sensor.pixel.pitch_m * 1e3),
         mtf50_cy_per_px,
         luminance_noise_percent: colors.luminance_noise_percent.into(),
+        saturated_percent: chart.saturated_percent,
         aliasing_percent: aliasing.total_percent,
         color_aliasing_percent: aliasing.color_percent,
         dynamic_range_db: pixel_dynamic_range_db(camera)?,
@@ -194,6 +197,7 @@ struct Shots {
     clean: Image,
     noisy: Image,
     reference: Image,
+    saturated_percent: f64,
     time_s: f64,
 }
 
@@ -236,12 +240,14 @@ impl Target {
         let light = settings.illuminant.photons(camera.grid())?;
         let isp = camera.isp(&light, WhiteBalance::None)?;
         let exposure = camera.exposure(&image)?;
-        let take = |noise| -> Result<Image, CameraError> {
-            Ok(isp.render(&camera.sensor.capture(&image, &exposure, noise, settings.seed)?)?)
-        };
+        let noisy = camera.sensor.capture(&image, &exposure, NoiseMode::All, settings.seed)?;
+        // Without a converter: rounding without noise would be an error of its own, which noise takes away.
+        let ideal = Sensor { adc: Adc::default(), ..camera.sensor.clone() };
+        let clean = ideal.capture(&image, &exposure, NoiseMode::None, settings.seed)?;
         Ok(Shots {
-            clean: take(NoiseMode::None)?,
-            noisy: take(NoiseMode::All)?,
+            saturated_percent: noisy.saturated_percent(),
+            clean: isp.render(&clean)?,
+            noisy: isp.render(&noisy)?,
             reference: camera.reference(&image)?,
             time_s: exposure.time_s,
         })
@@ -288,19 +294,22 @@ fn edge_mtf50(picture: &Image) -> Result<f64, CameraError> {
 /// Compared in linear sRGB with the light made white, where the zone plate is neutral.
 fn zone_plate_aliasing(shots: &Shots, setting: &Setting) -> Result<Aliasing, CameraError> {
     let white = Observer::Cie1931.xyz_from_photons(&setting.illuminant.photons(setting.grid)?)?;
-    let (picture, reference) = (linear_srgb(&shots.clean, white), linear_srgb(&shots.reference, white));
+    // The picture's scale is that of the exposure; the reference is brought to the same mean luminance.
+    let mean = |picture: &Image| picture.planes().plane(LUMINANCE).iter().map(|&v| f64::from(v)).sum::<f64>();
+    let gain = mean(&shots.clean) / mean(&shots.reference);
+    let (picture, reference) = (linear_srgb(&shots.clean, white, 1.0), linear_srgb(&shots.reference, white, gain));
     Ok(aliasing(&picture, &reference, &SRGB_LUMINANCE)?)
 }
 
-/// A picture in XYZ with its white made that of sRGB.
-fn linear_srgb(picture: &Image, white: [f64; 3]) -> Planes {
+/// A picture in XYZ with its white made that of sRGB, times a gain.
+fn linear_srgb(picture: &Image, white: [f64; 3], gain: f64) -> Planes {
     let d65 = Primaries::SRGB.white_xyz().unwrap_or([1.0; 3]);
     let adapted = Adaptation::Bradford.matrix(d65, white).unwrap_or(IDENTITY);
     let rgb_from_xyz = product(&Primaries::SRGB.rgb_from_xyz().unwrap_or(IDENTITY), &adapted);
     let xyz = picture.planes();
     let mut rgb = Planes::zeros(xyz.rows(), xyz.cols(), 3);
     for (c, row) in rgb_from_xyz.iter().enumerate() {
-        let [x, y, z] = row.map(|v| v as f32);
+        let [x, y, z] = row.map(|v| (v * gain) as f32);
         let of = xyz.plane(0).iter().zip(xyz.plane(1)).zip(xyz.plane(2));
         for (out, ((a, b), c)) in rgb.plane_mut(c).iter_mut().zip(of) {
             *out = x * a + y * b + z * c;

@@ -172,6 +172,17 @@ impl RawImage {
         self.white_level
     }
 
+    /// Share of samples at or above the white level, percent.
+    #[must_use]
+    pub fn saturated_percent(&self) -> f64 {
+        let white = self.white_level;
+        let count = match &self.samples {
+            RawSamples::Digital(v) => v.iter().filter(|&&x| f64::from(x) >= white).count(),
+            RawSamples::Analog(v) => v.iter().filter(|&&x| x >= white as f32).count(),
+        };
+        100.0 * count as f64 / self.samples.len() as f64
+    }
+
     /// All samples as `(value − black) / (white − black)`; below 0 where noise took them there.
     #[must_use]
     pub fn normalized(&self) -> Vec<f32> {
