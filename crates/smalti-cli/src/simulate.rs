@@ -80,7 +80,8 @@ fn scene(args: &Simulate, camera: &Camera) -> anyhow::Result<Scene> {
     let (rows, cols) = (scene.radiance().rows(), scene.radiance().cols());
     let whole = camera.sensor.cols.min(camera.sensor.rows * cols / rows.max(1));
     let span = if resolve::is_file(&args.scene) { whole.min(cols) } else { whole };
-    Ok(scene.with_fov(camera.field_of_view_deg(span.max(1), scene.distance_m())?)?)
+    let deg = camera.field_of_view_deg(span.max(1), scene.distance_m())?;
+    Ok(scene.with_fov(deg)?)
 }
 
 struct Shown {
