@@ -26,7 +26,8 @@ pub(super) fn decode(bytes: &[u8], path: &Path, options: &ReadOptions) -> Result
         let pixels = u64::from(header.width) * u64::from(header.height);
         // Held as read (up to 8 bytes a pixel) and as three planes of f32.
         let depth = if header.bit_depth == BitDepth::Sixteen { 2 } else { 1 };
-        let raw = header.raw_row_length_from_width(header.width) as u64 * u64::from(header.height);
+        let raw =
+            (header.raw_row_length_from_width(header.width) as u64).saturating_mul(u64::from(header.height));
         options.limits.check(path, "the picture", raw, bytes.len() as u64)?;
         let memory = pixels.saturating_mul(4 * depth + 16 + 12);
         if memory > options.limits.decoded_bytes {
