@@ -70,7 +70,7 @@ def save(image, name, colors=None):
 def stages(work):
     """Scene, mosaic and picture side by side; the mosaic enlarged, its place marked in the others."""
     size, crop, zoom, gap, foot = 480, 48, 10, 18, 64
-    place = (250, 150)  # column, row of the crop
+    place = (128, 350)  # column, row of the crop
     camera = ["--set", "sensor.rows=480", "--set", "sensor.cols=480"]
     smalti("simulate", "bayer", "--scene", "dead-leaves", *camera, "--stages", "-q", "-o", work / "stages")
     smalti("convert", "dead-leaves", "-q", "-o", work / "scene.png")
@@ -88,10 +88,11 @@ def stages(work):
 
     sheet = Image.new("RGB", (3 * size + 2 * gap, size + foot), PAPER)
     draw = ImageDraw.Draw(sheet)
+    # Pillow's font knows little beyond ASCII.
     captions = [
-        ("Scene", "dead leaves, spectra of natural objects, 100 cd/m²"),
-        ("Raw mosaic", f"{crop} × {crop} of its pixels in the colours of their filters"),
-        ("Rendered picture", "480 × 480 pixels of 2.2 µm, f/4, Bayer, all noise"),
+        ("Scene", "dead leaves, spectra of natural objects"),
+        ("Raw mosaic", f"{crop} by {crop} of its pixels, in the colours of their filters"),
+        ("Rendered picture", "Bayer, 480 by 480 pixels, f/4, all noise"),
     ]
     for i, (image, (title, line)) in enumerate(zip((scene, mosaic, picture), captions)):
         x = i * (size + gap)
@@ -102,7 +103,7 @@ def stages(work):
             draw.rectangle(box, outline=PAPER, width=2)
         draw.text((x, size + 8), title, fill=INK, font=font(22))
         draw.text((x, size + 37), line, fill=FAINT, font=font(17))
-    save(sheet, "stages.png", 256)
+    save(sheet, "stages.png")
 
 
 def contact_sheet(work):
@@ -156,7 +157,7 @@ def cfa_sheet():
                 box = (x + c * px, y + r * px, x + c * px + px - 1, y + r * px + px - 1)
                 draw.rectangle(box, fill=tuple(int(v) for v in encoded(linear)), outline=(60, 60, 60))
         draw.text((x, y + side + 3), entry["name"], fill=INK, font=font(14))
-    save(sheet, "cfas.png", 128)
+    save(sheet, "cfas.png")
 
 
 def main():
