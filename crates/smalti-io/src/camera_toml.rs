@@ -60,6 +60,13 @@ impl Override {
         let mut parts = self.key.split('.').peekable();
         while let Some(part) = parts.next() {
             if parts.peek().is_none() {
+                // The two ways to expose exclude each other: the later one holds.
+                let other = match self.key.as_str() {
+                    "exposure.auto" => "time_ms",
+                    "exposure.time_ms" => "auto",
+                    _ => "",
+                };
+                table.remove(other);
                 table.insert(part.into(), self.toml_value());
                 return Ok(());
             }
