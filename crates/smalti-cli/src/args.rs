@@ -80,7 +80,7 @@ pub(crate) struct SceneOptions {
     /// Horizontal field of view, degrees [default: the scene fills the sensor]
     #[arg(long, value_name = "DEGREES")]
     pub(crate) fov: Option<f64>,
-    /// Light of the scene: a name (smalti list illuminants); files are re-lit
+    /// Light of the scene: a name (smalti list illuminants) or a CSV of wavelength_nm and relative power; files are re-lit
     #[arg(long, value_name = "NAME")]
     pub(crate) illuminant: Option<String>,
     /// Wavelengths, nm [default: those of the file, else 400:10:700]
@@ -112,12 +112,23 @@ pub(crate) struct Simulate {
     /// Bits per channel of the picture
     #[arg(long, default_value = "8", value_parser = ["8", "16"])]
     pub(crate) bits: String,
+    /// Format of the picture: rendered.png or rendered.tif
+    #[arg(long, value_enum, default_value_t = PictureFormat::Png)]
+    pub(crate) format: PictureFormat,
     /// Print metrics.json to standard output as well
     #[arg(long)]
     pub(crate) json: bool,
     /// Folder for the results, made if need be
     #[arg(short, long, default_value = "out", value_name = "DIR")]
     pub(crate) output: PathBuf,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum PictureFormat {
+    /// PNG
+    Png,
+    /// TIFF
+    Tif,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -138,7 +149,7 @@ pub(crate) struct Evaluate {
     /// Mean luminance of the targets, cd/m²; several, separated by commas, are evaluated in turn
     #[arg(long, value_delimiter = ',', default_value = "75", value_name = "CD_M2")]
     pub(crate) luminance: Vec<f64>,
-    /// Light of the targets
+    /// Light of the targets: a name (smalti list illuminants) or a CSV of wavelength_nm and relative power
     #[arg(long, default_value = "D65", value_name = "NAME")]
     pub(crate) illuminant: String,
     #[command(flatten)]

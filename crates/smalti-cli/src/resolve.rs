@@ -9,7 +9,7 @@ use smalti::color::jakob_hanika2019::Uplift;
 use smalti::scene::{self, Scene, Setting};
 use smalti::spectrum::{Illuminant, Observer, WavelengthGrid, reflectance};
 use smalti_io::exr::{Quantity, ReadOptions, SceneDefaults, SpectralFile};
-use smalti_io::{cameras, exr, picture};
+use smalti_io::{cameras, exr, picture, spectrum_csv};
 
 use crate::args::{CameraOptions, SceneOptions};
 
@@ -18,8 +18,13 @@ pub(crate) fn camera(name: &str, options: &CameraOptions, grid: WavelengthGrid) 
     cameras::load(name, &options.overrides, grid).map_err(|e| anyhow::anyhow!("{e}"))
 }
 
-/// A light by name.
+/// A light by name, or from a CSV file (`file.csv#column` picks a column).
 pub(crate) fn illuminant(name: &str) -> anyhow::Result<Illuminant> {
+    let file = name.split('#').next().unwrap_or(name);
+    if has_extension(Path::new(file), &["csv"]) {
+        let power = spectrum_csv::read_spectrum(name)?;
+        return Ok(Illuminant::Measured { name: name.to_owned(), power });
+    }
     Ok(Illuminant::from_name(name)?)
 }
 

@@ -20,7 +20,7 @@ use smalti_io::picture::{self, Depth};
 use smalti_io::stages::write_stage;
 use smalti_io::write;
 
-use crate::args::{Common, Noise, Simulate};
+use crate::args::{Common, Noise, PictureFormat, Simulate};
 use crate::progress::Progress;
 use crate::resolve;
 
@@ -68,7 +68,11 @@ pub(crate) fn run(args: &Simulate, common: &Common) -> anyhow::Result<()> {
     let output = camera.output_space();
     let depth = if args.bits == "16" { Depth::Sixteen } else { Depth::Eight };
     let gain = brightness_gain(&photo.picture);
-    picture::write_png(&dir.join("rendered.png"), &scaled(&photo.picture, gain)?.converted(output)?, depth)?;
+    let rendered = dir.join(match args.format {
+        PictureFormat::Png => "rendered.png",
+        PictureFormat::Tif => "rendered.tif",
+    });
+    picture::write(&rendered, &scaled(&photo.picture, gain)?.converted(output)?, depth)?;
     dng::write(&dir.join("raw.dng"), &photo.raw, &dng_info(&camera, &light)?)?;
     let score = score(&camera, &light, &photo, noise, args.camera_options.seed)?;
     let metrics = metrics(args, &camera, facts, &photo, gain, score)?;
@@ -79,7 +83,7 @@ pub(crate) fn run(args: &Simulate, common: &Common) -> anyhow::Result<()> {
         return crate::print(&text);
     }
     let count = if args.stages { "raw.dng, metrics.json, stages.json" } else { "raw.dng, metrics.json" };
-    crate::print(&format!("{}  ({count} beside it)\n", dir.join("rendered.png").display()))
+    crate::print(&format!("{}  ({count} beside it)\n", rendered.display()))
 }
 
 /// The scene, as wide as needed to lie on the sensor whole, unless its field of view was stated. A file is not spread
@@ -116,7 +120,10 @@ fn dng_info(camera: &Camera, light: &Spectrum) -> anyhow::Result<DngInfo> {
         make: "Smalti".into(),
         model: camera.description().name.clone(),
         // The matrix holds for the light of the scene; Exif has no code for most lights, and 255 means "other".
-        color_matrix: Some(ColorMatrix { camera_from_xyz: camera.camera_from_xyz(light)?, light_source: 255 }),
+        color_matrix: Some(ColorMatrix {
+            camera_from_xyz: camera.camera_from_xyz(light)?,
+            light_source: 255,
+        }),
         as_shot_neutral: Some(isp.color_matrix.camera_white().to_vec()),
     })
 }
@@ -217,7 +224,13 @@ fn metrics(
 }
 
 /// A spectral image as `.npy`, with its unit and facts in `stages.json`.
-fn write_cube(dir: &Path, name: &str, cube: &SpectralCube, unit: &str, facts: &[(&str, f64)]) -> anyhow::Result<()> {
+fn write_cube(
+    dir: &Path,
+    name: &str,
+    cube: &SpectralCube,
+    unit: &str,
+    facts: &[(&str, f64)],
+) -> anyhow::Result<()> {
     let axes = [("wavelength", cube.grid().len()), ("row", cube.rows()), ("column", cube.cols())];
     let nm: Vec<f64> = cube.grid().wavelengths_nm().collect();
     let facts = facts.iter().map(|(name, value)| (*name, std::slice::from_ref(value)));
@@ -238,7 +251,14 @@ fn write_stages(dir: &Path, photo: &Photograph) -> anyhow::Result<()> {
     write_raw(dir, &photo.raw)?;
     let planes = photo.picture.planes();
     let axes = [("XYZ", 3), ("row", planes.rows()), ("column", planes.cols())];
-    write_stage(dir, "4-picture-xyz", &axes, planes.data(), "relative, Y = 1 is the brightest white the sensor holds", &[])?;
+    write_stage(
+        dir,
+        "4-picture-xyz",
+        &axes,
+        planes.data(),
+        "relative, Y = 1 is the brightest white the sensor holds",
+        &[],
+    )?;
     Ok(())
 }
 

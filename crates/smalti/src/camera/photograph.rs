@@ -266,3 +266,113 @@ impl Camera {
         Ok(Image::new(ColorSpace::Xyz, volts)?)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::camera::description::{ArchitectureName, PatternDescription};
+    use crate::scene::{Setting, macbeth, uniform};
+
+    fn camera(change: impl FnOnce(&mut CameraDescription)) -> Camera {
+        let mut d = CameraDescription::default();
+        (d.sensor.rows, d.sensor.cols) = (48, 64);
+        d.exposure.time_ms = Some(20.0);
+        change(&mut d);
+        Camera::new(d, WavelengthGrid::VISIBLE).unwrap()
+    }
+
+    fn key(change: impl FnOnce(&mut CameraDescription)) -> String {
+        let mut d = CameraDescription::default();
+        change(&mut d);
+        match Camera::new(d, WavelengthGrid::VISIBLE) {
+            Err(CameraError::Key { key, .. }) => key,
+            other => panic!("expected an error about a key, got {other:?}"),
+        }
+    }
+
+    #[test]
+    fn an_impossible_value_names_its_key() {
+        assert_eq!(key(|d| d.sensor.pixel.fill_factor = 1.5), "sensor.pixel.fill_factor");
+        assert_eq!(key(|d| d.sensor.pixel.voltage_swing_v = 0.0), "sensor.pixel.voltage_swing_v");
+        assert_eq!(key(|d| d.sensor.pixel.read_noise_mv = f64::NAN), "sensor.pixel.read_noise_mv");
+        assert_eq!(key(|d| d.optics.f_number = -1.0), "optics.f_number");
+        assert_eq!(key(|d| d.sensor.adc_bits = 17), "sensor.adc_bits");
+        assert_eq!(
+            key(|d| d.optics.transmittance = crate::sensor::Filter::Flat(1.2)),
+            "optics.transmittance"
+        );
+        assert_eq!(
+            key(|d| d.sensor.cfa.pattern = PatternDescription::Name("bayr".into())),
+            "sensor.cfa.pattern"
+        );
+        assert_eq!(key(|d| d.isp.color_noise_percent = -1.0), "isp.color_noise_percent");
+    }
+
+    /// A grey field comes out neutral and even, in every architecture.
+    #[test]
+    fn a_uniform_scene_gives_a_uniform_grey_picture() {
+        for architecture in
+            [ArchitectureName::Mosaic, ArchitectureName::Prism, ArchitectureName::FieldSequential]
+        {
+            let c = camera(|d| {
+                d.sensor.architecture = architecture;
+                d.sensor.adc_bits = 0;
+                d.isp.preserve_white = true;
+                d.optics.falloff = crate::camera::description::FalloffName::None;
+            });
+            let setting = Setting { horizontal_fov_deg: 20.0, luminance_cd_m2: 10.0, ..Setting::default() };
+            let scene = uniform(64, 64, &setting).unwrap();
+            let image = c.optics.image(&scene).unwrap();
+            let photo = c.photograph(image, scene.illuminant(), NoiseMode::None, 1).unwrap();
+            let rgb = photo.picture.converted(ColorSpace::LinearSrgb).unwrap();
+            let (least, most) =
+                rgb.planes().data().iter().fold((f32::MAX, 0.0f32), |(a, b), &v| (a.min(v), b.max(v)));
+            assert!(least > 0.0 && most / least < 1.001, "{architecture:?}: {least} to {most}");
+        }
+    }
+
+    #[test]
+    fn the_window_lies_on_the_scene_and_begins_with_the_pattern() {
+        let c = camera(|d| (d.sensor.rows, d.sensor.cols) = (480, 640));
+        let deg = c.field_of_view_deg(240, 1.2).unwrap();
+        let setting = Setting { horizontal_fov_deg: deg, ..Setting::default() };
+        let w = c.window_on(&macbeth::chart(8, &setting).unwrap()).unwrap();
+        assert_eq!((w.rows, w.cols), (160, 240));
+        assert_eq!((w.row % 2, w.col % 2), (0, 0));
+        assert_eq!((w.row, w.col), (160, 200));
+    }
+
+    /// A camera whose channels are nearly those of the observer renders nearly what the reference shows.
+    #[test]
+    fn the_reference_is_what_a_prism_camera_renders() {
+        let c = camera(|d| {
+            d.sensor.architecture = ArchitectureName::Prism;
+            d.sensor.adc_bits = 0;
+            d.isp.white_balance = WhiteBalanceName::None;
+            d.sensor.cfa.pattern = PatternDescription::Name("five-band".into());
+        });
+        let setting =
+            Setting { horizontal_fov_deg: c.field_of_view_deg(60, 1.2).unwrap(), ..Setting::default() };
+        let scene = macbeth::chart(16, &setting).unwrap();
+        let image = c.optics.image(&scene).unwrap();
+        let photo = c.photograph(image, scene.illuminant(), NoiseMode::None, 1).unwrap();
+        let reference = c.reference(&photo.optical_image).unwrap();
+        let ratio: Vec<f32> = photo
+            .picture
+            .planes()
+            .plane(1)
+            .iter()
+            .zip(reference.planes().plane(1))
+            .map(|(a, b)| a / b)
+            .collect();
+        let mid = ratio[24 * 64 + 32];
+        assert!(
+            ratio
+                .iter()
+                .enumerate()
+                .filter(|(i, _)| (8..40).contains(&(i / 64)) && (4..60).contains(&(i % 64)))
+                .all(|(_, r)| (r / mid - 1.0).abs() < 0.1),
+            "{mid}"
+        );
+    }
+}
