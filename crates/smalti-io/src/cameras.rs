@@ -24,7 +24,11 @@ pub struct CameraInfo {
 
 macro_rules! builtin {
     ($name:literal, $summary:literal) => {
-        CameraInfo { name: $name, summary: $summary, toml: include_str!(concat!("../cameras/", $name, ".toml")) }
+        CameraInfo {
+            name: $name,
+            summary: $summary,
+            toml: include_str!(concat!("../cameras/", $name, ".toml")),
+        }
     };
 }
 
@@ -88,9 +92,13 @@ fn about(source: &CameraSource, overrides: &[Override], error: &CameraError) -> 
 
 /// Replaces every named file by what is in it, so that the description stands alone.
 fn read_files(d: &mut CameraDescription, source: &CameraSource) -> Result<(), Box<Diagnostic>> {
-    let lens = [("optics.transmittance".to_owned(), Some(&mut d.optics.transmittance)), ("optics.ir_cut".to_owned(), d.optics.ir_cut.as_mut())];
+    let lens = [
+        ("optics.transmittance".to_owned(), Some(&mut d.optics.transmittance)),
+        ("optics.ir_cut".to_owned(), d.optics.ir_cut.as_mut()),
+    ];
     let sensor = [("sensor.quantum_efficiency".to_owned(), Some(&mut d.sensor.quantum_efficiency))];
-    let filters = d.sensor.cfa.filters.iter_mut().map(|(letter, f)| (format!("sensor.cfa.filters.{letter}"), Some(f)));
+    let filters =
+        d.sensor.cfa.filters.iter_mut().map(|(letter, f)| (format!("sensor.cfa.filters.{letter}"), Some(f)));
     for (key, filter) in lens.into_iter().chain(sensor).chain(filters) {
         if let Some(filter) = filter {
             read_curve(filter, &source.folder).map_err(|e| Box::new(source.about_key(&key, &e)))?;
@@ -103,7 +111,13 @@ fn read_files(d: &mut CameraDescription, source: &CameraSource) -> Result<(), Bo
             let (count, rows, cols) = match array.shape[..] {
                 [rows, cols] => (1, rows, cols),
                 [count, rows, cols] => (count, rows, cols),
-                _ => return Err(format!("{}: expected 2 or 3 dimensions, got {}", path.display(), array.shape.len())),
+                _ => {
+                    return Err(format!(
+                        "{}: expected 2 or 3 dimensions, got {}",
+                        path.display(),
+                        array.shape.len()
+                    ));
+                }
             };
             let planes = Planes::new(rows, cols, count, array.to_f32()).map_err(|e| e.to_string())?;
             let bytes: Vec<u8> = planes.data().iter().flat_map(|v| v.to_le_bytes()).collect();

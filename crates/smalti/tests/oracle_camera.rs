@@ -3,13 +3,13 @@
 //! Deliberate differences, each below the tolerance (docs/validation.md has the figures): light is integrated over the
 //! photodetector (ISETCam blurs with a Gaussian over the whole pixel), the working f-number includes the magnification, and
 //! for more than three channels missing samples are interpolated on the exact lattice (ISETCam jitters it at random).
-#![allow(missing_docs)]
+#![allow(missing_docs, clippy::unwrap_used)]
 
 mod common;
 
 use common::{numbers, oracle_csv, oracle_json};
-use smalti::color::lab_from_xyz;
 use smalti::color::difference::delta_e_76;
+use smalti::color::lab_from_xyz;
 use smalti::isp::{Classic, ColorConstraint, Isp, WhiteBalance, color_matrix};
 use smalti::metrics::esfr::{EsfrOptions, ISETCAM_LUMINANCE_WEIGHTS, picture_sfr};
 use smalti::metrics::{Rect, patch_means};
@@ -27,7 +27,13 @@ fn lens() -> Optics {
 }
 
 /// A scene whose pixel `(r, c)` has the spectrum `spectra[which(r, c)]`, photons.
-fn scene(rows: usize, cols: usize, fov_deg: f64, spectra: &[Vec<f64>], which: impl Fn(usize, usize) -> usize) -> Scene {
+fn scene(
+    rows: usize,
+    cols: usize,
+    fov_deg: f64,
+    spectra: &[Vec<f64>],
+    which: impl Fn(usize, usize) -> usize,
+) -> Scene {
     let index: Vec<usize> = (0..rows * cols).map(|i| which(i / cols, i % cols)).collect();
     let data = (0..GRID.len()).flat_map(|b| index.iter().map(move |&i| spectra[i][b] as f32)).collect();
     let cube = SpectralCube::new(GRID, Planes::new(rows, cols, GRID.len(), data).unwrap()).unwrap();
@@ -61,18 +67,25 @@ impl Case {
         let mosaic = Mosaic::new(pattern.len(), pattern[0].as_array().unwrap().len(), cells).unwrap();
         let n = json["N"].as_u64().unwrap() as usize;
         let table = numbers(&json["filters_31xN"]);
-        let filter = |k: usize| Spectrum::new(GRID, table.iter().skip(k).step_by(n).copied().collect()).unwrap();
+        let filter =
+            |k: usize| Spectrum::new(GRID, table.iter().skip(k).step_by(n).copied().collect()).unwrap();
         let channels: Vec<Channel> =
             (0..n).map(|k| Channel { name: k.to_string(), transmittance: filter(k) }).collect();
         // ISETCam fits its matrix to the reflectances of the chart under its light.
-        let light = Spectrum::new(GRID, numbers(&oracle_json("scene_macbeth_d65.json").unwrap()["illuminant_photons_s_sr_m2_nm"])).unwrap();
+        let light = Spectrum::new(
+            GRID,
+            numbers(&oracle_json("scene_macbeth_d65.json").unwrap()["illuminant_photons_s_sr_m2_nm"]),
+        )
+        .unwrap();
         let reflectances: Vec<Spectrum> = oracle_csv("macbeth_reflectance_400_10_700.csv")
             .unwrap()
             .into_iter()
             .map(|v| Spectrum::new(GRID, v).unwrap())
             .collect();
         let responses: Vec<Spectrum> = channels.iter().map(|c| c.transmittance.clone()).collect();
-        let matrix = color_matrix(&responses, &reflectances, &light, Observer::Cie1931, ColorConstraint::None).unwrap();
+        let matrix =
+            color_matrix(&responses, &reflectances, &light, Observer::Cie1931, ColorConstraint::None)
+                .unwrap();
         let matrix = Classic { white_balance: WhiteBalance::None, ..Classic::new(matrix) };
         Self { cfa: Cfa::new(id, mosaic, channels).unwrap(), json, matrix }
     }
@@ -88,7 +101,13 @@ impl Case {
             dark_voltage_v_per_s: 1e-3,
             read_noise_v: 1e-3,
         };
-        Sensor::new(size[0] as usize, size[1] as usize, pixel, self.cfa.clone(), Spectrum::constant(GRID, 1.0))
+        Sensor::new(
+            size[0] as usize,
+            size[1] as usize,
+            pixel,
+            self.cfa.clone(),
+            Spectrum::constant(GRID, 1.0),
+        )
     }
 
     fn raw(&self, sensor: &Sensor, image: &OpticalImage, time: &str) -> RawImage {
@@ -115,7 +134,8 @@ fn colour_of_the_chart_within_five_percent() {
     let ideal: Vec<[f64; 3]> = ideal.chunks_exact(3).map(|v| [v[0], v[1], v[2]]).collect();
     // XYZ of the display's primaries, up to a factor.
     let observer = oracle_csv("xyz_1931_400_10_700.csv").unwrap();
-    let xyz_of_primary = |p: usize, k: usize| spd.iter().zip(&observer).map(|(s, o)| s[p] * o[k]).sum::<f64>();
+    let xyz_of_primary =
+        |p: usize, k: usize| spd.iter().zip(&observer).map(|(s, o)| s[p] * o[k]).sum::<f64>();
     let display: Vec<f64> = (0..9).map(|i| xyz_of_primary(i / 3, i % 3)).collect();
     for id in CASES {
         let case = Case::new(id);
@@ -123,7 +143,12 @@ fn colour_of_the_chart_within_five_percent() {
         let picture = case.matrix.render(&raw).unwrap();
         let centers = numbers(&case.json["mac_noisefree"]["patch_centers_rc"]);
         let rects: Vec<Rect> = (0..24)
-            .map(|i| Rect { row: centers[i] as usize - 13, col: centers[24 + i] as usize - 13, rows: 25, cols: 25 })
+            .map(|i| Rect {
+                row: centers[i] as usize - 13,
+                col: centers[24 + i] as usize - 13,
+                rows: 25,
+                cols: 25,
+            })
             .collect();
         let measured: Vec<[f64; 3]> =
             patch_means(picture.planes(), &rects).unwrap().iter().map(|m| [m[0], m[1], m[2]]).collect();
@@ -180,7 +205,12 @@ fn resolution_of_the_edge_within_three_percent() {
             Some(j) => (j["mean"].as_f64().unwrap(), j["std"].as_f64().unwrap()),
             None => (case.number("/mtf/mtf50_exact"), 0.0),
         };
-        eprintln!("{id}: MTF50 {got:.2} cy/mm ({wide:.2} with the whole pixel as aperture); ISETCam {expected:.2} ± {spread:.2}");
-        assert!((got - expected).abs() < 0.03 * expected + spread, "{id}: MTF50 {got:.2}, ISETCam {expected:.2} ± {spread:.2}");
+        eprintln!(
+            "{id}: MTF50 {got:.2} cy/mm ({wide:.2} with the whole pixel as aperture); ISETCam {expected:.2} ± {spread:.2}"
+        );
+        assert!(
+            (got - expected).abs() < 0.03 * expected + spread,
+            "{id}: MTF50 {got:.2}, ISETCam {expected:.2} ± {spread:.2}"
+        );
     }
 }

@@ -1,7 +1,6 @@
 //! The lens against the reference values of ISETCam.
 #![allow(missing_docs, clippy::unwrap_used)]
 
-#[allow(unreachable_pub)]
 mod common;
 
 use common::{assert_close, numbers, oracle_csv, oracle_json};

@@ -2,7 +2,6 @@
 //! differs by up to 6e-4 from the CIE formula, so its own light is fed where the light is not what is tested.
 #![allow(clippy::unwrap_used)]
 
-#[allow(unreachable_pub)]
 mod common;
 
 use common::{assert_close, numbers, oracle_csv, oracle_json};

@@ -1,7 +1,6 @@
 //! Everything that the reference values of ISETCam say about a uniform field, and the patches of its chart.
 #![allow(missing_docs, clippy::unwrap_used, clippy::panic)]
 
-#[allow(unreachable_pub)]
 mod common;
 mod sensor_kit;
 

@@ -1,7 +1,6 @@
 //! Scenes: laws, and the figures of ISETCam that must hold without its files at hand.
 #![allow(clippy::unwrap_used)]
 
-#[allow(unreachable_pub)]
 mod common;
 
 use common::assert_close;

@@ -1,5 +1,5 @@
 //! Where the reference values of ISETCam lie, and how to read them. Not every test uses everything.
-#![allow(dead_code, missing_docs, clippy::unwrap_used, clippy::panic)]
+#![allow(dead_code, missing_docs, unreachable_pub, clippy::unwrap_used, clippy::panic)]
 
 use std::path::PathBuf;
 
