@@ -83,6 +83,9 @@ pub(crate) struct SceneOptions {
     /// Light of the scene: a name (smalti list illuminants); files are re-lit
     #[arg(long, value_name = "NAME")]
     pub(crate) illuminant: Option<String>,
+    /// Wavelengths, nm [default: those of the file, else 400:10:700]
+    #[arg(long, value_name = "START:STEP:END")]
+    pub(crate) wavelengths: Option<String>,
 }
 
 #[derive(Debug, Clone, Args)]
@@ -180,9 +183,6 @@ pub(crate) struct Convert {
     pub(crate) scene: String,
     #[command(flatten)]
     pub(crate) scene_options: SceneOptions,
-    /// Wavelengths of the result, nm
-    #[arg(long, value_name = "START:STEP:END", default_value = "400:10:700")]
-    pub(crate) wavelengths: String,
     /// The file: .exr (spectral), .png (a picture as the standard observer sees it) or .npy (photons)
     #[arg(short, long, value_name = "FILE")]
     pub(crate) output: PathBuf,

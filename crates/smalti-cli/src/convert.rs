@@ -14,8 +14,7 @@ use crate::resolve::{self, has_extension};
 pub(crate) fn run(args: &Convert, common: &Common) -> anyhow::Result<()> {
     let progress = Progress::new(2, common.quiet);
     progress.begin("reading");
-    let grid = resolve::wavelengths(&args.wavelengths)?;
-    let scene = resolve::scene(&args.scene, &args.scene_options, grid)?;
+    let scene = resolve::scene(&args.scene, &args.scene_options)?;
     progress.done();
     progress.begin("writing");
     let path = &args.output;

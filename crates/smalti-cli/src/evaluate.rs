@@ -8,6 +8,7 @@ use smalti::camera::{Camera, CameraError, Evaluation, EvaluationPictures, Evalua
 use smalti::color::{ColorSpace, Image};
 use smalti::numeric::Planes;
 use smalti::optics::{OPTICAL_IMAGE_REVISION, OpticalImage};
+use smalti::spectrum::WavelengthGrid;
 use smalti_io::cache::{Cache, KeyBuilder};
 use smalti_io::picture::{self, Depth};
 use smalti_io::write;
@@ -21,7 +22,7 @@ pub(crate) fn run(args: &Evaluate, common: &Common) -> anyhow::Result<()> {
     let cameras = args
         .cameras
         .iter()
-        .map(|name| resolve::camera(name, &args.camera_options))
+        .map(|name| resolve::camera(name, &args.camera_options, WavelengthGrid::VISIBLE))
         .collect::<anyhow::Result<Vec<Camera>>>()?;
     let cache = if common.no_cache { Cache::disabled() } else { Cache::open(None) };
     let progress = Progress::new((cameras.len() * args.luminance.len()) as u64, common.quiet);
@@ -62,7 +63,8 @@ fn cached(
     make: &dyn Fn() -> Result<OpticalImage, CameraError>,
 ) -> Result<OpticalImage, CameraError> {
     let mut hash = KeyBuilder::new();
-    hash.bytes("revision", &OPTICAL_IMAGE_REVISION.to_le_bytes()).bytes("version", env!("CARGO_PKG_VERSION").as_bytes());
+    hash.bytes("revision", &OPTICAL_IMAGE_REVISION.to_le_bytes())
+        .bytes("version", env!("CARGO_PKG_VERSION").as_bytes());
     let key = hash.bytes("target", key.as_bytes()).finish();
     if let Some(image) = cache.get(&key) {
         return Ok(image);
@@ -75,7 +77,9 @@ fn cached(
 
 fn entry(camera: &Camera, scores: &Evaluation) -> anyhow::Result<serde_json::Value> {
     let mut entry = json!({"camera": camera.description().name});
-    if let (Some(into), serde_json::Value::Object(scores)) = (entry.as_object_mut(), serde_json::to_value(scores)?) {
+    if let (Some(into), serde_json::Value::Object(scores)) =
+        (entry.as_object_mut(), serde_json::to_value(scores)?)
+    {
         into.extend(scores);
         into.insert("description".into(), serde_json::to_value(camera.description())?);
     }
@@ -84,7 +88,17 @@ fn entry(camera: &Camera, scores: &Evaluation) -> anyhow::Result<serde_json::Val
 
 fn scores_table(results: &[(&Camera, Evaluation)]) -> String {
     let header = [
-        "camera", "cd/m²", "ΔE76", "ΔE2000", "MTF50 cy/mm", "MTF50 cy/px", "noise %", "aliasing %", "clipped %", "range dB", "exposure ms",
+        "camera",
+        "cd/m²",
+        "ΔE76",
+        "ΔE2000",
+        "MTF50 cy/mm",
+        "MTF50 cy/px",
+        "noise %",
+        "aliasing %",
+        "clipped %",
+        "range dB",
+        "exposure ms",
     ];
     let row = |(camera, s): &(&Camera, Evaluation)| {
         vec![
@@ -106,7 +120,9 @@ fn scores_table(results: &[(&Camera, Evaluation)]) -> String {
 
 fn write_pictures(dir: &Path, pictures: &EvaluationPictures) -> anyhow::Result<()> {
     std::fs::create_dir_all(dir).with_context(|| format!("cannot make the folder {}", dir.display()))?;
-    for (name, image) in [("macbeth", &pictures.macbeth), ("edge", &pictures.edge), ("zone-plate", &pictures.zone_plate)] {
+    for (name, image) in
+        [("macbeth", &pictures.macbeth), ("edge", &pictures.edge), ("zone-plate", &pictures.zone_plate)]
+    {
         let shown = image.converted(ColorSpace::Srgb)?;
         picture::write_png(&dir.join(format!("{name}.png")), &shown, Depth::Eight)?;
     }

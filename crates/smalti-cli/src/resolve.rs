@@ -4,8 +4,8 @@ use std::path::Path;
 
 use anyhow::{Context, bail};
 use smalti::camera::Camera;
-use smalti::color::jakob_hanika2019::Uplift;
 use smalti::color::ColorSpace;
+use smalti::color::jakob_hanika2019::Uplift;
 use smalti::scene::{self, Scene, Setting};
 use smalti::spectrum::{Illuminant, Observer, WavelengthGrid, reflectance};
 use smalti_io::exr::{Quantity, ReadOptions, SceneDefaults, SpectralFile};
@@ -13,9 +13,9 @@ use smalti_io::{cameras, exr, picture};
 
 use crate::args::{CameraOptions, SceneOptions};
 
-/// A camera by name or file, with the overrides of the command line.
-pub(crate) fn camera(name: &str, options: &CameraOptions) -> anyhow::Result<Camera> {
-    cameras::load(name, &options.overrides, WavelengthGrid::VISIBLE).map_err(|e| anyhow::anyhow!("{e}"))
+/// A camera by name or file, with the overrides of the command line, for scenes on a wavelength grid.
+pub(crate) fn camera(name: &str, options: &CameraOptions, grid: WavelengthGrid) -> anyhow::Result<Camera> {
+    cameras::load(name, &options.overrides, grid).map_err(|e| anyhow::anyhow!("{e}"))
 }
 
 /// A light by name.
@@ -36,19 +36,20 @@ fn setting(options: &SceneOptions, grid: WavelengthGrid) -> anyhow::Result<Setti
 }
 
 /// A scene by name or file.
-pub(crate) fn scene(
-    name: &str,
-    options: &SceneOptions,
-    grid: WavelengthGrid,
-) -> anyhow::Result<Scene> {
-    let setting = setting(options, grid)?;
+pub(crate) fn scene(name: &str, options: &SceneOptions) -> anyhow::Result<Scene> {
+    let grid = options.wavelengths.as_deref().map(wavelengths).transpose()?;
+    let setting = setting(options, grid.unwrap_or_default())?;
     let path = Path::new(name);
     if !is_file(name) {
-        let natural: Vec<_> = reflectance::natural(grid)?.into_iter().map(|(_, s)| s).collect();
+        let natural: Vec<_> = reflectance::natural(setting.grid)?.into_iter().map(|(_, s)| s).collect();
         return Ok(scene::catalog::build(name, &setting, &natural)?);
     }
     let scene = file_scene(path, &setting)?;
     // What was typed holds, whatever the file states.
+    let scene = match grid {
+        Some(grid) if grid != scene.radiance().grid() => scene.resampled(grid)?,
+        _ => scene,
+    };
     let scene = match &options.illuminant {
         Some(_) => scene.relit(&setting.illuminant)?,
         None => scene,
@@ -103,12 +104,14 @@ pub(crate) fn has_extension(path: &Path, known: &[&str]) -> bool {
 }
 
 /// `START:STEP:END` in nm.
-pub(crate) fn wavelengths(text: &str) -> anyhow::Result<WavelengthGrid> {
+fn wavelengths(text: &str) -> anyhow::Result<WavelengthGrid> {
     let numbers: Vec<f64> = text
         .split(':')
         .map(|p| p.trim().parse().with_context(|| format!("--wavelengths {text}: '{p}' is not a number")))
         .collect::<Result<_, _>>()?;
-    let [start, step, end] = numbers[..] else { bail!("--wavelengths {text}: expected START:STEP:END, such as 400:10:700") };
+    let [start, step, end] = numbers[..] else {
+        bail!("--wavelengths {text}: expected START:STEP:END, such as 400:10:700")
+    };
     let count = ((end - start) / step).round();
     if !(count.is_finite() && (0.0..=100_000.0).contains(&count)) {
         bail!("--wavelengths {text}: expected an end above the start and a positive step");

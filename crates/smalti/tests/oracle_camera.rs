@@ -84,7 +84,7 @@ impl Case {
             .collect();
         let responses: Vec<Spectrum> = channels.iter().map(|c| c.transmittance.clone()).collect();
         let matrix =
-            color_matrix(&responses, &reflectances, &light, Observer::Cie1931, ColorConstraint::None)
+            color_matrix(&responses, &reflectances, &light, Observer::Cie1931, ColorConstraint::None, 0.0)
                 .unwrap();
         let matrix = Classic { white_balance: WhiteBalance::None, ..Classic::new(matrix) };
         Self { cfa: Cfa::new(id, mosaic, channels).unwrap(), json, matrix }

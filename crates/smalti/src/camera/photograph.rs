@@ -11,7 +11,8 @@ use crate::numeric::least_squares::{Matrix, lstsq};
 use crate::optics::{OpticalImage, Optics};
 use crate::scene::Scene;
 use crate::sensor::{
-    Cfa, Channel, ColorArchitecture, Exposure, Mosaic, NoiseMode, NonUniformity, Pixel, RawImage, Sensor, Window,
+    Cfa, Channel, ColorArchitecture, Exposure, Mosaic, NoiseMode, NonUniformity, Pixel, RawImage, Sensor,
+    Window,
 };
 use crate::spectrum::{Observer, Spectrum, WavelengthGrid, reflectance};
 
@@ -27,6 +28,7 @@ pub struct Camera {
     exposure_time: ExposureTime,
     analog_gain: f64,
     analog_offset_v: f64,
+    color_noise: f64,
 }
 
 /// One picture with all that led to it.
@@ -52,6 +54,7 @@ impl Camera {
         Ok(Self {
             optics: resolve::optics(&description.optics, grid)?,
             sensor: resolve::sensor(&description.sensor, grid)?,
+            color_noise: resolve::color_noise(&description)?,
             exposure_time,
             analog_gain,
             analog_offset_v,
@@ -103,7 +106,8 @@ impl Camera {
             // A hundredth of a pixel forgives rounding in a field of view that was computed from the pixels.
             let covered = (samples as f64 * spacing_m / self.sensor.pixel.pitch_m + 0.01).floor();
             let covered = (covered.max(1.0) as usize).min(pixels);
-            let first = (pixels - covered).div_ceil(2).next_multiple_of(tile).min(pixels - covered.min(pixels));
+            let first =
+                (pixels - covered).div_ceil(2).next_multiple_of(tile).min(pixels - covered.min(pixels));
             (first, covered.min(pixels - first))
         };
         let (row, rows) = extent(radiance.rows(), self.sensor.rows, mosaic.rows());
@@ -137,9 +141,11 @@ impl Camera {
     pub fn isp(&self, light: &Spectrum, white_balance: WhiteBalance) -> Result<Classic, CameraError> {
         let isp = &self.description.isp;
         let surfaces = self.surfaces()?;
-        let constraint = if isp.preserve_white { ColorConstraint::PreserveWhite } else { ColorConstraint::None };
+        let constraint =
+            if isp.preserve_white { ColorConstraint::PreserveWhite } else { ColorConstraint::None };
         let responsivities = self.responsivities()?;
-        let matrix = color_matrix(&responsivities, &surfaces, light, Observer::Cie1931, constraint)?;
+        let matrix =
+            color_matrix(&responsivities, &surfaces, light, Observer::Cie1931, constraint, self.color_noise)?;
         let demosaic = match isp.demosaic {
             DemosaicName::Bilinear => Demosaic::Bilinear,
             DemosaicName::Malvar2004 => Demosaic::Malvar2004,
@@ -173,7 +179,8 @@ impl Camera {
             }
         }
         let (rows, channels) = (surfaces.len(), responsivities.len());
-        let solved = lstsq(Matrix::new(rows, 3, &xyz), Matrix::new(rows, channels, &camera)).map_err(IspError::from)?;
+        let solved = lstsq(Matrix::new(rows, 3, &xyz), Matrix::new(rows, channels, &camera))
+            .map_err(IspError::from)?;
         let entry = |row: usize, channel: usize| solved.get(row * channels + channel).copied().unwrap_or(0.0);
         Ok((0..channels).map(|c| std::array::from_fn(|row| entry(row, c))).collect())
     }
@@ -238,7 +245,10 @@ impl Camera {
     pub fn reference(&self, image: &OpticalImage) -> Result<Image, CameraError> {
         let weights = Observer::Cie1931.photon_weights(self.grid)?;
         let largest = weights.iter().map(Spectrum::max).fold(0.0, f64::max);
-        let channel = |(name, w): (&str, &Spectrum)| Channel { name: name.into(), transmittance: w.scaled(1.0 / largest) };
+        let channel = |(name, w): (&str, &Spectrum)| Channel {
+            name: name.into(),
+            transmittance: w.scaled(1.0 / largest),
+        };
         let channels: Vec<Channel> = ["X", "Y", "Z"].into_iter().zip(&weights).map(channel).collect();
         let sensor = Sensor {
             cfa: Cfa::new("observer", Mosaic::new(1, 3, vec![0, 1, 2])?, channels)?,
@@ -250,7 +260,8 @@ impl Camera {
             ..self.sensor.clone()
         };
         // A well and a swing that nothing fills, so that the reference never clips.
-        let pixel = Pixel { full_well_e: 1e12, voltage_swing_v: 1e3, conversion_gain_v_per_e: 1e-9, ..sensor.pixel };
+        let pixel =
+            Pixel { full_well_e: 1e12, voltage_swing_v: 1e3, conversion_gain_v_per_e: 1e-9, ..sensor.pixel };
         let volts = Sensor { pixel, ..sensor }.expected_volts(image, &Exposure::new(1.0))?;
         Ok(Image::new(ColorSpace::Xyz, volts)?)
     }
