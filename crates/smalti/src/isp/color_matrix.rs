@@ -235,7 +235,7 @@ mod tests {
         let light = Illuminant::D65.photons(GRID).unwrap();
         let dark = [Spectrum::constant(GRID, 0.0)];
         let fit = |c: &[Spectrum], r: &[Spectrum]| {
-            color_matrix(c, r, &light, Observer::Cie1931, ColorConstraint::None)
+            color_matrix(c, r, &light, Observer::Cie1931, ColorConstraint::None, 0.0)
         };
         assert!(matches!(fit(&dark, &chart()), Err(IspError::NoResponse { .. })));
         assert!(matches!(fit(&dark, &[]), Err(IspError::Empty { what: "reflectances" })));

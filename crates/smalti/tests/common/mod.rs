@@ -1,6 +1,8 @@
 //! Where the reference values of ISETCam lie, and how to read them. Not every test uses everything.
 #![allow(dead_code, missing_docs, unreachable_pub, clippy::unwrap_used, clippy::panic)]
 
+pub mod isetcam;
+
 use std::path::PathBuf;
 
 /// The folder of reference values beside the checkout; `None`, with a message, when it is absent.
