@@ -30,7 +30,8 @@ fn pipeline(case: &Case) -> Classic {
     let reflectances: Vec<Spectrum> = reflectances.into_iter().map(spectrum).collect();
     let responses: Vec<Spectrum> = case.cfa.channels().iter().map(|c| c.transmittance.clone()).collect();
     let matrix =
-        color_matrix(&responses, &reflectances, &light, Observer::Cie1931, ColorConstraint::None, 0.0).unwrap();
+        color_matrix(&responses, &reflectances, &light, Observer::Cie1931, ColorConstraint::None, 0.0)
+            .unwrap();
     Classic { white_balance: WhiteBalance::None, ..Classic::new(matrix) }
 }
 
