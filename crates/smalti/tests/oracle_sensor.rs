@@ -20,11 +20,6 @@ fn reference_sensor(rows: usize, cols: usize, cfa: Cfa) -> Sensor {
     Sensor::new(rows, cols, isetcam::pixel(), cfa, Spectrum::constant(GRID, 1.0))
 }
 
-fn channel(s: &Sensor, values: &[f32], channel: usize) -> Vec<f32> {
-    let of = |i: usize| s.cfa.mosaic().channel_at(i / s.cols, i % s.cols);
-    values.iter().enumerate().filter(|(i, _)| of(*i) == channel).map(|(_, v)| *v).collect()
-}
-
 #[test]
 fn uniform_field() {
     let Some(oracle) = oracle_json("sensor_uniform.json") else { return };
@@ -38,7 +33,7 @@ fn uniform_field() {
             let mut s = reference_sensor(146, 146, bayer(filters(set)));
             let exposure = Exposure::new(case["exp_time_s"].as_f64().unwrap());
             let free = s.expected_volts(&image, &exposure).unwrap();
-            let means: Vec<f64> = (0..3).map(|c| moments(&channel(&s, free.data(), c)).0).collect();
+            let means: Vec<f64> = (0..3).map(|c| moments(&of_channel(&s, free.data(), c)).0).collect();
             let electrons: Vec<f64> = means.iter().map(|v| v / 1e-4).collect();
             // The irradiance is that of the middle, the volts are means over the sensor. Between them, the tails of
             // the PSF take light over the edge of the field: 1e-4, in proportion to wavelength.
@@ -48,7 +43,7 @@ fn uniform_field() {
             for bits in [10, 12] {
                 s.adc.bits = bits;
                 let raw = s.capture(&image, &exposure, NoiseMode::None, 0).unwrap();
-                let dn: Vec<f64> = (0..3).map(|c| moments(&channel(&s, &values(&raw), c)).0).collect();
+                let dn: Vec<f64> = (0..3).map(|c| moments(&of_channel(&s, &values(&raw), c)).0).collect();
                 assert_eq!(dn, numbers(&case[format!("dv{bits}_rgb")]), "{set} {ms} ms");
             }
             s.adc.bits = 0;
@@ -56,7 +51,7 @@ fn uniform_field() {
             let mut all: [Vec<f32>; 3] = Default::default();
             for seed in 0..8 {
                 let raw = values(&s.capture(&image, &exposure, NoiseMode::All, seed).unwrap());
-                (0..3).for_each(|c| all[c].extend(channel(&s, &raw, c)));
+                (0..3).for_each(|c| all[c].extend(of_channel(&s, &raw, c)));
             }
             let (mean, std) = (numbers(&case["noise2_mean_volts"]), numbers(&case["noise2_std_volts"]));
             let expected = numbers(&case["noise2_std_expected"]);
@@ -107,7 +102,7 @@ fn chart_patches() {
                     .map(|(r, k)| volts[r][k] as f32)
                     .collect();
                 expected.push(moments(&theirs).0);
-                got.push(moments(&channel(&s, flat.data(), c)).0);
+                got.push(moments(&of_channel(&s, flat.data(), c)).0);
             }
         }
         assert_close(id, &got, &expected, 1e-3);
