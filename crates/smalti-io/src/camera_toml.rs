@@ -5,8 +5,9 @@ use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
 use smalti::camera::description::CameraDescription;
+use smalti::names::nearest;
 
-use crate::diagnostic::{Diagnostic, nearest};
+use crate::diagnostic::Diagnostic;
 
 /// A camera file as text, before anything is made of it.
 #[derive(Debug, Clone)]
@@ -150,7 +151,7 @@ fn explain(message: &str) -> (String, Option<String>) {
             let known: Vec<&str> = quoted.collect();
             let what = if message.starts_with("unknown field") { "key" } else { "value" };
             let list = known.join(", ");
-            let help = match nearest(wrong, &known) {
+            let help = match nearest(wrong, known.iter().copied()) {
                 Some(near) => format!("did you mean `{near}`? valid here: {list}"),
                 None => format!("valid here: {list}"),
             };

@@ -3,12 +3,13 @@
 use std::path::{Path, PathBuf};
 
 use smalti::camera::{Camera, CameraDescription, CameraError};
+use smalti::names::nearest;
 use smalti::numeric::Planes;
 use smalti::sensor::Filter;
 use smalti::spectrum::WavelengthGrid;
 
 use crate::camera_toml::{CameraSource, Override, beside};
-use crate::diagnostic::{Diagnostic, nearest};
+use crate::diagnostic::Diagnostic;
 use crate::{Limits, npy, spectrum_csv, text};
 
 /// A built-in camera.
@@ -68,7 +69,7 @@ fn source(name: &str) -> Result<CameraSource, Box<Diagnostic>> {
     if !is_file {
         let known: Vec<&str> = CAMERAS.iter().map(|c| c.name).collect();
         let list = format!("built in: {}; or give a .toml file", known.join(", "));
-        let help = match nearest(name, &known) {
+        let help = match nearest(name, known.iter().copied()) {
             Some(near) => format!("did you mean '{near}'? {list}"),
             None => list,
         };

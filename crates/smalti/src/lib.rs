@@ -37,6 +37,7 @@ pub mod camera;
 pub mod color;
 pub mod isp;
 pub mod metrics;
+pub mod names;
 pub mod numeric;
 pub mod optics;
 pub mod scene;

@@ -4,18 +4,13 @@
 
 mod common;
 
+use common::isetcam::mosaic;
 use common::{assert_close, numbers, oracle_csv, oracle_json};
 use serde_json::Value;
 use smalti::isp::{Classic, ColorConstraint, ColorMatrix, Demosaic, Isp, WhiteBalance, color_matrix};
 use smalti::numeric::Planes;
 use smalti::sensor::{Mosaic, RawImage, RawSamples, Sampling};
 use smalti::spectrum::{Observer, Spectrum, WavelengthGrid};
-
-fn mosaic(pattern: &Value) -> Mosaic {
-    let rows = pattern.as_array().unwrap().len();
-    let cells: Vec<u8> = numbers(pattern).iter().map(|v| *v as u8 - 1).collect();
-    Mosaic::new(rows, cells.len() / rows, cells).unwrap()
-}
 
 fn raw(mosaic: Mosaic, volts: &[Vec<f64>]) -> RawImage {
     let names = (0..mosaic.channels()).map(|c| c.to_string()).collect();

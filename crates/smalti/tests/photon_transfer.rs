@@ -1,5 +1,5 @@
 //! The sensor measured as a camera maker would, in the manner of EMVA 1288: what was put in comes back.
-#![allow(missing_docs)]
+#![allow(missing_docs, clippy::unwrap_used)]
 
 use smalti::metrics::photon_transfer::{FlatPair, FrameStacks, photon_transfer};
 use smalti::numeric::Planes;

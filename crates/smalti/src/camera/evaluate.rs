@@ -224,7 +224,7 @@ impl Target {
     }
 
     fn edge(camera: &Camera, setting: &Setting) -> Result<Self, CameraError> {
-        let bar = SlantedBar { sampling: scene::Sampling::Area, ..SlantedBar::default() };
+        let bar = SlantedBar { sampling: scene::PatternSampling::Area, ..SlantedBar::default() };
         Self::new(camera, EDGE_PX, EDGE_PX, setting, "edge", move |s| Ok(scene::slanted_bar(&bar, s)?))
     }
 

@@ -2,7 +2,7 @@
 //!
 //! Charts and patterns are functions of their own parameters and a [`Setting`]: the light, the mean luminance, the
 //! distance and the field of view. Pixels hold the mean over their area, except where a pattern is sampled as
-//! ISETCam does it, so that both can be compared ([`Sampling`]).
+//! ISETCam does it, so that both can be compared ([`PatternSampling`]).
 
 pub mod catalog;
 mod checkerboard;
@@ -44,7 +44,7 @@ pub use self::zone_plate::{ZonePlate, zone_plate, zone_plate_isetcam};
 
 /// How a pattern becomes pixels.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Sampling {
+pub enum PatternSampling {
     /// Points, with ISETCam's rules for clipping and ties.
     Isetcam,
     /// The mean over the area of each pixel.
