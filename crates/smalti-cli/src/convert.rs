@@ -1,6 +1,6 @@
 //! `smalti convert`: a scene to another format.
 
-use anyhow::bail;
+use anyhow::{Context, bail};
 use smalti::color::{ColorSpace, Image};
 use smalti::numeric::Planes;
 use smalti_io::exr::{self, Layout, SpectralFile};
@@ -15,7 +15,8 @@ pub(crate) fn run(args: &Convert, common: &Common) -> anyhow::Result<()> {
     let progress = Progress::new(2, common.quiet);
     progress.begin("reading");
     let grid = resolve::wavelengths(&args.wavelengths)?;
-    let scene = resolve::scene(&args.scene, &args.scene_options, grid)?;
+    let scene = resolve::scene(&args.scene, &args.scene_options, grid)
+        .with_context(|| format!("{} at --wavelengths {}", args.scene, args.wavelengths))?;
     progress.done();
     progress.begin("writing");
     let path = &args.output;

@@ -4,6 +4,11 @@ use super::IspError;
 use crate::numeric::least_squares::{Matrix, lstsq, lstsq_constrained};
 use crate::spectrum::{Observer, Spectrum};
 
+/// A channel that sees white this much fainter than the brightest one takes no part in colour: when that one is full,
+/// at ten thousand electrons or so, the faint one holds ten, which is noise. An infrared pixel behind an infrared-cut
+/// filter, or on wavelengths that end before its band, is such a one; least squares would amplify its noise thousandfold.
+const BLIND: f64 = 1e-3;
+
 /// What a colour matrix must hold exactly.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[non_exhaustive]
@@ -94,7 +99,8 @@ impl ColorMatrix {
 ///
 /// Any number of channels will do. Where there are more than the reflectances can tell apart (their spectra have some
 /// six to eight degrees of freedom), or channels are mixtures of others, the matrix of smallest norm is taken, which
-/// amplifies noise least.
+/// amplifies noise least. A channel that is all but blind under the illuminant (below a thousandth of the brightest one's
+/// white) gets no part.
 ///
 /// # Errors
 /// When a list is empty, grids differ, the solver fails, or the illuminant is dark to camera or observer.
@@ -125,6 +131,11 @@ pub fn color_matrix(
     if y <= 0.0 {
         return Err(IspError::NoResponse { what: "the observer" });
     }
+    let seeing: Vec<Spectrum> = camera
+        .iter()
+        .zip(&camera_white)
+        .map(|(c, &white)| if white < BLIND * brightest { c.scaled(0.0) } else { c.clone() })
+        .collect();
     let responses = |to: &[Spectrum], scale: f64| -> Result<Vec<f64>, IspError> {
         let mut rows = Vec::with_capacity(reflectances.len() * to.len());
         for r in reflectances {
@@ -135,14 +146,15 @@ pub fn color_matrix(
         Ok(rows)
     };
     let (channels, samples) = (responsivities.len(), reflectances.len());
-    let (a, b) = (responses(&camera, brightest)?, responses(&eye, y)?);
+    let (a, b) = (responses(&seeing, brightest)?, responses(&eye, y)?);
     let camera_white: Vec<f64> = camera_white.iter().map(|v| v / brightest).collect();
     let xyz_white = [x / y, 1.0, z / y];
     let (a, b) = (Matrix::new(samples, channels, &a), Matrix::new(samples, 3, &b));
     let x = match constraint {
         ColorConstraint::None => lstsq(a, b)?,
         ColorConstraint::PreserveWhite => {
-            lstsq_constrained(a, b, Matrix::new(1, channels, &camera_white), Matrix::new(1, 3, &xyz_white))?
+            let white = seeing.iter().map(|c| c.integral() / brightest).collect::<Vec<f64>>();
+            lstsq_constrained(a, b, Matrix::new(1, channels, &white), Matrix::new(1, 3, &xyz_white))?
         }
     };
     let columns = x.chunks_exact(3).map(|c| [c[0], c[1], c[2]]).collect();
@@ -206,6 +218,21 @@ mod tests {
                 once.xyz_from_camera()[1][i] / 2.0,
                 epsilon = 1e-9
             );
+        }
+    }
+
+    /// An infrared channel on visible wavelengths: its trace of red would lower the error and drown the picture in noise.
+    #[test]
+    fn a_channel_that_is_all_but_blind_takes_no_part() {
+        let (r, g, b) = (gaussian(600.0, 35.0), gaussian(540.0, 40.0), gaussian(460.0, 30.0));
+        let infrared = gaussian(850.0, 35.0);
+        for constraint in [ColorConstraint::None, ColorConstraint::PreserveWhite] {
+            let without = matrix(&[r.clone(), g.clone(), b.clone()], constraint);
+            let with = matrix(&[r.clone(), g.clone(), b.clone(), infrared.clone()], constraint);
+            assert_eq!(with.xyz_from_camera()[3], [0.0; 3]);
+            for (w, o) in with.xyz_from_camera().iter().zip(without.xyz_from_camera()) {
+                (0..3).for_each(|i| assert_abs_diff_eq!(w[i], o[i], epsilon = 1e-9));
+            }
         }
     }
 
