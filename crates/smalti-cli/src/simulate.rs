@@ -2,7 +2,6 @@
 
 use std::path::Path;
 
-use anyhow::Context;
 use serde_json::json;
 use smalti::camera::{Camera, Photograph};
 use smalti::color::scielab::Scielab;
@@ -16,7 +15,7 @@ use smalti::scene::Scene;
 use smalti::sensor::{NoiseMode, RawImage, RawSamples};
 use smalti_io::dng::{self, ColorMatrix, DngInfo};
 use smalti_io::picture::{self, Depth};
-use smalti_io::stages::write_stage;
+use smalti_io::stages::{self, write_stage};
 use smalti_io::write;
 
 use crate::args::{Common, Noise, Simulate};
@@ -49,18 +48,21 @@ pub(crate) fn run(args: &Simulate, common: &Common) -> anyhow::Result<()> {
     let photo = camera.photograph(optical_image, scene.illuminant(), noise, args.camera_options.seed)?;
     progress.done();
     progress.begin("writing");
-    let dir = &args.output;
-    std::fs::create_dir_all(dir).with_context(|| format!("cannot make the folder {}", dir.display()))?;
+    // Everything is computed before anything is written.
     let shown = shown(&photo.picture);
-    let output = camera.output_space();
+    let picture = shown.image.converted(camera.output_space())?;
+    let info = dng_info(&camera, &scene)?;
+    let metrics = metrics(args, &camera, &scene, &photo, shown.gain)?;
+    let text = serde_json::to_string_pretty(&metrics)? + "\n";
+    let dir = &args.output;
     let depth = if args.bits == "16" { Depth::Sixteen } else { Depth::Eight };
-    picture::write_png(&dir.join("rendered.png"), &shown.image.converted(output)?, depth)?;
-    dng::write(&dir.join("raw.dng"), &photo.raw, &dng_info(&camera, &scene)?)?;
+    // A folder that has metrics.json is whole: that of an earlier run goes first, the new one comes last.
+    write::begin_folder(dir, &["metrics.json", stages::INDEX])?;
+    picture::write_png(&dir.join("rendered.png"), &picture, depth)?;
+    dng::write(&dir.join("raw.dng"), &photo.raw, &info)?;
     if args.stages {
         write_stages(dir, &scene, &photo)?;
     }
-    let metrics = metrics(args, &camera, &scene, &photo, shown.gain)?;
-    let text = serde_json::to_string_pretty(&metrics)? + "\n";
     write::bytes(&dir.join("metrics.json"), text.as_bytes())?;
     progress.finish();
     if args.json {

@@ -1,11 +1,13 @@
 //! The known word that is nearest to a mistyped one.
 
-/// The candidate with the least number of inserted, deleted and replaced characters; the first of equals. Empty
-/// when there are none.
+/// The candidate that begins with the word, else the one with the least number of inserted, deleted and replaced
+/// characters; the first of equals. Empty when there are none.
 pub(super) fn nearest(word: &str, candidates: &[&'static str]) -> &'static str {
     // Names are short; of a long text only the beginning matters.
     let word: Vec<char> = word.chars().take(64).collect();
-    candidates.iter().copied().min_by_key(|c| distance(&word, c)).unwrap_or("")
+    let shortened = |c: &&str| word.len() > 1 && word.iter().copied().eq(c.chars().take(word.len()));
+    let candidates = || candidates.iter().copied();
+    candidates().find(shortened).or_else(|| candidates().min_by_key(|c| distance(&word, c))).unwrap_or("")
 }
 
 /// Levenshtein distance.
@@ -31,6 +33,7 @@ mod tests {
         let names = ["macbeth", "uniform", "zone-plate"];
         assert_eq!(nearest("zoneplate", &names), "zone-plate");
         assert_eq!(nearest("macbet", &names), "macbeth");
+        assert_eq!(nearest("unif", &["zone", "uniform"]), "uniform");
         assert_eq!(nearest("", &[]), "");
         assert_eq!(distance(&['k', 'i', 't', 't', 'e', 'n'], "sitting"), 3);
     }
