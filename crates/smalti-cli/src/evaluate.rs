@@ -49,7 +49,8 @@ pub(crate) fn run(args: &Evaluate, common: &Common) -> anyhow::Result<()> {
     // Everything is computed before anything is written; a folder that has results.json is whole.
     if let Some(dir) = &args.output {
         write::begin_folder(dir, &["results.json"])?;
-        let runs = cameras.iter().enumerate().flat_map(|run| args.luminance.iter().map(move |cd_m2| (run, cd_m2)));
+        let runs =
+            cameras.iter().enumerate().flat_map(|run| args.luminance.iter().map(move |cd_m2| (run, cd_m2)));
         for (((number, camera), cd_m2), pictures) in runs.zip(&shots) {
             let name = folder_name(camera, number, &cameras);
             write_pictures(&dir.join(format!("{name}-{cd_m2}-cd-m2")), pictures)?;
@@ -66,7 +67,8 @@ fn cached(
     make: &dyn Fn() -> Result<OpticalImage, CameraError>,
 ) -> Result<OpticalImage, CameraError> {
     let mut hash = KeyBuilder::new();
-    hash.bytes("revision", &OPTICAL_IMAGE_REVISION.to_le_bytes()).bytes("version", env!("CARGO_PKG_VERSION").as_bytes());
+    hash.bytes("revision", &OPTICAL_IMAGE_REVISION.to_le_bytes())
+        .bytes("version", env!("CARGO_PKG_VERSION").as_bytes());
     let key = hash.bytes("target", key.as_bytes()).finish();
     if let Some(image) = cache.get(&key) {
         return Ok(image);
@@ -79,7 +81,9 @@ fn cached(
 
 fn entry(camera: &Camera, scores: &Evaluation) -> anyhow::Result<serde_json::Value> {
     let mut entry = json!({"camera": camera.description().name});
-    if let (Some(into), serde_json::Value::Object(scores)) = (entry.as_object_mut(), serde_json::to_value(scores)?) {
+    if let (Some(into), serde_json::Value::Object(scores)) =
+        (entry.as_object_mut(), serde_json::to_value(scores)?)
+    {
         into.extend(scores);
         into.insert("description".into(), serde_json::to_value(camera.description())?);
     }
@@ -88,7 +92,17 @@ fn entry(camera: &Camera, scores: &Evaluation) -> anyhow::Result<serde_json::Val
 
 fn scores_table(results: &[(&Camera, Evaluation)]) -> String {
     let header = [
-        "camera", "cd/m²", "ΔE76", "ΔE2000", "MTF50 cy/mm", "MTF50 cy/px", "noise %", "aliasing %", "clipped %", "range dB", "exposure ms",
+        "camera",
+        "cd/m²",
+        "ΔE76",
+        "ΔE2000",
+        "MTF50 cy/mm",
+        "MTF50 cy/px",
+        "noise %",
+        "aliasing %",
+        "clipped %",
+        "range dB",
+        "exposure ms",
     ];
     let row = |(camera, s): &(&Camera, Evaluation)| {
         vec![
@@ -121,7 +135,9 @@ fn folder_name(camera: &Camera, number: usize, cameras: &[Camera]) -> String {
 
 fn write_pictures(dir: &Path, pictures: &EvaluationPictures) -> anyhow::Result<()> {
     write::begin_folder(dir, &[])?;
-    for (name, image) in [("macbeth", &pictures.macbeth), ("edge", &pictures.edge), ("zone-plate", &pictures.zone_plate)] {
+    for (name, image) in
+        [("macbeth", &pictures.macbeth), ("edge", &pictures.edge), ("zone-plate", &pictures.zone_plate)]
+    {
         let shown = image.converted(ColorSpace::Srgb)?;
         picture::write_png(&dir.join(format!("{name}.png")), &shown, Depth::Eight)?;
     }

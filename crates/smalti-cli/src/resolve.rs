@@ -4,8 +4,8 @@ use std::path::Path;
 
 use anyhow::{Context, bail};
 use smalti::camera::Camera;
-use smalti::color::jakob_hanika2019::Uplift;
 use smalti::color::ColorSpace;
+use smalti::color::jakob_hanika2019::Uplift;
 use smalti::scene::{self, Scene, Setting};
 use smalti::spectrum::{Illuminant, Observer, WavelengthGrid, reflectance};
 use smalti_io::exr::{Quantity, ReadOptions, SceneDefaults, SpectralFile};
@@ -36,11 +36,7 @@ fn setting(options: &SceneOptions, grid: WavelengthGrid) -> anyhow::Result<Setti
 }
 
 /// A scene by name or file.
-pub(crate) fn scene(
-    name: &str,
-    options: &SceneOptions,
-    grid: WavelengthGrid,
-) -> anyhow::Result<Scene> {
+pub(crate) fn scene(name: &str, options: &SceneOptions, grid: WavelengthGrid) -> anyhow::Result<Scene> {
     let setting = setting(options, grid)?;
     let path = Path::new(name);
     if !is_file(name) {
@@ -110,10 +106,14 @@ pub(crate) fn wavelengths(text: &str) -> anyhow::Result<WavelengthGrid> {
         .split(':')
         .map(|p| p.trim().parse().with_context(|| format!("--wavelengths {text}: '{p}' is not a number")))
         .collect::<Result<_, _>>()?;
-    let [start, step, end] = numbers[..] else { bail!("--wavelengths {text}: expected START:STEP:END, such as 400:10:700") };
+    let [start, step, end] = numbers[..] else {
+        bail!("--wavelengths {text}: expected START:STEP:END, such as 400:10:700")
+    };
     let count = ((end - start) / step).round();
     if !(count.is_finite() && (0.0..=100_000.0).contains(&count)) {
-        bail!("--wavelengths {text}: expected an end above the start, a positive step and at most 100000 wavelengths");
+        bail!(
+            "--wavelengths {text}: expected an end above the start, a positive step and at most 100000 wavelengths"
+        );
     }
     WavelengthGrid::new(start, step, count as usize + 1).with_context(|| format!("--wavelengths {text}"))
 }

@@ -112,7 +112,10 @@ fn dng_info(camera: &Camera, scene: &Scene) -> anyhow::Result<DngInfo> {
         make: "Smalti".into(),
         model: camera.description().name.clone(),
         // The matrix holds for the light of the scene; Exif has no code for most lights, and 255 means "other".
-        color_matrix: Some(ColorMatrix { camera_from_xyz: camera.camera_from_xyz(scene.illuminant())?, light_source: 255 }),
+        color_matrix: Some(ColorMatrix {
+            camera_from_xyz: camera.camera_from_xyz(scene.illuminant())?,
+            light_source: 255,
+        }),
         as_shot_neutral: Some(isp.color_matrix.camera_white().to_vec()),
     })
 }
@@ -129,7 +132,9 @@ fn metrics(
     let measured = colors.render(&photo.raw)?;
     let reference = camera.reference(&photo.optical_image)?;
     // The picture's scale is that of the exposure; the reference is brought to the same mean luminance.
-    let mean = |i: &Image| i.planes().plane(1).iter().map(|&v| f64::from(v)).sum::<f64>() / i.planes().plane_len() as f64;
+    let mean = |i: &Image| {
+        i.planes().plane(1).iter().map(|&v| f64::from(v)).sum::<f64>() / i.planes().plane_len() as f64
+    };
     let scale = mean(&measured) / mean(&reference);
     let white = colors.color_matrix.xyz_white();
     let reference_planes = scaled(reference.planes(), scale)?;
@@ -187,7 +192,8 @@ fn write_stages(dir: &Path, scene: &Scene, photo: &Photograph) -> anyhow::Result
     let cube = |name: &str, cube: &smalti::spectrum::SpectralCube, unit: &str, numbers: &[(&str, &[f64])]| {
         let axes = [("wavelength", cube.grid().len()), ("row", cube.rows()), ("column", cube.cols())];
         let nm: Vec<f64> = cube.grid().wavelengths_nm().collect();
-        let numbers: Vec<(&str, &[f64])> = numbers.iter().copied().chain([("wavelengths_nm", &nm[..])]).collect();
+        let numbers: Vec<(&str, &[f64])> =
+            numbers.iter().copied().chain([("wavelengths_nm", &nm[..])]).collect();
         write_stage(dir, name, &axes, cube.planes().data(), unit, &numbers)
     };
     let facts: [(&str, &[f64]); 2] =
@@ -199,13 +205,21 @@ fn write_stages(dir: &Path, scene: &Scene, photo: &Photograph) -> anyhow::Result
     write_raw(dir, &photo.raw)?;
     let planes = photo.picture.planes();
     let axes = [("XYZ", 3), ("row", planes.rows()), ("column", planes.cols())];
-    write_stage(dir, "4-picture-xyz", &axes, planes.data(), "relative, Y = 1 is the brightest white the sensor holds", &[])?;
+    write_stage(
+        dir,
+        "4-picture-xyz",
+        &axes,
+        planes.data(),
+        "relative, Y = 1 is the brightest white the sensor holds",
+        &[],
+    )?;
     Ok(())
 }
 
 fn write_raw(dir: &Path, raw: &RawImage) -> anyhow::Result<()> {
     let axes = [("plane", raw.sampling().planes()), ("row", raw.rows()), ("column", raw.cols())];
-    let levels: [(&str, &[f64]); 2] = [("black_level", &[raw.black_level()]), ("white_level", &[raw.white_level()])];
+    let levels: [(&str, &[f64]); 2] =
+        [("black_level", &[raw.black_level()]), ("white_level", &[raw.white_level()])];
     match raw.samples() {
         RawSamples::Digital(v) => write_stage(dir, "3-raw", &axes, v, "digital numbers", &levels)?,
         RawSamples::Analog(v) => write_stage(dir, "3-raw", &axes, v, "V", &levels)?,

@@ -88,8 +88,8 @@ impl CameraSource {
         if overrides.is_empty() {
             return Ok(description);
         }
-        let mut document =
-            toml::from_str::<toml::Table>(&self.text).map_err(|e| Box::new(self.at(e.span(), e.message())))?;
+        let mut document = toml::from_str::<toml::Table>(&self.text)
+            .map_err(|e| Box::new(self.at(e.span(), e.message())))?;
         // All are applied before the result counts: one may need another, as a table's two required keys do. Of a
         // document that is wrong in the end, the override is blamed after which it never was right again.
         let mut result = Ok(description);
@@ -163,7 +163,8 @@ fn explain(message: &str) -> (String, Option<String>) {
 /// Names of Rust types say nothing to who writes a camera file.
 fn in_plain_words(message: &str) -> String {
     let found = |what: &str| message.strip_prefix(what).map(|rest| format!("found {rest}"));
-    let message = found("invalid type: ").or_else(|| found("invalid value: ")).unwrap_or_else(|| message.to_owned());
+    let message =
+        found("invalid type: ").or_else(|| found("invalid value: ")).unwrap_or_else(|| message.to_owned());
     let message = message.replace("missing field", "missing key");
     let Some((start, expected)) = message.split_once(", expected ") else { return message };
     let expected = match expected {
@@ -193,13 +194,17 @@ mod tests {
     #[test]
     fn an_unknown_key_shows_its_line_and_the_nearest_valid_one() {
         let e = source("[sensor.pixel]\npich_um = 2.2\n").describe(&[]).unwrap_err().to_string();
-        assert!(e.contains("camera.toml:2") && e.contains("pich_um") && e.contains("did you mean `pitch_um`?"), "{e}");
+        assert!(
+            e.contains("camera.toml:2") && e.contains("pich_um") && e.contains("did you mean `pitch_um`?"),
+            "{e}"
+        );
     }
 
     #[test]
     fn an_override_replaces_one_key_and_is_checked() {
         let set = |s: &str| s.parse::<Override>().unwrap();
-        let d = source("name = \"a\"").describe(&[set("sensor.pixel.pitch_um=1.4"), set("sensor.cfa.pattern=rgbw")]);
+        let d = source("name = \"a\"")
+            .describe(&[set("sensor.pixel.pitch_um=1.4"), set("sensor.cfa.pattern=rgbw")]);
         assert_eq!(d.unwrap().sensor.pixel.pitch_um, 1.4);
         let e = source("").describe(&[set("sensor.pixel.pich_um=1.4")]).unwrap_err().to_string();
         assert!(e.contains("--set") && e.contains("pitch_um"), "{e}");

@@ -24,7 +24,11 @@ pub struct CameraInfo {
 
 macro_rules! builtin {
     ($name:literal, $summary:literal) => {
-        CameraInfo { name: $name, summary: $summary, toml: include_str!(concat!("../cameras/", $name, ".toml")) }
+        CameraInfo {
+            name: $name,
+            summary: $summary,
+            toml: include_str!(concat!("../cameras/", $name, ".toml")),
+        }
     };
 }
 
@@ -82,7 +86,9 @@ fn source(name: &str) -> Result<CameraSource, Box<Diagnostic>> {
 /// Shows an impossible value where it stands: on the command line, in the file, or nowhere if it is a default.
 fn about(source: &CameraSource, overrides: &[Override], key: &str, message: &str) -> Diagnostic {
     // An override of the key itself, of the table around it, or of a key within it.
-    let within = |inner: &str, outer: &str| inner.strip_prefix(outer).is_some_and(|r| r.is_empty() || r.starts_with('.'));
+    let within = |inner: &str, outer: &str| {
+        inner.strip_prefix(outer).is_some_and(|r| r.is_empty() || r.starts_with('.'))
+    };
     match overrides.iter().rev().find(|o| within(key, &o.key) || within(&o.key, key)) {
         Some(o) => Diagnostic::new(format!("--set {}={}", o.key, o.value), format!("`{key}`: {message}")),
         None => source.about_key(key, message),
@@ -95,9 +101,13 @@ fn read_files(
     folder: &Path,
     wrong: &dyn Fn(&str, &str) -> Box<Diagnostic>,
 ) -> Result<(), Box<Diagnostic>> {
-    let lens = [("optics.transmittance".to_owned(), Some(&mut d.optics.transmittance)), ("optics.ir_cut".to_owned(), d.optics.ir_cut.as_mut())];
+    let lens = [
+        ("optics.transmittance".to_owned(), Some(&mut d.optics.transmittance)),
+        ("optics.ir_cut".to_owned(), d.optics.ir_cut.as_mut()),
+    ];
     let sensor = [("sensor.quantum_efficiency".to_owned(), Some(&mut d.sensor.quantum_efficiency))];
-    let filters = d.sensor.cfa.filters.iter_mut().map(|(letter, f)| (format!("sensor.cfa.filters.{letter}"), Some(f)));
+    let filters =
+        d.sensor.cfa.filters.iter_mut().map(|(letter, f)| (format!("sensor.cfa.filters.{letter}"), Some(f)));
     for (key, filter) in lens.into_iter().chain(sensor).chain(filters) {
         if let Some(filter) = filter {
             read_curve(filter, folder).map_err(|e| wrong(&key, &e))?;
@@ -110,7 +120,13 @@ fn read_files(
             let (count, rows, cols) = match array.shape[..] {
                 [rows, cols] => (1, rows, cols),
                 [count, rows, cols] => (count, rows, cols),
-                _ => return Err(format!("{}: expected 2 or 3 dimensions, got {}", path.display(), array.shape.len())),
+                _ => {
+                    return Err(format!(
+                        "{}: expected 2 or 3 dimensions, got {}",
+                        path.display(),
+                        array.shape.len()
+                    ));
+                }
             };
             let planes = Planes::new(rows, cols, count, array.to_f32()).map_err(|e| e.to_string())?;
             let bytes: Vec<u8> = planes.data().iter().flat_map(|v| v.to_le_bytes()).collect();

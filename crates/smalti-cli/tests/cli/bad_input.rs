@@ -172,42 +172,83 @@ fn filters_that_do_not_fit() {
     camera(&place, toml, &["camera.toml:5", "f.csv", "not UTF-8"]);
     std::fs::remove_file(place.path("f.csv")).unwrap();
     camera(&place, toml, &["camera.toml:5", "cannot read f.csv"]);
-    set(&place, &["sensor.cfa.filters.R={file=\"no.csv\"}"], &["--set sensor.cfa.filters.R", "cannot read no.csv"]);
+    set(
+        &place,
+        &["sensor.cfa.filters.R={file=\"no.csv\"}"],
+        &["--set sensor.cfa.filters.R", "cannot read no.csv"],
+    );
     set(&place, &["sensor.cfa.filters.R={builtin=\"nikon-d5100/Q\"}"], &["did you mean 'nikon-d5100/"]);
     set(&place, &["sensor.cfa.filters.R={gauss={center_nm=5}}"], &["unknown value `gauss`", "`gaussian`"]);
     set(&place, &["sensor.cfa.filters.R={gaussian={center_nm=500}}"], &["missing key `sigma_nm`"]);
     set(&place, &["sensor.cfa.filters.R={flat=2}"], &["`sensor.cfa.filters.R`", "2; expected 0 to 1"]);
-    set(&place, &["sensor.cfa.filters.Q={flat=0.5}"], &["--set sensor.cfa.filters.Q", "letter of this CFA", "'Q'"]);
+    set(
+        &place,
+        &["sensor.cfa.filters.Q={flat=0.5}"],
+        &["--set sensor.cfa.filters.Q", "letter of this CFA", "'Q'"],
+    );
 }
 
 #[test]
 fn cameras_that_cannot_be() {
     let place = Place::new();
     for (toml, words) in [
-        ("[sensor.pixel]\nfill_factor = 1.5\n", ["camera.toml:2:15", "`sensor.pixel.fill_factor`", "more than 0 and at most 1"]),
-        ("[sensor.pixel]\nfill_factor = 0\n", ["camera.toml:2:15", "`sensor.pixel.fill_factor`", "more than 0"]),
+        (
+            "[sensor.pixel]\nfill_factor = 1.5\n",
+            ["camera.toml:2:15", "`sensor.pixel.fill_factor`", "more than 0 and at most 1"],
+        ),
+        (
+            "[sensor.pixel]\nfill_factor = 0\n",
+            ["camera.toml:2:15", "`sensor.pixel.fill_factor`", "more than 0"],
+        ),
         ("[sensor.pixel]\nvoltage_swing_v = 0\n", ["camera.toml:2:19", "voltage_swing_v", "more than 0"]),
         ("[sensor.pixel]\nread_noise_mv = -1\n", ["camera.toml:2:17", "read_noise_mv", "-1 is out of range"]),
         ("[sensor.pixel]\npitch_um = inf\n", ["camera.toml:2:12", "pitch_um", "inf is out of range"]),
         ("[sensor.pixel]\npitch_um = nan\n", ["camera.toml:2:12", "pitch_um", "NaN is out of range"]),
         ("[sensor]\nadc_bits = 17\n", ["camera.toml:2:12", "adc_bits", "expected 0 (none) to 16"]),
         ("[sensor]\nadc_bits = -1\n", ["camera.toml:2:12", "adc_bits", "expected a whole number"]),
-        ("[sensor]\nrows = 10000000\n", ["camera.toml:2:8", "`sensor.rows`", "exceed the limit of 536870912 samples"]),
+        (
+            "[sensor]\nrows = 10000000\n",
+            ["camera.toml:2:8", "`sensor.rows`", "exceed the limit of 536870912 samples"],
+        ),
         ("[sensor]\ncols = 0\n", ["camera.toml:2:8", "`sensor.cols`", "at least one row and one column"]),
         ("[sensor]\nrows = \"many\"\n", ["camera.toml:2:8", "rows = \"many\"", "expected a whole number"]),
         ("[optics]\nf_number = \"wide\"\n", ["camera.toml:2:12", "f_number", "expected a number"]),
         ("sensor = 3\n", ["camera.toml:1:10", "sensor = 3", "expected a table"]),
-        ("name = \"x\"\n[sensor.pixel]\npich_um = 2\n", ["camera.toml:3:1", "unknown key `pich_um`", "did you mean `pitch_um`?"]),
+        (
+            "name = \"x\"\n[sensor.pixel]\npich_um = 2\n",
+            ["camera.toml:3:1", "unknown key `pich_um`", "did you mean `pitch_um`?"],
+        ),
         ("[optic]\n", ["camera.toml:1", "unknown key `optic`", "did you mean `optics`?"]),
-        ("[exposure]\ntime_ms = 1\nauto = \"mean\"\n", ["camera.toml:3:8", "`exposure.auto`", "either time_ms or auto"]),
+        (
+            "[exposure]\ntime_ms = 1\nauto = \"mean\"\n",
+            ["camera.toml:3:8", "`exposure.auto`", "either time_ms or auto"],
+        ),
         ("[exposure]\nauto = \"spekular\"\n", ["camera.toml:2:8", "spekular", "did you mean `specular`?"]),
-        ("[optics]\nzernike_um = { 4 = 0.1 }\n", ["camera.toml:2:14", "`optics.zernike_um`", "need model = \"zernike\""]),
-        ("[optics]\nmodel = \"zernike\"\nzernike_um = { x = 1 }\n", ["camera.toml:3:20", "zernike_um.x", "number of a Zernike mode"]),
+        (
+            "[optics]\nzernike_um = { 4 = 0.1 }\n",
+            ["camera.toml:2:14", "`optics.zernike_um`", "need model = \"zernike\""],
+        ),
+        (
+            "[optics]\nmodel = \"zernike\"\nzernike_um = { x = 1 }\n",
+            ["camera.toml:3:20", "zernike_um.x", "number of a Zernike mode"],
+        ),
         ("[optics]\nmodel = \"psf\"\n", ["camera.toml", "`optics.psf`", "needs a table [optics.psf]"]),
-        ("[sensor.cfa]\npattern = \"bayr\"\n", ["camera.toml:2:11", "no built-in CFA is called 'bayr'", "did you mean 'bayer'?"]),
-        ("[sensor.cfa]\npattern = 3\n", ["camera.toml:2:11", "pattern = 3", "the name of a CFA, or its lines"]),
-        ("[sensor.cfa]\npattern = []\n", ["camera.toml:2:11", "`sensor.cfa.pattern`", "rectangle of 1 to 65536 cells"]),
-        ("[sensor.cfa]\npattern = [\"RG\"]\n", ["camera.toml:2:11", "'R' at row 0, column 0", "filters: none"]),
+        (
+            "[sensor.cfa]\npattern = \"bayr\"\n",
+            ["camera.toml:2:11", "no built-in CFA is called 'bayr'", "did you mean 'bayer'?"],
+        ),
+        (
+            "[sensor.cfa]\npattern = 3\n",
+            ["camera.toml:2:11", "pattern = 3", "the name of a CFA, or its lines"],
+        ),
+        (
+            "[sensor.cfa]\npattern = []\n",
+            ["camera.toml:2:11", "`sensor.cfa.pattern`", "rectangle of 1 to 65536 cells"],
+        ),
+        (
+            "[sensor.cfa]\npattern = [\"RG\"]\n",
+            ["camera.toml:2:11", "'R' at row 0, column 0", "filters: none"],
+        ),
         ("[optics\n", ["camera.toml:1:8", "[optics", "expected `]`"]),
         ("name = \"a\"\nname = \"b\"\n", ["camera.toml:2:1", "name", "duplicate key"]),
     ] {
@@ -219,7 +260,11 @@ fn cameras_that_cannot_be() {
         ("[\"RG\", \"B\"]", "a mosaic tile is a rectangle"),
         ("[\"\"]", "a mosaic tile is a rectangle"),
     ] {
-        camera(&place, &format!("[sensor.cfa]\npattern = {pattern}\n{filters}"), &["camera.toml:2:11", words]);
+        camera(
+            &place,
+            &format!("[sensor.cfa]\npattern = {pattern}\n{filters}"),
+            &["camera.toml:2:11", words],
+        );
     }
     place.write("camera.toml", [b'a', b'\n', 0xff]);
     fails(&place, &["simulate", "camera.toml"], &["camera.toml: line 2 is not UTF-8"]);
@@ -231,16 +276,32 @@ fn cameras_that_cannot_be() {
 fn overrides_that_do_not_fit_are_shown_as_typed() {
     let place = Place::new();
     set(&place, &["sensor.pixel.fill_factor=1.5"], &["--set sensor.pixel.fill_factor=1.5:", "at most 1"]);
-    set(&place, &["sensor.rows=10000000", "sensor.cols=10000"], &["--set sensor.rows=10000000:", "10000000 × 10000"]);
+    set(
+        &place,
+        &["sensor.rows=10000000", "sensor.cols=10000"],
+        &["--set sensor.rows=10000000:", "10000000 × 10000"],
+    );
     set(&place, &["sensr.rows=1"], &["--set sensr.rows=1:", "did you mean `sensor`?"]);
-    set(&place, &["sensor.pixel.pich_um=1", "name=x"], &["--set sensor.pixel.pich_um=1:", "did you mean `pitch_um`?"]);
+    set(
+        &place,
+        &["sensor.pixel.pich_um=1", "name=x"],
+        &["--set sensor.pixel.pich_um=1:", "did you mean `pitch_um`?"],
+    );
     set(&place, &["sensor.pixel=1"], &["--set sensor.pixel=1:", "expected a table"]);
-    set(&place, &["sensor.pixel.pitch_um=big"], &["--set sensor.pixel.pitch_um=big:", "found string \"big\"; expected a number"]);
+    set(
+        &place,
+        &["sensor.pixel.pitch_um=big"],
+        &["--set sensor.pixel.pitch_um=big:", "found string \"big\"; expected a number"],
+    );
     set(&place, &["sensor.adc_bits=12.5"], &["12.5", "expected a whole number"]);
     set(&place, &["optics.zernike_um.4=1"], &["--set optics.zernike_um.4=1:", "need model = \"zernike\""]);
     set(&place, &["sensor.cfa.pattern=[\"RG\""], &["no built-in CFA is called '[\"RG\"'"]);
     set(&place, &["exposure.auto=mean"], &["--set exposure.auto=mean:", "either time_ms or auto, not both"]);
-    set(&place, &["isp.demosaic=malvar2004", "sensor.cfa.pattern=rgbw"], &["malvar2004 is defined for Bayer", "bilinear takes any"]);
+    set(
+        &place,
+        &["isp.demosaic=malvar2004", "sensor.cfa.pattern=rgbw"],
+        &["malvar2004 is defined for Bayer", "bilinear takes any"],
+    );
 }
 
 #[test]
@@ -274,7 +335,10 @@ fn scenes_and_settings_that_cannot_be() {
         ("zone-plat", "did you mean 'zone-plate'?"),
         ("zone-plate?freq=0.1", "no parameter 'freq'; did you mean 'frequency'?"),
         ("zone-plate?frequency=abc", "expected a number from"),
-        ("zone-plate?frequency=100", "frequency=100 for the scene 'zone-plate'; expected a number from 1e-3 to 2"),
+        (
+            "zone-plate?frequency=100",
+            "frequency=100 for the scene 'zone-plate'; expected a number from 1e-3 to 2",
+        ),
         ("zone-plate?frequency", "frequency"),
         ("uniform?size=100000", "size=100000"),
         ("", "there is no scene named ''"),
@@ -290,7 +354,11 @@ fn scenes_and_settings_that_cannot_be() {
         ("--illuminant", "D66", "did you mean `D65`?"),
         ("--illuminant", "D:100", "100"),
     ] {
-        fails(&place, &["simulate", "bayer", option, value, "--scene", "uniform?size=8", "-o", "out"], &[words]);
+        fails(
+            &place,
+            &["simulate", "bayer", option, value, "--scene", "uniform?size=8", "-o", "out"],
+            &[words],
+        );
     }
 }
 
@@ -299,7 +367,11 @@ fn folders_that_cannot_be_written() {
     let place = Place::new();
     place.write("file", "kept");
     let simulate = |out: &str, words: &[&str]| {
-        fails(&place, &["simulate", "bayer", "--scene", "uniform?size=8", "--set", "sensor.rows=30", "-o", out], words);
+        fails(
+            &place,
+            &["simulate", "bayer", "--scene", "uniform?size=8", "--set", "sensor.rows=30", "-o", out],
+            words,
+        );
     };
     simulate("file", &["file: it is a file; expected a folder"]);
     simulate("file/in", &["cannot write file/in"]);

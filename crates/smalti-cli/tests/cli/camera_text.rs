@@ -18,7 +18,12 @@ fn mutated(case: u32) -> String {
             0 => drop(bytes.drain(at..end)),
             1 => bytes[at] ^= 1 << below(8),
             2 => bytes[at] = b"0123456789-+.eE=[]{}\"',#\n"[below(25)],
-            3 => bytes.splice(at..at, [&b"nan"[..], b"1e308", b"-1", b"[", b"\"", b"inf", b"[a.b]\n"][below(7)].to_vec()).for_each(drop),
+            3 => bytes
+                .splice(
+                    at..at,
+                    [&b"nan"[..], b"1e308", b"-1", b"[", b"\"", b"inf", b"[a.b]\n"][below(7)].to_vec(),
+                )
+                .for_each(drop),
             4 => {
                 let run = bytes[at..end].to_vec();
                 let to = below(bytes.len());
@@ -35,12 +40,18 @@ fn no_slip_of_the_pen_panics() {
     let (mut refused, mut taken) = (0, 0);
     for case in 0..600 {
         let text = mutated(case);
-        let source = CameraSource { name: "mutated.toml".into(), folder: "nowhere".into(), text: text.clone() };
-        let set = ["sensor.pixel.pitch_um=1", "optics=3"][..(case % 3) as usize].iter().map(|o| o.parse().unwrap()).collect::<Vec<_>>();
+        let source =
+            CameraSource { name: "mutated.toml".into(), folder: "nowhere".into(), text: text.clone() };
+        let set = ["sensor.pixel.pitch_um=1", "optics=3"][..(case % 3) as usize]
+            .iter()
+            .map(|o| o.parse().unwrap())
+            .collect::<Vec<_>>();
         let outcome = std::panic::catch_unwind(|| match source.describe(&set) {
             Err(e) => Err(e.to_string()),
             // A mutated number may ask for a mosaic or sensor of any size; making the camera takes no memory for it.
-            Ok(description) => Camera::new(description, WavelengthGrid::VISIBLE).map(drop).map_err(|e| e.to_string()),
+            Ok(description) => {
+                Camera::new(description, WavelengthGrid::VISIBLE).map(drop).map_err(|e| e.to_string())
+            }
         });
         match outcome {
             Ok(Ok(())) => taken += 1,

@@ -64,9 +64,15 @@ fn what_cannot_be_written_leaves_nothing() {
         ("convert uniform?size=4 -o a.foo", "a.foo: expected a name that ends in .exr, .png, .tif or .npy"),
         ("convert uniform?size=4 -o no/a.exr", "cannot write no/a.exr: No such file or directory"),
         ("convert uniform?size=4 -o a.npy --wavelengths 400:0:700", "a positive step"),
-        ("convert uniform?size=4 -o a.npy --wavelengths 400:700", "expected START:STEP:END, such as 400:10:700"),
+        (
+            "convert uniform?size=4 -o a.npy --wavelengths 400:700",
+            "expected START:STEP:END, such as 400:10:700",
+        ),
         ("convert uniform?size=4 -o a.npy --wavelengths 400:10:x", "'x' is not a number"),
-        ("convert uniform?size=4 -o a.npy --wavelengths 100:10:4000", "--wavelengths 100:10:4000: the data cover 300"),
+        (
+            "convert uniform?size=4 -o a.npy --wavelengths 100:10:4000",
+            "--wavelengths 100:10:4000: the data cover 300",
+        ),
     ] {
         let run = place.run(&words.split(' ').collect::<Vec<_>>());
         assert_eq!((run.code, run.out.as_str()), (1, ""), "{words}: {}", run.err);

@@ -16,8 +16,15 @@ fn number(v: &Value, pointer: &str) -> f64 {
 const NOISE: &str = "/luminance_noise_percent/mean";
 const MTF: &str = "/mtf50_cy_per_mm";
 const FIGURES: [&str; 9] = [
-    "/delta_e_76/mean", "/delta_e_2000/mean", MTF, "/mtf50_cy_per_px", NOISE, "/saturated_percent",
-    "/aliasing_percent", "/color_aliasing_percent", "/dynamic_range_db",
+    "/delta_e_76/mean",
+    "/delta_e_2000/mean",
+    MTF,
+    "/mtf50_cy_per_px",
+    NOISE,
+    "/saturated_percent",
+    "/aliasing_percent",
+    "/color_aliasing_percent",
+    "/dynamic_range_db",
 ];
 
 #[test]
@@ -68,12 +75,14 @@ fn scores_follow_the_physics() {
     let base = camera("bayer");
     // Eight times the light within the same swing: photon noise falls by √8, no more.
     let noise = |words: &str| number(&camera(words), NOISE);
-    let (dim, lit, bright) = (noise("bayer --luminance 5"), number(&base, NOISE), noise("bayer --luminance 80"));
+    let (dim, lit, bright) =
+        (noise("bayer --luminance 5"), number(&base, NOISE), noise("bayer --luminance 80"));
     assert!(dim > lit && lit > bright, "{dim} {lit} {bright}");
     // An automatic exposure gathers the same light: times go with the cone's solid angle.
     // The description states a time, which an override cannot take back: a camera of its own.
     place.write("auto.toml", "name = \"auto\"\n[exposure]\nauto = \"mean\"\n");
-    let time = |n: &str| number(&camera(&format!("auto.toml --set optics.f_number={n}")), "/exposure/macbeth_s");
+    let time =
+        |n: &str| number(&camera(&format!("auto.toml --set optics.f_number={n}")), "/exposure/macbeth_s");
     let (wide, narrow) = (time("2"), time("4"));
     assert!((narrow / wide - 65.0 / 17.0).abs() < 0.05, "{narrow} {wide}");
     // Larger pixels resolve less.
@@ -82,7 +91,12 @@ fn scores_follow_the_physics() {
     // With all colours in every pixel there is nothing to interpolate.
     let prism = camera("bayer --set sensor.architecture=prism");
     let colour = "/color_aliasing_percent";
-    assert!(number(&prism, colour) < 0.01 * number(&base, colour), "{} {}", prism[&colour[1..]], base[&colour[1..]]);
+    assert!(
+        number(&prism, colour) < 0.01 * number(&base, colour),
+        "{} {}",
+        prism[&colour[1..]],
+        base[&colour[1..]]
+    );
     assert!(number(&prism, MTF) > number(&base, MTF));
     // Colour is a matter of filters and light, not of the arrangement.
     let de = "/delta_e_2000/mean";
@@ -137,7 +151,10 @@ fn what_fails_writes_nothing() {
     let own = Place::new();
     for (words, expected) in [
         ("evaluate bayer bayr -o o", "did you mean 'bayer'?"),
-        ("evaluate bayer --luminance 75,0 -o o", "bayer at 0 cd/m²: luminance_cd_m2 is 0; expected more than 0"),
+        (
+            "evaluate bayer --luminance 75,0 -o o",
+            "bayer at 0 cd/m²: luminance_cd_m2 is 0; expected more than 0",
+        ),
         ("evaluate bayer --illuminant D66 -o o", "did you mean `D65`?"),
     ] {
         let run = own.run(&words.split(' ').collect::<Vec<_>>());

@@ -93,5 +93,7 @@ fn python(script: &str, packages: &str, arguments: &[&Path]) -> Option<Vec<serde
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../smalti-io/tests/python").join(script);
     let output = Command::new(&python).arg(path).args(arguments).output().unwrap();
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    Some(String::from_utf8(output.stdout).unwrap().lines().map(|l| serde_json::from_str(l).unwrap()).collect())
+    Some(
+        String::from_utf8(output.stdout).unwrap().lines().map(|l| serde_json::from_str(l).unwrap()).collect(),
+    )
 }

@@ -62,7 +62,8 @@ fn every_scene_becomes_a_picture() {
         let out = place.ok(&format!("simulate bayer --scene {} -o {name} {SMALL}", small(name)));
         assert!(out.contains("rendered.png"), "{out}");
         assert_eq!(place.names(name), ["metrics.json", "raw.dng", "rendered.png"], "{name}");
-        let (dng, shown, metrics) = (raw(&place, name), picture_of(&place, name), place.json(&format!("{name}/metrics.json")));
+        let (dng, shown, metrics) =
+            (raw(&place, name), picture_of(&place, name), place.json(&format!("{name}/metrics.json")));
         let (rows, cols) = (dng.raw.rows(), dng.raw.cols());
         assert!(rows <= 48 && cols <= 64 && (rows >= 40 || cols >= 56), "{name}: {rows} × {cols}");
         assert_eq!((shown.image.rows(), shown.image.cols(), shown.bits), (rows, cols, 8), "{name}");
@@ -71,19 +72,32 @@ fn every_scene_becomes_a_picture() {
         // Points on black are dark; nothing else is.
         assert!(brightness > if name == "point-grid" { 0.001 } else { 0.03 }, "{name}: {brightness}");
         assert_eq!(metrics["raw"]["rows"], rows, "{name}");
-        assert!((metrics["scene"]["mean_luminance_cd_m2"].as_f64().unwrap() / 100.0 - 1.0).abs() < 1e-3, "{name}");
-        assert!(metrics["picture"]["scielab_mean"].is_number() && metrics["picture"]["cpsnr_db"].is_number(), "{name}");
+        assert!(
+            (metrics["scene"]["mean_luminance_cd_m2"].as_f64().unwrap() / 100.0 - 1.0).abs() < 1e-3,
+            "{name}"
+        );
+        assert!(
+            metrics["picture"]["scielab_mean"].is_number() && metrics["picture"]["cpsnr_db"].is_number(),
+            "{name}"
+        );
     }
 }
 
 #[test]
 fn stages_say_what_they_are_and_metrics_what_made_them() {
     let place = Place::new();
-    let json = place.ok(&format!("simulate bayer --scene macbeth?patch=8 -o o --stages --json --seed 7 {SMALL}"));
+    let json =
+        place.ok(&format!("simulate bayer --scene macbeth?patch=8 -o o --stages --json --seed 7 {SMALL}"));
     assert_eq!(json.as_bytes(), place.read("o/metrics.json"));
     let expected = [
-        "1-scene-radiance.npy", "2-optical-image-irradiance.npy", "3-raw.npy", "4-picture-xyz.npy",
-        "metrics.json", "raw.dng", "rendered.png", "stages.json",
+        "1-scene-radiance.npy",
+        "2-optical-image-irradiance.npy",
+        "3-raw.npy",
+        "4-picture-xyz.npy",
+        "metrics.json",
+        "raw.dng",
+        "rendered.png",
+        "stages.json",
     ];
     assert_eq!(place.names("o"), expected);
     let dng = assert_raw_is_the_stage(&place, "o");
@@ -98,7 +112,10 @@ fn stages_say_what_they_are_and_metrics_what_made_them() {
     ] {
         let stage = &index[name];
         assert_eq!(stage.unit, unit);
-        assert_eq!(npy::read(&place.path("o").join(&stage.file), Limits::default()).unwrap().shape, stage.shape);
+        assert_eq!(
+            npy::read(&place.path("o").join(&stage.file), Limits::default()).unwrap().shape,
+            stage.shape
+        );
     }
     assert_eq!(index["1-scene-radiance"].numbers["wavelengths_nm"].len(), 31);
     assert!(index["4-picture-xyz"].unit.contains("relative"));
@@ -120,11 +137,15 @@ fn architectures_mosaics_and_converters() {
     let place = Place::new();
     let scene = "--scene macbeth?patch=8 --stages";
     for architecture in ["prism", "field-sequential"] {
-        place.ok(&format!("simulate bayer {scene} -o {architecture} --set sensor.architecture={architecture} {SMALL}"));
+        place.ok(&format!(
+            "simulate bayer {scene} -o {architecture} --set sensor.architecture={architecture} {SMALL}"
+        ));
         let dng = assert_raw_is_the_stage(&place, architecture);
         assert_eq!(dng.raw.sampling(), &Sampling::Full { channels: 3 });
     }
-    place.ok(&format!("simulate bayer {scene} -o analog --set sensor.adc_bits=0 --set sensor.black_level_dn=0 {SMALL}"));
+    place.ok(&format!(
+        "simulate bayer {scene} -o analog --set sensor.adc_bits=0 --set sensor.black_level_dn=0 {SMALL}"
+    ));
     let dng = assert_raw_is_the_stage(&place, "analog");
     assert!(matches!(dng.raw.samples(), RawSamples::Analog(_)));
     assert_eq!(place.json("analog/stages.json")["3-raw"]["unit"], "V");
@@ -137,7 +158,7 @@ fn architectures_mosaics_and_converters() {
     place.ok(&format!("simulate rgbw {scene} -o deep --bits 16 {SMALL}"));
     let shown = picture_of(&place, "deep");
     assert_eq!(shown.bits, 16);
-    let low_byte = |v: &f32| (v * 65535.0).round() as u32 % 257 != 0;
+    let low_byte = |v: &f32| !((v * 65535.0).round() as u32).is_multiple_of(257);
     assert!(shown.image.planes().data().iter().any(low_byte), "8 bits spread over 16");
 }
 
@@ -145,7 +166,9 @@ fn architectures_mosaics_and_converters() {
 fn a_seed_gives_the_same_bits_on_any_number_of_threads() {
     let place = Place::new();
     let run = |folder: &str, more: &str| {
-        place.ok(&format!("simulate bayer --scene dead-leaves?rows=96&cols=128&largest=60 -o {folder} {more}"));
+        place.ok(&format!(
+            "simulate bayer --scene dead-leaves?rows=96&cols=128&largest=60 -o {folder} {more}"
+        ));
         ["raw.dng", "rendered.png", "metrics.json"].map(|f| place.read(&format!("{folder}/{f}")))
     };
     let one = run("one", "--seed 3 --threads 1");
@@ -194,7 +217,8 @@ fn a_photograph_is_lifted_and_photographed() {
     // The chart as a picture; its colours must survive picture → spectra → camera → picture.
     place.ok("convert macbeth?patch=8 -o chart.png");
     place.ok("simulate bayer --scene chart.png -o o --noise none --set optics.falloff=none");
-    let (drawn, shown) = (picture::read(&place.path("chart.png"), &ReadOptions::default()).unwrap(), picture_of(&place, "o"));
+    let (drawn, shown) =
+        (picture::read(&place.path("chart.png"), &ReadOptions::default()).unwrap(), picture_of(&place, "o"));
     // A file is not spread over more pixels than it has.
     assert_eq!((shown.image.rows(), shown.image.cols()), (drawn.image.rows(), drawn.image.cols()));
     let middle = |p: &picture::Picture, patch: usize| -> [f32; 3] {
@@ -216,7 +240,9 @@ fn libraw_reads_what_simulate_writes() {
     let place = Place::new();
     place.ok("simulate bayer --scene macbeth?patch=8 -o o --stages");
     let dng = assert_raw_is_the_stage(&place, "o");
-    let Some(seen) = python("check_dng.py", "rawpy, tifffile, numpy", &[&place.path("o/raw.dng")]) else { return };
+    let Some(seen) = python("check_dng.py", "rawpy, tifffile, numpy", &[&place.path("o/raw.dng")]) else {
+        return;
+    };
     let seen = &seen[0];
     let RawSamples::Digital(samples) = dng.raw.samples() else { panic!("digital numbers") };
     assert!(numbers(&seen["samples"]).into_iter().eq(samples.iter().map(|v| f64::from(*v))));

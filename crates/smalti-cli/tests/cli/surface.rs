@@ -29,7 +29,9 @@ fn every_list_is_text_and_json() {
     for camera in &cameras {
         let name = camera["name"].as_str().unwrap();
         place.write("own.toml", camera["toml"].as_str().unwrap());
-        place.ok(&format!("simulate {name} --scene uniform?size=8 --set sensor.rows=30 --set sensor.cols=40 -o a"));
+        place.ok(&format!(
+            "simulate {name} --scene uniform?size=8 --set sensor.rows=30 --set sensor.cols=40 -o a"
+        ));
         place.ok("simulate own.toml --scene uniform?size=8 --set sensor.rows=30 --set sensor.cols=40 -o b");
         assert!(place.read("a/raw.dng") == place.read("b/raw.dng"), "{name} from its own file");
     }
@@ -45,7 +47,16 @@ fn help_shows_examples_and_units() {
     let place = Place::new();
     assert_eq!(place.ok("--version"), format!("smalti {}\n", env!("CARGO_PKG_VERSION")));
     let help = place.ok("--help");
-    for word in ["Examples:", "smalti simulate bayer", "simulate", "evaluate", "list", "convert", "completions", "Exit code"] {
+    for word in [
+        "Examples:",
+        "smalti simulate bayer",
+        "simulate",
+        "evaluate",
+        "list",
+        "convert",
+        "completions",
+        "Exit code",
+    ] {
         assert!(help.contains(word), "{word}");
     }
     for (command, words) in [
@@ -68,9 +79,22 @@ fn help_shows_examples_and_units() {
 fn wrong_usage_is_two_and_failure_is_one() {
     let place = Place::new();
     for words in [
-        "", "simulte", "simulate", "evaluate", "list", "list foo", "convert macbeth", "completions tcsh",
-        "simulate bayer --bits 12", "simulate bayer --noise some", "simulate bayer --sed 1", "simulate bayer --seed x",
-        "simulate bayer --set pitch", "simulate bayer --set =1", "evaluate bayer --luminance a", "list cfas --threads 0",
+        "",
+        "simulte",
+        "simulate",
+        "evaluate",
+        "list",
+        "list foo",
+        "convert macbeth",
+        "completions tcsh",
+        "simulate bayer --bits 12",
+        "simulate bayer --noise some",
+        "simulate bayer --sed 1",
+        "simulate bayer --seed x",
+        "simulate bayer --set pitch",
+        "simulate bayer --set =1",
+        "evaluate bayer --luminance a",
+        "list cfas --threads 0",
     ] {
         let run = place.run(&words.split_whitespace().collect::<Vec<_>>());
         assert_eq!((run.code, run.out.as_str()), (2, ""), "{words}");
@@ -90,7 +114,13 @@ fn wrong_usage_is_two_and_failure_is_one() {
 fn a_reader_that_has_seen_enough_is_no_failure() {
     let place = Place::new();
     // Longer than a pipe holds, so that the write must meet the closed end.
-    let mut child = place.command().args(["list", "cfas", "--json"]).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    let mut child = place
+        .command()
+        .args(["list", "cfas", "--json"])
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
     drop(child.stdout.take());
     let mut err = String::new();
     child.stderr.take().unwrap().read_to_string(&mut err).unwrap();
