@@ -16,7 +16,7 @@ use smalti::sensor::{NoiseMode, RawImage, RawSamples};
 use smalti_io::dng::{self, ColorMatrix, DngInfo};
 use smalti_io::picture::{self, Depth};
 use smalti_io::stages::{self, write_stage};
-use smalti_io::write;
+use smalti_io::{memory, write};
 
 use crate::args::{Common, Noise, Simulate};
 use crate::progress::Progress;
@@ -24,6 +24,8 @@ use crate::resolve;
 
 /// Pixels per degree at which S-CIELAB looks at pictures: a desktop screen of 100 dpi from 0.7 m is near 48, a good one 60.
 const VIEWING_PX_PER_DEGREE: f64 = 60.0;
+/// What a capture takes at its peak, measured on mosaics: raw samples, and pictures in XYZ while they are compared.
+const BYTES_PER_PIXEL: u64 = 120;
 /// The share of pixels that may be brighter than white when the brightness of a picture is chosen.
 const BRIGHT_SHARE: f64 = 0.005;
 
@@ -37,6 +39,7 @@ pub(crate) fn run(args: &Simulate, common: &Common) -> anyhow::Result<()> {
     if !args.full_frame {
         camera.sensor.window = Some(camera.window_on(&scene)?);
     }
+    ensure_memory(&camera)?;
     let optical_image = camera.optics.image(&scene)?;
     progress.done();
     progress.begin("sensor and processing");
@@ -70,6 +73,21 @@ pub(crate) fn run(args: &Simulate, common: &Common) -> anyhow::Result<()> {
     }
     let count = if args.stages { "raw.dng, metrics.json, stages.json" } else { "raw.dng, metrics.json" };
     crate::print(&format!("{}  ({count} beside it)\n", dir.join("rendered.png").display()))
+}
+
+/// Refuses what would end in the system killing the program midway.
+fn ensure_memory(camera: &Camera) -> anyhow::Result<()> {
+    let sensor = &camera.sensor;
+    let (rows, cols) = sensor.window.map_or((sensor.rows, sensor.cols), |w| (w.rows, w.cols));
+    let need = (rows as u64).saturating_mul(cols as u64).saturating_mul(BYTES_PER_PIXEL);
+    let Some(available) = memory::available_bytes() else { return Ok(()) };
+    anyhow::ensure!(
+        need <= available,
+        "`sensor.rows` × `sensor.cols`: a picture of {rows} × {cols} pixels takes {} MiB of memory; {} are available",
+        need >> 20,
+        available >> 20,
+    );
+    Ok(())
 }
 
 /// The scene, as wide as needed to lie on the sensor whole, unless its field of view was stated. A file is not spread

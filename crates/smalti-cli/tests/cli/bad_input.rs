@@ -384,3 +384,17 @@ fn folders_that_cannot_be_written() {
     #[cfg(target_os = "linux")]
     simulate("/proc/out", &["cannot write /proc/out"]);
 }
+
+/// The largest sensor that can be counted takes 60 GiB to photograph with: an error on most machines.
+#[test]
+fn a_sensor_larger_than_memory() {
+    let place = Place::new();
+    if smalti_io::memory::available_bytes().is_none_or(|bytes| bytes > 55 << 30) {
+        eprintln!("skipped: memory of unknown size, or enough");
+        return;
+    }
+    let large = ["--full-frame", "--set", "sensor.rows=23000", "--set", "sensor.cols=23000"];
+    let args: Vec<&str> =
+        ["simulate", "bayer", "--scene", "uniform?size=8", "-o", "out"].into_iter().chain(large).collect();
+    fails(&place, &args, &["`sensor.rows` × `sensor.cols`", "23000 × 23000 pixels", "MiB of memory"]);
+}
