@@ -26,7 +26,7 @@ pub(crate) fn run(args: &Evaluate, common: &Common) -> anyhow::Result<()> {
         .collect::<anyhow::Result<Vec<Camera>>>()?;
     let cache = if common.no_cache { Cache::disabled() } else { Cache::open(None) };
     let progress = Progress::new((cameras.len() * args.luminance.len()) as u64, common.quiet);
-    let mut results = Vec::new();
+    let (mut results, mut shots) = (Vec::new(), Vec::new());
     for camera in &cameras {
         for &luminance_cd_m2 in &args.luminance {
             let name = &camera.description().name;
@@ -35,10 +35,7 @@ pub(crate) fn run(args: &Evaluate, common: &Common) -> anyhow::Result<()> {
             let settings = EvaluationSettings { luminance_cd_m2, illuminant: illuminant.clone(), seed };
             let (scores, pictures) = evaluate(camera, &settings, &|key, make| cached(&cache, key, make))
                 .with_context(|| format!("{name} at {luminance_cd_m2} cd/m²"))?;
-            if let Some(dir) = &args.output {
-                let folder = dir.join(format!("{name}-{luminance_cd_m2}-cd-m2"));
-                write_pictures(&folder, &pictures)?;
-            }
+            shots.extend(args.output.is_some().then_some(pictures));
             results.push((camera, scores));
             progress.done();
         }
@@ -50,7 +47,15 @@ pub(crate) fn run(args: &Evaluate, common: &Common) -> anyhow::Result<()> {
         "cameras": results.iter().map(|(c, s)| entry(c, s)).collect::<anyhow::Result<Vec<_>>>()?,
     });
     let text = serde_json::to_string_pretty(&document)? + "\n";
+    // Everything is computed before anything is written; a folder that has results.json is whole.
     if let Some(dir) = &args.output {
+        write::begin_folder(dir, &["results.json"])?;
+        let runs =
+            cameras.iter().enumerate().flat_map(|run| args.luminance.iter().map(move |cd_m2| (run, cd_m2)));
+        for (((number, camera), cd_m2), pictures) in runs.zip(&shots) {
+            let name = folder_name(camera, number, &cameras);
+            write_pictures(&dir.join(format!("{name}-{cd_m2}-cd-m2")), pictures)?;
+        }
         write::bytes(&dir.join("results.json"), text.as_bytes())?;
     }
     crate::print(&if args.json { text } else { scores_table(&results) })
@@ -118,8 +123,19 @@ fn scores_table(results: &[(&Camera, Evaluation)]) -> String {
     table::render(&header, &results.iter().map(row).collect::<Vec<_>>())
 }
 
+/// The name of a camera as that of a folder, numbered where it would be that of another camera too.
+fn folder_name(camera: &Camera, number: usize, cameras: &[Camera]) -> String {
+    let plain = |c: &Camera| {
+        let keep = |c: char| if c.is_alphanumeric() || "-_.".contains(c) { c } else { '-' };
+        c.description().name.chars().take(100).map(keep).collect::<String>()
+    };
+    let name = plain(camera).trim_start_matches('.').to_owned();
+    let twice = cameras.iter().filter(|c| plain(c) == plain(camera)).count() > 1;
+    if twice || name.is_empty() { format!("{}-{name}", number + 1) } else { name }
+}
+
 fn write_pictures(dir: &Path, pictures: &EvaluationPictures) -> anyhow::Result<()> {
-    std::fs::create_dir_all(dir).with_context(|| format!("cannot make the folder {}", dir.display()))?;
+    write::begin_folder(dir, &[])?;
     for (name, image) in
         [("macbeth", &pictures.macbeth), ("edge", &pictures.edge), ("zone-plate", &pictures.zone_plate)]
     {

@@ -84,11 +84,13 @@ fn file_scene(path: &Path, setting: &Setting) -> anyhow::Result<Scene> {
         illuminant: Illuminant::D65,
     };
     if has_extension(path, &["exr"]) && exr::is_spectral(path, &read)? {
-        return Ok(exr::read(path, &read)?.into_scene(&defaults)?);
+        // Messages about the file call it by the name that was typed.
+        let file = SpectralFile { name: path.display().to_string(), ..exr::read(path, &read)? };
+        return Ok(file.into_scene(&defaults)?);
     }
     let image = picture::read(path, &read)?.image.converted(ColorSpace::LinearSrgb)?;
     let lifted = SpectralFile {
-        name: path.file_stem().map_or_else(|| "picture".into(), |s| s.to_string_lossy().into_owned()),
+        name: path.display().to_string(),
         cube: Uplift::new(setting.grid, Observer::Cie1931)?.uplift_image(&image)?,
         quantity: Quantity::Reflectance,
         illuminant: None,
@@ -119,7 +121,9 @@ fn wavelengths(text: &str) -> anyhow::Result<WavelengthGrid> {
     };
     let count = ((end - start) / step).round();
     if !(count.is_finite() && (0.0..=100_000.0).contains(&count)) {
-        bail!("--wavelengths {text}: expected an end above the start and a positive step");
+        bail!(
+            "--wavelengths {text}: expected an end above the start, a positive step and at most 100000 wavelengths"
+        );
     }
-    Ok(WavelengthGrid::new(start, step, count as usize + 1)?)
+    WavelengthGrid::new(start, step, count as usize + 1).with_context(|| format!("--wavelengths {text}"))
 }

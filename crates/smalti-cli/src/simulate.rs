@@ -2,7 +2,6 @@
 
 use std::path::Path;
 
-use anyhow::Context;
 use serde_json::json;
 use smalti::camera::{Camera, Photograph};
 use smalti::color::scielab::Scielab;
@@ -17,8 +16,8 @@ use smalti::sensor::{NoiseMode, RawImage, RawSamples, Window};
 use smalti::spectrum::{SpectralCube, Spectrum};
 use smalti_io::dng::{self, ColorMatrix, DngInfo};
 use smalti_io::picture::{self, Depth};
-use smalti_io::stages::write_stage;
-use smalti_io::write;
+use smalti_io::stages::{self, write_stage};
+use smalti_io::{memory, write};
 
 use crate::args::{Common, Noise, PictureFormat, Simulate};
 use crate::progress::Progress;
@@ -28,6 +27,8 @@ use crate::resolve;
 const VIEWING_PX_PER_DEGREE: f64 = 60.0;
 /// Rows and columns, at most, of the part of a picture that is scored.
 const SCORED_PX: usize = 2048;
+/// What a capture takes at its peak, measured on mosaics: raw samples, and pictures in XYZ while they are compared.
+const BYTES_PER_PIXEL: u64 = 120;
 /// The share of pixels that may be brighter than white when the brightness of a picture is chosen.
 const BRIGHT_SHARE: f64 = 0.005;
 
@@ -42,16 +43,12 @@ pub(crate) fn run(args: &Simulate, common: &Common) -> anyhow::Result<()> {
     if !args.full_frame {
         camera.sensor.window = Some(camera.window_on(&scene)?);
     }
+    ensure_memory(&camera)?;
     let optical_image = camera.optics.image(&scene)?;
-    let dir = &args.output;
-    std::fs::create_dir_all(dir).with_context(|| format!("cannot make the folder {}", dir.display()))?;
-    if args.stages {
-        write_scene(dir, &scene)?;
-    }
     let facts = scene_facts(args, &scene)?;
     let light = scene.illuminant().clone();
-    // The largest thing in memory, and not needed any more.
-    drop(scene);
+    // The largest thing in memory is kept only to be written.
+    let scene = args.stages.then_some(scene);
     progress.done();
     progress.begin("sensor and processing");
     let noise = match args.noise {
@@ -62,21 +59,27 @@ pub(crate) fn run(args: &Simulate, common: &Common) -> anyhow::Result<()> {
     let photo = camera.photograph(optical_image, &light, noise, args.camera_options.seed)?;
     progress.done();
     progress.begin("writing");
-    if args.stages {
-        write_stages(dir, &photo)?;
-    }
-    let output = camera.output_space();
-    let depth = if args.bits == "16" { Depth::Sixteen } else { Depth::Eight };
+    // Everything is computed before anything is written.
     let gain = brightness_gain(&photo.picture);
+    let picture = scaled(&photo.picture, gain)?.converted(camera.output_space())?;
+    let info = dng_info(&camera, &light)?;
+    let score = score(&camera, &light, &photo, noise, args.camera_options.seed)?;
+    let metrics = metrics(args, &camera, facts, &photo, gain, score)?;
+    let text = serde_json::to_string_pretty(&metrics)? + "\n";
+    let dir = &args.output;
+    let depth = if args.bits == "16" { Depth::Sixteen } else { Depth::Eight };
     let rendered = dir.join(match args.format {
         PictureFormat::Png => "rendered.png",
         PictureFormat::Tif => "rendered.tif",
     });
-    picture::write(&rendered, &scaled(&photo.picture, gain)?.converted(output)?, depth)?;
-    dng::write(&dir.join("raw.dng"), &photo.raw, &dng_info(&camera, &light)?)?;
-    let score = score(&camera, &light, &photo, noise, args.camera_options.seed)?;
-    let metrics = metrics(args, &camera, facts, &photo, gain, score)?;
-    let text = serde_json::to_string_pretty(&metrics)? + "\n";
+    // A folder that has metrics.json is whole: that of an earlier run goes first, the new one comes last.
+    write::begin_folder(dir, &["metrics.json", stages::INDEX])?;
+    picture::write(&rendered, &picture, depth)?;
+    dng::write(&dir.join("raw.dng"), &photo.raw, &info)?;
+    if let Some(scene) = &scene {
+        write_scene(dir, scene)?;
+        write_stages(dir, &photo)?;
+    }
     write::bytes(&dir.join("metrics.json"), text.as_bytes())?;
     progress.finish();
     if args.json {
@@ -84,6 +87,21 @@ pub(crate) fn run(args: &Simulate, common: &Common) -> anyhow::Result<()> {
     }
     let count = if args.stages { "raw.dng, metrics.json, stages.json" } else { "raw.dng, metrics.json" };
     crate::print(&format!("{}  ({count} beside it)\n", rendered.display()))
+}
+
+/// Refuses what would end in the system killing the program midway.
+fn ensure_memory(camera: &Camera) -> anyhow::Result<()> {
+    let sensor = &camera.sensor;
+    let (rows, cols) = sensor.window.map_or((sensor.rows, sensor.cols), |w| (w.rows, w.cols));
+    let need = (rows as u64).saturating_mul(cols as u64).saturating_mul(BYTES_PER_PIXEL);
+    let Some(available) = memory::available_bytes() else { return Ok(()) };
+    anyhow::ensure!(
+        need <= available,
+        "`sensor.rows` × `sensor.cols`: a picture of {rows} × {cols} pixels takes {} MiB of memory; {} are available",
+        need >> 20,
+        available >> 20,
+    );
+    Ok(())
 }
 
 /// The scene, as wide as needed to lie on the sensor whole, unless its field of view was stated. A file is not spread

@@ -12,7 +12,7 @@ use crate::optics::{
 use crate::sensor::cfa::{self, WeightedMosaic};
 use crate::sensor::{
     Adc, Aperture, AutoExposure, Cfa, Channel, ColorArchitecture, DarkCurrentTemperature, Filter, Mosaic,
-    NonUniformity, Pixel, Sensor,
+    NonUniformity, Pixel, Sensor, SensorError,
 };
 use crate::spectrum::{Spectrum, WavelengthGrid};
 
@@ -207,7 +207,12 @@ pub(super) fn sensor(d: &SensorDescription, grid: WavelengthGrid) -> Result<Sens
             curve("sensor.quantum_efficiency", &d.quantum_efficiency, grid)?,
         )
     };
-    sensor.validate().map_err(|e| key("sensor", e))?;
+    sensor.validate().map_err(|e| match e {
+        SensorError::Empty { .. } | SensorError::TooLarge { .. } => {
+            key(if d.cols > d.rows || d.cols == 0 { "sensor.cols" } else { "sensor.rows" }, e)
+        }
+        other => key("sensor", other),
+    })?;
     Ok(sensor)
 }
 

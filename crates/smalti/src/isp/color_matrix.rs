@@ -4,6 +4,11 @@ use super::IspError;
 use crate::numeric::least_squares::{Matrix, lstsq, lstsq_constrained};
 use crate::spectrum::{Observer, Spectrum};
 
+/// A channel that sees white this much fainter than the brightest one takes no part in colour: when that one is full,
+/// at ten thousand electrons or so, the faint one holds ten, which is noise. An infrared pixel behind an infrared-cut
+/// filter, or on wavelengths that end before its band, is such a one; least squares would amplify its noise thousandfold.
+const BLIND: f64 = 1e-3;
+
 /// What a colour matrix must hold exactly.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[non_exhaustive]
@@ -94,7 +99,8 @@ impl ColorMatrix {
 ///
 /// Any number of channels will do. Where there are more than the reflectances can tell apart (their spectra have some
 /// six to eight degrees of freedom), or channels are mixtures of others, the matrix of smallest norm is taken, which
-/// amplifies noise least.
+/// amplifies noise least. A channel that is all but blind under the illuminant (below a thousandth of the brightest one's
+/// white) gets no part.
 ///
 /// `noise` is the standard deviation of independent noise that every channel is taken to carry, relative to the brightest
 /// white; the error that is minimised then includes what the matrix makes of it (ridge regression). 0 is plain least
@@ -139,6 +145,11 @@ pub fn color_matrix(
     if y <= 0.0 {
         return Err(IspError::NoResponse { what: "the observer" });
     }
+    let seeing: Vec<Spectrum> = camera
+        .iter()
+        .zip(&camera_white)
+        .map(|(c, &white)| if white < BLIND * brightest { c.scaled(0.0) } else { c.clone() })
+        .collect();
     let responses = |to: &[Spectrum], scale: f64| -> Result<Vec<f64>, IspError> {
         let mut rows = Vec::with_capacity(reflectances.len() * to.len());
         for r in reflectances {
@@ -149,7 +160,7 @@ pub fn color_matrix(
         Ok(rows)
     };
     let (channels, samples) = (responsivities.len(), reflectances.len());
-    let (mut a, mut b) = (responses(&camera, brightest)?, responses(&eye, y)?);
+    let (mut a, mut b) = (responses(&seeing, brightest)?, responses(&eye, y)?);
     // Noise adds its variance, once per sample, to the diagonal of the normal equations: one more row per channel.
     let noise_rows = if noise > 0.0 { channels } else { 0 };
     for channel in 0..noise_rows {
@@ -163,7 +174,8 @@ pub fn color_matrix(
     let x = match constraint {
         ColorConstraint::None => lstsq(a, b)?,
         ColorConstraint::PreserveWhite => {
-            lstsq_constrained(a, b, Matrix::new(1, channels, &camera_white), Matrix::new(1, 3, &xyz_white))?
+            let white = seeing.iter().map(|c| c.integral() / brightest).collect::<Vec<f64>>();
+            lstsq_constrained(a, b, Matrix::new(1, channels, &white), Matrix::new(1, 3, &xyz_white))?
         }
     };
     let columns = x.chunks_exact(3).map(|c| [c[0], c[1], c[2]]).collect();
@@ -227,6 +239,21 @@ mod tests {
                 once.xyz_from_camera()[1][i] / 2.0,
                 epsilon = 1e-9
             );
+        }
+    }
+
+    /// An infrared channel on visible wavelengths: its trace of red would lower the error and drown the picture in noise.
+    #[test]
+    fn a_channel_that_is_all_but_blind_takes_no_part() {
+        let (r, g, b) = (gaussian(600.0, 35.0), gaussian(540.0, 40.0), gaussian(460.0, 30.0));
+        let infrared = gaussian(850.0, 35.0);
+        for constraint in [ColorConstraint::None, ColorConstraint::PreserveWhite] {
+            let without = matrix(&[r.clone(), g.clone(), b.clone()], constraint);
+            let with = matrix(&[r.clone(), g.clone(), b.clone(), infrared.clone()], constraint);
+            assert_eq!(with.xyz_from_camera()[3], [0.0; 3]);
+            for (w, o) in with.xyz_from_camera().iter().zip(without.xyz_from_camera()) {
+                (0..3).for_each(|i| assert_abs_diff_eq!(w[i], o[i], epsilon = 1e-9));
+            }
         }
     }
 

@@ -15,7 +15,7 @@ pub enum WhiteBalance {
     /// The mean of the picture is taken for the light. Each channel is scaled so that the mean has the proportions of
     /// the colour matrix's white, its Y kept; then as [`WhiteBalance::Illuminant`].
     GrayWorld,
-    /// The colour matrix's white comes out as D65 by Bradford adaptation, its Y kept.
+    /// A white surface, as the camera sees it, comes out as D65 by Bradford adaptation, its Y kept.
     #[default]
     Illuminant,
 }
@@ -24,7 +24,9 @@ pub enum WhiteBalance {
 /// `means` are the channels averaged over the picture.
 pub(super) fn output_matrix(colors: &ColorMatrix, balance: WhiteBalance, means: &[f64]) -> Vec<[f64; 3]> {
     let columns = colors.xyz_from_camera();
-    let adaptation = adaptation_to_d65(colors.xyz_white());
+    // White is what the matrix makes of the camera's white. A matrix that is fitted to surfaces misses the light itself by a
+    // little, and no tint of a white wall is forgiven.
+    let adaptation = adaptation_to_d65(colors.xyz(colors.camera_white()));
     match balance {
         WhiteBalance::None => columns.to_vec(),
         WhiteBalance::Illuminant => columns.iter().map(|c| apply(&adaptation, *c)).collect(),

@@ -127,7 +127,7 @@ pub fn builtin_with(name: &str, grid: WavelengthGrid, filters: &[(char, Spectrum
     if let Some((letter, _)) = filters.iter().find(|(l, _)| !defaults.iter().any(|(d, _)| d == l)) {
         let known: Vec<String> = defaults.iter().map(|(l, _)| l.to_string()).collect();
         return Err(CfaError::UnknownName {
-            what: "filter position of this CFA",
+            what: "letter of this CFA",
             name: letter.to_string(),
             suggestion: nearest(&letter.to_string(), known.iter().map(String::as_str)).map(str::to_owned),
         });
