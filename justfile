@@ -18,9 +18,9 @@ bench name="":
 bench-opencv:
     python3 tools/bench_opencv.py
 
-# Fuzzes one parser for a minute: `just fuzz exr`.
-fuzz target seconds="60":
-    cd fuzz && RUSTC_BOOTSTRAP=1 cargo fuzz run {{target}} -- -max_total_time={{seconds}}
+# Fuzzes one parser for a minute, or all in turn: `just fuzz exr`, `just fuzz all 600`.
+fuzz target="all" seconds="60":
+    fuzz/run {{target}} {{seconds}}
 
 # Regenerates the tables of published figures.
 tables:

@@ -63,6 +63,19 @@ fn main() -> Result<(), Box<dyn Error>> {
     npy::write(&dir.join("f4.npy"), &[2, 3], &ramp(6))?;
     npy::write(&dir.join("u2.npy"), &[4], &[1u16, 2, 3, 4])?;
     npy::write(&dir.join("f8.npy"), &[], &[1f64])?;
+
+    let dir = folder("camera_toml")?;
+    for camera in smalti_io::cameras::names() {
+        fs::write(dir.join(camera.name), camera.toml)?;
+    }
+    fs::write(dir.join("override"), "sensor.pixel.pitch_um=1.4\nsensor.cfa.pattern=[\"RG\"]\n")?;
+
+    let dir = folder("names")?;
+    for name in
+        ["zone-plate?frequency=0.25&size=64", "D:5600", "blackbody:3000", "random?channels=4&rows=8&cols=8"]
+    {
+        fs::write(dir.join(name.replace(['?', ':'], "_")), name)?;
+    }
     Ok(())
 }
 

@@ -30,8 +30,8 @@ pub(crate) struct Cli {
 #[derive(Debug, Clone, Args)]
 pub(crate) struct Common {
     /// Threads to use; results do not depend on it [default: one per core]
-    #[arg(long, global = true, value_name = "N")]
-    pub(crate) threads: Option<usize>,
+    #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    pub(crate) threads: Option<u16>,
     /// Print nothing but results and errors
     #[arg(long, short, global = true)]
     pub(crate) quiet: bool,
@@ -50,7 +50,11 @@ pub(crate) enum Command {
     List(List),
     /// Convert a scene between formats, or write a built-in scene to a file
     Convert(Convert),
-    /// Print a script for tab completion: smalti completions bash > ~/.local/share/bash-completion/completions/smalti
+    /// Print a script for tab completion
+    #[command(after_help = "Examples:\n  \
+        smalti completions bash > ~/.local/share/bash-completion/completions/smalti\n  \
+        smalti completions zsh > ~/.zfunc/_smalti\n  \
+        smalti completions fish > ~/.config/fish/completions/smalti.fish")]
     Completions {
         /// For which shell
         shell: clap_complete::Shell,
@@ -80,12 +84,21 @@ pub(crate) struct SceneOptions {
     /// Horizontal field of view, degrees [default: the scene fills the sensor]
     #[arg(long, value_name = "DEGREES")]
     pub(crate) fov: Option<f64>,
-    /// Light of the scene: a name (smalti list illuminants); files are re-lit
+    /// Light of the scene: a name (smalti list illuminants) or a CSV of wavelength_nm and relative power; files are re-lit
     #[arg(long, value_name = "NAME")]
     pub(crate) illuminant: Option<String>,
+    /// Wavelengths, nm [default: those of the file, else 400:10:700]
+    #[arg(long, value_name = "START:STEP:END")]
+    pub(crate) wavelengths: Option<String>,
 }
 
 #[derive(Debug, Clone, Args)]
+#[command(after_help = "Examples:\n  \
+    smalti simulate bayer -o out\n  \
+    smalti simulate rgbw --scene macbeth --luminance 5 --illuminant A -o dim\n  \
+    smalti simulate my.toml --scene rendered.exr --set sensor.pixel.pitch_um=1.4 --set exposure.time_ms=20\n  \
+    smalti simulate bayer --scene photo.png --noise none --stages\n\n\
+    metrics.json is removed first and written last: a folder that has it is whole.")]
 pub(crate) struct Simulate {
     /// A built-in camera (smalti list cameras) or a TOML file
     pub(crate) camera: String,
@@ -109,6 +122,9 @@ pub(crate) struct Simulate {
     /// Bits per channel of the picture
     #[arg(long, default_value = "8", value_parser = ["8", "16"])]
     pub(crate) bits: String,
+    /// Format of the picture: rendered.png or rendered.tif
+    #[arg(long, value_enum, default_value_t = PictureFormat::Png)]
+    pub(crate) format: PictureFormat,
     /// Print metrics.json to standard output as well
     #[arg(long)]
     pub(crate) json: bool,
@@ -118,16 +134,30 @@ pub(crate) struct Simulate {
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum PictureFormat {
+    /// PNG
+    Png,
+    /// TIFF
+    Tif,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum Noise {
     /// None: expected values
     None,
-    /// Photon and dark shot noise only
+    /// Photon noise only
     Shot,
     /// All
     All,
 }
 
 #[derive(Debug, Clone, Args)]
+#[command(after_help = "Examples:\n  \
+    smalti evaluate bayer rgbw\n  \
+    smalti evaluate bayer my.toml --luminance 1,10,100 --illuminant A --json\n  \
+    smalti evaluate bayer --set sensor.cfa.pattern=quad-bayer -o quad\n\n\
+    Columns of the table, with their units and sources: smalti list metrics.\n\
+    results.json is removed first and written last: a folder that has it is whole.")]
 pub(crate) struct Evaluate {
     /// Built-in cameras (smalti list cameras) or TOML files
     #[arg(required = true)]
@@ -135,7 +165,7 @@ pub(crate) struct Evaluate {
     /// Mean luminance of the targets, cd/m²; several, separated by commas, are evaluated in turn
     #[arg(long, value_delimiter = ',', default_value = "75", value_name = "CD_M2")]
     pub(crate) luminance: Vec<f64>,
-    /// Light of the targets
+    /// Light of the targets: a name (smalti list illuminants) or a CSV of wavelength_nm and relative power
     #[arg(long, default_value = "D65", value_name = "NAME")]
     pub(crate) illuminant: String,
     #[command(flatten)]
@@ -149,6 +179,7 @@ pub(crate) struct Evaluate {
 }
 
 #[derive(Debug, Clone, Args)]
+#[command(after_help = "Examples:\n  smalti list cfas\n  smalti list scenes --json")]
 pub(crate) struct List {
     /// What to list
     #[arg(value_enum)]
@@ -175,14 +206,15 @@ pub(crate) enum Listing {
 }
 
 #[derive(Debug, Clone, Args)]
+#[command(after_help = "Examples:\n  \
+    smalti convert macbeth -o macbeth.exr\n  \
+    smalti convert photo.png --illuminant A -o lifted.exr\n  \
+    smalti convert dead-leaves?seed=7 --wavelengths 400:5:700 -o photons.npy")]
 pub(crate) struct Convert {
     /// A built-in scene or a file
     pub(crate) scene: String,
     #[command(flatten)]
     pub(crate) scene_options: SceneOptions,
-    /// Wavelengths of the result, nm
-    #[arg(long, value_name = "START:STEP:END", default_value = "400:10:700")]
-    pub(crate) wavelengths: String,
     /// The file: .exr (spectral), .png (a picture as the standard observer sees it) or .npy (photons)
     #[arg(short, long, value_name = "FILE")]
     pub(crate) output: PathBuf,

@@ -1,6 +1,6 @@
 //! `smalti convert`: a scene to another format.
 
-use anyhow::bail;
+use anyhow::{Context, bail};
 use smalti::color::{ColorSpace, Image};
 use smalti::numeric::Planes;
 use smalti_io::exr::{self, Layout, SpectralFile};
@@ -14,8 +14,12 @@ use crate::resolve::{self, has_extension};
 pub(crate) fn run(args: &Convert, common: &Common) -> anyhow::Result<()> {
     let progress = Progress::new(2, common.quiet);
     progress.begin("reading");
-    let grid = resolve::wavelengths(&args.wavelengths)?;
-    let scene = resolve::scene(&args.scene, &args.scene_options, grid)?;
+    let scene = resolve::scene(&args.scene, &args.scene_options).with_context(|| {
+        match &args.scene_options.wavelengths {
+            Some(w) => format!("{} at --wavelengths {w}", args.scene),
+            None => args.scene.clone(),
+        }
+    })?;
     progress.done();
     progress.begin("writing");
     let path = &args.output;

@@ -8,6 +8,7 @@ use smalti::camera::{Camera, CameraError, Evaluation, EvaluationPictures, Evalua
 use smalti::color::{ColorSpace, Image};
 use smalti::numeric::Planes;
 use smalti::optics::{OPTICAL_IMAGE_REVISION, OpticalImage};
+use smalti::spectrum::WavelengthGrid;
 use smalti_io::cache::{Cache, KeyBuilder};
 use smalti_io::picture::{self, Depth};
 use smalti_io::write;
@@ -21,11 +22,11 @@ pub(crate) fn run(args: &Evaluate, common: &Common) -> anyhow::Result<()> {
     let cameras = args
         .cameras
         .iter()
-        .map(|name| resolve::camera(name, &args.camera_options))
+        .map(|name| resolve::camera(name, &args.camera_options, WavelengthGrid::VISIBLE))
         .collect::<anyhow::Result<Vec<Camera>>>()?;
     let cache = if common.no_cache { Cache::disabled() } else { Cache::open(None) };
     let progress = Progress::new((cameras.len() * args.luminance.len()) as u64, common.quiet);
-    let mut results = Vec::new();
+    let (mut results, mut shots) = (Vec::new(), Vec::new());
     for camera in &cameras {
         for &luminance_cd_m2 in &args.luminance {
             let name = &camera.description().name;
@@ -34,10 +35,7 @@ pub(crate) fn run(args: &Evaluate, common: &Common) -> anyhow::Result<()> {
             let settings = EvaluationSettings { luminance_cd_m2, illuminant: illuminant.clone(), seed };
             let (scores, pictures) = evaluate(camera, &settings, &|key, make| cached(&cache, key, make))
                 .with_context(|| format!("{name} at {luminance_cd_m2} cd/m²"))?;
-            if let Some(dir) = &args.output {
-                let folder = dir.join(format!("{name}-{luminance_cd_m2}-cd-m2"));
-                write_pictures(&folder, &pictures)?;
-            }
+            shots.extend(args.output.is_some().then_some(pictures));
             results.push((camera, scores));
             progress.done();
         }
@@ -49,7 +47,15 @@ pub(crate) fn run(args: &Evaluate, common: &Common) -> anyhow::Result<()> {
         "cameras": results.iter().map(|(c, s)| entry(c, s)).collect::<anyhow::Result<Vec<_>>>()?,
     });
     let text = serde_json::to_string_pretty(&document)? + "\n";
+    // Everything is computed before anything is written; a folder that has results.json is whole.
     if let Some(dir) = &args.output {
+        write::begin_folder(dir, &["results.json"])?;
+        let runs =
+            cameras.iter().enumerate().flat_map(|run| args.luminance.iter().map(move |cd_m2| (run, cd_m2)));
+        for (((number, camera), cd_m2), pictures) in runs.zip(&shots) {
+            let name = folder_name(camera, number, &cameras);
+            write_pictures(&dir.join(format!("{name}-{cd_m2}-cd-m2")), pictures)?;
+        }
         write::bytes(&dir.join("results.json"), text.as_bytes())?;
     }
     crate::print(&if args.json { text } else { scores_table(&results) })
@@ -62,7 +68,8 @@ fn cached(
     make: &dyn Fn() -> Result<OpticalImage, CameraError>,
 ) -> Result<OpticalImage, CameraError> {
     let mut hash = KeyBuilder::new();
-    hash.bytes("revision", &OPTICAL_IMAGE_REVISION.to_le_bytes()).bytes("version", env!("CARGO_PKG_VERSION").as_bytes());
+    hash.bytes("revision", &OPTICAL_IMAGE_REVISION.to_le_bytes())
+        .bytes("version", env!("CARGO_PKG_VERSION").as_bytes());
     let key = hash.bytes("target", key.as_bytes()).finish();
     if let Some(image) = cache.get(&key) {
         return Ok(image);
@@ -75,7 +82,9 @@ fn cached(
 
 fn entry(camera: &Camera, scores: &Evaluation) -> anyhow::Result<serde_json::Value> {
     let mut entry = json!({"camera": camera.description().name});
-    if let (Some(into), serde_json::Value::Object(scores)) = (entry.as_object_mut(), serde_json::to_value(scores)?) {
+    if let (Some(into), serde_json::Value::Object(scores)) =
+        (entry.as_object_mut(), serde_json::to_value(scores)?)
+    {
         into.extend(scores);
         into.insert("description".into(), serde_json::to_value(camera.description())?);
     }
@@ -84,7 +93,17 @@ fn entry(camera: &Camera, scores: &Evaluation) -> anyhow::Result<serde_json::Val
 
 fn scores_table(results: &[(&Camera, Evaluation)]) -> String {
     let header = [
-        "camera", "cd/m²", "ΔE76", "ΔE2000", "MTF50 cy/mm", "MTF50 cy/px", "noise %", "aliasing %", "clipped %", "range dB", "exposure ms",
+        "camera",
+        "cd/m²",
+        "ΔE76",
+        "ΔE2000",
+        "MTF50 cy/mm",
+        "MTF50 cy/px",
+        "noise %",
+        "aliasing %",
+        "clipped %",
+        "range dB",
+        "exposure ms",
     ];
     let row = |(camera, s): &(&Camera, Evaluation)| {
         vec![
@@ -104,9 +123,22 @@ fn scores_table(results: &[(&Camera, Evaluation)]) -> String {
     table::render(&header, &results.iter().map(row).collect::<Vec<_>>())
 }
 
+/// The name of a camera as that of a folder, numbered where it would be that of another camera too.
+fn folder_name(camera: &Camera, number: usize, cameras: &[Camera]) -> String {
+    let plain = |c: &Camera| {
+        let keep = |c: char| if c.is_alphanumeric() || "-_.".contains(c) { c } else { '-' };
+        c.description().name.chars().take(100).map(keep).collect::<String>()
+    };
+    let name = plain(camera).trim_start_matches('.').to_owned();
+    let twice = cameras.iter().filter(|c| plain(c) == plain(camera)).count() > 1;
+    if twice || name.is_empty() { format!("{}-{name}", number + 1) } else { name }
+}
+
 fn write_pictures(dir: &Path, pictures: &EvaluationPictures) -> anyhow::Result<()> {
-    std::fs::create_dir_all(dir).with_context(|| format!("cannot make the folder {}", dir.display()))?;
-    for (name, image) in [("macbeth", &pictures.macbeth), ("edge", &pictures.edge), ("zone-plate", &pictures.zone_plate)] {
+    write::begin_folder(dir, &[])?;
+    for (name, image) in
+        [("macbeth", &pictures.macbeth), ("edge", &pictures.edge), ("zone-plate", &pictures.zone_plate)]
+    {
         let shown = image.converted(ColorSpace::Srgb)?;
         picture::write_png(&dir.join(format!("{name}.png")), &shown, Depth::Eight)?;
     }

@@ -42,7 +42,8 @@ struct Entry {
 
 fn scenes() -> Vec<Entry> {
     let entry = |s: &catalog::SceneInfo| {
-        let parameter = |p: &catalog::ParamInfo| format!("?{}={}  {} ({})", p.name, p.default, p.doc, p.expected);
+        let parameter =
+            |p: &catalog::ParamInfo| format!("?{}={}  {} ({})", p.name, p.default, p.doc, p.expected);
         let as_json = |p: &catalog::ParamInfo| json!({"name": p.name, "default": p.default, "expected": p.expected, "doc": p.doc});
         Entry {
             name: s.name.into(),

@@ -4,22 +4,27 @@ use std::path::Path;
 
 use anyhow::{Context, bail};
 use smalti::camera::Camera;
-use smalti::color::jakob_hanika2019::Uplift;
 use smalti::color::ColorSpace;
+use smalti::color::jakob_hanika2019::Uplift;
 use smalti::scene::{self, Scene, Setting};
 use smalti::spectrum::{Illuminant, Observer, WavelengthGrid, reflectance};
 use smalti_io::exr::{Quantity, ReadOptions, SceneDefaults, SpectralFile};
-use smalti_io::{cameras, exr, picture};
+use smalti_io::{cameras, exr, picture, spectrum_csv};
 
 use crate::args::{CameraOptions, SceneOptions};
 
-/// A camera by name or file, with the overrides of the command line.
-pub(crate) fn camera(name: &str, options: &CameraOptions) -> anyhow::Result<Camera> {
-    cameras::load(name, &options.overrides, WavelengthGrid::VISIBLE).map_err(|e| anyhow::anyhow!("{e}"))
+/// A camera by name or file, with the overrides of the command line, for scenes on a wavelength grid.
+pub(crate) fn camera(name: &str, options: &CameraOptions, grid: WavelengthGrid) -> anyhow::Result<Camera> {
+    cameras::load(name, &options.overrides, grid).map_err(|e| anyhow::anyhow!("{e}"))
 }
 
-/// A light by name.
+/// A light by name, or from a CSV file (`file.csv#column` picks a column).
 pub(crate) fn illuminant(name: &str) -> anyhow::Result<Illuminant> {
+    let file = name.split('#').next().unwrap_or(name);
+    if has_extension(Path::new(file), &["csv"]) {
+        let power = spectrum_csv::read_spectrum(name)?;
+        return Ok(Illuminant::Measured { name: name.to_owned(), power });
+    }
     Ok(Illuminant::from_name(name)?)
 }
 
@@ -36,19 +41,20 @@ fn setting(options: &SceneOptions, grid: WavelengthGrid) -> anyhow::Result<Setti
 }
 
 /// A scene by name or file.
-pub(crate) fn scene(
-    name: &str,
-    options: &SceneOptions,
-    grid: WavelengthGrid,
-) -> anyhow::Result<Scene> {
-    let setting = setting(options, grid)?;
+pub(crate) fn scene(name: &str, options: &SceneOptions) -> anyhow::Result<Scene> {
+    let grid = options.wavelengths.as_deref().map(wavelengths).transpose()?;
+    let setting = setting(options, grid.unwrap_or_default())?;
     let path = Path::new(name);
     if !is_file(name) {
-        let natural: Vec<_> = reflectance::natural(grid)?.into_iter().map(|(_, s)| s).collect();
+        let natural: Vec<_> = reflectance::natural(setting.grid)?.into_iter().map(|(_, s)| s).collect();
         return Ok(scene::catalog::build(name, &setting, &natural)?);
     }
     let scene = file_scene(path, &setting)?;
     // What was typed holds, whatever the file states.
+    let scene = match grid {
+        Some(grid) if grid != scene.radiance().grid() => scene.resampled(grid)?,
+        _ => scene,
+    };
     let scene = match &options.illuminant {
         Some(_) => scene.relit(&setting.illuminant)?,
         None => scene,
@@ -78,11 +84,13 @@ fn file_scene(path: &Path, setting: &Setting) -> anyhow::Result<Scene> {
         illuminant: Illuminant::D65,
     };
     if has_extension(path, &["exr"]) && exr::is_spectral(path, &read)? {
-        return Ok(exr::read(path, &read)?.into_scene(&defaults)?);
+        // Messages about the file call it by the name that was typed.
+        let file = SpectralFile { name: path.display().to_string(), ..exr::read(path, &read)? };
+        return Ok(file.into_scene(&defaults)?);
     }
     let image = picture::read(path, &read)?.image.converted(ColorSpace::LinearSrgb)?;
     let lifted = SpectralFile {
-        name: path.file_stem().map_or_else(|| "picture".into(), |s| s.to_string_lossy().into_owned()),
+        name: path.display().to_string(),
         cube: Uplift::new(setting.grid, Observer::Cie1931)?.uplift_image(&image)?,
         quantity: Quantity::Reflectance,
         illuminant: None,
@@ -103,15 +111,19 @@ pub(crate) fn has_extension(path: &Path, known: &[&str]) -> bool {
 }
 
 /// `START:STEP:END` in nm.
-pub(crate) fn wavelengths(text: &str) -> anyhow::Result<WavelengthGrid> {
+fn wavelengths(text: &str) -> anyhow::Result<WavelengthGrid> {
     let numbers: Vec<f64> = text
         .split(':')
         .map(|p| p.trim().parse().with_context(|| format!("--wavelengths {text}: '{p}' is not a number")))
         .collect::<Result<_, _>>()?;
-    let [start, step, end] = numbers[..] else { bail!("--wavelengths {text}: expected START:STEP:END, such as 400:10:700") };
+    let [start, step, end] = numbers[..] else {
+        bail!("--wavelengths {text}: expected START:STEP:END, such as 400:10:700")
+    };
     let count = ((end - start) / step).round();
     if !(count.is_finite() && (0.0..=100_000.0).contains(&count)) {
-        bail!("--wavelengths {text}: expected an end above the start and a positive step");
+        bail!(
+            "--wavelengths {text}: expected an end above the start, a positive step and at most 100000 wavelengths"
+        );
     }
-    Ok(WavelengthGrid::new(start, step, count as usize + 1)?)
+    WavelengthGrid::new(start, step, count as usize + 1).with_context(|| format!("--wavelengths {text}"))
 }

@@ -2,43 +2,53 @@
 
 use std::path::Path;
 
-use anyhow::Context;
 use serde_json::json;
 use smalti::camera::{Camera, Photograph};
 use smalti::color::scielab::Scielab;
-use smalti::color::{ColorSpace, DeltaE, Image};
+use smalti::color::{DeltaE, Image};
 use smalti::isp::{Isp, WhiteBalance};
 use smalti::metrics::Rect;
 use smalti::metrics::psnr::psnr;
 use smalti::metrics::visual_snr::scielab_score;
 use smalti::numeric::Planes;
 use smalti::scene::Scene;
-use smalti::sensor::{NoiseMode, RawImage, RawSamples};
+use smalti::sensor::{NoiseMode, RawImage, RawSamples, Window};
+use smalti::spectrum::{SpectralCube, Spectrum};
 use smalti_io::dng::{self, ColorMatrix, DngInfo};
 use smalti_io::picture::{self, Depth};
-use smalti_io::stages::write_stage;
-use smalti_io::write;
+use smalti_io::stages::{self, write_stage};
+use smalti_io::{memory, write};
 
-use crate::args::{Common, Noise, Simulate};
+use crate::args::{Common, Noise, PictureFormat, Simulate};
 use crate::progress::Progress;
 use crate::resolve;
 
 /// Pixels per degree at which S-CIELAB looks at pictures: a desktop screen of 100 dpi from 0.7 m is near 48, a good one 60.
 const VIEWING_PX_PER_DEGREE: f64 = 60.0;
+/// Rows and columns, at most, of the part of a picture that is scored.
+const SCORED_PX: usize = 2048;
+/// What a capture takes at its peak, measured on mosaics: raw samples, and pictures in XYZ while they are compared.
+const BYTES_PER_PIXEL: u64 = 120;
 /// The share of pixels that may be brighter than white when the brightness of a picture is chosen.
 const BRIGHT_SHARE: f64 = 0.005;
 
 pub(crate) fn run(args: &Simulate, common: &Common) -> anyhow::Result<()> {
     let progress = Progress::new(4, common.quiet);
     progress.begin("scene");
-    let mut camera = resolve::camera(&args.camera, &args.camera_options)?;
-    let scene = scene(args, &camera)?;
+    let scene = resolve::scene(&args.scene, &args.scene_options)?;
+    let mut camera = resolve::camera(&args.camera, &args.camera_options, scene.radiance().grid())?;
+    let scene = fitted(scene, args, &camera)?;
     progress.done();
     progress.begin("optics");
     if !args.full_frame {
         camera.sensor.window = Some(camera.window_on(&scene)?);
     }
+    ensure_memory(&camera)?;
     let optical_image = camera.optics.image(&scene)?;
+    let facts = scene_facts(args, &scene)?;
+    let light = scene.illuminant().clone();
+    // The largest thing in memory is kept only to be written.
+    let scene = args.stages.then_some(scene);
     progress.done();
     progress.begin("sensor and processing");
     let noise = match args.noise {
@@ -46,34 +56,57 @@ pub(crate) fn run(args: &Simulate, common: &Common) -> anyhow::Result<()> {
         Noise::Shot => NoiseMode::PhotonOnly,
         Noise::All => NoiseMode::All,
     };
-    let photo = camera.photograph(optical_image, scene.illuminant(), noise, args.camera_options.seed)?;
+    let photo = camera.photograph(optical_image, &light, noise, args.camera_options.seed)?;
     progress.done();
     progress.begin("writing");
-    let dir = &args.output;
-    std::fs::create_dir_all(dir).with_context(|| format!("cannot make the folder {}", dir.display()))?;
-    let shown = shown(&photo.picture);
-    let output = camera.output_space();
-    let depth = if args.bits == "16" { Depth::Sixteen } else { Depth::Eight };
-    picture::write_png(&dir.join("rendered.png"), &shown.image.converted(output)?, depth)?;
-    dng::write(&dir.join("raw.dng"), &photo.raw, &dng_info(&camera, &scene)?)?;
-    if args.stages {
-        write_stages(dir, &scene, &photo)?;
-    }
-    let metrics = metrics(args, &camera, &scene, &photo, shown.gain)?;
+    // Everything is computed before anything is written.
+    let gain = brightness_gain(&photo.picture);
+    let picture = scaled(&photo.picture, gain)?.converted(camera.output_space())?;
+    let info = dng_info(&camera, &light)?;
+    let score = score(&camera, &light, &photo, noise, args.camera_options.seed)?;
+    let metrics = metrics(args, &camera, facts, &photo, gain, score)?;
     let text = serde_json::to_string_pretty(&metrics)? + "\n";
+    let dir = &args.output;
+    let depth = if args.bits == "16" { Depth::Sixteen } else { Depth::Eight };
+    let rendered = dir.join(match args.format {
+        PictureFormat::Png => "rendered.png",
+        PictureFormat::Tif => "rendered.tif",
+    });
+    // A folder that has metrics.json is whole: that of an earlier run goes first, the new one comes last.
+    write::begin_folder(dir, &["metrics.json", stages::INDEX])?;
+    picture::write(&rendered, &picture, depth)?;
+    dng::write(&dir.join("raw.dng"), &photo.raw, &info)?;
+    if let Some(scene) = &scene {
+        write_scene(dir, scene)?;
+        write_stages(dir, &photo)?;
+    }
     write::bytes(&dir.join("metrics.json"), text.as_bytes())?;
     progress.finish();
     if args.json {
         return crate::print(&text);
     }
     let count = if args.stages { "raw.dng, metrics.json, stages.json" } else { "raw.dng, metrics.json" };
-    crate::print(&format!("{}  ({count} beside it)\n", dir.join("rendered.png").display()))
+    crate::print(&format!("{}  ({count} beside it)\n", rendered.display()))
+}
+
+/// Refuses what would end in the system killing the program midway.
+fn ensure_memory(camera: &Camera) -> anyhow::Result<()> {
+    let sensor = &camera.sensor;
+    let (rows, cols) = sensor.window.map_or((sensor.rows, sensor.cols), |w| (w.rows, w.cols));
+    let need = (rows as u64).saturating_mul(cols as u64).saturating_mul(BYTES_PER_PIXEL);
+    let Some(available) = memory::available_bytes() else { return Ok(()) };
+    anyhow::ensure!(
+        need <= available,
+        "`sensor.rows` × `sensor.cols`: a picture of {rows} × {cols} pixels takes {} MiB of memory; {} are available",
+        need >> 20,
+        available >> 20,
+    );
+    Ok(())
 }
 
 /// The scene, as wide as needed to lie on the sensor whole, unless its field of view was stated. A file is not spread
 /// over more pixels than it has.
-fn scene(args: &Simulate, camera: &Camera) -> anyhow::Result<Scene> {
-    let scene = resolve::scene(&args.scene, &args.scene_options, camera.grid())?;
+fn fitted(scene: Scene, args: &Simulate, camera: &Camera) -> anyhow::Result<Scene> {
     if args.scene_options.fov.is_some() || args.scene.contains("fov=") {
         return Ok(scene);
     }
@@ -84,126 +117,173 @@ fn scene(args: &Simulate, camera: &Camera) -> anyhow::Result<Scene> {
     Ok(scene.with_fov(deg)?)
 }
 
-struct Shown {
-    image: Image,
-    gain: f64,
-}
-
-/// A picture as bright as a viewer expects: all but the brightest half percent within the range of the display.
-fn shown(picture: &Image) -> Shown {
+/// The factor that makes a picture as bright as a viewer expects: all but the brightest half percent within the range of
+/// the display.
+fn brightness_gain(picture: &Image) -> f64 {
     let mut luminance: Vec<f32> = picture.planes().plane(1).to_vec();
     let at = ((luminance.len() - 1) as f64 * (1.0 - BRIGHT_SHARE)) as usize;
     let (_, &mut bright, _) = luminance.select_nth_unstable_by(at, f32::total_cmp);
-    let gain = if bright > 0.0 { 1.0 / f64::from(bright) } else { 1.0 };
-    let planes = picture.planes();
-    let data = planes.data().iter().map(|&v| v * gain as f32).collect();
-    let image = Planes::new(planes.rows(), planes.cols(), 3, data)
-        .ok()
-        .and_then(|p| Image::new(picture.space(), p).ok())
-        .unwrap_or_else(|| picture.clone());
-    Shown { image, gain }
+    if bright > 0.0 { 1.0 / f64::from(bright) } else { 1.0 }
 }
 
-fn dng_info(camera: &Camera, scene: &Scene) -> anyhow::Result<DngInfo> {
-    let isp = camera.isp(scene.illuminant(), WhiteBalance::None)?;
+fn scaled(image: &Image, factor: f64) -> anyhow::Result<Image> {
+    let planes = image.planes();
+    let data = planes.data().iter().map(|&v| (f64::from(v) * factor) as f32).collect();
+    Ok(Image::new(image.space(), Planes::new(planes.rows(), planes.cols(), planes.count(), data)?)?)
+}
+
+fn dng_info(camera: &Camera, light: &Spectrum) -> anyhow::Result<DngInfo> {
+    let isp = camera.isp(light, WhiteBalance::None)?;
     Ok(DngInfo {
         make: "Smalti".into(),
         model: camera.description().name.clone(),
         // The matrix holds for the light of the scene; Exif has no code for most lights, and 255 means "other".
-        color_matrix: Some(ColorMatrix { camera_from_xyz: camera.camera_from_xyz(scene.illuminant())?, light_source: 255 }),
+        color_matrix: Some(ColorMatrix {
+            camera_from_xyz: camera.camera_from_xyz(light)?,
+            light_source: 255,
+        }),
         as_shot_neutral: Some(isp.color_matrix.camera_white().to_vec()),
     })
 }
 
 /// How far the picture is from what the standard observer sees through the same lens and pixels.
+struct Score {
+    scielab_mean: f64,
+    cpsnr_db: f64,
+    window: Window,
+}
+
+/// Scores the middle of the picture, at most [`SCORED_PX`] high and wide. `None` where there is no light.
+fn score(
+    camera: &Camera,
+    light: &Spectrum,
+    photo: &Photograph,
+    noise: NoiseMode,
+    seed: u64,
+) -> anyhow::Result<Option<Score>> {
+    let mosaic = camera.sensor.cfa.mosaic();
+    let whole = camera.sensor.read_window();
+    let middle = |first: usize, count: usize, tile: usize| {
+        let taken = count.min(SCORED_PX);
+        let skipped = (count - taken) / 2;
+        (first + skipped - skipped % tile, taken)
+    };
+    let (row, rows) = middle(whole.row, whole.rows, mosaic.rows());
+    let (col, cols) = middle(whole.col, whole.cols, mosaic.cols());
+    let window = Window { row, col, rows, cols };
+    let mut camera = camera.clone();
+    camera.sensor.window = Some(window);
+    // A windowed capture has the bits of that part of the whole.
+    let raw = camera.sensor.capture(&photo.optical_image, &photo.exposure, noise, seed)?;
+    let colors = camera.isp(light, WhiteBalance::None)?;
+    let measured = colors.render(&raw)?;
+    let reference = camera.reference(&photo.optical_image)?;
+    let mean = |i: &Image| i.planes().plane(1).iter().map(|&v| f64::from(v)).sum::<f64>();
+    // The picture's scale is that of the exposure; the reference is brought to the same mean luminance.
+    let scale = mean(&measured) / mean(&reference);
+    if !(scale.is_finite() && scale > 0.0) {
+        return Ok(None);
+    }
+    let reference = scaled(&reference, scale)?;
+    let peak = f64::from(reference.planes().plane(1).iter().copied().fold(0.0f32, f32::max));
+    // Lightness is relative to the brightest white in the picture.
+    let white = colors.color_matrix.xyz_white().map(|v| v * peak);
+    let settings = Scielab::new(VIEWING_PX_PER_DEGREE, DeltaE::Cie1976);
+    let scielab_mean = scielab_score(&measured, &reference, white, &settings)?.mean;
+    let region = Rect::whole(measured.rows(), measured.cols());
+    let cpsnr_db = psnr(measured.planes(), reference.planes(), region, peak)?.cpsnr_db;
+    Ok(Some(Score { scielab_mean, cpsnr_db, window }))
+}
+
+fn scene_facts(args: &Simulate, scene: &Scene) -> anyhow::Result<serde_json::Value> {
+    Ok(json!({
+        "name": args.scene,
+        "mean_luminance_cd_m2": scene.mean_luminance_cd_m2()?,
+        "distance_m": scene.distance_m(),
+        "horizontal_fov_deg": scene.horizontal_fov_deg(),
+    }))
+}
+
 fn metrics(
     args: &Simulate,
     camera: &Camera,
-    scene: &Scene,
+    scene: serde_json::Value,
     photo: &Photograph,
     gain: f64,
+    score: Option<Score>,
 ) -> anyhow::Result<serde_json::Value> {
-    let colors = camera.isp(scene.illuminant(), WhiteBalance::None)?;
-    let measured = colors.render(&photo.raw)?;
-    let reference = camera.reference(&photo.optical_image)?;
-    // The picture's scale is that of the exposure; the reference is brought to the same mean luminance.
-    let mean = |i: &Image| i.planes().plane(1).iter().map(|&v| f64::from(v)).sum::<f64>() / i.planes().plane_len() as f64;
-    let scale = mean(&measured) / mean(&reference);
-    let white = colors.color_matrix.xyz_white();
-    let reference_planes = scaled(reference.planes(), scale)?;
-    let peak = f64::from(reference_planes.plane(1).iter().copied().fold(0.0f32, f32::max));
-    let reference = Image::new(ColorSpace::Xyz, reference_planes)?;
-    let (scielab, cpsnr) = if scale.is_finite() && scale > 0.0 {
-        let settings = Scielab::new(VIEWING_PX_PER_DEGREE, DeltaE::Cie1976);
-        // Lightness is relative to the brightest white the exposure leaves unclipped.
-        let white = white.map(|v| v * peak);
-        let score = scielab_score(&measured, &reference, white, &settings)?.mean;
-        let whole = Rect::whole(measured.rows(), measured.cols());
-        (Some(score), Some(psnr(measured.planes(), reference.planes(), whole, peak)?.cpsnr_db))
-    } else {
-        (None, None)
-    };
+    let mean = |v: &mut dyn Iterator<Item = f64>, n: usize| v.sum::<f64>() / n as f64;
     let lux = photo.optical_image.illuminance_lux()?;
     let levels = photo.raw.normalized();
-    let mean_level = levels.iter().map(|&v| f64::from(v)).sum::<f64>() / levels.len() as f64;
+    let scored = |s: &Score| json!({"row": s.window.row, "col": s.window.col, "rows": s.window.rows, "cols": s.window.cols});
     Ok(json!({
         "smalti_version": env!("CARGO_PKG_VERSION"),
         "camera": camera.description().name,
-        "scene": {
-            "name": args.scene,
-            "mean_luminance_cd_m2": scene.mean_luminance_cd_m2()?,
-            "distance_m": scene.distance_m(),
-            "horizontal_fov_deg": scene.horizontal_fov_deg(),
-        },
+        "scene": scene,
         "seed": args.camera_options.seed,
         "noise": format!("{:?}", args.noise).to_lowercase(),
         "exposure_time_s": photo.exposure.time_s,
-        "mean_illuminance_lux": lux.iter().map(|&v| f64::from(v)).sum::<f64>() / lux.len() as f64,
+        "mean_illuminance_lux": mean(&mut lux.iter().map(|&v| f64::from(v)), lux.len()),
         "raw": {
             "rows": photo.raw.rows(),
             "cols": photo.raw.cols(),
-            "mean_percent_of_saturation": 100.0 * mean_level,
+            "mean_percent_of_saturation": 100.0 * mean(&mut levels.iter().map(|&v| f64::from(v)), levels.len()),
             "saturated_percent": photo.raw.saturated_percent(),
         },
         "picture": {
             "brightness_gain": gain,
-            "scielab_mean": scielab,
-            "cpsnr_db": cpsnr,
+            "scielab_mean": score.as_ref().map(|s| s.scielab_mean),
+            "cpsnr_db": score.as_ref().map(|s| s.cpsnr_db),
+            "scored_window": score.as_ref().map(scored),
             "viewing_px_per_degree": VIEWING_PX_PER_DEGREE,
         },
         "description": camera.description(),
     }))
 }
 
-fn scaled(planes: &Planes, factor: f64) -> anyhow::Result<Planes> {
-    let data = planes.data().iter().map(|&v| (f64::from(v) * factor) as f32).collect();
-    Ok(Planes::new(planes.rows(), planes.cols(), planes.count(), data)?)
+/// A spectral image as `.npy`, with its unit and facts in `stages.json`.
+fn write_cube(
+    dir: &Path,
+    name: &str,
+    cube: &SpectralCube,
+    unit: &str,
+    facts: &[(&str, f64)],
+) -> anyhow::Result<()> {
+    let axes = [("wavelength", cube.grid().len()), ("row", cube.rows()), ("column", cube.cols())];
+    let nm: Vec<f64> = cube.grid().wavelengths_nm().collect();
+    let facts = facts.iter().map(|(name, value)| (*name, std::slice::from_ref(value)));
+    let numbers: Vec<(&str, &[f64])> = facts.chain([("wavelengths_nm", &nm[..])]).collect();
+    Ok(write_stage(dir, name, &axes, cube.planes().data(), unit, &numbers)?)
 }
 
-/// Every stage as `.npy`, with axes and units in `stages.json`.
-fn write_stages(dir: &Path, scene: &Scene, photo: &Photograph) -> anyhow::Result<()> {
-    let cube = |name: &str, cube: &smalti::spectrum::SpectralCube, unit: &str, numbers: &[(&str, &[f64])]| {
-        let axes = [("wavelength", cube.grid().len()), ("row", cube.rows()), ("column", cube.cols())];
-        let nm: Vec<f64> = cube.grid().wavelengths_nm().collect();
-        let numbers: Vec<(&str, &[f64])> = numbers.iter().copied().chain([("wavelengths_nm", &nm[..])]).collect();
-        write_stage(dir, name, &axes, cube.planes().data(), unit, &numbers)
-    };
-    let facts: [(&str, &[f64]); 2] =
-        [("distance_m", &[scene.distance_m()]), ("horizontal_fov_deg", &[scene.horizontal_fov_deg()])];
-    cube("1-scene-radiance", scene.radiance(), "photons s^-1 m^-2 sr^-1 nm^-1", &facts)?;
+fn write_scene(dir: &Path, scene: &Scene) -> anyhow::Result<()> {
+    let facts = [("distance_m", scene.distance_m()), ("horizontal_fov_deg", scene.horizontal_fov_deg())];
+    write_cube(dir, "1-scene-radiance", scene.radiance(), "photons s^-1 m^-2 sr^-1 nm^-1", &facts)
+}
+
+/// The stages after the scene as `.npy`, with axes and units in `stages.json`.
+fn write_stages(dir: &Path, photo: &Photograph) -> anyhow::Result<()> {
     let image = &photo.optical_image;
-    let spacing: [(&str, &[f64]); 1] = [("sample_spacing_m", &[image.sample_spacing_m()])];
-    cube("2-optical-image-irradiance", image.irradiance(), "photons s^-1 m^-2 nm^-1", &spacing)?;
+    let spacing = [("sample_spacing_m", image.sample_spacing_m())];
+    write_cube(dir, "2-optical-image-irradiance", image.irradiance(), "photons s^-1 m^-2 nm^-1", &spacing)?;
     write_raw(dir, &photo.raw)?;
     let planes = photo.picture.planes();
     let axes = [("XYZ", 3), ("row", planes.rows()), ("column", planes.cols())];
-    write_stage(dir, "4-picture-xyz", &axes, planes.data(), "relative, Y = 1 is the brightest white the sensor holds", &[])?;
+    write_stage(
+        dir,
+        "4-picture-xyz",
+        &axes,
+        planes.data(),
+        "relative, Y = 1 is the brightest white the sensor holds",
+        &[],
+    )?;
     Ok(())
 }
 
 fn write_raw(dir: &Path, raw: &RawImage) -> anyhow::Result<()> {
     let axes = [("plane", raw.sampling().planes()), ("row", raw.rows()), ("column", raw.cols())];
-    let levels: [(&str, &[f64]); 2] = [("black_level", &[raw.black_level()]), ("white_level", &[raw.white_level()])];
+    let levels: [(&str, &[f64]); 2] =
+        [("black_level", &[raw.black_level()]), ("white_level", &[raw.white_level()])];
     match raw.samples() {
         RawSamples::Digital(v) => write_stage(dir, "3-raw", &axes, v, "digital numbers", &levels)?,
         RawSamples::Analog(v) => write_stage(dir, "3-raw", &axes, v, "V", &levels)?,

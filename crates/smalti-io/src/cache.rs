@@ -55,21 +55,6 @@ impl KeyBuilder {
         self
     }
 
-    /// Adds numbers under a label.
-    pub fn f64s(&mut self, label: &str, values: &[f64]) -> &mut Self {
-        let bytes: Vec<u8> = values.iter().flat_map(|v| v.to_le_bytes()).collect();
-        self.bytes(label, &bytes)
-    }
-
-    /// Adds image planes under a label.
-    pub fn f32s(&mut self, label: &str, values: &[f32]) -> &mut Self {
-        if cfg!(target_endian = "little") {
-            return self.bytes(label, bytemuck::cast_slice(values));
-        }
-        let bytes: Vec<u8> = values.iter().flat_map(|v| v.to_le_bytes()).collect();
-        self.bytes(label, &bytes)
-    }
-
     /// The key.
     #[must_use]
     pub fn finish(&self) -> CacheKey {
@@ -320,7 +305,7 @@ mod tests {
         assert_ne!(of(&[("a", b"bc")]), of(&[("ab", b"c")]));
         assert_ne!(of(&[("a", b"b"), ("c", b"d")]), of(&[("a", b"bcd")]));
         assert_eq!(
-            KeyBuilder::new().f32s("x", &[1.5]).finish(),
+            KeyBuilder::new().bytes("x", &1.5f32.to_le_bytes()).finish(),
             KeyBuilder::new().bytes("x", &1.5f32.to_le_bytes()).finish()
         );
     }

@@ -5,8 +5,9 @@ use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
 use smalti::camera::description::CameraDescription;
+use smalti::names::nearest;
 
-use crate::diagnostic::{Diagnostic, nearest};
+use crate::diagnostic::Diagnostic;
 
 /// A camera file as text, before anything is made of it.
 #[derive(Debug, Clone)]
@@ -60,6 +61,13 @@ impl Override {
         let mut parts = self.key.split('.').peekable();
         while let Some(part) = parts.next() {
             if parts.peek().is_none() {
+                // The two ways to expose exclude each other: the later one holds.
+                let other = match self.key.as_str() {
+                    "exposure.auto" => "time_ms",
+                    "exposure.time_ms" => "auto",
+                    _ => "",
+                };
+                table.remove(other);
                 table.insert(part.into(), self.toml_value());
                 return Ok(());
             }
@@ -88,17 +96,24 @@ impl CameraSource {
         if overrides.is_empty() {
             return Ok(description);
         }
-        let mut document =
-            toml::from_str::<toml::Table>(&self.text).map_err(|e| Box::new(self.at(e.span(), e.message())))?;
-        let mut description = description;
+        let mut document = toml::from_str::<toml::Table>(&self.text)
+            .map_err(|e| Box::new(self.at(e.span(), e.message())))?;
+        // All are applied before the result counts: one may need another, as a table's two required keys do. Of a
+        // document that is wrong in the end, the override is blamed after which it never was right again.
+        let mut result = Ok(description);
         for o in overrides {
             o.apply(&mut document)?;
-            description = CameraDescription::deserialize(document.clone()).map_err(|e| {
-                let (message, help) = explain(e.message());
-                Box::new(o.fail(message, help))
-            })?;
+            let was_right = result.is_ok();
+            result = match (CameraDescription::deserialize(document.clone()), result) {
+                (Ok(description), _) => Ok(description),
+                (Err(e), Err((blamed, _))) if !was_right => Err((blamed, e)),
+                (Err(e), _) => Err((o, e)),
+            };
         }
-        Ok(description)
+        result.map_err(|(o, e)| {
+            let (message, help) = explain(e.message());
+            Box::new(o.fail(message, help))
+        })
     }
 
     /// An error about the value of a dotted key, shown at its line where the file states it.
@@ -134,7 +149,7 @@ impl CameraSource {
     }
 }
 
-/// Splits serde's message on an unknown key into what is wrong and what to do.
+/// Serde's message in the words of who writes the file: what is wrong, and what to do about an unknown key.
 fn explain(message: &str) -> (String, Option<String>) {
     let mut quoted = message.split('`').skip(1).step_by(2);
     let unknown = message.starts_with("unknown field") || message.starts_with("unknown variant");
@@ -143,14 +158,30 @@ fn explain(message: &str) -> (String, Option<String>) {
             let known: Vec<&str> = quoted.collect();
             let what = if message.starts_with("unknown field") { "key" } else { "value" };
             let list = known.join(", ");
-            let help = match nearest(wrong, &known) {
+            let help = match nearest(wrong, known.iter().copied()) {
                 Some(near) => format!("did you mean `{near}`? valid here: {list}"),
                 None => format!("valid here: {list}"),
             };
             (format!("unknown {what} `{wrong}`"), Some(help))
         }
-        _ => (message.trim_end().to_owned(), None),
+        _ => (in_plain_words(message.trim_end()), None),
     }
+}
+
+/// Names of Rust types say nothing to who writes a camera file.
+fn in_plain_words(message: &str) -> String {
+    let found = |what: &str| message.strip_prefix(what).map(|rest| format!("found {rest}"));
+    let message =
+        found("invalid type: ").or_else(|| found("invalid value: ")).unwrap_or_else(|| message.to_owned());
+    let message = message.replace("missing field", "missing key");
+    let Some((start, expected)) = message.split_once(", expected ") else { return message };
+    let expected = match expected {
+        "f64" | "f32" => "a number",
+        "u8" | "u16" | "u32" | "u64" | "usize" => "a whole number, not negative",
+        s if s.starts_with("struct ") => "a table",
+        other => other,
+    };
+    format!("{start}; expected {expected}")
 }
 
 /// The path of a file that a camera file names, relative to the folder of that file.
@@ -171,17 +202,26 @@ mod tests {
     #[test]
     fn an_unknown_key_shows_its_line_and_the_nearest_valid_one() {
         let e = source("[sensor.pixel]\npich_um = 2.2\n").describe(&[]).unwrap_err().to_string();
-        assert!(e.contains("camera.toml:2") && e.contains("pich_um") && e.contains("did you mean `pitch_um`?"), "{e}");
+        assert!(
+            e.contains("camera.toml:2") && e.contains("pich_um") && e.contains("did you mean `pitch_um`?"),
+            "{e}"
+        );
     }
 
     #[test]
     fn an_override_replaces_one_key_and_is_checked() {
         let set = |s: &str| s.parse::<Override>().unwrap();
-        let d = source("name = \"a\"").describe(&[set("sensor.pixel.pitch_um=1.4"), set("sensor.cfa.pattern=rgbw")]);
+        let d = source("name = \"a\"")
+            .describe(&[set("sensor.pixel.pitch_um=1.4"), set("sensor.cfa.pattern=rgbw")]);
         assert_eq!(d.unwrap().sensor.pixel.pitch_um, 1.4);
         let e = source("").describe(&[set("sensor.pixel.pich_um=1.4")]).unwrap_err().to_string();
         assert!(e.contains("--set") && e.contains("pitch_um"), "{e}");
         assert!("sensor".parse::<Override>().is_err());
+        // Two required keys of one table, the first of them alone is not enough.
+        let psf = [set("optics.psf.file=p.npy"), set("optics.psf.spacing_um=1")];
+        assert_eq!(source("").describe(&psf).unwrap().optics.psf.unwrap().spacing_um, 1.0);
+        let e = source("").describe(&[psf[0].clone(), set("name=x")]).unwrap_err().to_string();
+        assert!(e.contains("--set optics.psf.file=p.npy: missing key `spacing_um`"), "{e}");
     }
 
     #[test]
@@ -189,7 +229,11 @@ mod tests {
         let e = source("[sensor.cfa]\npattern = 3\n").describe(&[]).unwrap_err().to_string();
         assert!(e.contains(":2") && e.contains("the name of a CFA"), "{e}");
         let e = source("[optics]\nf_number = \"wide\"\n").describe(&[]).unwrap_err().to_string();
-        assert!(e.contains(":2"), "{e}");
+        assert!(e.contains(":2:13: found string \"wide\"; expected a number"), "{e}");
+        let e = source("[sensor]\nrows = -4\n").describe(&[]).unwrap_err().to_string();
+        assert!(e.contains("found integer `-4`; expected a whole number"), "{e}");
+        let e = source("sensor = 1\n").describe(&[]).unwrap_err().to_string();
+        assert!(e.contains("expected a table"), "{e}");
     }
 
     #[test]

@@ -3,12 +3,13 @@
 use std::path::{Path, PathBuf};
 
 use smalti::camera::{Camera, CameraDescription, CameraError};
+use smalti::names::nearest;
 use smalti::numeric::Planes;
 use smalti::sensor::Filter;
 use smalti::spectrum::WavelengthGrid;
 
 use crate::camera_toml::{CameraSource, Override, beside};
-use crate::diagnostic::{Diagnostic, nearest};
+use crate::diagnostic::Diagnostic;
 use crate::{Limits, npy, spectrum_csv, text};
 
 /// A built-in camera.
@@ -24,7 +25,11 @@ pub struct CameraInfo {
 
 macro_rules! builtin {
     ($name:literal, $summary:literal) => {
-        CameraInfo { name: $name, summary: $summary, toml: include_str!(concat!("../cameras/", $name, ".toml")) }
+        CameraInfo {
+            name: $name,
+            summary: $summary,
+            toml: include_str!(concat!("../cameras/", $name, ".toml")),
+        }
     };
 }
 
@@ -51,8 +56,18 @@ pub fn names() -> &'static [CameraInfo] {
 pub fn load(name: &str, overrides: &[Override], grid: WavelengthGrid) -> Result<Camera, Box<Diagnostic>> {
     let source = source(name)?;
     let mut description = source.describe(overrides)?;
-    read_files(&mut description, &source)?;
-    Camera::new(description, grid).map_err(|e| Box::new(about(&source, overrides, &e)))
+    // A file that gives no name is called by its own.
+    if description.name == CameraDescription::default().name {
+        if let Some(stem) = Path::new(&source.name).file_stem() {
+            description.name = stem.to_string_lossy().into_owned();
+        }
+    }
+    let wrong = |key: &str, message: &str| Box::new(about(&source, overrides, key, message));
+    read_files(&mut description, &source.folder, &wrong)?;
+    Camera::new(description, grid).map_err(|e| match e {
+        CameraError::Key { key, message } => wrong(&key, &message),
+        other => Box::new(Diagnostic::new(source.name.clone(), other.to_string())),
+    })
 }
 
 fn source(name: &str) -> Result<CameraSource, Box<Diagnostic>> {
@@ -64,7 +79,7 @@ fn source(name: &str) -> Result<CameraSource, Box<Diagnostic>> {
     if !is_file {
         let known: Vec<&str> = CAMERAS.iter().map(|c| c.name).collect();
         let list = format!("built in: {}; or give a .toml file", known.join(", "));
-        let help = match nearest(name, &known) {
+        let help = match nearest(name, known.iter().copied()) {
             Some(near) => format!("did you mean '{near}'? {list}"),
             None => list,
         };
@@ -76,43 +91,58 @@ fn source(name: &str) -> Result<CameraSource, Box<Diagnostic>> {
 }
 
 /// Shows an impossible value where it stands: on the command line, in the file, or nowhere if it is a default.
-fn about(source: &CameraSource, overrides: &[Override], error: &CameraError) -> Diagnostic {
-    match error {
-        CameraError::Key { key, message } => match overrides.iter().rev().find(|o| &o.key == key) {
-            Some(o) => Diagnostic::new(format!("--set {}={}", o.key, o.value), format!("`{key}`: {message}")),
-            None => source.about_key(key, message),
-        },
-        other => Diagnostic::new(source.name.clone(), other.to_string()),
+fn about(source: &CameraSource, overrides: &[Override], key: &str, message: &str) -> Diagnostic {
+    // An override of the key itself, of the table around it, or of a key within it.
+    let within = |inner: &str, outer: &str| {
+        inner.strip_prefix(outer).is_some_and(|r| r.is_empty() || r.starts_with('.'))
+    };
+    match overrides.iter().rev().find(|o| within(key, &o.key) || within(&o.key, key)) {
+        Some(o) => Diagnostic::new(format!("--set {}={}", o.key, o.value), format!("`{key}`: {message}")),
+        None => source.about_key(key, message),
     }
 }
 
 /// Replaces every named file by what is in it, so that the description stands alone.
-fn read_files(d: &mut CameraDescription, source: &CameraSource) -> Result<(), Box<Diagnostic>> {
-    let lens = [("optics.transmittance".to_owned(), Some(&mut d.optics.transmittance)), ("optics.ir_cut".to_owned(), d.optics.ir_cut.as_mut())];
+fn read_files(
+    d: &mut CameraDescription,
+    folder: &Path,
+    wrong: &dyn Fn(&str, &str) -> Box<Diagnostic>,
+) -> Result<(), Box<Diagnostic>> {
+    let lens = [
+        ("optics.transmittance".to_owned(), Some(&mut d.optics.transmittance)),
+        ("optics.ir_cut".to_owned(), d.optics.ir_cut.as_mut()),
+    ];
     let sensor = [("sensor.quantum_efficiency".to_owned(), Some(&mut d.sensor.quantum_efficiency))];
-    let filters = d.sensor.cfa.filters.iter_mut().map(|(letter, f)| (format!("sensor.cfa.filters.{letter}"), Some(f)));
+    let filters =
+        d.sensor.cfa.filters.iter_mut().map(|(letter, f)| (format!("sensor.cfa.filters.{letter}"), Some(f)));
     for (key, filter) in lens.into_iter().chain(sensor).chain(filters) {
         if let Some(filter) = filter {
-            read_curve(filter, &source.folder).map_err(|e| Box::new(source.about_key(&key, &e)))?;
+            read_curve(filter, folder).map_err(|e| wrong(&key, &e))?;
         }
     }
     if let Some(psf) = &mut d.optics.psf {
-        let path = beside(&source.folder, &psf.file);
+        let path = beside(folder, &psf.file);
         let read = || -> Result<(Planes, String), String> {
             let array = npy::read(&path, Limits::default()).map_err(|e| e.to_string())?;
             let (count, rows, cols) = match array.shape[..] {
                 [rows, cols] => (1, rows, cols),
                 [count, rows, cols] => (count, rows, cols),
-                _ => return Err(format!("{}: expected 2 or 3 dimensions, got {}", path.display(), array.shape.len())),
+                _ => {
+                    return Err(format!(
+                        "{}: expected 2 or 3 dimensions, got {}",
+                        path.display(),
+                        array.shape.len()
+                    ));
+                }
             };
             let planes = Planes::new(rows, cols, count, array.to_f32()).map_err(|e| e.to_string())?;
             let bytes: Vec<u8> = planes.data().iter().flat_map(|v| v.to_le_bytes()).collect();
             Ok((planes, blake3::hash(&bytes).to_hex().to_string()))
         };
-        let (planes, hash) = read().map_err(|e| Box::new(source.about_key("optics.psf.file", &e)))?;
+        let (planes, hash) = read().map_err(|e| wrong("optics.psf.file", &e))?;
         if !psf.hash.is_empty() && psf.hash != hash {
             let message = format!("the file has the hash {hash}, not that of the description");
-            return Err(Box::new(source.about_key("optics.psf.hash", &message)));
+            return Err(wrong("optics.psf.hash", &message));
         }
         (psf.planes, psf.hash) = (Some(planes), hash);
     }

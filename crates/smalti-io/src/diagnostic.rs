@@ -58,10 +58,3 @@ impl fmt::Display for Diagnostic {
 }
 
 impl std::error::Error for Diagnostic {}
-
-/// The known word nearest to a wrong one, if any is near (Jaro-Winkler 0.75).
-#[must_use]
-pub(crate) fn nearest<'a>(wrong: &str, known: &[&'a str]) -> Option<&'a str> {
-    let score = |k: &&str| strsim::jaro_winkler(wrong, k);
-    known.iter().copied().map(|k| (score(&k), k)).filter(|(s, _)| *s > 0.75).max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, k)| k)
-}

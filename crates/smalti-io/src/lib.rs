@@ -10,6 +10,7 @@
 //! | [`cache`] | own | [`smalti::optics::OpticalImage`] |
 //! | [`cameras`] | TOML | [`smalti::camera::Camera`] |
 //! | [`text`] | UTF-8 | `String` |
+//! | [`memory`] | `/proc/meminfo` | bytes |
 //!
 //! Every reader has two doors: `read(path)` and `from_bytes(bytes, name)`. Neither panics on any input, and neither
 //! takes memory for what a header declares before it has been compared with what the file can hold. Every writer
@@ -24,6 +25,7 @@ mod error;
 pub mod exr;
 mod file;
 mod icc;
+pub mod memory;
 pub mod npy;
 pub mod picture;
 pub mod spectrum_csv;

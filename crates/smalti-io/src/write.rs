@@ -54,6 +54,29 @@ pub fn bytes(path: &Path, bytes: &[u8]) -> Result<(), IoError> {
     })
 }
 
+/// Makes a folder where it is absent and removes from it the files that say what is in it. Their new versions are to be
+/// written last: as long as they are absent, what else lies there may be of two runs.
+///
+/// # Errors
+/// [`IoError::Write`].
+pub fn begin_folder(dir: &Path, indices: &[&str]) -> Result<(), IoError> {
+    if dir.is_file() {
+        let source = io::Error::new(io::ErrorKind::NotADirectory, "it is a file; expected a folder");
+        return Err(IoError::Write { path: dir.to_owned(), source });
+    }
+    fs::create_dir_all(dir).map_err(|source| IoError::Write { path: dir.to_owned(), source })?;
+    for index in indices {
+        let path = dir.join(index);
+        match fs::remove_file(&path) {
+            Err(error) if error.kind() != io::ErrorKind::NotFound => {
+                return Err(IoError::Write { path, source: error });
+            }
+            _ => {}
+        }
+    }
+    Ok(())
+}
+
 /// A new file in the folder of `path`, under a name no other process or thread has.
 fn create_beside(path: &Path) -> io::Result<(File, Temporary)> {
     static COUNTER: AtomicU64 = AtomicU64::new(0);
@@ -116,6 +139,19 @@ mod tests {
         let caught = std::panic::catch_unwind(|| atomic(&path, |_| panic!("midway")));
         assert!(caught.is_err());
         assert!(names(dir.path()).is_empty());
+    }
+
+    #[test]
+    fn a_folder_begins_without_its_index_and_with_all_else() {
+        let dir = tempfile::tempdir().unwrap();
+        let out = dir.path().join("a/b");
+        begin_folder(&out, &["index.json"]).unwrap();
+        bytes(&out.join("index.json"), b"{}").unwrap();
+        bytes(&out.join("data"), b"x").unwrap();
+        begin_folder(&out, &["index.json"]).unwrap();
+        assert_eq!(names(&out), ["data"]);
+        let error = begin_folder(&out.join("data"), &[]).unwrap_err().to_string();
+        assert!(error.ends_with("data: it is a file; expected a folder"), "{error}");
     }
 
     #[test]

@@ -14,6 +14,19 @@
 //! | [`isp`] | [`sensor::RawImage`] | [`color::Image`] | relative, in a stated colour space |
 //! | [`metrics`] | images | numbers | as named |
 //!
+//! ```
+//! use smalti::camera::{Camera, CameraDescription, EvaluationSettings, evaluate};
+//! use smalti::spectrum::WavelengthGrid;
+//!
+//! let mut description = CameraDescription::default();
+//! description.sensor.pixel.pitch_um = 1.4;
+//! let camera = Camera::new(description, WavelengthGrid::VISIBLE)?;
+//! // The closure may keep optical images between designs; this one makes them anew.
+//! let (scores, _pictures) = evaluate(&camera, &EvaluationSettings::default(), &|_key, make| make())?;
+//! assert!(scores.delta_e_2000.mean < 3.0 && scores.mtf50_cy_per_mm > 100.0);
+//! # Ok::<(), smalti::camera::CameraError>(())
+//! ```
+//!
 //! This crate is pure computation: it opens no file, prints nothing and keeps no global state. Reading and
 //! writing is `smalti-io`'s, the command is `smalti-cli`'s. No function panics on any input: what cannot be
 //! computed is an error that says why.
@@ -24,6 +37,7 @@ pub mod camera;
 pub mod color;
 pub mod isp;
 pub mod metrics;
+pub mod names;
 pub mod numeric;
 pub mod optics;
 pub mod scene;

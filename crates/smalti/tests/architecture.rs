@@ -5,8 +5,10 @@
 use std::path::{Path, PathBuf};
 
 /// The direction of light. Each module may import from those before it, and from itself.
-const ORDER: [&str; 11] =
-    ["numeric", "spectrum", "color", "scene", "optics", "sensor", "isp", "l3", "metrics", "camera", "design"];
+const ORDER: [&str; 12] = [
+    "names", "numeric", "spectrum", "color", "scene", "optics", "sensor", "isp", "l3", "metrics", "camera",
+    "design",
+];
 
 /// What the library must not touch. A path is forbidden when it begins with one of these, at whole names.
 const FORBIDDEN_PATHS: [&[&str]; 10] = [

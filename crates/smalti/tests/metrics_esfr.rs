@@ -1,8 +1,11 @@
 //! Slanted edges whose response is known in closed form.
 #![allow(missing_docs, clippy::unwrap_used)]
 
+mod common;
+
 use std::f64::consts::PI;
 
+use common::normal;
 use proptest::prelude::*;
 use smalti::metrics::esfr::{
     EdgeOrientation, EdgeSfr, EsfrOptions, ISETCAM_LUMINANCE_WEIGHTS, edge_sfr, find_edge_region,
@@ -23,10 +26,6 @@ fn edge(rows: usize, cols: usize, angle_deg: f64, sigma_px: f64) -> Planes {
         (0.5 + 0.4 * libm::erf(distance / sigma_px / 2f64.sqrt())) as f32
     };
     Planes::new(rows, cols, 1, (0..rows * cols).map(value).collect()).unwrap()
-}
-
-fn normal(stream: &mut Stream) -> f64 {
-    (-2.0 * (1.0 - stream.uniform()).ln()).sqrt() * (2.0 * PI * stream.uniform()).cos()
 }
 
 fn transposed(p: &Planes) -> Planes {

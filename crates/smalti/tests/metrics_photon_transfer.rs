@@ -1,8 +1,9 @@
 //! A simulated sensor is measured, and what was put in comes back.
 #![allow(missing_docs, clippy::unwrap_used)]
 
-use std::f64::consts::PI;
+mod common;
 
+use common::normal;
 use smalti::metrics::MetricError;
 use smalti::metrics::photon_transfer::{FlatPair, FrameStacks, PhotonTransfer, photon_transfer};
 use smalti::numeric::philox::Stream;
@@ -17,10 +18,6 @@ struct Sensor {
     dsnu_e: f64,
     step_dn: f64,
     bend: f64,
-}
-
-fn normal(s: &mut Stream) -> f64 {
-    (-2.0 * (1.0 - s.uniform()).ln()).sqrt() * (2.0 * PI * s.uniform()).cos()
 }
 
 /// Poisson: by multiplication for few electrons, else normal, whose first two moments are the same.

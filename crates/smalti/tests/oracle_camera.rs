@@ -3,102 +3,40 @@
 //! Deliberate differences, each below the tolerance (docs/validation.md has the figures): light is integrated over the
 //! photodetector (ISETCam blurs with a Gaussian over the whole pixel), the working f-number includes the magnification, and
 //! for more than three channels missing samples are interpolated on the exact lattice (ISETCam jitters it at random).
-#![allow(missing_docs)]
+#![allow(missing_docs, clippy::unwrap_used)]
 
 mod common;
 
+use common::isetcam::{self, Case, GRID, image_of};
 use common::{numbers, oracle_csv, oracle_json};
-use smalti::color::lab_from_xyz;
 use smalti::color::difference::delta_e_76;
+use smalti::color::lab_from_xyz;
 use smalti::isp::{Classic, ColorConstraint, Isp, WhiteBalance, color_matrix};
 use smalti::metrics::esfr::{EsfrOptions, ISETCAM_LUMINANCE_WEIGHTS, picture_sfr};
 use smalti::metrics::{Rect, patch_means};
 use smalti::numeric::Planes;
-use smalti::optics::{OpticalImage, Optics};
-use smalti::scene::Scene;
-use smalti::sensor::{Cfa, Channel, Exposure, Mosaic, NoiseMode, Pixel, RawImage, Sensor};
-use smalti::spectrum::{Observer, SpectralCube, Spectrum, WavelengthGrid};
+use smalti::optics::OpticalImage;
+use smalti::sensor::{NoiseMode, RawImage, Sensor};
+use smalti::spectrum::{Observer, Spectrum};
 
-const GRID: WavelengthGrid = WavelengthGrid::VISIBLE;
 const CASES: [&str; 7] = ["nikonD100", "isetRGB", "g3a", "g4a", "g5a", "g6a", "g7a"];
 
-fn lens() -> Optics {
-    Optics::new(0.003862755099228297, 4.0)
+/// Raw numbers to X, Y, Z. ISETCam fits its matrix to the reflectances of the chart under its light.
+fn pipeline(case: &Case) -> Classic {
+    let spectrum = |v| Spectrum::new(GRID, v).unwrap();
+    let reference = oracle_json("scene_macbeth_d65.json").unwrap();
+    let light = spectrum(numbers(&reference["illuminant_photons_s_sr_m2_nm"]));
+    let reflectances = oracle_csv("macbeth_reflectance_400_10_700.csv").unwrap();
+    let reflectances: Vec<Spectrum> = reflectances.into_iter().map(spectrum).collect();
+    let responses: Vec<Spectrum> = case.cfa.channels().iter().map(|c| c.transmittance.clone()).collect();
+    let matrix =
+        color_matrix(&responses, &reflectances, &light, Observer::Cie1931, ColorConstraint::None, 0.0)
+            .unwrap();
+    Classic { white_balance: WhiteBalance::None, ..Classic::new(matrix) }
 }
 
-/// A scene whose pixel `(r, c)` has the spectrum `spectra[which(r, c)]`, photons.
-fn scene(rows: usize, cols: usize, fov_deg: f64, spectra: &[Vec<f64>], which: impl Fn(usize, usize) -> usize) -> Scene {
-    let index: Vec<usize> = (0..rows * cols).map(|i| which(i / cols, i % cols)).collect();
-    let data = (0..GRID.len()).flat_map(|b| index.iter().map(move |&i| spectra[i][b] as f32)).collect();
-    let cube = SpectralCube::new(GRID, Planes::new(rows, cols, GRID.len(), data).unwrap()).unwrap();
-    Scene::new("oracle", cube, Spectrum::constant(GRID, 1.0), 1.2, fov_deg).unwrap()
-}
-
-fn chart() -> OpticalImage {
-    let spectra = oracle_csv("scene_macbeth_d65_photons.csv").unwrap();
-    // Patches are counted column by column.
-    lens().image(&scene(128, 192, 10.0, &spectra, |r, c| c / 32 * 4 + r / 32)).unwrap()
-}
-
-fn bar() -> OpticalImage {
-    let json = oracle_json("scene_slantedbar.json").unwrap();
-    let spectra = [numbers(&json["dark_photons"]), numbers(&json["bright_photons"])];
-    let bright = |r: usize, c: usize| r as f64 - 256.0 > json["slope"].as_f64().unwrap() * (c as f64 - 256.0);
-    lens().image(&scene(513, 513, 5.0, &spectra, |r, c| usize::from(bright(r, c)))).unwrap()
-}
-
-struct Case {
-    json: serde_json::Value,
-    cfa: Cfa,
-    matrix: Classic,
-}
-
-impl Case {
-    fn new(id: &str) -> Self {
-        let json = oracle_json(&format!("ip_case_{id}.json")).unwrap();
-        let pattern = json["pattern"].as_array().unwrap();
-        let cells = numbers(&json["pattern"]).iter().map(|&c| c as u8 - 1).collect();
-        let mosaic = Mosaic::new(pattern.len(), pattern[0].as_array().unwrap().len(), cells).unwrap();
-        let n = json["N"].as_u64().unwrap() as usize;
-        let table = numbers(&json["filters_31xN"]);
-        let filter = |k: usize| Spectrum::new(GRID, table.iter().skip(k).step_by(n).copied().collect()).unwrap();
-        let channels: Vec<Channel> =
-            (0..n).map(|k| Channel { name: k.to_string(), transmittance: filter(k) }).collect();
-        // ISETCam fits its matrix to the reflectances of the chart under its light.
-        let light = Spectrum::new(GRID, numbers(&oracle_json("scene_macbeth_d65.json").unwrap()["illuminant_photons_s_sr_m2_nm"])).unwrap();
-        let reflectances: Vec<Spectrum> = oracle_csv("macbeth_reflectance_400_10_700.csv")
-            .unwrap()
-            .into_iter()
-            .map(|v| Spectrum::new(GRID, v).unwrap())
-            .collect();
-        let responses: Vec<Spectrum> = channels.iter().map(|c| c.transmittance.clone()).collect();
-        let matrix = color_matrix(&responses, &reflectances, &light, Observer::Cie1931, ColorConstraint::None).unwrap();
-        let matrix = Classic { white_balance: WhiteBalance::None, ..Classic::new(matrix) };
-        Self { cfa: Cfa::new(id, mosaic, channels).unwrap(), json, matrix }
-    }
-
-    fn sensor(&self, size: &str) -> Sensor {
-        let size = numbers(&self.json[size]);
-        let pixel = Pixel {
-            pitch_m: 2.8e-6,
-            fill_factor: 0.5,
-            conversion_gain_v_per_e: 1e-4,
-            voltage_swing_v: 1.0,
-            full_well_e: 10_000.0,
-            dark_voltage_v_per_s: 1e-3,
-            read_noise_v: 1e-3,
-        };
-        Sensor::new(size[0] as usize, size[1] as usize, pixel, self.cfa.clone(), Spectrum::constant(GRID, 1.0))
-    }
-
-    fn raw(&self, sensor: &Sensor, image: &OpticalImage, time: &str) -> RawImage {
-        let exposure = Exposure::new(self.json[time].as_f64().unwrap());
-        sensor.capture(image, &exposure, NoiseMode::None, 1).unwrap()
-    }
-
-    fn number(&self, pointer: &str) -> f64 {
-        self.json.pointer(pointer).unwrap().as_f64().unwrap()
-    }
+fn raw(case: &Case, sensor: &Sensor, image: &OpticalImage, target: &str) -> RawImage {
+    sensor.capture(image, &case.exposure(target), NoiseMode::None, 1).unwrap()
 }
 
 /// Row vector times the transposed layout that the reference files use.
@@ -109,21 +47,27 @@ fn times(v: [f64; 3], m: &[f64]) -> [f64; 3] {
 #[test]
 fn colour_of_the_chart_within_five_percent() {
     let Some(spd) = oracle_csv("ip_display_spd_rgb_400_10_700.csv") else { return };
-    let chart = chart();
+    let chart = image_of(&isetcam::chart().unwrap());
     let reference = oracle_json("scene_macbeth_d65.json").unwrap();
     let ideal = numbers(&reference["ideal_XYZ_maxY100"]);
     let ideal: Vec<[f64; 3]> = ideal.chunks_exact(3).map(|v| [v[0], v[1], v[2]]).collect();
     // XYZ of the display's primaries, up to a factor.
     let observer = oracle_csv("xyz_1931_400_10_700.csv").unwrap();
-    let xyz_of_primary = |p: usize, k: usize| spd.iter().zip(&observer).map(|(s, o)| s[p] * o[k]).sum::<f64>();
+    let xyz_of_primary =
+        |p: usize, k: usize| spd.iter().zip(&observer).map(|(s, o)| s[p] * o[k]).sum::<f64>();
     let display: Vec<f64> = (0..9).map(|i| xyz_of_primary(i / 3, i % 3)).collect();
     for id in CASES {
         let case = Case::new(id);
-        let raw = case.raw(&case.sensor("mac_size"), &chart, "mac_exp_time_s");
-        let picture = case.matrix.render(&raw).unwrap();
+        let raw = raw(&case, &case.sensor("mac"), &chart, "mac");
+        let picture = pipeline(&case).render(&raw).unwrap();
         let centers = numbers(&case.json["mac_noisefree"]["patch_centers_rc"]);
         let rects: Vec<Rect> = (0..24)
-            .map(|i| Rect { row: centers[i] as usize - 13, col: centers[24 + i] as usize - 13, rows: 25, cols: 25 })
+            .map(|i| Rect {
+                row: centers[i] as usize - 13,
+                col: centers[24 + i] as usize - 13,
+                rows: 25,
+                cols: 25,
+            })
             .collect();
         let measured: Vec<[f64; 3]> =
             patch_means(picture.planes(), &rects).unwrap().iter().map(|m| [m[0], m[1], m[2]]).collect();
@@ -147,11 +91,11 @@ fn colour_of_the_chart_within_five_percent() {
 #[test]
 fn resolution_of_the_edge_within_three_percent() {
     let Some(jitter) = oracle_json("mtf50_multichannel_jitter.json") else { return };
-    let bar = bar();
+    let bar = image_of(&isetcam::bar().unwrap());
     for id in CASES {
         let case = Case::new(id);
         let mtf50 = |sensor: &Sensor| {
-            let picture = case.matrix.render(&case.raw(sensor, &bar, "bar_exp_time_s")).unwrap();
+            let picture = pipeline(&case).render(&raw(&case, sensor, &bar, "bar")).unwrap();
             let to_display = numbers(&case.json["M_xyz2display"]);
             let planes = picture.planes();
             let mut shown = Planes::zeros(planes.rows(), planes.cols(), 3);
@@ -169,7 +113,7 @@ fn resolution_of_the_edge_within_three_percent() {
             let sfr = picture_sfr(&shown, rect, &ISETCAM_LUMINANCE_WEIGHTS, &EsfrOptions::isetcam()).unwrap();
             sfr.luminance.mtf50_cy_per_mm(2.8e-6).unwrap()
         };
-        let sensor = case.sensor("bar_size");
+        let sensor = case.sensor("bar");
         let got = mtf50(&sensor);
         // As wide an aperture as ISETCam's blur, the same light: what is left is not the aperture.
         let mut wide = sensor.clone();
@@ -180,7 +124,12 @@ fn resolution_of_the_edge_within_three_percent() {
             Some(j) => (j["mean"].as_f64().unwrap(), j["std"].as_f64().unwrap()),
             None => (case.number("/mtf/mtf50_exact"), 0.0),
         };
-        eprintln!("{id}: MTF50 {got:.2} cy/mm ({wide:.2} with the whole pixel as aperture); ISETCam {expected:.2} ± {spread:.2}");
-        assert!((got - expected).abs() < 0.03 * expected + spread, "{id}: MTF50 {got:.2}, ISETCam {expected:.2} ± {spread:.2}");
+        eprintln!(
+            "{id}: MTF50 {got:.2} cy/mm ({wide:.2} with the whole pixel as aperture); ISETCam {expected:.2} ± {spread:.2}"
+        );
+        assert!(
+            (got - expected).abs() < 0.03 * expected + spread,
+            "{id}: MTF50 {got:.2}, ISETCam {expected:.2} ± {spread:.2}"
+        );
     }
 }

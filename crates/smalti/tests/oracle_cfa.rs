@@ -1,7 +1,6 @@
 //! Filters and patterns of the reference cases.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
-#[allow(unreachable_pub)]
 mod common;
 
 use smalti::sensor::Cfa;

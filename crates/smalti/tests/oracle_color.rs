@@ -1,7 +1,6 @@
 //! Colour against the reference values of ISETCam.
 #![allow(clippy::unwrap_used)]
 
-#[allow(unreachable_pub)] // shared by all tests of the folder
 mod common;
 
 use common::{assert_close, numbers, oracle_csv, oracle_json};

@@ -4,18 +4,13 @@
 
 mod common;
 
+use common::isetcam::mosaic;
 use common::{assert_close, numbers, oracle_csv, oracle_json};
 use serde_json::Value;
 use smalti::isp::{Classic, ColorConstraint, ColorMatrix, Demosaic, Isp, WhiteBalance, color_matrix};
 use smalti::numeric::Planes;
 use smalti::sensor::{Mosaic, RawImage, RawSamples, Sampling};
 use smalti::spectrum::{Observer, Spectrum, WavelengthGrid};
-
-fn mosaic(pattern: &Value) -> Mosaic {
-    let rows = pattern.as_array().unwrap().len();
-    let cells: Vec<u8> = numbers(pattern).iter().map(|v| *v as u8 - 1).collect();
-    Mosaic::new(rows, cells.len() / rows, cells).unwrap()
-}
 
 fn raw(mosaic: Mosaic, volts: &[Vec<f64>]) -> RawImage {
     let names = (0..mosaic.channels()).map(|c| c.to_string()).collect();
@@ -104,7 +99,8 @@ fn color_matrix_is_isetcams() {
         let filters = rows_of(&case["filters_31xN"]);
         let channel = |c: usize| spectrum(filters.iter().map(|row| row[c]).collect());
         let channels: Vec<_> = (0..filters[0].len()).map(channel).collect();
-        let m = color_matrix(&channels, &chart, &light, Observer::Cie1931, ColorConstraint::None).unwrap();
+        let m =
+            color_matrix(&channels, &chart, &light, Observer::Cie1931, ColorConstraint::None, 0.0).unwrap();
         let (ours, theirs) = (m.xyz_from_camera().concat(), numbers(&case["T_sensor2xyz"]));
         let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
         let scale = dot(&ours, &theirs) / dot(&ours, &ours);

@@ -1,7 +1,6 @@
 //! Metrics against ISETCam's.
 #![allow(missing_docs, clippy::unwrap_used)]
 
-#[allow(unreachable_pub)]
 mod common;
 
 use common::{assert_close, numbers, oracle, oracle_csv, oracle_json};

@@ -1,28 +1,11 @@
 //! The lens against the reference values of ISETCam.
 #![allow(missing_docs, clippy::unwrap_used)]
 
-#[allow(unreachable_pub)]
 mod common;
 
+use common::isetcam::{FOCAL_LENGTH_M, bar, chart, scene};
 use common::{assert_close, numbers, oracle_csv, oracle_json};
-use smalti::numeric::Planes;
 use smalti::optics::{Falloff, OpticalImage, Optics};
-use smalti::scene::Scene;
-use smalti::spectrum::{SpectralCube, Spectrum, WavelengthGrid};
-
-const FOCAL_LENGTH_M: f64 = 0.003862755099228297;
-const GRID: WavelengthGrid = WavelengthGrid::VISIBLE;
-
-fn scene(rows: usize, cols: usize, fov_deg: f64, photons: impl Fn(usize, usize, usize) -> f64) -> Scene {
-    let mut planes = Planes::zeros(rows, cols, GRID.len());
-    for b in 0..GRID.len() {
-        for (i, v) in planes.plane_mut(b).iter_mut().enumerate() {
-            *v = photons(b, i / cols, i % cols) as f32;
-        }
-    }
-    let cube = SpectralCube::new(GRID, planes).unwrap();
-    Scene::new("", cube, Spectrum::constant(GRID, 1.0), 1.2, fov_deg).unwrap()
-}
 
 fn patch_centre(patch: usize) -> (usize, usize) {
     // Columns of four, 32 samples each; ISETCam's margin of 16 and 24, its centre 16 counted from 1.
@@ -44,12 +27,7 @@ fn assert_relative(what: &str, got: &[f64], expected: &[f64], tolerance: f64) {
 
 #[test]
 fn macbeth() {
-    let (Some(photons), Some(info)) =
-        (oracle_csv("scene_macbeth_d65_photons.csv"), oracle_json("oi_macbeth.json"))
-    else {
-        return;
-    };
-    let scene = scene(128, 192, 10.0, |b, r, c| photons[c / 32 * 4 + r / 32][b]);
+    let (Some(scene), Some(info)) = (chart(), oracle_json("oi_macbeth.json")) else { return };
     for (falloff, name) in [(Falloff::Cos4, "cos4th_on"), (Falloff::None, "cos4th_off")] {
         let optics = Optics { falloff, ..Optics::new(FOCAL_LENGTH_M, 4.0) };
         let image = optics.image(&scene).unwrap();
@@ -83,17 +61,9 @@ fn macbeth() {
 
 #[test]
 fn slanted_bar() {
-    let (Some(info), Some(row)) =
-        (oracle_json("scene_slantedbar.json"), oracle_csv("oi_slantedbar_midrow_450_550_650.csv"))
-    else {
+    let (Some(scene), Some(row)) = (bar(), oracle_csv("oi_slantedbar_midrow_450_550_650.csv")) else {
         return;
     };
-    let bright = numbers(&info["bright_photons"]);
-    let dark = numbers(&info["dark_photons"]);
-    let scene = scene(513, 513, 5.0, |b, r, c| {
-        let (x, y) = (c as f64 - 256.0, r as f64 - 256.0);
-        if y > 7.0 / 3.0 * x { bright[b] } else { dark[b] }
-    });
     let column = |image: &OpticalImage, band: usize| -> Vec<f64> {
         image.irradiance().planes().plane(band)[319 * 641..320 * 641].iter().map(|&v| f64::from(v)).collect()
     };

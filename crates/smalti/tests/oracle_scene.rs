@@ -2,12 +2,11 @@
 //! differs by up to 6e-4 from the CIE formula, so its own light is fed where the light is not what is tested.
 #![allow(clippy::unwrap_used)]
 
-#[allow(unreachable_pub)]
 mod common;
 
 use common::{assert_close, numbers, oracle_csv, oracle_json};
 use smalti::scene::{
-    FrequencyOrientation, Sampling, Setting, SlantedBar, frequency_orientation, macbeth, slanted_bar,
+    FrequencyOrientation, PatternSampling, Setting, SlantedBar, frequency_orientation, macbeth, slanted_bar,
     zone_plate_isetcam,
 };
 use smalti::spectrum::{Illuminant, Observer, Spectrum, WavelengthGrid};
@@ -100,7 +99,8 @@ fn zone_plate_and_frequency_orientation() {
     assert_close("row 1", &row(&scene, 0), &numbers(&plate["row_1_550"]), TOLERANCE);
     // What the file calls the centre is row 128, counted from 1: a third of the height.
     assert_close("row 128", &row(&scene, 127), &numbers(&plate["row_center_550"]), TOLERANCE);
-    let target = FrequencyOrientation { sampling: Sampling::Isetcam, ..FrequencyOrientation::default() };
+    let target =
+        FrequencyOrientation { sampling: PatternSampling::Isetcam, ..FrequencyOrientation::default() };
     let scene = frequency_orientation(&target, &setting).unwrap();
     let gratings = &json["freq_orient"];
     assert_close("row 16", &row(&scene, 15), &numbers(&gratings["row_16_550"]), TOLERANCE);

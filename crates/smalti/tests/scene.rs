@@ -1,17 +1,16 @@
 //! Scenes: laws, and the figures of ISETCam that must hold without its files at hand.
 #![allow(clippy::unwrap_used)]
 
-#[allow(unreachable_pub)]
 mod common;
 
 use common::assert_close;
 use rustfft::FftPlanner;
 use rustfft::num_complex::Complex;
 use smalti::scene::{
-    Checkerboard, DeadLeaves, FrequencyOrientation, FrequencySweep, GreySteps, PointGrid, ResolutionChart,
-    Sampling, Scene, SceneError, Setting, SiemensStar, SlantedBar, ZonePlate, checkerboard, dead_leaves,
-    frequency_orientation, frequency_sweep, grey_steps, hdr, macbeth, point_grid, resolution_chart,
-    siemens_star, slanted_bar, uniform, zone_plate, zone_plate_isetcam,
+    Checkerboard, DeadLeaves, FrequencyOrientation, FrequencySweep, GreySteps, PatternSampling, PointGrid,
+    ResolutionChart, Scene, SceneError, Setting, SiemensStar, SlantedBar, ZonePlate, checkerboard,
+    dead_leaves, frequency_orientation, frequency_sweep, grey_steps, hdr, macbeth, point_grid,
+    resolution_chart, siemens_star, slanted_bar, uniform, zone_plate, zone_plate_isetcam,
 };
 use smalti::spectrum::{Illuminant, Observer, Spectrum, WavelengthGrid};
 
@@ -153,7 +152,8 @@ fn zone_plate_as_in_isetcam() {
 
 #[test]
 fn frequency_orientation_as_in_isetcam() {
-    let target = FrequencyOrientation { sampling: Sampling::Isetcam, ..FrequencyOrientation::default() };
+    let target =
+        FrequencyOrientation { sampling: PatternSampling::Isetcam, ..FrequencyOrientation::default() };
     let scene = frequency_orientation(&target, &equal_photons()).unwrap();
     let row_16: Vec<f64> = row(&scene, 15, 15).into_iter().step_by(32).collect();
     let expected = [
@@ -304,7 +304,7 @@ fn an_area_sampled_edge_has_the_area_of_the_edge() {
         size: 64,
         slope: SlantedBar::slope_of_angle(5.0),
         contrast_ratio: 4.0,
-        sampling: Sampling::Area,
+        sampling: PatternSampling::Area,
     };
     let scene = slanted_bar(&bar, &setting(50.0)).unwrap();
     let bright = scene.radiance().pixel(32, 0).unwrap().values()[10];

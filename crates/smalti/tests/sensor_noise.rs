@@ -22,12 +22,6 @@ fn reference_sensor(rows: usize, cols: usize) -> Sensor {
     s
 }
 
-fn channel(s: &Sensor, raw: &RawImage, channel: usize) -> Vec<f32> {
-    let cols = raw.cols();
-    let at = |i: usize| s.cfa.mosaic().channel_at(i / cols, i % cols) == channel;
-    values(raw).into_iter().enumerate().filter(|(i, _)| at(*i)).map(|(_, v)| v).collect()
-}
-
 /// A flat image larger than the sensor.
 fn wide(photons: f32) -> smalti::optics::OpticalImage {
     flat(3, 3, 1e-3, photons)
@@ -49,7 +43,7 @@ fn noise_free_volts_and_numbers_are_those_of_isetcam() {
             s.adc.bits = bits;
             let raw = s.capture(&image, &Exposure::new(time_s), NoiseMode::None, 0).unwrap();
             for (c, number) in expected.iter().enumerate() {
-                assert!(channel(&s, &raw, c).iter().all(|v| *v == f32::from(*number)));
+                assert!(of_channel(&s, &values(&raw), c).iter().all(|v| *v == f32::from(*number)));
             }
         }
     }
@@ -105,7 +99,7 @@ fn noise_has_the_mean_and_variance_of_the_closed_form() {
     let mut all: [Vec<f32>; 3] = Default::default();
     for seed in 0..8 {
         let raw = s.capture(&image, &Exposure::new(0.01), NoiseMode::All, seed).unwrap();
-        (0..3).for_each(|c| all[c].extend(channel(&s, &raw, c)));
+        (0..3).for_each(|c| all[c].extend(of_channel(&s, &values(&raw), c)));
     }
     for (values, v) in all.iter().zip(VOLTS_10_MS) {
         let expected = (v + 1e-5) * 1e-4 + 1e-6;

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use smalti::numeric::Planes;
-use smalti::scene::Scene;
+use smalti::scene::{Scene, Setting};
 use smalti::spectrum::units::photons_per_joule;
 use smalti::spectrum::{Illuminant, Observer, SpectralCube};
 
@@ -25,14 +25,10 @@ pub struct SceneDefaults {
 }
 
 impl Default for SceneDefaults {
-    /// 100 cd/m², 1.2 m, 10°, D65.
+    /// Those of a built-in scene.
     fn default() -> Self {
-        Self {
-            luminance_cd_m2: 100.0,
-            distance_m: 1.2,
-            horizontal_fov_deg: 10.0,
-            illuminant: Illuminant::D65,
-        }
+        let Setting { luminance_cd_m2, distance_m, horizontal_fov_deg, illuminant, .. } = Setting::default();
+        Self { luminance_cd_m2, distance_m, horizontal_fov_deg, illuminant }
     }
 }
 

@@ -346,7 +346,11 @@ pub struct CfaDescription {
 
 impl Default for CfaDescription {
     fn default() -> Self {
-        Self { pattern: PatternDescription::Name("bayer".into()), filters: BTreeMap::new(), mixtures: BTreeMap::new() }
+        Self {
+            pattern: PatternDescription::Name("bayer".into()),
+            filters: BTreeMap::new(),
+            mixtures: BTreeMap::new(),
+        }
     }
 }
 
@@ -454,7 +458,7 @@ pub enum OutputName {
 }
 
 /// `[isp]`.
-#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct IspDescription {
     /// Which pipeline.
@@ -467,6 +471,22 @@ pub struct IspDescription {
     pub color_correction: ColorCorrectionName,
     /// Whether the matrix is constrained to render the illuminant's white exactly.
     pub preserve_white: bool,
+    /// Noise that the matrix is fitted for, percent of the brightest white; 0: plain least squares.
+    pub color_noise_percent: f64,
     /// Colour space of the pictures written.
     pub output: OutputName,
+}
+
+impl Default for IspDescription {
+    fn default() -> Self {
+        Self {
+            pipeline: PipelineName::Classic,
+            demosaic: DemosaicName::Bilinear,
+            white_balance: WhiteBalanceName::Illuminant,
+            color_correction: ColorCorrectionName::Macbeth,
+            preserve_white: false,
+            color_noise_percent: 0.3,
+            output: OutputName::Srgb,
+        }
+    }
 }

@@ -133,8 +133,10 @@ pub struct EvaluationPictures {
 }
 
 /// Finds the optical image of a name, or makes it: where images are cached between runs.
-pub type OpticalImages<'a> =
-    &'a (dyn Fn(&str, &dyn Fn() -> Result<OpticalImage, CameraError>) -> Result<OpticalImage, CameraError> + Sync);
+pub type OpticalImages<'a> = &'a (
+        dyn Fn(&str, &dyn Fn() -> Result<OpticalImage, CameraError>) -> Result<OpticalImage, CameraError>
+            + Sync
+    );
 
 /// Scores a camera. `images` may keep optical images; `&|_, make| make()` makes them anew.
 ///
@@ -222,7 +224,7 @@ impl Target {
     }
 
     fn edge(camera: &Camera, setting: &Setting) -> Result<Self, CameraError> {
-        let bar = SlantedBar { sampling: scene::Sampling::Area, ..SlantedBar::default() };
+        let bar = SlantedBar { sampling: scene::PatternSampling::Area, ..SlantedBar::default() };
         Self::new(camera, EDGE_PX, EDGE_PX, setting, "edge", move |s| Ok(scene::slanted_bar(&bar, s)?))
     }
 
@@ -272,7 +274,8 @@ fn chart_scores(camera: &Camera, setting: &Setting, shots: &Shots) -> Result<Cha
     };
     let light = setting.illuminant.photons(camera.grid())?;
     let xyz = |s: &crate::spectrum::Spectrum| Ok(Observer::Cie1931.xyz_from_photons(&s.times(&light)?)?);
-    let expected = macbeth::reflectances(camera.grid())?.iter().map(xyz).collect::<Result<Vec<_>, CameraError>>()?;
+    let expected =
+        macbeth::reflectances(camera.grid())?.iter().map(xyz).collect::<Result<Vec<_>, CameraError>>()?;
     let rects: Vec<Rect> = (0..expected.len()).map(rect).collect();
     let means = patch_means(shots.clean.planes(), &rects)?;
     let measured: Vec<[f64; 3]> = means.iter().map(|m| [m[0], m[1], m[2]]).collect();
@@ -297,7 +300,8 @@ fn zone_plate_aliasing(shots: &Shots, setting: &Setting) -> Result<Aliasing, Cam
     // The picture's scale is that of the exposure; the reference is brought to the same mean luminance.
     let mean = |picture: &Image| picture.planes().plane(LUMINANCE).iter().map(|&v| f64::from(v)).sum::<f64>();
     let gain = mean(&shots.clean) / mean(&shots.reference);
-    let (picture, reference) = (linear_srgb(&shots.clean, white, 1.0), linear_srgb(&shots.reference, white, gain));
+    let (picture, reference) =
+        (linear_srgb(&shots.clean, white, 1.0), linear_srgb(&shots.reference, white, gain));
     Ok(aliasing(&picture, &reference, &SRGB_LUMINANCE)?)
 }
 

@@ -11,7 +11,8 @@ use crate::numeric::least_squares::{Matrix, lstsq};
 use crate::optics::{OpticalImage, Optics};
 use crate::scene::Scene;
 use crate::sensor::{
-    Cfa, Channel, ColorArchitecture, Exposure, Mosaic, NoiseMode, NonUniformity, Pixel, RawImage, Sensor, Window,
+    Cfa, Channel, ColorArchitecture, Exposure, Mosaic, NoiseMode, NonUniformity, Pixel, RawImage, Sensor,
+    Window,
 };
 use crate::spectrum::{Observer, Spectrum, WavelengthGrid, reflectance};
 
@@ -27,6 +28,7 @@ pub struct Camera {
     exposure_time: ExposureTime,
     analog_gain: f64,
     analog_offset_v: f64,
+    color_noise: f64,
 }
 
 /// One picture with all that led to it.
@@ -52,6 +54,7 @@ impl Camera {
         Ok(Self {
             optics: resolve::optics(&description.optics, grid)?,
             sensor: resolve::sensor(&description.sensor, grid)?,
+            color_noise: resolve::color_noise(&description)?,
             exposure_time,
             analog_gain,
             analog_offset_v,
@@ -103,7 +106,8 @@ impl Camera {
             // A hundredth of a pixel forgives rounding in a field of view that was computed from the pixels.
             let covered = (samples as f64 * spacing_m / self.sensor.pixel.pitch_m + 0.01).floor();
             let covered = (covered.max(1.0) as usize).min(pixels);
-            let first = (pixels - covered).div_ceil(2).next_multiple_of(tile).min(pixels - covered.min(pixels));
+            let first =
+                (pixels - covered).div_ceil(2).next_multiple_of(tile).min(pixels - covered.min(pixels));
             (first, covered.min(pixels - first))
         };
         let (row, rows) = extent(radiance.rows(), self.sensor.rows, mosaic.rows());
@@ -137,9 +141,11 @@ impl Camera {
     pub fn isp(&self, light: &Spectrum, white_balance: WhiteBalance) -> Result<Classic, CameraError> {
         let isp = &self.description.isp;
         let surfaces = self.surfaces()?;
-        let constraint = if isp.preserve_white { ColorConstraint::PreserveWhite } else { ColorConstraint::None };
+        let constraint =
+            if isp.preserve_white { ColorConstraint::PreserveWhite } else { ColorConstraint::None };
         let responsivities = self.responsivities()?;
-        let matrix = color_matrix(&responsivities, &surfaces, light, Observer::Cie1931, constraint)?;
+        let matrix =
+            color_matrix(&responsivities, &surfaces, light, Observer::Cie1931, constraint, self.color_noise)?;
         let demosaic = match isp.demosaic {
             DemosaicName::Bilinear => Demosaic::Bilinear,
             DemosaicName::Malvar2004 => Demosaic::Malvar2004,
@@ -173,7 +179,8 @@ impl Camera {
             }
         }
         let (rows, channels) = (surfaces.len(), responsivities.len());
-        let solved = lstsq(Matrix::new(rows, 3, &xyz), Matrix::new(rows, channels, &camera)).map_err(IspError::from)?;
+        let solved = lstsq(Matrix::new(rows, 3, &xyz), Matrix::new(rows, channels, &camera))
+            .map_err(IspError::from)?;
         let entry = |row: usize, channel: usize| solved.get(row * channels + channel).copied().unwrap_or(0.0);
         Ok((0..channels).map(|c| std::array::from_fn(|row| entry(row, c))).collect())
     }
@@ -238,7 +245,10 @@ impl Camera {
     pub fn reference(&self, image: &OpticalImage) -> Result<Image, CameraError> {
         let weights = Observer::Cie1931.photon_weights(self.grid)?;
         let largest = weights.iter().map(Spectrum::max).fold(0.0, f64::max);
-        let channel = |(name, w): (&str, &Spectrum)| Channel { name: name.into(), transmittance: w.scaled(1.0 / largest) };
+        let channel = |(name, w): (&str, &Spectrum)| Channel {
+            name: name.into(),
+            transmittance: w.scaled(1.0 / largest),
+        };
         let channels: Vec<Channel> = ["X", "Y", "Z"].into_iter().zip(&weights).map(channel).collect();
         let sensor = Sensor {
             cfa: Cfa::new("observer", Mosaic::new(1, 3, vec![0, 1, 2])?, channels)?,
@@ -250,8 +260,119 @@ impl Camera {
             ..self.sensor.clone()
         };
         // A well and a swing that nothing fills, so that the reference never clips.
-        let pixel = Pixel { full_well_e: 1e12, voltage_swing_v: 1e3, conversion_gain_v_per_e: 1e-9, ..sensor.pixel };
+        let pixel =
+            Pixel { full_well_e: 1e12, voltage_swing_v: 1e3, conversion_gain_v_per_e: 1e-9, ..sensor.pixel };
         let volts = Sensor { pixel, ..sensor }.expected_volts(image, &Exposure::new(1.0))?;
         Ok(Image::new(ColorSpace::Xyz, volts)?)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::camera::description::{ArchitectureName, PatternDescription};
+    use crate::scene::{Setting, macbeth, uniform};
+
+    fn camera(change: impl FnOnce(&mut CameraDescription)) -> Camera {
+        let mut d = CameraDescription::default();
+        (d.sensor.rows, d.sensor.cols) = (48, 64);
+        d.exposure.time_ms = Some(20.0);
+        change(&mut d);
+        Camera::new(d, WavelengthGrid::VISIBLE).unwrap()
+    }
+
+    fn key(change: impl FnOnce(&mut CameraDescription)) -> String {
+        let mut d = CameraDescription::default();
+        change(&mut d);
+        match Camera::new(d, WavelengthGrid::VISIBLE) {
+            Err(CameraError::Key { key, .. }) => key,
+            other => panic!("expected an error about a key, got {other:?}"),
+        }
+    }
+
+    #[test]
+    fn an_impossible_value_names_its_key() {
+        assert_eq!(key(|d| d.sensor.pixel.fill_factor = 1.5), "sensor.pixel.fill_factor");
+        assert_eq!(key(|d| d.sensor.pixel.voltage_swing_v = 0.0), "sensor.pixel.voltage_swing_v");
+        assert_eq!(key(|d| d.sensor.pixel.read_noise_mv = f64::NAN), "sensor.pixel.read_noise_mv");
+        assert_eq!(key(|d| d.optics.f_number = -1.0), "optics.f_number");
+        assert_eq!(key(|d| d.sensor.adc_bits = 17), "sensor.adc_bits");
+        assert_eq!(
+            key(|d| d.optics.transmittance = crate::sensor::Filter::Flat(1.2)),
+            "optics.transmittance"
+        );
+        assert_eq!(
+            key(|d| d.sensor.cfa.pattern = PatternDescription::Name("bayr".into())),
+            "sensor.cfa.pattern"
+        );
+        assert_eq!(key(|d| d.isp.color_noise_percent = -1.0), "isp.color_noise_percent");
+    }
+
+    /// A grey field comes out neutral and even, in every architecture.
+    #[test]
+    fn a_uniform_scene_gives_a_uniform_grey_picture() {
+        for architecture in
+            [ArchitectureName::Mosaic, ArchitectureName::Prism, ArchitectureName::FieldSequential]
+        {
+            let c = camera(|d| {
+                d.sensor.architecture = architecture;
+                d.sensor.adc_bits = 0;
+                d.isp.preserve_white = true;
+                d.optics.falloff = crate::camera::description::FalloffName::None;
+            });
+            let setting = Setting { horizontal_fov_deg: 20.0, luminance_cd_m2: 10.0, ..Setting::default() };
+            let scene = uniform(64, 64, &setting).unwrap();
+            let image = c.optics.image(&scene).unwrap();
+            let photo = c.photograph(image, scene.illuminant(), NoiseMode::None, 1).unwrap();
+            let rgb = photo.picture.converted(ColorSpace::LinearSrgb).unwrap();
+            let (least, most) =
+                rgb.planes().data().iter().fold((f32::MAX, 0.0f32), |(a, b), &v| (a.min(v), b.max(v)));
+            assert!(least > 0.0 && most / least < 1.001, "{architecture:?}: {least} to {most}");
+        }
+    }
+
+    #[test]
+    fn the_window_lies_on_the_scene_and_begins_with_the_pattern() {
+        let c = camera(|d| (d.sensor.rows, d.sensor.cols) = (480, 640));
+        let deg = c.field_of_view_deg(240, 1.2).unwrap();
+        let setting = Setting { horizontal_fov_deg: deg, ..Setting::default() };
+        let w = c.window_on(&macbeth::chart(8, &setting).unwrap()).unwrap();
+        assert_eq!((w.rows, w.cols), (160, 240));
+        assert_eq!((w.row % 2, w.col % 2), (0, 0));
+        assert_eq!((w.row, w.col), (160, 200));
+    }
+
+    /// A camera whose channels are nearly those of the observer renders nearly what the reference shows.
+    #[test]
+    fn the_reference_is_what_a_prism_camera_renders() {
+        let c = camera(|d| {
+            d.sensor.architecture = ArchitectureName::Prism;
+            d.sensor.adc_bits = 0;
+            d.isp.white_balance = WhiteBalanceName::None;
+            d.sensor.cfa.pattern = PatternDescription::Name("five-band".into());
+        });
+        let setting =
+            Setting { horizontal_fov_deg: c.field_of_view_deg(60, 1.2).unwrap(), ..Setting::default() };
+        let scene = macbeth::chart(16, &setting).unwrap();
+        let image = c.optics.image(&scene).unwrap();
+        let photo = c.photograph(image, scene.illuminant(), NoiseMode::None, 1).unwrap();
+        let reference = c.reference(&photo.optical_image).unwrap();
+        let ratio: Vec<f32> = photo
+            .picture
+            .planes()
+            .plane(1)
+            .iter()
+            .zip(reference.planes().plane(1))
+            .map(|(a, b)| a / b)
+            .collect();
+        let mid = ratio[24 * 64 + 32];
+        assert!(
+            ratio
+                .iter()
+                .enumerate()
+                .filter(|(i, _)| (8..40).contains(&(i / 64)) && (4..60).contains(&(i % 64)))
+                .all(|(_, r)| (r / mid - 1.0).abs() < 0.1),
+            "{mid}"
+        );
     }
 }

@@ -11,8 +11,8 @@ use crate::optics::{
 };
 use crate::sensor::cfa::{self, WeightedMosaic};
 use crate::sensor::{
-    Adc, Aperture, AutoExposure, Cfa, Channel, ColorArchitecture, DarkCurrentTemperature, Filter, Mosaic, NonUniformity,
-    Pixel, Sensor,
+    Adc, Aperture, AutoExposure, Cfa, Channel, ColorArchitecture, DarkCurrentTemperature, Filter, Mosaic,
+    NonUniformity, Pixel, Sensor, SensorError,
 };
 use crate::spectrum::{Spectrum, WavelengthGrid};
 
@@ -122,8 +122,12 @@ fn wavefront(d: &OpticsDescription) -> Result<Wavefront, CameraError> {
 }
 
 fn psf(d: &OpticsDescription) -> Result<PsfStack, CameraError> {
-    let psf = d.psf.as_ref().ok_or_else(|| key("optics.psf", "model = \"psf\" needs a table [optics.psf]"))?;
-    let planes = psf.planes.clone().ok_or_else(|| key("optics.psf.file", format_args!("'{}' has not been read", psf.file)))?;
+    let psf =
+        d.psf.as_ref().ok_or_else(|| key("optics.psf", "model = \"psf\" needs a table [optics.psf]"))?;
+    let planes = psf
+        .planes
+        .clone()
+        .ok_or_else(|| key("optics.psf.file", format_args!("'{}' has not been read", psf.file)))?;
     let spacing_m = positive("optics.psf.spacing_um", psf.spacing_um, 1e4)? * 1e-6;
     let made = if planes.count() == 1 {
         PsfStack::achromatic(planes.rows(), planes.cols(), planes.into_data(), spacing_m)
@@ -142,7 +146,11 @@ pub(super) fn sensor(d: &SensorDescription, grid: WavelengthGrid) -> Result<Sens
     let pixel = Pixel {
         pitch_m: positive("sensor.pixel.pitch_um", p.pitch_um, 1e4)? * 1e-6,
         fill_factor: positive("sensor.pixel.fill_factor", p.fill_factor, 1.0)?,
-        conversion_gain_v_per_e: positive("sensor.pixel.conversion_gain_uv_per_e", p.conversion_gain_uv_per_e, 1e6)? * 1e-6,
+        conversion_gain_v_per_e: positive(
+            "sensor.pixel.conversion_gain_uv_per_e",
+            p.conversion_gain_uv_per_e,
+            1e6,
+        )? * 1e-6,
         voltage_swing_v: positive("sensor.pixel.voltage_swing_v", p.voltage_swing_v, 1e3)?,
         full_well_e: well_v,
         dark_voltage_v_per_s: within("sensor.pixel.dark_voltage_v_per_s", p.dark_voltage_v_per_s, 0.0, 1e3)?,
@@ -166,7 +174,10 @@ pub(super) fn sensor(d: &SensorDescription, grid: WavelengthGrid) -> Result<Sens
         device_serial: d.serial,
     };
     if d.adc_bits > 16 {
-        return Err(key("sensor.adc_bits", format_args!("{} is out of range; expected 0 (none) to 16", d.adc_bits)));
+        return Err(key(
+            "sensor.adc_bits",
+            format_args!("{} is out of range; expected 0 (none) to 16", d.adc_bits),
+        ));
     }
     let adc = Adc { bits: d.adc_bits, black_level_dn: d.black_level_dn };
     adc.validate().map_err(|e| key("sensor.black_level_dn", e))?;
@@ -196,7 +207,12 @@ pub(super) fn sensor(d: &SensorDescription, grid: WavelengthGrid) -> Result<Sens
             curve("sensor.quantum_efficiency", &d.quantum_efficiency, grid)?,
         )
     };
-    sensor.validate().map_err(|e| key("sensor", e))?;
+    sensor.validate().map_err(|e| match e {
+        SensorError::Empty { .. } | SensorError::TooLarge { .. } => {
+            key(if d.cols > d.rows || d.cols == 0 { "sensor.cols" } else { "sensor.rows" }, e)
+        }
+        other => key("sensor", other),
+    })?;
     Ok(sensor)
 }
 
@@ -240,14 +256,20 @@ fn mixed(d: &SensorDescription, lines: &[String], filters: &[(char, Spectrum)]) 
             }
             None => match filters.iter().position(|(f, _)| *f == letter) {
                 Some(at) => weights[at] = 1.0,
-                None => return Err(key("sensor.cfa.pattern", format_args!("'{letter}' is neither a filter nor a mixture"))),
+                None => {
+                    return Err(key(
+                        "sensor.cfa.pattern",
+                        format_args!("'{letter}' is neither a filter nor a mixture"),
+                    ));
+                }
             },
         }
         of_letter.push(weights);
     }
     let weights = mosaic.cells().iter().flat_map(|&c| of_letter[usize::from(c)].clone()).collect();
     let tile = WeightedMosaic::new(mosaic.rows(), mosaic.cols(), filters.len(), weights);
-    let channel = |(letter, s): &(char, Spectrum)| Channel { name: letter.to_string(), transmittance: s.clone() };
+    let channel =
+        |(letter, s): &(char, Spectrum)| Channel { name: letter.to_string(), transmittance: s.clone() };
     let primaries: Vec<Channel> = filters.iter().map(channel).collect();
     tile.and_then(|t| t.cfa(lines.join("/"), &primaries)).map_err(|e| key("sensor.cfa.mixtures", e))
 }
@@ -284,11 +306,18 @@ pub(super) fn exposure(d: &CameraDescription) -> Result<(ExposureTime, f64, f64)
         (None, None | Some(AutoExposureName::Specular)) => {
             ExposureTime::Auto(AutoExposure::Specular { fraction: target(0.95)? })
         }
-        (None, Some(AutoExposureName::Mean)) => ExposureTime::Auto(AutoExposure::Mean { target: target(0.18)? }),
+        (None, Some(AutoExposureName::Mean)) => {
+            ExposureTime::Auto(AutoExposure::Mean { target: target(0.18)? })
+        }
         (None, Some(AutoExposureName::Luminance)) => {
             let percentile = within("exposure.auto_percentile", e.auto_percentile, 0.0, 100.0)?;
             ExposureTime::Auto(AutoExposure::LuminancePercentile { percentile, target: target(0.95)? })
         }
     };
     Ok((time, gain, offset_v))
+}
+
+/// The noise that the colour matrix is fitted for, relative to the brightest white.
+pub(super) fn color_noise(d: &CameraDescription) -> Result<f64, CameraError> {
+    Ok(within("isp.color_noise_percent", d.isp.color_noise_percent, 0.0, 100.0)? * 1e-2)
 }

@@ -10,6 +10,7 @@ use thiserror::Error;
 use super::difference::{DeltaE, DifferenceMap, check_pair, map_of_planes, three};
 use super::matrix::{IDENTITY, Matrix3, inverse};
 use super::{Image, ImageError};
+use crate::numeric::mirror::about_border;
 
 /// What stops S-CIELAB.
 #[derive(Debug, Clone, PartialEq, Error)]
@@ -275,15 +276,10 @@ fn blur(plane: &[f32], (rows, cols): (usize, usize), kernel: &[Gaussian], bounda
 
 /// The index inside 0..n that stands for one outside.
 fn outside(i: isize, n: usize, boundary: Boundary) -> usize {
-    let n = n as isize;
-    let at = match boundary {
-        Boundary::Periodic => i.rem_euclid(n),
-        Boundary::Mirror => {
-            let i = i.rem_euclid(2 * n);
-            if i < n { i } else { 2 * n - 1 - i }
-        }
-    };
-    at as usize
+    match boundary {
+        Boundary::Periodic => i.rem_euclid(n as isize) as usize,
+        Boundary::Mirror => about_border(i, n),
+    }
 }
 
 #[cfg(test)]

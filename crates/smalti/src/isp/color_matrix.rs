@@ -4,6 +4,11 @@ use super::IspError;
 use crate::numeric::least_squares::{Matrix, lstsq, lstsq_constrained};
 use crate::spectrum::{Observer, Spectrum};
 
+/// A channel that sees white this much fainter than the brightest one takes no part in colour: when that one is full,
+/// at ten thousand electrons or so, the faint one holds ten, which is noise. An infrared pixel behind an infrared-cut
+/// filter, or on wavelengths that end before its band, is such a one; least squares would amplify its noise thousandfold.
+const BLIND: f64 = 1e-3;
+
 /// What a colour matrix must hold exactly.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[non_exhaustive]
@@ -94,17 +99,32 @@ impl ColorMatrix {
 ///
 /// Any number of channels will do. Where there are more than the reflectances can tell apart (their spectra have some
 /// six to eight degrees of freedom), or channels are mixtures of others, the matrix of smallest norm is taken, which
-/// amplifies noise least.
+/// amplifies noise least. A channel that is all but blind under the illuminant (below a thousandth of the brightest one's
+/// white) gets no part.
+///
+/// `noise` is the standard deviation of independent noise that every channel is taken to carry, relative to the brightest
+/// white; the error that is minimised then includes what the matrix makes of it (ridge regression). 0 is plain least
+/// squares. Channels that are nearly sums of others, such as white beside red, green and blue, would otherwise be subtracted
+/// from one another with large factors, for a gain in colour that no eye sees and a loss by noise that every eye does.
 ///
 /// # Errors
-/// When a list is empty, grids differ, the solver fails, or the illuminant is dark to camera or observer.
+/// When a list is empty, grids differ, the solver fails, the noise is negative, or the illuminant is dark to camera or
+/// observer.
 pub fn color_matrix(
     responsivities: &[Spectrum],
     reflectances: &[Spectrum],
     illuminant_photons: &Spectrum,
     observer: Observer,
     constraint: ColorConstraint,
+    noise: f64,
 ) -> Result<ColorMatrix, IspError> {
+    if !(noise.is_finite() && noise >= 0.0) {
+        return Err(IspError::Parameter {
+            name: "noise",
+            value: noise,
+            expected: "a finite number, 0 or more",
+        });
+    }
     for (what, list) in [("camera channels", responsivities), ("reflectances", reflectances)] {
         if list.is_empty() {
             return Err(IspError::Empty { what });
@@ -125,6 +145,11 @@ pub fn color_matrix(
     if y <= 0.0 {
         return Err(IspError::NoResponse { what: "the observer" });
     }
+    let seeing: Vec<Spectrum> = camera
+        .iter()
+        .zip(&camera_white)
+        .map(|(c, &white)| if white < BLIND * brightest { c.scaled(0.0) } else { c.clone() })
+        .collect();
     let responses = |to: &[Spectrum], scale: f64| -> Result<Vec<f64>, IspError> {
         let mut rows = Vec::with_capacity(reflectances.len() * to.len());
         for r in reflectances {
@@ -135,14 +160,22 @@ pub fn color_matrix(
         Ok(rows)
     };
     let (channels, samples) = (responsivities.len(), reflectances.len());
-    let (a, b) = (responses(&camera, brightest)?, responses(&eye, y)?);
+    let (mut a, mut b) = (responses(&seeing, brightest)?, responses(&eye, y)?);
+    // Noise adds its variance, once per sample, to the diagonal of the normal equations: one more row per channel.
+    let noise_rows = if noise > 0.0 { channels } else { 0 };
+    for channel in 0..noise_rows {
+        a.extend((0..channels).map(|c| if c == channel { noise * (samples as f64).sqrt() } else { 0.0 }));
+        b.extend([0.0; 3]);
+    }
+    let rows = samples + noise_rows;
     let camera_white: Vec<f64> = camera_white.iter().map(|v| v / brightest).collect();
     let xyz_white = [x / y, 1.0, z / y];
-    let (a, b) = (Matrix::new(samples, channels, &a), Matrix::new(samples, 3, &b));
+    let (a, b) = (Matrix::new(rows, channels, &a), Matrix::new(rows, 3, &b));
     let x = match constraint {
         ColorConstraint::None => lstsq(a, b)?,
         ColorConstraint::PreserveWhite => {
-            lstsq_constrained(a, b, Matrix::new(1, channels, &camera_white), Matrix::new(1, 3, &xyz_white))?
+            let white = seeing.iter().map(|c| c.integral() / brightest).collect::<Vec<f64>>();
+            lstsq_constrained(a, b, Matrix::new(1, channels, &white), Matrix::new(1, 3, &xyz_white))?
         }
     };
     let columns = x.chunks_exact(3).map(|c| [c[0], c[1], c[2]]).collect();
@@ -168,7 +201,7 @@ mod tests {
 
     fn matrix(channels: &[Spectrum], constraint: ColorConstraint) -> ColorMatrix {
         let light = Illuminant::D65.photons(GRID).unwrap();
-        color_matrix(channels, &chart(), &light, Observer::Cie1931, constraint).unwrap()
+        color_matrix(channels, &chart(), &light, Observer::Cie1931, constraint, 0.0).unwrap()
     }
 
     /// A camera that meets the Luther condition sees as the observer does: the fit is exact.
@@ -209,17 +242,51 @@ mod tests {
         }
     }
 
+    /// An infrared channel on visible wavelengths: its trace of red would lower the error and drown the picture in noise.
+    #[test]
+    fn a_channel_that_is_all_but_blind_takes_no_part() {
+        let (r, g, b) = (gaussian(600.0, 35.0), gaussian(540.0, 40.0), gaussian(460.0, 30.0));
+        let infrared = gaussian(850.0, 35.0);
+        for constraint in [ColorConstraint::None, ColorConstraint::PreserveWhite] {
+            let without = matrix(&[r.clone(), g.clone(), b.clone()], constraint);
+            let with = matrix(&[r.clone(), g.clone(), b.clone(), infrared.clone()], constraint);
+            assert_eq!(with.xyz_from_camera()[3], [0.0; 3]);
+            for (w, o) in with.xyz_from_camera().iter().zip(without.xyz_from_camera()) {
+                (0..3).for_each(|i| assert_abs_diff_eq!(w[i], o[i], epsilon = 1e-9));
+            }
+        }
+    }
+
     #[test]
     fn a_blind_camera_is_refused() {
         let light = Illuminant::D65.photons(GRID).unwrap();
         let dark = [Spectrum::constant(GRID, 0.0)];
         let fit = |c: &[Spectrum], r: &[Spectrum]| {
-            color_matrix(c, r, &light, Observer::Cie1931, ColorConstraint::None)
+            color_matrix(c, r, &light, Observer::Cie1931, ColorConstraint::None, 0.0)
         };
         assert!(matches!(fit(&dark, &chart()), Err(IspError::NoResponse { .. })));
         assert!(matches!(fit(&dark, &[]), Err(IspError::Empty { what: "reflectances" })));
         assert!(matches!(fit(&[], &chart()), Err(IspError::Empty { .. })));
         let other = Spectrum::constant(WavelengthGrid::new(400.0, 5.0, 61).unwrap(), 1.0);
         assert!(matches!(fit(&[other], &chart()), Err(IspError::Spectrum(_))));
+    }
+
+    /// White is nearly the sum of red, green and blue: without noise the fit subtracts them with large factors.
+    #[test]
+    fn noise_keeps_the_factors_small_at_hardly_any_cost_in_colour() {
+        let bands = [gaussian(610.0, 40.0), gaussian(540.0, 40.0), gaussian(460.0, 40.0)];
+        let sum =
+            Spectrum::from_fn(GRID, |nm| bands.iter().filter_map(|b| b.at(nm)).sum::<f64>() * 0.7 + 0.01);
+        let channels = [&bands[..], &[sum]].concat();
+        let light = Illuminant::D65.photons(GRID).unwrap();
+        let fit = |noise| {
+            let none = ColorConstraint::None;
+            color_matrix(&channels, &chart(), &light, Observer::Cie1931, none, noise).unwrap()
+        };
+        let gain = |m: &ColorMatrix| m.xyz_from_camera().iter().map(|c| c[1] * c[1]).sum::<f64>().sqrt();
+        let (plain, noisy) = (fit(0.0), fit(0.01));
+        assert!(gain(&noisy) < 0.5 * gain(&plain), "{} {}", gain(&noisy), gain(&plain));
+        let white = noisy.xyz(noisy.camera_white());
+        assert_abs_diff_eq!(white[1], 1.0, epsilon = 0.02);
     }
 }

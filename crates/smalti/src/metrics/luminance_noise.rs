@@ -1,5 +1,6 @@
 //! Luminance noise on grey patches.
 
+use super::patch::check_region;
 use super::patch::mean_and_variance;
 use super::{MetricError, Rect};
 use crate::numeric::Planes;
@@ -43,7 +44,7 @@ pub(super) fn plane_statistics(
         return Err(MetricError::TooFew { what: "patches", minimum: 1, got: 0 });
     }
     let statistics = |rect: &Rect| {
-        rect.within(planes.rows(), planes.cols())?;
+        check_region(*rect, planes.rows(), planes.cols())?;
         if rect.len() < 2 {
             return Err(MetricError::TooFew { what: "pixels in a patch", minimum: 2, got: rect.len() });
         }

@@ -27,4 +27,6 @@ pub mod visual_snr;
 
 pub use catalog::{Better, CATALOG, MetricInfo};
 pub use error::MetricError;
-pub use patch::{Rect, patch_means};
+pub use patch::patch_means;
+
+pub use crate::numeric::Rect;

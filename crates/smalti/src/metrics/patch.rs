@@ -1,63 +1,14 @@
-//! Rectangles of an image and their means.
+//! Means of the patches of an image.
 
 use super::MetricError;
-use crate::numeric::Planes;
+use crate::numeric::{Planes, Rect};
 
-/// A rectangle of pixels, counted from 0; it covers `rows` × `cols` pixels from (`row`, `col`).
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub struct Rect {
-    /// First row.
-    pub row: usize,
-    /// First column.
-    pub col: usize,
-    /// Rows.
-    pub rows: usize,
-    /// Columns.
-    pub cols: usize,
-}
-
-impl Rect {
-    /// The whole of an image.
-    #[must_use]
-    pub fn whole(rows: usize, cols: usize) -> Self {
-        Self { row: 0, col: 0, rows, cols }
-    }
-
-    /// Number of pixels (saturated).
-    #[must_use]
-    pub fn len(&self) -> usize {
-        self.rows.saturating_mul(self.cols)
-    }
-
-    /// Whether it holds no pixel.
-    #[must_use]
-    pub fn is_empty(&self) -> bool {
-        self.rows == 0 || self.cols == 0
-    }
-
-    /// Checks that it has pixels and lies within an image of `rows` × `cols`.
-    ///
-    /// # Errors
-    /// [`MetricError::Region`] when it does not.
-    pub fn within(&self, rows: usize, cols: usize) -> Result<Self, MetricError> {
-        let fits = |first: usize, count: usize, all| first.checked_add(count).is_some_and(|end| end <= all);
-        if !self.is_empty() && fits(self.row, self.rows, rows) && fits(self.col, self.cols, cols) {
-            Ok(*self)
-        } else {
-            Err(MetricError::Region { rect: *self, rows, cols })
-        }
-    }
-
-    /// The values of a plane of `plane_cols` columns inside the rectangle, in row order. Rows that are not
-    /// there are left out; call [`Rect::within`] first.
-    pub(super) fn values<'a>(&self, plane: &'a [f32], plane_cols: usize) -> impl Iterator<Item = f64> + 'a {
-        let Self { row, col, rows, cols } = *self;
-        plane
-            .chunks(plane_cols.max(1))
-            .skip(row)
-            .take(rows)
-            .flat_map(move |line| line.iter().skip(col).take(cols).map(|&v| f64::from(v)))
-    }
+/// Checks that a rectangle has pixels and lies within an image of `rows` × `cols`.
+///
+/// # Errors
+/// [`MetricError::Region`] when it does not.
+pub(super) fn check_region(rect: Rect, rows: usize, cols: usize) -> Result<(), MetricError> {
+    if rect.fits(rows, cols) { Ok(()) } else { Err(MetricError::Region { rect, rows, cols }) }
 }
 
 /// The mean of every plane over every rectangle: one inner vector per rectangle, one value per plane.
@@ -71,7 +22,7 @@ pub fn patch_means(planes: &Planes, rects: &[Rect]) -> Result<Vec<Vec<f64>>, Met
     rects
         .iter()
         .map(|rect| {
-            rect.within(planes.rows(), planes.cols())?;
+            check_region(*rect, planes.rows(), planes.cols())?;
             Ok((0..planes.count()).map(|p| mean(p, rect)).collect())
         })
         .collect()

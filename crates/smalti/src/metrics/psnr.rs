@@ -1,5 +1,6 @@
 //! Mean squared error and peak signal-to-noise ratio against a reference.
 
+use super::patch::check_region;
 use super::{MetricError, Rect};
 use crate::numeric::Planes;
 
@@ -23,7 +24,7 @@ pub struct Psnr {
 /// When the sizes differ, the region leaves the image, `peak` is not above 0, or a value is not finite.
 pub fn psnr(image: &Planes, reference: &Planes, region: Rect, peak: f64) -> Result<Psnr, MetricError> {
     same_size(image, reference)?;
-    region.within(image.rows(), image.cols())?;
+    check_region(region, image.rows(), image.cols())?;
     if !(peak > 0.0 && peak.is_finite()) {
         return Err(MetricError::Parameter {
             name: "peak",

@@ -1,5 +1,6 @@
 //! Noise and differences as an eye at a distance sees them: visual SNR and S-CIELAB.
 
+use super::patch::check_region;
 use super::{MetricError, Rect};
 use crate::color::scielab::Scielab;
 use crate::color::{DeltaE, DifferenceMap, Image};
@@ -55,7 +56,7 @@ pub fn visual_snr(
     white: [f64; 3],
     samples_per_degree: f64,
 ) -> Result<f64, MetricError> {
-    region.within(picture.rows(), picture.cols())?;
+    check_region(region, picture.rows(), picture.cols())?;
     if region.len() < 2 {
         return Err(MetricError::TooFew { what: "pixels in the region", minimum: 2, got: region.len() });
     }

@@ -102,12 +102,6 @@ impl Workspace {
     pub fn spectrum(&self) -> &[Complex32] {
         &self.by_col
     }
-
-    /// The spectrum, to write to.
-    #[must_use]
-    pub fn spectrum_mut(&mut self) -> &mut [Complex32] {
-        &mut self.by_col
-    }
 }
 
 struct TaskScratch {

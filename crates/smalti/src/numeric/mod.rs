@@ -1,12 +1,15 @@
-//! Arithmetic that knows nothing of light: image planes, random numbers, Fourier transforms, least squares.
+//! Arithmetic that knows nothing of light: image planes and rectangles, random numbers, Fourier transforms, least squares.
 
 pub mod elementary;
-pub mod normal;
-pub mod least_squares;
 pub mod fft;
+pub mod least_squares;
+pub(crate) mod mirror;
+pub mod normal;
 pub mod philox;
 mod planes;
 pub mod poisson;
+mod rect;
 pub(crate) mod simd;
 
 pub use planes::{Planes, ShapeError};
+pub use rect::Rect;

@@ -2,6 +2,7 @@
 
 use super::error::{OpticsError, require};
 use crate::numeric::fft::fast_len;
+use crate::numeric::mirror::about_border;
 
 /// What the lens sees beyond the border of the scene.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -75,15 +76,14 @@ impl Extent {
         // without offset is continued.
         let beyond = i.saturating_sub(self.len);
         let before = self.total.saturating_sub(i + 1);
-        let (from_end, steps) =
-            if beyond < (self.total - self.len) / 2 { (true, beyond) } else { (false, before) };
+        let from_end = beyond < (self.total - self.len) / 2;
         match self.boundary {
             Boundary::Dark => None,
             Boundary::Edge => Some(if from_end { self.len - 1 } else { 0 }),
             Boundary::Mirror => {
-                let folded = steps % (2 * self.len);
-                let inward = folded.min(2 * self.len - 1 - folded);
-                Some(if from_end { self.len - 1 - inward } else { inward })
+                let at = if from_end { self.len + beyond } else { before };
+                // A mirror on the border has the same at −1 − i as at i.
+                Some(about_border(at as isize, self.len))
             }
         }
     }

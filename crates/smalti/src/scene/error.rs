@@ -2,6 +2,7 @@
 
 use thiserror::Error;
 
+use crate::names::did_you_mean;
 use crate::spectrum::SpectrumError;
 
 /// What can be wrong with a scene.
@@ -61,26 +62,27 @@ pub enum SceneError {
         expected: &'static str,
     },
     /// No built-in scene has this name.
-    #[error("there is no scene named '{name}'; did you mean '{nearest}'? Known scenes: {known}")]
+    #[error("there is no scene named '{name}'{}. Known scenes: {known}", did_you_mean(*suggestion))]
     UnknownScene {
         /// The name.
         name: String,
-        /// The built-in name nearest to it.
-        nearest: &'static str,
+        /// The built-in name nearest to it, if one is near.
+        suggestion: Option<&'static str>,
         /// All names, separated by commas.
         known: String,
     },
     /// The scene has no parameter of this name.
     #[error(
-        "the scene '{scene}' has no parameter '{name}'; did you mean '{nearest}'? Its parameters: {known}"
+        "the scene '{scene}' has no parameter '{name}'{}. Its parameters: {known}",
+        did_you_mean(*suggestion)
     )]
     UnknownParameter {
         /// The scene.
         scene: &'static str,
         /// The name.
         name: String,
-        /// The parameter nearest to it.
-        nearest: &'static str,
+        /// The parameter nearest to it, if one is near.
+        suggestion: Option<&'static str>,
         /// All its parameters, separated by commas.
         known: String,
     },

@@ -4,7 +4,7 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use super::compose::{check_size, grey};
 use super::error::require;
-use super::{Sampling, Scene, SceneError, Setting};
+use super::{PatternSampling, Scene, SceneError, Setting};
 
 /// Square blocks, each with one sinusoidal grating: its frequency grows from left to right, its direction turns
 /// from top (bars horizontal) to bottom (bars vertical).
@@ -19,13 +19,13 @@ pub struct FrequencyOrientation {
     /// Contrast (Michelson), more than 0 and at most 1.
     pub contrast: f64,
     /// `Isetcam`: points, at least 10⁻⁴. `Area`: the mean over each pixel.
-    pub sampling: Sampling,
+    pub sampling: PatternSampling,
 }
 
 impl Default for FrequencyOrientation {
     /// The layout of ISETCam's `sceneCreate('frequency orientation')`, 256 × 256 pixels.
     fn default() -> Self {
-        Self { block_px: 32, frequencies: 8, angles: 8, contrast: 1.0, sampling: Sampling::Area }
+        Self { block_px: 32, frequencies: 8, angles: 8, contrast: 1.0, sampling: PatternSampling::Area }
     }
 }
 
@@ -47,8 +47,8 @@ pub fn frequency_orientation(target: &FrequencyOrientation, setting: &Setting) -
     // The mean of a sinusoid over a pixel is its value in the middle times a sinc per direction.
     let sinc = |f: f64| if f == 0.0 { 1.0 } else { (PI * f).sin() / (PI * f) };
     let (offset, least) = match sampling {
-        Sampling::Isetcam => (0.0, 1e-4),
-        Sampling::Area => (0.5, 0.0),
+        PatternSampling::Isetcam => (0.0, 1e-4),
+        PatternSampling::Area => (0.5, 0.0),
     };
     let mut reflectance = Vec::with_capacity(rows * cols);
     for row in 0..rows {
@@ -58,8 +58,8 @@ pub fn frequency_orientation(target: &FrequencyOrientation, setting: &Setting) -
             let cycles = (col / block_px + 1) as f64;
             let x = ((col % block_px) as f64 + offset) / block;
             let kept = match sampling {
-                Sampling::Isetcam => 1.0,
-                Sampling::Area => sinc(cycles * s / block) * sinc(cycles * c / block),
+                PatternSampling::Isetcam => 1.0,
+                PatternSampling::Area => sinc(cycles * s / block) * sinc(cycles * c / block),
             };
             let wave = kept * (TAU * cycles * (s * x + c * y)).sin();
             reflectance.push((0.5 * (1.0 + contrast * wave)).max(least) as f32);

@@ -7,6 +7,7 @@
 use super::compose::{Fragment, check_size, fragments, lit};
 use super::error::require;
 use super::{Scene, SceneError, Setting};
+use crate::numeric::Rect;
 use crate::spectrum::generated::COLORCHECKER;
 use crate::spectrum::{Outside, Spectrum, SpectrumError, WavelengthGrid};
 
@@ -15,23 +16,10 @@ pub const ROWS: usize = 4;
 /// Columns of patches.
 pub const COLS: usize = 6;
 
-/// Pixels of a scene that a patch fills.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct PatchRect {
-    /// First row.
-    pub row: usize,
-    /// First column.
-    pub col: usize,
-    /// Rows.
-    pub rows: usize,
-    /// Columns.
-    pub cols: usize,
-}
-
 /// Where patch `index` lies in a chart with patches of `patch_px` pixels; `None` from 24 on.
 #[must_use]
-pub fn patch_rect(index: usize, patch_px: usize) -> Option<PatchRect> {
-    (index < ROWS * COLS).then(|| PatchRect {
+pub fn patch_rect(index: usize, patch_px: usize) -> Option<Rect> {
+    (index < ROWS * COLS).then(|| Rect {
         row: index / COLS * patch_px,
         col: index % COLS * patch_px,
         rows: patch_px,

@@ -2,7 +2,7 @@
 //!
 //! Charts and patterns are functions of their own parameters and a [`Setting`]: the light, the mean luminance, the
 //! distance and the field of view. Pixels hold the mean over their area, except where a pattern is sampled as
-//! ISETCam does it, so that both can be compared ([`Sampling`]).
+//! ISETCam does it, so that both can be compared ([`PatternSampling`]).
 
 pub mod catalog;
 mod checkerboard;
@@ -16,9 +16,9 @@ mod hdr;
 pub mod macbeth;
 mod point_grid;
 mod quadrature;
+mod radiance;
 mod raster;
 mod resolution_chart;
-mod radiance;
 mod setting;
 mod siemens_star;
 mod slanted_bar;
@@ -34,8 +34,8 @@ pub use self::frequency_sweep::{FrequencySweep, frequency_sweep};
 pub use self::grey_steps::{GreySteps, grey_steps};
 pub use self::hdr::hdr;
 pub use self::point_grid::{PointGrid, point_grid};
-pub use self::resolution_chart::{ResolutionChart, resolution_chart};
 pub use self::radiance::Scene;
+pub use self::resolution_chart::{ResolutionChart, resolution_chart};
 pub use self::setting::Setting;
 pub use self::siemens_star::{SiemensStar, siemens_star};
 pub use self::slanted_bar::{SlantedBar, slanted_bar};
@@ -44,7 +44,7 @@ pub use self::zone_plate::{ZonePlate, zone_plate, zone_plate_isetcam};
 
 /// How a pattern becomes pixels.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Sampling {
+pub enum PatternSampling {
     /// Points, with ISETCam's rules for clipping and ties.
     Isetcam,
     /// The mean over the area of each pixel.

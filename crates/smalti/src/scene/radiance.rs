@@ -6,7 +6,7 @@ use super::SceneError;
 use super::error::require;
 use super::setting::{require_distance, require_fov, require_luminance};
 use crate::numeric::Planes;
-use crate::spectrum::{Illuminant, Observer, SpectralCube, Spectrum, SpectrumError};
+use crate::spectrum::{Illuminant, Observer, Outside, SpectralCube, Spectrum, SpectrumError, WavelengthGrid};
 
 /// Below this fraction of its largest value a light is taken to be absent when a scene is relit: what is
 /// divided out there would be rounding, not reflectance.
@@ -153,6 +153,25 @@ impl Scene {
         let scale = before / self.some_luminance(luminance(&factors))?;
         factors.iter_mut().for_each(|f| *f *= scale);
         self.multiplied(&factors, new.scaled(scale))
+    }
+
+    /// The scene on other wavelengths, radiance and light linear between the samples.
+    ///
+    /// # Errors
+    /// When the new grid reaches beyond the old one.
+    pub fn resampled(self, grid: WavelengthGrid) -> Result<Self, SceneError> {
+        let illuminant = self.illuminant.resampled(grid, Outside::Error)?;
+        let own = self.radiance.grid();
+        let planes = self.radiance.planes();
+        let mut out = Planes::zeros(planes.rows(), planes.cols(), grid.len());
+        for (i, nm) in grid.wavelengths_nm().enumerate() {
+            let at = ((nm - own.start_nm()) / own.step_nm()).clamp(0.0, (own.len() - 1) as f64);
+            let (low, share) = (at.floor() as usize, at.fract() as f32);
+            let (below, above) = (planes.plane(low), planes.plane((low + 1).min(own.len() - 1)));
+            let between = below.iter().zip(above).map(|(a, b)| a + share * (b - a));
+            out.plane_mut(i).iter_mut().zip(between).for_each(|(o, v)| *o = v);
+        }
+        Ok(Self { radiance: SpectralCube::new(grid, out)?, illuminant, ..self })
     }
 
     /// The scene at another distance, m. Its angular size stays, so it grows with the distance.

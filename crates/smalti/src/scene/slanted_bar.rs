@@ -3,7 +3,7 @@
 use super::compose::{check_size, grey};
 use super::error::require;
 use super::raster::Canvas;
-use super::{Sampling, Scene, SceneError, Setting};
+use super::{PatternSampling, Scene, SceneError, Setting};
 
 /// A straight edge through the centre; left of it, seen along a positive slope, is the bright half.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -16,13 +16,13 @@ pub struct SlantedBar {
     /// Luminance of the bright half over that of the dark half, more than 1.
     pub contrast_ratio: f64,
     /// `Isetcam`: a pixel is bright when its centre is strictly on the bright side. `Area`: it holds the mean.
-    pub sampling: Sampling,
+    pub sampling: PatternSampling,
 }
 
 impl Default for SlantedBar {
     /// As ISETCam's `sceneCreate('slantedBar', 512)`: 513 × 513, slope 7/3 (23.2° from the vertical), contrast 10⁶.
     fn default() -> Self {
-        Self { size: 512, slope: 7.0 / 3.0, contrast_ratio: 1e6, sampling: Sampling::Isetcam }
+        Self { size: 512, slope: 7.0 / 3.0, contrast_ratio: 1e6, sampling: PatternSampling::Isetcam }
     }
 }
 
@@ -36,7 +36,7 @@ impl SlantedBar {
 
 /// Draws the edge.
 ///
-/// The inclusion rule of [`Sampling::Isetcam`] is that of ISETCam in exact arithmetic: with Y the row and X the
+/// The inclusion rule of [`PatternSampling::Isetcam`] is that of ISETCam in exact arithmetic: with Y the row and X the
 /// column counted from the central pixel, bright where Y > slope·X. ISETCam compares in single precision, so a
 /// few pixels whose centres lie on the edge itself differ.
 ///
@@ -53,12 +53,12 @@ pub fn slanted_bar(bar: &SlantedBar, setting: &Setting) -> Result<Scene, SceneEr
     check_size(n, n, setting.grid)?;
     let dark = (1.0 / contrast_ratio) as f32;
     let reflectance = match sampling {
-        Sampling::Isetcam => {
+        PatternSampling::Isetcam => {
             let from_centre = |i: usize| i as f64 - half as f64;
             let value = |i: usize| if from_centre(i / n) > slope * from_centre(i % n) { 1.0 } else { dark };
             (0..n * n).map(value).collect()
         }
-        Sampling::Area => {
+        PatternSampling::Area => {
             let mut canvas = Canvas::new(n, n, dark);
             // The bright half-plane is bounded by the edge and by a box beyond the image.
             let (middle, reach) = (n as f64 / 2.0, 2.0 * n as f64);

@@ -1,6 +1,7 @@
 //! The sensor as a whole.
 
 use super::{Adc, Cfa, DarkCurrentTemperature, Exposure, NonUniformity, Pixel, Sampling, SensorError};
+use crate::numeric::Rect;
 use crate::spectrum::{Outside, Spectrum, SpectrumError, WavelengthGrid};
 
 /// Largest number of samples of one capture, 2²⁹ (1 GiB of 16-bit numbers): a sensor beyond is an error before
@@ -28,22 +29,13 @@ pub enum Aperture {
     /// The optical image is what its type says: constant over the square of each sample.
     #[default]
     Area,
-    /// Irradiance at the pixel's centre, linear between samples, times the photodetector's area: what ISETCam
-    /// does. For comparison with it; it has no pixel MTF.
+    /// Irradiance at the pixel's centre, linear between samples, times the photodetector's area. It has no pixel MTF;
+    /// for comparison with ISETCam.
+    ///
+    /// ISETCam does only this where the samples are coarser than the pixel. Where they are finer, it first blurs the
+    /// image: with n = ⌈pitch / spacing⌉, by a Gaussian of standard deviation n/4 samples, cut off at n × n samples.
+    /// So its aperture is about the whole pixel, whatever the fill factor, which is a factor on the signal alone.
     Point,
-}
-
-/// A part of the sensor.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Window {
-    /// First row.
-    pub row: usize,
-    /// First column.
-    pub col: usize,
-    /// Rows.
-    pub rows: usize,
-    /// Columns.
-    pub cols: usize,
 }
 
 /// An image sensor, centred on the optical axis.
@@ -54,7 +46,7 @@ pub struct Sensor {
     /// Columns of pixels.
     pub cols: usize,
     /// The part that is read out; all when `None`. A windowed capture has the same bits as that part of the whole.
-    pub window: Option<Window>,
+    pub window: Option<Rect>,
     /// Every pixel.
     pub pixel: Pixel,
     /// How light is gathered over a pixel.
@@ -113,10 +105,7 @@ impl Sensor {
             return Err(SensorError::Empty { rows, cols });
         }
         let w = self.read_window();
-        let inside = |first: usize, count: usize, all: usize| {
-            count > 0 && first.checked_add(count).is_some_and(|end| end <= all)
-        };
-        if !(inside(w.row, w.rows, rows) && inside(w.col, w.cols, cols)) {
+        if !w.fits(rows, cols) {
             let (window_rows, window_cols) = (w.rows, w.cols);
             return Err(SensorError::Window { row: w.row, col: w.col, window_rows, window_cols, rows, cols });
         }
@@ -154,8 +143,8 @@ impl Sensor {
 
     /// The part that is read out.
     #[must_use]
-    pub fn read_window(&self) -> Window {
-        self.window.unwrap_or(Window { row: 0, col: 0, rows: self.rows, cols: self.cols })
+    pub fn read_window(&self) -> Rect {
+        self.window.unwrap_or(Rect::whole(self.rows, self.cols))
     }
 
     /// Which channels a pixel of the read-out part has seen.

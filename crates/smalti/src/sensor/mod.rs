@@ -21,7 +21,7 @@ mod readout;
 pub use adc::Adc;
 pub use capture::NoiseMode;
 pub use cfa::{Cfa, CfaError, Channel, Filter, Mosaic};
-pub use device::{Aperture, ColorArchitecture, MAX_SAMPLES, Sensor, Window};
+pub use device::{Aperture, ColorArchitecture, MAX_SAMPLES, Sensor};
 pub use error::SensorError;
 pub use exposure::{AutoExposure, Exposure};
 pub use noise_model::NoiseVariance;
@@ -29,3 +29,6 @@ pub use nonuniformity::NonUniformity;
 pub use pixel::{DarkCurrentTemperature, Pixel};
 pub use quantum_efficiency::{QuantumEfficiency, silicon_absorption_per_m};
 pub use raw::{RawError, RawImage, RawSamples, Sampling};
+
+/// A part of the sensor is a rectangle of pixels.
+pub use crate::numeric::Rect as Window;

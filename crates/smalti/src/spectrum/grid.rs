@@ -2,6 +2,7 @@
 
 use thiserror::Error;
 
+use crate::names::did_you_mean;
 use crate::numeric::ShapeError;
 
 /// What can be wrong with spectral input.
@@ -73,14 +74,14 @@ pub enum SpectrumError {
         expected: &'static str,
     },
     /// No data set has this name.
-    #[error("unknown {what} `{name}`; did you mean `{nearest}`? Expected one of {expected}")]
+    #[error("unknown {what} '{name}'{}. Expected one of {expected}", did_you_mean(*suggestion))]
     UnknownName {
         /// What was asked for.
         what: &'static str,
         /// The name.
         name: String,
-        /// The known name nearest to it.
-        nearest: &'static str,
+        /// The known name nearest to it, if one is near.
+        suggestion: Option<&'static str>,
         /// The known names.
         expected: String,
     },

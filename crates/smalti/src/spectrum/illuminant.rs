@@ -3,6 +3,7 @@
 use super::generated::{DAYLIGHT_BASIS, F2, F11, LED_B3};
 use super::units::{BOLTZMANN_J_PER_K, LIGHT_M_PER_S, PLANCK_J_S, photons_per_joule};
 use super::{Outside, Spectrum, SpectrumError, WavelengthGrid};
+use crate::names::nearest;
 
 /// The CIE named its D illuminants with c₂ = 1.4380e-2 m K; c₂ is 1.4388e-2 since 1968, which moves them up.
 const C2_SINCE_1968: f64 = 1.4388 / 1.4380;
@@ -76,7 +77,7 @@ impl Illuminant {
         let unknown = || SpectrumError::UnknownName {
             what: "illuminant",
             name: name.to_owned(),
-            nearest: nearest_name(name, &NAMES),
+            suggestion: nearest(name, NAMES),
             expected: format!("{}, D:<kelvin>, blackbody:<kelvin>", NAMES.join(", ")),
         };
         let key = name.trim().to_ascii_lowercase();
@@ -173,25 +174,6 @@ impl Illuminant {
     pub fn photons(&self, grid: WavelengthGrid) -> Result<Spectrum, SpectrumError> {
         Ok(self.energy(grid)?.map(|nm, v| v * photons_per_joule(nm)))
     }
-}
-
-/// The candidate with the smallest edit distance to `name`, ignoring case.
-fn nearest_name(name: &str, candidates: &[&'static str]) -> &'static str {
-    let name: Vec<char> = name.trim().to_ascii_lowercase().chars().take(64).collect();
-    let distance = |candidate: &str| {
-        let mut row: Vec<usize> = (0..=name.len()).collect();
-        for (i, c) in candidate.to_ascii_lowercase().chars().enumerate() {
-            let mut diagonal = i;
-            row[0] = i + 1;
-            for (j, &n) in name.iter().enumerate() {
-                let substituted = diagonal + usize::from(n != c);
-                diagonal = row[j + 1];
-                row[j + 1] = substituted.min(row[j] + 1).min(diagonal + 1);
-            }
-        }
-        row[name.len()]
-    };
-    candidates.iter().copied().min_by_key(|c| distance(c)).unwrap_or("")
 }
 
 /// Planck's law scaled to 100 at 560 nm.
@@ -320,7 +302,9 @@ mod tests {
     fn a_wrong_name_gets_the_nearest_right_one() {
         for (name, expected) in [("D6", "D65"), ("F111", "F11"), ("LEDs", "LED"), ("d 65", "D65")] {
             match Illuminant::from_name(name) {
-                Err(SpectrumError::UnknownName { nearest, .. }) => assert_eq!(nearest, expected, "{name}"),
+                Err(SpectrumError::UnknownName { suggestion, .. }) => {
+                    assert_eq!(suggestion, Some(expected), "{name}")
+                }
                 other => panic!("{name}: {other:?}"),
             }
         }

@@ -1,7 +1,12 @@
 //! Where the reference values of ISETCam lie, and how to read them. Not every test uses everything.
-#![allow(dead_code, missing_docs, clippy::unwrap_used, clippy::panic)]
+#![allow(dead_code, missing_docs, unreachable_pub, clippy::unwrap_used, clippy::panic)]
 
+pub mod isetcam;
+
+use std::f64::consts::PI;
 use std::path::PathBuf;
+
+use smalti::numeric::philox::Stream;
 
 /// The folder of reference values beside the checkout; `None`, with a message, when it is absent.
 pub fn oracle() -> Option<PathBuf> {
@@ -57,4 +62,9 @@ pub fn assert_close(what: &str, got: &[f64], expected: &[f64], tolerance: f64) {
         got[at],
         expected[at]
     );
+}
+
+/// A standard normal deviate (Box and Muller 1958).
+pub fn normal(stream: &mut Stream) -> f64 {
+    (-2.0 * (1.0 - stream.uniform()).ln()).sqrt() * (2.0 * PI * stream.uniform()).cos()
 }

@@ -98,3 +98,9 @@ pub fn moments(values: &[f32]) -> (f64, f64) {
     let mean = values.iter().map(|&v| f64::from(v)).sum::<f64>() / n;
     (mean, values.iter().map(|&v| (f64::from(v) - mean).powi(2)).sum::<f64>() / (n - 1.0))
 }
+
+/// The values that a channel of the mosaic has seen, of a whole capture.
+pub fn of_channel(s: &Sensor, values: &[f32], channel: usize) -> Vec<f32> {
+    let of = |i: usize| s.cfa.mosaic().channel_at(i / s.cols, i % s.cols);
+    values.iter().enumerate().filter(|(i, _)| of(*i) == channel).map(|(_, v)| *v).collect()
+}

@@ -6,8 +6,9 @@ use rayon::prelude::*;
 use super::super::IspError;
 use super::bayer::Bayer;
 use super::bilinear::Bilinear;
-use super::plan::{BAND_ROWS, Source, mirrored};
+use super::plan::{BAND_ROWS, Source};
 use super::simd::Simd;
+use crate::numeric::mirror::about_outermost;
 use crate::sensor::Mosaic;
 
 /// One plane per channel of a Bayer mosaic, written to `out`. At the border the image is mirrored for green, and the
@@ -62,10 +63,10 @@ fn green_band(source: &Source<'_>, bayer: Bayer, first: usize, out: &mut [f32]) 
     let height = out.len() / cols;
     let mut window = vec![0.0f32; (height + 4) * stride];
     for (i, line) in window.chunks_mut(stride).enumerate() {
-        source.read_row(mirrored(first as isize + i as isize - 2, rows), &mut line[2..2 + cols]);
+        source.read_row(about_outermost(first as isize + i as isize - 2, rows), &mut line[2..2 + cols]);
         for k in 0..2 {
-            line[k] = line[2 + mirrored(k as isize - 2, cols)];
-            line[2 + cols + k] = line[2 + mirrored((cols + k) as isize, cols)];
+            line[k] = line[2 + about_outermost(k as isize - 2, cols)];
+            line[2 + cols + k] = line[2 + about_outermost((cols + k) as isize, cols)];
         }
     }
     for (i, out) in out.chunks_mut(cols).enumerate() {

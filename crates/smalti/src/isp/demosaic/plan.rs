@@ -10,6 +10,7 @@ use rayon::prelude::*;
 use super::super::IspError;
 use super::simd::{LANES, LaneTap, Sample, Simd};
 use crate::numeric::ShapeError;
+use crate::numeric::mirror::about_outermost;
 use crate::sensor::{Mosaic, RawImage, RawSamples};
 
 /// Rows done by one task. Fixed, so that the work is cut the same way for any number of threads.
@@ -105,16 +106,6 @@ impl<'a> Source<'a> {
             }
         }
     }
-}
-
-/// A place mirrored into `0..len` about the outermost pixels.
-pub(super) fn mirrored(at: isize, len: usize) -> usize {
-    let period = 2 * (len as isize - 1);
-    if period <= 0 {
-        return 0;
-    }
-    let folded = at.rem_euclid(period);
-    folded.min(period - folded) as usize
 }
 
 /// The weights of a linear demosaicking method for one mosaic.
@@ -216,7 +207,7 @@ impl Plan {
                 sum += t.weight * source.at(r as usize, c as usize);
                 total += t.weight;
             } else if self.border == Border::Mirror {
-                sum += t.weight * source.at(mirrored(r, source.rows), mirrored(c, source.cols));
+                sum += t.weight * source.at(about_outermost(r, source.rows), about_outermost(c, source.cols));
             } else {
                 missing = true;
             }

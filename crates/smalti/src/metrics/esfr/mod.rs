@@ -15,6 +15,7 @@ mod spectrum;
 
 pub use region::find_edge_region;
 
+use super::patch::check_region;
 use super::{MetricError, Rect};
 use crate::numeric::Planes;
 use crate::sensor::{RawImage, RawSamples, Sampling};
@@ -188,7 +189,7 @@ pub fn edge_sfr(
         return Err(MetricError::Plane { index: plane, count: planes.count() });
     }
     let (data, cols) = (planes.plane(plane), planes.cols());
-    rect.within(planes.rows(), cols)?;
+    check_region(rect, planes.rows(), cols)?;
     measure(rect, options, |row, col| data.get(row * cols + col).map(|&v| f64::from(v)))
 }
 
@@ -206,7 +207,7 @@ pub fn picture_sfr(
         let (expected, got) = (planes.count(), luminance_weights.len());
         return Err(MetricError::Count { what: "luminance weights", expected, got });
     }
-    rect.within(planes.rows(), planes.cols())?;
+    check_region(rect, planes.rows(), planes.cols())?;
     let luminance = measure(rect, options, |row, col| {
         let at = row * planes.cols() + col;
         planes.planes().zip(luminance_weights).map(|(p, w)| p.get(at).map(|&v| w * f64::from(v))).sum()
@@ -231,7 +232,7 @@ pub fn raw_channel_sfr(
     if channel >= count {
         return Err(MetricError::Plane { index: channel, count });
     }
-    rect.within(raw.rows(), raw.cols())?;
+    check_region(rect, raw.rows(), raw.cols())?;
     let plane = match raw.sampling() {
         Sampling::Mosaic(_) => 0,
         Sampling::Full { .. } => channel,

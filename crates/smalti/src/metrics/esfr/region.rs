@@ -1,5 +1,6 @@
 //! Finding the slanted edge in a picture.
 
+use super::check_region;
 use super::{EsfrOptions, MetricError, Rect, edge_sfr};
 use crate::numeric::Planes;
 
@@ -63,7 +64,8 @@ pub fn find_edge_region(planes: &Planes, plane: usize) -> Result<Rect, MetricErr
     let rect_across = ((middle_x - half_width).ceil() as usize, (2.0 * half_width) as usize);
     let ((row, rows_in), (col, cols_in)) =
         if vertical { (rect_along, rect_across) } else { (rect_across, rect_along) };
-    let rect = Rect { row, col, rows: rows_in, cols: cols_in }.within(rows, cols)?;
+    let rect = Rect { row, col, rows: rows_in, cols: cols_in };
+    check_region(rect, rows, cols)?;
     edge_sfr(planes, plane, rect, &EsfrOptions::default()).map(|_| rect)
 }
 

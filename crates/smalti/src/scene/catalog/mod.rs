@@ -1,18 +1,17 @@
 //! The built-in scenes by name: `zone-plate`, or with parameters, `zone-plate?frequency=0.25&size=512`. Parameters
 //! are separated by `&` or `,` (which a shell leaves alone).
 
-mod nearest;
 mod params;
 
-use self::nearest::nearest;
 pub use self::params::ParamInfo;
 use self::params::{Args, COMMON, Kind, number, whole};
 use super::{
-    Checkerboard, DeadLeaves, FrequencyOrientation, FrequencySweep, GreySteps, PointGrid, ResolutionChart,
-    Sampling, Scene, SceneError, Setting, SiemensStar, SlantedBar, ZonePlate, checkerboard, dead_leaves,
-    frequency_orientation, frequency_sweep, grey_steps, hdr, macbeth, point_grid, resolution_chart,
-    siemens_star, slanted_bar, uniform, zone_plate, zone_plate_isetcam,
+    Checkerboard, DeadLeaves, FrequencyOrientation, FrequencySweep, GreySteps, PatternSampling, PointGrid,
+    ResolutionChart, Scene, SceneError, Setting, SiemensStar, SlantedBar, ZonePlate, checkerboard,
+    dead_leaves, frequency_orientation, frequency_sweep, grey_steps, hdr, macbeth, point_grid,
+    resolution_chart, siemens_star, slanted_bar, uniform, zone_plate, zone_plate_isetcam,
 };
+use crate::names::nearest;
 use crate::spectrum::Spectrum;
 
 /// A built-in scene.
@@ -52,7 +51,7 @@ pub fn build(spec: &str, setting: &Setting, natural: &[Spectrum]) -> Result<Scen
         let names: Vec<&'static str> = SCENES.iter().map(|s| s.name).collect();
         return Err(SceneError::UnknownScene {
             name: name.to_owned(),
-            nearest: nearest(name, &names),
+            suggestion: nearest(name, names.iter().copied()),
             known: names.join(", "),
         });
     };
@@ -81,8 +80,8 @@ macro_rules! sampling {
     };
 }
 
-fn sampling(args: &Args<'_>) -> Sampling {
-    if args.choice("sampling") == "isetcam" { Sampling::Isetcam } else { Sampling::Area }
+fn sampling(args: &Args<'_>) -> PatternSampling {
+    if args.choice("sampling") == "isetcam" { PatternSampling::Isetcam } else { PatternSampling::Area }
 }
 
 static SCENES: [SceneInfo; 13] = [
@@ -129,8 +128,8 @@ static SCENES: [SceneInfo; 13] = [
             },
         ],
         build: |a, s, _| match sampling(a) {
-            Sampling::Isetcam => zone_plate_isetcam(s),
-            Sampling::Area => {
+            PatternSampling::Isetcam => zone_plate_isetcam(s),
+            PatternSampling::Area => {
                 let (frequency, contrast) = (a.number("frequency"), a.number("contrast"));
                 zone_plate(&ZonePlate { size: a.count("size"), frequency, contrast }, s)
             }

@@ -1,6 +1,6 @@
 //! Parameters of the built-in scenes: what they are, and how their values are read.
 
-use super::nearest::nearest;
+use crate::names::nearest;
 use crate::scene::SceneError;
 use crate::spectrum::Illuminant;
 
@@ -63,7 +63,7 @@ pub(super) static COMMON: [ParamInfo; 4] = [
     ParamInfo {
         name: "illuminant",
         default: "",
-        expected: "A, E, F2, F11, LED, a daylight such as D65 or D5000K (4000 to 25000 K), or a blackbody such as 2856K (100 K to 1e5 K)",
+        expected: "A, D50, D55, D65, D75, E, F2, F11, LED, a daylight such as D:5600 (4000 to 25000 K), or a radiator such as blackbody:2856 (100 to 1e9 K)",
         doc: "light on the scene",
         kind: Kind::Light,
     },
@@ -111,7 +111,7 @@ impl<'a> Args<'a> {
         SceneError::UnknownParameter {
             scene: self.scene,
             name: name.to_owned(),
-            nearest: nearest(name, &names),
+            suggestion: nearest(name, names.iter().copied()),
             known: names.join(", "),
         }
     }
@@ -159,7 +159,7 @@ impl<'a> Args<'a> {
 
     /// The light, if given.
     pub(super) fn light(&self) -> Option<Illuminant> {
-        self.text("illuminant").and_then(parse_light)
+        self.text("illuminant").and_then(|t| Illuminant::from_name(t).ok())
     }
 }
 
@@ -169,7 +169,7 @@ impl Kind {
             Self::Whole { least, most } => parse_whole(text).is_some_and(|v| (least..=most).contains(&v)),
             Self::Number { least, most } => parse_number(text).is_some_and(|v| v >= least && v <= most),
             Self::Choice(words) => words.contains(&text),
-            Self::Light => parse_light(text).is_some(),
+            Self::Light => Illuminant::from_name(text).is_ok(),
         }
     }
 }
@@ -190,39 +190,12 @@ fn parse_number(text: &str) -> Option<f64> {
     value.is_finite().then_some(value)
 }
 
-fn parse_light(text: &str) -> Option<Illuminant> {
-    // The c₂ of 1931 behind the names: Dxx is xx00 K × 1.4388/1.4380, as in `Illuminant::D65`.
-    let named = |hundreds: f64| Illuminant::Daylight { cct_k: hundreds * 100.0 * 1.4388 / 1.4380 };
-    let kelvin =
-        |t: &str, least: f64, most: f64| t.parse::<f64>().ok().filter(|v| (least..=most).contains(v));
-    match text {
-        "A" => Some(Illuminant::A),
-        "E" => Some(Illuminant::E),
-        "F2" => Some(Illuminant::F2),
-        "F11" => Some(Illuminant::F11),
-        "LED" => Some(Illuminant::Led),
-        "D50" => Some(named(50.0)),
-        "D55" => Some(named(55.0)),
-        "D65" => Some(Illuminant::D65),
-        "D75" => Some(named(75.0)),
-        _ => {
-            let number = text.strip_suffix('K')?;
-            match number.strip_prefix('D') {
-                Some(t) => kelvin(t, 4000.0, 25000.0).map(|cct_k| Illuminant::Daylight { cct_k }),
-                None => {
-                    kelvin(number, 100.0, 1e5).map(|temperature_k| Illuminant::Blackbody { temperature_k })
-                }
-            }
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
-    fn numbers_and_lights() {
+    fn numbers_are_read() {
         assert_eq!(parse_whole("1e3"), Some(1000));
         assert_eq!(parse_whole("18446744073709551615"), Some(u64::MAX));
         assert_eq!(
@@ -233,13 +206,6 @@ mod tests {
         assert_eq!(
             [parse_number("inf"), parse_number("1/0"), parse_number("x"), parse_number("")],
             [None; 4]
-        );
-        assert_eq!(parse_light("D65"), Some(Illuminant::D65));
-        assert_eq!(parse_light("2856K"), Some(Illuminant::Blackbody { temperature_k: 2856.0 }));
-        assert_eq!(parse_light("D5000K"), Some(Illuminant::Daylight { cct_k: 5000.0 }));
-        assert_eq!(
-            [parse_light("D3000K"), parse_light("NaNK"), parse_light("65"), parse_light("é")],
-            [None, None, None, None]
         );
     }
 }

@@ -2,9 +2,9 @@
 
 use super::catalog_data::{CATALOG, Layout};
 use super::named;
-use super::nearest::nearest;
 use super::random::blue_noise;
 use super::{Cfa, CfaError, Channel, Mosaic, WeightedMosaic};
+use crate::names::nearest;
 use crate::spectrum::{Spectrum, WavelengthGrid};
 
 /// One entry of the catalogue.
@@ -88,7 +88,7 @@ pub fn info(name: &str) -> Result<&'static CfaInfo, CfaError> {
     all().find(|(n, _)| n.eq_ignore_ascii_case(wanted)).map(|(_, i)| i).ok_or_else(|| CfaError::UnknownName {
         what: "CFA",
         name: wanted.into(),
-        suggestion: nearest(wanted, all().map(|(n, _)| n)),
+        suggestion: nearest(wanted, all().map(|(n, _)| n)).map(str::to_owned),
     })
 }
 
@@ -127,9 +127,9 @@ pub fn builtin_with(name: &str, grid: WavelengthGrid, filters: &[(char, Spectrum
     if let Some((letter, _)) = filters.iter().find(|(l, _)| !defaults.iter().any(|(d, _)| d == l)) {
         let known: Vec<String> = defaults.iter().map(|(l, _)| l.to_string()).collect();
         return Err(CfaError::UnknownName {
-            what: "filter position of this CFA",
+            what: "letter of this CFA",
             name: letter.to_string(),
-            suggestion: nearest(&letter.to_string(), known.iter().map(String::as_str)),
+            suggestion: nearest(&letter.to_string(), known.iter().map(String::as_str)).map(str::to_owned),
         });
     }
     let chosen = |(letter, default): &(char, String)| match filters.iter().find(|(l, _)| l == letter) {
@@ -172,7 +172,7 @@ fn parameters(name: &str, entry: &CfaInfo) -> Result<Option<RandomTile>, CfaErro
                 return Err(CfaError::UnknownName {
                     what: "parameter of the random CFA",
                     name: key.into(),
-                    suggestion: nearest(key, ["channels", "rows", "cols", "seed"].into_iter()),
+                    suggestion: nearest(key, ["channels", "rows", "cols", "seed"]).map(str::to_owned),
                 });
             }
         }

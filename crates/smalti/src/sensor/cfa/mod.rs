@@ -10,7 +10,6 @@ mod generated;
 mod mixture;
 mod mosaic;
 mod named;
-mod nearest;
 mod pattern;
 mod random;
 

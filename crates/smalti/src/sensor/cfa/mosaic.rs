@@ -2,6 +2,7 @@
 
 use thiserror::Error;
 
+use crate::names::did_you_mean;
 use crate::spectrum::{Spectrum, SpectrumError};
 
 /// What can be wrong with a colour filter array.
@@ -51,7 +52,7 @@ pub enum CfaError {
         known: String,
     },
     /// No built-in has that name.
-    #[error("no built-in {what} is called '{name}'{}", suggestion.as_ref().map(|s| format!("; did you mean '{s}'?")).unwrap_or_default())]
+    #[error("no built-in {what} is called '{name}'{}", did_you_mean(suggestion.as_deref()))]
     UnknownName {
         /// What was looked for (CFA, filter).
         what: &'static str,

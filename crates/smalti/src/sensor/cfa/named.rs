@@ -3,7 +3,7 @@
 use super::CfaError;
 use super::filters::{Filter, logistic};
 use super::generated::{NIKON_D5100, SIGMA_SD_MERRILL};
-use super::nearest::nearest;
+use crate::names::nearest;
 use crate::sensor::QuantumEfficiency;
 use crate::spectrum::{Outside, Spectrum, WavelengthGrid};
 
@@ -129,7 +129,7 @@ pub(super) fn spectrum(name: &str, grid: WavelengthGrid) -> Result<Spectrum, Cfa
             None => Err(CfaError::UnknownName {
                 what: "filter",
                 name: name.into(),
-                suggestion: nearest(name, INFOS.iter().map(|i| i.name)),
+                suggestion: nearest(name, INFOS.iter().map(|i| i.name)).map(str::to_owned),
             }),
         },
     }

@@ -135,7 +135,7 @@ impl Cfa {
                     letter,
                     row: at / mosaic.cols(),
                     col: at % mosaic.cols(),
-                    known: known.join(", "),
+                    known: if known.is_empty() { "none".into() } else { known.join(", ") },
                 })
             }
         };

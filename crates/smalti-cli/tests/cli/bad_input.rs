@@ -1,0 +1,400 @@
+//! Bad input: exit code 1, a message that names what is wrong, and nothing left behind.
+
+use smalti_io::npy;
+
+use crate::Place;
+
+/// Runs what must fail; the message must hold every word and name no cause twice.
+fn fails(place: &Place, args: &[&str], words: &[&str]) {
+    let run = place.run(args);
+    assert_eq!((run.code, run.out.as_str()), (1, ""), "{args:?}: {}", run.err);
+    assert!(run.err.starts_with("error: "), "{args:?}: {}", run.err);
+    for word in words {
+        assert!(run.err.contains(word), "{args:?}: no {word} in: {}", run.err);
+    }
+    assert!(run.err.matches("os error").count() <= 1, "{}", run.err);
+    // Names of Rust types are no help.
+    for type_name in ["f64", "usize", "u32", "struct", "Some(", "Err("] {
+        assert!(!run.err.contains(type_name), "{args:?}: {}", run.err);
+    }
+    assert!(place.names("out").is_empty(), "{args:?} left {:?}", place.names("out"));
+}
+
+fn scene(place: &Place, name: &str, words: &[&str]) {
+    fails(place, &["simulate", "bayer", "--scene", name, "-o", "out"], words);
+}
+
+fn set(place: &Place, overrides: &[&str], words: &[&str]) {
+    let mut args = vec!["simulate", "bayer", "--scene", "uniform?size=8", "-o", "out"];
+    overrides.iter().for_each(|o| args.extend(["--set", o]));
+    fails(place, &args, words);
+}
+
+fn camera(place: &Place, toml: &str, words: &[&str]) {
+    place.write("camera.toml", toml);
+    fails(place, &["simulate", "camera.toml", "--scene", "uniform?size=8", "-o", "out"], words);
+}
+
+#[test]
+fn pictures_and_spectra_that_are_broken() {
+    let place = Place::new();
+    for name in ["a.exr", "a.png", "a.tif", "a.npy"] {
+        place.ok(&format!("convert macbeth?patch=8 -o {name}"));
+    }
+    for extension in ["exr", "png", "tif"] {
+        let whole = place.read(&format!("a.{extension}"));
+        for (name, content) in [
+            ("cut", &whole[..whole.len() * 2 / 3]),
+            ("head", &whole[..20]),
+            ("empty", &[]),
+            ("other", &place.read("a.npy")),
+        ] {
+            let name = format!("{name}.{extension}");
+            place.write(&name, content);
+            scene(&place, &name, &[&name]);
+        }
+        // A picture under another name is known by its content, but for spectra: there the name decides.
+        let mut flipped = whole.clone();
+        (8..whole.len().min(64)).for_each(|i| flipped[i] ^= 0xff);
+        let name = format!("flipped.{extension}");
+        place.write(&name, flipped);
+        scene(&place, &name, &[&name]);
+    }
+    place.write("picture.exr", place.read("a.png"));
+    scene(&place, "picture.exr", &["picture.exr", "not a valid OpenEXR file"]);
+    place.write("spectrum.png", place.read("a.exr"));
+    scene(&place, "spectrum.png", &["spectrum.png", "expected an RGB or grey picture"]);
+    // Dimensions of two thousand million in the header of a few bytes.
+    let mut huge = place.read("a.png");
+    huge[16..24].copy_from_slice(&[0x7f, 0xff, 0xff, 0xff, 0x7f, 0xff, 0xff, 0xff]);
+    place.write("huge.png", huge);
+    scene(&place, "huge.png", &["huge.png"]);
+    scene(&place, "a.npy", &["a.npy", "expected a PNG, TIFF, JPEG or OpenEXR file"]);
+    scene(&place, "absent.exr", &["cannot read absent.exr"]);
+    std::fs::create_dir(place.path("folder.png")).unwrap();
+    scene(&place, "folder.png", &["cannot read folder.png"]);
+}
+
+#[test]
+fn radiance_that_is_none() {
+    use smalti_io::exr::{self, Layout, ReadOptions};
+    let place = Place::new();
+    place.ok("convert macbeth?patch=4 -o good.exr --layout pbrt");
+    // The third value of a band, found by its bytes: the writer itself refuses such values.
+    let good = exr::read(&place.path("good.exr"), &ReadOptions::default()).unwrap();
+    for (name, value, words) in [
+        ("nan.exr", f32::NAN, "NaN; expected a finite number"),
+        ("infinite.exr", f32::INFINITY, "inf; expected a finite number"),
+        ("negative.exr", -1.0, "-1; expected a finite number, not negative"),
+    ] {
+        write_rgbless_exr(&place.path(name), value);
+        scene(&place, name, &[name, "Radiance.C04, row 2, column 5", words]);
+    }
+    let mut black = good;
+    let grid = black.cube.grid();
+    let planes = smalti::numeric::Planes::zeros(8, 8, grid.len());
+    black.cube = smalti::spectrum::SpectralCube::new(grid, planes).unwrap();
+    black.quantity = exr::Quantity::RelativeEnergy;
+    exr::write(&place.path("black.exr"), &black, Layout::Pbrt).unwrap();
+    scene(&place, "black.exr", &["black.exr: the mean luminance is 0"]);
+}
+
+/// An uncompressed OpenEXR of 8 × 8 × 31 ones with one value of its fourth channel replaced, written here byte by byte
+/// as in the OpenEXR file layout document: the writers of this project refuse to.
+fn write_rgbless_exr(path: &std::path::Path, value: f32) {
+    let mut file = vec![0x76, 0x2f, 0x31, 0x01, 2, 0, 0, 0];
+    let mut attribute = |name: &str, kind: &str, bytes: &[u8]| {
+        for text in [name, kind] {
+            file.extend(text.bytes());
+            file.push(0);
+        }
+        file.extend((bytes.len() as i32).to_le_bytes());
+        file.extend(bytes);
+    };
+    let mut channels = Vec::new();
+    for band in 1..=31 {
+        channels.extend(format!("Radiance.C{band:02}").bytes());
+        channels.push(0);
+        // Float, linear flag and reserved, sampling 1 × 1.
+        for v in [2i32, 0, 1, 1] {
+            channels.extend(v.to_le_bytes());
+        }
+    }
+    channels.push(0);
+    let window: Vec<u8> = [0i32, 0, 7, 7].iter().flat_map(|v| v.to_le_bytes()).collect();
+    attribute("channels", "chlist", &channels);
+    attribute("compression", "compression", &[0]);
+    attribute("dataWindow", "box2i", &window);
+    attribute("displayWindow", "box2i", &window);
+    attribute("lineOrder", "lineOrder", &[0]);
+    attribute("pixelAspectRatio", "float", &1f32.to_le_bytes());
+    attribute("screenWindowCenter", "v2f", &[0; 8]);
+    attribute("screenWindowWidth", "float", &1f32.to_le_bytes());
+    file.push(0);
+    let line_bytes = 31 * 8 * 4;
+    let first = file.len() + 8 * 8;
+    (0..8).for_each(|row| file.extend(((first + row * (8 + line_bytes)) as u64).to_le_bytes()));
+    for row in 0..8i32 {
+        file.extend(row.to_le_bytes());
+        file.extend((line_bytes as i32).to_le_bytes());
+        for (band, col) in (0..31).flat_map(|band| (0..8).map(move |col| (band, col))) {
+            let v = if (band, row, col) == (3, 2, 5) { value } else { 1.0 };
+            file.extend(v.to_le_bytes());
+        }
+    }
+    std::fs::write(path, file).unwrap();
+}
+
+#[test]
+fn filters_that_do_not_fit() {
+    let place = Place::new();
+    let toml = "name = \"c\"\n[sensor.cfa]\npattern = [\"RG\", \"GB\"]\n[sensor.cfa.filters]\nR = { file = \"f.csv\" }\n\
+                G = { flat = 0.5 }\nB = { flat = 0.2 }\n";
+    place.write("f.csv", "400,0.1\n700,0.9\n");
+    place.write("camera.toml", toml);
+    place.ok("simulate camera.toml --scene uniform?size=8 -o good --set sensor.rows=30 --set sensor.cols=40");
+    for (csv, words) in [
+        ("500,0.1\n510,0.9\n600,0.8\n", "the data cover 500–600 nm, but 400–700 nm are needed"),
+        ("400,0.1\n550,abc\n700,0.9\n", "f.csv: line 2: found 'abc'; expected a finite number"),
+        ("400,0.1\n390,0.9\n", "f.csv: line 2: found wavelength 390 after 400; expected ascending"),
+        ("", "f.csv: the file is empty; expected lines wavelength_nm,value"),
+        ("400,2\n700,2\n", "2 at 400 nm; expected 0 to 1"),
+        ("400,-1\n700,0\n", "-1 at 400 nm; expected 0 to 1"),
+        ("400,nan\n700,0\n", "line 1: found 'nan'; expected a finite number"),
+        ("400\n700\n", "line 1: found one column"),
+        ("400,0,1\n700,0,1\n", "expected f.csv#1 or f.csv#2"),
+        ("400,0.1\n700", "line 2"),
+    ] {
+        place.write("f.csv", csv);
+        camera(&place, toml, &["camera.toml:5:5", "sensor.cfa.filters.R", "R = { file = \"f.csv\" }", words]);
+    }
+    place.write("f.csv", [0x34, 0xff, 0xfe]);
+    camera(&place, toml, &["camera.toml:5", "f.csv", "not UTF-8"]);
+    std::fs::remove_file(place.path("f.csv")).unwrap();
+    camera(&place, toml, &["camera.toml:5", "cannot read f.csv"]);
+    set(
+        &place,
+        &["sensor.cfa.filters.R={file=\"no.csv\"}"],
+        &["--set sensor.cfa.filters.R", "cannot read no.csv"],
+    );
+    set(&place, &["sensor.cfa.filters.R={builtin=\"nikon-d5100/Q\"}"], &["did you mean 'nikon-d5100/"]);
+    set(&place, &["sensor.cfa.filters.R={gauss={center_nm=5}}"], &["unknown value `gauss`", "`gaussian`"]);
+    set(&place, &["sensor.cfa.filters.R={gaussian={center_nm=500}}"], &["missing key `sigma_nm`"]);
+    set(&place, &["sensor.cfa.filters.R={flat=2}"], &["`sensor.cfa.filters.R`", "2; expected 0 to 1"]);
+    set(
+        &place,
+        &["sensor.cfa.filters.Q={flat=0.5}"],
+        &["--set sensor.cfa.filters.Q", "letter of this CFA", "'Q'"],
+    );
+}
+
+#[test]
+fn cameras_that_cannot_be() {
+    let place = Place::new();
+    for (toml, words) in [
+        (
+            "[sensor.pixel]\nfill_factor = 1.5\n",
+            ["camera.toml:2:15", "`sensor.pixel.fill_factor`", "more than 0 and at most 1"],
+        ),
+        (
+            "[sensor.pixel]\nfill_factor = 0\n",
+            ["camera.toml:2:15", "`sensor.pixel.fill_factor`", "more than 0"],
+        ),
+        ("[sensor.pixel]\nvoltage_swing_v = 0\n", ["camera.toml:2:19", "voltage_swing_v", "more than 0"]),
+        ("[sensor.pixel]\nread_noise_mv = -1\n", ["camera.toml:2:17", "read_noise_mv", "-1 is out of range"]),
+        ("[sensor.pixel]\npitch_um = inf\n", ["camera.toml:2:12", "pitch_um", "inf is out of range"]),
+        ("[sensor.pixel]\npitch_um = nan\n", ["camera.toml:2:12", "pitch_um", "NaN is out of range"]),
+        ("[sensor]\nadc_bits = 17\n", ["camera.toml:2:12", "adc_bits", "expected 0 (none) to 16"]),
+        ("[sensor]\nadc_bits = -1\n", ["camera.toml:2:12", "adc_bits", "expected a whole number"]),
+        (
+            "[sensor]\nrows = 10000000\n",
+            ["camera.toml:2:8", "`sensor.rows`", "exceed the limit of 536870912 samples"],
+        ),
+        ("[sensor]\ncols = 0\n", ["camera.toml:2:8", "`sensor.cols`", "at least one row and one column"]),
+        ("[sensor]\nrows = \"many\"\n", ["camera.toml:2:8", "rows = \"many\"", "expected a whole number"]),
+        ("[optics]\nf_number = \"wide\"\n", ["camera.toml:2:12", "f_number", "expected a number"]),
+        ("sensor = 3\n", ["camera.toml:1:10", "sensor = 3", "expected a table"]),
+        (
+            "name = \"x\"\n[sensor.pixel]\npich_um = 2\n",
+            ["camera.toml:3:1", "unknown key `pich_um`", "did you mean `pitch_um`?"],
+        ),
+        ("[optic]\n", ["camera.toml:1", "unknown key `optic`", "did you mean `optics`?"]),
+        (
+            "[exposure]\ntime_ms = 1\nauto = \"mean\"\n",
+            ["camera.toml:3:8", "`exposure.auto`", "either time_ms or auto"],
+        ),
+        ("[exposure]\nauto = \"spekular\"\n", ["camera.toml:2:8", "spekular", "did you mean `specular`?"]),
+        (
+            "[optics]\nzernike_um = { 4 = 0.1 }\n",
+            ["camera.toml:2:14", "`optics.zernike_um`", "need model = \"zernike\""],
+        ),
+        (
+            "[optics]\nmodel = \"zernike\"\nzernike_um = { x = 1 }\n",
+            ["camera.toml:3:20", "zernike_um.x", "number of a Zernike mode"],
+        ),
+        ("[optics]\nmodel = \"psf\"\n", ["camera.toml", "`optics.psf`", "needs a table [optics.psf]"]),
+        (
+            "[sensor.cfa]\npattern = \"bayr\"\n",
+            ["camera.toml:2:11", "no built-in CFA is called 'bayr'", "did you mean 'bayer'?"],
+        ),
+        (
+            "[sensor.cfa]\npattern = 3\n",
+            ["camera.toml:2:11", "pattern = 3", "the name of a CFA, or its lines"],
+        ),
+        (
+            "[sensor.cfa]\npattern = []\n",
+            ["camera.toml:2:11", "`sensor.cfa.pattern`", "rectangle of 1 to 65536 cells"],
+        ),
+        (
+            "[sensor.cfa]\npattern = [\"RG\"]\n",
+            ["camera.toml:2:11", "'R' at row 0, column 0", "filters: none"],
+        ),
+        ("[optics\n", ["camera.toml:1:8", "[optics", "expected `]`"]),
+        ("name = \"a\"\nname = \"b\"\n", ["camera.toml:2:1", "name", "duplicate key"]),
+    ] {
+        camera(&place, toml, &words);
+    }
+    let filters = "filters = { R = { flat = 1 }, G = { flat = 1 }, B = { flat = 1 } }\n";
+    for (pattern, words) in [
+        ("[\"RG\", \"ZB\"]", "'Z' at row 1, column 0, but no filter has that name; filters: B, G, R"),
+        ("[\"RG\", \"B\"]", "a mosaic tile is a rectangle"),
+        ("[\"\"]", "a mosaic tile is a rectangle"),
+    ] {
+        camera(
+            &place,
+            &format!("[sensor.cfa]\npattern = {pattern}\n{filters}"),
+            &["camera.toml:2:11", words],
+        );
+    }
+    place.write("camera.toml", [b'a', b'\n', 0xff]);
+    fails(&place, &["simulate", "camera.toml"], &["camera.toml: line 2 is not UTF-8"]);
+    fails(&place, &["simulate", "absent.toml"], &["cannot read absent.toml"]);
+    fails(&place, &["simulate", "bayr"], &["bayr: no such camera", "did you mean 'bayer'?", "built in:"]);
+}
+
+#[test]
+fn overrides_that_do_not_fit_are_shown_as_typed() {
+    let place = Place::new();
+    set(&place, &["sensor.pixel.fill_factor=1.5"], &["--set sensor.pixel.fill_factor=1.5:", "at most 1"]);
+    set(
+        &place,
+        &["sensor.rows=10000000", "sensor.cols=10000"],
+        &["--set sensor.rows=10000000:", "10000000 × 10000"],
+    );
+    set(&place, &["sensr.rows=1"], &["--set sensr.rows=1:", "did you mean `sensor`?"]);
+    set(
+        &place,
+        &["sensor.pixel.pich_um=1", "name=x"],
+        &["--set sensor.pixel.pich_um=1:", "did you mean `pitch_um`?"],
+    );
+    set(&place, &["sensor.pixel=1"], &["--set sensor.pixel=1:", "expected a table"]);
+    set(
+        &place,
+        &["sensor.pixel.pitch_um=big"],
+        &["--set sensor.pixel.pitch_um=big:", "found string \"big\"; expected a number"],
+    );
+    set(&place, &["sensor.adc_bits=12.5"], &["12.5", "expected a whole number"]);
+    set(&place, &["optics.zernike_um.4=1"], &["--set optics.zernike_um.4=1:", "need model = \"zernike\""]);
+    set(&place, &["sensor.cfa.pattern=[\"RG\""], &["no built-in CFA is called '[\"RG\"'"]);
+    set(&place, &["exposure.auto=mean"], &["--set exposure.auto=mean:", "either time_ms or auto, not both"]);
+    set(
+        &place,
+        &["isp.demosaic=malvar2004", "sensor.cfa.pattern=rgbw"],
+        &["malvar2004 is defined for Bayer", "bilinear takes any"],
+    );
+}
+
+#[test]
+fn point_spreads_that_do_not_fit() {
+    let place = Place::new();
+    let psf = |file: &str, words: &[&str]| {
+        let file = format!("optics.psf.file={file}");
+        set(&place, &["optics.model=psf", &file, "optics.psf.spacing_um=1"], words);
+    };
+    psf("no.npy", &["--set optics.psf.file=no.npy:", "cannot read no.npy"]);
+    place.write("text.npy", "hello");
+    psf("text.npy", &["`optics.psf.file`", "text.npy: expected a NumPy .npy file"]);
+    npy::write(&place.path("line.npy"), &[9], &[1f32; 9]).unwrap();
+    psf("line.npy", &["`optics.psf.file`", "expected 2 or 3 dimensions, got 1"]);
+    npy::write(&place.path("zero.npy"), &[3, 3], &[0f32; 9]).unwrap();
+    psf("zero.npy", &["`optics.psf.file`"]);
+    npy::write(&place.path("nan.npy"), &[3, 3], &[f32::NAN; 9]).unwrap();
+    psf("nan.npy", &["`optics.psf.file`"]);
+    npy::write(&place.path("few.npy"), &[2, 3, 3], &[1f32; 18]).unwrap();
+    psf("few.npy", &["nm"]);
+    let whole = std::fs::read(place.path("line.npy")).unwrap();
+    place.write("cut.npy", &whole[..whole.len() - 4]);
+    psf("cut.npy", &["cut.npy"]);
+    set(&place, &["optics.model=psf", "optics.psf.file=no.npy"], &["missing key `spacing_um`"]);
+}
+
+#[test]
+fn scenes_and_settings_that_cannot_be() {
+    let place = Place::new();
+    for (name, words) in [
+        ("zone-plat", "did you mean 'zone-plate'?"),
+        ("zone-plate?freq=0.1", "no parameter 'freq'; did you mean 'frequency'?"),
+        ("zone-plate?frequency=abc", "expected a number from"),
+        (
+            "zone-plate?frequency=100",
+            "frequency=100 for the scene 'zone-plate'; expected a number from 1e-3 to 2",
+        ),
+        ("zone-plate?frequency", "frequency"),
+        ("uniform?size=100000", "size=100000"),
+        ("", "there is no scene named ''"),
+    ] {
+        scene(&place, name, &[words]);
+    }
+    for (option, value, words) in [
+        ("--luminance", "nan", "luminance_cd_m2 is NaN; expected more than 0"),
+        ("--luminance", "0", "luminance_cd_m2 is 0; expected more than 0"),
+        ("--fov", "190", "horizontal_fov_deg is 190; expected between 0 and 180"),
+        ("--distance", "0", "distance_m is 0; expected more than 0"),
+        ("--distance", "0.001", "0.001 m from the lens; a focal length of 0.003863 m needs more"),
+        ("--illuminant", "D66", "did you mean `D65`?"),
+        ("--illuminant", "D:100", "100"),
+    ] {
+        fails(
+            &place,
+            &["simulate", "bayer", option, value, "--scene", "uniform?size=8", "-o", "out"],
+            &[words],
+        );
+    }
+}
+
+#[test]
+fn folders_that_cannot_be_written() {
+    let place = Place::new();
+    place.write("file", "kept");
+    let simulate = |out: &str, words: &[&str]| {
+        fails(
+            &place,
+            &["simulate", "bayer", "--scene", "uniform?size=8", "--set", "sensor.rows=30", "-o", out],
+            words,
+        );
+    };
+    simulate("file", &["file: it is a file; expected a folder"]);
+    simulate("file/in", &["cannot write file/in"]);
+    assert_eq!(place.read("file"), b"kept");
+    // A folder in the place of a result: what was written before stays whole, and no metrics.json claims the rest.
+    std::fs::create_dir_all(place.path("half/raw.dng")).unwrap();
+    place.write("half/metrics.json", "of an earlier run");
+    simulate("half", &["cannot write half/raw.dng"]);
+    assert_eq!(place.names("half"), ["raw.dng", "rendered.png"]);
+    #[cfg(target_os = "linux")]
+    simulate("/proc/out", &["cannot write /proc/out"]);
+}
+
+/// The largest sensor that can be counted takes 60 GiB to photograph with: an error on most machines.
+#[test]
+fn a_sensor_larger_than_memory() {
+    let place = Place::new();
+    if smalti_io::memory::available_bytes().is_none_or(|bytes| bytes > 55 << 30) {
+        eprintln!("skipped: memory of unknown size, or enough");
+        return;
+    }
+    let large = ["--full-frame", "--set", "sensor.rows=23000", "--set", "sensor.cols=23000"];
+    let args: Vec<&str> =
+        ["simulate", "bayer", "--scene", "uniform?size=8", "-o", "out"].into_iter().chain(large).collect();
+    fails(&place, &args, &["`sensor.rows` × `sensor.cols`", "23000 × 23000 pixels", "MiB of memory"]);
+}

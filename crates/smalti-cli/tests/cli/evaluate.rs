@@ -1,0 +1,169 @@
+//! `smalti evaluate`.
+
+use serde_json::Value;
+
+use crate::{Place, numbers};
+
+fn cameras(place: &Place, words: &str) -> Vec<Value> {
+    let document: Value = serde_json::from_str(&place.ok(&format!("evaluate --json {words}"))).unwrap();
+    document["cameras"].as_array().unwrap().clone()
+}
+
+fn number(v: &Value, pointer: &str) -> f64 {
+    v.pointer(pointer).and_then(Value::as_f64).unwrap_or_else(|| panic!("{pointer} of {v}"))
+}
+
+const NOISE: &str = "/luminance_noise_percent/mean";
+const MTF: &str = "/mtf50_cy_per_mm";
+const FIGURES: [&str; 9] = [
+    "/delta_e_76/mean",
+    "/delta_e_2000/mean",
+    MTF,
+    "/mtf50_cy_per_px",
+    NOISE,
+    "/saturated_percent",
+    "/aliasing_percent",
+    "/color_aliasing_percent",
+    "/dynamic_range_db",
+];
+
+#[test]
+fn scores_have_all_their_keys_with_and_without_cache() {
+    let own = Place::new();
+    let words = "evaluate bayer rgbw --luminance 75,5 --json --seed 9 -o o";
+    let fresh = own.ok(words);
+    assert!(!own.names("cache").is_empty());
+    assert_eq!(fresh, own.ok(words), "from the cache");
+    assert_eq!(fresh, own.ok(&format!("{words} --no-cache --threads 1")));
+    assert_eq!(fresh.as_bytes(), own.read("o/results.json"));
+    let pictures = ["aliasing.png", "edge.png", "macbeth.png", "zone-plate.png"];
+    for folder in ["bayer-75-cd-m2", "bayer-5-cd-m2", "rgbw-75-cd-m2", "rgbw-5-cd-m2"] {
+        assert_eq!(own.names(&format!("o/{folder}")), pictures);
+    }
+    assert_eq!(own.names("o").len(), 5);
+    let document: Value = serde_json::from_str(&fresh).unwrap();
+    assert_eq!(document["illuminant"], "D65");
+    let all = document["cameras"].as_array().unwrap();
+    let runs = [("bayer", 75.0), ("bayer", 5.0), ("rgbw", 75.0), ("rgbw", 5.0)];
+    assert_eq!(all.len(), runs.len());
+    for (c, (name, cd_m2)) in all.iter().zip(runs) {
+        assert_eq!((&c["camera"], number(c, "/luminance_cd_m2")), (&name.into(), cd_m2));
+        for (key, patches) in [("delta_e_76", 24), ("delta_e_2000", 24), ("luminance_noise_percent", 6)] {
+            let scores = numbers(&c[key]["per_patch"]);
+            assert_eq!(scores.len(), patches, "{key}");
+            let mean = scores.iter().sum::<f64>() / patches as f64;
+            assert!((number(&c[key], "/mean") - mean).abs() < 1e-12, "{key}");
+        }
+        FIGURES.iter().for_each(|f| assert!(number(c, f).is_finite()));
+        for key in ["macbeth_s", "edge_s", "zone_plate_s"] {
+            assert_eq!(c["exposure"][key], 0.1);
+        }
+        assert_eq!((&c["seed"], &c["description"]["name"]), (&9.into(), &name.into()));
+    }
+    assert!(number(&all[1], NOISE) > 2.0 * number(&all[0], NOISE), "less light, more noise");
+    let table = own.ok("evaluate bayer --luminance 75 --seed 9");
+    let lines: Vec<&str> = table.lines().collect();
+    assert_eq!(lines.len(), 3);
+    assert!(lines[0].contains("ΔE2000") && lines[0].contains("MTF50 cy/mm") && lines[2].starts_with("bayer"));
+    assert!(lines[2].contains(&format!("{:.2}", number(&all[0], "/delta_e_2000/mean"))), "{table}");
+}
+
+#[test]
+fn scores_follow_the_physics() {
+    let place = Place::new();
+    let camera = |words: &str| cameras(&place, words).remove(0);
+    let base = camera("bayer");
+    // Eight times the light within the same swing: photon noise falls by √8, no more.
+    let noise = |words: &str| number(&camera(words), NOISE);
+    let (dim, lit, bright) =
+        (noise("bayer --luminance 5"), number(&base, NOISE), noise("bayer --luminance 80"));
+    assert!(dim > lit && lit > bright, "{dim} {lit} {bright}");
+    // An automatic exposure gathers the same light: times go with the cone's solid angle.
+    // The description states a time, which an override cannot take back: a camera of its own.
+    place.write("auto.toml", "name = \"auto\"\n[exposure]\nauto = \"mean\"\n");
+    let time =
+        |n: &str| number(&camera(&format!("auto.toml --set optics.f_number={n}")), "/exposure/macbeth_s");
+    let (wide, narrow) = (time("2"), time("4"));
+    assert!((narrow / wide - 65.0 / 17.0).abs() < 0.05, "{narrow} {wide}");
+    // Larger pixels resolve less.
+    let coarse = camera("bayer --set sensor.pixel.pitch_um=4.4");
+    assert!(number(&coarse, MTF) < 0.8 * number(&base, MTF));
+    // With all colours in every pixel there is nothing to interpolate.
+    let prism = camera("bayer --set sensor.architecture=prism");
+    let colour = "/color_aliasing_percent";
+    assert!(
+        number(&prism, colour) < 0.01 * number(&base, colour),
+        "{} {}",
+        prism[&colour[1..]],
+        base[&colour[1..]]
+    );
+    assert!(number(&prism, MTF) > number(&base, MTF));
+    // Colour is a matter of filters and light, not of the arrangement.
+    let de = "/delta_e_2000/mean";
+    assert!((number(&prism, de) - number(&base, de)).abs() < 0.02);
+    assert_ne!(number(&base, de), number(&camera("bayer --illuminant A"), de));
+}
+
+#[test]
+fn every_cfa_has_finite_scores() {
+    let place = Place::new();
+    let list: Vec<Value> = serde_json::from_str(&place.ok("list cfas --json")).unwrap();
+    assert!(list.len() >= 40);
+    let names: Vec<&str> = list.iter().map(|c| c["name"].as_str().unwrap()).collect();
+    // One process for all: cameras that differ in their pattern alone.
+    for name in &names {
+        place.write(&format!("cfa-{name}.toml"), format!("name = \"{name}\"\n[sensor.cfa]\npattern = \"{name}\"\n[sensor]\nquantum_efficiency = {{ builtin = \"silicon\" }}\n"));
+    }
+    let files: Vec<String> = names.iter().map(|n| format!("cfa-{n}.toml")).collect();
+    let scores = cameras(&place, &files.join(" "));
+    for (name, c) in names.iter().zip(&scores) {
+        assert_eq!(c["camera"], *name);
+        FIGURES.iter().for_each(|f| assert!(number(c, f).is_finite(), "{name} {f}"));
+        assert!(number(c, NOISE) > 0.1 && number(c, NOISE) < 30.0, "{name}: {} % noise", number(c, NOISE));
+        let (least, most) = match *name {
+            // One or two kinds of pixel cannot tell three dimensions of colour.
+            "mono" => (10.0, 30.0),
+            "rccc" => (5.0, 30.0),
+            _ => (0.1, 4.0),
+        };
+        let de = number(c, "/delta_e_2000/mean");
+        assert!((least..most).contains(&de), "{name}: {de}");
+        let mtf50 = number(c, "/mtf50_cy_per_px");
+        assert!((0.02..0.6).contains(&mtf50), "{name}: {mtf50}");
+    }
+    let of = |name: &str| &scores[names.iter().position(|n| *n == name).unwrap()];
+    assert!(number(of("mono"), "/aliasing_percent") < 0.1, "no mosaic, no aliasing of one");
+}
+
+#[test]
+fn cameras_of_one_name_or_a_hostile_one_keep_to_the_folder() {
+    let own = Place::new();
+    own.write("a.toml", "name = \"../../same\"\n");
+    own.write("b.toml", "name = \"../../same\"\n[optics]\nf_number = 8\n");
+    own.ok("evaluate a.toml b.toml -o out/deep/er --luminance 75");
+    assert_eq!(own.names("out"), ["deep"]);
+    assert_eq!(own.names("out/deep"), ["er"]);
+    assert_eq!(own.names("out/deep/er").len(), 3, "{:?}", own.names("out/deep/er"));
+}
+
+#[test]
+fn what_fails_writes_nothing() {
+    let own = Place::new();
+    for (words, expected) in [
+        ("evaluate bayer bayr -o o", "did you mean 'bayer'?"),
+        (
+            "evaluate bayer --luminance 75,0 -o o",
+            "bayer at 0 cd/m²: luminance_cd_m2 is 0; expected more than 0",
+        ),
+        ("evaluate bayer --illuminant D66 -o o", "did you mean `D65`?"),
+    ] {
+        let run = own.run(&words.split(' ').collect::<Vec<_>>());
+        assert_eq!((run.code, run.out.as_str()), (1, ""), "{}", run.err);
+        assert!(run.err.contains(expected), "{}", run.err);
+        assert!(own.names("o").is_empty());
+    }
+    own.write("file", "x");
+    let run = own.run(&["evaluate", "bayer", "-o", "file"]);
+    assert_eq!(run.code, 1);
+    assert!(run.err.contains("file: it is a file; expected a folder"), "{}", run.err);
+}

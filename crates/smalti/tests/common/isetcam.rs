@@ -1,0 +1,104 @@
+//! The scenes, lens and sensors that the reference values of ISETCam are of, built with Smalti.
+
+use super::{numbers, oracle_csv, oracle_json};
+use serde_json::Value;
+use smalti::numeric::Planes;
+use smalti::optics::{OpticalImage, Optics};
+use smalti::scene::Scene;
+use smalti::sensor::{Cfa, Channel, Exposure, Mosaic, Pixel, Sensor};
+use smalti::spectrum::{SpectralCube, Spectrum, WavelengthGrid};
+
+pub const GRID: WavelengthGrid = WavelengthGrid::VISIBLE;
+
+pub const FOCAL_LENGTH_M: f64 = 0.003862755099228297;
+
+/// Diffraction-limited, f/4, cos⁴.
+pub fn lens() -> Optics {
+    Optics::new(FOCAL_LENGTH_M, 4.0)
+}
+
+/// 2.8 µm, half of it sensitive.
+pub fn pixel() -> Pixel {
+    Pixel {
+        pitch_m: 2.8e-6,
+        fill_factor: 0.5,
+        conversion_gain_v_per_e: 1e-4,
+        voltage_swing_v: 1.0,
+        full_well_e: 10_000.0,
+        dark_voltage_v_per_s: 1e-3,
+        read_noise_v: 1e-3,
+    }
+}
+
+/// A scene 1.2 m away, of photons by band, row and column.
+pub fn scene(rows: usize, cols: usize, fov_deg: f64, photons: impl Fn(usize, usize, usize) -> f64) -> Scene {
+    let mut planes = Planes::zeros(rows, cols, GRID.len());
+    for band in 0..GRID.len() {
+        for (i, v) in planes.plane_mut(band).iter_mut().enumerate() {
+            *v = photons(band, i / cols, i % cols) as f32;
+        }
+    }
+    let cube = SpectralCube::new(GRID, planes).unwrap();
+    Scene::new("reference", cube, Spectrum::constant(GRID, 1.0), 1.2, fov_deg).unwrap()
+}
+
+/// The ColorChecker. ISETCam counts patches column by column.
+pub fn chart() -> Option<Scene> {
+    let photons = oracle_csv("scene_macbeth_d65_photons.csv")?;
+    Some(scene(128, 192, 10.0, |b, r, c| photons[c / 32 * 4 + r / 32][b]))
+}
+
+/// The slanted edge. ISETCam compares in single precision, which decides about the lattice points that lie exactly on
+/// the line.
+pub fn bar() -> Option<Scene> {
+    let json = oracle_json("scene_slantedbar.json")?;
+    let (dark, bright) = (numbers(&json["dark_photons"]), numbers(&json["bright_photons"]));
+    Some(scene(513, 513, 5.0, |b, r, c| {
+        if r as f32 - 256.0 > 7.0 / 3.0 * (c as f32 - 256.0) { bright[b] } else { dark[b] }
+    }))
+}
+
+pub fn image_of(scene: &Scene) -> OpticalImage {
+    lens().image(scene).unwrap()
+}
+
+/// The mosaic of a pattern of channel numbers from 1.
+pub fn mosaic(pattern: &Value) -> Mosaic {
+    let rows = pattern.as_array().unwrap().len();
+    let cells: Vec<u8> = numbers(pattern).iter().map(|v| *v as u8 - 1).collect();
+    Mosaic::new(rows, cells.len() / rows, cells).unwrap()
+}
+
+/// One of the cameras, `ip_case_<id>.json`.
+pub struct Case {
+    pub json: Value,
+    pub cfa: Cfa,
+}
+
+impl Case {
+    pub fn new(id: &str) -> Self {
+        let json = oracle_json(&format!("ip_case_{id}.json")).unwrap();
+        let n = json["N"].as_u64().unwrap() as usize;
+        let table = numbers(&json["filters_31xN"]);
+        let filter =
+            |k: usize| Spectrum::new(GRID, table.iter().skip(k).step_by(n).copied().collect()).unwrap();
+        let channels = (0..n).map(|k| Channel { name: k.to_string(), transmittance: filter(k) }).collect();
+        Self { cfa: Cfa::new(id, mosaic(&json["pattern"]), channels).unwrap(), json }
+    }
+
+    /// The sensor for a target, `mac` or `bar`.
+    pub fn sensor(&self, target: &str) -> Sensor {
+        let size = numbers(&self.json[format!("{target}_size")]);
+        let quantum_efficiency = Spectrum::constant(GRID, 1.0);
+        Sensor::new(size[0] as usize, size[1] as usize, pixel(), self.cfa.clone(), quantum_efficiency)
+    }
+
+    /// The exposure of a target.
+    pub fn exposure(&self, target: &str) -> Exposure {
+        Exposure::new(self.number(&format!("/{target}_exp_time_s")))
+    }
+
+    pub fn number(&self, pointer: &str) -> f64 {
+        self.json.pointer(pointer).unwrap().as_f64().unwrap()
+    }
+}
