@@ -57,10 +57,9 @@ pub fn load(name: &str, overrides: &[Override], grid: WavelengthGrid) -> Result<
     let source = source(name)?;
     let mut description = source.describe(overrides)?;
     // A file that gives no name is called by its own.
-    if description.name == CameraDescription::default().name {
-        if let Some(stem) = Path::new(&source.name).file_stem() {
-            description.name = stem.to_string_lossy().into_owned();
-        }
+    let unnamed = description.name == CameraDescription::default().name;
+    if let Some(stem) = Path::new(&source.name).file_stem().filter(|_| unnamed) {
+        description.name = stem.to_string_lossy().into_owned();
     }
     let wrong = |key: &str, message: &str| Box::new(about(&source, overrides, key, message));
     read_files(&mut description, &source.folder, &wrong)?;

@@ -10,10 +10,9 @@ pub fn nearest<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Opti
     }
     let typed = name.trim().to_lowercase();
     let known: Vec<&str> = known.into_iter().collect();
-    if typed.chars().count() > 1 {
-        if let Some(longer) = known.iter().find(|k| k.to_lowercase().starts_with(&typed)) {
-            return Some(longer);
-        }
+    let longer = known.iter().find(|k| typed.chars().count() > 1 && k.to_lowercase().starts_with(&typed));
+    if let Some(longer) = longer {
+        return Some(longer);
     }
     let changes = |k: &str| strsim::osa_distance(&typed, &k.to_lowercase());
     let (least, best) = known.into_iter().map(|k| (changes(k), k)).min_by_key(|(n, _)| *n)?;

@@ -1,7 +1,7 @@
 //! A simulated sensor is measured, and what was put in comes back.
 #![allow(missing_docs, clippy::unwrap_used)]
 
-mod common;
+use crate::common;
 
 use common::normal;
 use smalti::metrics::MetricError;

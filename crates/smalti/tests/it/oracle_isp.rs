@@ -2,7 +2,7 @@
 //! mosaics it triangulates (Delaunay) at randomly jittered positions, whose mean over draws is what ours computes.
 #![allow(missing_docs, clippy::unwrap_used, clippy::panic)]
 
-mod common;
+use crate::common;
 
 use common::isetcam::mosaic;
 use common::{assert_close, numbers, oracle_csv, oracle_json};

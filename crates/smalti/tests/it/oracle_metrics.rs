@@ -1,7 +1,7 @@
 //! Metrics against ISETCam's.
 #![allow(missing_docs, clippy::unwrap_used)]
 
-mod common;
+use crate::common;
 
 use common::{assert_close, numbers, oracle, oracle_csv, oracle_json};
 use smalti::color::DeltaE;

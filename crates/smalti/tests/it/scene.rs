@@ -1,7 +1,7 @@
 //! Scenes: laws, and the figures of ISETCam that must hold without its files at hand.
 #![allow(clippy::unwrap_used)]
 
-mod common;
+use crate::common;
 
 use common::assert_close;
 use rustfft::FftPlanner;

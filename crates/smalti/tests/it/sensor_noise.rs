@@ -1,7 +1,7 @@
 //! Noise against closed forms and against the reference values of ISETCam.
 #![allow(missing_docs, clippy::unwrap_used, clippy::panic)]
 
-mod sensor_kit;
+use crate::sensor_kit;
 
 use sensor_kit::reference::*;
 use sensor_kit::*;

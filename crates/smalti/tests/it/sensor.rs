@@ -1,7 +1,7 @@
 //! Laws that a sensor obeys, whatever the numbers.
 #![allow(missing_docs, clippy::unwrap_used, clippy::panic)]
 
-mod sensor_kit;
+use crate::sensor_kit;
 
 use proptest::prelude::*;
 use sensor_kit::*;

@@ -1,7 +1,7 @@
 //! Colour against the reference values of ISETCam.
 #![allow(clippy::unwrap_used)]
 
-mod common;
+use crate::common;
 
 use common::{assert_close, numbers, oracle_csv, oracle_json};
 use smalti::color::difference::{delta_e_76, delta_e_94, delta_e_2000, delta_e_map};

@@ -1,7 +1,7 @@
 //! Filters and patterns of the reference cases.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
-mod common;
+use crate::common;
 
 use smalti::sensor::Cfa;
 use smalti::sensor::cfa::{Channel, Filter, Mosaic};

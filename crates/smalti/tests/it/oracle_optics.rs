@@ -1,7 +1,7 @@
 //! The lens against the reference values of ISETCam.
 #![allow(missing_docs, clippy::unwrap_used)]
 
-mod common;
+use crate::common;
 
 use common::isetcam::{FOCAL_LENGTH_M, bar, chart, scene};
 use common::{assert_close, numbers, oracle_csv, oracle_json};

@@ -1,8 +1,8 @@
 //! Everything that the reference values of ISETCam say about a uniform field, and the patches of its chart.
 #![allow(missing_docs, clippy::unwrap_used, clippy::panic)]
 
-mod common;
-mod sensor_kit;
+use crate::common;
+use crate::sensor_kit;
 
 use common::isetcam::{self, Case, image_of};
 use common::{assert_close, numbers, oracle_csv, oracle_json};

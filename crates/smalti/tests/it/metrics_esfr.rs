@@ -1,7 +1,7 @@
 //! Slanted edges whose response is known in closed form.
 #![allow(missing_docs, clippy::unwrap_used)]
 
-mod common;
+use crate::common;
 
 use std::f64::consts::PI;
 

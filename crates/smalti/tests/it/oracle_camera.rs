@@ -5,7 +5,7 @@
 //! for more than three channels missing samples are interpolated on the exact lattice (ISETCam jitters it at random).
 #![allow(missing_docs, clippy::unwrap_used)]
 
-mod common;
+use crate::common;
 
 use common::isetcam::{self, Case, GRID, image_of};
 use common::{numbers, oracle_csv, oracle_json};

@@ -111,7 +111,11 @@ fn descriptions_are_strict() {
     );
     assert_eq!(read(r#"{"flat": 0.95}"#).unwrap(), Filter::Flat(0.95));
     assert_eq!(read(r#"{"builtin": "nikon-d5100/B"}"#).unwrap(), Filter::Builtin("nikon-d5100/B".into()));
-    assert!(read(r#"{"gaussian": {"center_nm": 610, "sigma_nm": 40}}"#).is_err());
+    assert_eq!(
+        read(r#"{"gaussian": {"center_nm": 610, "sigma_nm": 40}}"#).unwrap(),
+        Filter::Gaussian { center_nm: 610.0, sigma_nm: 40.0, peak: 1.0 }
+    );
+    assert!(read(r#"{"gaussian": {"center_nm": 610, "peak": 0.9}}"#).is_err());
     assert!(read(r#"{"gaussian": {"center_nm": 610, "sigma_nm": 40, "peak": 0.9, "x": 1}}"#).is_err());
     assert!(read(r#"{"bell": 1}"#).is_err());
 }

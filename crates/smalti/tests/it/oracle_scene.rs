@@ -2,7 +2,7 @@
 //! differs by up to 6e-4 from the CIE formula, so its own light is fed where the light is not what is tested.
 #![allow(clippy::unwrap_used)]
 
-mod common;
+use crate::common;
 
 use common::{assert_close, numbers, oracle_csv, oracle_json};
 use smalti::scene::{
