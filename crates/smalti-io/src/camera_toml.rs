@@ -225,6 +225,16 @@ mod tests {
     }
 
     #[test]
+    fn of_two_ways_to_expose_the_later_one_holds() {
+        let set = |s: &str| s.parse::<Override>().unwrap();
+        let text = "[exposure]\ntime_ms = 5\n";
+        let d = source(text).describe(&[set("exposure.auto=mean")]).unwrap();
+        assert!(d.exposure.time_ms.is_none() && d.exposure.auto.is_some());
+        let d = source(text).describe(&[set("exposure.auto=mean"), set("exposure.time_ms=7")]).unwrap();
+        assert!(d.exposure.time_ms == Some(7.0) && d.exposure.auto.is_none());
+    }
+
+    #[test]
     fn a_wrong_type_says_what_was_expected() {
         let e = source("[sensor.cfa]\npattern = 3\n").describe(&[]).unwrap_err().to_string();
         assert!(e.contains(":2") && e.contains("the name of a CFA"), "{e}");

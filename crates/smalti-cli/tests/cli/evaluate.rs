@@ -155,7 +155,7 @@ fn what_fails_writes_nothing() {
             "evaluate bayer --luminance 75,0 -o o",
             "bayer at 0 cd/m²: luminance_cd_m2 is 0; expected more than 0",
         ),
-        ("evaluate bayer --illuminant D66 -o o", "did you mean `D65`?"),
+        ("evaluate bayer --illuminant D66 -o o", "did you mean 'D65'?"),
     ] {
         let run = own.run(&words.split(' ').collect::<Vec<_>>());
         assert_eq!((run.code, run.out.as_str()), (1, ""), "{}", run.err);

@@ -62,7 +62,7 @@ pub enum SceneError {
         expected: &'static str,
     },
     /// No built-in scene has this name.
-    #[error("there is no scene named '{name}'{}. Known scenes: {known}", did_you_mean(*suggestion))]
+    #[error("there is no scene named '{name}'{}; known scenes: {known}", did_you_mean(*suggestion))]
     UnknownScene {
         /// The name.
         name: String,
@@ -73,7 +73,7 @@ pub enum SceneError {
     },
     /// The scene has no parameter of this name.
     #[error(
-        "the scene '{scene}' has no parameter '{name}'{}. Its parameters: {known}",
+        "the scene '{scene}' has no parameter '{name}'{}; its parameters: {known}",
         did_you_mean(*suggestion)
     )]
     UnknownParameter {

@@ -74,7 +74,7 @@ pub enum SpectrumError {
         expected: &'static str,
     },
     /// No data set has this name.
-    #[error("unknown {what} '{name}'{}. Expected one of {expected}", did_you_mean(*suggestion))]
+    #[error("unknown {what} '{name}'{}; expected one of {expected}", did_you_mean(*suggestion))]
     UnknownName {
         /// What was asked for.
         what: &'static str,
