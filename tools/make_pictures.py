@@ -59,9 +59,7 @@ def fitted(image, cols, rows):
     return image
 
 
-def save(image, name, colors=None):
-    if colors:
-        image = image.quantize(colors, dither=Image.Dither.NONE)
+def save(image, name):
     OUT.mkdir(parents=True, exist_ok=True)
     image.save(OUT / name, optimize=True)
     print(f"{OUT / name}: {image.width} × {image.height}, {(OUT / name).stat().st_size / 1e3:.0f} kB")
@@ -109,7 +107,7 @@ def stages(work):
 def contact_sheet(work):
     """Every built-in scene as the camera `bayer` renders it."""
     names = [entry["name"] for entry in json.loads(smalti("list", "scenes", "--json"))]
-    cols, cell, rows_px, foot, gap = 5, 250, 188, 30, 12
+    cols, cell, rows_px, foot, gap = 5, 216, 162, 30, 12
     lines = -(-len(names) // cols)
     sheet = Image.new("RGB", (cols * (cell + gap) - gap, lines * (rows_px + foot + gap) - gap), PAPER)
     draw = ImageDraw.Draw(sheet)
@@ -120,7 +118,7 @@ def contact_sheet(work):
         draw.rectangle((x, y, x + cell - 1, y + rows_px - 1), fill=(236, 236, 236))
         sheet.paste(picture, (x + (cell - picture.width) // 2, y + (rows_px - picture.height) // 2))
         draw.text((x, y + rows_px + 5), name, fill=INK, font=font(17))
-    save(sheet, "scenes.png", 256)
+    save(sheet, "scenes.png")
 
 
 def filter_color(name, letters, row, col, rows, cols):
