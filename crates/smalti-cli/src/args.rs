@@ -35,9 +35,6 @@ pub(crate) struct Common {
     /// Print nothing but results and errors
     #[arg(long, short, global = true)]
     pub(crate) quiet: bool,
-    /// Neither read nor write the cache of optical images
-    #[arg(long, global = true)]
-    pub(crate) no_cache: bool,
 }
 
 #[derive(Debug, Subcommand)]
@@ -170,6 +167,9 @@ pub(crate) struct Evaluate {
     pub(crate) illuminant: String,
     #[command(flatten)]
     pub(crate) camera_options: CameraOptions,
+    /// Neither read nor write the cache of optical images ($SMALTI_CACHE_DIR, else the user's cache folder)
+    #[arg(long)]
+    pub(crate) no_cache: bool,
     /// Print one JSON document instead of the table
     #[arg(long)]
     pub(crate) json: bool,

@@ -24,7 +24,7 @@ pub(crate) fn run(args: &Evaluate, common: &Common) -> anyhow::Result<()> {
         .iter()
         .map(|name| resolve::camera(name, &args.camera_options, WavelengthGrid::VISIBLE))
         .collect::<anyhow::Result<Vec<Camera>>>()?;
-    let cache = if common.no_cache { Cache::disabled() } else { Cache::open(None) };
+    let cache = if args.no_cache { Cache::disabled() } else { Cache::open(None) };
     let progress = Progress::new((cameras.len() * args.luminance.len()) as u64, common.quiet);
     let (mut results, mut shots) = (Vec::new(), Vec::new());
     for camera in &cameras {

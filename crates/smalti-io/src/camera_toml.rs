@@ -239,7 +239,7 @@ mod tests {
         let e = source("[sensor.cfa]\npattern = 3\n").describe(&[]).unwrap_err().to_string();
         assert!(e.contains(":2") && e.contains("the name of a CFA"), "{e}");
         let e = source("[optics]\nf_number = \"wide\"\n").describe(&[]).unwrap_err().to_string();
-        assert!(e.contains(":2:13: found string \"wide\"; expected a number"), "{e}");
+        assert!(e.contains(":2:12: found string \"wide\"; expected a number"), "{e}");
         let e = source("[sensor]\nrows = -4\n").describe(&[]).unwrap_err().to_string();
         assert!(e.contains("found integer `-4`; expected a whole number"), "{e}");
         let e = source("sensor = 1\n").describe(&[]).unwrap_err().to_string();
