@@ -1,4 +1,4 @@
-//! The `smalti` command: parses, resolves, calls the library, prints. It computes nothing itself.
+//! The `smalti` command: parses, resolves, calls the library, prints. The physics is not here.
 
 mod args;
 mod convert;
