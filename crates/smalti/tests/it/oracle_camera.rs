@@ -186,3 +186,31 @@ fn luminance_noise_as_isetcams() {
         assert!((lowest..0.06).contains(&(got / expected - 1.0)), "{id}: {got} %, ISETCam {expected} %");
     }
 }
+
+/// ISETCam's grey world and white world are gains on X, Y, Z that give the mean of the picture, or of what is brighter than
+/// 0.7 of its brightest Y, the chromaticity of D65. Ours balance elsewhere; but from our picture its gains follow.
+/// What remains is in Z alone, the same 0.2 to 0.4 % in both: a white of slightly other blue than that of the scene's light.
+#[test]
+fn white_balance_gains_of_isetcam_follow_from_our_picture() {
+    let Some(reference) = oracle_json("scene_macbeth_d65.json") else { return };
+    let d65 = numbers(&reference["illuminant_energy_W_sr_m2_nm"]);
+    let observer = oracle_csv("xyz_1931_400_10_700.csv").unwrap();
+    let white: [f64; 3] = std::array::from_fn(|k| d65.iter().zip(&observer).map(|(s, o)| s * o[k]).sum());
+    let case = Case::new("nikonD100");
+    let image = image_of(&isetcam::chart().unwrap());
+    let picture = pipeline(&case).render(&raw(&case, &case.sensor("mac"), &image, "mac")).unwrap();
+    let planes = picture.planes();
+    let brightest = planes.plane(1).iter().copied().fold(0.0f32, f32::max);
+    for (name, above) in [("gray_world", -1.0), ("white_world", 0.7 * brightest)] {
+        let mean: [f64; 3] = std::array::from_fn(|k| {
+            let of = planes.plane(k).iter().zip(planes.plane(1));
+            of.filter(|(_, y)| **y > above).map(|(v, _)| f64::from(*v)).sum()
+        });
+        let gains: Vec<f64> = (0..3).map(|k| mean[0] / mean[k] * white[k] / white[0]).collect();
+        let expected = numbers(&case.json["wb"][name]["D"]);
+        let expected = [expected[0], expected[4], expected[8]];
+        eprintln!("{name}: {gains:.4?}, ISETCam {expected:.4?}");
+        common::assert_close(name, &gains[..2], &expected[..2], 5e-4);
+        common::assert_close(name, &gains, &expected, 5e-3);
+    }
+}
