@@ -61,7 +61,7 @@ pub(crate) enum Command {
 /// Keys of the camera that the command line replaces.
 #[derive(Debug, Clone, Args)]
 pub(crate) struct CameraOptions {
-    /// Replace a key of every camera; may be given more than once
+    /// Replace a key of the camera (of every one); may be given more than once. The unit is in the key
     #[arg(long = "set", value_name = "KEY=VALUE")]
     pub(crate) overrides: Vec<Override>,
     /// Seed of all noise that changes from capture to capture
@@ -73,13 +73,13 @@ pub(crate) struct CameraOptions {
 #[derive(Debug, Clone, Default, Args)]
 pub(crate) struct SceneOptions {
     /// Mean luminance, cd/m² [default: what the scene states, else 100]
-    #[arg(long, value_name = "CD_M2")]
+    #[arg(long, value_name = "CD_M2", allow_negative_numbers = true)]
     pub(crate) luminance: Option<f64>,
     /// Distance from the lens, m
-    #[arg(long, value_name = "M")]
+    #[arg(long, value_name = "M", allow_negative_numbers = true)]
     pub(crate) distance: Option<f64>,
     /// Horizontal field of view, degrees [default: the scene fills the sensor]
-    #[arg(long, value_name = "DEGREES")]
+    #[arg(long, value_name = "DEGREES", allow_negative_numbers = true)]
     pub(crate) fov: Option<f64>,
     /// Light of the scene: a name (smalti list illuminants) or a CSV of wavelength_nm and relative power; files are re-lit
     #[arg(long, value_name = "NAME")]
@@ -215,7 +215,7 @@ pub(crate) struct Convert {
     pub(crate) scene: String,
     #[command(flatten)]
     pub(crate) scene_options: SceneOptions,
-    /// The file: .exr (spectral), .png (a picture as the standard observer sees it) or .npy (photons)
+    /// .exr (spectral), .png or .tif (a picture as the standard observer sees it) or .npy (photons)
     #[arg(short, long, value_name = "FILE")]
     pub(crate) output: PathBuf,
     /// Layout of a spectral EXR

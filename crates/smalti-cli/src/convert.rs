@@ -2,12 +2,12 @@
 
 use anyhow::{Context, bail};
 use smalti::color::{ColorSpace, Image};
-use smalti::numeric::Planes;
 use smalti_io::exr::{self, Layout, SpectralFile};
 use smalti_io::npy;
 use smalti_io::picture::{self, Depth};
 
 use crate::args::{Common, Convert, ExrLayout};
+use crate::brightness::{brightness_gain, scaled};
 use crate::progress::Progress;
 use crate::resolve::{self, has_extension};
 
@@ -30,11 +30,8 @@ pub(crate) fn run(args: &Convert, common: &Common) -> anyhow::Result<()> {
         };
         exr::write(path, &SpectralFile::of_scene(&scene).into_energy()?, layout)?;
     } else if has_extension(path, &["png", "tif", "tiff"]) {
-        let white = smalti::spectrum::Observer::Cie1931.xyz_from_photons(scene.illuminant())?;
-        let xyz = scene.xyz()?;
-        let scale = 1.0 / white[1] as f32;
-        let data = xyz.data().iter().map(|v| v * scale).collect();
-        let image = Image::new(ColorSpace::Xyz, Planes::new(xyz.rows(), xyz.cols(), 3, data)?)?;
+        let image = Image::new(ColorSpace::Xyz, scene.xyz()?)?;
+        let image = scaled(&image, brightness_gain(&image))?;
         picture::write(path, &image.converted(ColorSpace::Srgb)?, Depth::Eight)?;
     } else if has_extension(path, &["npy"]) {
         let cube = scene.radiance();

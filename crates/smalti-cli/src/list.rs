@@ -85,13 +85,31 @@ fn builtin_cameras() -> Vec<Entry> {
 }
 
 fn illuminants() -> Vec<Entry> {
-    let entry = |name: &&str| Entry {
-        name: (*name).into(),
-        summary: String::new(),
-        details: Vec::new(),
-        json: json!({"name": name}),
+    let summary = |name: &str| match name {
+        "A" => "CIE standard illuminant A, tungsten",
+        "D50" | "D55" | "D65" | "D75" => "CIE daylight",
+        "E" => "equal energy",
+        "F2" => "CIE FL2, cool white fluorescent",
+        "F11" => "CIE FL11, narrow-band fluorescent",
+        "LED" => "CIE LED-B3, phosphor white near 4100 K",
+        _ => "",
     };
-    Illuminant::names().iter().map(entry).collect()
+    let entry = |(name, summary): (&str, &str)| Entry {
+        name: name.into(),
+        summary: summary.into(),
+        details: Vec::new(),
+        json: json!({"name": name, "summary": summary}),
+    };
+    let named = Illuminant::names().iter().map(|name| (*name, summary(name)));
+    // Of families an example stands; a file serves as well.
+    let families = [
+        ("D:5600", "CIE daylight of any temperature, 4000 to 25000 K"),
+        (
+            "blackbody:3200",
+            "Planckian radiator of any temperature; or a CSV of wavelength_nm and relative power",
+        ),
+    ];
+    named.chain(families).map(entry).collect()
 }
 
 fn filters() -> Vec<Entry> {

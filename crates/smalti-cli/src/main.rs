@@ -1,6 +1,7 @@
 //! The `smalti` command: parses, resolves, calls the library, prints. The physics is not here.
 
 mod args;
+mod brightness;
 mod convert;
 mod evaluate;
 mod list;

@@ -10,7 +10,6 @@ use smalti::isp::{Isp, WhiteBalance};
 use smalti::metrics::Rect;
 use smalti::metrics::psnr::psnr;
 use smalti::metrics::visual_snr::scielab_score;
-use smalti::numeric::Planes;
 use smalti::scene::Scene;
 use smalti::sensor::{NoiseMode, RawImage, RawSamples, Window};
 use smalti::spectrum::{SpectralCube, Spectrum};
@@ -20,6 +19,7 @@ use smalti_io::stages::{self, write_stage};
 use smalti_io::{memory, write};
 
 use crate::args::{Common, Noise, PictureFormat, Simulate};
+use crate::brightness::{brightness_gain, scaled};
 use crate::progress::Progress;
 use crate::resolve;
 
@@ -29,8 +29,6 @@ const VIEWING_PX_PER_DEGREE: f64 = 60.0;
 const SCORED_PX: usize = 2048;
 /// What a capture takes at its peak, measured on mosaics: raw samples, and pictures in XYZ while they are compared.
 const BYTES_PER_PIXEL: u64 = 120;
-/// The share of pixels that may be brighter than white when the brightness of a picture is chosen.
-const BRIGHT_SHARE: f64 = 0.005;
 
 pub(crate) fn run(args: &Simulate, common: &Common) -> anyhow::Result<()> {
     let progress = Progress::new(4, common.quiet);
@@ -115,21 +113,6 @@ fn fitted(scene: Scene, args: &Simulate, camera: &Camera) -> anyhow::Result<Scen
     let span = if resolve::is_file(&args.scene) { whole.min(cols) } else { whole };
     let deg = camera.field_of_view_deg(span.max(1), scene.distance_m())?;
     Ok(scene.with_fov(deg)?)
-}
-
-/// The factor that makes a picture as bright as a viewer expects: all but the brightest half percent within the range of
-/// the display.
-fn brightness_gain(picture: &Image) -> f64 {
-    let mut luminance: Vec<f32> = picture.planes().plane(1).to_vec();
-    let at = ((luminance.len() - 1) as f64 * (1.0 - BRIGHT_SHARE)) as usize;
-    let (_, &mut bright, _) = luminance.select_nth_unstable_by(at, f32::total_cmp);
-    if bright > 0.0 { 1.0 / f64::from(bright) } else { 1.0 }
-}
-
-fn scaled(image: &Image, factor: f64) -> anyhow::Result<Image> {
-    let planes = image.planes();
-    let data = planes.data().iter().map(|&v| (f64::from(v) * factor) as f32).collect();
-    Ok(Image::new(image.space(), Planes::new(planes.rows(), planes.cols(), planes.count(), data)?)?)
 }
 
 fn dng_info(camera: &Camera, light: &Spectrum) -> anyhow::Result<DngInfo> {

@@ -71,7 +71,7 @@ fn what_cannot_be_written_leaves_nothing() {
         ("convert uniform?size=4 -o a.npy --wavelengths 400:10:x", "'x' is not a number"),
         (
             "convert uniform?size=4 -o a.npy --wavelengths 100:10:4000",
-            "--wavelengths 100:10:4000: the data cover 300",
+            "--wavelengths 100:10:4000: the illuminant D65: the data cover 300",
         ),
     ] {
         let run = place.run(&words.split(' ').collect::<Vec<_>>());

@@ -103,12 +103,14 @@ impl Camera {
         let spacing_m = geometry.sample_spacing_m(scene.horizontal_fov_deg(), radiance.cols());
         let mosaic = self.sensor.cfa.mosaic();
         let extent = |samples: usize, pixels: usize, tile: usize| {
+            let covered = samples as f64 * spacing_m / self.sensor.pixel.pitch_m;
+            let middle = pixels as f64 / 2.0;
             // A hundredth of a pixel forgives rounding in a field of view that was computed from the pixels.
-            let covered = (samples as f64 * spacing_m / self.sensor.pixel.pitch_m + 0.01).floor();
-            let covered = (covered.max(1.0) as usize).min(pixels);
-            let first =
-                (pixels - covered).div_ceil(2).next_multiple_of(tile).min(pixels - covered.min(pixels));
-            (first, covered.min(pixels - first))
+            let first = (middle - covered / 2.0 - 0.01).ceil().max(0.0) as usize;
+            let end = ((middle + covered / 2.0 + 0.01).floor() as usize).min(pixels);
+            let first = first.next_multiple_of(tile);
+            // A scene smaller than a tile is read with what is beside it.
+            if first < end { (first, end - first) } else { (0, pixels) }
         };
         let (row, rows) = extent(radiance.rows(), self.sensor.rows, mosaic.rows());
         let (col, cols) = extent(radiance.cols(), self.sensor.cols, mosaic.cols());

@@ -144,7 +144,7 @@ pub(super) fn sensor(d: &SensorDescription, grid: WavelengthGrid) -> Result<Sens
     let p = &d.pixel;
     let well_v = positive("sensor.pixel.full_well_e", p.full_well_e, 1e9)?;
     let pixel = Pixel {
-        pitch_m: positive("sensor.pixel.pitch_um", p.pitch_um, 1e4)? * 1e-6,
+        pitch_m: positive("sensor.pixel.pitch_um", p.pitch_um, 1e3)? * 1e-6,
         fill_factor: positive("sensor.pixel.fill_factor", p.fill_factor, 1.0)?,
         conversion_gain_v_per_e: positive(
             "sensor.pixel.conversion_gain_uv_per_e",

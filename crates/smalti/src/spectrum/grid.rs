@@ -85,6 +85,14 @@ pub enum SpectrumError {
         /// The known names.
         expected: String,
     },
+    /// Something with a name does not fit.
+    #[error("{what}: {problem}")]
+    Of {
+        /// What it is, such as `the illuminant D65`.
+        what: String,
+        /// What is wrong with it.
+        problem: Box<SpectrumError>,
+    },
     /// The shape of a cube does not match its data.
     #[error(transparent)]
     Shape(#[from] ShapeError),

@@ -153,7 +153,7 @@ impl Illuminant {
     /// When a temperature is out of range, or tabulated data do not cover the grid.
     pub fn energy(&self, grid: WavelengthGrid) -> Result<Spectrum, SpectrumError> {
         self.check()?;
-        match self {
+        let power = match self {
             Self::A => Ok(planck_relative(grid, 2848.0, 1.435e-2)),
             Self::E => Ok(Spectrum::constant(grid, 100.0)),
             Self::Daylight { cct_k } => daylight(grid, *cct_k),
@@ -164,7 +164,11 @@ impl Illuminant {
                 Ok(planck_relative(grid, *temperature_k, PLANCK_J_S * LIGHT_M_PER_S / BOLTZMANN_J_PER_K))
             }
             Self::Measured { power, .. } => power.resampled(grid, Outside::Error),
-        }
+        };
+        power.map_err(|problem| SpectrumError::Of {
+            what: format!("the illuminant {}", self.name()),
+            problem: Box::new(problem),
+        })
     }
 
     /// Relative photons per nm: [`Illuminant::energy`] times wavelength, up to a constant.
@@ -327,10 +331,7 @@ mod tests {
     fn data_that_do_not_reach_are_an_error() {
         let infrared = WavelengthGrid::new(800.0, 10.0, 20).unwrap();
         for illuminant in [Illuminant::D65, Illuminant::F2, Illuminant::Led] {
-            assert!(
-                matches!(illuminant.energy(infrared), Err(SpectrumError::Coverage { .. })),
-                "{illuminant:?}"
-            );
+            assert!(matches!(illuminant.energy(infrared), Err(SpectrumError::Of { .. })), "{illuminant:?}");
         }
         assert!(Illuminant::A.energy(infrared).is_ok());
     }

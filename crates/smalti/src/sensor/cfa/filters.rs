@@ -174,7 +174,12 @@ fn within(name: &str, value: f64, low: f64, high: f64, expected: &'static str) -
 }
 
 fn wavelength(name: &str, nm: f64) -> Result<(), CfaError> {
-    if nm.is_finite() && nm > 0.0 { Ok(()) } else { Err(parameter(name, nm, "a positive wavelength in nm")) }
+    // Light that photodiodes see; 0.61 is a wavelength in µm that means to be 610.
+    if (100.0..=1e5).contains(&nm) {
+        Ok(())
+    } else {
+        Err(parameter(name, nm, "a wavelength in nm, 100 to 100000"))
+    }
 }
 
 fn band(center_nm: f64, width: &str, width_nm: f64, peak: f64) -> Result<(), CfaError> {
