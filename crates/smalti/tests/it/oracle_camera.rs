@@ -159,6 +159,13 @@ fn reading_one_display_as_another_has_a_floor() {
     let expected = floor["mean_dE1976_srgb_path"].as_f64().unwrap();
     // The sRGB matrix of ISETCam has four decimals.
     assert!((got / expected - 1.0).abs() < 2e-3, "{got}, ISETCam {expected}");
+    let rgb_from_xyz = Primaries::SRGB.rgb_from_xyz().unwrap();
+    let linear: Vec<f64> = ideal
+        .iter()
+        .flat_map(|v| apply(&rgb_from_xyz, v.map(|v| v / 100.0)).map(|c| c.clamp(0.0, 1.0)))
+        .collect();
+    let theirs = numbers(&oracle_json("scene_macbeth_d65.json").unwrap()["ideal_lrgb_clipped"]);
+    common::assert_close("ideal linear sRGB", &linear, &theirs, 5e-4);
 }
 
 #[test]
