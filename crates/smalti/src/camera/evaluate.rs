@@ -11,7 +11,7 @@ use super::{Camera, CameraError};
 use crate::color::display::Primaries;
 use crate::color::matrix::{IDENTITY, product};
 use crate::color::{Adaptation, Image};
-use crate::isp::{Isp, WhiteBalance};
+use crate::isp::{Classic, Isp, WhiteBalance};
 use crate::metrics::aliasing::{Aliasing, aliasing};
 use crate::metrics::color_accuracy::{LabWhite, color_accuracy};
 use crate::metrics::dynamic_range::dynamic_range;
@@ -21,7 +21,7 @@ use crate::metrics::{MetricError, Rect, patch_means};
 use crate::numeric::Planes;
 use crate::optics::OpticalImage;
 use crate::scene::{self, Scene, Setting, SlantedBar, ZonePlate, macbeth};
-use crate::sensor::{Adc, Exposure, NoiseMode, Sensor};
+use crate::sensor::{Adc, Exposure, NoiseMode, RawImage, Sensor};
 use crate::spectrum::{Illuminant, Observer};
 
 /// Pixels of the sensor that a patch of the chart spans.
@@ -161,9 +161,13 @@ pub fn evaluate(
         || zone.shoot(settings, images),
     );
     let (chart, edge, zone) = (chart?, edge?, zone?);
-    let colors = chart_scores(camera, &setting, &chart)?;
+    let (noisy, reference) = rayon::join(|| chart.noisy(settings.seed), || zone.reference());
+    let (noisy, reference) = (noisy?, reference?);
+    let saturated_percent = noisy.saturated_percent();
+    let noisy = chart.isp.render(&noisy)?;
+    let colors = chart_scores(camera, &setting, &chart.clean, &noisy)?;
     let mtf50_cy_per_px = edge_mtf50(&edge.clean)?;
-    let aliasing = zone_plate_aliasing(&zone, &setting)?;
+    let aliasing = zone_plate_aliasing(&zone.clean, &reference, &setting)?;
     let evaluation = Evaluation {
         luminance_cd_m2: settings.luminance_cd_m2,
         delta_e_76: colors.delta_e_76.into(),
@@ -171,15 +175,19 @@ pub fn evaluate(
         mtf50_cy_per_mm: mtf50_cy_per_px / (camera.sensor.pixel.pitch_m * 1e3),
         mtf50_cy_per_px,
         luminance_noise_percent: colors.luminance_noise_percent.into(),
-        saturated_percent: chart.saturated_percent,
+        saturated_percent,
         aliasing_percent: aliasing.total_percent,
         color_aliasing_percent: aliasing.color_percent,
         dynamic_range_db: pixel_dynamic_range_db(camera)?,
-        exposure: ExposureTimes { macbeth_s: chart.time_s, edge_s: edge.time_s, zone_plate_s: zone.time_s },
+        exposure: ExposureTimes {
+            macbeth_s: chart.exposure.time_s,
+            edge_s: edge.exposure.time_s,
+            zone_plate_s: zone.exposure.time_s,
+        },
         seed: settings.seed,
     };
     let pictures = EvaluationPictures {
-        macbeth: chart.noisy,
+        macbeth: noisy,
         edge: edge.clean,
         zone_plate: zone.clean,
         aliasing: aliasing.difference,
@@ -194,13 +202,25 @@ struct Target {
     key: String,
 }
 
-/// Pictures of a target.
-struct Shots {
+/// A target before the camera, and its picture without noise.
+struct Shot<'a> {
+    camera: &'a Camera,
+    image: OpticalImage,
+    exposure: Exposure,
+    isp: Classic,
     clean: Image,
-    noisy: Image,
-    reference: Image,
-    saturated_percent: f64,
-    time_s: f64,
+}
+
+impl Shot<'_> {
+    /// The capture with all noise.
+    fn noisy(&self, seed: u64) -> Result<RawImage, CameraError> {
+        Ok(self.camera.sensor.capture(&self.image, &self.exposure, NoiseMode::All, seed)?)
+    }
+
+    /// What the standard observer sees of it.
+    fn reference(&self) -> Result<Image, CameraError> {
+        self.camera.reference(&self.image)
+    }
 }
 
 impl Target {
@@ -235,24 +255,21 @@ impl Target {
         Self::new(camera, ZONE_PX, ZONE_PX, setting, "zone-plate", move |s| Ok(scene::zone_plate(&plate, s)?))
     }
 
-    fn shoot(&self, settings: &EvaluationSettings, images: OpticalImages<'_>) -> Result<Shots, CameraError> {
+    fn shoot(
+        &self,
+        settings: &EvaluationSettings,
+        images: OpticalImages<'_>,
+    ) -> Result<Shot<'_>, CameraError> {
         let camera = &self.camera;
         let make = || Ok(camera.optics.image(&(self.scene)()?)?);
         let image = images(&self.key, &make)?;
         let light = settings.illuminant.photons(camera.grid())?;
         let isp = camera.isp(&light, WhiteBalance::None)?;
         let exposure = camera.exposure(&image)?;
-        let noisy = camera.sensor.capture(&image, &exposure, NoiseMode::All, settings.seed)?;
         // Without a converter: rounding without noise would be an error of its own, which noise takes away.
         let ideal = Sensor { adc: Adc::default(), ..camera.sensor.clone() };
-        let clean = ideal.capture(&image, &exposure, NoiseMode::None, settings.seed)?;
-        Ok(Shots {
-            saturated_percent: noisy.saturated_percent(),
-            clean: isp.render(&clean)?,
-            noisy: isp.render(&noisy)?,
-            reference: camera.reference(&image)?,
-            time_s: exposure.time_s,
-        })
+        let clean = isp.render(&ideal.capture(&image, &exposure, NoiseMode::None, settings.seed)?)?;
+        Ok(Shot { camera, image, exposure, isp, clean })
     }
 }
 
@@ -262,7 +279,12 @@ struct ChartScores {
     luminance_noise_percent: Vec<f64>,
 }
 
-fn chart_scores(camera: &Camera, setting: &Setting, shots: &Shots) -> Result<ChartScores, CameraError> {
+fn chart_scores(
+    camera: &Camera,
+    setting: &Setting,
+    clean: &Image,
+    noisy: &Image,
+) -> Result<ChartScores, CameraError> {
     let rect = |i: usize| {
         let inset = (PATCH_PX - PATCH_CORE_PX) / 2;
         Rect {
@@ -277,10 +299,10 @@ fn chart_scores(camera: &Camera, setting: &Setting, shots: &Shots) -> Result<Cha
     let expected =
         macbeth::reflectances(camera.grid())?.iter().map(xyz).collect::<Result<Vec<_>, CameraError>>()?;
     let rects: Vec<Rect> = (0..expected.len()).map(rect).collect();
-    let means = patch_means(shots.clean.planes(), &rects)?;
+    let means = patch_means(clean.planes(), &rects)?;
     let measured: Vec<[f64; 3]> = means.iter().map(|m| [m[0], m[1], m[2]]).collect();
     let accuracy = color_accuracy(&measured, &expected, WHITE, LabWhite::Reference)?;
-    let greys = luminance_noise(shots.noisy.planes(), LUMINANCE, &rects[GREYS])?;
+    let greys = luminance_noise(noisy.planes(), LUMINANCE, &rects[GREYS])?;
     Ok(ChartScores {
         delta_e_76: accuracy.delta_e_76.per_patch,
         delta_e_2000: accuracy.delta_e_2000.per_patch,
@@ -295,13 +317,16 @@ fn edge_mtf50(picture: &Image) -> Result<f64, CameraError> {
 }
 
 /// Compared in linear sRGB with the light made white, where the zone plate is neutral.
-fn zone_plate_aliasing(shots: &Shots, setting: &Setting) -> Result<Aliasing, CameraError> {
+fn zone_plate_aliasing(
+    picture: &Image,
+    reference: &Image,
+    setting: &Setting,
+) -> Result<Aliasing, CameraError> {
     let white = Observer::Cie1931.xyz_from_photons(&setting.illuminant.photons(setting.grid)?)?;
     // The picture's scale is that of the exposure; the reference is brought to the same mean luminance.
     let mean = |picture: &Image| picture.planes().plane(LUMINANCE).iter().map(|&v| f64::from(v)).sum::<f64>();
-    let gain = mean(&shots.clean) / mean(&shots.reference);
-    let (picture, reference) =
-        (linear_srgb(&shots.clean, white, 1.0), linear_srgb(&shots.reference, white, gain));
+    let gain = mean(picture) / mean(reference);
+    let (picture, reference) = (linear_srgb(picture, white, 1.0), linear_srgb(reference, white, gain));
     Ok(aliasing(&picture, &reference, &SRGB_LUMINANCE)?)
 }
 
