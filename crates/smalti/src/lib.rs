@@ -3,8 +3,8 @@
 //!
 //! The modules follow the light, and each imports only from those before it:
 //!
-//! [`numeric`] → [`spectrum`] → [`color`] → [`scene`] → [`optics`] → [`sensor`] → [`isp`] → [`metrics`] →
-//! [`camera`]
+//! [`numeric`] → [`spectrum`] → [`color`] → [`scene`] → [`optics`] → [`sensor`] → [`isp`] → [`l3`] →
+//! [`metrics`] → [`camera`]
 //!
 //! | stage | from | to | unit of the result |
 //! |---|---|---|---|
@@ -12,6 +12,7 @@
 //! | [`optics`] | [`scene::Scene`] | [`optics::OpticalImage`] | photons s⁻¹ m⁻² nm⁻¹ |
 //! | [`sensor`] | [`optics::OpticalImage`] | [`sensor::RawImage`] | digital numbers |
 //! | [`isp`] | [`sensor::RawImage`] | [`color::Image`] | relative, in a stated colour space |
+//! | [`l3`] | [`sensor::RawImage`] | [`color::Image`], by a learned pipeline | relative, CIE XYZ |
 //! | [`metrics`] | images | numbers | as named |
 //!
 //! ```
@@ -36,6 +37,7 @@
 pub mod camera;
 pub mod color;
 pub mod isp;
+pub mod l3;
 pub mod metrics;
 pub mod names;
 pub mod numeric;

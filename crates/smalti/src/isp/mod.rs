@@ -8,6 +8,7 @@ mod classic;
 mod color_matrix;
 pub mod demosaic;
 mod error;
+pub(crate) mod source;
 mod white_balance;
 
 pub use classic::Classic;

@@ -24,7 +24,7 @@ pub use cfa::{Cfa, CfaError, Channel, Filter, Mosaic};
 pub use device::{Aperture, ColorArchitecture, MAX_SAMPLES, Sensor};
 pub use error::SensorError;
 pub use exposure::{AutoExposure, Exposure};
-pub use noise_model::NoiseVariance;
+pub use noise_model::{NoiseVariance, SignalNoise};
 pub use nonuniformity::NonUniformity;
 pub use pixel::{DarkCurrentTemperature, Pixel};
 pub use quantum_efficiency::{QuantumEfficiency, silicon_absorption_per_m};

@@ -1,6 +1,8 @@
 //! The variance that the noise of a pixel should have, in closed form. Tests hold captures against it, and
 //! weights for noisy data can be had without simulating.
 
+use serde::{Deserialize, Serialize};
+
 use super::{ColorArchitecture, Exposure, Sensor, SensorError};
 
 /// Variance at the converter, V², term by term, for a pixel far from saturation. Defects are not counted.
@@ -44,7 +46,70 @@ impl NoiseVariance {
     }
 }
 
+/// The variance of a normalised sample ([`super::RawImage::normalized`]: 0 at black level, 1 at white level) as a polynomial
+/// of its mean: `constant + per_signal · x + per_signal_squared · x²`, and what the pixels of a row or a column share.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SignalNoise {
+    /// Of every pixel by itself, whatever the signal: read noise, dark current, offsets, quantisation.
+    pub constant: f64,
+    /// Shot noise: variance per signal.
+    pub per_signal: f64,
+    /// Differences in gain: variance per signal².
+    pub per_signal_squared: f64,
+    /// Shared by all pixels of a row.
+    pub row: f64,
+    /// Shared by all pixels of a column.
+    pub column: f64,
+}
+
+impl SignalNoise {
+    /// Variance at a mean signal, rows and columns included. Signals below 0 count as 0.
+    #[must_use]
+    pub fn variance(&self, signal: f64) -> f64 {
+        let x = signal.max(0.0);
+        self.own(x, x * x) + self.row + self.column
+    }
+
+    /// Mean variance of a pixel by itself over signals of a mean and a mean square.
+    #[must_use]
+    pub fn own(&self, mean: f64, mean_square: f64) -> f64 {
+        self.constant + self.per_signal * mean.max(0.0) + self.per_signal_squared * mean_square
+    }
+
+    /// Whether there is none.
+    #[must_use]
+    pub fn is_none(&self) -> bool {
+        *self == Self::default()
+    }
+}
+
 impl Sensor {
+    /// The noise of normalised samples far from saturation, over the pixels of many devices.
+    ///
+    /// # Errors
+    /// As [`Sensor::noise_variance`], and when nothing lies between black and saturation.
+    pub fn signal_noise(&self, exposure: &Exposure) -> Result<SignalNoise, SensorError> {
+        let zero_v = exposure.analog_offset_v * exposure.analog_gain;
+        let range_v = self.saturation_v(exposure) - zero_v;
+        if range_v <= 0.0 {
+            return Err(SensorError::AnalogOffset { value: exposure.analog_offset_v });
+        }
+        let full_e = range_v / (self.pixel.conversion_gain_v_per_e * exposure.analog_gain);
+        let (dark, full) = (self.noise_variance(0.0, exposure)?, self.noise_variance(full_e, exposure)?);
+        let (squared, gain) = (range_v * range_v, self.nonuniformity.prnu_fraction);
+        // PRNU acts on light and dark signal: (e + d)² = e² + 2 e d + d², and d² is in `dark` already.
+        let per_signal_squared = (range_v * gain).powi(2);
+        let own = |v: &NoiseVariance| v.total() - v.row - v.column;
+        Ok(SignalNoise {
+            constant: own(&dark) / squared,
+            per_signal: (own(&full) - own(&dark) - per_signal_squared).max(0.0) / squared,
+            per_signal_squared: per_signal_squared / squared,
+            row: dark.row / squared,
+            column: dark.column / squared,
+        })
+    }
+
     /// The variance of a pixel that collects `photoelectrons` on average.
     ///
     /// # Errors

@@ -4,9 +4,10 @@
 use rayon::prelude::*;
 
 use super::super::IspError;
+use super::super::source::Source;
 use super::bayer::Bayer;
 use super::bilinear::Bilinear;
-use super::plan::{BAND_ROWS, Source};
+use super::plan::BAND_ROWS;
 use super::simd::Simd;
 use crate::numeric::mirror::about_outermost;
 use crate::sensor::Mosaic;

@@ -3,9 +3,10 @@
 use rayon::prelude::*;
 
 use super::super::IspError;
+use super::super::source::Source;
 use super::bayer::Bayer;
 use super::delaunay;
-use super::plan::{BAND_ROWS, Border, Plan, Source, Tap, bands};
+use super::plan::{BAND_ROWS, Border, Plan, Tap, bands};
 use super::simd::{BayerLines, Simd, bayer_row};
 use crate::numeric::{Planes, ShapeError};
 use crate::sensor::{Mosaic, RawImage, Sampling};

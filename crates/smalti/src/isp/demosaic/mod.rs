@@ -9,10 +9,10 @@ mod plan;
 mod simd;
 
 use super::IspError;
+use super::source::Source;
 use crate::numeric::Planes;
 use crate::sensor::{RawImage, Sampling};
 pub use bilinear::Bilinear;
-use plan::Source;
 use simd::Simd;
 
 /// How the channels a pixel has not seen are estimated.

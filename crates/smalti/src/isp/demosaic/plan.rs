@@ -8,10 +8,11 @@ use std::collections::BTreeMap;
 use rayon::prelude::*;
 
 use super::super::IspError;
+use super::super::source::Source;
 use super::simd::{LANES, LaneTap, Sample, Simd};
 use crate::numeric::ShapeError;
 use crate::numeric::mirror::about_outermost;
-use crate::sensor::{Mosaic, RawImage, RawSamples};
+use crate::sensor::Mosaic;
 
 /// Rows done by one task. Fixed, so that the work is cut the same way for any number of threads.
 pub(super) const BAND_ROWS: usize = 32;
@@ -34,78 +35,6 @@ pub(super) enum Border {
     Normalize,
     /// The image mirrored about its outermost pixels, which keeps the phase of a tile of 2 × 2.
     Mirror,
-}
-
-/// Raw samples that are normalised as they are read.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Source<'a> {
-    samples: Samples<'a>,
-    black: f32,
-    gain: f32,
-    rows: usize,
-    cols: usize,
-}
-
-#[derive(Debug, Clone, Copy)]
-enum Samples<'a> {
-    Digital(&'a [u16]),
-    Analog(&'a [f32]),
-}
-
-impl<'a> Source<'a> {
-    /// The first plane of a raw image, to be read as [`RawImage::normalized`] does.
-    pub(super) fn of(raw: &'a RawImage) -> Self {
-        let samples = match raw.samples() {
-            RawSamples::Digital(v) => Samples::Digital(v),
-            RawSamples::Analog(v) => Samples::Analog(v),
-        };
-        let gain = (1.0 / (raw.white_level() - raw.black_level())) as f32;
-        Self { samples, black: raw.black_level() as f32, gain, rows: raw.rows(), cols: raw.cols() }
-    }
-
-    /// 16-bit samples as they are.
-    pub(super) fn digital(samples: &'a [u16], rows: usize, cols: usize) -> Self {
-        Self { samples: Samples::Digital(samples), black: 0.0, gain: 1.0, rows, cols }
-    }
-
-    /// Values that are normalised already.
-    pub(super) fn normalized(values: &'a [f32], rows: usize, cols: usize) -> Self {
-        Self { samples: Samples::Analog(values), black: 0.0, gain: 1.0, rows, cols }
-    }
-
-    pub(super) fn rows(&self) -> usize {
-        self.rows
-    }
-
-    pub(super) fn cols(&self) -> usize {
-        self.cols
-    }
-
-    pub(super) fn at(&self, row: usize, col: usize) -> f32 {
-        let i = row * self.cols + col;
-        let value = match self.samples {
-            Samples::Digital(v) => f32::from(v[i]),
-            Samples::Analog(v) => v[i],
-        };
-        (value - self.black) * self.gain
-    }
-
-    /// A row, written to `out`, which has a place for each of its samples.
-    pub(super) fn read_row(&self, row: usize, out: &mut [f32]) {
-        let at = row * self.cols..(row + 1) * self.cols;
-        match self.samples {
-            Samples::Digital(v) => {
-                for (o, &x) in out.iter_mut().zip(&v[at]) {
-                    *o = (f32::from(x) - self.black) * self.gain;
-                }
-            }
-            Samples::Analog(v) => {
-                for (o, &x) in out.iter_mut().zip(&v[at]) {
-                    *o = (x - self.black) * self.gain;
-                }
-            }
-        }
-    }
 }
 
 /// The weights of a linear demosaicking method for one mosaic.
@@ -153,7 +82,7 @@ impl Plan {
         simd: Simd,
         out: &mut [T],
     ) -> Result<(), IspError> {
-        let (rows, cols, count) = (source.rows, source.cols, self.mosaic.channels());
+        let (rows, cols, count) = (source.rows(), source.cols(), self.mosaic.channels());
         let expected = rows.saturating_mul(cols).saturating_mul(count);
         if out.len() != expected {
             return Err(ShapeError { count, rows, cols, expected, got: out.len() }.into());
@@ -177,8 +106,8 @@ impl Plan {
     /// As [`Plan::apply`], the slow way.
     #[cfg(test)]
     pub(super) fn pixel_by_pixel(&self, source: Source<'_>) -> Vec<f32> {
-        let mut out = vec![0.0; source.rows * source.cols * self.mosaic.channels()];
-        for (i, mut band) in bands(&mut out, source.rows, source.cols).into_iter().enumerate() {
+        let mut out = vec![0.0; source.rows() * source.cols() * self.mosaic.channels()];
+        for (i, mut band) in bands(&mut out, source.rows(), source.cols()).into_iter().enumerate() {
             self.pixel_band(source, i * BAND_ROWS, &mut band);
         }
         out
@@ -202,12 +131,13 @@ impl Plan {
         let (mut sum, mut total, mut missing) = (0.0f32, 0.0f32, false);
         for t in self.taps(row, col, channel) {
             let (r, c) = (row as isize + t.row as isize, col as isize + t.col as isize);
-            let inside = (0..source.rows as isize).contains(&r) && (0..source.cols as isize).contains(&c);
+            let inside = (0..source.rows() as isize).contains(&r) && (0..source.cols() as isize).contains(&c);
             if inside {
                 sum += t.weight * source.at(r as usize, c as usize);
                 total += t.weight;
             } else if self.border == Border::Mirror {
-                sum += t.weight * source.at(about_outermost(r, source.rows), about_outermost(c, source.cols));
+                sum += t.weight
+                    * source.at(about_outermost(r, source.rows()), about_outermost(c, source.cols()));
             } else {
                 missing = true;
             }
@@ -221,9 +151,9 @@ impl Plan {
 
     /// The mean of the nearest samples of a channel, by growing squares.
     fn nearest(&self, source: &Source<'_>, row: usize, col: usize, channel: usize) -> f32 {
-        for ring in 1..source.rows.max(source.cols) {
-            let rows = row.saturating_sub(ring)..=(row + ring).min(source.rows - 1);
-            let cols = col.saturating_sub(ring)..=(col + ring).min(source.cols - 1);
+        for ring in 1..source.rows().max(source.cols()) {
+            let rows = row.saturating_sub(ring)..=(row + ring).min(source.rows() - 1);
+            let cols = col.saturating_sub(ring)..=(col + ring).min(source.cols() - 1);
             let square = rows.flat_map(|r| cols.clone().map(move |c| (r, c)));
             let of_channel = square.filter(|&(r, c)| self.mosaic.channel_at(r, c) == channel);
             let (n, sum) = of_channel.fold((0u32, 0.0f32), |(n, s), (r, c)| (n + 1, s + source.at(r, c)));
@@ -236,7 +166,7 @@ impl Plan {
 
     fn pixel_band<T: Sample>(&self, source: Source<'_>, first: usize, band: &mut [&mut [T]]) {
         for (channel, rows) in band.iter_mut().enumerate() {
-            for (row, out) in rows.chunks_mut(source.cols).enumerate() {
+            for (row, out) in rows.chunks_mut(source.cols()).enumerate() {
                 for (col, o) in out.iter_mut().enumerate() {
                     *o = T::from_f32(self.pixel(&source, first + row, col, channel));
                 }
@@ -255,7 +185,7 @@ impl Plan {
         band: &mut [&mut [T]],
         buffer: &mut Vec<f32>,
     ) {
-        let (rows, cols, channels) = (source.rows, source.cols, self.mosaic.channels());
+        let (rows, cols, channels) = (source.rows(), source.cols(), self.mosaic.channels());
         let (up, side) = (self.reach_rows, self.reach_cols);
         let band_rows = band.first().map_or(0, |b| b.len() / cols);
         // Row `first - up` of the image lies at the top of the buffer, whether it exists or not.

@@ -1,0 +1,178 @@
+//! What can go wrong in learning and using a pipeline.
+
+use thiserror::Error;
+
+use crate::color::ImageError;
+use crate::isp::IspError;
+use crate::numeric::ShapeError;
+
+/// A pipeline that cannot be learned, or not be used as asked.
+#[derive(Debug, Clone, PartialEq, Error)]
+#[non_exhaustive]
+pub enum L3Error {
+    /// A parameter is out of its range.
+    #[error("{name} is {value}; expected {expected}")]
+    Parameter {
+        /// Its name.
+        name: &'static str,
+        /// Its value.
+        value: f64,
+        /// The range.
+        expected: &'static str,
+    },
+    /// An axis of classes has no members.
+    #[error("the class axis '{axis}' has no members; at least one is needed")]
+    EmptyAxis {
+        /// Which axis.
+        axis: &'static str,
+    },
+    /// The cut points of the levels do not fit.
+    #[error("cut points of levels: {reason}")]
+    Levels {
+        /// What is wrong with them.
+        reason: String,
+    },
+    /// No patch has been seen.
+    #[error("there is nothing to learn from: no patch of {side} × {side} pixels has been seen")]
+    Empty {
+        /// Side of the patch.
+        side: usize,
+    },
+    /// A position of the mosaic has not been seen, not even by symmetry.
+    #[error("no patch around cell ({row}, {col}) of the mosaic has been seen")]
+    UnseenPosition {
+        /// Row of the cell.
+        row: usize,
+        /// Column of the cell.
+        col: usize,
+    },
+    /// The raw image samples every channel at every pixel.
+    #[error("the raw image has every channel at every pixel; learned pipelines are for mosaics")]
+    NoMosaic,
+    /// The raw image has another mosaic than the pipeline was learned for.
+    #[error(
+        "the raw image has a mosaic of {got_rows} × {got_cols} with channels {got}, the pipeline is for {rows} × {cols} with channels {expected}"
+    )]
+    Mosaic {
+        /// Rows of the pipeline's tile.
+        rows: usize,
+        /// Columns of the pipeline's tile.
+        cols: usize,
+        /// Its channels, as its tile lists them.
+        expected: String,
+        /// Rows of the image's tile.
+        got_rows: usize,
+        /// Columns of the image's tile.
+        got_cols: usize,
+        /// Its channels.
+        got: String,
+    },
+    /// The raw image is smaller than the patch or the tile.
+    #[error(
+        "the image is {rows} × {cols} pixels; at least {need_rows} × {need_cols} are needed (patch and tile)"
+    )]
+    Size {
+        /// Its rows.
+        rows: usize,
+        /// Its columns.
+        cols: usize,
+        /// Rows needed.
+        need_rows: usize,
+        /// Columns needed.
+        need_cols: usize,
+    },
+    /// Black or white level are not those that the pipeline was learned for.
+    #[error(
+        "the raw image has black level {got_black} and white level {got_white}; the pipeline was learned for {black} and {white}"
+    )]
+    RawLevels {
+        /// Black level of the pipeline.
+        black: f64,
+        /// White level of the pipeline.
+        white: f64,
+        /// Black level of the image.
+        got_black: f64,
+        /// White level of the image.
+        got_white: f64,
+    },
+    /// The fixed-point path reads digital numbers.
+    #[error("the fixed-point path needs digital numbers; this raw image is in volts")]
+    NotDigital,
+    /// Two images of a pair differ in size.
+    #[error("the raw image is {rows} × {cols} pixels, {what} {got_rows} × {got_cols}")]
+    PairSize {
+        /// The other image.
+        what: &'static str,
+        /// Rows of the raw image.
+        rows: usize,
+        /// Columns of the raw image.
+        cols: usize,
+        /// Rows of the other.
+        got_rows: usize,
+        /// Columns of the other.
+        got_cols: usize,
+    },
+    /// The target has another number of planes than there are outputs.
+    #[error("the target has {got} planes; {expected} outputs are learned")]
+    Outputs {
+        /// Outputs.
+        expected: usize,
+        /// Planes.
+        got: usize,
+    },
+    /// A value is NaN or infinite.
+    #[error("{what} is {value} at row {row}, column {col}; a finite number was expected")]
+    Value {
+        /// Where it stands: the target's plane, or the raw image.
+        what: String,
+        /// Row, from 0.
+        row: usize,
+        /// Column, from 0.
+        col: usize,
+        /// The value.
+        value: f32,
+    },
+    /// Statistics or tables that were made with different axes, outputs or noise.
+    #[error("the two do not belong together: {what} differ")]
+    Mismatch {
+        /// What differs.
+        what: &'static str,
+    },
+    /// The parts of a table do not fit each other.
+    #[error("the learned table is inconsistent: {reason}")]
+    Table {
+        /// What does not fit.
+        reason: String,
+    },
+    /// A class has no positive definite system, even after regularisation.
+    #[error("the normal equations of class {class} cannot be solved")]
+    Singular {
+        /// Its index.
+        class: usize,
+    },
+    /// The picture of a pipeline with another number of outputs than three was asked for.
+    #[error("the pipeline has {got} outputs; a picture has three: use `render_planes`")]
+    NotAPicture {
+        /// Its outputs.
+        got: usize,
+    },
+    /// A buffer does not match its shape.
+    #[error(transparent)]
+    Shape(#[from] ShapeError),
+    /// The picture could not be made.
+    #[error(transparent)]
+    Image(#[from] ImageError),
+    /// The raw image cannot be processed.
+    #[error(transparent)]
+    Isp(#[from] IspError),
+}
+
+/// A number within a range, or the error that says so.
+pub(super) fn within(
+    name: &'static str,
+    value: f64,
+    range: std::ops::RangeInclusive<f64>,
+    expected: &'static str,
+) -> Result<f64, L3Error> {
+    if range.contains(&value) { Ok(value) } else { Err(L3Error::Parameter { name, value, expected }) }
+}

@@ -1,0 +1,135 @@
+//! Cut points of the response level.
+
+use serde::{Deserialize, Serialize};
+
+use super::L3Error;
+use super::error::within;
+use crate::sensor::SignalNoise;
+
+/// Most levels there may be.
+const MAX_LEVELS: usize = 256;
+
+/// Cut points between levels of the mean response of a patch, normalised (1 at white level), ascending. Level `i` lies from
+/// cut `i − 1` to cut `i`; the first reaches down, the last up without end.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "Vec<f32>", into = "Vec<f32>")]
+pub struct Levels(Vec<f32>);
+
+impl Levels {
+    /// Levels between given cut points: one more than there are cuts.
+    ///
+    /// # Errors
+    /// When a cut is not finite, they do not ascend, or there are more than 255.
+    pub fn new(cuts: Vec<f32>) -> Result<Self, L3Error> {
+        let wrong = |reason: String| Err(L3Error::Levels { reason });
+        if cuts.len() >= MAX_LEVELS {
+            return wrong(format!("{} of them; at most {} are possible", cuts.len(), MAX_LEVELS - 1));
+        }
+        if let Some(cut) = cuts.iter().find(|c| !c.is_finite()) {
+            return wrong(format!("{cut} is not a finite number"));
+        }
+        match cuts.windows(2).find(|w| w[0] >= w[1]) {
+            Some(w) => wrong(format!("{} comes before {}; they must ascend", w[0], w[1])),
+            None => Ok(Self(cuts)),
+        }
+    }
+
+    /// `count` levels in equal ratios from `least` to `most`: all that is below `least` is in the first level, all above
+    /// `most` in the last.
+    ///
+    /// # Errors
+    /// When there are none or too many, or the range is empty.
+    pub fn logarithmic(count: usize, least: f64, most: f64) -> Result<Self, L3Error> {
+        if count == 0 {
+            return Err(L3Error::EmptyAxis { axis: "level" });
+        }
+        within("levels", count as f64, 1.0..=MAX_LEVELS as f64, "1 to 256")?;
+        within(
+            "the lowest cut between levels",
+            least,
+            f64::MIN_POSITIVE..=most / 1.001,
+            "above 0 and below the highest",
+        )?;
+        let last = count.saturating_sub(2).max(1) as f64;
+        let cut = |i: usize| (least * (most / least).powf(i as f64 / last)) as f32;
+        Self::new((0..count - 1).map(cut).collect())
+    }
+
+    /// `count` levels whose widths are equal in standard deviations of the noise: ∫ dx / σ(x) from 0 to `most` is cut
+    /// into equal parts. Narrow where noise is small, wide where it is large.
+    ///
+    /// # Errors
+    /// As [`Levels::logarithmic`], and when the noise has no variance.
+    pub fn noise_steps(count: usize, noise: &SignalNoise, most: f64) -> Result<Self, L3Error> {
+        if count == 0 {
+            return Err(L3Error::EmptyAxis { axis: "level" });
+        }
+        within("levels", count as f64, 1.0..=MAX_LEVELS as f64, "1 to 256")?;
+        within("the highest cut between levels", most, 1e-6..=1e3, "1e-6 to 1000")?;
+        if noise.variance(0.0) <= 0.0 {
+            return Err(L3Error::Levels { reason: "equal steps of noise need noise in the dark".into() });
+        }
+        // The integral by the midpoint rule on a grid that is fine near the dark.
+        const STEPS: usize = 4096;
+        let at = |i: usize| most * (i as f64 / STEPS as f64).powi(2);
+        let mut sums = vec![0.0];
+        for i in 0..STEPS {
+            let (a, b) = (at(i), at(i + 1));
+            let total = sums[i] + (b - a) / noise.variance(f64::midpoint(a, b)).sqrt();
+            sums.push(total);
+        }
+        let total = sums[STEPS];
+        let cut = |i: usize| {
+            let wanted = total * i as f64 / count as f64;
+            let j = sums.partition_point(|&s| s < wanted).clamp(1, STEPS);
+            let share = (wanted - sums[j - 1]) / (sums[j] - sums[j - 1]);
+            (at(j - 1) + share * (at(j) - at(j - 1))) as f32
+        };
+        Self::new((1..count).map(cut).collect())
+    }
+
+    /// Number of levels.
+    #[must_use]
+    pub fn count(&self) -> usize {
+        self.0.len() + 1
+    }
+
+    /// The cuts, ascending.
+    #[must_use]
+    pub fn cuts(&self) -> &[f32] {
+        &self.0
+    }
+
+    /// The level of a mean response.
+    #[must_use]
+    pub fn level_of(&self, mean: f32) -> usize {
+        self.0.partition_point(|&cut| cut <= mean)
+    }
+
+    /// A response in the middle (geometrically) of a level; at the ends half a step beyond the last cut.
+    #[must_use]
+    pub fn middle(&self, level: usize) -> f64 {
+        let cut = |i: usize| f64::from(self.0[i]);
+        match self.0.len() {
+            0 => 0.5,
+            1 => cut(0) * if level == 0 { 0.5 } else { 1.5 },
+            n if level == 0 => cut(0) / (cut(1) / cut(0)).sqrt().min(2.0) * f64::from(u8::from(n > 0)),
+            n if level >= n => cut(n - 1) * (cut(n - 1) / cut(n - 2)).sqrt().min(2.0),
+            _ => (cut(level - 1) * cut(level)).sqrt(),
+        }
+    }
+}
+
+impl TryFrom<Vec<f32>> for Levels {
+    type Error = L3Error;
+
+    fn try_from(cuts: Vec<f32>) -> Result<Self, L3Error> {
+        Self::new(cuts)
+    }
+}
+
+impl From<Levels> for Vec<f32> {
+    fn from(levels: Levels) -> Self {
+        levels.0
+    }
+}

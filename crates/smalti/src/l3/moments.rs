@@ -1,0 +1,70 @@
+//! Sums of products of patch and target: all that least squares needs to know of a class.
+
+/// Sums over the patches of a class of z zᵀ, where z = (1, patch, target): count, means, Gram matrix and cross-products.
+/// The upper triangle is kept, row by row.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Moments {
+    size: usize,
+    sums: Vec<f64>,
+}
+
+impl Moments {
+    /// Of nothing, for `taps` samples and `outputs` targets.
+    #[must_use]
+    pub fn new(taps: usize, outputs: usize) -> Self {
+        let size = 1 + taps + outputs;
+        Self { size, sums: vec![0.0; size * (size + 1) / 2] }
+    }
+
+    /// From the upper triangle of Σ z zᵀ, row by row. `None` when its length does not fit, a value is not finite, or the count
+    /// is not a whole number.
+    #[must_use]
+    pub fn from_sums(taps: usize, outputs: usize, sums: Vec<f64>) -> Option<Self> {
+        let size = 1 + taps + outputs;
+        let fits = sums.len() == size * (size + 1) / 2 && sums.iter().all(|s| s.is_finite());
+        let counted = sums.first().is_some_and(|n| *n >= 0.0 && n.fract() == 0.0);
+        (fits && counted).then_some(Self { size, sums })
+    }
+
+    /// The upper triangle of Σ z zᵀ, row by row.
+    #[must_use]
+    pub fn sums(&self) -> &[f64] {
+        &self.sums
+    }
+
+    /// Length of z.
+    #[must_use]
+    pub fn size(&self) -> usize {
+        self.size
+    }
+
+    /// Entry (i, j) of Σ z zᵀ, in either order.
+    #[must_use]
+    pub fn get(&self, i: usize, j: usize) -> f64 {
+        self.sums[self.place(i.min(j), i.max(j))]
+    }
+
+    /// Adds to entry (i, j), in either order.
+    pub(super) fn add_at(&mut self, i: usize, j: usize, value: f64) {
+        let place = self.place(i.min(j), i.max(j));
+        self.sums[place] += value;
+    }
+
+    /// Place of (i, j) with i ≤ j in the upper triangle.
+    fn place(&self, i: usize, j: usize) -> usize {
+        i * self.size - i * (i + 1) / 2 + j
+    }
+
+    /// Number of patches.
+    #[must_use]
+    pub fn count(&self) -> u64 {
+        self.sums[0] as u64
+    }
+
+    /// Adds another, of the same size; one of another size is left out.
+    pub fn merge(&mut self, other: &Self) {
+        if self.size == other.size {
+            self.sums.iter_mut().zip(&other.sums).for_each(|(a, b)| *a += b);
+        }
+    }
+}
