@@ -3,7 +3,9 @@
 use thiserror::Error;
 
 use crate::color::ImageError;
+use crate::color::jakob_hanika2019::UpliftError;
 use crate::isp::IspError;
+use crate::l3::L3Error;
 use crate::metrics::MetricError;
 use crate::optics::OpticsError;
 use crate::scene::SceneError;
@@ -37,6 +39,12 @@ pub enum CameraError {
     /// The processing refused.
     #[error(transparent)]
     Isp(#[from] IspError),
+    /// A learned pipeline refused.
+    #[error(transparent)]
+    L3(#[from] L3Error),
+    /// A reflectance cannot be lifted from RGB.
+    #[error(transparent)]
+    Uplift(#[from] UpliftError),
     /// A scene is impossible.
     #[error(transparent)]
     Scene(#[from] SceneError),

@@ -5,6 +5,7 @@ mod error;
 mod evaluate;
 mod photograph;
 mod resolve;
+mod training;
 
 pub use description::CameraDescription;
 pub use error::CameraError;
@@ -13,3 +14,6 @@ pub use evaluate::{
 };
 pub use photograph::{Camera, Photograph};
 pub use resolve::ExposureTime;
+pub use training::{
+    LevelRule, TrainingScene, TrainingSettings, TrainingTarget, training_reflectances, training_scenes,
+};

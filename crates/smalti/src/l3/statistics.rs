@@ -213,7 +213,9 @@ impl Statistics {
             if same { Ok(()) } else { Err(L3Error::PairSize { what, rows, cols, got_rows, got_cols }) }
         };
         size("the target", pair.target.rows(), pair.target.cols())?;
-        let levels = [raw.black_level(), raw.white_level()];
+        // The levels of later images are those of the images as seen: what is learned from may be volts.
+        let as_seen = pair.seen.unwrap_or(raw);
+        let levels = [as_seen.black_level(), as_seen.white_level()];
         if let Some(seen) = pair.seen {
             size("the image it is classified by", seen.rows(), seen.cols())?;
             if seen.sampling() != raw.sampling() {

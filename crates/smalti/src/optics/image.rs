@@ -1,5 +1,8 @@
 //! The image that the lens throws on the sensor.
 
+use rayon::prelude::*;
+
+use crate::numeric::Planes;
 use crate::spectrum::{Observer, SpectralCube, SpectrumError};
 
 /// Raised whenever a change alters the optical image of some lens and scene: what was kept of older revisions is void.
@@ -27,6 +30,22 @@ impl OpticalImage {
             });
         }
         Ok(Self { irradiance, sample_spacing_m })
+    }
+
+    /// The same image with so many times the light.
+    ///
+    /// # Errors
+    /// When the factor is negative or not finite, or takes a value beyond single precision.
+    pub fn scaled(&self, factor: f64) -> Result<Self, SpectrumError> {
+        if !(factor.is_finite() && factor >= 0.0) {
+            let expected = "0 or more, finite";
+            return Err(SpectrumError::Parameter { name: "factor", value: factor, expected });
+        }
+        let planes = self.irradiance.planes();
+        let data = planes.data().par_iter().map(|&v| (f64::from(v) * factor) as f32).collect();
+        let (rows, cols, count) = (planes.rows(), planes.cols(), planes.count());
+        let planes = Planes::new(rows, cols, count, data).map_err(SpectrumError::from)?;
+        Self::new(SpectralCube::new(self.irradiance.grid(), planes)?, self.sample_spacing_m)
     }
 
     /// Photons s⁻¹ m⁻² nm⁻¹.

@@ -81,24 +81,16 @@ impl Sensor {
         noise: NoiseMode,
         seed: u64,
     ) -> Result<RawImage, SensorError> {
-        let swing = self.pixel.voltage_swing_v;
-        let zero_v = exposure.analog_offset_v * exposure.analog_gain;
-        let saturation_v = self.saturation_v(exposure);
-        let (samples, rows, cols, black, white) = if self.adc.bits == 0 {
+        let levels = self.raw_levels(exposure)?;
+        let (samples, rows, cols) = if self.adc.bits == 0 {
             let (v, rows, cols, _) = self.read_out::<f32>(image, exposure, noise, seed)?;
-            (RawSamples::Analog(v), rows, cols, zero_v, saturation_v)
+            (RawSamples::Analog(v), rows, cols)
         } else {
             let (v, rows, cols, _) = self.read_out::<u16>(image, exposure, noise, seed)?;
-            let last = self.adc.levels() - 1.0;
-            let black = self.adc.number(zero_v, swing).clamp(0.0, last);
-            let white = self.adc.number(saturation_v, swing).round().min(last);
-            (RawSamples::Digital(v), rows, cols, black, white)
+            (RawSamples::Digital(v), rows, cols)
         };
-        if white <= black {
-            return Err(SensorError::AnalogOffset { value: exposure.analog_offset_v });
-        }
         let names = self.cfa.channels().iter().map(|c| c.name.clone()).collect();
-        Ok(RawImage::new(rows, cols, samples, self.sampling(), names, black, white)?)
+        Ok(RawImage::new(rows, cols, samples, self.sampling(), names, levels.black, levels.white)?)
     }
 
     /// Samples with rows, columns and planes.

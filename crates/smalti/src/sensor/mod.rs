@@ -16,6 +16,7 @@ mod nonuniformity;
 mod pixel;
 mod quantum_efficiency;
 mod raw;
+mod raw_levels;
 mod readout;
 
 pub use adc::Adc;
@@ -29,6 +30,7 @@ pub use nonuniformity::NonUniformity;
 pub use pixel::{DarkCurrentTemperature, Pixel};
 pub use quantum_efficiency::{QuantumEfficiency, silicon_absorption_per_m};
 pub use raw::{RawError, RawImage, RawSamples, Sampling};
+pub use raw_levels::RawLevels;
 
 /// A part of the sensor is a rectangle of pixels.
 pub use crate::numeric::Rect as Window;

@@ -90,11 +90,8 @@ impl Sensor {
     /// # Errors
     /// As [`Sensor::noise_variance`], and when nothing lies between black and saturation.
     pub fn signal_noise(&self, exposure: &Exposure) -> Result<SignalNoise, SensorError> {
-        let zero_v = exposure.analog_offset_v * exposure.analog_gain;
-        let range_v = self.saturation_v(exposure) - zero_v;
-        if range_v <= 0.0 {
-            return Err(SensorError::AnalogOffset { value: exposure.analog_offset_v });
-        }
+        let levels = self.raw_levels(exposure)?;
+        let range_v = levels.white_v - levels.black_v;
         let full_e = range_v / (self.pixel.conversion_gain_v_per_e * exposure.analog_gain);
         let (dark, full) = (self.noise_variance(0.0, exposure)?, self.noise_variance(full_e, exposure)?);
         let (squared, gain) = (range_v * range_v, self.nonuniformity.prnu_fraction);

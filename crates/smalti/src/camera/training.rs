@@ -1,0 +1,347 @@
+//! Pairs to learn from: a camera before scenes, and what should come of its raw images.
+
+use super::{Camera, CameraError};
+use crate::color::jakob_hanika2019::Uplift;
+use crate::l3::{Axes, L3Error, Levels, Pair, Statistics, Textures};
+use crate::numeric::Planes;
+use crate::optics::{OpticalImage, Optics, OpticsModel};
+use crate::scene::{self, Scene, Setting};
+use crate::sensor::{Channel, Exposure, NoiseMode};
+use crate::spectrum::{Illuminant, Observer, Spectrum, WavelengthGrid, reflectance};
+
+/// Pixels of the sensor that a scene of the default set spans, in rows and columns.
+const SCENE_PX: usize = 256;
+/// Samples of those scenes per pixel: two, so that detail beyond the sensor's Nyquist frequency is there to alias.
+const SAMPLES_PER_PX: usize = 2;
+/// The percentile of the response that exposures are counted by.
+const BRIGHT: f64 = 0.99;
+/// The most exposed of the default exposures: a third of a scene's range is clipped.
+const OVEREXPOSED: f64 = 3.0;
+/// Ratio of one default exposure to the next: close enough that every level sees the bright and the dark end of scenes.
+const EXPOSURE_RATIO: f64 = 2.5;
+/// Highest cut between levels.
+const HIGHEST_CUT: f64 = 0.85;
+
+/// What the learned pipeline should give.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub enum TrainingTarget {
+    /// CIE 1931 X, Y, Z; Y = 1 for a white diffuser that just saturates the channel that sees it brightest, as with
+    /// [`crate::isp::Classic`].
+    #[default]
+    Xyz,
+    /// What other sensors would see through the same lens: another camera, near infrared, bands of the spectrum. The
+    /// transmittances are whole sensitivities (per photon, relative); white gives 1 in the largest where it gives
+    /// Y = 1 in XYZ.
+    Channels(Vec<Channel>),
+}
+
+/// How levels are cut.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum LevelRule {
+    /// In equal ratios from half the noise of the dark to nearly full.
+    #[default]
+    Logarithmic,
+    /// In equal steps of the noise's standard deviation.
+    NoiseSteps,
+}
+
+/// How a pipeline is to be learned.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TrainingSettings {
+    /// Side of the patch, pixels: 3, 5, 7, 9 or 11.
+    pub side: usize,
+    /// Number of response levels.
+    pub levels: usize,
+    /// How they are cut.
+    pub level_rule: LevelRule,
+    /// What is told apart by structure.
+    pub textures: Textures,
+    /// What should come out.
+    pub target: TrainingTarget,
+    /// The light that the target is seen under, where it is not that of the capture: illuminant correction.
+    pub target_light: Option<Illuminant>,
+    /// Targets without the blur of the lens (pixels still have their area): the pipeline learns to sharpen.
+    pub sharp: bool,
+    /// Exposures of each scene, as the response that its 99th percentile would have (1: just saturated); empty: from three
+    /// times saturation down to the noise of the dark.
+    pub exposures: Vec<f64>,
+    /// Seed of the noise that patches are classified with.
+    pub seed: u64,
+}
+
+impl Default for TrainingSettings {
+    fn default() -> Self {
+        Self {
+            side: 5,
+            levels: 20,
+            level_rule: LevelRule::default(),
+            textures: Textures::default(),
+            target: TrainingTarget::default(),
+            target_light: None,
+            sharp: false,
+            exposures: Vec::new(),
+            seed: 1,
+        }
+    }
+}
+
+/// A scene of the default training set.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TrainingScene {
+    /// The scene's name in the catalogue, with its parameters.
+    pub spec: String,
+    /// Its light.
+    pub light: Illuminant,
+}
+
+/// The default training set: dead leaves of natural and of saturated colours at several scales, edges, rays, gratings,
+/// grey steps and a scene of high dynamic range, each under one of the lights in turn.
+///
+/// The built-in test scenes are not among them.
+#[must_use]
+pub fn training_scenes(lights: &[Illuminant]) -> Vec<TrainingScene> {
+    let n = SCENE_PX * SAMPLES_PER_PX;
+    let leaves = |seed: usize, least: f64, largest: usize| {
+        format!("dead-leaves?rows={n}&cols={n}&seed={seed}&least={least}&largest={largest}")
+    };
+    let scales = [(1.5, 200), (3.0, 60), (1.0, 30), (8.0, 400)];
+    let mut specs: Vec<String> = (0..16).map(|i| leaves(i + 1, scales[i % 4].0, scales[i % 4].1)).collect();
+    let patterns = [
+        format!("slanted-bar?size={}", n + 1),
+        format!("checkerboard?squares=11&square={}&contrast=50", n / 11),
+        format!("siemens-star?size={n}&cycles=36&contrast=20"),
+        format!("frequency-sweep?rows={n}&cols={n}&contrast=0.05"),
+        format!("grey-steps?steps=16&step={}&rows={n}&density=2", n / 16),
+        format!("hdr?rows={}", n * 2 / 3),
+    ];
+    specs.extend(patterns);
+    let lights = if lights.is_empty() { &[Illuminant::D65][..] } else { lights };
+    // Every light meets every scale of leaves.
+    let light = |i: usize| lights[(i + i / 4) % lights.len()].clone();
+    specs.into_iter().enumerate().map(|(i, spec)| TrainingScene { spec, light: light(i) }).collect()
+}
+
+impl TrainingScene {
+    /// The scene, as large as it is meant to be on a camera's sensor.
+    ///
+    /// # Errors
+    /// When the catalogue has no such scene.
+    pub fn build(&self, camera: &Camera) -> Result<Scene, CameraError> {
+        let grid = camera.grid();
+        let setting = Setting { illuminant: self.light.clone(), grid, ..Setting::default() };
+        let scene = scene::catalog::build(&self.spec, &setting, &training_reflectances(grid)?)?;
+        let px = scene.radiance().cols() / SAMPLES_PER_PX;
+        let deg = camera.field_of_view_deg(px.max(1), setting.distance_m)?;
+        Ok(scene.with_fov(deg)?)
+    }
+}
+
+/// Reflectances of natural objects, and as many saturated colours lifted from RGB: nature alone has few of them, and what
+/// is not trained is not rendered well.
+///
+/// # Errors
+/// When the grid is one that colours cannot be lifted on.
+pub fn training_reflectances(grid: WavelengthGrid) -> Result<Vec<Spectrum>, CameraError> {
+    let mut all: Vec<Spectrum> = reflectance::natural(grid)?.into_iter().map(|(_, s)| s).collect();
+    let uplift = Uplift::new(grid, Observer::Cie1931)?;
+    const STEPS: [f64; 5] = [0.02, 0.1, 0.28, 0.55, 0.9];
+    for r in STEPS {
+        for g in STEPS {
+            for b in STEPS {
+                all.push(uplift.reflectance(uplift.coefficients([r, g, b])));
+            }
+        }
+    }
+    Ok(all)
+}
+
+impl Camera {
+    /// The exposure that training is for: the stated one, or that which the camera finds before a white field of 100 cd/m².
+    ///
+    /// # Errors
+    /// When none can be found.
+    pub fn nominal_exposure(&self) -> Result<Exposure, CameraError> {
+        let setting = Setting { grid: self.grid(), ..Setting::default() };
+        let white = scene::uniform(8, 8, &setting)?;
+        let camera = self.with_size(4, 4);
+        camera.exposure(&camera.optics.image(&white)?)
+    }
+
+    /// Electrons per photon of the light, per channel, and luminance, per photon: what white gives.
+    fn white_response(&self, light: &Spectrum) -> Result<(Vec<f64>, f64), CameraError> {
+        let lens = self.optics.transmittance_on(self.grid())?;
+        let seen = light.times(&lens)?;
+        let channels = self.sensor.spectral_responsivity_on(self.grid())?;
+        let response = |s: &Spectrum| Ok::<f64, CameraError>(s.times(&seen)?.integral());
+        let luminance = response(&Observer::Cie1931.photon_weights(self.grid())?[1])?;
+        Ok((channels.iter().map(response).collect::<Result<_, _>>()?, luminance))
+    }
+
+    /// The classes that a pipeline for this camera tells apart, levels cut for white under a light (photons).
+    ///
+    /// # Errors
+    /// When a setting is impossible for the camera.
+    pub fn training_axes(&self, settings: &TrainingSettings, light: &Spectrum) -> Result<Axes, CameraError> {
+        let noise = self.sensor.signal_noise(&self.nominal_exposure()?)?;
+        let dark = noise.variance(0.0).sqrt();
+        let levels = match settings.level_rule {
+            LevelRule::Logarithmic => {
+                Levels::logarithmic(settings.levels, (dark / 2.0).max(1e-5), HIGHEST_CUT)?
+            }
+            LevelRule::NoiseSteps => Levels::noise_steps(settings.levels, &noise, HIGHEST_CUT)?,
+        };
+        let (white, _) = self.white_response(light)?;
+        let brightest = white.iter().copied().fold(0.0, f64::max);
+        // A channel that does not see the light, such as infrared under LED, has levels of its own noise.
+        let white: Vec<f64> = white.iter().map(|w| w.max(1e-3 * brightest)).collect();
+        let axes = Axes::new(self.sensor.cfa.mosaic().clone(), settings.side, levels, noise)?;
+        Ok(axes.with_levels_by_position(&white)?.with_textures(settings.textures))
+    }
+
+    /// Statistics of nothing yet, for pairs of [`Camera::train_on`].
+    ///
+    /// # Errors
+    /// As [`Camera::training_axes`].
+    pub fn training_statistics(
+        &self,
+        settings: &TrainingSettings,
+        light: &Spectrum,
+    ) -> Result<Statistics, CameraError> {
+        let outputs = match &settings.target {
+            TrainingTarget::Xyz => ["X", "Y", "Z"].map(String::from).to_vec(),
+            TrainingTarget::Channels(channels) => channels.iter().map(|c| c.name.clone()).collect(),
+        };
+        Ok(Statistics::new(self.training_axes(settings, light)?, outputs, false)?)
+    }
+
+    /// Adds a scene at every exposure: patches without noise, classified with it, and what the target sensitivities see
+    /// of the same pixels. `item` names the scene among others, so that each has noise of its own.
+    ///
+    /// # Errors
+    /// When a stage refuses.
+    pub fn train_on(
+        &self,
+        statistics: &mut Statistics,
+        scene: &Scene,
+        settings: &TrainingSettings,
+        item: u64,
+    ) -> Result<(), CameraError> {
+        let mut camera = self.with_scene_size(scene)?;
+        camera.sensor.window = None;
+        let exposure = camera.nominal_exposure()?;
+        let image = camera.optics.image(scene)?;
+        let target = camera.training_target(scene, &image, settings, &exposure)?;
+        let (base, bright) = camera.bright_response(&image, &exposure)?;
+        let exposures = if settings.exposures.is_empty() {
+            let dark = statistics.axes().noise().variance(0.0).sqrt().max(1e-4);
+            let steps = ((OVEREXPOSED / (2.0 * dark)).ln() / EXPOSURE_RATIO.ln()).ceil().max(0.0) as i32;
+            (0..=steps).map(|i| OVEREXPOSED / EXPOSURE_RATIO.powi(i)).collect()
+        } else {
+            settings.exposures.clone()
+        };
+        for (i, response) in exposures.into_iter().enumerate() {
+            let factor = base * response / bright;
+            let lit = image.scaled(factor)?;
+            let ideal = camera.sensor.capture_ideal(&lit, &exposure)?;
+            let seed = settings.seed.wrapping_add((item << 16) + i as u64);
+            let seen = camera.sensor.capture(&lit, &exposure, NoiseMode::All, seed)?;
+            let target = scaled(&target, factor)?;
+            statistics.add(&Pair { raw: &ideal, seen: Some(&seen), target: &target })?;
+        }
+        Ok(())
+    }
+
+    fn reference_as_exposed(
+        &self,
+        image: &OpticalImage,
+        exposure: &Exposure,
+        light: &Spectrum,
+    ) -> Result<crate::color::Image, CameraError> {
+        let (white, y) = self.white_response(light)?;
+        let levels = self.sensor.raw_levels(exposure)?;
+        let per_e = self.sensor.pixel.conversion_gain_v_per_e * exposure.analog_gain * exposure.time_s
+            / (levels.white_v - levels.black_v);
+        let largest =
+            Observer::Cie1931.photon_weights(self.grid())?.iter().map(Spectrum::max).fold(0.0, f64::max);
+        let k = white.iter().copied().fold(0.0, f64::max) * per_e / (y / largest * 1e-9);
+        let i = self.reference(image)?;
+        Ok(crate::color::Image::new(i.space(), scaled(i.planes(), k)?)?)
+    }
+
+    fn seen_as_exposed(
+        &self,
+        _image: &OpticalImage,
+        _channels: &[Channel],
+        _exposure: &Exposure,
+        _light: &Spectrum,
+    ) -> Result<Planes, CameraError> {
+        Err(L3Error::NoMosaic.into())
+    }
+
+    /// The camera with as many pixels as a scene covers.
+    fn with_scene_size(&self, scene: &Scene) -> Result<Self, CameraError> {
+        let large = self.with_size(1 << 14, 1 << 14);
+        let window = large.window_on(scene)?;
+        Ok(self.with_size(window.rows, window.cols))
+    }
+
+    /// Targets at the light of the scene, one plane per output.
+    fn training_target(
+        &self,
+        scene: &Scene,
+        image: &OpticalImage,
+        settings: &TrainingSettings,
+        exposure: &Exposure,
+    ) -> Result<Planes, CameraError> {
+        let light = scene.illuminant();
+        let own;
+        let image = if settings.sharp || settings.target_light.is_some() {
+            let optics = match settings.sharp {
+                true => Optics { model: OpticsModel::Pinhole, ..self.optics.clone() },
+                false => self.optics.clone(),
+            };
+            let scene = match &settings.target_light {
+                Some(other) => relit_white(scene, other)?,
+                None => scene.clone(),
+            };
+            own = optics.image(&scene)?;
+            &own
+        } else {
+            image
+        };
+        match &settings.target {
+            TrainingTarget::Xyz => Ok(self.reference_as_exposed(image, exposure, light)?.into_planes()),
+            TrainingTarget::Channels(channels) => self.seen_as_exposed(image, channels, exposure, light),
+        }
+    }
+
+    /// A factor on the light at which little clips, and the bright end of the response there.
+    fn bright_response(&self, image: &OpticalImage, exposure: &Exposure) -> Result<(f64, f64), CameraError> {
+        let mut factor = 1.0;
+        for _ in 0..12 {
+            let raw = self.sensor.capture_ideal(&image.scaled(factor)?, exposure)?;
+            let mut values = raw.normalized();
+            let at = ((values.len() - 1) as f64 * BRIGHT) as usize;
+            let (_, &mut bright, _) = values.select_nth_unstable_by(at, f32::total_cmp);
+            if bright > 0.0 && bright < 0.98 {
+                return Ok((factor, f64::from(bright)));
+            }
+            factor *= if bright > 0.0 { 0.01 } else { 1e4 };
+        }
+        Err(L3Error::Empty { side: 0 }.into())
+    }
+}
+
+/// The scene under another light, as bright for a white diffuser as it was.
+fn relit_white(scene: &Scene, other: &Illuminant) -> Result<Scene, CameraError> {
+    let y = &Observer::Cie1931.photon_weights(scene.radiance().grid())?[1];
+    let white = |s: &Scene| Ok::<f64, CameraError>(s.illuminant().times(y)?.integral());
+    let (before, lit) = (white(scene)?, scene.clone().relit(other)?);
+    let luminance = lit.mean_luminance_cd_m2()? * before / white(&lit)?;
+    Ok(lit.with_mean_luminance(luminance)?)
+}
+
+fn scaled(planes: &Planes, factor: f64) -> Result<Planes, CameraError> {
+    let data = planes.data().iter().map(|&v| (f64::from(v) * factor) as f32).collect();
+    Ok(Planes::new(planes.rows(), planes.cols(), planes.count(), data).map_err(L3Error::from)?)
+}

@@ -1,0 +1,61 @@
+//! The levels that raw samples are read by.
+
+use super::{Exposure, NoiseMode, RawImage, RawSamples, Sensor, SensorError};
+use crate::optics::OpticalImage;
+
+/// Black and white level of a capture.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RawLevels {
+    /// Sample without signal: digital number, or V without a converter.
+    pub black: f64,
+    /// Sample at saturation (full well, swing, or the converter's last number), in the same unit.
+    pub white: f64,
+    /// Volts at the converter of the black level.
+    pub black_v: f64,
+    /// Volts at the converter of the white level.
+    pub white_v: f64,
+}
+
+impl Sensor {
+    /// Black and white level of captures with an exposure.
+    ///
+    /// # Errors
+    /// When the analog offset leaves nothing between them.
+    pub fn raw_levels(&self, exposure: &Exposure) -> Result<RawLevels, SensorError> {
+        let zero_v = exposure.analog_offset_v * exposure.analog_gain;
+        let saturation_v = self.saturation_v(exposure);
+        let levels = if self.adc.bits == 0 {
+            RawLevels { black: zero_v, white: saturation_v, black_v: zero_v, white_v: saturation_v }
+        } else {
+            let (swing, last) = (self.pixel.voltage_swing_v, self.adc.levels() - 1.0);
+            let volts = |number: f64| (number - self.adc.black_level_dn) * swing / self.adc.levels();
+            let black = self.adc.number(zero_v, swing).clamp(0.0, last);
+            let white = self.adc.number(saturation_v, swing).round().min(last);
+            RawLevels { black, white, black_v: volts(black), white_v: volts(white) }
+        };
+        if levels.white > levels.black {
+            Ok(levels)
+        } else {
+            Err(SensorError::AnalogOffset { value: exposure.analog_offset_v })
+        }
+    }
+
+    /// What an exact converter of the same levels would give without noise: volts at [`RawLevels`] of this sensor,
+    /// so that its [`RawImage::normalized`] is that of a digital capture before rounding.
+    ///
+    /// # Errors
+    /// As [`Sensor::capture`].
+    pub fn capture_ideal(&self, image: &OpticalImage, exposure: &Exposure) -> Result<RawImage, SensorError> {
+        let levels = self.raw_levels(exposure)?;
+        let analog = Self { adc: super::Adc::default(), ..self.clone() };
+        let raw = analog.capture(image, exposure, NoiseMode::None, 0)?;
+        let (rows, cols, names) = (raw.rows(), raw.cols(), raw.channel_names().to_vec());
+        let (black, white) = (levels.black_v, levels.white_v);
+        let samples = match raw.samples() {
+            RawSamples::Analog(v) => v.iter().map(|&v| v.min(white as f32)).collect(),
+            RawSamples::Digital(v) => v.iter().map(|&v| f32::from(v)).collect(),
+        };
+        let sampling = raw.sampling().clone();
+        Ok(RawImage::new(rows, cols, RawSamples::Analog(samples), sampling, names, black, white)?)
+    }
+}
