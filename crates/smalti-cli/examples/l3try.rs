@@ -3,8 +3,7 @@ use smalti::spectrum::*;
 use std::time::Instant;
 fn main() {
     let name = std::env::args().nth(1).unwrap_or("bayer".into());
-    let camera =
-        smalti_io::cameras::load(&name, &[], WavelengthGrid::VISIBLE).map_err(|e| e.to_string()).unwrap();
+    let camera = smalti_io::cameras::load(&name, &[], None).map_err(|e| e.to_string()).unwrap();
     let settings = TrainingSettings::default();
     let light = Illuminant::D65.photons(camera.grid()).unwrap();
     let mut s = camera.training_statistics(&settings, &light).unwrap();

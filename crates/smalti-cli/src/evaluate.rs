@@ -8,7 +8,6 @@ use smalti::camera::{Camera, CameraError, Evaluation, EvaluationPictures, Evalua
 use smalti::color::{ColorSpace, Image};
 use smalti::numeric::Planes;
 use smalti::optics::{OPTICAL_IMAGE_REVISION, OpticalImage};
-use smalti::spectrum::WavelengthGrid;
 use smalti_io::cache::{Cache, KeyBuilder};
 use smalti_io::picture::{self, Depth};
 use smalti_io::write;
@@ -22,7 +21,7 @@ pub(crate) fn run(args: &Evaluate, common: &Common) -> anyhow::Result<()> {
     let cameras = args
         .cameras
         .iter()
-        .map(|name| resolve::camera(name, &args.camera_options, WavelengthGrid::VISIBLE))
+        .map(|name| resolve::camera(name, &args.camera_options, None))
         .collect::<anyhow::Result<Vec<Camera>>>()?;
     let cache = if args.no_cache { Cache::disabled() } else { Cache::open(None) };
     let progress = Progress::new((cameras.len() * args.luminance.len()) as u64, common.quiet);

@@ -13,8 +13,12 @@ use smalti_io::{cameras, exr, picture, spectrum_csv};
 
 use crate::args::{CameraOptions, SceneOptions};
 
-/// A camera by name or file, with the overrides of the command line, for scenes on a wavelength grid.
-pub(crate) fn camera(name: &str, options: &CameraOptions, grid: WavelengthGrid) -> anyhow::Result<Camera> {
+/// A camera by name or file, with the overrides of the command line, for scenes on a wavelength grid; `None`: its own.
+pub(crate) fn camera(
+    name: &str,
+    options: &CameraOptions,
+    grid: Option<WavelengthGrid>,
+) -> anyhow::Result<Camera> {
     cameras::load(name, &options.overrides, grid).map_err(|e| anyhow::anyhow!("{e}"))
 }
 
@@ -26,6 +30,13 @@ pub(crate) fn illuminant(name: &str) -> anyhow::Result<Illuminant> {
         return Ok(Illuminant::Measured { name: name.to_owned(), power });
     }
     Ok(Illuminant::from_name(name)?)
+}
+
+/// The wavelengths that a scene is asked for: those that were typed, else those that the camera states.
+pub(crate) fn scene_for(name: &str, options: &SceneOptions, camera: &Camera) -> anyhow::Result<Scene> {
+    let typed = options.wavelengths.as_deref().map(wavelengths).transpose()?;
+    let stated = camera.description().wavelengths_nm.map(|_| camera.grid());
+    scene_on(name, options, typed.or(stated))
 }
 
 /// The setting of a scene: what was typed, then the defaults.
@@ -42,7 +53,11 @@ fn setting(options: &SceneOptions, grid: WavelengthGrid) -> anyhow::Result<Setti
 
 /// A scene by name or file.
 pub(crate) fn scene(name: &str, options: &SceneOptions) -> anyhow::Result<Scene> {
-    let grid = options.wavelengths.as_deref().map(wavelengths).transpose()?;
+    scene_on(name, options, options.wavelengths.as_deref().map(wavelengths).transpose()?)
+}
+
+/// A scene by name or file, on a wavelength grid if one is given.
+fn scene_on(name: &str, options: &SceneOptions, grid: Option<WavelengthGrid>) -> anyhow::Result<Scene> {
     let setting = setting(options, grid.unwrap_or_default())?;
     let path = Path::new(name);
     if !is_file(name) {

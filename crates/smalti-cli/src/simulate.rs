@@ -33,8 +33,9 @@ const BYTES_PER_PIXEL: u64 = 120;
 pub(crate) fn run(args: &Simulate, common: &Common) -> anyhow::Result<()> {
     let progress = Progress::new(4, common.quiet);
     progress.begin("scene");
-    let scene = resolve::scene(&args.scene, &args.scene_options)?;
-    let mut camera = resolve::camera(&args.camera, &args.camera_options, scene.radiance().grid())?;
+    let camera = resolve::camera(&args.camera, &args.camera_options, None)?;
+    let scene = resolve::scene_for(&args.scene, &args.scene_options, &camera)?;
+    let mut camera = resolve::camera(&args.camera, &args.camera_options, Some(scene.radiance().grid()))?;
     let scene = fitted(scene, args, &camera)?;
     progress.done();
     progress.begin("optics");

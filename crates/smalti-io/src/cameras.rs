@@ -39,6 +39,9 @@ static CAMERAS: &[CameraInfo] = &[
     builtin!("clarity", "The L³ slides' camera, RCCB as in Aptina Clarity+"),
     builtin!("kodak", "The L³ slides' camera, Kodak's panchromatic 4 × 4"),
     builtin!("wang", "The L³ slides' camera, Wang et al. 2011, 5 × 5"),
+    builtin!("rgbx", "The L³ slides' camera, RGB and near infrared"),
+    builtin!("rgbcmy", "The L³ slides' camera, six colours in 3 × 2"),
+    builtin!("medical", "The L³ slides' camera, RGB and a narrow band for medical imaging"),
     builtin!("table1", "\"Resolution in Color Filter Array Images\", table 1"),
     builtin!("phone", "A phone of 2020: 1 µm pixels at f/1.8"),
 ];
@@ -49,11 +52,15 @@ pub fn names() -> &'static [CameraInfo] {
     CAMERAS
 }
 
-/// A camera by name or file, overrides applied, the files that it names read.
+/// A camera by name or file, overrides applied, the files that it names read; on the wavelengths given, else on its own.
 ///
 /// # Errors
 /// When there is none of that name, or a key, a value or a file does not fit; with the line where there is one.
-pub fn load(name: &str, overrides: &[Override], grid: WavelengthGrid) -> Result<Camera, Box<Diagnostic>> {
+pub fn load(
+    name: &str,
+    overrides: &[Override],
+    grid: Option<WavelengthGrid>,
+) -> Result<Camera, Box<Diagnostic>> {
     let source = source(name)?;
     let mut description = source.describe(overrides)?;
     // A file that gives no name is called by its own.
@@ -63,7 +70,8 @@ pub fn load(name: &str, overrides: &[Override], grid: WavelengthGrid) -> Result<
     }
     let wrong = |key: &str, message: &str| Box::new(about(&source, overrides, key, message));
     read_files(&mut description, &source.folder, &wrong)?;
-    Camera::new(description, grid).map_err(|e| match e {
+    let made = grid.map_or_else(|| description.grid(), Ok).and_then(|grid| Camera::new(description, grid));
+    made.map_err(|e| match e {
         CameraError::Key { key, message } => wrong(&key, &message),
         other => Box::new(Diagnostic::new(source.name.clone(), other.to_string())),
     })

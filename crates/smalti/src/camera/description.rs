@@ -6,8 +6,10 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
+use super::CameraError;
 use crate::numeric::Planes;
 use crate::sensor::Filter;
+use crate::spectrum::WavelengthGrid;
 
 /// A camera file.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -15,6 +17,9 @@ use crate::sensor::Filter;
 pub struct CameraDescription {
     /// What the camera is called.
     pub name: String,
+    /// First, step and last of the wavelengths it is simulated on, nm, where scenes do not say; absent: 400, 10, 700.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub wavelengths_nm: Option<[f64; 3]>,
     /// The lens.
     pub optics: OpticsDescription,
     /// The image sensor.
@@ -29,11 +34,30 @@ impl Default for CameraDescription {
     fn default() -> Self {
         Self {
             name: "camera".into(),
+            wavelengths_nm: None,
             optics: OpticsDescription::default(),
             sensor: SensorDescription::default(),
             exposure: ExposureDescription::default(),
             isp: IspDescription::default(),
         }
+    }
+}
+
+impl CameraDescription {
+    /// The wavelengths that the camera is simulated on where scenes do not say.
+    ///
+    /// # Errors
+    /// When the key is no uniform grid of at most 100000 wavelengths.
+    pub fn grid(&self) -> Result<WavelengthGrid, CameraError> {
+        let Some([start, step, end]) = self.wavelengths_nm else { return Ok(WavelengthGrid::VISIBLE) };
+        let wrong = |message: String| CameraError::Key { key: "wavelengths_nm".into(), message };
+        let steps = ((end - start) / step).round();
+        if !(0.0..=1e5).contains(&steps) {
+            return Err(wrong(format!(
+                "[{start}, {step}, {end}]; expected [first, step, last] in nm, such as [400, 10, 700]"
+            )));
+        }
+        WavelengthGrid::new(start, step, steps as usize + 1).map_err(|e| wrong(e.to_string()))
     }
 }
 
