@@ -24,6 +24,7 @@ mod window;
 
 pub use axes::{Axes, ClassKey, MAX_SIDE, Textures};
 pub use error::L3Error;
+pub use lattice::ContrastPairs;
 pub use levels::Levels;
 pub use moments::Moments;
 pub use pipeline::{Class, Kernels, Origin, Pipeline, PipelineParts};

@@ -132,6 +132,12 @@ impl Pipeline {
         if saturations.first() != Some(&0) || saturations.windows(2).any(|w| w[0] >= w[1]) {
             return wrong("the saturation axis must ascend from 0".into());
         }
+        let channels = axes.mosaic().channels();
+        if saturations.last().is_some_and(|&mask| u64::from(mask) >> channels != 0) {
+            return wrong(format!(
+                "a combination of saturated channels names one beyond the {channels} there are"
+            ));
+        }
         if outputs.is_empty() || outputs.len() > 64 {
             return wrong(format!("{} outputs; 1 to 64 expected", outputs.len()));
         }
