@@ -1,12 +1,12 @@
 //! Classification of a row of pixels at a time, in vectors of columns.
 
-use super::lattice::{ContrastPairs, Shift};
+use super::lattice::{self, Shift};
 use super::window::{LANES, Window};
 use super::{Axes, Textures};
 use crate::numeric::simd::{Kernel, dispatch};
 
 /// Edges count as such when their structure tensor is this coherent: (λ₁ − λ₂) / (λ₁ + λ₂) of its eigenvalues.
-const COHERENT: f32 = Textures::EDGE_COHERENCE as f32;
+const COHERENT: f32 = 0.5;
 
 /// What classification of a row gives, one value per column.
 #[derive(Debug, Default)]
@@ -35,8 +35,9 @@ struct Scratch {
 pub(super) struct Classifier {
     axes: Axes,
     half: usize,
-    /// Differences between samples of like channels.
-    pairs: [ContrastPairs; 2],
+    /// Differences between samples of like channels: the shift, and the rows and columns (inclusive, relative to
+    /// the centre) of the patch that they start from.
+    pairs: [Pairs; 2],
     /// From differences along the two shifts to those along rows and columns, per pixel.
     gradient: [[f32; 2]; 2],
     /// Per row of the tile and cut: the cut for each column of a run that repeats with tile and lanes.
@@ -46,11 +47,46 @@ pub(super) struct Classifier {
     bits: Vec<Vec<u32>>,
 }
 
+#[derive(Debug, Clone, Copy)]
+struct Pairs {
+    shift: Shift,
+    rows: [isize; 2],
+    cols: [isize; 2],
+}
+
+impl Pairs {
+    fn new(shift: Shift, half: usize) -> Self {
+        // Both ends within the patch; where the shift is longer than the patch, in the middle of it.
+        let span = |s: isize| {
+            let half = half as isize;
+            let (from, to) = ((-half).max(-half - s), half.min(half - s));
+            if from <= to { [from, to] } else { [-s.div_euclid(2), -s.div_euclid(2)] }
+        };
+        Self { shift, rows: span(shift[0]), cols: span(shift[1]) }
+    }
+
+    fn count(&self) -> usize {
+        ((self.rows[1] - self.rows[0] + 1) * (self.cols[1] - self.cols[0] + 1)) as usize
+    }
+
+    /// How far beyond the centre samples are read, in rows and columns.
+    fn reach(&self) -> [usize; 2] {
+        let far = |span: [isize; 2], s: isize| {
+            [span[0], span[1], span[0] + s, span[1] + s]
+                .map(isize::unsigned_abs)
+                .into_iter()
+                .max()
+                .unwrap_or(0)
+        };
+        [far(self.rows, self.shift[0]), far(self.cols, self.shift[1])]
+    }
+}
+
 impl Classifier {
     pub(super) fn new(axes: &Axes) -> Self {
         let half = axes.side() / 2;
-        let pairs = axes.contrast_pairs();
-        let [[a, b], [c, d]] = pairs.map(|p| p.shift).map(|s| s.map(|v| v as f32));
+        let shifts = lattice::basis(axes.mosaic());
+        let [[a, b], [c, d]] = shifts.map(|s| s.map(|v| v as f32));
         let det = a * d - b * c;
         let (tile_rows, tile_cols) = (axes.mosaic().rows(), axes.mosaic().cols());
         // The least common multiple of tile width and lanes, which are a power of two.
@@ -65,7 +101,7 @@ impl Classifier {
         };
         Self {
             half,
-            pairs,
+            pairs: shifts.map(|s| Pairs::new(s, half)),
             // The shifts are the rows of a matrix that takes gradients to differences; this is its inverse.
             gradient: [[d / det, -b / det], [-c / det, a / det]],
             cuts: (0..tile_rows).map(|row| cuts_of(row).collect()).collect(),
@@ -182,8 +218,14 @@ impl Classifier {
                 contrast.iter_mut().zip(from).for_each(|(o, &d)| *o += d);
             }
         }
-        let count = self.pairs.iter().map(ContrastPairs::count).sum::<usize>() as f32;
-        let [v0, v1, v2] = self.axes.contrast_limit().map(|v| v as f32 * count * count);
+        let count = self.pairs.iter().map(Pairs::count).sum::<usize>() as f32;
+        let noise = self.axes.noise();
+        let (over_noise, fraction) = self.axes.contrast();
+        // Of the difference of two normal numbers of variance σ² the mean is 2σ / √π.
+        let scale = (over_noise * over_noise * 4.0 / std::f64::consts::PI) as f32 * count * count;
+        let [v0, v1] =
+            [noise.constant + noise.row + noise.column, noise.per_signal].map(|v| v as f32 * scale);
+        let v2 = noise.per_signal_squared as f32 * scale + (fraction * fraction) as f32 * count * count;
         for ((l, &d), &m) in local.iter_mut().zip(&contrast).zip(mean) {
             let x = m.max(0.0);
             *l += u32::from(d * d > v0 + (v1 + v2 * x) * x);

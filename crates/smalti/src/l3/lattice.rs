@@ -31,8 +31,9 @@ impl ContrastPairs {
         ((self.rows[1] - self.rows[0] + 1) * (self.cols[1] - self.cols[0] + 1)) as usize
     }
 
-    /// How far beyond the centre samples are read, in rows and columns.
-    pub(super) fn reach(&self) -> [usize; 2] {
+    /// How far from the centre samples are read, in rows and columns.
+    #[must_use]
+    pub fn reach(&self) -> [usize; 2] {
         let far = |span: [isize; 2], s: isize| {
             [span[0], span[1], span[0] + s, span[1] + s]
                 .map(isize::unsigned_abs)
