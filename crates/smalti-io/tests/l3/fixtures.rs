@@ -151,10 +151,12 @@ pub(crate) fn raw(r: &Recipe, rows: usize, cols: usize, phase: [usize; 2]) -> (R
     let [black, white] = r.levels;
     let sample = |i: usize, random: &mut Stream| {
         let (row, col) = (i / cols, i % cols);
-        let scene = match (row / 6 + col / 8) % 4 {
+        let (r, c) = (row % 8, col % 10);
+        let scene = match (row / 8 + col / 10) % 5 {
             0 => 0.02 * (1 + row % 3) as f64,
             1 => 0.3,
-            2 => f64::from(u8::from(row + col > (rows + cols) / 2)) * 0.7 + 0.2,
+            2 => f64::from(u8::from(r + c > 8)) * 0.7 + 0.2,
+            3 => f64::from(u8::from(c > r)) * 0.7 + 0.2,
             _ => 0.9 + 0.2 * random.uniform(),
         };
         let noisy = scene + 0.02 * (random.uniform() - 0.5);
