@@ -1,12 +1,14 @@
 //! The C header compiles without a warning, and renders what the definition says.
 
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use std::process::Command;
 
-use smalti::l3::{Pipeline, Textures};
+use smalti::l3::{Pair, Pipeline, Statistics, Textures};
+use smalti::numeric::Planes;
 use smalti_io::l3::{operations, write_c_header};
 
-use super::fixtures::{Recipe, bayer, pipeline, raw, recipes};
+use super::fixtures::{Recipe, axes, bayer, outputs, pipeline, raw, recipes};
 
 const PROGRAM: &str = r#"
 #include "table.h"
@@ -145,6 +147,32 @@ pub(crate) fn definition(
     (0..rows * cols).map(|i| pixel((i / cols) as i64, (i % cols) as i64)).collect()
 }
 
+/// What is tested against is what the library does: it sorts the patches within an image into the same classes.
+#[test]
+fn the_library_classifies_by_the_definition() {
+    for r in recipes() {
+        for phase in [[0, 0], [r.tile.0 - 1, r.tile.1 - 1]] {
+            let (rows, cols, half) = (70, 53, r.side / 2);
+            let (image, samples) = raw(&r, rows, cols, phase);
+            let target = Planes::new(rows, cols, r.outputs, vec![0.0; rows * cols * r.outputs]).unwrap();
+            let mut statistics = Statistics::new(axes(&r), outputs(&r), true).unwrap();
+            statistics.add(&Pair { raw: &image, seen: None, target: &target }).unwrap();
+            // A table with every combination of clipped channels, so that none is replaced by another.
+            let channels = r.tile.2.iter().max().unwrap() + 1;
+            let all = Recipe { saturations: (0..1 << channels).collect(), ..r.clone() };
+            let p = pipeline(&all);
+            let mut expected = BTreeMap::new();
+            for (i, (class, _)) in definition(&p, &samples, rows, cols, phase).iter().enumerate() {
+                if (half..rows - half).contains(&(i / cols)) && (half..cols - half).contains(&(i % cols)) {
+                    *expected.entry(p.key(*class)).or_insert(0u64) += 1;
+                }
+            }
+            let counts: BTreeMap<_, _> = statistics.classes().iter().map(|(k, m)| (*k, m.count())).collect();
+            assert_eq!(counts, expected, "{r:?}");
+        }
+    }
+}
+
 fn check(r: &Recipe, rows: usize, cols: usize, phase: [usize; 2]) -> Option<()> {
     let p = pipeline(r);
     let dir = tempfile::tempdir().unwrap();
@@ -174,7 +202,7 @@ fn check(r: &Recipe, rows: usize, cols: usize, phase: [usize; 2]) -> Option<()> 
     // Half a step of every weight times the largest sample, and half a step of the offset.
     let step = 0.5f64.powi(shift as i32);
     let tolerance = step * 0.5 * (1.0 + p.axes().taps() as f64 * (p.white_level() - p.black_level() + 64.0));
-    let (mut largest, mut squares, mut seen) = (0.0f64, 0.0, std::collections::BTreeSet::new());
+    let (mut largest, mut squares, mut seen) = (0.0f64, 0.0, BTreeSet::new());
     for (i, (class, outputs)) in expected.iter().enumerate() {
         assert_eq!(classes[i] as usize, *class, "row {} column {} {r:?}", i / cols, i % cols);
         seen.insert(p.key(*class));
@@ -186,7 +214,7 @@ fn check(r: &Recipe, rows: usize, cols: usize, phase: [usize; 2]) -> Option<()> 
     }
     assert!(largest <= tolerance, "{largest} {tolerance}");
     let rms = (squares / (rows * cols * p.outputs().len()) as f64).sqrt();
-    let textures: std::collections::BTreeSet<u16> = seen.iter().map(|k| k.texture).collect();
+    let textures: BTreeSet<u16> = seen.iter().map(|k| k.texture).collect();
     println!(
         "{rows} × {cols}, {} classes met, textures {textures:?}, shift {shift}: largest error {largest:.2e}, RMS {rms:.2e}, PSNR {:.1} dB",
         seen.len(),
