@@ -1,7 +1,6 @@
 //! The learned table: classes and their kernels.
 
 use super::{Axes, ClassKey, L3Error, Textures};
-use crate::isp::{Isp, IspError};
 
 /// Where the kernels of a class come from, in the order in which they are looked for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -283,11 +282,5 @@ impl Pipeline {
     #[must_use]
     pub fn textures(&self) -> Textures {
         self.axes.textures()
-    }
-}
-
-impl Isp for Pipeline {
-    fn render(&self, _raw: &crate::sensor::RawImage) -> Result<crate::color::Image, IspError> {
-        Err(IspError::Mosaic)
     }
 }
