@@ -5,12 +5,13 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use smalti::color::{ColorSpace, Image};
+use smalti::l3::{Axes, Class, Kernels, Levels, Origin, Pair, Pipeline, PipelineParts, Statistics, Textures};
 use smalti::numeric::Planes;
-use smalti::sensor::{Mosaic, RawImage, RawSamples, Sampling};
+use smalti::sensor::{Mosaic, RawImage, RawSamples, Sampling, SignalNoise};
 use smalti::spectrum::{SpectralCube, Spectrum, WavelengthGrid};
 use smalti_io::exr::{Layout, Quantity, SpectralFile};
 use smalti_io::picture::Depth;
-use smalti_io::{dng, exr, npy, picture, spectrum_csv};
+use smalti_io::{dng, exr, l3, npy, picture, spectrum_csv};
 
 fn main() -> Result<(), Box<dyn Error>> {
     let corpus = PathBuf::from(std::env::args().nth(1).ok_or("usage: seeds FOLDER")?);
@@ -59,6 +60,8 @@ fn main() -> Result<(), Box<dyn Error>> {
 
     seeds_of_dng(&folder("dng")?)?;
 
+    seeds_of_l3(&folder("l3")?)?;
+
     let dir = folder("npy")?;
     npy::write(&dir.join("f4.npy"), &[2, 3], &ramp(6))?;
     npy::write(&dir.join("u2.npy"), &[4], &[1u16, 2, 3, 4])?;
@@ -88,5 +91,36 @@ fn seeds_of_dng(dir: &Path) -> Result<(), Box<dyn Error>> {
     let analog = RawSamples::Analog((0..48).map(|i| i as f32 / 48.0).collect());
     let raw = RawImage::new(4, 4, analog, Sampling::Full { channels: 3 }, names, 0.0, 1.0)?;
     dng::write(&dir.join("full.dng"), &raw, &dng::DngInfo::default())?;
+    Ok(())
+}
+
+/// Small, so that most of what the fuzzer changes is structure.
+fn seeds_of_l3(dir: &Path) -> Result<(), Box<dyn Error>> {
+    let mosaic = Mosaic::new(1, 2, vec![0, 1])?;
+    let noise = SignalNoise { constant: 1e-6, per_signal: 1e-4, ..SignalNoise::default() };
+    let axes =
+        Axes::new(mosaic.clone(), 3, Levels::new(vec![0.1, 0.5])?, noise)?.with_textures(Textures::None);
+    let names = vec!["a".to_owned(), "b".to_owned()];
+    let classes = 2 * 2 * 3;
+    let table = Pipeline::from_parts(PipelineParts {
+        axes: axes.clone(),
+        saturations: vec![0, 1],
+        outputs: vec!["Y".into()],
+        channel_names: names.clone(),
+        black_level: 0.0,
+        white_level: 255.0,
+        trained: vec![[0.0, 1.0]; 2],
+        classes: vec![Class { count: 5, origin: Origin::Learned }; classes],
+        kernels: Kernels { weights: vec![0.1; classes * 9], offsets: vec![0.0; classes] },
+        provenance: "{}".into(),
+    })?;
+    l3::write_table(&dir.join("table.l3"), &table)?;
+    let mut statistics = Statistics::new(axes, vec!["Y".into()], true)?;
+    l3::write_statistics(&dir.join("nothing.l3s"), &statistics)?;
+    let samples = RawSamples::Digital((0..48).collect());
+    let raw = RawImage::new(6, 8, samples, Sampling::Mosaic(mosaic), names, 0.0, 255.0)?;
+    let target = Planes::new(6, 8, 1, (0..48).map(|i| i as f32).collect())?;
+    statistics.add(&Pair { raw: &raw, seen: None, target: &target })?;
+    l3::write_statistics(&dir.join("some.l3s"), &statistics)?;
     Ok(())
 }

@@ -4,6 +4,7 @@ use std::io;
 use std::path::PathBuf;
 
 use smalti::color::ImageError;
+use smalti::l3::L3Error;
 use smalti::numeric::ShapeError;
 use smalti::scene::SceneError;
 use smalti::sensor::{CfaError, RawError};
@@ -160,6 +161,36 @@ pub enum IoError {
         /// Why.
         source: ImageError,
     },
+    /// The file was written by a later (or other) version of its format.
+    #[error("{}: it is version {found} of the {format} format; version {expected} is read here", path.display())]
+    Version {
+        /// The file.
+        path: PathBuf,
+        /// The format.
+        format: &'static str,
+        /// Its version.
+        found: String,
+        /// The version that is known.
+        expected: &'static str,
+    },
+    /// The content has another hash than the file states.
+    #[error("{}: it is damaged: its content has the hash {found}, but {stated} is stated", path.display())]
+    Damaged {
+        /// The file.
+        path: PathBuf,
+        /// Hash of the content, hexadecimal.
+        found: String,
+        /// Hash that the file states.
+        stated: String,
+    },
+    /// The content makes no learned pipeline or statistics.
+    #[error("{}: {source}", path.display())]
+    Learned {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: L3Error,
+    },
     /// The shape does not match the data.
     #[error("{}: {source}", path.display())]
     Shape {
@@ -185,7 +216,7 @@ macro_rules! at {
         }
     )*};
 }
-at!(SpectrumError => Spectrum, SceneError => Scene, RawError => Raw, CfaError => Mosaic, ImageError => Image, ShapeError => Shape);
+at!(SpectrumError => Spectrum, SceneError => Scene, RawError => Raw, CfaError => Mosaic, ImageError => Image, ShapeError => Shape, L3Error => Learned);
 
 impl IoError {
     /// A field that is not what it should be.

@@ -6,6 +6,7 @@
 //! | [`exr`] | spectral OpenEXR (PBRT and Fichet et al. 2021 layouts) | [`exr::SpectralFile`], [`smalti::scene::Scene`] |
 //! | [`picture`] | PNG, TIFF, JPEG, OpenEXR RGB in; PNG, TIFF out | [`smalti::color::Image`] |
 //! | [`dng`] | DNG (uncompressed) | [`smalti::sensor::RawImage`] |
+//! | [`l3`] | `.l3` (safetensors) in and out; `.npz`, C header out | [`smalti::l3::Pipeline`], [`smalti::l3::Statistics`] |
 //! | [`npy`], [`stages`] | NumPy arrays and a JSON of their units | slices |
 //! | [`cache`] | own | [`smalti::optics::OpticalImage`] |
 //! | [`cameras`] | TOML | [`smalti::camera::Camera`] |
@@ -25,6 +26,7 @@ mod error;
 pub mod exr;
 mod file;
 mod icc;
+pub mod l3;
 pub mod memory;
 pub mod npy;
 pub mod picture;

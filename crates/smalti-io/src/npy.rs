@@ -1,4 +1,4 @@
-//! NumPy's `.npy` (format 1.0 and 2.0): little-endian `f4`, `f8`, `u2` in C order.
+//! NumPy's `.npy` (format 1.0 and 2.0), little-endian in C order: `f4`, `f8`, `u2`; written also `u1`, `u4`, `u8`.
 
 use std::io::Write;
 use std::path::Path;
@@ -32,7 +32,7 @@ macro_rules! element {
         }
     )*};
 }
-element!(f32 => "<f4", f64 => "<f8", u16 => "<u2");
+element!(f32 => "<f4", f64 => "<f8", u8 => "|u1", u16 => "<u2", u32 => "<u4", u64 => "<u8");
 
 /// The elements of an array.
 #[derive(Debug, Clone, PartialEq)]
@@ -75,24 +75,11 @@ pub fn write<T: Element>(path: &Path, shape: &[usize], data: &[T]) -> Result<(),
         let found = format!("{shape:?}");
         return Err(IoError::field(path, "shape", found, format!("a shape of {} elements", data.len())));
     }
-    let mut axes: String = shape.iter().map(|n| format!("{n}, ")).collect();
-    // A tuple of one keeps its comma.
-    if shape.len() > 1 {
-        axes.truncate(axes.len() - 2);
-    }
-    let mut header =
-        format!("{{'descr': '{}', 'fortran_order': False, 'shape': ({}), }}", T::DESCR, axes.trim_end());
-    let unpadded = MAGIC.len() + 4 + header.len() + 1;
-    header.push_str(&" ".repeat(unpadded.next_multiple_of(ALIGNMENT) - unpadded));
-    header.push('\n');
-    let length = u16::try_from(header.len())
-        .map_err(|_| IoError::field(path, "shape", format!("{} axes", shape.len()), "fewer axes"))?;
+    let header = header(T::DESCR, shape)
+        .ok_or_else(|| IoError::field(path, "shape", format!("{} axes", shape.len()), "fewer axes"))?;
     write::atomic(path, |out| {
         let io = |source| IoError::Write { path: path.to_owned(), source };
-        out.write_all(MAGIC).map_err(io)?;
-        out.write_all(&[1, 0]).map_err(io)?;
-        out.write_all(&length.to_le_bytes()).map_err(io)?;
-        out.write_all(header.as_bytes()).map_err(io)?;
+        out.write_all(&header).map_err(io)?;
         let mut bytes = Vec::with_capacity(1 << 16);
         for chunk in data.chunks(1 << 13) {
             bytes.clear();
@@ -101,6 +88,22 @@ pub fn write<T: Element>(path: &Path, shape: &[usize], data: &[T]) -> Result<(),
         }
         Ok(())
     })
+}
+
+/// All that stands before the data of an array in C order; `None` when it has too many axes.
+pub(crate) fn header(descr: &str, shape: &[usize]) -> Option<Vec<u8>> {
+    let mut axes: String = shape.iter().map(|n| format!("{n}, ")).collect();
+    // A tuple of one keeps its comma.
+    if shape.len() > 1 {
+        axes.truncate(axes.len() - 2);
+    }
+    let mut text =
+        format!("{{'descr': '{descr}', 'fortran_order': False, 'shape': ({}), }}", axes.trim_end());
+    let unpadded = MAGIC.len() + 4 + text.len() + 1;
+    text.push_str(&" ".repeat(unpadded.next_multiple_of(ALIGNMENT) - unpadded));
+    text.push('\n');
+    let length = u16::try_from(text.len()).ok()?;
+    Some([MAGIC, &[1, 0][..], &length.to_le_bytes(), text.as_bytes()].concat())
 }
 
 /// Reads an array of `f4`, `f8` or `u2`, little-endian, in C order.

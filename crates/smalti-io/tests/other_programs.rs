@@ -3,8 +3,7 @@
 #![allow(clippy::unwrap_used)]
 
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
-use std::process::Command;
+use std::path::Path;
 
 use serde_json::Value;
 use smalti::color::{ColorSpace, Image};
@@ -15,21 +14,9 @@ use smalti_io::dng::{self, ColorMatrix, DngInfo};
 use smalti_io::exr::{self, Layout, Quantity, ReadOptions, SpectralFile};
 use smalti_io::picture::{self, Depth};
 
-/// Runs a script of `tests/python`; one JSON value per line of its output. `None`, with a message, when the
-/// packages it needs are not there.
-fn python(script: &str, packages: &str, arguments: &[&Path]) -> Option<Vec<Value>> {
-    let here = Command::new("python3").args(["-c", &format!("import {packages}")]).output();
-    if !here.is_ok_and(|o| o.status.success()) {
-        eprintln!("skipped: no python3 with {packages}");
-        return None;
-    }
-    let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/python").join(script);
-    let output = Command::new("python3").arg(path).args(arguments).output().unwrap();
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    Some(
-        String::from_utf8(output.stdout).unwrap().lines().map(|l| serde_json::from_str(l).unwrap()).collect(),
-    )
-}
+#[path = "support/python.rs"]
+mod python;
+use python::python;
 
 fn numbers(v: &Value) -> Vec<f64> {
     v.as_array().unwrap().iter().map(|x| x.as_f64().unwrap()).collect()

@@ -84,6 +84,12 @@ pub enum IspError {
         /// The range.
         expected: &'static str,
     },
+    /// A learned pipeline is not made for the raw image, or not for pictures.
+    #[error("{reason}")]
+    Learned {
+        /// What its own error says.
+        reason: String,
+    },
     /// A buffer does not match its shape.
     #[error(transparent)]
     Shape(#[from] ShapeError),

@@ -57,6 +57,7 @@ impl<'a> Source<'a> {
     }
 
     /// A row, written to `out`, which has a place for each of its samples.
+    #[inline(always)]
     pub(crate) fn read_row(&self, row: usize, out: &mut [f32]) {
         let at = row * self.cols..(row + 1) * self.cols;
         match self.samples {

@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::error::within;
+use super::lattice::{self, ContrastPairs};
 use super::{L3Error, Levels};
 use crate::sensor::{Mosaic, SignalNoise};
 
@@ -34,6 +35,9 @@ pub enum Textures {
 }
 
 impl Textures {
+    /// How coherent the structure tensor of an edge is at least: (λ₁ − λ₂) / (λ₁ + λ₂) of its eigenvalues.
+    pub const EDGE_COHERENCE: f64 = 0.5;
+
     /// Number of kinds.
     #[must_use]
     pub fn count(self) -> usize {
@@ -241,6 +245,25 @@ impl Axes {
     #[must_use]
     pub fn contrast(&self) -> (f64, f64) {
         (self.texture_over_noise, self.flat_fraction)
+    }
+
+    /// The pairs of samples whose mean difference is the contrast of a patch: along the two shortest shifts that take the
+    /// mosaic to itself.
+    #[must_use]
+    pub fn contrast_pairs(&self) -> [ContrastPairs; 2] {
+        lattice::basis(&self.mosaic).map(|shift| ContrastPairs::new(shift, self.side / 2))
+    }
+
+    /// Coefficients v of the contrast that is still flat: a patch of mean response x (0 where negative) is texture when the
+    /// square of its mean absolute difference is above `v[0] + v[1] x + v[2] x²`.
+    #[must_use]
+    pub fn contrast_limit(&self) -> [f64; 3] {
+        let n = &self.noise;
+        // Of the difference of two normal numbers of variance σ² the mean size is 2σ / √π.
+        let scale = self.texture_over_noise.powi(2) * 4.0 / std::f64::consts::PI;
+        let [v0, v1, v2] =
+            [n.constant + n.row + n.column, n.per_signal, n.per_signal_squared].map(|v| v * scale);
+        [v0, v1, v2 + self.flat_fraction.powi(2)]
     }
 
     /// The channel that a tap (row order) of the patch around a position sees.

@@ -1,12 +1,13 @@
 //! Classification of a row of pixels at a time, in vectors of columns.
+//!
+//! What is summed over a patch is summed down its columns first and then along the row, so that neighbours share the
+//! first half of the work.
 
 use super::lattice::{self, Shift};
+use super::orientation::{Orientation, Tensor};
 use super::window::{LANES, Window};
-use super::{Axes, Textures};
+use super::{Axes, MAX_SIDE, Textures};
 use crate::numeric::simd::{Kernel, dispatch};
-
-/// Edges count as such when their structure tensor is this coherent: (λ₁ − λ₂) / (λ₁ + λ₂) of its eigenvalues.
-const COHERENT: f32 = 0.5;
 
 /// What classification of a row gives, one value per column.
 #[derive(Debug, Default)]
@@ -24,9 +25,9 @@ pub(super) struct RowClasses {
 
 #[derive(Debug, Default)]
 struct Scratch {
-    sum: Vec<f32>,
+    sums: Vec<f32>,
     differences: [Vec<f32>; 2],
-    tensor: [Vec<f32>; 3],
+    tensor: Tensor,
     bits: Vec<u32>,
 }
 
@@ -38,12 +39,12 @@ pub(super) struct Classifier {
     /// Differences between samples of like channels: the shift, and the rows and columns (inclusive, relative to
     /// the centre) of the patch that they start from.
     pairs: [Pairs; 2],
-    /// From differences along the two shifts to those along rows and columns, per pixel.
-    gradient: [[f32; 2]; 2],
-    /// Per row of the tile and cut: the cut for each column of a run that repeats with tile and lanes.
-    cuts: Vec<Vec<Vec<f32>>>,
+    orientation: Option<Orientation>,
+    /// Per row of the tile, cut by cut, the cuts of `run` columns and a tile more: a run that starts at any phase.
+    cuts: Vec<Vec<f32>>,
+    /// Columns, whole vectors and whole tiles, after which phases of vectors repeat.
     run: usize,
-    /// Per row of the tile, the bit of each column's channel.
+    /// Per row of the tile, the bits of the channels of as many columns.
     bits: Vec<Vec<u32>>,
 }
 
@@ -82,29 +83,31 @@ impl Pairs {
     }
 }
 
+/// Columns after which a tile repeats at whole vectors: the least common multiple of its width and the lanes, which are a
+/// power of two.
+pub(super) fn run_of(tile_cols: usize) -> usize {
+    tile_cols << (LANES.trailing_zeros() - tile_cols.trailing_zeros().min(LANES.trailing_zeros()))
+}
+
 impl Classifier {
     pub(super) fn new(axes: &Axes) -> Self {
         let half = axes.side() / 2;
         let shifts = lattice::basis(axes.mosaic());
-        let [[a, b], [c, d]] = shifts.map(|s| s.map(|v| v as f32));
-        let det = a * d - b * c;
         let (tile_rows, tile_cols) = (axes.mosaic().rows(), axes.mosaic().cols());
-        // The least common multiple of tile width and lanes, which are a power of two.
-        let run =
-            tile_cols << (LANES.trailing_zeros() - tile_cols.trailing_zeros().min(LANES.trailing_zeros()));
-        let cut =
-            |row: usize, j: usize, col: usize| axes.levels_at(row * tile_cols + col % tile_cols).cuts()[j];
-        let cuts_of =
-            |row| (0..axes.level_count() - 1).map(move |j| (0..run).map(|col| cut(row, j, col)).collect());
-        let bits_of = |row| {
-            (0..tile_cols).map(|col| 1 << (axes.mosaic().channel_at(row, col) as u32)).collect::<Vec<u32>>()
+        let run = run_of(tile_cols);
+        let cuts_of = |row: usize| {
+            let cut = |j: usize, col: usize| axes.levels_at(row * tile_cols + col % tile_cols).cuts()[j];
+            let columns = |j| (0..run + tile_cols).map(move |col| cut(j, col));
+            (0..axes.level_count() - 1).flat_map(columns).collect()
+        };
+        let bits_of = |row: usize| {
+            (0..run + tile_cols).map(|col| 1 << (axes.mosaic().channel_at(row, col) as u32)).collect()
         };
         Self {
             half,
             pairs: shifts.map(|s| Pairs::new(s, half)),
-            // The shifts are the rows of a matrix that takes gradients to differences; this is its inverse.
-            gradient: [[d / det, -b / det], [-c / det, a / det]],
-            cuts: (0..tile_rows).map(|row| cuts_of(row).collect()).collect(),
+            orientation: (axes.textures() == Textures::Oriented).then(|| Orientation::new(shifts, half)),
+            cuts: (0..tile_rows).map(cuts_of).collect(),
             run,
             bits: (0..tile_rows).map(bits_of).collect(),
             axes: axes.clone(),
@@ -114,8 +117,8 @@ impl Classifier {
     /// Rows and columns that a window must reach beyond the pixels that are classified.
     pub(super) fn margin(&self) -> [usize; 2] {
         let [a, b] = self.pairs.map(|p| p.reach());
-        // Starting columns of pairs may lie left of the patch's by as much again.
-        [self.half.max(a[0]).max(b[0]), self.half.max(a[1]).max(b[1])]
+        let c = self.orientation.as_ref().map_or([0, 0], Orientation::reach);
+        [0, 1].map(|i| self.half.max(a[i]).max(b[i]).max(c[i]))
     }
 
     /// Classifies row `row` of a window, whose phase in the tile is `phase` (row and column of its first pixel).
@@ -138,86 +141,137 @@ impl Kernel for Row<'_> {
     #[inline(always)]
     fn run(self) {
         let Self { classifier: c, window, row, phase, out } = self;
-        let cols = window.cols;
-        let padded = cols.next_multiple_of(LANES);
-        let row = row as isize;
+        let (padded, row) = (window.cols.next_multiple_of(LANES), row as isize);
         for v in [&mut out.local, &mut out.saturation] {
             v.resize(padded, 0);
         }
         out.mean.resize(padded, 0.0);
-        c.means(window, row, &mut out.scratch.sum, &mut out.mean);
-        c.levels(&out.mean, phase, &mut out.local);
-        c.textures(window, row, &mut out.scratch, &out.mean, &mut out.local);
-        out.clipped = c.saturations(window, row, phase, &mut out.scratch.bits, &mut out.saturation);
+        let highest = c.sums(window, row, &mut out.scratch.sums);
+        if c.axes.textures() != Textures::None {
+            for (pairs, sums) in c.pairs.iter().zip(&mut out.scratch.differences) {
+                differences(pairs, window, row, sums);
+            }
+        }
+        c.levels(window, phase, &out.scratch, &mut out.mean, &mut out.local);
+        if let Some(orientation) = &c.orientation {
+            let kinds = Textures::Oriented.count() as u32;
+            orientation.row(window, row, &mut out.scratch.tensor, kinds, &mut out.local);
+        }
+        out.clipped = highest >= c.axes.clip() as f32;
+        if out.clipped {
+            c.saturations(window, row, phase, &mut out.scratch.bits, &mut out.saturation);
+        } else {
+            out.saturation.fill(0);
+        }
     }
 }
 
-impl Classifier {
-    #[inline(always)]
-    fn means(&self, window: &Window, row: isize, sum: &mut Vec<f32>, mean: &mut [f32]) {
-        let (half, left) = (self.half as isize, window.margin[1] - self.half);
-        sum.clear();
-        sum.resize(window.stride, 0.0);
-        for r in -half..=half {
-            sum.iter_mut().zip(window.line(row + r)).for_each(|(s, &v)| *s += v);
-        }
-        mean.fill(0.0);
-        for at in left..=left + 2 * self.half {
-            mean.iter_mut().zip(&sum[at..]).for_each(|(m, &s)| *m += s);
-        }
-        let share = 1.0 / self.axes.taps() as f32;
-        mean.iter_mut().for_each(|m| *m *= share);
-    }
+/// A vector of a line, which lies within it: what is beyond the end would be zero.
+#[inline(always)]
+pub(super) fn vector<T: Copy + Default>(line: &[T], at: usize) -> [T; LANES] {
+    line.get(at..).and_then(|l| l.first_chunk()).copied().unwrap_or([T::default(); LANES])
+}
 
+/// The vectors of a buffer that is made long enough for `len` columns.
+#[inline(always)]
+pub(super) fn vectors_of<T: Copy + Default>(
+    buffer: &mut Vec<T>,
+    len: usize,
+) -> impl Iterator<Item = (usize, &mut [T; LANES])> {
+    buffer.resize(len.next_multiple_of(LANES), T::default());
+    buffer.as_chunks_mut().0.iter_mut().enumerate().map(|(i, v)| (i * LANES, v))
+}
+
+impl Classifier {
+    /// Sums down the columns of the patches, from the first patch's first column on. Returns the highest sample; NaN is
+    /// not high.
     #[inline(always)]
-    fn levels(&self, mean: &[f32], phase: [usize; 2], local: &mut [u32]) {
-        let tile = self.axes.mosaic();
-        let cuts = &self.cuts[phase[0] % tile.rows()];
-        let (first, textures) = (phase[1] % tile.cols(), self.axes.textures().count() as u32);
-        // The first run starts at the image's first column, whose phase is `first`; runs begin at whole vectors, so that
-        // columns of a run have to be turned by it.
-        local.fill(0);
-        for (mean, local) in mean.chunks(self.run).zip(local.chunks_mut(self.run)) {
-            for cut in cuts {
-                let (head, tail) = cut.split_at(first);
-                let turned = tail.iter().chain(head);
-                if first == 0 {
-                    for ((l, &m), &cut) in local.iter_mut().zip(mean).zip(cut) {
-                        *l += u32::from(m >= cut);
-                    }
-                } else {
-                    for ((l, &m), &cut) in local.iter_mut().zip(mean).zip(turned) {
-                        *l += u32::from(m >= cut);
-                    }
+    fn sums(&self, window: &Window, row: isize, sums: &mut Vec<f32>) -> f32 {
+        let (half, from) = (self.half as isize, window.margin[1] - self.half);
+        let mut lines = [&[] as &[f32]; MAX_SIDE];
+        let lines = &mut lines[..self.axes.side()];
+        for (line, r) in lines.iter_mut().zip(-half..=half) {
+            *line = window.line(row + r);
+        }
+        let mut highest = [f32::MIN; LANES];
+        for (at, sum) in vectors_of(sums, window.cols.next_multiple_of(LANES) + 2 * self.half) {
+            let mut total = [0.0; LANES];
+            for line in lines.iter() {
+                let v = vector(line, from + at);
+                for i in 0..LANES {
+                    total[i] += v[i];
+                    highest[i] = if v[i] > highest[i] { v[i] } else { highest[i] };
                 }
             }
+            *sum = total;
         }
-        local.iter_mut().for_each(|l| *l *= textures);
+        highest.into_iter().fold(f32::MIN, f32::max)
     }
 
+    /// Means, levels, and whether there is texture.
     #[inline(always)]
-    fn textures(&self, window: &Window, row: isize, s: &mut Scratch, mean: &[f32], local: &mut [u32]) {
-        let kinds = self.axes.textures();
-        if kinds == Textures::None {
-            return;
-        }
-        let mut contrast = std::mem::take(&mut s.sum);
-        contrast.clear();
-        contrast.resize(mean.len(), 0.0);
-        for (pairs, sums) in self.pairs.iter().zip(&mut s.differences) {
-            sums.clear();
-            sums.resize(window.stride, 0.0);
-            let right = pairs.shift[1];
-            for r in pairs.rows[0]..=pairs.rows[1] {
-                let (a, b) = (window.line(row + r), window.line(row + r + pairs.shift[0]));
-                add_differences(sums, a, b, right);
+    fn levels(&self, window: &Window, phase: [usize; 2], s: &Scratch, mean: &mut [f32], local: &mut [u32]) {
+        let (tile, kinds) = (self.axes.mosaic(), self.axes.textures());
+        let cuts = &self.cuts[phase[0] % tile.rows()];
+        let (first, period) = (phase[1] % tile.cols(), self.run + tile.cols());
+        let share = 1.0 / self.axes.taps() as f32;
+        let textures = kinds.count() as u32;
+        let [v0, v1, v2] = self.contrast_limits();
+        let spans = self.pairs.map(|p| (p.cols[1] - p.cols[0] + 1) as usize);
+        debug_assert!(s.sums.len() >= window.cols + 2 * self.half);
+        let vectors = mean.as_chunks_mut().0.iter_mut().zip(local.as_chunks_mut().0).enumerate();
+        let (mut at, mut column) = (0, first);
+        for (_, (mean, local)) in vectors {
+            let mut total = [0.0; LANES];
+            for tap in 0..=2 * self.half {
+                let v = vector(&s.sums, at + tap);
+                for i in 0..LANES {
+                    total[i] += v[i];
+                }
             }
-            let left = window.margin[1] as isize;
-            for c in pairs.cols[0]..=pairs.cols[1] {
-                let from = &sums[(left + c) as usize..];
-                contrast.iter_mut().zip(from).for_each(|(o, &d)| *o += d);
+            let mut level = [0u32; LANES];
+            for i in 0..LANES {
+                total[i] *= share;
+            }
+            let mut place = column;
+            while place < cuts.len() {
+                let cut: [f32; LANES] = vector(cuts, place);
+                for i in 0..LANES {
+                    level[i] += u32::from(total[i] >= cut[i]);
+                }
+                place += period;
+            }
+            for l in &mut level {
+                *l *= textures;
+            }
+            if kinds != Textures::None {
+                let mut contrast = [0.0; LANES];
+                for (sums, span) in s.differences.iter().zip(spans) {
+                    for tap in 0..span {
+                        let v = vector(sums, at + tap);
+                        for i in 0..LANES {
+                            contrast[i] += v[i];
+                        }
+                    }
+                }
+                for i in 0..LANES {
+                    let x = if total[i] > 0.0 { total[i] } else { 0.0 };
+                    level[i] += u32::from(contrast[i] * contrast[i] > v0 + (v1 + v2 * x) * x);
+                }
+            }
+            *mean = total;
+            *local = level;
+            at += LANES;
+            column += LANES;
+            if column >= first + self.run {
+                column = first;
             }
         }
+    }
+
+    /// Coefficients of 1, x, x² in what the square of the summed differences must exceed to be texture.
+    #[inline(always)]
+    fn contrast_limits(&self) -> [f32; 3] {
         let count = self.pairs.iter().map(Pairs::count).sum::<usize>() as f32;
         let noise = self.axes.noise();
         let (over_noise, fraction) = self.axes.contrast();
@@ -226,68 +280,7 @@ impl Classifier {
         let [v0, v1] =
             [noise.constant + noise.row + noise.column, noise.per_signal].map(|v| v as f32 * scale);
         let v2 = noise.per_signal_squared as f32 * scale + (fraction * fraction) as f32 * count * count;
-        for ((l, &d), &m) in local.iter_mut().zip(&contrast).zip(mean) {
-            let x = m.max(0.0);
-            *l += u32::from(d * d > v0 + (v1 + v2 * x) * x);
-        }
-        if kinds == Textures::Oriented {
-            self.orientations(window, row, s, kinds.count() as u32, local);
-        }
-        s.sum = contrast;
-    }
-
-    /// Adds 1 to 4 to textures whose structure tensor has a direction.
-    #[inline(always)]
-    fn orientations(&self, window: &Window, row: isize, s: &mut Scratch, kinds: u32, local: &mut [u32]) {
-        let half = self.half as isize;
-        let [p, q] = self.pairs.map(|p| p.shift);
-        let [[g00, g01], [g10, g11]] = self.gradient;
-        // Tensor entries (down·down, down·right, right·right), summed down the patch first.
-        for t in &mut s.tensor {
-            t.clear();
-            t.resize(window.stride, 0.0);
-        }
-        let [dd, dr, rr] = &mut s.tensor;
-        let margin = window.margin[1] as isize;
-        let from = (margin - half).max(0) as usize;
-        // The end up to which every shifted sample is within the line.
-        let reach = p[1].max(q[1]).max(0) as usize;
-        let until = window.stride.saturating_sub(reach);
-        for r in -half..=half {
-            // Differences start so that the pair lies around the row it stands for.
-            let start = |v: Shift| (row + r - v[0].div_euclid(2), -v[1].div_euclid(2));
-            let ((ra, ca), (rb, cb)) = (start(p), start(q));
-            let line = |r: isize| {
-                window.line(r.clamp(-(window.margin[0] as isize), row + window.margin[0] as isize))
-            };
-            let (a0, a1) = (line(ra), line(ra + p[0]));
-            let (b0, b1) = (line(rb), line(rb + q[0]));
-            let at = |line: &[f32], col: isize| line.get(col.max(0) as usize).copied().unwrap_or(0.0);
-            for x in from..until {
-                let c = x as isize;
-                let first = at(a1, c + ca + p[1]) - at(a0, c + ca);
-                let second = at(b1, c + cb + q[1]) - at(b0, c + cb);
-                let (down, right) = (g00 * first + g01 * second, g10 * first + g11 * second);
-                dd[x] += down * down;
-                dr[x] += down * right;
-                rr[x] += right * right;
-            }
-        }
-        let first = (margin - half) as usize;
-        for (x, l) in local.iter_mut().enumerate() {
-            if *l % kinds == 0 {
-                continue;
-            }
-            let span = first + x..(first + x + 2 * self.half + 1).min(dd.len());
-            let sum = |t: &[f32]| t.get(span.clone()).map_or(0.0, |t| t.iter().sum::<f32>());
-            let (dd, dr, rr) = (sum(dd), sum(dr), sum(rr));
-            let (difference, twice) = (rr - dd, 2.0 * dr);
-            let spread = (difference * difference + twice * twice).sqrt();
-            if spread > COHERENT * (dd + rr) {
-                // The gradient's direction is half the angle of (difference, twice).
-                *l += 1 + direction(difference, twice);
-            }
-        }
+        [v0, v1, v2]
     }
 
     #[inline(always)]
@@ -298,57 +291,62 @@ impl Classifier {
         phase: [usize; 2],
         bits: &mut Vec<u32>,
         out: &mut [u32],
-    ) -> bool {
+    ) {
         let (half, clip) = (self.half as isize, self.axes.clip() as f32);
-        let tile = self.axes.mosaic();
-        let highest = |line: &[f32]| line.iter().copied().fold(f32::MIN, f32::max);
-        if (-half..=half).all(|r| highest(window.line(row + r)) < clip) {
-            out.fill(0);
-            return false;
-        }
-        bits.clear();
-        bits.resize(window.stride, 0);
-        // The phase of the first sample of a line, which lies a margin to the left of the image.
-        let left = tile.cols() * window.margin[1] + phase[1] - window.margin[1];
-        for r in -half..=half {
+        let (tile, from) = (self.axes.mosaic(), window.margin[1] - self.half);
+        // The phase of the first patch's first column.
+        let first = (phase[1] + tile.cols() * self.half - self.half) % tile.cols();
+        let mut rows = [(&[] as &[f32], &[] as &[u32]); MAX_SIDE];
+        let rows = &mut rows[..self.axes.side()];
+        for (entry, r) in rows.iter_mut().zip(-half..=half) {
             let down = (phase[0] as isize + r).rem_euclid(tile.rows() as isize) as usize;
-            let channels = &self.bits[down];
-            for (x, (b, &v)) in bits.iter_mut().zip(window.line(row + r)).enumerate() {
-                if v >= clip {
-                    *b |= channels[(left + x) % tile.cols()];
+            *entry = (window.line(row + r), &self.bits[down]);
+        }
+        for (at, bits) in vectors_of(bits, out.len() + 2 * self.half) {
+            let mut found = [0; LANES];
+            for (line, channels) in rows.iter() {
+                let (v, channel) = (vector(line, from + at), vector(channels, first + at % self.run));
+                for i in 0..LANES {
+                    found[i] |= if v[i] >= clip { channel[i] } else { 0 };
                 }
             }
+            *bits = found;
         }
-        out.fill(0);
-        let first = window.margin[1] - self.half;
-        for at in first..=first + 2 * self.half {
-            out.iter_mut().zip(&bits[at..]).for_each(|(o, &b)| *o |= b);
+        for (x, out) in out.as_chunks_mut().0.iter_mut().enumerate() {
+            let mut found = [0; LANES];
+            for tap in 0..=2 * self.half {
+                let v = vector(bits, x * LANES + tap);
+                for i in 0..LANES {
+                    found[i] |= v[i];
+                }
+            }
+            *out = found;
         }
-        true
     }
 }
 
-/// `sums[x] += |a[x] − b[x + right]|` wherever both are there.
+/// Sums down the rows that pairs start from of the differences between their ends, from their first column for the first
+/// pixel on.
 #[inline(always)]
-fn add_differences(sums: &mut [f32], a: &[f32], b: &[f32], right: isize) {
-    let skip = right.unsigned_abs();
-    if right >= 0 {
-        let b = b.get(skip..).unwrap_or(&[]);
-        sums.iter_mut().zip(a).zip(b).for_each(|((s, x), y)| *s += (x - y).abs());
-    } else if let (Some(sums), Some(a)) = (sums.get_mut(skip..), a.get(skip..)) {
-        sums.iter_mut().zip(a).zip(b).for_each(|((s, x), y)| *s += (x - y).abs());
+fn differences(pairs: &Pairs, window: &Window, row: isize, sums: &mut Vec<f32>) {
+    let mut lines = [(&[] as &[f32], &[] as &[f32]); MAX_SIDE];
+    let count = (pairs.rows[1] - pairs.rows[0] + 1) as usize;
+    let lines = &mut lines[..count.min(MAX_SIDE)];
+    for (entry, r) in lines.iter_mut().zip(pairs.rows[0]..) {
+        *entry = (window.line(row + r), window.line(row + r + pairs.shift[0]));
     }
-}
-
-/// Which of the four directions 0°, 45°, 90°, 135° is nearest to half the angle of (`cos`, `sin`).
-#[inline(always)]
-fn direction(cos: f32, sin: f32) -> u32 {
-    // Doubled, the directions lie at 0°, 90°, 180° and 270°.
-    if cos.abs() >= sin.abs() {
-        if cos >= 0.0 { 0 } else { 2 }
-    } else if sin > 0.0 {
-        1
-    } else {
-        3
+    // The window's margin is as wide as the reach of the pairs, so that neither is negative.
+    let from = (window.margin[1] as isize + pairs.cols[0]).max(0) as usize;
+    let other = (window.margin[1] as isize + pairs.cols[0] + pairs.shift[1]).max(0) as usize;
+    let span = (pairs.cols[1] - pairs.cols[0]) as usize;
+    for (at, sum) in vectors_of(sums, window.cols.next_multiple_of(LANES) + span) {
+        let mut total = [0.0; LANES];
+        for (a, b) in lines.iter() {
+            let (a, b): ([f32; LANES], [f32; LANES]) = (vector(a, from + at), vector(b, other + at));
+            for i in 0..LANES {
+                total[i] += (a[i] - b[i]).abs();
+            }
+        }
+        *sum = total;
     }
 }

@@ -151,7 +151,7 @@ pub enum L3Error {
         class: usize,
     },
     /// The picture of a pipeline with another number of outputs than three was asked for.
-    #[error("the pipeline has {got} outputs; a picture has three: use `render_planes`")]
+    #[error("the pipeline has {got} outputs; a picture has three: use `render_raw`")]
     NotAPicture {
         /// Its outputs.
         got: usize,

@@ -2,6 +2,49 @@
 
 use crate::sensor::Mosaic;
 
+/// Differences between samples of like channels within a patch: which pairs of pixels they are taken between.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct ContrastPairs {
+    /// From the first pixel of a pair to the second, rows and columns.
+    pub shift: [isize; 2],
+    /// First and last row that pairs start from, relative to the centre of the patch.
+    pub rows: [isize; 2],
+    /// First and last column that pairs start from, relative to the centre of the patch.
+    pub cols: [isize; 2],
+}
+
+impl ContrastPairs {
+    /// The pairs along a shift in a patch that reaches `half` pixels from its centre.
+    pub(super) fn new(shift: Shift, half: usize) -> Self {
+        // Both ends within the patch; where the shift is longer than the patch, in the middle of it.
+        let span = |s: isize| {
+            let half = half as isize;
+            let (from, to) = ((-half).max(-half - s), half.min(half - s));
+            if from <= to { [from, to] } else { [-s.div_euclid(2), -s.div_euclid(2)] }
+        };
+        Self { shift, rows: span(shift[0]), cols: span(shift[1]) }
+    }
+
+    /// Number of pairs.
+    #[must_use]
+    pub fn count(&self) -> usize {
+        ((self.rows[1] - self.rows[0] + 1) * (self.cols[1] - self.cols[0] + 1)) as usize
+    }
+
+    /// How far from the centre samples are read, in rows and columns.
+    #[must_use]
+    pub fn reach(&self) -> [usize; 2] {
+        let far = |span: [isize; 2], s: isize| {
+            [span[0], span[1], span[0] + s, span[1] + s]
+                .map(isize::unsigned_abs)
+                .into_iter()
+                .max()
+                .unwrap_or(0)
+        };
+        [far(self.rows, self.shift[0]), far(self.cols, self.shift[1])]
+    }
+}
+
 /// A shift in rows and columns.
 pub(super) type Shift = [isize; 2];
 

@@ -18,13 +18,17 @@ mod error;
 mod lattice;
 mod levels;
 mod moments;
+mod orientation;
 mod pipeline;
+mod render;
 mod statistics;
 mod window;
 
 pub use axes::{Axes, ClassKey, MAX_SIDE, Textures};
 pub use error::L3Error;
+pub use lattice::ContrastPairs;
 pub use levels::Levels;
 pub use moments::Moments;
 pub use pipeline::{Class, Kernels, Origin, Pipeline, PipelineParts};
+pub use render::{FixedKernels, FixedRenderer, Outside, Rendered, Renderer, peak_ratio_db};
 pub use statistics::{Pair, Statistics};

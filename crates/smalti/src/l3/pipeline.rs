@@ -1,7 +1,6 @@
 //! The learned table: classes and their kernels.
 
 use super::{Axes, ClassKey, L3Error, Textures};
-use crate::isp::{Isp, IspError};
 
 /// Where the kernels of a class come from, in the order in which they are looked for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -131,6 +130,12 @@ impl Pipeline {
         let wrong = |reason: String| Err(L3Error::Table { reason });
         if saturations.first() != Some(&0) || saturations.windows(2).any(|w| w[0] >= w[1]) {
             return wrong("the saturation axis must ascend from 0".into());
+        }
+        let channels = axes.mosaic().channels();
+        if saturations.last().is_some_and(|&mask| u64::from(mask) >> channels != 0) {
+            return wrong(format!(
+                "a combination of saturated channels names one beyond the {channels} there are"
+            ));
         }
         if outputs.is_empty() || outputs.len() > 64 {
             return wrong(format!("{} outputs; 1 to 64 expected", outputs.len()));
@@ -277,11 +282,5 @@ impl Pipeline {
     #[must_use]
     pub fn textures(&self) -> Textures {
         self.axes.textures()
-    }
-}
-
-impl Isp for Pipeline {
-    fn render(&self, _raw: &crate::sensor::RawImage) -> Result<crate::color::Image, IspError> {
-        Err(IspError::Mosaic)
     }
 }

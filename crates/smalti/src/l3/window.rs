@@ -22,18 +22,22 @@ pub(super) fn mirrored(at: isize, len: usize, period: usize) -> usize {
     nearest.unwrap_or(mirror) as usize
 }
 
+/// What lies beyond the right margin of a line: vectors that start within the line may reach so far.
+const SPARE: usize = 3 * LANES;
+
 /// Rows of a raw image with a margin on all sides, mirrored by the phase of the tile.
 #[derive(Debug, Default)]
-pub(super) struct Window {
+pub(super) struct Window<S = f32> {
     pub(super) stride: usize,
     pub(super) margin: [usize; 2],
     pub(super) cols: usize,
     /// Row `first − margin` of the image is at the top.
-    pub(super) data: Vec<f32>,
+    pub(super) data: Vec<S>,
 }
 
 impl Window {
     /// Fills the window with `rows` rows from `first` on.
+    #[inline(always)]
     pub(super) fn read(
         &mut self,
         source: Source<'_>,
@@ -42,24 +46,40 @@ impl Window {
         margin: [usize; 2],
         tile: [usize; 2],
     ) {
-        let (image_rows, cols) = (source.rows(), source.cols());
-        let [above, left] = margin;
-        self.stride = (cols + 2 * left).next_multiple_of(LANES) + LANES;
+        let size = [source.rows(), source.cols()];
+        self.read_with(size, first, rows, margin, tile, |row, out| source.read_row(row, out));
+    }
+}
+
+impl<S: Copy + Default> Window<S> {
+    /// Fills the window with `rows` rows from `first` on of an image of a size, each as `read(row, out)` gives it.
+    #[inline(always)]
+    pub(super) fn read_with(
+        &mut self,
+        size: [usize; 2],
+        first: usize,
+        rows: usize,
+        margin: [usize; 2],
+        tile: [usize; 2],
+        read: impl Fn(usize, &mut [S]),
+    ) {
+        let ([image_rows, cols], [above, left]) = (size, margin);
+        self.stride = (cols + 2 * left).next_multiple_of(LANES) + SPARE;
         self.margin = margin;
         self.cols = cols;
-        self.data.resize((rows + 2 * above) * self.stride, 0.0);
+        self.data.resize((rows + 2 * above) * self.stride, S::default());
         for (i, line) in self.data.chunks_exact_mut(self.stride).enumerate() {
             let row = mirrored(first as isize + i as isize - above as isize, image_rows, tile[0]);
-            source.read_row(row, &mut line[left..left + cols]);
+            read(row, &mut line[left..left + cols]);
             for c in (0..left).chain(left + cols..cols + 2 * left) {
                 line[c] = line[left + mirrored(c as isize - left as isize, cols, tile[1])];
             }
-            line[cols + 2 * left..].fill(0.0);
+            line[cols + 2 * left..].fill(S::default());
         }
     }
 
     /// Row `row` of the band (negative: above it), from its left margin on.
-    pub(super) fn line(&self, row: isize) -> &[f32] {
+    pub(super) fn line(&self, row: isize) -> &[S] {
         let at = (row + self.margin[0] as isize) as usize * self.stride;
         self.data.get(at..at + self.stride).unwrap_or(&[])
     }

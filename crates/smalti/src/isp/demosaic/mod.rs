@@ -13,6 +13,7 @@ use super::source::Source;
 use crate::numeric::Planes;
 use crate::sensor::{RawImage, Sampling};
 pub use bilinear::Bilinear;
+pub(crate) use plan::{BAND_ROWS, bands};
 use simd::Simd;
 
 /// How the channels a pixel has not seen are estimated.

@@ -15,7 +15,7 @@ use crate::numeric::mirror::about_outermost;
 use crate::sensor::Mosaic;
 
 /// Rows done by one task. Fixed, so that the work is cut the same way for any number of threads.
-pub(super) const BAND_ROWS: usize = 32;
+pub(crate) const BAND_ROWS: usize = 32;
 /// Vectors of weights that may be kept; a tile that needs more is done pixel by pixel.
 const MAX_VECTORS: usize = 1 << 15;
 
@@ -267,7 +267,7 @@ impl Layout {
 }
 
 /// The rows of each band, plane by plane.
-pub(super) fn bands<T>(data: &mut [T], rows: usize, cols: usize) -> Vec<Vec<&mut [T]>> {
+pub(crate) fn bands<T>(data: &mut [T], rows: usize, cols: usize) -> Vec<Vec<&mut [T]>> {
     let mut bands: Vec<Vec<&mut [T]>> = (0..rows.div_ceil(BAND_ROWS)).map(|_| Vec::new()).collect();
     for plane in data.chunks_mut((rows * cols).max(1)) {
         for (band, rows) in bands.iter_mut().zip(plane.chunks_mut(BAND_ROWS * cols)) {

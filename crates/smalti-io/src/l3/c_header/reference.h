@@ -1,0 +1,182 @@
+
+/* A raw image. Its first sample sees cell (phase_row, phase_col) of the tile. */
+typedef struct {
+    const uint16_t *samples;
+    int32_t rows, cols;           /* at least @P@_MIN_ROWS x @P@_MIN_COLS */
+    int32_t stride;               /* samples from one row to the next */
+    int32_t phase_row, phase_col; /* 0 or more */
+} @p@_raw;
+
+static inline int32_t @p@_modulo(int32_t a, int32_t n)
+{
+    const int32_t m = a % n;
+    return m < 0 ? m + n : m;
+}
+
+/* The place in 0..len-1 that stands in for `at`: itself; beyond the ends the one of the same phase in a tile of `period`
+   that is nearest to the place mirrored about the outermost sample. */
+static inline int32_t @p@_place(int32_t at, int32_t len, int32_t period)
+{
+    int32_t mirror = 0, low, high;
+    if (at >= 0 && at < len)
+        return at;
+    if (len > 1) {
+        mirror = @p@_modulo(at, 2 * (len - 1));
+        if (mirror >= len)
+            mirror = 2 * (len - 1) - mirror;
+    }
+    low = mirror - @p@_modulo(mirror - at, period);
+    high = low + period;
+    if (low >= 0 && (high >= len || mirror - low <= high - mirror))
+        return low;
+    return high < len ? high : mirror;
+}
+
+static inline int32_t @p@_sample(const @p@_raw *raw, int32_t row, int32_t col)
+{
+    const int32_t r = @p@_place(row, raw->rows, @P@_TILE_ROWS), c = @p@_place(col, raw->cols, @P@_TILE_COLS);
+    return raw->samples[(size_t)r * (size_t)raw->stride + (size_t)c];
+}
+
+/* The cell of the tile that a pixel, or one beyond the border, sees. */
+static inline int32_t @p@_position(const @p@_raw *raw, int32_t row, int32_t col)
+{
+    return @p@_modulo(row + raw->phase_row, @P@_TILE_ROWS) * @P@_TILE_COLS
+         + @p@_modulo(col + raw->phase_col, @P@_TILE_COLS);
+}
+
+static inline int32_t @p@_bits(uint32_t x)
+{
+    int32_t n = 0;
+    for (; x != 0; x &= x - 1)
+        n++;
+    return n;
+}
+
+/* The place on the saturation axis of a combination of clipped channels: of those that differ in the fewest channels the
+   one with most channels clipped. A table of 2^channels entries does the same. */
+static inline int32_t @p@_saturation(uint32_t clipped)
+{
+    int32_t best = 0, i;
+    for (i = 1; i < @P@_SATURATIONS && clipped != 0; i++) {
+        const int32_t here = @p@_bits(@p@_saturation_masks[i] ^ clipped);
+        const int32_t there = @p@_bits(@p@_saturation_masks[best] ^ clipped);
+        if (here < there
+            || (here == there && @p@_bits(@p@_saturation_masks[i]) > @p@_bits(@p@_saturation_masks[best])))
+            best = i;
+    }
+    return best;
+}
+
+#if @P@_TEXTURES > 2
+/* 1 to 4 for an edge across which the image changes along 0, 45, 90, 135 degrees (from right to down), 0 for none. */
+static inline int32_t @p@_edge(const @p@_raw *raw, int32_t row, int32_t col)
+{
+    int64_t down2 = 0, both = 0, right2 = 0, difference, twice, all;
+    int32_t r, c;
+    for (r = -@P@_HALF; r <= @P@_HALF; r++)
+        for (c = -@P@_HALF; c <= @P@_HALF; c++) {
+            int64_t along[2], down, right;
+            int32_t i;
+            for (i = 0; i < 2; i++) {
+                const int16_t *e = @p@_edge_ends[i];
+                along[i] = @p@_sample(raw, row + r + e[2], col + c + e[3])
+                         - @p@_sample(raw, row + r + e[0], col + c + e[1]);
+            }
+            down = @p@_edge_gradient[0][0] * along[0] + @p@_edge_gradient[0][1] * along[1];
+            right = @p@_edge_gradient[1][0] * along[0] + @p@_edge_gradient[1][1] * along[1];
+            down2 += down * down;
+            both += down * right;
+            right2 += right * right;
+        }
+    difference = right2 - down2;
+    twice = 2 * both;
+    all = right2 + down2;
+    /* |difference| and |twice| are at most `all`; what follows squares it. */
+    while (all >= (int64_t)1 << 30) {
+        difference /= 2;
+        twice /= 2;
+        all /= 2;
+    }
+    /* (difference, twice) is as long as the difference of the tensor's eigenvalues: at least half their sum is asked for. */
+    if (4 * (difference * difference + twice * twice) <= all * all)
+        return 0;
+    if ((difference < 0 ? -difference : difference) >= (twice < 0 ? -twice : twice))
+        return difference >= 0 ? 1 : 3;
+    return twice > 0 ? 2 : 4;
+}
+#endif
+
+/* The index of the class of a pixel. */
+static inline uint32_t @p@_class(const @p@_raw *raw, int32_t row, int32_t col)
+{
+    const int32_t position = @p@_position(raw, row, col);
+    uint32_t sum = 0, clipped = 0;
+    int32_t level = 0, texture = 0, r, c;
+    for (r = -@P@_HALF; r <= @P@_HALF; r++)
+        for (c = -@P@_HALF; c <= @P@_HALF; c++) {
+            const uint32_t v = (uint32_t)@p@_sample(raw, row + r, col + c);
+            sum += v;
+            if (v >= @P@_CLIP)
+                clipped |= (uint32_t)1 << @p@_tile[@p@_position(raw, row + r, col + c)];
+        }
+#if @P@_LEVELS > 1
+    for (c = 0; c < @P@_LEVELS - 1; c++)
+        level += sum >= @p@_cuts[position % @P@_CUT_SETS][c];
+#endif
+#if @P@_TEXTURES > 1
+    {
+        const uint64_t light = sum > @P@_BLACK_SUM ? sum - @P@_BLACK_SUM : 0;
+        uint64_t contrast = 0, flat;
+        int32_t i;
+        for (i = 0; i < 2; i++) {
+            const int16_t *p = @p@_pairs[i];
+            for (r = p[2]; r <= p[3]; r++)
+                for (c = p[4]; c <= p[5]; c++) {
+                    const int32_t d = @p@_sample(raw, row + r, col + c)
+                                    - @p@_sample(raw, row + r + p[0], col + c + p[1]);
+                    contrast += (uint64_t)(d < 0 ? -d : d);
+                }
+        }
+        flat = @P@_FLAT_0 + light * (@P@_FLAT_1 + ((light * @P@_FLAT_2) >> @P@_FLAT_2_BITS));
+        texture = ((contrast * contrast) << @P@_FLAT_BITS) > flat;
+    }
+#endif
+#if @P@_TEXTURES > 2
+    if (texture)
+        texture += @p@_edge(raw, row, col);
+#endif
+    return (uint32_t)(((position * @P@_SATURATIONS + @p@_saturation(clipped)) * @P@_LEVELS + level) * @P@_TEXTURES
+                      + texture);
+}
+
+/* The outputs of a pixel, with @P@_SHIFT fractional bits. No sum overflows, whatever the samples. */
+static inline void @p@_pixel(const @p@_raw *raw, int32_t row, int32_t col, int32_t out[@P@_OUTPUTS])
+{
+    const uint32_t class_index = @p@_class(raw, row, col);
+    int32_t o, r, c;
+    for (o = 0; o < @P@_OUTPUTS; o++) {
+        const int16_t *k = @p@_kernels[class_index][o];
+        int32_t sum = @p@_offsets[class_index][o];
+        for (r = -@P@_HALF; r <= @P@_HALF; r++)
+            for (c = -@P@_HALF; c <= @P@_HALF; c++)
+                sum += *k++ * (@p@_sample(raw, row + r, col + c) - @P@_BLACK);
+        out[o] = sum;
+    }
+}
+
+/* Renders an image: `out` holds the outputs one after the other, each row by row. -1 when the image is too small. */
+static inline int @p@_image(const @p@_raw *raw, int32_t *out)
+{
+    const size_t plane = (size_t)raw->rows * (size_t)raw->cols;
+    int32_t row, col, o, pixel[@P@_OUTPUTS];
+    if (raw->rows < @P@_MIN_ROWS || raw->cols < @P@_MIN_COLS)
+        return -1;
+    for (row = 0; row < raw->rows; row++)
+        for (col = 0; col < raw->cols; col++) {
+            @p@_pixel(raw, row, col, pixel);
+            for (o = 0; o < @P@_OUTPUTS; o++)
+                out[(size_t)o * plane + (size_t)row * (size_t)raw->cols + (size_t)col] = pixel[o];
+        }
+    return 0;
+}

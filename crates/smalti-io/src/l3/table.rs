@@ -1,0 +1,94 @@
+//! The learned table, `.l3`.
+
+use std::path::Path;
+
+use serde_json::json;
+use smalti::l3::{Class, Kernels, Origin, Pipeline, PipelineParts};
+
+use super::axes;
+use super::content::{Content, Opened};
+use crate::error::At;
+use crate::{IoError, Limits, file};
+
+const FORMAT: &str = "smalti-l3-table";
+const VERSION: &str = "1";
+
+/// Writes a pipeline, to be read back bit for bit. Equal pipelines give equal files.
+///
+/// # Errors
+/// [`IoError::Write`].
+pub fn write_table(path: &Path, pipeline: &Pipeline) -> Result<(), IoError> {
+    content(pipeline).write(path)
+}
+
+/// Strings and arrays of a pipeline, as `docs/formats-l3.md` lists them.
+pub(super) fn content(pipeline: &Pipeline) -> Content {
+    let axes = pipeline.axes();
+    let mut content = Content::default();
+    content.text("format", FORMAT);
+    content.text("version", VERSION);
+    axes::put(&mut content, axes);
+    content.json("channel_names", &json!(pipeline.channel_names()));
+    content.json("outputs", &json!(pipeline.outputs()));
+    content.text("black_level", pipeline.black_level());
+    content.text("white_level", pipeline.white_level());
+    content.text("provenance", pipeline.provenance());
+    let classes =
+        [axes.positions(), pipeline.saturations().len(), axes.level_count(), axes.textures().count()];
+    let [outputs, side] = [pipeline.outputs().len(), axes.side()];
+    let kernels = pipeline.kernels();
+    let of_classes = |more: &[usize]| [&classes, more].concat();
+    content.tensor("weights", &of_classes(&[outputs, side, side]), kernels.weights.iter().copied());
+    content.tensor("offsets", &of_classes(&[outputs]), kernels.offsets.iter().copied());
+    content.tensor("counts", &classes, pipeline.classes().iter().map(|c| c.count));
+    content.tensor("origin", &classes, pipeline.classes().iter().map(|c| c.origin as u8));
+    content.tensor("saturations", &[classes[1]], pipeline.saturations().iter().copied());
+    content.tensor("trained", &[classes[0], 2], pipeline.trained().iter().flatten().copied());
+    content
+}
+
+/// Reads a pipeline.
+///
+/// # Errors
+/// When the file cannot be read or is larger than the default of [`Limits`], is no safetensors file or none of this kind and
+/// version, is cut short or damaged, or its parts do not fit each other.
+pub fn read_table(path: &Path) -> Result<Pipeline, IoError> {
+    table_from_bytes(&file::read(path, Limits::default().file_bytes)?, path)
+}
+
+/// As [`read_table`], from memory; `path` is only named in errors.
+///
+/// # Errors
+/// As [`read_table`].
+pub fn table_from_bytes(bytes: &[u8], path: &Path) -> Result<Pipeline, IoError> {
+    let opened = Opened::new(bytes, path, FORMAT, VERSION)?;
+    let axes = axes::read(&opened)?;
+    let outputs: Vec<String> = opened.json("outputs")?;
+    let (_, saturations) = opened.any::<u32>("saturations", 1)?;
+    let classes = [axes.positions(), saturations.len(), axes.level_count(), axes.textures().count()];
+    let of_classes = |more: &[usize]| [&classes, more].concat();
+    let weights = opened.shaped("weights", &of_classes(&[outputs.len(), axes.side(), axes.side()]))?;
+    let offsets = opened.shaped("offsets", &of_classes(&[outputs.len()]))?;
+    let counts: Vec<u64> = opened.shaped("counts", &classes)?;
+    let origins: Vec<u8> = opened.shaped("origin", &classes)?;
+    let trained: Vec<f32> = opened.shaped("trained", &[classes[0], 2])?;
+    let classes = counts.into_iter().zip(origins).enumerate().map(|(i, (count, code))| {
+        let expected = || format!("a code from 0 to {}", Origin::ALL.len() - 1);
+        let origin = Origin::from_code(code)
+            .ok_or_else(|| opened.wrong("tensor 'origin'", format!("{code} at class {i}"), expected()))?;
+        Ok(Class { count, origin })
+    });
+    Pipeline::from_parts(PipelineParts {
+        saturations,
+        outputs,
+        channel_names: opened.json("channel_names")?,
+        black_level: opened.number("black_level")?,
+        white_level: opened.number("white_level")?,
+        trained: trained.as_chunks().0.to_vec(),
+        classes: classes.collect::<Result<_, IoError>>()?,
+        kernels: Kernels { weights, offsets },
+        provenance: opened.text("provenance")?.to_owned(),
+        axes,
+    })
+    .at(path)
+}

@@ -1,0 +1,9 @@
+//! Files of learned pipelines.
+#![allow(clippy::unwrap_used, clippy::panic)]
+
+mod c_header;
+mod files;
+mod fixtures;
+mod judges;
+#[path = "../support/python.rs"]
+mod python;

@@ -1,0 +1,150 @@
+//! Bands of rows, rendered side by side.
+
+use rayon::prelude::*;
+
+use super::super::classify::{Classifier, RowClasses};
+use super::super::window::Window;
+use super::super::{MAX_SIDE, Pipeline};
+use super::fixed::FixedKernels;
+use super::index::Index;
+use super::portable::PIXELS;
+use super::table::{Place, Run, Sample, Simd, Table};
+use super::Outside;
+use crate::isp::demosaic::{BAND_ROWS, bands};
+use crate::isp::source::Source;
+use crate::numeric::Planes;
+use crate::numeric::simd::{Kernel, dispatch};
+use crate::sensor::RawImage;
+
+/// Pixels of a row whose patches are laid out at a time: few enough to stay in the innermost cache until they are used.
+const RUN: usize = 512;
+
+/// A pipeline with all that does not depend on the image.
+#[derive(Debug, Clone)]
+pub(super) struct Engine<'a, S: Sample> {
+    pipeline: &'a Pipeline,
+    classifier: Classifier,
+    index: Index,
+    table: Table<S>,
+    pub(super) simd: Simd,
+}
+
+/// What a thread works in.
+#[derive(Debug, Default)]
+struct Scratch<S> {
+    window: Window,
+    own: Window<S>,
+    classes: RowClasses,
+    kernels: Vec<u32>,
+    patches: Vec<S>,
+}
+
+impl<'a> Engine<'a, f32> {
+    pub(super) fn float(pipeline: &'a Pipeline) -> Self {
+        let kernels = pipeline.kernels();
+        Self::new(pipeline, &kernels.weights, |i| vec![kernels.offsets[i]], 1.0)
+    }
+}
+
+impl<'a> Engine<'a, i16> {
+    pub(super) fn fixed(pipeline: &'a Pipeline, kernels: &FixedKernels) -> Self {
+        let offsets = |i: usize| FixedKernels::parts(kernels.offsets[i]).to_vec();
+        Self::new(pipeline, &kernels.weights, offsets, kernels.scale)
+    }
+}
+
+impl<'a, S: Sample> Engine<'a, S> {
+    fn new(pipeline: &'a Pipeline, weights: &[S], offsets: impl Fn(usize) -> Vec<S>, scale: f32) -> Self {
+        let (side, outputs) = (pipeline.axes().side(), pipeline.outputs().len());
+        let (table, kernels) = Table::new(weights, offsets, side, outputs, scale);
+        Self {
+            pipeline,
+            classifier: Classifier::new(pipeline.axes()),
+            index: Index::new(pipeline, kernels),
+            table,
+            simd: Simd::best(),
+        }
+    }
+
+    pub(super) fn pipeline(&self) -> &'a Pipeline {
+        self.pipeline
+    }
+
+    /// Renders an image that fits into planes that fit; `phase` is the place of its first pixel in the tile.
+    pub(super) fn render(
+        &self,
+        raw: &RawImage,
+        reader: &S::Reader<'_>,
+        phase: [usize; 2],
+        planes: &mut Planes,
+    ) -> Outside {
+        let (rows, cols) = (raw.rows(), raw.cols());
+        let (source, mosaic) = (Source::of(raw), self.pipeline.axes().mosaic());
+        bands(planes.data_mut(), rows, cols)
+            .into_par_iter()
+            .enumerate()
+            .map_init(Scratch::default, |scratch, (i, mut band)| {
+                let place = Place {
+                    size: [rows, cols],
+                    first: i * BAND_ROWS,
+                    rows: BAND_ROWS.min(rows - i * BAND_ROWS),
+                    half: self.pipeline.axes().side() / 2,
+                    tile: [mosaic.rows(), mosaic.cols()],
+                };
+                self.band(source, reader, phase, &place, scratch, &mut band)
+            })
+            .reduce(Outside::default, |a, b| a + b)
+    }
+
+    fn band(
+        &self,
+        source: Source<'_>,
+        reader: &S::Reader<'_>,
+        phase: [usize; 2],
+        place: &Place,
+        scratch: &mut Scratch<S>,
+        planes: &mut [&mut [f32]],
+    ) -> Outside {
+        let (cols, half, side) = (place.size[1], place.half, 2 * place.half + 1);
+        let Scratch { window, own, classes, kernels, patches } = scratch;
+        dispatch(Read { source, window, margin: self.classifier.margin(), place });
+        let samples = S::window(reader, window, own, place);
+        kernels.resize(cols.next_multiple_of(PIXELS), 0);
+        let mut outside = Outside::default();
+        for row in 0..place.rows {
+            let phase = [(phase[0] + place.first + row) % place.tile[0], phase[1]];
+            self.classifier.row(window, row, phase, classes);
+            outside = outside + self.index.row(self.pipeline, classes, phase, cols, kernels);
+            for (i, kernels) in kernels.chunks(RUN).enumerate() {
+                let first = i * RUN;
+                let count = kernels.len().min(cols - first);
+                let mut lines = [&[] as &[S]; MAX_SIDE];
+                for (r, line) in lines[..side].iter_mut().enumerate() {
+                    let from = samples.margin[1] - half + first;
+                    *line = &samples.line((row + r) as isize - half as isize)[from..];
+                }
+                S::interleave(self.simd, &lines[..side], kernels.len() + 2 * half, patches);
+                let run = Run { table: &self.table, patches, kernels, at: row * cols + first, count };
+                S::products(self.simd, &run, planes);
+            }
+        }
+        outside
+    }
+}
+
+struct Read<'a> {
+    source: Source<'a>,
+    window: &'a mut Window,
+    margin: [usize; 2],
+    place: &'a Place,
+}
+
+impl Kernel for Read<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { source, window, margin, place } = self;
+        window.read(source, place.first, place.rows, margin, place.tile);
+    }
+}

@@ -1,0 +1,155 @@
+//! Kernels and samples of 16 bits.
+
+use super::super::window::Window;
+use super::super::{L3Error, Pipeline};
+use super::table::Place;
+use crate::numeric::simd::{Kernel, dispatch};
+
+/// Most that the magnitudes of the weights of a kernel may sum to: with samples of 16 bits the sum stays within 32.
+const MOST_TOTAL: i64 = 65_535;
+/// Offsets enter the sum as two weights of 16 bits; one is multiplied with this, the other with 1.
+pub(super) const HIGH_PART: i32 = 1 << 14;
+/// Finer kernels than this many binary places are of no use.
+const MOST_SHIFT: u32 = 24;
+
+/// Kernels for integer arithmetic, as in the firmware of a camera.
+///
+/// With d = (sample − `black`) rounded down by `sample_shift` bits (halves up) and clamped to 16 bits,
+///
+/// output = `scale` · (`offsets` + Σ `weights` · d),
+///
+/// where the sum fits 32 bits in any order: every weight is within ±32767 and, of every kernel,
+/// 32768 Σ |weight| + |offset| is below 2³¹ (so Σ |weight| ≤ 65535).
+#[derive(Debug, Clone, PartialEq)]
+pub struct FixedKernels {
+    /// Weights times 2^`shift`, ordered class, output, tap (the rows of the patch).
+    pub weights: Vec<i16>,
+    /// Offsets in units of the sum, ordered class, output.
+    pub offsets: Vec<i32>,
+    /// Binary places of the weights, the same for all.
+    pub shift: u32,
+    /// What is taken off samples, digital numbers: the black level, rounded. What is lost by that is in the offsets.
+    pub black: i32,
+    /// Bits that samples lose after that: 1 where the range from black to white does not fit 15 bits, otherwise 0.
+    pub sample_shift: u32,
+    /// Factor from sums to outputs.
+    pub scale: f32,
+}
+
+impl FixedKernels {
+    pub(super) fn new(pipeline: &Pipeline, black: f64, white: f64) -> Result<Self, L3Error> {
+        let wrong = |reason: String| L3Error::Table { reason };
+        if !(black.is_finite() && white.is_finite() && white > black) {
+            return Err(wrong(format!("white level {white} must lie above black level {black}")));
+        }
+        if black.abs() > 1e5 || white > 1e5 {
+            return Err(wrong(format!("levels {black} and {white} are not those of 16-bit samples")));
+        }
+        let range = white - black;
+        let sample_shift = u32::from(range > f64::from(i16::MAX));
+        let unit = range / f64::from(1 << sample_shift);
+        let rounded = black.round();
+        let kernels = pipeline.kernels();
+        let taps = pipeline.axes().taps();
+        // What is added to a normalised sample by rounding the black level.
+        let excess = (black - rounded) / range;
+        let offset = |(weights, &offset): (&[f32], &f32)| {
+            let total: f64 = weights.iter().map(|&w| f64::from(w)).sum();
+            (f64::from(offset) - total * excess) * unit
+        };
+        let offsets: Vec<f64> = kernels.weights.chunks_exact(taps).zip(&kernels.offsets).map(offset).collect();
+        let quantize = |shift: u32| -> Option<(Vec<i16>, Vec<i32>)> {
+            let factor = f64::from(1 << shift);
+            let integers: Option<Vec<i16>> = kernels
+                .weights
+                .iter()
+                .map(|&w| (f64::from(w) * factor).round())
+                .map(|w| (w.abs() <= f64::from(i16::MAX)).then_some(w as i16))
+                .collect();
+            let (integers, mut rounded) = (integers?, Vec::with_capacity(offsets.len()));
+            for (weights, offset) in integers.chunks_exact(taps).zip(&offsets) {
+                let total: i64 = weights.iter().map(|w| i64::from(w.unsigned_abs())).sum();
+                let offset = (offset * factor).round();
+                // The parts of an offset may be larger than the whole by as much as the finer part, twice.
+                let most = total as f64 * 32_768.0 + offset.abs() + f64::from(HIGH_PART);
+                let whole = most < f64::from(i32::MAX) && total <= MOST_TOTAL;
+                let parts = offset.abs() + f64::from(HIGH_PART) < f64::from(HIGH_PART) * f64::from(i16::MAX);
+                if !(whole && parts) {
+                    return None;
+                }
+                rounded.push(offset as i32);
+            }
+            Some((integers, rounded))
+        };
+        let (weights, offsets, shift) = (0..=most_shift(&kernels.weights, taps))
+            .rev()
+            .find_map(|shift| quantize(shift).map(|(weights, offsets)| (weights, offsets, shift)))
+            .ok_or_else(|| wrong("weights too large for 16 bits".into()))?;
+        let scale = (1.0 / (unit * f64::from(1 << shift))) as f32;
+        Ok(Self { weights, offsets, shift, black: rounded as i32, sample_shift, scale })
+    }
+
+    /// The two weights that make an offset, for [`HIGH_PART`] and 1.
+    pub(super) fn parts(offset: i32) -> [i16; 2] {
+        let low = (offset + HIGH_PART / 2).rem_euclid(HIGH_PART) - HIGH_PART / 2;
+        [((offset - low) / HIGH_PART) as i16, low as i16]
+    }
+}
+
+/// The finest shift that the weights may allow.
+fn most_shift(weights: &[f32], taps: usize) -> u32 {
+    let most = |limit: f64, found: f64| (limit / found.max(f64::MIN_POSITIVE)).log2().ceil();
+    let largest = weights.iter().fold(0.0f64, |m, &w| m.max(f64::from(w).abs()));
+    let total = |kernel: &[f32]| kernel.iter().map(|&w| f64::from(w).abs()).sum::<f64>();
+    let total = weights.chunks_exact(taps).map(total).fold(0.0, f64::max);
+    let shift = most(f64::from(i16::MAX), largest).min(most(MOST_TOTAL as f64, total));
+    shift.clamp(0.0, f64::from(MOST_SHIFT)) as u32
+}
+
+/// Samples of a raw image, read as [`FixedKernels`] take them.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Digital<'a> {
+    samples: &'a [u16],
+    cols: usize,
+    black: i32,
+    shift: u32,
+}
+
+impl<'a> Digital<'a> {
+    pub(super) fn new(samples: &'a [u16], cols: usize, kernels: &FixedKernels) -> Self {
+        Self { samples, cols, black: kernels.black, shift: kernels.sample_shift }
+    }
+
+    /// The 16 bits of a sample.
+    #[inline(always)]
+    pub(super) fn reduced(&self, sample: u16) -> i16 {
+        let difference = i32::from(sample) - self.black;
+        let reduced = (difference + (self.shift & 1) as i32) >> self.shift;
+        reduced.clamp(i32::from(i16::MIN), i32::from(i16::MAX)) as i16
+    }
+
+    pub(super) fn fill(&self, window: &mut Window<i16>, place: &Place) {
+        dispatch(Fill { digital: self, window, place });
+    }
+}
+
+struct Fill<'a> {
+    digital: &'a Digital<'a>,
+    window: &'a mut Window<i16>,
+    place: &'a Place,
+}
+
+impl Kernel for Fill<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { digital, window, place } = self;
+        let margin = [place.half; 2];
+        window.read_with(place.size, place.first, place.rows, margin, place.tile, |row, out| {
+            let from = row * digital.cols;
+            let samples = &digital.samples[from..from + digital.cols];
+            out.iter_mut().zip(samples).for_each(|(o, &s)| *o = digital.reduced(s));
+        });
+    }
+}

@@ -1,0 +1,154 @@
+//! From what classification gives for a row to the kernels of its pixels.
+
+use super::super::classify::{RowClasses, run_of};
+use super::super::Pipeline;
+use super::Outside;
+use crate::numeric::simd::{Kernel, dispatch};
+
+/// Most channels for which every combination of clipped ones has an entry.
+const MOST_LISTED: usize = 12;
+/// Columns that are done at a time, at least.
+const LEAST_RUN: usize = 256;
+
+/// Which kernels a pixel takes, and whether it is like what was trained with.
+#[derive(Debug, Clone)]
+pub(super) struct Index {
+    /// Kernels by class.
+    kernels: Vec<u32>,
+    /// Whether every class has kernels of its own, in order.
+    own: bool,
+    /// Per row of the tile, for the columns of a run and a tile more: first class of the position, trained range.
+    columns: Vec<Columns>,
+    /// Columns after which these repeat.
+    run: usize,
+    tile: [usize; 2],
+    /// Classes of a combination of clipped channels at a position.
+    per_saturation: usize,
+    saturations: Saturations,
+}
+
+#[derive(Debug, Clone, Default)]
+struct Columns {
+    base: Vec<u32>,
+    least: Vec<f32>,
+    most: Vec<f32>,
+}
+
+/// Places on the saturation axis.
+#[derive(Debug, Clone)]
+struct Saturations {
+    /// Of every combination of clipped channels, where there are few channels.
+    listed: Vec<u32>,
+    axis: Vec<u32>,
+}
+
+impl Index {
+    pub(super) fn new(pipeline: &Pipeline, kernels: Vec<u32>) -> Self {
+        let axes = pipeline.axes();
+        let tile = [axes.mosaic().rows(), axes.mosaic().cols()];
+        let vectors = run_of(tile[1]);
+        let run = vectors * LEAST_RUN.div_ceil(vectors);
+        let columns_of = |row: usize| {
+            let mut columns = Columns::default();
+            for col in 0..run + tile[1] {
+                let position = row * tile[1] + col % tile[1];
+                let [least, most] = pipeline.trained()[position];
+                columns.base.push(pipeline.index(position, 0, 0, 0) as u32);
+                columns.least.push(least);
+                columns.most.push(most);
+            }
+            columns
+        };
+        let channels = axes.mosaic().channels();
+        let listed = if channels <= MOST_LISTED { 1u32 << channels } else { 0 };
+        Self {
+            own: kernels.iter().enumerate().all(|(class, &kernel)| class == kernel as usize),
+            kernels,
+            columns: (0..tile[0]).map(columns_of).collect(),
+            run,
+            tile,
+            per_saturation: axes.level_count() * axes.textures().count(),
+            saturations: Saturations {
+                listed: (0..listed).map(|mask| pipeline.saturation_place(mask) as u32).collect(),
+                axis: pipeline.saturations().to_vec(),
+            },
+        }
+    }
+
+    /// Kernels of the pixels of a row whose first pixel has a phase in the tile. `out` has a place for each column of the
+    /// image and as many more as vectors need.
+    pub(super) fn row(
+        &self,
+        pipeline: &Pipeline,
+        classes: &RowClasses,
+        phase: [usize; 2],
+        cols: usize,
+        out: &mut [u32],
+    ) -> Outside {
+        let mut outside = dispatch(Row { index: self, classes, phase, cols, out });
+        if classes.clipped {
+            outside.saturation = self.saturations(pipeline, classes, &mut out[..cols]);
+        }
+        if !self.own {
+            for class in &mut out[..cols] {
+                *class = self.kernels.get(*class as usize).copied().unwrap_or(0);
+            }
+        }
+        out[cols..].fill(0);
+        outside
+    }
+
+    /// Moves classes to the places of their clipped channels. Returns how many of these are not on the axis.
+    fn saturations(&self, pipeline: &Pipeline, classes: &RowClasses, out: &mut [u32]) -> u64 {
+        let (mut missing, mut last, mut place, mut known) = (0, 0, 0, true);
+        for (class, &mask) in out.iter_mut().zip(&classes.saturation) {
+            // Neighbours mostly have the same channels clipped.
+            if mask != last {
+                last = mask;
+                let listed = self.saturations.listed.get(mask as usize);
+                place = listed.map_or_else(|| pipeline.saturation_place(mask) as u32, |&place| place);
+                known = self.saturations.axis.get(place as usize) == Some(&mask);
+            }
+            *class += place * self.per_saturation as u32;
+            missing += u64::from(!known);
+        }
+        missing
+    }
+}
+
+struct Row<'a> {
+    index: &'a Index,
+    classes: &'a RowClasses,
+    phase: [usize; 2],
+    cols: usize,
+    out: &'a mut [u32],
+}
+
+impl Kernel for Row<'_> {
+    type Output = Outside;
+
+    #[inline(always)]
+    fn run(self) -> Outside {
+        let Self { index, classes, phase, cols, out } = self;
+        let columns = &index.columns[phase[0] % index.tile[0]];
+        let first = phase[1] % index.tile[1];
+        let run = first..first + index.run;
+        let (base, least, most) =
+            (&columns.base[run.clone()], &columns.least[run.clone()], &columns.most[run]);
+        let mut outside = Outside::default();
+        let runs = classes.local[..cols].chunks(index.run).zip(classes.mean[..cols].chunks(index.run));
+        for ((local, mean), out) in runs.zip(out[..cols].chunks_mut(index.run)) {
+            for ((out, &local), &base) in out.iter_mut().zip(local).zip(base) {
+                *out = base + local;
+            }
+            let (mut darker, mut brighter) = (0u32, 0u32);
+            for ((&mean, &least), &most) in mean.iter().zip(least).zip(most) {
+                darker += u32::from(mean < least);
+                brighter += u32::from(mean > most);
+            }
+            outside.darker += u64::from(darker);
+            outside.brighter += u64::from(brighter);
+        }
+        outside
+    }
+}

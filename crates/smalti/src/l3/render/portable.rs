@@ -1,0 +1,110 @@
+//! The inner loops in plain code, which defines the order of the sums.
+
+use super::table::{Run, Sample, registers_of};
+use crate::numeric::simd::Kernel;
+
+/// Pixels that the inner loops take at a time.
+pub(super) const PIXELS: usize = 16;
+
+/// `out[x * lines + i] = lines[i][x]` for `columns` columns; beyond the end of a line, zero.
+pub(super) fn interleave<S: Sample>(lines: &[&[S]], columns: usize, out: &mut Vec<S>) {
+    out.clear();
+    out.resize(columns * lines.len(), S::default());
+    for (i, line) in lines.iter().enumerate() {
+        let places = out.iter_mut().skip(i).step_by(lines.len());
+        places.zip(*line).for_each(|(o, &v)| *o = v);
+    }
+}
+
+/// The products of a run in single precision.
+pub(super) struct Float<'r, 'a, 'p, 'q>(pub(super) &'r Run<'a, f32>, pub(super) &'p mut [&'q mut [f32]]);
+
+/// The sum of sixteen partial sums: a tree of fixed shape, one that vectors of pixels can climb together.
+#[inline(always)]
+fn tree(p: &[f32; 16]) -> f32 {
+    let four = |i: usize| (p[i] + p[i + 2]) + (p[i + 1] + p[i + 3]);
+    (four(0) + four(4)) + (four(8) + four(12))
+}
+
+impl Float<'_, '_, '_, '_> {
+    #[cfg(test)]
+    pub(super) fn plain(self) {
+        self.run();
+    }
+}
+
+impl Kernel for Float<'_, '_, '_, '_> {
+    type Output = ();
+
+    /// Lane `i` sums the products of taps `i`, `i + 16`, … in this order, rounded one by one; the constant beyond the last tap is
+    /// one of them.
+    #[inline(always)]
+    fn run(self) {
+        let Self(run, planes) = self;
+        let side = run.table.side;
+        let (taps, per_output) = (side * side, registers_of::<f32>(side));
+        let mut lanes = [[0.0f32; 16]; 8];
+        let lanes = &mut lanes[..per_output];
+        for (x, &kernel) in run.kernels[..run.count].iter().enumerate() {
+            if let Some(last) = lanes.last_mut() {
+                *last = run.table.beyond.0;
+            }
+            let patch = &run.patches[x * side..][..taps];
+            lanes.as_flattened_mut()[..taps].copy_from_slice(patch);
+            let from = kernel as usize * run.table.outputs * per_output;
+            let kernels = run.table.registers[from..].chunks_exact(per_output);
+            for (plane, weights) in planes.iter_mut().zip(kernels) {
+                let mut sums = [0.0f32; 16];
+                for (register, (values, weights)) in lanes.iter().zip(weights).enumerate() {
+                    for i in 0..16 {
+                        let product = values[i] * weights.0[i];
+                        sums[i] = if register == 0 { product } else { sums[i] + product };
+                    }
+                }
+                plane[run.at + x] = tree(&sums);
+            }
+        }
+    }
+}
+
+/// The products of a run in fixed point.
+pub(super) struct Fixed<'r, 'a, 'p, 'q>(pub(super) &'r Run<'a, i16>, pub(super) &'p mut [&'q mut [f32]]);
+
+impl Fixed<'_, '_, '_, '_> {
+    #[cfg(test)]
+    pub(super) fn plain(self) {
+        self.run();
+    }
+}
+
+impl Kernel for Fixed<'_, '_, '_, '_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self(run, planes) = self;
+        let side = run.table.side;
+        let (taps, per_output) = (side * side, registers_of::<i16>(side));
+        let mut lanes = [[0i16; 32]; 4];
+        let lanes = &mut lanes[..per_output];
+        for (x, &kernel) in run.kernels[..run.count].iter().enumerate() {
+            if let Some(last) = lanes.last_mut() {
+                *last = run.table.beyond.0;
+            }
+            let patch = &run.patches[x * side..][..taps];
+            lanes.as_flattened_mut()[..taps].copy_from_slice(patch);
+            let from = kernel as usize * run.table.outputs * per_output;
+            let kernels = run.table.registers[from..].chunks_exact(per_output);
+            for (plane, weights) in planes.iter_mut().zip(kernels) {
+                let mut sum = 0i32;
+                for (values, weights) in lanes.iter().zip(weights) {
+                    for i in 0..32 {
+                        // No partial sum overflows; see `FixedKernels`.
+                        sum = sum.wrapping_add(i32::from(values[i]) * i32::from(weights.0[i]));
+                    }
+                }
+                plane[run.at + x] = sum as f32 * run.table.scale;
+            }
+        }
+    }
+}

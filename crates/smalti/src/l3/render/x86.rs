@@ -1,0 +1,321 @@
+//! The inner loops with AVX-512: four pixels at a time are multiplied, sixteen climb the tree of sums together.
+
+use std::arch::x86_64::*;
+
+use super::portable::{self, PIXELS};
+use super::table::{Run, Sample, registers_of};
+
+/// A processor that has AVX-512 with its instructions for 16 bits. Only [`Avx512::detect`] makes one.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Avx512(());
+
+impl Avx512 {
+    pub(super) fn detect() -> Option<Self> {
+        use std::arch::is_x86_feature_detected as has;
+        (has!("avx512f") && has!("avx512bw") && has!("avx512dq") && has!("avx512vl")).then_some(Self(()))
+    }
+
+    pub(super) fn interleave_f32(self, lines: &[&[f32]], columns: usize, out: &mut Vec<f32>) {
+        // SAFETY: that there is a value of this type shows that the processor has the features.
+        unsafe {
+            match lines.len() {
+                3 => interleave_f32::<3>(lines, columns, out),
+                5 => interleave_f32::<5>(lines, columns, out),
+                7 => interleave_f32::<7>(lines, columns, out),
+                9 => interleave_f32::<9>(lines, columns, out),
+                11 => interleave_f32::<11>(lines, columns, out),
+                _ => portable::interleave(lines, columns, out),
+            }
+        }
+    }
+
+    pub(super) fn interleave_i16(self, lines: &[&[i16]], columns: usize, out: &mut Vec<i16>) {
+        // SAFETY: as above.
+        unsafe {
+            match lines.len() {
+                3 => interleave_i16::<3>(lines, columns, out),
+                5 => interleave_i16::<5>(lines, columns, out),
+                7 => interleave_i16::<7>(lines, columns, out),
+                9 => interleave_i16::<9>(lines, columns, out),
+                11 => interleave_i16::<11>(lines, columns, out),
+                _ => portable::interleave(lines, columns, out),
+            }
+        }
+    }
+
+    pub(super) fn products_f32(self, run: &Run<'_, f32>, planes: &mut [&mut [f32]]) {
+        // SAFETY: as above.
+        unsafe {
+            match run.table.side {
+                3 => all_f32::<3>(run, planes),
+                5 => all_f32::<5>(run, planes),
+                7 => all_f32::<7>(run, planes),
+                9 => all_f32::<9>(run, planes),
+                _ => all_f32::<11>(run, planes),
+            }
+        }
+    }
+
+    pub(super) fn products_i16(self, run: &Run<'_, i16>, planes: &mut [&mut [f32]]) {
+        // SAFETY: as above.
+        unsafe {
+            match run.table.side {
+                3 => all_i16::<3>(run, planes),
+                5 => all_i16::<5>(run, planes),
+                7 => all_i16::<7>(run, planes),
+                9 => all_i16::<9>(run, planes),
+                _ => all_i16::<11>(run, planes),
+            }
+        }
+    }
+}
+
+/// Register `o` of lines laid column by column takes in lane `l` column `(o L + l) / P` of line `(o L + l) % P`.
+const fn columns_f32<const P: usize>() -> [[i32; 16]; P] {
+    let (mut table, mut i) = ([[0; 16]; P], 0);
+    while i < 16 * P {
+        table[i / 16][i % 16] = (i / P) as i32;
+        i += 1;
+    }
+    table
+}
+
+const fn columns_i16<const P: usize>() -> [[i16; 32]; P] {
+    let (mut table, mut i) = ([[0; 32]; P], 0);
+    while i < 32 * P {
+        table[i / 32][i % 32] = (i / P) as i16;
+        i += 1;
+    }
+    table
+}
+
+/// The lanes of a register that begins at `first` which line `line` of `P` fills.
+const fn lanes_of<const P: usize>(first: usize, line: usize, lanes: usize) -> u32 {
+    let (mut mask, mut l) = (0, 0);
+    while l < lanes {
+        if (first + l) % P == line {
+            mask |= 1 << l;
+        }
+        l += 1;
+    }
+    mask
+}
+
+#[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl")]
+fn interleave_f32<const P: usize>(lines: &[&[f32]], columns: usize, out: &mut Vec<f32>) {
+    let blocks = columns.div_ceil(16);
+    let Some(lines) = lines.first_chunk::<P>().filter(|l| l.iter().all(|l| l.len() >= blocks * 16)) else {
+        return portable::interleave(lines, columns, out);
+    };
+    out.resize(blocks * 16 * P, 0.0);
+    let places = const { columns_f32::<P>() };
+    let mut from = [_mm512_setzero_ps(); P];
+    for (block, out) in out.chunks_exact_mut(16 * P).enumerate() {
+        for i in 0..P {
+            // SAFETY: every line was found to hold as many blocks.
+            from[i] = unsafe { _mm512_loadu_ps(lines[i].as_ptr().add(block * 16)) };
+        }
+        for o in 0..P {
+            // SAFETY: an array of 16 numbers of 32 bits.
+            let place = unsafe { _mm512_loadu_si512(places[o].as_ptr().cast()) };
+            let mut v = _mm512_permutexvar_ps(place, from[0]);
+            for i in 1..P {
+                v = _mm512_mask_permutexvar_ps(v, lanes_of::<P>(16 * o, i, 16) as u16, place, from[i]);
+            }
+            // SAFETY: `out` has 16 P places.
+            unsafe { _mm512_storeu_ps(out.as_mut_ptr().add(16 * o), v) };
+        }
+    }
+}
+
+#[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl")]
+fn interleave_i16<const P: usize>(lines: &[&[i16]], columns: usize, out: &mut Vec<i16>) {
+    let blocks = columns.div_ceil(32);
+    let Some(lines) = lines.first_chunk::<P>().filter(|l| l.iter().all(|l| l.len() >= blocks * 32)) else {
+        return portable::interleave(lines, columns, out);
+    };
+    out.resize(blocks * 32 * P, 0);
+    let places = const { columns_i16::<P>() };
+    let mut from = [_mm512_setzero_si512(); P];
+    for (block, out) in out.chunks_exact_mut(32 * P).enumerate() {
+        for i in 0..P {
+            // SAFETY: every line was found to hold as many blocks.
+            from[i] = unsafe { _mm512_loadu_si512(lines[i].as_ptr().add(block * 32).cast()) };
+        }
+        for o in 0..P {
+            // SAFETY: an array of 32 numbers of 16 bits.
+            let place = unsafe { _mm512_loadu_si512(places[o].as_ptr().cast()) };
+            let mut v = _mm512_permutexvar_epi16(place, from[0]);
+            for i in 1..P {
+                v = _mm512_mask_permutexvar_epi16(v, lanes_of::<P>(32 * o, i, 32), place, from[i]);
+            }
+            // SAFETY: `out` has 32 P places.
+            unsafe { _mm512_storeu_si512(out.as_mut_ptr().add(32 * o).cast(), v) };
+        }
+    }
+}
+
+/// Outputs in groups of three, then what is left: a patch that is loaded is used for a group.
+#[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl")]
+fn all_f32<const P: usize>(run: &Run<'_, f32>, planes: &mut [&mut [f32]]) {
+    for (group, planes) in planes.chunks_mut(3).enumerate() {
+        match planes {
+            [a, b, c] => group_f32::<P, 3>(run, 3 * group, [a, b, c]),
+            [a, b] => group_f32::<P, 2>(run, 3 * group, [a, b]),
+            [a] => group_f32::<P, 1>(run, 3 * group, [a]),
+            _ => {}
+        }
+    }
+}
+
+#[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl")]
+fn all_i16<const P: usize>(run: &Run<'_, i16>, planes: &mut [&mut [f32]]) {
+    for (group, planes) in planes.chunks_mut(3).enumerate() {
+        match planes {
+            [a, b, c] => group_i16::<P, 3>(run, 3 * group, [a, b, c]),
+            [a, b] => group_i16::<P, 2>(run, 3 * group, [a, b]),
+            [a] => group_i16::<P, 1>(run, 3 * group, [a]),
+            _ => {}
+        }
+    }
+}
+
+/// Four sums of lanes: in each quarter of the result, one number per vector.
+#[inline]
+#[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl")]
+fn quarters_f32([a, b, c, d]: [__m512; 4]) -> __m512 {
+    let ab = _mm512_add_ps(_mm512_unpacklo_ps(a, b), _mm512_unpackhi_ps(a, b));
+    let cd = _mm512_add_ps(_mm512_unpacklo_ps(c, d), _mm512_unpackhi_ps(c, d));
+    let (ab, cd) = (_mm512_castps_pd(ab), _mm512_castps_pd(cd));
+    let low = _mm512_castpd_ps(_mm512_unpacklo_pd(ab, cd));
+    _mm512_add_ps(low, _mm512_castpd_ps(_mm512_unpackhi_pd(ab, cd)))
+}
+
+/// The sums of the quarters of four vectors, one vector after another.
+#[inline]
+#[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl")]
+fn whole_f32([a, b, c, d]: [__m512; 4]) -> __m512 {
+    let ab = _mm512_add_ps(_mm512_shuffle_f32x4::<0x88>(a, b), _mm512_shuffle_f32x4::<0xdd>(a, b));
+    let cd = _mm512_add_ps(_mm512_shuffle_f32x4::<0x88>(c, d), _mm512_shuffle_f32x4::<0xdd>(c, d));
+    _mm512_add_ps(_mm512_shuffle_f32x4::<0x88>(ab, cd), _mm512_shuffle_f32x4::<0xdd>(ab, cd))
+}
+
+#[inline]
+#[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl")]
+fn quarters_i32([a, b, c, d]: [__m512i; 4]) -> __m512i {
+    let ab = _mm512_add_epi32(_mm512_unpacklo_epi32(a, b), _mm512_unpackhi_epi32(a, b));
+    let cd = _mm512_add_epi32(_mm512_unpacklo_epi32(c, d), _mm512_unpackhi_epi32(c, d));
+    _mm512_add_epi32(_mm512_unpacklo_epi64(ab, cd), _mm512_unpackhi_epi64(ab, cd))
+}
+
+#[inline]
+#[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl")]
+fn whole_i32([a, b, c, d]: [__m512i; 4]) -> __m512i {
+    let ab = _mm512_add_epi32(_mm512_shuffle_i32x4::<0x88>(a, b), _mm512_shuffle_i32x4::<0xdd>(a, b));
+    let cd = _mm512_add_epi32(_mm512_shuffle_i32x4::<0x88>(c, d), _mm512_shuffle_i32x4::<0xdd>(c, d));
+    _mm512_add_epi32(_mm512_shuffle_i32x4::<0x88>(ab, cd), _mm512_shuffle_i32x4::<0xdd>(ab, cd))
+}
+
+/// Writes the values of sixteen pixels, or of those that the row still has.
+#[inline]
+#[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl")]
+fn store(out: &mut [f32], values: __m512) {
+    let lanes = if out.len() >= PIXELS { u16::MAX } else { (1u16 << out.len()) - 1 };
+    // SAFETY: the lanes that are written are within `out`.
+    unsafe { _mm512_mask_storeu_ps(out.as_mut_ptr(), lanes, values) };
+}
+
+#[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl")]
+fn group_f32<const P: usize, const G: usize>(run: &Run<'_, f32>, first: usize, planes: [&mut &mut [f32]; G]) {
+    let n = const { registers_of::<f32>(P) };
+    let last: u16 = const { (1 << (P * P - f32::LANES * (registers_of::<f32>(P) - 1))) - 1 };
+    let per_kernel = run.table.outputs * n;
+    // SAFETY: a register of 64 bytes on its boundary.
+    let beyond = unsafe { _mm512_load_ps(run.table.beyond.0.as_ptr()) };
+    let mut outs = planes.map(|p| p[run.at..run.at + run.count].chunks_mut(PIXELS));
+    for (block, kernels) in run.kernels.as_chunks::<PIXELS>().0.iter().enumerate() {
+        let mut quads = [[_mm512_setzero_ps(); 4]; G];
+        for q in 0..4 {
+            let mut sums = [[_mm512_setzero_ps(); 4]; G];
+            for p in 0..4 {
+                let x = block * PIXELS + 4 * q + p;
+                let from = kernels[4 * q + p] as usize * per_kernel + first * n;
+                let (patch, weights) = (&run.patches[x * P..][..P * P], &run.table.registers[from..][..G * n]);
+                let mut values = [beyond; 8];
+                for r in 0..n {
+                    // SAFETY: all but the last register lie within the patch, and of that only lanes that do are read.
+                    values[r] = unsafe {
+                        let at = patch.as_ptr().add(r * f32::LANES);
+                        if r + 1 < n { _mm512_loadu_ps(at) } else { _mm512_mask_loadu_ps(beyond, last, at) }
+                    };
+                }
+                for g in 0..G {
+                    for r in 0..n {
+                        // SAFETY: a register of 64 bytes on its boundary.
+                        let weight = unsafe { _mm512_load_ps(weights[g * n + r].0.as_ptr()) };
+                        let product = _mm512_mul_ps(values[r], weight);
+                        sums[g][p] = if r == 0 { product } else { _mm512_add_ps(sums[g][p], product) };
+                    }
+                }
+            }
+            for g in 0..G {
+                quads[g][q] = quarters_f32(sums[g]);
+            }
+        }
+        for g in 0..G {
+            if let Some(out) = outs[g].next() {
+                store(out, whole_f32(quads[g]));
+            }
+        }
+    }
+}
+
+#[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl")]
+fn group_i16<const P: usize, const G: usize>(run: &Run<'_, i16>, first: usize, planes: [&mut &mut [f32]; G]) {
+    let n = const { registers_of::<i16>(P) };
+    let last: u32 = const { (1 << (P * P - i16::LANES * (registers_of::<i16>(P) - 1))) - 1 };
+    let per_kernel = run.table.outputs * n;
+    // SAFETY: a register of 64 bytes on its boundary.
+    let beyond = unsafe { _mm512_load_si512(run.table.beyond.0.as_ptr().cast()) };
+    let scale = _mm512_set1_ps(run.table.scale);
+    let mut outs = planes.map(|p| p[run.at..run.at + run.count].chunks_mut(PIXELS));
+    for (block, kernels) in run.kernels.as_chunks::<PIXELS>().0.iter().enumerate() {
+        let mut quads = [[_mm512_setzero_si512(); 4]; G];
+        for q in 0..4 {
+            let mut sums = [[_mm512_setzero_si512(); 4]; G];
+            for p in 0..4 {
+                let x = block * PIXELS + 4 * q + p;
+                let from = kernels[4 * q + p] as usize * per_kernel + first * n;
+                let (patch, weights) = (&run.patches[x * P..][..P * P], &run.table.registers[from..][..G * n]);
+                let mut values = [beyond; 4];
+                for r in 0..n {
+                    // SAFETY: all but the last register lie within the patch, and of that only lanes that do are read.
+                    values[r] = unsafe {
+                        let at = patch.as_ptr().add(r * i16::LANES);
+                        if r + 1 < n {
+                            _mm512_loadu_si512(at.cast())
+                        } else {
+                            _mm512_mask_loadu_epi16(beyond, last, at)
+                        }
+                    };
+                }
+                for g in 0..G {
+                    for r in 0..n {
+                        // SAFETY: a register of 64 bytes on its boundary.
+                        let weight = unsafe { _mm512_load_si512(weights[g * n + r].0.as_ptr().cast()) };
+                        let pairs = _mm512_madd_epi16(values[r], weight);
+                        sums[g][p] = if r == 0 { pairs } else { _mm512_add_epi32(sums[g][p], pairs) };
+                    }
+                }
+            }
+            for g in 0..G {
+                quads[g][q] = quarters_i32(sums[g]);
+            }
+        }
+        for g in 0..G {
+            if let Some(out) = outs[g].next() {
+                store(out, _mm512_mul_ps(_mm512_cvtepi32_ps(whole_i32(quads[g])), scale));
+            }
+        }
+    }
+}
