@@ -23,6 +23,17 @@ pub enum NoiseMode {
     All,
 }
 
+/// How raw images count: `sample = signal_v · per_volt + black`, up to rounding and clipping.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RawLevels {
+    /// The sample of no signal, digital numbers, or volts without a converter.
+    pub black: f64,
+    /// The sample at saturation, in the same unit.
+    pub white: f64,
+    /// Samples per volt at the converter.
+    pub per_volt: f64,
+}
+
 /// Rows that one task takes. Fixed: results do not depend on it, but scratch is per band.
 const BAND: usize = 16;
 
@@ -61,6 +72,23 @@ impl Sensor {
         Ok(Planes::new(rows, cols, planes, volts)?)
     }
 
+    /// The levels of the raw images that an exposure makes.
+    #[must_use]
+    pub fn raw_levels(&self, exposure: &Exposure) -> RawLevels {
+        let swing = self.pixel.voltage_swing_v;
+        let zero_v = exposure.analog_offset_v * exposure.analog_gain;
+        let saturation_v = self.saturation_v(exposure);
+        if self.adc.bits == 0 {
+            return RawLevels { black: zero_v, white: saturation_v, per_volt: 1.0 };
+        }
+        let last = self.adc.levels() - 1.0;
+        RawLevels {
+            black: self.adc.number(zero_v, swing).clamp(0.0, last),
+            white: self.adc.number(saturation_v, swing).round().min(last),
+            per_volt: self.adc.levels() / swing,
+        }
+    }
+
     /// Takes a picture. The order in the pixel: light and dark current (one Poisson draw, since a sum of Poisson
     /// numbers is one) → full well → volts → gain and offset of the pixel → read noise → row and column noise →
     /// analog offset and gain → clip to the swing → quantisation.
@@ -81,18 +109,13 @@ impl Sensor {
         noise: NoiseMode,
         seed: u64,
     ) -> Result<RawImage, SensorError> {
-        let swing = self.pixel.voltage_swing_v;
-        let zero_v = exposure.analog_offset_v * exposure.analog_gain;
-        let saturation_v = self.saturation_v(exposure);
-        let (samples, rows, cols, black, white) = if self.adc.bits == 0 {
+        let RawLevels { black, white, .. } = self.raw_levels(exposure);
+        let (samples, rows, cols) = if self.adc.bits == 0 {
             let (v, rows, cols, _) = self.read_out::<f32>(image, exposure, noise, seed)?;
-            (RawSamples::Analog(v), rows, cols, zero_v, saturation_v)
+            (RawSamples::Analog(v), rows, cols)
         } else {
             let (v, rows, cols, _) = self.read_out::<u16>(image, exposure, noise, seed)?;
-            let last = self.adc.levels() - 1.0;
-            let black = self.adc.number(zero_v, swing).clamp(0.0, last);
-            let white = self.adc.number(saturation_v, swing).round().min(last);
-            (RawSamples::Digital(v), rows, cols, black, white)
+            (RawSamples::Digital(v), rows, cols)
         };
         if white <= black {
             return Err(SensorError::AnalogOffset { value: exposure.analog_offset_v });

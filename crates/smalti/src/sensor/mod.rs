@@ -19,7 +19,7 @@ mod raw;
 mod readout;
 
 pub use adc::Adc;
-pub use capture::NoiseMode;
+pub use capture::{NoiseMode, RawLevels};
 pub use cfa::{Cfa, CfaError, Channel, Filter, Mosaic};
 pub use device::{Aperture, ColorArchitecture, MAX_SAMPLES, Sensor};
 pub use error::SensorError;
