@@ -3,13 +3,9 @@
 use std::path::Path;
 
 use serde_json::json;
-use smalti::camera::{Camera, Photograph};
-use smalti::color::scielab::Scielab;
-use smalti::color::{DeltaE, Image};
+use smalti::camera::{Camera, CameraError, Photograph, PictureScores, ScoreSettings, score_picture};
 use smalti::isp::{Isp, WhiteBalance};
-use smalti::metrics::Rect;
-use smalti::metrics::psnr::psnr;
-use smalti::metrics::visual_snr::scielab_score;
+use smalti::metrics::MetricError;
 use smalti::scene::Scene;
 use smalti::sensor::{NoiseMode, RawImage, RawSamples, Window};
 use smalti::spectrum::{SpectralCube, Spectrum};
@@ -23,8 +19,8 @@ use crate::brightness::{brightness_gain, scaled};
 use crate::progress::Progress;
 use crate::resolve;
 
-/// Pixels per degree at which S-CIELAB looks at pictures: a desktop screen of 100 dpi from 0.7 m is near 48, a good one 60.
-const VIEWING_PX_PER_DEGREE: f64 = 60.0;
+/// How pictures are scored: on a good desktop screen, lightness relative to the brightest white in the picture.
+const SCORE: ScoreSettings = ScoreSettings { samples_per_degree: 60.0, highlight_share: 0.0 };
 /// Rows and columns, at most, of the part of a picture that is scored.
 const SCORED_PX: usize = 2048;
 /// What a capture takes at its peak, measured on mosaics: raw samples, and pictures in XYZ while they are compared.
@@ -130,10 +126,9 @@ fn dng_info(camera: &Camera, light: &Spectrum) -> anyhow::Result<DngInfo> {
     })
 }
 
-/// How far the picture is from what the standard observer sees through the same lens and pixels.
+/// How far the picture is from what the standard observer sees through the same lens and pixels, and where.
 struct Score {
-    scielab_mean: f64,
-    cpsnr_db: f64,
+    scores: PictureScores,
     window: Window,
 }
 
@@ -161,22 +156,13 @@ fn score(
     let raw = camera.sensor.capture(&photo.optical_image, &photo.exposure, noise, seed)?;
     let colors = camera.isp(light, WhiteBalance::None)?;
     let measured = colors.render(&raw)?;
-    let reference = camera.reference(&photo.optical_image)?;
-    let mean = |i: &Image| i.planes().plane(1).iter().map(|&v| f64::from(v)).sum::<f64>();
-    // The picture's scale is that of the exposure; the reference is brought to the same mean luminance.
-    let scale = mean(&measured) / mean(&reference);
-    if !(scale.is_finite() && scale > 0.0) {
-        return Ok(None);
+    let reference = camera.reference_as_exposed(&photo.optical_image, &photo.exposure, light)?;
+    let white = colors.color_matrix.xyz_white();
+    match score_picture(&measured, &reference, white, &SCORE) {
+        Ok(scores) => Ok(Some(Score { scores, window })),
+        Err(CameraError::Metric(MetricError::Undefined { .. })) => Ok(None),
+        Err(e) => Err(e.into()),
     }
-    let reference = scaled(&reference, scale)?;
-    let peak = f64::from(reference.planes().plane(1).iter().copied().fold(0.0f32, f32::max));
-    // Lightness is relative to the brightest white in the picture.
-    let white = colors.color_matrix.xyz_white().map(|v| v * peak);
-    let settings = Scielab::new(VIEWING_PX_PER_DEGREE, DeltaE::Cie1976);
-    let scielab_mean = scielab_score(&measured, &reference, white, &settings)?.mean;
-    let region = Rect::whole(measured.rows(), measured.cols());
-    let cpsnr_db = psnr(measured.planes(), reference.planes(), region, peak)?.cpsnr_db;
-    Ok(Some(Score { scielab_mean, cpsnr_db, window }))
 }
 
 fn scene_facts(args: &Simulate, scene: &Scene) -> anyhow::Result<serde_json::Value> {
@@ -216,10 +202,12 @@ fn metrics(
         },
         "picture": {
             "brightness_gain": gain,
-            "scielab_mean": score.as_ref().map(|s| s.scielab_mean),
-            "cpsnr_db": score.as_ref().map(|s| s.cpsnr_db),
+            "scielab_mean": score.as_ref().map(|s| s.scores.scielab_mean),
+            "cpsnr_db": score.as_ref().map(|s| s.scores.cpsnr_db),
+            "pixel_delta_e_2000_mean": score.as_ref().map(|s| s.scores.pixel_delta_e_2000_mean),
+            "pixel_delta_e_2000_p95": score.as_ref().map(|s| s.scores.pixel_delta_e_2000_p95),
             "scored_window": score.as_ref().map(scored),
-            "viewing_px_per_degree": VIEWING_PX_PER_DEGREE,
+            "viewing_px_per_degree": SCORE.samples_per_degree,
         },
         "description": camera.description(),
     }))

@@ -3,33 +3,27 @@
 //!
 //! Every target is as large on the sensor, in pixels, for every camera, so that scores rest on equally many samples.
 //! Colour and resolution are measured without noise: they are properties of the design, not of one capture. Noise
-//! is measured on one capture with all noise.
+//! is measured on one capture with all noise. Both are at the real exposure, so that processing which treats dark
+//! and bright signals differently, as a learned pipeline does, is scored at what it does at this level.
 
 use serde::Serialize;
 
+use super::chart::{self, PATCH_SAMPLES};
 use super::{Camera, CameraError};
 use crate::color::display::Primaries;
 use crate::color::matrix::{IDENTITY, product};
 use crate::color::{Adaptation, Image};
-use crate::isp::{Classic, Isp, WhiteBalance};
+use crate::isp::{Isp, WhiteBalance};
 use crate::metrics::aliasing::{Aliasing, aliasing};
-use crate::metrics::color_accuracy::{LabWhite, color_accuracy};
 use crate::metrics::dynamic_range::dynamic_range;
 use crate::metrics::esfr::{EsfrOptions, edge_sfr};
-use crate::metrics::luminance_noise::luminance_noise;
-use crate::metrics::{MetricError, Rect, patch_means};
+use crate::metrics::{MetricError, Rect};
 use crate::numeric::Planes;
 use crate::optics::OpticalImage;
 use crate::scene::{self, Scene, Setting, SlantedBar, ZonePlate, macbeth};
 use crate::sensor::{Adc, Exposure, NoiseMode, RawImage, Sensor};
-use crate::spectrum::{Illuminant, Observer};
+use crate::spectrum::{Illuminant, Observer, Spectrum};
 
-/// Pixels of the sensor that a patch of the chart spans.
-const PATCH_PX: usize = 40;
-/// Pixels that are measured in the middle of a patch, as many as ISETCam takes.
-const PATCH_CORE_PX: usize = 25;
-/// Samples of the scene per patch: fewer than pixels, as in ISETCam, since patches are flat.
-const PATCH_SAMPLES: usize = 32;
 /// Pixels of the sensor that the edge scene spans; it has 513 samples.
 const EDGE_PX: usize = 120;
 /// The region in which the edge is measured, row, column, rows, columns: ISETCam's for this scene.
@@ -38,9 +32,6 @@ const EDGE_REGION: Rect = Rect { row: 27, col: 37, rows: 66, cols: 44 };
 const ZONE_PX: usize = 256;
 /// Samples of the zone plate per pixel of the sensor.
 const ZONE_SAMPLES_PER_PX: usize = 3;
-/// Patches of the grey series, from white to black.
-const GREYS: std::ops::Range<usize> = 18..24;
-const WHITE: usize = 18;
 /// Luminance of the primaries of sRGB (IEC 61966-2-1).
 const SRGB_LUMINANCE: [f64; 3] = [0.2126, 0.7152, 0.0722];
 /// The plane Y of a picture in XYZ.
@@ -79,6 +70,25 @@ impl From<Vec<f64>> for PatchScores {
     }
 }
 
+/// A figure for each grey patch, and the middle one.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct GreyScores {
+    /// Median over the patches.
+    pub median: f64,
+    /// From white to black.
+    pub per_patch: Vec<f64>,
+}
+
+impl From<Vec<f64>> for GreyScores {
+    fn from(per_patch: Vec<f64>) -> Self {
+        let mut sorted = per_patch.clone();
+        sorted.sort_by(f64::total_cmp);
+        let middle = |i: usize| sorted.get(i / 2).copied().unwrap_or(f64::NAN);
+        let median = f64::midpoint(middle(sorted.len().saturating_sub(1)), middle(sorted.len()));
+        Self { median, per_patch }
+    }
+}
+
 /// Exposure times found or stated for the targets.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct ExposureTimes {
@@ -105,6 +115,9 @@ pub struct Evaluation {
     pub mtf50_cy_per_px: f64,
     /// `100 · std(Y) / mean(Y)` on the grey series, percent.
     pub luminance_noise_percent: PatchScores,
+    /// Reciprocal of the noise of the grey series as it is seen, in units of ΔE 1976, white patch at L* = 100, at 60 pixels per
+    /// degree. The median: white may be clipped, and black is little but noise.
+    pub visual_snr: GreyScores,
     /// Share of the chart's raw samples that are saturated, percent: colours that clip are wrong colours.
     pub saturated_percent: f64,
     /// Energy in the picture of the zone plate that is not in the zone plate, percent.
@@ -138,7 +151,10 @@ pub type OpticalImages<'a> = &'a (
             + Sync
     );
 
-/// Scores a camera. `images` may keep optical images; `&|_, make| make()` makes them anew.
+/// Finds the processing for scenes under a light (photons). Its pictures are XYZ as they are under that light, not adapted.
+pub type IspFor<'a> = &'a (dyn Fn(&Spectrum) -> Result<Box<dyn Isp + 'a>, CameraError> + Sync + 'a);
+
+/// Scores a camera with its own processing. `images` may keep optical images; `&|_, make| make()` makes them anew.
 ///
 /// # Errors
 /// When a stage refuses, or a metric cannot be computed.
@@ -146,6 +162,20 @@ pub fn evaluate(
     camera: &Camera,
     settings: &EvaluationSettings,
     images: OpticalImages<'_>,
+) -> Result<(Evaluation, EvaluationPictures), CameraError> {
+    evaluate_with(camera, settings, images, &|light| Ok(Box::new(camera.isp(light, WhiteBalance::None)?)))
+}
+
+/// Scores a camera with processing of one's own. Its captures without noise have no converter: their samples are volts, with
+/// black and white level in volts.
+///
+/// # Errors
+/// When a stage refuses, or a metric cannot be computed.
+pub fn evaluate_with(
+    camera: &Camera,
+    settings: &EvaluationSettings,
+    images: OpticalImages<'_>,
+    isp: IspFor<'_>,
 ) -> Result<(Evaluation, EvaluationPictures), CameraError> {
     let setting = Setting {
         luminance_cd_m2: settings.luminance_cd_m2,
@@ -157,24 +187,27 @@ pub fn evaluate(
     let edge = Target::edge(camera, &setting)?;
     let zone = Target::zone_plate(camera, &setting)?;
     let ((chart, edge), zone) = rayon::join(
-        || rayon::join(|| chart.shoot(settings, images), || edge.shoot(settings, images)),
-        || zone.shoot(settings, images),
+        || rayon::join(|| chart.shoot(settings, images, isp), || edge.shoot(settings, images, isp)),
+        || zone.shoot(settings, images, isp),
     );
     let (chart, edge, zone) = (chart?, edge?, zone?);
     let (noisy, reference) = rayon::join(|| chart.noisy(settings.seed), || zone.reference());
     let (noisy, reference) = (noisy?, reference?);
     let saturated_percent = noisy.saturated_percent();
     let noisy = chart.isp.render(&noisy)?;
-    let colors = chart_scores(camera, &setting, &chart.clean, &noisy)?;
+    let light = setting.illuminant.photons(camera.grid())?;
+    let colors = chart::colors(&chart.clean, &light)?;
+    let noise = chart::noise(&noisy, &light)?;
     let mtf50_cy_per_px = edge_mtf50(&edge.clean)?;
     let aliasing = zone_plate_aliasing(&zone.clean, &reference, &setting)?;
     let evaluation = Evaluation {
         luminance_cd_m2: settings.luminance_cd_m2,
-        delta_e_76: colors.delta_e_76.into(),
-        delta_e_2000: colors.delta_e_2000.into(),
+        delta_e_76: colors.delta_e_76.per_patch.into(),
+        delta_e_2000: colors.delta_e_2000.per_patch.into(),
         mtf50_cy_per_mm: mtf50_cy_per_px / (camera.sensor.pixel.pitch_m * 1e3),
         mtf50_cy_per_px,
-        luminance_noise_percent: colors.luminance_noise_percent.into(),
+        luminance_noise_percent: noise.luminance_noise_percent.into(),
+        visual_snr: noise.visual_snr.into(),
         saturated_percent,
         aliasing_percent: aliasing.total_percent,
         color_aliasing_percent: aliasing.color_percent,
@@ -203,15 +236,15 @@ struct Target {
 }
 
 /// A target before the camera, and its picture without noise.
-struct Shot<'a> {
+struct Shot<'a, 'i> {
     camera: &'a Camera,
     image: OpticalImage,
     exposure: Exposure,
-    isp: Classic,
+    isp: Box<dyn Isp + 'i>,
     clean: Image,
 }
 
-impl Shot<'_> {
+impl Shot<'_, '_> {
     /// The capture with all noise.
     fn noisy(&self, seed: u64) -> Result<RawImage, CameraError> {
         Ok(self.camera.sensor.capture(&self.image, &self.exposure, NoiseMode::All, seed)?)
@@ -239,7 +272,7 @@ impl Target {
     }
 
     fn chart(camera: &Camera, setting: &Setting) -> Result<Self, CameraError> {
-        let (rows, cols) = (macbeth::ROWS * PATCH_PX, macbeth::COLS * PATCH_PX);
+        let [rows, cols] = chart::SIZE_PX;
         Self::new(camera, rows, cols, setting, "macbeth", |s| Ok(macbeth::chart(PATCH_SAMPLES, s)?))
     }
 
@@ -255,59 +288,23 @@ impl Target {
         Self::new(camera, ZONE_PX, ZONE_PX, setting, "zone-plate", move |s| Ok(scene::zone_plate(&plate, s)?))
     }
 
-    fn shoot(
+    fn shoot<'i>(
         &self,
         settings: &EvaluationSettings,
         images: OpticalImages<'_>,
-    ) -> Result<Shot<'_>, CameraError> {
+        isp: IspFor<'i>,
+    ) -> Result<Shot<'_, 'i>, CameraError> {
         let camera = &self.camera;
         let make = || Ok(camera.optics.image(&(self.scene)()?)?);
         let image = images(&self.key, &make)?;
         let light = settings.illuminant.photons(camera.grid())?;
-        let isp = camera.isp(&light, WhiteBalance::None)?;
+        let isp = isp(&light)?;
         let exposure = camera.exposure(&image)?;
         // Without a converter: rounding without noise would be an error of its own, which noise takes away.
         let ideal = Sensor { adc: Adc::default(), ..camera.sensor.clone() };
         let clean = isp.render(&ideal.capture(&image, &exposure, NoiseMode::None, settings.seed)?)?;
         Ok(Shot { camera, image, exposure, isp, clean })
     }
-}
-
-struct ChartScores {
-    delta_e_76: Vec<f64>,
-    delta_e_2000: Vec<f64>,
-    luminance_noise_percent: Vec<f64>,
-}
-
-fn chart_scores(
-    camera: &Camera,
-    setting: &Setting,
-    clean: &Image,
-    noisy: &Image,
-) -> Result<ChartScores, CameraError> {
-    let rect = |i: usize| {
-        let inset = (PATCH_PX - PATCH_CORE_PX) / 2;
-        Rect {
-            row: i / macbeth::COLS * PATCH_PX + inset,
-            col: i % macbeth::COLS * PATCH_PX + inset,
-            rows: PATCH_CORE_PX,
-            cols: PATCH_CORE_PX,
-        }
-    };
-    let light = setting.illuminant.photons(camera.grid())?;
-    let xyz = |s: &crate::spectrum::Spectrum| Ok(Observer::Cie1931.xyz_from_photons(&s.times(&light)?)?);
-    let expected =
-        macbeth::reflectances(camera.grid())?.iter().map(xyz).collect::<Result<Vec<_>, CameraError>>()?;
-    let rects: Vec<Rect> = (0..expected.len()).map(rect).collect();
-    let means = patch_means(clean.planes(), &rects)?;
-    let measured: Vec<[f64; 3]> = means.iter().map(|m| [m[0], m[1], m[2]]).collect();
-    let accuracy = color_accuracy(&measured, &expected, WHITE, LabWhite::Reference)?;
-    let greys = luminance_noise(noisy.planes(), LUMINANCE, &rects[GREYS])?;
-    Ok(ChartScores {
-        delta_e_76: accuracy.delta_e_76.per_patch,
-        delta_e_2000: accuracy.delta_e_2000.per_patch,
-        luminance_noise_percent: greys.percent,
-    })
 }
 
 fn edge_mtf50(picture: &Image) -> Result<f64, CameraError> {

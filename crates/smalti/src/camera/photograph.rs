@@ -10,10 +10,7 @@ use crate::isp::{Classic, ColorConstraint, Demosaic, Isp, IspError, WhiteBalance
 use crate::numeric::least_squares::{Matrix, lstsq};
 use crate::optics::{OpticalImage, Optics};
 use crate::scene::Scene;
-use crate::sensor::{
-    Cfa, Channel, ColorArchitecture, Exposure, Mosaic, NoiseMode, NonUniformity, Pixel, RawImage, Sensor,
-    Window,
-};
+use crate::sensor::{Exposure, NoiseMode, RawImage, Sensor, Window};
 use crate::spectrum::{Observer, Spectrum, WavelengthGrid, reflectance};
 
 /// A camera, ready to take pictures of scenes on one wavelength grid.
@@ -216,7 +213,7 @@ impl Camera {
     }
 
     /// Electrons per photon that enters the lens, per channel: lens, filters, quantum efficiency.
-    fn responsivities(&self) -> Result<Vec<Spectrum>, CameraError> {
+    pub(super) fn responsivities(&self) -> Result<Vec<Spectrum>, CameraError> {
         let lens = self.optics.transmittance_on(self.grid)?;
         let channels = self.sensor.spectral_responsivity_on(self.grid)?;
         channels.iter().map(|c| Ok(c.times(&lens)?)).collect()
@@ -237,35 +234,6 @@ impl Camera {
         let raw = self.sensor.capture(&optical_image, &exposure, noise, seed)?;
         let picture = self.isp(light, self.white_balance())?.render(&raw)?;
         Ok(Photograph { optical_image, exposure, raw, picture })
-    }
-
-    /// What the standard observer would see through the same lens and pixels: XYZ of every pixel that is read, without
-    /// noise, mosaic or saturation, absolute up to a common factor.
-    ///
-    /// # Errors
-    /// As [`Sensor::expected_volts`].
-    pub fn reference(&self, image: &OpticalImage) -> Result<Image, CameraError> {
-        let weights = Observer::Cie1931.photon_weights(self.grid)?;
-        let largest = weights.iter().map(Spectrum::max).fold(0.0, f64::max);
-        let channel = |(name, w): (&str, &Spectrum)| Channel {
-            name: name.into(),
-            transmittance: w.scaled(1.0 / largest),
-        };
-        let channels: Vec<Channel> = ["X", "Y", "Z"].into_iter().zip(&weights).map(channel).collect();
-        let sensor = Sensor {
-            cfa: Cfa::new("observer", Mosaic::new(1, 3, vec![0, 1, 2])?, channels)?,
-            architecture: ColorArchitecture::Prism,
-            quantum_efficiency: Spectrum::constant(self.grid, 1.0),
-            ir_cut: None,
-            crosstalk: None,
-            nonuniformity: NonUniformity::default(),
-            ..self.sensor.clone()
-        };
-        // A well and a swing that nothing fills, so that the reference never clips.
-        let pixel =
-            Pixel { full_well_e: 1e12, voltage_swing_v: 1e3, conversion_gain_v_per_e: 1e-9, ..sensor.pixel };
-        let volts = Sensor { pixel, ..sensor }.expected_volts(image, &Exposure::new(1.0))?;
-        Ok(Image::new(ColorSpace::Xyz, volts)?)
     }
 }
 
@@ -342,39 +310,5 @@ mod tests {
         assert_eq!((w.rows, w.cols), (160, 240));
         assert_eq!((w.row % 2, w.col % 2), (0, 0));
         assert_eq!((w.row, w.col), (160, 200));
-    }
-
-    /// A camera whose channels are nearly those of the observer renders nearly what the reference shows.
-    #[test]
-    fn the_reference_is_what_a_prism_camera_renders() {
-        let c = camera(|d| {
-            d.sensor.architecture = ArchitectureName::Prism;
-            d.sensor.adc_bits = 0;
-            d.isp.white_balance = WhiteBalanceName::None;
-            d.sensor.cfa.pattern = PatternDescription::Name("five-band".into());
-        });
-        let setting =
-            Setting { horizontal_fov_deg: c.field_of_view_deg(60, 1.2).unwrap(), ..Setting::default() };
-        let scene = macbeth::chart(16, &setting).unwrap();
-        let image = c.optics.image(&scene).unwrap();
-        let photo = c.photograph(image, scene.illuminant(), NoiseMode::None, 1).unwrap();
-        let reference = c.reference(&photo.optical_image).unwrap();
-        let ratio: Vec<f32> = photo
-            .picture
-            .planes()
-            .plane(1)
-            .iter()
-            .zip(reference.planes().plane(1))
-            .map(|(a, b)| a / b)
-            .collect();
-        let mid = ratio[24 * 64 + 32];
-        assert!(
-            ratio
-                .iter()
-                .enumerate()
-                .filter(|(i, _)| (8..40).contains(&(i / 64)) && (4..60).contains(&(i % 64)))
-                .all(|(_, r)| (r / mid - 1.0).abs() < 0.1),
-            "{mid}"
-        );
     }
 }

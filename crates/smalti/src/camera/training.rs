@@ -2,6 +2,7 @@
 
 use super::{Camera, CameraError};
 use crate::color::jakob_hanika2019::Uplift;
+use crate::isp::IspError;
 use crate::l3::{Axes, L3Error, Levels, Pair, Statistics, Textures};
 use crate::numeric::Planes;
 use crate::optics::{OpticalImage, Optics, OpticsModel};
@@ -251,33 +252,6 @@ impl Camera {
         Ok(())
     }
 
-    fn reference_as_exposed(
-        &self,
-        image: &OpticalImage,
-        exposure: &Exposure,
-        light: &Spectrum,
-    ) -> Result<crate::color::Image, CameraError> {
-        let (white, y) = self.white_response(light)?;
-        let levels = self.sensor.raw_levels(exposure)?;
-        let per_e = self.sensor.pixel.conversion_gain_v_per_e * exposure.analog_gain * exposure.time_s
-            / (levels.white_v - levels.black_v);
-        let largest =
-            Observer::Cie1931.photon_weights(self.grid())?.iter().map(Spectrum::max).fold(0.0, f64::max);
-        let k = white.iter().copied().fold(0.0, f64::max) * per_e / (y / largest * 1e-9);
-        let i = self.reference(image)?;
-        Ok(crate::color::Image::new(i.space(), scaled(i.planes(), k)?)?)
-    }
-
-    fn seen_as_exposed(
-        &self,
-        _image: &OpticalImage,
-        _channels: &[Channel],
-        _exposure: &Exposure,
-        _light: &Spectrum,
-    ) -> Result<Planes, CameraError> {
-        Err(L3Error::NoMosaic.into())
-    }
-
     /// The camera with as many pixels as a scene covers.
     fn with_scene_size(&self, scene: &Scene) -> Result<Self, CameraError> {
         let large = self.with_size(1 << 14, 1 << 14);
@@ -311,8 +285,29 @@ impl Camera {
         };
         match &settings.target {
             TrainingTarget::Xyz => Ok(self.reference_as_exposed(image, exposure, light)?.into_planes()),
-            TrainingTarget::Channels(channels) => self.seen_as_exposed(image, channels, exposure, light),
+            TrainingTarget::Channels(channels) => self.channels_as_exposed(image, channels, exposure, light),
         }
+    }
+
+    /// What other sensitivities see, such that white is 1 in the largest where it is 1 in Y.
+    fn channels_as_exposed(
+        &self,
+        image: &OpticalImage,
+        channels: &[Channel],
+        exposure: &Exposure,
+        light: &Spectrum,
+    ) -> Result<Planes, CameraError> {
+        let mut planes = self.seen_by(image, channels)?;
+        let mut scale = f64::INFINITY;
+        for channel in channels {
+            // The largest response to white has the smallest factor; those that do not see the light have none.
+            scale = scale.min(self.exposure_scale(exposure, light, &channel.transmittance).unwrap_or(scale));
+        }
+        if !scale.is_finite() {
+            return Err(IspError::NoResponse { what: "the target" }.into());
+        }
+        planes.data_mut().iter_mut().for_each(|v| *v = (f64::from(*v) * scale) as f32);
+        Ok(planes)
     }
 
     /// A factor on the light at which little clips, and the bright end of the response there.

@@ -28,3 +28,9 @@ pub trait Isp: Send + Sync {
     /// When the pipeline is not made for such an image.
     fn render(&self, raw: &RawImage) -> Result<Image, IspError>;
 }
+
+impl<T: Isp + ?Sized> Isp for &T {
+    fn render(&self, raw: &RawImage) -> Result<Image, IspError> {
+        (**self).render(raw)
+    }
+}

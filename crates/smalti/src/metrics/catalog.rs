@@ -120,6 +120,27 @@ pub const CATALOG: &[MetricInfo] = &[
         "common use in demosaicking",
     ),
     metric(
+        "pixel_delta_e_2000_mean",
+        "ΔE00",
+        Lower,
+        "Mean CIEDE2000 of the pixels of a picture from a reference, brightness not fitted.",
+        "ISO/CIE 11664-6:2014",
+    ),
+    metric(
+        "pixel_delta_e_2000_p95",
+        "ΔE00",
+        Lower,
+        "CIEDE2000 from a reference that 95 % of the pixels of a picture do not exceed.",
+        "ISO/CIE 11664-6:2014",
+    ),
+    metric(
+        "light_gain_stops",
+        "stops",
+        Lower,
+        "How much more light a camera needs to equal another by one of the metrics, in powers of two.",
+        "defined by smalti, see camera::light_gains",
+    ),
+    metric(
         "dynamic_range_db",
         "dB",
         Higher,

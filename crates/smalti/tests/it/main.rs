@@ -4,6 +4,7 @@ mod common;
 mod sensor_kit;
 
 mod architecture;
+mod camera_compare;
 mod cfa;
 mod cfa_catalog;
 mod cfa_filters;

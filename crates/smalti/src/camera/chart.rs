@@ -1,0 +1,70 @@
+//! The ColorChecker before a camera: where its patches lie, what they are scored by.
+
+use crate::camera::CameraError;
+use crate::color::Image;
+use crate::metrics::color_accuracy::{ColorAccuracy, LabWhite, color_accuracy};
+use crate::metrics::luminance_noise::luminance_noise;
+use crate::metrics::visual_snr::visual_snr;
+use crate::metrics::{MetricError, Rect, patch_means};
+use crate::scene::macbeth;
+use crate::spectrum::{Observer, Spectrum};
+
+/// Pixels of the sensor that a patch of the chart spans.
+const PATCH_PX: usize = 40;
+/// Pixels that are measured in the middle of a patch, as many as ISETCam takes.
+const PATCH_CORE_PX: usize = 25;
+/// Samples of the scene per patch: fewer than pixels, as in ISETCam, since patches are flat.
+pub(super) const PATCH_SAMPLES: usize = 32;
+/// Rows and columns of the sensor that the chart covers.
+pub(super) const SIZE_PX: [usize; 2] = [macbeth::ROWS * PATCH_PX, macbeth::COLS * PATCH_PX];
+/// Patches of the grey series, from white to black.
+const GREYS: std::ops::Range<usize> = 18..24;
+const WHITE: usize = 18;
+/// The plane Y of a picture in XYZ.
+const LUMINANCE: usize = 1;
+/// Pixels per degree at which noise is looked at, as in [`ScoreSettings`](super::ScoreSettings).
+const VIEWING_PX_PER_DEGREE: f64 = 60.0;
+
+/// The part of every patch that is measured.
+fn patches() -> Vec<Rect> {
+    let inset = (PATCH_PX - PATCH_CORE_PX) / 2;
+    let patch = |i: usize| Rect {
+        row: i / macbeth::COLS * PATCH_PX + inset,
+        col: i % macbeth::COLS * PATCH_PX + inset,
+        rows: PATCH_CORE_PX,
+        cols: PATCH_CORE_PX,
+    };
+    (0..macbeth::ROWS * macbeth::COLS).map(patch).collect()
+}
+
+/// The colours of a picture of the chart under a light (photons), against the chart's own.
+pub(super) fn colors(clean: &Image, light: &Spectrum) -> Result<ColorAccuracy, CameraError> {
+    let xyz = |s: &Spectrum| Ok(Observer::Cie1931.xyz_from_photons(&s.times(light)?)?);
+    let expected =
+        macbeth::reflectances(light.grid())?.iter().map(xyz).collect::<Result<Vec<_>, CameraError>>()?;
+    let means = patch_means(clean.planes(), &patches())?;
+    let measured: Vec<[f64; 3]> = means.iter().map(|m| [m[0], m[1], m[2]]).collect();
+    Ok(color_accuracy(&measured, &expected, WHITE, LabWhite::Reference)?)
+}
+
+/// The noise of the grey series, from white to black.
+pub(super) struct GreyNoise {
+    /// `100 · std(Y) / mean(Y)`.
+    pub(super) luminance_noise_percent: Vec<f64>,
+    /// Reciprocal standard deviation in S-CIELAB.
+    pub(super) visual_snr: Vec<f64>,
+}
+
+/// Noise of a picture of the chart under a light (photons).
+///
+/// The eye is taken to be adapted to the picture: white is the light, as bright as makes the white patch L* = 100.
+pub(super) fn noise(noisy: &Image, light: &Spectrum) -> Result<GreyNoise, CameraError> {
+    let rects = patches();
+    let luminance_noise_percent = luminance_noise(noisy.planes(), LUMINANCE, &rects[GREYS])?.percent;
+    let white_y = patch_means(noisy.planes(), &rects[WHITE..=WHITE])?.concat()[LUMINANCE];
+    let white = Observer::Cie1931.xyz_from_photons(light)?;
+    let white = white.map(|v| v / white[LUMINANCE] * white_y);
+    let visual = |rect: &Rect| visual_snr(noisy, *rect, white, VIEWING_PX_PER_DEGREE);
+    let visual_snr = rects[GREYS].iter().map(visual).collect::<Result<Vec<f64>, MetricError>>()?;
+    Ok(GreyNoise { luminance_noise_percent, visual_snr })
+}

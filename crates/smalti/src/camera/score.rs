@@ -1,0 +1,225 @@
+//! How far a picture is from what the standard observer would see.
+
+use serde::Serialize;
+
+use super::CameraError;
+use crate::color::scielab::Scielab;
+use crate::color::{DeltaE, DifferenceMap, Image, difference};
+use crate::metrics::psnr::psnr;
+use crate::metrics::visual_snr::scielab_score;
+use crate::metrics::{MetricError, Rect};
+use crate::numeric::Planes;
+
+/// The plane Y of a picture in XYZ.
+const LUMINANCE: usize = 1;
+
+/// How pictures are looked at.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ScoreSettings {
+    /// How fine pixels are to the eye, pixels per degree, 1 to 2000. A desktop screen of 100 dpi from 0.7 m is near 48, a good
+    /// one 60.
+    pub samples_per_degree: f64,
+    /// The share of the reference's pixels, 0 to below 1, that may be brighter than the white of the display it is shown on. 0
+    /// takes the brightest pixel for white; lamps and glints then make all else dark.
+    pub highlight_share: f64,
+}
+
+impl Default for ScoreSettings {
+    /// 60 pixels per degree; half a percent of the pixels may be brighter than white.
+    fn default() -> Self {
+        Self { samples_per_degree: 60.0, highlight_share: 0.005 }
+    }
+}
+
+/// The distance of a picture from its reference. The names of the fields are those of the list of metrics.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct PictureScores {
+    /// White over RMS difference of X, Y, Z together, dB; infinite where nothing differs.
+    pub cpsnr_db: f64,
+    /// Mean CIEDE2000 of the pixels.
+    pub pixel_delta_e_2000_mean: f64,
+    /// The CIEDE2000 that 95 % of the pixels do not exceed.
+    pub pixel_delta_e_2000_p95: f64,
+    /// Mean S-CIELAB difference (ΔE 1976 after the blur of the eye).
+    pub scielab_mean: f64,
+    /// The Y that was taken for white, in the scale of the reference.
+    pub white_y: f64,
+    /// The S-CIELAB difference at every pixel: one plane.
+    #[serde(skip)]
+    pub scielab_map: Planes,
+}
+
+/// Scores a picture against a reference on the same scale, both in XYZ as they are under the scene's light (not adapted);
+/// [`Camera::reference_as_exposed`](super::Camera::reference_as_exposed) makes one. `white` is X, Y, Z of the scene's light
+/// with Y = 1.
+///
+/// Nothing is scaled to fit, so a picture that is too bright or too dark as a whole pays for it. What counts is relative to the
+/// reference's own white: the Y that all but [`ScoreSettings::highlight_share`] of its pixels stay below is the peak of
+/// the CPSNR and the white of CIELAB. So pictures taken in different light compare. Beyond white both pictures are cut as a
+/// display cuts them: Y to white, its chromaticity kept.
+///
+/// # Errors
+/// [`MetricError::Undefined`] when the reference is dark; else when the pictures are not in XYZ, differ in size or hold
+/// a value that is not finite, or a setting or the white is out of range.
+pub fn score_picture(
+    picture: &Image,
+    reference: &Image,
+    white: [f64; 3],
+    settings: &ScoreSettings,
+) -> Result<PictureScores, CameraError> {
+    check(white, settings)?;
+    picture.check_finite()?;
+    reference.check_finite()?;
+    let white_y = white_level(reference, settings.highlight_share);
+    if white_y <= 0.0 {
+        let (quantity, reason) = ("the distance from the reference", "the reference is dark");
+        return Err(MetricError::Undefined { quantity, reason }.into());
+    }
+    let (picture, reference) = (shown(picture, white_y)?, shown(reference, white_y)?);
+    let white = white.map(|v| v / white[LUMINANCE] * white_y);
+    let scielab = Scielab::new(settings.samples_per_degree, DeltaE::Cie1976);
+    let scielab = scielab_score(&picture, &reference, white, &scielab)?;
+    let mut pixels = difference::delta_e_map(&reference, &picture, white, DeltaE::Ciede2000)?;
+    let region = Rect::whole(picture.rows(), picture.cols());
+    let mean = pixels.mean();
+    Ok(PictureScores {
+        cpsnr_db: psnr(picture.planes(), reference.planes(), region, white_y)?.cpsnr_db,
+        pixel_delta_e_2000_mean: mean,
+        pixel_delta_e_2000_p95: f64::from(at_share(&mut pixels.values, 0.95)),
+        scielab_mean: scielab.mean,
+        white_y,
+        scielab_map: one_plane(scielab.map),
+    })
+}
+
+/// A map as a plane. It has a value for each pixel, so nothing is lost.
+fn one_plane(map: DifferenceMap) -> Planes {
+    let (rows, cols) = (map.rows, map.cols);
+    Planes::new(rows, cols, 1, map.values).unwrap_or_else(|_| Planes::zeros(rows, cols, 1))
+}
+
+fn check(white: [f64; 3], settings: &ScoreSettings) -> Result<(), MetricError> {
+    let share = settings.highlight_share;
+    if !(0.0..1.0).contains(&share) {
+        let expected = "0 to less than 1";
+        return Err(MetricError::Parameter { name: "highlight_share", value: share, expected });
+    }
+    match white.iter().find(|v| !(v.is_finite() && **v > 0.0)) {
+        Some(&value) => {
+            Err(MetricError::Parameter { name: "white", value, expected: "a finite number above 0" })
+        }
+        None => Ok(()),
+    }
+}
+
+/// The Y that all but a share of the pixels do not exceed.
+fn white_level(reference: &Image, highlight_share: f64) -> f64 {
+    let mut luminance = reference.planes().plane(LUMINANCE).to_vec();
+    f64::from(at_share(&mut luminance, 1.0 - highlight_share))
+}
+
+/// The value that a share of all values do not exceed; 0 where there are none.
+fn at_share(values: &mut [f32], share: f64) -> f32 {
+    let Some(last) = values.len().checked_sub(1) else { return 0.0 };
+    let at = (last as f64 * share) as usize;
+    *values.select_nth_unstable_by(at.min(last), f32::total_cmp).1
+}
+
+/// A picture as a display shows it whose white is at `white_y`.
+fn shown(picture: &Image, white_y: f64) -> Result<Image, CameraError> {
+    let mut planes = picture.planes().clone();
+    let white_y = white_y as f32;
+    let bright: Vec<(usize, f32)> = planes
+        .plane(LUMINANCE)
+        .iter()
+        .enumerate()
+        .filter(|(_, y)| **y > white_y)
+        .map(|(i, y)| (i, white_y / y))
+        .collect();
+    for p in 0..planes.count() {
+        let plane = planes.plane_mut(p);
+        bright.iter().for_each(|&(i, factor)| plane[i] *= factor);
+    }
+    Ok(Image::new(picture.space(), planes)?)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::color::ColorSpace;
+
+    const WHITE: [f64; 3] = [0.9504, 1.0, 1.0888];
+
+    fn picture(y: impl Fn(usize) -> f32) -> Image {
+        let data = WHITE.iter().flat_map(|&w| (0..40 * 50).map(|i| y(i) * w as f32).collect::<Vec<_>>());
+        Image::new(ColorSpace::Xyz, Planes::new(40, 50, 3, data.collect()).unwrap()).unwrap()
+    }
+
+    fn ramp(i: usize) -> f32 {
+        0.1 + 0.9 * (i % 50) as f32 / 49.0
+    }
+
+    fn score(picture: &Image, reference: &Image) -> PictureScores {
+        score_picture(picture, reference, WHITE, &ScoreSettings::default()).unwrap()
+    }
+
+    #[test]
+    fn the_reference_itself_is_perfect() {
+        let s = score(&picture(ramp), &picture(ramp));
+        assert_eq!(s.cpsnr_db, f64::INFINITY);
+        assert_eq!((s.pixel_delta_e_2000_mean, s.pixel_delta_e_2000_p95, s.scielab_mean), (0.0, 0.0, 0.0));
+        assert!(s.scielab_map.data().iter().all(|v| *v == 0.0));
+    }
+
+    /// No scale is fitted: 3 % less light is 3 % of every value off.
+    #[test]
+    fn an_error_of_brightness_counts() {
+        let s = score(&picture(|i| 0.97 * ramp(i)), &picture(ramp));
+        let square = |f: &dyn Fn(usize) -> f64| (0..2000).map(|i| f(i).powi(2)).sum::<f64>() / 2000.0;
+        let xyz = WHITE.iter().map(|w| w * w).sum::<f64>() / 3.0;
+        let expected = -10.0 * (square(&|i| 0.03 * f64::from(ramp(i))) * xyz).log10();
+        assert!((s.cpsnr_db - expected).abs() < 1e-3, "{} dB, not {expected}", s.cpsnr_db);
+        // White at Y = 97 has L* = 98.8; all pixels are darker and differ by no more.
+        assert!(s.scielab_mean > 0.5 && s.scielab_mean < 1.3, "{}", s.scielab_mean);
+        assert!(s.pixel_delta_e_2000_mean > 0.3 && s.pixel_delta_e_2000_p95 >= s.pixel_delta_e_2000_mean);
+    }
+
+    /// Twice the light and twice the exposure's scale are the same picture.
+    #[test]
+    fn scores_do_not_depend_on_the_common_scale() {
+        let noisy = |i: usize| ramp(i) + 0.01 * ((i * 7919 % 101) as f32 / 50.0 - 1.0);
+        let one = score(&picture(noisy), &picture(ramp));
+        let other = score(&picture(|i| 0.01 * noisy(i)), &picture(|i| 0.01 * ramp(i)));
+        assert!((one.cpsnr_db - other.cpsnr_db).abs() < 1e-3);
+        assert!((one.scielab_mean / other.scielab_mean - 1.0).abs() < 1e-3);
+        assert!((one.pixel_delta_e_2000_p95 / other.pixel_delta_e_2000_p95 - 1.0).abs() < 1e-2);
+    }
+
+    /// A lamp ten thousand times as bright as the rest, clipped by the camera, neither ruins nor hides the rest.
+    #[test]
+    fn what_a_display_cannot_show_does_not_count() {
+        let lamp = |i: usize| if i < 5 { 1e4 } else { ramp(i) };
+        let clipped = |i: usize| if i < 5 { 1.7 } else { 0.97 * ramp(i) };
+        let (with, without) =
+            (score(&picture(clipped), &picture(lamp)), score(&picture(|i| 0.97 * ramp(i)), &picture(ramp)));
+        assert!((with.cpsnr_db - without.cpsnr_db).abs() < 0.1, "{} {}", with.cpsnr_db, without.cpsnr_db);
+        let all = ScoreSettings { highlight_share: 0.0, ..ScoreSettings::default() };
+        let brightest = score_picture(&picture(clipped), &picture(lamp), WHITE, &all).unwrap();
+        assert_eq!(brightest.white_y, 1e4);
+    }
+
+    #[test]
+    fn what_cannot_be_scored_is_refused() {
+        let score = |p: &Image, r: &Image, s| score_picture(p, r, WHITE, &s);
+        let (good, settings) = (picture(ramp), ScoreSettings::default());
+        let undefined = score(&good, &picture(|_| 0.0), settings);
+        assert!(matches!(undefined, Err(CameraError::Metric(MetricError::Undefined { .. }))));
+        assert!(matches!(score(&picture(|_| f32::NAN), &good, settings), Err(CameraError::Image(_))));
+        let share = ScoreSettings { highlight_share: 1.0, ..settings };
+        assert!(score(&good, &good, share).is_err());
+        let small = Image::new(ColorSpace::Xyz, Planes::zeros(2, 2, 3)).unwrap();
+        assert!(score(&small, &good, settings).is_err());
+        let srgb = Image::new(ColorSpace::Srgb, good.planes().clone()).unwrap();
+        assert!(score(&srgb, &good, settings).is_err());
+    }
+}
