@@ -30,7 +30,7 @@ pub fn test_scenes() -> &'static [&'static str] {
         "macbeth?patch=128",
         "resolution-chart?rows=576",
         "siemens-star?size=576",
-        "hdr?rows=512",
+        "hdr?rows=384",
     ]
 }
 

@@ -21,7 +21,7 @@ use crate::metrics::{MetricError, Rect};
 use crate::numeric::Planes;
 use crate::optics::OpticalImage;
 use crate::scene::{self, Scene, Setting, SlantedBar, ZonePlate, macbeth};
-use crate::sensor::{Adc, Exposure, NoiseMode, RawImage, Sensor};
+use crate::sensor::{Exposure, NoiseMode, RawImage};
 use crate::spectrum::{Illuminant, Observer, Spectrum};
 
 /// Pixels of the sensor that the edge scene spans; it has 513 samples.
@@ -301,8 +301,7 @@ impl Target {
         let isp = isp(&light)?;
         let exposure = camera.exposure(&image)?;
         // Without a converter: rounding without noise would be an error of its own, which noise takes away.
-        let ideal = Sensor { adc: Adc::default(), ..camera.sensor.clone() };
-        let clean = isp.render(&ideal.capture(&image, &exposure, NoiseMode::None, settings.seed)?)?;
+        let clean = isp.render(&camera.sensor.capture_ideal(&image, &exposure)?)?;
         Ok(Shot { camera, image, exposure, isp, clean })
     }
 }

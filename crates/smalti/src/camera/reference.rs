@@ -19,9 +19,7 @@ use crate::color::{ColorSpace, Image};
 use crate::isp::IspError;
 use crate::numeric::Planes;
 use crate::optics::OpticalImage;
-use crate::sensor::{
-    Cfa, Channel, ColorArchitecture, Exposure, Mosaic, NonUniformity, Pixel, Sensor,
-};
+use crate::sensor::{Cfa, Channel, ColorArchitecture, Exposure, Mosaic, NonUniformity, Pixel, Sensor};
 use crate::spectrum::{Observer, Outside, Spectrum};
 
 /// A lens that passes less than this at a wavelength has taken the light away: it is not looked for behind the lens.

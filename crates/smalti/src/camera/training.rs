@@ -145,7 +145,7 @@ impl TrainingScene {
 pub fn training_reflectances(grid: WavelengthGrid) -> Result<Vec<Spectrum>, CameraError> {
     let mut all: Vec<Spectrum> = reflectance::natural(grid)?.into_iter().map(|(_, s)| s).collect();
     let uplift = Uplift::new(grid, Observer::Cie1931)?;
-    const STEPS: [f64; 5] = [0.02, 0.1, 0.28, 0.55, 0.9];
+    const STEPS: [f64; 3] = [0.06, 0.25, 0.7];
     for r in STEPS {
         for g in STEPS {
             for b in STEPS {
@@ -212,7 +212,14 @@ impl Camera {
             TrainingTarget::Xyz => ["X", "Y", "Z"].map(String::from).to_vec(),
             TrainingTarget::Channels(channels) => channels.iter().map(|c| c.name.clone()).collect(),
         };
-        Ok(Statistics::new(self.training_axes(settings, light)?, outputs, false)?)
+        let white = match (&settings.target, &settings.target_light) {
+            (TrainingTarget::Channels(_), _) => None,
+            (TrainingTarget::Xyz, None) => Some(light.clone()),
+            (TrainingTarget::Xyz, Some(other)) => Some(other.photons(self.grid())?),
+        };
+        let xyz = |light: &Spectrum| Ok::<_, CameraError>(Observer::Cie1931.xyz_from_photons(light)?);
+        let white = white.as_ref().map(xyz).transpose()?.map(|w| w.map(|v| v / w[1]));
+        Ok(Statistics::new(self.training_axes(settings, light)?, outputs, false)?.with_white(white))
     }
 
     /// Adds a scene at every exposure: patches without noise, classified with it, and what the target sensitivities see

@@ -48,7 +48,8 @@ pub enum Opponent {
 }
 
 impl Opponent {
-    fn matrix(self) -> Matrix3 {
+    /// Luminance, red-green and blue-yellow from X, Y, Z.
+    pub(crate) fn matrix(self) -> Matrix3 {
         match self {
             Self::Degrees2 => [
                 [0.2787336, 0.7218031, -0.1065520],

@@ -106,16 +106,18 @@ impl Levels {
         self.0.partition_point(|&cut| cut <= mean)
     }
 
-    /// A response in the middle (geometrically) of a level; at the ends half a step beyond the last cut.
+    /// A response that stands for a level: the geometric mean of its cuts (the arithmetic one where the lower is not above
+    /// 0), half the first cut for the level below it, and one and a half times the last for the level above it.
     #[must_use]
     pub fn middle(&self, level: usize) -> f64 {
-        let cut = |i: usize| f64::from(self.0[i]);
-        match self.0.len() {
-            0 => 0.5,
-            1 => cut(0) * if level == 0 { 0.5 } else { 1.5 },
-            n if level == 0 => cut(0) / (cut(1) / cut(0)).sqrt().min(2.0) * f64::from(u8::from(n > 0)),
-            n if level >= n => cut(n - 1) * (cut(n - 1) / cut(n - 2)).sqrt().min(2.0),
-            _ => (cut(level - 1) * cut(level)).sqrt(),
+        let cut = |i: usize| self.0.get(i).copied().map(f64::from);
+        match (level.checked_sub(1).and_then(cut), cut(level)) {
+            (Some(low), Some(high)) if low > 0.0 => (low * high).sqrt(),
+            (Some(low), Some(high)) => f64::midpoint(low, high),
+            (None, Some(first)) => first - first.abs() / 2.0,
+            (Some(last), None) => last + last.abs() / 2.0,
+            // One level for all there is, or none of these.
+            (None, None) => 0.5,
         }
     }
 }
@@ -131,5 +133,25 @@ impl TryFrom<Vec<f32>> for Levels {
 impl From<Levels> for Vec<f32> {
     fn from(levels: Levels) -> Self {
         levels.0
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_level_is_stood_for_by_a_response_within_it() {
+        let sets: [&[f32]; 5] = [&[], &[0.1], &[0.01, 0.5], &[0.0, 0.2, 0.4], &[0.001, 0.002, 0.004, 0.9]];
+        for cuts in sets {
+            let levels = Levels::new(cuts.to_vec()).unwrap();
+            for level in 0..levels.count() {
+                let middle = levels.middle(level);
+                // Below a first cut of 0 there is nothing but that cut.
+                let expected = if cuts.first() == Some(&0.0) && level == 0 { 1 } else { level };
+                assert_eq!(levels.level_of(middle as f32), expected, "{cuts:?}: {middle}");
+            }
+        }
+        assert_eq!(Levels::new(vec![0.1, 0.4]).unwrap().middle(0), f64::from(0.1f32) / 2.0);
     }
 }

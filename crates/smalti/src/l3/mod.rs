@@ -13,15 +13,23 @@
 //! [lansel2014]: https://purl.stanford.edu/cp866wz8098
 
 mod axes;
+mod blocks;
 mod classify;
 mod error;
+mod fallback;
+mod gather;
 mod lattice;
 mod levels;
 mod moments;
 mod orientation;
 mod pipeline;
+mod pools;
 mod render;
+mod solve;
 mod statistics;
+mod summary;
+mod symmetry;
+mod train;
 mod window;
 
 pub use axes::{Axes, ClassKey, MAX_SIDE, Textures};
@@ -32,3 +40,5 @@ pub use moments::Moments;
 pub use pipeline::{Class, Kernels, Origin, Pipeline, PipelineParts};
 pub use render::{FixedKernels, FixedRenderer, Outside, Rendered, Renderer, peak_ratio_db};
 pub use statistics::{Pair, Statistics};
+pub use summary::{PositionSummary, Summary};
+pub use train::{Alpha, KernelForm, PerceptualWeights, Solver, Training};

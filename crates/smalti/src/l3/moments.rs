@@ -44,12 +44,6 @@ impl Moments {
         self.sums[self.place(i.min(j), i.max(j))]
     }
 
-    /// Adds to entry (i, j), in either order.
-    pub(super) fn add_at(&mut self, i: usize, j: usize, value: f64) {
-        let place = self.place(i.min(j), i.max(j));
-        self.sums[place] += value;
-    }
-
     /// Place of (i, j) with i ≤ j in the upper triangle.
     fn place(&self, i: usize, j: usize) -> usize {
         i * self.size - i * (i + 1) / 2 + j
@@ -65,6 +59,40 @@ impl Moments {
     pub fn merge(&mut self, other: &Self) {
         if self.size == other.size {
             self.sums.iter_mut().zip(&other.sums).for_each(|(a, b)| *a += b);
+        }
+    }
+
+    /// Adds another of the same size whose entry `i` belongs to entry `places[i]` of this one.
+    pub(super) fn merge_permuted(&mut self, other: &Self, places: &[usize]) {
+        if self.size != other.size || places.len() != self.size {
+            return;
+        }
+        let mut values = other.sums.iter();
+        for (i, &row) in places.iter().enumerate() {
+            for &col in &places[i..] {
+                let place = self.place(row.min(col), row.max(col));
+                if let (Some(sum), Some(value)) = (self.sums.get_mut(place), values.next()) {
+                    *sum += value;
+                }
+            }
+        }
+    }
+
+    /// Divides all, the count included.
+    pub(super) fn divide(&mut self, by: f64) {
+        self.sums.iter_mut().for_each(|s| *s /= by);
+    }
+
+    /// Adds a square Σ z zᵀ, of which what is on and right of the diagonal is read; its rows are `stride` apart.
+    pub(super) fn add_square(&mut self, square: &[f64], stride: usize) {
+        let mut at = 0;
+        for (i, row) in square.chunks_exact(stride).take(self.size).enumerate() {
+            let count = self.size - i;
+            let (Some(sums), Some(row)) = (self.sums.get_mut(at..at + count), row.get(i..self.size)) else {
+                return;
+            };
+            sums.iter_mut().zip(row).for_each(|(s, v)| *s += v);
+            at += count;
         }
     }
 }

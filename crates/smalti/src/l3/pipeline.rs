@@ -82,6 +82,7 @@ pub struct Pipeline {
     classes: Vec<Class>,
     kernels: Kernels,
     provenance: String,
+    white: Option<[f64; 3]>,
 }
 
 /// The parts of a [`Pipeline`].
@@ -178,6 +179,7 @@ impl Pipeline {
             classes,
             kernels,
             provenance,
+            white: None,
         })
     }
 
@@ -221,6 +223,19 @@ impl Pipeline {
     #[must_use]
     pub fn trained(&self) -> &[[f32; 2]] {
         &self.trained
+    }
+
+    /// The same with what it gives for white: X, Y, Z of a perfect diffuser in the light that pictures are made for, Y = 1. It
+    /// tells how to show them; rendering does not use it.
+    #[must_use]
+    pub fn with_white(self, white: Option<[f64; 3]>) -> Self {
+        Self { white, ..self }
+    }
+
+    /// X, Y, Z of white, Y = 1, where the outputs are X, Y, Z and white is known.
+    #[must_use]
+    pub fn white(&self) -> Option<[f64; 3]> {
+        self.white
     }
 
     /// How it was trained, as JSON.
@@ -274,8 +289,7 @@ impl Pipeline {
     /// the fewest channels; of those the one with more channels clipped.
     #[must_use]
     pub fn saturation_place(&self, clipped: u32) -> usize {
-        let far = |mask: u32| ((mask ^ clipped).count_ones(), std::cmp::Reverse(mask.count_ones()));
-        (0..self.saturations.len()).min_by_key(|&i| far(self.saturations[i])).unwrap_or(0)
+        nearest_saturation(&self.saturations, clipped)
     }
 
     /// Names of the textures.
@@ -283,4 +297,10 @@ impl Pipeline {
     pub fn textures(&self) -> Textures {
         self.axes.textures()
     }
+}
+
+/// The place of a combination of clipped channels, or of the one nearest to it: see [`Pipeline::saturation_place`].
+pub(super) fn nearest_saturation(saturations: &[u32], clipped: u32) -> usize {
+    let far = |mask: u32| ((mask ^ clipped).count_ones(), std::cmp::Reverse(mask.count_ones()));
+    (0..saturations.len()).min_by_key(|&i| far(saturations[i])).unwrap_or(0)
 }

@@ -2,24 +2,10 @@
 
 use std::collections::BTreeMap;
 
-use rayon::prelude::*;
-
-use super::classify::{Classifier, RowClasses};
-use super::window::Window;
+use super::gather::Gatherer;
 use super::{Axes, ClassKey, L3Error, Moments};
-use crate::isp::source::Source;
 use crate::numeric::Planes;
-use crate::numeric::simd::{Kernel, dispatch};
 use crate::sensor::{Mosaic, RawImage, Sampling};
-
-/// Rows that are taken at a time: what bounds the memory.
-const BAND_ROWS: usize = 128;
-/// Rows that one task classifies.
-const TASK_ROWS: usize = 16;
-/// Patches of a class that one task sums. Sums of tasks are added in order, so that no bit depends on the threads.
-const TASK_PATCHES: usize = 4096;
-/// Patches that lie in the cache while they are summed.
-const BATCH: usize = 64;
 
 /// A raw image and what should come of it.
 #[derive(Debug, Clone, Copy)]
@@ -42,6 +28,7 @@ pub struct Statistics {
     channel_names: Vec<String>,
     levels: Option<[f64; 2]>,
     noisy: bool,
+    white: Option<[f64; 3]>,
     trained: Vec<[f32; 2]>,
     classes: BTreeMap<ClassKey, Moments>,
 }
@@ -58,7 +45,16 @@ impl Statistics {
         }
         let trained = vec![[f32::INFINITY, f32::NEG_INFINITY]; axes.positions()];
         let channel_names = (0..axes.mosaic().channels()).map(|c| c.to_string()).collect();
-        Ok(Self { axes, outputs, channel_names, levels: None, noisy, trained, classes: BTreeMap::new() })
+        Ok(Self {
+            axes,
+            outputs,
+            channel_names,
+            levels: None,
+            noisy,
+            white: None,
+            trained,
+            classes: BTreeMap::new(),
+        })
     }
 
     /// From moments that were saved.
@@ -124,6 +120,18 @@ impl Statistics {
         self.levels
     }
 
+    /// The same with X, Y, Z of white in the targets' light, Y = 1: handed on to pipelines ([`super::Pipeline::white`]).
+    #[must_use]
+    pub fn with_white(self, white: Option<[f64; 3]>) -> Self {
+        Self { white, ..self }
+    }
+
+    /// X, Y, Z of white in the targets' light, Y = 1, where it is known.
+    #[must_use]
+    pub fn white(&self) -> Option<[f64; 3]> {
+        self.white
+    }
+
     /// Whether the raw images hold their noise.
     #[must_use]
     pub fn noisy(&self) -> bool {
@@ -163,6 +171,9 @@ impl Statistics {
         if self.noisy != other.noisy {
             return differ("whether raw images hold noise");
         }
+        if self.white != other.white {
+            return differ("the white of the targets");
+        }
         if self.levels.is_some() && other.levels.is_some() && self.levels != other.levels {
             return differ("black and white levels");
         }
@@ -191,13 +202,9 @@ impl Statistics {
     /// Nothing has been added then.
     pub fn add(&mut self, pair: &Pair<'_>) -> Result<(), L3Error> {
         let phase = self.check(pair)?;
-        let (rows, cols, half) = (pair.raw.rows(), pair.raw.cols(), self.axes.side() / 2);
-        let classifier = Classifier::new(&self.axes);
-        let mut first = half;
-        while first + half < rows {
-            let band = BAND_ROWS.min(rows - half - first);
-            self.add_band(pair, &classifier, phase, first, band, half..cols - half);
-            first += band;
+        let gatherer = Gatherer::new(&self.axes, self.outputs.len(), pair, phase);
+        for band in gatherer.bands() {
+            gatherer.add(band, &mut self.trained, &mut self.classes);
         }
         Ok(())
     }
@@ -248,79 +255,6 @@ impl Statistics {
             }
         }
     }
-
-    fn add_band(
-        &mut self,
-        pair: &Pair<'_>,
-        classifier: &Classifier,
-        phase: [usize; 2],
-        first: usize,
-        rows: usize,
-        cols: std::ops::Range<usize>,
-    ) {
-        let tile = [self.axes.mosaic().rows(), self.axes.mosaic().cols()];
-        let (half, side, outputs) = (self.axes.side() / 2, self.axes.side(), self.outputs.len());
-        let textures = self.axes.textures().count() as u32;
-        let seen = Source::of(pair.seen.unwrap_or(pair.raw));
-        // Which class, and which pixel: sorted by class, in order of pixels within.
-        let tasks: Vec<usize> = (0..rows).step_by(TASK_ROWS).collect();
-        let classified: Vec<(BTreeMap<ClassKey, Vec<u32>>, Vec<[f32; 2]>)> = tasks
-            .into_par_iter()
-            .map_init(<(Window, RowClasses)>::default, |(window, classes), at| {
-                let count = TASK_ROWS.min(rows - at);
-                window.read(seen, first + at, count, classifier.margin(), tile);
-                let mut found: BTreeMap<ClassKey, Vec<u32>> = BTreeMap::new();
-                let mut trained = vec![[f32::INFINITY, f32::NEG_INFINITY]; self.axes.positions()];
-                for r in 0..count {
-                    let down = (phase[0] + first + at + r) % tile[0];
-                    classifier.row(window, r, [down, phase[1]], classes);
-                    for col in cols.clone() {
-                        let position = (down * tile[1] + (phase[1] + col) % tile[1]) as u32;
-                        let local = classes.local[col];
-                        let key = ClassKey {
-                            position,
-                            saturation: classes.saturation[col],
-                            level: (local / textures) as u16,
-                            texture: (local % textures) as u16,
-                        };
-                        let range = &mut trained[position as usize];
-                        *range = [range[0].min(classes.mean[col]), range[1].max(classes.mean[col])];
-                        let pixel = (at + r) * pair.raw.cols() + col;
-                        found.entry(key).or_default().push(pixel as u32);
-                    }
-                }
-                (found, trained)
-            })
-            .collect();
-        let mut members: BTreeMap<ClassKey, Vec<u32>> = BTreeMap::new();
-        for (found, trained) in classified {
-            for (mine, its) in self.trained.iter_mut().zip(trained) {
-                *mine = [mine[0].min(its[0]), mine[1].max(its[1])];
-            }
-            for (key, mut pixels) in found {
-                members.entry(key).or_default().append(&mut pixels);
-            }
-        }
-        let mut window = Window::default();
-        window.read(Source::of(pair.raw), first, rows, [half, half], tile);
-        let tasks: Vec<(ClassKey, &[u32])> = members
-            .iter()
-            .flat_map(|(key, pixels)| pixels.chunks(TASK_PATCHES).map(move |part| (*key, part)))
-            .collect();
-        let patches = Patches { window: &window, target: pair.target, first_row: first, side, outputs };
-        let sums: Vec<(ClassKey, Vec<f64>)> =
-            tasks.into_par_iter().map(|(key, pixels)| (key, patches.sums(pixels))).collect();
-        for (key, sums) in sums {
-            let moments = self.class_mut(key);
-            let size = moments.size();
-            let padded = size.next_multiple_of(LANES);
-            for i in 0..size {
-                for j in i..size {
-                    moments.add_at(i, j, sums[i * padded + j]);
-                }
-            }
-        }
-    }
 }
 
 /// Where in the tile the first pixel of a raw image lies.
@@ -353,107 +287,6 @@ pub(super) fn check_size(axes: &Axes, rows: usize, cols: usize) -> Result<(), L3
         return Err(L3Error::Size { rows, cols, need_rows, need_cols });
     }
     Ok(())
-}
-
-/// Doubles in a register.
-const LANES: usize = 8;
-/// Rows of Σ z zᵀ that are summed in registers at a time.
-const BLOCK: usize = 8;
-
-/// Where the z of a pixel is read.
-struct Patches<'a> {
-    window: &'a Window,
-    target: &'a Planes,
-    first_row: usize,
-    side: usize,
-    outputs: usize,
-}
-
-impl Patches<'_> {
-    /// Σ z zᵀ over pixels of the band, rows padded to whole registers; right and above the diagonal.
-    fn sums(&self, pixels: &[u32]) -> Vec<f64> {
-        let size = 1 + self.side * self.side + self.outputs;
-        let padded = size.next_multiple_of(LANES);
-        let mut sums = vec![0.0; padded * padded];
-        let mut batch = vec![0.0; BATCH * padded];
-        for part in pixels.chunks(BATCH) {
-            for (z, &pixel) in batch.chunks_exact_mut(padded).zip(part) {
-                self.gather(pixel as usize, z);
-            }
-            dispatch(Products { batch: &batch[..part.len() * padded], padded, sums: &mut sums });
-        }
-        sums
-    }
-
-    /// z of one pixel: 1, the patch row by row, the targets.
-    #[inline(always)]
-    fn gather(&self, pixel: usize, z: &mut [f64]) {
-        let (row, col) = (pixel / self.window.cols, pixel % self.window.cols);
-        z[0] = 1.0;
-        let half = (self.side / 2) as isize;
-        let taps = z[1..].chunks_exact_mut(self.side).take(self.side);
-        for (r, out) in taps.enumerate() {
-            // The margin of this window is half a patch: columns of a patch start at the pixel's own.
-            let line = &self.window.line(row as isize + r as isize - half)[col..col + self.side];
-            out.iter_mut().zip(line).for_each(|(o, &v)| *o = f64::from(v));
-        }
-        let from = 1 + self.side * self.side;
-        let at = (self.first_row + row) * self.target.cols() + col;
-        for (o, plane) in z[from..from + self.outputs].iter_mut().zip(self.target.planes()) {
-            *o = f64::from(plane[at]);
-        }
-    }
-}
-
-/// `sums += Σ z zᵀ` over the rows z of a batch, on and right of the diagonal.
-struct Products<'a> {
-    batch: &'a [f64],
-    padded: usize,
-    sums: &'a mut [f64],
-}
-
-impl Kernel for Products<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run(self) {
-        let n = self.padded;
-        for i in (0..n).step_by(BLOCK) {
-            let mut j = i;
-            while j + 2 * LANES <= n {
-                block::<{ 2 * LANES }>(self.batch, n, i, j, self.sums);
-                j += 2 * LANES;
-            }
-            if j < n {
-                block::<LANES>(self.batch, n, i, j, self.sums);
-            }
-        }
-    }
-}
-
-/// Rows `i..i + BLOCK`, columns `j..j + W`.
-#[inline(always)]
-fn block<const W: usize>(batch: &[f64], n: usize, i: usize, j: usize, sums: &mut [f64]) {
-    let mut acc = [[0.0f64; W]; BLOCK];
-    for z in batch.chunks_exact(n) {
-        let (Some(left), Some(right)) = (
-            z.get(i..i + BLOCK).and_then(|s| s.first_chunk::<BLOCK>()),
-            z.get(j..j + W).and_then(|s| s.first_chunk::<W>()),
-        ) else {
-            return;
-        };
-        for r in 0..BLOCK {
-            for c in 0..W {
-                acc[r][c] += left[r] * right[c];
-            }
-        }
-    }
-    for (r, row) in acc.iter().enumerate() {
-        let at = (i + r) * n + j;
-        if let Some(out) = sums.get_mut(at..at + W) {
-            out.iter_mut().zip(row).for_each(|(o, v)| *o += v);
-        }
-    }
 }
 
 #[cfg(test)]

@@ -172,6 +172,21 @@ impl RawImage {
         self.white_level
     }
 
+    /// The same image with its channels numbered in the order of `names`; as it is where these are not its own names.
+    #[must_use]
+    pub fn with_channels(self, names: &[String]) -> Self {
+        let place = |name: &String| names.iter().position(|n| n == name);
+        let places: Option<Vec<usize>> = self.channel_names.iter().map(place).collect();
+        let (Some(places), Sampling::Mosaic(mosaic)) = (places, &self.sampling) else { return self };
+        let cells = mosaic.cells().iter().map(|&c| places[usize::from(c)] as u8).collect();
+        match Mosaic::new(mosaic.rows(), mosaic.cols(), cells) {
+            Ok(mosaic) if names.len() == self.channel_names.len() && mosaic.channels() == names.len() => {
+                Self { sampling: Sampling::Mosaic(mosaic), channel_names: names.to_vec(), ..self }
+            }
+            _ => self,
+        }
+    }
+
     /// Share of samples at or above the white level, percent.
     #[must_use]
     pub fn saturated_percent(&self) -> f64 {

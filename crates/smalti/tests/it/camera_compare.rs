@@ -72,7 +72,7 @@ fn the_reference_of_white_is_its_picture() {
             // Blue behind the yellow lens is at a fiftieth of saturation, where sixteen bits round by up to 4e-4.
             assert!((g / e - 1.0).abs() < 1e-3, "{name}: picture {got:?}, reference {expected:?}");
         }
-        assert!(photo.raw.saturated_percent() == 0.0 && expected[1] > 0.1, "{name}: {expected:?}");
+        assert!(photo.raw.saturated_percent() == 0.0 && expected[1] > 0.05, "{name}: {expected:?}");
     }
 }
 
@@ -186,7 +186,7 @@ fn every_test_scene_is_scored_and_dark_is_worse() {
         };
         let (dim, bright) = (scores(1.0), scores(20.0));
         let (rows, cols) = (bright.picture.rows(), bright.picture.cols());
-        assert!(rows <= 288 && cols <= 384 && rows >= 200, "{spec}: {rows} × {cols}");
+        assert!(rows <= 288 && cols <= 384 && rows >= 192, "{spec}: {rows} × {cols}");
         assert_eq!((bright.reference.rows(), bright.reference.cols()), (rows, cols));
         let figures = |s: &smalti::camera::SceneScores| {
             (s.scores.cpsnr_db, s.scores.pixel_delta_e_2000_mean, s.scores.scielab_mean)
@@ -225,7 +225,7 @@ fn evaluating_with_the_classic_pipeline_is_evaluating() {
 }
 
 fn gains(a: &Camera, b: &Camera) -> Vec<(&'static str, LightGain)> {
-    let isp = |camera: &Camera, light: &Spectrum| Ok(camera.isp(light, WhiteBalance::None)?);
+    let isp = |camera: &Camera, light: &Spectrum| camera.isp(light, WhiteBalance::None);
     let (isp_a, isp_b) = (
         |light: &Spectrum| isp(a, light).map(|i| Box::new(i) as Box<dyn Isp>),
         |light: &Spectrum| isp(b, light).map(|i| Box::new(i) as Box<dyn Isp>),

@@ -9,6 +9,8 @@ mod cfa;
 mod cfa_catalog;
 mod cfa_filters;
 mod isp;
+mod l3_fallback;
+mod l3_training;
 mod metrics_aliasing;
 mod metrics_esfr;
 mod metrics_photon_transfer;

@@ -51,8 +51,7 @@ impl Kernel for Float<'_, '_, '_, '_> {
             }
             let patch = &run.patches[x * side..][..taps];
             lanes.as_flattened_mut()[..taps].copy_from_slice(patch);
-            let from = kernel as usize * run.table.outputs * per_output;
-            let kernels = run.table.registers[from..].chunks_exact(per_output);
+            let kernels = run.table.registers[kernel as usize..].chunks_exact(per_output);
             for (plane, weights) in planes.iter_mut().zip(kernels) {
                 let mut sums = [0.0f32; 16];
                 for (register, (values, weights)) in lanes.iter().zip(weights).enumerate() {
@@ -93,14 +92,13 @@ impl Kernel for Fixed<'_, '_, '_, '_> {
             }
             let patch = &run.patches[x * side..][..taps];
             lanes.as_flattened_mut()[..taps].copy_from_slice(patch);
-            let from = kernel as usize * run.table.outputs * per_output;
-            let kernels = run.table.registers[from..].chunks_exact(per_output);
+            let kernels = run.table.registers[kernel as usize..].chunks_exact(per_output);
             for (plane, weights) in planes.iter_mut().zip(kernels) {
                 let mut sum = 0i32;
                 for (values, weights) in lanes.iter().zip(weights) {
-                    for i in 0..32 {
+                    for (&value, &weight) in values.iter().zip(&weights.0) {
                         // No partial sum overflows; see `FixedKernels`.
-                        sum = sum.wrapping_add(i32::from(values[i]) * i32::from(weights.0[i]));
+                        sum = sum.wrapping_add(i32::from(value) * i32::from(weight));
                     }
                 }
                 plane[run.at + x] = sum as f32 * run.table.scale;

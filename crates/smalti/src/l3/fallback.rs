@@ -1,0 +1,203 @@
+//! Kernels for classes that have too few patches: no class is left without.
+//!
+//! In this order ([`Origin`]): between the nearest learned levels on both sides; from all textures of the level
+//! together; from all combinations of clipped channels of the level together; those of the nearest level that has any; from all
+//! patches of the position.
+
+use rayon::prelude::*;
+
+use super::pools::{Pool, Pools, is_flat};
+use super::solve::{Solution, Solving};
+use super::symmetry::Member;
+use super::{Axes, L3Error, Origin};
+
+/// The kernels around one position, by saturation, level and texture.
+pub(super) struct Table<'a> {
+    pub(super) position: usize,
+    members: &'a [Member],
+    pools: &'a Pools<'a>,
+    solving: &'a Solving<'a>,
+    axes: &'a Axes,
+    /// Saturations, levels, textures.
+    sizes: [usize; 3],
+    least: u64,
+}
+
+/// Kernels and where they come from.
+pub(super) type Filled = Vec<(Solution, Origin)>;
+
+impl<'a> Table<'a> {
+    pub(super) fn new(
+        (position, members): (usize, &'a [Member]),
+        pools: &'a Pools<'a>,
+        solving: &'a Solving<'a>,
+        axes: &'a Axes,
+        saturations: usize,
+        least: u64,
+    ) -> Self {
+        let sizes = [saturations, axes.level_count(), axes.textures().count()];
+        Self { position, members, pools, solving, axes, sizes, least }
+    }
+
+    /// Every class, ordered as in a pipeline. `smoothing` is that of [`super::Training`].
+    pub(super) fn filled(&self, smoothing: f64) -> Result<Filled, L3Error> {
+        if self.count(Pool { saturation: None, level: None, texture: None }) == 0 {
+            let cols = self.axes.mosaic().cols();
+            return Err(L3Error::UnseenPosition { row: self.position / cols, col: self.position % cols });
+        }
+        let learned = self.smoothed(self.learned()?, smoothing);
+        let mut filled: Vec<Option<(Solution, Origin)>> =
+            learned.iter().map(|s| s.as_ref().map(|s| (s.clone(), Origin::Learned))).collect();
+        self.interpolate(&learned, &mut filled);
+        self.pool_textures(&mut filled)?;
+        self.pool_saturations(&mut filled)?;
+        self.nearest_level(&mut filled);
+        self.pool_levels(filled)
+    }
+
+    fn index(&self, [saturation, level, texture]: [usize; 3]) -> usize {
+        (saturation * self.sizes[1] + level) * self.sizes[2] + texture
+    }
+
+    fn place(&self, index: usize) -> [usize; 3] {
+        let [_, levels, textures] = self.sizes;
+        [index / (levels * textures), index / textures % levels, index % textures]
+    }
+
+    fn own(&self, index: usize) -> Pool {
+        let [saturation, level, texture] = self.place(index).map(Some);
+        Pool { saturation, level, texture }
+    }
+
+    fn count(&self, pool: Pool) -> u64 {
+        self.pools.count(self.position, self.members, pool)
+    }
+
+    /// Solves a pool for kernels of a class.
+    fn solve(&self, pool: Pool, index: usize) -> Result<Solution, L3Error> {
+        let flat = is_flat(self.axes.textures(), self.place(index)[2]);
+        let classes: usize = self.sizes.iter().product();
+        let moments = self.pools.moments(self.position, self.members, pool);
+        self.solving.solve(&moments, flat, self.position * classes + index)
+    }
+
+    fn solve_when_enough(&self, pool: Pool, index: usize) -> Result<Option<Solution>, L3Error> {
+        (self.count(pool) >= self.least).then(|| self.solve(pool, index)).transpose()
+    }
+
+    fn learned(&self) -> Result<Vec<Option<Solution>>, L3Error> {
+        let all = (0..self.sizes.iter().product()).into_par_iter();
+        all.map(|index| self.solve_when_enough(self.own(index), index)).collect()
+    }
+
+    /// Learned kernels mixed with those of the level below and above, each weighted by its patches, the neighbours by
+    /// `smoothing` besides.
+    fn smoothed(&self, learned: Vec<Option<Solution>>, smoothing: f64) -> Vec<Option<Solution>> {
+        if smoothing <= 0.0 {
+            return learned;
+        }
+        let counts: Vec<f64> = (0..learned.len()).map(|index| self.count(self.own(index)) as f64).collect();
+        let mixed = |index: usize| {
+            let own = learned[index].as_ref()?;
+            let [saturation, level, texture] = self.place(index);
+            let neighbours = [level.checked_sub(1), Some(level + 1).filter(|l| *l < self.sizes[1])];
+            let mut parts = vec![(counts[index], own)];
+            for level in neighbours.into_iter().flatten() {
+                let neighbour = self.index([saturation, level, texture]);
+                parts.extend(learned[neighbour].as_ref().map(|s| (smoothing * counts[neighbour], s)));
+            }
+            let total: f64 = parts.iter().map(|p| p.0).sum();
+            parts.iter_mut().for_each(|p| p.0 /= total);
+            Solution::mixed(&parts)
+        };
+        (0..learned.len()).map(mixed).collect()
+    }
+
+    /// Linear in the logarithm of the level.
+    fn interpolate(&self, learned: &[Option<Solution>], filled: &mut [Option<(Solution, Origin)>]) {
+        let levels = self.axes.levels_at(self.position);
+        let log = |level: usize| levels.middle(level).max(f64::MIN_POSITIVE).ln();
+        for (index, empty) in filled.iter_mut().enumerate().filter(|(_, f)| f.is_none()) {
+            let [saturation, level, texture] = self.place(index);
+            let at = |l: usize| learned[self.index([saturation, l, texture])].as_ref().map(|s| (l, s));
+            let below = (0..level).rev().find_map(at);
+            let above = (level + 1..self.sizes[1]).find_map(at);
+            if let (Some((low, a)), Some((high, b))) = (below, above) {
+                let share = (log(level) - log(low)) / (log(high) - log(low));
+                // Cuts at or below zero have no logarithm.
+                let by_place = (level - low) as f64 / (high - low) as f64;
+                let share = if (0.0..=1.0).contains(&share) { share } else { by_place };
+                *empty = Solution::mixed(&[(1.0 - share, a), (share, b)]).map(|s| (s, Origin::Interpolated));
+            }
+        }
+    }
+
+    fn pool_textures(&self, filled: &mut [Option<(Solution, Origin)>]) -> Result<(), L3Error> {
+        filled.par_iter_mut().enumerate().filter(|(_, f)| f.is_none()).try_for_each(|(index, empty)| {
+            let pool = Pool { texture: None, ..self.own(index) };
+            *empty = self.solve_when_enough(pool, index)?.map(|s| (s, Origin::PooledTextures));
+            Ok(())
+        })
+    }
+
+    /// The same for all combinations of a level: solved once for flat patches and once for the others.
+    fn pool_saturations(&self, filled: &mut [Option<(Solution, Origin)>]) -> Result<(), L3Error> {
+        let textures = self.sizes[2].min(2);
+        let solved: Vec<Option<Solution>> = (0..self.sizes[1] * textures)
+            .into_par_iter()
+            .map(|i| {
+                let (level, texture) = (i / textures, i % textures);
+                let needed = |index: usize| {
+                    let [_, l, t] = self.place(index);
+                    filled[index].is_none() && l == level && t.min(1) == texture
+                };
+                let Some(index) = (0..filled.len()).find(|&index| needed(index)) else { return Ok(None) };
+                self.solve_when_enough(Pool { saturation: None, level: Some(level), texture: None }, index)
+            })
+            .collect::<Result<_, _>>()?;
+        for (index, empty) in filled.iter_mut().enumerate().filter(|(_, f)| f.is_none()) {
+            let [_, level, texture] = self.place(index);
+            let found = solved[level * textures + texture.min(1)].clone();
+            *empty = found.map(|s| (s, Origin::PooledSaturations));
+        }
+        Ok(())
+    }
+
+    /// Of two that are equally near, the brighter: it has seen less noise.
+    fn nearest_level(&self, filled: &mut [Option<(Solution, Origin)>]) {
+        let found: Vec<Option<Solution>> = (0..filled.len())
+            .map(|index| {
+                let [saturation, level, texture] = self.place(index);
+                let at =
+                    |l: usize| filled[self.index([saturation, l, texture])].as_ref().map(|f| f.0.clone());
+                let mut order: Vec<usize> = (0..self.sizes[1]).collect();
+                order.sort_by_key(|&l| (l.abs_diff(level), std::cmp::Reverse(l)));
+                filled[index].is_none().then(|| order.into_iter().find_map(at)).flatten()
+            })
+            .collect();
+        for (empty, found) in filled.iter_mut().zip(found).filter(|(f, _)| f.is_none()) {
+            *empty = found.map(|s| (s, Origin::NearestLevel));
+        }
+    }
+
+    fn pool_levels(&self, filled: Vec<Option<(Solution, Origin)>>) -> Result<Filled, L3Error> {
+        let mut last: [Option<Solution>; 2] = [None, None];
+        let mut whole = Vec::with_capacity(filled.len());
+        for (index, kernels) in filled.into_iter().enumerate() {
+            whole.push(match kernels {
+                Some(kernels) => kernels,
+                None => {
+                    let kind = usize::from(is_flat(self.axes.textures(), self.place(index)[2]));
+                    let pool = Pool { saturation: None, level: None, texture: None };
+                    let solution = match last[kind].take() {
+                        Some(solution) => solution,
+                        None => self.solve(pool, index)?,
+                    };
+                    last[kind] = Some(solution.clone());
+                    (solution, Origin::PooledLevels)
+                }
+            });
+        }
+        Ok(whole)
+    }
+}

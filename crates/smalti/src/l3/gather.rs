@@ -1,0 +1,367 @@
+//! Bands of an image, sorted by class and summed.
+//!
+//! A band of rows is classified and sorted by class, and then every class's patches are summed in registers, a few at a time
+//! for the whole triangle. What is in memory besides the moments is one band and what a thread sums at the moment, whatever
+//! the number of images. Sums are taken over fixed parts of a band and added in order, so that no bit depends on the threads.
+
+use std::collections::BTreeMap;
+use std::ops::Range;
+
+use rayon::prelude::*;
+
+use super::classify::{Classifier, RowClasses};
+use super::statistics::Pair;
+use super::window::Window;
+use super::{Axes, ClassKey, Moments};
+use crate::isp::source::Source;
+use crate::numeric::Planes;
+use crate::numeric::simd::{Kernel, dispatch};
+
+/// Rows that are taken at a time.
+const BAND_ROWS: usize = 128;
+/// Rows that one task classifies.
+const TASK_ROWS: usize = 16;
+/// Patches of a class that are summed by themselves.
+const PART_PATCHES: usize = 4096;
+/// Patches that lie in the cache while they are summed.
+const BATCH: usize = 64;
+/// Bits of a class number that one pass of sorting takes.
+const DIGIT_BITS: u32 = 11;
+/// Lists shorter than this are sorted by comparison: counting has 2¹¹ places to clear.
+const SHORT: usize = 512;
+
+/// Gathers a pair of images.
+pub(super) struct Gatherer<'a> {
+    axes: &'a Axes,
+    outputs: usize,
+    classifier: Classifier,
+    pair: &'a Pair<'a>,
+    phase: [usize; 2],
+}
+
+/// The pixels of a few rows by class.
+struct Sorted {
+    /// For each combination of clipped channels, class numbers (above) and pixels of the band (the lower 32 bits), ascending.
+    by_saturation: BTreeMap<u32, Vec<u64>>,
+    /// Least and largest mean response of each position.
+    trained: Vec<[f32; 2]>,
+}
+
+impl<'a> Gatherer<'a> {
+    /// `phase` is where in the tile the first pixel lies.
+    pub(super) fn new(axes: &'a Axes, outputs: usize, pair: &'a Pair<'a>, phase: [usize; 2]) -> Self {
+        Self { axes, outputs, classifier: Classifier::new(axes), pair, phase }
+    }
+
+    /// The rows whose patches lie within the image, some at a time.
+    pub(super) fn bands(&self) -> impl Iterator<Item = Range<usize>> + use<> {
+        let half = self.axes.side() / 2;
+        let end = self.pair.raw.rows().saturating_sub(half);
+        (half..end).step_by(BAND_ROWS).map(move |first| first..(first + BAND_ROWS).min(end))
+    }
+
+    /// Levels × textures.
+    fn locals(&self) -> u64 {
+        (self.axes.level_count() * self.axes.textures().count()) as u64
+    }
+
+    fn key(&self, saturation: u32, number: u64) -> ClassKey {
+        let (locals, textures) = (self.locals(), self.axes.textures().count() as u64);
+        ClassKey {
+            position: (number / locals) as u32,
+            saturation,
+            level: (number % locals / textures) as u16,
+            texture: (number % textures) as u16,
+        }
+    }
+
+    /// Adds the patches around the pixels of a band.
+    pub(super) fn add(
+        &self,
+        band: Range<usize>,
+        trained: &mut [[f32; 2]],
+        classes: &mut BTreeMap<ClassKey, Moments>,
+    ) {
+        let mosaic = self.axes.mosaic();
+        let (half, tile) = (self.axes.side() / 2, [mosaic.rows(), mosaic.cols()]);
+        let mut window = Window::default();
+        let (sorted, ()) = rayon::join(
+            || self.sorted(&band),
+            || window.read(Source::of(self.pair.raw), band.start, band.len(), [half, half], tile),
+        );
+        let mut members: BTreeMap<ClassKey, Vec<u32>> = BTreeMap::new();
+        for part in sorted {
+            for (mine, its) in trained.iter_mut().zip(part.trained) {
+                *mine = [mine[0].min(its[0]), mine[1].max(its[1])];
+            }
+            for (saturation, pixels) in part.by_saturation {
+                for run in pixels.chunk_by(|a, b| a >> 32 == b >> 32) {
+                    let key = self.key(saturation, run[0] >> 32);
+                    members.entry(key).or_default().extend(run.iter().map(|&p| p as u32));
+                }
+            }
+        }
+        for key in members.keys() {
+            classes.entry(*key).or_insert_with(|| Moments::new(self.axes.taps(), self.outputs));
+        }
+        // Both are in the order of keys.
+        let mut lists = members.into_iter().peekable();
+        let work: Vec<(&mut Moments, Vec<u32>)> = classes
+            .iter_mut()
+            .filter_map(|(key, moments)| {
+                lists.next_if(|(k, _)| k == key).map(|(_, pixels)| (moments, pixels))
+            })
+            .collect();
+        let patches = Patches {
+            window: &window,
+            target: self.pair.target,
+            first_row: band.start,
+            side: self.axes.side(),
+            outputs: self.outputs,
+        };
+        work.into_par_iter().for_each_init(Scratch::default, |scratch, (moments, pixels)| {
+            if pixels.len() <= PART_PATCHES {
+                patches.sum(&pixels, scratch);
+                moments.add_square(&scratch.sums, patches.stride());
+            } else {
+                let of_part = |part| {
+                    let mut scratch = Scratch::default();
+                    patches.sum(part, &mut scratch);
+                    scratch.sums
+                };
+                let sums: Vec<Vec<f64>> = pixels.par_chunks(PART_PATCHES).map(of_part).collect();
+                sums.iter().for_each(|s| moments.add_square(s, patches.stride()));
+            }
+        });
+    }
+
+    /// The pixels of a band by class, some rows at a time.
+    fn sorted(&self, band: &Range<usize>) -> Vec<Sorted> {
+        let tasks: Vec<usize> = (0..band.len()).step_by(TASK_ROWS).collect();
+        tasks
+            .into_par_iter()
+            .map_init(<(Window, RowClasses)>::default, |(window, classes), at| {
+                let rows = at..(at + TASK_ROWS).min(band.len());
+                self.sort_rows(band.start, rows, window, classes)
+            })
+            .collect()
+    }
+
+    fn sort_rows(
+        &self,
+        first: usize,
+        rows: Range<usize>,
+        window: &mut Window,
+        classes: &mut RowClasses,
+    ) -> Sorted {
+        let mosaic = self.axes.mosaic();
+        let tile = [mosaic.rows(), mosaic.cols()];
+        let (half, cols, locals) = (self.axes.side() / 2, self.pair.raw.cols(), self.locals());
+        let seen = Source::of(self.pair.seen.unwrap_or(self.pair.raw));
+        window.read(seen, first + rows.start, rows.len(), self.classifier.margin(), tile);
+        let mut trained = vec![[f32::INFINITY, f32::NEG_INFINITY]; self.axes.positions()];
+        let mut open: Vec<u64> = Vec::with_capacity(rows.len() * cols);
+        let mut by_saturation: BTreeMap<u32, Vec<u64>> = BTreeMap::new();
+        for row in rows.clone() {
+            let down = (self.phase[0] + first + row) % tile[0];
+            let inner = half..cols - half;
+            self.classifier.row(window, row - rows.start, [down, self.phase[1]], 0..cols, classes);
+            let here = down * tile[1];
+            let mut right = (self.phase[1] + half) % tile[1];
+            let pixels = (row * cols) as u64;
+            for col in inner {
+                let range = &mut trained[here + right];
+                *range = [range[0].min(classes.mean[col]), range[1].max(classes.mean[col])];
+                let number = (here + right) as u64 * locals + u64::from(classes.local[col]);
+                let entry = number << 32 | (pixels + col as u64);
+                match classes.saturation[col] {
+                    0 => open.push(entry),
+                    clipped => by_saturation.entry(clipped).or_default().push(entry),
+                }
+                right = if right + 1 == tile[1] { 0 } else { right + 1 };
+            }
+        }
+        if !open.is_empty() {
+            by_saturation.insert(0, open);
+        }
+        let most = self.axes.positions() as u64 * locals;
+        by_saturation.values_mut().for_each(|list| sort(list, most));
+        Sorted { by_saturation, trained }
+    }
+}
+
+/// Sorts entries by what is above their lower 32 bits, which is below `most`; equal ones stay in order.
+fn sort(entries: &mut Vec<u64>, most: u64) {
+    if entries.len() < SHORT {
+        // The lower bits ascend already, and are part of what is compared.
+        entries.sort_unstable();
+        return;
+    }
+    let bits = u64::BITS - (most.max(1) - 1).leading_zeros();
+    let mut other = vec![0; entries.len()];
+    for pass in 0..bits.div_ceil(DIGIT_BITS) {
+        let digit = |entry: u64| (entry >> (32 + pass * DIGIT_BITS)) as usize & ((1 << DIGIT_BITS) - 1);
+        let mut places = [0usize; 1 << DIGIT_BITS];
+        entries.iter().for_each(|&e| places[digit(e)] += 1);
+        let mut sum = 0;
+        for place in &mut places {
+            sum += std::mem::replace(place, sum);
+        }
+        for &entry in entries.iter() {
+            let place = &mut places[digit(entry)];
+            other[*place] = entry;
+            *place += 1;
+        }
+        std::mem::swap(entries, &mut other);
+    }
+}
+
+/// Doubles in a register.
+const LANES: usize = 8;
+/// Rows of Σ z zᵀ that are summed in registers at a time.
+const BLOCK: usize = 8;
+
+/// What a thread keeps between classes.
+#[derive(Default)]
+struct Scratch {
+    sums: Vec<f64>,
+    batch: Vec<f64>,
+}
+
+/// Where the z of a pixel is read.
+struct Patches<'a> {
+    window: &'a Window,
+    target: &'a Planes,
+    first_row: usize,
+    side: usize,
+    outputs: usize,
+}
+
+impl Patches<'_> {
+    /// Length of z, rounded up to whole registers.
+    fn stride(&self) -> usize {
+        (1 + self.side * self.side + self.outputs).next_multiple_of(LANES)
+    }
+
+    /// Σ z zᵀ over pixels of the band: what is on and right of the diagonal is right, the rest is not.
+    fn sum(&self, pixels: &[u32], scratch: &mut Scratch) {
+        let stride = self.stride();
+        scratch.sums.clear();
+        scratch.sums.resize(stride * stride, 0.0);
+        // Rows of a patch are copied in whole registers, which may reach beyond the last z.
+        scratch.batch.resize(BATCH * stride + 2 * LANES, 0.0);
+        let sums = &mut scratch.sums;
+        for part in pixels.chunks(BATCH) {
+            dispatch(Products { patches: self, pixels: part, batch: &mut scratch.batch, stride, sums });
+        }
+    }
+
+    /// z of some pixels: 1, the patch row by row in registers of `W` samples, the targets. What follows z within its stride is
+    /// left as it comes.
+    #[inline(always)]
+    fn gather<const W: usize>(&self, pixels: &[u32], batch: &mut [f64], stride: usize) {
+        let (side, window) = (self.side, self.window);
+        let cols = window.cols as u32;
+        let (lines, top) = (window.lines(), window.margin[0] - side / 2);
+        for (k, &pixel) in pixels.iter().enumerate() {
+            let (row, col) = ((pixel / cols) as usize, (pixel % cols) as usize);
+            let z = &mut batch[k * stride..];
+            z[0] = 1.0;
+            // The margin of this window is half a patch: columns of a patch start at the pixel's own.
+            let mut from = (row + top) * window.stride + col;
+            for r in 0..side {
+                let to = 1 + r * side;
+                // Windows reach beyond their last column by a whole vector. Read whole before anything is written: only then is
+                // the copy one of registers.
+                let (Some(&line), Some(out)) = (
+                    lines.get(from..from + W).and_then(|s| s.first_chunk::<W>()),
+                    z.get_mut(to..to + W).and_then(|s| s.first_chunk_mut::<W>()),
+                ) else {
+                    return;
+                };
+                *out = line.map(f64::from);
+                from += window.stride;
+            }
+            let at = (self.first_row + row) * self.target.cols() + col;
+            let targets = z[1 + side * side..].iter_mut().zip(self.target.planes());
+            targets.for_each(|(o, plane)| *o = f64::from(plane[at]));
+        }
+    }
+}
+
+/// `sums += Σ z zᵀ` over a batch of pixels, on and right of the diagonal.
+struct Products<'a, 'b> {
+    patches: &'a Patches<'b>,
+    pixels: &'a [u32],
+    batch: &'a mut [f64],
+    stride: usize,
+    sums: &'a mut [f64],
+}
+
+impl Kernel for Products<'_, '_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let n = self.stride;
+        if self.patches.side <= LANES {
+            self.patches.gather::<LANES>(self.pixels, self.batch, n);
+        } else {
+            self.patches.gather::<{ 2 * LANES }>(self.pixels, self.batch, n);
+        }
+        let batch = &self.batch[..self.pixels.len() * n];
+        for i in (0..n).step_by(BLOCK) {
+            let mut j = i;
+            while j + 2 * LANES <= n {
+                block::<{ 2 * LANES }>(batch, n, i, j, self.sums);
+                j += 2 * LANES;
+            }
+            if j < n {
+                block::<LANES>(batch, n, i, j, self.sums);
+            }
+        }
+    }
+}
+
+/// Rows `i..i + BLOCK`, columns `j..j + W`.
+#[inline(always)]
+fn block<const W: usize>(batch: &[f64], n: usize, i: usize, j: usize, sums: &mut [f64]) {
+    let mut acc = [[0.0f64; W]; BLOCK];
+    for z in batch.chunks_exact(n) {
+        let (Some(left), Some(right)) = (
+            z.get(i..i + BLOCK).and_then(|s| s.first_chunk::<BLOCK>()),
+            z.get(j..j + W).and_then(|s| s.first_chunk::<W>()),
+        ) else {
+            return;
+        };
+        for r in 0..BLOCK {
+            for c in 0..W {
+                acc[r][c] += left[r] * right[c];
+            }
+        }
+    }
+    for (r, row) in acc.iter().enumerate() {
+        let at = (i + r) * n + j;
+        if let Some(out) = sums.get_mut(at..at + W) {
+            out.iter_mut().zip(row).for_each(|(o, v)| *o += v);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::numeric::philox::Stream;
+
+    #[test]
+    fn sorting_is_stable_for_any_range() {
+        let mut random = Stream::new(8, 0, 1);
+        for (count, most) in [(0, 1), (100, 7), (5000, 1), (5000, 240), (5000, 2049), (9000, 1 << 24)] {
+            let entries: Vec<u64> = (0..count).map(|i| u64::from(random.below(most)) << 32 | i).collect();
+            let (mut sorted, mut expected) = (entries.clone(), entries);
+            sort(&mut sorted, u64::from(most));
+            expected.sort_by_key(|e| e >> 32);
+            assert_eq!(sorted, expected);
+        }
+    }
+}

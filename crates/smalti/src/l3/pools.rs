@@ -1,0 +1,126 @@
+//! Moments of a class or of many together, patches that symmetry makes equal included.
+
+use super::symmetry::{Member, Symmetry};
+use super::{Axes, Moments, Statistics, Textures, pipeline};
+
+/// The combinations of clipped channels that get a place on the axis: none clipped, and those of at least a share of all
+/// patches. Ascending.
+pub(super) fn kept_saturations(statistics: &Statistics, share: f64) -> Vec<u32> {
+    let least = share * statistics.count() as f64;
+    let mut counts = std::collections::BTreeMap::from([(0, u64::MAX)]);
+    for (key, moments) in statistics.classes() {
+        let count = counts.entry(key.saturation).or_insert(0);
+        *count = count.saturating_add(moments.count());
+    }
+    counts.retain(|_, count| *count > 0 && *count as f64 >= least);
+    counts.into_keys().collect()
+}
+
+/// The classes of a position to be taken together; `None`: all along that axis.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Pool {
+    pub(super) saturation: Option<usize>,
+    pub(super) level: Option<usize>,
+    pub(super) texture: Option<usize>,
+}
+
+/// A class that has been seen, by its places on the axes.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Seen<'a> {
+    pub(super) saturation: usize,
+    pub(super) level: usize,
+    pub(super) texture: usize,
+    pub(super) moments: &'a Moments,
+}
+
+/// What has been seen of every position.
+pub(super) struct Pools<'a> {
+    axes: &'a Axes,
+    outputs: usize,
+    /// Per position. Patches whose combination of clipped channels has no place count to the nearest that has one.
+    pub(super) seen: Vec<Vec<Seen<'a>>>,
+}
+
+impl<'a> Pools<'a> {
+    pub(super) fn new(statistics: &'a Statistics, saturations: &[u32]) -> Self {
+        let axes = statistics.axes();
+        let mut seen = vec![Vec::new(); axes.positions()];
+        for (key, moments) in statistics.classes() {
+            // Statistics hold only keys within their axes.
+            if let Some(list) = seen.get_mut(key.position as usize) {
+                list.push(Seen {
+                    saturation: pipeline::nearest_saturation(saturations, key.saturation),
+                    level: usize::from(key.level),
+                    texture: usize::from(key.texture),
+                    moments,
+                });
+            }
+        }
+        Self { axes, outputs: statistics.outputs().len(), seen }
+    }
+
+    /// The classes of a pool around a position that stands for a group, each as often as a turn brings it there.
+    fn chosen(&self, members: &[Member], pool: Pool) -> impl Iterator<Item = (Member, Seen<'a>)> {
+        let textures = self.axes.textures();
+        let fits = |wanted: Option<usize>, got| wanted.is_none_or(|w| w == got);
+        members.iter().flat_map(move |&member| {
+            let here = self.seen.get(member.position).map_or(&[][..], Vec::as_slice);
+            let chosen = here.iter().filter(move |s| {
+                fits(pool.saturation, s.saturation)
+                    && fits(pool.level, s.level)
+                    && fits(pool.texture, member.turn.texture(textures, s.texture))
+            });
+            chosen.map(move |s| (member, *s))
+        })
+    }
+
+    /// How often the group brings every patch of a pool: by the turns that leave the position, and the texture, as they are.
+    fn repeats(&self, position: usize, members: &[Member], pool: Pool) -> u64 {
+        let stays = |m: &&Member| {
+            m.position == position
+                && pool.texture.is_none_or(|t| m.turn.texture(self.axes.textures(), t) == t)
+        };
+        (members.iter().filter(stays).count() as u64).max(1)
+    }
+
+    /// Patches of a pool, each counted once.
+    pub(super) fn count(&self, position: usize, members: &[Member], pool: Pool) -> u64 {
+        let all: u64 = self.chosen(members, pool).map(|(_, s)| s.moments.count()).sum();
+        all / self.repeats(position, members, pool)
+    }
+
+    /// Moments of a pool.
+    pub(super) fn moments(&self, position: usize, members: &[Member], pool: Pool) -> Moments {
+        let side = self.axes.side();
+        let mut sum = Moments::new(self.axes.taps(), self.outputs);
+        let mut last = None;
+        let mut places: Vec<usize> = (0..sum.size()).collect();
+        for (member, seen) in self.chosen(members, pool) {
+            if last != Some(member.turn) {
+                places[1..].iter_mut().zip(member.turn.taps(side)).for_each(|(p, tap)| *p = 1 + tap);
+                last = Some(member.turn);
+            }
+            sum.merge_permuted(seen.moments, &places);
+        }
+        sum.divide(self.repeats(position, members, pool) as f64);
+        sum
+    }
+}
+
+/// Whether a kind of structure is the flat one. Where flat and texture are not told apart, patches count as texture:
+/// what would be smoothed away cannot be brought back.
+pub(super) fn is_flat(textures: Textures, texture: usize) -> bool {
+    textures != Textures::None && texture == 0
+}
+
+/// For symmetric positions: the least and largest mean responses of all cells of the group.
+pub(super) fn trained(statistics: &Statistics, symmetry: &Symmetry) -> Vec<[f32; 2]> {
+    let own = statistics.trained();
+    let mut by_group = own.to_vec();
+    for (position, m) in symmetry.represented.iter().enumerate() {
+        let [least, most] = own[position];
+        let group = &mut by_group[m.position];
+        *group = [group[0].min(least), group[1].max(most)];
+    }
+    symmetry.represented.iter().map(|m| by_group[m.position]).collect()
+}

@@ -1,0 +1,63 @@
+//! The table of classes in numbers, for reports.
+
+use super::{Origin, Pipeline};
+
+/// What a pipeline consists of.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Summary {
+    /// One for each position of the mosaic's tile, in row order.
+    pub positions: Vec<PositionSummary>,
+    /// Classes of the table.
+    pub classes: usize,
+    /// Classes of which patches were seen.
+    pub occupied: usize,
+    /// Linear operators: occupied classes times outputs.
+    pub operators: usize,
+    /// Patches that were seen.
+    pub patches: u64,
+}
+
+/// The classes of a position.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct PositionSummary {
+    /// Row of the cell in the tile.
+    pub row: usize,
+    /// Column of the cell.
+    pub col: usize,
+    /// Name of its channel.
+    pub channel: String,
+    /// Patches that were seen.
+    pub patches: u64,
+    /// Classes of which patches were seen.
+    pub occupied: usize,
+    /// Classes by where their kernels come from, in the order of [`Origin::ALL`].
+    pub by_origin: [usize; Origin::ALL.len()],
+}
+
+impl Pipeline {
+    /// The table of classes in numbers.
+    #[must_use]
+    pub fn summary(&self) -> Summary {
+        let mosaic = self.axes().mosaic();
+        let each = self.classes().len() / self.axes().positions();
+        let position = |(position, classes): (usize, &[super::Class])| {
+            let (row, col) = (position / mosaic.cols(), position % mosaic.cols());
+            let channel = self.channel_names().get(mosaic.channel_at(row, col)).cloned().unwrap_or_default();
+            let mut by_origin = [0; Origin::ALL.len()];
+            classes.iter().for_each(|class| by_origin[class.origin as usize] += 1);
+            let patches = classes.iter().map(|c| c.count).sum();
+            let occupied = classes.iter().filter(|c| c.count > 0).count();
+            PositionSummary { row, col, channel, patches, occupied, by_origin }
+        };
+        let positions: Vec<PositionSummary> =
+            self.classes().chunks_exact(each.max(1)).enumerate().map(position).collect();
+        let occupied = positions.iter().map(|p| p.occupied).sum();
+        Summary {
+            classes: self.classes().len(),
+            occupied,
+            operators: occupied * self.outputs().len(),
+            patches: positions.iter().map(|p| p.patches).sum(),
+            positions,
+        }
+    }
+}
