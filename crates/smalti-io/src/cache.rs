@@ -9,11 +9,12 @@ use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
 use rayon::prelude::*;
+use smalti::l3::Statistics;
 use smalti::numeric::Planes;
 use smalti::optics::OpticalImage;
 use smalti::spectrum::{SpectralCube, WavelengthGrid};
 
-use crate::{IoError, write};
+use crate::{IoError, l3, write};
 
 /// The largest size of a cache unless [`Cache::with_limit`] says otherwise, bytes.
 pub const DEFAULT_LIMIT: u64 = 2 << 30;
@@ -23,6 +24,7 @@ const MAGIC: &[u8; 8] = b"SMALTIOI";
 const VERSION: u32 = 1;
 const HEADER_LEN: usize = 8 + 4 + 32 + 3 * 8 + 3 * 8 + 4 + 4;
 const EXTENSION: &str = "smalti-oi";
+const STATISTICS_EXTENSION: &str = "smalti-l3";
 
 /// A 256-bit BLAKE3 hash of the canonical description of a computation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -62,7 +64,7 @@ impl KeyBuilder {
     }
 }
 
-/// A folder of optical images.
+/// A folder of optical images and of statistics that pipelines are learned from.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Cache {
     dir: Option<PathBuf>,
@@ -102,7 +104,33 @@ impl Cache {
     }
 
     fn path(&self, key: &CacheKey) -> Option<PathBuf> {
-        self.dir.as_ref().map(|d| d.join(format!("{key}.{EXTENSION}")))
+        self.named(key, EXTENSION)
+    }
+
+    fn named(&self, key: &CacheKey, extension: &str) -> Option<PathBuf> {
+        self.dir.as_ref().map(|d| d.join(format!("{key}.{extension}")))
+    }
+
+    /// The training statistics of that key; `None` when they are absent or damaged.
+    #[must_use]
+    pub fn get_statistics(&self, key: &CacheKey) -> Option<Statistics> {
+        let path = self.named(key, STATISTICS_EXTENSION)?;
+        let statistics = l3::read_statistics(&path).ok()?;
+        let _ = File::options().append(true).open(path).and_then(|f| f.set_modified(SystemTime::now()));
+        Some(statistics)
+    }
+
+    /// Keeps training statistics. A disabled cache does nothing.
+    ///
+    /// # Errors
+    /// When the folder or file cannot be written.
+    pub fn put_statistics(&self, key: &CacheKey, statistics: &Statistics) -> Result<(), IoError> {
+        let (Some(dir), Some(path)) = (&self.dir, self.named(key, STATISTICS_EXTENSION)) else {
+            return Ok(());
+        };
+        fs::create_dir_all(dir).map_err(|source| IoError::Write { path: dir.clone(), source })?;
+        self.evict(dir, &path, self.limit_bytes);
+        l3::write_statistics(&path, statistics)
     }
 
     /// The image of that key, bit for bit as it was put; `None` when it is absent or damaged.
@@ -180,7 +208,7 @@ impl Cache {
         let mut entries: Vec<(SystemTime, u64, PathBuf)> = listing
             .flatten()
             .map(|e| (e.path(), e.metadata()))
-            .filter(|(path, _)| path.to_string_lossy().contains(EXTENSION) && path != kept)
+            .filter(|(path, _)| is_entry(path) && path != kept)
             .filter_map(|(path, metadata)| {
                 let metadata = metadata.ok().filter(fs::Metadata::is_file)?;
                 Some((metadata.modified().unwrap_or(SystemTime::UNIX_EPOCH), metadata.len(), path))
@@ -196,6 +224,12 @@ impl Cache {
             total -= len;
         }
     }
+}
+
+/// Whether a file is of a cache, finished or not.
+fn is_entry(path: &Path) -> bool {
+    let name = path.to_string_lossy();
+    [EXTENSION, STATISTICS_EXTENSION].iter().any(|e| name.contains(e))
 }
 
 /// Fills `data` with what follows the header, and returns its CRC-32. Most of the time goes into the pages the

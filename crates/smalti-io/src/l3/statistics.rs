@@ -27,6 +27,7 @@ pub fn write_statistics(path: &Path, statistics: &Statistics) -> Result<(), IoEr
     content.json("channel_names", &json!(statistics.channel_names()));
     content.json("outputs", &json!(statistics.outputs()));
     content.text("noisy", statistics.noisy());
+    content.json("white", &json!(statistics.white()));
     if let Some([black, white]) = statistics.raw_levels() {
         content.text("black_level", black);
         content.text("white_level", white);
@@ -103,7 +104,7 @@ pub fn statistics_from_bytes(bytes: &[u8], path: &Path) -> Result<Statistics, Io
         })?;
         classes.insert(k, moments);
     }
-    let channel_names = opened.json("channel_names")?;
+    let (channel_names, white) = (opened.json("channel_names")?, opened.json("white")?);
     Statistics::from_parts(
         axes,
         outputs,
@@ -113,5 +114,6 @@ pub fn statistics_from_bytes(bytes: &[u8], path: &Path) -> Result<Statistics, Io
         trained.as_chunks().0.to_vec(),
         classes,
     )
+    .map(|s| s.with_white(white))
     .at(path)
 }

@@ -32,6 +32,7 @@ pub(super) fn content(pipeline: &Pipeline) -> Content {
     content.json("outputs", &json!(pipeline.outputs()));
     content.text("black_level", pipeline.black_level());
     content.text("white_level", pipeline.white_level());
+    content.json("white", &json!(pipeline.white()));
     content.text("provenance", pipeline.provenance());
     let classes =
         [axes.positions(), pipeline.saturations().len(), axes.level_count(), axes.textures().count()];
@@ -78,6 +79,7 @@ pub fn table_from_bytes(bytes: &[u8], path: &Path) -> Result<Pipeline, IoError> 
             .ok_or_else(|| opened.wrong("tensor 'origin'", format!("{code} at class {i}"), expected()))?;
         Ok(Class { count, origin })
     });
+    let white = opened.json("white")?;
     Pipeline::from_parts(PipelineParts {
         saturations,
         outputs,
@@ -90,5 +92,6 @@ pub fn table_from_bytes(bytes: &[u8], path: &Path) -> Result<Pipeline, IoError> 
         provenance: opened.text("provenance")?.to_owned(),
         axes,
     })
+    .map(|p| p.with_white(white))
     .at(path)
 }

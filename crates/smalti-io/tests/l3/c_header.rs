@@ -33,7 +33,7 @@ int main(int argc, char **argv)
     f = fopen(argv[2], "wb");
     if (fwrite(classes, 4, pixels, f) != pixels || fwrite(out, 4, pixels * MY_OUTPUTS, f) != pixels * MY_OUTPUTS)
         return 2;
-    printf("%d %d %d\n", MY_SHIFT, MY_CLASSES, (int)(sizeof my_kernels + sizeof my_offsets));
+    printf("%.9g %d %d\n", (double)MY_SCALE, MY_CLASSES, (int)(sizeof my_kernels + sizeof my_offsets));
     raw.rows = MY_MIN_ROWS - 1;
     return fclose(f) != 0 || my_image(&raw, out) != -1;
 }
@@ -147,11 +147,21 @@ pub(crate) fn definition(
     (0..rows * cols).map(|i| pixel((i / cols) as i64, (i % cols) as i64)).collect()
 }
 
+/// That of an image which begins with a whole tile, and one that begins with the last cell of it: the first phase that makes
+/// the same mosaic, which is the one that the library takes it for.
+fn phases(r: &Recipe) -> [[usize; 2]; 2] {
+    let axes = axes(r);
+    let (tile, rows, cols) = (axes.mosaic(), r.tile.0, r.tile.1);
+    let last = tile.shifted(rows - 1, cols - 1);
+    let first = (0..rows * cols).find(|i| tile.shifted(i / cols, i % cols) == last).unwrap();
+    [[0, 0], [first / cols, first % cols]]
+}
+
 /// What is tested against is what the library does: it sorts the patches within an image into the same classes.
 #[test]
 fn the_library_classifies_by_the_definition() {
     for r in recipes() {
-        for phase in [[0, 0], [r.tile.0 - 1, r.tile.1 - 1]] {
+        for phase in phases(&r) {
             let (rows, cols, half) = (70, 53, r.side / 2);
             let (image, samples) = raw(&r, rows, cols, phase);
             let target = Planes::new(rows, cols, r.outputs, vec![0.0; rows * cols * r.outputs]).unwrap();
@@ -179,7 +189,7 @@ fn check(r: &Recipe, rows: usize, cols: usize, phase: [usize; 2]) -> Option<()> 
     let dir = dir.path();
     write_c_header(&dir.join("table.h"), &p, "my").unwrap();
     compile(dir, PROGRAM, &[])?;
-    let (_, samples) = raw(r, rows, cols, phase);
+    let (image, samples) = raw(r, rows, cols, phase);
     let bytes: Vec<u8> = samples.iter().flat_map(|s| s.to_ne_bytes()).collect();
     std::fs::write(dir.join("raw.bin"), bytes).unwrap();
     let numbers = [rows, cols, phase[0], phase[1]].map(|n| n.to_string());
@@ -190,18 +200,29 @@ fn check(r: &Recipe, rows: usize, cols: usize, phase: [usize; 2]) -> Option<()> 
         .output()
         .unwrap();
     assert!(output.status.success(), "{:?} {r:?}", output.status);
-    let printed: Vec<i64> =
+    let printed: Vec<f64> =
         String::from_utf8(output.stdout).unwrap().split_whitespace().map(|n| n.parse().unwrap()).collect();
-    let [shift, classes, kernel_bytes] = printed[..] else { panic!("{printed:?}") };
+    let [scale, classes, kernel_bytes] = printed[..] else { panic!("{printed:?}") };
+    let kernels = p.fixed_kernels(p.black_level(), p.white_level()).unwrap();
+    // Nine digits bring a 32-bit float back.
+    assert_eq!(scale as f32, kernels.scale);
     assert_eq!(classes as usize, p.classes().len());
     assert!(operations(&p).table_bytes >= kernel_bytes as u64);
     let out = std::fs::read(dir.join("out.bin")).unwrap();
     let values: Vec<i32> = out.as_chunks().0.iter().map(|b| i32::from_ne_bytes(*b)).collect();
     let (classes, values) = values.split_at(rows * cols);
     let expected = definition(&p, &samples, rows, cols, phase);
-    // Half a step of every weight times the largest sample, and half a step of the offset.
-    let step = 0.5f64.powi(shift as i32);
-    let tolerance = step * 0.5 * (1.0 + p.axes().taps() as f64 * (p.white_level() - p.black_level() + 64.0));
+    // The library's fixed point has the same sums.
+    let planes = p.render_fixed(&image).unwrap().planes;
+    for (i, (sum, output)) in values.iter().zip(planes.data()).enumerate() {
+        assert_eq!(*sum as f32 * kernels.scale, *output, "value {i} {r:?}");
+    }
+    // Half a step of every weight times the largest sample, half a step of the offset, and where samples lose a bit half of
+    // their step times the weights.
+    let step = f64::from(kernels.scale);
+    let unit = 1.0 / (step * f64::from(1u32 << kernels.shift));
+    let lost = f64::from(kernels.sample_shift) * 0.5 * 65535.0;
+    let tolerance = step * (0.5 + 0.5 * p.axes().taps() as f64 * (unit + 64.0) + lost);
     let (mut largest, mut squares, mut seen) = (0.0f64, 0.0, BTreeSet::new());
     for (i, (class, outputs)) in expected.iter().enumerate() {
         assert_eq!(classes[i] as usize, *class, "row {} column {} {r:?}", i / cols, i % cols);
@@ -216,8 +237,9 @@ fn check(r: &Recipe, rows: usize, cols: usize, phase: [usize; 2]) -> Option<()> 
     let rms = (squares / (rows * cols * p.outputs().len()) as f64).sqrt();
     let textures: BTreeSet<u16> = seen.iter().map(|k| k.texture).collect();
     println!(
-        "{rows} × {cols}, {} classes met, textures {textures:?}, shift {shift}: largest error {largest:.2e}, RMS {rms:.2e}, PSNR {:.1} dB",
+        "{rows} × {cols}, {} classes met, textures {textures:?}, {} places: largest error {largest:.2e}, RMS {rms:.2e}, PSNR {:.1} dB",
         seen.len(),
+        kernels.shift,
         -20.0 * rms.log10()
     );
     // The image meets every kind of structure, so that each rule has been tried.
@@ -229,7 +251,7 @@ fn check(r: &Recipe, rows: usize, cols: usize, phase: [usize; 2]) -> Option<()> 
 #[test]
 fn the_header_renders_what_the_definition_says() {
     for r in recipes() {
-        for phase in [[0, 0], [r.tile.0 - 1, r.tile.1 - 1]] {
+        for phase in phases(&r) {
             if check(&r, 40, 53, phase).is_none() {
                 return;
             }
@@ -256,8 +278,9 @@ fn no_sample_overflows() {
     {
         return;
     }
-    let samples: Vec<u8> =
-        (0..30 * 30).flat_map(|i: u32| if i.count_ones() % 2 == 0 { [255; 2] } else { [0; 2] }).collect();
+    let samples: Vec<u8> = (0..30 * 30)
+        .flat_map(|i: u32| if i.count_ones().is_multiple_of(2) { [255; 2] } else { [0; 2] })
+        .collect();
     std::fs::write(dir.join("raw.bin"), samples).unwrap();
     let arguments = ["raw.bin", "out.bin", "30", "30", "4", "3"];
     let status = Command::new(dir.join("main")).current_dir(dir).args(arguments).status().unwrap();

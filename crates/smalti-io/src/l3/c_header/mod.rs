@@ -1,18 +1,17 @@
 //! A learned table as a C99 header: fixed-point tables, and a reference implementation that reads them.
 
 mod contrast;
-mod fixed;
 mod operations;
 
 use std::fmt::{Display, Write};
 use std::path::Path;
 
-use smalti::l3::{L3Error, Pipeline, Textures};
+use smalti::l3::{FixedKernels, L3Error, Pipeline, Textures};
 use smalti::sensor::{RawImage, RawSamples, Sampling};
 
+use crate::error::At;
 use crate::{IoError, write};
 use contrast::Flat;
-use fixed::Fixed;
 pub use operations::{Operations, operations};
 
 /// The functions, which read the tables that are written before them. `@p@` and `@P@` stand for the prefix.
@@ -45,9 +44,7 @@ fn text(path: &Path, pipeline: &Pipeline, prefix: &str) -> Result<String, IoErro
         let found = format!("from {black} to {white}");
         return Err(IoError::field(path, "the range of samples", found, "digital numbers of 16 bits"));
     }
-    let fixed = fixed::quantise(pipeline).ok_or_else(|| {
-        IoError::field(path, "a kernel", "too large", "weights and offsets that 16 and 32 bits can hold")
-    })?;
+    let fixed = pipeline.fixed_kernels(black, white).at(path)?;
     let flat = contrast::flat(pipeline).ok_or_else(|| {
         IoError::field(path, "the contrast that is flat", "too large", "a limit within 64 bits")
     })?;
@@ -99,7 +96,7 @@ impl Header<'_> {
         self.line(format!("#define {upper}_{name} {value}{what}"));
     }
 
-    fn comment(&mut self, pipeline: &Pipeline, fixed: &Fixed) {
+    fn comment(&mut self, pipeline: &Pipeline, fixed: &FixedKernels) {
         let axes = pipeline.axes();
         let count = operations(pipeline);
         let outputs: Vec<String> = pipeline.outputs().iter().map(|o| plain(o)).collect();
@@ -123,10 +120,13 @@ impl Header<'_> {
             "   Class = ((position * {upper}_SATURATIONS + saturation) * {upper}_LEVELS + level) * {upper}_TEXTURES + texture;"
         ));
         self.line(format!("   textures: {}.", axes.textures().names().join(", ").replace('°', " degrees")));
+        let reduced =
+            if fixed.sample_shift == 0 { "" } else { ", half of that rounded down from the middle" };
         self.line(format!(
-            "   Output = (offset + sum of kernel * (sample - {upper}_BLACK)) / 2^{upper}_SHIFT, white = 1; kernels are row by row."
+            "   Output = {upper}_SCALE * (offset + sum of kernel * d), white = 1, d = sample - {upper}_BLACK{reduced}, of 16 bits;"
         ));
-        self.line(format!("   Step of an output: {:.3e}.\n", 0.5f64.powi(fixed.shift as i32)));
+        self.line(format!("   kernels are row by row and have {upper}_SHIFT binary places."));
+        self.line(format!("   A step of the sum is {:.3e} of white.\n", fixed.scale));
         self.line("   Operations per pixel as written below, indexing apart:");
         self.line(format!(
             "     {} multiplications ({} for the kernels), {} additions, {} comparisons; tables of {} bytes.",
@@ -140,7 +140,7 @@ impl Header<'_> {
         self.line("#include <stddef.h>\n#include <stdint.h>\n");
     }
 
-    fn constants(&mut self, pipeline: &Pipeline, fixed: &Fixed, flat: &Flat, clip: u32) {
+    fn constants(&mut self, pipeline: &Pipeline, fixed: &FixedKernels, flat: &Flat, clip: u32) {
         let axes = pipeline.axes();
         let (rows, cols, side) = (axes.mosaic().rows(), axes.mosaic().cols(), axes.side());
         self.define("SIDE", side, "of the patch");
@@ -157,7 +157,9 @@ impl Header<'_> {
         self.define("TAPS", axes.taps(), "");
         self.define("BLACK", fixed.black, "what kernels take from samples");
         self.define("CLIP", format!("{clip}u"), "the least sample that counts as clipped");
-        self.define("SHIFT", fixed.shift, "fractional bits of outputs");
+        self.define("SAMPLE_SHIFT", fixed.sample_shift, "bits that samples lose after that");
+        self.define("SHIFT", fixed.shift, "binary places of kernels");
+        self.define("SCALE", format!("{:e}f", fixed.scale), "from sums to outputs");
         if axes.level_count() > 1 {
             self.define("CUT_SETS", axes.levels().len(), "1, or one for each position");
         }
@@ -176,7 +178,7 @@ impl Header<'_> {
         }
     }
 
-    fn tables(&mut self, pipeline: &Pipeline, fixed: &Fixed) {
+    fn tables(&mut self, pipeline: &Pipeline, fixed: &FixedKernels) {
         let axes = pipeline.axes();
         let (upper, mosaic) = (self.upper.clone(), axes.mosaic());
         self.line("\n/* The channel of every cell. */");
@@ -204,13 +206,13 @@ impl Header<'_> {
             self.line(
                 "/* Differences between samples of like channels: shift, then first and last row and column they start from. */",
             );
-            let rows = pairs.map(|p| braced(&[p.shift, p.rows, p.cols].concat()));
+            let rows = pairs.map(|p| braced([p.shift, p.rows, p.cols].concat()));
             self.table("int16_t", "pairs", "[2][6]", &rows);
             if axes.textures() == Textures::Oriented {
                 let (ends, gradient) = contrast::gradients(&pairs);
                 self.line("/* Of gradients: both ends of two differences around a pixel, and how rows and columns follow. */");
-                self.table("int16_t", "edge_ends", "[2][4]", &ends.map(|e| braced(&e)));
-                self.table("int16_t", "edge_gradient", "[2][2]", &gradient.map(|g| braced(&g)));
+                self.table("int16_t", "edge_ends", "[2][4]", &ends.map(braced));
+                self.table("int16_t", "edge_gradient", "[2][2]", &gradient.map(braced));
             }
         }
         let (taps, outputs) = (axes.taps(), pipeline.outputs().len());

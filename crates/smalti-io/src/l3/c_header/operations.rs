@@ -18,7 +18,7 @@ pub struct Operations {
 }
 
 /// Counts what a pixel of the exported reference costs, every sum taken anew. Of an unclipped patch: what follows from clipped
-/// channels costs `saturations` comparisons more.
+/// channels costs `saturations` comparisons more. Clamping samples to 16 bits is left out: those of a sensor fit.
 #[must_use]
 pub fn operations(pipeline: &Pipeline) -> Operations {
     let axes = pipeline.axes();

@@ -150,7 +150,18 @@ static inline uint32_t @p@_class(const @p@_raw *raw, int32_t row, int32_t col)
                       + texture);
 }
 
-/* The outputs of a pixel, with @P@_SHIFT fractional bits. No sum overflows, whatever the samples. */
+/* A sample as kernels take it: less black, rounded down by SAMPLE_SHIFT bits (halves up), of 16 bits. */
+static inline int32_t @p@_reduced(int32_t sample)
+{
+    int32_t d = sample - @P@_BLACK;
+#if @P@_SAMPLE_SHIFT > 0
+    /* What is shifted is not negative. */
+    d = ((d + 65536 + 1) >> 1) - 32768;
+#endif
+    return d > 32767 ? 32767 : d < -32768 ? -32768 : d;
+}
+
+/* The sums of a pixel; times @P@_SCALE they are its outputs. No sum overflows, whatever the samples. */
 static inline void @p@_pixel(const @p@_raw *raw, int32_t row, int32_t col, int32_t out[@P@_OUTPUTS])
 {
     const uint32_t class_index = @p@_class(raw, row, col);
@@ -160,12 +171,12 @@ static inline void @p@_pixel(const @p@_raw *raw, int32_t row, int32_t col, int32
         int32_t sum = @p@_offsets[class_index][o];
         for (r = -@P@_HALF; r <= @P@_HALF; r++)
             for (c = -@P@_HALF; c <= @P@_HALF; c++)
-                sum += *k++ * (@p@_sample(raw, row + r, col + c) - @P@_BLACK);
+                sum += *k++ * @p@_reduced(@p@_sample(raw, row + r, col + c));
         out[o] = sum;
     }
 }
 
-/* Renders an image: `out` holds the outputs one after the other, each row by row. -1 when the image is too small. */
+/* Renders an image: `out` holds the sums of the outputs one after the other, each row by row. -1 when the image is too small. */
 static inline int @p@_image(const @p@_raw *raw, int32_t *out)
 {
     const size_t plane = (size_t)raw->rows * (size_t)raw->cols;
