@@ -5,6 +5,8 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use smalti_io::Override;
 
+use crate::learning_args::LearningOptions;
+
 /// A camera simulator that designs colour filter arrays and their image processing together.
 #[derive(Debug, Parser)]
 #[command(
@@ -12,6 +14,7 @@ use smalti_io::Override;
     version,
     arg_required_else_help = true,
     after_help = "Examples:\n  \
+        smalti compare bayer rgbw --luminance 1,80          learn, render, score: a table and pictures\n  \
         smalti simulate bayer -o out                        a picture of the default scene\n  \
         smalti simulate my.toml --scene zone-plate -o out   your camera, another scene\n  \
         smalti evaluate bayer rgbw                          colour, resolution, noise, aliasing\n  \
@@ -39,6 +42,12 @@ pub(crate) struct Common {
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
+    /// Learn the pipelines of cameras, render the same scenes, score and show them
+    Compare(Compare),
+    /// Learn the pipeline of a camera from scenes or from pairs of raw and picture
+    Train(Train),
+    /// Render a raw file through a learned pipeline
+    Render(Render),
     /// Take one picture: raw.dng, rendered.png, metrics.json
     Simulate(Simulate),
     /// Score cameras on the built-in targets: colour, resolution, noise, aliasing
@@ -231,4 +240,155 @@ pub(crate) enum ExrLayout {
     /// `Radiance.C01` channels
     #[value(name = "pbrt")]
     Pbrt,
+}
+
+#[derive(Debug, Clone, Args)]
+#[command(after_help = "Examples:\n  \
+    smalti compare bayer rgbw --luminance 1,80\n  \
+    smalti compare bayer rgbw --luminance 1 --light-gain\n  \
+    smalti compare bayer --processing l3,bilinear,malvar2004,adaptive --luminance 1,10,80\n  \
+    smalti compare bayer rgbw clarity kodak wang --luminance 1 --scene photo.png -o slides\n\n\
+    CPSNR (in XYZ), ΔE2000 and S-CIELAB are means over the pictures of all scenes, MTF50 is that of a slanted edge, visual\n\
+    SNR and noise are those of the grey patches of a chart: smalti list metrics. No scene of the default list is learned\n\
+    from. results.json is removed first and written last: a folder that has it is whole.")]
+pub(crate) struct Compare {
+    /// Built-in cameras (smalti list cameras) or TOML files
+    #[arg(required = true)]
+    pub(crate) cameras: Vec<String>,
+    /// Mean luminance of the scenes, cd/m²; several, separated by commas, are compared in turn
+    #[arg(long, value_delimiter = ',', default_value = "1,80", value_name = "CD_M2")]
+    pub(crate) luminance: Vec<f64>,
+    /// A scene to compare on, built in or a file; may be given more than once [default: five unseen scenes]
+    #[arg(long = "scene", value_name = "SCENE")]
+    pub(crate) scenes: Vec<String>,
+    /// Light of the scenes, which pipelines are learned for: a name (smalti list illuminants) or a CSV
+    #[arg(long, default_value = "D65", value_name = "NAME")]
+    pub(crate) illuminant: String,
+    /// Ways of processing, separated by commas
+    #[arg(long, value_delimiter = ',', value_enum, default_value = "l3")]
+    pub(crate) processing: Vec<Processing>,
+    /// Find how much more light the first camera needs to equal each of the others, in stops, by metric
+    #[arg(long)]
+    pub(crate) light_gain: bool,
+    #[command(flatten)]
+    pub(crate) learning: LearningOptions,
+    #[command(flatten)]
+    pub(crate) camera_options: CameraOptions,
+    /// Neither read nor write the cache of optical images and pipelines ($SMALTI_CACHE_DIR, else the user's cache folder)
+    #[arg(long)]
+    pub(crate) no_cache: bool,
+    /// Print results.json instead of the table
+    #[arg(long)]
+    pub(crate) json: bool,
+    /// Folder for the results, made if need be
+    #[arg(short, long, default_value = "out", value_name = "DIR")]
+    pub(crate) output: PathBuf,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Processing {
+    /// The learned pipeline
+    L3,
+    /// Bilinear demosaicking and a colour matrix, for any mosaic
+    Bilinear,
+    /// Malvar, He and Cutler 2004 and a colour matrix, for Bayer
+    Malvar2004,
+    /// Along the smaller gradient (Hamilton and Adams 1997) and a colour matrix, for Bayer
+    Adaptive,
+}
+
+impl Processing {
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::L3 => "l3",
+            Self::Bilinear => "bilinear",
+            Self::Malvar2004 => "malvar2004",
+            Self::Adaptive => "adaptive",
+        }
+    }
+}
+
+#[derive(Debug, Clone, Args)]
+#[command(after_help = "Examples:\n  \
+    smalti train rgbw -o rgbw.l3\n  \
+    smalti train my.toml --illuminants A --target-illuminant D65 -o warm.l3       balances tungsten light\n  \
+    smalti train bayer --scene forest.exr --scene street.exr -o mine.l3\n  \
+    smalti train bayer --statistics half.l3stats -o a.l3                         go on later with --continue half.l3stats\n  \
+    smalti train nikon.toml --pair shot.dng shot.tif --pair b.dng b.tif -o nikon.l3\n  \
+    smalti train rgbw -o rgbw.l3 --c-header rgbw_isp.h --npz rgbw.npz\n\n\
+    Without --scene, --pair or --continue it learns from the default set: dead leaves, edges, stars, gratings, steps and a\n\
+    scene of high dynamic range, in natural and saturated colours, under daylight, tungsten and LED.")]
+pub(crate) struct Train {
+    /// A built-in camera (smalti list cameras) or a TOML file
+    pub(crate) camera: String,
+    /// A scene to learn from instead of the default set, built in or a file; may be given more than once
+    #[arg(long = "scene", value_name = "SCENE")]
+    pub(crate) scenes: Vec<String>,
+    #[command(flatten)]
+    pub(crate) scene_options: SceneOptions,
+    /// Lights of the default set, in turn
+    #[arg(long, value_delimiter = ',', default_value = "D65,A,LED", value_name = "NAME,...")]
+    pub(crate) illuminants: Vec<String>,
+    /// The light that the picture is to be seen under, if not that of the capture: illuminant correction
+    #[arg(long, value_name = "NAME")]
+    pub(crate) target_illuminant: Option<String>,
+    /// What to give: xyz, or a camera (name or TOML) whose channels are to be estimated at every pixel
+    #[arg(long, value_name = "TARGET")]
+    pub(crate) target: Option<String>,
+    /// Exposures of each scene, as the response of its bright end (1: just saturated) [default: from 3 down to the noise]
+    #[arg(long, value_delimiter = ',', value_name = "R,...")]
+    pub(crate) exposures: Vec<f64>,
+    /// A raw file (DNG) and the picture that should come of it, pixel by pixel; may be given more than once
+    #[arg(long = "pair", num_args = 2, value_names = ["RAW", "PICTURE"])]
+    pub(crate) pairs: Vec<PathBuf>,
+    /// Go on from saved statistics; several are merged
+    #[arg(long = "continue", value_name = "FILE")]
+    pub(crate) continue_from: Vec<PathBuf>,
+    /// Save the statistics, to go on or merge later
+    #[arg(long, value_name = "FILE")]
+    pub(crate) statistics: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) learning: LearningOptions,
+    #[command(flatten)]
+    pub(crate) camera_options: CameraOptions,
+    /// Also write the table as NumPy arrays
+    #[arg(long, value_name = "FILE")]
+    pub(crate) npz: Option<PathBuf>,
+    /// Also write the table as a C header in fixed point
+    #[arg(long, value_name = "FILE")]
+    pub(crate) c_header: Option<PathBuf>,
+    /// Print every class as JSON instead of the table
+    #[arg(long)]
+    pub(crate) json: bool,
+    /// The learned table (safetensors)
+    #[arg(short, long, value_name = "FILE.l3")]
+    pub(crate) output: PathBuf,
+}
+
+#[derive(Debug, Clone, Args)]
+#[command(after_help = "Examples:\n  \
+    smalti render out/raw.dng --pipeline rgbw.l3 -o picture.png\n  \
+    smalti render out/raw.dng --pipeline rgbw.l3 -o xyz.npy\n\n\
+    A pixel darker or brighter than anything trained is rendered with the nearest class; how many did is said.")]
+pub(crate) struct Render {
+    /// A raw file (DNG)
+    pub(crate) raw: PathBuf,
+    /// A learned table (smalti train)
+    #[arg(long, value_name = "FILE.l3")]
+    pub(crate) pipeline: PathBuf,
+    /// .png or .tif (shown on a screen) or .npy (the outputs as they are)
+    #[arg(short, long, value_name = "FILE")]
+    pub(crate) output: PathBuf,
+    /// In fixed point: 16-bit kernels
+    #[arg(long)]
+    pub(crate) fixed: bool,
+    /// Brightness of the picture [default: all but the brightest half percent within the display's range]
+    #[arg(long, value_name = "FACTOR")]
+    pub(crate) gain: Option<f64>,
+    /// Bits per channel of the picture
+    #[arg(long, default_value = "8", value_parser = ["8", "16"])]
+    pub(crate) bits: String,
+    /// Print what was done as JSON
+    #[arg(long)]
+    pub(crate) json: bool,
 }

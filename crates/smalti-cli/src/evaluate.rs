@@ -61,7 +61,7 @@ pub(crate) fn run(args: &Evaluate, common: &Common) -> anyhow::Result<()> {
 }
 
 /// One optical image, from the cache where it is there.
-fn cached(
+pub(crate) fn cached(
     cache: &Cache,
     key: &str,
     make: &dyn Fn() -> Result<OpticalImage, CameraError>,
@@ -123,7 +123,7 @@ fn scores_table(results: &[(&Camera, Evaluation)]) -> String {
 }
 
 /// The name of a camera as that of a folder, numbered where it would be that of another camera too.
-fn folder_name(camera: &Camera, number: usize, cameras: &[Camera]) -> String {
+pub(crate) fn folder_name(camera: &Camera, number: usize, cameras: &[Camera]) -> String {
     let plain = |c: &Camera| {
         let keep = |c: char| if c.is_alphanumeric() || "-_.".contains(c) { c } else { '-' };
         c.description().name.chars().take(100).map(keep).collect::<String>()

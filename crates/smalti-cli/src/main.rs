@@ -2,13 +2,19 @@
 
 mod args;
 mod brightness;
+mod compare;
 mod convert;
 mod evaluate;
+mod learn;
+mod learning_args;
 mod list;
+mod pictures;
 mod progress;
+mod render;
 mod resolve;
 mod simulate;
 mod table;
+mod train;
 
 use std::io::Write;
 use std::process::ExitCode;
@@ -34,6 +40,9 @@ fn run(cli: Cli) -> anyhow::Result<()> {
         rayon::ThreadPoolBuilder::new().num_threads(usize::from(threads)).build_global()?;
     }
     match cli.command {
+        Command::Compare(a) => compare::run(&a, &cli.common),
+        Command::Train(a) => train::run(&a, &cli.common),
+        Command::Render(a) => render::run(&a, &cli.common),
         Command::Simulate(a) => simulate::run(&a, &cli.common),
         Command::Evaluate(a) => evaluate::run(&a, &cli.common),
         Command::List(a) => list::run(&a),

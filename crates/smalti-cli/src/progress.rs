@@ -28,6 +28,11 @@ impl Progress {
         self.0.set_message(what.into());
     }
 
+    /// There is more to do than was thought: so many steps.
+    pub(crate) fn more(&self, steps: u64) {
+        self.0.inc_length(steps);
+    }
+
     /// Counts a step as done.
     pub(crate) fn done(&self) {
         self.0.inc(1);

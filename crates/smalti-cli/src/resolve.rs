@@ -142,3 +142,12 @@ fn wavelengths(text: &str) -> anyhow::Result<WavelengthGrid> {
     }
     WavelengthGrid::new(start, step, count as usize + 1).with_context(|| format!("--wavelengths {text}"))
 }
+
+/// The scene, as wide as needed to lie on the sensor whole. A file is not spread over more pixels than it has.
+pub(crate) fn on_sensor(scene: Scene, is_file: bool, camera: &Camera) -> anyhow::Result<Scene> {
+    let (rows, cols) = (scene.radiance().rows(), scene.radiance().cols());
+    let whole = camera.sensor.cols.min(camera.sensor.rows * cols / rows.max(1));
+    let span = if is_file { whole.min(cols) } else { whole };
+    let deg = camera.field_of_view_deg(span.max(1), scene.distance_m())?;
+    Ok(scene.with_fov(deg)?)
+}

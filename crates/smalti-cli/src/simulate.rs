@@ -105,11 +105,7 @@ fn fitted(scene: Scene, args: &Simulate, camera: &Camera) -> anyhow::Result<Scen
     if args.scene_options.fov.is_some() || args.scene.contains("fov=") {
         return Ok(scene);
     }
-    let (rows, cols) = (scene.radiance().rows(), scene.radiance().cols());
-    let whole = camera.sensor.cols.min(camera.sensor.rows * cols / rows.max(1));
-    let span = if resolve::is_file(&args.scene) { whole.min(cols) } else { whole };
-    let deg = camera.field_of_view_deg(span.max(1), scene.distance_m())?;
-    Ok(scene.with_fov(deg)?)
+    resolve::on_sensor(scene, resolve::is_file(&args.scene), camera)
 }
 
 fn dng_info(camera: &Camera, light: &Spectrum) -> anyhow::Result<DngInfo> {

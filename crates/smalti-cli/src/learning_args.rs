@@ -1,0 +1,127 @@
+//! How pipelines are learned, as typed.
+
+use clap::{Args, ValueEnum};
+use smalti::camera::{LevelRule, TrainingSettings};
+use smalti::l3::{Alpha, KernelForm, PerceptualWeights, Solver, Textures, Training};
+
+/// How pipelines are learned.
+#[derive(Debug, Clone, Args)]
+#[command(next_help_heading = "Learning")]
+pub(crate) struct LearningOptions {
+    /// Side of the patch around a pixel that its colour is computed from
+    #[arg(long, value_name = "PX", default_value = "5", value_parser = ["3", "5", "7", "9", "11"])]
+    pub(crate) patch: String,
+    /// Number of response levels
+    #[arg(long, value_name = "N", default_value_t = TrainingSettings::default().levels)]
+    pub(crate) levels: usize,
+    /// How levels are cut
+    #[arg(long, value_enum, default_value_t = LevelCuts::Logarithmic)]
+    pub(crate) level_rule: LevelCuts,
+    /// What is told apart by the structure within a patch
+    #[arg(long, value_enum, default_value_t = Structure::FlatTexture)]
+    pub(crate) textures: Structure,
+    /// How kernels are found from the statistics
+    #[arg(long, value_enum, default_value_t = SolverName::Perceptual)]
+    pub(crate) solver: SolverName,
+    /// Weight of noise against blur in flat patches: luminance,chrominance (perceptual solver)
+    #[arg(long, value_name = "L,C", value_parser = pair)]
+    pub(crate) alpha_flat: Option<Alpha>,
+    /// Weight of noise against blur in textured patches: luminance,chrominance (perceptual solver)
+    #[arg(long, value_name = "L,C", value_parser = pair)]
+    pub(crate) alpha_texture: Option<Alpha>,
+    /// Kernels without an offset
+    #[arg(long)]
+    pub(crate) linear: bool,
+    /// Do not share data between positions that symmetry of the mosaic makes equal
+    #[arg(long)]
+    pub(crate) no_symmetry: bool,
+    /// Mix kernels with those of the neighbouring levels, 0 (not) to 1
+    #[arg(long, value_name = "SHARE", default_value_t = 0.0)]
+    pub(crate) smoothing: f64,
+    /// Learn to undo the blur of the lens
+    #[arg(long)]
+    pub(crate) sharp: bool,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum LevelCuts {
+    /// In equal ratios
+    Logarithmic,
+    /// In equal steps of the noise
+    NoiseSteps,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Structure {
+    /// Nothing
+    None,
+    /// Flat and texture
+    FlatTexture,
+    /// Flat, texture and four directions of edges
+    Oriented,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum SolverName {
+    /// Noise weighted against blur in luminance and chrominance
+    Perceptual,
+    /// Least mean square error with the sensor's noise
+    Wiener,
+    /// Ridge, its strength by generalised cross-validation
+    Ridge,
+    /// Without regard to noise
+    LeastSquares,
+}
+
+/// Two numbers, `16,4`.
+fn pair(text: &str) -> Result<Alpha, String> {
+    let numbers: Vec<f64> = text.split(',').filter_map(|p| p.trim().parse().ok()).collect();
+    match numbers[..] {
+        [luminance, chrominance] if numbers.iter().all(|a| (0.0..=1e6).contains(a)) => {
+            Ok(Alpha { luminance, chrominance })
+        }
+        _ => Err(format!("'{text}': expected two numbers of 0 or more, luminance,chrominance, such as 16,4")),
+    }
+}
+
+impl LearningOptions {
+    /// What classes and pairs are made by.
+    pub(crate) fn settings(&self, seed: u64) -> TrainingSettings {
+        TrainingSettings {
+            side: self.patch.parse().unwrap_or(5),
+            levels: self.levels,
+            level_rule: match self.level_rule {
+                LevelCuts::Logarithmic => LevelRule::Logarithmic,
+                LevelCuts::NoiseSteps => LevelRule::NoiseSteps,
+            },
+            textures: match self.textures {
+                Structure::None => Textures::None,
+                Structure::FlatTexture => Textures::FlatTexture,
+                Structure::Oriented => Textures::Oriented,
+            },
+            sharp: self.sharp,
+            seed,
+            ..TrainingSettings::default()
+        }
+    }
+
+    /// What kernels are solved by.
+    pub(crate) fn training(&self) -> Training {
+        let default = PerceptualWeights::default();
+        Training {
+            solver: match self.solver {
+                SolverName::Perceptual => Solver::Perceptual(PerceptualWeights {
+                    flat: self.alpha_flat.unwrap_or(default.flat),
+                    texture: self.alpha_texture.unwrap_or(default.texture),
+                }),
+                SolverName::Wiener => Solver::Wiener,
+                SolverName::Ridge => Solver::Ridge,
+                SolverName::LeastSquares => Solver::LeastSquares,
+            },
+            kernel: if self.linear { KernelForm::Linear } else { KernelForm::Affine },
+            symmetry: !self.no_symmetry,
+            smoothing: self.smoothing,
+            ..Training::default()
+        }
+    }
+}

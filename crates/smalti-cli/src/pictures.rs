@@ -1,0 +1,145 @@
+//! Pictures of a comparison: the renderings side by side, and what was learned.
+
+use smalti::camera::Camera;
+use smalti::color::{Adaptation, ColorSpace, Image};
+use smalti::l3::{Origin, Pipeline};
+use smalti::numeric::Planes;
+use smalti::spectrum::{Illuminant, Observer, Spectrum};
+
+/// Pixels between pictures that stand side by side.
+const GAP_PX: usize = 8;
+/// Grey between them, encoded.
+const GAP_GREY: f32 = 0.5;
+/// Pixels of a tap in pictures of kernels, and of the frame that shows its filter's colour.
+const TAP_PX: usize = 28;
+const FRAME_PX: usize = 3;
+/// White point of sRGB.
+const D65: [f64; 3] = [0.95047, 1.0, 1.08883];
+
+/// A picture in XYZ under a light, as shown on a screen: its white made that of sRGB, brightness times `gain`.
+pub(crate) fn shown(picture: &Image, white: [f64; 3], gain: f64) -> anyhow::Result<Image> {
+    let matrix = Adaptation::Bradford.matrix(D65, white).unwrap_or([
+        [1.0, 0.0, 0.0],
+        [0.0, 1.0, 0.0],
+        [0.0, 0.0, 1.0],
+    ]);
+    let (planes, mut out) = (picture.planes(), Planes::zeros(picture.rows(), picture.cols(), 3));
+    for (i, row) in matrix.iter().enumerate() {
+        let [a, b, c] = row.map(|v| (v * gain) as f32);
+        let xyz = planes.plane(0).iter().zip(planes.plane(1)).zip(planes.plane(2));
+        out.plane_mut(i).iter_mut().zip(xyz).for_each(|(o, ((x, y), z))| *o = a * x + b * y + c * z);
+    }
+    Ok(Image::new(ColorSpace::Xyz, out)?.converted(ColorSpace::Srgb)?)
+}
+
+/// Pictures in sRGB side by side, from top left, at most `across` in a row.
+pub(crate) fn side_by_side(pictures: &[Image], across: usize) -> anyhow::Result<Image> {
+    let across = across.clamp(1, pictures.len().max(1));
+    let rows = pictures.iter().map(Image::rows).max().unwrap_or(1);
+    let cols = pictures.iter().map(Image::cols).max().unwrap_or(1);
+    let down = pictures.len().div_ceil(across).max(1);
+    let mut canvas = Canvas::new(down * (rows + GAP_PX) - GAP_PX, across * (cols + GAP_PX) - GAP_PX);
+    for (i, picture) in pictures.iter().enumerate() {
+        canvas.paste(i / across * (rows + GAP_PX), i % across * (cols + GAP_PX), picture);
+    }
+    canvas.image()
+}
+
+/// The kernels of two classes, as on the slides: a dark flat one above, a bright textured one below, an output in each
+/// column. Positive weights are orange, negative ones blue, relative to the largest of the kernel; frames have the
+/// colours of the filters.
+pub(crate) fn kernels(camera: &Camera, pipeline: &Pipeline) -> anyhow::Result<Image> {
+    let (side, outputs) = (pipeline.axes().side(), pipeline.outputs().len());
+    let colors = filter_colors(camera)?;
+    let size = side * TAP_PX;
+    let [dark, bright] = dark_and_bright(pipeline);
+    let mut canvas = Canvas::new(2 * size + GAP_PX, outputs * (size + GAP_PX) - GAP_PX);
+    for (line, class) in [dark, bright].into_iter().enumerate() {
+        let position = pipeline.key(class).position as usize;
+        for output in 0..outputs {
+            let weights = pipeline.weights(class, output);
+            let largest = weights.iter().fold(f32::MIN_POSITIVE, |m, w| m.max(w.abs()));
+            for (tap, &weight) in weights.iter().enumerate() {
+                let row = line * (size + GAP_PX) + tap / side * TAP_PX;
+                let col = output * (size + GAP_PX) + tap % side * TAP_PX;
+                canvas.fill(row, col, TAP_PX, colors[pipeline.axes().channel_of(position, tap)]);
+                canvas.fill(
+                    row + FRAME_PX,
+                    col + FRAME_PX,
+                    TAP_PX - 2 * FRAME_PX,
+                    diverging(weight / largest),
+                );
+            }
+        }
+    }
+    canvas.image()
+}
+
+/// A dark flat and a bright textured class at the first cell of the first channel, learned ones where there are.
+pub(crate) fn dark_and_bright(pipeline: &Pipeline) -> [usize; 2] {
+    let axes = pipeline.axes();
+    let position = axes.mosaic().cells().iter().position(|&c| c == 0).unwrap_or(0);
+    let (levels, textures) = (axes.level_count(), axes.textures().count());
+    let class = |level, texture| pipeline.index(position, 0, level, texture);
+    let learned =
+        |&level: &usize, texture| pipeline.classes()[class(level, texture)].origin == Origin::Learned;
+    let texture = textures.min(2) - 1;
+    let dark = (0..levels).find(|l| learned(l, 0)).unwrap_or(0);
+    let bright = (0..levels).rev().find(|l| learned(l, texture)).unwrap_or(levels - 1);
+    [class(dark, 0), class(bright, texture)]
+}
+
+/// From blue over white to orange for −1 to 1: distinct for the colour-blind.
+fn diverging(value: f32) -> [f32; 3] {
+    let end = if value < 0.0 { [0.13, 0.40, 0.67] } else { [0.90, 0.38, 0.0] };
+    let share = value.abs().min(1.0);
+    end.map(|e| 1.0 + share * (e - 1.0))
+}
+
+/// What the filters look like in daylight, in sRGB; dark ones (infrared) grey.
+fn filter_colors(camera: &Camera) -> anyhow::Result<Vec<[f32; 3]>> {
+    let light = Illuminant::D65.photons(camera.grid())?;
+    let color = |filter: &Spectrum| {
+        let xyz = Observer::Cie1931.xyz_from_photons(&filter.times(&light)?)?;
+        let white = Observer::Cie1931.xyz_from_photons(&light)?[1];
+        let planes = Planes::new(1, 1, 3, xyz.map(|v| (v / white) as f32).to_vec())?;
+        let rgb = Image::new(ColorSpace::Xyz, planes)?.converted(ColorSpace::Srgb)?;
+        Ok([0, 1, 2].map(|c| rgb.planes().plane(c)[0].clamp(0.25, 1.0)))
+    };
+    camera.sensor.cfa.channels().iter().map(|c| color(&c.transmittance)).collect()
+}
+
+struct Canvas(Planes);
+
+impl Canvas {
+    fn new(rows: usize, cols: usize) -> Self {
+        let mut planes = Planes::zeros(rows, cols, 3);
+        planes.data_mut().fill(GAP_GREY);
+        Self(planes)
+    }
+
+    fn paste(&mut self, row: usize, col: usize, picture: &Image) {
+        let cols = self.0.cols();
+        for c in 0..3 {
+            let (from, to) = (picture.planes().plane(c), self.0.plane_mut(c));
+            for (r, line) in from.chunks_exact(picture.cols()).enumerate() {
+                let at = (row + r) * cols + col;
+                to[at..at + line.len()].copy_from_slice(line);
+            }
+        }
+    }
+
+    fn fill(&mut self, row: usize, col: usize, size: usize, color: [f32; 3]) {
+        let cols = self.0.cols();
+        for (c, value) in color.into_iter().enumerate() {
+            let plane = self.0.plane_mut(c);
+            for r in row..row + size {
+                plane[r * cols + col..r * cols + col + size].fill(value);
+            }
+        }
+    }
+
+    fn image(self) -> anyhow::Result<Image> {
+        Ok(Image::new(ColorSpace::Srgb, self.0)?)
+    }
+}
