@@ -18,10 +18,10 @@ pub(crate) struct LearningOptions {
     #[arg(long, value_enum, default_value_t = LevelCuts::Logarithmic)]
     pub(crate) level_rule: LevelCuts,
     /// What is told apart by the structure within a patch
-    #[arg(long, value_enum, default_value_t = Structure::FlatTexture)]
+    #[arg(long, value_enum, default_value_t = Structure::Oriented)]
     pub(crate) textures: Structure,
     /// How kernels are found from the statistics
-    #[arg(long, value_enum, default_value_t = SolverName::Perceptual)]
+    #[arg(long, value_enum, default_value_t = SolverName::Wiener)]
     pub(crate) solver: SolverName,
     /// Weight of noise against blur in flat patches: luminance,chrominance (perceptual solver)
     #[arg(long, value_name = "L,C", value_parser = pair)]
@@ -63,10 +63,10 @@ pub(crate) enum Structure {
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum SolverName {
+    /// Least mean square error with the sensor's noise, by computation
+    Wiener,
     /// Noise weighted against blur in luminance and chrominance
     Perceptual,
-    /// Least mean square error with the sensor's noise
-    Wiener,
     /// Ridge, its strength by generalised cross-validation
     Ridge,
     /// Without regard to noise
@@ -108,12 +108,15 @@ impl LearningOptions {
     /// What kernels are solved by.
     pub(crate) fn training(&self) -> Training {
         let default = PerceptualWeights::default();
+        let weights = PerceptualWeights {
+            flat: self.alpha_flat.unwrap_or(default.flat),
+            texture: self.alpha_texture.unwrap_or(default.texture),
+        };
         Training {
             solver: match self.solver {
-                SolverName::Perceptual => Solver::Perceptual(PerceptualWeights {
-                    flat: self.alpha_flat.unwrap_or(default.flat),
-                    texture: self.alpha_texture.unwrap_or(default.texture),
-                }),
+                // Weights that were typed are meant.
+                _ if self.alpha_flat.is_some() || self.alpha_texture.is_some() => Solver::Perceptual(weights),
+                SolverName::Perceptual => Solver::Perceptual(weights),
                 SolverName::Wiener => Solver::Wiener,
                 SolverName::Ridge => Solver::Ridge,
                 SolverName::LeastSquares => Solver::LeastSquares,

@@ -4,7 +4,7 @@
 use std::hint::black_box;
 
 use criterion::{Criterion, Throughput};
-use smalti::l3::{Axes, KernelForm, Levels, Pair, Solver, Statistics, Training};
+use smalti::l3::{Axes, KernelForm, Levels, Pair, PerceptualWeights, Solver, Statistics, Training};
 use smalti::numeric::Planes;
 use smalti::numeric::philox::Stream;
 use smalti::sensor::{Mosaic, RawImage, RawSamples, Sampling, SignalNoise};
@@ -79,7 +79,7 @@ fn run(c: &mut Criterion) {
     let mut group = c.benchmark_group("l3 training");
     group.sample_size(20);
     let solvers = [
-        ("perceptual", Solver::default()),
+        ("perceptual", Solver::Perceptual(PerceptualWeights::default())),
         ("wiener", Solver::Wiener),
         ("ridge", Solver::Ridge),
         ("least squares", Solver::LeastSquares),

@@ -74,9 +74,9 @@ impl Default for TrainingSettings {
     fn default() -> Self {
         Self {
             side: 5,
-            levels: 20,
+            levels: 10,
             level_rule: LevelRule::default(),
-            textures: Textures::default(),
+            textures: Textures::Oriented,
             target: TrainingTarget::default(),
             target_light: None,
             sharp: false,
@@ -113,7 +113,7 @@ pub fn training_scenes(lights: &[Illuminant]) -> Vec<TrainingScene> {
         format!("siemens-star?size={n}&cycles=36&contrast=20"),
         format!("frequency-sweep?rows={n}&cols={n}&contrast=0.05"),
         format!("grey-steps?steps=16&step={}&rows={n}&density=2", n / 16),
-        format!("hdr?rows={}", n * 2 / 3),
+        format!("hdr?rows={}", n / 2),
     ];
     specs.extend(patterns);
     let lights = if lights.is_empty() { &[Illuminant::D65][..] } else { lights };

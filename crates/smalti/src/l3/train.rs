@@ -44,7 +44,7 @@ impl Default for Training {
             kernel: KernelForm::default(),
             symmetry: true,
             least_patches: None,
-            saturation_share: 0.002,
+            saturation_share: 0.01,
             smoothing: 0.0,
         }
     }
@@ -52,7 +52,7 @@ impl Default for Training {
 
 /// What kernels minimise. C is the covariance of the patches of a class (second moments about zero for linear kernels), c
 /// theirs with an output, Σ the covariance of the noise, from [`super::Axes::noise`] at the class's own mean signals.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Solver {
     /// Squared error over the patches as they are, without adding noise: C⁻¹ c, the solution of least norm where C is singular.
@@ -62,7 +62,9 @@ pub enum Solver {
     ///
     /// [golub1979]: https://doi.org/10.1080/00401706.1979.10489751
     Ridge,
-    /// Squared error under noise: (C + Σ)⁻¹ c. Statistics of noisy images hold Σ already.
+    /// Squared error under noise: (C + Σ)⁻¹ c. Statistics of noisy images hold Σ already. The default: of all weights it has the
+    /// least colour difference, in pixels and as the eye sees them.
+    #[default]
     Wiener,
     /// bias² + α · variance in an opponent colour space: (C + α Σ)⁻¹ c for each of its coordinates, as in the slides that L³ was shown
     /// with (l3slides2014 in REFERENCES.bib).
@@ -74,12 +76,6 @@ pub enum Solver {
     /// [poirson1993]: https://doi.org/10.1364/JOSAA.10.002458
     /// [zhang1997]: crate::color::scielab
     Perceptual(PerceptualWeights),
-}
-
-impl Default for Solver {
-    fn default() -> Self {
-        Self::Perceptual(PerceptualWeights::default())
-    }
 }
 
 /// The weight α of the variance against bias² in luminance and in the two chrominances, 0 to 10⁶. Above 1 there is

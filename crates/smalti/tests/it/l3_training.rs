@@ -120,7 +120,12 @@ fn a_linear_target_is_recovered() {
     let pairs = [(picture, Planes::new(rows, cols, 2, target).unwrap())];
     let axes = Axes::new(bayer(), side, levels(&[0.3, 0.4, 0.45, 0.6]), NONE).unwrap();
     let s = gathered(&axes, &["a", "b"], &pairs);
-    for solver in [Solver::LeastSquares, Solver::Wiener, Solver::Ridge, Solver::default()] {
+    for solver in [
+        Solver::LeastSquares,
+        Solver::Wiener,
+        Solver::Ridge,
+        Solver::Perceptual(PerceptualWeights::default()),
+    ] {
         let p = solve(&with(solver), &s);
         let learned = p.classes().iter().filter(|c| c.origin == Origin::Learned).count();
         assert!(learned > 8 && learned < p.classes().len(), "{learned} of {}", p.classes().len());

@@ -133,18 +133,18 @@ fn equal_weights_are_wieners_solution_bit_by_bit() {
     let (other, ..) =
         one_class(5, &["a", "Y", "Z"], false, |x, o, r, c| x[r * 34 + c] * (o as f32 - 0.5) + 0.1);
     assert_eq!(
-        solved(&other, Solver::default(), KernelForm::Affine),
+        solved(&other, Solver::Perceptual(PerceptualWeights::default()), KernelForm::Affine),
         solved(&other, Solver::Wiener, KernelForm::Affine)
     );
     let (four, ..) =
         one_class(5, &["N", "X", "Y", "Z"], false, |x, o, r, c| x[r * 34 + c] * (o as f32 - 1.5) + 0.1);
     let (a, b) = (
-        solved(&four, Solver::default(), KernelForm::Affine),
+        solved(&four, Solver::Perceptual(PerceptualWeights::default()), KernelForm::Affine),
         solved(&four, Solver::Wiener, KernelForm::Affine),
     );
     assert_eq!(a.weights[..25], b.weights[..25]);
     assert_ne!(a.weights[25..], b.weights[25..]);
-    let three = solved(&s, Solver::default(), KernelForm::Affine);
+    let three = solved(&s, Solver::Perceptual(PerceptualWeights::default()), KernelForm::Affine);
     let moved = |o: usize| (a.weights[(o + 1) * 25] - three.weights[o * 25]).abs();
     assert!((0..3).all(|o| moved(o) < 1e-12));
 }
@@ -172,7 +172,7 @@ fn noisy_statistics_hold_their_noise() {
         }
     }
     let with_noise = Moments::from_sums(9, 3, with_noise).unwrap();
-    for solver in [Solver::Wiener, Solver::default()] {
+    for solver in [Solver::Wiener, Solver::Perceptual(PerceptualWeights::default())] {
         let a = Solving::new(&solver, KernelForm::Affine, &clean).solve(&moments, true, 0).unwrap();
         let b = Solving::new(&solver, KernelForm::Affine, &noisy).solve(&with_noise, true, 0).unwrap();
         // For α ≠ 1 the mean square that PRNU acts on holds the noise itself, and Σ is larger by a thousandth.
@@ -216,7 +216,13 @@ fn degenerate_classes_have_finite_kernels() {
     let below = Solver::Perceptual(PerceptualWeights { flat: zero, texture: zero });
     for (name, patches) in cases {
         let moments = moments_of(&patches);
-        for solver in [Solver::LeastSquares, Solver::Ridge, Solver::Wiener, Solver::default(), below] {
+        for solver in [
+            Solver::LeastSquares,
+            Solver::Ridge,
+            Solver::Wiener,
+            Solver::Perceptual(PerceptualWeights::default()),
+            below,
+        ] {
             for form in [KernelForm::Affine, KernelForm::Linear] {
                 let s = Solving::new(&solver, form, &noiseless).solve(&moments, true, 0).unwrap();
                 assert!(s.weights.iter().chain(&s.offsets).all(|v| v.is_finite()), "{name}");
