@@ -62,8 +62,7 @@ fn run(c: &mut Criterion) {
     let samples = (0..ROWS * COLS).map(|i| sample(i / COLS, i % COLS)).collect();
     let names = ["R", "G", "B"].map(String::from).to_vec();
     let sampling = Sampling::Mosaic(mosaic.clone());
-    let raw =
-        RawImage::new(ROWS, COLS, RawSamples::Digital(samples), sampling, names, BLACK, WHITE).unwrap();
+    let raw = RawImage::new(ROWS, COLS, RawSamples::Digital(samples), sampling, names, BLACK, WHITE).unwrap();
     // Into planes that exist already: what is measured is the work, not the system's handing out of memory.
     let mut planes = Planes::zeros(ROWS, COLS, 3);
     for side in [3, 5, 7] {

@@ -3,9 +3,12 @@
 //! What is summed over a patch is summed down its columns first and then along the row, so that neighbours share the
 //! first half of the work.
 
+use std::ops::Range;
+
+use super::blocks::{Columns, LANES, add_taps, each, run_of, values, values_mut};
 use super::lattice::{self, Shift};
 use super::orientation::{Orientation, Tensor};
-use super::window::{LANES, Window};
+use super::window::Window;
 use super::{Axes, MAX_SIDE, Textures};
 use crate::numeric::simd::{Kernel, dispatch};
 
@@ -40,9 +43,9 @@ pub(super) struct Classifier {
     /// the centre) of the patch that they start from.
     pairs: [Pairs; 2],
     orientation: Option<Orientation>,
-    /// Per row of the tile, cut by cut, the cuts of `run` columns and a tile more: a run that starts at any phase.
-    cuts: Vec<Vec<f32>>,
-    /// Columns, whole vectors and whole tiles, after which phases of vectors repeat.
+    /// Cut points of each row of the tile.
+    cuts: Vec<Cuts>,
+    /// Columns, whole blocks and whole tiles, after which phases of vectors repeat.
     run: usize,
     /// Per row of the tile, the bits of the channels of as many columns.
     bits: Vec<Vec<u32>>,
@@ -83,10 +86,59 @@ impl Pairs {
     }
 }
 
-/// Columns after which a tile repeats at whole vectors: the least common multiple of its width and the lanes, which are a
-/// power of two.
-pub(super) fn run_of(tile_cols: usize) -> usize {
-    tile_cols << (LANES.trailing_zeros() - tile_cols.trailing_zeros().min(LANES.trailing_zeros()))
+/// Cut points between levels in a row of the tile.
+#[derive(Debug, Clone)]
+struct Cuts {
+    /// Cut by cut, those of a run of columns and a tile more: a run that starts at any phase.
+    columns: Vec<f32>,
+    /// Number of cuts.
+    count: usize,
+    /// Columns kept of each cut.
+    period: usize,
+}
+
+impl Cuts {
+    fn new(axes: &Axes, row: usize, run: usize) -> Self {
+        let cols = axes.mosaic().cols();
+        let cut = |j: usize, col: usize| axes.levels_at(row * cols + col % cols).cuts()[j];
+        let columns = |j| (0..run + cols).map(move |col| cut(j, col));
+        let count = axes.level_count() - 1;
+        Self { columns: (0..count).flat_map(columns).collect(), count, period: run + cols }
+    }
+
+    /// Levels of means, whose first has the phase of `column`. `below` cuts lay below all means that came before; neighbours are
+    /// alike, so that from there few cuts have to be looked at.
+    #[inline(always)]
+    fn levels<const W: usize>(&self, means: &[f32; W], column: usize, below: &mut usize) -> [u32; W] {
+        let cut = |j: usize| values::<f32, W>(&self.columns, j * self.period + column);
+        while *below > 0 {
+            let Some(cut) = cut(*below - 1) else { break };
+            let mut all = true;
+            for i in 0..W {
+                all &= means[i] >= cut[i];
+            }
+            if all {
+                break;
+            }
+            *below -= 1;
+        }
+        let mut levels = [*below as u32; W];
+        for j in *below..self.count {
+            let Some(cut) = cut(j) else { break };
+            let (mut any, mut all) = (false, true);
+            for i in 0..W {
+                let above = means[i] >= cut[i];
+                levels[i] += u32::from(above);
+                any |= above;
+                all &= above;
+            }
+            *below += usize::from(all);
+            if !any {
+                break;
+            }
+        }
+        levels
+    }
 }
 
 impl Classifier {
@@ -95,11 +147,6 @@ impl Classifier {
         let shifts = lattice::basis(axes.mosaic());
         let (tile_rows, tile_cols) = (axes.mosaic().rows(), axes.mosaic().cols());
         let run = run_of(tile_cols);
-        let cuts_of = |row: usize| {
-            let cut = |j: usize, col: usize| axes.levels_at(row * tile_cols + col % tile_cols).cuts()[j];
-            let columns = |j| (0..run + tile_cols).map(move |col| cut(j, col));
-            (0..axes.level_count() - 1).flat_map(columns).collect()
-        };
         let bits_of = |row: usize| {
             (0..run + tile_cols).map(|col| 1 << (axes.mosaic().channel_at(row, col) as u32)).collect()
         };
@@ -107,7 +154,7 @@ impl Classifier {
             half,
             pairs: shifts.map(|s| Pairs::new(s, half)),
             orientation: (axes.textures() == Textures::Oriented).then(|| Orientation::new(shifts, half)),
-            cuts: (0..tile_rows).map(cuts_of).collect(),
+            cuts: (0..tile_rows).map(|row| Cuts::new(axes, row, run)).collect(),
             run,
             bits: (0..tile_rows).map(bits_of).collect(),
             axes: axes.clone(),
@@ -121,152 +168,103 @@ impl Classifier {
         [0, 1].map(|i| self.half.max(a[i]).max(b[i]).max(c[i]))
     }
 
-    /// Classifies row `row` of a window, whose phase in the tile is `phase` (row and column of its first pixel).
-    pub(super) fn row(&self, window: &Window, row: usize, phase: [usize; 2], out: &mut RowClasses) {
-        dispatch(Row { classifier: self, window, row, phase, out });
+    /// Classifies columns of row `row` of a window; `phase` is the place in the tile of the row's first pixel. What is written
+    /// begins with the first of the columns, and goes on to whole vectors.
+    pub(super) fn row(
+        &self,
+        window: &Window,
+        row: usize,
+        phase: [usize; 2],
+        cols: Range<usize>,
+        out: &mut RowClasses,
+    ) {
+        let tile = self.axes.mosaic();
+        let phase = [phase[0] % tile.rows(), (phase[1] + cols.start) % tile.cols()];
+        let len = cols.len().next_multiple_of(LANES);
+        let strip = Strip { classifier: self, window, row: row as isize, phase, first: cols.start, len };
+        dispatch(Job { strip, out });
     }
 }
 
-struct Row<'a> {
+/// Columns of a row.
+#[derive(Clone, Copy)]
+pub(super) struct Strip<'a> {
     classifier: &'a Classifier,
-    window: &'a Window,
-    row: usize,
+    pub(super) window: &'a Window,
+    pub(super) row: isize,
+    /// Of the first column.
     phase: [usize; 2],
+    first: usize,
+    /// Columns, whole vectors.
+    pub(super) len: usize,
+}
+
+impl Strip<'_> {
+    /// Where in the lines of the window the column lies that is `right` of the first. The margin is as wide as whatever is
+    /// read beside a patch.
+    #[inline(always)]
+    pub(super) fn at(&self, right: isize) -> usize {
+        ((self.window.margin[1] + self.first) as isize + right).max(0) as usize
+    }
+}
+
+struct Job<'a> {
+    strip: Strip<'a>,
     out: &'a mut RowClasses,
 }
 
-impl Kernel for Row<'_> {
+impl Kernel for Job<'_> {
     type Output = ();
 
     #[inline(always)]
     fn run(self) {
-        let Self { classifier: c, window, row, phase, out } = self;
-        let (padded, row) = (window.cols.next_multiple_of(LANES), row as isize);
-        for v in [&mut out.local, &mut out.saturation] {
-            v.resize(padded, 0);
-        }
-        out.mean.resize(padded, 0.0);
-        let highest = c.sums(window, row, &mut out.scratch.sums);
+        let Self { strip, out } = self;
+        let c = strip.classifier;
+        out.local.resize(strip.len, 0);
+        out.saturation.resize(strip.len, 0);
+        out.mean.resize(strip.len, 0.0);
+        out.clipped = c.clipped(strip.window, strip.row);
+        let s = &mut out.scratch;
+        sums(&strip, c.half, &mut s.sums);
         if c.axes.textures() != Textures::None {
-            for (pairs, sums) in c.pairs.iter().zip(&mut out.scratch.differences) {
-                differences(pairs, window, row, sums);
+            for (pairs, sums) in c.pairs.iter().zip(&mut s.differences) {
+                differences(&strip, pairs, sums);
             }
         }
-        c.levels(window, phase, &out.scratch, &mut out.mean, &mut out.local);
+        let cuts = &c.cuts[strip.phase[0]];
+        let spans = c.pairs.map(|p| (p.cols[1] - p.cols[0] + 1) as usize);
+        let (mean, local) = (&mut out.mean, &mut out.local);
+        each(
+            strip.len,
+            &mut Levels {
+                strip,
+                cuts,
+                spans,
+                limits: c.contrast_limits(),
+                below: 0,
+                scratch: s,
+                mean,
+                local,
+            },
+        );
         if let Some(orientation) = &c.orientation {
             let kinds = Textures::Oriented.count() as u32;
-            orientation.row(window, row, &mut out.scratch.tensor, kinds, &mut out.local);
+            orientation.row(&strip, &mut s.tensor, kinds, &mut out.local);
         }
-        out.clipped = highest >= c.axes.clip() as f32;
         if out.clipped {
-            c.saturations(window, row, phase, &mut out.scratch.bits, &mut out.saturation);
+            saturations(&strip, &mut s.bits, &mut out.saturation);
         } else {
             out.saturation.fill(0);
         }
     }
 }
 
-/// A vector of a line, which lies within it: what is beyond the end would be zero.
-#[inline(always)]
-pub(super) fn vector<T: Copy + Default>(line: &[T], at: usize) -> [T; LANES] {
-    line.get(at..).and_then(|l| l.first_chunk()).copied().unwrap_or([T::default(); LANES])
-}
-
-/// The vectors of a buffer that is made long enough for `len` columns.
-#[inline(always)]
-pub(super) fn vectors_of<T: Copy + Default>(
-    buffer: &mut Vec<T>,
-    len: usize,
-) -> impl Iterator<Item = (usize, &mut [T; LANES])> {
-    buffer.resize(len.next_multiple_of(LANES), T::default());
-    buffer.as_chunks_mut().0.iter_mut().enumerate().map(|(i, v)| (i * LANES, v))
-}
-
 impl Classifier {
-    /// Sums down the columns of the patches, from the first patch's first column on. Returns the highest sample; NaN is
-    /// not high.
-    #[inline(always)]
-    fn sums(&self, window: &Window, row: isize, sums: &mut Vec<f32>) -> f32 {
-        let (half, from) = (self.half as isize, window.margin[1] - self.half);
-        let mut lines = [&[] as &[f32]; MAX_SIDE];
-        let lines = &mut lines[..self.axes.side()];
-        for (line, r) in lines.iter_mut().zip(-half..=half) {
-            *line = window.line(row + r);
-        }
-        let mut highest = [f32::MIN; LANES];
-        for (at, sum) in vectors_of(sums, window.cols.next_multiple_of(LANES) + 2 * self.half) {
-            let mut total = [0.0; LANES];
-            for line in lines.iter() {
-                let v = vector(line, from + at);
-                for i in 0..LANES {
-                    total[i] += v[i];
-                    highest[i] = if v[i] > highest[i] { v[i] } else { highest[i] };
-                }
-            }
-            *sum = total;
-        }
-        highest.into_iter().fold(f32::MIN, f32::max)
-    }
-
-    /// Means, levels, and whether there is texture.
-    #[inline(always)]
-    fn levels(&self, window: &Window, phase: [usize; 2], s: &Scratch, mean: &mut [f32], local: &mut [u32]) {
-        let (tile, kinds) = (self.axes.mosaic(), self.axes.textures());
-        let cuts = &self.cuts[phase[0] % tile.rows()];
-        let (first, period) = (phase[1] % tile.cols(), self.run + tile.cols());
-        let share = 1.0 / self.axes.taps() as f32;
-        let textures = kinds.count() as u32;
-        let [v0, v1, v2] = self.contrast_limits();
-        let spans = self.pairs.map(|p| (p.cols[1] - p.cols[0] + 1) as usize);
-        debug_assert!(s.sums.len() >= window.cols + 2 * self.half);
-        let vectors = mean.as_chunks_mut().0.iter_mut().zip(local.as_chunks_mut().0).enumerate();
-        let (mut at, mut column) = (0, first);
-        for (_, (mean, local)) in vectors {
-            let mut total = [0.0; LANES];
-            for tap in 0..=2 * self.half {
-                let v = vector(&s.sums, at + tap);
-                for i in 0..LANES {
-                    total[i] += v[i];
-                }
-            }
-            let mut level = [0u32; LANES];
-            for i in 0..LANES {
-                total[i] *= share;
-            }
-            let mut place = column;
-            while place < cuts.len() {
-                let cut: [f32; LANES] = vector(cuts, place);
-                for i in 0..LANES {
-                    level[i] += u32::from(total[i] >= cut[i]);
-                }
-                place += period;
-            }
-            for l in &mut level {
-                *l *= textures;
-            }
-            if kinds != Textures::None {
-                let mut contrast = [0.0; LANES];
-                for (sums, span) in s.differences.iter().zip(spans) {
-                    for tap in 0..span {
-                        let v = vector(sums, at + tap);
-                        for i in 0..LANES {
-                            contrast[i] += v[i];
-                        }
-                    }
-                }
-                for i in 0..LANES {
-                    let x = if total[i] > 0.0 { total[i] } else { 0.0 };
-                    level[i] += u32::from(contrast[i] * contrast[i] > v0 + (v1 + v2 * x) * x);
-                }
-            }
-            *mean = total;
-            *local = level;
-            at += LANES;
-            column += LANES;
-            if column >= first + self.run {
-                column = first;
-            }
-        }
+    /// Whether any sample that patches of a row hold is clipped.
+    fn clipped(&self, window: &Window, row: isize) -> bool {
+        let from = (row + window.margin[0] as isize) as usize - self.half;
+        let lines = window.highest.iter().skip(from).take(self.axes.side());
+        lines.fold(f32::MIN, |a, &b| a.max(b)) >= self.axes.clip() as f32
     }
 
     /// Coefficients of 1, x, x² in what the square of the summed differences must exceed to be texture.
@@ -282,71 +280,182 @@ impl Classifier {
         let v2 = noise.per_signal_squared as f32 * scale + (fraction * fraction) as f32 * count * count;
         [v0, v1, v2]
     }
+}
 
-    #[inline(always)]
-    fn saturations(
-        &self,
-        window: &Window,
-        row: isize,
-        phase: [usize; 2],
-        bits: &mut Vec<u32>,
-        out: &mut [u32],
-    ) {
-        let (half, clip) = (self.half as isize, self.axes.clip() as f32);
-        let (tile, from) = (self.axes.mosaic(), window.margin[1] - self.half);
-        // The phase of the first patch's first column.
-        let first = (phase[1] + tile.cols() * self.half - self.half) % tile.cols();
-        let mut rows = [(&[] as &[f32], &[] as &[u32]); MAX_SIDE];
-        let rows = &mut rows[..self.axes.side()];
-        for (entry, r) in rows.iter_mut().zip(-half..=half) {
-            let down = (phase[0] as isize + r).rem_euclid(tile.rows() as isize) as usize;
-            *entry = (window.line(row + r), &self.bits[down]);
-        }
-        for (at, bits) in vectors_of(bits, out.len() + 2 * self.half) {
-            let mut found = [0; LANES];
-            for (line, channels) in rows.iter() {
-                let (v, channel) = (vector(line, from + at), vector(channels, first + at % self.run));
-                for i in 0..LANES {
-                    found[i] |= if v[i] >= clip { channel[i] } else { 0 };
-                }
+/// Sums down the columns of the patches, from the first patch's first column on.
+#[inline(always)]
+fn sums(strip: &Strip<'_>, half: usize, out: &mut Vec<f32>) {
+    struct Sums<'a> {
+        lines: &'a [&'a [f32]],
+        from: usize,
+        out: &'a mut [f32],
+    }
+    impl Columns for Sums<'_> {
+        #[inline(always)]
+        fn columns<const W: usize>(&mut self, at: usize) {
+            let mut total = [0.0; W];
+            for line in self.lines {
+                add_taps(&mut total, line, self.from + at, 1);
             }
-            *bits = found;
-        }
-        for (x, out) in out.as_chunks_mut().0.iter_mut().enumerate() {
-            let mut found = [0; LANES];
-            for tap in 0..=2 * self.half {
-                let v = vector(bits, x * LANES + tap);
-                for i in 0..LANES {
-                    found[i] |= v[i];
-                }
+            if let Some(out) = values_mut(self.out, at) {
+                *out = total;
             }
-            *out = found;
         }
     }
+    let mut lines = [&[] as &[f32]; MAX_SIDE];
+    let (half, lines) = (half as isize, &mut lines[..2 * half + 1]);
+    for (line, r) in lines.iter_mut().zip(-half..) {
+        *line = strip.window.line(strip.row + r);
+    }
+    out.resize((strip.len + 2 * half as usize).next_multiple_of(LANES), 0.0);
+    each(out.len(), &mut Sums { lines, from: strip.at(-half), out });
 }
 
 /// Sums down the rows that pairs start from of the differences between their ends, from their first column for the first
 /// pixel on.
 #[inline(always)]
-fn differences(pairs: &Pairs, window: &Window, row: isize, sums: &mut Vec<f32>) {
-    let mut lines = [(&[] as &[f32], &[] as &[f32]); MAX_SIDE];
-    let count = (pairs.rows[1] - pairs.rows[0] + 1) as usize;
-    let lines = &mut lines[..count.min(MAX_SIDE)];
-    for (entry, r) in lines.iter_mut().zip(pairs.rows[0]..) {
-        *entry = (window.line(row + r), window.line(row + r + pairs.shift[0]));
+fn differences(strip: &Strip<'_>, pairs: &Pairs, out: &mut Vec<f32>) {
+    struct Differences<'a> {
+        lines: &'a [[&'a [f32]; 2]],
+        from: [usize; 2],
+        out: &'a mut [f32],
     }
-    // The window's margin is as wide as the reach of the pairs, so that neither is negative.
-    let from = (window.margin[1] as isize + pairs.cols[0]).max(0) as usize;
-    let other = (window.margin[1] as isize + pairs.cols[0] + pairs.shift[1]).max(0) as usize;
-    let span = (pairs.cols[1] - pairs.cols[0]) as usize;
-    for (at, sum) in vectors_of(sums, window.cols.next_multiple_of(LANES) + span) {
-        let mut total = [0.0; LANES];
-        for (a, b) in lines.iter() {
-            let (a, b): ([f32; LANES], [f32; LANES]) = (vector(a, from + at), vector(b, other + at));
-            for i in 0..LANES {
-                total[i] += (a[i] - b[i]).abs();
+    impl Columns for Differences<'_> {
+        #[inline(always)]
+        fn columns<const W: usize>(&mut self, at: usize) {
+            let mut total = [0.0; W];
+            for [a, b] in self.lines {
+                let ends = (values::<f32, W>(a, self.from[0] + at), values::<f32, W>(b, self.from[1] + at));
+                let (Some(a), Some(b)) = ends else { return };
+                for i in 0..W {
+                    total[i] += (a[i] - b[i]).abs();
+                }
+            }
+            if let Some(out) = values_mut(self.out, at) {
+                *out = total;
             }
         }
-        *sum = total;
     }
+    let mut lines = [[&[] as &[f32]; 2]; MAX_SIDE];
+    let count = (pairs.rows[1] - pairs.rows[0] + 1) as usize;
+    let lines = &mut lines[..count.min(MAX_SIDE)];
+    for (ends, r) in lines.iter_mut().zip(strip.row + pairs.rows[0]..) {
+        *ends = [strip.window.line(r), strip.window.line(r + pairs.shift[0])];
+    }
+    let from = [strip.at(pairs.cols[0]), strip.at(pairs.cols[0] + pairs.shift[1])];
+    out.resize((strip.len + (pairs.cols[1] - pairs.cols[0]) as usize).next_multiple_of(LANES), 0.0);
+    each(out.len(), &mut Differences { lines, from, out });
+}
+
+/// Means, levels, and whether there is texture.
+struct Levels<'a> {
+    strip: Strip<'a>,
+    cuts: &'a Cuts,
+    /// Columns that the pairs of a patch start from.
+    spans: [usize; 2],
+    limits: [f32; 3],
+    /// Cuts that lay below all means of the last block.
+    below: usize,
+    scratch: &'a Scratch,
+    mean: &'a mut [f32],
+    local: &'a mut [u32],
+}
+
+impl Columns for Levels<'_> {
+    #[inline(always)]
+    fn columns<const W: usize>(&mut self, at: usize) {
+        let axes = &self.strip.classifier.axes;
+        let outs = (values_mut::<f32, W>(self.mean, at), values_mut::<u32, W>(self.local, at));
+        let (Some(mean), Some(local)) = outs else { return };
+        let mut total = [0.0; W];
+        add_taps(&mut total, &self.scratch.sums, at, axes.side());
+        let share = 1.0 / axes.taps() as f32;
+        for i in 0..W {
+            total[i] *= share;
+        }
+        let kinds = axes.textures().count() as u32;
+        let mut level =
+            self.cuts.levels(&total, self.strip.phase[1] + at % self.strip.classifier.run, &mut self.below);
+        for i in 0..W {
+            level[i] *= kinds;
+        }
+        if kinds > 1 {
+            let mut contrast = [0.0; W];
+            for (sums, span) in self.scratch.differences.iter().zip(self.spans) {
+                add_taps(&mut contrast, sums, at, span);
+            }
+            let [v0, v1, v2] = self.limits;
+            for i in 0..W {
+                let x = if total[i] > 0.0 { total[i] } else { 0.0 };
+                level[i] += u32::from(contrast[i] * contrast[i] > v0 + (v1 + v2 * x) * x);
+            }
+        }
+        *mean = total;
+        *local = level;
+    }
+}
+
+/// Channels that are clipped in each patch.
+#[inline(always)]
+fn saturations(strip: &Strip<'_>, bits: &mut Vec<u32>, out: &mut [u32]) {
+    struct Samples<'a> {
+        /// Samples of a row and the bits of their channels.
+        rows: &'a [(&'a [f32], &'a [u32])],
+        from: usize,
+        first: usize,
+        run: usize,
+        clip: f32,
+        out: &'a mut [u32],
+    }
+    impl Columns for Samples<'_> {
+        #[inline(always)]
+        fn columns<const W: usize>(&mut self, at: usize) {
+            let mut found = [0; W];
+            for (line, channels) in self.rows {
+                let samples = values::<f32, W>(line, self.from + at);
+                let channels = values::<u32, W>(channels, self.first + at % self.run);
+                let (Some(samples), Some(channels)) = (samples, channels) else { return };
+                for i in 0..W {
+                    found[i] |= if samples[i] >= self.clip { channels[i] } else { 0 };
+                }
+            }
+            if let Some(out) = values_mut(self.out, at) {
+                *out = found;
+            }
+        }
+    }
+    struct Patches<'a> {
+        bits: &'a [u32],
+        side: usize,
+        out: &'a mut [u32],
+    }
+    impl Columns for Patches<'_> {
+        #[inline(always)]
+        fn columns<const W: usize>(&mut self, at: usize) {
+            let mut found = [0; W];
+            for tap in 0..self.side {
+                let Some(bits) = values::<u32, W>(self.bits, at + tap) else { return };
+                for i in 0..W {
+                    found[i] |= bits[i];
+                }
+            }
+            if let Some(out) = values_mut(self.out, at) {
+                *out = found;
+            }
+        }
+    }
+    let c = strip.classifier;
+    let (half, tile) = (c.half as isize, c.axes.mosaic());
+    let mut rows = [(&[] as &[f32], &[] as &[u32]); MAX_SIDE];
+    let rows = &mut rows[..c.axes.side()];
+    for (entry, r) in rows.iter_mut().zip(-half..) {
+        let down = (strip.phase[0] as isize + r).rem_euclid(tile.rows() as isize) as usize;
+        *entry = (strip.window.line(strip.row + r), &c.bits[down]);
+    }
+    // The phase of the first patch's first column.
+    let first = (strip.phase[1] as isize - half).rem_euclid(tile.cols() as isize) as usize;
+    bits.resize((strip.len + 2 * c.half).next_multiple_of(LANES), 0);
+    let clip = c.axes.clip() as f32;
+    each(bits.len(), &mut Samples { rows, from: strip.at(-half), first, run: c.run, clip, out: bits });
+    each(strip.len, &mut Patches { bits, side: c.axes.side(), out });
 }

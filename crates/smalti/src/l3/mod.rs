@@ -13,6 +13,7 @@
 //! [lansel2014]: https://purl.stanford.edu/cp866wz8098
 
 mod axes;
+mod blocks;
 mod classify;
 mod error;
 mod lattice;

@@ -1,9 +1,9 @@
 //! Directions of edges by the structure tensor of a patch.
 
-use super::classify::{vector, vectors_of};
-use super::lattice::Shift;
-use super::window::{LANES, Window};
 use super::MAX_SIDE;
+use super::blocks::{Columns, LANES, add_taps, each, values, values_mut};
+use super::classify::Strip;
+use super::lattice::Shift;
 
 /// Edges count as such when their structure tensor is this coherent: (λ₁ − λ₂) / (λ₁ + λ₂) of its eigenvalues.
 const COHERENT: f32 = 0.5;
@@ -45,63 +45,84 @@ impl Orientation {
     /// Adds 1 to 4 to textures whose structure tensor has a direction. `local` is a multiple of `kinds` where a patch is flat,
     /// one more where it is texture.
     #[inline(always)]
-    pub(super) fn row(&self, window: &Window, row: isize, tensor: &mut Tensor, kinds: u32, local: &mut [u32]) {
-        self.columns(window, row, tensor);
-        let Tensor([dd, dr, rr]) = tensor;
-        for (x, local) in local.as_chunks_mut::<LANES>().0.iter_mut().enumerate() {
-            let mut sums = [[0.0f32; LANES]; 3];
-            for tap in 0..=2 * self.half {
-                let at = x * LANES + tap;
-                let parts = [vector(dd, at), vector(dr, at), vector(rr, at)];
-                for i in 0..LANES {
-                    sums[0][i] += parts[0][i];
-                    sums[1][i] += parts[1][i];
-                    sums[2][i] += parts[2][i];
-                }
+    pub(super) fn row(&self, strip: &Strip<'_>, tensor: &mut Tensor, kinds: u32, local: &mut [u32]) {
+        let half = self.half as isize;
+        let ends = self.ends.as_flattened();
+        let mut lines = [[&[] as &[f32]; 4]; MAX_SIDE];
+        let lines = &mut lines[..2 * self.half + 1];
+        for (entry, r) in lines.iter_mut().zip(strip.row - half..) {
+            for (line, end) in entry.iter_mut().zip(ends) {
+                *line = strip.window.line(r + end[0]);
             }
-            for i in 0..LANES {
-                let [dd, dr, rr] = [sums[0][i], sums[1][i], sums[2][i]];
-                let (difference, twice, all) = (rr - dd, 2.0 * dr, COHERENT * (dd + rr));
-                // Both sides of λ₁ − λ₂ > COHERENT (λ₁ + λ₂) squared. Without any gradient there is no direction.
-                let edge = difference * difference + twice * twice > all * all;
-                let textured = local[i] % kinds != 0;
-                // The gradient's direction is half the angle of (difference, twice).
-                local[i] += if edge & textured { 1 + direction(difference, twice) } else { 0 };
+        }
+        let mut from = [0; 4];
+        for (from, end) in from.iter_mut().zip(ends) {
+            *from = strip.at(end[1] - half);
+        }
+        let len = (strip.len + 2 * self.half).next_multiple_of(LANES);
+        tensor.0.iter_mut().for_each(|sums| sums.resize(len, 0.0));
+        each(len, &mut Sums { lines, from, gradient: self.gradient, tensor });
+        each(strip.len, &mut Directions { tensor, side: 2 * self.half + 1, kinds, local });
+    }
+}
+
+/// The tensor summed down columns.
+struct Sums<'a> {
+    /// Per row of the patch, the lines of the ends of both differences.
+    lines: &'a [[&'a [f32]; 4]],
+    from: [usize; 4],
+    gradient: [[f32; 2]; 2],
+    tensor: &'a mut Tensor,
+}
+
+impl Columns for Sums<'_> {
+    #[inline(always)]
+    fn columns<const W: usize>(&mut self, at: usize) {
+        let [[g00, g01], [g10, g11]] = self.gradient;
+        let (mut dd, mut dr, mut rr) = ([0.0; W], [0.0; W], [0.0; W]);
+        for line in self.lines {
+            let [p0, p1, q0, q1] = [0, 1, 2, 3].map(|end| values::<f32, W>(line[end], self.from[end] + at));
+            let (Some(p0), Some(p1), Some(q0), Some(q1)) = (p0, p1, q0, q1) else { return };
+            for i in 0..W {
+                let (along_p, along_q) = (p1[i] - p0[i], q1[i] - q0[i]);
+                let down = g00 * along_p + g01 * along_q;
+                let right = g10 * along_p + g11 * along_q;
+                dd[i] += down * down;
+                dr[i] += down * right;
+                rr[i] += right * right;
+            }
+        }
+        for (out, sums) in self.tensor.0.iter_mut().zip([dd, dr, rr]) {
+            if let Some(out) = values_mut(out, at) {
+                *out = sums;
             }
         }
     }
+}
 
+/// From the tensor to classes.
+struct Directions<'a> {
+    tensor: &'a Tensor,
+    side: usize,
+    kinds: u32,
+    local: &'a mut [u32],
+}
+
+impl Columns for Directions<'_> {
     #[inline(always)]
-    fn columns(&self, window: &Window, row: isize, tensor: &mut Tensor) {
-        let half = self.half as isize;
-        let mut lines = [[&[] as &[f32]; 4]; MAX_SIDE];
-        let lines = &mut lines[..2 * self.half + 1];
-        let [[p0, p1], [q0, q1]] = self.ends;
-        for (entry, r) in lines.iter_mut().zip(row - half..) {
-            *entry = [p0, p1, q0, q1].map(|end| window.line(r + end[0]));
+    fn columns<const W: usize>(&mut self, at: usize) {
+        let (mut dd, mut dr, mut rr) = ([0.0; W], [0.0; W], [0.0; W]);
+        for (total, sums) in [&mut dd, &mut dr, &mut rr].into_iter().zip(&self.tensor.0) {
+            add_taps(total, sums, at, self.side);
         }
-        // The window's margin is as wide as the reach, so that none is negative.
-        let first = window.margin[1] as isize - half;
-        let from = [p0, p1, q0, q1].map(|end| (first + end[1]).max(0) as usize);
-        let [[g00, g01], [g10, g11]] = self.gradient;
-        let len = window.cols.next_multiple_of(LANES) + 2 * self.half;
-        let Tensor([dd, dr, rr]) = tensor;
-        let sums = vectors_of(dd, len).zip(vectors_of(dr, len)).zip(vectors_of(rr, len));
-        for (((at, dd), (_, dr)), (_, rr)) in sums {
-            let mut totals = [[0.0f32; LANES]; 3];
-            for line in lines.iter() {
-                let p = [vector(line[0], from[0] + at), vector(line[1], from[1] + at)];
-                let q = [vector(line[2], from[2] + at), vector(line[3], from[3] + at)];
-                for i in 0..LANES {
-                    let (along_p, along_q) = (p[1][i] - p[0][i], q[1][i] - q[0][i]);
-                    let down = g00 * along_p + g01 * along_q;
-                    let right = g10 * along_p + g11 * along_q;
-                    totals[0][i] += down * down;
-                    totals[1][i] += down * right;
-                    totals[2][i] += right * right;
-                }
-            }
-            [*dd, *dr, *rr] = totals;
+        let Some(local) = values_mut::<u32, W>(self.local, at) else { return };
+        for i in 0..W {
+            let (difference, twice, all) = (rr[i] - dd[i], 2.0 * dr[i], COHERENT * (dd[i] + rr[i]));
+            // Both sides of λ₁ − λ₂ > COHERENT (λ₁ + λ₂) squared. Without any gradient there is no direction.
+            let edge = difference * difference + twice * twice > all * all;
+            let textured = local[i] % self.kinds != 0;
+            // The gradient's direction is half the angle of (difference, twice).
+            local[i] += if edge & textured { 1 + direction(difference, twice) } else { 0 };
         }
     }
 }

@@ -271,7 +271,7 @@ impl Statistics {
                 let mut trained = vec![[f32::INFINITY, f32::NEG_INFINITY]; self.axes.positions()];
                 for r in 0..count {
                     let down = (phase[0] + first + at + r) % tile[0];
-                    classifier.row(window, r, [down, phase[1]], classes);
+                    classifier.row(window, r, [down, phase[1]], 0..pair.raw.cols(), classes);
                     for col in cols.clone() {
                         let position = (down * tile[1] + (phase[1] + col) % tile[1]) as u32;
                         let local = classes.local[col];

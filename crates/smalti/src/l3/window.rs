@@ -1,10 +1,8 @@
 //! Bands of a raw image with what lies around them, normalised.
 
+use super::blocks::{BLOCK, LANES};
 use crate::isp::source::Source;
 use crate::numeric::mirror::about_outermost;
-
-/// Lanes that classification works on; windows reach so far beyond their last column that whole vectors can be read.
-pub(super) const LANES: usize = 16;
 
 /// The place in `0..len` that stands in for `at`: itself; beyond the ends the one of the same phase in a tile of `period` that
 /// is nearest to the mirrored place. For a period of 1 or 2 that is the mirror about the outermost sample.
@@ -22,8 +20,10 @@ pub(super) fn mirrored(at: isize, len: usize, period: usize) -> usize {
     nearest.unwrap_or(mirror) as usize
 }
 
+/// Lines begin at multiples of this: a register that lies in two lines of the cache takes twice as long to read.
+const REGISTER_BYTES: usize = 64;
 /// What lies beyond the right margin of a line: vectors that start within the line may reach so far.
-const SPARE: usize = 3 * LANES;
+const SPARE: usize = 3 * BLOCK;
 
 /// Rows of a raw image with a margin on all sides, mirrored by the phase of the tile.
 #[derive(Debug, Default)]
@@ -32,7 +32,11 @@ pub(super) struct Window<S = f32> {
     pub(super) margin: [usize; 2],
     pub(super) cols: usize,
     /// Row `first − margin` of the image is at the top.
-    pub(super) data: Vec<S>,
+    data: Vec<S>,
+    /// Where in the data it begins, so that lines begin at whole registers.
+    base: usize,
+    /// The highest sample of each row, where samples are normalised; NaN is not high.
+    pub(super) highest: Vec<f32>,
 }
 
 impl Window {
@@ -48,6 +52,20 @@ impl Window {
     ) {
         let size = [source.rows(), source.cols()];
         self.read_with(size, first, rows, margin, tile, |row, out| source.read_row(row, out));
+        self.highest.clear();
+        let highest = |line: &[f32]| {
+            let mut found = [f32::MIN; LANES];
+            for v in line.as_chunks::<LANES>().0 {
+                for i in 0..LANES {
+                    found[i] = if v[i] > found[i] { v[i] } else { found[i] };
+                }
+            }
+            found.into_iter().fold(f32::MIN, f32::max)
+        };
+        let len = (rows + 2 * margin[0]) * self.stride;
+        for line in self.data[self.base..][..len].chunks_exact(self.stride) {
+            self.highest.push(highest(line));
+        }
     }
 }
 
@@ -64,11 +82,13 @@ impl<S: Copy + Default> Window<S> {
         read: impl Fn(usize, &mut [S]),
     ) {
         let ([image_rows, cols], [above, left]) = (size, margin);
-        self.stride = (cols + 2 * left).next_multiple_of(LANES) + SPARE;
+        self.stride = (cols + 2 * left).next_multiple_of(BLOCK) + SPARE;
         self.margin = margin;
         self.cols = cols;
-        self.data.resize((rows + 2 * above) * self.stride, S::default());
-        for (i, line) in self.data.chunks_exact_mut(self.stride).enumerate() {
+        let len = (rows + 2 * above) * self.stride;
+        self.data.resize(len + REGISTER_BYTES, S::default());
+        self.base = self.data.as_ptr().align_offset(REGISTER_BYTES).min(REGISTER_BYTES);
+        for (i, line) in self.data[self.base..][..len].chunks_exact_mut(self.stride).enumerate() {
             let row = mirrored(first as isize + i as isize - above as isize, image_rows, tile[0]);
             read(row, &mut line[left..left + cols]);
             for c in (0..left).chain(left + cols..cols + 2 * left) {
@@ -80,7 +100,7 @@ impl<S: Copy + Default> Window<S> {
 
     /// Row `row` of the band (negative: above it), from its left margin on.
     pub(super) fn line(&self, row: isize) -> &[S] {
-        let at = (row + self.margin[0] as isize) as usize * self.stride;
+        let at = self.base + (row + self.margin[0] as isize) as usize * self.stride;
         self.data.get(at..at + self.stride).unwrap_or(&[])
     }
 }

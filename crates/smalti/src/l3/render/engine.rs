@@ -5,19 +5,20 @@ use rayon::prelude::*;
 use super::super::classify::{Classifier, RowClasses};
 use super::super::window::Window;
 use super::super::{MAX_SIDE, Pipeline};
+use super::Outside;
 use super::fixed::FixedKernels;
 use super::index::Index;
 use super::portable::PIXELS;
 use super::table::{Place, Run, Sample, Simd, Table};
-use super::Outside;
 use crate::isp::demosaic::{BAND_ROWS, bands};
 use crate::isp::source::Source;
 use crate::numeric::Planes;
 use crate::numeric::simd::{Kernel, dispatch};
 use crate::sensor::RawImage;
 
-/// Pixels of a row whose patches are laid out at a time: few enough to stay in the innermost cache until they are used.
-const RUN: usize = 512;
+/// Columns of a row that are done at a time: few enough that their samples stay in the innermost cache from the first step to
+/// the last.
+const STRIP: usize = 512;
 
 /// A pipeline with all that does not depend on the image.
 #[derive(Debug, Clone)]
@@ -109,15 +110,15 @@ impl<'a, S: Sample> Engine<'a, S> {
         let Scratch { window, own, classes, kernels, patches } = scratch;
         dispatch(Read { source, window, margin: self.classifier.margin(), place });
         let samples = S::window(reader, window, own, place);
-        kernels.resize(cols.next_multiple_of(PIXELS), 0);
         let mut outside = Outside::default();
         for row in 0..place.rows {
-            let phase = [(phase[0] + place.first + row) % place.tile[0], phase[1]];
-            self.classifier.row(window, row, phase, classes);
-            outside = outside + self.index.row(self.pipeline, classes, phase, cols, kernels);
-            for (i, kernels) in kernels.chunks(RUN).enumerate() {
-                let first = i * RUN;
-                let count = kernels.len().min(cols - first);
+            let down = (phase[0] + place.first + row) % place.tile[0];
+            for first in (0..cols).step_by(STRIP) {
+                let count = STRIP.min(cols - first);
+                self.classifier.row(window, row, [down, phase[1]], first..first + count, classes);
+                kernels.resize(count.next_multiple_of(PIXELS), 0);
+                let phase = [down, (phase[1] + first) % place.tile[1]];
+                outside = outside + self.index.row(self.pipeline, classes, phase, count, kernels);
                 let mut lines = [&[] as &[S]; MAX_SIDE];
                 for (r, line) in lines[..side].iter_mut().enumerate() {
                     let from = samples.margin[1] - half + first;

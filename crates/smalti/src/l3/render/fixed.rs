@@ -57,7 +57,8 @@ impl FixedKernels {
             let total: f64 = weights.iter().map(|&w| f64::from(w)).sum();
             (f64::from(offset) - total * excess) * unit
         };
-        let offsets: Vec<f64> = kernels.weights.chunks_exact(taps).zip(&kernels.offsets).map(offset).collect();
+        let offsets: Vec<f64> =
+            kernels.weights.chunks_exact(taps).zip(&kernels.offsets).map(offset).collect();
         let quantize = |shift: u32| -> Option<(Vec<i16>, Vec<i32>)> {
             let factor = f64::from(1 << shift);
             let integers: Option<Vec<i16>> = kernels

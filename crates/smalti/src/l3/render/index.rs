@@ -1,7 +1,8 @@
 //! From what classification gives for a row to the kernels of its pixels.
 
-use super::super::classify::{RowClasses, run_of};
 use super::super::Pipeline;
+use super::super::blocks::run_of;
+use super::super::classify::RowClasses;
 use super::Outside;
 use crate::numeric::simd::{Kernel, dispatch};
 
@@ -13,10 +14,10 @@ const LEAST_RUN: usize = 256;
 /// Which kernels a pixel takes, and whether it is like what was trained with.
 #[derive(Debug, Clone)]
 pub(super) struct Index {
-    /// Kernels by class.
+    /// The first register of the kernels of each class.
     kernels: Vec<u32>,
-    /// Whether every class has kernels of its own, in order.
-    own: bool,
+    /// Registers of a class, where every class has its own, in order.
+    step: Option<u32>,
     /// Per row of the tile, for the columns of a run and a tile more: first class of the position, trained range.
     columns: Vec<Columns>,
     /// Columns after which these repeat.
@@ -61,9 +62,12 @@ impl Index {
         };
         let channels = axes.mosaic().channels();
         let listed = if channels <= MOST_LISTED { 1u32 << channels } else { 0 };
+        let step = kernels.get(1).copied().filter(|&step| {
+            kernels.iter().enumerate().all(|(class, &from)| class as u64 * u64::from(step) == u64::from(from))
+        });
         Self {
-            own: kernels.iter().enumerate().all(|(class, &kernel)| class == kernel as usize),
             kernels,
+            step,
             columns: (0..tile[0]).map(columns_of).collect(),
             run,
             tile,
@@ -75,8 +79,8 @@ impl Index {
         }
     }
 
-    /// Kernels of the pixels of a row whose first pixel has a phase in the tile. `out` has a place for each column of the
-    /// image and as many more as vectors need.
+    /// Kernels of `cols` pixels that were classified, the first of which has a phase in the tile. `out` has a place for each and
+    /// as many more as vectors need.
     pub(super) fn row(
         &self,
         pipeline: &Pipeline,
@@ -89,7 +93,9 @@ impl Index {
         if classes.clipped {
             outside.saturation = self.saturations(pipeline, classes, &mut out[..cols]);
         }
-        if !self.own {
+        if let Some(step) = self.step {
+            out[..cols].iter_mut().for_each(|class| *class *= step);
+        } else {
             for class in &mut out[..cols] {
                 *class = self.kernels.get(*class as usize).copied().unwrap_or(0);
             }

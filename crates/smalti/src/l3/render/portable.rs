@@ -51,8 +51,7 @@ impl Kernel for Float<'_, '_, '_, '_> {
             }
             let patch = &run.patches[x * side..][..taps];
             lanes.as_flattened_mut()[..taps].copy_from_slice(patch);
-            let from = kernel as usize * run.table.outputs * per_output;
-            let kernels = run.table.registers[from..].chunks_exact(per_output);
+            let kernels = run.table.registers[kernel as usize..].chunks_exact(per_output);
             for (plane, weights) in planes.iter_mut().zip(kernels) {
                 let mut sums = [0.0f32; 16];
                 for (register, (values, weights)) in lanes.iter().zip(weights).enumerate() {
@@ -93,8 +92,7 @@ impl Kernel for Fixed<'_, '_, '_, '_> {
             }
             let patch = &run.patches[x * side..][..taps];
             lanes.as_flattened_mut()[..taps].copy_from_slice(patch);
-            let from = kernel as usize * run.table.outputs * per_output;
-            let kernels = run.table.registers[from..].chunks_exact(per_output);
+            let kernels = run.table.registers[kernel as usize..].chunks_exact(per_output);
             for (plane, weights) in planes.iter_mut().zip(kernels) {
                 let mut sum = 0i32;
                 for (values, weights) in lanes.iter().zip(weights) {

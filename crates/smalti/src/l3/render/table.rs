@@ -89,7 +89,7 @@ pub(super) struct Run<'a, S: Sample> {
     pub(super) table: &'a Table<S>,
     /// Columns of patches one after another, those of the first pixel first.
     pub(super) patches: &'a [S],
-    /// The kernels of each pixel; filled up to whole vectors of [`portable::PIXELS`] with any kernels.
+    /// The first register of the kernels of each pixel; filled up to whole vectors of [`portable::PIXELS`] with any kernels.
     pub(super) kernels: &'a [u32],
     /// Where in the planes the first pixel lies.
     pub(super) at: usize,
@@ -104,7 +104,6 @@ pub(super) struct Table<S: Sample> {
     pub(super) registers: Vec<S::Register>,
     /// Side of the patch.
     pub(super) side: usize,
-    pub(super) outputs: usize,
     /// The last register of a patch with nothing but what stands beyond its last tap.
     pub(super) beyond: S::Register,
     /// Factor from sums to values.
@@ -113,7 +112,8 @@ pub(super) struct Table<S: Sample> {
 
 impl<S: Sample> Table<S> {
     /// From `weights` ordered class, output, tap (row order), and `offsets(class · outputs + output)`, which are multiplied with
-    /// [`Sample::CONSTANTS`]. Returns as well which kernel each class takes: those that are equal are kept once.
+    /// [`Sample::CONSTANTS`]. Returns as well at which register the kernels of each class begin: those that are equal are kept
+    /// once.
     pub(super) fn new(
         weights: &[S],
         offsets: impl Fn(usize) -> Vec<S>,
@@ -130,7 +130,7 @@ impl<S: Sample> Table<S> {
         for (class, weights) in weights.chunks_exact((outputs * taps).max(1)).enumerate() {
             let tails: Vec<Vec<S>> = (0..outputs).map(|o| offsets(class * outputs + o)).collect();
             let key = weights.iter().chain(tails.iter().flatten()).map(|v| v.bits()).collect();
-            let next = places.len() as u32;
+            let next = registers.len() as u32;
             let place = *places.entry(key).or_insert(next);
             of_class.push(place);
             if place < next {
@@ -147,7 +147,7 @@ impl<S: Sample> Table<S> {
         }
         let mut beyond = vec![S::default(); S::LANES];
         beyond[taps % S::LANES..].iter_mut().zip(S::CONSTANTS).for_each(|(lane, &v)| *lane = v);
-        (Self { registers, side, outputs, beyond: S::register(&beyond), scale }, of_class)
+        (Self { registers, side, beyond: S::register(&beyond), scale }, of_class)
     }
 }
 

@@ -89,16 +89,14 @@ const fn columns_i16<const P: usize>() -> [[i16; 32]; P] {
     table
 }
 
-/// The lanes of a register that begins at `first` which line `line` of `P` fills.
-const fn lanes_of<const P: usize>(first: usize, line: usize, lanes: usize) -> u32 {
-    let (mut mask, mut l) = (0, 0);
-    while l < lanes {
-        if (first + l) % P == line {
-            mask |= 1 << l;
-        }
-        l += 1;
+/// Which lanes of register `o` line `i` fills, in `[o][i]`.
+const fn lanes_of<const P: usize>(lanes: usize) -> [[u32; P]; P] {
+    let (mut masks, mut place) = ([[0; P]; P], 0);
+    while place < lanes * P {
+        masks[place / lanes][place % P] |= 1 << (place % lanes);
+        place += 1;
     }
-    mask
+    masks
 }
 
 #[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl")]
@@ -108,7 +106,9 @@ fn interleave_f32<const P: usize>(lines: &[&[f32]], columns: usize, out: &mut Ve
         return portable::interleave(lines, columns, out);
     };
     out.resize(blocks * 16 * P, 0.0);
-    let places = const { columns_f32::<P>() };
+    let (places, masks) = const { (columns_f32::<P>(), lanes_of::<P>(16)) };
+    // SAFETY: arrays of 16 numbers of 32 bits.
+    let places = places.each_ref().map(|p| unsafe { _mm512_loadu_si512(p.as_ptr().cast()) });
     let mut from = [_mm512_setzero_ps(); P];
     for (block, out) in out.chunks_exact_mut(16 * P).enumerate() {
         for i in 0..P {
@@ -116,11 +116,9 @@ fn interleave_f32<const P: usize>(lines: &[&[f32]], columns: usize, out: &mut Ve
             from[i] = unsafe { _mm512_loadu_ps(lines[i].as_ptr().add(block * 16)) };
         }
         for o in 0..P {
-            // SAFETY: an array of 16 numbers of 32 bits.
-            let place = unsafe { _mm512_loadu_si512(places[o].as_ptr().cast()) };
-            let mut v = _mm512_permutexvar_ps(place, from[0]);
+            let mut v = _mm512_permutexvar_ps(places[o], from[0]);
             for i in 1..P {
-                v = _mm512_mask_permutexvar_ps(v, lanes_of::<P>(16 * o, i, 16) as u16, place, from[i]);
+                v = _mm512_mask_permutexvar_ps(v, masks[o][i] as u16, places[o], from[i]);
             }
             // SAFETY: `out` has 16 P places.
             unsafe { _mm512_storeu_ps(out.as_mut_ptr().add(16 * o), v) };
@@ -135,7 +133,9 @@ fn interleave_i16<const P: usize>(lines: &[&[i16]], columns: usize, out: &mut Ve
         return portable::interleave(lines, columns, out);
     };
     out.resize(blocks * 32 * P, 0);
-    let places = const { columns_i16::<P>() };
+    let (places, masks) = const { (columns_i16::<P>(), lanes_of::<P>(32)) };
+    // SAFETY: arrays of 32 numbers of 16 bits.
+    let places = places.each_ref().map(|p| unsafe { _mm512_loadu_si512(p.as_ptr().cast()) });
     let mut from = [_mm512_setzero_si512(); P];
     for (block, out) in out.chunks_exact_mut(32 * P).enumerate() {
         for i in 0..P {
@@ -143,11 +143,9 @@ fn interleave_i16<const P: usize>(lines: &[&[i16]], columns: usize, out: &mut Ve
             from[i] = unsafe { _mm512_loadu_si512(lines[i].as_ptr().add(block * 32).cast()) };
         }
         for o in 0..P {
-            // SAFETY: an array of 32 numbers of 16 bits.
-            let place = unsafe { _mm512_loadu_si512(places[o].as_ptr().cast()) };
-            let mut v = _mm512_permutexvar_epi16(place, from[0]);
+            let mut v = _mm512_permutexvar_epi16(places[o], from[0]);
             for i in 1..P {
-                v = _mm512_mask_permutexvar_epi16(v, lanes_of::<P>(32 * o, i, 32), place, from[i]);
+                v = _mm512_mask_permutexvar_epi16(v, masks[o][i], places[o], from[i]);
             }
             // SAFETY: `out` has 32 P places.
             unsafe { _mm512_storeu_si512(out.as_mut_ptr().add(32 * o).cast(), v) };
@@ -229,7 +227,8 @@ fn store(out: &mut [f32], values: __m512) {
 fn group_f32<const P: usize, const G: usize>(run: &Run<'_, f32>, first: usize, planes: [&mut &mut [f32]; G]) {
     let n = const { registers_of::<f32>(P) };
     let last: u16 = const { (1 << (P * P - f32::LANES * (registers_of::<f32>(P) - 1))) - 1 };
-    let per_kernel = run.table.outputs * n;
+    // Every patch of the run, once for all.
+    let Some(patches) = run.patches.get(..(run.kernels.len() + P - 1) * P) else { return };
     // SAFETY: a register of 64 bytes on its boundary.
     let beyond = unsafe { _mm512_load_ps(run.table.beyond.0.as_ptr()) };
     let mut outs = planes.map(|p| p[run.at..run.at + run.count].chunks_mut(PIXELS));
@@ -239,13 +238,14 @@ fn group_f32<const P: usize, const G: usize>(run: &Run<'_, f32>, first: usize, p
             let mut sums = [[_mm512_setzero_ps(); 4]; G];
             for p in 0..4 {
                 let x = block * PIXELS + 4 * q + p;
-                let from = kernels[4 * q + p] as usize * per_kernel + first * n;
-                let (patch, weights) = (&run.patches[x * P..][..P * P], &run.table.registers[from..][..G * n]);
+                let from = kernels[4 * q + p] as usize + first * n;
+                let Some(weights) = run.table.registers.get(from..from + G * n) else { return };
                 let mut values = [beyond; 8];
                 for r in 0..n {
-                    // SAFETY: all but the last register lie within the patch, and of that only lanes that do are read.
+                    // SAFETY: the patch lies within the patches, all but the last register within the patch, and of that only
+                    // the lanes are read that do.
                     values[r] = unsafe {
-                        let at = patch.as_ptr().add(r * f32::LANES);
+                        let at = patches.as_ptr().add(x * P + r * f32::LANES);
                         if r + 1 < n { _mm512_loadu_ps(at) } else { _mm512_mask_loadu_ps(beyond, last, at) }
                     };
                 }
@@ -274,7 +274,8 @@ fn group_f32<const P: usize, const G: usize>(run: &Run<'_, f32>, first: usize, p
 fn group_i16<const P: usize, const G: usize>(run: &Run<'_, i16>, first: usize, planes: [&mut &mut [f32]; G]) {
     let n = const { registers_of::<i16>(P) };
     let last: u32 = const { (1 << (P * P - i16::LANES * (registers_of::<i16>(P) - 1))) - 1 };
-    let per_kernel = run.table.outputs * n;
+    // Every patch of the run, once for all.
+    let Some(patches) = run.patches.get(..(run.kernels.len() + P - 1) * P) else { return };
     // SAFETY: a register of 64 bytes on its boundary.
     let beyond = unsafe { _mm512_load_si512(run.table.beyond.0.as_ptr().cast()) };
     let scale = _mm512_set1_ps(run.table.scale);
@@ -285,13 +286,14 @@ fn group_i16<const P: usize, const G: usize>(run: &Run<'_, i16>, first: usize, p
             let mut sums = [[_mm512_setzero_si512(); 4]; G];
             for p in 0..4 {
                 let x = block * PIXELS + 4 * q + p;
-                let from = kernels[4 * q + p] as usize * per_kernel + first * n;
-                let (patch, weights) = (&run.patches[x * P..][..P * P], &run.table.registers[from..][..G * n]);
+                let from = kernels[4 * q + p] as usize + first * n;
+                let Some(weights) = run.table.registers.get(from..from + G * n) else { return };
                 let mut values = [beyond; 4];
                 for r in 0..n {
-                    // SAFETY: all but the last register lie within the patch, and of that only lanes that do are read.
+                    // SAFETY: the patch lies within the patches, all but the last register within the patch, and of that only
+                    // the lanes are read that do.
                     values[r] = unsafe {
-                        let at = patch.as_ptr().add(r * i16::LANES);
+                        let at = patches.as_ptr().add(x * P + r * i16::LANES);
                         if r + 1 < n {
                             _mm512_loadu_si512(at.cast())
                         } else {

@@ -1,0 +1,57 @@
+//! Columns that are worked on together.
+//!
+//! Loops over an array of a block's width become loops over whole registers; finding the place of a block in its line is
+//! then a small part of the work. What a block does not cover at the end of a row is done by single vectors.
+
+/// Lanes of a vector: one AVX-512 register of `f32`.
+pub(super) const LANES: usize = 16;
+/// Columns of a block, four vectors.
+pub(super) const BLOCK: usize = 4 * LANES;
+
+/// Work on the columns from `at` on, as many as are told at compile time.
+pub(super) trait Columns {
+    /// Must be `#[inline(always)]`, to be compiled for the instruction set of its caller.
+    fn columns<const W: usize>(&mut self, at: usize);
+}
+
+/// Does the columns up to `len`, which is a multiple of the lanes.
+#[inline(always)]
+pub(super) fn each(len: usize, work: &mut impl Columns) {
+    let mut at = 0;
+    while at + BLOCK <= len {
+        work.columns::<BLOCK>(at);
+        at += BLOCK;
+    }
+    while at < len {
+        work.columns::<LANES>(at);
+        at += LANES;
+    }
+}
+
+/// The values of a line from `at` on. Lines are long enough that there are as many.
+#[inline(always)]
+pub(super) fn values<T, const W: usize>(line: &[T], at: usize) -> Option<&[T; W]> {
+    line.get(at..).and_then(|l| l.first_chunk())
+}
+
+/// As [`values`], to write to.
+#[inline(always)]
+pub(super) fn values_mut<T, const W: usize>(line: &mut [T], at: usize) -> Option<&mut [T; W]> {
+    line.get_mut(at..).and_then(|l| l.first_chunk_mut())
+}
+
+/// Adds the values of a line that begin at the `taps` columns from `at` on.
+#[inline(always)]
+pub(super) fn add_taps<const W: usize>(total: &mut [f32; W], line: &[f32], at: usize, taps: usize) {
+    for tap in 0..taps {
+        let Some(values) = values::<f32, W>(line, at + tap) else { return };
+        for i in 0..W {
+            total[i] += values[i];
+        }
+    }
+}
+
+/// Columns after which a tile repeats at whole blocks: the least common multiple of its width and theirs, a power of two.
+pub(super) fn run_of(tile_cols: usize) -> usize {
+    tile_cols << (BLOCK.trailing_zeros() - tile_cols.trailing_zeros().min(BLOCK.trailing_zeros()))
+}
