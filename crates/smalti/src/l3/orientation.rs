@@ -135,3 +135,95 @@ fn direction(cos: f32, sin: f32) -> u32 {
     let slanted = if sin > 0.0 { 1 } else { 3 };
     if cos.abs() >= sin.abs() { along } else { slanted }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::classify::{Classifier, RowClasses};
+    use super::super::window::Window;
+    use super::super::{Axes, Levels, Textures};
+    use crate::isp::source::Source;
+    use crate::sensor::{Mosaic, SignalNoise};
+
+    fn mosaics() -> [Mosaic; 3] {
+        [
+            Mosaic::new(2, 2, vec![0, 1, 1, 2]).unwrap(),
+            Mosaic::new(3, 3, (0..9).collect()).unwrap(),
+            // Repeats along a knight's move.
+            Mosaic::new(5, 5, (0..25).map(|i| ((i % 5 + 3 * (i / 5)) % 5) as u8).collect()).unwrap(),
+        ]
+    }
+
+    fn textures(mosaic: &Mosaic, side: usize, image: &[f32], size: [usize; 2], band: usize) -> Vec<u32> {
+        let noise = SignalNoise { constant: 1e-8, ..SignalNoise::default() };
+        let axes = Axes::new(mosaic.clone(), side, Levels::new(vec![]).unwrap(), noise).unwrap();
+        let classifier = Classifier::new(&axes.with_textures(Textures::Oriented));
+        let (mut window, mut out, mut all) = (Window::default(), RowClasses::default(), Vec::new());
+        let source = Source::normalized(image, size[0], size[1]);
+        let tile = [mosaic.rows(), mosaic.cols()];
+        for first in (0..size[0]).step_by(band) {
+            let rows = band.min(size[0] - first);
+            window.read(source, first, rows, classifier.margin(), tile);
+            for row in 0..rows {
+                classifier.row(&window, row, [first + row, 0], 0..size[1], &mut out);
+                all.extend_from_slice(&out.local[..size[1]]);
+            }
+        }
+        all
+    }
+
+    /// A grating is a grating in the direction that it has, whatever the lattice that it is sampled on.
+    #[test]
+    fn gratings_lie_in_their_direction() {
+        let size = [64, 80];
+        for mosaic in mosaics() {
+            for side in [5, 7] {
+                for degrees in (0..180).step_by(15) {
+                    // From right towards down; halfway between two directions either is right.
+                    let nearest = (f64::from(degrees) / 45.0).round() as u32 % 4;
+                    let (down, right) = f64::from(degrees).to_radians().sin_cos();
+                    let at = |i: usize| {
+                        let along = (i / size[1]) as f64 * down + (i % size[1]) as f64 * right;
+                        (0.5 + 0.3 * (along * std::f64::consts::TAU / 14.0).sin()) as f32
+                    };
+                    let image: Vec<f32> = (0..size[0] * size[1]).map(at).collect();
+                    let found = textures(&mosaic, side, &image, size, 64);
+                    let inside = (10..54).flat_map(|r| (10..70).map(move |c| r * 80 + c));
+                    let right = inside.clone().filter(|&i| found[i] == 2 + nearest).count();
+                    let share = right as f64 / inside.count() as f64;
+                    // On a ridge of the wave the gradient is small, but it still has its direction.
+                    assert!(share > 0.95, "{share} at {degrees}°, {mosaic:?}, patch {side}");
+                }
+            }
+        }
+    }
+
+    /// Neither noise-free flat patches nor isotropic ones have a direction.
+    #[test]
+    fn flat_and_round_have_none() {
+        let size = [40, 48];
+        for mosaic in mosaics() {
+            let flat = textures(&mosaic, 5, &vec![0.25; 40 * 48], size, 40);
+            assert!(flat.iter().all(|&t| t == 0));
+            // Two gratings across each other.
+            let wave = |x: usize| 0.15 * (x as f32 * std::f32::consts::TAU / 8.0).sin();
+            let image: Vec<f32> = (0..40 * 48).map(|i| 0.5 + wave(i / 48) + wave(i % 48)).collect();
+            let found = textures(&mosaic, 9, &image, size, 40);
+            let plain = found.iter().filter(|&&t| t == 1).count();
+            assert!(plain as f64 > 0.9 * found.len() as f64, "{plain} of {}", found.len());
+        }
+    }
+
+    /// Rows have the classes that they have, wherever a band begins.
+    #[test]
+    fn bands_make_no_difference() {
+        let size = [45, 37];
+        let image: Vec<f32> =
+            (0..45 * 37u64).map(|i| (((i * 2_654_435_761) >> 16) & 1023) as f32 / 1023.0).collect();
+        for mosaic in mosaics() {
+            let whole = textures(&mosaic, 5, &image, size, 45);
+            for band in [1, 7, 32] {
+                assert_eq!(textures(&mosaic, 5, &image, size, band), whole, "{mosaic:?}");
+            }
+        }
+    }
+}
