@@ -370,14 +370,14 @@ impl Columns for Levels<'_> {
         let mut total = [0.0; W];
         add_taps(&mut total, &self.scratch.sums, at, axes.side());
         let share = 1.0 / axes.taps() as f32;
-        for i in 0..W {
-            total[i] *= share;
+        for mean in &mut total {
+            *mean *= share;
         }
         let kinds = axes.textures().count() as u32;
         let mut level =
             self.cuts.levels(&total, self.strip.phase[1] + at % self.strip.classifier.run, &mut self.below);
-        for i in 0..W {
-            level[i] *= kinds;
+        for level in &mut level {
+            *level *= kinds;
         }
         if kinds > 1 {
             let mut contrast = [0.0; W];

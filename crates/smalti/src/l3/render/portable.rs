@@ -96,9 +96,9 @@ impl Kernel for Fixed<'_, '_, '_, '_> {
             for (plane, weights) in planes.iter_mut().zip(kernels) {
                 let mut sum = 0i32;
                 for (values, weights) in lanes.iter().zip(weights) {
-                    for i in 0..32 {
+                    for (&value, &weight) in values.iter().zip(&weights.0) {
                         // No partial sum overflows; see `FixedKernels`.
-                        sum = sum.wrapping_add(i32::from(values[i]) * i32::from(weights.0[i]));
+                        sum = sum.wrapping_add(i32::from(value) * i32::from(weight));
                     }
                 }
                 plane[run.at + x] = sum as f32 * run.table.scale;

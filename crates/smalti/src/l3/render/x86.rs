@@ -227,8 +227,10 @@ fn store(out: &mut [f32], values: __m512) {
 fn group_f32<const P: usize, const G: usize>(run: &Run<'_, f32>, first: usize, planes: [&mut &mut [f32]; G]) {
     let n = const { registers_of::<f32>(P) };
     let last: u16 = const { (1 << (P * P - f32::LANES * (registers_of::<f32>(P) - 1))) - 1 };
-    // Every patch of the run, once for all.
+    let registers = &run.table.registers;
+    // Every patch of the run once for all, and where the last kernels may begin.
     let Some(patches) = run.patches.get(..(run.kernels.len() + P - 1) * P) else { return };
+    let Some(most) = registers.len().checked_sub(G * n) else { return };
     // SAFETY: a register of 64 bytes on its boundary.
     let beyond = unsafe { _mm512_load_ps(run.table.beyond.0.as_ptr()) };
     let mut outs = planes.map(|p| p[run.at..run.at + run.count].chunks_mut(PIXELS));
@@ -239,22 +241,26 @@ fn group_f32<const P: usize, const G: usize>(run: &Run<'_, f32>, first: usize, p
             for p in 0..4 {
                 let x = block * PIXELS + 4 * q + p;
                 let from = kernels[4 * q + p] as usize + first * n;
-                let Some(weights) = run.table.registers.get(from..from + G * n) else { return };
+                if from > most {
+                    return;
+                }
+                // SAFETY: G n registers are there.
+                let weights = unsafe { registers.as_ptr().add(from) };
                 let mut values = [beyond; 8];
-                for r in 0..n {
+                for (r, value) in values.iter_mut().enumerate().take(n) {
                     // SAFETY: the patch lies within the patches, all but the last register within the patch, and of that only
                     // the lanes are read that do.
-                    values[r] = unsafe {
+                    *value = unsafe {
                         let at = patches.as_ptr().add(x * P + r * f32::LANES);
                         if r + 1 < n { _mm512_loadu_ps(at) } else { _mm512_mask_loadu_ps(beyond, last, at) }
                     };
                 }
-                for g in 0..G {
-                    for r in 0..n {
-                        // SAFETY: a register of 64 bytes on its boundary.
-                        let weight = unsafe { _mm512_load_ps(weights[g * n + r].0.as_ptr()) };
-                        let product = _mm512_mul_ps(values[r], weight);
-                        sums[g][p] = if r == 0 { product } else { _mm512_add_ps(sums[g][p], product) };
+                for (g, sums) in sums.iter_mut().enumerate() {
+                    for (r, &value) in values.iter().enumerate().take(n) {
+                        // SAFETY: one of them, 64 bytes on their boundary.
+                        let weight = unsafe { _mm512_load_ps(weights.add(g * n + r).cast()) };
+                        let product = _mm512_mul_ps(value, weight);
+                        sums[p] = if r == 0 { product } else { _mm512_add_ps(sums[p], product) };
                     }
                 }
             }
@@ -274,8 +280,10 @@ fn group_f32<const P: usize, const G: usize>(run: &Run<'_, f32>, first: usize, p
 fn group_i16<const P: usize, const G: usize>(run: &Run<'_, i16>, first: usize, planes: [&mut &mut [f32]; G]) {
     let n = const { registers_of::<i16>(P) };
     let last: u32 = const { (1 << (P * P - i16::LANES * (registers_of::<i16>(P) - 1))) - 1 };
-    // Every patch of the run, once for all.
+    let registers = &run.table.registers;
+    // Every patch of the run once for all, and where the last kernels may begin.
     let Some(patches) = run.patches.get(..(run.kernels.len() + P - 1) * P) else { return };
+    let Some(most) = registers.len().checked_sub(G * n) else { return };
     // SAFETY: a register of 64 bytes on its boundary.
     let beyond = unsafe { _mm512_load_si512(run.table.beyond.0.as_ptr().cast()) };
     let scale = _mm512_set1_ps(run.table.scale);
@@ -287,12 +295,16 @@ fn group_i16<const P: usize, const G: usize>(run: &Run<'_, i16>, first: usize, p
             for p in 0..4 {
                 let x = block * PIXELS + 4 * q + p;
                 let from = kernels[4 * q + p] as usize + first * n;
-                let Some(weights) = run.table.registers.get(from..from + G * n) else { return };
+                if from > most {
+                    return;
+                }
+                // SAFETY: G n registers are there.
+                let weights = unsafe { registers.as_ptr().add(from) };
                 let mut values = [beyond; 4];
-                for r in 0..n {
+                for (r, value) in values.iter_mut().enumerate().take(n) {
                     // SAFETY: the patch lies within the patches, all but the last register within the patch, and of that only
                     // the lanes are read that do.
-                    values[r] = unsafe {
+                    *value = unsafe {
                         let at = patches.as_ptr().add(x * P + r * i16::LANES);
                         if r + 1 < n {
                             _mm512_loadu_si512(at.cast())
@@ -301,12 +313,12 @@ fn group_i16<const P: usize, const G: usize>(run: &Run<'_, i16>, first: usize, p
                         }
                     };
                 }
-                for g in 0..G {
-                    for r in 0..n {
-                        // SAFETY: a register of 64 bytes on its boundary.
-                        let weight = unsafe { _mm512_load_si512(weights[g * n + r].0.as_ptr().cast()) };
-                        let pairs = _mm512_madd_epi16(values[r], weight);
-                        sums[g][p] = if r == 0 { pairs } else { _mm512_add_epi32(sums[g][p], pairs) };
+                for (g, sums) in sums.iter_mut().enumerate() {
+                    for (r, &value) in values.iter().enumerate().take(n) {
+                        // SAFETY: one of them, 64 bytes on their boundary.
+                        let weight = unsafe { _mm512_load_si512(weights.add(g * n + r).cast()) };
+                        let pairs = _mm512_madd_epi16(value, weight);
+                        sums[p] = if r == 0 { pairs } else { _mm512_add_epi32(sums[p], pairs) };
                     }
                 }
             }
