@@ -69,11 +69,8 @@ pub(crate) fn run(args: &Compare, common: &Common) -> anyhow::Result<()> {
         .iter()
         .zip(&pipelines)
         .flat_map(|(camera, pipeline)| {
-            args.processing.iter().map(move |&processing| Way {
-                camera,
-                processing,
-                pipeline: pipeline.as_ref(),
-            })
+            let way = move |&processing: &Processing| Way { camera, processing, pipeline: pipeline.as_ref() };
+            args.processing.iter().map(way).filter(Way::is_defined)
         })
         .collect();
     let scenes = scenes(args);
