@@ -43,9 +43,9 @@ pub(crate) struct Common {
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
     /// Learn the pipelines of cameras, render the same scenes, score and show them
-    Compare(Compare),
+    Compare(Box<Compare>),
     /// Learn the pipeline of a camera from scenes or from pairs of raw and picture
-    Train(Train),
+    Train(Box<Train>),
     /// Render a raw file through a learned pipeline
     Render(Render),
     /// Take one picture: raw.dng, rendered.png, metrics.json
