@@ -23,6 +23,9 @@ const EXPOSURE_RATIO: f64 = 2.5;
 /// Highest cut between levels.
 const HIGHEST_CUT: f64 = 0.85;
 
+/// Greys among the reflectances of the default set.
+const GREYS: usize = 16;
+
 /// What the learned pipeline should give.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub enum TrainingTarget {
@@ -137,18 +140,19 @@ impl TrainingScene {
     }
 }
 
-/// Reflectances of natural objects, and as many saturated colours lifted from RGB: nature alone has few of them, and what
-/// is not trained is not rendered well.
+/// Reflectances of natural objects; greys, since nature has few and what is not trained is not rendered well: they keep
+/// neutrals neutral; and saturated colours lifted from RGB, few, since each pulls the transforms away from the others.
 ///
 /// # Errors
 /// When the grid is one that colours cannot be lifted on.
 pub fn training_reflectances(grid: WavelengthGrid) -> Result<Vec<Spectrum>, CameraError> {
     let mut all: Vec<Spectrum> = reflectance::natural(grid)?.into_iter().map(|(_, s)| s).collect();
+    all.extend((1..=GREYS).map(|i| Spectrum::constant(grid, (i as f64 / GREYS as f64).powi(2) * 0.95)));
     let uplift = Uplift::new(grid, Observer::Cie1931)?;
-    const STEPS: [f64; 3] = [0.06, 0.25, 0.7];
-    for r in STEPS {
-        for g in STEPS {
-            for b in STEPS {
+    const ENDS: [f64; 2] = [0.1, 0.6];
+    for r in ENDS {
+        for g in ENDS {
+            for b in ENDS {
                 all.push(uplift.reflectance(uplift.coefficients([r, g, b])));
             }
         }

@@ -5,6 +5,7 @@ mod sensor_kit;
 
 mod architecture;
 mod camera_compare;
+mod camera_training;
 mod cfa;
 mod cfa_catalog;
 mod cfa_filters;
