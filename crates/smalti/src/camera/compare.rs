@@ -8,11 +8,10 @@ use super::score::score_picture;
 use super::{Camera, CameraError, PictureScores, ScoreSettings};
 use crate::color::Image;
 use crate::isp::Isp;
-use crate::numeric::Planes;
 use crate::optics::OpticalImage;
 use crate::scene::{Scene, Setting, catalog};
 use crate::sensor::{Exposure, NoiseMode};
-use crate::spectrum::{Observer, SpectralCube, Spectrum, reflectance};
+use crate::spectrum::{Observer, Spectrum, reflectance};
 
 /// Samples of a test scene per pixel of the sensor, in each direction: a pixel integrates over detail finer than itself, as
 /// outside.
@@ -109,13 +108,7 @@ impl Setup {
     /// # Errors
     /// When the factor is negative or not finite.
     pub fn in_light(&self, factor: f64) -> Result<Self, CameraError> {
-        let cube = self.image.irradiance();
-        let planes = cube.planes();
-        let data = planes.data().iter().map(|v| v * factor as f32).collect();
-        let planes = Planes::new(planes.rows(), planes.cols(), planes.count(), data)
-            .map_err(crate::isp::IspError::from)?;
-        let image =
-            OpticalImage::new(SpectralCube::new(cube.grid(), planes)?, self.image.sample_spacing_m())?;
+        let image = self.image.scaled(factor)?;
         Ok(Self { image: Arc::new(image), light: self.light.scaled(factor), ..self.clone() })
     }
 

@@ -6,10 +6,8 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-use super::CameraError;
 use crate::numeric::Planes;
 use crate::sensor::Filter;
-use crate::spectrum::WavelengthGrid;
 
 /// A camera file.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -40,24 +38,6 @@ impl Default for CameraDescription {
             exposure: ExposureDescription::default(),
             isp: IspDescription::default(),
         }
-    }
-}
-
-impl CameraDescription {
-    /// The wavelengths that the camera is simulated on where scenes do not say.
-    ///
-    /// # Errors
-    /// When the key is no uniform grid of at most 100000 wavelengths.
-    pub fn grid(&self) -> Result<WavelengthGrid, CameraError> {
-        let Some([start, step, end]) = self.wavelengths_nm else { return Ok(WavelengthGrid::VISIBLE) };
-        let wrong = |message: String| CameraError::Key { key: "wavelengths_nm".into(), message };
-        let steps = ((end - start) / step).round();
-        if !(0.0..=1e5).contains(&steps) {
-            return Err(wrong(format!(
-                "[{start}, {step}, {end}]; expected [first, step, last] in nm, such as [400, 10, 700]"
-            )));
-        }
-        WavelengthGrid::new(start, step, steps as usize + 1).map_err(|e| wrong(e.to_string()))
     }
 }
 

@@ -282,6 +282,26 @@ fn single_letter(name: &str, text: &str) -> Result<char, CameraError> {
     }
 }
 
+impl CameraDescription {
+    /// The wavelengths that the camera is simulated on where scenes do not say.
+    ///
+    /// # Errors
+    /// When the key is no uniform grid of at most 100000 wavelengths.
+    pub fn grid(&self) -> Result<WavelengthGrid, CameraError> {
+        let Some([start, step, end]) = self.wavelengths_nm else { return Ok(WavelengthGrid::VISIBLE) };
+        let steps = ((end - start) / step).round();
+        if !(0.0..=1e5).contains(&steps) {
+            return Err(key(
+                "wavelengths_nm",
+                format_args!(
+                    "[{start}, {step}, {end}]; expected [first, step, last] in nm, such as [400, 10, 700]"
+                ),
+            ));
+        }
+        WavelengthGrid::new(start, step, steps as usize + 1).map_err(|e| key("wavelengths_nm", e))
+    }
+}
+
 /// How the exposure time is found.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum ExposureTime {

@@ -1,6 +1,6 @@
 //! The learned table: classes and their kernels.
 
-use super::{Axes, ClassKey, L3Error, Textures};
+use super::{Axes, ClassKey, L3Error};
 
 /// Where the kernels of a class come from, in the order in which they are looked for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -290,12 +290,6 @@ impl Pipeline {
     #[must_use]
     pub fn saturation_place(&self, clipped: u32) -> usize {
         nearest_saturation(&self.saturations, clipped)
-    }
-
-    /// Names of the textures.
-    #[must_use]
-    pub fn textures(&self) -> Textures {
-        self.axes.textures()
     }
 }
 

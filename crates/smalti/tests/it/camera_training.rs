@@ -44,8 +44,7 @@ fn settings() -> TrainingSettings {
 }
 
 fn learned(camera: &Camera, settings: &TrainingSettings, light: &Illuminant) -> Pipeline {
-    let mut statistics =
-        camera.training_statistics(settings, &light.photons(GRID).unwrap()).unwrap();
+    let mut statistics = camera.training_statistics(settings, &light.photons(GRID).unwrap()).unwrap();
     for seed in 1..=3 {
         camera.train_on(&mut statistics, &leaves(camera, seed, light), settings, seed).unwrap();
     }
