@@ -256,18 +256,19 @@ pub(crate) struct Compare {
     #[arg(required = true)]
     pub(crate) cameras: Vec<String>,
     /// Mean luminance of the scenes, cd/m²; several, separated by commas, are compared in turn
-    #[arg(long, value_delimiter = ',', default_value = "1,80", value_name = "CD_M2")]
+    #[arg(long, value_delimiter = ',', default_value = "1,80", value_name = "CD_M2", value_parser = positive, allow_negative_numbers = true)]
     pub(crate) luminance: Vec<f64>,
-    /// A scene to compare on, built in or a file; may be given more than once [default: five unseen scenes]
+    /// A scene to compare on, built in or a file; may be given more than once [default: scenes that nothing is learned from]
     #[arg(long = "scene", value_name = "SCENE")]
     pub(crate) scenes: Vec<String>,
-    /// Light of the scenes, which pipelines are learned for: a name (smalti list illuminants) or a CSV
+    /// Light of the scenes; pipelines are learned for it too: a name (smalti list illuminants) or a CSV
     #[arg(long, default_value = "D65", value_name = "NAME")]
     pub(crate) illuminant: String,
     /// Ways of processing, separated by commas
     #[arg(long, value_delimiter = ',', value_enum, default_value = "l3")]
     pub(crate) processing: Vec<Processing>,
-    /// Find how much more light the first camera needs to equal each of the others, in stops, by metric
+    /// Also find how much more light the first camera needs to equal each of the others, in stops, by each metric, with the
+    /// first way of processing; takes some minutes
     #[arg(long)]
     pub(crate) light_gain: bool,
     #[command(flatten)]
@@ -313,7 +314,7 @@ impl Processing {
     smalti train rgbw -o rgbw.l3\n  \
     smalti train my.toml --illuminants A --target-illuminant D65 -o warm.l3       balances tungsten light\n  \
     smalti train bayer --scene forest.exr --scene street.exr -o mine.l3\n  \
-    smalti train bayer --statistics half.l3stats -o a.l3                         go on later with --continue half.l3stats\n  \
+    smalti train bayer --statistics half.l3stats -o a.l3                         for --continue half.l3stats\n  \
     smalti train nikon.toml --pair shot.dng shot.tif --pair b.dng b.tif -o nikon.l3\n  \
     smalti train rgbw -o rgbw.l3 --c-header rgbw_isp.h --npz rgbw.npz\n\n\
     Without --scene, --pair or --continue it learns from the default set: dead leaves, edges, stars, gratings, steps and a\n\
@@ -336,15 +337,16 @@ pub(crate) struct Train {
     #[arg(long, value_name = "TARGET")]
     pub(crate) target: Option<String>,
     /// Exposures of each scene, as the response of its bright end (1: just saturated) [default: from 3 down to the noise]
-    #[arg(long, value_delimiter = ',', value_name = "R,...")]
+    #[arg(long, value_delimiter = ',', value_name = "R,...", value_parser = positive, allow_negative_numbers = true)]
     pub(crate) exposures: Vec<f64>,
-    /// A raw file (DNG) and the picture that should come of it, pixel by pixel; may be given more than once
-    #[arg(long = "pair", num_args = 2, value_names = ["RAW", "PICTURE"])]
+    /// A raw file (DNG) and the picture that should come of it, pixel by pixel; may be given more than once. Raw files hold
+    /// their noise and scenes do not, so that one table learns from either
+    #[arg(long = "pair", num_args = 2, value_names = ["RAW", "PICTURE"], conflicts_with_all = ["scenes", "target", "target_illuminant"])]
     pub(crate) pairs: Vec<PathBuf>,
-    /// Go on from saved statistics; several are merged
+    /// Go on from statistics that --statistics saved; several are merged
     #[arg(long = "continue", value_name = "FILE")]
     pub(crate) continue_from: Vec<PathBuf>,
-    /// Save the statistics, to go on or merge later
+    /// Save what has been gathered from all patches, to go on from or to merge later
     #[arg(long, value_name = "FILE")]
     pub(crate) statistics: Option<PathBuf>,
     #[command(flatten)]
@@ -379,11 +381,11 @@ pub(crate) struct Render {
     /// .png or .tif (shown on a screen) or .npy (the outputs as they are)
     #[arg(short, long, value_name = "FILE")]
     pub(crate) output: PathBuf,
-    /// In fixed point: 16-bit kernels
+    /// Compute in fixed point with 16-bit kernels, as an image processor does; raw files of digital numbers only
     #[arg(long)]
     pub(crate) fixed: bool,
     /// Brightness of the picture [default: all but the brightest half percent within the display's range]
-    #[arg(long, value_name = "FACTOR")]
+    #[arg(long, value_name = "FACTOR", value_parser = positive, allow_negative_numbers = true)]
     pub(crate) gain: Option<f64>,
     /// Bits per channel of the picture
     #[arg(long, default_value = "8", value_parser = ["8", "16"])]
@@ -391,4 +393,10 @@ pub(crate) struct Render {
     /// Print what was done as JSON
     #[arg(long)]
     pub(crate) json: bool,
+}
+
+/// A number above zero.
+pub(crate) fn positive(text: &str) -> Result<f64, String> {
+    let number: Option<f64> = text.trim().parse().ok();
+    number.filter(|v| v.is_finite() && *v > 0.0).ok_or_else(|| "expected a number above 0".into())
 }

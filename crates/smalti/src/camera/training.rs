@@ -330,7 +330,7 @@ impl Camera {
             }
             factor *= if bright > 0.0 { 0.01 } else { 1e4 };
         }
-        Err(L3Error::Empty { side: 0 }.into())
+        Err(L3Error::Dark.into())
     }
 }
 
