@@ -248,9 +248,11 @@ pub(crate) enum ExrLayout {
     smalti compare bayer rgbw --luminance 1 --light-gain\n  \
     smalti compare bayer --processing l3,bilinear,malvar2004,adaptive --luminance 1,10,80\n  \
     smalti compare bayer rgbw clarity kodak wang --luminance 1 --scene photo.png -o slides\n\n\
-    CPSNR (in XYZ), ΔE2000 and S-CIELAB are means over the pictures of all scenes, MTF50 is that of a slanted edge, visual\n\
-    SNR and noise are those of the grey patches of a chart: smalti list metrics. No scene of the default list is learned\n\
-    from. results.json is removed first and written last: a folder that has it is whole.")]
+    CPSNR (in XYZ), ΔE2000 and S-CIELAB are means over the pictures of all scenes, MTF50 is that of a slanted edge, visual \
+    SNR and noise are those of the grey patches of a chart: smalti list metrics. What is learned is kept in the cache, so that \
+    the next comparison takes seconds.\n\n\
+    Written: side-by-side/ with a picture for each scene and luminance (the reference, then the cameras in the order of the \
+    table), CAMERA.l3 (for smalti render), CAMERA-kernels.png and results.json, which is removed first and written last: a folder that has it is whole.")]
 pub(crate) struct Compare {
     /// Built-in cameras (smalti list cameras) or TOML files
     #[arg(required = true)]
@@ -272,8 +274,6 @@ pub(crate) struct Compare {
     #[arg(long)]
     pub(crate) light_gain: bool,
     #[command(flatten)]
-    pub(crate) learning: LearningOptions,
-    #[command(flatten)]
     pub(crate) camera_options: CameraOptions,
     /// Neither read nor write the cache of optical images and pipelines ($SMALTI_CACHE_DIR, else the user's cache folder)
     #[arg(long)]
@@ -284,6 +284,9 @@ pub(crate) struct Compare {
     /// Folder for the results, made if need be
     #[arg(short, long, default_value = "out", value_name = "DIR")]
     pub(crate) output: PathBuf,
+    // Last: its heading would be that of all that follows.
+    #[command(flatten)]
+    pub(crate) learning: LearningOptions,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -317,16 +320,16 @@ impl Processing {
     smalti train bayer --statistics half.l3stats -o a.l3                         for --continue half.l3stats\n  \
     smalti train nikon.toml --pair shot.dng shot.tif --pair b.dng b.tif -o nikon.l3\n  \
     smalti train rgbw -o rgbw.l3 --c-header rgbw_isp.h --npz rgbw.npz\n\n\
-    Without --scene, --pair or --continue it learns from the default set: dead leaves, edges, stars, gratings, steps and a\n\
-    scene of high dynamic range, in natural and saturated colours, under daylight, tungsten and LED.")]
+    Without --scene, --pair or --continue it learns from the default set: dead leaves, edges, stars, gratings, steps and a \
+    scene of high dynamic range, in natural and saturated colours, under daylight, tungsten and LED. Scenes are exposed as \
+    --exposures says, whatever their luminance. The table printed tells for each position of the mosaic how many classes \
+    occur, and where the kernels of those with too few patches come from.")]
 pub(crate) struct Train {
     /// A built-in camera (smalti list cameras) or a TOML file
     pub(crate) camera: String,
     /// A scene to learn from instead of the default set, built in or a file; may be given more than once
     #[arg(long = "scene", value_name = "SCENE")]
     pub(crate) scenes: Vec<String>,
-    #[command(flatten)]
-    pub(crate) scene_options: SceneOptions,
     /// Lights of the default set, in turn
     #[arg(long, value_delimiter = ',', default_value = "D65,A,LED", value_name = "NAME,...")]
     pub(crate) illuminants: Vec<String>,
@@ -350,8 +353,6 @@ pub(crate) struct Train {
     #[arg(long, value_name = "FILE")]
     pub(crate) statistics: Option<PathBuf>,
     #[command(flatten)]
-    pub(crate) learning: LearningOptions,
-    #[command(flatten)]
     pub(crate) camera_options: CameraOptions,
     /// Also write the table as NumPy arrays
     #[arg(long, value_name = "FILE")]
@@ -365,6 +366,11 @@ pub(crate) struct Train {
     /// The learned table (safetensors)
     #[arg(short, long, value_name = "FILE.l3")]
     pub(crate) output: PathBuf,
+    #[command(flatten, next_help_heading = "What a --scene is when it does not say")]
+    pub(crate) scene_options: SceneOptions,
+    // Last: its heading would be that of all that follows.
+    #[command(flatten)]
+    pub(crate) learning: LearningOptions,
 }
 
 #[derive(Debug, Clone, Args)]
@@ -378,7 +384,7 @@ pub(crate) struct Render {
     /// A learned table (smalti train)
     #[arg(long, value_name = "FILE.l3")]
     pub(crate) pipeline: PathBuf,
-    /// .png or .tif (shown on a screen) or .npy (the outputs as they are)
+    /// .png or .tif (as shown on a screen, sRGB) or .npy (the outputs as they are: X, Y, Z, white diffusers at most Y = 1)
     #[arg(short, long, value_name = "FILE")]
     pub(crate) output: PathBuf,
     /// Compute in fixed point with 16-bit kernels, as an image processor does; raw files of digital numbers only

@@ -14,7 +14,7 @@ pub(crate) struct LearningOptions {
     /// Number of response levels, dark to bright, 1 to 256
     #[arg(long, value_name = "N", default_value_t = TrainingSettings::default().levels, value_parser = levels, allow_negative_numbers = true)]
     pub(crate) levels: usize,
-    /// How levels are cut
+    /// How levels are spaced
     #[arg(long, value_enum, default_value_t = LevelCuts::Logarithmic)]
     pub(crate) level_rule: LevelCuts,
     /// What is told apart by the structure within a patch
@@ -29,7 +29,7 @@ pub(crate) struct LearningOptions {
     /// Weight of noise against blur in textured patches: luminance,chrominance (means --solver perceptual) [default: 1,4]
     #[arg(long, value_name = "L,C", value_parser = pair, allow_hyphen_values = true)]
     pub(crate) alpha_texture: Option<Alpha>,
-    /// Kernels without an offset
+    /// Kernels without an offset: the picture scales with the light
     #[arg(long)]
     pub(crate) linear: bool,
     /// Do not share data between positions that symmetry of the mosaic makes equal
@@ -53,7 +53,7 @@ pub(crate) enum LevelCuts {
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum Structure {
-    /// Nothing
+    /// Nothing: one class for each level
     None,
     /// Flat and texture
     FlatTexture,
@@ -63,13 +63,13 @@ pub(crate) enum Structure {
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum SolverName {
-    /// Least mean square error with the sensor's noise, by computation
+    /// Least mean square error under the sensor's noise, which is computed from the camera
     Wiener,
     /// Noise weighted against blur in luminance and chrominance
     Perceptual,
-    /// Ridge, its strength by generalised cross-validation
+    /// Small weights are preferred, as strongly as generalised cross-validation finds
     Ridge,
-    /// Without regard to noise
+    /// Least square error without noise: for bright scenes
     LeastSquares,
 }
 

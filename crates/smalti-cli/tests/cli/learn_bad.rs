@@ -200,7 +200,12 @@ fn raws_and_tables_that_do_not_fit() {
     let mut other = whole;
     other[8 + text + "\"version\":\"".len()] = b'9';
     place.write("bad.l3", other);
-    refused(&place, "render good/raw.dng --pipeline bad.l3 -o a.png", 1, &["bad.l3", "version 9", "version 1 is read here"]);
+    refused(
+        &place,
+        "render good/raw.dng --pipeline bad.l3 -o a.png",
+        1,
+        &["bad.l3", "version 9", "version 1 is read here"],
+    );
 }
 
 /// Work that is broken off leaves no file, whole or half.
