@@ -248,30 +248,31 @@ pub(crate) enum ExrLayout {
     smalti compare bayer rgbw --luminance 1 --light-gain\n  \
     smalti compare bayer --processing l3,bilinear,malvar2004,adaptive --luminance 1,10,80\n  \
     smalti compare bayer rgbw clarity kodak wang --luminance 1 --scene photo.png -o slides\n\n\
-    CPSNR (in XYZ), ΔE2000 and S-CIELAB are means over the pictures of all scenes, MTF50 is that of a slanted edge, visual\n\
-    SNR and noise are those of the grey patches of a chart: smalti list metrics. No scene of the default list is learned\n\
-    from. results.json is removed first and written last: a folder that has it is whole.")]
+    CPSNR (in XYZ), ΔE2000 and S-CIELAB are means over the pictures of all scenes, MTF50 is that of a slanted edge, visual \
+    SNR and noise are those of the grey patches of a chart: smalti list metrics. What is learned is kept in the cache, so that \
+    the next comparison takes seconds.\n\n\
+    Written: side-by-side/ with a picture for each scene and luminance (the reference, then the cameras in the order of the \
+    table), CAMERA.l3 (for smalti render), CAMERA-kernels.png and results.json, which is removed first and written last: a folder that has it is whole.")]
 pub(crate) struct Compare {
     /// Built-in cameras (smalti list cameras) or TOML files
     #[arg(required = true)]
     pub(crate) cameras: Vec<String>,
     /// Mean luminance of the scenes, cd/m²; several, separated by commas, are compared in turn
-    #[arg(long, value_delimiter = ',', default_value = "1,80", value_name = "CD_M2")]
+    #[arg(long, value_delimiter = ',', default_value = "1,80", value_name = "CD_M2", value_parser = positive, allow_negative_numbers = true)]
     pub(crate) luminance: Vec<f64>,
-    /// A scene to compare on, built in or a file; may be given more than once [default: five unseen scenes]
+    /// A scene to compare on, built in or a file; may be given more than once [default: scenes that nothing is learned from]
     #[arg(long = "scene", value_name = "SCENE")]
     pub(crate) scenes: Vec<String>,
-    /// Light of the scenes, which pipelines are learned for: a name (smalti list illuminants) or a CSV
+    /// Light of the scenes; pipelines are learned for it too: a name (smalti list illuminants) or a CSV
     #[arg(long, default_value = "D65", value_name = "NAME")]
     pub(crate) illuminant: String,
     /// Ways of processing, separated by commas
     #[arg(long, value_delimiter = ',', value_enum, default_value = "l3")]
     pub(crate) processing: Vec<Processing>,
-    /// Find how much more light the first camera needs to equal each of the others, in stops, by metric
+    /// Also find how much more light the first camera needs to equal each of the others, in stops, by each metric, with the
+    /// first way of processing; takes some minutes
     #[arg(long)]
     pub(crate) light_gain: bool,
-    #[command(flatten)]
-    pub(crate) learning: LearningOptions,
     #[command(flatten)]
     pub(crate) camera_options: CameraOptions,
     /// Neither read nor write the cache of optical images and pipelines ($SMALTI_CACHE_DIR, else the user's cache folder)
@@ -283,6 +284,9 @@ pub(crate) struct Compare {
     /// Folder for the results, made if need be
     #[arg(short, long, default_value = "out", value_name = "DIR")]
     pub(crate) output: PathBuf,
+    // Last: its heading would be that of all that follows.
+    #[command(flatten)]
+    pub(crate) learning: LearningOptions,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -313,19 +317,19 @@ impl Processing {
     smalti train rgbw -o rgbw.l3\n  \
     smalti train my.toml --illuminants A --target-illuminant D65 -o warm.l3       balances tungsten light\n  \
     smalti train bayer --scene forest.exr --scene street.exr -o mine.l3\n  \
-    smalti train bayer --statistics half.l3stats -o a.l3                         go on later with --continue half.l3stats\n  \
+    smalti train bayer --statistics half.l3stats -o a.l3                         for --continue half.l3stats\n  \
     smalti train nikon.toml --pair shot.dng shot.tif --pair b.dng b.tif -o nikon.l3\n  \
     smalti train rgbw -o rgbw.l3 --c-header rgbw_isp.h --npz rgbw.npz\n\n\
-    Without --scene, --pair or --continue it learns from the default set: dead leaves, edges, stars, gratings, steps and a\n\
-    scene of high dynamic range, in natural and saturated colours, under daylight, tungsten and LED.")]
+    Without --scene, --pair or --continue it learns from the default set: dead leaves, edges, stars, gratings, steps and a \
+    scene of high dynamic range, in natural and saturated colours, under daylight, tungsten and LED. Scenes are exposed as \
+    --exposures says, whatever their luminance. The table printed tells for each position of the mosaic how many classes \
+    occur, and where the kernels of those with too few patches come from.")]
 pub(crate) struct Train {
     /// A built-in camera (smalti list cameras) or a TOML file
     pub(crate) camera: String,
     /// A scene to learn from instead of the default set, built in or a file; may be given more than once
     #[arg(long = "scene", value_name = "SCENE")]
     pub(crate) scenes: Vec<String>,
-    #[command(flatten)]
-    pub(crate) scene_options: SceneOptions,
     /// Lights of the default set, in turn
     #[arg(long, value_delimiter = ',', default_value = "D65,A,LED", value_name = "NAME,...")]
     pub(crate) illuminants: Vec<String>,
@@ -336,19 +340,18 @@ pub(crate) struct Train {
     #[arg(long, value_name = "TARGET")]
     pub(crate) target: Option<String>,
     /// Exposures of each scene, as the response of its bright end (1: just saturated) [default: from 3 down to the noise]
-    #[arg(long, value_delimiter = ',', value_name = "R,...")]
+    #[arg(long, value_delimiter = ',', value_name = "R,...", value_parser = positive, allow_negative_numbers = true)]
     pub(crate) exposures: Vec<f64>,
-    /// A raw file (DNG) and the picture that should come of it, pixel by pixel; may be given more than once
-    #[arg(long = "pair", num_args = 2, value_names = ["RAW", "PICTURE"])]
+    /// A raw file (DNG) and the picture that should come of it, pixel by pixel; may be given more than once. Raw files hold
+    /// their noise and scenes do not, so that one table learns from either
+    #[arg(long = "pair", num_args = 2, value_names = ["RAW", "PICTURE"], conflicts_with_all = ["scenes", "target", "target_illuminant"])]
     pub(crate) pairs: Vec<PathBuf>,
-    /// Go on from saved statistics; several are merged
+    /// Go on from statistics that --statistics saved; several are merged
     #[arg(long = "continue", value_name = "FILE")]
     pub(crate) continue_from: Vec<PathBuf>,
-    /// Save the statistics, to go on or merge later
+    /// Save what has been gathered from all patches, to go on from or to merge later
     #[arg(long, value_name = "FILE")]
     pub(crate) statistics: Option<PathBuf>,
-    #[command(flatten)]
-    pub(crate) learning: LearningOptions,
     #[command(flatten)]
     pub(crate) camera_options: CameraOptions,
     /// Also write the table as NumPy arrays
@@ -363,6 +366,11 @@ pub(crate) struct Train {
     /// The learned table (safetensors)
     #[arg(short, long, value_name = "FILE.l3")]
     pub(crate) output: PathBuf,
+    #[command(flatten, next_help_heading = "What a --scene is when it does not say")]
+    pub(crate) scene_options: SceneOptions,
+    // Last: its heading would be that of all that follows.
+    #[command(flatten)]
+    pub(crate) learning: LearningOptions,
 }
 
 #[derive(Debug, Clone, Args)]
@@ -376,14 +384,14 @@ pub(crate) struct Render {
     /// A learned table (smalti train)
     #[arg(long, value_name = "FILE.l3")]
     pub(crate) pipeline: PathBuf,
-    /// .png or .tif (shown on a screen) or .npy (the outputs as they are)
+    /// .png or .tif (as shown on a screen, sRGB) or .npy (the outputs as they are: X, Y, Z, white diffusers at most Y = 1)
     #[arg(short, long, value_name = "FILE")]
     pub(crate) output: PathBuf,
-    /// In fixed point: 16-bit kernels
+    /// Compute in fixed point with 16-bit kernels, as an image processor does; raw files of digital numbers only
     #[arg(long)]
     pub(crate) fixed: bool,
     /// Brightness of the picture [default: all but the brightest half percent within the display's range]
-    #[arg(long, value_name = "FACTOR")]
+    #[arg(long, value_name = "FACTOR", value_parser = positive, allow_negative_numbers = true)]
     pub(crate) gain: Option<f64>,
     /// Bits per channel of the picture
     #[arg(long, default_value = "8", value_parser = ["8", "16"])]
@@ -391,4 +399,10 @@ pub(crate) struct Render {
     /// Print what was done as JSON
     #[arg(long)]
     pub(crate) json: bool,
+}
+
+/// A number above zero.
+pub(crate) fn positive(text: &str) -> Result<f64, String> {
+    let number: Option<f64> = text.trim().parse().ok();
+    number.filter(|v| v.is_finite() && *v > 0.0).ok_or_else(|| "expected a number above 0".into())
 }

@@ -1,41 +1,45 @@
 //! `smalti compare`: cameras with their learned pipelines before the same scenes.
 
-use std::path::Path;
-
-use anyhow::Context;
-use serde_json::{Value, json};
+use anyhow::{Context, ensure};
 use smalti::camera::{
     Camera, CameraError, Contender, Evaluation, EvaluationSettings, LightGainSettings, LightGains,
     SceneScores, ScoreSettings, Setup, compare_on, evaluate_with, light_gains, test_scenes,
 };
-use smalti::color::Image;
 use smalti::isp::{Classic, Demosaic, Isp, WhiteBalance};
 use smalti::l3::Pipeline;
 use smalti::scene::Setting;
-use smalti::spectrum::{Illuminant, Observer, Spectrum};
+use smalti::spectrum::{Illuminant, Spectrum};
 use smalti_io::cache::Cache;
-use smalti_io::picture::{self, Depth};
-use smalti_io::{l3, write};
+use smalti_io::write;
 
 use crate::args::{Common, Compare, Processing};
-use crate::evaluate::{cached, folder_name};
-use crate::learn;
-use crate::pictures::{dark_and_bright, kernels, shown, side_by_side};
+use crate::evaluate::cached;
 use crate::progress::Progress;
-use crate::{resolve, table};
+use crate::report::{self, Report};
+use crate::{learn, names, resolve};
 
 /// A camera with one way of processing.
-struct Way<'a> {
-    camera: &'a Camera,
-    processing: Processing,
-    pipeline: Option<&'a Pipeline>,
+pub(crate) struct Way<'a> {
+    pub(crate) camera: &'a Camera,
+    /// What the camera is called, numbered where two have one name.
+    pub(crate) label: &'a str,
+    pub(crate) processing: Processing,
+    pub(crate) pipeline: Option<&'a Pipeline>,
 }
 
 /// What one way scores in one light.
-struct Outcome {
-    luminance_cd_m2: f64,
-    targets: Evaluation,
-    scenes: Vec<(String, SceneScores)>,
+pub(crate) struct Outcome {
+    pub(crate) luminance_cd_m2: f64,
+    pub(crate) targets: Evaluation,
+    pub(crate) scenes: Vec<(String, SceneScores)>,
+}
+
+/// How much more light one way needs to equal another.
+pub(crate) struct Gain {
+    pub(crate) first: String,
+    pub(crate) other: String,
+    pub(crate) scenes: Vec<String>,
+    pub(crate) gains: LightGains,
 }
 
 pub(crate) fn run(args: &Compare, common: &Common) -> anyhow::Result<()> {
@@ -45,6 +49,14 @@ pub(crate) fn run(args: &Compare, common: &Common) -> anyhow::Result<()> {
         .iter()
         .map(|name| resolve::camera(name, &args.camera_options, None))
         .collect::<anyhow::Result<Vec<Camera>>>()?;
+    if args.processing.contains(&Processing::L3) {
+        cameras.iter().try_for_each(learn::ensure_mosaic)?;
+    }
+    ensure!(
+        !args.light_gain || cameras.len() > 1,
+        "--light-gain holds cameras against each other: name two or more"
+    );
+    write::ensure_can_fill(&args.output)?;
     let seed = args.camera_options.seed;
     let cache = if args.no_cache { Cache::disabled() } else { Cache::open(None) };
     let (settings, training) = (args.learning.settings(seed), args.learning.training());
@@ -52,27 +64,35 @@ pub(crate) fn run(args: &Compare, common: &Common) -> anyhow::Result<()> {
     let gains = if args.light_gain { args.luminance.len() * (cameras.len() - 1) } else { 0 };
     let steps = cameras.len() * (1 + ways_each * args.luminance.len()) + gains;
     let progress = Progress::new(steps as u64, common.quiet);
+    let labels = names::numbered(cameras.iter().map(|c| c.description().name.clone()).collect());
+    let (mut ways, mut left_out) = (Vec::new(), Vec::new());
     let mut pipelines = Vec::new();
-    for camera in &cameras {
-        let name = &camera.description().name;
-        progress.begin(format!("{name}: its pipeline"));
+    for (camera, label) in cameras.iter().zip(&labels) {
+        progress.begin(format!("{label}: its pipeline"));
         let learned = if args.processing.contains(&Processing::L3) {
             let learned = learn::learned(camera, &settings, &training, &illuminant, &cache, &progress);
-            Some(learned.with_context(|| name.clone())?)
+            Some(learned.with_context(|| label.clone())?)
         } else {
             None
         };
         pipelines.push(learned);
         progress.done();
     }
-    let ways: Vec<Way<'_>> = cameras
-        .iter()
-        .zip(&pipelines)
-        .flat_map(|(camera, pipeline)| {
-            let way = move |&processing: &Processing| Way { camera, processing, pipeline: pipeline.as_ref() };
-            args.processing.iter().map(way).filter(Way::is_defined)
-        })
-        .collect();
+    for ((camera, label), pipeline) in cameras.iter().zip(&labels).zip(&pipelines) {
+        for (i, &processing) in args.processing.iter().enumerate() {
+            let way = Way { camera, label, processing, pipeline: pipeline.as_ref() };
+            if !way.is_defined() {
+                progress.note(&format!("{} is left out: it is defined for Bayer mosaics", way.name()));
+                left_out.push(way.name());
+            } else if !args.processing[..i].contains(&processing) {
+                ways.push(way);
+            }
+        }
+    }
+    ensure!(
+        !ways.is_empty(),
+        "nothing is left to compare: --processing names nothing that takes these mosaics"
+    );
     let scenes = scenes(args);
     let mut outcomes: Vec<Vec<Outcome>> = Vec::new();
     let mut setups: Vec<Setup> = Vec::new();
@@ -93,22 +113,30 @@ pub(crate) fn run(args: &Compare, common: &Common) -> anyhow::Result<()> {
     } else {
         Vec::new()
     };
-    let document = document(args, &ways, &outcomes, &gains)?;
-    let text = serde_json::to_string_pretty(&document)? + "\n";
+    let report = Report {
+        args,
+        cameras: &cameras,
+        ways: &ways,
+        left_out: &left_out,
+        outcomes: &outcomes,
+        gains: &gains,
+    };
+    let text = serde_json::to_string_pretty(&report.document()?)? + "\n";
     progress.begin("writing");
-    write_all(args, &ways, &outcomes, &text)?;
+    report.write(&text)?;
     progress.finish();
     if args.json {
         return crate::print(&text);
     }
-    let pictures = args.output.join("side-by-side");
+    let folder = args.output.join(report::SIDE_BY_SIDE);
+    let over =
+        if scenes.len() == 1 { "of one scene".into() } else { format!("means over {} scenes", scenes.len()) };
     crate::print(&format!(
-        "{}{}\nmeans over {} scenes; pictures in {}, figures in {}\n",
-        scores_table(&ways, &outcomes),
-        gains_table(&gains),
-        scenes.len(),
-        pictures.display(),
-        args.output.join("results.json").display(),
+        "{}{}\n{over}; pictures in {}, figures in {}\n",
+        report.scores_table(),
+        report.gains_table(),
+        folder.display(),
+        args.output.join(report::RESULTS).display(),
     ))
 }
 
@@ -121,22 +149,18 @@ fn scenes(args: &Compare) -> Vec<String> {
 }
 
 impl Way<'_> {
-    fn name(&self) -> String {
-        format!("{} {}", self.camera.description().name, self.processing.name())
+    pub(crate) fn name(&self) -> String {
+        format!("{} {}", self.label, self.processing.name())
     }
 
-    /// Whether the processing is one for the camera's mosaic; said if not.
+    /// Whether the processing is one for the camera's mosaic.
     fn is_defined(&self) -> bool {
-        let defined = match self.processing {
+        match self.processing {
             Processing::L3 | Processing::Bilinear => true,
             Processing::Malvar2004 | Processing::Adaptive => {
                 self.camera.sensor.cfa.mosaic().bayer_phase().is_some()
             }
-        };
-        if !defined {
-            eprintln!("note: {} is left out: it is defined for Bayer mosaics", self.name());
         }
-        defined
     }
 
     /// The processing for scenes under a light.
@@ -196,26 +220,31 @@ fn outcomes_of(
     Ok(outcomes)
 }
 
-/// How much more light the first way needs to equal each of the others.
+/// How much more light the first way needs to equal each of the others that process alike.
 fn light_gains_of(
     ways: &[Way<'_>],
     args: &Compare,
     scenes: &[String],
     illuminant: &Illuminant,
     progress: &Progress,
-) -> anyhow::Result<Vec<(String, String, LightGains)>> {
+) -> anyhow::Result<Vec<Gain>> {
     let mut gains = Vec::new();
+    // Each is taken some twenty times: two are enough. Files have no name that builds them again; the default stands in.
+    let built_in: Vec<String> = scenes.iter().filter(|s| !resolve::is_file(s)).take(2).cloned().collect();
+    let of = if built_in.is_empty() { LightGainSettings::default().scenes } else { built_in };
+    if !args.scenes.is_empty() && of != scenes {
+        progress.note(&format!("light gains are those of {}", of.join(" and ")));
+    }
     let Some(first) = ways.first() else { return Ok(gains) };
     let others = ways.iter().filter(|w| w.processing == first.processing).skip(1);
     for other in others {
         for &luminance_cd_m2 in &args.luminance {
             progress.begin(format!("light gain of {} at {luminance_cd_m2} cd/m²", other.name()));
-            let built_in = scenes.iter().filter(|s| !resolve::is_file(s)).take(2).cloned();
             let settings = LightGainSettings {
                 luminance_cd_m2,
                 illuminant: illuminant.clone(),
                 seed: args.camera_options.seed,
-                scenes: built_in.collect(),
+                scenes: of.clone(),
                 score: ScoreSettings::default(),
             };
             let (a, b) = (|light: &Spectrum| first.isp(light), |light: &Spectrum| other.isp(light));
@@ -223,190 +252,11 @@ fn light_gains_of(
                 Contender { camera: first.camera, isp: &a },
                 Contender { camera: other.camera, isp: &b },
                 &settings,
-            )?;
-            gains.push((first.name(), other.name(), found));
+            );
+            let found = found.with_context(|| format!("light gain at {luminance_cd_m2} cd/m²"))?;
+            gains.push(Gain { first: first.name(), other: other.name(), scenes: of.clone(), gains: found });
             progress.done();
         }
     }
     Ok(gains)
-}
-
-/// The mean of a score over the scenes.
-fn mean(outcome: &Outcome, of: impl Fn(&SceneScores) -> f64) -> f64 {
-    outcome.scenes.iter().map(|(_, s)| of(s)).sum::<f64>() / outcome.scenes.len().max(1) as f64
-}
-
-fn scores_table(ways: &[Way<'_>], outcomes: &[Vec<Outcome>]) -> String {
-    let header = [
-        "camera",
-        "pipeline",
-        "cd/m²",
-        "CPSNR dB",
-        "ΔE2000",
-        "S-CIELAB",
-        "MTF50 cy/mm",
-        "visual SNR",
-        "noise %",
-    ];
-    let mut rows = Vec::new();
-    let lights = outcomes.first().map_or(0, Vec::len);
-    for light in 0..lights {
-        for (way, outcomes) in ways.iter().zip(outcomes) {
-            let o = &outcomes[light];
-            rows.push(vec![
-                way.camera.description().name.clone(),
-                way.processing.name().to_owned(),
-                o.luminance_cd_m2.to_string(),
-                format!("{:.2}", mean(o, |s| s.scores.cpsnr_db)),
-                format!("{:.2}", mean(o, |s| s.scores.pixel_delta_e_2000_mean)),
-                format!("{:.2}", mean(o, |s| s.scores.scielab_mean)),
-                format!("{:.1}", o.targets.mtf50_cy_per_mm),
-                format!("{:.3}", o.targets.visual_snr.median),
-                format!("{:.1}", o.targets.luminance_noise_percent.mean),
-            ]);
-        }
-    }
-    table::render(&header, &rows)
-}
-
-fn gains_table(gains: &[(String, String, LightGains)]) -> String {
-    let mut out = String::new();
-    for (first, other, gains) in gains {
-        let header = ["metric", first.as_str(), other.as_str(), "light gain"];
-        let row = |g: &smalti::camera::MetricGain| {
-            vec![g.metric.to_owned(), format!("{:.3}", g.own), format!("{:.3}", g.target), g.gain.to_string()]
-        };
-        let rows: Vec<Vec<String>> = gains.metrics.iter().map(row).collect();
-        out += &format!(
-            "\nmore light that {first} needs to equal {other} at {} cd/m²\n{}",
-            gains.luminance_cd_m2,
-            table::render(&header, &rows)
-        );
-    }
-    out
-}
-
-fn document(
-    args: &Compare,
-    ways: &[Way<'_>],
-    outcomes: &[Vec<Outcome>],
-    gains: &[(String, String, LightGains)],
-) -> anyhow::Result<Value> {
-    let mut entries = Vec::new();
-    for (way, outcomes) in ways.iter().zip(outcomes) {
-        for o in outcomes {
-            let scenes: Vec<Value> = o
-                .scenes
-                .iter()
-                .map(|(name, s)| Ok(json!({"scene": name, "scores": serde_json::to_value(s)?})))
-                .collect::<anyhow::Result<_>>()?;
-            entries.push(json!({
-                "camera": way.camera.description().name,
-                "pipeline": way.processing.name(),
-                "luminance_cd_m2": o.luminance_cd_m2,
-                "cpsnr_db": mean(o, |s| s.scores.cpsnr_db),
-                "pixel_delta_e_2000_mean": mean(o, |s| s.scores.pixel_delta_e_2000_mean),
-                "scielab_mean": mean(o, |s| s.scores.scielab_mean),
-                "targets": serde_json::to_value(&o.targets)?,
-                "scenes": scenes,
-            }));
-        }
-    }
-    let learned =
-        ways.iter().filter_map(|w| Some((w, w.pipeline?))).filter(|(w, _)| w.processing == Processing::L3);
-    Ok(json!({
-        "smalti_version": env!("CARGO_PKG_VERSION"),
-        "illuminant": args.illuminant,
-        "seed": args.camera_options.seed,
-        "results": entries,
-        "light_gains": gains.iter().map(|(a, b, g)| Ok(json!({
-            "needs_more_light": a, "to_equal": b, "gains": serde_json::to_value(g)?,
-        }))).collect::<anyhow::Result<Vec<Value>>>()?,
-        "learned": learned.map(|(w, p)| kernels_as_json(w.camera, p)).collect::<Vec<_>>(),
-        "cameras": ways.iter().filter(|w| w.processing == args.processing[0])
-            .map(|w| serde_json::to_value(w.camera.description())).collect::<Result<Vec<_>, _>>()?,
-    }))
-}
-
-/// The classes of a pipeline in numbers, and the kernels that are drawn.
-fn kernels_as_json(camera: &Camera, pipeline: &Pipeline) -> Value {
-    let summary = pipeline.summary();
-    let drawn: Vec<Value> = dark_and_bright(pipeline)
-        .into_iter()
-        .map(|class| {
-            let key = pipeline.key(class);
-            let outputs: serde_json::Map<String, Value> = pipeline
-                .outputs()
-                .iter()
-                .enumerate()
-                .map(|(o, name)| (name.clone(), json!(pipeline.weights(class, o))))
-                .collect();
-            json!({
-                "position": key.position,
-                "level": key.level,
-                "texture": pipeline.axes().textures().names()[usize::from(key.texture)],
-                "weights": outputs,
-            })
-        })
-        .collect();
-    json!({
-        "camera": camera.description().name,
-        "classes": summary.classes,
-        "classes_that_occur": summary.occupied,
-        "operators": summary.operators,
-        "patches": summary.patches,
-        "kernels": drawn,
-    })
-}
-
-fn write_all(args: &Compare, ways: &[Way<'_>], outcomes: &[Vec<Outcome>], text: &str) -> anyhow::Result<()> {
-    // A folder that has results.json is whole: that of an earlier run goes first, the new one comes last.
-    let dir = &args.output;
-    write::begin_folder(dir, &["results.json"])?;
-    let pictures = dir.join("side-by-side");
-    write::begin_folder(&pictures, &[])?;
-    let lights = outcomes.first().map_or(&[][..], Vec::as_slice);
-    for (l, light) in lights.iter().enumerate() {
-        for (s, (scene, first)) in light.scenes.iter().enumerate() {
-            let mut row = vec![as_seen(first, &first.reference, args)?];
-            for outcomes in outcomes {
-                let scores = &outcomes[l].scenes[s].1;
-                row.push(as_seen(scores, &scores.picture, args)?);
-            }
-            let name = format!("{}-{}-cd-m2.png", plain(scene), light.luminance_cd_m2);
-            picture::write_png(&pictures.join(name), &side_by_side(&row, 4)?, Depth::Eight)?;
-        }
-    }
-    let cameras: Vec<Camera> = args_cameras(ways);
-    let learned = ways.iter().filter(|w| w.processing == Processing::L3);
-    for (number, way) in learned.enumerate() {
-        let Some(pipeline) = way.pipeline else { continue };
-        let name = folder_name(way.camera, number, &cameras);
-        picture::write_png(
-            &dir.join(format!("{name}-kernels.png")),
-            &kernels(way.camera, pipeline)?,
-            Depth::Eight,
-        )?;
-        l3::write_table(&dir.join(format!("{name}.l3")), pipeline)?;
-    }
-    write::bytes(&dir.join("results.json"), text.as_bytes())?;
-    Ok(())
-}
-
-fn args_cameras(ways: &[Way<'_>]) -> Vec<Camera> {
-    ways.iter().filter(|w| w.processing == Processing::L3).map(|w| w.camera.clone()).collect()
-}
-
-/// A picture of a scored scene as shown on a screen: white is that of the reference.
-fn as_seen(scores: &SceneScores, picture: &Image, args: &Compare) -> anyhow::Result<Image> {
-    let grid = smalti::spectrum::WavelengthGrid::VISIBLE;
-    let white = Observer::Cie1931.xyz_from_photons(&resolve::illuminant(&args.illuminant)?.photons(grid)?)?;
-    shown(picture, white.map(|v| v / white[1]), 1.0 / scores.scores.white_y)
-}
-
-/// The name of a scene as part of a file's.
-fn plain(scene: &str) -> String {
-    let name = Path::new(scene.split('?').next().unwrap_or(scene));
-    let stem = name.file_stem().map_or_else(|| scene.into(), |s| s.to_string_lossy());
-    stem.chars().map(|c| if c.is_alphanumeric() || "-_".contains(c) { c } else { '-' }).collect()
 }

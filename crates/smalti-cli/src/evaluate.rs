@@ -13,8 +13,9 @@ use smalti_io::picture::{self, Depth};
 use smalti_io::write;
 
 use crate::args::{Common, Evaluate};
+use crate::columns::headings;
 use crate::progress::Progress;
-use crate::{resolve, table};
+use crate::{columns, names, resolve, table};
 
 pub(crate) fn run(args: &Evaluate, common: &Common) -> anyhow::Result<()> {
     let illuminant = resolve::illuminant(&args.illuminant)?;
@@ -23,6 +24,9 @@ pub(crate) fn run(args: &Evaluate, common: &Common) -> anyhow::Result<()> {
         .iter()
         .map(|name| resolve::camera(name, &args.camera_options, None))
         .collect::<anyhow::Result<Vec<Camera>>>()?;
+    if let Some(dir) = &args.output {
+        write::ensure_can_fill(dir)?;
+    }
     let cache = if args.no_cache { Cache::disabled() } else { Cache::open(None) };
     let progress = Progress::new((cameras.len() * args.luminance.len()) as u64, common.quiet);
     let (mut results, mut shots) = (Vec::new(), Vec::new());
@@ -49,10 +53,9 @@ pub(crate) fn run(args: &Evaluate, common: &Common) -> anyhow::Result<()> {
     // Everything is computed before anything is written; a folder that has results.json is whole.
     if let Some(dir) = &args.output {
         write::begin_folder(dir, &["results.json"])?;
-        let runs =
-            cameras.iter().enumerate().flat_map(|run| args.luminance.iter().map(move |cd_m2| (run, cd_m2)));
-        for (((number, camera), cd_m2), pictures) in runs.zip(&shots) {
-            let name = folder_name(camera, number, &cameras);
+        let names = names::of_cameras(&cameras);
+        let runs = names.iter().flat_map(|name| args.luminance.iter().map(move |cd_m2| (name, cd_m2)));
+        for ((name, cd_m2), pictures) in runs.zip(&shots) {
             write_pictures(&dir.join(format!("{name}-{cd_m2}-cd-m2")), pictures)?;
         }
         write::bytes(&dir.join("results.json"), text.as_bytes())?;
@@ -91,19 +94,8 @@ fn entry(camera: &Camera, scores: &Evaluation) -> anyhow::Result<serde_json::Val
 }
 
 fn scores_table(results: &[(&Camera, Evaluation)]) -> String {
-    let header = [
-        "camera",
-        "cd/m²",
-        "ΔE76",
-        "ΔE2000",
-        "MTF50 cy/mm",
-        "MTF50 cy/px",
-        "noise %",
-        "aliasing %",
-        "clipped %",
-        "range dB",
-        "exposure ms",
-    ];
+    let header: Vec<&str> =
+        ["camera", "cd/m²"].into_iter().chain(headings(&columns::EVALUATE)).chain(["exposure ms"]).collect();
     let row = |(camera, s): &(&Camera, Evaluation)| {
         vec![
             camera.description().name.clone(),
@@ -120,17 +112,6 @@ fn scores_table(results: &[(&Camera, Evaluation)]) -> String {
         ]
     };
     table::render(&header, &results.iter().map(row).collect::<Vec<_>>())
-}
-
-/// The name of a camera as that of a folder, numbered where it would be that of another camera too.
-pub(crate) fn folder_name(camera: &Camera, number: usize, cameras: &[Camera]) -> String {
-    let plain = |c: &Camera| {
-        let keep = |c: char| if c.is_alphanumeric() || "-_.".contains(c) { c } else { '-' };
-        c.description().name.chars().take(100).map(keep).collect::<String>()
-    };
-    let name = plain(camera).trim_start_matches('.').to_owned();
-    let twice = cameras.iter().filter(|c| plain(c) == plain(camera)).count() > 1;
-    if twice || name.is_empty() { format!("{}-{name}", number + 1) } else { name }
 }
 
 fn write_pictures(dir: &Path, pictures: &EvaluationPictures) -> anyhow::Result<()> {

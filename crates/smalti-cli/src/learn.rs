@@ -1,12 +1,14 @@
 //! Learning a pipeline for a camera: scenes in turn, with progress, and a cache of what has been learned.
 
-use anyhow::Context;
+use anyhow::{Context, bail, ensure};
 use serde_json::json;
 use smalti::camera::{Camera, TrainingScene, TrainingSettings, training_scenes};
-use smalti::l3::{Pipeline, Statistics, Training};
+use smalti::l3::{Axes, Pipeline, Statistics, Training};
 use smalti::scene::Scene;
+use smalti::sensor::ColorArchitecture;
 use smalti::spectrum::Illuminant;
 use smalti_io::cache::{Cache, CacheKey, KeyBuilder};
+use smalti_io::memory;
 
 use crate::progress::Progress;
 
@@ -62,24 +64,64 @@ pub(crate) fn gather(
     progress: &Progress,
 ) -> anyhow::Result<()> {
     let name = &camera.description().name;
-    let learn = |statistics: &mut Statistics, item: usize, what: &str, scene: &Scene| {
+    let learn = |statistics: &mut Statistics, item: u64, what: &str, scene: &Scene| {
         progress.begin(format!("{name} learns from {}", what.split('?').next().unwrap_or(what)));
-        camera.train_on(statistics, scene, settings, item as u64).with_context(|| format!("scene {what}"))?;
+        camera.train_on(statistics, scene, settings, item).with_context(|| format!("scene {what}"))?;
         progress.done();
         anyhow::Ok(())
     };
     match material {
         Material::Default(lights) => {
             for (item, of_set) in training_scenes(lights).iter().enumerate() {
-                learn(statistics, item, &of_set.spec, &of_set.build(camera)?)?;
+                learn(statistics, item as u64, &of_set.spec, &of_set.build(camera)?)?;
             }
         }
         Material::Scenes(scenes) => {
-            for (item, (what, scene)) in scenes.iter().enumerate() {
-                learn(statistics, item, what, scene)?;
+            for (what, scene) in scenes {
+                learn(statistics, item_of(what), what, scene)?;
             }
         }
     }
+    Ok(())
+}
+
+/// The number that a scene's noise is keyed by, from its name: the same whether it is learned from alone, in parts or with
+/// others. (FNV-1a, 32 bits.)
+fn item_of(name: &str) -> u64 {
+    name.bytes().fold(0x811c_9dc5, |h: u64, b| ((h ^ u64::from(b)) * 0x0100_0193) & 0xffff_ffff)
+}
+
+/// That a camera is one that pipelines are learned for.
+pub(crate) fn ensure_mosaic(camera: &Camera) -> anyhow::Result<()> {
+    let architecture = match camera.sensor.architecture {
+        ColorArchitecture::Mosaic => return Ok(()),
+        ColorArchitecture::Prism => "prism",
+        ColorArchitecture::FieldSequential => "field-sequential",
+    };
+    let name = &camera.description().name;
+    bail!(
+        "{name}: `sensor.architecture` is {architecture}: every pixel sees every channel; learned pipelines are for mosaics"
+    )
+}
+
+/// Refuses classes whose moments and kernels would fill the memory. Combinations of clipped channels, which come with
+/// the scenes, may need more.
+pub(crate) fn ensure_memory(axes: &Axes, outputs: usize) -> anyhow::Result<()> {
+    let (levels, textures) = (axes.level_count(), axes.textures().count());
+    let size = 1 + axes.taps() + outputs;
+    let each = size * (size + 1) / 2 * size_of::<f64>() + outputs * axes.taps() * size_of::<f32>();
+    let classes = axes.positions().saturating_mul(levels * textures);
+    let need = (classes as u64).saturating_mul(each as u64);
+    let Some(available) = memory::available_bytes() else { return Ok(()) };
+    ensure!(
+        need <= available,
+        "a table of {} positions × {levels} levels × {textures} textures with patches of {side} × {side} takes {} MiB of \
+         memory to learn; {} are available: a smaller --patch, fewer --levels or --textures none take less",
+        axes.positions(),
+        need >> 20,
+        available >> 20,
+        side = axes.side(),
+    );
     Ok(())
 }
 
@@ -115,6 +157,7 @@ pub(crate) fn learned(
         Some(statistics) => statistics,
         None => {
             let mut statistics = camera.training_statistics(settings, &material.light(camera)?)?;
+            ensure_memory(statistics.axes(), statistics.outputs().len())?;
             progress.more(material.len() as u64);
             gather(camera, settings, &material, &mut statistics, progress)?;
             // A cache that cannot be written costs time, not the result.

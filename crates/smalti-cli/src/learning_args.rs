@@ -11,10 +11,10 @@ pub(crate) struct LearningOptions {
     /// Side of the patch around a pixel that its colour is computed from
     #[arg(long, value_name = "PX", default_value = "5", value_parser = ["3", "5", "7", "9", "11"])]
     pub(crate) patch: String,
-    /// Number of response levels
-    #[arg(long, value_name = "N", default_value_t = TrainingSettings::default().levels)]
+    /// Number of response levels, dark to bright, 1 to 256
+    #[arg(long, value_name = "N", default_value_t = TrainingSettings::default().levels, value_parser = levels, allow_negative_numbers = true)]
     pub(crate) levels: usize,
-    /// How levels are cut
+    /// How levels are spaced
     #[arg(long, value_enum, default_value_t = LevelCuts::Logarithmic)]
     pub(crate) level_rule: LevelCuts,
     /// What is told apart by the structure within a patch
@@ -23,20 +23,20 @@ pub(crate) struct LearningOptions {
     /// How kernels are found from the statistics
     #[arg(long, value_enum, default_value_t = SolverName::Wiener)]
     pub(crate) solver: SolverName,
-    /// Weight of noise against blur in flat patches: luminance,chrominance (perceptual solver)
-    #[arg(long, value_name = "L,C", value_parser = pair)]
+    /// Weight of noise against blur in flat patches: luminance,chrominance (means --solver perceptual) [default: 16,4]
+    #[arg(long, value_name = "L,C", value_parser = pair, allow_hyphen_values = true)]
     pub(crate) alpha_flat: Option<Alpha>,
-    /// Weight of noise against blur in textured patches: luminance,chrominance (perceptual solver)
-    #[arg(long, value_name = "L,C", value_parser = pair)]
+    /// Weight of noise against blur in textured patches: luminance,chrominance (means --solver perceptual) [default: 1,4]
+    #[arg(long, value_name = "L,C", value_parser = pair, allow_hyphen_values = true)]
     pub(crate) alpha_texture: Option<Alpha>,
-    /// Kernels without an offset
+    /// Kernels without an offset: the picture scales with the light
     #[arg(long)]
     pub(crate) linear: bool,
     /// Do not share data between positions that symmetry of the mosaic makes equal
     #[arg(long)]
     pub(crate) no_symmetry: bool,
     /// Mix kernels with those of the neighbouring levels, 0 (not) to 1
-    #[arg(long, value_name = "SHARE", default_value_t = 0.0)]
+    #[arg(long, value_name = "SHARE", default_value_t = 0.0, value_parser = share, allow_negative_numbers = true)]
     pub(crate) smoothing: f64,
     /// Learn to undo the blur of the lens
     #[arg(long)]
@@ -53,7 +53,7 @@ pub(crate) enum LevelCuts {
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum Structure {
-    /// Nothing
+    /// Nothing: one class for each level
     None,
     /// Flat and texture
     FlatTexture,
@@ -63,24 +63,37 @@ pub(crate) enum Structure {
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum SolverName {
-    /// Least mean square error with the sensor's noise, by computation
+    /// Least mean square error under the sensor's noise, which is computed from the camera
     Wiener,
     /// Noise weighted against blur in luminance and chrominance
     Perceptual,
-    /// Ridge, its strength by generalised cross-validation
+    /// Small weights are preferred, as strongly as generalised cross-validation finds
     Ridge,
-    /// Without regard to noise
+    /// Least square error without noise: for bright scenes
     LeastSquares,
+}
+
+/// A number of levels.
+fn levels(text: &str) -> Result<usize, String> {
+    let number: Option<usize> = text.trim().parse().ok();
+    number.filter(|n| (1..=256).contains(n)).ok_or_else(|| "expected a whole number, 1 to 256".into())
+}
+
+/// A number from 0 to 1.
+fn share(text: &str) -> Result<f64, String> {
+    let number: Option<f64> = text.trim().parse().ok();
+    number.filter(|v| (0.0..=1.0).contains(v)).ok_or_else(|| "expected a number from 0 to 1".into())
 }
 
 /// Two numbers, `16,4`.
 fn pair(text: &str) -> Result<Alpha, String> {
-    let numbers: Vec<f64> = text.split(',').filter_map(|p| p.trim().parse().ok()).collect();
+    let numbers: Option<Vec<f64>> = text.split(',').map(|p| p.trim().parse().ok()).collect();
+    let numbers = numbers.unwrap_or_default();
     match numbers[..] {
         [luminance, chrominance] if numbers.iter().all(|a| (0.0..=1e6).contains(a)) => {
             Ok(Alpha { luminance, chrominance })
         }
-        _ => Err(format!("'{text}': expected two numbers of 0 or more, luminance,chrominance, such as 16,4")),
+        _ => Err("expected two numbers of 0 to 1e6, luminance,chrominance, such as 16,4".into()),
     }
 }
 

@@ -8,6 +8,7 @@ use smalti::spectrum::Illuminant;
 use smalti_io::cameras;
 
 use crate::args::{List, Listing};
+use crate::columns;
 
 pub(crate) fn run(args: &List) -> anyhow::Result<()> {
     let entries = match args.what {
@@ -126,7 +127,7 @@ fn metric_list() -> Vec<Entry> {
     let entry = |m: &metrics::MetricInfo| Entry {
         name: m.name.into(),
         summary: format!("[{}] {}", m.unit, m.doc),
-        details: vec![m.source.into()],
+        details: columns::where_shown(m.name).into_iter().chain([m.source.into()]).collect(),
         json: json!({"name": m.name, "unit": m.unit, "doc": m.doc, "source": m.source}),
     };
     metrics::CATALOG.iter().map(entry).collect()

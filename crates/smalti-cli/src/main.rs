@@ -2,15 +2,18 @@
 
 mod args;
 mod brightness;
+mod columns;
 mod compare;
 mod convert;
 mod evaluate;
 mod learn;
 mod learning_args;
 mod list;
+mod names;
 mod pictures;
 mod progress;
 mod render;
+mod report;
 mod resolve;
 mod simulate;
 mod table;

@@ -13,8 +13,8 @@ const GAP_GREY: f32 = 0.5;
 /// Pixels of a tap in pictures of kernels, and of the frame that shows its filter's colour.
 const TAP_PX: usize = 28;
 const FRAME_PX: usize = 3;
-/// White point of sRGB.
-const D65: [f64; 3] = [0.95047, 1.0, 1.08883];
+/// White point of sRGB: X, Y, Z, Y = 1 (IEC 61966-2-1).
+pub(crate) const D65: [f64; 3] = [0.95047, 1.0, 1.08883];
 
 /// A picture in XYZ under a light, as shown on a screen: its white made that of sRGB, brightness times `gain`.
 pub(crate) fn shown(picture: &Image, white: [f64; 3], gain: f64) -> anyhow::Result<Image> {

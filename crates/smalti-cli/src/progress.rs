@@ -5,7 +5,10 @@ use std::time::Duration;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 /// Steps of known number, the current one named.
-pub(crate) struct Progress(ProgressBar);
+pub(crate) struct Progress {
+    bar: ProgressBar,
+    quiet: bool,
+}
 
 impl Progress {
     pub(crate) fn new(steps: u64, quiet: bool) -> Self {
@@ -20,26 +23,33 @@ impl Progress {
             bar.set_style(style);
         }
         bar.enable_steady_tick(Duration::from_millis(200));
-        Self(bar)
+        Self { bar, quiet }
     }
 
     /// Names the step that begins.
     pub(crate) fn begin(&self, what: impl Into<String>) {
-        self.0.set_message(what.into());
+        self.bar.set_message(what.into());
     }
 
     /// There is more to do than was thought: so many steps.
     pub(crate) fn more(&self, steps: u64) {
-        self.0.inc_length(steps);
+        self.bar.inc_length(steps);
     }
 
     /// Counts a step as done.
     pub(crate) fn done(&self) {
-        self.0.inc(1);
+        self.bar.inc(1);
+    }
+
+    /// Says something that is no error, above the bar; nothing when quiet.
+    pub(crate) fn note(&self, text: &str) {
+        if !self.quiet {
+            self.bar.suspend(|| eprintln!("note: {text}"));
+        }
     }
 
     /// Removes the bar.
     pub(crate) fn finish(&self) {
-        self.0.finish_and_clear();
+        self.bar.finish_and_clear();
     }
 }

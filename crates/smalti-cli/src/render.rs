@@ -16,6 +16,9 @@ use crate::progress::Progress;
 use crate::resolve::has_extension;
 
 pub(crate) fn run(args: &Render, common: &Common) -> anyhow::Result<()> {
+    if !has_extension(&args.output, &["npy", "png", "tif", "tiff"]) {
+        bail!("{}: expected a name that ends in .png, .tif or .npy", args.output.display());
+    }
     let progress = Progress::new(3, common.quiet);
     progress.begin("reading");
     let pipeline = l3::read_table(&args.pipeline)?;
@@ -33,6 +36,9 @@ pub(crate) fn run(args: &Render, common: &Common) -> anyhow::Result<()> {
     let outside = &rendered.outside;
     if args.json {
         let report = json!({
+            "smalti_version": env!("CARGO_PKG_VERSION"),
+            "output": args.output.display().to_string(),
+            "arithmetic": if args.fixed { "fixed point" } else { "single precision" },
             "rows": rendered.planes.rows(),
             "cols": rendered.planes.cols(),
             "outputs": pipeline.outputs(),
@@ -47,8 +53,9 @@ pub(crate) fn run(args: &Render, common: &Common) -> anyhow::Result<()> {
         (outside.brighter, "brighter than anything trained"),
         (outside.saturation, "with channels clipped together that never were in training"),
     ] {
-        if count > 0 && !common.quiet {
-            eprintln!("note: {count} pixels are {what}; the nearest class was used");
+        if count > 0 {
+            let total = rendered.planes.rows() * rendered.planes.cols();
+            progress.note(&format!("{count} of {total} pixels are {what}; the nearest class was used"));
         }
     }
     crate::print(&format!("{}\n", args.output.display()))
@@ -59,11 +66,13 @@ fn write(args: &Render, pipeline: &Pipeline, rendered: &Rendered) -> anyhow::Res
         let p = &rendered.planes;
         return Ok(npy::write(&args.output, &[p.count(), p.rows(), p.cols()], p.data())?);
     }
-    if !has_extension(&args.output, &["png", "tif", "tiff"]) {
-        bail!("{}: expected a name that ends in .png, .tif or .npy", args.output.display());
-    }
     let Some(white) = pipeline.white() else {
-        bail!("the pipeline gives {}, which is not a picture; write .npy", pipeline.outputs().join(", "));
+        bail!(
+            "{}: {} gives {}, which is no picture: name an .npy to write them as they are",
+            args.output.display(),
+            args.pipeline.display(),
+            pipeline.outputs().join(", "),
+        );
     };
     let picture = Image::new(ColorSpace::Xyz, rendered.planes.clone())?;
     let gain = args.gain.unwrap_or_else(|| brightness_gain(&picture));

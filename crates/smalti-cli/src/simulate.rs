@@ -29,6 +29,7 @@ const BYTES_PER_PIXEL: u64 = 120;
 pub(crate) fn run(args: &Simulate, common: &Common) -> anyhow::Result<()> {
     let progress = Progress::new(4, common.quiet);
     progress.begin("scene");
+    write::ensure_can_fill(&args.output)?;
     let camera = resolve::camera(&args.camera, &args.camera_options, None)?;
     let scene = resolve::scene_for(&args.scene, &args.scene_options, &camera)?;
     let mut camera = resolve::camera(&args.camera, &args.camera_options, Some(scene.radiance().grid()))?;

@@ -1,19 +1,20 @@
 //! `smalti train`: a learned pipeline as a file.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use anyhow::{Context, bail};
 use serde_json::json;
 use smalti::camera::{Camera, TrainingTarget};
 use smalti::color::ColorSpace;
-use smalti::l3::{Origin, Pair, Pipeline, PositionSummary, Statistics};
+use smalti::l3::{Axes, Origin, Pair, Pipeline, PositionSummary, Statistics};
 use smalti::sensor::Channel;
 use smalti::spectrum::Illuminant;
 use smalti_io::exr::ReadOptions;
-use smalti_io::{Limits, dng, l3, picture};
+use smalti_io::{Limits, dng, l3, picture, write};
 
 use crate::args::{Common, Train};
 use crate::learn::{self, Material};
+use crate::pictures::D65;
 use crate::progress::Progress;
 use crate::{resolve, table};
 
@@ -26,25 +27,32 @@ pub(crate) fn run(args: &Train, common: &Common) -> anyhow::Result<()> {
     let training = args.learning.training();
     let lights =
         args.illuminants.iter().map(|n| resolve::illuminant(n)).collect::<anyhow::Result<Vec<_>>>()?;
-    let material = material(args, &camera, &lights)?;
-    let mut statistics = match &material {
-        Some(m) => camera.training_statistics(&settings, &m.light(&camera)?)?,
-        None => camera.training_statistics(&settings, &lights[0].photons(camera.grid())?)?,
-    };
-    let mut sources = Vec::new();
-    if !args.pairs.is_empty() {
-        // Real raw files hold their noise.
-        statistics = Statistics::new(statistics.axes().clone(), statistics.outputs().to_vec(), true)?;
+    learn::ensure_mosaic(&camera)?;
+    for file in [Some(&args.output), args.statistics.as_ref(), args.npz.as_ref(), args.c_header.as_ref()] {
+        file.map_or(Ok(()), |f| write::ensure_can_write(f))?;
     }
-    for file in &args.continue_from {
-        statistics.merge(&l3::read_statistics(file)?).with_context(|| file.display().to_string())?;
-        sources.push(format!("statistics {}", file.display()));
+    let material = material(args, &camera, &lights)?;
+    let light = match &material {
+        Some(m) => m.light(&camera)?,
+        None => lights.first().unwrap_or(&Illuminant::D65).photons(camera.grid())?,
+    };
+    let mut statistics = camera.training_statistics(&settings, &light)?;
+    learn::ensure_memory(statistics.axes(), statistics.outputs().len())?;
+    if !args.pairs.is_empty() {
+        // Real raw files hold their noise; pictures are in sRGB.
+        statistics = Statistics::new(statistics.axes().clone(), statistics.outputs().to_vec(), true)?
+            .with_white(Some(D65));
+    }
+    let mut sources = Vec::new();
+    if let Some((first, others)) = args.continue_from.split_first() {
+        statistics = continued(first, others, statistics, material.is_some() || !args.pairs.is_empty())?;
+        sources.extend(args.continue_from.iter().map(|f| format!("statistics {}", f.display())));
     }
     let steps = material.as_ref().map_or(0, Material::len) + args.pairs.len() / 2;
     let progress = Progress::new(steps as u64 + 1, common.quiet);
     for pair in args.pairs.chunks_exact(2) {
         progress.begin(format!("{} and {}", pair[0].display(), pair[1].display()));
-        add_pair(&mut statistics, &pair[0], &pair[1])?;
+        add_pair(&mut statistics, &camera, &pair[0], &pair[1])?;
         sources.push(format!("{} and {}", pair[0].display(), pair[1].display()));
         progress.done();
     }
@@ -107,14 +115,56 @@ fn target(args: &Train) -> anyhow::Result<TrainingTarget> {
     ))
 }
 
-/// A raw file and the picture that should come of it, pixel by pixel.
-fn add_pair(statistics: &mut Statistics, raw: &Path, target: &Path) -> anyhow::Result<()> {
-    let image = dng::read(raw, Limits::default())?;
-    let wanted = picture::read(target, &ReadOptions::default())?.image.converted(ColorSpace::Xyz)?;
-    if statistics.outputs().len() != 3 {
-        bail!("a picture is a target in XYZ; --target {:?} has other outputs", statistics.outputs());
+/// Saved statistics, merged. When more is to be added (`more`) they must be as `fresh` ones are; else it is enough that they
+/// are of the camera and of the settings that were typed, in whatever light they were gathered.
+fn continued(first: &Path, others: &[PathBuf], fresh: Statistics, more: bool) -> anyhow::Result<Statistics> {
+    let mut statistics = l3::read_statistics(first)?;
+    let (its, own) = (statistics.axes(), fresh.axes());
+    let name = first.display();
+    if its.mosaic() != own.mosaic() {
+        bail!("{name}: statistics of another mosaic than that of the camera");
     }
-    let pair = Pair { raw: &image.raw, seen: None, target: wanted.planes() };
+    if its.side() != own.side() {
+        bail!("{name}: statistics of patches of {0} × {0}; --patch is {1}", its.side(), own.side());
+    }
+    if its.level_count() != own.level_count() {
+        bail!("{name}: statistics of {} levels; --levels is {}", its.level_count(), own.level_count());
+    }
+    if its.textures() != own.textures() {
+        let names = |a: &Axes| a.textures().names().join(", ");
+        bail!("{name}: statistics of the textures {}; --textures asks for {}", names(its), names(own));
+    }
+    if its.noise() != own.noise() {
+        bail!("{name}: statistics of a camera with other noise (or of another exposure)");
+    }
+    if statistics.outputs() != fresh.outputs() {
+        let names = |s: &Statistics| s.outputs().join(", ");
+        bail!("{name}: statistics with targets {}; {} were asked for", names(&statistics), names(&fresh));
+    }
+    if more {
+        if statistics.noisy() != fresh.noisy() {
+            bail!(
+                "{name}: raw files hold their noise and scenes do not: statistics of the one cannot go on with the other"
+            );
+        }
+        statistics
+            .merge(&fresh)
+            .with_context(|| format!("{name}, gathered in another light or with other settings"))?;
+    }
+    for file in others {
+        let other = l3::read_statistics(file)?;
+        statistics.merge(&other).with_context(|| format!("{name} and {}", file.display()))?;
+    }
+    Ok(statistics)
+}
+
+/// A raw file and the picture that should come of it, pixel by pixel.
+fn add_pair(statistics: &mut Statistics, camera: &Camera, raw: &Path, target: &Path) -> anyhow::Result<()> {
+    let names: Vec<String> = camera.sensor.cfa.channels().iter().map(|c| c.name.clone()).collect();
+    // A raw file may list its channels in another order than the camera does; names tell.
+    let image = dng::read(raw, Limits::default())?.raw.with_channels(&names);
+    let wanted = picture::read(target, &ReadOptions::default())?.image.converted(ColorSpace::Xyz)?;
+    let pair = Pair { raw: &image, seen: None, target: wanted.planes() };
     statistics.add(&pair).with_context(|| format!("{} with {}", raw.display(), target.display()))
 }
 

@@ -54,6 +54,38 @@ pub fn bytes(path: &Path, bytes: &[u8]) -> Result<(), IoError> {
     })
 }
 
+/// Finds out, before long work, whether [`atomic`] will be able to write a file: makes a temporary one beside it and removes
+/// it.
+///
+/// # Errors
+/// [`IoError::Write`].
+pub fn ensure_can_write(path: &Path) -> Result<(), IoError> {
+    let io = |source| IoError::Write { path: path.to_owned(), source };
+    if path.is_dir() {
+        return Err(io(io::Error::new(io::ErrorKind::IsADirectory, "it is a folder; expected a file")));
+    }
+    create_beside(path).map(drop).map_err(io)
+}
+
+/// Finds out, before long work, whether [`begin_folder`] will be able to make a folder and files to be written in it. Nothing is
+/// made that stays.
+///
+/// # Errors
+/// [`IoError::Write`].
+pub fn ensure_can_fill(dir: &Path) -> Result<(), IoError> {
+    let io = |source| IoError::Write { path: dir.to_owned(), source };
+    if dir.is_file() {
+        return Err(io(not_a_folder()));
+    }
+    // The folder itself, or the nearest above it that is there.
+    let there = dir.ancestors().find(|d| d.exists() || d.as_os_str().is_empty()).unwrap_or(dir);
+    create_beside(&there.join("smalti")).map(drop).map_err(io)
+}
+
+fn not_a_folder() -> io::Error {
+    io::Error::new(io::ErrorKind::NotADirectory, "it is a file; expected a folder")
+}
+
 /// Makes a folder where it is absent and removes from it the files that say what is in it. Their new versions are to be
 /// written last: as long as they are absent, what else lies there may be of two runs.
 ///
@@ -61,8 +93,7 @@ pub fn bytes(path: &Path, bytes: &[u8]) -> Result<(), IoError> {
 /// [`IoError::Write`].
 pub fn begin_folder(dir: &Path, indices: &[&str]) -> Result<(), IoError> {
     if dir.is_file() {
-        let source = io::Error::new(io::ErrorKind::NotADirectory, "it is a file; expected a folder");
-        return Err(IoError::Write { path: dir.to_owned(), source });
+        return Err(IoError::Write { path: dir.to_owned(), source: not_a_folder() });
     }
     fs::create_dir_all(dir).map_err(|source| IoError::Write { path: dir.to_owned(), source })?;
     for index in indices {
@@ -152,6 +183,28 @@ mod tests {
         assert_eq!(names(&out), ["data"]);
         let error = begin_folder(&out.join("data"), &[]).unwrap_err().to_string();
         assert!(error.ends_with("data: it is a file; expected a folder"), "{error}");
+    }
+
+    #[test]
+    fn what_cannot_be_written_is_known_before_and_nothing_stays() {
+        let dir = tempfile::tempdir().unwrap();
+        let at = |name: &str| dir.path().join(name);
+        ensure_can_write(&at("new")).unwrap();
+        ensure_can_fill(&at("deep/er")).unwrap();
+        ensure_can_fill(dir.path()).unwrap();
+        assert!(names(dir.path()).is_empty());
+        bytes(&at("file"), b"kept").unwrap();
+        ensure_can_write(&at("file")).unwrap();
+        for error in [
+            ensure_can_write(dir.path()),
+            ensure_can_write(&at("no/file")),
+            ensure_can_write(&at("file/in")),
+            ensure_can_fill(&at("file")),
+            ensure_can_fill(&at("file/in")),
+        ] {
+            assert!(matches!(error, Err(IoError::Write { .. })), "{error:?}");
+        }
+        assert_eq!((names(dir.path()), fs::read(at("file")).unwrap()), (vec!["file".into()], b"kept".into()));
     }
 
     #[test]

@@ -3,8 +3,11 @@
 
 mod bad_input;
 mod camera_text;
+mod compare;
 mod convert;
 mod evaluate;
+mod learn;
+mod learn_bad;
 mod simulate;
 mod surface;
 
@@ -23,6 +26,19 @@ struct Run {
     err: String,
 }
 
+impl Run {
+    fn of(command: &mut Command) -> Self {
+        let Output { status, stdout, stderr } = command.output().unwrap();
+        let run = Run {
+            code: status.code().unwrap(),
+            out: String::from_utf8(stdout).unwrap(),
+            err: String::from_utf8(stderr).unwrap(),
+        };
+        assert!(!run.err.contains("panicked") && run.code != 101, "{}", run.err);
+        run
+    }
+}
+
 impl Place {
     fn new() -> Self {
         Self { dir: tempfile::tempdir().unwrap() }
@@ -39,14 +55,7 @@ impl Place {
     }
 
     fn run<S: AsRef<std::ffi::OsStr>>(&self, args: &[S]) -> Run {
-        let Output { status, stdout, stderr } = self.command().args(args).output().unwrap();
-        let run = Run {
-            code: status.code().unwrap(),
-            out: String::from_utf8(stdout).unwrap(),
-            err: String::from_utf8(stderr).unwrap(),
-        };
-        assert!(!run.err.contains("panicked") && run.code != 101, "{}", run.err);
-        run
+        Run::of(self.command().args(args))
     }
 
     /// Words separated by spaces; the program must succeed in silence.

@@ -62,6 +62,15 @@ fn help_shows_examples_and_units() {
     for (command, words) in [
         ("simulate", ["Examples:", "cd/m²", "degrees", "--set <KEY=VALUE>", "--seed", "[default: 1]"]),
         ("evaluate", ["Examples:", "cd/m²", "--json", "--set <KEY=VALUE>", "results.json", "[default: 75]"]),
+        (
+            "compare",
+            ["Examples:", "cd/m²", "--light-gain", "results.json", "[default: 1,80]", "side-by-side"],
+        ),
+        (
+            "train",
+            ["Examples:", "--pair <RAW> <PICTURE>", "--continue", "--c-header", "--solver", "safetensors"],
+        ),
+        ("render", ["Examples:", "--pipeline <FILE.l3>", "--fixed", ".npy", "nearest class", "--gain"]),
         ("convert", ["Examples:", ".exr", "nm", "fichet2021", "pbrt", "400:10:700"]),
         ("list", ["Examples:", "scenes", "cfas", "illuminants", "metrics", "--json"]),
         ("completions", ["Examples:", "bash", "zsh", "fish", "smalti completions bash", "SHELL"]),
@@ -71,7 +80,31 @@ fn help_shows_examples_and_units() {
     }
     for shell in ["bash", "zsh", "fish"] {
         let script = place.ok(&format!("completions {shell}"));
-        assert!(script.contains("simulate") && script.contains("luminance"), "{shell}");
+        for word in
+            ["simulate", "luminance", "compare", "light-gain", "train", "c-header", "render", "pipeline"]
+        {
+            assert!(script.contains(word), "{shell} {word}");
+        }
+    }
+    // A heading of a group of options is not that of the options after it.
+    let compare = place.ok("compare --help");
+    let (general, learning) = compare.split_once("Learning:").unwrap();
+    for option in ["--json", "--output", "--set", "--no-cache"] {
+        assert!(general.contains(option) && !learning.contains(&format!(" {option} ")), "{option}");
+    }
+}
+
+#[test]
+fn every_column_of_the_tables_is_a_listed_metric() {
+    let place = Place::new();
+    let metrics = place.ok("list metrics");
+    for (command, headings) in [
+        ("compare", &["CPSNR dB", "ΔE2000", "S-CIELAB", "MTF50 cy/mm", "visual SNR", "noise %"][..]),
+        ("evaluate", &["ΔE76", "ΔE2000", "MTF50 cy/mm", "MTF50 cy/px", "noise %", "aliasing %", "clipped %"]),
+    ] {
+        for heading in headings {
+            assert!(metrics.contains(&format!("'{heading}' in smalti {command}")), "{heading} in {metrics}");
+        }
     }
 }
 
@@ -94,6 +127,12 @@ fn wrong_usage_is_two_and_failure_is_one() {
         "simulate bayer --set pitch",
         "simulate bayer --set =1",
         "evaluate bayer --luminance a",
+        "compare",
+        "compare bayer --processing none",
+        "train bayer",
+        "train -o a.l3",
+        "render a.dng -o a.png",
+        "render a.dng --pipeline a.l3",
         "list cfas --threads 0",
     ] {
         let run = place.run(&words.split_whitespace().collect::<Vec<_>>());
@@ -102,7 +141,14 @@ fn wrong_usage_is_two_and_failure_is_one() {
     }
     let run = place.run(&["simulte"]);
     assert!(run.err.contains("a similar subcommand exists: 'simulate'"), "{}", run.err);
-    for words in ["simulate bayr", "evaluate no.toml", "convert macbet -o a.npy"] {
+    for words in [
+        "simulate bayr",
+        "evaluate no.toml",
+        "convert macbet -o a.npy",
+        "compare bayr",
+        "train no.toml -o a.l3",
+        "render no.dng --pipeline no.l3 -o a.png",
+    ] {
         let run = place.run(&words.split(' ').collect::<Vec<_>>());
         assert_eq!((run.code, run.out.as_str()), (1, ""), "{words}");
         assert!(run.err.starts_with("error: "), "{}", run.err);

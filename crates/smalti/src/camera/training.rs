@@ -222,7 +222,10 @@ impl Camera {
             (TrainingTarget::Xyz, Some(other)) => Some(other.photons(self.grid())?),
         };
         let xyz = |light: &Spectrum| Ok::<_, CameraError>(Observer::Cie1931.xyz_from_photons(light)?);
-        let white = white.as_ref().map(xyz).transpose()?.map(|w| w.map(|v| v / w[1]));
+        // To nine digits: the light of scenes of different luminance differs in the last bits, and must not keep their
+        // statistics apart.
+        let relative = |w: [f64; 3]| w.map(|v| (v / w[1] * 1e9).round() / 1e9);
+        let white = white.as_ref().map(xyz).transpose()?.map(relative);
         Ok(Statistics::new(self.training_axes(settings, light)?, outputs, false)?.with_white(white))
     }
 
@@ -334,7 +337,7 @@ impl Camera {
             }
             factor *= if bright > 0.0 { 0.01 } else { 1e4 };
         }
-        Err(L3Error::Empty { side: 0 }.into())
+        Err(L3Error::Dark.into())
     }
 }
 

@@ -38,6 +38,9 @@ pub enum L3Error {
         /// Side of the patch.
         side: usize,
     },
+    /// A scene to learn from gives no response, however long the exposure.
+    #[error("the scene is dark to the sensor: no exposure gives a response to learn from")]
+    Dark,
     /// A position of the mosaic has not been seen, not even by symmetry.
     #[error("no patch around cell ({row}, {col}) of the mosaic has been seen")]
     UnseenPosition {

@@ -212,7 +212,7 @@ impl Statistics {
     /// The place in the tile of the image's first pixel, when all is as it should be.
     fn check(&mut self, pair: &Pair<'_>) -> Result<[usize; 2], L3Error> {
         let raw = pair.raw;
-        let phase = phase_in(self.axes.mosaic(), raw)?;
+        let phase = phase_in(self.axes.mosaic(), &self.channel_names, raw)?;
         let (rows, cols) = (raw.rows(), raw.cols());
         check_size(&self.axes, rows, cols)?;
         let size = |what, got_rows, got_cols| {
@@ -257,25 +257,26 @@ impl Statistics {
     }
 }
 
-/// Where in the tile the first pixel of a raw image lies.
-pub(super) fn phase_in(mosaic: &Mosaic, raw: &RawImage) -> Result<[usize; 2], L3Error> {
+/// Where in the tile the first pixel of a raw image lies. `names` are those of the tile's channels, for messages.
+pub(super) fn phase_in(mosaic: &Mosaic, names: &[String], raw: &RawImage) -> Result<[usize; 2], L3Error> {
     let Sampling::Mosaic(got) = raw.sampling() else { return Err(L3Error::NoMosaic) };
     let cells = (0..mosaic.rows()).flat_map(|r| (0..mosaic.cols()).map(move |c| [r, c]));
     let mut shifts = cells.filter(|&[r, c]| mosaic.shifted(r, c) == *got);
     shifts.next().ok_or_else(|| L3Error::Mosaic {
         rows: mosaic.rows(),
         cols: mosaic.cols(),
-        expected: listed(mosaic),
+        expected: listed(mosaic, names),
         got_rows: got.rows(),
         got_cols: got.cols(),
-        got: listed(got),
+        got: listed(got, raw.channel_names()),
     })
 }
 
 /// The cells of a tile, a few of them.
-fn listed(mosaic: &Mosaic) -> String {
+fn listed(mosaic: &Mosaic, names: &[String]) -> String {
     let cells = mosaic.cells();
-    let shown: Vec<String> = cells.iter().take(16).map(u8::to_string).collect();
+    let name = |&c: &u8| names.get(usize::from(c)).cloned().unwrap_or_else(|| c.to_string());
+    let shown: Vec<String> = cells.iter().take(16).map(name).collect();
     shown.join(" ") + if cells.len() > 16 { " …" } else { "" }
 }
 

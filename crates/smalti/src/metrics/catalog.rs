@@ -134,6 +134,13 @@ pub const CATALOG: &[MetricInfo] = &[
         "ISO/CIE 11664-6:2014",
     ),
     metric(
+        "saturated_percent",
+        "%",
+        Lower,
+        "Samples of a raw image at its white level.",
+        "defined by smalti, see sensor::RawImage::saturated_percent",
+    ),
+    metric(
         "light_gain_stops",
         "stops",
         Lower,

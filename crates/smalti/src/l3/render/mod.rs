@@ -231,7 +231,7 @@ fn check(pipeline: &Pipeline, raw: &RawImage, planes: &Planes) -> Result<[usize;
 }
 
 fn check_image(pipeline: &Pipeline, raw: &RawImage) -> Result<[usize; 2], L3Error> {
-    let phase = phase_in(pipeline.axes().mosaic(), raw)?;
+    let phase = phase_in(pipeline.axes().mosaic(), pipeline.channel_names(), raw)?;
     check_size(pipeline.axes(), raw.rows(), raw.cols())?;
     // Volts have levels of their own; once normalised they are alike.
     if matches!(raw.samples(), RawSamples::Digital(_)) {

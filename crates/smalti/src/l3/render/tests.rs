@@ -233,7 +233,7 @@ fn both_paths_are_what_the_definition_says_on_every_instruction_set() {
         for phase in [[0, 0], phase] {
             let raw = raw(&mosaic.shifted(phase[0], phase[1]), rows, cols);
             // A mosaic that repeats within its tile may be met at an earlier phase.
-            let found = phase_in(&mosaic, &raw).unwrap();
+            let found = phase_in(&mosaic, &[], &raw).unwrap();
             let reference = Reference::new(&pipeline, &raw, found);
             let (float, mut renderer) = (reference.float(), pipeline.renderer());
             for simd in Simd::all() {

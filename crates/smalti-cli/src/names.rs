@@ -1,0 +1,53 @@
+//! What cameras and scenes are called in tables and in the names of files.
+
+use smalti::camera::Camera;
+
+/// Most characters of a name in the name of a file.
+const MOST_CHARS: usize = 100;
+
+/// The names of cameras as those of files and folders; see [`file_names`].
+pub(crate) fn of_cameras(cameras: &[Camera]) -> Vec<String> {
+    file_names(cameras.iter().map(|c| c.description().name.as_str()))
+}
+
+/// Names as those of files: other characters than letters, digits, `-`, `_` and `.` replaced, and numbered where two would be
+/// one, also where the file system knows no capitals.
+pub(crate) fn file_names<'a>(names: impl Iterator<Item = &'a str>) -> Vec<String> {
+    let keep = |c: char| if c.is_alphanumeric() || "-_.".contains(c) { c } else { '-' };
+    let plain = |name: &str| name.chars().take(MOST_CHARS).map(keep).collect::<String>();
+    numbered(names.map(|name| plain(name).trim_start_matches('.').to_owned()).collect())
+}
+
+/// Names with their number, from 1, before those that occur twice or are empty.
+pub(crate) fn numbered(names: Vec<String>) -> Vec<String> {
+    let alike = |a: &String, b: &String| a.to_lowercase() == b.to_lowercase();
+    let twice = |all: &[String], name: &String| all.iter().filter(|n| alike(n, name)).count() > 1;
+    let mark = |all: bool| {
+        let number = |(i, name): (usize, &String)| match all || name.is_empty() || twice(&names, name) {
+            true => format!("{}-{name}", i + 1),
+            false => name.clone(),
+        };
+        names.iter().enumerate().map(number).collect::<Vec<_>>()
+    };
+    let some = mark(false);
+    // A numbered name may be that of another.
+    if some.iter().any(|name| twice(&some, name)) { mark(true) } else { some }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn all(names: &[&str]) -> Vec<String> {
+        file_names(names.iter().copied())
+    }
+
+    #[test]
+    fn names_are_plain_and_each_its_own() {
+        assert_eq!(all(&["bayer", "rgbw"]), ["bayer", "rgbw"]);
+        assert_eq!(all(&["bayer", "rgbw", "Bayer"]), ["1-bayer", "rgbw", "3-Bayer"]);
+        assert_eq!(all(&["../../etc", "a b/c", ".."]), ["-..-etc", "a-b-c", "3-"]);
+        assert_eq!(all(&["a", "a", "2-a"]), ["1-a", "2-a", "3-2-a"]);
+        assert_eq!(all(&["é".repeat(200).as_str()])[0].chars().count(), MOST_CHARS);
+    }
+}

@@ -1,0 +1,213 @@
+//! What `smalti compare` says and leaves behind: tables, results.json, pictures, learned tables.
+
+use std::path::Path;
+
+use serde_json::{Map, Value, json};
+use smalti::camera::{Camera, SceneScores};
+use smalti::color::Image;
+use smalti::l3::Pipeline;
+use smalti::spectrum::{Observer, WavelengthGrid};
+use smalti_io::picture::{self, Depth};
+use smalti_io::{l3, write};
+
+use crate::args::{Compare, Processing};
+use crate::columns::{self, headings};
+use crate::compare::{Gain, Outcome, Way};
+use crate::pictures::{dark_and_bright, kernels, shown, side_by_side};
+use crate::{names, resolve, table};
+
+/// The file that tells that a folder is whole.
+pub(crate) const RESULTS: &str = "results.json";
+/// The folder of the pictures.
+pub(crate) const SIDE_BY_SIDE: &str = "side-by-side";
+/// Pictures in a row.
+const ACROSS: usize = 4;
+
+/// All that was found.
+pub(crate) struct Report<'a> {
+    pub(crate) args: &'a Compare,
+    pub(crate) cameras: &'a [Camera],
+    pub(crate) ways: &'a [Way<'a>],
+    /// Ways that are not defined for their camera.
+    pub(crate) left_out: &'a [String],
+    /// For each way, one for each light.
+    pub(crate) outcomes: &'a [Vec<Outcome>],
+    pub(crate) gains: &'a [Gain],
+}
+
+/// The mean of a score over the scenes.
+fn mean(outcome: &Outcome, of: impl Fn(&SceneScores) -> f64) -> f64 {
+    outcome.scenes.iter().map(|(_, s)| of(s)).sum::<f64>() / outcome.scenes.len().max(1) as f64
+}
+
+impl Report<'_> {
+    /// One row for each light and way.
+    pub(crate) fn scores_table(&self) -> String {
+        let header: Vec<&str> =
+            ["camera", "pipeline", "cd/m²"].into_iter().chain(headings(&columns::COMPARE)).collect();
+        let mut rows = Vec::new();
+        let lights = self.outcomes.first().map_or(0, Vec::len);
+        for light in 0..lights {
+            for (way, outcomes) in self.ways.iter().zip(self.outcomes) {
+                let o = &outcomes[light];
+                rows.push(vec![
+                    way.label.to_owned(),
+                    way.processing.name().to_owned(),
+                    o.luminance_cd_m2.to_string(),
+                    format!("{:.2}", mean(o, |s| s.scores.cpsnr_db)),
+                    format!("{:.2}", mean(o, |s| s.scores.pixel_delta_e_2000_mean)),
+                    format!("{:.2}", mean(o, |s| s.scores.scielab_mean)),
+                    format!("{:.1}", o.targets.mtf50_cy_per_mm),
+                    format!("{:.3}", o.targets.visual_snr.median),
+                    format!("{:.1}", o.targets.luminance_noise_percent.mean),
+                ]);
+            }
+        }
+        table::render(&header, &rows)
+    }
+
+    /// A table for each camera that is to be equalled, in each light.
+    pub(crate) fn gains_table(&self) -> String {
+        let mut out = String::new();
+        for Gain { first, other, gains, .. } in self.gains {
+            let header = ["metric", first.as_str(), other.as_str(), "light gain"];
+            let row = |g: &smalti::camera::MetricGain| {
+                vec![
+                    g.metric.to_owned(),
+                    format!("{:.3}", g.own),
+                    format!("{:.3}", g.target),
+                    g.gain.to_string(),
+                ]
+            };
+            let rows: Vec<Vec<String>> = gains.metrics.iter().map(row).collect();
+            out += &format!(
+                "\nmore light that {first} needs to equal {other} at {} cd/m²\n{}",
+                gains.luminance_cd_m2,
+                table::render(&header, &rows)
+            );
+        }
+        out
+    }
+
+    /// results.json.
+    pub(crate) fn document(&self) -> anyhow::Result<Value> {
+        let mut entries = Vec::new();
+        for (way, outcomes) in self.ways.iter().zip(self.outcomes) {
+            for o in outcomes {
+                let scenes: Vec<Value> = o
+                    .scenes
+                    .iter()
+                    .map(|(name, s)| Ok(json!({"scene": name, "scores": serde_json::to_value(s)?})))
+                    .collect::<anyhow::Result<_>>()?;
+                entries.push(json!({
+                    "camera": way.label,
+                    "pipeline": way.processing.name(),
+                    "luminance_cd_m2": o.luminance_cd_m2,
+                    "cpsnr_db": mean(o, |s| s.scores.cpsnr_db),
+                    "pixel_delta_e_2000_mean": mean(o, |s| s.scores.pixel_delta_e_2000_mean),
+                    "scielab_mean": mean(o, |s| s.scores.scielab_mean),
+                    "targets": serde_json::to_value(&o.targets)?,
+                    "scenes": scenes,
+                }));
+            }
+        }
+        let learned = self
+            .ways
+            .iter()
+            .filter_map(|w| Some((w, w.pipeline?)))
+            .filter(|(w, _)| w.processing == Processing::L3);
+        Ok(json!({
+            "smalti_version": env!("CARGO_PKG_VERSION"),
+            "illuminant": self.args.illuminant,
+            "seed": self.args.camera_options.seed,
+            "left_out": self.left_out,
+            "results": entries,
+            "light_gains": self.gains.iter().map(|g| Ok(json!({
+                "needs_more_light": g.first,
+                "to_equal": g.other,
+                "scenes": g.scenes,
+                "gains": serde_json::to_value(&g.gains)?,
+            }))).collect::<anyhow::Result<Vec<Value>>>()?,
+            "learned": learned.map(|(w, p)| kernels_as_json(w.label, p)).collect::<Vec<_>>(),
+            "cameras": self.cameras.iter().map(|c| serde_json::to_value(c.description())).collect::<Result<Vec<_>, _>>()?,
+        }))
+    }
+
+    /// Writes everything; `text` is results.json.
+    pub(crate) fn write(&self, text: &str) -> anyhow::Result<()> {
+        // A folder that has results.json is whole: that of an earlier run goes first, the new one comes last.
+        let dir = &self.args.output;
+        write::begin_folder(dir, &[RESULTS])?;
+        let pictures = dir.join(SIDE_BY_SIDE);
+        write::begin_folder(&pictures, &[])?;
+        let lights = self.outcomes.first().map_or(&[][..], Vec::as_slice);
+        for (l, light) in lights.iter().enumerate() {
+            let stems: Vec<String> = light.scenes.iter().map(|(scene, _)| stem(scene)).collect();
+            let files = names::file_names(stems.iter().map(String::as_str));
+            for (s, ((_, first), file)) in light.scenes.iter().zip(files).enumerate() {
+                let mut row = vec![self.as_seen(first, &first.reference)?];
+                for outcomes in self.outcomes {
+                    let scores = &outcomes[l].scenes[s].1;
+                    row.push(self.as_seen(scores, &scores.picture)?);
+                }
+                let name = format!("{file}-{}-cd-m2.png", light.luminance_cd_m2);
+                picture::write_png(&pictures.join(name), &side_by_side(&row, ACROSS)?, Depth::Eight)?;
+            }
+        }
+        let learned: Vec<&Way<'_>> = self.ways.iter().filter(|w| w.processing == Processing::L3).collect();
+        let files = names::file_names(learned.iter().map(|w| w.label));
+        for (way, file) in learned.iter().zip(files) {
+            let Some(pipeline) = way.pipeline else { continue };
+            let drawn = kernels(way.camera, pipeline)?;
+            picture::write_png(&dir.join(format!("{file}-kernels.png")), &drawn, Depth::Eight)?;
+            l3::write_table(&dir.join(format!("{file}.l3")), pipeline)?;
+        }
+        write::bytes(&dir.join(RESULTS), text.as_bytes())?;
+        Ok(())
+    }
+
+    /// A picture of a scored scene as shown on a screen: white is that of the reference.
+    fn as_seen(&self, scores: &SceneScores, picture: &Image) -> anyhow::Result<Image> {
+        let grid = WavelengthGrid::VISIBLE;
+        let white = Observer::Cie1931
+            .xyz_from_photons(&resolve::illuminant(&self.args.illuminant)?.photons(grid)?)?;
+        shown(picture, white.map(|v| v / white[1]), 1.0 / scores.scores.white_y)
+    }
+}
+
+/// The classes of a pipeline in numbers, and the kernels that are drawn.
+fn kernels_as_json(camera: &str, pipeline: &Pipeline) -> Value {
+    let summary = pipeline.summary();
+    let drawn: Vec<Value> = dark_and_bright(pipeline)
+        .into_iter()
+        .map(|class| {
+            let key = pipeline.key(class);
+            let outputs: Map<String, Value> = pipeline
+                .outputs()
+                .iter()
+                .enumerate()
+                .map(|(o, name)| (name.clone(), json!(pipeline.weights(class, o))))
+                .collect();
+            json!({
+                "position": key.position,
+                "level": key.level,
+                "texture": pipeline.axes().textures().names()[usize::from(key.texture)],
+                "weights": outputs,
+            })
+        })
+        .collect();
+    json!({
+        "camera": camera,
+        "classes": summary.classes,
+        "classes_that_occur": summary.occupied,
+        "operators": summary.operators,
+        "patches": summary.patches,
+        "kernels": drawn,
+    })
+}
+
+/// The name of a scene without its folder, parameters and extension.
+fn stem(scene: &str) -> String {
+    let name = if resolve::is_file(scene) { scene } else { scene.split('?').next().unwrap_or(scene) };
+    Path::new(name).file_stem().map_or_else(|| scene.to_owned(), |s| s.to_string_lossy().into_owned())
+}

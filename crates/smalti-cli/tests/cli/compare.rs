@@ -1,0 +1,253 @@
+//! `smalti compare`. Cameras are noisy and of few wavelengths, so that there is little to learn from; all tests share one cache.
+
+use std::path::PathBuf;
+use std::sync::OnceLock;
+
+use serde_json::Value;
+use smalti::l3::Pipeline;
+use smalti_io::exr::ReadOptions;
+use smalti_io::{l3, picture};
+
+use crate::{Place, Run};
+
+/// Noise that leaves two exposures to learn from, seven wavelengths, a small sensor.
+const QUICK: &str = "--set sensor.pixel.read_noise_mv=100 --set wavelengths_nm=[400,50,700] \
+    --set sensor.rows=96 --set sensor.cols=96";
+const LEAVES: &str = "dead-leaves?rows=96&cols=96&largest=60";
+
+/// A cache with what the cameras of these tests have learned.
+fn cache() -> PathBuf {
+    static CACHE: OnceLock<tempfile::TempDir> = OnceLock::new();
+    let cache = CACHE.get_or_init(|| {
+        let dir = tempfile::tempdir().unwrap();
+        let place = Place::new();
+        let words = format!("compare bayer rgbw --scene {LEAVES} --luminance 80 -o o {QUICK}");
+        let run = place.command().env("SMALTI_CACHE_DIR", dir.path()).args(words.split_whitespace()).output();
+        assert!(run.unwrap().status.success());
+        dir
+    });
+    cache.path().to_owned()
+}
+
+fn run(place: &Place, words: &str) -> Run {
+    let mut command = place.command();
+    command.env("SMALTI_CACHE_DIR", cache()).args(words.split_whitespace()).args(QUICK.split_whitespace());
+    Run::of(&mut command)
+}
+
+fn ok(place: &Place, words: &str) -> String {
+    let run = run(place, words);
+    assert_eq!((run.code, run.err.as_str()), (0, ""), "smalti {words}");
+    run.out
+}
+
+fn table(place: &Place, name: &str) -> Pipeline {
+    l3::read_table(&place.path(name)).unwrap()
+}
+
+#[test]
+fn the_table_the_files_and_the_figures_agree() {
+    let place = Place::new();
+    let words = format!("compare bayer rgbw --scene {LEAVES} --luminance 5,80 -o o");
+    let text = ok(&place, &words);
+    let lines: Vec<&str> = text.lines().collect();
+    assert_eq!(lines[0].split("  ").filter(|c| !c.is_empty()).count(), 9, "{text}");
+    let rows: Vec<[&str; 3]> = lines[2..6]
+        .iter()
+        .map(|l| l.split_whitespace().take(3).collect::<Vec<_>>().try_into().unwrap())
+        .collect();
+    let expected = [["bayer", "l3", "5"], ["rgbw", "l3", "5"], ["bayer", "l3", "80"], ["rgbw", "l3", "80"]];
+    assert_eq!(rows, expected);
+    let files =
+        ["bayer-kernels.png", "bayer.l3", "results.json", "rgbw-kernels.png", "rgbw.l3", "side-by-side"];
+    assert_eq!(place.names("o"), files);
+    assert_eq!(place.names("o/side-by-side"), ["dead-leaves-5-cd-m2.png", "dead-leaves-80-cd-m2.png"]);
+
+    let results = place.json("o/results.json");
+    for key in ["smalti_version", "illuminant", "seed", "results", "light_gains", "learned", "cameras"] {
+        assert!(results.get(key).is_some(), "{key}");
+    }
+    let entries = results["results"].as_array().unwrap();
+    assert_eq!(entries.len(), 4);
+    for entry in entries {
+        let row = lines[2..6].iter().find(|l| {
+            let words: Vec<&str> = l.split_whitespace().collect();
+            words[0] == entry["camera"] && words[2].parse::<f64>().unwrap() == entry["luminance_cd_m2"]
+        });
+        let row: Vec<&str> = row.unwrap().split_whitespace().collect();
+        let shown = |key: &str, digits: usize| format!("{:.digits$}", entry[key].as_f64().unwrap());
+        assert_eq!(row[3], shown("cpsnr_db", 2));
+        assert_eq!(row[4], shown("pixel_delta_e_2000_mean", 2));
+        assert_eq!(row[5], shown("scielab_mean", 2));
+        for pointer in ["/targets/mtf50_cy_per_mm", "/targets/visual_snr/median", "/scenes/0/scores"] {
+            assert!(entry.pointer(pointer).is_some(), "{pointer}");
+        }
+    }
+    let cpsnr = |i: usize| entries[i]["cpsnr_db"].as_f64().unwrap();
+    assert!(cpsnr(1) > cpsnr(0), "more light, a better picture");
+    assert_eq!(results["learned"][1]["camera"], "rgbw");
+    assert_eq!(results["cameras"][1]["name"], "rgbw");
+
+    // The pictures hold what they say: the reference and two renderings, with gaps. Built-in scenes have two samples to a
+    // pixel, so that detail beyond the sensor's reach is there.
+    let read = |name: &str| picture::read(&place.path(name), &ReadOptions::default()).unwrap().image;
+    let row = read("o/side-by-side/dead-leaves-80-cd-m2.png");
+    assert_eq!((row.rows(), row.cols()), (48, 3 * 48 + 2 * 8));
+    let mean = |from: usize| {
+        let plane = row.planes().plane(1);
+        let line = |r: usize| plane[r * row.cols() + from..][..48].iter().sum::<f32>();
+        (0..48).map(line).sum::<f32>() / (48.0 * 48.0)
+    };
+    let [reference, bayer, rgbw] = [0, 56, 112].map(mean);
+    assert!(
+        (bayer - reference).abs() < 0.05 && (rgbw - reference).abs() < 0.05,
+        "{reference} {bayer} {rgbw}"
+    );
+    let drawn = read("o/bayer-kernels.png");
+    assert_eq!((drawn.rows(), drawn.cols()), (2 * 5 * 28 + 8, 3 * (5 * 28 + 8) - 8));
+    assert_eq!(table(&place, "o/rgbw.l3").channel_names(), ["R", "G", "W", "B"]);
+
+    // From the cache or not, on any number of threads: the same bits.
+    let json = ok(&place, &format!("{words} --json"));
+    assert_eq!(json.as_bytes(), place.read("o/results.json"));
+    assert_eq!(serde_json::from_str::<Value>(&json).unwrap(), results);
+    let fresh = ok(&place, &format!("{words} --json --threads 1 --no-cache"));
+    assert_eq!(fresh, json, "without the cache, on one thread");
+}
+
+#[test]
+fn ways_of_processing_stand_beside_each_other_where_they_are_defined() {
+    let place = Place::new();
+    let all = "--processing malvar2004,bilinear,adaptive,bilinear";
+    let words = format!("compare bayer rgbw --scene {LEAVES} --luminance 80 {all} -o o");
+    let got = run(&place, &words);
+    assert_eq!(got.code, 0);
+    assert_eq!(
+        got.err,
+        "note: rgbw malvar2004 is left out: it is defined for Bayer mosaics\n\
+         note: rgbw adaptive is left out: it is defined for Bayer mosaics\n"
+    );
+    let ways: Vec<String> = got
+        .out
+        .lines()
+        .skip(2)
+        .take(4)
+        .map(|l| l.split_whitespace().take(2).collect::<Vec<_>>().join(" "))
+        .collect();
+    assert_eq!(ways, ["bayer malvar2004", "bayer bilinear", "bayer adaptive", "rgbw bilinear"]);
+    let results = place.json("o/results.json");
+    assert_eq!(results["left_out"], serde_json::json!(["rgbw malvar2004", "rgbw adaptive"]));
+    assert_eq!(results["cameras"].as_array().unwrap().len(), 2);
+    // Nothing was learned, so no table is written.
+    assert_eq!(place.names("o"), ["results.json", "side-by-side"]);
+    assert_eq!(run(&place, &format!("{words} --quiet")).err, "");
+    // A prism has every channel everywhere: nothing to learn, but to compare.
+    let prism = format!("compare bayer --scene {LEAVES} --luminance 80 --set sensor.architecture=prism -o p");
+    ok(&place, &format!("{prism} --processing bilinear"));
+}
+
+#[test]
+fn cameras_and_scenes_of_one_name_are_numbered() {
+    let place = Place::new();
+    let scenes = "--scene dead-leaves?rows=48&cols=48&largest=30 --scene dead-leaves?rows=48&cols=48&largest=30&seed=9";
+    let text = ok(&place, &format!("compare bayer bayer {scenes} --luminance 80 --processing l3 -o o"));
+    assert!(text.contains("\n1-bayer") && text.contains("\n2-bayer"), "{text}");
+    let files = [
+        "1-bayer-kernels.png",
+        "1-bayer.l3",
+        "2-bayer-kernels.png",
+        "2-bayer.l3",
+        "results.json",
+        "side-by-side",
+    ];
+    assert_eq!(place.names("o"), files);
+    assert_eq!(place.names("o/side-by-side"), ["1-dead-leaves-80-cd-m2.png", "2-dead-leaves-80-cd-m2.png"]);
+    assert!(place.read("o/1-bayer.l3") == place.read("o/2-bayer.l3"));
+    let r = &place.json("o/results.json")["results"];
+    assert_eq!((&r[0]["camera"], &r[0]["cpsnr_db"]), (&"1-bayer".into(), &r[1]["cpsnr_db"]));
+}
+
+#[test]
+fn the_light_gain_is_a_table_and_json() {
+    let place = Place::new();
+    let scene = "dead-leaves?rows=48&cols=48&largest=30";
+    let words =
+        format!("compare bayer rgbw --scene {scene} --luminance 20 --processing bilinear --light-gain -o o");
+    let text = ok(&place, &words);
+    assert!(
+        text.contains("more light that bayer bilinear needs to equal rgbw bilinear at 20 cd/m²"),
+        "{text}"
+    );
+    assert!(text.contains(" stops"), "{text}");
+    let results = place.json("o/results.json");
+    let gain = &results["light_gains"][0];
+    assert_eq!(gain["needs_more_light"], "bayer bilinear");
+    assert_eq!(gain["to_equal"], "rgbw bilinear");
+    assert_eq!(gain["scenes"], serde_json::json!([scene]));
+    let metrics = gain.pointer("/gains/metrics").unwrap().as_array().unwrap();
+    assert_eq!(metrics.len(), 5);
+    for m in metrics {
+        assert!(text.lines().any(|l| l.starts_with(m["metric"].as_str().unwrap())), "{m}");
+        assert!(m["own"].is_number() && m["target"].is_number() && m["gain"].is_object(), "{m}");
+    }
+}
+
+#[test]
+fn files_are_scenes_too() {
+    let place = Place::new();
+    place.ok("convert macbeth?patch=8 -o chart.png");
+    let text = ok(&place, "compare bayer --scene chart.png --luminance 80 --processing bilinear -o o");
+    assert!(text.contains("of one scene"), "{text}");
+    assert_eq!(place.names("o/side-by-side"), ["chart-80-cd-m2.png"]);
+}
+
+/// That a run of bad words fails with one line, with these words, and leaves nothing.
+fn refused(words: &str, code: i32, expected: &[&str]) {
+    let place = Place::new();
+    place.write("file", "kept");
+    let run = run(&place, words);
+    assert_eq!((run.code, run.out.as_str()), (code, ""), "{words}: {}", run.err);
+    for e in expected {
+        assert!(run.err.contains(e), "{words}: no {e} in {}", run.err);
+    }
+    // A second line says what is built in.
+    assert!(code == 2 || run.err.lines().count() <= 2, "{words}: {}", run.err);
+    assert!(place.names("out").is_empty(), "{words}: {:?}", place.names("out"));
+    assert_eq!(place.read("file"), b"kept");
+}
+
+#[test]
+fn what_cannot_be_compared_is_refused_before_work() {
+    for (words, code, expected) in [
+        ("compare bayer --light-gain", 1, &["--light-gain", "two or more"][..]),
+        ("compare bayer --luminance 0", 2, &["'0'", "--luminance", "above 0"]),
+        ("compare bayer --luminance 1,-5", 2, &["'-5'", "--luminance", "above 0"]),
+        ("compare bayer --luminance nan", 2, &["'nan'", "--luminance"]),
+        ("compare bayer --levels 0", 2, &["'0'", "--levels", "1 to 256"]),
+        ("compare bayer --patch 4", 2, &["'4'", "--patch", "3, 5, 7, 9, 11"]),
+        ("compare bayer --alpha-flat 16", 2, &["'16'", "--alpha-flat", "luminance,chrominance"]),
+        ("compare bayer --alpha-flat 16,x,4", 2, &["'16,x,4'", "--alpha-flat"]),
+        ("compare bayer --alpha-texture -1,4", 2, &["'-1,4'", "--alpha-texture", "0 to 1e6"]),
+        ("compare bayer --smoothing 1.5", 2, &["'1.5'", "--smoothing", "0 to 1"]),
+        ("compare bayer --processing fancy", 2, &["'fancy'", "malvar2004"]),
+        ("compare bayr", 1, &["bayr: no such camera", "did you mean 'bayer'?"]),
+        ("compare bayer --illuminant D66", 1, &["did you mean 'D65'?"]),
+        (
+            "compare bayer --scene dead-leafs --luminance 80",
+            1,
+            &["dead-leafs", "did you mean 'dead-leaves'?"],
+        ),
+        ("compare bayer --scene no.exr --luminance 80", 1, &["cannot read no.exr"]),
+        ("compare rgbw --processing malvar2004", 1, &["nothing is left to compare"]),
+        ("compare bayer --set sensor.architecture=prism", 1, &["bayer", "prism", "mosaics"]),
+        ("compare bayer --set sensor.architecture=field-sequential", 1, &["field-sequential", "mosaics"]),
+    ] {
+        let quick = if words.contains("--luminance") || code == 2 { "" } else { " --luminance 80" };
+        let quiet = if words.contains("malvar2004") { " -q" } else { "" };
+        refused(&format!("{words}{quick}{quiet} -o out"), code, expected);
+    }
+    refused("compare bayer -o file", 1, &["file: it is a file; expected a folder"]);
+    refused("compare bayer -o file/in", 1, &["cannot write file/in"]);
+    #[cfg(target_os = "linux")]
+    refused("compare bayer -o /proc/out", 1, &["cannot write /proc/out"]);
+}

@@ -1,0 +1,233 @@
+//! `smalti train` and `smalti render`.
+
+use smalti::l3::Pipeline;
+use smalti_io::exr::ReadOptions;
+use smalti_io::npy::{self, NpyData};
+use smalti_io::{Limits, l3, picture};
+
+use crate::Place;
+
+pub(crate) const SMALL: &str = "--set sensor.rows=96 --set sensor.cols=96";
+pub(crate) const LEAVES: &str = "--scene dead-leaves?rows=96&cols=96&largest=60";
+pub(crate) const OTHER: &str = "--scene dead-leaves?rows=96&cols=96&largest=60&seed=5";
+pub(crate) const EXPOSURES: &str = "--exposures 1,0.1";
+
+fn table(place: &Place, name: &str) -> Pipeline {
+    l3::read_table(&place.path(name)).unwrap()
+}
+
+fn array(place: &Place, name: &str) -> (Vec<usize>, Vec<f32>) {
+    let read = npy::read(&place.path(name), Limits::default()).unwrap();
+    let NpyData::F32(data) = read.data else { panic!("{name}: {:?}", read.data) };
+    (read.shape, data)
+}
+
+/// The same but for how it was made.
+fn assert_same_table(a: &Pipeline, b: &Pipeline) {
+    assert_eq!(a.axes(), b.axes());
+    assert_eq!(a.classes(), b.classes());
+    assert_eq!(a.kernels(), b.kernels());
+    assert_eq!((a.saturations(), a.outputs(), a.white()), (b.saturations(), b.outputs(), b.white()));
+}
+
+#[test]
+fn what_is_trained_renders_what_is_simulated() {
+    let place = Place::new();
+    let text = place.ok(&format!("train bayer {LEAVES} {SMALL} {EXPOSURES} -o a.l3"));
+    assert!(text.lines().next().unwrap().starts_with("position  channel"), "{text}");
+    assert!(text.contains("operators, learned from 16928 patches") && text.ends_with("a.l3\n"), "{text}");
+    place.ok(&format!("simulate bayer {OTHER} {SMALL} -o s"));
+
+    // What the table gives, in numbers.
+    let json: serde_json::Value =
+        serde_json::from_str(&place.ok("render s/raw.dng --pipeline a.l3 -o p.npy --json")).unwrap();
+    assert_eq!((&json["rows"], &json["cols"]), (&96.into(), &96.into()));
+    assert_eq!(json["outputs"], serde_json::json!(["X", "Y", "Z"]));
+    assert_eq!((&json["output"], &json["arithmetic"]), (&"p.npy".into(), &"single precision".into()));
+    for key in ["darker_than", "brighter_than", "clipped_unlike"] {
+        assert!(json[format!("pixels_{key}_trained")].is_number(), "{key} of {json}");
+    }
+    let (shape, xyz) = array(&place, "p.npy");
+    assert_eq!(shape, [3, 96, 96]);
+
+    // It is the scene: nearer to the reference than half of what the reference spreads by.
+    place.ok("render s/raw.dng --pipeline a.l3 -o fixed.npy --fixed -q");
+    let (_, fixed) = array(&place, "fixed.npy");
+    let peak = xyz.iter().copied().fold(0.0, f32::max);
+    let mse = xyz.iter().zip(&fixed).map(|(a, b)| f64::from(a - b).powi(2)).sum::<f64>() / xyz.len() as f64;
+    let psnr = 10.0 * (f64::from(peak).powi(2) / mse).log10();
+    assert!(psnr > 60.0, "fixed point is {psnr} dB from single precision");
+
+    // As pictures: 8 and 16 bits, the same, and like that of the classic pipeline.
+    let out = place.ok("render s/raw.dng --pipeline a.l3 -o p.png -q");
+    assert_eq!(out, "p.png\n");
+    place.ok("render s/raw.dng --pipeline a.l3 -o p.tif --bits 16 -q");
+    let read = |name: &str| picture::read(&place.path(name), &ReadOptions::default()).unwrap();
+    let (eight, sixteen, classic) = (read("p.png"), read("p.tif"), read("s/rendered.png"));
+    assert_eq!((eight.bits, sixteen.bits), (8, 16));
+    let far = |a: &picture::Picture, b: &picture::Picture| {
+        let (a, b) = (a.image.planes().data(), b.image.planes().data());
+        let squares = a.iter().zip(b).map(|(a, b)| f64::from(a - b).powi(2));
+        (squares.sum::<f64>() / a.len() as f64).sqrt()
+    };
+    assert!(far(&eight, &sixteen) < 0.5 / 255.0);
+    assert!(far(&eight, &classic) < 0.1, "{} from the classic picture", far(&eight, &classic));
+    // Half the brightness in linear light.
+    place.ok("render s/raw.dng --pipeline a.l3 -o bright.png --gain 1 -q");
+    place.ok("render s/raw.dng --pipeline a.l3 -o dim.png --gain 0.5 -q");
+    let mean = |p: &picture::Picture| p.image.planes().data().iter().sum::<f32>();
+    assert!(mean(&read("dim.png")) < 0.85 * mean(&read("bright.png")));
+}
+
+#[test]
+fn parts_make_the_whole() {
+    let place = Place::new();
+    let common = format!("{SMALL} {EXPOSURES}");
+    place.ok(&format!("train bayer {LEAVES} {OTHER} {common} -o whole.l3 --statistics whole.st"));
+    place.ok(&format!("train bayer {LEAVES} {common} -o one.l3 --statistics one.st"));
+    place.ok(&format!("train bayer {OTHER} {common} -o two.l3 --continue one.st --statistics both.st"));
+    let whole = table(&place, "whole.l3");
+    assert_same_table(&whole, &table(&place, "two.l3"));
+    assert!(place.read("whole.st") == place.read("both.st"), "statistics know no order of work");
+    // Merged alone, without a scene; sums of parts differ in the last bits of double precision.
+    place.ok(&format!("train bayer {OTHER} {common} -o other.l3 --statistics other.st"));
+    place.ok("train bayer --continue one.st --continue other.st -o merged.l3");
+    let merged = table(&place, "merged.l3");
+    assert_eq!(merged.classes(), whole.classes());
+    let far = |a: &[f32], b: &[f32]| a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
+    assert!(far(&merged.kernels().weights, &whole.kernels().weights) < 1e-4);
+    // From saved statistics another solver takes no scene.
+    place.ok("train bayer --continue whole.st --solver ridge -o ridge.l3");
+    assert_ne!(table(&place, "ridge.l3").kernels(), whole.kernels());
+    // The same again, on any number of threads.
+    place.ok(&format!("train bayer {LEAVES} {OTHER} {common} -o again.l3 --threads 1"));
+    assert!(place.read("again.l3") == place.read("whole.l3"));
+}
+
+/// What a camera's own processing makes of its raw files can be learned from the two.
+#[test]
+fn a_raw_file_and_its_picture_are_enough() {
+    let place = Place::new();
+    place.ok(&format!("simulate bayer {LEAVES} {SMALL} --bits 16 --format tif -o a"));
+    place.ok(&format!("simulate bayer {OTHER} {SMALL} --bits 16 --format tif -o b"));
+    place.ok("train bayer --pair a/raw.dng a/rendered.tif --pair b/raw.dng b/rendered.tif -o pair.l3");
+    place.ok("render a/raw.dng --pipeline pair.l3 -o back.tif --bits 16 --gain 1 -q");
+    let read = |name: &str| picture::read(&place.path(name), &ReadOptions::default()).unwrap().image;
+    let (wanted, got) = (read("a/rendered.tif"), read("back.tif"));
+    let squares =
+        wanted.planes().data().iter().zip(got.planes().data()).map(|(a, b)| f64::from(a - b).powi(2));
+    let rms = (squares.sum::<f64>() / got.planes().data().len() as f64).sqrt();
+    assert!(rms < 0.05, "{rms} from the picture that was learned from");
+}
+
+#[test]
+fn other_targets_and_other_light() {
+    let place = Place::new();
+    place.ok(&format!("train bayer {LEAVES} {SMALL} {EXPOSURES} --target rgbw -o t.l3"));
+    assert_eq!(table(&place, "t.l3").outputs(), ["R", "G", "W", "B"]);
+    place.ok(&format!("simulate bayer {LEAVES} --illuminant A {SMALL} -o s"));
+    place.ok("render s/raw.dng --pipeline t.l3 -o t.npy -q");
+    assert_eq!(array(&place, "t.npy").0, [4, 96, 96]);
+    let run = place.run(&["render", "s/raw.dng", "--pipeline", "t.l3", "-o", "t.png"]);
+    assert_eq!(run.code, 1);
+    assert!(
+        run.err.contains("t.png: t.l3 gives R, G, W, B, which is no picture: name an .npy"),
+        "{}",
+        run.err
+    );
+    assert!(!place.path("t.png").exists());
+
+    // Tungsten seen as by daylight: the mean has the colour of daylight, that of plain training the light's.
+    let blue = |name: &str, more: &str| {
+        place.ok(&format!("train bayer {LEAVES} --illuminant A {SMALL} {EXPOSURES} {more} -o {name}.l3"));
+        place.ok(&format!("render s/raw.dng --pipeline {name}.l3 -o {name}.npy -q"));
+        let (_, xyz) = array(&place, &format!("{name}.npy"));
+        let sum = |c: usize| xyz[c * 96 * 96..][..96 * 96].iter().sum::<f32>();
+        sum(2) / sum(1)
+    };
+    let (warm, balanced) = (blue("warm", ""), blue("balanced", "--target-illuminant D65"));
+    // Z of white: 0.36 in A, 1.09 in D65; leaves are yellower than white.
+    assert!(warm < 0.4 && balanced > 2.0 * warm, "{warm} {balanced}");
+}
+
+#[test]
+fn tables_for_others() {
+    let place = Place::new();
+    place.ok(&format!("train bayer {LEAVES} {SMALL} {EXPOSURES} -o a.l3 --npz a.npz --c-header my-isp.h"));
+    let header = String::from_utf8(place.read("my-isp.h")).unwrap();
+    assert!(header.contains("my_isp_") && header.contains("int16_t"), "{}", &header[..500.min(header.len())]);
+    assert_eq!(&place.read("a.npz")[..2], b"PK");
+    let json: serde_json::Value =
+        serde_json::from_str(&place.ok(&format!("train bayer {LEAVES} {SMALL} {EXPOSURES} -o b.l3 --json")))
+            .unwrap();
+    let table = table(&place, "b.l3");
+    assert_eq!(json["classes"].as_array().unwrap().len(), table.classes().len());
+    assert_eq!(json["patches"], 16928);
+    let occurring = table.classes().iter().filter(|c| c.count > 0).count();
+    assert_eq!(json["classes_that_occur"], occurring);
+    assert_eq!(json["operators"], 3 * occurring);
+}
+
+#[test]
+fn every_way_of_learning_makes_a_table_that_renders() {
+    let place = Place::new();
+    let leaves = "--scene dead-leaves?rows=64&cols=64&largest=30";
+    let small = "--set sensor.rows=64 --set sensor.cols=64";
+    place.ok(&format!("simulate bayer {leaves} {small} -o s"));
+    let mut kernels = Vec::new();
+    for options in [
+        "",
+        "--textures none",
+        "--textures flat-texture",
+        "--solver least-squares",
+        "--solver ridge",
+        "--solver perceptual",
+        "--alpha-flat 4,2 --alpha-texture 2,1",
+        "--level-rule noise-steps",
+        "--patch 3",
+        "--patch 7",
+        "--patch 9",
+        "--patch 11",
+        "--linear",
+        "--smoothing 0.5",
+        "--no-symmetry",
+        "--sharp",
+        "--levels 1",
+        "--levels 256 --textures none",
+    ] {
+        place.ok(&format!("train bayer {leaves} {small} --exposures 1,0.2 {options} -o a.l3"));
+        let run = place.run(&["render", "s/raw.dng", "--pipeline", "a.l3", "-o", "a.npy"]);
+        assert_eq!(run.code, 0, "{options}: {}", run.err);
+        let (shape, values) = array(&place, "a.npy");
+        assert_eq!(shape, [3, 64, 64], "{options}");
+        let mean = values.iter().map(|&v| f64::from(v)).sum::<f64>() / values.len() as f64;
+        assert!(values.iter().all(|v| v.is_finite()) && (0.02..1.0).contains(&mean), "{options}: {mean}");
+        let table = table(&place, "a.l3");
+        if options == "--linear" {
+            assert!(table.kernels().offsets.iter().all(|o| *o == 0.0));
+        }
+        kernels.push((options, table.kernels().clone()));
+    }
+    for (i, (a, of_a)) in kernels.iter().enumerate() {
+        for (b, of_b) in &kernels[..i] {
+            assert!(of_a != of_b, "'{a}' does nothing else than '{b}'");
+        }
+    }
+}
+
+#[test]
+fn pixels_beyond_what_was_trained_are_counted() {
+    let place = Place::new();
+    place.ok(&format!("train bayer {LEAVES} {SMALL} --exposures 0.3 -o mid.l3"));
+    for (luminance, what) in [("4000", "brighter"), ("0.01", "darker")] {
+        place.ok(&format!("simulate bayer {LEAVES} {SMALL} --luminance {luminance} -o s"));
+        let run = place.run(&["render", "s/raw.dng", "--pipeline", "mid.l3", "-o", "a.png"]);
+        assert_eq!(run.code, 0);
+        let words = format!("of 9216 pixels are {what} than anything trained; the nearest class was used");
+        assert!(run.err.starts_with("note: ") && run.err.contains(&words), "{luminance}: {}", run.err);
+        let quiet = place.ok("render s/raw.dng --pipeline mid.l3 -o a.png -q --json");
+        let json: serde_json::Value = serde_json::from_str(&quiet).unwrap();
+        let count = json[format!("pixels_{what}_than_trained")].as_u64().unwrap();
+        assert!(run.err.contains(&format!("{count} {words}")), "{count}: {}", run.err);
+    }
+}
