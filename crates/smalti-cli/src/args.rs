@@ -270,6 +270,9 @@ pub(crate) struct Compare {
     /// Find how much more light the first camera needs to equal each of the others, in stops, by metric
     #[arg(long)]
     pub(crate) light_gain: bool,
+    /// A learned table (smalti train) to use instead of learning one; as many as there are cameras, in their order
+    #[arg(long = "pipeline", value_name = "FILE.l3")]
+    pub(crate) pipelines: Vec<PathBuf>,
     #[command(flatten)]
     pub(crate) learning: LearningOptions,
     #[command(flatten)]

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use anyhow::Context;
+use anyhow::{Context, bail};
 use serde_json::{Value, json};
 use smalti::camera::{
     Camera, CameraError, Contender, Evaluation, EvaluationSettings, LightGainSettings, LightGains,
@@ -52,11 +52,14 @@ pub(crate) fn run(args: &Compare, common: &Common) -> anyhow::Result<()> {
     let gains = if args.light_gain { args.luminance.len() * (cameras.len() - 1) } else { 0 };
     let steps = cameras.len() * (1 + ways_each * args.luminance.len()) + gains;
     let progress = Progress::new(steps as u64, common.quiet);
+    let given = given_pipelines(args)?;
     let mut pipelines = Vec::new();
-    for camera in &cameras {
+    for (number, camera) in cameras.iter().enumerate() {
         let name = &camera.description().name;
         progress.begin(format!("{name}: its pipeline"));
-        let learned = if args.processing.contains(&Processing::L3) {
+        let learned = if let Some(pipeline) = given.get(number) {
+            Some(pipeline.clone())
+        } else if args.processing.contains(&Processing::L3) {
             let learned = learn::learned(camera, &settings, &training, &illuminant, &cache, &progress);
             Some(learned.with_context(|| name.clone())?)
         } else {
@@ -110,6 +113,24 @@ pub(crate) fn run(args: &Compare, common: &Common) -> anyhow::Result<()> {
         pictures.display(),
         args.output.join("results.json").display(),
     ))
+}
+
+/// Tables that are used as they are, one for each camera; none when all are to be learned.
+fn given_pipelines(args: &Compare) -> anyhow::Result<Vec<Pipeline>> {
+    let (given, cameras) = (args.pipelines.len(), args.cameras.len());
+    if given != 0 && given != cameras {
+        bail!("--pipeline: {given} given for {cameras} cameras; expected one for each, in their order");
+    }
+    args.pipelines
+        .iter()
+        .map(|file| {
+            let pipeline = l3::read_table(file)?;
+            if pipeline.outputs() != ["X", "Y", "Z"] {
+                bail!("{}: gives {}, expected X, Y, Z", file.display(), pipeline.outputs().join(", "));
+            }
+            Ok(pipeline)
+        })
+        .collect()
 }
 
 /// The scenes to compare on: those asked for, else the built-in ones, which nothing is trained on.
