@@ -273,6 +273,9 @@ pub(crate) struct Compare {
     /// first way of processing; takes some minutes
     #[arg(long)]
     pub(crate) light_gain: bool,
+    /// A learned table (smalti train) to use instead of learning one; as many as there are cameras, in their order
+    #[arg(long = "pipeline", value_name = "FILE.l3")]
+    pub(crate) pipelines: Vec<PathBuf>,
     #[command(flatten)]
     pub(crate) camera_options: CameraOptions,
     /// Neither read nor write the cache of optical images and pipelines ($SMALTI_CACHE_DIR, else the user's cache folder)

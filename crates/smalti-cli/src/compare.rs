@@ -1,6 +1,6 @@
 //! `smalti compare`: cameras with their learned pipelines before the same scenes.
 
-use anyhow::{Context, ensure};
+use anyhow::{Context, bail, ensure};
 use smalti::camera::{
     Camera, CameraError, Contender, Evaluation, EvaluationSettings, LightGainSettings, LightGains,
     SceneScores, ScoreSettings, Setup, compare_on, evaluate_with, light_gains, test_scenes,
@@ -66,10 +66,13 @@ pub(crate) fn run(args: &Compare, common: &Common) -> anyhow::Result<()> {
     let progress = Progress::new(steps as u64, common.quiet);
     let labels = names::numbered(cameras.iter().map(|c| c.description().name.clone()).collect());
     let (mut ways, mut left_out) = (Vec::new(), Vec::new());
+    let given = given_pipelines(args)?;
     let mut pipelines = Vec::new();
-    for (camera, label) in cameras.iter().zip(&labels) {
+    for (number, (camera, label)) in cameras.iter().zip(&labels).enumerate() {
         progress.begin(format!("{label}: its pipeline"));
-        let learned = if args.processing.contains(&Processing::L3) {
+        let learned = if let Some(pipeline) = given.get(number) {
+            Some(pipeline.clone())
+        } else if args.processing.contains(&Processing::L3) {
             let learned = learn::learned(camera, &settings, &training, &illuminant, &cache, &progress);
             Some(learned.with_context(|| label.clone())?)
         } else {
@@ -138,6 +141,24 @@ pub(crate) fn run(args: &Compare, common: &Common) -> anyhow::Result<()> {
         folder.display(),
         args.output.join(report::RESULTS).display(),
     ))
+}
+
+/// Tables that are used as they are, one for each camera; none when all are to be learned.
+fn given_pipelines(args: &Compare) -> anyhow::Result<Vec<Pipeline>> {
+    let (given, cameras) = (args.pipelines.len(), args.cameras.len());
+    if given != 0 && given != cameras {
+        bail!("--pipeline: {given} given for {cameras} cameras; expected one for each, in their order");
+    }
+    args.pipelines
+        .iter()
+        .map(|file| {
+            let pipeline = smalti_io::l3::read_table(file)?;
+            if pipeline.outputs() != ["X", "Y", "Z"] {
+                bail!("{}: gives {}, expected X, Y, Z", file.display(), pipeline.outputs().join(", "));
+            }
+            Ok(pipeline)
+        })
+        .collect()
 }
 
 /// The scenes to compare on: those asked for, else the built-in ones, which nothing is trained on.
