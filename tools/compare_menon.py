@@ -124,7 +124,8 @@ def main():
 def measure(args, work):
     tables = {}
     chosen = {o: o for o in args.l3} if args.l3 else TABLES
-    training = dict(s.split("=", 1) for s in args.set)
+    # A table is for the black and white levels of its raw files.
+    training = {"sensor.adc_bits": "16", **dict(s.split("=", 1) for s in args.set)}
     for number, (name, options) in enumerate(chosen.items()):
         table = work / f"{number}.l3"
         words = ["--target", "bayer", "--solver", args.solver, "--illuminants", args.illuminants, *shlex.split(options)]

@@ -397,3 +397,12 @@ fn a_sensor_larger_than_memory() {
         ["simulate", "bayer", "--scene", "uniform?size=8", "-o", "out"].into_iter().chain(large).collect();
     fails(&place, &args, &["`sensor.rows` × `sensor.cols`", "23000 × 23000 pixels", "MiB of memory"]);
 }
+
+#[test]
+fn tables_that_do_not_go_with_the_cameras() {
+    let place = Place::new();
+    let one = ["compare", "bayer", "rgbw", "--pipeline", "one.l3", "-o", "out"];
+    fails(&place, &one, &["--pipeline", "1 given for 2 cameras"]);
+    place.write("broken.l3", "no table");
+    fails(&place, &["compare", "bayer", "--pipeline", "broken.l3", "-o", "out"], &["broken.l3"]);
+}
