@@ -33,7 +33,7 @@ fn key(saturation: u32, level: u16, texture: u16) -> ClassKey {
 fn missing_classes_fall_back_in_order() {
     // Middles of levels: 0.05, √0.02, √0.08, 0.6.
     let axes = Axes::new(one_channel(), 3, levels(&[0.1, 0.2, 0.4]), NONE).unwrap();
-    let training = Training { least_patches: Some(50), ..with(Solver::LeastSquares) };
+    let training = Training { least_patches: Some(50), saturation_share: 0.0, ..with(Solver::LeastSquares) };
     let class = |p: &Pipeline, s: usize, l: usize, t: usize| {
         let at = p.index(0, s, l, t);
         (p.classes()[at].origin, f64::from(p.weights(at, 0)[4]))
