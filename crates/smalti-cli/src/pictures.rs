@@ -1,6 +1,7 @@
 //! Pictures of a comparison: the renderings side by side, and what was learned.
 
 use smalti::camera::Camera;
+use smalti::color::matrix::IDENTITY;
 use smalti::color::{Adaptation, ColorSpace, Image};
 use smalti::l3::{Origin, Pipeline};
 use smalti::numeric::Planes;
@@ -18,11 +19,7 @@ pub(crate) const D65: [f64; 3] = [0.95047, 1.0, 1.08883];
 
 /// A picture in XYZ under a light, as shown on a screen: its white made that of sRGB, brightness times `gain`.
 pub(crate) fn shown(picture: &Image, white: [f64; 3], gain: f64) -> anyhow::Result<Image> {
-    let matrix = Adaptation::Bradford.matrix(D65, white).unwrap_or([
-        [1.0, 0.0, 0.0],
-        [0.0, 1.0, 0.0],
-        [0.0, 0.0, 1.0],
-    ]);
+    let matrix = Adaptation::Bradford.matrix(D65, white).unwrap_or(IDENTITY);
     let (planes, mut out) = (picture.planes(), Planes::zeros(picture.rows(), picture.cols(), 3));
     for (i, row) in matrix.iter().enumerate() {
         let [a, b, c] = row.map(|v| (v * gain) as f32);

@@ -172,16 +172,6 @@ impl Camera {
         camera.exposure(&camera.optics.image(&white)?)
     }
 
-    /// Electrons per photon of the light, per channel, and luminance, per photon: what white gives.
-    fn white_response(&self, light: &Spectrum) -> Result<(Vec<f64>, f64), CameraError> {
-        let lens = self.optics.transmittance_on(self.grid())?;
-        let seen = light.times(&lens)?;
-        let channels = self.sensor.spectral_responsivity_on(self.grid())?;
-        let response = |s: &Spectrum| Ok::<f64, CameraError>(s.times(&seen)?.integral());
-        let luminance = response(&Observer::Cie1931.photon_weights(self.grid())?[1])?;
-        Ok((channels.iter().map(response).collect::<Result<_, _>>()?, luminance))
-    }
-
     /// The classes that a pipeline for this camera tells apart, levels cut for white under a light (photons).
     ///
     /// # Errors
@@ -195,7 +185,8 @@ impl Camera {
             }
             LevelRule::NoiseSteps => Levels::noise_steps(settings.levels, &noise, HIGHEST_CUT)?,
         };
-        let (white, _) = self.white_response(light)?;
+        let response = |s: &Spectrum| Ok::<f64, CameraError>(s.times(light)?.integral());
+        let white = self.responsivities()?.iter().map(response).collect::<Result<Vec<_>, _>>()?;
         let brightest = white.iter().copied().fold(0.0, f64::max);
         // A channel that does not see the light, such as infrared under LED, has levels of its own noise.
         let white: Vec<f64> = white.iter().map(|w| w.max(1e-3 * brightest)).collect();
@@ -311,7 +302,7 @@ impl Camera {
         exposure: &Exposure,
         light: &Spectrum,
     ) -> Result<Planes, CameraError> {
-        let mut planes = self.seen_by(image, channels)?;
+        let planes = self.seen_by(image, channels)?;
         let mut scale = f64::INFINITY;
         for channel in channels {
             // The largest response to white has the smallest factor; those that do not see the light have none.
@@ -320,8 +311,7 @@ impl Camera {
         if !scale.is_finite() {
             return Err(IspError::NoResponse { what: "the target" }.into());
         }
-        planes.data_mut().iter_mut().for_each(|v| *v = (f64::from(*v) * scale) as f32);
-        Ok(planes)
+        scaled(&planes, scale)
     }
 
     /// A factor on the light at which little clips, and the bright end of the response there.

@@ -6,10 +6,9 @@
 use std::ops::Range;
 
 use super::blocks::{Columns, LANES, add_taps, each, run_of, values, values_mut};
-use super::lattice::{self, Shift};
 use super::orientation::{Orientation, Tensor};
 use super::window::Window;
-use super::{Axes, MAX_SIDE, Textures};
+use super::{Axes, ContrastPairs, MAX_SIDE, Textures};
 use crate::numeric::simd::{Kernel, dispatch};
 
 /// What classification of a row gives, one value per column.
@@ -41,7 +40,7 @@ pub(super) struct Classifier {
     half: usize,
     /// Differences between samples of like channels: the shift, and the rows and columns (inclusive, relative to
     /// the centre) of the patch that they start from.
-    pairs: [Pairs; 2],
+    pairs: [ContrastPairs; 2],
     orientation: Option<Orientation>,
     /// Cut points of each row of the tile.
     cuts: Vec<Cuts>,
@@ -49,41 +48,6 @@ pub(super) struct Classifier {
     run: usize,
     /// Per row of the tile, the bits of the channels of as many columns.
     bits: Vec<Vec<u32>>,
-}
-
-#[derive(Debug, Clone, Copy)]
-struct Pairs {
-    shift: Shift,
-    rows: [isize; 2],
-    cols: [isize; 2],
-}
-
-impl Pairs {
-    fn new(shift: Shift, half: usize) -> Self {
-        // Both ends within the patch; where the shift is longer than the patch, in the middle of it.
-        let span = |s: isize| {
-            let half = half as isize;
-            let (from, to) = ((-half).max(-half - s), half.min(half - s));
-            if from <= to { [from, to] } else { [-s.div_euclid(2), -s.div_euclid(2)] }
-        };
-        Self { shift, rows: span(shift[0]), cols: span(shift[1]) }
-    }
-
-    fn count(&self) -> usize {
-        ((self.rows[1] - self.rows[0] + 1) * (self.cols[1] - self.cols[0] + 1)) as usize
-    }
-
-    /// How far beyond the centre samples are read, in rows and columns.
-    fn reach(&self) -> [usize; 2] {
-        let far = |span: [isize; 2], s: isize| {
-            [span[0], span[1], span[0] + s, span[1] + s]
-                .map(isize::unsigned_abs)
-                .into_iter()
-                .max()
-                .unwrap_or(0)
-        };
-        [far(self.rows, self.shift[0]), far(self.cols, self.shift[1])]
-    }
 }
 
 /// Cut points between levels in a row of the tile.
@@ -144,7 +108,8 @@ impl Cuts {
 impl Classifier {
     pub(super) fn new(axes: &Axes) -> Self {
         let half = axes.side() / 2;
-        let shifts = lattice::basis(axes.mosaic());
+        let pairs = axes.contrast_pairs();
+        let shifts = pairs.map(|p| p.shift);
         let (tile_rows, tile_cols) = (axes.mosaic().rows(), axes.mosaic().cols());
         let run = run_of(tile_cols);
         let bits_of = |row: usize| {
@@ -152,7 +117,7 @@ impl Classifier {
         };
         Self {
             half,
-            pairs: shifts.map(|s| Pairs::new(s, half)),
+            pairs,
             orientation: (axes.textures() == Textures::Oriented).then(|| Orientation::new(shifts, half)),
             cuts: (0..tile_rows).map(|row| Cuts::new(axes, row, run)).collect(),
             run,
@@ -270,7 +235,7 @@ impl Classifier {
     /// Coefficients of 1, x, x² in what the square of the summed differences must exceed to be texture.
     #[inline(always)]
     fn contrast_limits(&self) -> [f32; 3] {
-        let count = self.pairs.iter().map(Pairs::count).sum::<usize>() as f32;
+        let count = self.pairs.iter().map(ContrastPairs::count).sum::<usize>() as f32;
         let noise = self.axes.noise();
         let (over_noise, fraction) = self.axes.contrast();
         // Of the difference of two normal numbers of variance σ² the mean is 2σ / √π.
@@ -314,7 +279,7 @@ fn sums(strip: &Strip<'_>, half: usize, out: &mut Vec<f32>) {
 /// Sums down the rows that pairs start from of the differences between their ends, from their first column for the first
 /// pixel on.
 #[inline(always)]
-fn differences(strip: &Strip<'_>, pairs: &Pairs, out: &mut Vec<f32>) {
+fn differences(strip: &Strip<'_>, pairs: &ContrastPairs, out: &mut Vec<f32>) {
     struct Differences<'a> {
         lines: &'a [[&'a [f32]; 2]],
         from: [usize; 2],
