@@ -18,15 +18,15 @@ pub(super) const PATCH_SAMPLES: usize = 32;
 /// Rows and columns of the sensor that the chart covers.
 pub(super) const SIZE_PX: [usize; 2] = [macbeth::ROWS * PATCH_PX, macbeth::COLS * PATCH_PX];
 /// Patches of the grey series, from white to black.
-const GREYS: std::ops::Range<usize> = 18..24;
+pub(crate) const GREYS: std::ops::Range<usize> = 18..24;
 const WHITE: usize = 18;
 /// The plane Y of a picture in XYZ.
-const LUMINANCE: usize = 1;
+pub(crate) const LUMINANCE: usize = 1;
 /// Pixels per degree at which noise is looked at, as in [`ScoreSettings`](super::ScoreSettings).
 const VIEWING_PX_PER_DEGREE: f64 = 60.0;
 
-/// The part of every patch that is measured.
-fn patches() -> Vec<Rect> {
+/// The part of every patch that is measured, row by row from dark skin.
+pub(crate) fn patches() -> Vec<Rect> {
     let inset = (PATCH_PX - PATCH_CORE_PX) / 2;
     let patch = |i: usize| Rect {
         row: i / macbeth::COLS * PATCH_PX + inset,
@@ -37,14 +37,25 @@ fn patches() -> Vec<Rect> {
     (0..macbeth::ROWS * macbeth::COLS).map(patch).collect()
 }
 
+/// X, Y, Z of the chart itself under a light (photons), patch by patch.
+pub(crate) fn expected(light: &Spectrum) -> Result<Vec<[f64; 3]>, CameraError> {
+    let xyz = |s: &Spectrum| Ok(Observer::Cie1931.xyz_from_photons(&s.times(light)?)?);
+    macbeth::reflectances(light.grid())?.iter().map(xyz).collect()
+}
+
+/// The colours of patches against those [expected](expected()).
+pub(crate) fn accuracy(measured: &[[f64; 3]], expected: &[[f64; 3]]) -> Result<ColorAccuracy, CameraError> {
+    Ok(color_accuracy(measured, expected, WHITE, LabWhite::Reference)?)
+}
+
+/// The means of patches of a picture in XYZ.
+pub(crate) fn means(picture: &Image, patches: &[Rect]) -> Result<Vec<[f64; 3]>, CameraError> {
+    Ok(patch_means(picture.planes(), patches)?.iter().map(|m| [m[0], m[1], m[2]]).collect())
+}
+
 /// The colours of a picture of the chart under a light (photons), against the chart's own.
 pub(super) fn colors(clean: &Image, light: &Spectrum) -> Result<ColorAccuracy, CameraError> {
-    let xyz = |s: &Spectrum| Ok(Observer::Cie1931.xyz_from_photons(&s.times(light)?)?);
-    let expected =
-        macbeth::reflectances(light.grid())?.iter().map(xyz).collect::<Result<Vec<_>, CameraError>>()?;
-    let means = patch_means(clean.planes(), &patches())?;
-    let measured: Vec<[f64; 3]> = means.iter().map(|m| [m[0], m[1], m[2]]).collect();
-    Ok(color_accuracy(&measured, &expected, WHITE, LabWhite::Reference)?)
+    accuracy(&means(clean, &patches())?, &expected(light)?)
 }
 
 /// The noise of the grey series, from white to black.

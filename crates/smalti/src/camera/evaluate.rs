@@ -8,7 +8,8 @@
 
 use serde::Serialize;
 
-use super::chart::{self, PATCH_SAMPLES};
+use super::chart::{self, LUMINANCE};
+use super::target::{EDGE_REGION, Target, edge_mtf50};
 use super::{Camera, CameraError};
 use crate::color::display::Primaries;
 use crate::color::matrix::{IDENTITY, product};
@@ -16,26 +17,14 @@ use crate::color::{Adaptation, Image};
 use crate::isp::{Isp, WhiteBalance};
 use crate::metrics::aliasing::{Aliasing, aliasing};
 use crate::metrics::dynamic_range::dynamic_range;
-use crate::metrics::esfr::{EsfrOptions, edge_sfr};
-use crate::metrics::{MetricError, Rect};
 use crate::numeric::Planes;
 use crate::optics::OpticalImage;
-use crate::scene::{self, Scene, Setting, SlantedBar, ZonePlate, macbeth};
+use crate::scene::Setting;
 use crate::sensor::{Exposure, NoiseMode, RawImage};
 use crate::spectrum::{Illuminant, Observer, Spectrum};
 
-/// Pixels of the sensor that the edge scene spans; it has 513 samples.
-const EDGE_PX: usize = 120;
-/// The region in which the edge is measured, row, column, rows, columns: ISETCam's for this scene.
-const EDGE_REGION: Rect = Rect { row: 27, col: 37, rows: 66, cols: 44 };
-/// Pixels of the sensor that the zone plate spans.
-const ZONE_PX: usize = 256;
-/// Samples of the zone plate per pixel of the sensor.
-const ZONE_SAMPLES_PER_PX: usize = 3;
 /// Luminance of the primaries of sRGB (IEC 61966-2-1).
 const SRGB_LUMINANCE: [f64; 3] = [0.2126, 0.7152, 0.0722];
-/// The plane Y of a picture in XYZ.
-const LUMINANCE: usize = 1;
 
 /// What the targets are lit by.
 #[derive(Debug, Clone, PartialEq)]
@@ -198,7 +187,7 @@ pub fn evaluate_with(
     let light = setting.illuminant.photons(camera.grid())?;
     let colors = chart::colors(&chart.clean, &light)?;
     let noise = chart::noise(&noisy, &light)?;
-    let mtf50_cy_per_px = edge_mtf50(&edge.clean)?;
+    let mtf50_cy_per_px = edge_mtf50(&edge.clean, EDGE_REGION)?;
     let aliasing = zone_plate_aliasing(&zone.clean, &reference, &setting)?;
     let evaluation = Evaluation {
         luminance_cd_m2: settings.luminance_cd_m2,
@@ -228,13 +217,6 @@ pub fn evaluate_with(
     Ok((evaluation, pictures))
 }
 
-/// A scene and the camera cut to it.
-struct Target {
-    camera: Camera,
-    scene: Box<dyn Fn() -> Result<Scene, CameraError> + Sync>,
-    key: String,
-}
-
 /// A target before the camera, and its picture without noise.
 struct Shot<'a, 'i> {
     camera: &'a Camera,
@@ -257,37 +239,6 @@ impl Shot<'_, '_> {
 }
 
 impl Target {
-    fn new(
-        camera: &Camera,
-        rows: usize,
-        cols: usize,
-        setting: &Setting,
-        name: &str,
-        scene: impl Fn(&Setting) -> Result<Scene, CameraError> + Sync + 'static,
-    ) -> Result<Self, CameraError> {
-        let horizontal_fov_deg = camera.field_of_view_deg(cols, setting.distance_m)?;
-        let setting = Setting { horizontal_fov_deg, ..setting.clone() };
-        let key = format!("{name} {setting:?} {:?}", camera.optics);
-        Ok(Self { camera: camera.with_size(rows, cols), scene: Box::new(move || scene(&setting)), key })
-    }
-
-    fn chart(camera: &Camera, setting: &Setting) -> Result<Self, CameraError> {
-        let [rows, cols] = chart::SIZE_PX;
-        Self::new(camera, rows, cols, setting, "macbeth", |s| Ok(macbeth::chart(PATCH_SAMPLES, s)?))
-    }
-
-    fn edge(camera: &Camera, setting: &Setting) -> Result<Self, CameraError> {
-        let bar = SlantedBar { sampling: scene::PatternSampling::Area, ..SlantedBar::default() };
-        Self::new(camera, EDGE_PX, EDGE_PX, setting, "edge", move |s| Ok(scene::slanted_bar(&bar, s)?))
-    }
-
-    fn zone_plate(camera: &Camera, setting: &Setting) -> Result<Self, CameraError> {
-        let size = ZONE_PX * ZONE_SAMPLES_PER_PX;
-        // Up to the sensor's Nyquist frequency in the middle of each side.
-        let plate = ZonePlate { size, frequency: 0.5 / ZONE_SAMPLES_PER_PX as f64, ..ZonePlate::default() };
-        Self::new(camera, ZONE_PX, ZONE_PX, setting, "zone-plate", move |s| Ok(scene::zone_plate(&plate, s)?))
-    }
-
     fn shoot<'i>(
         &self,
         settings: &EvaluationSettings,
@@ -295,7 +246,7 @@ impl Target {
         isp: IspFor<'i>,
     ) -> Result<Shot<'_, 'i>, CameraError> {
         let camera = &self.camera;
-        let make = || Ok(camera.optics.image(&(self.scene)()?)?);
+        let make = || self.image();
         let image = images(&self.key, &make)?;
         let light = settings.illuminant.photons(camera.grid())?;
         let isp = isp(&light)?;
@@ -304,12 +255,6 @@ impl Target {
         let clean = isp.render(&camera.sensor.capture_ideal(&image, &exposure)?)?;
         Ok(Shot { camera, image, exposure, isp, clean })
     }
-}
-
-fn edge_mtf50(picture: &Image) -> Result<f64, CameraError> {
-    let sfr = edge_sfr(picture.planes(), LUMINANCE, EDGE_REGION, &EsfrOptions::default())?;
-    let missing = MetricError::NoEdge { reason: "the response does not fall to one half" };
-    Ok(sfr.mtf50_cy_per_px.ok_or(missing)?)
 }
 
 /// Compared in linear sRGB with the light made white, where the zone plate is neutral.

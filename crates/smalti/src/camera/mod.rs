@@ -1,7 +1,7 @@
 //! The whole camera: optics, sensor and processing composed, its description, its evaluation; comparison of cameras with
 //! any processing.
 
-mod chart;
+pub(crate) mod chart;
 mod compare;
 pub mod description;
 mod error;
@@ -11,6 +11,7 @@ mod photograph;
 mod reference;
 mod resolve;
 mod score;
+pub(crate) mod target;
 mod training;
 
 pub use compare::{SceneScores, Setup, TEST_SAMPLES_PER_PX, compare_on, test_scenes};

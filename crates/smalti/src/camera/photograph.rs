@@ -6,11 +6,11 @@ use super::description::{
 };
 use super::resolve::{self, ExposureTime};
 use crate::color::{ColorSpace, Image};
-use crate::isp::{Classic, ColorConstraint, Demosaic, Isp, IspError, WhiteBalance, color_matrix};
+use crate::isp::{Classic, ColorConstraint, ColorFit, Demosaic, Isp, IspError, WhiteBalance};
 use crate::numeric::least_squares::{Matrix, lstsq};
 use crate::optics::{OpticalImage, Optics};
 use crate::scene::Scene;
-use crate::sensor::{Exposure, NoiseMode, RawImage, Sensor, Window};
+use crate::sensor::{Cfa, Exposure, NoiseMode, RawImage, Sensor, Window};
 use crate::spectrum::{Observer, Spectrum, WavelengthGrid, reflectance};
 
 /// A camera, ready to take pictures of scenes on one wavelength grid.
@@ -79,6 +79,13 @@ impl Camera {
         Self { sensor, ..self.clone() }
     }
 
+    /// The same camera with another colour filter array. Its description is still that of the first.
+    #[must_use]
+    pub fn with_cfa(&self, cfa: Cfa) -> Self {
+        let sensor = Sensor { cfa, ..self.sensor.clone() };
+        Self { sensor, ..self.clone() }
+    }
+
     /// Field of view, degrees, that `cols` pixels span of a scene at a distance.
     ///
     /// # Errors
@@ -133,18 +140,56 @@ impl Camera {
         Ok(Exposure { time_s, ..exposure })
     }
 
+    /// The irradiance that the exposure rule looks at in an optical image; `None` where the time is stated or the rule looks at
+    /// the whole image. It is the same for any colour filter array.
+    ///
+    /// # Errors
+    /// When the rule is impossible or the sensor sees nothing of the image.
+    pub fn metered(&self, image: &OpticalImage) -> Result<Option<Spectrum>, CameraError> {
+        match self.exposure_time {
+            ExposureTime::Fixed(_) => Ok(None),
+            ExposureTime::Auto(rule) => Ok(rule.metered(&self.sensor, image)?),
+        }
+    }
+
+    /// The exposure for an optical image of which the [metered](Self::metered) irradiance is known.
+    ///
+    /// # Errors
+    /// When there is no light to find a time by.
+    pub fn exposure_metered(&self, irradiance: &Spectrum) -> Result<Exposure, CameraError> {
+        let exposure = self.gain_and_offset();
+        let time_s = match self.exposure_time {
+            ExposureTime::Fixed(time_s) => time_s,
+            ExposureTime::Auto(rule) => rule.time_for_metered(&self.sensor, irradiance, &exposure)?,
+        };
+        Ok(Exposure { time_s, ..exposure })
+    }
+
     /// The processing for scenes under a light (photons): demosaicking, white balance, colour matrix.
     ///
     /// # Errors
     /// When the colour matrix cannot be computed.
     pub fn isp(&self, light: &Spectrum, white_balance: WhiteBalance) -> Result<Classic, CameraError> {
+        self.isp_fitted_to(&self.color_fit(light)?, white_balance)
+    }
+
+    /// What the camera's colour matrix is fitted to under a light (photons).
+    ///
+    /// # Errors
+    /// When the light is dark.
+    pub fn color_fit(&self, light: &Spectrum) -> Result<ColorFit, CameraError> {
+        Ok(ColorFit::new(&self.surfaces()?, light, Observer::Cie1931)?)
+    }
+
+    /// As [`Camera::isp`], where what the colour matrix is fitted to is known.
+    ///
+    /// # Errors
+    /// When the colour matrix cannot be computed.
+    pub fn isp_fitted_to(&self, fit: &ColorFit, white_balance: WhiteBalance) -> Result<Classic, CameraError> {
         let isp = &self.description.isp;
-        let surfaces = self.surfaces()?;
         let constraint =
             if isp.preserve_white { ColorConstraint::PreserveWhite } else { ColorConstraint::None };
-        let responsivities = self.responsivities()?;
-        let matrix =
-            color_matrix(&responsivities, &surfaces, light, Observer::Cie1931, constraint, self.color_noise)?;
+        let matrix = fit.matrix(&self.responsivities()?, constraint, self.color_noise)?;
         let demosaic = match isp.demosaic {
             DemosaicName::Bilinear => Demosaic::Bilinear,
             DemosaicName::Malvar2004 => Demosaic::Malvar2004,

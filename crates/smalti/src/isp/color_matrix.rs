@@ -2,7 +2,7 @@
 
 use super::IspError;
 use crate::numeric::least_squares::{Matrix, lstsq, lstsq_constrained};
-use crate::spectrum::{Observer, Spectrum};
+use crate::spectrum::{Observer, Spectrum, SpectrumError};
 
 /// A channel that sees white this much fainter than the brightest one takes no part in colour: when that one is full,
 /// at ten thousand electrons or so, the faint one holds ten, which is noise. An infrared pixel behind an infrared-cut
@@ -92,24 +92,133 @@ impl ColorMatrix {
     }
 }
 
-/// The colour matrix that makes the smallest squared error of X, Y, Z over `reflectances` under an illuminant.
-///
-/// `responsivities` are those of the channels per photon (filter times lens times quantum efficiency; a factor common
-/// to all does not matter), `illuminant_photons` is in photons per nm, in any unit. All are on one grid.
-///
-/// Any number of channels will do. Where there are more than the reflectances can tell apart (their spectra have some
-/// six to eight degrees of freedom), or channels are mixtures of others, the matrix of smallest norm is taken, which
-/// amplifies noise least. A channel that is all but blind under the illuminant (below a thousandth of the brightest one's
-/// white) gets no part.
-///
-/// `noise` is the standard deviation of independent noise that every channel is taken to carry, relative to the brightest
-/// white; the error that is minimised then includes what the matrix makes of it (ridge regression). 0 is plain least
-/// squares. Channels that are nearly sums of others, such as white beside red, green and blue, would otherwise be subtracted
-/// from one another with large factors, for a gain in colour that no eye sees and a loss by noise that every eye does.
+/// What colour matrices are fitted to: the reflectances of surfaces under an illuminant, and X, Y, Z of them. The same for
+/// every camera.
+#[derive(Debug, Clone)]
+pub struct ColorFit {
+    light: Spectrum,
+    /// One per surface.
+    reflectances: Vec<Spectrum>,
+    /// X, Y, Z per surface, 1 for Y of white.
+    xyz: Vec<f64>,
+    xyz_white: [f64; 3],
+}
+
+impl ColorFit {
+    /// Surfaces under an illuminant, in photons per nm, in any unit, as an observer sees them.
+    ///
+    /// # Errors
+    /// When there is no reflectance, grids differ, or the illuminant is dark to the observer.
+    pub fn new(
+        reflectances: &[Spectrum],
+        illuminant_photons: &Spectrum,
+        observer: Observer,
+    ) -> Result<Self, IspError> {
+        if reflectances.is_empty() {
+            return Err(IspError::Empty { what: "reflectances" });
+        }
+        let eye = under(illuminant_photons, &observer.photon_weights(illuminant_photons.grid())?)?;
+        let white: Vec<f64> = eye.iter().map(Spectrum::integral).collect();
+        let [x, y, z] = white[..] else { return Err(IspError::NoResponse { what: "the observer" }) };
+        if y <= 0.0 {
+            return Err(IspError::NoResponse { what: "the observer" });
+        }
+        Ok(Self {
+            light: illuminant_photons.clone(),
+            reflectances: reflectances.to_vec(),
+            xyz: responses(reflectances, &eye, y)?,
+            xyz_white: [x / y, 1.0, z / y],
+        })
+    }
+
+    /// The matrix that makes the smallest squared error of X, Y, Z over the surfaces.
+    ///
+    /// `responsivities` are those of the channels per photon (filter times lens times quantum efficiency; a factor common
+    /// to all does not matter), on the grid of the illuminant.
+    ///
+    /// Any number of channels will do. Where there are more than the reflectances can tell apart (their spectra have some
+    /// six to eight degrees of freedom), or channels are mixtures of others, the matrix of smallest norm is taken, which
+    /// amplifies noise least. A channel that is all but blind under the illuminant (below a thousandth of the brightest
+    /// one's white) gets no part.
+    ///
+    /// `noise` is the standard deviation of independent noise that every channel is taken to carry, relative to the
+    /// brightest white; the error that is minimised then includes what the matrix makes of it (ridge regression). 0 is
+    /// plain least squares. Channels that are nearly sums of others, such as white beside red, green and blue, would
+    /// otherwise be subtracted from one another with large factors, for a gain in colour that no eye sees and a loss by
+    /// noise that every eye does.
+    ///
+    /// # Errors
+    /// When there is no channel, grids differ, the solver fails, the noise is negative, or the illuminant is dark to the
+    /// camera.
+    pub fn matrix(
+        &self,
+        responsivities: &[Spectrum],
+        constraint: ColorConstraint,
+        noise: f64,
+    ) -> Result<ColorMatrix, IspError> {
+        if !(noise.is_finite() && noise >= 0.0) {
+            let expected = "a finite number, 0 or more";
+            return Err(IspError::Parameter { name: "noise", value: noise, expected });
+        }
+        if responsivities.is_empty() {
+            return Err(IspError::Empty { what: "camera channels" });
+        }
+        let camera = under(&self.light, responsivities)?;
+        let camera_white: Vec<f64> = camera.iter().map(Spectrum::integral).collect();
+        let brightest = camera_white.iter().copied().fold(0.0, f64::max);
+        if brightest <= 0.0 {
+            return Err(IspError::NoResponse { what: "the camera" });
+        }
+        let sees = |(c, &white): (Spectrum, &f64)| if white < BLIND * brightest { c.scaled(0.0) } else { c };
+        let seeing: Vec<Spectrum> = camera.into_iter().zip(&camera_white).map(sees).collect();
+        let (channels, samples) = (responsivities.len(), self.reflectances.len());
+        let (mut a, mut b) = (responses(&self.reflectances, &seeing, brightest)?, self.xyz.clone());
+        // Noise adds its variance, once per sample, to the diagonal of the normal equations: one more row per channel.
+        let noise_rows = if noise > 0.0 { channels } else { 0 };
+        for channel in 0..noise_rows {
+            a.extend((0..channels).map(|c| if c == channel { noise * (samples as f64).sqrt() } else { 0.0 }));
+            b.extend([0.0; 3]);
+        }
+        let rows = samples + noise_rows;
+        let camera_white: Vec<f64> = camera_white.iter().map(|v| v / brightest).collect();
+        let (a, b) = (Matrix::new(rows, channels, &a), Matrix::new(rows, 3, &b));
+        let x = match constraint {
+            ColorConstraint::None => lstsq(a, b)?,
+            ColorConstraint::PreserveWhite => {
+                let white = seeing.iter().map(|c| c.integral() / brightest).collect::<Vec<f64>>();
+                let (white, seen) = (Matrix::new(1, channels, &white), Matrix::new(1, 3, &self.xyz_white));
+                lstsq_constrained(a, b, white, seen)?
+            }
+        };
+        let columns = x.chunks_exact(3).map(|c| [c[0], c[1], c[2]]).collect();
+        ColorMatrix::new(columns, camera_white, self.xyz_white)
+    }
+}
+
+/// Curves times a light.
+fn under(light: &Spectrum, curves: &[Spectrum]) -> Result<Vec<Spectrum>, IspError> {
+    curves.iter().map(|s| Ok(s.times(light)?)).collect()
+}
+
+/// What each curve sees of each reflectance, over `scale`: a row per reflectance.
+fn responses(reflectances: &[Spectrum], curves: &[Spectrum], scale: f64) -> Result<Vec<f64>, IspError> {
+    let mut rows = Vec::with_capacity(reflectances.len() * curves.len());
+    for r in reflectances {
+        for s in curves {
+            if r.grid() != s.grid() {
+                return Err(SpectrumError::GridMismatch { left: r.grid(), right: s.grid() }.into());
+            }
+            let sum: f64 = r.values().iter().zip(s.values()).map(|(r, s)| r * s).sum();
+            rows.push(sum * r.grid().step_nm() / scale);
+        }
+    }
+    Ok(rows)
+}
+
+/// The colour matrix over `reflectances` under an illuminant, once: see [`ColorFit::new`] and [`ColorFit::matrix`].
 ///
 /// # Errors
-/// When a list is empty, grids differ, the solver fails, the noise is negative, or the illuminant is dark to camera or
-/// observer.
+/// As these.
 pub fn color_matrix(
     responsivities: &[Spectrum],
     reflectances: &[Spectrum],
@@ -118,68 +227,7 @@ pub fn color_matrix(
     constraint: ColorConstraint,
     noise: f64,
 ) -> Result<ColorMatrix, IspError> {
-    if !(noise.is_finite() && noise >= 0.0) {
-        return Err(IspError::Parameter {
-            name: "noise",
-            value: noise,
-            expected: "a finite number, 0 or more",
-        });
-    }
-    for (what, list) in [("camera channels", responsivities), ("reflectances", reflectances)] {
-        if list.is_empty() {
-            return Err(IspError::Empty { what });
-        }
-    }
-    let weighted = |by: &[Spectrum]| -> Result<Vec<Spectrum>, IspError> {
-        by.iter().map(|s| Ok(s.times(illuminant_photons)?)).collect()
-    };
-    let camera = weighted(responsivities)?;
-    let eye = weighted(&observer.photon_weights(illuminant_photons.grid())?)?;
-    let white = |s: &[Spectrum]| s.iter().map(Spectrum::integral).collect::<Vec<f64>>();
-    let (camera_white, eye_white) = (white(&camera), white(&eye));
-    let brightest = camera_white.iter().copied().fold(0.0, f64::max);
-    if brightest <= 0.0 {
-        return Err(IspError::NoResponse { what: "the camera" });
-    }
-    let [x, y, z] = eye_white[..] else { return Err(IspError::NoResponse { what: "the observer" }) };
-    if y <= 0.0 {
-        return Err(IspError::NoResponse { what: "the observer" });
-    }
-    let seeing: Vec<Spectrum> = camera
-        .iter()
-        .zip(&camera_white)
-        .map(|(c, &white)| if white < BLIND * brightest { c.scaled(0.0) } else { c.clone() })
-        .collect();
-    let responses = |to: &[Spectrum], scale: f64| -> Result<Vec<f64>, IspError> {
-        let mut rows = Vec::with_capacity(reflectances.len() * to.len());
-        for r in reflectances {
-            for s in to {
-                rows.push(r.times(s)?.integral() / scale);
-            }
-        }
-        Ok(rows)
-    };
-    let (channels, samples) = (responsivities.len(), reflectances.len());
-    let (mut a, mut b) = (responses(&seeing, brightest)?, responses(&eye, y)?);
-    // Noise adds its variance, once per sample, to the diagonal of the normal equations: one more row per channel.
-    let noise_rows = if noise > 0.0 { channels } else { 0 };
-    for channel in 0..noise_rows {
-        a.extend((0..channels).map(|c| if c == channel { noise * (samples as f64).sqrt() } else { 0.0 }));
-        b.extend([0.0; 3]);
-    }
-    let rows = samples + noise_rows;
-    let camera_white: Vec<f64> = camera_white.iter().map(|v| v / brightest).collect();
-    let xyz_white = [x / y, 1.0, z / y];
-    let (a, b) = (Matrix::new(rows, channels, &a), Matrix::new(rows, 3, &b));
-    let x = match constraint {
-        ColorConstraint::None => lstsq(a, b)?,
-        ColorConstraint::PreserveWhite => {
-            let white = seeing.iter().map(|c| c.integral() / brightest).collect::<Vec<f64>>();
-            lstsq_constrained(a, b, Matrix::new(1, channels, &white), Matrix::new(1, 3, &xyz_white))?
-        }
-    };
-    let columns = x.chunks_exact(3).map(|c| [c[0], c[1], c[2]]).collect();
-    ColorMatrix::new(columns, camera_white, xyz_white)
+    ColorFit::new(reflectances, illuminant_photons, observer)?.matrix(responsivities, constraint, noise)
 }
 
 #[cfg(test)]

@@ -12,7 +12,7 @@ pub(crate) mod source;
 mod white_balance;
 
 pub use classic::Classic;
-pub use color_matrix::{ColorConstraint, ColorMatrix, color_matrix};
+pub use color_matrix::{ColorConstraint, ColorFit, ColorMatrix, color_matrix};
 pub use demosaic::Demosaic;
 pub use error::IspError;
 pub use white_balance::WhiteBalance;

@@ -1,8 +1,11 @@
 //! The capture: light gathered, read out and converted, in bands of rows that any thread may take.
 
+use std::sync::Arc;
+
 use rayon::prelude::*;
 
-use super::collect::Collector;
+use super::collect::{Collector, Rates};
+use super::pixel_spectra::{Filtered, PixelSpectra};
 use super::readout::Readout;
 use super::{ColorArchitecture, Exposure, RawImage, RawSamples, Sensor, SensorError};
 use crate::numeric::Planes;
@@ -23,6 +26,33 @@ pub enum NoiseMode {
     All,
 }
 
+/// What falls on a sensor.
+#[derive(Debug, Clone, Copy)]
+pub enum Light<'a> {
+    /// Irradiance, to be integrated over wavelength and photodetectors.
+    Image(&'a OpticalImage),
+    /// Photons on the photodetectors, to be integrated over wavelength.
+    Pixels(&'a PixelSpectra),
+}
+
+impl<'a> From<&'a OpticalImage> for Light<'a> {
+    fn from(image: &'a OpticalImage) -> Self {
+        Self::Image(image)
+    }
+}
+
+impl<'a> From<&'a Arc<OpticalImage>> for Light<'a> {
+    fn from(image: &'a Arc<OpticalImage>) -> Self {
+        Self::Image(image)
+    }
+}
+
+impl<'a> From<&'a PixelSpectra> for Light<'a> {
+    fn from(pixels: &'a PixelSpectra) -> Self {
+        Self::Pixels(pixels)
+    }
+}
+
 /// Rows that one task takes. Fixed: results do not depend on it, but scratch is per band.
 const BAND: usize = 16;
 
@@ -37,9 +67,9 @@ impl Sensor {
         for plane in 0..planes {
             let bands = out.plane_mut(plane).par_chunks_mut(BAND * w.cols).enumerate();
             bands.for_each(|(b, rows)| {
-                dispatch(Light {
+                dispatch(LightBand {
                     sensor: self,
-                    collector: &collector,
+                    rates: &collector,
                     plane,
                     first_row: b * BAND,
                     out: rows,
@@ -57,7 +87,7 @@ impl Sensor {
     /// # Errors
     /// When sensor or exposure are impossible, or a curve does not cover the wavelengths of the image.
     pub fn expected_volts(&self, image: &OpticalImage, exposure: &Exposure) -> Result<Planes, SensorError> {
-        let (volts, rows, cols, planes) = self.read_out::<f32>(image, exposure, NoiseMode::None, 0)?;
+        let (volts, rows, cols, planes) = self.read_out::<f32>(image.into(), exposure, NoiseMode::None, 0)?;
         Ok(Planes::new(rows, cols, planes, volts)?)
     }
 
@@ -70,23 +100,25 @@ impl Sensor {
     /// level that of saturation (full well or swing). `seed` names the noise of this capture; the fixed pattern
     /// belongs to the device. The same arguments give the same bits on any machine and number of threads.
     ///
-    /// Pixels that lie beyond the optical image see no light; wavelengths beyond it count as dark.
+    /// Pixels that lie beyond the optical image see no light; wavelengths beyond it count as dark. An image and the
+    /// [`PixelSpectra`] of it give the same but for rounding in the mean number of photoelectrons.
     ///
     /// # Errors
-    /// When sensor or exposure are impossible, or a curve does not cover the wavelengths of the image.
-    pub fn capture(
+    /// When sensor or exposure are impossible, a curve does not cover the wavelengths of the light, or spectra were
+    /// gathered by other pixels ([`SensorError::OtherPixels`]).
+    pub fn capture<'a>(
         &self,
-        image: &OpticalImage,
+        light: impl Into<Light<'a>>,
         exposure: &Exposure,
         noise: NoiseMode,
         seed: u64,
     ) -> Result<RawImage, SensorError> {
-        let levels = self.raw_levels(exposure)?;
+        let (levels, light) = (self.raw_levels(exposure)?, light.into());
         let (samples, rows, cols) = if self.adc.bits == 0 {
-            let (v, rows, cols, _) = self.read_out::<f32>(image, exposure, noise, seed)?;
+            let (v, rows, cols, _) = self.read_out::<f32>(light, exposure, noise, seed)?;
             (RawSamples::Analog(v), rows, cols)
         } else {
-            let (v, rows, cols, _) = self.read_out::<u16>(image, exposure, noise, seed)?;
+            let (v, rows, cols, _) = self.read_out::<u16>(light, exposure, noise, seed)?;
             (RawSamples::Digital(v), rows, cols)
         };
         let names = self.cfa.channels().iter().map(|c| c.name.clone()).collect();
@@ -96,14 +128,27 @@ impl Sensor {
     /// Samples with rows, columns and planes.
     fn read_out<S: Sample>(
         &self,
-        image: &OpticalImage,
+        light: Light<'_>,
         exposure: &Exposure,
         noise: NoiseMode,
         seed: u64,
     ) -> Result<(Vec<S>, usize, usize, usize), SensorError> {
         self.validate()?;
         exposure.validate()?;
-        let (collector, w) = (Collector::new(self, image)?, self.read_window());
+        match light {
+            Light::Image(image) => self.read_out_from(&Collector::new(self, image)?, exposure, noise, seed),
+            Light::Pixels(pixels) => self.read_out_from(&Filtered::new(self, pixels)?, exposure, noise, seed),
+        }
+    }
+
+    fn read_out_from<S: Sample>(
+        &self,
+        rates: &impl Rates,
+        exposure: &Exposure,
+        noise: NoiseMode,
+        seed: u64,
+    ) -> Result<(Vec<S>, usize, usize, usize), SensorError> {
+        let w = self.read_window();
         let planes = self.sampling().planes();
         let time_s = match self.architecture {
             ColorArchitecture::FieldSequential => exposure.time_s / planes as f64,
@@ -123,7 +168,7 @@ impl Sensor {
             samples.par_chunks_mut(BAND * w.cols).enumerate().for_each(|(b, rows)| {
                 let mut light = vec![0.0; rows.len()];
                 let first_row = b * BAND;
-                dispatch(Light { sensor: self, collector: &collector, plane, first_row, out: &mut light });
+                dispatch(LightBand { sensor: self, rates, plane, first_row, out: &mut light });
                 dispatch(Band {
                     readout: &readout,
                     to_sample: &to_sample,
@@ -140,32 +185,32 @@ impl Sensor {
 }
 
 /// Photoelectrons per second of a band of rows, after crosstalk.
-struct Light<'a> {
+struct LightBand<'a, R> {
     sensor: &'a Sensor,
-    collector: &'a Collector<'a>,
+    rates: &'a R,
     plane: usize,
     first_row: usize,
     out: &'a mut [f32],
 }
 
-impl Kernel for Light<'_> {
+impl<R: Rates> Kernel for LightBand<'_, R> {
     type Output = ();
 
     #[inline(always)]
     fn run(self) {
         let cols = self.sensor.read_window().cols;
-        let (_, width) = self.collector.size();
+        let (_, width) = self.rates.size();
         let mut lines = Vec::new();
         let Some(kernel) = &self.sensor.crosstalk else {
             for (i, row) in self.out.chunks_exact_mut(cols).enumerate() {
-                self.collector.gather_row(self.first_row + i, self.plane, &mut lines, row);
+                self.rates.gather_row(self.first_row + i, self.plane, &mut lines, row);
             }
             return;
         };
         let rows = self.out.len() / cols;
         let mut wide = vec![0.0; (rows + 2) * width];
         for (i, row) in wide.chunks_exact_mut(width).enumerate() {
-            self.collector.gather_row(self.first_row + i, self.plane, &mut lines, row);
+            self.rates.gather_row(self.first_row + i, self.plane, &mut lines, row);
         }
         self.out.fill(0.0);
         for (i, row) in self.out.chunks_exact_mut(cols).enumerate() {

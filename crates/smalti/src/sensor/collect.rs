@@ -10,6 +10,16 @@ use super::{ColorArchitecture, Sensor, SensorError};
 use crate::numeric::simd::{Kernel, dispatch};
 use crate::optics::OpticalImage;
 
+/// Where the photoelectrons of pixels are known, before crosstalk.
+pub(super) trait Rates: Sync {
+    /// Rows and columns of pixels that can be gathered: the read-out part with its border.
+    fn size(&self) -> (usize, usize);
+
+    /// Photoelectrons per second of row `row` (counted within [`Rates::size`]) of a plane of samples. `lines` is scratch.
+    /// Must be `#[inline(always)]`.
+    fn gather_row(&self, row: usize, plane: usize, lines: &mut Vec<f32>, out: &mut [f32]);
+}
+
 /// Light on a sensor, ready to be gathered row by row.
 pub(super) struct Collector<'a> {
     sensor: &'a Sensor,
@@ -24,7 +34,7 @@ pub(super) struct Collector<'a> {
 }
 
 /// Photoelectrons per second beyond which `f32` sums might overflow.
-const LARGEST_RATE: f32 = 1e30;
+pub(super) const LARGEST_RATE: f32 = 1e30;
 
 impl Sensor {
     fn axes(&self, image: &OpticalImage) -> [AxisGeometry; 2] {
@@ -47,11 +57,17 @@ impl Sensor {
             .map(|(first, count)| first as i64 - border..(first + count) as i64 + border)
     }
 
-    /// Rows and columns of the image that the read-out part sees.
-    pub(super) fn footprint(&self, image: &OpticalImage) -> [Range<usize>; 2] {
+    /// What the rows and columns of pixels gather of the image.
+    pub(super) fn taps(&self, image: &OpticalImage) -> (Taps, Taps) {
         let [rows, cols] = self.axes(image);
         let [row_range, col_range] = self.gathered();
-        [rows.taps(row_range).used, cols.taps(col_range).used]
+        (rows.taps(row_range), cols.taps(col_range))
+    }
+
+    /// Rows and columns of the image that the read-out part sees.
+    pub(super) fn footprint(&self, image: &OpticalImage) -> [Range<usize>; 2] {
+        let (rows, cols) = self.taps(image);
+        [rows.used, cols.used]
     }
 }
 
@@ -63,10 +79,8 @@ impl<'a> Collector<'a> {
         let responsivity = sensor.spectral_responsivity_on(cube.grid())?;
         let weights: Vec<Vec<f32>> =
             responsivity.iter().map(|r| r.values().iter().map(|v| (v * scale) as f32).collect()).collect();
-        let [row_axis, col_axis] = sensor.axes(image);
-        let [row_range, col_range] = sensor.gathered();
-        let origin = [row_range.start, col_range.start];
-        let (rows, cols) = (row_axis.taps(row_range), col_axis.taps(col_range));
+        let origin = sensor.gathered().map(|range| range.start);
+        let (rows, cols) = sensor.taps(image);
         let (width, channels) = (cols.used.len(), weights.len());
         let mut rates = vec![0.0f32; rows.used.len() * channels * width];
         let planes: Vec<&[f32]> = cube.planes().planes().collect();
@@ -76,17 +90,16 @@ impl<'a> Collector<'a> {
         });
         Ok(Self { sensor, rates, channels, width, rows, cols, origin })
     }
+}
 
-    /// Rows and columns of pixels that can be gathered: the read-out part with its border.
-    pub(super) fn size(&self) -> (usize, usize) {
+impl Rates for Collector<'_> {
+    fn size(&self) -> (usize, usize) {
         let [rows, cols] = self.sensor.gathered();
         ((rows.end - rows.start) as usize, (cols.end - cols.start) as usize)
     }
 
-    /// Photoelectrons per second of row `row` (counted within [`Collector::size`]) of a plane of samples, before
-    /// crosstalk. `lines` is scratch.
     #[inline(always)]
-    pub(super) fn gather_row(&self, row: usize, plane: usize, lines: &mut Vec<f32>, out: &mut [f32]) {
+    fn gather_row(&self, row: usize, plane: usize, lines: &mut Vec<f32>, out: &mut [f32]) {
         let mosaic = self.sensor.cfa.mosaic();
         // Dummy pixels at −1 continue the mosaic.
         let wrap = |at: i64, period: usize| at.rem_euclid(period as i64) as usize;

@@ -3,13 +3,25 @@
 use thiserror::Error;
 
 use super::{CfaError, RawError};
-use crate::numeric::ShapeError;
+use crate::numeric::{Rect, ShapeError};
 use crate::spectrum::SpectrumError;
 
 /// A sensor or an exposure that cannot be, or does not fit the image it is shown.
 #[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]
 pub enum SensorError {
+    /// Spectra gathered on other pixels than those that are read.
+    #[error(
+        "{} × {} pixels from ({}, {}) are read, but light is known for {} × {} from ({}, {}); expected rows among them, \
+         the same columns, and a sensor of the same size and crosstalk",
+        window.rows, window.cols, window.row, window.col, gathered.rows, gathered.cols, gathered.row, gathered.col
+    )]
+    OtherPixels {
+        /// The pixels that are read.
+        window: Rect,
+        /// The pixels whose light is known.
+        gathered: Rect,
+    },
     /// The sensor has no pixels.
     #[error("a sensor has at least one row and one column, got {rows} × {cols}")]
     Empty {

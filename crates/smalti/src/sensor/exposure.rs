@@ -2,6 +2,7 @@
 
 use super::{ColorArchitecture, Sensor, SensorError};
 use crate::optics::OpticalImage;
+use crate::spectrum::Spectrum;
 
 /// How a frame is taken.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -79,35 +80,72 @@ impl AutoExposure {
         exposure: &Exposure,
     ) -> Result<f64, SensorError> {
         sensor.validate()?;
+        match self.metered(sensor, image)? {
+            Some(spectrum) => self.time_for_metered(sensor, &spectrum, exposure),
+            None => {
+                // Full exposure to every plane, shared below.
+                let electrons = sensor.electrons(image, 1.0)?;
+                let sum: f64 = electrons.data().iter().map(|&e| f64::from(e)).sum();
+                self.time_for_rate(sensor, sum / electrons.data().len() as f64, exposure)
+            }
+        }
+    }
+
+    /// The irradiance, photons s⁻¹ m⁻² nm⁻¹, of the point that the rule looks at; `None` for the mean, which looks at all.
+    /// It depends on the part of the image that is read out, and on nothing else of the sensor.
+    ///
+    /// # Errors
+    /// When the percentile is impossible, or the sensor sees nothing of the image.
+    pub fn metered(&self, sensor: &Sensor, image: &OpticalImage) -> Result<Option<Spectrum>, SensorError> {
+        let percentile = match *self {
+            Self::Mean { .. } => return Ok(None),
+            Self::Specular { .. } => 100.0,
+            Self::LuminancePercentile { percentile, .. } => percentile,
+        };
+        if !(0.0..=100.0).contains(&percentile) {
+            let (field, expected) = ("percentile", "0 to 100");
+            return Err(SensorError::AutoExposure { field, value: percentile, expected });
+        }
+        let at = sample_at_percentile(sensor, image, percentile)?;
+        let cube = image.irradiance();
+        Ok(Some(Spectrum::new(cube.grid(), cube.planes().planes().map(|p| f64::from(p[at])).collect())?))
+    }
+
+    /// The exposure time, s, that a [metered](Self::metered) irradiance asks for in the sensor's most sensitive channel.
+    ///
+    /// # Errors
+    /// As [`AutoExposure::exposure_time`].
+    pub fn time_for_metered(
+        &self,
+        sensor: &Sensor,
+        irradiance: &Spectrum,
+        exposure: &Exposure,
+    ) -> Result<f64, SensorError> {
+        let grid = irradiance.grid();
+        let area = sensor.pixel.photodetector_area_m2();
+        let rates = sensor.spectral_responsivity_on(grid)?.into_iter().map(|channel| {
+            let sum: f64 = channel.values().iter().zip(irradiance.values()).map(|(r, e)| r * e).sum();
+            sum * grid.step_nm() * area
+        });
+        self.time_for_rate(sensor, rates.fold(0.0, f64::max), exposure)
+    }
+
+    fn time_for_rate(
+        &self,
+        sensor: &Sensor,
+        electrons_per_s: f64,
+        exposure: &Exposure,
+    ) -> Result<f64, SensorError> {
         let exposure = Exposure { time_s: 1.0, ..*exposure };
         exposure.validate()?;
-        let (name, fraction) = match *self {
+        let (field, fraction) = match *self {
             Self::Specular { fraction } => ("fraction", fraction),
             Self::Mean { target } | Self::LuminancePercentile { target, .. } => ("target", target),
         };
         if !(fraction > 0.0 && fraction <= 1.0) {
             let expected = "more than 0 and at most 1";
-            return Err(SensorError::AutoExposure { field: name, value: fraction, expected });
+            return Err(SensorError::AutoExposure { field, value: fraction, expected });
         }
-        let electrons_per_s = match *self {
-            Self::Specular { .. } => rate_at_percentile(sensor, image, 100.0)?,
-            Self::LuminancePercentile { percentile, .. } => {
-                if !(0.0..=100.0).contains(&percentile) {
-                    let expected = "0 to 100";
-                    return Err(SensorError::AutoExposure {
-                        field: "percentile",
-                        value: percentile,
-                        expected,
-                    });
-                }
-                rate_at_percentile(sensor, image, percentile)?
-            }
-            Self::Mean { .. } => {
-                // Full exposure to every plane, shared below.
-                let electrons = sensor.electrons(image, 1.0)?;
-                electrons.data().iter().map(|&e| f64::from(e)).sum::<f64>() / electrons.data().len() as f64
-            }
-        };
         if electrons_per_s <= 0.0 {
             return Err(SensorError::NoLight);
         }
@@ -125,9 +163,12 @@ impl AutoExposure {
     }
 }
 
-/// Photoelectrons per second of the most sensitive channel at the sample of the image (within what the sensor
-/// sees) that has the given percentile of illuminance.
-fn rate_at_percentile(sensor: &Sensor, image: &OpticalImage, percentile: f64) -> Result<f64, SensorError> {
+/// The sample of the image (within what the sensor sees) that has the given percentile of illuminance.
+fn sample_at_percentile(
+    sensor: &Sensor,
+    image: &OpticalImage,
+    percentile: f64,
+) -> Result<usize, SensorError> {
     let lux = image.illuminance_lux()?;
     let cols = image.irradiance().cols();
     let [rows_seen, cols_seen] = sensor.footprint(image);
@@ -142,12 +183,5 @@ fn rate_at_percentile(sensor: &Sensor, image: &OpticalImage, percentile: f64) ->
     let rank = rank.min(seen.len() - 1);
     let (_, &mut (_, at), _) =
         seen.select_nth_unstable_by(rank, |a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-    let cube = image.irradiance();
-    let area = sensor.pixel.photodetector_area_m2();
-    let rates = sensor.spectral_responsivity_on(cube.grid())?.into_iter().map(|channel| {
-        let sum: f64 =
-            channel.values().iter().zip(cube.planes().planes()).map(|(r, p)| r * f64::from(p[at])).sum();
-        sum * cube.grid().step_nm() * area
-    });
-    Ok(rates.fold(0.0, f64::max))
+    Ok(at)
 }

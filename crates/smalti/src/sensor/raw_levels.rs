@@ -1,7 +1,6 @@
 //! The levels that raw samples are read by.
 
-use super::{Exposure, NoiseMode, RawImage, RawSamples, Sensor, SensorError};
-use crate::optics::OpticalImage;
+use super::{Exposure, Light, NoiseMode, RawImage, RawSamples, Sensor, SensorError};
 
 /// Black and white level of a capture.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -45,10 +44,14 @@ impl Sensor {
     ///
     /// # Errors
     /// As [`Sensor::capture`].
-    pub fn capture_ideal(&self, image: &OpticalImage, exposure: &Exposure) -> Result<RawImage, SensorError> {
+    pub fn capture_ideal<'a>(
+        &self,
+        light: impl Into<Light<'a>>,
+        exposure: &Exposure,
+    ) -> Result<RawImage, SensorError> {
         let levels = self.raw_levels(exposure)?;
         let analog = Self { adc: super::Adc::default(), ..self.clone() };
-        let raw = analog.capture(image, exposure, NoiseMode::None, 0)?;
+        let raw = analog.capture(light, exposure, NoiseMode::None, 0)?;
         let (rows, cols, names) = (raw.rows(), raw.cols(), raw.channel_names().to_vec());
         let (black, white) = (levels.black_v, levels.white_v);
         let samples = match raw.samples() {

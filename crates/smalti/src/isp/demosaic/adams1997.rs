@@ -12,6 +12,9 @@ use super::simd::Simd;
 use crate::numeric::mirror::about_outermost;
 use crate::sensor::Mosaic;
 
+/// Green looks two pixels away, the differences one further.
+pub(super) const REACH: usize = 3;
+
 /// One plane per channel of a Bayer mosaic, written to `out`. At the border the image is mirrored for green, and the
 /// differences are averaged over what is there.
 pub(super) fn apply(

@@ -11,7 +11,7 @@ mod simd;
 use super::IspError;
 use super::source::Source;
 use crate::numeric::Planes;
-use crate::sensor::{RawImage, Sampling};
+use crate::sensor::{Mosaic, RawImage, Sampling};
 pub use bilinear::Bilinear;
 pub(crate) use plan::{BAND_ROWS, bands};
 use simd::Simd;
@@ -42,6 +42,18 @@ impl Demosaic {
         self.apply_with(Simd::best(), raw)
     }
 
+    /// Rows or columns, whichever is more, from which samples can reach a pixel.
+    ///
+    /// # Errors
+    /// When the method is not defined for the mosaic.
+    pub fn reach(self, mosaic: &Mosaic) -> Result<usize, IspError> {
+        Ok(match self {
+            Self::Bilinear => Bilinear::new(mosaic)?.plan().reach(),
+            Self::Malvar2004 => malvar2004::plan(mosaic)?.reach(),
+            Self::Adaptive => adams1997::REACH,
+        })
+    }
+
     fn apply_with(self, simd: Simd, raw: &RawImage) -> Result<Planes, IspError> {
         let mosaic = match raw.sampling() {
             Sampling::Full { channels } => {
@@ -64,7 +76,7 @@ impl Demosaic {
 mod tests {
     use super::*;
     use crate::numeric::philox::Stream;
-    use crate::sensor::{Mosaic, RawSamples};
+    use crate::sensor::RawSamples;
 
     fn raw(mosaic: &Mosaic, rows: usize, cols: usize) -> RawImage {
         let mut random = Stream::new(5, 0, 0);

@@ -70,6 +70,11 @@ impl Plan {
         Ok(Self { mosaic: mosaic.clone(), border, taps, reach_rows, reach_cols })
     }
 
+    /// Rows or columns, whichever is more, from which samples can reach a pixel.
+    pub(super) fn reach(&self) -> usize {
+        self.reach_rows.max(self.reach_cols)
+    }
+
     fn taps(&self, row: usize, col: usize, channel: usize) -> &[Tap] {
         let cell = (row % self.mosaic.rows()) * self.mosaic.cols() + col % self.mosaic.cols();
         &self.taps[cell * self.mosaic.channels() + channel]

@@ -1,0 +1,53 @@
+//! Scoring of designs on kept targets: the camera of table 1 of "Resolution in Color Filter Array Images", 3 to 7 colours.
+
+use std::hint::black_box;
+
+use criterion::{Criterion, Throughput, criterion_group, criterion_main};
+use rayon::prelude::*;
+use smalti::camera::{Camera, CameraDescription, EvaluationSettings};
+use smalti::design::Targets;
+use smalti::sensor::{Cfa, Channel, Filter, Mosaic};
+use smalti::spectrum::WavelengthGrid;
+
+const GRID: WavelengthGrid = WavelengthGrid::VISIBLE;
+
+fn cfa(colors: usize, i: usize) -> Cfa {
+    let channel = |c: usize| Channel {
+        name: c.to_string(),
+        transmittance: Filter::Gaussian {
+            center_nm: 430.0 + 240.0 * c as f64 / (colors - 1) as f64 + (i % 7) as f64,
+            sigma_nm: 20.0 + ((i * 5 + c * 7) % 31) as f64,
+            peak: 1.0,
+        }
+        .spectrum(GRID)
+        .expect("a Gaussian"),
+    };
+    let (side, cells): (usize, Vec<u8>) = match colors {
+        3 => (2, vec![1, 2, 0, 1]),
+        4 => (2, vec![0, 1, 2, 3]),
+        n => (3, (0..9).map(|c| (c % n) as u8).collect()),
+    };
+    let mosaic = Mosaic::new(side, side, cells).expect("a tile");
+    Cfa::new("bench", mosaic, (0..colors).map(channel).collect()).expect("a CFA")
+}
+
+fn designs(c: &mut Criterion) {
+    let mut d = CameraDescription::default();
+    (d.sensor.adc_bits, d.sensor.pixel.pitch_um, d.sensor.pixel.fill_factor) = (0, 2.8, 0.5);
+    let camera = Camera::new(d, GRID).expect("a camera");
+    let targets = Targets::new(&camera, &EvaluationSettings::default(), &|_, make| make()).expect("targets");
+    let mut group = c.benchmark_group("designs");
+    for colors in 3..=7 {
+        let one = cfa(colors, 3);
+        group.bench_function(format!("{colors} colours, one"), |b| b.iter(|| targets.score(black_box(&one))));
+    }
+    let many: Vec<Cfa> = (0..200).map(|i| cfa(3 + i % 5, i)).collect();
+    group.throughput(Throughput::Elements(many.len() as u64));
+    group.bench_function("3 to 7 colours, all cores", |b| {
+        b.iter(|| many.par_iter().map(|cfa| targets.score(cfa).map(|s| s.delta_e_76)).collect::<Vec<_>>())
+    });
+    group.finish();
+}
+
+criterion_group!(benches, designs);
+criterion_main!(benches);

@@ -1,0 +1,70 @@
+//! The targets that cameras are scored on: the ColorChecker, a slanted edge, a zone plate.
+
+use super::chart::{self, LUMINANCE, PATCH_SAMPLES};
+use super::{Camera, CameraError};
+use crate::color::Image;
+use crate::metrics::esfr::{EsfrOptions, edge_sfr};
+use crate::metrics::{MetricError, Rect};
+use crate::optics::OpticalImage;
+use crate::scene::{self, Scene, Setting, SlantedBar, ZonePlate, macbeth};
+
+/// Pixels of the sensor that the edge scene spans; it has 513 samples.
+const EDGE_PX: usize = 120;
+/// The region in which the edge is measured, row, column, rows, columns: ISETCam's for this scene.
+pub(crate) const EDGE_REGION: Rect = Rect { row: 27, col: 37, rows: 66, cols: 44 };
+/// Pixels of the sensor that the zone plate spans.
+const ZONE_PX: usize = 256;
+/// Samples of the zone plate per pixel of the sensor.
+const ZONE_SAMPLES_PER_PX: usize = 3;
+
+/// A scene and the camera cut to it.
+pub(crate) struct Target {
+    pub(crate) camera: Camera,
+    scene: Box<dyn Fn() -> Result<Scene, CameraError> + Sync>,
+    pub(crate) key: String,
+}
+
+impl Target {
+    fn new(
+        camera: &Camera,
+        rows: usize,
+        cols: usize,
+        setting: &Setting,
+        name: &str,
+        scene: impl Fn(&Setting) -> Result<Scene, CameraError> + Sync + 'static,
+    ) -> Result<Self, CameraError> {
+        let horizontal_fov_deg = camera.field_of_view_deg(cols, setting.distance_m)?;
+        let setting = Setting { horizontal_fov_deg, ..setting.clone() };
+        let key = format!("{name} {setting:?} {:?}", camera.optics);
+        Ok(Self { camera: camera.with_size(rows, cols), scene: Box::new(move || scene(&setting)), key })
+    }
+
+    pub(crate) fn chart(camera: &Camera, setting: &Setting) -> Result<Self, CameraError> {
+        let [rows, cols] = chart::SIZE_PX;
+        Self::new(camera, rows, cols, setting, "macbeth", |s| Ok(macbeth::chart(PATCH_SAMPLES, s)?))
+    }
+
+    pub(crate) fn edge(camera: &Camera, setting: &Setting) -> Result<Self, CameraError> {
+        let bar = SlantedBar { sampling: scene::PatternSampling::Area, ..SlantedBar::default() };
+        Self::new(camera, EDGE_PX, EDGE_PX, setting, "edge", move |s| Ok(scene::slanted_bar(&bar, s)?))
+    }
+
+    pub(crate) fn zone_plate(camera: &Camera, setting: &Setting) -> Result<Self, CameraError> {
+        let size = ZONE_PX * ZONE_SAMPLES_PER_PX;
+        // Up to the sensor's Nyquist frequency in the middle of each side.
+        let plate = ZonePlate { size, frequency: 0.5 / ZONE_SAMPLES_PER_PX as f64, ..ZonePlate::default() };
+        Self::new(camera, ZONE_PX, ZONE_PX, setting, "zone-plate", move |s| Ok(scene::zone_plate(&plate, s)?))
+    }
+
+    /// The optical image of the target.
+    pub(crate) fn image(&self) -> Result<OpticalImage, CameraError> {
+        Ok(self.camera.optics.image(&(self.scene)()?)?)
+    }
+}
+
+/// Frequency, cycles per pixel, at which the picture of an edge falls to one half in luminance.
+pub(crate) fn edge_mtf50(picture: &Image, region: Rect) -> Result<f64, CameraError> {
+    let sfr = edge_sfr(picture.planes(), LUMINANCE, region, &EsfrOptions::default())?;
+    let missing = MetricError::NoEdge { reason: "the response does not fall to one half" };
+    Ok(sfr.mtf50_cy_per_px.ok_or(missing)?)
+}

@@ -1,0 +1,5 @@
+//! Searching for colour filter arrays: families of filters and mosaics, studies of them, their scores.
+
+mod targets;
+
+pub use targets::{Scores, Targets};

@@ -1,0 +1,202 @@
+//! The targets of [`evaluate`](crate::camera::evaluate) before one lens and one geometry of pixels, kept so that many colour
+//! filter arrays are scored on them fast.
+//!
+//! The light on every pixel is gathered once ([`PixelSpectra`]). A design then costs what depends on its filters: an
+//! integral over wavelength, the noise of the grey patches, its processing, the metrics. Only the rows are made
+//! that a metric looks at, with the reach of the processing around them. Scores are those of `evaluate`, but for
+//! rounding.
+
+use std::sync::Arc;
+
+use crate::camera::target::{EDGE_REGION, Target, edge_mtf50};
+use crate::camera::{Camera, CameraError, EvaluationSettings, OpticalImages, chart};
+use crate::color::Image;
+use crate::isp::{ColorFit, Isp, WhiteBalance};
+use crate::metrics::Rect;
+use crate::metrics::luminance_noise::luminance_noise;
+use crate::optics::OpticalImage;
+use crate::scene::{Setting, macbeth};
+use crate::sensor::{Cfa, Exposure, NoiseMode, PixelSpectra, Sensor, Window};
+use crate::spectrum::Spectrum;
+
+/// The scores of a design.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Scores {
+    /// Colour difference of 1976 from the chart itself, mean over the patches.
+    pub delta_e_76: f64,
+    /// CIEDE2000 from the chart itself, mean over the patches.
+    pub delta_e_2000: f64,
+    /// Frequency at which the response to an edge falls to one half, cycles per mm on the sensor.
+    pub mtf50_cy_per_mm: f64,
+    /// The same in cycles per pixel.
+    pub mtf50_cy_per_px: f64,
+    /// `100 · std(Y) / mean(Y)`, mean over the grey series, percent.
+    pub luminance_noise_percent: f64,
+    /// Exposure time of the chart, s.
+    pub macbeth_time_s: f64,
+    /// Exposure time of the edge, s.
+    pub edge_time_s: f64,
+}
+
+/// Targets, ready to be seen through any filters.
+#[derive(Debug, Clone)]
+pub struct Targets {
+    chart: Shown,
+    edge: Shown,
+    light: Spectrum,
+    fit: ColorFit,
+    /// X, Y, Z of the patches themselves.
+    expected: Vec<[f64; 3]>,
+    seed: u64,
+}
+
+/// A target in front of the camera.
+#[derive(Debug, Clone)]
+struct Shown {
+    camera: Camera,
+    pixels: PixelSpectra,
+    /// What the exposure rule looks at; `None` where the time is stated or the rule looks at the whole image.
+    metered: Option<Spectrum>,
+    image: Arc<OpticalImage>,
+}
+
+impl Shown {
+    fn new(target: &Target, images: OpticalImages<'_>) -> Result<Self, CameraError> {
+        let camera = target.camera.clone();
+        let image = Arc::new(images(&target.key, &|| target.image())?);
+        let pixels = PixelSpectra::new(&camera.sensor, &image)?;
+        let metered = camera.metered(&image)?;
+        Ok(Self { camera, pixels, metered, image })
+    }
+
+    /// The camera of the target with another colour filter array, and the exposure that it finds.
+    fn through(&self, cfa: &Cfa) -> Result<(Camera, Exposure), CameraError> {
+        let camera = self.camera.with_cfa(cfa.clone());
+        let exposure = match &self.metered {
+            Some(spectrum) => camera.exposure_metered(spectrum)?,
+            None => camera.exposure(&self.image)?,
+        };
+        Ok((camera, exposure))
+    }
+
+    /// A sensor that reads the rows `first..end` with `reach` more on either side, beginning with a tile of the mosaic; and
+    /// the first row.
+    fn band(&self, sensor: &Sensor, first: usize, end: usize, reach: usize) -> (Sensor, usize) {
+        let tile = sensor.cfa.mosaic().rows();
+        let row = first.saturating_sub(reach) / tile * tile;
+        let rows = (end + reach).min(sensor.rows) - row;
+        let window = Window { row, col: 0, rows, cols: sensor.cols };
+        (Sensor { window: Some(window), ..sensor.clone() }, row)
+    }
+}
+
+/// A rectangle of a target in an image whose first row is row `row` of the target.
+fn below(rect: Rect, row: usize) -> Rect {
+    Rect { row: rect.row - row, ..rect }
+}
+
+impl Targets {
+    /// The targets before a camera, whatever its filters. `images` may keep optical images, as for `evaluate`.
+    ///
+    /// # Errors
+    /// When a stage refuses.
+    pub fn new(
+        camera: &Camera,
+        settings: &EvaluationSettings,
+        images: OpticalImages<'_>,
+    ) -> Result<Self, CameraError> {
+        let setting = Setting {
+            luminance_cd_m2: settings.luminance_cd_m2,
+            illuminant: settings.illuminant.clone(),
+            grid: camera.grid(),
+            ..Setting::default()
+        };
+        let light = settings.illuminant.photons(camera.grid())?;
+        Ok(Self {
+            chart: Shown::new(&Target::chart(camera, &setting)?, images)?,
+            edge: Shown::new(&Target::edge(camera, &setting)?, images)?,
+            fit: camera.color_fit(&light)?,
+            expected: chart::expected(&light)?,
+            light,
+            seed: settings.seed,
+        })
+    }
+
+    /// The light, photons.
+    #[must_use]
+    pub fn light(&self) -> &Spectrum {
+        &self.light
+    }
+
+    /// The camera of the targets with another colour filter array.
+    #[must_use]
+    pub fn camera(&self, cfa: &Cfa) -> Camera {
+        self.chart.camera.with_cfa(cfa.clone())
+    }
+
+    /// The scores of a colour filter array with the camera's own processing.
+    ///
+    /// # Errors
+    /// When a stage refuses, or a metric cannot be computed.
+    pub fn score(&self, cfa: &Cfa) -> Result<Scores, CameraError> {
+        let isp = self.chart.camera.with_cfa(cfa.clone()).isp_fitted_to(&self.fit, WhiteBalance::None)?;
+        let reach = isp.demosaic.reach(cfa.mosaic())?;
+        self.score_with(cfa, &isp, reach)
+    }
+
+    /// The scores with processing of one's own, which makes X, Y, Z as they are under the light of raw samples. A pixel of its
+    /// picture depends on samples at most `reach` rows away.
+    ///
+    /// # Errors
+    /// When a stage refuses, or a metric cannot be computed.
+    pub fn score_with(&self, cfa: &Cfa, isp: &dyn Isp, reach: usize) -> Result<Scores, CameraError> {
+        let (camera, exposure) = self.chart.through(cfa)?;
+        let patches = chart::patches();
+        let mut measured = Vec::with_capacity(patches.len());
+        for row in patches.chunks(macbeth::COLS) {
+            let (picture, first) = self.chart_row(&camera, &exposure, row, isp, reach, None)?;
+            let row: Vec<Rect> = row.iter().map(|&r| below(r, first)).collect();
+            measured.extend(chart::means(&picture, &row)?);
+        }
+        let colors = chart::accuracy(&measured, &self.expected)?;
+        let greys = &patches[chart::GREYS];
+        let (noisy, first) = self.chart_row(&camera, &exposure, greys, isp, reach, Some(self.seed))?;
+        let greys: Vec<Rect> = greys.iter().map(|&r| below(r, first)).collect();
+        let noise = luminance_noise(noisy.planes(), chart::LUMINANCE, &greys)?;
+
+        let (camera, edge_exposure) = self.edge.through(cfa)?;
+        let rows = EDGE_REGION.row..EDGE_REGION.row + EDGE_REGION.rows;
+        let (sensor, first) = self.edge.band(&camera.sensor, rows.start, rows.end, reach);
+        let picture = isp.render(&sensor.capture_ideal(&self.edge.pixels, &edge_exposure)?)?;
+        let mtf50_cy_per_px = edge_mtf50(&picture, below(EDGE_REGION, first))?;
+        Ok(Scores {
+            delta_e_76: colors.delta_e_76.mean,
+            delta_e_2000: colors.delta_e_2000.mean,
+            mtf50_cy_per_mm: mtf50_cy_per_px / (camera.sensor.pixel.pitch_m * 1e3),
+            mtf50_cy_per_px,
+            luminance_noise_percent: noise.mean_percent,
+            macbeth_time_s: exposure.time_s,
+            edge_time_s: edge_exposure.time_s,
+        })
+    }
+
+    /// The picture of a row of patches, without noise or with that of a seed, and its first row on the target.
+    fn chart_row(
+        &self,
+        camera: &Camera,
+        exposure: &Exposure,
+        patches: &[Rect],
+        isp: &dyn Isp,
+        reach: usize,
+        seed: Option<u64>,
+    ) -> Result<(Image, usize), CameraError> {
+        let first = patches.iter().map(|p| p.row).min().unwrap_or(0);
+        let end = patches.iter().map(|p| p.row + p.rows).max().unwrap_or(0);
+        let (sensor, row) = self.chart.band(&camera.sensor, first, end, reach);
+        let raw = match seed {
+            None => sensor.capture_ideal(&self.chart.pixels, exposure)?,
+            Some(seed) => sensor.capture(&self.chart.pixels, exposure, NoiseMode::All, seed)?,
+        };
+        Ok((isp.render(&raw)?, row))
+    }
+}
