@@ -187,7 +187,7 @@ pub fn evaluate_with(
     let light = setting.illuminant.photons(camera.grid())?;
     let colors = chart::colors(&chart.clean, &light)?;
     let noise = chart::noise(&noisy, &light)?;
-    let mtf50_cy_per_px = edge_mtf50(&edge.clean, EDGE_REGION)?;
+    let mtf50_cy_per_px = edge_mtf50(edge.clean.planes(), LUMINANCE, EDGE_REGION)?;
     let aliasing = zone_plate_aliasing(&zone.clean, &reference, &setting)?;
     let evaluation = Evaluation {
         luminance_cd_m2: settings.luminance_cd_m2,

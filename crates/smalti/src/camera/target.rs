@@ -1,10 +1,10 @@
 //! The targets that cameras are scored on: the ColorChecker, a slanted edge, a zone plate.
 
-use super::chart::{self, LUMINANCE, PATCH_SAMPLES};
+use super::chart::{self, PATCH_SAMPLES};
 use super::{Camera, CameraError};
-use crate::color::Image;
 use crate::metrics::esfr::{EsfrOptions, edge_sfr};
 use crate::metrics::{MetricError, Rect};
+use crate::numeric::Planes;
 use crate::optics::OpticalImage;
 use crate::scene::{self, Scene, Setting, SlantedBar, ZonePlate, macbeth};
 
@@ -62,9 +62,9 @@ impl Target {
     }
 }
 
-/// Frequency, cycles per pixel, at which the picture of an edge falls to one half in luminance.
-pub(crate) fn edge_mtf50(picture: &Image, region: Rect) -> Result<f64, CameraError> {
-    let sfr = edge_sfr(picture.planes(), LUMINANCE, region, &EsfrOptions::default())?;
+/// Frequency, cycles per pixel, at which the response to an edge falls to one half in the plane of luminance.
+pub(crate) fn edge_mtf50(picture: &Planes, luminance: usize, region: Rect) -> Result<f64, CameraError> {
+    let sfr = edge_sfr(picture, luminance, region, &EsfrOptions::default())?;
     let missing = MetricError::NoEdge { reason: "the response does not fall to one half" };
     Ok(sfr.mtf50_cy_per_px.ok_or(missing)?)
 }

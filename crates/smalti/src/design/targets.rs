@@ -6,18 +6,24 @@
 //! that a metric looks at, with the reach of the processing around them. Scores are those of `evaluate`, but for
 //! rounding.
 
-use std::sync::Arc;
+use std::collections::VecDeque;
+use std::sync::{Arc, Mutex, PoisonError};
 
+use super::prepared::Prepared;
 use crate::camera::target::{EDGE_REGION, Target, edge_mtf50};
 use crate::camera::{Camera, CameraError, EvaluationSettings, OpticalImages, chart};
 use crate::color::Image;
-use crate::isp::{ColorFit, Isp, WhiteBalance};
+use crate::isp::tile_filter::TileFilter;
+use crate::isp::{Classic, ColorFit, Demosaic, Isp, IspError, WhiteBalance};
 use crate::metrics::Rect;
 use crate::metrics::luminance_noise::luminance_noise;
+use crate::numeric::Planes;
 use crate::optics::OpticalImage;
 use crate::scene::{Setting, macbeth};
-use crate::sensor::{Cfa, Exposure, NoiseMode, PixelSpectra, Sensor, Window};
-use crate::spectrum::Spectrum;
+use crate::sensor::{
+    Cfa, ColorArchitecture, Exposure, Mosaic, NoiseMode, PixelSpectra, RawImage, Sensor, Window,
+};
+use crate::spectrum::{Spectrum, WavelengthGrid};
 
 /// The scores of a design.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -47,8 +53,16 @@ pub struct Targets {
     fit: ColorFit,
     /// X, Y, Z of the patches themselves.
     expected: Vec<[f64; 3]>,
+    /// Photons s⁻¹ nm⁻¹, the most on any pixel of the chart at each wavelength.
+    brightest: Vec<f64>,
     seed: u64,
+    kept: Arc<Mutex<VecDeque<(Mosaic, Option<Arc<Prepared>>)>>>,
 }
+
+/// Mosaics of which is kept what scoring needs: those of a study of filters, one for each number of colours.
+const KEPT_MOSAICS: usize = 8;
+/// Share of saturation from which a chart may clip.
+const CLIPS: f64 = 0.9999;
 
 /// A target in front of the camera.
 #[derive(Debug, Clone)]
@@ -67,6 +81,16 @@ impl Shown {
         let pixels = PixelSpectra::new(&camera.sensor, &image)?;
         let metered = camera.metered(&image)?;
         Ok(Self { camera, pixels, metered, image })
+    }
+
+    /// The most light on any pixel at each wavelength.
+    fn brightest(&self) -> Vec<f64> {
+        let (window, grid) = (self.pixels.window(), self.pixels.grid());
+        let most = |i: usize| {
+            let rows = (window.row..window.row + window.rows).flat_map(|row| self.pixels.line(row, i));
+            f64::from(rows.fold(0.0f32, |m, &v| m.max(v)))
+        };
+        (0..grid.len()).map(most).collect()
     }
 
     /// The camera of the target with another colour filter array, and the exposure that it finds.
@@ -95,6 +119,12 @@ fn below(rect: Rect, row: usize) -> Rect {
     Rect { row: rect.row - row, ..rect }
 }
 
+/// Photoelectrons per photon and nm, per channel.
+fn response(sensor: &Sensor, grid: WavelengthGrid) -> Result<Vec<Vec<f64>>, CameraError> {
+    let on_grid = sensor.spectral_responsivity_on(grid)?;
+    Ok(on_grid.iter().map(|r| r.values().iter().map(|v| v * grid.step_nm()).collect()).collect())
+}
+
 impl Targets {
     /// The targets before a camera, whatever its filters. `images` may keep optical images, as for `evaluate`.
     ///
@@ -112,8 +142,11 @@ impl Targets {
             ..Setting::default()
         };
         let light = settings.illuminant.photons(camera.grid())?;
+        let chart = Shown::new(&Target::chart(camera, &setting)?, images)?;
         Ok(Self {
-            chart: Shown::new(&Target::chart(camera, &setting)?, images)?,
+            brightest: chart.brightest(),
+            chart,
+            kept: Arc::default(),
             edge: Shown::new(&Target::edge(camera, &setting)?, images)?,
             fit: camera.color_fit(&light)?,
             expected: chart::expected(&light)?,
@@ -139,9 +172,94 @@ impl Targets {
     /// # Errors
     /// When a stage refuses, or a metric cannot be computed.
     pub fn score(&self, cfa: &Cfa) -> Result<Scores, CameraError> {
-        let isp = self.chart.camera.with_cfa(cfa.clone()).isp_fitted_to(&self.fit, WhiteBalance::None)?;
-        let reach = isp.demosaic.reach(cfa.mosaic())?;
-        self.score_with(cfa, &isp, reach)
+        let (camera, exposure) = self.chart.through(cfa)?;
+        let isp = camera.isp_fitted_to(&self.fit, WhiteBalance::None)?;
+        let linear = match self.prepared(isp.demosaic, cfa.mosaic())? {
+            Some(prepared) => self.score_linear(&camera, &exposure, &isp, &prepared)?,
+            None => None,
+        };
+        match linear {
+            Some(scores) => Ok(scores),
+            None => self.score_with(cfa, &isp, isp.demosaic.reach(cfa.mosaic())?),
+        }
+    }
+
+    /// What scoring a mosaic needs, kept from the last designs; `None` where it cannot be done by filters.
+    fn prepared(&self, demosaic: Demosaic, mosaic: &Mosaic) -> Result<Option<Arc<Prepared>>, CameraError> {
+        let sensor = &self.chart.camera.sensor;
+        if sensor.crosstalk.is_some() || sensor.architecture != ColorArchitecture::Mosaic {
+            return Ok(None);
+        }
+        let kept = || self.kept.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((_, found)) = kept().iter().find(|(m, _)| m == mosaic) {
+            return Ok(found.clone());
+        }
+        let made = Prepared::new(demosaic, mosaic, &self.chart.pixels, &chart::patches())?.map(Arc::new);
+        let mut kept = kept();
+        if kept.len() >= KEPT_MOSAICS {
+            kept.pop_front();
+        }
+        kept.push_back((mosaic.clone(), made.clone()));
+        Ok(made)
+    }
+
+    /// As [`Targets::score_with`], by what processing is that is linear in the samples: colours from the light on the patches,
+    /// one plane of luminance for edge and noise. `None` where the chart may clip, or the tile is so large that patches lie too
+    /// near the border.
+    fn score_linear(
+        &self,
+        camera: &Camera,
+        exposure: &Exposure,
+        isp: &Classic,
+        prepared: &Prepared,
+    ) -> Result<Option<Scores>, CameraError> {
+        let (sensor, mosaic) = (&camera.sensor, camera.sensor.cfa.mosaic());
+        let patches = chart::patches();
+        let reach = prepared.interpolation.reach();
+        let clear = patches.iter().chain([&EDGE_REGION]).map(|p| p.row.min(p.col)).min().unwrap_or(0);
+        let response = response(sensor, self.chart.pixels.grid())?;
+        let levels = sensor.raw_levels(exposure)?;
+        let range_v = levels.white_v - levels.black_v;
+        // Normalised samples per photoelectron per second.
+        let gain = exposure.time_s * sensor.pixel.conversion_gain_v_per_e * exposure.analog_gain / range_v;
+        let most =
+            |response: &Vec<f64>| response.iter().zip(&self.brightest).map(|(r, b)| r * b).sum::<f64>();
+        let brightest = response.iter().map(most).fold(0.0, f64::max) * gain;
+        if brightest > CLIPS || reach > clear || isp.white_balance != WhiteBalance::None {
+            return Ok(None);
+        }
+        let matrix = &isp.color_matrix;
+        let xyz = |channels: Vec<f64>| matrix.xyz(&channels).map(|v| v * gain * isp.gain);
+        let measured: Vec<[f64; 3]> = prepared.channels(&response).map(xyz).collect();
+        let colors = chart::accuracy(&measured, &self.expected)?;
+
+        let factors: Vec<f32> =
+            matrix.xyz_from_camera().iter().map(|c| (c[chart::LUMINANCE] * isp.gain) as f32).collect();
+        let luminance = TileFilter::new(&prepared.interpolation, mosaic, &factors);
+        let plane = |raw: &RawImage| -> Result<Planes, CameraError> {
+            let plane = luminance.apply(&raw.normalized(), raw.cols())?;
+            Ok(Planes::new(raw.rows(), raw.cols(), 1, plane).map_err(IspError::from)?)
+        };
+        let greys = &patches[chart::GREYS];
+        let (band, first) = self.chart.band(sensor, greys[0].row, greys[0].row + greys[0].rows, reach);
+        let noisy = plane(&band.capture(&self.chart.pixels, exposure, NoiseMode::All, self.seed)?)?;
+        let greys: Vec<Rect> = greys.iter().map(|&r| below(r, first)).collect();
+        let noise = luminance_noise(&noisy, 0, &greys)?;
+
+        let (camera, edge_exposure) = self.edge.through(&sensor.cfa)?;
+        let rows = EDGE_REGION.row..EDGE_REGION.row + EDGE_REGION.rows;
+        let (band, first) = self.edge.band(&camera.sensor, rows.start, rows.end, reach);
+        let edge = plane(&band.capture_ideal(&self.edge.pixels, &edge_exposure)?)?;
+        let mtf50_cy_per_px = edge_mtf50(&edge, 0, below(EDGE_REGION, first))?;
+        Ok(Some(Scores {
+            delta_e_76: colors.delta_e_76.mean,
+            delta_e_2000: colors.delta_e_2000.mean,
+            mtf50_cy_per_mm: mtf50_cy_per_px / (sensor.pixel.pitch_m * 1e3),
+            mtf50_cy_per_px,
+            luminance_noise_percent: noise.mean_percent,
+            macbeth_time_s: exposure.time_s,
+            edge_time_s: edge_exposure.time_s,
+        }))
     }
 
     /// The scores with processing of one's own, which makes X, Y, Z as they are under the light of raw samples. A pixel of its
@@ -168,7 +286,7 @@ impl Targets {
         let rows = EDGE_REGION.row..EDGE_REGION.row + EDGE_REGION.rows;
         let (sensor, first) = self.edge.band(&camera.sensor, rows.start, rows.end, reach);
         let picture = isp.render(&sensor.capture_ideal(&self.edge.pixels, &edge_exposure)?)?;
-        let mtf50_cy_per_px = edge_mtf50(&picture, below(EDGE_REGION, first))?;
+        let mtf50_cy_per_px = edge_mtf50(picture.planes(), chart::LUMINANCE, below(EDGE_REGION, first))?;
         Ok(Scores {
             delta_e_76: colors.delta_e_76.mean,
             delta_e_2000: colors.delta_e_2000.mean,

@@ -9,6 +9,7 @@ mod color_matrix;
 pub mod demosaic;
 mod error;
 pub(crate) mod source;
+pub(crate) mod tile_filter;
 mod white_balance;
 
 pub use classic::Classic;

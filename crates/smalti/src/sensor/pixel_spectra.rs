@@ -92,9 +92,21 @@ impl PixelSpectra {
         if r >= self.window.rows || c >= self.window.cols {
             return None;
         }
-        let first = (r + self.border) * self.grid.len() * self.stride + c + self.border;
-        let values = (0..self.grid.len()).map(|i| f64::from(self.photons[first + i * self.stride]));
+        let values = (0..self.grid.len()).map(|i| self.line(row, i).get(c).map_or(0.0, |&v| f64::from(v)));
         Spectrum::new(self.grid, values.collect()).ok()
+    }
+}
+
+impl PixelSpectra {
+    /// Photons s⁻¹ nm⁻¹ at one wavelength along a row of the whole sensor, within the window. Nothing for a row or wavelength
+    /// that is not there.
+    pub(crate) fn line(&self, row: usize, wavelength: usize) -> &[f32] {
+        let at = |r: usize| {
+            let inside = r < self.window.rows && wavelength < self.grid.len();
+            inside.then(|| ((r + self.border) * self.grid.len() + wavelength) * self.stride + self.border)
+        };
+        let first = row.checked_sub(self.window.row).and_then(at);
+        first.and_then(|at| self.photons.get(at..at + self.window.cols)).unwrap_or(&[])
     }
 }
 

@@ -120,6 +120,10 @@ impl Bilinear {
     pub(super) fn plan(&self) -> &Plan {
         &self.plan
     }
+
+    pub(super) fn into_plan(self) -> Plan {
+        self.plan
+    }
 }
 
 /// The integer form for Bayer; sizes have been checked.

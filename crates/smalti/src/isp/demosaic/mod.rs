@@ -54,6 +54,15 @@ impl Demosaic {
         })
     }
 
+    /// The weights of the method for a mosaic; `None` where it has none that do not depend on the image.
+    pub(crate) fn interpolation(self, mosaic: &Mosaic) -> Result<Option<Interpolation>, IspError> {
+        Ok(match self {
+            Self::Bilinear => Some(Interpolation(Bilinear::new(mosaic)?.into_plan())),
+            Self::Malvar2004 => Some(Interpolation(malvar2004::plan(mosaic)?)),
+            Self::Adaptive => None,
+        })
+    }
+
     fn apply_with(self, simd: Simd, raw: &RawImage) -> Result<Planes, IspError> {
         let mosaic = match raw.sampling() {
             Sampling::Full { channels } => {
@@ -69,6 +78,29 @@ impl Demosaic {
             Self::Adaptive => adams1997::apply(mosaic, source, simd, planes)?,
         }
         Ok(out)
+    }
+}
+
+/// The weights of a linear demosaicking method for one mosaic.
+#[derive(Debug, Clone)]
+pub(crate) struct Interpolation(plan::Plan);
+
+impl Interpolation {
+    /// Rows or columns, whichever is more, from which samples can reach a pixel.
+    pub(crate) fn reach(&self) -> usize {
+        self.0.reach()
+    }
+
+    /// Calls `each` with row and column from a pixel of the tile and the weight of every sample that a channel there is
+    /// made of.
+    pub(crate) fn each_weight(
+        &self,
+        row: usize,
+        col: usize,
+        channel: usize,
+        mut each: impl FnMut([i32; 2], f32),
+    ) {
+        self.0.taps(row, col, channel).iter().for_each(|t| each([t.row, t.col], t.weight));
     }
 }
 

@@ -75,7 +75,8 @@ impl Plan {
         self.reach_rows.max(self.reach_cols)
     }
 
-    fn taps(&self, row: usize, col: usize, channel: usize) -> &[Tap] {
+    /// What a channel at a pixel of the tile is made of.
+    pub(super) fn taps(&self, row: usize, col: usize, channel: usize) -> &[Tap] {
         let cell = (row % self.mosaic.rows()) * self.mosaic.cols() + col % self.mosaic.cols();
         &self.taps[cell * self.mosaic.channels() + channel]
     }
