@@ -4,7 +4,7 @@
 //! The modules follow the light, and each imports only from those before it:
 //!
 //! [`numeric`] → [`spectrum`] → [`color`] → [`scene`] → [`optics`] → [`sensor`] → [`isp`] → [`l3`] →
-//! [`metrics`] → [`camera`]
+//! [`metrics`] → [`camera`] → [`design`]
 //!
 //! | stage | from | to | unit of the result |
 //! |---|---|---|---|
@@ -36,6 +36,7 @@
 
 pub mod camera;
 pub mod color;
+pub mod design;
 pub mod isp;
 pub mod l3;
 pub mod metrics;
