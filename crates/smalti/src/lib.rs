@@ -4,7 +4,7 @@
 //! The modules follow the light, and each imports only from those before it:
 //!
 //! [`numeric`] → [`spectrum`] → [`color`] → [`scene`] → [`optics`] → [`sensor`] → [`isp`] → [`l3`] →
-//! [`metrics`] → [`camera`]
+//! [`metrics`] → [`camera`] → [`design`]
 //!
 //! | stage | from | to | unit of the result |
 //! |---|---|---|---|

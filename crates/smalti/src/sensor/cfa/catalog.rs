@@ -46,6 +46,16 @@ impl CfaInfo {
         }
     }
 
+    /// The pattern of an entry whose letters are single filters; `None` where cells are mixtures of filters, or the
+    /// tile is made from parameters.
+    #[must_use]
+    pub fn fixed_pattern(&self) -> Option<&'static [&'static str]> {
+        match self.layout {
+            Layout::Letters(lines) => Some(lines),
+            Layout::Weighted { .. } | Layout::Random => None,
+        }
+    }
+
     /// Rows of the tile.
     #[must_use]
     pub fn rows(&self) -> usize {

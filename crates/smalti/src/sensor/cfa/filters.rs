@@ -79,6 +79,19 @@ pub enum Filter {
         /// Order, 1 to 100.
         order: u32,
     },
+    /// A mixture of dyes by the law of Beer and Lambert, `leakage + (peak − leakage) 10^(−A(λ))`: the absorbance A is
+    /// the sum over the bands of `absorbance exp(−4 ln 2 ((ν − ν₀) / Δν)²)`, Gaussians of the frequency ν ∝ 1/λ
+    /// ([verhoeven1996]). `leakage` is light that no concentration absorbs: it scatters, or passes beside the pigment.
+    Dye {
+        /// Absorption bands of all dyes of the mixture.
+        bands: Vec<AbsorptionBand>,
+        /// Transmittance where no dye absorbs.
+        #[serde(default = "one")]
+        peak: f64,
+        /// Transmittance however much the dyes absorb, at most `peak`.
+        #[serde(default)]
+        leakage: f64,
+    },
     /// A filter of the library by its name, as [`builtin_filters`](super::builtin_filters) lists them.
     Builtin(String),
     /// A file of wavelengths and values. This library opens no file: whoever does replaces it by
@@ -93,6 +106,26 @@ pub enum Filter {
         /// One value per wavelength, 0 to 1.
         values: Vec<f64>,
     },
+}
+
+/// An absorption band of a dye, see [`Filter::Dye`].
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct AbsorptionBand {
+    /// Wavelength of the largest absorbance.
+    pub center_nm: f64,
+    /// Full width at half the absorbance, above 0: Δν is that of `fwhm_nm` at the centre, `ν₀ fwhm_nm / center_nm`.
+    pub fwhm_nm: f64,
+    /// Largest absorbance, −log₁₀ of the transmittance; it goes with concentration and thickness. 0 to 100.
+    pub absorbance: f64,
+}
+
+impl AbsorptionBand {
+    fn at(&self, nm: f64) -> f64 {
+        // (ν − ν₀) / Δν
+        let x = (self.center_nm / nm - 1.0) * self.center_nm / self.fwhm_nm;
+        self.absorbance * libm::exp(-4.0 * std::f64::consts::LN_2 * x * x)
+    }
 }
 
 fn one() -> f64 {
@@ -149,6 +182,18 @@ impl Filter {
                 within("order", f64::from(order), 1.0, 100.0, "1 to 100")?;
                 let power = 2.0 * f64::from(order);
                 sampled(&|nm| peak / (1.0 + libm::pow((2.0 * (nm - center_nm) / fwhm_nm).abs(), power)))
+            }
+            Self::Dye { ref bands, peak, leakage } => {
+                for b in bands {
+                    band(b.center_nm, "fwhm_nm", b.fwhm_nm, peak)?;
+                    within("absorbance", b.absorbance, 0.0, 100.0, "0 to 100")?;
+                }
+                within("peak", peak, 0.0, 1.0, "0 to 1")?;
+                within("leakage", leakage, 0.0, peak, "0 to the peak")?;
+                sampled(&|nm| {
+                    let absorbance: f64 = bands.iter().map(|b| b.at(nm)).sum();
+                    leakage + (peak - leakage) * libm::exp(-std::f64::consts::LN_10 * absorbance)
+                })
             }
             Self::Builtin(ref name) => named::spectrum(name, grid),
             Self::File(ref name) => Err(CfaError::UnreadFile { name: name.clone() }),

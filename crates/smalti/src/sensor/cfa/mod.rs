@@ -14,7 +14,7 @@ mod pattern;
 mod random;
 
 pub use catalog::{CfaInfo, builtin, builtin_with, info, names, pattern};
-pub use filters::Filter;
+pub use filters::{AbsorptionBand, Filter};
 pub use mixture::{Modulation, WeightedMosaic};
 pub use mosaic::{Cfa, CfaError, Channel, Mosaic};
 pub use named::{FilterInfo, builtin_filters};

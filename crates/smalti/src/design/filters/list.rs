@@ -1,0 +1,46 @@
+//! Filter sets written out one by one.
+
+use serde::{Deserialize, Serialize};
+
+use super::{FilterSet, ascending, index_checked};
+use crate::design::error::{DesignError, colors_checked};
+use crate::sensor::Filter;
+
+/// `[[filters.list]]`: one set of filters.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ListedSet {
+    /// What it is called in results; absent: its number in the list, counted from 1.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub label: Option<String>,
+    /// The filters, in any order: they are sorted by their mean wavelength.
+    pub filters: Vec<Filter>,
+}
+
+impl ListedSet {
+    /// Its label, or its place in the list.
+    fn name(&self, place: usize) -> String {
+        self.label.clone().unwrap_or_else(|| format!("set {}", place + 1))
+    }
+}
+
+fn of(sets: &[ListedSet], colors: usize) -> impl Iterator<Item = (usize, &ListedSet)> {
+    sets.iter().enumerate().filter(move |(_, s)| s.filters.len() == colors)
+}
+
+pub(super) fn count(sets: &[ListedSet], colors: usize) -> Result<u128, DesignError> {
+    colors_checked(colors)?;
+    Ok(of(sets, colors).count() as u128)
+}
+
+pub(super) fn set(sets: &[ListedSet], colors: usize, index: u128) -> Result<FilterSet, DesignError> {
+    let count = count(sets, colors)?;
+    let what = "the family list";
+    index_checked(what, colors, index, count)?;
+    let (place, set) =
+        of(sets, colors).nth(index as usize).ok_or(DesignError::Index { what, colors, index, count })?;
+    let label = set.name(place);
+    let named = set.filters.iter().enumerate().map(|(i, f)| (format!("{label}, {}", i + 1), f.clone()));
+    let filters = ascending(named.collect())?.into_iter().map(|(_, filter)| filter).collect();
+    Ok(FilterSet { label, filters })
+}

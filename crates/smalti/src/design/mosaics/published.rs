@@ -1,0 +1,46 @@
+//! The published mosaics of the catalogue.
+
+use std::collections::BTreeSet;
+
+use crate::design::error::{DesignError, colors_checked};
+use crate::design::filters::mean_wavelength_nm;
+use crate::sensor::cfa::{CfaInfo, names};
+use crate::sensor::{Filter, Mosaic};
+
+/// The mosaics of the [catalogue](names) with `colors` filters, each with the first entry that shows it.
+///
+/// Channels are numbered by the mean wavelength of the entry's own filters between 400 and 700 nm: in Bayer's mosaic
+/// blue is channel 0, green 1, red 2; white lies between green and red, infrared comes last.
+///
+/// Left out are entries whose cells are mixtures of filters (`hirakawa2008`, `condat2011`: more kinds of cells than
+/// filters), the `random` mosaic, which is made and not published, and every entry that is a shift of one before it
+/// (the other phases of Bayer; `rccb`, `ryyb` and `cyym`, which are Bayer's with the middle filter doubled).
+///
+/// # Errors
+/// When `colors` is not 1 to 26.
+pub fn published(colors: usize) -> Result<Vec<(&'static CfaInfo, Mosaic)>, DesignError> {
+    colors_checked(colors)?;
+    let (mut found, mut seen) = (Vec::new(), BTreeSet::new());
+    for entry in names() {
+        let Some(lines) = entry.fixed_pattern() else { continue };
+        let (mosaic, letters) = Mosaic::from_letters(lines)?;
+        if letters.len() != colors {
+            continue;
+        }
+        let mut places = Vec::new();
+        for (channel, letter) in letters.iter().enumerate() {
+            let filter = entry.filters.iter().find(|(l, _)| l == letter).map_or("", |(_, f)| f);
+            places.push((mean_wavelength_nm(&Filter::Builtin(filter.into()))?, channel));
+        }
+        places.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let mut rank = vec![0u8; colors];
+        places.iter().zip(0..).for_each(|(&(_, channel), place)| rank[channel] = place);
+        let cells = mosaic.cells().iter().map(|&c| rank[usize::from(c)]).collect();
+        let mosaic = Mosaic::new(mosaic.rows(), mosaic.cols(), cells)?;
+        let canonical = mosaic.canonical();
+        if seen.insert((canonical.rows(), canonical.cells().to_vec())) {
+            found.push((entry, mosaic));
+        }
+    }
+    Ok(found)
+}

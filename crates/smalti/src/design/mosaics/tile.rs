@@ -1,0 +1,155 @@
+//! All mosaics of a tile: how many there are, all of them, or a random sample.
+
+use std::collections::HashSet;
+
+use serde::{Deserialize, Serialize};
+
+use super::group::{Group, Symmetry, cycles};
+use super::{PURPOSE, chosen, surjection};
+use crate::design::error::{DesignError, colors_checked};
+use crate::numeric::philox::Stream;
+use crate::sensor::Mosaic;
+
+/// Largest number of cells: the permutations of a tile of 32 × 32 fill 16 MB.
+const MAX_CELLS: usize = 1024;
+
+/// `[mosaics.tile]`: every placement of N colours in a tile in which all appear; those that a symmetry makes the same
+/// mosaic count once.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Tile {
+    /// Rows; a tile has at most 1024 cells.
+    pub rows: usize,
+    /// Columns.
+    pub cols: usize,
+    /// What makes two tiles the same mosaic.
+    #[serde(default)]
+    pub symmetry: Symmetry,
+}
+
+const WHAT: &str = "this tile";
+
+impl Tile {
+    fn group(&self) -> Result<Group, DesignError> {
+        let Self { rows, cols, symmetry } = *self;
+        if !rows.checked_mul(cols).is_some_and(|n| (1..=MAX_CELLS).contains(&n)) {
+            let message = format!("{rows} × {cols} cells; expected 1 to {MAX_CELLS}");
+            return Err(DesignError::key("tile.rows", message));
+        }
+        if symmetry == Symmetry::ShiftMirrorRotation && rows != cols {
+            let message = format!("rotation needs a square tile, and this one is {rows} × {cols}");
+            return Err(DesignError::key("tile.symmetry", message));
+        }
+        Ok(Group::new(rows, cols, symmetry))
+    }
+
+    /// By the lemma of Cauchy and Frobenius (Burnside): the mean over the group of the number of placements that an
+    /// element leaves as they are.
+    pub(super) fn count(&self, colors: usize) -> Result<u128, DesignError> {
+        colors_checked(colors)?;
+        let group = self.group()?;
+        let order = group.elements().len() as u128;
+        let uncountable = DesignError::Uncountable { what: WHAT, colors };
+        let mut of = vec![0; self.rows * self.cols];
+        // How many elements have each number of cycles.
+        let mut with = vec![0u128; of.len() + 1];
+        group.elements().for_each(|element| with[cycles(element, &mut of)] += 1);
+        // The sum may exceed the mean's range: whole parts and remainders of the division by the order apart.
+        let (mut whole, mut rest) = (0u128, 0u128);
+        for (places, &elements) in with.iter().enumerate().filter(|(_, n)| **n > 0) {
+            let fixed = surjection::count(places, colors).ok_or(uncountable.clone())?;
+            let part = (fixed / order).checked_mul(elements).and_then(|p| whole.checked_add(p));
+            whole = part.ok_or(uncountable.clone())?;
+            rest += fixed % order * elements;
+        }
+        whole.checked_add(rest / order).ok_or(uncountable)
+    }
+
+    pub(super) fn pick(
+        &self,
+        colors: usize,
+        count: Option<u64>,
+        seed: u64,
+    ) -> Result<Vec<Mosaic>, DesignError> {
+        let available = match self.count(colors) {
+            Err(DesignError::Uncountable { .. }) if count.is_some() => u128::MAX,
+            other => other?,
+        };
+        let wanted = super::wanted(WHAT, colors, count, available)?;
+        // A sample of most of them would mostly draw what it has.
+        if u128::from(wanted) * 2 > available {
+            return chosen(self.all(colors)?, wanted, colors, seed);
+        }
+        self.sample(colors, wanted, seed)
+    }
+
+    fn mosaic(&self, cells: &[u8]) -> Result<Mosaic, DesignError> {
+        Ok(Mosaic::new(self.rows, self.cols, cells.to_vec())?.reduced())
+    }
+
+    /// All mosaics, in the order of their cells.
+    fn all(&self, colors: usize) -> Result<Vec<Mosaic>, DesignError> {
+        let group = self.group()?;
+        let places = self.rows * self.cols;
+        let mut found = Vec::new();
+        let mut uses = vec![0usize; colors];
+        let mut cells: Vec<u8> = vec![];
+        // Colour to try next at the end of `cells`.
+        let mut next = 0u8;
+        loop {
+            let missing = uses.iter().filter(|&&n| n == 0).count();
+            let open = cells.len() < places && missing <= places - cells.len() && usize::from(next) < colors;
+            if open {
+                cells.push(next);
+                uses[usize::from(next)] += 1;
+                next = 0;
+                let missing = uses.iter().filter(|&&n| n == 0).count();
+                if missing <= places - cells.len() && group.may_be_canonical(&cells) {
+                    if cells.len() < places {
+                        continue;
+                    }
+                    found.push(self.mosaic(&cells)?);
+                }
+            }
+            // The last cell has been dealt with: its next colour.
+            let Some(last) = cells.pop() else { return Ok(found) };
+            uses[usize::from(last)] -= 1;
+            next = last + 1;
+        }
+    }
+
+    /// `wanted` different mosaics, each set of them equally likely.
+    ///
+    /// An element of the group is drawn with the number of placements that it leaves as they are as weight, then one of
+    /// these: every mosaic is equally likely, however many tiles show it ([dixon1983]).
+    fn sample(&self, colors: usize, wanted: u64, seed: u64) -> Result<Vec<Mosaic>, DesignError> {
+        let group = self.group()?;
+        let places = self.rows * self.cols;
+        let sampler = surjection::Sampler::new(places, colors);
+        let mut of = vec![0; places];
+        let mut sum = 0.0;
+        let weight = |element: &[u16]| {
+            let cycles = cycles(element, &mut of);
+            // Relative to colors^places, all colourings.
+            sum += sampler.probability(cycles) * libm::pow(colors as f64, cycles as f64 - places as f64);
+            sum
+        };
+        let cumulative: Vec<f64> = group.elements().map(weight).collect();
+        let mut stream = Stream::new(seed, PURPOSE, colors as u32);
+        let (mut seen, mut found) = (HashSet::new(), Vec::new());
+        let (mut palette, mut tile) = (vec![0; places], vec![0; places]);
+        while (found.len() as u64) < wanted {
+            let at = stream.uniform() * sum;
+            let element = group.element(cumulative.partition_point(|&c| c <= at).min(cumulative.len() - 1));
+            let cycles = cycles(element, &mut of);
+            sampler.draw(&mut stream, &mut palette[..cycles]);
+            tile.iter_mut().zip(&of).for_each(|(cell, &cycle)| *cell = palette[usize::from(cycle)]);
+            let cells = group.canonical(&tile);
+            if !seen.contains(&cells) {
+                found.push(self.mosaic(&cells)?);
+                seen.insert(cells);
+            }
+        }
+        Ok(found)
+    }
+}

@@ -1,0 +1,647 @@
+//! Families of designs: counts against brute force, uniform choice, filters that obey their rules.
+#![allow(clippy::unwrap_used, clippy::panic)]
+
+use std::collections::{BTreeMap, BTreeSet, HashSet};
+
+use proptest::prelude::*;
+use smalti::design::{
+    DesignError, Dyes, FilterFamily, FilterSet, GaussianGrid, Library, MosaicFamily, Permutation, Rule,
+    RuleName, RuleTarget, Series, Symmetry, Tile, published,
+};
+use smalti::sensor::{Filter, Mosaic};
+use smalti::spectrum::WavelengthGrid;
+
+// ---- mosaics --------------------------------------------------------------------------------------------------
+
+const SYMMETRIES: [Symmetry; 3] = [Symmetry::Shift, Symmetry::ShiftMirror, Symmetry::ShiftMirrorRotation];
+
+fn tile(rows: usize, cols: usize, symmetry: Symmetry) -> MosaicFamily {
+    MosaicFamily::Tile(Tile { rows, cols, symmetry })
+}
+
+/// All images of a mosaic, written without the tables of the library.
+fn images(mosaic: &Mosaic, rows: usize, cols: usize, symmetry: Symmetry) -> Vec<Vec<usize>> {
+    let at = |r: usize, c: usize| mosaic.channel_at(r % rows, c % cols);
+    let mut all = Vec::new();
+    for dr in 0..rows {
+        for dc in 0..cols {
+            let mut add = |f: &dyn Fn(usize, usize) -> usize| {
+                all.push((0..rows * cols).map(|i| f(i / cols, i % cols)).collect::<Vec<_>>());
+            };
+            add(&|r, c| at(r + dr, c + dc));
+            if symmetry != Symmetry::Shift {
+                add(&|r, c| at(2 * rows - 1 - r - dr, c + dc));
+                add(&|r, c| at(r + dr, 2 * cols - 1 - c - dc));
+                add(&|r, c| at(2 * rows - 1 - r - dr, 2 * cols - 1 - c - dc));
+            }
+            if symmetry == Symmetry::ShiftMirrorRotation {
+                add(&|r, c| at(c + dr, r + dc));
+                add(&|r, c| at(c + dr, 2 * cols - 1 - r - dc));
+                add(&|r, c| at(2 * rows - 1 - c - dr, r + dc));
+                add(&|r, c| at(2 * rows - 1 - c - dr, 2 * cols - 1 - r - dc));
+            }
+        }
+    }
+    all
+}
+
+/// The classes of all placements, each by its first image.
+fn brute_force(rows: usize, cols: usize, colors: usize, symmetry: Symmetry) -> BTreeSet<Vec<usize>> {
+    let places = rows * cols;
+    let mut classes = BTreeSet::new();
+    for code in 0..colors.pow(places as u32) {
+        let cells: Vec<u8> = (0..places).map(|i| (code / colors.pow(i as u32) % colors) as u8).collect();
+        if (0..colors).all(|c| cells.contains(&(c as u8))) {
+            let mosaic = Mosaic::new(rows, cols, cells).unwrap();
+            classes.insert(images(&mosaic, rows, cols, symmetry).into_iter().min().unwrap());
+        }
+    }
+    classes
+}
+
+fn cells(mosaic: &Mosaic, rows: usize, cols: usize) -> Vec<usize> {
+    (0..rows * cols).map(|i| mosaic.channel_at(i / cols, i % cols)).collect()
+}
+
+#[test]
+fn counts_and_lists_are_those_of_brute_force() {
+    let sizes = [
+        (1, 1, 1),
+        (1, 4, 2),
+        (2, 2, 2),
+        (2, 2, 3),
+        (2, 2, 4),
+        (2, 3, 3),
+        (3, 2, 4),
+        (2, 4, 3),
+        (3, 3, 2),
+        (3, 3, 4),
+    ];
+    for (rows, cols, colors) in sizes {
+        for symmetry in SYMMETRIES {
+            if symmetry == Symmetry::ShiftMirrorRotation && rows != cols {
+                continue;
+            }
+            let expected = brute_force(rows, cols, colors, symmetry);
+            let family = tile(rows, cols, symmetry);
+            let context = format!("{rows} × {cols}, {colors} colours, {symmetry:?}");
+            assert_eq!(family.count(colors).unwrap(), expected.len() as u128, "{context}");
+            let all = family.pick(colors, None, 0).unwrap();
+            let listed: BTreeSet<Vec<usize>> = all.iter().map(|m| cells(m, rows, cols)).collect();
+            assert_eq!(all.len(), expected.len(), "{context}");
+            // The very tile that comes first, too.
+            assert_eq!(listed, expected, "{context}");
+        }
+    }
+}
+
+#[test]
+fn exhaustive_lists_of_the_papers_tiles_have_the_counts_of_burnside() {
+    for symmetry in SYMMETRIES {
+        for (side, colors) in [(2, 3), (2, 4), (3, 3), (3, 4), (3, 5), (3, 6), (3, 7), (3, 8), (3, 9)] {
+            let family = tile(side, side, symmetry);
+            let all = family.pick(colors, None, 7).unwrap();
+            let different: HashSet<_> = all.iter().collect();
+            assert_eq!(family.count(colors).unwrap(), different.len() as u128);
+            assert!(all.iter().all(|m| m.channels() == colors));
+        }
+    }
+    // 9 different filters in 3 × 3: 9!/9 up to shifts, and no symmetry leaves one as it is.
+    let count = |s| tile(3, 3, s).count(9).unwrap();
+    assert_eq!(SYMMETRIES.map(count), [40320, 10080, 5040]);
+    // Bayer's colours in 2 × 2: which is doubled, and whether it stands on the diagonal, in a row or in a column.
+    assert_eq!(tile(2, 2, Symmetry::Shift).count(3).unwrap(), 9);
+    assert_eq!(tile(2, 2, Symmetry::ShiftMirrorRotation).count(3).unwrap(), 6);
+}
+
+#[test]
+fn the_tile_of_a_mosaic_is_its_canonical_one() {
+    for mosaic in tile(4, 4, Symmetry::Shift).pick(3, Some(500), 3).unwrap() {
+        assert_eq!(mosaic, mosaic.canonical());
+    }
+    // Mosaics of a smaller period come out as their smaller tile.
+    let all = tile(2, 4, Symmetry::Shift).pick(3, None, 0).unwrap();
+    for bayer in tile(2, 2, Symmetry::Shift).pick(3, None, 0).unwrap() {
+        assert!(all.contains(&bayer));
+    }
+}
+
+/// 23 mosaics of two colours in 2 × 4 cells, shown by 1 to 32 tiles each: a sample favours none.
+#[test]
+fn every_mosaic_is_equally_likely() {
+    for (rows, cols, colors, symmetry) in [
+        (2, 4, 2, Symmetry::ShiftMirror),
+        (2, 2, 3, Symmetry::Shift),
+        (3, 3, 2, Symmetry::ShiftMirrorRotation),
+    ] {
+        let family = tile(rows, cols, symmetry);
+        let count = family.count(colors).unwrap() as usize;
+        let trials = 1000 * count;
+        let mut drawn = BTreeMap::new();
+        for seed in 0..trials as u64 {
+            let one = family.pick(colors, Some(1), seed).unwrap().remove(0);
+            *drawn.entry(one.cells().to_vec()).or_insert(0.0) += 1.0;
+        }
+        assert_eq!(drawn.len(), count);
+        let chi: f64 = drawn.values().map(|n| (n - 1000.0f64).powi(2) / 1000.0).sum();
+        let freedom = count as f64 - 1.0;
+        assert!((chi - freedom).abs() < 4.0 * (2.0 * freedom).sqrt(), "{rows} × {cols}: {chi} for {freedom}");
+    }
+}
+
+#[test]
+fn samples_are_different_mosaics_and_repeatable() {
+    for symmetry in SYMMETRIES {
+        let family = tile(4, 4, symmetry);
+        let sample = family.pick(4, Some(3000), 11).unwrap();
+        let classes: HashSet<_> =
+            sample.iter().map(|m| images(m, 4, 4, symmetry).into_iter().min().unwrap()).collect();
+        assert_eq!(classes.len(), 3000);
+        assert_eq!(family.pick(4, Some(3000), 11).unwrap(), sample);
+        assert_ne!(family.pick(4, Some(3000), 12).unwrap(), sample);
+        assert_eq!(family.pick(4, Some(100), 11).unwrap(), sample[..100]);
+    }
+    // All but one, and a tile with more mosaics than 128 bits can count.
+    let nearly: HashSet<_> =
+        tile(3, 3, Symmetry::Shift).pick(5, Some(92_000), 1).unwrap().into_iter().collect();
+    assert_eq!(nearly.len(), 92_000);
+    let large = tile(8, 12, Symmetry::ShiftMirror);
+    assert!(matches!(large.count(7), Err(DesignError::Uncountable { colors: 7, .. })));
+    assert!(matches!(large.pick(7, None, 1), Err(DesignError::Uncountable { .. })));
+    assert_eq!(large.pick(7, Some(50), 1).unwrap().iter().collect::<HashSet<_>>().len(), 50);
+}
+
+#[test]
+fn what_cannot_be_listed_says_how_many_there_are() {
+    let family = tile(2, 2, Symmetry::Shift);
+    let error = family.pick(4, Some(5000), 1).unwrap_err();
+    assert_eq!(error, DesignError::TooFew { what: "this tile", colors: 4, wanted: 5000, available: 6 });
+    assert!(error.to_string().contains("has only 6"), "{error}");
+    let error = tile(4, 4, Symmetry::Shift).pick(4, None, 1).unwrap_err();
+    assert!(error.to_string().starts_with("257710656 mosaics of 4 colours"), "{error}");
+    assert!(tile(4, 4, Symmetry::Shift).pick(4, Some(20_000_000), 1).is_err());
+    // Fewer cells than colours: none, and none are listed.
+    assert_eq!((family.count(5), family.pick(5, None, 1)), (Ok(0), Ok(vec![])));
+    assert!(matches!(family.pick(5, Some(1), 1), Err(DesignError::TooFew { available: 0, .. })));
+    for colors in [0, 27, usize::MAX] {
+        assert_eq!(family.count(colors), Err(DesignError::Colors { colors }));
+    }
+    for (rows, cols) in [(0, 3), (3, 0), (33, 32), (usize::MAX, usize::MAX)] {
+        assert!(matches!(tile(rows, cols, Symmetry::Shift).count(3), Err(DesignError::Key { .. })));
+    }
+    let error = tile(2, 3, Symmetry::ShiftMirrorRotation).count(3).unwrap_err().to_string();
+    assert!(error.contains("`tile.symmetry`") && error.contains("2 × 3"), "{error}");
+}
+
+#[test]
+fn given_tiles_are_read_by_their_letters() {
+    let lines = |lines: &[&str]| lines.iter().map(|&l| l.to_owned()).collect::<Vec<_>>();
+    let family = MosaicFamily::Given(vec![lines(&["cb", "ba"]), lines(&["ab", "cd"]), lines(&["abc"])]);
+    assert_eq!([2, 3, 4].map(|n| family.count(n).unwrap()), [0, 2, 1]);
+    let tiles = family.pick(3, None, 0).unwrap();
+    assert_eq!(tiles[0].cells(), [2, 1, 1, 0]);
+    assert_eq!(tiles[1].cells(), [0, 1, 2]);
+    let wrong = |l: &[&str]| MosaicFamily::Given(vec![lines(l)]).count(3).unwrap_err().to_string();
+    assert!(wrong(&["RG", "GB"]).contains("'R' is no channel"));
+    assert!(wrong(&["ac", "cd"]).contains("'b' is in no cell"));
+    assert!(wrong(&["ab", "c"]).contains("`given[0]`"));
+    assert!(wrong(&[]).contains("`given[0]`"));
+}
+
+#[test]
+fn the_catalogue_has_each_arrangement_once() {
+    let named = |n: usize| published(n).unwrap().iter().map(|(e, _)| e.name).collect::<Vec<_>>();
+    assert!(named(1).contains(&"mono") && named(2) == ["rccc"]);
+    assert!(named(3).starts_with(&["bayer", "quad-bayer"]));
+    for left_out in ["bayer-bggr", "rccb", "ryyb", "hirakawa2008", "condat2011", "random"] {
+        assert!((1..=26).all(|n| !named(n).contains(&left_out)), "{left_out}");
+    }
+    // Blue, green, red ascend.
+    assert_eq!(published(3).unwrap()[0].1.cells(), [2, 1, 1, 0]);
+    let rgbw = published(4).unwrap().into_iter().find(|(e, _)| e.name == "rgbw").unwrap();
+    assert_eq!(rgbw.1.cells(), [3, 1, 2, 0]);
+    let rgbir = published(4).unwrap().into_iter().find(|(e, _)| e.name == "rgbir").unwrap();
+    assert_eq!(rgbir.1.cells(), [0, 1, 3, 2]);
+    let some = MosaicFamily::Catalogue.pick(4, Some(5), 3).unwrap();
+    assert_eq!(some.iter().collect::<HashSet<_>>().len(), 5);
+    assert_eq!(MosaicFamily::Catalogue.count(7), Ok(0));
+}
+
+// ---- filters --------------------------------------------------------------------------------------------------
+
+fn gaussians(set: &FilterSet) -> Vec<[f64; 3]> {
+    let values = |f: &Filter| match *f {
+        Filter::Gaussian { center_nm, sigma_nm, peak } => [center_nm, sigma_nm, peak],
+        _ => panic!("{f:?}"),
+    };
+    set.filters.iter().map(values).collect()
+}
+
+#[test]
+fn a_grid_yields_every_set_once() {
+    for min_spacing_nm in [0.0, 10.0, 20.0, 30.0] {
+        let family = FilterFamily::GaussianGrid(GaussianGrid {
+            centers_nm: [500.0, 10.0, 540.0],
+            sigmas_nm: [20.0, 5.0, 30.0],
+            min_spacing_nm,
+        });
+        let count = family.count(3).unwrap();
+        let mut seen = BTreeSet::new();
+        for i in 0..count {
+            let set = family.set(3, i).unwrap();
+            let filters = gaussians(&set);
+            assert!(
+                filters.windows(2).all(|w| w[1][0] - w[0][0] >= min_spacing_nm && w[0] < w[1]),
+                "{set:?}"
+            );
+            seen.insert(set.label);
+        }
+        // C(15, 3); 3³ widths times 10, 1 and 0 choices of centres.
+        let expected = [(0.0, 455), (10.0, 270), (20.0, 27), (30.0, 0)];
+        assert_eq!(seen.len() as u128, count);
+        assert!(expected.contains(&(min_spacing_nm, count)), "{min_spacing_nm}: {count}");
+        assert!(matches!(family.set(3, count), Err(DesignError::Index { .. })));
+    }
+}
+
+#[test]
+fn the_default_grid_is_sampled_evenly() {
+    let family = FilterFamily::default();
+    for colors in 3..=7 {
+        let count = family.count(colors).unwrap();
+        let order = Permutation::new(count, 1, 2, colors as u32);
+        let sets: Vec<_> = (0..2000).map(|i| family.set(colors, order.at(i).unwrap()).unwrap()).collect();
+        assert_eq!(sets.iter().map(|s| &s.label).collect::<BTreeSet<_>>().len(), 2000);
+        let all: Vec<[f64; 3]> = sets.iter().flat_map(gaussians).collect();
+        let n = all.len() as f64;
+        let mean = |i: usize| all.iter().map(|f| f[i]).sum::<f64>() / n;
+        // Uniform over 400–700 and 10–60 nm: four standard errors.
+        assert!((mean(0) - 550.0).abs() < 4.0 * 87.3 / n.sqrt(), "{}", mean(0));
+        assert!((mean(1) - 35.0).abs() < 4.0 * 15.1 / n.sqrt(), "{}", mean(1));
+        assert!(all.iter().all(|f| f[2] == 1.0));
+    }
+    // 121 × 21 filters.
+    assert_eq!(family.count(3), Ok(2541 * 2540 * 2539 / 6));
+    assert!(family.count(26).is_ok_and(|n| n > 1 << 127) || family.count(26).is_err());
+}
+
+fn rule(rules: &[RuleName], targets: &[RuleTarget]) -> Rule {
+    Rule { rules: rules.to_vec(), targets: targets.to_vec(), ..Rule::default() }
+}
+
+const TARGETS: [RuleTarget; 3] = [
+    RuleTarget::Gaussian { center_nm: 550.0, sigma_nm: 80.0 },
+    RuleTarget::Gaussian { center_nm: 520.0, sigma_nm: 45.0 },
+    RuleTarget::Cones,
+];
+
+#[test]
+fn uniform_filters_are_uniform() {
+    let family = FilterFamily::Rule(Rule { sigmas_nm: vec![30.0], ..rule(&[RuleName::Uniform], &TARGETS) });
+    for colors in 1..=26 {
+        assert_eq!(family.count(colors), Ok(1));
+        let filters = gaussians(&family.set(colors, 0).unwrap());
+        let spacing = 300.0 / colors as f64;
+        for (i, f) in filters.iter().enumerate() {
+            assert!((f[0] - (400.0 + (i as f64 + 0.5) * spacing)).abs() < 1e-9);
+            assert_eq!((f[1] - 30.0).abs() < 1e-9, f[2] == 1.0);
+        }
+    }
+    // Without a width, neighbours meet at half their peak.
+    let half = gaussians(&FilterFamily::Rule(Rule::default()).set(6, 0).unwrap());
+    let x: f64 = 25.0 / half[0][1];
+    assert!(((-0.5 * x * x).exp() - 0.5).abs() < 1e-12);
+}
+
+/// What each rule leaves of the squared target, and that more freedom leaves less.
+#[test]
+fn more_freedom_comes_nearer_to_the_target() {
+    let all = [RuleName::Uniform, RuleName::HeightScaled, RuleName::AllScaled];
+    for target in TARGETS {
+        for colors in 3..=7 {
+            let rule = rule(&all, &[target]);
+            let family = FilterFamily::Rule(rule.clone());
+            let error = |i| rule.relative_error(target, &family.set(colors, i).unwrap().filters).unwrap();
+            let [uniform, heights, everything] = [0, 1, 2].map(error);
+            println!("{target}, {colors} colours: {uniform:.2e} {heights:.2e} {everything:.2e}");
+            assert!(everything < 0.5 * heights && heights < 0.5 * uniform && everything < 1e-2);
+            for i in 0..3 {
+                let peaks: Vec<f64> =
+                    gaussians(&family.set(colors, i).unwrap()).iter().map(|f| f[2]).collect();
+                assert!(peaks.iter().all(|p| (0.0..=1.0).contains(p)) && peaks.contains(&1.0), "{peaks:?}");
+            }
+        }
+    }
+}
+
+/// No height can be changed by 1 % to come nearer to the target: the least squares are the least.
+#[test]
+fn heights_are_those_of_least_squares() {
+    for target in TARGETS {
+        for colors in 3..=7 {
+            let rule = rule(&[RuleName::HeightScaled], &[target]);
+            let set = FilterFamily::Rule(rule.clone()).set(colors, 0).unwrap();
+            let least = rule.relative_error(target, &set.filters).unwrap();
+            for i in 0..colors {
+                for change in [-0.01, 0.01] {
+                    let mut filters = set.filters.clone();
+                    if let Filter::Gaussian { peak, .. } = &mut filters[i] {
+                        *peak = (*peak + change).max(0.0);
+                    }
+                    let changed = rule.relative_error(target, &filters).unwrap();
+                    assert!(changed >= least * (1.0 - 1e-9), "{target} {colors} {i}: {changed:e} {least:e}");
+                }
+            }
+        }
+    }
+}
+
+/// What one Gaussian can do, a fit of one does.
+#[test]
+fn one_filter_finds_its_target() {
+    let target = RuleTarget::Gaussian { center_nm: 515.0, sigma_nm: 40.0 };
+    let set = FilterFamily::Rule(rule(&[RuleName::AllScaled], &[target])).set(1, 0).unwrap();
+    let [center, sigma, peak] = gaussians(&set)[0];
+    assert!((center - 515.0).abs() < 1e-4 && (sigma - 40.0).abs() < 1e-4 && peak == 1.0, "{center} {sigma}");
+    assert_eq!(set.label, "all-scaled, gaussian 515/40, 1");
+}
+
+#[test]
+fn constraints_hold() {
+    let constrained = Rule {
+        max_sigma_nm: Some(25.0),
+        min_spacing_nm: 35.0,
+        min_height: 0.3,
+        ..rule(&[RuleName::HeightScaled, RuleName::AllScaled], &TARGETS)
+    };
+    let family = FilterFamily::Rule(constrained.clone());
+    for colors in 3..=7 {
+        assert_eq!(family.count(colors), Ok(6));
+        for index in 0..6 {
+            let set = family.set(colors, index).unwrap();
+            let filters = gaussians(&set);
+            assert!(filters.iter().all(|f| f[1] <= 25.0 + 1e-9 && f[2] >= 0.3 - 1e-9), "{set:?}");
+            assert!(filters.windows(2).all(|w| w[1][0] - w[0][0] >= 35.0 - 1e-9), "{set:?}");
+            assert!(filters.iter().all(|f| (400.0 - 1e-9..=700.0 + 1e-9).contains(&f[0])));
+        }
+        for (target, i) in TARGETS.iter().zip(0..) {
+            let error =
+                |i| constrained.relative_error(*target, &family.set(colors, i).unwrap().filters).unwrap();
+            assert!(error(i + 3) < error(i), "{target} {colors}");
+        }
+    }
+    // A bound that would not be met without it: unconstrained heights of a narrow target fall below.
+    let free = FilterFamily::Rule(rule(&[RuleName::HeightScaled], &TARGETS[1..2])).set(5, 0).unwrap();
+    assert!(gaussians(&free).iter().any(|f| f[2] < 0.3));
+}
+
+#[test]
+fn every_rule_target_and_width_is_a_set() {
+    let family = FilterFamily::Rule(Rule {
+        sigmas_nm: vec![20.0, 40.0],
+        targets: vec![RuleTarget::default(), RuleTarget::Cones],
+        ..Rule::default()
+    });
+    // Uniform filters know no target: (1 + 2 + 2) × 2.
+    assert_eq!(family.count(5), Ok(10));
+    let labels: Vec<String> = (0..10).map(|i| family.set(5, i).unwrap().label).collect();
+    assert_eq!(labels[0], "uniform, sigma 20, 5");
+    assert_eq!(labels[9], "all-scaled, cones, sigma 40, 5");
+    assert_eq!(labels.iter().collect::<BTreeSet<_>>().len(), 10);
+}
+
+#[test]
+fn impossible_families_name_their_key() {
+    let grid = |f: &dyn Fn(&mut GaussianGrid)| {
+        let mut grid = GaussianGrid::default();
+        f(&mut grid);
+        FilterFamily::GaussianGrid(grid)
+    };
+    let rule = |f: &dyn Fn(&mut Rule)| {
+        let mut rule = Rule::default();
+        f(&mut rule);
+        FilterFamily::Rule(rule)
+    };
+    for (key, family) in [
+        ("gaussian_grid.centers_nm", grid(&|g| g.centers_nm = [700.0, 5.0, 400.0])),
+        ("gaussian_grid.centers_nm", grid(&|g| g.centers_nm = [400.0, 0.0, 700.0])),
+        ("gaussian_grid.centers_nm", grid(&|g| g.centers_nm = [400.0, 1e-9, 700.0])),
+        ("gaussian_grid.centers_nm", grid(&|g| g.centers_nm[1] = f64::NAN)),
+        ("gaussian_grid.sigmas_nm", grid(&|g| g.sigmas_nm[0] = -10.0)),
+        ("gaussian_grid.min_spacing_nm", grid(&|g| g.min_spacing_nm = f64::NAN)),
+        ("rule.range_nm", rule(&|r| r.range_nm = [700.0, 400.0])),
+        ("rule.range_nm", rule(&|r| r.range_nm = [400.0, f64::INFINITY])),
+        ("rule.sigmas_nm", rule(&|r| r.sigmas_nm = vec![20.0, 0.0])),
+        ("rule.sigmas_nm", rule(&|r| (r.sigmas_nm, r.max_sigma_nm) = (vec![50.0], Some(40.0)))),
+        ("rule.max_sigma_nm", rule(&|r| r.max_sigma_nm = Some(f64::NAN))),
+        ("rule.min_spacing_nm", rule(&|r| r.min_spacing_nm = 70.0)),
+        ("rule.min_height", rule(&|r| r.min_height = 1.1)),
+        (
+            "rule.targets",
+            rule(&|r| r.targets = vec![RuleTarget::Gaussian { center_nm: 550.0, sigma_nm: 0.0 }]),
+        ),
+    ] {
+        match family.count(5) {
+            Err(DesignError::Key { key: got, .. }) => assert_eq!(got, key),
+            other => panic!("{key}: {other:?}"),
+        }
+        assert!(family.set(5, 0).is_err());
+    }
+    // Only the set itself tells that there is nothing to fit.
+    let dark = rule(&|r| r.targets = vec![RuleTarget::Gaussian { center_nm: 900.0, sigma_nm: 10.0 }]);
+    assert!(dark.set(5, 1).unwrap_err().to_string().contains("nothing between 400 and 700 nm"));
+    let far = rule(&|r| {
+        (r.targets, r.sigmas_nm) =
+            (vec![RuleTarget::Gaussian { center_nm: 401.0, sigma_nm: 1.0 }], vec![1.0]);
+    });
+    assert!(far.set(3, 1).unwrap_err().to_string().contains("reaches the target"));
+    for family in [
+        FilterFamily::default(),
+        rule(&|_| ()),
+        FilterFamily::List(vec![]),
+        FilterFamily::Library(Library::default()),
+    ] {
+        assert_eq!(family.count(0), Err(DesignError::Colors { colors: 0 }));
+        assert!(family.set(3, u128::MAX).is_err());
+    }
+}
+
+#[test]
+fn a_library_gives_every_combination_sorted_by_wavelength() {
+    let named = |name: &str, f: Filter| (name.to_owned(), f);
+    let library = Library {
+        filters: [
+            named(
+                "blue file",
+                Filter::Samples { start_nm: 380.0, step_nm: 50.0, values: vec![0.9, 0.9, 0.1] },
+            ),
+            named("a white", Filter::Flat(0.9)),
+        ]
+        .into(),
+        series: vec![
+            Series::Measured,
+            Series::RaisedCosine {
+                centers_nm: [450.0, 100.0, 650.0],
+                fwhms_nm: [60.0, 20.0, 80.0],
+                peak: 0.9,
+            },
+            Series::Butterworth {
+                centers_nm: [500.0, 1.0, 500.0],
+                fwhms_nm: [50.0, 1.0, 50.0],
+                order: 4,
+                peak: 0.8,
+            },
+            Series::Dyes(Dyes::default()),
+        ],
+    };
+    let family = FilterFamily::Library(library);
+    // 2 given, 6 measured, 3 × 2, 1, and of five dyes 5 × 2 alone and 10 × 4 in pairs.
+    assert_eq!(family.count(1), Ok(65));
+    assert_eq!(family.count(2), Ok(65 * 64 / 2));
+    let mean = |f: &Filter| {
+        let s = match f {
+            Filter::Samples { .. } => return 430.0,
+            f => f.spectrum(WavelengthGrid::VISIBLE).unwrap(),
+        };
+        s.map(|nm, v| nm * v).integral() / s.integral()
+    };
+    let mut labels = BTreeSet::new();
+    for i in 0..family.count(2).unwrap() {
+        let set = family.set(2, i).unwrap();
+        assert!(mean(&set.filters[0]) <= mean(&set.filters[1]), "{}", set.label);
+        labels.insert(set.label);
+    }
+    assert_eq!(labels.len(), 65 * 64 / 2);
+    for label in ["raised cosine 450/60", "Butterworth 500/50", "dye 420/80x1+660/80x2", "sigma-sd-merrill/R"]
+    {
+        assert!(labels.iter().any(|l| l.contains(label)), "{label}");
+    }
+}
+
+#[test]
+fn files_are_found_and_must_be_read() {
+    let file = || Filter::File("green.csv".into());
+    let library = Library { filters: [("green".to_owned(), file())].into(), series: vec![Series::Measured] };
+    let gaussian = |center_nm| Filter::Gaussian { center_nm, sigma_nm: 20.0, peak: 1.0 };
+    let list: FilterFamily = serde_json::from_str(
+        r#"{"list": [{"label": "two", "filters": [{"gaussian": {"center_nm": 600, "sigma_nm": 20}},
+                                                   {"gaussian": {"center_nm": 500, "sigma_nm": 20}}]},
+                     {"filters": [{"file": "green.csv"}]}]}"#,
+    )
+    .unwrap();
+    assert_eq!(
+        list.set(2, 0).unwrap(),
+        FilterSet { label: "two".into(), filters: vec![gaussian(500.0), gaussian(600.0)] }
+    );
+    for (mut family, index, key) in
+        [(FilterFamily::Library(library), 0, "library.filters.green"), (list, 0, "list[1].filters[0]")]
+    {
+        let error = family.set(1, index).unwrap_err();
+        assert!(error.to_string().contains("'green.csv' has not been read"), "{error}");
+        for (at, filter) in family.filters_mut() {
+            if matches!(filter, Filter::File(_)) {
+                assert_eq!(at, key);
+                *filter = Filter::Samples { start_nm: 400.0, step_nm: 150.0, values: vec![0.0, 1.0, 0.0] };
+            }
+        }
+        assert!(family.set(1, index).is_ok());
+    }
+}
+
+// ---- how they are written -------------------------------------------------------------------------------------
+
+#[derive(Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Study {
+    filters: FilterFamily,
+    mosaics: MosaicFamily,
+}
+
+#[test]
+fn families_are_read_from_toml_and_written_back() {
+    let text = r#"
+        mosaics = { given = [["cb", "ba"], ["ab", "cd"]] }
+        [filters.gaussian-grid]
+        centers_nm = [420, 5, 680]
+    "#;
+    let study: Study = toml::from_str(text).unwrap();
+    let expected = GaussianGrid { centers_nm: [420.0, 5.0, 680.0], ..GaussianGrid::default() };
+    assert_eq!(study.filters, FilterFamily::GaussianGrid(expected));
+    for text in [
+        text,
+        "mosaics = \"catalogue\"\nfilters.gaussian_grid = {}",
+        "[mosaics.tile]\nrows = 4\ncols = 4\nsymmetry = \"shift-mirror\"\n[filters.rule]\nrules = [\"all-scaled\"]\ntargets = \
+         [\"cones\", { gaussian = { center_nm = 540 } }]\nmax_sigma_nm = 40",
+        "mosaics.tile = { rows = 2, cols = 2 }\n[filters.library]\nseries = [\"measured\", { dyes = { at_most = 3 } }, { \
+         raised_cosine = { centers_nm = [430, 10, 660], fwhms_nm = [60, 20, 120] } }]\n[filters.library.filters]\ngreen = { \
+         file = \"green.csv\" }\nr = { dye = { bands = [{ center_nm = 450, fwhm_nm = 90, absorbance = 2 }], leakage = 0.01 } }",
+        "mosaics = \"catalogue\"\n[[filters.list]]\nlabel = \"x\"\nfilters = [{ flat = 0.5 }]\n[[filters.list]]\nfilters = []",
+    ] {
+        let study: Study = toml::from_str(text).unwrap_or_else(|e| panic!("{text}\n{e}"));
+        let again: Study = toml::from_str(&toml::to_string(&study).unwrap()).unwrap();
+        assert_eq!(again, study);
+    }
+}
+
+#[test]
+fn wrong_keys_are_shown_at_their_line() {
+    for (line, what, text) in [
+        (
+            4,
+            "unknown field `centres_nm`",
+            "mosaics = \"catalogue\"\n[filters.gaussian_grid]\nmin_spacing_nm = 10\ncentres_nm = [1, 2, 3]",
+        ),
+        (3, "invalid length 2", "mosaics = \"catalogue\"\n[filters.gaussian_grid]\ncenters_nm = [400, 700]"),
+        (2, "unknown variant `gauss`", "mosaics = \"catalogue\"\n[filters.gauss]\n"),
+        (4, "unknown field `column`", "filters.rule = {}\n[mosaics.tile]\nrows = 2\ncolumn = 2"),
+        (
+            3,
+            "unknown field `centre_nm`",
+            "mosaics = \"catalogue\"\n[filters.rule]\ntargets = [{ gaussian = { centre_nm = 540 } }]",
+        ),
+        (
+            3,
+            "unknown field `fwhm`",
+            "mosaics = \"catalogue\"\n[filters.library]\nseries = [{ dyes = { fwhm = 540 } }]",
+        ),
+    ] {
+        let error = toml::from_str::<Study>(text).unwrap_err();
+        assert!(error.message().contains(what), "{error}");
+        let at = text[..error.span().unwrap().start].lines().count().max(1);
+        let starts_line = text[..error.span().unwrap().start].ends_with('\n');
+        assert_eq!(at + usize::from(starts_line), line, "{error}");
+    }
+}
+
+proptest! {
+    #[test]
+    fn any_shift_mirror_or_turn_is_counted_once(seed: u64, pick in 0usize..128) {
+        // The first mosaic of a sample is the class of all its images: any image, canonicalised by the exhaustive list
+        // of the smaller space, is the same one.
+        let family = tile(3, 3, Symmetry::ShiftMirrorRotation);
+        let one = family.pick(3, Some(1), seed).unwrap().remove(0);
+        let all = family.pick(3, None, 0).unwrap();
+        prop_assert!(all.contains(&one));
+        let images = images(&one, 3, 3, Symmetry::ShiftMirrorRotation);
+        let image = &images[pick % images.len()];
+        let same = |m: &&Mosaic| cells(m, 3, 3) == *image;
+        prop_assert!(all.iter().find(same).is_none_or(|m| *m == one));
+    }
+
+    #[test]
+    fn any_set_of_any_family_is_ascending(seed: u64, colors in 1usize..9) {
+        let library = Library { series: vec![Series::Measured, Series::Dyes(Dyes::default())], ..Library::default() };
+        for family in [FilterFamily::default(), FilterFamily::Library(library)] {
+            let count = family.count(colors).unwrap();
+            let set = family.set(colors, Permutation::new(count, seed, 0, 0).at(0).unwrap()).unwrap();
+            prop_assert_eq!(set.filters.len(), colors);
+            let mean = |f: &Filter| {
+                let s = f.spectrum(WavelengthGrid::new(250.0, 5.0, 121).unwrap()).unwrap();
+                s.map(|nm, v| nm * v).integral() / s.integral()
+            };
+            if matches!(family, FilterFamily::GaussianGrid(_)) {
+                prop_assert!(set.filters.windows(2).all(|w| mean(&w[0]) <= mean(&w[1]) + 1e-9));
+            }
+        }
+    }
+}
