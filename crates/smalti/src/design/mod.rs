@@ -11,6 +11,8 @@ mod filters;
 mod mosaics;
 mod permutation;
 mod prepared;
+mod study;
+mod sweep;
 mod targets;
 
 pub use combinations::{binomial, combination, combination_rank};
@@ -20,4 +22,6 @@ pub use filters::{
 };
 pub use mosaics::{MosaicFamily, Symmetry, Tile, published};
 pub use permutation::Permutation;
+pub use study::{Condition, ConditionValue, Design, Designs, Processing, Study};
+pub use sweep::{Scored, Sweep};
 pub use targets::{Scores, Targets};

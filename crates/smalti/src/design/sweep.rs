@@ -1,0 +1,99 @@
+//! The designs of a study, scored.
+
+use std::ops::Range;
+use std::sync::{Arc, Mutex, PoisonError};
+
+use rayon::prelude::*;
+
+use super::error::DesignError;
+use super::study::{Design, Designs, Processing};
+use super::targets::{Scores, Targets};
+use crate::camera::{Camera, CameraError, EvaluationSettings, OpticalImages};
+
+/// A design and what it scored.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Scored {
+    /// The design.
+    pub design: Design,
+    /// Its scores, or why it has none: a filter set that sees no light, an edge without contrast.
+    pub scores: Result<Scores, CameraError>,
+}
+
+/// A study at work. What a condition needs is prepared when its first design is scored, and kept until another comes.
+pub struct Sweep<'a> {
+    designs: &'a Designs,
+    images: OpticalImages<'a>,
+    prepared: Mutex<Option<(usize, Arc<Prepared>)>>,
+}
+
+/// A condition, ready for designs.
+struct Prepared {
+    camera: Camera,
+    targets: Targets,
+}
+
+impl<'a> Sweep<'a> {
+    /// A study; `images` may keep optical images, as for [`evaluate`](crate::camera::evaluate).
+    #[must_use]
+    pub fn new(designs: &'a Designs, images: OpticalImages<'a>) -> Self {
+        Self { designs, images, prepared: Mutex::new(None) }
+    }
+
+    /// Scores the designs of a range, in their order. Calls `done` after each, from any thread.
+    ///
+    /// # Errors
+    /// When a condition cannot be prepared, or a design cannot be made. That a design has no score is not an error.
+    pub fn score(&self, range: Range<u64>, done: &(dyn Fn() + Sync)) -> Result<Vec<Scored>, DesignError> {
+        let mut rows = Vec::new();
+        let mut at = range.start;
+        while at < range.end {
+            let end = self.designs.end_of_condition(at).min(range.end);
+            let prepared = self.condition(self.designs.condition_of(at))?;
+            let score = |number: u64| {
+                let design = self.designs.design(number)?;
+                let scores = prepared.score(&design);
+                done();
+                Ok(Scored { design, scores })
+            };
+            let part = (at..end).into_par_iter().map(score).collect::<Result<Vec<_>, DesignError>>()?;
+            rows.extend(part);
+            at = end;
+        }
+        Ok(rows)
+    }
+
+    fn condition(&self, index: usize) -> Result<Arc<Prepared>, DesignError> {
+        let mut kept = self.prepared.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((_, prepared)) = kept.as_ref().filter(|(i, _)| *i == index) {
+            return Ok(prepared.clone());
+        }
+        // Two conditions at once would need twice the memory.
+        *kept = None;
+        let made = Arc::new(self.prepare(index)?);
+        *kept = Some((index, made.clone()));
+        Ok(made)
+    }
+
+    fn prepare(&self, index: usize) -> Result<Prepared, DesignError> {
+        let study = self.designs.study();
+        let condition = study.conditions.get(index).ok_or(DesignError::NoSuchCondition { index })?;
+        let grid = condition.camera.grid()?;
+        let camera = Camera::new(condition.camera.clone(), grid)?;
+        let settings = EvaluationSettings {
+            luminance_cd_m2: condition.luminance_cd_m2,
+            illuminant: condition.illuminant.clone(),
+            seed: study.seed,
+        };
+        let targets = Targets::new(&camera, &settings, self.images)?;
+        Ok(Prepared { camera, targets })
+    }
+}
+
+impl Prepared {
+    fn score(&self, design: &Design) -> Result<Scores, CameraError> {
+        let cfa = design.cfa(self.camera.grid())?;
+        match design.processing {
+            Processing::Classic => self.targets.score(&cfa),
+        }
+    }
+}
