@@ -36,6 +36,7 @@
 
 pub mod camera;
 pub mod color;
+pub mod design;
 pub mod isp;
 pub mod l3;
 pub mod metrics;

@@ -9,6 +9,7 @@ mod camera_training;
 mod cfa;
 mod cfa_catalog;
 mod cfa_filters;
+mod design_statistics;
 mod isp;
 mod l3_fallback;
 mod l3_training;

@@ -1,0 +1,3 @@
+//! Many cameras: what a study of designs says.
+
+pub mod statistics;
