@@ -85,7 +85,7 @@ fn series() -> Plot {
     all.retain(|p| p.1 < least && std::mem::replace(&mut least, p.1) > p.1);
     all.reverse();
     let (x, y): (Vec<f64>, Vec<f64>) = all.into_iter().unzip();
-    plot.line(Line::new("Pareto front", &x, &y).corner(Corner::YFirst).color(Rgb(20, 20, 20)))
+    plot.line(Line::new("Pareto front", &x, &y).corner(Corner::YFirst).color(Rgb(20, 20, 20)).width(2.0))
 }
 
 fn cloud(count: usize) -> Result<Figure, Box<dyn Error>> {
@@ -126,23 +126,25 @@ fn means() -> Result<Figure, Box<dyn Error>> {
                 .x_intervals(&interval(&x))
                 .y_intervals(&interval(&y)),
         );
-        let rules = [
-            ("uniform", Symbol::Circle, 0.6),
-            ("height-scaled", Symbol::TriangleUp, 0.5),
-            ("all-scaled", Symbol::Star, 0.45),
-        ];
+    }
+    // After the means, so that the legend names colours first; a rule in several colours is named by its symbol.
+    let rules = [
+        ("uniform", Symbol::Circle, 0.6),
+        ("height-scaled", Symbol::TriangleUp, 0.5),
+        ("all-scaled", Symbol::Star, 0.45),
+    ];
+    for (n, color) in (3..=7).zip(OKABE_ITO) {
+        let (x, y, _) = designs(n, 1000);
         for (i, (rule, symbol, factor)) in rules.into_iter().enumerate() {
             let (x, y) = ([mean(&x) + 2.5 * i as f64 + 2.0], [mean(&y) * factor]);
-            plot = plot.points(
-                Points::new(if n == 3 { rule } else { "" }, &x, &y).symbol(symbol).color(color).marks(),
-            );
+            plot = plot.points(Points::new(rule, &x, &y).symbol(symbol).color(color).marks());
         }
     }
     Ok(plot.draw()?)
 }
 
 fn gaussian(center_nm: f64, sigma_nm: f64) -> (Vec<f64>, Vec<f64>) {
-    let wavelengths: Vec<f64> = (0..=60).map(|i| 400.0 + 5.0 * f64::from(i)).collect();
+    let wavelengths: Vec<f64> = (0..=150).map(|i| 400.0 + 2.0 * f64::from(i)).collect();
     let values = wavelengths.iter().map(|w| (-0.5 * ((w - center_nm) / sigma_nm).powi(2)).exp()).collect();
     (wavelengths, values)
 }
@@ -192,11 +194,11 @@ fn mosaics() -> Result<Figure, Box<dyn Error>> {
     Ok(Mosaics::new()
         .title("Winning mosaics")
         .note("One period is framed.")
-        .mosaic("3 colours: ΔE 2.1, 76 cy/mm", 2, &tile("RGGB"))
-        .mosaic("4 colours: ΔE 1.6, 61 cy/mm", 2, &tile("RGCB"))
-        .mosaic("5 colours: ΔE 1.3, 60 cy/mm", 3, &tile("RGBCYRGBC"))
-        .mosaic("6 colours: ΔE 1.2, 56 cy/mm", 3, &tile("RGBCYVGRB"))
-        .mosaic("7 colours: ΔE 1.7, 52 cy/mm", 3, &tile("ROYGCBVGR"))
+        .mosaic("3 colours\nΔE 2.1, 76 cy/mm", 2, &tile("RGGB"))
+        .mosaic("4 colours\nΔE 1.6, 61 cy/mm", 2, &tile("RGCB"))
+        .mosaic("5 colours\nΔE 1.3, 60 cy/mm", 3, &tile("RGBCYRGBC"))
+        .mosaic("6 colours\nΔE 1.2, 56 cy/mm", 3, &tile("RGBCYVGRB"))
+        .mosaic("7 colours\nΔE 1.7, 52 cy/mm", 3, &tile("ROYGCBVGR"))
         .draw()?)
 }
 

@@ -8,8 +8,8 @@ use crate::figure::encode;
 use crate::layers::Symbol;
 use crate::svg::{Area, Svg, number, path_of};
 
-/// A picture larger than this, in bytes, is drawn again with half the pixels.
-const PICTURE_LIMIT: usize = 650_000;
+/// A picture of more pixels than this would take long and a lot of memory; it has fewer per pixel of the figure.
+const PIXELS_LIMIT: f64 = 2e7;
 
 pub(crate) struct Dot {
     pub(crate) x: f64,
@@ -27,7 +27,7 @@ pub(crate) fn draw_cloud(
     area: Area,
     mut dots: Vec<Dot>,
     opacity: f64,
-    as_picture: bool,
+    picture_bytes: Option<usize>,
 ) -> Result<(), FigureError> {
     let margin = |d: &Dot| 2.0 * d.radius;
     dots.retain(|d| {
@@ -38,8 +38,8 @@ pub(crate) fn draw_cloud(
         return Ok(());
     }
     dots.sort_by_cached_key(|d| (mixed((d.series as u64) << 40 ^ d.index as u64), d.series, d.index));
-    if as_picture {
-        return draw_picture(svg, area, &dots, opacity);
+    if let Some(limit) = picture_bytes {
+        return draw_picture(svg, area, &dots, opacity, limit);
     }
     svg.open(&format!(" fill-opacity=\"{}\"", number(opacity)), "");
     for dot in &dots {
@@ -65,15 +65,19 @@ fn mixed(mut z: u64) -> u64 {
     z ^ z >> 31
 }
 
-fn draw_picture(svg: &mut Svg, area: Area, dots: &[Dot], opacity: f64) -> Result<(), FigureError> {
-    let mut png = Vec::new();
-    let mut scale = 2.0;
-    while scale >= 0.5 {
+/// A picture of two pixels per pixel; of fewer, if it would be larger than the limit.
+fn draw_picture(
+    svg: &mut Svg,
+    area: Area,
+    dots: &[Dot],
+    opacity: f64,
+    limit: usize,
+) -> Result<(), FigureError> {
+    let mut scale = (PIXELS_LIMIT / (area.width * area.height)).sqrt().min(2.0);
+    let mut png = picture(area, dots, opacity, scale)?;
+    while png.len() > limit && scale > 0.25 {
+        scale /= 2f64.sqrt();
         png = picture(area, dots, opacity, scale)?;
-        if png.len() <= PICTURE_LIMIT {
-            break;
-        }
-        scale /= 2.0;
     }
     svg.open("", &format!("{} points, drawn as a picture", dots.len()));
     svg.image(area, &png, false);

@@ -43,7 +43,8 @@ impl Rgb {
     /// for NaN, the ends.
     #[must_use]
     pub fn viridis(t: f64) -> Self {
-        let position = t.clamp(0.0, 1.0) * (VIRIDIS.len() - 1) as f64;
+        // Not `clamp`, which keeps NaN.
+        let position = t.max(0.0).min(1.0) * (VIRIDIS.len() - 1) as f64;
         let index = (position as usize).min(VIRIDIS.len() - 2);
         let at = |i: usize| {
             VIRIDIS.get(i).map_or(Self(0, 0, 0), |v| Self((v >> 16) as u8, (v >> 8) as u8, *v as u8))
@@ -78,25 +79,30 @@ impl Rgb {
                 xyz.iter_mut().zip(matching(*wavelength)).for_each(|(sum, m)| *sum += m * t);
             }
         }
-        let [r, g, b] = [display(xyz, 0.8)].map(|c| [c.0, c.1, c.2])[0];
+        let full = display(xyz, 0.75).mix(Self(128, 128, 128), 0.1);
         // Light colours (yellow, cyan, white) are darkened to a luma that lines keep on white.
-        let luma = (0.299 * f64::from(r) + 0.587 * f64::from(g) + 0.114 * f64::from(b)) / 255.0;
-        Self(r, g, b).mix(Self(0, 0, 0), (1.0 - 0.62 / luma.max(0.62)).clamp(0.0, 1.0))
+        full.mix(Self(0, 0, 0), (1.0 - 145.0 / full.luma()).clamp(0.0, 1.0))
     }
 
     /// Black or white, whichever is read better on this colour.
     #[must_use]
     pub fn ink(self) -> Self {
-        let luma = 0.299 * f64::from(self.0) + 0.587 * f64::from(self.1) + 0.114 * f64::from(self.2);
-        if luma > 140.0 { Self(0, 0, 0) } else { Self(255, 255, 255) }
+        if self.luma() > 120.0 { Self(0, 0, 0) } else { Self(255, 255, 255) }
+    }
+
+    fn luma(self) -> f64 {
+        (0.299 * f64::from(self.0) + 0.587 * f64::from(self.1) + 0.114 * f64::from(self.2)).max(1.0)
     }
 }
 
-/// The CIE 1931 colour-matching functions after the fit of [wyman2013].
+/// The CIE 1931 colour-matching functions after the fit of [wyman2013]. Its tails have the wrong hue, so beyond
+/// 415–655 nm, where hue hardly changes, the functions fade out as the eye's do.
 fn matching(wavelength_nm: f64) -> [f64; 3] {
+    let nm = wavelength_nm.clamp(415.0, 655.0);
+    let fade = libm::exp(-((nm - wavelength_nm) / 9.0).max((wavelength_nm - nm) / 15.0).max(0.0));
     let lobe = |center: f64, left: f64, right: f64| {
-        let t = (wavelength_nm - center) * if wavelength_nm < center { left } else { right };
-        libm::exp(-0.5 * t * t)
+        let t = (nm - center) * if nm < center { left } else { right };
+        fade * libm::exp(-0.5 * t * t)
     };
     [
         0.362 * lobe(442.0, 0.0624, 0.0374) + 1.056 * lobe(599.8, 0.0264, 0.0323)
@@ -106,15 +112,16 @@ fn matching(wavelength_nm: f64) -> [f64; 3] {
     ]
 }
 
-/// Sets XYZ to sRGB: what the display cannot show is moved towards grey, the brightest channel becomes `peak`.
+/// XYZ as sRGB: white is added to what the display cannot show, the brightest channel becomes `peak`.
 fn display(xyz: [f64; 3], peak: f64) -> Rgb {
     let [x, y, z] = xyz;
-    let linear = [
+    let mut linear = [
         3.2406 * x - 1.5372 * y - 0.4986 * z,
         -0.9689 * x + 1.8758 * y + 0.0415 * z,
         0.0557 * x - 0.2040 * y + 1.0570 * z,
-    ]
-    .map(|v| v.max(0.0));
+    ];
+    let missing = linear.iter().copied().fold(0.0, f64::min);
+    linear.iter_mut().for_each(|v| *v -= missing);
     let top = linear.iter().copied().fold(0.0, f64::max);
     let [r, g, b] = linear.map(|v| {
         let v = if top > 0.0 { v / top * peak } else { 0.0 };

@@ -18,7 +18,7 @@ pub enum FigureError {
         /// Values of the other column.
         got: usize,
     },
-    /// A range that is empty, not finite, or not positive on a logarithmic axis.
+    /// A range that is empty, not finite, or not positive (1e-100 to 1e100) on a logarithmic axis.
     #[error(
         "range of {axis}: {low} to {high} must be finite and rise; on a logarithmic axis both must be positive"
     )]

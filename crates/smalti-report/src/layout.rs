@@ -113,7 +113,8 @@ pub(crate) fn layout(asked: &Layout<'_>) -> Result<Figure, FigureError> {
         let bar = Area { x, y: (middle_y - 0.5 * height).round(), width: BAR, height };
         draw_values(&mut svg, bar, values, shared.beyond, &first.values.label, full_width - MARGIN);
     }
-    let (title, description) = (title(asked, first), described(asked, first, &notes));
+    let (title, description) =
+        (title(asked, first), described(asked, first, shared.picture_bytes.is_some(), &notes));
     Figure::new(svg, full_width, full_height, &title, &description)
 }
 
@@ -196,7 +197,7 @@ fn title(asked: &Layout<'_>, first: &Plot) -> String {
 }
 
 /// The figure in words.
-fn described(asked: &Layout<'_>, first: &Plot, notes: &[String]) -> String {
+fn described(asked: &Layout<'_>, first: &Plot, drawn_as_picture: bool, notes: &[String]) -> String {
     let mut out = if asked.description.is_empty() {
         let mut out = format!("{} against {}.", first.y.label, first.x.label);
         for plot in asked.panels {
@@ -227,6 +228,9 @@ fn described(asked: &Layout<'_>, first: &Plot, notes: &[String]) -> String {
     } else {
         asked.description.to_owned()
     };
+    if drawn_as_picture {
+        out.push_str(" The points are drawn as a picture.");
+    }
     for note in notes {
         out.push(' ');
         out.push_str(note);

@@ -9,7 +9,6 @@ use crate::shared::Shared;
 use crate::svg::{Anchor, Area, FRAME, INK, Paint, Svg};
 use crate::text::{clean, fit, width};
 
-const SIGN: f64 = 30.0;
 const GAP: f64 = 24.0;
 /// Names longer than this, in pixels, are cut.
 const NAME_LIMIT: f64 = 320.0;
@@ -28,8 +27,13 @@ pub(crate) struct Entry {
 }
 
 impl Entry {
+    /// Room of the sign, up to the name.
+    fn sign_width(&self) -> f64 {
+        if matches!(self.sign, Sign::Dot(..)) { 22.0 } else { 30.0 }
+    }
+
     fn width(&self) -> f64 {
-        SIGN + width(&self.name, TICK)
+        self.sign_width() + width(&self.name, TICK)
     }
 }
 
@@ -38,9 +42,6 @@ pub(crate) fn entries(panels: &[Plot], shared: &Shared) -> Vec<Entry> {
     let mut entries: Vec<Entry> = Vec::new();
     for layer in panels.iter().flat_map(|p| &p.layers).filter(|l| !l.name().is_empty()) {
         let name = fit(&clean(layer.name()), TICK, NAME_LIMIT);
-        if entries.iter().any(|e| e.name == name) {
-            continue;
-        }
         let sign = match layer {
             // Points coloured by value have no colour of their own.
             Layer::Points(p) if p.values.is_some() => Sign::Dot(p.symbol, FRAME, p.marks),
@@ -48,7 +49,16 @@ pub(crate) fn entries(panels: &[Plot], shared: &Shared) -> Vec<Entry> {
             Layer::Line(l) => Sign::Line(series_color(shared, &l.name, l.color), l.width, l.dashed),
             Layer::Histogram(h) => Sign::Area(series_color(shared, &h.name, h.color)),
         };
-        entries.push(Entry { name, sign });
+        match entries.iter_mut().find(|e| e.name == name) {
+            None => entries.push(Entry { name, sign }),
+            // One name in several colours stands for its symbol alone.
+            Some(Entry { sign: Sign::Dot(symbol, color, _), .. }) => {
+                if matches!(sign, Sign::Dot(s, c, _) if s == *symbol && c != *color) {
+                    *color = FRAME;
+                }
+            }
+            Some(_) => {}
+        }
     }
     entries
 }
@@ -77,7 +87,7 @@ pub(crate) fn draw_entries(svg: &mut Svg, row: &[Entry], at: (f64, f64), limit: 
         let middle = y - TICK.size * 0.36;
         match &entry.sign {
             Sign::Dot(symbol, color, marks) => {
-                draw_symbol(svg, *symbol, (x + 11.0, middle), if *marks { 7.5 } else { 6.0 }, *color, *marks);
+                draw_symbol(svg, *symbol, (x + 8.0, middle), if *marks { 7.5 } else { 6.0 }, *color, *marks);
             }
             Sign::Line(color, width, dashed) => {
                 let path = format!("M{} {}h22", crate::svg::number(x), crate::svg::number(middle));
@@ -91,8 +101,8 @@ pub(crate) fn draw_entries(svg: &mut Svg, row: &[Entry], at: (f64, f64), limit: 
                 );
             }
         }
-        let name = fit(&entry.name, TICK, limit - SIGN);
-        svg.text((x + SIGN, y), Anchor::Start, TICK, INK, &name);
+        let name = fit(&entry.name, TICK, limit - entry.sign_width());
+        svg.text((x + entry.sign_width(), y), Anchor::Start, TICK, INK, &name);
         x += entry.width() + GAP;
     }
 }

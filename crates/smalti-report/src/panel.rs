@@ -156,16 +156,22 @@ impl Panel<'_> {
     fn draw_histogram(&self, svg: &mut Svg, histogram: &Histogram, interval_row: &mut usize) {
         let Some((start, bin)) = self.shared.bin else { return };
         let color = series_color(self.shared, &histogram.name, histogram.color);
-        let mut points = Vec::new();
-        for (i, count) in counts(&histogram.values, start, bin).into_iter().chain([0]).enumerate() {
-            let (Some(x), Some(y)) = (self.x(start + bin * i as f64), self.y(count as f64)) else { continue };
-            // Up or down to this bin from the height of the last, then along it.
-            let before = points.last().map_or(self.area.y + self.area.height, |p: &(f64, f64)| p.1);
-            points.extend([(x, before), (x, y)]);
-        }
         let paint = Paint { fill: Some((color, 0.22)), stroke: Some((color, 1.8)), dashed: false };
         svg.open("", &histogram.name);
-        svg.path(&path_of(&points, false), paint);
+        // Each run of bins that hold something is an outline.
+        let mut points: Vec<(f64, f64)> = Vec::new();
+        for (i, count) in counts(&histogram.values, start, bin).into_iter().chain([0]).enumerate() {
+            let (Some(x), Some(y)) = (self.x(start + bin * i as f64), self.y(count as f64)) else { continue };
+            let floor = self.area.y + self.area.height;
+            if count > 0 {
+                let before = points.last().map_or(floor, |p| p.1);
+                points.extend([(x, before), (x, y)]);
+            } else if let Some(last) = points.last().copied() {
+                points.extend([(x, last.1), (x, floor)]);
+                svg.path(&path_of(&points, false), paint);
+                points.clear();
+            }
+        }
         if let Some((low, center, high)) = histogram.interval {
             let y = self.area.y + (*interval_row as f64 + 0.6) * INTERVAL_SHARE * self.area.height;
             *interval_row += 1;
@@ -214,7 +220,7 @@ impl Panel<'_> {
             (false, 1501..=30_000) => 0.45,
             (false, _) => 0.35,
         };
-        draw_cloud(svg, self.area, dots, opacity, self.shared.as_picture)
+        draw_cloud(svg, self.area, dots, opacity, self.shared.picture_bytes)
     }
 
     /// The colour of a point; none where its value is NaN.

@@ -27,7 +27,7 @@ impl Axis {
         let (mut a, mut b) = (low, high);
         match scale {
             Scale::Linear => {
-                if b - a <= 1e-9 * a.abs().max(b.abs()) {
+                if b - a <= 1e-9 * a.abs().max(b.abs()) || b - a < 1e-290 {
                     let half = if a == 0.0 { 0.5 } else { 0.1 * a.abs().max(b.abs()) };
                     (a, b) = (a - half, b + half);
                 }

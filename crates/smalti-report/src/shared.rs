@@ -7,6 +7,8 @@ use crate::scale::{Axis, Scale, round_step};
 
 /// More points than this are drawn as a picture: as shapes they would make a file of more than about 0.4 MB.
 const SHAPES_LIMIT: usize = 6000;
+/// What all pictures of a figure may take; in an SVG they grow by a third.
+const PICTURES_LIMIT: usize = 690_000;
 const BINS_LIMIT: f64 = 400.0;
 
 /// Height of the marks of intervals above histograms, as a share of the axis.
@@ -22,10 +24,24 @@ pub(crate) struct Shared {
     pub(crate) beyond: (bool, bool),
     pub(crate) colors: Vec<(String, Rgb)>,
     pub(crate) bin: Option<(f64, f64)>,
-    pub(crate) as_picture: bool,
+    /// How many bytes the cloud of a panel may take as a picture; none where it is drawn as shapes.
+    pub(crate) picture_bytes: Option<usize>,
     /// Points in the fullest panel.
     pub(crate) crowd: usize,
     pub(crate) empty: bool,
+}
+
+/// Spans of values below the first vanish in rounding; beyond the others, spans and ratios overflow.
+const TINY: f64 = 1e-290;
+const HUGE: f64 = 1e300;
+const LOG_HUGE: f64 = 1e100;
+
+/// Whether an axis can reach a value.
+fn fits(scale: Scale, value: f64) -> bool {
+    match scale {
+        Scale::Linear => value.abs() <= HUGE,
+        Scale::Log => (1.0 / LOG_HUGE..=LOG_HUGE).contains(&value),
+    }
 }
 
 /// Least and greatest of the finite values; positive ones on a logarithmic axis.
@@ -42,8 +58,8 @@ impl Extent {
     }
 
     fn add(&mut self, value: f64) {
-        // Beyond these, spans overflow.
-        if value.abs() <= 1e300 && (self.scale == Scale::Linear || value > 1e-300) {
+        let value = if value.abs() < TINY { 0.0 } else { value };
+        if fits(self.scale, value) {
             self.low = self.low.min(value);
             self.high = self.high.max(value);
         }
@@ -57,8 +73,8 @@ impl Extent {
 /// The axis for an extent, or as asked.
 fn axis(asked: &Asked, extent: Extent, air: f64, name: &'static str) -> Result<Axis, FigureError> {
     if let Some((low, high)) = asked.range {
-        let positive = asked.scale == Scale::Linear || low > 0.0;
-        if !(low < high && low.abs() <= 1e300 && high.abs() <= 1e300 && positive) {
+        let wide = high - low > 1e-9 * low.abs().max(high.abs()) && high - low > TINY;
+        if !(wide && fits(asked.scale, low) && fits(asked.scale, high)) {
             return Err(FigureError::Range { axis: name, low, high });
         }
         return Ok(Axis { scale: asked.scale, low, high });
@@ -82,11 +98,11 @@ pub(crate) fn shared(first: &Plot, panels: &[Plot]) -> Result<Shared, FigureErro
     let bin = bins(first, panels);
     let (mut x, mut y) = (Extent::new(first.x.scale), Extent::new(first.y.scale));
     let mut values = Extent::new(first.values.scale);
-    let mut points = false;
+    let mut air = 0.0;
     for layer in layers() {
         match layer {
             Layer::Points(p) => {
-                points = true;
+                air = 0.04;
                 for (px, py) in p.x.iter().zip(&p.y).filter(|(a, b)| a.is_finite() && b.is_finite()) {
                     x.add(*px);
                     y.add(*py);
@@ -102,6 +118,7 @@ pub(crate) fn shared(first: &Plot, panels: &[Plot]) -> Result<Shared, FigureErro
                 }
             }
             Layer::Histogram(h) => {
+                air = 0.03;
                 let Some((start, width)) = bin else { continue };
                 let counts = counts(&h.values, start, width);
                 let top = counts.iter().copied().max().unwrap_or(0) as f64;
@@ -133,13 +150,14 @@ pub(crate) fn shared(first: &Plot, panels: &[Plot]) -> Result<Shared, FigureErro
     let value_axis = axis(&first.values, values, 0.0, "the colour bar")?;
     let beyond = |a: bool, b: bool| first.values.range.is_some().then_some((a, b)).unwrap_or_default();
     Ok(Shared {
-        x: axis(&first.x, x, if points { 0.04 } else { 0.0 }, "x")?,
+        x: axis(&first.x, x, air, "x")?,
         y: y_axis,
         beyond: beyond(values.low < value_axis.low, values.high > value_axis.high),
         values: (!values.is_empty()).then_some(value_axis),
         colors: colors(layers()),
         bin,
-        as_picture: panels.iter().map(cloud).sum::<usize>() > SHAPES_LIMIT,
+        picture_bytes: (panels.iter().map(cloud).sum::<usize>() > SHAPES_LIMIT)
+            .then(|| PICTURES_LIMIT / panels.len().max(1)),
         crowd: panels.iter().map(cloud).max().unwrap_or(0),
         empty,
     })

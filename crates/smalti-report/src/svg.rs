@@ -38,10 +38,6 @@ pub(crate) struct Paint {
 }
 
 impl Paint {
-    pub(crate) fn fill(color: Rgb) -> Self {
-        Self { fill: Some((color, 1.0)), stroke: None, dashed: false }
-    }
-
     pub(crate) fn stroke(color: Rgb, width: f64) -> Self {
         Self { fill: None, stroke: Some((color, width)), dashed: false }
     }

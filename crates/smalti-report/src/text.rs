@@ -88,18 +88,21 @@ pub(crate) fn fit(text: &str, font: Font, limit: f64) -> String {
     out
 }
 
-/// The text in lines of at most `limit` pixels, broken at spaces; what does not fit in `lines` lines is cut.
+/// The text in lines of at most `limit` pixels, broken at line ends and spaces; what does not fit in `lines` lines is cut.
 pub(crate) fn wrap(text: &str, font: Font, limit: f64, lines: usize) -> Vec<String> {
-    let text = clean(text);
     let mut out: Vec<String> = Vec::new();
-    for word in text.split(' ').filter(|w| !w.is_empty()) {
-        let full = out.len() == lines;
-        match out.last_mut() {
-            Some(line) if full || width(&format!("{line} {word}"), font) <= limit => {
-                line.push(' ');
-                line.push_str(word);
+    for paragraph in text.split('\n') {
+        let mut fresh = true;
+        for word in clean(paragraph).split(' ').filter(|w| !w.is_empty()) {
+            let full = out.len() == lines;
+            match out.last_mut() {
+                Some(line) if full || (!fresh && width(&format!("{line} {word}"), font) <= limit) => {
+                    line.push(' ');
+                    line.push_str(word);
+                }
+                _ => out.push(word.to_owned()),
             }
-            _ => out.push(word.to_owned()),
+            fresh = false;
         }
     }
     out.iter().map(|line| fit(line, font, limit)).collect()
