@@ -76,7 +76,8 @@ fn draw_picture(
     let mut scale = (PIXELS_LIMIT / (area.width * area.height)).sqrt().min(2.0);
     let mut png = picture(area, dots, opacity, scale)?;
     while png.len() > limit && scale > 0.25 {
-        scale /= 2f64.sqrt();
+        // Bytes grow about as the pixels do.
+        scale = (scale * 0.95 * (limit as f64 / png.len() as f64).sqrt()).max(0.25);
         png = picture(area, dots, opacity, scale)?;
     }
     svg.open("", &format!("{} points, drawn as a picture", dots.len()));

@@ -21,6 +21,8 @@ impl fmt::Display for Rgb {
 }
 
 /// The palette for categories of [okabe2008], darker colours first and its yellow, too pale for dots on white, last.
+///
+/// [okabe2008]: https://jfly.uni-koeln.de/color/
 pub const OKABE_ITO: [Rgb; 8] = [
     Rgb(0, 114, 178),
     Rgb(213, 94, 0),
@@ -39,12 +41,12 @@ const VIRIDIS: [u32; 18] = [
 ];
 
 impl Rgb {
-    /// The colour at `t` (0 to 1) of viridis, for values: even steps look even, in grey as well. Beyond the ends and
-    /// for NaN, the ends.
+    /// The colour at `t` (0 to 1) of viridis, for values: even steps look even, in grey as well. Beyond the ends, the
+    /// ends; for NaN, the low one.
     #[must_use]
     pub fn viridis(t: f64) -> Self {
-        // Not `clamp`, which keeps NaN.
-        let position = t.max(0.0).min(1.0) * (VIRIDIS.len() - 1) as f64;
+        let t = if t.is_nan() { 0.0 } else { t.clamp(0.0, 1.0) };
+        let position = t * (VIRIDIS.len() - 1) as f64;
         let index = (position as usize).min(VIRIDIS.len() - 2);
         let at = |i: usize| {
             VIRIDIS.get(i).map_or(Self(0, 0, 0), |v| Self((v >> 16) as u8, (v >> 8) as u8, *v as u8))

@@ -17,6 +17,9 @@
 //!
 //! The SVG is written here, on a small module of axes: kuva 0.6, measured, writes every point of a cloud as a shape of
 //! 58 bytes, NaN as a coordinate, and no title or description. PNGs are drawn by `resvg` from the very SVG.
+//!
+//! [okabe2008]: https://jfly.uni-koeln.de/color/
+//! [smith2015]: https://bids.github.io/colormap/
 
 mod cloud;
 mod color;

@@ -128,7 +128,7 @@ fn log_ticks(low: f64, high: f64, count: usize) -> Vec<Tick> {
 fn label(value: f64, exponent: i32, largest: f64) -> String {
     let text = if value == 0.0 {
         "0".to_owned()
-    } else if largest >= 1e6 || largest < 1e-3 {
+    } else if !(1e-3..1e6).contains(&largest) {
         let e = libm::floor(libm::log10(value.abs()) + 1e-9) as i32;
         let mantissa = value / scaled(1.0, e);
         let decimals = (e - exponent).clamp(0, 6) as usize;

@@ -148,11 +148,11 @@ pub(crate) fn shared(first: &Plot, panels: &[Plot]) -> Result<Shared, FigureErro
         sizes.sum::<usize>()
     };
     let value_axis = axis(&first.values, values, 0.0, "the colour bar")?;
-    let beyond = |a: bool, b: bool| first.values.range.is_some().then_some((a, b)).unwrap_or_default();
+    let narrowed = first.values.range.is_some();
     Ok(Shared {
         x: axis(&first.x, x, air, "x")?,
         y: y_axis,
-        beyond: beyond(values.low < value_axis.low, values.high > value_axis.high),
+        beyond: (narrowed && values.low < value_axis.low, narrowed && values.high > value_axis.high),
         values: (!values.is_empty()).then_some(value_axis),
         colors: colors(layers()),
         bin,

@@ -19,6 +19,9 @@ pub struct Front {
 /// Infinite values are compared like others. Up to three objectives take n log n ([kung1975]); more are sorted by the
 /// sum of their ranks and compared with the front found so far ([chomicki2003]), n times the length of the front.
 ///
+/// [kung1975]: https://doi.org/10.1145/321906.321910
+/// [chomicki2003]: https://doi.org/10.1109/ICDE.2003.1260846
+///
 /// # Errors
 /// [`StatisticsError::NoObjective`], and [`StatisticsError::Lengths`] unless all have as many rows.
 pub fn pareto_front(objectives: &[Objective<'_>]) -> Result<Front, StatisticsError> {

@@ -37,10 +37,15 @@ pub struct Summary {
     /// their distribution.
     pub mean: Estimate,
     /// Standard deviation, of n − 1; its interval after [bonett2006], which holds without normality. From 5 designs.
+    ///
+    /// [bonett2006]: https://doi.org/10.1016/j.csda.2004.10.003
     pub standard_deviation: Estimate,
     /// Median. This and the percentiles are interpolated linearly between order statistics, NumPy's default
     /// (type 7 of [hyndman1996]); their intervals lie between order statistics chosen by the binomial distribution
     /// ([thompson1936]), which holds for any continuous distribution.
+    ///
+    /// [hyndman1996]: https://doi.org/10.1080/00031305.1996.10473566
+    /// [thompson1936]: https://doi.org/10.1214/aoms/1177732502
     pub median: Estimate,
     /// 5th percentile.
     pub p05: Estimate,
@@ -163,6 +168,8 @@ fn standard_deviation(sorted: &[f64], moments: &Moments, confidence: f64) -> Est
 ///
 /// Joining parts gives the same as one pass up to rounding, so for equal bits join the same parts in the same order.
 /// After [chan1983].
+///
+/// [chan1983]: https://doi.org/10.1080/00031305.1983.10483115
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Moments {
     count: u64,
