@@ -11,6 +11,7 @@ mod filters;
 mod mosaics;
 mod permutation;
 mod prepared;
+pub mod statistics;
 mod study;
 mod sweep;
 mod targets;

@@ -13,6 +13,9 @@ use crate::spectrum::{Illuminant, WavelengthGrid};
 /// Separates the choice of filters from other uses of the same seed.
 const PURPOSE: u32 = 0x4453_4E03;
 
+/// Sets of filters that are made at once and kept.
+const MAX_MADE: u64 = 64;
+
 /// What makes a picture of the raw samples of a design.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
 #[serde(rename_all = "kebab-case")]
@@ -127,12 +130,22 @@ struct Group {
     sets: u64,
     /// Which set of the family comes first, second, …; `None` where all are taken in their order.
     order: Option<Permutation>,
+    /// The sets, where they are few: some take long to make, and come again with every mosaic.
+    made: Vec<FilterSet>,
     mosaics: Vec<Mosaic>,
 }
 
 impl Group {
     fn len(&self) -> Option<u64> {
         self.sets.checked_mul(self.mosaics.len() as u64)
+    }
+
+    fn set(&self, family: &FilterFamily, index: u64) -> Result<FilterSet, DesignError> {
+        if let Some(set) = self.made.get(index as usize) {
+            return Ok(set.clone());
+        }
+        let index = u128::from(index);
+        family.set(self.colors, self.order.as_ref().and_then(|o| o.at(index)).unwrap_or(index))
     }
 }
 
@@ -173,7 +186,11 @@ impl Designs {
                 Ok(0) => Vec::new(),
                 _ => study.mosaics.pick(colors, study.mosaic_count, study.seed)?,
             };
-            Ok(Group { colors, sets, order, mosaics })
+            let mut group = Group { colors, sets, order, made: Vec::new(), mosaics };
+            if sets <= MAX_MADE {
+                group.made = (0..sets).map(|i| group.set(&study.filters, i)).collect::<Result<_, _>>()?;
+            }
+            Ok(group)
         };
         let groups = study.colors.iter().map(group).collect::<Result<Vec<_>, DesignError>>()?;
         let too_many = || DesignError::TooManyDesigns;
@@ -242,16 +259,12 @@ impl Designs {
                 rest -= here;
                 continue;
             }
-            let (mosaic, set) = (rest / group.sets, u128::from(rest % group.sets));
-            let set = match &group.order {
-                Some(order) => order.at(set).ok_or_else(beyond)?,
-                None => set,
-            };
+            let (mosaic, set) = (rest / group.sets, rest % group.sets);
             return Ok(Design {
                 number,
                 condition: (setup / processings) as usize,
                 processing: *self.study.processing.get((setup % processings) as usize).ok_or_else(beyond)?,
-                filters: self.study.filters.set(group.colors, set)?,
+                filters: group.set(&self.study.filters, set)?,
                 mosaic: group.mosaics.get(mosaic as usize).ok_or_else(beyond)?.clone(),
             });
         }
