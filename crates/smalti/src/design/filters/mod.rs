@@ -26,7 +26,7 @@ pub struct FilterSet {
 }
 
 /// `[filters]` of a study: one table, named by the family. `[filters.gaussian_grid]` with no key below it is the
-/// search of [cfaresolution], section 3.4; a hyphen does as well as the underscore.
+/// search of `[cfaresolution]`, section 3.4; a hyphen does as well as the underscore.
 ///
 /// The family is the name of the table and not the value of a key `family`: serde reads a table with such a key to its
 /// end before it looks at the others, and errors about them would name the line of the table in place of their own.
