@@ -10,6 +10,7 @@
 //! | [`npy`], [`stages`] | NumPy arrays and a JSON of their units | slices |
 //! | [`cache`] | own | [`smalti::optics::OpticalImage`] |
 //! | [`cameras`] | TOML | [`smalti::camera::Camera`] |
+//! | [`studies`] | TOML | [`smalti::design::Designs`] |
 //! | [`text`] | UTF-8 | `String` |
 //! | [`memory`] | `/proc/meminfo` | bytes |
 //!
@@ -32,6 +33,7 @@ pub mod npy;
 pub mod picture;
 pub mod spectrum_csv;
 pub mod stages;
+pub mod studies;
 pub mod text;
 mod tiff_tags;
 mod wavelengths;

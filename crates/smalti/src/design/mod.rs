@@ -25,4 +25,4 @@ pub use mosaics::{MosaicFamily, Symmetry, Tile, published};
 pub use permutation::Permutation;
 pub use study::{Condition, ConditionValue, Design, Designs, Processing, Study};
 pub use sweep::{Scored, Sweep};
-pub use targets::{Scores, Targets};
+pub use targets::{AliasingScores, Scores, Targets};

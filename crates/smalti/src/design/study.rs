@@ -1,6 +1,6 @@
 //! A study: families of filters and mosaics before cameras, and the designs that it has, numbered.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::error::DesignError;
 use super::filters::{FilterFamily, FilterSet};
@@ -17,7 +17,7 @@ const PURPOSE: u32 = 0x4453_4E03;
 const MAX_MADE: u64 = 64;
 
 /// What makes a picture of the raw samples of a design.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 #[non_exhaustive]
 pub enum Processing {
@@ -80,6 +80,8 @@ pub struct Study {
     pub conditions: Vec<Condition>,
     /// Every design with every processing.
     pub processing: Vec<Processing>,
+    /// Whether aliasing on the zone plate is scored too.
+    pub aliasing: bool,
 }
 
 /// One design under one condition.

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 use super::error::DesignError;
 use super::study::{Design, Designs, Processing};
-use super::targets::{Scores, Targets};
+use super::targets::{AliasingScores, Scores, Targets};
 use crate::camera::{Camera, CameraError, EvaluationSettings, OpticalImages};
 
 /// A design and what it scored.
@@ -17,6 +17,8 @@ pub struct Scored {
     pub design: Design,
     /// Its scores, or why it has none: a filter set that sees no light, an edge without contrast.
     pub scores: Result<Scores, CameraError>,
+    /// Its aliasing, where the study asks for it.
+    pub aliasing: Option<AliasingScores>,
 }
 
 /// A study at work. What a condition needs is prepared when its first design is scored, and kept until another comes.
@@ -51,9 +53,9 @@ impl<'a> Sweep<'a> {
             let prepared = self.condition(self.designs.condition_of(at))?;
             let score = |number: u64| {
                 let design = self.designs.design(number)?;
-                let scores = prepared.score(&design);
+                let scored = prepared.score(design);
                 done();
-                Ok(Scored { design, scores })
+                Ok(scored)
             };
             let part = (at..end).into_par_iter().map(score).collect::<Result<Vec<_>, DesignError>>()?;
             rows.extend(part);
@@ -84,16 +86,26 @@ impl<'a> Sweep<'a> {
             illuminant: condition.illuminant.clone(),
             seed: study.seed,
         };
-        let targets = Targets::new(&camera, &settings, self.images)?;
+        let mut targets = Targets::new(&camera, &settings, self.images)?;
+        if study.aliasing {
+            targets = targets.with_zone_plate(&camera, &settings, self.images)?;
+        }
         Ok(Prepared { camera, targets })
     }
 }
 
 impl Prepared {
-    fn score(&self, design: &Design) -> Result<Scores, CameraError> {
-        let cfa = design.cfa(self.camera.grid())?;
-        match design.processing {
-            Processing::Classic => self.targets.score(&cfa),
-        }
+    fn score(&self, design: Design) -> Scored {
+        let score = || {
+            let cfa = design.cfa(self.camera.grid())?;
+            match design.processing {
+                Processing::Classic => Ok((self.targets.score(&cfa)?, self.targets.aliasing(&cfa)?)),
+            }
+        };
+        let (scores, aliasing) = match score() {
+            Ok((scores, aliasing)) => (Ok(scores), aliasing),
+            Err(e) => (Err(e), None),
+        };
+        Scored { design, scores, aliasing }
     }
 }
