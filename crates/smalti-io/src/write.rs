@@ -54,7 +54,7 @@ pub fn bytes(path: &Path, bytes: &[u8]) -> Result<(), IoError> {
     })
 }
 
-/// As [`bytes`], and the data are on the disk before the file has its name: after a loss of power it is whole or absent.
+/// As [`bytes()`], and the data are on the disk before the file has its name: after a loss of power it is whole or absent.
 ///
 /// # Errors
 /// [`IoError::Write`].

@@ -109,8 +109,11 @@ struct Raw {
 }
 
 impl Manifest {
-    /// That of a plan which this version of Smalti carries out.
-    pub(super) fn new(plan: &Plan) -> Result<Self, DatasetError> {
+    /// That of a plan which this version of Smalti is to carry out.
+    ///
+    /// # Errors
+    /// [`DatasetError::Plan`].
+    pub fn new(plan: &Plan) -> Result<Self, DatasetError> {
         Self::with(env!("CARGO_PKG_VERSION").to_owned(), plan.clone(), Vec::new())
     }
 

@@ -147,7 +147,7 @@ fn values<T: DataType>(rows: usize, descr: Descriptor, pages: Pages) -> Result<R
     if records == rows { Ok(out) } else { Err(general(format!("{records} rows; expected {rows}"))) }
 }
 
-fn texts(values: Vec<ByteArray>) -> Result<Vec<String>, ParquetError> {
+pub(super) fn texts(values: Vec<ByteArray>) -> Result<Vec<String>, ParquetError> {
     // Coded by a dictionary, a short file may hold one long text many times.
     let total = values.iter().fold(0usize, |sum, v| sum.saturating_add(v.len()));
     if total > MAX_TEXT_BYTES {
@@ -178,7 +178,7 @@ fn general(message: String) -> ParquetError {
 }
 
 /// The file, which looks at the header of a page before the library believes its size.
-struct Source(Bytes);
+pub(super) struct Source(pub(super) Bytes);
 
 impl Length for Source {
     fn len(&self) -> u64 {
@@ -208,7 +208,7 @@ impl ChunkReader for Source {
 
 /// The second field of a page's header, in Thrift's compact protocol: each of the two first is a byte 0x15 (the next field, a
 /// number of 32 bits) and a zigzag number in groups of seven bits. `None` also where it is negative.
-fn uncompressed_size(header: &[u8]) -> Option<u64> {
+pub(super) fn uncompressed_size(header: &[u8]) -> Option<u64> {
     let mut bytes = header.iter().copied();
     let mut field = || -> Option<u64> {
         bytes.next().filter(|b| *b == 0x15)?;

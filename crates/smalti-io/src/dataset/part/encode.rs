@@ -33,7 +33,8 @@ pub(in super::super) fn encode(
     Ok(bytes)
 }
 
-fn file(manifest: &Manifest, chunk: u64, columns: &[Column]) -> Result<Vec<u8>, ParquetError> {
+/// As [`encode`], without the checks and the hash.
+pub(super) fn file(manifest: &Manifest, chunk: u64, columns: &[Column]) -> Result<Vec<u8>, ParquetError> {
     let schema = schema::parquet(&manifest.plan.schema)?;
     let properties = properties(&manifest.plan.schema, manifest, chunk);
     let mut writer = SerializedFileWriter::new(Vec::new(), schema.root_schema_ptr(), Arc::new(properties))?;

@@ -3,6 +3,8 @@
 mod decode;
 mod encode;
 mod marks;
+#[cfg(test)]
+mod tests;
 
 pub use decode::part_from_bytes;
 pub(super) use decode::read;
