@@ -52,11 +52,8 @@ pub fn part_from_bytes(
     chunk: u64,
     columns: &[usize],
 ) -> Result<Vec<Column>, DatasetError> {
-    let problem = std::panic::catch_unwind(|| {
-        marks::check_seal(&bytes)?;
-        decode(Bytes::from(bytes), manifest, chunk, columns)
-    });
-    problem
+    marks::check_seal(&bytes).map_err(|p| p.at(path))?;
+    std::panic::catch_unwind(|| decode(Bytes::from(bytes), manifest, chunk, columns))
         .unwrap_or_else(|_| Err(PartProblem::malformed("the Parquet library failed on it")))
         .map_err(|p| p.at(path))
 }
