@@ -9,6 +9,7 @@
 //! | [`l3`] | `.l3` (safetensors) in and out; `.npz`, C header out | [`smalti::l3::Pipeline`], [`smalti::l3::Statistics`] |
 //! | [`npy`], [`stages`] | NumPy arrays and a JSON of their units | slices |
 //! | [`cache`] | own | [`smalti::optics::OpticalImage`] |
+//! | [`dataset`] | folders of Parquet files, and their manifest | [`dataset::Column`] |
 //! | [`cameras`] | TOML | [`smalti::camera::Camera`] |
 //! | [`studies`] | TOML | [`smalti::design::Designs`] |
 //! | [`text`] | UTF-8 | `String` |
@@ -21,6 +22,7 @@
 pub mod cache;
 mod camera_toml;
 pub mod cameras;
+pub mod dataset;
 mod diagnostic;
 pub mod dng;
 mod error;
