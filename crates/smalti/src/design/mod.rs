@@ -19,7 +19,8 @@ mod targets;
 pub use combinations::{binomial, combination, combination_rank};
 pub use error::DesignError;
 pub use filters::{
-    Dye, Dyes, FilterFamily, FilterSet, GaussianGrid, Library, ListedSet, Rule, RuleName, RuleTarget, Series,
+    Dye, Dyes, FilterFamily, FilterFigures, FilterSet, GaussianGrid, Library, ListedSet, Rule, RuleName,
+    RuleTarget, Series,
 };
 pub use mosaics::{MosaicFamily, Symmetry, Tile, published};
 pub use permutation::Permutation;

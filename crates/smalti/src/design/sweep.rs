@@ -50,18 +50,38 @@ impl<'a> Sweep<'a> {
         let mut at = range.start;
         while at < range.end {
             let end = self.designs.end_of_condition(at).min(range.end);
-            let prepared = self.condition(self.designs.condition_of(at))?;
-            let score = |number: u64| {
-                let design = self.designs.design(number)?;
-                let scored = prepared.score(design);
-                done();
-                Ok(scored)
-            };
-            let part = (at..end).into_par_iter().map(score).collect::<Result<Vec<_>, DesignError>>()?;
-            rows.extend(part);
+            rows.extend(self.score_under(self.designs.condition_of(at), (at..end).into_par_iter(), done)?);
             at = end;
         }
         Ok(rows)
+    }
+
+    /// Scores designs of one condition, that of the first.
+    ///
+    /// # Errors
+    /// As [`Sweep::score`].
+    pub fn score_numbers(
+        &self,
+        numbers: &[u64],
+        done: &(dyn Fn() + Sync),
+    ) -> Result<Vec<Scored>, DesignError> {
+        let Some(&first) = numbers.first() else { return Ok(Vec::new()) };
+        self.score_under(self.designs.condition_of(first), numbers.par_iter().copied(), done)
+    }
+
+    fn score_under(
+        &self,
+        condition: usize,
+        numbers: impl ParallelIterator<Item = u64>,
+        done: &(dyn Fn() + Sync),
+    ) -> Result<Vec<Scored>, DesignError> {
+        let prepared = self.condition(condition)?;
+        let score = |number: u64| {
+            let scored = prepared.score(self.designs.design(number)?);
+            done();
+            Ok(scored)
+        };
+        numbers.map(score).collect()
     }
 
     fn condition(&self, index: usize) -> Result<Arc<Prepared>, DesignError> {

@@ -99,6 +99,44 @@ impl FilterFamily {
     }
 }
 
+/// Full width at half maximum of a Gaussian, standard deviations: 2 √(2 ln 2).
+const FWHM_PER_SIGMA: f64 = 2.354_820_045_030_949_3;
+
+/// Where a filter passes light: for tables.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FilterFigures {
+    /// Its middle where it is formed by one, else its mean wavelength, nm.
+    pub center_nm: f64,
+    /// Width in which it passes at least half of its peak, nm.
+    pub fwhm_nm: f64,
+    /// Largest transmittance.
+    pub peak: f64,
+}
+
+impl From<&Filter> for FilterFigures {
+    /// By its formula where that says it, else from samples at every nanometre from 400 to 700; NaN where the filter cannot be
+    /// sampled there.
+    fn from(filter: &Filter) -> Self {
+        match *filter {
+            Filter::Gaussian { center_nm, sigma_nm, peak } => {
+                Self { center_nm, fwhm_nm: FWHM_PER_SIGMA * sigma_nm, peak }
+            }
+            Filter::RaisedCosine { center_nm, fwhm_nm, peak }
+            | Filter::Butterworth { center_nm, fwhm_nm, peak, .. } => Self { center_nm, fwhm_nm, peak },
+            ref other => {
+                let grid = WavelengthGrid::new(400.0, 1.0, 301);
+                let curve = grid.ok().and_then(|g| other.spectrum(g).ok());
+                let (peak, wide) = curve.map_or((f64::NAN, f64::NAN), |c| {
+                    let peak = c.max();
+                    (peak, c.values().iter().filter(|v| **v >= 0.5 * peak).count() as f64)
+                });
+                let center_nm = mean_wavelength_nm(other).unwrap_or(f64::NAN);
+                Self { center_nm, fwhm_nm: wide, peak }
+            }
+        }
+    }
+}
+
 /// Refuses a number that no set has.
 fn index_checked(what: &'static str, colors: usize, index: u128, count: u128) -> Result<(), DesignError> {
     if index < count { Ok(()) } else { Err(DesignError::Index { what, colors, index, count }) }

@@ -8,12 +8,9 @@ use serde::{Deserialize, Serialize};
 pub use target::RuleTarget;
 
 use self::fit::{Bell, Bounds, Curve, Free};
-use super::{FilterSet, index_checked};
+use super::{FWHM_PER_SIGMA, FilterSet, index_checked};
 use crate::design::error::{DesignError, colors_checked};
 use crate::sensor::Filter;
-
-/// Full width at half maximum of a Gaussian, standard deviations: 2 √(2 ln 2).
-const FWHM_PER_SIGMA: f64 = 2.354_820_045_030_949_3;
 
 /// Narrowest filter that a fit makes, nm: half a step of the default wavelength grid, on which a narrower one would
 /// be lost between samples.
