@@ -37,7 +37,7 @@ pub(crate) fn run(args: &SweepArgs, common: &Common) -> anyhow::Result<()> {
         bail!("which study? A built-in one (smalti list studies) or a TOML file")
     };
     let (designs, about) = studies::load(name).map_err(|e| anyhow::anyhow!("{e}"))?;
-    let plan = plan(&designs, about)?;
+    let plan = plan(&designs, about, args.part_size)?;
     let cache = if args.no_cache { Cache::disabled() } else { Cache::open(None) };
     let images = |key: &str, make: &dyn Fn() -> _| cached(&cache, key, make);
     let sweep = Sweep::new(&designs, &images);
@@ -112,13 +112,14 @@ fn score_and_write(
 }
 
 /// What the results will be, and how they are cut.
-fn plan(designs: &Designs, about: String) -> anyhow::Result<Plan> {
+fn plan(designs: &Designs, about: String, part_size: Option<u64>) -> anyhow::Result<Plan> {
     let study = designs.study();
     let slow = study.aliasing || study.processing.iter().any(|p| *p != Processing::Classic);
     let even = (designs.len() / PARTS).next_power_of_two().clamp(*CHUNK.start(), *CHUNK.end());
     // A million parts at most.
     let least = designs.len().div_ceil(dataset::MAX_PARTS);
-    let chunk = if slow { even / SLOWER } else { even }.max(least).min(MAX_CHUNK);
+    let by_size = if slow { even / SLOWER } else { even };
+    let chunk = part_size.unwrap_or(by_size).max(least).min(MAX_CHUNK);
     let mut resolved = serde_json::to_value(study)?;
     if let Some(into) = resolved.as_object_mut() {
         into.insert("about".into(), about.into());
