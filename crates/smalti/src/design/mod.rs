@@ -8,6 +8,8 @@
 mod combinations;
 mod error;
 mod filters;
+mod learned;
+mod lessons;
 mod mosaics;
 mod permutation;
 mod prepared;
@@ -18,6 +20,7 @@ pub use error::DesignError;
 pub use filters::{
     Dye, Dyes, FilterFamily, FilterSet, GaussianGrid, Library, ListedSet, Rule, RuleName, RuleTarget, Series,
 };
+pub use learned::{LessonSettings, Lessons};
 pub use mosaics::{MosaicFamily, Symmetry, Tile, published};
 pub use permutation::Permutation;
 pub use targets::{Scores, Targets};
