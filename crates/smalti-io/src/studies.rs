@@ -6,7 +6,8 @@ use std::path::{Path, PathBuf};
 use serde::Deserialize;
 use smalti::camera::CameraDescription;
 use smalti::design::{
-    Condition, ConditionValue, DesignError, Designs, FilterFamily, MosaicFamily, Processing, Study,
+    Condition, ConditionValue, DesignError, Designs, FilterFamily, LessonSettings, MosaicFamily, Processing,
+    Study,
 };
 use smalti::names::nearest;
 use smalti::spectrum::Illuminant;
@@ -84,6 +85,9 @@ struct StudyFile {
     /// Whether aliasing on the zone plate is scored too, for some milliseconds a design.
     #[serde(default)]
     aliasing: bool,
+    /// How pipelines of designs are learned where `processing` has `"l3"`.
+    #[serde(default)]
+    l3: LessonSettings,
     /// How many of each family.
     #[serde(default)]
     sample: Sample,
@@ -108,7 +112,7 @@ fn default_seed() -> u64 {
 }
 
 #[derive(Debug, Clone, Deserialize)]
-#[serde(untagged, expecting = "expected \"classic\" or a list of processings")]
+#[serde(untagged, expecting = "expected \"classic\", \"l3\" or a list of them")]
 enum OneOrMore<T> {
     One(T),
     More(Vec<T>),
@@ -256,6 +260,7 @@ pub fn from_source(source: &CameraSource) -> Result<(Designs, String), Box<Diagn
             OneOrMore::One(p) => vec![*p],
             OneOrMore::More(list) => list.clone(),
         },
+        l3: file.l3.clone(),
         aliasing: file.aliasing,
     };
     let mut seen = std::collections::BTreeSet::new();

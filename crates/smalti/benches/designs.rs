@@ -4,8 +4,8 @@ use std::hint::black_box;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use rayon::prelude::*;
-use smalti::camera::{Camera, CameraDescription, EvaluationSettings};
-use smalti::design::Targets;
+use smalti::camera::{Camera, CameraDescription, CameraError, EvaluationSettings};
+use smalti::design::{LessonSettings, Lessons, Targets};
 use smalti::sensor::{Cfa, Channel, Filter, Mosaic};
 use smalti::spectrum::WavelengthGrid;
 
@@ -45,6 +45,17 @@ fn designs(c: &mut Criterion) {
     group.throughput(Throughput::Elements(many.len() as u64));
     group.bench_function("3 to 7 colours, all cores", |b| {
         b.iter(|| many.par_iter().map(|cfa| targets.score(cfa).map(|s| s.delta_e_76)).collect::<Vec<_>>())
+    });
+    let (settings, evaluation) = (LessonSettings::default(), EvaluationSettings::default());
+    let lessons = Lessons::new(&camera, &settings, &evaluation, &|_, make| make()).expect("lessons");
+    let learned = |cfa: &Cfa| {
+        let (pipeline, reach) = lessons.pipeline(cfa)?;
+        Ok::<_, CameraError>(targets.score_with(cfa, &pipeline.renderer(), reach)?.delta_e_76)
+    };
+    let some = &many[..40];
+    group.sample_size(10).throughput(Throughput::Elements(some.len() as u64));
+    group.bench_function("learned, 3 to 7 colours, all cores", |b| {
+        b.iter(|| some.par_iter().map(learned).collect::<Vec<_>>())
     });
     group.finish();
 }

@@ -230,7 +230,7 @@ impl Camera {
     }
 
     /// The reflectances that the colour matrix is fitted to.
-    fn surfaces(&self) -> Result<Vec<Spectrum>, CameraError> {
+    pub(crate) fn surfaces(&self) -> Result<Vec<Spectrum>, CameraError> {
         let named = match self.description.isp.color_correction {
             ColorCorrectionName::Macbeth => reflectance::colorchecker(self.grid)?,
             ColorCorrectionName::Natural => reflectance::natural(self.grid)?,
@@ -258,7 +258,7 @@ impl Camera {
     }
 
     /// Electrons per photon that enters the lens, per channel: lens, filters, quantum efficiency.
-    pub(super) fn responsivities(&self) -> Result<Vec<Spectrum>, CameraError> {
+    pub(crate) fn responsivities(&self) -> Result<Vec<Spectrum>, CameraError> {
         let lens = self.optics.transmittance_on(self.grid)?;
         let channels = self.sensor.spectral_responsivity_on(self.grid)?;
         channels.iter().map(|c| Ok(c.times(&lens)?)).collect()

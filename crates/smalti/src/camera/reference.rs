@@ -56,11 +56,16 @@ impl Camera {
         exposure: &Exposure,
         light: &Spectrum,
     ) -> Result<Image, CameraError> {
-        let weights = Observer::Cie1931.photon_weights(self.grid())?;
-        let mut seen = self.seen_by(image, &xyz(&weights))?;
-        let scale = self.exposure_scale(exposure, light, &weights[1])? as f32;
+        let mut seen = self.seen_by_observer(image)?;
+        let y = &Observer::Cie1931.photon_weights(self.grid())?[1];
+        let scale = self.exposure_scale(exposure, light, y)? as f32;
         seen.data_mut().iter_mut().for_each(|v| *v *= scale);
         Ok(Image::new(ColorSpace::Xyz, seen)?)
+    }
+
+    /// [`Camera::seen_by`] of the standard observer: X, Y, Z.
+    pub(crate) fn seen_by_observer(&self, image: &OpticalImage) -> Result<Planes, CameraError> {
+        self.seen_by(image, &xyz(&Observer::Cie1931.photon_weights(self.grid())?))
     }
 
     /// What a device of other sensitivities (per photon, 0 or more, in any unit; zero beyond their wavelengths) would see in

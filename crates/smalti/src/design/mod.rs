@@ -8,6 +8,8 @@
 mod combinations;
 mod error;
 mod filters;
+mod learned;
+mod lessons;
 mod mosaics;
 mod permutation;
 mod prepared;
@@ -22,6 +24,7 @@ pub use filters::{
     Dye, Dyes, FilterFamily, FilterFigures, FilterSet, GaussianGrid, Library, ListedSet, Rule, RuleName,
     RuleTarget, Series,
 };
+pub use learned::{LessonSettings, Lessons};
 pub use mosaics::{MosaicFamily, Symmetry, Tile, published};
 pub use permutation::Permutation;
 pub use study::{Condition, ConditionValue, Design, Designs, Processing, Study};

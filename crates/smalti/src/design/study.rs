@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::error::DesignError;
 use super::filters::{FilterFamily, FilterSet};
+use super::learned::LessonSettings;
 use super::mosaics::MosaicFamily;
 use super::permutation::Permutation;
 use crate::camera::{CameraDescription, CameraError};
@@ -21,8 +22,10 @@ const MAX_MADE: u64 = 64;
 #[serde(rename_all = "kebab-case")]
 #[non_exhaustive]
 pub enum Processing {
-    /// That of the camera's description.
+    /// That of the camera's description: demosaicking, one matrix for colour.
     Classic,
+    /// A pipeline learned for the design.
+    L3,
 }
 
 /// A value of a condition.
@@ -80,6 +83,8 @@ pub struct Study {
     pub conditions: Vec<Condition>,
     /// Every design with every processing.
     pub processing: Vec<Processing>,
+    /// How pipelines of designs are learned.
+    pub l3: LessonSettings,
     /// Whether aliasing on the zone plate is scored too.
     pub aliasing: bool,
 }

@@ -6,6 +6,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use rayon::prelude::*;
 
 use super::error::DesignError;
+use super::learned::Lessons;
 use super::study::{Design, Designs, Processing};
 use super::targets::{AliasingScores, Scores, Targets};
 use crate::camera::{Camera, CameraError, EvaluationSettings, OpticalImages};
@@ -32,6 +33,8 @@ pub struct Sweep<'a> {
 struct Prepared {
     camera: Camera,
     targets: Targets,
+    /// Where the study has designs that are learned for.
+    lessons: Option<Lessons>,
 }
 
 impl<'a> Sweep<'a> {
@@ -110,7 +113,9 @@ impl<'a> Sweep<'a> {
         if study.aliasing {
             targets = targets.with_zone_plate(&camera, &settings, self.images)?;
         }
-        Ok(Prepared { camera, targets })
+        let learns = study.processing.contains(&Processing::L3);
+        let lessons = learns.then(|| Lessons::new(&camera, &study.l3, &settings, self.images)).transpose()?;
+        Ok(Prepared { camera, targets, lessons })
     }
 }
 
@@ -118,8 +123,13 @@ impl Prepared {
     fn score(&self, design: Design) -> Scored {
         let score = || {
             let cfa = design.cfa(self.camera.grid())?;
-            match design.processing {
-                Processing::Classic => Ok((self.targets.score(&cfa)?, self.targets.aliasing(&cfa)?)),
+            match &self.lessons {
+                Some(lessons) if design.processing == Processing::L3 => {
+                    let (pipeline, reach) = lessons.pipeline(&cfa)?;
+                    let scores = self.targets.score_with(&cfa, &pipeline, reach)?;
+                    Ok((scores, self.targets.aliasing_with(&cfa, &pipeline)?))
+                }
+                _ => Ok((self.targets.score(&cfa)?, self.targets.aliasing(&cfa)?)),
             }
         };
         let (scores, aliasing) = match score() {

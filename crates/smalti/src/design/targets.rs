@@ -85,7 +85,7 @@ struct ZonePlate {
 
 /// A target in front of the camera.
 #[derive(Debug, Clone)]
-struct Shown {
+pub(super) struct Shown {
     camera: Camera,
     pixels: PixelSpectra,
     /// What the exposure rule looks at; `None` where the time is stated or the rule looks at the whole image.
@@ -94,7 +94,7 @@ struct Shown {
 }
 
 impl Shown {
-    fn new(target: &Target, images: OpticalImages<'_>) -> Result<Self, CameraError> {
+    pub(super) fn new(target: &Target, images: OpticalImages<'_>) -> Result<Self, CameraError> {
         let camera = target.camera.clone();
         let image = Arc::new(images(&target.key, &|| target.image())?);
         let pixels = PixelSpectra::new(&camera.sensor, &image)?;
@@ -113,7 +113,7 @@ impl Shown {
     }
 
     /// The camera of the target with another colour filter array, and the exposure that it finds.
-    fn through(&self, cfa: &Cfa) -> Result<(Camera, Exposure), CameraError> {
+    pub(super) fn through(&self, cfa: &Cfa) -> Result<(Camera, Exposure), CameraError> {
         let camera = self.camera.with_cfa(cfa.clone());
         let exposure = match &self.metered {
             Some(spectrum) => camera.exposure_metered(spectrum)?,

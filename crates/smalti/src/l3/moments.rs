@@ -78,6 +78,19 @@ impl Moments {
         }
     }
 
+    /// Adds `times` patches of one z; one of another length is left out.
+    pub(super) fn add(&mut self, z: &[f64], times: f64) {
+        if z.len() != self.size {
+            return;
+        }
+        let mut at = 0;
+        for (i, &left) in z.iter().enumerate() {
+            let (left, right) = (left * times, &z[i..]);
+            self.sums[at..at + right.len()].iter_mut().zip(right).for_each(|(s, r)| *s += left * r);
+            at += right.len();
+        }
+    }
+
     /// Divides all, the count included.
     pub(super) fn divide(&mut self, by: f64) {
         self.sums.iter_mut().for_each(|s| *s /= by);

@@ -1,6 +1,6 @@
 //! Moments of a class or of many together, patches that symmetry makes equal included.
 
-use super::symmetry::{Member, Symmetry};
+use super::symmetry::{Member, Symmetry, Turn};
 use super::{Axes, Moments, Statistics, Textures, pipeline};
 
 /// The combinations of clipped channels that get a place on the axis: none clipped, and those of at least a share of all
@@ -96,6 +96,10 @@ impl<'a> Pools<'a> {
         let mut last = None;
         let mut places: Vec<usize> = (0..sum.size()).collect();
         for (member, seen) in self.chosen(members, pool) {
+            if member.turn == Turn::IDENTITY {
+                sum.merge(seen.moments);
+                continue;
+            }
             if last != Some(member.turn) {
                 places[1..].iter_mut().zip(member.turn.taps(side)).for_each(|(p, tap)| *p = 1 + tap);
                 last = Some(member.turn);

@@ -209,6 +209,49 @@ impl Statistics {
         Ok(())
     }
 
+    /// Adds `times` patches of an even field around every position, as if cut from a picture of it: `samples` are normalised, one
+    /// for each channel and without noise, `target` one for each output. They count as flat, and as seen without noise.
+    /// A field that clips in any channel is left out.
+    ///
+    /// # Errors
+    /// When there is not one value for each channel and output, or one is not finite.
+    pub fn add_even(&mut self, samples: &[f64], target: &[f64], times: u32) -> Result<(), L3Error> {
+        let channels = self.axes.mosaic().channels();
+        if samples.len() != channels || samples.iter().any(|v| !v.is_finite()) {
+            let reason = format!("an even field needs {channels} finite samples, one for each channel");
+            return Err(L3Error::Table { reason });
+        }
+        if target.len() != self.outputs.len() {
+            return Err(L3Error::Outputs { expected: self.outputs.len(), got: target.len() });
+        }
+        if let Some(&value) = target.iter().find(|v| !v.is_finite()) {
+            return Err(L3Error::Value {
+                what: "the target of an even field".into(),
+                row: 0,
+                col: 0,
+                value: value as f32,
+            });
+        }
+        if times == 0 || samples.iter().any(|&v| v >= self.axes.clip()) {
+            return Ok(());
+        }
+        let taps = self.axes.taps();
+        let mut z = vec![1.0; 1 + taps];
+        z.extend_from_slice(target);
+        for position in 0..self.axes.positions() {
+            for (tap, z) in z[1..=taps].iter_mut().enumerate() {
+                *z = samples[self.axes.channel_of(position, tap)];
+            }
+            let mean = (z[1..=taps].iter().sum::<f64>() / taps as f64) as f32;
+            let level = self.axes.levels_at(position).level_of(mean) as u16;
+            let range = &mut self.trained[position];
+            *range = [range[0].min(mean), range[1].max(mean)];
+            let key = ClassKey { position: position as u32, saturation: 0, level, texture: 0 };
+            self.class_mut(key).add(&z, f64::from(times));
+        }
+        Ok(())
+    }
+
     /// The place in the tile of the image's first pixel, when all is as it should be.
     fn check(&mut self, pair: &Pair<'_>) -> Result<[usize; 2], L3Error> {
         let raw = pair.raw;
@@ -354,5 +397,36 @@ mod tests {
                 assert!((a - b).abs() <= 1e-12 * a.abs(), "{key:?}");
             }
         }
+    }
+
+    /// An even field counts as a picture of it does.
+    #[test]
+    fn even_fields_are_pictures_of_them() {
+        let (samples, target) = ([0.31, 0.12, 0.45], [0.2, 0.7]);
+        let mosaic = Mosaic::new(2, 2, vec![0, 1, 1, 2]).unwrap();
+        let at = |i: usize| samples[mosaic.channel_at(i / 12, i % 12)] as f32;
+        let names = ["R", "G", "B"].map(String::from).to_vec();
+        let volts = RawSamples::Analog((0..144).map(at).collect());
+        let raw = RawImage::new(12, 12, volts, Sampling::Mosaic(mosaic.clone()), names, 0.0, 1.0).unwrap();
+        let plane = Planes::new(12, 12, 2, (0..288).map(|i| target[i / 144] as f32).collect()).unwrap();
+        let empty = || Statistics::new(axes(), vec!["a".into(), "b".into()], false).unwrap();
+        let (mut picture, mut field) = (empty(), empty());
+        picture.add(&Pair { raw: &raw, seen: None, target: &plane }).unwrap();
+        field.add_even(&samples, &target, 16).unwrap();
+        // A quarter of the 8 × 8 patches within the picture lies at each position.
+        assert!(picture.classes().keys().eq(field.classes().keys()) && field.count() == 64);
+        for (a, b) in picture.classes().values().zip(field.classes().values()) {
+            assert!(a.sums().iter().zip(b.sums()).all(|(a, b)| (a - b).abs() < 1e-6 * b.abs()));
+        }
+        for (a, b) in picture.trained().iter().flatten().zip(field.trained().iter().flatten()) {
+            assert!((a - b).abs() < 1e-6);
+        }
+        // What clips is not a flat patch of its colour.
+        field.add_even(&[0.3, 1.0, 0.3], &target, 16).unwrap();
+        assert_eq!(field.count(), 64);
+        assert!(field.add_even(&samples[1..], &target, 1).is_err());
+        assert!(field.add_even(&samples, &[0.1], 1).is_err());
+        assert!(field.add_even(&[f64::NAN, 0.0, 0.0], &target, 1).is_err());
+        assert!(field.add_even(&samples, &[0.1, f64::INFINITY], 1).is_err());
     }
 }

@@ -10,6 +10,7 @@ mod cfa;
 mod cfa_catalog;
 mod cfa_filters;
 mod design_families;
+mod design_learned;
 mod design_statistics;
 mod design_targets;
 mod isp;

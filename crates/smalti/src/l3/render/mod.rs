@@ -17,6 +17,7 @@ mod x86;
 
 pub use fixed::FixedKernels;
 
+use super::classify::Classifier;
 use super::statistics::{check_size, phase_in};
 use super::{L3Error, Pipeline};
 use crate::color::{ColorSpace, Image};
@@ -72,6 +73,18 @@ impl Renderer<'_> {
     /// When its mosaic, size or levels are not those of the pipeline.
     pub fn render(&self, raw: &RawImage) -> Result<Rendered, L3Error> {
         rendered(self.0.pipeline(), raw, |planes| self.render_into(raw, planes))
+    }
+
+    fn picture(&self, raw: &RawImage) -> Result<Image, IspError> {
+        let learned = |error: L3Error| match error {
+            L3Error::Isp(error) => error,
+            other => IspError::Learned { reason: other.to_string() },
+        };
+        let outputs = self.0.pipeline().outputs().len();
+        if outputs != 3 {
+            return Err(learned(L3Error::NotAPicture { got: outputs }));
+        }
+        Ok(Image::new(ColorSpace::Xyz, self.render(raw).map_err(learned)?.planes)?)
     }
 
     /// The same, written over planes that are there already.
@@ -150,6 +163,12 @@ impl Pipeline {
         self.fixed_renderer(raw.black_level(), raw.white_level())?.render(raw)
     }
 
+    /// How many rows away samples lie at most that a pixel of a picture depends on, those that its class is told by included.
+    #[must_use]
+    pub fn reach(&self) -> usize {
+        Classifier::new(self.axes()).margin()[0]
+    }
+
     /// The pipeline made ready for rendering: what [`Pipeline::render_raw`] does first for every image, done once.
     #[must_use]
     pub fn renderer(&self) -> Renderer<'_> {
@@ -178,14 +197,14 @@ impl Pipeline {
 impl Isp for Pipeline {
     /// The picture in CIE XYZ of a pipeline with three outputs.
     fn render(&self, raw: &RawImage) -> Result<Image, IspError> {
-        let learned = |error: L3Error| match error {
-            L3Error::Isp(error) => error,
-            other => IspError::Learned { reason: other.to_string() },
-        };
-        if self.outputs().len() != 3 {
-            return Err(learned(L3Error::NotAPicture { got: self.outputs().len() }));
-        }
-        Ok(Image::new(ColorSpace::Xyz, self.render_raw(raw).map_err(learned)?.planes)?)
+        self.renderer().picture(raw)
+    }
+}
+
+impl Isp for Renderer<'_> {
+    /// The picture in CIE XYZ of a pipeline with three outputs.
+    fn render(&self, raw: &RawImage) -> Result<Image, IspError> {
+        self.picture(raw)
     }
 }
 

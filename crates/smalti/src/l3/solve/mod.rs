@@ -175,6 +175,9 @@ fn add_noise(gram: &mut [f64], load: f64, noise: &SignalNoise, side: usize, mome
     let share = 1.0 / moments.get(0, 0).max(1.0);
     for (i, line) in gram.chunks_exact_mut(taps).enumerate() {
         line[i] += load * noise.own(moments.get(0, 1 + i) * share, moments.get(1 + i, 1 + i) * share);
+        if noise.row == 0.0 && noise.column == 0.0 {
+            continue;
+        }
         let first = i - i % side;
         line[first..first + side].iter_mut().for_each(|v| *v += load * noise.row);
         line.iter_mut().skip(i % side).step_by(side).for_each(|v| *v += load * noise.column);
@@ -230,30 +233,40 @@ impl Normal {
         let count = m.get(0, 0);
         let share = 1.0 / count.max(1.0);
         let means: Vec<f64> = (0..m.size()).map(|i| m.get(0, i) * share).collect();
-        let second = |i: usize, j: usize| {
-            let about_zero = m.get(i, j) * share;
-            match form {
-                KernelForm::Affine => about_zero - means[i] * means[j],
-                KernelForm::Linear => about_zero,
-            }
+        let about = match form {
+            KernelForm::Affine => 1.0,
+            KernelForm::Linear => 0.0,
         };
+        let mut gram = vec![0.0; taps * taps];
+        let mut cross = vec![0.0; outputs * taps];
+        let mut rows = m.sums().get(m.size()..).unwrap_or(&[]);
+        for i in 0..taps {
+            let (row, rest) = rows.split_at(m.size() - 1 - i);
+            let (patch, target) = row.split_at(taps - i);
+            let (mean, others) = (about * means[1 + i], &means[1 + i..]);
+            let line = gram[i * taps + i..(i + 1) * taps].iter_mut();
+            line.zip(patch).zip(others).for_each(|((g, v), other)| *g = v * share - mean * other);
+            let column = cross.iter_mut().skip(i).step_by(taps);
+            column
+                .zip(target)
+                .zip(&others[taps - i..])
+                .for_each(|((c, v), other)| *c = v * share - mean * other);
+            rows = rest;
+        }
+        for i in 1..taps {
+            for j in 0..i {
+                gram[i * taps + j] = gram[j * taps + i];
+            }
+        }
         let (patch, target) = (1..1 + taps, 1 + taps..1 + taps + outputs);
-        let squares: f64 = patch.clone().map(|i| m.get(i, i) * share).sum();
+        let squares: f64 = patch.map(|i| m.get(i, i) * share).sum();
         Self {
             taps,
             form,
             count,
-            gram: patch
-                .clone()
-                .flat_map(|i| patch.clone().map(move |j| (i, j)))
-                .map(|(i, j)| second(i, j))
-                .collect(),
-            cross: target
-                .clone()
-                .flat_map(|o| patch.clone().map(move |i| (i, o)))
-                .map(|(i, o)| second(i, o))
-                .collect(),
-            power: target.map(|o| second(o, o).max(0.0)).collect(),
+            gram,
+            cross,
+            power: target.map(|o| (m.get(o, o) * share - about * means[o] * means[o]).max(0.0)).collect(),
             // Above zero, so that a class of black patches has a solution too.
             cut: (ROUNDING * squares).max(f64::MIN_POSITIVE),
             mean_target: means[1 + taps..].to_vec(),
