@@ -40,7 +40,10 @@ macro_rules! builtin {
 
 static STUDIES: &[StudyInfo] = &[
     builtin!("table2", "What more colours cost: 1000 sets of Gaussian filters for each of 3 to 7 colours"),
-    builtin!("table2-l3", "The same with a pipeline learned for each design in place of bilinear demosaicking"),
+    builtin!(
+        "table2-l3",
+        "The same with a pipeline learned for each design in place of bilinear demosaicking"
+    ),
     builtin!("theory", "Filters by rule: uniform, height-scaled, all-scaled, 3 to 7 colours"),
     builtin!("mosaics", "Where to put the filters: 1000 placements for each of 3 to 7 colours"),
     builtin!("aliasing", "Published mosaics and the aliasing of each"),
