@@ -56,8 +56,11 @@ pub struct Targets {
     /// Photons s⁻¹ nm⁻¹, the most on any pixel of the chart at each wavelength.
     brightest: Vec<f64>,
     seed: u64,
-    kept: Arc<Mutex<VecDeque<(Mosaic, Option<Arc<Prepared>>)>>>,
+    kept: Arc<Mutex<Kept>>,
 }
+
+/// Mosaics with what scoring them needs; none where it cannot be done by filters.
+type Kept = VecDeque<(Mosaic, Option<Arc<Prepared>>)>;
 
 /// Mosaics of which is kept what scoring needs: those of a study of filters, one for each number of colours.
 const KEPT_MOSAICS: usize = 8;
