@@ -18,6 +18,10 @@ bench name="":
 bench-opencv:
     python3 tools/bench_opencv.py
 
+# Kills a sweep a hundred times; its results must be those of one that was left alone.
+kills:
+    cargo test --release -p smalti-cli --test cli a_hundred_kills -- --ignored
+
 # Fuzzes one parser for a minute, or all in turn: `just fuzz exr`, `just fuzz all 600`.
 fuzz target="all" seconds="60":
     fuzz/run {{target}} {{seconds}}

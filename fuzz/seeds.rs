@@ -9,9 +9,12 @@ use smalti::l3::{Axes, Class, Kernels, Levels, Origin, Pair, Pipeline, PipelineP
 use smalti::numeric::Planes;
 use smalti::sensor::{Mosaic, RawImage, RawSamples, Sampling, SignalNoise};
 use smalti::spectrum::{SpectralCube, Spectrum, WavelengthGrid};
+use smalti_io::dataset::{Column, Run};
 use smalti_io::exr::{Layout, Quantity, SpectralFile};
 use smalti_io::picture::Depth;
 use smalti_io::{dng, exr, l3, npy, picture, spectrum_csv};
+
+mod plan;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let corpus = PathBuf::from(std::env::args().nth(1).ok_or("usage: seeds FOLDER")?);
@@ -61,6 +64,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     seeds_of_dng(&folder("dng")?)?;
 
     seeds_of_l3(&folder("l3")?)?;
+
+    seeds_of_dataset(&folder("dataset")?)?;
 
     let dir = folder("npy")?;
     npy::write(&dir.join("f4.npy"), &[2, 3], &ramp(6))?;
@@ -122,5 +127,28 @@ fn seeds_of_l3(dir: &Path) -> Result<(), Box<dyn Error>> {
     let target = Planes::new(6, 8, 1, (0..48).map(|i| i as f32).collect())?;
     statistics.add(&Pair { raw: &raw, seen: None, target: &target })?;
     l3::write_statistics(&dir.join("some.l3s"), &statistics)?;
+    Ok(())
+}
+
+/// A manifest and its only part.
+fn seeds_of_dataset(dir: &Path) -> Result<(), Box<dyn Error>> {
+    let plan = plan::plan();
+    let results = std::env::temp_dir().join(format!("smalti-seeds-{}", std::process::id()));
+    let run = Run::open(&results, &plan, None)?;
+    run.write(
+        0,
+        &[
+            Column::Int(vec![0, 1, 2]),
+            Column::Float(vec![1.5, f64::NAN, -0.0]),
+            Column::Text(["RG/GB", "", "RG/GB"].map(str::to_owned).to_vec()),
+            Column::Floats(vec![vec![450.0, 550.0], vec![], vec![f64::NAN]]),
+        ],
+    )?;
+    run.finish(serde_json::json!({"seconds": 1}))?;
+    for name in ["manifest.json", "designs/part-000000.parquet"] {
+        let file = results.join(name);
+        fs::copy(&file, dir.join(file.file_name().ok_or("a file has a name")?))?;
+    }
+    fs::remove_dir_all(results)?;
     Ok(())
 }

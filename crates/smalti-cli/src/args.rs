@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use smalti_io::Override;
+use smalti_io::dataset::Shard;
 
 use crate::learning_args::LearningOptions;
 
@@ -18,6 +19,7 @@ use crate::learning_args::LearningOptions;
         smalti simulate bayer -o out                        a picture of the default scene\n  \
         smalti simulate my.toml --scene zone-plate -o out   your camera, another scene\n  \
         smalti evaluate bayer rgbw                          colour, resolution, noise, aliasing\n  \
+        smalti sweep table2 -o out && smalti report out     5000 colour filter arrays, scored and shown\n  \
         smalti list cfas                                    what is built in\n\n\
         Results go to standard output or -o, progress and messages to standard error.\n\
         Exit code: 0 done, 1 failed, 2 wrong usage."
@@ -52,6 +54,8 @@ pub(crate) enum Command {
     Simulate(Simulate),
     /// Score cameras on the built-in targets: colour, resolution, noise, aliasing
     Evaluate(Evaluate),
+    /// Score the many designs of a study; goes on where it stopped
+    Sweep(SweepArgs),
     /// List what is built in
     List(List),
     /// Convert a scene between formats, or write a built-in scene to a file
@@ -65,6 +69,44 @@ pub(crate) enum Command {
         /// For which shell
         shell: clap_complete::Shell,
     },
+}
+
+#[derive(Debug, Clone, Args)]
+#[command(after_help = "Examples:\n  \
+    smalti sweep table2 -o out && smalti report out     what more colours cost: 5000 designs\n  \
+    smalti sweep my-study.toml -o out                   your own study; again, after Ctrl-C, to go on\n  \
+    smalti sweep my-study.toml --dry-run                how many designs, how long, how large\n  \
+    smalti sweep my-study.toml --shard 3/16 -o out      one of sixteen machines that share the folder\n  \
+    smalti sweep --merge part1 part2 -o out             folders of shards into one\n\n\
+    DIR/designs/*.parquet has a row for each design; pandas, Polars and DuckDB read it as it is.")]
+pub(crate) struct SweepArgs {
+    /// A built-in study (smalti list studies) or a TOML file
+    #[arg(required_unless_present = "merge", conflicts_with = "merge")]
+    pub(crate) study: Option<String>,
+    /// Folder for the results, made if need be; one that holds some of them is continued
+    #[arg(short, long, default_value = "out", value_name = "DIR")]
+    pub(crate) output: PathBuf,
+    /// Do only the I-th of N parts of the study
+    #[arg(long, value_name = "I/N")]
+    pub(crate) shard: Option<Shard>,
+    /// Designs in a file of the results: what a killed run loses at most [default: by the size of the study]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=smalti_io::dataset::MAX_CHUNK))]
+    pub(crate) part_size: Option<u64>,
+    /// Say how many designs there are, how long they take and how large the results become; write nothing
+    #[arg(long)]
+    pub(crate) dry_run: bool,
+    /// Measure how many designs a second this machine scores; write nothing
+    #[arg(long, conflicts_with = "dry_run")]
+    pub(crate) benchmark: bool,
+    /// Put the results of shards that ran in folders of their own together in the folder of -o
+    #[arg(long, value_name = "DIR", num_args = 1.., conflicts_with_all = ["shard", "dry_run", "benchmark"])]
+    pub(crate) merge: Vec<PathBuf>,
+    /// Neither read nor write cached optical images
+    #[arg(long)]
+    pub(crate) no_cache: bool,
+    /// Print JSON
+    #[arg(long)]
+    pub(crate) json: bool,
 }
 
 /// Keys of the camera that the command line replaces.
@@ -212,6 +254,8 @@ pub(crate) enum Listing {
     Filters,
     /// Metrics, with their units
     Metrics,
+    /// Studies of many designs, for `smalti sweep`
+    Studies,
 }
 
 #[derive(Debug, Clone, Args)]

@@ -5,7 +5,7 @@ use smalti::metrics;
 use smalti::scene::catalog;
 use smalti::sensor::cfa;
 use smalti::spectrum::Illuminant;
-use smalti_io::cameras;
+use smalti_io::{cameras, studies};
 
 use crate::args::{List, Listing};
 use crate::columns;
@@ -18,6 +18,7 @@ pub(crate) fn run(args: &List) -> anyhow::Result<()> {
         Listing::Illuminants => illuminants(),
         Listing::Filters => filters(),
         Listing::Metrics => metric_list(),
+        Listing::Studies => builtin_studies(),
     };
     if args.json {
         let json: Vec<_> = entries.iter().map(|e| e.json.clone()).collect();
@@ -83,6 +84,16 @@ fn builtin_cameras() -> Vec<Entry> {
         json: json!({"name": c.name, "summary": c.summary, "toml": c.toml}),
     };
     cameras::names().iter().map(entry).collect()
+}
+
+fn builtin_studies() -> Vec<Entry> {
+    let entry = |s: &studies::StudyInfo| Entry {
+        name: s.name.into(),
+        summary: s.summary.into(),
+        details: Vec::new(),
+        json: json!({"name": s.name, "summary": s.summary, "toml": s.toml}),
+    };
+    studies::names().iter().map(entry).collect()
 }
 
 fn illuminants() -> Vec<Entry> {

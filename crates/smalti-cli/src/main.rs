@@ -5,6 +5,7 @@ mod brightness;
 mod columns;
 mod compare;
 mod convert;
+mod design_columns;
 mod evaluate;
 mod learn;
 mod learning_args;
@@ -16,6 +17,7 @@ mod render;
 mod report;
 mod resolve;
 mod simulate;
+mod sweep;
 mod table;
 mod train;
 
@@ -48,6 +50,7 @@ fn run(cli: Cli) -> anyhow::Result<()> {
         Command::Render(a) => render::run(&a, &cli.common),
         Command::Simulate(a) => simulate::run(&a, &cli.common),
         Command::Evaluate(a) => evaluate::run(&a, &cli.common),
+        Command::Sweep(a) => sweep::run(&a, &cli.common),
         Command::List(a) => list::run(&a),
         Command::Convert(a) => convert::run(&a, &cli.common),
         Command::Completions { shell } => {

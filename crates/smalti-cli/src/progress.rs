@@ -26,6 +26,16 @@ impl Progress {
         Self { bar, quiet }
     }
 
+    /// Many short steps, of which the rate matters.
+    pub(crate) fn of_many(steps: u64, quiet: bool) -> Self {
+        let progress = Self::new(steps, quiet);
+        let template = "{bar:24} {human_pos}/{human_len} {per_sec:.0}  {msg}  {elapsed}, about {eta} left";
+        if let Ok(style) = ProgressStyle::with_template(template) {
+            progress.bar.set_style(style);
+        }
+        progress
+    }
+
     /// Names the step that begins.
     pub(crate) fn begin(&self, what: impl Into<String>) {
         self.bar.set_message(what.into());

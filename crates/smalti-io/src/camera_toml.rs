@@ -122,7 +122,8 @@ impl CameraSource {
         self.at(self.span_of(key), &format!("`{key}`: {message}"))
     }
 
-    fn at(&self, span: Option<Range<usize>>, message: &str) -> Diagnostic {
+    /// An error at a place of the text.
+    pub(crate) fn at(&self, span: Option<Range<usize>>, message: &str) -> Diagnostic {
         let (message, help) = explain(message);
         let diagnostic = Diagnostic { help, ..Diagnostic::new(self.name.clone(), message) };
         match span {

@@ -157,7 +157,7 @@ fn read_files(
 }
 
 /// Replaces a named file by the samples in it.
-fn read_curve(filter: &mut Filter, folder: &Path) -> Result<(), String> {
+pub(crate) fn read_curve(filter: &mut Filter, folder: &Path) -> Result<(), String> {
     if let Filter::File(name) = filter {
         let path = beside(folder, name);
         let spectrum = spectrum_csv::read_spectrum(&path.to_string_lossy()).map_err(|e| e.to_string())?;

@@ -9,7 +9,9 @@
 //! | [`l3`] | `.l3` (safetensors) in and out; `.npz`, C header out | [`smalti::l3::Pipeline`], [`smalti::l3::Statistics`] |
 //! | [`npy`], [`stages`] | NumPy arrays and a JSON of their units | slices |
 //! | [`cache`] | own | [`smalti::optics::OpticalImage`] |
+//! | [`dataset`] | folders of Parquet files, and their manifest | [`dataset::Column`] |
 //! | [`cameras`] | TOML | [`smalti::camera::Camera`] |
+//! | [`studies`] | TOML | [`smalti::design::Designs`] |
 //! | [`text`] | UTF-8 | `String` |
 //! | [`memory`] | `/proc/meminfo` | bytes |
 //!
@@ -20,6 +22,7 @@
 pub mod cache;
 mod camera_toml;
 pub mod cameras;
+pub mod dataset;
 mod diagnostic;
 pub mod dng;
 mod error;
@@ -32,6 +35,7 @@ pub mod npy;
 pub mod picture;
 pub mod spectrum_csv;
 pub mod stages;
+pub mod studies;
 pub mod text;
 mod tiff_tags;
 mod wavelengths;

@@ -54,6 +54,19 @@ pub fn bytes(path: &Path, bytes: &[u8]) -> Result<(), IoError> {
     })
 }
 
+/// As [`bytes()`], and the data are on the disk before the file has its name: after a loss of power it is whole or absent.
+///
+/// # Errors
+/// [`IoError::Write`].
+pub fn durable(path: &Path, bytes: &[u8]) -> Result<(), IoError> {
+    atomic(path, |out| {
+        out.write_all(bytes)
+            .and_then(|()| out.flush())
+            .and_then(|()| out.get_ref().sync_data())
+            .map_err(|source| IoError::Write { path: path.to_owned(), source })
+    })
+}
+
 /// Finds out, before long work, whether [`atomic`] will be able to write a file: makes a temporary one beside it and removes
 /// it.
 ///

@@ -1,16 +1,15 @@
-//! Camera files with slips of the pen: an error or a camera, never a panic.
+//! Camera and study files with slips of the pen: an error or a camera, a study, never a panic.
 
 use smalti::camera::Camera;
 use smalti::numeric::philox::Stream;
 use smalti::spectrum::WavelengthGrid;
-use smalti_io::{CameraSource, cameras};
+use smalti_io::{CameraSource, cameras, studies};
 
-/// A built-in camera's file with up to four bytes or short runs deleted, doubled, replaced or moved.
-fn mutated(case: u32) -> String {
+/// One of the files with up to four bytes or short runs deleted, doubled, replaced or moved.
+fn mutated(files: &[&str], case: u32) -> String {
     let mut random = Stream::new(1, 0, case);
     let mut below = |n: usize| random.next_u32() as usize % n.max(1);
-    let files = cameras::names();
-    let mut bytes = files[below(files.len())].toml.as_bytes().to_vec();
+    let mut bytes = files[below(files.len())].as_bytes().to_vec();
     for _ in 0..=below(4) {
         let at = below(bytes.len());
         let end = (at + 1 + below(12)).min(bytes.len());
@@ -38,8 +37,9 @@ fn mutated(case: u32) -> String {
 #[test]
 fn no_slip_of_the_pen_panics() {
     let (mut refused, mut taken) = (0, 0);
+    let files: Vec<&str> = cameras::names().iter().map(|c| c.toml).collect();
     for case in 0..600 {
-        let text = mutated(case);
+        let text = mutated(&files, case);
         let source =
             CameraSource { name: "mutated.toml".into(), folder: "nowhere".into(), text: text.clone() };
         let set = ["sensor.pixel.pitch_um=1", "optics=3"][..(case % 3) as usize]
@@ -63,4 +63,30 @@ fn no_slip_of_the_pen_panics() {
         }
     }
     assert!(refused > 100 && taken > 50, "{refused} refused, {taken} taken: the mutations say little");
+}
+
+#[test]
+fn nor_does_one_in_a_study() {
+    let (mut refused, mut taken) = (0, 0);
+    let files: Vec<&str> = studies::names().iter().map(|s| s.toml).collect();
+    for case in 0..300 {
+        // Without the comments, where a slip does nothing.
+        let lines: Vec<String> = files
+            .iter()
+            .map(|f| f.lines().filter(|l| !l.starts_with('#')).collect::<Vec<_>>().join("\n"))
+            .collect();
+        let text = mutated(&lines.iter().map(String::as_str).collect::<Vec<_>>(), case);
+        let source =
+            CameraSource { name: "mutated.toml".into(), folder: "nowhere".into(), text: text.clone() };
+        match std::panic::catch_unwind(|| studies::from_source(&source).map(drop).map_err(|e| e.to_string()))
+        {
+            Ok(Ok(())) => taken += 1,
+            Ok(Err(message)) => {
+                assert!(message.contains("mutated.toml") || message.contains("camera"), "{message}");
+                refused += 1;
+            }
+            Err(_) => panic!("case {case}:\n{text}"),
+        }
+    }
+    assert!(refused > 100 && taken > 20, "{refused} refused, {taken} taken: the mutations say little");
 }

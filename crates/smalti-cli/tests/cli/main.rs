@@ -10,6 +10,7 @@ mod learn;
 mod learn_bad;
 mod simulate;
 mod surface;
+mod sweep;
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};

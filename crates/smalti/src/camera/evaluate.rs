@@ -258,7 +258,7 @@ impl Target {
 }
 
 /// Compared in linear sRGB with the light made white, where the zone plate is neutral.
-fn zone_plate_aliasing(
+pub(crate) fn zone_plate_aliasing(
     picture: &Image,
     reference: &Image,
     setting: &Setting,

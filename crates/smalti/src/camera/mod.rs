@@ -5,7 +5,7 @@ pub(crate) mod chart;
 mod compare;
 pub mod description;
 mod error;
-mod evaluate;
+pub(crate) mod evaluate;
 mod light_gain;
 mod photograph;
 mod reference;

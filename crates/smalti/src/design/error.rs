@@ -2,6 +2,7 @@
 
 use thiserror::Error;
 
+use crate::camera::CameraError;
 use crate::sensor::CfaError;
 
 /// What can be wrong with a family of designs, or with what is asked of it.
@@ -69,6 +70,57 @@ pub enum DesignError {
         /// Largest number that is listed.
         limit: u64,
     },
+    /// More sets of filters are asked for than there are.
+    #[error("{wanted} different sets of {colors} filters are asked for, but the family has only {available}")]
+    TooFewSets {
+        /// Colours.
+        colors: usize,
+        /// Number asked for.
+        wanted: u64,
+        /// Number there is.
+        available: u128,
+    },
+    /// All sets of filters are asked for, and there are more than can be numbered.
+    #[error("the family has {available} sets of {colors} filters; ask for a number of them in place of all")]
+    TooManySets {
+        /// Colours.
+        colors: usize,
+        /// Number there is.
+        available: u128,
+    },
+    /// Sets of filters times mosaics times conditions are more than 2⁶⁴ − 1.
+    #[error("sets of filters times mosaics times conditions are more than 2^64 designs")]
+    TooManyDesigns,
+    /// A study has no design.
+    #[error(
+        "the study has no design: for {colors:?} colours there are {sets:?} sets of filters and {mosaics:?} mosaics; \
+         expected both for at least one number of colours, and at least one condition and processing"
+    )]
+    NoDesign {
+        /// Numbers of colours.
+        colors: Vec<usize>,
+        /// Sets of filters for each.
+        sets: Vec<u64>,
+        /// Mosaics for each.
+        mosaics: Vec<u64>,
+    },
+    /// A design is asked for by a number beyond the last.
+    #[error("the study has {count} designs; there is no design {number} (counted from 0)")]
+    NoSuchDesign {
+        /// The number asked for.
+        number: u64,
+        /// Designs there are.
+        count: u64,
+    },
+    /// A condition is asked for by a number beyond the last.
+    #[error("the study has no condition {index} (counted from 0)")]
+    NoSuchCondition {
+        /// The number asked for.
+        index: usize,
+    },
+    /// A camera cannot be made, or its targets cannot be imaged.
+    #[error(transparent)]
+    Camera(#[from] CameraError),
     /// A filter of the family cannot be made.
     #[error("filter '{name}': {problem}")]
     Filter {

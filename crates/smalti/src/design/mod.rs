@@ -13,14 +13,20 @@ mod lessons;
 mod mosaics;
 mod permutation;
 mod prepared;
+pub mod statistics;
+mod study;
+mod sweep;
 mod targets;
 
 pub use combinations::{binomial, combination, combination_rank};
 pub use error::DesignError;
 pub use filters::{
-    Dye, Dyes, FilterFamily, FilterSet, GaussianGrid, Library, ListedSet, Rule, RuleName, RuleTarget, Series,
+    Dye, Dyes, FilterFamily, FilterFigures, FilterSet, GaussianGrid, Library, ListedSet, Rule, RuleName,
+    RuleTarget, Series,
 };
 pub use learned::{LessonSettings, Lessons};
 pub use mosaics::{MosaicFamily, Symmetry, Tile, published};
 pub use permutation::Permutation;
-pub use targets::{Scores, Targets};
+pub use study::{Condition, ConditionValue, Design, Designs, Processing, Study};
+pub use sweep::{Scored, Sweep};
+pub use targets::{AliasingScores, Scores, Targets};

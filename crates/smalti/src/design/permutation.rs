@@ -11,6 +11,9 @@ const ROUNDS: usize = 16;
 ///
 /// A Feistel network with Philox ([salmon2011]) as its round function permutes the pairs of numbers below ⌈√len⌉,
 /// and a value outside the range is permuted again until it is inside (cycle walking, [black2002]).
+///
+/// [salmon2011]: https://doi.org/10.1145/2063384.2063405
+/// [black2002]: https://eprint.iacr.org/2001/012
 #[derive(Debug, Clone)]
 pub struct Permutation {
     len: u128,

@@ -10,6 +10,7 @@ use std::collections::VecDeque;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use super::prepared::Prepared;
+use crate::camera::evaluate::zone_plate_aliasing;
 use crate::camera::target::{EDGE_REGION, Target, edge_mtf50};
 use crate::camera::{Camera, CameraError, EvaluationSettings, OpticalImages, chart};
 use crate::color::Image;
@@ -44,6 +45,15 @@ pub struct Scores {
     pub edge_time_s: f64,
 }
 
+/// What of a zone plate's picture is not in the zone plate.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct AliasingScores {
+    /// Energy in the picture of the zone plate that is not in the zone plate, percent.
+    pub aliasing_percent: f64,
+    /// The part of it that is colour.
+    pub color_aliasing_percent: f64,
+}
+
 /// Targets, ready to be seen through any filters.
 #[derive(Debug, Clone)]
 pub struct Targets {
@@ -55,6 +65,7 @@ pub struct Targets {
     expected: Vec<[f64; 3]>,
     /// Photons s⁻¹ nm⁻¹, the most on any pixel of the chart at each wavelength.
     brightest: Vec<f64>,
+    zone_plate: Option<ZonePlate>,
     seed: u64,
     kept: Arc<Mutex<Kept>>,
 }
@@ -66,6 +77,14 @@ type Kept = VecDeque<(Mosaic, Option<Arc<Prepared>>)>;
 const KEPT_MOSAICS: usize = 8;
 /// Share of saturation from which a chart may clip.
 const CLIPS: f64 = 0.9999;
+
+/// The zone plate in front of the camera, and as the standard observer sees it.
+#[derive(Debug, Clone)]
+struct ZonePlate {
+    shown: Shown,
+    reference: Image,
+    setting: Setting,
+}
 
 /// A target in front of the camera.
 #[derive(Debug, Clone)]
@@ -122,6 +141,15 @@ fn below(rect: Rect, row: usize) -> Rect {
     Rect { row: rect.row - row, ..rect }
 }
 
+fn setting(camera: &Camera, settings: &EvaluationSettings) -> Setting {
+    Setting {
+        luminance_cd_m2: settings.luminance_cd_m2,
+        illuminant: settings.illuminant.clone(),
+        grid: camera.grid(),
+        ..Setting::default()
+    }
+}
+
 /// Photoelectrons per photon and nm, per channel.
 fn response(sensor: &Sensor, grid: WavelengthGrid) -> Result<Vec<Vec<f64>>, CameraError> {
     let on_grid = sensor.spectral_responsivity_on(grid)?;
@@ -138,17 +166,13 @@ impl Targets {
         settings: &EvaluationSettings,
         images: OpticalImages<'_>,
     ) -> Result<Self, CameraError> {
-        let setting = Setting {
-            luminance_cd_m2: settings.luminance_cd_m2,
-            illuminant: settings.illuminant.clone(),
-            grid: camera.grid(),
-            ..Setting::default()
-        };
+        let setting = setting(camera, settings);
         let light = settings.illuminant.photons(camera.grid())?;
         let chart = Shown::new(&Target::chart(camera, &setting)?, images)?;
         Ok(Self {
             brightest: chart.brightest(),
             chart,
+            zone_plate: None,
             kept: Arc::default(),
             edge: Shown::new(&Target::edge(camera, &setting)?, images)?,
             fit: camera.color_fit(&light)?,
@@ -156,6 +180,22 @@ impl Targets {
             light,
             seed: settings.seed,
         })
+    }
+
+    /// With the zone plate, which costs some milliseconds a design.
+    ///
+    /// # Errors
+    /// When a stage refuses.
+    pub fn with_zone_plate(
+        self,
+        camera: &Camera,
+        settings: &EvaluationSettings,
+        images: OpticalImages<'_>,
+    ) -> Result<Self, CameraError> {
+        let setting = setting(camera, settings);
+        let shown = Shown::new(&Target::zone_plate(camera, &setting)?, images)?;
+        let reference = shown.camera.reference(&shown.image)?;
+        Ok(Self { zone_plate: Some(ZonePlate { shown, reference, setting }), ..self })
     }
 
     /// The light, photons.
@@ -185,6 +225,30 @@ impl Targets {
             Some(scores) => Ok(scores),
             None => self.score_with(cfa, &isp, isp.demosaic.reach(cfa.mosaic())?),
         }
+    }
+
+    /// Aliasing of a colour filter array with the camera's own processing; `None` without a zone plate.
+    ///
+    /// # Errors
+    /// When a stage refuses.
+    pub fn aliasing(&self, cfa: &Cfa) -> Result<Option<AliasingScores>, CameraError> {
+        let camera = self.camera(cfa);
+        self.aliasing_with(cfa, &camera.isp_fitted_to(&self.fit, WhiteBalance::None)?)
+    }
+
+    /// Aliasing with processing of one's own, as for [`Targets::score_with`].
+    ///
+    /// # Errors
+    /// When a stage refuses.
+    pub fn aliasing_with(&self, cfa: &Cfa, isp: &dyn Isp) -> Result<Option<AliasingScores>, CameraError> {
+        let Some(zone) = &self.zone_plate else { return Ok(None) };
+        let (camera, exposure) = zone.shown.through(cfa)?;
+        let picture = isp.render(&camera.sensor.capture_ideal(&zone.shown.pixels, &exposure)?)?;
+        let found = zone_plate_aliasing(&picture, &zone.reference, &zone.setting)?;
+        Ok(Some(AliasingScores {
+            aliasing_percent: found.total_percent,
+            color_aliasing_percent: found.color_percent,
+        }))
     }
 
     /// What scoring a mosaic needs, kept from the last designs; `None` where it cannot be done by filters.

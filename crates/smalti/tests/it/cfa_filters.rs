@@ -1,7 +1,7 @@
 //! Filter curves and quantum efficiency.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
-use smalti::sensor::cfa::{CfaError, Filter, builtin_filters};
+use smalti::sensor::cfa::{AbsorptionBand, CfaError, Filter, builtin_filters};
 use smalti::sensor::{QuantumEfficiency, silicon_absorption_per_m};
 use smalti::spectrum::{Spectrum, SpectrumError, WavelengthGrid};
 
@@ -79,8 +79,39 @@ fn edges_lie_where_they_should() {
 }
 
 #[test]
+fn dyes_follow_beer_and_lambert() {
+    let band = |center_nm, absorbance| AbsorptionBand { center_nm, fwhm_nm: 80.0, absorbance };
+    let dye = |bands: &[AbsorptionBand], peak, leakage| {
+        Filter::Dye { bands: bands.to_vec(), peak, leakage }
+            .spectrum(WavelengthGrid::new(400.0, 1.0, 301).unwrap())
+            .unwrap()
+    };
+    // An absorbance of 1 passes a tenth; mixed, transmittances multiply; twice the dye squares them.
+    let (yellow, magenta) = (dye(&[band(440.0, 1.0)], 1.0, 0.0), dye(&[band(540.0, 1.0)], 1.0, 0.0));
+    close(yellow.at(440.0).unwrap(), 0.1, 1e-12);
+    let (red, twice) =
+        (dye(&[band(440.0, 1.0), band(540.0, 1.0)], 1.0, 0.0), dye(&[band(440.0, 2.0)], 1.0, 0.0));
+    for (i, (r, t)) in red.values().iter().zip(twice.values()).enumerate() {
+        close(*r, yellow.values()[i] * magenta.values()[i], 1e-12);
+        close(*t, yellow.values()[i].powi(2), 1e-12);
+    }
+    // Half the absorbance half a width of frequency away: at λ₀ / (1 ± ½ fwhm / λ₀).
+    let edge = dye(&[AbsorptionBand { center_nm: 500.0, fwhm_nm: 1000.0 / 9.0, absorbance: 1.0 }], 1.0, 0.0);
+    close(edge.at(450.0).unwrap(), 10f64.powf(-0.5), 1e-12);
+    // Light beside the dye stays; without a dye the glass is clear.
+    let thick = dye(&[band(540.0, 100.0)], 0.9, 0.02);
+    close(thick.at(540.0).unwrap(), 0.02, 1e-12);
+    close(dye(&[], 0.9, 0.02).at(540.0).unwrap(), 0.9, 1e-12);
+}
+
+#[test]
 fn impossible_parameters_are_refused() {
     let nan = f64::NAN;
+    let dye = |center_nm, fwhm_nm, absorbance, leakage| Filter::Dye {
+        bands: vec![AbsorptionBand { center_nm, fwhm_nm, absorbance }],
+        peak: 0.9,
+        leakage,
+    };
     for filter in [
         Filter::Flat(1.1),
         Filter::Flat(-0.1),
@@ -97,6 +128,12 @@ fn impossible_parameters_are_refused() {
         Filter::ShortPass { edge_nm: 0.0, width_nm: 5.0, peak: 1.0 },
         Filter::Butterworth { center_nm: 550.0, fwhm_nm: 40.0, peak: 1.0, order: 0 },
         Filter::Butterworth { center_nm: 550.0, fwhm_nm: 40.0, peak: 1.0, order: 101 },
+        dye(550.0, 40.0, -0.1, 0.0),
+        dye(550.0, 40.0, 101.0, 0.0),
+        dye(550.0, 0.0, 1.0, 0.0),
+        dye(0.0, 40.0, 1.0, 0.0),
+        dye(550.0, 40.0, 1.0, 0.95),
+        dye(550.0, 40.0, nan, 0.0),
     ] {
         assert!(matches!(filter.spectrum(VISIBLE), Err(CfaError::Parameter { .. })), "{filter:?}");
     }

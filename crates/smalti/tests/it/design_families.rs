@@ -126,7 +126,7 @@ fn the_tile_of_a_mosaic_is_its_canonical_one() {
     }
 }
 
-/// 23 mosaics of two colours in 2 × 4 cells, shown by 1 to 32 tiles each: a sample favours none.
+/// Mosaics are shown by different numbers of tiles, from 1 to as many as the symmetry has elements: a sample favours none.
 #[test]
 fn every_mosaic_is_equally_likely() {
     for (rows, cols, colors, symmetry) in [
@@ -140,7 +140,7 @@ fn every_mosaic_is_equally_likely() {
         let mut drawn = BTreeMap::new();
         for seed in 0..trials as u64 {
             let one = family.pick(colors, Some(1), seed).unwrap().remove(0);
-            *drawn.entry(one.cells().to_vec()).or_insert(0.0) += 1.0;
+            *drawn.entry((one.rows(), one.cells().to_vec())).or_insert(0.0) += 1.0;
         }
         assert_eq!(drawn.len(), count);
         let chi: f64 = drawn.values().map(|n| (n - 1000.0f64).powi(2) / 1000.0).sum();
@@ -178,7 +178,7 @@ fn what_cannot_be_listed_says_how_many_there_are() {
     assert_eq!(error, DesignError::TooFew { what: "this tile", colors: 4, wanted: 5000, available: 6 });
     assert!(error.to_string().contains("has only 6"), "{error}");
     let error = tile(4, 4, Symmetry::Shift).pick(4, None, 1).unwrap_err();
-    assert!(error.to_string().starts_with("257710656 mosaics of 4 colours"), "{error}");
+    assert!(error.to_string().starts_with("257706024 mosaics of 4 colours"), "{error}");
     assert!(tile(4, 4, Symmetry::Shift).pick(4, Some(20_000_000), 1).is_err());
     // Fewer cells than colours: none, and none are listed.
     assert_eq!((family.count(5), family.pick(5, None, 1)), (Ok(0), Ok(vec![])));
@@ -324,7 +324,9 @@ fn more_freedom_comes_nearer_to_the_target() {
             let error = |i| rule.relative_error(target, &family.set(colors, i).unwrap().filters).unwrap();
             let [uniform, heights, everything] = [0, 1, 2].map(error);
             println!("{target}, {colors} colours: {uniform:.2e} {heights:.2e} {everything:.2e}");
-            assert!(everything < 0.5 * heights && heights < 0.5 * uniform && everything < 1e-2);
+            assert!(everything < 0.5 * heights && heights < 0.5 * uniform);
+            // The fit ends at 1 % root mean square; few Gaussians do not come so near to the cones.
+            assert!(everything < if target == RuleTarget::Cones { 1e-3 } else { 1e-4 });
             for i in 0..3 {
                 let peaks: Vec<f64> =
                     gaussians(&family.set(colors, i).unwrap()).iter().map(|f| f[2]).collect();
@@ -356,13 +358,15 @@ fn heights_are_those_of_least_squares() {
     }
 }
 
-/// What one Gaussian can do, a fit of one does.
+/// What one Gaussian can do, a fit of one does, to 1 %: 0.014 and 0.012 standard deviations of centre and width.
 #[test]
 fn one_filter_finds_its_target() {
     let target = RuleTarget::Gaussian { center_nm: 515.0, sigma_nm: 40.0 };
-    let set = FilterFamily::Rule(rule(&[RuleName::AllScaled], &[target])).set(1, 0).unwrap();
+    let rule = rule(&[RuleName::AllScaled], &[target]);
+    let set = FilterFamily::Rule(rule.clone()).set(1, 0).unwrap();
     let [center, sigma, peak] = gaussians(&set)[0];
-    assert!((center - 515.0).abs() < 1e-4 && (sigma - 40.0).abs() < 1e-4 && peak == 1.0, "{center} {sigma}");
+    assert!((center - 515.0).abs() < 0.57 && (sigma - 40.0).abs() < 0.47 && peak == 1.0, "{center} {sigma}");
+    assert!(rule.relative_error(target, &set.filters).unwrap() < 1e-4);
     assert_eq!(set.label, "all-scaled, gaussian 515/40, 1");
 }
 
@@ -596,7 +600,7 @@ fn wrong_keys_are_shown_at_their_line() {
         (4, "unknown field `column`", "filters.rule = {}\n[mosaics.tile]\nrows = 2\ncolumn = 2"),
         (
             3,
-            "unknown field `centre_nm`",
+            "centre_nm, available keys: center_nm, sigma_nm",
             "mosaics = \"catalogue\"\n[filters.rule]\ntargets = [{ gaussian = { centre_nm = 540 } }]",
         ),
         (
@@ -635,13 +639,15 @@ proptest! {
             let count = family.count(colors).unwrap();
             let set = family.set(colors, Permutation::new(count, seed, 0, 0).at(0).unwrap()).unwrap();
             prop_assert_eq!(set.filters.len(), colors);
-            let mean = |f: &Filter| {
-                let s = f.spectrum(WavelengthGrid::new(250.0, 5.0, 121).unwrap()).unwrap();
-                s.map(|nm, v| nm * v).integral() / s.integral()
+            // The centre of a Gaussian; the mean of what others pass where it is visible.
+            let place = |f: &Filter| match *f {
+                Filter::Gaussian { center_nm, .. } => center_nm,
+                ref f => {
+                    let s = f.spectrum(WavelengthGrid::VISIBLE).unwrap();
+                    s.map(|nm, v| nm * v).integral() / s.integral()
+                }
             };
-            if matches!(family, FilterFamily::GaussianGrid(_)) {
-                prop_assert!(set.filters.windows(2).all(|w| mean(&w[0]) <= mean(&w[1]) + 1e-9));
-            }
+            prop_assert!(set.filters.windows(2).all(|w| place(&w[0]) <= place(&w[1])), "{}", set.label);
         }
     }
 }

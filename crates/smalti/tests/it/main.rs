@@ -11,6 +11,7 @@ mod cfa_catalog;
 mod cfa_filters;
 mod design_families;
 mod design_learned;
+mod design_statistics;
 mod design_targets;
 mod isp;
 mod l3_fallback;

@@ -26,7 +26,7 @@ pub struct FilterSet {
 }
 
 /// `[filters]` of a study: one table, named by the family. `[filters.gaussian_grid]` with no key below it is the
-/// search of [cfaresolution], section 3.4; a hyphen does as well as the underscore.
+/// search of `[cfaresolution]`, section 3.4; a hyphen does as well as the underscore.
 ///
 /// The family is the name of the table and not the value of a key `family`: serde reads a table with such a key to its
 /// end before it looks at the others, and errors about them would name the line of the table in place of their own.
@@ -94,6 +94,44 @@ impl FilterFamily {
                     all.extend(filters.map(|(j, f)| (format!("list[{i}].filters[{j}]"), f)));
                 }
                 all
+            }
+        }
+    }
+}
+
+/// Full width at half maximum of a Gaussian, standard deviations: 2 √(2 ln 2).
+const FWHM_PER_SIGMA: f64 = 2.354_820_045_030_949_3;
+
+/// Where a filter passes light: for tables.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FilterFigures {
+    /// Its middle where it is formed by one, else its mean wavelength, nm.
+    pub center_nm: f64,
+    /// Width in which it passes at least half of its peak, nm.
+    pub fwhm_nm: f64,
+    /// Largest transmittance.
+    pub peak: f64,
+}
+
+impl From<&Filter> for FilterFigures {
+    /// By its formula where that says it, else from samples at every nanometre from 400 to 700; NaN where the filter cannot be
+    /// sampled there.
+    fn from(filter: &Filter) -> Self {
+        match *filter {
+            Filter::Gaussian { center_nm, sigma_nm, peak } => {
+                Self { center_nm, fwhm_nm: FWHM_PER_SIGMA * sigma_nm, peak }
+            }
+            Filter::RaisedCosine { center_nm, fwhm_nm, peak }
+            | Filter::Butterworth { center_nm, fwhm_nm, peak, .. } => Self { center_nm, fwhm_nm, peak },
+            ref other => {
+                let grid = WavelengthGrid::new(400.0, 1.0, 301);
+                let curve = grid.ok().and_then(|g| other.spectrum(g).ok());
+                let (peak, wide) = curve.map_or((f64::NAN, f64::NAN), |c| {
+                    let peak = c.max();
+                    (peak, c.values().iter().filter(|v| **v >= 0.5 * peak).count() as f64)
+                });
+                let center_nm = mean_wavelength_nm(other).unwrap_or(f64::NAN);
+                Self { center_nm, fwhm_nm: wide, peak }
             }
         }
     }

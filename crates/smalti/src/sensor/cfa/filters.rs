@@ -82,6 +82,8 @@ pub enum Filter {
     /// A mixture of dyes by the law of Beer and Lambert, `leakage + (peak − leakage) 10^(−A(λ))`: the absorbance A is
     /// the sum over the bands of `absorbance exp(−4 ln 2 ((ν − ν₀) / Δν)²)`, Gaussians of the frequency ν ∝ 1/λ
     /// ([verhoeven1996]). `leakage` is light that no concentration absorbs: it scatters, or passes beside the pigment.
+    ///
+    /// [verhoeven1996]: https://doi.org/10.1351/pac199668122223
     Dye {
         /// Absorption bands of all dyes of the mixture.
         bands: Vec<AbsorptionBand>,

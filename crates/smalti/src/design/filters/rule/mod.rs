@@ -8,18 +8,15 @@ use serde::{Deserialize, Serialize};
 pub use target::RuleTarget;
 
 use self::fit::{Bell, Bounds, Curve, Free};
-use super::{FilterSet, index_checked};
+use super::{FWHM_PER_SIGMA, FilterSet, index_checked};
 use crate::design::error::{DesignError, colors_checked};
 use crate::sensor::Filter;
-
-/// Full width at half maximum of a Gaussian, standard deviations: 2 √(2 ln 2).
-const FWHM_PER_SIGMA: f64 = 2.354_820_045_030_949_3;
 
 /// Narrowest filter that a fit makes, nm: half a step of the default wavelength grid, on which a narrower one would
 /// be lost between samples.
 const MIN_SIGMA_NM: f64 = 5.0;
 
-/// A rule of [cfaresolution], section 3.5.
+/// A rule of `[cfaresolution]`, section 3.5.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 #[non_exhaustive]
@@ -37,8 +34,10 @@ pub enum RuleName {
 /// The range is divided into N equal parts, with a centre in the middle of each. Errors are squared differences over
 /// the range at 1 nm. Heights come out with the largest at 1. The uniform rule has no target and counts once.
 ///
-/// All-scaled filters without constraints crowd where the target is high, and may come to lie upon each other, as the
-/// paper found; maximum width, minimum spacing and minimum height are the constraints that it wishes for.
+/// The all-scaled fit goes from the height-scaled filters downhill, and ends when the sum is within 1 % root mean square
+/// of the target: a Gaussian is the sum of many sets of Gaussians, down to one filter that does it all. Without
+/// constraints filters crowd where the target is high, as the paper found; maximum width, minimum spacing and minimum
+/// height are the constraints that it wishes for; with them the fit may rest in a local minimum.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Rule {
@@ -126,7 +125,7 @@ impl Rule {
         };
         let largest = bells.iter().map(|b| b.height).fold(0.0, f64::max);
         // Narrow filters far from a narrow target.
-        if largest <= 0.0 {
+        if largest < 1e-6 {
             return Err(DesignError::key("rule.targets", "no filter of the rule reaches the target"));
         }
         let filter = |b: &Bell| Filter::Gaussian {

@@ -19,7 +19,7 @@ pub enum RuleTarget {
         #[serde(default = "sigma_nm")]
         sigma_nm: f64,
     },
-    /// The sum of the cone fundamentals of the CIE 2° observer ([cie170]), each with its maximum at 1, per photon, as
+    /// The sum of the cone fundamentals of the CIE 2° observer (`[cie170]`), each with its maximum at 1, per photon, as
     /// pixels count light.
     Cones,
 }

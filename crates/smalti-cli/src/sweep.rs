@@ -1,0 +1,219 @@
+//! `smalti sweep`: the designs of a study, scored and written as they come.
+
+use std::sync::mpsc::sync_channel;
+use std::thread;
+use std::time::{Duration, Instant};
+
+use anyhow::{Context, bail};
+use serde_json::json;
+use smalti::design::{Designs, Processing, Sweep};
+use smalti_io::cache::Cache;
+use smalti_io::dataset::{self, ColumnKind, MAX_CHUNK, Plan, Run};
+use smalti_io::studies;
+
+use crate::args::{Common, SweepArgs};
+use crate::design_columns::{columns, processing, schema};
+use crate::evaluate::cached;
+use crate::progress::Progress;
+use crate::table;
+
+/// Parts that a large study is cut into, about.
+const PARTS: u64 = 256;
+/// Fewest and most designs of a part. A run that is killed loses at most the part that it is at.
+const CHUNK: std::ops::RangeInclusive<u64> = 512..=1 << 14;
+/// Designs that a part of slow ones has fewer, by this factor.
+const SLOWER: u64 = 8;
+
+pub(crate) fn run(args: &SweepArgs, common: &Common) -> anyhow::Result<()> {
+    if !args.merge.is_empty() {
+        dataset::merge(&args.merge, &args.output)?;
+        return crate::print(&format!(
+            "{} holds the results of {} folders\n",
+            args.output.display(),
+            args.merge.len()
+        ));
+    }
+    let Some(name) = &args.study else {
+        bail!("which study? A built-in one (smalti list studies) or a TOML file")
+    };
+    let (designs, about) = studies::load(name).map_err(|e| anyhow::anyhow!("{e}"))?;
+    let plan = plan(&designs, about, args.part_size)?;
+    let cache = if args.no_cache { Cache::disabled() } else { Cache::open(None) };
+    let images = |key: &str, make: &dyn Fn() -> _| cached(&cache, key, make);
+    let sweep = Sweep::new(&designs, &images);
+    if args.dry_run {
+        return dry_run(args, &designs, &plan, &sweep);
+    }
+    if args.benchmark {
+        return benchmark(args, &designs, &sweep);
+    }
+    let run = Run::open(&args.output, &plan, args.shard)?;
+    let missing = run.missing().to_vec();
+    let to_do: u64 = missing.iter().map(|&c| plan.designs_of(c)).map(|r| r.end - r.start).sum();
+    let progress = Progress::of_many(to_do, common.quiet);
+    progress.begin(designs.study().name.clone());
+    if to_do < designs.len() && args.shard.is_none() {
+        progress.note(&format!("{} of {} designs are there already", designs.len() - to_do, designs.len()));
+    }
+    let start = Instant::now();
+    score_and_write(&designs, &plan, &sweep, &run, &missing, &progress)?;
+    progress.finish();
+    let seconds = start.elapsed().as_secs_f64();
+    let timings = json!({"seconds": seconds, "designs": to_do, "threads": rayon::current_num_threads()});
+    let lacking = run.finish(timings)?;
+    let rate = if seconds > 0.0 { to_do as f64 / seconds } else { 0.0 };
+    let dir = args.output.display();
+    if args.json {
+        let document = json!({
+            "study": designs.study().name, "output": args.output, "designs": designs.len(), "scored": to_do,
+            "seconds": seconds, "designs_per_s": rate, "parts_missing": lacking,
+        });
+        return crate::print(&(serde_json::to_string_pretty(&document)? + "\n"));
+    }
+    let next = if lacking == 0 {
+        format!("{dir} is complete: see it with `smalti report {dir}`")
+    } else {
+        format!("{dir} lacks {lacking} parts, those of other shards")
+    };
+    crate::print(&format!("{to_do} designs in {seconds:.1} s ({rate:.0} a second); {next}\n"))
+}
+
+/// One chunk is written while the next is computed.
+fn score_and_write(
+    designs: &Designs,
+    plan: &Plan,
+    sweep: &Sweep<'_>,
+    run: &Run,
+    missing: &[u64],
+    progress: &Progress,
+) -> anyhow::Result<()> {
+    thread::scope(|scope| {
+        let (sender, receiver) = sync_channel(1);
+        let writer = scope.spawn(move || {
+            receiver.iter().try_for_each(|(chunk, columns): (u64, Vec<_>)| run.write(chunk, &columns))
+        });
+        let mut scored = Ok(());
+        for &chunk in missing {
+            match sweep.score(plan.designs_of(chunk), &|| progress.done()) {
+                // A writer that is gone says why below.
+                Ok(rows) if sender.send((chunk, columns(designs, &rows))).is_ok() => {}
+                Ok(_) => break,
+                Err(e) => {
+                    scored = Err(e);
+                    break;
+                }
+            }
+        }
+        drop(sender);
+        let written = writer.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic));
+        written?;
+        Ok(scored?)
+    })
+}
+
+/// What the results will be, and how they are cut.
+fn plan(designs: &Designs, about: String, part_size: Option<u64>) -> anyhow::Result<Plan> {
+    let study = designs.study();
+    let slow = study.aliasing || study.processing.iter().any(|p| *p != Processing::Classic);
+    let even = (designs.len() / PARTS).next_power_of_two().clamp(*CHUNK.start(), *CHUNK.end());
+    // A million parts at most.
+    let least = designs.len().div_ceil(dataset::MAX_PARTS);
+    let by_size = if slow { even / SLOWER } else { even };
+    let chunk = part_size.unwrap_or(by_size).max(least).min(MAX_CHUNK);
+    let mut resolved = serde_json::to_value(study)?;
+    if let Some(into) = resolved.as_object_mut() {
+        into.insert("about".into(), about.into());
+    }
+    Ok(Plan { study: resolved, schema: schema(study), designs: designs.len(), chunk })
+}
+
+/// Scores designs spread over the study for about so long; designs a second.
+fn rate(designs: &Designs, sweep: &Sweep<'_>, time: Duration) -> anyhow::Result<(u64, f64)> {
+    // Preparing is not what repeats.
+    let of_first = designs.end_of_condition(0).min(designs.len());
+    sweep.score(0..1, &|| ())?;
+    let (start, mut done, mut size) = (Instant::now(), 0, 32);
+    loop {
+        let part = size.min(of_first);
+        // Numbers of colours come one after another: equal steps meet all of them.
+        let stride = (of_first / part).max(1);
+        let numbers: Vec<u64> = (0..part).map(|i| (i * stride + done % stride).min(of_first - 1)).collect();
+        sweep.score_numbers(&numbers, &|| ())?;
+        done += part;
+        let elapsed = start.elapsed();
+        if elapsed >= time {
+            return Ok((done, done as f64 / elapsed.as_secs_f64()));
+        }
+        size = (size * 2).min(4096);
+    }
+}
+
+fn dry_run(args: &SweepArgs, designs: &Designs, plan: &Plan, sweep: &Sweep<'_>) -> anyhow::Result<()> {
+    let (_, per_s) = rate(designs, sweep, Duration::from_secs(1)).context("trying some designs")?;
+    let study = designs.study();
+    let own = (0..plan.chunks()).filter(|&c| args.shard.is_none_or(|s| s.owns(c)));
+    let to_do: u64 = own.map(|c| plan.designs_of(c)).map(|r| r.end - r.start).sum();
+    let (colors, count) = designs.groups().fold((0, 0), |(c, n), (colors, sets, mosaics)| {
+        let here = sets * mosaics as u64;
+        (c + colors as u64 * here, n + here)
+    });
+    let mean_colors = colors as f64 / count.max(1) as f64;
+    let bytes = |kind: ColumnKind| match kind {
+        ColumnKind::Int => 1.5,
+        ColumnKind::Float => 8.0,
+        ColumnKind::Text => 1.5,
+        ColumnKind::Floats => 2.0 * mean_colors,
+    };
+    let megabytes = to_do as f64 * plan.schema.iter().map(|c| bytes(c.kind)).sum::<f64>() * 1e-6;
+    let seconds = to_do as f64 / per_s;
+    if args.json {
+        let groups: Vec<_> = designs
+            .groups()
+            .map(|(colors, sets, mosaics)| json!({"colors": colors, "filter_sets": sets, "mosaics": mosaics}))
+            .collect();
+        let document = json!({
+            "study": study.name, "designs": to_do, "groups": groups, "conditions": study.conditions.len(),
+            "processing": study.processing, "parts": plan.chunks(), "designs_per_part": plan.chunk,
+            "designs_per_s": per_s, "seconds": seconds, "megabytes": megabytes,
+        });
+        return crate::print(&(serde_json::to_string_pretty(&document)? + "\n"));
+    }
+    let mut out = format!("{}\n\n", study.name);
+    let row = |(colors, sets, mosaics): (usize, u64, usize)| {
+        vec![colors.to_string(), sets.to_string(), mosaics.to_string(), (sets * mosaics as u64).to_string()]
+    };
+    let rows: Vec<_> = designs.groups().map(row).collect();
+    out += &table::render(&["colours", "filter sets", "mosaics", "designs"], &rows);
+    let with: Vec<String> = study.processing.iter().map(|p| processing(*p)).collect();
+    out += &format!(
+        "\n{to_do} designs: {} condition(s), processing {}\n{} parts of {} designs, about {megabytes:.1} MB\n\
+         about {} at {per_s:.0} designs a second (measured now)\n",
+        study.conditions.len(),
+        with.join(" and "),
+        plan.chunks(),
+        plan.chunk,
+        duration(seconds),
+    );
+    crate::print(&out)
+}
+
+fn benchmark(args: &SweepArgs, designs: &Designs, sweep: &Sweep<'_>) -> anyhow::Result<()> {
+    let (done, per_s) = rate(designs, sweep, Duration::from_secs(5))?;
+    let threads = rayon::current_num_threads();
+    if args.json {
+        let document = json!({"study": designs.study().name, "designs": done, "designs_per_s": per_s, "threads": threads});
+        return crate::print(&(serde_json::to_string_pretty(&document)? + "\n"));
+    }
+    crate::print(&format!(
+        "{per_s:.0} designs a second on {threads} threads ({done} designs, all scenes, noise and metrics; nothing written)\n"
+    ))
+}
+
+/// Seconds in the unit that one would say.
+fn duration(seconds: f64) -> String {
+    match seconds {
+        s if s < 100.0 => format!("{s:.1} s"),
+        s if s < 6000.0 => format!("{:.0} min", s / 60.0),
+        s => format!("{:.1} h", s / 3600.0),
+    }
+}

@@ -1,0 +1,216 @@
+//! `smalti sweep`: the same results whatever the threads, shards and interruptions; what it refuses.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::Path;
+use std::process::Stdio;
+use std::thread::sleep;
+use std::time::{Duration, Instant};
+
+use super::{Place, Run};
+
+/// Two numbers of colours, two conditions: 72 designs.
+const STUDY: &str = r#"
+name = "small"
+camera = "table1"
+colors = [3, 4]
+[sample]
+filters = 6
+mosaics = 3
+[filters.gaussian_grid]
+[mosaics.tile]
+rows = 2
+cols = 3
+[conditions.grid]
+luminance_cd_m2 = [20, 75]
+"#;
+
+/// A folder with the study in it.
+fn place(study: &str) -> Place {
+    let place = Place::new();
+    place.write("study.toml", study);
+    place
+}
+
+/// Runs a sweep in parts of eight designs.
+fn sweep(place: &Place, out: &str, more: &[&str]) -> Run {
+    let args = ["sweep", "study.toml", "-o", out, "--part-size", "8"];
+    place.run(&[&args[..], more].concat())
+}
+
+/// The files of results but for the manifest, which holds timings.
+fn parts(dir: &Path) -> BTreeMap<String, Vec<u8>> {
+    let files = fs::read_dir(dir.join("designs")).unwrap().map(|e| e.unwrap().path());
+    files.map(|p| (p.file_name().unwrap().to_str().unwrap().to_owned(), fs::read(&p).unwrap())).collect()
+}
+
+#[test]
+fn threads_and_shards_do_not_change_the_results() {
+    let place = place(STUDY);
+    let whole = sweep(&place, "whole", &["--threads", "1"]);
+    assert_eq!((whole.code, whole.err.as_str()), (0, ""));
+    assert!(whole.out.contains("72 designs") && whole.out.contains("is complete"), "{}", whole.out);
+    let expected = parts(&place.path("whole"));
+    assert_eq!(expected.len(), 9);
+
+    assert_eq!(sweep(&place, "threads", &["--threads", "3"]).code, 0);
+    assert_eq!(parts(&place.path("threads")), expected);
+    // Shards in one folder, and in folders of their own that are merged.
+    for (shard, own) in [("2/3", "b"), ("1/3", "a"), ("3/3", "c")] {
+        assert_eq!(sweep(&place, "shards", &["--shard", shard]).code, 0);
+        assert_eq!(sweep(&place, own, &["--shard", shard]).code, 0);
+    }
+    assert_eq!(parts(&place.path("shards")), expected);
+    place.ok("sweep --merge a b c -o merged");
+    assert_eq!(parts(&place.path("merged")), expected);
+}
+
+/// Starts a sweep and kills it after a while, again and again, until it is done.
+fn killed(times: u32) {
+    let place = place(STUDY);
+    let words = ["sweep", "study.toml", "--part-size", "1", "-o"];
+    let run = |out: &str| place.run(&[&words[..], &[out]].concat());
+    run("first");
+    let start = Instant::now();
+    assert_eq!(run("whole").code, 0);
+    let takes = start.elapsed();
+    let mut kills = 0;
+    // Moments that are spread over the run, by the golden ratio.
+    for i in 0..times {
+        let mut child = place
+            .command()
+            .args([&words[..], &["broken"]].concat())
+            .stdout(Stdio::null())
+            .stderr(Stdio::null())
+            .spawn()
+            .unwrap();
+        sleep(takes.mul_f64((f64::from(i + 1) * 0.618_034).fract()));
+        kills += u32::from(child.try_wait().unwrap().is_none());
+        child.kill().unwrap();
+        child.wait().unwrap();
+        // Once it is nearly complete there is little left to break: some parts are taken away again.
+        if place.names("broken/designs").len() > 60 {
+            for part in (0..72).step_by(2) {
+                let _ = fs::remove_file(place.path(&format!("broken/designs/part-{part:06}.parquet")));
+            }
+        }
+    }
+    assert!(kills > times / 3, "{kills} of {times} runs were killed at work");
+    let last = run("broken");
+    assert_eq!(last.code, 0, "{}", last.err);
+    assert_eq!(parts(&place.path("broken")), parts(&place.path("whole")));
+}
+
+#[test]
+fn a_killed_sweep_goes_on() {
+    killed(6);
+}
+
+/// `cargo test --release -p smalti-cli --test cli a_hundred_kills -- --ignored`
+#[test]
+#[ignore = "takes a minute"]
+fn a_hundred_kills() {
+    killed(100);
+}
+
+#[test]
+fn another_study_in_the_same_folder_is_refused() {
+    let place = place(STUDY);
+    assert_eq!(sweep(&place, "out", &["--shard", "1/9"]).code, 0);
+    let before = parts(&place.path("out"));
+    place.write("study.toml", STUDY.replace("filters = 6", "filters = 7"));
+    let refused = sweep(&place, "out", &[]);
+    assert_eq!(refused.code, 1);
+    let e = refused.err;
+    assert!(e.contains("filter_sets") && e.contains('6') && e.contains('7'), "{e}");
+    assert_eq!(parts(&place.path("out")), before);
+}
+
+#[test]
+fn a_cut_part_is_refused() {
+    let place = place(STUDY);
+    assert_eq!(sweep(&place, "out", &["--shard", "1/9"]).code, 0);
+    let part = "out/designs/part-000000.parquet";
+    let bytes = place.read(part);
+    place.write(part, &bytes[..bytes.len() / 2]);
+    let run = sweep(&place, "out", &[]);
+    assert!(run.code == 1 && run.err.contains("part-000000.parquet"), "{}", run.err);
+}
+
+#[test]
+fn a_second_run_in_the_same_folder_is_refused() {
+    // At work until it is killed.
+    let place = place(&STUDY.replace("filters = 6", "filters = 300000"));
+    let args = ["sweep", "study.toml", "-o", "busy"];
+    let mut first = place.command().args(args).stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
+    while !place.path("busy/manifest.json").exists() && first.try_wait().unwrap().is_none() {
+        sleep(Duration::from_millis(20));
+    }
+    let second = place.run(&args);
+    first.kill().unwrap();
+    first.wait().unwrap();
+    assert!(second.code == 1 && second.err.contains("another run"), "{}", second.err);
+}
+
+#[test]
+fn studies_that_cannot_be_are_refused_where_they_say_so() {
+    let place = Place::new();
+    let fails = |(what, by): (&str, &str), expected: &[&str]| {
+        assert!(STUDY.contains(what), "{what}");
+        place.write("study.toml", STUDY.replace(what, by));
+        let run = sweep(&place, "none", &[]);
+        assert_eq!(run.code, 1, "{by}: {}", run.err);
+        assert!(expected.iter().all(|word| run.err.contains(word)), "{}\nexpected {expected:?}", run.err);
+        assert!(!place.path("none").exists());
+    };
+    // 540 placements have all three colours; 6 of them look the same after one of the six shifts: (540 + 6) / 6.
+    fails(("mosaics = 3", "mosaics = 1000"), &["study.toml:7", "1000", "has only 91"]);
+    fails(("colors = [3, 4]", "colors = [9]"), &["no design"]);
+    fails(("colors = [3, 4]", "colors = []"), &["no design"]);
+    fails(("colors = [3, 4]", "colors = [3, 3]"), &["study.toml:4", "twice"]);
+    fails(("camera = \"table1\"", "camera = \"tabel1\""), &["did you mean 'table1'"]);
+    fails(("camera = \"table1\"", "camara = \"table1\""), &["study.toml:3", "camara"]);
+    fails(("[filters.gaussian_grid]", "[filters.gaussian]"), &["study.toml:8", "gaussian_grid"]);
+    fails(
+        ("[filters.gaussian_grid]", "[filters.gaussian_grid]\nsigmas_nm = [10, 0, 60]"),
+        &["study.toml:9", "sigmas_nm"],
+    );
+    fails(("luminance_cd_m2 = [20, 75]", "\"optics.f_numbr\" = [2, 4]"), &["f_numbr", "f_number"]);
+    fails(("luminance_cd_m2 = [20, 75]", "luminance_cd_m2 = [-1]"), &["luminance_cd_m2", "above 0"]);
+    fails(("colors = [3, 4]", "colors = [3, 4]\nprocessing = \"fancy\""), &["study.toml:5"]);
+}
+
+#[test]
+fn a_dry_run_counts_and_writes_nothing() {
+    let place = place(STUDY);
+    let dry = sweep(&place, "none", &["--dry-run", "--json"]);
+    assert_eq!(dry.code, 0, "{}", dry.err);
+    let document: serde_json::Value = serde_json::from_str(&dry.out).unwrap();
+    assert_eq!((document["designs"].as_u64(), document["parts"].as_u64()), (Some(72), Some(9)));
+    assert!(document["designs_per_s"].as_f64().unwrap() > 0.0 && !place.path("none").exists());
+}
+
+/// On a disk that is full the run fails by name of the file; with space it goes on.
+#[test]
+fn a_full_disk_is_told_and_the_run_goes_on() {
+    let place = place(STUDY);
+    let disk = place.path("disk");
+    fs::create_dir(&disk).unwrap();
+    let mount = |args: &[&str]| std::process::Command::new(args[0]).args(&args[1..]).arg(&disk).output();
+    let mounted = mount(&["mount", "-t", "tmpfs", "-o", "size=48k", "tmpfs"]);
+    if !mounted.is_ok_and(|o| o.status.success()) {
+        eprintln!("skipped: no small disk can be mounted here");
+        return;
+    }
+    let full = sweep(&place, "disk/out", &[]);
+    let room = mount(&["mount", "-o", "remount,size=10m"]);
+    let on = sweep(&place, "disk/out", &[]);
+    let written = parts(&disk.join("out"));
+    let _ = mount(&["umount"]);
+    assert_eq!(full.code, 1);
+    assert!(full.err.contains("disk/out") && full.err.contains("space"), "{}", full.err);
+    assert!(room.is_ok_and(|o| o.status.success()));
+    assert_eq!(on.code, 0, "{}", on.err);
+    assert_eq!(sweep(&place, "whole", &[]).code, 0);
+    assert_eq!(written, parts(&place.path("whole")));
+}

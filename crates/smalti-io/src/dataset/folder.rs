@@ -1,0 +1,143 @@
+//! What lies in a folder of results.
+
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
+
+use super::error::DatasetError;
+use super::manifest;
+use super::shard::Shard;
+use crate::IoError;
+
+/// Folder of the parts.
+const PARTS: &str = "designs";
+
+pub(super) fn parts_dir(dir: &Path) -> PathBuf {
+    dir.join(PARTS)
+}
+
+pub(super) fn part(dir: &Path, chunk: u64) -> PathBuf {
+    dir.join(PARTS).join(name(chunk))
+}
+
+fn name(chunk: u64) -> String {
+    format!("part-{chunk:06}.parquet")
+}
+
+/// The chunk of a part's name.
+fn chunk_of(file: &str) -> Option<u64> {
+    let chunk = file.strip_prefix("part-")?.strip_suffix(".parquet")?.parse().ok()?;
+    // One name for each chunk: neither `part-1.parquet` nor `part-+00001.parquet`.
+    (name(chunk) == file).then_some(chunk)
+}
+
+/// The file whose temporary one this is, as [`crate::write::atomic`] names them.
+fn temporary(file: &str) -> Option<&str> {
+    let (of, number) = file.strip_prefix('.')?.strip_suffix(".tmp")?.rsplit_once('.')?;
+    number.bytes().all(|b| b.is_ascii_digit() || b == b'-').then_some(of)
+}
+
+fn reading(path: &Path) -> impl Fn(io::Error) -> IoError {
+    move |source| IoError::Read { path: path.to_owned(), source }
+}
+
+/// Refuses a folder that holds things but no results. An absent one is fine.
+pub(super) fn check_ours(dir: &Path) -> Result<(), DatasetError> {
+    let listing = match fs::read_dir(dir) {
+        Ok(listing) => listing,
+        Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(()),
+        Err(error) => return Err(reading(dir)(error).into()),
+    };
+    let mut foreign = None;
+    for entry in listing {
+        let name = entry.map_err(reading(dir))?.file_name().to_string_lossy().into_owned();
+        if name == manifest::FILE {
+            return Ok(());
+        }
+        let own = super::lock::is_lock(&name) || temporary(&name) == Some(manifest::FILE);
+        // The least, since the order of a listing is that of the file system.
+        if !own && foreign.as_ref().is_none_or(|f| name < *f) {
+            foreign = Some(name);
+        }
+    }
+    match foreign {
+        Some(found) => Err(DatasetError::NotResults { dir: dir.to_owned(), found }),
+        None => Ok(()),
+    }
+}
+
+/// Removes the temporary manifest of a run that was killed. Call it under the lock of the manifest.
+pub(super) fn sweep_manifest(dir: &Path) -> Result<(), DatasetError> {
+    for entry in fs::read_dir(dir).map_err(reading(dir))? {
+        let entry = entry.map_err(reading(dir))?;
+        if temporary(&entry.file_name().to_string_lossy()) == Some(manifest::FILE) {
+            remove(&entry.path())?;
+        }
+    }
+    Ok(())
+}
+
+/// The chunks that are there, ascending. With `sweep`, temporary files of killed runs are removed: of all chunks, or of those of
+/// a shard, since other shards may be at work on theirs.
+pub(super) fn list(dir: &Path, chunks: u64, sweep: Option<Option<Shard>>) -> Result<Vec<u64>, DatasetError> {
+    let parts = parts_dir(dir);
+    let listing = match fs::read_dir(&parts) {
+        Ok(listing) => listing,
+        Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(Vec::new()),
+        Err(error) => return Err(reading(&parts)(error).into()),
+    };
+    let mut found = Vec::new();
+    for entry in listing {
+        let entry = entry.map_err(reading(&parts))?;
+        let name = entry.file_name();
+        let name = name.to_string_lossy();
+        if let Some(chunk) = chunk_of(&name).filter(|c| *c < chunks) {
+            found.push(chunk);
+        } else if let Some(chunk) = temporary(&name).and_then(chunk_of) {
+            if sweep.is_some_and(|shard| shard.is_none_or(|s| s.owns(chunk))) {
+                remove(&entry.path())?;
+            }
+        } else if !name.starts_with(['.', '_']) {
+            // Arrow and Spark read all but such names.
+            return Err(DatasetError::Stray { path: entry.path() });
+        }
+    }
+    found.sort_unstable();
+    Ok(found)
+}
+
+fn remove(path: &Path) -> Result<(), DatasetError> {
+    match fs::remove_file(path) {
+        Err(source) if source.kind() != io::ErrorKind::NotFound => {
+            Err(super::error::writing(IoError::Write { path: path.to_owned(), source }))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Forces the names in a folder to the disk, where the system can.
+pub(super) fn sync(dir: &Path) {
+    // A part whose name is lost is computed anew; nothing depends on this.
+    if let Ok(folder) = fs::File::open(dir) {
+        let _ = folder.sync_all();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_of_parts_are_read_back_and_no_others() {
+        for chunk in [0, 7, 999_999] {
+            assert_eq!(chunk_of(&name(chunk)), Some(chunk));
+        }
+        for other in ["part-1.parquet", "part-+00001.parquet", "part-000001.parquet.bak", "part-.parquet"] {
+            assert_eq!(chunk_of(other), None, "{other}");
+        }
+        assert_eq!(temporary(".part-000012.parquet.77-0.tmp").and_then(chunk_of), Some(12));
+        for other in [".part-000012.parquet", "part-000012.parquet.77-0.tmp", ".part-000012.parquet.a.tmp"] {
+            assert_eq!(temporary(other), None, "{other}");
+        }
+    }
+}

@@ -1,0 +1,137 @@
+//! Locks that end with their process, however it ends.
+//!
+//! A run of the whole locks `.lock` for itself. Shards share that lock, and each locks `.lock-shard-I-of-N` for itself. Who
+//! holds a lock is written into its file, for the message of those who come later; a file alone locks nothing.
+
+use std::fs::{self, File, TryLockError};
+use std::io::{self, Read, Seek, Write};
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+use super::error::{DatasetError, writing};
+use super::shard::Shard;
+use crate::IoError;
+
+const WHOLE: &str = ".lock";
+const MANIFEST: &str = ".lock-manifest";
+const SHARD: &str = ".lock-shard-";
+
+/// Locks that are held.
+#[derive(Debug)]
+pub(super) struct Held {
+    _files: Vec<File>,
+}
+
+pub(super) fn is_lock(name: &str) -> bool {
+    name == WHOLE || name == MANIFEST || name.starts_with(SHARD)
+}
+
+/// Locks a folder for a run of the whole or of a shard, at once or not at all.
+pub(super) fn acquire(dir: &Path, shard: Option<Shard>) -> Result<Held, DatasetError> {
+    let busy = |by: String| DatasetError::Busy { dir: dir.to_owned(), by };
+    let path = dir.join(WHOLE);
+    let mut whole = open(&path)?;
+    let Some(shard) = shard else {
+        if !attempt(&path, || whole.try_lock())? {
+            return Err(busy(holders(dir)));
+        }
+        sign(&mut whole);
+        // Nobody holds one: shards share `.lock` first.
+        shard_locks(dir).for_each(|(path, _)| drop(fs::remove_file(path)));
+        return Ok(Held { _files: vec![whole] });
+    };
+    if !attempt(&path, || whole.try_lock_shared())? {
+        return Err(busy(signature(&path)));
+    }
+    let path = dir.join(format!("{SHARD}{}-of-{}", shard.index(), shard.of()));
+    let mut own = open(&path)?;
+    if !attempt(&path, || own.try_lock())? {
+        return Err(busy(format!("shard {shard}, {}", signature(&path))));
+    }
+    sign(&mut own);
+    // Shards of another number of shards have the same chunks.
+    for (path, other) in shard_locks(dir).filter(|(_, other)| other.of() != shard.of()) {
+        if is_held(&path) {
+            return Err(busy(format!("shard {other}, {}", signature(&path))));
+        }
+    }
+    Ok(Held { _files: vec![own, whole] })
+}
+
+/// Waits for the lock of the manifest, which nobody holds for long.
+pub(super) fn manifest(dir: &Path) -> Result<Held, DatasetError> {
+    let path = dir.join(MANIFEST);
+    let file = open(&path)?;
+    file.lock().map_err(|source| DatasetError::Lock { path, source })?;
+    Ok(Held { _files: vec![file] })
+}
+
+fn open(path: &Path) -> Result<File, DatasetError> {
+    File::options()
+        .read(true)
+        .write(true)
+        .create(true)
+        .truncate(false)
+        .open(path)
+        .map_err(|source| writing(IoError::Write { path: path.to_owned(), source }))
+}
+
+/// Whether a lock was had. Others look at locks for a moment to see whether they are held, so once is not enough.
+fn attempt(path: &Path, lock: impl Fn() -> Result<(), TryLockError>) -> Result<bool, DatasetError> {
+    for wait_ms in [0, 10, 20, 40] {
+        std::thread::sleep(Duration::from_millis(wait_ms));
+        match lock() {
+            Ok(()) => return Ok(true),
+            Err(TryLockError::WouldBlock) => {}
+            Err(TryLockError::Error(source)) => {
+                return Err(DatasetError::Lock { path: path.to_owned(), source });
+            }
+        }
+    }
+    Ok(false)
+}
+
+fn is_held(path: &Path) -> bool {
+    File::open(path).is_ok_and(|file| matches!(file.try_lock_shared(), Err(TryLockError::WouldBlock)))
+}
+
+/// The lock files of shards.
+fn shard_locks(dir: &Path) -> impl Iterator<Item = (PathBuf, Shard)> {
+    fs::read_dir(dir).into_iter().flatten().flatten().filter_map(|entry| {
+        let name = entry.file_name();
+        let (index, of) = name.to_str()?.strip_prefix(SHARD)?.split_once("-of-")?;
+        Some((entry.path(), Shard::new(index.parse().ok()?, of.parse().ok()?).ok()?))
+    })
+}
+
+/// Writes who we are; that it fails is no reason not to work.
+fn sign(file: &mut File) {
+    let host = fs::read_to_string("/proc/sys/kernel/hostname").unwrap_or_default();
+    let (pid, host) = (std::process::id(), host.trim());
+    let on = if host.is_empty() { String::new() } else { format!(" on {host}") };
+    let _ = file.set_len(0).and_then(|()| file.rewind()).and_then(|()| write!(file, "process {pid}{on}"));
+}
+
+fn signature(path: &Path) -> String {
+    let read = || -> io::Result<String> {
+        let mut text = String::new();
+        File::open(path)?.take(256).read_to_string(&mut text)?;
+        Ok(text)
+    };
+    read().ok().filter(|text| !text.is_empty()).unwrap_or_else(|| "process unknown".to_owned())
+}
+
+/// Who keeps a run of the whole from beginning.
+fn holders(dir: &Path) -> String {
+    let mut shards: Vec<(Shard, PathBuf)> =
+        shard_locks(dir).filter(|(path, _)| is_held(path)).map(|(path, shard)| (shard, path)).collect();
+    shards.sort_by_key(|(shard, _)| (shard.of(), shard.index()));
+    match shards.first() {
+        None => signature(&dir.join(WHOLE)),
+        Some((shard, path)) => {
+            let more = shards.len() - 1;
+            let more = if more > 0 { format!(", and {more} more") } else { String::new() };
+            format!("shard {shard}, {}{more}", signature(path))
+        }
+    }
+}

@@ -1,0 +1,84 @@
+//! The folders of shards to one.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use super::error::DatasetError;
+use super::read::Dataset;
+use super::run::Run;
+use super::{folder, part};
+use crate::IoError;
+
+/// Puts the parts of several folders of one study into one folder, which is then as a run of the whole would have left it, but
+/// for what the runs took. A merge that was interrupted is continued; `into` may be one of the folders.
+///
+/// # Errors
+/// When the folders are of different studies (with the differences), lack a chunk, or hold one with different values; when a
+/// part is damaged; when `into` cannot be opened as by [`Run::open`].
+pub fn merge(from: &[PathBuf], into: &Path) -> Result<(), DatasetError> {
+    let sources = from.iter().map(|dir| Dataset::open(dir)).collect::<Result<Vec<_>, _>>()?;
+    let Some((first, others)) = sources.split_first() else { return Err(DatasetError::NothingToMerge) };
+    let manifest = first.manifest();
+    for other in others {
+        if other.manifest().hash() != manifest.hash() {
+            let differences = manifest.differences(other.manifest());
+            return Err(DatasetError::OtherStudy { dir: first.dir().to_owned(), differences });
+        }
+    }
+    let chunks = manifest.plan.chunks();
+    let holds = |dataset: &Dataset, chunk: u64| dataset.chunks().binary_search(&chunk).is_ok();
+    // Before anything is written.
+    let mut absent = (0..chunks).filter(|c| !sources.iter().any(|s| holds(s, *c)));
+    if let Some(first) = absent.next() {
+        return Err(DatasetError::Incomplete { missing: 1 + absent.count() as u64, chunks, first });
+    }
+
+    let mut clean = manifest.clone();
+    clean.runs.clear();
+    let run = Run::open_as(into, clean, None)?;
+    let mut todo = run.missing().iter().copied().peekable();
+    for chunk in 0..chunks {
+        let target = folder::part(into, chunk);
+        let mut holders = sources.iter().filter(|s| holds(s, chunk)).map(|s| s.path(chunk));
+        let kept = if todo.next_if_eq(&chunk).is_some() {
+            let Some(path) = holders.next() else { continue };
+            run.put(chunk, &read(&path, manifest, chunk)?)?;
+            path
+        } else {
+            target
+        };
+        let hash = part::stated_hash(&kept, manifest)?;
+        if let Some(second) = find_other(holders, &hash, manifest)? {
+            return Err(DatasetError::Conflict { first: kept, second });
+        }
+    }
+    let there = super::run::read_manifest(into)?.runs;
+    let mut records = Vec::new();
+    for record in sources.iter().flat_map(|s| &s.manifest().runs) {
+        if !there.contains(record) && !records.contains(record) {
+            records.push(record.clone());
+        }
+    }
+    run.finish_with(records).map(drop)
+}
+
+/// The bytes of a part, checked.
+fn read(path: &Path, manifest: &super::Manifest, chunk: u64) -> Result<Vec<u8>, DatasetError> {
+    let bytes = fs::read(path).map_err(|source| IoError::Read { path: path.to_owned(), source })?;
+    part::part_from_bytes(bytes.clone(), path, manifest, chunk, &[])?;
+    Ok(bytes)
+}
+
+/// The first file that states another hash.
+fn find_other(
+    paths: impl Iterator<Item = PathBuf>,
+    hash: &str,
+    manifest: &super::Manifest,
+) -> Result<Option<PathBuf>, DatasetError> {
+    for path in paths {
+        if part::stated_hash(&path, manifest)? != hash {
+            return Ok(Some(path));
+        }
+    }
+    Ok(None)
+}

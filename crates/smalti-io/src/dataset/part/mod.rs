@@ -1,0 +1,12 @@
+//! One Parquet file: encoding, marks, decoding.
+
+mod decode;
+mod encode;
+mod marks;
+#[cfg(test)]
+mod tests;
+
+pub use decode::part_from_bytes;
+pub(super) use decode::read;
+pub(super) use encode::encode;
+pub(super) use marks::{quick_check, stated_hash};

@@ -1,0 +1,150 @@
+//! Writing results: a folder that is locked, and the chunks that are still to do.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use serde_json::Value;
+
+use super::error::{DatasetError, writing};
+use super::lock::{self, Held};
+use super::manifest::{Manifest, Plan, RunRecord};
+use super::schema::Column;
+use super::shard::Shard;
+use super::{folder, part};
+use crate::{IoError, write};
+
+/// A folder of results that is being filled, by this run alone or by this shard and others. The folder is free again when the
+/// value is dropped or its process ends, however it ends.
+#[derive(Debug)]
+pub struct Run {
+    dir: PathBuf,
+    manifest: Manifest,
+    shard: Option<Shard>,
+    missing: Vec<u64>,
+    written: AtomicU64,
+    _locks: Held,
+}
+
+impl Run {
+    /// Makes a folder of results, or continues one that an earlier run of the same plan left, whole or for one shard. Of the parts
+    /// that are there the last bytes are looked at: that each is whole and of this plan. Temporary files of runs that were
+    /// killed are removed.
+    ///
+    /// # Errors
+    /// When the plan cannot be carried out; when the folder holds other things, other results (with the differences), a part
+    /// that is cut short, or a file among the parts that is none; when another run is at work in it; when it cannot be read,
+    /// locked or written.
+    pub fn open(dir: &Path, plan: &Plan, shard: Option<Shard>) -> Result<Self, DatasetError> {
+        Self::open_as(dir, Manifest::new(plan)?, shard)
+    }
+
+    /// As [`Run::open`], for a manifest that may be of another version of Smalti.
+    pub(super) fn open_as(
+        dir: &Path,
+        manifest: Manifest,
+        shard: Option<Shard>,
+    ) -> Result<Self, DatasetError> {
+        folder::check_ours(dir)?;
+        write::begin_folder(dir, &[]).map_err(writing)?;
+        let locks = lock::acquire(dir, shard)?;
+        settle_manifest(dir, &manifest)?;
+        let parts = folder::parts_dir(dir);
+        fs::create_dir_all(&parts).map_err(|source| writing(IoError::Write { path: parts, source }))?;
+        let chunks = manifest.plan.chunks();
+        let own = |chunk: &u64| shard.is_none_or(|s| s.owns(*chunk));
+        let mut there = folder::list(dir, chunks, Some(shard))?;
+        there.retain(own);
+        for &chunk in &there {
+            part::quick_check(&folder::part(dir, chunk), &manifest, chunk)?;
+        }
+        let missing = missing(chunks, &there).filter(own).collect();
+        Ok(Self { dir: dir.to_owned(), manifest, shard, missing, written: AtomicU64::new(0), _locks: locks })
+    }
+
+    /// The chunks of this run that were not there when it was opened, ascending.
+    #[must_use]
+    pub fn missing(&self) -> &[u64] {
+        &self.missing
+    }
+
+    /// The manifest, as it is carried out.
+    #[must_use]
+    pub fn manifest(&self) -> &Manifest {
+        &self.manifest
+    }
+
+    /// Writes a chunk: a value in each column for each design, in order. To be called from any thread, in any order; nothing is
+    /// kept in memory. The part is on the disk when this returns.
+    ///
+    /// # Errors
+    /// When the chunk is not one of this run, the columns are not those of the plan, or the file cannot be written.
+    pub fn write(&self, chunk: u64, columns: &[Column]) -> Result<(), DatasetError> {
+        self.check_own(chunk)?;
+        self.put(chunk, &part::encode(&self.manifest, chunk, columns)?)
+    }
+
+    /// Writes the bytes of a part.
+    pub(super) fn put(&self, chunk: u64, bytes: &[u8]) -> Result<(), DatasetError> {
+        write::durable(&folder::part(&self.dir, chunk), bytes).map_err(writing)?;
+        self.written.fetch_add(1, Ordering::Relaxed);
+        Ok(())
+    }
+
+    fn check_own(&self, chunk: u64) -> Result<(), DatasetError> {
+        let chunks = self.manifest.plan.chunks();
+        if chunk < chunks && self.shard.is_none_or(|s| s.owns(chunk)) {
+            Ok(())
+        } else {
+            Err(DatasetError::NotOwn { chunk, chunks, shard: self.shard })
+        }
+    }
+
+    /// Ends the run and notes in the manifest what it took, if it wrote anything. Returns how many chunks the folder still lacks,
+    /// those of other shards included.
+    ///
+    /// # Errors
+    /// When the folder cannot be read or the manifest cannot be written.
+    pub fn finish(self, timings: Value) -> Result<u64, DatasetError> {
+        let parts = self.written.load(Ordering::Relaxed);
+        let record = RunRecord { shard: self.shard.map(|s| s.to_string()), parts, timings };
+        self.finish_with(if parts > 0 { vec![record] } else { Vec::new() })
+    }
+
+    /// Ends the run with the records of others.
+    pub(super) fn finish_with(self, records: Vec<RunRecord>) -> Result<u64, DatasetError> {
+        folder::sync(&folder::parts_dir(&self.dir));
+        if !records.is_empty() {
+            let _lock = lock::manifest(&self.dir)?;
+            let mut manifest = read_manifest(&self.dir)?;
+            manifest.runs.extend(records);
+            manifest.write(&self.dir).map_err(writing)?;
+        }
+        let chunks = self.manifest.plan.chunks();
+        Ok(chunks.saturating_sub(folder::list(&self.dir, chunks, None)?.len() as u64))
+    }
+}
+
+/// The numbers below `chunks` that are not in an ascending list.
+pub(super) fn missing(chunks: u64, there: &[u64]) -> impl Iterator<Item = u64> {
+    let mut there = there.iter().copied().peekable();
+    (0..chunks).filter(move |chunk| there.next_if_eq(chunk).is_none())
+}
+
+pub(super) fn read_manifest(dir: &Path) -> Result<Manifest, DatasetError> {
+    Manifest::read(dir)?.ok_or_else(|| DatasetError::NoResults { dir: dir.to_owned() })
+}
+
+/// Writes the manifest into a new folder, or compares it with the one that is there.
+fn settle_manifest(dir: &Path, manifest: &Manifest) -> Result<(), DatasetError> {
+    // Two shards may begin at once.
+    let _lock = lock::manifest(dir)?;
+    folder::sweep_manifest(dir)?;
+    match Manifest::read(dir)? {
+        None => Ok(manifest.write(dir).map_err(writing)?),
+        Some(was) if was.hash() == manifest.hash() => Ok(()),
+        Some(was) => {
+            Err(DatasetError::OtherStudy { dir: dir.to_owned(), differences: was.differences(manifest) })
+        }
+    }
+}

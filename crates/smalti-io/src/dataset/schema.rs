@@ -1,0 +1,238 @@
+//! Columns: what they are called, hold and mean, and their values.
+
+use std::collections::HashSet;
+use std::sync::Arc;
+
+use parquet::basic::{ConvertedType, LogicalType, Repetition, Type as Physical};
+use parquet::errors::ParquetError;
+use parquet::schema::types::{PrimitiveTypeBuilder, SchemaDescPtr, SchemaDescriptor, Type};
+use serde::{Deserialize, Serialize};
+
+use super::error::DatasetError;
+
+/// Longest name of a column, bytes.
+const MAX_NAME: usize = 128;
+
+/// What a column holds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum ColumnKind {
+    /// Integers of 64 bits (`INT64`).
+    Int,
+    /// Numbers of 64 bits (`DOUBLE`); NaN is null.
+    Float,
+    /// Text (`STRING`), dictionary-coded.
+    Text,
+    /// Lists of numbers (`LIST` of `DOUBLE`), of any length in each row; NaN is null.
+    Floats,
+}
+
+impl ColumnKind {
+    fn name(self) -> &'static str {
+        match self {
+            Self::Int => "integers",
+            Self::Float => "numbers",
+            Self::Text => "text",
+            Self::Floats => "lists of numbers",
+        }
+    }
+}
+
+/// A column of the results.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ColumnSpec {
+    /// ASCII letters, digits and underscores, not beginning with a digit; unique whatever the case of the letters, since SQL
+    /// does not tell it.
+    pub name: String,
+    /// What it holds.
+    pub kind: ColumnKind,
+    /// Unit; empty for none.
+    pub unit: String,
+    /// What it means.
+    pub doc: String,
+}
+
+/// The values of a column, one a row.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Column {
+    /// [`ColumnKind::Int`].
+    Int(Vec<i64>),
+    /// [`ColumnKind::Float`].
+    Float(Vec<f64>),
+    /// [`ColumnKind::Text`].
+    Text(Vec<String>),
+    /// [`ColumnKind::Floats`].
+    Floats(Vec<Vec<f64>>),
+}
+
+impl Column {
+    /// Rows.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        match self {
+            Self::Int(v) => v.len(),
+            Self::Float(v) => v.len(),
+            Self::Text(v) => v.len(),
+            Self::Floats(v) => v.len(),
+        }
+    }
+
+    /// Whether it has no rows.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// What it holds.
+    #[must_use]
+    pub fn kind(&self) -> ColumnKind {
+        match self {
+            Self::Int(_) => ColumnKind::Int,
+            Self::Float(_) => ColumnKind::Float,
+            Self::Text(_) => ColumnKind::Text,
+            Self::Floats(_) => ColumnKind::Floats,
+        }
+    }
+}
+
+/// Refuses names that are not to be told apart or need quotes somewhere.
+pub(super) fn check(schema: &[ColumnSpec]) -> Result<(), DatasetError> {
+    let error = |what: String, found: String, expected: &str| {
+        Err(DatasetError::Plan { what, found, expected: expected.to_owned() })
+    };
+    if schema.is_empty() {
+        return error("the list of columns".into(), "empty".into(), "at least one");
+    }
+    let mut seen = HashSet::new();
+    for (i, ColumnSpec { name, .. }) in schema.iter().enumerate() {
+        let plain = name.bytes().all(|b| b.is_ascii_alphanumeric() || b == b'_')
+            && !name.bytes().next().is_none_or(|b| b.is_ascii_digit())
+            && name.len() <= MAX_NAME;
+        if !plain {
+            let expected = "at most 128 ASCII letters, digits and underscores, not beginning with a digit";
+            return error(format!("the name of column {i}"), format!("{name:?}"), expected);
+        }
+        if !seen.insert(name.to_ascii_lowercase()) {
+            let expected = "a name no other column has, whatever the case of its letters";
+            return error(format!("the name of column {i}"), format!("{name:?}"), expected);
+        }
+    }
+    Ok(())
+}
+
+/// Refuses columns that are not those of the schema, or not of `rows` rows.
+pub(super) fn check_columns(
+    schema: &[ColumnSpec],
+    rows: usize,
+    chunk: u64,
+    columns: &[Column],
+) -> Result<(), DatasetError> {
+    let error = |what: String, found: String, expected: String| {
+        Err(DatasetError::Columns { chunk, what, found, expected })
+    };
+    if columns.len() != schema.len() {
+        let [found, expected] = [columns.len(), schema.len()].map(|n| n.to_string());
+        return error("the number of columns".into(), found, expected);
+    }
+    for (spec, column) in schema.iter().zip(columns) {
+        if column.kind() != spec.kind {
+            let [found, expected] = [column.kind(), spec.kind].map(|k| k.name().to_owned());
+            return error(format!("column {}", spec.name), found, expected);
+        }
+        if column.len() != rows {
+            let [found, expected] = [column.len(), rows].map(|n| n.to_string());
+            return error(format!("the number of rows of column {}", spec.name), found, expected);
+        }
+        let (amount, limit, what) = match column {
+            Column::Text(v) => (v.iter().map(String::len).sum(), super::MAX_TEXT_BYTES, "bytes"),
+            // Nulls and empty lists take a level each.
+            Column::Floats(v) => {
+                (v.iter().map(|list| list.len().max(1)).sum(), super::MAX_LIST_VALUES, "values")
+            }
+            _ => (0, 0, ""),
+        };
+        if amount > limit {
+            let expected = format!("at most {limit}; choose smaller chunks");
+            return error(format!("column {}", spec.name), format!("{amount} {what}"), expected);
+        }
+    }
+    Ok(())
+}
+
+/// The schema as Parquet has it.
+pub(super) fn parquet(schema: &[ColumnSpec]) -> Result<SchemaDescPtr, ParquetError> {
+    let fields = schema.iter().map(field).collect::<Result<_, _>>()?;
+    let root = Type::group_type_builder("schema").with_fields(fields).build()?;
+    Ok(Arc::new(SchemaDescriptor::new(Arc::new(root))))
+}
+
+fn field(spec: &ColumnSpec) -> Result<Arc<Type>, ParquetError> {
+    fn leaf(name: &str, physical: Physical, repetition: Repetition) -> PrimitiveTypeBuilder<'_> {
+        Type::primitive_type_builder(name, physical).with_repetition(repetition)
+    }
+    let built = match spec.kind {
+        ColumnKind::Int => leaf(&spec.name, Physical::INT64, Repetition::REQUIRED).build()?,
+        ColumnKind::Float => leaf(&spec.name, Physical::DOUBLE, Repetition::OPTIONAL).build()?,
+        ColumnKind::Text => leaf(&spec.name, Physical::BYTE_ARRAY, Repetition::REQUIRED)
+            .with_logical_type(Some(LogicalType::String))
+            .with_converted_type(ConvertedType::UTF8)
+            .build()?,
+        ColumnKind::Floats => {
+            let element = leaf("element", Physical::DOUBLE, Repetition::OPTIONAL).build()?;
+            let list = Type::group_type_builder("list")
+                .with_repetition(Repetition::REPEATED)
+                .with_fields(vec![Arc::new(element)])
+                .build()?;
+            Type::group_type_builder(&spec.name)
+                .with_repetition(Repetition::REQUIRED)
+                .with_logical_type(Some(LogicalType::List))
+                .with_converted_type(ConvertedType::LIST)
+                .with_fields(vec![Arc::new(list)])
+                .build()?
+        }
+    };
+    Ok(Arc::new(built))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn named(names: &[&str]) -> Vec<ColumnSpec> {
+        let spec = |name: &&str| ColumnSpec {
+            name: (*name).to_owned(),
+            kind: ColumnKind::Int,
+            unit: String::new(),
+            doc: String::new(),
+        };
+        names.iter().map(spec).collect()
+    }
+
+    #[test]
+    fn names_are_plain_and_unique() {
+        check(&named(&["a", "_b", "delta_E2"])).unwrap();
+        for names in [&[][..], &[""], &["a.b"], &["2a"], &["ΔE"], &["a b"], &["a", "A"], &[&"a".repeat(129)]]
+        {
+            assert!(matches!(check(&named(names)), Err(DatasetError::Plan { .. })), "{names:?}");
+        }
+    }
+
+    #[test]
+    fn columns_that_do_not_fit_are_named() {
+        let schema = named(&["n", "m"]);
+        let ints = |n: i64| Column::Int((0..n).collect());
+        check_columns(&schema, 2, 0, &[ints(2), ints(2)]).unwrap();
+        for (columns, message) in [
+            (vec![ints(2)], "chunk 7: the number of columns is 1; expected 2"),
+            (vec![ints(2), ints(3)], "chunk 7: the number of rows of column m is 3; expected 2"),
+            (vec![ints(2), Column::Float(vec![0.0; 2])], "chunk 7: column m is numbers; expected integers"),
+        ] {
+            assert_eq!(check_columns(&schema, 2, 7, &columns).unwrap_err().to_string(), message);
+        }
+        let schema = [ColumnSpec { kind: ColumnKind::Floats, ..schema[0].clone() }];
+        let long = [Column::Floats(vec![vec![0.0; super::super::MAX_LIST_VALUES + 1]])];
+        let error = check_columns(&schema, 1, 0, &long).unwrap_err().to_string();
+        assert!(error.ends_with("at most 16777216; choose smaller chunks"), "{error}");
+    }
+}

@@ -1,0 +1,60 @@
+//! What other programs see in the folder.
+
+use std::path::Path;
+
+use serde_json::{Value, json};
+use smalti_io::dataset::{Column, Run};
+
+use crate::fixtures::{assert_same, columns, plan};
+use crate::python::python;
+
+/// What a program sees of a dataset, in the words of `check_dataset.py`, is what was written.
+fn judged_by(program: &str, packages: &str) {
+    let dir = tempfile::tempdir().unwrap();
+    let plan = plan(43, 10);
+    let run = Run::open(dir.path(), &plan, None).unwrap();
+    let mut rows: Vec<Value> = Vec::new();
+    for &chunk in run.missing() {
+        let values = columns(&plan, chunk);
+        run.write(chunk, &values).unwrap();
+        rows.extend((0..values[0].len()).map(|row| values.iter().map(|c| value(c, row)).collect::<Value>()));
+    }
+    run.finish(json!(null)).unwrap();
+    let parts = dir.path().join("designs");
+    let Some(seen) = python("check_dataset.py", packages, &[Path::new(program), &parts]) else { return };
+    let names: Vec<&str> = plan.schema.iter().map(|c| c.name.as_str()).collect();
+    assert_eq!(seen[0]["names"], json!(names));
+    assert_eq!(seen[0]["unit"], "ΔE*ab");
+    assert_eq!(seen[1..].len(), rows.len());
+    for (seen, row) in seen[1..].iter().zip(&rows) {
+        assert_eq!(seen, row);
+    }
+    // Reading changes nothing and leaves nothing.
+    assert_same(dir.path(), dir.path());
+}
+
+fn value(column: &Column, row: usize) -> Value {
+    // Infinity is no JSON; a null is one.
+    let float = |v: f64| if v.is_infinite() { json!(v.to_string()) } else { json!(v) };
+    match column {
+        Column::Int(v) => json!(v[row]),
+        Column::Float(v) => float(v[row]),
+        Column::Text(v) => json!(v[row]),
+        Column::Floats(v) => v[row].iter().map(|v| float(*v)).collect(),
+    }
+}
+
+#[test]
+fn pandas_reads_the_folder() {
+    judged_by("pandas", "pandas, pyarrow");
+}
+
+#[test]
+fn duckdb_reads_the_folder() {
+    judged_by("duckdb", "duckdb");
+}
+
+#[test]
+fn polars_reads_the_folder() {
+    judged_by("polars", "polars");
+}

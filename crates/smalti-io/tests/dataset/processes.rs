@@ -1,0 +1,101 @@
+//! Runs that other processes are at, and runs that are killed. The test program starts itself as those processes.
+
+use std::fs;
+use std::io::{BufRead, BufReader};
+use std::path::Path;
+use std::process::{Child, ChildStdout, Command, Stdio};
+use std::time::Duration;
+
+use serde_json::json;
+use smalti_io::dataset::{Dataset, DatasetError, Run};
+
+use crate::fixtures::{assert_same, columns, fill, plan, whole};
+
+const DIR: &str = "SMALTI_TEST_DIR";
+const DESIGNS: u64 = 400;
+
+/// The other process: works at a folder until it is done or killed.
+#[test]
+#[ignore = "started by the other tests"]
+fn worker() {
+    let dir = std::env::var_os(DIR).unwrap();
+    let run = Run::open(Path::new(&dir), &plan(DESIGNS, 2), None).unwrap();
+    println!("\nbegun");
+    for &chunk in run.missing() {
+        let result = run.write(chunk, &columns(&run.manifest().plan, chunk));
+        if let Err(error) = result {
+            println!("\n{error}");
+            return;
+        }
+    }
+    run.finish(json!({})).unwrap();
+    println!("\ndone");
+}
+
+/// Starts the worker by a shell command in which `"$@"` is it, and waits until it has the folder.
+fn start(dir: &Path, command: &str) -> (Child, std::io::Lines<BufReader<ChildStdout>>) {
+    let mut child = Command::new("bash")
+        .args(["-c", command, "worker"])
+        .arg(std::env::current_exe().unwrap())
+        .args(["--ignored", "--exact", "--nocapture", "processes::worker"])
+        .env(DIR, dir)
+        .stdout(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let mut lines = BufReader::new(child.stdout.take().unwrap()).lines();
+    assert!(lines.any(|line| line.unwrap() == "begun"));
+    (child, lines)
+}
+
+#[test]
+fn a_lock_ends_with_its_process_and_killed_runs_are_continued() {
+    let dir = tempfile::tempdir().unwrap();
+    let (results, expected) = (dir.path().join("results"), dir.path().join("expected"));
+    let plan = plan(DESIGNS, 2);
+    whole(&expected, &plan);
+    for round in 0..8 {
+        let (mut child, lines) = start(&results, r#"exec "$@""#);
+        if round == 0 {
+            let error = Run::open(&results, &plan, None).unwrap_err();
+            let by = format!("process {}", child.id());
+            assert!(matches!(&error, DatasetError::Busy { by: b, .. } if b.starts_with(&by)), "{error}");
+        }
+        std::thread::sleep(Duration::from_millis(1 + 3 * round));
+        child.kill().unwrap();
+        child.wait().unwrap();
+        drop(lines);
+        // What is there is whole.
+        Dataset::open(&results).unwrap().verify().unwrap();
+    }
+    // Whether or not a kill has hit a file being written.
+    fs::write(results.join("designs/.part-000003.parquet.1-0.tmp"), b"PAR1").unwrap();
+    let run = Run::open(&results, &plan, None).unwrap();
+    fill(&run);
+    assert_eq!(run.finish(json!({})).unwrap(), 0);
+    assert_same(&results, &expected);
+}
+
+#[test]
+fn a_file_that_cannot_grow_is_named_and_the_run_is_continued() {
+    let dir = tempfile::tempdir().unwrap();
+    let (results, expected) = (dir.path().join("results"), dir.path().join("expected"));
+    let plan = plan(DESIGNS, 2);
+    whole(&expected, &plan);
+    // The manifest is shorter than a part: it can be written, and no part can.
+    let limit = fs::metadata(expected.join("manifest.json")).unwrap().len().div_ceil(1024);
+    let smallest = fs::metadata(expected.join("designs/part-000000.parquet")).unwrap().len();
+    assert!(smallest > limit * 1024, "{smallest} {limit}");
+    let (mut child, lines) = start(&results, &format!(r#"trap "" XFSZ; ulimit -f {limit}; exec "$@""#));
+    let said: Vec<String> = lines.map(Result::unwrap).filter(|l| l.starts_with("cannot write")).collect();
+    child.wait().unwrap();
+    let path = results.join("designs/part-000000.parquet");
+    let [said] = &said[..] else { panic!("{said:?}") };
+    assert!(said.starts_with(&format!("cannot write {}: File too large", path.display())), "{said}");
+    assert!(said.ends_with("what is finished is kept: once it can be written, the same command continues"));
+    // Nothing half written stays.
+    assert_eq!(fs::read_dir(results.join("designs")).unwrap().count(), 0);
+    let run = Run::open(&results, &plan, None).unwrap();
+    fill(&run);
+    run.finish(json!({})).unwrap();
+    assert_same(&results, &expected);
+}

@@ -1,0 +1,110 @@
+//! A finished figure.
+
+use std::sync::Arc;
+
+use resvg::{tiny_skia, usvg};
+
+use crate::FigureError;
+use crate::svg::Svg;
+use crate::text::{REGULAR, SEMI_BOLD};
+
+/// The longest side of a figure or its PNG, in pixels.
+pub const SIDE_LIMIT: f64 = 16_384.0;
+/// The most pixels of a PNG.
+const PIXEL_LIMIT: f64 = 1e8;
+
+/// A finished figure: an SVG document, and from it a PNG. Equal inputs give equal bytes.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Figure {
+    svg: String,
+    width: f64,
+    height: f64,
+}
+
+impl Figure {
+    pub(crate) fn new(
+        svg: Svg,
+        width: f64,
+        height: f64,
+        title: &str,
+        description: &str,
+    ) -> Result<Self, FigureError> {
+        check_size(width, height)?;
+        Ok(Self { svg: svg.finish(width, height, title, description), width, height })
+    }
+
+    /// The SVG document, UTF-8, with its title and a description for those who do not see it.
+    #[must_use]
+    pub fn svg(&self) -> &str {
+        &self.svg
+    }
+
+    /// Width and height in pixels at scale 1.
+    #[must_use]
+    pub fn size(&self) -> (f64, f64) {
+        (self.width, self.height)
+    }
+
+    /// The figure as an 8-bit RGB PNG, `scale` pixels for each of the SVG's; 2 suits print and sharp screens. The
+    /// text is set in the crate's own font, so that every machine draws the same.
+    ///
+    /// # Errors
+    /// [`FigureError::Size`] for a scale that is not positive or gives too many pixels.
+    pub fn png(&self, scale: f64) -> Result<Vec<u8>, FigureError> {
+        let (width, height) = ((self.width * scale).round(), (self.height * scale).round());
+        check_size(width, height)?;
+        if width * height > PIXEL_LIMIT {
+            let reason = format!("a PNG has at most {PIXEL_LIMIT:e} pixels");
+            return Err(FigureError::Size { width, height, reason });
+        }
+        let mut fonts = usvg::fontdb::Database::new();
+        fonts.load_font_data(REGULAR.to_vec());
+        fonts.load_font_data(SEMI_BOLD.to_vec());
+        fonts.set_sans_serif_family("Inter");
+        let options = usvg::Options {
+            font_family: "Inter".to_owned(),
+            fontdb: Arc::new(fonts),
+            ..usvg::Options::default()
+        };
+        let tree = usvg::Tree::from_str(&self.svg, &options)?;
+        let Some(mut pixels) = tiny_skia::Pixmap::new(width as u32, height as u32) else {
+            let reason = "no memory for its pixels".to_owned();
+            return Err(FigureError::Size { width, height, reason });
+        };
+        pixels.fill(tiny_skia::Color::WHITE);
+        let transform = tiny_skia::Transform::from_scale(scale as f32, scale as f32);
+        resvg::render(&tree, transform, &mut pixels.as_mut());
+        let rgb: Vec<u8> = pixels.pixels().iter().flat_map(|p| [p.red(), p.green(), p.blue()]).collect();
+        encode(&rgb, width as u32, height as u32, png::ColorType::Rgb)
+    }
+}
+
+/// Refuses what cannot be drawn or would not hold a label.
+pub(crate) fn check_size(width: f64, height: f64) -> Result<(), FigureError> {
+    let fits = |side: f64| (1.0..=SIDE_LIMIT).contains(&side);
+    if fits(width) && fits(height) {
+        return Ok(());
+    }
+    Err(FigureError::Size {
+        width,
+        height,
+        reason: format!("sides must lie between 1 and {SIDE_LIMIT} pixels"),
+    })
+}
+
+/// Bytes of pixels as PNG.
+pub(crate) fn encode(
+    pixels: &[u8],
+    width: u32,
+    height: u32,
+    color: png::ColorType,
+) -> Result<Vec<u8>, FigureError> {
+    let mut out = Vec::new();
+    let mut encoder = png::Encoder::new(&mut out, width, height);
+    encoder.set_color(color);
+    encoder.set_depth(png::BitDepth::Eight);
+    let mut writer = encoder.write_header()?;
+    writer.write_image_data(pixels)?;
+    writer.finish()?;
+    Ok(out)
+}

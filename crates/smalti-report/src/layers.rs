@@ -1,0 +1,270 @@
+//! What a plot shows: points, lines, histograms.
+
+use crate::FigureError;
+use crate::color::Rgb;
+
+/// The sign of a point.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum Symbol {
+    /// A disc.
+    #[default]
+    Circle,
+    /// A square on its side.
+    Square,
+    /// A square on its corner.
+    Diamond,
+    /// A triangle, point up.
+    TriangleUp,
+    /// A triangle, point down.
+    TriangleDown,
+    /// A star of five points.
+    Star,
+}
+
+impl Symbol {
+    /// Corners about the origin, of about the area of a disc of this radius; `None` for the disc.
+    pub(crate) fn outline(self, radius: f64) -> Option<Vec<(f64, f64)>> {
+        // Corners of the regular pentagon, from the top clockwise, y down.
+        const PENTAGON: [(f64, f64); 5] = [
+            (0.0, -1.0),
+            (0.951_056_5, -0.309_017),
+            (0.587_785_3, 0.809_017),
+            (-0.587_785_3, 0.809_017),
+            (-0.951_056_5, -0.309_017),
+        ];
+        let (points, size): (Vec<(f64, f64)>, f64) = match self {
+            Self::Circle => return None,
+            Self::Square => (vec![(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)], 0.89),
+            Self::Diamond => (vec![(0.0, -1.0), (1.0, 0.0), (0.0, 1.0), (-1.0, 0.0)], 1.25),
+            Self::TriangleUp => (vec![(0.0, -1.1), (1.0, 0.65), (-1.0, 0.65)], 1.3),
+            Self::TriangleDown => (vec![(0.0, 1.1), (1.0, -0.65), (-1.0, -0.65)], 1.3),
+            Self::Star => {
+                // The inner corners lie opposite the outer ones.
+                let inner = |i: usize| PENTAGON.get((i + 3) % 5).map(|p| (-0.5 * p.0, -0.5 * p.1));
+                let corners = PENTAGON.iter().enumerate().flat_map(|(i, p)| [Some(*p), inner(i)]);
+                (corners.flatten().collect(), 1.5)
+            }
+        };
+        Some(points.into_iter().map(|(x, y)| (x * size * radius, y * size * radius)).collect())
+    }
+}
+
+/// A series of points: a cloud of dots, or few emphasised marks over it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Points {
+    pub(crate) name: String,
+    pub(crate) x: Vec<f64>,
+    pub(crate) y: Vec<f64>,
+    pub(crate) values: Option<Vec<f64>>,
+    pub(crate) color: Option<Rgb>,
+    pub(crate) symbol: Symbol,
+    pub(crate) radius: Option<f64>,
+    pub(crate) marks: bool,
+    pub(crate) x_intervals: Option<Vec<(f64, f64)>>,
+    pub(crate) y_intervals: Option<Vec<(f64, f64)>>,
+}
+
+impl Points {
+    /// Points at (x, y). The name goes to the legend; an empty one does not. Points that are not finite are left out
+    /// and counted under the plot.
+    #[must_use]
+    pub fn new(name: impl Into<String>, x: &[f64], y: &[f64]) -> Self {
+        Self {
+            name: name.into(),
+            x: x.to_vec(),
+            y: y.to_vec(),
+            values: None,
+            color: None,
+            symbol: Symbol::Circle,
+            radius: None,
+            marks: false,
+            x_intervals: None,
+            y_intervals: None,
+        }
+    }
+
+    /// Colours each point by its value, on viridis with a colour bar; see [`crate::Plot::values`].
+    #[must_use]
+    pub fn values(mut self, values: &[f64]) -> Self {
+        self.values = Some(values.to_vec());
+        self
+    }
+
+    /// One colour for all, in place of the next of the palette.
+    #[must_use]
+    pub fn color(mut self, color: Rgb) -> Self {
+        self.color = Some(color);
+        self
+    }
+
+    /// The sign of each point.
+    #[must_use]
+    pub fn symbol(mut self, symbol: Symbol) -> Self {
+        self.symbol = symbol;
+        self
+    }
+
+    /// Radius in pixels; without it, smaller the more points there are.
+    #[must_use]
+    pub fn radius(mut self, radius: f64) -> Self {
+        self.radius = Some(radius);
+        self
+    }
+
+    /// Large marks with a white edge, above clouds and lines: means, rules, chosen designs.
+    #[must_use]
+    pub fn marks(mut self) -> Self {
+        self.marks = true;
+        self
+    }
+
+    /// An interval (low, high) of x for each point, drawn as a bar; makes marks of the points.
+    #[must_use]
+    pub fn x_intervals(mut self, intervals: &[(f64, f64)]) -> Self {
+        self.x_intervals = Some(intervals.to_vec());
+        self.marks()
+    }
+
+    /// An interval (low, high) of y for each point, drawn as a bar; makes marks of the points.
+    #[must_use]
+    pub fn y_intervals(mut self, intervals: &[(f64, f64)]) -> Self {
+        self.y_intervals = Some(intervals.to_vec());
+        self.marks()
+    }
+
+    pub(crate) fn check(&self) -> Result<(), FigureError> {
+        let columns = [
+            ("values of y", Some(self.y.len())),
+            ("values to colour by", self.values.as_ref().map(Vec::len)),
+            ("intervals of x", self.x_intervals.as_ref().map(Vec::len)),
+            ("intervals of y", self.y_intervals.as_ref().map(Vec::len)),
+        ];
+        columns.into_iter().try_for_each(|(what, got)| same_length(&self.name, what, self.x.len(), got))
+    }
+}
+
+/// How a line goes from point to point.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum Corner {
+    /// Straight.
+    #[default]
+    Straight,
+    /// Along x, then along y: the edge of what a front of two lower-is-better metrics dominates, by rising x.
+    XFirst,
+    /// Along y, then along x: the same where x is higher-is-better and y lower-is-better.
+    YFirst,
+}
+
+/// A line through points, in the order given: a spectrum, a Pareto front.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Line {
+    pub(crate) name: String,
+    pub(crate) x: Vec<f64>,
+    pub(crate) y: Vec<f64>,
+    pub(crate) color: Option<Rgb>,
+    pub(crate) width: f64,
+    pub(crate) dashed: bool,
+    pub(crate) corner: Corner,
+    pub(crate) filled: bool,
+}
+
+impl Line {
+    /// A line through (x, y). The name goes to the legend; an empty one does not. It breaks where a point is not finite.
+    #[must_use]
+    pub fn new(name: impl Into<String>, x: &[f64], y: &[f64]) -> Self {
+        Self {
+            name: name.into(),
+            x: x.to_vec(),
+            y: y.to_vec(),
+            color: None,
+            width: 2.4,
+            dashed: false,
+            corner: Corner::Straight,
+            filled: false,
+        }
+    }
+
+    /// Its colour, in place of the next of the palette.
+    #[must_use]
+    pub fn color(mut self, color: Rgb) -> Self {
+        self.color = Some(color);
+        self
+    }
+
+    /// Its width in pixels.
+    #[must_use]
+    pub fn width(mut self, width: f64) -> Self {
+        self.width = width;
+        self
+    }
+
+    /// Dashed.
+    #[must_use]
+    pub fn dashed(mut self) -> Self {
+        self.dashed = true;
+        self
+    }
+
+    /// How it goes from point to point.
+    #[must_use]
+    pub fn corner(mut self, corner: Corner) -> Self {
+        self.corner = corner;
+        self
+    }
+
+    /// A tint between the line and the bottom of the plot.
+    #[must_use]
+    pub fn filled(mut self) -> Self {
+        self.filled = true;
+        self
+    }
+
+    pub(crate) fn check(&self) -> Result<(), FigureError> {
+        same_length(&self.name, "values of y", self.x.len(), Some(self.y.len()))
+    }
+}
+
+/// A histogram: how many of the values fall in each bin. All histograms of a figure share their bins.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Histogram {
+    pub(crate) name: String,
+    pub(crate) values: Vec<f64>,
+    pub(crate) color: Option<Rgb>,
+    pub(crate) interval: Option<(f64, f64, f64)>,
+}
+
+impl Histogram {
+    /// The histogram of values; those that are not finite are left out and counted under the plot.
+    #[must_use]
+    pub fn new(name: impl Into<String>, values: &[f64]) -> Self {
+        Self { name: name.into(), values: values.to_vec(), color: None, interval: None }
+    }
+
+    /// Its colour, in place of the next of the palette.
+    #[must_use]
+    pub fn color(mut self, color: Rgb) -> Self {
+        self.color = Some(color);
+        self
+    }
+
+    /// Marks an interval and a centre above the bars: the 5th and 95th percentile and the mean, say.
+    #[must_use]
+    pub fn interval(mut self, low: f64, center: f64, high: f64) -> Self {
+        self.interval = Some((low, center, high));
+        self
+    }
+}
+
+fn same_length(
+    series: &str,
+    what: &'static str,
+    expected: usize,
+    got: Option<usize>,
+) -> Result<(), FigureError> {
+    match got {
+        Some(got) if got != expected => {
+            Err(FigureError::Lengths { series: crate::text::clean(series), what, expected, got })
+        }
+        _ => Ok(()),
+    }
+}

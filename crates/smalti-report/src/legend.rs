@@ -1,0 +1,108 @@
+//! Names of the series, with their signs.
+
+use crate::color::Rgb;
+use crate::layers::Symbol;
+use crate::layout::TICK;
+use crate::panel::{draw_symbol, series_color};
+use crate::plot::{Layer, Plot};
+use crate::shared::Shared;
+use crate::svg::{Anchor, Area, FRAME, INK, Paint, Svg};
+use crate::text::{clean, fit, width};
+
+const GAP: f64 = 24.0;
+/// Names longer than this, in pixels, are cut.
+const NAME_LIMIT: f64 = 320.0;
+
+#[derive(Debug, Clone, PartialEq)]
+enum Sign {
+    Dot(Symbol, Rgb, bool),
+    Line(Rgb, f64, bool),
+    Area(Rgb),
+}
+
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Entry {
+    name: String,
+    sign: Sign,
+}
+
+impl Entry {
+    /// Room of the sign, up to the name.
+    fn sign_width(&self) -> f64 {
+        if matches!(self.sign, Sign::Dot(..)) { 22.0 } else { 30.0 }
+    }
+
+    fn width(&self) -> f64 {
+        self.sign_width() + width(&self.name, TICK)
+    }
+}
+
+/// One entry per name, in the order of the layers.
+pub(crate) fn entries(panels: &[Plot], shared: &Shared) -> Vec<Entry> {
+    let mut entries: Vec<Entry> = Vec::new();
+    for layer in panels.iter().flat_map(|p| &p.layers).filter(|l| !l.name().is_empty()) {
+        let name = fit(&clean(layer.name()), TICK, NAME_LIMIT);
+        let sign = match layer {
+            // Points coloured by value have no colour of their own.
+            Layer::Points(p) if p.values.is_some() => Sign::Dot(p.symbol, FRAME, p.marks),
+            Layer::Points(p) => Sign::Dot(p.symbol, series_color(shared, &p.name, p.color), p.marks),
+            Layer::Line(l) => Sign::Line(series_color(shared, &l.name, l.color), l.width, l.dashed),
+            Layer::Histogram(h) => Sign::Area(series_color(shared, &h.name, h.color)),
+        };
+        match entries.iter_mut().find(|e| e.name == name) {
+            None => entries.push(Entry { name, sign }),
+            // One name in several colours stands for its symbol alone.
+            Some(Entry { sign: Sign::Dot(symbol, color, _), .. }) => {
+                if matches!(sign, Sign::Dot(s, c, _) if s == *symbol && c != *color) {
+                    *color = FRAME;
+                }
+            }
+            Some(_) => {}
+        }
+    }
+    entries
+}
+
+/// The entries broken into rows of at most `limit` pixels.
+pub(crate) fn rows(entries: &[Entry], limit: f64) -> Vec<&[Entry]> {
+    let mut rows = Vec::new();
+    let mut rest = entries;
+    while !rest.is_empty() {
+        let mut used = -GAP;
+        let fitting = rest.iter().take_while(|e| {
+            used += e.width() + GAP;
+            used <= limit
+        });
+        let (row, after) = rest.split_at(fitting.count().max(1).min(rest.len()));
+        rows.push(row);
+        rest = after;
+    }
+    rows
+}
+
+/// One row of entries, on the base line `at`.
+pub(crate) fn draw_entries(svg: &mut Svg, row: &[Entry], at: (f64, f64), limit: f64) {
+    let (mut x, y) = at;
+    for entry in row {
+        let middle = y - TICK.size * 0.36;
+        match &entry.sign {
+            Sign::Dot(symbol, color, marks) => {
+                draw_symbol(svg, *symbol, (x + 8.0, middle), if *marks { 7.5 } else { 6.0 }, *color, *marks);
+            }
+            Sign::Line(color, width, dashed) => {
+                let path = format!("M{} {}h22", crate::svg::number(x), crate::svg::number(middle));
+                svg.path(&path, Paint { dashed: *dashed, ..Paint::stroke(*color, width.clamp(1.0, 5.0)) });
+            }
+            Sign::Area(color) => {
+                let area = Area { x: x + 1.0, y: middle - 7.0, width: 20.0, height: 14.0 };
+                svg.rect(
+                    area,
+                    Paint { fill: Some((*color, 0.25)), stroke: Some((*color, 1.8)), dashed: false },
+                );
+            }
+        }
+        let name = fit(&entry.name, TICK, limit - entry.sign_width());
+        svg.text((x + entry.sign_width(), y), Anchor::Start, TICK, INK, &name);
+        x += entry.width() + GAP;
+    }
+}

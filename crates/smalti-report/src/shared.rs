@@ -1,0 +1,217 @@
+//! What all panels of a figure share: ranges, colours, bins.
+
+use crate::FigureError;
+use crate::color::{OKABE_ITO, Rgb};
+use crate::plot::{Asked, Layer, Plot};
+use crate::scale::{Axis, Scale, round_step};
+
+/// More points than this are drawn as a picture: as shapes they would make a file of more than about 0.4 MB.
+const SHAPES_LIMIT: usize = 6000;
+/// What all pictures of a figure may take; in an SVG they grow by a third.
+const PICTURES_LIMIT: usize = 690_000;
+const BINS_LIMIT: f64 = 400.0;
+
+/// Height of the marks of intervals above histograms, as a share of the axis.
+pub(crate) const INTERVAL_SHARE: f64 = 0.075;
+
+#[derive(Debug, Clone)]
+pub(crate) struct Shared {
+    pub(crate) x: Axis,
+    pub(crate) y: Axis,
+    /// Range of the colour bar, if there is one.
+    pub(crate) values: Option<Axis>,
+    /// Whether values lie below and above the colour bar.
+    pub(crate) beyond: (bool, bool),
+    pub(crate) colors: Vec<(String, Rgb)>,
+    pub(crate) bin: Option<(f64, f64)>,
+    /// How many bytes the cloud of a panel may take as a picture; none where it is drawn as shapes.
+    pub(crate) picture_bytes: Option<usize>,
+    /// Points in the fullest panel.
+    pub(crate) crowd: usize,
+    pub(crate) empty: bool,
+}
+
+/// Spans of values below the first vanish in rounding; beyond the others, spans and ratios overflow.
+const TINY: f64 = 1e-290;
+const HUGE: f64 = 1e300;
+const LOG_HUGE: f64 = 1e100;
+
+/// Whether an axis can reach a value.
+fn fits(scale: Scale, value: f64) -> bool {
+    match scale {
+        Scale::Linear => value.abs() <= HUGE,
+        Scale::Log => (1.0 / LOG_HUGE..=LOG_HUGE).contains(&value),
+    }
+}
+
+/// Least and greatest of the finite values; positive ones on a logarithmic axis.
+#[derive(Debug, Clone, Copy)]
+struct Extent {
+    scale: Scale,
+    low: f64,
+    high: f64,
+}
+
+impl Extent {
+    fn new(scale: Scale) -> Self {
+        Self { scale, low: f64::INFINITY, high: f64::NEG_INFINITY }
+    }
+
+    fn add(&mut self, value: f64) {
+        let value = if value.abs() < TINY { 0.0 } else { value };
+        if fits(self.scale, value) {
+            self.low = self.low.min(value);
+            self.high = self.high.max(value);
+        }
+    }
+
+    fn is_empty(&self) -> bool {
+        self.low > self.high
+    }
+}
+
+/// The axis for an extent, or as asked.
+fn axis(asked: &Asked, extent: Extent, air: f64, name: &'static str) -> Result<Axis, FigureError> {
+    if let Some((low, high)) = asked.range {
+        let wide = high - low > 1e-9 * low.abs().max(high.abs()) && high - low > TINY;
+        if !(wide && fits(asked.scale, low) && fits(asked.scale, high)) {
+            return Err(FigureError::Range { axis: name, low, high });
+        }
+        return Ok(Axis { scale: asked.scale, low, high });
+    }
+    if extent.is_empty() {
+        let (low, high) = if asked.scale == Scale::Log { (1.0, 10.0) } else { (0.0, 1.0) };
+        return Ok(Axis { scale: asked.scale, low, high });
+    }
+    Ok(Axis::around(asked.scale, extent.low, extent.high, air))
+}
+
+pub(crate) fn shared(first: &Plot, panels: &[Plot]) -> Result<Shared, FigureError> {
+    let layers = || panels.iter().flat_map(|p| &p.layers);
+    for layer in layers() {
+        match layer {
+            Layer::Points(p) => p.check()?,
+            Layer::Line(l) => l.check()?,
+            Layer::Histogram(_) => {}
+        }
+    }
+    let bin = bins(first, panels);
+    let (mut x, mut y) = (Extent::new(first.x.scale), Extent::new(first.y.scale));
+    let mut values = Extent::new(first.values.scale);
+    let mut air = 0.0;
+    for layer in layers() {
+        match layer {
+            Layer::Points(p) => {
+                air = 0.04;
+                for (px, py) in p.x.iter().zip(&p.y).filter(|(a, b)| a.is_finite() && b.is_finite()) {
+                    x.add(*px);
+                    y.add(*py);
+                }
+                p.values.iter().flatten().for_each(|v| values.add(*v));
+                p.x_intervals.iter().flatten().for_each(|(a, b)| [*a, *b].into_iter().for_each(|v| x.add(v)));
+                p.y_intervals.iter().flatten().for_each(|(a, b)| [*a, *b].into_iter().for_each(|v| y.add(v)));
+            }
+            Layer::Line(l) => {
+                for (px, py) in l.x.iter().zip(&l.y).filter(|(a, b)| a.is_finite() && b.is_finite()) {
+                    x.add(*px);
+                    y.add(*py);
+                }
+            }
+            Layer::Histogram(h) => {
+                air = 0.03;
+                let Some((start, width)) = bin else { continue };
+                let counts = counts(&h.values, start, width);
+                let top = counts.iter().copied().max().unwrap_or(0) as f64;
+                x.add(start);
+                x.add(start + width * counts.len() as f64);
+                y.add(0.0);
+                y.add(top);
+            }
+        }
+    }
+    let empty = x.is_empty() || y.is_empty();
+    let mut y_axis = axis(&first.y, y, 0.04, "y")?;
+    if first.y.range.is_none() && y_axis.scale == Scale::Linear {
+        // Room above the bars for the marks of intervals.
+        let marks = |p: &Plot| {
+            p.layers.iter().filter(|l| matches!(l, Layer::Histogram(h) if h.interval.is_some())).count()
+        };
+        let rows = panels.iter().map(marks).max().unwrap_or(0).min(8);
+        y_axis.high +=
+            (y_axis.high - y_axis.low) * rows as f64 * INTERVAL_SHARE / (1.0 - rows as f64 * INTERVAL_SHARE);
+    }
+    let cloud = |p: &Plot| {
+        let sizes = p.layers.iter().map(|l| match l {
+            Layer::Points(p) if !p.marks => p.x.len(),
+            _ => 0,
+        });
+        sizes.sum::<usize>()
+    };
+    let value_axis = axis(&first.values, values, 0.0, "the colour bar")?;
+    let narrowed = first.values.range.is_some();
+    Ok(Shared {
+        x: axis(&first.x, x, air, "x")?,
+        y: y_axis,
+        beyond: (narrowed && values.low < value_axis.low, narrowed && values.high > value_axis.high),
+        values: (!values.is_empty()).then_some(value_axis),
+        colors: colors(layers()),
+        bin,
+        picture_bytes: (panels.iter().map(cloud).sum::<usize>() > SHAPES_LIMIT)
+            .then(|| PICTURES_LIMIT / panels.len().max(1)),
+        crowd: panels.iter().map(cloud).max().unwrap_or(0),
+        empty,
+    })
+}
+
+/// The colour of each name, the same in all panels.
+fn colors<'a>(layers: impl Iterator<Item = &'a Layer>) -> Vec<(String, Rgb)> {
+    let mut colors: Vec<(String, Rgb)> = Vec::new();
+    let mut next = 0;
+    for layer in layers {
+        let (own, valued) = match layer {
+            Layer::Points(p) => (p.color, p.values.is_some()),
+            Layer::Line(l) => (l.color, false),
+            Layer::Histogram(h) => (h.color, false),
+        };
+        if valued || own.is_some() || colors.iter().any(|(name, _)| name == layer.name()) {
+            continue;
+        }
+        if let Some(color) = OKABE_ITO.get(next % OKABE_ITO.len()) {
+            colors.push((layer.name().to_owned(), *color));
+        }
+        next += 1;
+    }
+    colors
+}
+
+/// First edge and width of the bins.
+fn bins(first: &Plot, panels: &[Plot]) -> Option<(f64, f64)> {
+    let mut extent = Extent::new(Scale::Linear);
+    for layer in panels.iter().flat_map(|p| &p.layers) {
+        if let Layer::Histogram(h) = layer {
+            h.values.iter().for_each(|v| extent.add(*v));
+        }
+    }
+    if extent.is_empty() {
+        return None;
+    }
+    let span = (extent.high - extent.low).max(1e-9 * extent.high.abs()).max(f64::MIN_POSITIVE * 1e16);
+    let asked = first.bin_width.filter(|w| w.is_finite() && *w > 0.0);
+    let width = asked.map_or_else(|| round_step(span, 40), |w| w.max(span / BINS_LIMIT));
+    Some((libm::floor(extent.low / width) * width, width))
+}
+
+/// How many values fall in each bin, up to the last that holds one.
+pub(crate) fn counts(values: &[f64], start: f64, width: f64) -> Vec<usize> {
+    let mut counts: Vec<usize> = Vec::new();
+    for value in values.iter().filter(|v| v.is_finite()) {
+        let index = ((value - start) / width).clamp(0.0, 2.0 * BINS_LIMIT) as usize;
+        if counts.len() <= index {
+            counts.resize(index + 1, 0);
+        }
+        if let Some(count) = counts.get_mut(index) {
+            *count += 1;
+        }
+    }
+    counts
+}

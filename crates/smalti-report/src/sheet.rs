@@ -1,0 +1,154 @@
+//! Pictures side by side.
+
+use crate::figure::{SIDE_LIMIT, check_size, encode};
+use crate::svg::{Anchor, Area, GRID, INK, Paint, SOFT, Svg};
+use crate::text::{Font, bold, clean, plain, wrap};
+use crate::{Figure, FigureError};
+
+const MARGIN: f64 = 20.0;
+const GAP: f64 = 20.0;
+const TITLE: Font = bold(22.0);
+const CAPTION: Font = plain(17.0);
+const NOTE: Font = plain(14.0);
+
+#[derive(Debug, Clone, PartialEq)]
+struct Picture {
+    caption: String,
+    width: usize,
+    height: usize,
+    rgb: Vec<u8>,
+}
+
+/// Pictures side by side, each with its caption, pixel for pixel: at scale 1 a PNG holds them unchanged. Small pictures
+/// can be enlarged by whole numbers, without blur.
+///
+/// ```
+/// use smalti_report::Sheet;
+///
+/// let grey = vec![128; 3 * 160 * 100];
+/// let figure = Sheet::new(2).picture("best", 160, 100, &grey).picture("worst", 160, 100, &grey).draw()?;
+/// assert!(figure.svg().contains("worst"));
+/// # Ok::<(), smalti_report::FigureError>(())
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct Sheet {
+    title: String,
+    note: String,
+    columns: usize,
+    enlarge: u32,
+    pictures: Vec<Picture>,
+}
+
+impl Sheet {
+    /// No picture yet, this many to a row.
+    #[must_use]
+    pub fn new(columns: usize) -> Self {
+        Self {
+            title: String::new(),
+            note: String::new(),
+            columns: columns.max(1),
+            enlarge: 1,
+            pictures: Vec::new(),
+        }
+    }
+
+    /// The title above all.
+    #[must_use]
+    pub fn title(mut self, title: impl Into<String>) -> Self {
+        self.title = title.into();
+        self
+    }
+
+    /// A note in small print below.
+    #[must_use]
+    pub fn note(mut self, note: impl Into<String>) -> Self {
+        self.note = note.into();
+        self
+    }
+
+    /// Each pixel as a square of this many.
+    #[must_use]
+    pub fn enlarge(mut self, times: u32) -> Self {
+        self.enlarge = times.max(1);
+        self
+    }
+
+    /// Adds a picture of 8-bit sRGB by rows, three bytes to a pixel.
+    #[must_use]
+    pub fn picture(mut self, caption: impl Into<String>, width: usize, height: usize, rgb: &[u8]) -> Self {
+        self.pictures.push(Picture { caption: caption.into(), width, height, rgb: rgb.to_vec() });
+        self
+    }
+
+    /// The figure.
+    ///
+    /// # Errors
+    /// [`FigureError::Nothing`] without a picture, [`FigureError::Picture`] for a buffer of another length than its
+    /// size says, and [`FigureError::Size`] for a sheet that is too large.
+    pub fn draw(&self) -> Result<Figure, FigureError> {
+        if self.pictures.is_empty() {
+            return Err(FigureError::Nothing { what: "picture" });
+        }
+        let times = f64::from(self.enlarge);
+        for picture in &self.pictures {
+            check_size(picture.width as f64 * times, picture.height as f64 * times)?;
+            let expected = 3 * picture.width * picture.height;
+            if picture.rgb.len() != expected {
+                return Err(FigureError::Picture {
+                    caption: clean(&picture.caption),
+                    width: picture.width,
+                    height: picture.height,
+                    expected,
+                    got: picture.rgb.len(),
+                });
+            }
+        }
+        let columns = self.columns.min(self.pictures.len());
+        let cell = self.pictures.iter().map(|p| p.width as f64 * times).fold(0.0, f64::max).max(120.0);
+        let width = 2.0 * MARGIN + columns as f64 * (cell + GAP) - GAP;
+        let mut svg = Svg::default();
+        let mut y = MARGIN;
+        for line in wrap(&self.title, TITLE, width - 2.0 * MARGIN, 3) {
+            y += (TITLE.size * 1.25).round();
+            svg.text((MARGIN, y - 6.0), Anchor::Start, TITLE, INK, &line);
+        }
+        if y > MARGIN {
+            y += 10.0;
+        }
+        for row in self.pictures.chunks(columns) {
+            let height = row.iter().map(|p| p.height as f64 * times).fold(0.0, f64::max);
+            let captions: Vec<Vec<String>> = row.iter().map(|p| wrap(&p.caption, CAPTION, cell, 3)).collect();
+            for ((column, picture), caption) in row.iter().enumerate().zip(&captions) {
+                let (w, h) = (picture.width as f64 * times, picture.height as f64 * times);
+                let left = MARGIN + column as f64 * (cell + GAP);
+                // Whole pixels, so that none is blurred.
+                let area =
+                    Area { x: (left + 0.5 * (cell - w)).floor(), y: y + (height - h), width: w, height: h };
+                let png =
+                    encode(&picture.rgb, picture.width as u32, picture.height as u32, png::ColorType::Rgb)?;
+                svg.open("", &picture.caption);
+                let edge = Area { x: area.x - 0.5, y: area.y - 0.5, width: w + 1.0, height: h + 1.0 };
+                svg.rect(edge, Paint::stroke(GRID, 1.0));
+                svg.image(area, &png, true);
+                svg.close();
+                for (i, line) in caption.iter().enumerate() {
+                    let base = y + height + 22.0 + i as f64 * (CAPTION.size * 1.25).round();
+                    svg.text((left + 0.5 * cell, base), Anchor::Middle, CAPTION, INK, line);
+                }
+            }
+            let lines = captions.iter().map(Vec::len).max().unwrap_or(0) as f64;
+            y += height + 12.0 + lines * (CAPTION.size * 1.25).round() + 14.0;
+            if y > SIDE_LIMIT {
+                check_size(width, y)?;
+            }
+        }
+        for line in wrap(&self.note, NOTE, width - 2.0 * MARGIN, 4) {
+            y += (NOTE.size * 1.3).round();
+            svg.text((MARGIN, y - 6.0), Anchor::Start, NOTE, SOFT, &line);
+        }
+        let names: Vec<&str> = self.pictures.iter().map(|p| p.caption.as_str()).collect();
+        let title = if self.title.is_empty() { "Pictures" } else { self.title.as_str() };
+        let description = format!("{} pictures: {}. {}", names.len(), names.join("; "), self.note);
+        Figure::new(svg, width, y + MARGIN - 12.0, title, &description)
+    }
+}

@@ -1,0 +1,236 @@
+//! SVG, written in fixed notation so that equal figures are equal bytes.
+
+use std::fmt::Write;
+
+use base64::Engine;
+
+use crate::color::Rgb;
+use crate::text::{self, Font};
+
+pub(crate) const INK: Rgb = Rgb(38, 38, 38);
+pub(crate) const SOFT: Rgb = Rgb(96, 96, 96);
+pub(crate) const GRID: Rgb = Rgb(229, 229, 229);
+pub(crate) const FRAME: Rgb = Rgb(120, 120, 120);
+
+/// Where a text stands about its point.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Anchor {
+    Start,
+    Middle,
+    End,
+}
+
+/// A rectangle in pixels.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Area {
+    pub(crate) x: f64,
+    pub(crate) y: f64,
+    pub(crate) width: f64,
+    pub(crate) height: f64,
+}
+
+/// How an outline is filled and drawn.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Paint {
+    pub(crate) fill: Option<(Rgb, f64)>,
+    pub(crate) stroke: Option<(Rgb, f64)>,
+    pub(crate) dashed: bool,
+}
+
+impl Paint {
+    pub(crate) fn stroke(color: Rgb, width: f64) -> Self {
+        Self { fill: None, stroke: Some((color, width)), dashed: false }
+    }
+
+    fn attributes(&self) -> String {
+        let mut out = match self.fill {
+            None => " fill=\"none\"".to_owned(),
+            Some((color, opacity)) if opacity < 1.0 => {
+                format!(" fill=\"{color}\" fill-opacity=\"{}\"", number(opacity))
+            }
+            Some((color, _)) => format!(" fill=\"{color}\""),
+        };
+        if let Some((color, width)) = self.stroke {
+            let _ = write!(out, " stroke=\"{color}\" stroke-width=\"{}\"", number(width));
+        }
+        if self.dashed {
+            out.push_str(" stroke-dasharray=\"7 5\"");
+        }
+        out
+    }
+}
+
+/// A coordinate with at most two decimals: hundredths of a pixel are more than a printer shows.
+pub(crate) fn number(value: f64) -> String {
+    let value = if value.is_finite() { value.clamp(-1e6, 1e6) } else { 0.0 };
+    let text = format!("{value:.2}");
+    let text = text.trim_end_matches('0').trim_end_matches('.');
+    if text == "-0" { "0".to_owned() } else { text.to_owned() }
+}
+
+/// The path through points.
+pub(crate) fn path_of(points: &[(f64, f64)], closed: bool) -> String {
+    let mut out = String::new();
+    for (i, (x, y)) in points.iter().enumerate() {
+        let _ = write!(out, "{}{} {}", if i == 0 { 'M' } else { 'L' }, number(*x), number(*y));
+    }
+    if closed {
+        out.push('Z');
+    }
+    out
+}
+
+/// A drawing in the making. Later parts cover earlier ones.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Svg {
+    body: String,
+}
+
+impl Svg {
+    fn push(&mut self, text: &str) {
+        self.body.push_str(text);
+        self.body.push('\n');
+    }
+
+    pub(crate) fn line(&mut self, from: (f64, f64), to: (f64, f64), color: Rgb, width: f64) {
+        self.push(&format!(
+            "<line x1=\"{}\" y1=\"{}\" x2=\"{}\" y2=\"{}\" stroke=\"{color}\" stroke-width=\"{}\"/>",
+            number(from.0),
+            number(from.1),
+            number(to.0),
+            number(to.1),
+            number(width)
+        ));
+    }
+
+    pub(crate) fn rect(&mut self, area: Area, paint: Paint) {
+        self.push(&format!(
+            "<rect x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\"{}/>",
+            number(area.x),
+            number(area.y),
+            number(area.width),
+            number(area.height),
+            paint.attributes()
+        ));
+    }
+
+    pub(crate) fn circle(&mut self, center: (f64, f64), radius: f64, paint: &str) {
+        self.push(&format!(
+            "<circle cx=\"{}\" cy=\"{}\" r=\"{}\"{paint}/>",
+            number(center.0),
+            number(center.1),
+            number(radius)
+        ));
+    }
+
+    pub(crate) fn path(&mut self, data: &str, paint: Paint) {
+        self.raw_path(
+            data,
+            &format!("{} stroke-linejoin=\"round\" stroke-linecap=\"round\"", paint.attributes()),
+        );
+    }
+
+    pub(crate) fn raw_path(&mut self, data: &str, attributes: &str) {
+        self.push(&format!("<path d=\"{data}\"{attributes}/>"));
+    }
+
+    pub(crate) fn paint(paint: Paint) -> String {
+        paint.attributes()
+    }
+
+    pub(crate) fn text(&mut self, at: (f64, f64), anchor: Anchor, font: Font, color: Rgb, text: &str) {
+        self.set(&format!("x=\"{}\" y=\"{}\"", number(at.0), number(at.1)), anchor, font, color, text);
+    }
+
+    /// Text that reads upwards, centred.
+    pub(crate) fn text_up(&mut self, at: (f64, f64), font: Font, color: Rgb, text: &str) {
+        let place = format!("transform=\"translate({} {}) rotate(-90)\"", number(at.0), number(at.1));
+        self.set(&place, Anchor::Middle, font, color, text);
+    }
+
+    fn set(&mut self, place: &str, anchor: Anchor, font: Font, color: Rgb, text: &str) {
+        let anchor = match anchor {
+            Anchor::Start => "",
+            Anchor::Middle => " text-anchor=\"middle\"",
+            Anchor::End => " text-anchor=\"end\"",
+        };
+        let weight = if font.bold { " font-weight=\"600\"" } else { "" };
+        self.push(&format!(
+            "<text {place} font-size=\"{}\"{weight}{anchor} fill=\"{color}\">{}</text>",
+            number(font.size),
+            text::escape(text)
+        ));
+    }
+
+    /// A PNG in the drawing. `sharp` keeps its pixels square when enlarged.
+    pub(crate) fn image(&mut self, area: Area, png: &[u8], sharp: bool) {
+        let data = base64::engine::general_purpose::STANDARD.encode(png);
+        // `optimizeSpeed` is the word of SVG 1.1, `pixelated` that of browsers.
+        let rendering =
+            if sharp { " image-rendering=\"optimizeSpeed\" style=\"image-rendering:pixelated\"" } else { "" };
+        self.push(&format!(
+            "<image x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\" preserveAspectRatio=\"none\"{rendering} \
+             href=\"data:image/png;base64,{data}\"/>",
+            number(area.x),
+            number(area.y),
+            number(area.width),
+            number(area.height)
+        ));
+    }
+
+    /// Opens a group of one look, whose title a browser shows on hovering.
+    pub(crate) fn open(&mut self, attributes: &str, title: &str) {
+        self.push(&format!("<g{attributes}>"));
+        if !title.is_empty() {
+            self.push(&format!("<title>{}</title>", text::escape(title)));
+        }
+    }
+
+    pub(crate) fn close(&mut self) {
+        self.push("</g>");
+    }
+
+    /// Opens a window: what leaves it is cut. Without an id, so that several figures can stand in one page.
+    pub(crate) fn open_window(&mut self, area: Area) {
+        let [x, y, w, h] = [area.x, area.y, area.width, area.height].map(number);
+        self.push(&format!(
+            "<svg x=\"{x}\" y=\"{y}\" width=\"{w}\" height=\"{h}\" viewBox=\"{x} {y} {w} {h}\" overflow=\"hidden\">"
+        ));
+    }
+
+    pub(crate) fn close_window(&mut self) {
+        self.push("</svg>");
+    }
+
+    /// A bar of viridis from the bottom up.
+    pub(crate) fn value_bar(&mut self, area: Area) {
+        // One id for all figures: they define the same.
+        self.push("<linearGradient id=\"smalti-viridis\" x1=\"0\" y1=\"1\" x2=\"0\" y2=\"0\">");
+        for i in 0..=17 {
+            let t = f64::from(i) / 17.0;
+            self.push(&format!("<stop offset=\"{t:.4}\" stop-color=\"{}\"/>", Rgb::viridis(t)));
+        }
+        self.push("</linearGradient>");
+        self.push(&format!(
+            "<rect x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\" fill=\"url(#smalti-viridis)\"/>",
+            number(area.x),
+            number(area.y),
+            number(area.width),
+            number(area.height)
+        ));
+    }
+
+    /// The document, on white.
+    pub(crate) fn finish(self, width: f64, height: f64, title: &str, description: &str) -> String {
+        let (w, h) = (number(width), number(height));
+        format!(
+            "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{w}\" height=\"{h}\" viewBox=\"0 0 {w} {h}\" \
+             role=\"img\" font-family=\"{}\">\n<title>{}</title>\n<desc>{}</desc>\n\
+             <rect width=\"{w}\" height=\"{h}\" fill=\"#ffffff\"/>\n{}</svg>\n",
+            text::FAMILY,
+            text::escape(title),
+            text::escape(description),
+            self.body
+        )
+    }
+}

@@ -1,0 +1,214 @@
+//! Mosaics as coloured tiles, side by side.
+
+use crate::color::Rgb;
+use crate::figure::check_size;
+use crate::svg::{Anchor, Area, INK, Paint, SOFT, Svg};
+use crate::text::{Font, bold, clean, plain, wrap};
+use crate::{Figure, FigureError};
+
+/// The most cells of one mosaic: more are too small to tell apart.
+const CELLS_LIMIT: usize = 64 * 64;
+const MARGIN: f64 = 20.0;
+const GAP: f64 = 32.0;
+const TITLE: Font = bold(22.0);
+const CAPTION: Font = bold(17.0);
+const NOTE: Font = plain(14.0);
+
+/// One cell of a mosaic: the letter of its filter and its colour.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Cell {
+    /// Shown in the cell; may be empty.
+    pub letter: String,
+    /// Its colour; [`Rgb::of_transmittance`] gives about that of its filter.
+    pub color: Rgb,
+}
+
+#[derive(Debug, Clone, PartialEq)]
+struct Tile {
+    caption: String,
+    cols: usize,
+    cells: Vec<Cell>,
+}
+
+/// Mosaics side by side, each with its caption. The tile is repeated around itself, paler, so that one sees what the
+/// sensor looks like; a frame shows one period.
+///
+/// ```
+/// use smalti_report::{Cell, Mosaics, Rgb};
+///
+/// let cell = |letter: &str, color| Cell { letter: letter.into(), color };
+/// let (r, g, b) = (cell("R", Rgb(200, 40, 40)), cell("G", Rgb(40, 150, 60)), cell("B", Rgb(40, 70, 190)));
+/// let figure = Mosaics::new().mosaic("Bayer", 2, &[r, g.clone(), g, b]).draw()?;
+/// assert!(figure.svg().contains("Bayer"));
+/// # Ok::<(), smalti_report::FigureError>(())
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct Mosaics {
+    title: String,
+    note: String,
+    columns: usize,
+    side: f64,
+    tiles: Vec<Tile>,
+}
+
+impl Default for Mosaics {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl Mosaics {
+    /// No mosaic yet, five to a row, each 220 pixels wide.
+    #[must_use]
+    pub fn new() -> Self {
+        Self { title: String::new(), note: String::new(), columns: 5, side: 220.0, tiles: Vec::new() }
+    }
+
+    /// The title above all.
+    #[must_use]
+    pub fn title(mut self, title: impl Into<String>) -> Self {
+        self.title = title.into();
+        self
+    }
+
+    /// A note in small print below.
+    #[must_use]
+    pub fn note(mut self, note: impl Into<String>) -> Self {
+        self.note = note.into();
+        self
+    }
+
+    /// Mosaics to a row.
+    #[must_use]
+    pub fn columns(mut self, columns: usize) -> Self {
+        self.columns = columns.max(1);
+        self
+    }
+
+    /// Width of each mosaic in pixels.
+    #[must_use]
+    pub fn side(mut self, side: f64) -> Self {
+        self.side = side;
+        self
+    }
+
+    /// Adds a mosaic: the cells of one tile by rows, `cols` to a row.
+    #[must_use]
+    pub fn mosaic(mut self, caption: impl Into<String>, cols: usize, cells: &[Cell]) -> Self {
+        self.tiles.push(Tile { caption: caption.into(), cols, cells: cells.to_vec() });
+        self
+    }
+
+    /// The figure.
+    ///
+    /// # Errors
+    /// [`FigureError::Nothing`] without a mosaic, [`FigureError::Mosaic`] for one whose cells are no full rows, and
+    /// [`FigureError::Size`].
+    pub fn draw(&self) -> Result<Figure, FigureError> {
+        if self.tiles.is_empty() {
+            return Err(FigureError::Nothing { what: "mosaic" });
+        }
+        for tile in &self.tiles {
+            let cells = tile.cells.len();
+            if cells == 0 || cells > CELLS_LIMIT || tile.cols == 0 || !cells.is_multiple_of(tile.cols) {
+                let caption = clean(&tile.caption);
+                return Err(FigureError::Mosaic { caption, cells, cols: tile.cols, limit: CELLS_LIMIT });
+            }
+        }
+        let columns = self.columns.min(self.tiles.len());
+        check_size(self.side, self.side)?;
+        let width = 2.0 * MARGIN + columns as f64 * (self.side + GAP) - GAP;
+        let captions: Vec<Vec<String>> =
+            self.tiles.iter().map(|t| wrap(&t.caption, CAPTION, self.side, 3)).collect();
+        let caption_height =
+            captions.iter().map(Vec::len).max().unwrap_or(0) as f64 * CAPTION.size * 1.25 + 12.0;
+        let mut svg = Svg::default();
+        let mut top = MARGIN;
+        for line in wrap(&self.title, TITLE, width - 2.0 * MARGIN, 3) {
+            top += TITLE.size * 1.25;
+            svg.text((MARGIN, top - 6.0), Anchor::Start, TITLE, INK, &line);
+        }
+        if top > MARGIN {
+            top += 12.0;
+        }
+        for ((row, tiles), captions) in self.tiles.chunks(columns).enumerate().zip(captions.chunks(columns)) {
+            let y = top + row as f64 * (self.side + caption_height + 16.0);
+            for ((column, tile), caption) in tiles.iter().enumerate().zip(captions) {
+                let x = MARGIN + column as f64 * (self.side + GAP);
+                draw_tile(&mut svg, tile, Area { x, y, width: self.side, height: self.side });
+                for (i, line) in caption.iter().enumerate() {
+                    let base = y + self.side + 24.0 + i as f64 * CAPTION.size * 1.25;
+                    svg.text((x + 0.5 * self.side, base), Anchor::Middle, CAPTION, INK, line);
+                }
+            }
+        }
+        let mut bottom =
+            top + self.tiles.chunks(columns).count() as f64 * (self.side + caption_height + 16.0);
+        for line in wrap(&self.note, NOTE, width - 2.0 * MARGIN, 4) {
+            bottom += NOTE.size * 1.3;
+            svg.text((MARGIN, bottom - 4.0), Anchor::Start, NOTE, SOFT, &line);
+        }
+        let names: Vec<String> = self.tiles.iter().map(described).collect();
+        let title = if self.title.is_empty() { "Mosaics" } else { self.title.as_str() };
+        Figure::new(
+            svg,
+            width,
+            (bottom + MARGIN - 8.0).ceil(),
+            title,
+            &format!("{} {}", names.join(" "), self.note),
+        )
+    }
+}
+
+/// The mosaic in words: its rows of letters.
+fn described(tile: &Tile) -> String {
+    let rows: Vec<String> = tile
+        .cells
+        .chunks(tile.cols.max(1))
+        .map(|row| row.iter().map(|c| c.letter.as_str()).collect::<Vec<_>>().join(" "))
+        .collect();
+    format!("{}: {}.", tile.caption, rows.join(" / "))
+}
+
+fn draw_tile(svg: &mut Svg, tile: &Tile, area: Area) {
+    let (cols, rows) = (tile.cols, tile.cells.len() / tile.cols.max(1));
+    // Half of a period around it, at least one cell; a large tile stands alone.
+    let around = if cols.max(rows) > 8 { 0 } else { (cols.max(rows) / 2).max(1) };
+    let (shown_cols, shown_rows) = (cols + 2 * around, rows + 2 * around);
+    let pitch = area.width / shown_cols.max(shown_rows) as f64;
+    let x0 = area.x + 0.5 * (area.width - pitch * shown_cols as f64);
+    let y0 = area.y + 0.5 * (area.height - pitch * shown_rows as f64);
+    let size = (pitch * 0.42).min(26.0);
+    svg.open("", &tile.caption);
+    for row in 0..shown_rows {
+        for col in 0..shown_cols {
+            let (r, c) = ((row + rows * around - around) % rows, (col + cols * around - around) % cols);
+            let Some(cell) = tile.cells.get(r * cols + c) else { continue };
+            let inside = (around..around + rows).contains(&row) && (around..around + cols).contains(&col);
+            let color = if inside { cell.color } else { cell.color.mix(Rgb(255, 255, 255), 0.62) };
+            let (x, y) = (x0 + pitch * col as f64, y0 + pitch * row as f64);
+            svg.rect(
+                Area { x, y, width: pitch, height: pitch },
+                Paint {
+                    fill: Some((color, 1.0)),
+                    stroke: Some((Rgb(255, 255, 255), (pitch * 0.04).min(2.0))),
+                    dashed: false,
+                },
+            );
+            if inside && size >= 7.0 {
+                let at = (x + 0.5 * pitch, y + 0.5 * pitch + size * 0.36);
+                svg.text(at, Anchor::Middle, bold(size), cell.color.ink(), &cell.letter);
+            }
+        }
+    }
+    if around > 0 {
+        let frame = Area {
+            x: x0 + pitch * around as f64,
+            y: y0 + pitch * around as f64,
+            width: pitch * cols as f64,
+            height: pitch * rows as f64,
+        };
+        svg.rect(frame, Paint::stroke(INK, 2.4));
+    }
+    svg.close();
+}

@@ -1,0 +1,280 @@
+//! A study: families of filters and mosaics before cameras, and the designs that it has, numbered.
+
+use serde::{Deserialize, Serialize};
+
+use super::error::DesignError;
+use super::filters::{FilterFamily, FilterSet};
+use super::learned::LessonSettings;
+use super::mosaics::MosaicFamily;
+use super::permutation::Permutation;
+use crate::camera::{CameraDescription, CameraError};
+use crate::sensor::{Cfa, Channel, Mosaic};
+use crate::spectrum::{Illuminant, WavelengthGrid};
+
+/// Separates the choice of filters from other uses of the same seed.
+const PURPOSE: u32 = 0x4453_4E03;
+
+/// Sets of filters that are made at once and kept.
+const MAX_MADE: u64 = 64;
+
+/// What makes a picture of the raw samples of a design.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+#[non_exhaustive]
+pub enum Processing {
+    /// That of the camera's description: demosaicking, one matrix for colour.
+    Classic,
+    /// A pipeline learned for the design.
+    L3,
+}
+
+/// A value of a condition.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[serde(untagged)]
+pub enum ConditionValue {
+    /// In the unit of its key.
+    Number(f64),
+    /// A name.
+    Text(String),
+}
+
+/// What designs are seen under.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Condition {
+    /// What sets this condition apart: the same keys, in the same order, in every condition of a study.
+    pub values: Vec<(String, ConditionValue)>,
+    /// Mean luminance of the targets, cd/m².
+    pub luminance_cd_m2: f64,
+    /// The light of the targets.
+    #[serde(serialize_with = "name_of_light")]
+    pub illuminant: Illuminant,
+    /// The camera. Its own colour filter array is not used.
+    pub camera: CameraDescription,
+}
+
+fn name_of_light<S: serde::Serializer>(light: &Illuminant, to: S) -> Result<S::Ok, S::Error> {
+    match light {
+        // A name alone would not say what was in the file.
+        Illuminant::Measured { name, power } => {
+            (name, power.grid().start_nm(), power.grid().step_nm(), power.values()).serialize(to)
+        }
+        named => named.name().serialize(to),
+    }
+}
+
+/// A study, resolved: it alone says what every design is.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Study {
+    /// What it is called.
+    pub name: String,
+    /// Decides which designs are drawn, and the noise of the captures: the same for every design.
+    pub seed: u64,
+    /// Numbers of colours.
+    pub colors: Vec<usize>,
+    /// The filters.
+    pub filters: FilterFamily,
+    /// Sets of filters for each number of colours; all when `None`.
+    pub filter_sets: Option<u64>,
+    /// The mosaics, each with every set of filters.
+    pub mosaics: MosaicFamily,
+    /// Mosaics for each number of colours; all when `None`.
+    pub mosaic_count: Option<u64>,
+    /// Every design under every condition.
+    pub conditions: Vec<Condition>,
+    /// Every design with every processing.
+    pub processing: Vec<Processing>,
+    /// How pipelines of designs are learned.
+    pub l3: LessonSettings,
+    /// Whether aliasing on the zone plate is scored too.
+    pub aliasing: bool,
+}
+
+/// One design under one condition.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Design {
+    /// Its number in the study, from 0.
+    pub number: u64,
+    /// Index of the condition.
+    pub condition: usize,
+    /// What makes the picture.
+    pub processing: Processing,
+    /// The filters, ascending in wavelength.
+    pub filters: FilterSet,
+    /// Channel i has filter i.
+    pub mosaic: Mosaic,
+}
+
+impl Design {
+    /// The colour filter array; channels are named A, B, C, …
+    ///
+    /// # Errors
+    /// When a filter cannot be sampled on the grid.
+    pub fn cfa(&self, grid: WavelengthGrid) -> Result<Cfa, CameraError> {
+        let channel = |(i, filter): (usize, &crate::sensor::Filter)| {
+            Ok(Channel { name: letter(i).to_string(), transmittance: filter.spectrum(grid)? })
+        };
+        let channels =
+            self.filters.filters.iter().enumerate().map(channel).collect::<Result<_, CameraError>>()?;
+        Ok(Cfa::new(self.filters.label.clone(), self.mosaic.clone(), channels)?)
+    }
+
+    /// The tile in letters, rows apart by `/`: `a` is the filter of the shortest wavelengths.
+    #[must_use]
+    pub fn tile(&self) -> String {
+        let row = |cells: &[u8]| cells.iter().map(|&c| letter(usize::from(c)).to_ascii_lowercase()).collect();
+        self.mosaic.cells().chunks(self.mosaic.cols().max(1)).map(row).collect::<Vec<String>>().join("/")
+    }
+}
+
+fn letter(i: usize) -> char {
+    char::from(b'A' + (i % 26) as u8)
+}
+
+/// Designs of one number of colours.
+#[derive(Debug, Clone)]
+struct Group {
+    colors: usize,
+    sets: u64,
+    /// Which set of the family comes first, second, …; `None` where all are taken in their order.
+    order: Option<Permutation>,
+    /// The sets, where they are few: some take long to make, and come again with every mosaic.
+    made: Vec<FilterSet>,
+    mosaics: Vec<Mosaic>,
+}
+
+impl Group {
+    fn len(&self) -> Option<u64> {
+        self.sets.checked_mul(self.mosaics.len() as u64)
+    }
+
+    fn set(&self, family: &FilterFamily, index: u64) -> Result<FilterSet, DesignError> {
+        if let Some(set) = self.made.get(index as usize) {
+            return Ok(set.clone());
+        }
+        let index = u128::from(index);
+        family.set(self.colors, self.order.as_ref().and_then(|o| o.at(index)).unwrap_or(index))
+    }
+}
+
+/// The designs of a study. Any of them is found by its number alone; of mosaics a list is kept.
+///
+/// Numbers run over the sets of filters first, then mosaics, numbers of colours, processing, conditions: what is slowest to
+/// prepare changes least often.
+#[derive(Debug, Clone)]
+pub struct Designs {
+    study: Study,
+    groups: Vec<Group>,
+    /// Under one condition with one processing.
+    per_setup: u64,
+    count: u64,
+}
+
+impl Designs {
+    /// Counts the designs and draws the mosaics.
+    ///
+    /// # Errors
+    /// When a family refuses a key, more designs are asked for than it has, or there is no design at all.
+    pub fn new(study: Study) -> Result<Self, DesignError> {
+        let group = |&colors: &usize| {
+            let available = study.filters.count(colors)?;
+            let sets = match study.filter_sets {
+                Some(wanted) if u128::from(wanted) > available && available > 0 => {
+                    return Err(DesignError::TooFewSets { colors, wanted, available });
+                }
+                Some(_) if available == 0 => 0,
+                Some(wanted) => wanted,
+                None => {
+                    u64::try_from(available).map_err(|_| DesignError::TooManySets { colors, available })?
+                }
+            };
+            let order = (u128::from(sets) < available)
+                .then(|| Permutation::new(available, study.seed, PURPOSE, colors as u32));
+            let mosaics = match study.mosaics.count(colors) {
+                Ok(0) => Vec::new(),
+                _ => study.mosaics.pick(colors, study.mosaic_count, study.seed)?,
+            };
+            let mut group = Group { colors, sets, order, made: Vec::new(), mosaics };
+            if sets <= MAX_MADE {
+                group.made = (0..sets).map(|i| group.set(&study.filters, i)).collect::<Result<_, _>>()?;
+            }
+            Ok(group)
+        };
+        let groups = study.colors.iter().map(group).collect::<Result<Vec<_>, DesignError>>()?;
+        let too_many = || DesignError::TooManyDesigns;
+        let per_setup = groups.iter().try_fold(0u64, |n, g| n.checked_add(g.len()?)).ok_or_else(too_many)?;
+        let setups = (study.conditions.len() as u64).checked_mul(study.processing.len() as u64);
+        let count = setups.and_then(|n| n.checked_mul(per_setup)).ok_or_else(too_many)?;
+        if count == 0 {
+            return Err(DesignError::NoDesign {
+                colors: study.colors.clone(),
+                sets: groups.iter().map(|g| g.sets).collect(),
+                mosaics: groups.iter().map(|g| g.mosaics.len() as u64).collect(),
+            });
+        }
+        Ok(Self { study, groups, per_setup, count })
+    }
+
+    /// The study.
+    #[must_use]
+    pub fn study(&self) -> &Study {
+        &self.study
+    }
+
+    /// The number of designs, under all conditions.
+    #[must_use]
+    pub fn len(&self) -> u64 {
+        self.count
+    }
+
+    /// Never: a study without a design is refused.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.count == 0
+    }
+
+    /// Per number of colours: sets of filters and mosaics.
+    pub fn groups(&self) -> impl Iterator<Item = (usize, u64, usize)> {
+        self.groups.iter().map(|g| (g.colors, g.sets, g.mosaics.len()))
+    }
+
+    /// The condition of a design.
+    #[must_use]
+    pub fn condition_of(&self, number: u64) -> usize {
+        (number / (self.per_setup * self.study.processing.len() as u64)) as usize
+    }
+
+    /// The first design after `number` that has another condition.
+    #[must_use]
+    pub fn end_of_condition(&self, number: u64) -> u64 {
+        (self.condition_of(number) as u64 + 1) * self.per_setup * self.study.processing.len() as u64
+    }
+
+    /// The design of a number.
+    ///
+    /// # Errors
+    /// When there are not so many, or a filter cannot be made.
+    pub fn design(&self, number: u64) -> Result<Design, DesignError> {
+        let beyond = || DesignError::NoSuchDesign { number, count: self.count };
+        if number >= self.count {
+            return Err(beyond());
+        }
+        let (setup, mut rest) = (number / self.per_setup, number % self.per_setup);
+        let processings = self.study.processing.len() as u64;
+        for group in &self.groups {
+            let here = group.len().unwrap_or(0);
+            if rest >= here {
+                rest -= here;
+                continue;
+            }
+            let (mosaic, set) = (rest / group.sets, rest % group.sets);
+            return Ok(Design {
+                number,
+                condition: (setup / processings) as usize,
+                processing: *self.study.processing.get((setup % processings) as usize).ok_or_else(beyond)?,
+                filters: group.set(&self.study.filters, set)?,
+                mosaic: group.mosaics.get(mosaic as usize).ok_or_else(beyond)?.clone(),
+            });
+        }
+        Err(beyond())
+    }
+}
