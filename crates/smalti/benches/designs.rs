@@ -1,4 +1,5 @@
 //! Scoring of designs on kept targets: the camera of table 1 of "Resolution in Color Filter Array Images", 3 to 7 colours.
+#![allow(clippy::expect_used)]
 
 use std::hint::black_box;
 

@@ -67,8 +67,11 @@ pub struct Targets {
     brightest: Vec<f64>,
     zone_plate: Option<ZonePlate>,
     seed: u64,
-    kept: Arc<Mutex<VecDeque<(Mosaic, Option<Arc<Prepared>>)>>>,
+    kept: Arc<Mutex<Kept>>,
 }
+
+/// Mosaics with what scoring them needs; none where it cannot be done by filters.
+type Kept = VecDeque<(Mosaic, Option<Arc<Prepared>>)>;
 
 /// Mosaics of which is kept what scoring needs: those of a study of filters, one for each number of colours.
 const KEPT_MOSAICS: usize = 8;

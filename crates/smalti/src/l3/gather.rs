@@ -23,8 +23,9 @@ const BAND_ROWS: usize = 128;
 const TASK_ROWS: usize = 16;
 /// Patches of a class that are summed by themselves.
 const PART_PATCHES: usize = 4096;
-/// Patches that lie in the cache while they are summed.
-const BATCH: usize = 64;
+/// Doubles of patches that lie in the innermost cache while they are summed, beside the sums: 16 KiB. There is a neighbour on the
+/// same core that wants its share.
+const BATCH: usize = 2048;
 /// Bits of a class number that one pass of sorting takes.
 const DIGIT_BITS: u32 = 11;
 /// Lists shorter than this are sorted by comparison: counting has 2¹¹ places to clear.
@@ -220,6 +221,8 @@ fn sort(entries: &mut Vec<u64>, most: u64) {
 const LANES: usize = 8;
 /// Rows of Σ z zᵀ that are summed in registers at a time.
 const BLOCK: usize = 8;
+/// And columns; z with what rounds it up has at least as many values.
+const WIDTH: usize = 2 * LANES;
 
 /// What a thread keeps between classes.
 #[derive(Default)]
@@ -240,7 +243,7 @@ struct Patches<'a> {
 impl Patches<'_> {
     /// Length of z, rounded up to whole registers.
     fn stride(&self) -> usize {
-        (1 + self.side * self.side + self.outputs).next_multiple_of(LANES)
+        (1 + self.side * self.side + self.outputs).next_multiple_of(LANES).max(WIDTH)
     }
 
     /// Σ z zᵀ over pixels of the band: what is on and right of the diagonal is right, the rest is not.
@@ -248,11 +251,15 @@ impl Patches<'_> {
         let stride = self.stride();
         scratch.sums.clear();
         scratch.sums.resize(stride * stride, 0.0);
+        let count = (BATCH / stride).max(1);
         // Rows of a patch are copied in whole registers, which may reach beyond the last z.
-        scratch.batch.resize(BATCH * stride + 2 * LANES, 0.0);
-        let sums = &mut scratch.sums;
-        for part in pixels.chunks(BATCH) {
-            dispatch(Products { patches: self, pixels: part, batch: &mut scratch.batch, stride, sums });
+        let len = count * stride + 2 * LANES;
+        scratch.batch.resize(len + LANES, 0.0);
+        // A register that lies in two lines of the cache takes twice as long to read.
+        let first = scratch.batch.as_ptr().align_offset(LANES * size_of::<f64>()).min(LANES);
+        let (batch, sums) = (&mut scratch.batch[first..first + len], &mut scratch.sums);
+        for part in pixels.chunks(count) {
+            dispatch(Products { patches: self, pixels: part, batch, stride, sums });
         }
     }
 
@@ -311,39 +318,36 @@ impl Kernel for Products<'_, '_> {
         }
         let batch = &self.batch[..self.pixels.len() * n];
         for i in (0..n).step_by(BLOCK) {
-            let mut j = i;
-            while j + 2 * LANES <= n {
-                block::<{ 2 * LANES }>(batch, n, i, j, self.sums);
-                j += 2 * LANES;
-            }
-            if j < n {
-                block::<LANES>(batch, n, i, j, self.sums);
+            for j in (i..n).step_by(WIDTH) {
+                block(batch, n, i, j, self.sums);
             }
         }
     }
 }
 
-/// Rows `i..i + BLOCK`, columns `j..j + W`.
+/// Rows `i..i + BLOCK`, the columns `j..j + WIDTH` that there are. Where fewer are left, those before are summed with them and
+/// dropped: code for one width alone is what compilers keep in registers, and no z is shorter.
 #[inline(always)]
-fn block<const W: usize>(batch: &[f64], n: usize, i: usize, j: usize, sums: &mut [f64]) {
-    let mut acc = [[0.0f64; W]; BLOCK];
+fn block(batch: &[f64], n: usize, i: usize, j: usize, sums: &mut [f64]) {
+    let from = j.min(n.saturating_sub(WIDTH));
+    let mut acc = [[0.0f64; WIDTH]; BLOCK];
     for z in batch.chunks_exact(n) {
         let (Some(left), Some(right)) = (
             z.get(i..i + BLOCK).and_then(|s| s.first_chunk::<BLOCK>()),
-            z.get(j..j + W).and_then(|s| s.first_chunk::<W>()),
+            z.get(from..from + WIDTH).and_then(|s| s.first_chunk::<WIDTH>()),
         ) else {
             return;
         };
         for r in 0..BLOCK {
-            for c in 0..W {
+            for c in 0..WIDTH {
                 acc[r][c] += left[r] * right[c];
             }
         }
     }
     for (r, row) in acc.iter().enumerate() {
-        let at = (i + r) * n + j;
-        if let Some(out) = sums.get_mut(at..at + W) {
-            out.iter_mut().zip(row).for_each(|(o, v)| *o += v);
+        let at = (i + r) * n;
+        if let Some(out) = sums.get_mut(at + j..at + from + WIDTH) {
+            out.iter_mut().zip(&row[j - from..]).for_each(|(o, v)| *o += v);
         }
     }
 }

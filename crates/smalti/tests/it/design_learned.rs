@@ -1,4 +1,5 @@
 //! Pipelines of designs' own: laws, and against classic processing.
+#![allow(clippy::unwrap_used)]
 
 use smalti::camera::{
     Camera, CameraDescription, CameraError, EvaluationSettings, ScoreSettings, Setup, compare_on,

@@ -1,4 +1,5 @@
 //! Scores of designs on kept targets, against those of `evaluate`.
+#![allow(clippy::unwrap_used)]
 
 use smalti::camera::description::{DemosaicName, PatternDescription};
 use smalti::camera::{Camera, CameraDescription, EvaluationSettings, evaluate};
