@@ -115,7 +115,7 @@ pub(crate) struct SweepArgs {
     smalti report out --json > out.json                 the same as one document\n\n\
     ΔE is the mean of the ColorChecker (CIELAB 1976), MTF50 that of a slanted edge in cycles/mm on the sensor, noise that of the \
     luminance of grey patches in percent. The best design of a number of colours is the one of least ΔE among those \
-    whose MTF50 is not below the median.\n\n\
+    whose MTF50 is not below the median; where only mosaics differ, that of the largest MTF50.\n\n\
     Figures are written as SVG and PNG; report.json is removed first and written last: a folder that has it is whole.")]
 pub(crate) struct ReportArgs {
     /// Folders of results (smalti sweep), complete or not

@@ -3,9 +3,10 @@
 use std::collections::BTreeMap;
 use std::ops::Range;
 
+use smalti::design::Design;
 use smalti::design::statistics::{Objective, Rule, Summary, best_per_group, pareto_front, summarize_groups};
 
-use super::results::Results;
+use super::results::{Results, plain};
 
 /// Of each interval by itself.
 pub(crate) const CONFIDENCE: f64 = 0.95;
@@ -16,6 +17,29 @@ const MAX_NAMED: usize = 20_000;
 /// Most names in a table.
 const MAX_LABELS: usize = 40;
 
+/// What makes the best design.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Choice {
+    /// Least ΔE with MTF50 not below the median.
+    Color,
+    /// Largest MTF50, as the paper chose mosaics: with the same filters in each, ΔE differs by rounding.
+    Sharpness,
+}
+
+impl Choice {
+    fn of(results: &Results) -> Self {
+        let mut groups = results.designs.groups().filter(|(_, sets, mosaics)| sets * *mosaics as u64 > 0);
+        if groups.all(|(_, sets, _)| sets == 1) { Self::Sharpness } else { Self::Color }
+    }
+
+    pub(crate) fn words(self) -> &'static str {
+        match self {
+            Self::Color => "least ΔE with MTF50 not below the median",
+            Self::Sharpness => "largest MTF50, since the filters are the same in every mosaic",
+        }
+    }
+}
+
 /// The designs of one condition with one processing; rows are those of the results.
 pub(crate) struct Section<'a> {
     pub(crate) results: &'a Results,
@@ -23,6 +47,7 @@ pub(crate) struct Section<'a> {
     /// Condition and processing in words; empty where the study has one of each.
     pub(crate) name: String,
     pub(crate) rows: Range<usize>,
+    pub(crate) choice: Choice,
     pub(crate) groups: Vec<Group>,
     /// Designs that none beats in ΔE, MTF50 and luminance noise at once; from the sharpest down.
     pub(crate) front: Vec<usize>,
@@ -37,7 +62,7 @@ pub(crate) struct Group {
     pub(crate) mtf50: Summary,
     pub(crate) noise: Summary,
     pub(crate) aliasing: Option<Summary>,
-    /// The best designs, best first: least ΔE with MTF50 not below the median.
+    /// The best designs by the choice of the section, best first.
     pub(crate) best: Vec<usize>,
     /// The design of largest ΔE.
     pub(crate) worst: Option<usize>,
@@ -64,7 +89,15 @@ impl<'a> Section<'a> {
         let colors = results.colors.get(rows.clone()).unwrap_or_default();
         let [delta_e, mtf50, noise] = [&results.delta_e, &results.mtf50, &results.noise].map(|c| part(c));
         let summaries = |column| summarize_groups(colors, column, CONFIDENCE);
-        let rule = Rule::Keeping { best: Objective::lower(delta_e), keep: Objective::higher(mtf50) };
+        let choice = Choice::of(results);
+        let rule = match choice {
+            Choice::Color => {
+                Rule::Keeping { best: Objective::lower(delta_e), keep: Objective::higher(mtf50) }
+            }
+            Choice::Sharpness => {
+                Rule::Lexicographic(vec![Objective::higher(mtf50), Objective::lower(delta_e)])
+            }
+        };
         let best = best_per_group(colors, &rule, BEST)?;
         let worst = best_per_group(colors, &Rule::Lexicographic(vec![Objective::higher(delta_e)]), 1)?;
         let mut aliasing = match &results.aliasing {
@@ -95,7 +128,7 @@ impl<'a> Section<'a> {
         let mtf50_of = |r: &usize| results.mtf50.get(*r).copied().unwrap_or(f64::NAN);
         front.sort_by(|a, b| mtf50_of(b).total_cmp(&mtf50_of(a)));
         let labels = labels(results, rows.clone())?;
-        Ok(Self { results, setup, name: results.setup_name(setup), rows, groups, front, labels })
+        Ok(Self { results, setup, name: results.setup_name(setup), rows, choice, groups, front, labels })
     }
 
     /// Study, condition and processing in words.
@@ -143,11 +176,18 @@ fn labels(
     }
     for row in rows {
         let colors = results.colors.get(row).copied().unwrap_or_default();
-        let label = super::results::plain(&results.design(row)?.filters.label);
+        let label = label(&results.design(row)?);
         labels.entry(label).or_default().entry(colors).or_default().push(row);
         if labels.len() > MAX_LABELS {
             return Ok(BTreeMap::new());
         }
     }
     Ok(labels)
+}
+
+/// What the filters of a design are called, without their number, which stands beside it.
+pub(crate) fn label(design: &Design) -> String {
+    let label = plain(&design.filters.label);
+    let number = format!(", {}", design.filters.filters.len());
+    label.strip_suffix(&number).unwrap_or(&label).to_owned()
 }

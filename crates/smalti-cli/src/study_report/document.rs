@@ -21,7 +21,6 @@ pub(crate) fn document(
     Ok(json!({
         "smalti_version": env!("CARGO_PKG_VERSION"),
         "confidence": CONFIDENCE,
-        "best_by": "least delta_e_76 among the designs whose mtf50_cy_per_mm is not below the median of their number of colours",
         "studies": studies,
         "figures": figures,
         "notes": notes,
@@ -72,6 +71,7 @@ fn section(section: &Section<'_>) -> anyhow::Result<Value> {
         }))
     };
     let groups = section.groups.iter().map(group).collect::<anyhow::Result<Vec<_>>>()?;
+    out.insert("best_by".into(), section.choice.words().into());
     out.insert("colors".into(), groups.into());
     let mut filters = Vec::new();
     for (label, colors) in &section.labels {

@@ -1,7 +1,7 @@
 //! Clouds of designs, their means and fronts.
 
 use smalti::design::statistics::{Objective, Summary, pareto_front, quantile_of_sorted};
-use smalti_report::{Corner, Histogram, Line, OKABE_ITO, Panels, Plot, Points, Rgb, Symbol};
+use smalti_report::{Corner, Histogram, Line, OKABE_ITO, Panels, Plot, Points, Rgb, Scale, Symbol};
 
 use super::answers::{Group, Section};
 use super::{Book, filters};
@@ -25,8 +25,13 @@ pub(super) const NAMES: [&str; 13] = [
 const MTF50: &str = "MTF50 (cy/mm)";
 const DELTA_E: &str = "Mean colour difference ΔE*ab";
 const BEST_WHERE: &str = "Lower right is best.";
-/// Share of the designs that the range of ΔE shows: few bad ones would press the others to the axis.
-const SHOWN: f64 = 0.995;
+/// Designs between which the axis of MTF50 reaches: few odd ones would press the others together.
+const SHOWN: [f64; 2] = [0.002, 0.99];
+/// Ratio of the largest to the least ΔE from which its axis is logarithmic.
+const LOGARITHMIC: f64 = 6.0;
+/// Designs between which histograms reach, and how many bins they have.
+const HISTOGRAM: [f64; 2] = [0.005, 0.98];
+const BINS: f64 = 60.0;
 /// Most designs of filters by rule that are drawn as marks.
 const MAX_MARKS: usize = 400;
 const SYMBOLS: [Symbol; 5] =
@@ -62,25 +67,37 @@ fn sorted(mut values: Vec<f64>) -> Vec<f64> {
     values
 }
 
-/// The end of the axis of ΔE.
-fn top(delta_e: &[f64]) -> Option<f64> {
-    let sorted = sorted(delta_e.to_vec());
-    let (top, last) = (quantile_of_sorted(&sorted, SHOWN), *sorted.last()?);
-    // An axis that leaves nothing out needs no note.
-    Some(1.04 * if last < 1.3 * top { last } else { top })
+/// The ends of an axis: all but few designs that would press the others together. An axis that would leave out little more
+/// than its margin shows all.
+fn ends(values: &[f64], shares: [f64; 2]) -> Option<(f64, f64)> {
+    let sorted = sorted(values.to_vec());
+    let (first, last) = (*sorted.first()?, *sorted.last()?);
+    let [low, high] = shares.map(|share| quantile_of_sorted(&sorted, share));
+    let reach = 0.25 * (high - low);
+    let low = if first > low - reach { first } else { low };
+    let high = if last < high + reach { last } else { high };
+    (low < high).then_some((low, high))
+}
+
+/// An axis of ΔE: logarithmic where designs differ by much.
+fn with_delta_e(plot: Plot, values: impl Iterator<Item = f64>) -> Plot {
+    let (low, high) = values.fold((f64::INFINITY, 0.0f64), |(l, h), v| (l.min(v), h.max(v)));
+    if low > 0.0 && high > LOGARITHMIC * low {
+        return plot.y_scale(Scale::Log).y_range(low / 1.15, high * 1.15);
+    }
+    if high > 0.0 { plot.y_range(0.0, 1.05 * high) } else { plot }
 }
 
 /// The axes that all clouds of a section share.
 fn axes(section: &Section<'_>) -> Plot {
     let [mtf50, delta_e, _] = columns(section, section.rows.clone());
-    let plot = Plot::new(MTF50, DELTA_E);
-    let mtf50 = sorted(mtf50);
-    match (top(&delta_e), mtf50.first(), mtf50.last()) {
-        (Some(top), Some(first), Some(last)) if top > 0.0 && first < last => {
-            let margin = 0.03 * (last - first);
-            plot.y_range(0.0, top).x_range(first - margin, last + margin)
+    let plot = with_delta_e(Plot::new(MTF50, DELTA_E), delta_e.iter().copied());
+    match ends(&mtf50, SHOWN) {
+        Some((low, high)) => {
+            let margin = 0.03 * (high - low);
+            plot.x_range(low - margin, high + margin)
         }
-        _ => plot,
+        None => plot,
     }
 }
 
@@ -127,12 +144,8 @@ pub(super) fn of_section(section: &Section<'_>, book: &mut Book) -> anyhow::Resu
     drop((x, y, noise));
 
     front(section, book)?;
-    for (name, label, digits, of) in [
-        ("histogram-delta-e", DELTA_E, 1, (|g| g.delta_e) as fn(&Group) -> Summary),
-        ("histogram-mtf50", MTF50, 0, |g| g.mtf50),
-    ] {
-        histograms(section, name, label, digits, of, book)?;
-    }
+    histograms(section, "histogram-delta-e", "Colour error", DELTA_E, 1, |g| &g.delta_e, book)?;
+    histograms(section, "histogram-mtf50", "Resolution", MTF50, 0, |g| &g.mtf50, book)?;
     filters::of_section(section, book)
 }
 
@@ -172,42 +185,39 @@ fn front(section: &Section<'_>, book: &mut Book) -> anyhow::Result<()> {
     book.save("pareto-front", &plot.draw()?, 2.0)
 }
 
+/// Histograms of column `column` of [`columns`], a panel for each number of colours.
 fn histograms(
     section: &Section<'_>,
     name: &str,
+    title: &str,
     label: &str,
-    digits: usize,
-    of: fn(&Group) -> Summary,
+    column: usize,
+    summary: fn(&Group) -> &Summary,
     book: &mut Book,
 ) -> anyhow::Result<()> {
+    let values = |rows: &mut dyn Iterator<Item = usize>| {
+        columns(section, rows).into_iter().nth(column).unwrap_or_default()
+    };
     let mut panels = Panels::new(3)
-        .title(format!(
-            "{}, {}",
-            if name.ends_with("mtf50") { "Resolution" } else { "Colour error" },
-            section.title()
-        ))
+        .title(format!("{title}, {}", section.title()))
         .note("Above the bars: the mean, and the interval that holds 90 % of the designs.")
         .without_legend();
-    let all = columns(section, section.rows.clone());
-    let column = |c: &[Vec<f64>; 3]| if name.ends_with("mtf50") { c[0].clone() } else { c[1].clone() };
-    let range = if name.ends_with("mtf50") {
-        let all = sorted(column(&all));
-        all.first().copied().zip(all.last().copied())
-    } else {
-        top(&column(&all)).map(|t| (0.0, t))
-    };
-    for group in section.groups.iter().filter(|g| of(g).count > 0) {
-        let summary = of(group);
-        let values = column(&columns(section, section.rows_of(group.colors)));
+    let range = ends(&values(&mut section.rows.clone()), HISTOGRAM);
+    for group in section.groups.iter().filter(|g| summary(g).count > 0) {
+        let Summary { mean, p05, p95, .. } = summary(group);
+        let histogram = Histogram::new("", &values(&mut section.rows_of(group.colors)))
+            .color(color(group.colors))
+            .interval(p05.value, mean.value, p95.value);
         let mut plot = Plot::new(label, "Designs per bin")
-            .title(format!("{}: {:.digits$}", colours(group.colors), summary.mean.value))
-            .histogram(Histogram::new("", &values).color(color(group.colors)).interval(
-                summary.p05.value,
-                summary.mean.value,
-                summary.p95.value,
-            ));
-        if let Some((low, high)) = range.filter(|(low, high)| low < high) {
-            plot = plot.x_range(low, high);
+            .title(format!(
+                "{}: mean {:.*}",
+                colours(group.colors),
+                if mean.value < 20.0 { 2 } else { 1 },
+                mean.value
+            ))
+            .histogram(histogram);
+        if let Some((low, high)) = range {
+            plot = plot.x_range(low, high).bin_width((high - low) / BINS);
         }
         panels = panels.panel(plot);
     }
@@ -217,17 +227,21 @@ fn histograms(
 /// Figures of all sections at once: means, and filters by rule over the cloud.
 pub(super) fn together(sections: &[&Section<'_>], book: &mut Book) -> anyhow::Result<()> {
     let several = sections.len() > 1;
-    let shown = sections.get(..SYMBOLS.len().min(sections.len())).unwrap_or_default();
-    let title = if several {
-        String::from("Means")
-    } else {
-        format!("Means, {}", shown.first().map_or_else(String::new, |s| s.title()))
-    };
-    let mut plot =
-        Plot::new(MTF50, DELTA_E).title(title).note(format!("Bars hold 90 % of the designs. {BEST_WHERE}"));
-    for (section, symbol) in shown.iter().zip([Symbol::Square].iter().chain(&SYMBOLS)) {
+    let symbols = [Symbol::Square].into_iter().chain(SYMBOLS);
+    let Some(first) = sections.first() else { return Ok(()) };
+    let mut note = format!("Bars hold 90 % of the designs. {BEST_WHERE}");
+    if several {
+        note = format!("Squares: {}. {note}", first.title());
+    }
+    let shown: Vec<_> = sections.iter().zip(symbols).collect();
+    let bounds =
+        shown.iter().flat_map(|(s, _)| &s.groups).flat_map(|g| [g.delta_e.p05.value, g.delta_e.p95.value]);
+    let mut plot = with_delta_e(Plot::new(MTF50, DELTA_E), bounds.filter(|v| v.is_finite()))
+        .title(if several { "Means".to_owned() } else { format!("Means, {}", first.title()) })
+        .note(note);
+    for (i, (section, symbol)) in shown.iter().enumerate() {
         for group in section.groups.iter().filter(|g| g.delta_e.count > 0) {
-            let name = if several { section.title() } else { colours(group.colors) };
+            let name = if i > 0 { section.title() } else { colours(group.colors) };
             plot = plot.points(mean(group, &name).color(color(group.colors)).symbol(*symbol));
         }
     }
@@ -241,34 +255,42 @@ pub(super) fn together(sections: &[&Section<'_>], book: &mut Book) -> anyhow::Re
 
 /// Filters by rule, over the designs and means of a cloud where there is one.
 fn by_rule(rules: &Section<'_>, cloud: Option<&Section<'_>>, book: &mut Book) -> anyhow::Result<()> {
-    let mut plot = match cloud {
-        Some(cloud) => axes(cloud).title(format!("{} over {}", rules.title(), cloud.title())),
-        None => Plot::new(MTF50, DELTA_E).title(rules.title()),
+    let own = rules.rows.clone().map(|r| rules.scores(r));
+    let means = cloud.iter().flat_map(|c| &c.groups).map(|g| [g.delta_e.mean.value, g.mtf50.mean.value, 0.0]);
+    let marks: Vec<[f64; 3]> = own.chain(means).filter(|s| s[0].is_finite()).collect();
+    let mut plot = with_delta_e(Plot::new(MTF50, DELTA_E), marks.iter().map(|m| m[0])).size(900.0, 760.0);
+    let (low, high) = marks.iter().fold((f64::INFINITY, 0.0f64), |(l, h), m| (l.min(m[1]), h.max(m[1])));
+    if low < high {
+        let margin = 0.15 * (high - low);
+        plot = plot.x_range(low - margin, high + margin);
+    }
+    let (title, note) = match cloud.map(Section::title) {
+        Some(cloud) => (
+            format!("{} over {cloud}", rules.title()),
+            format!("Dots: designs of {cloud}, squares: their means. {BEST_WHERE}"),
+        ),
+        None => (rules.title(), BEST_WHERE.to_owned()),
     };
-    plot = plot.note(if cloud.is_some() {
-        format!(
-            "Squares are the means of {}, dots its designs. {BEST_WHERE}",
-            cloud.map_or_else(String::new, |c| c.title())
-        )
-    } else {
-        BEST_WHERE.into()
-    });
+    plot = plot.title(title).note(note);
     for (cloud, group) in cloud.iter().flat_map(|c| c.groups.iter().map(move |g| (c, g))) {
         let [x, y, _] = columns(cloud, cloud.rows_of(group.colors));
         let (m, d) = ([group.mtf50.mean.value], [group.delta_e.mean.value]);
-        plot = plot
-            .points(Points::new("", &x, &y).color(color(group.colors).mix(Rgb(255, 255, 255), 0.75)))
-            .points(
-                Points::new(colours(group.colors), &m, &d)
-                    .symbol(Symbol::Square)
-                    .color(color(group.colors))
-                    .marks(),
-            );
+        let mean =
+            Points::new(colours(group.colors), &m, &d).symbol(Symbol::Square).color(color(group.colors));
+        let dots = Points::new("", &x, &y).color(color(group.colors).mix(Rgb(255, 255, 255), 0.7));
+        plot = plot.points(dots).points(mean.marks());
     }
     for ((label, groups), symbol) in rules.labels.iter().zip(SYMBOLS.iter().cycle()) {
-        for (colors, rows) in groups {
-            let [x, y, _] = columns(rules, rows.iter().copied());
+        for (colors, rows_of) in groups {
+            let [x, y, _] = columns(rules, rows_of.iter().copied());
             plot = plot.points(Points::new(label, &x, &y).symbol(*symbol).color(color(*colors)).marks());
+        }
+    }
+    // Without a cloud nothing says yet what the colours mean.
+    if cloud.is_none() {
+        for group in &rules.groups {
+            plot =
+                plot.line(Line::new(colours(group.colors), &[], &[]).color(color(group.colors)).width(6.0));
         }
     }
     book.save("filters-by-rule", &plot.draw()?, 2.0)

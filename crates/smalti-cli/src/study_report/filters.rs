@@ -11,6 +11,9 @@ use super::pictures::{LEAVES, Picture, Stage, ZONE_PLATE};
 
 /// Mosaics or panels beside each other.
 const ACROSS: usize = 3;
+/// Wavelengths that spectra show.
+const FIRST_NM: f64 = 380.0;
+const LAST_NM: f64 = 720.0;
 
 /// Filters and mosaics of the best and worst designs, and what they make of two scenes.
 pub(super) fn of_section(section: &Section<'_>, book: &mut Book) -> anyhow::Result<()> {
@@ -30,7 +33,7 @@ pub(super) fn of_section(section: &Section<'_>, book: &mut Book) -> anyhow::Resu
 
 /// Wavelengths and transmittance of the filters of a design.
 fn curves(section: &Section<'_>, design: &Design) -> anyhow::Result<(Vec<f64>, Vec<Vec<f64>>)> {
-    let fine = WavelengthGrid::new(400.0, 2.0, 151)?;
+    let fine = WavelengthGrid::new(FIRST_NM, 2.0, 171)?;
     let sampled = design.cfa(fine).map(|cfa| (fine, cfa));
     let (grid, cfa) = match (sampled, section.results.setup(section.setup)) {
         (Ok(sampled), _) => sampled,
@@ -66,7 +69,7 @@ fn spectra(
         let mut plot = Plot::spectra("Transmittance")
             .title(caption(section, group.colors, row).replace('\n', ": "))
             .y_range(0.0, 1.05)
-            .x_range(400.0, 700.0);
+            .x_range(FIRST_NM, LAST_NM);
         for curve in curves {
             let color = Rgb::of_transmittance(&nm, &curve);
             plot = plot.line(Line::new("", &nm, &curve).color(color).filled().width(2.5));
@@ -110,7 +113,7 @@ fn zone_plates(section: &Section<'_>, book: &mut Book) -> anyhow::Result<()> {
     };
     let last = match most {
         Some((row, percent)) => Some((row, format!("most aliasing: {percent:.1} %"))),
-        None => blurred().map(|row| (row, format!("least sharp: {:.1} cy/mm", section.scores(row)[1]))),
+        None => blurred().map(|row| (row, format!("lowest MTF50: {:.1} cy/mm", section.scores(row)[1]))),
     };
     let mut shown: Vec<(usize, String)> =
         [few, many].into_iter().flatten().map(|(n, row)| (row, format!("best of {n} colours"))).collect();

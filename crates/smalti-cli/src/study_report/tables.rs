@@ -3,7 +3,7 @@
 use smalti::design::statistics::{Estimate, Summary};
 use smalti::design::{Design, FilterFamily, FilterFigures};
 
-use super::answers::{Group, Section};
+use super::answers::{Group, Section, label};
 use super::results::{Results, plain};
 use crate::table;
 
@@ -28,7 +28,7 @@ pub(crate) fn text(all: &[(&Results, Vec<Section<'_>>)]) -> anyhow::Result<Strin
                 let cloud = all.iter().filter(|(r, _)| !r.is_named()).find_map(|(_, s)| s.first());
                 out += &format!("\n{}", by_label(section, cloud));
             }
-            out += &format!("\nBest designs: least ΔE with MTF50 not below the median\n{}", best(section)?);
+            out += &format!("\nBest designs: {}\n{}", section.choice.words(), best(section)?);
             out += &front(section)?;
         }
         if sections.len() > SECTIONS {
@@ -108,38 +108,36 @@ fn means(section: &Section<'_>) -> String {
 /// Designs by name, beside the means over a cloud of others.
 fn by_label(section: &Section<'_>, cloud: Option<&Section<'_>>) -> String {
     let several = section.labels.values().flat_map(|g| g.values()).any(|rows| rows.len() > 1);
-    let mut header = vec!["filters", "colours", "ΔE", "MTF50 cy/mm", "noise %"];
+    let mut header = vec!["colours", "filters", "ΔE", "MTF50 cy/mm", "noise %"];
     header.extend(several.then_some("designs"));
+    let row = |colors: u8, name: &str, means: [f64; 3], count: usize| {
+        let [d, m, n] = means;
+        let mut row = vec![colors.to_string(), name.to_owned()];
+        row.extend([format!("{d:.2}"), format!("{m:.1}"), format!("{n:.2}")]);
+        row.extend(several.then(|| count.to_string()));
+        row
+    };
     let mut rows = Vec::new();
-    for (label, groups) in &section.labels {
-        for (colors, members) in groups {
-            let scores = members.iter().map(|&r| section.scores(r)).filter(|s| s[0].is_finite());
-            let (mut sums, mut count) = ([0.0; 3], 0);
-            scores.for_each(|s| {
-                sums.iter_mut().zip(s).for_each(|(sum, v)| *sum += v);
-                count += 1;
-            });
-            let [d, m, n] = sums.map(|s| s / f64::from(count));
-            let mut row = vec![label.clone(), colors.to_string()];
-            row.extend(if count > 0 {
-                [format!("{d:.2}"), format!("{m:.1}"), format!("{n:.2}")]
-            } else {
-                ["–".into(), "–".into(), "–".into()]
-            });
-            row.extend(several.then(|| members.len().to_string()));
-            rows.push(row);
+    for group in &section.groups {
+        for (label, members) in &section.labels {
+            let members = members.get(&group.colors).map_or(&[][..], Vec::as_slice);
+            let scores: Vec<[f64; 3]> =
+                members.iter().map(|&r| section.scores(r)).filter(|s| s[0].is_finite()).collect();
+            let mean = |i: usize| scores.iter().map(|s| s[i]).sum::<f64>() / scores.len() as f64;
+            if !scores.is_empty() {
+                rows.push(row(group.colors, label, [0, 1, 2].map(mean), scores.len()));
+            }
         }
-    }
-    for (cloud, group) in cloud.iter().flat_map(|c| c.groups.iter().map(move |g| (c, g))) {
-        let mut row = vec![
-            format!("mean of {}", cloud.results.name()),
-            group.colors.to_string(),
-            format!("{:.2}", group.delta_e.mean.value),
-            format!("{:.1}", group.mtf50.mean.value),
-            format!("{:.2}", group.noise.mean.value),
-        ];
-        row.extend(several.then(|| group.delta_e.count.to_string()));
-        rows.push(row);
+        let beside = cloud.and_then(|c| Some((c, c.groups.iter().find(|g| g.colors == group.colors)?)));
+        if let Some((cloud, g)) = beside {
+            let means = [&g.delta_e, &g.mtf50, &g.noise].map(|s| s.mean.value);
+            rows.push(row(
+                group.colors,
+                &format!("mean of {}", cloud.results.name()),
+                means,
+                g.delta_e.count,
+            ));
+        }
     }
     table::render(&header, &rows)
 }
@@ -175,7 +173,7 @@ fn filters(section: &Section<'_>, design: &Design) -> String {
         .collect();
     match section.results.study().filters {
         FilterFamily::GaussianGrid(_) => figures.join(" "),
-        _ => format!("{} ({})", figures.join(" "), plain(&design.filters.label)),
+        _ => format!("{} ({})", figures.join(" "), label(design)),
     }
 }
 
