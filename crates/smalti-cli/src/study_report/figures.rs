@@ -29,10 +29,9 @@ const BEST_WHERE: &str = "Lower right is best.";
 const SHOWN: [f64; 2] = [0.002, 0.99];
 /// Ratio of the largest to the least ΔE from which its axis is logarithmic.
 const LOGARITHMIC: f64 = 6.0;
-/// Designs between which histograms reach, and how many bins they have.
+/// Designs between which histograms reach.
 const HISTOGRAM: [f64; 2] = [0.005, 0.98];
-const BINS: f64 = 60.0;
-/// Most designs of filters by rule that are drawn as marks.
+/// Most designs of filters by rule or of a front that are drawn as marks.
 const MAX_MARKS: usize = 400;
 const SYMBOLS: [Symbol; 5] =
     [Symbol::Circle, Symbol::TriangleUp, Symbol::Star, Symbol::Diamond, Symbol::TriangleDown];
@@ -94,6 +93,9 @@ fn axes(section: &Section<'_>) -> Plot {
     let plot = with_delta_e(Plot::new(MTF50, DELTA_E), delta_e.iter().copied());
     match ends(&mtf50, SHOWN) {
         Some((low, high)) => {
+            // The best are to be seen, wherever they are.
+            let best = section.groups.iter().filter_map(|g| Some(section.scores(*g.best.first()?)[1]));
+            let (low, high) = best.fold((low, high), |(l, h), v| (l.min(v), h.max(v)));
             let margin = 0.03 * (high - low);
             plot.x_range(low - margin, high + margin)
         }
@@ -164,7 +166,7 @@ fn front(section: &Section<'_>, book: &mut Book) -> anyhow::Result<()> {
     let mut plot = axes(section)
         .title(format!("Pareto front, {}", section.title()))
         .note("Dots: no other design is better in ΔE, MTF50 and luminance noise at once. Line: the same of ΔE and MTF50 alone.")
-        .points(Points::new("all designs", &x, &y).color(Rgb(205, 205, 205)));
+        .points(Points::new("all designs", &x, &y).color(Rgb(215, 215, 215)));
     let mut line: Vec<(f64, f64)> = pareto_front(&[Objective::lower(&y), Objective::higher(&x)])?
         .rows
         .iter()
@@ -178,8 +180,8 @@ fn front(section: &Section<'_>, book: &mut Book) -> anyhow::Result<()> {
             section.front.iter().copied().filter(|r| section.results.colors.get(*r) == Some(&group.colors));
         let [x, y, _] = columns(section, own);
         if !x.is_empty() {
-            plot = plot
-                .points(Points::new(colours(group.colors), &x, &y).color(color(group.colors)).radius(3.5));
+            let points = Points::new(colours(group.colors), &x, &y).color(color(group.colors)).radius(4.0);
+            plot = plot.points(if section.front.len() <= MAX_MARKS { points.marks() } else { points });
         }
     }
     book.save("pareto-front", &plot.draw()?, 2.0)
@@ -202,7 +204,12 @@ fn histograms(
         .title(format!("{title}, {}", section.title()))
         .note("Above the bars: the mean, and the interval that holds 90 % of the designs.")
         .without_legend();
-    let range = ends(&values(&mut section.rows.clone()), HISTOGRAM);
+    let range = ends(&values(&mut section.rows.clone()), HISTOGRAM).map(|range| {
+        let bounds = section.groups.iter().flat_map(|g| [summary(g).p05.value, summary(g).p95.value]);
+        let (low, high) = bounds.fold(range, |(l, h), v| (l.min(v), h.max(v)));
+        let margin = 0.04 * (high - low);
+        (low - margin, high + margin)
+    });
     for group in section.groups.iter().filter(|g| summary(g).count > 0) {
         let Summary { mean, p05, p95, .. } = summary(group);
         let histogram = Histogram::new("", &values(&mut section.rows_of(group.colors)))
@@ -217,7 +224,7 @@ fn histograms(
             ))
             .histogram(histogram);
         if let Some((low, high)) = range {
-            plot = plot.x_range(low, high).bin_width((high - low) / BINS);
+            plot = plot.x_range(low, high);
         }
         panels = panels.panel(plot);
     }
