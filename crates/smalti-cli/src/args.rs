@@ -56,6 +56,8 @@ pub(crate) enum Command {
     Evaluate(Evaluate),
     /// Score the many designs of a study; goes on where it stopped
     Sweep(SweepArgs),
+    /// What a study found: tables, best designs, figures
+    Report(ReportArgs),
     /// List what is built in
     List(List),
     /// Convert a scene between formats, or write a built-in scene to a file
@@ -105,6 +107,27 @@ pub(crate) struct SweepArgs {
     #[arg(long)]
     pub(crate) no_cache: bool,
     /// Print JSON
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+#[derive(Debug, Clone, Args)]
+#[command(after_help = "Examples:\n  \
+    smalti sweep table2 -o out && smalti report out     what more colours cost: tables and figures\n  \
+    smalti report out theory -o both                    filters by rule over the cloud of all filters\n  \
+    smalti report out --json > out.json                 the same as one document\n\n\
+    ΔE is the mean of the ColorChecker (CIELAB 1976), MTF50 that of a slanted edge in cycles/mm on the sensor, noise that of the \
+    luminance of grey patches in percent. The best design of a number of colours is the one of least ΔE among those \
+    whose MTF50 is not below the median; where only mosaics differ, that of the largest MTF50.\n\n\
+    Figures are written as SVG and PNG; report.json is removed first and written last: a folder that has it is whole.")]
+pub(crate) struct ReportArgs {
+    /// Folders of results (smalti sweep), complete or not
+    #[arg(required = true, value_name = "DIR")]
+    pub(crate) results: Vec<PathBuf>,
+    /// Folder for figures and report.json, made if need be [default: report in the first DIR]
+    #[arg(short, long, value_name = "FOLDER")]
+    pub(crate) output: Option<PathBuf>,
+    /// Print report.json instead of the tables
     #[arg(long)]
     pub(crate) json: bool,
 }

@@ -13,9 +13,9 @@ use smalti_io::cache::Cache;
 use smalti_io::write;
 
 use crate::args::{Common, Compare, Processing};
+use crate::compare_report::{self, Report};
 use crate::evaluate::cached;
 use crate::progress::Progress;
-use crate::report::{self, Report};
 use crate::{learn, names, resolve};
 
 /// A camera with one way of processing.
@@ -131,7 +131,7 @@ pub(crate) fn run(args: &Compare, common: &Common) -> anyhow::Result<()> {
     if args.json {
         return crate::print(&text);
     }
-    let folder = args.output.join(report::SIDE_BY_SIDE);
+    let folder = args.output.join(compare_report::SIDE_BY_SIDE);
     let over =
         if scenes.len() == 1 { "of one scene".into() } else { format!("means over {} scenes", scenes.len()) };
     crate::print(&format!(
@@ -139,7 +139,7 @@ pub(crate) fn run(args: &Compare, common: &Common) -> anyhow::Result<()> {
         report.scores_table(),
         report.gains_table(),
         folder.display(),
-        args.output.join(report::RESULTS).display(),
+        args.output.join(compare_report::RESULTS).display(),
     ))
 }
 

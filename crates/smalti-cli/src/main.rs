@@ -4,6 +4,7 @@ mod args;
 mod brightness;
 mod columns;
 mod compare;
+mod compare_report;
 mod convert;
 mod design_columns;
 mod evaluate;
@@ -14,9 +15,9 @@ mod names;
 mod pictures;
 mod progress;
 mod render;
-mod report;
 mod resolve;
 mod simulate;
+mod study_report;
 mod sweep;
 mod table;
 mod train;
@@ -51,6 +52,7 @@ fn run(cli: Cli) -> anyhow::Result<()> {
         Command::Simulate(a) => simulate::run(&a, &cli.common),
         Command::Evaluate(a) => evaluate::run(&a, &cli.common),
         Command::Sweep(a) => sweep::run(&a, &cli.common),
+        Command::Report(a) => study_report::run(&a, &cli.common),
         Command::List(a) => list::run(&a),
         Command::Convert(a) => convert::run(&a, &cli.common),
         Command::Completions { shell } => {

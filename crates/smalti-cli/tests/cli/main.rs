@@ -9,6 +9,7 @@ mod evaluate;
 mod learn;
 mod learn_bad;
 mod simulate;
+mod study_report;
 mod surface;
 mod sweep;
 

@@ -72,6 +72,7 @@ fn help_shows_examples_and_units() {
         ),
         ("render", ["Examples:", "--pipeline <FILE.l3>", "--fixed", ".npy", "nearest class", "--gain"]),
         ("convert", ["Examples:", ".exr", "nm", "fichet2021", "pbrt", "400:10:700"]),
+        ("report", ["Examples:", "smalti sweep table2", "report.json", "cycles/mm", "FOLDER", "--json"]),
         ("list", ["Examples:", "scenes", "cfas", "illuminants", "metrics", "--json"]),
         ("completions", ["Examples:", "bash", "zsh", "fish", "smalti completions bash", "SHELL"]),
     ] {

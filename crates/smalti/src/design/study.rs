@@ -9,7 +9,7 @@ use super::mosaics::MosaicFamily;
 use super::permutation::Permutation;
 use crate::camera::{CameraDescription, CameraError};
 use crate::sensor::{Cfa, Channel, Mosaic};
-use crate::spectrum::{Illuminant, WavelengthGrid};
+use crate::spectrum::{Illuminant, Spectrum, SpectrumError, WavelengthGrid};
 
 /// Separates the choice of filters from other uses of the same seed.
 const PURPOSE: u32 = 0x4453_4E03;
@@ -29,7 +29,7 @@ pub enum Processing {
 }
 
 /// A value of a condition.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(untagged)]
 pub enum ConditionValue {
     /// In the unit of its key.
@@ -39,14 +39,14 @@ pub enum ConditionValue {
 }
 
 /// What designs are seen under.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Condition {
     /// What sets this condition apart: the same keys, in the same order, in every condition of a study.
     pub values: Vec<(String, ConditionValue)>,
     /// Mean luminance of the targets, cd/m².
     pub luminance_cd_m2: f64,
     /// The light of the targets.
-    #[serde(serialize_with = "name_of_light")]
+    #[serde(serialize_with = "name_of_light", deserialize_with = "light")]
     pub illuminant: Illuminant,
     /// The camera. Its own colour filter array is not used.
     pub camera: CameraDescription,
@@ -62,8 +62,32 @@ fn name_of_light<S: serde::Serializer>(light: &Illuminant, to: S) -> Result<S::O
     }
 }
 
+/// As [`name_of_light`] writes it.
+fn light<'de, D: serde::Deserializer<'de>>(from: D) -> Result<Illuminant, D::Error> {
+    #[derive(Deserialize)]
+    #[serde(
+        untagged,
+        expecting = "expected the name of a light, or its name, first wavelength, step and samples"
+    )]
+    enum Written {
+        Name(String),
+        Measured(String, f64, f64, Vec<f64>),
+    }
+    let wrong = <D::Error as serde::de::Error>::custom::<SpectrumError>;
+    match Written::deserialize(from)? {
+        Written::Name(name) => Illuminant::from_name(&name).map_err(wrong),
+        Written::Measured(name, start_nm, step_nm, values) => {
+            let grid = WavelengthGrid::new(start_nm, step_nm, values.len()).map_err(wrong)?;
+            let power = Spectrum::new(grid, values).map_err(wrong)?;
+            Ok(Illuminant::Measured { name, power })
+        }
+    }
+}
+
 /// A study, resolved: it alone says what every design is.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+///
+/// As JSON it is read as it was written, keys beside its own ignored. The samples of `optics.psf` are not part of it.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Study {
     /// What it is called.
     pub name: String,

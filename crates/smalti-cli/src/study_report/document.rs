@@ -1,0 +1,120 @@
+//! The report as one JSON document.
+
+use serde_json::{Map, Value, json};
+use smalti::design::FilterFigures;
+use smalti::design::statistics::{Estimate, Summary};
+
+use super::answers::{CONFIDENCE, Group, Section};
+use super::results::Results;
+use crate::design_columns::processing;
+
+/// Most designs of a front that are written out.
+const FRONT: usize = 1000;
+
+/// Everything that the tables say and more. `figures` are the files, relative to the folder.
+pub(crate) fn document(
+    all: &[(&Results, Vec<Section<'_>>)],
+    figures: &[String],
+    notes: &[String],
+) -> anyhow::Result<Value> {
+    let studies = all.iter().map(|(r, sections)| study(r, sections)).collect::<anyhow::Result<Vec<_>>>()?;
+    Ok(json!({
+        "smalti_version": env!("CARGO_PKG_VERSION"),
+        "confidence": CONFIDENCE,
+        "studies": studies,
+        "figures": figures,
+        "notes": notes,
+    }))
+}
+
+fn study(results: &Results, sections: &[Section<'_>]) -> anyhow::Result<Value> {
+    let manifest = results.dataset.manifest();
+    let there = results.dataset.designs();
+    Ok(json!({
+        "name": results.study().name,
+        "about": results.about(),
+        "folder": results.dataset.dir().display().to_string(),
+        "plan_blake3": manifest.hash(),
+        "scored_by": manifest.smalti,
+        "designs": manifest.plan.designs,
+        "designs_missing": manifest.plan.designs - there,
+        "parts_missing": results.dataset.missing().count(),
+        "problems": results.problems,
+        "sections": sections.iter().map(section).collect::<anyhow::Result<Vec<_>>>()?,
+    }))
+}
+
+fn section(section: &Section<'_>) -> anyhow::Result<Value> {
+    let (mut condition, mut out) = (Map::new(), Map::new());
+    if let Some((seen_under, way)) = section.results.setup(section.setup) {
+        for (key, value) in &seen_under.values {
+            condition.insert(key.clone(), serde_json::to_value(value)?);
+        }
+        out.insert("condition".into(), condition.into());
+        out.insert("camera".into(), seen_under.camera.name.clone().into());
+        out.insert("luminance_cd_m2".into(), seen_under.luminance_cd_m2.into());
+        out.insert("illuminant".into(), seen_under.illuminant.name().into());
+        out.insert("processing".into(), processing(way).into());
+    }
+    let group = |g: &Group| -> anyhow::Result<Value> {
+        let best = g.best.iter().map(|&r| design(section, r)).collect::<anyhow::Result<Vec<_>>>()?;
+        Ok(json!({
+            "colors": g.colors,
+            "designs": g.delta_e.count,
+            "left_out": g.delta_e.left_out,
+            "delta_e_76": summary(&g.delta_e),
+            "mtf50_cy_per_mm": summary(&g.mtf50),
+            "luminance_noise_percent": summary(&g.noise),
+            "aliasing_percent": g.aliasing.as_ref().map(summary),
+            "best": best,
+            "worst": g.worst.map(|r| design(section, r)).transpose()?,
+        }))
+    };
+    let groups = section.groups.iter().map(group).collect::<anyhow::Result<Vec<_>>>()?;
+    out.insert("best_by".into(), section.choice.words().into());
+    out.insert("colors".into(), groups.into());
+    let mut filters = Vec::new();
+    for (label, colors) in &section.labels {
+        for (colors, rows) in colors {
+            let rows = rows.iter().map(|&r| design(section, r)).collect::<anyhow::Result<Vec<_>>>()?;
+            filters.push(json!({"filters": label, "colors": colors, "designs": rows}));
+        }
+    }
+    out.insert("filters".into(), filters.into());
+    let front = section.some_of_front(FRONT);
+    let designs = front.iter().map(|&r| design(section, r)).collect::<anyhow::Result<Vec<_>>>()?;
+    out.insert("pareto_front".into(), json!({"count": section.front.len(), "designs": designs}));
+    Ok(out.into())
+}
+
+fn design(section: &Section<'_>, row: usize) -> anyhow::Result<Value> {
+    let design = section.results.design(row)?;
+    let [delta_e, mtf50, noise] = section.scores(row);
+    let figures: Vec<FilterFigures> = design.filters.filters.iter().map(FilterFigures::from).collect();
+    let list = |f: fn(&FilterFigures) -> f64| figures.iter().map(f).collect::<Vec<_>>();
+    Ok(json!({
+        "design": design.number,
+        "colors": figures.len(),
+        "delta_e_76": delta_e,
+        "mtf50_cy_per_mm": mtf50,
+        "luminance_noise_percent": noise,
+        "aliasing_percent": section.aliasing(row),
+        "filters": design.filters.label,
+        "tile": design.tile(),
+        "center_nm": list(|f| f.center_nm),
+        "fwhm_nm": list(|f| f.fwhm_nm),
+        "peak": list(|f| f.peak),
+    }))
+}
+
+/// An infinite bound, which too few designs leave, is null.
+fn summary(s: &Summary) -> Value {
+    let estimate = |e: &Estimate| json!({"value": e.value, "low": e.low, "high": e.high});
+    json!({
+        "mean": estimate(&s.mean),
+        "standard_deviation": estimate(&s.standard_deviation),
+        "median": estimate(&s.median),
+        "p05": estimate(&s.p05),
+        "p95": estimate(&s.p95),
+    })
+}

@@ -1,0 +1,132 @@
+//! `smalti report`: what a study found, as tables, one document and figures.
+
+mod answers;
+mod document;
+mod figures;
+mod filters;
+mod pictures;
+mod results;
+mod tables;
+
+use std::path::{Path, PathBuf};
+
+use anyhow::Context;
+use smalti_io::write;
+use smalti_report::Figure;
+
+use crate::args::{Common, ReportArgs};
+use crate::names;
+use crate::progress::Progress;
+use answers::Section;
+use results::Results;
+
+/// The file that tells that a folder is whole.
+const DOCUMENT: &str = "report.json";
+/// Conditions and processings that get figures of their own: each has a dozen.
+const DRAWN: usize = 8;
+
+pub(crate) fn run(args: &ReportArgs, common: &Common) -> anyhow::Result<()> {
+    let folder = match (&args.output, args.results.first()) {
+        (Some(folder), _) => folder.clone(),
+        (None, Some(first)) => first.join("report"),
+        (None, None) => anyhow::bail!("which results? Name a folder that `smalti sweep` wrote"),
+    };
+    let progress = Progress::new(args.results.len() as u64 + 1, common.quiet);
+    let mut read = Vec::new();
+    for dir in &args.results {
+        progress.begin(results::plain(&dir.display().to_string()));
+        read.push(Results::read(dir)?);
+        progress.done();
+    }
+    write::ensure_can_fill(&folder)?;
+    let all = read.iter().map(|r| Ok((r, Section::all(r)?))).collect::<anyhow::Result<Vec<_>>>()?;
+    let text = tables::text(&all)?;
+    progress.begin("figures");
+    let mut book = Book::begin(&folder)?;
+    draw(&all, &mut book)?;
+    let document = serde_json::to_string_pretty(&document::document(&all, &book.files, &book.notes)?)? + "\n";
+    write::bytes(&folder.join(DOCUMENT), document.as_bytes())?;
+    progress.finish();
+    for note in &book.notes {
+        progress.note(note);
+    }
+    if args.json {
+        return crate::print(&document);
+    }
+    let folder = folder.display();
+    crate::print(&format!(
+        "{text}{} figures in {folder}, all of this in {folder}/{DOCUMENT}\n",
+        book.files.len() / 2
+    ))
+}
+
+/// The figures of a report, as they are written.
+struct Book {
+    folder: PathBuf,
+    /// Folder of the section at work, relative to that of the report; empty where there is one section.
+    part: PathBuf,
+    files: Vec<String>,
+    notes: Vec<String>,
+}
+
+impl Book {
+    /// What an earlier report left goes first, so that no figure of it stands beside those of this one.
+    fn begin(folder: &Path) -> anyhow::Result<Self> {
+        clear(folder)?;
+        Ok(Self { folder: folder.to_owned(), part: PathBuf::new(), files: Vec::new(), notes: Vec::new() })
+    }
+
+    fn enter(&mut self, part: &str) -> anyhow::Result<()> {
+        self.part = PathBuf::from(part);
+        clear(&self.folder.join(part))
+    }
+
+    /// Writes a figure as SVG, and as PNG with so many pixels for one of the SVG.
+    fn save(&mut self, name: &str, figure: &Figure, scale: f64) -> anyhow::Result<()> {
+        let png = figure.png(scale).with_context(|| name.to_owned())?;
+        for (extension, bytes) in [("svg", figure.svg().as_bytes()), ("png", &png)] {
+            let file = self.part.join(format!("{name}.{extension}"));
+            write::bytes(&self.folder.join(&file), bytes)?;
+            self.files.push(file.to_string_lossy().into_owned());
+        }
+        Ok(())
+    }
+
+    /// What cannot be drawn is said; the rest of the report is none the worse.
+    fn note(&mut self, about: &Section<'_>, what: &str, error: &anyhow::Error) {
+        self.notes.push(format!(
+            "{}: no {what}: {}",
+            about.title(),
+            results::plain(&crate::in_one_line(error))
+        ));
+    }
+}
+
+fn clear(folder: &Path) -> anyhow::Result<()> {
+    let files: Vec<String> =
+        figures::NAMES.iter().flat_map(|n| ["svg", "png"].map(|e| format!("{n}.{e}"))).collect();
+    let mut names = vec![DOCUMENT];
+    names.extend(files.iter().map(String::as_str));
+    Ok(write::begin_folder(folder, &names)?)
+}
+
+fn draw(all: &[(&Results, Vec<Section<'_>>)], book: &mut Book) -> anyhow::Result<()> {
+    let sections: Vec<&Section<'_>> = all.iter().flat_map(|(_, s)| s).collect();
+    figures::together(&sections, book)?;
+    if let [only] = sections[..] {
+        return figures::of_section(only, book);
+    }
+    if sections.len() > DRAWN {
+        book.notes.push(format!(
+            "figures are of the first {DRAWN} of {} conditions and processings",
+            sections.len()
+        ));
+    }
+    let titles: Vec<String> = sections.iter().take(DRAWN).map(|s| s.title()).collect();
+    let names = names::file_names(titles.iter().map(String::as_str));
+    for (section, name) in sections.iter().zip(names) {
+        book.enter(&name)?;
+        figures::of_section(section, book)?;
+    }
+    Ok(())
+}

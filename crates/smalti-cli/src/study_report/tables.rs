@@ -1,0 +1,203 @@
+//! What `smalti report` prints.
+
+use smalti::design::statistics::{Estimate, Summary};
+use smalti::design::{Design, FilterFamily, FilterFigures};
+
+use super::answers::{Group, Section, label};
+use super::results::{Results, plain};
+use crate::table;
+
+/// Rows shown of the Pareto front.
+const FRONT: usize = 10;
+/// Sections shown; of more only the document tells.
+const SECTIONS: usize = 20;
+/// Problems shown of a study.
+const PROBLEMS: usize = 5;
+
+/// All tables of the results of some studies.
+pub(crate) fn text(all: &[(&Results, Vec<Section<'_>>)]) -> anyhow::Result<String> {
+    let mut out = String::new();
+    for (results, sections) in all {
+        out += &head(results);
+        for section in sections.iter().take(SECTIONS) {
+            if !section.name.is_empty() {
+                out += &format!("\n── {} ──\n", section.name);
+            }
+            out += &format!("\n{}", means(section));
+            if !section.labels.is_empty() {
+                let cloud = all.iter().filter(|(r, _)| !r.is_named()).find_map(|(_, s)| s.first());
+                out += &format!("\n{}", by_label(section, cloud));
+            }
+            out += &format!("\nBest designs: {}\n{}", section.choice.words(), best(section)?);
+            out += &front(section)?;
+        }
+        if sections.len() > SECTIONS {
+            out += &format!("\n{} more conditions are in report.json\n", sections.len() - SECTIONS);
+        }
+        out.push('\n');
+    }
+    out += "(…) holds the mean with a confidence of 95 %; 90 % of the designs lie from the 5th to the 95th percentile.\n";
+    Ok(out)
+}
+
+fn head(results: &Results) -> String {
+    let plan = &results.dataset.manifest().plan;
+    let (there, all) = (results.dataset.designs(), plan.designs);
+    let mut out = format!("{}: {all} designs\n", results.name());
+    if !results.about().is_empty() {
+        out += &format!("{}\n", results.about());
+    }
+    if there < all {
+        let (parts, of) = (results.dataset.missing().count(), plan.chunks());
+        out += &format!(
+            "Incomplete: {parts} of {of} parts are missing, {} designs; this is of the {there} there are.\n",
+            all - there
+        );
+    }
+    let mut problems: Vec<_> = results.problems.iter().collect();
+    problems.sort_by_key(|(problem, count)| (std::cmp::Reverse(**count), (*problem).clone()));
+    for (problem, count) in problems.iter().take(PROBLEMS) {
+        out += &format!("Left out: {count} × {}\n", plain(problem));
+    }
+    if problems.len() > PROBLEMS {
+        out += &format!("Left out: {} more kinds of problems\n", problems.len() - PROBLEMS);
+    }
+    out
+}
+
+/// A figure and its confidence interval.
+fn estimate(e: &Estimate, digits: usize) -> String {
+    if !e.value.is_finite() {
+        return "–".into();
+    }
+    if !(e.low.is_finite() && e.high.is_finite()) {
+        return format!("{:.digits$}", e.value);
+    }
+    format!("{:.digits$} ({:.digits$}–{:.digits$})", e.value, e.low, e.high)
+}
+
+/// The interval that holds 90 % of the designs.
+fn spread(s: &Summary, digits: usize) -> String {
+    if s.count == 0 { "–".into() } else { format!("{:.digits$}–{:.digits$}", s.p05.value, s.p95.value) }
+}
+
+/// The paper's table 2, with intervals.
+fn means(section: &Section<'_>) -> String {
+    let aliasing = section.groups.iter().any(|g| g.aliasing.is_some());
+    let mut header = vec!["colours", "designs", "left out", "ΔE", "90 %", "MTF50 cy/mm", "90 %", "noise %"];
+    header.extend(aliasing.then_some("aliasing %"));
+    let row = |g: &Group| {
+        let mut row = vec![
+            g.colors.to_string(),
+            g.delta_e.count.to_string(),
+            g.delta_e.left_out.to_string(),
+            estimate(&g.delta_e.mean, 2),
+            spread(&g.delta_e, 2),
+            estimate(&g.mtf50.mean, 1),
+            spread(&g.mtf50, 1),
+            estimate(&g.noise.mean, 2),
+        ];
+        if aliasing {
+            row.push(g.aliasing.as_ref().map_or_else(|| "–".into(), |a| estimate(&a.mean, 1)));
+        }
+        row
+    };
+    table::render(&header, &section.groups.iter().map(row).collect::<Vec<_>>())
+}
+
+/// Designs by name, beside the means over a cloud of others.
+fn by_label(section: &Section<'_>, cloud: Option<&Section<'_>>) -> String {
+    let several = section.labels.values().flat_map(|g| g.values()).any(|rows| rows.len() > 1);
+    let mut header = vec!["colours", "filters", "ΔE", "MTF50 cy/mm", "noise %"];
+    header.extend(several.then_some("designs"));
+    let row = |colors: u8, name: &str, means: [f64; 3], count: usize| {
+        let [d, m, n] = means;
+        let mut row = vec![colors.to_string(), name.to_owned()];
+        row.extend([format!("{d:.2}"), format!("{m:.1}"), format!("{n:.2}")]);
+        row.extend(several.then(|| count.to_string()));
+        row
+    };
+    let mut rows = Vec::new();
+    for group in &section.groups {
+        for (label, members) in &section.labels {
+            let members = members.get(&group.colors).map_or(&[][..], Vec::as_slice);
+            let scores: Vec<[f64; 3]> =
+                members.iter().map(|&r| section.scores(r)).filter(|s| s[0].is_finite()).collect();
+            let mean = |i: usize| scores.iter().map(|s| s[i]).sum::<f64>() / scores.len() as f64;
+            if !scores.is_empty() {
+                rows.push(row(group.colors, label, [0, 1, 2].map(mean), scores.len()));
+            }
+        }
+        let beside = cloud.and_then(|c| Some((c, c.groups.iter().find(|g| g.colors == group.colors)?)));
+        if let Some((cloud, g)) = beside {
+            let means = [&g.delta_e, &g.mtf50, &g.noise].map(|s| s.mean.value);
+            rows.push(row(
+                group.colors,
+                &format!("mean of {}", cloud.results.name()),
+                means,
+                g.delta_e.count,
+            ));
+        }
+    }
+    table::render(&header, &rows)
+}
+
+const DESIGN: [&str; 7] =
+    ["colours", "design", "ΔE", "MTF50 cy/mm", "noise %", "tile", "filters: centre/FWHM nm"];
+
+fn design_row(section: &Section<'_>, row: usize) -> anyhow::Result<Vec<String>> {
+    let design = section.results.design(row)?;
+    let [d, m, n] = section.scores(row);
+    let mut cells = vec![
+        design.filters.filters.len().to_string(),
+        design.number.to_string(),
+        format!("{d:.2}"),
+        format!("{m:.1}"),
+        format!("{n:.2}"),
+        design.tile(),
+        filters(section, &design),
+    ];
+    if let Some(a) = section.aliasing(row) {
+        cells.insert(5, format!("{a:.1}"));
+    }
+    Ok(cells)
+}
+
+fn filters(section: &Section<'_>, design: &Design) -> String {
+    let figures: Vec<String> = design
+        .filters
+        .filters
+        .iter()
+        .map(|f| FilterFigures::from(f))
+        .map(|f| format!("{:.0}/{:.0}", f.center_nm, f.fwhm_nm))
+        .collect();
+    match section.results.study().filters {
+        FilterFamily::GaussianGrid(_) => figures.join(" "),
+        _ => format!("{} ({})", figures.join(" "), label(design)),
+    }
+}
+
+fn designs(section: &Section<'_>, rows: &[usize]) -> anyhow::Result<String> {
+    let mut header = DESIGN.to_vec();
+    if section.results.aliasing.is_some() {
+        header.insert(5, "aliasing %");
+    }
+    let rows = rows.iter().map(|&r| design_row(section, r)).collect::<anyhow::Result<Vec<_>>>()?;
+    Ok(table::render(&header, &rows))
+}
+
+fn best(section: &Section<'_>) -> anyhow::Result<String> {
+    let rows: Vec<usize> = section.groups.iter().flat_map(|g| g.best.iter().copied()).collect();
+    designs(section, &rows)
+}
+
+fn front(section: &Section<'_>) -> anyhow::Result<String> {
+    let rows = section.some_of_front(FRONT);
+    let all = section.front.len();
+    let shown =
+        if rows.len() < all { format!("; {} of them, evenly spread", rows.len()) } else { String::new() };
+    Ok(format!(
+        "\nPareto front: {all} designs that none beats in ΔE, MTF50 and noise at once{shown}\n{}",
+        designs(section, &rows)?
+    ))
+}

@@ -1,0 +1,315 @@
+//! `smalti report`: its figures against those computed here from the Parquet files, its files, its refusals.
+
+use std::path::Path;
+
+use serde_json::Value;
+use smalti::design::statistics::summarize;
+use smalti::design::{FilterFigures, Study};
+use smalti_io::dataset::{Column, Dataset};
+
+use crate::{Place, numbers};
+
+/// A study of 8 designs.
+const TINY: &str = r#"
+camera = "table1"
+colors = [3, 4]
+mosaics = { given = [["bc", "ab"], ["ab", "cd"]] }
+[sample]
+filters = 4
+[filters.gaussian_grid]
+centers_nm = [430, 10, 660]
+sigmas_nm = [20, 5, 55]
+min_spacing_nm = 20
+"#;
+/// As the study `theory`, without its slowest rule.
+const RULES: &str = r#"
+camera = "table1"
+colors = [3, 4]
+mosaics = { given = [["bc", "ab"], ["ab", "cd"]] }
+[filters.rule]
+rules = ["uniform", "height-scaled"]
+targets = ["cones"]
+"#;
+const FIGURES: [&str; 12] = [
+    "cloud-by-colours",
+    "cloud-by-noise",
+    "filters-best",
+    "filters-worst",
+    "histogram-delta-e",
+    "histogram-mtf50",
+    "means",
+    "mosaics",
+    "panels-by-colours",
+    "pareto-front",
+    "scene",
+    "zone-plates",
+];
+
+/// A place with the results of the tiny study in `out`.
+fn swept() -> Place {
+    let place = Place::new();
+    place.write("tiny.toml", TINY);
+    place.ok("sweep tiny.toml -o out");
+    place
+}
+
+fn rows(dir: &Path) -> Vec<Column> {
+    let names = ["colors", "delta_e_76", "mtf50_cy_per_mm", "tile", "center_nm", "luminance_noise_percent"];
+    let dataset = Dataset::open(dir).unwrap();
+    let mut parts: Vec<_> = dataset.columns(&names).unwrap().map(Result::unwrap).collect();
+    assert_eq!(parts.len(), 1, "a tiny study is one part");
+    parts.remove(0).columns
+}
+
+/// The files of a report: every figure twice, well-formed.
+fn assert_whole(place: &Place, folder: &str, figures: &[&str]) {
+    for figure in figures {
+        let png = place.read(&format!("{folder}/{figure}.png"));
+        assert!(png.starts_with(b"\x89PNG") && png.ends_with(b"IEND\xaeB`\x82"), "{figure}");
+        let svg = String::from_utf8(place.read(&format!("{folder}/{figure}.svg"))).unwrap();
+        assert!(svg.starts_with("<svg") && svg.trim_end().ends_with("</svg>"), "{figure}");
+        assert!(png.len() < 1_000_000 && svg.len() < 1_000_000, "{figure} is large");
+    }
+}
+
+#[test]
+fn means_best_and_front_are_those_of_the_rows() {
+    let place = swept();
+    let text = place.ok("report out");
+    let report = place.json("out/report/report.json");
+    assert_eq!(serde_json::from_str::<Value>(&place.ok("report out --json")).unwrap(), report);
+    let [
+        Column::Int(colors),
+        Column::Float(delta_e),
+        Column::Float(mtf50),
+        Column::Text(tile),
+        Column::Floats(centers),
+        Column::Float(noise),
+    ] = &rows(&place.path("out"))[..]
+    else {
+        panic!("other columns")
+    };
+    let section = &report["studies"][0]["sections"][0];
+    let groups = section["colors"].as_array().unwrap();
+    assert_eq!(groups.len(), 2);
+    for (group, n) in groups.iter().zip([3, 4]) {
+        let of: Vec<usize> = (0..colors.len()).filter(|&r| colors[r] == n).collect();
+        let column = |c: &[f64]| of.iter().map(|&r| c[r]).collect::<Vec<f64>>();
+        for (key, values) in
+            [("delta_e_76", delta_e), ("mtf50_cy_per_mm", mtf50), ("luminance_noise_percent", noise)]
+        {
+            let expected = summarize(&column(values), 0.95).unwrap();
+            for (name, e) in [("mean", expected.mean), ("p05", expected.p05), ("p95", expected.p95)] {
+                assert_eq!(group[key][name]["value"].as_f64(), Some(e.value), "{n} {key} {name}");
+                assert_eq!(group[key][name]["low"].as_f64(), Some(e.low).filter(|v| v.is_finite()));
+                assert_eq!(group[key][name]["high"].as_f64(), Some(e.high).filter(|v| v.is_finite()));
+            }
+        }
+        let e = summarize(&column(delta_e), 0.95).unwrap().mean;
+        let cell = format!("{:.2} ({:.2}–{:.2})", e.value, e.low, e.high);
+        assert!(text.contains(&cell), "{cell} is not in\n{text}");
+        // Of four designs two are not below the median of MTF50.
+        let mut sharp = of.clone();
+        sharp.sort_by(|&a, &b| mtf50[b].total_cmp(&mtf50[a]));
+        let best = *sharp[..2].iter().min_by(|&&a, &&b| delta_e[a].total_cmp(&delta_e[b])).unwrap();
+        let told = &group["best"][0];
+        assert_eq!(told["design"].as_u64(), Some(best as u64));
+        // The filters are drawn anew by their number: they are those that were scored.
+        assert_eq!(numbers(&told["center_nm"]), centers[best]);
+        assert_eq!(told["tile"].as_str().unwrap(), tile[best]);
+        let worst = *of.iter().max_by(|&&a, &&b| delta_e[a].total_cmp(&delta_e[b])).unwrap();
+        assert_eq!(group["worst"]["design"].as_u64(), Some(worst as u64));
+    }
+    let beats = |a: usize, b: usize| {
+        let (no_worse, better) = (
+            delta_e[a] <= delta_e[b] && mtf50[a] >= mtf50[b] && noise[a] <= noise[b],
+            delta_e[a] < delta_e[b] || mtf50[a] > mtf50[b] || noise[a] < noise[b],
+        );
+        no_worse && better
+    };
+    let mut front: Vec<u64> = section["pareto_front"]["designs"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|d| d["design"].as_u64().unwrap())
+        .collect();
+    front.sort_unstable();
+    let all = 0..colors.len();
+    let expected: Vec<u64> =
+        all.clone().filter(|&b| !all.clone().any(|a| beats(a, b))).map(|r| r as u64).collect();
+    assert_eq!(front, expected);
+}
+
+#[test]
+fn figures_are_whole_and_written_anew() {
+    let place = swept();
+    place.ok("report out");
+    let expected: Vec<String> =
+        FIGURES.iter().flat_map(|f| [format!("{f}.png"), format!("{f}.svg")]).collect();
+    let mut names = place.names("out/report");
+    names.retain(|n| n != "report.json");
+    assert_eq!(names, expected);
+    assert_whole(&place, "out/report", &FIGURES);
+    let first = place.read("out/report/report.json");
+    // What an earlier report left is replaced or removed; what is not of a report stays.
+    place.write("out/report/means.svg", "torn");
+    place.write("out/report/filters-by-rule.png", "of other results");
+    place.write("out/report/mine.txt", "mine");
+    place.ok("report out --threads 1");
+    assert_whole(&place, "out/report", &FIGURES);
+    assert_eq!(place.read("out/report/report.json"), first);
+    let names = place.names("out/report");
+    assert!(names.contains(&"mine.txt".to_owned()) && !names.contains(&"filters-by-rule.png".to_owned()));
+    // The results are as they were: a sweep finds nothing to do.
+    assert!(place.ok("sweep tiny.toml -o out").starts_with("0 designs"));
+}
+
+#[test]
+fn rules_stand_beside_the_means_of_a_cloud() {
+    let place = swept();
+    place.write("rules.toml", RULES);
+    place.ok("sweep rules.toml -o rules");
+    let text = place.ok("report out rules -o both");
+    let line = |start: &str| text.lines().any(|l| l.trim_start().starts_with(start));
+    for words in ["3                uniform", "4  height-scaled, cones", "3           mean of tiny"] {
+        assert!(line(words), "no line with {words} in\n{text}");
+    }
+    assert_whole(&place, "both", &["means", "filters-by-rule"]);
+    assert_whole(&place, "both/tiny", &["scene"]);
+    assert_whole(&place, "both/rules", &["scene"]);
+    let report = place.json("both/report.json");
+    let files: Vec<&str> =
+        report["figures"].as_array().unwrap().iter().map(|f| f.as_str().unwrap()).collect();
+    assert!(
+        files.contains(&"tiny/mosaics.svg") && files.iter().all(|f| place.path("both").join(f).is_file())
+    );
+    let uniform = &report["studies"][1]["sections"][0]["filters"];
+    assert!(uniform.as_array().unwrap().iter().any(|f| f["filters"] == "uniform" && f["colors"] == 4));
+}
+
+#[test]
+fn conditions_are_told_apart() {
+    let place = Place::new();
+    place.write(
+        "light.toml",
+        format!("{TINY}[conditions.grid]\nluminance_cd_m2 = [5, 500]\n")
+            .replace("filters = 4", "filters = 1"),
+    );
+    place.ok("sweep light.toml -o out");
+    let text = place.ok("report out");
+    assert!(text.contains("── luminance_cd_m2 5 ──") && text.contains("── luminance_cd_m2 500 ──"), "{text}");
+    let report = place.json("out/report/report.json");
+    let sections = report["studies"][0]["sections"].as_array().unwrap();
+    assert_eq!(sections.len(), 2);
+    let noise =
+        |i: usize| sections[i]["colors"][0]["luminance_noise_percent"]["mean"]["value"].as_f64().unwrap();
+    assert!(noise(0) > noise(1), "{} {}", noise(0), noise(1));
+    // One set of filters: the sharpest mosaic is the best.
+    assert!(sections[0]["best_by"].as_str().unwrap().starts_with("largest MTF50"));
+    assert_whole(&place, "out/report/light--luminance_cd_m2-5", &["scene"]);
+}
+
+#[test]
+fn hostile_names_are_escaped() {
+    let place = Place::new();
+    place.write("evil.toml", format!("name = \"<script>\\u001b[2J&../../x\"\n{TINY}"));
+    place.ok("sweep evil.toml -o out");
+    let text = place.ok("report out");
+    assert!(text.starts_with("<script> [2J&../../x: 8 designs"), "{text}");
+    for figure in FIGURES {
+        let svg = String::from_utf8(place.read(&format!("out/report/{figure}.svg"))).unwrap();
+        assert!(!svg.contains("<script>") && !svg.contains('\u{1b}'), "{figure}");
+    }
+    // Folders of sections are named after studies.
+    place.ok("report out out -o twice");
+    assert!(place.names("twice").iter().all(|n| !n.contains("..") || !n.contains('/')));
+    assert_eq!(place.names("twice").iter().filter(|n| place.path("twice").join(n).is_dir()).count(), 2);
+}
+
+#[test]
+fn what_cannot_be_reported_is_refused() {
+    let place = swept();
+    let refused = |args: &[&str]| {
+        let run = place.run(&[&["report"], args].concat());
+        assert_eq!((run.code, run.out.as_str()), (1, ""), "{args:?}: {}", run.err);
+        assert!(run.err.starts_with("error: ") && run.err.lines().count() == 1, "{}", run.err);
+        run.err
+    };
+    assert!(refused(&["nowhere"]).contains("nowhere"));
+    std::fs::create_dir(place.path("empty")).unwrap();
+    assert!(refused(&["empty"]).contains("holds no results"));
+    place.write("file", "x");
+    assert!(refused(&["out", "-o", "file"]).contains("expected a folder"));
+    assert!(!place.path("out/report").exists(), "nothing is written before all is read");
+
+    let part = "out/designs/part-000000.parquet";
+    let whole = place.read(part);
+    place.write(part, &whole[..whole.len() / 2]);
+    assert!(refused(&["out"]).contains("part-000000.parquet is cut short"));
+    std::fs::remove_file(place.path(part)).unwrap();
+    assert!(refused(&["out"]).contains("holds no design yet"));
+    place.write(part, &whole);
+
+    let manifest = String::from_utf8(place.read("out/manifest.json")).unwrap();
+    place.write("out/manifest.json", manifest.replace("\"revision\": 1", "\"revision\": 9"));
+    assert!(refused(&["out"]).contains("revision"));
+    place.write("out/manifest.json", manifest.replace("\"seed\": 1", "\"seed\": 2"));
+    assert!(refused(&["out"]).contains("manifest.json"));
+    place.write("out/manifest.json", &manifest[..manifest.len() / 2]);
+    assert!(refused(&["out"]).contains("manifest.json"));
+}
+
+#[test]
+fn incomplete_results_are_reported_as_such() {
+    let place = Place::new();
+    place.write("two-parts.toml", TINY.replace("filters = 4", "filters = 300"));
+    place.ok("sweep two-parts.toml -o out --shard 1/2");
+    let text = place.ok("report out");
+    assert!(
+        text.contains("Incomplete: 1 of 2 parts are missing, 88 designs; this is of the 512 there are."),
+        "{text}"
+    );
+    let study = &place.json("out/report/report.json")["studies"][0];
+    assert_eq!((study["designs"].as_u64(), study["designs_missing"].as_u64()), (Some(600), Some(88)));
+}
+
+/// The study in a manifest is the one that was swept, whatever it holds.
+#[test]
+fn a_study_is_read_as_it_was_written() {
+    let place = Place::new();
+    place.write("light.csv", "wavelength_nm,power\n380,1\n580,2.5\n780,0.1\n");
+    let sources = [
+        ("tiny.toml", TINY.to_owned()),
+        ("rules.toml", RULES.to_owned()),
+        ("csv.toml", format!("illuminant = \"light.csv\"\n{TINY}")),
+        ("dark.toml", format!("{TINY}[conditions.grid]\nilluminant = [\"A\", \"D:5123\"]\n")),
+        ("table2", String::new()),
+        ("theory", String::new()),
+        ("mosaics", String::new()),
+        ("aliasing", String::new()),
+    ];
+    for (name, toml) in sources {
+        let path = place.path(name);
+        if !toml.is_empty() {
+            place.write(name, toml);
+        }
+        let named = if path.is_file() { path.to_string_lossy().into_owned() } else { name.to_owned() };
+        let (designs, _) = smalti_io::studies::load(&named).unwrap();
+        let text = serde_json::to_string(designs.study()).unwrap();
+        let read: Study = serde_json::from_str(&text).unwrap();
+        assert_eq!(&read, designs.study(), "{name}");
+        let figures = |d: &smalti::design::Designs| {
+            let design = d.design(d.len() - 1).unwrap();
+            design.filters.filters.iter().map(|f| FilterFigures::from(f).center_nm).collect::<Vec<f64>>()
+        };
+        assert_eq!(figures(&smalti::design::Designs::new(read).unwrap()), figures(&designs), "{name}");
+    }
+    let light = r#"["x", 400.0, 10.0, [1.0, -2.0]]"#;
+    let (designs, _) = smalti_io::studies::load("table2").unwrap();
+    let mut study = serde_json::to_value(designs.study()).unwrap();
+    for wrong in [Value::from("D56"), serde_json::from_str(light).unwrap(), 7.into()] {
+        study["conditions"][0]["illuminant"] = wrong.clone();
+        let error = serde_json::from_value::<Study>(study.clone()).unwrap_err().to_string();
+        assert!(error.contains("light") || error.contains("illuminant"), "{wrong}: {error}");
+    }
+}
