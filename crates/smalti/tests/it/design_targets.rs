@@ -9,9 +9,11 @@ use smalti::spectrum::WavelengthGrid;
 
 const GRID: WavelengthGrid = WavelengthGrid::VISIBLE;
 
-/// Gaussian filters, centres and deviations in nm, and the tile that goes with them: sets of which ISETCam's figures are
-/// known.
-pub(crate) const SETS: [(&[(f64, f64)], &[&str]); 5] = [
+/// Gaussian filters, centres and deviations in nm, and the tile that goes with them.
+pub(crate) type Set = (&'static [(f64, f64)], &'static [&'static str]);
+
+/// Sets of which ISETCam's figures are known.
+pub(crate) const SETS: [Set; 5] = [
     (&[(629.9, 37.5), (579.5, 29.1), (451.8, 34.5)], &["BA", "CB"]),
     (&[(453.4, 51.8), (533.6, 22.7), (556.9, 43.6), (651.6, 50.0)], &["AB", "CD"]),
     (&[(436.3, 38.5), (459.4, 20.1), (541.4, 52.7), (577.5, 49.1), (650.9, 31.2)], &["ABC", "DEB", "CAD"]),
@@ -33,7 +35,7 @@ pub(crate) const SETS: [(&[(f64, f64)], &[&str]); 5] = [
     ),
 ];
 
-pub(crate) fn cfa((filters, tile): (&[(f64, f64)], &[&str])) -> Cfa {
+pub(crate) fn cfa((filters, tile): Set) -> Cfa {
     let channel = |(i, &(center_nm, sigma_nm)): (usize, &(f64, f64))| Channel {
         name: char::from(b'A' + i as u8).to_string(),
         transmittance: Filter::Gaussian { center_nm, sigma_nm, peak: 1.0 }.spectrum(GRID).unwrap(),
