@@ -105,9 +105,10 @@ fn axes(section: &Section<'_>) -> Plot {
 
 /// Figures of one condition with one processing.
 pub(super) fn of_section(section: &Section<'_>, book: &mut Book) -> anyhow::Result<()> {
-    let title = section.title();
+    let (title, axes) = (section.title(), axes(section));
     let count = section.groups.iter().map(|g| g.delta_e.count).sum::<usize>();
-    let mut cloud = axes(section)
+    let mut cloud = axes
+        .clone()
         .title(format!("Colour against resolution, {title}"))
         .note(format!("{count} designs. {BEST_WHERE}"));
     for group in &section.groups {
@@ -123,17 +124,21 @@ pub(super) fn of_section(section: &Section<'_>, book: &mut Book) -> anyhow::Resu
         .without_legend();
     for group in &section.groups {
         let [x, y, _] = columns(section, section.rows_of(group.colors));
-        let plot = axes(section)
+        let mut plot = axes
+            .clone()
             .title(colours(group.colors))
-            .points(Points::new("", &x, &y).color(pale(group.colors)))
-            .points(mean(group, "").color(color(group.colors)));
+            .points(Points::new("", &x, &y).color(pale(group.colors)));
+        if group.delta_e.count > 0 {
+            plot = plot.points(mean(group, "").color(color(group.colors)));
+        }
         panels = panels.panel(plot);
     }
     book.save("panels-by-colours", &panels.draw()?, 2.0)?;
     drop(panels);
 
     let [x, y, noise] = columns(section, section.rows.clone());
-    let mut plot = axes(section)
+    let mut plot = axes
+        .clone()
         .title(format!("Luminance noise, {title}"))
         .note(BEST_WHERE)
         .values("Luminance noise (%)");
@@ -145,7 +150,7 @@ pub(super) fn of_section(section: &Section<'_>, book: &mut Book) -> anyhow::Resu
     book.save("cloud-by-noise", &plot.points(Points::new("", &x, &y).values(&noise)).draw()?, 2.0)?;
     drop((x, y, noise));
 
-    front(section, book)?;
+    front(section, &axes, book)?;
     histograms(section, "histogram-delta-e", "Colour error", DELTA_E, 1, |g| &g.delta_e, book)?;
     histograms(section, "histogram-mtf50", "Resolution", MTF50, 0, |g| &g.mtf50, book)?;
     filters::of_section(section, book)
@@ -161,9 +166,10 @@ fn mean(group: &Group, name: &str) -> Points {
 }
 
 /// The front over the cloud: the line is that of ΔE and MTF50 alone.
-fn front(section: &Section<'_>, book: &mut Book) -> anyhow::Result<()> {
+fn front(section: &Section<'_>, axes: &Plot, book: &mut Book) -> anyhow::Result<()> {
     let [x, y, _] = columns(section, section.rows.clone());
-    let mut plot = axes(section)
+    let mut plot = axes
+        .clone()
         .title(format!("Pareto front, {}", section.title()))
         .note("Dots: no other design is better in ΔE, MTF50 and luminance noise at once. Line: the same of ΔE and MTF50 alone.")
         .points(Points::new("all designs", &x, &y).color(Rgb(215, 215, 215)));
@@ -210,6 +216,9 @@ fn histograms(
         let margin = 0.04 * (high - low);
         (low - margin, high + margin)
     });
+    if section.groups.iter().all(|g| summary(g).count == 0) {
+        return Ok(());
+    }
     for group in section.groups.iter().filter(|g| summary(g).count > 0) {
         let Summary { mean, p05, p95, .. } = summary(group);
         let histogram = Histogram::new("", &values(&mut section.rows_of(group.colors)))
@@ -279,7 +288,8 @@ fn by_rule(rules: &Section<'_>, cloud: Option<&Section<'_>>, book: &mut Book) ->
         None => (rules.title(), BEST_WHERE.to_owned()),
     };
     plot = plot.title(title).note(note);
-    for (cloud, group) in cloud.iter().flat_map(|c| c.groups.iter().map(move |g| (c, g))) {
+    let scored = |g: &&Group| g.delta_e.count > 0;
+    for (cloud, group) in cloud.iter().flat_map(|c| c.groups.iter().filter(scored).map(move |g| (c, g))) {
         let [x, y, _] = columns(cloud, cloud.rows_of(group.colors));
         let (m, d) = ([group.mtf50.mean.value], [group.delta_e.mean.value]);
         let mean =
