@@ -24,8 +24,9 @@ use crate::spectrum::{Observer, Spectrum};
 const LEVEL_RANGE: [f64; 2] = [0.03, 0.6];
 /// The response of a channel that does not see the light, relative to the brightest: levels need one.
 const LEAST_WHITE: f64 = 1e-3;
-/// How many patches an even surface counts for at each position. Together with 24 surfaces they weigh about as much as the even
-/// patches of the scene: colours are then as right as those of a matrix fitted to the surfaces, and no other score changes.
+/// How many patches an even surface counts for at each position. Of 16, 64, 128 and 256, tried on five sets of Gaussian filters, the
+/// first that has less ΔE on the surfaces than a matrix fitted to them in every set, by ΔE 1976 and 2000. More costs a
+/// little resolution, and colour on black-and-white patterns.
 const SURFACE_PATCHES: u32 = 128;
 /// Y in pictures.
 const LUMINANCE: usize = 1;
