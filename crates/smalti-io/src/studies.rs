@@ -207,7 +207,8 @@ impl Axis {
         };
         let AxisRange { from, to, steps, scale } = *range;
         let positive = from > 0.0 && to > 0.0;
-        if !(from.is_finite() && to.is_finite()) || !(1..=MAX_CONDITIONS).contains(&steps) {
+        let ends = from.is_finite() && to.is_finite();
+        if !(ends && (1..=MAX_CONDITIONS).contains(&steps)) {
             return Err(format!(
                 "{from} to {to} in {steps} steps; expected finite ends and 1 to {MAX_CONDITIONS} steps"
             ));
