@@ -91,7 +91,7 @@ pub(crate) struct SweepArgs {
     /// Do only the I-th of N parts of the study
     #[arg(long, value_name = "I/N")]
     pub(crate) shard: Option<Shard>,
-    /// Designs in a file of the results: what a killed run loses at most [default: by the size of the study]
+    /// Designs in a file of the results; a killed run loses at most two files' worth [default: by the size of the study]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=smalti_io::dataset::MAX_CHUNK))]
     pub(crate) part_size: Option<u64>,
     /// Say how many designs there are, how long they take and how large the results become; write nothing

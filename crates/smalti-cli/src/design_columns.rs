@@ -26,6 +26,14 @@ fn named(study: &Study) -> bool {
     !matches!(study.filters, FilterFamily::GaussianGrid(_))
 }
 
+/// Whether a condition is a number wherever it is stated.
+fn all_numbers(study: &Study, condition: usize) -> bool {
+    let value = |c: &smalti::design::Condition| {
+        matches!(c.values.get(condition), Some((_, ConditionValue::Number(_))))
+    };
+    study.conditions.iter().all(value)
+}
+
 /// The columns of a study.
 pub(crate) fn schema(study: &Study) -> Vec<ColumnSpec> {
     use ColumnKind::{Float, Floats, Int, Text};
@@ -40,8 +48,8 @@ pub(crate) fn schema(study: &Study) -> Vec<ColumnSpec> {
         column("colors", Int, "", "Number of colours."),
         column("processing", Text, "", "What makes the picture of the raw samples."),
     ];
-    for (key, value) in study.conditions.first().map_or(&[][..], |c| &c.values) {
-        let kind = if matches!(value, ConditionValue::Number(_)) { Float } else { Text };
+    for (at, (key, _)) in study.conditions.first().map_or(&[][..], |c| &c.values).iter().enumerate() {
+        let kind = if all_numbers(study, at) { Float } else { Text };
         all.push(column(
             &condition_column(key),
             kind,
@@ -93,8 +101,7 @@ pub(crate) fn columns(designs: &Designs, rows: &[Scored]) -> Vec<Column> {
     let keys = study.conditions.first().map_or(0, |c| c.values.len());
     for key in 0..keys {
         let value = |r: &Scored| study.conditions.get(r.design.condition).and_then(|c| c.values.get(key));
-        let first = study.conditions.first().and_then(|c| c.values.get(key)).map(|(_, v)| v);
-        all.push(if matches!(first, Some(ConditionValue::Number(_))) {
+        all.push(if all_numbers(study, key) {
             number(&|r| match value(r) {
                 Some((_, ConditionValue::Number(v))) => *v,
                 _ => f64::NAN,

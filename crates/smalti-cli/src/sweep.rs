@@ -6,9 +6,9 @@ use std::time::{Duration, Instant};
 
 use anyhow::{Context, bail};
 use serde_json::json;
-use smalti::design::{Designs, Processing, Sweep};
+use smalti::design::{Designs, Processing, SCORES_REVISION, Sweep};
 use smalti_io::cache::Cache;
-use smalti_io::dataset::{self, ColumnKind, MAX_CHUNK, Plan, Run};
+use smalti_io::dataset::{self, ColumnKind, MAX_CHUNK, Manifest, Plan, Run};
 use smalti_io::studies;
 
 use crate::args::{Common, SweepArgs};
@@ -19,7 +19,7 @@ use crate::table;
 
 /// Parts that a large study is cut into, about.
 const PARTS: u64 = 256;
-/// Fewest and most designs of a part. A run that is killed loses at most the part that it is at.
+/// Fewest and most designs of a part. A run that is killed loses at most two: one that is computed, one that is written.
 const CHUNK: std::ops::RangeInclusive<u64> = 512..=1 << 14;
 /// Designs that a part of slow ones has fewer, by this factor.
 const SLOWER: u64 = 8;
@@ -38,6 +38,8 @@ pub(crate) fn run(args: &SweepArgs, common: &Common) -> anyhow::Result<()> {
     };
     let (designs, about) = studies::load(name).map_err(|e| anyhow::anyhow!("{e}"))?;
     let plan = plan(&designs, about, args.part_size)?;
+    // What cannot be is refused before anything is tried.
+    Manifest::new(&plan)?;
     let cache = if args.no_cache { Cache::disabled() } else { Cache::open(None) };
     let images = |key: &str, make: &dyn Fn() -> _| cached(&cache, key, make);
     let sweep = Sweep::new(&designs, &images);
@@ -54,6 +56,9 @@ pub(crate) fn run(args: &SweepArgs, common: &Common) -> anyhow::Result<()> {
     progress.begin(designs.study().name.clone());
     if to_do < designs.len() && args.shard.is_none() {
         progress.note(&format!("{} of {} designs are there already", designs.len() - to_do, designs.len()));
+    }
+    for (colors, _, _) in designs.groups().filter(|&(_, sets, mosaics)| sets == 0 || mosaics == 0) {
+        progress.note(&format!("the study has no design of {colors} colours"));
     }
     let start = Instant::now();
     score_and_write(&designs, &plan, &sweep, &run, &missing, &progress)?;
@@ -88,7 +93,7 @@ fn score_and_write(
     progress: &Progress,
 ) -> anyhow::Result<()> {
     thread::scope(|scope| {
-        let (sender, receiver) = sync_channel(1);
+        let (sender, receiver) = sync_channel(0);
         let writer = scope.spawn(move || {
             receiver.iter().try_for_each(|(chunk, columns): (u64, Vec<_>)| run.write(chunk, &columns))
         });
@@ -123,6 +128,7 @@ fn plan(designs: &Designs, about: String, part_size: Option<u64>) -> anyhow::Res
     let mut resolved = serde_json::to_value(study)?;
     if let Some(into) = resolved.as_object_mut() {
         into.insert("about".into(), about.into());
+        into.insert("scores_revision".into(), SCORES_REVISION.into());
     }
     Ok(Plan { study: resolved, schema: schema(study), designs: designs.len(), chunk })
 }

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
 use smalti::camera::CameraDescription;
+use smalti::camera::description::ArchitectureName;
 use smalti::design::{
     Condition, ConditionValue, DesignError, Designs, FilterFamily, LessonSettings, MosaicFamily, Processing,
     Study,
@@ -56,7 +57,7 @@ pub fn names() -> &'static [StudyInfo] {
 }
 
 /// Most conditions of a study: a grid of axes grows fast.
-const MAX_CONDITIONS: usize = 100_000;
+const MAX_CONDITIONS: usize = 5_000;
 
 /// A study file.
 #[derive(Debug, Clone, Deserialize)]
@@ -220,7 +221,7 @@ impl Axis {
             let t = if steps > 1 { i as f64 / (steps - 1) as f64 } else { 0.0 };
             match scale {
                 AxisScale::Linear => from + t * (to - from),
-                AxisScale::Log => from * (to / from).powf(t),
+                AxisScale::Log => from * libm::pow(to / from, t),
             }
         };
         // Free of the digits that arithmetic leaves: twelve are more than any condition means.
@@ -272,11 +273,24 @@ pub fn from_source(source: &CameraSource) -> Result<(Designs, String), Box<Diagn
     if let Some(twice) = file.colors.iter().find(|c| !seen.insert(**c)) {
         return Err(wrong("colors", &format!("{twice} stands there twice")));
     }
+    let mut seen = std::collections::BTreeSet::new();
+    if let Some(twice) = study.processing.iter().find(|p| !seen.insert(**p)) {
+        return Err(wrong("processing", &format!("{twice:?} stands there twice")));
+    }
+    if study.processing.contains(&Processing::L3) {
+        study.l3.validate().map_err(|e| wrong("l3", &e.to_string()))?;
+        let other = |c: &Condition| c.camera.sensor.architecture != ArchitectureName::Mosaic;
+        if study.conditions.iter().any(other) {
+            let message = "\"l3\" learns for mosaics; expected a camera with architecture = \"mosaic\"";
+            return Err(wrong("processing", message));
+        }
+    }
     let designs = Designs::new(study).map_err(|e| match &e {
         DesignError::Key { key, message } if key.starts_with("given") || key.starts_with("tile") => {
             wrong(&format!("mosaics.{key}"), message)
         }
         DesignError::Key { key, message } => wrong(&format!("filters.{key}"), message),
+        DesignError::Filter { .. } => wrong("filters", &e.to_string()),
         DesignError::TooFewSets { .. } | DesignError::TooManySets { .. } => {
             wrong("sample.filters", &e.to_string())
         }
@@ -306,7 +320,7 @@ fn source(name: &str) -> Result<CameraSource, Box<Diagnostic>> {
     Ok(CameraSource { name: name.into(), folder, text })
 }
 
-/// The conditions, in the order of the grid (the last axis changes fastest) or the list.
+/// The conditions: of a grid in the order of its keys by name, of which the last changes fastest; or of the list.
 fn conditions(file: &StudyFile, source: &CameraSource) -> Result<Vec<Condition>, Box<Diagnostic>> {
     let wrong = |key: &str, message: &str| Box::new(source.about_key(key, message));
     let mut points: Vec<Vec<(String, toml::Value)>> = vec![Vec::new()];

@@ -1,9 +1,9 @@
 //! Pictures that chosen designs make of a scene.
 
 use anyhow::Context;
-use smalti::camera::{Camera, Setup};
+use smalti::camera::{Camera, EvaluationSettings, Setup};
 use smalti::color::Image;
-use smalti::design::Processing;
+use smalti::design::{Lessons, Processing};
 use smalti::isp::{Isp, WhiteBalance};
 use smalti::scene::Setting;
 use smalti::sensor::NoiseMode;
@@ -24,6 +24,8 @@ pub(crate) struct Stage<'a> {
     camera: Camera,
     setup: Setup,
     noise: NoiseMode,
+    /// Where pictures are made by pipelines that are learned.
+    lessons: Option<Lessons>,
 }
 
 /// A picture, 8-bit sRGB row by row.
@@ -35,7 +37,7 @@ pub(crate) struct Picture {
 
 impl<'a> Stage<'a> {
     pub(crate) fn new(section: &'a Section<'a>, scene: &str, noise: NoiseMode) -> anyhow::Result<Self> {
-        let (condition, _) = section.results.setup(section.setup).context("no such condition")?;
+        let (condition, processing) = section.results.setup(section.setup).context("no such condition")?;
         let camera = Camera::new(condition.camera.clone(), condition.camera.grid()?)?;
         let setting = Setting {
             luminance_cd_m2: condition.luminance_cd_m2,
@@ -44,7 +46,14 @@ impl<'a> Stage<'a> {
             ..Setting::default()
         };
         let setup = Setup::of_test_scene(&camera, scene, &setting)?;
-        Ok(Self { section, camera, setup, noise })
+        let evaluation = EvaluationSettings {
+            luminance_cd_m2: condition.luminance_cd_m2,
+            illuminant: condition.illuminant.clone(),
+            seed: section.results.study().seed,
+        };
+        let learn = || Lessons::new(&camera, &section.results.study().l3, &evaluation, &|_, make| make());
+        let lessons = (processing == Processing::L3).then(learn).transpose()?;
+        Ok(Self { section, camera, setup, noise, lessons })
     }
 
     /// The picture that the design of a row makes.
@@ -55,9 +64,9 @@ impl<'a> Stage<'a> {
         let setup = self.setup.before(&camera)?.context("another lens")?;
         let Setup { camera, image, light, exposure } = &setup;
         let raw = camera.sensor.capture(image, exposure, self.noise, self.section.results.study().seed)?;
-        let isp: Box<dyn Isp> = match design.processing {
-            Processing::Classic => Box::new(camera.isp(light, WhiteBalance::None)?),
-            other => anyhow::bail!("no pictures are made with {other:?}"),
+        let isp: Box<dyn Isp> = match &self.lessons {
+            Some(lessons) => Box::new(lessons.pipeline(&camera.sensor.cfa)?.0),
+            None => Box::new(camera.isp(light, WhiteBalance::None)?),
         };
         let picture = isp.render(&raw)?;
         let white = Observer::Cie1931.xyz_from_photons(light)?;

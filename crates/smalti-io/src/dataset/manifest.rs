@@ -121,6 +121,11 @@ impl Manifest {
         plan.check()?;
         let mut text = String::new();
         canonical(&described(&smalti, &plan), &mut text);
+        // As it is written, with line breaks and indents, it may be twice as long; what could not be read is not begun.
+        if text.len() as u64 > LIMIT / 2 {
+            let (found, expected) = (format!("{} bytes", text.len()), format!("at most {} bytes", LIMIT / 2));
+            return Err(DatasetError::Plan { what: "the resolved study".into(), found, expected });
+        }
         let hash = blake3::hash(text.as_bytes()).to_hex().to_string();
         Ok(Self { smalti, plan, runs, hash })
     }

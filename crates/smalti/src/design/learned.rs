@@ -33,7 +33,7 @@ const LUMINANCE: usize = 1;
 
 /// How the pipelines of designs are learned.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case", deny_unknown_fields, default)]
+#[serde(deny_unknown_fields, default)]
 pub struct LessonSettings {
     /// Side of the patch, pixels: 3, 5, 7, 9 or 11.
     pub side: usize,
@@ -43,13 +43,28 @@ pub struct LessonSettings {
     pub textures: Textures,
     /// What kernels minimise.
     pub solver: Solver,
-    /// Side of the square of pixels that is learned from, 16 to 4096: a design takes time in proportion to its square.
+    /// Side of the square of pixels that is learned from, 16 to 1024: a design takes time in proportion to its square.
     pub size_px: usize,
 }
 
 impl Default for LessonSettings {
     fn default() -> Self {
         Self { side: 7, levels: 4, textures: Textures::Oriented, solver: Solver::Wiener, size_px: 320 }
+    }
+}
+
+impl LessonSettings {
+    /// Checks every field.
+    ///
+    /// # Errors
+    /// [`L3Error::Parameter`] with the first field that is out of its range.
+    pub fn validate(&self) -> Result<(), L3Error> {
+        let range = |name, value: usize, fits: bool, expected| {
+            if fits { Ok(()) } else { Err(L3Error::Parameter { name, value: value as f64, expected }) }
+        };
+        range("side", self.side, [3, 5, 7, 9, 11].contains(&self.side), "3, 5, 7, 9 or 11 pixels")?;
+        range("levels", self.levels, (1..=256).contains(&self.levels), "1 to 256")?;
+        range("size_px", self.size_px, (16..=1024).contains(&self.size_px), "16 to 1024 pixels")
     }
 }
 
@@ -83,11 +98,8 @@ impl Lessons {
         evaluation: &EvaluationSettings,
         images: OpticalImages<'_>,
     ) -> Result<Self, CameraError> {
+        settings.validate()?;
         let size = settings.size_px;
-        if !(16..=4096).contains(&size) {
-            let (name, expected) = ("size_px", "16 to 4096 pixels");
-            return Err(L3Error::Parameter { name, value: size as f64, expected }.into());
-        }
         let setting = Setting {
             luminance_cd_m2: evaluation.luminance_cd_m2,
             illuminant: evaluation.illuminant.clone(),
@@ -170,10 +182,7 @@ impl Lessons {
         let mean = sum / cells.len().max(1) as f64;
         let [least, most] = LEVEL_RANGE;
         let cuts = self.settings.levels.saturating_sub(1);
-        let cut = |i: usize| (mean * least * (most / least).powf((i as f64 + 0.5) / cuts as f64)) as f32;
-        if self.settings.levels == 0 {
-            return Err(L3Error::EmptyAxis { axis: "level" });
-        }
+        let cut = |i: usize| (mean * least * libm::pow(most / least, (i as f64 + 0.5) / cuts as f64)) as f32;
         Levels::new((0..cuts).map(cut).collect())
     }
 }

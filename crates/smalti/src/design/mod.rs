@@ -28,5 +28,5 @@ pub use learned::{LessonSettings, Lessons};
 pub use mosaics::{MosaicFamily, Symmetry, Tile, published};
 pub use permutation::Permutation;
 pub use study::{Condition, ConditionValue, Design, Designs, Processing, Study};
-pub use sweep::{Scored, Sweep};
+pub use sweep::{SCORES_REVISION, Scored, Sweep};
 pub use targets::{AliasingScores, Scores, Targets};

@@ -18,7 +18,7 @@ const PURPOSE: u32 = 0x4453_4E03;
 const MAX_MADE: u64 = 64;
 
 /// What makes a picture of the raw samples of a design.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 #[non_exhaustive]
 pub enum Processing {

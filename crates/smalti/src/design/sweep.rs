@@ -11,6 +11,9 @@ use super::study::{Design, Designs, Processing};
 use super::targets::{AliasingScores, Scores, Targets};
 use crate::camera::{Camera, CameraError, EvaluationSettings, OpticalImages};
 
+/// Raised whenever scores change: results of two revisions do not belong in one table.
+pub const SCORES_REVISION: u32 = 1;
+
 /// A design and what it scored.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Scored {

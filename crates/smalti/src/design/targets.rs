@@ -287,12 +287,15 @@ impl Targets {
         let response = response(sensor, self.chart.pixels.grid())?;
         let levels = sensor.raw_levels(exposure)?;
         let range_v = levels.white_v - levels.black_v;
+        // A converter that cannot show no light, because the offset is below its range, clips the dark.
+        let dark_v = exposure.analog_offset_v * exposure.analog_gain;
+        let dark_clips = (levels.black_v - dark_v).abs() > 1e-9 * range_v;
         // Normalised samples per photoelectron per second.
         let gain = exposure.time_s * sensor.pixel.conversion_gain_v_per_e * exposure.analog_gain / range_v;
         let most =
             |response: &Vec<f64>| response.iter().zip(&self.brightest).map(|(r, b)| r * b).sum::<f64>();
         let brightest = response.iter().map(most).fold(0.0, f64::max) * gain;
-        if brightest > CLIPS || reach > clear || isp.white_balance != WhiteBalance::None {
+        if dark_clips || brightest > CLIPS || reach > clear || isp.white_balance != WhiteBalance::None {
             return Ok(None);
         }
         let matrix = &isp.color_matrix;

@@ -87,7 +87,7 @@ fn kept_targets_score_as_evaluate() {
 /// Other processing, a rule of exposure that looks at the whole image, crosstalk, a stated time.
 #[test]
 fn and_whatever_the_camera() {
-    let changes: [fn(&mut CameraDescription); 4] = [
+    let changes: [fn(&mut CameraDescription); 5] = [
         |d| d.isp.demosaic = DemosaicName::Malvar2004,
         |d| {
             d.isp.demosaic = DemosaicName::Adaptive;
@@ -95,6 +95,8 @@ fn and_whatever_the_camera() {
         },
         |d| d.sensor.crosstalk_percent = 6.0,
         |d| d.exposure.time_ms = Some(30.0),
+        // No light is below the converter's range.
+        |d| d.exposure.analog_offset_mv = -20.0,
     ];
     let cfa = cfa(SETS[0]);
     for change in changes {
