@@ -168,7 +168,7 @@ fn filters(section: &Section<'_>, design: &Design) -> String {
         .filters
         .filters
         .iter()
-        .map(|f| FilterFigures::from(f))
+        .map(FilterFigures::from)
         .map(|f| format!("{:.0}/{:.0}", f.center_nm, f.fwhm_nm))
         .collect();
     match section.results.study().filters {
