@@ -24,6 +24,8 @@ use results::Results;
 const DOCUMENT: &str = "report.json";
 /// Conditions and processings that get figures of their own: each has a dozen.
 const DRAWN: usize = 8;
+/// Bytes of a PNG from which it gets fewer pixels: a cloud of a million dots compresses badly.
+const LARGE: usize = 1_000_000;
 
 pub(crate) fn run(args: &ReportArgs, common: &Common) -> anyhow::Result<()> {
     let folder = match (&args.output, args.results.first()) {
@@ -81,9 +83,13 @@ impl Book {
         clear(&self.folder.join(part))
     }
 
-    /// Writes a figure as SVG, and as PNG with so many pixels for one of the SVG.
+    /// Writes a figure as SVG, and as PNG with so many pixels for one of the SVG; with fewer where the file would be large.
     fn save(&mut self, name: &str, figure: &Figure, scale: f64) -> anyhow::Result<()> {
-        let png = figure.png(scale).with_context(|| name.to_owned())?;
+        let draw = |scale: f64| figure.png(scale).with_context(|| name.to_owned());
+        let mut png = draw(scale)?;
+        if png.len() > LARGE && scale > 1.5 {
+            png = draw(1.5)?;
+        }
         for (extension, bytes) in [("svg", figure.svg().as_bytes()), ("png", &png)] {
             let file = self.part.join(format!("{name}.{extension}"));
             write::bytes(&self.folder.join(&file), bytes)?;
