@@ -165,6 +165,20 @@ fn figures_are_whole_and_written_anew() {
 }
 
 #[test]
+fn pictures_are_made_by_learned_pipelines() {
+    let place = Place::new();
+    place.write(
+        "learned.toml",
+        TINY.replace("[3, 4]", "[3]")
+            .replace("filters = 4", "filters = 2")
+            .replace("[sample]", "processing = \"l3\"\n[l3]\nside = 3\nlevels = 1\nsize_px = 64\n[sample]"),
+    );
+    place.ok("sweep learned.toml -o out");
+    place.ok("report out");
+    assert_whole(&place, "out/report", &["scene", "zone-plates"]);
+}
+
+#[test]
 fn rules_stand_beside_the_means_of_a_cloud() {
     let place = swept();
     place.write("rules.toml", RULES);
