@@ -144,7 +144,7 @@ pub(crate) struct CameraOptions {
 }
 
 /// What a scene is when its file or name does not say.
-#[derive(Debug, Clone, Default, Args)]
+#[derive(Debug, Clone, Default, PartialEq, Args)]
 pub(crate) struct SceneOptions {
     /// Mean luminance, cd/m² [default: what the scene states, else 100]
     #[arg(long, value_name = "CD_M2", allow_negative_numbers = true)]
@@ -401,7 +401,13 @@ pub(crate) struct Train {
     #[arg(long = "scene", value_name = "SCENE")]
     pub(crate) scenes: Vec<String>,
     /// Lights of the default set, in turn
-    #[arg(long, value_delimiter = ',', default_value = "D65,A,LED", value_name = "NAME,...")]
+    #[arg(
+        long,
+        value_delimiter = ',',
+        default_value = "D65,A,LED",
+        value_name = "NAME,...",
+        conflicts_with = "scenes"
+    )]
     pub(crate) illuminants: Vec<String>,
     /// The light that the picture is to be seen under, if not that of the capture: illuminant correction
     #[arg(long, value_name = "NAME")]

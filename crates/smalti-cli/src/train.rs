@@ -12,7 +12,7 @@ use smalti::spectrum::Illuminant;
 use smalti_io::exr::ReadOptions;
 use smalti_io::{Limits, dng, l3, picture, write};
 
-use crate::args::{Common, Train};
+use crate::args::{Common, SceneOptions, Train};
 use crate::learn::{self, Material};
 use crate::pictures::D65;
 use crate::progress::Progress;
@@ -94,6 +94,12 @@ fn material(args: &Train, camera: &Camera, lights: &[Illuminant]) -> anyhow::Res
             anyhow::Ok((name.clone(), resolve::on_sensor(scene, resolve::is_file(name), camera)?))
         };
         return Ok(Some(Material::Scenes(args.scenes.iter().map(scene).collect::<anyhow::Result<_>>()?)));
+    }
+    if args.scene_options != SceneOptions::default() {
+        bail!(
+            "--illuminant, --luminance, --distance, --fov and --wavelengths are for scenes of --scene; the lights of the \
+             default set are --illuminants, its exposures --exposures"
+        );
     }
     let others = !args.pairs.is_empty() || !args.continue_from.is_empty();
     Ok((!others).then(|| Material::Default(lights.to_vec())))

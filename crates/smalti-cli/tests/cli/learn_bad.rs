@@ -17,6 +17,15 @@ fn refused(place: &Place, words: &str, code: i32, expected: &[&str]) {
     assert_eq!(place.names(""), before, "{words}");
 }
 
+/// Options that would be ignored are refused.
+#[test]
+fn options_of_scenes_need_scenes_and_lights_of_the_default_set_need_it() {
+    let place = Place::new();
+    refused(&place, "train bayer --illuminant A -o a.l3", 1, &["--illuminant", "--scene", "--illuminants"]);
+    let both = "train bayer --scene macbeth --illuminants A -o a.l3";
+    refused(&place, both, 2, &["--scene", "--illuminants", "cannot be used with"]);
+}
+
 #[test]
 fn settings_that_cannot_be_learned_with() {
     let place = Place::new();
