@@ -47,8 +47,7 @@ fn designs(c: &mut Criterion) {
     group.bench_function("3 to 7 colours, all cores", |b| {
         b.iter(|| many.par_iter().map(|cfa| targets.score(cfa).map(|s| s.delta_e_76)).collect::<Vec<_>>())
     });
-    let (settings, evaluation) = (LessonSettings::default(), EvaluationSettings::default());
-    let lessons = Lessons::new(&camera, &settings, &evaluation, &|_, make| make()).expect("lessons");
+    let lessons = Lessons::new(&targets, &LessonSettings::default(), &|_, make| make()).expect("lessons");
     let learned = |cfa: &Cfa| {
         let (pipeline, reach) = lessons.pipeline(cfa)?;
         Ok::<_, CameraError>(targets.score_with(cfa, &pipeline.renderer(), reach)?.delta_e_76)

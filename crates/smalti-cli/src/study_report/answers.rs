@@ -74,10 +74,10 @@ impl<'a> Section<'a> {
         let mut sections = Vec::new();
         let mut start = 0;
         while let Some(&first) = results.number.get(start) {
-            let setup = results.setup_of(first);
+            let setup = results.designs.setup_of(first);
             // Numbers ascend, so those of a setup are neighbours.
             let rest = results.number.get(start..).unwrap_or_default();
-            let end = start + rest.partition_point(|&n| results.setup_of(n) == setup);
+            let end = start + rest.partition_point(|&n| results.designs.setup_of(n) == setup);
             sections.push(Self::new(results, setup, start..end)?);
             start = end;
         }

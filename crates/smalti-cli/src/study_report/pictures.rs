@@ -3,7 +3,7 @@
 use anyhow::Context;
 use smalti::camera::{Camera, EvaluationSettings, Setup};
 use smalti::color::Image;
-use smalti::design::{Lessons, Processing};
+use smalti::design::{Lessons, Processing, Targets};
 use smalti::isp::{Isp, WhiteBalance};
 use smalti::scene::Setting;
 use smalti::sensor::NoiseMode;
@@ -51,7 +51,10 @@ impl<'a> Stage<'a> {
             illuminant: condition.illuminant.clone(),
             seed: section.results.study().seed,
         };
-        let learn = || Lessons::new(&camera, &section.results.study().l3, &evaluation, &|_, make| make());
+        let learn = || {
+            let targets = Targets::new(&camera, &evaluation, &|_, make| make())?;
+            Lessons::new(&targets, &section.results.study().l3, &|_, make| make())
+        };
         let lessons = (processing == Processing::L3).then(learn).transpose()?;
         Ok(Self { section, camera, setup, noise, lessons })
     }

@@ -121,18 +121,10 @@ impl Results {
         Ok(self.designs.design(*number)?)
     }
 
-    /// Which condition with which processing the design of a number is seen under, counted from 0.
-    pub(crate) fn setup_of(&self, number: u64) -> u64 {
-        let per_setup: u64 = self.designs.groups().map(|(_, sets, mosaics)| sets * mosaics as u64).sum();
-        number / per_setup.max(1)
-    }
-
     /// Condition and processing of a setup.
     pub(crate) fn setup(&self, setup: u64) -> Option<(&Condition, Processing)> {
-        let study = self.study();
-        let ways = study.processing.len().max(1) as u64;
-        let condition = study.conditions.get(usize::try_from(setup / ways).ok()?)?;
-        Some((condition, *study.processing.get((setup % ways) as usize)?))
+        let (condition, processing) = self.designs.setup(setup)?;
+        Some((self.study().conditions.get(condition)?, processing))
     }
 
     /// What sets a setup apart from the others of the study, in words; empty where there is but one.

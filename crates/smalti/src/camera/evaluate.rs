@@ -21,7 +21,7 @@ use crate::numeric::Planes;
 use crate::optics::OpticalImage;
 use crate::scene::Setting;
 use crate::sensor::{Exposure, NoiseMode, RawImage};
-use crate::spectrum::{Illuminant, Observer, Spectrum};
+use crate::spectrum::{Illuminant, Observer, Spectrum, WavelengthGrid};
 
 /// Luminance of the primaries of sRGB (IEC 61966-2-1).
 const SRGB_LUMINANCE: [f64; 3] = [0.2126, 0.7152, 0.0722];
@@ -35,6 +35,18 @@ pub struct EvaluationSettings {
     pub illuminant: Illuminant,
     /// Seed of the noise.
     pub seed: u64,
+}
+
+impl EvaluationSettings {
+    /// The setting of the targets, on a camera's wavelengths.
+    pub(crate) fn setting(&self, grid: WavelengthGrid) -> Setting {
+        Setting {
+            luminance_cd_m2: self.luminance_cd_m2,
+            illuminant: self.illuminant.clone(),
+            grid,
+            ..Setting::default()
+        }
+    }
 }
 
 impl Default for EvaluationSettings {
@@ -166,12 +178,7 @@ pub fn evaluate_with(
     images: OpticalImages<'_>,
     isp: IspFor<'_>,
 ) -> Result<(Evaluation, EvaluationPictures), CameraError> {
-    let setting = Setting {
-        luminance_cd_m2: settings.luminance_cd_m2,
-        illuminant: settings.illuminant.clone(),
-        grid: camera.grid(),
-        ..Setting::default()
-    };
+    let setting = settings.setting(camera.grid());
     let chart = Target::chart(camera, &setting)?;
     let edge = Target::edge(camera, &setting)?;
     let zone = Target::zone_plate(camera, &setting)?;

@@ -10,7 +10,7 @@ use crate::isp::{Classic, ColorConstraint, ColorFit, Demosaic, Isp, IspError, Wh
 use crate::numeric::least_squares::{Matrix, lstsq};
 use crate::optics::{OpticalImage, Optics};
 use crate::scene::Scene;
-use crate::sensor::{Cfa, Exposure, NoiseMode, RawImage, Sensor, Window};
+use crate::sensor::{AutoExposure, Cfa, Exposure, NoiseMode, RawImage, Sensor, SensorError, Window};
 use crate::spectrum::{Observer, Spectrum, WavelengthGrid, reflectance};
 
 /// A camera, ready to take pictures of scenes on one wavelength grid.
@@ -132,10 +132,18 @@ impl Camera {
     /// # Errors
     /// When there is no light to find a time by.
     pub fn exposure(&self, image: &OpticalImage) -> Result<Exposure, CameraError> {
+        self.exposure_by(|rule, exposure| rule.exposure_time(&self.sensor, image, exposure))
+    }
+
+    /// The exposure of the stated time, or of the one that is found with the rule.
+    fn exposure_by(
+        &self,
+        find: impl FnOnce(AutoExposure, &Exposure) -> Result<f64, SensorError>,
+    ) -> Result<Exposure, CameraError> {
         let exposure = self.gain_and_offset();
         let time_s = match self.exposure_time {
             ExposureTime::Fixed(time_s) => time_s,
-            ExposureTime::Auto(rule) => rule.exposure_time(&self.sensor, image, &exposure)?,
+            ExposureTime::Auto(rule) => find(rule, &exposure)?,
         };
         Ok(Exposure { time_s, ..exposure })
     }
@@ -157,12 +165,7 @@ impl Camera {
     /// # Errors
     /// When there is no light to find a time by.
     pub fn exposure_metered(&self, irradiance: &Spectrum) -> Result<Exposure, CameraError> {
-        let exposure = self.gain_and_offset();
-        let time_s = match self.exposure_time {
-            ExposureTime::Fixed(time_s) => time_s,
-            ExposureTime::Auto(rule) => rule.time_for_metered(&self.sensor, irradiance, &exposure)?,
-        };
-        Ok(Exposure { time_s, ..exposure })
+        self.exposure_by(|rule, exposure| rule.time_for_metered(&self.sensor, irradiance, exposure))
     }
 
     /// The processing for scenes under a light (photons): demosaicking, white balance, colour matrix.

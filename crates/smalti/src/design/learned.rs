@@ -10,9 +10,8 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 use super::lessons;
-use super::targets::Shown;
-use crate::camera::target::Target;
-use crate::camera::{Camera, CameraError, EvaluationSettings, OpticalImages};
+use super::targets::{Shown, Targets};
+use crate::camera::{Camera, CameraError, OpticalImages};
 use crate::l3::{Axes, L3Error, Levels, Pair, Pipeline, Solver, Statistics, Textures, Training};
 use crate::numeric::Planes;
 use crate::scene::{self, Setting, macbeth};
@@ -87,28 +86,21 @@ pub struct Lessons {
 }
 
 impl Lessons {
-    /// The lessons before a camera, whatever its filters. `images` may keep optical images, as for
-    /// [`evaluate`](crate::camera::evaluate); luminance, light and seed of the noise are those of the evaluation.
+    /// The lessons before the camera of targets, whatever its filters. `images` may keep optical images, as for
+    /// [`evaluate`](crate::camera::evaluate); luminance, light and seed of the noise are those of the targets.
     ///
     /// # Errors
     /// When a setting is out of its range or a stage refuses.
     pub fn new(
-        camera: &Camera,
+        targets: &Targets,
         settings: &LessonSettings,
-        evaluation: &EvaluationSettings,
         images: OpticalImages<'_>,
     ) -> Result<Self, CameraError> {
         settings.validate()?;
         let size = settings.size_px;
-        let setting = Setting {
-            luminance_cd_m2: evaluation.luminance_cd_m2,
-            illuminant: evaluation.illuminant.clone(),
-            grid: camera.grid(),
-            ..Setting::default()
-        };
-        let chart = Shown::new(&Target::chart(camera, &setting)?, images)?;
+        let setting = targets.setting().clone();
         let light = macbeth::chart(1, &setting)?.illuminant().clone();
-        let camera = camera.with_size(size, size);
+        let camera = targets.chart.camera.with_size(size, size);
         let horizontal_fov_deg = camera.field_of_view_deg(size, setting.distance_m)?;
         let wide = Setting { horizontal_fov_deg, ..setting.clone() };
         let key = format!("lessons {size} {wide:?} {:?}", camera.optics);
@@ -129,10 +121,10 @@ impl Lessons {
             pixels: Arc::new(PixelSpectra::new(&camera.sensor, &image)?),
             seen: Arc::new(camera.seen_by_observer(&image)?),
             white_y: white.plane(LUMINANCE).iter().map(|&y| f64::from(y)).sum(),
-            chart: Arc::new(chart),
+            chart: targets.chart.clone(),
             camera,
             light,
-            seed: evaluation.seed,
+            seed: targets.seed(),
         })
     }
 

@@ -53,7 +53,7 @@ impl Prepared {
         let sweeps: Vec<&[usize]> = if apart { vec![&channels] } else { channels.chunks(1).collect() };
         let of_patch = |patch: &Rect| {
             let sweep =
-                |channels: &&[usize]| Sweep::new(&interpolation, mosaic, *patch, channels).parts(chart);
+                |channels: &&[usize]| Weighing::new(&interpolation, mosaic, *patch, channels).parts(chart);
             sweeps.iter().flat_map(sweep).collect()
         };
         let patches = patches.iter().map(of_patch).collect();
@@ -81,7 +81,7 @@ fn cells(mosaic: &Mosaic) -> impl Iterator<Item = (usize, usize)> {
 }
 
 /// Weights of the samples in and around a patch.
-struct Sweep<'a> {
+struct Weighing<'a> {
     mosaic: &'a Mosaic,
     /// The interpolated channels; several where each is made of its own samples.
     channels: &'a [usize],
@@ -89,7 +89,7 @@ struct Sweep<'a> {
     weights: Vec<f32>,
 }
 
-impl<'a> Sweep<'a> {
+impl<'a> Weighing<'a> {
     fn new(interpolation: &Interpolation, mosaic: &'a Mosaic, patch: Rect, channels: &'a [usize]) -> Self {
         let reach = interpolation.reach();
         let around = Rect {
@@ -146,7 +146,7 @@ impl<'a> Sweep<'a> {
 
 /// Adds the weighted light row by row.
 struct Weigh<'a> {
-    sweep: &'a Sweep<'a>,
+    sweep: &'a Weighing<'a>,
     chart: &'a PixelSpectra,
     wavelengths: usize,
     sums: &'a mut [f32],

@@ -261,10 +261,24 @@ impl Designs {
         self.groups.iter().map(|g| (g.colors, g.sets, g.mosaics.len()))
     }
 
+    /// Which condition with which processing a design is seen under, counted from 0.
+    #[must_use]
+    pub fn setup_of(&self, number: u64) -> u64 {
+        number / self.per_setup
+    }
+
+    /// Index of the condition, and processing, of a setup; `None` where there are not so many.
+    #[must_use]
+    pub fn setup(&self, setup: u64) -> Option<(usize, Processing)> {
+        let ways = self.study.processing.len() as u64;
+        let condition = usize::try_from(setup / ways).ok().filter(|&c| c < self.study.conditions.len())?;
+        Some((condition, *self.study.processing.get((setup % ways) as usize)?))
+    }
+
     /// The condition of a design.
     #[must_use]
     pub fn condition_of(&self, number: u64) -> usize {
-        (number / (self.per_setup * self.study.processing.len() as u64)) as usize
+        (self.setup_of(number) / self.study.processing.len() as u64) as usize
     }
 
     /// The first design after `number` that has another condition.
@@ -282,8 +296,8 @@ impl Designs {
         if number >= self.count {
             return Err(beyond());
         }
-        let (setup, mut rest) = (number / self.per_setup, number % self.per_setup);
-        let processings = self.study.processing.len() as u64;
+        let (condition, processing) = self.setup(self.setup_of(number)).ok_or_else(beyond)?;
+        let mut rest = number % self.per_setup;
         for group in &self.groups {
             let here = group.len().unwrap_or(0);
             if rest >= here {
@@ -293,8 +307,8 @@ impl Designs {
             let (mosaic, set) = (rest / group.sets, rest % group.sets);
             return Ok(Design {
                 number,
-                condition: (setup / processings) as usize,
-                processing: *self.study.processing.get((setup % processings) as usize).ok_or_else(beyond)?,
+                condition,
+                processing,
                 filters: group.set(&self.study.filters, set)?,
                 mosaic: group.mosaics.get(mosaic as usize).ok_or_else(beyond)?.clone(),
             });

@@ -29,11 +29,11 @@ pub struct Scored {
 pub struct Sweep<'a> {
     designs: &'a Designs,
     images: OpticalImages<'a>,
-    prepared: Mutex<Option<(usize, Arc<Prepared>)>>,
+    ready: Mutex<Option<(usize, Arc<Ready>)>>,
 }
 
 /// A condition, ready for designs.
-struct Prepared {
+struct Ready {
     camera: Camera,
     targets: Targets,
     /// Where the study has designs that are learned for.
@@ -44,7 +44,7 @@ impl<'a> Sweep<'a> {
     /// A study; `images` may keep optical images, as for [`evaluate`](crate::camera::evaluate).
     #[must_use]
     pub fn new(designs: &'a Designs, images: OpticalImages<'a>) -> Self {
-        Self { designs, images, prepared: Mutex::new(None) }
+        Self { designs, images, ready: Mutex::new(None) }
     }
 
     /// Scores the designs of a range, in their order. Calls `done` after each, from any thread.
@@ -90,8 +90,8 @@ impl<'a> Sweep<'a> {
         numbers.map(score).collect()
     }
 
-    fn condition(&self, index: usize) -> Result<Arc<Prepared>, DesignError> {
-        let mut kept = self.prepared.lock().unwrap_or_else(PoisonError::into_inner);
+    fn condition(&self, index: usize) -> Result<Arc<Ready>, DesignError> {
+        let mut kept = self.ready.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some((_, prepared)) = kept.as_ref().filter(|(i, _)| *i == index) {
             return Ok(prepared.clone());
         }
@@ -102,7 +102,7 @@ impl<'a> Sweep<'a> {
         Ok(made)
     }
 
-    fn prepare(&self, index: usize) -> Result<Prepared, DesignError> {
+    fn prepare(&self, index: usize) -> Result<Ready, DesignError> {
         let study = self.designs.study();
         let condition = study.conditions.get(index).ok_or(DesignError::NoSuchCondition { index })?;
         let grid = condition.camera.grid()?;
@@ -114,23 +114,25 @@ impl<'a> Sweep<'a> {
         };
         let mut targets = Targets::new(&camera, &settings, self.images)?;
         if study.aliasing {
-            targets = targets.with_zone_plate(&camera, &settings, self.images)?;
+            targets = targets.with_zone_plate(self.images)?;
         }
         let learns = study.processing.contains(&Processing::L3);
-        let lessons = learns.then(|| Lessons::new(&camera, &study.l3, &settings, self.images)).transpose()?;
-        Ok(Prepared { camera, targets, lessons })
+        let lessons = learns.then(|| Lessons::new(&targets, &study.l3, self.images)).transpose()?;
+        Ok(Ready { camera, targets, lessons })
     }
 }
 
-impl Prepared {
+impl Ready {
     fn score(&self, design: Design) -> Scored {
         let score = || {
             let cfa = design.cfa(self.camera.grid())?;
             match &self.lessons {
                 Some(lessons) if design.processing == Processing::L3 => {
                     let (pipeline, reach) = lessons.pipeline(&cfa)?;
-                    let scores = self.targets.score_with(&cfa, &pipeline, reach)?;
-                    Ok((scores, self.targets.aliasing_with(&cfa, &pipeline)?))
+                    // Planned once for all pictures of the design.
+                    let renderer = pipeline.renderer();
+                    let scores = self.targets.score_with(&cfa, &renderer, reach)?;
+                    Ok((scores, self.targets.aliasing_with(&cfa, &renderer)?))
                 }
                 _ => Ok((self.targets.score(&cfa)?, self.targets.aliasing(&cfa)?)),
             }

@@ -17,7 +17,8 @@ use crate::color::Image;
 use crate::isp::tile_filter::TileFilter;
 use crate::isp::{Classic, ColorFit, Demosaic, Isp, IspError, WhiteBalance};
 use crate::metrics::Rect;
-use crate::metrics::luminance_noise::luminance_noise;
+use crate::metrics::color_accuracy::ColorAccuracy;
+use crate::metrics::luminance_noise::{LuminanceNoise, luminance_noise};
 use crate::numeric::Planes;
 use crate::optics::OpticalImage;
 use crate::scene::{Setting, macbeth};
@@ -57,7 +58,8 @@ pub struct AliasingScores {
 /// Targets, ready to be seen through any filters.
 #[derive(Debug, Clone)]
 pub struct Targets {
-    chart: Shown,
+    setting: Setting,
+    pub(super) chart: Arc<Shown>,
     edge: Shown,
     light: Spectrum,
     fit: ColorFit,
@@ -83,13 +85,12 @@ const CLIPS: f64 = 0.9999;
 struct ZonePlate {
     shown: Shown,
     reference: Image,
-    setting: Setting,
 }
 
 /// A target in front of the camera.
 #[derive(Debug, Clone)]
 pub(super) struct Shown {
-    camera: Camera,
+    pub(super) camera: Camera,
     pixels: PixelSpectra,
     /// What the exposure rule looks at; `None` where the time is stated or the rule looks at the whole image.
     metered: Option<Spectrum>,
@@ -97,7 +98,7 @@ pub(super) struct Shown {
 }
 
 impl Shown {
-    pub(super) fn new(target: &Target, images: OpticalImages<'_>) -> Result<Self, CameraError> {
+    fn new(target: &Target, images: OpticalImages<'_>) -> Result<Self, CameraError> {
         let camera = target.camera.clone();
         let image = Arc::new(images(&target.key, &|| target.image())?);
         let pixels = PixelSpectra::new(&camera.sensor, &image)?;
@@ -136,18 +137,17 @@ impl Shown {
     }
 }
 
+/// The edge, captured.
+struct EdgeCapture {
+    raw: RawImage,
+    /// Where it is measured.
+    region: Rect,
+    time_s: f64,
+}
+
 /// A rectangle of a target in an image whose first row is row `row` of the target.
 fn below(rect: Rect, row: usize) -> Rect {
     Rect { row: rect.row - row, ..rect }
-}
-
-fn setting(camera: &Camera, settings: &EvaluationSettings) -> Setting {
-    Setting {
-        luminance_cd_m2: settings.luminance_cd_m2,
-        illuminant: settings.illuminant.clone(),
-        grid: camera.grid(),
-        ..Setting::default()
-    }
 }
 
 /// Photoelectrons per photon and nm, per channel.
@@ -166,9 +166,9 @@ impl Targets {
         settings: &EvaluationSettings,
         images: OpticalImages<'_>,
     ) -> Result<Self, CameraError> {
-        let setting = setting(camera, settings);
+        let setting = settings.setting(camera.grid());
         let light = settings.illuminant.photons(camera.grid())?;
-        let chart = Shown::new(&Target::chart(camera, &setting)?, images)?;
+        let chart = Arc::new(Shown::new(&Target::chart(camera, &setting)?, images)?);
         Ok(Self {
             brightest: chart.brightest(),
             chart,
@@ -178,6 +178,7 @@ impl Targets {
             fit: camera.color_fit(&light)?,
             expected: chart::expected(&light)?,
             light,
+            setting,
             seed: settings.seed,
         })
     }
@@ -186,16 +187,10 @@ impl Targets {
     ///
     /// # Errors
     /// When a stage refuses.
-    pub fn with_zone_plate(
-        self,
-        camera: &Camera,
-        settings: &EvaluationSettings,
-        images: OpticalImages<'_>,
-    ) -> Result<Self, CameraError> {
-        let setting = setting(camera, settings);
-        let shown = Shown::new(&Target::zone_plate(camera, &setting)?, images)?;
+    pub fn with_zone_plate(self, images: OpticalImages<'_>) -> Result<Self, CameraError> {
+        let shown = Shown::new(&Target::zone_plate(&self.chart.camera, &self.setting)?, images)?;
         let reference = shown.camera.reference(&shown.image)?;
-        Ok(Self { zone_plate: Some(ZonePlate { shown, reference, setting }), ..self })
+        Ok(Self { zone_plate: Some(ZonePlate { shown, reference }), ..self })
     }
 
     /// The light, photons.
@@ -204,10 +199,14 @@ impl Targets {
         &self.light
     }
 
-    /// The camera of the targets with another colour filter array.
-    #[must_use]
-    pub fn camera(&self, cfa: &Cfa) -> Camera {
-        self.chart.camera.with_cfa(cfa.clone())
+    /// What the targets are lit by and how far they are.
+    pub(super) fn setting(&self) -> &Setting {
+        &self.setting
+    }
+
+    /// Seed of the noise.
+    pub(super) fn seed(&self) -> u64 {
+        self.seed
     }
 
     /// The scores of a colour filter array with the camera's own processing.
@@ -232,7 +231,10 @@ impl Targets {
     /// # Errors
     /// When a stage refuses.
     pub fn aliasing(&self, cfa: &Cfa) -> Result<Option<AliasingScores>, CameraError> {
-        let camera = self.camera(cfa);
+        if self.zone_plate.is_none() {
+            return Ok(None);
+        }
+        let camera = self.chart.camera.with_cfa(cfa.clone());
         self.aliasing_with(cfa, &camera.isp_fitted_to(&self.fit, WhiteBalance::None)?)
     }
 
@@ -244,7 +246,7 @@ impl Targets {
         let Some(zone) = &self.zone_plate else { return Ok(None) };
         let (camera, exposure) = zone.shown.through(cfa)?;
         let picture = isp.render(&camera.sensor.capture_ideal(&zone.shown.pixels, &exposure)?)?;
-        let found = zone_plate_aliasing(&picture, &zone.reference, &zone.setting)?;
+        let found = zone_plate_aliasing(&picture, &zone.reference, &self.setting)?;
         Ok(Some(AliasingScores {
             aliasing_percent: found.total_percent,
             color_aliasing_percent: found.color_percent,
@@ -310,26 +312,12 @@ impl Targets {
             let plane = luminance.apply(&raw.normalized(), raw.cols())?;
             Ok(Planes::new(raw.rows(), raw.cols(), 1, plane).map_err(IspError::from)?)
         };
-        let greys = &patches[chart::GREYS];
-        let (band, first) = self.chart.band(sensor, greys[0].row, greys[0].row + greys[0].rows, reach);
-        let noisy = plane(&band.capture(&self.chart.pixels, exposure, NoiseMode::All, self.seed)?)?;
-        let greys: Vec<Rect> = greys.iter().map(|&r| below(r, first)).collect();
-        let noise = luminance_noise(&noisy, 0, &greys)?;
-
-        let (camera, edge_exposure) = self.edge.through(&sensor.cfa)?;
-        let rows = EDGE_REGION.row..EDGE_REGION.row + EDGE_REGION.rows;
-        let (band, first) = self.edge.band(&camera.sensor, rows.start, rows.end, reach);
-        let edge = plane(&band.capture_ideal(&self.edge.pixels, &edge_exposure)?)?;
-        let mtf50_cy_per_px = edge_mtf50(&edge, 0, below(EDGE_REGION, first))?;
-        Ok(Some(Scores {
-            delta_e_76: colors.delta_e_76.mean,
-            delta_e_2000: colors.delta_e_2000.mean,
-            mtf50_cy_per_mm: mtf50_cy_per_px / (sensor.pixel.pitch_m * 1e3),
-            mtf50_cy_per_px,
-            luminance_noise_percent: noise.mean_percent,
-            macbeth_time_s: exposure.time_s,
-            edge_time_s: edge_exposure.time_s,
-        }))
+        let (raw, greys) =
+            self.chart_raw(sensor, exposure, &patches[chart::GREYS], reach, Some(self.seed))?;
+        let noise = luminance_noise(&plane(&raw)?, 0, &greys)?;
+        let edge = self.edge_raw(&sensor.cfa, reach)?;
+        let mtf50_cy_per_px = edge_mtf50(&plane(&edge.raw)?, 0, edge.region)?;
+        Ok(Some(self.scores(&colors, &noise, mtf50_cy_per_px, [exposure.time_s, edge.time_s])))
     }
 
     /// The scores with processing of one's own, which makes X, Y, Z as they are under the light of raw samples. A pixel of its
@@ -342,49 +330,62 @@ impl Targets {
         let patches = chart::patches();
         let mut measured = Vec::with_capacity(patches.len());
         for row in patches.chunks(macbeth::COLS) {
-            let (picture, first) = self.chart_row(&camera, &exposure, row, isp, reach, None)?;
-            let row: Vec<Rect> = row.iter().map(|&r| below(r, first)).collect();
-            measured.extend(chart::means(&picture, &row)?);
+            let (raw, row) = self.chart_raw(&camera.sensor, &exposure, row, reach, None)?;
+            measured.extend(chart::means(&isp.render(&raw)?, &row)?);
         }
         let colors = chart::accuracy(&measured, &self.expected)?;
-        let greys = &patches[chart::GREYS];
-        let (noisy, first) = self.chart_row(&camera, &exposure, greys, isp, reach, Some(self.seed))?;
-        let greys: Vec<Rect> = greys.iter().map(|&r| below(r, first)).collect();
-        let noise = luminance_noise(noisy.planes(), chart::LUMINANCE, &greys)?;
-
-        let (camera, edge_exposure) = self.edge.through(cfa)?;
-        let rows = EDGE_REGION.row..EDGE_REGION.row + EDGE_REGION.rows;
-        let (sensor, first) = self.edge.band(&camera.sensor, rows.start, rows.end, reach);
-        let picture = isp.render(&sensor.capture_ideal(&self.edge.pixels, &edge_exposure)?)?;
-        let mtf50_cy_per_px = edge_mtf50(picture.planes(), chart::LUMINANCE, below(EDGE_REGION, first))?;
-        Ok(Scores {
-            delta_e_76: colors.delta_e_76.mean,
-            delta_e_2000: colors.delta_e_2000.mean,
-            mtf50_cy_per_mm: mtf50_cy_per_px / (camera.sensor.pixel.pitch_m * 1e3),
-            mtf50_cy_per_px,
-            luminance_noise_percent: noise.mean_percent,
-            macbeth_time_s: exposure.time_s,
-            edge_time_s: edge_exposure.time_s,
-        })
+        let (raw, greys) =
+            self.chart_raw(&camera.sensor, &exposure, &patches[chart::GREYS], reach, Some(self.seed))?;
+        let noise = luminance_noise(isp.render(&raw)?.planes(), chart::LUMINANCE, &greys)?;
+        let edge = self.edge_raw(cfa, reach)?;
+        let picture = isp.render(&edge.raw)?;
+        let mtf50_cy_per_px = edge_mtf50(picture.planes(), chart::LUMINANCE, edge.region)?;
+        Ok(self.scores(&colors, &noise, mtf50_cy_per_px, [exposure.time_s, edge.time_s]))
     }
 
-    /// The picture of a row of patches, without noise or with that of a seed, and its first row on the target.
-    fn chart_row(
+    /// The capture of a row of patches, without noise or with that of a seed, and where the patches lie in it.
+    fn chart_raw(
         &self,
-        camera: &Camera,
+        sensor: &Sensor,
         exposure: &Exposure,
         patches: &[Rect],
-        isp: &dyn Isp,
         reach: usize,
         seed: Option<u64>,
-    ) -> Result<(Image, usize), CameraError> {
+    ) -> Result<(RawImage, Vec<Rect>), CameraError> {
         let first = patches.iter().map(|p| p.row).min().unwrap_or(0);
         let end = patches.iter().map(|p| p.row + p.rows).max().unwrap_or(0);
-        let (sensor, row) = self.chart.band(&camera.sensor, first, end, reach);
+        let (sensor, row) = self.chart.band(sensor, first, end, reach);
         let raw = match seed {
             None => sensor.capture_ideal(&self.chart.pixels, exposure)?,
             Some(seed) => sensor.capture(&self.chart.pixels, exposure, NoiseMode::All, seed)?,
         };
-        Ok((isp.render(&raw)?, row))
+        Ok((raw, patches.iter().map(|&p| below(p, row)).collect()))
+    }
+
+    /// The capture of the edge without noise.
+    fn edge_raw(&self, cfa: &Cfa, reach: usize) -> Result<EdgeCapture, CameraError> {
+        let (camera, exposure) = self.edge.through(cfa)?;
+        let (first, end) = (EDGE_REGION.row, EDGE_REGION.row + EDGE_REGION.rows);
+        let (sensor, row) = self.edge.band(&camera.sensor, first, end, reach);
+        let raw = sensor.capture_ideal(&self.edge.pixels, &exposure)?;
+        Ok(EdgeCapture { raw, region: below(EDGE_REGION, row), time_s: exposure.time_s })
+    }
+
+    fn scores(
+        &self,
+        colors: &ColorAccuracy,
+        noise: &LuminanceNoise,
+        mtf50_cy_per_px: f64,
+        [macbeth_time_s, edge_time_s]: [f64; 2],
+    ) -> Scores {
+        Scores {
+            delta_e_76: colors.delta_e_76.mean,
+            delta_e_2000: colors.delta_e_2000.mean,
+            mtf50_cy_per_mm: mtf50_cy_per_px / (self.chart.camera.sensor.pixel.pitch_m * 1e3),
+            mtf50_cy_per_px,
+            luminance_noise_percent: noise.mean_percent,
+            macbeth_time_s,
+            edge_time_s,
+        }
     }
 }

@@ -25,7 +25,7 @@ fn camera() -> Camera {
 }
 
 fn lessons(camera: &Camera, settings: &LessonSettings) -> Result<Lessons, CameraError> {
-    Lessons::new(camera, settings, &EvaluationSettings::default(), &|_, make| make())
+    Lessons::new(&targets(camera), settings, &|_, make| make())
 }
 
 fn targets(camera: &Camera) -> Targets {

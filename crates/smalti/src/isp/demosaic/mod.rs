@@ -47,11 +47,7 @@ impl Demosaic {
     /// # Errors
     /// When the method is not defined for the mosaic.
     pub fn reach(self, mosaic: &Mosaic) -> Result<usize, IspError> {
-        Ok(match self {
-            Self::Bilinear => Bilinear::new(mosaic)?.plan().reach(),
-            Self::Malvar2004 => malvar2004::plan(mosaic)?.reach(),
-            Self::Adaptive => adams1997::REACH,
-        })
+        Ok(self.interpolation(mosaic)?.map_or(adams1997::REACH, |i| i.reach()))
     }
 
     /// The weights of the method for a mosaic; `None` where it has none that do not depend on the image.
