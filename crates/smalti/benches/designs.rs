@@ -6,7 +6,7 @@ use std::hint::black_box;
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use rayon::prelude::*;
 use smalti::camera::{Camera, CameraDescription, CameraError, EvaluationSettings};
-use smalti::design::{LessonSettings, Lessons, Targets};
+use smalti::design::{LessonSettings, Lessons, Metric, Scores, Targets};
 use smalti::sensor::{Cfa, Channel, Filter, Mosaic};
 use smalti::spectrum::WavelengthGrid;
 
@@ -36,7 +36,8 @@ fn designs(c: &mut Criterion) {
     let mut d = CameraDescription::default();
     (d.sensor.adc_bits, d.sensor.pixel.pitch_um, d.sensor.pixel.fill_factor) = (0, 2.8, 0.5);
     let camera = Camera::new(d, GRID).expect("a camera");
-    let targets = Targets::new(&camera, &EvaluationSettings::default(), &|_, make| make()).expect("targets");
+    let settings = EvaluationSettings::default();
+    let targets = Targets::new(&camera, &settings, &Metric::USUAL, &[], &|_, make| make()).expect("targets");
     let mut group = c.benchmark_group("designs");
     for colors in 3..=7 {
         let one = cfa(colors, 3);
@@ -45,12 +46,12 @@ fn designs(c: &mut Criterion) {
     let many: Vec<Cfa> = (0..200).map(|i| cfa(3 + i % 5, i)).collect();
     group.throughput(Throughput::Elements(many.len() as u64));
     group.bench_function("3 to 7 colours, all cores", |b| {
-        b.iter(|| many.par_iter().map(|cfa| targets.score(cfa).map(|s| s.delta_e_76)).collect::<Vec<_>>())
+        b.iter(|| many.par_iter().map(|cfa| targets.score(cfa)).collect::<Vec<_>>())
     });
     let lessons = Lessons::new(&targets, &LessonSettings::default(), &|_, make| make()).expect("lessons");
-    let learned = |cfa: &Cfa| {
+    let learned = |cfa: &Cfa| -> Result<Scores, CameraError> {
         let (pipeline, reach) = lessons.pipeline(cfa)?;
-        Ok::<_, CameraError>(targets.score_with(cfa, &pipeline.renderer(), reach)?.delta_e_76)
+        targets.score_with(cfa, &pipeline.renderer(), reach)
     };
     let some = &many[..40];
     group.sample_size(10).throughput(Throughput::Elements(some.len() as u64));
