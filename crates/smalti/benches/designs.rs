@@ -6,7 +6,9 @@ use std::hint::black_box;
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use rayon::prelude::*;
 use smalti::camera::{Camera, CameraDescription, CameraError, EvaluationSettings};
+use smalti::design::statistics::{Objective, pareto_front};
 use smalti::design::{LessonSettings, Lessons, Metric, Scores, Targets};
+use smalti::numeric::philox::Stream;
 use smalti::sensor::{Cfa, Channel, Filter, Mosaic};
 use smalti::spectrum::WavelengthGrid;
 
@@ -61,5 +63,30 @@ fn designs(c: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(benches, designs);
+/// The front of scores that lie as those of a study do: better colour goes with worse resolution.
+fn front(c: &mut Criterion) {
+    let mut group = c.benchmark_group("pareto front");
+    for count in [10_000usize, 100_000, 1_000_000] {
+        let mut stream = Stream::new(1, 0, 0);
+        let rows: Vec<[f64; 3]> = (0..count)
+            .map(|_| {
+                let [a, b, c] = [(); 3].map(|()| stream.uniform());
+                [1.0 + 9.0 * a, 60.0 + 70.0 * a + 5.0 * b, 1.0 + 3.0 * (1.0 - a) + c]
+            })
+            .collect();
+        let column = |i: usize| rows.iter().map(|r| r[i]).collect::<Vec<f64>>();
+        let (delta_e, mtf50, noise) = (column(0), column(1), column(2));
+        group.throughput(Throughput::Elements(count as u64));
+        group.bench_function(format!("{count} designs, three objectives"), |b| {
+            b.iter(|| {
+                let objectives =
+                    [Objective::lower(&delta_e), Objective::higher(&mtf50), Objective::lower(&noise)];
+                pareto_front(black_box(&objectives)).expect("a front")
+            })
+        });
+    }
+    group.finish();
+}
+
+criterion_group!(benches, designs, front);
 criterion_main!(benches);
