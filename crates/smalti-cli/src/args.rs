@@ -253,7 +253,11 @@ pub(crate) struct Evaluate {
 }
 
 #[derive(Debug, Clone, Args)]
-#[command(after_help = "Examples:\n  smalti list cfas\n  smalti list scenes --json")]
+#[command(after_help = "Examples:\n  \
+    smalti list cfas\n  \
+    smalti list scenes --json\n  \
+    smalti list camera-keys                               what a camera file may say, with defaults\n  \
+    smalti list camera-keys --schema > camera.json        for editors that check and complete TOML by a JSON Schema")]
 pub(crate) struct List {
     /// What to list
     #[arg(value_enum)]
@@ -261,6 +265,12 @@ pub(crate) struct List {
     /// Print JSON
     #[arg(long)]
     pub(crate) json: bool,
+    /// Print a page in Markdown, as in docs/reference
+    #[arg(long, conflicts_with = "json")]
+    pub(crate) markdown: bool,
+    /// Print a JSON Schema: of camera-keys and study-keys
+    #[arg(long, conflicts_with_all = ["json", "markdown"])]
+    pub(crate) schema: bool,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -279,6 +289,10 @@ pub(crate) enum Listing {
     Metrics,
     /// Studies of many designs, for `smalti sweep`
     Studies,
+    /// Keys of a camera file, with their defaults
+    CameraKeys,
+    /// Keys of a study file, with their defaults
+    StudyKeys,
 }
 
 #[derive(Debug, Clone, Args)]

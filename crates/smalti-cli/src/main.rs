@@ -8,6 +8,7 @@ mod compare_report;
 mod convert;
 mod design_columns;
 mod evaluate;
+mod keys;
 mod learn;
 mod learning_args;
 mod list;

@@ -41,6 +41,13 @@ pub fn names() -> &'static [BuiltinFile] {
     STUDIES
 }
 
+/// What a study file may hold, as JSON Schema.
+#[cfg(feature = "schema")]
+#[must_use]
+pub fn schema() -> schemars::Schema {
+    schemars::schema_for!(StudyFile)
+}
+
 /// A study by name or file, resolved, with what it is about: cameras, lights, filters and scenes that it names are read.
 ///
 /// # Errors
