@@ -16,6 +16,9 @@ const BRIGHT: f64 = 0.99;
 const OVEREXPOSED: [f64; 2] = [1.2, 3.0];
 /// Ratio of one default exposure to the next at most: close enough that every level sees the bright and the dark end of scenes.
 const EXPOSURE_RATIO: f64 = 2.5;
+/// Of what a channel responds to, the share that the eye sees (1 at the peak of its sensitivity) for the channel to tell luminance:
+/// about 0.05 for blue, 0.001 for near infrared.
+const LEAST_SEEN: f64 = 0.01;
 /// Highest cut between levels.
 const HIGHEST_CUT: f64 = 0.85;
 
@@ -180,12 +183,19 @@ impl Camera {
     }
 
     /// The Y of a white diffuser that just saturates the channel that sees it darkest, at least 1: what of brighter light reaches
-    /// the raw image tells no more how bright it is.
+    /// the raw image tells no more how bright it is. Channels beyond what the eye sees, such as near infrared, do not tell it
+    /// anyway.
     fn knowable_luminance(&self, light: &Spectrum) -> Result<f64, CameraError> {
-        let response = |s: &Spectrum| Ok::<f64, CameraError>(s.times(light)?.integral());
-        let white = self.responsivities()?.iter().map(response).collect::<Result<Vec<_>, _>>()?;
-        let (least, most) = white.iter().fold((f64::INFINITY, 0.0f64), |(a, b), &w| (a.min(w), b.max(w)));
-        // A channel that hardly sees the light saturates in no exposure.
+        let y = &Observer::Cie1931.photon_weights(light.grid())?[1];
+        let (mut least, mut most) = (f64::INFINITY, 0.0f64);
+        for channel in self.responsivities()? {
+            let response = channel.times(light)?;
+            let (white, seen) = (response.integral(), response.times(y)?.integral() / y.max());
+            most = most.max(white);
+            if seen > LEAST_SEEN * white {
+                least = least.min(white);
+            }
+        }
         Ok((most / least).clamp(1.0, 1e3))
     }
 
