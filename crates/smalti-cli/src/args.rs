@@ -341,7 +341,8 @@ pub(crate) struct Compare {
     /// Mean luminance of the scenes, cd/m²; several, separated by commas, are compared in turn
     #[arg(long, value_delimiter = ',', default_value = "1,80", value_name = "CD_M2", value_parser = positive, allow_negative_numbers = true)]
     pub(crate) luminance: Vec<f64>,
-    /// A scene to compare on, built in or a file; may be given more than once [default: scenes that nothing is learned from]
+    /// A scene to compare on, built in or a file; may be given more than once [default: scenes that nothing is learned from].
+    /// The name of one of those alone is that scene, as large as there
     #[arg(long = "scene", value_name = "SCENE")]
     pub(crate) scenes: Vec<String>,
     /// Light of the scenes; pipelines are learned for it too: a name (smalti list illuminants) or a CSV
@@ -401,11 +402,11 @@ impl Processing {
     smalti train rgbw -o rgbw.l3\n  \
     smalti train my.toml --illuminants A --target-illuminant D65 -o warm.l3       balances tungsten light\n  \
     smalti train bayer --scene forest.exr --scene street.exr -o mine.l3\n  \
-    smalti train bayer --statistics half.l3stats -o a.l3                         for --continue half.l3stats\n  \
+    smalti train bayer --statistics half.l3s -o a.l3                             for --continue half.l3s\n  \
     smalti train nikon.toml --pair shot.dng shot.tif --pair b.dng b.tif -o nikon.l3\n  \
     smalti train rgbw -o rgbw.l3 --c-header rgbw_isp.h --npz rgbw.npz\n\n\
-    Without --scene, --pair or --continue it learns from the default set: dead leaves, edges, stars, gratings, steps and a \
-    scene of high dynamic range, in natural and saturated colours, under daylight, tungsten and LED. Scenes are exposed as \
+    Without --scene, --pair or --continue it learns from the default set: dead leaves, charts of patches, gradients, edges, \
+    stars, gratings, steps and scenes of high dynamic range, in natural and saturated colours, under daylight, tungsten and LED. Scenes are exposed as \
     --exposures says, whatever their luminance. The table printed tells for each position of the mosaic how many classes \
     occur, and where the kernels of those with too few patches come from.")]
 pub(crate) struct Train {

@@ -44,7 +44,7 @@ impl Default for Training {
             kernel: KernelForm::default(),
             symmetry: true,
             least_patches: None,
-            saturation_share: 0.01,
+            saturation_share: 0.003,
             smoothing: 0.0,
         }
     }
