@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
+use serde_json::Value;
 use smalti::camera::CameraDescription;
 use smalti::camera::description::ArchitectureName;
 use smalti::design::{
@@ -230,14 +231,32 @@ impl Axis {
     }
 }
 
-/// A study by name or file, resolved, with what it is about: cameras, lights and filters that it names are read.
+/// A study by name or file, resolved, with what it is about: cameras, lights and filters that it names are read. A `.json` file
+/// is a study that was resolved before, or the manifest of its results.
 ///
 /// # Errors
 /// When there is none of that name, or a key, a value or a file does not fit, with the line where there is one; when the study
 /// has no design.
 pub fn load(name: &str) -> Result<(Designs, String), Box<Diagnostic>> {
+    if Path::new(name).extension().is_some_and(|e| e.eq_ignore_ascii_case("json")) {
+        return resolved(name);
+    }
     let source = source(name)?;
     from_source(&source)
+}
+
+/// A study as JSON: names no file, needs nothing else.
+fn resolved(name: &str) -> Result<(Designs, String), Box<Diagnostic>> {
+    let wrong = |message: String| Box::new(Diagnostic::new(name, message));
+    let text = text::read_to_string(Path::new(name)).map_err(|e| wrong(e.to_string()))?;
+    let value: Value = serde_json::from_str(&text).map_err(|e| wrong(e.to_string()))?;
+    let study = value.get("study").unwrap_or(&value);
+    let about = study.get("about").and_then(Value::as_str).unwrap_or_default().to_owned();
+    let study = Study::deserialize(study).map_err(|e| wrong(format!("it is no resolved study: {e}")))?;
+    if study.processing.contains(&Processing::L3) {
+        study.l3.validate().map_err(|e| wrong(e.to_string()))?;
+    }
+    Ok((Designs::new(study).map_err(|e| wrong(e.to_string()))?, about))
 }
 
 /// A study from the text of its file.
