@@ -97,7 +97,9 @@ function rankOf(designs, column, row) {
   for (let i = 0; i < designs.count; i += 1) {
     if (designs.colors[i] !== designs.colors[row] || designs.section[i] !== designs.section[row] || !Number.isFinite(column.values[i])) continue;
     all += 1;
-    if (column.better === "higher" ? column.values[i] < column.values[row] : column.values[i] > column.values[row]) worse += 1;
+    // What no reader tells apart is equal.
+    const ahead = (column.better === "higher" ? 1 : -1) * (column.values[row] - column.values[i]);
+    if (ahead > 1e-4 * Math.abs(column.values[row])) worse += 1;
   }
   return all > 1 ? `${Math.floor((100 * worse) / (all - 1))} %` : "";
 }

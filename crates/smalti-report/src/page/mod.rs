@@ -7,7 +7,7 @@
 //!     .lead(el("p").child("Which one?"))
 //!     .section("scores", "Scores", table)
 //!     .html();
-//! assert!(html.starts_with("<!doctype html>") && html.contains("default-src 'none'"));
+//! assert!(html.starts_with("<!doctype html>") && html.contains("Content-Security-Policy"));
 //! ```
 //!
 //! | part | by |

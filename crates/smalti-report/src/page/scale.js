@@ -39,11 +39,16 @@ function tickText(v) {
   return String(Number(v.toPrecision(6))).replace("-", "−");
 }
 
-// The ends of an axis: all but few designs that would press the others together, unless those are near.
-function endsOf(values, keep, whole) {
+// The ends of an axis: all but few designs that would press the others together, unless those are near or among the best.
+function endsOf(values, keep, whole, best) {
   const [first, last] = extent(values, keep);
   if (!(first <= last)) return [0, 1];
   let [low, high] = whole ? [first, last] : quantiles(values, keep, [0.002, 0.99]);
+  for (const row of best) {
+    if (!keep[row] || !Number.isFinite(values[row])) continue;
+    low = Math.min(low, values[row]);
+    high = Math.max(high, values[row]);
+  }
   const reach = 0.25 * (high - low);
   if (first > low - reach) low = first;
   if (last < high + reach) high = last;

@@ -208,11 +208,9 @@ class Scatter {
       c.lineTo(a, b);
     });
     c.stroke();
-    c.fillStyle = themeColor("--card");
     for (const row of front) {
       c.beginPath();
-      c.arc(this.sx.at(x.values[row]), this.sy.at(y.values[row]), 3.4, 0, 2 * Math.PI);
-      c.fill();
+      c.arc(this.sx.at(x.values[row]), this.sy.at(y.values[row]), 4.6, 0, 2 * Math.PI);
       c.stroke();
     }
   }

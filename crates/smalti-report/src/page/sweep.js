@@ -33,7 +33,9 @@ function startSweep(data) {
     else show();
   } }, "Zoom to selection");
   const save = make("button", { type: "button", class: "primary", click: () => saveCsv(designs, selected) }, "Download CSV");
-  const best = make("div");
+  const bestShown = make("div");
+  // The best designs of the table are to be seen, wherever they are.
+  const best = Array.from(document.querySelectorAll("#best tr.marked button[data-row]"), (button) => Number(button.dataset.row));
 
   const explorer = document.getElementById("explorer");
   explorer.replaceChildren(controls(), filters.element,
@@ -42,7 +44,7 @@ function startSweep(data) {
       make("p", { class: "help", id: "scatter-help" },
         "Drag to select; click a point to see its design. By keyboard: arrows walk from point to point, Home and End go to the ends of the front, Enter shows the design, Escape clears the selection.")),
     panel,
-    make("div", { class: "below" }, make("div", { class: "histograms" }, ...histograms.map((h) => h.element)), best));
+    make("div", { class: "below" }, make("div", { class: "histograms" }, ...histograms.map((h) => h.element)), bestShown));
 
   document.addEventListener("click", (event) => {
     const button = event.target.closest("button[data-row]");
@@ -111,7 +113,7 @@ function startSweep(data) {
     }
   }
   function show() {
-    const ends = view.zoom || { x: endsOf(view.x.values, filters.keep, view.whole), y: endsOf(view.y.values, filters.keep, view.whole) };
+    const ends = view.zoom || { x: endsOf(view.x.values, filters.keep, view.whole, best), y: endsOf(view.y.values, filters.keep, view.whole, best) };
     const log = {};
     const padded = {};
     for (const axis of ["x", "y"]) {
@@ -193,7 +195,7 @@ function startSweep(data) {
     }
     const columns = [...new Set([view.x, view.y, ...histograms.map((h) => h.column)])].filter((c) => c.name !== "colors");
     const cell = (v) => make("td", { class: "number" }, v);
-    best.replaceChildren(make("div", { class: "scrolls", tabindex: "0", role: "region", "aria-label": "Best of the selection" }, make("table", {},
+    bestShown.replaceChildren(make("div", { class: "scrolls", tabindex: "0", role: "region", "aria-label": "Best of the selection" }, make("table", {},
       make("caption", {}, `${scatter.box ? "Best of the selection" : "Best of those shown"}, by ${by.label}`),
       make("thead", {}, make("tr", {}, make("th", { scope: "col" }, "Mosaic"), ...["Design", "Colours", ...columns.map(withUnit)].map((t) => make("th", { scope: "col", class: "number" }, t)))),
       make("tbody", {}, ...rows.map((row) => make("tr", {}, make("td", {}, smallTile(designs, row)),
