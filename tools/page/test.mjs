@@ -202,6 +202,23 @@ test("a phone needs no horizontal scrolling", () => withPage({ viewport: { width
   await page.touchscreen.tap(box.x + box.width / 2, box.y + box.height / 2);
 }));
 
+test("on paper the points are drawn again, in light colours", () => withPage({ colorScheme: "dark" }, async (page) => {
+  const painted = () => page.evaluate(() => {
+    const canvas = document.querySelector(".scatter canvas:last-of-type");
+    const { data } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
+    let count = 0;
+    for (let i = 3; i < data.length; i += 4) count += data[i] > 0;
+    return [count, document.documentElement.dataset.theme];
+  });
+  const [screen, none] = await painted();
+  await page.evaluate(() => dispatchEvent(new Event("beforeprint")));
+  const [paper, theme] = await painted();
+  assert.ok(paper > screen + 240 * 4, `${screen} ${paper}`);
+  assert.deepEqual([none, theme], [undefined, "light"]);
+  await page.evaluate(() => dispatchEvent(new Event("afterprint")));
+  assert.deepEqual(await painted(), [screen, undefined]);
+}));
+
 test("without scripts the tables and figures stand", () => withPageWithoutScripts());
 async function withPageWithoutScripts() {
   const { page, close } = await open(browser, file, { javaScriptEnabled: false });
