@@ -205,7 +205,9 @@ test("a phone needs no horizontal scrolling", () => withPage({ viewport: { width
 test("on paper the points are drawn again, in light colours", () => withPage({ colorScheme: "dark" }, async (page) => {
   const painted = () => page.evaluate(() => {
     const canvas = document.querySelector(".scatter canvas:last-of-type");
-    const { data } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
+    const copy = new OffscreenCanvas(canvas.width, canvas.height).getContext("2d", { willReadFrequently: true });
+    copy.drawImage(canvas, 0, 0);
+    const { data } = copy.getImageData(0, 0, canvas.width, canvas.height);
     let count = 0;
     for (let i = 3; i < data.length; i += 4) count += data[i] > 0;
     return [count, document.documentElement.dataset.theme];
