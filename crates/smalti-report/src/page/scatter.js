@@ -16,6 +16,8 @@ class Scatter {
     this.element = make("div", { class: "scatter" }, this.plane, this.legend);
     this.state = null;
     this.box = null;
+    // Rows: below the mouse, at which the keyboard stands, and the one shown as a design.
+    this.hover = -1;
     this.near = -1;
     this.pinned = -1;
     this.listen();
@@ -184,7 +186,7 @@ class Scatter {
       c.lineWidth = 1.5;
       c.strokeRect(a, b, w, h);
     }
-    for (const [row, width] of [[this.pinned, 2.5], [this.near, 1.5]]) {
+    for (const [row, width] of [[this.pinned, 2.5], [this.near, 1.5], [this.hover, 1.5]]) {
       if (row < 0 || this.px[row] < 0) continue;
       c.strokeStyle = ink;
       c.lineWidth = width;
@@ -302,12 +304,12 @@ class Scatter {
         asked = false;
         if (!this.state) return;
         if (from && this.dragged(from, last)) {
-          this.near = -1;
+          this.hover = -1;
           this.tell(-1);
           this.setBox(this.boxOf(from, last));
         } else if (!from && last) {
-          this.near = this.nearest(...last, 18);
-          this.tell(this.near);
+          this.hover = this.nearest(...last, 18);
+          this.tell(this.hover >= 0 ? this.hover : this.near);
           this.paintOver();
         }
       });
@@ -326,8 +328,8 @@ class Scatter {
     this.over.addEventListener("pointercancel", () => { from = null; });
     this.over.addEventListener("pointerleave", () => {
       last = null;
-      if (document.activeElement !== this.over) this.near = -1;
-      this.tell(-1);
+      this.hover = -1;
+      this.tell(this.near);
       if (this.state) this.paintOver();
     });
     this.over.addEventListener("blur", () => {
