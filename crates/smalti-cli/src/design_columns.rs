@@ -1,7 +1,8 @@
 //! The columns of a sweep's results: a row for each design.
 
 use smalti::design::{
-    ConditionValue, Designs, FilterFamily, FilterFigures, Processing, Scored, Scores, Study,
+    ConditionValue, Designs, FilterFamily, FilterFigures, Metric, Processing, Scored, Scores, Sight, Study,
+    StudyScene,
 };
 use smalti::metrics::{CATALOG, MetricInfo};
 use smalti_io::dataset::{Column, ColumnKind, ColumnSpec};
@@ -16,10 +17,30 @@ pub(crate) fn condition_column(key: &str) -> String {
     key.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '_' }).collect()
 }
 
-/// Figures of a design that are metrics, by their names.
-const METRICS: [&str; 5] =
-    ["delta_e_76", "delta_e_2000", "mtf50_cy_per_mm", "mtf50_cy_per_px", "luminance_noise_percent"];
-const ALIASING: [&str; 2] = ["aliasing_percent", "color_aliasing_percent"];
+/// The metrics of a study in the order of the columns, of scenes once for each, with the name of the column and the scene.
+fn metrics(study: &Study) -> Vec<(String, Metric, usize)> {
+    let mut all = Vec::new();
+    for &metric in &study.metrics {
+        if metric.sight() != Sight::Scenes {
+            all.push((metric.name().to_owned(), metric, 0));
+            continue;
+        }
+        for (i, scene) in study.scenes.iter().enumerate() {
+            let name = |scene: &StudyScene| condition_column(scene.short_name());
+            let own = name(scene);
+            // Scenes of one name are told apart by their place.
+            let alike = study.scenes.iter().filter(|s| name(s) == own).count();
+            let place = if alike > 1 { format!("_{}", i + 1) } else { String::new() };
+            all.push((format!("{}_{own}{place}", metric.name()), metric, i));
+        }
+    }
+    all
+}
+
+/// Whether a study has a metric of the edge, so that it is exposed.
+fn looks_at_edge(study: &Study) -> bool {
+    study.metrics.iter().any(|m| m.sight() == Sight::Edge)
+}
 
 /// Whether sets of filters have names that say more than their figures.
 fn named(study: &Study) -> bool {
@@ -71,16 +92,18 @@ pub(crate) fn schema(study: &Study) -> Vec<ColumnSpec> {
         column("fwhm_nm", Floats, "nm", "Width in which each filter passes at least half of its peak."),
         column("peak", Floats, "", "Largest transmittance of each filter."),
     ]);
-    for name in METRICS.iter().chain(ALIASING.iter().filter(|_| study.aliasing)) {
-        let info = CATALOG.iter().find(|m| m.name == *name);
+    for (name, metric, scene) in metrics(study) {
+        let info = CATALOG.iter().find(|m| m.name == metric.name());
         let (unit, doc) = info.map_or(("", ""), |MetricInfo { unit, doc, .. }| (*unit, *doc));
-        all.push(column(name, Float, unit, doc));
+        let of = study.scenes.get(scene).filter(|_| metric.sight() == Sight::Scenes);
+        let of = of.map_or_else(String::new, |s| format!(" Of the scene {}.", s.name));
+        all.push(column(&name, Float, unit, &format!("{doc}{of}")));
     }
-    all.extend([
-        column("macbeth_time_s", Float, "s", "Exposure time of the ColorChecker."),
-        column("edge_time_s", Float, "s", "Exposure time of the edge."),
-        column("problem", Text, "", "Why a design has no scores; empty where it has them."),
-    ]);
+    all.push(column("macbeth_time_s", Float, "s", "Exposure time of the ColorChecker."));
+    if looks_at_edge(study) {
+        all.push(column("edge_time_s", Float, "s", "Exposure time of the edge."));
+    }
+    all.push(column("problem", Text, "", "Why a design lacks scores; empty where it has all."));
     all
 }
 
@@ -123,22 +146,14 @@ pub(crate) fn columns(designs: &Designs, rows: &[Scored]) -> Vec<Column> {
         lists(&|f| f.fwhm_nm),
         lists(&|f| f.peak),
     ]);
-    let score = |f: &dyn Fn(&Scores) -> f64| number(&|r| r.scores.as_ref().map_or(f64::NAN, f));
-    all.extend([
-        score(&|s| s.delta_e_76),
-        score(&|s| s.delta_e_2000),
-        score(&|s| s.mtf50_cy_per_mm),
-        score(&|s| s.mtf50_cy_per_px),
-        score(&|s| s.luminance_noise_percent),
-    ]);
-    if study.aliasing {
-        all.push(number(&|r| r.aliasing.map_or(f64::NAN, |a| a.aliasing_percent)));
-        all.push(number(&|r| r.aliasing.map_or(f64::NAN, |a| a.color_aliasing_percent)));
+    for (_, metric, scene) in metrics(study) {
+        all.push(number(&|r| r.value(metric, scene).unwrap_or(f64::NAN)));
     }
-    all.extend([
-        score(&|s| s.macbeth_time_s),
-        score(&|s| s.edge_time_s),
-        text(&|r| r.scores.as_ref().err().map(ToString::to_string).unwrap_or_default()),
-    ]);
+    all.push(number(&|r| r.scores.as_ref().map_or(f64::NAN, |s| s.macbeth_time_s)));
+    if looks_at_edge(study) {
+        let time = |s: &Scores| Some(s.edge.as_ref()?.as_ref().ok()?.time_s);
+        all.push(number(&|r| r.scores.as_ref().ok().and_then(time).unwrap_or(f64::NAN)));
+    }
+    all.push(text(&Scored::problem));
     all
 }

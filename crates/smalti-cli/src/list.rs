@@ -5,7 +5,7 @@ use smalti::metrics;
 use smalti::scene::catalog;
 use smalti::sensor::cfa;
 use smalti::spectrum::Illuminant;
-use smalti_io::{cameras, studies};
+use smalti_io::{BuiltinFile, cameras, studies};
 
 use crate::args::{List, Listing};
 use crate::columns;
@@ -14,11 +14,11 @@ pub(crate) fn run(args: &List) -> anyhow::Result<()> {
     let entries = match args.what {
         Listing::Scenes => scenes(),
         Listing::Cfas => cfas(),
-        Listing::Cameras => builtin_cameras(),
+        Listing::Cameras => files(cameras::names()),
         Listing::Illuminants => illuminants(),
         Listing::Filters => filters(),
         Listing::Metrics => metric_list(),
-        Listing::Studies => builtin_studies(),
+        Listing::Studies => files(studies::names()),
     };
     if args.json {
         let json: Vec<_> = entries.iter().map(|e| e.json.clone()).collect();
@@ -76,24 +76,14 @@ fn cfas() -> Vec<Entry> {
     cfa::names().iter().map(entry).collect()
 }
 
-fn builtin_cameras() -> Vec<Entry> {
-    let entry = |c: &cameras::CameraInfo| Entry {
-        name: c.name.into(),
-        summary: c.summary.into(),
+fn files(files: &[BuiltinFile]) -> Vec<Entry> {
+    let entry = |f: &BuiltinFile| Entry {
+        name: f.name.into(),
+        summary: f.summary.into(),
         details: Vec::new(),
-        json: json!({"name": c.name, "summary": c.summary, "toml": c.toml}),
+        json: json!({"name": f.name, "summary": f.summary, "toml": f.toml}),
     };
-    cameras::names().iter().map(entry).collect()
-}
-
-fn builtin_studies() -> Vec<Entry> {
-    let entry = |s: &studies::StudyInfo| Entry {
-        name: s.name.into(),
-        summary: s.summary.into(),
-        details: Vec::new(),
-        json: json!({"name": s.name, "summary": s.summary, "toml": s.toml}),
-    };
-    studies::names().iter().map(entry).collect()
+    files.iter().map(entry).collect()
 }
 
 fn illuminants() -> Vec<Entry> {

@@ -4,12 +4,10 @@ use std::path::Path;
 
 use anyhow::{Context, bail};
 use smalti::camera::Camera;
-use smalti::color::ColorSpace;
-use smalti::color::jakob_hanika2019::Uplift;
 use smalti::scene::{self, Scene, Setting};
-use smalti::spectrum::{Illuminant, Observer, WavelengthGrid, reflectance};
-use smalti_io::exr::{Quantity, ReadOptions, SceneDefaults, SpectralFile};
-use smalti_io::{cameras, exr, picture, spectrum_csv};
+use smalti::spectrum::{Illuminant, WavelengthGrid, reflectance};
+pub(crate) use smalti_io::scene_file::is_meant as is_file;
+use smalti_io::{cameras, lights, scene_file};
 
 use crate::args::{CameraOptions, SceneOptions};
 
@@ -24,12 +22,7 @@ pub(crate) fn camera(
 
 /// A light by name, or from a CSV file (`file.csv#column` picks a column).
 pub(crate) fn illuminant(name: &str) -> anyhow::Result<Illuminant> {
-    let file = name.split('#').next().unwrap_or(name);
-    if has_extension(Path::new(file), &["csv"]) {
-        let power = spectrum_csv::read_spectrum(name)?;
-        return Ok(Illuminant::Measured { name: name.to_owned(), power });
-    }
-    Ok(Illuminant::from_name(name)?)
+    Ok(lights::load(name, Path::new(""))?)
 }
 
 /// The wavelengths that a scene is asked for: those that were typed, else those that the camera states.
@@ -59,12 +52,11 @@ pub(crate) fn scene(name: &str, options: &SceneOptions) -> anyhow::Result<Scene>
 /// A scene by name or file, on a wavelength grid if one is given.
 fn scene_on(name: &str, options: &SceneOptions, grid: Option<WavelengthGrid>) -> anyhow::Result<Scene> {
     let setting = setting(options, grid.unwrap_or_default())?;
-    let path = Path::new(name);
     if !is_file(name) {
         let natural: Vec<_> = reflectance::natural(setting.grid)?.into_iter().map(|(_, s)| s).collect();
         return Ok(scene::catalog::build(name, &setting, &natural)?);
     }
-    let scene = file_scene(path, &setting)?;
+    let scene = scene_file::read(Path::new(name), &setting)?;
     // What was typed holds, whatever the file states.
     let scene = match grid {
         Some(grid) if grid != scene.radiance().grid() => scene.resampled(grid)?,
@@ -86,39 +78,6 @@ fn scene_on(name: &str, options: &SceneOptions, grid: Option<WavelengthGrid>) ->
         Some(deg) => Ok(scene.with_fov(deg)?),
         None => Ok(scene),
     }
-}
-
-/// A file as a scene. What it leaves unsaid is that of the setting.
-fn file_scene(path: &Path, setting: &Setting) -> anyhow::Result<Scene> {
-    let read = ReadOptions::default();
-    let defaults = SceneDefaults {
-        luminance_cd_m2: setting.luminance_cd_m2,
-        distance_m: setting.distance_m,
-        horizontal_fov_deg: setting.horizontal_fov_deg,
-        // Files that say nothing of their light are taken for daylight; another is put on by re-lighting.
-        illuminant: Illuminant::D65,
-    };
-    if has_extension(path, &["exr"]) && exr::is_spectral(path, &read)? {
-        // Messages about the file call it by the name that was typed.
-        let file = SpectralFile { name: path.display().to_string(), ..exr::read(path, &read)? };
-        return Ok(file.into_scene(&defaults)?);
-    }
-    let image = picture::read(path, &read)?.image.converted(ColorSpace::LinearSrgb)?;
-    let lifted = SpectralFile {
-        name: path.display().to_string(),
-        cube: Uplift::new(setting.grid, Observer::Cie1931)?.uplift_image(&image)?,
-        quantity: Quantity::Reflectance,
-        illuminant: None,
-        distance_m: None,
-        horizontal_fov_deg: None,
-    };
-    Ok(lifted.into_scene(&defaults)?)
-}
-
-/// Whether a scene is meant as a file: it is one, or its name ends as one.
-pub(crate) fn is_file(name: &str) -> bool {
-    let path = Path::new(name);
-    path.is_file() || has_extension(path, &["exr", "png", "tif", "tiff", "jpg", "jpeg"])
 }
 
 pub(crate) fn has_extension(path: &Path, known: &[&str]) -> bool {

@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 use anyhow::{Context, bail};
 use serde_json::json;
-use smalti::design::{Designs, Processing, SCORES_REVISION, Sweep};
+use smalti::design::{Designs, Metric, Processing, SCORES_REVISION, Sight, Sweep};
 use smalti_io::cache::Cache;
 use smalti_io::dataset::{self, ColumnKind, MAX_CHUNK, Manifest, Plan, Run};
 use smalti_io::studies;
@@ -119,7 +119,9 @@ fn score_and_write(
 /// What the results will be, and how they are cut.
 fn plan(designs: &Designs, about: String, part_size: Option<u64>) -> anyhow::Result<Plan> {
     let study = designs.study();
-    let slow = study.aliasing || study.processing.iter().any(|p| *p != Processing::Classic);
+    let pictures = |m: &Metric| matches!(m.sight(), Sight::ZonePlate | Sight::Scenes);
+    let learned = |p: &Processing| *p != Processing::Classic;
+    let slow = study.metrics.iter().any(pictures) || study.processing.iter().any(learned);
     let even = (designs.len() / PARTS).next_power_of_two().clamp(*CHUNK.start(), *CHUNK.end());
     // A million parts at most.
     let least = designs.len().div_ceil(dataset::MAX_PARTS);

@@ -1,24 +1,10 @@
 //! Camera files: TOML read strictly, errors shown at their line.
 
-use std::ops::Range;
-use std::path::{Path, PathBuf};
-
 use serde::Deserialize;
 use smalti::camera::description::CameraDescription;
-use smalti::names::nearest;
 
 use crate::diagnostic::Diagnostic;
-
-/// A camera file as text, before anything is made of it.
-#[derive(Debug, Clone)]
-pub struct CameraSource {
-    /// What to call it in messages.
-    pub name: String,
-    /// Where files that it names are looked for.
-    pub folder: PathBuf,
-    /// The TOML.
-    pub text: String,
-}
+use crate::toml_source::{TomlSource, explain};
 
 /// `key=value` from the command line: replaces one key of a camera file.
 #[derive(Debug, Clone, PartialEq)]
@@ -85,19 +71,17 @@ impl Override {
     }
 }
 
-impl CameraSource {
+impl TomlSource {
     /// The description in the file, with overrides applied in order. Files that it names are not read yet.
     ///
     /// # Errors
     /// On the first key or value that does not fit: its line, what was expected, the nearest valid key.
     pub fn describe(&self, overrides: &[Override]) -> Result<CameraDescription, Box<Diagnostic>> {
-        let description = toml::from_str::<CameraDescription>(&self.text)
-            .map_err(|e| Box::new(self.at(e.span(), e.message())))?;
+        let description: CameraDescription = self.parse()?;
         if overrides.is_empty() {
             return Ok(description);
         }
-        let mut document = toml::from_str::<toml::Table>(&self.text)
-            .map_err(|e| Box::new(self.at(e.span(), e.message())))?;
+        let mut document: toml::Table = self.parse()?;
         // All are applied before the result counts: one may need another, as a table's two required keys do. Of a
         // document that is wrong in the end, the override is blamed after which it never was right again.
         let mut result = Ok(description);
@@ -115,89 +99,16 @@ impl CameraSource {
             Box::new(o.fail(message, help))
         })
     }
-
-    /// An error about the value of a dotted key, shown at its line where the file states it.
-    #[must_use]
-    pub fn about_key(&self, key: &str, message: &str) -> Diagnostic {
-        self.at(self.span_of(key), &format!("`{key}`: {message}"))
-    }
-
-    /// An error at a place of the text.
-    pub(crate) fn at(&self, span: Option<Range<usize>>, message: &str) -> Diagnostic {
-        let (message, help) = explain(message);
-        let diagnostic = Diagnostic { help, ..Diagnostic::new(self.name.clone(), message) };
-        match span {
-            Some(span) => diagnostic.with_span(&self.text, span),
-            None => diagnostic,
-        }
-    }
-
-    fn span_of(&self, key: &str) -> Option<Range<usize>> {
-        let document = toml::de::DeTable::parse(&self.text).ok()?;
-        let mut table = document.get_ref();
-        let mut parts = key.split('.').peekable();
-        loop {
-            let part = parts.next()?;
-            let value = table.iter().find(|(k, _)| k.get_ref() == part).map(|(_, v)| v)?;
-            if parts.peek().is_none() {
-                return Some(value.span());
-            }
-            match value.get_ref() {
-                toml::de::DeValue::Table(inner) => table = inner,
-                _ => return Some(value.span()),
-            }
-        }
-    }
-}
-
-/// Serde's message in the words of who writes the file: what is wrong, and what to do about an unknown key.
-fn explain(message: &str) -> (String, Option<String>) {
-    let mut quoted = message.split('`').skip(1).step_by(2);
-    let unknown = message.starts_with("unknown field") || message.starts_with("unknown variant");
-    match quoted.next() {
-        Some(wrong) if unknown => {
-            let known: Vec<&str> = quoted.collect();
-            let what = if message.starts_with("unknown field") { "key" } else { "value" };
-            let list = known.join(", ");
-            let help = match nearest(wrong, known.iter().copied()) {
-                Some(near) => format!("did you mean `{near}`? valid here: {list}"),
-                None => format!("valid here: {list}"),
-            };
-            (format!("unknown {what} `{wrong}`"), Some(help))
-        }
-        _ => (in_plain_words(message.trim_end()), None),
-    }
-}
-
-/// Names of Rust types say nothing to who writes a camera file.
-fn in_plain_words(message: &str) -> String {
-    let found = |what: &str| message.strip_prefix(what).map(|rest| format!("found {rest}"));
-    let message =
-        found("invalid type: ").or_else(|| found("invalid value: ")).unwrap_or_else(|| message.to_owned());
-    let message = message.replace("missing field", "missing key");
-    let Some((start, expected)) = message.split_once(", expected ") else { return message };
-    let expected = match expected {
-        "f64" | "f32" => "a number",
-        "u8" | "u16" | "u32" | "u64" | "usize" => "a whole number, not negative",
-        s if s.starts_with("struct ") => "a table",
-        other => other,
-    };
-    format!("{start}; expected {expected}")
-}
-
-/// The path of a file that a camera file names, relative to the folder of that file.
-#[must_use]
-pub(crate) fn beside(folder: &Path, name: &str) -> PathBuf {
-    let path = Path::new(name);
-    if path.is_absolute() { path.to_owned() } else { folder.join(path) }
 }
 
 #[cfg(test)]
 mod tests {
+    use std::path::PathBuf;
+
     use super::*;
 
-    fn source(text: &str) -> CameraSource {
-        CameraSource { name: "camera.toml".into(), folder: PathBuf::new(), text: text.into() }
+    fn source(text: &str) -> TomlSource {
+        TomlSource { name: "camera.toml".into(), folder: PathBuf::new(), text: text.into() }
     }
 
     #[test]

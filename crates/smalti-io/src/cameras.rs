@@ -1,54 +1,33 @@
 //! Cameras by name or file: described in TOML, checked, resolved.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use smalti::camera::{Camera, CameraDescription, CameraError};
-use smalti::names::nearest;
 use smalti::numeric::Planes;
 use smalti::sensor::Filter;
 use smalti::spectrum::WavelengthGrid;
 
-use crate::camera_toml::{CameraSource, Override, beside};
+use crate::camera_toml::Override;
 use crate::diagnostic::Diagnostic;
-use crate::{Limits, npy, spectrum_csv, text};
+use crate::toml_source::{BuiltinFile, TomlSource, beside, builtin};
+use crate::{Limits, npy, spectrum_csv};
 
-/// A built-in camera.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct CameraInfo {
-    /// Its name.
-    pub name: &'static str,
-    /// What it is.
-    pub summary: &'static str,
-    /// Its file.
-    pub toml: &'static str,
-}
-
-macro_rules! builtin {
-    ($name:literal, $summary:literal) => {
-        CameraInfo {
-            name: $name,
-            summary: $summary,
-            toml: include_str!(concat!("../cameras/", $name, ".toml")),
-        }
-    };
-}
-
-static CAMERAS: &[CameraInfo] = &[
-    builtin!("bayer", "The L³ slides' camera, Bayer"),
-    builtin!("rgbw", "The L³ slides' camera, RGBW 2 × 2"),
-    builtin!("clarity", "The L³ slides' camera, RCCB as in Aptina Clarity+"),
-    builtin!("kodak", "The L³ slides' camera, Kodak's panchromatic 4 × 4"),
-    builtin!("wang", "The L³ slides' camera, Wang et al. 2011, 5 × 5"),
-    builtin!("rgbx", "The L³ slides' camera, RGB and near infrared"),
-    builtin!("rgbcmy", "The L³ slides' camera, six colours in 3 × 2"),
-    builtin!("medical", "The L³ slides' camera, RGB and a narrow band for medical imaging"),
-    builtin!("table1", "\"Resolution in Color Filter Array Images\", table 1"),
-    builtin!("phone", "A phone of 2020: 1 µm pixels at f/1.8"),
+static CAMERAS: &[BuiltinFile] = &[
+    builtin!("cameras", "bayer", "The L³ slides' camera, Bayer"),
+    builtin!("cameras", "rgbw", "The L³ slides' camera, RGBW 2 × 2"),
+    builtin!("cameras", "clarity", "The L³ slides' camera, RCCB as in Aptina Clarity+"),
+    builtin!("cameras", "kodak", "The L³ slides' camera, Kodak's panchromatic 4 × 4"),
+    builtin!("cameras", "wang", "The L³ slides' camera, Wang et al. 2011, 5 × 5"),
+    builtin!("cameras", "rgbx", "The L³ slides' camera, RGB and near infrared"),
+    builtin!("cameras", "rgbcmy", "The L³ slides' camera, six colours in 3 × 2"),
+    builtin!("cameras", "medical", "The L³ slides' camera, RGB and a narrow band for medical imaging"),
+    builtin!("cameras", "table1", "\"Resolution in Color Filter Array Images\", table 1"),
+    builtin!("cameras", "phone", "A phone of 2020: 1 µm pixels at f/1.8"),
 ];
 
 /// The built-in cameras.
 #[must_use]
-pub fn names() -> &'static [CameraInfo] {
+pub fn names() -> &'static [BuiltinFile] {
     CAMERAS
 }
 
@@ -61,7 +40,7 @@ pub fn load(
     overrides: &[Override],
     grid: Option<WavelengthGrid>,
 ) -> Result<Camera, Box<Diagnostic>> {
-    let source = source(name)?;
+    let source = TomlSource::find("camera", CAMERAS, name)?;
     let mut description = source.describe(overrides)?;
     // A file that gives no name is called by its own.
     let unnamed = description.name == CameraDescription::default().name;
@@ -77,28 +56,8 @@ pub fn load(
     })
 }
 
-fn source(name: &str) -> Result<CameraSource, Box<Diagnostic>> {
-    if let Some(c) = CAMERAS.iter().find(|c| c.name == name) {
-        return Ok(CameraSource { name: name.into(), folder: PathBuf::new(), text: c.toml.into() });
-    }
-    let path = Path::new(name);
-    let is_file = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("toml")) || path.is_file();
-    if !is_file {
-        let known: Vec<&str> = CAMERAS.iter().map(|c| c.name).collect();
-        let list = format!("built in: {}; or give a .toml file", known.join(", "));
-        let help = match nearest(name, known.iter().copied()) {
-            Some(near) => format!("did you mean '{near}'? {list}"),
-            None => list,
-        };
-        return Err(Box::new(Diagnostic { help: Some(help), ..Diagnostic::new(name, "no such camera") }));
-    }
-    let text = text::read_to_string(path).map_err(|e| Box::new(Diagnostic::new("camera", e.to_string())))?;
-    let folder = path.parent().map(Path::to_owned).unwrap_or_default();
-    Ok(CameraSource { name: name.into(), folder, text })
-}
-
 /// Shows an impossible value where it stands: on the command line, in the file, or nowhere if it is a default.
-fn about(source: &CameraSource, overrides: &[Override], key: &str, message: &str) -> Diagnostic {
+fn about(source: &TomlSource, overrides: &[Override], key: &str, message: &str) -> Diagnostic {
     // An override of the key itself, of the table around it, or of a key within it.
     let within = |inner: &str, outer: &str| {
         inner.strip_prefix(outer).is_some_and(|r| r.is_empty() || r.starts_with('.'))

@@ -4,6 +4,7 @@ use std::io;
 use std::path::PathBuf;
 
 use smalti::color::ImageError;
+use smalti::color::jakob_hanika2019::UpliftError;
 use smalti::l3::L3Error;
 use smalti::numeric::ShapeError;
 use smalti::scene::SceneError;
@@ -128,6 +129,17 @@ pub enum IoError {
         path: PathBuf,
         /// Why.
         source: SpectrumError,
+    },
+    /// A light that is neither a name nor a file.
+    #[error(transparent)]
+    Light(SpectrumError),
+    /// The colours of a picture cannot be lifted to spectra.
+    #[error("{}: {source}", path.display())]
+    Uplift {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: UpliftError,
     },
     /// The content makes no scene.
     #[error("{}: {source}", path.display())]

@@ -12,6 +12,8 @@
 //! | [`dataset`] | folders of Parquet files, and their manifest | [`dataset::Column`] |
 //! | [`cameras`] | TOML | [`smalti::camera::Camera`] |
 //! | [`studies`] | TOML | [`smalti::design::Designs`] |
+//! | [`lights`] | a name, or CSV | [`smalti::spectrum::Illuminant`] |
+//! | [`scene_file`] | whatever holds a scene | [`smalti::scene::Scene`] |
 //! | [`text`] | UTF-8 | `String` |
 //! | [`memory`] | `/proc/meminfo` | bytes |
 //!
@@ -30,18 +32,22 @@ pub mod exr;
 mod file;
 mod icc;
 pub mod l3;
+pub mod lights;
 pub mod memory;
 pub mod npy;
 pub mod picture;
+pub mod scene_file;
 pub mod spectrum_csv;
 pub mod stages;
 pub mod studies;
 pub mod text;
 mod tiff_tags;
+mod toml_source;
 mod wavelengths;
 pub mod write;
 
-pub use camera_toml::{CameraSource, Override};
+pub use camera_toml::Override;
 pub use diagnostic::Diagnostic;
 pub use error::IoError;
 pub use file::Limits;
+pub use toml_source::{BuiltinFile, TomlSource};

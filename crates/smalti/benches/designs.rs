@@ -6,7 +6,9 @@ use std::hint::black_box;
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use rayon::prelude::*;
 use smalti::camera::{Camera, CameraDescription, CameraError, EvaluationSettings};
-use smalti::design::{LessonSettings, Lessons, Targets};
+use smalti::design::statistics::{Objective, pareto_front};
+use smalti::design::{LessonSettings, Lessons, Metric, Scores, Targets};
+use smalti::numeric::philox::Stream;
 use smalti::sensor::{Cfa, Channel, Filter, Mosaic};
 use smalti::spectrum::WavelengthGrid;
 
@@ -36,7 +38,8 @@ fn designs(c: &mut Criterion) {
     let mut d = CameraDescription::default();
     (d.sensor.adc_bits, d.sensor.pixel.pitch_um, d.sensor.pixel.fill_factor) = (0, 2.8, 0.5);
     let camera = Camera::new(d, GRID).expect("a camera");
-    let targets = Targets::new(&camera, &EvaluationSettings::default(), &|_, make| make()).expect("targets");
+    let settings = EvaluationSettings::default();
+    let targets = Targets::new(&camera, &settings, &Metric::USUAL, &[], &|_, make| make()).expect("targets");
     let mut group = c.benchmark_group("designs");
     for colors in 3..=7 {
         let one = cfa(colors, 3);
@@ -45,12 +48,12 @@ fn designs(c: &mut Criterion) {
     let many: Vec<Cfa> = (0..200).map(|i| cfa(3 + i % 5, i)).collect();
     group.throughput(Throughput::Elements(many.len() as u64));
     group.bench_function("3 to 7 colours, all cores", |b| {
-        b.iter(|| many.par_iter().map(|cfa| targets.score(cfa).map(|s| s.delta_e_76)).collect::<Vec<_>>())
+        b.iter(|| many.par_iter().map(|cfa| targets.score(cfa)).collect::<Vec<_>>())
     });
     let lessons = Lessons::new(&targets, &LessonSettings::default(), &|_, make| make()).expect("lessons");
-    let learned = |cfa: &Cfa| {
+    let learned = |cfa: &Cfa| -> Result<Scores, CameraError> {
         let (pipeline, reach) = lessons.pipeline(cfa)?;
-        Ok::<_, CameraError>(targets.score_with(cfa, &pipeline.renderer(), reach)?.delta_e_76)
+        targets.score_with(cfa, &pipeline.renderer(), reach)
     };
     let some = &many[..40];
     group.sample_size(10).throughput(Throughput::Elements(some.len() as u64));
@@ -60,5 +63,30 @@ fn designs(c: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(benches, designs);
+/// The front of scores that lie as those of a study do: better colour goes with worse resolution.
+fn front(c: &mut Criterion) {
+    let mut group = c.benchmark_group("pareto front");
+    for count in [10_000usize, 100_000, 1_000_000] {
+        let mut stream = Stream::new(1, 0, 0);
+        let rows: Vec<[f64; 3]> = (0..count)
+            .map(|_| {
+                let [a, b, c] = [(); 3].map(|()| stream.uniform());
+                [1.0 + 9.0 * a, 60.0 + 70.0 * a + 5.0 * b, 1.0 + 3.0 * (1.0 - a) + c]
+            })
+            .collect();
+        let column = |i: usize| rows.iter().map(|r| r[i]).collect::<Vec<f64>>();
+        let (delta_e, mtf50, noise) = (column(0), column(1), column(2));
+        group.throughput(Throughput::Elements(count as u64));
+        group.bench_function(format!("{count} designs, three objectives"), |b| {
+            b.iter(|| {
+                let objectives =
+                    [Objective::lower(&delta_e), Objective::higher(&mtf50), Objective::lower(&noise)];
+                pareto_front(black_box(&objectives)).expect("a front")
+            })
+        });
+    }
+    group.finish();
+}
+
+criterion_group!(benches, designs, front);
 criterion_main!(benches);

@@ -52,7 +52,7 @@ impl<'a> Stage<'a> {
             seed: section.results.study().seed,
         };
         let learn = || {
-            let targets = Targets::new(&camera, &evaluation, &|_, make| make())?;
+            let targets = Targets::new(&camera, &evaluation, &[], &[], &|_, make| make())?;
             Lessons::new(&targets, &section.results.study().l3, &|_, make| make())
         };
         let lessons = (processing == Processing::L3).then(learn).transpose()?;

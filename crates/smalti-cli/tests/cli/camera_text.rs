@@ -3,7 +3,7 @@
 use smalti::camera::Camera;
 use smalti::numeric::philox::Stream;
 use smalti::spectrum::WavelengthGrid;
-use smalti_io::{CameraSource, cameras, studies};
+use smalti_io::{TomlSource, cameras, studies};
 
 /// One of the files with up to four bytes or short runs deleted, doubled, replaced or moved.
 fn mutated(files: &[&str], case: u32) -> String {
@@ -40,8 +40,7 @@ fn no_slip_of_the_pen_panics() {
     let files: Vec<&str> = cameras::names().iter().map(|c| c.toml).collect();
     for case in 0..600 {
         let text = mutated(&files, case);
-        let source =
-            CameraSource { name: "mutated.toml".into(), folder: "nowhere".into(), text: text.clone() };
+        let source = TomlSource { name: "mutated.toml".into(), folder: "nowhere".into(), text: text.clone() };
         let set = ["sensor.pixel.pitch_um=1", "optics=3"][..(case % 3) as usize]
             .iter()
             .map(|o| o.parse().unwrap())
@@ -76,8 +75,7 @@ fn nor_does_one_in_a_study() {
             .map(|f| f.lines().filter(|l| !l.starts_with('#')).collect::<Vec<_>>().join("\n"))
             .collect();
         let text = mutated(&lines.iter().map(String::as_str).collect::<Vec<_>>(), case);
-        let source =
-            CameraSource { name: "mutated.toml".into(), folder: "nowhere".into(), text: text.clone() };
+        let source = TomlSource { name: "mutated.toml".into(), folder: "nowhere".into(), text: text.clone() };
         match std::panic::catch_unwind(|| studies::from_source(&source).map(drop).map_err(|e| e.to_string()))
         {
             Ok(Ok(())) => taken += 1,

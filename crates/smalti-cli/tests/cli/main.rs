@@ -12,6 +12,7 @@ mod simulate;
 mod study_report;
 mod surface;
 mod sweep;
+mod sweep_scores;
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};

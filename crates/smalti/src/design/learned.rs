@@ -10,7 +10,8 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 use super::lessons;
-use super::targets::{Shown, Targets};
+use super::shown::Shown;
+use super::targets::Targets;
 use crate::camera::{Camera, CameraError, OpticalImages};
 use crate::l3::{Axes, L3Error, Levels, Pair, Pipeline, Solver, Statistics, Textures, Training};
 use crate::numeric::Planes;

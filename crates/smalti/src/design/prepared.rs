@@ -5,8 +5,7 @@
 //! does not clip is an integral of the light on its pixel over wavelength. So the weighted sum may be taken of the light:
 //! a design then has its colours after one integral for each patch and channel.
 
-use crate::isp::IspError;
-use crate::isp::demosaic::{Demosaic, Interpolation};
+use crate::isp::demosaic::Interpolation;
 use crate::metrics::Rect;
 use crate::numeric::simd::{Kernel, dispatch};
 use crate::sensor::{Mosaic, PixelSpectra};
@@ -28,14 +27,12 @@ struct Part {
 }
 
 impl Prepared {
-    /// `None` where the method is not linear in the samples.
     pub(super) fn new(
-        demosaic: Demosaic,
+        interpolation: Interpolation,
         mosaic: &Mosaic,
         chart: &PixelSpectra,
         patches: &[Rect],
-    ) -> Result<Option<Self>, IspError> {
-        let Some(interpolation) = demosaic.interpolation(mosaic)? else { return Ok(None) };
+    ) -> Self {
         let channels: Vec<usize> = (0..mosaic.channels()).collect();
         // Where channels are made of their own samples alone, one sweep over the light serves all of them.
         let apart = channels.iter().all(|&channel| {
@@ -57,7 +54,7 @@ impl Prepared {
             sweeps.iter().flat_map(sweep).collect()
         };
         let patches = patches.iter().map(of_patch).collect();
-        Ok(Some(Self { interpolation, patches }))
+        Self { interpolation, patches }
     }
 
     /// The channels of each patch, from what each channel makes of a photon at each wavelength.

@@ -7,6 +7,8 @@ use super::filters::{FilterFamily, FilterSet};
 use super::learned::LessonSettings;
 use super::mosaics::MosaicFamily;
 use super::permutation::Permutation;
+use super::scenes::StudyScene;
+use super::scores::Metric;
 use crate::camera::{CameraDescription, CameraError};
 use crate::sensor::{Cfa, Channel, Mosaic};
 use crate::spectrum::{Illuminant, Spectrum, SpectrumError, WavelengthGrid};
@@ -86,7 +88,8 @@ fn light<'de, D: serde::Deserializer<'de>>(from: D) -> Result<Illuminant, D::Err
 
 /// A study, resolved: it alone says what every design is.
 ///
-/// As JSON it is read as it was written, keys beside its own ignored. The samples of `optics.psf` are not part of it.
+/// As JSON it is read as it was written, keys beside its own ignored. The samples of `optics.psf` and the scenes in files are
+/// not part of it, but their hashes are.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Study {
     /// What it is called.
@@ -109,8 +112,11 @@ pub struct Study {
     pub processing: Vec<Processing>,
     /// How pipelines of designs are learned.
     pub l3: LessonSettings,
-    /// Whether aliasing on the zone plate is scored too.
-    pub aliasing: bool,
+    /// What every design is scored by, in the order of the results.
+    pub metrics: Vec<Metric>,
+    /// What [`Metric::OF_SCENES`] are of.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub scenes: Vec<StudyScene>,
 }
 
 /// One design under one condition.
@@ -199,6 +205,7 @@ impl Designs {
     /// # Errors
     /// When a family refuses a key, more designs are asked for than it has, or there is no design at all.
     pub fn new(study: Study) -> Result<Self, DesignError> {
+        study.filters.validate()?;
         let group = |&colors: &usize| {
             let available = study.filters.count(colors)?;
             let sets = match study.filter_sets {

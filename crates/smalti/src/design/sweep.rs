@@ -7,22 +7,46 @@ use rayon::prelude::*;
 
 use super::error::DesignError;
 use super::learned::Lessons;
+use super::scores::{Metric, Scores};
 use super::study::{Design, Designs, Processing};
-use super::targets::{AliasingScores, Scores, Targets};
+use super::targets::Targets;
 use crate::camera::{Camera, CameraError, EvaluationSettings, OpticalImages};
 
 /// Raised whenever scores change: results of two revisions do not belong in one table.
-pub const SCORES_REVISION: u32 = 1;
+pub const SCORES_REVISION: u32 = 2;
 
 /// A design and what it scored.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Scored {
     /// The design.
     pub design: Design,
-    /// Its scores, or why it has none: a filter set that sees no light, an edge without contrast.
+    /// Its scores, or why it has none: a set of filters that sees no light.
     pub scores: Result<Scores, CameraError>,
-    /// Its aliasing, where the study asks for it.
-    pub aliasing: Option<AliasingScores>,
+}
+
+impl Scored {
+    /// As [`Scores::value`].
+    #[must_use]
+    pub fn value(&self, metric: Metric, scene: usize) -> Option<f64> {
+        self.scores.as_ref().ok()?.value(metric, scene)
+    }
+
+    /// Why scores are missing, in words; empty where none is. What failed on several targets in one way is said once.
+    #[must_use]
+    pub fn problem(&self) -> String {
+        let scores = match &self.scores {
+            Ok(scores) => scores,
+            Err(e) => return e.to_string(),
+        };
+        let mut said: Vec<String> = Vec::new();
+        for (target, e) in scores.problems() {
+            let e = e.to_string();
+            if !said.iter().any(|s| s.ends_with(&e)) {
+                said.push(format!("{target}: {e}"));
+            }
+        }
+        said.join("; ")
+    }
 }
 
 /// A study at work. What a condition needs is prepared when its first design is scored, and kept until another comes.
@@ -112,10 +136,7 @@ impl<'a> Sweep<'a> {
             illuminant: condition.illuminant.clone(),
             seed: study.seed,
         };
-        let mut targets = Targets::new(&camera, &settings, self.images)?;
-        if study.aliasing {
-            targets = targets.with_zone_plate(self.images)?;
-        }
+        let targets = Targets::new(&camera, &settings, &study.metrics, &study.scenes, self.images)?;
         let learns = study.processing.contains(&Processing::L3);
         let lessons = learns.then(|| Lessons::new(&targets, &study.l3, self.images)).transpose()?;
         Ok(Ready { camera, targets, lessons })
@@ -130,17 +151,11 @@ impl Ready {
                 Some(lessons) if design.processing == Processing::L3 => {
                     let (pipeline, reach) = lessons.pipeline(&cfa)?;
                     // Planned once for all pictures of the design.
-                    let renderer = pipeline.renderer();
-                    let scores = self.targets.score_with(&cfa, &renderer, reach)?;
-                    Ok((scores, self.targets.aliasing_with(&cfa, &renderer)?))
+                    self.targets.score_with(&cfa, &pipeline.renderer(), reach)
                 }
-                _ => Ok((self.targets.score(&cfa)?, self.targets.aliasing(&cfa)?)),
+                _ => self.targets.score(&cfa),
             }
         };
-        let (scores, aliasing) = match score() {
-            Ok((scores, aliasing)) => (Ok(scores), aliasing),
-            Err(e) => (Err(e), None),
-        };
-        Scored { design, scores, aliasing }
+        Scored { scores: score(), design }
     }
 }

@@ -10,6 +10,9 @@ use std::collections::VecDeque;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use super::prepared::Prepared;
+use super::scenes::{StudyScene, View};
+use super::scores::{AliasingScores, Asked, ColorScores, EdgeScores, Metric, Scores, Sight};
+use super::shown::Shown;
 use crate::camera::evaluate::zone_plate_aliasing;
 use crate::camera::target::{EDGE_REGION, Target, edge_mtf50};
 use crate::camera::{Camera, CameraError, EvaluationSettings, OpticalImages, chart};
@@ -17,50 +20,20 @@ use crate::color::Image;
 use crate::isp::tile_filter::TileFilter;
 use crate::isp::{Classic, ColorFit, Demosaic, Isp, IspError, WhiteBalance};
 use crate::metrics::Rect;
-use crate::metrics::color_accuracy::ColorAccuracy;
-use crate::metrics::luminance_noise::{LuminanceNoise, luminance_noise};
+use crate::metrics::luminance_noise::luminance_noise;
 use crate::numeric::Planes;
-use crate::optics::OpticalImage;
 use crate::scene::{Setting, macbeth};
-use crate::sensor::{
-    Cfa, ColorArchitecture, Exposure, Mosaic, NoiseMode, PixelSpectra, RawImage, Sensor, Window,
-};
+use crate::sensor::{Cfa, ColorArchitecture, Exposure, Mosaic, NoiseMode, RawImage, Sensor};
 use crate::spectrum::{Spectrum, WavelengthGrid};
-
-/// The scores of a design.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Scores {
-    /// Colour difference of 1976 from the chart itself, mean over the patches.
-    pub delta_e_76: f64,
-    /// CIEDE2000 from the chart itself, mean over the patches.
-    pub delta_e_2000: f64,
-    /// Frequency at which the response to an edge falls to one half, cycles per mm on the sensor.
-    pub mtf50_cy_per_mm: f64,
-    /// The same in cycles per pixel.
-    pub mtf50_cy_per_px: f64,
-    /// `100 · std(Y) / mean(Y)`, mean over the grey series, percent.
-    pub luminance_noise_percent: f64,
-    /// Exposure time of the chart, s.
-    pub macbeth_time_s: f64,
-    /// Exposure time of the edge, s.
-    pub edge_time_s: f64,
-}
-
-/// What of a zone plate's picture is not in the zone plate.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct AliasingScores {
-    /// Energy in the picture of the zone plate that is not in the zone plate, percent.
-    pub aliasing_percent: f64,
-    /// The part of it that is colour.
-    pub color_aliasing_percent: f64,
-}
 
 /// Targets, ready to be seen through any filters.
 #[derive(Debug, Clone)]
 pub struct Targets {
     setting: Setting,
     pub(super) chart: Arc<Shown>,
-    edge: Shown,
+    /// What metrics look at; the chart is there in any case, for exposure.
+    sights: Vec<Sight>,
+    edge: Option<Shown>,
     light: Spectrum,
     fit: ColorFit,
     /// X, Y, Z of the patches themselves.
@@ -68,6 +41,7 @@ pub struct Targets {
     /// Photons s⁻¹ nm⁻¹, the most on any pixel of the chart at each wavelength.
     brightest: Vec<f64>,
     zone_plate: Option<ZonePlate>,
+    scenes: Vec<View>,
     seed: u64,
     kept: Arc<Mutex<Kept>>,
 }
@@ -87,62 +61,36 @@ struct ZonePlate {
     reference: Image,
 }
 
-/// A target in front of the camera.
-#[derive(Debug, Clone)]
-pub(super) struct Shown {
-    pub(super) camera: Camera,
-    pixels: PixelSpectra,
-    /// What the exposure rule looks at; `None` where the time is stated or the rule looks at the whole image.
-    metered: Option<Spectrum>,
-    image: Arc<OpticalImage>,
-}
-
-impl Shown {
+impl ZonePlate {
     fn new(target: &Target, images: OpticalImages<'_>) -> Result<Self, CameraError> {
-        let camera = target.camera.clone();
-        let image = Arc::new(images(&target.key, &|| target.image())?);
-        let pixels = PixelSpectra::new(&camera.sensor, &image)?;
-        let metered = camera.metered(&image)?;
-        Ok(Self { camera, pixels, metered, image })
-    }
-
-    /// The most light on any pixel at each wavelength.
-    fn brightest(&self) -> Vec<f64> {
-        let (window, grid) = (self.pixels.window(), self.pixels.grid());
-        let most = |i: usize| {
-            let rows = (window.row..window.row + window.rows).flat_map(|row| self.pixels.line(row, i));
-            f64::from(rows.fold(0.0f32, |m, &v| m.max(v)))
-        };
-        (0..grid.len()).map(most).collect()
-    }
-
-    /// The camera of the target with another colour filter array, and the exposure that it finds.
-    pub(super) fn through(&self, cfa: &Cfa) -> Result<(Camera, Exposure), CameraError> {
-        let camera = self.camera.with_cfa(cfa.clone());
-        let exposure = match &self.metered {
-            Some(spectrum) => camera.exposure_metered(spectrum)?,
-            None => camera.exposure(&self.image)?,
-        };
-        Ok((camera, exposure))
-    }
-
-    /// A sensor that reads the rows `first..end` with `reach` more on either side, beginning with a tile of the mosaic; and
-    /// the first row.
-    fn band(&self, sensor: &Sensor, first: usize, end: usize, reach: usize) -> (Sensor, usize) {
-        let tile = sensor.cfa.mosaic().rows();
-        let row = first.saturating_sub(reach) / tile * tile;
-        let rows = (end + reach).min(sensor.rows) - row;
-        let window = Window { row, col: 0, rows, cols: sensor.cols };
-        (Sensor { window: Some(window), ..sensor.clone() }, row)
+        let shown = Shown::target(target, images)?;
+        Ok(Self { reference: shown.camera.reference(shown.image())?, shown })
     }
 }
 
-/// The edge, captured.
+/// The scores of chart and edge.
+struct Charts {
+    colors: Asked<ColorScores>,
+    noise: Asked<f64>,
+    edge: Asked<EdgeScores>,
+}
+
+/// The edge, captured without noise.
 struct EdgeCapture {
     raw: RawImage,
     /// Where it is measured.
     region: Rect,
     time_s: f64,
+}
+
+impl EdgeCapture {
+    fn new(shown: &Shown, cfa: &Cfa, reach: usize) -> Result<Self, CameraError> {
+        let (camera, exposure) = shown.through(cfa)?;
+        let (first, end) = (EDGE_REGION.row, EDGE_REGION.row + EDGE_REGION.rows);
+        let (sensor, row) = shown.band(&camera.sensor, first, end, reach);
+        let raw = sensor.capture_ideal(&shown.pixels, &exposure)?;
+        Ok(Self { raw, region: below(EDGE_REGION, row), time_s: exposure.time_s })
+    }
 }
 
 /// A rectangle of a target in an image whose first row is row `row` of the target.
@@ -157,40 +105,41 @@ fn response(sensor: &Sensor, grid: WavelengthGrid) -> Result<Vec<Vec<f64>>, Came
 }
 
 impl Targets {
-    /// The targets before a camera, whatever its filters. `images` may keep optical images, as for `evaluate`.
+    /// What metrics look at before a camera, whatever its filters; `scenes` are those that [`Metric::OF_SCENES`] are of. `images`
+    /// may keep optical images, as for `evaluate`.
     ///
     /// # Errors
     /// When a stage refuses.
     pub fn new(
         camera: &Camera,
         settings: &EvaluationSettings,
+        metrics: &[Metric],
+        scenes: &[StudyScene],
         images: OpticalImages<'_>,
     ) -> Result<Self, CameraError> {
         let setting = settings.setting(camera.grid());
+        let sights: Vec<Sight> = metrics.iter().map(|m| m.sight()).collect();
+        let looks = |sight| sights.contains(&sight);
         let light = settings.illuminant.photons(camera.grid())?;
-        let chart = Arc::new(Shown::new(&Target::chart(camera, &setting)?, images)?);
+        let chart = Arc::new(Shown::target(&Target::chart(camera, &setting)?, images)?);
+        let edge = || Shown::target(&Target::edge(camera, &setting)?, images);
+        let zone_plate = || ZonePlate::new(&Target::zone_plate(camera, &setting)?, images);
+        let view = |scene| View::new(camera, scene, &setting, images);
+        let scenes = if looks(Sight::Scenes) { scenes } else { &[] };
         Ok(Self {
             brightest: chart.brightest(),
             chart,
-            zone_plate: None,
             kept: Arc::default(),
-            edge: Shown::new(&Target::edge(camera, &setting)?, images)?,
+            edge: looks(Sight::Edge).then(edge).transpose()?,
+            zone_plate: looks(Sight::ZonePlate).then(zone_plate).transpose()?,
+            scenes: scenes.iter().map(view).collect::<Result<_, _>>()?,
             fit: camera.color_fit(&light)?,
             expected: chart::expected(&light)?,
+            sights,
             light,
             setting,
             seed: settings.seed,
         })
-    }
-
-    /// With the zone plate, which costs some milliseconds a design.
-    ///
-    /// # Errors
-    /// When a stage refuses.
-    pub fn with_zone_plate(self, images: OpticalImages<'_>) -> Result<Self, CameraError> {
-        let shown = Shown::new(&Target::zone_plate(&self.chart.camera, &self.setting)?, images)?;
-        let reference = shown.camera.reference(&shown.image)?;
-        Ok(Self { zone_plate: Some(ZonePlate { shown, reference }), ..self })
     }
 
     /// The light, photons.
@@ -212,7 +161,8 @@ impl Targets {
     /// The scores of a colour filter array with the camera's own processing.
     ///
     /// # Errors
-    /// When a stage refuses, or a metric cannot be computed.
+    /// When no exposure is found before the chart, or the processing cannot be made; what fails on a target stands in its
+    /// scores.
     pub fn score(&self, cfa: &Cfa) -> Result<Scores, CameraError> {
         let (camera, exposure) = self.chart.through(cfa)?;
         let isp = camera.isp_fitted_to(&self.fit, WhiteBalance::None)?;
@@ -221,36 +171,73 @@ impl Targets {
             None => None,
         };
         match linear {
-            Some(scores) => Ok(scores),
+            Some(charts) => Ok(self.with_pictures(charts, cfa, &isp, exposure.time_s)),
             None => self.score_with(cfa, &isp, isp.demosaic.reach(cfa.mosaic())?),
         }
     }
 
-    /// Aliasing of a colour filter array with the camera's own processing; `None` without a zone plate.
+    /// The scores with processing of one's own, which makes X, Y, Z as they are under the light of raw samples. A pixel of its
+    /// picture depends on samples at most `reach` rows away.
     ///
     /// # Errors
-    /// When a stage refuses.
-    pub fn aliasing(&self, cfa: &Cfa) -> Result<Option<AliasingScores>, CameraError> {
-        if self.zone_plate.is_none() {
-            return Ok(None);
-        }
-        let camera = self.chart.camera.with_cfa(cfa.clone());
-        self.aliasing_with(cfa, &camera.isp_fitted_to(&self.fit, WhiteBalance::None)?)
+    /// As [`Targets::score`].
+    pub fn score_with(&self, cfa: &Cfa, isp: &dyn Isp, reach: usize) -> Result<Scores, CameraError> {
+        let (camera, exposure) = self.chart.through(cfa)?;
+        let patches = chart::patches();
+        let colors = || {
+            let mut measured = Vec::with_capacity(patches.len());
+            for row in patches.chunks(macbeth::COLS) {
+                let (raw, row) = self.chart_raw(&camera.sensor, &exposure, row, reach, None)?;
+                measured.extend(chart::means(&isp.render(&raw)?, &row)?);
+            }
+            self.colors(&measured)
+        };
+        let noise = || {
+            let (raw, greys) = self.greys_raw(&camera.sensor, &exposure, reach)?;
+            Ok(luminance_noise(isp.render(&raw)?.planes(), chart::LUMINANCE, &greys)?.mean_percent)
+        };
+        let edge = |shown: &Shown| {
+            let edge = EdgeCapture::new(shown, cfa, reach)?;
+            self.edge(&edge, isp.render(&edge.raw)?.planes(), chart::LUMINANCE)
+        };
+        let charts = self.charts(&colors, &noise, &edge);
+        Ok(self.with_pictures(charts, cfa, isp, exposure.time_s))
     }
 
-    /// Aliasing with processing of one's own, as for [`Targets::score_with`].
-    ///
-    /// # Errors
-    /// When a stage refuses.
-    pub fn aliasing_with(&self, cfa: &Cfa, isp: &dyn Isp) -> Result<Option<AliasingScores>, CameraError> {
-        let Some(zone) = &self.zone_plate else { return Ok(None) };
+    /// Chart and edge, as far as metrics look at them.
+    fn charts(
+        &self,
+        colors: &dyn Fn() -> Result<ColorScores, CameraError>,
+        noise: &dyn Fn() -> Result<f64, CameraError>,
+        edge: &dyn Fn(&Shown) -> Result<EdgeScores, CameraError>,
+    ) -> Charts {
+        Charts {
+            colors: self.sights.contains(&Sight::Colors).then(colors),
+            noise: self.sights.contains(&Sight::Greys).then(noise),
+            edge: self.edge.as_ref().map(edge),
+        }
+    }
+
+    /// The scores of chart and edge with those of zone plate and scenes, which take whole pictures.
+    fn with_pictures(&self, charts: Charts, cfa: &Cfa, isp: &dyn Isp, macbeth_time_s: f64) -> Scores {
+        Scores {
+            colors: charts.colors,
+            luminance_noise_percent: charts.noise,
+            edge: charts.edge,
+            zone_plate: self.zone_plate.as_ref().map(|zone| self.aliasing(zone, cfa, isp)),
+            scenes: self.scenes.iter().map(|view| view.score(cfa, isp, self.seed)).collect(),
+            macbeth_time_s,
+        }
+    }
+
+    fn aliasing(&self, zone: &ZonePlate, cfa: &Cfa, isp: &dyn Isp) -> Result<AliasingScores, CameraError> {
         let (camera, exposure) = zone.shown.through(cfa)?;
         let picture = isp.render(&camera.sensor.capture_ideal(&zone.shown.pixels, &exposure)?)?;
         let found = zone_plate_aliasing(&picture, &zone.reference, &self.setting)?;
-        Ok(Some(AliasingScores {
+        Ok(AliasingScores {
             aliasing_percent: found.total_percent,
             color_aliasing_percent: found.color_percent,
-        }))
+        })
     }
 
     /// What scoring a mosaic needs, kept from the last designs; `None` where it cannot be done by filters.
@@ -263,7 +250,11 @@ impl Targets {
         if let Some((_, found)) = kept().iter().find(|(m, _)| m == mosaic) {
             return Ok(found.clone());
         }
-        let made = Prepared::new(demosaic, mosaic, &self.chart.pixels, &chart::patches())?.map(Arc::new);
+        let patches = chart::patches();
+        // So far samples may lie from what is measured.
+        let clear = patches.iter().chain([&EDGE_REGION]).map(|p| p.row.min(p.col)).min().unwrap_or(0);
+        let near = demosaic.interpolation(mosaic)?.filter(|i| i.reach() <= clear);
+        let made = near.map(|i| Arc::new(Prepared::new(i, mosaic, &self.chart.pixels, &patches)));
         let mut kept = kept();
         if kept.len() >= KEPT_MOSAICS {
             kept.pop_front();
@@ -281,11 +272,9 @@ impl Targets {
         exposure: &Exposure,
         isp: &Classic,
         prepared: &Prepared,
-    ) -> Result<Option<Scores>, CameraError> {
+    ) -> Result<Option<Charts>, CameraError> {
         let (sensor, mosaic) = (&camera.sensor, camera.sensor.cfa.mosaic());
-        let patches = chart::patches();
         let reach = prepared.interpolation.reach();
-        let clear = patches.iter().chain([&EDGE_REGION]).map(|p| p.row.min(p.col)).min().unwrap_or(0);
         let response = response(sensor, self.chart.pixels.grid())?;
         let levels = sensor.raw_levels(exposure)?;
         let range_v = levels.white_v - levels.black_v;
@@ -297,13 +286,12 @@ impl Targets {
         let most =
             |response: &Vec<f64>| response.iter().zip(&self.brightest).map(|(r, b)| r * b).sum::<f64>();
         let brightest = response.iter().map(most).fold(0.0, f64::max) * gain;
-        if dark_clips || brightest > CLIPS || reach > clear || isp.white_balance != WhiteBalance::None {
+        if dark_clips || brightest > CLIPS || isp.white_balance != WhiteBalance::None {
             return Ok(None);
         }
         let matrix = &isp.color_matrix;
         let xyz = |channels: Vec<f64>| matrix.xyz(&channels).map(|v| v * gain * isp.gain);
-        let measured: Vec<[f64; 3]> = prepared.channels(&response).map(xyz).collect();
-        let colors = chart::accuracy(&measured, &self.expected)?;
+        let colors = || self.colors(&prepared.channels(&response).map(xyz).collect::<Vec<_>>());
 
         let factors: Vec<f32> =
             matrix.xyz_from_camera().iter().map(|c| (c[chart::LUMINANCE] * isp.gain) as f32).collect();
@@ -312,35 +300,15 @@ impl Targets {
             let plane = luminance.apply(&raw.normalized(), raw.cols())?;
             Ok(Planes::new(raw.rows(), raw.cols(), 1, plane).map_err(IspError::from)?)
         };
-        let (raw, greys) =
-            self.chart_raw(sensor, exposure, &patches[chart::GREYS], reach, Some(self.seed))?;
-        let noise = luminance_noise(&plane(&raw)?, 0, &greys)?;
-        let edge = self.edge_raw(&sensor.cfa, reach)?;
-        let mtf50_cy_per_px = edge_mtf50(&plane(&edge.raw)?, 0, edge.region)?;
-        Ok(Some(self.scores(&colors, &noise, mtf50_cy_per_px, [exposure.time_s, edge.time_s])))
-    }
-
-    /// The scores with processing of one's own, which makes X, Y, Z as they are under the light of raw samples. A pixel of its
-    /// picture depends on samples at most `reach` rows away.
-    ///
-    /// # Errors
-    /// When a stage refuses, or a metric cannot be computed.
-    pub fn score_with(&self, cfa: &Cfa, isp: &dyn Isp, reach: usize) -> Result<Scores, CameraError> {
-        let (camera, exposure) = self.chart.through(cfa)?;
-        let patches = chart::patches();
-        let mut measured = Vec::with_capacity(patches.len());
-        for row in patches.chunks(macbeth::COLS) {
-            let (raw, row) = self.chart_raw(&camera.sensor, &exposure, row, reach, None)?;
-            measured.extend(chart::means(&isp.render(&raw)?, &row)?);
-        }
-        let colors = chart::accuracy(&measured, &self.expected)?;
-        let (raw, greys) =
-            self.chart_raw(&camera.sensor, &exposure, &patches[chart::GREYS], reach, Some(self.seed))?;
-        let noise = luminance_noise(isp.render(&raw)?.planes(), chart::LUMINANCE, &greys)?;
-        let edge = self.edge_raw(cfa, reach)?;
-        let picture = isp.render(&edge.raw)?;
-        let mtf50_cy_per_px = edge_mtf50(picture.planes(), chart::LUMINANCE, edge.region)?;
-        Ok(self.scores(&colors, &noise, mtf50_cy_per_px, [exposure.time_s, edge.time_s]))
+        let noise = || {
+            let (raw, greys) = self.greys_raw(sensor, exposure, reach)?;
+            Ok(luminance_noise(&plane(&raw)?, 0, &greys)?.mean_percent)
+        };
+        let edge = |shown: &Shown| {
+            let edge = EdgeCapture::new(shown, &sensor.cfa, reach)?;
+            self.edge(&edge, &plane(&edge.raw)?, 0)
+        };
+        Ok(Some(self.charts(&colors, &noise, &edge)))
     }
 
     /// The capture of a row of patches, without noise or with that of a seed, and where the patches lie in it.
@@ -362,30 +330,29 @@ impl Targets {
         Ok((raw, patches.iter().map(|&p| below(p, row)).collect()))
     }
 
-    /// The capture of the edge without noise.
-    fn edge_raw(&self, cfa: &Cfa, reach: usize) -> Result<EdgeCapture, CameraError> {
-        let (camera, exposure) = self.edge.through(cfa)?;
-        let (first, end) = (EDGE_REGION.row, EDGE_REGION.row + EDGE_REGION.rows);
-        let (sensor, row) = self.edge.band(&camera.sensor, first, end, reach);
-        let raw = sensor.capture_ideal(&self.edge.pixels, &exposure)?;
-        Ok(EdgeCapture { raw, region: below(EDGE_REGION, row), time_s: exposure.time_s })
+    /// The capture of the grey series with noise, and where its patches lie.
+    fn greys_raw(
+        &self,
+        sensor: &Sensor,
+        exposure: &Exposure,
+        reach: usize,
+    ) -> Result<(RawImage, Vec<Rect>), CameraError> {
+        self.chart_raw(sensor, exposure, &chart::patches()[chart::GREYS], reach, Some(self.seed))
     }
 
-    fn scores(
+    fn colors(&self, measured: &[[f64; 3]]) -> Result<ColorScores, CameraError> {
+        let found = chart::accuracy(measured, &self.expected)?;
+        Ok(ColorScores { delta_e_76: found.delta_e_76.mean, delta_e_2000: found.delta_e_2000.mean })
+    }
+
+    fn edge(
         &self,
-        colors: &ColorAccuracy,
-        noise: &LuminanceNoise,
-        mtf50_cy_per_px: f64,
-        [macbeth_time_s, edge_time_s]: [f64; 2],
-    ) -> Scores {
-        Scores {
-            delta_e_76: colors.delta_e_76.mean,
-            delta_e_2000: colors.delta_e_2000.mean,
-            mtf50_cy_per_mm: mtf50_cy_per_px / (self.chart.camera.sensor.pixel.pitch_m * 1e3),
-            mtf50_cy_per_px,
-            luminance_noise_percent: noise.mean_percent,
-            macbeth_time_s,
-            edge_time_s,
-        }
+        edge: &EdgeCapture,
+        picture: &Planes,
+        luminance: usize,
+    ) -> Result<EdgeScores, CameraError> {
+        let mtf50_cy_per_px = edge_mtf50(picture, luminance, edge.region)?;
+        let mtf50_cy_per_mm = mtf50_cy_per_px / (self.chart.camera.sensor.pixel.pitch_m * 1e3);
+        Ok(EdgeScores { mtf50_cy_per_mm, mtf50_cy_per_px, time_s: edge.time_s })
     }
 }

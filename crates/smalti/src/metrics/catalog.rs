@@ -97,6 +97,13 @@ pub const CATALOG: &[MetricInfo] = &[
         "defined by smalti, see metrics::aliasing",
     ),
     metric(
+        "color_aliasing_percent",
+        "%",
+        Lower,
+        "The part of it that is colour.",
+        "defined by smalti, see metrics::aliasing",
+    ),
+    metric(
         "luminance_noise_percent",
         "%",
         Lower,

@@ -2,8 +2,12 @@
 #![allow(clippy::unwrap_used)]
 
 use smalti::camera::description::{DemosaicName, PatternDescription};
-use smalti::camera::{Camera, CameraDescription, EvaluationSettings, evaluate};
-use smalti::design::{Scores, Targets};
+use smalti::camera::{
+    Camera, CameraDescription, EvaluationSettings, ScoreSettings, Setup, compare_on, evaluate,
+};
+use smalti::design::{Metric, Scores, StudyScene, Targets};
+use smalti::isp::WhiteBalance;
+use smalti::scene::Setting;
 use smalti::sensor::{Cfa, Channel, Filter, Mosaic};
 use smalti::spectrum::WavelengthGrid;
 
@@ -53,35 +57,113 @@ fn description() -> CameraDescription {
     d
 }
 
+const SCENE: &str = "dead-leaves?rows=96&cols=128&seed=3";
+const ALIASING: [Metric; 2] = [Metric::Aliasing, Metric::ColorAliasing];
+
+/// Targets for metrics of all kinds.
+fn all_targets(camera: &Camera) -> Targets {
+    let metrics: Vec<Metric> = [&Metric::USUAL[..], &ALIASING, &Metric::OF_SCENES].concat();
+    let scenes = [StudyScene { name: SCENE.into(), hash: None, scene: None }];
+    Targets::new(camera, &EvaluationSettings::default(), &metrics, &scenes, &|_, make| make()).unwrap()
+}
+
+/// Targets for the usual metrics.
+pub(crate) fn targets(camera: &Camera) -> Targets {
+    Targets::new(camera, &EvaluationSettings::default(), &Metric::USUAL, &[], &|_, make| make()).unwrap()
+}
+
+/// Sums over wavelength and photodetector in the other order: rounding, and now and then a photon more or less.
+fn tolerance(metric: Metric) -> f64 {
+    match metric {
+        Metric::Mtf50CyPerMm | Metric::Mtf50CyPerPx => 1e-5,
+        Metric::LuminanceNoise => 1e-3,
+        _ => 1e-4,
+    }
+}
+
 fn check(camera: &Camera, cfa: &Cfa, scores: &Scores) {
     let camera = camera.with_cfa(cfa.clone());
     let (e, _) = evaluate(&camera, &EvaluationSettings::default(), &|_, make| make()).unwrap();
-    // Sums over wavelength and photodetector in the other order: rounding, and now and then a photon more or less.
-    for (what, got, expected, tolerance) in [
-        ("ΔE76", scores.delta_e_76, e.delta_e_76.mean, 1e-4),
-        ("ΔE00", scores.delta_e_2000, e.delta_e_2000.mean, 1e-4),
-        ("MTF50", scores.mtf50_cy_per_mm, e.mtf50_cy_per_mm, 1e-5),
-        ("MTF50 per pixel", scores.mtf50_cy_per_px, e.mtf50_cy_per_px, 1e-5),
-        ("noise", scores.luminance_noise_percent, e.luminance_noise_percent.mean, 1e-3),
-        ("time of the chart", scores.macbeth_time_s, e.exposure.macbeth_s, 1e-12),
-        ("time of the edge", scores.edge_time_s, e.exposure.edge_s, 1e-12),
+    for (metric, expected) in [
+        (Metric::DeltaE76, e.delta_e_76.mean),
+        (Metric::DeltaE2000, e.delta_e_2000.mean),
+        (Metric::Mtf50CyPerMm, e.mtf50_cy_per_mm),
+        (Metric::Mtf50CyPerPx, e.mtf50_cy_per_px),
+        (Metric::LuminanceNoise, e.luminance_noise_percent.mean),
+        (Metric::Aliasing, e.aliasing_percent),
+        (Metric::ColorAliasing, e.color_aliasing_percent),
     ] {
+        if ALIASING.contains(&metric) && scores.zone_plate.is_none() {
+            continue;
+        }
+        let got = scores.value(metric, 0).unwrap();
         assert!(
-            (got / expected - 1.0).abs() < tolerance,
-            "{what} of {}: {got}, evaluate {expected}",
+            (got / expected - 1.0).abs() < tolerance(metric),
+            "{} of {}: {got}, evaluate {expected}",
+            metric.name(),
             cfa.name()
         );
     }
+    let edge_time_s = scores.edge.as_ref().unwrap().as_ref().unwrap().time_s;
+    for (got, expected) in [(scores.macbeth_time_s, e.exposure.macbeth_s), (edge_time_s, e.exposure.edge_s)] {
+        assert!((got / expected - 1.0).abs() < 1e-12, "{got} s, evaluate {expected} s");
+    }
+    assert_eq!(scores.problems().count(), 0);
 }
 
 #[test]
 fn kept_targets_score_as_evaluate() {
     let camera = Camera::new(description(), GRID).unwrap();
-    let targets = Targets::new(&camera, &EvaluationSettings::default(), &|_, make| make()).unwrap();
+    let targets = targets(&camera);
     for set in SETS {
         let cfa = cfa(set);
         check(&camera, &cfa, &targets.score(&cfa).unwrap());
     }
+}
+
+/// Zone plate as `evaluate`, a scene as `compare`; what no metric asks for is not looked at.
+#[test]
+fn pictures_score_as_evaluate_and_compare() {
+    let camera = Camera::new(description(), GRID).unwrap();
+    let cfa = cfa(SETS[1]);
+    let scores = all_targets(&camera).score(&cfa).unwrap();
+    check(&camera, &cfa, &scores);
+
+    let setting = Setting { luminance_cd_m2: 75.0, ..Setting::default() };
+    let camera_of_set = camera.with_cfa(cfa.clone());
+    let setup = Setup::of_test_scene(&camera_of_set, SCENE, &setting).unwrap();
+    let isp = camera_of_set.isp(&setup.light, WhiteBalance::None).unwrap();
+    let expected = compare_on(&setup, &isp, 1, &ScoreSettings::default()).unwrap().scores;
+    for (metric, expected) in [
+        (Metric::Cpsnr, expected.cpsnr_db),
+        (Metric::PixelDeltaE2000, expected.pixel_delta_e_2000_mean),
+        (Metric::Scielab, expected.scielab_mean),
+    ] {
+        let got = scores.value(metric, 0).unwrap();
+        assert!((got / expected - 1.0).abs() < 1e-3, "{}: {got}, compare {expected}", metric.name());
+        assert_eq!(scores.value(metric, 1), None, "there is one scene");
+    }
+
+    let settings = EvaluationSettings::default();
+    let some = Targets::new(&camera, &settings, &[Metric::Aliasing], &[], &|_, make| make()).unwrap();
+    let some = some.score(&cfa).unwrap();
+    assert_eq!(some.value(Metric::Aliasing, 0), scores.value(Metric::Aliasing, 0));
+    for other in Metric::USUAL.into_iter().chain(Metric::OF_SCENES) {
+        assert_eq!(some.value(other, 0), None, "{}", other.name());
+    }
+}
+
+/// Overexposed, black is as white as white: that there is no edge says nothing of colours.
+#[test]
+fn a_target_that_fails_leaves_the_others() {
+    let mut d = description();
+    d.exposure.time_ms = Some(1e9);
+    let camera = Camera::new(d, GRID).unwrap();
+    let scores = targets(&camera).score(&cfa(SETS[0])).unwrap();
+    let failed: Vec<&str> = scores.problems().map(|(target, _)| target).collect();
+    assert_eq!(failed, ["edge"]);
+    assert!(scores.value(Metric::Mtf50CyPerMm, 0).is_none());
+    assert!(scores.value(Metric::DeltaE76, 0).is_some_and(f64::is_finite));
 }
 
 /// Other processing, a rule of exposure that looks at the whole image, crosstalk, a stated time.
@@ -104,7 +186,6 @@ fn and_whatever_the_camera() {
         change(&mut d);
         d.sensor.cfa.pattern = PatternDescription::Name("grbg".into());
         let camera = Camera::new(d, GRID).unwrap();
-        let targets = Targets::new(&camera, &EvaluationSettings::default(), &|_, make| make()).unwrap();
-        check(&camera, &cfa, &targets.score(&cfa).unwrap());
+        check(&camera, &cfa, &targets(&camera).score(&cfa).unwrap());
     }
 }

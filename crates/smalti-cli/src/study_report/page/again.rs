@@ -27,19 +27,25 @@ pub(super) fn section(sources: &Sources<'_>) -> anyhow::Result<Markup> {
         out = out.and(el("dl").class("facts").children(facts));
         out = match command(results)? {
             Some(command) => out.and(copyable(&command, "command")),
-            None => out.and(el("p").child("The study is too large for this page: give the manifest.json of the results to smalti sweep.")),
+            None => out.and(el("p").child(
+                "The study is not whole on this page: it is too large, or names files of scenes. Give its TOML file to smalti sweep; without \
+                 files of scenes, the manifest.json of the results does as well.",
+            )),
         };
     }
     Ok(out)
 }
 
-/// One command for the results and their report; `None` where the study is too large to write out.
+/// One command for the results and their report; `None` where the study cannot be written out.
 fn command(results: &Results) -> anyhow::Result<Option<String>> {
     let name = &results.study().name;
     let built_in = studies::names().iter().any(|s| s.name == name)
         && studies::load(name).is_ok_and(|(designs, _)| designs.study() == results.study());
     if built_in {
         return Ok(Some(format!("smalti sweep {name} -o again && smalti report again")));
+    }
+    if results.study().scenes.iter().any(|s| s.hash.is_some()) {
+        return Ok(None);
     }
     let study = ascii(&serde_json::to_string_pretty(&results.dataset.manifest().plan.study)?);
     // No line of JSON is the word that ends it.

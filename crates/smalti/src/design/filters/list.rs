@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{FilterSet, ascending, index_checked};
+use super::{FilterSet, ascending, index_checked, sampled};
 use crate::design::error::{DesignError, colors_checked};
 use crate::sensor::Filter;
 
@@ -26,6 +26,15 @@ impl ListedSet {
 
 fn of(sets: &[ListedSet], colors: usize) -> impl Iterator<Item = (usize, &ListedSet)> {
     sets.iter().enumerate().filter(move |(_, s)| s.filters.len() == colors)
+}
+
+pub(super) fn validate(sets: &[ListedSet]) -> Result<(), DesignError> {
+    for (i, set) in sets.iter().enumerate() {
+        for (j, filter) in set.filters.iter().enumerate() {
+            sampled(&format!("list[{i}].filters[{j}]"), filter)?;
+        }
+    }
+    Ok(())
 }
 
 pub(super) fn count(sets: &[ListedSet], colors: usize) -> Result<u128, DesignError> {

@@ -79,6 +79,19 @@ impl FilterFamily {
         }
     }
 
+    /// Tries the filters that are written out in the family, and the ends of every series.
+    ///
+    /// # Errors
+    /// [`DesignError::Key`] with the place of the first that cannot be sampled: a file that has not been read, a parameter
+    /// out of range.
+    pub(super) fn validate(&self) -> Result<(), DesignError> {
+        match self {
+            Self::GaussianGrid(_) | Self::Rule(_) => Ok(()),
+            Self::Library(family) => family.validate(),
+            Self::List(sets) => list::validate(sets),
+        }
+    }
+
     /// The filters that are written out in the family and where they stand below `[filters]`, so that whoever opens
     /// files can replace each [`Filter::File`] by [`Filter::Samples`].
     pub fn filters_mut(&mut self) -> Vec<(String, &mut Filter)> {
@@ -135,6 +148,11 @@ impl From<&Filter> for FilterFigures {
             }
         }
     }
+}
+
+/// Whether a filter can be sampled; `key` is where it stands.
+fn sampled(key: &str, filter: &Filter) -> Result<(), DesignError> {
+    filter.spectrum(WavelengthGrid::VISIBLE).map(drop).map_err(|e| DesignError::key(key, e))
 }
 
 /// Refuses a number that no set has.

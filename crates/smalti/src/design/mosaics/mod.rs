@@ -18,8 +18,10 @@ use crate::sensor::Mosaic;
 /// Separates these random numbers from other uses of the same seed.
 const PURPOSE: u32 = 0x4453_4E02;
 
-/// Mosaics that are listed at once.
+/// Most mosaics that are listed at once.
 const MAX_LISTED: u64 = 10_000_000;
+/// Most cells of all mosaics that are listed at once: some bytes each, so that a list stays below a gigabyte.
+const MAX_LISTED_CELLS: u64 = 100_000_000;
 
 /// `mosaics` of a study: `"catalogue"`, `{ given = [["bc", "ab"]] }` or a table `[mosaics.tile]`.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -54,32 +56,34 @@ impl MosaicFamily {
     ///
     /// # Errors
     /// As [`MosaicFamily::count`], though a sample may be drawn from more than 2¹²⁸ − 1; when more are asked for than
-    /// there are, or more than ten million.
+    /// there are, or more than ten million, or than have a hundred million cells.
     pub fn pick(&self, colors: usize, count: Option<u64>, seed: u64) -> Result<Vec<Mosaic>, DesignError> {
         let (what, all) = match self {
             Self::Given(tiles) => ("the list of given mosaics", given(tiles, colors)?),
             Self::Tile(tile) => return tile.pick(colors, count, seed),
             Self::Catalogue => ("the catalogue", published(colors)?.into_iter().map(|(_, m)| m).collect()),
         };
-        let wanted = wanted(what, colors, count, all.len() as u128)?;
+        let wanted = wanted(what, colors, count, all.len() as u128, 1)?;
         chosen(all, wanted, colors, seed)
     }
 }
 
-/// How many mosaics to return.
+/// How many mosaics of so many cells to return.
 fn wanted(
     what: &'static str,
     colors: usize,
     count: Option<u64>,
     available: u128,
+    cells: usize,
 ) -> Result<u64, DesignError> {
     if let Some(wanted) = count.filter(|&n| u128::from(n) > available) {
         return Err(DesignError::TooFew { what, colors, wanted, available });
     }
     let wanted = count.map_or(available, u128::from);
+    let limit = MAX_LISTED.min(MAX_LISTED_CELLS / cells.max(1) as u64);
     match u64::try_from(wanted) {
-        Ok(n) if n <= MAX_LISTED => Ok(n),
-        _ => Err(DesignError::TooMany { what, colors, wanted, limit: MAX_LISTED }),
+        Ok(n) if n <= limit => Ok(n),
+        _ => Err(DesignError::TooMany { what, colors, wanted, limit }),
     }
 }
 

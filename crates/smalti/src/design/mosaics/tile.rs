@@ -75,7 +75,7 @@ impl Tile {
             Err(DesignError::Uncountable { .. }) if count.is_some() => u128::MAX,
             other => other?,
         };
-        let wanted = super::wanted(WHAT, colors, count, available)?;
+        let wanted = super::wanted(WHAT, colors, count, available, self.rows * self.cols)?;
         // A sample of most of them would mostly draw what it has.
         if u128::from(wanted) * 2 > available {
             return chosen(self.all(colors)?, wanted, colors, seed);

@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 
 pub use series::{Dye, Dyes, Series};
 
-use super::{FilterSet, ascending, index_checked};
+use super::{FilterSet, ascending, index_checked, sampled};
 use crate::design::combinations::{binomial, combination};
 use crate::design::error::{DesignError, colors_checked};
 use crate::sensor::Filter;
@@ -60,6 +60,22 @@ impl Library {
             rest -= len;
         }
         Ok(None)
+    }
+
+    pub(super) fn validate(&self) -> Result<(), DesignError> {
+        for (name, filter) in &self.filters {
+            sampled(&format!("library.filters.{name}"), filter)?;
+        }
+        for (i, series) in self.series.iter().enumerate() {
+            let len = series.len(&key(i))?;
+            // Parameters go up or down from one end to the other.
+            for at in [0, len.saturating_sub(1)] {
+                if let Some((_, filter)) = series.at(&key(i), at)? {
+                    sampled(&key(i), &filter)?;
+                }
+            }
+        }
+        Ok(())
     }
 
     pub(super) fn count(&self, colors: usize) -> Result<u128, DesignError> {

@@ -1,0 +1,194 @@
+//! What a study scores: its metrics and scenes, and that they are the scores of `evaluate`.
+
+use smalti_io::dataset::{Column, Dataset};
+
+use super::Place;
+
+/// Columns of numbers, designs in their order.
+fn columns(place: &Place, out: &str, names: &[&str]) -> Vec<Vec<f64>> {
+    let dataset = Dataset::open(&place.path(out)).unwrap();
+    let mut all = vec![Vec::new(); names.len()];
+    for part in dataset.columns(names).unwrap() {
+        for (all, column) in all.iter_mut().zip(part.unwrap().columns) {
+            let Column::Float(values) = column else { panic!("not a column of numbers") };
+            all.extend(values);
+        }
+    }
+    all
+}
+
+fn names(place: &Place, out: &str) -> Vec<String> {
+    let dataset = Dataset::open(&place.path(out)).unwrap();
+    dataset.manifest().plan.schema.iter().map(|c| c.name.clone()).collect()
+}
+
+/// Sets of Gaussian filters of which ISETCam's figures are known: centres and deviations in nm, and the tile.
+const SETS: [(&[(f64, f64)], &[&str]); 5] = [
+    (&[(451.8, 34.5), (579.5, 29.1), (629.9, 37.5)], &["bc", "ab"]),
+    (&[(453.4, 51.8), (533.6, 22.7), (556.9, 43.6), (651.6, 50.0)], &["ab", "cd"]),
+    (&[(436.3, 38.5), (459.4, 20.1), (541.4, 52.7), (577.5, 49.1), (650.9, 31.2)], &["abc", "deb", "cad"]),
+    (
+        &[(435.2, 22.1), (466.2, 40.3), (516.7, 37.3), (550.8, 44.0), (605.9, 48.9), (659.6, 19.4)],
+        &["abc", "def", "bcd"],
+    ),
+    (
+        &[
+            (435.3, 46.8),
+            (460.2, 30.1),
+            (492.0, 53.4),
+            (526.7, 29.2),
+            (609.4, 41.1),
+            (634.8, 46.4),
+            (656.4, 28.7),
+        ],
+        &["abc", "def", "gce"],
+    ),
+];
+
+/// The same sets as a list in a study and each as a camera of its own.
+#[test]
+fn a_sweep_gives_the_figures_of_evaluate() {
+    let place = Place::new();
+    let gaussian = |&(center, sigma): &(f64, f64)| {
+        format!("{{ gaussian = {{ center_nm = {center:?}, sigma_nm = {sigma:?}, peak = 1.0 }} }}")
+    };
+    let mut study = String::from(
+        "camera = \"table1\"\ncolors = [3, 4, 5, 6, 7]\nprocessing = \"classic\"\n[mosaics]\ngiven = [",
+    );
+    for (_, tile) in SETS {
+        study += &format!("{tile:?}, ");
+    }
+    study += "]\n";
+    for (filters, _) in SETS {
+        let filters: Vec<String> = filters.iter().map(gaussian).collect();
+        study += &format!("[[filters.list]]\nfilters = [{}]\n", filters.join(", "));
+    }
+    place.write("sets.toml", study);
+    place.ok("sweep sets.toml -o out");
+    let metrics =
+        ["delta_e_76", "delta_e_2000", "mtf50_cy_per_mm", "mtf50_cy_per_px", "luminance_noise_percent"];
+    let swept = columns(&place, "out", &metrics);
+    assert!(swept.iter().all(|c| c.len() == SETS.len()));
+
+    for (i, (filters, tile)) in SETS.into_iter().enumerate() {
+        let pattern: Vec<String> = tile.iter().map(|row| row.to_uppercase()).collect();
+        let mut camera = place.ok("list cameras --json");
+        let list: serde_json::Value = serde_json::from_str(&camera).unwrap();
+        let table1 = list.as_array().unwrap().iter().find(|c| c["name"] == "table1").unwrap();
+        camera = table1["toml"].as_str().unwrap().to_owned();
+        let (before, after) = camera.split_once("[sensor.cfa]").unwrap();
+        let after = after.split_once("\n[exposure]").map_or("", |(_, rest)| rest);
+        let letters = ('A'..='G').zip(filters).map(|(c, f)| format!("{c} = {}\n", gaussian(f)));
+        let filters: String = letters.collect();
+        let cfa = format!("[sensor.cfa]\npattern = {pattern:?}\n[sensor.cfa.filters]\n{filters}");
+        place.write("camera.toml", format!("{before}{cfa}\n[exposure]{after}"));
+        let json = place.ok("evaluate camera.toml --luminance 75 --json");
+        let found: serde_json::Value = serde_json::from_str(&json).unwrap();
+        let found = &found["cameras"][0];
+        for (metric, swept) in metrics.iter().zip(&swept) {
+            let value = &found[*metric];
+            let expected = value["mean"].as_f64().or(value.as_f64()).unwrap();
+            let tolerance = if *metric == "luminance_noise_percent" { 1e-3 } else { 1e-4 };
+            assert!(
+                (swept[i] / expected - 1.0).abs() < tolerance,
+                "{metric} of set {i}: {}, evaluate {expected}",
+                swept[i]
+            );
+        }
+    }
+}
+
+const STUDY: &str = r#"
+camera = "table1"
+colors = [3]
+metrics = ["mtf50_cy_per_mm", "cpsnr_db", "aliasing_percent"]
+scenes = ["dead-leaves?rows=64&cols=64", "leaves.exr", "dead-leaves?rows=64&cols=64&seed=2"]
+[sample]
+filters = 3
+[filters.gaussian_grid]
+[mosaics]
+given = [["bc", "ab"]]
+"#;
+
+#[test]
+fn a_study_scores_what_it_names() {
+    let place = Place::new();
+    place.ok("convert dead-leaves?rows=48&cols=40 -o leaves.exr");
+    place.write("study.toml", STUDY);
+    place.ok("sweep study.toml -o out");
+    let metrics = [
+        "mtf50_cy_per_mm",
+        "cpsnr_db_dead_leaves_1",
+        "cpsnr_db_leaves",
+        "cpsnr_db_dead_leaves_3",
+        "aliasing_percent",
+    ];
+    let all = names(&place, "out");
+    let from = all.iter().position(|n| n == metrics[0]).unwrap();
+    assert_eq!(all[from..], [&metrics[..], &["macbeth_time_s", "edge_time_s", "problem"]].concat());
+    let found = columns(&place, "out", &metrics);
+    assert!(found.iter().flatten().all(|v| v.is_finite()), "{found:?}");
+    // Other leaves, other pictures.
+    assert_ne!(found[1], found[3]);
+
+    // A scene that changed is another study, whatever its file is called.
+    place.ok("convert dead-leaves?rows=48&cols=40&seed=5 -o leaves.exr");
+    let run = place.run(&["sweep", "study.toml", "-o", "out"]);
+    assert!(run.code == 1 && run.err.contains("hash"), "{}", run.err);
+}
+
+#[test]
+fn metrics_and_scenes_that_cannot_be_are_refused_where_they_say_so() {
+    let place = Place::new();
+    let fails = |what: &str, by: &str, expected: &[&str]| {
+        assert!(STUDY.contains(what), "{what}");
+        place.write("study.toml", STUDY.replace("\"leaves.exr\", ", "").replace(what, by));
+        let run = place.run(&["sweep", "study.toml", "-o", "none"]);
+        assert_eq!(run.code, 1, "{by}: {}", run.err);
+        assert!(expected.iter().all(|word| run.err.contains(word)), "{}\nexpected {expected:?}", run.err);
+        assert!(!place.path("none").exists());
+    };
+    let metrics = "\"mtf50_cy_per_mm\", \"cpsnr_db\", \"aliasing_percent\"";
+    fails("aliasing_percent", "aliasing_procent", &["study.toml:4", "did you mean `aliasing_percent`?"]);
+    fails(metrics, "", &["study.toml:4", "at least one metric"]);
+    fails(metrics, "\"cpsnr_db\", \"cpsnr_db\"", &["study.toml:4", "cpsnr_db stands there twice"]);
+    fails(metrics, "\"delta_e_76\"", &["study.toml:5", "no metric looks at them", "cpsnr_db"]);
+    fails("scenes = [", "scenes = [] # [", &["study.toml:4", "cpsnr_db is of scenes"]);
+    fails("&seed=2", "", &["study.toml:5", "twice"]);
+    fails("&seed=2", "&sed=2", &["study.toml:5:42", "did you mean 'seed'"]);
+    fails("dead-leaves?rows=64&cols=64&seed=2", "none.exr", &["study.toml:5:42", "none.exr"]);
+
+    // What stands in lists and conditions is shown there, not somewhere.
+    fails("[\"bc\", \"ab\"]", "[\"bc\", \"ab\"], [\"ab\", \"c\"]", &["study.toml:10:24", "given[1]"]);
+    let at = |by| ("[filters.gaussian_grid]", by);
+    let (what, by) = at(
+        "[filters.library]\nseries = [\"measured\", { butterworth = { centers_nm = [450, 50, 650], fwhms_nm = [50, 50, 100], order = 0 } }]",
+    );
+    fails(what, by, &["study.toml:9:23", "series[1]", "order"]);
+    let (what, by) = at("[filters.list]");
+    fails(what, by, &["study.toml:8"]);
+    let condition = |by: &str| format!("given = [[\"bc\", \"ab\"]]\n[conditions.grid]\n{by}");
+    let given = "given = [[\"bc\", \"ab\"]]";
+    fails(
+        given,
+        &condition("luminance_cd_m2 = [10, -1]"),
+        &["study.toml:12", "-1; expected a number above 0"],
+    );
+    fails(given, &condition("illuminant = [\"D65\", \"D66\"]"), &["study.toml:12", "D66"]);
+    let listed = "given = [[\"bc\", \"ab\"]]\n[[conditions.list]]\nluminance_cd_m2 = 5\n[[conditions.list]]\nluminance_cd_m2 = 0";
+    fails(given, listed, &["study.toml:14", "0; expected a number above 0"]);
+}
+
+/// A list of mosaics is held in memory: what would not fit is refused with what would.
+#[test]
+fn too_many_large_mosaics_are_refused() {
+    let place = Place::new();
+    let tile = "sample = { mosaics = 9000000 }\n[filters.rule]\nrules = [\"uniform\"]\n[mosaics.tile]\nrows = 8\ncols = 8\n";
+    place.write("study.toml", format!("camera = \"table1\"\ncolors = [5]\n{tile}"));
+    let run = place.run(&["sweep", "study.toml", "-o", "none"]);
+    assert!(
+        run.code == 1 && run.err.contains("study.toml:3") && run.err.contains("at most 1562500"),
+        "{}",
+        run.err
+    );
+}

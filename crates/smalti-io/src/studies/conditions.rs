@@ -1,0 +1,98 @@
+//! What the designs of a study are seen under.
+
+use std::path::Path;
+
+use smalti::camera::CameraDescription;
+use smalti::design::{Condition, ConditionValue};
+
+use super::file::{Conditions, MAX_CONDITIONS, StudyFile};
+use crate::camera_toml::Override;
+use crate::diagnostic::Diagnostic;
+use crate::toml_source::{TomlSource, beside, is_toml};
+use crate::{cameras, lights};
+
+/// The conditions: of a grid in the order of its keys by name, of which the last changes fastest; or of the list.
+pub(super) fn conditions(file: &StudyFile, source: &TomlSource) -> Result<Vec<Condition>, Box<Diagnostic>> {
+    let wrong = |key: &str, message: &str| Box::new(source.about_key(key, message));
+    let mut points: Vec<Vec<(String, toml::Value)>> = vec![Vec::new()];
+    match &file.conditions {
+        None => {}
+        Some(Conditions::Grid(axes)) => {
+            for (key, axis) in axes {
+                let values = axis.values().map_err(|e| wrong(&format!("conditions.grid.{key}"), &e))?;
+                if points.len().saturating_mul(values.len()) > MAX_CONDITIONS {
+                    return Err(wrong("conditions.grid", &format!("more than {MAX_CONDITIONS} conditions")));
+                }
+                let with = |point: &Vec<(String, toml::Value)>| {
+                    let point = point.clone();
+                    let key = key.clone();
+                    values.clone().into_iter().map(move |v| {
+                        let mut longer = point.clone();
+                        longer.push((key.clone(), v));
+                        longer
+                    })
+                };
+                points = points.iter().flat_map(with).collect();
+            }
+        }
+        Some(Conditions::List(list)) => {
+            points = list.iter().map(|point| point.clone().into_iter().collect()).collect();
+            let keys = |p: &Vec<(String, toml::Value)>| p.iter().map(|(k, _)| k.clone()).collect::<Vec<_>>();
+            if let Some(other) = points.iter().position(|p| keys(p) != keys(&points[0])) {
+                let message = "it names other keys than the first of the list";
+                return Err(wrong(&format!("conditions.list[{other}]"), message));
+            }
+        }
+    }
+    let listed = matches!(file.conditions, Some(Conditions::List(_)));
+    let place = |i: usize| if listed { format!("conditions.list[{i}]") } else { "conditions.grid".into() };
+    points.into_iter().enumerate().map(|(i, point)| condition(file, source, &place(i), point)).collect()
+}
+
+/// A TOML value as `--set` takes it.
+fn as_override(key: &str, value: &toml::Value) -> Override {
+    Override { key: key.into(), value: value.to_string() }
+}
+
+/// `place` is where the values of the point stand.
+fn condition(
+    file: &StudyFile,
+    source: &TomlSource,
+    place: &str,
+    point: Vec<(String, toml::Value)>,
+) -> Result<Condition, Box<Diagnostic>> {
+    let wrong = |key: &str, message: &str| Box::new(source.about_key(key, message));
+    // A condition replaces what the study says, so that is where what is wrong stands.
+    let at = |key: &str| match point.iter().any(|(k, _)| k == key) {
+        true => format!("{place}.{key}"),
+        false => key.to_owned(),
+    };
+    let (mut luminance_cd_m2, mut light) = (file.luminance_cd_m2, file.illuminant.as_str());
+    let mut overrides: Vec<Override> = file.set.iter().map(|(k, v)| as_override(k, v)).collect();
+    let mut values = Vec::new();
+    for (key, value) in &point {
+        let number = value.as_float().or_else(|| value.as_integer().map(|i| i as f64));
+        match (key.as_str(), number, value.as_str()) {
+            ("luminance_cd_m2", Some(v), _) => luminance_cd_m2 = v,
+            ("illuminant", _, Some(name)) => light = name,
+            ("luminance_cd_m2", None, _) => return Err(wrong(&at(key), "expected a number")),
+            ("illuminant", _, None) => return Err(wrong(&at(key), "expected a name")),
+            _ => overrides.push(as_override(key, value)),
+        }
+        let text = || ConditionValue::Text(value.as_str().map_or_else(|| value.to_string(), str::to_owned));
+        values.push((key.clone(), number.map_or_else(text, ConditionValue::Number)));
+    }
+    if !(luminance_cd_m2 > 0.0 && luminance_cd_m2.is_finite()) {
+        let message = format!("{luminance_cd_m2}; expected a number above 0");
+        return Err(wrong(&at("luminance_cd_m2"), &message));
+    }
+    let camera = match is_toml(Path::new(&file.camera)) {
+        true => beside(&source.folder, &file.camera).to_string_lossy().into_owned(),
+        false => file.camera.clone(),
+    };
+    let camera = cameras::load(&camera, &overrides, None)?;
+    let illuminant =
+        lights::load(light, &source.folder).map_err(|e| wrong(&at("illuminant"), &e.to_string()))?;
+    let camera = CameraDescription::clone(camera.description());
+    Ok(Condition { values, luminance_cd_m2, illuminant, camera })
+}

@@ -1,0 +1,192 @@
+//! The keys of a study file.
+
+use std::collections::BTreeMap;
+
+use serde::Deserialize;
+use smalti::design::{FilterFamily, LessonSettings, Metric, MosaicFamily, Processing};
+
+/// Most conditions of a study: a grid of axes grows fast.
+pub(super) const MAX_CONDITIONS: usize = 5_000;
+
+/// A study file.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct StudyFile {
+    /// What the study is called.
+    pub(super) name: Option<String>,
+    /// What it asks, in a sentence.
+    #[serde(default)]
+    pub(super) about: String,
+    /// The camera whose filters are searched: a name or a file.
+    pub(super) camera: String,
+    /// Keys of the camera that differ, such as `"optics.f_number" = 2.8`.
+    #[serde(default)]
+    pub(super) set: BTreeMap<String, toml::Value>,
+    /// Mean luminance of the targets, cd/m².
+    #[serde(default = "default_luminance")]
+    pub(super) luminance_cd_m2: f64,
+    /// The light of the targets.
+    #[serde(default = "default_light")]
+    pub(super) illuminant: String,
+    /// Decides which designs are drawn, and the noise.
+    #[serde(default = "default_seed")]
+    pub(super) seed: u64,
+    /// Numbers of colours.
+    pub(super) colors: Vec<usize>,
+    /// What makes pictures of raw samples: one or several.
+    #[serde(default)]
+    pub(super) processing: OneOrMore<Processing>,
+    /// What designs are scored by; where nothing is said the usual ones, with scenes those of scenes too.
+    pub(super) metrics: Option<Vec<Metric>>,
+    /// Scenes that designs are scored on beside the targets, for some ten milliseconds a design and scene: names with
+    /// parameters, or files.
+    #[serde(default)]
+    pub(super) scenes: Vec<String>,
+    /// How pipelines of designs are learned where `processing` has `"l3"`.
+    #[serde(default)]
+    pub(super) l3: LessonSettings,
+    /// How many of each family.
+    #[serde(default)]
+    pub(super) sample: Sample,
+    /// The filters.
+    pub(super) filters: FilterFamily,
+    /// The mosaics.
+    pub(super) mosaics: MosaicFamily,
+    /// What designs are seen under.
+    pub(super) conditions: Option<Conditions>,
+}
+
+fn default_luminance() -> f64 {
+    75.0
+}
+
+fn default_light() -> String {
+    "D65".into()
+}
+
+fn default_seed() -> u64 {
+    1
+}
+
+#[derive(Debug, Clone, Deserialize)]
+#[serde(untagged, expecting = "expected \"classic\", \"l3\" or a list of them")]
+pub(super) enum OneOrMore<T> {
+    One(T),
+    More(Vec<T>),
+}
+
+impl OneOrMore<Processing> {
+    pub(super) fn list(&self) -> Vec<Processing> {
+        match self {
+            Self::One(p) => vec![*p],
+            Self::More(list) => list.clone(),
+        }
+    }
+}
+
+impl Default for OneOrMore<Processing> {
+    fn default() -> Self {
+        Self::One(Processing::Classic)
+    }
+}
+
+/// How many designs of the families are taken.
+#[derive(Debug, Clone, Default, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub(super) struct Sample {
+    /// Sets of filters for each number of colours.
+    pub(super) filters: Count,
+    /// Mosaics for each number of colours.
+    pub(super) mosaics: Count,
+}
+
+#[derive(Debug, Clone, Default, Deserialize)]
+#[serde(untagged, expecting = "expected a whole number or \"all\"")]
+pub(super) enum Count {
+    Number(u64),
+    All(All),
+    #[default]
+    #[serde(skip)]
+    Unsaid,
+}
+
+#[derive(Debug, Clone, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub(super) enum All {
+    All,
+}
+
+impl Count {
+    pub(super) fn number(&self) -> Option<u64> {
+        match self {
+            Self::Number(n) => Some(*n),
+            Self::All(All::All) | Self::Unsaid => None,
+        }
+    }
+}
+
+/// `[conditions.grid]`: every combination of the axes; `[[conditions.list]]`: one by one.
+#[derive(Debug, Clone, Deserialize)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub(super) enum Conditions {
+    Grid(BTreeMap<String, Axis>),
+    List(Vec<BTreeMap<String, toml::Value>>),
+}
+
+#[derive(Debug, Clone, Deserialize)]
+#[serde(
+    untagged,
+    expecting = "expected a list of values, or { from, to, steps } with scale = \"linear\" or \"log\""
+)]
+pub(super) enum Axis {
+    Values(Vec<toml::Value>),
+    Range(AxisRange),
+}
+
+#[derive(Debug, Clone, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct AxisRange {
+    from: f64,
+    to: f64,
+    steps: usize,
+    #[serde(default)]
+    scale: AxisScale,
+}
+
+#[derive(Debug, Clone, Copy, Default, Deserialize)]
+#[serde(rename_all = "snake_case")]
+enum AxisScale {
+    #[default]
+    Linear,
+    Log,
+}
+
+impl Axis {
+    pub(super) fn values(&self) -> Result<Vec<toml::Value>, String> {
+        let range = match self {
+            Self::Values(values) => return Ok(values.clone()),
+            Self::Range(range) => range,
+        };
+        let AxisRange { from, to, steps, scale } = *range;
+        let positive = from > 0.0 && to > 0.0;
+        let ends = from.is_finite() && to.is_finite();
+        if !(ends && (1..=MAX_CONDITIONS).contains(&steps)) {
+            return Err(format!(
+                "{from} to {to} in {steps} steps; expected finite ends and 1 to {MAX_CONDITIONS} steps"
+            ));
+        }
+        if matches!(scale, AxisScale::Log) && !positive {
+            return Err(format!("{from} to {to} on a logarithmic scale; expected ends above 0"));
+        }
+        let at = |i: usize| {
+            let t = if steps > 1 { i as f64 / (steps - 1) as f64 } else { 0.0 };
+            match scale {
+                AxisScale::Linear => from + t * (to - from),
+                AxisScale::Log => from * libm::pow(to / from, t),
+            }
+        };
+        // Free of the digits that arithmetic leaves: twelve are more than any condition means.
+        let rounded = |v: f64| format!("{v:.12e}").parse().unwrap_or(v);
+        Ok((0..steps).map(|i| toml::Value::Float(rounded(at(i)))).collect())
+    }
+}

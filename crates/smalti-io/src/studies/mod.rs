@@ -1,0 +1,202 @@
+//! Studies by name or file: described in TOML, checked, resolved.
+
+mod conditions;
+mod file;
+
+use std::collections::BTreeSet;
+use std::path::Path;
+use std::sync::Arc;
+
+use serde::Deserialize;
+use serde_json::Value;
+use smalti::camera::description::ArchitectureName;
+use smalti::design::{Condition, DesignError, Designs, Metric, Processing, Sight, Study, StudyScene};
+use smalti::scene::{Scene, Setting, catalog};
+use smalti::spectrum::{WavelengthGrid, reflectance};
+
+use self::conditions::conditions;
+use self::file::StudyFile;
+use crate::cameras::read_curve;
+use crate::diagnostic::Diagnostic;
+use crate::toml_source::{BuiltinFile, TomlSource, beside, builtin};
+use crate::{scene_file, text};
+
+static STUDIES: &[BuiltinFile] = &[
+    builtin!(
+        "studies",
+        "table2",
+        "What more colours cost: 1000 sets of Gaussian filters for each of 3 to 7 colours"
+    ),
+    builtin!(
+        "studies",
+        "table2-l3",
+        "The same with a pipeline learned for each design in place of bilinear demosaicking"
+    ),
+    builtin!("studies", "theory", "Filters by rule: uniform, height-scaled, all-scaled, 3 to 7 colours"),
+    builtin!("studies", "mosaics", "Where to put the filters: 1000 placements for each of 3 to 7 colours"),
+    builtin!("studies", "aliasing", "Published mosaics and the aliasing of each"),
+];
+
+/// The built-in studies.
+#[must_use]
+pub fn names() -> &'static [BuiltinFile] {
+    STUDIES
+}
+
+/// A study by name or file, resolved, with what it is about: cameras, lights, filters and scenes that it names are read. A `.json`
+/// file is a study that was resolved before, or the manifest of its results.
+///
+/// # Errors
+/// When there is none of that name, or a key, a value or a file does not fit, with the line where there is one; when the study
+/// has no design.
+pub fn load(name: &str) -> Result<(Designs, String), Box<Diagnostic>> {
+    if Path::new(name).extension().is_some_and(|e| e.eq_ignore_ascii_case("json")) {
+        return resolved(name);
+    }
+    from_source(&TomlSource::find("study", STUDIES, name)?)
+}
+
+/// A study as JSON, which holds all but the files of scenes.
+fn resolved(name: &str) -> Result<(Designs, String), Box<Diagnostic>> {
+    let wrong = |message: String| Box::new(Diagnostic::new(name, message));
+    let text = text::read_to_string(Path::new(name)).map_err(|e| wrong(e.to_string()))?;
+    let value: Value = serde_json::from_str(&text).map_err(|e| wrong(e.to_string()))?;
+    let study = value.get("study").unwrap_or(&value);
+    let about = study.get("about").and_then(Value::as_str).unwrap_or_default().to_owned();
+    let study = Study::deserialize(study).map_err(|e| wrong(format!("it is no resolved study: {e}")))?;
+    if let Some(scene) = study.scenes.iter().find(|s| s.hash.is_some()) {
+        return Err(wrong(format!(
+            "it is not whole without the file of the scene {}: give its TOML file",
+            scene.name
+        )));
+    }
+    if study.processing.contains(&Processing::L3) {
+        study.l3.validate().map_err(|e| wrong(e.to_string()))?;
+    }
+    Ok((Designs::new(study).map_err(|e| wrong(e.to_string()))?, about))
+}
+
+/// A study from the text of its file.
+///
+/// # Errors
+/// As [`load`].
+pub fn from_source(source: &TomlSource) -> Result<(Designs, String), Box<Diagnostic>> {
+    let file: StudyFile = source.parse()?;
+    let wrong = |key: &str, message: &str| Box::new(source.about_key(key, message));
+    let mut filters = file.filters.clone();
+    for (place, filter) in filters.filters_mut() {
+        read_curve(filter, &source.folder).map_err(|e| wrong(&format!("filters.{place}"), &e))?;
+    }
+    let stem = Path::new(&source.name).file_stem().map(|s| s.to_string_lossy().into_owned());
+    let study = Study {
+        name: file.name.clone().or(stem).unwrap_or_else(|| source.name.clone()),
+        seed: file.seed,
+        colors: file.colors.clone(),
+        filters,
+        filter_sets: file.sample.filters.number(),
+        mosaics: file.mosaics.clone(),
+        mosaic_count: file.sample.mosaics.number(),
+        conditions: conditions(&file, source)?,
+        processing: file.processing.list(),
+        l3: file.l3.clone(),
+        metrics: metrics(&file, source)?,
+        scenes: scenes(&file, source)?,
+    };
+    let once = |key, again: Option<String>| match again {
+        Some(twice) => Err(wrong(key, &format!("{twice} stands there twice"))),
+        None => Ok(()),
+    };
+    once("colors", twice(&study.colors).map(ToString::to_string))?;
+    once("processing", twice(&study.processing).map(|p| format!("{p:?}")))?;
+    once("metrics", twice(&study.metrics).map(|m| m.name().to_owned()))?;
+    once("scenes", twice(&file.scenes).cloned())?;
+    if study.processing.contains(&Processing::L3) {
+        study.l3.validate().map_err(|e| wrong("l3", &e.to_string()))?;
+        let other = |c: &Condition| c.camera.sensor.architecture != ArchitectureName::Mosaic;
+        if study.conditions.iter().any(other) {
+            let message = "\"l3\" learns for mosaics; expected a camera with architecture = \"mosaic\"";
+            return Err(wrong("processing", message));
+        }
+    }
+    let designs = Designs::new(study).map_err(|e| match &e {
+        DesignError::Key { key, message } if key.starts_with("given") || key.starts_with("tile") => {
+            wrong(&format!("mosaics.{key}"), message)
+        }
+        DesignError::Key { key, message } => wrong(&format!("filters.{key}"), message),
+        DesignError::Filter { .. } => wrong("filters", &e.to_string()),
+        DesignError::TooFewSets { .. } | DesignError::TooManySets { .. } => {
+            wrong("sample.filters", &e.to_string())
+        }
+        DesignError::TooFew { .. } | DesignError::TooMany { .. } => wrong("sample.mosaics", &e.to_string()),
+        _ => Box::new(Diagnostic::new(source.name.clone(), e.to_string())),
+    })?;
+    Ok((designs, file.about))
+}
+
+fn twice<T: Ord>(all: &[T]) -> Option<&T> {
+    let mut seen = BTreeSet::new();
+    all.iter().find(|v| !seen.insert(*v))
+}
+
+/// What designs are scored by.
+fn metrics(file: &StudyFile, source: &TomlSource) -> Result<Vec<Metric>, Box<Diagnostic>> {
+    let wrong = |key: &str, message: &str| Box::new(source.about_key(key, message));
+    let Some(stated) = &file.metrics else {
+        let of_scenes = Metric::OF_SCENES.into_iter().filter(|_| !file.scenes.is_empty());
+        return Ok(Metric::USUAL.into_iter().chain(of_scenes).collect());
+    };
+    let of_scenes = stated.iter().find(|m| m.sight() == Sight::Scenes);
+    match of_scenes {
+        _ if stated.is_empty() => Err(wrong("metrics", "expected at least one metric")),
+        Some(metric) if file.scenes.is_empty() => {
+            let message = format!("{} is of scenes; expected scenes = [\"dead-leaves\", …]", metric.name());
+            Err(wrong("metrics", &message))
+        }
+        None if !file.scenes.is_empty() => {
+            let names = Metric::OF_SCENES.map(Metric::name).join(", ");
+            Err(wrong("scenes", &format!("no metric looks at them; expected one of {names} in `metrics`")))
+        }
+        _ => Ok(stated.clone()),
+    }
+}
+
+/// The scenes: built-in ones tried, files read.
+fn scenes(file: &StudyFile, source: &TomlSource) -> Result<Vec<StudyScene>, Box<Diagnostic>> {
+    let scene = |(i, name): (usize, &String)| {
+        let wrong = |message: String| Box::new(source.about_key(&format!("scenes[{i}]"), &message));
+        let path = beside(&source.folder, name);
+        if scene_file::is_meant(&path.to_string_lossy()) {
+            let scene = scene_file::read(&path, &Setting::default()).map_err(|e| wrong(e.to_string()))?;
+            return Ok(StudyScene {
+                name: name.clone(),
+                hash: Some(hash(&scene)),
+                scene: Some(Arc::new(scene)),
+            });
+        }
+        // At one wavelength, to see whether it can be.
+        let try_it = || -> Result<Scene, Box<dyn std::error::Error>> {
+            let grid = WavelengthGrid::new(550.0, 10.0, 1)?;
+            let natural: Vec<_> = reflectance::natural(grid)?.into_iter().map(|(_, s)| s).collect();
+            Ok(catalog::build(name, &Setting { grid, ..Setting::default() }, &natural)?)
+        };
+        try_it().map_err(|e| wrong(e.to_string()))?;
+        Ok(StudyScene { name: name.clone(), hash: None, scene: None })
+    };
+    file.scenes.iter().enumerate().map(scene).collect()
+}
+
+/// Of all that a scene is.
+fn hash(scene: &Scene) -> String {
+    let radiance = scene.radiance();
+    let grid = radiance.grid();
+    let mut hasher = blake3::Hasher::new();
+    let shape = [radiance.rows(), radiance.cols(), grid.len()].map(|n| n as f64);
+    let numbers = [grid.start_nm(), grid.step_nm(), scene.distance_m(), scene.horizontal_fov_deg()];
+    for v in shape.iter().chain(&numbers).chain(scene.illuminant().values()) {
+        hasher.update(&v.to_le_bytes());
+    }
+    for v in radiance.planes().data() {
+        hasher.update(&v.to_le_bytes());
+    }
+    hasher.finalize().to_hex().to_string()
+}
