@@ -10,6 +10,11 @@ test:
 ci:
     .ci/run
 
+# The HTML pages in headless Chromium.
+pages:
+    cargo build -p smalti-cli
+    tools/page/run
+
 # All benchmarks; `just bench optics` runs one.
 bench name="":
     cargo bench --workspace {{ if name == "" { "" } else { "--bench " + name } }}

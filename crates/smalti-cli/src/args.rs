@@ -82,7 +82,7 @@ pub(crate) enum Command {
     smalti sweep --merge part1 part2 -o out             folders of shards into one\n\n\
     DIR/designs/*.parquet has a row for each design; pandas, Polars and DuckDB read it as it is.")]
 pub(crate) struct SweepArgs {
-    /// A built-in study (smalti list studies) or a TOML file
+    /// A built-in study (smalti list studies), a TOML file, or the manifest.json of its results
     #[arg(required_unless_present = "merge", conflicts_with = "merge")]
     pub(crate) study: Option<String>,
     /// Folder for the results, made if need be; one that holds some of them is continued
@@ -115,18 +115,28 @@ pub(crate) struct SweepArgs {
 #[command(after_help = "Examples:\n  \
     smalti sweep table2 -o out && smalti report out     what more colours cost: tables and figures\n  \
     smalti report out theory -o both                    filters by rule over the cloud of all filters\n  \
-    smalti report out --json > out.json                 the same as one document\n\n\
+    smalti report out --json > out.json                 the same as one document\n  \
+    smalti report out -o out.html                       the page alone\n  \
+    smalti report out --picture 4711,17                 with the pictures of these designs\n\n\
     ΔE is the mean of the ColorChecker (CIELAB 1976), MTF50 that of a slanted edge in cycles/mm on the sensor, noise that of the \
     luminance of grey patches in percent. The best design of a number of colours is the one of least ΔE among those \
     whose MTF50 is not below the median; where only mosaics differ, that of the largest MTF50.\n\n\
-    Figures are written as SVG and PNG; report.json is removed first and written last: a folder that has it is whole.")]
+    report.html is one page that needs no network: the designs to brush, filter and look at one by one. Figures are written as SVG \
+    and PNG; report.json is removed first and written last: a folder that has it is whole.")]
 pub(crate) struct ReportArgs {
     /// Folders of results (smalti sweep), complete or not
     #[arg(required = true, value_name = "DIR")]
     pub(crate) results: Vec<PathBuf>,
-    /// Folder for figures and report.json, made if need be [default: report in the first DIR]
+    /// Folder for report.html, figures and report.json, made if need be; or FILE.html for the page alone [default: report in the
+    /// first DIR]
     #[arg(short, long, value_name = "FOLDER")]
     pub(crate) output: Option<PathBuf>,
+    /// How many designs have pictures in the page: the best, the worst, then of the Pareto front
+    #[arg(long, default_value_t = 16, value_name = "N", value_parser = clap::value_parser!(u16).range(0..=1000))]
+    pub(crate) pictures: u16,
+    /// Designs of the first DIR, by their numbers, that have pictures in the page as well
+    #[arg(long, value_delimiter = ',', value_name = "DESIGN")]
+    pub(crate) picture: Vec<u64>,
     /// Print report.json instead of the tables
     #[arg(long)]
     pub(crate) json: bool,

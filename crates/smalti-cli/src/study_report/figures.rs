@@ -240,11 +240,11 @@ fn histograms(
     book.save(name, &panels.draw()?, 2.0)
 }
 
-/// Figures of all sections at once: means, and filters by rule over the cloud.
-pub(super) fn together(sections: &[&Section<'_>], book: &mut Book) -> anyhow::Result<()> {
+/// Means of all sections at once.
+pub(super) fn means(sections: &[&Section<'_>]) -> Option<Plot> {
     let several = sections.len() > 1;
     let symbols = [Symbol::Square].into_iter().chain(SYMBOLS);
-    let Some(first) = sections.first() else { return Ok(()) };
+    let first = sections.first()?;
     let mut note = format!("Bars hold 90 % of the designs. {BEST_WHERE}");
     if several {
         note = format!("Squares: {}. {note}", first.title());
@@ -261,7 +261,13 @@ pub(super) fn together(sections: &[&Section<'_>], book: &mut Book) -> anyhow::Re
             plot = plot.points(mean(group, &name).color(color(group.colors)).symbol(*symbol));
         }
     }
-    book.save("means", &plot.draw()?, 2.0)?;
+    Some(plot)
+}
+
+/// Figures of all sections at once: means, and filters by rule over the cloud.
+pub(super) fn together(sections: &[&Section<'_>], book: &mut Book) -> anyhow::Result<()> {
+    let Some(means) = means(sections) else { return Ok(()) };
+    book.save("means", &means.draw()?, 2.0)?;
     let marks: Vec<&&Section<'_>> =
         sections.iter().filter(|s| !s.labels.is_empty() && s.rows.len() <= MAX_MARKS).collect();
     let Some(rules) = marks.first() else { return Ok(()) };
