@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use anyhow::Context;
 use serde_json::{Value, json};
 use smalti::design::FilterFigures;
-use smalti::metrics::{Better, CATALOG};
+use smalti::metrics::Better;
 use smalti::sensor::Filter;
 use smalti::spectrum::WavelengthGrid;
 use smalti_io::dataset::{Column, ColumnKind, ColumnSpec};
@@ -14,6 +14,7 @@ use smalti_report::page::{packed, words};
 use super::Sources;
 use super::choice::Choice;
 use crate::study_report::answers::Section;
+use crate::study_report::results::Results;
 
 /// Wavelengths of curves that are no formula: first, step, count.
 const CURVE_NM: (f64, f64, usize) = (380.0, 5.0, 69);
@@ -44,8 +45,8 @@ pub(super) fn columns(sources: &Sources<'_>, choice: &Choice) -> anyhow::Result<
         match spec.kind {
             ColumnKind::Float => {
                 let values = floats(sources, choice, &spec.name)?;
-                let info = CATALOG.iter().find(|m| m.name == spec.name);
-                let better = match info.map(|m| m.better) {
+                let of = |r: &Results| r.measure(&spec.name).map(|m| m.better);
+                let better = match sources.all.iter().find_map(|(r, _)| of(r)) {
                     Some(Better::Lower) => "lower",
                     Some(Better::Higher) => "higher",
                     _ => "",

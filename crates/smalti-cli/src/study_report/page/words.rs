@@ -7,6 +7,7 @@ use smalti_report::page::{Markup, Table, el};
 use super::Sources;
 use super::choice::Choice;
 use crate::study_report::answers::{Group, Section};
+use crate::study_report::tables::is_spread;
 
 /// Tables of sections shown; of more only report.json tells.
 const SECTIONS: usize = 20;
@@ -67,32 +68,24 @@ pub(super) fn intervals(sections: &[&Section<'_>]) -> Markup {
         )
         .into();
     for section in sections.iter().take(SECTIONS) {
-        let aliasing = section.groups.iter().any(|g| g.aliasing.is_some());
+        let measures = &section.results.measures;
         let mut table = Table::new(format!("Means, {}", section.title()))
             .number("Colours")
             .number("Designs")
-            .number("Left out")
-            .number("ΔE*ab, mean")
-            .number("90 %")
-            .number("MTF50, cy/mm, mean")
-            .number("90 %")
-            .number("Noise, %, mean");
-        if aliasing {
-            table = table.number("Aliasing, %, mean");
+            .number("Left out");
+        for measure in measures {
+            table = table.number(format!("{}, mean", measure.header));
+            if is_spread(&measure.name) {
+                table = table.number("90 %");
+            }
         }
         for g in &section.groups {
-            let mut cells: Vec<Markup> = vec![
-                g.colors.to_string().into(),
-                g.delta_e.count.to_string().into(),
-                g.delta_e.left_out.to_string().into(),
-                estimate(&g.delta_e.mean, 2),
-                spread(&g.delta_e, 2),
-                estimate(&g.mtf50.mean, 1),
-                spread(&g.mtf50, 1),
-                estimate(&g.noise.mean, 2),
-            ];
-            if aliasing {
-                cells.push(g.aliasing.as_ref().map_or_else(|| "–".into(), |a| estimate(&a.mean, 1)));
+            let (designs, left_out) = g.counts();
+            let mut cells: Vec<Markup> =
+                vec![g.colors.to_string().into(), designs.to_string().into(), left_out.to_string().into()];
+            for (measure, summary) in measures.iter().zip(&g.summaries) {
+                cells.push(estimate(&summary.mean, measure.digits));
+                cells.extend(is_spread(&measure.name).then(|| spread(summary, measure.digits)));
             }
             table = table.row(cells, false);
         }
@@ -124,18 +117,15 @@ pub(super) fn best(sources: &Sources<'_>, choice: &Choice) -> anyhow::Result<Mar
 }
 
 fn table(study: usize, section: &Section<'_>, choice: &Choice) -> anyhow::Result<Markup> {
-    let mut table = Table::new(format!("Best designs, {}", section.title()))
-        .number("Design")
-        .number("Colours")
-        .number("ΔE*ab")
-        .number("MTF50, cy/mm")
-        .number("Noise, %")
-        .text("Mosaic")
-        .text("Filters: centre/FWHM, nm");
+    let mut table =
+        Table::new(format!("Best designs, {}", section.title())).number("Design").number("Colours");
+    for measure in &section.results.measures {
+        table = table.number(&measure.header);
+    }
+    table = table.text("Mosaic").text("Filters: centre/FWHM, nm");
     let rows = section.groups.iter().flat_map(|g: &Group| g.best.iter().enumerate());
     for (rank, &row) in rows {
         let design = section.results.design(row)?;
-        let [d, m, n] = section.scores(row);
         let figures: Vec<String> = design
             .filters
             .filters
@@ -152,15 +142,9 @@ fn table(study: usize, section: &Section<'_>, choice: &Choice) -> anyhow::Result
                 .into(),
             None => design.number.to_string().into(),
         };
-        let cells: [Markup; 7] = [
-            number,
-            design.filters.filters.len().to_string().into(),
-            format!("{d:.2}").into(),
-            format!("{m:.1}").into(),
-            format!("{n:.2}").into(),
-            el("code").child(design.tile()).into(),
-            figures.join("  ").into(),
-        ];
+        let mut cells: Vec<Markup> = vec![number, design.filters.filters.len().to_string().into()];
+        cells.extend(section.results.measures.iter().map(|m| Markup::from(m.text(row))));
+        cells.extend([el("code").child(design.tile()).into(), figures.join("  ").into()]);
         table = table.row(cells, rank == 0);
     }
     Ok(table.into())
