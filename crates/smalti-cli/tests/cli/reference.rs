@@ -75,3 +75,43 @@ fn the_pages_of_the_reference_are_current() {
         assert!(page == made, "docs/reference/{what}.md is not what the code says; run `just reference`");
     }
 }
+
+/// Links of README and docs lead to files that are there, and the book has every page.
+#[test]
+fn documents_lead_somewhere() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let mut pages = vec![root.join("README.md")];
+    let mut folders = vec![root.join("docs")];
+    while let Some(folder) = folders.pop() {
+        for entry in std::fs::read_dir(folder).unwrap() {
+            let path = entry.unwrap().path();
+            match path.extension() {
+                _ if path.is_dir() => folders.push(path),
+                Some(e) if e == "md" => pages.push(path),
+                _ => {}
+            }
+        }
+    }
+    let mut linked = std::collections::BTreeSet::new();
+    for page in &pages {
+        let text = std::fs::read_to_string(page).unwrap();
+        for target in text.split("](").skip(1).filter_map(|rest| rest.split(')').next()) {
+            let file = target.split('#').next().unwrap_or_default();
+            if file.is_empty() || target.contains("://") || file.contains([' ', '`']) {
+                continue;
+            }
+            let path = page.parent().unwrap().join(file);
+            assert!(path.exists(), "{} leads to {target}, which is not there", page.display());
+            if page.ends_with("SUMMARY.md") {
+                linked.insert(path.canonicalize().unwrap());
+            }
+        }
+    }
+    for page in pages.iter().filter(|p| !p.ends_with("README.md") && !p.ends_with("SUMMARY.md")) {
+        assert!(
+            linked.contains(&page.canonicalize().unwrap()),
+            "{} is not in docs/SUMMARY.md",
+            page.display()
+        );
+    }
+}
