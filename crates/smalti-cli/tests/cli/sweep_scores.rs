@@ -22,8 +22,11 @@ fn names(place: &Place, out: &str) -> Vec<String> {
     dataset.manifest().plan.schema.iter().map(|c| c.name.clone()).collect()
 }
 
-/// Sets of Gaussian filters of which ISETCam's figures are known: centres and deviations in nm, and the tile.
-const SETS: [(&[(f64, f64)], &[&str]); 5] = [
+/// Gaussian filters, centres and deviations in nm, and the tile.
+type Set = (&'static [(f64, f64)], &'static [&'static str]);
+
+/// Sets of which ISETCam's figures are known.
+const SETS: [Set; 5] = [
     (&[(451.8, 34.5), (579.5, 29.1), (629.9, 37.5)], &["bc", "ab"]),
     (&[(453.4, 51.8), (533.6, 22.7), (556.9, 43.6), (651.6, 50.0)], &["ab", "cd"]),
     (&[(436.3, 38.5), (459.4, 20.1), (541.4, 52.7), (577.5, 49.1), (650.9, 31.2)], &["abc", "deb", "cad"]),
