@@ -7,6 +7,7 @@ use smalti_io::Override;
 use smalti_io::dataset::Shard;
 
 use crate::learning_args::LearningOptions;
+use crate::show::Show;
 
 /// A camera simulator that designs colour filter arrays and their image processing together.
 #[derive(Debug, Parser)]
@@ -20,7 +21,8 @@ use crate::learning_args::LearningOptions;
         smalti simulate my.toml --scene zone-plate -o out   your camera, another scene\n  \
         smalti evaluate bayer rgbw                          colour, resolution, noise, aliasing\n  \
         smalti sweep table2 -o out && smalti report out     5000 colour filter arrays, scored and shown\n  \
-        smalti list cfas                                    what is built in\n\n\
+        smalti list cfas                                    what is built in\n  \
+        smalti show rgbw                                    a camera, its mosaic and its spectra, drawn\n\n\
         Results go to standard output or -o, progress and messages to standard error.\n\
         Exit code: 0 done, 1 failed, 2 wrong usage."
 )]
@@ -60,6 +62,8 @@ pub(crate) enum Command {
     Report(ReportArgs),
     /// List what is built in
     List(List),
+    /// Draw a colour filter array, a camera or a scene in the terminal
+    Show(Box<Show>),
     /// Convert a scene between formats, or write a built-in scene to a file
     Convert(Convert),
     /// Print a script for tab completion

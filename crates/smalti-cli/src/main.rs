@@ -16,10 +16,12 @@ mod pictures;
 mod progress;
 mod render;
 mod resolve;
+mod show;
 mod simulate;
 mod study_report;
 mod sweep;
 mod table;
+mod terminal;
 mod train;
 
 use std::io::Write;
@@ -54,6 +56,7 @@ fn run(cli: Cli) -> anyhow::Result<()> {
         Command::Sweep(a) => sweep::run(&a, &cli.common),
         Command::Report(a) => study_report::run(&a, &cli.common),
         Command::List(a) => list::run(&a),
+        Command::Show(a) => show::run(&a),
         Command::Convert(a) => convert::run(&a, &cli.common),
         Command::Completions { shell } => {
             let mut script = Vec::new();
