@@ -68,12 +68,19 @@ pub(crate) enum Command {
     Convert(Convert),
     /// Print a script for tab completion
     #[command(after_help = "Examples:\n  \
-        smalti completions bash > ~/.local/share/bash-completion/completions/smalti\n  \
-        smalti completions zsh > ~/.zfunc/_smalti\n  \
-        smalti completions fish > ~/.config/fish/completions/smalti.fish")]
+        echo 'source <(smalti completions bash)' >> ~/.bashrc\n  \
+        echo 'source <(smalti completions zsh)' >> ~/.zshrc               after compinit\n  \
+        smalti completions fish > ~/.config/fish/completions/smalti.fish\n\n\
+        The script asks smalti itself, which offers cameras, scenes, lights and studies by name beside files.")]
     Completions {
         /// For which shell
         shell: clap_complete::Shell,
+    },
+    /// Write a manual page for each command
+    #[command(hide = true, after_help = "Examples:\n  smalti man ~/.local/share/man/man1")]
+    Man {
+        /// Folder, made if need be
+        dir: PathBuf,
     },
 }
 

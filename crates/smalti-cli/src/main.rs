@@ -5,12 +5,14 @@ mod brightness;
 mod columns;
 mod compare;
 mod compare_report;
+mod complete;
 mod convert;
 mod design_columns;
 mod evaluate;
 mod learn;
 mod learning_args;
 mod list;
+mod man;
 mod names;
 mod pictures;
 mod progress;
@@ -31,6 +33,7 @@ use args::{Cli, Command};
 use clap::{CommandFactory, Parser};
 
 fn main() -> ExitCode {
+    complete::answer(Cli::command);
     let cli = Cli::parse();
     match run(cli) {
         Ok(()) => ExitCode::SUCCESS,
@@ -58,11 +61,8 @@ fn run(cli: Cli) -> anyhow::Result<()> {
         Command::List(a) => list::run(&a),
         Command::Show(a) => show::run(&a),
         Command::Convert(a) => convert::run(&a, &cli.common),
-        Command::Completions { shell } => {
-            let mut script = Vec::new();
-            clap_complete::generate(shell, &mut Cli::command(), "smalti", &mut script);
-            print(&String::from_utf8_lossy(&script))
-        }
+        Command::Completions { shell } => print(&complete::script(shell)?),
+        Command::Man { dir } => print(&man::write_pages(Cli::command(), &dir)?),
     }
 }
 

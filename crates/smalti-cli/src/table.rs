@@ -185,7 +185,10 @@ mod tests {
     #[test]
     fn headings_break_then_texts_shrink_then_columns_fold() {
         let broken = within(&HEADER, &scores(), Some(60));
-        assert!(broken.contains("MTF50") && !broken.contains("MTF50 cy/mm") && !broken.contains('…'), "{broken}");
+        assert!(
+            broken.contains("MTF50") && !broken.contains("MTF50 cy/mm") && !broken.contains('…'),
+            "{broken}"
+        );
         let shrunk = within(&HEADER, &scores(), Some(45));
         assert!(shrunk.contains('…') && shrunk.lines().count() == 6, "{shrunk}");
         let folded = within(&HEADER, &scores(), Some(25));

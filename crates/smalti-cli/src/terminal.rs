@@ -95,13 +95,14 @@ impl Screen {
         }
     }
 
-    /// Two pixels in a character, the lower one that of the terminal where there is none; nothing where there are no colours.
-    pub(crate) fn half_block(&self, above: Rgb, below: Option<Rgb>) -> String {
-        match (self.depth, below) {
-            (Some(depth), Some(below)) => {
-                format!("\x1b[38;{};48;{}m▀", code(depth, above), code(depth, below))
+    /// The control code for text in a colour on another, that of the terminal where there is none; nothing where there are no
+    /// colours.
+    pub(crate) fn colors(&self, ink: Rgb, ground: Option<Rgb>) -> String {
+        match (self.depth, ground) {
+            (Some(depth), Some(ground)) => {
+                format!("\x1b[38;{};48;{}m", code(depth, ink), code(depth, ground))
             }
-            (Some(depth), None) => format!("\x1b[0;38;{}m▀", code(depth, above)),
+            (Some(depth), None) => format!("\x1b[0;38;{}m", code(depth, ink)),
             (None, _) => String::new(),
         }
     }

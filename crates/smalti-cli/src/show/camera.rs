@@ -60,7 +60,7 @@ pub(super) fn show(args: &Show) -> anyhow::Result<Shown> {
             lines += &table(&format!("[{section}]"), section, keys);
         }
     }
-    lines += &rows("what follows", &derived);
+    lines += &rows("derived", &derived);
     let entry = |(e, c): (&tile::Entry, &Channel)| {
         let values = c.transmittance.values();
         json!({"letter": e.letter.to_string(), "effective_sensitivity": values})
@@ -72,13 +72,20 @@ pub(super) fn show(args: &Show) -> anyhow::Result<Shown> {
         "cfa": tile.json(),
         "channels": tile.channels.iter().zip(&sensitivity).map(entry).collect::<Vec<_>>(),
     });
-    let mut plot = cfa::spectra("Effective sensitivity: filter × quantum efficiency × lens and infrared cut", &tile);
+    let mut plot =
+        cfa::spectra("Effective sensitivity: filter × quantum efficiency × lens and infrared cut", &tile);
     plot.curves.iter_mut().zip(sensitivity).for_each(|(curve, c)| curve.values = c.transmittance);
-    let title = format!("{}: a camera, {} × {} pixels", camera.description().name, camera.sensor.cols, camera.sensor.rows);
+    let title = format!(
+        "{}: a camera, {} × {} pixels",
+        camera.description().name,
+        camera.sensor.cols,
+        camera.sensor.rows
+    );
     Ok(Shown {
         title,
         about: Some(summary).filter(|s| !s.is_empty()).into_iter().collect(),
-        parts: vec![Part::Tile(tile), Part::Plot(plot), Part::Lines(lines)],
+        // What is drawn comes last: it is what stays on a screen.
+        parts: vec![Part::Lines(lines), Part::Tile(tile), Part::Plot(plot)],
         json,
         toml: Some(toml),
     })
@@ -88,18 +95,17 @@ pub(super) fn show(args: &Show) -> anyhow::Result<Shown> {
 fn sensitivity(camera: &Camera) -> anyhow::Result<Vec<Channel>> {
     let lens = camera.optics.transmittance_on(camera.grid())?;
     let others = camera.sensor.quantum_efficiency.times(&lens)?;
-    let channel = |c: &Channel| {
-        Ok(Channel { name: c.name.clone(), transmittance: c.transmittance.times(&others)? })
-    };
+    let channel =
+        |c: &Channel| Ok(Channel { name: c.name.clone(), transmittance: c.transmittance.times(&others)? });
     camera.sensor.cfa.channels().iter().map(channel).collect()
 }
 
 /// What an engineer would compute from the keys: name, value, unit.
 fn derived(camera: &Camera) -> anyhow::Result<Vec<(&'static str, f64, &'static str)>> {
     let (sensor, pixel) = (&camera.sensor, &camera.sensor.pixel);
-    let saturation_e = pixel.full_well_e.min(
-        pixel.voltage_swing_v / (camera.gain_and_offset().analog_gain * pixel.conversion_gain_v_per_e),
-    );
+    let saturation_e = pixel
+        .full_well_e
+        .min(pixel.voltage_swing_v / (camera.gain_and_offset().analog_gain * pixel.conversion_gain_v_per_e));
     let read_e = pixel.read_noise_v / pixel.conversion_gain_v_per_e;
     let mut out = vec![
         ("width of the sensor", sensor.cols as f64 * pixel.pitch_m * 1e3, "mm"),
@@ -151,7 +157,8 @@ fn unit(key: &str, v: &Value) -> &'static str {
 }
 
 fn rows(heading: &str, rows: &[(&str, f64, &str)]) -> String {
-    let line = |(name, value, unit): &(&str, f64, &str)| [(*name).to_owned(), figure(*value), (*unit).to_owned()];
+    let line =
+        |(name, value, unit): &(&str, f64, &str)| [(*name).to_owned(), figure(*value), (*unit).to_owned()];
     aligned(heading, &rows.iter().map(line).collect::<Vec<_>>())
 }
 

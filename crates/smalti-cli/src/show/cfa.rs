@@ -21,7 +21,8 @@ pub(super) fn show(args: &Show) -> anyhow::Result<Shown> {
     let array = cfa::builtin(&args.name, grid)?;
     let named = |letter: char| info.filters.iter().find(|(l, _)| *l == letter).map(|(_, f)| (*f).to_owned());
     let tile = Tile::of(&array, named)?;
-    let mut title = format!("{}: a colour filter array, {} × {}", array.name(), tile.pattern().len(), tile.cols);
+    let mut title =
+        format!("{}: a colour filter array, {} × {}", array.name(), tile.pattern().len(), tile.cols);
     if !info.aliases.is_empty() {
         title += &format!(", also called {}", info.aliases.join(", "));
     }

@@ -55,9 +55,10 @@ impl Kind {
     fn names(self) -> Vec<&'static str> {
         match self {
             Self::Camera => cameras::names().iter().map(|f| f.name).collect(),
-            Self::Cfa => {
-                cfa::names().iter().flat_map(|c| [c.name].into_iter().chain(c.aliases.iter().copied())).collect()
-            }
+            Self::Cfa => cfa::names()
+                .iter()
+                .flat_map(|c| [c.name].into_iter().chain(c.aliases.iter().copied()))
+                .collect(),
             Self::Scene => catalog::names().iter().map(|s| s.name).collect(),
             Self::Study => studies::names().iter().map(|f| f.name).collect(),
             Self::Illuminant => Illuminant::names().to_vec(),
@@ -131,7 +132,9 @@ fn unknown(name: &str) -> String {
     let known = "smalti list cameras, cfas, scenes, studies, illuminants or filters says what is built in";
     match near.is_empty() {
         true => format!("'{name}' is neither built in nor a file; {known}"),
-        false => format!("'{name}' is neither built in nor a file; did you mean {}? {known}", near.join(", ")),
+        false => {
+            format!("'{name}' is neither built in nor a file; did you mean {}? {known}", near.join(", "))
+        }
     }
 }
 

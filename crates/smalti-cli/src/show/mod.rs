@@ -58,7 +58,7 @@ pub(crate) struct Show {
     #[arg(long = "set", value_name = "KEY=VALUE")]
     overrides: Vec<Override>,
     // Last: its heading would be that of all that follows.
-    #[command(flatten, next_help_heading = "Scenes (wavelengths: colour filter arrays, lights, filters too)")]
+    #[command(flatten, next_help_heading = "Scenes, and wavelengths of whatever is drawn")]
     scene_options: SceneOptions,
 }
 
@@ -145,7 +145,8 @@ fn draw(shown: &Shown, screen: &Screen) -> anyhow::Result<String> {
             (Part::Lines(lines), _) => out += lines,
             (Part::Tile(tile), None) => out += &tile.lines(screen),
             (Part::Tile(tile), Some(protocol)) => {
-                out += &(sent(&tile.pixels()?, tile.figure_columns(), screen, protocol)? + &tile.legend(screen));
+                out +=
+                    &(sent(&tile.pixels()?, tile.figure_columns(), screen, protocol)? + &tile.legend(screen));
             }
             (Part::Plot(plot), None) => out += &plot.lines(screen),
             (Part::Plot(plot), Some(protocol)) => {

@@ -95,7 +95,9 @@ impl Pixels {
         if screen.depth.is_none() {
             let columns = columns.min(LETTER_COLUMNS);
             let rows = (self.height * columns / self.width.max(1) / 2).max(1);
-            let line = |row: &[[u8; 3]]| row.iter().map(|p| shade(*p)).collect::<String>().trim_end().to_owned() + "\n";
+            let line = |row: &[[u8; 3]]| {
+                row.iter().map(|p| shade(*p)).collect::<String>().trim_end().to_owned() + "\n"
+            };
             return self.resized(columns, rows).rgb.chunks(columns).map(line).collect();
         }
         let rows = (self.height * columns / self.width.max(1)).max(1);
@@ -103,10 +105,16 @@ impl Pixels {
         let rows: Vec<&[[u8; 3]]> = small.rgb.chunks_exact(columns).collect();
         let line = |pair: &[&[[u8; 3]]]| {
             let [above, rest @ ..] = pair else { return String::new() };
-            let mut out = String::new();
+            let (mut out, mut before) = (String::new(), String::new());
             for (x, &[r, g, b]) in above.iter().enumerate() {
                 let below = rest.first().and_then(|row| row.get(x)).map(|&[r, g, b]| Rgb(r, g, b));
-                out += &screen.half_block(Rgb(r, g, b), below);
+                let colors = screen.colors(Rgb(r, g, b), below);
+                // Neighbours are often alike: pictures take half the bytes.
+                if colors != before {
+                    out += &colors;
+                    before = colors;
+                }
+                out.push('▀');
             }
             out + "\x1b[0m\n"
         };
@@ -150,7 +158,8 @@ mod tests {
     }
 
     fn picture(width: usize, height: usize, color: impl Fn(usize, usize) -> [u8; 3]) -> Pixels {
-        let rgb = (0..height).flat_map(|y| (0..width).map(move |x| (x, y))).map(|(x, y)| color(x, y)).collect();
+        let rgb =
+            (0..height).flat_map(|y| (0..width).map(move |x| (x, y))).map(|(x, y)| color(x, y)).collect();
         Pixels { width, height, rgb }
     }
 
@@ -180,7 +189,10 @@ mod tests {
             for columns in [20, 80] {
                 let screen = Screen { rows: Some(24), ..screen(columns, None) };
                 let text = grey.lines(&screen);
-                assert!(text.lines().all(|l| l.chars().count() <= columns) && text.lines().count() <= 16, "{text}");
+                assert!(
+                    text.lines().all(|l| l.chars().count() <= columns) && text.lines().count() <= 16,
+                    "{text}"
+                );
                 assert!(!grey.lines(&Screen { depth: Some(Depth::Indexed), ..screen }).is_empty());
             }
         }

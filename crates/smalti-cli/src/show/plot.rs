@@ -182,13 +182,18 @@ mod tests {
 
     #[test]
     fn every_width_and_range_is_drawn() {
-        for (start, step, count) in [(400.0, 10.0, 31), (550.0, 10.0, 1), (400.0, 100.0, 40), (380.0, 1.0, 2)] {
+        for (start, step, count) in [(400.0, 10.0, 31), (550.0, 10.0, 1), (400.0, 100.0, 40), (380.0, 1.0, 2)]
+        {
             let grid = WavelengthGrid::new(start, step, count).unwrap();
             for columns in [20, 21, 40, 80, 200] {
                 for depth in [None, Some(Depth::True)] {
-                    let text = plot(vec![('a', Spectrum::constant(grid, 0.3))]).lines(&screen(columns, depth));
+                    let text =
+                        plot(vec![('a', Spectrum::constant(grid, 0.3))]).lines(&screen(columns, depth));
                     assert_eq!(text.lines().count(), ROWS + 3, "{text}");
-                    assert!(text.contains(if depth.is_some() { "\x1b[38;2;200;0;0m" } else { "a" }), "{text}");
+                    assert!(
+                        text.contains(if depth.is_some() { "\x1b[38;2;200;0;0m" } else { "a" }),
+                        "{text}"
+                    );
                 }
             }
         }

@@ -42,7 +42,15 @@ pub(super) fn show(args: &Show) -> anyhow::Result<Shown> {
     let lines = [
         ("size", format!("{cols} × {rows} pixels, {:.2}° wide", scene.horizontal_fov_deg())),
         ("distance", format!("{} m", scene.distance_m())),
-        ("luminance", format!("mean {} cd/m², from {} to {}", figure(mean), figure(ends.0.into()), figure(ends.1.into()))),
+        (
+            "luminance",
+            format!(
+                "mean {} cd/m², from {} to {}",
+                figure(mean),
+                figure(ends.0.into()),
+                figure(ends.1.into())
+            ),
+        ),
         ("illuminant", format!("{name}x = {x:.4}, y = {y:.4}{kelvin}")),
         ("wavelengths", wavelengths),
     ];

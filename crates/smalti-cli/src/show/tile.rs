@@ -46,7 +46,8 @@ impl Tile {
         let letters = letters(cfa.channels());
         let entry = |(i, (channel, letter)): (usize, (&Channel, char))| {
             let count = cells.iter().filter(|&&c| usize::from(c) == i).count();
-            let name = if channel.name.chars().count() > 1 { Some(channel.name.clone()) } else { named(letter) };
+            let name =
+                if channel.name.chars().count() > 1 { Some(channel.name.clone()) } else { named(letter) };
             anyhow::Ok(Entry {
                 letter,
                 name: name.unwrap_or_default(),
@@ -117,11 +118,17 @@ impl Tile {
     pub(super) fn legend(&self, screen: &Screen) -> String {
         let line = |e: &Entry| {
             let (nm, peak) = peak(&e.curve);
+            let flat = e.curve.values().iter().all(|v| peak - v < 0.005);
+            let peak = if flat {
+                format!("flat {peak:.2}         ")
+            } else {
+                format!("peak {peak:.2} at {nm:.0} nm")
+            };
             let letter = match screen.depth {
                 Some(_) => screen.on_color(e.color, &format!(" {} ", e.letter)),
                 None => e.letter.to_string(),
             };
-            let text = format!("{:>5.1} %  peak {peak:.2} at {nm:.0} nm  {}", 100.0 * e.share, e.name);
+            let text = format!("{:>5.1} %  {peak}  {}", 100.0 * e.share, e.name);
             format!("{letter} {}\n", text.trim_end())
         };
         self.channels.iter().map(line).collect()
@@ -205,7 +212,11 @@ mod tests {
             let tile = Tile::of(&cfa, |_| None).unwrap();
             assert_eq!(tile.pattern(), info.pattern(), "{}", info.name);
             let shares: f64 = tile.channels.iter().map(|c| c.share).sum();
-            assert!((shares - 1.0).abs() < 1e-12 && tile.channels.iter().all(|c| c.cells > 0), "{}", info.name);
+            assert!(
+                (shares - 1.0).abs() < 1e-12 && tile.channels.iter().all(|c| c.cells > 0),
+                "{}",
+                info.name
+            );
             let letters: String = tile.lines(&screen).lines().take(1).collect();
             let row: String = letters.chars().filter(|c| *c != ' ').take(info.cols()).collect();
             assert_eq!(row, info.pattern()[0], "{}", info.name);

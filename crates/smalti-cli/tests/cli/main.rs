@@ -8,6 +8,8 @@ mod convert;
 mod evaluate;
 mod learn;
 mod learn_bad;
+mod shell;
+mod show;
 mod simulate;
 mod study_report;
 mod surface;
