@@ -72,8 +72,11 @@ pub(super) fn show(args: &Show) -> anyhow::Result<Shown> {
         "cfa": tile.json(),
         "channels": tile.channels.iter().zip(&sensitivity).map(entry).collect::<Vec<_>>(),
     });
-    let mut plot =
-        cfa::spectra("Effective sensitivity: filter × quantum efficiency × lens and infrared cut", &tile);
+    let mut plot = cfa::spectra(
+        "Effective sensitivity: filter × quantum efficiency × lens and infrared cut",
+        "Electrons per photon",
+        &tile,
+    );
     plot.curves.iter_mut().zip(sensitivity).for_each(|(curve, c)| curve.values = c.transmittance);
     let title = format!(
         "{}: a camera, {} × {} pixels",

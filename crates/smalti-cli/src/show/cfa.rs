@@ -35,7 +35,7 @@ pub(super) fn show(args: &Show) -> anyhow::Result<Shown> {
     if let (Some(into), serde_json::Value::Object(from)) = (json.as_object_mut(), tile.json()) {
         into.extend(from);
     }
-    let plot = spectra("Transmittance of the filters", &tile);
+    let plot = spectra("Transmittance of the filters", "Transmittance", &tile);
     let about = vec![info.summary.to_owned(), info.source.to_owned()];
     Ok(Shown { title, about, parts: vec![Part::Tile(tile), Part::Plot(plot)], json, toml: Some(toml) })
 }
@@ -52,13 +52,13 @@ pub(super) fn grid(args: &Show, end_nm: f64) -> anyhow::Result<WavelengthGrid> {
 }
 
 /// The curves of a tile's channels.
-pub(super) fn spectra(title: &str, tile: &Tile) -> Plot {
+pub(super) fn spectra(title: &str, quantity: &'static str, tile: &Tile) -> Plot {
     let curve = |e: &tile::Entry| Curve {
         letter: e.letter,
         color: tile::for_lines(e.color),
         values: e.curve.clone(),
     };
-    Plot { title: title.into(), curves: tile.channels.iter().map(curve).collect() }
+    Plot { title: title.into(), quantity, curves: tile.channels.iter().map(curve).collect() }
 }
 
 /// The keys that put the array into a camera, each filter named, so that it can be replaced.

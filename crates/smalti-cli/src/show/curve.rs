@@ -39,7 +39,7 @@ pub(super) fn filter(args: &Show) -> anyhow::Result<Shown> {
     let about = info.map(|f| vec![f.summary.to_owned(), f.source.to_owned()]).unwrap_or_default();
     let title = format!("{}: a curve of transmittance, peak {peak:.2} at {nm:.0} nm", args.name);
     let color = tile::looks(&curve.map(|_, v| v.clamp(0.0, 1.0)))?;
-    let parts = vec![Part::Plot(plot("Transmittance", &args.name, color, curve.clone()))];
+    let parts = vec![Part::Plot(plot("Transmittance", "Transmittance", &args.name, color, curve.clone()))];
     let json = json!({
         "kind": "filter", "name": args.name, "summary": info.map(|f| f.summary), "source": info.map(|f| f.source),
         "color": color.to_string(), "wavelengths_nm": curve.grid().wavelengths_nm().collect::<Vec<_>>(), "transmittance": curve.values(),
@@ -64,14 +64,19 @@ pub(super) fn illuminant(args: &Show) -> anyhow::Result<Shown> {
         "kind": "illuminant", "name": light.name(), "xy": [x, y], "color": color.to_string(),
         "wavelengths_nm": grid.wavelengths_nm().collect::<Vec<_>>(), "relative_power": energy.values(),
     });
-    let parts = vec![Part::Plot(plot("Power relative to the peak", &args.name, color, energy))];
+    let parts =
+        vec![Part::Plot(plot("Power relative to the peak", "Relative power", &args.name, color, energy))];
     Ok(Shown { title, about: Vec::new(), parts, json, toml: None })
 }
 
-fn plot(title: &str, name: &str, color: Rgb, values: Spectrum) -> Plot {
+fn plot(title: &str, quantity: &'static str, name: &str, color: Rgb, values: Spectrum) -> Plot {
     let last = name.rsplit('/').next().unwrap_or(name);
     let letter = last.chars().next().unwrap_or('*');
-    Plot { title: title.into(), curves: vec![Curve { letter, color: tile::for_lines(color), values }] }
+    Plot {
+        title: title.into(),
+        quantity,
+        curves: vec![Curve { letter, color: tile::for_lines(color), values }],
+    }
 }
 
 /// A light on a screen adapted to daylight, its brightest channel full.

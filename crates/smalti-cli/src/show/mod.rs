@@ -15,6 +15,7 @@ use anyhow::bail;
 use clap::Args;
 use serde_json::{Value, json};
 use smalti_io::Override;
+use smalti_report::Figure;
 
 use self::find::Kind;
 use self::picture::Pixels;
@@ -145,12 +146,12 @@ fn draw(shown: &Shown, screen: &Screen) -> anyhow::Result<String> {
             (Part::Lines(lines), _) => out += lines,
             (Part::Tile(tile), None) => out += &tile.lines(screen),
             (Part::Tile(tile), Some(protocol)) => {
-                out +=
-                    &(sent(&tile.pixels()?, tile.figure_columns(), screen, protocol)? + &tile.legend(screen));
+                out += &drawn(&tile.figure()?, tile.figure_columns(), screen, protocol)?;
+                out += &tile.legend(screen);
             }
             (Part::Plot(plot), None) => out += &plot.lines(screen),
             (Part::Plot(plot), Some(protocol)) => {
-                out += &sent(&plot.pixels()?, plot::COLUMNS + plot::MARGIN, screen, protocol)?;
+                out += &drawn(&plot.figure()?, plot::COLUMNS + plot::MARGIN, screen, protocol)?;
             }
             (Part::Picture(picture), None) => out += &picture.lines(screen),
             (Part::Picture(picture), Some(protocol)) => {
@@ -169,6 +170,17 @@ fn figure(v: f64) -> String {
     let digits = (3 - v.abs().log10().floor() as i32).clamp(0, 12) as usize;
     let text = format!("{v:.digits$}");
     if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
+}
+
+/// A figure, in as many pixels as are shown.
+fn drawn(figure: &Figure, columns: usize, screen: &Screen, protocol: Protocol) -> anyhow::Result<String> {
+    let columns = columns.clamp(1, screen.columns);
+    let scale = match protocol {
+        // Scaled by the terminal, whose letters may be large.
+        Protocol::Kitty => 1.5,
+        Protocol::Sixel => (columns * sixel::COLUMN_PX) as f64 / figure.size().0,
+    };
+    sent(&Pixels::from_png(&figure.png(scale)?)?, columns, screen, protocol)
 }
 
 /// A picture for a terminal that shows some, so many columns wide.

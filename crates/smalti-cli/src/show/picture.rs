@@ -84,8 +84,7 @@ impl Pixels {
 
     /// The columns that the picture fills: all, but that its rows stay on the screen, and no more than it has.
     pub(super) fn columns_on(&self, screen: &Screen) -> usize {
-        let rows = screen.rows.map_or(usize::MAX, |rows| rows.saturating_sub(ROWS_ABOVE).max(4));
-        let by_height = rows.saturating_mul(2).saturating_mul(self.width) / self.height.max(1);
+        let by_height = most_rows(screen).saturating_mul(2).saturating_mul(self.width) / self.height.max(1);
         screen.columns.min(by_height).min(self.width).max(1)
     }
 
@@ -94,13 +93,14 @@ impl Pixels {
         let columns = self.columns_on(screen);
         if screen.depth.is_none() {
             let columns = columns.min(LETTER_COLUMNS);
-            let rows = (self.height * columns / self.width.max(1) / 2).max(1);
+            // Pictures higher than the screen even when a column wide are squeezed.
+            let rows = (self.height * columns / self.width.max(1) / 2).clamp(1, most_rows(screen));
             let line = |row: &[[u8; 3]]| {
                 row.iter().map(|p| shade(*p)).collect::<String>().trim_end().to_owned() + "\n"
             };
             return self.resized(columns, rows).rgb.chunks(columns).map(line).collect();
         }
-        let rows = (self.height * columns / self.width.max(1)).max(1);
+        let rows = (self.height * columns / self.width.max(1)).clamp(1, most_rows(screen).saturating_mul(2));
         let small = self.resized(columns, rows);
         let rows: Vec<&[[u8; 3]]> = small.rgb.chunks_exact(columns).collect();
         let line = |pair: &[&[[u8; 3]]]| {
@@ -120,6 +120,11 @@ impl Pixels {
         };
         rows.chunks(2).map(line).collect()
     }
+}
+
+/// Rows that a picture may take.
+fn most_rows(screen: &Screen) -> usize {
+    screen.rows.map_or(usize::MAX, |rows| rows.saturating_sub(ROWS_ABOVE).max(4))
 }
 
 /// The character of a brightness.

@@ -1,9 +1,8 @@
 //! Curves over wavelength in characters.
 
 use smalti::spectrum::Spectrum;
-use smalti_report::{Line, Rgb};
+use smalti_report::{Figure, Line, Rgb};
 
-use super::picture::Pixels;
 use crate::terminal::Screen;
 
 /// Characters across and down the field of a plot.
@@ -21,6 +20,8 @@ const BRAILLE: [[u8; 2]; 4] = [[0x01, 0x08], [0x02, 0x10], [0x04, 0x20], [0x40, 
 /// Curves over wavelength, from 0 to 1.
 pub(super) struct Plot {
     pub(super) title: String,
+    /// What is drawn upwards.
+    pub(super) quantity: &'static str,
     pub(super) curves: Vec<Curve>,
 }
 
@@ -99,9 +100,10 @@ impl Plot {
     }
 
     /// The plot as a figure.
-    pub(super) fn pixels(&self) -> anyhow::Result<Pixels> {
+    pub(super) fn figure(&self) -> anyhow::Result<Figure> {
         let (low, high) = self.range();
-        let mut plot = smalti_report::Plot::spectra(&self.title).size(900.0, 380.0).y_range(0.0, 1.02);
+        let mut plot = smalti_report::Plot::spectra(self.quantity).title(&self.title);
+        plot = plot.size(900.0, 420.0).y_range(0.0, 1.02);
         if low < high {
             plot = plot.x_range(low, high);
         }
@@ -111,7 +113,7 @@ impl Plot {
             let line = Line::new(curve.letter.to_string(), &nm, curve.values.values());
             plot = plot.line(line.color(curve.color).width(2.5));
         }
-        Pixels::from_png(&plot.draw()?.png(1.0)?)
+        Ok(plot.draw()?)
     }
 }
 
@@ -146,7 +148,11 @@ mod tests {
 
     fn plot(curves: Vec<(char, Spectrum)>) -> Plot {
         let curve = |(letter, values)| Curve { letter, color: Rgb(200, 0, 0), values };
-        Plot { title: "Transmittance".into(), curves: curves.into_iter().map(curve).collect() }
+        Plot {
+            title: "Filters".into(),
+            quantity: "Transmittance",
+            curves: curves.into_iter().map(curve).collect(),
+        }
     }
 
     fn screen(columns: usize, depth: Option<Depth>) -> Screen {
@@ -198,6 +204,6 @@ mod tests {
             }
         }
         let none = plot(vec![]).lines(&screen(80, None));
-        assert!(none.starts_with("Transmittance"), "{none}");
+        assert!(none.starts_with("Filters"), "{none}");
     }
 }

@@ -3,9 +3,8 @@
 use serde_json::{Value, json};
 use smalti::sensor::{Cfa, Channel};
 use smalti::spectrum::Spectrum;
-use smalti_report::{Cell, Mosaics, Rgb};
+use smalti_report::{Cell, Figure, Mosaics, Rgb};
 
-use super::picture::Pixels;
 use crate::pictures::filter_color;
 use crate::terminal::Screen;
 
@@ -135,14 +134,13 @@ impl Tile {
     }
 
     /// The tile as a figure, repeated around itself.
-    pub(super) fn pixels(&self) -> anyhow::Result<Pixels> {
+    pub(super) fn figure(&self) -> anyhow::Result<Figure> {
         let cell = |c: &u8| match self.entry(*c) {
             Some(e) => Cell { letter: e.letter.to_string(), color: e.color },
             None => Cell { letter: String::new(), color: Rgb(128, 128, 128) },
         };
         let cells: Vec<Cell> = self.cells.iter().map(cell).collect();
-        let figure = Mosaics::new().side(360.0).mosaic("", self.cols, &cells).draw()?;
-        Pixels::from_png(&figure.png(1.0)?)
+        Ok(Mosaics::new().side(360.0).mosaic("", self.cols, &cells).draw()?)
     }
 
     /// How wide the figure is shown.
