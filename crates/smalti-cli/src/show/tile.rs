@@ -118,16 +118,12 @@ impl Tile {
         let line = |e: &Entry| {
             let (nm, peak) = peak(&e.curve);
             let flat = e.curve.values().iter().all(|v| peak - v < 0.005);
-            let peak = if flat {
-                format!("flat {peak:.2}         ")
-            } else {
-                format!("peak {peak:.2} at {nm:.0} nm")
-            };
+            let peak = if flat { format!("flat {peak:.2}") } else { format!("peak {peak:.2} at {nm:.0} nm") };
             let letter = match screen.depth {
                 Some(_) => screen.on_color(e.color, &format!(" {} ", e.letter)),
                 None => e.letter.to_string(),
             };
-            let text = format!("{:>5.1} %  {peak}  {}", 100.0 * e.share, e.name);
+            let text = format!("{:>5.1} %  {peak:<19}  {}", 100.0 * e.share, e.name);
             format!("{letter} {}\n", text.trim_end())
         };
         self.channels.iter().map(line).collect()
