@@ -10,6 +10,11 @@ test:
 ci:
     .ci/run
 
+# The HTML pages in headless Chromium.
+pages:
+    cargo build -p smalti-cli
+    tools/page/run
+
 # All benchmarks; `just bench optics` runs one.
 bench name="":
     cargo bench --workspace {{ if name == "" { "" } else { "--bench " + name } }}
@@ -31,3 +36,11 @@ tables:
     python3 tools/generate_tables.py
     python3 tools/generate_cameras.py
     cargo fmt --all
+
+# The pages of docs/reference, from the code
+reference:
+    cargo build --locked -p smalti-cli
+    mkdir -p docs/reference
+    for what in scenes cfas cameras illuminants filters metrics studies camera-keys study-keys; do \
+        target/debug/smalti list $what --markdown > docs/reference/$what.md; \
+    done

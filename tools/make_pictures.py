@@ -125,32 +125,13 @@ def learned(work):
     """Bayer and RGBW with learned pipelines beside what an observer sees, and the kernels of the second."""
     smalti("compare", "bayer", "rgbw", "--luminance", "1,80", "-q", "-o", work / "compare")
     rows = [("resolution-chart", 1), ("macbeth", 1), ("macbeth", 80)]
-    side, foot, gap = 34, 30, 14
-    pictures = [Image.open(work / f"compare/side-by-side/{s}-{l}-cd-m2.png").convert("RGB") for s, l in rows]
-    kernels = Image.open(work / "compare/rgbw-kernels.png").convert("RGB")
-    width = max(p.width for p in pictures)
-    height = side + sum(p.height + foot for p in pictures) + gap + kernels.height + foot
-    sheet = Image.new("RGB", (width, height), PAPER)
-    draw = ImageDraw.Draw(sheet)
-    third = width / 3
-    for i, name in enumerate(["what an observer sees", "bayer, learned", "rgbw, learned"]):
-        draw.text((i * third + 4, 6), name, fill=INK, font=font(20))
-    y = side
-    for picture, (scene, luminance) in zip(pictures, rows):
+    names = [f"side-by-side/{s}-{l}-cd-m2.png" for s, l in rows] + ["rgbw-kernels.png"]
+    pictures = [Image.open(work / "compare" / name).convert("RGB") for name in names]
+    sheet = Image.new("RGB", (max(p.width for p in pictures), sum(p.height for p in pictures)), PAPER)
+    y = 0
+    for picture in pictures:
         sheet.paste(picture, (0, y))
-        draw.text((4, y + picture.height + 3), f"{scene} at {luminance} cd/m2", fill=FAINT, font=font(16))
-        y += picture.height + foot
-    y += gap
-    sheet.paste(kernels, (0, y))
-    text = "Two of the classes learned for rgbw, around a red pixel: dark and flat above, bright with texture below; for X, Y and Z. Frames: filters."
-    words, line, lines = text.split(), "", []
-    for word in words:
-        if draw.textlength(line + word, font=font(18)) > width - kernels.width - 60:
-            lines.append(line)
-            line = ""
-        line += word + " "
-    for i, line in enumerate([*lines, line]):
-        draw.text((kernels.width + 30, y + 8 + 26 * i), line, fill=INK, font=font(18))
+        y += picture.height
     save(sheet.quantize(256, dither=Image.Dither.NONE), "learned.png")
 
 

@@ -6,6 +6,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 use smalti_io::Override;
 use smalti_io::dataset::Shard;
 
+use crate::convert::Convert;
 use crate::learning_args::LearningOptions;
 use crate::show::Show;
 
@@ -93,7 +94,7 @@ pub(crate) enum Command {
     smalti sweep --merge part1 part2 -o out             folders of shards into one\n\n\
     DIR/designs/*.parquet has a row for each design; pandas, Polars and DuckDB read it as it is.")]
 pub(crate) struct SweepArgs {
-    /// A built-in study (smalti list studies) or a TOML file
+    /// A built-in study (smalti list studies), a TOML file, or the manifest.json of its results
     #[arg(required_unless_present = "merge", conflicts_with = "merge")]
     pub(crate) study: Option<String>,
     /// Folder for the results, made if need be; one that holds some of them is continued
@@ -126,18 +127,28 @@ pub(crate) struct SweepArgs {
 #[command(after_help = "Examples:\n  \
     smalti sweep table2 -o out && smalti report out     what more colours cost: tables and figures\n  \
     smalti report out theory -o both                    filters by rule over the cloud of all filters\n  \
-    smalti report out --json > out.json                 the same as one document\n\n\
+    smalti report out --json > out.json                 the same as one document\n  \
+    smalti report out -o out.html                       the page alone\n  \
+    smalti report out --picture 4711,17                 with the pictures of these designs\n\n\
     ΔE is the mean of the ColorChecker (CIELAB 1976), MTF50 that of a slanted edge in cycles/mm on the sensor, noise that of the \
     luminance of grey patches in percent. The best design of a number of colours is the one of least ΔE among those \
     whose MTF50 is not below the median; where only mosaics differ, that of the largest MTF50.\n\n\
-    Figures are written as SVG and PNG; report.json is removed first and written last: a folder that has it is whole.")]
+    report.html is one page that needs no network: the designs to brush, filter and look at one by one. Figures are written as SVG \
+    and PNG; report.json is removed first and written last: a folder that has it is whole.")]
 pub(crate) struct ReportArgs {
     /// Folders of results (smalti sweep), complete or not
     #[arg(required = true, value_name = "DIR")]
     pub(crate) results: Vec<PathBuf>,
-    /// Folder for figures and report.json, made if need be [default: report in the first DIR]
+    /// Folder for report.html, figures and report.json, made if need be; or FILE.html for the page alone [default: report in the
+    /// first DIR]
     #[arg(short, long, value_name = "FOLDER")]
     pub(crate) output: Option<PathBuf>,
+    /// How many designs have pictures in the page: the best, the worst, then of the Pareto front
+    #[arg(long, default_value_t = 16, value_name = "N", value_parser = clap::value_parser!(u16).range(0..=1000))]
+    pub(crate) pictures: u16,
+    /// Designs of the first DIR, by their numbers, that have pictures in the page as well
+    #[arg(long, value_delimiter = ',', value_name = "DESIGN")]
+    pub(crate) picture: Vec<u64>,
     /// Print report.json instead of the tables
     #[arg(long)]
     pub(crate) json: bool,
@@ -264,7 +275,11 @@ pub(crate) struct Evaluate {
 }
 
 #[derive(Debug, Clone, Args)]
-#[command(after_help = "Examples:\n  smalti list cfas\n  smalti list scenes --json")]
+#[command(after_help = "Examples:\n  \
+    smalti list cfas\n  \
+    smalti list scenes --json\n  \
+    smalti list camera-keys                               what a camera file may say, with defaults\n  \
+    smalti list camera-keys --schema > camera.json        for editors that check and complete TOML by a JSON Schema")]
 pub(crate) struct List {
     /// What to list
     #[arg(value_enum)]
@@ -272,6 +287,12 @@ pub(crate) struct List {
     /// Print JSON
     #[arg(long)]
     pub(crate) json: bool,
+    /// Print a page in Markdown, as in docs/reference
+    #[arg(long, conflicts_with = "json")]
+    pub(crate) markdown: bool,
+    /// Print a JSON Schema: of camera-keys and study-keys
+    #[arg(long, conflicts_with_all = ["json", "markdown"])]
+    pub(crate) schema: bool,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -290,34 +311,10 @@ pub(crate) enum Listing {
     Metrics,
     /// Studies of many designs, for `smalti sweep`
     Studies,
-}
-
-#[derive(Debug, Clone, Args)]
-#[command(after_help = "Examples:\n  \
-    smalti convert macbeth -o macbeth.exr\n  \
-    smalti convert photo.png --illuminant A -o lifted.exr\n  \
-    smalti convert dead-leaves?seed=7 --wavelengths 400:5:700 -o photons.npy")]
-pub(crate) struct Convert {
-    /// A built-in scene or a file
-    pub(crate) scene: String,
-    #[command(flatten)]
-    pub(crate) scene_options: SceneOptions,
-    /// .exr (spectral), .png or .tif (a picture as the standard observer sees it) or .npy (photons)
-    #[arg(short, long, value_name = "FILE")]
-    pub(crate) output: PathBuf,
-    /// Layout of a spectral EXR
-    #[arg(long, value_enum, default_value_t = ExrLayout::Fichet2021)]
-    pub(crate) layout: ExrLayout,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(crate) enum ExrLayout {
-    /// `S0.400,0nm` channels with units (Fichet et al. 2021)
-    #[value(name = "fichet2021")]
-    Fichet2021,
-    /// `Radiance.C01` channels
-    #[value(name = "pbrt")]
-    Pbrt,
+    /// Keys of a camera file, with their defaults
+    CameraKeys,
+    /// Keys of a study file, with their defaults
+    StudyKeys,
 }
 
 #[derive(Debug, Clone, Args)]
@@ -338,7 +335,8 @@ pub(crate) struct Compare {
     /// Mean luminance of the scenes, cd/m²; several, separated by commas, are compared in turn
     #[arg(long, value_delimiter = ',', default_value = "1,80", value_name = "CD_M2", value_parser = positive, allow_negative_numbers = true)]
     pub(crate) luminance: Vec<f64>,
-    /// A scene to compare on, built in or a file; may be given more than once [default: scenes that nothing is learned from]
+    /// A scene to compare on, built in or a file; may be given more than once [default: scenes that nothing is learned from].
+    /// The name of one of those alone is that scene, as large as there
     #[arg(long = "scene", value_name = "SCENE")]
     pub(crate) scenes: Vec<String>,
     /// Light of the scenes; pipelines are learned for it too: a name (smalti list illuminants) or a CSV
@@ -398,11 +396,11 @@ impl Processing {
     smalti train rgbw -o rgbw.l3\n  \
     smalti train my.toml --illuminants A --target-illuminant D65 -o warm.l3       balances tungsten light\n  \
     smalti train bayer --scene forest.exr --scene street.exr -o mine.l3\n  \
-    smalti train bayer --statistics half.l3stats -o a.l3                         for --continue half.l3stats\n  \
+    smalti train bayer --statistics half.l3s -o a.l3                             for --continue half.l3s\n  \
     smalti train nikon.toml --pair shot.dng shot.tif --pair b.dng b.tif -o nikon.l3\n  \
     smalti train rgbw -o rgbw.l3 --c-header rgbw_isp.h --npz rgbw.npz\n\n\
-    Without --scene, --pair or --continue it learns from the default set: dead leaves, edges, stars, gratings, steps and a \
-    scene of high dynamic range, in natural and saturated colours, under daylight, tungsten and LED. Scenes are exposed as \
+    Without --scene, --pair or --continue it learns from the default set: dead leaves, charts of patches, gradients, edges, \
+    stars, gratings, steps and scenes of high dynamic range, in natural and saturated colours, under daylight, tungsten and LED. Scenes are exposed as \
     --exposures says, whatever their luminance. The table printed tells for each position of the mosaic how many classes \
     occur, and where the kernels of those with too few patches come from.")]
 pub(crate) struct Train {

@@ -6,8 +6,9 @@ use smalti::camera::{
     SceneScores, ScoreSettings, Setup, compare_on, evaluate_with, light_gains, test_scenes,
 };
 use smalti::isp::{Classic, Demosaic, Isp, WhiteBalance};
-use smalti::l3::Pipeline;
+use smalti::l3::{Pipeline, peak_ratio_db};
 use smalti::scene::Setting;
+use smalti::sensor::NoiseMode;
 use smalti::spectrum::{Illuminant, Spectrum};
 use smalti_io::cache::Cache;
 use smalti_io::write;
@@ -32,6 +33,9 @@ pub(crate) struct Outcome {
     pub(crate) luminance_cd_m2: f64,
     pub(crate) targets: Evaluation,
     pub(crate) scenes: Vec<(String, SceneScores)>,
+    /// For each scene, how far the learned pipeline's picture in fixed point is from that in single precision, dB; `None` for other
+    /// processing, and where the table has no fixed-point form for the camera.
+    pub(crate) fixed_point_psnr_db: Vec<Option<f64>>,
 }
 
 /// How much more light one way needs to equal another.
@@ -135,8 +139,9 @@ pub(crate) fn run(args: &Compare, common: &Common) -> anyhow::Result<()> {
     let over =
         if scenes.len() == 1 { "of one scene".into() } else { format!("means over {} scenes", scenes.len()) };
     crate::print(&format!(
-        "{}{}\n{over}; pictures in {}, figures in {}\n",
+        "{}{}{}\n{over}; pictures in {}, figures in {}\n",
         report.scores_table(),
+        report.fixed_point_line(),
         report.gains_table(),
         folder.display(),
         args.output.join(compare_report::RESULTS).display(),
@@ -165,8 +170,13 @@ fn given_pipelines(args: &Compare) -> anyhow::Result<Vec<Pipeline>> {
 fn scenes(args: &Compare) -> Vec<String> {
     match args.scenes.is_empty() {
         true => test_scenes().iter().map(|s| (*s).to_owned()).collect(),
-        false => args.scenes.clone(),
+        // A name alone is the scene of that name among the built-in ones to compare on: those of the catalogue are smaller.
+        false => args.scenes.iter().map(|name| of_test_set(name).unwrap_or(name).to_owned()).collect(),
     }
+}
+
+fn of_test_set(name: &str) -> Option<&'static str> {
+    test_scenes().iter().copied().find(|s| s.split('?').next() == Some(name.trim()))
 }
 
 impl Way<'_> {
@@ -193,6 +203,20 @@ impl Way<'_> {
             (Processing::L3 | Processing::Bilinear, _) => Demosaic::Bilinear,
         };
         Ok(Box::new(Classic { demosaic, ..self.camera.isp(light, WhiteBalance::None)? }))
+    }
+
+    /// How far the picture of a scene in fixed point is from the one that was scored.
+    fn fixed_point_psnr_db(
+        &self,
+        setup: &Setup,
+        scored: &SceneScores,
+        seed: u64,
+    ) -> Result<Option<f64>, CameraError> {
+        let (Processing::L3, Some(pipeline)) = (self.processing, self.pipeline) else { return Ok(None) };
+        let raw = setup.camera.sensor.capture(&setup.image, &setup.exposure, NoiseMode::All, seed)?;
+        // Volts, and kernels beyond 16 bits, have no fixed point.
+        let fixed = pipeline.render_fixed(&raw).ok();
+        Ok(fixed.and_then(|f| peak_ratio_db(scored.picture.planes(), &f.planes)).filter(|v| v.is_finite()))
     }
 }
 
@@ -226,16 +250,26 @@ fn outcomes_of(
         let context = || format!("{} at {luminance_cd_m2} cd/m²", way.name());
         let settings = EvaluationSettings { luminance_cd_m2, illuminant: illuminant.clone(), seed };
         let images = |key: &str, make: &dyn Fn() -> Result<_, CameraError>| cached(cache, key, make);
-        let (targets, _) =
-            evaluate_with(way.camera, &settings, &images, &|light| way.isp(light)).with_context(context)?;
-        let mut scored = Vec::new();
+        let (targets, _) = evaluate_with(way.camera, &settings, &images, &|light| way.isp(light))
+            .with_context(|| {
+                let exposed = way.camera.description().exposure.time_ms.is_some();
+                let hint = if exposed {
+                    ": the camera's exposure is fixed; the scenes may be too bright or too dark for it"
+                } else {
+                    ""
+                };
+                format!("{}{hint}", context())
+            })?;
+        let (mut scored, mut fixed_point) = (Vec::new(), Vec::new());
         for (name, setup) in scenes.iter().zip(setups) {
             let lit = setup.in_light(luminance_cd_m2)?.exposed()?;
             let isp = way.isp(&lit.light)?;
             let scores = compare_on(&lit, &*isp, seed, &ScoreSettings::default());
-            scored.push((name.clone(), scores.with_context(|| format!("{}, {name}", context()))?));
+            let scores = scores.with_context(|| format!("{}, {name}", context()))?;
+            fixed_point.push(way.fixed_point_psnr_db(&lit, &scores, seed)?);
+            scored.push((name.clone(), scores));
         }
-        outcomes.push(Outcome { luminance_cd_m2, targets, scenes: scored });
+        outcomes.push(Outcome { luminance_cd_m2, targets, scenes: scored, fixed_point_psnr_db: fixed_point });
         progress.done();
     }
     Ok(outcomes)

@@ -7,13 +7,13 @@ use smalti::camera::{Camera, SceneScores};
 use smalti::color::Image;
 use smalti::l3::Pipeline;
 use smalti::spectrum::{Observer, WavelengthGrid};
-use smalti_io::picture::{self, Depth};
 use smalti_io::{l3, write};
+use smalti_report::Sheet;
 
 use crate::args::{Compare, Processing};
 use crate::columns::{self, headings};
 use crate::compare::{Gain, Outcome, Way};
-use crate::pictures::{dark_and_bright, kernels, shown, side_by_side};
+use crate::pictures::{self, dark_and_bright, shown};
 use crate::{names, resolve, table};
 
 /// The file that tells that a folder is whole.
@@ -66,10 +66,21 @@ impl Report<'_> {
         table::render(&header, &rows)
     }
 
+    /// How far fixed point is from single precision, at worst.
+    pub(crate) fn fixed_point_line(&self) -> String {
+        let all = self.outcomes.iter().flatten().flat_map(|o| o.fixed_point_psnr_db.iter().flatten());
+        match all.copied().reduce(f64::min) {
+            Some(db) => format!(
+                "fixed point (16-bit samples and kernels) is within {db:.1} dB PSNR of single precision\n"
+            ),
+            None => String::new(),
+        }
+    }
+
     /// A table for each camera that is to be equalled, in each light.
     pub(crate) fn gains_table(&self) -> String {
         let mut out = String::new();
-        for Gain { first, other, gains, .. } in self.gains {
+        for Gain { first, other, gains, scenes } in self.gains {
             let header = ["metric", first.as_str(), other.as_str(), "light gain"];
             let row = |g: &smalti::camera::MetricGain| {
                 vec![
@@ -81,9 +92,11 @@ impl Report<'_> {
             };
             let rows: Vec<Vec<String>> = gains.metrics.iter().map(row).collect();
             out += &format!(
-                "\nmore light that {first} needs to equal {other} at {} cd/m²\n{}",
+                "\nmore light that {first} needs to equal {other} at {} cd/m²\n{}of {}, and of four captures of the chart: \
+                 other pictures than those of the first table\n",
                 gains.luminance_cd_m2,
-                table::render(&header, &rows)
+                table::render(&header, &rows),
+                scenes.join(" and "),
             );
         }
         out
@@ -97,7 +110,11 @@ impl Report<'_> {
                 let scenes: Vec<Value> = o
                     .scenes
                     .iter()
-                    .map(|(name, s)| Ok(json!({"scene": name, "scores": serde_json::to_value(s)?})))
+                    .zip(&o.fixed_point_psnr_db)
+                    .map(|((name, s), fixed)| {
+                        let scores = serde_json::to_value(s)?;
+                        Ok(json!({"scene": name, "scores": scores, "fixed_point_psnr_db": fixed}))
+                    })
                     .collect::<anyhow::Result<_>>()?;
                 entries.push(json!({
                     "camera": way.label,
@@ -111,16 +128,13 @@ impl Report<'_> {
                 }));
             }
         }
-        let learned = self
-            .ways
-            .iter()
-            .filter_map(|w| Some((w, w.pipeline?)))
-            .filter(|(w, _)| w.processing == Processing::L3);
+        let learned = self.learned();
         Ok(json!({
             "smalti_version": env!("CARGO_PKG_VERSION"),
             "illuminant": self.args.illuminant,
             "seed": self.args.camera_options.seed,
             "left_out": self.left_out,
+            "files": self.files(),
             "results": entries,
             "light_gains": self.gains.iter().map(|g| Ok(json!({
                 "needs_more_light": g.first,
@@ -128,38 +142,91 @@ impl Report<'_> {
                 "scenes": g.scenes,
                 "gains": serde_json::to_value(&g.gains)?,
             }))).collect::<anyhow::Result<Vec<Value>>>()?,
-            "learned": learned.map(|(w, p)| kernels_as_json(w.label, p)).collect::<Vec<_>>(),
+            "learned": learned.iter().map(|(w, p, _)| kernels_as_json(w.label, p)).collect::<Vec<_>>(),
             "cameras": self.cameras.iter().map(|c| serde_json::to_value(c.description())).collect::<Result<Vec<_>, _>>()?,
         }))
+    }
+
+    /// Names of the pictures, for each light one for each scene.
+    fn picture_names(&self) -> Vec<Vec<String>> {
+        let lights = self.outcomes.first().map_or(&[][..], Vec::as_slice);
+        let of_light = |light: &Outcome| {
+            let stems: Vec<String> = light.scenes.iter().map(|(scene, _)| stem(scene)).collect();
+            let files = names::file_names(stems.iter().map(String::as_str));
+            files.into_iter().map(|f| format!("{f}-{}-cd-m2.png", light.luminance_cd_m2)).collect()
+        };
+        lights.iter().map(of_light).collect()
+    }
+
+    /// The learned ways with the names of their files.
+    fn learned(&self) -> Vec<(&Way<'_>, &Pipeline, String)> {
+        let learned: Vec<&Way<'_>> = self.ways.iter().filter(|w| w.processing == Processing::L3).collect();
+        let files = names::file_names(learned.iter().map(|w| w.label));
+        learned.into_iter().zip(files).filter_map(|(w, file)| Some((w, w.pipeline?, file))).collect()
+    }
+
+    /// All files but results.json, relative to the folder.
+    fn files(&self) -> Vec<String> {
+        let pictures = self.picture_names().into_iter().flatten().map(|p| format!("{SIDE_BY_SIDE}/{p}"));
+        let tables = self.learned().into_iter();
+        let tables = tables.flat_map(|(_, _, f)| [format!("{f}-kernels.png"), format!("{f}.l3")]);
+        pictures.chain(tables).collect()
+    }
+
+    /// Removes what an earlier comparison says in its results.json that it has written here, but what is written again.
+    fn remove_earlier(&self) {
+        let dir = &self.args.output;
+        let Some(files) = std::fs::read(dir.join(RESULTS))
+            .ok()
+            .and_then(|text| serde_json::from_slice::<Value>(&text).ok())
+            .and_then(|results| results.get("files")?.as_array().cloned())
+        else {
+            return;
+        };
+        let new = self.files();
+        for file in files.iter().filter_map(Value::as_str).filter(|f| !new.iter().any(|n| n == f)) {
+            // A name that leads elsewhere is none that a comparison gives.
+            let name = file.strip_prefix(SIDE_BY_SIDE).and_then(|f| f.strip_prefix('/')).unwrap_or(file);
+            let own = name.ends_with(".png") || name.ends_with(".l3");
+            if own && Path::new(name).file_name().is_some_and(|n| n == name) {
+                // One that is gone, or cannot be removed, is no reason to lose what was computed.
+                let _ = std::fs::remove_file(dir.join(file));
+            }
+        }
     }
 
     /// Writes everything; `text` is results.json.
     pub(crate) fn write(&self, text: &str) -> anyhow::Result<()> {
         // A folder that has results.json is whole: that of an earlier run goes first, the new one comes last.
         let dir = &self.args.output;
+        self.remove_earlier();
         write::begin_folder(dir, &[RESULTS])?;
-        let pictures = dir.join(SIDE_BY_SIDE);
-        write::begin_folder(&pictures, &[])?;
+        let folder = dir.join(SIDE_BY_SIDE);
+        write::begin_folder(&folder, &[])?;
         let lights = self.outcomes.first().map_or(&[][..], Vec::as_slice);
-        for (l, light) in lights.iter().enumerate() {
-            let stems: Vec<String> = light.scenes.iter().map(|(scene, _)| stem(scene)).collect();
-            let files = names::file_names(stems.iter().map(String::as_str));
-            for (s, ((_, first), file)) in light.scenes.iter().zip(files).enumerate() {
-                let mut row = vec![self.as_seen(first, &first.reference)?];
-                for outcomes in self.outcomes {
-                    let scores = &outcomes[l].scenes[s].1;
-                    row.push(self.as_seen(scores, &scores.picture)?);
+        for (l, (light, names)) in lights.iter().zip(self.picture_names()).enumerate() {
+            for (s, ((scene, first), name)) in light.scenes.iter().zip(names).enumerate() {
+                let title = format!("{}, {} cd/m²", stem(scene), light.luminance_cd_m2);
+                let reference = self.as_seen(first, &first.reference)?;
+                let mut sheet = pictures::add(Sheet::new(ACROSS).title(title), "reference", &reference);
+                for (way, outcomes) in self.ways.iter().zip(self.outcomes) {
+                    let scored = &outcomes[l].scenes[s].1;
+                    let scores = &scored.scores;
+                    let caption = format!(
+                        "{} {}\n{:.1} dB, S-CIELAB {:.1}",
+                        way.label,
+                        way.processing.name(),
+                        scores.cpsnr_db,
+                        scores.scielab_mean
+                    );
+                    sheet = pictures::add(sheet, caption, &self.as_seen(scored, &scored.picture)?);
                 }
-                let name = format!("{file}-{}-cd-m2.png", light.luminance_cd_m2);
-                picture::write_png(&pictures.join(name), &side_by_side(&row, ACROSS)?, Depth::Eight)?;
+                write::bytes(&folder.join(name), &sheet.draw()?.png(1.0)?)?;
             }
         }
-        let learned: Vec<&Way<'_>> = self.ways.iter().filter(|w| w.processing == Processing::L3).collect();
-        let files = names::file_names(learned.iter().map(|w| w.label));
-        for (way, file) in learned.iter().zip(files) {
-            let Some(pipeline) = way.pipeline else { continue };
-            let drawn = kernels(way.camera, pipeline)?;
-            picture::write_png(&dir.join(format!("{file}-kernels.png")), &drawn, Depth::Eight)?;
+        for (way, pipeline, file) in self.learned() {
+            let sheet = pictures::kernels(way.camera, way.label, pipeline)?;
+            write::bytes(&dir.join(format!("{file}-kernels.png")), &sheet.draw()?.png(1.0)?)?;
             l3::write_table(&dir.join(format!("{file}.l3")), pipeline)?;
         }
         write::bytes(&dir.join(RESULTS), text.as_bytes())?;

@@ -13,7 +13,7 @@ use smalti_io::memory;
 use crate::progress::Progress;
 
 /// Number of what learning gives for the same settings: raised when the default scenes or the mathematics change.
-const REVISION: u32 = 2;
+const REVISION: u32 = 3;
 
 /// What is learned from.
 pub(crate) enum Material {

@@ -1,5 +1,7 @@
 //! `smalti list`: what is built in.
 
+use anyhow::bail;
+use clap::ValueEnum;
 use serde_json::json;
 use smalti::metrics;
 use smalti::scene::catalog;
@@ -9,6 +11,7 @@ use smalti_io::{BuiltinFile, cameras, studies};
 
 use crate::args::{List, Listing};
 use crate::columns;
+use crate::keys::keys;
 
 pub(crate) fn run(args: &List) -> anyhow::Result<()> {
     let entries = match args.what {
@@ -19,7 +22,20 @@ pub(crate) fn run(args: &List) -> anyhow::Result<()> {
         Listing::Filters => filters(),
         Listing::Metrics => metric_list(),
         Listing::Studies => files(studies::names()),
+        Listing::CameraKeys => keys(&cameras::schema()),
+        Listing::StudyKeys => keys(&studies::schema()),
     };
+    if args.schema {
+        let schema = match args.what {
+            Listing::CameraKeys => cameras::schema(),
+            Listing::StudyKeys => studies::schema(),
+            _ => bail!("--schema is of what users write: camera-keys or study-keys"),
+        };
+        return crate::print(&(serde_json::to_string_pretty(&schema)? + "\n"));
+    }
+    if args.markdown {
+        return crate::print(&markdown(args.what, &entries));
+    }
     if args.json {
         let json: Vec<_> = entries.iter().map(|e| e.json.clone()).collect();
         return crate::print(&(serde_json::to_string_pretty(&json)? + "\n"));
@@ -35,11 +51,29 @@ pub(crate) fn run(args: &List) -> anyhow::Result<()> {
     crate::print(&out)
 }
 
-struct Entry {
-    name: String,
-    summary: String,
-    details: Vec<String>,
-    json: serde_json::Value,
+/// Something that there is, or may be written.
+pub(crate) struct Entry {
+    pub(crate) name: String,
+    pub(crate) summary: String,
+    pub(crate) details: Vec<String>,
+    pub(crate) json: serde_json::Value,
+}
+
+/// A page of the reference.
+fn markdown(what: Listing, entries: &[Entry]) -> String {
+    let value = what.to_possible_value();
+    let name = value.as_ref().map(|v| v.get_name().to_owned()).unwrap_or_default();
+    let title = value.and_then(|v| v.get_help().map(ToString::to_string)).unwrap_or_default();
+    // A bar would end the cell of a table, an angle begin a tag.
+    let cell = |s: &str| s.replace('|', "\\|").replace('<', "&lt;").replace("  ", " · ");
+    let mut page = format!(
+        "# {title}\n\nAs `smalti list {name}` prints them; this page is made by `just reference`.\n\n| name | |\n|---|---|\n",
+    );
+    for e in entries {
+        let lines: Vec<String> = [&e.summary].into_iter().chain(&e.details).map(|l| cell(l)).collect();
+        page += &format!("| `{}` | {} |\n", e.name, lines.join("<br>"));
+    }
+    page
 }
 
 fn scenes() -> Vec<Entry> {

@@ -9,6 +9,7 @@ mod complete;
 mod convert;
 mod design_columns;
 mod evaluate;
+mod keys;
 mod learn;
 mod learning_args;
 mod list;

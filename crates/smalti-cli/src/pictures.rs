@@ -6,11 +6,8 @@ use smalti::color::{Adaptation, ColorSpace, Image};
 use smalti::l3::{Origin, Pipeline};
 use smalti::numeric::Planes;
 use smalti::spectrum::{Illuminant, Observer, Outside, Spectrum, WavelengthGrid};
+use smalti_report::Sheet;
 
-/// Pixels between pictures that stand side by side.
-const GAP_PX: usize = 8;
-/// Grey between them, encoded.
-const GAP_GREY: f32 = 0.5;
 /// Pixels of a tap in pictures of kernels, and of the frame that shows its filter's colour.
 const TAP_PX: usize = 28;
 const FRAME_PX: usize = 3;
@@ -29,37 +26,32 @@ pub(crate) fn shown(picture: &Image, white: [f64; 3], gain: f64) -> anyhow::Resu
     Ok(Image::new(ColorSpace::Xyz, out)?.converted(ColorSpace::Srgb)?)
 }
 
-/// Pictures in sRGB side by side, from top left, at most `across` in a row.
-pub(crate) fn side_by_side(pictures: &[Image], across: usize) -> anyhow::Result<Image> {
-    let across = across.clamp(1, pictures.len().max(1));
-    let rows = pictures.iter().map(Image::rows).max().unwrap_or(1);
-    let cols = pictures.iter().map(Image::cols).max().unwrap_or(1);
-    let down = pictures.len().div_ceil(across).max(1);
-    let mut canvas = Canvas::new(down * (rows + GAP_PX) - GAP_PX, across * (cols + GAP_PX) - GAP_PX);
-    for (i, picture) in pictures.iter().enumerate() {
-        canvas.paste(i / across * (rows + GAP_PX), i % across * (cols + GAP_PX), picture);
-    }
-    canvas.image()
+/// A sheet with one more picture, in sRGB, and what stands below it.
+pub(crate) fn add(sheet: Sheet, caption: impl Into<String>, picture: &Image) -> Sheet {
+    let [r, g, b] = [0, 1, 2].map(|c| picture.planes().plane(c));
+    let byte = |v: f32| (v.clamp(0.0, 1.0) * 255.0).round() as u8;
+    let rgb: Vec<u8> = r.iter().zip(g).zip(b).flat_map(|((&r, &g), &b)| [r, g, b].map(byte)).collect();
+    sheet.picture(caption, picture.cols(), picture.rows(), &rgb)
 }
 
 /// The kernels of two classes, as on the slides: a dark flat one above, a bright textured one below, an output in each
 /// column. Positive weights are orange, negative ones blue, relative to the largest of the kernel; frames have the
 /// colours of the filters.
-pub(crate) fn kernels(camera: &Camera, pipeline: &Pipeline) -> anyhow::Result<Image> {
-    let (side, outputs) = (pipeline.axes().side(), pipeline.outputs().len());
+pub(crate) fn kernels(camera: &Camera, name: &str, pipeline: &Pipeline) -> anyhow::Result<Sheet> {
+    let (axes, outputs) = (pipeline.axes(), pipeline.outputs());
+    let side = axes.side();
     let colors = filter_colors(camera)?;
-    let size = side * TAP_PX;
-    let [dark, bright] = dark_and_bright(pipeline);
-    let mut canvas = Canvas::new(2 * size + GAP_PX, outputs * (size + GAP_PX) - GAP_PX);
-    for (line, class) in [dark, bright].into_iter().enumerate() {
-        let position = pipeline.key(class).position as usize;
-        for output in 0..outputs {
+    let mut sheet = Sheet::new(outputs.len()).title(format!("Learned kernels of {name}"));
+    for class in dark_and_bright(pipeline) {
+        let key = pipeline.key(class);
+        let position = key.position as usize;
+        for (output, output_name) in outputs.iter().enumerate() {
             let weights = pipeline.weights(class, output);
             let largest = weights.iter().fold(f32::MIN_POSITIVE, |m, w| m.max(w.abs()));
+            let mut canvas = Canvas::new(side * TAP_PX, side * TAP_PX);
             for (tap, &weight) in weights.iter().enumerate() {
-                let row = line * (size + GAP_PX) + tap / side * TAP_PX;
-                let col = output * (size + GAP_PX) + tap % side * TAP_PX;
-                canvas.fill(row, col, TAP_PX, colors[pipeline.axes().channel_of(position, tap)]);
+                let (row, col) = (tap / side * TAP_PX, tap % side * TAP_PX);
+                canvas.fill(row, col, TAP_PX, colors[axes.channel_of(position, tap)]);
                 canvas.fill(
                     row + FRAME_PX,
                     col + FRAME_PX,
@@ -67,9 +59,17 @@ pub(crate) fn kernels(camera: &Camera, pipeline: &Pipeline) -> anyhow::Result<Im
                     diverging(weight / largest),
                 );
             }
+            let caption = format!(
+                "{output_name} at {}, level {} of {}, {}",
+                pipeline.channel_names()[axes.channel_of(position, side * side / 2)],
+                key.level + 1,
+                axes.level_count(),
+                axes.textures().names()[usize::from(key.texture)],
+            );
+            sheet = add(sheet, caption, &canvas.image()?);
         }
     }
-    canvas.image()
+    Ok(sheet.note("Orange: positive weights, blue: negative, relative to the largest. Frames: the filters."))
 }
 
 /// A dark flat and a bright textured class at the first cell of the first channel, learned ones where there are.
@@ -114,20 +114,7 @@ struct Canvas(Planes);
 
 impl Canvas {
     fn new(rows: usize, cols: usize) -> Self {
-        let mut planes = Planes::zeros(rows, cols, 3);
-        planes.data_mut().fill(GAP_GREY);
-        Self(planes)
-    }
-
-    fn paste(&mut self, row: usize, col: usize, picture: &Image) {
-        let cols = self.0.cols();
-        for c in 0..3 {
-            let (from, to) = (picture.planes().plane(c), self.0.plane_mut(c));
-            for (r, line) in from.chunks_exact(picture.cols()).enumerate() {
-                let at = (row + r) * cols + col;
-                to[at..at + line.len()].copy_from_slice(line);
-            }
-        }
+        Self(Planes::zeros(rows, cols, 3))
     }
 
     fn fill(&mut self, row: usize, col: usize, size: usize, color: [f32; 3]) {

@@ -28,8 +28,12 @@ pub(crate) fn run(args: &Train, common: &Common) -> anyhow::Result<()> {
     let lights =
         args.illuminants.iter().map(|n| resolve::illuminant(n)).collect::<anyhow::Result<Vec<_>>>()?;
     learn::ensure_mosaic(&camera)?;
-    for file in [Some(&args.output), args.statistics.as_ref(), args.npz.as_ref(), args.c_header.as_ref()] {
-        file.map_or(Ok(()), |f| write::ensure_can_write(f))?;
+    let files = [Some(&args.output), args.statistics.as_ref(), args.npz.as_ref(), args.c_header.as_ref()];
+    for file in files.into_iter().flatten() {
+        match folder_to_make(file) {
+            Some(folder) => write::ensure_can_fill(folder)?,
+            None => write::ensure_can_write(file)?,
+        }
     }
     let material = material(args, &camera, &lights)?;
     let light = match &material {
@@ -64,6 +68,9 @@ pub(crate) fn run(args: &Train, common: &Common) -> anyhow::Result<()> {
     let story = learn::provenance(&camera, &settings, &training, &sources, statistics.count())?;
     let pipeline = training.solve(&statistics, story)?;
     // Everything is computed before anything is written.
+    for folder in files.into_iter().flatten().filter_map(|f| folder_to_make(f)) {
+        write::begin_folder(folder, &[])?;
+    }
     if let Some(file) = &args.statistics {
         l3::write_statistics(file, &statistics)?;
     }
@@ -77,6 +84,11 @@ pub(crate) fn run(args: &Train, common: &Common) -> anyhow::Result<()> {
     progress.finish();
     let text = if args.json { json_summary(&pipeline)? } else { summary(&pipeline, &args.output) };
     crate::print(&text)
+}
+
+/// The folder of a file, where it is absent.
+fn folder_to_make(file: &Path) -> Option<&Path> {
+    file.parent().filter(|folder| !folder.as_os_str().is_empty() && !folder.exists())
 }
 
 /// Names in a C header begin with the name of its file.

@@ -31,6 +31,13 @@ pub fn names() -> &'static [BuiltinFile] {
     CAMERAS
 }
 
+/// What a camera file may hold, as JSON Schema.
+#[cfg(feature = "schema")]
+#[must_use]
+pub fn schema() -> schemars::Schema {
+    schemars::schema_for!(CameraDescription)
+}
+
 /// A camera by name or file, overrides applied, the files that it names read; on the wavelengths given, else on its own.
 ///
 /// # Errors

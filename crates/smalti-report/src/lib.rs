@@ -1,5 +1,5 @@
-//! Figures of Smalti as SVG and PNG: scatter plots, spectra, histograms, mosaics, sheets of pictures. No physics: plain
-//! numbers in, a picture out, and no file is opened.
+//! Figures of Smalti as SVG and PNG (scatter plots, spectra, histograms, mosaics, sheets of pictures) and pages of them as HTML.
+//! No physics: plain numbers in, a picture or a page out, and no file is opened.
 //!
 //! | figure | type |
 //! |---|---|
@@ -8,6 +8,7 @@
 //! | several plots with shared axes | [`Panels`] |
 //! | mosaics as coloured tiles | [`Mosaics`] |
 //! | pictures side by side | [`Sheet`] |
+//! | an HTML page that needs nothing else | [`page::Page`] |
 //!
 //! Each is built up and drawn to a [`Figure`], which gives an SVG document and a PNG. Equal inputs give equal bytes, on
 //! machines without fonts as well: the text of a PNG is set in Inter, which the crate brings along.
@@ -28,6 +29,7 @@ mod figure;
 mod layers;
 mod layout;
 mod legend;
+pub mod page;
 mod panel;
 mod plot;
 mod scale;

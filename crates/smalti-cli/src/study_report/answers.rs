@@ -5,8 +5,9 @@ use std::ops::Range;
 
 use smalti::design::Design;
 use smalti::design::statistics::{Objective, Rule, Summary, best_per_group, pareto_front, summarize_groups};
+use smalti::metrics::Better;
 
-use super::results::{Results, plain};
+use super::results::{MAIN, Measure, Results, plain};
 
 /// Of each interval by itself.
 pub(crate) const CONFIDENCE: f64 = 0.95;
@@ -24,10 +25,15 @@ pub(crate) enum Choice {
     Color,
     /// Largest MTF50, as the paper chose mosaics: with the same filters in each, ΔE differs by rounding.
     Sharpness,
+    /// By the metrics of the study in turn, where it does not score both colour and resolution.
+    Order,
 }
 
 impl Choice {
     fn of(results: &Results) -> Self {
+        if !results.has_plane() {
+            return Self::Order;
+        }
         let mut groups = results.designs.groups().filter(|(_, sets, mosaics)| sets * *mosaics as u64 > 0);
         if groups.all(|(_, sets, _)| sets == 1) { Self::Sharpness } else { Self::Color }
     }
@@ -36,6 +42,7 @@ impl Choice {
         match self {
             Self::Color => "least ΔE with MTF50 not below the median",
             Self::Sharpness => "largest MTF50, since the filters are the same in every mosaic",
+            Self::Order => "by the first metric of the table; where designs are equal, by the next",
         }
     }
 }
@@ -49,7 +56,8 @@ pub(crate) struct Section<'a> {
     pub(crate) rows: Range<usize>,
     pub(crate) choice: Choice,
     pub(crate) groups: Vec<Group>,
-    /// Designs that none beats in ΔE, MTF50 and luminance noise at once; from the sharpest down.
+    /// Designs that none beats in ΔE, MTF50 and luminance noise at once, as far as two of them are scored, from the sharpest down;
+    /// else in all metrics.
     pub(crate) front: Vec<usize>,
     /// Designs by what their filters are called and number of colours; empty where they have no names.
     pub(crate) labels: BTreeMap<String, BTreeMap<u8, Vec<usize>>>,
@@ -58,14 +66,23 @@ pub(crate) struct Section<'a> {
 /// Designs of one number of colours.
 pub(crate) struct Group {
     pub(crate) colors: u8,
+    /// Of colour, resolution and noise; without designs where the study does not score it.
     pub(crate) delta_e: Summary,
     pub(crate) mtf50: Summary,
     pub(crate) noise: Summary,
-    pub(crate) aliasing: Option<Summary>,
+    /// Of every metric of the study.
+    pub(crate) summaries: Vec<Summary>,
     /// The best designs by the choice of the section, best first.
     pub(crate) best: Vec<usize>,
-    /// The design of largest ΔE.
+    /// The design of largest ΔE, or the last by the first metric.
     pub(crate) worst: Option<usize>,
+}
+
+impl Group {
+    /// Designs that count, and those that have no score.
+    pub(crate) fn counts(&self) -> (usize, usize) {
+        self.summaries.first().map_or((0, 0), |s| (s.count, s.left_out))
+    }
 }
 
 impl<'a> Section<'a> {
@@ -85,10 +102,19 @@ impl<'a> Section<'a> {
     }
 
     fn new(results: &'a Results, setup: u64, rows: Range<usize>) -> anyhow::Result<Self> {
-        let part = |column: &'a [f64]| column.get(rows.clone()).unwrap_or_default();
         let colors = results.colors.get(rows.clone()).unwrap_or_default();
-        let [delta_e, mtf50, noise] = [&results.delta_e, &results.mtf50, &results.noise].map(|c| part(c));
+        let none = vec![f64::NAN; rows.len()];
+        let part = |m: &'a Measure| m.values.get(rows.clone()).unwrap_or_default();
+        let main: [&[f64]; 3] = MAIN.map(|name| match results.measure(name) {
+            Some(measure) => part(measure),
+            None => &none,
+        });
+        let [delta_e, mtf50, _] = main;
         let summaries = |column| summarize_groups(colors, column, CONFIDENCE);
+        let objectives = |measures: &[&'a Measure]| -> Vec<Objective<'a>> {
+            measures.iter().map(|m| m.objective(part(m))).collect()
+        };
+        let all: Vec<&Measure> = results.measures.iter().collect();
         let choice = Choice::of(results);
         let rule = match choice {
             Choice::Color => {
@@ -97,36 +123,40 @@ impl<'a> Section<'a> {
             Choice::Sharpness => {
                 Rule::Lexicographic(vec![Objective::higher(mtf50), Objective::lower(delta_e)])
             }
+            Choice::Order => Rule::Lexicographic(objectives(&all)),
         };
         let best = best_per_group(colors, &rule, BEST)?;
-        let worst = best_per_group(colors, &Rule::Lexicographic(vec![Objective::higher(delta_e)]), 1)?;
-        let mut aliasing = match &results.aliasing {
-            Some(column) => summaries(part(column))?.into_iter().map(|(_, s)| Some(s)).collect(),
-            None => Vec::new(),
-        }
-        .into_iter();
+        let last = match (results.has_plane(), results.measures.first()) {
+            (false, Some(m)) if m.better == Better::Higher => Objective::lower(part(m)),
+            (false, Some(m)) => Objective::higher(part(m)),
+            _ => Objective::higher(delta_e),
+        };
+        let worst = best_per_group(colors, &Rule::Lexicographic(vec![last]), 1)?;
         let absolute = |r: &usize| rows.start + r;
+        let of_measures =
+            results.measures.iter().map(|m| summaries(part(m))).collect::<Result<Vec<_>, _>>()?;
+        let [delta_e, mtf50, noise] = main;
         let groups = summaries(delta_e)?
             .into_iter()
             .zip(summaries(mtf50)?)
             .zip(summaries(noise)?)
             .zip(best.iter().zip(&worst))
-            .map(|((((colors, delta_e), (_, mtf50)), (_, noise)), ((_, best), (_, worst)))| Group {
+            .enumerate()
+            .map(|(i, ((((colors, delta_e), (_, mtf50)), (_, noise)), ((_, best), (_, worst))))| Group {
                 colors,
                 delta_e,
                 mtf50,
                 noise,
-                aliasing: aliasing.next().flatten(),
+                summaries: of_measures.iter().filter_map(|s| Some(s.get(i)?.1.clone())).collect(),
                 best: best.iter().map(absolute).collect(),
                 worst: worst.first().map(absolute),
             })
             .collect();
-        let mut front =
-            pareto_front(&[Objective::lower(delta_e), Objective::higher(mtf50), Objective::lower(noise)])?
-                .rows;
+        let mut front = pareto_front(&objectives(&compared(results)))?.rows;
         front.iter_mut().for_each(|r| *r += rows.start);
-        let mtf50_of = |r: &usize| results.mtf50.get(*r).copied().unwrap_or(f64::NAN);
-        front.sort_by(|a, b| mtf50_of(b).total_cmp(&mtf50_of(a)));
+        let order = results.measure(MAIN[1]).or(results.measures.first());
+        let sharp = |r: &usize| order.map_or(f64::NAN, |m| m.at(*r));
+        front.sort_by(|a, b| sharp(b).total_cmp(&sharp(a)));
         let labels = labels(results, rows.clone())?;
         Ok(Self { results, setup, name: results.setup_name(setup), rows, choice, groups, front, labels })
     }
@@ -147,13 +177,18 @@ impl<'a> Section<'a> {
 
     /// ΔE, MTF50 in cy/mm and luminance noise in percent of a row.
     pub(crate) fn scores(&self, row: usize) -> [f64; 3] {
-        let r = self.results;
-        [&r.delta_e, &r.mtf50, &r.noise].map(|c| c.get(row).copied().unwrap_or(f64::NAN))
+        MAIN.map(|name| self.results.measure(name).map_or(f64::NAN, |m| m.at(row)))
     }
 
-    /// Aliasing of a row, percent.
-    pub(crate) fn aliasing(&self, row: usize) -> Option<f64> {
-        self.results.aliasing.as_ref()?.get(row).copied().filter(|v| v.is_finite())
+    /// The metrics that the front compares, in words.
+    pub(crate) fn compared_in_words(&self) -> String {
+        // Without units, which stand in the tables.
+        let name = |m: &&Measure| m.header.split(' ').next().unwrap_or(&m.header).to_owned();
+        let names: Vec<String> = compared(self.results).iter().map(name).collect();
+        match names.split_last() {
+            Some((last, rest)) if !rest.is_empty() => format!("{} and {last} at once", rest.join(", ")),
+            _ => names.concat(),
+        }
     }
 
     /// At most `count` designs of the front, from the sharpest to the last, evenly spread.
@@ -163,6 +198,12 @@ impl<'a> Section<'a> {
         let place = |i: usize| if shown > 1 { i * last / (shown - 1) } else { 0 };
         (0..shown).filter_map(|i| self.front.get(place(i)).copied()).collect()
     }
+}
+
+/// Colour, resolution and noise where at least two of them are scored; else all there is.
+fn compared(results: &Results) -> Vec<&Measure> {
+    let main: Vec<&Measure> = MAIN.iter().filter_map(|name| results.measure(name)).collect();
+    if main.len() < 2 { results.measures.iter().collect() } else { main }
 }
 
 /// Rows by what the filters are called, where they have names.

@@ -58,17 +58,17 @@ fn section(section: &Section<'_>) -> anyhow::Result<Value> {
     }
     let group = |g: &Group| -> anyhow::Result<Value> {
         let best = g.best.iter().map(|&r| design(section, r)).collect::<anyhow::Result<Vec<_>>>()?;
-        Ok(json!({
-            "colors": g.colors,
-            "designs": g.delta_e.count,
-            "left_out": g.delta_e.left_out,
-            "delta_e_76": summary(&g.delta_e),
-            "mtf50_cy_per_mm": summary(&g.mtf50),
-            "luminance_noise_percent": summary(&g.noise),
-            "aliasing_percent": g.aliasing.as_ref().map(summary),
-            "best": best,
-            "worst": g.worst.map(|r| design(section, r)).transpose()?,
-        }))
+        let (designs, left_out) = g.counts();
+        let mut out = Map::new();
+        out.insert("colors".into(), g.colors.into());
+        out.insert("designs".into(), designs.into());
+        out.insert("left_out".into(), left_out.into());
+        for (measure, found) in section.results.measures.iter().zip(&g.summaries) {
+            out.insert(measure.name.clone(), summary(found));
+        }
+        out.insert("best".into(), best.into());
+        out.insert("worst".into(), g.worst.map(|r| design(section, r)).transpose()?.into());
+        Ok(out.into())
     };
     let groups = section.groups.iter().map(group).collect::<anyhow::Result<Vec<_>>>()?;
     out.insert("best_by".into(), section.choice.words().into());
@@ -89,22 +89,20 @@ fn section(section: &Section<'_>) -> anyhow::Result<Value> {
 
 fn design(section: &Section<'_>, row: usize) -> anyhow::Result<Value> {
     let design = section.results.design(row)?;
-    let [delta_e, mtf50, noise] = section.scores(row);
     let figures: Vec<FilterFigures> = design.filters.filters.iter().map(FilterFigures::from).collect();
     let list = |f: fn(&FilterFigures) -> f64| figures.iter().map(f).collect::<Vec<_>>();
-    Ok(json!({
-        "design": design.number,
-        "colors": figures.len(),
-        "delta_e_76": delta_e,
-        "mtf50_cy_per_mm": mtf50,
-        "luminance_noise_percent": noise,
-        "aliasing_percent": section.aliasing(row),
-        "filters": design.filters.label,
-        "tile": design.tile(),
-        "center_nm": list(|f| f.center_nm),
-        "fwhm_nm": list(|f| f.fwhm_nm),
-        "peak": list(|f| f.peak),
-    }))
+    let mut out = Map::new();
+    out.insert("design".into(), design.number.into());
+    out.insert("colors".into(), figures.len().into());
+    for measure in &section.results.measures {
+        out.insert(measure.name.clone(), measure.at(row).into());
+    }
+    out.insert("filters".into(), design.filters.label.clone().into());
+    out.insert("tile".into(), design.tile().into());
+    out.insert("center_nm".into(), list(|f| f.center_nm).into());
+    out.insert("fwhm_nm".into(), list(|f| f.fwhm_nm).into());
+    out.insert("peak".into(), list(|f| f.peak).into());
+    Ok(out.into())
 }
 
 /// An infinite bound, which too few designs leave, is null.

@@ -105,6 +105,9 @@ fn axes(section: &Section<'_>) -> Plot {
 
 /// Figures of one condition with one processing.
 pub(super) fn of_section(section: &Section<'_>, book: &mut Book) -> anyhow::Result<()> {
+    if !section.results.has_plane() {
+        return filters::of_section(section, book);
+    }
     let (title, axes) = (section.title(), axes(section));
     let count = section.groups.iter().map(|g| g.delta_e.count).sum::<usize>();
     let mut cloud = axes
@@ -240,11 +243,12 @@ fn histograms(
     book.save(name, &panels.draw()?, 2.0)
 }
 
-/// Figures of all sections at once: means, and filters by rule over the cloud.
-pub(super) fn together(sections: &[&Section<'_>], book: &mut Book) -> anyhow::Result<()> {
+/// Means of all sections at once.
+pub(super) fn means(sections: &[&Section<'_>]) -> Option<Plot> {
+    let sections: Vec<&&Section<'_>> = sections.iter().filter(|s| s.results.has_plane()).collect();
     let several = sections.len() > 1;
     let symbols = [Symbol::Square].into_iter().chain(SYMBOLS);
-    let Some(first) = sections.first() else { return Ok(()) };
+    let first = sections.first()?;
     let mut note = format!("Bars hold 90 % of the designs. {BEST_WHERE}");
     if several {
         note = format!("Squares: {}. {note}", first.title());
@@ -261,11 +265,19 @@ pub(super) fn together(sections: &[&Section<'_>], book: &mut Book) -> anyhow::Re
             plot = plot.points(mean(group, &name).color(color(group.colors)).symbol(*symbol));
         }
     }
-    book.save("means", &plot.draw()?, 2.0)?;
-    let marks: Vec<&&Section<'_>> =
-        sections.iter().filter(|s| !s.labels.is_empty() && s.rows.len() <= MAX_MARKS).collect();
+    Some(plot)
+}
+
+/// Figures of all sections at once: means, and filters by rule over the cloud.
+pub(super) fn together(sections: &[&Section<'_>], book: &mut Book) -> anyhow::Result<()> {
+    let Some(means) = means(sections) else { return Ok(()) };
+    book.save("means", &means.draw()?, 2.0)?;
+    let marks: Vec<&&Section<'_>> = sections
+        .iter()
+        .filter(|s| s.results.has_plane() && !s.labels.is_empty() && s.rows.len() <= MAX_MARKS)
+        .collect();
     let Some(rules) = marks.first() else { return Ok(()) };
-    let cloud = sections.iter().find(|s| !s.results.is_named());
+    let cloud = sections.iter().find(|s| s.results.has_plane() && !s.results.is_named());
     by_rule(rules, cloud.copied(), book)
 }
 

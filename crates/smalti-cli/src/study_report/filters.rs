@@ -1,6 +1,7 @@
 //! Filters, mosaics and pictures of chosen designs.
 
 use smalti::design::Design;
+use smalti::metrics::Better;
 use smalti::sensor::NoiseMode;
 use smalti::spectrum::WavelengthGrid;
 use smalti_report::{Cell, Line, Mosaics, Panels, Plot, Rgb, Sheet};
@@ -8,6 +9,7 @@ use smalti_report::{Cell, Line, Mosaics, Panels, Plot, Rgb, Sheet};
 use super::Book;
 use super::answers::{Group, Section};
 use super::pictures::{LEAVES, Picture, Stage, ZONE_PLATE};
+use super::results::MAIN;
 
 /// Mosaics or panels beside each other.
 const ACROSS: usize = 3;
@@ -50,7 +52,12 @@ fn curves(section: &Section<'_>, design: &Design) -> anyhow::Result<(Vec<f64>, V
 
 fn caption(section: &Section<'_>, colors: u8, row: usize) -> String {
     let [delta_e, mtf50, _] = section.scores(row);
-    format!("{colors} colours\nΔE {delta_e:.2}, {mtf50:.1} cy/mm")
+    if section.results.has_plane() {
+        return format!("{colors} colours\nΔE {delta_e:.2}, {mtf50:.1} cy/mm");
+    }
+    let first = section.results.measures.first();
+    let score = first.map_or_else(String::new, |m| format!("{} {}", m.header, m.text(row)));
+    format!("{colors} colours\n{score}")
 }
 
 fn spectra(
@@ -105,7 +112,8 @@ fn zone_plates(section: &Section<'_>, book: &mut Book) -> anyhow::Result<()> {
     let best = |g: &Group| Some((g.colors, *g.best.first()?));
     let few = section.groups.iter().find_map(best);
     let many = section.groups.iter().rev().find_map(best).filter(|m| Some(*m) != few);
-    let most = section.rows.clone().filter_map(|r| Some((r, section.aliasing(r)?)));
+    let aliasing = section.results.measure("aliasing_percent");
+    let most = section.rows.clone().filter_map(|r| Some((r, aliasing?.at(r)))).filter(|m| m.1.is_finite());
     let most = most.max_by(|a, b| a.1.total_cmp(&b.1));
     let blurred = || {
         let finite = section.rows.clone().filter(|&r| section.scores(r)[1].is_finite());
@@ -127,7 +135,11 @@ fn zone_plates(section: &Section<'_>, book: &mut Book) -> anyhow::Result<()> {
 
 /// A scene in the colours of nature by the best and by the worst design.
 fn leaves(section: &Section<'_>, book: &mut Book) -> anyhow::Result<()> {
-    let delta_e = |r: &usize| section.scores(*r)[0];
+    let delta_e = |r: &usize| match section.results.measure(MAIN[0]).or(section.results.measures.first()) {
+        Some(m) if m.better == Better::Higher => -m.at(*r),
+        Some(m) => m.at(*r),
+        None => f64::NAN,
+    };
     let best = section.groups.iter().filter_map(|g| g.best.first().copied());
     let worst = section.groups.iter().filter_map(|g| g.worst);
     let best = best.min_by(|a, b| delta_e(a).total_cmp(&delta_e(b)));
@@ -138,7 +150,7 @@ fn leaves(section: &Section<'_>, book: &mut Book) -> anyhow::Result<()> {
         .collect();
     let stage = Stage::new(section, LEAVES, NoiseMode::All)?;
     let sheet = Sheet::new(2).title(format!("A scene with the colours of nature, {}", section.title())).note(
-        "Taken by the best and by the worst design in colour, with all noise, as bright as a viewer expects.",
+        "Taken by the best and by the worst design, in colour where that is scored, with all noise, as bright as a viewer expects.",
     );
     add(sheet, &stage, section, &shown, "scene", book)
 }

@@ -4,6 +4,7 @@ mod answers;
 mod document;
 mod figures;
 mod filters;
+mod page;
 mod pictures;
 mod results;
 mod tables;
@@ -22,29 +23,54 @@ use results::Results;
 
 /// The file that tells that a folder is whole.
 const DOCUMENT: &str = "report.json";
+/// The page.
+const PAGE: &str = "report.html";
 /// Conditions and processings that get figures of their own: each has a dozen.
 const DRAWN: usize = 8;
 /// Bytes of a PNG from which it gets fewer pixels: a cloud of a million dots compresses badly.
 const LARGE: usize = 1_000_000;
 
 pub(crate) fn run(args: &ReportArgs, common: &Common) -> anyhow::Result<()> {
+    let alone =
+        args.output.as_ref().filter(|o| o.extension().is_some_and(|e| e.eq_ignore_ascii_case("html")));
     let folder = match (&args.output, args.results.first()) {
         (Some(folder), _) => folder.clone(),
         (None, Some(first)) => first.join("report"),
         (None, None) => anyhow::bail!("which results? Name a folder that `smalti sweep` wrote"),
     };
-    let progress = Progress::new(args.results.len() as u64 + 1, common.quiet);
+    let progress = Progress::new(args.results.len() as u64 + 2, common.quiet);
     let mut read = Vec::new();
     for dir in &args.results {
         progress.begin(results::plain(&dir.display().to_string()));
         read.push(Results::read(dir)?);
         progress.done();
     }
-    write::ensure_can_fill(&folder)?;
+    match alone {
+        Some(file) => write::ensure_can_write(file)?,
+        None => write::ensure_can_fill(&folder)?,
+    }
     let all = read.iter().map(|r| Ok((r, Section::all(r)?))).collect::<anyhow::Result<Vec<_>>>()?;
     let text = tables::text(&all)?;
+    let sources = page::Sources {
+        all: &all,
+        dirs: &args.results,
+        pictures: usize::from(args.pictures),
+        wanted: &args.picture,
+    };
+    progress.begin("page");
+    let (html, notes) = page::page(&sources)?;
+    progress.done();
+    if let Some(file) = alone {
+        write::bytes(file, html.as_bytes())?;
+        let document = serde_json::to_string_pretty(&document::document(&all, &[], &notes)?)? + "\n";
+        progress.finish();
+        notes.iter().for_each(|note| progress.note(note));
+        return crate::print(&if args.json { document } else { format!("{text}See {}\n", file.display()) });
+    }
     progress.begin("figures");
     let mut book = Book::begin(&folder)?;
+    book.notes = notes;
+    write::bytes(&folder.join(PAGE), html.as_bytes())?;
     draw(&all, &mut book)?;
     let document = serde_json::to_string_pretty(&document::document(&all, &book.files, &book.notes)?)? + "\n";
     write::bytes(&folder.join(DOCUMENT), document.as_bytes())?;
@@ -57,7 +83,7 @@ pub(crate) fn run(args: &ReportArgs, common: &Common) -> anyhow::Result<()> {
     }
     let folder = folder.display();
     crate::print(&format!(
-        "{text}{} figures in {folder}, all of this in {folder}/{DOCUMENT}\n",
+        "{text}{} figures in {folder}, all of this in {folder}/{DOCUMENT}; see {folder}/{PAGE}\n",
         book.files.len() / 2
     ))
 }
@@ -111,7 +137,7 @@ impl Book {
 fn clear(folder: &Path) -> anyhow::Result<()> {
     let files: Vec<String> =
         figures::NAMES.iter().flat_map(|n| ["svg", "png"].map(|e| format!("{n}.{e}"))).collect();
-    let mut names = vec![DOCUMENT];
+    let mut names = vec![DOCUMENT, PAGE];
     names.extend(files.iter().map(String::as_str));
     Ok(write::begin_folder(folder, &names)?)
 }

@@ -6,26 +6,93 @@ use std::path::Path;
 use anyhow::{Context, bail, ensure};
 use serde::Deserialize;
 use serde_json::Value;
+use smalti::design::statistics::Objective;
 use smalti::design::{Condition, ConditionValue, Design, Designs, FilterFamily, Processing, Study};
-use smalti_io::dataset::{Column, Dataset};
+use smalti::metrics::{Better, CATALOG, MetricInfo};
+use smalti_io::dataset::{Column, ColumnKind, ColumnSpec, Dataset};
 
 use crate::design_columns::processing;
 
 /// Problems told apart; of more only the number is kept.
 const MAX_PROBLEMS: usize = 100;
-const ALIASING: &str = "aliasing_percent";
+/// Colour, resolution, noise: what figures are drawn over, where a study scores it.
+pub(crate) const MAIN: [&str; 3] = ["delta_e_76", "mtf50_cy_per_mm", "luminance_noise_percent"];
+/// Metrics that say again what another says, which is shown in their place where it is there.
+const VARIANTS: [(&str, &str); 3] = [
+    ("delta_e_2000", "delta_e_76"),
+    ("mtf50_cy_per_px", "mtf50_cy_per_mm"),
+    ("color_aliasing_percent", "aliasing_percent"),
+];
 
-/// A folder of results in memory: some numbers a row. A design without scores has NaN in each of them.
+/// A metric that the study scores.
+pub(crate) struct Measure {
+    /// The name of its column.
+    pub(crate) name: String,
+    /// What it is called above a column of a table.
+    pub(crate) header: String,
+    /// Digits after the point.
+    pub(crate) digits: usize,
+    pub(crate) better: Better,
+    /// One a row; NaN where a design has no such score.
+    pub(crate) values: Vec<f64>,
+}
+
+impl Measure {
+    fn new(column: &str) -> Option<Self> {
+        // Of scenes: the metric, then the scene.
+        let of = |m: &&MetricInfo| column == m.name || column.starts_with(&format!("{}_", m.name));
+        let info = CATALOG.iter().filter(of).max_by_key(|m| m.name.len())?;
+        let scene = column.strip_prefix(info.name).unwrap_or_default().replace('_', " ");
+        let (header, digits) = match info.name {
+            "delta_e_76" => ("ΔE", 2),
+            "delta_e_2000" => ("ΔE2000", 2),
+            "mtf50_cy_per_mm" => ("MTF50 cy/mm", 1),
+            "mtf50_cy_per_px" => ("MTF50 cy/px", 3),
+            "luminance_noise_percent" => ("noise %", 2),
+            "aliasing_percent" => ("aliasing %", 1),
+            "color_aliasing_percent" => ("colour aliasing %", 1),
+            "cpsnr_db" => ("CPSNR dB", 2),
+            "pixel_delta_e_2000_mean" => ("ΔE2000", 2),
+            "scielab_mean" => ("S-CIELAB", 2),
+            other => (other, 2),
+        };
+        Some(Self {
+            name: column.to_owned(),
+            header: format!("{header}{scene}"),
+            digits,
+            better: info.better,
+            values: Vec::new(),
+        })
+    }
+
+    /// What makes a design better, of a part of the rows.
+    pub(crate) fn objective<'a>(&self, values: &'a [f64]) -> Objective<'a> {
+        match self.better {
+            Better::Higher => Objective::higher(values),
+            Better::Lower | Better::Neither => Objective::lower(values),
+        }
+    }
+
+    pub(crate) fn at(&self, row: usize) -> f64 {
+        self.values.get(row).copied().unwrap_or(f64::NAN)
+    }
+
+    /// The value of a row in words.
+    pub(crate) fn text(&self, row: usize) -> String {
+        let value = self.at(row);
+        if value.is_finite() { format!("{value:.*}", self.digits) } else { "–".into() }
+    }
+}
+
+/// A folder of results in memory: some numbers a row.
 pub(crate) struct Results {
     pub(crate) dataset: Dataset,
     pub(crate) designs: Designs,
     /// Number of the design of each row, ascending.
     pub(crate) number: Vec<u64>,
     pub(crate) colors: Vec<u8>,
-    pub(crate) delta_e: Vec<f64>,
-    pub(crate) mtf50: Vec<f64>,
-    pub(crate) noise: Vec<f64>,
-    pub(crate) aliasing: Option<Vec<f64>>,
+    /// What the study scores: [`MAIN`] first.
+    pub(crate) measures: Vec<Measure>,
     /// Why designs have no scores, and how many.
     pub(crate) problems: BTreeMap<String, u64>,
 }
@@ -43,15 +110,13 @@ impl Results {
             designs,
             number: Vec::new(),
             colors: Vec::new(),
-            delta_e: Vec::new(),
-            mtf50: Vec::new(),
-            noise: Vec::new(),
-            aliasing: dataset.manifest().plan.schema.iter().any(|c| c.name == ALIASING).then(Vec::new),
+            measures: measures(&dataset.manifest().plan.schema),
             problems: BTreeMap::new(),
             dataset: dataset.clone(),
         };
-        let mut names = vec!["colors", "delta_e_76", "mtf50_cy_per_mm", "luminance_noise_percent", "problem"];
-        names.extend(results.aliasing.is_some().then_some(ALIASING));
+        let measured = results.measures.iter().map(|m| m.name.clone()).collect::<Vec<_>>();
+        let names: Vec<&str> =
+            ["colors", "problem"].into_iter().chain(measured.iter().map(String::as_str)).collect();
         for part in dataset.columns(&names)? {
             let part = part?;
             results.number.extend(part.designs.clone());
@@ -62,20 +127,23 @@ impl Results {
 
     fn add(&mut self, columns: Vec<Column>) -> anyhow::Result<()> {
         let mut columns = columns.into_iter();
-        let (
-            Some(Column::Int(colors)),
-            Some(Column::Float(mut delta_e)),
-            Some(Column::Float(mut mtf50)),
-            Some(Column::Float(mut noise)),
-            Some(Column::Text(problems)),
-        ) = (columns.next(), columns.next(), columns.next(), columns.next(), columns.next())
+        let (Some(Column::Int(colors)), Some(Column::Text(problems))) = (columns.next(), columns.next())
         else {
             bail!("its columns hold other things than a sweep writes");
         };
-        // A design is scored or not: what counts in one mean counts in all.
-        for ((d, m), n) in delta_e.iter_mut().zip(&mut mtf50).zip(&mut noise) {
-            if ![*d, *m, *n].iter().all(|v| v.is_finite()) {
-                (*d, *m, *n) = (f64::NAN, f64::NAN, f64::NAN);
+        let first = self.number.len() - colors.len();
+        for (measure, column) in self.measures.iter_mut().zip(columns) {
+            let Column::Float(mut values) = column else {
+                bail!("its column {} holds other things than a sweep writes", measure.name)
+            };
+            measure.values.append(&mut values);
+        }
+        // A design is scored or not: what counts in one of the main means counts in all.
+        let mut main: Vec<&mut Measure> =
+            self.measures.iter_mut().filter(|m| MAIN.contains(&m.name.as_str())).collect();
+        for row in first..self.number.len() {
+            if main.iter().any(|m| !m.at(row).is_finite()) {
+                main.iter_mut().filter_map(|m| m.values.get_mut(row)).for_each(|v| *v = f64::NAN);
             }
         }
         for problem in problems.into_iter().filter(|p| !p.is_empty()) {
@@ -90,15 +158,17 @@ impl Results {
                     .with_context(|| format!("a design has {c} colours; expected 1 to 26"))?,
             );
         }
-        self.delta_e.append(&mut delta_e);
-        self.mtf50.append(&mut mtf50);
-        self.noise.append(&mut noise);
-        match (&mut self.aliasing, columns.next()) {
-            (Some(all), Some(Column::Float(mut here))) => all.append(&mut here),
-            (Some(_), _) => bail!("its column {ALIASING} holds other things than a sweep writes"),
-            (None, _) => {}
-        }
         Ok(())
+    }
+
+    /// A metric by the name of its column, where the study scores it.
+    pub(crate) fn measure(&self, name: &str) -> Option<&Measure> {
+        self.measures.iter().find(|m| m.name == name)
+    }
+
+    /// Whether designs can be drawn as colour over resolution.
+    pub(crate) fn has_plane(&self) -> bool {
+        self.measure(MAIN[0]).is_some() && self.measure(MAIN[1]).is_some()
     }
 
     pub(crate) fn study(&self) -> &Study {
@@ -141,6 +211,19 @@ impl Results {
     pub(crate) fn is_named(&self) -> bool {
         matches!(self.study().filters, FilterFamily::Rule(_) | FilterFamily::List(_))
     }
+}
+
+/// The metrics of a schema in the order in which they are shown.
+fn measures(schema: &[ColumnSpec]) -> Vec<Measure> {
+    let has = |name: &str| schema.iter().any(|c| c.name == name);
+    let mut all: Vec<Measure> = schema
+        .iter()
+        .filter(|c| c.kind == ColumnKind::Float)
+        .filter(|c| !VARIANTS.iter().any(|(variant, of)| c.name == *variant && has(of)))
+        .filter_map(|c| Measure::new(&c.name))
+        .collect();
+    all.sort_by_key(|m| MAIN.iter().position(|n| *n == m.name).unwrap_or(MAIN.len()));
+    all
 }
 
 fn value(key: &str, value: &ConditionValue) -> String {

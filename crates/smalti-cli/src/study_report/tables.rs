@@ -4,7 +4,7 @@ use smalti::design::statistics::{Estimate, Summary};
 use smalti::design::{Design, FilterFamily, FilterFigures};
 
 use super::answers::{Group, Section, label};
-use super::results::{Results, plain};
+use super::results::{MAIN, Results, plain};
 use crate::table;
 
 /// Rows shown of the Pareto front.
@@ -24,7 +24,7 @@ pub(crate) fn text(all: &[(&Results, Vec<Section<'_>>)]) -> anyhow::Result<Strin
                 out += &format!("\n── {} ──\n", section.name);
             }
             out += &format!("\n{}", means(section));
-            if !section.labels.is_empty() {
+            if !section.labels.is_empty() && results.has_plane() {
                 let cloud = all.iter().filter(|(r, _)| !r.is_named()).find_map(|(_, s)| s.first());
                 out += &format!("\n{}", by_label(section, cloud));
             }
@@ -83,26 +83,27 @@ fn spread(s: &Summary, digits: usize) -> String {
 
 /// The paper's table 2, with intervals.
 fn means(section: &Section<'_>) -> String {
-    let aliasing = section.groups.iter().any(|g| g.aliasing.is_some());
-    let mut header = vec!["colours", "designs", "left out", "ΔE", "90 %", "MTF50 cy/mm", "90 %", "noise %"];
-    header.extend(aliasing.then_some("aliasing %"));
+    let measures = &section.results.measures;
+    let mut header = vec!["colours", "designs", "left out"];
+    for measure in measures {
+        header.push(&measure.header);
+        header.extend(is_spread(&measure.name).then_some("90 %"));
+    }
     let row = |g: &Group| {
-        let mut row = vec![
-            g.colors.to_string(),
-            g.delta_e.count.to_string(),
-            g.delta_e.left_out.to_string(),
-            estimate(&g.delta_e.mean, 2),
-            spread(&g.delta_e, 2),
-            estimate(&g.mtf50.mean, 1),
-            spread(&g.mtf50, 1),
-            estimate(&g.noise.mean, 2),
-        ];
-        if aliasing {
-            row.push(g.aliasing.as_ref().map_or_else(|| "–".into(), |a| estimate(&a.mean, 1)));
+        let (designs, left_out) = g.counts();
+        let mut row = vec![g.colors.to_string(), designs.to_string(), left_out.to_string()];
+        for (measure, summary) in measures.iter().zip(&g.summaries) {
+            row.push(estimate(&summary.mean, measure.digits));
+            row.extend(is_spread(&measure.name).then(|| spread(summary, measure.digits)));
         }
         row
     };
     table::render(&header, &section.groups.iter().map(row).collect::<Vec<_>>())
+}
+
+/// Colour and resolution show where 90 % of the designs lie, as in the paper.
+pub(super) fn is_spread(name: &str) -> bool {
+    MAIN[..2].contains(&name)
 }
 
 /// Designs by name, beside the means over a cloud of others.
@@ -113,7 +114,9 @@ fn by_label(section: &Section<'_>, cloud: Option<&Section<'_>>) -> String {
     let row = |colors: u8, name: &str, means: [f64; 3], count: usize| {
         let [d, m, n] = means;
         let mut row = vec![colors.to_string(), name.to_owned()];
-        row.extend([format!("{d:.2}"), format!("{m:.1}"), format!("{n:.2}")]);
+        // Noise may not be scored.
+        let noise = if n.is_finite() { format!("{n:.2}") } else { "–".into() };
+        row.extend([format!("{d:.2}"), format!("{m:.1}"), noise]);
         row.extend(several.then(|| count.to_string()));
         row
     };
@@ -142,24 +145,11 @@ fn by_label(section: &Section<'_>, cloud: Option<&Section<'_>>) -> String {
     table::render(&header, &rows)
 }
 
-const DESIGN: [&str; 7] =
-    ["colours", "design", "ΔE", "MTF50 cy/mm", "noise %", "tile", "filters: centre/FWHM nm"];
-
 fn design_row(section: &Section<'_>, row: usize) -> anyhow::Result<Vec<String>> {
     let design = section.results.design(row)?;
-    let [d, m, n] = section.scores(row);
-    let mut cells = vec![
-        design.filters.filters.len().to_string(),
-        design.number.to_string(),
-        format!("{d:.2}"),
-        format!("{m:.1}"),
-        format!("{n:.2}"),
-        design.tile(),
-        filters(section, &design),
-    ];
-    if let Some(a) = section.aliasing(row) {
-        cells.insert(5, format!("{a:.1}"));
-    }
+    let mut cells = vec![design.filters.filters.len().to_string(), design.number.to_string()];
+    cells.extend(section.results.measures.iter().map(|m| m.text(row)));
+    cells.extend([design.tile(), filters(section, &design)]);
     Ok(cells)
 }
 
@@ -178,10 +168,12 @@ fn filters(section: &Section<'_>, design: &Design) -> String {
 }
 
 fn designs(section: &Section<'_>, rows: &[usize]) -> anyhow::Result<String> {
-    let mut header = DESIGN.to_vec();
-    if section.results.aliasing.is_some() {
-        header.insert(5, "aliasing %");
-    }
+    let measures = section.results.measures.iter().map(|m| m.header.as_str());
+    let header: Vec<&str> = ["colours", "design"]
+        .into_iter()
+        .chain(measures)
+        .chain(["tile", "filters: centre/FWHM nm"])
+        .collect();
     let rows = rows.iter().map(|&r| design_row(section, r)).collect::<anyhow::Result<Vec<_>>>()?;
     Ok(table::render(&header, &rows))
 }
@@ -197,7 +189,8 @@ fn front(section: &Section<'_>) -> anyhow::Result<String> {
     let shown =
         if rows.len() < all { format!("; {} of them, evenly spread", rows.len()) } else { String::new() };
     Ok(format!(
-        "\nPareto front: {all} designs that none beats in ΔE, MTF50 and noise at once{shown}\n{}",
+        "\nPareto front: {all} designs that none beats in {}{shown}\n{}",
+        section.compared_in_words(),
         designs(section, &rows)?
     ))
 }

@@ -88,23 +88,33 @@ fn the_table_the_files_and_the_figures_agree() {
     assert_eq!(results["learned"][1]["camera"], "rgbw");
     assert_eq!(results["cameras"][1]["name"], "rgbw");
 
-    // The pictures hold what they say: the reference and two renderings, with gaps. Built-in scenes have two samples to a
-    // pixel, so that detail beyond the sensor's reach is there.
+    // The pictures hold what they say: the reference and two renderings, 48 pixels of each in cells of 120, 20 apart, below a
+    // title, above their captions. Built-in scenes have two samples to a pixel, so that detail beyond the sensor's reach is
+    // there.
     let read = |name: &str| picture::read(&place.path(name), &ReadOptions::default()).unwrap().image;
     let row = read("o/side-by-side/dead-leaves-80-cd-m2.png");
-    assert_eq!((row.rows(), row.cols()), (48, 3 * 48 + 2 * 8));
-    let mean = |from: usize| {
-        let plane = row.planes().plane(1);
-        let line = |r: usize| plane[r * row.cols() + from..][..48].iter().sum::<f32>();
-        (0..48).map(line).sum::<f32>() / (48.0 * 48.0)
+    assert_eq!(row.cols(), 3 * 120 + 4 * 20);
+    let plane = row.planes().plane(1);
+    let part = |rows: std::ops::Range<usize>, from: usize| {
+        rows.flat_map(|r| plane[r * row.cols() + from..][..48].to_vec()).collect::<Vec<f32>>()
     };
-    let [reference, bayer, rgbw] = [0, 56, 112].map(mean);
+    let mean = |from: usize| part(58..106, from).iter().sum::<f32>() / (48.0 * 48.0);
+    let [reference, bayer, rgbw] = [56, 196, 336].map(mean);
     assert!(
         (bayer - reference).abs() < 0.05 && (rgbw - reference).abs() < 0.05,
         "{reference} {bayer} {rgbw}"
     );
+    assert!(reference < 0.9, "not the background");
+    for from in [56, 196, 336] {
+        assert!(part(110..150, from).iter().any(|v| *v < 0.4), "a caption below");
+    }
     let drawn = read("o/bayer-kernels.png");
-    assert_eq!((drawn.rows(), drawn.cols()), (2 * 5 * 28 + 8, 3 * (5 * 28 + 8) - 8));
+    assert!(drawn.rows() > 2 * 5 * 28 && drawn.cols() > 3 * 5 * 28);
+    for entry in entries {
+        let db = entry.pointer("/scenes/0/fixed_point_psnr_db").unwrap().as_f64().unwrap();
+        assert!(db > 60.0, "{db}");
+    }
+    assert!(text.contains("\nfixed point (16-bit samples and kernels) is within "), "{text}");
     assert_eq!(table(&place, "o/rgbw.l3").channel_names(), ["R", "G", "W", "B"]);
 
     // From the cache or not, on any number of threads: the same bits.
@@ -167,6 +177,34 @@ fn cameras_and_scenes_of_one_name_are_numbered() {
     assert_eq!((&r[0]["camera"], &r[0]["cpsnr_db"]), (&"1-bayer".into(), &r[1]["cpsnr_db"]));
 }
 
+/// A second comparison in the same folder leaves nothing of the first, and all else that lies there.
+#[test]
+fn files_of_an_earlier_comparison_go() {
+    let place = Place::new();
+    let scene = "--scene dead-leaves?rows=48&cols=48&largest=30";
+    ok(&place, &format!("compare bayer rgbw {scene} --luminance 80,20 -o o"));
+    place.write("o/mine.png", "kept");
+    place.write("o/side-by-side/mine.png", "kept");
+    place.write("mine.l3", "kept");
+    ok(&place, &format!("compare rgbw {scene} --luminance 20 -o o"));
+    let own = ["mine.png", "results.json", "rgbw-kernels.png", "rgbw.l3", "side-by-side"];
+    assert_eq!(place.names("o"), own);
+    assert_eq!(place.names("o/side-by-side"), ["dead-leaves-20-cd-m2.png", "mine.png"]);
+    // Names that lead elsewhere are not believed.
+    let hostile = r#"{"files": ["../mine.l3", "side-by-side/../mine.png", "side-by-side", ".", 7]}"#;
+    place.write("o/results.json", hostile);
+    ok(&place, &format!("compare rgbw {scene} --luminance 20 -o o"));
+    assert_eq!((place.names("o"), place.read("mine.l3")), (own.map(String::from).to_vec(), b"kept".to_vec()));
+}
+
+#[test]
+fn a_name_alone_is_the_scene_of_the_built_in_set() {
+    let place = Place::new();
+    ok(&place, "compare bayer --scene macbeth --luminance 80 --processing bilinear -o o");
+    let results = place.json("o/results.json");
+    assert_eq!(results.pointer("/results/0/scenes/0/scene").unwrap(), "macbeth?patch=128");
+}
+
 #[test]
 fn the_light_gain_is_a_table_and_json() {
     let place = Place::new();
@@ -179,6 +217,7 @@ fn the_light_gain_is_a_table_and_json() {
         "{text}"
     );
     assert!(text.contains(" stops"), "{text}");
+    assert!(text.contains(&format!("\nof {scene}, and of four captures of the chart")), "{text}");
     let results = place.json("o/results.json");
     let gain = &results["light_gains"][0];
     assert_eq!(gain["needs_more_light"], "bayer bilinear");

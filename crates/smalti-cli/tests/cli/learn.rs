@@ -79,6 +79,14 @@ fn what_is_trained_renders_what_is_simulated() {
     assert!(mean(&read("dim.png")) < 0.85 * mean(&read("bright.png")));
 }
 
+/// Folders of the files to be written are made, as other commands make theirs.
+#[test]
+fn folders_are_made() {
+    let place = Place::new();
+    place.ok(&format!("train bayer {LEAVES} {SMALL} {EXPOSURES} -o no/such/a.l3 --npz other/a.npz -q"));
+    assert_eq!((place.names("no/such"), place.names("other")), (vec!["a.l3".into()], vec!["a.npz".into()]));
+}
+
 #[test]
 fn parts_make_the_whole() {
     let place = Place::new();

@@ -47,14 +47,14 @@ fn settings_that_cannot_be_learned_with() {
         ("--target bayr", 1, &["--target bayr", "did you mean 'bayer'?"]),
         ("--target-illuminant D66", 1, &["did you mean 'D65'?"]),
         ("--scene dead-leafs", 1, &["did you mean 'dead-leaves'?"]),
-        ("--statistics no/such.st", 1, &["cannot write no/such.st"]),
+        ("--statistics file/such.st", 1, &["cannot write file/such.st"]),
         ("--npz file/a.npz", 1, &["cannot write file/a.npz"]),
         ("--continue no.st", 1, &["cannot read no.st"]),
         ("--continue file", 1, &["file"]),
     ] {
         refused(&place, &format!("{train} {more}"), code, expected);
     }
-    refused(&place, &format!("train bayer {LEAVES} -o no/such.l3"), 1, &["cannot write no/such.l3"]);
+    refused(&place, &format!("train bayer {LEAVES} -o file/such.l3"), 1, &["cannot write file/such.l3"]);
     assert_eq!(place.read("file"), b"kept");
 }
 

@@ -8,6 +8,7 @@ mod convert;
 mod evaluate;
 mod learn;
 mod learn_bad;
+mod reference;
 mod shell;
 mod show;
 mod simulate;

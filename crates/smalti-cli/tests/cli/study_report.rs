@@ -147,10 +147,10 @@ fn figures_are_whole_and_written_anew() {
     let expected: Vec<String> =
         FIGURES.iter().flat_map(|f| [format!("{f}.png"), format!("{f}.svg")]).collect();
     let mut names = place.names("out/report");
-    names.retain(|n| n != "report.json");
+    names.retain(|n| n != "report.json" && n != "report.html");
     assert_eq!(names, expected);
     assert_whole(&place, "out/report", &FIGURES);
-    let first = place.read("out/report/report.json");
+    let [first, page] = ["json", "html"].map(|e| place.read(&format!("out/report/report.{e}")));
     // What an earlier report left is replaced or removed; what is not of a report stays.
     place.write("out/report/means.svg", "torn");
     place.write("out/report/filters-by-rule.png", "of other results");
@@ -158,10 +158,69 @@ fn figures_are_whole_and_written_anew() {
     place.ok("report out --threads 1");
     assert_whole(&place, "out/report", &FIGURES);
     assert_eq!(place.read("out/report/report.json"), first);
+    assert!(place.read("out/report/report.html") == page, "the page depends on the threads");
     let names = place.names("out/report");
     assert!(names.contains(&"mine.txt".to_owned()) && !names.contains(&"filters-by-rule.png".to_owned()));
     // The results are as they were: a sweep finds nothing to do.
     assert!(place.ok("sweep tiny.toml -o out --quiet").starts_with("0 designs"));
+}
+
+/// What `tools/page` does not see: the data of the page, and what it says without a script.
+#[test]
+fn a_page_holds_the_designs() {
+    let place = swept();
+    place.ok("report out -o page.html --pictures 1 --picture 6");
+    assert!(!place.path("out/report").exists(), "the page alone");
+    let html = String::from_utf8(place.read("page.html")).unwrap();
+    assert!(
+        html.contains("Means, tiny") && html.contains("8 designs, seed 1") && html.contains("Best designs")
+    );
+    let data = html.split("id=\"sweep\">").nth(1).and_then(|d| d.split("</script>").next()).unwrap();
+    let data: Value = serde_json::from_str(data).unwrap();
+    assert_eq!((data["rows"].as_u64(), &data["number"]), (Some(8), &serde_json::json!([0, 8])));
+    let names: Vec<&str> =
+        data["columns"].as_array().unwrap().iter().map(|c| c["name"].as_str().unwrap()).collect();
+    assert_eq!(names[..3], ["delta_e_76", "delta_e_2000", "mtf50_cy_per_mm"]);
+    let pictures = data["pictures"].as_array().unwrap();
+    assert_eq!(pictures.len(), 2);
+    assert_eq!(pictures[0]["row"], 6, "the one that was asked for comes first");
+    assert!(pictures[0]["scene"]["src"].as_str().unwrap().starts_with("data:image/jpeg;base64,/9j/"));
+    // Colours from 3 to 4: the filters of all designs are 4 × 3 + 4 × 4.
+    assert_eq!(data["filters"]["center"]["n"], 28);
+
+    let run = place.run(&["report", "out", "-o", "page.html", "--picture", "8"]);
+    assert_eq!(run.code, 1);
+    assert!(run.err.contains("--picture 8: tiny holds no such design"), "{}", run.err);
+    std::fs::create_dir(place.path("folder.html")).unwrap();
+    assert_eq!(place.run(&["report", "out", "-o", "folder.html"]).code, 1);
+}
+
+#[test]
+fn a_manifest_is_a_study() {
+    let place = swept();
+    place.ok("sweep out/manifest.json -o again");
+    let part = "designs/part-000000.parquet";
+    assert!(place.read(&format!("again/{part}")) == place.read(&format!("out/{part}")));
+    for (name, text) in [("none.json", None), ("torn.json", Some("{")), ("other.json", Some("{\"a\": 1}"))] {
+        text.into_iter().for_each(|t| place.write(name, t));
+        let run = place.run(&["sweep", name, "-o", "x"]);
+        assert!(run.code == 1 && run.err.contains(name), "{}", run.err);
+    }
+}
+
+/// Five thousand designs and their pictures in less than 4 MB.
+#[test]
+fn a_page_of_many_designs_is_small() {
+    let place = Place::new();
+    let study = TINY.replace("filters = 4", "filters = 1000").replace("[3, 4]", "[3, 4, 5, 6, 7]").replace(
+        "[\"ab\", \"cd\"]]",
+        "[\"ab\", \"cd\"], [\"abc\", \"deb\", \"cad\"], [\"abc\", \"def\", \"bcd\"], [\"abc\", \"def\", \"gce\"]]",
+    );
+    place.write("many.toml", study);
+    place.ok("sweep many.toml -o out");
+    place.ok("report out -o page.html");
+    let bytes = place.read("page.html").len();
+    assert!((1_500_000..4_000_000).contains(&bytes), "{bytes} bytes");
 }
 
 #[test]

@@ -131,6 +131,28 @@ fn a_study_scores_what_it_names() {
     // Other leaves, other pictures.
     assert_ne!(found[1], found[3]);
 
+    // The report shows what there is, and draws no plane of colour and resolution.
+    let text = place.ok("report out");
+    for words in [
+        "MTF50 cy/mm",
+        "CPSNR dB leaves",
+        "CPSNR dB dead leaves 1",
+        "aliasing %",
+        "none beats in MTF50, CPSNR",
+    ] {
+        assert!(text.contains(words), "{words} is missing in\n{text}");
+    }
+    assert!(!text.contains("ΔE") && !text.contains("NaN"), "{text}");
+    let files = place.names("out/report");
+    assert!(files.contains(&"report.html".into()) && files.contains(&"mosaics.svg".into()), "{files:?}");
+    assert!(!files.iter().any(|f| f.starts_with("cloud")), "{files:?}");
+    let document = place.json("out/report/report.json");
+    let best = &document["studies"][0]["sections"][0]["colors"][0]["best"];
+    let first = |i: usize| best[i]["mtf50_cy_per_mm"].as_f64().unwrap();
+    assert!(
+        first(0) >= first(1) && best[0]["cpsnr_db_leaves"].is_number() && best[0]["delta_e_76"].is_null()
+    );
+
     // A scene that changed is another study, whatever its file is called.
     place.ok("convert dead-leaves?rows=48&cols=40&seed=5 -o leaves.exr");
     let run = place.run(&["sweep", "study.toml", "-o", "out"]);

@@ -10,6 +10,7 @@ pub(super) const MAX_CONDITIONS: usize = 5_000;
 
 /// A study file.
 #[derive(Debug, Clone, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub(super) struct StudyFile {
     /// What the study is called.
@@ -21,6 +22,7 @@ pub(super) struct StudyFile {
     pub(super) camera: String,
     /// Keys of the camera that differ, such as `"optics.f_number" = 2.8`.
     #[serde(default)]
+    #[cfg_attr(feature = "schema", schemars(with = "BTreeMap<String, serde_json::Value>"))]
     pub(super) set: BTreeMap<String, toml::Value>,
     /// Mean luminance of the targets, cd/m².
     #[serde(default = "default_luminance")]
@@ -69,6 +71,7 @@ fn default_seed() -> u64 {
 }
 
 #[derive(Debug, Clone, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(untagged, expecting = "expected \"classic\", \"l3\" or a list of them")]
 pub(super) enum OneOrMore<T> {
     One(T),
@@ -92,6 +95,7 @@ impl Default for OneOrMore<Processing> {
 
 /// How many designs of the families are taken.
 #[derive(Debug, Clone, Default, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default, deny_unknown_fields)]
 pub(super) struct Sample {
     /// Sets of filters for each number of colours.
@@ -101,6 +105,7 @@ pub(super) struct Sample {
 }
 
 #[derive(Debug, Clone, Default, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(untagged, expecting = "expected a whole number or \"all\"")]
 pub(super) enum Count {
     Number(u64),
@@ -111,6 +116,7 @@ pub(super) enum Count {
 }
 
 #[derive(Debug, Clone, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub(super) enum All {
     All,
@@ -127,23 +133,31 @@ impl Count {
 
 /// `[conditions.grid]`: every combination of the axes; `[[conditions.list]]`: one by one.
 #[derive(Debug, Clone, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub(super) enum Conditions {
+    /// Every combination of the axes; an axis is a list of values or `{ from, to, steps, scale }`.
     Grid(BTreeMap<String, Axis>),
-    List(Vec<BTreeMap<String, toml::Value>>),
+    /// One by one; every entry names the same keys.
+    List(
+        #[cfg_attr(feature = "schema", schemars(with = "Vec<BTreeMap<String, serde_json::Value>>"))]
+        Vec<BTreeMap<String, toml::Value>>,
+    ),
 }
 
 #[derive(Debug, Clone, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(
     untagged,
     expecting = "expected a list of values, or { from, to, steps } with scale = \"linear\" or \"log\""
 )]
 pub(super) enum Axis {
-    Values(Vec<toml::Value>),
+    Values(#[cfg_attr(feature = "schema", schemars(with = "Vec<serde_json::Value>"))] Vec<toml::Value>),
     Range(AxisRange),
 }
 
 #[derive(Debug, Clone, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub(super) struct AxisRange {
     from: f64,
@@ -154,6 +168,7 @@ pub(super) struct AxisRange {
 }
 
 #[derive(Debug, Clone, Copy, Default, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 enum AxisScale {
     #[default]

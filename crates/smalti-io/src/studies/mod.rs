@@ -7,6 +7,8 @@ use std::collections::BTreeSet;
 use std::path::Path;
 use std::sync::Arc;
 
+use serde::Deserialize;
+use serde_json::Value;
 use smalti::camera::description::ArchitectureName;
 use smalti::design::{Condition, DesignError, Designs, Metric, Processing, Sight, Study, StudyScene};
 use smalti::scene::{Scene, Setting, catalog};
@@ -16,8 +18,8 @@ use self::conditions::conditions;
 use self::file::StudyFile;
 use crate::cameras::read_curve;
 use crate::diagnostic::Diagnostic;
-use crate::scene_file;
 use crate::toml_source::{BuiltinFile, TomlSource, beside, builtin};
+use crate::{scene_file, text};
 
 static STUDIES: &[BuiltinFile] = &[
     builtin!(
@@ -41,13 +43,44 @@ pub fn names() -> &'static [BuiltinFile] {
     STUDIES
 }
 
-/// A study by name or file, resolved, with what it is about: cameras, lights, filters and scenes that it names are read.
+/// What a study file may hold, as JSON Schema.
+#[cfg(feature = "schema")]
+#[must_use]
+pub fn schema() -> schemars::Schema {
+    schemars::schema_for!(StudyFile)
+}
+
+/// A study by name or file, resolved, with what it is about: cameras, lights, filters and scenes that it names are read. A `.json`
+/// file is a study that was resolved before, or the manifest of its results.
 ///
 /// # Errors
 /// When there is none of that name, or a key, a value or a file does not fit, with the line where there is one; when the study
 /// has no design.
 pub fn load(name: &str) -> Result<(Designs, String), Box<Diagnostic>> {
+    if Path::new(name).extension().is_some_and(|e| e.eq_ignore_ascii_case("json")) {
+        return resolved(name);
+    }
     from_source(&TomlSource::find("study", STUDIES, name)?)
+}
+
+/// A study as JSON, which holds all but the files of scenes.
+fn resolved(name: &str) -> Result<(Designs, String), Box<Diagnostic>> {
+    let wrong = |message: String| Box::new(Diagnostic::new(name, message));
+    let text = text::read_to_string(Path::new(name)).map_err(|e| wrong(e.to_string()))?;
+    let value: Value = serde_json::from_str(&text).map_err(|e| wrong(e.to_string()))?;
+    let study = value.get("study").unwrap_or(&value);
+    let about = study.get("about").and_then(Value::as_str).unwrap_or_default().to_owned();
+    let study = Study::deserialize(study).map_err(|e| wrong(format!("it is no resolved study: {e}")))?;
+    if let Some(scene) = study.scenes.iter().find(|s| s.hash.is_some()) {
+        return Err(wrong(format!(
+            "it is not whole without the file of the scene {}: give its TOML file",
+            scene.name
+        )));
+    }
+    if study.processing.contains(&Processing::L3) {
+        study.l3.validate().map_err(|e| wrong(e.to_string()))?;
+    }
+    Ok((Designs::new(study).map_err(|e| wrong(e.to_string()))?, about))
 }
 
 /// A study from the text of its file.

@@ -20,9 +20,9 @@ pub const TEST_SAMPLES_PER_PX: usize = 2;
 /// Scenes to compare cameras on, as [`catalog::build`] takes them, for pictures of at most 288 × 384 pixels at
 /// [`TEST_SAMPLES_PER_PX`].
 ///
-/// Nothing is trained on them but one: the leaves have a seed above 1000 and other radii than training has, the reflectances
-/// of the ColorChecker are not among the natural ones, and chart and star have edges of other directions. The room is one that
-/// is trained on too, at another size: without it in training its CPSNR is 0.3 dB less.
+/// Nothing is trained on them: the leaves have a seed above 1000 and other radii than training has, the reflectances of the
+/// ColorChecker (the room is painted with them too) are not among those of training, and chart and star have edges of other
+/// directions.
 #[must_use]
 pub fn test_scenes() -> &'static [&'static str] {
     &[

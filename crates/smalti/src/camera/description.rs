@@ -11,6 +11,7 @@ use crate::sensor::Filter;
 
 /// A camera file.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default, deny_unknown_fields)]
 pub struct CameraDescription {
     /// What the camera is called.
@@ -43,6 +44,7 @@ impl Default for CameraDescription {
 
 /// How the lens forms the image.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum OpticsModelName {
     /// No blur, for tests.
@@ -58,6 +60,7 @@ pub enum OpticsModelName {
 
 /// Fall-off of illumination towards the edge of the field.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum FalloffName {
     /// None.
@@ -69,6 +72,7 @@ pub enum FalloffName {
 
 /// What lies beyond the border of the scene.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum SurroundName {
     /// Nothing, as in ISETCam: the border of the picture darkens.
@@ -82,6 +86,7 @@ pub enum SurroundName {
 
 /// Order of the Zernike polynomials.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum ZernikeOrdering {
     /// Noll 1976, counted from 1 (piston).
@@ -93,6 +98,7 @@ pub enum ZernikeOrdering {
 
 /// `[optics]`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default, deny_unknown_fields)]
 pub struct OpticsDescription {
     /// How the image is formed.
@@ -151,6 +157,7 @@ impl Default for OpticsDescription {
 
 /// `[optics.psf]`: a measured or computed point spread function.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct PsfDescription {
     /// A `.npy` of shape (wavelengths, rows, cols), or (rows, cols) for all wavelengths; each plane is scaled to
@@ -182,6 +189,7 @@ fn step_nm() -> f64 {
 
 /// How a sensor sees colour.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum ArchitectureName {
     /// A colour filter array.
@@ -195,6 +203,7 @@ pub enum ArchitectureName {
 
 /// `[sensor]`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default, deny_unknown_fields)]
 pub struct SensorDescription {
     /// Rows of pixels.
@@ -259,6 +268,7 @@ impl Default for SensorDescription {
 
 /// `[sensor.pixel]`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default, deny_unknown_fields)]
 pub struct PixelDescription {
     /// Distance between pixels, µm.
@@ -299,6 +309,7 @@ impl Default for PixelDescription {
 
 /// The tile: the name of a built-in, or its lines in letters.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(untagged)]
 pub enum PatternDescription {
     /// A built-in (`smalti list cfas`).
@@ -336,6 +347,7 @@ impl<'de> Deserialize<'de> for PatternDescription {
 
 /// `[sensor.cfa]`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default, deny_unknown_fields)]
 pub struct CfaDescription {
     /// The tile.
@@ -360,6 +372,7 @@ impl Default for CfaDescription {
 
 /// How the exposure time is found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum AutoExposureName {
     /// The brightest point of the image reaches 95 % of saturation.
@@ -372,6 +385,7 @@ pub enum AutoExposureName {
 
 /// `[exposure]`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default, deny_unknown_fields)]
 pub struct ExposureDescription {
     /// Exposure time, ms; absent: `auto`.
@@ -406,6 +420,7 @@ impl Default for ExposureDescription {
 
 /// Which image pipeline.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum PipelineName {
     /// Demosaic, white balance, colour matrix.
@@ -415,6 +430,7 @@ pub enum PipelineName {
 
 /// How missing channels are filled in.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum DemosaicName {
     /// Linear interpolation, any mosaic.
@@ -428,6 +444,7 @@ pub enum DemosaicName {
 
 /// White balance.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum WhiteBalanceName {
     /// None: colours as they are under the scene's light.
@@ -441,6 +458,7 @@ pub enum WhiteBalanceName {
 
 /// The surfaces a colour matrix is fitted to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum ColorCorrectionName {
     /// The 24 patches of the ColorChecker.
@@ -452,6 +470,7 @@ pub enum ColorCorrectionName {
 
 /// Colour space of the pictures written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum OutputName {
     /// sRGB (IEC 61966-2-1).
@@ -463,6 +482,7 @@ pub enum OutputName {
 
 /// `[isp]`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default, deny_unknown_fields)]
 pub struct IspDescription {
     /// Which pipeline.

@@ -13,6 +13,7 @@ mod resolve;
 mod score;
 pub(crate) mod target;
 mod training;
+mod training_set;
 
 pub use compare::{SceneScores, Setup, TEST_SAMPLES_PER_PX, compare_on, test_scenes};
 pub use description::CameraDescription;
@@ -27,6 +28,5 @@ pub use light_gain::{
 pub use photograph::{Camera, Photograph};
 pub use resolve::ExposureTime;
 pub use score::{PictureScores, ScoreSettings, score_picture};
-pub use training::{
-    LevelRule, TrainingScene, TrainingSettings, TrainingTarget, training_reflectances, training_scenes,
-};
+pub use training::{LevelRule, TrainingSettings, TrainingTarget};
+pub use training_set::{TrainingScene, training_reflectances, training_scenes};

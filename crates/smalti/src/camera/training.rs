@@ -1,30 +1,26 @@
 //! Pairs to learn from: a camera before scenes, and what should come of its raw images.
 
 use super::{Camera, CameraError};
-use crate::color::jakob_hanika2019::Uplift;
 use crate::isp::IspError;
 use crate::l3::{Axes, L3Error, Levels, Pair, Statistics, Textures};
 use crate::numeric::Planes;
 use crate::optics::{OpticalImage, Optics, OpticsModel};
 use crate::scene::{self, Scene, Setting};
 use crate::sensor::{Channel, Exposure, NoiseMode};
-use crate::spectrum::{Illuminant, Observer, Spectrum, WavelengthGrid, reflectance};
+use crate::spectrum::{Illuminant, Observer, Spectrum};
 
-/// Pixels of the sensor that a scene of the default set spans, in rows and columns.
-const SCENE_PX: usize = 256;
-/// Samples of those scenes per pixel: two, so that detail beyond the sensor's Nyquist frequency is there to alias.
-const SAMPLES_PER_PX: usize = 2;
 /// The percentile of the response that exposures are counted by.
 const BRIGHT: f64 = 0.99;
-/// The most exposed of the default exposures: a third of a scene's range is clipped.
-const OVEREXPOSED: f64 = 3.0;
-/// Ratio of one default exposure to the next: close enough that every level sees the bright and the dark end of scenes.
+/// The most exposed of the default exposures lies between these: where white saturates the darkest channel. Beyond it there is
+/// nothing to be learned of white, and colours fill the classes of clipped patches, which in pictures hold highlights.
+const OVEREXPOSED: [f64; 2] = [1.2, 3.0];
+/// Ratio of one default exposure to the next at most: close enough that every level sees the bright and the dark end of scenes.
 const EXPOSURE_RATIO: f64 = 2.5;
+/// Of what a channel responds to, the share that the eye sees (1 at the peak of its sensitivity) for the channel to tell luminance:
+/// about 0.05 for blue, 0.001 for near infrared.
+const LEAST_SEEN: f64 = 0.01;
 /// Highest cut between levels.
 const HIGHEST_CUT: f64 = 0.85;
-
-/// Greys among the reflectances of the default set.
-const GREYS: usize = 16;
 
 /// What the learned pipeline should give.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -66,8 +62,8 @@ pub struct TrainingSettings {
     pub target_light: Option<Illuminant>,
     /// Targets without the blur of the lens (pixels still have their area): the pipeline learns to sharpen.
     pub sharp: bool,
-    /// Exposures of each scene, as the response that its 99th percentile would have (1: just saturated); empty: from three
-    /// times saturation down to the noise of the dark.
+    /// Exposures of each scene, as the response that its 99th percentile would have (1: just saturated); empty: from where
+    /// white saturates every channel (within 1.2 to 3), with 1 among them, down to the noise of the dark.
     pub exposures: Vec<f64>,
     /// Seed of the noise that patches are classified with.
     pub seed: u64,
@@ -87,77 +83,6 @@ impl Default for TrainingSettings {
             seed: 1,
         }
     }
-}
-
-/// A scene of the default training set.
-#[derive(Debug, Clone, PartialEq)]
-pub struct TrainingScene {
-    /// The scene's name in the catalogue, with its parameters.
-    pub spec: String,
-    /// Its light.
-    pub light: Illuminant,
-}
-
-/// The default training set: dead leaves of natural and of saturated colours at several scales, edges, rays, gratings,
-/// grey steps and a scene of high dynamic range, each under one of the lights in turn.
-///
-/// The built-in test scenes are not among them.
-#[must_use]
-pub fn training_scenes(lights: &[Illuminant]) -> Vec<TrainingScene> {
-    let n = SCENE_PX * SAMPLES_PER_PX;
-    let leaves = |seed: usize, least: f64, largest: usize| {
-        format!("dead-leaves?rows={n}&cols={n}&seed={seed}&least={least}&largest={largest}")
-    };
-    let scales = [(1.5, 200), (3.0, 60), (1.0, 30), (8.0, 400)];
-    let mut specs: Vec<String> = (0..16).map(|i| leaves(i + 1, scales[i % 4].0, scales[i % 4].1)).collect();
-    let patterns = [
-        format!("slanted-bar?size={}", n + 1),
-        format!("checkerboard?squares=11&square={}&contrast=50", n / 11),
-        format!("siemens-star?size={n}&cycles=36&contrast=20"),
-        format!("frequency-sweep?rows={n}&cols={n}&contrast=0.05"),
-        format!("grey-steps?steps=16&step={}&rows={n}&density=2", n / 16),
-        format!("hdr?rows={}", n / 2),
-    ];
-    specs.extend(patterns);
-    let lights = if lights.is_empty() { &[Illuminant::D65][..] } else { lights };
-    // Every light meets every scale of leaves.
-    let light = |i: usize| lights[(i + i / 4) % lights.len()].clone();
-    specs.into_iter().enumerate().map(|(i, spec)| TrainingScene { spec, light: light(i) }).collect()
-}
-
-impl TrainingScene {
-    /// The scene, as large as it is meant to be on a camera's sensor.
-    ///
-    /// # Errors
-    /// When the catalogue has no such scene.
-    pub fn build(&self, camera: &Camera) -> Result<Scene, CameraError> {
-        let grid = camera.grid();
-        let setting = Setting { illuminant: self.light.clone(), grid, ..Setting::default() };
-        let scene = scene::catalog::build(&self.spec, &setting, &training_reflectances(grid)?)?;
-        let px = scene.radiance().cols() / SAMPLES_PER_PX;
-        let deg = camera.field_of_view_deg(px.max(1), setting.distance_m)?;
-        Ok(scene.with_fov(deg)?)
-    }
-}
-
-/// Reflectances of natural objects; greys, since nature has few and what is not trained is not rendered well: they keep
-/// neutrals neutral; and saturated colours lifted from RGB, few, since each pulls the transforms away from the others.
-///
-/// # Errors
-/// When the grid is one that colours cannot be lifted on.
-pub fn training_reflectances(grid: WavelengthGrid) -> Result<Vec<Spectrum>, CameraError> {
-    let mut all: Vec<Spectrum> = reflectance::natural(grid)?.into_iter().map(|(_, s)| s).collect();
-    all.extend((1..=GREYS).map(|i| Spectrum::constant(grid, (i as f64 / GREYS as f64).powi(2) * 0.95)));
-    let uplift = Uplift::new(grid, Observer::Cie1931)?;
-    const ENDS: [f64; 2] = [0.1, 0.6];
-    for r in ENDS {
-        for g in ENDS {
-            for b in ENDS {
-                all.push(uplift.reflectance(uplift.coefficients([r, g, b])));
-            }
-        }
-    }
-    Ok(all)
 }
 
 impl Camera {
@@ -238,10 +163,10 @@ impl Camera {
         let image = camera.optics.image(scene)?;
         let target = camera.training_target(scene, &image, settings, &exposure)?;
         let (base, bright) = camera.bright_response(&image, &exposure)?;
+        let most = camera.knowable_luminance(scene.illuminant())?;
         let exposures = if settings.exposures.is_empty() {
             let dark = statistics.axes().noise().variance(0.0).sqrt().max(1e-4);
-            let steps = ((OVEREXPOSED / (2.0 * dark)).ln() / EXPOSURE_RATIO.ln()).ceil().max(0.0) as i32;
-            (0..=steps).map(|i| OVEREXPOSED / EXPOSURE_RATIO.powi(i)).collect()
+            default_exposures(most, 2.0 * dark)
         } else {
             settings.exposures.clone()
         };
@@ -251,10 +176,27 @@ impl Camera {
             let ideal = camera.sensor.capture_ideal(&lit, &exposure)?;
             let seed = settings.seed.wrapping_add((item << 16) + i as u64);
             let seen = camera.sensor.capture(&lit, &exposure, NoiseMode::All, seed)?;
-            let target = scaled(&target, factor)?;
+            let target = bounded(scaled(&target, factor)?, &settings.target, most);
             statistics.add(&Pair { raw: &ideal, seen: Some(&seen), target: &target })?;
         }
         Ok(())
+    }
+
+    /// The Y of a white diffuser that just saturates the channel that sees it darkest, at least 1: what of brighter light reaches
+    /// the raw image tells no more how bright it is. Channels beyond what the eye sees, such as near infrared, do not tell it
+    /// anyway.
+    fn knowable_luminance(&self, light: &Spectrum) -> Result<f64, CameraError> {
+        let y = &Observer::Cie1931.photon_weights(light.grid())?[1];
+        let (mut least, mut most) = (f64::INFINITY, 0.0f64);
+        for channel in self.responsivities()? {
+            let response = channel.times(light)?;
+            let (white, seen) = (response.integral(), response.times(y)?.integral() / y.max());
+            most = most.max(white);
+            if seen > LEAST_SEEN * white {
+                least = least.min(white);
+            }
+        }
+        Ok((most / least).clamp(1.0, 1e3))
     }
 
     /// The camera with as many pixels as a scene covers.
@@ -343,4 +285,57 @@ fn relit_white(scene: &Scene, other: &Illuminant) -> Result<Scene, CameraError> 
 fn scaled(planes: &Planes, factor: f64) -> Result<Planes, CameraError> {
     let data = planes.data().iter().map(|&v| (f64::from(v) * factor) as f32).collect();
     Ok(Planes::new(planes.rows(), planes.cols(), planes.count(), data).map_err(L3Error::from)?)
+}
+
+/// From the brightest down to the least response, with 1 among them.
+fn default_exposures(knowable: f64, least: f64) -> Vec<f64> {
+    let [low, high] = OVEREXPOSED;
+    let most = knowable.clamp(low, high);
+    let above = (most.ln() / EXPOSURE_RATIO.ln()).ceil().max(1.0) as i32;
+    let below = ((1.0 / least).ln() / EXPOSURE_RATIO.ln()).ceil().max(0.0) as i32;
+    let over = (0..above).map(|i| most.powf(1.0 - f64::from(i) / f64::from(above)));
+    over.chain((0..=below).map(|i| EXPOSURE_RATIO.powi(-i))).collect()
+}
+
+/// The targets with what is brighter than `most` cut as a display cuts it: brightness (Y, or the largest of other outputs) to
+/// `most`, its chromaticity kept. Targets that no raw image can tell would teach their classes slopes.
+fn bounded(mut target: Planes, kind: &TrainingTarget, most: f64) -> Planes {
+    let brightness = |i: usize| match kind {
+        TrainingTarget::Xyz => target.plane(1)[i],
+        TrainingTarget::Channels(_) => target.planes().map(|p| p[i]).fold(0.0, f32::max),
+    };
+    let most = most as f32;
+    let cut = (0..target.plane_len()).map(|i| (i, most / brightness(i))).filter(|(_, factor)| *factor < 1.0);
+    let cut: Vec<(usize, f32)> = cut.collect();
+    for plane in 0..target.count() {
+        let plane = target.plane_mut(plane);
+        cut.iter().for_each(|&(i, factor)| plane[i] *= factor);
+    }
+    target
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn exposures_run_from_beyond_saturation_to_the_dark_by_way_of_one() {
+        for (knowable, first) in [(1.0, 1.2), (1.6, 1.6), (2.9, 2.9), (1e3, 3.0)] {
+            let all = default_exposures(knowable, 0.02);
+            assert!((all[0] - first).abs() < 1e-12 && all.contains(&1.0), "{all:?}");
+            assert!(*all.last().unwrap() <= 0.02 && all[all.len() - 2] > 0.02);
+            assert!(all.windows(2).all(|w| w[0] > w[1] && w[0] <= w[1] * EXPOSURE_RATIO * 1.0001), "{all:?}");
+        }
+        assert_eq!(default_exposures(1.0, 2.0), [1.2, 1.0]);
+    }
+
+    #[test]
+    fn what_cannot_be_known_is_not_a_target() {
+        let planes = || Planes::new(1, 3, 3, vec![0.5, 4.0, 0.0, 1.0, 2.0, 0.0, 0.2, 1.0, 0.0]).unwrap();
+        let xyz = bounded(planes(), &TrainingTarget::Xyz, 1.5);
+        assert_eq!(xyz.data(), [0.5, 3.0, 0.0, 1.0, 1.5, 0.0, 0.2, 0.75, 0.0]);
+        // Of other outputs the largest counts.
+        let bands = bounded(planes(), &TrainingTarget::Channels(Vec::new()), 1.0);
+        assert_eq!(bands.data(), [0.5, 1.0, 0.0, 1.0, 0.5, 0.0, 0.2, 0.25, 0.0]);
+    }
 }

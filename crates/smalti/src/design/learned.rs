@@ -33,6 +33,7 @@ const LUMINANCE: usize = 1;
 
 /// How the pipelines of designs are learned.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, default)]
 pub struct LessonSettings {
     /// Side of the patch, pixels: 3, 5, 7, 9 or 11.

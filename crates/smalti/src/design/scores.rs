@@ -6,6 +6,7 @@ use crate::camera::CameraError;
 
 /// A metric of a study, by its name in the [list of metrics](crate::metrics::CATALOG).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub enum Metric {
     /// Colour difference of 1976 from the ColorChecker itself, mean over the patches.

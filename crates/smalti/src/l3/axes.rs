@@ -20,6 +20,7 @@ const FLAT_FRACTION: f64 = 0.02;
 
 /// What is told apart by the structure within a patch.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Textures {
     /// Nothing.

@@ -44,7 +44,7 @@ impl Default for Training {
             kernel: KernelForm::default(),
             symmetry: true,
             least_patches: None,
-            saturation_share: 0.01,
+            saturation_share: 0.003,
             smoothing: 0.0,
         }
     }
@@ -53,6 +53,7 @@ impl Default for Training {
 /// What kernels minimise. C is the covariance of the patches of a class (second moments about zero for linear kernels), c
 /// theirs with an output, Σ the covariance of the noise, from [`super::Axes::noise`] at the class's own mean signals.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Solver {
     /// Squared error over the patches as they are, without adding noise: C⁻¹ c, the solution of least norm where C is singular.
@@ -81,6 +82,7 @@ pub enum Solver {
 /// The weight α of the variance against bias² in luminance and in the two chrominances, 0 to 10⁶. Above 1 there is
 /// less noise than the least squared error has; for it luminance is blurred, and chrominance loses saturation.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Alpha {
     /// α_L.
@@ -91,6 +93,7 @@ pub struct Alpha {
 
 /// Weights for flat patches and for all others. By default those of the slides.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct PerceptualWeights {
     /// For flat patches.

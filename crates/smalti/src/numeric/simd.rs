@@ -17,16 +17,56 @@ pub(crate) fn dispatch<K: Kernel>(kernel: K) -> K::Output {
     #[cfg(target_arch = "x86_64")]
     {
         use std::arch::is_x86_feature_detected as has;
-        if has!("avx512f") && has!("avx512bw") && has!("avx512dq") && has!("avx512vl") {
+        if allowed(Set::Avx512) && has!("avx512f") && has!("avx512bw") && has!("avx512dq") && has!("avx512vl")
+        {
             // SAFETY: the features that the function is compiled for were just found present.
             return unsafe { avx512(kernel) };
         }
-        if has!("avx2") {
+        if allowed(Set::Avx2) && has!("avx2") {
             // SAFETY: as above.
             return unsafe { avx2(kernel) };
         }
     }
     kernel.run()
+}
+
+/// What [`dispatch`] chooses from, from the narrowest to the widest.
+#[cfg(any(test, target_arch = "x86_64"))]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(not(test), allow(dead_code))]
+pub(crate) enum Set {
+    /// What any processor of the architecture runs.
+    Plain,
+    Avx2,
+    Avx512,
+}
+
+/// Whether [`dispatch`] may choose a set: tests narrow the choice, so that every path runs that the machine has.
+#[cfg(all(target_arch = "x86_64", not(test)))]
+#[inline]
+fn allowed(_: Set) -> bool {
+    true
+}
+
+#[cfg(test)]
+static WIDEST: std::sync::atomic::AtomicU8 = std::sync::atomic::AtomicU8::new(Set::Avx512 as u8);
+
+#[cfg(all(target_arch = "x86_64", test))]
+fn allowed(set: Set) -> bool {
+    set as u8 <= WIDEST.load(std::sync::atomic::Ordering::Relaxed)
+}
+
+/// Keeps [`dispatch`], on all threads, to a set and narrower ones while `work` runs. All give the same bits, so that other tests
+/// are slower meanwhile and no more.
+#[cfg(test)]
+pub(crate) fn with_widest<T>(set: Set, work: impl FnOnce() -> T) -> T {
+    use std::sync::atomic::Ordering;
+    static ONE: std::sync::Mutex<()> = std::sync::Mutex::new(());
+    let _one_at_a_time = ONE.lock();
+    WIDEST.store(set as u8, Ordering::Relaxed);
+    let result = work();
+    WIDEST.store(Set::Avx512 as u8, Ordering::Relaxed);
+    result
 }
 
 #[cfg(target_arch = "x86_64")]

@@ -6,11 +6,14 @@
 
 pub mod catalog;
 mod checkerboard;
+mod color_patches;
 mod compose;
 mod dead_leaves;
 mod error;
 mod frequency_orientation;
 mod frequency_sweep;
+mod glossy_balls;
+mod gradients;
 mod grey_steps;
 mod hdr;
 pub mod macbeth;
@@ -26,11 +29,14 @@ mod uniform;
 mod zone_plate;
 
 pub use self::checkerboard::{Checkerboard, checkerboard};
+pub use self::color_patches::{ColorPatches, color_patches};
 pub use self::compose::MAX_VALUES;
 pub use self::dead_leaves::{DeadLeaves, dead_leaves};
 pub use self::error::SceneError;
 pub use self::frequency_orientation::{FrequencyOrientation, frequency_orientation};
 pub use self::frequency_sweep::{FrequencySweep, frequency_sweep};
+pub use self::glossy_balls::{GlossyBalls, glossy_balls};
+pub use self::gradients::{Gradients, gradients};
 pub use self::grey_steps::{GreySteps, grey_steps};
 pub use self::hdr::hdr;
 pub use self::point_grid::{PointGrid, point_grid};

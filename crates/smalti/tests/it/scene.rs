@@ -7,10 +7,11 @@ use common::assert_close;
 use rustfft::FftPlanner;
 use rustfft::num_complex::Complex;
 use smalti::scene::{
-    Checkerboard, DeadLeaves, FrequencyOrientation, FrequencySweep, GreySteps, PatternSampling, PointGrid,
-    ResolutionChart, Scene, SceneError, Setting, SiemensStar, SlantedBar, ZonePlate, checkerboard,
-    dead_leaves, frequency_orientation, frequency_sweep, grey_steps, hdr, macbeth, point_grid,
-    resolution_chart, siemens_star, slanted_bar, uniform, zone_plate, zone_plate_isetcam,
+    Checkerboard, ColorPatches, DeadLeaves, FrequencyOrientation, FrequencySweep, GlossyBalls, Gradients,
+    GreySteps, PatternSampling, PointGrid, ResolutionChart, Scene, SceneError, Setting, SiemensStar,
+    SlantedBar, ZonePlate, checkerboard, color_patches, dead_leaves, frequency_orientation, frequency_sweep,
+    glossy_balls, gradients, grey_steps, hdr, macbeth, point_grid, resolution_chart, siemens_star,
+    slanted_bar, uniform, zone_plate, zone_plate_isetcam,
 };
 use smalti::spectrum::{Illuminant, Observer, Spectrum, WavelengthGrid};
 
@@ -418,6 +419,62 @@ fn the_room_spans_more_than_five_decades() {
     let decades = |cut: usize| (luminance[luminance.len() - 1 - cut] / luminance[cut]).log10();
     eprintln!("{:.1} decades, {:.1} without a percent", decades(0), decades(half_percent));
     assert!(decades(0) > 7.0 && decades(half_percent) > 5.0);
+}
+
+/// Patches are squares of the sizes asked for, each of one colour; the smallest and the largest both occur.
+#[test]
+fn color_patches_are_even_and_of_several_sizes() {
+    let list = macbeth::reflectances(GRID).unwrap();
+    let chart = ColorPatches { rows: 128, cols: 128, least_px: 4, doublings: 3, seed: 2 };
+    let luminance = color_patches(&chart, &list, &setting(10.0)).unwrap().luminance_cd_m2().unwrap();
+    let at = |row: usize, col: usize| luminance[row * 128 + col];
+    let even = |side: usize, down: usize, right: usize| {
+        let first = at(down * side, right * side);
+        (0..side * side).all(|i| at(down * side + i / side, right * side + i % side) == first)
+    };
+    let squares = |side: usize| (0..128 / side).flat_map(move |d| (0..128 / side).map(move |r| (d, r)));
+    assert!(squares(4).all(|(d, r)| even(4, d, r)));
+    for side in [8, 16, 32] {
+        let evens = squares(side).filter(|&(d, r)| even(side, d, r)).count();
+        assert!(evens > 0 && evens < (128 / side) * (128 / side), "{side}: {evens}");
+    }
+}
+
+/// Neighbours differ by no more than the lattice's steepest slope; white paper stays white in every light.
+#[test]
+fn gradients_are_smooth() {
+    let list = macbeth::reflectances(GRID).unwrap();
+    let pattern = Gradients { rows: 96, cols: 96, cell_px: 32, contrast_ratio: 10.0, ..Gradients::default() };
+    let luminance = gradients(&pattern, &list, &setting(10.0)).unwrap().luminance_cd_m2().unwrap();
+    // The reflectances span 30:1, the light 10:1, over 32 pixels.
+    let steepest = (0..96 * 95).map(|i| (luminance[i + 96] / luminance[i]).ln().abs()).fold(0.0, f32::max);
+    assert!(steepest < (31.0f32).ln() / 3.0 && steepest > 0.01, "{steepest}");
+    let paper = gradients(&Gradients { neutral: true, ..pattern }, &list, &setting(10.0)).unwrap();
+    let light = paper.illuminant().values();
+    let planes: Vec<&[f32]> = paper.radiance().planes().planes().collect();
+    let ratio = |band: usize, i: usize| f64::from(planes[band][i]) / light[band];
+    assert!((0..96 * 96).all(|i| (ratio(3, i) / ratio(20, i) - 1.0).abs() < 1e-5));
+}
+
+/// Highlights and lamps are many times as bright as paper in full light, and of the light's own colour.
+#[test]
+fn glossy_balls_have_white_highlights_and_deep_shade() {
+    let list = macbeth::reflectances(GRID).unwrap();
+    let pattern = GlossyBalls { rows: 160, cols: 160, ..GlossyBalls::default() };
+    let scene = glossy_balls(&pattern, &list, &setting(10.0)).unwrap();
+    let luminance = scene.luminance_cd_m2().unwrap();
+    let (brightest, most) = luminance.iter().enumerate().max_by(|a, b| a.1.total_cmp(b.1)).unwrap();
+    let least = luminance.iter().copied().fold(f32::INFINITY, f32::min);
+    assert!(most / least > 1e4, "{most} {least}");
+    let light = scene.illuminant().values();
+    let planes: Vec<&[f32]> = scene.radiance().planes().planes().collect();
+    let ratio = |band: usize| f64::from(planes[band][brightest]) / light[band];
+    assert!(ratio(20) > 5.0 && (ratio(3) / ratio(20) - 1.0).abs() < 0.05);
+    let again = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
+    assert_eq!(again.install(|| glossy_balls(&pattern, &list, &setting(10.0)).unwrap()), scene);
+    for bad in [0.5, f64::NAN] {
+        assert!(glossy_balls(&GlossyBalls { shade: bad, ..pattern }, &list, &setting(10.0)).is_err());
+    }
 }
 
 #[test]

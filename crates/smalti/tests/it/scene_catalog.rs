@@ -4,10 +4,11 @@
 use proptest::prelude::*;
 use smalti::scene::catalog::{build, common_parameters, names};
 use smalti::scene::{
-    Checkerboard, DeadLeaves, FrequencyOrientation, FrequencySweep, GreySteps, PointGrid, ResolutionChart,
-    SceneError, Setting, SiemensStar, SlantedBar, ZonePlate, checkerboard, dead_leaves,
-    frequency_orientation, frequency_sweep, grey_steps, hdr, macbeth, point_grid, resolution_chart,
-    siemens_star, slanted_bar, uniform, zone_plate, zone_plate_isetcam,
+    Checkerboard, ColorPatches, DeadLeaves, FrequencyOrientation, FrequencySweep, GlossyBalls, Gradients,
+    GreySteps, PointGrid, ResolutionChart, SceneError, Setting, SiemensStar, SlantedBar, ZonePlate,
+    checkerboard, color_patches, dead_leaves, frequency_orientation, frequency_sweep, glossy_balls,
+    gradients, grey_steps, hdr, macbeth, point_grid, resolution_chart, siemens_star, slanted_bar, uniform,
+    zone_plate, zone_plate_isetcam,
 };
 use smalti::spectrum::{Illuminant, Spectrum, WavelengthGrid};
 
@@ -35,6 +36,9 @@ fn defaults_are_those_of_the_functions() {
         ("resolution-chart", resolution_chart(&ResolutionChart::default(), s)),
         ("hdr?rows=40", hdr(40, s)),
         ("dead-leaves", dead_leaves(&DeadLeaves::default(), &list, s)),
+        ("color-patches", color_patches(&ColorPatches::default(), &list, s)),
+        ("gradients", gradients(&Gradients::default(), &list, s)),
+        ("glossy-balls", glossy_balls(&GlossyBalls::default(), &list, s)),
     ];
     for (spec, expected) in scenes {
         assert_eq!(build(spec, s, &[]).unwrap(), expected.unwrap(), "{spec}");

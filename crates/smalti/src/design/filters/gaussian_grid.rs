@@ -17,6 +17,7 @@ const WHAT: &str = "the family gaussian_grid";
 /// distort the curve, to 60 nm (141 nm at half maximum), wider than colour filters are. Steps of 2.5 nm leave
 /// neighbours on the grid that correlate by 98 % even where they are narrowest, so that results do not show the grid.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default, deny_unknown_fields)]
 pub struct GaussianGrid {
     /// Centres: first, step and last, nm.

@@ -8,6 +8,7 @@ use crate::sensor::Filter;
 
 /// `[[filters.list]]`: one set of filters.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct ListedSet {
     /// What it is called in results; absent: its number in the list, counted from 1.

@@ -31,6 +31,7 @@ pub struct FilterSet {
 /// The family is the name of the table and not the value of a key `family`: serde reads a table with such a key to its
 /// end before it looks at the others, and errors about them would name the line of the table in place of their own.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 #[non_exhaustive]
 pub enum FilterFamily {

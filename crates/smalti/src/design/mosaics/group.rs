@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 
 /// What makes two tiles the same mosaic.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 #[non_exhaustive]
 pub enum Symmetry {

@@ -25,6 +25,7 @@ const MAX_LISTED_CELLS: u64 = 100_000_000;
 
 /// `mosaics` of a study: `"catalogue"`, `{ given = [["bc", "ab"]] }` or a table `[mosaics.tile]`.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 #[non_exhaustive]
 pub enum MosaicFamily {

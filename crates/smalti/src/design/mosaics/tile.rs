@@ -16,6 +16,7 @@ const MAX_CELLS: usize = 1024;
 /// `[mosaics.tile]`: every placement of N colours in a tile in which all appear; those that a symmetry makes the same
 /// mosaic count once.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Tile {
     /// Rows; a tile has at most 1024 cells.

@@ -7,6 +7,7 @@ use super::fixed::HIGH_PART;
 use super::table::Simd;
 use super::*;
 use crate::numeric::philox::Stream;
+use crate::numeric::simd::{Set, with_widest};
 use crate::sensor::{Mosaic, Sampling, SignalNoise};
 
 const BLACK: f64 = 64.0;
@@ -213,6 +214,13 @@ fn assert_same(got: &Rendered, expected: &Rendered, what: &str) {
     }
 }
 
+/// Every path that a processor like this one, or a lesser one, takes: the code of the multiplication, and the widest set that
+/// classification and the rest are compiled for.
+fn paths() -> Vec<(Simd, Set)> {
+    let lesser = [Set::Plain, Set::Avx2].map(|set| (Simd::Compiled, set));
+    lesser.into_iter().chain(Simd::all().into_iter().map(|simd| (simd, Set::Avx512))).collect()
+}
+
 #[test]
 fn both_paths_are_what_the_definition_says_on_every_instruction_set() {
     let nine = Mosaic::new(3, 3, (0..9).collect()).unwrap();
@@ -236,17 +244,17 @@ fn both_paths_are_what_the_definition_says_on_every_instruction_set() {
             let found = phase_in(&mosaic, &[], &raw).unwrap();
             let reference = Reference::new(&pipeline, &raw, found);
             let (float, mut renderer) = (reference.float(), pipeline.renderer());
-            for simd in Simd::all() {
+            for (simd, set) in paths() {
                 renderer.0.simd = simd;
-                let what = format!("{rows} × {cols}, patch {side}, {simd:?}");
-                assert_same(&renderer.render(&raw).unwrap(), &float, &what);
+                let what = format!("{rows} × {cols}, patch {side}, {simd:?}, {set:?}");
+                assert_same(&with_widest(set, || renderer.render(&raw)).unwrap(), &float, &what);
             }
             let mut renderer = pipeline.fixed_renderer(BLACK, WHITE).unwrap();
             let fixed = reference.fixed(renderer.kernels());
-            for simd in Simd::all() {
+            for (simd, set) in paths() {
                 renderer.engine.simd = simd;
-                let what = format!("{rows} × {cols}, patch {side}, fixed, {simd:?}");
-                assert_same(&renderer.render(&raw).unwrap(), &fixed, &what);
+                let what = format!("{rows} × {cols}, patch {side}, fixed, {simd:?}, {set:?}");
+                assert_same(&with_widest(set, || renderer.render(&raw)).unwrap(), &fixed, &what);
             }
             // Weights are rounded to 2^-15 or so of the largest, samples are whole already.
             let ratio = peak_ratio_db(&float.planes, &fixed.planes).unwrap();

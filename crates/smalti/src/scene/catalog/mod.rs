@@ -3,13 +3,16 @@
 
 mod params;
 
+use std::borrow::Cow;
+
 pub use self::params::ParamInfo;
 use self::params::{Args, COMMON, Kind, number, whole};
 use super::{
-    Checkerboard, DeadLeaves, FrequencyOrientation, FrequencySweep, GreySteps, PatternSampling, PointGrid,
-    ResolutionChart, Scene, SceneError, Setting, SiemensStar, SlantedBar, ZonePlate, checkerboard,
-    dead_leaves, frequency_orientation, frequency_sweep, grey_steps, hdr, macbeth, point_grid,
-    resolution_chart, siemens_star, slanted_bar, uniform, zone_plate, zone_plate_isetcam,
+    Checkerboard, ColorPatches, DeadLeaves, FrequencyOrientation, FrequencySweep, GlossyBalls, Gradients,
+    GreySteps, PatternSampling, PointGrid, ResolutionChart, Scene, SceneError, Setting, SiemensStar,
+    SlantedBar, ZonePlate, checkerboard, color_patches, dead_leaves, frequency_orientation, frequency_sweep,
+    glossy_balls, gradients, grey_steps, hdr, macbeth, point_grid, resolution_chart, siemens_star,
+    slanted_bar, uniform, zone_plate, zone_plate_isetcam,
 };
 use crate::names::nearest;
 use crate::spectrum::Spectrum;
@@ -84,7 +87,15 @@ fn sampling(args: &Args<'_>) -> PatternSampling {
     if args.choice("sampling") == "isetcam" { PatternSampling::Isetcam } else { PatternSampling::Area }
 }
 
-static SCENES: [SceneInfo; 13] = [
+/// What patterns of natural materials draw from: the reflectances given, else those of the ColorChecker.
+fn painted_with<'a>(natural: &'a [Spectrum], s: &Setting) -> Result<Cow<'a, [Spectrum]>, SceneError> {
+    if natural.is_empty() {
+        return Ok(Cow::Owned(macbeth::reflectances(s.grid)?));
+    }
+    Ok(Cow::Borrowed(natural))
+}
+
+static SCENES: [SceneInfo; 16] = [
     SceneInfo {
         name: "macbeth",
         summary: "ColorChecker, 24 patches in 4 rows of 6",
@@ -250,11 +261,72 @@ static SCENES: [SceneInfo; 13] = [
                 largest_radius_px: a.number("largest"),
                 seed: a.whole("seed"),
             };
-            if natural.is_empty() {
-                dead_leaves(&leaves, &macbeth::reflectances(s.grid)?, s)
-            } else {
-                dead_leaves(&leaves, natural, s)
-            }
+            dead_leaves(&leaves, &painted_with(natural, s)?, s)
+        },
+    },
+    SceneInfo {
+        name: "color-patches",
+        summary: "even square patches of several sizes",
+        parameters: &[
+            whole!("rows", 512, 1..=16384, "rows, pixels"),
+            whole!("cols", 512, 1..=16384, "columns, pixels"),
+            whole!("least", 8, 1..=4096, "side of the smallest patches, pixels"),
+            whole!("doublings", 4, 0..=8, "how often the side doubles up to the largest"),
+            whole!("seed", 1, 0..=18446744073709551615, "equal seeds give equal pictures"),
+        ],
+        build: |a, s, natural| {
+            let chart = ColorPatches {
+                rows: a.count("rows"),
+                cols: a.count("cols"),
+                least_px: a.count("least"),
+                doublings: a.count("doublings") as u32,
+                seed: a.whole("seed"),
+            };
+            color_patches(&chart, &painted_with(natural, s)?, s)
+        },
+    },
+    SceneInfo {
+        name: "gradients",
+        summary: "smooth gradients from colour to colour and from light to shade",
+        parameters: &[
+            whole!("rows", 512, 1..=16384, "rows, pixels"),
+            whole!("cols", 512, 1..=16384, "columns, pixels"),
+            whole!("cell", 64, 2..=16384, "distance from one colour to the next, pixels"),
+            number!("contrast", "100", 1.0..=1e8, "brightest light over darkest"),
+            ParamInfo {
+                name: "paint",
+                default: "colors",
+                expected: "colors or white",
+                doc: "what the light falls on: natural reflectances, or white alone",
+                kind: Kind::Choice(&["colors", "white"]),
+            },
+            whole!("seed", 1, 0..=18446744073709551615, "equal seeds give equal pictures"),
+        ],
+        build: |a, s, natural| {
+            let pattern = Gradients {
+                rows: a.count("rows"),
+                cols: a.count("cols"),
+                cell_px: a.count("cell"),
+                contrast_ratio: a.number("contrast"),
+                neutral: a.choice("paint") == "white",
+                seed: a.whole("seed"),
+            };
+            gradients(&pattern, &painted_with(natural, s)?, s)
+        },
+    },
+    SceneInfo {
+        name: "glossy-balls",
+        summary: "balls with highlights, lamps and deep shade before white paper: high dynamic range",
+        parameters: &[
+            whole!("rows", 512, 8..=16384, "rows, pixels"),
+            whole!("cols", 512, 8..=16384, "columns, pixels"),
+            number!("shade", "1000", 1.0..=1e8, "full light over the deepest shade"),
+            whole!("seed", 1, 0..=18446744073709551615, "equal seeds give equal pictures"),
+        ],
+        build: |a, s, natural| {
+            let (rows, cols) = (a.count("rows"), a.count("cols"));
+            let pattern = GlossyBalls { rows, cols, shade: a.number("shade"), seed: a.whole("seed") };
+            glossy_balls(&pattern, &painted_with(natural, s)?, s)
         },
     },
     SceneInfo {

@@ -8,6 +8,7 @@ use crate::spectrum::{Outside, Spectrum, WavelengthGrid};
 /// The shape of a filter's transmittance. Wavelengths are in nanometres, `peak` is the largest transmittance,
 /// 0 to 1.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 #[non_exhaustive]
 pub enum Filter {
@@ -56,7 +57,7 @@ pub enum Filter {
         #[serde(default = "one")]
         peak: f64,
     },
-    /// Passes wavelengths below the edge: `peak` minus the [`Filter::LongPass`] of the same edge.
+    /// Passes wavelengths below the edge: `peak` minus the long pass of the same edge.
     ShortPass {
         /// Wavelength of half the peak.
         edge_nm: f64,
@@ -96,8 +97,9 @@ pub enum Filter {
     },
     /// A filter of the library by its name, as [`builtin_filters`](super::builtin_filters) lists them.
     Builtin(String),
-    /// A file of wavelengths and values. This library opens no file: whoever does replaces it by
-    /// [`Filter::Samples`].
+    /// A file of wavelengths and values.
+    ///
+    /// This library opens no file: whoever does replaces it by [`Filter::Samples`].
     File(String),
     /// Samples on a uniform grid, linear between them.
     Samples {
@@ -112,6 +114,7 @@ pub enum Filter {
 
 /// An absorption band of a dye, see [`Filter::Dye`].
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct AbsorptionBand {
     /// Wavelength of the largest absorbance.

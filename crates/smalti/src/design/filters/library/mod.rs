@@ -22,6 +22,7 @@ const MAX_FILTERS: u64 = 1_000_000;
 /// `[filters.library]`: every combination of N filters of a library. The filters of a set are sorted by their mean
 /// wavelength between 400 and 700 nm.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default, deny_unknown_fields)]
 pub struct Library {
     /// Filters by name: files, built-in filters, formulas.

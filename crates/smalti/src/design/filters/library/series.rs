@@ -10,6 +10,7 @@ use crate::sensor::cfa::AbsorptionBand;
 
 /// A series of filters, an entry of `library.series`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 #[non_exhaustive]
 pub enum Series {
@@ -47,6 +48,7 @@ pub enum Series {
 /// filters are (yellow and magenta make red): 50 filters. Absorbances of 1 and 2 pass 10 % and 1 % at the middle of a
 /// band.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default, deny_unknown_fields)]
 pub struct Dyes {
     /// The dyes.
@@ -63,6 +65,7 @@ pub struct Dyes {
 
 /// A dye, by its absorption band.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Dye {
     /// Middle of the band, nm.

@@ -18,6 +18,7 @@ const MIN_SIGMA_NM: f64 = 5.0;
 
 /// A rule of `[cfaresolution]`, section 3.5.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 #[non_exhaustive]
 pub enum RuleName {
@@ -39,6 +40,7 @@ pub enum RuleName {
 /// constraints filters crowd where the target is high, as the paper found; maximum width, minimum spacing and minimum
 /// height are the constraints that it wishes for; with them the fit may rest in a local minimum.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default, deny_unknown_fields)]
 pub struct Rule {
     /// The rules.

@@ -6,6 +6,7 @@ use crate::spectrum::{Observer, Spectrum, SpectrumError, WavelengthGrid};
 
 /// The curve that the sum of the filters is to have; its height does not count.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 #[non_exhaustive]
 pub enum RuleTarget {

@@ -1,0 +1,116 @@
+//! The keys of the files that users write, out of their JSON Schema, which comes from the code that reads them.
+
+use std::collections::BTreeSet;
+
+use serde_json::{Map, Value, json};
+
+use crate::list::Entry;
+
+/// The keys of a schema in the order of the code, tables within tables by their path. What stands at several keys, such as the
+/// shapes of a filter, is explained at the first.
+pub(crate) fn keys(schema: &schemars::Schema) -> Vec<Entry> {
+    let root = schema.as_value();
+    let mut walk = Walk { definitions: &root["$defs"], explained: BTreeSet::new(), entries: Vec::new() };
+    walk.table(root, "");
+    walk.entries
+}
+
+struct Walk<'a> {
+    definitions: &'a Value,
+    explained: BTreeSet<&'a str>,
+    entries: Vec<Entry>,
+}
+
+impl<'a> Walk<'a> {
+    /// What a schema refers to, with the name of the definition; a value that may be absent is what it is when it is there.
+    fn resolved(&self, schema: &'a Value) -> (&'a Value, Option<&'a str>) {
+        if let Some(there) = schema["anyOf"].as_array().and_then(|a| a.iter().find(|s| s["type"] != "null"))
+            && schema["anyOf"].as_array().is_some_and(|a| a.iter().any(|s| s["type"] == "null"))
+        {
+            return self.resolved(there);
+        }
+        match schema["$ref"].as_str().and_then(|r| r.strip_prefix("#/$defs/")) {
+            Some(name) => (&self.definitions[name], Some(name)),
+            None => (schema, None),
+        }
+    }
+
+    fn table(&mut self, schema: &'a Value, prefix: &str) {
+        for (key, value) in properties(schema).into_iter().flatten() {
+            let path = if prefix.is_empty() { key.clone() } else { format!("{prefix}.{key}") };
+            self.key(&path, value);
+        }
+    }
+
+    fn key(&mut self, path: &str, schema: &'a Value) {
+        let (own, name) = self.resolved(schema);
+        if properties(own).is_some() && own["oneOf"].is_null() {
+            return self.table(own, path);
+        }
+        // Choices of a list are those of its items.
+        let (item, item_name) =
+            if own["items"].is_object() { self.resolved(&own["items"]) } else { (own, name) };
+        let variants = ["oneOf", "anyOf"].iter().find_map(|k| item[k].as_array());
+        let first = item_name.is_none_or(|n| self.explained.insert(n));
+        let words = variants.into_iter().flatten().filter(|v| v["const"].is_string());
+        let mut details: Vec<String> = Vec::new();
+        if first {
+            details.extend(words.map(|v| format!("{}  {}", v["const"], text(&v["description"]))));
+        }
+        let default = &schema["default"];
+        let doc = text(&schema["description"]);
+        let doc = if doc.is_empty() { text(&own["description"]) } else { doc };
+        let shown = if default.is_null() { String::new() } else { format!("{}  ", toml_text(default)) };
+        self.entries.push(Entry {
+            name: path.to_owned(),
+            summary: format!("{shown}{doc}"),
+            details,
+            json: json!({"key": path, "default": default, "doc": doc}),
+        });
+        // Tables that the value may be.
+        for variant in variants.into_iter().flatten().filter(|_| first) {
+            let (variant, _) = self.resolved(variant);
+            let doc = text(&variant["description"]);
+            for (key, value) in properties(variant).into_iter().flatten() {
+                let path = format!("{path}.{key}");
+                self.entries.push(Entry {
+                    name: path.clone(),
+                    summary: doc.clone(),
+                    details: Vec::new(),
+                    json: json!({"key": path, "doc": doc}),
+                });
+                let (inner, _) = self.resolved(value);
+                self.table(inner, &path);
+            }
+        }
+    }
+}
+
+fn properties(schema: &Value) -> Option<&Map<String, Value>> {
+    schema["properties"].as_object()
+}
+
+/// A documentation comment as one line: its first paragraph, links as the words that they stand on.
+fn text(doc: &Value) -> String {
+    let first = doc.as_str().unwrap_or_default().split("\n\n").next().unwrap_or_default();
+    let mut line = first.split_whitespace().collect::<Vec<_>>().join(" ");
+    while let Some((before, rest)) = line.split_once("`](") {
+        let after = rest.split_once(')').map_or("", |(_, after)| after);
+        line = format!("{before}`{after}");
+    }
+    line.replace("[`", "`").replace("`]", "`")
+}
+
+/// A default as it would stand in the file.
+fn toml_text(value: &Value) -> String {
+    match value {
+        Value::Object(map) => {
+            let fields: Vec<String> = map.iter().map(|(k, v)| format!("{k} = {}", toml_text(v))).collect();
+            if fields.is_empty() { "{}".into() } else { format!("{{ {} }}", fields.join(", ")) }
+        }
+        Value::Array(items) => {
+            format!("[{}]", items.iter().map(toml_text).collect::<Vec<_>>().join(", "))
+        }
+        other => other.to_string(),
+    }
+}

@@ -1,0 +1,74 @@
+//! Which designs a page holds.
+
+use std::collections::BTreeSet;
+
+use anyhow::ensure;
+
+use super::Sources;
+
+/// Most designs of a page: more would be slow to load and are not told apart.
+pub(super) const MOST: usize = 100_000;
+
+/// A design of the page.
+pub(super) struct Row {
+    /// Index of the study, and row of its results.
+    pub(super) study: usize,
+    pub(super) row: usize,
+    /// Number of the design in its study.
+    pub(super) number: u64,
+    /// Index of the section among all.
+    pub(super) section: usize,
+    /// Whether none beats it in ΔE, MTF50 and noise at once.
+    pub(super) front: bool,
+}
+
+/// The designs of a page.
+pub(super) struct Choice {
+    pub(super) rows: Vec<Row>,
+    /// Of how many, where these are not all.
+    pub(super) of: Option<usize>,
+}
+
+impl Choice {
+    pub(super) fn of(sources: &Sources<'_>) -> anyhow::Result<Self> {
+        if let Some((results, _)) = sources.all.first() {
+            for number in sources.wanted {
+                ensure!(
+                    results.number.binary_search(number).is_ok(),
+                    "--picture {number}: {} holds no such design",
+                    results.name()
+                );
+            }
+        }
+        let all: usize = sources.all.iter().map(|(r, _)| r.number.len()).sum();
+        let step = all.div_ceil(MOST).max(1);
+        let mut rows = Vec::new();
+        let mut index = 0;
+        for (study, (results, sections)) in sources.all.iter().enumerate() {
+            for section in sections {
+                let front: BTreeSet<usize> = section.front.iter().copied().collect();
+                let named: BTreeSet<usize> = section
+                    .groups
+                    .iter()
+                    .flat_map(|g| g.best.iter().copied().chain(g.worst))
+                    .chain(front.iter().copied().take(MOST / 10))
+                    .collect();
+                let wanted = |n: &u64| study == 0 && sources.wanted.contains(n);
+                for row in section.rows.clone() {
+                    let Some(number) = results.number.get(row) else { continue };
+                    if row % step == 0 || named.contains(&row) || wanted(number) {
+                        let front = front.contains(&row);
+                        rows.push(Row { study, row, number: *number, section: index, front });
+                    }
+                }
+                index += 1;
+            }
+        }
+        Ok(Self { of: (rows.len() < all).then_some(all), rows })
+    }
+
+    /// Place in the page of a row of the results of a study.
+    pub(super) fn place(&self, study: usize, row: usize) -> Option<usize> {
+        self.rows.binary_search_by_key(&(study, row), |r| (r.study, r.row)).ok()
+    }
+}

@@ -1,0 +1,79 @@
+//! Columns of numbers for a page: as few bytes as their values need, so that a page of many designs stays small.
+
+use std::collections::HashMap;
+
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+use serde_json::{Value, json};
+
+/// Most different values of a column that are kept in a table beside it.
+const DISTINCT: usize = 1 << 16;
+
+/// A column of numbers, packed: single precision, little-endian, in base64. Where values repeat it holds the number of each in
+/// a table of them, of one byte or two; where all are equal, only that value. NaN says that there is no value.
+///
+/// `data.js` reads it.
+#[must_use]
+pub fn packed(values: &[f64]) -> Value {
+    let mut places: HashMap<u32, u16> = HashMap::new();
+    let mut table: Vec<f32> = Vec::new();
+    let mut codes: Vec<u16> = Vec::with_capacity(values.len());
+    for &value in values {
+        let single = if value.is_nan() { f32::NAN } else { value as f32 };
+        let next = table.len();
+        let code = places.entry(single.to_bits()).or_insert(next as u16);
+        codes.push(*code);
+        if places.len() > next {
+            table.push(single);
+        }
+        // A table that is longer than half of the column saves next to nothing.
+        if table.len() == DISTINCT || table.len() > 256 && table.len() > values.len() / 2 {
+            let bytes: Vec<u8> = values.iter().flat_map(|v| (*v as f32).to_le_bytes()).collect();
+            return json!({"n": values.len(), "f32": STANDARD.encode(bytes)});
+        }
+    }
+    let words: Vec<u8> = table.iter().flat_map(|v| v.to_le_bytes()).collect();
+    let table_text = STANDARD.encode(words);
+    match table.len() {
+        0 | 1 => json!({"n": values.len(), "table": table_text}),
+        2..=256 => {
+            let bytes: Vec<u8> = codes.iter().map(|c| *c as u8).collect();
+            json!({"n": values.len(), "table": table_text, "u8": STANDARD.encode(bytes)})
+        }
+        _ => {
+            let bytes: Vec<u8> = codes.iter().flat_map(|c| c.to_le_bytes()).collect();
+            json!({"n": values.len(), "table": table_text, "u16": STANDARD.encode(bytes)})
+        }
+    }
+}
+
+/// A column of whole numbers that may be beyond single precision, as runs of consecutive ones: `[first, length, …]`.
+#[must_use]
+pub fn runs(numbers: &[u64]) -> Value {
+    let mut runs: Vec<u64> = Vec::new();
+    for &number in numbers {
+        match runs.as_mut_slice() {
+            [.., first, length] if *first + *length == number => *length += 1,
+            _ => runs.extend([number, 1]),
+        }
+    }
+    json!(runs)
+}
+
+/// A column of words: the words in the order they first come, and the place of each row's among them.
+#[must_use]
+pub fn words<'a>(texts: impl Iterator<Item = &'a str>) -> Value {
+    let mut places: HashMap<&str, usize> = HashMap::new();
+    let mut words: Vec<&str> = Vec::new();
+    let codes: Vec<f64> = texts
+        .map(|text| {
+            let next = words.len();
+            let place = *places.entry(text).or_insert(next);
+            if place == next {
+                words.push(text);
+            }
+            place as f64
+        })
+        .collect();
+    json!({"words": words, "codes": packed(&codes)})
+}

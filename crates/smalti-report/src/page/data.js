@@ -1,0 +1,139 @@
+// Columns as Rust packs them (columns.rs), and the designs made of them.
+
+function bytesOf(text) {
+  if (Uint8Array.fromBase64) return Uint8Array.fromBase64(text);
+  const letters = atob(text);
+  const bytes = new Uint8Array(letters.length);
+  for (let i = 0; i < bytes.length; i += 1) bytes[i] = letters.charCodeAt(i);
+  return bytes;
+}
+function floatsOf(text) {
+  return new Float32Array(bytesOf(text).buffer);
+}
+function unpack(column) {
+  if (column.f32 !== undefined) return floatsOf(column.f32);
+  const table = floatsOf(column.table);
+  const values = new Float32Array(column.n);
+  if (column.u8 === undefined && column.u16 === undefined) return column.n > 0 ? values.fill(table[0]) : values;
+  const codes = column.u8 !== undefined ? bytesOf(column.u8) : new Uint16Array(bytesOf(column.u16).buffer);
+  for (let i = 0; i < values.length; i += 1) values[i] = table[codes[i]];
+  return values;
+}
+function unrun(runs, count) {
+  const values = new Float64Array(count);
+  let at = 0;
+  for (let i = 0; i + 1 < runs.length; i += 2) {
+    for (let k = 0; k < runs[i + 1]; k += 1) values[at++] = runs[i] + k;
+  }
+  return values;
+}
+
+// A column of numbers whose values are made when they are first asked for.
+function lazyColumn(about, values) {
+  let made;
+  return {
+    better: "", unit: "", doc: "", ...about,
+    get values() {
+      made ??= values();
+      return made;
+    },
+  };
+}
+
+function readDesigns(data) {
+  const count = data.rows;
+  const colors = unpack(data.colors);
+  const start = new Uint32Array(count + 1);
+  for (let i = 0; i < count; i += 1) start[i + 1] = start[i] + colors[i];
+  const designs = {
+    data, count, colors, start,
+    number: unrun(data.number, count),
+    section: unpack(data.section),
+    front: unpack(data.front),
+    center: unpack(data.filters.center),
+    fwhm: unpack(data.filters.fwhm),
+    peak: unpack(data.filters.peak),
+    curve: unpack(data.filters.curve),
+    curves: { ...data.filters.curves, values: unpack(data.filters.curves.values) },
+    words: data.words.map((w) => ({ ...w, words: w.values.words, codes: unpack(w.values.codes) })),
+    pictures: new Map(data.pictures.map((p) => [p.row, p])),
+  };
+  designs.tile = designs.words.find((w) => w.name === "tile");
+  if (data.sections.length > 1) {
+    const names = data.sections.map((s) => s.name);
+    designs.words.unshift({ name: "section", label: "Study and condition", doc: "", words: names, codes: designs.section });
+  }
+  designs.columns = [
+    lazyColumn({ name: "colors", label: "Number of colours", whole: true }, () => colors),
+    ...data.columns.map((c) => lazyColumn(c, () => unpack(c.values))),
+    ...ofFilters(designs),
+  ];
+  return designs;
+}
+
+// Parameters: what the filters of each design have in common, and those of each filter.
+function ofFilters(designs) {
+  const { count, colors, start, center, fwhm } = designs;
+  const each = (f) => () => {
+    const out = new Float32Array(count);
+    for (let i = 0; i < count; i += 1) out[i] = f(start[i], start[i + 1]);
+    return out;
+  };
+  const most = colors.reduce((a, b) => Math.max(a, b), 0);
+  const fold = (values, f, from) => (a, b) => {
+    let out = from;
+    for (let k = a; k < b; k += 1) out = f(out, values[k]);
+    return out;
+  };
+  const columns = [
+    lazyColumn({ name: "least_spacing_nm", label: "Least spacing of centres", unit: "nm", parameter: true }, each((a, b) => {
+      let least = Infinity;
+      for (let k = a + 1; k < b; k += 1) least = Math.min(least, center[k] - center[k - 1]);
+      return least === Infinity ? NaN : least;
+    })),
+    lazyColumn({ name: "mean_fwhm_nm", label: "Mean width (FWHM)", unit: "nm", parameter: true },
+      each((a, b) => fold(fwhm, (s, v) => s + v, 0)(a, b) / (b - a))),
+    lazyColumn({ name: "least_fwhm_nm", label: "Narrowest filter (FWHM)", unit: "nm", parameter: true }, each(fold(fwhm, Math.min, Infinity))),
+    lazyColumn({ name: "largest_fwhm_nm", label: "Widest filter (FWHM)", unit: "nm", parameter: true }, each(fold(fwhm, Math.max, -Infinity))),
+  ];
+  for (let k = 0; k < most; k += 1) {
+    const at = (values) => each((a, b) => (a + k < b ? values[a + k] : NaN));
+    columns.push(lazyColumn({ name: `center_${letter(k)}_nm`, label: `Centre of filter ${letter(k)}`, unit: "nm", parameter: true }, at(center)));
+    columns.push(lazyColumn({ name: `fwhm_${letter(k)}_nm`, label: `Width of filter ${letter(k)}`, unit: "nm", parameter: true }, at(fwhm)));
+  }
+  return columns;
+}
+function letter(index) {
+  return String.fromCharCode(65 + (index % 26));
+}
+
+function withUnit(column) {
+  return column.unit ? `${column.label}, ${column.unit}` : column.label;
+}
+// A value with as many digits as a reader compares.
+function shown(value) {
+  if (!Number.isFinite(value)) return "–";
+  const size = Math.abs(value);
+  if (Number.isInteger(value) && size < 1e6) return String(value);
+  if (size >= 1e5 || size < 1e-3) return value.toExponential(2);
+  return value.toFixed(size < 1 ? 3 : size < 20 ? 2 : 1);
+}
+// Values between which a share of them lies: [low, high], of those that are numbers.
+function quantiles(values, keep, shares) {
+  let some = [];
+  const step = Math.max(1, Math.floor(values.length / 20000));
+  for (let i = 0; i < values.length; i += step) if ((!keep || keep[i]) && Number.isFinite(values[i])) some.push(values[i]);
+  some = Float32Array.from(some).sort();
+  return shares.map((s) => (some.length ? some[Math.round(s * (some.length - 1))] : NaN));
+}
+function extent(values, keep) {
+  let low = Infinity;
+  let high = -Infinity;
+  for (let i = 0; i < values.length; i += 1) {
+    if ((!keep || keep[i]) && Number.isFinite(values[i])) {
+      if (values[i] < low) low = values[i];
+      if (values[i] > high) high = values[i];
+    }
+  }
+  return [low, high];
+}

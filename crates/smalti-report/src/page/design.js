@@ -1,0 +1,171 @@
+// One design: its spectra, its mosaic, its figures, its pictures.
+
+const NM = Array.from({ length: 171 }, (_, i) => 380 + 2 * i);
+
+// Transmittance of a filter at the wavelengths of NM; null where the page does not hold it.
+function curveOf(designs, at) {
+  const code = designs.curve[at];
+  if (code === -1) {
+    const [center, sigma, peak] = [designs.center[at], designs.fwhm[at] / 2.354820045, designs.peak[at]];
+    return NM.map((nm) => peak * Math.exp(-0.5 * ((nm - center) / sigma) ** 2));
+  }
+  if (code < 0) return null;
+  const { first_nm: first, step_nm: step, count, values } = designs.curves;
+  return NM.map((nm) => {
+    const place = Math.min(count - 1, Math.max(0, (nm - first) / step));
+    const low = Math.min(count - 2, Math.floor(place));
+    const [a, b] = [values[code * count + low], values[code * count + low + 1]];
+    return a + (b - a) * (place - low);
+  });
+}
+function filtersOf(designs, row) {
+  const filters = [];
+  for (let at = designs.start[row]; at < designs.start[row + 1]; at += 1) {
+    const curve = curveOf(designs, at);
+    const color = curve ? colorOfFilter(NM, curve) : [128, 128, 128];
+    filters.push({
+      letter: letter(at - designs.start[row]), center: designs.center[at], fwhm: designs.fwhm[at], peak: designs.peak[at], curve,
+      color: css(color), line: css(isDark() ? color.map((v) => Math.round(v + (255 - v) * 0.35)) : color),
+    });
+  }
+  return filters;
+}
+function filterWords(f) {
+  return `${f.letter} at ${shown(f.center)} nm, ${shown(f.fwhm)} nm wide, peak ${shown(f.peak)}`;
+}
+
+function spectraOf(filters) {
+  const [left, bottom, width, height] = [30, 150, 340, 132];
+  const x = (nm) => left + ((nm - 380) / 340) * width;
+  const top = Math.max(1, ...filters.map((f) => f.peak || 0));
+  const y = (t) => bottom - (t / top) * height;
+  const svg = draw("svg", { viewBox: "0 0 380 184", role: "img" },
+    draw("title", {}, "Spectra of the filters"), draw("desc", {}, filters.map(filterWords).join("; ")));
+  for (const t of [0, 0.5, 1]) {
+    svg.append(draw("path", { class: "axis", d: `M${left} ${y(t)}h${width}` }), draw("text", { class: "tick", x: left - 5, y: y(t) + 4, "text-anchor": "end" }, String(t)));
+  }
+  // The colours of the wavelengths below, so that one sees where a filter lies.
+  for (let nm = 380; nm < 720; nm += 4) {
+    svg.append(draw("rect", { x: x(nm), y: bottom + 1, width: width / 85 + 0.4, height: 5, fill: css(colorOfWavelength(nm + 2)) }));
+  }
+  for (let nm = 400; nm <= 700; nm += 50) svg.append(draw("text", { class: "tick", x: x(nm), y: bottom + 20, "text-anchor": "middle" }, String(nm)));
+  svg.append(draw("text", { class: "tick", x: left + width / 2, y: bottom + 33, "text-anchor": "middle" }, "Wavelength, nm"));
+  for (const f of filters.filter((one) => one.curve)) {
+    const path = f.curve.map((t, i) => `${i ? "L" : "M"}${x(NM[i]).toFixed(1)} ${y(t).toFixed(1)}`).join("");
+    svg.append(draw("path", { class: "filter", d: `${path}V${bottom}H${left}Z`, fill: f.color, stroke: "none" }), draw("path", { class: "filter", d: path, fill: "none", stroke: f.line }));
+    const peak = f.curve.indexOf(Math.max(...f.curve));
+    svg.append(draw("text", { class: "letter", x: x(NM[peak]), y: Math.max(11, y(f.curve[peak]) - 4), fill: f.line, "text-anchor": "middle" }, f.letter));
+  }
+  return svg;
+}
+
+// One period, framed, with half a period around it.
+function tileOf(tile, filters) {
+  const rows = tile.split("/").map((row) => [...row].map((c) => c.charCodeAt(0) - 97));
+  const [down, across] = [rows.length, rows[0].length];
+  const around = Math.max(down, across) > 8 ? 0 : 1;
+  const svg = draw("svg", { viewBox: `${-around - 0.1} ${-around - 0.1} ${across + 2 * around + 0.2} ${down + 2 * around + 0.2}`, role: "img" },
+    draw("title", {}, "Mosaic"), draw("desc", {}, `Rows of one period: ${tile.toUpperCase().split("/").join(", ")}`));
+  for (let r = -around; r < down + around; r += 1) {
+    for (let c = -around; c < across + around; c += 1) {
+      const filter = filters[rows[(r + down) % down][(c + across) % across]];
+      const inside = r >= 0 && r < down && c >= 0 && c < across;
+      svg.append(draw("rect", { class: "cell", x: c, y: r, width: 1, height: 1, fill: filter ? filter.color : "#808080", opacity: inside ? 1 : 0.4 }));
+      if (inside && filter && across <= 12) {
+        svg.append(draw("text", { x: c + 0.5, y: r + 0.64, "font-size": 0.4, "font-weight": 650, "text-anchor": "middle", fill: "#fff" }, filter.letter));
+      }
+    }
+  }
+  if (around) svg.append(draw("rect", { class: "frame", x: 0, y: 0, width: across, height: down }));
+  return svg;
+}
+
+// One period without letters, for tables.
+function smallTile(designs, row) {
+  const tile = designs.tile ? designs.tile.words[designs.tile.codes[row]] : "";
+  if (!tile) return null;
+  const rows = tile.split("/");
+  const colors = filtersOf(designs, row).map((f) => f.color);
+  return draw("svg", { class: "tile", viewBox: `0 0 ${rows[0].length} ${rows.length}`, "aria-hidden": "true", "shape-rendering": "crispEdges" },
+    ...rows.flatMap((cells, y) => [...cells].map((c, x) => draw("rect", { x, y, width: 1, height: 1, fill: colors[c.charCodeAt(0) - 97] || "#808080" }))));
+}
+
+// How many in a hundred of the designs with as many colours are worse.
+function rankOf(designs, column, row) {
+  if (!column.better || !Number.isFinite(column.values[row])) return "";
+  let [worse, all] = [0, 0];
+  for (let i = 0; i < designs.count; i += 1) {
+    if (designs.colors[i] !== designs.colors[row] || designs.section[i] !== designs.section[row] || !Number.isFinite(column.values[i])) continue;
+    all += 1;
+    // What no reader tells apart is equal.
+    const ahead = (column.better === "higher" ? 1 : -1) * (column.values[row] - column.values[i]);
+    if (ahead > 1e-4 * Math.abs(column.values[row])) worse += 1;
+  }
+  return all > 1 ? `${Math.floor((100 * worse) / (all - 1))} %` : "";
+}
+function figuresOf(designs, row) {
+  const table = make("table", {}, make("caption", { class: "hidden-text" }, "Figures of the design"),
+    make("thead", {}, make("tr", {}, make("th", { scope: "col" }, "Figure"), make("th", { scope: "col", class: "number" }, "Value"),
+      make("th", { scope: "col", class: "number", title: "of the designs with as many colours" }, "Better than"))));
+  const body = make("tbody");
+  for (const column of designs.columns.filter((c) => !c.parameter && c.name !== "colors" && Number.isFinite(c.values[row]))) {
+    body.append(make("tr", { title: column.doc }, make("th", { scope: "row" }, column.label),
+      make("td", { class: "number" }, shown(column.values[row]), make("span", { class: "unit" }, column.unit.replace("cycles", "cy").replace("pixel", "px"))),
+      make("td", { class: "number" }, rankOf(designs, column, row))));
+  }
+  table.append(body);
+  return table;
+}
+function filterTable(filters) {
+  const head = ["nm", "Centre", "FWHM", "Peak"];
+  return make("table", {}, make("caption", { class: "hidden-text" }, "Filters of the design"),
+    make("thead", {}, make("tr", {}, ...head.map((t, i) => make("th", { scope: "col", class: i ? "number" : "" }, t)))),
+    make("tbody", {}, ...filters.map((f) => {
+      const swatch = make("i", { class: "swatch" });
+      swatch.style.background = f.color;
+      return make("tr", {}, make("th", { scope: "row" }, swatch, f.letter), ...[f.center, f.fwhm, f.peak].map((v) => make("td", { class: "number" }, shown(v))));
+    })));
+}
+
+function pictureOf(picture, words) {
+  const image = (large) => make("img", { src: picture.src, width: picture.width, height: picture.height, alt: large ? "" : words });
+  const enlarge = () => {
+    const dialog = make("dialog", { "aria-label": words }, image(true),
+      make("form", { method: "dialog" }, make("span", {}, words), make("button", {}, "Close")));
+    dialog.addEventListener("close", () => dialog.remove());
+    document.body.append(dialog);
+    dialog.showModal();
+  };
+  return make("button", { type: "button", click: enlarge, "aria-haspopup": "dialog" }, image(false));
+}
+function picturesOf(designs, row, number) {
+  const here = designs.pictures.get(row);
+  if (here) {
+    const one = (picture, words, exact) => make("figure", { class: exact ? "exact" : "" }, pictureOf(picture, `${words}, design ${number}`), make("figcaption", {}, words));
+    return [make("div", { class: "pictures" }, one(here.zone_plate, "Zone plate, pixel for pixel, without noise", true), one(here.scene, "Dead leaves, with all noise"))];
+  }
+  const study = designs.data.studies[designs.data.sections[designs.section[row]].study];
+  return [
+    make("p", { class: "none" }, `No pictures of this design are in this page: it holds those of ${designs.pictures.size} (filter “with pictures”). This command makes a page with them:`),
+    make("div", { class: "copyable" }, make("pre", { tabindex: "0" }, `smalti report ${study.dir} --picture ${number} -o design-${number}.html`),
+      make("button", { type: "button", "data-copy": true }, "Copy command")),
+  ];
+}
+
+function showDesign(designs, row, panel) {
+  const filters = filtersOf(designs, row);
+  const number = designs.number[row];
+  const words = designs.words.filter((w) => w !== designs.tile && w.words[w.codes[row]]).map((w) => w.words[w.codes[row]]);
+  const tile = designs.tile ? designs.tile.words[designs.tile.codes[row]] : "";
+  panel.replaceChildren(
+    make("h3", {}, `Design ${number}`),
+    make("p", { class: "sub" }, [`${designs.colors[row]} colours`, ...words, designs.front[row] ? "on the Pareto front" : null].filter(Boolean).join(" · ")),
+    spectraOf(filters),
+    make("div", { class: "halves" },
+      make("div", {}, make("h4", {}, "Mosaic"), tile ? tileOf(tile, filters) : null),
+      make("div", {}, make("h4", {}, "Filters"), filterTable(filters))),
+    make("h4", {}, "Figures"), figuresOf(designs, row),
+    make("h4", {}, "Pictures"), ...picturesOf(designs, row, number),
+  );
+  if (filters.some((f) => !f.curve)) panel.append(make("p", { class: "none" }, "The spectra of some filters are not in this page: it would have become too large."));
+}

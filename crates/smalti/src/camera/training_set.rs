@@ -1,0 +1,99 @@
+//! The scenes that pipelines learn from by default, and what they are painted with.
+
+use super::{Camera, CameraError};
+use crate::color::jakob_hanika2019::Uplift;
+use crate::scene::{Scene, Setting, catalog};
+use crate::spectrum::{Illuminant, Observer, Spectrum, WavelengthGrid, reflectance};
+
+/// Pixels of the sensor that a scene of the default set spans, in rows and columns.
+const SCENE_PX: usize = 256;
+/// Samples of those scenes per pixel: two, so that detail beyond the sensor's Nyquist frequency is there to alias.
+const SAMPLES_PER_PX: usize = 2;
+/// Greys among the reflectances of the default set.
+const GREYS: usize = 16;
+
+/// A scene of the default training set.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TrainingScene {
+    /// The scene's name in the catalogue, with its parameters.
+    pub spec: String,
+    /// Its light.
+    pub light: Illuminant,
+}
+
+/// The default training set, each scene under one of the lights in turn:
+///
+/// - dead leaves and charts of even patches, at several scales, in natural and in saturated colours;
+/// - gradients from colour to colour and from light to shade; shades on white paper, since what clips in pictures is white far more
+///   often than coloured;
+/// - glossy balls with highlights, lamps and deep shade, of high dynamic range;
+/// - edges, rays, gratings and a grey ramp.
+///
+/// None of it is in [`test_scenes`](super::test_scenes), nor in the targets of [`evaluate`](super::evaluate()), nor are the
+/// reflectances of the ColorChecker among those it is painted with.
+#[must_use]
+pub fn training_scenes(lights: &[Illuminant]) -> Vec<TrainingScene> {
+    let n = SCENE_PX * SAMPLES_PER_PX;
+    let leaves = |seed: usize, least: f64, largest: usize| {
+        format!("dead-leaves?rows={n}&cols={n}&seed={seed}&least={least}&largest={largest}")
+    };
+    let scales = [(1.5, 200), (3.0, 60), (1.0, 30), (8.0, 400)];
+    let mut specs: Vec<String> = (0..12).map(|i| leaves(i + 1, scales[i % 4].0, scales[i % 4].1)).collect();
+    let patches =
+        |(i, least): (usize, u32)| format!("color-patches?rows={n}&cols={n}&seed={}&least={least}", i + 1);
+    specs.extend([3, 8, 5].into_iter().enumerate().map(patches));
+    let gradients =
+        |(i, cell): (usize, u32)| format!("gradients?rows={n}&cols={n}&seed={}&cell={cell}", i + 1);
+    specs.extend([64, 128].into_iter().enumerate().map(gradients));
+    let paper = |(i, cell): (usize, u32)| {
+        format!("gradients?rows={n}&cols={n}&seed={}&cell={cell}&contrast=3&paint=white", i + 11)
+    };
+    specs.extend([64, 32].into_iter().enumerate().map(paper));
+    specs.extend((1..=3).map(|seed| format!("glossy-balls?rows={n}&cols={n}&seed={seed}")));
+    specs.extend([
+        format!("slanted-bar?size={}&angle=11&contrast=100&sampling=area", n + 1),
+        format!("checkerboard?squares=11&square={}&contrast=50", n / 11),
+        format!("siemens-star?size={n}&cycles=36&contrast=20"),
+        format!("frequency-sweep?rows={n}&cols={n}&contrast=0.05"),
+        format!("grey-steps?steps=16&step={}&rows={n}&density=2", n / 16),
+    ]);
+    let lights = if lights.is_empty() { &[Illuminant::D65][..] } else { lights };
+    // Every light meets every scale of leaves.
+    let light = |i: usize| lights[(i + i / 4) % lights.len()].clone();
+    specs.into_iter().enumerate().map(|(i, spec)| TrainingScene { spec, light: light(i) }).collect()
+}
+
+impl TrainingScene {
+    /// The scene, as large as it is meant to be on a camera's sensor.
+    ///
+    /// # Errors
+    /// When the catalogue has no such scene.
+    pub fn build(&self, camera: &Camera) -> Result<Scene, CameraError> {
+        let grid = camera.grid();
+        let setting = Setting { illuminant: self.light.clone(), grid, ..Setting::default() };
+        let scene = catalog::build(&self.spec, &setting, &training_reflectances(grid)?)?;
+        let px = scene.radiance().cols() / SAMPLES_PER_PX;
+        let deg = camera.field_of_view_deg(px.max(1), setting.distance_m)?;
+        Ok(scene.with_fov(deg)?)
+    }
+}
+
+/// Reflectances of natural objects; greys, since nature has few and what is not trained is not rendered well: they keep
+/// neutrals neutral; and saturated colours lifted from RGB, few, since each pulls the transforms away from the others.
+///
+/// # Errors
+/// When the grid is one that colours cannot be lifted on.
+pub fn training_reflectances(grid: WavelengthGrid) -> Result<Vec<Spectrum>, CameraError> {
+    let mut all: Vec<Spectrum> = reflectance::natural(grid)?.into_iter().map(|(_, s)| s).collect();
+    all.extend((1..=GREYS).map(|i| Spectrum::constant(grid, (i as f64 / GREYS as f64).powi(2) * 0.95)));
+    let uplift = Uplift::new(grid, Observer::Cie1931)?;
+    const ENDS: [f64; 2] = [0.1, 0.6];
+    for r in ENDS {
+        for g in ENDS {
+            for b in ENDS {
+                all.push(uplift.reflectance(uplift.coefficients([r, g, b])));
+            }
+        }
+    }
+    Ok(all)
+}

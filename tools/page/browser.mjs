@@ -1,0 +1,37 @@
+// A browser without a network, and pages in it whose every fault is kept.
+import { existsSync } from "node:fs";
+import { readFile } from "node:fs/promises";
+import { createRequire } from "node:module";
+import { chromium } from "playwright-core";
+
+const require = createRequire(import.meta.url);
+const axeSource = await readFile(require.resolve("axe-core/axe.min.js"), "utf8");
+const executablePath = process.env.SMALTI_CHROMIUM ?? ["/usr/bin/chromium", "/usr/bin/chromium-browser", "/usr/bin/google-chrome"].find((p) => existsSync(p));
+
+export function launch() {
+  if (!executablePath) throw new Error("no Chromium: install Debian's chromium or set SMALTI_CHROMIUM");
+  const args = ["--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-background-networking", "--disable-component-update", "--disable-sync"];
+  return chromium.launch({ executablePath, args });
+}
+
+// Opens a file. `faults` gathers errors, refusals by the policy, and requests for anything but the file itself.
+export async function open(browser, file, options = {}) {
+  const context = await browser.newContext({ viewport: { width: 1500, height: 1000 }, offline: true, acceptDownloads: true, ...options });
+  const page = await context.newPage();
+  const faults = [];
+  page.on("console", (m) => { if (["error", "warning"].includes(m.type())) faults.push(`console: ${m.text()}`); });
+  page.on("pageerror", (e) => faults.push(`error: ${e.stack}`));
+  page.on("request", (r) => { if (!/^(data|blob):/.test(r.url()) && r.url() !== `file://${file}`) faults.push(`request: ${r.url()}`); });
+  page.on("dialog", (d) => { faults.push(`dialog: ${d.message()}`); d.dismiss(); });
+  await page.goto(`file://${file}`);
+  return { page, faults, close: () => context.close() };
+}
+
+// Serious faults that axe-core finds.
+export async function axe(page) {
+  await page.evaluate(axeSource);
+  const { violations } = await page.evaluate(() => window.axe.run());
+  return violations
+    .filter((v) => ["serious", "critical"].includes(v.impact))
+    .map((v) => `${v.id}: ${v.help}: ${v.nodes.slice(0, 3).map((n) => n.html.slice(0, 160)).join(" | ")}`);
+}

@@ -1,0 +1,28 @@
+// A page of many designs out of one of few: its data are replaced. The policy allows that, data are no program.
+export function withDesigns(html, count) {
+  const found = html.match(/(<script type="application\/json" id="sweep">)(.*?)(<\/script>)/s);
+  const data = JSON.parse(found[2]);
+  let state = 1;
+  const random = () => {
+    state = (Math.imul(state, 1664525) + 1013904223) >>> 0;
+    return state / 2 ** 32;
+  };
+  const packed = (f) => ({ n: count, f32: Buffer.from(Float32Array.from({ length: count }, (_, i) => f(i)).buffer).toString("base64") });
+  const constant = (value) => ({ n: count, table: Buffer.from(Float32Array.of(value).buffer).toString("base64") });
+  const ranges = { delta_e_76: [0.6, 25], delta_e_2000: [0.5, 12], mtf50_cy_per_mm: [45, 120], mtf50_cy_per_px: [0.1, 0.3], luminance_noise_percent: [1, 6] };
+  const filters = 3 * count;
+  const each = (f) => ({ n: filters, f32: Buffer.from(Float32Array.from({ length: filters }, (_, i) => f(i)).buffer).toString("base64") });
+  Object.assign(data, {
+    rows: count,
+    number: [0, count],
+    section: constant(0),
+    front: constant(0),
+    colors: constant(3),
+    columns: data.columns.filter((c) => ranges[c.name]).map((c) => ({ ...c, values: packed(() => ranges[c.name][0] + (ranges[c.name][1] - ranges[c.name][0]) * random() * random()) })),
+    words: data.words.map((w) => ({ ...w, values: { words: [w.name === "tile" ? "bc/ab" : w.values.words[0]], codes: constant(0) } })),
+    filters: { center: each((i) => 450 + 70 * (i % 3)), fwhm: each(() => 60 + 40 * random()), peak: { n: filters, table: constant(1).table }, curve: { n: filters, table: constant(-1).table }, curves: data.filters.curves },
+    pictures: [],
+  });
+  const json = JSON.stringify(data).replaceAll("<", "\\u003c");
+  return html.slice(0, found.index) + found[1] + json + found[3] + html.slice(found.index + found[0].length);
+}

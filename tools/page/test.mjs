@@ -1,0 +1,263 @@
+// The page of a study in a real browser. SMALTI names the program (target/debug/smalti), SMALTI_CHROMIUM the browser.
+import assert from "node:assert/strict";
+import { execFileSync } from "node:child_process";
+import { mkdtemp, readFile, rm, writeFile } from "node:fs/promises";
+import { tmpdir } from "node:os";
+import { join, resolve } from "node:path";
+import { after, before, test } from "node:test";
+import { axe, launch, open } from "./browser.mjs";
+import { withDesigns } from "./many.mjs";
+
+const here = import.meta.dirname;
+const smalti = resolve(process.env.SMALTI ?? join(here, "../../target/debug/smalti"));
+let dir;
+let browser;
+let file;
+
+before(async () => {
+  dir = await mkdtemp(join(tmpdir(), "smalti-page-"));
+  const run = (...args) => execFileSync(smalti, [...args, "--quiet"], { cwd: dir, stdio: ["ignore", "pipe", "inherit"] });
+  run("sweep", join(here, "study.toml"), "-o", "out", "--no-cache");
+  run("report", "out", "-o", "report.html", "--pictures", "4", "--picture", "5");
+  file = join(dir, "report.html");
+  browser = await launch();
+});
+after(async () => {
+  await browser?.close();
+  await rm(dir, { recursive: true, force: true });
+});
+
+async function withPage(options, work, path = file) {
+  const { page, faults, close } = await open(browser, path, options);
+  try {
+    await page.locator(".scatter canvas").last().waitFor();
+    await work(page);
+    assert.deepEqual(faults, []);
+  } finally {
+    await close();
+  }
+}
+const plot = (page) => page.getByRole("application");
+const count = (page) => page.locator(".selection output");
+async function brush(page, [x0, y0, x1, y1], steps = 4) {
+  await plot(page).scrollIntoViewIfNeeded();
+  const box = await plot(page).boundingBox();
+  await page.mouse.move(box.x + x0 * box.width, box.y + y0 * box.height);
+  await page.mouse.down();
+  await page.mouse.move(box.x + x1 * box.width, box.y + y1 * box.height, { steps });
+  await page.mouse.up();
+}
+const number = (text) => Number(text.match(/[\d,]+/)[0].replaceAll(",", ""));
+
+test("hostile names are shown and do nothing", () => withPage({}, async (page) => {
+  assert.ok((await page.title()).startsWith("</script><script>"));
+  assert.ok((await page.locator("h1").textContent()).includes("<img src=x onerror"));
+  assert.equal(await page.locator("h1 img, h1 script, .lead b").count(), 0);
+  const text = await page.locator("body").innerText();
+  assert.ok(!/[\u202a-\u202e\u2066-\u2069]/.test(text), "no mark turns the direction of the page");
+  assert.ok(text.includes("�isolated�"));
+  const policy = await page.locator("meta[http-equiv]").getAttribute("content");
+  assert.match(policy, /^default-src 'none'; script-src 'sha256-[^ ]+'; style-src 'sha256-[^ ]+'; img-src data:;/);
+}));
+
+test("a rectangle selects, and the selection is saved", () => withPage({}, async (page) => {
+  assert.equal(number(await count(page).textContent()), 240);
+  await brush(page, [0.2, 0.2, 0.7, 0.8]);
+  const words = await count(page).textContent();
+  assert.match(words, /^\d+ of 240 designs selected/);
+  const selected = number(words);
+  assert.ok(selected > 5 && selected < 240, words);
+  assert.equal(await page.locator(".histogram .some[d^=M]").count(), 4);
+
+  const [download] = await Promise.all([page.waitForEvent("download"), page.getByRole("button", { name: "Download CSV" }).click()]);
+  const lines = (await readFile(await download.path(), "utf8")).trimEnd().split("\n");
+  assert.equal(lines.length, selected + 1);
+  const head = lines[0].split(",");
+  for (const name of ["design", "optics_f_number", "tile", "delta_e_76", "mtf50_cy_per_mm", "center_nm"]) assert.ok(head.includes(name), name);
+  // Names with commas and quotes stand in quotes; the columns behind hold none.
+  const back = (name) => head.length - head.indexOf(name);
+  for (const line of lines.slice(1)) {
+    const cells = line.split(",");
+    const colors = cells.at(-back("center_nm")).split(" ").length;
+    assert.ok(colors >= 3 && colors <= 5);
+    assert.ok(Number(cells.at(-back("mtf50_cy_per_mm"))) > 10);
+  }
+
+  await page.getByRole("button", { name: "Zoom to selection" }).click();
+  assert.equal(number(await count(page).textContent()), 240);
+  await page.getByRole("button", { name: "Zoom out" }).click();
+  await brush(page, [0.2, 0.2, 0.7, 0.8]);
+  await page.getByRole("button", { name: "Clear selection" }).click();
+  assert.equal(await count(page).textContent().then(number), 240);
+
+  // Without a selection all is saved; its figures are those of the document, to seven digits.
+  const [second] = await Promise.all([page.waitForEvent("download"), page.getByRole("button", { name: "Download CSV" }).click()]);
+  const all = (await readFile(await second.path(), "utf8")).trimEnd().split("\n").slice(1).map((line) => line.split(","));
+  assert.equal(all.length, 240);
+  const cell = (cells, name) => cells.at(-back(name));
+  const byNumber = new Map(all.map((cells) => [Number(cell(cells, "design")), cells]));
+  const report = JSON.parse(execFileSync(smalti, ["report", "out", "-o", "again.html", "--pictures", "0", "--json", "--quiet"], { cwd: dir }));
+  const best = report.studies[0].sections.flatMap((s) => s.colors.flatMap((c) => c.best));
+  assert.equal(best.length, 18);
+  for (const design of best) {
+    const cells = byNumber.get(design.design);
+    assert.equal(cell(cells, "tile"), design.tile);
+    for (const name of ["delta_e_76", "mtf50_cy_per_mm", "luminance_noise_percent"]) {
+      assert.ok(Math.abs(cell(cells, name) / design[name] - 1) < 1e-6, name);
+    }
+    assert.deepEqual(cell(cells, "center_nm").split(" ").map(Number), design.center_nm);
+  }
+}));
+
+test("a click shows a design, with a picture or with how to make one", () => withPage({}, async (page) => {
+  const panel = page.locator("section.design");
+  assert.equal(await panel.locator(".pictures img").count(), 2, "the first has pictures");
+  const row = page.locator("#best tbody tr", { has: page.locator("td", { hasText: "5" }) }).last();
+  await row.getByRole("button").click();
+  const title = await row.getByRole("button").textContent();
+  assert.equal(await panel.locator("h3").textContent(), `Design ${title}`);
+  assert.equal(await panel.locator("tbody tr").first().locator("th").textContent(), "A");
+  assert.ok((await panel.locator("desc").first().textContent()).startsWith("A at "));
+  if (await panel.locator(".pictures").count() === 0) {
+    assert.match(await panel.locator(".copyable pre").textContent(), new RegExp(`^smalti report out --picture ${title} -o`));
+  }
+  await page.getByLabel("with pictures").check();
+  assert.equal(number(await count(page).textContent()), 5);
+  await plot(page).focus();
+  await page.keyboard.press("ArrowRight");
+  await page.keyboard.press("Enter");
+  assert.equal(await panel.locator(".pictures img").count(), 2);
+  await panel.locator(".pictures button").first().click();
+  await page.getByRole("button", { name: "Close" }).click();
+  assert.equal(await page.locator("dialog").count(), 0);
+}));
+
+test("the keyboard walks from point to point", () => withPage({}, async (page) => {
+  const panel = page.locator("section.design h3");
+  await plot(page).focus();
+  await page.keyboard.press("Home");
+  const first = await count(page).textContent();
+  assert.match(first, /^Design \d+, \d colours, Resolution MTF50/);
+  await page.keyboard.press("ArrowRight");
+  const second = await count(page).textContent();
+  assert.notEqual(second, first);
+  const mtf50 = (words) => Number(words.match(/MTF50 ([\d.]+)/)[1]);
+  assert.ok(mtf50(second) >= mtf50(first));
+  // A mouse that happens to lie on the plot does not take the point away.
+  const box = await plot(page).boundingBox();
+  await page.mouse.move(box.x + box.width - 30, box.y + box.height - 60, { steps: 3 });
+  await page.waitForTimeout(100);
+  await page.keyboard.press("Enter");
+  assert.equal(await panel.textContent(), second.match(/^Design \d+/)[0]);
+}));
+
+test("filters by colours, conditions and ranges", () => withPage({}, async (page) => {
+  await page.getByLabel("3 colours").uncheck();
+  assert.equal(number(await count(page).textContent()), 160);
+  await page.getByRole("button", { name: "Add a range" }).click();
+  await page.getByLabel("Column of the range").selectOption({ label: "Optics f number" });
+  await page.getByLabel("At most").fill("3");
+  assert.equal(number(await count(page).textContent()), 80);
+  await page.getByRole("button", { name: "Remove the range" }).click();
+  await page.getByRole("button", { name: "Reset filters" }).click();
+  assert.equal(number(await count(page).textContent()), 240);
+  await page.getByLabel("Colour by").selectOption({ label: "Luminance noise, %" });
+  await page.getByLabel("Up").selectOption({ label: "Mean width (FWHM), nm" });
+  assert.equal(number(await count(page).textContent()), 240);
+}));
+
+test("tables sort, commands copy, the theme changes", () => withPage({ permissions: ["clipboard-read", "clipboard-write"] }, async (page) => {
+  const table = page.locator("#means table").first();
+  const cells = () => table.locator("tbody td:nth-child(4)").allTextContents().then((t) => t.map(parseFloat));
+  await table.getByRole("button", { name: "ΔE*ab, mean" }).click();
+  const up = await cells();
+  assert.deepEqual(up, [...up].sort((a, b) => a - b));
+  await table.getByRole("button", { name: "ΔE*ab, mean" }).click();
+  assert.deepEqual(await cells(), up.reverse());
+
+  await page.locator("#again [data-copy]").click();
+  const command = await page.evaluate(() => navigator.clipboard.readText());
+  assert.match(command, /^cat > study.json <<'EOF'\n\{[\x20-\x7e\n]+\}\nEOF\nsmalti sweep study.json -o again && smalti report again$/);
+  // The command alone makes the same results.
+  execFileSync("sh", ["-c", command.replace("smalti sweep", `'${smalti}' sweep --quiet`).replace(/ && .*/, "")], { cwd: dir });
+  const part = (where) => readFile(join(dir, where, "designs/part-000000.parquet"));
+  assert.deepEqual(await part("again"), await part("out"));
+
+  const back = () => page.evaluate(() => getComputedStyle(document.body).backgroundColor);
+  const light = await back();
+  await page.getByRole("button", { name: "Switch to dark colours" }).click();
+  assert.notEqual(await back(), light);
+}));
+
+for (const colorScheme of ["light", "dark"]) {
+  test(`axe finds no serious fault, ${colorScheme}`, () => withPage({ colorScheme }, async (page) => {
+    await brush(page, [0.2, 0.2, 0.7, 0.8]);
+    assert.deepEqual(await axe(page), []);
+  }));
+}
+
+test("a phone needs no horizontal scrolling", () => withPage({ viewport: { width: 390, height: 844 }, hasTouch: true }, async (page) => {
+  assert.equal(await page.evaluate(() => document.documentElement.scrollWidth), 390);
+  const wide = await page.evaluate(() => [...document.querySelectorAll("main *")]
+    .filter((e) => e.getBoundingClientRect().right > 391 && !e.closest(".scrolls, pre, svg, .hidden-text"))
+    .map((e) => e.outerHTML.slice(0, 120)));
+  assert.deepEqual(wide, []);
+  const box = await plot(page).boundingBox();
+  await page.touchscreen.tap(box.x + box.width / 2, box.y + box.height / 2);
+}));
+
+test("on paper the points are drawn again, in light colours", () => withPage({ colorScheme: "dark" }, async (page) => {
+  const painted = () => page.evaluate(() => {
+    const canvas = document.querySelector(".scatter canvas:last-of-type");
+    const copy = new OffscreenCanvas(canvas.width, canvas.height).getContext("2d", { willReadFrequently: true });
+    copy.drawImage(canvas, 0, 0);
+    const { data } = copy.getImageData(0, 0, canvas.width, canvas.height);
+    let count = 0;
+    for (let i = 3; i < data.length; i += 4) count += data[i] > 0;
+    return [count, document.documentElement.dataset.theme];
+  });
+  const [screen, none] = await painted();
+  await page.evaluate(() => dispatchEvent(new Event("beforeprint")));
+  const [paper, theme] = await painted();
+  assert.ok(paper > screen + 240 * 4, `${screen} ${paper}`);
+  assert.deepEqual([none, theme], [undefined, "light"]);
+  await page.evaluate(() => dispatchEvent(new Event("afterprint")));
+  assert.deepEqual(await painted(), [screen, undefined]);
+}));
+
+test("without scripts the tables and figures stand", () => withPageWithoutScripts());
+async function withPageWithoutScripts() {
+  const { page, close } = await open(browser, file, { javaScriptEnabled: false });
+  assert.equal(await page.locator("#means table").count(), 2);
+  assert.equal(await page.locator("#means svg[role=img] title").first().textContent().then((t) => t.length > 0), true);
+  assert.ok(await page.locator("#explorer .warning").isVisible());
+  await close();
+}
+
+test("100 000 points answer a brush within 100 ms", async () => {
+  const many = join(dir, "many.html");
+  await writeFile(many, withDesigns(await readFile(file, "utf8"), 100_000));
+  await withPage({}, async (page) => {
+    assert.equal(number(await count(page).textContent()), 100_000);
+    // From the event to the frame that shows it.
+    await page.evaluate(() => {
+      window.took = [];
+      document.querySelector(".scatter canvas:last-of-type").addEventListener("pointermove", (event) => {
+        if (event.buttons === 0) return;
+        requestAnimationFrame(() => {
+          const channel = new MessageChannel();
+          channel.port1.onmessage = () => window.took.push(performance.now() - event.timeStamp);
+          channel.port2.postMessage(0);
+        });
+      });
+    });
+    await brush(page, [0.2, 0.2, 0.8, 0.9], 12);
+    const selected = number(await count(page).textContent());
+    assert.ok(selected > 1000 && selected < 100_000);
+    const took = (await page.evaluate(() => window.took)).sort((a, b) => a - b);
+    const work = await page.evaluate(() => performance.getEntriesByName("smalti-brush", "measure").map((m) => m.duration));
+    const median = took[Math.floor(took.length / 2)];
+    console.log(`# brush of 100 000: ${median.toFixed(0)} ms from event to frame, ${Math.max(...work).toFixed(0)} ms of work at most`);
+    assert.ok(median < 100, `${took.map((t) => t.toFixed(0))}`);
+  }, many);
+});
