@@ -6,7 +6,9 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 use smalti_io::Override;
 use smalti_io::dataset::Shard;
 
+use crate::convert::Convert;
 use crate::learning_args::LearningOptions;
+use crate::show::Show;
 
 /// A camera simulator that designs colour filter arrays and their image processing together.
 #[derive(Debug, Parser)]
@@ -20,7 +22,8 @@ use crate::learning_args::LearningOptions;
         smalti simulate my.toml --scene zone-plate -o out   your camera, another scene\n  \
         smalti evaluate bayer rgbw                          colour, resolution, noise, aliasing\n  \
         smalti sweep table2 -o out && smalti report out     5000 colour filter arrays, scored and shown\n  \
-        smalti list cfas                                    what is built in\n\n\
+        smalti list cfas                                    what is built in\n  \
+        smalti show rgbw                                    a camera, its mosaic and its spectra, drawn\n\n\
         Results go to standard output or -o, progress and messages to standard error.\n\
         Exit code: 0 done, 1 failed, 2 wrong usage."
 )]
@@ -60,16 +63,25 @@ pub(crate) enum Command {
     Report(ReportArgs),
     /// List what is built in
     List(List),
+    /// Draw a colour filter array, a camera or a scene in the terminal
+    Show(Box<Show>),
     /// Convert a scene between formats, or write a built-in scene to a file
     Convert(Convert),
     /// Print a script for tab completion
     #[command(after_help = "Examples:\n  \
-        smalti completions bash > ~/.local/share/bash-completion/completions/smalti\n  \
-        smalti completions zsh > ~/.zfunc/_smalti\n  \
-        smalti completions fish > ~/.config/fish/completions/smalti.fish")]
+        echo 'source <(smalti completions bash)' >> ~/.bashrc\n  \
+        echo 'source <(smalti completions zsh)' >> ~/.zshrc               after compinit\n  \
+        smalti completions fish > ~/.config/fish/completions/smalti.fish\n\n\
+        The script asks smalti itself, which offers cameras, scenes, lights and studies by name beside files.")]
     Completions {
         /// For which shell
         shell: clap_complete::Shell,
+    },
+    /// Write a manual page for each command
+    #[command(hide = true, after_help = "Examples:\n  smalti man ~/.local/share/man/man1")]
+    Man {
+        /// Folder, made if need be
+        dir: PathBuf,
     },
 }
 
@@ -303,34 +315,6 @@ pub(crate) enum Listing {
     CameraKeys,
     /// Keys of a study file, with their defaults
     StudyKeys,
-}
-
-#[derive(Debug, Clone, Args)]
-#[command(after_help = "Examples:\n  \
-    smalti convert macbeth -o macbeth.exr\n  \
-    smalti convert photo.png --illuminant A -o lifted.exr\n  \
-    smalti convert dead-leaves?seed=7 --wavelengths 400:5:700 -o photons.npy")]
-pub(crate) struct Convert {
-    /// A built-in scene or a file
-    pub(crate) scene: String,
-    #[command(flatten)]
-    pub(crate) scene_options: SceneOptions,
-    /// .exr (spectral), .png or .tif (a picture as the standard observer sees it) or .npy (photons)
-    #[arg(short, long, value_name = "FILE")]
-    pub(crate) output: PathBuf,
-    /// Layout of a spectral EXR
-    #[arg(long, value_enum, default_value_t = ExrLayout::Fichet2021)]
-    pub(crate) layout: ExrLayout,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(crate) enum ExrLayout {
-    /// `S0.400,0nm` channels with units (Fichet et al. 2021)
-    #[value(name = "fichet2021")]
-    Fichet2021,
-    /// `Radiance.C01` channels
-    #[value(name = "pbrt")]
-    Pbrt,
 }
 
 #[derive(Debug, Clone, Args)]

@@ -1,15 +1,46 @@
 //! `smalti convert`: a scene to another format.
 
+use std::path::PathBuf;
+
 use anyhow::{Context, bail};
+use clap::{Args, ValueEnum};
 use smalti::color::{ColorSpace, Image};
 use smalti_io::exr::{self, Layout, SpectralFile};
 use smalti_io::npy;
 use smalti_io::picture::{self, Depth};
 
-use crate::args::{Common, Convert, ExrLayout};
+use crate::args::{Common, SceneOptions};
 use crate::brightness::{brightness_gain, scaled};
 use crate::progress::Progress;
 use crate::resolve::{self, has_extension};
+
+#[derive(Debug, Clone, Args)]
+#[command(after_help = "Examples:\n  \
+    smalti convert macbeth -o macbeth.exr\n  \
+    smalti convert photo.png --illuminant A -o lifted.exr\n  \
+    smalti convert dead-leaves?seed=7 --wavelengths 400:5:700 -o photons.npy")]
+pub(crate) struct Convert {
+    /// A built-in scene or a file
+    pub(crate) scene: String,
+    #[command(flatten)]
+    pub(crate) scene_options: SceneOptions,
+    /// .exr (spectral), .png or .tif (a picture as the standard observer sees it) or .npy (photons)
+    #[arg(short, long, value_name = "FILE")]
+    pub(crate) output: PathBuf,
+    /// Layout of a spectral EXR
+    #[arg(long, value_enum, default_value_t = ExrLayout::Fichet2021)]
+    pub(crate) layout: ExrLayout,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum ExrLayout {
+    /// `S0.400,0nm` channels with units (Fichet et al. 2021)
+    #[value(name = "fichet2021")]
+    Fichet2021,
+    /// `Radiance.C01` channels
+    #[value(name = "pbrt")]
+    Pbrt,
+}
 
 pub(crate) fn run(args: &Convert, common: &Common) -> anyhow::Result<()> {
     let progress = Progress::new(2, common.quiet);

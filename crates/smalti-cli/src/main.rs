@@ -5,6 +5,7 @@ mod brightness;
 mod columns;
 mod compare;
 mod compare_report;
+mod complete;
 mod convert;
 mod design_columns;
 mod evaluate;
@@ -12,15 +13,18 @@ mod keys;
 mod learn;
 mod learning_args;
 mod list;
+mod man;
 mod names;
 mod pictures;
 mod progress;
 mod render;
 mod resolve;
+mod show;
 mod simulate;
 mod study_report;
 mod sweep;
 mod table;
+mod terminal;
 mod train;
 
 use std::io::Write;
@@ -30,6 +34,7 @@ use args::{Cli, Command};
 use clap::{CommandFactory, Parser};
 
 fn main() -> ExitCode {
+    complete::answer(Cli::command);
     let cli = Cli::parse();
     match run(cli) {
         Ok(()) => ExitCode::SUCCESS,
@@ -55,12 +60,10 @@ fn run(cli: Cli) -> anyhow::Result<()> {
         Command::Sweep(a) => sweep::run(&a, &cli.common),
         Command::Report(a) => study_report::run(&a, &cli.common),
         Command::List(a) => list::run(&a),
+        Command::Show(a) => show::run(&a),
         Command::Convert(a) => convert::run(&a, &cli.common),
-        Command::Completions { shell } => {
-            let mut script = Vec::new();
-            clap_complete::generate(shell, &mut Cli::command(), "smalti", &mut script);
-            print(&String::from_utf8_lossy(&script))
-        }
+        Command::Completions { shell } => print(&complete::script(shell)?),
+        Command::Man { dir } => print(&man::write_pages(Cli::command(), &dir)?),
     }
 }
 

@@ -5,7 +5,7 @@ use smalti::color::matrix::IDENTITY;
 use smalti::color::{Adaptation, ColorSpace, Image};
 use smalti::l3::{Origin, Pipeline};
 use smalti::numeric::Planes;
-use smalti::spectrum::{Illuminant, Observer, Spectrum};
+use smalti::spectrum::{Illuminant, Observer, Outside, Spectrum, WavelengthGrid};
 use smalti_report::Sheet;
 
 /// Pixels of a tap in pictures of kernels, and of the frame that shows its filter's colour.
@@ -93,17 +93,21 @@ fn diverging(value: f32) -> [f32; 3] {
     end.map(|e| 1.0 + share * (e - 1.0))
 }
 
-/// What the filters look like in daylight, in sRGB; dark ones (infrared) grey.
+/// What the filters look like in daylight.
 fn filter_colors(camera: &Camera) -> anyhow::Result<Vec<[f32; 3]>> {
-    let light = Illuminant::D65.photons(camera.grid())?;
-    let color = |filter: &Spectrum| {
-        let xyz = Observer::Cie1931.xyz_from_photons(&filter.times(&light)?)?;
-        let white = Observer::Cie1931.xyz_from_photons(&light)?[1];
-        let planes = Planes::new(1, 1, 3, xyz.map(|v| (v / white) as f32).to_vec())?;
-        let rgb = Image::new(ColorSpace::Xyz, planes)?.converted(ColorSpace::Srgb)?;
-        Ok([0, 1, 2].map(|c| rgb.planes().plane(c)[0].clamp(0.25, 1.0)))
-    };
-    camera.sensor.cfa.channels().iter().map(|c| color(&c.transmittance)).collect()
+    camera.sensor.cfa.channels().iter().map(|c| filter_color(&c.transmittance)).collect()
+}
+
+/// What a filter looks like in daylight, in sRGB; a dark one (infrared) grey.
+pub(crate) fn filter_color(filter: &Spectrum) -> anyhow::Result<[f32; 3]> {
+    // Daylight is not tabulated as far as sensors see.
+    let filter = filter.resampled(WavelengthGrid::VISIBLE, Outside::Zero)?;
+    let light = Illuminant::D65.photons(filter.grid())?;
+    let xyz = Observer::Cie1931.xyz_from_photons(&filter.times(&light)?)?;
+    let white = Observer::Cie1931.xyz_from_photons(&light)?[1].max(f64::MIN_POSITIVE);
+    let planes = Planes::new(1, 1, 3, xyz.map(|v| (v / white) as f32).to_vec())?;
+    let rgb = Image::new(ColorSpace::Xyz, planes)?.converted(ColorSpace::Srgb)?;
+    Ok([0, 1, 2].map(|c| rgb.planes().plane(c)[0].clamp(0.25, 1.0)))
 }
 
 struct Canvas(Planes);

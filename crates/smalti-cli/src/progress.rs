@@ -12,7 +12,9 @@ pub(crate) struct Progress {
 
 impl Progress {
     pub(crate) fn new(steps: u64, quiet: bool) -> Self {
-        let bar = if quiet {
+        // A terminal that only prints would keep each state of the bar.
+        let dumb = std::env::var_os("TERM").is_some_and(|t| t == "dumb");
+        let bar = if quiet || dumb {
             ProgressBar::hidden()
         } else {
             ProgressBar::with_draw_target(Some(steps), ProgressDrawTarget::stderr())

@@ -85,7 +85,7 @@ pub(crate) fn has_extension(path: &Path, known: &[&str]) -> bool {
 }
 
 /// `START:STEP:END` in nm.
-fn wavelengths(text: &str) -> anyhow::Result<WavelengthGrid> {
+pub(crate) fn wavelengths(text: &str) -> anyhow::Result<WavelengthGrid> {
     let numbers: Vec<f64> = text
         .split(':')
         .map(|p| p.trim().parse().with_context(|| format!("--wavelengths {text}: '{p}' is not a number")))

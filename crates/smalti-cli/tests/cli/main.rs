@@ -9,6 +9,8 @@ mod evaluate;
 mod learn;
 mod learn_bad;
 mod reference;
+mod shell;
+mod show;
 mod simulate;
 mod study_report;
 mod surface;

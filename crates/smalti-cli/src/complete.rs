@@ -1,0 +1,155 @@
+//! Tab completion: the shell asks the program itself, so that names of what is built in stand beside files.
+
+use std::ffi::OsStr;
+use std::path::Path;
+
+use clap::{Arg, Command};
+use clap_complete::engine::{ArgValueCompleter, CompletionCandidate, PathCompleter, ValueCompleter};
+use clap_complete::env::{CompleteEnv, EnvCompleter, Shells};
+use smalti::scene::catalog;
+use smalti::sensor::cfa;
+use smalti::spectrum::Illuminant;
+use smalti_io::{cameras, studies};
+
+use crate::resolve::has_extension;
+
+/// The variable by which a shell's script asks.
+const VARIABLE: &str = "SMALTI_COMPLETE";
+/// Files of scenes, as [`smalti_io::scene_file`] reads them.
+const SCENES: &[&str] = &["exr", "png", "tif", "tiff", "jpg", "jpeg"];
+
+/// Answers a shell that asks, and ends the program; else does nothing.
+pub(crate) fn answer(command: fn() -> Command) {
+    CompleteEnv::with_factory(move || with_names(command())).var(VARIABLE).complete();
+}
+
+/// The script that makes a shell ask.
+pub(crate) fn script(shell: clap_complete::Shell) -> anyhow::Result<String> {
+    let shells = Shells::builtins();
+    let name = shell.to_string();
+    let Some(shell) = shells.completer(&name) else { anyhow::bail!("{name}: no completion for it") };
+    let mut script = Vec::new();
+    EnvCompleter::write_registration(shell, VARIABLE, "smalti", "smalti", "smalti", &mut script)?;
+    Ok(String::from_utf8(script)?)
+}
+
+/// What stands for an argument is known by its name, in all commands.
+fn with_names(command: Command) -> Command {
+    let command = command.mut_args(|arg| match arg.get_id().as_str() {
+        "camera" | "cameras" => with(arg, camera_names, &["toml"]),
+        "target" => with(arg, target_names, &["toml"]),
+        "scene" | "scenes" => with(arg, scene_names, SCENES),
+        "illuminant" | "illuminants" | "target_illuminant" => with(arg, light_names, &["csv"]),
+        "study" => with(arg, study_names, &["toml"]),
+        // Of `show`, which takes all.
+        "name" => with(arg, all_names, &["toml", "csv", "exr", "png", "tif", "tiff", "jpg", "jpeg"]),
+        _ => arg,
+    });
+    command.mut_subcommands(with_names)
+}
+
+/// An argument that is a name or a file.
+fn with(arg: Arg, names: fn() -> Vec<CompletionCandidate>, extensions: &'static [&'static str]) -> Arg {
+    arg.add(ArgValueCompleter::new(NameOrFile { names, extensions }))
+}
+
+struct NameOrFile {
+    names: fn() -> Vec<CompletionCandidate>,
+    extensions: &'static [&'static str],
+}
+
+impl ValueCompleter for NameOrFile {
+    fn complete(&self, current: &OsStr) -> Vec<CompletionCandidate> {
+        let typed = current.to_string_lossy();
+        let begins = |c: &CompletionCandidate| c.get_value().to_string_lossy().starts_with(typed.as_ref());
+        let extensions = self.extensions;
+        let fits = move |path: &Path| path.is_file() && has_extension(path, extensions);
+        let files = PathCompleter::any().filter(fits).complete(current);
+        (self.names)().into_iter().filter(begins).chain(files).collect()
+    }
+}
+
+fn named(name: &str, what: &str) -> CompletionCandidate {
+    CompletionCandidate::new(name).help(Some(what.to_owned().into()))
+}
+
+fn camera_names() -> Vec<CompletionCandidate> {
+    cameras::names().iter().map(|f| named(f.name, f.summary)).collect()
+}
+
+fn target_names() -> Vec<CompletionCandidate> {
+    std::iter::once(named("xyz", "CIE 1931 X, Y, Z")).chain(camera_names()).collect()
+}
+
+fn study_names() -> Vec<CompletionCandidate> {
+    studies::names().iter().map(|f| named(f.name, f.summary)).collect()
+}
+
+fn scene_names() -> Vec<CompletionCandidate> {
+    catalog::names().iter().map(|s| named(s.name, s.summary)).collect()
+}
+
+fn light_names() -> Vec<CompletionCandidate> {
+    Illuminant::names().iter().map(|name| named(name, "light")).collect()
+}
+
+/// Each name once: what means several things is the first of them.
+fn all_names() -> Vec<CompletionCandidate> {
+    let arrays = cfa::names().iter().map(|c| named(c.name, c.summary));
+    let filters = cfa::builtin_filters().iter().map(|f| named(f.name, f.summary));
+    let mut all: Vec<CompletionCandidate> = camera_names();
+    for candidate in arrays.chain(scene_names()).chain(study_names()).chain(light_names()).chain(filters) {
+        if !all.iter().any(|c| c.get_value() == candidate.get_value()) {
+            all.push(candidate);
+        }
+    }
+    all
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+
+    /// Every argument that a name of something built in can stand for.
+    #[test]
+    fn arguments_with_names_are_completed() {
+        let command = with_names(crate::args::Cli::command());
+        let mut found = Vec::new();
+        for sub in command.get_subcommands() {
+            for arg in sub.get_arguments().filter(|a| a.get::<ArgValueCompleter>().is_some()) {
+                found.push(format!("{} {}", sub.get_name(), arg.get_id()));
+            }
+        }
+        for expected in [
+            "compare cameras",
+            "compare scenes",
+            "compare illuminant",
+            "train camera",
+            "train scenes",
+            "train target",
+            "train target_illuminant",
+            "train illuminants",
+            "simulate camera",
+            "simulate scene",
+            "simulate illuminant",
+            "evaluate cameras",
+            "evaluate illuminant",
+            "sweep study",
+            "convert scene",
+            "show name",
+            "show illuminant",
+        ] {
+            assert!(found.iter().any(|f| f == expected), "{expected}: {found:?}");
+        }
+    }
+
+    #[test]
+    fn a_name_is_offered_once() {
+        let all = all_names();
+        let mut values: Vec<_> = all.iter().map(|c| c.get_value()).collect();
+        values.sort_unstable();
+        values.dedup();
+        assert_eq!(values.len(), all.len());
+    }
+}

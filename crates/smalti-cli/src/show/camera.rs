@@ -1,0 +1,195 @@
+//! A camera: every key of its description with its unit, what follows from them, its mosaic and its spectra.
+
+use serde_json::{Map, Value, json};
+use smalti::camera::Camera;
+use smalti::camera::description::PatternDescription;
+use smalti::sensor::Channel;
+use smalti::sensor::cfa::info;
+use smalti_io::cameras;
+
+use super::tile::{self, Tile};
+use super::{Part, Show, Shown, cfa, figure, find};
+
+/// Sections of the description, in the direction of light.
+const SECTIONS: [&str; 4] = ["optics", "sensor", "exposure", "isp"];
+/// Longer lists are counted, not written.
+const SHORT_LIST: usize = 8;
+/// Where resolution is stated.
+const MIDDLE_NM: f64 = 550.0;
+/// How keys end, and their unit; longer ends first.
+const UNITS: [(&str, &str); 18] = [
+    ("_uv_per_e", "µV/e⁻"),
+    ("_v_per_s", "V/s"),
+    ("_dioptres_per_um", "dioptres/µm"),
+    ("_dioptres", "dioptres"),
+    ("_percent", "%"),
+    ("_ppm", "10⁻⁶"),
+    ("_bits", "bit"),
+    ("_dn", "DN"),
+    ("_um", "µm"),
+    ("_mm", "mm"),
+    ("_nm", "nm"),
+    ("_mv", "mV"),
+    ("_ms", "ms"),
+    ("_c", "°C"),
+    ("_v", "V"),
+    ("_e", "e⁻"),
+    ("rows", "pixels"),
+    ("cols", "pixels"),
+];
+
+pub(super) fn show(args: &Show) -> anyhow::Result<Shown> {
+    let camera = cameras::load(&args.name, &args.overrides, None).map_err(|e| anyhow::anyhow!("{e}"))?;
+    let (summary, toml) = find::file(&args.name, cameras::names())?;
+    let description = serde_json::to_value(camera.description())?;
+    let array = &camera.description().sensor.cfa;
+    let built_in = match &array.pattern {
+        PatternDescription::Name(name) => info(name).ok(),
+        PatternDescription::Letters(_) => None,
+    };
+    let described = |letter: char| match array.filters.get(&letter.to_string()) {
+        Some(filter) => Some(value(&serde_json::to_value(filter).ok()?)),
+        None => built_in?.filters.iter().find(|(l, _)| *l == letter).map(|(_, f)| (*f).to_owned()),
+    };
+    let tile = Tile::of(&camera.sensor.cfa, described)?;
+    let sensitivity = sensitivity(&camera)?;
+    let derived = derived(&camera)?;
+    let mut lines = String::new();
+    for section in SECTIONS {
+        if let Some(Value::Object(keys)) = description.get(section) {
+            lines += &table(&format!("[{section}]"), section, keys);
+        }
+    }
+    lines += &rows("derived", &derived);
+    let entry = |(e, c): (&tile::Entry, &Channel)| {
+        let values = c.transmittance.values();
+        json!({"letter": e.letter.to_string(), "effective_sensitivity": values})
+    };
+    let json = json!({
+        "kind": "camera", "name": camera.description().name, "summary": summary, "description": description,
+        "derived": derived.iter().map(|(k, v, u)| json!({"name": k, "value": v, "unit": u})).collect::<Vec<_>>(),
+        "wavelengths_nm": camera.grid().wavelengths_nm().collect::<Vec<_>>(),
+        "cfa": tile.json(),
+        "channels": tile.channels.iter().zip(&sensitivity).map(entry).collect::<Vec<_>>(),
+    });
+    let mut plot = cfa::spectra(
+        "Effective sensitivity: filter × quantum efficiency × lens and infrared cut",
+        "Electrons per photon",
+        &tile,
+    );
+    plot.curves.iter_mut().zip(sensitivity).for_each(|(curve, c)| curve.values = c.transmittance);
+    let title = format!(
+        "{}: a camera, {} × {} pixels",
+        camera.description().name,
+        camera.sensor.cols,
+        camera.sensor.rows
+    );
+    Ok(Shown {
+        title,
+        about: Some(summary).filter(|s| !s.is_empty()).into_iter().collect(),
+        // What is drawn comes last: it is what stays on a screen.
+        parts: vec![Part::Lines(lines), Part::Tile(tile), Part::Plot(plot)],
+        json,
+        toml: Some(toml),
+    })
+}
+
+/// Electrons for each photon on the pixel before lens and filter, by channel.
+fn sensitivity(camera: &Camera) -> anyhow::Result<Vec<Channel>> {
+    let lens = camera.optics.transmittance_on(camera.grid())?;
+    let others = camera.sensor.quantum_efficiency.times(&lens)?;
+    let channel =
+        |c: &Channel| Ok(Channel { name: c.name.clone(), transmittance: c.transmittance.times(&others)? });
+    camera.sensor.cfa.channels().iter().map(channel).collect()
+}
+
+/// What an engineer would compute from the keys: name, value, unit.
+fn derived(camera: &Camera) -> anyhow::Result<Vec<(&'static str, f64, &'static str)>> {
+    let (sensor, pixel) = (&camera.sensor, &camera.sensor.pixel);
+    let saturation_e = pixel
+        .full_well_e
+        .min(pixel.voltage_swing_v / (camera.gain_and_offset().analog_gain * pixel.conversion_gain_v_per_e));
+    let read_e = pixel.read_noise_v / pixel.conversion_gain_v_per_e;
+    let mut out = vec![
+        ("width of the sensor", sensor.cols as f64 * pixel.pitch_m * 1e3, "mm"),
+        ("height of the sensor", sensor.rows as f64 * pixel.pitch_m * 1e3, "mm"),
+        ("horizontal field of view", camera.field_of_view_deg(sensor.cols, f64::INFINITY)?, "degrees"),
+        ("Nyquist frequency", 0.5e-3 / pixel.pitch_m, "cy/mm"),
+        ("diffraction cut-off at 550 nm", 1e-3 / (MIDDLE_NM * 1e-9 * camera.optics.f_number), "cy/mm"),
+        ("saturation", saturation_e, "e⁻"),
+    ];
+    if read_e > 0.0 {
+        out.push(("read noise", read_e, "e⁻"));
+        out.push(("saturation over read noise", 20.0 * (saturation_e / read_e).log10(), "dB"));
+    }
+    Ok(out)
+}
+
+/// The keys of a section, those of inner tables after their own heading.
+fn table(heading: &str, path: &str, keys: &Map<String, Value>) -> String {
+    // Filters stand beside the tile.
+    if path == "sensor.cfa" {
+        return String::new();
+    }
+    let inner = |v: &Value, key: &str| is_table(key) && v.is_object();
+    let lines: Vec<[String; 3]> = keys
+        .iter()
+        .filter(|(key, v)| !inner(v, key))
+        .map(|(key, v)| [key.clone(), value(v), unit(key, v).to_owned()])
+        .collect();
+    let mut out = aligned(heading, &lines);
+    for (key, v) in keys.iter().filter(|(key, v)| inner(v, key)) {
+        if let Value::Object(keys) = v {
+            let path = format!("{path}.{key}");
+            out += &table(&format!("[{path}]"), &path, keys);
+        }
+    }
+    out
+}
+
+/// Tables in the file, as against curves, which are written in one line.
+fn is_table(key: &str) -> bool {
+    ["pixel", "cfa", "psf", "zernike_um"].contains(&key)
+}
+
+fn unit(key: &str, v: &Value) -> &'static str {
+    if !v.is_number() && !v.is_array() {
+        return "";
+    }
+    UNITS.iter().find(|(end, _)| key.ends_with(end)).map_or("", |(_, unit)| unit)
+}
+
+fn rows(heading: &str, rows: &[(&str, f64, &str)]) -> String {
+    let line =
+        |(name, value, unit): &(&str, f64, &str)| [(*name).to_owned(), figure(*value), (*unit).to_owned()];
+    aligned(heading, &rows.iter().map(line).collect::<Vec<_>>())
+}
+
+/// A heading, and below it names, values and units in columns.
+fn aligned(heading: &str, lines: &[[String; 3]]) -> String {
+    if lines.is_empty() {
+        return String::new();
+    }
+    let mut out = format!("{heading}\n");
+    for [name, value, unit] in lines {
+        out += &format!("  {}\n", format!("{name:<32} {value:<14} {unit}").trim_end());
+    }
+    out
+}
+
+/// A value in a line; long lists by their length.
+fn value(v: &Value) -> String {
+    match v {
+        Value::String(text) => text.clone(),
+        Value::Number(n) => n.as_f64().filter(|_| n.is_f64()).map_or(n.to_string(), |x| x.to_string()),
+        Value::Array(items) if items.len() > SHORT_LIST => format!("{} values", items.len()),
+        Value::Array(items) => items.iter().map(value).collect::<Vec<_>>().join(", "),
+        // A curve is a table of one key, its shape; for one by name, the name says it.
+        Value::Object(keys) => match (keys.len(), keys.get("builtin")) {
+            (1, Some(name)) => value(name),
+            (1, None) => keys.iter().map(|(k, v)| format!("{k}: {}", value(v))).collect(),
+            _ => keys.iter().map(|(k, v)| format!("{k} {}", value(v))).collect::<Vec<_>>().join(", "),
+        },
+        other => other.to_string(),
+    }
+}
