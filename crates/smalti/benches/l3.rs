@@ -28,8 +28,9 @@ fn sample(row: usize, col: usize) -> u16 {
     (256 + light * edges + noise).min(65_535) as u16
 }
 
-/// 4 positions × 15 levels × 2 textures × 2 combinations of clipped channels: 240 classes of 3 kernels, all distinct.
-fn pipeline(mosaic: Mosaic, side: usize) -> Pipeline {
+/// 4 positions × 15 levels × 2 textures × 2 combinations of clipped channels: 240 classes of 3 kernels, all distinct, and as large;
+/// or, as in learned tables, of unlike magnitudes and some of them shared.
+fn pipeline(mosaic: Mosaic, side: usize, learned: bool) -> Pipeline {
     let noise = SignalNoise { constant: 1e-6, per_signal: 1e-5, ..SignalNoise::default() };
     let levels = Levels::logarithmic(15, 0.002, 0.8).unwrap();
     let axes = Axes::new(mosaic, side, levels, noise).unwrap();
@@ -37,6 +38,14 @@ fn pipeline(mosaic: Mosaic, side: usize) -> Pipeline {
     let count = axes.positions() * saturations.len() * axes.level_count() * axes.textures().count();
     assert_eq!(count, 240);
     let weight = |i: usize| ((i * 7919) % 1009) as f32 / 1009.0 / axes.taps() as f32;
+    let of_class = |class: usize, i: usize| match (learned, class % 16) {
+        (false, _) => weight(i),
+        (true, 15) => 1.0 / axes.taps() as f32,
+        (true, octave) => weight(i) / (1 << (octave % 9)) as f32,
+    };
+    let values = |each: usize, factor: f32| {
+        (0..count * each).map(|i| factor * of_class(i / each, i)).collect::<Vec<f32>>()
+    };
     let parts = PipelineParts {
         saturations,
         outputs: ["X", "Y", "Z"].map(String::from).to_vec(),
@@ -45,10 +54,7 @@ fn pipeline(mosaic: Mosaic, side: usize) -> Pipeline {
         white_level: WHITE,
         trained: vec![[0.0, 1.0]; axes.positions()],
         classes: vec![Class { count: 1, origin: Origin::Learned }; count],
-        kernels: Kernels {
-            weights: (0..count * 3 * axes.taps()).map(weight).collect(),
-            offsets: (0..count * 3).map(|i| weight(i) * 0.01).collect(),
-        },
+        kernels: Kernels { weights: values(3 * axes.taps(), 1.0), offsets: values(3, 0.01) },
         provenance: String::new(),
         axes,
     };
@@ -65,14 +71,15 @@ fn run(c: &mut Criterion) {
     let raw = RawImage::new(ROWS, COLS, RawSamples::Digital(samples), sampling, names, BLACK, WHITE).unwrap();
     // Into planes that exist already: what is measured is the work, not the system's handing out of memory.
     let mut planes = Planes::zeros(ROWS, COLS, 3);
-    for side in [3, 5, 7] {
-        let pipeline = pipeline(mosaic.clone(), side);
+    for (side, learned) in [(3, false), (5, false), (7, false), (5, true)] {
+        let pipeline = pipeline(mosaic.clone(), side, learned);
+        let what = if learned { ", unlike classes" } else { "" };
         let renderer = pipeline.renderer();
-        group.bench_function(format!("l3 f32 {side}x{side}"), |b| {
+        group.bench_function(format!("l3 f32{what} {side}x{side}"), |b| {
             b.iter(|| renderer.render_into(black_box(&raw), &mut planes).unwrap());
         });
         let renderer = pipeline.fixed_renderer(BLACK, WHITE).unwrap();
-        group.bench_function(format!("l3 fixed {side}x{side}"), |b| {
+        group.bench_function(format!("l3 fixed{what} {side}x{side}"), |b| {
             b.iter(|| renderer.render_into(black_box(&raw), &mut planes).unwrap());
         });
     }

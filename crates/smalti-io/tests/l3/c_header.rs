@@ -22,20 +22,22 @@ int main(int argc, char **argv)
     uint16_t *samples = malloc(2 * pixels);
     int32_t *out = malloc(4 * pixels * MY_OUTPUTS);
     uint32_t *classes = malloc(4 * pixels);
+    uint8_t *places = malloc(pixels);
     my_raw raw = { samples, rows, cols, cols, atoi(argv[5]), atoi(argv[6]) };
     FILE *f = fopen(argv[1], "rb");
     int row, col;
-    if (argc != 7 || fread(samples, 2, pixels, f) != pixels || fclose(f) != 0 || my_image(&raw, out) != 0)
+    if (argc != 7 || fread(samples, 2, pixels, f) != pixels || fclose(f) != 0 || my_image(&raw, out, places) != 0)
         return 1;
     for (row = 0; row < rows; row++)
         for (col = 0; col < cols; col++)
             classes[row * cols + col] = my_class(&raw, row, col);
     f = fopen(argv[2], "wb");
-    if (fwrite(classes, 4, pixels, f) != pixels || fwrite(out, 4, pixels * MY_OUTPUTS, f) != pixels * MY_OUTPUTS)
+    if (fwrite(classes, 4, pixels, f) != pixels || fwrite(out, 4, pixels * MY_OUTPUTS, f) != pixels * MY_OUTPUTS
+        || fwrite(places, 1, pixels, f) != pixels)
         return 2;
-    printf("%.9g %d %d\n", (double)MY_SCALE, MY_CLASSES, (int)(sizeof my_kernels + sizeof my_offsets));
+    printf("%.9g %d %d\n", (double)MY_SCALE, MY_CLASSES, (int)(sizeof my_kernels + sizeof my_offsets + sizeof my_shifts));
     raw.rows = MY_MIN_ROWS - 1;
-    return fclose(f) != 0 || my_image(&raw, out) != -1;
+    return fclose(f) != 0 || my_image(&raw, out, places) != -1;
 }
 "#;
 
@@ -209,41 +211,45 @@ fn check(r: &Recipe, rows: usize, cols: usize, phase: [usize; 2]) -> Option<()> 
     assert_eq!(classes as usize, p.classes().len());
     assert!(operations(&p).table_bytes >= kernel_bytes as u64);
     let out = std::fs::read(dir.join("out.bin")).unwrap();
+    let (out, places) = out.split_at(out.len() - rows * cols);
     let values: Vec<i32> = out.as_chunks().0.iter().map(|b| i32::from_ne_bytes(*b)).collect();
     let (classes, values) = values.split_at(rows * cols);
+    let step = |i: usize| kernels.scale * 0.5f32.powi(i32::from(places[i % (rows * cols)]));
     let expected = definition(&p, &samples, rows, cols, phase);
     // The library's fixed point has the same sums.
     let planes = p.render_fixed(&image).unwrap().planes;
     for (i, (sum, output)) in values.iter().zip(planes.data()).enumerate() {
-        assert_eq!(*sum as f32 * kernels.scale, *output, "value {i} {r:?}");
+        assert_eq!(*sum as f32 * step(i), *output, "value {i} {r:?}");
     }
     // Half a step of every weight times the largest sample, half a step of the offset, and where samples lose a bit half of
     // their step times the weights.
-    let step = f64::from(kernels.scale);
-    let unit = 1.0 / (step * f64::from(1u32 << kernels.shift));
+    let unit = 1.0 / f64::from(kernels.scale);
     let lost = f64::from(kernels.sample_shift) * 0.5 * 65535.0;
-    let tolerance = step * (0.5 + 0.5 * p.axes().taps() as f64 * (unit + 64.0) + lost);
+    let tolerance = |step: f64| step * (0.5 + 0.5 * p.axes().taps() as f64 * (unit + 64.0) + lost);
     let (mut largest, mut squares, mut seen) = (0.0f64, 0.0, BTreeSet::new());
     for (i, (class, outputs)) in expected.iter().enumerate() {
         assert_eq!(classes[i] as usize, *class, "row {} column {} {r:?}", i / cols, i % cols);
         seen.insert(p.key(*class));
         for (o, expected) in outputs.iter().enumerate() {
+            let step = f64::from(step(i));
             let error = f64::from(values[o * rows * cols + i]) * step - expected;
+            assert!(error.abs() <= tolerance(step), "{error} {}", tolerance(step));
             largest = largest.max(error.abs());
             squares += error * error;
         }
     }
-    assert!(largest <= tolerance, "{largest} {tolerance}");
     let rms = (squares / (rows * cols * p.outputs().len()) as f64).sqrt();
     let textures: BTreeSet<u16> = seen.iter().map(|k| k.texture).collect();
     println!(
-        "{rows} × {cols}, {} classes met, textures {textures:?}, {} places: largest error {largest:.2e}, RMS {rms:.2e}, PSNR {:.1} dB",
+        "{rows} × {cols}, {} classes met, textures {textures:?}, {:?} places: largest error {largest:.2e}, RMS {rms:.2e}, PSNR {:.1} dB",
         seen.len(),
-        kernels.shift,
+        places.iter().collect::<BTreeSet<_>>(),
         -20.0 * rms.log10()
     );
     // The image meets every kind of structure, so that each rule has been tried.
     assert_eq!(textures.len(), p.axes().textures().count(), "{textures:?} {r:?}");
+    // And kernels of unlike scales.
+    assert!(seen.len() < 3 || places.iter().min() < places.iter().max(), "{r:?}");
     assert!(rms < 1e-3, "{rms}");
     Some(())
 }

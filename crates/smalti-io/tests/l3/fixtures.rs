@@ -122,6 +122,10 @@ pub(crate) fn parts(r: &Recipe) -> PipelineParts {
         weights: values(count * r.outputs * axes.taps(), 0.4),
         offsets: values(count * r.outputs, 0.1),
     };
+    // As learned ones, kernels of some classes are larger than those of others.
+    let (taps, size) = (axes.taps(), |kernel: usize| 0.5f32.powi((kernel / r.outputs % 6) as i32));
+    kernels.weights.iter_mut().enumerate().for_each(|(i, w)| *w *= size(i / taps));
+    kernels.offsets.iter_mut().enumerate().for_each(|(i, o)| *o *= size(i));
     // Bits that text would lose.
     kernels.weights[0] = -0.0;
     kernels.weights[1] = f32::MIN_POSITIVE / 8.0;

@@ -102,6 +102,7 @@ impl Header<'_> {
         let outputs: Vec<String> = pipeline.outputs().iter().map(|o| plain(o)).collect();
         let channels: Vec<String> = pipeline.channel_names().iter().map(|c| plain(c)).collect();
         let upper = self.upper.clone();
+        let shifts = [most_shift(fixed), least_shift(fixed)];
         self.line(format!("#ifndef {upper}_H\n#define {upper}_H\n"));
         self.line("/* A learned image pipeline in fixed point, written by Smalti.\n");
         self.line(format!(
@@ -123,10 +124,11 @@ impl Header<'_> {
         let reduced =
             if fixed.sample_shift == 0 { "" } else { ", half of that rounded down from the middle" };
         self.line(format!(
-            "   Output = {upper}_SCALE * (offset + sum of kernel * d), white = 1, d = sample - {upper}_BLACK{reduced}, of 16 bits;"
+            "   Output = {upper}_SCALE * (offset + sum of kernel * d) / 2^shift, white = 1, d = sample - {upper}_BLACK{reduced}, of 16 bits;"
         ));
-        self.line(format!("   kernels are row by row and have {upper}_SHIFT binary places."));
-        self.line(format!("   A step of the sum is {:.3e} of white.\n", fixed.scale));
+        self.line("   kernels are row by row; each class has the shift that uses their 16 bits, the same for all outputs.");
+        let [fine, coarse] = shifts.map(|shift| f64::from(fixed.scale) / f64::from(1u32 << shift));
+        self.line(format!("   A step of the sum is {fine:.3e} to {coarse:.3e} of white.\n"));
         self.line("   Operations per pixel as written below, indexing apart:");
         self.line(format!(
             "     {} multiplications ({} for the kernels), {} additions, {} comparisons; tables of {} bytes.",
@@ -158,8 +160,9 @@ impl Header<'_> {
         self.define("BLACK", fixed.black, "what kernels take from samples");
         self.define("CLIP", format!("{clip}u"), "the least sample that counts as clipped");
         self.define("SAMPLE_SHIFT", fixed.sample_shift, "bits that samples lose after that");
-        self.define("SHIFT", fixed.shift, "binary places of kernels");
-        self.define("SCALE", format!("{:e}f", fixed.scale), "from sums to outputs");
+        self.define("MIN_SHIFT", least_shift(fixed), "binary places of the kernels that have the fewest");
+        self.define("MAX_SHIFT", most_shift(fixed), "and the most");
+        self.define("SCALE", format!("{:e}f", fixed.scale), "from sums / 2^shift to outputs");
         if axes.level_count() > 1 {
             self.define("CUT_SETS", axes.levels().len(), "1, or one for each position");
         }
@@ -222,6 +225,8 @@ impl Header<'_> {
         self.table("int16_t", "kernels", &shape, &kernels);
         let offsets = fixed.offsets.chunks(outputs).map(braced).collect::<Vec<_>>();
         self.table("int32_t", "offsets", &format!("[{upper}_CLASSES][{upper}_OUTPUTS]"), &offsets);
+        self.line("/* Binary places of kernels and offsets. */");
+        self.table("uint8_t", "shifts", &format!("[{upper}_CLASSES]"), &fixed.shifts);
     }
 
     fn table<T: Display>(&mut self, of: &str, name: &str, shape: &str, entries: &[T]) {
@@ -241,6 +246,14 @@ impl Header<'_> {
         }
         self.line("\n};");
     }
+}
+
+fn least_shift(fixed: &FixedKernels) -> u8 {
+    fixed.shifts.iter().copied().min().unwrap_or(0)
+}
+
+fn most_shift(fixed: &FixedKernels) -> u8 {
+    fixed.shifts.iter().copied().max().unwrap_or(0)
 }
 
 /// `{a, b, c}`.

@@ -13,7 +13,7 @@ pub struct Operations {
     pub additions: u64,
     /// Comparisons and absolute values.
     pub comparisons: u64,
-    /// Bytes of kernels (16 bits), offsets, thresholds and the tile.
+    /// Bytes of kernels (16 bits), offsets, shifts, thresholds and the tile.
     pub table_bytes: u64,
 }
 
@@ -47,6 +47,6 @@ pub fn operations(pipeline: &Pipeline) -> Operations {
         small_tables += 2 * 12;
     }
     let classes = pipeline.classes().len() as u64;
-    let table_bytes = classes * outputs * (2 * taps + 4) + small_tables;
+    let table_bytes = classes * (outputs * (2 * taps + 4) + 1) + small_tables;
     Operations { kernel_multiplications, multiplications, additions, comparisons, table_bytes }
 }

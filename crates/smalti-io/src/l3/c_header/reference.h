@@ -161,8 +161,9 @@ static inline int32_t @p@_reduced(int32_t sample)
     return d > 32767 ? 32767 : d < -32768 ? -32768 : d;
 }
 
-/* The sums of a pixel; times @P@_SCALE they are its outputs. No sum overflows, whatever the samples. */
-static inline void @p@_pixel(const @p@_raw *raw, int32_t row, int32_t col, int32_t out[@P@_OUTPUTS])
+/* The sums of a pixel, and their binary places, which are returned: @P@_SCALE * sum / 2^places are its outputs. No sum
+   overflows, whatever the samples. */
+static inline int32_t @p@_pixel(const @p@_raw *raw, int32_t row, int32_t col, int32_t out[@P@_OUTPUTS])
 {
     const uint32_t class_index = @p@_class(raw, row, col);
     int32_t o, r, c;
@@ -174,10 +175,13 @@ static inline void @p@_pixel(const @p@_raw *raw, int32_t row, int32_t col, int32
                 sum += *k++ * @p@_reduced(@p@_sample(raw, row + r, col + c));
         out[o] = sum;
     }
+    return @p@_shifts[class_index];
 }
 
-/* Renders an image: `out` holds the sums of the outputs one after the other, each row by row. -1 when the image is too small. */
-static inline int @p@_image(const @p@_raw *raw, int32_t *out)
+/* Renders an image: `out` holds the sums of the outputs one after the other, each row by row, `places` the binary places of
+   each pixel. -1 when the image is too small. Where one scale is to hold for all pixels, shift sums right by
+   places - @P@_MIN_SHIFT, with halves up: they have @P@_MIN_SHIFT places then. */
+static inline int @p@_image(const @p@_raw *raw, int32_t *out, uint8_t *places)
 {
     const size_t plane = (size_t)raw->rows * (size_t)raw->cols;
     int32_t row, col, o, pixel[@P@_OUTPUTS];
@@ -185,9 +189,10 @@ static inline int @p@_image(const @p@_raw *raw, int32_t *out)
         return -1;
     for (row = 0; row < raw->rows; row++)
         for (col = 0; col < raw->cols; col++) {
-            @p@_pixel(raw, row, col, pixel);
+            const size_t at = (size_t)row * (size_t)raw->cols + (size_t)col;
+            places[at] = (uint8_t)@p@_pixel(raw, row, col, pixel);
             for (o = 0; o < @P@_OUTPUTS; o++)
-                out[(size_t)o * plane + (size_t)row * (size_t)raw->cols + (size_t)col] = pixel[o];
+                out[(size_t)o * plane + at] = pixel[o];
         }
     return 0;
 }

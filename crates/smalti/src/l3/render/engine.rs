@@ -4,9 +4,9 @@ use rayon::prelude::*;
 
 use super::super::classify::{Classifier, RowClasses};
 use super::super::window::Window;
-use super::super::{MAX_SIDE, Pipeline};
+use super::super::{L3Error, MAX_SIDE, Pipeline};
 use super::Outside;
-use super::fixed::FixedKernels;
+use super::fixed::{Entry, FixedKernels};
 use super::index::Index;
 use super::portable::PIXELS;
 use super::table::{Place, Run, Sample, Simd, Table};
@@ -42,22 +42,32 @@ struct Scratch<S> {
 
 impl<'a> Engine<'a, f32> {
     pub(super) fn float(pipeline: &'a Pipeline) -> Self {
-        let kernels = pipeline.kernels();
-        Self::new(pipeline, &kernels.weights, |i| vec![kernels.offsets[i]], 1.0)
+        let (kernels, [side, outputs]) = (pipeline.kernels(), shape(pipeline));
+        let (table, places) = Table::new(&kernels.weights, |i| vec![kernels.offsets[i]], side, outputs, 1.0);
+        Self::new(pipeline, table, places)
     }
 }
 
 impl<'a> Engine<'a, i16> {
-    pub(super) fn fixed(pipeline: &'a Pipeline, kernels: &FixedKernels) -> Self {
+    pub(super) fn fixed(pipeline: &'a Pipeline, kernels: &FixedKernels) -> Result<Self, L3Error> {
+        let [side, outputs] = shape(pipeline);
         let offsets = |i: usize| FixedKernels::parts(kernels.offsets[i]).to_vec();
-        Self::new(pipeline, &kernels.weights, offsets, kernels.scale)
+        let (table, places) = Table::new(&kernels.weights, offsets, side, outputs, kernels.scale);
+        let entry = |(&place, &shift)| Entry::new(place, shift).map(|entry| entry.0);
+        let entries = places.iter().zip(&kernels.shifts).map(entry).collect::<Option<_>>();
+        let reason = || "more kernels than fixed point has places for".into();
+        let entries = entries.ok_or_else(|| L3Error::Table { reason: reason() })?;
+        Ok(Self::new(pipeline, table, entries))
     }
 }
 
+/// Side of the patch, number of outputs.
+fn shape(pipeline: &Pipeline) -> [usize; 2] {
+    [pipeline.axes().side(), pipeline.outputs().len()]
+}
+
 impl<'a, S: Sample> Engine<'a, S> {
-    fn new(pipeline: &'a Pipeline, weights: &[S], offsets: impl Fn(usize) -> Vec<S>, scale: f32) -> Self {
-        let (side, outputs) = (pipeline.axes().side(), pipeline.outputs().len());
-        let (table, kernels) = Table::new(weights, offsets, side, outputs, scale);
+    fn new(pipeline: &'a Pipeline, table: Table<S>, kernels: Vec<u32>) -> Self {
         Self {
             pipeline,
             classifier: Classifier::new(pipeline.axes()),

@@ -10,29 +10,30 @@ const MOST_TOTAL: i64 = 65_535;
 /// Offsets enter the sum as two weights of 16 bits; one is multiplied with this, the other with 1.
 pub(super) const HIGH_PART: i32 = 1 << 14;
 /// Finer kernels than this many binary places are of no use.
-const MOST_SHIFT: u32 = 24;
+const MOST_SHIFT: u8 = 24;
 
 /// Kernels for integer arithmetic, as in the firmware of a camera.
 ///
 /// With d = (sample − `black`) rounded down by `sample_shift` bits (halves up) and clamped to 16 bits,
 ///
-/// output = `scale` · (`offsets` + Σ `weights` · d),
+/// output = `scale` · 2^−`shifts` · (`offsets` + Σ `weights` · d),
 ///
 /// where the sum fits 32 bits in any order: every weight is within ±32767 and, of every kernel,
-/// 32768 Σ |weight| + |offset| is below 2³¹ (so Σ |weight| ≤ 65535).
+/// 32768 Σ |weight| + |offset| is below 2³¹ (so Σ |weight| ≤ 65535). Every class has the most binary places that these bounds allow
+/// its kernels.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FixedKernels {
-    /// Weights times 2^`shift`, ordered class, output, tap (the rows of the patch).
+    /// Weights times 2^`shifts` of their class, ordered class, output, tap (the rows of the patch).
     pub weights: Vec<i16>,
     /// Offsets in units of the sum, ordered class, output.
     pub offsets: Vec<i32>,
-    /// Binary places of the weights, the same for all.
-    pub shift: u32,
+    /// Binary places of the weights of each class, 0 to 24, the same for all its outputs.
+    pub shifts: Vec<u8>,
     /// What is taken off samples, digital numbers: the black level, rounded. What is lost by that is in the offsets.
     pub black: i32,
     /// Bits that samples lose after that: 1 where the range from black to white does not fit 15 bits, otherwise 0.
     pub sample_shift: u32,
-    /// Factor from sums to outputs.
+    /// Factor from sums to outputs of a class whose weights have no binary places.
     pub scale: f32,
 }
 
@@ -42,12 +43,13 @@ impl FixedKernels {
         if !(black.is_finite() && white.is_finite() && white > black) {
             return Err(wrong(format!("white level {white} must lie above black level {black}")));
         }
-        if black.abs() > 1e5 || white > 1e5 {
-            return Err(wrong(format!("levels {black} and {white} are not those of 16-bit samples")));
-        }
         let range = white - black;
         let sample_shift = u32::from(range > f64::from(i16::MAX));
         let unit = range / f64::from(1 << sample_shift);
+        let scale = (1.0 / unit) as f32;
+        if black.abs() > 1e5 || white > 1e5 || !scale.is_finite() {
+            return Err(wrong(format!("levels {black} and {white} are not those of 16-bit samples")));
+        }
         let rounded = black.round();
         let kernels = pipeline.kernels();
         let taps = pipeline.axes().taps();
@@ -59,35 +61,31 @@ impl FixedKernels {
         };
         let offsets: Vec<f64> =
             kernels.weights.chunks_exact(taps).zip(&kernels.offsets).map(offset).collect();
-        let quantize = |shift: u32| -> Option<(Vec<i16>, Vec<i32>)> {
-            let factor = f64::from(1 << shift);
-            let integers: Option<Vec<i16>> = kernels
-                .weights
-                .iter()
-                .map(|&w| (f64::from(w) * factor).round())
-                .map(|w| (w.abs() <= f64::from(i16::MAX)).then_some(w as i16))
-                .collect();
-            let (integers, mut rounded) = (integers?, Vec::with_capacity(offsets.len()));
-            for (weights, offset) in integers.chunks_exact(taps).zip(&offsets) {
-                let total: i64 = weights.iter().map(|w| i64::from(w.unsigned_abs())).sum();
-                let offset = (offset * factor).round();
-                // The parts of an offset may be larger than the whole by as much as the finer part, twice.
-                let most = total as f64 * 32_768.0 + offset.abs() + f64::from(HIGH_PART);
-                let whole = most < f64::from(i32::MAX) && total <= MOST_TOTAL;
-                let parts = offset.abs() + f64::from(HIGH_PART) < f64::from(HIGH_PART) * f64::from(i16::MAX);
-                if !(whole && parts) {
-                    return None;
-                }
-                rounded.push(offset as i32);
-            }
-            Some((integers, rounded))
+        let mut fixed = Self {
+            weights: Vec::with_capacity(kernels.weights.len()),
+            offsets: Vec::with_capacity(offsets.len()),
+            shifts: Vec::with_capacity(pipeline.classes().len()),
+            black: rounded as i32,
+            sample_shift,
+            scale,
         };
-        let (weights, offsets, shift) = (0..=most_shift(&kernels.weights, taps))
-            .rev()
-            .find_map(|shift| quantize(shift).map(|(weights, offsets)| (weights, offsets, shift)))
-            .ok_or_else(|| wrong("weights too large for 16 bits".into()))?;
-        let scale = (1.0 / (unit * f64::from(1 << shift))) as f32;
-        Ok(Self { weights, offsets, shift, black: rounded as i32, sample_shift, scale })
+        let outputs = pipeline.outputs().len();
+        for (weights, offsets) in kernels.weights.chunks_exact(taps * outputs).zip(offsets.chunks(outputs)) {
+            let (shift, (weights, offsets)) = (0..=most_shift(weights, taps))
+                .rev()
+                .find_map(|shift| Some((shift, quantized(weights, offsets, taps, shift)?)))
+                .ok_or_else(|| wrong("weights too large for 16 bits".into()))?;
+            fixed.weights.extend(weights);
+            fixed.offsets.extend(offsets);
+            fixed.shifts.push(shift);
+        }
+        Ok(fixed)
+    }
+
+    /// Factor from sums to outputs of a class; `None` when there is none such.
+    #[must_use]
+    pub fn scale_of(&self, class: usize) -> Option<f32> {
+        self.shifts.get(class).map(|&shift| shifted(self.scale, u32::from(shift)))
     }
 
     /// The two weights that make an offset, for [`HIGH_PART`] and 1.
@@ -97,14 +95,70 @@ impl FixedKernels {
     }
 }
 
-/// The finest shift that the weights may allow.
-fn most_shift(weights: &[f32], taps: usize) -> u32 {
+/// Weights and offsets of a class with some binary places, where they keep to the bounds.
+fn quantized(weights: &[f32], offsets: &[f64], taps: usize, shift: u8) -> Option<(Vec<i16>, Vec<i32>)> {
+    let factor = f64::from(1u32 << shift);
+    let integer = |&w: &f32| {
+        let w = (f64::from(w) * factor).round();
+        (w.abs() <= f64::from(i16::MAX)).then_some(w as i16)
+    };
+    let weights: Vec<i16> = weights.iter().map(integer).collect::<Option<_>>()?;
+    let offset = |(weights, offset): (&[i16], &f64)| {
+        let total: i64 = weights.iter().map(|w| i64::from(w.unsigned_abs())).sum();
+        let offset = (offset * factor).round();
+        // The parts of an offset may be larger than the whole by as much as the finer part, twice.
+        let most = total as f64 * 32_768.0 + offset.abs() + f64::from(HIGH_PART);
+        let whole = most < f64::from(i32::MAX) && total <= MOST_TOTAL;
+        let parts = offset.abs() + f64::from(HIGH_PART) < f64::from(HIGH_PART) * f64::from(i16::MAX);
+        (whole && parts).then_some(offset as i32)
+    };
+    let offsets = weights.chunks_exact(taps).zip(offsets).map(offset).collect::<Option<_>>()?;
+    Some((weights, offsets))
+}
+
+/// The finest shift that the weights of a class may allow.
+fn most_shift(weights: &[f32], taps: usize) -> u8 {
     let most = |limit: f64, found: f64| (limit / found.max(f64::MIN_POSITIVE)).log2().ceil();
     let largest = weights.iter().fold(0.0f64, |m, &w| m.max(f64::from(w).abs()));
     let total = |kernel: &[f32]| kernel.iter().map(|&w| f64::from(w).abs()).sum::<f64>();
     let total = weights.chunks_exact(taps).map(total).fold(0.0, f64::max);
     let shift = most(f64::from(i16::MAX), largest).min(most(MOST_TOTAL as f64, total));
-    shift.clamp(0.0, f64::from(MOST_SHIFT)) as u32
+    shift.clamp(0.0, f64::from(MOST_SHIFT)) as u8
+}
+
+/// Where the kernels of a class lie, and in the bits above their binary places: known with the place, they cost no reading.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Entry(pub(super) u32);
+
+impl Entry {
+    /// Bits of the place.
+    pub(super) const PLACE: u32 = 27;
+    /// Bits of an exponent lie above these of a number in single precision.
+    pub(super) const MANTISSA: u32 = 23;
+
+    /// `None` when the place is beyond the bits.
+    pub(super) fn new(place: u32, shift: u8) -> Option<Self> {
+        let fits = place >> Self::PLACE == 0 && shift <= MOST_SHIFT;
+        fits.then_some(Self(place | u32::from(shift) << Self::PLACE))
+    }
+
+    /// The first register.
+    #[inline(always)]
+    pub(super) fn place(self) -> usize {
+        (self.0 & ((1 << Self::PLACE) - 1)) as usize
+    }
+
+    /// Factor from sums to outputs, out of that for no binary places.
+    #[inline(always)]
+    pub(super) fn scale(self, whole: f32) -> f32 {
+        shifted(whole, self.0 >> Self::PLACE)
+    }
+}
+
+/// `scale` / 2^`shift`, exact: a scale is 2^-18 at least, levels being within 1e5, and finite.
+#[inline(always)]
+fn shifted(scale: f32, shift: u32) -> f32 {
+    f32::from_bits(scale.to_bits().wrapping_sub(shift << Entry::MANTISSA))
 }
 
 /// Samples of a raw image, read as [`FixedKernels`] take them.

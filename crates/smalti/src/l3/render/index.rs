@@ -14,7 +14,7 @@ const LEAST_RUN: usize = 256;
 /// Which kernels a pixel takes, and whether it is like what was trained with.
 #[derive(Debug, Clone)]
 pub(super) struct Index {
-    /// The first register of the kernels of each class.
+    /// What the inner loops find the kernels of each class by.
     kernels: Vec<u32>,
     /// Registers of a class, where every class has its own, in order.
     step: Option<u32>,

@@ -150,7 +150,7 @@ impl Pipeline {
         self.renderer().render(raw)
     }
 
-    /// The same in fixed point: 16-bit samples times 16-bit kernels ([`FixedKernels`]), summed in 32 bits. Pixels have the
+    /// The same in fixed point: 16-bit samples times 16-bit kernels scaled by class ([`FixedKernels`]), summed in 32 bits. Pixels have the
     /// classes that they have in single precision.
     ///
     /// # Errors
@@ -181,7 +181,7 @@ impl Pipeline {
     /// As [`Pipeline::fixed_kernels`].
     pub fn fixed_renderer(&self, black_level: f64, white_level: f64) -> Result<FixedRenderer<'_>, L3Error> {
         let kernels = self.fixed_kernels(black_level, white_level)?;
-        let engine = Engine::fixed(self, &kernels);
+        let engine = Engine::fixed(self, &kernels)?;
         Ok(FixedRenderer { engine, kernels, levels: [black_level, white_level] })
     }
 

@@ -1,5 +1,6 @@
 //! The inner loops in plain code, which defines the order of the sums.
 
+use super::fixed::Entry;
 use super::table::{Run, Sample, registers_of};
 use crate::numeric::simd::Kernel;
 
@@ -92,7 +93,8 @@ impl Kernel for Fixed<'_, '_, '_, '_> {
             }
             let patch = &run.patches[x * side..][..taps];
             lanes.as_flattened_mut()[..taps].copy_from_slice(patch);
-            let kernels = run.table.registers[kernel as usize..].chunks_exact(per_output);
+            let (place, scale) = (Entry(kernel).place(), Entry(kernel).scale(run.table.scale));
+            let kernels = run.table.registers[place..].chunks_exact(per_output);
             for (plane, weights) in planes.iter_mut().zip(kernels) {
                 let mut sum = 0i32;
                 for (values, weights) in lanes.iter().zip(weights) {
@@ -101,7 +103,7 @@ impl Kernel for Fixed<'_, '_, '_, '_> {
                         sum = sum.wrapping_add(i32::from(value) * i32::from(weight));
                     }
                 }
-                plane[run.at + x] = sum as f32 * run.table.scale;
+                plane[run.at + x] = sum as f32 * scale;
             }
         }
     }

@@ -89,7 +89,8 @@ pub(super) struct Run<'a, S: Sample> {
     pub(super) table: &'a Table<S>,
     /// Columns of patches one after another, those of the first pixel first.
     pub(super) patches: &'a [S],
-    /// The first register of the kernels of each pixel; filled up to whole vectors of [`portable::PIXELS`] with any kernels.
+    /// The first register of the kernels of each pixel, in fixed point an [`Entry`](super::fixed::Entry); filled up to whole vectors
+    /// of [`portable::PIXELS`] with any kernels.
     pub(super) kernels: &'a [u32],
     /// Where in the planes the first pixel lies.
     pub(super) at: usize,
@@ -106,7 +107,7 @@ pub(super) struct Table<S: Sample> {
     pub(super) side: usize,
     /// The last register of a patch with nothing but what stands beyond its last tap.
     pub(super) beyond: S::Register,
-    /// Factor from sums to values.
+    /// In fixed point, factor from sums to values of kernels without binary places.
     pub(super) scale: f32,
 }
 

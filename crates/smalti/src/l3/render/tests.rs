@@ -1,9 +1,10 @@
 //! Against the definition, pixel by pixel.
 
+mod unlike;
+
 use super::super::lattice;
 use super::super::window::mirrored;
 use super::super::{Axes, Class, Kernels, Levels, Origin, PipelineParts, Textures};
-use super::fixed::HIGH_PART;
 use super::table::Simd;
 use super::*;
 use crate::numeric::philox::Stream;
@@ -201,7 +202,9 @@ impl<'a> Reference<'a> {
                 let d = (d + i64::from(kernels.sample_shift)) >> kernels.sample_shift;
                 sum += i64::from(w) * d.clamp(-32768, 32767);
             }
-            i32::try_from(sum).expect("the sum fits 32 bits") as f32 * kernels.scale
+            let sum = i32::try_from(sum).expect("the sum fits 32 bits");
+            // Powers of two are exact: so is what they are multiplied with.
+            sum as f32 * (kernels.scale * 0.5f32.powi(i32::from(kernels.shifts[class])))
         })
     }
 }
@@ -291,7 +294,11 @@ fn sixteen_bits_from_an_odd_black_level_stay_close() {
     }
 }
 
-fn pipeline_with_levels(p: &Pipeline, [black_level, white_level]: [f64; 2]) -> Pipeline {
+fn pipeline_with_levels(p: &Pipeline, levels: [f64; 2]) -> Pipeline {
+    pipeline_with(p, levels, p.kernels().clone())
+}
+
+fn pipeline_with(p: &Pipeline, [black_level, white_level]: [f64; 2], kernels: Kernels) -> Pipeline {
     let parts = PipelineParts {
         axes: p.axes().clone(),
         saturations: p.saturations().to_vec(),
@@ -301,31 +308,10 @@ fn pipeline_with_levels(p: &Pipeline, [black_level, white_level]: [f64; 2]) -> P
         white_level,
         trained: p.trained().to_vec(),
         classes: p.classes().to_vec(),
-        kernels: p.kernels().clone(),
+        kernels,
         provenance: String::new(),
     };
     Pipeline::from_parts(parts).unwrap()
-}
-
-#[test]
-fn fixed_kernels_keep_to_their_bounds() {
-    let pipeline = pipeline(&bayer(), 7, 3);
-    let kernels = pipeline.fixed_kernels(BLACK, WHITE).unwrap();
-    let mut largest = 0i64;
-    for (weights, &offset) in kernels.weights.chunks_exact(49).zip(&kernels.offsets) {
-        let total: i64 = weights.iter().map(|w| i64::from(w.unsigned_abs())).sum();
-        let most = total * 32768 + i64::from(offset.unsigned_abs());
-        assert!(most < i64::from(i32::MAX));
-        largest = largest.max(most);
-        let [high, low] = FixedKernels::parts(offset);
-        assert_eq!(i32::from(high) * HIGH_PART + i32::from(low), offset);
-    }
-    // One more bit would not fit.
-    assert!(largest > i64::from(i32::MAX) / 2 - 49 * 32768);
-    let [high, low] = FixedKernels::parts(-(1 << 28) - 12345);
-    assert_eq!(i32::from(high) * HIGH_PART + i32::from(low), -(1 << 28) - 12345);
-    assert!(pipeline.fixed_kernels(10.0, 10.0).is_err());
-    assert!(pipeline.fixed_kernels(0.0, f64::NAN).is_err());
 }
 
 #[test]
@@ -382,22 +368,10 @@ fn what_does_not_fit_is_refused() {
 
 #[test]
 fn kernels_too_large_for_16_bits_are_refused() {
-    let mut p = pipeline(&bayer(), 3, 1);
+    let p = pipeline(&bayer(), 3, 1);
     let mut kernels = p.kernels().clone();
     kernels.weights[4] = 1e6;
-    p = Pipeline::from_parts(PipelineParts {
-        kernels,
-        axes: p.axes().clone(),
-        saturations: p.saturations().to_vec(),
-        outputs: p.outputs().to_vec(),
-        channel_names: p.channel_names().to_vec(),
-        black_level: BLACK,
-        white_level: WHITE,
-        trained: p.trained().to_vec(),
-        classes: p.classes().to_vec(),
-        provenance: String::new(),
-    })
-    .unwrap();
+    let p = pipeline_with(&p, [BLACK, WHITE], kernels);
     let error = p.render_fixed(&raw(&bayer(), 9, 9)).unwrap_err();
     assert!(matches!(error, L3Error::Table { .. }), "{error}");
 }

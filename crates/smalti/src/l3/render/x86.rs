@@ -2,6 +2,7 @@
 
 use std::arch::x86_64::*;
 
+use super::fixed::Entry;
 use super::portable::{self, PIXELS};
 use super::table::{Run, Sample, registers_of};
 
@@ -286,7 +287,7 @@ fn group_i16<const P: usize, const G: usize>(run: &Run<'_, i16>, first: usize, p
     let Some(most) = registers.len().checked_sub(G * n) else { return };
     // SAFETY: a register of 64 bytes on its boundary.
     let beyond = unsafe { _mm512_load_si512(run.table.beyond.0.as_ptr().cast()) };
-    let scale = _mm512_set1_ps(run.table.scale);
+    let whole = _mm512_castps_si512(_mm512_set1_ps(run.table.scale));
     let mut outs = planes.map(|p| p[run.at..run.at + run.count].chunks_mut(PIXELS));
     for (block, kernels) in run.kernels.as_chunks::<PIXELS>().0.iter().enumerate() {
         let mut quads = [[_mm512_setzero_si512(); 4]; G];
@@ -294,7 +295,7 @@ fn group_i16<const P: usize, const G: usize>(run: &Run<'_, i16>, first: usize, p
             let mut sums = [[_mm512_setzero_si512(); 4]; G];
             for p in 0..4 {
                 let x = block * PIXELS + 4 * q + p;
-                let from = kernels[4 * q + p] as usize + first * n;
+                let from = Entry(kernels[4 * q + p]).place() + first * n;
                 if from > most {
                     return;
                 }
@@ -326,9 +327,15 @@ fn group_i16<const P: usize, const G: usize>(run: &Run<'_, i16>, first: usize, p
                 quads[g][q] = quarters_i32(sums[g]);
             }
         }
+        // SAFETY: sixteen numbers of 32 bits.
+        let entries = unsafe { _mm512_loadu_si512(kernels.as_ptr().cast()) };
+        // What `Entry::scale` does.
+        let shifts = _mm512_srli_epi32::<{ Entry::PLACE }>(entries);
+        let exponents = _mm512_slli_epi32::<{ Entry::MANTISSA }>(shifts);
+        let scales = _mm512_castsi512_ps(_mm512_sub_epi32(whole, exponents));
         for g in 0..G {
             if let Some(out) = outs[g].next() {
-                store(out, _mm512_mul_ps(_mm512_cvtepi32_ps(whole_i32(quads[g])), scale));
+                store(out, _mm512_mul_ps(_mm512_cvtepi32_ps(whole_i32(quads[g])), scales));
             }
         }
     }
