@@ -14,6 +14,7 @@ use smalti_report::page::{Markup, Page, SWEEP, el, figure, packed, runs};
 use super::answers::Section;
 use super::results::Results;
 use super::{figures, results};
+pub(crate) use again::quoted;
 use choice::Choice;
 
 /// What a page is made of.
