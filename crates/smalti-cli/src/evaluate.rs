@@ -13,8 +13,8 @@ use smalti_io::picture::{self, Depth};
 use smalti_io::write;
 
 use crate::args::{Common, Evaluate};
-use crate::compare_page::{self, Shots};
 use crate::columns::headings;
+use crate::compare_page::{self, Shots};
 use crate::progress::Progress;
 use crate::{columns, names, resolve, table};
 

@@ -34,7 +34,9 @@ fn typed(word: &str) -> String {
     let dashes = &word[..word.len() - name.len()];
     match (dashes, name.split_once('=')) {
         ("", _) => quoted(word),
-        (_, Some((option, value))) if !value.is_empty() => format!("{dashes}{}={}", quoted(option), quoted_value(value)),
+        (_, Some((option, value))) if !value.is_empty() => {
+            format!("{dashes}{}={}", quoted(option), quoted_value(value))
+        }
         (_, _) if name.is_empty() => word.to_owned(),
         _ => format!("{dashes}{}", quoted(name)),
     }
@@ -51,7 +53,20 @@ mod tests {
 
     #[test]
     fn the_command_is_what_was_typed() {
-        let words = ["compare", "bayer", "a b.toml", "--luminance", "1,80", "--set", "x=[1,2]", "--output=it's", "-o", "$(rm)", "--gain=-1", "-"];
+        let words = [
+            "compare",
+            "bayer",
+            "a b.toml",
+            "--luminance",
+            "1,80",
+            "--set",
+            "x=[1,2]",
+            "--output=it's",
+            "-o",
+            "$(rm)",
+            "--gain=-1",
+            "-",
+        ];
         assert_eq!(
             command(words.iter().map(|w| (*w).to_owned())),
             "smalti compare bayer 'a b.toml' --luminance 1,80 --set 'x=[1,2]' --output='it'\\''s' -o '$(rm)' --gain='-1' -"

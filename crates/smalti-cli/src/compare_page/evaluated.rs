@@ -28,7 +28,10 @@ pub(crate) struct Shots<'a> {
 
 impl Shots<'_> {
     /// Label, scores and pictures of each camera in one light.
-    fn in_light(&self, light: usize) -> impl Iterator<Item = (&String, &Camera, &Evaluation, &EvaluationPictures)> {
+    fn in_light(
+        &self,
+        light: usize,
+    ) -> impl Iterator<Item = (&String, &Camera, &Evaluation, &EvaluationPictures)> {
         let each = self.luminances_cd_m2.len().max(1);
         self.labels.iter().enumerate().filter_map(move |(i, label)| {
             let (camera, evaluation) = self.results.get(i * each + light)?;
@@ -55,7 +58,12 @@ pub(crate) fn page(shots: &Shots<'_>) -> anyhow::Result<String> {
         .collect();
     let filters = shots.cameras.iter().zip(shots.labels).map(|(c, label)| figures::filters(c, label));
     let lights: Vec<String> = shots.luminances_cd_m2.iter().map(f64::to_string).collect();
-    let lead = format!("ColorChecker, slanted edge and zone plate at {} cd/m², light {}, seed {}.", listed(&lights), shots.illuminant, shots.seed);
+    let lead = format!(
+        "ColorChecker, slanted edge and zone plate at {} cd/m², light {}, seed {}.",
+        listed(&lights),
+        shots.illuminant,
+        shots.seed
+    );
     let facts = [
         ("Smalti", env!("CARGO_PKG_VERSION").to_owned()),
         ("seed", shots.seed.to_string()),
@@ -127,7 +135,9 @@ fn scores(shots: &Shots<'_>) -> Markup {
         let all: Vec<_> = shots.in_light(light).collect();
         let columns: Vec<Vec<Markup>> = MEASURES
             .iter()
-            .map(|(digits, higher, of)| tables::marked(&all.iter().map(|a| of(a.2)).collect::<Vec<_>>(), *digits, *higher))
+            .map(|(digits, higher, of)| {
+                tables::marked(&all.iter().map(|a| of(a.2)).collect::<Vec<_>>(), *digits, *higher)
+            })
             .collect();
         for (i, (label, _, e, _)) in all.iter().enumerate() {
             let mut cells: Vec<Markup> = vec![(*label).into(), luminance.to_string().into()];
@@ -136,7 +146,11 @@ fn scores(shots: &Shots<'_>) -> Markup {
             table = table.row(cells, false);
         }
     }
-    Markup::from(table).and(el("p").class("help").child("★ best in this light. Higher is better for MTF50 and dynamic range, lower for the others."))
+    Markup::from(table).and(
+        el("p").class("help").child(
+            "★ best in this light. Higher is better for MTF50 and dynamic range, lower for the others.",
+        ),
+    )
 }
 
 /// Colour differences of each patch, a table for each light.
@@ -145,7 +159,8 @@ fn colors(scored: &[Vec<Scored<'_>>]) -> Markup {
         let first = of_light.first()?;
         let columns: Vec<(String, Vec<f64>)> =
             of_light.iter().map(|s| (s.name.clone(), s.evaluation.delta_e_2000.per_patch.clone())).collect();
-        let names: Vec<String> = PATCHES.iter().enumerate().map(|(i, name)| format!("{} {name}", i + 1)).collect();
+        let names: Vec<String> =
+            PATCHES.iter().enumerate().map(|(i, name)| format!("{} {name}", i + 1)).collect();
         let caption = format!("ΔE2000 of each patch at {} cd/m²", first.luminance_cd_m2);
         Some(tables::patches(caption, "Patch", &names, &columns, 2))
     };
@@ -154,7 +169,28 @@ fn colors(scored: &[Vec<Scored<'_>>]) -> Markup {
 
 /// The ColorChecker, row by row.
 const PATCHES: [&str; 24] = [
-    "dark skin", "light skin", "blue sky", "foliage", "blue flower", "bluish green", "orange", "purplish blue",
-    "moderate red", "purple", "yellow green", "orange yellow", "blue", "green", "red", "yellow", "magenta", "cyan",
-    "white", "neutral 8", "neutral 6.5", "neutral 5", "neutral 3.5", "black",
+    "dark skin",
+    "light skin",
+    "blue sky",
+    "foliage",
+    "blue flower",
+    "bluish green",
+    "orange",
+    "purplish blue",
+    "moderate red",
+    "purple",
+    "yellow green",
+    "orange yellow",
+    "blue",
+    "green",
+    "red",
+    "yellow",
+    "magenta",
+    "cyan",
+    "white",
+    "neutral 8",
+    "neutral 6.5",
+    "neutral 5",
+    "neutral 3.5",
+    "black",
 ];

@@ -36,7 +36,8 @@ fn series(plot: Plot, name: &str, i: usize, x: &[f64], y: &[f64]) -> Plot {
 
 /// A figure, or why there is none.
 fn drawn(plot: &Plot) -> Markup {
-    plot.draw().map_or_else(|e| el("p").class("none").child(format!("No figure: {e}.")).into(), |f| figure(&f))
+    plot.draw()
+        .map_or_else(|e| el("p").class("none").child(format!("No figure: {e}.")).into(), |f| figure(&f))
 }
 
 fn beside(figures: impl IntoIterator<Item = Markup>) -> Markup {
@@ -51,7 +52,8 @@ pub(super) fn against_light(luminances: &[f64], quantities: &[(&str, Vec<(String
             .x_scale(Scale::Log)
             .size(SIZE.0, SIZE.1);
         for (i, (name, values)) in ways.iter().enumerate() {
-            let mut points: Vec<(f64, f64)> = luminances.iter().copied().zip(values.iter().copied()).collect();
+            let mut points: Vec<(f64, f64)> =
+                luminances.iter().copied().zip(values.iter().copied()).collect();
             points.sort_by(|a, b| a.0.total_cmp(&b.0));
             let (x, y): (Vec<f64>, Vec<f64>) = points.into_iter().unzip();
             plot = series(plot, name, i, &x, &y);
@@ -99,7 +101,8 @@ pub(super) fn noise(scored: &[Vec<Scored<'_>>]) -> Markup {
             .note("Standard deviation of Y over its mean, one capture with all noise.")
             .size(SIZE.0, SIZE.1);
         let all = of_light.iter().flat_map(|s| &s.evaluation.luminance_noise_percent.per_patch);
-        let (low, high) = all.filter(|v| **v > 0.0).fold((f64::INFINITY, 0.0f64), |(l, h), &v| (l.min(v), h.max(v)));
+        let (low, high) =
+            all.filter(|v| **v > 0.0).fold((f64::INFINITY, 0.0f64), |(l, h), &v| (l.min(v), h.max(v)));
         if high > 8.0 * low {
             plot = plot.y_scale(Scale::Log);
         } else if high > 0.0 {
@@ -130,13 +133,17 @@ pub(super) fn filters(camera: &Camera, label: &str) -> Markup {
     let tiles = match camera.sensor.architecture {
         ColorArchitecture::Mosaic if mosaic.cells().len() <= MOST_CELLS => {
             let cell = |&c: &u8| Cell {
-                letter: cfa.channels().get(usize::from(c)).map_or_else(String::new, |c| c.name.chars().take(3).collect()),
+                letter: cfa
+                    .channels()
+                    .get(usize::from(c))
+                    .map_or_else(String::new, |c| c.name.chars().take(3).collect()),
                 color: colors.get(usize::from(c)).copied().unwrap_or(Rgb(128, 128, 128)),
             };
             let cells: Vec<Cell> = mosaic.cells().iter().map(cell).collect();
             let caption = format!("{} × {} cells", mosaic.rows(), mosaic.cols());
             let drawn = Mosaics::new().columns(1).mosaic(caption, mosaic.cols(), &cells).draw();
-            drawn.map_or_else(|e| el("p").class("none").child(format!("No tile: {e}.")).into(), |f| figure(&f))
+            drawn
+                .map_or_else(|e| el("p").class("none").child(format!("No tile: {e}.")).into(), |f| figure(&f))
         }
         ColorArchitecture::Mosaic => {
             let size = format!("A tile of {} × {} cells is too large to draw.", mosaic.rows(), mosaic.cols());
@@ -150,7 +157,12 @@ pub(super) fn filters(camera: &Camera, label: &str) -> Markup {
         let nm: Vec<f64> = spectrum.grid().wavelengths_nm().collect();
         plot = plot.line(Line::new(&channel.name, &nm, spectrum.values()).color(*color).filled().width(2.5));
     }
-    let about = format!("{}, {} colours, pitch {:.2} µm", cfa.name(), colors.len(), camera.sensor.pixel.pitch_m * 1e6);
+    let about = format!(
+        "{}, {} colours, pitch {:.2} µm",
+        cfa.name(),
+        colors.len(),
+        camera.sensor.pixel.pitch_m * 1e6
+    );
     el("div")
         .class("camera")
         .child(el("h3").child(label))

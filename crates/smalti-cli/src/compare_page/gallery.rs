@@ -67,13 +67,14 @@ pub(super) struct Maps {
     pub(super) unit: &'static str,
 }
 
-/// The value below which all but one in a hundred of the maps lie, to one digit upwards.
+/// The value below which all but one in twenty of the maps lie, to one digit upwards.
 pub(super) fn top<'a>(maps: impl Iterator<Item = &'a Planes>) -> f64 {
-    let mut values: Vec<f32> = maps.flat_map(|m| m.data().iter().copied().filter(|v| v.is_finite())).collect();
+    let mut values: Vec<f32> =
+        maps.flat_map(|m| m.data().iter().copied().filter(|v| v.is_finite())).collect();
     if values.is_empty() {
         return 1.0;
     }
-    let place = (values.len() - 1) * 99 / 100;
+    let place = (values.len() - 1) * 19 / 20;
     let (_, value, _) = values.select_nth_unstable_by(place, f32::total_cmp);
     let value = f64::from(*value).max(1.0);
     let step = 10f64.powf(value.log10().floor());
@@ -152,5 +153,10 @@ fn figure(group: &Group, shot: &Shot, encoded: &Encoded, maps: &Maps, fits: bool
         Markup::from(uri.image(width, height, &what).class("map"))
     });
     let caption = el("figcaption").child(el("b").child(&shot.name)).child(format!(" {}", shot.caption));
-    el("figure").attr("data-name", &shot.name).child(picture).child(map.unwrap_or_default()).child(caption).into()
+    el("figure")
+        .attr("data-name", &shot.name)
+        .child(picture)
+        .child(map.unwrap_or_default())
+        .child(caption)
+        .into()
 }

@@ -6,6 +6,7 @@ use smalti_report::page::{Markup, Table, el, packed};
 
 use super::figures::filter_colors;
 use crate::compare::Way;
+use crate::study_report::grouped;
 
 /// Most weights of one pipeline in the page; of more levels some are left out.
 const MOST_WEIGHTS: usize = 500_000;
@@ -32,16 +33,16 @@ pub(super) fn section(learned: &[(&Way<'_>, &Pipeline)]) -> Markup {
         }
         for p in &summary.positions {
             let mut cells =
-                vec![format!("{}, {}", p.row + 1, p.col + 1), p.channel.clone(), p.patches.to_string()];
+                vec![format!("{}, {}", p.row + 1, p.col + 1), p.channel.clone(), grouped(p.patches)];
             cells.extend(p.by_origin.iter().map(usize::to_string));
             table = table.row(cells, false);
         }
         let about = format!(
-            "{} classes, {} of them seen in training, {} linear filters, {} patches, kernels of {side} × {side}.",
-            summary.classes,
-            summary.occupied,
-            summary.operators,
-            summary.patches,
+            "{} classes, {} of them seen in training, {} linear filters, {} patches, kernels of {side}\u{a0}×\u{a0}{side}.",
+            grouped(summary.classes as u64),
+            grouped(summary.occupied as u64),
+            grouped(summary.operators as u64),
+            grouped(summary.patches),
             side = pipeline.axes().side(),
         );
         out = out
@@ -62,7 +63,8 @@ pub(super) fn data(way: &Way<'_>, pipeline: &Pipeline) -> Value {
     let fit = (MOST_WEIGHTS / each_level.max(1)).max(1);
     let step = axes.level_count().div_ceil(fit).max(1);
     let levels: Vec<usize> = (0..axes.level_count()).step_by(step).collect();
-    let (mut counts, mut origins, mut scales, mut weights, mut offsets) = (vec![], vec![], vec![], vec![], vec![]);
+    let (mut counts, mut origins, mut scales, mut weights, mut offsets) =
+        (vec![], vec![], vec![], vec![], vec![]);
     for position in 0..axes.positions() {
         for &level in &levels {
             for texture in 0..textures.len() {

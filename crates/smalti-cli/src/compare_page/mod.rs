@@ -23,7 +23,10 @@ pub(crate) const FILE: &str = "report.html";
 const DIFFERENCE: Maps = Maps { name: "S-CIELAB difference", unit: "ΔE*ab" };
 
 fn foot() -> Markup {
-    let text = format!("Made by Smalti {}. This page needs no network and sends nothing.", env!("CARGO_PKG_VERSION"));
+    let text = format!(
+        "Made by Smalti {}. This page needs no network and sends nothing.",
+        env!("CARGO_PKG_VERSION")
+    );
     el("p").child(text).into()
 }
 
@@ -47,7 +50,8 @@ pub(crate) fn page(report: &Report<'_>) -> anyhow::Result<String> {
         .section("pictures", "Pictures", gallery::gallery(&groups(report)?, &DIFFERENCE))
         .section("scores", "Scores", tables::scores(report).and(tables::scenes(report)))
         .section("light", "Quality against light", light(report));
-    let filters = report.cameras.iter().zip(report.labels).map(|(camera, label)| figures::filters(camera, label));
+    let filters =
+        report.cameras.iter().zip(report.labels).map(|(camera, label)| figures::filters(camera, label));
     page = page
         .section("filters", "Filters", el("div").class("cameras").children(filters))
         .section("edges", "Sharpness", figures::edges(&scored))
@@ -119,7 +123,10 @@ fn groups(report: &Report<'_>) -> anyhow::Result<Vec<Group>> {
     let stems: Vec<String> = report.scene_names().iter().map(|s| stem(s)).collect();
     let numbered = crate::names::numbered(stems);
     let lights = report.light_count().max(1);
-    groups.iter_mut().enumerate().for_each(|(i, g)| g.scene = numbered.get(i / lights).unwrap_or(&g.scene).clone());
+    groups
+        .iter_mut()
+        .enumerate()
+        .for_each(|(i, g)| g.scene = numbered.get(i / lights).unwrap_or(&g.scene).clone());
     Ok(groups)
 }
 
@@ -138,7 +145,10 @@ fn light(report: &Report<'_>) -> Markup {
             ],
         )
     } else {
-        el("p").class("none").child("One luminance was compared; --luminance 1,10,80 draws curves here.").into()
+        el("p")
+            .class("none")
+            .child("One luminance was compared; --luminance 1,10,80 draws curves here.")
+            .into()
     };
     if report.gains.is_empty() {
         return out.and(el("p").class("help").child(
@@ -180,11 +190,9 @@ fn noise_tables(scored: &[Vec<Scored<'_>>]) -> Markup {
             .collect();
         let patches = columns.first().map_or(0, |(_, v)| v.len());
         let names: Vec<String> = (1..=patches).map(|p| p.to_string()).collect();
-        let caption = format!("Luminance noise at {} cd/m², %, by grey patch from white", first.luminance_cd_m2);
+        let caption =
+            format!("Luminance noise at {} cd/m², %, by grey patch from white", first.luminance_cd_m2);
         Some(tables::patches(caption, "Patch", &names, &columns, 2))
     };
-    el("details")
-        .child(el("summary").child("The figures"))
-        .children(scored.iter().filter_map(table))
-        .into()
+    el("details").child(el("summary").child("The figures")).children(scored.iter().filter_map(table)).into()
 }

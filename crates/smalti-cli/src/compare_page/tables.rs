@@ -15,11 +15,26 @@ struct Column {
 
 const COLUMNS: [Column; 6] = [
     Column { heading: "CPSNR, dB", digits: 2, higher: true, of: |o| mean(o, |s| s.scores.cpsnr_db) },
-    Column { heading: "ΔE2000, mean", digits: 2, higher: false, of: |o| mean(o, |s| s.scores.pixel_delta_e_2000_mean) },
-    Column { heading: "S-CIELAB, ΔE*ab", digits: 2, higher: false, of: |o| mean(o, |s| s.scores.scielab_mean) },
+    Column {
+        heading: "ΔE2000, mean",
+        digits: 2,
+        higher: false,
+        of: |o| mean(o, |s| s.scores.pixel_delta_e_2000_mean),
+    },
+    Column {
+        heading: "S-CIELAB, ΔE*ab",
+        digits: 2,
+        higher: false,
+        of: |o| mean(o, |s| s.scores.scielab_mean),
+    },
     Column { heading: "MTF50, cy/mm", digits: 1, higher: true, of: |o| o.targets.mtf50_cy_per_mm },
     Column { heading: "Visual SNR, 1/ΔE", digits: 3, higher: true, of: |o| o.targets.visual_snr.median },
-    Column { heading: "Luminance noise, %", digits: 1, higher: false, of: |o| o.targets.luminance_noise_percent.mean },
+    Column {
+        heading: "Luminance noise, %",
+        digits: 1,
+        higher: false,
+        of: |o| o.targets.luminance_noise_percent.mean,
+    },
 ];
 /// Columns that a single scene has too.
 const OF_SCENES: usize = 3;
@@ -28,7 +43,8 @@ const OF_SCENES: usize = 3;
 pub(super) fn marked(values: &[f64], digits: usize, higher: bool) -> Vec<Markup> {
     let sign = if higher { 1.0 } else { -1.0 };
     let text = |v: f64| if v.is_finite() { format!("{v:.digits$}") } else { "–".to_owned() };
-    let best = values.iter().copied().filter(|v| v.is_finite()).max_by(|a, b| (sign * a).total_cmp(&(sign * b)));
+    let best =
+        values.iter().copied().filter(|v| v.is_finite()).max_by(|a, b| (sign * a).total_cmp(&(sign * b)));
     let best = best.filter(|_| values.len() > 1).map(text);
     let one = |&v: &f64| {
         let text = text(v);
@@ -36,7 +52,12 @@ pub(super) fn marked(values: &[f64], digits: usize, higher: bool) -> Vec<Markup>
             return text.into();
         }
         let star = el("span").attr("aria-hidden", "true").class("star").child("★");
-        el("b").class("best").child(text).child(star).child(el("span").class("hidden-text").child(" best")).into()
+        el("b")
+            .class("best")
+            .child(text)
+            .child(star)
+            .child(el("span").class("hidden-text").child(" best"))
+            .into()
     };
     values.iter().map(one).collect()
 }
@@ -45,7 +66,8 @@ pub(super) fn marked(values: &[f64], digits: usize, higher: bool) -> Vec<Markup>
 pub(super) fn scores(report: &Report<'_>) -> Markup {
     let scenes = report.scene_count();
     let over = if scenes == 1 { "one scene".into() } else { format!("means over {scenes} scenes") };
-    let mut table = Table::new(format!("Scores, {over}")).text("Camera").text("Processing").number("Luminance, cd/m²");
+    let mut table =
+        Table::new(format!("Scores, {over}")).text("Camera").text("Processing").number("Luminance, cd/m²");
     for column in &COLUMNS {
         table = table.number(column.heading);
     }
@@ -56,8 +78,11 @@ pub(super) fn scores(report: &Report<'_>) -> Markup {
             .map(|c| marked(&all.iter().map(|o| (c.of)(o)).collect::<Vec<_>>(), c.digits, c.higher))
             .collect();
         for (i, (way, outcome)) in report.ways.iter().zip(&all).enumerate() {
-            let mut cells: Vec<Markup> =
-                vec![way.label.into(), way.processing.name().into(), outcome.luminance_cd_m2.to_string().into()];
+            let mut cells: Vec<Markup> = vec![
+                way.label.into(),
+                way.processing.name().into(),
+                outcome.luminance_cd_m2.to_string().into(),
+            ];
             cells.extend(columns.iter().filter_map(|c| c.get(i).cloned()));
             table = table.row(cells, false);
         }
@@ -82,8 +107,11 @@ pub(super) fn scenes(report: &Report<'_>) -> Markup {
     table = table.number("Clipped, %").number("Exposure, ms");
     for scene in 0..report.scene_count() {
         for light in 0..report.light_count() {
-            let all: Vec<_> = report.outcomes.iter().filter_map(|o| o.get(light)?.scenes.get(scene)).collect();
-            let of = |f: fn(&smalti::camera::SceneScores) -> f64| all.iter().map(|(_, s)| f(s)).collect::<Vec<_>>();
+            let all: Vec<_> =
+                report.outcomes.iter().filter_map(|o| o.get(light)?.scenes.get(scene)).collect();
+            let of = |f: fn(&smalti::camera::SceneScores) -> f64| {
+                all.iter().map(|(_, s)| f(s)).collect::<Vec<_>>()
+            };
             let columns = [
                 marked(&of(|s| s.scores.cpsnr_db), 2, true),
                 marked(&of(|s| s.scores.pixel_delta_e_2000_mean), 2, false),
@@ -107,11 +135,12 @@ pub(super) fn scenes(report: &Report<'_>) -> Markup {
 pub(super) fn gains(gains: &[Gain]) -> Markup {
     let table = |Gain { first, other, gains, .. }: &Gain| {
         let light = gains.luminance_cd_m2;
-        let mut table = Table::new(format!("More light that {first} needs to equal {other} at {light} cd/m²"))
-            .text("Metric")
-            .number(first)
-            .number(other)
-            .number("Light gain, stops");
+        let mut table =
+            Table::new(format!("More light that {first} needs to equal {other} at {light} cd/m²"))
+                .text("Metric")
+                .number(first)
+                .number(other)
+                .number("Light gain, stops");
         for m in &gains.metrics {
             let cells = [
                 m.metric.to_owned(),
@@ -127,7 +156,13 @@ pub(super) fn gains(gains: &[Gain]) -> Markup {
 }
 
 /// Rows of names and figures, one column for each name.
-pub(super) fn patches(caption: String, heading: &str, names: &[String], columns: &[(String, Vec<f64>)], digits: usize) -> Markup {
+pub(super) fn patches(
+    caption: String,
+    heading: &str,
+    names: &[String],
+    columns: &[(String, Vec<f64>)],
+    digits: usize,
+) -> Markup {
     let mut table = Table::new(caption).text(heading);
     for (name, _) in columns {
         table = table.number(name);

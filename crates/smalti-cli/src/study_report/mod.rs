@@ -9,7 +9,7 @@ mod pictures;
 mod results;
 mod tables;
 
-pub(crate) use page::quoted;
+pub(crate) use page::{grouped, quoted};
 
 use std::path::{Path, PathBuf};
 

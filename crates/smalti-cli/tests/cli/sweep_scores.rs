@@ -133,9 +133,13 @@ fn a_study_scores_what_it_names() {
 
     // The report shows what there is, and draws no plane of colour and resolution.
     let text = place.ok("report out");
-    for words in
-        ["MTF50 cy/mm", "CPSNR dB leaves", "CPSNR dB dead leaves 1", "aliasing %", "none beats in MTF50, CPSNR"]
-    {
+    for words in [
+        "MTF50 cy/mm",
+        "CPSNR dB leaves",
+        "CPSNR dB dead leaves 1",
+        "aliasing %",
+        "none beats in MTF50, CPSNR",
+    ] {
         assert!(text.contains(words), "{words} is missing in\n{text}");
     }
     assert!(!text.contains("ΔE") && !text.contains("NaN"), "{text}");

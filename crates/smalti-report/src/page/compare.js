@@ -124,6 +124,8 @@ function startViewer(root) {
     const count = two ? 1 : frames.length;
     stage.style.setProperty("--across", count <= 4 ? count : count <= 6 ? 3 : 4);
     legend.replaceChildren(...(showMap && unit && group ? [make("span", {}, "0"), make("i", { class: "ramp" }), make("span", {}, `${group.top} ${unit} and more`)] : []));
+    const size = stage.querySelector("img");
+    if (size) root.style.setProperty("--ratio", size.getAttribute("width") / size.getAttribute("height"));
     split();
     place();
   }
@@ -139,7 +141,7 @@ function startViewer(root) {
     stage.classList.toggle("near", view.zoom > 1);
     const size = stage.querySelector("img");
     const middle = (at, whole) => Math.round((at + 0.5 / view.zoom) * whole);
-    reading.textContent = view.zoom === 1 || !size ? "Whole picture"
+    reading.textContent = view.zoom === 1 || !size ? ""
       : `${shown(view.zoom)}× around row ${middle(view.y, size.getAttribute("height"))}, column ${middle(view.x, size.getAttribute("width"))}`;
   }
 

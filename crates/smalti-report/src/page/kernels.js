@@ -24,9 +24,8 @@ function showKernels(place, of) {
   const [levels, textures, outputs] = [of.levels.length, of.textures.length, of.outputs.length];
   const indexOf = (position, level, texture) => (position * levels + level) * textures + texture;
   const state = { position: 0, level: 0, texture: 0 };
-  // The class that was seen most is the one to begin with.
-  const most = columns.count.reduce((best, n, i) => (n > columns.count[best] ? i : best), 0);
-  Object.assign(state, { texture: most % textures, level: Math.floor(most / textures) % levels, position: Math.floor(most / textures / levels) });
+  // Of the middle level the texture: dark and flat ones are little but means.
+  Object.assign(state, { level: Math.floor(levels / 2), texture: Math.min(1, textures - 1) });
 
   const named = (p) => `row ${p.row}, column ${p.col}: ${of.channels[p.channel]}`;
   const position = make("select", { change: () => set({ position: Number(position.value) }) }, of.positions.map((p, i) => make("option", { value: i }, named(p))));

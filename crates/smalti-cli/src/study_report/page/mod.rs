@@ -16,6 +16,7 @@ use super::results::Results;
 use super::{figures, results};
 pub(crate) use again::quoted;
 use choice::Choice;
+pub(crate) use words::grouped;
 
 /// What a page is made of.
 pub(super) struct Sources<'a> {
