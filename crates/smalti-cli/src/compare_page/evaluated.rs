@@ -1,7 +1,7 @@
 //! The page of `smalti evaluate`: the targets and their scores.
 
 use smalti::camera::{Camera, Evaluation, EvaluationPictures};
-use smalti::color::{ColorSpace, Image};
+use smalti::color::Image;
 use smalti_report::page::{COMPARE, Markup, Page, Table, el};
 
 use super::figures::{self, Scored};
@@ -18,6 +18,8 @@ pub(crate) struct Shots<'a> {
     pub(crate) labels: &'a [String],
     pub(crate) luminances_cd_m2: &'a [f64],
     pub(crate) illuminant: &'a str,
+    /// X, Y, Z of the light, Y = 1.
+    pub(crate) white: [f64; 3],
     pub(crate) seed: u64,
     /// For each camera, one for each luminance.
     pub(crate) results: &'a [(&'a Camera, Evaluation)],
@@ -59,7 +61,7 @@ pub(crate) fn page(shots: &Shots<'_>) -> anyhow::Result<String> {
     let filters = shots.cameras.iter().zip(shots.labels).map(|(c, label)| figures::filters(c, label));
     let lights: Vec<String> = shots.luminances_cd_m2.iter().map(f64::to_string).collect();
     let lead = format!(
-        "ColorChecker, slanted edge and zone plate at {} cd/m², light {}, seed {}.",
+        "ColorChecker, slanted edge and zone plate at {} cd/m², light {}, seed {}. Pictures are shown equally bright.",
         listed(&lights),
         shots.illuminant,
         shots.seed
@@ -101,13 +103,24 @@ fn groups(shots: &Shots<'_>) -> anyhow::Result<Vec<Group>> {
                         (caption, Some(Pixels::of(&(shots.aliasing)(pictures)?)))
                     }
                 };
-                let picture = Pixels::of(&of(pictures).converted(ColorSpace::Srgb)?);
+                let picture = Pixels::of(&seen(of(pictures), shots.white)?);
                 group.shots.push(Shot { name: label.clone(), caption, picture, map });
             }
             groups.push(group);
         }
     }
     Ok(groups)
+}
+
+/// A picture as it is looked at: the light made white, and the brightest but a hundredth of it just below white, since targets
+/// in little light are dark as exposed.
+fn seen(picture: &Image, white: [f64; 3]) -> anyhow::Result<Image> {
+    let mut luminance: Vec<f32> =
+        picture.planes().plane(1).iter().copied().filter(|v| v.is_finite()).collect();
+    let place = luminance.len().saturating_sub(1) * 99 / 100;
+    luminance.sort_unstable_by(f32::total_cmp);
+    let bright = luminance.get(place).copied().filter(|v| *v > 0.0).unwrap_or(1.0);
+    crate::pictures::shown(picture, white, 0.92 / f64::from(bright))
 }
 
 /// A column: its digits, whether more is better, and the figure.
