@@ -21,6 +21,9 @@ pub(super) struct Scored<'a> {
     pub(super) pitch_m: f64,
 }
 
+/// Names, each with its values.
+pub(super) type Named = Vec<(String, Vec<f64>)>;
+
 /// A colour and a symbol for a place in a list.
 fn look(i: usize) -> (Rgb, Symbol) {
     let colors = &OKABE_ITO[..7];
@@ -45,7 +48,7 @@ fn beside(figures: impl IntoIterator<Item = Markup>) -> Markup {
 }
 
 /// Quality against luminance: for each quantity its label and for each name its values.
-pub(super) fn against_light(luminances: &[f64], quantities: &[(&str, Vec<(String, Vec<f64>)>)]) -> Markup {
+pub(super) fn against_light(luminances: &[f64], quantities: &[(&str, Named)]) -> Markup {
     beside(quantities.iter().map(|(label, ways)| {
         let mut plot = Plot::new("Luminance (cd/m²)", *label)
             .title(label.split(" (").next().unwrap_or(label))

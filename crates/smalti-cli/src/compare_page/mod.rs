@@ -11,11 +11,12 @@ pub(crate) use evaluated::{Shots, page as evaluate_page};
 
 use rayon::prelude::*;
 use serde_json::json;
+use smalti::camera::LightGain;
 use smalti_report::page::{COMPARE, Markup, Page, el};
 
 use crate::compare::{Outcome, Way};
 use crate::compare_report::{Report, mean, stem};
-use figures::Scored;
+use figures::{Named, Scored};
 use gallery::{Group, Maps, Pixels, Shot};
 
 /// The page of both commands.
@@ -132,7 +133,7 @@ fn groups(report: &Report<'_>) -> anyhow::Result<Vec<Group>> {
 
 fn light(report: &Report<'_>) -> Markup {
     let luminances: Vec<f64> = (0..report.light_count()).map(|l| report.luminance(l)).collect();
-    let of = |f: fn(&Outcome) -> f64| -> Vec<(String, Vec<f64>)> {
+    let of = |f: fn(&Outcome) -> f64| -> Named {
         let way = |(way, outcomes): (&Way<'_>, &Vec<Outcome>)| (way.name(), outcomes.iter().map(f).collect());
         report.ways.iter().zip(report.outcomes).map(way).collect()
     };
@@ -155,11 +156,34 @@ fn light(report: &Report<'_>) -> Markup {
             "How much more light the first camera needs to equal the others: the same command with --light-gain.",
         ));
     }
+    if luminances.len() > 1 {
+        out = out.and(gain_figures(report, &luminances));
+    }
     out = out.and(tables::gains(report.gains));
     out.and(el("p").class("help").child(
         "Below 0 the first camera needs less light. Gains are found on pictures of their own: up to two scenes, and four captures of the \
          ColorChecker.",
     ))
+}
+
+/// The light gain against luminance, a figure for each camera that is to be equalled. Bounds are no points: they are in the tables.
+fn gain_figures(report: &Report<'_>, luminances: &[f64]) -> Markup {
+    let mut others: Vec<&str> = report.gains.iter().map(|g| g.other.as_str()).collect();
+    others.dedup();
+    let figures = others.into_iter().map(|other| {
+        let gains: Vec<_> = report.gains.iter().filter(|g| g.other == other).collect();
+        let metrics = gains.first().map_or(&[][..], |g| g.gains.metrics.as_slice());
+        let series = metrics.iter().enumerate().map(|(i, m)| {
+            let value = |g: &&crate::compare::Gain| match g.gains.metrics.get(i).map(|m| m.gain) {
+                Some(LightGain::Stops(stops)) => stops,
+                _ => f64::NAN,
+            };
+            (tables::metric_name(m.metric).to_owned(), gains.iter().map(value).collect())
+        });
+        let label = format!("Light gain of {other} (stops)");
+        figures::against_light(luminances, &[(label.as_str(), series.collect())])
+    });
+    figures.collect()
 }
 
 /// For each light the scores of the targets.

@@ -131,6 +131,18 @@ pub(super) fn scenes(report: &Report<'_>) -> Markup {
     table.into()
 }
 
+/// What a metric of the light gain is called in the page.
+pub(super) fn metric_name(metric: &str) -> &str {
+    match metric {
+        "cpsnr_db" => "CPSNR, dB",
+        "pixel_delta_e_2000_mean" => "ΔE2000, mean",
+        "scielab_mean" => "S-CIELAB, ΔE*ab",
+        "visual_snr" => "Visual SNR, 1/ΔE",
+        "luminance_noise_percent" => "Luminance noise, %",
+        other => other,
+    }
+}
+
 /// How much more light the first camera needs.
 pub(super) fn gains(gains: &[Gain]) -> Markup {
     let table = |Gain { first, other, gains, .. }: &Gain| {
@@ -143,7 +155,7 @@ pub(super) fn gains(gains: &[Gain]) -> Markup {
                 .number("Light gain, stops");
         for m in &gains.metrics {
             let cells = [
-                m.metric.to_owned(),
+                metric_name(m.metric).to_owned(),
                 format!("{:.3}", m.own),
                 format!("{:.3}", m.target),
                 m.gain.to_string().replace(" stops", ""),

@@ -147,7 +147,7 @@ impl<'a> Section<'a> {
                 delta_e,
                 mtf50,
                 noise,
-                summaries: of_measures.iter().filter_map(|s| Some(s.get(i)?.1.clone())).collect(),
+                summaries: of_measures.iter().filter_map(|s| Some(s.get(i)?.1)).collect(),
                 best: best.iter().map(absolute).collect(),
                 worst: worst.first().map(absolute),
             })

@@ -80,7 +80,7 @@ fn an_evaluation_has_a_page_whose_cameras_can_be_used() {
     let html = page(&place, "o/report.html");
     assert!(html.len() < 600_000, "{}", html.len());
     assert_eq!(html.matches("class=\"shot\"").count(), 3);
-    assert_eq!(html.matches("<td class=\"number\">").count() > 24, true);
+    assert!(html.matches("<td class=\"number\">").count() > 24);
     // The description is a camera, and scores the same.
     let toml = html
         .split("the whole description</summary>")

@@ -80,7 +80,7 @@ function showKernels(place, of) {
     const middle = `level ${of.levels[state.level]} of ${of.level_count}`;
     level.setAttribute("aria-valuetext", middle);
     level.setAttribute("aria-label", "Level");
-    levelName.textContent = `Level ${of.levels[state.level]} of ${of.level_count}, about ${Number(p.middles[state.level])} % of white`;
+    levelName.textContent = `Level ${of.levels[state.level]} of ${of.level_count}, about ${Number(Number(p.middles[state.level]).toPrecision(2))} % of white`;
     const origin = of.origins[columns.origin[index]];
     about.replaceChildren(
       `${columns.count[index].toLocaleString("en")} patches in training. Kernels: `,
