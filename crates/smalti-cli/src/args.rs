@@ -269,7 +269,7 @@ pub(crate) struct Evaluate {
     /// Print one JSON document instead of the table
     #[arg(long)]
     pub(crate) json: bool,
-    /// Write results.json and the pictures of the targets to this folder
+    /// Write report.html, results.json and the pictures of the targets to this folder
     #[arg(short, long, value_name = "DIR")]
     pub(crate) output: Option<PathBuf>,
 }
@@ -326,7 +326,7 @@ pub(crate) enum Listing {
     CPSNR (in XYZ), ΔE2000 and S-CIELAB are means over the pictures of all scenes, MTF50 is that of a slanted edge, visual \
     SNR and noise are those of the grey patches of a chart: smalti list metrics. What is learned is kept in the cache, so that \
     the next comparison takes seconds.\n\n\
-    Written: side-by-side/ with a picture for each scene and luminance (the reference, then the cameras in the order of the \
+    Written: report.html, a page of all that was found; side-by-side/ with a picture for each scene and luminance (the reference, then the cameras in the order of the \
     table), CAMERA.l3 (for smalti render), CAMERA-kernels.png and results.json, which is removed first and written last: a folder that has it is whole.")]
 pub(crate) struct Compare {
     /// Built-in cameras (smalti list cameras) or TOML files

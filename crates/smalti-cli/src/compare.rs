@@ -7,6 +7,7 @@ use smalti::camera::{
 };
 use smalti::isp::{Classic, Demosaic, Isp, WhiteBalance};
 use smalti::l3::{Pipeline, peak_ratio_db};
+use smalti::metrics::esfr::EdgeSfr;
 use smalti::scene::Setting;
 use smalti::sensor::NoiseMode;
 use smalti::spectrum::{Illuminant, Spectrum};
@@ -14,6 +15,7 @@ use smalti_io::cache::Cache;
 use smalti_io::write;
 
 use crate::args::{Common, Compare, Processing};
+use crate::compare_page;
 use crate::compare_report::{self, Report};
 use crate::evaluate::cached;
 use crate::progress::Progress;
@@ -32,6 +34,8 @@ pub(crate) struct Way<'a> {
 pub(crate) struct Outcome {
     pub(crate) luminance_cd_m2: f64,
     pub(crate) targets: Evaluation,
+    /// The response to the edge.
+    pub(crate) edge: Option<EdgeSfr>,
     pub(crate) scenes: Vec<(String, SceneScores)>,
     /// For each scene, how far the learned pipeline's picture in fixed point is from that in single precision, dB; `None` for other
     /// processing, and where the table has no fixed-point form for the camera.
@@ -123,6 +127,7 @@ pub(crate) fn run(args: &Compare, common: &Common) -> anyhow::Result<()> {
     let report = Report {
         args,
         cameras: &cameras,
+        labels: &labels,
         ways: &ways,
         left_out: &left_out,
         outcomes: &outcomes,
@@ -135,15 +140,14 @@ pub(crate) fn run(args: &Compare, common: &Common) -> anyhow::Result<()> {
     if args.json {
         return crate::print(&text);
     }
-    let folder = args.output.join(compare_report::SIDE_BY_SIDE);
     let over =
         if scenes.len() == 1 { "of one scene".into() } else { format!("means over {} scenes", scenes.len()) };
     crate::print(&format!(
-        "{}{}{}\n{over}; pictures in {}, figures in {}\n",
+        "{}{}{}\n{over}; to look at: {}; figures in {}\n",
         report.scores_table(),
         report.fixed_point_line(),
         report.gains_table(),
-        folder.display(),
+        args.output.join(compare_page::FILE).display(),
         args.output.join(compare_report::RESULTS).display(),
     ))
 }
@@ -250,7 +254,7 @@ fn outcomes_of(
         let context = || format!("{} at {luminance_cd_m2} cd/m²", way.name());
         let settings = EvaluationSettings { luminance_cd_m2, illuminant: illuminant.clone(), seed };
         let images = |key: &str, make: &dyn Fn() -> Result<_, CameraError>| cached(cache, key, make);
-        let (targets, _) = evaluate_with(way.camera, &settings, &images, &|light| way.isp(light))
+        let (targets, pictures) = evaluate_with(way.camera, &settings, &images, &|light| way.isp(light))
             .with_context(|| {
                 let exposed = way.camera.description().exposure.time_ms.is_some();
                 let hint = if exposed {
@@ -269,7 +273,13 @@ fn outcomes_of(
             fixed_point.push(way.fixed_point_psnr_db(&lit, &scores, seed)?);
             scored.push((name.clone(), scores));
         }
-        outcomes.push(Outcome { luminance_cd_m2, targets, scenes: scored, fixed_point_psnr_db: fixed_point });
+        outcomes.push(Outcome {
+            luminance_cd_m2,
+            targets,
+            edge: pictures.edge_sfr().ok(),
+            scenes: scored,
+            fixed_point_psnr_db: fixed_point,
+        });
         progress.done();
     }
     Ok(outcomes)

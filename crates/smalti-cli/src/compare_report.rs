@@ -14,7 +14,7 @@ use crate::args::{Compare, Processing};
 use crate::columns::{self, headings};
 use crate::compare::{Gain, Outcome, Way};
 use crate::pictures::{self, dark_and_bright, shown};
-use crate::{names, resolve, table};
+use crate::{compare_page, names, resolve, table};
 
 /// The file that tells that a folder is whole.
 pub(crate) const RESULTS: &str = "results.json";
@@ -27,6 +27,8 @@ const ACROSS: usize = 4;
 pub(crate) struct Report<'a> {
     pub(crate) args: &'a Compare,
     pub(crate) cameras: &'a [Camera],
+    /// What they are called.
+    pub(crate) labels: &'a [String],
     pub(crate) ways: &'a [Way<'a>],
     /// Ways that are not defined for their camera.
     pub(crate) left_out: &'a [String],
@@ -36,7 +38,7 @@ pub(crate) struct Report<'a> {
 }
 
 /// The mean of a score over the scenes.
-fn mean(outcome: &Outcome, of: impl Fn(&SceneScores) -> f64) -> f64 {
+pub(crate) fn mean(outcome: &Outcome, of: impl Fn(&SceneScores) -> f64) -> f64 {
     outcome.scenes.iter().map(|(_, s)| of(s)).sum::<f64>() / outcome.scenes.len().max(1) as f64
 }
 
@@ -158,6 +160,32 @@ impl Report<'_> {
         lights.iter().map(of_light).collect()
     }
 
+    /// Luminances that were compared.
+    pub(crate) fn light_count(&self) -> usize {
+        self.outcomes.first().map_or(0, Vec::len)
+    }
+
+    /// One of them, cd/m².
+    pub(crate) fn luminance(&self, light: usize) -> f64 {
+        self.outcomes.first().and_then(|o| o.get(light)).map_or(f64::NAN, |o| o.luminance_cd_m2)
+    }
+
+    /// The scenes, as [`scene::catalog`](smalti::scene::catalog) takes them, or files.
+    pub(crate) fn scene_names(&self) -> Vec<String> {
+        let scenes = self.outcomes.first().and_then(|o| o.first()).map_or(&[][..], |o| o.scenes.as_slice());
+        scenes.iter().map(|(name, _)| name.clone()).collect()
+    }
+
+    /// Scenes that were compared on.
+    pub(crate) fn scene_count(&self) -> usize {
+        self.outcomes.first().and_then(|o| o.first()).map_or(0, |o| o.scenes.len())
+    }
+
+    /// The learned ways.
+    pub(crate) fn learned_ways(&self) -> Vec<(&Way<'_>, &Pipeline)> {
+        self.learned().into_iter().map(|(way, pipeline, _)| (way, pipeline)).collect()
+    }
+
     /// The learned ways with the names of their files.
     fn learned(&self) -> Vec<(&Way<'_>, &Pipeline, String)> {
         let learned: Vec<&Way<'_>> = self.ways.iter().filter(|w| w.processing == Processing::L3).collect();
@@ -170,7 +198,7 @@ impl Report<'_> {
         let pictures = self.picture_names().into_iter().flatten().map(|p| format!("{SIDE_BY_SIDE}/{p}"));
         let tables = self.learned().into_iter();
         let tables = tables.flat_map(|(_, _, f)| [format!("{f}-kernels.png"), format!("{f}.l3")]);
-        pictures.chain(tables).collect()
+        pictures.chain(tables).chain([compare_page::FILE.to_owned()]).collect()
     }
 
     /// Removes what an earlier comparison says in its results.json that it has written here, but what is written again.
@@ -187,7 +215,7 @@ impl Report<'_> {
         for file in files.iter().filter_map(Value::as_str).filter(|f| !new.iter().any(|n| n == f)) {
             // A name that leads elsewhere is none that a comparison gives.
             let name = file.strip_prefix(SIDE_BY_SIDE).and_then(|f| f.strip_prefix('/')).unwrap_or(file);
-            let own = name.ends_with(".png") || name.ends_with(".l3");
+            let own = name.ends_with(".png") || name.ends_with(".l3") || file == compare_page::FILE;
             if own && Path::new(name).file_name().is_some_and(|n| n == name) {
                 // One that is gone, or cannot be removed, is no reason to lose what was computed.
                 let _ = std::fs::remove_file(dir.join(file));
@@ -200,6 +228,7 @@ impl Report<'_> {
         // A folder that has results.json is whole: that of an earlier run goes first, the new one comes last.
         let dir = &self.args.output;
         self.remove_earlier();
+        let page = compare_page::page(self)?;
         write::begin_folder(dir, &[RESULTS])?;
         let folder = dir.join(SIDE_BY_SIDE);
         write::begin_folder(&folder, &[])?;
@@ -229,12 +258,13 @@ impl Report<'_> {
             write::bytes(&dir.join(format!("{file}-kernels.png")), &sheet.draw()?.png(1.0)?)?;
             l3::write_table(&dir.join(format!("{file}.l3")), pipeline)?;
         }
+        write::bytes(&dir.join(compare_page::FILE), page.as_bytes())?;
         write::bytes(&dir.join(RESULTS), text.as_bytes())?;
         Ok(())
     }
 
     /// A picture of a scored scene as shown on a screen: white is that of the reference.
-    fn as_seen(&self, scores: &SceneScores, picture: &Image) -> anyhow::Result<Image> {
+    pub(crate) fn as_seen(&self, scores: &SceneScores, picture: &Image) -> anyhow::Result<Image> {
         let grid = WavelengthGrid::VISIBLE;
         let white = Observer::Cie1931
             .xyz_from_photons(&resolve::illuminant(&self.args.illuminant)?.photons(grid)?)?;
@@ -274,7 +304,7 @@ fn kernels_as_json(camera: &str, pipeline: &Pipeline) -> Value {
 }
 
 /// The name of a scene without its folder, parameters and extension.
-fn stem(scene: &str) -> String {
+pub(crate) fn stem(scene: &str) -> String {
     let name = if resolve::is_file(scene) { scene } else { scene.split('?').next().unwrap_or(scene) };
     Path::new(name).file_stem().map_or_else(|| scene.to_owned(), |s| s.to_string_lossy().into_owned())
 }

@@ -8,12 +8,14 @@ use smalti::camera::{Camera, CameraError, Evaluation, EvaluationPictures, Evalua
 use smalti::color::{ColorSpace, Image};
 use smalti::numeric::Planes;
 use smalti::optics::{OPTICAL_IMAGE_REVISION, OpticalImage};
+use smalti::spectrum::{Observer, WavelengthGrid};
 use smalti_io::cache::{Cache, KeyBuilder};
 use smalti_io::picture::{self, Depth};
 use smalti_io::write;
 
 use crate::args::{Common, Evaluate};
 use crate::columns::headings;
+use crate::compare_page::{self, Shots};
 use crate::progress::Progress;
 use crate::{columns, names, resolve, table};
 
@@ -53,11 +55,24 @@ pub(crate) fn run(args: &Evaluate, common: &Common) -> anyhow::Result<()> {
     // Everything is computed before anything is written; a folder that has results.json is whole.
     if let Some(dir) = &args.output {
         write::begin_folder(dir, &["results.json"])?;
+        let white = Observer::Cie1931.xyz_from_photons(&illuminant.photons(WavelengthGrid::VISIBLE)?)?;
+        let page = compare_page::evaluate_page(&Shots {
+            cameras: &cameras,
+            labels: &names::numbered(cameras.iter().map(|c| c.description().name.clone()).collect()),
+            luminances_cd_m2: &args.luminance,
+            illuminant: &args.illuminant,
+            white: white.map(|v| v / white[1]),
+            seed: args.camera_options.seed,
+            results: &results,
+            pictures: &shots,
+            aliasing: aliasing_picture,
+        })?;
         let names = names::of_cameras(&cameras);
         let runs = names.iter().flat_map(|name| args.luminance.iter().map(move |cd_m2| (name, cd_m2)));
         for ((name, cd_m2), pictures) in runs.zip(&shots) {
             write_pictures(&dir.join(format!("{name}-{cd_m2}-cd-m2")), pictures)?;
         }
+        write::bytes(&dir.join(compare_page::FILE), page.as_bytes())?;
         write::bytes(&dir.join("results.json"), text.as_bytes())?;
     }
     crate::print(&if args.json { text } else { scores_table(&results) })
@@ -122,11 +137,14 @@ fn write_pictures(dir: &Path, pictures: &EvaluationPictures) -> anyhow::Result<(
         let shown = image.converted(ColorSpace::Srgb)?;
         picture::write_png(&dir.join(format!("{name}.png")), &shown, Depth::Eight)?;
     }
-    // A difference has two signs: grey is none.
+    picture::write_png(&dir.join("aliasing.png"), &aliasing_picture(pictures)?, Depth::Eight)?;
+    Ok(())
+}
+
+/// What of the zone plate's picture is not in the zone plate. A difference has two signs: grey is none.
+fn aliasing_picture(pictures: &EvaluationPictures) -> anyhow::Result<Image> {
     let planes = &pictures.aliasing;
     let largest = planes.data().iter().fold(0.0f32, |m, v| m.max(v.abs())).max(f32::MIN_POSITIVE);
     let data = planes.data().iter().map(|v| 0.5 + 0.5 * v / largest).collect();
-    let image = Image::new(ColorSpace::Srgb, Planes::new(planes.rows(), planes.cols(), 3, data)?)?;
-    picture::write_png(&dir.join("aliasing.png"), &image, Depth::Eight)?;
-    Ok(())
+    Ok(Image::new(ColorSpace::Srgb, Planes::new(planes.rows(), planes.cols(), 3, data)?)?)
 }

@@ -4,6 +4,7 @@ mod args;
 mod brightness;
 mod columns;
 mod compare;
+mod compare_page;
 mod compare_report;
 mod complete;
 mod convert;

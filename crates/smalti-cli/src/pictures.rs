@@ -28,10 +28,14 @@ pub(crate) fn shown(picture: &Image, white: [f64; 3], gain: f64) -> anyhow::Resu
 
 /// A sheet with one more picture, in sRGB, and what stands below it.
 pub(crate) fn add(sheet: Sheet, caption: impl Into<String>, picture: &Image) -> Sheet {
+    sheet.picture(caption, picture.cols(), picture.rows(), &bytes(picture))
+}
+
+/// A picture in sRGB as three bytes a pixel, row by row.
+pub(crate) fn bytes(picture: &Image) -> Vec<u8> {
     let [r, g, b] = [0, 1, 2].map(|c| picture.planes().plane(c));
     let byte = |v: f32| (v.clamp(0.0, 1.0) * 255.0).round() as u8;
-    let rgb: Vec<u8> = r.iter().zip(g).zip(b).flat_map(|((&r, &g), &b)| [r, g, b].map(byte)).collect();
-    sheet.picture(caption, picture.cols(), picture.rows(), &rgb)
+    r.iter().zip(g).zip(b).flat_map(|((&r, &g), &b)| [r, g, b].map(byte)).collect()
 }
 
 /// The kernels of two classes, as on the slides: a dark flat one above, a bright textured one below, an output in each

@@ -9,6 +9,8 @@ mod pictures;
 mod results;
 mod tables;
 
+pub(crate) use page::{grouped, quoted};
+
 use std::path::{Path, PathBuf};
 
 use anyhow::Context;

@@ -11,9 +11,9 @@ use smalti_io::{l3, picture};
 use crate::{Place, Run};
 
 /// Noise that leaves two exposures to learn from, seven wavelengths, a small sensor.
-const QUICK: &str = "--set sensor.pixel.read_noise_mv=100 --set wavelengths_nm=[400,50,700] \
+pub(crate) const QUICK: &str = "--set sensor.pixel.read_noise_mv=100 --set wavelengths_nm=[400,50,700] \
     --set sensor.rows=96 --set sensor.cols=96";
-const LEAVES: &str = "dead-leaves?rows=96&cols=96&largest=60";
+pub(crate) const LEAVES: &str = "dead-leaves?rows=96&cols=96&largest=60";
 
 /// A cache with what the cameras of these tests have learned.
 fn cache() -> PathBuf {
@@ -35,7 +35,7 @@ fn run(place: &Place, words: &str) -> Run {
     Run::of(&mut command)
 }
 
-fn ok(place: &Place, words: &str) -> String {
+pub(crate) fn ok(place: &Place, words: &str) -> String {
     let run = run(place, words);
     assert_eq!((run.code, run.err.as_str()), (0, ""), "smalti {words}");
     run.out
@@ -58,8 +58,15 @@ fn the_table_the_files_and_the_figures_agree() {
         .collect();
     let expected = [["bayer", "l3", "5"], ["rgbw", "l3", "5"], ["bayer", "l3", "80"], ["rgbw", "l3", "80"]];
     assert_eq!(rows, expected);
-    let files =
-        ["bayer-kernels.png", "bayer.l3", "results.json", "rgbw-kernels.png", "rgbw.l3", "side-by-side"];
+    let files = [
+        "bayer-kernels.png",
+        "bayer.l3",
+        "report.html",
+        "results.json",
+        "rgbw-kernels.png",
+        "rgbw.l3",
+        "side-by-side",
+    ];
     assert_eq!(place.names("o"), files);
     assert_eq!(place.names("o/side-by-side"), ["dead-leaves-5-cd-m2.png", "dead-leaves-80-cd-m2.png"]);
 
@@ -149,7 +156,7 @@ fn ways_of_processing_stand_beside_each_other_where_they_are_defined() {
     assert_eq!(results["left_out"], serde_json::json!(["rgbw malvar2004", "rgbw adaptive"]));
     assert_eq!(results["cameras"].as_array().unwrap().len(), 2);
     // Nothing was learned, so no table is written.
-    assert_eq!(place.names("o"), ["results.json", "side-by-side"]);
+    assert_eq!(place.names("o"), ["report.html", "results.json", "side-by-side"]);
     assert_eq!(run(&place, &format!("{words} --quiet")).err, "");
     // A prism has every channel everywhere: nothing to learn, but to compare.
     let prism = format!("compare bayer --scene {LEAVES} --luminance 80 --set sensor.architecture=prism -o p");
@@ -167,6 +174,7 @@ fn cameras_and_scenes_of_one_name_are_numbered() {
         "1-bayer.l3",
         "2-bayer-kernels.png",
         "2-bayer.l3",
+        "report.html",
         "results.json",
         "side-by-side",
     ];
@@ -187,7 +195,7 @@ fn files_of_an_earlier_comparison_go() {
     place.write("o/side-by-side/mine.png", "kept");
     place.write("mine.l3", "kept");
     ok(&place, &format!("compare rgbw {scene} --luminance 20 -o o"));
-    let own = ["mine.png", "results.json", "rgbw-kernels.png", "rgbw.l3", "side-by-side"];
+    let own = ["mine.png", "report.html", "results.json", "rgbw-kernels.png", "rgbw.l3", "side-by-side"];
     assert_eq!(place.names("o"), own);
     assert_eq!(place.names("o/side-by-side"), ["dead-leaves-20-cd-m2.png", "mine.png"]);
     // Names that lead elsewhere are not believed.

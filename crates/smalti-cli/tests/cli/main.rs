@@ -4,6 +4,7 @@
 mod bad_input;
 mod camera_text;
 mod compare;
+mod compare_page;
 mod convert;
 mod evaluate;
 mod learn;

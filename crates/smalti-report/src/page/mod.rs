@@ -18,7 +18,7 @@
 //! | pictures | [`DataUri`] |
 //! | numbers for programs, small | [`packed`], [`runs`], [`words`], [`Page::data`] |
 //! | text to copy | [`copyable`] |
-//! | programs and styles of a kind of page | [`Piece`]: [`SWEEP`] |
+//! | programs and styles of a kind of page | [`Piece`]: [`SWEEP`], [`COMPARE`] |
 //!
 //! A page states a content security policy: no network, no frames, no forms, and only the very scripts and styles written here,
 //! by their hashes. Scripts put text into the page as text, never as HTML. What the page does without scripts stands in its
@@ -60,6 +60,13 @@ pub const SWEEP: &[Piece] = &[
     Piece { css: include_str!("design.css"), js: include_str!("design.js") },
     Piece { css: include_str!("filters.css"), js: include_str!("filters.js") },
     Piece { css: include_str!("sweep.css"), js: include_str!("sweep.js") },
+];
+
+/// What a page of pictures side by side is made of, in this order.
+pub const COMPARE: &[Piece] = &[
+    Piece { css: "", js: include_str!("data.js") },
+    Piece { css: include_str!("kernels.css"), js: include_str!("kernels.js") },
+    Piece { css: include_str!("compare.css"), js: include_str!("compare.js") },
 ];
 
 /// A figure, in the colours of the page. Its title and note are in it.

@@ -80,7 +80,7 @@ function setUpTheme() {
 // The number a cell begins with; cells without one go last.
 function sortKey(row, column) {
   const text = row.cells[column].textContent.trim();
-  const number = parseFloat(text.replace("−", "-"));
+  const number = parseFloat(text.replace("−", "-").replaceAll("\u202f", ""));
   return Number.isNaN(number) ? text : number;
 }
 function makeSortable(table) {

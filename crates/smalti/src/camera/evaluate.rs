@@ -17,6 +17,7 @@ use crate::color::{Adaptation, Image};
 use crate::isp::{Isp, WhiteBalance};
 use crate::metrics::aliasing::{Aliasing, aliasing};
 use crate::metrics::dynamic_range::dynamic_range;
+use crate::metrics::esfr::{EdgeSfr, EsfrOptions, edge_sfr};
 use crate::numeric::Planes;
 use crate::optics::OpticalImage;
 use crate::scene::Setting;
@@ -144,6 +145,16 @@ pub struct EvaluationPictures {
     pub zone_plate: Image,
     /// What of the zone plate's picture is not in the zone plate.
     pub aliasing: Planes,
+}
+
+impl EvaluationPictures {
+    /// The response to the edge in the plane of luminance, whose MTF50 is that of [`Evaluation`].
+    ///
+    /// # Errors
+    /// When there is no edge in the picture.
+    pub fn edge_sfr(&self) -> Result<EdgeSfr, CameraError> {
+        Ok(edge_sfr(self.edge.planes(), LUMINANCE, EDGE_REGION, &EsfrOptions::default())?)
+    }
 }
 
 /// Finds the optical image of a name, or makes it: where images are cached between runs.

@@ -70,7 +70,7 @@ fn ascii(json: &str) -> String {
 }
 
 /// A word of a command for a POSIX shell.
-pub(super) fn quoted(word: &str) -> String {
+pub(crate) fn quoted(word: &str) -> String {
     let safe = |c: char| c.is_ascii_alphanumeric() || "_./-+,:@%".contains(c);
     if !word.is_empty() && !word.starts_with('-') && word.chars().all(safe) {
         return word.to_owned();

@@ -14,7 +14,9 @@ use smalti_report::page::{Markup, Page, SWEEP, el, figure, packed, runs};
 use super::answers::Section;
 use super::results::Results;
 use super::{figures, results};
+pub(crate) use again::quoted;
 use choice::Choice;
+pub(crate) use words::grouped;
 
 /// What a page is made of.
 pub(super) struct Sources<'a> {

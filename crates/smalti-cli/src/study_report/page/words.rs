@@ -13,7 +13,7 @@ use crate::study_report::tables::is_spread;
 const SECTIONS: usize = 20;
 
 /// A number with thin spaces between thousands.
-pub(super) fn grouped(number: u64) -> String {
+pub(crate) fn grouped(number: u64) -> String {
     let digits = number.to_string();
     if digits.len() < 5 {
         return digits;

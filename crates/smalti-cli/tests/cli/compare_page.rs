@@ -1,0 +1,99 @@
+//! What `tools/page` does not see of the pages of `compare` and `evaluate`.
+
+use crate::Place;
+use crate::compare::{LEAVES, ok};
+
+/// A name that would be a script, and one that would end an attribute.
+const HOSTILE: &str = "name = '</script><script>alert(1)</script>\" onload=\"x'\n";
+
+fn page(place: &Place, name: &str) -> String {
+    let html = String::from_utf8(place.read(name)).unwrap();
+    let policy = "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src &#39;none&#39;; script-src &#39;sha256-";
+    assert!(
+        html.contains(policy) || html.contains(&policy.replace("&#39;", "'")),
+        "no policy in {}",
+        &html[..600]
+    );
+    // Names of SVG are no addresses.
+    let text = html.replace("http://www.w3.org/2000/svg", "");
+    for address in ["http:", "https:", "src=\"/", "url(", "@import"] {
+        assert!(!text.contains(address), "{address}");
+    }
+    assert!(!html.contains(" style="), "the policy allows no style in an element");
+    html
+}
+
+#[test]
+fn a_comparison_has_a_small_page_and_names_are_text() {
+    let place = Place::new();
+    place.write("host.toml", HOSTILE);
+    let text = ok(
+        &place,
+        &format!("compare host.toml bayer --scene {LEAVES} --luminance 5,80 --processing bilinear -o o"),
+    );
+    assert!(text.contains("to look at: o/report.html"), "{text}");
+    let html = page(&place, "o/report.html");
+    assert!(html.len() < 600_000, "{}", html.len());
+    // The program of the page, and its data: the name is in neither as it is.
+    assert_eq!(html.matches("<script").count(), 2);
+    assert!(
+        html.contains("&lt;script&gt;alert(1)") && !html.contains("<script>alert"),
+        "the name is not escaped"
+    );
+    // Two lights, a reference and two cameras, and maps of the cameras.
+    assert_eq!(html.matches("class=\"shot\"").count(), 6);
+    assert_eq!(html.matches("class=\"map\"").count(), 4);
+    // The best of two is marked in each light and column of means.
+    let scores = html.split("<caption>Scores, one scene").nth(1).unwrap().split("</table>").next().unwrap();
+    assert!(scores.matches("class=\"best\"").count() >= 12, "{scores}");
+    assert!(!html.contains("id=\"kernels\""), "nothing was learned");
+    assert!(
+        html.contains("smalti compare host.toml bayer --scene &#39;dead-leaves")
+            || html.contains("smalti compare host.toml bayer --scene 'dead-leaves")
+    );
+    assert_eq!(place.json("o/results.json")["files"].as_array().unwrap().last().unwrap(), "report.html");
+}
+
+#[test]
+fn a_page_shows_what_was_learned_and_is_the_same_again() {
+    let place = Place::new();
+    let words = format!("compare bayer --scene {LEAVES} --luminance 80 -o o");
+    ok(&place, &words);
+    let html = page(&place, "o/report.html");
+    assert!(html.contains("id=\"kernels\"") && html.contains("pooled over texture"));
+    let data = html.split("<script type=\"application/json\" id=\"compare\">").nth(1).unwrap();
+    let data: serde_json::Value = serde_json::from_str(data.split("</script>").next().unwrap()).unwrap();
+    let learned = &data["learned"][0];
+    let classes =
+        4 * learned["levels"].as_array().unwrap().len() * learned["textures"].as_array().unwrap().len();
+    assert_eq!(learned["count"]["n"], classes);
+    assert_eq!(learned["weight"]["n"], classes * 3 * 25);
+    ok(&place, &words);
+    assert!(page(&place, "o/report.html") == html, "the page depends on the run");
+}
+
+#[test]
+fn an_evaluation_has_a_page_whose_cameras_can_be_used() {
+    let place = Place::new();
+    place.write("host.toml", HOSTILE);
+    place.ok("evaluate host.toml --luminance 75 -o o --set sensor.pixel.pitch_um=3");
+    let html = page(&place, "o/report.html");
+    assert!(html.len() < 600_000, "{}", html.len());
+    assert_eq!(html.matches("class=\"shot\"").count(), 3);
+    assert!(html.matches("<td class=\"number\">").count() > 24);
+    // The description is a camera, and scores the same.
+    let toml = html
+        .split("the whole description</summary>")
+        .nth(1)
+        .unwrap()
+        .split("<pre tabindex=\"0\">")
+        .nth(1)
+        .unwrap();
+    let toml = toml.split("</pre>").next().unwrap();
+    let toml = [("&lt;", "<"), ("&gt;", ">"), ("&quot;", "\""), ("&#39;", "'"), ("&amp;", "&")]
+        .iter()
+        .fold(toml.to_owned(), |text, (from, to)| text.replace(from, to));
+    place.write("again.toml", &toml);
+    place.ok("evaluate again.toml --luminance 75 -o again");
+    assert_eq!(place.json("again/results.json"), place.json("o/results.json"));
+}

@@ -1,0 +1,207 @@
+// The pages of compare and evaluate in a real browser, as test.mjs for studies.
+import assert from "node:assert/strict";
+import { execFileSync } from "node:child_process";
+import { mkdtemp, rm, writeFile } from "node:fs/promises";
+import { tmpdir } from "node:os";
+import { join, resolve } from "node:path";
+import { after, before, test } from "node:test";
+import { axe, launch, open } from "./browser.mjs";
+
+const smalti = resolve(process.env.SMALTI ?? join(import.meta.dirname, "../../target/debug/smalti"));
+// Noise that leaves two exposures to learn from, few wavelengths.
+const quick = ["--set", "sensor.pixel.read_noise_mv=100", "--set", "wavelengths_nm=[400,50,700]", "--seed", "3"];
+let dir;
+let browser;
+let compared;
+let evaluated;
+
+before(async () => {
+  dir = await mkdtemp(join(tmpdir(), "smalti-compare-"));
+  const run = (...args) => execFileSync(smalti, [...args, "--no-cache", "--quiet"], { cwd: dir, stdio: ["ignore", "ignore", "inherit"] });
+  await writeFile(join(dir, "host.toml"), "name = '</script><script>alert(1)</script><img src=x onerror=\"alert(2)\">'\n");
+  const scene = "dead-leaves?rows=96&cols=128&largest=60";
+  run("compare", "host.toml", "--processing", "l3,bilinear", "--patch", "3", "--luminance", "5,80", "--scene", scene, "--scene", "macbeth?patch=8", "-o", "out", ...quick);
+  run("evaluate", "host.toml", "rgbw", "--luminance", "75", "-o", "scores", ...quick);
+  compared = join(dir, "out/report.html");
+  evaluated = join(dir, "scores/report.html");
+  browser = await launch();
+});
+after(async () => {
+  await browser?.close();
+  await rm(dir, { recursive: true, force: true });
+});
+
+async function withPage(options, work, path = compared) {
+  const { page, faults, close } = await open(browser, path, options);
+  try {
+    await page.locator(".stage img").first().waitFor();
+    await work(page);
+    assert.deepEqual(faults, []);
+  } finally {
+    await close();
+  }
+}
+const stage = (page) => page.getByRole("application");
+const placed = (page) => page.locator(".stage img").evaluateAll((all) => all.map((i) => getComputedStyle(i).transform));
+const sources = (page) => page.locator(".stage img").evaluateAll((all) => all.map((i) => i.src));
+const whole = "matrix(1, 0, 0, 1, 0, 0)";
+// All are placed alike; this is how.
+async function placeOf(page) {
+  const all = await placed(page);
+  assert.equal(new Set(all).size, 1, `${all}`);
+  return all[0];
+}
+
+test("hostile names are shown and do nothing", () => withPage({}, async (page) => {
+  assert.match(await page.title(), /^<\/script><script>alert/);
+  assert.equal(await page.locator("h1 img, h1 script, figcaption img, option img").count(), 0);
+  const policy = await page.locator("meta[http-equiv]").getAttribute("content");
+  assert.match(policy, /^default-src 'none'; script-src 'sha256-[^ ]+'; style-src 'sha256-[^ ]+'; img-src data:;/);
+}));
+
+test("pictures are enlarged and moved together, by wheel, mouse, keys and buttons", () => withPage({}, async (page) => {
+  assert.equal(await page.locator(".stage img").count(), 3);
+  for (const size of await page.locator(".stage img").evaluateAll((all) => all.map((i) => [i.naturalWidth, i.complete]))) {
+    assert.ok(size[0] > 30 && size[1]);
+  }
+  assert.equal(await placeOf(page), whole);
+  const box = await page.locator(".frame").nth(1).boundingBox();
+  await page.mouse.move(box.x + box.width * 0.25, box.y + box.height * 0.5);
+  await page.mouse.wheel(0, -700);
+  await page.waitForFunction(() => document.querySelector(".stage").classList.contains("near"));
+  const near = await placeOf(page);
+  assert.equal(await page.locator(".stage img.crisp").count(), 3);
+  // What is under the mouse stays there: a quarter of the width.
+  const [scale, , , , shift] = near.match(/-?[\d.e+]+/g).map(Number);
+  assert.ok(Math.abs((0.25 * box.width - shift) / scale - 0.25 * box.width) < 0.5, near);
+
+  await page.mouse.down();
+  await page.mouse.move(box.x + box.width * 0.25 - 60, box.y + box.height * 0.5, { steps: 3 });
+  await page.mouse.up();
+  const moved = await placeOf(page);
+  assert.ok(Math.abs(Number(moved.match(/-?[\d.e+]+/g)[4]) - (shift - 60)) < 1, `${near} ${moved}`);
+
+  await stage(page).focus();
+  await page.keyboard.press("0");
+  assert.equal(await placeOf(page), whole);
+  await page.keyboard.press("+");
+  const once = await placeOf(page);
+  assert.notEqual(once, whole);
+  await page.keyboard.press("ArrowRight");
+  assert.notEqual(await placeOf(page), once);
+  await page.keyboard.press("-");
+  assert.equal(await placeOf(page), whole);
+  await page.getByRole("button", { name: "Larger" }).click();
+  assert.match(await page.locator(".zooms output").textContent(), /^2× around row \d+, column \d+$/);
+  await page.getByRole("button", { name: "Whole picture" }).click();
+  assert.equal(await placeOf(page), whole);
+  // The whole cannot become smaller: the page scrolls.
+  await page.mouse.wheel(0, 300);
+  await page.waitForFunction(() => scrollY > 100);
+  assert.equal(await placeOf(page), whole);
+}));
+
+test("the slider between two pictures moves by keyboard and mouse", () => withPage({}, async (page) => {
+  await page.getByLabel("View").selectOption("Before and after");
+  assert.equal(await page.locator(".stage img").count(), 2);
+  const slider = page.getByRole("slider", { name: /left picture/ });
+  const cut = () => page.locator(".over").evaluate((e) => e.style.clipPath);
+  assert.match(await cut(), /50%/);
+  await slider.focus();
+  for (let i = 0; i < 10; i += 1) await page.keyboard.press("ArrowRight");
+  assert.match(await cut(), /60%/);
+  await page.keyboard.press("Home");
+  assert.match(await cut(), /inset\(0(px)? 0(px)? 0(px)? 0%\)/);
+  const box = await page.locator(".frame").boundingBox();
+  await page.mouse.move(box.x + box.width * 0.1, box.y + box.height / 2);
+  await page.mouse.down();
+  await page.mouse.move(box.x + box.width * 0.7, box.y + box.height / 2, { steps: 3 });
+  await page.mouse.up();
+  assert.match(await cut(), /70%/);
+  const [left, right] = await sources(page);
+  await page.getByRole("combobox", { name: "Left" }).selectOption("reference");
+  const [other, same] = await sources(page);
+  assert.ok(other !== left && same === right);
+  await stage(page).focus();
+  await page.keyboard.press("+");
+  assert.notEqual(await placeOf(page), whole);
+}));
+
+test("choosers switch scene, light and maps", () => withPage({}, async (page) => {
+  const seen = new Set([(await sources(page)).join()]);
+  const next = async (label, option) => {
+    await page.getByRole("combobox", { name: label, exact: true }).selectOption({ index: option });
+    const now = (await sources(page)).join();
+    assert.ok(!seen.has(now), `${label} shows what was there`);
+    seen.add(now);
+  };
+  await next("Luminance", 1);
+  await next("Scene", 1);
+  await next("Show", 1);
+  assert.match(await page.locator(".legend").textContent(), /^0[\d.]+ ΔE\*ab and more$/);
+  assert.equal(await page.locator(".stage img[alt^='S-CIELAB difference']").count(), 2);
+  await next("Luminance", 0);
+}));
+
+test("classes and kernels follow position, texture and level", () => withPage({}, async (page) => {
+  const box = page.locator(".kernels").first();
+  const about = box.locator(".about-class");
+  const before = await about.textContent();
+  assert.match(before, /^[\d,]+ patches in training\. Kernels: (learned|fallback: .+)\.$/);
+  assert.equal(await box.locator(".drawings svg").count(), 3);
+  const label = () => box.locator(".drawings svg").first().getAttribute("aria-label");
+  const kernel = await label();
+  await box.getByRole("slider").focus();
+  await page.keyboard.press("ArrowLeft");
+  assert.notEqual(await about.textContent(), before);
+  assert.notEqual(await label(), kernel);
+  await box.getByLabel("Position").selectOption({ index: 2 });
+  assert.match(await box.locator(".counts caption").textContent(), /row 2, column 1: G$/);
+  // Fallbacks are there, and marked by a letter.
+  const borrowed = box.locator("td.borrowed").first();
+  assert.match(await borrowed.textContent(), /[ITSNL]$/);
+  await borrowed.click();
+  assert.match(await about.textContent(), /fallback: /);
+  assert.equal(await box.locator("td.here").count(), 1);
+  await box.locator("summary").click();
+  assert.equal(await box.locator("details tbody tr").count(), 10, "nine weights and an offset");
+}));
+
+test("the best are marked by more than colour, and tables sort", () => withPage({}, async (page) => {
+  const table = page.locator("#scores table").first();
+  assert.ok((await table.locator(".best").allTextContents()).every((t) => / ?★ best$/.test(t)));
+  await table.getByRole("button", { name: "CPSNR, dB" }).click();
+  const cells = (await table.locator("tbody td:nth-child(4)").allTextContents()).map(parseFloat);
+  assert.deepEqual(cells, [...cells].sort((a, b) => a - b));
+}));
+
+for (const [name, path] of [["compare", () => compared], ["evaluate", () => evaluated]]) {
+  for (const colorScheme of ["light", "dark"]) {
+    test(`${name}: axe finds no serious fault, ${colorScheme}`, () => withPage({ colorScheme }, async (page) => {
+      assert.deepEqual(await axe(page), []);
+      await page.getByLabel("View").selectOption("Before and after");
+      for (const details of await page.locator("details").all()) await details.evaluate((d) => { d.open = true; });
+      assert.deepEqual(await axe(page), []);
+    }, path()));
+  }
+  test(`${name}: a phone needs no horizontal scrolling`, () => withPage({ viewport: { width: 390, height: 844 }, hasTouch: true }, async (page) => {
+    assert.equal(await page.evaluate(() => document.documentElement.scrollWidth), 390);
+    const wide = await page.evaluate(() => [...document.querySelectorAll("main *")]
+      .filter((e) => e.getBoundingClientRect().right > 391 && !e.closest(".scrolls, pre, svg, .hidden-text"))
+      .map((e) => e.outerHTML.slice(0, 120)));
+    assert.deepEqual(wide, []);
+  }, path()));
+}
+
+test("without scripts, and on paper, all pictures stand", async () => {
+  const { page, close } = await open(browser, compared, { javaScriptEnabled: false });
+  assert.equal(await page.locator(".gallery img.shot:visible").count(), 12);
+  assert.equal(await page.locator("#scores table:visible").count(), 2);
+  await close();
+  await withPage({}, async (printed) => {
+    assert.equal(await printed.locator(".gallery img.shot:visible").count(), 0);
+    await printed.emulateMedia({ media: "print" });
+    assert.equal(await printed.locator(".gallery img.shot:visible").count(), 12);
+    assert.equal(await printed.locator(".stage:visible").count(), 0);
+  });
+});
