@@ -8,7 +8,7 @@ use anyhow::{Context, bail};
 use serde_json::json;
 use smalti::design::{Designs, Metric, Processing, SCORES_REVISION, Sight, Sweep};
 use smalti_io::cache::Cache;
-use smalti_io::dataset::{self, ColumnKind, MAX_CHUNK, Manifest, Plan, Run};
+use smalti_io::dataset::{self, ColumnKind, Dataset, MAX_CHUNK, Manifest, Plan, Run};
 use smalti_io::studies;
 
 use crate::args::{Common, SweepArgs};
@@ -37,7 +37,10 @@ pub(crate) fn run(args: &SweepArgs, common: &Common) -> anyhow::Result<()> {
         bail!("which study? A built-in one (smalti list studies) or a TOML file")
     };
     let (designs, about) = studies::load(name).map_err(|e| anyhow::anyhow!("{e}"))?;
-    let plan = plan(&designs, about, args.part_size)?;
+    // Results that are there go on in the parts that they have.
+    let there = || Some(Dataset::open(&args.output).ok()?.manifest().plan.clone());
+    let begun = || there().filter(|p| p.designs == designs.len()).map(|p| p.chunk);
+    let plan = plan(&designs, about, args.part_size.or_else(begun))?;
     // What cannot be is refused before anything is tried.
     Manifest::new(&plan)?;
     let cache = if args.no_cache { Cache::disabled() } else { Cache::open(None) };
@@ -48,6 +51,9 @@ pub(crate) fn run(args: &SweepArgs, common: &Common) -> anyhow::Result<()> {
     }
     if args.benchmark {
         return benchmark(args, &designs, &sweep);
+    }
+    if args.output.is_file() {
+        bail!("{} is a file; expected a folder for the results", args.output.display());
     }
     let run = Run::open(&args.output, &plan, args.shard)?;
     let missing = run.missing().to_vec();

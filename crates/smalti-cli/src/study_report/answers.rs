@@ -18,6 +18,8 @@ const MAX_NAMED: usize = 20_000;
 /// Most names in a table.
 const MAX_LABELS: usize = 40;
 
+pub(crate) const ALIASING: &str = "aliasing_percent";
+
 /// What makes the best design.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Choice {
@@ -25,6 +27,8 @@ pub(crate) enum Choice {
     Color,
     /// Largest MTF50, as the paper chose mosaics: with the same filters in each, ΔE differs by rounding.
     Sharpness,
+    /// Least aliasing, where that is asked of mosaics with the same filters in each.
+    Aliasing,
     /// By the metrics of the study in turn, where it does not score both colour and resolution.
     Order,
 }
@@ -35,13 +39,18 @@ impl Choice {
             return Self::Order;
         }
         let mut groups = results.designs.groups().filter(|(_, sets, mosaics)| sets * *mosaics as u64 > 0);
-        if groups.all(|(_, sets, _)| sets == 1) { Self::Sharpness } else { Self::Color }
+        match (groups.all(|(_, sets, _)| sets == 1), results.measure(ALIASING)) {
+            (true, Some(_)) => Self::Aliasing,
+            (true, None) => Self::Sharpness,
+            (false, _) => Self::Color,
+        }
     }
 
     pub(crate) fn words(self) -> &'static str {
         match self {
             Self::Color => "least ΔE with MTF50 not below the median",
             Self::Sharpness => "largest MTF50, since the filters are the same in every mosaic",
+            Self::Aliasing => "least aliasing, since the filters are the same in every mosaic",
             Self::Order => "by the first metric of the table; where designs are equal, by the next",
         }
     }
@@ -122,6 +131,10 @@ impl<'a> Section<'a> {
             }
             Choice::Sharpness => {
                 Rule::Lexicographic(vec![Objective::higher(mtf50), Objective::lower(delta_e)])
+            }
+            Choice::Aliasing => {
+                let aliasing = all.iter().copied().filter(|m| m.name == ALIASING).collect::<Vec<_>>();
+                Rule::Lexicographic([objectives(&aliasing), vec![Objective::higher(mtf50)]].concat())
             }
             Choice::Order => Rule::Lexicographic(objectives(&all)),
         };

@@ -99,6 +99,7 @@ fn design(section: &Section<'_>, row: usize) -> anyhow::Result<Value> {
     }
     out.insert("filters".into(), design.filters.label.clone().into());
     out.insert("tile".into(), design.tile().into());
+    out.insert("mosaic".into(), section.results.mosaic(&design).into());
     out.insert("center_nm".into(), list(|f| f.center_nm).into());
     out.insert("fwhm_nm".into(), list(|f| f.fwhm_nm).into());
     out.insert("peak".into(), list(|f| f.peak).into());

@@ -7,7 +7,7 @@ use smalti::spectrum::WavelengthGrid;
 use smalti_report::{Cell, Line, Mosaics, Panels, Plot, Rgb, Sheet};
 
 use super::Book;
-use super::answers::{Group, Section};
+use super::answers::{ALIASING, Group, Section};
 use super::pictures::{LEAVES, Picture, Stage, ZONE_PLATE};
 use super::results::MAIN;
 
@@ -112,7 +112,7 @@ fn zone_plates(section: &Section<'_>, book: &mut Book) -> anyhow::Result<()> {
     let best = |g: &Group| Some((g.colors, *g.best.first()?));
     let few = section.groups.iter().find_map(best);
     let many = section.groups.iter().rev().find_map(best).filter(|m| Some(*m) != few);
-    let aliasing = section.results.measure("aliasing_percent");
+    let aliasing = section.results.measure(ALIASING);
     let most = section.rows.clone().filter_map(|r| Some((r, aliasing?.at(r)))).filter(|m| m.1.is_finite());
     let most = most.max_by(|a, b| a.1.total_cmp(&b.1));
     let blurred = || {

@@ -7,7 +7,9 @@ use anyhow::{Context, bail, ensure};
 use serde::Deserialize;
 use serde_json::Value;
 use smalti::design::statistics::Objective;
-use smalti::design::{Condition, ConditionValue, Design, Designs, FilterFamily, Processing, Study};
+use smalti::design::{
+    Condition, ConditionValue, Design, Designs, FilterFamily, MosaicFamily, Processing, Study, published,
+};
 use smalti::metrics::{Better, CATALOG, MetricInfo};
 use smalti_io::dataset::{Column, ColumnKind, ColumnSpec, Dataset};
 
@@ -18,11 +20,7 @@ const MAX_PROBLEMS: usize = 100;
 /// Colour, resolution, noise: what figures are drawn over, where a study scores it.
 pub(crate) const MAIN: [&str; 3] = ["delta_e_76", "mtf50_cy_per_mm", "luminance_noise_percent"];
 /// Metrics that say again what another says, which is shown in their place where it is there.
-const VARIANTS: [(&str, &str); 3] = [
-    ("delta_e_2000", "delta_e_76"),
-    ("mtf50_cy_per_px", "mtf50_cy_per_mm"),
-    ("color_aliasing_percent", "aliasing_percent"),
-];
+const VARIANTS: [(&str, &str); 2] = [("delta_e_2000", "delta_e_76"), ("mtf50_cy_per_px", "mtf50_cy_per_mm")];
 
 /// A metric that the study scores.
 pub(crate) struct Measure {
@@ -189,6 +187,19 @@ impl Results {
     pub(crate) fn design(&self, row: usize) -> anyhow::Result<Design> {
         let number = self.number.get(row).context("no such row")?;
         Ok(self.designs.design(*number)?)
+    }
+
+    /// The mosaic of a design: its name in the catalogue where it is of it, and its tile.
+    pub(crate) fn mosaic(&self, design: &Design) -> String {
+        let tile = design.tile();
+        if self.study().mosaics != MosaicFamily::Catalogue {
+            return tile;
+        }
+        let known = published(design.filters.filters.len()).unwrap_or_default();
+        match known.into_iter().find(|(_, mosaic)| *mosaic == design.mosaic) {
+            Some((info, _)) => format!("{} {tile}", info.name),
+            None => tile,
+        }
     }
 
     /// Condition and processing of a setup.

@@ -149,7 +149,7 @@ fn design_row(section: &Section<'_>, row: usize) -> anyhow::Result<Vec<String>> 
     let design = section.results.design(row)?;
     let mut cells = vec![design.filters.filters.len().to_string(), design.number.to_string()];
     cells.extend(section.results.measures.iter().map(|m| m.text(row)));
-    cells.extend([design.tile(), filters(section, &design)]);
+    cells.extend([section.results.mosaic(&design), filters(section, &design)]);
     Ok(cells)
 }
 
@@ -172,7 +172,7 @@ fn designs(section: &Section<'_>, rows: &[usize]) -> anyhow::Result<String> {
     let header: Vec<&str> = ["colours", "design"]
         .into_iter()
         .chain(measures)
-        .chain(["tile", "filters: centre/FWHM nm"])
+        .chain(["mosaic", "filters: centre/FWHM nm"])
         .collect();
     let rows = rows.iter().map(|&r| design_row(section, r)).collect::<anyhow::Result<Vec<_>>>()?;
     Ok(table::render(&header, &rows))

@@ -200,6 +200,15 @@ fn metrics_and_scenes_that_cannot_be_are_refused_where_they_say_so() {
         &["study.toml:12", "-1; expected a number above 0"],
     );
     fails(given, &condition("illuminant = [\"D65\", \"D66\"]"), &["study.toml:12", "D66"]);
+    let unknown = condition("\"optics.fnumber\" = [2, 4]");
+    fails(given, &unknown, &["study.toml:12", "fnumber", "did you mean `f_number`?"]);
+    let negative = "colors = [3]\nset = { \"sensor.pixel.pitch_um\" = -1 }";
+    fails("colors = [3]", negative, &["study.toml:4:35", "pitch_um"]);
+    fails(
+        "colors = [3]",
+        "colors = [5]",
+        &["study.toml:3", "5 colours have 3 sets of filters and 0 mosaics"],
+    );
     let listed = "given = [[\"bc\", \"ab\"]]\n[[conditions.list]]\nluminance_cd_m2 = 5\n[[conditions.list]]\nluminance_cd_m2 = 0";
     fails(given, listed, &["study.toml:14", "0; expected a number above 0"]);
 }
@@ -216,4 +225,25 @@ fn too_many_large_mosaics_are_refused() {
         "{}",
         run.err
     );
+}
+
+/// Of mosaics it is asked which aliases least; those that are published have names.
+#[test]
+fn the_report_of_mosaics_names_the_one_that_aliases_least() {
+    let place = Place::new();
+    let metrics =
+        "metrics = [\"delta_e_76\", \"mtf50_cy_per_mm\", \"aliasing_percent\", \"color_aliasing_percent\"]";
+    let families = "mosaics = \"catalogue\"\n[filters.rule]\nrules = [\"uniform\"]\n";
+    place.write("study.toml", format!("camera = \"table1\"\ncolors = [3]\n{metrics}\n{families}"));
+    place.ok("sweep study.toml -o out --part-size 4");
+    // Results go on in the parts that they have.
+    place.ok("sweep study.toml -o out --quiet");
+    let text = place.ok("report out");
+    assert!(text.contains("least aliasing") && text.contains("colour aliasing %"), "{text}");
+    let document = place.json("out/report/report.json");
+    let best = &document["studies"][0]["sections"][0]["colors"][0]["best"];
+    let aliasing = columns(&place, "out", &["aliasing_percent"]).remove(0);
+    let least = aliasing.iter().copied().fold(f64::INFINITY, f64::min);
+    assert_eq!(best[0]["aliasing_percent"].as_f64(), Some(least));
+    assert!(best[0]["mosaic"].as_str().unwrap().starts_with("bayer"), "{best}");
 }

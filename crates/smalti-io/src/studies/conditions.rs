@@ -90,7 +90,18 @@ fn condition(
         true => beside(&source.folder, &file.camera).to_string_lossy().into_owned(),
         false => file.camera.clone(),
     };
-    let camera = cameras::load(&camera, &overrides, None)?;
+    let camera =
+        cameras::load(&camera, &overrides, None).map_err(|e| match e.origin.strip_prefix("--set ") {
+            // In a study it is a key of the file.
+            Some(set) => {
+                let key = set.split('=').next().unwrap_or(set);
+                let place = if point.iter().any(|(k, _)| k == key) { place } else { "set" };
+                let message = e.message.strip_prefix(&format!("`{key}`: ")).unwrap_or(&e.message);
+                let shown = source.about_key(&format!("{place}.{key}"), message);
+                Box::new(Diagnostic { help: e.help.clone().or(shown.help.clone()), ..shown })
+            }
+            None => e,
+        })?;
     let illuminant =
         lights::load(light, &source.folder).map_err(|e| wrong(&at("illuminant"), &e.to_string()))?;
     let camera = CameraDescription::clone(camera.description());

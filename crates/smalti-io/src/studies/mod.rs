@@ -135,6 +135,7 @@ pub fn from_source(source: &TomlSource) -> Result<(Designs, String), Box<Diagnos
             wrong("sample.filters", &e.to_string())
         }
         DesignError::TooFew { .. } | DesignError::TooMany { .. } => wrong("sample.mosaics", &e.to_string()),
+        DesignError::NoDesign { .. } => wrong("colors", &e.to_string()),
         _ => Box::new(Diagnostic::new(source.name.clone(), e.to_string())),
     })?;
     Ok((designs, file.about))

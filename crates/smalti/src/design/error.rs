@@ -93,8 +93,9 @@ pub enum DesignError {
     TooManyDesigns,
     /// A study has no design.
     #[error(
-        "the study has no design: for {colors:?} colours there are {sets:?} sets of filters and {mosaics:?} mosaics; \
-         expected both for at least one number of colours, and at least one condition and processing"
+        "the study has no design: {}expected filters and mosaics for at least one number of colours, and at least one \
+         condition and processing",
+        counted(colors, sets, mosaics)
     )]
     NoDesign {
         /// Numbers of colours.
@@ -132,6 +133,14 @@ pub enum DesignError {
     /// A mosaic of the family is impossible.
     #[error(transparent)]
     Cfa(#[from] CfaError),
+}
+
+/// What there is of each number of colours, in words.
+fn counted(colors: &[usize], sets: &[u64], mosaics: &[u64]) -> String {
+    let of = |((colors, sets), mosaics): ((&usize, &u64), &u64)| {
+        format!("{colors} colours have {sets} sets of filters and {mosaics} mosaics; ")
+    };
+    colors.iter().zip(sets).zip(mosaics).map(of).collect()
 }
 
 impl DesignError {

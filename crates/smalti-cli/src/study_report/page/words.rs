@@ -144,7 +144,7 @@ fn table(study: usize, section: &Section<'_>, choice: &Choice) -> anyhow::Result
         };
         let mut cells: Vec<Markup> = vec![number, design.filters.filters.len().to_string().into()];
         cells.extend(section.results.measures.iter().map(|m| Markup::from(m.text(row))));
-        cells.extend([el("code").child(design.tile()).into(), figures.join("  ").into()]);
+        cells.extend([el("code").child(section.results.mosaic(&design)).into(), figures.join("  ").into()]);
         table = table.row(cells, rank == 0);
     }
     Ok(table.into())
