@@ -65,7 +65,10 @@ fn threads_and_shards_do_not_change_the_results() {
     assert_eq!(parts(&place.path("merged")), expected);
 }
 
-/// Starts a sweep and kills it after a while, again and again, until it is done.
+/// Starts a sweep and kills it at work, again and again, then lets it end.
+///
+/// The moment is a number of parts on disk, and then a share of the time that a part takes, so that it falls at work however slow
+/// the machine is: a sleep alone may outlast the run.
 fn killed(times: u32) {
     let place = place(STUDY);
     let words = ["sweep", "study.toml", "--part-size", "1", "-o"];
@@ -73,10 +76,13 @@ fn killed(times: u32) {
     run("first");
     let start = Instant::now();
     assert_eq!(run("whole").code, 0);
-    let takes = start.elapsed();
+    let part = start.elapsed() / 72;
     let mut kills = 0;
-    // Moments that are spread over the run, by the golden ratio.
-    for i in 0..times {
+    for i in 0..10 * times {
+        // Spread over the run and over a part, by the golden ratio and the root of two.
+        let spread = |step: f64| (f64::from(i + 1) * step).fract();
+        let before = place.names("broken/designs").len();
+        let until = before + (spread(0.618_034) * (72 - before) as f64) as usize;
         let mut child = place
             .command()
             .args([&words[..], &["broken"]].concat())
@@ -84,18 +90,24 @@ fn killed(times: u32) {
             .stderr(Stdio::null())
             .spawn()
             .unwrap();
-        sleep(takes.mul_f64((f64::from(i + 1) * 0.618_034).fract()));
+        while place.names("broken/designs").len() < until && child.try_wait().unwrap().is_none() {
+            sleep(part / 4);
+        }
+        sleep(part.mul_f64(spread(0.414_214)));
         kills += u32::from(child.try_wait().unwrap().is_none());
         child.kill().unwrap();
         child.wait().unwrap();
+        if kills == times {
+            break;
+        }
         // Once it is nearly complete there is little left to break: some parts are taken away again.
-        if place.names("broken/designs").len() > 60 {
+        if place.names("broken/designs").len() > 50 {
             for part in (0..72).step_by(2) {
                 let _ = fs::remove_file(place.path(&format!("broken/designs/part-{part:06}.parquet")));
             }
         }
     }
-    assert!(kills > times / 3, "{kills} of {times} runs were killed at work");
+    assert_eq!(kills, times, "runs killed at work");
     let last = run("broken");
     assert_eq!(last.code, 0, "{}", last.err);
     assert_eq!(parts(&place.path("broken")), parts(&place.path("whole")));
