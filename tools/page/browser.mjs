@@ -1,4 +1,5 @@
 // A browser without a network, and pages in it whose every fault is kept.
+import assert from "node:assert/strict";
 import { existsSync } from "node:fs";
 import { readFile } from "node:fs/promises";
 import { createRequire } from "node:module";
@@ -25,6 +26,18 @@ export async function open(browser, file, options = {}) {
   page.on("dialog", (d) => { faults.push(`dialog: ${d.message()}`); d.dismiss(); });
   await page.goto(`file://${file}`);
   return { page, faults, close: () => context.close() };
+}
+
+// Works on a page once what `ready` finds in it is there, and fails on every fault.
+export async function work(browser, file, options, ready, doing) {
+  const { page, faults, close } = await open(browser, file, options);
+  try {
+    await ready(page).waitFor();
+    await doing(page);
+    assert.deepEqual(faults, []);
+  } finally {
+    await close();
+  }
 }
 
 // Serious faults that axe-core finds.

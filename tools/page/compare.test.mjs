@@ -5,7 +5,7 @@ import { mkdtemp, rm, writeFile } from "node:fs/promises";
 import { tmpdir } from "node:os";
 import { join, resolve } from "node:path";
 import { after, before, test } from "node:test";
-import { axe, launch, open } from "./browser.mjs";
+import { axe, launch, open, work } from "./browser.mjs";
 
 const smalti = resolve(process.env.SMALTI ?? join(import.meta.dirname, "../../target/debug/smalti"));
 // Noise that leaves two exposures to learn from, few wavelengths.
@@ -31,16 +31,7 @@ after(async () => {
   await rm(dir, { recursive: true, force: true });
 });
 
-async function withPage(options, work, path = compared) {
-  const { page, faults, close } = await open(browser, path, options);
-  try {
-    await page.locator(".stage img").first().waitFor();
-    await work(page);
-    assert.deepEqual(faults, []);
-  } finally {
-    await close();
-  }
-}
+const withPage = (options, doing, path = compared) => work(browser, path, options, (page) => page.locator(".stage img").first(), doing);
 const stage = (page) => page.getByRole("application");
 const placed = (page) => page.locator(".stage img").evaluateAll((all) => all.map((i) => getComputedStyle(i).transform));
 const sources = (page) => page.locator(".stage img").evaluateAll((all) => all.map((i) => i.src));

@@ -5,7 +5,7 @@ import { mkdtemp, readFile, rm, writeFile } from "node:fs/promises";
 import { tmpdir } from "node:os";
 import { join, resolve } from "node:path";
 import { after, before, test } from "node:test";
-import { axe, launch, open } from "./browser.mjs";
+import { axe, launch, open, work } from "./browser.mjs";
 import { withDesigns } from "./many.mjs";
 
 const here = import.meta.dirname;
@@ -27,16 +27,7 @@ after(async () => {
   await rm(dir, { recursive: true, force: true });
 });
 
-async function withPage(options, work, path = file) {
-  const { page, faults, close } = await open(browser, path, options);
-  try {
-    await page.locator(".scatter canvas").last().waitFor();
-    await work(page);
-    assert.deepEqual(faults, []);
-  } finally {
-    await close();
-  }
-}
+const withPage = (options, doing, path = file) => work(browser, path, options, (page) => page.locator(".scatter canvas").last(), doing);
 const plot = (page) => page.getByRole("application");
 const count = (page) => page.locator(".selection output");
 async function brush(page, [x0, y0, x1, y1], steps = 4) {

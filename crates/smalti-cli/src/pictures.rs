@@ -31,6 +31,20 @@ pub(crate) fn add(sheet: Sheet, caption: impl Into<String>, picture: &Image) -> 
     sheet.picture(caption, picture.cols(), picture.rows(), &bytes(picture))
 }
 
+/// A picture of 8-bit sRGB: three bytes a pixel, row by row.
+pub(crate) struct Pixels {
+    pub(crate) width: usize,
+    pub(crate) height: usize,
+    pub(crate) rgb: Vec<u8>,
+}
+
+impl Pixels {
+    /// Of an image in sRGB.
+    pub(crate) fn of(image: &Image) -> Self {
+        Self { width: image.cols(), height: image.rows(), rgb: bytes(image) }
+    }
+}
+
 /// A picture in sRGB as three bytes a pixel, row by row.
 pub(crate) fn bytes(picture: &Image) -> Vec<u8> {
     let [r, g, b] = [0, 1, 2].map(|c| picture.planes().plane(c));

@@ -5,9 +5,9 @@ use std::path::Path;
 use anyhow::{Context, bail};
 use smalti::camera::Camera;
 use smalti::scene::{self, Scene, Setting};
-use smalti::spectrum::{Illuminant, WavelengthGrid, reflectance};
+use smalti::spectrum::{Illuminant, WavelengthGrid};
 pub(crate) use smalti_io::scene_file::is_meant as is_file;
-use smalti_io::{cameras, lights, scene_file};
+use smalti_io::{ReadOptions, cameras, lights, scene_file};
 
 use crate::args::{CameraOptions, SceneOptions};
 
@@ -53,10 +53,9 @@ pub(crate) fn scene(name: &str, options: &SceneOptions) -> anyhow::Result<Scene>
 fn scene_on(name: &str, options: &SceneOptions, grid: Option<WavelengthGrid>) -> anyhow::Result<Scene> {
     let setting = setting(options, grid.unwrap_or_default())?;
     if !is_file(name) {
-        let natural: Vec<_> = reflectance::natural(setting.grid)?.into_iter().map(|(_, s)| s).collect();
-        return Ok(scene::catalog::build(name, &setting, &natural)?);
+        return Ok(scene::catalog::build_natural(name, &setting)?);
     }
-    let scene = scene_file::read(Path::new(name), &setting)?;
+    let scene = scene_file::read(Path::new(name), &setting, &ReadOptions::default())?;
     // What was typed holds, whatever the file states.
     let scene = match grid {
         Some(grid) if grid != scene.radiance().grid() => scene.resampled(grid)?,

@@ -2,12 +2,14 @@
 
 use smalti::camera::{Camera, Evaluation, EvaluationPictures};
 use smalti::color::Image;
+use smalti::spectrum::{WavelengthGrid, reflectance};
 use smalti_report::page::{COMPARE, Markup, Page, Table, el};
 
 use super::figures::{self, Scored};
-use super::gallery::{self, Group, Maps, Pixels, Shot};
+use super::gallery::{self, Group, Maps, Shot};
 use super::{again, foot, listed, noise_tables, tables};
 use crate::columns;
+use crate::pictures::Pixels;
 
 const ALIASING: Maps = Maps { name: "Aliasing", unit: "" };
 
@@ -168,42 +170,19 @@ fn scores(shots: &Shots<'_>) -> Markup {
 
 /// Colour differences of each patch, a table for each light.
 fn colors(scored: &[Vec<Scored<'_>>]) -> Markup {
+    // Never an error on a valid grid.
+    let patches = reflectance::colorchecker(WavelengthGrid::VISIBLE).unwrap_or_default();
     let table = |of_light: &Vec<Scored<'_>>| {
         let first = of_light.first()?;
         let columns: Vec<(String, Vec<f64>)> =
             of_light.iter().map(|s| (s.name.clone(), s.evaluation.delta_e_2000.per_patch.clone())).collect();
-        let names: Vec<String> =
-            PATCHES.iter().enumerate().map(|(i, name)| format!("{} {name}", i + 1)).collect();
+        // Without their densities.
+        let name = |(i, (name, _)): (usize, &(&str, _))| {
+            format!("{} {}", i + 1, name.split(" (").next().unwrap_or(name))
+        };
+        let names: Vec<String> = patches.iter().enumerate().map(name).collect();
         let caption = format!("ΔE2000 of each patch at {} cd/m²", first.luminance_cd_m2);
         Some(tables::patches(caption, "Patch", &names, &columns, 2))
     };
     el("div").class("beside").children(scored.iter().filter_map(table)).into()
 }
-
-/// The ColorChecker, row by row.
-const PATCHES: [&str; 24] = [
-    "dark skin",
-    "light skin",
-    "blue sky",
-    "foliage",
-    "blue flower",
-    "bluish green",
-    "orange",
-    "purplish blue",
-    "moderate red",
-    "purple",
-    "yellow green",
-    "orange yellow",
-    "blue",
-    "green",
-    "red",
-    "yellow",
-    "magenta",
-    "cyan",
-    "white",
-    "neutral 8",
-    "neutral 6.5",
-    "neutral 5",
-    "neutral 3.5",
-    "black",
-];

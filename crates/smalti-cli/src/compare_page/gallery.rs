@@ -1,12 +1,11 @@
 //! Pictures in the page, by scene and light: the script makes the viewer of them, and without it they stand in rows.
 
 use rayon::prelude::*;
-use smalti::color::Image;
 use smalti::numeric::Planes;
 use smalti_report::Rgb;
 use smalti_report::page::{DataUri, Markup, el};
 
-use crate::pictures;
+use crate::pictures::Pixels;
 
 /// Of JPEG, the best that fits: noise and false colour are what one looks for.
 const QUALITIES: [u8; 4] = [90, 82, 72, 60];
@@ -16,31 +15,17 @@ const MOST_AT_LAST: usize = 40_000_000;
 /// Of JPEG for maps: they are smooth.
 const MAP_QUALITY: u8 = 75;
 
-/// A picture of 8-bit sRGB.
-pub(super) struct Pixels {
-    width: usize,
-    height: usize,
-    rgb: Vec<u8>,
-}
-
-impl Pixels {
-    /// Of an image in sRGB.
-    pub(super) fn of(image: &Image) -> Self {
-        Self { width: image.cols(), height: image.rows(), rgb: pictures::bytes(image) }
-    }
-
-    /// A plane in the colours of viridis, 0 to `top`.
-    pub(super) fn map(plane: &Planes, top: f64) -> Self {
-        let colors: Vec<[u8; 3]> = (0..=255u8)
-            .map(|i| {
-                let Rgb(r, g, b) = Rgb::viridis(f64::from(i) / 255.0);
-                [r, g, b]
-            })
-            .collect();
-        let place = |v: &f32| (f64::from(*v) / top * 255.0).clamp(0.0, 255.0) as usize;
-        let rgb = plane.plane(0).iter().flat_map(|v| colors.get(place(v)).copied().unwrap_or([0; 3]));
-        Self { width: plane.cols(), height: plane.rows(), rgb: rgb.collect() }
-    }
+/// A plane in the colours of viridis, 0 to `top`.
+pub(super) fn map(plane: &Planes, top: f64) -> Pixels {
+    let colors: Vec<[u8; 3]> = (0..=255u8)
+        .map(|i| {
+            let Rgb(r, g, b) = Rgb::viridis(f64::from(i) / 255.0);
+            [r, g, b]
+        })
+        .collect();
+    let place = |v: &f32| (f64::from(*v) / top * 255.0).clamp(0.0, 255.0) as usize;
+    let rgb = plane.plane(0).iter().flat_map(|v| colors.get(place(v)).copied().unwrap_or([0; 3]));
+    Pixels { width: plane.cols(), height: plane.rows(), rgb: rgb.collect() }
 }
 
 /// What one camera with its processing makes of a scene.

@@ -16,8 +16,9 @@ use smalti_report::page::{COMPARE, Markup, Page, el};
 
 use crate::compare::{Outcome, Way};
 use crate::compare_report::{Report, mean, stem};
+use crate::pictures::Pixels;
 use figures::{Named, Scored};
-use gallery::{Group, Maps, Pixels, Shot};
+use gallery::{Group, Maps, Shot};
 
 /// The page of both commands.
 pub(crate) const FILE: &str = "report.html";
@@ -114,7 +115,7 @@ fn groups(report: &Report<'_>) -> anyhow::Result<Vec<Group>> {
                     name: way.name(),
                     caption: format!("CPSNR {:.1} dB, S-CIELAB {:.2}", scores.cpsnr_db, scores.scielab_mean),
                     picture: Pixels::of(&report.as_seen(s, &s.picture)?),
-                    map: Some(Pixels::map(&scores.scielab_map, top)),
+                    map: Some(gallery::map(&scores.scielab_map, top)),
                 });
             }
             groups.push(Group { scene: stem(name), luminance_cd_m2: report.luminance(light), shots, top });

@@ -5,6 +5,7 @@ use smalti::color::{ColorSpace, Image};
 use smalti::numeric::Planes;
 use smalti_report::Rgb;
 
+use crate::pictures::bytes;
 use crate::terminal::Screen;
 
 /// From dark to bright, for terminals without colours.
@@ -26,9 +27,7 @@ impl Pixels {
     /// A picture in any colour space.
     pub(super) fn of(image: &Image) -> anyhow::Result<Self> {
         let image = image.converted(ColorSpace::Srgb)?;
-        let [r, g, b] = [0, 1, 2].map(|c| image.planes().plane(c).to_vec());
-        let byte = |v: f32| (v.clamp(0.0, 1.0) * 255.0).round() as u8;
-        let rgb = r.iter().zip(&g).zip(&b).map(|((&r, &g), &b)| [byte(r), byte(g), byte(b)]).collect();
+        let rgb = bytes(&image).as_chunks::<3>().0.to_vec();
         Ok(Self { width: image.cols(), height: image.rows(), rgb })
     }
 

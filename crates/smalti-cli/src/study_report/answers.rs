@@ -148,11 +148,14 @@ impl<'a> Section<'a> {
         let absolute = |r: &usize| rows.start + r;
         let of_measures =
             results.measures.iter().map(|m| summaries(part(m))).collect::<Result<Vec<_>, _>>()?;
-        let [delta_e, mtf50, noise] = main;
-        let groups = summaries(delta_e)?
+        let of = |name: &str| match results.measures.iter().position(|m| m.name == name) {
+            Some(place) => Ok(of_measures.get(place).cloned().unwrap_or_default()),
+            None => summaries(&none),
+        };
+        let groups = of(MAIN[0])?
             .into_iter()
-            .zip(summaries(mtf50)?)
-            .zip(summaries(noise)?)
+            .zip(of(MAIN[1])?)
+            .zip(of(MAIN[2])?)
             .zip(best.iter().zip(&worst))
             .enumerate()
             .map(|(i, ((((colors, delta_e), (_, mtf50)), (_, noise)), ((_, best), (_, worst))))| Group {

@@ -8,8 +8,9 @@ use smalti_report::{Cell, Line, Mosaics, Panels, Plot, Rgb, Sheet};
 
 use super::Book;
 use super::answers::{ALIASING, Group, Section};
-use super::pictures::{LEAVES, Picture, Stage, ZONE_PLATE};
+use super::pictures::{LEAVES, Stage, Studio, ZONE_PLATE};
 use super::results::MAIN;
+use crate::pictures::Pixels;
 
 /// Mosaics or panels beside each other.
 const ACROSS: usize = 3;
@@ -24,10 +25,17 @@ pub(super) fn of_section(section: &Section<'_>, book: &mut Book) -> anyhow::Resu
     spectra(section, "filters-worst", "Filters of the designs of largest colour error", |g| g.worst, book)?;
     mosaics(section, book)?;
     // The description of a camera may name a file that is not part of the study.
-    for (what, draw) in [("zone plates", zone_plates as fn(&Section<'_>, &mut Book) -> _), ("scene", leaves)]
-    {
-        if let Err(error) = draw(section, book) {
-            book.note(section, what, &error);
+    let studio = Studio::new(section);
+    let draws =
+        [("zone plates", zone_plates as fn(&Studio<'_>, &Section<'_>, &mut Book) -> _), ("scene", leaves)];
+    for (what, draw) in draws {
+        match &studio {
+            Ok(studio) => {
+                if let Err(error) = draw(studio, section, book) {
+                    book.note(section, what, &error);
+                }
+            }
+            Err(error) => book.note(section, what, error),
         }
     }
     Ok(())
@@ -108,7 +116,7 @@ fn mosaics(section: &Section<'_>, book: &mut Book) -> anyhow::Result<()> {
 }
 
 /// The zone plate by the best designs of fewest and most colours, and by the design that aliases most.
-fn zone_plates(section: &Section<'_>, book: &mut Book) -> anyhow::Result<()> {
+fn zone_plates(studio: &Studio<'_>, section: &Section<'_>, book: &mut Book) -> anyhow::Result<()> {
     let best = |g: &Group| Some((g.colors, *g.best.first()?));
     let few = section.groups.iter().find_map(best);
     let many = section.groups.iter().rev().find_map(best).filter(|m| Some(*m) != few);
@@ -126,7 +134,7 @@ fn zone_plates(section: &Section<'_>, book: &mut Book) -> anyhow::Result<()> {
     let mut shown: Vec<(usize, String)> =
         [few, many].into_iter().flatten().map(|(n, row)| (row, format!("best of {n} colours"))).collect();
     shown.extend(last);
-    let stage = Stage::new(section, ZONE_PLATE, NoiseMode::None)?;
+    let stage = studio.stage(ZONE_PLATE, NoiseMode::None)?;
     let sheet = Sheet::new(ACROSS)
         .title(format!("Zone plates, {}", section.title()))
         .note("Rings get finer outwards, up to half a cycle per pixel in the middle of each side. Rings around other places and colours are aliasing; without noise.");
@@ -134,7 +142,7 @@ fn zone_plates(section: &Section<'_>, book: &mut Book) -> anyhow::Result<()> {
 }
 
 /// A scene in the colours of nature by the best and by the worst design.
-fn leaves(section: &Section<'_>, book: &mut Book) -> anyhow::Result<()> {
+fn leaves(studio: &Studio<'_>, section: &Section<'_>, book: &mut Book) -> anyhow::Result<()> {
     let delta_e = |r: &usize| match section.results.measure(MAIN[0]).or(section.results.measures.first()) {
         Some(m) if m.better == Better::Higher => -m.at(*r),
         Some(m) => m.at(*r),
@@ -148,7 +156,7 @@ fn leaves(section: &Section<'_>, book: &mut Book) -> anyhow::Result<()> {
         .into_iter()
         .filter_map(|(row, what)| Some((row?, what.to_owned())))
         .collect();
-    let stage = Stage::new(section, LEAVES, NoiseMode::All)?;
+    let stage = studio.stage(LEAVES, NoiseMode::All)?;
     let sheet = Sheet::new(2).title(format!("A scene with the colours of nature, {}", section.title())).note(
         "Taken by the best and by the worst design, in colour where that is scored, with all noise, as bright as a viewer expects.",
     );
@@ -167,7 +175,7 @@ fn add(
         return Ok(());
     }
     for (row, what) in shown {
-        let Picture { width, height, rgb } = stage.picture(*row)?;
+        let Pixels { width, height, rgb } = stage.picture(*row)?;
         let colors = section.results.colors.get(*row).copied().unwrap_or_default();
         let number = section.results.number.get(*row).copied().unwrap_or_default();
         let caption =

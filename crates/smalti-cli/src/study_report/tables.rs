@@ -77,7 +77,7 @@ fn estimate(e: &Estimate, digits: usize) -> String {
 }
 
 /// The interval that holds 90 % of the designs.
-fn spread(s: &Summary, digits: usize) -> String {
+pub(super) fn spread(s: &Summary, digits: usize) -> String {
     if s.count == 0 { "–".into() } else { format!("{:.digits$}–{:.digits$}", s.p05.value, s.p95.value) }
 }
 
@@ -153,14 +153,14 @@ fn design_row(section: &Section<'_>, row: usize) -> anyhow::Result<Vec<String>> 
     Ok(cells)
 }
 
+/// Centre and width of each filter, nm.
+pub(super) fn figures(design: &Design) -> Vec<String> {
+    let figures = design.filters.filters.iter().map(FilterFigures::from);
+    figures.map(|f| format!("{:.0}/{:.0}", f.center_nm, f.fwhm_nm)).collect()
+}
+
 fn filters(section: &Section<'_>, design: &Design) -> String {
-    let figures: Vec<String> = design
-        .filters
-        .filters
-        .iter()
-        .map(FilterFigures::from)
-        .map(|f| format!("{:.0}/{:.0}", f.center_nm, f.fwhm_nm))
-        .collect();
+    let figures = figures(design);
     match section.results.study().filters {
         FilterFamily::GaussianGrid(_) => figures.join(" "),
         _ => format!("{} ({})", figures.join(" "), label(design)),

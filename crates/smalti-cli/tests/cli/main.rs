@@ -7,6 +7,8 @@ mod compare;
 mod compare_page;
 mod convert;
 mod evaluate;
+#[path = "../../../smalti/tests/it/gaussian_sets.rs"]
+mod gaussian_sets;
 mod learn;
 mod learn_bad;
 mod reference;

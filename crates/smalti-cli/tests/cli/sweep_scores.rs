@@ -3,6 +3,7 @@
 use smalti_io::dataset::{Column, Dataset};
 
 use super::Place;
+use super::gaussian_sets::{SETS, Set};
 
 /// Columns of numbers, designs in their order.
 fn columns(place: &Place, out: &str, names: &[&str]) -> Vec<Vec<f64>> {
@@ -22,31 +23,14 @@ fn names(place: &Place, out: &str) -> Vec<String> {
     dataset.manifest().plan.schema.iter().map(|c| c.name.clone()).collect()
 }
 
-/// Gaussian filters, centres and deviations in nm, and the tile.
-type Set = (&'static [(f64, f64)], &'static [&'static str]);
-
-/// Sets of which ISETCam's figures are known.
-const SETS: [Set; 5] = [
-    (&[(451.8, 34.5), (579.5, 29.1), (629.9, 37.5)], &["bc", "ab"]),
-    (&[(453.4, 51.8), (533.6, 22.7), (556.9, 43.6), (651.6, 50.0)], &["ab", "cd"]),
-    (&[(436.3, 38.5), (459.4, 20.1), (541.4, 52.7), (577.5, 49.1), (650.9, 31.2)], &["abc", "deb", "cad"]),
-    (
-        &[(435.2, 22.1), (466.2, 40.3), (516.7, 37.3), (550.8, 44.0), (605.9, 48.9), (659.6, 19.4)],
-        &["abc", "def", "bcd"],
-    ),
-    (
-        &[
-            (435.3, 46.8),
-            (460.2, 30.1),
-            (492.0, 53.4),
-            (526.7, 29.2),
-            (609.4, 41.1),
-            (634.8, 46.4),
-            (656.4, 28.7),
-        ],
-        &["abc", "def", "gce"],
-    ),
-];
+/// A set with its filters ascending, as studies have them, and the letters of its tile accordingly.
+fn ascending((filters, tile): Set) -> (Vec<(f64, f64)>, Vec<String>) {
+    let mut order: Vec<usize> = (0..filters.len()).collect();
+    order.sort_by(|&a, &b| filters[a].0.total_cmp(&filters[b].0));
+    let place = |letter: u8| order.iter().position(|&i| i == usize::from(letter - b'A')).unwrap();
+    let row = |row: &&str| row.bytes().map(|c| char::from(b'a' + place(c) as u8)).collect();
+    (order.iter().map(|&i| filters[i]).collect(), tile.iter().map(row).collect())
+}
 
 /// The same sets as a list in a study and each as a camera of its own.
 #[test]
@@ -58,11 +42,11 @@ fn a_sweep_gives_the_figures_of_evaluate() {
     let mut study = String::from(
         "camera = \"table1\"\ncolors = [3, 4, 5, 6, 7]\nprocessing = \"classic\"\n[mosaics]\ngiven = [",
     );
-    for (_, tile) in SETS {
+    for (_, tile) in SETS.map(ascending) {
         study += &format!("{tile:?}, ");
     }
     study += "]\n";
-    for (filters, _) in SETS {
+    for (filters, _) in SETS.map(ascending) {
         let filters: Vec<String> = filters.iter().map(gaussian).collect();
         study += &format!("[[filters.list]]\nfilters = [{}]\n", filters.join(", "));
     }
@@ -73,7 +57,7 @@ fn a_sweep_gives_the_figures_of_evaluate() {
     let swept = columns(&place, "out", &metrics);
     assert!(swept.iter().all(|c| c.len() == SETS.len()));
 
-    for (i, (filters, tile)) in SETS.into_iter().enumerate() {
+    for (i, (filters, tile)) in SETS.map(ascending).into_iter().enumerate() {
         let pattern: Vec<String> = tile.iter().map(|row| row.to_uppercase()).collect();
         let mut camera = place.ok("list cameras --json");
         let list: serde_json::Value = serde_json::from_str(&camera).unwrap();
@@ -81,7 +65,7 @@ fn a_sweep_gives_the_figures_of_evaluate() {
         camera = table1["toml"].as_str().unwrap().to_owned();
         let (before, after) = camera.split_once("[sensor.cfa]").unwrap();
         let after = after.split_once("\n[exposure]").map_or("", |(_, rest)| rest);
-        let letters = ('A'..='G').zip(filters).map(|(c, f)| format!("{c} = {}\n", gaussian(f)));
+        let letters = ('A'..='G').zip(&filters).map(|(c, f)| format!("{c} = {}\n", gaussian(f)));
         let filters: String = letters.collect();
         let cfa = format!("[sensor.cfa]\npattern = {pattern:?}\n[sensor.cfa.filters]\n{filters}");
         place.write("camera.toml", format!("{before}{cfa}\n[exposure]{after}"));

@@ -12,14 +12,14 @@ use serde_json::Value;
 use smalti::camera::description::ArchitectureName;
 use smalti::design::{Condition, DesignError, Designs, Metric, Processing, Sight, Study, StudyScene};
 use smalti::scene::{Scene, Setting, catalog};
-use smalti::spectrum::{WavelengthGrid, reflectance};
+use smalti::spectrum::WavelengthGrid;
 
 use self::conditions::conditions;
 use self::file::StudyFile;
 use crate::cameras::read_curve;
 use crate::diagnostic::Diagnostic;
 use crate::toml_source::{BuiltinFile, TomlSource, beside, builtin};
-use crate::{scene_file, text};
+use crate::{ReadOptions, scene_file, text};
 
 static STUDIES: &[BuiltinFile] = &[
     builtin!(
@@ -174,7 +174,8 @@ fn scenes(file: &StudyFile, source: &TomlSource) -> Result<Vec<StudyScene>, Box<
         let wrong = |message: String| Box::new(source.about_key(&format!("scenes[{i}]"), &message));
         let path = beside(&source.folder, name);
         if scene_file::is_meant(&path.to_string_lossy()) {
-            let scene = scene_file::read(&path, &Setting::default()).map_err(|e| wrong(e.to_string()))?;
+            let scene = scene_file::read(&path, &Setting::default(), &ReadOptions::default())
+                .map_err(|e| wrong(e.to_string()))?;
             return Ok(StudyScene {
                 name: name.clone(),
                 hash: Some(hash(&scene)),
@@ -184,8 +185,7 @@ fn scenes(file: &StudyFile, source: &TomlSource) -> Result<Vec<StudyScene>, Box<
         // At one wavelength, to see whether it can be.
         let try_it = || -> Result<Scene, Box<dyn std::error::Error>> {
             let grid = WavelengthGrid::new(550.0, 10.0, 1)?;
-            let natural: Vec<_> = reflectance::natural(grid)?.into_iter().map(|(_, s)| s).collect();
-            Ok(catalog::build(name, &Setting { grid, ..Setting::default() }, &natural)?)
+            Ok(catalog::build_natural(name, &Setting { grid, ..Setting::default() })?)
         };
         try_it().map_err(|e| wrong(e.to_string()))?;
         Ok(StudyScene { name: name.clone(), hash: None, scene: None })

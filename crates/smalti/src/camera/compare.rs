@@ -11,7 +11,7 @@ use crate::isp::Isp;
 use crate::optics::OpticalImage;
 use crate::scene::{Scene, Setting, catalog};
 use crate::sensor::{Exposure, NoiseMode};
-use crate::spectrum::{Observer, Spectrum, reflectance};
+use crate::spectrum::{Observer, Spectrum};
 
 /// Samples of a test scene per pixel of the sensor, in each direction: a pixel integrates over detail finer than itself, as
 /// outside.
@@ -65,10 +65,7 @@ impl Setup {
         scene: Scene,
         [rows, cols]: [usize; 2],
     ) -> Result<Self, CameraError> {
-        let camera = camera.with_size(rows, cols);
-        camera.sensor.validate()?;
-        let fov_deg = camera.field_of_view_deg(cols, scene.distance_m())?;
-        let scene = scene.with_fov(fov_deg)?;
+        let (camera, scene) = cut_to(camera, scene, [rows, cols])?;
         let image = Arc::new(camera.optics.image(&scene)?);
         let exposure = camera.exposure(&image)?;
         Ok(Self { light: scene.illuminant().clone(), camera, image, exposure })
@@ -81,8 +78,7 @@ impl Setup {
     /// As [`catalog::build`] and [`Setup::new`].
     pub fn of_test_scene(camera: &Camera, spec: &str, setting: &Setting) -> Result<Self, CameraError> {
         let grid = camera.grid();
-        let natural: Vec<Spectrum> = reflectance::natural(grid)?.into_iter().map(|(_, s)| s).collect();
-        let scene = catalog::build(spec, &Setting { grid, ..setting.clone() }, &natural)?;
+        let scene = catalog::build_natural(spec, &Setting { grid, ..setting.clone() })?;
         Self::new(camera, scene, TEST_SAMPLES_PER_PX)
     }
 
@@ -122,6 +118,18 @@ impl Setup {
     }
 }
 
+/// A camera with as many pixels as a scene covers, and the scene as wide as they see.
+pub(crate) fn cut_to(
+    camera: &Camera,
+    scene: Scene,
+    [rows, cols]: [usize; 2],
+) -> Result<(Camera, Scene), CameraError> {
+    let camera = camera.with_size(rows, cols);
+    camera.sensor.validate()?;
+    let fov_deg = camera.field_of_view_deg(cols, scene.distance_m())?;
+    Ok((camera, scene.with_fov(fov_deg)?))
+}
+
 /// How well a scene came out.
 #[derive(Debug, Clone, Serialize)]
 pub struct SceneScores {
@@ -142,6 +150,12 @@ pub struct SceneScores {
     pub reference: Image,
 }
 
+/// X, Y, Z of a light (photons), Y = 1.
+pub(crate) fn light_xyz(light: &Spectrum) -> Result<[f64; 3], CameraError> {
+    let white = Observer::Cie1931.xyz_from_photons(light)?;
+    Ok(white.map(|v| v / white[1]))
+}
+
 /// Takes a scene with all noise, processes it, scores the picture against
 /// [`Camera::reference_as_exposed`]. `isp` makes XYZ as they are under the scene's light, on the scale of
 /// [`Classic`](crate::isp::Classic).
@@ -159,8 +173,7 @@ pub fn compare_on(
     let (picture, reference) =
         rayon::join(|| isp.render(&raw), || camera.reference_as_exposed(image, exposure, light));
     let (picture, reference) = (picture?, reference?);
-    let white = Observer::Cie1931.xyz_from_photons(light)?;
-    let scores = score_picture(&picture, &reference, white.map(|v| v / white[1]), settings)?;
+    let scores = score_picture(&picture, &reference, light_xyz(light)?, settings)?;
     let (exposure_time_s, saturated_percent) = (exposure.time_s, raw.saturated_percent());
     Ok(SceneScores { scores, exposure_time_s, saturated_percent, seed, picture, reference })
 }

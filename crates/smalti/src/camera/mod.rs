@@ -2,7 +2,7 @@
 //! any processing.
 
 pub(crate) mod chart;
-mod compare;
+pub(crate) mod compare;
 pub mod description;
 mod error;
 pub(crate) mod evaluate;

@@ -56,7 +56,16 @@ impl Camera {
         exposure: &Exposure,
         light: &Spectrum,
     ) -> Result<Image, CameraError> {
-        let mut seen = self.seen_by_observer(image)?;
+        self.as_exposed(self.seen_by_observer(image)?, exposure, light)
+    }
+
+    /// What the observer sees, on the scale of [`Camera::reference_as_exposed`].
+    pub(crate) fn as_exposed(
+        &self,
+        mut seen: Planes,
+        exposure: &Exposure,
+        light: &Spectrum,
+    ) -> Result<Image, CameraError> {
         let y = &Observer::Cie1931.photon_weights(self.grid())?[1];
         let scale = self.exposure_scale(exposure, light, y)? as f32;
         seen.data_mut().iter_mut().for_each(|v| *v *= scale);

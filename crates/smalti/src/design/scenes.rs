@@ -6,18 +6,16 @@ use serde::{Deserialize, Serialize};
 
 use super::scores::SceneFigures;
 use super::shown::Shown;
+use crate::camera::compare::{cut_to, light_xyz};
 use crate::camera::{Camera, CameraError, OpticalImages, ScoreSettings, TEST_SAMPLES_PER_PX, score_picture};
-use crate::color::{ColorSpace, Image};
 use crate::isp::Isp;
 use crate::numeric::Planes;
 use crate::scene::{Scene, Setting, catalog};
 use crate::sensor::{Cfa, NoiseMode};
-use crate::spectrum::{Observer, Spectrum, reflectance};
+use crate::spectrum::Spectrum;
 
 /// Most pixels of a scene: the light on each of them is kept at every wavelength.
 const MAX_PIXELS: usize = 1 << 20;
-/// Y in pictures.
-const LUMINANCE: usize = 1;
 
 /// A scene of a study. As JSON it is its name and, of a file, the hash; what was in the file is not part of it.
 #[derive(Debug, Clone, Serialize, Deserialize)]
@@ -49,11 +47,7 @@ impl StudyScene {
                 let scene = Scene::clone(scene).resampled(setting.grid)?.relit(&setting.illuminant)?;
                 Ok((scene.with_mean_luminance(setting.luminance_cd_m2)?, 1))
             }
-            (None, None) => {
-                let natural: Vec<Spectrum> =
-                    reflectance::natural(setting.grid)?.into_iter().map(|(_, s)| s).collect();
-                Ok((catalog::build(&self.name, setting, &natural)?, TEST_SAMPLES_PER_PX))
-            }
+            (None, None) => Ok((catalog::build_natural(&self.name, setting)?, TEST_SAMPLES_PER_PX)),
             (None, Some(_)) => {
                 Err(CameraError::Key { key: self.name.clone(), message: "the file has not been read".into() })
             }
@@ -96,10 +90,8 @@ impl View {
                 format!("{rows} × {cols} pixels; at most {MAX_PIXELS} are scored: take a part of it");
             return Err(CameraError::Key { key: scene.name.clone(), message });
         }
-        let camera = camera.with_size(rows, cols);
-        camera.sensor.validate()?;
-        let fov_deg = camera.field_of_view_deg(cols, built.distance_m())?;
-        let built = built.with_fov(fov_deg)?;
+        let (camera, built) = cut_to(camera, built, [rows, cols])?;
+        let fov_deg = built.horizontal_fov_deg();
         let key = format!("{} {:?} {fov_deg} {setting:?} {:?}", scene.name, scene.hash, camera.optics);
         let image = images(&key, &|| Ok(camera.optics.image(&built)?))?;
         let seen = Arc::new(camera.seen_by_observer(&image)?);
@@ -111,14 +103,8 @@ impl View {
         let (camera, exposure) = self.shown.through(cfa)?;
         let raw = camera.sensor.capture(&self.shown.pixels, &exposure, NoiseMode::All, seed)?;
         let picture = isp.render(&raw)?;
-        let y = &Observer::Cie1931.photon_weights(camera.grid())?[LUMINANCE];
-        let scale = camera.exposure_scale(&exposure, &self.light, y)? as f32;
-        let mut reference = Planes::clone(&self.seen);
-        reference.data_mut().iter_mut().for_each(|v| *v *= scale);
-        let reference = Image::new(ColorSpace::Xyz, reference)?;
-        let white = Observer::Cie1931.xyz_from_photons(&self.light)?;
-        let white = white.map(|v| v / white[LUMINANCE]);
-        let found = score_picture(&picture, &reference, white, &ScoreSettings::default())?;
+        let reference = camera.as_exposed(Planes::clone(&self.seen), &exposure, &self.light)?;
+        let found = score_picture(&picture, &reference, light_xyz(&self.light)?, &ScoreSettings::default())?;
         Ok(SceneFigures {
             cpsnr_db: found.cpsnr_db,
             pixel_delta_e_2000_mean: found.pixel_delta_e_2000_mean,

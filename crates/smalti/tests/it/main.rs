@@ -1,6 +1,7 @@
 //! Laws, references and properties: one program, so that it is linked once.
 
 mod common;
+mod gaussian_sets;
 mod sensor_kit;
 
 mod architecture;

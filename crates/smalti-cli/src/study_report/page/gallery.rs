@@ -7,8 +7,9 @@ use smalti_report::page::DataUri;
 
 use super::Sources;
 use super::choice::Choice;
+use crate::pictures::Pixels;
 use crate::study_report::answers::Section;
-use crate::study_report::pictures::{LEAVES, Picture, Stage, ZONE_PLATE};
+use crate::study_report::pictures::{LEAVES, Stage, Studio, ZONE_PLATE};
 use crate::study_report::{DRAWN, results};
 
 /// Most bytes of all pictures: what a page of 5000 designs can spare of its 4 MB.
@@ -73,11 +74,11 @@ type Encoded = (DataUri, usize, usize);
 
 /// The zone plate without noise and the scene with it, of each.
 fn draw(section: &Section<'_>, wishes: &[&Wish]) -> anyhow::Result<Vec<[Encoded; 2]>> {
-    let stages =
-        [Stage::new(section, ZONE_PLATE, NoiseMode::None)?, Stage::new(section, LEAVES, NoiseMode::All)?];
+    let studio = Studio::new(section)?;
+    let stages = [studio.stage(ZONE_PLATE, NoiseMode::None)?, studio.stage(LEAVES, NoiseMode::All)?];
     let one = |wish: &&Wish| {
         let picture = |stage: &Stage<'_>| {
-            let Picture { width, height, rgb } = stage.picture(wish.row)?;
+            let Pixels { width, height, rgb } = stage.picture(wish.row)?;
             anyhow::Ok((DataUri::jpeg(width, height, &rgb, QUALITY)?, width, height))
         };
         let [zone, leaves] = &stages;

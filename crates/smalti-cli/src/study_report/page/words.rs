@@ -1,13 +1,12 @@
 //! What a page says without scripts: tables, and the places where scripts draw.
 
-use smalti::design::FilterFigures;
-use smalti::design::statistics::{Estimate, Summary};
+use smalti::design::statistics::Estimate;
 use smalti_report::page::{Markup, Table, el};
 
 use super::Sources;
 use super::choice::Choice;
 use crate::study_report::answers::{Group, Section};
-use crate::study_report::tables::is_spread;
+use crate::study_report::tables::{figures, is_spread, spread};
 
 /// Tables of sections shown; of more only report.json tells.
 const SECTIONS: usize = 20;
@@ -52,14 +51,6 @@ fn estimate(e: &Estimate, digits: usize) -> Markup {
     value.and(el("span").class("interval").child(format!(" {:.digits$}–{:.digits$}", e.low, e.high)))
 }
 
-fn spread(s: &Summary, digits: usize) -> Markup {
-    if s.count == 0 {
-        "–".into()
-    } else {
-        format!("{:.digits$}–{:.digits$}", s.p05.value, s.p95.value).into()
-    }
-}
-
 /// The paper's table 2, with intervals, for each section.
 pub(super) fn intervals(sections: &[&Section<'_>]) -> Markup {
     let mut out: Markup = el("p")
@@ -85,7 +76,7 @@ pub(super) fn intervals(sections: &[&Section<'_>]) -> Markup {
                 vec![g.colors.to_string().into(), designs.to_string().into(), left_out.to_string().into()];
             for (measure, summary) in measures.iter().zip(&g.summaries) {
                 cells.push(estimate(&summary.mean, measure.digits));
-                cells.extend(is_spread(&measure.name).then(|| spread(summary, measure.digits)));
+                cells.extend(is_spread(&measure.name).then(|| spread(summary, measure.digits).into()));
             }
             table = table.row(cells, false);
         }
@@ -126,13 +117,6 @@ fn table(study: usize, section: &Section<'_>, choice: &Choice) -> anyhow::Result
     let rows = section.groups.iter().flat_map(|g: &Group| g.best.iter().enumerate());
     for (rank, &row) in rows {
         let design = section.results.design(row)?;
-        let figures: Vec<String> = design
-            .filters
-            .filters
-            .iter()
-            .map(FilterFigures::from)
-            .map(|f| format!("{:.0}/{:.0}", f.center_nm, f.fwhm_nm))
-            .collect();
         let number: Markup = match choice.place(study, row) {
             Some(place) => el("button")
                 .class("design")
@@ -144,7 +128,10 @@ fn table(study: usize, section: &Section<'_>, choice: &Choice) -> anyhow::Result
         };
         let mut cells: Vec<Markup> = vec![number, design.filters.filters.len().to_string().into()];
         cells.extend(section.results.measures.iter().map(|m| Markup::from(m.text(row))));
-        cells.extend([el("code").child(section.results.mosaic(&design)).into(), figures.join("  ").into()]);
+        cells.extend([
+            el("code").child(section.results.mosaic(&design)).into(),
+            figures(&design).join("  ").into(),
+        ]);
         table = table.row(cells, rank == 0);
     }
     Ok(table.into())

@@ -15,7 +15,7 @@ use super::{
     slanted_bar, uniform, zone_plate, zone_plate_isetcam,
 };
 use crate::names::nearest;
-use crate::spectrum::Spectrum;
+use crate::spectrum::{Spectrum, reflectance};
 
 /// A built-in scene.
 #[derive(Debug, Clone, Copy)]
@@ -39,6 +39,15 @@ pub fn names() -> &'static [SceneInfo] {
 #[must_use]
 pub fn common_parameters() -> &'static [ParamInfo] {
     &COMMON
+}
+
+/// [`build`] with all [natural reflectances](reflectance::natural).
+///
+/// # Errors
+/// As [`build`].
+pub fn build_natural(spec: &str, setting: &Setting) -> Result<Scene, SceneError> {
+    let natural: Vec<Spectrum> = reflectance::natural(setting.grid)?.into_iter().map(|(_, s)| s).collect();
+    build(spec, setting, &natural)
 }
 
 /// Builds a scene from its name and parameters. `natural` are the reflectances (on the grid of the setting) that
@@ -71,6 +80,8 @@ pub fn build(spec: &str, setting: &Setting, natural: &[Spectrum]) -> Result<Scen
 }
 
 /// Point samples as ISETCam takes them, or the mean over each pixel.
+const SEED: ParamInfo = whole!("seed", 1, 0..=18446744073709551615, "equal seeds give equal pictures");
+
 macro_rules! sampling {
     ($default:literal) => {
         ParamInfo {
@@ -251,7 +262,7 @@ static SCENES: [SceneInfo; 16] = [
             whole!("cols", 512, 1..=16384, "columns, pixels"),
             number!("least", "1.5", 0.5..=1e4, "least radius, pixels"),
             number!("largest", "200", 0.6..=1e5, "largest radius, pixels; above least"),
-            whole!("seed", 1, 0..=18446744073709551615, "equal seeds give equal pictures"),
+            SEED,
         ],
         build: |a, s, natural| {
             let leaves = DeadLeaves {
@@ -272,7 +283,7 @@ static SCENES: [SceneInfo; 16] = [
             whole!("cols", 512, 1..=16384, "columns, pixels"),
             whole!("least", 8, 1..=4096, "side of the smallest patches, pixels"),
             whole!("doublings", 4, 0..=8, "how often the side doubles up to the largest"),
-            whole!("seed", 1, 0..=18446744073709551615, "equal seeds give equal pictures"),
+            SEED,
         ],
         build: |a, s, natural| {
             let chart = ColorPatches {
@@ -300,7 +311,7 @@ static SCENES: [SceneInfo; 16] = [
                 doc: "what the light falls on: natural reflectances, or white alone",
                 kind: Kind::Choice(&["colors", "white"]),
             },
-            whole!("seed", 1, 0..=18446744073709551615, "equal seeds give equal pictures"),
+            SEED,
         ],
         build: |a, s, natural| {
             let pattern = Gradients {
@@ -321,7 +332,7 @@ static SCENES: [SceneInfo; 16] = [
             whole!("rows", 512, 8..=16384, "rows, pixels"),
             whole!("cols", 512, 8..=16384, "columns, pixels"),
             number!("shade", "1000", 1.0..=1e8, "full light over the deepest shade"),
-            whole!("seed", 1, 0..=18446744073709551615, "equal seeds give equal pictures"),
+            SEED,
         ],
         build: |a, s, natural| {
             let (rows, cols) = (a.count("rows"), a.count("cols"));
