@@ -10,7 +10,8 @@ use smalti::numeric::Planes;
 use smalti::sensor::{Mosaic, RawImage, RawSamples, Sampling, SignalNoise};
 use smalti::spectrum::{SpectralCube, Spectrum, WavelengthGrid};
 use smalti_io::dataset::{Column, Run};
-use smalti_io::exr::{Layout, Quantity, SpectralFile};
+use smalti_io::exr::Layout;
+use smalti_io::{Quantity, SpectralFile};
 use smalti_io::picture::Depth;
 use smalti_io::{dng, exr, l3, npy, picture, spectrum_csv};
 

@@ -4,7 +4,8 @@
 use std::path::Path;
 
 use smalti_io::Limits;
-use smalti_io::exr::{ReadOptions, SceneDefaults, from_bytes};
+use smalti_io::exr::from_bytes;
+use smalti_io::{ReadOptions, SceneDefaults};
 
 libfuzzer_sys::fuzz_target!(|data: &[u8]| {
     let limits = Limits { file_bytes: 1 << 20, decoded_bytes: 64 << 20 };

@@ -4,7 +4,7 @@
 use std::path::Path;
 
 use smalti_io::Limits;
-use smalti_io::exr::ReadOptions;
+use smalti_io::ReadOptions;
 
 libfuzzer_sys::fuzz_target!(|data: &[u8]| {
     let limits = Limits { file_bytes: 1 << 20, decoded_bytes: 64 << 20 };

@@ -5,7 +5,8 @@ use std::path::PathBuf;
 use anyhow::{Context, bail};
 use clap::{Args, ValueEnum};
 use smalti::color::{ColorSpace, Image};
-use smalti_io::exr::{self, Layout, SpectralFile};
+use smalti_io::SpectralFile;
+use smalti_io::exr::{self, Layout};
 use smalti_io::npy;
 use smalti_io::picture::{self, Depth};
 

@@ -9,7 +9,7 @@ use smalti::color::ColorSpace;
 use smalti::l3::{Axes, Origin, Pair, Pipeline, PositionSummary, Statistics};
 use smalti::sensor::Channel;
 use smalti::spectrum::Illuminant;
-use smalti_io::exr::ReadOptions;
+use smalti_io::ReadOptions;
 use smalti_io::{Limits, dng, l3, picture, write};
 
 use crate::args::{Common, SceneOptions, Train};

@@ -3,7 +3,7 @@
 //! | module | formats | to and from |
 //! |---|---|---|
 //! | [`spectrum_csv`] | CSV | [`smalti::spectrum::Spectrum`] |
-//! | [`exr`] | spectral OpenEXR (PBRT and Fichet et al. 2021 layouts) | [`exr::SpectralFile`], [`smalti::scene::Scene`] |
+//! | [`exr`] | spectral OpenEXR (PBRT and Fichet et al. 2021 layouts) | [`SpectralFile`], [`smalti::scene::Scene`] |
 //! | [`picture`] | PNG, TIFF, JPEG, OpenEXR RGB in; PNG, TIFF out | [`smalti::color::Image`] |
 //! | [`dng`] | DNG (uncompressed) | [`smalti::sensor::RawImage`] |
 //! | [`l3`] | `.l3` (safetensors) in and out; `.npz`, C header out | [`smalti::l3::Pipeline`], [`smalti::l3::Statistics`] |
@@ -50,4 +50,5 @@ pub use camera_toml::Override;
 pub use diagnostic::Diagnostic;
 pub use error::IoError;
 pub use file::Limits;
+pub use scene_file::{Quantity, ReadOptions, SceneDefaults, SpectralFile};
 pub use toml_source::{BuiltinFile, TomlSource};

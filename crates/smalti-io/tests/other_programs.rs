@@ -11,8 +11,9 @@ use smalti::numeric::Planes;
 use smalti::sensor::{Mosaic, RawImage, RawSamples, Sampling};
 use smalti::spectrum::{SpectralCube, Spectrum, WavelengthGrid};
 use smalti_io::dng::{self, ColorMatrix, DngInfo};
-use smalti_io::exr::{self, Layout, Quantity, ReadOptions, SpectralFile};
+use smalti_io::exr::{self, Layout};
 use smalti_io::picture::{self, Depth};
+use smalti_io::{Quantity, ReadOptions, SpectralFile};
 
 #[path = "support/python.rs"]
 mod python;

@@ -77,7 +77,8 @@ fn pictures_and_spectra_that_are_broken() {
 
 #[test]
 fn radiance_that_is_none() {
-    use smalti_io::exr::{self, Layout, ReadOptions};
+    use smalti_io::ReadOptions;
+    use smalti_io::exr::{self, Layout};
     let place = Place::new();
     place.ok("convert macbeth?patch=4 -o good.exr --layout pbrt");
     // The third value of a band, found by its bytes: the writer itself refuses such values.
@@ -94,7 +95,7 @@ fn radiance_that_is_none() {
     let grid = black.cube.grid();
     let planes = smalti::numeric::Planes::zeros(8, 8, grid.len());
     black.cube = smalti::spectrum::SpectralCube::new(grid, planes).unwrap();
-    black.quantity = exr::Quantity::RelativeEnergy;
+    black.quantity = smalti_io::Quantity::RelativeEnergy;
     exr::write(&place.path("black.exr"), &black, Layout::Pbrt).unwrap();
     scene(&place, "black.exr", &["black.exr: the mean luminance is 0"]);
 }

@@ -5,7 +5,7 @@ use std::sync::OnceLock;
 
 use serde_json::Value;
 use smalti::l3::Pipeline;
-use smalti_io::exr::ReadOptions;
+use smalti_io::ReadOptions;
 use smalti_io::{l3, picture};
 
 use crate::{Place, Run};

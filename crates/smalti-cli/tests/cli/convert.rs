@@ -1,6 +1,6 @@
 //! `smalti convert`.
 
-use smalti_io::exr::ReadOptions;
+use smalti_io::ReadOptions;
 use smalti_io::{Limits, npy, picture};
 
 use crate::Place;

@@ -1,7 +1,7 @@
 //! `smalti train` and `smalti render`.
 
 use smalti::l3::Pipeline;
-use smalti_io::exr::ReadOptions;
+use smalti_io::ReadOptions;
 use smalti_io::npy::{self, NpyData};
 use smalti_io::{Limits, l3, picture};
 

@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use smalti::sensor::{RawSamples, Sampling};
+use smalti_io::ReadOptions;
 use smalti_io::dng::{self, Dng};
-use smalti_io::exr::ReadOptions;
 use smalti_io::npy::{self, NpyData};
 use smalti_io::{Limits, picture, stages};
 

@@ -8,14 +8,15 @@ use exr::prelude::{
     AnyChannels, AttributeValue, FlatSamples, Layer, MetaData, ReadChannels, ReadLayers, Text,
 };
 use smalti::numeric::Planes;
-use smalti::spectrum::{SpectralCube, Spectrum, WavelengthGrid};
+use smalti::spectrum::{SpectralCube, WavelengthGrid};
 
 use super::layout::{Bands, bands};
-use super::{Comment, Facts, QUANTITIES, Quantity, ReadOptions, SpectralFile};
 use crate::error::At;
 use crate::file::{Negative, guarded, sample, stem};
+use crate::scene_file::facts::Comment;
 use crate::wavelengths::{Between, places, uniform_grid};
 use crate::{IoError, Limits, file};
+use crate::{Quantity, ReadOptions, SpectralFile};
 
 // A file in PBRT's layout that states no wavelengths has 31 bands by convention, 400 to 700 nm.
 const PBRT_GRID: WavelengthGrid = WavelengthGrid::VISIBLE;
@@ -126,8 +127,7 @@ fn spectral(
     options: &ReadOptions,
 ) -> Result<SpectralFile, IoError> {
     let comment = layer.attributes.comments.as_ref().map(Text::to_string).unwrap_or_default();
-    // Comments of other programs are no error; they hold no facts.
-    let facts = serde_json::from_str::<Comment>(&comment).ok().map(|c| c.smalti);
+    let facts = Comment::parse(&comment);
     let stated_grid =
         facts.as_ref().and_then(|f| WavelengthGrid::new(f.start_nm, f.step_nm, band_count(&bands)).ok());
 
@@ -189,7 +189,7 @@ fn spectral(
         horizontal_fov_deg: None,
     };
     if let Some(facts) = facts {
-        take_facts(&mut file, facts, path)?;
+        facts.state(&mut file, path)?;
     }
     Ok(file)
 }
@@ -199,19 +199,6 @@ fn band_count(bands: &Bands) -> usize {
         Bands::Numbered(order) => order.len(),
         Bands::Wavelengths { bands, .. } => bands.len(),
     }
-}
-
-fn take_facts(file: &mut SpectralFile, facts: Facts, path: &Path) -> Result<(), IoError> {
-    if let Some((quantity, _)) = QUANTITIES.iter().find(|(_, text)| *text == facts.quantity) {
-        file.quantity = *quantity;
-    }
-    file.name = facts.name;
-    if let Some(values) = facts.illuminant_photons {
-        file.illuminant = Some(Spectrum::new(file.cube.grid(), values).at(path)?);
-    }
-    file.distance_m = facts.distance_m;
-    file.horizontal_fov_deg = facts.horizontal_fov_deg;
-    Ok(())
 }
 
 /// The samples of a channel as f32; an error names the first that is not what `negative` allows.

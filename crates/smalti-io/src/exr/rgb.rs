@@ -5,9 +5,9 @@ use std::path::Path;
 use smalti::color::{ColorSpace, Image};
 use smalti::numeric::Planes;
 
-use super::ReadOptions;
 use super::read::{checked, load};
 use crate::IoError;
+use crate::ReadOptions;
 use crate::error::At;
 use crate::file::Negative;
 use crate::picture::Picture;

@@ -3,11 +3,11 @@ use std::path::{Path, PathBuf};
 use proptest::prelude::*;
 use smalti::numeric::Planes;
 use smalti::scene::Scene;
-use smalti::spectrum::Illuminant;
 use smalti::spectrum::units::photons_per_joule;
+use smalti::spectrum::{Illuminant, SpectralCube, WavelengthGrid};
 
 use super::*;
-use crate::IoError;
+use crate::{IoError, Quantity, ReadOptions, SceneDefaults, SpectralFile};
 
 fn cube(grid: WavelengthGrid, rows: usize, cols: usize) -> SpectralCube {
     let n = rows * cols * grid.len();

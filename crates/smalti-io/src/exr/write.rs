@@ -9,9 +9,10 @@ use exr::prelude::{
 };
 
 use super::layout::{Layout, fichet_name};
-use super::{Comment, Facts, QUANTITIES, Quantity, SpectralFile};
+use crate::scene_file::facts::Comment;
 use crate::text::ascii_json;
 use crate::{IoError, write};
+use crate::{Quantity, SpectralFile};
 
 /// Writes a spectral image, 32-bit, losslessly compressed. What the layout has no place for (name, distance, field
 /// of view, illuminant, exact grid) goes as JSON into the attribute `comments`, so that [`super::read`] returns an
@@ -44,20 +45,8 @@ pub fn write(path: &Path, file: &SpectralFile, layout: Layout) -> Result<(), IoE
         });
     let channels = AnyChannels::sort(channels.collect());
 
-    let quantity = QUANTITIES.iter().find(|(q, _)| *q == file.quantity).map(|(_, text)| (*text).to_owned());
-    let comment = Comment {
-        smalti: Facts {
-            name: file.name.clone(),
-            quantity: quantity.unwrap_or_default(),
-            start_nm: grid.start_nm(),
-            step_nm: grid.step_nm(),
-            illuminant_photons: file.illuminant.as_ref().map(|s| s.values().to_vec()),
-            distance_m: file.distance_m,
-            horizontal_fov_deg: file.horizontal_fov_deg,
-        },
-    };
     let attributes = LayerAttributes {
-        comments: Text::new_or_none(ascii_json(&comment)),
+        comments: Text::new_or_none(ascii_json(&Comment::of(file))),
         other: attribute("emissiveUnits", units(file.quantity).filter(|_| layout == Layout::Fichet2021)),
         ..LayerAttributes::default()
     };

@@ -10,7 +10,7 @@ use zune_jpeg::zune_core::options::DecoderOptions;
 
 use super::{PROFILE_NOTE, Picture, from_interleaved};
 use crate::IoError;
-use crate::exr::ReadOptions;
+use crate::ReadOptions;
 use crate::file::guarded;
 
 pub(super) fn decode(bytes: &[u8], path: &Path, options: &ReadOptions) -> Result<Picture, IoError> {

@@ -12,8 +12,9 @@ use smalti::numeric::Planes;
 
 pub use encode::{Depth, write, write_png, write_tiff};
 
+use crate::ReadOptions;
 use crate::error::At;
-use crate::exr::{ReadOptions, rgb_from_bytes};
+use crate::exr::rgb_from_bytes;
 use crate::file::{Negative, sample};
 use crate::{IoError, file};
 

@@ -7,7 +7,7 @@ use png::{BitDepth, ColorType, Decoder, Info, Limits, Transformations};
 use smalti::color::ColorSpace;
 
 use super::{PROFILE_NOTE, Picture, alpha_note, from_interleaved};
-use crate::exr::ReadOptions;
+use crate::ReadOptions;
 use crate::file::guarded;
 use crate::{IoError, icc};
 

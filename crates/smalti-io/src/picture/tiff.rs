@@ -9,7 +9,7 @@ use tiff::decoder::{Decoder, DecodingResult, Limits};
 use tiff::tags::Tag;
 
 use super::{PROFILE_NOTE, Picture, alpha_note, check_float, from_interleaved};
-use crate::exr::ReadOptions;
+use crate::ReadOptions;
 use crate::file::guarded;
 use crate::{IoError, icc, tiff_tags};
 

@@ -7,7 +7,7 @@ use smalti::scene::{Scene, Setting};
 use smalti::spectrum::units::photons_per_joule;
 use smalti::spectrum::{Illuminant, Observer, SpectralCube};
 
-use super::{Quantity, SpectralFile};
+use super::spectral::{Quantity, SpectralFile};
 use crate::IoError;
 use crate::error::At;
 
