@@ -44,3 +44,7 @@ reference:
     for what in scenes cfas cameras illuminants filters metrics studies camera-keys study-keys; do \
         target/debug/smalti list $what --markdown > docs/reference/$what.md; \
     done
+    mkdir -p docs/reference/cfas
+    for name in $(target/debug/smalti list cfas --json | grep -o '"name": "[^"]*"' | cut -d'"' -f4); do \
+        target/debug/smalti show $name --as cfa -o docs/reference/cfas/$name.svg; \
+    done

@@ -134,6 +134,46 @@ test("choosers switch scene, light and maps", () => withPage({}, async (page) =>
   await next("Luminance", 0);
 }));
 
+test("the maps' values stand under the pointer", () => withPage({}, async (page) => {
+  const values = page.locator(".values");
+  const box = await page.locator(".frame").last().boundingBox();
+  await page.mouse.move(box.x + box.width * 0.3, box.y + box.height * 0.4);
+  const read = async () => (await values.textContent()).match(/^Row (\d+), column (\d+): S-CIELAB difference, ΔE\*ab, about (.+)$/);
+  const [, row, col, all] = await read();
+  const size = await page.locator(".gallery img.map").first().evaluate((i) => [i.naturalWidth, i.naturalHeight]);
+  assert.ok(Math.abs(col - 0.3 * size[0]) <= 2 && Math.abs(row - 0.4 * size[1]) <= 2, `${row} ${col} of ${size}`);
+  const of = all.split(", ");
+  assert.equal(of.length, 2);
+  const top = Number(await page.locator(".shots").first().getAttribute("data-top"));
+  // Judged by where the colour of the map's pixel lies along the seven colours of the legend.
+  const expected = await page.locator(".gallery .shots").first().evaluate((group, [col, row]) => {
+    const stops = ["440154", "433d84", "2e6d8e", "23898e", "46c06f", "89d548", "fde725"].map((c) => [0, 2, 4].map((i) => parseInt(c.slice(i, i + 2), 16)));
+    return Array.from(group.querySelectorAll("img.map"), (map) => {
+      const context = Object.assign(document.createElement("canvas"), { width: map.naturalWidth, height: map.naturalHeight }).getContext("2d");
+      context.drawImage(map, 0, 0);
+      const pixel = context.getImageData(col, row, 1, 1).data;
+      let best = { far: Infinity };
+      for (let i = 0; i <= 600; i += 1) {
+        const [k, t] = [Math.min(5, Math.floor(i / 100)), i / 100 - Math.min(5, Math.floor(i / 100))];
+        const far = stops[k].reduce((sum, v, c) => sum + (v + (stops[k + 1][c] - v) * t - pixel[c]) ** 2, 0);
+        if (far < best.far) best = { far, share: i / 600 };
+      }
+      return best.share;
+    });
+  }, [Number(col), Number(row)]);
+  of.forEach((one, i) => {
+    const told = Number(one.match(/([\d.]+)( or more)?$/)[1]);
+    assert.ok(Math.abs(told / top - expected[i]) < 0.06, `${one} of ${top}, the map's colour says ${expected[i] * top}`);
+  });
+  await page.mouse.move(box.x + box.width * 0.7, box.y + box.height * 0.6);
+  assert.notEqual((await read())[0], `Row ${row}, column ${col}: S-CIELAB difference, ΔE*ab, about ${all}`);
+  await page.mouse.move(1, 1);
+  assert.equal(await values.textContent(), "");
+  await stage(page).focus();
+  await page.keyboard.press("+");
+  assert.ok(await read());
+}));
+
 test("classes and kernels follow position, texture and level", () => withPage({}, async (page) => {
   const box = page.locator(".kernels").first();
   const about = box.locator(".about-class");
@@ -156,6 +196,14 @@ test("classes and kernels follow position, texture and level", () => withPage({}
   assert.equal(await box.locator("td.here").count(), 1);
   await box.locator("summary").click();
   assert.equal(await box.locator("details tbody tr").count(), 10, "nine weights and an offset");
+  // Where channels clip there are other kernels.
+  const clipped = box.getByLabel("Clipped channels");
+  assert.equal(await clipped.locator("option").first().textContent(), "none");
+  const unclipped = await label();
+  await clipped.selectOption({ index: 1 });
+  assert.notEqual(await label(), unclipped);
+  assert.match(await box.locator(".counts .help").textContent(), /levels that training met/);
+  assert.match(await about.textContent(), /patches in training/);
 }));
 
 test("the best are marked by more than colour, and tables sort", () => withPage({}, async (page) => {

@@ -149,6 +149,10 @@ pub(crate) struct ReportArgs {
     /// Designs of the first DIR, by their numbers, that have pictures in the page as well
     #[arg(long, value_delimiter = ',', value_name = "DESIGN")]
     pub(crate) picture: Vec<u64>,
+    /// Conditions and processings that get figures of their own: those with TEXT in their name, as the tables give it; may be given
+    /// more than once [default: the first 8]
+    #[arg(long, value_name = "TEXT")]
+    pub(crate) draw: Vec<String>,
     /// Print report.json instead of the tables
     #[arg(long)]
     pub(crate) json: bool,

@@ -6,11 +6,12 @@ use std::path::Path;
 use clap::{Arg, Command};
 use clap_complete::engine::{ArgValueCompleter, CompletionCandidate, PathCompleter, ValueCompleter};
 use clap_complete::env::{CompleteEnv, EnvCompleter, Shells};
-use smalti::scene::catalog;
+use smalti::scene::catalog::{self, ParamInfo};
 use smalti::sensor::cfa;
 use smalti::spectrum::Illuminant;
 use smalti_io::{cameras, studies};
 
+use crate::keys::keys;
 use crate::resolve::has_extension;
 
 /// The variable by which a shell's script asks.
@@ -38,7 +39,11 @@ fn with_names(command: Command) -> Command {
     let command = command.mut_args(|arg| match arg.get_id().as_str() {
         "camera" | "cameras" => with(arg, camera_names, &["toml"]),
         "target" => with(arg, target_names, &["toml"]),
-        "scene" | "scenes" => with(arg, scene_names, SCENES),
+        "scene" | "scenes" => {
+            let or_file = NameOrFile { names: scene_names, extensions: SCENES };
+            arg.add(ArgValueCompleter::new(SceneOrFile(or_file)))
+        }
+        "overrides" => arg.add(ArgValueCompleter::new(camera_keys)),
         "illuminant" | "illuminants" | "target_illuminant" => with(arg, light_names, &["csv"]),
         "study" => with(arg, study_names, &["toml"]),
         // Of `show`, which takes all.
@@ -67,6 +72,39 @@ impl ValueCompleter for NameOrFile {
         let files = PathCompleter::any().filter(fits).complete(current);
         (self.names)().into_iter().filter(begins).chain(files).collect()
     }
+}
+
+/// A scene's parameters stand behind its name.
+struct SceneOrFile(NameOrFile);
+
+impl ValueCompleter for SceneOrFile {
+    fn complete(&self, current: &OsStr) -> Vec<CompletionCandidate> {
+        // Some shells hand over a word with its quotes: `?` and `&` mean something to them.
+        let typed: String =
+            current.to_string_lossy().chars().filter(|c| !['\'', '"', '\\'].contains(c)).collect();
+        match typed.split_once('?') {
+            Some((name, typed)) => scene_parameters(name, typed),
+            None => self.0.complete(current),
+        }
+    }
+}
+
+/// What may follow `name?` and the parameters that are typed already.
+fn scene_parameters(name: &str, typed: &str) -> Vec<CompletionCandidate> {
+    let Some(scene) = catalog::names().iter().find(|s| s.name == name) else { return Vec::new() };
+    let (before, begun) = typed.rsplit_once('&').map_or(("", typed), |(b, t)| (&typed[..=b.len()], t));
+    let has = |p: &ParamInfo| before.split('&').any(|given| given.split('=').next() == Some(p.name));
+    let all = scene.parameters.iter().chain(catalog::common_parameters());
+    let fits = all.filter(|p| p.name.starts_with(begun) && !has(p));
+    fits.map(|p| named(&format!("{name}?{before}{}=", p.name), p.doc)).collect()
+}
+
+/// Keys of a camera, for `--set KEY=VALUE`.
+fn camera_keys(current: &OsStr) -> Vec<CompletionCandidate> {
+    let typed = current.to_string_lossy();
+    let keys = keys(&cameras::schema());
+    let fits = keys.iter().filter(|key| key.name.starts_with(typed.as_ref()));
+    fits.map(|key| named(&format!("{}=", key.name), &key.summary)).collect()
 }
 
 fn named(name: &str, what: &str) -> CompletionCandidate {
@@ -139,6 +177,8 @@ mod tests {
             "convert scene",
             "show name",
             "show illuminant",
+            "simulate overrides",
+            "compare overrides",
         ] {
             assert!(found.iter().any(|f| f == expected), "{expected}: {found:?}");
         }
@@ -151,5 +191,28 @@ mod tests {
         values.sort_unstable();
         values.dedup();
         assert_eq!(values.len(), all.len());
+    }
+
+    fn values(of: &[CompletionCandidate]) -> Vec<String> {
+        of.iter().map(|c| c.get_value().to_string_lossy().into_owned()).collect()
+    }
+
+    #[test]
+    fn parameters_of_scenes_are_completed_one_after_another() {
+        let of = SceneOrFile(NameOrFile { names: scene_names, extensions: SCENES });
+        let offered = |typed: &str| values(&of.complete(OsStr::new(typed)));
+        for typed in ["zone-plate?freq", "'zone-plate?freq", "\"zone-plate?freq", "zone-plate\\?freq"] {
+            assert_eq!(offered(typed), ["zone-plate?frequency="]);
+        }
+        let second = offered("zone-plate?frequency=0.3&");
+        assert!(second.iter().all(|v| v.starts_with("zone-plate?frequency=0.3&") && v.ends_with('=')));
+        assert!(!second.is_empty() && !second.iter().any(|v| v.ends_with("&frequency=")));
+        assert!(offered("no-such-scene?").is_empty());
+        assert!(offered("zone-p").contains(&"zone-plate".to_owned()));
+    }
+
+    #[test]
+    fn keys_of_cameras_are_completed() {
+        assert_eq!(values(&camera_keys(OsStr::new("sensor.pixel.pit"))), ["sensor.pixel.pitch_um="]);
     }
 }

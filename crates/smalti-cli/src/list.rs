@@ -10,8 +10,11 @@ use smalti::spectrum::Illuminant;
 use smalti_io::{BuiltinFile, cameras, studies};
 
 use crate::args::{List, Listing};
-use crate::columns;
 use crate::keys::keys;
+use crate::{columns, table, terminal};
+
+/// Text is not broken into fewer columns.
+const LEAST_COLUMNS: usize = 24;
 
 pub(crate) fn run(args: &List) -> anyhow::Result<()> {
     let entries = match args.what {
@@ -40,15 +43,29 @@ pub(crate) fn run(args: &List) -> anyhow::Result<()> {
         let json: Vec<_> = entries.iter().map(|e| e.json.clone()).collect();
         return crate::print(&(serde_json::to_string_pretty(&json)? + "\n"));
     }
+    crate::print(&lines(&entries, terminal::columns()))
+}
+
+/// Names, and beside them what there is to say, in lines of so many columns where there is an edge.
+fn lines(entries: &[Entry], columns: Option<usize>) -> String {
     let width = entries.iter().map(|e| e.name.chars().count()).max().unwrap_or(0);
+    let broken = |text: &str, indent: usize| match columns {
+        // Words of their own line are read worse than long lines.
+        Some(columns) if columns >= indent + LEAST_COLUMNS => table::wrap(text, columns - indent),
+        _ => vec![text.to_owned()],
+    };
     let mut out = String::new();
-    for e in &entries {
-        out += &format!("{:width$}  {}\n", e.name, e.summary);
-        for line in &e.details {
+    for e in entries {
+        let mut name = e.name.as_str();
+        for line in broken(&e.summary, width + 2) {
+            out += &format!("{name:width$}  {line}\n");
+            name = "";
+        }
+        for line in e.details.iter().flat_map(|line| broken(line, width + 4)) {
             out += &format!("{:width$}    {line}\n", "");
         }
     }
-    crate::print(&out)
+    out
 }
 
 /// Something that there is, or may be written.
@@ -59,7 +76,7 @@ pub(crate) struct Entry {
     pub(crate) json: serde_json::Value,
 }
 
-/// A page of the reference.
+/// A page of the reference. Arrays have their tiles beside them, drawn by `smalti show NAME -o FILE`.
 fn markdown(what: Listing, entries: &[Entry]) -> String {
     let value = what.to_possible_value();
     let name = value.as_ref().map(|v| v.get_name().to_owned()).unwrap_or_default();
@@ -71,7 +88,13 @@ fn markdown(what: Listing, entries: &[Entry]) -> String {
     );
     for e in entries {
         let lines: Vec<String> = [&e.summary].into_iter().chain(&e.details).map(|l| cell(l)).collect();
-        page += &format!("| `{}` | {} |\n", e.name, lines.join("<br>"));
+        let picture = match what {
+            Listing::Cfas => {
+                format!("<br><img src=\"cfas/{0}.svg\" width=\"160\" alt=\"The tile of {0}\">", e.name)
+            }
+            _ => String::new(),
+        };
+        page += &format!("| `{}`{picture} | {} |\n", e.name, lines.join("<br>"));
     }
     page
 }
@@ -166,4 +189,24 @@ fn metric_list() -> Vec<Entry> {
         json: json!({"name": m.name, "unit": m.unit, "doc": m.doc, "source": m.source}),
     };
     metrics::CATALOG.iter().map(entry).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lines_fit_where_there_is_an_edge() {
+        for entries in [scenes(), cfas(), metric_list(), keys(&cameras::schema())] {
+            let whole = lines(&entries, None);
+            let broken = lines(&entries, Some(80));
+            assert!(broken.lines().count() > whole.lines().count());
+            let words = |text: &str| text.split_whitespace().map(str::to_owned).collect::<Vec<_>>();
+            assert_eq!(words(&broken), words(&whole));
+            for line in broken.lines() {
+                let one_word = line.split_whitespace().count() <= 2;
+                assert!(line.chars().count() <= 80 || one_word, "{line}");
+            }
+        }
+    }
 }

@@ -23,6 +23,8 @@ const PARTS: u64 = 256;
 const CHUNK: std::ops::RangeInclusive<u64> = 512..=1 << 14;
 /// Designs that a part of slow ones has fewer, by this factor.
 const SLOWER: u64 = 8;
+/// How a program ends that Ctrl-C stopped, as shells say it.
+const STOPPED: i32 = 130;
 
 pub(crate) fn run(args: &SweepArgs, common: &Common) -> anyhow::Result<()> {
     if !args.merge.is_empty() {
@@ -66,6 +68,9 @@ pub(crate) fn run(args: &SweepArgs, common: &Common) -> anyhow::Result<()> {
     for (colors, _, _) in designs.groups().filter(|&(_, sets, mosaics)| sets == 0 || mosaics == 0) {
         progress.note(&format!("the study has no design of {colors} colours"));
     }
+    if !common.quiet {
+        tell_when_stopped(args)?;
+    }
     let start = Instant::now();
     score_and_write(&designs, &plan, &sweep, &run, &missing, &progress)?;
     progress.finish();
@@ -87,6 +92,16 @@ pub(crate) fn run(args: &SweepArgs, common: &Common) -> anyhow::Result<()> {
         format!("{dir} lacks {lacking} parts, those of other shards")
     };
     crate::print(&format!("{to_do} designs in {seconds:.1} s ({rate:.0} a second); {next}\n"))
+}
+
+/// Ctrl-C may come at any moment: parts are whole or not there. It is said how one goes on.
+fn tell_when_stopped(args: &SweepArgs) -> anyhow::Result<()> {
+    let dir = args.output.display().to_string();
+    ctrlc::set_handler(move || {
+        eprintln!("\nstopped; what is in {dir} stays, and the same command goes on from there");
+        std::process::exit(STOPPED);
+    })
+    .context("listening for Ctrl-C")
 }
 
 /// One chunk is written while the next is computed.

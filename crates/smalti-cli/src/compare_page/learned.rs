@@ -10,6 +10,8 @@ use crate::study_report::grouped;
 
 /// Most weights of one pipeline in the page; of more levels some are left out.
 const MOST_WEIGHTS: usize = 500_000;
+/// Levels of a combination of clipped channels: they are a handful of steps below the white level.
+const MOST_CLIPPED_LEVELS: usize = 8;
 /// Steps of a weight on either side of zero.
 const STEPS: f64 = 127.0;
 
@@ -54,65 +56,91 @@ pub(super) fn section(learned: &[(&Way<'_>, &Pipeline)]) -> Markup {
     out
 }
 
-/// The classes in which nothing clips, and their kernels: weights in steps of a 127th of the largest of the kernel.
+/// All kernels by the combination of clipped channels: weights in steps of a 127th of the largest of the kernel.
 pub(super) fn data(way: &Way<'_>, pipeline: &Pipeline) -> Value {
     let axes = pipeline.axes();
     let (side, outputs) = (axes.side(), pipeline.outputs());
-    let textures = axes.textures().names();
-    let each_level = axes.positions() * textures.len() * outputs.len() * axes.taps();
-    let fit = (MOST_WEIGHTS / each_level.max(1)).max(1);
-    let step = axes.level_count().div_ceil(fit).max(1);
-    let levels: Vec<usize> = (0..axes.level_count()).step_by(step).collect();
-    let (mut counts, mut origins, mut scales, mut weights, mut offsets) =
-        (vec![], vec![], vec![], vec![], vec![]);
-    for position in 0..axes.positions() {
-        for &level in &levels {
-            for texture in 0..textures.len() {
-                let index = pipeline.index(position, 0, level, texture);
-                let class = pipeline.classes().get(index);
-                counts.push(class.map_or(0.0, |c| c.count as f64));
-                origins.push(class.map_or(f64::NAN, |c| f64::from(c.origin as u8)));
-                for output in 0..outputs.len() {
-                    let kernel = pipeline.weights(index, output);
-                    let largest = kernel.iter().fold(0.0f64, |m, w| m.max(f64::from(w.abs())));
-                    let per_step = if largest > 0.0 { STEPS / largest } else { 0.0 };
-                    scales.push(largest);
-                    weights.extend(kernel.iter().map(|w| (f64::from(*w) * per_step).round()));
-                    let offset = pipeline.kernels().offsets.get(index * outputs.len() + output);
-                    offsets.push(offset.map_or(f64::NAN, |v| f64::from(*v)));
-                }
-            }
-        }
-    }
     let mosaic = axes.mosaic();
     let positions: Vec<Value> = (0..axes.positions())
         .map(|p| {
             let (row, col) = (p / mosaic.cols(), p % mosaic.cols());
             let taps: Vec<usize> = (0..side * side).map(|tap| axes.channel_of(p, tap)).collect();
-            let middles: Vec<String> =
-                levels.iter().map(|&l| format!("{:.3}", 100.0 * axes.levels_at(p).middle(l))).collect();
-            json!({"row": row + 1, "col": col + 1, "channel": mosaic.channel_at(row, col), "taps": taps, "middles": middles})
+            json!({"row": row + 1, "col": col + 1, "channel": mosaic.channel_at(row, col), "taps": taps})
         })
         .collect();
+    let each_level = axes.positions() * axes.textures().count() * outputs.len() * axes.taps();
+    let most_levels = (MOST_WEIGHTS / each_level.max(1)).max(1);
+    let clipped = (0..pipeline.saturations().len()).map(|s| of_saturation(pipeline, s, most_levels));
     let colors: Vec<String> = filter_colors(way.camera).iter().map(ToString::to_string).collect();
     json!({
         "camera": way.label,
         "side": side,
         "cols": mosaic.cols(),
-        "levels": levels.iter().map(|l| l + 1).collect::<Vec<_>>(),
         "level_count": axes.level_count(),
-        "saturations": pipeline.saturations().len(),
-        "textures": textures,
+        "textures": axes.textures().names(),
         "outputs": outputs,
         "channels": pipeline.channel_names(),
         "colors": colors,
         "positions": positions,
         "origins": Origin::ALL.map(Origin::name),
         "steps": STEPS,
+        "clipped": clipped.flatten().collect::<Vec<_>>(),
+    })
+}
+
+/// The classes of one combination of clipped channels; where some clip, only levels that training met, few of them.
+fn of_saturation(pipeline: &Pipeline, saturation: usize, most_levels: usize) -> Option<Value> {
+    let axes = pipeline.axes();
+    let outputs = pipeline.outputs().len();
+    let textures = axes.textures().count();
+    let seen = |level: &usize| {
+        let all = (0..axes.positions()).flat_map(|p| (0..textures).map(move |t| (p, t)));
+        let class = |(p, t)| pipeline.classes().get(pipeline.index(p, saturation, *level, t));
+        all.filter_map(class).any(|c| c.count > 0)
+    };
+    let (met, most): (Vec<usize>, usize) = match saturation {
+        0 => ((0..axes.level_count()).collect(), most_levels),
+        _ => ((0..axes.level_count()).filter(seen).collect(), most_levels.min(MOST_CLIPPED_LEVELS)),
+    };
+    let levels: Vec<usize> = met.iter().copied().step_by(met.len().div_ceil(most).max(1)).collect();
+    if levels.is_empty() {
+        return None;
+    }
+    let (mut counts, mut origins, mut scales, mut weights, mut offsets) =
+        (vec![], vec![], vec![], vec![], vec![]);
+    for position in 0..axes.positions() {
+        for (&level, texture) in levels.iter().flat_map(|l| (0..textures).map(move |t| (l, t))) {
+            let index = pipeline.index(position, saturation, level, texture);
+            let class = pipeline.classes().get(index);
+            counts.push(class.map_or(0.0, |c| c.count as f64));
+            origins.push(class.map_or(f64::NAN, |c| f64::from(c.origin as u8)));
+            for output in 0..outputs {
+                let kernel = pipeline.weights(index, output);
+                let largest = kernel.iter().fold(0.0f64, |m, w| m.max(f64::from(w.abs())));
+                let per_step = if largest > 0.0 { STEPS / largest } else { 0.0 };
+                scales.push(largest);
+                weights.extend(kernel.iter().map(|w| (f64::from(*w) * per_step).round()));
+                let offset = pipeline.kernels().offsets.get(index * outputs + output);
+                offsets.push(offset.map_or(f64::NAN, |v| f64::from(*v)));
+            }
+        }
+    }
+    let middle = |p: usize| {
+        let of = levels.iter().map(|&l| format!("{:.3}", 100.0 * axes.levels_at(p).middle(l)));
+        of.collect::<Vec<_>>()
+    };
+    let bits = pipeline.saturations().get(saturation).copied().unwrap_or_default();
+    let names = pipeline.channel_names().iter().enumerate();
+    let clipping: Vec<&String> = names.filter(|(c, _)| bits >> c & 1 == 1).map(|(_, name)| name).collect();
+    Some(json!({
+        "channels": clipping,
+        "levels": levels.iter().map(|l| l + 1).collect::<Vec<_>>(),
+        "met": met.len(),
+        "middles": (0..axes.positions()).map(middle).collect::<Vec<_>>(),
         "count": packed(&counts),
         "origin": packed(&origins),
         "scale": packed(&scales),
         "weight": packed(&weights),
         "offset": packed(&offsets),
-    })
+    }))
 }

@@ -11,15 +11,18 @@ mod scene;
 mod sixel;
 mod tile;
 
+use std::path::{Path, PathBuf};
+
 use anyhow::bail;
 use clap::Args;
 use serde_json::{Value, json};
-use smalti_io::Override;
+use smalti_io::{Override, write};
 use smalti_report::Figure;
 
 use self::find::Kind;
 use self::picture::Pixels;
 use crate::args::SceneOptions;
+use crate::resolve::has_extension;
 use crate::table::wrap;
 use crate::terminal::{Graphics, Protocol, Screen, When};
 
@@ -35,7 +38,8 @@ const TEXT_COLUMNS: usize = 100;
     smalti show zone-plate?frequency=0.3             a scene\n  \
     smalti show macbeth --illuminant A\n  \
     smalti show mine.toml --set sensor.cfa.pattern=xtrans\n  \
-    smalti show silicon                              a curve; lights as well: smalti show LED\n\n\
+    smalti show silicon                              a curve; lights as well: smalti show LED\n  \
+    smalti show xtrans -o xtrans.svg                 its mosaic as a picture\n\n\
     Pictures are drawn as the terminal can, as letters when piped. NO_COLOR is respected.")]
 pub(crate) struct Show {
     /// A camera, a colour filter array, a scene, a study, an illuminant or a filter: a built-in name (smalti list) or a file
@@ -46,6 +50,10 @@ pub(crate) struct Show {
     /// Print the file of a camera or study, or the keys of a colour filter array, to copy and change
     #[arg(long, conflicts_with = "json")]
     toml: bool,
+    /// Write the picture here instead: the mosaic of an array or a camera, the curve of a filter or a light (.svg, .png), a scene as
+    /// it looks (.png)
+    #[arg(short, long, value_name = "FILE", conflicts_with_all = ["json", "toml"])]
+    output: Option<PathBuf>,
     /// Print JSON
     #[arg(long)]
     json: bool,
@@ -100,6 +108,9 @@ pub(crate) fn run(args: &Show) -> anyhow::Result<()> {
             None => bail!("{}: {} has no TOML", args.name, kind.with_article()),
         };
     }
+    if let Some(path) = &args.output {
+        return save(&shown, kind, path);
+    }
     if args.json {
         if let Value::Object(map) = &mut shown.json {
             map.insert("also".into(), json!(others.iter().map(|k| k.name()).collect::<Vec<_>>()));
@@ -134,6 +145,32 @@ fn refuse_what_is_not_used(args: &Show, kind: Kind) -> anyhow::Result<()> {
         bail!("--toml prints the file as it is, without --set; for the resolved description: --json");
     }
     Ok(())
+}
+
+/// Writes the first picture of what is shown.
+fn save(shown: &Shown, kind: Kind, path: &Path) -> anyhow::Result<()> {
+    let drawing = shown.parts.iter().find_map(|part| match part {
+        Part::Lines(_) => None,
+        Part::Tile(tile) => Some(tile.figure().map(Drawing::Figure)),
+        Part::Plot(plot) => Some(plot.figure().map(Drawing::Figure)),
+        Part::Picture(pixels) => Some(Ok(Drawing::Picture(pixels))),
+    });
+    let Some(drawing) = drawing else { bail!("{} has no picture", kind.with_article()) };
+    let bytes = match drawing? {
+        Drawing::Figure(figure) if has_extension(path, &["svg"]) => figure.svg().as_bytes().to_vec(),
+        Drawing::Figure(figure) if has_extension(path, &["png"]) => figure.png(1.0)?,
+        Drawing::Picture(picture) if has_extension(path, &["png"]) => picture.png()?,
+        Drawing::Figure(_) => bail!("{}: expected a name that ends in .svg or .png", path.display()),
+        Drawing::Picture(_) => bail!("{}: expected a name that ends in .png", path.display()),
+    };
+    write::bytes(path, &bytes)?;
+    crate::print(&format!("{}\n", path.display()))
+}
+
+/// What can be written.
+enum Drawing<'a> {
+    Figure(Figure),
+    Picture(&'a Pixels),
 }
 
 fn draw(shown: &Shown, screen: &Screen) -> anyhow::Result<String> {

@@ -13,7 +13,7 @@ pub(crate) use page::{grouped, quoted};
 
 use std::path::{Path, PathBuf};
 
-use anyhow::Context;
+use anyhow::{Context, bail};
 use smalti_io::write;
 use smalti_report::Figure;
 
@@ -38,7 +38,7 @@ pub(crate) fn run(args: &ReportArgs, common: &Common) -> anyhow::Result<()> {
     let folder = match (&args.output, args.results.first()) {
         (Some(folder), _) => folder.clone(),
         (None, Some(first)) => first.join("report"),
-        (None, None) => anyhow::bail!("which results? Name a folder that `smalti sweep` wrote"),
+        (None, None) => bail!("which results? Name a folder that `smalti sweep` wrote"),
     };
     let progress = Progress::new(args.results.len() as u64 + 2, common.quiet);
     let mut read = Vec::new();
@@ -73,7 +73,7 @@ pub(crate) fn run(args: &ReportArgs, common: &Common) -> anyhow::Result<()> {
     let mut book = Book::begin(&folder)?;
     book.notes = notes;
     write::bytes(&folder.join(PAGE), html.as_bytes())?;
-    draw(&all, &mut book)?;
+    draw(&all, &args.draw, &mut book)?;
     let document = serde_json::to_string_pretty(&document::document(&all, &book.files, &book.notes)?)? + "\n";
     write::bytes(&folder.join(DOCUMENT), document.as_bytes())?;
     progress.finish();
@@ -144,23 +144,40 @@ fn clear(folder: &Path) -> anyhow::Result<()> {
     Ok(write::begin_folder(folder, &names)?)
 }
 
-fn draw(all: &[(&Results, Vec<Section<'_>>)], book: &mut Book) -> anyhow::Result<()> {
+fn draw(all: &[(&Results, Vec<Section<'_>>)], wanted: &[String], book: &mut Book) -> anyhow::Result<()> {
     let sections: Vec<&Section<'_>> = all.iter().flat_map(|(_, s)| s).collect();
     figures::together(&sections, book)?;
     if let [only] = sections[..] {
         return figures::of_section(only, book);
     }
-    if sections.len() > DRAWN {
+    let drawn = chosen(&sections, wanted)?;
+    if drawn.len() < sections.len() {
         book.notes.push(format!(
-            "figures are of the first {DRAWN} of {} conditions and processings",
+            "figures are of {} of {} conditions and processings; --draw TEXT chooses others",
+            drawn.len(),
             sections.len()
         ));
     }
-    let titles: Vec<String> = sections.iter().take(DRAWN).map(|s| s.title()).collect();
+    let titles: Vec<String> = drawn.iter().map(|s| s.title()).collect();
     let names = names::file_names(titles.iter().map(String::as_str));
-    for (section, name) in sections.iter().zip(names) {
+    for (section, name) in drawn.iter().zip(names) {
         book.enter(&name)?;
         figures::of_section(section, book)?;
     }
     Ok(())
+}
+
+/// The sections that get figures of their own: those whose title holds what was asked for, else the first.
+fn chosen<'a, 'b>(sections: &[&'a Section<'b>], wanted: &[String]) -> anyhow::Result<Vec<&'a Section<'b>>> {
+    if wanted.is_empty() {
+        return Ok(sections.iter().copied().take(DRAWN).collect());
+    }
+    let titles: Vec<String> = sections.iter().map(|s| s.title().to_lowercase()).collect();
+    let holds = |text: &String, title: &String| title.contains(&text.to_lowercase());
+    if let Some(text) = wanted.iter().find(|text| !titles.iter().any(|title| holds(text, title))) {
+        bail!("--draw {text}: none of the {} is called so: {}", titles.len(), titles.join("; "));
+    }
+    let named =
+        sections.iter().zip(&titles).filter(|(_, title)| wanted.iter().any(|text| holds(text, title)));
+    Ok(named.map(|(section, _)| *section).collect())
 }

@@ -76,6 +76,21 @@ fn the_pages_of_the_reference_are_current() {
     }
 }
 
+/// `just reference` draws them.
+#[test]
+fn the_tiles_of_the_reference_are_current() {
+    let place = Place::new();
+    let docs = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/reference/cfas");
+    let listed: Value = serde_json::from_str(&place.ok("list cfas --json")).unwrap();
+    let names: Vec<&str> = listed.as_array().unwrap().iter().map(|c| c["name"].as_str().unwrap()).collect();
+    assert_eq!(std::fs::read_dir(&docs).unwrap().count(), names.len());
+    for name in names {
+        place.ok(&format!("show {name} --as cfa -o tile.svg"));
+        let there = std::fs::read(docs.join(format!("{name}.svg"))).unwrap_or_default();
+        assert!(there == place.read("tile.svg"), "docs/reference/cfas/{name}.svg: run `just reference`");
+    }
+}
+
 /// Links of README and docs lead to files that are there, and the book has every page.
 #[test]
 fn documents_lead_somewhere() {

@@ -125,6 +125,24 @@ fn a_hundred_kills() {
     killed(100);
 }
 
+#[cfg(unix)]
+#[test]
+fn a_stopped_sweep_says_how_to_go_on() {
+    let place = place(&STUDY.replace("filters = 6", "filters = 300000"));
+    let words = ["sweep", "study.toml", "--part-size", "8", "-o", "out"];
+    let child = place.command().args(words).stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap();
+    while place.names("out/designs").is_empty() {
+        sleep(Duration::from_millis(20));
+    }
+    let stopped = std::process::Command::new("kill").args(["-INT", &child.id().to_string()]).status();
+    assert!(stopped.unwrap().success());
+    let ended = child.wait_with_output().unwrap();
+    let said = String::from_utf8(ended.stderr).unwrap();
+    assert_eq!(ended.status.code(), Some(130), "{said}");
+    assert!(said.contains("stopped; what is in out stays"), "{said}");
+    assert!(place.names("out/designs").iter().any(|n| n.ends_with(".parquet")));
+}
+
 #[test]
 fn another_study_in_the_same_folder_is_refused() {
     let place = place(STUDY);

@@ -1,21 +1,8 @@
 // Colours that people with any colour vision tell apart, and the colours of filters: those of color.rs.
 
 const OKABE_ITO = [[0, 114, 178], [213, 94, 0], [0, 158, 115], [204, 121, 167], [86, 180, 233], [230, 159, 0], [110, 110, 110], [190, 175, 30]];
-const VIRIDIS = [
-  0x440154, 0x481769, 0x472a7a, 0x433d84, 0x3d4e8a, 0x355e8d, 0x2e6d8e, 0x297b8e, 0x23898e, 0x1f978b,
-  0x21a585, 0x2eb37c, 0x46c06f, 0x65cb5e, 0x89d548, 0xb0dd2f, 0xd8e219, 0xfde725,
-];
 function css([r, g, b]) {
   return `rgb(${r} ${g} ${b})`;
-}
-function viridis(t) {
-  // The palest yellow is lost on white, the darkest violet on black.
-  const [low, high] = isDark() ? [0.16, 1] : [0, 0.93];
-  const place = (low + (high - low) * Math.min(1, Math.max(0, t))) * (VIRIDIS.length - 1);
-  const i = Math.min(VIRIDIS.length - 2, Math.floor(place));
-  const part = (word) => [word >> 16, (word >> 8) & 255, word & 255];
-  const [a, b] = [part(VIRIDIS[i]), part(VIRIDIS[i + 1])];
-  return a.map((v, c) => Math.round(v + (b[c] - v) * (place - i)));
 }
 // One colour for a number of colours, in all figures.
 function colorOfCount(colors) {

@@ -17,6 +17,25 @@ function readShots(gallery) {
   }));
 }
 
+// The samples of a picture, taken once.
+const samplesOf = new WeakMap();
+function samples(image) {
+  if (!samplesOf.has(image)) {
+    const [width, height] = [image.naturalWidth, image.naturalHeight];
+    const canvas = make("canvas", { width, height });
+    const context = canvas.getContext("2d", { willReadFrequently: true });
+    context.drawImage(image, 0, 0);
+    samplesOf.set(image, { width, height, bytes: context.getImageData(0, 0, width, height).data });
+  }
+  return samplesOf.get(image);
+}
+// The value of a map at a place, both 0 to 1, as a share of its range; the map is a JPEG, so some percent of it may be off.
+function valueAt(map, x, y) {
+  const { width, height, bytes } = samples(map);
+  const at = (Math.min(height - 1, Math.floor(y * height)) * width + Math.min(width - 1, Math.floor(x * width))) * 4;
+  return ofViridis(bytes.subarray(at, at + 3));
+}
+
 // What of the pictures is seen: `x`, `y` the upper left corner as a share of the picture, `zoom` how much larger than whole.
 class View {
   constructor(changed) {
@@ -69,6 +88,7 @@ function startViewer(root) {
   const after = choice("Right", names, show, last);
   const slider = make("input", { type: "range", min: 0, max: 100, value: 50, "aria-label": "Where the left picture ends, percent of the width", input: split });
   const reading = make("output", { "aria-live": "polite" });
+  const values = make("p", { class: "values" });
   const legend = make("div", { class: "legend" });
   const stage = make("div", {
     class: "stage", tabindex: 0, role: "application", "aria-label": "Pictures that move together", "aria-describedby": "viewer-help",
@@ -84,6 +104,7 @@ function startViewer(root) {
     make("div", { class: "zooms" },
       button("−", "Smaller", () => view.enlarge(0.5)), button("+", "Larger", () => view.enlarge(2)), button("Whole", "Whole picture", () => view.set(0, 0, 1)),
       reading, legend),
+    hasMaps ? values : null,
     make("p", { class: "help", id: "viewer-help" },
       "Wheel, pinch or + and − enlarge, dragging or the arrows move, 0 shows the whole. All pictures move together."));
 
@@ -145,6 +166,21 @@ function startViewer(root) {
       : `${shown(view.zoom)}× around row ${middle(view.y, size.getAttribute("height"))}, column ${middle(view.x, size.getAttribute("width"))}`;
   }
 
+  // The maps' values under the pointer, of every camera, whether maps or pictures are shown.
+  function point(px, py) {
+    const group = current();
+    const maps = group?.shots.filter((s) => s.map?.naturalWidth) ?? [];
+    if (maps.length === 0) return;
+    const [x, y] = [view.x + px / view.zoom, view.y + py / view.zoom];
+    if (x < 0 || y < 0 || x >= 1 || y >= 1) return;
+    const { width, height } = samples(maps[0].map);
+    const value = (s) => {
+      const share = valueAt(s.map, x, y);
+      return share > 0.995 ? `${s.name} ${group.top} or more` : `${s.name} ${Number((share * group.top).toPrecision(2))}`;
+    };
+    values.textContent = `Row ${Math.floor(y * height)}, column ${Math.floor(x * width)}: ${map}, ${unit}, about ${maps.map(value).join(", ")}`;
+  }
+
   const placeIn = (event) => {
     const frame = event.target.closest(".frame");
     if (!frame) return null;
@@ -158,6 +194,7 @@ function startViewer(root) {
     event.preventDefault();
     view.enlarge(Math.exp(-event.deltaY * (event.deltaMode === 1 ? 0.06 : 0.002)), at.x, at.y);
   }, { passive: false });
+  stage.addEventListener("pointerleave", () => { values.textContent = ""; });
   stage.addEventListener("keydown", (event) => {
     const step = { ArrowLeft: [-0.1, 0], ArrowRight: [0.1, 0], ArrowUp: [0, -0.1], ArrowDown: [0, 0.1] }[event.key];
     if (event.ctrlKey || event.altKey || event.metaKey) return;
@@ -166,6 +203,8 @@ function startViewer(root) {
     else if (event.key === "0") view.set(0, 0, 1);
     else if (step && view.zoom > 1) view.move(...step);
     else return;
+    // Without a pointer, of the middle.
+    point(0.5, 0.5);
     event.preventDefault();
   });
 
@@ -179,6 +218,8 @@ function startViewer(root) {
   });
   stage.addEventListener("pointermove", (event) => {
     const was = held.get(event.pointerId);
+    const under = was ? null : placeIn(event);
+    if (under) point(under.x, under.y);
     if (!was) return;
     const [x, y] = [event.clientX, event.clientY];
     const others = [...held].filter(([id]) => id !== event.pointerId).map(([, p]) => p);

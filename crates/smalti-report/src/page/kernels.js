@@ -1,4 +1,4 @@
-// Kernels of learned pipelines, by position, level and texture (learned.rs packs them).
+// Kernels of learned pipelines, by clipped channels, position, level and texture (learned.rs packs them).
 
 // Letters for where kernels come from, none for those learned.
 const ORIGIN_MARKS = ["", "I", "T", "S", "N", "L"];
@@ -19,25 +19,30 @@ function startKernels(data) {
 }
 
 function showKernels(place, of) {
-  const columns = Object.fromEntries(["count", "origin", "scale", "weight", "offset"].map((name) => [name, unpack(of[name])]));
   const taps = of.side * of.side;
-  const [levels, textures, outputs] = [of.levels.length, of.textures.length, of.outputs.length];
-  const indexOf = (position, level, texture) => (position * levels + level) * textures + texture;
-  const state = { position: 0, level: 0, texture: 0 };
+  const [textures, outputs] = [of.textures.length, of.outputs.length];
+  const unpacked = of.clipped.map(() => null);
   // Of the middle level the texture: dark and flat ones are little but means.
-  Object.assign(state, { level: Math.floor(levels / 2), texture: Math.min(1, textures - 1) });
+  const middle = () => Math.floor(part().levels.length / 2);
+  const state = { clipped: 0, position: 0, level: 0, texture: Math.min(1, textures - 1) };
+  const part = () => of.clipped[state.clipped];
+  const columns = () => (unpacked[state.clipped] ??= Object.fromEntries(["count", "origin", "scale", "weight", "offset"].map((name) => [name, unpack(part()[name])])));
+  const indexOf = (position, level, texture) => (position * part().levels.length + level) * textures + texture;
+  state.level = middle();
 
   const named = (p) => `row ${p.row}, column ${p.col}: ${of.channels[p.channel]}`;
   const position = make("select", { change: () => set({ position: Number(position.value) }) }, of.positions.map((p, i) => make("option", { value: i }, named(p))));
   const texture = make("select", { change: () => set({ texture: Number(texture.value) }) }, of.textures.map((t, i) => make("option", { value: i }, t)));
-  const level = make("input", { type: "range", min: 0, max: levels - 1, input: () => set({ level: Number(level.value) }) });
+  const clips = (c) => (c.channels.length ? c.channels.join(", ") : "none");
+  const clipped = make("select", { change: () => { state.clipped = Number(clipped.value); set({ level: middle() }); } }, of.clipped.map((c, i) => make("option", { value: i }, clips(c))));
+  const level = make("input", { type: "range", min: 0, input: () => set({ level: Number(level.value) }) });
   const levelName = make("span");
   const about = make("p", { class: "about-class", "aria-live": "polite" });
   const drawings = make("div", { class: "drawings" });
   const numbers = make("div");
   const counts = make("div", { class: "scrolls counts", tabindex: 0, role: "region", "aria-label": "Patches of each class" });
   place.append(
-    make("div", { class: "choices no-print" }, make("label", {}, "Position", position), make("label", {}, "Texture", texture), make("label", { class: "level" }, levelName, level)),
+    make("div", { class: "choices no-print" }, make("label", {}, "Position", position), make("label", {}, "Texture", texture), of.clipped.length > 1 ? make("label", {}, "Clipped channels", clipped) : null, make("label", { class: "level" }, levelName, level)),
     make("div", { class: "classes" },
       make("div", {}, about, drawings,
         make("p", { class: "help" }, "Orange: positive weights, blue: negative, relative to the largest of the kernel. Frames have the colours of the filters."),
@@ -52,11 +57,11 @@ function showKernels(place, of) {
 
   function kernel(index, output, p) {
     const at = (index * outputs + output) * taps;
-    const scale = columns.scale[index * outputs + output];
+    const scale = columns().scale[index * outputs + output];
     const cells = [];
     const weights = [];
     for (let tap = 0; tap < taps; tap += 1) {
-      const share = columns.weight[at + tap] / of.steps;
+      const share = columns().weight[at + tap] / of.steps;
       weights.push(share * scale);
       const [x, y] = [tap % of.side, Math.floor(tap / of.side)];
       cells.push(
@@ -66,7 +71,7 @@ function showKernels(place, of) {
     const name = of.outputs[output];
     const text = `Kernel of ${name}: largest weight ${shown(scale)}, sum ${shown(weights.reduce((a, b) => a + b, 0))}`;
     return {
-      name, weights, offset: columns.offset[index * outputs + output],
+      name, weights, offset: columns().offset[index * outputs + output],
       element: make("figure", {}, draw("svg", { viewBox: `0 0 ${of.side} ${of.side}`, role: "img", "aria-label": text }, ...cells), make("figcaption", {}, make("b", {}, name), ` largest ${shown(scale)}`)),
     };
   }
@@ -76,15 +81,17 @@ function showKernels(place, of) {
     const index = indexOf(state.position, state.level, state.texture);
     position.value = state.position;
     texture.value = state.texture;
+    level.max = part().levels.length - 1;
     level.value = state.level;
-    const middle = `level ${of.levels[state.level]} of ${of.level_count}`;
-    level.setAttribute("aria-valuetext", middle);
+    const here = `level ${part().levels[state.level]} of ${of.level_count}`;
+    level.setAttribute("aria-valuetext", here);
     level.setAttribute("aria-label", "Level");
-    levelName.textContent = `Level ${of.levels[state.level]} of ${of.level_count}, about ${Number(Number(p.middles[state.level]).toPrecision(2))} % of white`;
-    const origin = of.origins[columns.origin[index]];
+    const bright = Number(Number(part().middles[state.position][state.level]).toPrecision(2));
+    levelName.textContent = `Level ${part().levels[state.level]} of ${of.level_count}, about ${bright} % of white`;
+    const from = columns().origin[index];
     about.replaceChildren(
-      `${columns.count[index].toLocaleString("en")} patches in training. Kernels: `,
-      make("b", { class: columns.origin[index] === 0 ? "own" : "borrowed" }, columns.origin[index] === 0 ? origin : `fallback: ${origin}`), ".");
+      `${columns().count[index].toLocaleString("en")} patches in training. Kernels: `,
+      make("b", { class: from === 0 ? "own" : "borrowed" }, from === 0 ? of.origins[from] : `fallback: ${of.origins[from]}`), ".");
     const kernels = of.outputs.map((_, output) => kernel(index, output, p));
     drawings.replaceChildren(...kernels.map((k) => k.element));
     const rows = [];
@@ -94,18 +101,19 @@ function showKernels(place, of) {
     }
     rows.push(make("tr", {}, make("th", { scope: "row" }, "offset"), ...kernels.map((k) => make("td", { class: "number" }, shown(k.offset)))));
     numbers.replaceChildren(make("div", { class: "scrolls", tabindex: 0, role: "region", "aria-label": "Weights" },
-      make("table", {}, make("caption", {}, `Weights at ${named(p)}, ${middle}, ${of.textures[state.texture]}`),
+      make("table", {}, make("caption", {}, `Weights at ${named(p)}, ${here}, ${of.textures[state.texture]}`),
         make("thead", {}, make("tr", {}, make("th", { scope: "col" }, "Row, column"), ...kernels.map((k) => make("th", { scope: "col", class: "number" }, k.name)))),
         make("tbody", {}, ...rows))));
     showCounts(p);
   }
 
   function showCounts(p) {
-    const most = columns.count.reduce((a, b) => Math.max(a, b), 1);
+    const { levels } = part();
+    const most = columns().count.reduce((a, b) => Math.max(a, b), 1);
     const used = new Set();
     const cell = (l, t) => {
       const index = indexOf(state.position, l, t);
-      const [n, origin] = [columns.count[index], columns.origin[index]];
+      const [n, origin] = [columns().count[index], columns().origin[index]];
       if (origin > 0) used.add(origin);
       const here = l === state.level && t === state.texture;
       const bar = draw("svg", { class: "bar-of", viewBox: "0 0 100 4", preserveAspectRatio: "none", "aria-hidden": true },
@@ -113,7 +121,7 @@ function showKernels(place, of) {
       return make("td", { class: `number${origin > 0 ? " borrowed" : ""}${here ? " here" : ""}`, "aria-current": here ? "true" : null, click: () => set({ level: l, texture: t }) },
         counted(n), origin > 0 ? make("sup", { title: of.origins[origin] }, ORIGIN_MARKS[origin] ?? "?") : null, bar);
     };
-    const rows = of.levels.map((l, i) => make("tr", {}, make("th", { scope: "row" }, String(l)), ...of.textures.map((_, t) => cell(i, t))));
+    const rows = levels.map((l, i) => make("tr", {}, make("th", { scope: "row" }, String(l)), ...of.textures.map((_, t) => cell(i, t))));
     const scroll = counts.scrollTop;
     counts.replaceChildren(
       make("table", {}, make("caption", {}, `Patches of each class at ${named(p)}`),
@@ -122,8 +130,8 @@ function showKernels(place, of) {
       make("p", { class: "help" },
         used.size ? `Fallbacks: ${[...used].sort().map((o) => `${ORIGIN_MARKS[o]} ${of.origins[o]}`).join(", ")}. ` : "All kernels are learned. ",
         "A click shows a class.",
-        of.saturations > 1 ? ` Shown are classes in which nothing clips; there are ${of.saturations} combinations of clipped channels.` : "",
-        levels < of.level_count ? ` ${levels} of ${of.level_count} levels are on this page.` : ""));
+        state.clipped > 0 ? " Where channels clip, levels that training met are shown." : "",
+        levels.length < part().met ? ` ${levels.length} of ${part().met} levels are on this page.` : ""));
     counts.scrollTop = scroll;
   }
   show();

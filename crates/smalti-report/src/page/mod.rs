@@ -53,6 +53,7 @@ const SHELL: Piece = Piece { css: include_str!("shell.css"), js: include_str!("s
 /// What a page of many designs is made of, in this order.
 pub const SWEEP: &[Piece] = &[
     Piece { css: "", js: include_str!("data.js") },
+    Piece { css: "", js: include_str!("viridis.js") },
     Piece { css: "", js: include_str!("color.js") },
     Piece { css: "", js: include_str!("scale.js") },
     Piece { css: include_str!("scatter.css"), js: include_str!("scatter.js") },
@@ -65,6 +66,7 @@ pub const SWEEP: &[Piece] = &[
 /// What a page of pictures side by side is made of, in this order.
 pub const COMPARE: &[Piece] = &[
     Piece { css: "", js: include_str!("data.js") },
+    Piece { css: "", js: include_str!("viridis.js") },
     Piece { css: include_str!("kernels.css"), js: include_str!("kernels.js") },
     Piece { css: include_str!("compare.css"), js: include_str!("compare.js") },
 ];
