@@ -129,7 +129,8 @@ pub(crate) struct SweepArgs {
     smalti report out theory -o both                    filters by rule over the cloud of all filters\n  \
     smalti report out --json > out.json                 the same as one document\n  \
     smalti report out -o out.html                       the page alone\n  \
-    smalti report out --picture 4711,17                 with the pictures of these designs\n\n\
+    smalti report out --picture 4711,17                 with the pictures of these designs\n  \
+    smalti report out --camera 4711 > found.toml        a design as a camera for all other commands\n\n\
     ΔE is the mean of the ColorChecker (CIELAB 1976), MTF50 that of a slanted edge in cycles/mm on the sensor, noise that of the \
     luminance of grey patches in percent. The best design of a number of colours is the one of least ΔE among those \
     whose MTF50 is not below the median; where only mosaics differ, that of the largest MTF50.\n\n\
@@ -153,6 +154,9 @@ pub(crate) struct ReportArgs {
     /// more than once [default: the first 8]
     #[arg(long, value_name = "TEXT")]
     pub(crate) draw: Vec<String>,
+    /// Print the camera file of a design of the first DIR instead, by its number
+    #[arg(long, value_name = "DESIGN", conflicts_with_all = ["output", "json"])]
+    pub(crate) camera: Option<u64>,
     /// Print report.json instead of the tables
     #[arg(long)]
     pub(crate) json: bool,

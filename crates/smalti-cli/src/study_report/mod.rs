@@ -1,6 +1,7 @@
 //! `smalti report`: what a study found, as tables, one document and figures.
 
 mod answers;
+mod camera;
 mod document;
 mod figures;
 mod filters;
@@ -33,6 +34,9 @@ const DRAWN: usize = 8;
 const LARGE: usize = 1_000_000;
 
 pub(crate) fn run(args: &ReportArgs, common: &Common) -> anyhow::Result<()> {
+    if let (Some(number), Some(dir)) = (args.camera, args.results.first()) {
+        return crate::print(&camera::toml(dir, number)?);
+    }
     let alone =
         args.output.as_ref().filter(|o| o.extension().is_some_and(|e| e.eq_ignore_ascii_case("html")));
     let folder = match (&args.output, args.results.first()) {

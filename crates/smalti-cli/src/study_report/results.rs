@@ -245,7 +245,7 @@ fn value(key: &str, value: &ConditionValue) -> String {
 }
 
 /// The designs of the study in the manifest.
-fn designs(dataset: &Dataset) -> anyhow::Result<Designs> {
+pub(super) fn designs(dataset: &Dataset) -> anyhow::Result<Designs> {
     let plan = &dataset.manifest().plan;
     let study =
         Study::deserialize(&plan.study).context("manifest.json: `study` is not one of this version")?;

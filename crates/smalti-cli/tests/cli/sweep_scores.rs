@@ -69,20 +69,27 @@ fn a_sweep_gives_the_figures_of_evaluate() {
         let filters: String = letters.collect();
         let cfa = format!("[sensor.cfa]\npattern = {pattern:?}\n[sensor.cfa.filters]\n{filters}");
         place.write("camera.toml", format!("{before}{cfa}\n[exposure]{after}"));
-        let json = place.ok("evaluate camera.toml --luminance 75 --json");
-        let found: serde_json::Value = serde_json::from_str(&json).unwrap();
-        let found = &found["cameras"][0];
-        for (metric, swept) in metrics.iter().zip(&swept) {
-            let value = &found[*metric];
-            let expected = value["mean"].as_f64().or(value.as_f64()).unwrap();
-            let tolerance = if *metric == "luminance_noise_percent" { 1e-3 } else { 1e-4 };
-            assert!(
-                (swept[i] / expected - 1.0).abs() < tolerance,
-                "{metric} of set {i}: {}, evaluate {expected}",
-                swept[i]
-            );
+        // The design as a camera is the same, found by the command that stands above it.
+        let design = place.ok(&format!("report out --camera {i}"));
+        let command = design.lines().nth(1).and_then(|line| line.strip_prefix("# smalti ")).unwrap();
+        place.write(command.split(' ').nth(1).unwrap(), &design);
+        for command in ["evaluate camera.toml --luminance 75", command] {
+            let found: serde_json::Value =
+                serde_json::from_str(&place.ok(&format!("{command} --json"))).unwrap();
+            for (metric, swept) in metrics.iter().zip(&swept) {
+                let value = &found["cameras"][0][*metric];
+                let expected = value["mean"].as_f64().or(value.as_f64()).unwrap();
+                let tolerance = if *metric == "luminance_noise_percent" { 1e-3 } else { 1e-4 };
+                assert!(
+                    (swept[i] / expected - 1.0).abs() < tolerance,
+                    "{metric} of set {i}: {}, {command} {expected}",
+                    swept[i]
+                );
+            }
         }
     }
+    let refused = place.run(&["report", "out", "--camera", "99"]);
+    assert!(refused.code == 1 && refused.err.contains("designs 0 to"), "{}", refused.err);
 }
 
 const STUDY: &str = r#"

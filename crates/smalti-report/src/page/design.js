@@ -144,12 +144,15 @@ function picturesOf(designs, row, number) {
     const one = (picture, words, exact) => make("figure", { class: exact ? "exact" : "" }, pictureOf(picture, `${words}, design ${number}`), make("figcaption", {}, words));
     return [make("div", { class: "pictures" }, one(here.zone_plate, "Zone plate, pixel for pixel, without noise", true), one(here.scene, "Dead leaves, with all noise"))];
   }
-  const study = designs.data.studies[designs.data.sections[designs.section[row]].study];
   return [
     make("p", { class: "none" }, `No pictures of this design are in this page: it holds those of ${designs.pictures.size} (filter “with pictures”). This command makes a page with them:`),
-    make("div", { class: "copyable" }, make("pre", { tabindex: "0" }, `smalti report ${study.dir} --picture ${number} -o design-${number}.html`),
-      make("button", { type: "button", "data-copy": true }, "Copy command")),
+    commandOf(designs, row, `--picture ${number} -o design-${number}.html`),
   ];
+}
+function commandOf(designs, row, options) {
+  const study = designs.data.studies[designs.data.sections[designs.section[row]].study];
+  return make("div", { class: "copyable" }, make("pre", { tabindex: "0" }, `smalti report ${study.dir} ${options}`),
+    make("button", { type: "button", "data-copy": true }, "Copy command"));
 }
 
 function showDesign(designs, row, panel) {
@@ -166,6 +169,7 @@ function showDesign(designs, row, panel) {
       make("div", {}, make("h4", {}, "Filters"), filterTable(filters))),
     make("h4", {}, "Figures"), figuresOf(designs, row),
     make("h4", {}, "Pictures"), ...picturesOf(designs, row, number),
+    make("h4", {}, "As a camera for other commands"), commandOf(designs, row, `--camera ${number} > design-${number}.toml`),
   );
   if (filters.some((f) => !f.curve)) panel.append(make("p", { class: "none" }, "The spectra of some filters are not in this page: it would have become too large."));
 }

@@ -1,5 +1,7 @@
 //! A study: families of filters and mosaics before cameras, and the designs that it has, numbered.
 
+use std::collections::BTreeMap;
+
 use serde::{Deserialize, Serialize};
 
 use super::error::DesignError;
@@ -9,8 +11,9 @@ use super::mosaics::MosaicFamily;
 use super::permutation::Permutation;
 use super::scenes::StudyScene;
 use super::scores::Metric;
+use crate::camera::description::{CfaDescription, PatternDescription};
 use crate::camera::{CameraDescription, CameraError};
-use crate::sensor::{Cfa, Channel, Mosaic};
+use crate::sensor::{Cfa, Channel, Filter, Mosaic};
 use crate::spectrum::{Illuminant, Spectrum, SpectrumError, WavelengthGrid};
 
 /// Separates the choice of filters from other uses of the same seed.
@@ -141,12 +144,27 @@ impl Design {
     /// # Errors
     /// When a filter cannot be sampled on the grid.
     pub fn cfa(&self, grid: WavelengthGrid) -> Result<Cfa, CameraError> {
-        let channel = |(i, filter): (usize, &crate::sensor::Filter)| {
+        let channel = |(i, filter): (usize, &Filter)| {
             Ok(Channel { name: letter(i).to_string(), transmittance: filter.spectrum(grid)? })
         };
         let channels =
             self.filters.filters.iter().enumerate().map(channel).collect::<Result<_, CameraError>>()?;
         Ok(Cfa::new(self.filters.label.clone(), self.mosaic.clone(), channels)?)
+    }
+
+    /// A camera with the filters and the mosaic of this design in place of its own; channels are named as in [`Design::cfa`].
+    #[must_use]
+    pub fn camera(&self, fixed: &CameraDescription) -> CameraDescription {
+        let row = |cells: &[u8]| cells.iter().map(|&c| letter(usize::from(c))).collect();
+        let pattern = self.mosaic.cells().chunks(self.mosaic.cols().max(1)).map(row).collect();
+        let named = |(i, filter): (usize, &Filter)| (letter(i).to_string(), filter.clone());
+        let mut camera = fixed.clone();
+        camera.sensor.cfa = CfaDescription {
+            pattern: PatternDescription::Letters(pattern),
+            filters: self.filters.filters.iter().enumerate().map(named).collect(),
+            mixtures: BTreeMap::new(),
+        };
+        camera
     }
 
     /// The tile in letters, rows apart by `/`: `a` is the filter of the shortest wavelengths.
