@@ -113,6 +113,20 @@ pub(crate) fn columns() -> Option<usize> {
     size().map(|(columns, _)| columns)
 }
 
+/// How much higher than wide a character is; about two where the terminal does not say.
+pub(crate) fn cell_shape() -> f64 {
+    #[cfg(unix)]
+    if let Ok(size) = rustix::termios::tcgetwinsize(std::io::stdout()) {
+        let [across, down, columns, rows] =
+            [size.ws_xpixel, size.ws_ypixel, size.ws_col, size.ws_row].map(f64::from);
+        let shape = (down * columns) / (across * rows);
+        if (1.0..4.0).contains(&shape) {
+            return shape;
+        }
+    }
+    2.0
+}
+
 fn size() -> Option<(usize, usize)> {
     let (width, height) = terminal_size::terminal_size_of(std::io::stdout())?;
     // Some terminals, such as those of continuous integration, say 0.

@@ -5,17 +5,20 @@ use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 
 use super::picture::Pixels;
+use crate::terminal;
 
 /// Most characters of base64 in one command, as the protocol has it.
 const CHUNK: usize = 4096;
 
-/// A picture as PNG (`f=100`) to be shown at once (`a=T`), scaled to so many columns (`c`); the terminal is not to answer
-/// (`q=2`), since the shell would read it.
+/// A picture as PNG (`f=100`) to be shown at once (`a=T`), scaled to so many columns (`c`) and the rows (`r`) that keep its shape:
+/// versions before 0.27 do not find them alone. The terminal is not to answer (`q=2`), since the shell would read it.
 pub(super) fn encode(picture: &Pixels, columns: usize) -> anyhow::Result<String> {
+    let height = columns as f64 * picture.height as f64 / picture.width.max(1) as f64;
+    let rows = (height / terminal::cell_shape()).round().max(1.0);
     let text = STANDARD.encode(picture.png()?);
     let mut out = String::new();
     let mut rest = text.as_str();
-    let mut control = format!("a=T,f=100,c={columns},q=2,");
+    let mut control = format!("a=T,f=100,c={columns},r={rows},q=2,");
     while !rest.is_empty() {
         let (chunk, after) = rest.split_at_checked(CHUNK).unwrap_or((rest, ""));
         let more = u8::from(!after.is_empty());
