@@ -338,6 +338,65 @@ fn what_cannot_be_reported_is_refused() {
     assert!(refused(&["out"]).contains("manifest.json"));
 }
 
+/// JSON without spaces, the keys of every object in order of their bytes, as the hash of a plan has it.
+fn canonical(value: &Value) -> String {
+    match value {
+        Value::Object(map) => {
+            let sorted: std::collections::BTreeMap<_, _> = map.iter().collect();
+            let pairs: Vec<String> = sorted
+                .into_iter()
+                .map(|(k, v)| format!("{}:{}", Value::from(k.as_str()), canonical(v)))
+                .collect();
+            format!("{{{}}}", pairs.join(","))
+        }
+        Value::Array(items) => {
+            format!("[{}]", items.iter().map(canonical).collect::<Vec<_>>().join(","))
+        }
+        other => other.to_string(),
+    }
+}
+
+/// Results as another version would have left them, by the description of the format alone.
+fn made_by_another_version(place: &Place, version: &str) {
+    let mut manifest: Value = serde_json::from_slice(&place.read("out/manifest.json")).unwrap();
+    let old = manifest["plan_blake3"].as_str().unwrap().to_owned();
+    manifest["smalti"] = version.into();
+    let hashed = ["smalti", "revision", "designs", "chunk", "schema", "study"];
+    let plan: serde_json::Map<_, _> = hashed.iter().map(|k| ((*k).to_owned(), manifest[k].clone())).collect();
+    let new = blake3::hash(canonical(&Value::Object(plan)).as_bytes()).to_hex().to_string();
+    manifest["plan_blake3"] = new.as_str().into();
+    place.write("out/manifest.json", manifest.to_string());
+    let part = "out/designs/part-000000.parquet";
+    let mut bytes = place.read(part);
+    let find = |bytes: &[u8], what: &[u8]| bytes.windows(what.len()).rposition(|w| w == what).unwrap();
+    let at = find(&bytes, old.as_bytes());
+    bytes[at..at + 64].copy_from_slice(new.as_bytes());
+    // Behind the key: the length of the value as Thrift has it, then the value.
+    let key = b"smalti.blake3";
+    let at = find(&bytes, key) + key.len();
+    let at = at + bytes[at..].windows(64).position(|w| w.iter().all(u8::is_ascii_hexdigit)).unwrap();
+    bytes[at..at + 64].fill(b'0');
+    let seal = blake3::hash(&bytes).to_hex().to_string();
+    bytes[at..at + 64].copy_from_slice(seal.as_bytes());
+    place.write(part, bytes);
+}
+
+#[test]
+fn results_of_another_version_are_shown_and_not_continued() {
+    let place = swept();
+    place.ok("report out --json -o ours");
+    made_by_another_version(&place, "0.0.9");
+    let theirs = place.ok("report out --json -o theirs");
+    let page = String::from_utf8(place.read("theirs/report.html")).unwrap();
+    assert!(page.contains("the figures are those of Smalti 0.0.9"), "{theirs}");
+    // The figures are those that stand in the files.
+    let [ours, theirs]: [Value; 2] =
+        ["ours/report.json", "theirs/report.json"].map(|f| serde_json::from_slice(&place.read(f)).unwrap());
+    assert_eq!(ours["sections"], theirs["sections"]);
+    let refused = place.run(&["sweep", "tiny.toml", "-o", "out"]);
+    assert!(refused.code == 1 && refused.err.contains("0.0.9"), "{}", refused.err);
+}
+
 #[test]
 fn incomplete_results_are_reported_as_such() {
     let place = Place::new();
