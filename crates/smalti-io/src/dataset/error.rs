@@ -99,7 +99,7 @@ pub enum DatasetError {
         problem: PartProblem,
     },
     /// A chunk that is not there or belongs to another shard.
-    #[error("chunk {chunk} is not one of this run: there are {chunks}, shard {shard}", shard = shard.map_or_else(|| "none".to_owned(), |s| s.to_string()))]
+    #[error("part {chunk} is not one of this run: there are {chunks}, shard {shard}", shard = shard.map_or_else(|| "none".to_owned(), |s| s.to_string()))]
     NotOwn {
         /// The chunk.
         chunk: u64,
@@ -109,7 +109,7 @@ pub enum DatasetError {
         shard: Option<Shard>,
     },
     /// Columns to be written are not those of the plan.
-    #[error("chunk {chunk}: {what} is {found}; expected {expected}")]
+    #[error("part {chunk}: {what} is {found}; expected {expected}")]
     Columns {
         /// The chunk.
         chunk: u64,
@@ -121,7 +121,7 @@ pub enum DatasetError {
         expected: String,
     },
     /// The Parquet library refuses to encode.
-    #[error("chunk {chunk} cannot be encoded: {message}")]
+    #[error("part {chunk} cannot be encoded: {message}")]
     Encode {
         /// The chunk.
         chunk: u64,
@@ -143,7 +143,7 @@ pub enum DatasetError {
     NothingToMerge,
     /// Shards that do not make a whole.
     #[error(
-        "{missing} of {chunks} chunks are in none of the folders, the first of them {first}; finish their shards first"
+        "{missing} of {chunks} parts are in none of the folders, the first of them {first}; finish their shards first"
     )]
     Incomplete {
         /// Chunks that are missing.

@@ -62,8 +62,8 @@ impl Plan {
             return error("the number of designs in a chunk", self.chunk, format!("1 to {MAX_CHUNK}"));
         }
         if self.chunks() > MAX_PARTS {
-            let expected = format!("at most {MAX_PARTS}; choose larger chunks");
-            return error("the number of chunks", self.chunks(), expected);
+            let expected = format!("at most {MAX_PARTS}; choose larger parts");
+            return error("the number of parts", self.chunks(), expected);
         }
         schema::check(&self.schema)
     }

@@ -197,9 +197,9 @@ fn plans_and_chunks_that_cannot_be_are_refused() {
         (plan(1, 0), "the number of designs in a chunk is 0; expected 1 to 1048576"),
         (
             plan(1_000_001, 1),
-            "the number of chunks is 1000001; expected at most 1000000; choose larger chunks",
+            "the number of parts is 1000001; expected at most 1000000; choose larger parts",
         ),
-        (plan(u64::MAX, 1 << 20), "the number of chunks is 17592186044416; expected at most 1000000"),
+        (plan(u64::MAX, 1 << 20), "the number of parts is 17592186044416; expected at most 1000000"),
         (nameless, "the list of columns is empty; expected at least one"),
     ] {
         let error = Run::open(&dir, &plan, None).unwrap_err().to_string();
