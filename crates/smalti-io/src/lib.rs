@@ -3,6 +3,7 @@
 //! | module | formats | to and from |
 //! |---|---|---|
 //! | [`spectrum_csv`] | CSV | [`smalti::spectrum::Spectrum`] |
+//! | [`envi`] | ENVI header and samples | [`SpectralFile`] |
 //! | [`exr`] | spectral OpenEXR (PBRT and Fichet et al. 2021 layouts) | [`SpectralFile`], [`smalti::scene::Scene`] |
 //! | [`picture`] | PNG, TIFF, JPEG, OpenEXR RGB in; PNG, TIFF out | [`smalti::color::Image`] |
 //! | [`dng`] | DNG (uncompressed) | [`smalti::sensor::RawImage`] |
@@ -28,6 +29,7 @@ pub mod dataset;
 mod diagnostic;
 pub mod dng;
 mod error;
+pub mod envi;
 pub mod exr;
 mod file;
 mod icc;
@@ -41,6 +43,7 @@ pub mod spectrum_csv;
 pub mod stages;
 pub mod studies;
 pub mod text;
+mod raster;
 mod tiff_tags;
 mod toml_source;
 mod wavelengths;

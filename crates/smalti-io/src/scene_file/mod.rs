@@ -1,8 +1,11 @@
 //! Scenes from files of any format that holds one.
 
+pub(crate) mod blocks;
 pub(crate) mod facts;
 mod into_scene;
 mod spectral;
+pub(crate) mod stated;
+pub(crate) mod tiles;
 
 use std::path::Path;
 
@@ -11,10 +14,11 @@ use smalti::color::jakob_hanika2019::Uplift;
 use smalti::scene::{Scene, Setting};
 use smalti::spectrum::{Illuminant, Observer};
 
-use crate::{IoError, exr, picture};
+use crate::{IoError, envi, exr, picture};
 
 pub use into_scene::SceneDefaults;
 pub use spectral::{Quantity, ReadOptions, SpectralFile};
+pub use tiles::{Crop, Cropped, Header, Tiles, Whole, load};
 
 /// A format of spectral images, told by the end of the file's name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -22,6 +26,8 @@ pub use spectral::{Quantity, ReadOptions, SpectralFile};
 pub enum Format {
     /// Spectral OpenEXR.
     Exr,
+    /// ENVI: header and samples.
+    Envi,
 }
 
 impl Format {
@@ -30,6 +36,7 @@ impl Format {
     pub fn of(path: &Path) -> Option<Self> {
         Some(match extension(path)?.as_str() {
             "exr" => Self::Exr,
+            "hdr" | "img" | "dat" | "raw" | "bsq" | "bil" | "bip" => Self::Envi,
             _ => return None,
         })
     }
@@ -57,6 +64,7 @@ fn extension(path: &Path) -> Option<String> {
 pub fn read_spectral(path: &Path, options: &ReadOptions) -> Result<Option<SpectralFile>, IoError> {
     match Format::of(path) {
         Some(Format::Exr) if exr::is_spectral(path, options)? => exr::read(path, options).map(Some),
+        Some(Format::Envi) => envi::read(path, options).map(Some),
         _ => Ok(None),
     }
 }
