@@ -24,7 +24,9 @@ impl<'a> Fields<'a> {
         }
         let mut fields = BTreeMap::new();
         while let Some((number, line)) = lines.next() {
-            let Some((key, value)) = line.split_once('=').filter(|_| !line.starts_with(';')) else { continue };
+            let Some((key, value)) = line.split_once('=').filter(|_| !line.starts_with(';')) else {
+                continue;
+            };
             let key = key.split_whitespace().collect::<Vec<_>>().join(" ").to_lowercase();
             let mut value = value.trim().to_owned();
             if value.starts_with('{') {

@@ -94,7 +94,8 @@ fn files(path: &Path) -> Result<(PathBuf, PathBuf), IoError> {
     match found.as_slice() {
         [data] => Ok((path.to_owned(), data.clone())),
         [] => {
-            let expected = format!("a file {} or one that ends in .img, .dat, .raw, .bsq, .bil or .bip", stem.display());
+            let expected =
+                format!("a file {} or one that ends in .img, .dat, .raw, .bsq, .bil or .bip", stem.display());
             Err(IoError::field(path, "the file of samples", "absent", expected))
         }
         several => {
@@ -164,7 +165,16 @@ fn described<'a>(
     };
     let ignore = fields.number("data ignore value")?.map(|v| v as f32);
     let negative = negative(options);
-    Ok(RasterFile { path: path.to_owned(), source, raster, bands: bands.order, gains, ignore, negative, header })
+    Ok(RasterFile {
+        path: path.to_owned(),
+        source,
+        raster,
+        bands: bands.order,
+        gains,
+        ignore,
+        negative,
+        header,
+    })
 }
 
 /// The bands that are good, by their wavelengths.
@@ -187,7 +197,8 @@ fn bands(
             None if unit.eq_ignore_ascii_case("unknown") => {
                 if let Some(v) = values.iter().find(|v| !SURELY_NM.contains(v)) {
                     let found = format!("of an unknown unit, and {v} among them");
-                    let expected = "'wavelength units' of Nanometers or Micrometers, or values of 200 to 20000 (nm)";
+                    let expected =
+                        "'wavelength units' of Nanometers or Micrometers, or values of 200 to 20000 (nm)";
                     return Err(IoError::field(path, "wavelength", found, expected));
                 }
                 1.0

@@ -1,14 +1,13 @@
 //! Writing ENVI.
 
 use std::fmt::Write as _;
-use std::io::{Seek, SeekFrom, Write};
+use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use super::read::{DATA_EXTENSIONS, header_beside};
-use crate::raster::Axis;
+use crate::scene_file::blocks::{by_line, by_pixel, row_blocks, write_planes};
 use crate::scene_file::facts::Facts;
 use crate::scene_file::tiles::{Header, Tiles};
-use crate::scene_file::blocks::{row_blocks, samples};
 use crate::text::ascii_json;
 use crate::{IoError, Quantity, write};
 
@@ -34,14 +33,6 @@ impl Interleave {
             Self::Bip => "bip",
         }
     }
-
-    fn order(self) -> [Axis; 3] {
-        match self {
-            Self::Bsq => [Axis::Band, Axis::Row, Axis::Col],
-            Self::Bil => [Axis::Row, Axis::Band, Axis::Col],
-            Self::Bip => [Axis::Row, Axis::Col, Axis::Band],
-        }
-    }
 }
 
 /// Writes 32-bit samples, little-endian, and their header. `path` is either: beside `NAME.hdr` the samples are `NAME.img`; beside
@@ -57,20 +48,14 @@ pub fn write(path: &Path, image: &dyn Tiles, interleave: Interleave) -> Result<(
     let header = image.header();
     write::atomic(&data_path, |out| {
         let io = |source| IoError::Write { path: data_path.clone(), source };
+        let lines = match interleave {
+            Interleave::Bsq => return write_planes(out, 0, image, &data_path, |_, _| {}),
+            Interleave::Bil => by_line,
+            Interleave::Bip => by_pixel,
+        };
         for block in row_blocks(header) {
-            let planes = image.read(block)?;
-            match interleave {
-                // Each band has its place, far from the last.
-                Interleave::Bsq => {
-                    let plane_bytes = header.rows as u64 * header.cols as u64 * 4;
-                    for (i, plane) in planes.planes().enumerate() {
-                        let at = i as u64 * plane_bytes + block.row as u64 * header.cols as u64 * 4;
-                        out.seek(SeekFrom::Start(at)).map_err(io)?;
-                        out.write_all(bytemuck::cast_slice(&little_endian(plane))).map_err(io)?;
-                    }
-                }
-                _ => out.write_all(&samples(&planes, interleave.order())).map_err(io)?,
-            }
+            let samples = lines(&image.read(block)?);
+            out.write_all(bytemuck::cast_slice(&samples)).map_err(io)?;
         }
         Ok(())
     })?;
@@ -89,14 +74,6 @@ fn names(path: &Path) -> (PathBuf, PathBuf) {
     }
     let header = header_beside(path).unwrap_or_else(|| path.with_extension("hdr"));
     (header, path.to_owned())
-}
-
-/// Samples are written as they lie in memory.
-fn little_endian(plane: &[f32]) -> std::borrow::Cow<'_, [f32]> {
-    if cfg!(target_endian = "little") {
-        return plane.into();
-    }
-    plane.iter().map(|v| f32::from_bits(v.to_bits().to_le())).collect()
 }
 
 fn text(header: &Header, interleave: Interleave) -> String {

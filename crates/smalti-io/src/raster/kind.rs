@@ -167,6 +167,8 @@ mod tests {
         ] {
             assert_eq!(half(bits), value, "{bits:x}");
         }
-        assert!(half(0x7c01).is_nan() && half(0xfc00) == f32::NEG_INFINITY && half(0x8000).to_bits() == 1 << 31);
+        assert!(
+            half(0x7c01).is_nan() && half(0xfc00) == f32::NEG_INFINITY && half(0x8000).to_bits() == 1 << 31
+        );
     }
 }

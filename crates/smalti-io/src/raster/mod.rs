@@ -100,7 +100,12 @@ impl Raster {
             let first = part.rows.start + unit.first_row;
             let rows = first..first + unit.rows;
             let target = Target { bands: &mut unit.planes, width: cols, col: 0 };
-            self.read_into(source, &Part { bands, rows: rows.clone(), cols: part.cols.clone() }, target, buffer)?;
+            self.read_into(
+                source,
+                &Part { bands, rows: rows.clone(), cols: part.cols.clone() },
+                target,
+                buffer,
+            )?;
             for (band, plane) in bands.iter().zip(&mut unit.planes) {
                 values.check(*band, plane, (first, part.cols.start, cols)).map_err(Bad::Sample)?;
             }
@@ -123,7 +128,8 @@ impl Raster {
         if self.order[0] == Axis::Band {
             // Each band by itself: those that are not wanted are not read.
             for (band, plane) in part.bands.iter().zip(target.bands) {
-                let of_band = Target { bands: std::slice::from_mut(plane), width: target.width, col: target.col };
+                let of_band =
+                    Target { bands: std::slice::from_mut(plane), width: target.width, col: target.col };
                 self.read_block(source, *band..band + 1, (&[0], part), of_band, buffer)?;
             }
             return Ok(());
@@ -188,7 +194,13 @@ pub(crate) struct Unit<'a> {
 }
 
 /// Planes of `rows` × `cols` by groups of rows: of all bands, or each band by itself.
-pub(crate) fn split(data: &mut [f32], rows: usize, cols: usize, group: usize, by_band: bool) -> Vec<Unit<'_>> {
+pub(crate) fn split(
+    data: &mut [f32],
+    rows: usize,
+    cols: usize,
+    group: usize,
+    by_band: bool,
+) -> Vec<Unit<'_>> {
     let (group, plane) = (group.max(1), rows * cols);
     let mut units: Vec<Unit<'_>> = Vec::new();
     let groups = rows.div_ceil(group);

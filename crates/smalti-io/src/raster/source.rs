@@ -27,6 +27,16 @@ impl Source for &[u8] {
     }
 }
 
+impl Source for Vec<u8> {
+    fn len(&self) -> u64 {
+        Self::len(self) as u64
+    }
+
+    fn read_at(&self, offset: u64, out: &mut [u8]) -> io::Result<()> {
+        self.as_slice().read_at(offset, out)
+    }
+}
+
 /// An open file.
 #[derive(Debug)]
 pub(crate) struct FileSource {

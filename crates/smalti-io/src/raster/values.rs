@@ -23,7 +23,8 @@ pub(crate) struct Values<'a> {
     pub(crate) negative: Negative,
 }
 
-const MEASURED: &str = "a measured value, not the one that says there is none (cut it out, or let it be taken as 0)";
+const MEASURED: &str =
+    "a measured value, not the one that says there is none (cut it out, or let it be taken as 0)";
 
 impl Values<'_> {
     /// Scales and checks a part of a band, whose rows of `cols` samples begin at a row and column of the file.

@@ -1,5 +1,6 @@
 //! Spectral images that are read by parts, so that they need not fit into memory.
 
+use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
@@ -57,7 +58,12 @@ impl Crop {
         }
         let Self { row, col, rows: high, cols: wide } = self;
         let found = format!("{high} rows from {row} and {wide} columns from {col}");
-        Err(IoError::field(path, "the part to read", found, format!("a part of {rows} rows and {cols} columns")))
+        Err(IoError::field(
+            path,
+            "the part to read",
+            found,
+            format!("a part of {rows} rows and {cols} columns"),
+        ))
     }
 
     /// The horizontal field of view of the part, taken as if it were in the middle: tan(φ′/2) = tan(φ/2) · cols′/cols.
@@ -138,14 +144,22 @@ pub trait Tiles: Send + Sync {
 /// A file in memory.
 pub struct Whole<'a> {
     header: Header,
-    cube: &'a SpectralCube,
+    cube: Cow<'a, SpectralCube>,
 }
 
 impl<'a> Whole<'a> {
     /// The file as one that is read by parts.
     #[must_use]
     pub fn new(file: &'a SpectralFile) -> Self {
-        Self { header: Header::of(file), cube: &file.cube }
+        Self { header: Header::of(file), cube: Cow::Borrowed(&file.cube) }
+    }
+}
+
+impl Whole<'static> {
+    /// As [`Self::new`], which keeps the file.
+    #[must_use]
+    pub fn of(file: SpectralFile) -> Self {
+        Self { header: Header::of(&file), cube: Cow::Owned(file.cube) }
     }
 }
 
@@ -156,7 +170,8 @@ impl Tiles for Whole<'_> {
 
     fn read(&self, part: Crop) -> Result<Planes, IoError> {
         let path = Path::new(&self.header.name);
-        cropped(self.cube.planes(), part.within(self.header.rows, self.header.cols, path)?, path)
+        let part = part.within(self.header.rows, self.header.cols, path)?;
+        cropped(self.cube.planes(), part, path)
     }
 }
 
@@ -321,8 +336,11 @@ impl Tiles for RasterFile<'_> {
 
     fn read(&self, part: Crop) -> Result<Planes, IoError> {
         let part = part.within(self.header.rows, self.header.cols, &self.path)?;
-        let wanted =
-            Part { bands: &self.bands, rows: part.row..part.row + part.rows, cols: part.col..part.col + part.cols };
+        let wanted = Part {
+            bands: &self.bands,
+            rows: part.row..part.row + part.rows,
+            cols: part.col..part.col + part.cols,
+        };
         let values = Values { gains: &self.gains, ignore: self.ignore, negative: self.negative };
         let data = self
             .raster
