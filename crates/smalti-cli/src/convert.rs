@@ -76,20 +76,18 @@ pub(crate) fn run(args: &Convert, common: &Common) -> anyhow::Result<()> {
     progress.begin("converting");
     let path = &args.output;
     let spectral = write_options(args)?;
-    let notes = match (as_it_is(args)?, spectral) {
+    let file = as_it_is(args)?;
+    // What is lost of a file is told; a built-in scene is there still.
+    let tell = file.is_some();
+    let notes = match (file, spectral) {
         (Some(file), Some(options)) => write_spectral(args, file, &options)?,
-        (_, spectral) => {
-            let scene = scene(args)?;
-            match spectral {
-                Some(options) => {
-                    let file = SpectralFile::of_scene(&scene);
-                    scene_file::write(path, &Whole::new(&file), &options)?
-                }
-                None => write_picture(path, &scene)?,
-            }
+        (_, Some(options)) => {
+            let file = SpectralFile::of_scene(&scene(args)?);
+            scene_file::write(path, &Whole::new(&file), &options)?
         }
+        (_, None) => write_picture(path, &scene(args)?)?,
     };
-    notes.iter().for_each(|note| progress.note(note));
+    notes.iter().filter(|_| tell).for_each(|note| progress.note(note));
     progress.finish();
     crate::print(&format!("{}\n", path.display()))
 }

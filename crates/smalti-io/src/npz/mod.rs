@@ -4,7 +4,7 @@ mod array;
 mod read;
 mod write;
 mod zip;
-mod zip_write;
+pub(crate) mod zip_write;
 
 pub use read::{from_bytes, open, read};
 pub use write::{write, write_npy};

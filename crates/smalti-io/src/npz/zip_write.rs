@@ -20,6 +20,14 @@ fn narrow(v: u64) -> u32 {
 }
 
 impl Stored {
+    /// A file of these pieces, whose header stands at `at`.
+    pub(crate) fn of(name: &str, pieces: &[&[u8]], at: u64) -> Self {
+        let mut crc = crc32fast::Hasher::new();
+        pieces.iter().for_each(|p| crc.update(p));
+        let size = pieces.iter().map(|p| p.len() as u64).sum();
+        Self { name: name.to_owned(), crc: crc.finalize(), size, at }
+    }
+
     fn wide(&self) -> bool {
         self.size >= u64::from(u32::MAX)
     }
