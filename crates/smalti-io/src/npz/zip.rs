@@ -77,7 +77,7 @@ impl<'a> Archive<'a> {
         let tail = part(source, len - tail_len, tail_len as usize).map_err(io)?;
         let expected = "a ZIP archive of NumPy arrays";
         let not_zip = || IoError::UnknownFormat { path: path.to_owned(), expected };
-        let end = tail.windows(END.len()).rposition(|w| w == END).ok_or_else(not_zip)?;
+        let end = tail.windows(END_LEN).rposition(|w| w.starts_with(END)).ok_or_else(not_zip)?;
         let (size, at) = list_place(source, &tail, end).ok_or_else(|| wrong(path, "its end is cut short"))?;
         if at.checked_add(size).is_none_or(|end| end > len) || size > LIST_LIMIT {
             return Err(wrong(path, format!("its list of {size} bytes at {at} is not within the file")));

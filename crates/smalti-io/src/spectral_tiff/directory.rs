@@ -10,6 +10,8 @@ use crate::raster::{Source, part};
 const MOST_PAGES: usize = 8192;
 /// Fields of all directories together, bytes, of a file that is not longer.
 const FIELDS_LIMIT: u64 = 16 << 20;
+/// Fields of TIFF itself have smaller numbers.
+const FIRST_PRIVATE: u16 = 32768;
 
 /// A field whose content is in memory.
 #[derive(Debug, Clone)]
@@ -55,7 +57,8 @@ impl Reader<'_> {
         if self.big_endian { bytes.iter().fold(0, join) } else { bytes.iter().rev().fold(0, join) }
     }
 
-    /// The fields of a directory, and where the next one stands. What is of no known type or beyond the end is left out.
+    /// The fields of a directory, and where the next one stands. What is of no known type is left out, and what other programs put
+    /// beyond the end.
     fn directory(&mut self, at: u64) -> Option<(Directory, u64)> {
         let (count_len, entry_len, place_len) = if self.wide { (8, 20, 8) } else { (2, 12, 4) };
         let count = self.part(at, count_len)?;
@@ -75,8 +78,11 @@ impl Reader<'_> {
             } else {
                 self.part(self.number(content), len)
             };
-            if let Some(bytes) = content {
-                fields.insert(tag, Field { kind, bytes });
+            match content {
+                Some(bytes) => drop(fields.insert(tag, Field { kind, bytes })),
+                // Without its own fields an image would be read as another.
+                None if tag < FIRST_PRIVATE => return None,
+                None => {}
             }
         }
         Some((Directory { big_endian: self.big_endian, fields }, self.number(next)))
