@@ -14,6 +14,7 @@ use smalti::spectrum::{SpectralCube, WavelengthGrid};
 
 use crate::error::At;
 use crate::file::{self, guarded};
+use crate::raster::zeros;
 use crate::scene_file::stated::{Bands, wavelength_in};
 use crate::scene_file::tiles::{Crop, cropped, resampled};
 use crate::wavelengths::places;
@@ -163,6 +164,7 @@ fn assembled(
         .collect();
     let mut size = None;
     let mut data = Vec::new();
+    let mut filled = 0;
     for (plane, name) in decoded.into_iter().zip(&ordered) {
         let plane = plane?;
         let (rows, cols) = *size.get_or_insert((plane.rows(), plane.cols()));
@@ -175,7 +177,12 @@ fn assembled(
                 format!("{rows} × {cols}, as the first band"),
             ));
         }
-        data.extend_from_slice(plane.data());
+        if data.is_empty() {
+            data = zeros(plane.data().len() * ordered.len());
+        }
+        let rest = data.get_mut(filled..).unwrap_or_default();
+        rest.iter_mut().zip(plane.data()).for_each(|(to, v)| *to = *v);
+        filled += plane.data().len();
     }
     let (rows, cols) = size.unwrap_or((0, 0));
     let planes = Planes::new(rows, cols, ordered.len(), data).at(path)?;

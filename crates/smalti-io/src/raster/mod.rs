@@ -4,6 +4,7 @@
 //! units of about a mebibyte, each read, transposed and checked by one thread while it is in the cache.
 
 mod kind;
+mod memory;
 mod source;
 mod values;
 
@@ -13,6 +14,7 @@ use std::ops::Range;
 use rayon::prelude::*;
 
 pub(crate) use kind::{Kind, Strides, Target, gather};
+pub(crate) use memory::zeros;
 pub(crate) use source::{FileSource, Source, part};
 pub(crate) use values::{BadSample, Values};
 
@@ -89,7 +91,7 @@ impl Raster {
         values: &Values<'_>,
     ) -> Result<Vec<f32>, Bad> {
         let (rows, cols) = (part.rows.len(), part.cols.len());
-        let mut data = vec![0f32; part.bands.len() * rows * cols];
+        let mut data = zeros(part.bands.len() * rows * cols);
         let row_bytes = (self.bands * cols * self.kind.size()).max(1);
         // Where rows run fastest, a few of them would be read in small pieces: bands are shared out instead.
         let fastest_is_row = self.order[2] == Axis::Row;

@@ -23,7 +23,7 @@ pub(crate) struct Values<'a> {
     pub(crate) negative: Negative,
 }
 
-const MEASURED: &str =
+pub(super) const MEASURED: &str =
     "a measured value, not the one that says there is none (cut it out, or let it be taken as 0)";
 
 impl Values<'_> {

@@ -12,7 +12,7 @@ use super::directory::{Directory, directories};
 use super::page::Page;
 use crate::error::At;
 use crate::file::{Negative, stem};
-use crate::raster::{Bad, FileSource, Part, Source, Values};
+use crate::raster::{Bad, FileSource, Part, Source, Values, zeros};
 use crate::scene_file::facts::{Comment, Facts};
 use crate::scene_file::stated::{Bands, quantity_in, wavelength_in};
 use crate::scene_file::tiles::{Crop, Header, Tiles, bad_to_error, load, negative};
@@ -256,6 +256,9 @@ fn refuse_hidden(first: &Directory, count: usize, path: &Path) -> Result<(), IoE
     }
 }
 
+/// Band of the file, sample, and what is left of its plane to read.
+type Band<'a> = (usize, usize, &'a mut [f32]);
+
 /// Rows of planes that come from the same strips or tiles.
 struct Work<'a> {
     page: usize,
@@ -268,7 +271,7 @@ struct Work<'a> {
 impl SpectralTiff<'_> {
     /// What is to be done, in pieces that are independent.
     fn work<'d>(&self, data: &'d mut [f32], part: Crop) -> Vec<Work<'d>> {
-        let mut stacks: BTreeMap<(usize, usize), Vec<(usize, usize, &'d mut [f32])>> = BTreeMap::new();
+        let mut stacks: BTreeMap<(usize, usize), Vec<Band<'d>>> = BTreeMap::new();
         for (band, plane) in self.order.iter().zip(data.chunks_mut((part.rows * part.cols).max(1))) {
             let (page, sample) = self.places.get(*band).copied().unwrap_or_default();
             let alone = self.pages.get(page).is_some_and(|p| p.planar);
@@ -304,7 +307,7 @@ impl Tiles for SpectralTiff<'_> {
 
     fn read(&self, part: Crop) -> Result<Planes, IoError> {
         let part = part.within(self.header.rows, self.header.cols, &self.path)?;
-        let mut data = vec![0f32; self.order.len() * part.rows * part.cols];
+        let mut data = zeros(self.order.len() * part.rows * part.cols);
         let values = Values { gains: &self.gains, ignore: None, negative: self.negative };
         let cols = part.col..part.col + part.cols;
         let read = |buffer: &mut Vec<u8>, work: &mut Work<'_>| {
