@@ -10,10 +10,12 @@ use smalti::numeric::Planes;
 use smalti::sensor::{Mosaic, RawImage, RawSamples, Sampling, SignalNoise};
 use smalti::spectrum::{SpectralCube, Spectrum, WavelengthGrid};
 use smalti_io::dataset::{Column, Run};
-use smalti_io::exr::Layout;
-use smalti_io::{Quantity, SpectralFile};
+use smalti_io::envi::Interleave;
 use smalti_io::picture::Depth;
-use smalti_io::{dng, exr, l3, npy, picture, spectrum_csv};
+use smalti_io::scene_file::Whole;
+use smalti_io::spectral_tiff::{Layout, WriteOptions};
+use smalti_io::{Quantity, SpectralFile};
+use smalti_io::{dng, envi, exr, l3, npy, npz, picture, spectral_tiff, spectrum_csv};
 
 mod plan;
 
@@ -35,9 +37,9 @@ fn main() -> Result<(), Box<dyn Error>> {
     let dir = folder("exr")?;
     let cube = SpectralCube::new(grid, Planes::new(3, 4, 7, ramp(84))?)?;
     for (quantity, layout) in [
-        (Quantity::Photons, Layout::Fichet2021),
-        (Quantity::Energy, Layout::Pbrt),
-        (Quantity::Reflectance, Layout::Fichet2021),
+        (Quantity::Photons, exr::Layout::Fichet2021),
+        (Quantity::Energy, exr::Layout::Pbrt),
+        (Quantity::Reflectance, exr::Layout::Fichet2021),
     ] {
         let file = SpectralFile {
             name: "seed".into(),
@@ -49,6 +51,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         };
         exr::write(&dir.join(format!("{quantity:?}.exr")), &file, layout)?;
     }
+
+    seeds_of_cubes(&folder)?;
 
     let dir = folder("picture")?;
     for space in [ColorSpace::Srgb, ColorSpace::DisplayP3] {
@@ -84,6 +88,67 @@ fn main() -> Result<(), Box<dyn Error>> {
         ["zone-plate?frequency=0.25&size=64", "D:5600", "blackbody:3000", "random?channels=4&rows=8&cols=8"]
     {
         fs::write(dir.join(name.replace(['?', ':'], "_")), name)?;
+    }
+    Ok(())
+}
+
+/// Cubes of three bands, so that most of what the fuzzer changes is structure.
+fn seeds_of_cubes(
+    folder: &dyn Fn(&str) -> Result<PathBuf, std::io::Error>,
+) -> Result<(), Box<dyn Error>> {
+    let grid = WavelengthGrid::new(400.0, 50.0, 3)?;
+    let data = (0..36).map(|i| i as f32 / 36.0).collect();
+    let file = SpectralFile {
+        name: "seed".into(),
+        cube: SpectralCube::new(grid, Planes::new(3, 4, 3, data)?)?,
+        quantity: Quantity::Reflectance,
+        illuminant: Some(Spectrum::constant(grid, 0.5)),
+        distance_m: Some(1.0),
+        horizontal_fov_deg: Some(10.0),
+    };
+    let image = Whole::new(&file);
+
+    let dir = folder("envi")?;
+    for interleave in [Interleave::Bsq, Interleave::Bil, Interleave::Bip] {
+        let header = dir.join("seed.hdr");
+        envi::write(&header, &image, interleave)?;
+        let both = [fs::read(&header)?, vec![0], fs::read(dir.join("seed.img"))?].concat();
+        fs::write(dir.join(interleave.name()), both)?;
+        fs::remove_file(header)?;
+        fs::remove_file(dir.join("seed.img"))?;
+    }
+    let full = "ENVI\nsamples = 2\nlines = 2\nbands = 3\nheader offset = 1\ndata type = 2\ninterleave = bip\nbyte order = 1\n\
+        bbl = {1, 1, 0}\ndata ignore value = 7\ndata gain values = {1, 2, 3}\nwavelength units = Micrometers\n\
+        wavelength = {0.4,\n 0.5, 0.6}\nreflectance scale factor = 100\n";
+    fs::write(dir.join("full"), [full.as_bytes(), &[0; 26]].concat())?;
+
+    let dir = folder("npz")?;
+    npz::write(&dir.join("cube.npz"), &image)?;
+    npz::write_npy(&dir.join("cube.npy"), &image)?;
+
+    let dir = folder("spectral_tiff")?;
+    for (layout, name) in [(Layout::Pages, "pages"), (Layout::Samples, "samples")] {
+        for deflate in [false, true] {
+            let options = WriteOptions { layout, deflate };
+            spectral_tiff::write(&dir.join(format!("{name}{}.tif", u8::from(deflate))), &image, options)?;
+        }
+    }
+
+    let dir = folder("bands")?;
+    for (name, names) in [("numbers", ["a_1.png", "a_2.png", "a_3.png"]), ("nm", ["400nm.png", "450nm.png", "9.png"])] {
+        let mut out = Vec::new();
+        for (i, name) in names.iter().enumerate() {
+            let mut png = Vec::new();
+            let mut encoder = png::Encoder::new(&mut png, 4, 3);
+            encoder.set_color([png::ColorType::Grayscale, png::ColorType::Rgba, png::ColorType::Grayscale][i]);
+            encoder.set_depth([png::BitDepth::Sixteen, png::BitDepth::Eight, png::BitDepth::Eight][i]);
+            encoder.write_header()?.write_image_data(&vec![9; [24, 48, 12][i]])?;
+            out.push(name.len() as u8);
+            out.extend(name.bytes());
+            out.extend((png.len() as u16).to_le_bytes());
+            out.extend(png);
+        }
+        fs::write(dir.join(name), out)?;
     }
     Ok(())
 }

@@ -16,8 +16,19 @@ use crate::resolve::has_extension;
 
 /// The variable by which a shell's script asks.
 const VARIABLE: &str = "SMALTI_COMPLETE";
-/// Files of scenes, as [`smalti_io::scene_file`] reads them.
-const SCENES: &[&str] = &["exr", "png", "tif", "tiff", "jpg", "jpeg"];
+/// Files of scenes.
+const SCENES: &[&str] = &smalti_io::scene_file::EXTENSIONS;
+/// What `show` draws.
+const SHOWN: &[&str] = &{
+    let mut all = ["toml"; SCENES.len() + 2];
+    all[1] = "csv";
+    let mut i = 0;
+    while i < SCENES.len() {
+        all[i + 2] = SCENES[i];
+        i += 1;
+    }
+    all
+};
 
 /// Answers a shell that asks, and ends the program; else does nothing.
 pub(crate) fn answer(command: fn() -> Command) {
@@ -47,7 +58,7 @@ fn with_names(command: Command) -> Command {
         "illuminant" | "illuminants" | "target_illuminant" => with(arg, light_names, &["csv"]),
         "study" => with(arg, study_names, &["toml"]),
         // Of `show`, which takes all.
-        "name" => with(arg, all_names, &["toml", "csv", "exr", "png", "tif", "tiff", "jpg", "jpeg"]),
+        "name" => with(arg, all_names, SHOWN),
         _ => arg,
     });
     command.mut_subcommands(with_names)

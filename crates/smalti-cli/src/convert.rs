@@ -1,14 +1,15 @@
 //! `smalti convert`: a scene to another format.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
-use anyhow::{Context, bail};
+use anyhow::{Context, ensure};
 use clap::{Args, ValueEnum};
 use smalti::color::{ColorSpace, Image};
-use smalti_io::SpectralFile;
-use smalti_io::exr::{self, Layout};
-use smalti_io::npy;
+use smalti::scene::Scene;
+use smalti_io::envi::Interleave;
 use smalti_io::picture::{self, Depth};
+use smalti_io::scene_file::{self, Cropped, Format, Photons, Restated, Tiles, Whole, WriteOptions};
+use smalti_io::{SpectralFile, exr, spectral_tiff};
 
 use crate::args::{Common, SceneOptions};
 use crate::brightness::{brightness_gain, scaled};
@@ -19,58 +20,166 @@ use crate::resolve::{self, has_extension};
 #[command(after_help = "Examples:\n  \
     smalti convert macbeth -o macbeth.exr\n  \
     smalti convert photo.png --illuminant A -o lifted.exr\n  \
-    smalti convert dead-leaves?seed=7 --wavelengths 400:5:700 -o photons.npy")]
+    smalti convert dead-leaves?seed=7 --wavelengths 400:5:700 -o photons.npy\n  \
+    smalti convert flight.hdr --crop 1000,0,512,512 -o part.npz\n  \
+    smalti convert balloons_ms/ -o balloons.hdr --interleave bip\n  \
+    smalti convert cube.npy --wavelengths 400:10:700 --quantity reflectance -o cube.tif --layout pages\n\n\
+    A spectral file keeps its values and what it says of them; with --luminance or --illuminant, or --wavelengths other than its own, \
+    it becomes a scene first. What the new file cannot hold is said. ENVI, NumPy and TIFF are read and written by rows: cubes \
+    may be larger than memory.")]
 pub(crate) struct Convert {
-    /// A built-in scene or a file
+    /// A built-in scene, or a file or folder
     pub(crate) scene: String,
     #[command(flatten)]
     pub(crate) scene_options: SceneOptions,
-    /// .exr (spectral), .png or .tif (a picture as the standard observer sees it) or .npy (photons)
+    /// .exr (spectral), .hdr (ENVI, samples beside it; or .img, .bsq, .bil, .bip), .npz, .npy (photons), .tif with --layout pages or
+    /// samples (spectral), .png or .tif (a picture as the standard observer sees it)
     #[arg(short, long, value_name = "FILE")]
     pub(crate) output: PathBuf,
-    /// Layout of a spectral EXR
-    #[arg(long, value_enum, default_value_t = ExrLayout::Fichet2021)]
-    pub(crate) layout: ExrLayout,
+    /// Where the bands are: of an EXR fichet2021 or pbrt, of a TIFF pages or samples [default: fichet2021; a picture]
+    #[arg(long, value_enum)]
+    pub(crate) layout: Option<Layout>,
+    /// Order of the samples of ENVI [default: that of the extension, else bsq]
+    #[arg(long, value_enum)]
+    pub(crate) interleave: Option<EnviInterleave>,
+    /// Compress a spectral TIFF, without loss
+    #[arg(long)]
+    pub(crate) compress: bool,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(crate) enum ExrLayout {
+pub(crate) enum Layout {
     /// `S0.400,0nm` channels with units (Fichet et al. 2021)
     #[value(name = "fichet2021")]
     Fichet2021,
     /// `Radiance.C01` channels
     #[value(name = "pbrt")]
     Pbrt,
+    /// An image for each band
+    Pages,
+    /// A sample of each pixel for each band
+    Samples,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum EnviInterleave {
+    /// Band, row, column
+    Bsq,
+    /// Row, band, column
+    Bil,
+    /// Row, column, band
+    Bip,
 }
 
 pub(crate) fn run(args: &Convert, common: &Common) -> anyhow::Result<()> {
-    let progress = Progress::new(2, common.quiet);
-    progress.begin("reading");
-    let scene = resolve::scene(&args.scene, &args.scene_options).with_context(|| {
-        match &args.scene_options.wavelengths {
-            Some(w) => format!("{} at --wavelengths {w}", args.scene),
-            None => args.scene.clone(),
-        }
-    })?;
-    progress.done();
-    progress.begin("writing");
+    let progress = Progress::new(1, common.quiet);
+    progress.begin("converting");
     let path = &args.output;
-    if has_extension(path, &["exr"]) {
-        let layout = match args.layout {
-            ExrLayout::Fichet2021 => Layout::Fichet2021,
-            ExrLayout::Pbrt => Layout::Pbrt,
-        };
-        exr::write(path, &SpectralFile::of_scene(&scene).into_energy()?, layout)?;
-    } else if has_extension(path, &["png", "tif", "tiff"]) {
-        let image = Image::new(ColorSpace::Xyz, scene.xyz()?)?;
-        let image = scaled(&image, brightness_gain(&image))?;
-        picture::write(path, &image.converted(ColorSpace::Srgb)?, Depth::Eight)?;
-    } else if has_extension(path, &["npy"]) {
-        let cube = scene.radiance();
-        npy::write(path, &[cube.grid().len(), cube.rows(), cube.cols()], cube.planes().data())?;
-    } else {
-        bail!("{}: expected a name that ends in .exr, .png, .tif or .npy", path.display());
-    }
+    let spectral = write_options(args)?;
+    let file = as_it_is(args)?;
+    // What is lost of a file is told; a built-in scene is there still.
+    let tell = file.is_some();
+    let notes = match (file, spectral) {
+        (Some(file), Some(options)) => write_spectral(args, file, &options)?,
+        (_, Some(options)) => {
+            let file = SpectralFile::of_scene(&scene(args)?);
+            scene_file::write(path, &Whole::new(&file), &options)?
+        }
+        (_, None) => write_picture(path, &scene(args)?)?,
+    };
+    notes.iter().filter(|_| tell).for_each(|note| progress.note(note));
     progress.finish();
     crate::print(&format!("{}\n", path.display()))
+}
+
+fn scene(args: &Convert) -> anyhow::Result<Scene> {
+    resolve::scene(&args.scene, &args.scene_options).with_context(|| match &args.scene_options.wavelengths {
+        Some(w) => format!("{} at --wavelengths {w}", args.scene),
+        None => args.scene.clone(),
+    })
+}
+
+/// How a spectral file is written; none for a picture.
+fn write_options(args: &Convert) -> anyhow::Result<Option<WriteOptions>> {
+    let path = &args.output;
+    let tiff = match args.layout {
+        Some(Layout::Pages) => Some(spectral_tiff::Layout::Pages),
+        Some(Layout::Samples) => Some(spectral_tiff::Layout::Samples),
+        _ => None,
+    };
+    let exr = match args.layout {
+        Some(Layout::Fichet2021) => Some(exr::Layout::Fichet2021),
+        Some(Layout::Pbrt) => Some(exr::Layout::Pbrt),
+        _ => None,
+    };
+    let format = Format::of(path);
+    let picture = has_extension(path, &["png"]) || (format == Some(Format::Tiff) && tiff.is_none());
+    ensure!(
+        format.is_some() || picture,
+        "{}: expected a name that ends in .exr, .hdr, .npz, .npy, .png or .tif",
+        path.display()
+    );
+    ensure!(exr.is_none() || format == Some(Format::Exr), "--layout fichet2021 and pbrt are of an .exr");
+    ensure!(tiff.is_none() || format == Some(Format::Tiff), "--layout pages and samples are of a .tif");
+    ensure!(args.interleave.is_none() || format == Some(Format::Envi), "--interleave is of ENVI (.hdr)");
+    ensure!(!args.compress || tiff.is_some(), "--compress is of a .tif with --layout pages or samples");
+    let interleave = args.interleave.map(|i| match i {
+        EnviInterleave::Bsq => Interleave::Bsq,
+        EnviInterleave::Bil => Interleave::Bil,
+        EnviInterleave::Bip => Interleave::Bip,
+    });
+    let tiff = spectral_tiff::WriteOptions { layout: tiff.unwrap_or_default(), deflate: args.compress };
+    Ok((!picture).then_some(WriteOptions { interleave, exr, tiff }))
+}
+
+/// The spectral file as it is, unless it is to become a scene: it is read when it is written.
+fn as_it_is(args: &Convert) -> anyhow::Result<Option<Box<dyn Tiles>>> {
+    let options = &args.scene_options;
+    if !resolve::is_file(&args.scene) || options.luminance.is_some() || options.illuminant.is_some() {
+        return Ok(None);
+    }
+    let path = Path::new(&args.scene);
+    let read = resolve::read_options(options)?;
+    let tiles: Box<dyn Tiles> = match scene_file::open(path, &read)? {
+        Some(tiles) => match read.crop {
+            Some(part) => Box::new(Cropped::new(tiles, part, path)?),
+            None => tiles,
+        },
+        None => match scene_file::read_spectral(path, &read)? {
+            Some(file) => Box::new(Whole::of(file)),
+            None => return Ok(None),
+        },
+    };
+    if read.grid.is_some_and(|grid| !grid.wavelengths_nm().eq(tiles.header().wavelengths_nm.iter().copied()))
+    {
+        return Ok(None);
+    }
+    Ok(Some(Box::new(Restated::new(tiles, options.distance, options.fov))))
+}
+
+fn write_spectral(
+    args: &Convert,
+    file: Box<dyn Tiles>,
+    options: &WriteOptions,
+) -> anyhow::Result<Vec<String>> {
+    let path = &args.output;
+    if !has_extension(path, &["npy"]) {
+        return Ok(scene_file::write(path, &file, options)?);
+    }
+    // An .npy says nothing of its values: they are always photons.
+    match Photons::new(file) {
+        Ok(photons) => Ok(scene_file::write(path, &photons, options)?),
+        Err(_) => {
+            let scene = SpectralFile::of_scene(&scene(args)?);
+            Ok(scene_file::write(path, &Whole::new(&scene), options)?)
+        }
+    }
+}
+
+fn write_picture(path: &Path, scene: &Scene) -> anyhow::Result<Vec<String>> {
+    let image = Image::new(ColorSpace::Xyz, scene.xyz()?)?;
+    let image = scaled(&image, brightness_gain(&image))?;
+    picture::write(path, &image.converted(ColorSpace::Srgb)?, Depth::Eight)?;
+    let instead = if has_extension(path, &["png"]) { "" } else { " (--layout pages or samples keeps them)" };
+    Ok(vec![format!("{} is a picture, without the spectra{instead}", path.display())])
 }

@@ -44,6 +44,18 @@ fn setting(options: &SceneOptions, grid: WavelengthGrid) -> anyhow::Result<Setti
     })
 }
 
+/// How a file is read: what was typed of what it may leave unsaid.
+pub(crate) fn read_options(options: &SceneOptions) -> anyhow::Result<ReadOptions> {
+    Ok(ReadOptions {
+        clamp_negative: options.clamp_negative,
+        grid: options.wavelengths.as_deref().map(wavelengths).transpose()?,
+        quantity: options.quantity.map(Into::into),
+        variable: options.variable.clone(),
+        crop: options.crop,
+        ..ReadOptions::default()
+    })
+}
+
 /// A scene by name or file.
 pub(crate) fn scene(name: &str, options: &SceneOptions) -> anyhow::Result<Scene> {
     scene_on(name, options, options.wavelengths.as_deref().map(wavelengths).transpose()?)
@@ -53,9 +65,12 @@ pub(crate) fn scene(name: &str, options: &SceneOptions) -> anyhow::Result<Scene>
 fn scene_on(name: &str, options: &SceneOptions, grid: Option<WavelengthGrid>) -> anyhow::Result<Scene> {
     let setting = setting(options, grid.unwrap_or_default())?;
     if !is_file(name) {
+        if let Some(option) = options.of_files() {
+            bail!("{name}: {option} is of files; it is a built-in scene");
+        }
         return Ok(scene::catalog::build_natural(name, &setting)?);
     }
-    let scene = scene_file::read(Path::new(name), &setting, &ReadOptions::default())?;
+    let scene = scene_file::read(Path::new(name), &setting, &read_options(options)?)?;
     // What was typed holds, whatever the file states.
     let scene = match grid {
         Some(grid) if grid != scene.radiance().grid() => scene.resampled(grid)?,

@@ -3,10 +3,14 @@
 //! | module | formats | to and from |
 //! |---|---|---|
 //! | [`spectrum_csv`] | CSV | [`smalti::spectrum::Spectrum`] |
+//! | [`envi`] | ENVI header and samples | [`SpectralFile`] |
 //! | [`exr`] | spectral OpenEXR (PBRT and Fichet et al. 2021 layouts) | [`SpectralFile`], [`smalti::scene::Scene`] |
 //! | [`picture`] | PNG, TIFF, JPEG, OpenEXR RGB in; PNG, TIFF out | [`smalti::color::Image`] |
 //! | [`dng`] | DNG (uncompressed) | [`smalti::sensor::RawImage`] |
 //! | [`l3`] | `.l3` (safetensors) in and out; `.npz`, C header out | [`smalti::l3::Pipeline`], [`smalti::l3::Statistics`] |
+//! | [`npz`] | `.npy` and `.npz` that hold a cube | [`SpectralFile`] |
+//! | [`spectral_tiff`] | TIFF of many bands | [`SpectralFile`] |
+//! | [`bands`] | folder of PNG, one a band (CAVE) | [`SpectralFile`] |
 //! | [`npy`], [`stages`] | NumPy arrays and a JSON of their units | slices |
 //! | [`cache`] | own | [`smalti::optics::OpticalImage`] |
 //! | [`dataset`] | folders of Parquet files, and their manifest | [`dataset::Column`] |
@@ -21,12 +25,14 @@
 //! takes memory for what a header declares before it has been compared with what the file can hold. Every writer
 //! writes to a temporary file beside the target and renames it: a target is either whole or as it was.
 
+pub mod bands;
 pub mod cache;
 mod camera_toml;
 pub mod cameras;
 pub mod dataset;
 mod diagnostic;
 pub mod dng;
+pub mod envi;
 mod error;
 pub mod exr;
 mod file;
@@ -35,8 +41,11 @@ pub mod l3;
 pub mod lights;
 pub mod memory;
 pub mod npy;
+pub mod npz;
 pub mod picture;
+mod raster;
 pub mod scene_file;
+pub mod spectral_tiff;
 pub mod spectrum_csv;
 pub mod stages;
 pub mod studies;

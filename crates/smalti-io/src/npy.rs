@@ -120,15 +120,13 @@ pub fn read(path: &Path, limits: Limits) -> Result<NpyArray, IoError> {
 /// # Errors
 /// As [`read`].
 pub fn from_bytes(bytes: &[u8], path: &Path) -> Result<NpyArray, IoError> {
-    let not_npy =
-        || IoError::UnknownFormat { path: path.to_owned(), expected: "a NumPy .npy file of format 1 or 2" };
-    let rest = bytes.strip_prefix(MAGIC).ok_or_else(not_npy)?;
-    let (length, rest) = match rest {
-        [1, _, a, b, rest @ ..] => (usize::from(u16::from_le_bytes([*a, *b])), rest),
-        [2, _, a, b, c, d, rest @ ..] => (u32::from_le_bytes([*a, *b, *c, *d]) as usize, rest),
-        _ => return Err(not_npy()),
+    let not_npy = || IoError::UnknownFormat {
+        path: path.to_owned(),
+        expected: "a NumPy .npy file of format 1, 2 or 3",
     };
-    let (header, data) = rest.split_at_checked(length).ok_or_else(not_npy)?;
+    let (start, length) = prefix(bytes).ok_or_else(not_npy)?;
+    let (header, data) =
+        bytes.get(start..).and_then(|rest| rest.split_at_checked(length)).ok_or_else(not_npy)?;
     let header = std::str::from_utf8(header).map_err(|_| not_npy())?;
 
     let descr = value(header, "descr").unwrap_or("absent");
@@ -162,13 +160,25 @@ pub fn from_bytes(bytes: &[u8], path: &Path) -> Result<NpyArray, IoError> {
     Ok(NpyArray { shape, data })
 }
 
+/// How many bytes the longest [`prefix`] takes.
+pub(crate) const PREFIX: usize = 12;
+
+/// Where the text of the header begins, and its length.
+pub(crate) fn prefix(bytes: &[u8]) -> Option<(usize, usize)> {
+    match bytes.strip_prefix(MAGIC)? {
+        [1, _, a, b, ..] => Some((10, usize::from(u16::from_le_bytes([*a, *b])))),
+        [2 | 3, _, a, b, c, d, ..] => Some((PREFIX, u32::from_le_bytes([*a, *b, *c, *d]) as usize)),
+        _ => None,
+    }
+}
+
 /// What stands behind a key of the header, a Python dictionary in one line.
-fn value<'a>(header: &'a str, key: &str) -> Option<&'a str> {
+pub(crate) fn value<'a>(header: &'a str, key: &str) -> Option<&'a str> {
     let (_, rest) = header.split_once(&format!("'{key}'"))?;
     rest.trim_start().strip_prefix(':').map(str::trim_start)
 }
 
-fn shape(header: &str) -> Option<Vec<usize>> {
+pub(crate) fn shape(header: &str) -> Option<Vec<usize>> {
     let (tuple, _) = value(header, "shape")?.strip_prefix('(')?.split_once(')')?;
     tuple.split(',').map(str::trim).filter(|n| !n.is_empty()).map(|n| n.parse().ok()).collect()
 }

@@ -38,6 +38,12 @@ pub(crate) fn uniform_grid(
     };
 
     let step = (last - first) / steps as f64;
+    // A grid that was written comes back to the last bit: its step has few decimals, or is that of the first pair.
+    let exact =
+        |step: &f64| uniform && wavelengths_nm.iter().enumerate().all(|(i, w)| first + i as f64 * step == *w);
+    let decimals = (step * 1e6).round() / 1e6;
+    let second = wavelengths_nm.get(1).map_or(step, |w| w - first);
+    let step = [decimals, step, second].into_iter().find(exact).unwrap_or(step);
     WavelengthGrid::new(first, step, steps + 1)
 }
 

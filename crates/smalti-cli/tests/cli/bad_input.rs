@@ -69,7 +69,7 @@ fn pictures_and_spectra_that_are_broken() {
     huge[16..24].copy_from_slice(&[0x7f, 0xff, 0xff, 0xff, 0x7f, 0xff, 0xff, 0xff]);
     place.write("huge.png", huge);
     scene(&place, "huge.png", &["huge.png"]);
-    scene(&place, "a.npy", &["a.npy", "expected a PNG, TIFF, JPEG or OpenEXR file"]);
+    scene(&place, "a.npy", &["a.npy", "the wavelengths is not stated: a single array"]);
     scene(&place, "absent.exr", &["cannot read absent.exr"]);
     std::fs::create_dir(place.path("folder.png")).unwrap();
     scene(&place, "folder.png", &["cannot read folder.png"]);

@@ -20,7 +20,12 @@ fn a_scene_survives_both_layouts_of_exr() {
     let (shape, direct) = photons(&place, "direct.npy");
     assert_eq!(shape, [31, 16, 24]);
     for name in ["fichet", "pbrt"] {
-        place.ok(&format!("convert {name}.exr -o {name}.npy"));
+        let run = place.run(&["convert", &format!("{name}.exr"), "-o", &format!("{name}.npy")]);
+        assert!(
+            run.code == 0 && run.err.contains("without the wavelengths"),
+            "what an array cannot hold is said: {}",
+            run.err
+        );
         let (its_shape, back) = photons(&place, &format!("{name}.npy"));
         assert_eq!(its_shape, shape);
         let worst = direct.iter().zip(&back).map(|(a, b)| (b / a - 1.0).abs()).fold(0.0f32, f32::max);
@@ -61,7 +66,10 @@ fn wavelengths_light_and_luminance_can_be_chosen() {
 fn what_cannot_be_written_leaves_nothing() {
     let place = Place::new();
     for (words, expected) in [
-        ("convert uniform?size=4 -o a.foo", "a.foo: expected a name that ends in .exr, .png, .tif or .npy"),
+        (
+            "convert uniform?size=4 -o a.foo",
+            "a.foo: expected a name that ends in .exr, .hdr, .npz, .npy, .png or .tif",
+        ),
         ("convert uniform?size=4 -o no/a.exr", "cannot write no/a.exr: No such file or directory"),
         ("convert uniform?size=4 -o a.npy --wavelengths 400:0:700", "a positive step"),
         (
@@ -73,6 +81,11 @@ fn what_cannot_be_written_leaves_nothing() {
             "convert uniform?size=4 -o a.npy --wavelengths 100:10:4000",
             "--wavelengths 100:10:4000: the illuminant D65: the data cover 300",
         ),
+        ("convert uniform?size=4 -o a.npz --interleave bil", "--interleave is of ENVI"),
+        ("convert uniform?size=4 -o a.png --layout pages", "--layout pages and samples are of a .tif"),
+        ("convert uniform?size=4 -o a.tif --compress", "--compress is of a .tif with --layout"),
+        ("convert uniform?size=4 -o a.hdr --crop 0,0,1,1", "uniform?size=4: --crop is of files"),
+        ("convert no.hdr -o a.npz", "no.hdr: the file of samples is absent"),
     ] {
         let run = place.run(&words.split(' ').collect::<Vec<_>>());
         assert_eq!((run.code, run.out.as_str()), (1, ""), "{words}: {}", run.err);
@@ -81,4 +94,96 @@ fn what_cannot_be_written_leaves_nothing() {
         assert!(run.err.matches("os error").count() <= 1, "{}", run.err);
         assert!(place.names("").is_empty(), "{words}: {:?}", place.names(""));
     }
+}
+
+#[test]
+fn formats_in_a_row_keep_the_scene_to_the_last_bit() {
+    let place = Place::new();
+    place.ok("convert macbeth?patch=4 -o direct.npy");
+    place.ok("convert macbeth?patch=4 -o a.hdr");
+    for words in [
+        "a.hdr -o b.npz",
+        "b.npz -o c.tif --layout pages",
+        "c.tif -o d.tif --layout samples --compress",
+        "d.tif -o e.bil",
+        "e.bil -o f.hdr --interleave bip --distance 2 --fov 5",
+    ] {
+        place.ok(&format!("convert {words}"));
+    }
+    let run = place.run(&["convert", "f.hdr", "-o", "last.npy"]);
+    assert_eq!(run.code, 0, "{}", run.err);
+    assert!(place.read("direct.npy") == place.read("last.npy"));
+    place.ok("simulate bayer --scene f.hdr --noise none -o o --fov 8");
+    assert_eq!(place.json("o/metrics.json")["scene"]["distance_m"], 2.0);
+    // A part has the bits of that part of the whole.
+    place.ok("convert b.npz --crop 4,8,4,4 -o part.hdr");
+    let run = place.run(&["convert", "part.hdr", "-o", "part.npy"]);
+    assert_eq!(run.code, 0, "{}", run.err);
+    let ((shape, part), (_, whole)) = (photons(&place, "part.npy"), photons(&place, "direct.npy"));
+    assert_eq!(shape, [31, 4, 4]);
+    assert_eq!(part[4..8], whole[5 * 24 + 8..5 * 24 + 12]);
+    let run = place.run(&["convert", "b.npz", "-o", "b.tif"]);
+    assert!(
+        run.err.contains("b.tif is a picture, without the spectra (--layout pages or samples keeps them)"),
+        "{}",
+        run.err
+    );
+}
+
+#[test]
+fn what_a_file_does_not_say_can_be_given() {
+    let place = Place::new();
+    npy::write(&place.path("a.npy"), &[2, 3, 4], &(1..25).map(f64::from).collect::<Vec<_>>()).unwrap();
+    let run = place.run(&["convert", "a.npy", "-o", "b.hdr"]);
+    assert!(run.code == 1 && run.err.contains("given by hand (--wavelengths)"), "{}", run.err);
+    place.ok("convert a.npy --wavelengths 500:10:530 --quantity reflectance -o b.hdr");
+    let header = String::from_utf8(place.read("b.hdr")).unwrap();
+    assert!(header.contains("reflectance scale factor = 1") && header.contains("samples = 3"), "{header}");
+    npy::write(&place.path("n.npy"), &[1, 2, 4], &(-3..5).map(|v| v as f32).collect::<Vec<_>>()).unwrap();
+    let run = place.run(&["convert", "n.npy", "--wavelengths", "500:10:530", "-o", "c.npz"]);
+    assert!(run.err.contains("n.npy: channel 500 nm (band 1), row 0, column 0 is -3"), "{}", run.err);
+    place.ok("convert n.npy --wavelengths 500:10:530 --clamp-negative -o c.npz");
+}
+
+/// The most memory that a run of the program held, MiB.
+#[cfg(target_os = "linux")]
+fn peak_mib(place: &Place, words: &str) -> u64 {
+    let mut child =
+        place.command().args(words.split(' ')).stdout(std::process::Stdio::null()).spawn().unwrap();
+    let mut peak = 0;
+    let status = loop {
+        let status = std::fs::read_to_string(format!("/proc/{}/status", child.id())).unwrap_or_default();
+        let line = status.lines().find_map(|l| l.strip_prefix("VmHWM:"));
+        peak = line
+            .and_then(|l| l.trim().trim_end_matches(" kB").parse().ok())
+            .map_or(peak, |kib: u64| peak.max(kib / 1024));
+        if let Some(status) = child.try_wait().unwrap() {
+            break status;
+        }
+        std::thread::sleep(std::time::Duration::from_millis(5));
+    };
+    assert!(status.success(), "{words}");
+    peak
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn cubes_larger_than_memory_pass_through() {
+    let place = Place::new();
+    let header = "ENVI\nsamples = 2048\nlines = 2048\nbands = 16\ndata type = 1\ninterleave = bip\n\
+                  wavelength units = nm\nwavelength = {400,410,420,430,440,450,460,470,480,490,500,510,520,530,540,550}\n";
+    place.write("a.hdr", header);
+    // Zeros that take no disk.
+    std::fs::File::create(place.path("a.img")).unwrap().set_len(2048 * 2048 * 16).unwrap();
+    // 256 MiB as 32-bit samples.
+    for words in ["convert a.hdr -o b.npz", "convert b.npz -o c.bip", "convert a.hdr -o d.tif --layout pages"]
+    {
+        let peak = peak_mib(&place, words);
+        println!("{words}: {peak} MiB");
+        assert!(peak < 160, "{words}: {peak} MiB");
+    }
+    assert_eq!(std::fs::metadata(place.path("c.bip")).unwrap().len(), 256 << 20);
+    let peak = peak_mib(&place, "convert b.npz --crop 1000,1000,64,64 -o e.hdr");
+    println!("--crop: {peak} MiB");
+    assert!(peak < 40, "{peak} MiB");
 }

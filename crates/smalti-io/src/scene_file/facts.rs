@@ -5,7 +5,8 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 use smalti::spectrum::Spectrum;
 
-use super::spectral::SpectralFile;
+use super::spectral::{Quantity, SpectralFile};
+use super::tiles::Header;
 use crate::IoError;
 use crate::error::At;
 
@@ -33,18 +34,7 @@ pub(crate) struct Facts {
 impl Comment {
     /// Those of a file.
     pub(crate) fn of(file: &SpectralFile) -> Self {
-        let grid = file.cube.grid();
-        Self {
-            smalti: Facts {
-                name: file.name.clone(),
-                quantity: file.quantity.name().to_owned(),
-                start_nm: grid.start_nm(),
-                step_nm: grid.step_nm(),
-                illuminant_photons: file.illuminant.as_ref().map(|s| s.values().to_vec()),
-                distance_m: file.distance_m,
-                horizontal_fov_deg: file.horizontal_fov_deg,
-            },
-        }
+        Self { smalti: Facts::of(&Header::of(file)) }
     }
 
     /// Comments of other programs are no error; they hold no facts.
@@ -54,17 +44,45 @@ impl Comment {
 }
 
 impl Facts {
+    /// Those that a header states.
+    pub(crate) fn of(header: &Header) -> Self {
+        Self {
+            name: header.name.clone(),
+            quantity: header.quantity.name().to_owned(),
+            start_nm: header.grid.start_nm(),
+            step_nm: header.grid.step_nm(),
+            illuminant_photons: header.illuminant.as_ref().map(|s| s.values().to_vec()),
+            distance_m: header.distance_m,
+            horizontal_fov_deg: header.horizontal_fov_deg,
+        }
+    }
+
+    /// The quantity, where it is one that is known.
+    pub(crate) fn quantity(&self) -> Option<Quantity> {
+        self.quantity.parse().ok()
+    }
+
+    /// The header with what is stated here; its grid must stand. A quantity is not stated here alone: see [`Self::quantity`].
+    pub(crate) fn state_header(self, header: &mut Header, path: &Path) -> Result<(), IoError> {
+        header.name = self.name;
+        if let Some(values) = self.illuminant_photons {
+            header.illuminant = Some(Spectrum::new(header.grid, values).at(path)?);
+        }
+        header.distance_m = self.distance_m;
+        header.horizontal_fov_deg = self.horizontal_fov_deg;
+        Ok(())
+    }
+
     /// The file with what is stated here.
     pub(crate) fn state(self, file: &mut SpectralFile, path: &Path) -> Result<(), IoError> {
-        if let Ok(quantity) = self.quantity.parse() {
-            file.quantity = quantity;
-        }
-        file.name = self.name;
-        if let Some(values) = self.illuminant_photons {
-            file.illuminant = Some(Spectrum::new(file.cube.grid(), values).at(path)?);
-        }
-        file.distance_m = self.distance_m;
-        file.horizontal_fov_deg = self.horizontal_fov_deg;
+        file.quantity = self.quantity().unwrap_or(file.quantity);
+        let mut header = Header::of(file);
+        self.state_header(&mut header, path)?;
+        let Header { name, illuminant, distance_m, horizontal_fov_deg, .. } = header;
+        file.name = name;
+        file.illuminant = illuminant;
+        file.distance_m = distance_m;
+        file.horizontal_fov_deg = horizontal_fov_deg;
         Ok(())
     }
 }

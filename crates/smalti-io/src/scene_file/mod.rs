@@ -1,63 +1,123 @@
 //! Scenes from files of any format that holds one.
 
+pub(crate) mod blocks;
 pub(crate) mod facts;
 mod into_scene;
 mod spectral;
+pub(crate) mod stated;
+pub(crate) mod tiles;
+mod write;
 
 use std::path::Path;
 
-use smalti::color::ColorSpace;
 use smalti::color::jakob_hanika2019::Uplift;
+use smalti::color::{ColorSpace, Image};
 use smalti::scene::{Scene, Setting};
 use smalti::spectrum::{Illuminant, Observer};
 
-use crate::{IoError, exr, picture};
+use crate::error::At;
+use crate::{IoError, bands, envi, exr, npz, picture, spectral_tiff};
 
 pub use into_scene::SceneDefaults;
 pub use spectral::{Quantity, ReadOptions, SpectralFile};
+pub use tiles::{Crop, Cropped, Header, Tiles, Whole, load};
+pub use write::{Photons, Restated, WriteOptions, write};
 
-/// A format of spectral images, told by the end of the file's name.
+/// A format of spectral images.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Format {
     /// Spectral OpenEXR.
     Exr,
+    /// ENVI: header and samples.
+    Envi,
+    /// NumPy: an array, or an archive of arrays.
+    Numpy,
+    /// TIFF of many bands.
+    Tiff,
+    /// A folder of pictures, one for each band.
+    Bands,
 }
 
 impl Format {
-    /// The one that the name of a file tells.
+    /// The one that the end of a file's name tells.
     #[must_use]
     pub fn of(path: &Path) -> Option<Self> {
         Some(match extension(path)?.as_str() {
             "exr" => Self::Exr,
+            "hdr" | "img" | "dat" | "raw" | "bsq" | "bil" | "bip" => Self::Envi,
+            "npy" | "npz" => Self::Numpy,
+            "tif" | "tiff" => Self::Tiff,
             _ => return None,
+        })
+    }
+
+    /// As [`Self::of`], and by what is there: folders, and samples of ENVI under any name with their header beside them.
+    #[must_use]
+    pub fn find(path: &Path) -> Option<Self> {
+        if path.is_dir() {
+            return bands::is_folder(path).then_some(Self::Bands);
+        }
+        Self::of(path).or_else(|| {
+            let picture = extension(path).is_some_and(|e| PICTURES.contains(&e.as_str()));
+            (!picture && path.is_file() && envi::header_beside(path).is_some()).then_some(Self::Envi)
         })
     }
 }
 
-/// Extensions of pictures, which hold no spectra.
+/// Extensions of all files that a scene is read from.
+pub const EXTENSIONS: [&str; 15] = [
+    "exr", "hdr", "img", "dat", "raw", "bsq", "bil", "bip", "npy", "npz", "tif", "tiff", "png", "jpg", "jpeg",
+];
+
+/// Extensions of pictures, which hold no spectra; a TIFF may.
 const PICTURES: [&str; 5] = ["png", "tif", "tiff", "jpg", "jpeg"];
 
-/// Whether a scene is meant as a file: it is one, or its name ends as one.
+/// Whether a scene is meant as a file: it is one, or its name ends as one, or it is a folder of bands.
 #[must_use]
 pub fn is_meant(name: &str) -> bool {
     let path = Path::new(name);
     let picture = || extension(path).is_some_and(|e| PICTURES.contains(&e.as_str()));
-    path.is_file() || Format::of(path).is_some() || picture()
+    path.is_file() || Format::find(path).is_some() || picture()
 }
 
 fn extension(path: &Path) -> Option<String> {
     Some(path.extension()?.to_str()?.to_ascii_lowercase())
 }
 
-/// A spectral image of any format; none where the file is a picture.
+/// A spectral image whose samples are read as they are needed; none where the file is a picture, or of a format that is read
+/// whole. Of the options, the part is not looked at.
+///
+/// # Errors
+/// When the header cannot be read or is not valid.
+pub fn open(path: &Path, options: &ReadOptions) -> Result<Option<Box<dyn Tiles>>, IoError> {
+    match Format::find(path) {
+        Some(Format::Envi) => envi::open(path, options).map(Some),
+        Some(Format::Numpy) => npz::open(path, options).map(Some),
+        Some(Format::Tiff) if spectral_tiff::is_spectral(path, options)? => {
+            spectral_tiff::open(path, options).map(Some)
+        }
+        _ => Ok(None),
+    }
+}
+
+/// A spectral image of any format, whole or the part that the options ask for; none where the file is a picture.
 ///
 /// # Errors
 /// When the file cannot be read or is not valid.
 pub fn read_spectral(path: &Path, options: &ReadOptions) -> Result<Option<SpectralFile>, IoError> {
-    match Format::of(path) {
-        Some(Format::Exr) if exr::is_spectral(path, options)? => exr::read(path, options).map(Some),
-        _ => Ok(None),
+    if let Some(tiles) = open(path, options)? {
+        return load(&tiles, path, options).map(Some);
+    }
+    let file = match Format::find(path) {
+        // What remains is read whole, and cut.
+        Some(Format::Exr) if exr::is_spectral(path, options)? => exr::read(path, options)?,
+        Some(Format::Bands) => return bands::read(path, options).map(Some),
+        _ => return Ok(None),
+    };
+    match options.crop {
+        Some(part) => file.cropped(part).map(Some),
+        None => Ok(Some(file)),
     }
 }
 
@@ -89,8 +149,14 @@ fn lifted(
     setting: &Setting,
     options: &ReadOptions,
 ) -> Result<SpectralFile, IoError> {
-    let image = picture::read(path, options)?.image.converted(ColorSpace::LinearSrgb);
-    let image = image.map_err(|source| IoError::Image { path: path.to_owned(), source })?;
+    let image = picture::read(path, options)?.image.converted(ColorSpace::LinearSrgb).at(path)?;
+    let image = match options.crop {
+        Some(part) => {
+            let part = part.within(image.rows(), image.cols(), path)?;
+            Image::new(image.space(), tiles::cropped(image.planes(), part, path)?).at(path)?
+        }
+        None => image,
+    };
     let uplift = |source| IoError::Uplift { path: path.to_owned(), source };
     let cube = Uplift::new(setting.grid, Observer::Cie1931).and_then(|u| u.uplift_image(&image));
     Ok(SpectralFile {

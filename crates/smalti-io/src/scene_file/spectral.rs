@@ -4,6 +4,7 @@ use std::str::FromStr;
 
 use smalti::spectrum::{SpectralCube, Spectrum, WavelengthGrid};
 
+use super::tiles::Crop;
 use crate::Limits;
 
 /// How files are read.
@@ -20,6 +21,8 @@ pub struct ReadOptions {
     pub quantity: Option<Quantity>,
     /// Which variable or dataset holds the cube, in a file that has several.
     pub variable: Option<String>,
+    /// The part of the image that is wanted; formats that can read no more than it.
+    pub crop: Option<Crop>,
 }
 
 /// What the values of a spectral image are.

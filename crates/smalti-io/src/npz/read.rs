@@ -1,0 +1,314 @@
+//! Reading `.npy` and `.npz`.
+
+use std::path::Path;
+
+use smalti::spectrum::Spectrum;
+
+use super::array::{Array, Type, axes, named_axes};
+use super::zip::{Archive, Member};
+use crate::error::At;
+use crate::file::stem;
+use crate::raster::{FileSource, Source, part};
+use crate::scene_file::stated::{Bands, quantity_in};
+use crate::scene_file::tiles::{Header, RasterFile, Tiles, load, negative};
+use crate::wavelengths::places;
+use crate::{IoError, Quantity, ReadOptions, SpectralFile};
+
+/// Elements of an array that is not the cube, bytes.
+const LIST_LIMIT: u64 = 64 << 20;
+
+/// A spectral image, whole or the part that the options ask for, from a single array (`.npy`) or an archive of named ones
+/// (`.npz`), told apart by their first bytes.
+///
+/// What arrays of an archive are called, and what is assumed where one is absent: see `docs/formats-scenes.md`.
+///
+/// # Errors
+/// When the file cannot be read, is no array or archive, has no cube or several, the axis of wavelengths is not clear, wavelengths
+/// are neither stated nor given, a sample is NaN, infinite or negative (with its band and place), or the cube is larger than the
+/// limits.
+pub fn read(path: &Path, options: &ReadOptions) -> Result<SpectralFile, IoError> {
+    load(&opened(FileSource::open(path)?, path, options)?, path, options)
+}
+
+/// As [`read`], samples to be read as they are needed; those of a compressed archive are read at once. Of the options, the part
+/// is not looked at.
+///
+/// # Errors
+/// As [`read`], but for the samples.
+pub fn open(path: &Path, options: &ReadOptions) -> Result<Box<dyn Tiles>, IoError> {
+    Ok(Box::new(opened(FileSource::open(path)?, path, options)?))
+}
+
+/// As [`read`], from memory; `path` is only named.
+///
+/// # Errors
+/// As [`read`].
+pub fn from_bytes(bytes: &[u8], path: &Path, options: &ReadOptions) -> Result<SpectralFile, IoError> {
+    load(&opened(bytes, path, options)?, path, options)
+}
+
+fn opened<'a>(
+    source: impl Source + 'a,
+    path: &Path,
+    options: &ReadOptions,
+) -> Result<RasterFile<'a>, IoError> {
+    let io = |source| IoError::Read { path: path.to_owned(), source };
+    let magic = part(&source, 0, source.len().min(6) as usize).map_err(io)?;
+    if magic.starts_with(b"PK") { archive(source, path, options) } else { single(source, path, options) }
+}
+
+fn single<'a>(
+    source: impl Source + 'a,
+    path: &Path,
+    options: &ReadOptions,
+) -> Result<RasterFile<'a>, IoError> {
+    let io = |source| IoError::Read { path: path.to_owned(), source };
+    let start = |n: usize| part(&source, 0, n.min(usize::try_from(source.len()).unwrap_or(n))).map_err(io);
+    let array = Array::parse("", path, start)?;
+    let given = options.grid.map(|g| g.len()).ok_or_else(|| {
+        let expected = "them given by hand (--wavelengths), or an .npz with an array `wavelengths_nm`";
+        IoError::field(path, "the wavelengths", "not stated: a single array", expected)
+    })?;
+    let axes = axes(path, &array.shape, given)?;
+    let bands = Bands::given(path, given, options)?;
+    let raster = array.raster(axes, 0, path)?;
+    let header = Header {
+        name: stem(path),
+        rows: raster.rows,
+        cols: raster.cols,
+        wavelengths_nm: bands.wavelengths_nm,
+        grid: bands.grid,
+        quantity: options.quantity.unwrap_or(Quantity::RelativeEnergy),
+        illuminant: None,
+        distance_m: None,
+        horizontal_fov_deg: None,
+    };
+    let file = RasterFile {
+        path: path.to_owned(),
+        source: Box::new(source),
+        raster,
+        bands: bands.order,
+        gains: Vec::new(),
+        ignore: None,
+        negative: negative(options),
+        header,
+    };
+    file.checked("the array")
+}
+
+/// The arrays of an archive.
+struct Arrays<'a> {
+    archive: Archive<'a>,
+    arrays: Vec<(Array, Member)>,
+}
+
+fn archive<'a>(
+    source: impl Source + 'a,
+    path: &Path,
+    options: &ReadOptions,
+) -> Result<RasterFile<'a>, IoError> {
+    let archive = Archive::open(&source, path, options.limits)?;
+    let mut arrays = Vec::new();
+    for member in &archive.members {
+        // Other files are none of NumPy's.
+        if let Some(name) = member.name.strip_suffix(".npy") {
+            arrays.push((Array::parse(name, path, |n| archive.start(member, n))?, member.clone()));
+        }
+    }
+    let arrays = Arrays { archive, arrays };
+    let (cube, member) = arrays.cube(options)?;
+    let (cube, member) = (cube.clone(), member.clone());
+
+    let stated = arrays.list(&["wavelengths_nm", "wavelengths", "wavelength_nm", "wavelength"])?;
+    let given = stated.as_ref().map(|(_, nm)| nm.len()).or(options.grid.map(|g| g.len()));
+    let axes = match arrays.text("axes")? {
+        Some(text) => named_axes(&text).ok_or_else(|| {
+            let expected = "'band row column' or another order of the three";
+            IoError::field(path, "axes", format!("'{text}'"), expected)
+        })?,
+        None => match given {
+            Some(count) => axes(path, &cube.shape, count)?,
+            None => {
+                let expected = "an array `wavelengths_nm`, or them given by hand (--wavelengths)";
+                return Err(IoError::field(path, "the wavelengths", "absent", expected));
+            }
+        },
+    };
+    if cube.shape.len() != 3 {
+        let found = format!("{:?}", cube.shape);
+        return Err(IoError::field(path, format!("{}: shape", cube.name), found, "three axes"));
+    }
+    let raster = cube.raster(axes, 0, path)?;
+    let light = arrays.list(&["illuminant_photons", "illuminant"])?;
+    let bands = match stated {
+        Some((name, nm)) if nm.len() == raster.bands => {
+            Bands::sorted(path, name, nm.into_iter().enumerate())?
+        }
+        Some((name, nm)) => {
+            let found = format!("{} numbers", nm.len());
+            return Err(IoError::field(path, name, found, format!("{}, as many as bands", raster.bands)));
+        }
+        None => Bands::given(path, raster.bands, options)?,
+    };
+    let (quantity, factor) = match arrays.text("quantity")? {
+        Some(text) => quantity_in(&text).ok_or_else(|| {
+            let expected = "photons, energy, relative, reflectance, or a unit such as W m^-2 sr^-1 nm^-1";
+            IoError::field(path, "quantity", format!("'{text}'"), expected)
+        })?,
+        None => (options.quantity.unwrap_or(Quantity::RelativeEnergy), 1.0),
+    };
+    let illuminant = match light {
+        Some((name, values)) if values.len() == raster.bands => Some(
+            on_grid(&values, &bands)
+                .at(path)
+                .map_err(|e| IoError::field(path, name, e.to_string(), "finite values, not negative"))?,
+        ),
+        Some((name, values)) => {
+            let found = format!("{} numbers", values.len());
+            return Err(IoError::field(path, name, found, format!("{}, as many as bands", raster.bands)));
+        }
+        None => None,
+    };
+    let header = Header {
+        name: arrays.text("name")?.unwrap_or_else(|| stem(path)),
+        rows: raster.rows,
+        cols: raster.cols,
+        wavelengths_nm: bands.wavelengths_nm,
+        grid: bands.grid,
+        quantity,
+        illuminant,
+        distance_m: arrays.single(&["distance_m", "distance"])?,
+        horizontal_fov_deg: arrays.single(&["horizontal_fov_deg", "fov_deg", "fov"])?,
+    };
+    let gains = if factor == 1.0 { Vec::new() } else { vec![(factor, 0.0); raster.bands] };
+    // A stored cube is read where it lies; a compressed one is unpacked.
+    let content = if Archive::stored(&member) { None } else { Some(arrays.archive.content(&member)?) };
+    let (source, offset): (Box<dyn Source + 'a>, u64) = match content {
+        Some(content) => (Box::new(content), 0),
+        None => (Box::new(source), member.at),
+    };
+    let raster = cube.raster(axes, offset, path)?;
+    let need = raster.bytes().and_then(|n| n.checked_add(cube.start)).unwrap_or(u64::MAX);
+    if need > member.size {
+        let have = member.size;
+        return Err(IoError::Truncated { path: path.to_owned(), what: "the cube", need, have });
+    }
+    let file = RasterFile {
+        path: path.to_owned(),
+        source,
+        raster,
+        bands: bands.order,
+        gains,
+        ignore: None,
+        negative: negative(options),
+        header,
+    };
+    file.checked("the cube")
+}
+
+/// Values of the bands of a file on the grid that stands for their wavelengths.
+fn on_grid(values: &[f64], bands: &Bands) -> Result<Spectrum, smalti::spectrum::SpectrumError> {
+    let sorted: Vec<f64> = bands.order.iter().filter_map(|i| values.get(*i).copied()).collect();
+    let at = |i: usize| sorted.get(i).copied().unwrap_or(0.0);
+    let values = places(&bands.wavelengths_nm, bands.grid)
+        .iter()
+        .map(|p| {
+            if p.weight > 0.0 {
+                at(p.index) * (1.0 - p.weight) + at(p.index + 1) * p.weight
+            } else {
+                at(p.index)
+            }
+        })
+        .collect();
+    Spectrum::new(bands.grid, values)
+}
+
+impl Arrays<'_> {
+    /// The cube: the one that was asked for, else `cube`, else the only one of three axes.
+    fn cube(&self, options: &ReadOptions) -> Result<&(Array, Member), IoError> {
+        let path = self.archive.path;
+        let named = |name: &str| self.arrays.iter().find(|(a, _)| a.name == name);
+        let cubes: Vec<&(Array, Member)> = self
+            .arrays
+            .iter()
+            .filter(|(a, _)| a.shape.len() == 3 && matches!(a.kind, Type::Number(_)))
+            .collect();
+        let names =
+            |of: &[&(Array, Member)]| of.iter().map(|(a, _)| a.name.clone()).collect::<Vec<_>>().join(", ");
+        if let Some(name) = &options.variable {
+            return named(name).ok_or_else(|| {
+                let all: Vec<&(Array, Member)> = self.arrays.iter().collect();
+                IoError::field(
+                    path,
+                    format!("the array '{name}'"),
+                    "absent",
+                    format!("one of {}", names(&all)),
+                )
+            });
+        }
+        match (named("cube"), cubes.as_slice()) {
+            (Some(cube), _) => Ok(cube),
+            (None, [only]) => Ok(only),
+            (None, []) => Err(IoError::field(path, "the cube", "absent", "an array of three axes")),
+            (None, several) => {
+                let expected = "one called `cube`, or the name given (--variable)";
+                Err(IoError::field(path, "the cube", format!("one of {}", names(several)), expected))
+            }
+        }
+    }
+
+    fn elements(&self, array: &Array, member: &Member) -> Result<Vec<u8>, IoError> {
+        let path = self.archive.path;
+        if member.size > LIST_LIMIT {
+            let (bytes, limit) = (member.size, LIST_LIMIT);
+            return Err(IoError::TooLarge {
+                path: path.to_owned(),
+                what: "an array beside the cube",
+                bytes,
+                limit,
+            });
+        }
+        let content = self.archive.content(member)?;
+        Ok(content.get(array.start as usize..).unwrap_or_default().to_vec())
+    }
+
+    /// The numbers of the list that is called one of these; two of them would be two answers.
+    fn list<'n>(&self, names: &[&'n str]) -> Result<Option<(&'n str, Vec<f64>)>, IoError> {
+        let path = self.archive.path;
+        let mut found =
+            names.iter().filter_map(|name| Some((*name, self.arrays.iter().find(|(a, _)| a.name == *name)?)));
+        let Some((name, (array, member))) = found.next() else { return Ok(None) };
+        if let Some((other, _)) = found.next() {
+            let found = format!("stated twice: {name} and {other}");
+            return Err(IoError::field(path, name, found, "one of them"));
+        }
+        let Some(count) = array.list_len() else {
+            let found = format!("an array of shape {:?}", array.shape);
+            return Err(IoError::field(path, name, found, "a list of numbers"));
+        };
+        let numbers = array.numbers(&self.elements(array, member)?);
+        if numbers.len() != count {
+            let found = format!("{} numbers", numbers.len());
+            return Err(IoError::field(path, name, found, format!("{count}, as its shape says")));
+        }
+        Ok(Some((name, numbers)))
+    }
+
+    fn single(&self, names: &[&str]) -> Result<Option<f64>, IoError> {
+        let path = self.archive.path;
+        match self.list(names)? {
+            None => Ok(None),
+            Some((_, numbers)) if numbers.len() == 1 => Ok(numbers.first().copied()),
+            Some((name, numbers)) => {
+                Err(IoError::field(path, name, format!("{} numbers", numbers.len()), "one number"))
+            }
+        }
+    }
+
+    fn text(&self, name: &str) -> Result<Option<String>, IoError> {
+        let Some((array, member)) = self.arrays.iter().find(|(a, _)| a.name == name) else { return Ok(None) };
+        let text = array.text(&self.elements(array, member)?);
+        let wrong = || IoError::field(self.archive.path, name, "no text", "a string");
+        text.map(Some).ok_or_else(wrong)
+    }
+}

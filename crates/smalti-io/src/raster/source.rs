@@ -1,0 +1,92 @@
+//! Bytes that are read from any place.
+
+use std::fs::File;
+use std::io;
+use std::path::Path;
+
+use crate::IoError;
+
+/// A file, or memory in its place; read from several threads at once.
+pub(crate) trait Source: Send + Sync {
+    /// Length, bytes.
+    fn len(&self) -> u64;
+
+    /// Fills `out` from an offset; an error where the source ends before.
+    fn read_at(&self, offset: u64, out: &mut [u8]) -> io::Result<()>;
+}
+
+impl Source for &[u8] {
+    fn len(&self) -> u64 {
+        <[u8]>::len(self) as u64
+    }
+
+    fn read_at(&self, offset: u64, out: &mut [u8]) -> io::Result<()> {
+        let from = usize::try_from(offset).ok().and_then(|at| self.get(at..)?.get(..out.len()));
+        out.copy_from_slice(from.ok_or(io::ErrorKind::UnexpectedEof)?);
+        Ok(())
+    }
+}
+
+impl Source for Vec<u8> {
+    fn len(&self) -> u64 {
+        Self::len(self) as u64
+    }
+
+    fn read_at(&self, offset: u64, out: &mut [u8]) -> io::Result<()> {
+        self.as_slice().read_at(offset, out)
+    }
+}
+
+/// An open file.
+#[derive(Debug)]
+pub(crate) struct FileSource {
+    #[cfg(unix)]
+    file: File,
+    #[cfg(not(unix))]
+    file: std::sync::Mutex<File>,
+    len: u64,
+}
+
+impl FileSource {
+    pub(crate) fn open(path: &Path) -> Result<Self, IoError> {
+        let io = |source| IoError::Read { path: path.to_owned(), source };
+        let file = File::open(path).map_err(io)?;
+        let metadata = file.metadata().map_err(io)?;
+        if metadata.is_dir() {
+            return Err(io(io::Error::new(io::ErrorKind::IsADirectory, "it is a folder; expected a file")));
+        }
+        let len = metadata.len();
+        #[cfg(not(unix))]
+        let file = std::sync::Mutex::new(file);
+        Ok(Self { file, len })
+    }
+}
+
+impl Source for FileSource {
+    fn len(&self) -> u64 {
+        self.len
+    }
+
+    #[cfg(unix)]
+    fn read_at(&self, offset: u64, out: &mut [u8]) -> io::Result<()> {
+        std::os::unix::fs::FileExt::read_exact_at(&self.file, out, offset)
+    }
+
+    #[cfg(not(unix))]
+    fn read_at(&self, offset: u64, out: &mut [u8]) -> io::Result<()> {
+        use std::io::{Read, Seek, SeekFrom};
+        let mut file = self.file.lock().map_err(|_| io::Error::other("a reader has failed before"))?;
+        file.seek(SeekFrom::Start(offset))?;
+        file.read_exact(out)
+    }
+}
+
+/// A part of a source as a vector; the caller has compared `len` with what may be read.
+pub(crate) fn part(source: &dyn Source, offset: u64, len: usize) -> io::Result<Vec<u8>> {
+    if offset.checked_add(len as u64).is_none_or(|end| end > source.len()) {
+        return Err(io::ErrorKind::UnexpectedEof.into());
+    }
+    let mut out = vec![0; len];
+    source.read_at(offset, &mut out)?;
+    Ok(out)
+}

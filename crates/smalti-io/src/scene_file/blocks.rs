@@ -1,0 +1,90 @@
+//! Images written by blocks of rows.
+
+use std::borrow::Cow;
+use std::io::{Seek, SeekFrom, Write};
+use std::path::Path;
+
+use rayon::prelude::*;
+use smalti::numeric::Planes;
+
+use super::tiles::{Crop, Header, Tiles};
+use crate::{IoError, write};
+
+/// Bytes of samples that are held at once.
+const BLOCK_BYTES: u64 = 32 << 20;
+
+/// The image from top to bottom, in parts that fit into memory.
+pub(crate) fn row_blocks(header: &Header) -> impl Iterator<Item = Crop> {
+    let (rows, cols) = (header.rows, header.cols);
+    let row_bytes = (header.decoded_bytes() / rows.max(1) as u64).max(1);
+    let count = usize::try_from(BLOCK_BYTES / row_bytes).unwrap_or(usize::MAX).clamp(1, rows.max(1));
+    (0..rows).step_by(count).map(move |row| Crop { row, col: 0, rows: count.min(rows - row), cols })
+}
+
+/// Writes one plane after another from a place of a file on, 32-bit, little-endian; the file then stands at their end. `seen` is
+/// shown the bytes of each band in their order.
+pub(crate) fn write_planes(
+    out: &mut write::Target,
+    base: u64,
+    image: &dyn Tiles,
+    path: &Path,
+    mut seen: impl FnMut(usize, &[u8]),
+) -> Result<(), IoError> {
+    let io = |source| IoError::Write { path: path.to_owned(), source };
+    let header = image.header();
+    let row_bytes = header.cols as u64 * 4;
+    let plane_bytes = header.rows as u64 * row_bytes;
+    for block in row_blocks(header) {
+        let planes = image.read(block)?;
+        for (i, plane) in planes.planes().enumerate() {
+            let place = base + i as u64 * plane_bytes + block.row as u64 * row_bytes;
+            let plane = little_endian(plane);
+            let bytes: &[u8] = bytemuck::cast_slice(&plane);
+            out.seek(SeekFrom::Start(place)).map_err(io)?;
+            out.write_all(bytes).map_err(io)?;
+            seen(i, bytes);
+        }
+    }
+    let end = base + header.wavelengths_nm.len() as u64 * plane_bytes;
+    out.seek(SeekFrom::Start(end)).map_err(io)?;
+    Ok(())
+}
+
+/// Samples as they lie in files.
+pub(crate) fn little_endian(samples: &[f32]) -> Cow<'_, [f32]> {
+    if cfg!(target_endian = "little") {
+        return samples.into();
+    }
+    samples.iter().map(|v| f32::from_bits(v.to_bits().to_le())).collect()
+}
+
+/// Samples by row, column, band; 32-bit, little-endian.
+pub(crate) fn by_pixel(planes: &Planes) -> Vec<f32> {
+    const PIXELS: usize = 64;
+    let bands = planes.count().max(1);
+    let mut out = vec![0f32; planes.data().len()];
+    out.par_chunks_mut(PIXELS * bands).enumerate().for_each(|(i, out)| {
+        for (band, plane) in planes.planes().enumerate() {
+            let from = plane.iter().skip(i * PIXELS);
+            out.iter_mut()
+                .skip(band)
+                .step_by(bands)
+                .zip(from)
+                .for_each(|(t, v)| *t = f32::from_bits(v.to_bits().to_le()));
+        }
+    });
+    out
+}
+
+/// Samples by row, band, column; 32-bit, little-endian.
+pub(crate) fn by_line(planes: &Planes) -> Vec<f32> {
+    let cols = planes.cols().max(1);
+    let mut out = Vec::with_capacity(planes.data().len());
+    for row in 0..planes.rows() {
+        for plane in planes.planes() {
+            let row = plane.iter().skip(row * cols).take(cols);
+            out.extend(row.map(|v| f32::from_bits(v.to_bits().to_le())));
+        }
+    }
+    out
+}

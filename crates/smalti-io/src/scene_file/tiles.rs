@@ -1,0 +1,379 @@
+//! Spectral images that are read by parts, so that they need not fit into memory.
+
+use std::borrow::Cow;
+use std::path::{Path, PathBuf};
+use std::str::FromStr;
+
+use smalti::numeric::Planes;
+use smalti::spectrum::{SpectralCube, Spectrum, WavelengthGrid};
+
+use super::spectral::{Quantity, ReadOptions, SpectralFile};
+use crate::IoError;
+use crate::error::At;
+use crate::file::Negative;
+use crate::raster::{Bad, Part, Raster, Source, Values};
+use crate::wavelengths::{Between, places};
+
+/// A rectangle of an image, in pixels.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Crop {
+    /// First row, from 0.
+    pub row: usize,
+    /// First column, from 0.
+    pub col: usize,
+    /// Rows, at least one.
+    pub rows: usize,
+    /// Columns, at least one.
+    pub cols: usize,
+}
+
+impl FromStr for Crop {
+    type Err = String;
+
+    /// From `ROW,COL,ROWS,COLS`.
+    fn from_str(text: &str) -> Result<Self, String> {
+        let numbers: Option<Vec<usize>> = text.split(',').map(|n| n.trim().parse().ok()).collect();
+        match numbers.as_deref() {
+            Some(&[row, col, rows, cols]) if rows > 0 && cols > 0 => Ok(Self { row, col, rows, cols }),
+            _ => Err("expected ROW,COL,ROWS,COLS: first row and column from 0, then how many of each".into()),
+        }
+    }
+}
+
+impl Crop {
+    /// The whole of an image.
+    #[must_use]
+    pub fn whole(rows: usize, cols: usize) -> Self {
+        Self { row: 0, col: 0, rows, cols }
+    }
+
+    /// # Errors
+    /// When it reaches beyond the image.
+    pub(crate) fn within(self, rows: usize, cols: usize, path: &Path) -> Result<Self, IoError> {
+        let inside = |first: usize, count: usize, len: usize| {
+            count > 0 && first.checked_add(count).is_some_and(|end| end <= len)
+        };
+        if inside(self.row, self.rows, rows) && inside(self.col, self.cols, cols) {
+            return Ok(self);
+        }
+        let Self { row, col, rows: high, cols: wide } = self;
+        let found = format!("{high} rows from {row} and {wide} columns from {col}");
+        Err(IoError::field(
+            path,
+            "the part to read",
+            found,
+            format!("a part of {rows} rows and {cols} columns"),
+        ))
+    }
+
+    /// The horizontal field of view of the part, taken as if it were in the middle: tan(φ′/2) = tan(φ/2) · cols′/cols.
+    fn field_of_view_deg(self, whole_deg: f64, whole_cols: usize) -> f64 {
+        if self.cols == whole_cols {
+            return whole_deg;
+        }
+        let half = (whole_deg.to_radians() / 2.0).tan() * self.cols as f64 / whole_cols.max(1) as f64;
+        2.0 * half.atan().to_degrees()
+    }
+}
+
+/// What a spectral file says before its samples are read; see [`SpectralFile`] for units.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Header {
+    /// What the image is called.
+    pub name: String,
+    /// Rows of the image.
+    pub rows: usize,
+    /// Columns of the image.
+    pub cols: usize,
+    /// The wavelengths of the file, ascending, nm.
+    pub wavelengths_nm: Vec<f64>,
+    /// The uniform grid that stands for them where the file becomes a [`SpectralFile`].
+    pub grid: WavelengthGrid,
+    /// What the values are.
+    pub quantity: Quantity,
+    /// The light, on `grid`.
+    pub illuminant: Option<Spectrum>,
+    /// Distance, m.
+    pub distance_m: Option<f64>,
+    /// Full horizontal field of view, degrees.
+    pub horizontal_fov_deg: Option<f64>,
+}
+
+impl Header {
+    /// That of a file in memory.
+    #[must_use]
+    pub fn of(file: &SpectralFile) -> Self {
+        Self {
+            name: file.name.clone(),
+            rows: file.cube.rows(),
+            cols: file.cube.cols(),
+            wavelengths_nm: file.cube.grid().wavelengths_nm().collect(),
+            grid: file.cube.grid(),
+            quantity: file.quantity,
+            illuminant: file.illuminant.clone(),
+            distance_m: file.distance_m,
+            horizontal_fov_deg: file.horizontal_fov_deg,
+        }
+    }
+
+    /// Bytes of the samples in memory.
+    #[must_use]
+    pub fn decoded_bytes(&self) -> u64 {
+        let pixels = (self.rows as u64).saturating_mul(self.cols as u64);
+        pixels.saturating_mul(self.wavelengths_nm.len() as u64).saturating_mul(4)
+    }
+
+    fn cropped(&self, crop: Crop) -> Self {
+        let fov = self.horizontal_fov_deg.map(|deg| crop.field_of_view_deg(deg, self.cols));
+        Self { rows: crop.rows, cols: crop.cols, horizontal_fov_deg: fov, ..self.clone() }
+    }
+}
+
+/// A spectral image whose header has been read, and whose samples are read as they are needed.
+pub trait Tiles: Send + Sync {
+    /// What is known before.
+    fn header(&self) -> &Header;
+
+    /// A part of the image: one plane for each wavelength of the header, finite and not negative.
+    ///
+    /// # Errors
+    /// When the part reaches beyond the image, the file cannot be read, or a sample is not valid (with its band and place).
+    fn read(&self, part: Crop) -> Result<Planes, IoError>;
+}
+
+/// A file in memory.
+pub struct Whole<'a> {
+    header: Header,
+    cube: Cow<'a, SpectralCube>,
+}
+
+impl<'a> Whole<'a> {
+    /// The file as one that is read by parts.
+    #[must_use]
+    pub fn new(file: &'a SpectralFile) -> Self {
+        Self { header: Header::of(file), cube: Cow::Borrowed(&file.cube) }
+    }
+}
+
+impl Whole<'static> {
+    /// As [`Self::new`], which keeps the file.
+    #[must_use]
+    pub fn of(file: SpectralFile) -> Self {
+        Self { header: Header::of(&file), cube: Cow::Owned(file.cube) }
+    }
+}
+
+impl Tiles for Whole<'_> {
+    fn header(&self) -> &Header {
+        &self.header
+    }
+
+    fn read(&self, part: Crop) -> Result<Planes, IoError> {
+        let path = Path::new(&self.header.name);
+        let part = part.within(self.header.rows, self.header.cols, path)?;
+        cropped(self.cube.planes(), part, path)
+    }
+}
+
+/// A part of planes that has been found to lie within them.
+pub(crate) fn cropped(planes: &Planes, part: Crop, path: &Path) -> Result<Planes, IoError> {
+    let cols = planes.cols().max(1);
+    let mut data = Vec::with_capacity(planes.count() * part.rows * part.cols);
+    for plane in planes.planes() {
+        for row in plane.chunks_exact(cols).skip(part.row).take(part.rows) {
+            data.extend(row.iter().skip(part.col).take(part.cols));
+        }
+    }
+    Planes::new(part.rows, part.cols, planes.count(), data).at(path)
+}
+
+/// A part of an image as an image.
+pub struct Cropped<T> {
+    inner: T,
+    part: Crop,
+    header: Header,
+}
+
+impl<T: Tiles> Cropped<T> {
+    /// A part of an image; `path` is only named.
+    ///
+    /// # Errors
+    /// When it reaches beyond.
+    pub fn new(inner: T, part: Crop, path: &Path) -> Result<Self, IoError> {
+        let whole = inner.header();
+        let part = part.within(whole.rows, whole.cols, path)?;
+        let header = whole.cropped(part);
+        Ok(Self { inner, part, header })
+    }
+}
+
+impl<T: Tiles> Tiles for Cropped<T> {
+    fn header(&self) -> &Header {
+        &self.header
+    }
+
+    fn read(&self, part: Crop) -> Result<Planes, IoError> {
+        let part = part.within(self.header.rows, self.header.cols, Path::new(&self.header.name))?;
+        self.inner.read(Crop { row: self.part.row + part.row, col: self.part.col + part.col, ..part })
+    }
+}
+
+impl<T: Tiles + ?Sized> Tiles for Box<T> {
+    fn header(&self) -> &Header {
+        (**self).header()
+    }
+
+    fn read(&self, part: Crop) -> Result<Planes, IoError> {
+        (**self).read(part)
+    }
+}
+
+impl<T: Tiles + ?Sized> Tiles for &T {
+    fn header(&self) -> &Header {
+        (**self).header()
+    }
+
+    fn read(&self, part: Crop) -> Result<Planes, IoError> {
+        (**self).read(part)
+    }
+}
+
+/// The whole of an image, or the part that the options ask for, on a uniform grid.
+///
+/// # Errors
+/// When it takes more memory than the limits allow, or as [`Tiles::read`].
+pub fn load(tiles: &dyn Tiles, path: &Path, options: &ReadOptions) -> Result<SpectralFile, IoError> {
+    match options.crop {
+        Some(crop) => load_whole(&Cropped::new(tiles, crop, path)?, path, options),
+        None => load_whole(tiles, path, options),
+    }
+}
+
+fn load_whole(tiles: &dyn Tiles, path: &Path, options: &ReadOptions) -> Result<SpectralFile, IoError> {
+    let header = tiles.header();
+    let grid = header.grid;
+    let places = places(&header.wavelengths_nm, grid);
+    let same = places.len() == header.wavelengths_nm.len()
+        && places.iter().enumerate().all(|(i, p)| *p == Between { index: i, weight: 0.0 });
+    let pixels = (header.rows as u64).saturating_mul(header.cols as u64);
+    let planes = header.wavelengths_nm.len() as u64 + if same { 0 } else { grid.len() as u64 };
+    let bytes = pixels.saturating_mul(planes).saturating_mul(4);
+    if bytes > options.limits.decoded_bytes {
+        let limit = options.limits.decoded_bytes;
+        return Err(IoError::TooLarge { path: path.to_owned(), what: "the cube", bytes, limit });
+    }
+    let planes = tiles.read(Crop::whole(header.rows, header.cols))?;
+    let planes = if same { planes } else { resampled(&planes, &places, path)? };
+    Ok(SpectralFile {
+        name: header.name.clone(),
+        cube: SpectralCube::new(grid, planes).at(path)?,
+        quantity: header.quantity,
+        illuminant: header.illuminant.clone(),
+        distance_m: header.distance_m,
+        horizontal_fov_deg: header.horizontal_fov_deg,
+    })
+}
+
+/// Planes between those of the file, linearly.
+pub(crate) fn resampled(planes: &Planes, places: &[Between], path: &Path) -> Result<Planes, IoError> {
+    let mut data = Vec::with_capacity(places.len() * planes.plane_len());
+    for place in places {
+        let (below, above) = (planes.plane(place.index), planes.plane(place.index + 1));
+        if place.weight > 0.0 && !above.is_empty() {
+            let t = place.weight as f32;
+            data.extend(below.iter().zip(above).map(|(a, b)| a * (1.0 - t) + b * t));
+        } else {
+            data.extend_from_slice(below);
+        }
+    }
+    Planes::new(planes.rows(), planes.cols(), places.len(), data).at(path)
+}
+
+impl SpectralFile {
+    /// A part of the image. Its field of view is that of as many columns in the middle.
+    ///
+    /// # Errors
+    /// When the part reaches beyond the image.
+    pub fn cropped(self, part: Crop) -> Result<Self, IoError> {
+        let path = PathBuf::from(&self.name);
+        let part = part.within(self.cube.rows(), self.cube.cols(), &path)?;
+        let fov = self.horizontal_fov_deg.map(|deg| part.field_of_view_deg(deg, self.cube.cols()));
+        let planes = cropped(self.cube.planes(), part, &path)?;
+        let cube = SpectralCube::new(self.cube.grid(), planes).at(&path)?;
+        Ok(Self { cube, horizontal_fov_deg: fov, ..self })
+    }
+}
+
+/// A file whose samples are one block.
+pub(crate) struct RasterFile<'a> {
+    pub(crate) path: PathBuf,
+    pub(crate) source: Box<dyn Source + 'a>,
+    pub(crate) raster: Raster,
+    /// The band of the file for each wavelength of the header.
+    pub(crate) bands: Vec<usize>,
+    pub(crate) gains: Vec<(f64, f64)>,
+    pub(crate) ignore: Option<f32>,
+    pub(crate) negative: Negative,
+    pub(crate) header: Header,
+}
+
+impl RasterFile<'_> {
+    /// Compares what the header declares with the length of the file.
+    pub(crate) fn checked(self, what: &'static str) -> Result<Self, IoError> {
+        let have = self.source.len();
+        let need = self.raster.bytes().and_then(|n| n.checked_add(self.raster.offset)).unwrap_or(u64::MAX);
+        if need > have {
+            return Err(IoError::Truncated { path: self.path, what, need, have });
+        }
+        Ok(self)
+    }
+}
+
+impl Tiles for RasterFile<'_> {
+    fn header(&self) -> &Header {
+        &self.header
+    }
+
+    fn read(&self, part: Crop) -> Result<Planes, IoError> {
+        let part = part.within(self.header.rows, self.header.cols, &self.path)?;
+        let wanted = Part {
+            bands: &self.bands,
+            rows: part.row..part.row + part.rows,
+            cols: part.col..part.col + part.cols,
+        };
+        let values = Values { gains: &self.gains, ignore: self.ignore, negative: self.negative };
+        let data = self
+            .raster
+            .read(&*self.source, &wanted, &values)
+            .map_err(|bad| bad_to_error(bad, &self.path, &self.header, &self.bands))?;
+        Planes::new(part.rows, part.cols, self.bands.len(), data).at(&self.path)
+    }
+}
+
+/// Names the file, and the wavelength of a band.
+pub(crate) fn bad_to_error(bad: Bad, path: &Path, header: &Header, bands: &[usize]) -> IoError {
+    match bad {
+        Bad::Io(source) => IoError::Read { path: path.to_owned(), source },
+        Bad::Block(message) => IoError::Decode { path: path.to_owned(), format: "TIFF", message },
+        Bad::Sample(s) => {
+            let nm = bands.iter().position(|b| *b == s.band).and_then(|i| header.wavelengths_nm.get(i));
+            let channel = match nm {
+                Some(nm) => format!("{nm} nm (band {})", s.band + 1),
+                None => format!("band {}", s.band + 1),
+            };
+            IoError::Pixel {
+                path: path.to_owned(),
+                channel,
+                row: s.row,
+                col: s.col,
+                value: f64::from(s.value),
+                expected: s.expected,
+            }
+        }
+    }
+}
+
+/// What the options ask for.
+pub(crate) fn negative(options: &ReadOptions) -> Negative {
+    if options.clamp_negative { Negative::Clamp } else { Negative::Refuse }
+}

@@ -1,0 +1,153 @@
+//! Spectral images into any format that is written.
+
+use std::path::Path;
+
+use smalti::numeric::Planes;
+use smalti::spectrum::units::photons_per_joule;
+
+use super::spectral::{Quantity, ReadOptions};
+use super::tiles::{Crop, Header, Tiles, load};
+use super::{Format, extension};
+use crate::envi::Interleave;
+use crate::error::At;
+use crate::file::{Negative, sample};
+use crate::{IoError, Limits, envi, exr, npz, spectral_tiff};
+
+/// What a format leaves to choose.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct WriteOptions {
+    /// Order of the samples of ENVI; otherwise that of the file's extension, BSQ where it tells none.
+    pub interleave: Option<Interleave>,
+    /// Channels of OpenEXR; otherwise those of Fichet et al.
+    pub exr: Option<exr::Layout>,
+    /// Bands of TIFF.
+    pub tiff: spectral_tiff::WriteOptions,
+}
+
+/// Writes a spectral image in the format that the end of the file's name tells: OpenEXR, ENVI, NumPy or TIFF. All but OpenEXR are
+/// written by rows, so that the image need not fit into memory.
+///
+/// Returns what the file does not hold, in words.
+///
+/// # Errors
+/// When the name tells no format that is written, the image cannot be read, or the file not be written.
+pub fn write(path: &Path, image: &dyn Tiles, options: &WriteOptions) -> Result<Vec<String>, IoError> {
+    let header = image.header();
+    let mut notes = Vec::new();
+    match Format::of(path) {
+        Some(Format::Envi) => {
+            let by_name = match extension(path).as_deref() {
+                Some("bil") => Interleave::Bil,
+                Some("bip") => Interleave::Bip,
+                _ => Interleave::Bsq,
+            };
+            envi::write(path, image, options.interleave.unwrap_or(by_name))?;
+        }
+        Some(Format::Numpy) if extension(path).is_some_and(|e| e == "npz") => npz::write(path, image)?,
+        Some(Format::Numpy) => {
+            let lost =
+                "the wavelengths, the quantity, the light, distance and field of view (an .npz holds them)";
+            notes.push(format!("{} holds {} alone, without {lost}", path.display(), header.quantity.name()));
+            npz::write_npy(path, image)?;
+        }
+        Some(Format::Tiff) => spectral_tiff::write(path, image, options.tiff)?,
+        Some(Format::Exr) => {
+            if !header.wavelengths_nm.iter().copied().eq(header.grid.wavelengths_nm()) {
+                notes.push(format!(
+                    "{} holds the spectrum at {}, linear between the bands",
+                    path.display(),
+                    header.grid
+                ));
+            }
+            // What does not fit into memory has been refused by then.
+            let limits = Limits { decoded_bytes: u64::MAX, ..Limits::default() };
+            let file = load(image, path, &ReadOptions { limits, ..ReadOptions::default() })?;
+            exr::write(path, &file.into_energy()?, options.exr.unwrap_or(exr::Layout::Fichet2021))?;
+        }
+        Some(Format::Bands) | None => {
+            let expected = "a name that ends in .exr, .hdr (or .img, .bsq, .bil, .bip), .npz, .npy or .tif";
+            return Err(IoError::UnknownFormat { path: path.to_owned(), expected });
+        }
+    }
+    Ok(notes)
+}
+
+/// An image with facts other than its own.
+pub struct Restated<T> {
+    inner: T,
+    header: Header,
+}
+
+impl<T: Tiles> Restated<T> {
+    /// The image at another distance (m) or of another horizontal field of view (degrees), where one is given.
+    pub fn new(inner: T, distance_m: Option<f64>, horizontal_fov_deg: Option<f64>) -> Self {
+        let mut header = inner.header().clone();
+        header.distance_m = distance_m.or(header.distance_m);
+        header.horizontal_fov_deg = horizontal_fov_deg.or(header.horizontal_fov_deg);
+        Self { inner, header }
+    }
+}
+
+impl<T: Tiles> Tiles for Restated<T> {
+    fn header(&self) -> &Header {
+        &self.header
+    }
+
+    fn read(&self, part: Crop) -> Result<Planes, IoError> {
+        self.inner.read(part)
+    }
+}
+
+/// Radiance in photons.
+pub struct Photons<T> {
+    inner: T,
+    header: Header,
+}
+
+impl<T: Tiles> Photons<T> {
+    /// The image, where it is absolute radiance in photons or in energy; otherwise it is given back.
+    ///
+    /// # Errors
+    /// The image itself, where it is relative or a reflectance: it becomes radiance as a scene alone.
+    pub fn new(inner: T) -> Result<Self, T> {
+        match inner.header().quantity {
+            Quantity::Photons | Quantity::Energy => {
+                let header = Header { quantity: Quantity::Photons, ..inner.header().clone() };
+                Ok(Self { inner, header })
+            }
+            Quantity::RelativeEnergy | Quantity::Reflectance => Err(inner),
+        }
+    }
+}
+
+impl<T: Tiles> Tiles for Photons<T> {
+    fn header(&self) -> &Header {
+        &self.header
+    }
+
+    fn read(&self, part: Crop) -> Result<Planes, IoError> {
+        let planes = self.inner.read(part)?;
+        if self.inner.header().quantity == Quantity::Photons {
+            return Ok(planes);
+        }
+        let path = Path::new(&self.header.name);
+        let (rows, cols, count) = (planes.rows(), planes.cols(), planes.count());
+        let mut data = planes.into_data();
+        let plane = (rows * cols).max(1);
+        for (nm, plane) in self.header.wavelengths_nm.iter().zip(data.chunks_mut(plane)) {
+            let factor = photons_per_joule(*nm);
+            for (i, v) in plane.iter_mut().enumerate() {
+                let photons = (f64::from(*v) * factor) as f32;
+                *v = sample(photons, Negative::Refuse).map_err(|expected| IoError::Pixel {
+                    path: path.to_owned(),
+                    channel: format!("{nm} nm"),
+                    row: part.row + i / cols.max(1),
+                    col: part.col + i % cols.max(1),
+                    value: f64::from(*v),
+                    expected,
+                })?;
+            }
+        }
+        Planes::new(rows, cols, count, data).at(path)
+    }
+}

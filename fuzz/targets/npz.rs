@@ -1,0 +1,10 @@
+//! `.npy` and `.npz` that hold a cube.
+#![no_main]
+
+use std::path::Path;
+
+use smalti_io::npz::from_bytes;
+
+mod options;
+
+libfuzzer_sys::fuzz_target!(|data: &[u8]| options::each(|o| from_bytes(data, Path::new("fuzz"), o)));

@@ -1,0 +1,10 @@
+//! TIFF of many bands.
+#![no_main]
+
+use std::path::Path;
+
+use smalti_io::spectral_tiff::from_bytes;
+
+mod options;
+
+libfuzzer_sys::fuzz_target!(|data: &[u8]| options::each(|o| from_bytes(data, Path::new("fuzz"), o)));
