@@ -11,9 +11,10 @@ use smalti::sensor::{Mosaic, RawImage, RawSamples, Sampling, SignalNoise};
 use smalti::spectrum::{SpectralCube, Spectrum, WavelengthGrid};
 use smalti_io::dataset::{Column, Run};
 use smalti_io::exr::Layout;
+use smalti_io::matlab::Version;
 use smalti_io::{Quantity, SpectralFile};
 use smalti_io::picture::Depth;
-use smalti_io::{dng, exr, l3, npy, picture, spectrum_csv};
+use smalti_io::{dng, exr, l3, matlab, npy, picture, spectrum_csv};
 
 mod plan;
 
@@ -50,6 +51,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         exr::write(&dir.join(format!("{quantity:?}.exr")), &file, layout)?;
     }
 
+    seeds_of_cubes(&folder("mat")?, &folder("hdf5")?, &cube, &flat)?;
+
     let dir = folder("picture")?;
     for space in [ColorSpace::Srgb, ColorSpace::DisplayP3] {
         let image = Image::new(space, Planes::new(5, 6, 3, ramp(90))?)?;
@@ -84,6 +87,29 @@ fn main() -> Result<(), Box<dyn Error>> {
         ["zone-plate?frequency=0.25&size=64", "D:5600", "blackbody:3000", "random?channels=4&rows=8&cols=8"]
     {
         fs::write(dir.join(name.replace(['?', ':'], "_")), name)?;
+    }
+    Ok(())
+}
+
+/// Our own MATLAB and HDF5; what other programs write, the tests leave in `$SMALTI_SEEDS` where that is set.
+fn seeds_of_cubes(
+    mat: &Path,
+    hdf5: &Path,
+    cube: &SpectralCube,
+    light: &Spectrum,
+) -> Result<(), Box<dyn Error>> {
+    for quantity in [Quantity::Photons, Quantity::Reflectance] {
+        let file = SpectralFile {
+            name: "seed".into(),
+            cube: cube.clone(),
+            quantity,
+            illuminant: Some(light.clone()),
+            distance_m: Some(1.0),
+            horizontal_fov_deg: Some(10.0),
+        };
+        matlab::write(&mat.join(format!("{quantity:?}.mat")), &file, Version::V5)?;
+        matlab::write(&hdf5.join(format!("{quantity:?}.mat")), &file, Version::V73)?;
+        smalti_io::hdf5::write(&hdf5.join(format!("{quantity:?}.h5")), &file)?;
     }
     Ok(())
 }

@@ -11,7 +11,7 @@ use smalti::color::jakob_hanika2019::Uplift;
 use smalti::scene::{Scene, Setting};
 use smalti::spectrum::{Illuminant, Observer};
 
-use crate::{IoError, exr, picture};
+use crate::{IoError, exr, hdf5, matlab, picture};
 
 pub use into_scene::SceneDefaults;
 pub use spectral::{Quantity, ReadOptions, SpectralFile};
@@ -22,6 +22,10 @@ pub use spectral::{Quantity, ReadOptions, SpectralFile};
 pub enum Format {
     /// Spectral OpenEXR.
     Exr,
+    /// MATLAB, level 5 or version 7.3.
+    Mat,
+    /// HDF5.
+    Hdf5,
 }
 
 impl Format {
@@ -30,6 +34,8 @@ impl Format {
     pub fn of(path: &Path) -> Option<Self> {
         Some(match extension(path)?.as_str() {
             "exr" => Self::Exr,
+            "mat" => Self::Mat,
+            "h5" | "hdf5" => Self::Hdf5,
             _ => return None,
         })
     }
@@ -57,6 +63,8 @@ fn extension(path: &Path) -> Option<String> {
 pub fn read_spectral(path: &Path, options: &ReadOptions) -> Result<Option<SpectralFile>, IoError> {
     match Format::of(path) {
         Some(Format::Exr) if exr::is_spectral(path, options)? => exr::read(path, options).map(Some),
+        Some(Format::Mat) => matlab::read(path, options).map(Some),
+        Some(Format::Hdf5) => hdf5::read(path, options).map(Some),
         _ => Ok(None),
     }
 }
