@@ -91,7 +91,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// Our own MATLAB and HDF5; what other programs write, the tests leave in `$SMALTI_SEEDS` where that is set.
+/// Our own MATLAB and HDF5; those of other programs are in `seeds/`.
 fn seeds_of_cubes(
     mat: &Path,
     hdf5: &Path,

@@ -4,6 +4,7 @@
 
 use std::path::Path;
 use std::process::Command;
+use std::time::Instant;
 
 use serde_json::Value;
 use smalti::numeric::Planes;
@@ -263,4 +264,28 @@ fn files_of_octave_are_read_and_ours_by_it() {
         file.cube.grid().wavelengths_nm().chain(light.values().iter().copied()).collect();
     assert_eq!(columns, expected);
     assert_eq!(lines.next().unwrap(), format!("5 4 7 {value:.0}"), "{seen}");
+}
+
+/// Run it with optimisation, on a machine that does nothing else: `cargo test --release … -- --ignored --nocapture`.
+#[test]
+#[ignore = "takes time, and a quiet machine"]
+fn cubes_are_read_within_twice_the_time_of_scipy_and_h5py() {
+    let dir = tempfile::tempdir().unwrap();
+    let Some(theirs) = python(SCRIPT, PACKAGES, &[Path::new("time"), dir.path()]) else { return };
+    let mut slow = Vec::new();
+    for theirs in theirs {
+        let (name, seconds) = (theirs["name"].as_str().unwrap(), theirs["seconds"].as_f64().unwrap());
+        let mut best = f64::INFINITY;
+        for _ in 0..7 {
+            let start = Instant::now();
+            let file = read(&dir.path().join(name), &ReadOptions::default()).unwrap();
+            best = best.min(start.elapsed().as_secs_f64());
+            assert_eq!(file.cube.planes().data().len(), 512 * 512 * 31);
+        }
+        eprintln!("{name:22} {:6.1} ms, theirs {:6.1} ms: {:.2}", best * 1e3, seconds * 1e3, best / seconds);
+        if best > 2.0 * seconds {
+            slow.push(name.to_owned());
+        }
+    }
+    assert!(slow.is_empty(), "{slow:?}");
 }

@@ -1,6 +1,8 @@
 //! MATLAB: scenes of ISETCam, and cubes of data sets, in MAT-files of level 5 and of version 7.3.
 
 mod content;
+#[cfg(test)]
+mod tests;
 mod v5;
 mod v73;
 

@@ -67,8 +67,8 @@ fn converted(values: Vec<f64>, unit: Option<&str>, name: &str, path: &Path) -> R
             1e3
         }
         Some("m" | "meter" | "meters" | "metre" | "metres") => 1e9,
-        Some(other) => {
-            let found = format!("in '{other}'");
+        Some(_) => {
+            let found = format!("'{}'", unit.unwrap_or_default());
             return Err(IoError::field(path, format!("the unit of {name}"), found, "nm, um or m"));
         }
     };
@@ -121,6 +121,6 @@ mod tests {
         assert!(error(&[400.0, f64::NAN], None).contains("not finite"));
         assert!(error(&[-400.0, -300.0], None).contains("-400 to -300"));
         assert!(error(&[], None).contains("empty"));
-        assert!(error(&[400.0], Some("eV")).contains("the unit of wave is in 'eV'"));
+        assert!(error(&[400.0], Some("eV")).contains("the unit of wave is 'eV'"));
     }
 }

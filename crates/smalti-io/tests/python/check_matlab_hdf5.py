@@ -4,6 +4,7 @@ Sample (r, c, b) of every cube is (r + 5 c + 20 b) % 120 + 1, of rows x columns 
 import json
 import pathlib
 import sys
+import time
 
 import h5py
 import numpy as np
@@ -216,8 +217,43 @@ def read():
         }))
 
 
+def timed():
+    """Cubes of 512 x 512 x 31, and how long SciPy and h5py take to load each: the best of several times."""
+    rng = np.random.default_rng(1)
+    smooth = np.linspace(0, 1, 512)[:, None, None] + 0.01 * rng.random((512, 512, 31))
+    wave = 400.0 + 10.0 * np.arange(31)
+    for t in ("u2", "f4", "f8"):
+        cube = (smooth * 4000).astype(t)
+        stack = np.ascontiguousarray(cube.transpose(2, 0, 1))
+        for z in (False, True):
+            name = f"{t}{'_zipped' * z}.mat"
+            scipy.io.savemat(folder / name, {"photons": cube, "wave": wave}, do_compression=z)
+        for kind, data, options in (
+            ("", stack, {}),
+            ("_interleaved", cube, {}),
+            ("_zipped", stack, {"chunks": (1, 64, 512), "compression": "gzip"}),
+            ("_shuffled", stack, {"chunks": True, "compression": "gzip", "shuffle": True}),
+        ):
+            with h5py.File(folder / f"{t}{kind}.h5", "w") as f:
+                f.create_dataset("cube", data=data, **options)
+                f["bands"] = wave
+    for path in sorted(folder.iterdir()):
+        best = 1e9
+        for _ in range(7):
+            start = time.perf_counter()
+            if path.suffix == ".mat":
+                scipy.io.loadmat(path)["photons"]
+            else:
+                with h5py.File(path) as f:
+                    f["cube"][()]
+            best = min(best, time.perf_counter() - start)
+        print(json.dumps({"name": path.name, "seconds": best}))
+
+
 if mode == "write":
     v5()
     hdf5()
+elif mode == "time":
+    timed()
 else:
     read()
