@@ -11,11 +11,12 @@ use smalti::sensor::{Mosaic, RawImage, RawSamples, Sampling, SignalNoise};
 use smalti::spectrum::{SpectralCube, Spectrum, WavelengthGrid};
 use smalti_io::dataset::{Column, Run};
 use smalti_io::envi::Interleave;
+use smalti_io::matlab::Version;
 use smalti_io::picture::Depth;
 use smalti_io::scene_file::Whole;
 use smalti_io::spectral_tiff::{Layout, WriteOptions};
 use smalti_io::{Quantity, SpectralFile};
-use smalti_io::{dng, envi, exr, l3, npy, npz, picture, spectral_tiff, spectrum_csv};
+use smalti_io::{dng, envi, exr, l3, matlab, npy, npz, picture, spectral_tiff, spectrum_csv};
 
 mod plan;
 
@@ -53,6 +54,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     }
 
     seeds_of_cubes(&folder)?;
+    seeds_of_matlab(&folder("mat")?, &folder("hdf5")?, &cube, &flat)?;
 
     let dir = folder("picture")?;
     for space in [ColorSpace::Srgb, ColorSpace::DisplayP3] {
@@ -149,6 +151,29 @@ fn seeds_of_cubes(
             out.extend(png);
         }
         fs::write(dir.join(name), out)?;
+    }
+    Ok(())
+}
+
+/// Our own MATLAB and HDF5; those of other programs are in `seeds/`.
+fn seeds_of_matlab(
+    mat: &Path,
+    hdf5: &Path,
+    cube: &SpectralCube,
+    light: &Spectrum,
+) -> Result<(), Box<dyn Error>> {
+    for quantity in [Quantity::Photons, Quantity::Reflectance] {
+        let file = SpectralFile {
+            name: "seed".into(),
+            cube: cube.clone(),
+            quantity,
+            illuminant: Some(light.clone()),
+            distance_m: Some(1.0),
+            horizontal_fov_deg: Some(10.0),
+        };
+        matlab::write(&mat.join(format!("{quantity:?}.mat")), &file, Version::V5)?;
+        matlab::write(&hdf5.join(format!("{quantity:?}.mat")), &file, Version::V73)?;
+        smalti_io::hdf5::write(&hdf5.join(format!("{quantity:?}.h5")), &file)?;
     }
     Ok(())
 }

@@ -9,7 +9,7 @@ use smalti::scene::Scene;
 use smalti_io::envi::Interleave;
 use smalti_io::picture::{self, Depth};
 use smalti_io::scene_file::{self, Cropped, Format, Photons, Restated, Tiles, Whole, WriteOptions};
-use smalti_io::{SpectralFile, exr, spectral_tiff};
+use smalti_io::{SpectralFile, exr, matlab, spectral_tiff};
 
 use crate::args::{Common, SceneOptions};
 use crate::brightness::{brightness_gain, scaled};
@@ -22,6 +22,7 @@ use crate::resolve::{self, has_extension};
     smalti convert photo.png --illuminant A -o lifted.exr\n  \
     smalti convert dead-leaves?seed=7 --wavelengths 400:5:700 -o photons.npy\n  \
     smalti convert flight.hdr --crop 1000,0,512,512 -o part.npz\n  \
+    smalti convert macbeth -o macbeth.mat                 for ISETCam\n  \
     smalti convert balloons_ms/ -o balloons.hdr --interleave bip\n  \
     smalti convert cube.npy --wavelengths 400:10:700 --quantity reflectance -o cube.tif --layout pages\n\n\
     A spectral file keeps its values and what it says of them; with --luminance or --illuminant, or --wavelengths other than its own, \
@@ -32,11 +33,12 @@ pub(crate) struct Convert {
     pub(crate) scene: String,
     #[command(flatten)]
     pub(crate) scene_options: SceneOptions,
-    /// .exr (spectral), .hdr (ENVI, samples beside it; or .img, .bsq, .bil, .bip), .npz, .npy (photons), .tif with --layout pages or
+    /// .exr (spectral), .mat (a scene of ISETCam), .h5, .hdr (ENVI, samples beside it; or .img, .bsq, .bil, .bip), .npz, .npy (photons), .tif with --layout pages or
     /// samples (spectral), .png or .tif (a picture as the standard observer sees it)
     #[arg(short, long, value_name = "FILE")]
     pub(crate) output: PathBuf,
-    /// Where the bands are: of an EXR fichet2021 or pbrt, of a TIFF pages or samples [default: fichet2021; a picture]
+    /// Where the bands are: of an EXR fichet2021 or pbrt, of a TIFF pages or samples; the version of a MAT-file, v5 or v7.3
+    /// [default: fichet2021; a picture; v5]
     #[arg(long, value_enum)]
     pub(crate) layout: Option<Layout>,
     /// Order of the samples of ENVI [default: that of the extension, else bsq]
@@ -59,6 +61,12 @@ pub(crate) enum Layout {
     Pages,
     /// A sample of each pixel for each band
     Samples,
+    /// MATLAB level 5, up to 2 GiB
+    #[value(name = "v5")]
+    MatlabV5,
+    /// MATLAB 7.3, which is HDF5
+    #[value(name = "v7.3")]
+    MatlabV73,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -112,14 +120,20 @@ fn write_options(args: &Convert) -> anyhow::Result<Option<WriteOptions>> {
         Some(Layout::Pbrt) => Some(exr::Layout::Pbrt),
         _ => None,
     };
+    let matlab = match args.layout {
+        Some(Layout::MatlabV5) => Some(matlab::Version::V5),
+        Some(Layout::MatlabV73) => Some(matlab::Version::V73),
+        _ => None,
+    };
     let format = Format::of(path);
     let picture = has_extension(path, &["png"]) || (format == Some(Format::Tiff) && tiff.is_none());
     ensure!(
         format.is_some() || picture,
-        "{}: expected a name that ends in .exr, .hdr, .npz, .npy, .png or .tif",
+        "{}: expected a name that ends in .exr, .mat, .h5, .hdr, .npz, .npy, .png or .tif",
         path.display()
     );
     ensure!(exr.is_none() || format == Some(Format::Exr), "--layout fichet2021 and pbrt are of an .exr");
+    ensure!(matlab.is_none() || format == Some(Format::Mat), "--layout v5 and v7.3 are of a .mat");
     ensure!(tiff.is_none() || format == Some(Format::Tiff), "--layout pages and samples are of a .tif");
     ensure!(args.interleave.is_none() || format == Some(Format::Envi), "--interleave is of ENVI (.hdr)");
     ensure!(!args.compress || tiff.is_some(), "--compress is of a .tif with --layout pages or samples");
@@ -129,7 +143,7 @@ fn write_options(args: &Convert) -> anyhow::Result<Option<WriteOptions>> {
         EnviInterleave::Bip => Interleave::Bip,
     });
     let tiff = spectral_tiff::WriteOptions { layout: tiff.unwrap_or_default(), deflate: args.compress };
-    Ok((!picture).then_some(WriteOptions { interleave, exr, tiff }))
+    Ok((!picture).then_some(WriteOptions { interleave, exr, matlab, tiff }))
 }
 
 /// The spectral file as it is, unless it is to become a scene: it is read when it is written.

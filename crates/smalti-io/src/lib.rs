@@ -5,6 +5,8 @@
 //! | [`spectrum_csv`] | CSV | [`smalti::spectrum::Spectrum`] |
 //! | [`envi`] | ENVI header and samples | [`SpectralFile`] |
 //! | [`exr`] | spectral OpenEXR (PBRT and Fichet et al. 2021 layouts) | [`SpectralFile`], [`smalti::scene::Scene`] |
+//! | [`matlab`] | MAT-files of level 5 and version 7.3: scenes of ISETCam; ICVL, ARAD in | [`SpectralFile`] |
+//! | [`hdf5`] | HDF5: any cube with its wavelengths, KAUST | [`SpectralFile`] |
 //! | [`picture`] | PNG, TIFF, JPEG, OpenEXR RGB in; PNG, TIFF out | [`smalti::color::Image`] |
 //! | [`dng`] | DNG (uncompressed) | [`smalti::sensor::RawImage`] |
 //! | [`l3`] | `.l3` (safetensors) in and out; `.npz`, C header out | [`smalti::l3::Pipeline`], [`smalti::l3::Statistics`] |
@@ -25,6 +27,7 @@
 //! takes memory for what a header declares before it has been compared with what the file can hold. Every writer
 //! writes to a temporary file beside the target and renames it: a target is either whole or as it was.
 
+mod arrays;
 pub mod bands;
 pub mod cache;
 mod camera_toml;
@@ -36,9 +39,11 @@ pub mod envi;
 mod error;
 pub mod exr;
 mod file;
+pub mod hdf5;
 mod icc;
 pub mod l3;
 pub mod lights;
+pub mod matlab;
 pub mod memory;
 pub mod npy;
 pub mod npz;
@@ -52,6 +57,7 @@ pub mod studies;
 pub mod text;
 mod tiff_tags;
 mod toml_source;
+mod variables;
 mod wavelengths;
 pub mod write;
 

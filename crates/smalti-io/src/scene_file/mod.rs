@@ -16,7 +16,7 @@ use smalti::scene::{Scene, Setting};
 use smalti::spectrum::{Illuminant, Observer};
 
 use crate::error::At;
-use crate::{IoError, bands, envi, exr, npz, picture, spectral_tiff};
+use crate::{IoError, bands, envi, exr, hdf5, matlab, npz, picture, spectral_tiff};
 
 pub use into_scene::SceneDefaults;
 pub use spectral::{Quantity, ReadOptions, SpectralFile};
@@ -37,6 +37,10 @@ pub enum Format {
     Tiff,
     /// A folder of pictures, one for each band.
     Bands,
+    /// MATLAB, level 5 or version 7.3.
+    Mat,
+    /// HDF5.
+    Hdf5,
 }
 
 impl Format {
@@ -48,6 +52,8 @@ impl Format {
             "hdr" | "img" | "dat" | "raw" | "bsq" | "bil" | "bip" => Self::Envi,
             "npy" | "npz" => Self::Numpy,
             "tif" | "tiff" => Self::Tiff,
+            "mat" => Self::Mat,
+            "h5" | "hdf5" => Self::Hdf5,
             _ => return None,
         })
     }
@@ -66,8 +72,9 @@ impl Format {
 }
 
 /// Extensions of all files that a scene is read from.
-pub const EXTENSIONS: [&str; 15] = [
-    "exr", "hdr", "img", "dat", "raw", "bsq", "bil", "bip", "npy", "npz", "tif", "tiff", "png", "jpg", "jpeg",
+pub const EXTENSIONS: [&str; 18] = [
+    "exr", "hdr", "img", "dat", "raw", "bsq", "bil", "bip", "npy", "npz", "tif", "tiff", "mat", "h5", "hdf5",
+    "png", "jpg", "jpeg",
 ];
 
 /// Extensions of pictures, which hold no spectra; a TIFF may.
@@ -112,6 +119,8 @@ pub fn read_spectral(path: &Path, options: &ReadOptions) -> Result<Option<Spectr
     let file = match Format::find(path) {
         // What remains is read whole, and cut.
         Some(Format::Exr) if exr::is_spectral(path, options)? => exr::read(path, options)?,
+        Some(Format::Mat) => matlab::read(path, options)?,
+        Some(Format::Hdf5) => hdf5::read(path, options)?,
         Some(Format::Bands) => return bands::read(path, options).map(Some),
         _ => return Ok(None),
     };

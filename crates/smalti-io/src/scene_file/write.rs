@@ -11,7 +11,7 @@ use super::{Format, extension};
 use crate::envi::Interleave;
 use crate::error::At;
 use crate::file::{Negative, sample};
-use crate::{IoError, Limits, envi, exr, npz, spectral_tiff};
+use crate::{IoError, Limits, envi, exr, hdf5, matlab, npz, spectral_tiff};
 
 /// What a format leaves to choose.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -20,12 +20,14 @@ pub struct WriteOptions {
     pub interleave: Option<Interleave>,
     /// Channels of OpenEXR; otherwise those of Fichet et al.
     pub exr: Option<exr::Layout>,
+    /// Version of a MAT-file; otherwise level 5.
+    pub matlab: Option<matlab::Version>,
     /// Bands of TIFF.
     pub tiff: spectral_tiff::WriteOptions,
 }
 
-/// Writes a spectral image in the format that the end of the file's name tells: OpenEXR, ENVI, NumPy or TIFF. All but OpenEXR are
-/// written by rows, so that the image need not fit into memory.
+/// Writes a spectral image in the format that the end of the file's name tells: OpenEXR, MATLAB, HDF5, ENVI, NumPy or TIFF. The last
+/// three are written by rows, so that the image need not fit into memory.
 ///
 /// Returns what the file does not hold, in words.
 ///
@@ -51,7 +53,7 @@ pub fn write(path: &Path, image: &dyn Tiles, options: &WriteOptions) -> Result<V
             npz::write_npy(path, image)?;
         }
         Some(Format::Tiff) => spectral_tiff::write(path, image, options.tiff)?,
-        Some(Format::Exr) => {
+        Some(whole @ (Format::Exr | Format::Mat | Format::Hdf5)) => {
             if !header.wavelengths_nm.iter().copied().eq(header.grid.wavelengths_nm()) {
                 notes.push(format!(
                     "{} holds the spectrum at {}, linear between the bands",
@@ -62,10 +64,15 @@ pub fn write(path: &Path, image: &dyn Tiles, options: &WriteOptions) -> Result<V
             // What does not fit into memory has been refused by then.
             let limits = Limits { decoded_bytes: u64::MAX, ..Limits::default() };
             let file = load(image, path, &ReadOptions { limits, ..ReadOptions::default() })?;
-            exr::write(path, &file.into_energy()?, options.exr.unwrap_or(exr::Layout::Fichet2021))?;
+            match whole {
+                Format::Mat => matlab::write(path, &file, options.matlab.unwrap_or_default())?,
+                Format::Hdf5 => hdf5::write(path, &file)?,
+                _ => exr::write(path, &file.into_energy()?, options.exr.unwrap_or(exr::Layout::Fichet2021))?,
+            }
         }
         Some(Format::Bands) | None => {
-            let expected = "a name that ends in .exr, .hdr (or .img, .bsq, .bil, .bip), .npz, .npy or .tif";
+            let expected =
+                "a name that ends in .exr, .mat, .h5, .hdr (or .img, .bsq, .bil, .bip), .npz, .npy or .tif";
             return Err(IoError::UnknownFormat { path: path.to_owned(), expected });
         }
     }

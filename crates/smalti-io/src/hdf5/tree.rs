@@ -1,0 +1,280 @@
+//! Groups and datasets as named variables.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use hdf5_pure::{
+    AttrValue, Dataset, Datatype, DatatypeByteOrder, FloatingPointLayout, FormatError, Group, Layout, Object,
+};
+
+use super::{FORMAT, octave};
+use crate::arrays::chunks::{ChunkTable, Filter, StoredChunk};
+use crate::arrays::element::{Element, Kind};
+use crate::arrays::source::Source;
+use crate::arrays::{Array, Storage};
+use crate::variables::{Attribute, Fields, Numbers, Value};
+use crate::{IoError, Limits};
+
+// Registered identifiers of filters.
+const DEFLATE: u16 = 1;
+const SHUFFLE: u16 = 2;
+// Longer ones are no names of things.
+const LONGEST_TEXT: u64 = 1 << 20;
+
+/// What is read, and how.
+#[derive(Clone)]
+struct Context {
+    source: Source,
+    limits: Limits,
+    path: PathBuf,
+}
+
+/// A group.
+pub(crate) struct Members {
+    pub(super) group: Group,
+    datasets: Vec<String>,
+    groups: Vec<String>,
+    context: Context,
+}
+
+/// The root group of a file.
+pub(crate) fn open(source: Source, path: &Path, limits: Limits) -> Result<Members, IoError> {
+    let context = Context { source: Arc::clone(&source), limits, path: path.to_owned() };
+    let file = hdf5_pure::File::from_source(Positioned(source)).map_err(|e| context.decode(e))?;
+    context.members(file.root())
+}
+
+/// The source as the crate wants it.
+struct Positioned(Source);
+
+impl hdf5_pure::Source for Positioned {
+    fn len(&self) -> u64 {
+        self.0.len()
+    }
+
+    fn read_at(&self, offset: u64, buf: &mut [u8]) -> Result<(), FormatError> {
+        self.0.read_at(offset, buf).map_err(|_| FormatError::UnexpectedEof {
+            expected: usize::try_from(offset).unwrap_or(usize::MAX).saturating_add(buf.len()),
+            available: usize::try_from(self.0.len()).unwrap_or(usize::MAX),
+        })
+    }
+}
+
+impl Fields for Members {
+    fn names(&self) -> Vec<String> {
+        self.datasets.iter().chain(&self.groups).cloned().collect()
+    }
+
+    fn get(&self, name: &str) -> Result<Option<Value>, IoError> {
+        let context = &self.context;
+        if self.datasets.iter().any(|n| n == name) {
+            let dataset = self.group.dataset(name).map_err(|e| context.decode(e))?;
+            return context.value(&dataset, true).map(Some);
+        }
+        if self.groups.iter().any(|n| n == name) {
+            let group = self.group.group(name).map_err(|e| context.decode(e))?;
+            let attributes = group.attrs().map_err(|e| context.decode(e))?;
+            let members = context.members(group)?;
+            if attributes.contains_key(octave::MARK) {
+                return octave::value(&members).map(Some);
+            }
+            return Ok(Some(Value::Fields(Box::new(members))));
+        }
+        Ok(None)
+    }
+}
+
+impl Members {
+    pub(super) fn decode(&self, error: impl std::fmt::Display) -> IoError {
+        self.context.decode(error)
+    }
+
+    pub(super) fn path(&self) -> &Path {
+        &self.context.path
+    }
+
+    pub(super) fn limits(&self) -> Limits {
+        self.context.limits
+    }
+}
+
+impl Context {
+    fn decode(&self, error: impl std::fmt::Display) -> IoError {
+        IoError::Decode { path: self.path.clone(), format: FORMAT, message: error.to_string() }
+    }
+
+    fn members(&self, group: Group) -> Result<Members, IoError> {
+        let datasets = group.datasets().map_err(|e| self.decode(e))?;
+        let mut groups = group.groups().map_err(|e| self.decode(e))?;
+        // Where MATLAB keeps what cells and objects refer to.
+        groups.retain(|name| !name.starts_with('#'));
+        Ok(Members { group, datasets, groups, context: self.clone() })
+    }
+
+    /// A dataset. References are followed once: MATLAB keeps cells and fields of arrays of structs so.
+    fn value(&self, dataset: &Dataset, follow: bool) -> Result<Value, IoError> {
+        let decode = |e| self.decode(e);
+        let attributes = dataset.attrs().map_err(decode)?;
+        let class = attributes.get("MATLAB_class").and_then(AttrValue::as_str).map(str::to_owned);
+        // An empty array is stored as the list of its dimensions.
+        if attributes.contains_key("MATLAB_empty") {
+            return Ok(Value::Other("empty"));
+        }
+        let shape = dataset.shape().map_err(decode)?;
+        let one = shape.iter().all(|&d| d == 1);
+        let element = match dataset.datatype().map_err(decode)? {
+            Datatype::Reference { .. } if one && follow => {
+                return match dataset.dereference().map_err(decode)?.into_iter().next() {
+                    Some(Object::Dataset(dataset)) => self.value(&dataset, false),
+                    Some(Object::Group(group)) => self.members(group).map(|m| Value::Fields(Box::new(m))),
+                    _ => Ok(Value::Other("a reference")),
+                };
+            }
+            Datatype::Reference { .. } => return Ok(Value::Other("a cell array")),
+            Datatype::String { size, .. } if u64::from(size) <= LONGEST_TEXT && one => {
+                return self.string(dataset);
+            }
+            Datatype::VariableLength { is_string: true, .. } if one => return self.string(dataset),
+            Datatype::Compound { .. } => return Ok(Value::Other("complex numbers or records")),
+            datatype => match element(&datatype) {
+                Some(element) => element,
+                None => return Ok(Value::Other("neither numbers nor text")),
+            },
+        };
+        let mut dims = Vec::with_capacity(shape.len());
+        for &d in shape.iter().rev() {
+            dims.push(usize::try_from(d).map_err(|e| self.decode(e))?);
+        }
+        let Some(storage) = self.storage(dataset, &dims, element)? else {
+            return Ok(Value::Other("a virtual dataset"));
+        };
+        let array = Array { dims, element, storage };
+        if class.as_deref() == Some("char") {
+            return self.characters(&array).map(Value::Text);
+        }
+        let attributes = attributes
+            .into_iter()
+            .filter_map(|(name, value)| {
+                let integers = || Some(value.to_i64s()?.into_iter().map(|v| v as f64).collect());
+                let value = match value.as_str() {
+                    Some(text) => Attribute::Text(text.to_owned()),
+                    None => Attribute::Numbers(value.to_f64s().or_else(integers)?),
+                };
+                Some((name, value))
+            })
+            .collect();
+        Ok(Value::Numbers(Numbers { array, matlab: class.is_some(), attributes }))
+    }
+
+    fn string(&self, dataset: &Dataset) -> Result<Value, IoError> {
+        let strings = dataset.read_string().map_err(|e| self.decode(e))?;
+        Ok(strings.into_iter().next().map_or(Value::Other("empty"), Value::Text))
+    }
+
+    /// A text of MATLAB: UTF-16.
+    fn characters(&self, array: &Array) -> Result<String, IoError> {
+        if array.bytes() > LONGEST_TEXT {
+            return Err(self.decode(format!("a text of {} bytes", array.bytes())));
+        }
+        let units = array.values(&self.path, self.limits)?;
+        Ok(String::from_utf16_lossy(&units.iter().map(|&u| u as u16).collect::<Vec<u16>>()))
+    }
+
+    /// Where the numbers are; none where they are in other files.
+    fn storage(
+        &self,
+        dataset: &Dataset,
+        dims: &[usize],
+        element: Element,
+    ) -> Result<Option<Storage>, IoError> {
+        let bytes = dims.iter().fold(element.size() as u64, |n, &d| n.saturating_mul(d as u64));
+        self.limits.check(&self.path, "a dataset", bytes, self.source.len())?;
+        match dataset.layout().map_err(|e| self.decode(e))? {
+            Layout::Virtual => return Ok(None),
+            Layout::Contiguous { address: Some(offset), size } if size >= bytes => {
+                return Ok(Some(Storage::Run { source: Arc::clone(&self.source), offset }));
+            }
+            Layout::Chunked { chunk_shape, .. } => {
+                if let Some(table) = self.chunks(dataset, dims, &chunk_shape) {
+                    table.check(element, &self.path, self.limits)?;
+                    return Ok(Some(Storage::Chunks(Arc::new(table))));
+                }
+            }
+            _ => {}
+        }
+        // What is rare, the crate reads: other filters, arrays that were written in part, small ones in the header.
+        let raw = dataset.read_raw().map_err(|e| self.decode(e))?;
+        if raw.len() as u64 != bytes {
+            return Err(self.decode(format!("a dataset of {} bytes; expected {bytes}", raw.len())));
+        }
+        Ok(Some(Storage::Run { source: Arc::new(raw), offset: 0 }))
+    }
+
+    /// The chunks of an array of at most three axes, deflated at most.
+    fn chunks(&self, dataset: &Dataset, dims: &[usize], chunk_shape: &[u64]) -> Option<ChunkTable> {
+        let filters = dataset
+            .filter_pipeline()
+            .iter()
+            .map(|f| match f.id {
+                DEFLATE => Some(Filter::Deflate),
+                SHUFFLE => Some(Filter::Shuffle),
+                _ => None,
+            })
+            .collect::<Option<Vec<Filter>>>()?;
+        let fastest_first = |of: &[u64], rest: usize| -> Option<[usize; 3]> {
+            let mut three = [rest; 3];
+            for (i, &n) in of.iter().rev().enumerate() {
+                *three.get_mut(i)? = usize::try_from(n).ok()?;
+            }
+            Some(three)
+        };
+        let chunk_dims = fastest_first(chunk_shape, 1)?;
+        let mut stored = Vec::new();
+        for chunk in dataset.chunks().ok()? {
+            let place =
+                StoredChunk { address: chunk.address, bytes: chunk.storage_size, skipped: chunk.filter_mask };
+            stored.push((fastest_first(&chunk.offset, 0)?, place));
+        }
+        let mut three = [1; 3];
+        for (i, &d) in dims.iter().enumerate() {
+            *three.get_mut(i)? = d;
+        }
+        ChunkTable::new(Arc::clone(&self.source), three, chunk_dims, filters, stored)
+    }
+}
+
+/// A type of number that is read here: whole numbers without holes, IEEE 754.
+fn element(datatype: &Datatype) -> Option<Element> {
+    let (kind, order) = match datatype {
+        Datatype::FixedPoint { size, byte_order, layout }
+            if layout.bit_offset == 0 && u32::from(layout.bit_precision) == 8 * size =>
+        {
+            let kind = match (size, layout.signed) {
+                (1, true) => Kind::I8,
+                (1, false) => Kind::U8,
+                (2, true) => Kind::I16,
+                (2, false) => Kind::U16,
+                (4, true) => Kind::I32,
+                (4, false) => Kind::U32,
+                (8, true) => Kind::I64,
+                (8, false) => Kind::U64,
+                _ => return None,
+            };
+            (kind, byte_order)
+        }
+        Datatype::FloatingPoint { byte_order, layout, .. } => {
+            let kind = match *layout {
+                FloatingPointLayout::IEEE754_BINARY32 => Kind::F32,
+                FloatingPointLayout::IEEE754_BINARY64 => Kind::F64,
+                _ => return None,
+            };
+            (kind, byte_order)
+        }
+        _ => return None,
+    };
+    match order {
+        DatatypeByteOrder::LittleEndian => Some(Element { kind, big_endian: false }),
+        DatatypeByteOrder::BigEndian => Some(Element { kind, big_endian: true }),
+        DatatypeByteOrder::Vax => None,
+    }
+}

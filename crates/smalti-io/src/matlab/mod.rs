@@ -1,0 +1,89 @@
+//! MATLAB: scenes of ISETCam, and cubes of data sets, in MAT-files of level 5 and of version 7.3.
+
+mod content;
+#[cfg(test)]
+mod tests;
+mod v5;
+mod v73;
+
+use std::path::Path;
+use std::sync::Arc;
+
+use crate::arrays::source::{Source, bytes_at, open};
+use crate::{IoError, ReadOptions, SpectralFile, hdf5, variables, write as whole};
+
+const FORMAT: &str = "MATLAB";
+
+/// A version of the format.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[non_exhaustive]
+pub enum Version {
+    /// Level 5, which every program reads; variables up to 2 GiB.
+    #[default]
+    V5,
+    /// Version 7.3, of any size: HDF5.
+    V73,
+}
+
+/// A spectral image from a MAT-file of level 5 (`-v6`, `-v7`) or of version 7.3, told apart by their first bytes.
+///
+/// A scene of ISETCam is photons s⁻¹ m⁻² sr⁻¹ nm⁻¹, whether it comes as the struct `scene`, as `photons` with `wave`, or
+/// as `mcCOEF` with `basis`; its illuminant, distance and field of view are taken where the file has them. What becomes of
+/// other files says [`hdf5::read`](crate::hdf5::read): the rules are the same.
+///
+/// # Errors
+/// As [`hdf5::read`](crate::hdf5::read); files of level 4, which hold no cubes, are refused.
+pub fn read(path: &Path, options: &ReadOptions) -> Result<SpectralFile, IoError> {
+    from_source(open(path, options.limits)?, path, options)
+}
+
+/// As [`read`], from memory; `path` is only named.
+///
+/// # Errors
+/// As [`read`].
+pub fn from_bytes(bytes: &[u8], path: &Path, options: &ReadOptions) -> Result<SpectralFile, IoError> {
+    from_source(Arc::new(bytes.to_vec()), path, options)
+}
+
+fn from_source(source: Source, path: &Path, options: &ReadOptions) -> Result<SpectralFile, IoError> {
+    const HDF5: &[u8] = b"\x89HDF\r\n\x1a\n";
+    let start = bytes_at(&*source, 0, source.len().min(520), "the header", path)?;
+    if start.get(512..) == Some(HDF5) || start.starts_with(HDF5) {
+        return hdf5::from_source(source, path, options);
+    }
+    if let Some(big_endian) = v5::read::is_level_5(&start) {
+        let root = v5::read::open(source, big_endian, path, options.limits)?;
+        return variables::spectral(&root, path, options);
+    }
+    // Level 4 begins with a small number; text that begins with zero bytes is none.
+    if start.len() >= 20 && start.iter().take(4).any(|&b| b == 0) {
+        let (path, found, expected) =
+            (path.to_owned(), "4".into(), "5 or 7.3, which hold arrays of three axes,");
+        return Err(IoError::Version { path, format: FORMAT, found, expected });
+    }
+    Err(IoError::UnknownFormat { path: path.to_owned(), expected: "a MAT-file of level 5 or version 7.3" })
+}
+
+/// Writes photons as a struct `scene` that ISETCam loads (`sceneFromFile`, `load`), other quantities as `cube` (single
+/// precision) and `bands` (nm). Where the distance or the field of view is not known, those of ISETCam stand in the scene
+/// (1.2 m, 10°). The variable `comment` has as JSON what else is known, so that a file reads back as it was.
+///
+/// # Errors
+/// [`IoError::TooLarge`] where a variable is larger than level 5 can hold; when the file cannot be written.
+pub fn write(path: &Path, file: &SpectralFile, version: Version) -> Result<(), IoError> {
+    let variables = content::of(file);
+    match version {
+        Version::V73 => v73::write(path, &variables),
+        Version::V5 => {
+            if let Some(bytes) = v5::write::too_large(&variables) {
+                let (path, limit) = (path.to_owned(), v5::write::largest());
+                let what = "the scene in a MAT-file of level 5 (version 7.3 holds it)";
+                return Err(IoError::TooLarge { path, what, bytes, limit });
+            }
+            whole::atomic(path, |out| {
+                v5::write::write(out, &variables)
+                    .map_err(|source| IoError::Write { path: path.to_owned(), source })
+            })
+        }
+    }
+}

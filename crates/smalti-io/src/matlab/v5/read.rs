@@ -1,0 +1,337 @@
+//! Reading MAT-files of level 5. Nothing is read but the beginnings of arrays, until an array is asked for.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use flate2::{Decompress, FlushDecompress, Status};
+
+use super::{HEADER_BYTES, class, flag, tag};
+use crate::arrays::element::{Element, Kind};
+use crate::arrays::source::{Source, bytes_at};
+use crate::arrays::{Array, Storage};
+use crate::variables::{Fields, Numbers, Value};
+use crate::{IoError, Limits};
+
+// What MATLAB itself holds names to; a longer one is no name.
+const LONGEST_NAME: u64 = 1024;
+const MOST_DIMS: u64 = 32;
+const MOST_FIELDS: u64 = 1 << 16;
+// More than the header of an array with the longest name.
+const PEEK_BYTES: usize = 4096;
+
+/// The variables of a file.
+pub(in crate::matlab) struct Variables {
+    variables: Vec<(String, Place)>,
+    file: File,
+}
+
+/// What is read, and how.
+#[derive(Clone)]
+struct File {
+    source: Source,
+    big_endian: bool,
+    limits: Limits,
+    path: PathBuf,
+}
+
+/// Where an array is: its data element behind its tag, or the compressed stream of element and tag.
+#[derive(Debug, Clone, Copy)]
+enum Place {
+    Plain { offset: u64, bytes: u64 },
+    Compressed { offset: u64, bytes: u64 },
+}
+
+/// Whether a file says that it is of level 5: its byte order, big-endian or not.
+pub(in crate::matlab) fn is_level_5(header: &[u8]) -> Option<bool> {
+    match header.get(124..128)? {
+        [0, 1, b'I', b'M'] => Some(false),
+        [1, 0, b'M', b'I'] => Some(true),
+        _ => None,
+    }
+}
+
+/// Lists the variables of a file.
+pub(in crate::matlab) fn open(
+    source: Source,
+    big_endian: bool,
+    path: &Path,
+    limits: Limits,
+) -> Result<Variables, IoError> {
+    let file = File { source, big_endian, limits, path: path.to_owned() };
+    let mut variables = Vec::new();
+    let mut at = HEADER_BYTES;
+    // Less than a tag may follow the last element.
+    while at.saturating_add(8) <= file.source.len() {
+        let element = file.tag(at)?;
+        let name = match element.kind {
+            tag::MATRIX => {
+                let place = Place::Plain { offset: element.data, bytes: element.bytes };
+                file.header(element.data, element.bytes)?.map(|h| (h.name, place))
+            }
+            tag::COMPRESSED => {
+                let place = Place::Compressed { offset: element.data, bytes: element.bytes };
+                file.peek(element)?.map(|name| (name, place))
+            }
+            _ => None,
+        };
+        // The subsystem data of objects have no name.
+        variables.extend(name.filter(|(name, _)| !name.is_empty()));
+        at = if element.kind == tag::COMPRESSED { element.data + element.bytes } else { element.next };
+    }
+    Ok(Variables { variables, file })
+}
+
+impl Fields for Variables {
+    fn names(&self) -> Vec<String> {
+        self.variables.iter().map(|(name, _)| name.clone()).collect()
+    }
+
+    fn get(&self, name: &str) -> Result<Option<Value>, IoError> {
+        match self.variables.iter().find(|(n, _)| n == name) {
+            None => Ok(None),
+            Some((_, Place::Plain { offset, bytes })) => self.file.value(*offset, *bytes).map(Some),
+            Some((_, Place::Compressed { offset, bytes })) => {
+                let file = self.file.inflated(*offset, *bytes)?;
+                let element = file.tag(0)?;
+                file.value(element.data, element.bytes).map(Some)
+            }
+        }
+    }
+}
+
+/// The beginning of a data element.
+#[derive(Debug, Clone, Copy)]
+struct Tag {
+    kind: u32,
+    /// Where its data are, and how many bytes.
+    data: u64,
+    bytes: u64,
+    /// Where the next element begins.
+    next: u64,
+}
+
+/// The beginning of an array.
+struct Header {
+    class: u8,
+    flags: u8,
+    dims: Vec<usize>,
+    name: String,
+    /// Where its content begins, and ends.
+    body: u64,
+    end: u64,
+}
+
+impl File {
+    fn decode(&self, message: impl Into<String>) -> IoError {
+        IoError::Decode { path: self.path.clone(), format: "MATLAB", message: message.into() }
+    }
+
+    fn bytes(&self, offset: u64, len: u64, what: &'static str) -> Result<Vec<u8>, IoError> {
+        bytes_at(&*self.source, offset, len, what, &self.path)
+    }
+
+    fn number(&self, bytes: &[u8]) -> u32 {
+        let bytes: [u8; 4] = bytes.first_chunk().copied().unwrap_or_default();
+        if self.big_endian { u32::from_be_bytes(bytes) } else { u32::from_le_bytes(bytes) }
+    }
+
+    fn tag(&self, at: u64) -> Result<Tag, IoError> {
+        let bytes = self.bytes(at, 8, "a tag")?;
+        let (first, second) = bytes.split_at(4);
+        let first = self.number(first);
+        // Four bytes and fewer stand in the tag itself.
+        if first >> 16 != 0 {
+            let (kind, len) = (first & 0xffff, u64::from(first >> 16));
+            if len > 4 {
+                return Err(self.decode(format!("a small element of {len} bytes at {at}")));
+            }
+            return Ok(Tag { kind, data: at + 4, bytes: len, next: at + 8 });
+        }
+        let len = u64::from(self.number(second));
+        let have = self.source.len() - (at + 8);
+        if len > have {
+            let (path, what) = (self.path.clone(), "an element");
+            return Err(IoError::Truncated { path, what, need: len, have });
+        }
+        Ok(Tag { kind: first, data: at + 8, bytes: len, next: at + 8 + len.next_multiple_of(8) })
+    }
+
+    /// An element of one type and of a bounded length, and where the next one begins.
+    fn part(&self, at: u64, kind: u32, most: u64, what: &'static str) -> Result<(Vec<u8>, u64), IoError> {
+        let tag = self.tag(at)?;
+        if tag.kind != kind || tag.bytes > most {
+            return Err(self.decode(format!("{what} of type {} and {} bytes at {at}", tag.kind, tag.bytes)));
+        }
+        Ok((self.bytes(tag.data, tag.bytes, what)?, tag.next))
+    }
+
+    /// The beginning of the array whose data element lies there. None where it is empty.
+    fn header(&self, offset: u64, bytes: u64) -> Result<Option<Header>, IoError> {
+        if bytes == 0 {
+            return Ok(None);
+        }
+        let (flags, at) = self.part(offset, tag::UINT32, 8, "the flags of an array")?;
+        let word = self.number(&flags);
+        let (dims, at) = self.part(at, tag::INT32, 4 * MOST_DIMS, "the dimensions of an array")?;
+        let dims: Vec<usize> = dims
+            .chunks_exact(4)
+            .map(|d| usize::try_from(self.number(d) as i32))
+            .collect::<Result<_, _>>()
+            .map_err(|_| self.decode(format!("a negative dimension of the array at {offset}")))?;
+        let (name, body) = self.part(at, tag::INT8, LONGEST_NAME, "the name of an array")?;
+        let name = String::from_utf8_lossy(&name).into_owned();
+        let [class, flags, ..] = word.to_le_bytes();
+        Ok(Some(Header { class, flags, dims, name, body, end: offset + bytes }))
+    }
+
+    /// The name of a compressed array; only the beginning of the stream is inflated.
+    fn peek(&self, element: Tag) -> Result<Option<String>, IoError> {
+        let input = self.bytes(element.data, element.bytes.min(2 * PEEK_BYTES as u64), "a variable")?;
+        let mut start = vec![0; PEEK_BYTES];
+        let mut stream = Decompress::new(true);
+        let damaged = |_| self.decode(format!("the compressed variable at {} is damaged", element.data));
+        stream.decompress(&input, &mut start, FlushDecompress::None).map_err(damaged)?;
+        start.truncate(stream.total_out() as usize);
+        if start.len() < 16 {
+            return Ok(None);
+        }
+        let whole = u64::from(self.number(start.get(4..).unwrap_or_default()));
+        // What was not inflated stands for the rest: no header reaches so far.
+        let file = File { source: Arc::new(start), ..self.clone() };
+        Ok(file.header(8, whole)?.map(|h| h.name))
+    }
+
+    /// A compressed element, as a file of its own.
+    fn inflated(&self, offset: u64, bytes: u64) -> Result<Self, IoError> {
+        let input = self.bytes(offset, bytes, "a variable")?;
+        let damaged = || self.decode(format!("the compressed variable at {offset} is damaged"));
+        let mut stream = Decompress::new(true);
+        let mut tag = [0; 8];
+        stream.decompress(&input, &mut tag, FlushDecompress::None).map_err(|_| damaged())?;
+        if stream.total_out() < 8 {
+            return Err(damaged());
+        }
+        let len = 8 + u64::from(self.number(tag.get(4..).unwrap_or_default()));
+        self.limits.check(&self.path, "a variable", len, bytes)?;
+        let mut whole = vec![0; usize::try_from(len).map_err(|_| damaged())?];
+        if let Some(start) = whole.first_chunk_mut() {
+            *start = tag;
+        }
+        let rest = input.get(stream.total_in() as usize..).unwrap_or_default();
+        let into = whole.get_mut(8..).unwrap_or_default();
+        let status = stream.decompress(rest, into, FlushDecompress::Finish);
+        if !matches!(status, Ok(Status::StreamEnd)) || stream.total_out() != len {
+            return Err(damaged());
+        }
+        Ok(Self { source: Arc::new(whole), ..self.clone() })
+    }
+
+    fn value(&self, offset: u64, bytes: u64) -> Result<Value, IoError> {
+        let Some(header) = self.header(offset, bytes)? else { return Ok(Value::Other("empty")) };
+        let one = header.dims.iter().all(|&d| d == 1);
+        match header.class {
+            _ if header.flags & flag::COMPLEX != 0 => Ok(Value::Other("complex numbers")),
+            class::STRUCT | class::OBJECT if one => self.fields(&header).map(|f| Value::Fields(Box::new(f))),
+            class::STRUCT | class::OBJECT => Ok(Value::Other("an array of structs")),
+            class::CELL if one => {
+                let inner = self.tag(header.body)?;
+                // A cell in a cell in a cell … is of no use, and may go deep.
+                match self.header(inner.data, inner.bytes)? {
+                    Some(h) if h.class == class::CELL => Ok(Value::Other("a cell in a cell")),
+                    _ => self.value(inner.data, inner.bytes),
+                }
+            }
+            class::CELL => Ok(Value::Other("a cell array")),
+            class::CHAR => self.text(&header).map(Value::Text),
+            class::SPARSE => Ok(Value::Other("a sparse matrix")),
+            class::DOUBLE..=class::UINT64 => self.numbers(header).map(Value::Numbers),
+            _ => Ok(Value::Other("neither numbers nor text")),
+        }
+    }
+
+    fn text(&self, header: &Header) -> Result<String, IoError> {
+        const LONGEST: u64 = 1 << 20;
+        let tag = self.tag(header.body)?;
+        if tag.bytes > LONGEST {
+            return Err(self.decode(format!("the text {} of {} bytes", header.name, tag.bytes)));
+        }
+        let bytes = self.bytes(tag.data, tag.bytes, "a text")?;
+        let units = |kind| Element { kind, big_endian: self.big_endian }.numbers::<f64>(&bytes);
+        Ok(match tag.kind {
+            tag::UTF8 | tag::INT8 | tag::UINT8 => String::from_utf8_lossy(&bytes).into_owned(),
+            tag::UTF16 | tag::UINT16 => {
+                let units: Vec<u16> = units(Kind::U16).iter().map(|&u| u as u16).collect();
+                String::from_utf16_lossy(&units)
+            }
+            tag::UTF32 | tag::UINT32 => units(Kind::U32)
+                .iter()
+                .map(|&u| char::from_u32(u as u32).unwrap_or(char::REPLACEMENT_CHARACTER))
+                .collect(),
+            _ => return Err(self.decode(format!("the text {} of type {}", header.name, tag.kind))),
+        })
+    }
+
+    fn numbers(&self, header: Header) -> Result<Numbers, IoError> {
+        let tag = self.tag(header.body)?;
+        // MATLAB keeps whole numbers in the smallest type that holds them, whatever the class of the array.
+        let kind = match tag.kind {
+            tag::INT8 => Kind::I8,
+            tag::UINT8 => Kind::U8,
+            tag::INT16 => Kind::I16,
+            tag::UINT16 => Kind::U16,
+            tag::INT32 => Kind::I32,
+            tag::UINT32 => Kind::U32,
+            tag::INT64 => Kind::I64,
+            tag::UINT64 => Kind::U64,
+            tag::SINGLE => Kind::F32,
+            tag::DOUBLE => Kind::F64,
+            _ => return Err(self.decode(format!("the array {} of type {}", header.name, tag.kind))),
+        };
+        let element = Element { kind, big_endian: self.big_endian };
+        let storage = Storage::Run { source: Arc::clone(&self.source), offset: tag.data };
+        let array = Array { dims: header.dims, element, storage };
+        if array.bytes() != tag.bytes {
+            let found = format!("{} bytes for an array of {:?}", tag.bytes, array.dims);
+            return Err(self.decode(found));
+        }
+        Ok(Numbers { array, matlab: true, attributes: Vec::new() })
+    }
+
+    fn fields(&self, header: &Header) -> Result<Struct, IoError> {
+        let mut at = header.body;
+        if header.class == class::OBJECT {
+            at = self.part(at, tag::INT8, LONGEST_NAME, "the class of an object")?.1;
+        }
+        let (longest, at) = self.part(at, tag::INT32, 4, "the length of field names")?;
+        let longest = u64::from(self.number(&longest)).clamp(1, LONGEST_NAME);
+        let (names, mut at) = self.part(at, tag::INT8, MOST_FIELDS * longest, "the names of fields")?;
+        let mut fields = Vec::new();
+        for name in names.chunks_exact(longest as usize) {
+            let name = name.split(|&b| b == 0).next().unwrap_or_default();
+            let tag = self.tag(at)?;
+            if tag.kind != tag::MATRIX || tag.next > header.end.next_multiple_of(8) {
+                return Err(self.decode(format!("a field of type {} at {at}", tag.kind)));
+            }
+            fields.push((String::from_utf8_lossy(name).into_owned(), tag.data, tag.bytes));
+            at = tag.next;
+        }
+        Ok(Struct { fields, file: self.clone() })
+    }
+}
+
+/// A struct: its fields, where they are and how long.
+struct Struct {
+    fields: Vec<(String, u64, u64)>,
+    file: File,
+}
+
+impl Fields for Struct {
+    fn names(&self) -> Vec<String> {
+        self.fields.iter().map(|(name, ..)| name.clone()).collect()
+    }
+
+    fn get(&self, name: &str) -> Result<Option<Value>, IoError> {
+        let field = self.fields.iter().find(|(n, ..)| n == name);
+        field.map(|(_, offset, bytes)| self.file.value(*offset, *bytes)).transpose()
+    }
+}

@@ -1,0 +1,116 @@
+//! Files that hold named arrays, texts and structs of them.
+
+mod cube;
+mod datasets;
+mod isetcam;
+mod wavelengths;
+
+use std::path::Path;
+
+use crate::arrays::Array;
+use crate::{IoError, Limits, ReadOptions, SpectralFile};
+
+/// What a file or a struct holds, by name.
+pub(crate) trait Fields {
+    /// The names, in the order of the file.
+    fn names(&self) -> Vec<String>;
+
+    /// What stands under a name.
+    fn get(&self, name: &str) -> Result<Option<Value>, IoError>;
+}
+
+/// What stands under a name.
+pub(crate) enum Value {
+    Numbers(Numbers),
+    Text(String),
+    Fields(Box<dyn Fields>),
+    /// What nothing is made of here, in words.
+    Other(&'static str),
+}
+
+/// An array and what is said about it.
+#[derive(Clone)]
+pub(crate) struct Numbers {
+    pub(crate) array: Array,
+    /// Its axes are those of MATLAB (rows, columns, …, the fastest first), not those of C and Python.
+    pub(crate) matlab: bool,
+    pub(crate) attributes: Vec<(String, Attribute)>,
+}
+
+/// What is said about an array.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) enum Attribute {
+    Text(String),
+    Numbers(Vec<f64>),
+}
+
+impl Numbers {
+    /// Its elements, if it is a list of at most so many as wavelengths can be.
+    pub(crate) fn list(&self, name: &str, path: &Path, limits: Limits) -> Result<Vec<f64>, IoError> {
+        const MOST: u64 = 1 << 16;
+        let count = self.array.bytes() / self.array.element.size() as u64;
+        if count > MOST {
+            return Err(IoError::field(path, name, format!("{count} numbers"), format!("at most {MOST}")));
+        }
+        self.array.values(path, limits)
+    }
+
+    /// Lengths of its axes without those that come to an end at one element, for a message.
+    pub(crate) fn shape(&self) -> String {
+        let mut dims: Vec<String> = self.array.dims.iter().map(usize::to_string).collect();
+        if !self.matlab {
+            dims.reverse();
+        }
+        dims.join(" × ")
+    }
+}
+
+/// What stands at a path, whose names are separated by dots or slashes.
+pub(crate) fn at(fields: &dyn Fields, place: &str) -> Result<Option<Value>, IoError> {
+    // A name may itself have such a character.
+    if let Some(value) = fields.get(place)? {
+        return Ok(Some(value));
+    }
+    let place = place.trim_start_matches('/');
+    let Some((first, rest)) = place.split_once(['.', '/']) else { return fields.get(place) };
+    match fields.get(first)? {
+        Some(Value::Fields(inner)) => at(&*inner, rest),
+        _ => Ok(None),
+    }
+}
+
+/// The numbers at a path.
+pub(crate) fn numbers_at(fields: &dyn Fields, place: &str) -> Result<Option<Numbers>, IoError> {
+    Ok(match at(fields, place)? {
+        Some(Value::Numbers(numbers)) => Some(numbers),
+        _ => None,
+    })
+}
+
+/// The text at a path.
+pub(crate) fn text_at(fields: &dyn Fields, place: &str) -> Result<Option<String>, IoError> {
+    Ok(match at(fields, place)? {
+        Some(Value::Text(text)) => Some(text),
+        _ => None,
+    })
+}
+
+/// A spectral image among the variables of a file: a scene of ISETCam, the cube of a known data set, or the only cube
+/// there is.
+pub(crate) fn spectral(
+    fields: &dyn Fields,
+    path: &Path,
+    options: &ReadOptions,
+) -> Result<SpectralFile, IoError> {
+    if let Some(place) = &options.variable
+        && let Some(Value::Fields(scene)) = at(fields, place)?
+    {
+        return isetcam::scene_struct(&*scene, path, options, None);
+    }
+    if options.variable.is_none()
+        && let Some(file) = isetcam::find(fields, path, options)?
+    {
+        return Ok(file);
+    }
+    datasets::read(fields, path, options)
+}
