@@ -5,11 +5,11 @@ use std::path::PathBuf;
 
 use smalti::camera::Camera;
 use smalti::spectrum::WavelengthGrid;
-use smalti_io::{CameraSource, Override};
+use smalti_io::{TomlSource, Override};
 
 libfuzzer_sys::fuzz_target!(|data: &[u8]| {
     let Ok(text) = std::str::from_utf8(data) else { return };
-    let source = CameraSource { name: "fuzz.toml".into(), folder: PathBuf::new(), text: text.into() };
+    let source = TomlSource { name: "fuzz.toml".into(), folder: PathBuf::new(), text: text.into() };
     let overrides: Vec<Override> = text.lines().take(3).filter_map(|l| l.parse().ok()).collect();
     for overrides in [&[][..], &overrides] {
         match source.describe(overrides) {
