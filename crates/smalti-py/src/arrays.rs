@@ -2,7 +2,9 @@
 //! In: one copy, since the library owns its memory.
 
 use numpy::ndarray::{ArrayView, Dimension, IxDyn, ShapeBuilder};
-use numpy::{Element, PyArray, PyArrayDescr, PyArrayDyn, PyArrayMethods, PyReadonlyArrayDyn, PyUntypedArrayMethods};
+use numpy::{
+    Element, PyArray, PyArrayDescr, PyArrayDyn, PyArrayMethods, PyReadonlyArrayDyn, PyUntypedArrayMethods,
+};
 use pyo3::prelude::*;
 use smalti::numeric::Planes;
 use smalti::spectrum::WavelengthGrid;
@@ -13,10 +15,15 @@ use crate::error::wrong;
 const EVEN: f64 = 1e-3;
 
 /// Whatever NumPy takes for an array of a type: one of that type as it is, another converted.
-pub(crate) fn array<'py, T: Element>(value: &Bound<'py, PyAny>, what: &str) -> PyResult<PyReadonlyArrayDyn<'py, T>> {
+pub(crate) fn array<'py, T: Element>(
+    value: &Bound<'py, PyAny>,
+    what: &str,
+) -> PyResult<PyReadonlyArrayDyn<'py, T>> {
     let py = value.py();
     let made = py.import("numpy")?.call_method1("asarray", (value, PyArrayDescr::of::<T>(py)))?;
-    let array = made.cast_into::<PyArrayDyn<T>>().map_err(|_| wrong(format!("{what}: expected an array of numbers")))?;
+    let array = made
+        .cast_into::<PyArrayDyn<T>>()
+        .map_err(|_| wrong(format!("{what}: expected an array of numbers")))?;
     Ok(array.try_readonly()?)
 }
 
@@ -36,13 +43,15 @@ pub(crate) fn planes(value: &Bound<'_, PyAny>, what: &str, last: &str) -> PyResu
         [rows, cols, count] => (rows, cols, count),
         _ => return Err(expected(what, &["rows", "columns", last], view.shape())),
     };
-    let view = view.into_shape_with_order((rows, cols, count)).or_else(|_| {
-        array.as_array().into_dimensionality::<numpy::Ix3>()
-    });
+    let view = view
+        .into_shape_with_order((rows, cols, count))
+        .or_else(|_| array.as_array().into_dimensionality::<numpy::Ix3>());
     let view = view.map_err(|_| expected(what, &["rows", "columns", last], array.shape()))?;
     let mut planes = Planes::zeros(rows, cols, count);
     let length = (rows * cols).max(1);
-    for (plane, from) in planes.data_mut().chunks_exact_mut(length).zip(view.axis_iter(numpy::ndarray::Axis(2))) {
+    for (plane, from) in
+        planes.data_mut().chunks_exact_mut(length).zip(view.axis_iter(numpy::ndarray::Axis(2)))
+    {
         plane.iter_mut().zip(from.iter()).for_each(|(to, v)| *to = *v);
     }
     Ok(planes)
@@ -78,7 +87,10 @@ pub(crate) fn grid(wavelengths_nm: &[f64]) -> PyResult<WavelengthGrid> {
 }
 
 /// A view of memory that `owner` holds.
-fn view<'py, T: Element, D: Dimension>(owner: Bound<'py, PyAny>, view: &ArrayView<'_, T, D>) -> PyResult<Bound<'py, PyAny>> {
+fn view<'py, T: Element, D: Dimension>(
+    owner: Bound<'py, PyAny>,
+    view: &ArrayView<'_, T, D>,
+) -> PyResult<Bound<'py, PyAny>> {
     // SAFETY: the array holds a reference to `owner`, a frozen object that neither changes nor frees the memory while it lives.
     let array = unsafe { PyArray::borrow_from_array(view, owner) };
     let array = array.try_readwrite()?.make_nonwriteable();

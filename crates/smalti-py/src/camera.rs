@@ -8,9 +8,9 @@ use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyDict, PyString};
 use smalti::camera::Camera;
 use smalti::isp::WhiteBalance;
+use smalti::sensor::{Cfa, Channel};
 use smalti::sensor::{Exposure, NoiseMode};
 use smalti::spectrum::{Outside, Spectrum, WavelengthGrid};
-use smalti::sensor::{Cfa, Channel};
 use smalti_io::dng::{ColorMatrix, DngInfo};
 use smalti_io::{Override, TomlSource, cameras};
 
@@ -96,7 +96,9 @@ impl PyCamera {
     /// Its description as the text of a TOML file.
     fn to_toml(&self) -> PyResult<String> {
         if self.own_cfa {
-            return Err(wrong("a camera with a Cfa of one's own has no description of it; write the filters to files"));
+            return Err(wrong(
+                "a camera with a Cfa of one's own has no description of it; write the filters to files",
+            ));
         }
         toml::to_string(self.camera.description()).or_raise()
     }
@@ -148,11 +150,7 @@ impl PyCamera {
     /// The scene, as wide as needed to lie on the sensor whole. Scenes from files and arrays are not spread over more pixels than they
     /// have.
     fn fitted(&self, scene: &PyScene) -> PyResult<PyScene> {
-        let (rows, cols) = (scene.scene.radiance().rows(), scene.scene.radiance().cols());
-        let whole = self.camera.sensor.cols.min(self.camera.sensor.rows * cols / rows.max(1));
-        let span = if scene.is_file { whole.min(cols) } else { whole };
-        let deg = self.camera.field_of_view_deg(span.max(1), scene.scene.distance_m()).or_raise()?;
-        Ok(PyScene { scene: scene.scene.clone().with_fov(deg).or_raise()?, fov_stated: true, ..scene.clone() })
+        self.on_sensor(scene)
     }
 
     /// What the lens throws on the sensor. Scenes whose field of view was not stated are `fitted`.
@@ -215,7 +213,8 @@ impl PyCamera {
             other => return Err(wrong(format!("white_balance is '{other}'; expected none or camera"))),
         };
         watched(py, None, |_| {
-            let image = smalti::isp::Isp::render(&camera.isp(&light, balance).or_raise()?, &raw.raw).or_raise()?;
+            let image =
+                smalti::isp::Isp::render(&camera.isp(&light, balance).or_raise()?, &raw.raw).or_raise()?;
             Ok(PyImage::new(image, white))
         })
     }
@@ -321,9 +320,22 @@ impl PyCamera {
         Ok(if self.own_cfa { camera.with_cfa(on_grid(&self.camera.sensor.cfa, grid)?) } else { camera })
     }
 
+    /// The scene, as wide as needed to lie on the sensor whole.
+    pub(crate) fn on_sensor(&self, scene: &PyScene) -> PyResult<PyScene> {
+        let (rows, cols) = (scene.scene.radiance().rows(), scene.scene.radiance().cols());
+        let whole = self.camera.sensor.cols.min(self.camera.sensor.rows * cols / rows.max(1));
+        let span = if scene.is_file { whole.min(cols) } else { whole };
+        let deg = self.camera.field_of_view_deg(span.max(1), scene.scene.distance_m()).or_raise()?;
+        Ok(PyScene {
+            scene: scene.scene.clone().with_fov(deg).or_raise()?,
+            fov_stated: true,
+            ..scene.clone()
+        })
+    }
+
     /// Camera and scene on one grid, the scene on the sensor.
     fn before(&self, scene: &PyScene) -> PyResult<(Camera, PyScene)> {
-        let scene = if scene.fov_stated { scene.clone() } else { self.fitted(scene)? };
+        let scene = if scene.fov_stated { scene.clone() } else { self.on_sensor(scene)? };
         Ok((self.on(scene.scene.radiance().grid())?, scene))
     }
 
@@ -376,7 +388,10 @@ impl PyPhotograph {
 
     fn __repr__(&self) -> String {
         let (rows, cols) = (self.picture.image.rows(), self.picture.image.cols());
-        format!("<smalti.Photograph: {rows} × {cols} pixels, exposed {} ms>", short(self.exposure_time_s * 1e3))
+        format!(
+            "<smalti.Photograph: {rows} × {cols} pixels, exposed {} ms>",
+            short(self.exposure_time_s * 1e3)
+        )
     }
 
     fn _repr_png_<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
@@ -419,14 +434,20 @@ fn on_grid(cfa: &Cfa, grid: WavelengthGrid) -> PyResult<Cfa> {
 /// Why a file of a camera or study does not do; that it is not there is told apart.
 pub(crate) fn diagnosed(name: &str, text: &str) -> PyErr {
     let is_toml = Path::new(name).extension().is_some_and(|e| e.eq_ignore_ascii_case("toml"));
-    if is_toml && !Path::new(name).exists() { not_found(text.into()) } else { SmaltiError::new_err(text.to_owned()) }
+    if is_toml && !Path::new(name).exists() {
+        not_found(text.into())
+    } else {
+        SmaltiError::new_err(text.to_owned())
+    }
 }
 
 /// Keys and their values as the command takes them.
 pub(crate) fn overrides(set: Option<&Bound<'_, PyDict>>) -> PyResult<Vec<Override>> {
     let one = |(key, value): (Bound<'_, PyAny>, Bound<'_, PyAny>)| {
-        let key: String = key.extract().map_err(|_| wrong("set: expected keys such as \"sensor.pixel.pitch_um\""))?;
-        let value = toml_value(&value).map_err(|_| wrong(format!("set[\"{key}\"]: {value} has no form in TOML")))?;
+        let key: String =
+            key.extract().map_err(|_| wrong("set: expected keys such as \"sensor.pixel.pitch_um\""))?;
+        let value =
+            toml_value(&value).map_err(|_| wrong(format!("set[\"{key}\"]: {value} has no form in TOML")))?;
         Ok(Override { key, value: value.to_string() })
     };
     set.into_iter().flat_map(|set| set.iter()).map(one).collect()
@@ -441,7 +462,8 @@ fn toml_value(value: &Bound<'_, PyAny>) -> PyResult<toml::Value> {
         return Ok(toml::Value::Boolean(value.extract()?));
     }
     if let Ok(table) = value.cast::<PyDict>() {
-        let entry = |(k, v): (Bound<'_, PyAny>, Bound<'_, PyAny>)| Ok((k.extract::<String>()?, toml_value(&v)?));
+        let entry =
+            |(k, v): (Bound<'_, PyAny>, Bound<'_, PyAny>)| Ok((k.extract::<String>()?, toml_value(&v)?));
         return Ok(toml::Value::Table(table.iter().map(entry).collect::<PyResult<_>>()?));
     }
     if let Ok(plain) = value.call_method0("tolist") {

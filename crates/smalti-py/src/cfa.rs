@@ -77,11 +77,14 @@ impl PyCfa {
         let count = curves.shape().first().copied().unwrap_or(0);
         let names = match channel_names {
             Some(names) if names.len() == count => names,
-            Some(names) => return Err(wrong(format!("channel_names: {} names for {count} channels", names.len()))),
+            Some(names) => {
+                return Err(wrong(format!("channel_names: {} names for {count} channels", names.len())));
+            }
             None => (0..count).map(default_name).collect(),
         };
         let channel = |(name, values): (String, numpy::ndarray::ArrayViewD<'_, f64>)| {
-            let transmittance = Spectrum::new(grid, values.iter().copied().collect()).or_raise_about(&name)?;
+            let transmittance =
+                Spectrum::new(grid, values.iter().copied().collect()).or_raise_about(&name)?;
             if let Some(v) = transmittance.values().iter().find(|v| !(0.0..=1.0).contains(*v)) {
                 return Err(wrong(format!("transmittances: {v} in channel {name}; expected 0 to 1")));
             }
@@ -184,7 +187,8 @@ pub(crate) fn filters() -> Vec<&'static str> {
 pub(crate) fn mosaic(tile: &Bound<'_, PyAny>) -> PyResult<Mosaic> {
     let tile = arrays::array::<i64>(tile, "tile")?;
     arrays::expect_axes(tile.shape(), "tile", &["rows", "columns"])?;
-    let cell = |&v: &i64| u8::try_from(v).map_err(|_| wrong(format!("tile: {v} is no channel; expected 0 to 255")));
+    let cell =
+        |&v: &i64| u8::try_from(v).map_err(|_| wrong(format!("tile: {v} is no channel; expected 0 to 255")));
     let cells = tile.as_array().iter().map(cell).collect::<PyResult<Vec<u8>>>()?;
     let (rows, cols) = (tile.shape().first().copied(), tile.shape().get(1).copied());
     Mosaic::new(rows.unwrap_or(0), cols.unwrap_or(0), cells).or_raise()
@@ -200,8 +204,9 @@ pub(crate) fn default_name(channel: usize) -> String {
 
 fn letters(filters: &Bound<'_, PyDict>, grid: WavelengthGrid) -> PyResult<Vec<(char, Spectrum)>> {
     let one = |(letter, value): (Bound<'_, PyAny>, Bound<'_, PyAny>)| {
-        let letter: char =
-            letter.extract().map_err(|_| wrong("filters: expected single letters, such as {\"R\": \"red\"}"))?;
+        let letter: char = letter
+            .extract()
+            .map_err(|_| wrong("filters: expected single letters, such as {\"R\": \"red\"}"))?;
         Ok((letter, filter(&value, &format!("filters[{letter:?}]"), grid)?))
     };
     filters.iter().map(one).collect()

@@ -7,8 +7,12 @@
 mod arrays;
 mod camera;
 mod cfa;
+mod color;
 mod error;
+mod evaluate;
 mod image;
+mod l3;
+mod metrics;
 mod raw;
 mod scene;
 mod spectrum;
@@ -24,9 +28,21 @@ mod _smalti {
     #[pymodule_export]
     use crate::cfa::{PyCfa, cfas, filters};
     #[pymodule_export]
+    use crate::color::{delta_e, lab, scielab_map, xyz};
+    #[pymodule_export]
     use crate::error::SmaltiError;
     #[pymodule_export]
+    use crate::evaluate::{
+        PyEvaluation, PySceneScores, evaluate, score_pictures, score_scenes, test_scene_names,
+    };
+    #[pymodule_export]
     use crate::image::PyImage;
+    #[pymodule_export]
+    use crate::l3::{PyPipeline, PyStatistics, gather_statistics, solve_statistics, training_set_len};
+    #[pymodule_export]
+    use crate::metrics::{
+        PyEdge, aliasing, cpsnr_db, edge_sfr, luminance_noise_percent, metrics, visual_snr,
+    };
     #[pymodule_export]
     use crate::raw::PyRawImage;
     #[pymodule_export]

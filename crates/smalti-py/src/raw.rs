@@ -5,8 +5,8 @@ use std::path::PathBuf;
 use numpy::{IntoPyArray, PyArrayMethods, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 use smalti::sensor::{RawImage, RawSamples, Sampling};
-use smalti_io::dng::{self, DngInfo};
 use smalti_io::Limits;
+use smalti_io::dng::{self, DngInfo};
 
 use crate::arrays;
 use crate::cfa::{PyCfa, default_name, mosaic};
@@ -50,7 +50,9 @@ impl PyRawImage {
         let (rows, cols, planes) = match (shape.as_slice(), tile.is_some()) {
             (&[rows, cols], true) => (rows, cols, 1),
             (&[rows, cols, channels], false) => (rows, cols, channels),
-            (_, true) => return Err(wrong(format!("samples: expected an array [rows, columns]; got shape {shape:?}"))),
+            (_, true) => {
+                return Err(wrong(format!("samples: expected an array [rows, columns]; got shape {shape:?}")));
+            }
             (_, false) => {
                 return Err(wrong(format!(
                     "samples: expected an array [rows, columns, channels], or a tile of channels; got shape {shape:?}"
@@ -71,12 +73,16 @@ impl PyRawImage {
             Some(tile) => match tile.cast::<PyCfa>() {
                 Ok(cfa) => {
                     let cfa = &cfa.get().0;
-                    (Sampling::Mosaic(cfa.mosaic().clone()), Some(cfa.channels().iter().map(|c| c.name.clone()).collect()))
+                    (
+                        Sampling::Mosaic(cfa.mosaic().clone()),
+                        Some(cfa.channels().iter().map(|c| c.name.clone()).collect()),
+                    )
                 }
                 Err(_) => (Sampling::Mosaic(mosaic(tile)?), None),
             },
         };
-        let names = channel_names.or(names).unwrap_or_else(|| (0..sampling.channels()).map(default_name).collect());
+        let names =
+            channel_names.or(names).unwrap_or_else(|| (0..sampling.channels()).map(default_name).collect());
         let raw = RawImage::new(rows, cols, samples, sampling, names, black_level, white_level).or_raise()?;
         Ok(Self { raw, notes: Vec::new(), info: None })
     }
@@ -116,7 +122,9 @@ impl PyRawImage {
         let (rows, cols, planes) = (raw.rows(), raw.cols(), raw.sampling().planes());
         match raw.sampling() {
             Sampling::Mosaic(_) => Ok(values.reshape((rows, cols))?.into_any()),
-            Sampling::Full { .. } => values.reshape((planes, rows, cols))?.call_method1("transpose", (1, 2, 0)),
+            Sampling::Full { .. } => {
+                values.reshape((planes, rows, cols))?.call_method1("transpose", (1, 2, 0))
+            }
         }
     }
 
@@ -124,7 +132,9 @@ impl PyRawImage {
     #[getter]
     fn tile<'py>(slf: &Bound<'py, Self>) -> PyResult<Option<Bound<'py, PyAny>>> {
         match slf.get().raw.sampling() {
-            Sampling::Mosaic(m) => arrays::slice_view(slf.as_any().clone(), &[m.rows(), m.cols()], m.cells()).map(Some),
+            Sampling::Mosaic(m) => {
+                arrays::slice_view(slf.as_any().clone(), &[m.rows(), m.cols()], m.cells()).map(Some)
+            }
             Sampling::Full { .. } => Ok(None),
         }
     }

@@ -148,7 +148,15 @@ impl PyScene {
         name: &str,
     ) -> PyResult<Self> {
         let cube = cube(reflectance, "reflectance", wavelengths_nm)?;
-        Self::from_cube(cube, Quantity::Reflectance, illuminant, Some(luminance_cd_m2), distance_m, fov_deg, name)
+        Self::from_cube(
+            cube,
+            Quantity::Reflectance,
+            illuminant,
+            Some(luminance_cd_m2),
+            distance_m,
+            fov_deg,
+            name,
+        )
     }
 
     /// Spectral radiance, photons s⁻¹ m⁻² sr⁻¹ nm⁻¹, float32 [rows, columns, wavelengths]: a view, not writeable.
@@ -354,7 +362,11 @@ fn changed(
 }
 
 /// An array \[rows, columns, wavelengths\] on its wavelengths.
-fn cube(value: &Bound<'_, PyAny>, what: &str, wavelengths_nm: Option<&Bound<'_, PyAny>>) -> PyResult<SpectralCube> {
+fn cube(
+    value: &Bound<'_, PyAny>,
+    what: &str,
+    wavelengths_nm: Option<&Bound<'_, PyAny>>,
+) -> PyResult<SpectralCube> {
     let planes = arrays::planes(value, what, "wavelengths")?;
     let grid: WavelengthGrid = grid_or_visible(wavelengths_nm)?;
     if planes.count() != grid.len() {

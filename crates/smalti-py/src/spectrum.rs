@@ -133,9 +133,9 @@ pub(crate) fn light(value: &Bound<'_, PyAny>) -> PyResult<Illuminant> {
     if let Ok(name) = value.cast::<PyString>() {
         return lights::load(name.to_str()?, std::path::Path::new("")).or_raise();
     }
-    let power = value
-        .cast::<PySpectrum>()
-        .map_err(|_| wrong("illuminant: expected a name, a CSV file or a smalti.Spectrum of relative power"))?;
+    let power = value.cast::<PySpectrum>().map_err(|_| {
+        wrong("illuminant: expected a name, a CSV file or a smalti.Spectrum of relative power")
+    })?;
     Ok(Illuminant::Measured { name: "given".into(), power: power.get().0.clone() })
 }
 
