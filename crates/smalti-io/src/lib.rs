@@ -12,6 +12,7 @@
 //! | [`dataset`] | folders of Parquet files, and their manifest | [`dataset::Column`] |
 //! | [`cameras`] | TOML | [`smalti::camera::Camera`] |
 //! | [`studies`] | TOML | [`smalti::design::Designs`] |
+//! | [`sweeps`] | a study and its folder of results | [`dataset::Plan`], [`dataset::Run`] |
 //! | [`lights`] | a name, or CSV | [`smalti::spectrum::Illuminant`] |
 //! | [`scene_file`] | whatever holds a scene | [`smalti::scene::Scene`] |
 //! | [`text`] | UTF-8 | `String` |
@@ -40,6 +41,7 @@ pub mod scene_file;
 pub mod spectrum_csv;
 pub mod stages;
 pub mod studies;
+pub mod sweeps;
 pub mod text;
 mod tiff_tags;
 mod toml_source;

@@ -16,6 +16,7 @@ mod metrics;
 mod raw;
 mod scene;
 mod spectrum;
+mod study;
 mod work;
 
 use pyo3::prelude::*;
@@ -49,6 +50,8 @@ mod _smalti {
     use crate::scene::{PyOpticalImage, PyScene, scenes};
     #[pymodule_export]
     use crate::spectrum::{PySpectrum, illuminant, illuminants};
+    #[pymodule_export]
+    use crate::study::{PyResults, PyStudy, designs_missing, merge, parse_shard, run_sweep, study_names};
 
     /// The version of the package, that of the command.
     #[pymodule_export]

@@ -51,7 +51,9 @@ impl PyRawImage {
             (&[rows, cols], true) => (rows, cols, 1),
             (&[rows, cols, channels], false) => (rows, cols, channels),
             (_, true) => {
-                return Err(wrong(format!("samples: expected an array [rows, columns]; got shape {shape:?}")));
+                return Err(wrong(format!(
+                    "samples: expected an array [rows, columns]; got shape {shape:?}"
+                )));
             }
             (_, false) => {
                 return Err(wrong(format!(

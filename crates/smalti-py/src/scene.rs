@@ -228,8 +228,8 @@ impl PyScene {
     }
 
     /// The scene at another mean luminance (cd/m²), distance (m), field of view (degrees).
-    #[pyo3(name = "with_", signature = (*, luminance_cd_m2=None, distance_m=None, fov_deg=None))]
-    fn with_(
+    #[pyo3(signature = (*, luminance_cd_m2=None, distance_m=None, fov_deg=None))]
+    fn replaced(
         &self,
         luminance_cd_m2: Option<f64>,
         distance_m: Option<f64>,
