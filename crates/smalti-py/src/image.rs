@@ -8,7 +8,7 @@ use pyo3::types::PyBytes;
 use smalti::color::matrix::IDENTITY;
 use smalti::color::{Adaptation, ColorSpace, Image};
 use smalti::numeric::Planes;
-use smalti_io::exr::ReadOptions;
+use smalti_io::scene_file::ReadOptions;
 use smalti_io::picture::{self, Depth};
 
 use crate::arrays;

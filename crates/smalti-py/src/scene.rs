@@ -8,8 +8,8 @@ use smalti::color::{ColorSpace, Image};
 use smalti::optics::OpticalImage;
 use smalti::scene::{Scene, Setting, catalog};
 use smalti::spectrum::{Observer, SpectralCube, WavelengthGrid, reflectance};
-use smalti_io::exr::{self, Layout, Quantity, SceneDefaults, SpectralFile};
-use smalti_io::scene_file;
+use smalti_io::exr::{self, Layout};
+use smalti_io::scene_file::{self, Quantity, ReadOptions, SceneDefaults, SpectralFile};
 
 use crate::arrays;
 use crate::error::{OrRaise, short, wrong};
@@ -75,7 +75,7 @@ impl PyScene {
                     reflectance::natural(setting.grid).or_raise()?.into_iter().map(|(_, s)| s).collect();
                 return catalog::build(&name, &setting, &natural).or_raise();
             }
-            let mut scene = scene_file::read(Path::new(&name), &setting).or_raise()?;
+            let mut scene = scene_file::read(Path::new(&name), &setting, &ReadOptions::default()).or_raise()?;
             // What was stated holds, whatever the file says.
             if let Some(grid) = grid.filter(|g| *g != scene.radiance().grid()) {
                 scene = scene.resampled(grid).or_raise_about(&name)?;
