@@ -15,7 +15,7 @@ photo.raw.write("chart.dng")
 picture = smalti.Pipeline.read("rgbw.l3").render(smalti.RawImage.read("chart.dng"))
 picture.write("learned.png")
 
-reference = camera.reference(photo.optical_image, chart, time_s=photo.exposure_time_s)
+reference = photo.reference()
 own = camera.render(photo.raw, chart)
 for name, made in (("bilinear", own), ("learned", picture)):
-    print(name, {k: round(v, 2) for k, v in smalti.score_picture(made, reference, samples_per_degree=60.0).items()})
+    print(name, {k: round(v, 2) for k, v in smalti.score_picture(made, reference).items()})

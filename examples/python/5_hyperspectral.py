@@ -10,9 +10,7 @@ cube = 0.5 + 0.4 * np.sin(2 * np.pi * (x[..., None] * 3 + (nm - 400.0) / 320.0))
 np.savez("scene.npz", reflectance=cube.astype(np.float32), wavelengths_nm=nm)
 
 file = np.load("scene.npz")
-scene = smalti.Scene.from_reflectance(
-    file["reflectance"], file["wavelengths_nm"], illuminant="A", luminance_cd_m2=40.0, fov_deg=8.0
-)
+scene = smalti.Scene.from_reflectance(file["reflectance"], file["wavelengths_nm"], illuminant="A", luminance_cd_m2=40.0)
 print(scene)
 camera = smalti.Camera("phone", wavelengths_nm=nm)
 photo = camera.photograph(scene)

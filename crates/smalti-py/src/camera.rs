@@ -284,7 +284,10 @@ impl PyCamera {
                 optical_image: PyOpticalImage(photo.optical_image),
                 raw: PyRawImage { raw: photo.raw, notes: Vec::new(), info: Some(info) },
                 picture: PyImage::new(photo.picture, (!balanced).then_some(white)),
-                exposure_time_s: photo.exposure.time_s,
+                exposure: photo.exposure,
+                light: light.clone(),
+                white,
+                camera,
             })
         })
     }
@@ -357,7 +360,11 @@ pub(crate) struct PyPhotograph {
     optical_image: PyOpticalImage,
     raw: PyRawImage,
     picture: PyImage,
-    exposure_time_s: f64,
+    exposure: Exposure,
+    light: Spectrum,
+    white: [f64; 3],
+    /// With the window that was read.
+    camera: Camera,
 }
 
 #[pymethods]
@@ -383,14 +390,23 @@ impl PyPhotograph {
     /// Integration time, s.
     #[getter]
     fn exposure_time_s(&self) -> f64 {
-        self.exposure_time_s
+        self.exposure.time_s
+    }
+
+    /// What the standard observer would see through the same lens and pixels, without noise: in XYZ as they are under the light of the
+    /// scene, on the scale of `Camera.render`.
+    fn reference(&self, py: Python<'_>) -> PyResult<PyImage> {
+        let reference = watched(py, None, |_| {
+            self.camera.reference_as_exposed(&self.optical_image.0, &self.exposure, &self.light).or_raise()
+        })?;
+        Ok(PyImage::new(reference, Some(self.white)))
     }
 
     fn __repr__(&self) -> String {
         let (rows, cols) = (self.picture.image.rows(), self.picture.image.cols());
         format!(
             "<smalti.Photograph: {rows} × {cols} pixels, exposed {} ms>",
-            short(self.exposure_time_s * 1e3)
+            short(self.exposure.time_s * 1e3)
         )
     }
 

@@ -8,8 +8,8 @@ use pyo3::types::PyBytes;
 use smalti::color::matrix::IDENTITY;
 use smalti::color::{Adaptation, ColorSpace, Image};
 use smalti::numeric::Planes;
-use smalti_io::scene_file::ReadOptions;
 use smalti_io::picture::{self, Depth};
+use smalti_io::scene_file::ReadOptions;
 
 use crate::arrays;
 use crate::error::{OrRaise, wrong};

@@ -335,10 +335,11 @@ pub(crate) fn gather_statistics(
             sources.push(format!("pair {i}"));
             watch.step();
         }
-        for (item, scene) in scenes.iter().enumerate() {
+        for (place, scene) in scenes.iter().enumerate() {
             watch.check()?;
-            own.train_on(&mut statistics, &scene.scene, &settings, item as u64)
-                .or_raise_about(&scene.source)?;
+            let before = scenes.iter().take(place).filter(|s| s.source == scene.source).count();
+            let item = item_of(&scene.source, before);
+            own.train_on(&mut statistics, &scene.scene, &settings, item).or_raise_about(&scene.source)?;
             sources.push(scene.source.clone());
             watch.step();
         }
@@ -415,6 +416,13 @@ pub(crate) fn solve_statistics(
 
 fn name(scene: &TrainingScene) -> String {
     format!("{} under {}", scene.spec, scene.light.name())
+}
+
+/// The number that a scene's noise is keyed by, from its name as for the command (FNV-1a, 32 bits): the same whether it is learned
+/// from alone, in parts or with others. Further scenes of one name have numbers of their own.
+fn item_of(name: &str, before: usize) -> u64 {
+    let hash = name.bytes().fold(0x811c_9dc5, |h: u64, b| ((h ^ u64::from(b)) * 0x0100_0193) & 0xffff_ffff);
+    hash.wrapping_add(before as u64) & 0xffff_ffff
 }
 
 /// A scene on the camera's wavelengths and sensor.

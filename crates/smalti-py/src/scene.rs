@@ -75,7 +75,8 @@ impl PyScene {
                     reflectance::natural(setting.grid).or_raise()?.into_iter().map(|(_, s)| s).collect();
                 return catalog::build(&name, &setting, &natural).or_raise();
             }
-            let mut scene = scene_file::read(Path::new(&name), &setting, &ReadOptions::default()).or_raise()?;
+            let mut scene =
+                scene_file::read(Path::new(&name), &setting, &ReadOptions::default()).or_raise()?;
             // What was stated holds, whatever the file says.
             if let Some(grid) = grid.filter(|g| *g != scene.radiance().grid()) {
                 scene = scene.resampled(grid).or_raise_about(&name)?;

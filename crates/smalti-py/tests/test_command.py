@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import smalti
+from numpy.typing import NDArray
 
 from conftest import Command
 
@@ -46,7 +47,11 @@ def test_scores_are_those_of_evaluate(command: Command) -> None:
 def test_captures_are_those_of_simulate(command: Command, tmp_path: Path) -> None:
     command("simulate", "bayer", "--scene", "slanted-bar", "--luminance", "30", "--stages", "-o", tmp_path)
     photo = smalti.Camera("bayer").photograph(smalti.Scene("slanted-bar", luminance_cd_m2=30.0))
-    stage = lambda name: np.load(tmp_path / f"{name}.npy")  # noqa: E731
+
+    def stage(name: str) -> NDArray[np.float32]:
+        array: NDArray[np.float32] = np.load(tmp_path / f"{name}.npy")
+        return array
+
     np.testing.assert_array_equal(photo.raw.samples, stage("3-raw")[0])
     np.testing.assert_array_equal(photo.picture.array, np.moveaxis(stage("4-picture-xyz"), 0, 2))
     np.testing.assert_array_equal(photo.optical_image.irradiance, np.moveaxis(stage("2-optical-image-irradiance"), 0, 2))
@@ -99,8 +104,11 @@ def test_pipelines_are_those_of_train(command: Command, tmp_path: Path) -> None:
     small = {"sensor.rows": 96, "sensor.cols": 128}
     camera = smalti.Camera("bayer", set=small)
     options = ["--set", "sensor.rows=96", "--set", "sensor.cols=128", "--patch", "3", "--levels", "3", "--textures", "none"]
-    command("train", "bayer", *options, "-o", tmp_path / "command.l3")
-    pipeline = smalti.train(camera, patch=3, levels=3, textures="none", progress=False)
+    names = ["grey-steps", "dead-leaves?rows=128&cols=192&seed=4"]
+    scenes = [option for name in names for option in ("--scene", name)]
+    command("train", "bayer", *options, *scenes, "-o", tmp_path / "command.l3")
+    given = [smalti.Scene(name) for name in names]
+    pipeline = smalti.train(camera, given, patch=3, levels=3, textures="none", progress=False)
     pipeline.write(tmp_path / "here.l3")
     assert (tmp_path / "here.l3").read_bytes() == (tmp_path / "command.l3").read_bytes()
     photo = camera.photograph(smalti.Scene("macbeth"))
@@ -108,5 +116,8 @@ def test_pipelines_are_those_of_train(command: Command, tmp_path: Path) -> None:
     command("render", tmp_path / "raw.dng", "--pipeline", tmp_path / "here.l3", "-o", tmp_path / "out.npy")
     rendered = pipeline.render(photo.raw)
     np.testing.assert_array_equal(rendered.array, np.moveaxis(np.load(tmp_path / "out.npy"), 0, 2))
+    # The built-in training set is the same, too: its scenes and lights, in their order.
+    shown = command("train", "--help")
+    assert "[default: D65,A,LED]" in shown
     again = smalti.Pipeline.read(tmp_path / "here.l3")
     np.testing.assert_array_equal(again.weights, pipeline.weights)

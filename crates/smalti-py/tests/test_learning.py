@@ -21,7 +21,13 @@ def test_learn_and_render() -> None:
     assert told == sorted(told) and all(n <= 3 for n in told)
     photo = camera.photograph(smalti.Scene("macbeth"), noise="none")
     rendered = pipeline.render(photo.raw)
-    reference = camera.reference(photo.optical_image, smalti.Scene("macbeth"), time_s=photo.exposure_time_s)
+    reference = photo.reference()
+    # Reading all pixels, the reference is that of the camera itself.
+    whole = camera.photograph(smalti.Scene("macbeth"), full_frame=True)
+    own = camera.reference(whole.optical_image, smalti.Scene("macbeth"), time_s=whole.exposure_time_s)
+    np.testing.assert_array_equal(whole.reference().array, own.array)
+    # A wrong white or a channel in the wrong place costs more.
+    assert smalti.score_picture(rendered, reference)["pixel_delta_e_2000_mean"] < 5.0
     assert rendered.space == "xyz" and rendered.white == pytest.approx(reference.white, rel=1e-6)
     assert pipeline.channel_names == ["R", "G", "W", "B"] and pipeline.outputs == ["X", "Y", "Z"]
     values, unlike = pipeline.render_outputs(photo.raw)

@@ -51,7 +51,7 @@ def test_another_thread_makes_progress() -> None:
     "work",
     [
         "smalti.train(smalti.Camera('bayer'), progress=False)",
-        "smalti.sweep('table2', sys.argv[1], part_size=100000, progress=False)",
+        "smalti.sweep('table2-l3', sys.argv[1], part_size=100000, progress=False)",
         "smalti.compare([smalti.Camera('bayer')], luminances_cd_m2=[float(i) for i in range(1, 200)], progress=False)",
     ],
 )
