@@ -75,8 +75,8 @@ pub(crate) fn grid(wavelengths_nm: &[f64]) -> PyResult<WavelengthGrid> {
     let step = if steps == 0 { 1.0 } else { (last - first) / steps as f64 };
     for (i, nm) in wavelengths_nm.iter().enumerate() {
         let place = first + i as f64 * step;
-        // A comparison that NaN fails.
-        if !((nm - place).abs() <= EVEN * step.abs()) {
+        let off = (nm - place).abs();
+        if off.is_nan() || off > EVEN * step.abs() {
             return Err(wrong(format!(
                 "wavelengths_nm: {nm} nm at place {i} where even steps have {place:.6} nm; resample the values on even steps \
                  first (numpy.interp)"

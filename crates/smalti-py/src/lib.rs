@@ -1,7 +1,7 @@
 //! The extension module of the Python package `smalti`: objects of the library with NumPy arrays in and out.
 //!
-//! Thin: what is computed is computed by `smalti`, what is read and written by `smalti-io`. Here are conversions ([`arrays`]),
-//! exceptions ([`error`]), and the way in which long work gives the interpreter's lock free and ends on Ctrl-C ([`work`]).
+//! Thin: what is computed is computed by `smalti`, what is read and written by `smalti-io`. Here are conversions (`arrays`),
+//! exceptions (`error`), and the way in which long work gives the interpreter's lock free and ends on Ctrl-C (`work`).
 //! What is nicer to say in Python (progress bars, data frames) is in `python/smalti`.
 
 mod arrays;
