@@ -8,7 +8,6 @@ mod compare_page;
 mod compare_report;
 mod complete;
 mod convert;
-mod design_columns;
 mod evaluate;
 mod keys;
 mod learn;

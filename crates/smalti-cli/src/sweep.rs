@@ -1,28 +1,20 @@
 //! `smalti sweep`: the designs of a study, scored and written as they come.
 
-use std::sync::mpsc::sync_channel;
-use std::thread;
 use std::time::{Duration, Instant};
 
 use anyhow::{Context, bail};
 use serde_json::json;
-use smalti::design::{Designs, Metric, Processing, SCORES_REVISION, Sight, Sweep};
+use smalti::design::{Designs, Sweep};
 use smalti_io::cache::Cache;
-use smalti_io::dataset::{self, ColumnKind, Dataset, MAX_CHUNK, Manifest, Plan, Run};
+use smalti_io::dataset::{self, ColumnKind, Manifest, Plan, Run};
 use smalti_io::studies;
+use smalti_io::sweeps::{self, processing};
 
 use crate::args::{Common, SweepArgs};
-use crate::design_columns::{columns, processing, schema};
 use crate::evaluate::cached;
 use crate::progress::Progress;
 use crate::table;
 
-/// Parts that a large study is cut into, about.
-const PARTS: u64 = 256;
-/// Fewest and most designs of a part. A run that is killed loses at most two: one that is computed, one that is written.
-const CHUNK: std::ops::RangeInclusive<u64> = 512..=1 << 14;
-/// Designs that a part of slow ones has fewer, by this factor.
-const SLOWER: u64 = 8;
 /// How a program ends that Ctrl-C stopped, as shells say it.
 const STOPPED: i32 = 130;
 
@@ -39,10 +31,7 @@ pub(crate) fn run(args: &SweepArgs, common: &Common) -> anyhow::Result<()> {
         bail!("which study? A built-in one (smalti list studies) or a TOML file")
     };
     let (designs, about) = studies::load(name).map_err(|e| anyhow::anyhow!("{e}"))?;
-    // Results that are there go on in the parts that they have.
-    let there = || Some(Dataset::open(&args.output).ok()?.manifest().plan.clone());
-    let begun = || there().filter(|p| p.designs == designs.len()).map(|p| p.chunk);
-    let plan = plan(&designs, about, args.part_size.or_else(begun))?;
+    let plan = sweeps::plan(&designs, about, args.part_size, &args.output)?;
     // What cannot be is refused before anything is tried.
     Manifest::new(&plan)?;
     let cache = if args.no_cache { Cache::disabled() } else { Cache::open(None) };
@@ -58,8 +47,7 @@ pub(crate) fn run(args: &SweepArgs, common: &Common) -> anyhow::Result<()> {
         bail!("{} is a file; expected a folder for the results", args.output.display());
     }
     let run = Run::open(&args.output, &plan, args.shard)?;
-    let missing = run.missing().to_vec();
-    let to_do: u64 = missing.iter().map(|&c| plan.designs_of(c)).map(|r| r.end - r.start).sum();
+    let to_do: u64 = run.missing().iter().map(|&c| plan.designs_of(c)).map(|r| r.end - r.start).sum();
     let progress = Progress::of_many(to_do, common.quiet);
     progress.begin(designs.study().name.clone());
     if to_do < designs.len() && args.shard.is_none() {
@@ -72,7 +60,7 @@ pub(crate) fn run(args: &SweepArgs, common: &Common) -> anyhow::Result<()> {
         tell_when_stopped(args)?;
     }
     let start = Instant::now();
-    score_and_write(&designs, &plan, &sweep, &run, &missing, &progress)?;
+    sweeps::score_and_write(&sweep, &designs, &run, &|| progress.done(), &|| true)?;
     progress.finish();
     let seconds = start.elapsed().as_secs_f64();
     let timings = json!({"seconds": seconds, "designs": to_do, "threads": rayon::current_num_threads()});
@@ -102,58 +90,6 @@ fn tell_when_stopped(args: &SweepArgs) -> anyhow::Result<()> {
         std::process::exit(STOPPED);
     })
     .context("listening for Ctrl-C")
-}
-
-/// One chunk is written while the next is computed.
-fn score_and_write(
-    designs: &Designs,
-    plan: &Plan,
-    sweep: &Sweep<'_>,
-    run: &Run,
-    missing: &[u64],
-    progress: &Progress,
-) -> anyhow::Result<()> {
-    thread::scope(|scope| {
-        let (sender, receiver) = sync_channel(0);
-        let writer = scope.spawn(move || {
-            receiver.iter().try_for_each(|(chunk, columns): (u64, Vec<_>)| run.write(chunk, &columns))
-        });
-        let mut scored = Ok(());
-        for &chunk in missing {
-            match sweep.score(plan.designs_of(chunk), &|| progress.done()) {
-                // A writer that is gone says why below.
-                Ok(rows) if sender.send((chunk, columns(designs, &rows))).is_ok() => {}
-                Ok(_) => break,
-                Err(e) => {
-                    scored = Err(e);
-                    break;
-                }
-            }
-        }
-        drop(sender);
-        let written = writer.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic));
-        written?;
-        Ok(scored?)
-    })
-}
-
-/// What the results will be, and how they are cut.
-fn plan(designs: &Designs, about: String, part_size: Option<u64>) -> anyhow::Result<Plan> {
-    let study = designs.study();
-    let pictures = |m: &Metric| matches!(m.sight(), Sight::ZonePlate | Sight::Scenes);
-    let learned = |p: &Processing| *p != Processing::Classic;
-    let slow = study.metrics.iter().any(pictures) || study.processing.iter().any(learned);
-    let even = (designs.len() / PARTS).next_power_of_two().clamp(*CHUNK.start(), *CHUNK.end());
-    // A million parts at most.
-    let least = designs.len().div_ceil(dataset::MAX_PARTS);
-    let by_size = if slow { even / SLOWER } else { even };
-    let chunk = part_size.unwrap_or(by_size).max(least).min(MAX_CHUNK);
-    let mut resolved = serde_json::to_value(study)?;
-    if let Some(into) = resolved.as_object_mut() {
-        into.insert("about".into(), about.into());
-        into.insert("scores_revision".into(), SCORES_REVISION.into());
-    }
-    Ok(Plan { study: resolved, schema: schema(study), designs: designs.len(), chunk })
 }
 
 /// Scores designs spread over the study for about so long; designs a second.

@@ -47,14 +47,25 @@ pub fn load(
     overrides: &[Override],
     grid: Option<WavelengthGrid>,
 ) -> Result<Camera, Box<Diagnostic>> {
-    let source = TomlSource::find("camera", CAMERAS, name)?;
+    from_source(&TomlSource::find("camera", CAMERAS, name)?, overrides, grid)
+}
+
+/// As [`load`], from a text that is not a file's; files that it names are looked for in the source's folder.
+///
+/// # Errors
+/// As [`load`].
+pub fn from_source(
+    source: &TomlSource,
+    overrides: &[Override],
+    grid: Option<WavelengthGrid>,
+) -> Result<Camera, Box<Diagnostic>> {
     let mut description = source.describe(overrides)?;
     // A file that gives no name is called by its own.
     let unnamed = description.name == CameraDescription::default().name;
     if let Some(stem) = Path::new(&source.name).file_stem().filter(|_| unnamed) {
         description.name = stem.to_string_lossy().into_owned();
     }
-    let wrong = |key: &str, message: &str| Box::new(about(&source, overrides, key, message));
+    let wrong = |key: &str, message: &str| Box::new(about(source, overrides, key, message));
     read_files(&mut description, &source.folder, &wrong)?;
     let made = grid.map_or_else(|| description.grid(), Ok).and_then(|grid| Camera::new(description, grid));
     made.map_err(|e| match e {

@@ -18,6 +18,7 @@
 //! | [`dataset`] | folders of Parquet files, and their manifest | [`dataset::Column`] |
 //! | [`cameras`] | TOML | [`smalti::camera::Camera`] |
 //! | [`studies`] | TOML | [`smalti::design::Designs`] |
+//! | [`sweeps`] | a study and its folder of results | [`dataset::Plan`], [`dataset::Run`] |
 //! | [`lights`] | a name, or CSV | [`smalti::spectrum::Illuminant`] |
 //! | [`scene_file`] | whatever holds a scene | [`smalti::scene::Scene`] |
 //! | [`text`] | UTF-8 | `String` |
@@ -54,6 +55,7 @@ pub mod spectral_tiff;
 pub mod spectrum_csv;
 pub mod stages;
 pub mod studies;
+pub mod sweeps;
 pub mod text;
 mod tiff_tags;
 mod toml_source;

@@ -3,10 +3,10 @@
 use serde_json::{Map, Value, json};
 use smalti::design::FilterFigures;
 use smalti::design::statistics::{Estimate, Summary};
+use smalti_io::sweeps::processing;
 
 use super::answers::{CONFIDENCE, Group, Section};
 use super::results::Results;
-use crate::design_columns::processing;
 
 /// Most designs of a front that are written out.
 const FRONT: usize = 1000;

@@ -12,8 +12,7 @@ use smalti::design::{
 };
 use smalti::metrics::{Better, CATALOG, MetricInfo};
 use smalti_io::dataset::{Column, ColumnKind, ColumnSpec, Dataset};
-
-use crate::design_columns::processing;
+use smalti_io::sweeps::processing;
 
 /// Problems told apart; of more only the number is kept.
 const MAX_PROBLEMS: usize = 100;

@@ -5,15 +5,17 @@ use smalti::design::{
     StudyScene,
 };
 use smalti::metrics::{CATALOG, MetricInfo};
-use smalti_io::dataset::{Column, ColumnKind, ColumnSpec};
+
+use crate::dataset::{Column, ColumnKind, ColumnSpec};
 
 /// The name that a processing has in results and study files.
-pub(crate) fn processing(of: Processing) -> String {
+#[must_use]
+pub fn processing(of: Processing) -> String {
     serde_json::to_value(of).ok().and_then(|v| v.as_str().map(str::to_owned)).unwrap_or_default()
 }
 
 /// A key of a condition as the name of a column: `optics.f_number` becomes `optics_f_number`.
-pub(crate) fn condition_column(key: &str) -> String {
+fn condition_column(key: &str) -> String {
     key.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '_' }).collect()
 }
 
@@ -56,7 +58,8 @@ fn all_numbers(study: &Study, condition: usize) -> bool {
 }
 
 /// The columns of a study.
-pub(crate) fn schema(study: &Study) -> Vec<ColumnSpec> {
+#[must_use]
+pub fn schema(study: &Study) -> Vec<ColumnSpec> {
     use ColumnKind::{Float, Floats, Int, Text};
     let column = |name: &str, kind: ColumnKind, unit: &str, doc: &str| ColumnSpec {
         name: name.into(),
@@ -108,7 +111,8 @@ pub(crate) fn schema(study: &Study) -> Vec<ColumnSpec> {
 }
 
 /// The rows of designs, column by column, in the order of the schema.
-pub(crate) fn columns(designs: &Designs, rows: &[Scored]) -> Vec<Column> {
+#[must_use]
+pub fn columns(designs: &Designs, rows: &[Scored]) -> Vec<Column> {
     let study = designs.study();
     let text = |f: &dyn Fn(&Scored) -> String| Column::Text(rows.iter().map(f).collect());
     let number = |f: &dyn Fn(&Scored) -> f64| Column::Float(rows.iter().map(f).collect());

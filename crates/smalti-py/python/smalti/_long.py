@@ -1,0 +1,248 @@
+"""Long work, with a bar of tqdm: what Python says more nicely than the extension module."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from functools import partial
+from typing import Any, Literal
+
+from tqdm.auto import tqdm
+
+from . import _smalti
+from ._smalti import Camera, Image, Pipeline, RawImage, Results, Scene, Spectrum, Statistics, Study
+
+Path = str | os.PathLike[str]
+"""Where a file or folder is."""
+Light = str | Spectrum
+"""A light: a name, a CSV file, or relative spectral power."""
+Progress = bool | Callable[[int], object]
+"""True: a bar where somebody looks; False: none; or what is called, now and then, with the number of steps done."""
+
+
+@contextmanager
+def _told(progress: Progress, total: int, what: str, unit: str) -> Iterator[Callable[[int], object] | None]:
+    if progress is False:
+        yield None
+    elif progress is True:
+        # `disable=None`: not where nobody looks.
+        with tqdm(total=total, desc=what, unit=unit, disable=None) as bar:
+            yield lambda done: bar.update(done - bar.n)
+    else:
+        yield progress
+
+
+def _after(told: Callable[[int], object], before: int, done: int) -> None:
+    told(before + done)
+
+
+def _gather(
+    camera: Camera,
+    scenes: Sequence[Scene] | None,
+    pairs: Sequence[tuple[RawImage, Image]] | None,
+    illuminants: Sequence[Light],
+    target: Literal["xyz"] | Camera,
+    target_illuminant: Light | None,
+    exposures: Sequence[float],
+    patch: int,
+    levels: int,
+    level_rule: str,
+    textures: str,
+    sharp: bool,
+    seed: int,
+    progress: Progress,
+) -> tuple[Statistics, str]:
+    given = len(scenes or ()) + len(pairs or ())
+    total = given if scenes is not None or pairs is not None else _smalti.training_set_len()
+    with _told(progress, total, f"{camera.name} learns", "scene") as told:
+        return _smalti.gather_statistics(
+            camera,
+            None if scenes is None else list(scenes),
+            None if pairs is None else list(pairs),
+            list(illuminants),
+            target,
+            target_illuminant,
+            list(exposures),
+            patch,
+            levels,
+            level_rule,
+            textures,
+            sharp,
+            seed,
+            told,
+        )
+
+
+def gather(
+    camera: Camera,
+    scenes: Sequence[Scene] | None = None,
+    *,
+    pairs: Sequence[tuple[RawImage, Image]] | None = None,
+    illuminants: Sequence[Light] = ("D65", "A", "LED"),
+    target: Literal["xyz"] | Camera = "xyz",
+    target_illuminant: Light | None = None,
+    exposures: Sequence[float] = (),
+    patch: int = 5,
+    levels: int = 10,
+    level_rule: Literal["logarithmic", "noise-steps"] = "logarithmic",
+    textures: Literal["none", "flat-texture", "oriented"] = "oriented",
+    sharp: bool = False,
+    seed: int = 1,
+    progress: Progress = True,
+) -> Statistics:
+    """What a camera's pipeline is learned from: the moments of patches and targets, class by class. See `train`.
+
+    Statistics of several machines or days add up (`Statistics.merged`) and are solved in any way (`solve`).
+    """
+    return _gather(
+        camera, scenes, pairs, illuminants, target, target_illuminant, exposures, patch, levels, level_rule, textures, sharp,
+        seed, progress,
+    )[0]  # fmt: skip
+
+
+def solve(
+    statistics: Statistics,
+    *,
+    solver: Literal["wiener", "perceptual", "ridge", "least-squares"] = "wiener",
+    alpha_flat: tuple[float, float] | None = None,
+    alpha_texture: tuple[float, float] | None = None,
+    linear: bool = False,
+    symmetry: bool = True,
+    smoothing: float = 0.0,
+) -> Pipeline:
+    """The pipeline that statistics ask for; the arguments are those of `train`."""
+    return _smalti.solve_statistics(statistics, "{}", solver, alpha_flat, alpha_texture, linear, symmetry, smoothing)
+
+
+def train(
+    camera: Camera,
+    scenes: Sequence[Scene] | None = None,
+    *,
+    pairs: Sequence[tuple[RawImage, Image]] | None = None,
+    illuminants: Sequence[Light] = ("D65", "A", "LED"),
+    target: Literal["xyz"] | Camera = "xyz",
+    target_illuminant: Light | None = None,
+    exposures: Sequence[float] = (),
+    patch: int = 5,
+    levels: int = 10,
+    level_rule: Literal["logarithmic", "noise-steps"] = "logarithmic",
+    textures: Literal["none", "flat-texture", "oriented"] = "oriented",
+    sharp: bool = False,
+    solver: Literal["wiener", "perceptual", "ridge", "least-squares"] = "wiener",
+    alpha_flat: tuple[float, float] | None = None,
+    alpha_texture: tuple[float, float] | None = None,
+    linear: bool = False,
+    symmetry: bool = True,
+    smoothing: float = 0.0,
+    seed: int = 1,
+    progress: Progress = True,
+) -> Pipeline:
+    """Learns the pipeline of a camera (L³: local, linear, learned). The default is what `smalti train` learns, to the same bytes.
+
+    Args:
+        camera: whose mosaic, noise and colours the pipeline is for.
+        scenes: what to learn from, simulated; default a built-in set that nothing is evaluated on.
+        pairs: raw images and the pictures that should come of them, pixel by pixel, instead of scenes.
+        illuminants: lights of the built-in set, in turn.
+        target: "xyz", or a camera whose channels are to be estimated.
+        target_illuminant: the light that targets are seen under, where it is not that of the scenes.
+        exposures: exposures of each scene, as the response that its 99th percentile would have (1: just saturated).
+        patch: side of the patch around a pixel that its colour is computed from, pixels: 3, 5, 7, 9 or 11.
+        levels: number of response levels, 1 to 256.
+        level_rule: how levels are spaced.
+        textures: what is told apart by the structure within a patch.
+        sharp: learn to undo the blur of the lens.
+        solver: how kernels are found from the statistics.
+        alpha_flat: weight of noise against blur in flat patches: luminance, chrominance (means solver="perceptual").
+        alpha_texture: the same in textured patches.
+        linear: kernels without an offset.
+        symmetry: share data between positions that symmetry of the mosaic makes equal.
+        smoothing: mix kernels with those of the neighbouring levels, 0 (not) to 1.
+        seed: names the noise that patches are classified with.
+        progress: see `Progress`.
+
+    Raises:
+        SmaltiError: when a setting is impossible for the camera, or a position of the mosaic has seen nothing.
+    """
+    statistics, story = _gather(
+        camera, scenes, pairs, illuminants, target, target_illuminant, exposures, patch, levels, level_rule, textures, sharp,
+        seed, progress,
+    )  # fmt: skip
+    return _smalti.solve_statistics(statistics, story, solver, alpha_flat, alpha_texture, linear, symmetry, smoothing)
+
+
+def compare(
+    cameras: Sequence[Camera],
+    *,
+    pipelines: Sequence[Pipeline | None] | None = None,
+    scenes: Sequence[str] | None = None,
+    luminances_cd_m2: Sequence[float] = (75.0,),
+    illuminant: Light = "D65",
+    seed: int = 1,
+    progress: Progress = True,
+) -> list[dict[str, Any]]:
+    """Cameras before the same scenes, scored: a record for each camera, scene and luminance, ready for a data frame.
+
+    Args:
+        cameras: two or more for a comparison; one does.
+        pipelines: learned pipelines, one for each camera; None in its place: the camera's own processing.
+        scenes: built-in scenes with their parameters; default `test_scenes()`, which nothing is trained on.
+        luminances_cd_m2: mean luminances of the scenes, cd/m².
+        illuminant: their light.
+        seed: names the noise.
+        progress: see `Progress`.
+    """
+    each = list(pipelines) if pipelines is not None else [None] * len(cameras)
+    if len(each) != len(cameras):
+        raise _smalti.SmaltiError(f"pipelines: {len(each)} given for {len(cameras)} cameras; expected one for each")
+    of = list(scenes) if scenes is not None else _smalti.test_scenes()
+    records: list[dict[str, Any]] = []
+    with _told(progress, len(cameras) * len(of) * len(luminances_cd_m2), "comparing", "picture") as told:
+        for camera, pipeline in zip(cameras, each, strict=True):
+            step = partial(_after, told, len(records)) if told is not None else None
+            scored = _smalti.score_scenes(
+                camera,
+                scenes=of,
+                luminances_cd_m2=list(luminances_cd_m2),
+                illuminant=illuminant,
+                pipeline=pipeline,
+                seed=seed,
+                progress=step,
+            )
+            how = "own" if pipeline is None else "l3"
+            records += [{"camera": camera.name, "processing": how, **scores.to_dict()} for scores in scored]
+    return records
+
+
+def sweep(
+    study: Study | Path,
+    out: Path,
+    *,
+    shard: tuple[int, int] | str | None = None,
+    part_size: int | None = None,
+    cache: bool = True,
+    progress: Progress = True,
+) -> Results:
+    """Scores the designs of a study into a folder of Parquet files: the bytes that `smalti sweep` writes.
+
+    What is there already is kept, so that a sweep that was interrupted goes on. After Ctrl-C all finished parts are there.
+
+    Args:
+        study: a `Study`, the name of a built-in one, or a TOML file.
+        out: a new or empty folder, or one that an earlier run of the same study left.
+        shard: (i, n) or "i/n": the i-th of n shares, i from 1; `merge` puts their folders together.
+        part_size: designs of a file; default by their number.
+        cache: keep optical images between runs, where the command keeps them.
+        progress: see `Progress`.
+
+    Raises:
+        SmaltiError: when the folder holds something else, or the results of another study.
+        OSError: when the folder cannot be written.
+    """
+    known = study if isinstance(study, Study) else Study(study)
+    share = _smalti.parse_shard(shard) if isinstance(shard, str) else shard
+    missing = _smalti.designs_missing(known, out, share, part_size)
+    with _told(progress, missing, known.name, "design") as told:
+        _smalti.run_sweep(known, out, share, part_size, cache, told)
+    return Results(out)

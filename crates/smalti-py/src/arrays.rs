@@ -1,0 +1,127 @@
+//! NumPy arrays in and out. Out: views of what an object holds, without a copy, not writeable; they keep the object alive.
+//! In: one copy, since the library owns its memory.
+
+use numpy::ndarray::{ArrayView, Dimension, IxDyn, ShapeBuilder};
+use numpy::{
+    Element, PyArray, PyArrayDescr, PyArrayDyn, PyArrayMethods, PyReadonlyArrayDyn, PyUntypedArrayMethods,
+};
+use pyo3::prelude::*;
+use smalti::numeric::Planes;
+use smalti::spectrum::WavelengthGrid;
+
+use crate::error::wrong;
+
+/// How far a wavelength may lie from its place on an even grid, as a share of the step.
+const EVEN: f64 = 1e-3;
+
+/// Whatever NumPy takes for an array of a type: one of that type as it is, another converted.
+pub(crate) fn array<'py, T: Element>(
+    value: &Bound<'py, PyAny>,
+    what: &str,
+) -> PyResult<PyReadonlyArrayDyn<'py, T>> {
+    let py = value.py();
+    let made = py.import("numpy")?.call_method1("asarray", (value, PyArrayDescr::of::<T>(py)))?;
+    let array = made
+        .cast_into::<PyArrayDyn<T>>()
+        .map_err(|_| wrong(format!("{what}: expected an array of numbers")))?;
+    Ok(array.try_readonly()?)
+}
+
+/// One-dimensional numbers.
+pub(crate) fn numbers(value: &Bound<'_, PyAny>, what: &str) -> PyResult<Vec<f64>> {
+    let array = array::<f64>(value, what)?;
+    expect_axes(array.shape(), what, &["count"])?;
+    Ok(array.as_array().iter().copied().collect())
+}
+
+/// An array \[rows, columns, planes\] as planes; the last axis may be missing where there is one plane.
+pub(crate) fn planes(value: &Bound<'_, PyAny>, what: &str, last: &str) -> PyResult<Planes> {
+    let array = array::<f32>(value, what)?;
+    let view = array.as_array();
+    let (rows, cols, count) = match *view.shape() {
+        [rows, cols] => (rows, cols, 1),
+        [rows, cols, count] => (rows, cols, count),
+        _ => return Err(expected(what, &["rows", "columns", last], view.shape())),
+    };
+    let view = view
+        .into_shape_with_order((rows, cols, count))
+        .or_else(|_| array.as_array().into_dimensionality::<numpy::Ix3>());
+    let view = view.map_err(|_| expected(what, &["rows", "columns", last], array.shape()))?;
+    let mut planes = Planes::zeros(rows, cols, count);
+    let length = (rows * cols).max(1);
+    for (plane, from) in
+        planes.data_mut().chunks_exact_mut(length).zip(view.axis_iter(numpy::ndarray::Axis(2)))
+    {
+        plane.iter_mut().zip(from.iter()).for_each(|(to, v)| *to = *v);
+    }
+    Ok(planes)
+}
+
+/// That an array has the axes that are expected of it.
+pub(crate) fn expect_axes(shape: &[usize], what: &str, axes: &[&str]) -> PyResult<()> {
+    if shape.len() == axes.len() { Ok(()) } else { Err(expected(what, axes, shape)) }
+}
+
+fn expected(what: &str, axes: &[&str], shape: &[usize]) -> PyErr {
+    wrong(format!("{what}: expected an array [{}]; got shape {shape:?}", axes.join(", ")))
+}
+
+/// Wavelengths in nm, ascending in even steps, as a grid.
+pub(crate) fn grid(wavelengths_nm: &[f64]) -> PyResult<WavelengthGrid> {
+    let (Some(&first), Some(&last)) = (wavelengths_nm.first(), wavelengths_nm.last()) else {
+        return Err(wrong("wavelengths_nm: expected at least one wavelength"));
+    };
+    let steps = wavelengths_nm.len() - 1;
+    let step = if steps == 0 { 1.0 } else { (last - first) / steps as f64 };
+    for (i, nm) in wavelengths_nm.iter().enumerate() {
+        let place = first + i as f64 * step;
+        let off = (nm - place).abs();
+        if off.is_nan() || off > EVEN * step.abs() {
+            return Err(wrong(format!(
+                "wavelengths_nm: {nm} nm at place {i} where even steps have {place:.6} nm; resample the values on even steps \
+                 first (numpy.interp)"
+            )));
+        }
+    }
+    WavelengthGrid::new(first, step, wavelengths_nm.len()).map_err(|e| wrong(format!("wavelengths_nm: {e}")))
+}
+
+/// A view of memory that `owner` holds.
+fn view<'py, T: Element, D: Dimension>(
+    owner: Bound<'py, PyAny>,
+    view: &ArrayView<'_, T, D>,
+) -> PyResult<Bound<'py, PyAny>> {
+    // SAFETY: the array holds a reference to `owner`, a frozen object that neither changes nor frees the memory while it lives.
+    let array = unsafe { PyArray::borrow_from_array(view, owner) };
+    let array = array.try_readwrite()?.make_nonwriteable();
+    Ok(array.as_any().clone())
+}
+
+/// Planes as \[rows, columns, planes\], float32.
+pub(crate) fn planes_view<'py>(owner: Bound<'py, PyAny>, planes: &Planes) -> PyResult<Bound<'py, PyAny>> {
+    let (rows, cols, count) = (planes.rows(), planes.cols(), planes.count());
+    image_view(owner, planes.data(), rows, cols, count)
+}
+
+/// Samples ordered plane, row, column as \[rows, columns, planes\].
+pub(crate) fn image_view<'py, T: Element>(
+    owner: Bound<'py, PyAny>,
+    data: &[T],
+    rows: usize,
+    cols: usize,
+    count: usize,
+) -> PyResult<Bound<'py, PyAny>> {
+    let shape = (rows, cols, count).strides((cols, 1, rows * cols));
+    let seen = ArrayView::from_shape(shape, data).map_err(|e| wrong(e.to_string()))?;
+    view(owner, &seen)
+}
+
+/// Values of some axes, the last one fastest.
+pub(crate) fn slice_view<'py, T: Element>(
+    owner: Bound<'py, PyAny>,
+    shape: &[usize],
+    data: &[T],
+) -> PyResult<Bound<'py, PyAny>> {
+    let seen = ArrayView::from_shape(IxDyn(shape), data).map_err(|e| wrong(e.to_string()))?;
+    view(owner, &seen)
+}

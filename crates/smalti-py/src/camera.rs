@@ -1,0 +1,497 @@
+//! Cameras: described, resolved, taking pictures.
+
+use std::path::{Path, PathBuf};
+
+use numpy::IntoPyArray;
+use numpy::PyArrayMethods;
+use pyo3::prelude::*;
+use pyo3::types::{PyBool, PyDict, PyString};
+use smalti::camera::Camera;
+use smalti::isp::WhiteBalance;
+use smalti::sensor::{Cfa, Channel};
+use smalti::sensor::{Exposure, NoiseMode};
+use smalti::spectrum::{Outside, Spectrum, WavelengthGrid};
+use smalti_io::dng::{ColorMatrix, DngInfo};
+use smalti_io::{Override, TomlSource, cameras};
+
+use crate::cfa::PyCfa;
+use crate::error::{OrRaise, SmaltiError, not_found, short, wrong};
+use crate::image::PyImage;
+use crate::raw::PyRawImage;
+use crate::scene::{PyOpticalImage, PyScene};
+use crate::spectrum::{grid_of, light, wavelengths};
+use crate::work::watched;
+
+/// Code of a light that Exif has no name for.
+const OTHER_LIGHT: u16 = 255;
+
+/// A camera: lens, sensor and processing.
+///
+/// Args:
+///     source: a built-in camera ("bayer", "rgbw", "phone", …; see `smalti.cameras()`) or a TOML file.
+///     set: keys of the camera's description to be replaced, such as {"sensor.pixel.pitch_um": 1.4}; `smalti list keys` names all.
+///     wavelengths_nm: where its curves are sampled, nm, even steps; default those that it states, else 400, 410, … 700. Scenes on
+///         other wavelengths are taken on their own.
+///
+/// Raises:
+///     FileNotFoundError: when there is no such file.
+///     SmaltiError: when there is no such camera, or a key or value does not fit, with its line.
+#[pyclass(name = "Camera", module = "smalti", frozen)]
+#[derive(Debug, Clone)]
+pub(crate) struct PyCamera {
+    pub(crate) camera: Camera,
+    /// The colour filter array is not that of the description.
+    own_cfa: bool,
+}
+
+#[pymethods]
+impl PyCamera {
+    #[new]
+    #[pyo3(signature = (source, set=None, wavelengths_nm=None))]
+    fn py_new(
+        source: PathBuf,
+        set: Option<&Bound<'_, PyDict>>,
+        wavelengths_nm: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<Self> {
+        let (overrides, grid) = (overrides(set)?, grid_of(wavelengths_nm)?);
+        let name = source.to_string_lossy();
+        let camera = cameras::load(&name, &overrides, grid).map_err(|e| diagnosed(&name, &e.to_string()))?;
+        Ok(Self { camera, own_cfa: false })
+    }
+
+    /// A camera from the text of a TOML file.
+    ///
+    /// Args:
+    ///     text: the description.
+    ///     set: keys to be replaced, as for `Camera`.
+    ///     wavelengths_nm: as for `Camera`.
+    ///     folder: where files that the text names are looked for.
+    #[staticmethod]
+    #[pyo3(signature = (text, set=None, wavelengths_nm=None, folder=None))]
+    fn from_toml(
+        text: String,
+        set: Option<&Bound<'_, PyDict>>,
+        wavelengths_nm: Option<&Bound<'_, PyAny>>,
+        folder: Option<PathBuf>,
+    ) -> PyResult<Self> {
+        let (overrides, grid) = (overrides(set)?, grid_of(wavelengths_nm)?);
+        let source = TomlSource { name: "camera".into(), folder: folder.unwrap_or_default(), text };
+        let camera = cameras::from_source(&source, &overrides, grid).or_raise()?;
+        Ok(Self { camera, own_cfa: false })
+    }
+
+    /// What it is called.
+    #[getter]
+    fn name(&self) -> &str {
+        &self.camera.description().name
+    }
+
+    /// All keys of its description, in the units of their names.
+    #[getter]
+    fn description<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let json = serde_json::to_string(self.camera.description()).or_raise()?;
+        py.import("json")?.call_method1("loads", (json,))
+    }
+
+    /// Its description as the text of a TOML file.
+    fn to_toml(&self) -> PyResult<String> {
+        if self.own_cfa {
+            return Err(wrong(
+                "a camera with a Cfa of one's own has no description of it; write the filters to files",
+            ));
+        }
+        toml::to_string(self.camera.description()).or_raise()
+    }
+
+    /// Its colour filter array.
+    #[getter]
+    fn cfa(&self) -> PyCfa {
+        PyCfa(self.camera.sensor.cfa.clone())
+    }
+
+    /// Rows and columns of pixels.
+    #[getter]
+    fn shape(&self) -> (usize, usize) {
+        (self.camera.sensor.rows, self.camera.sensor.cols)
+    }
+
+    /// Distance between the middles of neighbouring pixels, m.
+    #[getter]
+    fn pitch_m(&self) -> f64 {
+        self.camera.sensor.pixel.pitch_m
+    }
+
+    /// The wavelengths that its curves are sampled at, nm, float64 [wavelengths].
+    #[getter]
+    fn wavelengths_nm<'py>(&self, py: Python<'py>) -> Bound<'py, PyAny> {
+        wavelengths(py, self.camera.grid())
+    }
+
+    /// Electrons per photon on the photodetector, filter and quantum efficiency, float64 [channels, wavelengths].
+    fn spectral_responsivity<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let curves = self.camera.sensor.spectral_responsivity_on(self.camera.grid()).or_raise()?;
+        let values: Vec<f64> = curves.iter().flat_map(|c| c.values()).copied().collect();
+        Ok(values.into_pyarray(py).reshape((curves.len(), self.camera.grid().len()))?.into_any())
+    }
+
+    /// The same camera with another colour filter array. Its description is still that of the first.
+    fn with_cfa(&self, cfa: &PyCfa) -> PyResult<Self> {
+        let cfa = on_grid(&cfa.0, self.camera.grid())?;
+        Ok(Self { camera: self.camera.with_cfa(cfa), own_cfa: true })
+    }
+
+    /// The same camera with another number of pixels.
+    fn with_size(&self, rows: usize, cols: usize) -> PyResult<Self> {
+        let camera = self.camera.with_size(rows, cols);
+        camera.sensor.validate().or_raise()?;
+        Ok(Self { camera, own_cfa: self.own_cfa })
+    }
+
+    /// The scene, as wide as needed to lie on the sensor whole. Scenes from files and arrays are not spread over more pixels than they
+    /// have.
+    fn fitted(&self, scene: &PyScene) -> PyResult<PyScene> {
+        self.on_sensor(scene)
+    }
+
+    /// What the lens throws on the sensor. Scenes whose field of view was not stated are `fitted`.
+    fn optical_image(&self, py: Python<'_>, scene: &PyScene) -> PyResult<PyOpticalImage> {
+        let (camera, scene) = self.before(scene)?;
+        watched(py, None, |_| Ok(PyOpticalImage(camera.optics.image(&scene.scene).or_raise()?)))
+    }
+
+    /// The integration time for an optical image, s: the stated one, or that which the camera's rule finds.
+    fn exposure_time_s(&self, py: Python<'_>, optical_image: &PyOpticalImage) -> PyResult<f64> {
+        let camera = self.on(optical_image.0.irradiance().grid())?;
+        py.detach(|| camera.exposure(&optical_image.0)).or_raise().map(|e| e.time_s)
+    }
+
+    /// The raw image of what falls on the sensor.
+    ///
+    /// Args:
+    ///     optical_image: irradiance on the sensor.
+    ///     noise: "all", "shot" (of photons alone) or "none".
+    ///     seed: names the noise of this capture; the same seed gives the same bits.
+    ///     time_s: integration time, s; default `exposure_time_s`.
+    #[pyo3(signature = (optical_image, *, noise="all", seed=1, time_s=None))]
+    fn capture(
+        &self,
+        py: Python<'_>,
+        optical_image: &PyOpticalImage,
+        noise: &str,
+        seed: u64,
+        time_s: Option<f64>,
+    ) -> PyResult<PyRawImage> {
+        let noise = noise_mode(noise)?;
+        let camera = self.on(optical_image.0.irradiance().grid())?;
+        let raw = watched(py, None, |_| {
+            let exposure = exposure(&camera, optical_image, time_s)?;
+            camera.sensor.capture(&optical_image.0, &exposure, noise, seed).or_raise()
+        })?;
+        Ok(PyRawImage { raw, notes: Vec::new(), info: None })
+    }
+
+    /// The picture of a raw image by the camera's own processing (demosaicking, colour matrix), in XYZ under the light.
+    ///
+    /// Args:
+    ///     raw: a raw image of this camera's mosaic.
+    ///     illuminant: the light that the colour matrix is for: a `Scene`, a name, a CSV file or a `Spectrum` of relative power.
+    ///     white_balance: "none" (XYZ as they are under the light; `Image.shown` adapts white) or as the camera's description
+    ///         says ("camera").
+    #[pyo3(signature = (raw, illuminant, *, white_balance="none"))]
+    fn render(
+        &self,
+        py: Python<'_>,
+        raw: &PyRawImage,
+        illuminant: &Bound<'_, PyAny>,
+        white_balance: &str,
+    ) -> PyResult<PyImage> {
+        let (light, white) = self.light(illuminant)?;
+        let camera = self.on(light.grid())?;
+        let (balance, white) = match white_balance {
+            "none" => (WhiteBalance::None, Some(white)),
+            "camera" => (camera.white_balance(), None),
+            other => return Err(wrong(format!("white_balance is '{other}'; expected none or camera"))),
+        };
+        watched(py, None, |_| {
+            let image =
+                smalti::isp::Isp::render(&camera.isp(&light, balance).or_raise()?, &raw.raw).or_raise()?;
+            Ok(PyImage::new(image, white))
+        })
+    }
+
+    /// What the standard observer would see through the same lens and pixels, in XYZ on the scale of `render`, without noise.
+    ///
+    /// Args:
+    ///     optical_image: irradiance on the sensor.
+    ///     illuminant: the light, as for `render`.
+    ///     time_s: integration time, s; default `exposure_time_s`.
+    #[pyo3(signature = (optical_image, illuminant, *, time_s=None))]
+    fn reference(
+        &self,
+        py: Python<'_>,
+        optical_image: &PyOpticalImage,
+        illuminant: &Bound<'_, PyAny>,
+        time_s: Option<f64>,
+    ) -> PyResult<PyImage> {
+        let (light, white) = self.light(illuminant)?;
+        let camera = self.on(light.grid())?;
+        watched(py, None, |_| {
+            let exposure = exposure(&camera, optical_image, time_s)?;
+            let image = camera.reference_as_exposed(&optical_image.0, &exposure, &light).or_raise()?;
+            Ok(PyImage::new(image, Some(white)))
+        })
+    }
+
+    /// One picture of a scene, with all that led to it, as `smalti simulate` takes it.
+    ///
+    /// Args:
+    ///     scene: what is before the camera; `fitted` unless its field of view was stated.
+    ///     noise: "all", "shot" (of photons alone) or "none".
+    ///     seed: names the noise of this capture.
+    ///     full_frame: read all pixels, not only those that the scene covers.
+    #[pyo3(signature = (scene, *, noise="all", seed=1, full_frame=false))]
+    fn photograph(
+        &self,
+        py: Python<'_>,
+        scene: &PyScene,
+        noise: &str,
+        seed: u64,
+        full_frame: bool,
+    ) -> PyResult<PyPhotograph> {
+        let noise = noise_mode(noise)?;
+        let (mut camera, scene) = self.before(scene)?;
+        let white = scene.white()?;
+        watched(py, None, |watch| {
+            if !full_frame {
+                camera.sensor.window = Some(camera.window_on(&scene.scene).or_raise()?);
+            }
+            let light = scene.scene.illuminant();
+            let image = camera.optics.image(&scene.scene).or_raise()?;
+            watch.check()?;
+            let photo = camera.photograph(image, light, noise, seed).or_raise()?;
+            let isp = camera.isp(light, WhiteBalance::None).or_raise()?;
+            let info = DngInfo {
+                make: "Smalti".into(),
+                model: camera.description().name.clone(),
+                color_matrix: Some(ColorMatrix {
+                    camera_from_xyz: camera.camera_from_xyz(light).or_raise()?,
+                    light_source: OTHER_LIGHT,
+                }),
+                as_shot_neutral: Some(isp.color_matrix.camera_white().to_vec()),
+            };
+            let balanced = camera.white_balance() != WhiteBalance::None;
+            Ok(PyPhotograph {
+                optical_image: PyOpticalImage(photo.optical_image),
+                raw: PyRawImage { raw: photo.raw, notes: Vec::new(), info: Some(info) },
+                picture: PyImage::new(photo.picture, (!balanced).then_some(white)),
+                exposure: photo.exposure,
+                light: light.clone(),
+                white,
+                camera,
+            })
+        })
+    }
+
+    fn __repr__(&self) -> String {
+        let (c, d) = (&self.camera, self.camera.description());
+        format!(
+            "<smalti.Camera '{}': {} × {} pixels of {} µm, f/{}, {}, {}>",
+            d.name,
+            c.sensor.rows,
+            c.sensor.cols,
+            short(c.sensor.pixel.pitch_m * 1e6),
+            d.optics.f_number,
+            c.sensor.cfa.name(),
+            c.grid(),
+        )
+    }
+
+    fn _repr_svg_(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
+        Ok(Bound::new(py, self.cfa())?.call_method0("_repr_svg_")?.unbind())
+    }
+}
+
+impl PyCamera {
+    /// The camera on the wavelengths of a scene, which limit what is known of the light.
+    pub(crate) fn on(&self, grid: WavelengthGrid) -> PyResult<Camera> {
+        if grid == self.camera.grid() {
+            return Ok(self.camera.clone());
+        }
+        let camera = Camera::new(self.camera.description().clone(), grid).or_raise()?;
+        let (rows, cols) = (self.camera.sensor.rows, self.camera.sensor.cols);
+        let camera = camera.with_size(rows, cols);
+        Ok(if self.own_cfa { camera.with_cfa(on_grid(&self.camera.sensor.cfa, grid)?) } else { camera })
+    }
+
+    /// The scene, as wide as needed to lie on the sensor whole.
+    pub(crate) fn on_sensor(&self, scene: &PyScene) -> PyResult<PyScene> {
+        let (rows, cols) = (scene.scene.radiance().rows(), scene.scene.radiance().cols());
+        let whole = self.camera.sensor.cols.min(self.camera.sensor.rows * cols / rows.max(1));
+        let span = if scene.is_file { whole.min(cols) } else { whole };
+        let deg = self.camera.field_of_view_deg(span.max(1), scene.scene.distance_m()).or_raise()?;
+        Ok(PyScene {
+            scene: scene.scene.clone().with_fov(deg).or_raise()?,
+            fov_stated: true,
+            ..scene.clone()
+        })
+    }
+
+    /// Camera and scene on one grid, the scene on the sensor.
+    fn before(&self, scene: &PyScene) -> PyResult<(Camera, PyScene)> {
+        let scene = if scene.fov_stated { scene.clone() } else { self.on_sensor(scene)? };
+        Ok((self.on(scene.scene.radiance().grid())?, scene))
+    }
+
+    /// A light in photons, and its white.
+    fn light(&self, value: &Bound<'_, PyAny>) -> PyResult<(Spectrum, [f64; 3])> {
+        let photons = match value.cast::<PyScene>() {
+            Ok(scene) => scene.get().scene.illuminant().clone(),
+            Err(_) => light(value)?.photons(self.camera.grid()).or_raise()?,
+        };
+        let white = smalti::spectrum::Observer::Cie1931.xyz_from_photons(&photons).or_raise()?;
+        Ok((photons, white.map(|v| v / white[1])))
+    }
+}
+
+/// A picture with all that led to it.
+#[pyclass(name = "Photograph", module = "smalti", frozen)]
+#[derive(Debug, Clone)]
+pub(crate) struct PyPhotograph {
+    optical_image: PyOpticalImage,
+    raw: PyRawImage,
+    picture: PyImage,
+    exposure: Exposure,
+    light: Spectrum,
+    white: [f64; 3],
+    /// With the window that was read.
+    camera: Camera,
+}
+
+#[pymethods]
+impl PyPhotograph {
+    /// Irradiance on the sensor.
+    #[getter]
+    fn optical_image(&self) -> PyOpticalImage {
+        self.optical_image.clone()
+    }
+
+    /// The raw image.
+    #[getter]
+    fn raw(&self) -> PyRawImage {
+        self.raw.clone()
+    }
+
+    /// The picture in XYZ, white-balanced as the camera's description says.
+    #[getter]
+    fn picture(&self) -> PyImage {
+        self.picture.clone()
+    }
+
+    /// Integration time, s.
+    #[getter]
+    fn exposure_time_s(&self) -> f64 {
+        self.exposure.time_s
+    }
+
+    /// What the standard observer would see through the same lens and pixels, without noise: in XYZ as they are under the light of the
+    /// scene, on the scale of `Camera.render`.
+    fn reference(&self, py: Python<'_>) -> PyResult<PyImage> {
+        let reference = watched(py, None, |_| {
+            self.camera.reference_as_exposed(&self.optical_image.0, &self.exposure, &self.light).or_raise()
+        })?;
+        Ok(PyImage::new(reference, Some(self.white)))
+    }
+
+    fn __repr__(&self) -> String {
+        let (rows, cols) = (self.picture.image.rows(), self.picture.image.cols());
+        format!(
+            "<smalti.Photograph: {rows} × {cols} pixels, exposed {} ms>",
+            short(self.exposure.time_s * 1e3)
+        )
+    }
+
+    fn _repr_png_<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        self.picture.png_as_shown(py)
+    }
+}
+
+/// Names of the built-in cameras, each with what it is.
+#[pyfunction(name = "cameras")]
+pub(crate) fn camera_names() -> std::collections::BTreeMap<&'static str, &'static str> {
+    cameras::names().iter().map(|c| (c.name, c.summary)).collect()
+}
+
+fn exposure(camera: &Camera, image: &PyOpticalImage, time_s: Option<f64>) -> PyResult<Exposure> {
+    match time_s {
+        Some(time_s) => Ok(Exposure { time_s, ..camera.gain_and_offset() }),
+        None => camera.exposure(&image.0).or_raise(),
+    }
+}
+
+fn noise_mode(name: &str) -> PyResult<NoiseMode> {
+    match name {
+        "all" => Ok(NoiseMode::All),
+        "shot" => Ok(NoiseMode::PhotonOnly),
+        "none" => Ok(NoiseMode::None),
+        other => Err(wrong(format!("noise is '{other}'; expected all, shot or none"))),
+    }
+}
+
+/// The filters of an array on other wavelengths.
+fn on_grid(cfa: &Cfa, grid: WavelengthGrid) -> PyResult<Cfa> {
+    let channel = |c: &Channel| {
+        let transmittance = c.transmittance.resampled(grid, Outside::Error).or_raise_about(&c.name)?;
+        Ok(Channel { name: c.name.clone(), transmittance })
+    };
+    let channels = cfa.channels().iter().map(channel).collect::<PyResult<_>>()?;
+    Cfa::new(cfa.name(), cfa.mosaic().clone(), channels).or_raise()
+}
+
+/// Why a file of a camera or study does not do; that it is not there is told apart.
+pub(crate) fn diagnosed(name: &str, text: &str) -> PyErr {
+    let is_toml = Path::new(name).extension().is_some_and(|e| e.eq_ignore_ascii_case("toml"));
+    if is_toml && !Path::new(name).exists() {
+        not_found(text.into())
+    } else {
+        SmaltiError::new_err(text.to_owned())
+    }
+}
+
+/// Keys and their values as the command takes them.
+pub(crate) fn overrides(set: Option<&Bound<'_, PyDict>>) -> PyResult<Vec<Override>> {
+    let one = |(key, value): (Bound<'_, PyAny>, Bound<'_, PyAny>)| {
+        let key: String =
+            key.extract().map_err(|_| wrong("set: expected keys such as \"sensor.pixel.pitch_um\""))?;
+        let value =
+            toml_value(&value).map_err(|_| wrong(format!("set[\"{key}\"]: {value} has no form in TOML")))?;
+        Ok(Override { key, value: value.to_string() })
+    };
+    set.into_iter().flat_map(|set| set.iter()).map(one).collect()
+}
+
+/// A value of Python or NumPy as one of TOML.
+fn toml_value(value: &Bound<'_, PyAny>) -> PyResult<toml::Value> {
+    if let Ok(text) = value.cast::<PyString>() {
+        return Ok(toml::Value::String(text.to_str()?.to_owned()));
+    }
+    if value.is_instance_of::<PyBool>() {
+        return Ok(toml::Value::Boolean(value.extract()?));
+    }
+    if let Ok(table) = value.cast::<PyDict>() {
+        let entry =
+            |(k, v): (Bound<'_, PyAny>, Bound<'_, PyAny>)| Ok((k.extract::<String>()?, toml_value(&v)?));
+        return Ok(toml::Value::Table(table.iter().map(entry).collect::<PyResult<_>>()?));
+    }
+    if let Ok(plain) = value.call_method0("tolist") {
+        // NumPy's numbers and arrays.
+        return toml_value(&plain);
+    }
+    if let Ok(whole) = value.extract::<i64>() {
+        return Ok(toml::Value::Integer(whole));
+    }
+    if let Ok(number) = value.extract::<f64>() {
+        return Ok(toml::Value::Float(number));
+    }
+    let items: Vec<Bound<'_, PyAny>> = value.try_iter()?.collect::<PyResult<_>>()?;
+    Ok(toml::Value::Array(items.iter().map(toml_value).collect::<PyResult<_>>()?))
+}

@@ -1,0 +1,90 @@
+//! Errors of the library as exceptions of Python.
+
+use std::error::Error;
+use std::fmt::Display;
+use std::io;
+
+use pyo3::create_exception;
+use pyo3::exceptions::{PyOSError, PyValueError};
+use pyo3::prelude::*;
+
+create_exception!(
+    smalti,
+    SmaltiError,
+    PyValueError,
+    "What cannot be computed, read or written, in the words of the `smalti` command: what it is, what was expected.\n\n\
+     A file that the operating system refuses is an OSError instead, of the fitting kind (FileNotFoundError, PermissionError, …)."
+);
+
+/// Results of the library, with its errors raised.
+pub(crate) trait OrRaise<T> {
+    /// The value, or the exception.
+    fn or_raise(self) -> PyResult<T>;
+    /// The same, what it is about before the message.
+    fn or_raise_about(self, about: impl Display) -> PyResult<T>;
+}
+
+impl<T, E: Error + 'static> OrRaise<T> for Result<T, E> {
+    fn or_raise(self) -> PyResult<T> {
+        self.map_err(|e| raised(&e, told(&e)))
+    }
+
+    fn or_raise_about(self, about: impl Display) -> PyResult<T> {
+        self.map_err(|e| raised(&e, format!("{about}: {}", told(&e))))
+    }
+}
+
+/// What is wrong with an argument, where the library has not seen it yet.
+pub(crate) fn wrong(message: impl Into<String>) -> PyErr {
+    SmaltiError::new_err(message.into())
+}
+
+/// An error and its causes, but for those whose words the error before already holds.
+fn told(error: &dyn Error) -> String {
+    let mut told = error.to_string();
+    let mut cause = error.source();
+    while let Some(e) = cause {
+        let text = e.to_string();
+        if !told.ends_with(&text) {
+            told = format!("{told}: {text}");
+        }
+        cause = e.source();
+    }
+    told
+}
+
+/// The exception that fits: what the operating system refused is an OSError, of the kind that its number says.
+fn raised(error: &(dyn Error + 'static), text: String) -> PyErr {
+    let mut cause = Some(error);
+    while let Some(e) = cause {
+        if let Some(io) = e.downcast_ref::<io::Error>() {
+            return match io.raw_os_error() {
+                Some(number) => PyOSError::new_err((number, text)),
+                None => PyOSError::new_err(text),
+            };
+        }
+        cause = e.source();
+    }
+    SmaltiError::new_err(text)
+}
+
+/// A file that is not there, where the library tells it in words alone.
+pub(crate) fn not_found(text: String) -> PyErr {
+    const ENOENT: i32 = 2;
+    PyOSError::new_err((ENOENT, text))
+}
+
+/// A number for people: four digits that count.
+pub(crate) fn short(value: f64) -> String {
+    const DIGITS: i32 = 4;
+    if value == 0.0 || !value.is_finite() {
+        return value.to_string();
+    }
+    let magnitude = value.abs().log10().floor() as i32;
+    if !(-4..9).contains(&magnitude) {
+        return format!("{value:.3e}");
+    }
+    let places = (DIGITS - 1 - magnitude).max(0) as usize;
+    let text = format!("{value:.places$}");
+    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
+}

@@ -1,0 +1,227 @@
+//! Pictures.
+
+use std::path::PathBuf;
+
+use numpy::{IntoPyArray, PyArrayMethods};
+use pyo3::prelude::*;
+use pyo3::types::PyBytes;
+use smalti::color::matrix::IDENTITY;
+use smalti::color::{Adaptation, ColorSpace, Image};
+use smalti::numeric::Planes;
+use smalti_io::picture::{self, Depth};
+use smalti_io::scene_file::ReadOptions;
+
+use crate::arrays;
+use crate::error::{OrRaise, wrong};
+use crate::work::{detached, watched};
+
+/// White point of sRGB: X, Y, Z, Y = 1 (IEC 61966-2-1).
+const D65: [f64; 3] = [0.95047, 1.0, 1.08883];
+/// The share of pixels that may be brighter than white when the brightness of a picture is chosen.
+const BRIGHT_SHARE: f64 = 0.005;
+const SPACES: [(&str, ColorSpace); 5] = [
+    ("xyz", ColorSpace::Xyz),
+    ("linear-srgb", ColorSpace::LinearSrgb),
+    ("srgb", ColorSpace::Srgb),
+    ("linear-display-p3", ColorSpace::LinearDisplayP3),
+    ("display-p3", ColorSpace::DisplayP3),
+];
+
+/// A picture of three planes in a stated colour space.
+///
+/// Args:
+///     array: [rows, columns, 3]; numbers as they are, uint8 and uint16 divided by 255 and 65535.
+///     space: "xyz" (CIE 1931, relative), "linear-srgb", "srgb", "linear-display-p3" or "display-p3"; encoded values are 0 to 1.
+///     white: X, Y, Z of the light that a picture in XYZ was taken under; it is what `shown` makes white.
+#[pyclass(name = "Image", module = "smalti", frozen)]
+#[derive(Debug, Clone)]
+pub(crate) struct PyImage {
+    pub(crate) image: Image,
+    /// White of the light, Y = 1.
+    pub(crate) white: Option<[f64; 3]>,
+}
+
+#[pymethods]
+impl PyImage {
+    #[new]
+    #[pyo3(signature = (array, space="srgb", white=None))]
+    fn py_new(array: &Bound<'_, PyAny>, space: &str, white: Option<[f64; 3]>) -> PyResult<Self> {
+        let largest = match array.getattr("dtype").and_then(|d| d.str()).map(|d| d.to_string()).as_deref() {
+            Ok("uint8") => 255.0,
+            Ok("uint16") => 65535.0,
+            _ => 1.0f32,
+        };
+        let mut planes = arrays::planes(array, "array", "3")?;
+        if largest > 1.0 {
+            planes.data_mut().iter_mut().for_each(|v| *v /= largest);
+        }
+        let white = match white {
+            Some(w) if w.iter().all(|v| v.is_finite() && *v > 0.0) => Some(w.map(|v| v / w[1])),
+            Some(w) => return Err(wrong(format!("white is {w:?}; expected three numbers above 0"))),
+            None => None,
+        };
+        let image = Image::new(space_of(space)?, planes).or_raise()?;
+        image.check_finite().or_raise()?;
+        Ok(Self { image, white })
+    }
+
+    /// A picture from a file: PNG, TIFF, JPEG or OpenEXR RGB.
+    #[staticmethod]
+    fn read(py: Python<'_>, path: PathBuf) -> PyResult<Self> {
+        let picture = watched(py, None, |_| picture::read(&path, &ReadOptions::default()).or_raise())?;
+        Ok(Self::new(picture.image, None))
+    }
+
+    /// Writes a picture as PNG or TIFF, by the ending of the name, in sRGB or Display P3 as it is; others as `shown`.
+    ///
+    /// Args:
+    ///     path: a name that ends in .png, .tif or .tiff.
+    ///     bits: 8 or 16 for each sample.
+    #[pyo3(signature = (path, bits=8))]
+    fn write(&self, py: Python<'_>, path: PathBuf, bits: u8) -> PyResult<()> {
+        let depth = match bits {
+            8 => Depth::Eight,
+            16 => Depth::Sixteen,
+            other => return Err(wrong(format!("bits is {other}; expected 8 or 16"))),
+        };
+        watched(py, None, |_| picture::write(&path, &self.encoded()?, depth).or_raise())
+    }
+
+    /// The values, float32 [rows, columns, 3]: a view, not writeable.
+    #[getter]
+    fn array<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        arrays::planes_view(slf.as_any().clone(), slf.get().image.planes())
+    }
+
+    #[pyo3(signature = (dtype=None, copy=None))]
+    fn __array__<'py>(
+        slf: &Bound<'py, Self>,
+        dtype: Option<Bound<'py, PyAny>>,
+        copy: Option<bool>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let array = Self::array(slf)?;
+        match (dtype, copy) {
+            (None, Some(true)) => array.call_method0("copy"),
+            (None, _) => Ok(array),
+            (Some(dtype), _) => array.call_method1("astype", (dtype,)),
+        }
+    }
+
+    /// The name of the colour space.
+    #[getter]
+    fn space(&self) -> &'static str {
+        SPACES.iter().find(|(_, s)| *s == self.image.space()).map_or("", |(name, _)| name)
+    }
+
+    /// Rows, columns, 3.
+    #[getter]
+    fn shape(&self) -> (usize, usize, usize) {
+        (self.image.rows(), self.image.cols(), 3)
+    }
+
+    /// X, Y, Z of the light that the picture was taken under, Y = 1; None where it is not known.
+    #[getter]
+    fn white(&self) -> Option<[f64; 3]> {
+        self.white
+    }
+
+    /// The picture in another colour space; white is not adapted.
+    fn converted(&self, py: Python<'_>, space: &str) -> PyResult<Self> {
+        let space = space_of(space)?;
+        let image = py.detach(|| self.image.converted(space)).or_raise()?;
+        Ok(Self { image, white: self.white })
+    }
+
+    /// The factor that makes a picture in XYZ as bright as a viewer expects: all but the brightest half percent of the pixels within
+    /// the range of the display.
+    fn brightness_gain(&self) -> PyResult<f64> {
+        let xyz = self.image.converted(ColorSpace::Xyz).or_raise()?;
+        let mut luminance: Vec<f32> = xyz.planes().plane(1).to_vec();
+        let at = (luminance.len().saturating_sub(1) as f64 * (1.0 - BRIGHT_SHARE)) as usize;
+        if luminance.is_empty() {
+            return Ok(1.0);
+        }
+        let (_, &mut bright, _) = luminance.select_nth_unstable_by(at, f32::total_cmp);
+        Ok(if bright > 0.0 { 1.0 / f64::from(bright) } else { 1.0 })
+    }
+
+    /// The picture in sRGB as one looks at it: the white of its light, where known, made that of the screen (Bradford).
+    ///
+    /// Args:
+    ///     gain: brightness; default `brightness_gain()`.
+    #[pyo3(signature = (gain=None))]
+    fn shown(&self, py: Python<'_>, gain: Option<f64>) -> PyResult<Self> {
+        Ok(Self::new(detached(py, || self.as_shown(gain))?, None))
+    }
+
+    /// As `shown`, uint8 [rows, columns, 3]: what `matplotlib.pyplot.imshow` takes.
+    fn to_uint8<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let bytes = self.bytes()?;
+        let (rows, cols) = (self.image.rows(), self.image.cols());
+        Ok(bytes.into_pyarray(py).reshape((rows, cols, 3))?.into_any())
+    }
+
+    fn __repr__(&self) -> String {
+        format!("<smalti.Image: {} × {} pixels, {}>", self.image.rows(), self.image.cols(), self.space())
+    }
+
+    fn _repr_png_<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        self.png_as_shown(py)
+    }
+}
+
+impl PyImage {
+    pub(crate) fn new(image: Image, white: Option<[f64; 3]>) -> Self {
+        Self { image, white }
+    }
+
+    /// PNG as `shown`.
+    pub(crate) fn png_as_shown<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let mut out = Vec::new();
+        let wrong = |e: png::EncodingError| wrong(e.to_string());
+        let (rows, cols) = (self.image.rows() as u32, self.image.cols() as u32);
+        let mut encoder = png::Encoder::new(&mut out, cols, rows);
+        encoder.set_color(png::ColorType::Rgb);
+        encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
+        let bytes = self.bytes()?;
+        encoder.write_header().and_then(|mut w| w.write_image_data(&bytes)).map_err(wrong)?;
+        Ok(PyBytes::new(py, &out).into_any())
+    }
+
+    /// In sRGB, white adapted, `gain` times as bright.
+    fn as_shown(&self, gain: Option<f64>) -> PyResult<Image> {
+        let gain = gain.map_or_else(|| self.brightness_gain(), Ok)?;
+        let xyz = self.image.converted(ColorSpace::Xyz).or_raise()?;
+        let matrix = self.white.and_then(|w| Adaptation::Bradford.matrix(D65, w)).unwrap_or(IDENTITY);
+        let (planes, mut out) = (xyz.planes(), Planes::zeros(xyz.rows(), xyz.cols(), 3));
+        for (i, row) in matrix.iter().enumerate() {
+            let [a, b, c] = row.map(|v| (v * gain) as f32);
+            let of = planes.plane(0).iter().zip(planes.plane(1)).zip(planes.plane(2));
+            out.plane_mut(i).iter_mut().zip(of).for_each(|(o, ((x, y), z))| *o = a * x + b * y + c * z);
+        }
+        Image::new(ColorSpace::Xyz, out).and_then(|i| i.converted(ColorSpace::Srgb)).or_raise()
+    }
+
+    /// Encoded pictures as they are, others as they are shown.
+    fn encoded(&self) -> PyResult<Image> {
+        match self.image.space() {
+            ColorSpace::Srgb | ColorSpace::DisplayP3 => Ok(self.image.clone()),
+            _ => self.as_shown(None),
+        }
+    }
+
+    /// In sRGB, three bytes a pixel, row by row.
+    fn bytes(&self) -> PyResult<Vec<u8>> {
+        let shown = self.encoded()?.converted(ColorSpace::Srgb).or_raise()?;
+        let [r, g, b] = [0, 1, 2].map(|c| shown.planes().plane(c));
+        let byte = |v: f32| (v.clamp(0.0, 1.0) * 255.0).round() as u8;
+        Ok(r.iter().zip(g).zip(b).flat_map(|((&r, &g), &b)| [r, g, b].map(byte)).collect())
+    }
+}
+
+/// A colour space by its name.
+pub(crate) fn space_of(name: &str) -> PyResult<ColorSpace> {
+    let found = SPACES.iter().find(|(n, _)| n.eq_ignore_ascii_case(name)).map(|(_, s)| *s);
+    let known = || SPACES.map(|(n, _)| n).join(", ");
+    found.ok_or_else(|| wrong(format!("space is '{name}'; expected one of {}", known())))
+}

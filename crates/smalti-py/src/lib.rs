@@ -1,0 +1,60 @@
+//! The extension module of the Python package `smalti`: objects of the library with NumPy arrays in and out.
+//!
+//! Thin: what is computed is computed by `smalti`, what is read and written by `smalti-io`. Here are conversions (`arrays`),
+//! exceptions (`error`), and the way in which long work gives the interpreter's lock free and ends on Ctrl-C (`work`).
+//! What is nicer to say in Python (progress bars, data frames) is in `python/smalti`.
+
+mod arrays;
+mod camera;
+mod cfa;
+mod color;
+mod error;
+mod evaluate;
+mod image;
+mod l3;
+mod metrics;
+mod raw;
+mod scene;
+mod spectrum;
+mod study;
+mod work;
+
+use pyo3::prelude::*;
+
+/// What the package `smalti` is made of; see there.
+#[pymodule]
+mod _smalti {
+    #[pymodule_export]
+    use crate::camera::{PyCamera, PyPhotograph, camera_names};
+    #[pymodule_export]
+    use crate::cfa::{PyCfa, cfas, filters};
+    #[pymodule_export]
+    use crate::color::{delta_e, lab, scielab_map, xyz};
+    #[pymodule_export]
+    use crate::error::SmaltiError;
+    #[pymodule_export]
+    use crate::evaluate::{
+        PyEvaluation, PySceneScores, evaluate, score_pictures, score_scenes, test_scene_names,
+    };
+    #[pymodule_export]
+    use crate::image::PyImage;
+    #[pymodule_export]
+    use crate::l3::{PyPipeline, PyStatistics, gather_statistics, solve_statistics, training_set_len};
+    #[pymodule_export]
+    use crate::metrics::{
+        PyEdge, aliasing, cpsnr_db, edge_sfr, luminance_noise_percent, metrics, visual_snr,
+    };
+    #[pymodule_export]
+    use crate::raw::PyRawImage;
+    #[pymodule_export]
+    use crate::scene::{PyOpticalImage, PyScene, scenes};
+    #[pymodule_export]
+    use crate::spectrum::{PySpectrum, illuminant, illuminants};
+    #[pymodule_export]
+    use crate::study::{PyResults, PyStudy, designs_missing, merge, parse_shard, run_sweep, study_names};
+
+    /// The version of the package, that of the command.
+    #[pymodule_export]
+    #[allow(non_upper_case_globals)]
+    const __version__: &str = env!("CARGO_PKG_VERSION");
+}

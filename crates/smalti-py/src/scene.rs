@@ -1,0 +1,453 @@
+//! Scenes and what a lens makes of them.
+
+use std::path::{Path, PathBuf};
+
+use numpy::IntoPyArray;
+use pyo3::prelude::*;
+use smalti::color::{ColorSpace, Image};
+use smalti::optics::OpticalImage;
+use smalti::scene::{Scene, Setting, catalog};
+use smalti::spectrum::{Observer, SpectralCube, WavelengthGrid, reflectance};
+use smalti_io::exr::{self, Layout};
+use smalti_io::scene_file::{self, Quantity, ReadOptions, SceneDefaults, SpectralFile};
+
+use crate::arrays;
+use crate::error::{OrRaise, short, wrong};
+use crate::image::PyImage;
+use crate::spectrum::{PySpectrum, grid_of, grid_or_visible, light, wavelengths};
+use crate::work::watched;
+
+/// A flat scene of spectral radiance before the camera.
+///
+/// Args:
+///     source: a built-in scene, with its parameters if any ("macbeth", "zone-plate?size=400", …; see `smalti.scenes()`), or a file:
+///         spectral EXR, or a picture (PNG, TIFF, JPEG, EXR), which is lifted to spectra.
+///     luminance_cd_m2: mean luminance, cd/m²; default 100 for what is built in, else what the file states.
+///     illuminant: the light: a name, a CSV file or a `Spectrum` of relative power; default D65, or what the file states.
+///     distance_m: from the lens, m; default 1.2, or what the file states.
+///     fov_deg: full horizontal field of view, degrees; default 10, or what the file states.
+///     wavelengths_nm: nm, even steps; default 400, 410, … 700, or those of the file.
+///
+/// Raises:
+///     OSError: when a file cannot be read.
+///     SmaltiError: when there is no such scene, a parameter is out of range, or a file holds no scene.
+#[pyclass(name = "Scene", module = "smalti", frozen)]
+#[derive(Debug, Clone)]
+pub(crate) struct PyScene {
+    pub(crate) scene: Scene,
+    /// What it was asked for by.
+    pub(crate) source: String,
+    /// Its width is to be kept, since it was stated.
+    pub(crate) fov_stated: bool,
+    /// It has no more detail than its pixels.
+    pub(crate) is_file: bool,
+}
+
+#[pymethods]
+impl PyScene {
+    #[new]
+    #[pyo3(signature = (source, *, luminance_cd_m2=None, illuminant=None, distance_m=None, fov_deg=None, wavelengths_nm=None))]
+    fn new(
+        py: Python<'_>,
+        source: PathBuf,
+        luminance_cd_m2: Option<f64>,
+        illuminant: Option<&Bound<'_, PyAny>>,
+        distance_m: Option<f64>,
+        fov_deg: Option<f64>,
+        wavelengths_nm: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<Self> {
+        let name = source.to_string_lossy().into_owned();
+        let grid = grid_of(wavelengths_nm)?;
+        let relit = illuminant.map(light).transpose()?;
+        let default = Setting::default();
+        let setting = Setting {
+            luminance_cd_m2: luminance_cd_m2.unwrap_or(default.luminance_cd_m2),
+            distance_m: distance_m.unwrap_or(default.distance_m),
+            horizontal_fov_deg: fov_deg.unwrap_or(default.horizontal_fov_deg),
+            illuminant: relit.clone().unwrap_or(default.illuminant),
+            grid: grid.unwrap_or_default(),
+        };
+        let fov_stated = fov_deg.is_some() || name.contains("fov=");
+        let is_file = scene_file::is_meant(&name);
+        let scene = watched(py, None, |_| {
+            if !is_file {
+                let natural: Vec<_> =
+                    reflectance::natural(setting.grid).or_raise()?.into_iter().map(|(_, s)| s).collect();
+                return catalog::build(&name, &setting, &natural).or_raise();
+            }
+            let mut scene =
+                scene_file::read(Path::new(&name), &setting, &ReadOptions::default()).or_raise()?;
+            // What was stated holds, whatever the file says.
+            if let Some(grid) = grid.filter(|g| *g != scene.radiance().grid()) {
+                scene = scene.resampled(grid).or_raise_about(&name)?;
+            }
+            if let Some(light) = &relit {
+                scene = scene.relit(light).or_raise_about(&name)?;
+            }
+            changed(scene, luminance_cd_m2, distance_m, fov_deg)
+        })?;
+        Ok(Self { scene, source: name, fov_stated, is_file })
+    }
+
+    /// A scene from spectral radiance.
+    ///
+    /// Args:
+    ///     radiance: [rows, columns, wavelengths], finite and not negative, in `unit`.
+    ///     wavelengths_nm: nm, even steps, as many as the last axis has; default 400, 410, … 700.
+    ///     unit: "photons" (s⁻¹ m⁻² sr⁻¹ nm⁻¹), "energy" (W m⁻² sr⁻¹ nm⁻¹), or "relative-energy" (up to a factor; scaled to
+    ///         `luminance_cd_m2`).
+    ///     illuminant: the light that the scene is under, by name or as a `Spectrum` of relative power; its level is set so that white
+    ///         is as bright as the brightest percent of the scene.
+    ///     luminance_cd_m2: mean luminance to scale to; default: as it is (100 for relative energy).
+    ///     distance_m: from the lens, m.
+    ///     fov_deg: full horizontal field of view, degrees; default: as wide as fits the camera's pixels.
+    ///     name: what to call it.
+    #[staticmethod]
+    #[pyo3(signature = (radiance, wavelengths_nm=None, *, unit="photons", illuminant=None, luminance_cd_m2=None, distance_m=1.2, fov_deg=None, name="array"))]
+    #[allow(clippy::too_many_arguments)]
+    fn from_radiance(
+        radiance: &Bound<'_, PyAny>,
+        wavelengths_nm: Option<&Bound<'_, PyAny>>,
+        unit: &str,
+        illuminant: Option<&Bound<'_, PyAny>>,
+        luminance_cd_m2: Option<f64>,
+        distance_m: f64,
+        fov_deg: Option<f64>,
+        name: &str,
+    ) -> PyResult<Self> {
+        let quantity = match unit {
+            "photons" => Quantity::Photons,
+            "energy" => Quantity::Energy,
+            "relative-energy" => Quantity::RelativeEnergy,
+            other => {
+                return Err(wrong(format!("unit is '{other}'; expected photons, energy or relative-energy")));
+            }
+        };
+        let cube = cube(radiance, "radiance", wavelengths_nm)?;
+        Self::from_cube(cube, quantity, illuminant, luminance_cd_m2, distance_m, fov_deg, name)
+    }
+
+    /// A scene from reflectances and a light.
+    ///
+    /// Args:
+    ///     reflectance: [rows, columns, wavelengths], finite and not negative; 1 is a perfect white diffuser.
+    ///     wavelengths_nm: nm, even steps, as many as the last axis has; default 400, 410, … 700.
+    ///     illuminant: the light: a name, a CSV file or a `Spectrum` of relative power; default D65.
+    ///     luminance_cd_m2: mean luminance of the scene, cd/m².
+    ///     distance_m: from the lens, m.
+    ///     fov_deg: full horizontal field of view, degrees; default: as wide as fits the camera's pixels.
+    ///     name: what to call it.
+    #[staticmethod]
+    #[pyo3(signature = (reflectance, wavelengths_nm=None, *, illuminant=None, luminance_cd_m2=100.0, distance_m=1.2, fov_deg=None, name="array"))]
+    fn from_reflectance(
+        reflectance: &Bound<'_, PyAny>,
+        wavelengths_nm: Option<&Bound<'_, PyAny>>,
+        illuminant: Option<&Bound<'_, PyAny>>,
+        luminance_cd_m2: f64,
+        distance_m: f64,
+        fov_deg: Option<f64>,
+        name: &str,
+    ) -> PyResult<Self> {
+        let cube = cube(reflectance, "reflectance", wavelengths_nm)?;
+        Self::from_cube(
+            cube,
+            Quantity::Reflectance,
+            illuminant,
+            Some(luminance_cd_m2),
+            distance_m,
+            fov_deg,
+            name,
+        )
+    }
+
+    /// Spectral radiance, photons s⁻¹ m⁻² sr⁻¹ nm⁻¹, float32 [rows, columns, wavelengths]: a view, not writeable.
+    #[getter]
+    fn radiance<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        arrays::planes_view(slf.as_any().clone(), slf.get().scene.radiance().planes())
+    }
+
+    /// Radiance of a perfect white diffuser under the scene's light, photons s⁻¹ m⁻² sr⁻¹ nm⁻¹.
+    #[getter]
+    fn illuminant_photons(&self) -> PySpectrum {
+        PySpectrum(self.scene.illuminant().clone())
+    }
+
+    /// The wavelengths, nm, float64 [wavelengths].
+    #[getter]
+    fn wavelengths_nm<'py>(&self, py: Python<'py>) -> Bound<'py, PyAny> {
+        wavelengths(py, self.scene.radiance().grid())
+    }
+
+    /// Rows, columns, wavelengths.
+    #[getter]
+    fn shape(&self) -> (usize, usize, usize) {
+        let cube = self.scene.radiance();
+        (cube.rows(), cube.cols(), cube.grid().len())
+    }
+
+    /// What it is called.
+    #[getter]
+    fn name(&self) -> &str {
+        self.scene.name()
+    }
+
+    /// Distance from the lens, m.
+    #[getter]
+    fn distance_m(&self) -> f64 {
+        self.scene.distance_m()
+    }
+
+    /// Full horizontal field of view, degrees.
+    #[getter]
+    fn fov_deg(&self) -> f64 {
+        self.scene.horizontal_fov_deg()
+    }
+
+    /// Mean luminance, cd/m² (CIE 1931).
+    #[getter]
+    fn mean_luminance_cd_m2(&self) -> PyResult<f64> {
+        self.scene.mean_luminance_cd_m2().or_raise()
+    }
+
+    /// Luminance of every pixel, cd/m² (CIE 1931), float32 [rows, columns].
+    fn luminance_cd_m2<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let values = py.detach(|| self.scene.luminance_cd_m2()).or_raise()?;
+        let cube = self.scene.radiance();
+        values.into_pyarray(py).call_method1("reshape", ((cube.rows(), cube.cols()),))
+    }
+
+    /// What the standard observer sees: an `Image` in XYZ, absolute, Y in cd/m² (CIE 1931).
+    fn xyz(&self, py: Python<'_>) -> PyResult<PyImage> {
+        let planes = py.detach(|| self.scene.xyz()).or_raise()?;
+        Ok(PyImage::new(Image::new(ColorSpace::Xyz, planes).or_raise()?, Some(self.white()?)))
+    }
+
+    /// The scene under another light (name, CSV file or `Spectrum` of relative power); its mean luminance stays.
+    fn relit(&self, illuminant: &Bound<'_, PyAny>) -> PyResult<Self> {
+        let light = light(illuminant)?;
+        Ok(Self { scene: self.scene.clone().relit(&light).or_raise()?, ..self.clone() })
+    }
+
+    /// The scene at another mean luminance (cd/m²), distance (m), field of view (degrees).
+    #[pyo3(signature = (*, luminance_cd_m2=None, distance_m=None, fov_deg=None))]
+    fn replaced(
+        &self,
+        luminance_cd_m2: Option<f64>,
+        distance_m: Option<f64>,
+        fov_deg: Option<f64>,
+    ) -> PyResult<Self> {
+        let scene = changed(self.scene.clone(), luminance_cd_m2, distance_m, fov_deg)?;
+        Ok(Self { scene, fov_stated: self.fov_stated || fov_deg.is_some(), ..self.clone() })
+    }
+
+    /// The scene on other wavelengths (nm, even steps, within its own), linear between its samples.
+    fn resampled(&self, wavelengths_nm: &Bound<'_, PyAny>) -> PyResult<Self> {
+        let grid = grid_or_visible(Some(wavelengths_nm))?;
+        Ok(Self { scene: self.scene.clone().resampled(grid).or_raise()?, ..self.clone() })
+    }
+
+    /// The part of `rows` × `cols` pixels from `row`, `col` on.
+    fn cropped(&self, row: usize, col: usize, rows: usize, cols: usize) -> PyResult<Self> {
+        Ok(Self { scene: self.scene.clone().cropped(row, col, rows, cols).or_raise()?, ..self.clone() })
+    }
+
+    /// Writes a spectral OpenEXR file.
+    ///
+    /// Args:
+    ///     path: a name that ends in .exr.
+    ///     layout: "fichet2021" (channels `S0.400,0nm` with units) or "pbrt" (`Radiance.C01`).
+    #[pyo3(signature = (path, layout="fichet2021"))]
+    fn write(&self, py: Python<'_>, path: PathBuf, layout: &str) -> PyResult<()> {
+        let layout = match layout {
+            "fichet2021" => Layout::Fichet2021,
+            "pbrt" => Layout::Pbrt,
+            other => return Err(wrong(format!("layout is '{other}'; expected fichet2021 or pbrt"))),
+        };
+        if !path.extension().is_some_and(|e| e.eq_ignore_ascii_case("exr")) {
+            return Err(wrong(format!("{}: expected a name that ends in .exr", path.display())));
+        }
+        watched(py, None, |_| {
+            let file = SpectralFile::of_scene(&self.scene).into_energy().or_raise()?;
+            exr::write(&path, &file, layout).or_raise()
+        })
+    }
+
+    fn __repr__(&self) -> PyResult<String> {
+        let cube = self.scene.radiance();
+        Ok(format!(
+            "<smalti.Scene '{}': {} × {} pixels, {}, photons/(s m² sr nm), mean {} cd/m², {} m away, {}° wide>",
+            self.scene.name(),
+            cube.rows(),
+            cube.cols(),
+            cube.grid(),
+            short(self.mean_luminance_cd_m2()?),
+            short(self.scene.distance_m()),
+            short(self.scene.horizontal_fov_deg()),
+        ))
+    }
+
+    fn _repr_png_<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        self.xyz(py)?.png_as_shown(py)
+    }
+}
+
+impl PyScene {
+    /// X, Y, Z of the scene's light, Y = 1.
+    pub(crate) fn white(&self) -> PyResult<[f64; 3]> {
+        let white = Observer::Cie1931.xyz_from_photons(self.scene.illuminant()).or_raise()?;
+        Ok(white.map(|v| v / white[1]))
+    }
+
+    fn from_cube(
+        cube: SpectralCube,
+        quantity: Quantity,
+        illuminant: Option<&Bound<'_, PyAny>>,
+        luminance_cd_m2: Option<f64>,
+        distance_m: f64,
+        fov_deg: Option<f64>,
+        name: &str,
+    ) -> PyResult<Self> {
+        let default = Setting::default();
+        let grid = cube.grid();
+        let given = illuminant.map(light).transpose()?;
+        let defaults = SceneDefaults {
+            luminance_cd_m2: luminance_cd_m2.unwrap_or(default.luminance_cd_m2),
+            distance_m,
+            horizontal_fov_deg: fov_deg.unwrap_or(default.horizontal_fov_deg),
+            illuminant: given.clone().unwrap_or(default.illuminant),
+        };
+        let relative = matches!(quantity, Quantity::Reflectance | Quantity::RelativeEnergy);
+        // The light of relative radiance is scaled with it.
+        let illuminant = match (&given, quantity) {
+            (Some(light), Quantity::Reflectance) => Some(light.photons(grid).or_raise()?),
+            _ => None,
+        };
+        let file = SpectralFile {
+            name: name.into(),
+            cube,
+            quantity,
+            illuminant,
+            distance_m: Some(distance_m),
+            horizontal_fov_deg: fov_deg,
+        };
+        let scene = file.into_scene(&defaults).or_raise()?;
+        let scene = changed(scene, luminance_cd_m2.filter(|_| !relative), None, None)?;
+        Ok(Self { scene, source: name.into(), fov_stated: fov_deg.is_some(), is_file: true })
+    }
+}
+
+/// Names of the built-in scenes, each with what it is; parameters are listed by `smalti list scenes`.
+#[pyfunction]
+pub(crate) fn scenes() -> std::collections::BTreeMap<&'static str, &'static str> {
+    catalog::names().iter().map(|s| (s.name, s.summary)).collect()
+}
+
+fn changed(
+    scene: Scene,
+    luminance_cd_m2: Option<f64>,
+    distance_m: Option<f64>,
+    fov_deg: Option<f64>,
+) -> PyResult<Scene> {
+    let scene = match luminance_cd_m2 {
+        Some(cd_m2) => scene.with_mean_luminance(cd_m2).or_raise()?,
+        None => scene,
+    };
+    let scene = match distance_m {
+        Some(m) => scene.with_distance(m).or_raise()?,
+        None => scene,
+    };
+    match fov_deg {
+        Some(deg) => scene.with_fov(deg).or_raise(),
+        None => Ok(scene),
+    }
+}
+
+/// An array \[rows, columns, wavelengths\] on its wavelengths.
+fn cube(
+    value: &Bound<'_, PyAny>,
+    what: &str,
+    wavelengths_nm: Option<&Bound<'_, PyAny>>,
+) -> PyResult<SpectralCube> {
+    let planes = arrays::planes(value, what, "wavelengths")?;
+    let grid: WavelengthGrid = grid_or_visible(wavelengths_nm)?;
+    if planes.count() != grid.len() {
+        return Err(wrong(format!(
+            "{what}: the last axis has {} wavelengths; wavelengths_nm has {}",
+            planes.count(),
+            grid.len()
+        )));
+    }
+    SpectralCube::new(grid, planes).or_raise_about(what)
+}
+
+/// Spectral irradiance on the sensor: what the lens makes of a scene.
+///
+/// Args:
+///     irradiance: photons s⁻¹ m⁻² nm⁻¹ [rows, columns, wavelengths], finite and not negative, centred on the optical axis.
+///     sample_spacing_m: distance between neighbouring samples on the sensor, m.
+///     wavelengths_nm: nm, even steps; default 400, 410, … 700.
+#[pyclass(name = "OpticalImage", module = "smalti", frozen)]
+#[derive(Debug, Clone)]
+pub(crate) struct PyOpticalImage(pub(crate) OpticalImage);
+
+#[pymethods]
+impl PyOpticalImage {
+    #[new]
+    #[pyo3(signature = (irradiance, sample_spacing_m, wavelengths_nm=None))]
+    fn new(
+        irradiance: &Bound<'_, PyAny>,
+        sample_spacing_m: f64,
+        wavelengths_nm: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<Self> {
+        let cube = cube(irradiance, "irradiance", wavelengths_nm)?;
+        Ok(Self(OpticalImage::new(cube, sample_spacing_m).or_raise()?))
+    }
+
+    /// Photons s⁻¹ m⁻² nm⁻¹, float32 [rows, columns, wavelengths]: a view, not writeable.
+    #[getter]
+    fn irradiance<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        arrays::planes_view(slf.as_any().clone(), slf.get().0.irradiance().planes())
+    }
+
+    /// The wavelengths, nm, float64 [wavelengths].
+    #[getter]
+    fn wavelengths_nm<'py>(&self, py: Python<'py>) -> Bound<'py, PyAny> {
+        wavelengths(py, self.0.irradiance().grid())
+    }
+
+    /// Distance between neighbouring samples on the sensor, m.
+    #[getter]
+    fn sample_spacing_m(&self) -> f64 {
+        self.0.sample_spacing_m()
+    }
+
+    /// Rows, columns, wavelengths.
+    #[getter]
+    fn shape(&self) -> (usize, usize, usize) {
+        let cube = self.0.irradiance();
+        (cube.rows(), cube.cols(), cube.grid().len())
+    }
+
+    /// The same image with so many times the light.
+    fn scaled(&self, factor: f64) -> PyResult<Self> {
+        Ok(Self(self.0.scaled(factor).or_raise()?))
+    }
+
+    /// Illuminance of every sample, lux (CIE 1931), float32 [rows, columns].
+    fn illuminance_lux<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let values = py.detach(|| self.0.illuminance_lux()).or_raise()?;
+        let cube = self.0.irradiance();
+        values.into_pyarray(py).call_method1("reshape", ((cube.rows(), cube.cols()),))
+    }
+
+    fn __repr__(&self) -> String {
+        let cube = self.0.irradiance();
+        format!(
+            "<smalti.OpticalImage: {} × {} samples of {} µm, {}, photons/(s m² nm)>",
+            cube.rows(),
+            cube.cols(),
+            short(self.0.sample_spacing_m() * 1e6),
+            cube.grid(),
+        )
+    }
+}

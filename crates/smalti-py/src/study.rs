@@ -1,0 +1,308 @@
+//! Studies: many designs, scored into a folder of results.
+
+use std::path::PathBuf;
+use std::str::FromStr;
+use std::time::Instant;
+
+use numpy::IntoPyArray;
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyList};
+use serde_json::json;
+use smalti::design::{Designs, Sweep};
+use smalti_io::dataset::{self, Column, Dataset, Manifest, Run, Shard};
+use smalti_io::sweeps::{self, SweepError};
+use smalti_io::{TomlSource, studies};
+
+use crate::camera::diagnosed;
+use crate::cfa::PyCfa;
+use crate::error::{OrRaise, wrong};
+use crate::evaluate::{cache, cached};
+use crate::work::watched;
+
+/// A study: families of filters and mosaics, conditions, metrics.
+///
+/// Args:
+///     source: a built-in study (`smalti.studies()`) or a TOML file; or the manifest.json of results.
+///
+/// Raises:
+///     FileNotFoundError: when there is no such file.
+///     SmaltiError: when there is no such study, a key or value does not fit, or it has no design.
+#[pyclass(name = "Study", module = "smalti", frozen)]
+#[derive(Debug)]
+pub(crate) struct PyStudy {
+    designs: Designs,
+    about: String,
+}
+
+#[pymethods]
+impl PyStudy {
+    #[new]
+    fn py_new(py: Python<'_>, source: PathBuf) -> PyResult<Self> {
+        let name = source.to_string_lossy().into_owned();
+        let (designs, about) =
+            watched(py, None, |_| studies::load(&name).map_err(|e| diagnosed(&name, &e.to_string())))?;
+        Ok(Self { designs, about })
+    }
+
+    /// A study from the text of a TOML file.
+    ///
+    /// Args:
+    ///     text: the study.
+    ///     folder: where files that the text names are looked for.
+    #[staticmethod]
+    #[pyo3(signature = (text, folder=None))]
+    fn from_toml(py: Python<'_>, text: String, folder: Option<PathBuf>) -> PyResult<Self> {
+        let source = TomlSource { name: "study".into(), folder: folder.unwrap_or_default(), text };
+        let (designs, about) = watched(py, None, |_| studies::from_source(&source).or_raise())?;
+        Ok(Self { designs, about })
+    }
+
+    /// What it is called.
+    #[getter]
+    fn name(&self) -> &str {
+        &self.designs.study().name
+    }
+
+    /// What it is about, in words.
+    #[getter]
+    fn about(&self) -> &str {
+        &self.about
+    }
+
+    /// The study with all its keys.
+    #[getter]
+    fn description<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let json = serde_json::to_string(self.designs.study()).or_raise()?;
+        py.import("json")?.call_method1("loads", (json,))
+    }
+
+    /// The colour filter array of a design, by its number from 0.
+    fn design(&self, number: u64) -> PyResult<PyCfa> {
+        let design = self.designs.design(number).or_raise()?;
+        let condition = self.designs.study().conditions.get(design.condition);
+        let grid = condition.map(|c| c.camera.grid()).transpose().or_raise()?.unwrap_or_default();
+        Ok(PyCfa(design.cfa(grid).or_raise()?))
+    }
+
+    /// Number of designs.
+    fn __len__(&self) -> usize {
+        usize::try_from(self.designs.len()).unwrap_or(usize::MAX)
+    }
+
+    fn __repr__(&self) -> String {
+        let study = self.designs.study();
+        format!(
+            "<smalti.Study '{}': {} designs, {} condition(s), metrics {}>",
+            study.name,
+            self.designs.len(),
+            study.conditions.len(),
+            study.metrics.iter().map(|m| m.name()).collect::<Vec<_>>().join(", "),
+        )
+    }
+}
+
+/// Scores the designs of a study, or of a shard of it, that are not in the folder yet; see `smalti.sweep`.
+///
+/// Returns:
+///     designs scored, seconds, parts that the folder still lacks.
+#[pyfunction]
+#[pyo3(signature = (study, out, shard, part_size, cache, progress))]
+pub(crate) fn run_sweep(
+    py: Python<'_>,
+    study: &PyStudy,
+    out: PathBuf,
+    shard: Option<(u32, u32)>,
+    part_size: Option<u64>,
+    cache: bool,
+    progress: Option<&Bound<'_, PyAny>>,
+) -> PyResult<(u64, f64, u64)> {
+    let shard = shard.map(|(index, of)| Shard::new(index, of)).transpose().or_raise()?;
+    if out.is_file() {
+        return Err(wrong(format!("{} is a file; expected a folder for the results", out.display())));
+    }
+    let designs = &study.designs;
+    watched(py, progress, |watch| {
+        let plan = sweeps::plan(designs, study.about.clone(), part_size, &out).or_raise()?;
+        // What cannot be is refused before anything is tried.
+        Manifest::new(&plan).or_raise()?;
+        let cache = self::cache(cache);
+        let images = |key: &str, make: &dyn Fn() -> _| cached(&cache, key, make);
+        let sweep = Sweep::new(designs, &images);
+        let run = Run::open(&out, &plan, shard).or_raise()?;
+        let to_do: u64 = run.missing().iter().map(|&c| plan.designs_of(c)).map(|r| r.end - r.start).sum();
+        let start = Instant::now();
+        let go_on = || watch.check().is_ok();
+        match sweeps::score_and_write(&sweep, designs, &run, &|| watch.step(), &go_on) {
+            Ok(()) => {}
+            Err(SweepError::Stopped) => return Err(pyo3::exceptions::PyKeyboardInterrupt::new_err(())),
+            Err(e) => return Err(e).or_raise(),
+        }
+        let seconds = start.elapsed().as_secs_f64();
+        let timings = json!({"seconds": seconds, "designs": to_do, "threads": rayon::current_num_threads()});
+        Ok((to_do, seconds, run.finish(timings).or_raise()?))
+    })
+}
+
+/// How many designs of a study, or of a shard of it, a folder still lacks; it is not made, and not locked.
+#[pyfunction]
+#[pyo3(signature = (study, out, shard, part_size))]
+pub(crate) fn designs_missing(
+    study: &PyStudy,
+    out: PathBuf,
+    shard: Option<(u32, u32)>,
+    part_size: Option<u64>,
+) -> PyResult<u64> {
+    let shard = shard.map(|(index, of)| Shard::new(index, of)).transpose().or_raise()?;
+    let plan = sweeps::plan(&study.designs, study.about.clone(), part_size, &out).or_raise()?;
+    let there = Dataset::open(&out).map(|d| d.chunks().to_vec()).unwrap_or_default();
+    let own =
+        (0..plan.chunks()).filter(|&c| shard.is_none_or(|s| s.owns(c)) && there.binary_search(&c).is_err());
+    Ok(own.map(|c| plan.designs_of(c)).map(|r| r.end - r.start).sum())
+}
+
+/// Puts the results of shards into one folder, which is then as one run would have left it.
+///
+/// Args:
+///     folders: the results of the shards; every part must be in one of them.
+///     out: the folder for the whole.
+#[pyfunction]
+pub(crate) fn merge(py: Python<'_>, folders: Vec<PathBuf>, out: PathBuf) -> PyResult<()> {
+    watched(py, None, |_| dataset::merge(&folders, &out).or_raise())
+}
+
+/// A folder of results: one row for each design.
+///
+/// Args:
+///     dir: a folder that `sweep` or the command wrote.
+#[pyclass(name = "Results", module = "smalti", frozen)]
+#[derive(Debug)]
+pub(crate) struct PyResults(Dataset);
+
+#[pymethods]
+impl PyResults {
+    #[new]
+    fn py_new(dir: PathBuf) -> PyResult<Self> {
+        Ok(Self(Dataset::open(&dir).or_raise()?))
+    }
+
+    /// The folder.
+    #[getter]
+    fn dir(&self) -> PathBuf {
+        self.0.dir().to_owned()
+    }
+
+    /// Whether every design is there.
+    #[getter]
+    fn complete(&self) -> bool {
+        self.0.is_complete()
+    }
+
+    /// The study with all its keys.
+    #[getter]
+    fn study<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        py.import("json")?.call_method1("loads", (self.0.manifest().plan.study.to_string(),))
+    }
+
+    /// What each column holds: its unit and meaning, by its name.
+    #[getter]
+    fn columns<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let columns = PyDict::new(py);
+        for c in &self.0.manifest().plan.schema {
+            columns.set_item(&c.name, (&c.unit, &c.doc))?;
+        }
+        Ok(columns)
+    }
+
+    /// The values of columns, by name, in the order of the designs: float64 or int64 [designs], or a list of texts or of arrays.
+    /// Every part is checked against its hash.
+    ///
+    /// Args:
+    ///     names: default all columns.
+    #[pyo3(signature = (names=None))]
+    fn read<'py>(&self, py: Python<'py>, names: Option<Vec<String>>) -> PyResult<Bound<'py, PyDict>> {
+        let schema = &self.0.manifest().plan.schema;
+        let names = names.unwrap_or_else(|| schema.iter().map(|c| c.name.clone()).collect());
+        let wanted: Vec<&str> = names.iter().map(String::as_str).collect();
+        let columns = watched(py, None, |watch| {
+            let mut all: Option<Vec<Column>> = None;
+            for part in self.0.columns(&wanted).or_raise()? {
+                watch.check()?;
+                let part = part.or_raise()?;
+                match &mut all {
+                    None => all = Some(part.columns),
+                    Some(all) => {
+                        all.iter_mut().zip(part.columns).for_each(|(whole, more)| extend(whole, more))
+                    }
+                }
+            }
+            Ok(all.unwrap_or_default())
+        })?;
+        let found = PyDict::new(py);
+        for (name, column) in names.iter().zip(columns) {
+            let values = match column {
+                Column::Int(v) => v.into_pyarray(py).into_any(),
+                Column::Float(v) => v.into_pyarray(py).into_any(),
+                Column::Text(v) => PyList::new(py, v)?.into_any(),
+                Column::Floats(v) => PyList::new(py, v.into_iter().map(|v| v.into_pyarray(py)))?.into_any(),
+            };
+            found.set_item(name, values)?;
+        }
+        Ok(found)
+    }
+
+    /// The values of columns as a pandas.DataFrame, a row for each design. (`pandas.read_parquet(dir / "designs")` reads them too.)
+    ///
+    /// Args:
+    ///     names: default all columns.
+    #[pyo3(signature = (names=None))]
+    fn to_pandas<'py>(&self, py: Python<'py>, names: Option<Vec<String>>) -> PyResult<Bound<'py, PyAny>> {
+        py.import("pandas")?.call_method1("DataFrame", (self.read(py, names)?,))
+    }
+
+    /// Reads every part and checks its hash.
+    ///
+    /// Raises:
+    ///     SmaltiError: the first part that is damaged.
+    fn verify(&self, py: Python<'_>) -> PyResult<()> {
+        watched(py, None, |_| self.0.verify().or_raise())
+    }
+
+    /// Number of designs that are there.
+    fn __len__(&self) -> usize {
+        usize::try_from(self.0.designs()).unwrap_or(usize::MAX)
+    }
+
+    fn __repr__(&self) -> String {
+        let plan = &self.0.manifest().plan;
+        format!(
+            "<smalti.Results in {}: {} of {} designs>",
+            self.0.dir().display(),
+            self.0.designs(),
+            plan.designs
+        )
+    }
+}
+
+/// Names of the built-in studies, each with what it is.
+#[pyfunction(name = "studies")]
+pub(crate) fn study_names() -> std::collections::BTreeMap<&'static str, &'static str> {
+    studies::names().iter().map(|s| (s.name, s.summary)).collect()
+}
+
+/// A shard as the command has it, `3/16`, as two numbers.
+#[pyfunction]
+pub(crate) fn parse_shard(text: &str) -> PyResult<(u32, u32)> {
+    let shard = Shard::from_str(text).or_raise()?;
+    Ok((shard.index(), shard.of()))
+}
+
+fn extend(whole: &mut Column, more: Column) {
+    match (whole, more) {
+        (Column::Int(a), Column::Int(b)) => a.extend(b),
+        (Column::Float(a), Column::Float(b)) => a.extend(b),
+        (Column::Text(a), Column::Text(b)) => a.extend(b),
+        (Column::Floats(a), Column::Floats(b)) => a.extend(b),
+        // Parts of one dataset have columns of one kind.
+        _ => {}
+    }
+}

@@ -1,0 +1,33 @@
+"""What the tests share: a cache of their own, and the command where it is built."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[3]
+Command = Callable[..., str]
+
+
+@pytest.fixture(scope="session", autouse=True)
+def cache(tmp_path_factory: pytest.TempPathFactory) -> None:
+    os.environ["SMALTI_CACHE_DIR"] = str(tmp_path_factory.mktemp("cache"))
+
+
+@pytest.fixture(scope="session")
+def command() -> Command:
+    """Runs the `smalti` command and gives what it prints; skips where it is not built."""
+    program = Path(os.environ.get("SMALTI_COMMAND", ROOT / "target/debug/smalti"))
+    if not program.is_file():
+        pytest.skip(f"{program} is not built")
+
+    def run(*args: object, code: int = 0) -> str:
+        done = subprocess.run([program, *map(str, args)], capture_output=True, text=True, timeout=300)
+        assert done.returncode == code, done.stderr
+        return done.stdout if code == 0 else done.stderr
+
+    return run

@@ -1,0 +1,123 @@
+"""The same results as the command's."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+import smalti
+from numpy.typing import NDArray
+
+from conftest import Command
+
+STUDY = """
+name = "small"
+camera = "table1"
+colors = [3, 4]
+[sample]
+filters = 6
+mosaics = 3
+[filters.gaussian_grid]
+[mosaics.tile]
+rows = 2
+cols = 3
+[conditions.grid]
+luminance_cd_m2 = [20, 75]
+"""
+
+
+def parts(folder: Path) -> dict[str, bytes]:
+    return {p.name: p.read_bytes() for p in (folder / "designs").iterdir()}
+
+
+def test_scores_are_those_of_evaluate(command: Command) -> None:
+    found = json.loads(command("evaluate", "rgbw", "--luminance", "20", "--json"))["cameras"][0]
+    scores = smalti.evaluate(smalti.Camera("rgbw"), luminance_cd_m2=20.0)
+    mine = scores.to_dict()
+    assert mine == {key: found[key] for key in mine}
+    assert scores.delta_e_2000 == found["delta_e_2000"]["mean"] == pytest.approx(np.mean(mine["delta_e_2000"]["per_patch"]))
+    assert set(scores.pictures) == {"macbeth", "edge", "zone-plate"}
+    # The figures are those of the pictures.
+    edge = smalti.edge_sfr(scores.pictures["edge"])
+    assert edge.mtf50_cy_per_px == pytest.approx(scores.mtf50_cy_per_px, rel=0.05)
+
+
+def test_captures_are_those_of_simulate(command: Command, tmp_path: Path) -> None:
+    command("simulate", "bayer", "--scene", "slanted-bar", "--luminance", "30", "--stages", "-o", tmp_path)
+    photo = smalti.Camera("bayer").photograph(smalti.Scene("slanted-bar", luminance_cd_m2=30.0))
+
+    def stage(name: str) -> NDArray[np.float32]:
+        array: NDArray[np.float32] = np.load(tmp_path / f"{name}.npy")
+        return array
+
+    np.testing.assert_array_equal(photo.raw.samples, stage("3-raw")[0])
+    np.testing.assert_array_equal(photo.picture.array, np.moveaxis(stage("4-picture-xyz"), 0, 2))
+    np.testing.assert_array_equal(photo.optical_image.irradiance, np.moveaxis(stage("2-optical-image-irradiance"), 0, 2))
+    assert photo.exposure_time_s == json.loads((tmp_path / "metrics.json").read_text())["exposure_time_s"]
+    photo.raw.write(tmp_path / "own.dng")
+    assert (tmp_path / "own.dng").read_bytes() == (tmp_path / "raw.dng").read_bytes()
+
+
+def test_sweeps_write_the_same_bytes(command: Command, tmp_path: Path) -> None:
+    (tmp_path / "study.toml").write_text(STUDY)
+    command("sweep", tmp_path / "study.toml", "-o", tmp_path / "by-command", "--part-size", "8")
+    told: list[int] = []
+    results = smalti.sweep(tmp_path / "study.toml", tmp_path / "here", part_size=8, progress=told.append)
+    assert results.complete and len(results) == 72
+    assert told == sorted(told) and (not told or told[-1] <= 72)
+    expected = parts(tmp_path / "by-command")
+    assert parts(tmp_path / "here") == expected and len(expected) == 9
+    # Shards, by either of them; each goes on from what the other left.
+    smalti.sweep(tmp_path / "study.toml", tmp_path / "one", shard=(1, 2), part_size=8, progress=False)
+    command("sweep", tmp_path / "study.toml", "-o", tmp_path / "two", "--part-size", "8", "--shard", "2/2")
+    smalti.merge([tmp_path / "one", tmp_path / "two"], tmp_path / "merged")
+    assert parts(tmp_path / "merged") == expected
+    one = smalti.sweep(tmp_path / "study.toml", tmp_path / "one", part_size=8, progress=False)
+    assert one.complete and parts(tmp_path / "one") == expected
+
+
+def test_results_are_those_of_the_files(tmp_path: Path) -> None:
+    import pandas as pd
+
+    study = smalti.Study.from_toml(STUDY)
+    results = smalti.sweep(study, tmp_path / "out", part_size=16, progress=False)
+    frame, files = results.to_pandas(), pd.read_parquet(tmp_path / "out" / "designs")
+    assert list(frame) == list(files) and len(frame) == len(study) == 72
+    for name in frame:
+        if frame[name].dtype == np.float64:
+            np.testing.assert_array_equal(frame[name], files[name])
+    unit, meaning = results.columns["delta_e_2000"]
+    assert unit == "ΔE00" and meaning
+    results.verify()
+    # A design is what the table says it is.
+    row = frame.iloc[40]
+    assert len(study.design(40).channel_names) == row.colors
+    part = sorted((tmp_path / "out" / "designs").iterdir())[0]
+    part.write_bytes(part.read_bytes()[:-9])
+    with pytest.raises(smalti.SmaltiError, match=part.name):
+        results.verify()
+
+
+def test_pipelines_are_those_of_train(command: Command, tmp_path: Path) -> None:
+    small = {"sensor.rows": 96, "sensor.cols": 128}
+    camera = smalti.Camera("bayer", set=small)
+    options = ["--set", "sensor.rows=96", "--set", "sensor.cols=128", "--patch", "3", "--levels", "3", "--textures", "none"]
+    names = ["grey-steps", "dead-leaves?rows=128&cols=192&seed=4"]
+    scenes = [option for name in names for option in ("--scene", name)]
+    command("train", "bayer", *options, *scenes, "-o", tmp_path / "command.l3")
+    given = [smalti.Scene(name) for name in names]
+    pipeline = smalti.train(camera, given, patch=3, levels=3, textures="none", progress=False)
+    pipeline.write(tmp_path / "here.l3")
+    assert (tmp_path / "here.l3").read_bytes() == (tmp_path / "command.l3").read_bytes()
+    photo = camera.photograph(smalti.Scene("macbeth"))
+    photo.raw.write(tmp_path / "raw.dng")
+    command("render", tmp_path / "raw.dng", "--pipeline", tmp_path / "here.l3", "-o", tmp_path / "out.npy")
+    rendered = pipeline.render(photo.raw)
+    np.testing.assert_array_equal(rendered.array, np.moveaxis(np.load(tmp_path / "out.npy"), 0, 2))
+    # The built-in training set is the same, too: its scenes and lights, in their order.
+    shown = command("train", "--help")
+    assert "[default: D65,A,LED]" in shown
+    again = smalti.Pipeline.read(tmp_path / "here.l3")
+    np.testing.assert_array_equal(again.weights, pipeline.weights)

@@ -1,0 +1,92 @@
+"""Pipelines from scenes, from pairs and from sums of statistics; renderings against NumPy."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import smalti
+
+SMALL = {"sensor.rows": 64, "sensor.cols": 96}
+
+
+def scenes() -> list[smalti.Scene]:
+    names = ["dead-leaves?rows=128&cols=192&seed=%d" % s for s in (1, 2)]
+    return [smalti.Scene(name) for name in [*names, "grey-steps?steps=8&step=24&rows=128"]]
+
+
+def test_learn_and_render() -> None:
+    camera = smalti.Camera("rgbw", set=SMALL)
+    told: list[int] = []
+    pipeline = smalti.train(camera, scenes(), patch=3, levels=4, textures="none", progress=told.append)
+    assert told == sorted(told) and all(n <= 3 for n in told)
+    photo = camera.photograph(smalti.Scene("macbeth"), noise="none")
+    rendered = pipeline.render(photo.raw)
+    reference = photo.reference()
+    # Reading all pixels, the reference is that of the camera itself.
+    whole = camera.photograph(smalti.Scene("macbeth"), full_frame=True)
+    own = camera.reference(whole.optical_image, smalti.Scene("macbeth"), time_s=whole.exposure_time_s)
+    np.testing.assert_array_equal(whole.reference().array, own.array)
+    # A wrong white or a channel in the wrong place costs more.
+    assert smalti.score_picture(rendered, reference)["pixel_delta_e_2000_mean"] < 5.0
+    assert rendered.space == "xyz" and rendered.white == pytest.approx(reference.white, rel=1e-6)
+    assert pipeline.channel_names == ["R", "G", "W", "B"] and pipeline.outputs == ["X", "Y", "Z"]
+    values, unlike = pipeline.render_outputs(photo.raw)
+    np.testing.assert_array_equal(values, rendered.array)
+    assert set(unlike) == {"darker", "brighter", "saturation"}
+    assert pipeline.weights.shape[-3:] == (3, 3, 3) and pipeline.weights.shape[0] == 4
+    assert len(pipeline.classes()) == int(np.prod(pipeline.weights.shape[:4]))
+    assert pipeline.provenance["camera"]["name"] == "rgbw"
+
+
+def test_statistics_add_up() -> None:
+    camera = smalti.Camera("bayer", set=SMALL)
+    first, second = scenes()[:2]
+    settings = {"patch": 3, "levels": 3, "textures": "none", "progress": False}
+    a, b = smalti.gather(camera, [first], **settings), smalti.gather(camera, [second], **settings)  # type: ignore[arg-type]
+    both = a.merged(b)
+    assert both.patches == a.patches + b.patches and a.outputs == ["X", "Y", "Z"]
+    sums, at_once = smalti.solve(both), smalti.solve(b.merged(a))
+    np.testing.assert_allclose(sums.weights, at_once.weights, atol=1e-6)
+
+
+def test_pairs_are_fitted_as_numpy_fits_them() -> None:
+    """One class, no noise: the kernels are those of least squares."""
+    rng = np.random.default_rng(3)
+    camera = smalti.Camera("bayer", set=SMALL)
+    samples = rng.integers(200, 3000, (64, 96)).astype(np.uint16)
+    raw = smalti.RawImage(samples, camera.cfa, black_level=0, white_level=16383)
+    target = smalti.Image(rng.random((64, 96, 3)), "xyz", white=(0.95, 1.0, 1.09))
+    pipeline = smalti.train(
+        camera, pairs=[(raw, target)], patch=3, levels=1, textures="none", solver="least-squares", symmetry=False,
+        progress=False,
+    )  # fmt: skip
+    values = raw.normalized()
+    # Patches at even rows and columns within the borders: red cells.
+    at = [(r, c) for r in range(2, 62, 2) for c in range(2, 94, 2)]
+    patches = np.array([values[r - 1 : r + 2, c - 1 : c + 2].ravel() for r, c in at])
+    design = np.column_stack([patches, np.ones(len(at))])
+    wanted = np.array([target.array[r, c] for r, c in at])
+    solved, *_ = np.linalg.lstsq(design, wanted, rcond=None)
+    seen = pipeline.render(raw).array
+    fitted = design @ solved
+    rendered = np.array([seen[r, c] for r, c in at])
+    # The pipeline also learns from the border, which is mirrored.
+    assert np.abs(rendered - fitted).mean() < 0.1 * np.abs(fitted - fitted.mean(axis=0)).mean() + 0.02
+
+
+def test_a_pipeline_refuses_another_mosaic() -> None:
+    pipeline = smalti.train(smalti.Camera("bayer", set=SMALL), scenes()[:1], patch=3, levels=1, progress=False)
+    other = smalti.Camera("kodak", set=SMALL).photograph(smalti.Scene("macbeth"))
+    with pytest.raises(smalti.SmaltiError):
+        pipeline.render(other.raw)
+
+
+def test_compare_gives_records() -> None:
+    import pandas as pd
+
+    cameras = [smalti.Camera("bayer"), smalti.Camera("rgbw")]
+    told: list[int] = []
+    records = smalti.compare(cameras, scenes=["macbeth?patch=32"], luminances_cd_m2=[5.0, 50.0], progress=told.append)
+    frame = pd.DataFrame(records).set_index(["camera", "luminance_cd_m2"])
+    assert len(frame) == 4 and told == sorted(told)
+    assert (frame.cpsnr_db.xs(50.0, level=1) > frame.cpsnr_db.xs(5.0, level=1)).all()

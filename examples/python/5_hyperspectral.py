@@ -1,0 +1,23 @@
+"""A hyperspectral image, as NumPy keeps it, before a camera: reflectances and their wavelengths from an .npz file."""
+
+import numpy as np
+import smalti
+
+# Stands for one's own file: a cube [rows, columns, wavelengths] of reflectance, 400 to 720 nm in steps of 8.
+nm = np.arange(400.0, 721.0, 8.0)
+y, x = np.mgrid[0:120, 0:160] / 160.0
+cube = 0.5 + 0.4 * np.sin(2 * np.pi * (x[..., None] * 3 + (nm - 400.0) / 320.0)) * np.cos(2 * np.pi * y[..., None])
+np.savez("scene.npz", reflectance=cube.astype(np.float32), wavelengths_nm=nm)
+
+file = np.load("scene.npz")
+scene = smalti.Scene.from_reflectance(file["reflectance"], file["wavelengths_nm"], illuminant="A", luminance_cd_m2=40.0)
+print(scene)
+camera = smalti.Camera("phone", wavelengths_nm=nm)
+photo = camera.photograph(scene)
+photo.picture.write("phone.png")
+print(photo, photo.raw)
+
+# A spectral OpenEXR file keeps it with its units; ENVI and others are read by their own packages, as arrays.
+scene.write("scene.exr")
+again = smalti.Scene("scene.exr")
+print("as written:", np.allclose(again.radiance, scene.radiance, rtol=1e-5))
