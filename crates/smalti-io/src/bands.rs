@@ -1,6 +1,6 @@
 //! A folder of pictures, one for each band, as the CAVE database has them.
 //!
-//! Yasuma, Mitsunaga, Iso and Nayar, *Generalized Assorted Pixel Camera* [yasuma2010]: 31 PNG of 16 bits, reflectances from 400 to
+//! Yasuma, Mitsunaga, Iso and Nayar, *Generalized Assorted Pixel Camera* \[yasuma2010\]: 31 PNG of 16 bits, reflectances from 400 to
 //! 700 nm.
 
 use std::collections::BTreeMap;

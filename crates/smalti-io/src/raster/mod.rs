@@ -127,6 +127,15 @@ impl Raster {
         target: Target<'_, '_>,
         buffer: &mut Vec<u8>,
     ) -> Result<(), Bad> {
+        if let Some(first) = self.lies_as_planes(part, &target) {
+            for (band, plane) in part.bands.iter().zip(target.bands) {
+                let len = part.rows.len() * self.cols;
+                let out = plane.get_mut(..len).unwrap_or_default();
+                let at = first + (*band as u64 * self.rows as u64 * self.cols as u64) * 4;
+                source.read_at(at, bytemuck::cast_slice_mut(out))?;
+            }
+            return Ok(());
+        }
         if self.order[0] == Axis::Band {
             // Each band by itself: those that are not wanted are not read.
             for (band, plane) in part.bands.iter().zip(target.bands) {
@@ -137,6 +146,16 @@ impl Raster {
             return Ok(());
         }
         self.read_block(source, 0..self.bands, (part.bands, part), target, buffer)
+    }
+
+    /// Whether whole rows of planes lie in the file as they do in memory; then where those of the first band begin.
+    fn lies_as_planes(&self, part: &Part<'_>, target: &Target<'_, '_>) -> Option<u64> {
+        let as_is = self.kind == Kind::F32 && self.big_endian == cfg!(target_endian = "big");
+        let planes = self.order == [Axis::Band, Axis::Row, Axis::Col]
+            || (self.bands == 1 && self.order == [Axis::Row, Axis::Col, Axis::Band]);
+        let whole = target.width == self.cols && target.col == 0 && part.cols == (0..self.cols);
+        let first = self.offset + part.rows.start as u64 * self.cols as u64 * 4;
+        (as_is && planes && whole).then_some(first)
     }
 
     fn read_block(

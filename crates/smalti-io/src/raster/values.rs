@@ -55,7 +55,7 @@ impl Values<'_> {
         // Almost always all are well, and this loop has no branch. Minus zero becomes zero.
         let mut well = true;
         for v in values.iter_mut() {
-            well &= *v >= 0.0 && *v <= f32::MAX;
+            well &= (*v >= 0.0) & (*v <= f32::MAX);
             *v += 0.0;
         }
         if well {
