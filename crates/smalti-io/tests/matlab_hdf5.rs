@@ -266,6 +266,19 @@ fn files_of_octave_are_read_and_ours_by_it() {
     assert_eq!(lines.next().unwrap(), format!("5 4 7 {value:.0}"), "{seen}");
 }
 
+#[test]
+fn what_the_fuzzer_found_is_refused() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/findings");
+    let error = |name: &str| read(&folder.join(name), &ReadOptions::default()).unwrap_err();
+    // Four gibibytes would be taken for it.
+    let chunk = error("chunk_of_4_gib.h5");
+    assert!(matches!(chunk, IoError::Truncated { what: "a chunk", .. }), "{chunk}");
+    for name in ["integers_of_many_bytes.h5", "sum_beyond_64_bits.h5"] {
+        let error = error(name);
+        assert!(matches!(error, IoError::Decode { .. } | IoError::Field { .. }), "{error}");
+    }
+}
+
 /// Run it with optimisation, on a machine that does nothing else: `cargo test --release … -- --ignored --nocapture`.
 #[test]
 #[ignore = "takes time, and a quiet machine"]
@@ -274,7 +287,8 @@ fn cubes_are_read_within_twice_the_time_of_scipy_and_h5py() {
     let Some(theirs) = python(SCRIPT, PACKAGES, &[Path::new("time"), dir.path()]) else { return };
     let mut slow = Vec::new();
     for theirs in theirs {
-        let (name, seconds) = (theirs["name"].as_str().unwrap(), theirs["seconds"].as_f64().unwrap());
+        let name = theirs["name"].as_str().unwrap();
+        let [loaded, planes] = ["loaded", "planes"].map(|key| theirs[key].as_f64().unwrap());
         let mut best = f64::INFINITY;
         for _ in 0..7 {
             let start = Instant::now();
@@ -282,8 +296,9 @@ fn cubes_are_read_within_twice_the_time_of_scipy_and_h5py() {
             best = best.min(start.elapsed().as_secs_f64());
             assert_eq!(file.cube.planes().data().len(), 512 * 512 * 31);
         }
-        eprintln!("{name:22} {:6.1} ms, theirs {:6.1} ms: {:.2}", best * 1e3, seconds * 1e3, best / seconds);
-        if best > 2.0 * seconds {
+        let ms = [best, planes, loaded].map(|s| s * 1e3);
+        eprintln!("{name:22} {:6.1} ms; theirs {:6.1} ms, of which loading {:6.1} ms", ms[0], ms[1], ms[2]);
+        if best > 2.0 * planes {
             slow.push(name.to_owned());
         }
     }

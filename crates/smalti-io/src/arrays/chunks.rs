@@ -7,7 +7,7 @@ use flate2::{Decompress, FlushDecompress, Status};
 
 use super::element::Element;
 use super::source::Source;
-use crate::{IoError, Limits};
+use crate::IoError;
 
 /// Where the chunks of an array are.
 pub(crate) struct ChunkTable {
@@ -70,11 +70,6 @@ impl ChunkTable {
 
     fn key(&self, [x, y, z]: [usize; 3]) -> usize {
         (z * self.counts[1] + y) * self.counts[0] + x
-    }
-
-    /// Refuses chunks that are larger than the file can hold.
-    pub(crate) fn check(&self, element: Element, path: &Path, limits: Limits) -> Result<(), IoError> {
-        limits.check(path, "a chunk", self.chunk_bytes(element), self.source.len())
     }
 
     fn chunk_bytes(&self, element: Element) -> u64 {

@@ -4,7 +4,8 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use hdf5_pure::{
-    AttrValue, Dataset, Datatype, DatatypeByteOrder, FloatingPointLayout, FormatError, Group, Layout, Object,
+    AttrValue, Chunk, Dataset, Datatype, DatatypeByteOrder, FloatingPointLayout, FormatError, Group, Layout,
+    Object,
 };
 
 use super::{FORMAT, octave};
@@ -195,8 +196,17 @@ impl Context {
                 return Ok(Some(Storage::Run { source: Arc::clone(&self.source), offset }));
             }
             Layout::Chunked { chunk_shape, .. } => {
-                if let Some(table) = self.chunks(dataset, dims, &chunk_shape) {
-                    table.check(element, &self.path, self.limits)?;
+                self.refuse_too_many(dims, &chunk_shape)?;
+                let chunk = chunk_shape.iter().fold(element.size() as u64, |n, &d| n.saturating_mul(d));
+                self.limits.check(&self.path, "a chunk", chunk, self.source.len())?;
+                let chunks = dataset.chunks().map_err(|e| self.decode(e))?;
+                // The crate takes memory for what a chunk is said to be long.
+                let have = self.source.len();
+                if let Some(c) = chunks.iter().find(|c| c.storage_size > have.saturating_sub(c.address)) {
+                    let (path, what, need) = (self.path.clone(), "a chunk", c.storage_size);
+                    return Err(IoError::Truncated { path, what, need, have });
+                }
+                if let Some(table) = self.chunks(dataset, dims, &chunk_shape, &chunks) {
                     return Ok(Some(Storage::Chunks(Arc::new(table))));
                 }
             }
@@ -210,8 +220,28 @@ impl Context {
         Ok(Some(Storage::Run { source: Arc::new(raw), offset: 0 }))
     }
 
+    /// Refuses more chunks than the file has room to list: every one of them would take memory.
+    fn refuse_too_many(&self, dims: &[usize], chunk_shape: &[u64]) -> Result<(), IoError> {
+        // Where a chunk is, and at least a byte of it.
+        const LEAST: u64 = 8;
+        let along = dims.iter().rev().zip(chunk_shape).map(|(&d, &c)| (d as u64).div_ceil(c.max(1)));
+        let need = along.fold(LEAST, u64::saturating_mul);
+        let have = self.source.len();
+        if need > have {
+            let (path, what) = (self.path.clone(), "the list of chunks");
+            return Err(IoError::Truncated { path, what, need, have });
+        }
+        Ok(())
+    }
+
     /// The chunks of an array of at most three axes, deflated at most.
-    fn chunks(&self, dataset: &Dataset, dims: &[usize], chunk_shape: &[u64]) -> Option<ChunkTable> {
+    fn chunks(
+        &self,
+        dataset: &Dataset,
+        dims: &[usize],
+        chunk_shape: &[u64],
+        chunks: &[Chunk],
+    ) -> Option<ChunkTable> {
         let filters = dataset
             .filter_pipeline()
             .iter()
@@ -230,7 +260,7 @@ impl Context {
         };
         let chunk_dims = fastest_first(chunk_shape, 1)?;
         let mut stored = Vec::new();
-        for chunk in dataset.chunks().ok()? {
+        for chunk in chunks {
             let place =
                 StoredChunk { address: chunk.address, bytes: chunk.storage_size, skipped: chunk.filter_mask };
             stored.push((fastest_first(&chunk.offset, 0)?, place));
@@ -247,7 +277,7 @@ impl Context {
 fn element(datatype: &Datatype) -> Option<Element> {
     let (kind, order) = match datatype {
         Datatype::FixedPoint { size, byte_order, layout }
-            if layout.bit_offset == 0 && u32::from(layout.bit_precision) == 8 * size =>
+            if layout.bit_offset == 0 && u64::from(layout.bit_precision) == 8 * u64::from(*size) =>
         {
             let kind = match (size, layout.signed) {
                 (1, true) => Kind::I8,

@@ -29,10 +29,10 @@ pub enum Version {
 ///
 /// A scene of ISETCam is photons s⁻¹ m⁻² sr⁻¹ nm⁻¹, whether it comes as the struct `scene`, as `photons` with `wave`, or
 /// as `mcCOEF` with `basis`; its illuminant, distance and field of view are taken where the file has them. What becomes of
-/// other files says [`hdf5::read`](crate::hdf5::read): the rules are the same.
+/// other files says [`hdf5::read`]: the rules are the same.
 ///
 /// # Errors
-/// As [`hdf5::read`](crate::hdf5::read); files of level 4, which hold no cubes, are refused.
+/// As [`hdf5::read`]; files of level 4, which hold no cubes, are refused.
 pub fn read(path: &Path, options: &ReadOptions) -> Result<SpectralFile, IoError> {
     from_source(open(path, options.limits)?, path, options)
 }

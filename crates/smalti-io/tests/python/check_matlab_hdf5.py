@@ -218,7 +218,8 @@ def read():
 
 
 def timed():
-    """Cubes of 512 x 512 x 31, and how long SciPy and h5py take to load each: the best of several times."""
+    """Cubes of 512 x 512 x 31, and how long SciPy and h5py take to load each, and to make it what we make
+    of it: planes in single precision, looked through once. The best of several times."""
     rng = np.random.default_rng(1)
     smooth = np.linspace(0, 1, 512)[:, None, None] + 0.01 * rng.random((512, 512, 31))
     wave = 400.0 + 10.0 * np.arange(31)
@@ -238,16 +239,19 @@ def timed():
                 f.create_dataset("cube", data=data, **options)
                 f["bands"] = wave
     for path in sorted(folder.iterdir()):
-        best = 1e9
+        loaded = planes = 1e9
         for _ in range(7):
             start = time.perf_counter()
             if path.suffix == ".mat":
-                scipy.io.loadmat(path)["photons"]
+                cube = scipy.io.loadmat(path)["photons"]
             else:
                 with h5py.File(path) as f:
-                    f["cube"][()]
-            best = min(best, time.perf_counter() - start)
-        print(json.dumps({"name": path.name, "seconds": best}))
+                    cube = f["cube"][()]
+            loaded = min(loaded, time.perf_counter() - start)
+            cube = cube if cube.shape[0] == 31 else cube.transpose(2, 0, 1)
+            np.ascontiguousarray(cube, dtype="f4").min()
+            planes = min(planes, time.perf_counter() - start)
+        print(json.dumps({"name": path.name, "loaded": loaded, "planes": planes}))
 
 
 if mode == "write":
