@@ -5,7 +5,7 @@
 //! | [`spectrum_csv`] | CSV | [`smalti::spectrum::Spectrum`] |
 //! | [`exr`] | spectral OpenEXR (PBRT and Fichet et al. 2021 layouts) | [`SpectralFile`], [`smalti::scene::Scene`] |
 //! | [`picture`] | PNG, TIFF, JPEG, OpenEXR RGB in; PNG, TIFF out | [`smalti::color::Image`] |
-//! | [`dng`] | DNG (uncompressed) | [`smalti::sensor::RawImage`] |
+//! | [`dng`] | DNG | [`smalti::sensor::RawImage`] |
 //! | [`l3`] | `.l3` (safetensors) in and out; `.npz`, C header out | [`smalti::l3::Pipeline`], [`smalti::l3::Statistics`] |
 //! | [`npy`], [`stages`] | NumPy arrays and a JSON of their units | slices |
 //! | [`cache`] | own | [`smalti::optics::OpticalImage`] |

@@ -195,10 +195,7 @@ fn plans_and_chunks_that_cannot_be_are_refused() {
     for (plan, message) in [
         (plan(0, 10), "the number of designs is 0; expected at least 1"),
         (plan(1, 0), "the number of designs in a chunk is 0; expected 1 to 1048576"),
-        (
-            plan(1_000_001, 1),
-            "the number of parts is 1000001; expected at most 1000000; choose larger parts",
-        ),
+        (plan(1_000_001, 1), "the number of parts is 1000001; expected at most 1000000; choose larger parts"),
         (plan(u64::MAX, 1 << 20), "the number of parts is 17592186044416; expected at most 1000000"),
         (nameless, "the list of columns is empty; expected at least one"),
     ] {
