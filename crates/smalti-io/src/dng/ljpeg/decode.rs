@@ -65,7 +65,7 @@ pub(in crate::dng) fn decode(
             0xda => {
                 let scan = scan(segment, &headers)?;
                 let frame = headers.frame.ok_or("the scan comes before the frame")?;
-                let samples = frame.rows * frame.cols * frame.components.len();
+                let samples = frame.rows.saturating_mul(frame.cols).saturating_mul(frame.components.len());
                 if !allowed.contains(&samples) {
                     let (least, most) = allowed.into_inner();
                     return Err(format!("it has {samples} samples; the strip or tile {least} to {most}"));
