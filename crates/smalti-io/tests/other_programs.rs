@@ -120,7 +120,8 @@ fn exiftool_finds_nothing_wrong_with_any_mosaic() {
         };
         let path = dir.path().join(format!("{name}.dng"));
         dng::write_compressed(&path, &raw, &info, Compression::LosslessJpeg).unwrap();
-        let tags = ["-j", "-n", "-validate", "-warning", "-CFARepeatPatternDim", "-CFAPattern2", "-ColorMatrix1"];
+        let tags =
+            ["-j", "-n", "-validate", "-warning", "-CFARepeatPatternDim", "-CFAPattern2", "-ColorMatrix1"];
         let output = Command::new("exiftool").args(tags).arg(&path).output().unwrap();
         let seen: Value = serde_json::from_slice(&output.stdout).unwrap();
         let seen = &seen[0];

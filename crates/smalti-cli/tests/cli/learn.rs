@@ -140,9 +140,9 @@ fn a_cropped_picture_is_aligned() {
     let whole = picture::read(&place.path("a/rendered.tif"), &options).unwrap().image;
     let (row, col, rows, cols) = (7, 11, 80, 76);
     let planes = whole.planes();
-    let part = planes.planes().flat_map(|p| {
-        p.chunks(planes.cols()).skip(row).take(rows).flat_map(|r| r[col..col + cols].to_vec())
-    });
+    let part = planes
+        .planes()
+        .flat_map(|p| p.chunks(planes.cols()).skip(row).take(rows).flat_map(|r| r[col..col + cols].to_vec()));
     let part = Planes::new(rows, cols, 3, part.collect()).unwrap();
     let part = Image::new(whole.space(), part).unwrap();
     picture::write(&place.path("part.tif"), &part, Depth::Sixteen).unwrap();
@@ -154,7 +154,10 @@ fn a_cropped_picture_is_aligned() {
     assert!(found["alignment"]["correlation"].as_f64().unwrap() > 0.8, "{found}");
     assert!(found["rows"].as_u64().unwrap() >= 70, "{found}");
     let text = place.ok("train bayer --pair a/raw.dng a/rendered.tif -o whole.l3");
-    assert!(text.contains("96 × 96 pixels, the picture shifted by") && text.contains("(left as it is)"), "{text}");
+    assert!(
+        text.contains("96 × 96 pixels, the picture shifted by") && text.contains("(left as it is)"),
+        "{text}"
+    );
 }
 
 #[test]

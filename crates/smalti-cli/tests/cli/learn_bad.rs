@@ -135,8 +135,14 @@ fn pairs_that_do_not_fit() {
     let pair = |pairs: &str, expected: &[&str]| {
         refused(&place, &format!("train bayer {pairs} -o a.l3"), 1, expected)
     };
-    pair("--no-align --pair s/raw.dng small.png", &["s/raw.dng with small.png", "96 × 96", "the target 30 × 30"]);
-    pair("--pair s/raw.dng small.png", &["s/raw.dng with small.png", "30 × 30 pixels are too few to align by"]);
+    pair(
+        "--no-align --pair s/raw.dng small.png",
+        &["s/raw.dng with small.png", "96 × 96", "the target 30 × 30"],
+    );
+    pair(
+        "--pair s/raw.dng small.png",
+        &["s/raw.dng with small.png", "30 × 30 pixels are too few to align by"],
+    );
     pair("--pair s/raw.dng flat.png", &["s/raw.dng with flat.png", "does not match the raw image"]);
     pair("--pair s/raw.dng no.png", &["cannot read no.png"]);
     pair("--pair no.dng s/rendered.png", &["cannot read no.dng"]);

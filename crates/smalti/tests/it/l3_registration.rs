@@ -2,7 +2,8 @@
 #![allow(clippy::unwrap_used)]
 
 use smalti::l3::{
-    Axes, LEAST_SIDE, Pair, Pipeline, Registration, RegistrationError, Statistics, Training, peak_ratio_db,
+    Axes, GOOD_RESIDUAL_PX, LEAST_SIDE, Pair, Pipeline, Registration, RegistrationError, Statistics,
+    Training, peak_ratio_db,
 };
 use smalti::numeric::Planes;
 use smalti::numeric::philox::Stream;
@@ -98,7 +99,8 @@ fn shifts_and_crops_are_found_to_a_tenth_of_a_pixel() {
             let off = [found.row_shift_px - shift[0], found.col_shift_px - shift[1]];
             worst = worst.max(off[0].abs()).max(off[1].abs());
             assert!(found.correlation > 0.9, "{found:?}");
-            assert!(found.largest_residual_px() < 0.15, "{found:?}");
+            // Nothing is distorted, and nothing said to be.
+            assert!(found.largest_residual_px() < GOOD_RESIDUAL_PX, "{found:?}");
             assert_eq!(found.is_identity(), shift == [0.0; 2], "{found:?}");
         }
     }
@@ -113,7 +115,7 @@ fn a_picture_of_other_scale_is_placed_by_its_best_scale() {
     // Pixels twice as large; the first lies at 10.3 to 12.3 and 6.6 to 8.6.
     let picture = luminance(&scene.picture(80, 80, [10.3 + 0.5, 6.6 + 0.5], 2.0));
     let found = Registration::best(&raw, &picture, &[1.0, 2.0, 2.4]).unwrap();
-    assert_eq!(found.scale, 2.0);
+    assert_eq!(found.scale, 2.0, "{found:?}");
     assert!((found.row_shift_px - 10.3).abs() < 0.1 && (found.col_shift_px - 6.6).abs() < 0.1, "{found:?}");
 }
 
@@ -128,7 +130,7 @@ fn distortion_shows_in_the_quadrants() {
     let found = Registration::find(&raw, &picture, 1.0).unwrap();
     let [upper_left, _, _, lower_right] = found.residuals_px.map(Option::unwrap);
     assert!(upper_left.iter().all(|v| *v > 0.2) && lower_right.iter().all(|v| *v < -0.2), "{found:?}");
-    assert!(found.largest_residual_px() > smalti::l3::GOOD_RESIDUAL_PX);
+    assert!(found.largest_residual_px() > GOOD_RESIDUAL_PX);
 }
 
 #[test]

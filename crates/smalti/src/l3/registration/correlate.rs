@@ -199,10 +199,19 @@ pub(super) fn coarse(fixed: &Plane, moving: &Plane, scale: f64) -> Shift {
         }
     }
     let Ok(correlation) = fft.inverse(&spectrum) else { return Shift { row: 0.0, col: 0.0 } };
-    let best = correlation.iter().enumerate().max_by(|a, b| a.1.total_cmp(b.1)).map_or(0, |(i, _)| i);
     // Places beyond the fixed plane are negative ones.
     let signed = |i: usize, n: usize, limit: usize| if i > limit { i as f64 - n as f64 } else { i as f64 };
-    let at = Shift { row: signed(best / size.1, size.0, a.rows), col: signed(best % size.1, size.1, a.cols) };
+    let place =
+        |i: usize| Shift { row: signed(i / size.1, size.0, a.rows), col: signed(i % size.1, size.1, a.cols) };
+    // A picture shows the scene of the raw image: where they share but a corner, their likeness is chance.
+    let common = |s: Shift| {
+        let along = |shift: f64, a: usize, b: usize| (a as f64).min(shift + b as f64) - shift.max(0.0);
+        along(s.row, a.rows, b.rows).max(0.0) * along(s.col, a.cols, b.cols).max(0.0)
+    };
+    let least = (a.values.len().min(b.values.len())) as f64 / 2.0;
+    let candidates = correlation.iter().enumerate().filter(|(i, _)| common(place(*i)) >= least);
+    let best = candidates.max_by(|a, b| a.1.total_cmp(b.1)).map_or(0, |(i, _)| i);
+    let at = place(best);
     let (at, _) = power.peak(at, 0.25);
     Shift { row: at.row * step, col: at.col * step }
 }
