@@ -184,6 +184,8 @@ fn seeds_of_dng(dir: &Path) -> Result<(), Box<dyn Error>> {
     let digital = RawSamples::Digital((0..48).collect());
     let raw = RawImage::new(6, 8, digital, mosaic, names.clone(), 2.0, 47.0)?;
     dng::write(&dir.join("bayer.dng"), &raw, &dng::DngInfo::default())?;
+    let coding = dng::Compression::LosslessJpeg;
+    dng::write_compressed(&dir.join("lossless.dng"), &raw, &dng::DngInfo::default(), coding)?;
     let analog = RawSamples::Analog((0..48).map(|i| i as f32 / 48.0).collect());
     let raw = RawImage::new(4, 4, analog, Sampling::Full { channels: 3 }, names, 0.0, 1.0)?;
     dng::write(&dir.join("full.dng"), &raw, &dng::DngInfo::default())?;

@@ -456,7 +456,7 @@ impl Processing {
     smalti train my.toml --illuminants A --target-illuminant D65 -o warm.l3       balances tungsten light\n  \
     smalti train bayer --scene forest.exr --scene street.exr -o mine.l3\n  \
     smalti train bayer --statistics half.l3s -o a.l3                             for --continue half.l3s\n  \
-    smalti train nikon.toml --pair shot.dng shot.tif --pair b.dng b.tif -o nikon.l3\n  \
+    smalti train nikon.toml --pair shot.dng shot.jpg --pair b.dng b.jpg -o nikon.l3\n  \
     smalti train rgbw -o rgbw.l3 --c-header rgbw_isp.h --npz rgbw.npz\n\n\
     Without --scene, --pair or --continue it learns from the default set: dead leaves, charts of patches, gradients, edges, \
     stars, gratings, steps and scenes of high dynamic range, in natural and saturated colours, under daylight, tungsten and LED. Scenes are exposed as \
@@ -486,10 +486,14 @@ pub(crate) struct Train {
     /// Exposures of each scene, as the response of its bright end (1: just saturated) [default: from 3 down to the noise]
     #[arg(long, value_delimiter = ',', value_name = "R,...", value_parser = positive, allow_negative_numbers = true)]
     pub(crate) exposures: Vec<f64>,
-    /// A raw file (DNG) and the picture that should come of it, pixel by pixel; may be given more than once. Raw files hold
+    /// A raw file (DNG) and the picture that should come of it, of the same shot; may be given more than once. The picture
+    /// is laid onto the raw image to a fraction of a pixel: it may be cropped, shifted, or scaled. Raw files hold
     /// their noise and scenes do not, so that one table learns from either
     #[arg(long = "pair", num_args = 2, value_names = ["RAW", "PICTURE"], conflicts_with_all = ["scenes", "target", "target_illuminant"])]
     pub(crate) pairs: Vec<PathBuf>,
+    /// Take the pictures of --pair as they lie, pixel by pixel
+    #[arg(long, requires = "pairs")]
+    pub(crate) no_align: bool,
     /// Go on from statistics that --statistics saved; several are merged
     #[arg(long = "continue", value_name = "FILE")]
     pub(crate) continue_from: Vec<PathBuf>,

@@ -15,6 +15,7 @@ mod learning_args;
 mod list;
 mod man;
 mod names;
+mod pairs;
 mod pictures;
 mod progress;
 mod render;

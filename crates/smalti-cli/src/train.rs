@@ -5,18 +5,16 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, bail};
 use serde_json::json;
 use smalti::camera::{Camera, TrainingTarget};
-use smalti::color::ColorSpace;
-use smalti::l3::{Axes, Origin, Pair, Pipeline, PositionSummary, Statistics};
+use smalti::l3::{Axes, Origin, Pipeline, PositionSummary, Statistics};
 use smalti::sensor::Channel;
 use smalti::spectrum::Illuminant;
-use smalti_io::ReadOptions;
-use smalti_io::{Limits, dng, l3, picture, write};
+use smalti_io::{l3, write};
 
 use crate::args::{Common, SceneOptions, Train};
 use crate::learn::{self, Material};
 use crate::pictures::D65;
 use crate::progress::Progress;
-use crate::{resolve, table};
+use crate::{pairs, resolve, table};
 
 pub(crate) fn run(args: &Train, common: &Common) -> anyhow::Result<()> {
     let camera = resolve::camera(&args.camera, &args.camera_options, None)?;
@@ -47,7 +45,7 @@ pub(crate) fn run(args: &Train, common: &Common) -> anyhow::Result<()> {
         statistics = Statistics::new(statistics.axes().clone(), statistics.outputs().to_vec(), true)?
             .with_white(Some(D65));
     }
-    let mut sources = Vec::new();
+    let (mut sources, mut reports) = (Vec::new(), Vec::new());
     if let Some((first, others)) = args.continue_from.split_first() {
         statistics = continued(first, others, statistics, material.is_some() || !args.pairs.is_empty())?;
         sources.extend(args.continue_from.iter().map(|f| format!("statistics {}", f.display())));
@@ -56,7 +54,8 @@ pub(crate) fn run(args: &Train, common: &Common) -> anyhow::Result<()> {
     let progress = Progress::new(steps as u64 + 1, common.quiet);
     for pair in args.pairs.chunks_exact(2) {
         progress.begin(format!("{} and {}", pair[0].display(), pair[1].display()));
-        add_pair(&mut statistics, &camera, &pair[0], &pair[1])?;
+        let files: [&Path; 2] = [&pair[0], &pair[1]];
+        reports.push(pairs::add(&mut statistics, &camera, files, !args.no_align, &progress)?);
         sources.push(format!("{} and {}", pair[0].display(), pair[1].display()));
         progress.done();
     }
@@ -82,7 +81,12 @@ pub(crate) fn run(args: &Train, common: &Common) -> anyhow::Result<()> {
         l3::write_c_header(file, &pipeline, &prefix(file))?;
     }
     progress.finish();
-    let text = if args.json { json_summary(&pipeline)? } else { summary(&pipeline, &args.output) };
+    let text = if args.json {
+        json_summary(&pipeline, &reports)?
+    } else {
+        let pairs: String = reports.iter().map(pairs::Report::line).collect();
+        pairs + &summary(&pipeline, &args.output)
+    };
     crate::print(&text)
 }
 
@@ -176,16 +180,6 @@ fn continued(first: &Path, others: &[PathBuf], fresh: Statistics, more: bool) ->
     Ok(statistics)
 }
 
-/// A raw file and the picture that should come of it, pixel by pixel.
-fn add_pair(statistics: &mut Statistics, camera: &Camera, raw: &Path, target: &Path) -> anyhow::Result<()> {
-    let names: Vec<String> = camera.sensor.cfa.channels().iter().map(|c| c.name.clone()).collect();
-    // A raw file may list its channels in another order than the camera does; names tell.
-    let image = dng::read(raw, Limits::default())?.raw.with_channels(&names);
-    let wanted = picture::read(target, &ReadOptions::default())?.image.converted(ColorSpace::Xyz)?;
-    let pair = Pair { raw: &image, seen: None, target: wanted.planes() };
-    statistics.add(&pair).with_context(|| format!("{} with {}", raw.display(), target.display()))
-}
-
 /// The table of classes: what was learned, and where it was not.
 fn summary(pipeline: &Pipeline, file: &Path) -> String {
     let s = pipeline.summary();
@@ -231,7 +225,7 @@ fn channels_of(mask: u32, names: &[String]) -> String {
     set.map(|(_, n)| n.as_str()).collect::<Vec<_>>().join("")
 }
 
-fn json_summary(pipeline: &Pipeline) -> anyhow::Result<String> {
+fn json_summary(pipeline: &Pipeline, pairs: &[pairs::Report]) -> anyhow::Result<String> {
     let s = pipeline.summary();
     let classes: Vec<serde_json::Value> = pipeline
         .classes()
@@ -253,6 +247,7 @@ fn json_summary(pipeline: &Pipeline) -> anyhow::Result<String> {
         "classes_that_occur": s.occupied,
         "operators": s.operators,
         "patches": s.patches,
+        "pairs": pairs.iter().map(pairs::Report::json).collect::<Vec<_>>(),
         "classes": classes,
     });
     Ok(serde_json::to_string_pretty(&document)? + "\n")

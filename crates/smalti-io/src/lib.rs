@@ -8,7 +8,7 @@
 //! | [`matlab`] | MAT-files of level 5 and version 7.3: scenes of ISETCam; ICVL, ARAD in | [`SpectralFile`] |
 //! | [`hdf5`] | HDF5: any cube with its wavelengths, KAUST | [`SpectralFile`] |
 //! | [`picture`] | PNG, TIFF, JPEG, OpenEXR RGB in; PNG, TIFF out | [`smalti::color::Image`] |
-//! | [`dng`] | DNG (uncompressed) | [`smalti::sensor::RawImage`] |
+//! | [`dng`] | DNG | [`smalti::sensor::RawImage`] |
 //! | [`l3`] | `.l3` (safetensors) in and out; `.npz`, C header out | [`smalti::l3::Pipeline`], [`smalti::l3::Statistics`] |
 //! | [`npz`] | `.npy` and `.npz` that hold a cube | [`SpectralFile`] |
 //! | [`spectral_tiff`] | TIFF of many bands | [`SpectralFile`] |

@@ -19,9 +19,11 @@ pub(crate) const ROWS_PER_STRIP: u16 = 278;
 pub(crate) const STRIP_BYTE_COUNTS: u16 = 279;
 pub(crate) const PLANAR_CONFIGURATION: u16 = 284;
 pub(crate) const SOFTWARE: u16 = 305;
+pub(crate) const PREDICTOR: u16 = 317;
 pub(crate) const TILE_WIDTH: u16 = 322;
 pub(crate) const TILE_LENGTH: u16 = 323;
 pub(crate) const TILE_OFFSETS: u16 = 324;
+pub(crate) const TILE_BYTE_COUNTS: u16 = 325;
 pub(crate) const SUB_IFDS: u16 = 330;
 pub(crate) const SAMPLE_FORMAT: u16 = 339;
 pub(crate) const CFA_REPEAT_PATTERN_DIM: u16 = 33421;
@@ -38,10 +40,15 @@ pub(crate) const BLACK_LEVEL: u16 = 50714;
 pub(crate) const BLACK_LEVEL_DELTA_H: u16 = 50715;
 pub(crate) const BLACK_LEVEL_DELTA_V: u16 = 50716;
 pub(crate) const WHITE_LEVEL: u16 = 50717;
+pub(crate) const DEFAULT_CROP_ORIGIN: u16 = 50719;
+pub(crate) const DEFAULT_CROP_SIZE: u16 = 50720;
 pub(crate) const COLOR_MATRIX_1: u16 = 50721;
 pub(crate) const AS_SHOT_NEUTRAL: u16 = 50728;
 pub(crate) const CALIBRATION_ILLUMINANT_1: u16 = 50778;
 pub(crate) const ACTIVE_AREA: u16 = 50829;
+pub(crate) const OPCODE_LIST_1: u16 = 51008;
+pub(crate) const OPCODE_LIST_2: u16 = 51009;
+pub(crate) const OPCODE_LIST_3: u16 = 51022;
 
 /// Content of a field.
 #[derive(Debug, Clone, PartialEq)]

@@ -1,19 +1,20 @@
 //! What other programs make of our files, and we of theirs. Skipped, with a message, where Python or a package is
 //! absent.
-#![allow(clippy::unwrap_used)]
+#![allow(clippy::unwrap_used, clippy::panic)]
 
 use std::collections::BTreeMap;
 use std::path::Path;
+use std::process::Command;
 
 use serde_json::Value;
 use smalti::color::{ColorSpace, Image};
 use smalti::numeric::Planes;
 use smalti::sensor::{Mosaic, RawImage, RawSamples, Sampling};
 use smalti::spectrum::{SpectralCube, Spectrum, WavelengthGrid};
-use smalti_io::dng::{self, ColorMatrix, DngInfo};
+use smalti_io::dng::{self, ColorMatrix, Compression, DngInfo};
 use smalti_io::exr::{self, Layout};
 use smalti_io::picture::{self, Depth};
-use smalti_io::{Quantity, ReadOptions, SpectralFile};
+use smalti_io::{Limits, Quantity, ReadOptions, SpectralFile};
 
 #[path = "support/python.rs"]
 mod python;
@@ -56,12 +57,15 @@ fn libraw_reads_the_mosaic_unchanged_in_all_four_phases() {
                 info.as_shot_neutral.as_mut().unwrap().swap(0, 1);
             }
             dng::write(&path, &raw, &info).unwrap();
+            paths.push((path, shifted.clone()));
+            let path = dir.path().join(format!("{}{dr}{dc}-coded.dng", order[0]));
+            dng::write_compressed(&path, &raw, &info, Compression::LosslessJpeg).unwrap();
             paths.push((path, shifted));
         }
     }
     let arguments: Vec<&Path> = paths.iter().map(|(p, _)| p.as_path()).collect();
     let Some(seen) = python("check_dng.py", "rawpy, tifffile, numpy", &arguments) else { return };
-    assert_eq!(seen.len(), 8);
+    assert_eq!(seen.len(), 16);
     for (seen, (path, mosaic)) in seen.iter().zip(&paths) {
         let name = path.display();
         assert!(numbers(&seen["samples"]).into_iter().eq(samples.iter().map(|v| f64::from(*v))), "{name}");
@@ -78,8 +82,75 @@ fn libraw_reads_the_mosaic_unchanged_in_all_four_phases() {
         assert!(numbers(&seen["black"]).iter().all(|b| *b == 64.0), "{name}: {}", seen["black"]);
         assert_eq!(seen["white"], 4095, "{name}");
         assert_eq!(numbers(&seen["developed"]), [rows as f64, cols as f64, 3.0], "{name}");
-        assert_eq!(seen["tifffile_equal"], true, "{name}");
+        // tifffile reads uncompressed samples without further packages.
+        assert_eq!(seen["tifffile_equal"], !name.to_string().contains("coded"), "{name}");
         assert_eq!(seen["photometric"], "CFA", "{name}");
+    }
+}
+
+/// ExifTool, which validates fields against the specification, and the mosaics LibRaw does not know.
+#[test]
+fn exiftool_finds_nothing_wrong_with_any_mosaic() {
+    let Ok(version) = Command::new("exiftool").arg("-ver").output() else {
+        eprintln!("skipped: no exiftool");
+        return;
+    };
+    assert!(version.status.success());
+    let dir = tempfile::tempdir().unwrap();
+    for (name, (rows, cols), cells, letters) in [
+        ("bayer", (2, 2), vec![0, 1, 1, 2], &["R", "G", "B"][..]),
+        ("rgbw", (2, 2), vec![0, 1, 3, 2], &["R", "G", "B", "W"]),
+        ("cmyg", (4, 2), vec![0, 1, 2, 3, 0, 1, 3, 2], &["C", "M", "Y", "G"]),
+        ("xtrans", (3, 3), vec![1, 0, 2, 1, 1, 1, 1, 2, 0], &["R", "G", "B"]),
+        ("infrared", (2, 2), vec![0, 1, 2, 3], &["R", "G", "B", "IR"]),
+    ] {
+        let channels = letters.len();
+        let mosaic = Sampling::Mosaic(Mosaic::new(rows, cols, cells.clone()).unwrap());
+        let samples = RawSamples::Digital((0..24 * 36).map(|i| (i * 37 % 1024) as u16).collect());
+        let names = letters.iter().map(|s| (*s).to_owned()).collect();
+        let raw = RawImage::new(24, 36, samples, mosaic, names, 64.0, 1023.0).unwrap();
+        let info = DngInfo {
+            make: "Smalti".into(),
+            model: name.into(),
+            color_matrix: Some(ColorMatrix {
+                camera_from_xyz: (0..channels).map(|c| [0.5, 0.25 * c as f64, -0.125]).collect(),
+                light_source: 21,
+            }),
+            as_shot_neutral: Some(vec![0.5; channels]),
+        };
+        let path = dir.path().join(format!("{name}.dng"));
+        dng::write_compressed(&path, &raw, &info, Compression::LosslessJpeg).unwrap();
+        let tags =
+            ["-j", "-n", "-validate", "-warning", "-CFARepeatPatternDim", "-CFAPattern2", "-ColorMatrix1"];
+        let output = Command::new("exiftool").args(tags).arg(&path).output().unwrap();
+        let seen: Value = serde_json::from_slice(&output.stdout).unwrap();
+        let seen = &seen[0];
+        // Errors, warnings and minor ones.
+        assert_eq!(seen["Validate"], "0 0 0", "{seen}");
+        assert_eq!(seen["CFARepeatPatternDim"], format!("{rows} {cols}"), "{seen}");
+        let code = |c: &u8| match letters[usize::from(*c)] {
+            "IR" => "7".into(),
+            letter => "RGBCMYW".find(letter).unwrap().to_string(),
+        };
+        let codes: Vec<String> = cells.iter().map(code).collect();
+        assert_eq!(seen["CFAPattern2"], codes.join(" "), "{seen}");
+        let matrix = seen["ColorMatrix1"].as_str().unwrap();
+        assert_eq!(matrix.split(' ').count(), 3 * channels, "{seen}");
+    }
+}
+
+/// imagecodecs codes with liblj92, in one component; PiDNG and cameras do as much.
+#[test]
+fn lossless_jpeg_of_another_program_is_read() {
+    let dir = tempfile::tempdir().unwrap();
+    let packages = "imagecodecs, tifffile, numpy";
+    let Some(seen) = python("make_dng.py", packages, &[dir.path()]) else { return };
+    assert_eq!(seen.len(), 4);
+    for seen in seen {
+        let dng = dng::read(&dir.path().join(seen["file"].as_str().unwrap()), Limits::default()).unwrap();
+        let RawSamples::Digital(samples) = dng.raw.samples() else { panic!("digital numbers") };
+        assert!(samples.iter().map(|v| f64::from(*v)).eq(numbers(&seen["samples"])), "{}", seen["file"]);
+        assert_eq!((dng.raw.black_level(), dng.raw.channel_names().len()), (64.0, 3));
     }
 }
 

@@ -1,8 +1,11 @@
 //! `smalti train` and `smalti render`.
 
+use smalti::color::Image;
 use smalti::l3::Pipeline;
+use smalti::numeric::Planes;
 use smalti_io::ReadOptions;
 use smalti_io::npy::{self, NpyData};
+use smalti_io::picture::Depth;
 use smalti_io::{Limits, l3, picture};
 
 use crate::Place;
@@ -126,6 +129,35 @@ fn a_raw_file_and_its_picture_are_enough() {
         wanted.planes().data().iter().zip(got.planes().data()).map(|(a, b)| f64::from(a - b).powi(2));
     let rms = (squares.sum::<f64>() / got.planes().data().len() as f64).sqrt();
     assert!(rms < 0.05, "{rms} from the picture that was learned from");
+}
+
+/// A picture that is a crop of the raw image finds its place.
+#[test]
+fn a_cropped_picture_is_aligned() {
+    let place = Place::new();
+    place.ok(&format!("simulate bayer {LEAVES} {SMALL} --bits 16 --format tif -o a"));
+    let options = ReadOptions::default();
+    let whole = picture::read(&place.path("a/rendered.tif"), &options).unwrap().image;
+    let (row, col, rows, cols) = (7, 11, 80, 76);
+    let planes = whole.planes();
+    let part = planes
+        .planes()
+        .flat_map(|p| p.chunks(planes.cols()).skip(row).take(rows).flat_map(|r| r[col..col + cols].to_vec()));
+    let part = Planes::new(rows, cols, 3, part.collect()).unwrap();
+    let part = Image::new(whole.space(), part).unwrap();
+    picture::write(&place.path("part.tif"), &part, Depth::Sixteen).unwrap();
+    let said = place.ok("train bayer --pair a/raw.dng part.tif -o part.l3 --json");
+    let said: serde_json::Value = serde_json::from_str(&said).unwrap();
+    let found = &said["pairs"][0];
+    let near = |key: &str, value: f64| (found["alignment"][key].as_f64().unwrap() - value).abs() < 0.1;
+    assert!(near("row_shift_px", 7.0) && near("col_shift_px", 11.0) && near("scale", 1.0), "{found}");
+    assert!(found["alignment"]["correlation"].as_f64().unwrap() > 0.8, "{found}");
+    assert!(found["rows"].as_u64().unwrap() >= 70, "{found}");
+    let text = place.ok("train bayer --pair a/raw.dng a/rendered.tif -o whole.l3");
+    assert!(
+        text.contains("96 × 96 pixels, the picture shifted by") && text.contains("(left as it is)"),
+        "{text}"
+    );
 }
 
 #[test]

@@ -130,11 +130,20 @@ fn pairs_that_do_not_fit() {
     let place = Place::new();
     place.ok(&format!("simulate bayer {LEAVES} {SMALL} -o s"));
     place.ok("convert uniform?size=30 -o small.png");
+    place.ok("convert uniform?size=96 -o flat.png");
     place.ok(&format!("simulate bayer {LEAVES} {SMALL} --set sensor.adc_bits=10 -o ten"));
     let pair = |pairs: &str, expected: &[&str]| {
         refused(&place, &format!("train bayer {pairs} -o a.l3"), 1, expected)
     };
-    pair("--pair s/raw.dng small.png", &["s/raw.dng with small.png", "96 × 96", "the target 30 × 30"]);
+    pair(
+        "--no-align --pair s/raw.dng small.png",
+        &["s/raw.dng with small.png", "96 × 96", "the target 30 × 30"],
+    );
+    pair(
+        "--pair s/raw.dng small.png",
+        &["s/raw.dng with small.png", "30 × 30 pixels are too few to align by"],
+    );
+    pair("--pair s/raw.dng flat.png", &["s/raw.dng with flat.png", "does not match the raw image"]);
     pair("--pair s/raw.dng no.png", &["cannot read no.png"]);
     pair("--pair no.dng s/rendered.png", &["cannot read no.dng"]);
     pair("--pair s/rendered.png s/rendered.png", &["s/rendered.png"]);

@@ -1,9 +1,13 @@
-//! Raw images as DNG (Adobe Digital Negative 1.4, an extension of TIFF/EP), uncompressed.
+//! Raw images as DNG (Adobe Digital Negative 1.4, an extension of TIFF/EP). Read are uncompressed samples, lossless
+//! JPEG and Deflate, as cameras, telephones and converters write them; lossy JPEG and JPEG XL are not.
 //!
 //! What DNG has a field for is stated there: mosaic, levels, colour matrix. Its colours are red, green, blue, cyan,
 //! magenta, yellow and white; a channel of another name gets a code from 7 on. Names, exact levels and the unit
 //! also stand as JSON in `ImageDescription`, so that [`read`] returns an equal [`RawImage`] for any mosaic.
 
+mod levels;
+mod ljpeg;
+mod packed;
 mod read;
 mod samples;
 mod write;
@@ -11,7 +15,7 @@ mod write;
 use smalti::sensor::RawImage;
 
 pub use read::{from_bytes, read};
-pub use write::write;
+pub use write::{Compression, write, write_compressed};
 
 /// How the camera sees colour, to develop the raw by.
 #[derive(Debug, Clone, PartialEq)]
@@ -35,11 +39,27 @@ pub struct DngInfo {
     pub as_shot_neutral: Option<Vec<f64>>,
 }
 
+/// A part of an image, pixels.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Crop {
+    /// First row.
+    pub row: usize,
+    /// First column.
+    pub col: usize,
+    /// Number of rows.
+    pub rows: usize,
+    /// Number of columns.
+    pub cols: usize,
+}
+
 /// A DNG as read.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Dng {
     /// The raw image, cropped to the active area.
     pub raw: RawImage,
+    /// The part of `raw` that makes the picture (`DefaultCropOrigin`, `DefaultCropSize`), where it is stated: the
+    /// camera's own JPEG is of this size.
+    pub default_crop: Option<Crop>,
     /// The rest.
     pub info: DngInfo,
     /// What was simplified or left aside.

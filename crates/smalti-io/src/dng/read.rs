@@ -4,23 +4,26 @@ use std::path::Path;
 
 use smalti::sensor::{Mosaic, RawImage, RawSamples, Sampling};
 
-use super::samples::{Area, Shape, decode};
+use super::levels::{one_black_level, opcode_lists};
+use super::samples::{Area, Coding, Shape, decode};
 use super::{
-    CFA, COLOR_LETTERS, ColorMatrix, Description, Dng, DngInfo, Facts, LINEAR_RAW, color_codes, plane_order,
+    CFA, COLOR_LETTERS, ColorMatrix, Crop, Description, Dng, DngInfo, Facts, LINEAR_RAW, color_codes,
+    plane_order,
 };
 use crate::error::At;
 use crate::tiff_tags::{self as tags, Ifd, Tiff};
 use crate::{IoError, Limits, file};
 
-/// The raw image of an uncompressed DNG: CFA or LinearRaw; 8, 10, 12, 14 or 16 bits or 32-bit floating point; both
-/// byte orders, strips or tiles. The image is cropped to its active area, its linearisation table applied. Black
-/// levels that differ from cell to cell are averaged, with a note.
+/// The raw image of a DNG: CFA or LinearRaw; 8 to 16 bits or floating point of 16, 24 or 32; uncompressed, lossless
+/// JPEG or Deflate; both byte orders, strips or tiles. The image is cropped to its active area and its linearisation
+/// table applied. Where black levels differ from pixel to pixel, their difference to the highest is taken off the
+/// samples, so that one level holds for all. Opcode lists are left aside, with a note.
 ///
 /// # Errors
-/// When the file cannot be read, is not a DNG, is compressed, has another layout than a rectangular mosaic, ends
+/// When the file cannot be read, is not a DNG, is compressed otherwise, has another layout than a rectangular mosaic, ends
 /// too early, or its levels make no range.
 pub fn read(path: &Path, limits: Limits) -> Result<Dng, IoError> {
-    from_bytes(&file::read(path, limits.file_bytes)?, path)
+    parse(&file::read(path, limits.file_bytes)?, path, limits)
 }
 
 /// As [`read`], from memory; `path` is only named.
@@ -28,6 +31,10 @@ pub fn read(path: &Path, limits: Limits) -> Result<Dng, IoError> {
 /// # Errors
 /// As [`read`].
 pub fn from_bytes(bytes: &[u8], path: &Path) -> Result<Dng, IoError> {
+    parse(bytes, path, Limits::default())
+}
+
+fn parse(bytes: &[u8], path: &Path, limits: Limits) -> Result<Dng, IoError> {
     let not_dng = || IoError::UnknownFormat { path: path.to_owned(), expected: "a DNG file" };
     let tiff = Tiff::new(bytes).ok_or_else(not_dng)?;
     let ifds = tiff.ifds();
@@ -48,7 +55,7 @@ pub fn from_bytes(bytes: &[u8], path: &Path) -> Result<Dng, IoError> {
 
     let shape = shape(ifd, path)?;
     let area = active_area(ifd, shape, path)?;
-    let mut samples = decode(tiff, ifd, shape, area, path)?;
+    let mut samples = decode(tiff, ifd, shape, area, limits, path)?;
     let mut notes = Vec::new();
     let table = ifd.numbers(tags::LINEARIZATION_TABLE).filter(|t| !t.is_empty());
     if let (RawSamples::Digital(values), Some(table)) = (&mut samples, &table) {
@@ -57,13 +64,7 @@ pub fn from_bytes(bytes: &[u8], path: &Path) -> Result<Dng, IoError> {
             *v = table.get(at).map_or(0, |t| *t as u16);
         }
     }
-    for (tag, name) in
-        [(tags::BLACK_LEVEL_DELTA_H, "BlackLevelDeltaH"), (tags::BLACK_LEVEL_DELTA_V, "BlackLevelDeltaV")]
-    {
-        if ifd.raw(tag).is_some() {
-            notes.push(format!("{name} is ignored"));
-        }
-    }
+    opcode_lists(ifd, &mut notes);
 
     let (sampling, names) = sampling(ifd, shape, path)?;
     let white = ifd.number(tags::WHITE_LEVEL).unwrap_or(if shape.float {
@@ -71,7 +72,8 @@ pub fn from_bytes(bytes: &[u8], path: &Path) -> Result<Dng, IoError> {
     } else {
         f64::from((1u32 << shape.bits) - 1)
     });
-    let black = black_level(ifd, &mut notes);
+    let (rows, cols) = (area.bottom - area.top, area.right - area.left);
+    let black = one_black_level(ifd, (rows, cols, shape.planes), &mut samples, path, &mut notes)?;
     let facts =
         first.text(tags::IMAGE_DESCRIPTION).and_then(|t| serde_json::from_str::<Description>(&t).ok());
     let facts = facts.and_then(|d| described(d.smalti, &sampling, ifd));
@@ -82,9 +84,9 @@ pub fn from_bytes(bytes: &[u8], path: &Path) -> Result<Dng, IoError> {
             (sampling, names, order, black, white)
         }
     };
-    let (rows, cols) = (area.bottom - area.top, area.right - area.left);
     let raw = RawImage::new(rows, cols, samples, sampling, names, black, white).at(path)?;
-    Ok(Dng { raw, info: info(first, &order), notes })
+    let default_crop = default_crop(ifd, rows, cols);
+    Ok(Dng { raw, default_crop, info: info(first, &order), notes })
 }
 
 /// The sampling in the words of the description, and its channels in the order of DNG's planes. `None` where the
@@ -112,18 +114,7 @@ fn described(facts: Facts, stated: &Sampling, ifd: &Ifd<'_>) -> Option<(Facts, S
 }
 
 fn shape(ifd: &Ifd<'_>, path: &Path) -> Result<Shape, IoError> {
-    let compression = ifd.size(tags::COMPRESSION).unwrap_or(1);
-    if compression != 1 {
-        let name = match compression {
-            7 => " (lossless JPEG)",
-            8 => " (Deflate)",
-            34892 => " (lossy JPEG)",
-            52546 => " (JPEG XL)",
-            _ => "",
-        };
-        let expected = "1: only uncompressed DNG is read (Adobe's converter writes it with -u)";
-        return Err(IoError::field(path, "Compression", format!("{compression}{name}"), expected));
-    }
+    let coding = coding(ifd, path)?;
     let planes = ifd.size(tags::SAMPLES_PER_PIXEL).unwrap_or(1);
     let (rows, cols) = (ifd.size(tags::IMAGE_LENGTH).unwrap_or(0), ifd.size(tags::IMAGE_WIDTH).unwrap_or(0));
     if rows == 0 || cols == 0 || planes == 0 {
@@ -136,12 +127,34 @@ fn shape(ifd: &Ifd<'_>, path: &Path) -> Result<Shape, IoError> {
     let bits = ifd.numbers(tags::BITS_PER_SAMPLE).unwrap_or_else(|| vec![1.0]);
     let float = ifd.number(tags::SAMPLE_FORMAT) == Some(3.0);
     let first = bits.first().copied().unwrap_or(0.0);
-    let allowed: &[f64] = if float { &[32.0] } else { &[8.0, 10.0, 12.0, 14.0, 16.0] };
-    if !allowed.contains(&first) || bits.iter().any(|b| *b != first) {
-        let expected = "8, 10, 12, 14 or 16 bits, or 32-bit floating point, the same for every sample";
+    let in_range = if float { [16.0, 24.0, 32.0].contains(&first) } else { (8.0..=16.0).contains(&first) };
+    if !in_range || first.fract() != 0.0 || bits.iter().any(|b| *b != first) {
+        let expected = "8 to 16 bits, or floating point of 16, 24 or 32, the same for every sample";
         return Err(IoError::field(path, "BitsPerSample", format!("{bits:?}"), expected));
     }
-    Ok(Shape { rows, cols, planes, bits: first as usize, float })
+    let shape = Shape { rows, cols, planes, bits: first as usize, float, coding };
+    if float && shape.coding == Coding::LosslessJpeg {
+        return Err(IoError::field(path, "SampleFormat", "floating point", "integers in lossless JPEG"));
+    }
+    Ok(shape)
+}
+
+fn coding(ifd: &Ifd<'_>, path: &Path) -> Result<Coding, IoError> {
+    let compression = ifd.size(tags::COMPRESSION).unwrap_or(1);
+    match compression {
+        1 => return Ok(Coding::None),
+        7 => return Ok(Coding::LosslessJpeg),
+        8 | 32946 => return Ok(Coding::Deflate),
+        _ => {}
+    }
+    let name = match compression {
+        34892 => " (lossy JPEG)",
+        34713 => " (Nikon NEF)",
+        52546 => " (JPEG XL)",
+        _ => "",
+    };
+    let expected = "1 (none), 7 (lossless JPEG) or 8 (Deflate); Adobe's converter writes them from other DNG with -l or -u";
+    Err(IoError::field(path, "Compression", format!("{compression}{name}"), expected))
 }
 
 fn active_area(ifd: &Ifd<'_>, shape: Shape, path: &Path) -> Result<Area, IoError> {
@@ -208,15 +221,17 @@ fn sampling(ifd: &Ifd<'_>, shape: Shape, path: &Path) -> Result<(Sampling, Vec<S
     Ok((Sampling::Mosaic(mosaic), used.iter().map(name).collect()))
 }
 
-fn black_level(ifd: &Ifd<'_>, notes: &mut Vec<String>) -> f64 {
-    let levels = ifd.numbers(tags::BLACK_LEVEL).unwrap_or_default();
-    let Some(first) = levels.first() else { return 0.0 };
-    if levels.iter().all(|l| l == first) {
-        return *first;
+/// `None` where it is not stated, or not in whole pixels within the image.
+fn default_crop(ifd: &Ifd<'_>, rows: usize, cols: usize) -> Option<Crop> {
+    let (origin, size) = (ifd.numbers(tags::DEFAULT_CROP_ORIGIN)?, ifd.numbers(tags::DEFAULT_CROP_SIZE)?);
+    // Horizontal before vertical.
+    let ([col, row], [wide, high]) = (origin.as_slice(), size.as_slice()) else { return None };
+    if [col, row, wide, high].iter().any(|v| !(v.fract() == 0.0 && **v >= 0.0)) {
+        return None;
     }
-    let mean = levels.iter().sum::<f64>() / levels.len() as f64;
-    notes.push(format!("black levels {levels:?} are averaged to {mean}"));
-    mean
+    let crop = Crop { row: *row as usize, col: *col as usize, rows: *high as usize, cols: *wide as usize };
+    let within = crop.row.checked_add(crop.rows)? <= rows && crop.col.checked_add(crop.cols)? <= cols;
+    (within && crop.rows > 0 && crop.cols > 0).then_some(crop)
 }
 
 /// Names and colour; `order` gives the channel of each of DNG's planes.

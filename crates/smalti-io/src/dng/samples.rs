@@ -1,11 +1,23 @@
-//! Uncompressed samples in strips or tiles.
+//! Samples in strips or tiles.
 
+use std::borrow::Cow;
+use std::io::Read;
 use std::path::Path;
 
 use smalti::sensor::RawSamples;
 
-use crate::IoError;
+use super::ljpeg;
+use super::packed::{Predictor, float, integer};
 use crate::tiff_tags::{self as tags, Ifd, Tiff};
+use crate::{IoError, Limits};
+
+/// How strips or tiles are compressed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Coding {
+    None,
+    LosslessJpeg,
+    Deflate,
+}
 
 /// How the samples of an image lie in the file.
 #[derive(Debug, Clone, Copy)]
@@ -15,6 +27,7 @@ pub(super) struct Shape {
     pub(super) planes: usize,
     pub(super) bits: usize,
     pub(super) float: bool,
+    pub(super) coding: Coding,
 }
 
 /// The part of the image that is light-sensitive: rows and columns from, to.
@@ -32,48 +45,32 @@ pub(super) fn decode(
     ifd: &Ifd<'_>,
     shape: Shape,
     area: Area,
+    limits: Limits,
     path: &Path,
 ) -> Result<RawSamples, IoError> {
-    let have = tiff.bytes().len() as u64;
-    let truncated =
-        |need: u64| IoError::Truncated { path: path.to_owned(), what: "the raw image", need, have };
-    // Nothing is compressed: what the file cannot hold is refused before memory is taken.
-    let need = [shape.rows, shape.cols, shape.planes, shape.bits]
-        .iter()
-        .try_fold(1u64, |product, &n| product.checked_mul(n as u64))
-        .map_or(u64::MAX, |bits| bits / 8);
-    if need > have {
-        return Err(truncated(need));
-    }
+    check_size(tiff, shape, limits, path)?;
     let (height, width) = (area.bottom - area.top, area.right - area.left);
     let len = height * width * shape.planes;
     let mut digital = vec![0u16; if shape.float { 0 } else { len }];
     let mut analog = vec![0f32; if shape.float { len } else { 0 }];
 
     let chunks = chunks(ifd, shape, path)?;
-    for chunk in chunks.list {
-        let samples = chunks.cols.saturating_mul(shape.planes);
-        let row_bytes = samples.saturating_mul(shape.bits).div_ceil(8);
-        for r in 0..chunks.rows.min(shape.rows - chunk.row) {
-            let start = chunk.offset.saturating_add(r.saturating_mul(row_bytes));
-            let end = start.saturating_add(row_bytes);
-            let bytes = tiff.bytes().get(start..end).ok_or_else(|| truncated(end as u64))?;
-            let row = chunk.row + r;
-            if row < area.top || row >= area.bottom {
-                continue;
-            }
+    for chunk in &chunks.list {
+        let rows = chunks.rows.min(shape.rows - chunk.row);
+        let content = content(tiff, ifd, shape, &chunks, chunk, path)?;
+        for row in area.top.max(chunk.row)..area.bottom.min(chunk.row + rows) {
+            let content = content.row(row - chunk.row);
             let from = area.left.max(chunk.col);
             let to = area.right.min(chunk.col.saturating_add(chunks.cols));
             for col in from..to {
                 for p in 0..shape.planes {
                     let i = (col - chunk.col) * shape.planes + p;
                     let at = (p * height + row - area.top) * width + col - area.left;
-                    if shape.float {
-                        if let Some(v) = analog.get_mut(at) {
-                            *v = float(bytes, i, tiff.big_endian());
-                        }
-                    } else if let Some(v) = digital.get_mut(at) {
-                        *v = integer(bytes, i, shape.bits, tiff.big_endian());
+                    match (&content, digital.get_mut(at), analog.get_mut(at)) {
+                        (Row::Samples(s), Some(v), _) => *v = s.get(i).copied().unwrap_or(0),
+                        (Row::Bytes(b, big), Some(v), _) => *v = integer(b, i, shape.bits, *big),
+                        (Row::Bytes(b, big), None, Some(v)) => *v = float(b, i, shape.bits, *big),
+                        _ => {}
                     }
                 }
             }
@@ -92,10 +89,33 @@ pub(super) fn decode(
     Ok(if shape.float { RawSamples::Analog(analog) } else { RawSamples::Digital(digital) })
 }
 
+/// What the file cannot hold is refused before memory is taken.
+fn check_size(tiff: Tiff<'_>, shape: Shape, limits: Limits, path: &Path) -> Result<(), IoError> {
+    const WHAT: &str = "the raw image";
+    let have = tiff.bytes().len() as u64;
+    let samples = [shape.rows, shape.cols, shape.planes]
+        .iter()
+        .try_fold(1u64, |product, &n| product.checked_mul(n as u64))
+        .unwrap_or(u64::MAX);
+    let least_bits = match shape.coding {
+        Coding::None => shape.bits as u64,
+        // One bit for a sample that is as predicted.
+        Coding::LosslessJpeg => 1,
+        Coding::Deflate => 0,
+    };
+    let need = samples.checked_mul(least_bits).map_or(u64::MAX, |bits| bits / 8);
+    if need > have {
+        return Err(IoError::Truncated { path: path.to_owned(), what: WHAT, need, have });
+    }
+    limits.check(path, WHAT, samples.saturating_mul(if shape.float { 4 } else { 2 }), have)
+}
+
 struct Chunk {
     row: usize,
     col: usize,
     offset: usize,
+    /// Bytes in the file, where they are stated.
+    len: Option<usize>,
 }
 
 /// Strips or tiles, all of one size.
@@ -107,13 +127,13 @@ struct Chunks {
 
 fn chunks(ifd: &Ifd<'_>, shape: Shape, path: &Path) -> Result<Chunks, IoError> {
     let tiled = ifd.size(tags::TILE_WIDTH).is_some();
-    let (rows, cols, tag, field) = if tiled {
+    let (rows, cols, tag, count_tag, field) = if tiled {
         let (rows, cols) =
             (ifd.size(tags::TILE_LENGTH).unwrap_or(0), ifd.size(tags::TILE_WIDTH).unwrap_or(0));
-        (rows, cols, tags::TILE_OFFSETS, "TileOffsets")
+        (rows, cols, tags::TILE_OFFSETS, tags::TILE_BYTE_COUNTS, "TileOffsets")
     } else {
         let rows = ifd.size(tags::ROWS_PER_STRIP).unwrap_or(shape.rows).min(shape.rows);
-        (rows, shape.cols, tags::STRIP_OFFSETS, "StripOffsets")
+        (rows, shape.cols, tags::STRIP_OFFSETS, tags::STRIP_BYTE_COUNTS, "StripOffsets")
     };
     if rows == 0 || cols == 0 {
         return Err(IoError::field(
@@ -125,54 +145,105 @@ fn chunks(ifd: &Ifd<'_>, shape: Shape, path: &Path) -> Result<Chunks, IoError> {
     }
     let (down, across) = (shape.rows.div_ceil(rows), shape.cols.div_ceil(cols));
     let offsets = ifd.numbers(tag).unwrap_or_default();
-    if offsets.len() != down * across {
+    if down.checked_mul(across) != Some(offsets.len()) {
         let found = format!("{} long", offsets.len());
-        return Err(IoError::field(path, field, found, format!("{} offsets", down * across)));
+        return Err(IoError::field(path, field, found, format!("{down} × {across} offsets")));
     }
+    let lens = ifd.numbers(count_tag).unwrap_or_default();
     let chunk = |(i, offset): (usize, &f64)| Chunk {
         row: i / across * rows,
         col: i % across * cols,
         offset: *offset as usize,
+        len: lens.get(i).map(|n| *n as usize),
     };
     Ok(Chunks { rows, cols, list: offsets.iter().enumerate().map(chunk).collect() })
 }
 
-/// Sample `i` of a row. Sizes below 16 bits are packed, the most significant bit first, in either byte order.
-fn integer(bytes: &[u8], i: usize, bits: usize, big_endian: bool) -> u16 {
-    let byte = |at: usize| u32::from(bytes.get(at).copied().unwrap_or(0));
-    match bits {
-        8 => byte(i) as u16,
-        16 => {
-            let (a, b) = (byte(2 * i) as u16, byte(2 * i + 1) as u16);
-            if big_endian { a << 8 | b } else { b << 8 | a }
-        }
-        _ => {
-            let at = i * bits / 8;
-            let three = byte(at) << 16 | byte(at + 1) << 8 | byte(at + 2);
-            let shift = 24 - bits - i * bits % 8;
-            (three >> shift & ((1 << bits) - 1)) as u16
+/// A strip or tile, decompressed.
+enum Content<'a> {
+    /// Rows of so many bytes, and whether the most significant is first.
+    Bytes(Cow<'a, [u8]>, usize, bool),
+    /// Rows of so many samples.
+    Samples(Vec<u16>, usize),
+}
+
+enum Row<'a> {
+    Bytes(&'a [u8], bool),
+    Samples(&'a [u16]),
+}
+
+impl Content<'_> {
+    fn row(&self, r: usize) -> Row<'_> {
+        match self {
+            Self::Bytes(bytes, len, big) => Row::Bytes(bytes.chunks(*len).nth(r).unwrap_or_default(), *big),
+            Self::Samples(samples, len) => Row::Samples(samples.chunks(*len).nth(r).unwrap_or_default()),
         }
     }
 }
 
-fn float(bytes: &[u8], i: usize, big_endian: bool) -> f32 {
-    let four: [u8; 4] = bytes.get(4 * i..4 * i + 4).and_then(|b| b.try_into().ok()).unwrap_or_default();
-    if big_endian { f32::from_be_bytes(four) } else { f32::from_le_bytes(four) }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn packed_samples_begin_with_the_highest_bit() {
-        let bytes = [0xab, 0xcd, 0xef, 0x12];
-        assert_eq!(integer(&bytes, 0, 12, false), 0xabc);
-        assert_eq!(integer(&bytes, 1, 12, true), 0xdef);
-        assert_eq!(integer(&bytes, 0, 14, false), 0xabcd >> 2);
-        assert_eq!(integer(&bytes, 1, 14, false), ((0xabcd_ef12u32 >> 4) & 0x3fff) as u16);
-        assert_eq!(integer(&bytes, 2, 10, false), ((0xabcd_ef12u32 >> 2) & 0x3ff) as u16);
-        assert_eq!(integer(&bytes, 1, 16, true), 0xef12);
-        assert_eq!(integer(&bytes, 1, 16, false), 0x12ef);
+fn content<'a>(
+    tiff: Tiff<'a>,
+    ifd: &Ifd<'_>,
+    shape: Shape,
+    chunks: &Chunks,
+    chunk: &Chunk,
+    path: &Path,
+) -> Result<Content<'a>, IoError> {
+    let have = tiff.bytes().len() as u64;
+    let truncated =
+        |need: u64| IoError::Truncated { path: path.to_owned(), what: "the raw image", need, have };
+    // The last strip ends with the image; tiles are always whole, but a writer may have cut the last ones.
+    let rows = chunks.rows.min(shape.rows - chunk.row);
+    let samples = chunks.cols.checked_mul(shape.planes).ok_or_else(|| truncated(u64::MAX))?;
+    let row_bytes = samples.checked_mul(shape.bits).ok_or_else(|| truncated(u64::MAX))?.div_ceil(8);
+    let bytes_from = |len: usize| {
+        let end = chunk.offset.saturating_add(len);
+        tiff.bytes().get(chunk.offset..end).ok_or_else(|| truncated(end as u64))
+    };
+    let needed = rows.checked_mul(row_bytes).ok_or_else(|| truncated(u64::MAX))?;
+    if shape.coding == Coding::None {
+        return Ok(Content::Bytes(Cow::Borrowed(bytes_from(needed)?), row_bytes, tiff.big_endian()));
     }
+    let len = chunk
+        .len
+        .ok_or_else(|| IoError::field(path, "the byte counts", "too short", "one for every strip or tile"))?;
+    let coded = bytes_from(len)?;
+    let place = format!("the strip or tile at row {}, column {}", chunk.row, chunk.col);
+    let wrong = |what: String| IoError::Decode {
+        path: path.to_owned(),
+        format: "DNG",
+        message: format!("{place}: {what}"),
+    };
+    if shape.coding == Coding::LosslessJpeg {
+        let (least, most) = (rows.checked_mul(samples), chunks.rows.checked_mul(samples));
+        let (Some(least), Some(most)) = (least, most) else { return Err(truncated(u64::MAX)) };
+        let decoded = ljpeg::decode(coded, least..=most).map_err(|m| wrong(format!("lossless JPEG: {m}")))?;
+        return Ok(Content::Samples(decoded, samples));
+    }
+    let code = ifd.size(tags::PREDICTOR).unwrap_or(1);
+    let predictor = Predictor::of(code, shape.planes)
+        .filter(|p| match p {
+            Predictor::None => true,
+            Predictor::Difference(_) => !shape.float && matches!(shape.bits, 8 | 16),
+            Predictor::FloatingPoint(_) => shape.float,
+        })
+        .ok_or_else(|| {
+            let expected =
+                "1 (none); 2, 34892 or 34893 with 8 or 16 bits; 3, 34894 or 34895 with floating point";
+            IoError::field(path, "Predictor", code.to_string(), expected)
+        })?;
+    Limits::default().check(path, "a strip or tile", needed as u64, len as u64)?;
+    let mut inflated = Vec::new();
+    flate2::read::ZlibDecoder::new(coded)
+        .take(needed as u64)
+        .read_to_end(&mut inflated)
+        .map_err(|e| wrong(format!("Deflate: {e}")))?;
+    if inflated.len() < needed {
+        return Err(wrong(format!("Deflate: it has {} bytes of {needed}", inflated.len())));
+    }
+    for row in inflated.chunks_exact_mut(row_bytes) {
+        predictor.undo(row, shape.bits / 8, tiff.big_endian());
+    }
+    let big = tiff.big_endian() || matches!(predictor, Predictor::FloatingPoint(_));
+    Ok(Content::Bytes(Cow::Owned(inflated), row_bytes, big))
 }

@@ -17,9 +17,16 @@ fn digital(rows: usize, cols: usize, mosaic: Mosaic, channels: &[&str]) -> RawIm
 }
 
 fn bytes_of(raw: &RawImage, info: &DngInfo) -> Vec<u8> {
+    if matches!(raw.samples(), RawSamples::Digital(_)) && raw.sampling().planes() <= 4 {
+        coded(raw, info, Compression::LosslessJpeg);
+    }
+    coded(raw, info, Compression::None)
+}
+
+fn coded(raw: &RawImage, info: &DngInfo, compression: Compression) -> Vec<u8> {
     let dir = tempfile::tempdir().unwrap();
     let path = dir.path().join("f.dng");
-    write(&path, raw, info).unwrap();
+    write_compressed(&path, raw, info, compression).unwrap();
     let back = read(&path, Limits::default()).unwrap();
     assert_eq!((&back.raw, &back.info), (raw, info));
     std::fs::read(&path).unwrap()
@@ -104,68 +111,210 @@ fn what_is_not_read_is_said() {
         parse(&b).unwrap_err().to_string()
     };
     use crate::tiff_tags as tags;
-    assert!(patched(tags::COMPRESSION, 7).contains("Compression is 7 (lossless JPEG); expected 1"));
+    assert!(patched(tags::COMPRESSION, 34892).contains("Compression is 34892 (lossy JPEG); expected 1"));
+    assert!(patched(tags::COMPRESSION, 52546).contains("Compression is 52546 (JPEG XL); expected 1"));
+    assert!(patched(tags::COMPRESSION, 7).contains("lossless JPEG: it does not begin as a JPEG does"));
+    assert!(patched(tags::COMPRESSION, 8).contains("row 0, column 0: Deflate"));
     assert!(patched(tags::CFA_LAYOUT, 2).contains("CFALayout is 2; expected 1"));
     assert!(patched(tags::BITS_PER_SAMPLE, 24).contains("BitsPerSample"));
     assert!(patched(tags::IMAGE_WIDTH, 60_000).contains("the raw image needs"));
     assert!(patched(tags::CFA_REPEAT_PATTERN_DIM, 3).contains("tile"));
 }
 
-/// A tiled, big-endian, 12-bit file with borders around the active area, by hand.
-#[test]
-fn tiles_borders_and_the_other_byte_order_are_read() {
-    let (rows, cols, tile) = (5usize, 6usize, (4usize, 4usize));
-    let value = |r: usize, c: usize| (100 * r + c) as u32;
-    let mut data: Vec<(usize, Vec<u8>)> = Vec::new();
-    for (tr, tc) in [(0, 0), (0, 4), (4, 0), (4, 4)] {
-        let mut bits = Vec::new();
-        for i in 0..tile.0 * tile.1 {
-            let v = value(tr + i / tile.1, tc + i % tile.1);
-            bits.extend((0..12).rev().map(|b| (v >> b & 1) as u8));
-        }
-        data.push((0, bits.chunks(8).map(|b| b.iter().fold(0, |a, x| a << 1 | x)).collect()));
-    }
-    let entries: &[(u16, u16, &[u32])] = &[
-        (256, 4, &[cols as u32]),
-        (257, 4, &[rows as u32]),
-        (258, 4, &[12]),
-        (262, 4, &[32803]),
-        (322, 4, &[tile.1 as u32]),
-        (323, 4, &[tile.0 as u32]),
-        (324, 4, &[1000, 1100, 1200, 1300]),
-        (33421, 4, &[2, 2]),
-        (33422, 1, &[0x0001_0102]),
-        (50706, 1, &[0x0104_0000]),
-        (50714, 4, &[7]),
-        (50829, 4, &[1, 1, 5, 6]),
-    ];
+/// A big-endian file by hand: fields of type LONG or, where `true`, BYTE; each strip or tile at 1000, 2000 …
+fn by_hand(fields: &[(u16, bool, Vec<u32>)], chunks: &[Vec<u8>]) -> Vec<u8> {
     let mut out = b"MM\0*\0\0\0\x08".to_vec();
-    out.extend((entries.len() as u16).to_be_bytes());
+    out.extend((fields.len() as u16).to_be_bytes());
     let mut more = Vec::new();
-    for (tag, kind, values) in entries {
+    for (tag, bytes, values) in fields {
+        let values: Vec<u8> = match bytes {
+            true => values.iter().map(|v| *v as u8).collect(),
+            false => values.iter().flat_map(|v| v.to_be_bytes()).collect(),
+        };
         out.extend(tag.to_be_bytes());
-        out.extend(kind.to_be_bytes());
-        out.extend((if *kind == 1 { 4 } else { values.len() as u32 }).to_be_bytes());
-        if values.len() == 1 {
-            out.extend(values[0].to_be_bytes());
+        out.extend((if *bytes { 1u16 } else { 4 }).to_be_bytes());
+        out.extend((values.len() as u32 / if *bytes { 1 } else { 4 }).to_be_bytes());
+        if values.len() <= 4 {
+            out.extend(values.iter().copied().chain([0; 4]).take(4));
         } else {
-            out.extend((500 + more.len() as u32).to_be_bytes());
-            more.extend(values.iter().flat_map(|v| v.to_be_bytes()));
+            out.extend((9000 + more.len() as u32).to_be_bytes());
+            more.extend(values);
         }
     }
-    out.resize(500, 0);
+    for (i, chunk) in chunks.iter().enumerate() {
+        out.resize(1000 * (i + 1), 0);
+        out.extend(chunk);
+    }
+    out.resize(9000, 0);
     out.extend(more);
-    for (i, (_, tile)) in data.iter().enumerate() {
-        out.resize(1000 + 100 * i, 0);
-        out.extend(tile);
-    }
-    let raw = parse(&out).unwrap().raw;
-    assert_eq!((raw.rows(), raw.cols(), raw.black_level(), raw.white_level()), (4, 5, 7.0, 4095.0));
+    out
+}
+
+const SIZE: (usize, usize) = (5, 6);
+
+fn value(r: usize, c: usize) -> u32 {
+    (100 * r + c) as u32
+}
+
+/// Four tiles of 4 × 4 for a mosaic of `SIZE` with a border of a row and a column.
+fn tiled(bits: u32, more: &[(u16, bool, Vec<u32>)], code: impl Fn(&[u32]) -> Vec<u8>) -> Vec<u8> {
+    let tile = |(r0, c0): (usize, usize)| -> Vec<u8> {
+        let samples: Vec<u32> = (0..16).map(|i| value(r0 + i / 4, c0 + i % 4)).collect();
+        code(&samples)
+    };
+    let tiles: Vec<Vec<u8>> = [(0, 0), (0, 4), (4, 0), (4, 4)].map(tile).to_vec();
+    let mut fields = vec![
+        (256, false, vec![SIZE.1 as u32]),
+        (257, false, vec![SIZE.0 as u32]),
+        (258, false, vec![bits]),
+        (262, false, vec![32803]),
+        (322, false, vec![4]),
+        (323, false, vec![4]),
+        (324, false, vec![1000, 2000, 3000, 4000]),
+        (325, false, tiles.iter().map(|t| t.len() as u32).collect()),
+        (33421, false, vec![2, 2]),
+        (33422, true, vec![0, 1, 1, 2]),
+        (50706, true, vec![1, 4, 0, 0]),
+        (50829, false, vec![1, 1, 5, 6]),
+    ];
+    fields.extend(more.iter().cloned());
+    by_hand(&fields, &tiles)
+}
+
+fn samples_of(raw: &RawImage) -> &[u16] {
     let RawSamples::Digital(v) = raw.samples() else { panic!("digital") };
-    for (i, v) in v.iter().enumerate() {
-        assert_eq!(u32::from(*v), value(1 + i / 5, 1 + i % 5));
+    v
+}
+
+fn packed(bits: u32) -> impl Fn(&[u32]) -> Vec<u8> {
+    move |samples| {
+        let bits: Vec<u8> =
+            samples.iter().flat_map(|v| (0..bits).rev().map(move |b| (v >> b & 1) as u8)).collect();
+        bits.chunks(8).map(|b| b.iter().fold(0, |a, x| a << 1 | x)).collect()
     }
-    assert_eq!(raw.channel_names(), ["R", "G", "B"]);
+}
+
+fn deflated(bytes: &[u8]) -> Vec<u8> {
+    use std::io::Write;
+    let mut out = flate2::write::ZlibEncoder::new(Vec::new(), flate2::Compression::default());
+    out.write_all(bytes).unwrap();
+    out.finish().unwrap()
+}
+
+#[test]
+fn tiles_borders_and_every_coding_are_read() {
+    let lossless = |components: usize| {
+        move |samples: &[u32]| {
+            let samples: Vec<u16> = samples.iter().map(|v| *v as u16).collect();
+            // Two rows of the tile as one of the frame, as some cameras do.
+            ljpeg::encode(&samples, 8 / components, components, 6, 1).unwrap()
+        }
+    };
+    let big = |samples: &[u32]| samples.iter().flat_map(|v| (*v as u16).to_be_bytes()).collect::<Vec<u8>>();
+    let differences = |step: usize| {
+        move |samples: &[u32]| {
+            let rows = samples.chunks(4).flat_map(|row| {
+                let before = |i: usize| if i < step { 0 } else { row[i - step] };
+                row.iter().enumerate().map(move |(i, v)| v.wrapping_sub(before(i))).collect::<Vec<u32>>()
+            });
+            deflated(&big(&rows.collect::<Vec<u32>>()))
+        }
+    };
+    let coding = |n: u32| (259, false, vec![n]);
+    let predictor = |n: u32| (317, false, vec![n]);
+    for (bits, bytes) in [
+        (10, tiled(10, &[], packed(10))),
+        (12, tiled(12, &[], packed(12))),
+        (14, tiled(14, &[], packed(14))),
+        (16, tiled(16, &[], big)),
+        (16, tiled(16, &[coding(7)], lossless(1))),
+        (12, tiled(12, &[coding(7)], lossless(2))),
+        (14, tiled(14, &[coding(7)], lossless(4))),
+        (16, tiled(16, &[coding(8)], |s| deflated(&big(s)))),
+        (12, tiled(12, &[coding(8)], |s| deflated(&packed(12)(s)))),
+        (16, tiled(16, &[coding(8), predictor(2)], differences(1))),
+        (16, tiled(16, &[coding(8), predictor(34892)], differences(2))),
+        (16, tiled(16, &[coding(8), predictor(34893)], differences(4))),
+    ] {
+        let dng = parse(&bytes).unwrap();
+        let white = f64::from((1 << bits) - 1);
+        assert_eq!((dng.raw.rows(), dng.raw.cols(), dng.raw.white_level()), (4, 5, white), "{bits}");
+        for (i, v) in samples_of(&dng.raw).iter().enumerate() {
+            assert_eq!(u32::from(*v), value(1 + i / 5, 1 + i % 5), "{bits} bits, sample {i}");
+        }
+        assert_eq!(dng.raw.channel_names(), ["R", "G", "B"]);
+        assert_eq!((dng.notes, dng.default_crop), (vec![], None));
+    }
+}
+
+#[test]
+fn black_levels_that_differ_become_the_highest() {
+    let black = [
+        (50712, false, (0..1024).map(|v| 2 * v).collect::<Vec<u32>>()),
+        (50713, false, vec![1, 2]),
+        (50714, false, vec![7, 9]),
+        (50715, false, vec![0, 0, 0, 1, 0]),
+        (50716, false, vec![0, 2, 0, 0]),
+        (50717, false, vec![2000]),
+        (50719, false, vec![1, 2]),
+        (50720, false, vec![4, 2]),
+        (51009, false, vec![1, 2]),
+    ];
+    let dng =
+        parse(&tiled(16, &black, |s| s.iter().flat_map(|v| (*v as u16).to_be_bytes()).collect())).unwrap();
+    assert_eq!((dng.raw.black_level(), dng.raw.white_level()), (12.0, 2000.0));
+    for (i, v) in samples_of(&dng.raw).iter().enumerate() {
+        let (r, c) = (i / 5, i % 5);
+        let black = [7, 9][c % 2] + u32::from(c == 3) + 2 * u32::from(r == 1);
+        assert_eq!(u32::from(*v), 2 * value(1 + r, 1 + c) + 12 - black);
+    }
+    assert_eq!(dng.default_crop, Some(Crop { row: 2, col: 1, rows: 2, cols: 4 }));
+    assert!(dng.notes[0].starts_with("OpcodeList2 is ignored"), "{:?}", dng.notes);
+    assert_eq!(dng.notes[1], "black levels from 7 to 12: samples are shifted to have 12");
+}
+
+#[test]
+fn floating_point_in_deflate_is_read() {
+    // 1, 1.5, -2 and 0.25 of 16 bits, twice: their high bytes, then their low ones, as differences.
+    let row = [0x3cu8, 0x3e, 0xc0, 0x34, 0, 0, 0, 0];
+    let coded: Vec<u8> =
+        row.iter().scan(0u8, |before, b| Some(b.wrapping_sub(std::mem::replace(before, *b)))).collect();
+    let bytes = by_hand(
+        &[
+            (256, false, vec![4]),
+            (257, false, vec![1]),
+            (258, false, vec![16]),
+            (259, false, vec![8]),
+            (262, false, vec![34892]),
+            (273, false, vec![1000]),
+            (279, false, vec![deflated(&coded).len() as u32]),
+            (317, false, vec![3]),
+            (339, false, vec![3]),
+            (50706, true, vec![1, 4, 0, 0]),
+        ],
+        &[deflated(&coded)],
+    );
+    assert_eq!(parse(&bytes).unwrap().raw.samples(), &RawSamples::Analog(vec![1.0, 1.5, -2.0, 0.25]));
+}
+
+#[test]
+fn a_bomb_is_refused_before_memory_is_taken() {
+    let huge = |coding: u32| {
+        let fields = [
+            (256, false, vec![1 << 16]),
+            (257, false, vec![1 << 16]),
+            (258, false, vec![16]),
+            (259, false, vec![coding]),
+            (262, false, vec![34892]),
+            (273, false, vec![1000]),
+            (279, false, vec![10]),
+            (50706, true, vec![1, 4, 0, 0]),
+        ];
+        parse(&by_hand(&fields, &[vec![0; 10]])).unwrap_err().to_string()
+    };
+    for coding in [1, 7, 8] {
+        assert!(huge(coding).contains("it is cut short or mislabelled"), "{}", huge(coding));
+    }
 }
 
 proptest! {
@@ -189,9 +338,11 @@ proptest! {
 
     #[test]
     fn mutated_files_are_read_or_refused(
-        at in prop::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 1..8), cut in any::<prop::sample::Index>(), whole in any::<bool>(),
+        at in prop::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 1..8), cut in any::<prop::sample::Index>(), whole in any::<bool>(), jpeg in any::<bool>(),
     ) {
-        let mut bytes = bytes_of(&digital(4, 6, Mosaic::new(2, 2, vec![0, 1, 1, 2]).unwrap(), &["R", "G", "B"]), &DngInfo::default());
+        let raw = digital(4, 6, Mosaic::new(2, 2, vec![0, 1, 1, 2]).unwrap(), &["R", "G", "B"]);
+        let compression = if jpeg { Compression::LosslessJpeg } else { Compression::None };
+        let mut bytes = coded(&raw, &DngInfo::default(), compression);
         for (index, value) in at {
             let i = index.index(bytes.len());
             bytes[i] = value;

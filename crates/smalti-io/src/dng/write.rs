@@ -6,30 +6,88 @@ use std::path::Path;
 
 use smalti::sensor::{RawImage, RawSamples, Sampling};
 
+use super::ljpeg;
 use super::{CFA, Description, DngInfo, Facts, LINEAR_RAW, color_codes, plane_order};
 use crate::text::ascii_json;
 use crate::tiff_tags::{self as tags, Value};
 use crate::{IoError, write};
+
+/// How samples are written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[non_exhaustive]
+pub enum Compression {
+    /// As they are.
+    #[default]
+    None,
+    /// Lossless JPEG: digital numbers only, at most 65535 rows or columns, and four planes.
+    LosslessJpeg,
+}
+
+/// As [`write_compressed`], uncompressed.
+///
+/// # Errors
+/// As [`write_compressed`].
+pub fn write(path: &Path, raw: &RawImage, info: &DngInfo) -> Result<(), IoError> {
+    write_compressed(path, raw, info, Compression::None)
+}
 
 /// Writes a raw image: digital numbers as 16-bit, volts as 32-bit floating point; a mosaic as CFA, full sampling as
 /// LinearRaw. Levels that are not whole numbers are rounded in the DNG fields (white) or written as fractions
 /// (black, 0 where negative) and stand exactly in the description.
 ///
 /// # Errors
-/// When matrix or neutral do not have a row per channel, there are more channels than DNG has codes for, the file
-/// would pass 4 GiB, or it cannot be written.
-pub fn write(path: &Path, raw: &RawImage, info: &DngInfo) -> Result<(), IoError> {
-    let fields = fields(path, raw, info)?;
+/// When matrix or neutral do not have a row per channel, there are more channels than DNG has codes for, the
+/// compression cannot hold the image, the file would pass 4 GiB, or it cannot be written.
+pub fn write_compressed(
+    path: &Path,
+    raw: &RawImage,
+    info: &DngInfo,
+    compression: Compression,
+) -> Result<(), IoError> {
+    let mut fields = fields(path, raw, info)?;
+    let coded = match compression {
+        Compression::None => None,
+        Compression::LosslessJpeg => {
+            fields.insert(tags::COMPRESSION, Value::Short(vec![7]));
+            Some(lossless_jpeg(path, raw)?)
+        }
+    };
     let digital = matches!(raw.samples(), RawSamples::Digital(_));
-    let bytes = raw.samples().len() as u64 * if digital { 2 } else { 4 };
+    let plain = raw.samples().len() as u64 * if digital { 2 } else { 4 };
+    let bytes = coded.as_ref().map_or(plain, |c| c.len() as u64);
     let rows = raw.rows() as u32;
     write::atomic(path, |out| {
         tags::write_header(out, fields, rows, bytes)
-            .and_then(|()| match raw.samples() {
-                RawSamples::Digital(v) => write_interleaved(out, v, raw, |x| x.to_le_bytes()),
-                RawSamples::Analog(v) => write_interleaved(out, v, raw, |x| x.to_le_bytes()),
+            .and_then(|()| match (coded, raw.samples()) {
+                (Some(coded), _) => out.write_all(&coded),
+                (None, RawSamples::Digital(v)) => write_interleaved(out, v, raw, |x| x.to_le_bytes()),
+                (None, RawSamples::Analog(v)) => write_interleaved(out, v, raw, |x| x.to_le_bytes()),
             })
             .map_err(|source| IoError::Write { path: path.to_owned(), source })
+    })
+}
+
+fn lossless_jpeg(path: &Path, raw: &RawImage) -> Result<Vec<u8>, IoError> {
+    let expected = "digital numbers of at most 65535 rows or columns and four planes for lossless JPEG";
+    let RawSamples::Digital(samples) = raw.samples() else {
+        return Err(IoError::field(path, "the raw image", "in volts", expected));
+    };
+    let (cols, planes) = (raw.cols(), raw.sampling().planes());
+    let plane_len = raw.rows() * cols;
+    let interleaved: Vec<u16>;
+    // Two columns of a mosaic make a pixel of two components, so that like is predicted from like.
+    let (samples, cols, components) = match planes {
+        1 if cols.is_multiple_of(2) => (samples, cols / 2, 2),
+        1 => (samples, cols, 1),
+        _ => {
+            let pixel = |i: usize| (0..planes).filter_map(move |p| samples.get(p * plane_len + i).copied());
+            interleaved = (0..plane_len).flat_map(pixel).collect();
+            (&interleaved, cols, planes)
+        }
+    };
+    ljpeg::encode(samples, cols, components, 1, 0).ok_or_else(|| {
+        let found = format!("{} × {} pixels of {planes} planes", raw.rows(), raw.cols());
+        IoError::field(path, "the raw image", found, expected)
     })
 }
 

@@ -22,6 +22,7 @@ for path in sys.argv[1:]:
         seen["developed"] = list(rgb.shape)
     with tifffile.TiffFile(path) as tif:
         page = tif.pages[0]
-        seen["tifffile_equal"] = bool(np.array_equal(page.asarray().ravel(), np.array(seen["samples"])))
+        plain = page.compression == 1
+        seen["tifffile_equal"] = plain and bool(np.array_equal(page.asarray().ravel(), np.array(seen["samples"])))
         seen["photometric"] = str(page.photometric.name)
     print(json.dumps(seen))

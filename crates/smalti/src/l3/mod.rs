@@ -24,6 +24,7 @@ mod moments;
 mod orientation;
 mod pipeline;
 mod pools;
+mod registration;
 mod render;
 mod solve;
 mod statistics;
@@ -38,6 +39,10 @@ pub use lattice::ContrastPairs;
 pub use levels::Levels;
 pub use moments::Moments;
 pub use pipeline::{Class, Kernels, Origin, Pipeline, PipelineParts};
+pub use registration::{
+    Aligned, GOOD_CORRELATION, GOOD_RESIDUAL_PX, LEAST_CORRELATION, LEAST_SIDE, RESOLVED_SHIFT_PX,
+    Registration, RegistrationError,
+};
 pub use render::{FixedKernels, FixedRenderer, Outside, Rendered, Renderer, peak_ratio_db};
 pub use statistics::{Pair, Statistics};
 pub use summary::{PositionSummary, Summary};

@@ -18,6 +18,7 @@ mod design_targets;
 mod design_toml;
 mod isp;
 mod l3_fallback;
+mod l3_registration;
 mod l3_training;
 mod metrics_aliasing;
 mod metrics_esfr;

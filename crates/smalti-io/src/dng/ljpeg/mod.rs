@@ -1,0 +1,31 @@
+//! Lossless JPEG: ITU-T T.81, process 14 of Annex H (Huffman coding, SOF3), as DNG uses it.
+//!
+//! DNG packs the samples of a strip or tile into the frame in their order in the file; a mosaic is often stored as
+//! two components of half the columns, so that each sample is predicted from one of its own colour.
+
+mod bits;
+mod decode;
+mod encode;
+mod huffman;
+
+pub(super) use decode::decode;
+pub(super) use encode::encode;
+
+/// Number of components of a frame; DNG allows up to four.
+const MOST_COMPONENTS: usize = 4;
+
+/// Predicted value of a sample from its neighbours: left, above, above left (T.81, table H.1).
+fn predict(selection: u8, left: i32, above: i32, corner: i32) -> i32 {
+    match selection {
+        1 => left,
+        2 => above,
+        3 => corner,
+        4 => left + above - corner,
+        5 => left + ((above - corner) >> 1),
+        6 => above + ((left - corner) >> 1),
+        _ => (left + above) >> 1,
+    }
+}
+
+#[cfg(test)]
+mod tests;

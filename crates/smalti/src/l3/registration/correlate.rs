@@ -1,0 +1,287 @@
+//! Shifts between planes, from the phase of their cross-power spectra.
+
+use rayon::prelude::*;
+
+use crate::numeric::fft::{Complex32, RealFft2, bin_frequency, fast_len};
+
+/// Largest side at which all places are tried.
+const COARSE_SIDE: usize = 512;
+/// Side of the patches that are compared at full resolution, and how many are taken along each side at most.
+const PATCH_SIDE: usize = 256;
+const MOST_PATCHES: usize = 6;
+/// Standard deviation of the weight of frequencies, cycles per pixel. Above it a mosaic's channels alias, and noise
+/// rules.
+const BAND: f64 = 0.12;
+/// Share of the spectrum of a patch that must agree with its shift. Noise alone reaches a hundredth.
+const LEAST_AGREEMENT: f64 = 0.1;
+/// Finest step of the peak's place, pixels.
+const FINEST: f64 = 0.005;
+
+/// Values, row by row.
+#[derive(Debug, Clone)]
+pub(super) struct Plane {
+    pub(super) rows: usize,
+    pub(super) cols: usize,
+    pub(super) values: Vec<f32>,
+}
+
+/// A plane on the grid of another, from this row and column of it.
+#[derive(Debug, Clone)]
+pub(super) struct Placed {
+    pub(super) plane: Plane,
+    pub(super) row: usize,
+    pub(super) col: usize,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Shift {
+    pub(super) row: f64,
+    pub(super) col: f64,
+}
+
+/// What one patch says.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct PatchShift {
+    /// Its centre in the placed plane, pixels.
+    row: usize,
+    col: usize,
+    shift: Shift,
+}
+
+impl Plane {
+    pub(super) fn new(rows: usize, cols: usize, values: Vec<f32>) -> Self {
+        Self { rows, cols, values }
+    }
+
+    fn row(&self, r: usize) -> &[f32] {
+        self.values.get(r * self.cols..(r + 1) * self.cols).unwrap_or_default()
+    }
+
+    /// Means over squares of `step` × `step` pixels of another plane, whose pixels are `scale` of these.
+    fn reduced(&self, step: f64) -> Self {
+        let (rows, cols) = ((self.rows as f64 / step) as usize, (self.cols as f64 / step) as usize);
+        let range = |i: usize, len: usize| {
+            let from = (i as f64 * step).round() as usize;
+            from..(((i + 1) as f64 * step).round() as usize).clamp(from + 1, len.max(from + 1))
+        };
+        let mut values = vec![0f32; rows * cols];
+        values.par_chunks_mut(cols.max(1)).enumerate().for_each(|(r, out)| {
+            for (c, v) in out.iter_mut().enumerate() {
+                let span = range(c, self.cols);
+                let (mut sum, mut n) = (0f64, 0usize);
+                for y in range(r, self.rows) {
+                    for x in self.row(y).get(span.clone()).unwrap_or_default() {
+                        sum += f64::from(*x);
+                        n += 1;
+                    }
+                }
+                *v = (sum / n.max(1) as f64) as f32;
+            }
+        });
+        Self::new(rows, cols, values)
+    }
+
+    /// A part, less its mean, tapered to zero at its edges (Hann), in the corner of a plane of zeros.
+    fn window(
+        &self,
+        (row, high): (usize, usize),
+        (col, wide): (usize, usize),
+        size: (usize, usize),
+    ) -> Vec<f32> {
+        let part = || (row..row + high).map(|r| self.row(r).iter().skip(col).take(wide));
+        let mean = part().flatten().map(|v| f64::from(*v)).sum::<f64>() / (high * wide).max(1) as f64;
+        let hann =
+            |i: usize, n: usize| 0.5 - 0.5 * libm::cos(std::f64::consts::TAU * (i as f64 + 0.5) / n as f64);
+        let across: Vec<f64> = (0..wide).map(|c| hann(c, wide)).collect();
+        let mut out = vec![0f32; size.0 * size.1];
+        for (r, (values, out)) in part().zip(out.chunks_mut(size.1.max(1))).enumerate() {
+            let down = hann(r, high);
+            for ((v, w), out) in values.zip(&across).zip(out) {
+                *out = ((f64::from(*v) - mean) * w * down) as f32;
+            }
+        }
+        out
+    }
+}
+
+/// The terms of the half spectrum of a correlation, whitened by half: the phase counts more than the amplitude, and
+/// frequencies without signal for little.
+struct CrossPower {
+    rows: usize,
+    /// Vertical bin, horizontal frequency, real and imaginary part; column by column.
+    terms: Vec<(usize, f64, f64, f64)>,
+}
+
+impl CrossPower {
+    fn of(fft: &RealFft2, a: &[f32], b: &[f32]) -> Self {
+        let rows = fft.rows();
+        let (Ok(a), Ok(b)) = (fft.forward(a), fft.forward(b)) else {
+            return Self { rows, terms: Vec::new() };
+        };
+        let term = |(i, (a, b)): (usize, (&Complex32, &Complex32))| {
+            let (fx, fy) = (bin_frequency(i / rows, fft.cols()), bin_frequency(i % rows, rows));
+            let weight = libm::exp(-(fx * fx + fy * fy) / (2.0 * BAND * BAND));
+            let (ar, ai, br, bi) = (f64::from(a.re), f64::from(a.im), f64::from(b.re), f64::from(b.im));
+            let (re, im) = (ar * br + ai * bi, ai * br - ar * bi);
+            let size = re.hypot(im);
+            // All but the first column stand for the other half of the spectrum, too.
+            let weight = if i / rows == 0 { weight } else { 2.0 * weight } / size.sqrt();
+            (size > 0.0 && weight.is_finite()).then_some((i % rows, fx, re * weight, im * weight))
+        };
+        Self { rows, terms: a.iter().zip(&b).enumerate().filter_map(term).collect() }
+    }
+
+    /// The correlation at each of these rows × columns.
+    fn at(&self, rows: &[f64], cols: &[f64]) -> Vec<f64> {
+        use std::f64::consts::TAU;
+        let phases: Vec<Vec<(f64, f64)>> = rows
+            .iter()
+            .map(|r| (0..self.rows).map(|k| libm::sincos(TAU * bin_frequency(k, self.rows) * r)).collect())
+            .collect();
+        let mut out = vec![0.0; rows.len() * cols.len()];
+        for column in self.terms.chunk_by(|a, b| a.1 == b.1) {
+            let fx = column.first().map_or(0.0, |t| t.1);
+            for (phases, out) in phases.iter().zip(out.chunks_mut(cols.len().max(1))) {
+                let (mut re, mut im) = (0.0, 0.0);
+                for &(k, _, tr, ti) in column {
+                    let (s, c) = phases.get(k).copied().unwrap_or_default();
+                    re += tr * c - ti * s;
+                    im += tr * s + ti * c;
+                }
+                for (x, out) in cols.iter().zip(out) {
+                    let (s, c) = libm::sincos(TAU * fx * x);
+                    *out += re * c - im * s;
+                }
+            }
+        }
+        out
+    }
+
+    /// The place of the peak near `at`, by ever finer sums from this step on, and how much of the spectrum agrees with it,
+    /// 0 to 1.
+    fn peak(&self, mut at: Shift, mut step: f64) -> (Shift, f64) {
+        let total: f64 = self.terms.iter().map(|t| t.2.hypot(t.3)).sum();
+        let mut agrees = 0.0;
+        while step >= FINEST {
+            let along =
+                |middle: f64| -> Vec<f64> { (-4..=4).map(|k| middle + f64::from(k) * step).collect() };
+            let (rows, cols) = (along(at.row), along(at.col));
+            let values = self.at(&rows, &cols);
+            let best = values.iter().enumerate().max_by(|a, b| a.1.total_cmp(b.1)).map_or(0, |(i, _)| i);
+            agrees = values.get(best).copied().unwrap_or(0.0) / total;
+            at = Shift {
+                row: rows.get(best / 9).copied().unwrap_or(at.row),
+                col: cols.get(best % 9).copied().unwrap_or(at.col),
+            };
+            step /= 4.0;
+        }
+        (at, agrees)
+    }
+}
+
+/// Where the moving plane's corner lies on the fixed one, to about a pixel.
+pub(super) fn coarse(fixed: &Plane, moving: &Plane, scale: f64) -> Shift {
+    let largest = fixed.rows.max(fixed.cols) as f64;
+    let step = (largest / COARSE_SIDE as f64).max(1.0).max(scale);
+    let (a, b) = (fixed.reduced(step), moving.reduced(step / scale));
+    let size = (fast_len(a.rows + b.rows), fast_len(a.cols + b.cols));
+    let Ok(fft) = RealFft2::new(size.0, size.1) else { return Shift { row: 0.0, col: 0.0 } };
+    let window = |p: &Plane| p.window((0, p.rows), (0, p.cols), size);
+    let (wa, wb) = (window(&a), window(&b));
+    let power = CrossPower::of(&fft, &wa, &wb);
+    let mut spectrum = vec![Complex32::default(); size.0 * fft.half_cols()];
+    for &(k, fx, re, im) in &power.terms {
+        let bin = (fx * size.1 as f64).round() as usize;
+        if let Some(s) = spectrum.get_mut(bin * size.0 + k) {
+            // Terms of the first column stand for themselves, the others for two.
+            let half = if bin == 0 { 1.0 } else { 0.5 };
+            *s = Complex32::new((re * half) as f32, (im * half) as f32);
+        }
+    }
+    let Ok(correlation) = fft.inverse(&spectrum) else { return Shift { row: 0.0, col: 0.0 } };
+    // Places beyond the fixed plane are negative ones.
+    let signed = |i: usize, n: usize, limit: usize| if i > limit { i as f64 - n as f64 } else { i as f64 };
+    let place =
+        |i: usize| Shift { row: signed(i / size.1, size.0, a.rows), col: signed(i % size.1, size.1, a.cols) };
+    // A picture shows the scene of the raw image: where they share but a corner, their likeness is chance.
+    let common = |s: Shift| {
+        let along = |shift: f64, a: usize, b: usize| (a as f64).min(shift + b as f64) - shift.max(0.0);
+        along(s.row, a.rows, b.rows).max(0.0) * along(s.col, a.cols, b.cols).max(0.0)
+    };
+    let least = (a.values.len().min(b.values.len())) as f64 / 2.0;
+    let candidates = correlation.iter().enumerate().filter(|(i, _)| common(place(*i)) >= least);
+    let best = candidates.max_by(|a, b| a.1.total_cmp(b.1)).map_or(0, |(i, _)| i);
+    let at = place(best);
+    let (at, _) = power.peak(at, 0.25);
+    Shift { row: at.row * step, col: at.col * step }
+}
+
+/// How far each patch of the placed plane would have to move on.
+pub(super) fn patches(fixed: &Plane, placed: &Placed) -> Vec<PatchShift> {
+    let p = &placed.plane;
+    // At least two patches along a side, so that every quadrant has one.
+    let side = |len: usize| PATCH_SIDE.min(len / 2) & !1;
+    let (high, wide) = (side(p.rows), side(p.cols));
+    if high.min(wide) < 12 {
+        return Vec::new();
+    }
+    let Ok(fft) = RealFft2::new(high, wide) else { return Vec::new() };
+    let starts = |len: usize, side: usize| -> Vec<usize> {
+        let n = (len / side).clamp(2, MOST_PATCHES);
+        (0..n).map(|i| i * (len - side) / (n - 1)).collect()
+    };
+    let places: Vec<(usize, usize)> = starts(p.rows, high)
+        .into_iter()
+        .flat_map(|r| starts(p.cols, wide).into_iter().map(move |c| (r, c)))
+        .collect();
+    let one = |&(row, col): &(usize, usize)| {
+        let a = fixed.window((placed.row + row, high), (placed.col + col, wide), (high, wide));
+        let b = p.window((row, high), (col, wide), (high, wide));
+        let energy = |v: &[f32]| v.iter().map(|x| f64::from(*x).powi(2)).sum::<f64>();
+        if energy(&a) <= 0.0 || energy(&b) <= 0.0 {
+            return None;
+        }
+        let (shift, agrees) = CrossPower::of(&fft, &a, &b).peak(Shift { row: 0.0, col: 0.0 }, 2.0);
+        (agrees >= LEAST_AGREEMENT).then_some(PatchShift { row: row + high / 2, col: col + wide / 2, shift })
+    };
+    places.par_iter().filter_map(one).collect()
+}
+
+/// The median of the patches, along rows and columns.
+pub(super) fn middle(patches: &[PatchShift]) -> Option<Shift> {
+    let median = |of: fn(&PatchShift) -> f64| {
+        let mut values: Vec<f64> = patches.iter().map(of).collect();
+        values.sort_by(f64::total_cmp);
+        let (low, high) = (values.len().checked_sub(1)? / 2, values.len() / 2);
+        Some((values.get(low)? + values.get(high)?) / 2.0)
+    };
+    Some(Shift { row: median(|p| p.shift.row)?, col: median(|p| p.shift.col)? })
+}
+
+/// The median in each quadrant of the placed plane.
+pub(super) fn quadrants(placed: &Placed, patches: &[PatchShift]) -> [Option<[f64; 2]>; 4] {
+    let p = &placed.plane;
+    [(false, false), (false, true), (true, false), (true, true)].map(|(low, right)| {
+        let of = |s: &&PatchShift| (2 * s.row >= p.rows) == low && (2 * s.col >= p.cols) == right;
+        let own: Vec<PatchShift> = patches.iter().filter(of).copied().collect();
+        middle(&own).map(|s| [s.row, s.col])
+    })
+}
+
+/// Pearson's correlation of the placed plane and what lies under it, after smoothing over 4 × 4 pixels.
+pub(super) fn pearson(fixed: &Plane, placed: &Placed) -> f64 {
+    let p = &placed.plane;
+    let rows = placed.row..placed.row + p.rows;
+    let under = rows.flat_map(|r| fixed.row(r).iter().skip(placed.col).take(p.cols).copied()).collect();
+    let (a, b) = (Plane::new(p.rows, p.cols, under).reduced(4.0), p.reduced(4.0));
+    let mean = |v: &[f32]| v.iter().map(|x| f64::from(*x)).sum::<f64>() / v.len() as f64;
+    let (ma, mb) = (mean(&a.values), mean(&b.values));
+    let (mut ab, mut aa, mut bb) = (0.0, 0.0, 0.0);
+    for (x, y) in a.values.iter().zip(&b.values) {
+        let (x, y) = (f64::from(*x) - ma, f64::from(*y) - mb);
+        (ab, aa, bb) = (ab + x * y, aa + x * x, bb + y * y);
+    }
+    let correlation = ab / (aa * bb).sqrt();
+    // Without structure there is none.
+    if correlation.is_finite() { correlation } else { 0.0 }
+}
