@@ -17,7 +17,9 @@ photo = camera.photograph(scene)
 photo.picture.write("phone.png")
 print(photo, photo.raw)
 
-# A spectral OpenEXR file keeps it with its units; ENVI and others are read by their own packages, as arrays.
-scene.write("scene.exr")
-again = smalti.Scene("scene.exr")
-print("as written:", np.allclose(again.radiance, scene.radiance, rtol=1e-5))
+# Files that other programs know: OpenEXR, MATLAB for ISETCam, ENVI. Parts of one can be read alone.
+for name in ["scene.exr", "scene.mat", "scene.hdr"]:
+    scene.write(name)
+    again = smalti.Scene(name)
+    print(f"{name} as written:", np.allclose(again.radiance, scene.radiance, rtol=1e-5))
+print(smalti.Scene("scene.hdr", crop=(0, 40, 60, 80)))

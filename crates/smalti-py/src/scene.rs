@@ -8,8 +8,10 @@ use smalti::color::{ColorSpace, Image};
 use smalti::optics::OpticalImage;
 use smalti::scene::{Scene, Setting, catalog};
 use smalti::spectrum::{Observer, SpectralCube, WavelengthGrid, reflectance};
-use smalti_io::exr::{self, Layout};
-use smalti_io::scene_file::{self, Quantity, ReadOptions, SceneDefaults, SpectralFile};
+use smalti_io::scene_file::{
+    self, Crop, Format, Quantity, ReadOptions, SceneDefaults, SpectralFile, Whole, WriteOptions,
+};
+use smalti_io::{exr, matlab, spectral_tiff};
 
 use crate::arrays;
 use crate::error::{OrRaise, short, wrong};
@@ -21,12 +23,17 @@ use crate::work::watched;
 ///
 /// Args:
 ///     source: a built-in scene, with its parameters if any ("macbeth", "zone-plate?size=400", …; see `smalti.scenes()`), or a file:
-///         spectral EXR, or a picture (PNG, TIFF, JPEG, EXR), which is lifted to spectra.
+///         spectral EXR, MATLAB, HDF5, ENVI, NumPy, spectral TIFF, a folder of bands, or a picture (PNG, TIFF, JPEG, EXR), which is
+///         lifted to spectra.
 ///     luminance_cd_m2: mean luminance, cd/m²; default 100 for what is built in, else what the file states.
 ///     illuminant: the light: a name, a CSV file or a `Spectrum` of relative power; default D65, or what the file states.
 ///     distance_m: from the lens, m; default 1.2, or what the file states.
 ///     fov_deg: full horizontal field of view, degrees; default 10, or what the file states.
-///     wavelengths_nm: nm, even steps; default 400, 410, … 700, or those of the file.
+///     wavelengths_nm: nm, even steps; default 400, 410, … 700, or those of the file; needed for a file that states none.
+///     quantity: what the values of a file are that does not state it: "photons", "energy", "relative-energy" or "reflectance".
+///     variable: which variable, array or dataset of a file is the cube.
+///     crop: the part of a file that is read: (row, column, rows, columns).
+///     clamp_negative: take negative samples of a file as zero; otherwise they are an error.
 ///
 /// Raises:
 ///     OSError: when a file cannot be read.
@@ -46,7 +53,9 @@ pub(crate) struct PyScene {
 #[pymethods]
 impl PyScene {
     #[new]
-    #[pyo3(signature = (source, *, luminance_cd_m2=None, illuminant=None, distance_m=None, fov_deg=None, wavelengths_nm=None))]
+    #[pyo3(signature = (source, *, luminance_cd_m2=None, illuminant=None, distance_m=None, fov_deg=None, wavelengths_nm=None,
+        quantity=None, variable=None, crop=None, clamp_negative=false))]
+    #[expect(clippy::too_many_arguments, reason = "keywords in Python")]
     fn new(
         py: Python<'_>,
         source: PathBuf,
@@ -55,6 +64,10 @@ impl PyScene {
         distance_m: Option<f64>,
         fov_deg: Option<f64>,
         wavelengths_nm: Option<&Bound<'_, PyAny>>,
+        quantity: Option<&str>,
+        variable: Option<String>,
+        crop: Option<(usize, usize, usize, usize)>,
+        clamp_negative: bool,
     ) -> PyResult<Self> {
         let name = source.to_string_lossy().into_owned();
         let grid = grid_of(wavelengths_nm)?;
@@ -69,14 +82,25 @@ impl PyScene {
         };
         let fov_stated = fov_deg.is_some() || name.contains("fov=");
         let is_file = scene_file::is_meant(&name);
+        if !is_file && (quantity.is_some() || variable.is_some() || crop.is_some() || clamp_negative) {
+            let of_files = "quantity, variable, crop and clamp_negative are of files";
+            return Err(wrong(format!("{name}: {of_files}; it is a built-in scene")));
+        }
+        let options = ReadOptions {
+            clamp_negative,
+            grid,
+            quantity: quantity.map(quantity_of).transpose()?,
+            variable,
+            crop: crop.map(|(row, col, rows, cols)| Crop { row, col, rows, cols }),
+            ..ReadOptions::default()
+        };
         let scene = watched(py, None, |_| {
             if !is_file {
                 let natural: Vec<_> =
                     reflectance::natural(setting.grid).or_raise()?.into_iter().map(|(_, s)| s).collect();
                 return catalog::build(&name, &setting, &natural).or_raise();
             }
-            let mut scene =
-                scene_file::read(Path::new(&name), &setting, &ReadOptions::default()).or_raise()?;
+            let mut scene = scene_file::read(Path::new(&name), &setting, &options).or_raise()?;
             // What was stated holds, whatever the file says.
             if let Some(grid) = grid.filter(|g| *g != scene.radiance().grid()) {
                 scene = scene.resampled(grid).or_raise_about(&name)?;
@@ -251,24 +275,32 @@ impl PyScene {
         Ok(Self { scene: self.scene.clone().cropped(row, col, rows, cols).or_raise()?, ..self.clone() })
     }
 
-    /// Writes a spectral OpenEXR file.
+    /// Writes a spectral file, in the format that the end of its name tells: .exr, .mat (for ISETCam), .h5, .hdr (ENVI), .npz, .npy
+    /// (photons alone) or .tif.
     ///
     /// Args:
-    ///     path: a name that ends in .exr.
-    ///     layout: "fichet2021" (channels `S0.400,0nm` with units) or "pbrt" (`Radiance.C01`).
-    #[pyo3(signature = (path, layout="fichet2021"))]
-    fn write(&self, py: Python<'_>, path: PathBuf, layout: &str) -> PyResult<()> {
-        let layout = match layout {
-            "fichet2021" => Layout::Fichet2021,
-            "pbrt" => Layout::Pbrt,
-            other => return Err(wrong(format!("layout is '{other}'; expected fichet2021 or pbrt"))),
-        };
-        if !path.extension().is_some_and(|e| e.eq_ignore_ascii_case("exr")) {
-            return Err(wrong(format!("{}: expected a name that ends in .exr", path.display())));
+    ///     path: the file.
+    ///     layout: of an .exr "fichet2021" (channels `S0.400,0nm` with units) or "pbrt" (`Radiance.C01`); of a .mat "v5" or "v7.3"; of a
+    ///         .tif "pages" or "samples". Default the first.
+    #[pyo3(signature = (path, layout=None))]
+    fn write(&self, py: Python<'_>, path: PathBuf, layout: Option<&str>) -> PyResult<()> {
+        let mut options = WriteOptions::default();
+        match (Format::of(&path), layout) {
+            (_, None) => {}
+            (Some(Format::Exr), Some("fichet2021")) => options.exr = Some(exr::Layout::Fichet2021),
+            (Some(Format::Exr), Some("pbrt")) => options.exr = Some(exr::Layout::Pbrt),
+            (Some(Format::Mat), Some("v5")) => options.matlab = Some(matlab::Version::V5),
+            (Some(Format::Mat), Some("v7.3")) => options.matlab = Some(matlab::Version::V73),
+            (Some(Format::Tiff), Some("pages")) => options.tiff.layout = spectral_tiff::Layout::Pages,
+            (Some(Format::Tiff), Some("samples")) => options.tiff.layout = spectral_tiff::Layout::Samples,
+            (_, Some(other)) => {
+                let expected = "fichet2021 or pbrt of an .exr, v5 or v7.3 of a .mat, pages or samples of a .tif";
+                return Err(wrong(format!("{}: layout is '{other}'; expected {expected}", path.display())));
+            }
         }
         watched(py, None, |_| {
-            let file = SpectralFile::of_scene(&self.scene).into_energy().or_raise()?;
-            exr::write(&path, &file, layout).or_raise()
+            let file = SpectralFile::of_scene(&self.scene);
+            scene_file::write(&path, &Whole::new(&file), &options).or_raise().map(drop)
         })
     }
 
@@ -450,4 +482,18 @@ impl PyOpticalImage {
             cube.grid(),
         )
     }
+}
+
+/// What values are, by its name here.
+fn quantity_of(name: &str) -> PyResult<Quantity> {
+    Ok(match name {
+        "photons" => Quantity::Photons,
+        "energy" => Quantity::Energy,
+        "relative-energy" => Quantity::RelativeEnergy,
+        "reflectance" => Quantity::Reflectance,
+        other => {
+            let expected = "photons, energy, relative-energy or reflectance";
+            return Err(wrong(format!("quantity is '{other}'; expected {expected}")));
+        }
+    })
 }
