@@ -76,7 +76,7 @@ pub(in crate::dng) fn decode(
                 }
                 return entropy_coded(bytes, at, &frame, &scan, headers.restart_interval);
             }
-            0xc0 | 0xc1 | 0xc2 => return Err("it is lossy JPEG; expected lossless (SOF3)".into()),
+            0xc0..=0xc2 => return Err("it is lossy JPEG; expected lossless (SOF3)".into()),
             0xc5..=0xc7 | 0xc9..=0xcf => {
                 return Err(format!("its coding process (SOF{}) is not read; expected SOF3", marker - 0xc0));
             }
@@ -152,7 +152,7 @@ fn entropy_coded(
     scan: &Scan,
     restart_interval: usize,
 ) -> Result<Vec<u16>, String> {
-    if restart_interval % frame.cols != 0 {
+    if !restart_interval.is_multiple_of(frame.cols) {
         return Err(format!("its restart interval {restart_interval} is not of whole rows"));
     }
     let restart_rows = restart_interval / frame.cols;
@@ -163,7 +163,7 @@ fn entropy_coded(
     let mut above: &mut [u16] = &mut [];
     for (r, row) in samples.chunks_exact_mut(frame.cols * n).enumerate() {
         let mut first = r == 0;
-        if restart_rows > 0 && r > 0 && r % restart_rows == 0 {
+        if restart_rows > 0 && r > 0 && r.is_multiple_of(restart_rows) {
             let at = bits.marker_at();
             let number = (r / restart_rows - 1) % 8;
             match array(bytes, at) {

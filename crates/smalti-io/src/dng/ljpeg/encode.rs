@@ -25,7 +25,7 @@ pub(in crate::dng) fn encode(
     let differences = |r: usize| {
         let row = samples.get(r * row_len..).unwrap_or_default();
         let above = samples.get((r.max(1) - 1) * row_len..).unwrap_or_default();
-        let first = r == 0 || restart_rows > 0 && r % restart_rows == 0;
+        let first = r == 0 || restart_rows > 0 && r.is_multiple_of(restart_rows);
         (0..row_len).map(move |i| {
             let of = |line: &[u16], i: usize| i32::from(line.get(i).copied().unwrap_or(0));
             let predicted = match (first, i < components) {
@@ -69,7 +69,7 @@ pub(in crate::dng) fn encode(
     segment(0xda, &[&[n][..], &per_component(|c| vec![c, 0]), &[predictor, 0, 0]].concat());
     let mut bits = BitWriter::after(out);
     for r in 0..rows {
-        if restart_rows > 0 && r > 0 && r % restart_rows == 0 {
+        if restart_rows > 0 && r > 0 && r.is_multiple_of(restart_rows) {
             bits.flush();
             bits.bytes.extend([0xff, 0xd0 + ((r / restart_rows - 1) % 8) as u8]);
         }

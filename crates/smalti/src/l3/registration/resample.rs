@@ -40,8 +40,8 @@ impl Axis {
     pub(super) fn covered(&self, raw_len: usize, step: usize) -> (usize, usize) {
         let inside = |i: usize| {
             let (at, reach) = (self.place(i), self.reach());
-            // A kernel at a whole pixel has but one weight.
-            let reach = if at.fract() == 0.0 && self.scale >= 1.0 { 0.0 } else { reach };
+            // A kernel at a whole pixel has but one weight; only pixels of the same size lie all there.
+            let reach = if at.fract() == 0.0 && self.scale == 1.0 { 0.0 } else { reach };
             at - reach >= -1e-9 && at + reach <= self.len as f64 - 1.0 + 1e-9
         };
         let Some(first) = (0..raw_len).find(|&i| i.is_multiple_of(step) && inside(i)) else { return (0, 0) };
@@ -99,7 +99,7 @@ mod tests {
     #[test]
     fn a_smooth_wave_is_moved_by_fractions_and_scaled() {
         let n = 64;
-        for (shift, scale) in [(0.0, 1.0), (0.37, 1.0), (-5.21, 1.0), (2.5, 2.0), (3.0, 0.5)] {
+        for (shift, scale) in [(0.0, 1.0), (0.37, 1.0), (-5.21, 1.0), (2.5, 2.0), (10.5, 1.5), (3.0, 0.5)] {
             let axis = Axis::new(shift, scale, n);
             // A wave of 16 pixels of the raw image.
             let wave = |x: f64| libm::sin(x / 16.0 * std::f64::consts::TAU);
