@@ -123,8 +123,16 @@ fn copy<const N: usize, S: Sample>(
         }
         return;
     }
+    let across = strides[b] == 1 && to[a] == 1;
     for tile_b in (0..extents[b]).step_by(TILE) {
         for tile_a in (0..extents[a]).step_by(TILE) {
+            let whole = tile_a + TILE <= extents[a] && tile_b + TILE <= extents[b];
+            if across && whole {
+                let from = from.get(start + tile_a * strides[a] + tile_b..).unwrap_or_default();
+                let into = into.get_mut(tile_a + tile_b * to[b]..).unwrap_or_default();
+                transpose(from, strides[a], into, to[b], &convert);
+                continue;
+            }
             for j in tile_b..(tile_b + TILE).min(extents[b]) {
                 let count = TILE.min(extents[a] - tile_a);
                 let from = from.get(start + tile_a * strides[a] + j * strides[b]..).unwrap_or_default();
@@ -134,6 +142,30 @@ fn copy<const N: usize, S: Sample>(
                     *value = convert(*number);
                 }
             }
+        }
+    }
+}
+
+/// Turns one whole tile, held in registers and the fastest cache in between.
+fn transpose<const N: usize, S: Sample>(
+    from: &[[u8; N]],
+    stride: usize,
+    into: &mut [S],
+    to: usize,
+    convert: impl Fn([u8; N]) -> S,
+) {
+    let mut tile = [[S::default(); TILE]; TILE];
+    for (i, line) in from.chunks(stride.max(1)).take(TILE).enumerate() {
+        let Some(line) = line.first_chunk::<TILE>() else { continue };
+        for (row, number) in tile.iter_mut().zip(line) {
+            if let Some(value) = row.get_mut(i) {
+                *value = convert(*number);
+            }
+        }
+    }
+    for (line, row) in into.chunks_mut(to.max(1)).zip(&tile) {
+        if let Some(line) = line.first_chunk_mut::<TILE>() {
+            *line = *row;
         }
     }
 }
