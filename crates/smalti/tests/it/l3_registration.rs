@@ -55,7 +55,7 @@ impl Scene {
             let of = |c: usize| f64::from(picture.plane(c)[i]);
             let signal = match mosaic.channel_at(i / side, i % side) {
                 3 => (of(0) + of(1) + of(2)) / 3.0,
-                c => of(usize::from(c)),
+                c => of(c),
             };
             // The sum of twelve is normal enough.
             let normal = (0..12).map(|_| s.uniform()).sum::<f64>() - 6.0;
