@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
+use pyo3::exceptions::PyKeyboardInterrupt;
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 use smalti::camera::CameraError;
@@ -88,11 +89,13 @@ impl PyPartMaker {
     fn bytes(&self, py: Python<'_>, part: u64) -> PyResult<Vec<u8>> {
         watched(py, None, |watch| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().or_raise()?;
-            let go_on = || watch.check().is_ok();
-            match pool.install(|| sweeps::encode_part(&self.sweep, &self.manifest, part, &go_on)) {
-                Err(SweepError::Stopped) => Err(pyo3::exceptions::PyKeyboardInterrupt::new_err(())),
-                made => made.or_raise(),
-            }
+            pool.install(|| {
+                let go_on = || watch.check().is_ok();
+                match sweeps::encode_part(&self.sweep, &self.manifest, part, &go_on) {
+                    Err(SweepError::Stopped) => Err(PyKeyboardInterrupt::new_err(())),
+                    made => made.or_raise(),
+                }
+            })
         })
     }
 }
