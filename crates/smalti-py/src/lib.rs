@@ -7,6 +7,7 @@
 mod arrays;
 mod camera;
 mod cfa;
+mod cluster;
 mod color;
 mod error;
 mod evaluate;
@@ -28,6 +29,8 @@ mod _smalti {
     use crate::camera::{PyCamera, PyPhotograph, camera_names};
     #[pymodule_export]
     use crate::cfa::{PyCfa, cfas, filters};
+    #[pymodule_export]
+    use crate::cluster::{PyPartMaker, PySharedFolder, PySharedPlace};
     #[pymodule_export]
     use crate::color::{delta_e, lab, scielab_map, xyz};
     #[pymodule_export]

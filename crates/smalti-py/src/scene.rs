@@ -294,7 +294,8 @@ impl PyScene {
             (Some(Format::Tiff), Some("pages")) => options.tiff.layout = spectral_tiff::Layout::Pages,
             (Some(Format::Tiff), Some("samples")) => options.tiff.layout = spectral_tiff::Layout::Samples,
             (_, Some(other)) => {
-                let expected = "fichet2021 or pbrt of an .exr, v5 or v7.3 of a .mat, pages or samples of a .tif";
+                let expected =
+                    "fichet2021 or pbrt of an .exr, v5 or v7.3 of a .mat, pages or samples of a .tif";
                 return Err(wrong(format!("{}: layout is '{other}'; expected {expected}", path.display())));
             }
         }

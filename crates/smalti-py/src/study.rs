@@ -30,8 +30,8 @@ use crate::work::watched;
 #[pyclass(name = "Study", module = "smalti", frozen)]
 #[derive(Debug)]
 pub(crate) struct PyStudy {
-    designs: Designs,
-    about: String,
+    pub(crate) designs: Designs,
+    pub(crate) about: String,
 }
 
 #[pymethods]

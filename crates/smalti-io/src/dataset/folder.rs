@@ -25,7 +25,7 @@ fn name(chunk: u64) -> String {
 }
 
 /// The chunk of a part's name.
-fn chunk_of(file: &str) -> Option<u64> {
+pub(super) fn chunk_of(file: &str) -> Option<u64> {
     let chunk = file.strip_prefix("part-")?.strip_suffix(".parquet")?.parse().ok()?;
     // One name for each chunk: neither `part-1.parquet` nor `part-+00001.parquet`.
     (name(chunk) == file).then_some(chunk)
@@ -48,9 +48,16 @@ pub(super) fn check_ours(dir: &Path) -> Result<(), DatasetError> {
         Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(()),
         Err(error) => return Err(reading(dir)(error).into()),
     };
+    let name = |entry: fs::DirEntry| entry.file_name().to_string_lossy().into_owned();
+    let names: Vec<String> =
+        listing.map(|entry| entry.map(name)).collect::<Result<_, _>>().map_err(reading(dir))?;
+    check_names(dir, names.into_iter())
+}
+
+/// The same for the names of what lies in a place.
+pub(super) fn check_names(dir: &Path, names: impl Iterator<Item = String>) -> Result<(), DatasetError> {
     let mut foreign = None;
-    for entry in listing {
-        let name = entry.map_err(reading(dir))?.file_name().to_string_lossy().into_owned();
+    for name in names {
         if name == manifest::FILE {
             return Ok(());
         }

@@ -172,8 +172,11 @@ impl Manifest {
         Ok(manifest)
     }
 
-    pub(super) fn write(&self, dir: &Path) -> Result<(), IoError> {
-        let path = dir.join(FILE);
+    /// The text of the file.
+    ///
+    /// # Errors
+    /// None that is known: what it holds can be stated as JSON.
+    pub fn to_json(&self) -> Result<String, serde_json::Error> {
         let raw = Raw {
             format: FORMAT.into(),
             revision: REVISION,
@@ -185,13 +188,26 @@ impl Manifest {
             study: self.plan.study.clone(),
             runs: self.runs.clone(),
         };
-        let text = serde_json::to_string_pretty(&raw)
-            .map_err(|e| IoError::Write { path: path.clone(), source: e.into() })?;
-        write::durable(&path, format!("{text}\n").as_bytes())
+        Ok(serde_json::to_string_pretty(&raw)? + "\n")
+    }
+
+    pub(super) fn write(&self, dir: &Path) -> Result<(), IoError> {
+        let path = dir.join(FILE);
+        let text = self.to_json().map_err(|e| IoError::Write { path: path.clone(), source: e.into() })?;
+        write::durable(&path, text.as_bytes())
+    }
+
+    /// Refuses to go on, in a place that has this manifest, with another plan.
+    pub(super) fn check_same(&self, now: &Self, dir: &Path) -> Result<(), DatasetError> {
+        if self.hash == now.hash {
+            return Ok(());
+        }
+        Err(DatasetError::OtherStudy { dir: dir.to_owned(), differences: self.differences(now) })
     }
 
     /// Where the plan differs from another; keys of the study first, by their names alone.
-    pub(super) fn differences(&self, now: &Self) -> Differences {
+    #[must_use]
+    pub fn differences(&self, now: &Self) -> Differences {
         let all = |m: &Self| {
             let mut all = json!({});
             // A study is a table; whatever else it may be has one name.

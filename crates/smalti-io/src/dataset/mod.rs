@@ -15,6 +15,7 @@
 //! after a loss of power; a run that is killed loses only the chunks it was at.
 
 mod difference;
+mod elsewhere;
 mod error;
 mod folder;
 mod lock;
@@ -27,10 +28,11 @@ mod schema;
 mod shard;
 
 pub use difference::{Difference, Differences};
+pub use elsewhere::{Elsewhere, part_name, write_part};
 pub use error::{DatasetError, PartProblem};
 pub use manifest::{Manifest, Plan, RunRecord};
 pub use merge::merge;
-pub use part::part_from_bytes;
+pub use part::{encode, part_from_bytes};
 pub use read::{Dataset, Part, Rows};
 pub use run::Run;
 pub use schema::{Column, ColumnKind, ColumnSpec};

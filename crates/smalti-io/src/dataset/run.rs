@@ -86,7 +86,18 @@ impl Run {
 
     /// Writes the bytes of a part.
     pub(super) fn put(&self, chunk: u64, bytes: &[u8]) -> Result<(), DatasetError> {
-        write::durable(&folder::part(&self.dir, chunk), bytes).map_err(writing)?;
+        super::write_part(&self.dir, chunk, bytes)?;
+        self.written.fetch_add(1, Ordering::Relaxed);
+        Ok(())
+    }
+
+    /// Counts a part that another process has put there by [`write_part`](super::write_part). It is not looked at: a file system that
+    /// machines share may show it late.
+    ///
+    /// # Errors
+    /// When the chunk is not one of this run.
+    pub fn adopt(&self, chunk: u64) -> Result<(), DatasetError> {
+        self.check_own(chunk)?;
         self.written.fetch_add(1, Ordering::Relaxed);
         Ok(())
     }
@@ -142,9 +153,6 @@ fn settle_manifest(dir: &Path, manifest: &Manifest) -> Result<(), DatasetError> 
     folder::sweep_manifest(dir)?;
     match Manifest::read(dir)? {
         None => Ok(manifest.write(dir).map_err(writing)?),
-        Some(was) if was.hash() == manifest.hash() => Ok(()),
-        Some(was) => {
-            Err(DatasetError::OtherStudy { dir: dir.to_owned(), differences: was.differences(manifest) })
-        }
+        Some(was) => was.check_same(manifest, dir),
     }
 }

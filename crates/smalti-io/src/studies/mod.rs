@@ -67,7 +67,16 @@ pub fn load(name: &str) -> Result<(Designs, String), Box<Diagnostic>> {
 fn resolved(name: &str) -> Result<(Designs, String), Box<Diagnostic>> {
     let wrong = |message: String| Box::new(Diagnostic::new(name, message));
     let text = text::read_to_string(Path::new(name)).map_err(|e| wrong(e.to_string()))?;
-    let value: Value = serde_json::from_str(&text).map_err(|e| wrong(e.to_string()))?;
+    from_json(name, &text)
+}
+
+/// A study that was resolved before, or the manifest of its results, from its text; `name` is only told in errors.
+///
+/// # Errors
+/// When it is none, names the file of a scene, or has no design.
+pub fn from_json(name: &str, text: &str) -> Result<(Designs, String), Box<Diagnostic>> {
+    let wrong = |message: String| Box::new(Diagnostic::new(name, message));
+    let value: Value = serde_json::from_str(text).map_err(|e| wrong(e.to_string()))?;
     let study = value.get("study").unwrap_or(&value);
     let about = study.get("about").and_then(Value::as_str).unwrap_or_default().to_owned();
     let study = Study::deserialize(study).map_err(|e| wrong(format!("it is no resolved study: {e}")))?;

@@ -14,7 +14,7 @@ use std::time::{Duration, Instant};
 use smalti::design::{DesignError, Designs, Metric, Processing, SCORES_REVISION, Scored, Sight, Sweep};
 use thiserror::Error;
 
-use crate::dataset::{Column, Dataset, DatasetError, MAX_CHUNK, MAX_PARTS, Plan, Run};
+use crate::dataset::{self, Column, Dataset, DatasetError, MAX_CHUNK, MAX_PARTS, Manifest, Plan, Run};
 
 /// Parts that a large study is cut into, about.
 const PARTS: u64 = 256;
@@ -56,8 +56,20 @@ pub fn plan(
     part_size: Option<u64>,
     dir: &Path,
 ) -> Result<Plan, SweepError> {
+    plan_after(designs, about, part_size, || Some(Dataset::open(dir).ok()?.manifest().plan.clone()))
+}
+
+/// As [`plan`], where what is begun is known otherwise.
+///
+/// # Errors
+/// [`SweepError::Study`].
+pub fn plan_after(
+    designs: &Designs,
+    about: String,
+    part_size: Option<u64>,
+    there: impl FnOnce() -> Option<Plan>,
+) -> Result<Plan, SweepError> {
     let study = designs.study();
-    let there = || Some(Dataset::open(dir).ok()?.manifest().plan.clone());
     let begun = || there().filter(|p| p.designs == designs.len()).map(|p| p.chunk);
     let pictures = |m: &Metric| matches!(m.sight(), Sight::ZonePlate | Sight::Scenes);
     let learned = |p: &Processing| *p != Processing::Classic;
@@ -111,6 +123,26 @@ pub fn score_and_write(
         written?;
         scored
     })
+}
+
+/// The bytes of one part, the same whoever computes them: for machines that share the parts of a study. `manifest` is that of the
+/// designs of `sweep`. Asks `go_on` a few times a second.
+///
+/// # Errors
+/// When a condition cannot be prepared, there is no such part, or `go_on` says no.
+pub fn encode_part(
+    sweep: &Sweep<'_>,
+    manifest: &Manifest,
+    chunk: u64,
+    go_on: &dyn Fn() -> bool,
+) -> Result<Vec<u8>, SweepError> {
+    let chunks = manifest.plan.chunks();
+    if chunk >= chunks {
+        return Err(DatasetError::NotOwn { chunk, chunks, shard: None }.into());
+    }
+    let mut pace = FIRST * rayon::current_num_threads() as u64;
+    let rows = score(sweep, manifest.plan.designs_of(chunk), &mut pace, &|| {}, go_on)?;
+    Ok(dataset::encode(manifest, chunk, &columns(sweep.designs(), &rows))?)
 }
 
 /// Scores a range some designs at a time: the rows are the same however many.

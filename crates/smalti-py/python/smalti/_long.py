@@ -6,7 +6,7 @@ import os
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from functools import partial
-from typing import Any, Literal
+from typing import Any, Literal, overload
 
 from tqdm.auto import tqdm
 
@@ -215,32 +215,76 @@ def compare(
     return records
 
 
+@overload
 def sweep(
     study: Study | Path,
     out: Path,
     *,
+    client: None = None,
     shard: tuple[int, int] | str | None = None,
     part_size: int | None = None,
     cache: bool = True,
     progress: Progress = True,
-) -> Results:
+) -> Results: ...
+
+
+@overload
+def sweep(
+    study: Study | Path,
+    out: Path | tuple[Any, str],
+    *,
+    client: Any,
+    shard: None = None,
+    part_size: int | None = None,
+    cache: bool = True,
+    progress: Progress = True,
+) -> Results | None: ...
+
+
+def sweep(
+    study: Study | Path,
+    out: Path | tuple[Any, str],
+    *,
+    client: Any = None,
+    shard: tuple[int, int] | str | None = None,
+    part_size: int | None = None,
+    cache: bool = True,
+    progress: Progress = True,
+) -> Results | None:
     """Scores the designs of a study into a folder of Parquet files: the bytes that `smalti sweep` writes.
 
     What is there already is kept, so that a sweep that was interrupted goes on. After Ctrl-C all finished parts are there.
 
     Args:
         study: a `Study`, the name of a built-in one, or a TOML file.
-        out: a new or empty folder, or one that an earlier run of the same study left.
+        out: a new or empty folder, or one that an earlier run of the same study left. With a client, a folder that all workers
+            see, a URL of fsspec ("s3://bucket/results"), or (file system, path).
+        client: a `dask.distributed.Client`: its workers compute the parts and write them, the same bytes. Workers that die are made up for.
         shard: (i, n) or "i/n": the i-th of n shares, i from 1; `merge` puts their folders together.
         part_size: designs of a file; default by their number.
         cache: keep optical images between runs, where the command keeps them.
         progress: see `Progress`.
 
+    Returns:
+        What is in the folder; None where a client has filled a place that is no folder.
+
     Raises:
         SmaltiError: when the folder holds something else, or the results of another study.
         OSError: when the folder cannot be written.
+        distributed.KilledWorker: when one part has ended several workers.
     """
     known = study if isinstance(study, Study) else Study(study)
+    if client is not None:
+        if shard is not None:
+            raise _smalti.SmaltiError("shard and client are given; expected one of them: workers share the whole study")
+        # Only who has a cluster needs Dask.
+        from . import _cluster
+
+        bar = partial(_told, progress, what=known.name, unit="design")
+        folder = _cluster.sweep(client, known, out, part_size, cache, bar)
+        return Results(folder) if folder is not None else None
+    if isinstance(out, tuple):
+        raise _smalti.SmaltiError("out is a file system and a path; expected a folder, or a client whose workers write there")
     share = _smalti.parse_shard(shard) if isinstance(shard, str) else shard
     missing = _smalti.designs_missing(known, out, share, part_size)
     with _told(progress, missing, known.name, "design") as told:

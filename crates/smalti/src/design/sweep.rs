@@ -1,5 +1,6 @@
 //! The designs of a study, scored.
 
+use std::borrow::Cow;
 use std::ops::Range;
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -51,7 +52,7 @@ impl Scored {
 
 /// A study at work. What a condition needs is prepared when its first design is scored, and kept until another comes.
 pub struct Sweep<'a> {
-    designs: &'a Designs,
+    designs: Cow<'a, Designs>,
     images: OpticalImages<'a>,
     ready: Mutex<Option<(usize, Arc<Ready>)>>,
 }
@@ -68,7 +69,19 @@ impl<'a> Sweep<'a> {
     /// A study; `images` may keep optical images, as for [`evaluate`](crate::camera::evaluate).
     #[must_use]
     pub fn new(designs: &'a Designs, images: OpticalImages<'a>) -> Self {
-        Self { designs, images, ready: Mutex::new(None) }
+        Self { designs: Cow::Borrowed(designs), images, ready: Mutex::new(None) }
+    }
+
+    /// The same with a study that it keeps, for one that outlives who began it.
+    #[must_use]
+    pub fn owning(designs: Designs, images: OpticalImages<'a>) -> Self {
+        Self { designs: Cow::Owned(designs), images, ready: Mutex::new(None) }
+    }
+
+    /// The designs that it scores.
+    #[must_use]
+    pub fn designs(&self) -> &Designs {
+        &self.designs
     }
 
     /// Scores the designs of a range, in their order. Calls `done` after each, from any thread.

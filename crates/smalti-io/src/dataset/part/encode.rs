@@ -20,12 +20,11 @@ const EMPTY: i16 = 0;
 const NULL: i16 = 1;
 const VALUE: i16 = 2;
 
-/// The bytes of a part: the same for the same manifest, chunk and values.
-pub(in super::super) fn encode(
-    manifest: &Manifest,
-    chunk: u64,
-    columns: &[Column],
-) -> Result<Vec<u8>, DatasetError> {
+/// The bytes of a part: the same for the same manifest, chunk and values, whoever computes them.
+///
+/// # Errors
+/// When the columns are not those of the plan, or not of as many rows as the chunk has designs.
+pub fn encode(manifest: &Manifest, chunk: u64, columns: &[Column]) -> Result<Vec<u8>, DatasetError> {
     schema::check_columns(&manifest.plan.schema, manifest.plan.rows(chunk), chunk, columns)?;
     let failed = |message: String| DatasetError::Encode { chunk, message };
     let mut bytes = file(manifest, chunk, columns).map_err(|e| failed(e.to_string()))?;

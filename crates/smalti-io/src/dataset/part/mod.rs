@@ -8,5 +8,5 @@ mod tests;
 
 pub use decode::part_from_bytes;
 pub(super) use decode::read;
-pub(super) use encode::encode;
+pub use encode::encode;
 pub(super) use marks::{quick_check, stated_hash};

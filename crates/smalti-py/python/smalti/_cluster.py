@@ -1,0 +1,222 @@
+"""A sweep on the workers of a Dask cluster: they compute parts and write them; nothing but the word that they did comes back."""
+
+from __future__ import annotations
+
+import json
+import os
+import secrets
+import threading
+import time
+from collections.abc import Callable, Iterator
+from itertools import islice
+from typing import Any, Protocol
+
+import distributed
+from fsspec.core import url_to_fs  # type: ignore[import-untyped]
+from fsspec.implementations.local import LocalFileSystem  # type: ignore[import-untyped]
+
+from ._smalti import PartMaker, SharedFolder, SharedPlace, SmaltiError, Study
+
+RETRIES = 3
+"""How often a part is tried again that could not be written. A worker that dies is another matter: Dask counts those itself."""
+AHEAD = 4
+"""Parts that are sent for each thread of the workers, so that none waits; more would only fill the scheduler."""
+
+Target = str | tuple[Any, str]
+"""A folder that every worker sees; or a file system of fsspec and a path in it."""
+Open = Callable[[int], Any]
+"""Begins to tell of progress, for so many designs."""
+
+
+class _Place(Protocol):
+    target: Target
+
+    def missing(self) -> list[int]: ...
+    def manifest(self) -> str: ...
+    def designs_of(self, part: int) -> int: ...
+    def adopt(self, part: int) -> None: ...
+    def finish(self, timings: str) -> None: ...
+    def close(self) -> None: ...
+
+
+class _Folder:
+    """A folder: locked, so that a second run is refused."""
+
+    def __init__(self, study: Study, out: str, part_size: int | None) -> None:
+        self.target: Target = os.path.abspath(out)
+        self._folder = SharedFolder(study, out, part_size)
+        self.missing = self._folder.missing
+        self.manifest = self._folder.manifest
+        self.designs_of = self._folder.designs_of
+        self.adopt = self._folder.adopt
+        self.finish = self._folder.finish
+        self.close = self._folder.close
+
+
+class _Elsewhere:
+    """Any other file system that fsspec knows."""
+
+    def __init__(self, study: Study, fs: Any, root: str, part_size: int | None) -> None:
+        self.target: Target = (fs, root)
+        self._fs, self._root, self._parts = fs, root, 0
+        fs.invalidate_cache()
+        names = self._names(root)
+        there = fs.cat_file(f"{root}/manifest.json") if "manifest.json" in names else None
+        where = str(fs.unstrip_protocol(root))
+        self._place = SharedPlace(study, where, part_size, names, there)
+        self.manifest = self._place.manifest
+        self.designs_of = self._place.designs_of
+        self._missing = self._place.missing(self._names(f"{root}/designs"))
+        if there is None:
+            fs.makedirs(f"{root}/designs", exist_ok=True)
+            _put(fs, f"{root}/manifest.json", self.manifest().encode())
+
+    def _names(self, folder: str) -> list[str]:
+        try:
+            found = self._fs.ls(folder, detail=False)
+        except FileNotFoundError:
+            return []
+        # Object stores may list a folder itself.
+        return [str(f).rstrip("/").rsplit("/", 1)[-1] for f in found if str(f).strip("/") != folder.strip("/")]
+
+    def missing(self) -> list[int]:
+        return self._missing
+
+    def adopt(self, part: int) -> None:
+        self._parts += 1
+
+    def finish(self, timings: str) -> None:
+        if self._parts > 0:
+            path = f"{self._root}/manifest.json"
+            _put(self._fs, path, self._place.with_run(self._fs.cat_file(path), self._parts, timings).encode())
+
+    def close(self) -> None:
+        pass
+
+
+def _put(fs: Any, path: str, data: bytes) -> None:
+    """Writes a file under a temporary name and moves it: it is there whole or not at all."""
+    folder, name = path.rsplit("/", 1)
+    temporary = f"{folder}/.{name}.{secrets.randbits(60)}-0.tmp"
+    try:
+        fs.pipe_file(temporary, data)
+        fs.mv(temporary, path)
+    except BaseException:
+        if fs.exists(temporary):
+            fs.rm_file(temporary)
+        raise
+
+
+def _place(study: Study, out: str | os.PathLike[str] | tuple[Any, str], part_size: int | None) -> _Place:
+    if isinstance(out, tuple):
+        fs, root = out
+    elif "://" in os.fspath(out):
+        fs, root = url_to_fs(os.fspath(out))
+    else:
+        return _Folder(study, os.fspath(out), part_size)
+    if isinstance(fs, LocalFileSystem):
+        return _Folder(study, str(root), part_size)
+    root = root.rstrip("/")
+    if any(mark in root for mark in "*?["):
+        raise SmaltiError(f"out is {root!r}; expected a path without *, ? and [, which file systems take for patterns")
+    return _Elsewhere(study, fs, root, part_size)
+
+
+_ready: dict[tuple[str, bool], PartMaker] = {}
+_preparing = threading.Lock()
+
+
+def _maker(manifest: str, cache: bool) -> PartMaker:
+    """The study, prepared once in each process: the last one is kept."""
+    with _preparing:
+        maker = _ready.get((manifest, cache))
+        if maker is None:
+            _ready.clear()
+            maker = _ready[manifest, cache] = PartMaker(manifest, cache)
+        return maker
+
+
+def _make(manifest: str, part: int, target: Target, cache: bool) -> tuple[int, int, float] | SmaltiError:
+    """Computes a part and writes it, in a worker: its number, bytes, seconds. An error that would come again is not raised, since
+    Dask would try again."""
+    start = time.monotonic()
+    try:
+        maker = _maker(manifest, cache)
+        if isinstance(target, str):
+            size = maker.write(part, target)
+        else:
+            fs, root = target
+            data = maker.encode(part)
+            size = len(data)
+            _put(fs, f"{root}/{maker.name(part)}", data)
+    except SmaltiError as error:
+        return error
+    return part, size, time.monotonic() - start
+
+
+def _threads(client: distributed.Client) -> int:
+    return sum(client.nthreads().values())
+
+
+def _compute(client: distributed.Client, place: _Place, cache: bool, done: Callable[[int], None]) -> None:
+    token = secrets.token_hex(8)
+    # The result of a task, not data sent to workers: should the worker die that holds it, Dask makes it anew.
+    manifest = client.submit(str, place.manifest(), key=f"smalti-study-{token}", pure=False)
+    waiting = iter(place.missing())
+
+    def send(number: int) -> Iterator[distributed.Future[Any]]:
+        for part in islice(waiting, max(number, 0)):
+            key = f"smalti-part-{token}-{part}"
+            yield client.submit(_make, manifest, part, place.target, cache, key=key, pure=False, retries=RETRIES)
+
+    sent = set(send(AHEAD * max(_threads(client), 1)))
+    pending: Any = distributed.as_completed(sent)
+    try:
+        for future in pending:
+            made = future.result()
+            if isinstance(made, SmaltiError):
+                raise made
+            sent.discard(future)
+            place.adopt(made[0])
+            done(made[0])
+            # A cluster may grow while it works.
+            more = list(send(AHEAD * max(_threads(client), 1) - len(sent)))
+            sent.update(more)
+            pending.update(more)
+    finally:
+        if sent:
+            client.cancel(list(sent))
+
+
+def sweep(
+    client: Any,
+    study: Study,
+    out: str | os.PathLike[str] | tuple[Any, str],
+    part_size: int | None,
+    cache: bool,
+    told: Open,
+) -> str | None:
+    """See `smalti.sweep`. Returns the folder, or None for another place."""
+    if not isinstance(client, distributed.Client):
+        raise SmaltiError(f"client is {type(client).__name__}; expected a dask.distributed.Client")
+    if client.asynchronous:
+        raise SmaltiError("the client is asynchronous; expected one that waits (asynchronous=False)")
+    place = _place(study, out, part_size)
+    try:
+        missing = place.missing()
+        total = sum(map(place.designs_of, missing))
+        start, count = time.monotonic(), 0
+        with told(total) as tell:
+
+            def done(part: int) -> None:
+                nonlocal count
+                count += place.designs_of(part)
+                if tell is not None:
+                    tell(count)
+
+            _compute(client, place, cache, done)
+        timings = {"seconds": time.monotonic() - start, "designs": total, "threads": _threads(client)}
+        place.finish(json.dumps(timings))
+    finally:
+        place.close()
+    return place.target if isinstance(place.target, str) else None

@@ -1,0 +1,207 @@
+//! What a sweep on a cluster needs of this side: who asks for parts, and who computes them. `python/smalti/_cluster.py` sends them about.
+
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
+
+use pyo3::exceptions::PyKeyboardInterrupt;
+use pyo3::prelude::*;
+use pyo3::types::PyBytes;
+use smalti::camera::CameraError;
+use smalti::design::Sweep;
+use smalti::optics::OpticalImage;
+use smalti_io::dataset::{self, Elsewhere, Manifest, Run, RunRecord};
+use smalti_io::studies;
+use smalti_io::sweeps::{self, SweepError};
+
+use crate::error::{OrRaise, wrong};
+use crate::evaluate::{cache, cached};
+use crate::study::PyStudy;
+use crate::work::{detached, watched};
+
+type Made = Result<OpticalImage, CameraError>;
+
+fn kept(key: &str, make: &dyn Fn() -> Made) -> Made {
+    cached(&cache(true), key, make)
+}
+
+fn fresh(_: &str, make: &dyn Fn() -> Made) -> Made {
+    make()
+}
+
+/// Refuses a study that its description alone does not make whole.
+fn check_sendable(study: &PyStudy) -> PyResult<()> {
+    match study.designs.study().scenes.iter().find(|s| s.hash.is_some()) {
+        None => Ok(()),
+        Some(scene) => Err(wrong(format!(
+            "the scene {} is a file, which is not sent to workers; expected built-in scenes (with files: a sweep for each shard, and merge)",
+            scene.name
+        ))),
+    }
+}
+
+/// A study as a worker has it, ready to compute any part of its results.
+#[pyclass(name = "PartMaker", module = "smalti._smalti", frozen)]
+pub(crate) struct PyPartMaker {
+    sweep: Sweep<'static>,
+    manifest: Manifest,
+}
+
+#[pymethods]
+impl PyPartMaker {
+    #[new]
+    fn py_new(py: Python<'_>, manifest: &str, cache: bool) -> PyResult<Self> {
+        detached(py, || {
+            let sent = Manifest::from_bytes(manifest.as_bytes(), Path::new("manifest.json")).or_raise()?;
+            let (designs, about) =
+                studies::from_json("the study that was sent", manifest).map_err(|e| wrong(e.to_string()))?;
+            let plan = sweeps::plan_after(&designs, about, Some(sent.plan.chunk), || None).or_raise()?;
+            let own = Manifest::new(&plan).or_raise()?;
+            if own.hash() != sent.hash() {
+                let differences = sent.differences(&own);
+                return Err(wrong(format!(
+                    "a worker has another version of Smalti than the client; what it would compute:\n{differences}"
+                )));
+            }
+            let sweep = Sweep::owning(designs, if cache { &kept } else { &fresh });
+            Ok(Self { sweep, manifest: own })
+        })
+    }
+
+    /// Where a part lies in its place.
+    fn name(&self, part: u64) -> String {
+        dataset::part_name(part)
+    }
+
+    /// The bytes of a part, computed on one core: a worker has as many tasks at once as it has threads.
+    fn encode<'py>(&self, py: Python<'py>, part: u64) -> PyResult<Bound<'py, PyBytes>> {
+        Ok(PyBytes::new(py, &self.bytes(py, part)?))
+    }
+
+    /// Computes a part and puts it into a folder; returns how many bytes it has.
+    fn write(&self, py: Python<'_>, part: u64, dir: PathBuf) -> PyResult<usize> {
+        let bytes = self.bytes(py, part)?;
+        detached(py, || dataset::write_part(&dir, part, &bytes).or_raise())?;
+        Ok(bytes.len())
+    }
+}
+
+impl PyPartMaker {
+    fn bytes(&self, py: Python<'_>, part: u64) -> PyResult<Vec<u8>> {
+        watched(py, None, |watch| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().or_raise()?;
+            pool.install(|| {
+                let go_on = || watch.check().is_ok();
+                match sweeps::encode_part(&self.sweep, &self.manifest, part, &go_on) {
+                    Err(SweepError::Stopped) => Err(PyKeyboardInterrupt::new_err(())),
+                    made => made.or_raise(),
+                }
+            })
+        })
+    }
+}
+
+/// A folder that workers fill; nobody else does until `finish` or `close`.
+#[pyclass(name = "SharedFolder", module = "smalti._smalti", frozen)]
+pub(crate) struct PySharedFolder {
+    run: Mutex<Option<Run>>,
+    manifest: Manifest,
+    missing: Vec<u64>,
+}
+
+#[pymethods]
+impl PySharedFolder {
+    #[new]
+    fn py_new(py: Python<'_>, study: &PyStudy, out: PathBuf, part_size: Option<u64>) -> PyResult<Self> {
+        check_sendable(study)?;
+        if out.is_file() {
+            return Err(wrong(format!("{} is a file; expected a folder for the results", out.display())));
+        }
+        detached(py, || {
+            let plan = sweeps::plan(&study.designs, study.about.clone(), part_size, &out).or_raise()?;
+            let run = Run::open(&out, &plan, None).or_raise()?;
+            let missing = run.missing().to_vec();
+            Ok(Self { manifest: run.manifest().clone(), missing, run: Mutex::new(Some(run)) })
+        })
+    }
+
+    /// What workers are sent.
+    fn manifest(&self) -> PyResult<String> {
+        self.manifest.to_json().or_raise()
+    }
+
+    /// Parts that are to be computed.
+    fn missing(&self) -> Vec<u64> {
+        self.missing.clone()
+    }
+
+    /// Number of designs of a part.
+    fn designs_of(&self, part: u64) -> u64 {
+        count(&self.manifest, part)
+    }
+
+    /// Counts a part that a worker has put there.
+    fn adopt(&self, part: u64) -> PyResult<()> {
+        let run = self.run.lock().unwrap_or_else(PoisonError::into_inner);
+        run.as_ref().map_or(Ok(()), |r| r.adopt(part).or_raise())
+    }
+
+    /// Notes the run in the manifest, and lets go of the folder.
+    fn finish(&self, py: Python<'_>, timings: &str) -> PyResult<()> {
+        let timings = serde_json::from_str(timings).or_raise()?;
+        let run = self.run.lock().unwrap_or_else(PoisonError::into_inner).take();
+        detached(py, || run.map_or(Ok(()), |r| r.finish(timings).or_raise().map(drop)))
+    }
+
+    /// Lets go of the folder.
+    fn close(&self) {
+        drop(self.run.lock().unwrap_or_else(PoisonError::into_inner).take());
+    }
+}
+
+/// A place that workers fill, which Python alone can open.
+#[pyclass(name = "SharedPlace", module = "smalti._smalti", frozen)]
+pub(crate) struct PySharedPlace(Elsewhere);
+
+#[pymethods]
+impl PySharedPlace {
+    #[new]
+    fn py_new(
+        study: &PyStudy,
+        place: PathBuf,
+        part_size: Option<u64>,
+        names: Vec<String>,
+        manifest: Option<&[u8]>,
+    ) -> PyResult<Self> {
+        check_sendable(study)?;
+        // One that cannot be read is told of below.
+        let there = || Some(Manifest::from_bytes(manifest?, &place).ok()?.plan);
+        let plan = sweeps::plan_after(&study.designs, study.about.clone(), part_size, there).or_raise()?;
+        Ok(Self(Elsewhere::open(&place, &plan, &names, manifest).or_raise()?))
+    }
+
+    /// What workers are sent.
+    fn manifest(&self) -> PyResult<String> {
+        self.0.manifest().to_json().or_raise()
+    }
+
+    /// Parts that are to be computed, by the names of those that are there.
+    fn missing(&self, names: Vec<String>) -> PyResult<Vec<u64>> {
+        self.0.missing(&names).or_raise()
+    }
+
+    /// Number of designs of a part.
+    fn designs_of(&self, part: u64) -> u64 {
+        count(self.0.manifest(), part)
+    }
+
+    /// The manifest that is there, with one more run.
+    fn with_run(&self, manifest: &[u8], parts: u64, timings: &str) -> PyResult<String> {
+        let record = RunRecord { shard: None, parts, timings: serde_json::from_str(timings).or_raise()? };
+        self.0.with_run(manifest, record).or_raise()?.to_json().or_raise()
+    }
+}
+
+fn count(manifest: &Manifest, part: u64) -> u64 {
+    let designs = manifest.plan.designs_of(part);
+    designs.end - designs.start
+}

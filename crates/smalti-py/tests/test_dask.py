@@ -1,0 +1,203 @@
+"""A cluster writes what one machine writes, whatever becomes of its workers."""
+
+from __future__ import annotations
+
+import json
+import os
+import secrets
+import signal
+from collections.abc import Iterator
+from pathlib import Path
+
+import fsspec  # type: ignore[import-untyped]
+import pytest
+import smalti
+from distributed import Client, LocalCluster
+
+SIZE = 16
+STUDY = """
+name = "small"
+camera = "table1"
+colors = [3, 4]
+[sample]
+filters = 20
+mosaics = 6
+[filters.gaussian_grid]
+[mosaics.tile]
+rows = 2
+cols = 3
+[conditions.grid]
+luminance_cd_m2 = [20, 75]
+"""
+
+
+def files(folder: Path) -> dict[str, bytes]:
+    return {p.name: p.read_bytes() for p in (folder / "designs").iterdir()}
+
+
+def runs(folder: Path) -> list[dict[str, object]]:
+    found: list[dict[str, object]] = json.loads((folder / "manifest.json").read_text())["runs"]
+    return found
+
+
+@pytest.fixture(scope="module")
+def study() -> smalti.Study:
+    return smalti.Study.from_toml(STUDY)
+
+
+@pytest.fixture(scope="module")
+def expected(study: smalti.Study, tmp_path_factory: pytest.TempPathFactory) -> dict[str, bytes]:
+    folder = tmp_path_factory.mktemp("alone")
+    smalti.sweep(study, folder, part_size=SIZE, progress=False)
+    return files(folder)
+
+
+@pytest.fixture(scope="module")
+def client() -> Iterator[Client]:
+    """Of two processes with a thread each."""
+    with (
+        LocalCluster(n_workers=2, threads_per_worker=1, processes=True, dashboard_address=":0") as cluster,
+        Client(cluster) as client,
+    ):
+        yield client
+
+
+def test_processes_write_the_same_bytes(
+    client: Client, study: smalti.Study, expected: dict[str, bytes], tmp_path: Path
+) -> None:
+    told: list[int] = []
+    results = smalti.sweep(study, tmp_path, client=client, part_size=SIZE, progress=told.append)
+    assert results is not None and results.complete and len(results) == len(study) == 480
+    results.verify()
+    assert files(tmp_path) == expected and len(expected) == 30
+    assert told == sorted(told) and told[-1] == 480 and len(told) == 30
+    (run,) = runs(tmp_path)
+    timings = run["timings"]
+    assert run["parts"] == 30 and run["shard"] is None and isinstance(timings, dict)
+    assert timings["designs"] == 480 and timings["threads"] == 2 and timings["seconds"] > 0
+    # Nothing is left to do, by either way.
+    smalti.sweep(study, tmp_path, client=client, progress=False)
+    smalti.sweep(study, tmp_path, progress=False)
+    assert files(tmp_path) == expected and runs(tmp_path) == [run]
+
+
+def test_a_worker_that_is_killed_is_made_up_for(
+    client: Client, study: smalti.Study, expected: dict[str, bytes], tmp_path: Path
+) -> None:
+    before = client.run(os.getpid)
+    left: list[int] = []
+
+    def kill_one(done: int) -> None:
+        if not left:
+            left.append(len(study) - done)
+            os.kill(next(iter(before.values())), signal.SIGKILL)
+
+    results = smalti.sweep(study, tmp_path, client=client, part_size=SIZE, progress=kill_one)
+    assert left[0] > 0 and results is not None and results.complete
+    assert files(tmp_path) == expected
+    client.wait_for_workers(2, timeout=60)
+    assert set(client.run(os.getpid).values()) != set(before.values())
+
+
+def test_what_was_interrupted_goes_on(
+    client: Client, study: smalti.Study, expected: dict[str, bytes], tmp_path: Path
+) -> None:
+    def interrupt(done: int) -> None:
+        if done >= 3 * SIZE:
+            signal.raise_signal(signal.SIGINT)
+
+    with pytest.raises(KeyboardInterrupt):
+        smalti.sweep(study, tmp_path, client=client, part_size=SIZE, progress=interrupt)
+    there = files(tmp_path)
+    whole = {name: data for name, data in there.items() if not name.startswith(".")}
+    assert 3 <= len(whole) < 30 and whole.items() <= expected.items() and runs(tmp_path) == []
+    # The lock is free, the size of parts that of the folder.
+    results = smalti.sweep(study, tmp_path, client=client, progress=False)
+    assert results is not None and results.complete
+    (run,) = runs(tmp_path)
+    assert isinstance(run["parts"], int) and run["parts"] <= 30 - len(whole)
+    results.verify()
+    assert {n: d for n, d in files(tmp_path).items() if n[0] != "."} == expected
+
+
+def test_another_study_is_refused(client: Client, study: smalti.Study, tmp_path: Path) -> None:
+    other = smalti.Study.from_toml(STUDY.replace("[sample]", "seed = 9\n[sample]", 1))
+    smalti.sweep("aliasing", tmp_path / "one", progress=False)
+    before = files(tmp_path / "one")
+    with pytest.raises(smalti.SmaltiError, match="another study or version:(.|\n)*seed"):
+        smalti.sweep(other, tmp_path / "one", client=client, progress=False)
+    assert files(tmp_path / "one") == before
+
+
+def test_a_second_run_at_once_is_refused(client: Client, study: smalti.Study, tmp_path: Path) -> None:
+    said: list[str] = []
+
+    def begin_another(done: int) -> None:
+        with pytest.raises(smalti.SmaltiError, match="another run is at work") as refused:
+            smalti.sweep(study, tmp_path, client=client, part_size=SIZE * 8, progress=False)
+        said.append(str(refused.value))
+
+    smalti.sweep(study, tmp_path, client=client, part_size=SIZE * 10, progress=begin_another)
+    assert len(said) == 3 and str(tmp_path) in said[0]
+
+
+def test_any_file_system_holds_the_same_bytes(study: smalti.Study, expected: dict[str, bytes]) -> None:
+    url = f"memory://{secrets.token_hex(4)}/out"
+    fs, root = fsspec.core.url_to_fs(url)
+
+    def stored() -> dict[str, bytes]:
+        return {p.rsplit("/", 1)[-1]: fs.cat_file(p) for p in fs.ls(f"{root}/designs", detail=False)}
+
+    # Threads, since such a memory is that of a process.
+    with (
+        LocalCluster(n_workers=1, threads_per_worker=2, processes=False, dashboard_address=":0") as cluster,
+        Client(cluster) as client,
+    ):
+
+        def interrupt(done: int) -> None:
+            if done >= 3 * SIZE:
+                raise ZeroDivisionError
+
+        with pytest.raises(ZeroDivisionError):
+            smalti.sweep(study, url, client=client, part_size=SIZE, progress=interrupt)
+        assert 3 <= len(stored()) < 30
+        assert smalti.sweep(study, (fs, root), client=client, progress=False) is None
+        assert stored() == expected
+        manifest = json.loads(fs.cat_file(f"{root}/manifest.json"))
+        assert len(manifest["runs"]) == 1 and 0 < manifest["runs"][0]["parts"] <= 27
+        with pytest.raises(smalti.SmaltiError, match="another study"):
+            smalti.sweep("aliasing", url, client=client, progress=False)
+        fs.pipe_file(f"{root}/designs/mine.txt", b"")
+        with pytest.raises(smalti.SmaltiError, match="mine.txt is no part"):
+            smalti.sweep(study, url, client=client, progress=False)
+        fs.pipe_file(f"{root}/other/mine.txt", b"")
+        with pytest.raises(smalti.SmaltiError, match="holds mine.txt but no manifest.json"):
+            smalti.sweep(study, f"{url}/other", client=client, progress=False)
+
+
+def test_errors_of_workers_arrive(client: Client, tmp_path: Path) -> None:
+    study = smalti.Study.from_toml(STUDY.replace("[20, 75]", "[1e300]"))
+    with pytest.raises(smalti.SmaltiError) as alone:
+        smalti.sweep(study, tmp_path / "alone", progress=False)
+    with pytest.raises(smalti.SmaltiError) as there:
+        smalti.sweep(study, tmp_path / "cluster", client=client, progress=False)
+    assert str(there.value) == str(alone.value)
+    # It had been begun.
+    assert runs(tmp_path / "cluster") == [] and files(tmp_path / "cluster") == {}
+
+
+def test_what_cannot_be_sent_is_refused(client: Client, study: smalti.Study, tmp_path: Path) -> None:
+    smalti.Scene("macbeth").write(tmp_path / "chart.exr")
+    text = STUDY.replace('name = "small"', 'name = "small"\nscenes = ["chart.exr"]')
+    with pytest.raises(smalti.SmaltiError, match="chart.exr is a file"):
+        smalti.sweep(smalti.Study.from_toml(text, tmp_path), tmp_path / "out", client=client, progress=False)
+    with pytest.raises(smalti.SmaltiError, match="shard and client"):
+        smalti.sweep(study, tmp_path / "out", client=client, shard="1/2")  # type: ignore[call-overload]
+    with pytest.raises(smalti.SmaltiError, match=r"expected a dask\.distributed\.Client"):
+        smalti.sweep(study, tmp_path / "out", client="tcp://here", progress=False)
+    with pytest.raises(smalti.SmaltiError, match="patterns"):
+        smalti.sweep(study, "memory://a*b", client=client, progress=False)
+    (tmp_path / "file").write_text("")
+    with pytest.raises(smalti.SmaltiError, match="is a file; expected a folder"):
+        smalti.sweep(study, tmp_path / "file", client=client, progress=False)
+    assert not (tmp_path / "out").exists()
