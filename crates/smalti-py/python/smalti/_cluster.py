@@ -21,6 +21,8 @@ RETRIES = 3
 """How often a part is tried again that could not be written. A worker that dies is another matter: Dask counts those itself."""
 AHEAD = 4
 """Parts that are sent for each thread of the workers, so that none waits; more would only fill the scheduler."""
+PATIENCE = 1.0
+"""How long, in s, the number of workers is taken for what it was."""
 
 Target = str | tuple[Any, str]
 """A folder that every worker sees; or a file system of fsspec and a path in it."""
@@ -169,7 +171,8 @@ def _compute(client: distributed.Client, place: _Place, cache: bool, done: Calla
             key = f"smalti-part-{token}-{part}"
             yield client.submit(_make, manifest, part, place.target, cache, key=key, pure=False, retries=RETRIES)
 
-    sent = set(send(AHEAD * max(_threads(client), 1)))
+    wanted, asked = AHEAD * max(_threads(client), 1), time.monotonic()
+    sent = set(send(wanted))
     pending: Any = distributed.as_completed(sent)
     try:
         for future in pending:
@@ -179,8 +182,10 @@ def _compute(client: distributed.Client, place: _Place, cache: bool, done: Calla
             sent.discard(future)
             place.adopt(made[0])
             done(made[0])
-            # A cluster may grow while it works.
-            more = list(send(AHEAD * max(_threads(client), 1) - len(sent)))
+            # A cluster may grow while it works; to ask at every part would keep its scheduler busy.
+            if time.monotonic() > asked + PATIENCE:
+                wanted, asked = AHEAD * max(_threads(client), 1), time.monotonic()
+            more = list(send(wanted - len(sent)))
             sent.update(more)
             pending.update(more)
     finally:
