@@ -224,9 +224,9 @@ mod tests {
         let ints = |n: i64| Column::Int((0..n).collect());
         check_columns(&schema, 2, 0, &[ints(2), ints(2)]).unwrap();
         for (columns, message) in [
-            (vec![ints(2)], "chunk 7: the number of columns is 1; expected 2"),
-            (vec![ints(2), ints(3)], "chunk 7: the number of rows of column m is 3; expected 2"),
-            (vec![ints(2), Column::Float(vec![0.0; 2])], "chunk 7: column m is numbers; expected integers"),
+            (vec![ints(2)], "part 7: the number of columns is 1; expected 2"),
+            (vec![ints(2), ints(3)], "part 7: the number of rows of column m is 3; expected 2"),
+            (vec![ints(2), Column::Float(vec![0.0; 2])], "part 7: column m is numbers; expected integers"),
         ] {
             assert_eq!(check_columns(&schema, 2, 7, &columns).unwrap_err().to_string(), message);
         }
