@@ -230,7 +230,7 @@ fn setup(camera: &Camera, name: &str, args: &Compare, illuminant: &Illuminant) -
         let setting = Setting { luminance_cd_m2: 1.0, illuminant: illuminant.clone(), ..Setting::default() };
         return Ok(Setup::of_test_scene(camera, name, &setting)?);
     }
-    let options = crate::args::SceneOptions {
+    let options = crate::scene_args::SceneOptions {
         luminance: Some(1.0),
         illuminant: Some(args.illuminant.clone()),
         ..Default::default()

@@ -11,10 +11,11 @@ use smalti_io::picture::{self, Depth};
 use smalti_io::scene_file::{self, Cropped, Format, Photons, Restated, Tiles, Whole, WriteOptions};
 use smalti_io::{SpectralFile, exr, matlab, spectral_tiff};
 
-use crate::args::{Common, SceneOptions};
+use crate::args::Common;
 use crate::brightness::{brightness_gain, scaled};
 use crate::progress::Progress;
 use crate::resolve::{self, has_extension};
+use crate::scene_args::SceneOptions;
 
 #[derive(Debug, Clone, Args)]
 #[command(after_help = "Examples:\n  \

@@ -20,6 +20,7 @@ mod pictures;
 mod progress;
 mod render;
 mod resolve;
+mod scene_args;
 mod show;
 mod simulate;
 mod study_report;

@@ -9,7 +9,8 @@ use smalti::spectrum::{Illuminant, WavelengthGrid};
 pub(crate) use smalti_io::scene_file::is_meant as is_file;
 use smalti_io::{ReadOptions, cameras, lights, scene_file};
 
-use crate::args::{CameraOptions, SceneOptions};
+use crate::args::CameraOptions;
+use crate::scene_args::SceneOptions;
 
 /// A camera by name or file, with the overrides of the command line, for scenes on a wavelength grid; `None`: its own.
 pub(crate) fn camera(

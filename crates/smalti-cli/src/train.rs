@@ -10,10 +10,11 @@ use smalti::sensor::Channel;
 use smalti::spectrum::Illuminant;
 use smalti_io::{l3, write};
 
-use crate::args::{Common, SceneOptions, Train};
+use crate::args::{Common, Train};
 use crate::learn::{self, Material};
 use crate::pictures::D65;
 use crate::progress::Progress;
+use crate::scene_args::SceneOptions;
 use crate::{pairs, resolve, table};
 
 pub(crate) fn run(args: &Train, common: &Common) -> anyhow::Result<()> {

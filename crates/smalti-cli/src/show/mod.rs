@@ -21,8 +21,8 @@ use smalti_report::Figure;
 
 use self::find::Kind;
 use self::picture::Pixels;
-use crate::args::SceneOptions;
 use crate::resolve::has_extension;
+use crate::scene_args::SceneOptions;
 use crate::table::wrap;
 use crate::terminal::{Graphics, Protocol, Screen, When};
 
