@@ -67,8 +67,8 @@ pub const LEAST_SIDE: usize = 32;
 pub const LEAST_CORRELATION: f64 = 0.5;
 /// Below this the raw and picture differ by more than tones and noise: other processing, movement, or little structure.
 pub const GOOD_CORRELATION: f64 = 0.9;
-/// Shifts smaller than this are within what can be told, pixels.
-pub const RESOLVED_SHIFT_PX: f64 = 0.05;
+/// Shifts smaller than this cannot be told from none, pixels: the largest error on pairs of known shift, with noise, is half of it.
+pub const RESOLVED_SHIFT_PX: f64 = 0.1;
 /// Residual shift in a quadrant that makes a pair doubtful, pixels.
 pub const GOOD_RESIDUAL_PX: f64 = 0.25;
 
