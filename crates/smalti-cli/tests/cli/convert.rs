@@ -68,7 +68,7 @@ fn what_cannot_be_written_leaves_nothing() {
     for (words, expected) in [
         (
             "convert uniform?size=4 -o a.foo",
-            "a.foo: expected a name that ends in .exr, .hdr, .npz, .npy, .png or .tif",
+            "a.foo: expected a name that ends in .exr, .mat, .h5, .hdr, .npz, .npy, .png or .tif",
         ),
         ("convert uniform?size=4 -o no/a.exr", "cannot write no/a.exr: No such file or directory"),
         ("convert uniform?size=4 -o a.npy --wavelengths 400:0:700", "a positive step"),
