@@ -247,23 +247,8 @@ pub(super) fn patches(fixed: &Plane, placed: &Placed) -> Vec<PatchShift> {
     places.par_iter().filter_map(one).collect()
 }
 
-/// How far the placed plane as a whole would have to move on. A small one is taken in one window: its patches would be too
-/// noisy each, and too few for a median.
-pub(super) fn whole(fixed: &Plane, placed: &Placed) -> Option<Shift> {
-    let p = &placed.plane;
-    if p.rows.max(p.cols) > 2 * PATCH_SIDE {
-        return middle(&patches(fixed, placed));
-    }
-    let size = (fast_len(p.rows), fast_len(p.cols));
-    let fft = RealFft2::new(size.0, size.1).ok()?;
-    let a = fixed.window((placed.row, p.rows), (placed.col, p.cols), size);
-    let b = p.window((0, p.rows), (0, p.cols), size);
-    let (shift, agrees) = CrossPower::of(&fft, &a, &b).peak(Shift { row: 0.0, col: 0.0 }, 2.0);
-    (agrees >= LEAST_AGREEMENT).then_some(shift)
-}
-
 /// The median of the patches, along rows and columns.
-fn middle(patches: &[PatchShift]) -> Option<Shift> {
+pub(super) fn middle(patches: &[PatchShift]) -> Option<Shift> {
     let median = |of: fn(&PatchShift) -> f64| {
         let mut values: Vec<f64> = patches.iter().map(of).collect();
         values.sort_by(f64::total_cmp);

@@ -3,8 +3,8 @@
 //! Learning from a real camera ([jiang2017]) needs raw and picture pixel by pixel, but a camera's own picture is cropped,
 //! sometimes scaled, and its lens corrected. Here the luminance of both is compared: once at low resolution over all
 //! places the picture may have, then in patches at full resolution by the phase of their cross-power spectrum, whose
-//! peak is found to a hundredth of a pixel by a Fourier sum around it ([guizarsicairos2008]). The median of the patches, or a
-//! small picture as one, gives the shift; what each quadrant is off by tells of distortion, which a shift cannot undo.
+//! peak is found to a hundredth of a pixel by a Fourier sum around it ([guizarsicairos2008]). The median of the patches is
+//! the shift; what each quadrant is off by tells of distortion, which a shift cannot undo.
 //!
 //! [jiang2017]: https://doi.org/10.1109/TIP.2017.2713942
 //! [guizarsicairos2008]: https://doi.org/10.1364/OL.33.000156
@@ -237,7 +237,7 @@ fn at_scale(fixed: &Plane, moving: &Plane, scale: f64) -> Result<Registration, R
     // A patch that is shifted against its window is seen as shifted a little less: what is left is found again.
     for _ in 0..3 {
         let placed = placed(moving, shift, scale, fixed);
-        let Some(step) = correlate::whole(fixed, &placed) else { break };
+        let Some(step) = correlate::middle(&correlate::patches(fixed, &placed)) else { break };
         shift = Shift { row: shift.row + step.row, col: shift.col + step.col };
     }
     let placed = placed(moving, shift, scale, fixed);
