@@ -110,7 +110,7 @@ test("a click shows a design, with a picture or with how to make one", () => wit
   assert.equal(await panel.locator("tbody tr").first().locator("th").textContent(), "A");
   assert.ok((await panel.locator("desc").first().textContent()).startsWith("A at "));
   if (await panel.locator(".pictures").count() === 0) {
-    assert.match(await panel.locator(".copyable pre").textContent(), new RegExp(`^smalti report out --picture ${title} -o`));
+    assert.match(await panel.locator(".copyable pre").first().textContent(), new RegExp(`^smalti report out --picture ${title} -o`));
   }
   await page.getByLabel("with pictures").check();
   assert.equal(number(await count(page).textContent()), 5);
