@@ -17,7 +17,6 @@ use smalti_io::write;
 use crate::args::{Common, Compare, Processing};
 use crate::compare_page;
 use crate::compare_report::{self, Report};
-use crate::evaluate::cached;
 use crate::progress::Progress;
 use crate::{learn, names, resolve};
 
@@ -253,7 +252,7 @@ fn outcomes_of(
         progress.begin(format!("{} at {luminance_cd_m2} cd/m²", way.name()));
         let context = || format!("{} at {luminance_cd_m2} cd/m²", way.name());
         let settings = EvaluationSettings { luminance_cd_m2, illuminant: illuminant.clone(), seed };
-        let images = |key: &str, make: &dyn Fn() -> Result<_, CameraError>| cached(cache, key, make);
+        let images = |key: &str, make: &dyn Fn() -> Result<_, CameraError>| cache.optical_image(key, make);
         let (targets, pictures) = evaluate_with(way.camera, &settings, &images, &|light| way.isp(light))
             .with_context(|| {
                 let exposed = way.camera.description().exposure.time_ms.is_some();

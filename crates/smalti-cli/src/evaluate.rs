@@ -4,12 +4,11 @@ use std::path::Path;
 
 use anyhow::Context;
 use serde_json::json;
-use smalti::camera::{Camera, CameraError, Evaluation, EvaluationPictures, EvaluationSettings, evaluate};
+use smalti::camera::{Camera, Evaluation, EvaluationPictures, EvaluationSettings, evaluate};
 use smalti::color::{ColorSpace, Image};
 use smalti::numeric::Planes;
-use smalti::optics::{OPTICAL_IMAGE_REVISION, OpticalImage};
 use smalti::spectrum::{Observer, WavelengthGrid};
-use smalti_io::cache::{Cache, KeyBuilder};
+use smalti_io::cache::Cache;
 use smalti_io::picture::{self, Depth};
 use smalti_io::write;
 
@@ -38,7 +37,7 @@ pub(crate) fn run(args: &Evaluate, common: &Common) -> anyhow::Result<()> {
             progress.begin(format!("{name} at {luminance_cd_m2} cd/m²"));
             let seed = args.camera_options.seed;
             let settings = EvaluationSettings { luminance_cd_m2, illuminant: illuminant.clone(), seed };
-            let (scores, pictures) = evaluate(camera, &settings, &|key, make| cached(&cache, key, make))
+            let (scores, pictures) = evaluate(camera, &settings, &|key, make| cache.optical_image(key, make))
                 .with_context(|| format!("{name} at {luminance_cd_m2} cd/m²"))?;
             shots.extend(args.output.is_some().then_some(pictures));
             results.push((camera, scores));
@@ -76,25 +75,6 @@ pub(crate) fn run(args: &Evaluate, common: &Common) -> anyhow::Result<()> {
         write::bytes(&dir.join("results.json"), text.as_bytes())?;
     }
     crate::print(&if args.json { text } else { scores_table(&results) })
-}
-
-/// One optical image, from the cache where it is there.
-pub(crate) fn cached(
-    cache: &Cache,
-    key: &str,
-    make: &dyn Fn() -> Result<OpticalImage, CameraError>,
-) -> Result<OpticalImage, CameraError> {
-    let mut hash = KeyBuilder::new();
-    hash.bytes("revision", &OPTICAL_IMAGE_REVISION.to_le_bytes())
-        .bytes("version", env!("CARGO_PKG_VERSION").as_bytes());
-    let key = hash.bytes("target", key.as_bytes()).finish();
-    if let Some(image) = cache.get(&key) {
-        return Ok(image);
-    }
-    let image = make()?;
-    // A cache that cannot be written costs time, not the result.
-    let _ = cache.put(&key, &image);
-    Ok(image)
 }
 
 fn entry(camera: &Camera, scores: &Evaluation) -> anyhow::Result<serde_json::Value> {

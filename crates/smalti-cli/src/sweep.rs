@@ -11,7 +11,6 @@ use smalti_io::studies;
 use smalti_io::sweeps::{self, processing};
 
 use crate::args::{Common, SweepArgs};
-use crate::evaluate::cached;
 use crate::progress::Progress;
 use crate::table;
 
@@ -35,7 +34,7 @@ pub(crate) fn run(args: &SweepArgs, common: &Common) -> anyhow::Result<()> {
     // What cannot be is refused before anything is tried.
     Manifest::new(&plan)?;
     let cache = if args.no_cache { Cache::disabled() } else { Cache::open(None) };
-    let images = |key: &str, make: &dyn Fn() -> _| cached(&cache, key, make);
+    let images = |key: &str, make: &dyn Fn() -> _| cache.optical_image(key, make);
     let sweep = Sweep::new(&designs, &images);
     if args.dry_run {
         return dry_run(args, &designs, &plan, &sweep);

@@ -11,7 +11,7 @@ use std::time::SystemTime;
 use rayon::prelude::*;
 use smalti::l3::Statistics;
 use smalti::numeric::Planes;
-use smalti::optics::OpticalImage;
+use smalti::optics::{OPTICAL_IMAGE_REVISION, OpticalImage};
 use smalti::spectrum::{SpectralCube, WavelengthGrid};
 
 use crate::{IoError, l3, write};
@@ -131,6 +131,27 @@ impl Cache {
         fs::create_dir_all(dir).map_err(|source| IoError::Write { path: dir.clone(), source })?;
         self.evict(dir, &path, self.limit_bytes);
         l3::write_statistics(&path, statistics)
+    }
+
+    /// The optical image of a description, made where it is not kept. Those that another version of Smalti made are not taken.
+    ///
+    /// # Errors
+    /// Those of `make`. A cache that cannot be written costs time, not the result.
+    pub fn optical_image<E>(
+        &self,
+        description: &str,
+        make: &dyn Fn() -> Result<OpticalImage, E>,
+    ) -> Result<OpticalImage, E> {
+        let mut hash = KeyBuilder::new();
+        hash.bytes("revision", &OPTICAL_IMAGE_REVISION.to_le_bytes())
+            .bytes("version", env!("CARGO_PKG_VERSION").as_bytes());
+        let key = hash.bytes("target", description.as_bytes()).finish();
+        if let Some(image) = self.get(&key) {
+            return Ok(image);
+        }
+        let image = make()?;
+        let _ = self.put(&key, &image);
+        Ok(image)
     }
 
     /// The image of that key, bit for bit as it was put; `None` when it is absent or damaged.

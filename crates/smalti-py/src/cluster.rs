@@ -14,14 +14,14 @@ use smalti_io::studies;
 use smalti_io::sweeps::{self, SweepError};
 
 use crate::error::{OrRaise, wrong};
-use crate::evaluate::{cache, cached};
+use crate::evaluate::cache;
 use crate::study::PyStudy;
 use crate::work::{detached, watched};
 
 type Made = Result<OpticalImage, CameraError>;
 
 fn kept(key: &str, make: &dyn Fn() -> Made) -> Made {
-    cached(&cache(true), key, make)
+    cache(true).optical_image(key, make)
 }
 
 fn fresh(_: &str, make: &dyn Fn() -> Made) -> Made {

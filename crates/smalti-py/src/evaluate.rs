@@ -8,10 +8,9 @@ use smalti::camera::{
 };
 use smalti::isp::{Isp, WhiteBalance};
 use smalti::numeric::Planes;
-use smalti::optics::{OPTICAL_IMAGE_REVISION, OpticalImage};
 use smalti::scene::Setting;
 use smalti::spectrum::{Illuminant, Spectrum};
-use smalti_io::cache::{Cache, KeyBuilder};
+use smalti_io::cache::Cache;
 
 use crate::arrays;
 use crate::camera::PyCamera;
@@ -20,25 +19,6 @@ use crate::image::PyImage;
 use crate::l3::PyPipeline;
 use crate::spectrum::light;
 use crate::work::watched;
-
-/// One optical image, from the cache that the command keeps where it is there.
-pub(crate) fn cached(
-    cache: &Cache,
-    key: &str,
-    make: &dyn Fn() -> Result<OpticalImage, CameraError>,
-) -> Result<OpticalImage, CameraError> {
-    let mut hash = KeyBuilder::new();
-    hash.bytes("revision", &OPTICAL_IMAGE_REVISION.to_le_bytes())
-        .bytes("version", env!("CARGO_PKG_VERSION").as_bytes());
-    let key = hash.bytes("target", key.as_bytes()).finish();
-    if let Some(image) = cache.get(&key) {
-        return Ok(image);
-    }
-    let image = make()?;
-    // A cache that cannot be written costs time, not the result.
-    let _ = cache.put(&key, &image);
-    Ok(image)
-}
 
 pub(crate) fn cache(keep: bool) -> Cache {
     if keep { Cache::open(None) } else { Cache::disabled() }
@@ -173,7 +153,7 @@ pub(crate) fn evaluate(
     let (scores, pictures) = watched(py, None, |_| {
         let cache = self::cache(cache);
         let isp = |light: &Spectrum| processing(own, pipeline, light);
-        let images = |key: &str, make: &dyn Fn() -> _| cached(&cache, key, make);
+        let images = |key: &str, make: &dyn Fn() -> _| cache.optical_image(key, make);
         evaluate_with(own, &settings, &images, &isp)
             .or_raise_about(format!("{name} at {luminance_cd_m2} cd/m²"))
     })?;

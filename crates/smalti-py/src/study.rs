@@ -16,7 +16,7 @@ use smalti_io::{TomlSource, studies};
 use crate::camera::diagnosed;
 use crate::cfa::PyCfa;
 use crate::error::{OrRaise, wrong};
-use crate::evaluate::{cache, cached};
+use crate::evaluate::cache;
 use crate::work::watched;
 
 /// A study: families of filters and mosaics, conditions, metrics.
@@ -126,7 +126,7 @@ pub(crate) fn run_sweep(
         // What cannot be is refused before anything is tried.
         Manifest::new(&plan).or_raise()?;
         let cache = self::cache(cache);
-        let images = |key: &str, make: &dyn Fn() -> _| cached(&cache, key, make);
+        let images = |key: &str, make: &dyn Fn() -> _| cache.optical_image(key, make);
         let sweep = Sweep::new(designs, &images);
         let run = Run::open(&out, &plan, shard).or_raise()?;
         let to_do: u64 = run.missing().iter().map(|&c| plan.designs_of(c)).map(|r| r.end - r.start).sum();

@@ -12,6 +12,27 @@ import pytest
 ROOT = Path(__file__).resolve().parents[3]
 Command = Callable[..., str]
 
+# A study of so many sets of filters and mosaics for each number of colours.
+STUDY = """
+name = "small"
+camera = "table1"
+colors = [3, 4]
+[sample]
+filters = {sets}
+mosaics = {mosaics}
+[filters.gaussian_grid]
+[mosaics.tile]
+rows = 2
+cols = 3
+[conditions.grid]
+luminance_cd_m2 = [20, 75]
+"""
+
+
+def parts(folder: Path) -> dict[str, bytes]:
+    """The files of results, by their names."""
+    return {p.name: p.read_bytes() for p in (folder / "designs").iterdir()}
+
 
 @pytest.fixture(scope="session", autouse=True)
 def cache(tmp_path_factory: pytest.TempPathFactory) -> None:

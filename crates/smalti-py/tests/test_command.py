@@ -10,26 +10,10 @@ import pytest
 import smalti
 from numpy.typing import NDArray
 
-from conftest import Command
+import conftest
+from conftest import Command, parts
 
-STUDY = """
-name = "small"
-camera = "table1"
-colors = [3, 4]
-[sample]
-filters = 6
-mosaics = 3
-[filters.gaussian_grid]
-[mosaics.tile]
-rows = 2
-cols = 3
-[conditions.grid]
-luminance_cd_m2 = [20, 75]
-"""
-
-
-def parts(folder: Path) -> dict[str, bytes]:
-    return {p.name: p.read_bytes() for p in (folder / "designs").iterdir()}
+STUDY = conftest.STUDY.format(sets=6, mosaics=3)
 
 
 def test_scores_are_those_of_evaluate(command: Command) -> None:

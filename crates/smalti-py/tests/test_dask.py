@@ -14,25 +14,11 @@ import pytest
 import smalti
 from distributed import Client, LocalCluster
 
+import conftest
+from conftest import parts
+
 SIZE = 16
-STUDY = """
-name = "small"
-camera = "table1"
-colors = [3, 4]
-[sample]
-filters = 20
-mosaics = 6
-[filters.gaussian_grid]
-[mosaics.tile]
-rows = 2
-cols = 3
-[conditions.grid]
-luminance_cd_m2 = [20, 75]
-"""
-
-
-def files(folder: Path) -> dict[str, bytes]:
-    return {p.name: p.read_bytes() for p in (folder / "designs").iterdir()}
+STUDY = conftest.STUDY.format(sets=20, mosaics=6)
 
 
 def runs(folder: Path) -> list[dict[str, object]]:
@@ -49,7 +35,7 @@ def study() -> smalti.Study:
 def expected(study: smalti.Study, tmp_path_factory: pytest.TempPathFactory) -> dict[str, bytes]:
     folder = tmp_path_factory.mktemp("alone")
     smalti.sweep(study, folder, part_size=SIZE, progress=False)
-    return files(folder)
+    return parts(folder)
 
 
 @pytest.fixture(scope="module")
@@ -69,7 +55,7 @@ def test_processes_write_the_same_bytes(
     results = smalti.sweep(study, tmp_path, client=client, part_size=SIZE, progress=told.append)
     assert results is not None and results.complete and len(results) == len(study) == 480
     results.verify()
-    assert files(tmp_path) == expected and len(expected) == 30
+    assert parts(tmp_path) == expected and len(expected) == 30
     assert told == sorted(told) and told[-1] == 480 and len(told) == 30
     (run,) = runs(tmp_path)
     timings = run["timings"]
@@ -78,7 +64,7 @@ def test_processes_write_the_same_bytes(
     # Nothing is left to do, by either way.
     smalti.sweep(study, tmp_path, client=client, progress=False)
     smalti.sweep(study, tmp_path, progress=False)
-    assert files(tmp_path) == expected and runs(tmp_path) == [run]
+    assert parts(tmp_path) == expected and runs(tmp_path) == [run]
 
 
 def test_a_worker_that_is_killed_is_made_up_for(
@@ -94,7 +80,7 @@ def test_a_worker_that_is_killed_is_made_up_for(
 
     results = smalti.sweep(study, tmp_path, client=client, part_size=SIZE, progress=kill_one)
     assert left[0] > 0 and results is not None and results.complete
-    assert files(tmp_path) == expected
+    assert parts(tmp_path) == expected
     client.wait_for_workers(2, timeout=60)
     assert set(client.run(os.getpid).values()) != set(before.values())
 
@@ -108,7 +94,7 @@ def test_what_was_interrupted_goes_on(
 
     with pytest.raises(KeyboardInterrupt):
         smalti.sweep(study, tmp_path, client=client, part_size=SIZE, progress=interrupt)
-    there = files(tmp_path)
+    there = parts(tmp_path)
     whole = {name: data for name, data in there.items() if not name.startswith(".")}
     assert 3 <= len(whole) < 30 and whole.items() <= expected.items() and runs(tmp_path) == []
     # The lock is free, the size of parts that of the folder.
@@ -117,16 +103,16 @@ def test_what_was_interrupted_goes_on(
     (run,) = runs(tmp_path)
     assert isinstance(run["parts"], int) and run["parts"] <= 30 - len(whole)
     results.verify()
-    assert {n: d for n, d in files(tmp_path).items() if n[0] != "."} == expected
+    assert {n: d for n, d in parts(tmp_path).items() if n[0] != "."} == expected
 
 
 def test_another_study_is_refused(client: Client, study: smalti.Study, tmp_path: Path) -> None:
     other = smalti.Study.from_toml(STUDY.replace("[sample]", "seed = 9\n[sample]", 1))
     smalti.sweep("aliasing", tmp_path / "one", progress=False)
-    before = files(tmp_path / "one")
+    before = parts(tmp_path / "one")
     with pytest.raises(smalti.SmaltiError, match="another study or version:(.|\n)*seed"):
         smalti.sweep(other, tmp_path / "one", client=client, progress=False)
-    assert files(tmp_path / "one") == before
+    assert parts(tmp_path / "one") == before
 
 
 def test_a_second_run_at_once_is_refused(client: Client, study: smalti.Study, tmp_path: Path) -> None:
@@ -183,7 +169,7 @@ def test_errors_of_workers_arrive(client: Client, tmp_path: Path) -> None:
         smalti.sweep(study, tmp_path / "cluster", client=client, progress=False)
     assert str(there.value) == str(alone.value)
     # It had been begun.
-    assert runs(tmp_path / "cluster") == [] and files(tmp_path / "cluster") == {}
+    assert runs(tmp_path / "cluster") == [] and parts(tmp_path / "cluster") == {}
 
 
 def test_what_cannot_be_sent_is_refused(client: Client, study: smalti.Study, tmp_path: Path) -> None:
