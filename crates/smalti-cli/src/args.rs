@@ -138,29 +138,36 @@ pub(crate) struct SweepArgs {
     report.html is one page that needs no network: the designs to brush, filter and look at one by one. Figures are written as SVG \
     and PNG; report.json is removed first and written last: a folder that has it is whole.")]
 pub(crate) struct ReportArgs {
-    /// Folders of results (smalti sweep), complete or not
-    #[arg(required = true, value_name = "DIR")]
-    pub(crate) results: Vec<PathBuf>,
-    /// Folder for report.html, figures and report.json, made if need be; or FILE.html for the page alone [default: report in the
-    /// first DIR]
-    #[arg(short, long, value_name = "FOLDER")]
-    pub(crate) output: Option<PathBuf>,
-    /// How many designs have pictures in the page: the best, the worst, then of the Pareto front
-    #[arg(long, default_value_t = 16, value_name = "N", value_parser = clap::value_parser!(u16).range(0..=1000))]
-    pub(crate) pictures: u16,
-    /// Designs of the first DIR, by their numbers, that have pictures in the page as well
-    #[arg(long, value_delimiter = ',', value_name = "DESIGN")]
-    pub(crate) picture: Vec<u64>,
-    /// Conditions and processings that get figures of their own: those with TEXT in their name, as the tables give it; may be given
-    /// more than once [default: the first 8]
-    #[arg(long, value_name = "TEXT")]
-    pub(crate) draw: Vec<String>,
+    #[command(flatten)]
+    pub(crate) of: ReportOptions,
     /// Print the camera file of a design of the first DIR instead, by its number
     #[arg(long, value_name = "DESIGN", conflicts_with_all = ["output", "json"])]
     pub(crate) camera: Option<u64>,
     /// Print report.json instead of the tables
     #[arg(long)]
     pub(crate) json: bool,
+}
+
+/// What is reported, and where.
+#[derive(Debug, Clone, Args)]
+pub struct ReportOptions {
+    /// Folders of results (smalti sweep), complete or not
+    #[arg(required = true, value_name = "DIR")]
+    pub results: Vec<PathBuf>,
+    /// Folder for report.html, figures and report.json, made if need be; or FILE.html for the page alone [default: report in the
+    /// first DIR]
+    #[arg(short, long, value_name = "FOLDER")]
+    pub output: Option<PathBuf>,
+    /// How many designs have pictures in the page: the best, the worst, then of the Pareto front
+    #[arg(long, default_value_t = 16, value_name = "N", value_parser = clap::value_parser!(u16).range(0..=1000))]
+    pub pictures: u16,
+    /// Designs of the first DIR, by their numbers, that have pictures in the page as well
+    #[arg(long, value_delimiter = ',', value_name = "DESIGN")]
+    pub picture: Vec<u64>,
+    /// Conditions and processings that get figures of their own: those with TEXT in their name, as the tables give it; may be given
+    /// more than once [default: the first 8]
+    #[arg(long, value_name = "TEXT")]
+    pub draw: Vec<String>,
 }
 
 /// Keys of the camera that the command line replaces.

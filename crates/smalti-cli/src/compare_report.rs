@@ -13,7 +13,7 @@ use smalti_report::Sheet;
 use crate::args::{Compare, Processing};
 use crate::columns::{self, headings};
 use crate::compare::{Gain, Outcome, Way};
-use crate::pictures::{self, dark_and_bright, shown};
+use crate::pictures::{self, dark_and_bright};
 use crate::{compare_page, names, resolve, table};
 
 /// The file that tells that a folder is whole.
@@ -266,9 +266,8 @@ impl Report<'_> {
     /// A picture of a scored scene as shown on a screen: white is that of the reference.
     pub(crate) fn as_seen(&self, scores: &SceneScores, picture: &Image) -> anyhow::Result<Image> {
         let grid = WavelengthGrid::VISIBLE;
-        let white = Observer::Cie1931
-            .xyz_from_photons(&resolve::illuminant(&self.args.illuminant)?.photons(grid)?)?;
-        shown(picture, white.map(|v| v / white[1]), 1.0 / scores.scores.white_y)
+        let white = Observer::Cie1931.white(&resolve::illuminant(&self.args.illuminant)?.photons(grid)?)?;
+        Ok(picture.shown(Some(white), 1.0 / scores.scores.white_y)?)
     }
 }
 

@@ -1,6 +1,6 @@
 //! Tab completion: the shell asks the program itself, so that names of what is built in stand beside files.
 
-use std::ffi::OsStr;
+use std::ffi::{OsStr, OsString};
 use std::path::Path;
 
 use clap::{Arg, Command};
@@ -30,9 +30,16 @@ const SHOWN: &[&str] = &{
     all
 };
 
-/// Answers a shell that asks, and ends the program; else does nothing.
-pub(crate) fn answer(command: fn() -> Command) {
-    CompleteEnv::with_factory(move || with_names(command())).var(VARIABLE).complete();
+/// Answers a shell, if one asks by these arguments.
+pub(crate) fn answer(command: fn() -> Command, args: &[OsString]) -> bool {
+    let shell = CompleteEnv::with_factory(move || with_names(command())).var(VARIABLE);
+    match shell.try_complete(args.iter().cloned(), std::env::current_dir().ok().as_deref()) {
+        Ok(answered) => answered,
+        Err(e) => {
+            let _ = e.print();
+            true
+        }
+    }
 }
 
 /// The script that makes a shell ask.

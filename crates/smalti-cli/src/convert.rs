@@ -12,7 +12,6 @@ use smalti_io::scene_file::{self, Cropped, Format, Photons, Restated, Tiles, Who
 use smalti_io::{SpectralFile, exr, matlab, spectral_tiff};
 
 use crate::args::Common;
-use crate::brightness::{brightness_gain, scaled};
 use crate::progress::Progress;
 use crate::resolve::{self, has_extension};
 use crate::scene_args::SceneOptions;
@@ -193,7 +192,8 @@ fn write_spectral(
 
 fn write_picture(path: &Path, scene: &Scene) -> anyhow::Result<Vec<String>> {
     let image = Image::new(ColorSpace::Xyz, scene.xyz()?)?;
-    let image = scaled(&image, brightness_gain(&image))?;
+    let gain = image.brightness_gain();
+    let image = image.scaled(gain);
     picture::write(path, &image.converted(ColorSpace::Srgb)?, Depth::Eight)?;
     let instead = if has_extension(path, &["png"]) { "" } else { " (--layout pages or samples keeps them)" };
     Ok(vec![format!("{} is a picture, without the spectra{instead}", path.display())])

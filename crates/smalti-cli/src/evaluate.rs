@@ -54,13 +54,13 @@ pub(crate) fn run(args: &Evaluate, common: &Common) -> anyhow::Result<()> {
     // Everything is computed before anything is written; a folder that has results.json is whole.
     if let Some(dir) = &args.output {
         write::begin_folder(dir, &["results.json"])?;
-        let white = Observer::Cie1931.xyz_from_photons(&illuminant.photons(WavelengthGrid::VISIBLE)?)?;
+        let white = Observer::Cie1931.white(&illuminant.photons(WavelengthGrid::VISIBLE)?)?;
         let page = compare_page::evaluate_page(&Shots {
             cameras: &cameras,
             labels: &names::numbered(cameras.iter().map(|c| c.description().name.clone()).collect()),
             luminances_cd_m2: &args.luminance,
             illuminant: &args.illuminant,
-            white: white.map(|v| v / white[1]),
+            white,
             seed: args.camera_options.seed,
             results: &results,
             pictures: &shots,

@@ -1,8 +1,7 @@
 //! Pictures of a comparison: the renderings side by side, and what was learned.
 
 use smalti::camera::Camera;
-use smalti::color::matrix::IDENTITY;
-use smalti::color::{Adaptation, ColorSpace, Image};
+use smalti::color::{ColorSpace, Image};
 use smalti::l3::{Origin, Pipeline};
 use smalti::numeric::Planes;
 use smalti::spectrum::{Illuminant, Observer, Outside, Spectrum, WavelengthGrid};
@@ -11,21 +10,6 @@ use smalti_report::Sheet;
 /// Pixels of a tap in pictures of kernels, and of the frame that shows its filter's colour.
 const TAP_PX: usize = 28;
 const FRAME_PX: usize = 3;
-/// White point of sRGB: X, Y, Z, Y = 1 (IEC 61966-2-1).
-pub(crate) const D65: [f64; 3] = [0.95047, 1.0, 1.08883];
-
-/// A picture in XYZ under a light, as shown on a screen: its white made that of sRGB, brightness times `gain`.
-pub(crate) fn shown(picture: &Image, white: [f64; 3], gain: f64) -> anyhow::Result<Image> {
-    let matrix = Adaptation::Bradford.matrix(D65, white).unwrap_or(IDENTITY);
-    let (planes, mut out) = (picture.planes(), Planes::zeros(picture.rows(), picture.cols(), 3));
-    for (i, row) in matrix.iter().enumerate() {
-        let [a, b, c] = row.map(|v| (v * gain) as f32);
-        let xyz = planes.plane(0).iter().zip(planes.plane(1)).zip(planes.plane(2));
-        out.plane_mut(i).iter_mut().zip(xyz).for_each(|(o, ((x, y), z))| *o = a * x + b * y + c * z);
-    }
-    Ok(Image::new(ColorSpace::Xyz, out)?.converted(ColorSpace::Srgb)?)
-}
-
 /// A sheet with one more picture, in sRGB, and what stands below it.
 pub(crate) fn add(sheet: Sheet, caption: impl Into<String>, picture: &Image) -> Sheet {
     sheet.picture(caption, picture.cols(), picture.rows(), &bytes(picture))

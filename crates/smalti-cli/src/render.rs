@@ -10,8 +10,6 @@ use smalti_io::picture::{self, Depth};
 use smalti_io::{Limits, dng, l3, npy};
 
 use crate::args::{Common, Render};
-use crate::brightness::brightness_gain;
-use crate::pictures::shown;
 use crate::progress::Progress;
 use crate::resolve::has_extension;
 
@@ -75,7 +73,7 @@ fn write(args: &Render, pipeline: &Pipeline, rendered: &Rendered) -> anyhow::Res
         );
     };
     let picture = Image::new(ColorSpace::Xyz, rendered.planes.clone())?;
-    let gain = args.gain.unwrap_or_else(|| brightness_gain(&picture));
+    let gain = args.gain.unwrap_or_else(|| picture.brightness_gain());
     let depth = if args.bits == "16" { Depth::Sixteen } else { Depth::Eight };
-    Ok(picture::write(Path::new(&args.output), &shown(&picture, white, gain)?, depth)?)
+    Ok(picture::write(Path::new(&args.output), &picture.shown(Some(white), gain)?, depth)?)
 }

@@ -4,10 +4,10 @@ use std::path::Path;
 
 use anyhow::{Context, bail};
 use smalti::camera::Camera;
-use smalti::scene::{self, Scene, Setting};
+use smalti::scene::Scene;
 use smalti::spectrum::{Illuminant, WavelengthGrid};
 pub(crate) use smalti_io::scene_file::is_meant as is_file;
-use smalti_io::{ReadOptions, cameras, lights, scene_file};
+use smalti_io::{ReadOptions, SceneRequest, cameras, lights, scenes};
 
 use crate::args::CameraOptions;
 use crate::scene_args::SceneOptions;
@@ -33,15 +33,15 @@ pub(crate) fn scene_for(name: &str, options: &SceneOptions, camera: &Camera) -> 
     scene_on(name, options, typed.or(stated))
 }
 
-/// The setting of a scene: what was typed, then the defaults.
-fn setting(options: &SceneOptions, grid: WavelengthGrid) -> anyhow::Result<Setting> {
-    let default = Setting::default();
-    Ok(Setting {
-        luminance_cd_m2: options.luminance.unwrap_or(default.luminance_cd_m2),
-        distance_m: options.distance.unwrap_or(default.distance_m),
-        horizontal_fov_deg: options.fov.unwrap_or(default.horizontal_fov_deg),
-        illuminant: options.illuminant.as_deref().map_or(Ok(default.illuminant), illuminant)?,
+/// What was typed of a scene.
+fn request(options: &SceneOptions, grid: Option<WavelengthGrid>) -> anyhow::Result<SceneRequest> {
+    Ok(SceneRequest {
+        luminance_cd_m2: options.luminance,
+        distance_m: options.distance,
+        horizontal_fov_deg: options.fov,
+        illuminant: options.illuminant.as_deref().map(illuminant).transpose()?,
         grid,
+        read: read_options(options)?,
     })
 }
 
@@ -64,35 +64,10 @@ pub(crate) fn scene(name: &str, options: &SceneOptions) -> anyhow::Result<Scene>
 
 /// A scene by name or file, on a wavelength grid if one is given.
 fn scene_on(name: &str, options: &SceneOptions, grid: Option<WavelengthGrid>) -> anyhow::Result<Scene> {
-    let setting = setting(options, grid.unwrap_or_default())?;
-    if !is_file(name) {
-        if let Some(option) = options.of_files() {
-            bail!("{name}: {option} is of files; it is a built-in scene");
-        }
-        return Ok(scene::catalog::build_natural(name, &setting)?);
+    if let Some(option) = options.of_files().filter(|_| !is_file(name)) {
+        bail!("{name}: {option} is of files; it is a built-in scene");
     }
-    let scene = scene_file::read(Path::new(name), &setting, &read_options(options)?)?;
-    // What was typed holds, whatever the file states.
-    let scene = match grid {
-        Some(grid) if grid != scene.radiance().grid() => scene.resampled(grid)?,
-        _ => scene,
-    };
-    let scene = match &options.illuminant {
-        Some(_) => scene.relit(&setting.illuminant)?,
-        None => scene,
-    };
-    let scene = match options.luminance {
-        Some(cd_m2) => scene.with_mean_luminance(cd_m2)?,
-        None => scene,
-    };
-    let scene = match options.distance {
-        Some(m) => scene.with_distance(m)?,
-        None => scene,
-    };
-    match options.fov {
-        Some(deg) => Ok(scene.with_fov(deg)?),
-        None => Ok(scene),
-    }
+    Ok(scenes::load(name, &request(options, grid)?)?)
 }
 
 pub(crate) fn has_extension(path: &Path, known: &[&str]) -> bool {
@@ -115,13 +90,4 @@ pub(crate) fn wavelengths(text: &str) -> anyhow::Result<WavelengthGrid> {
         );
     }
     WavelengthGrid::new(start, step, count as usize + 1).with_context(|| format!("--wavelengths {text}"))
-}
-
-/// The scene, as wide as needed to lie on the sensor whole. A file is not spread over more pixels than it has.
-pub(crate) fn on_sensor(scene: Scene, is_file: bool, camera: &Camera) -> anyhow::Result<Scene> {
-    let (rows, cols) = (scene.radiance().rows(), scene.radiance().cols());
-    let whole = camera.sensor.cols.min(camera.sensor.rows * cols / rows.max(1));
-    let span = if is_file { whole.min(cols) } else { whole };
-    let deg = camera.field_of_view_deg(span.max(1), scene.distance_m())?;
-    Ok(scene.with_fov(deg)?)
 }

@@ -15,7 +15,6 @@ use smalti_io::stages::{self, write_stage};
 use smalti_io::{memory, write};
 
 use crate::args::{Common, Noise, PictureFormat, Simulate};
-use crate::brightness::{brightness_gain, scaled};
 use crate::progress::Progress;
 use crate::resolve;
 
@@ -56,8 +55,8 @@ pub(crate) fn run(args: &Simulate, common: &Common) -> anyhow::Result<()> {
     progress.done();
     progress.begin("writing");
     // Everything is computed before anything is written.
-    let gain = brightness_gain(&photo.picture);
-    let picture = scaled(&photo.picture, gain)?.converted(camera.output_space())?;
+    let gain = photo.picture.brightness_gain();
+    let picture = photo.picture.clone().scaled(gain).converted(camera.output_space())?;
     let info = dng_info(&camera, &light)?;
     let score = score(&camera, &light, &photo, noise, args.camera_options.seed)?;
     let metrics = metrics(args, &camera, facts, &photo, gain, score)?;
@@ -100,13 +99,12 @@ fn ensure_memory(camera: &Camera) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// The scene, as wide as needed to lie on the sensor whole, unless its field of view was stated. A file is not spread
-/// over more pixels than it has.
+/// The scene, as wide as needed to lie on the sensor whole, unless its field of view was stated.
 fn fitted(scene: Scene, args: &Simulate, camera: &Camera) -> anyhow::Result<Scene> {
     if args.scene_options.fov.is_some() || args.scene.contains("fov=") {
         return Ok(scene);
     }
-    resolve::on_sensor(scene, resolve::is_file(&args.scene), camera)
+    Ok(camera.fitted(scene, resolve::is_file(&args.scene))?)
 }
 
 fn dng_info(camera: &Camera, light: &Spectrum) -> anyhow::Result<DngInfo> {

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, bail};
 use serde_json::json;
 use smalti::camera::{Camera, TrainingTarget};
+use smalti::color::SRGB_WHITE;
 use smalti::l3::{Axes, Origin, Pipeline, PositionSummary, Statistics};
 use smalti::sensor::Channel;
 use smalti::spectrum::Illuminant;
@@ -12,7 +13,6 @@ use smalti_io::{l3, write};
 
 use crate::args::{Common, Train};
 use crate::learn::{self, Material};
-use crate::pictures::D65;
 use crate::progress::Progress;
 use crate::scene_args::SceneOptions;
 use crate::{pairs, resolve, table};
@@ -44,7 +44,7 @@ pub(crate) fn run(args: &Train, common: &Common) -> anyhow::Result<()> {
     if !args.pairs.is_empty() {
         // Real raw files hold their noise; pictures are in sRGB.
         statistics = Statistics::new(statistics.axes().clone(), statistics.outputs().to_vec(), true)?
-            .with_white(Some(D65));
+            .with_white(Some(SRGB_WHITE));
     }
     let (mut sources, mut reports) = (Vec::new(), Vec::new());
     if let Some((first, others)) = args.continue_from.split_first() {
@@ -108,7 +108,7 @@ fn material(args: &Train, camera: &Camera, lights: &[Illuminant]) -> anyhow::Res
     if !args.scenes.is_empty() {
         let scene = |name: &String| {
             let scene = resolve::scene_for(name, &args.scene_options, camera)?;
-            anyhow::Ok((name.clone(), resolve::on_sensor(scene, resolve::is_file(name), camera)?))
+            anyhow::Ok((name.clone(), camera.fitted(scene, resolve::is_file(name))?))
         };
         return Ok(Some(Material::Scenes(args.scenes.iter().map(scene).collect::<anyhow::Result<_>>()?)));
     }

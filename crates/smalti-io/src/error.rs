@@ -141,6 +141,9 @@ pub enum IoError {
         /// Why.
         source: UpliftError,
     },
+    /// A built-in scene that is not there, or cannot be as asked.
+    #[error(transparent)]
+    Catalog(SceneError),
     /// The content makes no scene.
     #[error("{}: {source}", path.display())]
     Scene {

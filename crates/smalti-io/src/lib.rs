@@ -21,6 +21,7 @@
 //! | [`sweeps`] | a study and its folder of results | [`dataset::Plan`], [`dataset::Run`] |
 //! | [`lights`] | a name, or CSV | [`smalti::spectrum::Illuminant`] |
 //! | [`scene_file`] | whatever holds a scene | [`smalti::scene::Scene`] |
+//! | [`scenes`] | a name, or a scene file | [`smalti::scene::Scene`] |
 //! | [`text`] | UTF-8 | `String` |
 //! | [`memory`] | `/proc/meminfo` | bytes |
 //!
@@ -51,6 +52,7 @@ pub mod npz;
 pub mod picture;
 mod raster;
 pub mod scene_file;
+pub mod scenes;
 pub mod spectral_tiff;
 pub mod spectrum_csv;
 pub mod stages;
@@ -68,4 +70,5 @@ pub use diagnostic::Diagnostic;
 pub use error::IoError;
 pub use file::Limits;
 pub use scene_file::{Quantity, ReadOptions, SceneDefaults, SpectralFile};
+pub use scenes::SceneRequest;
 pub use toml_source::{BuiltinFile, TomlSource};

@@ -46,9 +46,11 @@ pub(crate) const COLOR_MATRIX_1: u16 = 50721;
 pub(crate) const AS_SHOT_NEUTRAL: u16 = 50728;
 pub(crate) const CALIBRATION_ILLUMINANT_1: u16 = 50778;
 pub(crate) const ACTIVE_AREA: u16 = 50829;
+pub(crate) const ROW_INTERLEAVE_FACTOR: u16 = 50975;
 pub(crate) const OPCODE_LIST_1: u16 = 51008;
 pub(crate) const OPCODE_LIST_2: u16 = 51009;
 pub(crate) const OPCODE_LIST_3: u16 = 51022;
+pub(crate) const COLUMN_INTERLEAVE_FACTOR: u16 = 52547;
 
 /// Content of a field.
 #[derive(Debug, Clone, PartialEq)]

@@ -10,7 +10,7 @@ use smalti::camera::Camera;
 use smalti::isp::WhiteBalance;
 use smalti::sensor::{Cfa, Channel};
 use smalti::sensor::{Exposure, NoiseMode};
-use smalti::spectrum::{Outside, Spectrum, WavelengthGrid};
+use smalti::spectrum::{Observer, Outside, Spectrum, WavelengthGrid};
 use smalti_io::dng::{ColorMatrix, DngInfo};
 use smalti_io::{Override, TomlSource, cameras};
 
@@ -75,9 +75,7 @@ impl PyCamera {
         folder: Option<PathBuf>,
     ) -> PyResult<Self> {
         let (overrides, grid) = (overrides(set)?, grid_of(wavelengths_nm)?);
-        let source = TomlSource { name: "camera".into(), folder: folder.unwrap_or_default(), text };
-        let camera = cameras::from_source(&source, &overrides, grid).or_raise()?;
-        Ok(Self { camera, own_cfa: false })
+        Self::from_text(text, folder.unwrap_or_default(), &overrides, grid)
     }
 
     /// What it is called.
@@ -312,6 +310,16 @@ impl PyCamera {
 }
 
 impl PyCamera {
+    pub(crate) fn from_text(
+        text: String,
+        folder: PathBuf,
+        overrides: &[Override],
+        grid: Option<WavelengthGrid>,
+    ) -> PyResult<Self> {
+        let source = TomlSource { name: "camera".into(), folder, text };
+        Ok(Self { camera: cameras::from_source(&source, overrides, grid).or_raise()?, own_cfa: false })
+    }
+
     /// The camera on the wavelengths of a scene, which limit what is known of the light.
     pub(crate) fn on(&self, grid: WavelengthGrid) -> PyResult<Camera> {
         if grid == self.camera.grid() {
@@ -325,12 +333,8 @@ impl PyCamera {
 
     /// The scene, as wide as needed to lie on the sensor whole.
     pub(crate) fn on_sensor(&self, scene: &PyScene) -> PyResult<PyScene> {
-        let (rows, cols) = (scene.scene.radiance().rows(), scene.scene.radiance().cols());
-        let whole = self.camera.sensor.cols.min(self.camera.sensor.rows * cols / rows.max(1));
-        let span = if scene.is_file { whole.min(cols) } else { whole };
-        let deg = self.camera.field_of_view_deg(span.max(1), scene.scene.distance_m()).or_raise()?;
         Ok(PyScene {
-            scene: scene.scene.clone().with_fov(deg).or_raise()?,
+            scene: self.camera.fitted(scene.scene.clone(), scene.is_file).or_raise()?,
             fov_stated: true,
             ..scene.clone()
         })
@@ -348,8 +352,8 @@ impl PyCamera {
             Ok(scene) => scene.get().scene.illuminant().clone(),
             Err(_) => light(value)?.photons(self.camera.grid()).or_raise()?,
         };
-        let white = smalti::spectrum::Observer::Cie1931.xyz_from_photons(&photons).or_raise()?;
-        Ok((photons, white.map(|v| v / white[1])))
+        let white = Observer::Cie1931.white(&photons).or_raise()?;
+        Ok((photons, white))
     }
 }
 

@@ -7,6 +7,7 @@ use std::io;
 use pyo3::create_exception;
 use pyo3::exceptions::{PyOSError, PyValueError};
 use pyo3::prelude::*;
+use smalti_cli::in_one_line;
 
 create_exception!(
     smalti,
@@ -26,31 +27,22 @@ pub(crate) trait OrRaise<T> {
 
 impl<T, E: Error + 'static> OrRaise<T> for Result<T, E> {
     fn or_raise(self) -> PyResult<T> {
-        self.map_err(|e| raised(&e, told(&e)))
+        self.map_err(|e| raised(&e, in_one_line(&e)))
     }
 
     fn or_raise_about(self, about: impl Display) -> PyResult<T> {
-        self.map_err(|e| raised(&e, format!("{about}: {}", told(&e))))
+        self.map_err(|e| raised(&e, format!("{about}: {}", in_one_line(&e))))
     }
+}
+
+/// The exception of an error of the command.
+pub(crate) fn of_command(error: &(dyn Error + 'static)) -> PyErr {
+    raised(error, in_one_line(error))
 }
 
 /// What is wrong with an argument, where the library has not seen it yet.
 pub(crate) fn wrong(message: impl Into<String>) -> PyErr {
     SmaltiError::new_err(message.into())
-}
-
-/// An error and its causes, but for those whose words the error before already holds.
-fn told(error: &dyn Error) -> String {
-    let mut told = error.to_string();
-    let mut cause = error.source();
-    while let Some(e) = cause {
-        let text = e.to_string();
-        if !told.ends_with(&text) {
-            told = format!("{told}: {text}");
-        }
-        cause = e.source();
-    }
-    told
 }
 
 /// The exception that fits: what the operating system refused is an OSError, of the kind that its number says.

@@ -3,13 +3,14 @@
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use smalti::camera::{
-    CameraError, Evaluation, EvaluationSettings, ScoreSettings, Setup, compare_on, evaluate_with,
-    score_picture, test_scenes,
+    CameraError, Contender, Evaluation, EvaluationSettings, LightGainSettings, ScoreSettings, Setup,
+    compare_on, evaluate_with, light_gains, score_picture, test_scenes,
 };
 use smalti::isp::{Isp, WhiteBalance};
 use smalti::numeric::Planes;
 use smalti::scene::Setting;
-use smalti::spectrum::{Illuminant, Spectrum};
+use smalti::spectrum::{Illuminant, Observer, Spectrum};
+use smalti_io::SceneRequest;
 use smalti_io::cache::Cache;
 
 use crate::arrays;
@@ -17,6 +18,7 @@ use crate::camera::PyCamera;
 use crate::error::{OrRaise, wrong};
 use crate::image::PyImage;
 use crate::l3::PyPipeline;
+use crate::scene::PyScene;
 use crate::spectrum::light;
 use crate::work::watched;
 
@@ -146,7 +148,7 @@ pub(crate) fn evaluate(
     cache: bool,
 ) -> PyResult<PyEvaluation> {
     let illuminant = illuminant.map_or(Ok(Illuminant::D65), light)?;
-    let white = white_of(&illuminant, camera)?;
+    let white = Observer::Cie1931.white(&illuminant.photons(camera.camera.grid()).or_raise()?).or_raise()?;
     let settings = EvaluationSettings { luminance_cd_m2, illuminant, seed };
     let name = camera.camera.description().name.clone();
     let own = &camera.camera;
@@ -233,9 +235,10 @@ impl PySceneScores {
 ///
 /// Args:
 ///     camera: the camera.
-///     scenes: built-in scenes with their parameters; default `smalti.test_scenes()`, which nothing is trained on.
+///     scenes: built-in scenes with their parameters, or `Scene` objects; default `smalti.test_scenes()`, which nothing is trained on. A
+///         pixel sees two samples of a built-in scene in either direction, and one of a `Scene`.
 ///     luminances_cd_m2: mean luminances of the scenes, cd/m².
-///     illuminant: their light; default D65.
+///     illuminant: their light; default D65. A `Scene` is re-lit if one is given.
 ///     pipeline: a learned pipeline; default the camera's own processing.
 ///     seed: names the noise.
 ///     progress: called with the number of pictures scored so far.
@@ -245,37 +248,122 @@ impl PySceneScores {
 pub(crate) fn score_scenes(
     py: Python<'_>,
     camera: &PyCamera,
-    scenes: Option<Vec<String>>,
+    scenes: Option<Vec<NameOrScene>>,
     luminances_cd_m2: Vec<f64>,
     illuminant: Option<&Bound<'_, PyAny>>,
     pipeline: Option<&PyPipeline>,
     seed: u64,
     progress: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<Vec<PySceneScores>> {
-    let illuminant = illuminant.map_or(Ok(Illuminant::D65), light)?;
-    let white = white_of(&illuminant, camera)?;
-    let scenes = scenes.unwrap_or_else(|| test_scenes().iter().map(|s| (*s).to_owned()).collect());
+    let asked = illuminant.map(light).transpose()?;
+    let illuminant = asked.clone().unwrap_or(Illuminant::D65);
+    let built_in = || test_scenes().iter().map(|s| NameOrScene::Name((*s).to_owned())).collect();
+    let scenes = scenes.unwrap_or_else(built_in);
     let own = &camera.camera;
     watched(py, progress, |watch| {
         let mut all = Vec::new();
         for scene in &scenes {
             watch.check()?;
-            let setting =
-                Setting { luminance_cd_m2: 1.0, illuminant: illuminant.clone(), ..Setting::default() };
-            let setup = Setup::of_test_scene(own, scene, &setting).or_raise_about(scene)?;
+            let name = scene.name();
+            let setup = match scene {
+                NameOrScene::Name(name) => {
+                    let setting = Setting {
+                        luminance_cd_m2: 1.0,
+                        illuminant: illuminant.clone(),
+                        ..Setting::default()
+                    };
+                    Setup::of_test_scene(own, name, &setting).or_raise_about(name)?
+                }
+                NameOrScene::Scene(of) => {
+                    let request = SceneRequest {
+                        luminance_cd_m2: Some(1.0),
+                        illuminant: asked.clone(),
+                        ..Default::default()
+                    };
+                    let scene = request.applied_to(of.get().scene.clone()).or_raise_about(name)?;
+                    let on_its_grid = camera.on(scene.radiance().grid())?;
+                    Setup::new(&on_its_grid, scene, 1).or_raise_about(name)?
+                }
+            };
+            let white = Observer::Cie1931.white(&setup.light).or_raise_about(name)?;
             for &luminance_cd_m2 in &luminances_cd_m2 {
                 watch.check()?;
-                let about = format!("{scene} at {luminance_cd_m2} cd/m²");
+                let about = format!("{name} at {luminance_cd_m2} cd/m²");
                 let lit = setup.in_light(luminance_cd_m2).and_then(|s| s.exposed()).or_raise_about(&about)?;
                 let isp = processing(own, pipeline, &lit.light).or_raise_about(&about)?;
                 let scores =
                     compare_on(&lit, &*isp, seed, &ScoreSettings::default()).or_raise_about(&about)?;
-                all.push(PySceneScores { scores, scene: scene.clone(), luminance_cd_m2, white });
+                all.push(PySceneScores { scores, scene: name.to_owned(), luminance_cd_m2, white });
                 watch.step();
             }
         }
         Ok(all)
     })
+}
+
+/// A built-in scene by its name, or any scene.
+#[derive(FromPyObject)]
+pub(crate) enum NameOrScene {
+    Name(String),
+    Scene(Py<PyScene>),
+}
+
+impl NameOrScene {
+    fn name(&self) -> &str {
+        match self {
+            Self::Name(name) => name,
+            Self::Scene(scene) => &scene.get().source,
+        }
+    }
+}
+
+/// How much more light a camera needs to make as good pictures as another, by every metric.
+///
+/// Args:
+///     camera: the one that gets more light, or less.
+///     other: the one to be equalled.
+///     pipelines: learned pipelines of the two; None in its place: the camera's own processing.
+///     scenes: built-in scenes with their parameters for the scores of whole pictures; default dead leaves and the ColorChecker. Each is
+///         taken some twenty times.
+///     luminance_cd_m2: mean luminance of the scenes for `other`, cd/m².
+///     illuminant: their light; default D65.
+///     seed: names the noise.
+///
+/// Returns:
+///     luminance_cd_m2, tried, and metrics: for each its name, `gain` in stops ({"stops": v}, or {"more_than": v} or {"less_than": v} where it is
+///     beyond four), and what the two score in equal light (`own`, `target`).
+#[pyfunction]
+#[pyo3(signature = (camera, other, *, pipelines=(None, None), scenes=None, luminance_cd_m2=1.0, illuminant=None, seed=1))]
+#[allow(clippy::too_many_arguments)]
+pub(crate) fn light_gain<'py>(
+    py: Python<'py>,
+    camera: &PyCamera,
+    other: &PyCamera,
+    pipelines: (Option<PyRef<'py, PyPipeline>>, Option<PyRef<'py, PyPipeline>>),
+    scenes: Option<Vec<String>>,
+    luminance_cd_m2: f64,
+    illuminant: Option<&Bound<'py, PyAny>>,
+    seed: u64,
+) -> PyResult<Bound<'py, PyAny>> {
+    let default = LightGainSettings::default();
+    let settings = LightGainSettings {
+        luminance_cd_m2,
+        illuminant: illuminant.map_or(Ok(Illuminant::D65), light)?,
+        seed,
+        scenes: scenes.unwrap_or(default.scenes),
+        score: default.score,
+    };
+    let (of, than) = (pipelines.0.as_deref(), pipelines.1.as_deref());
+    let (own, others) = (&camera.camera, &other.camera);
+    let gains = watched(py, None, |_| {
+        let (a, b) = (
+            |light: &Spectrum| processing(own, of, light),
+            |light: &Spectrum| processing(others, than, light),
+        );
+        let (a, b) = (Contender { camera: own, isp: &a }, Contender { camera: others, isp: &b });
+        light_gains(a, b, &settings).or_raise()
+    })?;
+    dict_of(py, &gains)
 }
 
 /// Scenes to compare cameras on: nothing is trained on them.
@@ -322,12 +410,6 @@ fn processing<'a>(
         Some(pipeline) => Ok(Box::new(&pipeline.0)),
         None => Ok(Box::new(camera.isp(light, WhiteBalance::None)?)),
     }
-}
-
-fn white_of(illuminant: &Illuminant, camera: &PyCamera) -> PyResult<[f64; 3]> {
-    let photons = illuminant.photons(camera.camera.grid()).or_raise()?;
-    let white = smalti::spectrum::Observer::Cie1931.xyz_from_photons(&photons).or_raise()?;
-    Ok(white.map(|v| v / white[1]))
 }
 
 /// What serialises to JSON, as a dict.

@@ -5,9 +5,7 @@ use std::path::PathBuf;
 use numpy::{IntoPyArray, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
-use smalti::color::matrix::IDENTITY;
-use smalti::color::{Adaptation, ColorSpace, Image};
-use smalti::numeric::Planes;
+use smalti::color::{ColorSpace, Image};
 use smalti_io::picture::{self, Depth};
 use smalti_io::scene_file::ReadOptions;
 
@@ -15,10 +13,6 @@ use crate::arrays;
 use crate::error::{OrRaise, wrong};
 use crate::work::{detached, watched};
 
-/// White point of sRGB: X, Y, Z, Y = 1 (IEC 61966-2-1).
-const D65: [f64; 3] = [0.95047, 1.0, 1.08883];
-/// The share of pixels that may be brighter than white when the brightness of a picture is chosen.
-const BRIGHT_SHARE: f64 = 0.005;
 const SPACES: [(&str, ColorSpace); 5] = [
     ("xyz", ColorSpace::Xyz),
     ("linear-srgb", ColorSpace::LinearSrgb),
@@ -136,13 +130,7 @@ impl PyImage {
     /// the range of the display.
     fn brightness_gain(&self) -> PyResult<f64> {
         let xyz = self.image.converted(ColorSpace::Xyz).or_raise()?;
-        let mut luminance: Vec<f32> = xyz.planes().plane(1).to_vec();
-        let at = (luminance.len().saturating_sub(1) as f64 * (1.0 - BRIGHT_SHARE)) as usize;
-        if luminance.is_empty() {
-            return Ok(1.0);
-        }
-        let (_, &mut bright, _) = luminance.select_nth_unstable_by(at, f32::total_cmp);
-        Ok(if bright > 0.0 { 1.0 / f64::from(bright) } else { 1.0 })
+        Ok(xyz.brightness_gain())
     }
 
     /// The picture in sRGB as one looks at it: the white of its light, where known, made that of the screen (Bradford).
@@ -192,14 +180,7 @@ impl PyImage {
     fn as_shown(&self, gain: Option<f64>) -> PyResult<Image> {
         let gain = gain.map_or_else(|| self.brightness_gain(), Ok)?;
         let xyz = self.image.converted(ColorSpace::Xyz).or_raise()?;
-        let matrix = self.white.and_then(|w| Adaptation::Bradford.matrix(D65, w)).unwrap_or(IDENTITY);
-        let (planes, mut out) = (xyz.planes(), Planes::zeros(xyz.rows(), xyz.cols(), 3));
-        for (i, row) in matrix.iter().enumerate() {
-            let [a, b, c] = row.map(|v| (v * gain) as f32);
-            let of = planes.plane(0).iter().zip(planes.plane(1)).zip(planes.plane(2));
-            out.plane_mut(i).iter_mut().zip(of).for_each(|(o, ((x, y), z))| *o = a * x + b * y + c * z);
-        }
-        Image::new(ColorSpace::Xyz, out).and_then(|i| i.converted(ColorSpace::Srgb)).or_raise()
+        xyz.shown(self.white, gain).or_raise()
     }
 
     /// Encoded pictures as they are, others as they are shown.

@@ -25,9 +25,6 @@ use crate::scene::PyScene;
 use crate::spectrum::light;
 use crate::work::watched;
 
-/// White point of the sRGB that targets of real raw files are in.
-const D65: [f64; 3] = [0.95047, 1.0, 1.08883];
-
 /// A learned pipeline: a table of linear operators, one for each class of patches. `train` makes one.
 #[pyclass(name = "Pipeline", module = "smalti", frozen)]
 #[derive(Debug, Clone)]
@@ -323,7 +320,7 @@ pub(crate) fn gather_statistics(
             // Real raw files hold their noise.
             statistics = Statistics::new(statistics.axes().clone(), statistics.outputs().to_vec(), true)
                 .or_raise()?
-                .with_white(Some(D65));
+                .with_white(Some(smalti::color::SRGB_WHITE));
         }
         let names: Vec<String> = own.sensor.cfa.channels().iter().map(|c| c.name.clone()).collect();
         for (i, (raw, target)) in pairs.iter().enumerate() {

@@ -9,6 +9,7 @@ mod camera;
 mod cfa;
 mod cluster;
 mod color;
+mod command;
 mod error;
 mod evaluate;
 mod image;
@@ -34,10 +35,12 @@ mod _smalti {
     #[pymodule_export]
     use crate::color::{delta_e, lab, scielab_map, xyz};
     #[pymodule_export]
+    use crate::command::{command, write_report};
+    #[pymodule_export]
     use crate::error::SmaltiError;
     #[pymodule_export]
     use crate::evaluate::{
-        PyEvaluation, PySceneScores, evaluate, score_pictures, score_scenes, test_scene_names,
+        PyEvaluation, PySceneScores, evaluate, light_gain, score_pictures, score_scenes, test_scene_names,
     };
     #[pymodule_export]
     use crate::image::PyImage;

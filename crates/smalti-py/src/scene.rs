@@ -1,17 +1,17 @@
 //! Scenes and what a lens makes of them.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use numpy::IntoPyArray;
 use pyo3::prelude::*;
 use smalti::color::{ColorSpace, Image};
 use smalti::optics::OpticalImage;
 use smalti::scene::{Scene, Setting, catalog};
-use smalti::spectrum::{Observer, SpectralCube, WavelengthGrid, reflectance};
+use smalti::spectrum::{Observer, SpectralCube, WavelengthGrid};
 use smalti_io::scene_file::{
     self, Crop, Format, Quantity, ReadOptions, SceneDefaults, SpectralFile, Whole, WriteOptions,
 };
-use smalti_io::{exr, matlab, spectral_tiff};
+use smalti_io::{SceneRequest, exr, matlab, spectral_tiff};
 
 use crate::arrays;
 use crate::error::{OrRaise, short, wrong};
@@ -71,45 +71,28 @@ impl PyScene {
     ) -> PyResult<Self> {
         let name = source.to_string_lossy().into_owned();
         let grid = grid_of(wavelengths_nm)?;
-        let relit = illuminant.map(light).transpose()?;
-        let default = Setting::default();
-        let setting = Setting {
-            luminance_cd_m2: luminance_cd_m2.unwrap_or(default.luminance_cd_m2),
-            distance_m: distance_m.unwrap_or(default.distance_m),
-            horizontal_fov_deg: fov_deg.unwrap_or(default.horizontal_fov_deg),
-            illuminant: relit.clone().unwrap_or(default.illuminant),
-            grid: grid.unwrap_or_default(),
-        };
         let fov_stated = fov_deg.is_some() || name.contains("fov=");
         let is_file = scene_file::is_meant(&name);
         if !is_file && (quantity.is_some() || variable.is_some() || crop.is_some() || clamp_negative) {
             let of_files = "quantity, variable, crop and clamp_negative are of files";
             return Err(wrong(format!("{name}: {of_files}; it is a built-in scene")));
         }
-        let options = ReadOptions {
-            clamp_negative,
+        let request = SceneRequest {
+            luminance_cd_m2,
+            distance_m,
+            horizontal_fov_deg: fov_deg,
+            illuminant: illuminant.map(light).transpose()?,
             grid,
-            quantity: quantity.map(quantity_of).transpose()?,
-            variable,
-            crop: crop.map(|(row, col, rows, cols)| Crop { row, col, rows, cols }),
-            ..ReadOptions::default()
+            read: ReadOptions {
+                clamp_negative,
+                grid,
+                quantity: quantity.map(quantity_of).transpose()?,
+                variable,
+                crop: crop.map(|(row, col, rows, cols)| Crop { row, col, rows, cols }),
+                ..ReadOptions::default()
+            },
         };
-        let scene = watched(py, None, |_| {
-            if !is_file {
-                let natural: Vec<_> =
-                    reflectance::natural(setting.grid).or_raise()?.into_iter().map(|(_, s)| s).collect();
-                return catalog::build(&name, &setting, &natural).or_raise();
-            }
-            let mut scene = scene_file::read(Path::new(&name), &setting, &options).or_raise()?;
-            // What was stated holds, whatever the file says.
-            if let Some(grid) = grid.filter(|g| *g != scene.radiance().grid()) {
-                scene = scene.resampled(grid).or_raise_about(&name)?;
-            }
-            if let Some(light) = &relit {
-                scene = scene.relit(light).or_raise_about(&name)?;
-            }
-            changed(scene, luminance_cd_m2, distance_m, fov_deg)
-        })?;
+        let scene = watched(py, None, |_| smalti_io::scenes::load(&name, &request).or_raise())?;
         Ok(Self { scene, source: name, fov_stated, is_file })
     }
 
@@ -260,7 +243,9 @@ impl PyScene {
         distance_m: Option<f64>,
         fov_deg: Option<f64>,
     ) -> PyResult<Self> {
-        let scene = changed(self.scene.clone(), luminance_cd_m2, distance_m, fov_deg)?;
+        let request =
+            SceneRequest { luminance_cd_m2, distance_m, horizontal_fov_deg: fov_deg, ..Default::default() };
+        let scene = request.applied_to(self.scene.clone()).or_raise()?;
         Ok(Self { scene, fov_stated: self.fov_stated || fov_deg.is_some(), ..self.clone() })
     }
 
@@ -327,8 +312,7 @@ impl PyScene {
 impl PyScene {
     /// X, Y, Z of the scene's light, Y = 1.
     pub(crate) fn white(&self) -> PyResult<[f64; 3]> {
-        let white = Observer::Cie1931.xyz_from_photons(self.scene.illuminant()).or_raise()?;
-        Ok(white.map(|v| v / white[1]))
+        Observer::Cie1931.white(self.scene.illuminant()).or_raise()
     }
 
     fn from_cube(
@@ -364,7 +348,9 @@ impl PyScene {
             horizontal_fov_deg: fov_deg,
         };
         let scene = file.into_scene(&defaults).or_raise()?;
-        let scene = changed(scene, luminance_cd_m2.filter(|_| !relative), None, None)?;
+        let request =
+            SceneRequest { luminance_cd_m2: luminance_cd_m2.filter(|_| !relative), ..Default::default() };
+        let scene = request.applied_to(scene).or_raise()?;
         Ok(Self { scene, source: name.into(), fov_stated: fov_deg.is_some(), is_file: true })
     }
 }
@@ -373,26 +359,6 @@ impl PyScene {
 #[pyfunction]
 pub(crate) fn scenes() -> std::collections::BTreeMap<&'static str, &'static str> {
     catalog::names().iter().map(|s| (s.name, s.summary)).collect()
-}
-
-fn changed(
-    scene: Scene,
-    luminance_cd_m2: Option<f64>,
-    distance_m: Option<f64>,
-    fov_deg: Option<f64>,
-) -> PyResult<Scene> {
-    let scene = match luminance_cd_m2 {
-        Some(cd_m2) => scene.with_mean_luminance(cd_m2).or_raise()?,
-        None => scene,
-    };
-    let scene = match distance_m {
-        Some(m) => scene.with_distance(m).or_raise()?,
-        None => scene,
-    };
-    match fov_deg {
-        Some(deg) => scene.with_fov(deg).or_raise(),
-        None => Ok(scene),
-    }
 }
 
 /// An array \[rows, columns, wavelengths\] on its wavelengths.

@@ -13,9 +13,9 @@ use smalti_io::dataset::{self, Column, Dataset, Manifest, Run, Shard};
 use smalti_io::sweeps::{self, SweepError};
 use smalti_io::{TomlSource, studies};
 
-use crate::camera::diagnosed;
+use crate::camera::{PyCamera, diagnosed};
 use crate::cfa::PyCfa;
-use crate::error::{OrRaise, wrong};
+use crate::error::{OrRaise, of_command, wrong};
 use crate::evaluate::cache;
 use crate::work::watched;
 
@@ -201,6 +201,15 @@ impl PyResults {
     #[getter]
     fn study<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         py.import("json")?.call_method1("loads", (self.0.manifest().plan.study.to_string(),))
+    }
+
+    /// The camera of a design, as `smalti.evaluate` or `smalti.train` take it.
+    ///
+    /// Args:
+    ///     design: its number.
+    fn camera(&self, design: u64) -> PyResult<PyCamera> {
+        let text = smalti_cli::design_camera(self.0.dir(), design).map_err(|e| of_command(e.as_ref()))?;
+        PyCamera::from_text(text, self.0.dir().to_owned(), &[], None)
     }
 
     /// What each column holds: its unit and meaning, by its name.

@@ -105,3 +105,32 @@ def test_pipelines_are_those_of_train(command: Command, tmp_path: Path) -> None:
     assert "[default: D65,A,LED]" in shown
     again = smalti.Pipeline.read(tmp_path / "here.l3")
     np.testing.assert_array_equal(again.weights, pipeline.weights)
+
+
+def test_the_command_comes_with_the_package(command: Command, tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    assert command("--version") == f"smalti {smalti.__version__}\n"
+    assert smalti.command(["show", "rgbw", "-o", tmp_path / "rgbw.svg"]) == 0
+    assert (tmp_path / "rgbw.svg").read_text().startswith("<svg")
+    assert smalti.command(["evaluate", "nikon"]) == 1 and "nikon" in capfd.readouterr().err
+    assert smalti.command(["evaluate"]) == 2 and smalti.command(["--help"]) == 0
+    assert smalti.command([]) == 2
+
+
+def test_reports_are_those_of_the_command(command: Command, tmp_path: Path) -> None:
+    results = smalti.sweep(smalti.Study.from_toml(STUDY), tmp_path / "out", progress=False)
+    document = smalti.report(results, pictures=2)
+    assert document == json.loads((tmp_path / "out/report/report.json").read_text())
+    assert document == json.loads(command("report", tmp_path / "out", "-o", tmp_path / "other", "--pictures", "2", "--json"))
+    assert (tmp_path / "out/report/report.html").read_bytes() == (tmp_path / "other/report.html").read_bytes()
+    smalti.report([tmp_path / "out"], tmp_path / "alone.html", pictures=0)
+    assert (tmp_path / "alone.html").read_bytes().startswith(b"<!DOCTYPE html>")
+    with pytest.raises(smalti.SmaltiError, match="none of the 4 is called so"):
+        smalti.report(results, tmp_path / "drawn", draw=["sepia"])
+    with pytest.raises(FileNotFoundError):
+        smalti.report(tmp_path / "none")
+    # A design goes on as a camera.
+    frame = results.to_pandas()
+    scores = smalti.evaluate(results.camera(40), luminance_cd_m2=frame.luminance_cd_m2[40], cache=False)
+    assert scores.delta_e_2000 == pytest.approx(frame.delta_e_2000[40], rel=1e-6)
+    with pytest.raises(smalti.SmaltiError, match="designs 0 to 71, not 72"):
+        results.camera(72)

@@ -90,3 +90,21 @@ def test_compare_gives_records() -> None:
     frame = pd.DataFrame(records).set_index(["camera", "luminance_cd_m2"])
     assert len(frame) == 4 and told == sorted(told)
     assert (frame.cpsnr_db.xs(50.0, level=1) > frame.cpsnr_db.xs(5.0, level=1)).all()
+
+
+def test_compare_takes_any_scene() -> None:
+    scene = smalti.Scene("macbeth?patch=32", illuminant="A")
+    (own,) = smalti.compare([smalti.Camera("bayer")], scenes=[scene], luminances_cd_m2=[20.0], progress=False)
+    (relit,) = smalti.compare([smalti.Camera("bayer")], scenes=[scene], illuminant="D65", luminances_cd_m2=[20.0], progress=False)
+    assert own["scene"] == scene.name and own["cpsnr_db"] != relit["cpsnr_db"]
+    # A file has one sample a pixel; so has the scene here, whatever the sensor's size.
+    assert own["cpsnr_db"] > 20 and own["seed"] == 1
+
+
+def test_a_stop_of_aperture_is_a_stop_of_light() -> None:
+    scenes = ["dead-leaves?rows=96&cols=128&least=4&largest=40&seed=3"]
+    wide, narrow = smalti.Camera("bayer"), smalti.Camera("bayer", set={"optics.f_number": 4 * 2**0.5})
+    same = smalti.light_gain(wide, wide, scenes=scenes)
+    assert all(m["gain"] == {"stops": 0.0} and m["own"] == m["target"] for m in same["metrics"])
+    gain = {m["metric"]: m["gain"]["stops"] for m in smalti.light_gain(narrow, wide, scenes=scenes)["metrics"]}
+    assert gain["visual_snr"] == pytest.approx(1, abs=0.1) and gain["cpsnr_db"] == pytest.approx(1, abs=0.2)

@@ -122,7 +122,7 @@ fn seen(picture: &Image, white: [f64; 3]) -> anyhow::Result<Image> {
     let place = luminance.len().saturating_sub(1) * 99 / 100;
     luminance.sort_unstable_by(f32::total_cmp);
     let bright = luminance.get(place).copied().filter(|v| *v > 0.0).unwrap_or(1.0);
-    crate::pictures::shown(picture, white, 0.92 / f64::from(bright))
+    Ok(picture.shown(Some(white), 0.92 / f64::from(bright))?)
 }
 
 /// A column: its digits, whether more is better, and the figure.

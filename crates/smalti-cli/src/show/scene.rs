@@ -3,13 +3,11 @@
 use anyhow::Context;
 use serde_json::json;
 use smalti::color::cct::PlanckianLocus;
-use smalti::color::{ColorSpace, Image};
+use smalti::color::{ColorSpace, Image, SRGB_WHITE};
 use smalti::spectrum::{Illuminant, Observer, Spectrum};
 
 use super::picture::{self, Pixels};
 use super::{Part, Show, Shown, figure};
-use crate::brightness::brightness_gain;
-use crate::pictures::shown;
 use crate::resolve;
 
 /// Pixels of a picture's width for terminals that show some; blocks need fewer.
@@ -27,9 +25,9 @@ pub(super) fn show(args: &Show) -> anyhow::Result<Shown> {
     let luminance = scene.luminance_cd_m2()?;
     let ends = luminance.iter().fold((f32::INFINITY, 0.0f32), |(l, h), &v| (l.min(v), h.max(v)));
     let image = picture::reduced(&Image::new(ColorSpace::Xyz, scene.xyz()?)?, MOST_PX)?;
-    let white = xyz.map(|v| v / xyz[1]);
-    let white = if white.iter().all(|v| v.is_finite()) { white } else { crate::pictures::D65 };
-    let seen = Pixels::of(&shown(&image, white, brightness_gain(&image))?)?;
+    let white = Observer::Cie1931.white(light)?;
+    let white = if white.iter().all(|v| v.is_finite()) { white } else { SRGB_WHITE };
+    let seen = Pixels::of(&image.shown(Some(white), image.brightness_gain())?)?;
     let wavelengths = format!(
         "{:.0}–{:.0} nm in {} steps of {} nm",
         grid.start_nm(),

@@ -10,11 +10,11 @@ use super::page::quoted;
 use super::results::{designs, plain};
 
 /// TOML of the camera of a design, and above it how its figures are found again.
-pub(super) fn toml(dir: &Path, number: u64) -> anyhow::Result<String> {
+pub(crate) fn toml(dir: &Path, number: u64) -> anyhow::Result<String> {
     let dataset = Dataset::open(dir)?;
     let designs = designs(&dataset).with_context(|| dir.display().to_string())?;
     let (study, count) = (designs.study(), designs.len());
-    ensure!(number < count, "--camera {number}: {} has designs 0 to {}", dir.display(), count - 1);
+    ensure!(number < count, "{}: it has designs 0 to {}, not {number}", dir.display(), count - 1);
     let design = designs.design(number)?;
     let condition = study.conditions.get(design.condition).context("no such condition")?;
     let mut camera = design.camera(&condition.camera);

@@ -1,7 +1,7 @@
 //! `smalti report`: what a study found, as tables, one document and figures.
 
 mod answers;
-mod camera;
+pub(crate) mod camera;
 mod document;
 mod figures;
 mod filters;
@@ -18,7 +18,7 @@ use anyhow::{Context, bail};
 use smalti_io::write;
 use smalti_report::Figure;
 
-use crate::args::{Common, ReportArgs};
+use crate::args::{Common, ReportArgs, ReportOptions};
 use crate::names;
 use crate::progress::Progress;
 use answers::Section;
@@ -34,19 +34,32 @@ const DRAWN: usize = 8;
 const LARGE: usize = 1_000_000;
 
 pub(crate) fn run(args: &ReportArgs, common: &Common) -> anyhow::Result<()> {
-    if let (Some(number), Some(dir)) = (args.camera, args.results.first()) {
+    if let (Some(number), Some(dir)) = (args.camera, args.of.results.first()) {
         return crate::print(&camera::toml(dir, number)?);
     }
-    let alone =
-        args.output.as_ref().filter(|o| o.extension().is_some_and(|e| e.eq_ignore_ascii_case("html")));
-    let folder = match (&args.output, args.results.first()) {
+    let progress = Progress::new(args.of.results.len() as u64 + 2, common.quiet);
+    let made = report(&args.of, &progress)?;
+    crate::print(if args.json { &made.document } else { &made.text })
+}
+
+/// What a report says.
+pub(crate) struct Made {
+    /// As JSON: `report.json`.
+    pub(crate) document: String,
+    /// In words and tables.
+    text: String,
+}
+
+/// Makes the report and its files.
+pub(crate) fn report(of: &ReportOptions, progress: &Progress) -> anyhow::Result<Made> {
+    let alone = of.output.as_ref().filter(|o| o.extension().is_some_and(|e| e.eq_ignore_ascii_case("html")));
+    let folder = match (&of.output, of.results.first()) {
         (Some(folder), _) => folder.clone(),
         (None, Some(first)) => first.join("report"),
         (None, None) => bail!("which results? Name a folder that `smalti sweep` wrote"),
     };
-    let progress = Progress::new(args.results.len() as u64 + 2, common.quiet);
     let mut read = Vec::new();
-    for dir in &args.results {
+    for dir in &of.results {
         progress.begin(results::plain(&dir.display().to_string()));
         read.push(Results::read(dir)?);
         progress.done();
@@ -59,39 +72,37 @@ pub(crate) fn run(args: &ReportArgs, common: &Common) -> anyhow::Result<()> {
     let text = tables::text(&all)?;
     let sources = page::Sources {
         all: &all,
-        dirs: &args.results,
-        pictures: usize::from(args.pictures),
-        wanted: &args.picture,
+        dirs: &of.results,
+        pictures: usize::from(of.pictures),
+        wanted: &of.picture,
     };
     progress.begin("page");
-    let (html, notes) = page::page(&sources)?;
+    let (html, mut notes) = page::page(&sources)?;
     progress.done();
-    if let Some(file) = alone {
-        write::bytes(file, html.as_bytes())?;
-        let document = serde_json::to_string_pretty(&document::document(&all, &[], &notes)?)? + "\n";
-        progress.finish();
-        notes.iter().for_each(|note| progress.note(note));
-        return crate::print(&if args.json { document } else { format!("{text}See {}\n", file.display()) });
+    let mut files = Vec::new();
+    if alone.is_none() {
+        progress.begin("figures");
+        let mut book = Book::begin(&folder)?;
+        book.notes = notes;
+        draw(&all, &of.draw, &mut book)?;
+        (files, notes) = (book.files, book.notes);
     }
-    progress.begin("figures");
-    let mut book = Book::begin(&folder)?;
-    book.notes = notes;
-    write::bytes(&folder.join(PAGE), html.as_bytes())?;
-    draw(&all, &args.draw, &mut book)?;
-    let document = serde_json::to_string_pretty(&document::document(&all, &book.files, &book.notes)?)? + "\n";
-    write::bytes(&folder.join(DOCUMENT), document.as_bytes())?;
+    let document = serde_json::to_string_pretty(&document::document(&all, &files, &notes)?)? + "\n";
+    let seen = match alone {
+        Some(file) => {
+            write::bytes(file, html.as_bytes())?;
+            format!("See {}\n", file.display())
+        }
+        None => {
+            write::bytes(&folder.join(PAGE), html.as_bytes())?;
+            write::bytes(&folder.join(DOCUMENT), document.as_bytes())?;
+            let (count, folder) = (files.len() / 2, folder.display());
+            format!("{count} figures in {folder}, all of this in {folder}/{DOCUMENT}; see {folder}/{PAGE}\n")
+        }
+    };
     progress.finish();
-    for note in &book.notes {
-        progress.note(note);
-    }
-    if args.json {
-        return crate::print(&document);
-    }
-    let folder = folder.display();
-    crate::print(&format!(
-        "{text}{} figures in {folder}, all of this in {folder}/{DOCUMENT}; see {folder}/{PAGE}\n",
-        book.files.len() / 2
-    ))
+    notes.iter().for_each(|note| progress.note(note));
+    Ok(Made { document, text: text + &seen })
 }
 
 /// The figures of a report, as they are written.
@@ -135,7 +146,7 @@ impl Book {
         self.notes.push(format!(
             "{}: no {what}: {}",
             about.title(),
-            results::plain(&crate::in_one_line(error))
+            results::plain(&crate::in_one_line(error.as_ref()))
         ));
     }
 }

@@ -9,8 +9,7 @@ use smalti::sensor::NoiseMode;
 use smalti::spectrum::Observer;
 
 use super::answers::Section;
-use crate::brightness::brightness_gain;
-use crate::pictures::{Pixels, shown};
+use crate::pictures::Pixels;
 
 /// Rings up to the Nyquist frequency of the sensor in the middle of each side, on 256 × 256 pixels.
 pub(crate) const ZONE_PLATE: &str = "zone-plate?size=512&frequency=0.25";
@@ -77,8 +76,7 @@ impl Stage<'_> {
             None => Box::new(camera.isp(light, WhiteBalance::None)?),
         };
         let picture = isp.render(&raw)?;
-        let white = Observer::Cie1931.xyz_from_photons(light)?;
-        let white = white.map(|v| v / white[1]);
-        Ok(Pixels::of(&shown(&picture, white, brightness_gain(&picture))?))
+        let white = Observer::Cie1931.white(light)?;
+        Ok(Pixels::of(&picture.shown(Some(white), picture.brightness_gain())?))
     }
 }

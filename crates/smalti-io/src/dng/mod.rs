@@ -1,10 +1,12 @@
-//! Raw images as DNG (Adobe Digital Negative 1.4, an extension of TIFF/EP). Read are uncompressed samples, lossless
-//! JPEG and Deflate, as cameras, telephones and converters write them; lossy JPEG and JPEG XL are not.
+//! Raw images as DNG (Adobe Digital Negative, an extension of TIFF/EP; written as 1.4, read up to 1.7). Read are
+//! uncompressed samples, lossless JPEG, Deflate and JPEG XL, as cameras, telephones and converters write them; lossy
+//! JPEG is not.
 //!
 //! What DNG has a field for is stated there: mosaic, levels, colour matrix. Its colours are red, green, blue, cyan,
 //! magenta, yellow and white; a channel of another name gets a code from 7 on. Names, exact levels and the unit
 //! also stand as JSON in `ImageDescription`, so that [`read`] returns an equal [`RawImage`] for any mosaic.
 
+mod jxl;
 mod levels;
 mod ljpeg;
 mod packed;

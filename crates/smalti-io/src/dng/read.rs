@@ -15,7 +15,7 @@ use crate::tiff_tags::{self as tags, Ifd, Tiff};
 use crate::{IoError, Limits, file};
 
 /// The raw image of a DNG: CFA or LinearRaw; 8 to 16 bits or floating point of 16, 24 or 32; uncompressed, lossless
-/// JPEG or Deflate; both byte orders, strips or tiles. The image is cropped to its active area and its linearisation
+/// JPEG, Deflate or JPEG XL; both byte orders, strips or tiles. The image is cropped to its active area and its linearisation
 /// table applied. Where black levels differ from pixel to pixel, their difference to the highest is taken off the
 /// samples, so that one level holds for all. Opcode lists are left aside, with a note.
 ///
@@ -145,15 +145,15 @@ fn coding(ifd: &Ifd<'_>, path: &Path) -> Result<Coding, IoError> {
         1 => return Ok(Coding::None),
         7 => return Ok(Coding::LosslessJpeg),
         8 | 32946 => return Ok(Coding::Deflate),
+        52546 => return Ok(Coding::JpegXl),
         _ => {}
     }
     let name = match compression {
         34892 => " (lossy JPEG)",
         34713 => " (Nikon NEF)",
-        52546 => " (JPEG XL)",
         _ => "",
     };
-    let expected = "1 (none), 7 (lossless JPEG) or 8 (Deflate); Adobe's converter writes them from other DNG with -l or -u";
+    let expected = "1 (none), 7 (lossless JPEG), 8 (Deflate) or 52546 (JPEG XL); Adobe's converter writes the first two from other DNG with -u or -c";
     Err(IoError::field(path, "Compression", format!("{compression}{name}"), expected))
 }
 

@@ -4,12 +4,13 @@ use std::borrow::Cow;
 use std::io::Read;
 use std::path::Path;
 
+use rayon::prelude::*;
 use smalti::sensor::RawSamples;
 
-use super::ljpeg;
 use super::packed::{Predictor, float, integer};
+use super::{jxl, ljpeg};
 use crate::tiff_tags::{self as tags, Ifd, Tiff};
-use crate::{IoError, Limits};
+use crate::{IoError, Limits, file};
 
 /// How strips or tiles are compressed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -17,6 +18,7 @@ pub(super) enum Coding {
     None,
     LosslessJpeg,
     Deflate,
+    JpegXl,
 }
 
 /// How the samples of an image lie in the file.
@@ -54,23 +56,36 @@ pub(super) fn decode(
     let mut digital = vec![0u16; if shape.float { 0 } else { len }];
     let mut analog = vec![0f32; if shape.float { len } else { 0 }];
 
+    let rows_at = interleaved(ifd, tags::ROW_INTERLEAVE_FACTOR, shape.rows, path)?;
+    let cols_at = interleaved(ifd, tags::COLUMN_INTERLEAVE_FACTOR, shape.cols, path)?;
     let chunks = chunks(ifd, shape, path)?;
-    for chunk in &chunks.list {
-        let rows = chunks.rows.min(shape.rows - chunk.row);
-        let content = content(tiff, ifd, shape, &chunks, chunk, path)?;
-        for row in area.top.max(chunk.row)..area.bottom.min(chunk.row + rows) {
-            let content = content.row(row - chunk.row);
-            let from = area.left.max(chunk.col);
-            let to = area.right.min(chunk.col.saturating_add(chunks.cols));
-            for col in from..to {
-                for p in 0..shape.planes {
-                    let i = (col - chunk.col) * shape.planes + p;
-                    let at = (p * height + row - area.top) * width + col - area.left;
-                    match (&content, digital.get_mut(at), analog.get_mut(at)) {
-                        (Row::Samples(s), Some(v), _) => *v = s.get(i).copied().unwrap_or(0),
-                        (Row::Bytes(b, big), Some(v), _) => *v = integer(b, i, shape.bits, *big),
-                        (Row::Bytes(b, big), None, Some(v)) => *v = float(b, i, shape.bits, *big),
-                        _ => {}
+    // So many are decompressed at once that every thread has some, and few are held.
+    for batch in chunks.list.chunks(4 * rayon::current_num_threads()) {
+        let read = |chunk| content(tiff, ifd, shape, &chunks, chunk, path);
+        // All are done before the first error in their order is told: the same for any number of threads.
+        let contents: Vec<Result<Content<'_>, IoError>> = batch.par_iter().map(read).collect();
+        for (chunk, content) in batch.iter().zip(contents) {
+            let content = content?;
+            for (r, row) in rows_at.iter().skip(chunk.row).take(chunks.rows).enumerate() {
+                let Some(row) = row.checked_sub(area.top).filter(|r| *r < height) else { continue };
+                let cols = cols_at.iter().skip(chunk.col).take(chunks.cols).enumerate();
+                let within = cols.filter_map(|(c, col)| Some((c, col.checked_sub(area.left)?)));
+                let places = within.filter(|(_, col)| *col < width).flat_map(|(c, col)| {
+                    (0..shape.planes).map(move |p| (c * shape.planes + p, (p * height + row) * width + col))
+                });
+                match content.row(r) {
+                    Row::Samples(s) => put(&mut digital, places, |i| s.get(i).copied()),
+                    Row::Shares(s) if shape.float => put(&mut analog, places, |i| s.get(i).copied()),
+                    Row::Shares(s) => {
+                        let white = f32::from(u16::MAX >> (16 - shape.bits));
+                        let digital_number = |share: &f32| (share * white).round().clamp(0.0, white) as u16;
+                        put(&mut digital, places, |i| s.get(i).map(digital_number));
+                    }
+                    Row::Bytes(b, big) if shape.float => {
+                        put(&mut analog, places, |i| Some(float(b, i, shape.bits, big)));
+                    }
+                    Row::Bytes(b, big) => {
+                        put(&mut digital, places, |i| Some(integer(b, i, shape.bits, big)));
                     }
                 }
             }
@@ -89,6 +104,27 @@ pub(super) fn decode(
     Ok(if shape.float { RawSamples::Analog(analog) } else { RawSamples::Digital(digital) })
 }
 
+/// Puts samples to their places, those that are there.
+fn put<T>(into: &mut [T], places: impl Iterator<Item = (usize, usize)>, sample: impl Fn(usize) -> Option<T>) {
+    for (from, to) in places {
+        if let (Some(v), Some(sample)) = (into.get_mut(to), sample(from)) {
+            *v = sample;
+        }
+    }
+}
+
+/// Which rows, or columns, of the image are stored, in their order: with a factor `n` first every `n`th from the first, then
+/// every `n`th from the second, and so on (DNG 1.7). So the colours of a mosaic lie apart.
+fn interleaved(ifd: &Ifd<'_>, tag: u16, count: usize, path: &Path) -> Result<Vec<usize>, IoError> {
+    let factor = ifd.size(tag).unwrap_or(1);
+    if factor == 0 || factor > count {
+        let name =
+            if tag == tags::ROW_INTERLEAVE_FACTOR { "RowInterleaveFactor" } else { "ColumnInterleaveFactor" };
+        return Err(IoError::field(path, name, factor.to_string(), format!("1 to {count}")));
+    }
+    Ok((0..factor).flat_map(|first| (first..count).step_by(factor)).collect())
+}
+
 /// What the file cannot hold is refused before memory is taken.
 fn check_size(tiff: Tiff<'_>, shape: Shape, limits: Limits, path: &Path) -> Result<(), IoError> {
     const WHAT: &str = "the raw image";
@@ -101,7 +137,7 @@ fn check_size(tiff: Tiff<'_>, shape: Shape, limits: Limits, path: &Path) -> Resu
         Coding::None => shape.bits as u64,
         // One bit for a sample that is as predicted.
         Coding::LosslessJpeg => 1,
-        Coding::Deflate => 0,
+        Coding::Deflate | Coding::JpegXl => 0,
     };
     let need = samples.checked_mul(least_bits).map_or(u64::MAX, |bits| bits / 8);
     if need > have {
@@ -165,11 +201,14 @@ enum Content<'a> {
     Bytes(Cow<'a, [u8]>, usize, bool),
     /// Rows of so many samples.
     Samples(Vec<u16>, usize),
+    /// The same as shares of the largest number, or as they are where they are floating point.
+    Shares(Vec<f32>, usize),
 }
 
 enum Row<'a> {
     Bytes(&'a [u8], bool),
     Samples(&'a [u16]),
+    Shares(&'a [f32]),
 }
 
 impl Content<'_> {
@@ -177,6 +216,7 @@ impl Content<'_> {
         match self {
             Self::Bytes(bytes, len, big) => Row::Bytes(bytes.chunks(*len).nth(r).unwrap_or_default(), *big),
             Self::Samples(samples, len) => Row::Samples(samples.chunks(*len).nth(r).unwrap_or_default()),
+            Self::Shares(shares, len) => Row::Shares(shares.chunks(*len).nth(r).unwrap_or_default()),
         }
     }
 }
@@ -219,6 +259,15 @@ fn content<'a>(
         let (Some(least), Some(most)) = (least, most) else { return Err(truncated(u64::MAX)) };
         let decoded = ljpeg::decode(coded, least..=most).map_err(|m| wrong(format!("lossless JPEG: {m}")))?;
         return Ok(Content::Samples(decoded, samples));
+    }
+    if shape.coding == Coding::JpegXl {
+        Limits::default().check(path, "a strip or tile", needed as u64, len as u64)?;
+        let size =
+            jxl::Size { least_rows: rows, most_rows: chunks.rows, cols: chunks.cols, planes: shape.planes };
+        let decoded = file::guarded(path, "DNG", || {
+            jxl::decode(coded, size).map_err(|m| wrong(format!("JPEG XL: {m}")))
+        })?;
+        return Ok(Content::Shares(decoded, samples));
     }
     let code = ifd.size(tags::PREDICTOR).unwrap_or(1);
     let predictor = Predictor::of(code, shape.planes)

@@ -112,7 +112,7 @@ fn what_is_not_read_is_said() {
     };
     use crate::tiff_tags as tags;
     assert!(patched(tags::COMPRESSION, 34892).contains("Compression is 34892 (lossy JPEG); expected 1"));
-    assert!(patched(tags::COMPRESSION, 52546).contains("Compression is 52546 (JPEG XL); expected 1"));
+    assert!(patched(tags::COMPRESSION, 52546).contains("row 0, column 0: JPEG XL"));
     assert!(patched(tags::COMPRESSION, 7).contains("lossless JPEG: it does not begin as a JPEG does"));
     assert!(patched(tags::COMPRESSION, 8).contains("row 0, column 0: Deflate"));
     assert!(patched(tags::CFA_LAYOUT, 2).contains("CFALayout is 2; expected 1"));
@@ -248,6 +248,21 @@ fn tiles_borders_and_every_coding_are_read() {
 }
 
 #[test]
+fn interleaved_rows_and_columns_are_put_back() {
+    let big = |samples: &[u32]| samples.iter().flat_map(|v| (*v as u16).to_be_bytes()).collect::<Vec<u8>>();
+    let factors = |down: u32, across: u32| [(50975, false, vec![down]), (52547, false, vec![across])];
+    let dng = parse(&tiled(16, &factors(2, 3), big)).unwrap();
+    let (stored_rows, stored_cols) = ([0, 3, 1, 4, 2], [0, 2, 4, 1, 3, 5]);
+    for (i, v) in samples_of(&dng.raw).iter().enumerate() {
+        assert_eq!(u32::from(*v), value(stored_rows[1 + i / 5], stored_cols[1 + i % 5]), "sample {i}");
+    }
+    for wrong in [factors(0, 1), factors(1, 7)] {
+        let said = parse(&tiled(16, &wrong, big)).unwrap_err().to_string();
+        assert!(said.contains("InterleaveFactor") && said.contains("1 to "), "{said}");
+    }
+}
+
+#[test]
 fn black_levels_that_differ_become_the_highest() {
     let black = [
         (50712, false, (0..1024).map(|v| 2 * v).collect::<Vec<u32>>()),
@@ -312,7 +327,7 @@ fn a_bomb_is_refused_before_memory_is_taken() {
         ];
         parse(&by_hand(&fields, &[vec![0; 10]])).unwrap_err().to_string()
     };
-    for coding in [1, 7, 8] {
+    for coding in [1, 7, 8, 52546] {
         assert!(huge(coding).contains("it is cut short or mislabelled"), "{}", huge(coding));
     }
 }

@@ -23,17 +23,31 @@ DNG = [
 def coded(tile, bits, compression):
     if compression == 7:
         return imagecodecs.ljpeg_encode(tile, bitspersample=bits)
+    if compression == 52546:
+        return imagecodecs.jpegxl_encode(tile, lossless=True, bitspersample=bits)
     return imagecodecs.zlib_encode(imagecodecs.delta_encode(tile, axis=-1).tobytes())
 
 
-for bits, compression, tile in [(12, 7, None), (16, 7, (32, 48)), (14, 7, (32, 48)), (16, 8, (32, 48))]:
+# As Adobe writes JPEG XL: the four colours of the tile in quarters of the image.
+FACTORS = [(50975, "H", 1, 2, True), (52547, "H", 1, 2, True)]
+
+for bits, compression, tile in [
+    (12, 7, None),
+    (16, 7, (32, 48)),
+    (14, 7, (32, 48)),
+    (16, 8, (32, 48)),
+    (16, 52546, (32, 48)),
+    (12, 52546, None),
+]:
     samples = (np.arange(ROWS * COLS, dtype=np.uint64) * 2654435761 // 65536 % (1 << bits)).astype(np.uint16)
     # Half of it smooth: short codes as well as long ones.
     image = samples.reshape(ROWS, COLS)
     image[: ROWS // 2] = (np.add.outer(np.arange(ROWS // 2), np.arange(COLS)) * 3 + 64).astype(np.uint16)
     rows, cols = tile or (ROWS, COLS)
+    apart = compression == 52546 and tile is not None
+    stored = np.block([[image[r::2, c::2] for c in (0, 1)] for r in (0, 1)]) if apart else image
     tiles = [
-        coded(np.ascontiguousarray(image[r : r + rows, c : c + cols]), bits, compression)
+        coded(np.ascontiguousarray(stored[r : r + rows, c : c + cols]), bits, compression)
         for r in range(0, ROWS, rows)
         for c in range(0, COLS, cols)
     ]
@@ -48,7 +62,7 @@ for bits, compression, tile in [(12, 7, None), (16, 7, (32, 48)), (14, 7, (32, 4
             photometric=32803,
             compression=compression,
             predictor=2 if compression == 8 else None,
-            extratags=DNG,
+            extratags=DNG + FACTORS if apart else DNG,
             metadata=None,
             **layout,
         )

@@ -10,7 +10,7 @@ made; arrays that they are given are copied once. Images are [rows, columns, wav
 their name. What cannot be computed raises `SmaltiError` (a ValueError) in the words of the `smalti` command.
 """
 
-from ._long import Light, Path, Progress, compare, gather, solve, sweep, train
+from ._long import Light, Path, Progress, compare, gather, report, solve, sweep, train
 from ._smalti import (
     Camera,
     Cfa,
@@ -32,6 +32,7 @@ from ._smalti import (
     aliasing,
     cameras,
     cfas,
+    command,
     cpsnr_db,
     delta_e,
     edge_sfr,
@@ -40,6 +41,7 @@ from ._smalti import (
     illuminant,
     illuminants,
     lab_from_xyz,
+    light_gain,
     luminance_noise_percent,
     merge,
     metrics,
@@ -77,6 +79,7 @@ __all__ = [
     "aliasing",
     "cameras",
     "cfas",
+    "command",
     "compare",
     "cpsnr_db",
     "delta_e",
@@ -87,9 +90,11 @@ __all__ = [
     "illuminant",
     "illuminants",
     "lab_from_xyz",
+    "light_gain",
     "luminance_noise_percent",
     "merge",
     "metrics",
+    "report",
     "scenes",
     "scielab",
     "score_picture",

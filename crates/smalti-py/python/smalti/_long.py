@@ -176,9 +176,9 @@ def compare(
     cameras: Sequence[Camera],
     *,
     pipelines: Sequence[Pipeline | None] | None = None,
-    scenes: Sequence[str] | None = None,
+    scenes: Sequence[str | Scene] | None = None,
     luminances_cd_m2: Sequence[float] = (75.0,),
-    illuminant: Light = "D65",
+    illuminant: Light | None = None,
     seed: int = 1,
     progress: Progress = True,
 ) -> list[dict[str, Any]]:
@@ -187,16 +187,16 @@ def compare(
     Args:
         cameras: two or more for a comparison; one does.
         pipelines: learned pipelines, one for each camera; None in its place: the camera's own processing.
-        scenes: built-in scenes with their parameters; default `test_scenes()`, which nothing is trained on.
+        scenes: built-in scenes with their parameters, or `Scene` objects; default `test_scenes()`, which nothing is trained on.
         luminances_cd_m2: mean luminances of the scenes, cd/m².
-        illuminant: their light.
+        illuminant: their light; default D65 for built-in scenes, their own for others.
         seed: names the noise.
         progress: see `Progress`.
     """
     each = list(pipelines) if pipelines is not None else [None] * len(cameras)
     if len(each) != len(cameras):
         raise _smalti.SmaltiError(f"pipelines: {len(each)} given for {len(cameras)} cameras; expected one for each")
-    of = list(scenes) if scenes is not None else _smalti.test_scenes()
+    of: list[str | Scene] = list(scenes) if scenes is not None else list(_smalti.test_scenes())
     records: list[dict[str, Any]] = []
     with _told(progress, len(cameras) * len(of) * len(luminances_cd_m2), "comparing", "picture") as told:
         for camera, pipeline in zip(cameras, each, strict=True):
@@ -290,3 +290,33 @@ def sweep(
     with _told(progress, missing, known.name, "design") as told:
         _smalti.run_sweep(known, out, share, part_size, cache, told)
     return Results(out)
+
+
+def report(
+    results: Results | Path | Sequence[Results | Path],
+    out: Path | None = None,
+    *,
+    pictures: int = 16,
+    designs: Sequence[int] = (),
+    draw: Sequence[str] = (),
+) -> dict[str, Any]:
+    """What a study found: a page to brush and filter, figures, tables; what `smalti report` writes.
+
+    Args:
+        results: a folder of results, or several that are shown together.
+        out: a folder for report.html, figures (SVG, PNG) and report.json, made if need be; or FILE.html for the page alone; default the
+            folder `report` in the first of the results.
+        pictures: how many designs have pictures in the page: the best, the worst, then of the Pareto front, 0 to 1000.
+        designs: designs of the first results, by their numbers, that have pictures as well.
+        draw: conditions and processings that get figures of their own: those with one of these texts in their name; default the first 8.
+
+    Returns:
+        report.json: the tables, the best designs, the files and notes.
+
+    Raises:
+        SmaltiError: when results cannot be read, or have no design.
+        OSError: when files cannot be written.
+    """
+    several = [results] if isinstance(results, Results | str | os.PathLike) else list(results)
+    folders = [r.dir if isinstance(r, Results) else r for r in several]
+    return _smalti.write_report(folders, out, pictures, list(designs), list(draw))

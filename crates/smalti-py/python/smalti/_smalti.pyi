@@ -391,6 +391,7 @@ class Results:
     def study(self) -> dict[str, Any]: ...
     @property
     def columns(self) -> dict[str, tuple[str, str]]: ...
+    def camera(self, design: int) -> Camera: ...
     def read(self, names: Sequence[str] | None = None) -> dict[str, Any]: ...
     def to_pandas(self, names: Sequence[str] | None = None) -> Any: ...
     def verify(self) -> None: ...
@@ -453,16 +454,30 @@ def evaluate(
 def score_scenes(
     camera: Camera,
     *,
-    scenes: Sequence[str] | None = None,
+    scenes: Sequence[str | Scene] | None = None,
     luminances_cd_m2: Sequence[float] = ...,
     illuminant: _Light | None = None,
     pipeline: Pipeline | None = None,
     seed: int = 1,
     progress: _Told = None,
 ) -> list[SceneScores]: ...
+def light_gain(
+    camera: Camera,
+    other: Camera,
+    *,
+    pipelines: tuple[Pipeline | None, Pipeline | None] = (None, None),
+    scenes: Sequence[str] | None = None,
+    luminance_cd_m2: float = 1.0,
+    illuminant: _Light | None = None,
+    seed: int = 1,
+) -> dict[str, Any]: ...
 def merge(folders: Sequence[_Path], out: _Path) -> None: ...
+def command(args: Sequence[str | os.PathLike[str]]) -> int: ...
 
 # What `_long` is made of.
+def write_report(
+    results: list[_Path], output: _Path | None, pictures: int, picture: list[int], draw: list[str]
+) -> dict[str, Any]: ...
 def training_set_len() -> int: ...
 def gather_statistics(
     camera: Camera,

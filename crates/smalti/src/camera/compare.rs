@@ -150,12 +150,6 @@ pub struct SceneScores {
     pub reference: Image,
 }
 
-/// X, Y, Z of a light (photons), Y = 1.
-pub(crate) fn light_xyz(light: &Spectrum) -> Result<[f64; 3], CameraError> {
-    let white = Observer::Cie1931.xyz_from_photons(light)?;
-    Ok(white.map(|v| v / white[1]))
-}
-
 /// Takes a scene with all noise, processes it, scores the picture against
 /// [`Camera::reference_as_exposed`]. `isp` makes XYZ as they are under the scene's light, on the scale of
 /// [`Classic`](crate::isp::Classic).
@@ -173,7 +167,7 @@ pub fn compare_on(
     let (picture, reference) =
         rayon::join(|| isp.render(&raw), || camera.reference_as_exposed(image, exposure, light));
     let (picture, reference) = (picture?, reference?);
-    let scores = score_picture(&picture, &reference, light_xyz(light)?, settings)?;
+    let scores = score_picture(&picture, &reference, Observer::Cie1931.white(light)?, settings)?;
     let (exposure_time_s, saturated_percent) = (exposure.time_s, raw.saturated_percent());
     Ok(SceneScores { scores, exposure_time_s, saturated_percent, seed, picture, reference })
 }

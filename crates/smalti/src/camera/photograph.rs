@@ -96,6 +96,19 @@ impl Camera {
         Ok(2.0 * (width_m / 2.0 / geometry.image_distance_m()).atan().to_degrees())
     }
 
+    /// A scene, as wide as needed to lie on the sensor whole; `is_file` says that it has no more detail than its samples, so that it is
+    /// not spread over more pixels than those.
+    ///
+    /// # Errors
+    /// When the scene is not beyond the focal length.
+    pub fn fitted(&self, scene: Scene, is_file: bool) -> Result<Scene, CameraError> {
+        let (rows, cols) = (scene.radiance().rows(), scene.radiance().cols());
+        let whole = self.sensor.cols.min(self.sensor.rows * cols / rows.max(1));
+        let span = if is_file { whole.min(cols) } else { whole };
+        let deg = self.field_of_view_deg(span.max(1), scene.distance_m())?;
+        Ok(scene.with_fov(deg)?)
+    }
+
     /// The pixels that a scene covers, in the middle of the sensor and in whole tiles of the mosaic, so that the
     /// pattern begins as on the whole sensor.
     ///

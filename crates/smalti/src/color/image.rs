@@ -125,6 +125,10 @@ impl Image {
         &self.planes
     }
 
+    pub(super) fn planes_mut(&mut self) -> &mut Planes {
+        &mut self.planes
+    }
+
     /// The three planes by value.
     #[must_use]
     pub fn into_planes(self) -> Planes {

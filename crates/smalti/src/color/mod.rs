@@ -13,6 +13,7 @@ mod image;
 pub mod jakob_hanika2019;
 pub mod matrix;
 pub mod scielab;
+mod viewing;
 
 pub use adaptation::Adaptation;
 pub use cie1976::{
@@ -20,6 +21,7 @@ pub use cie1976::{
 };
 pub use difference::{DeltaE, DifferenceMap};
 pub use image::{ColorSpace, Image, ImageError};
+pub use viewing::SRGB_WHITE;
 
 #[cfg(test)]
 mod tests {

@@ -6,13 +6,13 @@ use serde::{Deserialize, Serialize};
 
 use super::scores::SceneFigures;
 use super::shown::Shown;
-use crate::camera::compare::{cut_to, light_xyz};
+use crate::camera::compare::cut_to;
 use crate::camera::{Camera, CameraError, OpticalImages, ScoreSettings, TEST_SAMPLES_PER_PX, score_picture};
 use crate::isp::Isp;
 use crate::numeric::Planes;
 use crate::scene::{Scene, Setting, catalog};
 use crate::sensor::{Cfa, NoiseMode};
-use crate::spectrum::Spectrum;
+use crate::spectrum::{Observer, Spectrum};
 
 /// Most pixels of a scene: the light on each of them is kept at every wavelength.
 const MAX_PIXELS: usize = 1 << 20;
@@ -104,7 +104,12 @@ impl View {
         let raw = camera.sensor.capture(&self.shown.pixels, &exposure, NoiseMode::All, seed)?;
         let picture = isp.render(&raw)?;
         let reference = camera.as_exposed(Planes::clone(&self.seen), &exposure, &self.light)?;
-        let found = score_picture(&picture, &reference, light_xyz(&self.light)?, &ScoreSettings::default())?;
+        let found = score_picture(
+            &picture,
+            &reference,
+            Observer::Cie1931.white(&self.light)?,
+            &ScoreSettings::default(),
+        )?;
         Ok(SceneFigures {
             cpsnr_db: found.cpsnr_db,
             pixel_delta_e_2000_mean: found.pixel_delta_e_2000_mean,

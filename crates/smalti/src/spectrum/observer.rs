@@ -64,6 +64,15 @@ impl Observer {
         Ok(weights.map(|w| w.values().iter().zip(photons.values()).map(|(a, b)| a * b).sum()))
     }
 
+    /// X, Y, Z of a light of photons, Y = 1. NaN where it has no luminance.
+    ///
+    /// # Errors
+    /// As [`Observer::matching_functions`].
+    pub fn white(self, photons: &Spectrum) -> Result<[f64; 3], SpectrumError> {
+        let white = self.xyz_from_photons(photons)?;
+        Ok(white.map(|v| v / white[1]))
+    }
+
     /// Three planes X, Y, Z of a spectral image of photons, absolute as in [`Observer::xyz_from_photons`].
     ///
     /// # Errors

@@ -45,7 +45,7 @@ pub(super) fn gallery(sources: &Sources<'_>, choice: &Choice) -> anyhow::Result<
         let drawn = match draw(section, &here) {
             Ok(drawn) => drawn,
             Err(error) => {
-                let why = results::plain(&crate::in_one_line(&error));
+                let why = results::plain(&crate::in_one_line(error.as_ref()));
                 notes.push(format!("{}: no pictures in the page: {why}", section.title()));
                 continue;
             }

@@ -1,0 +1,35 @@
+//! The `smalti` command, and what it makes of results.
+
+use std::ffi::OsString;
+use std::path::PathBuf;
+
+use pyo3::prelude::*;
+use smalti_cli::ReportOptions;
+
+use crate::error::of_command;
+use crate::work::{detached, watched};
+
+/// Does what a command line says, as the `smalti` command does, and returns its exit code: 0 done, 1 failed, 2 wrong usage. Results
+/// go to standard output, messages to standard error.
+///
+/// Args:
+///     args: the command line without the name of the program: `["compare", "bayer", "rgbw", "-o", "out"]`.
+#[pyfunction]
+pub(crate) fn command(py: Python<'_>, args: Vec<PathBuf>) -> PyResult<u8> {
+    let line = std::iter::once(OsString::from("smalti")).chain(args.into_iter().map(PathBuf::into_os_string));
+    detached(py, || Ok(smalti_cli::command(line)))
+}
+
+#[pyfunction]
+pub(crate) fn write_report(
+    py: Python<'_>,
+    results: Vec<PathBuf>,
+    output: Option<PathBuf>,
+    pictures: u16,
+    picture: Vec<u64>,
+    draw: Vec<String>,
+) -> PyResult<Bound<'_, PyAny>> {
+    let of = ReportOptions { results, output, pictures, picture, draw };
+    let document = watched(py, None, |_| smalti_cli::report(&of).map_err(|e| of_command(e.as_ref())))?;
+    py.import("json")?.call_method1("loads", (document,))
+}
