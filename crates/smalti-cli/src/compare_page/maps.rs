@@ -65,7 +65,7 @@ impl Difference {
 }
 
 /// A row for each name: its maps beside each other in the colours of viridis, which stand below.
-pub(super) fn sheet<'a>(title: String, scored: &[(String, &'a SceneScores)]) -> Sheet {
+pub(super) fn sheet(title: String, scored: &[(String, &SceneScores)]) -> Sheet {
     let colors = |steps: &[u8]| -> Vec<u8> {
         let color = |s: &u8| {
             let Rgb(r, g, b) = Rgb::viridis(f64::from(*s) / 255.0);
