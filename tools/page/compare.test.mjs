@@ -1,7 +1,7 @@
 // The pages of compare and evaluate in a real browser, as test.mjs for studies.
 import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
-import { mkdtemp, rm, writeFile } from "node:fs/promises";
+import { mkdtemp, readFile, rm, writeFile } from "node:fs/promises";
 import { tmpdir } from "node:os";
 import { join, resolve } from "node:path";
 import { after, before, test } from "node:test";
@@ -128,51 +128,126 @@ test("choosers switch scene, light and maps", () => withPage({}, async (page) =>
   };
   await next("Luminance", 1);
   await next("Scene", 1);
-  await next("Show", 1);
-  assert.match(await page.locator(".legend").textContent(), /^0[\d.]+ ΔE\*ab and more$/);
-  assert.equal(await page.locator(".stage img[alt^='S-CIELAB difference']").count(), 2);
+  for (const [option, name, unit] of [[1, "ΔE2000 difference", "ΔE00"], [2, "S-CIELAB difference", "ΔE*ab"]]) {
+    await next("Show", option);
+    const { top } = await topOf(page, 1, 1, option - 1);
+    assert.equal(await page.locator(".legend").textContent(), `0${top} ${unit} and more`);
+    assert.equal(await page.locator(`.stage img[alt^='${name}']`).count(), 2);
+    assert.ok((await page.locator(".about-map").textContent()).length > 20);
+    // Without a map, the reference is shown, and that is said.
+    assert.match(await page.locator(".stage figcaption").first().textContent(), new RegExp(`no ${name}: the picture`));
+  }
   await next("Luminance", 0);
+  await page.getByRole("combobox", { name: "Show" }).selectOption("Pictures");
+  assert.equal(await page.locator(".legend").textContent() + await page.locator(".about-map").textContent(), "");
 }));
 
-test("the maps' values stand under the pointer", () => withPage({}, async (page) => {
-  const values = page.locator(".values");
-  const box = await page.locator(".frame").last().boundingBox();
-  await page.mouse.move(box.x + box.width * 0.3, box.y + box.height * 0.4);
-  const read = async () => (await values.textContent()).match(/^Row (\d+), column (\d+): S-CIELAB difference, ΔE\*ab, about (.+)$/);
-  const [, row, col, all] = await read();
-  const size = await page.locator(".gallery img.map").first().evaluate((i) => [i.naturalWidth, i.naturalHeight]);
-  assert.ok(Math.abs(col - 0.3 * size[0]) <= 2 && Math.abs(row - 0.4 * size[1]) <= 2, `${row} ${col} of ${size}`);
-  const of = all.split(", ");
-  assert.equal(of.length, 2);
-  const top = Number(await page.locator(".shots").first().getAttribute("data-top"));
-  // Judged by where the colour of the map's pixel lies along the seven colours of the legend.
-  const expected = await page.locator(".gallery .shots").first().evaluate((group, [col, row]) => {
-    const stops = ["440154", "433d84", "2e6d8e", "23898e", "46c06f", "89d548", "fde725"].map((c) => [0, 2, 4].map((i) => parseInt(c.slice(i, i + 2), 16)));
-    return Array.from(group.querySelectorAll("img.map"), (map) => {
+// The end of the scale of a kind of map, and the mean of each map of it as far as the scale goes.
+function topOf(page, scene, light, kind) {
+  return page.locator(".gallery .shots").nth(2 * scene + light).evaluate((group, i) => {
+    const top = JSON.parse(group.dataset.tops)[i];
+    const means = Array.from(group.querySelectorAll(`img.map[data-map="${i}"]`), (map) => {
       const context = Object.assign(document.createElement("canvas"), { width: map.naturalWidth, height: map.naturalHeight }).getContext("2d");
       context.drawImage(map, 0, 0);
-      const pixel = context.getImageData(col, row, 1, 1).data;
-      let best = { far: Infinity };
-      for (let i = 0; i <= 600; i += 1) {
-        const [k, t] = [Math.min(5, Math.floor(i / 100)), i / 100 - Math.min(5, Math.floor(i / 100))];
-        const far = stops[k].reduce((sum, v, c) => sum + (v + (stops[k + 1][c] - v) * t - pixel[c]) ** 2, 0);
-        if (far < best.far) best = { far, share: i / 600 };
-      }
-      return best.share;
+      const { data } = context.getImageData(0, 0, map.naturalWidth, map.naturalHeight);
+      return (top * data.filter((_, k) => k % 4 === 0).reduce((sum, v) => sum + v, 0)) / 255 / (data.length / 4);
     });
-  }, [Number(col), Number(row)]);
-  of.forEach((one, i) => {
-    const told = Number(one.match(/([\d.]+)( or more)?$/)[1]);
-    assert.ok(Math.abs(told / top - expected[i]) < 0.06, `${one} of ${top}, the map's colour says ${expected[i] * top}`);
+    return { top, means };
+  }, kind);
+}
+// What the values under the pointer say: row, column, and for each kind of map one of each camera.
+async function told(page) {
+  const lines = await page.locator(".values p").allTextContents();
+  if (lines.length === 0) return null;
+  const [, row, col] = lines[0].match(/^Row (\d+), column (\d+)$/);
+  const kinds = lines.slice(1).map((l) => {
+    const [, name, all] = l.match(/^(.+), about: (.+)$/);
+    return { name, values: all.split(" · ").map((v) => Number(v.match(/([\d.]+)( or more)?$/)[1])) };
   });
+  return { row: Number(row), col: Number(col), kinds };
+}
+
+test("maps have the means that the scores tell", () => withPage({}, async (page) => {
+  const figures = await page.locator(".shots").first().locator("figcaption").allTextContents();
+  const scores = figures.slice(1).map((t) => t.match(/ΔE2000 ([\d.]+), S-CIELAB ([\d.]+)$/).slice(1).map(Number));
+  assert.equal(scores.length, 2);
+  for (const kind of [0, 1]) {
+    const { means } = await topOf(page, 0, 0, kind);
+    // One value in twenty may be beyond the scale.
+    means.forEach((mean, i) => assert.ok(mean < 1.03 * scores[i][kind] + 0.02 && mean > 0.8 * scores[i][kind], `${means} ${scores}`));
+  }
+}));
+
+test("both maps' values stand under the pointer, those of the colours shown", () => withPage({}, async (page) => {
+  const box = await page.locator(".frame").last().boundingBox();
+  const at = [box.x + box.width * 0.3, box.y + box.height * 0.4];
+  const seen = [];
+  for (const [option, name] of [[1, "ΔE2000 difference (ΔE00)"], [2, "S-CIELAB difference (ΔE*ab)"]]) {
+    await page.mouse.move(1, 1);
+    await page.getByLabel("Show").selectOption({ index: option });
+    await page.mouse.move(...at);
+    const found = await told(page);
+    assert.deepEqual(found.kinds.map((k) => k.name), ["ΔE2000 difference (ΔE00)", "S-CIELAB difference (ΔE*ab)"]);
+    assert.ok((await page.locator(".values .chosen").textContent()).startsWith(name));
+    const size = await page.locator(".gallery img.shot").first().evaluate((i) => [i.naturalWidth, i.naturalHeight]);
+    assert.ok(Math.abs(found.col - 0.3 * size[0]) <= 2 && Math.abs(found.row - 0.4 * size[1]) <= 2, `${found.row} ${found.col} of ${size}`);
+    const { top } = await topOf(page, 0, 0, option - 1);
+    // Judged by where the colour that is seen lies along the seven colours of the legend.
+    const expected = await page.evaluate(([col, row]) => {
+      const stops = ["440154", "433d84", "2e6d8e", "23898e", "46c06f", "89d548", "fde725"].map((c) => [0, 2, 4].map((i) => parseInt(c.slice(i, i + 2), 16)));
+      return Array.from(document.querySelectorAll(".stage img[src^='data:image/png']"), (map) => {
+        const context = Object.assign(document.createElement("canvas"), { width: map.naturalWidth, height: map.naturalHeight }).getContext("2d");
+        context.drawImage(map, 0, 0);
+        const pixel = context.getImageData(col, row, 1, 1).data;
+        let best = { far: Infinity };
+        for (let i = 0; i <= 600; i += 1) {
+          const [k, t] = [Math.min(5, Math.floor(i / 100)), i / 100 - Math.min(5, Math.floor(i / 100))];
+          const far = stops[k].reduce((sum, v, c) => sum + (v + (stops[k + 1][c] - v) * t - pixel[c]) ** 2, 0);
+          if (far < best.far) best = { far, share: i / 600 };
+        }
+        return best.share;
+      });
+    }, [found.col, found.row]);
+    assert.equal(expected.length, 2);
+    found.kinds[option - 1].values.forEach((value, i) => {
+      assert.ok(Math.abs(value / top - expected[i]) < 0.06, `${value} of ${top}, the map's colour says ${expected[i] * top}`);
+    });
+    seen.push(found);
+  }
+  assert.deepEqual(seen[0], seen[1], "what is told does not depend on what is shown");
   await page.mouse.move(box.x + box.width * 0.7, box.y + box.height * 0.6);
-  assert.notEqual((await read())[0], `Row ${row}, column ${col}: S-CIELAB difference, ΔE*ab, about ${all}`);
+  assert.notDeepEqual((await told(page)).kinds, seen[0].kinds);
   await page.mouse.move(1, 1);
-  assert.equal(await values.textContent(), "");
+  assert.equal(await told(page), null);
   await stage(page).focus();
   await page.keyboard.press("+");
-  assert.ok(await read());
+  assert.equal((await told(page)).kinds.length, 2);
 }));
+
+// As where the page had no room for it, or an earlier version made none.
+test("a map that is missing is said to be, and the other is there", async () => {
+  const path = join(dir, "out/without.html");
+  const html = await readFile(compared, "utf8");
+  const without = html.replace(/<img [^>]*data-map="0">/g, "");
+  assert.ok(without.length < html.length);
+  await writeFile(path, without);
+  await work(browser, path, {}, (page) => page.locator(".stage img").first(), async (page) => {
+    await page.getByLabel("Show").selectOption("ΔE2000 difference");
+    assert.match(await page.locator(".stage figcaption").last().textContent(), /no ΔE2000 difference: the picture/);
+    assert.equal(await page.locator(".legend").textContent(), "");
+    await page.locator(".frame").last().hover();
+    assert.deepEqual((await told(page)).kinds.map((k) => k.name), ["S-CIELAB difference (ΔE*ab)"]);
+  });
+});
+
+test("maps that are pictures have no values", () => withPage({}, async (page) => {
+  await page.getByLabel("Scene").selectOption("zone plate");
+  await page.getByLabel("Show").selectOption("Aliasing");
+  assert.equal(await page.locator(".stage img[alt^='Aliasing']").count(), 2);
+  await page.locator(".frame").last().hover();
+  assert.equal(await page.locator(".values").count(), 0);
+  assert.match(await page.locator(".about-map").textContent(), /grey where there is none/);
+}, evaluated));
 
 test("classes and kernels follow position, texture and level", () => withPage({}, async (page) => {
   const box = page.locator(".kernels").first();
@@ -218,12 +293,17 @@ for (const [name, path] of [["compare", () => compared], ["evaluate", () => eval
   for (const colorScheme of ["light", "dark"]) {
     test(`${name}: axe finds no serious fault, ${colorScheme}`, () => withPage({ colorScheme }, async (page) => {
       assert.deepEqual(await axe(page), []);
+      await page.getByLabel("Show").selectOption({ index: 1 });
+      await page.locator(".frame").last().hover();
+      assert.deepEqual(await axe(page), []);
       await page.getByLabel("View").selectOption("Before and after");
       for (const details of await page.locator("details").all()) await details.evaluate((d) => { d.open = true; });
       assert.deepEqual(await axe(page), []);
     }, path()));
   }
   test(`${name}: a phone needs no horizontal scrolling`, () => withPage({ viewport: { width: 390, height: 844 }, hasTouch: true }, async (page) => {
+    await page.getByLabel("Show").selectOption({ index: 1 });
+    await page.locator(".frame").last().hover();
     assert.equal(await page.evaluate(() => document.documentElement.scrollWidth), 390);
     const wide = await page.evaluate(() => [...document.querySelectorAll("main *")]
       .filter((e) => e.getBoundingClientRect().right > 391 && !e.closest(".scrolls, pre, svg, .hidden-text"))

@@ -21,6 +21,7 @@ export function withDesigns(html, count) {
     columns: data.columns.filter((c) => ranges[c.name]).map((c) => ({ ...c, values: packed(() => ranges[c.name][0] + (ranges[c.name][1] - ranges[c.name][0]) * random() * random()) })),
     words: data.words.map((w) => ({ ...w, values: { words: [w.name === "tile" ? "bc/ab" : w.values.words[0]], codes: constant(0) } })),
     filters: { center: each((i) => 450 + 70 * (i % 3)), fwhm: each(() => 60 + 40 * random()), peak: { n: filters, table: constant(1).table }, curve: { n: filters, table: constant(-1).table }, curves: data.filters.curves },
+    marks: [],
     pictures: [],
   });
   const json = JSON.stringify(data).replaceAll("<", "\\u003c");

@@ -1,22 +1,35 @@
-// The pictures of pages in the documentation:
+// The pictures of pages in the documentation, `FILE PICTURE [light|dark] [WHAT]`; WHAT is `whole`, all designs of a study instead of some
+// selected, or the name of a map:
 //   smalti sweep table2 -o out && smalti report out && node tools/page/screenshot.mjs out/report/report.html docs/images/report-sweep.png
+//   smalti report out theory -o rules.html && node tools/page/screenshot.mjs rules.html docs/images/report-rules-dark.png dark whole
 //   smalti compare bayer rgbw && node tools/page/screenshot.mjs out/report.html docs/images/report-compare.png
+//   node tools/page/screenshot.mjs out/report.html docs/images/report-maps-dark.png dark "ΔE2000 difference"
 import { resolve } from "node:path";
 import { launch, open } from "./browser.mjs";
 
-const [file, picture] = process.argv.slice(2).map((p) => resolve(p));
+const [file, picture] = process.argv.slice(2, 4).map((p) => resolve(p));
+const [colorScheme = "light", what] = process.argv.slice(4);
 const browser = await launch();
-const { page, faults } = await open(browser, file, { viewport: { width: 1500, height: 1130 }, colorScheme: "light" });
-const plot = page.getByRole("application");
-// Of a study, with designs selected.
+const { page, faults } = await open(browser, file, { viewport: { width: 1500, height: 1130 }, colorScheme });
+const plot = page.locator(".scatter canvas").last();
+const at = (box, x, y) => [box.x + x * box.width, box.y + y * box.height];
 if (await plot.count() > 0) {
-  const box = await plot.boundingBox();
-  const at = (x, y) => [box.x + x * box.width, box.y + y * box.height];
-  await page.mouse.move(...at(0.36, 0.62));
-  await page.mouse.down();
-  await page.mouse.move(...at(0.72, 0.87), { steps: 5 });
-  await page.mouse.up();
-  await page.mouse.move(5, 5);
+  // Of a study, with designs selected.
+  if (what !== "whole") {
+    const box = await plot.boundingBox();
+    await page.mouse.move(...at(box, 0.36, 0.62));
+    await page.mouse.down();
+    await page.mouse.move(...at(box, 0.72, 0.87), { steps: 5 });
+    await page.mouse.up();
+    await page.mouse.move(5, 5);
+  }
+} else if (what) {
+  // Of a chart in the most light, with the values under the pointer.
+  await page.getByLabel("Scene").selectOption("macbeth");
+  await page.getByLabel("Luminance").selectOption({ index: await page.getByLabel("Luminance").locator("option").count() - 1 });
+  await page.getByLabel("Show").selectOption(what);
+  await page.mouse.move(...at(await page.locator(".frame").last().boundingBox(), 0.4, 0.5));
+  await page.waitForTimeout(300);
 }
 await page.screenshot({ path: picture });
 await browser.close();

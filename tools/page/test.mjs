@@ -13,6 +13,7 @@ const smalti = resolve(process.env.SMALTI ?? join(here, "../../target/debug/smal
 let dir;
 let browser;
 let file;
+let both;
 
 before(async () => {
   dir = await mkdtemp(join(tmpdir(), "smalti-page-"));
@@ -20,6 +21,12 @@ before(async () => {
   run("sweep", join(here, "study.toml"), "-o", "out", "--no-cache");
   run("report", "out", "-o", "report.html", "--pictures", "4", "--picture", "5");
   file = join(dir, "report.html");
+  // Few designs, by rule, beside those.
+  await writeFile(join(dir, "few.toml"), `name = "few & <b>"\ncamera = "table1"\ncolors = [3, 4]\nmosaics = { given = [["bc", "ab"], ["ab", "cd"]] }\n
+[filters.rule]\nrules = ["uniform", "height-scaled"]\ntargets = ["cones"]\n`);
+  run("sweep", "few.toml", "-o", "few", "--no-cache");
+  run("report", "out", "few", "-o", "both.html", "--pictures", "0");
+  both = join(dir, "both.html");
   browser = await launch();
 });
 after(async () => {
@@ -180,7 +187,57 @@ test("tables sort, commands copy, the theme changes", () => withPage({ permissio
   assert.notEqual(await back(), light);
 }));
 
+test("few designs beside many are marked, in a legend, under the pointer and when filtered", () => withPage({}, async (page) => {
+  const chips = page.locator(".legend .marks .chip");
+  assert.deepEqual(await chips.allTextContents(), ["height-scaled, cones", "uniform"]);
+  assert.equal(await page.locator(".legend .marks b").textContent(), "few & <b>");
+  assert.equal(await page.locator(".legend .marks svg path").count(), 2);
+  assert.equal(number(await count(page).textContent()), 244);
+  // The canvas above the dots holds more with marks than without.
+  const painted = () => page.evaluate(() => {
+    const canvas = document.querySelector(".scatter canvas:last-of-type");
+    const copy = new OffscreenCanvas(canvas.width, canvas.height).getContext("2d", { willReadFrequently: true });
+    copy.drawImage(canvas, 0, 0);
+    return copy.getImageData(0, 0, canvas.width, canvas.height).data.filter((v, i) => i % 4 === 3 && v > 0).length;
+  });
+  await page.getByLabel("Pareto front", { exact: true }).uncheck();
+  const marked = await painted();
+  // Every mark is found where it is drawn: from a corner to the other.
+  const found = new Set();
+  const box = await plot(page).boundingBox();
+  const places = await page.evaluate(() => {
+    const canvas = document.querySelector(".scatter canvas:last-of-type");
+    const { width, height } = canvas;
+    const copy = new OffscreenCanvas(width, height).getContext("2d", { willReadFrequently: true });
+    copy.drawImage(canvas, 0, 0);
+    const { data } = copy.getImageData(0, 0, width, height);
+    const out = [];
+    for (let y = 20; y < height - 60; y += 4) for (let x = 70; x < width - 20; x += 4) if (data[4 * (y * width + x) + 3] > 0) out.push([x * canvas.clientWidth / width, y * canvas.clientHeight / height]);
+    return out;
+  });
+  assert.ok(places.length > 20);
+  for (const [x, y] of places) {
+    await page.mouse.move(box.x + x, box.y + y);
+    await page.evaluate(() => new Promise((done) => { requestAnimationFrame(() => requestAnimationFrame(done)); }));
+    const lines = (await page.locator(".tip").textContent()).split("\n");
+    if (lines[1]?.startsWith("few & <b>: ")) found.add(`${lines[0]} ${lines[1]}`);
+  }
+  assert.ok(found.size >= 3, [...found].join("; "));
+  await page.mouse.move(5, 5);
+  await page.getByLabel("few & <b>").uncheck();
+  assert.equal(number(await count(page).textContent()), 240);
+  assert.equal(await chips.count(), 0);
+  assert.ok(await painted() < marked);
+}, both));
+
+test("without a cloud, nothing is marked", () => withPage({}, async (page) => {
+  assert.equal(await page.locator(".legend .marks").count(), 0);
+}));
+
 for (const colorScheme of ["light", "dark"]) {
+  test(`axe finds no serious fault beside marks, ${colorScheme}`, () => withPage({ colorScheme }, async (page) => {
+    assert.deepEqual(await axe(page), []);
+  }, both));
   test(`axe finds no serious fault, ${colorScheme}`, () => withPage({ colorScheme }, async (page) => {
     await brush(page, [0.2, 0.2, 0.7, 0.8]);
     assert.deepEqual(await axe(page), []);

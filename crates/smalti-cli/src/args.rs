@@ -323,7 +323,7 @@ pub(crate) enum Listing {
     SNR and noise are those of the grey patches of a chart: smalti list metrics. What is learned is kept in the cache, so that \
     the next comparison takes seconds.\n\n\
     Written: report.html, a page of all that was found; side-by-side/ with a picture for each scene and luminance (the reference, then the cameras in the order of the \
-    table), CAMERA.l3 (for smalti render), CAMERA-kernels.png and results.json, which is removed first and written last: a folder that has it is whole.")]
+    table) and one with maps of how far each is from the reference (ΔE2000, S-CIELAB), CAMERA.l3 (for smalti render), CAMERA-kernels.png and results.json, which is removed first and written last: a folder that has it is whole.")]
 pub(crate) struct Compare {
     /// Built-in cameras (smalti list cameras) or TOML files
     #[arg(required = true)]

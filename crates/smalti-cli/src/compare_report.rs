@@ -20,6 +20,8 @@ use crate::{compare_page, names, resolve, table};
 pub(crate) const RESULTS: &str = "results.json";
 /// The folder of the pictures.
 pub(crate) const SIDE_BY_SIDE: &str = "side-by-side";
+/// What follows the name of a picture in that of its maps.
+const MAPS: &str = "-differences";
 /// Pictures in a row.
 const ACROSS: usize = 4;
 
@@ -149,13 +151,13 @@ impl Report<'_> {
         }))
     }
 
-    /// Names of the pictures, for each light one for each scene.
+    /// Names of the pictures without extension, for each light one for each scene.
     fn picture_names(&self) -> Vec<Vec<String>> {
         let lights = self.outcomes.first().map_or(&[][..], Vec::as_slice);
         let of_light = |light: &Outcome| {
             let stems: Vec<String> = light.scenes.iter().map(|(scene, _)| stem(scene)).collect();
             let files = names::file_names(stems.iter().map(String::as_str));
-            files.into_iter().map(|f| format!("{f}-{}-cd-m2.png", light.luminance_cd_m2)).collect()
+            files.into_iter().map(|f| format!("{f}-{}-cd-m2", light.luminance_cd_m2)).collect()
         };
         lights.iter().map(of_light).collect()
     }
@@ -195,7 +197,8 @@ impl Report<'_> {
 
     /// All files but results.json, relative to the folder.
     fn files(&self) -> Vec<String> {
-        let pictures = self.picture_names().into_iter().flatten().map(|p| format!("{SIDE_BY_SIDE}/{p}"));
+        let pictures = self.picture_names().into_iter().flatten();
+        let pictures = pictures.flat_map(|p| ["", MAPS].map(|what| format!("{SIDE_BY_SIDE}/{p}{what}.png")));
         let tables = self.learned().into_iter();
         let tables = tables.flat_map(|(_, _, f)| [format!("{f}-kernels.png"), format!("{f}.l3")]);
         pictures.chain(tables).chain([compare_page::FILE.to_owned()]).collect()
@@ -237,7 +240,7 @@ impl Report<'_> {
             for (s, ((scene, first), name)) in light.scenes.iter().zip(names).enumerate() {
                 let title = format!("{}, {} cd/m²", stem(scene), light.luminance_cd_m2);
                 let reference = self.as_seen(first, &first.reference)?;
-                let mut sheet = pictures::add(Sheet::new(ACROSS).title(title), "reference", &reference);
+                let mut sheet = pictures::add(Sheet::new(ACROSS).title(&title), "reference", &reference);
                 for (way, outcomes) in self.ways.iter().zip(self.outcomes) {
                     let scored = &outcomes[l].scenes[s].1;
                     let scores = &scored.scores;
@@ -250,7 +253,9 @@ impl Report<'_> {
                     );
                     sheet = pictures::add(sheet, caption, &self.as_seen(scored, &scored.picture)?);
                 }
-                write::bytes(&folder.join(name), &sheet.draw()?.png(1.0)?)?;
+                write::bytes(&folder.join(format!("{name}.png")), &sheet.draw()?.png(1.0)?)?;
+                let maps = compare_page::maps_sheet(self, title, l, s);
+                write::bytes(&folder.join(format!("{name}{MAPS}.png")), &maps.draw()?.png(1.0)?)?;
             }
         }
         for (way, pipeline, file) in self.learned() {

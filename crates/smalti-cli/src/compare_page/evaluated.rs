@@ -6,12 +6,13 @@ use smalti::spectrum::{WavelengthGrid, reflectance};
 use smalti_report::page::{COMPARE, Markup, Page, Table, el};
 
 use super::figures::{self, Scored};
-use super::gallery::{self, Group, Maps, Shot};
+use super::gallery::{self, Group, Map, Maps, Shot};
 use super::{again, foot, listed, noise_tables, tables};
 use crate::columns;
 use crate::pictures::Pixels;
 
-const ALIASING: Maps = Maps { name: "Aliasing", unit: "" };
+const ALIASING: Maps =
+    Maps { name: "Aliasing", unit: "", about: "What is not in the zone plate, grey where there is none." };
 
 /// All that was evaluated.
 pub(crate) struct Shots<'a> {
@@ -77,7 +78,7 @@ pub(crate) fn page(shots: &Shots<'_>) -> anyhow::Result<String> {
     Ok(Page::new(format!("{} evaluated", listed(shots.labels)))
         .with(COMPARE)
         .lead(el("p").child(lead))
-        .section("pictures", "Pictures", gallery::gallery(&groups(shots)?, &ALIASING))
+        .section("pictures", "Pictures", gallery::gallery(&groups(shots)?, &[&ALIASING]))
         .section("scores", "Scores", scores(shots))
         .section("colours", "Colours", colors(&scored))
         .section("noise", "Noise", figures::noise(&scored).and(noise_tables(&scored)))
@@ -95,18 +96,19 @@ fn groups(shots: &Shots<'_>) -> anyhow::Result<Vec<Group>> {
         [("ColorChecker", |p| &p.macbeth), ("edge", |p| &p.edge), ("zone plate", |p| &p.zone_plate)];
     for (scene, of) in targets {
         for (light, &luminance_cd_m2) in shots.luminances_cd_m2.iter().enumerate() {
-            let mut group = Group { scene: scene.into(), luminance_cd_m2, shots: Vec::new(), top: 1.0 };
+            let mut group =
+                Group { scene: scene.into(), luminance_cd_m2, shots: Vec::new(), tops: Vec::new() };
             for (label, _, e, pictures) in shots.in_light(light) {
-                let (caption, map) = match scene {
-                    "ColorChecker" => (format!("ΔE2000 {:.2}", e.delta_e_2000.mean), None),
-                    "edge" => (format!("MTF50 {:.1} cy/mm", e.mtf50_cy_per_mm), None),
+                let (caption, maps) = match scene {
+                    "ColorChecker" => (format!("ΔE2000 {:.2}", e.delta_e_2000.mean), Vec::new()),
+                    "edge" => (format!("MTF50 {:.1} cy/mm", e.mtf50_cy_per_mm), Vec::new()),
                     _ => {
                         let caption = format!("aliasing {:.1} %", e.aliasing_percent);
-                        (caption, Some(Pixels::of(&(shots.aliasing)(pictures)?)))
+                        (caption, vec![Map::Picture(Pixels::of(&(shots.aliasing)(pictures)?))])
                     }
                 };
                 let picture = Pixels::of(&seen(of(pictures), shots.white)?);
-                group.shots.push(Shot { name: label.clone(), caption, picture, map });
+                group.shots.push(Shot { name: label.clone(), caption, picture, maps });
             }
             groups.push(group);
         }

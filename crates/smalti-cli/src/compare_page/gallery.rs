@@ -1,32 +1,33 @@
 //! Pictures in the page, by scene and light: the script makes the viewer of them, and without it they stand in rows.
 
 use rayon::prelude::*;
-use smalti::numeric::Planes;
-use smalti_report::Rgb;
+use serde_json::json;
 use smalti_report::page::{DataUri, Markup, el};
 
 use crate::pictures::Pixels;
 
-/// Of JPEG, the best that fits: noise and false colour are what one looks for.
-const QUALITIES: [u8; 4] = [90, 82, 72, 60];
+/// How pictures are kept.
+#[derive(Clone, Copy)]
+struct Quality {
+    /// Of JPEG.
+    picture: u8,
+    map: u8,
+    /// Whether maps have one pixel for four.
+    coarse: bool,
+}
+
+/// The best that fits is taken: noise and false colour are what one looks for.
+const QUALITIES: [Quality; 6] = [
+    Quality { picture: 90, map: 75, coarse: false },
+    Quality { picture: 82, map: 75, coarse: false },
+    Quality { picture: 72, map: 70, coarse: false },
+    Quality { picture: 60, map: 60, coarse: false },
+    Quality { picture: 60, map: 60, coarse: true },
+    Quality { picture: 45, map: 50, coarse: true },
+];
 /// Most bytes of all pictures at the best quality that fits, and of all at the last.
 const MOST_BYTES: usize = 5_000_000;
 const MOST_AT_LAST: usize = 40_000_000;
-/// Of JPEG for maps: they are smooth.
-const MAP_QUALITY: u8 = 75;
-
-/// A plane in the colours of viridis, 0 to `top`.
-pub(super) fn map(plane: &Planes, top: f64) -> Pixels {
-    let colors: Vec<[u8; 3]> = (0..=255u8)
-        .map(|i| {
-            let Rgb(r, g, b) = Rgb::viridis(f64::from(i) / 255.0);
-            [r, g, b]
-        })
-        .collect();
-    let place = |v: &f32| (f64::from(*v) / top * 255.0).clamp(0.0, 255.0) as usize;
-    let rgb = plane.plane(0).iter().flat_map(|v| colors.get(place(v)).copied().unwrap_or([0; 3]));
-    Pixels { width: plane.cols(), height: plane.rows(), rgb: rgb.collect() }
-}
 
 /// What one camera with its processing makes of a scene.
 pub(super) struct Shot {
@@ -34,7 +35,16 @@ pub(super) struct Shot {
     /// Its figures, in words.
     pub(super) caption: String,
     pub(super) picture: Pixels,
-    pub(super) map: Option<Pixels>,
+    /// In the order of the gallery's; none where there is nothing to compare with.
+    pub(super) maps: Vec<Map>,
+}
+
+/// A picture of what is amiss in another.
+pub(super) enum Map {
+    /// A value at each pixel, 0 to 255 for 0 to the end of its scale: the script gives colours to them.
+    Values { width: usize, height: usize, steps: Vec<u8> },
+    /// A picture of its own.
+    Picture(Pixels),
 }
 
 /// All pictures of a scene in one light.
@@ -42,32 +52,21 @@ pub(super) struct Group {
     pub(super) scene: String,
     pub(super) luminance_cd_m2: f64,
     pub(super) shots: Vec<Shot>,
-    /// The value that the brightest colour of the maps stands for.
-    pub(super) top: f64,
+    /// For each kind of map the value that its brightest colour stands for.
+    pub(super) tops: Vec<f64>,
 }
 
-/// What maps show, and the unit of their values.
+/// What a kind of map shows.
 pub(super) struct Maps {
     pub(super) name: &'static str,
+    /// Of its values; empty where it is a picture.
     pub(super) unit: &'static str,
-}
-
-/// The value below which all but one in twenty of the maps lie, to one digit upwards.
-pub(super) fn top<'a>(maps: impl Iterator<Item = &'a Planes>) -> f64 {
-    let mut values: Vec<f32> =
-        maps.flat_map(|m| m.data().iter().copied().filter(|v| v.is_finite())).collect();
-    if values.is_empty() {
-        return 1.0;
-    }
-    let place = (values.len() - 1) * 19 / 20;
-    let (_, value, _) = values.select_nth_unstable_by(place, f32::total_cmp);
-    let value = f64::from(*value).max(1.0);
-    let step = 10f64.powf(value.log10().floor());
-    (value / step).ceil() * step
+    /// How it is read.
+    pub(super) about: &'static str,
 }
 
 /// The place of the viewer, and all pictures.
-pub(super) fn gallery(groups: &[Group], maps: &Maps) -> Markup {
+pub(super) fn gallery(groups: &[Group], maps: &[&Maps]) -> Markup {
     let mut quality = QUALITIES[QUALITIES.len() - 1];
     let mut encoded = Vec::new();
     for of in QUALITIES {
@@ -89,42 +88,67 @@ pub(super) fn gallery(groups: &[Group], maps: &Maps) -> Markup {
             .class("shots")
             .attr("data-scene", &group.scene)
             .attr("data-light", &light)
-            .attr("data-top", group.top.to_string())
+            .attr("data-tops", json!(group.tops).to_string())
             .child(el("h3").child(format!("{}, {light} cd/m²", group.scene)))
             .child(el("div").class("row").children(figures))
     });
     let rows: Markup = rows.collect();
+    let kinds: Vec<_> =
+        maps.iter().map(|m| json!({"name": m.name, "unit": m.unit, "about": m.about})).collect();
     el("div")
         .id("viewer")
-        .child(el("div").class("gallery").attr("data-map", maps.name).attr("data-unit", maps.unit).child(rows))
+        .child(el("div").class("gallery").attr("data-maps", json!(kinds).to_string()).child(rows))
         .child(el("p").class("help").child(format!(
-            "JPEG of quality {quality}, each pixel of the camera one of the picture; the PNG files beside this page lose nothing."
+            "JPEG of quality {}, each pixel of the camera one of the picture{}; the PNG files beside this page lose nothing.",
+            quality.picture,
+            if quality.coarse { ", four of them one of a map: their mean" } else { "" }
         )))
         .into()
 }
 
 struct Encoded {
     picture: Result<DataUri, String>,
-    map: Option<DataUri>,
+    maps: Vec<Option<DataUri>>,
 }
 
 impl Encoded {
     fn bytes(&self) -> usize {
-        let one = |uri: Option<&DataUri>| uri.map_or(0, |u| u.as_str().len());
-        one(self.picture.as_ref().ok()) + one(self.map.as_ref())
+        let all = self.picture.as_ref().ok().into_iter().chain(self.maps.iter().flatten());
+        all.map(|u| u.as_str().len()).sum()
     }
 }
 
-fn encode(groups: &[Group], quality: u8) -> Vec<Vec<Encoded>> {
+fn encode(groups: &[Group], quality: Quality) -> Vec<Vec<Encoded>> {
     let jpeg = |p: &Pixels, quality| DataUri::jpeg(p.width, p.height, &p.rgb, quality);
+    let map = |m: &Map| match m {
+        Map::Values { width, height, steps } if quality.coarse => {
+            let (width, height, steps) = coarse(*width, *height, steps);
+            DataUri::grey_jpeg(width, height, &steps, quality.map).ok()
+        }
+        Map::Values { width, height, steps } => DataUri::grey_jpeg(*width, *height, steps, quality.map).ok(),
+        Map::Picture(pixels) => jpeg(pixels, quality.map).ok(),
+    };
     let shot = |s: &Shot| Encoded {
-        picture: jpeg(&s.picture, quality).map_err(|e| e.to_string()),
-        map: s.map.as_ref().and_then(|m| jpeg(m, MAP_QUALITY.min(quality)).ok()),
+        picture: jpeg(&s.picture, quality.picture).map_err(|e| e.to_string()),
+        maps: s.maps.iter().map(map).collect(),
     };
     groups.par_iter().map(|g| g.shots.iter().map(shot).collect()).collect()
 }
 
-fn figure(group: &Group, shot: &Shot, encoded: &Encoded, maps: &Maps, fits: bool) -> Markup {
+/// Means of two by two; of fewer where a last row or column is alone.
+fn coarse(width: usize, height: usize, steps: &[u8]) -> (usize, usize, Vec<u8>) {
+    let (wide, high) = (width.div_ceil(2), height.div_ceil(2));
+    let mean = |row: usize, col: usize| {
+        let rows = (2 * row..height.min(2 * row + 2)).map(|r| r * width);
+        let places = rows.flat_map(|at| (2 * col..width.min(2 * col + 2)).map(move |c| at + c));
+        let of: Vec<u16> = places.filter_map(|p| steps.get(p)).map(|s| u16::from(*s)).collect();
+        let count = of.len().max(1) as u16;
+        ((of.iter().sum::<u16>() + count / 2) / count) as u8
+    };
+    (wide, high, (0..high).flat_map(|row| (0..wide).map(move |col| mean(row, col))).collect())
+}
+
+fn figure(group: &Group, shot: &Shot, encoded: &Encoded, kinds: &[&Maps], fits: bool) -> Markup {
     let Pixels { width, height, .. } = shot.picture;
     let what = format!("{} at {} cd/m², {}", group.scene, group.luminance_cd_m2, shot.name);
     let none = |why: &str| Markup::from(el("p").class("none").child(format!("No picture: {why}.")));
@@ -133,15 +157,57 @@ fn figure(group: &Group, shot: &Shot, encoded: &Encoded, maps: &Maps, fits: bool
         Ok(_) => none("the page would have become too large"),
         Err(why) => none(why),
     };
-    let map = encoded.map.as_ref().filter(|_| fits).map(|uri| {
-        let what = format!("{}: {what}", maps.name);
-        Markup::from(uri.image(width, height, &what).class("map"))
+    let maps = kinds.iter().zip(&encoded.maps).enumerate().filter_map(|(i, (kind, uri))| {
+        let what = format!("{}: {what}", kind.name);
+        let uri = uri.as_ref().filter(|_| fits)?;
+        Some(uri.image(width, height, &what).class("map").attr("data-map", i.to_string()))
     });
     let caption = el("figcaption").child(el("b").child(&shot.name)).child(format!(" {}", shot.caption));
-    el("figure")
-        .attr("data-name", &shot.name)
-        .child(picture)
-        .child(map.unwrap_or_default())
-        .child(caption)
-        .into()
+    el("figure").attr("data-name", &shot.name).child(picture).children(maps).child(caption).into()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn coarse_maps_hold_the_means() {
+        let steps = [0, 10, 20, 30, 41, 50];
+        assert_eq!(coarse(3, 2, &steps), (2, 1, vec![20, 35]));
+        assert_eq!(coarse(2, 3, &steps), (1, 2, vec![15, 46]));
+        assert_eq!(coarse(1, 1, &[255]), (1, 1, vec![255]));
+    }
+
+    /// Noise, which JPEG cannot make small, of more shots than a usual comparison has.
+    #[test]
+    fn many_pictures_fit() {
+        let (width, height) = (384, 288);
+        let noise = |each: usize, seed: u32| -> Vec<u8> {
+            let mut state = seed;
+            let mut next = || {
+                state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+                (state >> 25) as u8
+            };
+            (0..width * height * each).map(|_| next()).collect()
+        };
+        let shot = |i: u32| Shot {
+            name: format!("camera {i}"),
+            caption: String::new(),
+            picture: Pixels { width, height, rgb: noise(3, i) },
+            maps: (1..3).map(|m| Map::Values { width, height, steps: noise(1, 100 * m + i) }).collect(),
+        };
+        let group = Group {
+            scene: "noise".into(),
+            luminance_cd_m2: 1.0,
+            shots: (0..33).map(shot).collect(),
+            tops: vec![5.0, 2.0],
+        };
+        const KINDS: Maps = Maps { name: "map", unit: "ΔE", about: "" };
+        let html = gallery(&[group], &[&KINDS, &KINDS]);
+        assert_eq!(html.as_str().matches("class=\"map\"").count(), 66);
+        let (html, length) = (html.as_str(), html.as_str().len());
+        let said = html.rsplit("JPEG of").next();
+        assert!(html.contains("four of them one of a map"), "{length} bytes, quality{said:?}");
+        assert!(length < 5_100_000, "{length} bytes, quality{said:?}");
+    }
 }

@@ -5,6 +5,7 @@ mod evaluated;
 mod figures;
 mod gallery;
 mod learned;
+mod maps;
 mod tables;
 
 pub(crate) use evaluated::{Shots, page as evaluate_page};
@@ -12,17 +13,18 @@ pub(crate) use evaluated::{Shots, page as evaluate_page};
 use rayon::prelude::*;
 use serde_json::json;
 use smalti::camera::LightGain;
+use smalti_report::Sheet;
 use smalti_report::page::{COMPARE, Markup, Page, el};
 
 use crate::compare::{Outcome, Way};
 use crate::compare_report::{Report, mean, stem};
 use crate::pictures::Pixels;
 use figures::{Named, Scored};
-use gallery::{Group, Maps, Shot};
+use gallery::{Group, Shot};
+use maps::DIFFERENCES;
 
 /// The page of both commands.
 pub(crate) const FILE: &str = "report.html";
-const DIFFERENCE: Maps = Maps { name: "S-CIELAB difference", unit: "ΔE*ab" };
 
 fn foot() -> Markup {
     let text = format!(
@@ -46,10 +48,11 @@ pub(crate) fn page(report: &Report<'_>) -> anyhow::Result<String> {
     let names: Vec<String> = report.ways.iter().map(Way::name).collect();
     let learned = report.learned_ways();
     let scored = scored(report);
+    let kinds = DIFFERENCES.each_ref().map(|d| &d.maps);
     let mut page = Page::new(format!("{} compared", listed(&names)))
         .with(COMPARE)
         .lead(lead(report))
-        .section("pictures", "Pictures", gallery::gallery(&groups(report)?, &DIFFERENCE))
+        .section("pictures", "Pictures", gallery::gallery(&groups(report)?, &kinds))
         .section("scores", "Scores", tables::scores(report).and(tables::scenes(report)))
         .section("light", "Quality against light", light(report));
     let filters =
@@ -94,6 +97,14 @@ fn lead(report: &Report<'_>) -> Markup {
     out
 }
 
+/// The maps of all ways in a scene and light, with the colours they share.
+pub(crate) fn maps_sheet<'a>(report: &'a Report<'a>, title: String, light: usize, scene: usize) -> Sheet {
+    let of = |(way, outcomes): (&Way<'_>, &'a Vec<Outcome>)| {
+        Some((way.name(), &outcomes.get(light)?.scenes.get(scene)?.1))
+    };
+    maps::sheet(title, &report.ways.iter().zip(report.outcomes).filter_map(of).collect::<Vec<_>>())
+}
+
 /// The pictures of each scene in each light, the reference first.
 fn groups(report: &Report<'_>) -> anyhow::Result<Vec<Group>> {
     let mut groups = Vec::new();
@@ -102,23 +113,27 @@ fn groups(report: &Report<'_>) -> anyhow::Result<Vec<Group>> {
             let here = |o: &Outcome| o.scenes.get(scene).cloned();
             let all: Vec<_> = report.outcomes.iter().filter_map(|o| here(o.get(light)?)).collect();
             let Some((name, first)) = all.first() else { continue };
-            let top = gallery::top(all.iter().map(|(_, s)| &s.scores.scielab_map));
+            let tops = DIFFERENCES.each_ref().map(|d| d.top(all.iter().map(|(_, s)| s)));
             let mut shots = vec![Shot {
                 name: "reference".into(),
                 caption: "what the standard observer would see".into(),
                 picture: Pixels::of(&report.as_seen(first, &first.reference)?),
-                map: None,
+                maps: Vec::new(),
             }];
             for (way, (_, s)) in report.ways.iter().zip(&all) {
                 let scores = &s.scores;
                 shots.push(Shot {
                     name: way.name(),
-                    caption: format!("CPSNR {:.1} dB, S-CIELAB {:.2}", scores.cpsnr_db, scores.scielab_mean),
+                    caption: format!(
+                        "CPSNR {:.1} dB, ΔE2000 {:.2}, S-CIELAB {:.2}",
+                        scores.cpsnr_db, scores.pixel_delta_e_2000_mean, scores.scielab_mean
+                    ),
                     picture: Pixels::of(&report.as_seen(s, &s.picture)?),
-                    map: Some(gallery::map(&scores.scielab_map, top)),
+                    maps: DIFFERENCES.iter().zip(tops).map(|(d, top)| d.map(scores, top)).collect(),
                 });
             }
-            groups.push(Group { scene: stem(name), luminance_cd_m2: report.luminance(light), shots, top });
+            let (scene, luminance_cd_m2) = (stem(name), report.luminance(light));
+            groups.push(Group { scene, luminance_cd_m2, shots, tops: tops.to_vec() });
         }
     }
     // Scenes of one name are told apart in the chooser as they are in the names of files.

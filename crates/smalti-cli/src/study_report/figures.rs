@@ -32,7 +32,7 @@ const LOGARITHMIC: f64 = 6.0;
 /// Designs between which histograms reach.
 const HISTOGRAM: [f64; 2] = [0.005, 0.98];
 /// Most designs of filters by rule or of a front that are drawn as marks.
-const MAX_MARKS: usize = 400;
+pub(super) const MAX_MARKS: usize = 400;
 const SYMBOLS: [Symbol; 5] =
     [Symbol::Circle, Symbol::TriangleUp, Symbol::Star, Symbol::Diamond, Symbol::TriangleDown];
 const INK: Rgb = Rgb(30, 30, 30);

@@ -68,7 +68,13 @@ fn the_table_the_files_and_the_figures_agree() {
         "side-by-side",
     ];
     assert_eq!(place.names("o"), files);
-    assert_eq!(place.names("o/side-by-side"), ["dead-leaves-5-cd-m2.png", "dead-leaves-80-cd-m2.png"]);
+    let pictures = [
+        "dead-leaves-5-cd-m2-differences.png",
+        "dead-leaves-5-cd-m2.png",
+        "dead-leaves-80-cd-m2-differences.png",
+        "dead-leaves-80-cd-m2.png",
+    ];
+    assert_eq!(place.names("o/side-by-side"), pictures);
 
     let results = place.json("o/results.json");
     for key in ["smalti_version", "illuminant", "seed", "results", "light_gains", "learned", "cameras"] {
@@ -114,6 +120,17 @@ fn the_table_the_files_and_the_figures_agree() {
     assert!(reference < 0.9, "not the background");
     for from in [56, 196, 336] {
         assert!(part(110..150, from).iter().any(|v| *v < 0.4), "a caption below");
+    }
+    // The maps are in the colours of viridis, whose red is never as bright as the paper: a row for each camera, two maps each.
+    let maps = read("o/side-by-side/dead-leaves-80-cd-m2-differences.png");
+    assert_eq!(maps.cols(), 2 * 120 + 3 * 20);
+    let colored = |r: usize, c: usize| {
+        let [r, g, b] = [0, 1, 2].map(|p| maps.planes().plane(p)[r * maps.cols() + c]);
+        (r - b).abs() > 0.02 || (g - b).abs() > 0.02
+    };
+    for from in [56, 196] {
+        let rows = (0..maps.rows()).filter(|r| (from..from + 48).all(|c| colored(*r, c))).count();
+        assert!((96 + 10..96 + 16).contains(&rows), "two maps and the colours, not {rows} rows");
     }
     let drawn = read("o/bayer-kernels.png");
     assert!(drawn.rows() > 2 * 5 * 28 && drawn.cols() > 3 * 5 * 28);
@@ -179,7 +196,9 @@ fn cameras_and_scenes_of_one_name_are_numbered() {
         "side-by-side",
     ];
     assert_eq!(place.names("o"), files);
-    assert_eq!(place.names("o/side-by-side"), ["1-dead-leaves-80-cd-m2.png", "2-dead-leaves-80-cd-m2.png"]);
+    let numbered =
+        ["1", "2"].map(|n| ["-differences", ""].map(|what| format!("{n}-dead-leaves-80-cd-m2{what}.png")));
+    assert_eq!(place.names("o/side-by-side"), numbered.as_flattened());
     assert!(place.read("o/1-bayer.l3") == place.read("o/2-bayer.l3"));
     let r = &place.json("o/results.json")["results"];
     assert_eq!((&r[0]["camera"], &r[0]["cpsnr_db"]), (&"1-bayer".into(), &r[1]["cpsnr_db"]));
@@ -197,7 +216,8 @@ fn files_of_an_earlier_comparison_go() {
     ok(&place, &format!("compare rgbw {scene} --luminance 20 -o o"));
     let own = ["mine.png", "report.html", "results.json", "rgbw-kernels.png", "rgbw.l3", "side-by-side"];
     assert_eq!(place.names("o"), own);
-    assert_eq!(place.names("o/side-by-side"), ["dead-leaves-20-cd-m2.png", "mine.png"]);
+    let pictures = ["dead-leaves-20-cd-m2-differences.png", "dead-leaves-20-cd-m2.png", "mine.png"];
+    assert_eq!(place.names("o/side-by-side"), pictures);
     // Names that lead elsewhere are not believed.
     let hostile = r#"{"files": ["../mine.l3", "side-by-side/../mine.png", "side-by-side", ".", 7]}"#;
     place.write("o/results.json", hostile);
@@ -245,7 +265,7 @@ fn files_are_scenes_too() {
     place.ok("convert macbeth?patch=8 -o chart.png");
     let text = ok(&place, "compare bayer --scene chart.png --luminance 80 --processing bilinear -o o");
     assert!(text.contains("of one scene"), "{text}");
-    assert_eq!(place.names("o/side-by-side"), ["chart-80-cd-m2.png"]);
+    assert_eq!(place.names("o/side-by-side"), ["chart-80-cd-m2-differences.png", "chart-80-cd-m2.png"]);
 }
 
 /// That a run of bad words fails with one line, with these words, and leaves nothing.

@@ -40,9 +40,11 @@ fn a_comparison_has_a_small_page_and_names_are_text() {
         html.contains("&lt;script&gt;alert(1)") && !html.contains("<script>alert"),
         "the name is not escaped"
     );
-    // Two lights, a reference and two cameras, and maps of the cameras.
+    // Two lights, a reference and two cameras, and two maps of each camera.
     assert_eq!(html.matches("class=\"shot\"").count(), 6);
-    assert_eq!(html.matches("class=\"map\"").count(), 4);
+    assert_eq!(html.matches("class=\"map\"").count(), 8);
+    let means = |name: &str| html.matches(name).count();
+    assert_eq!(means("ΔE2000 difference: dead-leaves"), means("S-CIELAB difference: dead-leaves"));
     // The best of two is marked in each light and column of means.
     let scores = html.split("<caption>Scores, one scene").nth(1).unwrap().split("</table>").next().unwrap();
     assert!(scores.matches("class=\"best\"").count() >= 12, "{scores}");

@@ -2,38 +2,53 @@
 
 const MOST_ZOOM = 32;
 
-function readShots(gallery) {
+function readShots(gallery, kinds) {
   return Array.from(gallery.querySelectorAll(".shots"), (group) => ({
     scene: group.dataset.scene,
     light: group.dataset.light,
-    top: Number(group.dataset.top),
+    tops: JSON.parse(group.dataset.tops),
     shots: Array.from(group.querySelectorAll("figure"), (figure) => ({
       name: figure.dataset.name,
       picture: figure.querySelector(".shot"),
-      map: figure.querySelector(".map"),
+      maps: kinds.map((_, i) => figure.querySelector(`.map[data-map="${i}"]`)),
       missing: figure.querySelector(".none")?.textContent,
       caption: figure.querySelector("figcaption").lastChild.textContent.trim(),
     })),
   }));
 }
 
-// The samples of a picture, taken once.
-const samplesOf = new WeakMap();
-function samples(image) {
-  if (!samplesOf.has(image)) {
-    const [width, height] = [image.naturalWidth, image.naturalHeight];
-    const canvas = make("canvas", { width, height });
-    const context = canvas.getContext("2d", { willReadFrequently: true });
-    context.drawImage(image, 0, 0);
-    samplesOf.set(image, { width, height, bytes: context.getImageData(0, 0, width, height).data });
+// The values of a map, 0 to 255, taken once.
+const valuesOf = new WeakMap();
+function values(map) {
+  if (!valuesOf.has(map)) {
+    const [width, height] = [map.naturalWidth, map.naturalHeight];
+    const context = make("canvas", { width, height }).getContext("2d", { willReadFrequently: true });
+    context.drawImage(map, 0, 0);
+    const { data } = context.getImageData(0, 0, width, height);
+    valuesOf.set(map, { width, height, steps: Uint8Array.from({ length: width * height }, (_, i) => data[4 * i]) });
   }
-  return samplesOf.get(image);
+  return valuesOf.get(map);
 }
-// The value of a map at a place, both 0 to 1, as a share of its range; the map is a JPEG, so some percent of it may be off.
-function valueAt(map, x, y) {
-  const { width, height, bytes } = samples(map);
-  const at = (Math.min(height - 1, Math.floor(y * height)) * width + Math.min(width - 1, Math.floor(x * width))) * 4;
-  return ofViridis(bytes.subarray(at, at + 3));
+// A map in the colours of its legend, made once.
+const COLORS = Array.from({ length: 256 }, (_, i) => between((i / 255) * (VIRIDIS.length - 1)));
+function colored(map) {
+  const found = values(map);
+  if (!found.src) {
+    const { width, height, steps } = found;
+    const image = new ImageData(width, height);
+    image.data.fill(255);
+    steps.forEach((step, i) => image.data.set(COLORS[step], 4 * i));
+    const canvas = make("canvas", { width, height });
+    canvas.getContext("2d").putImageData(image, 0, 0);
+    found.src = canvas.toDataURL();
+  }
+  return found.src;
+}
+// What a map says at a place, both 0 to 1; the map is a JPEG, so some percent of its range may be off.
+function valueAt(map, top, x, y) {
+  const { width, height, steps } = values(map);
+  const step = steps[Math.min(height - 1, Math.floor(y * height)) * width + Math.min(width - 1, Math.floor(x * width))];
+  return step > 253 ? `${top} or more` : String(Number(((step / 255) * top).toPrecision(2)));
 }
 
 // What of the pictures is seen: `x`, `y` the upper left corner as a share of the picture, `zoom` how much larger than whole.
@@ -70,25 +85,27 @@ function choice(label, options, changed, chosen = 0) {
 
 function startViewer(root) {
   const gallery = root.querySelector(".gallery");
-  const groups = readShots(gallery);
+  const kinds = JSON.parse(gallery.dataset.maps);
+  const groups = readShots(gallery, kinds);
   if (groups.length === 0) return;
-  const { map, unit } = gallery.dataset;
   const unique = (values) => [...new Set(values)];
   const scenes = unique(groups.map((g) => g.scene));
   const lights = unique(groups.map((g) => g.light));
   const names = groups[0].shots.map((s) => s.name);
-  const hasMaps = groups.some((g) => g.shots.some((s) => s.map));
+  const hasMaps = groups.some((g) => g.shots.some((s) => s.maps.some(Boolean)));
+  const hasValues = hasMaps && kinds.some((k) => k.unit);
 
   const scene = choice("Scene", scenes, show);
   const light = choice("Luminance", lights.map((l) => `${l} cd/m²`), show);
-  const what = choice("Show", ["Pictures", map], show);
+  const what = choice("Show", ["Pictures", ...kinds.map((k) => k.name)], show);
   const mode = choice("View", ["Side by side", "Before and after"], show);
   const last = names.length - 1;
   const before = choice("Left", names, show, Math.max(0, last - 1));
   const after = choice("Right", names, show, last);
   const slider = make("input", { type: "range", min: 0, max: 100, value: 50, "aria-label": "Where the left picture ends, percent of the width", input: split });
   const reading = make("output", { "aria-live": "polite" });
-  const values = make("p", { class: "values" });
+  const told = make("div", { class: "values" });
+  const about = make("p", { class: "help about-map" });
   const legend = make("div", { class: "legend" });
   const stage = make("div", {
     class: "stage", tabindex: 0, role: "application", "aria-label": "Pictures that move together", "aria-describedby": "viewer-help",
@@ -104,26 +121,30 @@ function startViewer(root) {
     make("div", { class: "zooms" },
       button("−", "Smaller", () => view.enlarge(0.5)), button("+", "Larger", () => view.enlarge(2)), button("Whole", "Whole picture", () => view.set(0, 0, 1)),
       reading, legend),
-    hasMaps ? values : null,
+    hasMaps ? about : null,
+    hasValues ? told : null,
     make("p", { class: "help", id: "viewer-help" },
-      "Wheel, pinch or + and − enlarge, dragging or the arrows move, 0 shows the whole. All pictures move together."));
+      `Wheel, pinch or + and − enlarge, dragging or the arrows move, 0 shows the whole. All pictures move together.${hasValues ? " Where the pointer is, maps tell their values." : ""}`));
 
   let frames = [];
   function current() {
     return groups.find((g) => g.scene === scenes[scene.value()] && g.light === lights[light.value()]);
   }
-  // The picture of a shot, or in words that there is none.
-  function imageOf(shot, showMap) {
-    const source = (showMap && shot.map) || shot.picture;
+  // The picture of a shot or its map of a kind (-1 for none), or in words that there is none.
+  function imageOf(shot, kind) {
+    const map = shot.maps[kind];
+    const source = map || shot.picture;
     if (!source) return make("p", { class: "none" }, shot.missing ?? "No picture.");
-    return make("img", { src: source.src, alt: source.alt, draggable: "false", width: source.getAttribute("width"), height: source.getAttribute("height") });
+    const src = map && kinds[kind].unit && map.naturalWidth ? colored(map) : source.src;
+    return make("img", { src, alt: source.alt, draggable: "false", width: source.getAttribute("width"), height: source.getAttribute("height") });
   }
-  function captionOf(shot, showMap) {
-    return [make("b", {}, shot.name), ` ${shot.caption}`, showMap && !shot.map && shot.picture ? ` (no map of ${map}: the picture)` : ""];
+  function captionOf(shot, kind) {
+    const instead = kind >= 0 && !shot.maps[kind] && shot.picture;
+    return [make("b", {}, shot.name), ` ${shot.caption}`, instead ? ` (no ${kinds[kind].name}: the picture)` : ""];
   }
   function show() {
     const group = current();
-    const showMap = hasMaps && what.value() === 1;
+    const kind = hasMaps ? what.value() - 1 : -1;
     const two = mode.value() === 1 && names.length > 1;
     for (const c of [before, after]) c.element.hidden = !two;
     slider.hidden = !two;
@@ -133,18 +154,22 @@ function startViewer(root) {
       stage.replaceChildren(make("p", { class: "none" }, "There are no pictures of this scene in this light."));
     } else if (two) {
       const [a, b] = [group.shots[before.value()], group.shots[after.value()]];
-      const over = make("div", { class: "over" }, imageOf(b, showMap));
-      const frame = make("div", { class: "frame" }, imageOf(a, showMap), over, make("i", { class: "edge" }));
+      const over = make("div", { class: "over" }, imageOf(b, kind));
+      const frame = make("div", { class: "frame" }, imageOf(a, kind), over, make("i", { class: "edge" }));
       frames = [frame];
       stage.replaceChildren(make("figure", {}, frame, make("figcaption", {},
-        make("span", {}, ...captionOf(a, showMap)), make("span", {}, ...captionOf(b, showMap)))));
+        make("span", {}, ...captionOf(a, kind)), make("span", {}, ...captionOf(b, kind)))));
     } else {
-      frames = group.shots.map((s) => make("div", { class: "frame" }, imageOf(s, showMap)));
-      stage.replaceChildren(...group.shots.map((s, i) => make("figure", {}, frames[i], make("figcaption", {}, ...captionOf(s, showMap)))));
+      frames = group.shots.map((s) => make("div", { class: "frame" }, imageOf(s, kind)));
+      stage.replaceChildren(...group.shots.map((s, i) => make("figure", {}, frames[i], make("figcaption", {}, ...captionOf(s, kind)))));
     }
     const count = two ? 1 : frames.length;
     stage.style.setProperty("--across", count <= 4 ? count : count <= 6 ? 3 : 4);
-    legend.replaceChildren(...(showMap && unit && group ? [make("span", {}, "0"), make("i", { class: "ramp" }), make("span", {}, `${group.top} ${unit} and more`)] : []));
+    const mapped = kind >= 0 && group?.shots.some((s) => s.maps[kind]);
+    about.textContent = mapped ? kinds[kind].about : "";
+    legend.replaceChildren(...(mapped && kinds[kind].unit
+      ? [make("span", {}, "0"), make("i", { class: "ramp" }), make("span", {}, `${group.tops[kind]} ${kinds[kind].unit} and more`)] : []));
+    told.replaceChildren();
     const size = stage.querySelector("img");
     if (size) root.style.setProperty("--ratio", size.getAttribute("width") / size.getAttribute("height"));
     split();
@@ -166,19 +191,24 @@ function startViewer(root) {
       : `${shown(view.zoom)}× around row ${middle(view.y, size.getAttribute("height"))}, column ${middle(view.x, size.getAttribute("width"))}`;
   }
 
-  // The maps' values under the pointer, of every camera, whether maps or pictures are shown.
+  // The maps' values under the pointer, of every camera, whether maps or pictures are shown: a line for each kind.
   function point(px, py) {
     const group = current();
-    const maps = group?.shots.filter((s) => s.map?.naturalWidth) ?? [];
-    if (maps.length === 0) return;
     const [x, y] = [view.x + px / view.zoom, view.y + py / view.zoom];
     if (x < 0 || y < 0 || x >= 1 || y >= 1) return;
-    const { width, height } = samples(maps[0].map);
-    const value = (s) => {
-      const share = valueAt(s.map, x, y);
-      return share > 0.995 ? `${s.name} ${group.top} or more` : `${s.name} ${Number((share * group.top).toPrecision(2))}`;
-    };
-    values.textContent = `Row ${Math.floor(y * height)}, column ${Math.floor(x * width)}: ${map}, ${unit}, about ${maps.map(value).join(", ")}`;
+    let place = null;
+    const lines = kinds.map(({ name, unit }, kind) => {
+      const shots = unit && group ? group.shots.filter((s) => s.maps[kind]?.naturalWidth) : [];
+      if (shots.length === 0) return null;
+      const size = (of) => Number(shots[0].maps[kind].getAttribute(of));
+      place = `Row ${Math.floor(y * size("height"))}, column ${Math.floor(x * size("width"))}`;
+      const all = shots.flatMap((s, i) => [i > 0 ? " · " : " ", make("span", {}, `${s.name} `, make("b", {}, valueAt(s.maps[kind], group.tops[kind], x, y)))]);
+      return make("p", { class: what.value() - 1 === kind ? "chosen" : null }, `${name} (${unit}), about:`, ...all);
+    });
+    if (!place) return;
+    // The room stays, so that nothing below jumps.
+    told.classList.add("used");
+    told.replaceChildren(make("p", {}, place), ...lines.filter(Boolean));
   }
 
   const placeIn = (event) => {
@@ -194,7 +224,7 @@ function startViewer(root) {
     event.preventDefault();
     view.enlarge(Math.exp(-event.deltaY * (event.deltaMode === 1 ? 0.06 : 0.002)), at.x, at.y);
   }, { passive: false });
-  stage.addEventListener("pointerleave", () => { values.textContent = ""; });
+  stage.addEventListener("pointerleave", () => { told.replaceChildren(); });
   stage.addEventListener("keydown", (event) => {
     const step = { ArrowLeft: [-0.1, 0], ArrowRight: [0.1, 0], ArrowUp: [0, -0.1], ArrowDown: [0, 0.1] }[event.key];
     if (event.ctrlKey || event.altKey || event.metaKey) return;

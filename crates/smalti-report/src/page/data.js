@@ -50,6 +50,7 @@ function readDesigns(data) {
     number: unrun(data.number, count),
     section: unpack(data.section),
     front: unpack(data.front),
+    marks: data.marks.map((m) => ({ ...m, rows: unpack(m.rows) })),
     center: unpack(data.filters.center),
     fwhm: unpack(data.filters.fwhm),
     peak: unpack(data.filters.peak),

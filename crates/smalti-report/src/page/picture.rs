@@ -19,28 +19,15 @@ impl DataUri {
     /// [`FigureError::Picture`] when there are not three bytes for each pixel, or none; [`FigureError::Size`] beyond 65 535
     /// pixels a side.
     pub fn jpeg(width: usize, height: usize, rgb: &[u8], quality: u8) -> Result<Self, FigureError> {
-        let expected = width.saturating_mul(height).saturating_mul(3);
-        if expected == 0 || rgb.len() != expected {
-            return Err(FigureError::Picture {
-                caption: "JPEG".into(),
-                width,
-                height,
-                expected,
-                got: rgb.len(),
-            });
-        }
-        let size = || FigureError::Size {
-            width: width as f64,
-            height: height as f64,
-            reason: "a JPEG has at most 65535 pixels a side".into(),
-        };
-        let (w, h) = (u16::try_from(width).map_err(|_| size())?, u16::try_from(height).map_err(|_| size())?);
-        let mut bytes = Vec::new();
-        let mut encoder = Encoder::new(&mut bytes, quality.clamp(1, 100));
-        encoder.set_sampling_factor(SamplingFactor::F_1_1);
-        encoder.set_optimized_huffman_tables(true);
-        encoder.encode(rgb, w, h, ColorType::Rgb).map_err(|_| size())?;
-        Ok(Self(format!("data:image/jpeg;base64,{}", STANDARD.encode(bytes))))
+        encode(width, height, rgb, 3, quality)
+    }
+
+    /// A JPEG of one byte a pixel, row by row: numbers that the script of a page reads, and colours as it shows them.
+    ///
+    /// # Errors
+    /// As [`jpeg`](Self::jpeg), with one byte for each pixel.
+    pub fn grey_jpeg(width: usize, height: usize, bytes: &[u8], quality: u8) -> Result<Self, FigureError> {
+        encode(width, height, bytes, 1, quality)
     }
 
     /// A PNG file.
@@ -64,4 +51,36 @@ impl DataUri {
             .attr("height", height.to_string())
             .attr("alt", alternative)
     }
+}
+
+fn encode(
+    width: usize,
+    height: usize,
+    samples: &[u8],
+    each: usize,
+    quality: u8,
+) -> Result<DataUri, FigureError> {
+    let expected = width.saturating_mul(height).saturating_mul(each);
+    if expected == 0 || samples.len() != expected {
+        return Err(FigureError::Picture {
+            caption: "JPEG".into(),
+            width,
+            height,
+            expected,
+            got: samples.len(),
+        });
+    }
+    let size = || FigureError::Size {
+        width: width as f64,
+        height: height as f64,
+        reason: "a JPEG has at most 65535 pixels a side".into(),
+    };
+    let (w, h) = (u16::try_from(width).map_err(|_| size())?, u16::try_from(height).map_err(|_| size())?);
+    let mut bytes = Vec::new();
+    let mut encoder = Encoder::new(&mut bytes, quality.clamp(1, 100));
+    encoder.set_sampling_factor(SamplingFactor::F_1_1);
+    encoder.set_optimized_huffman_tables(true);
+    let color = if each == 1 { ColorType::Luma } else { ColorType::Rgb };
+    encoder.encode(samples, w, h, color).map_err(|_| size())?;
+    Ok(DataUri(format!("data:image/jpeg;base64,{}", STANDARD.encode(bytes))))
 }

@@ -2,6 +2,21 @@
 
 const MARGIN = { left: 62, right: 16, top: 14, bottom: 50 };
 
+// Symbols of marks, in the order of those of figures: circle, triangle, star, diamond, triangle on its tip.
+const MARK_RADIUS = 8;
+function symbolOf(place) {
+  const r = MARK_RADIUS;
+  const ring = (radii, from) => radii.map((radius, i) => {
+    const turn = (2 * Math.PI * (i / radii.length)) + from;
+    return `${i ? "L" : "M"}${(radius * Math.sin(turn)).toFixed(2)} ${(-radius * Math.cos(turn)).toFixed(2)}`;
+  }).join("") + "Z";
+  const star = Array.from({ length: 10 }, (_, i) => (i % 2 ? 0.5 : 1.3) * r);
+  return [
+    `M${-0.85 * r} 0a${0.85 * r} ${0.85 * r} 0 1 0 ${1.7 * r} 0a${0.85 * r} ${0.85 * r} 0 1 0 ${-1.7 * r} 0Z`,
+    ring([1.2 * r, 1.2 * r, 1.2 * r], 0), ring(star, 0), ring([1.15 * r, 1.15 * r, 1.15 * r, 1.15 * r], 0), ring([1.2 * r, 1.2 * r, 1.2 * r], Math.PI),
+  ][place % 5];
+}
+
 class Scatter {
   // `on`: { brush(box or null), point(row, how) }.
   constructor(on) {
@@ -24,7 +39,8 @@ class Scatter {
     new ResizeObserver(() => this.resize()).observe(this.plane);
   }
 
-  // `state`: { x, y (columns), log: {x, y}, ends: {x, y}, shown, selected (masks), color: {codes, table}, front (rows), count }.
+  // `state`: { x, y (columns), log: {x, y}, ends: {x, y}, shown, selected (masks), color: {codes, table}, front (rows), marks
+  // ([{rows}], each with a symbol), count }.
   show(state) {
     this.state = state;
     if (this.width) this.redraw();
@@ -104,8 +120,8 @@ class Scatter {
     if (this.box) {
       if (!this.pale) {
         this.pale = Uint8Array.from(this.back.data);
-        const table = [isDark() ? [64, 67, 74] : [214, 216, 220]];
-        for (const i of order) if (shown[i] && px[i] > 0) this.blend(this.pale, stamp, i, table[0]);
+        const pale = paleDot();
+        for (const i of order) if (shown[i] && px[i] > 0) this.blend(this.pale, stamp, i, pale);
       }
       bytes.set(this.pale);
     } else bytes.set(this.back.data);
@@ -122,7 +138,7 @@ class Scatter {
       if (!paths.has(key)) paths.set(key, new Path2D());
       paths.get(key).rect(this.px[i] - size / 2, this.py[i] - size / 2, size, size);
     };
-    if (this.box) for (const i of this.order) if (shown[i] && !selected[i] && this.px[i] > 0) put("#d6d8dc", i);
+    if (this.box) for (const i of this.order) if (shown[i] && !selected[i] && this.px[i] > 0) put(css(paleDot()), i);
     for (const i of this.order) if (selected[i] && this.px[i] > 0) put(css(color.table[color.codes[i]]), i);
     c.strokeStyle = themeColor("--faint");
     c.strokeRect(MARGIN.left, MARGIN.top, this.width - MARGIN.left - MARGIN.right, this.height - MARGIN.top - MARGIN.bottom);
@@ -176,6 +192,7 @@ class Scatter {
     c.rect(MARGIN.left, MARGIN.top, this.width - MARGIN.left - MARGIN.right, bottom - MARGIN.top);
     c.clip();
     if (front.length > 0) this.paintFront(c, front, ink);
+    this.paintMarks(c, ink);
     if (this.box) {
       const [a, b, w, h] = this.boxPixels();
       c.fillStyle = accent;
@@ -217,6 +234,33 @@ class Scatter {
     }
   }
 
+  // Above all dots: large, in the colours of dots, outlined.
+  paintMarks(c, ink) {
+    const { shown, selected, color, marks } = this.state;
+    const card = themeColor("--card");
+    const pale = css(paleDot());
+    const size = this.width < 500 ? 0.75 : 1;
+    marks.forEach(({ rows }, i) => {
+      const path = new Path2D(symbolOf(i));
+      for (const row of rows) {
+        if (!shown[row] || this.px[row] < 0) continue;
+        c.save();
+        c.translate(this.px[row], this.py[row]);
+        c.scale(size, size);
+        c.lineJoin = "round";
+        c.strokeStyle = card;
+        c.lineWidth = 4.5;
+        c.stroke(path);
+        c.fillStyle = selected[row] ? css(color.table[color.codes[row]]) : pale;
+        c.fill(path);
+        c.strokeStyle = ink;
+        c.lineWidth = 1.8;
+        c.stroke(path);
+        c.restore();
+      }
+    });
+  }
+
   boxPixels() {
     const [x0, x1] = this.box.x.map(this.sx.at);
     const [y1, y0] = this.box.y.map(this.sy.at);
@@ -234,7 +278,20 @@ class Scatter {
   nearest(x, y, reach) {
     let best = -1;
     let least = reach * reach;
-    const { shown } = this.state;
+    const { shown, marks } = this.state;
+    // A mark covers the dots below it.
+    let under = MARK_RADIUS * MARK_RADIUS;
+    for (const { rows } of marks) {
+      for (const row of rows) {
+        if (!shown[row]) continue;
+        const d = (this.px[row] - x) ** 2 + (this.py[row] - y) ** 2;
+        if (d <= under) {
+          under = d;
+          best = row;
+        }
+      }
+    }
+    if (best >= 0) return best;
     for (let i = 0; i < this.px.length; i += 1) {
       if (!shown[i] || this.px[i] < 0) continue;
       const d = (this.px[i] - x) ** 2 + (this.py[i] - y) ** 2;
@@ -366,6 +423,10 @@ class Scatter {
 function line(c, x0, y0, x1, y1) {
   c.moveTo(x0, y0);
   c.lineTo(x1, y1);
+}
+// What is not selected.
+function paleDot() {
+  return isDark() ? [64, 67, 74] : [214, 216, 220];
 }
 function hint(column, axis) {
   if (!column.better) return "";

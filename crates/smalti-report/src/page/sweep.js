@@ -36,6 +36,14 @@ function startSweep(data) {
   const bestShown = make("div");
   // The best designs of the table are to be seen, wherever they are.
   const best = Array.from(document.querySelectorAll("#best tr.marked button[data-row]"), (button) => Number(button.dataset.row));
+  // So are those with marks.
+  const markOf = new Map();
+  for (const mark of designs.marks) {
+    for (const row of mark.rows) {
+      best.push(row);
+      markOf.set(row, [mark.study, mark.name].filter(Boolean).join(": "));
+    }
+  }
 
   const explorer = document.getElementById("explorer");
   explorer.replaceChildren(controls(), filters.element,
@@ -127,12 +135,13 @@ function startSweep(data) {
     for (let i = 0; i < filters.keep.length; i += 1) many += filters.keep[i];
     scatter.show({
       x: view.x, y: view.y, log, ends: padded, shown: filters.keep, selected, count: many,
-      color: colorsOf(), front: view.front ? frontOf(view.x, view.y, filters.keep) : [], words: tipOf,
+      color: colorsOf(), front: view.front ? frontOf(view.x, view.y, filters.keep) : [], marks: designs.marks, words: tipOf,
     });
     tellSelection();
   }
   function tipOf(row) {
     const lines = [`Design ${designs.number[row]}, ${designs.colors[row]} colours`];
+    if (markOf.has(row)) lines.push(markOf.get(row));
     for (const c of [view.x, view.y]) lines.push(`${c.label} ${shown(c.values[row])}`);
     if (view.color.column) lines.push(`${view.color.column.label} ${shown(view.color.column.values[row])}`);
     return lines.join("\n");
@@ -148,7 +157,7 @@ function startSweep(data) {
         const chip = make("i");
         chip.style.background = css(table[code]);
         return make("span", { class: "chip" }, chip, words ? words.words[code] || "(none)" : `${code} colours`);
-      }));
+      }), ...legendOfMarks());
       return { codes, table };
     }
     const [low, high] = quantiles(column.values, filters.keep, [0.005, 0.98]);
@@ -157,8 +166,17 @@ function startSweep(data) {
     const bar = make("canvas", { width: 256, height: 1, "aria-hidden": "true" });
     const c = bar.getContext("2d");
     table.forEach((rgb, i) => { c.fillStyle = css(rgb); c.fillRect(i, 0, 1, 1); });
-    scatter.legend.replaceChildren(make("span", {}, withUnit(column)), make("span", {}, shown(low)), bar, make("span", {}, shown(high)));
+    scatter.legend.replaceChildren(make("span", {}, withUnit(column)), make("span", {}, shown(low)), bar, make("span", {}, shown(high)), ...legendOfMarks());
     return { codes, table };
+  }
+  // The symbols of the designs that are marked, by study.
+  function legendOfMarks() {
+    const entries = designs.marks.map((mark, i) => [mark, i]).filter(([mark]) => mark.rows.some((row) => filters.keep[row]));
+    return [...new Set(entries.map(([mark]) => mark.study))].map((study) => make("span", { class: "marks" },
+      ...entries.filter(([mark]) => mark.study === study).flatMap(([mark, i], k) => {
+        const symbol = draw("svg", { viewBox: "-9 -9 18 18", "aria-hidden": "true" }, draw("path", { d: symbolOf(i) }));
+        return [mark.name && k === 0 ? make("b", {}, study) : null, make("span", { class: "chip" }, symbol, mark.name || study)];
+      })));
   }
 
   function tellSelection() {

@@ -126,6 +126,10 @@ fn pictures_are_whole_and_small() {
     assert!(matches!(DataUri::jpeg(0, 0, &[], 80), Err(crate::FigureError::Picture { .. })));
     let wide = vec![0; 3 * 70_000];
     assert!(matches!(DataUri::jpeg(70_000, 1, &wide, 80), Err(crate::FigureError::Size { .. })));
+    let grey: Vec<u8> = rgb.iter().step_by(3).copied().collect();
+    let small = DataUri::grey_jpeg(64, 48, &grey, 80).unwrap();
+    assert!(small.as_str().len() < uri.as_str().len());
+    assert!(matches!(DataUri::grey_jpeg(64, 48, &rgb, 80), Err(crate::FigureError::Picture { .. })));
     assert!(uri.image(64, 48, "a \"b\"").attr("class", "x").clone() != el("img"));
 }
 

@@ -11,12 +11,6 @@ function between(place) {
   const [a, b] = [channelsOf(VIRIDIS[i]), channelsOf(VIRIDIS[i + 1])];
   return a.map((v, c) => Math.round(v + (b[c] - v) * (place - i)));
 }
-// The value (0 to 1) that a colour of a map stands for: that of the nearest colour of viridis.
-const STEPS_OF_VIRIDIS = Array.from({ length: 256 }, (_, i) => between((i / 255) * (VIRIDIS.length - 1)));
-function ofViridis([r, g, b]) {
-  const far = STEPS_OF_VIRIDIS.map((c) => (c[0] - r) ** 2 + (c[1] - g) ** 2 + (c[2] - b) ** 2);
-  return far.indexOf(Math.min(...far)) / 255;
-}
 function viridis(t) {
   // The palest yellow is lost on white, the darkest violet on black.
   const [low, high] = isDark() ? [0.16, 1] : [0, 0.93];

@@ -44,6 +44,9 @@ pub struct PictureScores {
     pub scielab_mean: f64,
     /// The Y that was taken for white, in the scale of the reference.
     pub white_y: f64,
+    /// The CIEDE2000 difference at every pixel: one plane. Its mean and 95 % are those above.
+    #[serde(skip)]
+    pub delta_e_2000_map: Planes,
     /// The S-CIELAB difference at every pixel: one plane.
     #[serde(skip)]
     pub scielab_map: Planes,
@@ -79,15 +82,15 @@ pub fn score_picture(
     let white = white.map(|v| v / white[LUMINANCE] * white_y);
     let scielab = Scielab::new(settings.samples_per_degree, DeltaE::Cie1976);
     let scielab = scielab_score(&picture, &reference, white, &scielab)?;
-    let mut pixels = difference::delta_e_map(&reference, &picture, white, DeltaE::Ciede2000)?;
+    let pixels = difference::delta_e_map(&reference, &picture, white, DeltaE::Ciede2000)?;
     let region = Rect::whole(picture.rows(), picture.cols());
-    let mean = pixels.mean();
     Ok(PictureScores {
         cpsnr_db: psnr(picture.planes(), reference.planes(), region, white_y)?.cpsnr_db,
-        pixel_delta_e_2000_mean: mean,
-        pixel_delta_e_2000_p95: f64::from(at_share(&mut pixels.values, 0.95)),
+        pixel_delta_e_2000_mean: pixels.mean(),
+        pixel_delta_e_2000_p95: f64::from(at_share(&mut pixels.values.clone(), 0.95)),
         scielab_mean: scielab.mean,
         white_y,
+        delta_e_2000_map: one_plane(pixels),
         scielab_map: one_plane(scielab.map),
     })
 }
@@ -168,7 +171,28 @@ mod tests {
         let s = score(&picture(ramp), &picture(ramp));
         assert_eq!(s.cpsnr_db, f64::INFINITY);
         assert_eq!((s.pixel_delta_e_2000_mean, s.pixel_delta_e_2000_p95, s.scielab_mean), (0.0, 0.0, 0.0));
-        assert!(s.scielab_map.data().iter().all(|v| *v == 0.0));
+        for map in [&s.delta_e_2000_map, &s.scielab_map] {
+            assert_eq!((map.rows(), map.cols(), map.count()), (40, 50, 1));
+            assert!(map.data().iter().all(|v| *v == 0.0));
+        }
+    }
+
+    /// A map has each difference where it is; S-CIELAB spreads it as the eye does. Mean and 95 % are those of the map.
+    #[test]
+    fn the_maps_show_where_pictures_differ() {
+        let spoiled = |i: usize| ramp(i) * if (10..20).contains(&(i / 50)) { 0.8 } else { 1.0 };
+        let s = score(&picture(spoiled), &picture(ramp));
+        let rows: Vec<&[f32]> = s.delta_e_2000_map.plane(0).chunks(50).collect();
+        for (r, row) in rows.iter().enumerate() {
+            assert!(row.iter().all(|v| (*v > 1.0) == (10..20).contains(&r)), "row {r}: {row:?}");
+            assert!((10..20).contains(&r) || row.iter().all(|v| *v == 0.0), "row {r}: {row:?}");
+        }
+        assert!(s.scielab_map.plane(0)[9 * 50 + 40] > 0.1, "blurred over the border");
+        let mut sorted = s.delta_e_2000_map.data().to_vec();
+        sorted.sort_by(f32::total_cmp);
+        let mean = sorted.iter().map(|v| f64::from(*v)).sum::<f64>() / 2000.0;
+        assert!((s.pixel_delta_e_2000_mean / mean - 1.0).abs() < 1e-6);
+        assert_eq!(s.pixel_delta_e_2000_p95, f64::from(sorted[1999 * 95 / 100]));
     }
 
     /// No scale is fitted: 3 % less light is 3 % of every value off.

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use anyhow::ensure;
 
-use super::Sources;
+use super::{Sources, marks};
 
 /// Most designs of a page: more would be slow to load and are not told apart.
 pub(super) const MOST: usize = 100_000;
@@ -45,6 +45,7 @@ impl Choice {
         let mut rows = Vec::new();
         let mut index = 0;
         for (study, (results, sections)) in sources.all.iter().enumerate() {
+            let step = if marks::is_marked(results, sources) { 1 } else { step };
             for section in sections {
                 let front: BTreeSet<usize> = section.front.iter().copied().collect();
                 let named: BTreeSet<usize> = section

@@ -4,6 +4,7 @@ mod again;
 mod choice;
 mod columns;
 mod gallery;
+mod marks;
 mod words;
 
 use std::path::PathBuf;
@@ -139,6 +140,7 @@ fn data(sources: &Sources<'_>, choice: &Choice, pictures: Value) -> anyhow::Resu
         "sections": sections,
         "number": runs(&numbers),
         "section": packed(&section),
+        "marks": marks::marks(sources, choice),
         "front": packed(&front),
         "colors": columns.colors,
         "columns": columns.numbers,
