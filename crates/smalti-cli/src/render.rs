@@ -20,8 +20,10 @@ pub(crate) fn run(args: &Render, common: &Common) -> anyhow::Result<()> {
     let progress = Progress::new(3, common.quiet);
     progress.begin("reading");
     let pipeline = l3::read_table(&args.pipeline)?;
+    let dng = dng::read(&args.raw, Limits::default())?;
+    dng.notes.iter().for_each(|note| progress.note(&format!("{}: {note}", args.raw.display())));
     // A raw file may list its channels in another order than the pipeline does; names tell.
-    let raw = dng::read(&args.raw, Limits::default())?.raw.with_channels(pipeline.channel_names());
+    let raw = dng.raw.with_channels(pipeline.channel_names());
     progress.done();
     progress.begin("rendering");
     let about = || format!("{} with {}", args.raw.display(), args.pipeline.display());

@@ -123,7 +123,7 @@ def test_reports_are_those_of_the_command(command: Command, tmp_path: Path) -> N
     assert document == json.loads(command("report", tmp_path / "out", "-o", tmp_path / "other", "--pictures", "2", "--json"))
     assert (tmp_path / "out/report/report.html").read_bytes() == (tmp_path / "other/report.html").read_bytes()
     smalti.report([tmp_path / "out"], tmp_path / "alone.html", pictures=0)
-    assert (tmp_path / "alone.html").read_bytes().startswith(b"<!DOCTYPE html>")
+    assert (tmp_path / "alone.html").read_bytes().startswith(b"<!doctype html>")
     with pytest.raises(smalti.SmaltiError, match="none of the 4 is called so"):
         smalti.report(results, tmp_path / "drawn", draw=["sepia"])
     with pytest.raises(FileNotFoundError):
