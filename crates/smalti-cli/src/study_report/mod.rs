@@ -190,7 +190,7 @@ fn chosen<'a, 'b>(sections: &[&'a Section<'b>], wanted: &[String]) -> anyhow::Re
     let titles: Vec<String> = sections.iter().map(|s| s.title().to_lowercase()).collect();
     let holds = |text: &String, title: &String| title.contains(&text.to_lowercase());
     if let Some(text) = wanted.iter().find(|text| !titles.iter().any(|title| holds(text, title))) {
-        bail!("--draw {text}: none of the {} is called so: {}", titles.len(), titles.join("; "));
+        bail!("{text} is in the name of no condition to draw: {}", titles.join("; "));
     }
     let named =
         sections.iter().zip(&titles).filter(|(_, title)| wanted.iter().any(|text| holds(text, title)));

@@ -465,7 +465,7 @@ def light_gain(
     camera: Camera,
     other: Camera,
     *,
-    pipelines: tuple[Pipeline | None, Pipeline | None] = (None, None),
+    pipelines: tuple[Pipeline | None, Pipeline | None] = ...,
     scenes: Sequence[str] | None = None,
     luminance_cd_m2: float = 1.0,
     illuminant: _Light | None = None,
