@@ -1,13 +1,15 @@
 //! Memory for cubes.
 
+use super::kind::Sample;
+
 /// Below this a buffer comes from memory that is in use already.
 #[cfg(target_os = "linux")]
 const LARGE_BYTES: usize = 4 << 20;
 
 /// Zeros to be filled. Large buffers are of large pages, as NumPy's are: fresh memory in pages of 4 KiB takes longer to
 /// get than a cube to read.
-pub(crate) fn zeros(len: usize) -> Vec<f32> {
-    let zeros = vec![0f32; len];
+pub(crate) fn zeros<S: Sample>(len: usize) -> Vec<S> {
+    let zeros = vec![S::default(); len];
     #[cfg(target_os = "linux")]
     if size_of_val(zeros.as_slice()) >= LARGE_BYTES {
         const PAGE: usize = 1 << 12;

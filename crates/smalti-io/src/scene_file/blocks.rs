@@ -7,17 +7,23 @@ use std::path::Path;
 use rayon::prelude::*;
 use smalti::numeric::Planes;
 
-use super::tiles::{Crop, Header, Tiles};
+use super::tiles::{Crop, Tiles};
 use crate::{IoError, write};
 
 /// Bytes of samples that are held at once.
 const BLOCK_BYTES: u64 = 32 << 20;
+/// The same where rows are unpacked together: rows that are cut off would be unpacked again.
+const PACKED_BYTES: u64 = 512 << 20;
 
 /// The image from top to bottom, in parts that fit into memory.
-pub(crate) fn row_blocks(header: &Header) -> impl Iterator<Item = Crop> {
+pub(crate) fn row_blocks(image: &dyn Tiles) -> impl Iterator<Item = Crop> {
+    let header = image.header();
     let (rows, cols) = (header.rows, header.cols);
     let row_bytes = (header.decoded_bytes() / rows.max(1) as u64).max(1);
-    let count = usize::try_from(BLOCK_BYTES / row_bytes).unwrap_or(usize::MAX).clamp(1, rows.max(1));
+    let within = |bytes: u64| usize::try_from(bytes / row_bytes).unwrap_or(usize::MAX).clamp(1, rows.max(1));
+    let (count, together) = (within(BLOCK_BYTES), image.rows_at_once().max(1));
+    let count =
+        if together <= count { count / together * together } else { within(PACKED_BYTES).min(together) };
     (0..rows).step_by(count).map(move |row| Crop { row, col: 0, rows: count.min(rows - row), cols })
 }
 
@@ -34,7 +40,7 @@ pub(crate) fn write_planes(
     let header = image.header();
     let row_bytes = header.cols as u64 * 4;
     let plane_bytes = header.rows as u64 * row_bytes;
-    for block in row_blocks(header) {
+    for block in row_blocks(image) {
         let planes = image.read(block)?;
         for (i, plane) in planes.planes().enumerate() {
             let place = base + i as u64 * plane_bytes + block.row as u64 * row_bytes;
