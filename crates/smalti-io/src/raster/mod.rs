@@ -14,6 +14,7 @@ mod values;
 
 use std::collections::BTreeMap;
 use std::io;
+use std::mem::MaybeUninit;
 use std::ops::Range;
 use std::path::Path;
 
@@ -25,6 +26,7 @@ pub(crate) use filters::Filter;
 use filters::Scratch;
 pub(crate) use kind::{Kind, Sample};
 pub(crate) use memory::zeros;
+use memory::{filled, room};
 pub(crate) use run::Raster;
 use run::UNIT_BYTES;
 pub(crate) use source::{FileSource, Shared, Source, bytes_at, part};
@@ -117,6 +119,8 @@ impl Cube<'_> {
             Storage::Blocks(blocks) => (blocks.size[0], None),
             Storage::Run { .. } => (self.raster.bands, None),
         };
+        // Bands that lie apart are read one by one.
+        let together = if packed.is_none() && self.raster.order[0] == Axis::Band { 1 } else { together };
         let row_bytes =
             |bands: usize| bands.saturating_mul(cols).saturating_mul(self.raster.kind.size()).max(1);
         match packed {
@@ -161,24 +165,33 @@ pub(crate) fn read<S: Sample>(
     (rows, cols): (Range<usize>, Range<usize>),
     check: impl Fn(usize, &mut [S], usize) -> Result<(), Bad> + Sync,
 ) -> Result<Vec<S>, Bad> {
-    let mut data = zeros(bands.len() * rows.len() * cols.len());
-    let mut units = units(&mut data, cubes, bands, rows, cols.len());
+    let len = bands.len() * rows.len() * cols.len();
+    let mut data: Vec<S> = room(len);
+    let empty = data.spare_capacity_mut().get_mut(..len).unwrap_or_default();
+    let mut units = units(empty, cubes, bands, rows, cols.len());
     let shared = units.len() < 2 * rayon::current_num_threads();
-    let read = |scratch: &mut Scratch, unit: &mut Unit<'_, S>| {
-        let Some(cube) = cubes.get(unit.cube) else { return Ok(()) };
+    let read = |scratch: &mut Scratch, unit: &mut Unit<'_, MaybeUninit<S>>| {
+        let mut planes: Vec<&mut [S]> = unit.planes.iter_mut().map(|p| filled(p)).collect();
+        let count: usize = planes.iter().map(|p| p.len()).sum();
+        let Some(cube) = cubes.get(unit.cube) else { return Ok(count) };
         let wanted: Vec<usize> = unit.bands.iter().map(|(_, band)| *band).collect();
         let part = Part { bands: &wanted, rows: unit.rows.clone(), cols: cols.clone() };
-        let target = Target { bands: &mut unit.planes, width: cols.len(), col: 0 };
+        let target = Target { bands: &mut planes, width: cols.len(), col: 0 };
         cube.read_into(&part, target, (scratch, shared))?;
-        for ((plane, _), samples) in unit.bands.iter().zip(&mut unit.planes) {
+        for ((plane, _), samples) in unit.bands.iter().zip(planes) {
             check(*plane, samples, unit.rows.start)?;
         }
-        Ok(())
+        Ok(count)
     };
     // All are done before the first error in their order is told: the same for any number of threads.
-    let done: Vec<Result<(), Bad>> = units.par_iter_mut().map_init(Scratch::default, read).collect();
+    let done: Vec<Result<usize, Bad>> = units.par_iter_mut().map_init(Scratch::default, read).collect();
     drop(units);
-    done.into_iter().collect::<Result<(), Bad>>()?;
+    let count: usize = done.into_iter().sum::<Result<usize, Bad>>()?;
+    if count != len {
+        return Err(Bad::Io(io::ErrorKind::UnexpectedEof.into()));
+    }
+    // SAFETY: the units are parts of the room that do not overlap, they have written `count` elements of it, and that is all.
+    unsafe { data.set_len(len) };
     Ok(data)
 }
 
