@@ -94,3 +94,55 @@ pub(crate) fn by_line(planes: &Planes) -> Vec<f32> {
     }
     out
 }
+
+#[cfg(test)]
+mod tests {
+    use smalti::spectrum::WavelengthGrid;
+
+    use super::*;
+    use crate::Quantity;
+    use crate::scene_file::stated::Bands;
+    use crate::scene_file::tiles::Header;
+    use crate::{ReadOptions, scene_file};
+
+    /// An image whose rows are unpacked so many at once.
+    struct Packed(Header, usize);
+
+    impl Tiles for Packed {
+        fn header(&self) -> &Header {
+            &self.0
+        }
+
+        fn read(&self, part: Crop) -> Result<Planes, IoError> {
+            Ok(Planes::zeros(part.rows, part.cols, self.0.wavelengths_nm.len()))
+        }
+
+        fn rows_at_once(&self) -> usize {
+            self.1
+        }
+    }
+
+    /// The heights of the parts of an image of `rows` rows of a mebibyte each.
+    fn heights(rows: usize, at_once: usize) -> Vec<usize> {
+        let options =
+            ReadOptions { grid: WavelengthGrid::new(400.0, 10.0, 32).ok(), ..ReadOptions::default() };
+        let bands = Bands::given(Path::new("f"), 32, &options).unwrap();
+        let header = Header::plain("f".into(), (rows, 8192), bands, Quantity::Photons);
+        let image = scene_file::Restated::new(Packed(header, at_once), None, None);
+        let blocks: Vec<Crop> = row_blocks(&image).collect();
+        assert!(
+            blocks.iter().scan(0, |row, b| Some(std::mem::replace(row, *row + b.rows) == b.row)).all(|b| b)
+        );
+        blocks.iter().map(|b| b.rows).collect()
+    }
+
+    #[test]
+    fn parts_end_where_rows_that_are_unpacked_together_do() {
+        assert_eq!(heights(80, 1), [32, 32, 16]);
+        assert_eq!(heights(80, 10), [30, 30, 20]);
+        assert_eq!(heights(80, 33), [33, 33, 14]);
+        assert_eq!(heights(700, 300), [300, 300, 100]);
+        // Larger than is held at once.
+        assert_eq!(heights(1100, 1100), [512, 512, 76]);
+    }
+}
