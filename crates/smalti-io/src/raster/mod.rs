@@ -103,10 +103,13 @@ impl Cube<'_> {
         }
     }
 
-    /// The rows that are unpacked at once; 1 where any are read for themselves.
+    /// The rows that are unpacked at once; where rows run fastest, as many as make reading them worth while; else 1.
     pub(crate) fn rows_at_once(&self) -> usize {
+        // A quarter of a page: fewer would have the disk read each page many times.
+        const PIECE_BYTES: usize = 1 << 10;
         match &self.storage {
             Storage::Blocks(blocks) if !blocks.filters.is_empty() => blocks.size[1],
+            _ if self.raster.order[2] == Axis::Row => PIECE_BYTES / self.raster.kind.size(),
             _ => 1,
         }
     }

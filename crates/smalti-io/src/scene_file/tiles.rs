@@ -165,7 +165,8 @@ pub trait Tiles: Send + Sync {
     /// When the part reaches beyond the image, the file cannot be read, or a sample is not valid (with its band and place).
     fn read(&self, part: Crop) -> Result<Planes, IoError>;
 
-    /// Rows that are unpacked at once, whichever of them are asked for, counted from the first; 1 where each is read for itself.
+    /// Rows that are best read together, counted from the first: those that are unpacked at once, whichever of them are asked for.
+    /// 1 where each is read for itself.
     fn rows_at_once(&self) -> usize {
         1
     }
