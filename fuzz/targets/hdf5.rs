@@ -5,7 +5,8 @@ use std::panic;
 use std::path::Path;
 
 use smalti_io::hdf5::from_bytes;
-use smalti_io::{Limits, ReadOptions, SceneDefaults};
+
+mod options;
 
 libfuzzer_sys::fuzz_target!(
     init: {
@@ -17,11 +18,5 @@ libfuzzer_sys::fuzz_target!(
             }
         }));
     },
-    |data: &[u8]| {
-        let limits = Limits { file_bytes: 1 << 20, decoded_bytes: 64 << 20 };
-        let options = ReadOptions { limits, ..ReadOptions::default() };
-        if let Ok(file) = from_bytes(data, Path::new("fuzz"), &options) {
-            let _ = file.into_scene(&SceneDefaults::default());
-        }
-    }
+    |data: &[u8]| options::each(|o| from_bytes(data, Path::new("fuzz"), o))
 );

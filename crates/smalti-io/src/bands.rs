@@ -4,16 +4,15 @@
 //! 700 nm.
 
 use std::collections::BTreeMap;
-use std::io::Cursor;
 use std::path::{Path, PathBuf};
 
-use png::{BitDepth, ColorType, Decoder, Transformations};
 use rayon::prelude::*;
 use smalti::numeric::Planes;
 use smalti::spectrum::{SpectralCube, WavelengthGrid};
 
 use crate::error::At;
-use crate::file::{self, guarded};
+use crate::file;
+use crate::picture::png::{Samples, eight, sixteen, unpack};
 use crate::raster::zeros;
 use crate::scene_file::stated::{Bands, wavelength_in};
 use crate::scene_file::tiles::{Crop, cropped, resampled};
@@ -202,49 +201,20 @@ fn assembled(
 
 /// A grey picture; the largest number is 1. One of colour is taken where its channels are equal.
 fn decode(bytes: &[u8], path: &Path, allowed: u64, options: &ReadOptions) -> Result<Planes, IoError> {
-    let wrong = |e: png::DecodingError| IoError::Decode {
-        path: path.to_owned(),
-        format: "PNG",
-        message: e.to_string(),
+    let picture = unpack(bytes, path, options, ("a band", 4, allowed))?;
+    let (channels, (rows, cols)) = (picture.channels, picture.size);
+    let compared = if channels > 2 { 3 } else { 1 };
+    let data: Option<Vec<f32>> = match &picture.samples {
+        Samples::Sixteen(buffer) if channels == 1 => Some(buffer.as_chunks().0.iter().map(sixteen).collect()),
+        Samples::Sixteen(buffer) => grey(buffer, 2 * channels, 2, compared)
+            .map(|firsts| firsts.filter_map(|b| b.first_chunk().map(sixteen)).collect()),
+        Samples::Eight(buffer) => grey(buffer, channels, 1, compared)
+            .map(|firsts| firsts.filter_map(|b| b.first().map(eight)).collect()),
     };
-    guarded(path, "PNG", || {
-        let limit = usize::try_from(options.limits.decoded_bytes).unwrap_or(usize::MAX);
-        let mut decoder = Decoder::new_with_limits(Cursor::new(bytes), png::Limits { bytes: limit });
-        decoder.set_transformations(Transformations::EXPAND);
-        decoder.set_ignore_text_chunk(true);
-        let header = decoder.read_header_info().map_err(wrong)?;
-        let (rows, cols) = (u64::from(header.height), u64::from(header.width));
-        let raw = (header.raw_row_length_from_width(header.width) as u64).saturating_mul(rows);
-        options.limits.check(path, "the picture", raw, bytes.len() as u64)?;
-        let memory = rows.saturating_mul(cols).saturating_mul(8 + 4);
-        if memory > allowed {
-            let what = "a band";
-            return Err(IoError::TooLarge { path: path.to_owned(), what, bytes: memory, limit: allowed });
-        }
-        let mut reader = decoder.read_info().map_err(wrong)?;
-        let mut buffer = vec![0; reader.output_buffer_size().unwrap_or(usize::MAX).min(memory as usize)];
-        let frame = reader.next_frame(&mut buffer).map_err(wrong)?;
-        let buffer = buffer.get(..frame.buffer_size()).unwrap_or(&buffer);
-        let (channels, compared) = match frame.color_type {
-            ColorType::Grayscale => (1, 1),
-            ColorType::GrayscaleAlpha => (2, 1),
-            ColorType::Rgb | ColorType::Indexed => (3, 3),
-            ColorType::Rgba => (4, 3),
-        };
-        let (rows, cols) = (frame.height as usize, frame.width as usize);
-        let sample = |b: &[u8; 2]| f32::from(u16::from_be_bytes(*b)) / 65535.0;
-        let data: Option<Vec<f32>> = match (frame.bit_depth, channels) {
-            (BitDepth::Sixteen, 1) => Some(buffer.as_chunks().0.iter().map(sample).collect()),
-            (BitDepth::Sixteen, _) => grey(buffer, 2 * channels, 2, compared)
-                .map(|firsts| firsts.filter_map(|b| b.first_chunk().map(sample)).collect()),
-            _ => grey(buffer, channels, 1, compared)
-                .map(|firsts| firsts.filter_map(|b| b.first().map(|v| f32::from(*v) / 255.0)).collect()),
-        };
-        let data = data.ok_or_else(|| {
-            IoError::field(path, "the colour type", "colour", "grey, or equal red, green and blue")
-        })?;
-        Planes::new(rows, cols, 1, data).at(path)
-    })
+    let data = data.ok_or_else(|| {
+        IoError::field(path, "the colour type", "colour", "grey, or equal red, green and blue")
+    })?;
+    Planes::new(rows, cols, 1, data).at(path)
 }
 
 /// The first sample of each pixel, where the samples of its colours are equal.

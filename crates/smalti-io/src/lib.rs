@@ -29,7 +29,6 @@
 //! takes memory for what a header declares before it has been compared with what the file can hold. Every writer
 //! writes to a temporary file beside the target and renames it: a target is either whole or as it was.
 
-mod arrays;
 pub mod bands;
 pub mod cache;
 mod camera_toml;

@@ -16,6 +16,7 @@ mod write;
 
 use smalti::sensor::RawImage;
 
+pub use crate::scene_file::Crop;
 pub use read::{from_bytes, read};
 pub use write::{Compression, write, write_compressed};
 
@@ -39,19 +40,6 @@ pub struct DngInfo {
     pub color_matrix: Option<ColorMatrix>,
     /// Camera values of a neutral surface, one per channel.
     pub as_shot_neutral: Option<Vec<f64>>,
-}
-
-/// A part of an image, pixels.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Crop {
-    /// First row.
-    pub row: usize,
-    /// First column.
-    pub col: usize,
-    /// Number of rows.
-    pub rows: usize,
-    /// Number of columns.
-    pub cols: usize,
 }
 
 /// A DNG as read.

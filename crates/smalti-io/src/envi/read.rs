@@ -1,13 +1,15 @@
 //! Reading ENVI.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use super::header::Fields;
 use crate::file::{self, stem};
-use crate::raster::{FileSource, Raster, Source};
+use crate::raster::{Cube, FileSource, Raster, Shared, Storage};
+use crate::scene_file::cube_file::CubeFile;
 use crate::scene_file::facts::{Comment, Facts};
 use crate::scene_file::stated::{Bands, nm_per_unit, quantity_in, scaled, wavelength_in};
-use crate::scene_file::tiles::{Header, RasterFile, Tiles, load, negative};
+use crate::scene_file::tiles::{Tiles, load};
 use crate::{IoError, Quantity, ReadOptions, SpectralFile};
 
 /// Headers of thousands of bands take a hundred kilobytes.
@@ -37,10 +39,10 @@ pub fn open(path: &Path, options: &ReadOptions) -> Result<Box<dyn Tiles>, IoErro
     Ok(Box::new(opened(path, options)?))
 }
 
-fn opened(path: &Path, options: &ReadOptions) -> Result<RasterFile<'static>, IoError> {
+fn opened(path: &Path, options: &ReadOptions) -> Result<CubeFile<'static>, IoError> {
     let (header, data) = files(path)?;
     let text = file::read(&header, HEADER_LIMIT)?;
-    described(&text, Box::new(FileSource::open(&data)?), &header, options)
+    described(&text, Arc::new(FileSource::open(&data)?), &header, options)
 }
 
 /// As [`read`], from memory; `path` is only named.
@@ -53,7 +55,7 @@ pub fn from_bytes(
     path: &Path,
     options: &ReadOptions,
 ) -> Result<SpectralFile, IoError> {
-    load(&described(header, Box::new(data), path, options)?, path, options)
+    load(&described(header, Arc::new(data), path, options)?, path, options)
 }
 
 /// The header beside a file of samples: `NAME.hdr`, or `NAME.img.hdr`.
@@ -108,10 +110,10 @@ fn files(path: &Path) -> Result<(PathBuf, PathBuf), IoError> {
 
 fn described<'a>(
     text: &[u8],
-    source: Box<dyn Source + 'a>,
+    source: Shared<'a>,
     path: &Path,
     options: &ReadOptions,
-) -> Result<RasterFile<'a>, IoError> {
+) -> Result<CubeFile<'a>, IoError> {
     let fields = Fields::parse(text, path)?;
     if let Some(kind) = fields.text("file type").filter(|t| !t.to_lowercase().starts_with("envi standard")) {
         return Err(IoError::field(path, "file type", format!("'{kind}'"), "ENVI Standard: an image"));
@@ -122,7 +124,6 @@ fn described<'a>(
     let (rows, cols, count) = (fields.length("lines")?, fields.length("samples")?, fields.length("bands")?);
     let kind = fields.kind()?;
     let raster = Raster {
-        offset: fields.whole_number("header offset")?.unwrap_or(0),
         kind,
         big_endian: fields.big_endian(kind)?,
         bands: count,
@@ -130,51 +131,28 @@ fn described<'a>(
         cols,
         order: fields.order()?,
     };
+    let offset = fields.whole_number("header offset")?.unwrap_or(0);
+    let cube = Cube { source, raster, storage: Storage::Run { offset } };
     // Before anything is made for each band.
-    let need = raster.bytes().and_then(|n| n.checked_add(raster.offset)).unwrap_or(u64::MAX);
-    if need > source.len() {
-        let have = source.len();
-        return Err(IoError::Truncated { path: path.to_owned(), what: "the samples", need, have });
-    }
+    cube.check(path, "the samples", options.limits)?;
     let facts = fields.raw("smalti").and_then(|json| Comment::parse(&format!("{{\"smalti\":{json}}}")));
     let bands = bands(&fields, count, facts.as_ref(), path, options)?;
     let (quantity, factor) = quantity(&fields, facts.as_ref(), options)?;
-    let mut header = Header {
-        name: stem(path),
-        rows,
-        cols,
-        wavelengths_nm: bands.wavelengths_nm,
-        grid: bands.grid,
-        quantity,
-        illuminant: None,
-        distance_m: None,
-        horizontal_fov_deg: None,
-    };
+    let mut file = CubeFile::new((path, "ENVI"), vec![cube], (stem(path), bands, quantity), options);
     if let Some(facts) = facts {
-        facts.state_header(&mut header, path)?;
+        facts.state_header(&mut file.header, path)?;
     }
     let gains = fields.numbers("data gain values", count)?;
     let offsets = fields.numbers("data offset values", count)?;
     let of = |list: &Option<Vec<f64>>, i: usize, default| {
         list.as_ref().and_then(|l| l.get(i)).copied().unwrap_or(default)
     };
-    let gains = if gains.is_some() || offsets.is_some() || factor != 1.0 {
-        (0..count).map(|i| (of(&gains, i, 1.0) * factor, of(&offsets, i, 0.0) * factor)).collect()
-    } else {
-        Vec::new()
-    };
-    let ignore = fields.number("data ignore value")?.map(|v| v as f32);
-    let negative = negative(options);
-    Ok(RasterFile {
-        path: path.to_owned(),
-        source,
-        raster,
-        bands: bands.order,
-        gains,
-        ignore,
-        negative,
-        header,
-    })
+    if gains.is_some() || offsets.is_some() || factor != 1.0 {
+        file.gains =
+            (0..count).map(|i| (of(&gains, i, 1.0) * factor, of(&offsets, i, 0.0) * factor)).collect();
+    }
+    file.ignore = fields.number("data ignore value")?.map(|v| v as f32);
+    Ok(file)
 }
 
 /// The bands that are good, by their wavelengths.

@@ -53,7 +53,7 @@ pub fn write(path: &Path, image: &dyn Tiles, interleave: Interleave) -> Result<(
             Interleave::Bil => by_line,
             Interleave::Bip => by_pixel,
         };
-        for block in row_blocks(header) {
+        for block in row_blocks(image) {
             let samples = lines(&image.read(block)?);
             out.write_all(bytemuck::cast_slice(&samples)).map_err(io)?;
         }

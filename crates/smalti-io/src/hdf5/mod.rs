@@ -9,9 +9,10 @@ use std::sync::Arc;
 
 use hdf5_pure::{AttrValue, FileBuilder};
 
-use crate::arrays::source::{Source, open};
 use crate::file::guarded;
+use crate::raster::{FileSource, Shared};
 use crate::scene_file::facts::Comment;
+use crate::scene_file::tiles::{Tiles, load};
 use crate::{IoError, ReadOptions, SpectralFile, variables, write as whole};
 
 /// How messages call the format.
@@ -27,7 +28,16 @@ pub(crate) const FORMAT: &str = "HDF5";
 /// wavelengths or such as are not ascending nm, has a NaN, infinite or negative value (with its band and pixel), or is
 /// larger than the limits.
 pub fn read(path: &Path, options: &ReadOptions) -> Result<SpectralFile, IoError> {
-    from_source(open(path, options.limits)?, path, options)
+    load(&open(path, options)?, path, options)
+}
+
+/// As [`read`], samples to be read as they are needed, chunks whole; those under other filters than shuffle and deflate are
+/// unpacked at once. Of the options, the part is not looked at.
+///
+/// # Errors
+/// As [`read`], but for the samples.
+pub fn open(path: &Path, options: &ReadOptions) -> Result<Box<dyn Tiles>, IoError> {
+    from_source(Arc::new(FileSource::open(path)?), path, options)
 }
 
 /// As [`read`], from memory; `path` is only named.
@@ -35,17 +45,17 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<SpectralFile, IoError>
 /// # Errors
 /// As [`read`].
 pub fn from_bytes(bytes: &[u8], path: &Path, options: &ReadOptions) -> Result<SpectralFile, IoError> {
-    from_source(Arc::new(bytes.to_vec()), path, options)
+    load(&from_source(Arc::new(bytes.to_vec()), path, options)?, path, options)
 }
 
 pub(crate) fn from_source(
-    source: Source,
+    source: Shared<'static>,
     path: &Path,
     options: &ReadOptions,
-) -> Result<SpectralFile, IoError> {
+) -> Result<Box<dyn Tiles>, IoError> {
     guarded(path, FORMAT, || {
         let root = tree::open(source, path, options.limits)?;
-        variables::spectral(&root, path, options)
+        variables::open(&root, path, options)
     })
 }
 

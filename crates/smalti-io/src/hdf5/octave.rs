@@ -6,9 +6,8 @@ use hdf5_pure::AttrValue;
 
 use super::tree::Members;
 use crate::IoError;
-use crate::arrays::element::{Element, Kind};
-use crate::arrays::{Array, Storage};
-use crate::variables::{Fields, Numbers, Value};
+use crate::raster::Kind;
+use crate::variables::{Array, Fields, Layout, Numbers, Value};
 
 /// The attribute of such a group.
 pub(super) const MARK: &str = "OCTAVE_NEW_FORMAT";
@@ -49,11 +48,15 @@ fn range(variable: &Members) -> Result<Value, IoError> {
         return Err(wrong());
     }
     let raw = dataset.read_raw().map_err(|e| variable.decode(e))?;
-    let element = Element { kind: Kind::F64, big_endian: false };
-    let numbers: Vec<f64> = element.numbers(&raw);
+    let numbers: Vec<f64> = Kind::F64.numbers(false, &raw);
     let [first, _, step] = numbers[..] else { return Err(wrong()) };
     let bytes: Vec<u8> = (0..count).flat_map(|i| (first + step * i as f64).to_le_bytes()).collect();
-    let storage = Storage::Run { source: Arc::new(bytes), offset: 0 };
-    let array = Array { dims: vec![1, count as usize], element, storage };
+    let array = Array {
+        dims: vec![1, count as usize],
+        kind: Kind::F64,
+        big_endian: false,
+        source: Arc::new(bytes),
+        layout: Layout::Run { offset: 0 },
+    };
     Ok(Value::Numbers(Numbers { array, matlab: true, attributes: Vec::new() }))
 }

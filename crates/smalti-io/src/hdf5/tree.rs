@@ -4,16 +4,13 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use hdf5_pure::{
-    AttrValue, Chunk, Dataset, Datatype, DatatypeByteOrder, FloatingPointLayout, FormatError, Group, Layout,
-    Object,
+    AttrValue, Chunk, Dataset, Datatype, DatatypeByteOrder, FloatingPointLayout, FormatError, Group,
+    Layout as Stored, Object,
 };
 
 use super::{FORMAT, octave};
-use crate::arrays::chunks::{ChunkTable, Filter, StoredChunk};
-use crate::arrays::element::{Element, Kind};
-use crate::arrays::source::Source;
-use crate::arrays::{Array, Storage};
-use crate::variables::{Attribute, Fields, Numbers, Value};
+use crate::raster::{Filter, Kind, Place, Shared};
+use crate::variables::{Array, Attribute, Chunks, Fields, Layout, Numbers, Value};
 use crate::{IoError, Limits};
 
 // Registered identifiers of filters.
@@ -25,7 +22,7 @@ const LONGEST_TEXT: u64 = 1 << 20;
 /// What is read, and how.
 #[derive(Clone)]
 struct Context {
-    source: Source,
+    source: Shared<'static>,
     limits: Limits,
     path: PathBuf,
 }
@@ -39,14 +36,14 @@ pub(crate) struct Members {
 }
 
 /// The root group of a file.
-pub(crate) fn open(source: Source, path: &Path, limits: Limits) -> Result<Members, IoError> {
+pub(crate) fn open(source: Shared<'static>, path: &Path, limits: Limits) -> Result<Members, IoError> {
     let context = Context { source: Arc::clone(&source), limits, path: path.to_owned() };
     let file = hdf5_pure::File::from_source(Positioned(source)).map_err(|e| context.decode(e))?;
     context.members(file.root())
 }
 
 /// The source as the crate wants it.
-struct Positioned(Source);
+struct Positioned(Shared<'static>);
 
 impl hdf5_pure::Source for Positioned {
     fn len(&self) -> u64 {
@@ -123,7 +120,7 @@ impl Context {
         }
         let shape = dataset.shape().map_err(decode)?;
         let one = shape.iter().all(|&d| d == 1);
-        let element = match dataset.datatype().map_err(decode)? {
+        let (kind, big_endian) = match dataset.datatype().map_err(decode)? {
             Datatype::Reference { .. } if one && follow => {
                 return match dataset.dereference().map_err(decode)?.into_iter().next() {
                     Some(Object::Dataset(dataset)) => self.value(&dataset, false),
@@ -137,8 +134,8 @@ impl Context {
             }
             Datatype::VariableLength { is_string: true, .. } if one => return self.string(dataset),
             Datatype::Compound { .. } => return Ok(Value::Other("complex numbers or records")),
-            datatype => match element(&datatype) {
-                Some(element) => element,
+            datatype => match number(&datatype) {
+                Some(number) => number,
                 None => return Ok(Value::Other("neither numbers nor text")),
             },
         };
@@ -146,10 +143,10 @@ impl Context {
         for &d in shape.iter().rev() {
             dims.push(usize::try_from(d).map_err(|e| self.decode(e))?);
         }
-        let Some(storage) = self.storage(dataset, &dims, element)? else {
+        let Some((source, layout)) = self.layout(dataset, &dims, kind)? else {
             return Ok(Value::Other("a virtual dataset"));
         };
-        let array = Array { dims, element, storage };
+        let array = Array { dims, kind, big_endian, source, layout };
         if class.as_deref() == Some("char") {
             return self.characters(&array).map(Value::Text);
         }
@@ -177,27 +174,27 @@ impl Context {
         if array.bytes() > LONGEST_TEXT {
             return Err(self.decode(format!("a text of {} bytes", array.bytes())));
         }
-        let units = array.values(&self.path, self.limits)?;
+        let units = array.numbers(&self.path, self.limits)?;
         Ok(String::from_utf16_lossy(&units.iter().map(|&u| u as u16).collect::<Vec<u16>>()))
     }
 
     /// Where the numbers are; none where they are in other files.
-    fn storage(
+    fn layout(
         &self,
         dataset: &Dataset,
         dims: &[usize],
-        element: Element,
-    ) -> Result<Option<Storage>, IoError> {
-        let bytes = dims.iter().fold(element.size() as u64, |n, &d| n.saturating_mul(d as u64));
+        kind: Kind,
+    ) -> Result<Option<(Shared<'static>, Layout)>, IoError> {
+        let bytes = dims.iter().fold(kind.size() as u64, |n, &d| n.saturating_mul(d as u64));
         self.limits.check(&self.path, "a dataset", bytes, self.source.len())?;
         match dataset.layout().map_err(|e| self.decode(e))? {
-            Layout::Virtual => return Ok(None),
-            Layout::Contiguous { address: Some(offset), size } if size >= bytes => {
-                return Ok(Some(Storage::Run { source: Arc::clone(&self.source), offset }));
+            Stored::Virtual => return Ok(None),
+            Stored::Contiguous { address: Some(offset), size } if size >= bytes => {
+                return Ok(Some((Arc::clone(&self.source), Layout::Run { offset })));
             }
-            Layout::Chunked { chunk_shape, .. } => {
+            Stored::Chunked { chunk_shape, .. } => {
                 self.refuse_too_many(dims, &chunk_shape)?;
-                let chunk = chunk_shape.iter().fold(element.size() as u64, |n, &d| n.saturating_mul(d));
+                let chunk = chunk_shape.iter().fold(kind.size() as u64, |n, &d| n.saturating_mul(d));
                 self.limits.check(&self.path, "a chunk", chunk, self.source.len())?;
                 let chunks = dataset.chunks().map_err(|e| self.decode(e))?;
                 // The crate takes memory for what a chunk is said to be long.
@@ -206,8 +203,8 @@ impl Context {
                     let (path, what, need) = (self.path.clone(), "a chunk", c.storage_size);
                     return Err(IoError::Truncated { path, what, need, have });
                 }
-                if let Some(table) = self.chunks(dataset, dims, &chunk_shape, &chunks) {
-                    return Ok(Some(Storage::Chunks(Arc::new(table))));
+                if let Some(chunks) = placed(dataset, dims, &chunk_shape, &chunks) {
+                    return Ok(Some((Arc::clone(&self.source), Layout::Chunks(chunks))));
                 }
             }
             _ => {}
@@ -217,7 +214,7 @@ impl Context {
         if raw.len() as u64 != bytes {
             return Err(self.decode(format!("a dataset of {} bytes; expected {bytes}", raw.len())));
         }
-        Ok(Some(Storage::Run { source: Arc::new(raw), offset: 0 }))
+        Ok(Some((Arc::new(raw), Layout::Run { offset: 0 })))
     }
 
     /// Refuses more chunks than the file has room to list: every one of them would take memory.
@@ -233,48 +230,40 @@ impl Context {
         }
         Ok(())
     }
-
-    /// The chunks of an array of at most three axes, deflated at most.
-    fn chunks(
-        &self,
-        dataset: &Dataset,
-        dims: &[usize],
-        chunk_shape: &[u64],
-        chunks: &[Chunk],
-    ) -> Option<ChunkTable> {
-        let filters = dataset
-            .filter_pipeline()
-            .iter()
-            .map(|f| match f.id {
-                DEFLATE => Some(Filter::Deflate),
-                SHUFFLE => Some(Filter::Shuffle),
-                _ => None,
-            })
-            .collect::<Option<Vec<Filter>>>()?;
-        let fastest_first = |of: &[u64], rest: usize| -> Option<[usize; 3]> {
-            let mut three = [rest; 3];
-            for (i, &n) in of.iter().rev().enumerate() {
-                *three.get_mut(i)? = usize::try_from(n).ok()?;
-            }
-            Some(three)
-        };
-        let chunk_dims = fastest_first(chunk_shape, 1)?;
-        let mut stored = Vec::new();
-        for chunk in chunks {
-            let place =
-                StoredChunk { address: chunk.address, bytes: chunk.storage_size, skipped: chunk.filter_mask };
-            stored.push((fastest_first(&chunk.offset, 0)?, place));
-        }
-        let mut three = [1; 3];
-        for (i, &d) in dims.iter().enumerate() {
-            *three.get_mut(i)? = d;
-        }
-        ChunkTable::new(Arc::clone(&self.source), three, chunk_dims, filters, stored)
-    }
 }
 
-/// A type of number that is read here: whole numbers without holes, IEEE 754.
-fn element(datatype: &Datatype) -> Option<Element> {
+/// The chunks of an array of at most three axes, deflated at most.
+fn placed(dataset: &Dataset, dims: &[usize], chunk_shape: &[u64], chunks: &[Chunk]) -> Option<Chunks> {
+    let filters = dataset
+        .filter_pipeline()
+        .iter()
+        .map(|f| match f.id {
+            DEFLATE => Some(Filter::Deflate),
+            SHUFFLE => Some(Filter::Shuffle),
+            _ => None,
+        })
+        .collect::<Option<Vec<Filter>>>()?;
+    let fastest_first = |of: &[u64], rest: usize| -> Option<[usize; 3]> {
+        let mut three = [rest; 3];
+        for (i, &n) in of.iter().rev().enumerate() {
+            *three.get_mut(i)? = usize::try_from(n).ok()?;
+        }
+        Some(three)
+    };
+    let mut stored = Vec::new();
+    for chunk in chunks {
+        let place = Place { offset: chunk.address, bytes: chunk.storage_size, skipped: chunk.filter_mask };
+        stored.push((fastest_first(&chunk.offset, 0)?, place));
+    }
+    let mut three = [1; 3];
+    for (i, &d) in dims.iter().enumerate() {
+        *three.get_mut(i)? = d;
+    }
+    Chunks::new(three, fastest_first(chunk_shape, 1)?, filters, stored)
+}
+
+/// A type of number that is read here, and whether it is big-endian: whole numbers without holes, IEEE 754.
+fn number(datatype: &Datatype) -> Option<(Kind, bool)> {
     let (kind, order) = match datatype {
         Datatype::FixedPoint { size, byte_order, layout }
             if layout.bit_offset == 0 && u64::from(layout.bit_precision) == 8 * u64::from(*size) =>
@@ -303,8 +292,8 @@ fn element(datatype: &Datatype) -> Option<Element> {
         _ => return None,
     };
     match order {
-        DatatypeByteOrder::LittleEndian => Some(Element { kind, big_endian: false }),
-        DatatypeByteOrder::BigEndian => Some(Element { kind, big_endian: true }),
+        DatatypeByteOrder::LittleEndian => Some((kind, false)),
+        DatatypeByteOrder::BigEndian => Some((kind, true)),
         DatatypeByteOrder::Vax => None,
     }
 }

@@ -9,7 +9,8 @@ mod v73;
 use std::path::Path;
 use std::sync::Arc;
 
-use crate::arrays::source::{Source, bytes_at, open};
+use crate::raster::{FileSource, Shared, bytes_at};
+use crate::scene_file::tiles::{Tiles, load};
 use crate::{IoError, ReadOptions, SpectralFile, hdf5, variables, write as whole};
 
 const FORMAT: &str = "MATLAB";
@@ -34,7 +35,16 @@ pub enum Version {
 /// # Errors
 /// As [`hdf5::read`]; files of level 4, which hold no cubes, are refused.
 pub fn read(path: &Path, options: &ReadOptions) -> Result<SpectralFile, IoError> {
-    from_source(open(path, options.limits)?, path, options)
+    load(&open(path, options)?, path, options)
+}
+
+/// As [`read`], samples to be read as they are needed; a compressed variable of level 5, which is one stream, is unpacked at
+/// once. Of the options, the part is not looked at.
+///
+/// # Errors
+/// As [`read`], but for the samples.
+pub fn open(path: &Path, options: &ReadOptions) -> Result<Box<dyn Tiles>, IoError> {
+    from_source(Arc::new(FileSource::open(path)?), path, options)
 }
 
 /// As [`read`], from memory; `path` is only named.
@@ -42,10 +52,14 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<SpectralFile, IoError>
 /// # Errors
 /// As [`read`].
 pub fn from_bytes(bytes: &[u8], path: &Path, options: &ReadOptions) -> Result<SpectralFile, IoError> {
-    from_source(Arc::new(bytes.to_vec()), path, options)
+    load(&from_source(Arc::new(bytes.to_vec()), path, options)?, path, options)
 }
 
-fn from_source(source: Source, path: &Path, options: &ReadOptions) -> Result<SpectralFile, IoError> {
+fn from_source(
+    source: Shared<'static>,
+    path: &Path,
+    options: &ReadOptions,
+) -> Result<Box<dyn Tiles>, IoError> {
     const HDF5: &[u8] = b"\x89HDF\r\n\x1a\n";
     let start = bytes_at(&*source, 0, source.len().min(520), "the header", path)?;
     if start.get(512..) == Some(HDF5) || start.starts_with(HDF5) {
@@ -53,7 +67,7 @@ fn from_source(source: Source, path: &Path, options: &ReadOptions) -> Result<Spe
     }
     if let Some(big_endian) = v5::read::is_level_5(&start) {
         let root = v5::read::open(source, big_endian, path, options.limits)?;
-        return variables::spectral(&root, path, options);
+        return variables::open(&root, path, options);
     }
     // Level 4 begins with a small number; text that begins with zero bytes is none.
     if start.len() >= 20 && start.iter().take(4).any(|&b| b == 0) {

@@ -68,8 +68,8 @@ impl Array {
         Ok(Self { name: name.to_owned(), descr: descr.to_owned(), kind, big_endian, fortran, shape, start })
     }
 
-    /// The cube as it lies in its file, which begins at `offset`, where its axes are these.
-    pub(super) fn raster(&self, axes: [Axis; 3], offset: u64, path: &Path) -> Result<Raster, IoError> {
+    /// The cube as it lies in its file, where its axes are these.
+    pub(super) fn raster(&self, axes: [Axis; 3], path: &Path) -> Result<Raster, IoError> {
         let Type::Number(kind) = self.kind else {
             let key = if self.name.is_empty() { "descr" } else { &self.name };
             let found = format!("of type '{}'", self.descr);
@@ -81,7 +81,6 @@ impl Array {
             order.reverse();
         }
         Ok(Raster {
-            offset: offset + self.start,
             kind,
             big_endian: self.big_endian,
             bands: len(Axis::Band),
@@ -100,26 +99,7 @@ impl Array {
     /// The numbers of a list.
     pub(super) fn numbers(&self, elements: &[u8]) -> Vec<f64> {
         let Type::Number(kind) = self.kind else { return Vec::new() };
-        macro_rules! of {
-            ($t:ty) => {{
-                let load = if self.big_endian { <$t>::from_be_bytes } else { <$t>::from_le_bytes };
-                elements.as_chunks().0.iter().map(|b| load(*b) as f64).collect()
-            }};
-        }
-        match kind {
-            Kind::U8 => of!(u8),
-            Kind::I8 => of!(i8),
-            Kind::U16 => of!(u16),
-            Kind::I16 => of!(i16),
-            Kind::U32 => of!(u32),
-            Kind::I32 => of!(i32),
-            Kind::U64 => of!(u64),
-            Kind::I64 => of!(i64),
-            Kind::F32 => of!(f32),
-            Kind::F64 => of!(f64),
-            // Too coarse for wavelengths; no list is read of it.
-            Kind::F16 => Vec::new(),
-        }
+        kind.numbers(self.big_endian, elements)
     }
 
     /// The text of a single string.

@@ -1,6 +1,7 @@
 //! Reading `.npy` and `.npz`.
 
 use std::path::Path;
+use std::sync::Arc;
 
 use smalti::spectrum::Spectrum;
 
@@ -8,9 +9,10 @@ use super::array::{Array, Type, axes, named_axes};
 use super::zip::{Archive, Member};
 use crate::error::At;
 use crate::file::stem;
-use crate::raster::{FileSource, Source, part};
+use crate::raster::{Cube, FileSource, Shared, Source, Storage, part};
+use crate::scene_file::cube_file::CubeFile;
 use crate::scene_file::stated::{Bands, quantity_in};
-use crate::scene_file::tiles::{Header, RasterFile, Tiles, load, negative};
+use crate::scene_file::tiles::{Tiles, load};
 use crate::wavelengths::places;
 use crate::{IoError, Quantity, ReadOptions, SpectralFile};
 
@@ -47,21 +49,13 @@ pub fn from_bytes(bytes: &[u8], path: &Path, options: &ReadOptions) -> Result<Sp
     load(&opened(bytes, path, options)?, path, options)
 }
 
-fn opened<'a>(
-    source: impl Source + 'a,
-    path: &Path,
-    options: &ReadOptions,
-) -> Result<RasterFile<'a>, IoError> {
+fn opened<'a>(source: impl Source + 'a, path: &Path, options: &ReadOptions) -> Result<CubeFile<'a>, IoError> {
     let io = |source| IoError::Read { path: path.to_owned(), source };
     let magic = part(&source, 0, source.len().min(6) as usize).map_err(io)?;
     if magic.starts_with(b"PK") { archive(source, path, options) } else { single(source, path, options) }
 }
 
-fn single<'a>(
-    source: impl Source + 'a,
-    path: &Path,
-    options: &ReadOptions,
-) -> Result<RasterFile<'a>, IoError> {
+fn single<'a>(source: impl Source + 'a, path: &Path, options: &ReadOptions) -> Result<CubeFile<'a>, IoError> {
     let io = |source| IoError::Read { path: path.to_owned(), source };
     let start = |n: usize| part(&source, 0, n.min(usize::try_from(source.len()).unwrap_or(n))).map_err(io);
     let array = Array::parse("", path, start)?;
@@ -71,29 +65,14 @@ fn single<'a>(
     })?;
     let axes = axes(path, &array.shape, given)?;
     let bands = Bands::given(path, given, options)?;
-    let raster = array.raster(axes, 0, path)?;
-    let header = Header {
-        name: stem(path),
-        rows: raster.rows,
-        cols: raster.cols,
-        wavelengths_nm: bands.wavelengths_nm,
-        grid: bands.grid,
-        quantity: options.quantity.unwrap_or(Quantity::RelativeEnergy),
-        illuminant: None,
-        distance_m: None,
-        horizontal_fov_deg: None,
+    let cube = Cube {
+        source: Arc::new(source),
+        raster: array.raster(axes, path)?,
+        storage: Storage::Run { offset: array.start },
     };
-    let file = RasterFile {
-        path: path.to_owned(),
-        source: Box::new(source),
-        raster,
-        bands: bands.order,
-        gains: Vec::new(),
-        ignore: None,
-        negative: negative(options),
-        header,
-    };
-    file.checked("the array")
+    cube.check(path, "the array", options.limits)?;
+    let quantity = options.quantity.unwrap_or(Quantity::RelativeEnergy);
+    Ok(CubeFile::new((path, "NumPy"), vec![cube], (stem(path), bands, quantity), options))
 }
 
 /// The arrays of an archive.
@@ -106,7 +85,7 @@ fn archive<'a>(
     source: impl Source + 'a,
     path: &Path,
     options: &ReadOptions,
-) -> Result<RasterFile<'a>, IoError> {
+) -> Result<CubeFile<'a>, IoError> {
     let archive = Archive::open(&source, path, options.limits)?;
     let mut arrays = Vec::new();
     for member in &archive.members {
@@ -138,7 +117,7 @@ fn archive<'a>(
         let found = format!("{:?}", cube.shape);
         return Err(IoError::field(path, format!("{}: shape", cube.name), found, "three axes"));
     }
-    let raster = cube.raster(axes, 0, path)?;
+    let raster = cube.raster(axes, path)?;
     let light = arrays.list(&["illuminant_photons", "illuminant"])?;
     let bands = match stated {
         Some((name, nm)) if nm.len() == raster.bands => {
@@ -169,41 +148,30 @@ fn archive<'a>(
         }
         None => None,
     };
-    let header = Header {
-        name: arrays.text("name")?.unwrap_or_else(|| stem(path)),
-        rows: raster.rows,
-        cols: raster.cols,
-        wavelengths_nm: bands.wavelengths_nm,
-        grid: bands.grid,
-        quantity,
-        illuminant,
-        distance_m: arrays.single(&["distance_m", "distance"])?,
-        horizontal_fov_deg: arrays.single(&["horizontal_fov_deg", "fov_deg", "fov"])?,
-    };
-    let gains = if factor == 1.0 { Vec::new() } else { vec![(factor, 0.0); raster.bands] };
     // A stored cube is read where it lies; a compressed one is unpacked.
     let content = if Archive::stored(&member) { None } else { Some(arrays.archive.content(&member)?) };
-    let (source, offset): (Box<dyn Source + 'a>, u64) = match content {
-        Some(content) => (Box::new(content), 0),
-        None => (Box::new(source), member.at),
-    };
-    let raster = cube.raster(axes, offset, path)?;
     let need = raster.bytes().and_then(|n| n.checked_add(cube.start)).unwrap_or(u64::MAX);
     if need > member.size {
         let have = member.size;
         return Err(IoError::Truncated { path: path.to_owned(), what: "the cube", need, have });
     }
-    let file = RasterFile {
-        path: path.to_owned(),
-        source,
-        raster,
-        bands: bands.order,
-        gains,
-        ignore: None,
-        negative: negative(options),
-        header,
+    let name = arrays.text("name")?.unwrap_or_else(|| stem(path));
+    let distance_m = arrays.single(&["distance_m", "distance"])?;
+    let horizontal_fov_deg = arrays.single(&["horizontal_fov_deg", "fov_deg", "fov"])?;
+    let (source, begin): (Shared<'a>, u64) = match content {
+        Some(content) => (Arc::new(content), 0),
+        None => (Arc::new(source), member.at),
     };
-    file.checked("the cube")
+    let cube = Cube { source, raster, storage: Storage::Run { offset: begin + cube.start } };
+    cube.check(path, "the cube", options.limits)?;
+    let mut file = CubeFile::new((path, "NumPy"), vec![cube], (name, bands, quantity), options);
+    file.header.illuminant = illuminant;
+    file.header.distance_m = distance_m;
+    file.header.horizontal_fov_deg = horizontal_fov_deg;
+    if factor != 1.0 {
+        file.gains = vec![(factor, 0.0); raster.bands];
+    }
+    Ok(file)
 }
 
 /// Values of the bands of a file on the grid that stands for their wavelengths.

@@ -2,7 +2,7 @@
 
 mod encode;
 mod jpeg;
-mod png;
+pub(crate) mod png;
 mod tiff;
 
 use std::path::Path;

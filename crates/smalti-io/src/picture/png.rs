@@ -12,6 +12,64 @@ use crate::file::guarded;
 use crate::{IoError, icc};
 
 pub(super) fn decode(bytes: &[u8], path: &Path, options: &ReadOptions) -> Result<Picture, IoError> {
+    // Three planes of f32 beside what is unpacked.
+    let Unpacked { info, size: (rows, cols), channels, samples } =
+        unpack(bytes, path, options, ("the picture", 12, options.limits.decoded_bytes))?;
+    let (mut samples, bits) = samples.to_f32();
+    let mut notes = Vec::new();
+    alpha_note(&mut notes, channels);
+    let (space, gamma) = space(&info, &mut notes);
+    if let Some(gamma) = gamma {
+        let exponent = 1.0 / gamma;
+        samples.iter_mut().for_each(|v| *v = v.powf(exponent));
+    }
+    Ok(Picture { image: from_interleaved(path, (rows, cols, channels), &samples, space)?, bits, notes })
+}
+
+/// The samples of a picture, pixel by pixel.
+pub(crate) struct Unpacked {
+    info: Info<'static>,
+    /// Rows and columns.
+    pub(crate) size: (usize, usize),
+    /// 1 to 4, of which the second of two and the fourth are alpha.
+    pub(crate) channels: usize,
+    pub(crate) samples: Samples,
+}
+
+/// Samples as they are stored.
+pub(crate) enum Samples {
+    Eight(Vec<u8>),
+    /// Big-endian.
+    Sixteen(Vec<u8>),
+}
+
+impl Samples {
+    /// The largest number is 1; and the bits of a sample.
+    fn to_f32(&self) -> (Vec<f32>, u8) {
+        match self {
+            Self::Sixteen(bytes) => (bytes.as_chunks().0.iter().map(sixteen).collect(), 16),
+            Self::Eight(bytes) => (bytes.iter().map(eight).collect(), 8),
+        }
+    }
+}
+
+/// A sample of 16 bits, of which the largest is 1.
+pub(crate) fn sixteen(bytes: &[u8; 2]) -> f32 {
+    f32::from(u16::from_be_bytes(*bytes)) / 65535.0
+}
+
+/// A sample of 8 bits, of which the largest is 1.
+pub(crate) fn eight(byte: &u8) -> f32 {
+    f32::from(*byte) / 255.0
+}
+
+/// Unpacks a picture. `what` is how a message calls it; it and so many bytes more for each pixel must be within `allowed`.
+pub(crate) fn unpack(
+    bytes: &[u8],
+    path: &Path,
+    options: &ReadOptions,
+    (what, beside, allowed): (&'static str, u64, u64),
+) -> Result<Unpacked, IoError> {
     let wrong = |e: png::DecodingError| IoError::Decode {
         path: path.to_owned(),
         format: "PNG",
@@ -23,59 +81,32 @@ pub(super) fn decode(bytes: &[u8], path: &Path, options: &ReadOptions) -> Result
         decoder.set_transformations(Transformations::EXPAND);
         decoder.set_ignore_text_chunk(true);
         let header = decoder.read_header_info().map_err(wrong)?;
-        let pixels = u64::from(header.width) * u64::from(header.height);
-        // Held as read (up to 8 bytes a pixel) and as three planes of f32.
-        let depth = if header.bit_depth == BitDepth::Sixteen { 2 } else { 1 };
-        let raw =
-            (header.raw_row_length_from_width(header.width) as u64).saturating_mul(u64::from(header.height));
+        let (rows, pixels) =
+            (u64::from(header.height), u64::from(header.width).saturating_mul(u64::from(header.height)));
+        let raw = (header.raw_row_length_from_width(header.width) as u64).saturating_mul(rows);
         options.limits.check(path, "the picture", raw, bytes.len() as u64)?;
-        let memory = pixels.saturating_mul(4 * depth + 16 + 12);
-        if memory > options.limits.decoded_bytes {
-            let limit = options.limits.decoded_bytes;
-            return Err(IoError::TooLarge {
-                path: path.to_owned(),
-                what: "the picture",
-                bytes: memory,
-                limit,
-            });
-        }
-
         let mut reader = decoder.read_info().map_err(wrong)?;
         let size = reader.output_buffer_size().unwrap_or(usize::MAX);
-        if size as u64 > memory {
-            let limit = options.limits.decoded_bytes;
-            return Err(IoError::TooLarge {
-                path: path.to_owned(),
-                what: "the picture",
-                bytes: size as u64,
-                limit,
-            });
+        let memory = pixels.saturating_mul(beside).saturating_add(size as u64);
+        if memory > allowed {
+            let path = path.to_owned();
+            return Err(IoError::TooLarge { path, what, bytes: memory, limit: allowed });
         }
         let mut buffer = vec![0; size];
         let frame = reader.next_frame(&mut buffer).map_err(wrong)?;
-        let (rows, cols) = (frame.height as usize, frame.width as usize);
+        buffer.truncate(frame.buffer_size());
         let channels = match frame.color_type {
             ColorType::Grayscale => 1,
             ColorType::GrayscaleAlpha => 2,
             ColorType::Rgb | ColorType::Indexed => 3,
             ColorType::Rgba => 4,
         };
-        let buffer = buffer.get(..frame.buffer_size()).unwrap_or(&buffer);
-        let (mut samples, bits): (Vec<f32>, u8) = match frame.bit_depth {
-            BitDepth::Sixteen => {
-                let value = |b: &[u8; 2]| f32::from(u16::from_be_bytes(*b)) / 65535.0;
-                (buffer.as_chunks::<2>().0.iter().map(value).collect(), 16)
-            }
-            _ => (buffer.iter().map(|&b| f32::from(b) / 255.0).collect(), 8),
+        let samples = match frame.bit_depth {
+            BitDepth::Sixteen => Samples::Sixteen(buffer),
+            _ => Samples::Eight(buffer),
         };
-        let mut notes = Vec::new();
-        alpha_note(&mut notes, channels);
-        let (space, gamma) = space(reader.info(), &mut notes);
-        if let Some(gamma) = gamma {
-            let exponent = 1.0 / gamma;
-            samples.iter_mut().for_each(|v| *v = v.powf(exponent));
-        }
-        Ok(Picture { image: from_interleaved(path, (rows, cols, channels), &samples, space)?, bits, notes })
+        let size = (frame.height as usize, frame.width as usize);
+        Ok(Unpacked { info: reader.info().clone(), size, channels, samples })
     })
 }
 

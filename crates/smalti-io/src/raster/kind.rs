@@ -1,4 +1,6 @@
-//! Types of samples, and how they become `f32` planes.
+//! Types of samples in files, and the numbers that they become.
+
+use super::copy::{Strides, Target, gather};
 
 /// How a sample is stored.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -36,62 +38,71 @@ impl Kind {
             _ => None,
         }
     }
+
+    /// All whole samples in `bytes`, one after another.
+    pub(crate) fn numbers<S: Sample>(self, big_endian: bool, bytes: &[u8]) -> Vec<S> {
+        let mut numbers = vec![S::default(); bytes.len() / self.size()];
+        let count = numbers.len();
+        let strides = Strides { first: 0, band: 0, row: 0, col: 1 };
+        let mut target = Target { bands: &mut [&mut numbers[..]], width: count, col: 0 };
+        // As many as there are bytes for.
+        let _ = gather(bytes, (self, big_endian), strides, (&[0], 1, count), &mut target);
+        numbers
+    }
 }
 
-/// Samples in memory: the distance, in samples, from one band, row, column to the next.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Strides {
-    pub(crate) band: usize,
-    pub(crate) row: usize,
-    pub(crate) col: usize,
+/// A number of one type as one of another, rounded once.
+pub(crate) trait Of<T> {
+    fn of(value: T) -> Self;
 }
 
-/// Parts of planes that are written: for each band rows of `width` samples, of which those from `col` on are filled.
-pub(crate) struct Target<'a, 'b> {
-    pub(crate) bands: &'a mut [&'b mut [f32]],
-    pub(crate) width: usize,
-    pub(crate) col: usize,
+/// What samples become: single precision in planes, double precision in lists and coefficients.
+pub(crate) trait Sample:
+    bytemuck::Pod
+    + Default
+    + Send
+    + Sync
+    + Of<u8>
+    + Of<i8>
+    + Of<u16>
+    + Of<i16>
+    + Of<u32>
+    + Of<i32>
+    + Of<u64>
+    + Of<i64>
+    + Of<f32>
+    + Of<f64>
+{
+    /// How it is stored where nothing needs to be converted.
+    const KIND: Kind;
 }
 
-/// Copies `rows` × `cols` samples of the bands at `places` to the target. `None` where the bytes end before.
-pub(crate) fn gather(
-    bytes: &[u8],
-    (kind, big_endian): (Kind, bool),
-    strides: Strides,
-    (places, rows, cols): (&[usize], usize, usize),
-    target: &mut Target<'_, '_>,
-) -> Option<()> {
-    macro_rules! of {
-        ($t:ty) => {{
-            let samples = bytes.as_chunks().0;
-            if big_endian {
-                moved(samples, strides, (places, rows, cols), target, |b| <$t>::from_be_bytes(b) as f32)
-            } else {
-                moved(samples, strides, (places, rows, cols), target, |b| <$t>::from_le_bytes(b) as f32)
+impl Sample for f32 {
+    const KIND: Kind = Kind::F32;
+}
+
+impl Sample for f64 {
+    const KIND: Kind = Kind::F64;
+}
+
+macro_rules! of {
+    ($($from:ty)*) => {$(
+        impl Of<$from> for f32 {
+            fn of(value: $from) -> Self {
+                value as Self
             }
-        }};
-    }
-    match kind {
-        Kind::U8 => of!(u8),
-        Kind::I8 => of!(i8),
-        Kind::U16 => of!(u16),
-        Kind::I16 => of!(i16),
-        Kind::U32 => of!(u32),
-        Kind::I32 => of!(i32),
-        Kind::U64 => of!(u64),
-        Kind::I64 => of!(i64),
-        Kind::F32 => of!(f32),
-        Kind::F64 => of!(f64),
-        Kind::F16 => {
-            let samples = bytes.as_chunks().0;
-            let load = |b: [u8; 2]| if big_endian { u16::from_be_bytes(b) } else { u16::from_le_bytes(b) };
-            moved(samples, strides, (places, rows, cols), target, |b| half(load(b)))
         }
-    }
+        impl Of<$from> for f64 {
+            fn of(value: $from) -> Self {
+                value as Self
+            }
+        }
+    )*};
 }
+of!(u8 i8 u16 i16 u32 i32 u64 i64 f32 f64);
 
 /// IEEE 754 binary16; every value of it is one of `f32`.
-fn half(bits: u16) -> f32 {
+pub(super) fn half(bits: u16) -> f32 {
     let (exponent, fraction) = (i32::from(bits >> 10 & 31), f32::from(bits & 1023));
     let size = match exponent {
         0 => fraction * 2f32.powi(-24),
@@ -102,58 +113,33 @@ fn half(bits: u16) -> f32 {
     if bits >> 15 == 1 { -size } else { size }
 }
 
-/// Rows and columns of a block that is transposed at once: source and target of it lie in the first cache.
-const BLOCK_COLS: usize = 32;
-const BLOCK_ROWS: usize = 16;
-
-fn moved<const N: usize>(
-    samples: &[[u8; N]],
-    strides: Strides,
-    (places, rows, cols): (&[usize], usize, usize),
-    target: &mut Target<'_, '_>,
-    load: impl Fn([u8; N]) -> f32 + Copy,
-) -> Option<()> {
-    let width = target.width;
-    if strides.col == 1 {
-        for (place, band) in places.iter().zip(&mut *target.bands) {
-            for row in 0..rows {
-                let from = place * strides.band + row * strides.row;
-                let from = samples.get(from..from + cols)?;
-                let to = row * width + target.col;
-                let to = band.get_mut(to..to + cols)?;
-                to.iter_mut().zip(from).for_each(|(t, s)| *t = load(*s));
-            }
-        }
-        return Some(());
-    }
-    let block_rows = if strides.row == 1 { BLOCK_ROWS } else { 1 };
-    for first_row in (0..rows).step_by(block_rows) {
-        for first_col in (0..cols).step_by(BLOCK_COLS) {
-            let count = BLOCK_COLS.min(cols - first_col);
-            for (place, band) in places.iter().zip(&mut *target.bands) {
-                for row in first_row..rows.min(first_row + block_rows) {
-                    let from = place * strides.band + row * strides.row + first_col * strides.col;
-                    let from = samples.get(from..)?.iter().step_by(strides.col.max(1));
-                    let to = row * width + target.col + first_col;
-                    let to = band.get_mut(to..to + count)?;
-                    let mut missing = count;
-                    for (t, s) in to.iter_mut().zip(from) {
-                        *t = load(*s);
-                        missing -= 1;
-                    }
-                    if missing > 0 {
-                        return None;
-                    }
-                }
-            }
-        }
-    }
-    Some(())
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn every_type_and_byte_order() {
+        let one = |kind: Kind, bytes: &[u8]| {
+            let swapped: Vec<u8> = bytes.iter().rev().copied().collect();
+            let little: Vec<f64> = kind.numbers(false, bytes);
+            assert_eq!(little, kind.numbers::<f64>(true, &swapped));
+            // Rounded once.
+            assert_eq!(kind.numbers::<f32>(false, bytes)[0], little[0] as f32);
+            little[0]
+        };
+        assert_eq!(one(Kind::I8, &(-3i8).to_le_bytes()), -3.0);
+        assert_eq!(one(Kind::U8, &[200]), 200.0);
+        assert_eq!(one(Kind::I16, &(-300i16).to_le_bytes()), -300.0);
+        assert_eq!(one(Kind::U16, &40000u16.to_le_bytes()), 40000.0);
+        assert_eq!(one(Kind::I32, &(-70000i32).to_le_bytes()), -70000.0);
+        assert_eq!(one(Kind::U32, &4_000_000_001u32.to_le_bytes()), 4_000_000_001.0);
+        assert_eq!(one(Kind::I64, &(-(1i64 << 40)).to_le_bytes()), -((1i64 << 40) as f64));
+        assert_eq!(one(Kind::U64, &(1u64 << 63).to_le_bytes()), (1u64 << 63) as f64);
+        assert_eq!(one(Kind::F16, &0x3c00u16.to_le_bytes()), 1.0);
+        assert_eq!(one(Kind::F32, &1.5f32.to_le_bytes()), 1.5);
+        assert_eq!(one(Kind::F64, &1e-300f64.to_le_bytes()), 1e-300);
+        assert_eq!(Kind::U16.numbers::<f64>(false, &[1, 0, 2, 0, 3]), [1.0, 2.0]);
+    }
 
     #[test]
     fn half_floats_are_exact() {

@@ -1,22 +1,38 @@
-//! A cube of samples as it lies in a file: any type, byte order and order of axes, read by windows.
+//! A cube of samples as it lies in a file: any type, byte order and order of axes, in one run or in blocks, read by parts.
 //!
-//! [`Raster`] is one block of samples; ENVI, NumPy and the strips and tiles of TIFF are made of them. What is read is spread over
-//! units of about a mebibyte, each read, transposed and checked by one thread while it is in the cache.
+//! What is read is spread over units of about a mebibyte, or of the blocks that are unpacked at once, each read, transposed and
+//! checked by one thread while it is in the cache.
 
+mod blocks;
+mod copy;
+mod filters;
 mod kind;
 mod memory;
+mod run;
 mod source;
 mod values;
 
+use std::collections::BTreeMap;
 use std::io;
+use std::mem::MaybeUninit;
 use std::ops::Range;
+use std::path::Path;
 
 use rayon::prelude::*;
 
-pub(crate) use kind::{Kind, Strides, Target, gather};
+pub(crate) use blocks::{Blocks, Place};
+use copy::Target;
+pub(crate) use filters::Filter;
+use filters::Scratch;
+pub(crate) use kind::{Kind, Sample};
 pub(crate) use memory::zeros;
-pub(crate) use source::{FileSource, Source, part};
+use memory::{filled, room};
+pub(crate) use run::Raster;
+use run::UNIT_BYTES;
+pub(crate) use source::{FileSource, Shared, Source, bytes_at, part};
 pub(crate) use values::{BadSample, Values};
+
+use crate::{IoError, Limits};
 
 /// Axes of a cube.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -26,7 +42,7 @@ pub(crate) enum Axis {
     Col,
 }
 
-/// A part of a cube: the bands of the file that are wanted, in the order of the planes they become, its rows and columns.
+/// A part of a cube: the bands that are wanted, in the order of the planes they become, its rows and columns.
 #[derive(Debug, Clone)]
 pub(crate) struct Part<'a> {
     pub(crate) bands: &'a [usize],
@@ -51,195 +67,171 @@ impl From<io::Error> for Bad {
     }
 }
 
-/// Samples of a block, one after another.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Raster {
-    /// Of the first sample in the file.
-    pub(crate) offset: u64,
-    pub(crate) kind: Kind,
-    pub(crate) big_endian: bool,
-    pub(crate) bands: usize,
-    pub(crate) rows: usize,
-    pub(crate) cols: usize,
-    /// The axes, slowest first.
-    pub(crate) order: [Axis; 3],
+/// Samples, and where they are.
+#[derive(Clone)]
+pub(crate) struct Cube<'a> {
+    pub(crate) source: Shared<'a>,
+    pub(crate) raster: Raster,
+    pub(crate) storage: Storage,
 }
 
-/// Bytes that a thread reads, transposes and checks at once.
-const UNIT_BYTES: usize = 1 << 20;
-
-impl Raster {
-    /// Bytes of all samples; `None` where that is no number.
-    pub(crate) fn bytes(&self) -> Option<u64> {
-        let samples = (self.bands as u64).checked_mul(self.rows as u64)?.checked_mul(self.cols as u64)?;
-        samples.checked_mul(self.kind.size() as u64)
-    }
-
-    fn len(&self, axis: Axis) -> usize {
-        match axis {
-            Axis::Band => self.bands,
-            Axis::Row => self.rows,
-            Axis::Col => self.cols,
-        }
-    }
-
-    /// Planes of a part: band, row, column. It lies within the raster, and that within the source.
-    pub(crate) fn read(
-        &self,
-        source: &dyn Source,
-        part: &Part<'_>,
-        values: &Values<'_>,
-    ) -> Result<Vec<f32>, Bad> {
-        let (rows, cols) = (part.rows.len(), part.cols.len());
-        let mut data = zeros(part.bands.len() * rows * cols);
-        let row_bytes = (self.bands * cols * self.kind.size()).max(1);
-        // Where rows run fastest, a few of them would be read in small pieces: bands are shared out instead.
-        let fastest_is_row = self.order[2] == Axis::Row;
-        let group = if fastest_is_row { rows } else { (UNIT_BYTES / row_bytes).clamp(1, rows.max(1)) };
-        let mut units = split(&mut data, rows, cols, group, fastest_is_row);
-        let read = |buffer: &mut Vec<u8>, unit: &mut Unit<'_>| {
-            let bands = part.bands.get(unit.bands.clone()).unwrap_or_default();
-            let first = part.rows.start + unit.first_row;
-            let rows = first..first + unit.rows;
-            let target = Target { bands: &mut unit.planes, width: cols, col: 0 };
-            self.read_into(
-                source,
-                &Part { bands, rows: rows.clone(), cols: part.cols.clone() },
-                target,
-                buffer,
-            )?;
-            for (band, plane) in bands.iter().zip(&mut unit.planes) {
-                values.check(*band, plane, (first, part.cols.start, cols)).map_err(Bad::Sample)?;
-            }
-            Ok(())
-        };
-        // All are done before the first error in their order is told: the same for any number of threads.
-        let done: Vec<Result<(), Bad>> = units.par_iter_mut().map_init(Vec::new, read).collect();
-        done.into_iter().collect::<Result<(), Bad>>()?;
-        Ok(data)
-    }
-
-    /// Reads a part to where it belongs, without checking its values.
-    pub(crate) fn read_into(
-        &self,
-        source: &dyn Source,
-        part: &Part<'_>,
-        target: Target<'_, '_>,
-        buffer: &mut Vec<u8>,
-    ) -> Result<(), Bad> {
-        if let Some(first) = self.lies_as_planes(part, &target) {
-            for (band, plane) in part.bands.iter().zip(target.bands) {
-                let len = part.rows.len() * self.cols;
-                let out = plane.get_mut(..len).unwrap_or_default();
-                let at = first + (*band as u64 * self.rows as u64 * self.cols as u64) * 4;
-                source.read_at(at, bytemuck::cast_slice_mut(out))?;
-            }
-            return Ok(());
-        }
-        if self.order[0] == Axis::Band {
-            // Each band by itself: those that are not wanted are not read.
-            for (band, plane) in part.bands.iter().zip(target.bands) {
-                let of_band =
-                    Target { bands: std::slice::from_mut(plane), width: target.width, col: target.col };
-                self.read_block(source, *band..band + 1, (&[0], part), of_band, buffer)?;
-            }
-            return Ok(());
-        }
-        self.read_block(source, 0..self.bands, (part.bands, part), target, buffer)
-    }
-
-    /// Whether whole rows of planes lie in the file as they do in memory; then where those of the first band begin.
-    fn lies_as_planes(&self, part: &Part<'_>, target: &Target<'_, '_>) -> Option<u64> {
-        let as_is = self.kind == Kind::F32 && self.big_endian == cfg!(target_endian = "big");
-        let planes = self.order == [Axis::Band, Axis::Row, Axis::Col]
-            || (self.bands == 1 && self.order == [Axis::Row, Axis::Col, Axis::Band]);
-        let whole = target.width == self.cols && target.col == 0 && part.cols == (0..self.cols);
-        let first = self.offset + part.rows.start as u64 * self.cols as u64 * 4;
-        (as_is && planes && whole).then_some(first)
-    }
-
-    fn read_block(
-        &self,
-        source: &dyn Source,
-        bands: Range<usize>,
-        (places, part): (&[usize], &Part<'_>),
-        mut target: Target<'_, '_>,
-        buffer: &mut Vec<u8>,
-    ) -> Result<(), Bad> {
-        let range = |axis: Axis| match axis {
-            Axis::Band => bands.clone(),
-            Axis::Row => part.rows.clone(),
-            Axis::Col => part.cols.clone(),
-        };
-        let [a, b, c] = self.order.map(range);
-        let [_, len_b, len_c] = self.order.map(|axis| self.len(axis));
-        let size = self.kind.size();
-        buffer.resize(a.len() * b.len() * c.len() * size, 0);
-        let at = |i: usize, j: usize, k: usize| {
-            // Within the source, whose length is a number.
-            let sample = (i as u64 * len_b as u64 + j as u64) * len_c as u64 + k as u64;
-            self.offset + sample * size as u64
-        };
-        // Runs that lie together are read together.
-        if c.len() == len_c && b.len() == len_b {
-            source.read_at(at(a.start, 0, 0), buffer)?;
-        } else if c.len() == len_c {
-            let run = b.len() * c.len() * size;
-            for (i, out) in a.clone().zip(buffer.chunks_mut(run.max(1))) {
-                source.read_at(at(i, b.start, 0), out)?;
-            }
-        } else {
-            let runs = a.clone().flat_map(|i| b.clone().map(move |j| (i, j)));
-            for ((i, j), out) in runs.zip(buffer.chunks_mut((c.len() * size).max(1))) {
-                source.read_at(at(i, j, c.start), out)?;
-            }
-        }
-        let stride = |axis: Axis| match self.order.iter().position(|o| *o == axis) {
-            Some(0) => b.len() * c.len(),
-            Some(1) => c.len(),
-            _ => 1,
-        };
-        let strides = Strides { band: stride(Axis::Band), row: stride(Axis::Row), col: stride(Axis::Col) };
-        let extent = (places, part.rows.len(), part.cols.len());
-        gather(buffer, (self.kind, self.big_endian), strides, extent, &mut target)
-            .ok_or_else(|| Bad::Io(io::ErrorKind::UnexpectedEof.into()))
-    }
+/// How samples lie in a file.
+#[derive(Debug, Clone)]
+pub(crate) enum Storage {
+    /// One after another.
+    Run {
+        /// Of the first.
+        offset: u64,
+    },
+    Blocks(Blocks),
 }
 
-/// Rows of some planes that one thread fills.
-pub(crate) struct Unit<'a> {
-    pub(crate) bands: Range<usize>,
-    pub(crate) first_row: usize,
-    pub(crate) rows: usize,
-    pub(crate) planes: Vec<&'a mut [f32]>,
-}
-
-/// Planes of `rows` × `cols` by groups of rows: of all bands, or each band by itself.
-pub(crate) fn split(
-    data: &mut [f32],
-    rows: usize,
-    cols: usize,
-    group: usize,
-    by_band: bool,
-) -> Vec<Unit<'_>> {
-    let (group, plane) = (group.max(1), rows * cols);
-    let mut units: Vec<Unit<'_>> = Vec::new();
-    let groups = rows.div_ceil(group);
-    for (band, plane) in data.chunks_mut(plane.max(1)).enumerate() {
-        for (i, part) in plane.chunks_mut((group * cols).max(1)).enumerate() {
-            let rows = part.len() / cols.max(1);
-            match units.get_mut(i).filter(|_| !by_band) {
-                Some(unit) => {
-                    unit.bands.end = band + 1;
-                    unit.planes.push(part);
+impl Cube<'_> {
+    /// Compares what is declared with the length of the file and with the limits; `what` is how a message calls the samples,
+    /// or a block of them.
+    pub(crate) fn check(&self, path: &Path, what: &'static str, limits: Limits) -> Result<(), IoError> {
+        let have = self.source.len();
+        match &self.storage {
+            Storage::Run { offset } => {
+                let need = self.raster.bytes().and_then(|n| n.checked_add(*offset)).unwrap_or(u64::MAX);
+                if need > have {
+                    return Err(IoError::Truncated { path: path.to_owned(), what, need, have });
                 }
-                None => units.push(Unit {
-                    bands: band..band + 1,
-                    first_row: (i % groups.max(1)) * group,
-                    rows,
-                    planes: vec![part],
-                }),
+                Ok(())
             }
+            Storage::Blocks(blocks) => blocks.check(&self.raster, &*self.source, (path, what), limits),
+        }
+    }
+
+    /// The rows that are unpacked at once; where rows run fastest, as many as make reading them worth while; else 1.
+    pub(crate) fn rows_at_once(&self) -> usize {
+        // A quarter of a page: fewer would have the disk read each page many times.
+        const PIECE_BYTES: usize = 1 << 10;
+        match &self.storage {
+            Storage::Blocks(blocks) if !blocks.filters.is_empty() => blocks.size[1],
+            _ if self.raster.order[2] == Axis::Row => PIECE_BYTES / self.raster.kind.size(),
+            _ => 1,
+        }
+    }
+
+    /// How many bands, counted from the first, come from the same place; and how many rows of `cols` samples are best read
+    /// together, counted from the first row of the cube where they are unpacked together.
+    fn unit(&self, cols: usize) -> (usize, usize, bool) {
+        let (together, packed) = match &self.storage {
+            Storage::Blocks(blocks) if !blocks.filters.is_empty() => (blocks.size[0], Some(blocks.size[1])),
+            Storage::Blocks(blocks) => (blocks.size[0], None),
+            Storage::Run { .. } => (self.raster.bands, None),
+        };
+        // Bands that lie apart are read one by one.
+        let together = if packed.is_none() && self.raster.order[0] == Axis::Band { 1 } else { together };
+        let row_bytes =
+            |bands: usize| bands.saturating_mul(cols).saturating_mul(self.raster.kind.size()).max(1);
+        match packed {
+            Some(rows) => (together, rows, true),
+            // Where rows run fastest, a few of them would be read in small pieces: bands are shared out instead.
+            None if self.raster.order[2] == Axis::Row => (1, self.raster.rows.max(1), false),
+            None => (together, (UNIT_BYTES / row_bytes(together)).max(1), false),
+        }
+    }
+
+    fn read_into<S: Sample>(
+        &self,
+        part: &Part<'_>,
+        target: Target<'_, '_, S>,
+        (scratch, shared): (&mut Scratch, bool),
+    ) -> Result<(), Bad> {
+        match &self.storage {
+            Storage::Run { offset } => {
+                self.raster.read_into((&*self.source, *offset), part, target, &mut scratch.window)
+            }
+            Storage::Blocks(blocks) => {
+                blocks.read_into(&self.raster, &*self.source, part, target, (scratch, shared))
+            }
+        }
+    }
+}
+
+/// Rows of planes that come from the same place, filled by one thread.
+struct Unit<'a, S> {
+    cube: usize,
+    rows: Range<usize>,
+    /// The plane, and its band in the cube.
+    bands: Vec<(usize, usize)>,
+    planes: Vec<&'a mut [S]>,
+}
+
+/// Planes of a part of an image: band, row, column. `bands` names for each plane the cube and the band in it; the part lies
+/// within the cubes, and they within their sources. `check` is given rows of a plane, its number and the first row.
+pub(crate) fn read<S: Sample>(
+    cubes: &[Cube<'_>],
+    bands: &[(usize, usize)],
+    (rows, cols): (Range<usize>, Range<usize>),
+    check: impl Fn(usize, &mut [S], usize) -> Result<(), Bad> + Sync,
+) -> Result<Vec<S>, Bad> {
+    let len = bands.len() * rows.len() * cols.len();
+    let mut data: Vec<S> = room(len);
+    let empty = data.spare_capacity_mut().get_mut(..len).unwrap_or_default();
+    let mut units = units(empty, cubes, bands, rows, cols.len());
+    let shared = units.len() < 2 * rayon::current_num_threads();
+    let read = |scratch: &mut Scratch, unit: &mut Unit<'_, MaybeUninit<S>>| {
+        let mut planes: Vec<&mut [S]> = unit.planes.iter_mut().map(|p| filled(p)).collect();
+        let count: usize = planes.iter().map(|p| p.len()).sum();
+        let Some(cube) = cubes.get(unit.cube) else { return Ok(count) };
+        let wanted: Vec<usize> = unit.bands.iter().map(|(_, band)| *band).collect();
+        let part = Part { bands: &wanted, rows: unit.rows.clone(), cols: cols.clone() };
+        let target = Target { bands: &mut planes, width: cols.len(), col: 0 };
+        cube.read_into(&part, target, (scratch, shared))?;
+        for ((plane, _), samples) in unit.bands.iter().zip(planes) {
+            check(*plane, samples, unit.rows.start)?;
+        }
+        Ok(count)
+    };
+    // All are done before the first error in their order is told: the same for any number of threads.
+    let done: Vec<Result<usize, Bad>> = units.par_iter_mut().map_init(Scratch::default, read).collect();
+    drop(units);
+    let count: usize = done.into_iter().sum::<Result<usize, Bad>>()?;
+    if count != len {
+        return Err(Bad::Io(io::ErrorKind::UnexpectedEof.into()));
+    }
+    // SAFETY: the units are parts of the room that do not overlap, they have written `count` elements of it, and that is all.
+    unsafe { data.set_len(len) };
+    Ok(data)
+}
+
+/// A plane, its band in the cube, and what is left of it to read.
+type Rest<'a, S> = (usize, usize, &'a mut [S]);
+
+/// What is to be read, in pieces that are independent.
+fn units<'d, S>(
+    data: &'d mut [S],
+    cubes: &[Cube<'_>],
+    bands: &[(usize, usize)],
+    rows: Range<usize>,
+    cols: usize,
+) -> Vec<Unit<'d, S>> {
+    let plane_len = rows.len() * cols;
+    let mut stacks: BTreeMap<(usize, usize), Vec<Rest<'d, S>>> = BTreeMap::new();
+    for ((plane, (cube, band)), samples) in bands.iter().enumerate().zip(data.chunks_mut(plane_len.max(1))) {
+        let together = cubes.get(*cube).map_or(1, |c| c.unit(cols).0);
+        stacks.entry((*cube, band / together.max(1))).or_default().push((plane, *band, samples));
+    }
+    let mut units = Vec::new();
+    for ((cube, _), mut stack) in stacks {
+        let (_, step, aligned) = cubes.get(cube).map_or((1, 1, false), |c| c.unit(cols));
+        let mut row = rows.start;
+        while row < rows.end {
+            let last = if aligned { (row / step + 1).saturating_mul(step) } else { row.saturating_add(step) };
+            let last = last.min(rows.end);
+            let mut unit = Unit { cube, rows: row..last, bands: Vec::new(), planes: Vec::new() };
+            for (plane, band, rest) in &mut stack {
+                let len = ((last - row) * cols).min(rest.len());
+                let (now, later) = std::mem::take(rest).split_at_mut(len);
+                *rest = later;
+                unit.bands.push((*plane, *band));
+                unit.planes.push(now);
+            }
+            units.push(unit);
+            row = last;
         }
     }
     units

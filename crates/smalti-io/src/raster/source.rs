@@ -3,8 +3,12 @@
 use std::fs::File;
 use std::io;
 use std::path::Path;
+use std::sync::Arc;
 
 use crate::IoError;
+
+/// A source that several readers hold.
+pub(crate) type Shared<'a> = Arc<dyn Source + 'a>;
 
 /// A file, or memory in its place; read from several threads at once.
 pub(crate) trait Source: Send + Sync {
@@ -13,6 +17,11 @@ pub(crate) trait Source: Send + Sync {
 
     /// Fills `out` from an offset; an error where the source ends before.
     fn read_at(&self, offset: u64, out: &mut [u8]) -> io::Result<()>;
+
+    /// All bytes, where they lie in memory.
+    fn memory(&self) -> Option<&[u8]> {
+        None
+    }
 }
 
 impl Source for &[u8] {
@@ -25,6 +34,10 @@ impl Source for &[u8] {
         out.copy_from_slice(from.ok_or(io::ErrorKind::UnexpectedEof)?);
         Ok(())
     }
+
+    fn memory(&self) -> Option<&[u8]> {
+        Some(self)
+    }
 }
 
 impl Source for Vec<u8> {
@@ -34,6 +47,10 @@ impl Source for Vec<u8> {
 
     fn read_at(&self, offset: u64, out: &mut [u8]) -> io::Result<()> {
         self.as_slice().read_at(offset, out)
+    }
+
+    fn memory(&self) -> Option<&[u8]> {
+        Some(self)
     }
 }
 
@@ -81,7 +98,7 @@ impl Source for FileSource {
     }
 }
 
-/// A part of a source as a vector; the caller has compared `len` with what may be read.
+/// A part of a source as a vector; no memory is taken for what lies beyond its end.
 pub(crate) fn part(source: &dyn Source, offset: u64, len: usize) -> io::Result<Vec<u8>> {
     if offset.checked_add(len as u64).is_none_or(|end| end > source.len()) {
         return Err(io::ErrorKind::UnexpectedEof.into());
@@ -89,4 +106,21 @@ pub(crate) fn part(source: &dyn Source, offset: u64, len: usize) -> io::Result<V
     let mut out = vec![0; len];
     source.read_at(offset, &mut out)?;
     Ok(out)
+}
+
+/// As [`part`], with an error that says what the file has not.
+pub(crate) fn bytes_at(
+    source: &dyn Source,
+    offset: u64,
+    len: u64,
+    what: &'static str,
+    path: &Path,
+) -> Result<Vec<u8>, IoError> {
+    let have = source.len().saturating_sub(offset);
+    match usize::try_from(len) {
+        Ok(count) if len <= have => {
+            part(source, offset, count).map_err(|source| IoError::Read { path: path.to_owned(), source })
+        }
+        _ => Err(IoError::Truncated { path: path.to_owned(), what, need: len, have }),
+    }
 }

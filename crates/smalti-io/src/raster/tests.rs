@@ -1,3 +1,6 @@
+use std::io::Write;
+use std::sync::Arc;
+
 use proptest::prelude::*;
 
 use super::*;
@@ -15,60 +18,199 @@ const ORDERS: [[Axis; 3]; 6] = [
 ];
 
 /// A sample that tells where it belongs.
-fn value(band: usize, row: usize, col: usize) -> u16 {
+fn value([band, row, col]: [usize; 3]) -> u16 {
     (band * 7919 + row * 104_729 + col * 31 + 1) as u16
 }
 
-fn bytes_of(r: &Raster) -> Vec<u8> {
-    let mut out = vec![0xee; r.offset as usize];
-    let [a, b, c] = r.order;
-    for i in 0..r.len(a) {
-        for j in 0..r.len(b) {
-            for k in 0..r.len(c) {
+/// Samples of a block that begins at a place, in the order of a cube; zeros beyond its end.
+fn samples(cube: &Raster, block: Raster, [band, row, col]: [usize; 3]) -> Vec<u8> {
+    let mut out = Vec::new();
+    let [a, b, c] = block.order;
+    for i in 0..block.len(a) {
+        for j in 0..block.len(b) {
+            for k in 0..block.len(c) {
                 let at = |axis| [(a, i), (b, j), (c, k)].into_iter().find(|p| p.0 == axis).unwrap().1;
-                let v = value(at(Axis::Band), at(Axis::Row), at(Axis::Col));
-                out.extend(if r.big_endian { v.to_be_bytes() } else { v.to_le_bytes() });
+                let place = [band + at(Axis::Band), row + at(Axis::Row), col + at(Axis::Col)];
+                let inside = place[0] < cube.bands && place[1] < cube.rows && place[2] < cube.cols;
+                let v = if inside { value(place) } else { 0 };
+                out.extend(if block.big_endian { v.to_be_bytes() } else { v.to_le_bytes() });
             }
         }
     }
     out
 }
 
+/// A file that does not say that it is in memory, as a file on disk.
+struct OnDisk(Vec<u8>);
+
+impl Source for OnDisk {
+    fn len(&self) -> u64 {
+        Source::len(&self.0)
+    }
+
+    fn read_at(&self, offset: u64, out: &mut [u8]) -> io::Result<()> {
+        self.0.read_at(offset, out)
+    }
+}
+
+fn in_run(raster: Raster, offset: usize, on_disk: bool) -> Cube<'static> {
+    let mut bytes = vec![0xee; offset];
+    bytes.extend(samples(&raster, raster, [0; 3]));
+    let source: Shared<'static> = if on_disk { Arc::new(OnDisk(bytes)) } else { Arc::new(bytes) };
+    Cube { source, raster, storage: Storage::Run { offset: offset as u64 } }
+}
+
+fn in_blocks(raster: Raster, size: [usize; 3], packed: bool, cut: bool) -> Cube<'static> {
+    let counts =
+        [raster.bands.div_ceil(size[0]), raster.rows.div_ceil(size[1]), raster.cols.div_ceil(size[2])];
+    let (mut bytes, mut places) = (vec![0xee; 3], Vec::new());
+    let filters = if packed { vec![Filter::Shuffle, Filter::Deflate] } else { Vec::new() };
+    for band in (0..counts[0]).map(|i| i * size[0]) {
+        for row in (0..counts[1]).map(|i| i * size[1]) {
+            for col in (0..counts[2]).map(|i| i * size[2]) {
+                let rows = if cut { size[1].min(raster.rows - row) } else { size[1] };
+                let block = Raster { bands: size[0], rows, cols: size[2], ..raster };
+                let plain = samples(&raster, block, [band, row, col]);
+                // Every third is stored as it is.
+                let skipped = if packed && places.len() % 3 == 2 { 3 } else { 0 };
+                let stored = if packed && skipped == 0 {
+                    let (first, second): (Vec<u8>, Vec<u8>) = plain.chunks(2).map(|c| (c[0], c[1])).unzip();
+                    let mut encoder = flate2::write::ZlibEncoder::new(Vec::new(), Default::default());
+                    encoder.write_all(&[first, second].concat()).unwrap();
+                    encoder.finish().unwrap()
+                } else {
+                    plain
+                };
+                places.push(Place { offset: bytes.len() as u64, bytes: stored.len() as u64, skipped });
+                bytes.extend(stored);
+            }
+        }
+    }
+    let strides = [counts[1] * counts[2], counts[2], 1];
+    let blocks = Blocks { size, strides, places: places.into(), filters, cut };
+    let cube = Cube { source: Arc::new(OnDisk(bytes)), raster, storage: Storage::Blocks(blocks) };
+    cube.check(Path::new("f"), "a block", Limits::default()).unwrap();
+    cube
+}
+
+/// What the samples of a part are.
+fn expected(bands: &[usize], rows: Range<usize>, cols: Range<usize>) -> Vec<f32> {
+    let mut expected = Vec::new();
+    for b in bands {
+        for r in rows.clone() {
+            expected.extend(cols.clone().map(|c| f32::from(value([*b, r, c]))));
+        }
+    }
+    expected
+}
+
+fn range(n: usize, a: prop::sample::Index, b: prop::sample::Index) -> Range<usize> {
+    let first = a.index(n);
+    first..first + 1 + b.index(n - first)
+}
+
+fn read_plain(cubes: &[Cube<'_>], bands: &[(usize, usize)], part: (Range<usize>, Range<usize>)) -> Vec<f32> {
+    read(cubes, bands, part, |_, _, _| Ok(())).unwrap()
+}
+
 proptest! {
     #[test]
     fn every_order_and_window_is_read(
-        order in 0usize..6, big_endian: bool, offset in 0u64..9,
-        (bands, rows, cols) in (1usize..6, 1usize..70, 1usize..70),
-        cut in prop::array::uniform4(any::<prop::sample::Index>()), picked in any::<prop::sample::Index>(),
+        order in 0usize..6, big_endian: bool, offset in 0usize..9, storage in 0usize..6,
+        (bands, rows, cols) in (1usize..40, 1usize..70, 1usize..70), block in prop::array::uniform3(1usize..50),
+        cut in prop::array::uniform4(any::<prop::sample::Index>()), picked in any::<prop::sample::Index>(), backwards: bool,
     ) {
-        let raster = Raster { offset, kind: Kind::U16, big_endian, bands, rows, cols, order: ORDERS[order] };
-        let bytes = bytes_of(&raster);
-        let range = |n: usize, a: prop::sample::Index, b: prop::sample::Index| {
-            let first = a.index(n);
-            first..first + 1 + b.index(n - first)
+        let raster = Raster { kind: Kind::U16, big_endian, bands, rows, cols, order: ORDERS[order] };
+        let cube = match storage {
+            0 | 1 => in_run(raster, offset, storage == 0),
+            _ => in_blocks(raster, block, storage % 2 == 0, storage > 3),
         };
-        // Bands backwards, and one of them left out.
-        let wanted: Vec<usize> = (0..bands).rev().filter(|b| bands == 1 || *b != picked.index(bands)).collect();
-        let part = Part { bands: &wanted, rows: range(rows, cut[0], cut[1]), cols: range(cols, cut[2], cut[3]) };
-        let data = raster.read(&&bytes[..], &part, &PLAIN).unwrap();
-        let mut expected = Vec::new();
-        for b in &wanted {
-            for r in part.rows.clone() {
-                expected.extend(part.cols.clone().map(|c| f32::from(value(*b, r, c))));
-            }
+        // One of the bands left out.
+        let mut wanted: Vec<usize> = (0..bands).filter(|b| bands == 1 || *b != picked.index(bands)).collect();
+        if backwards {
+            wanted.reverse();
         }
-        prop_assert_eq!(data, expected);
+        let (rows, cols) = (range(rows, cut[0], cut[1]), range(cols, cut[2], cut[3]));
+        let places: Vec<(usize, usize)> = wanted.iter().map(|b| (0, *b)).collect();
+        let data = read_plain(&[cube], &places, (rows.clone(), cols.clone()));
+        prop_assert_eq!(data, expected(&wanted, rows, cols));
     }
+}
+
+#[test]
+fn bands_of_several_cubes_are_told_apart() {
+    let of = |bands, order: usize| Raster {
+        kind: Kind::U16,
+        big_endian: false,
+        bands,
+        rows: 5,
+        cols: 6,
+        order: ORDERS[order],
+    };
+    let cubes = [in_run(of(2, 3), 0, true), in_blocks(of(3, 0), [2, 2, 4], true, false)];
+    let bands = [(1, 2), (0, 1), (1, 0), (0, 0)];
+    assert_eq!(read_plain(&cubes, &bands, (1..4, 2..6)), expected(&[2, 1, 0, 0], 1..4, 2..6));
+}
+
+#[test]
+fn a_large_window_is_read_in_pieces() {
+    // Two bands of a mebibyte and a half each, which run down the columns.
+    let (rows, cols) = (1024, 768);
+    let raster = Raster { kind: Kind::U16, big_endian: false, bands: 2, rows, cols, order: ORDERS[1] };
+    let cube = in_run(raster, 5, true);
+    let data = read_plain(&[cube], &[(0, 0), (0, 1)], (3..rows, 0..cols));
+    assert!(data == expected(&[0, 1], 3..rows, 0..cols));
+}
+
+#[test]
+fn what_is_declared_is_compared_with_the_file() {
+    let raster = Raster { kind: Kind::U16, big_endian: false, bands: 4, rows: 5, cols: 6, order: ORDERS[0] };
+    let error =
+        |cube: &Cube<'_>| cube.check(Path::new("f"), "a block", Limits::default()).unwrap_err().to_string();
+    let mut run = in_run(raster, 7, true);
+    run.raster.rows = 6;
+    assert!(error(&run).starts_with("f: a block needs 295 bytes, but the file has 247;"));
+    run.raster.rows = usize::MAX;
+    assert!(error(&run).contains("needs 18446744073709551615 bytes"));
+    let change = |packed, change: &dyn Fn(&mut Place)| {
+        let mut cube = in_blocks(raster, [1, 5, 6], packed, false);
+        if let Storage::Blocks(blocks) = &mut cube.storage {
+            let mut places = blocks.places.to_vec();
+            change(&mut places[1]);
+            blocks.places = places.into();
+        }
+        cube
+    };
+    assert!(error(&change(false, &|p| p.offset += 10_000)).contains("but the file has 243"));
+    assert!(error(&change(false, &|p| p.bytes -= 1)).contains("a block needs 60 bytes, but the file has 59"));
+    assert!(error(&change(true, &|p| p.bytes = u64::MAX)).contains("but the file has"));
+    // Blocks that do not unpack to what they should hold.
+    for cube in
+        [change(true, &|p| p.bytes /= 2), change(true, &|p| p.offset += 1), change(true, &|p| p.skipped = 3)]
+    {
+        cube.check(Path::new("f"), "a block", Limits::default()).unwrap();
+        let done: Result<Vec<f32>, Bad> = read(&[cube], &[(0, 0), (0, 1)], (0..5, 0..6), |_, _, _| Ok(()));
+        assert!(matches!(done, Err(Bad::Block(_))));
+    }
+}
+
+fn of_values(kind: Kind, big_endian: bool, bands: usize, bytes: Vec<u8>) -> Cube<'static> {
+    let cols = bytes.len() / kind.size() / bands;
+    let raster = Raster { kind, big_endian, bands, rows: 1, cols, order: ORDERS[0] };
+    Cube { source: Arc::new(bytes), raster, storage: Storage::Run { offset: 0 } }
 }
 
 #[test]
 fn the_first_bad_sample_is_named_with_its_place() {
     let samples = [1.0f32, 2.0, 3.0, f32::NAN, 5.0, -6.0];
-    let bytes: Vec<u8> = samples.iter().flat_map(|v| v.to_le_bytes()).collect();
-    let order = ORDERS[0];
-    let raster = Raster { offset: 0, kind: Kind::F32, big_endian: false, bands: 2, rows: 1, cols: 3, order };
-    let part = |bands| Part { bands, rows: 0..1, cols: 0..3 };
-    let of = |bands, values| raster.read(&&bytes[..], &part(bands), &values);
+    let cube = of_values(Kind::F32, false, 2, samples.iter().flat_map(|v| v.to_le_bytes()).collect());
+    let of = |bands: &[usize], values: Values<'_>| -> Result<Vec<f32>, Bad> {
+        let places: Vec<(usize, usize)> = bands.iter().map(|b| (0, *b)).collect();
+        let check = |plane: usize, samples: &mut [f32], row: usize| {
+            values.check(bands[plane], samples, (row, 0, 3)).map_err(Bad::Sample)
+        };
+        read(std::slice::from_ref(&cube), &places, (0..1, 0..3), check)
+    };
     let Err(Bad::Sample(bad)) = of(&[0, 1], PLAIN) else { panic!("NaN is read") };
     assert_eq!((bad.band, bad.row, bad.col, bad.expected), (1, 0, 0, "a finite number"));
     assert!(bad.value.is_nan());
@@ -83,12 +225,10 @@ fn the_first_bad_sample_is_named_with_its_place() {
 
 #[test]
 fn types_keep_their_values() {
-    let order = ORDERS[0];
     let read = |kind: Kind, big_endian: bool, bytes: &[u8]| {
-        let cols = bytes.len() / kind.size();
-        let raster = Raster { offset: 0, kind, big_endian, bands: 1, rows: 1, cols, order };
-        let values = Values { negative: Negative::Keep, ..PLAIN };
-        raster.read(&bytes, &Part { bands: &[0], rows: 0..1, cols: 0..cols }, &values).unwrap()
+        let cube = of_values(kind, big_endian, 1, bytes.to_vec());
+        let whole = (0..1, 0..cube.raster.cols);
+        read_plain(&[cube], &[(0, 0)], whole)
     };
     assert_eq!(read(Kind::I8, false, &[255, 7]), [-1.0, 7.0]);
     assert_eq!(read(Kind::I16, true, &(-300i16).to_be_bytes()), [-300.0]);

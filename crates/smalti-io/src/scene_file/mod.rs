@@ -1,6 +1,7 @@
 //! Scenes from files of any format that holds one.
 
 pub(crate) mod blocks;
+pub(crate) mod cube_file;
 pub(crate) mod facts;
 mod into_scene;
 mod spectral;
@@ -104,6 +105,8 @@ pub fn open(path: &Path, options: &ReadOptions) -> Result<Option<Box<dyn Tiles>>
         Some(Format::Tiff) if spectral_tiff::is_spectral(path, options)? => {
             spectral_tiff::open(path, options).map(Some)
         }
+        Some(Format::Mat) => matlab::open(path, options).map(Some),
+        Some(Format::Hdf5) => hdf5::open(path, options).map(Some),
         _ => Ok(None),
     }
 }
@@ -119,8 +122,6 @@ pub fn read_spectral(path: &Path, options: &ReadOptions) -> Result<Option<Spectr
     let file = match Format::find(path) {
         // What remains is read whole, and cut.
         Some(Format::Exr) if exr::is_spectral(path, options)? => exr::read(path, options)?,
-        Some(Format::Mat) => matlab::read(path, options)?,
-        Some(Format::Hdf5) => hdf5::read(path, options)?,
         Some(Format::Bands) => return bands::read(path, options).map(Some),
         _ => return Ok(None),
     };

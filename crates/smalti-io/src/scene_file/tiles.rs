@@ -1,6 +1,7 @@
 //! Spectral images that are read by parts, so that they need not fit into memory.
 
 use std::borrow::Cow;
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
@@ -8,10 +9,9 @@ use smalti::numeric::Planes;
 use smalti::spectrum::{SpectralCube, Spectrum, WavelengthGrid};
 
 use super::spectral::{Quantity, ReadOptions, SpectralFile};
+use super::stated::Bands;
 use crate::IoError;
 use crate::error::At;
-use crate::file::Negative;
-use crate::raster::{Bad, Part, Raster, Source, Values};
 use crate::wavelengths::{Between, places};
 
 /// A rectangle of an image, in pixels.
@@ -66,6 +66,11 @@ impl Crop {
         ))
     }
 
+    /// Its rows and columns.
+    pub(crate) fn ranges(self) -> (Range<usize>, Range<usize>) {
+        (self.row..self.row + self.rows, self.col..self.col + self.cols)
+    }
+
     /// The horizontal field of view of the part, taken as if it were in the middle: tan(φ′/2) = tan(φ/2) · cols′/cols.
     fn field_of_view_deg(self, whole_deg: f64, whole_cols: usize) -> f64 {
         if self.cols == whole_cols {
@@ -100,6 +105,26 @@ pub struct Header {
 }
 
 impl Header {
+    /// That of a file which states no more than this.
+    pub(crate) fn plain(
+        name: String,
+        (rows, cols): (usize, usize),
+        bands: Bands,
+        quantity: Quantity,
+    ) -> Self {
+        Self {
+            name,
+            rows,
+            cols,
+            wavelengths_nm: bands.wavelengths_nm,
+            grid: bands.grid,
+            quantity,
+            illuminant: None,
+            distance_m: None,
+            horizontal_fov_deg: None,
+        }
+    }
+
     /// That of a file in memory.
     #[must_use]
     pub fn of(file: &SpectralFile) -> Self {
@@ -139,6 +164,12 @@ pub trait Tiles: Send + Sync {
     /// # Errors
     /// When the part reaches beyond the image, the file cannot be read, or a sample is not valid (with its band and place).
     fn read(&self, part: Crop) -> Result<Planes, IoError>;
+
+    /// Rows that are best read together, counted from the first: those that are unpacked at once, whichever of them are asked for.
+    /// 1 where each is read for itself.
+    fn rows_at_once(&self) -> usize {
+        1
+    }
 }
 
 /// A file in memory.
@@ -216,6 +247,10 @@ impl<T: Tiles> Tiles for Cropped<T> {
         let part = part.within(self.header.rows, self.header.cols, Path::new(&self.header.name))?;
         self.inner.read(Crop { row: self.part.row + part.row, col: self.part.col + part.col, ..part })
     }
+
+    fn rows_at_once(&self) -> usize {
+        self.inner.rows_at_once()
+    }
 }
 
 impl<T: Tiles + ?Sized> Tiles for Box<T> {
@@ -226,6 +261,10 @@ impl<T: Tiles + ?Sized> Tiles for Box<T> {
     fn read(&self, part: Crop) -> Result<Planes, IoError> {
         (**self).read(part)
     }
+
+    fn rows_at_once(&self) -> usize {
+        (**self).rows_at_once()
+    }
 }
 
 impl<T: Tiles + ?Sized> Tiles for &T {
@@ -235,6 +274,10 @@ impl<T: Tiles + ?Sized> Tiles for &T {
 
     fn read(&self, part: Crop) -> Result<Planes, IoError> {
         (**self).read(part)
+    }
+
+    fn rows_at_once(&self) -> usize {
+        (**self).rows_at_once()
     }
 }
 
@@ -302,78 +345,4 @@ impl SpectralFile {
         let cube = SpectralCube::new(self.cube.grid(), planes).at(&path)?;
         Ok(Self { cube, horizontal_fov_deg: fov, ..self })
     }
-}
-
-/// A file whose samples are one block.
-pub(crate) struct RasterFile<'a> {
-    pub(crate) path: PathBuf,
-    pub(crate) source: Box<dyn Source + 'a>,
-    pub(crate) raster: Raster,
-    /// The band of the file for each wavelength of the header.
-    pub(crate) bands: Vec<usize>,
-    pub(crate) gains: Vec<(f64, f64)>,
-    pub(crate) ignore: Option<f32>,
-    pub(crate) negative: Negative,
-    pub(crate) header: Header,
-}
-
-impl RasterFile<'_> {
-    /// Compares what the header declares with the length of the file.
-    pub(crate) fn checked(self, what: &'static str) -> Result<Self, IoError> {
-        let have = self.source.len();
-        let need = self.raster.bytes().and_then(|n| n.checked_add(self.raster.offset)).unwrap_or(u64::MAX);
-        if need > have {
-            return Err(IoError::Truncated { path: self.path, what, need, have });
-        }
-        Ok(self)
-    }
-}
-
-impl Tiles for RasterFile<'_> {
-    fn header(&self) -> &Header {
-        &self.header
-    }
-
-    fn read(&self, part: Crop) -> Result<Planes, IoError> {
-        let part = part.within(self.header.rows, self.header.cols, &self.path)?;
-        let wanted = Part {
-            bands: &self.bands,
-            rows: part.row..part.row + part.rows,
-            cols: part.col..part.col + part.cols,
-        };
-        let values = Values { gains: &self.gains, ignore: self.ignore, negative: self.negative };
-        let data = self
-            .raster
-            .read(&*self.source, &wanted, &values)
-            .map_err(|bad| bad_to_error(bad, &self.path, &self.header, &self.bands))?;
-        Planes::new(part.rows, part.cols, self.bands.len(), data).at(&self.path)
-    }
-}
-
-/// Names the file, and the wavelength of a band.
-pub(crate) fn bad_to_error(bad: Bad, path: &Path, header: &Header, bands: &[usize]) -> IoError {
-    match bad {
-        Bad::Io(source) => IoError::Read { path: path.to_owned(), source },
-        Bad::Block(message) => IoError::Decode { path: path.to_owned(), format: "TIFF", message },
-        Bad::Sample(s) => {
-            let nm = bands.iter().position(|b| *b == s.band).and_then(|i| header.wavelengths_nm.get(i));
-            let channel = match nm {
-                Some(nm) => format!("{nm} nm (band {})", s.band + 1),
-                None => format!("band {}", s.band + 1),
-            };
-            IoError::Pixel {
-                path: path.to_owned(),
-                channel,
-                row: s.row,
-                col: s.col,
-                value: f64::from(s.value),
-                expected: s.expected,
-            }
-        }
-    }
-}
-
-/// What the options ask for.
-pub(crate) fn negative(options: &ReadOptions) -> Negative {
-    if options.clamp_negative { Negative::Clamp } else { Negative::Refuse }
 }

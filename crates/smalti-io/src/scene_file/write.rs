@@ -103,6 +103,10 @@ impl<T: Tiles> Tiles for Restated<T> {
     fn read(&self, part: Crop) -> Result<Planes, IoError> {
         self.inner.read(part)
     }
+
+    fn rows_at_once(&self) -> usize {
+        self.inner.rows_at_once()
+    }
 }
 
 /// Radiance in photons.
@@ -156,5 +160,9 @@ impl<T: Tiles> Tiles for Photons<T> {
             }
         }
         Planes::new(rows, cols, count, data).at(path)
+    }
+
+    fn rows_at_once(&self) -> usize {
+        self.inner.rows_at_once()
     }
 }

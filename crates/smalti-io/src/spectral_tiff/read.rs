@@ -1,21 +1,18 @@
 //! Reading spectral TIFF.
 
-use std::collections::BTreeMap;
-use std::ops::Range;
-use std::path::{Path, PathBuf};
+use std::path::Path;
+use std::sync::Arc;
 
-use rayon::prelude::*;
 use serde_json::Value;
-use smalti::numeric::Planes;
 
 use super::directory::{Directory, directories};
-use super::page::Page;
-use crate::error::At;
-use crate::file::{Negative, stem};
-use crate::raster::{Bad, FileSource, Part, Source, Values, zeros};
+use super::page;
+use crate::file::stem;
+use crate::raster::{Cube, FileSource, Shared, Source};
+use crate::scene_file::cube_file::CubeFile;
 use crate::scene_file::facts::{Comment, Facts};
 use crate::scene_file::stated::{Bands, quantity_in, wavelength_in};
-use crate::scene_file::tiles::{Crop, Header, Tiles, bad_to_error, load, negative};
+use crate::scene_file::tiles::{Tiles, load};
 use crate::tiff_tags as tags;
 use crate::{IoError, Quantity, ReadOptions, SpectralFile};
 
@@ -156,45 +153,24 @@ fn imagej_labels(page: &Directory) -> Option<Vec<String>> {
     None
 }
 
-/// A file whose samples are read as they are needed.
-struct SpectralTiff<'a> {
-    path: PathBuf,
-    source: Box<dyn Source + 'a>,
-    pages: Vec<Page>,
-    /// The band of the file for each wavelength.
-    order: Vec<usize>,
-    /// Image and sample of each band of the file.
-    places: Vec<(usize, usize)>,
-    gains: Vec<(f64, f64)>,
-    negative: Negative,
-    header: Header,
-}
-
-fn opened<'a>(
-    source: impl Source + 'a,
-    path: &Path,
-    options: &ReadOptions,
-) -> Result<SpectralTiff<'a>, IoError> {
-    let directories = pages(&directories(&source, path)?);
+fn opened<'a>(source: impl Source + 'a, path: &Path, options: &ReadOptions) -> Result<CubeFile<'a>, IoError> {
+    let source: Shared<'a> = Arc::new(source);
+    let directories = pages(&directories(&*source, path)?);
     let Some(first) = directories.first() else {
         return Err(IoError::field(path, "the image", "absent", "an image"));
     };
     refuse_hidden(first, directories.len(), path)?;
-    let pages: Vec<Page> =
-        directories.iter().map(|d| Page::new(d, &source, path, options.limits)).collect::<Result<_, _>>()?;
-    let (rows, cols) = pages.first().map_or((0, 0), |p| (p.rows, p.cols));
-    if let Some((i, p)) = pages.iter().enumerate().find(|(_, p)| (p.rows, p.cols) != (rows, cols)) {
-        let found = format!("{} × {}", p.rows, p.cols);
-        return Err(IoError::field(
-            path,
-            format!("the size of image {}", i + 1),
-            found,
-            format!("{rows} × {cols}, as the first"),
-        ));
+    let cubes: Vec<Cube<'a>> =
+        directories.iter().map(|d| page::cube(d, &source, path, options.limits)).collect::<Result<_, _>>()?;
+    let size = |c: &Cube<'_>| (c.raster.rows, c.raster.cols);
+    let (rows, cols) = cubes.first().map_or((0, 0), size);
+    if let Some((i, (high, wide))) = cubes.iter().map(size).enumerate().find(|(_, s)| *s != (rows, cols)) {
+        let field = format!("the size of image {}", i + 1);
+        let expected = format!("{rows} × {cols}, as the first");
+        return Err(IoError::field(path, field, format!("{high} × {wide}"), expected));
     }
-    let places: Vec<(usize, usize)> =
-        pages.iter().enumerate().flat_map(|(i, p)| (0..p.samples).map(move |s| (i, s))).collect();
-    let stated = stated(&directories, places.len());
+    let count = cubes.iter().map(|c| c.raster.bands).sum();
+    let stated = stated(&directories, count);
     let bands = match &stated {
         Some(stated) => {
             let bands = Bands::sorted(path, stated.key, stated.nm.iter().copied().enumerate())?;
@@ -203,7 +179,7 @@ fn opened<'a>(
                 None => bands,
             }
         }
-        None => Bands::given(path, places.len(), options)?,
+        None => Bands::given(path, count, options)?,
     };
     let facts = stated.as_ref().and_then(|s| s.facts.as_ref());
     let text = stated.as_ref().and_then(|s| s.quantity.as_deref());
@@ -216,28 +192,18 @@ fn opened<'a>(
         (None, None) => (options.quantity.unwrap_or(Quantity::RelativeEnergy), 1.0),
     };
     // Whole numbers of pictures: the largest is 1.
-    let full = |page: &Page| match quantity {
-        Quantity::Reflectance => page.kind.largest().unwrap_or(1.0),
+    let full = |cube: &Cube<'_>| match quantity {
+        Quantity::Reflectance => cube.raster.kind.largest().unwrap_or(1.0),
         _ => 1.0,
     };
-    let gains = places.iter().map(|(i, _)| (factor / pages.get(*i).map_or(1.0, full), 0.0)).collect();
-    let mut header = Header {
-        name: stem(path),
-        rows,
-        cols,
-        wavelengths_nm: bands.wavelengths_nm,
-        grid: bands.grid,
-        quantity,
-        illuminant: None,
-        distance_m: None,
-        horizontal_fov_deg: None,
-    };
+    let gains =
+        cubes.iter().flat_map(|c| std::iter::repeat_n((factor / full(c), 0.0), c.raster.bands)).collect();
+    let mut file = CubeFile::new((path, "TIFF"), cubes, (stem(path), bands, quantity), options);
+    file.gains = gains;
     if let Some(facts) = stated.and_then(|s| s.facts) {
-        facts.state_header(&mut header, path)?;
+        facts.state_header(&mut file.header, path)?;
     }
-    let negative = negative(options);
-    let (path, source) = (path.to_owned(), Box::new(source));
-    Ok(SpectralTiff { path, source, pages, order: bands.order, places, gains, negative, header })
+    Ok(file)
 }
 
 /// ImageJ leaves out the directories of large stacks: what they hold would be missing without a word.
@@ -253,78 +219,5 @@ fn refuse_hidden(first: &Directory, count: usize, path: &Path) -> Result<(), IoE
             Err(IoError::field(path, "the images of the stack", count.to_string(), expected))
         }
         _ => Ok(()),
-    }
-}
-
-/// Band of the file, sample, and what is left of its plane to read.
-type Band<'a> = (usize, usize, &'a mut [f32]);
-
-/// Rows of planes that come from the same strips or tiles.
-struct Work<'a> {
-    page: usize,
-    rows: Range<usize>,
-    /// Band of the file, and sample.
-    bands: Vec<(usize, usize)>,
-    planes: Vec<&'a mut [f32]>,
-}
-
-impl SpectralTiff<'_> {
-    /// What is to be done, in pieces that are independent.
-    fn work<'d>(&self, data: &'d mut [f32], part: Crop) -> Vec<Work<'d>> {
-        let mut stacks: BTreeMap<(usize, usize), Vec<Band<'d>>> = BTreeMap::new();
-        for (band, plane) in self.order.iter().zip(data.chunks_mut((part.rows * part.cols).max(1))) {
-            let (page, sample) = self.places.get(*band).copied().unwrap_or_default();
-            let alone = self.pages.get(page).is_some_and(|p| p.planar);
-            stacks.entry((page, if alone { sample } else { 0 })).or_default().push((*band, sample, plane));
-        }
-        let mut all = Vec::new();
-        for ((page, _), mut stack) in stacks {
-            let (step, aligned) = self.pages.get(page).map_or((1, false), Page::rows_at_once);
-            let (mut row, end) = (part.row, part.row + part.rows);
-            while row < end {
-                let last = if aligned { (row / step + 1).saturating_mul(step) } else { row + step };
-                let last = last.min(end);
-                let mut work = Work { page, rows: row..last, bands: Vec::new(), planes: Vec::new() };
-                for (band, sample, rest) in &mut stack {
-                    let len = ((last - row) * part.cols).min(rest.len());
-                    let (now, later) = std::mem::take(rest).split_at_mut(len);
-                    *rest = later;
-                    work.bands.push((*band, *sample));
-                    work.planes.push(now);
-                }
-                all.push(work);
-                row = last;
-            }
-        }
-        all
-    }
-}
-
-impl Tiles for SpectralTiff<'_> {
-    fn header(&self) -> &Header {
-        &self.header
-    }
-
-    fn read(&self, part: Crop) -> Result<Planes, IoError> {
-        let part = part.within(self.header.rows, self.header.cols, &self.path)?;
-        let mut data = zeros(self.order.len() * part.rows * part.cols);
-        let values = Values { gains: &self.gains, ignore: None, negative: self.negative };
-        let cols = part.col..part.col + part.cols;
-        let read = |buffer: &mut Vec<u8>, work: &mut Work<'_>| {
-            let Some(page) = self.pages.get(work.page) else { return Ok(()) };
-            let samples: Vec<usize> = work.bands.iter().map(|(_, sample)| *sample).collect();
-            let wanted = Part { bands: &samples, rows: work.rows.clone(), cols: cols.clone() };
-            page.read_into(&*self.source, &wanted, &mut work.planes, buffer)?;
-            for ((band, _), plane) in work.bands.iter().zip(&mut work.planes) {
-                values.check(*band, plane, (work.rows.start, part.col, part.cols)).map_err(Bad::Sample)?;
-            }
-            Ok(())
-        };
-        let mut work = self.work(&mut data, part);
-        let done: Vec<Result<(), Bad>> = work.par_iter_mut().map_init(Vec::new, read).collect();
-        drop(work);
-        let done: Result<(), Bad> = done.into_iter().collect();
-        done.map_err(|bad| bad_to_error(bad, &self.path, &self.header, &self.order))?;
-        Planes::new(part.rows, part.cols, self.order.len(), data).at(&self.path)
     }
 }

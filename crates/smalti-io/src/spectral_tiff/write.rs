@@ -73,7 +73,7 @@ pub fn write(path: &Path, image: &dyn Tiles, options: WriteOptions) -> Result<()
                 ((0..bands).map(strip).collect(), header.rows)
             }
             (false, Layout::Samples) => {
-                for block in row_blocks(header) {
+                for block in row_blocks(image) {
                     let samples = by_pixel(&image.read(block)?);
                     out.write_all(bytemuck::cast_slice(&samples)).map_err(io)?;
                 }
@@ -119,7 +119,7 @@ fn compressed(
     let row_bytes = (header.cols * samples * 4).max(1);
     let high = (STRIP_BYTES / row_bytes).clamp(1, header.rows.max(1));
     // Whole strips at a time.
-    let at_once = row_blocks(header).next().map_or(1, |b| b.rows).next_multiple_of(high);
+    let at_once = row_blocks(image).next().map_or(1, |b| b.rows).next_multiple_of(high);
     let images = if samples == 1 { header.wavelengths_nm.len() } else { 1 };
     let mut strips: Strips = vec![Vec::new(); images];
     let mut at = base;

@@ -4,12 +4,11 @@ use std::path::Path;
 
 use smalti::spectrum::WavelengthGrid;
 
-use super::cube::Placed;
-use super::{Attribute, Fields, Numbers, Value, at, text_at, wavelengths};
-use crate::arrays::Axes;
+use super::{Attribute, Axes, Fields, Numbers, Value, at, placed, text_at, wavelengths};
 use crate::file::stem;
-use crate::scene_file::facts::Comment;
-use crate::{IoError, Quantity, ReadOptions, SpectralFile};
+use crate::scene_file::facts::{Comment, Facts};
+use crate::scene_file::tiles::Tiles;
+use crate::{IoError, Quantity, ReadOptions};
 
 /// What is known of the cube of a data set by its name.
 struct Known {
@@ -38,7 +37,11 @@ const MOST_ARRAYS: usize = 1000;
 const DEEPEST: usize = 4;
 
 /// The cube among the variables of a file.
-pub(super) fn read(fields: &dyn Fields, path: &Path, options: &ReadOptions) -> Result<SpectralFile, IoError> {
+pub(super) fn open(
+    fields: &dyn Fields,
+    path: &Path,
+    options: &ReadOptions,
+) -> Result<Box<dyn Tiles>, IoError> {
     let (place, numbers) = match &options.variable {
         Some(place) => (place.clone(), chosen(fields, place, path)?),
         None => found(fields, path, options)?,
@@ -73,19 +76,14 @@ pub(super) fn read(fields: &dyn Fields, path: &Path, options: &ReadOptions) -> R
     };
     let facts = comment.and_then(|c| Comment::parse(&c));
     let from_layout = known.map_or(Quantity::RelativeEnergy, |k| k.quantity);
-    let placed = Placed { numbers, axes, wavelengths_nm: nm, packed: None };
-    let mut file = SpectralFile {
-        name: stem(path),
-        cube: placed.read(facts.as_ref(), path, options)?,
-        quantity: options.quantity.unwrap_or(from_layout),
-        illuminant: None,
-        distance_m: None,
-        horizontal_fov_deg: None,
-    };
+    let stated = facts.as_ref().and_then(Facts::quantity);
+    let quantity = stated.or(options.quantity).unwrap_or(from_layout);
+    let name = (stem(path), quantity);
+    let mut file = placed(&numbers.array, axes, name, &nm, facts.as_ref(), (path, options))?;
     if let Some(facts) = facts {
-        facts.state(&mut file, path)?;
+        facts.state_header(&mut file.header, path)?;
     }
-    Ok(file)
+    Ok(Box::new(file))
 }
 
 fn is_cube(numbers: &Numbers) -> bool {

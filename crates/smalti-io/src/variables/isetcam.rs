@@ -2,31 +2,28 @@
 
 use std::path::Path;
 
-use rayon::prelude::*;
 use smalti::spectrum::units::photons_per_joule;
 use smalti::spectrum::{Spectrum, WavelengthGrid};
 
-use super::cube::{Placed, check, on_grid};
-use super::{Fields, Numbers, Value, numbers_at, text_at, wavelengths};
-use crate::arrays::Axes;
+use super::array::doubles;
+use super::coefficients::Combined;
+use super::{Axes, Fields, Numbers, Value, bands, numbers_at, placed, text_at, wavelengths};
 use crate::error::At;
 use crate::file::stem;
-use crate::scene_file::facts::Comment;
-use crate::{IoError, Quantity, ReadOptions, SpectralFile};
+use crate::raster::Storage;
+use crate::scene_file::facts::{Comment, Facts};
+use crate::scene_file::tiles::{Header, Tiles};
+use crate::{IoError, Quantity, ReadOptions};
 
 /// The scene of ISETCam among the variables of a file, in the order in which `sceneFromFile` looks for it.
 pub(super) fn find(
     fields: &dyn Fields,
     path: &Path,
     options: &ReadOptions,
-) -> Result<Option<SpectralFile>, IoError> {
+) -> Result<Option<Box<dyn Tiles>>, IoError> {
     if let Some(Value::Fields(scene)) = fields.get("scene")? {
         let facts = text_at(fields, "comment")?.and_then(|c| Comment::parse(&c));
-        let mut file = scene_struct(&*scene, path, options, facts.as_ref())?;
-        if let Some(facts) = facts {
-            facts.state(&mut file, path)?;
-        }
-        return Ok(Some(file));
+        return scene_struct(&*scene, path, options, facts).map(Some);
     }
     if let Some(coefficients) = numbers_at(fields, "mcCOEF")? {
         return compressed(fields, &coefficients, path, options).map(Some);
@@ -37,10 +34,12 @@ pub(super) fn find(
         let Some((nm, _)) = wavelengths::beside(fields, path, options)?.or_else(|| given(options)) else {
             continue;
         };
-        let placed = placed(photons, name, nm, path)?;
-        let mut file = from_cube(&placed, fields, ["dist", "fov"], path, options)?;
-        file.quantity = options.quantity.filter(|_| name == "data").unwrap_or(Quantity::Photons);
-        return Ok(Some(file));
+        let quantity = options.quantity.filter(|_| name == "data").unwrap_or(Quantity::Photons);
+        refuse_other_axes(&photons, name, nm.len(), path)?;
+        let called = (stem(path), quantity);
+        let mut file = placed(&photons.array, Axes::MATLAB, called, &nm, None, (path, options))?;
+        state(&mut file.header, fields, ["dist", "fov"], path, options)?;
+        return Ok(Some(Box::new(file)));
     }
     Ok(None)
 }
@@ -54,8 +53,8 @@ pub(super) fn scene_struct(
     scene: &dyn Fields,
     path: &Path,
     options: &ReadOptions,
-    facts: Option<&crate::scene_file::facts::Facts>,
-) -> Result<SpectralFile, IoError> {
+    facts: Option<Facts>,
+) -> Result<Box<dyn Tiles>, IoError> {
     let missing = |field: &str| {
         IoError::field(path, format!("scene.{field}"), "absent", "the photons of a scene of ISETCam")
     };
@@ -65,54 +64,48 @@ pub(super) fn scene_struct(
         Some(wave) => wavelengths::in_nm(&wave, "scene.spectrum.wave", path, options)?,
         None => given(options).ok_or_else(|| missing("spectrum.wave"))?.0,
     };
-    let mut placed = placed(photons, "scene.data.photons", nm, path)?;
+    refuse_other_axes(&photons, "scene.data.photons", nm.len(), path)?;
+    let quantity = facts.as_ref().and_then(Facts::quantity).unwrap_or(Quantity::Photons);
+    let called = (stem(path), quantity);
+    let mut file = placed(&photons.array, Axes::MATLAB, called, &nm, facts.as_ref(), (path, options))?;
     // Before 2015 photons were packed into whole numbers (`ieCompressData`).
     let limits = [scalar(scene, "data.dmin", path, options)?, scalar(scene, "data.dmax", path, options)?];
     if let [Some(low), Some(high)] = limits {
-        let bits = scalar(scene, "data.bitDepth", path, options)?
-            .unwrap_or(8.0 * placed.numbers.array.element.size() as f64);
-        placed.packed = Some(((high - low) / (bits.exp2() - 1.0), low));
+        let bits =
+            scalar(scene, "data.bitDepth", path, options)?.unwrap_or(8.0 * photons.array.kind.size() as f64);
+        file.gains = vec![((high - low) / (bits.exp2() - 1.0), low); nm.len()];
     }
-    let cube = placed.read(facts, path, options)?;
-    let grid = cube.grid();
-    Ok(SpectralFile {
-        name: text_at(scene, "name")?.unwrap_or_else(|| stem(path)),
-        quantity: Quantity::Photons,
-        illuminant: illuminant(scene, grid, &placed.wavelengths_nm, path, options)?,
-        distance_m: scalar(scene, "distance", path, options)?,
-        horizontal_fov_deg: scalar(scene, "wAngular", path, options)?,
-        cube,
-    })
+    state(&mut file.header, scene, ["distance", "wAngular"], path, options)?;
+    if let Some(facts) = facts {
+        facts.state_header(&mut file.header, path)?;
+    }
+    Ok(Box::new(file))
 }
 
-/// A cube rows × columns × bands.
-fn placed(numbers: Numbers, name: &str, nm: Vec<f64>, path: &Path) -> Result<Placed, IoError> {
-    if numbers.array.dim(2) != nm.len() {
-        let found = numbers.shape();
-        let expected = format!("rows × columns × {} wavelengths", nm.len());
-        return Err(IoError::field(path, name, found, expected));
+/// A cube is rows × columns × bands.
+fn refuse_other_axes(numbers: &Numbers, name: &str, count: usize, path: &Path) -> Result<(), IoError> {
+    if numbers.array.dim(2) == count && numbers.array.count() > 0 {
+        return Ok(());
     }
-    Ok(Placed { numbers, axes: Axes::MATLAB, wavelengths_nm: nm, packed: None })
+    let expected = format!("rows × columns × {count} wavelengths");
+    Err(IoError::field(path, name, numbers.shape(), expected))
 }
 
-/// A cube and what lies beside it: the illuminant, distance, field of view and name.
-fn from_cube(
-    placed: &Placed,
+/// What lies beside a cube: its name, the illuminant, distance and field of view.
+fn state(
+    header: &mut Header,
     fields: &dyn Fields,
     [distance, fov]: [&str; 2],
     path: &Path,
     options: &ReadOptions,
-) -> Result<SpectralFile, IoError> {
-    let cube = placed.read(None, path, options)?;
-    let grid = cube.grid();
-    Ok(SpectralFile {
-        name: text_at(fields, "name")?.unwrap_or_else(|| stem(path)),
-        cube,
-        quantity: Quantity::Photons,
-        illuminant: illuminant(fields, grid, &placed.wavelengths_nm, path, options)?,
-        distance_m: scalar(fields, distance, path, options)?,
-        horizontal_fov_deg: scalar(fields, fov, path, options)?,
-    })
+) -> Result<(), IoError> {
+    if let Some(name) = text_at(fields, "name")? {
+        header.name = name;
+    }
+    header.illuminant = illuminant(fields, header.grid, &header.wavelengths_nm, path, options)?;
+    header.distance_m = scalar(fields, distance, path, options)?;
+    header.horizontal_fov_deg = scalar(fields, fov, path, options)?;
+    Ok(())
 }
 
 /// Photons as the mean spectrum (if any) and, for every pixel, the weights of a few basis functions.
@@ -121,7 +114,7 @@ fn compressed(
     coefficients: &Numbers,
     path: &Path,
     options: &ReadOptions,
-) -> Result<SpectralFile, IoError> {
+) -> Result<Box<dyn Tiles>, IoError> {
     let absent = |field: &str| IoError::field(path, field, "absent", "the basis of mcCOEF");
     let basis = numbers_at(fields, "basis.basis")?.ok_or_else(|| absent("basis.basis"))?;
     let wave = match numbers_at(fields, "basis.wave")? {
@@ -143,40 +136,21 @@ fn compressed(
         let found = format!("{} numbers", mean.len());
         return Err(IoError::field(path, "imgMean", found, format!("{count}, one per wavelength")));
     }
-    let array = &coefficients.array;
-    let (rows, cols) = (array.dim(0), array.dim(1));
-    // The planes that come out may be many more than the coefficients that came in.
-    let bytes = [rows, cols, count].iter().fold(4u64, |n, &d| n.saturating_mul(d as u64));
-    if bytes > options.limits.decoded_bytes {
-        let (what, limit) = ("the photons of mcCOEF", options.limits.decoded_bytes);
-        return Err(IoError::TooLarge { path: path.to_owned(), what, bytes, limit });
-    }
-    let coefficients: Vec<f64> = array.planes(Axes::MATLAB, path, options.limits, |_, _| Ok(()))?;
-    let pixels = rows * cols;
-    if pixels == 0 || weights == 0 {
+    if coefficients.array.count() == 0 {
         return Err(IoError::field(path, "mcCOEF", "empty", "rows × columns × coefficients"));
     }
-    let mut samples = vec![0f32; pixels * count];
-    samples.par_chunks_mut(pixels).enumerate().try_for_each(|(band, plane)| {
-        let mut sum = vec![mean.get(band).copied().unwrap_or(0.0); pixels];
-        for (k, coefficients) in coefficients.chunks_exact(pixels).enumerate() {
-            let weight = basis.get(k * count + band).copied().unwrap_or(0.0);
-            sum.iter_mut().zip(coefficients).for_each(|(sum, c)| *sum += weight * c);
-        }
-        plane.iter_mut().zip(&sum).for_each(|(v, sum)| *v = *sum as f32);
-        // Few basis functions undershoot where there is little light: ISETCam takes that as darkness too.
-        check(plane, nm.get(band).copied().unwrap_or_default(), cols, true, path)
-    })?;
-    let cube = on_grid(samples, rows, cols, &nm, None, path)?;
-    let grid = cube.grid();
-    Ok(SpectralFile {
-        name: text_at(fields, "name")?.unwrap_or_else(|| stem(path)),
-        cube,
-        quantity: Quantity::Photons,
-        illuminant: illuminant(fields, grid, &nm, path, options)?,
-        distance_m: scalar(fields, "dist", path, options)?,
-        horizontal_fov_deg: scalar(fields, "fov", path, options)?,
-    })
+    let cube = coefficients.array.cube(Axes::MATLAB, path, options.limits)?;
+    let size = (cube.raster.rows, cube.raster.cols);
+    let mut header = Header::plain(stem(path), size, bands(&nm, None, path)?, Quantity::Photons);
+    state(&mut header, fields, ["dist", "fov"], path, options)?;
+    Ok(Box::new(Combined {
+        path: path.to_owned(),
+        coefficients: cube,
+        basis,
+        mean,
+        header,
+        limits: options.limits,
+    }))
 }
 
 /// A single number. A depth map in the place of a distance is not one.
@@ -222,21 +196,31 @@ fn illuminant(
         }
     }
     let array = &stated.array;
-    let numbers = array.dims.iter().fold(1u64, |n, &d| n.saturating_mul(d as u64));
-    let mut values = if numbers == nm.len() as u64 {
+    let mut values = if array.count() == nm.len() as u64 {
         stated.list("the illuminant", path, options.limits)?
-    } else if array.dims.len() == 3 && array.dim(2) == nm.len() && numbers > 0 {
-        let planes: Vec<f64> = array.planes(Axes::MATLAB, path, options.limits, |_, _| Ok(()))?;
-        let pixels = planes.len() / nm.len();
-        planes.chunks_exact(pixels).map(|p| p.iter().sum::<f64>() / pixels as f64).collect()
-    } else if numbers == 0 {
+    } else if array.dims.len() == 3 && array.dim(2) == nm.len() && array.count() > 0 {
+        let cube = array.cube(Axes::MATLAB, path, options.limits)?;
+        let together = match &cube.storage {
+            Storage::Blocks(blocks) => blocks.size[0],
+            Storage::Run { .. } => 1,
+        };
+        let pixels = (cube.raster.rows * cube.raster.cols).max(1);
+        let bytes = (pixels as u64).saturating_mul(8 * together.min(nm.len()) as u64);
+        options.limits.check(path, "the illuminant", bytes, cube.source.len())?;
+        let mut means = Vec::with_capacity(nm.len());
+        for first in (0..nm.len()).step_by(together) {
+            let planes = doubles(&cube, first..(first + together).min(nm.len()), path)?;
+            means.extend(planes.chunks_exact(pixels).map(|p| p.iter().sum::<f64>() / pixels as f64));
+        }
+        means
+    } else if array.count() == 0 {
         return Ok(None);
     } else {
         let expected = format!("{} numbers, one per wavelength", nm.len());
         return Err(IoError::field(path, "the illuminant", stated.shape(), expected));
     };
     if let [Some(low), Some(high)] = packed {
-        let steps = (8.0 * array.element.size() as f64).exp2() - 1.0;
+        let steps = (8.0 * array.kind.size() as f64).exp2() - 1.0;
         values.iter_mut().for_each(|v| *v = *v * (high - low) / steps + low);
     }
     let mut photons = Vec::with_capacity(grid.len());

@@ -1,14 +1,23 @@
 //! Files that hold named arrays, texts and structs of them.
 
-mod cube;
+mod array;
+mod coefficients;
 mod datasets;
 mod isetcam;
 mod wavelengths;
 
 use std::path::Path;
 
-use crate::arrays::Array;
-use crate::{IoError, Limits, ReadOptions, SpectralFile};
+pub(crate) use array::{Array, Axes, Chunks, Layout};
+
+use crate::scene_file::cube_file::CubeFile;
+use crate::scene_file::facts::Facts;
+use crate::scene_file::stated::Bands;
+use crate::scene_file::tiles::Tiles;
+use crate::{IoError, Limits, Quantity, ReadOptions};
+
+/// How messages call what numbers in chunks are unpacked from: no other file has chunks.
+const FORMAT: &str = "HDF5";
 
 /// What a file or a struct holds, by name.
 pub(crate) trait Fields {
@@ -48,11 +57,11 @@ impl Numbers {
     /// Its elements, if it is a list of at most so many as wavelengths can be.
     pub(crate) fn list(&self, name: &str, path: &Path, limits: Limits) -> Result<Vec<f64>, IoError> {
         const MOST: u64 = 1 << 16;
-        let count = self.array.bytes() / self.array.element.size() as u64;
+        let count = self.array.count();
         if count > MOST {
             return Err(IoError::field(path, name, format!("{count} numbers"), format!("at most {MOST}")));
         }
-        self.array.values(path, limits)
+        self.array.numbers(path, limits)
     }
 
     /// Lengths of its axes without those that come to an end at one element, for a message.
@@ -96,12 +105,12 @@ pub(crate) fn text_at(fields: &dyn Fields, place: &str) -> Result<Option<String>
 }
 
 /// A spectral image among the variables of a file: a scene of ISETCam, the cube of a known data set, or the only cube
-/// there is.
-pub(crate) fn spectral(
+/// there is. Its samples are read as they are needed.
+pub(crate) fn open(
     fields: &dyn Fields,
     path: &Path,
     options: &ReadOptions,
-) -> Result<SpectralFile, IoError> {
+) -> Result<Box<dyn Tiles>, IoError> {
     if let Some(place) = &options.variable
         && let Some(Value::Fields(scene)) = at(fields, place)?
     {
@@ -112,5 +121,28 @@ pub(crate) fn spectral(
     {
         return Ok(file);
     }
-    datasets::read(fields, path, options)
+    datasets::open(fields, path, options)
+}
+
+/// An array of which it is known what its axes are and which wavelengths its bands have. The grid is that which was written
+/// where the facts of the file tell it.
+fn placed(
+    array: &Array,
+    axes: Axes,
+    (name, quantity): (String, Quantity),
+    nm: &[f64],
+    facts: Option<&Facts>,
+    (path, options): (&Path, &ReadOptions),
+) -> Result<CubeFile<'static>, IoError> {
+    let cube = array.cube(axes, path, options.limits)?;
+    Ok(CubeFile::new((path, FORMAT), vec![cube], (name, bands(nm, facts, path)?, quantity), options))
+}
+
+/// Wavelengths of bands in their order.
+fn bands(nm: &[f64], facts: Option<&Facts>, path: &Path) -> Result<Bands, IoError> {
+    let bands = Bands::sorted(path, "the wavelengths", nm.iter().copied().enumerate())?;
+    Ok(match facts {
+        Some(facts) => bands.on(facts.start_nm, facts.step_nm),
+        None => bands,
+    })
 }

@@ -218,40 +218,84 @@ def read():
 
 
 def timed():
-    """Cubes of 512 x 512 x 31, and how long SciPy and h5py take to load each, and to make it what we make
-    of it: planes in single precision, looked through once. The best of several times."""
+    """Cubes of 512 x 512 x 31, and the best of several times: SciPy or h5py loading each and making it planes in single
+    precision (`theirs`), and NumPy's own time for the same numbers (`numpy`): loaded from a file that has them in the same type and
+    order, compressed where the cube is, and made planes."""
     rng = np.random.default_rng(1)
     smooth = np.linspace(0, 1, 512)[:, None, None] + 0.01 * rng.random((512, 512, 31))
     wave = 400.0 + 10.0 * np.arange(31)
+    # What is planes when its axes are turned so.
+    back = {}
+    raw = {}
+
+    def add(name, data, turn, write):
+        write(folder / name)
+        back[name] = turn
+        raw[name] = (data, "zipped" in name or "shuffled" in name)
+
+    def h5(data, name="cube", bands="bands", **options):
+        def write(path):
+            with h5py.File(path, "w") as f:
+                f.create_dataset(name, data=data, **options)
+                f[bands] = wave
+                if path.suffix == ".mat":
+                    f[name].attrs["MATLAB_class"] = np.bytes_("double")
+        return write
+
     for t in ("u2", "f4", "f8"):
         cube = (smooth * 4000).astype(t)
         stack = np.ascontiguousarray(cube.transpose(2, 0, 1))
+        turned = np.ascontiguousarray(cube.transpose(2, 1, 0))
         for z in (False, True):
-            name = f"{t}{'_zipped' * z}.mat"
-            scipy.io.savemat(folder / name, {"photons": cube, "wave": wave}, do_compression=z)
-        for kind, data, options in (
-            ("", stack, {}),
-            ("_interleaved", cube, {}),
-            ("_zipped", stack, {"chunks": (1, 64, 512), "compression": "gzip"}),
-            ("_shuffled", stack, {"chunks": True, "compression": "gzip", "shuffle": True}),
-        ):
-            with h5py.File(folder / f"{t}{kind}.h5", "w") as f:
-                f.create_dataset("cube", data=data, **options)
-                f["bands"] = wave
-    for path in sorted(folder.iterdir()):
-        loaded = planes = 1e9
+            save = lambda path, z=z: scipy.io.savemat(path, {"photons": cube, "wave": wave}, do_compression=z)
+            add(f"{t}{'_zipped' * z}.mat", np.asfortranarray(cube), (2, 0, 1), save)
+        add(f"{t}_v73.mat", turned, (0, 2, 1), h5(turned, "photons", "wave"))
+        add(f"{t}_v73_zipped.mat", turned, (0, 2, 1),
+            h5(turned, "photons", "wave", chunks=(1, 64, 512), compression="gzip", compression_opts=3))
+        add(f"{t}.h5", stack, (0, 1, 2), h5(stack))
+        add(f"{t}_interleaved.h5", cube, (2, 0, 1), h5(cube))
+        add(f"{t}_zipped.h5", stack, (0, 1, 2), h5(stack, chunks=(1, 64, 512), compression="gzip"))
+        add(f"{t}_shuffled.h5", stack, (0, 1, 2), h5(stack, chunks=True, compression="gzip", shuffle=True))
+        add(f"{t}_pixels_zipped.h5", cube, (2, 0, 1), h5(cube, chunks=(16, 64, 31), compression="gzip"))
+
+    def best(load):
+        times = []
         for _ in range(7):
             start = time.perf_counter()
-            if path.suffix == ".mat":
-                cube = scipy.io.loadmat(path)["photons"]
-            else:
-                with h5py.File(path) as f:
-                    cube = f["cube"][()]
-            loaded = min(loaded, time.perf_counter() - start)
-            cube = cube if cube.shape[0] == 31 else cube.transpose(2, 0, 1)
-            np.ascontiguousarray(cube, dtype="f4").min()
-            planes = min(planes, time.perf_counter() - start)
-        print(json.dumps({"name": path.name, "loaded": loaded, "planes": planes}))
+            planes = load()
+            times.append(time.perf_counter() - start)
+            assert planes.shape == (31, 512, 512) and planes.dtype == np.float32 and planes.flags.c_contiguous
+        return min(times)
+
+    def theirs(path):
+        if path.suffix == ".mat" and "v73" not in path.name:
+            cube = scipy.io.loadmat(path)["photons"]
+        else:
+            with h5py.File(path) as f:
+                cube = next(f[n] for n in ("cube", "photons") if n in f)[()]
+        return np.ascontiguousarray(cube.transpose(back[path.name]), dtype="f4")
+
+    for name, (data, packed) in raw.items():
+        kept = folder / ("numpy.npz" if packed else "numpy.npy")
+        np.savez_compressed(kept, a=data) if packed else np.save(kept, data)
+        turn = back[name]
+        load = lambda: np.load(kept)["a"] if packed else np.load(kept)
+        numpys = best(lambda: np.ascontiguousarray(load().transpose(turn), dtype="f4"))
+        print(json.dumps({"name": name, "numpy": numpys, "theirs": best(lambda: theirs(folder / name))}), flush=True)
+
+    # Photons as six coefficients a pixel.
+    coefficients, basis, mean = rng.random((512, 512, 6)), rng.random((31, 6)), np.full(31, 10.0)
+    held = {"mcCOEF": coefficients, "basis": {"basis": basis, "wave": wave}, "imgMean": mean}
+    scipy.io.savemat(folder / "mccoef.mat", held)
+    np.save(folder / "numpy.npy", np.asfortranarray(coefficients))
+
+    def product(coefficients):
+        flat = coefficients.transpose(2, 0, 1).reshape(6, -1)
+        return (basis @ flat + mean[:, None]).astype("f4").reshape(31, 512, 512)
+
+    numpys = best(lambda: product(np.load(folder / "numpy.npy")))
+    loaded = best(lambda: product(scipy.io.loadmat(folder / "mccoef.mat")["mcCOEF"]))
+    print(json.dumps({"name": "mccoef.mat", "numpy": numpys, "theirs": loaded}), flush=True)
 
 
 if mode == "write":

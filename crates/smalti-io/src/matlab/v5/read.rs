@@ -6,10 +6,8 @@ use std::sync::Arc;
 use flate2::{Decompress, FlushDecompress, Status};
 
 use super::{HEADER_BYTES, class, flag, tag};
-use crate::arrays::element::{Element, Kind};
-use crate::arrays::source::{Source, bytes_at};
-use crate::arrays::{Array, Storage};
-use crate::variables::{Fields, Numbers, Value};
+use crate::raster::{Kind, Shared, bytes_at};
+use crate::variables::{Array, Fields, Layout, Numbers, Value};
 use crate::{IoError, Limits};
 
 // What MATLAB itself holds names to; a longer one is no name.
@@ -28,7 +26,7 @@ pub(in crate::matlab) struct Variables {
 /// What is read, and how.
 #[derive(Clone)]
 struct File {
-    source: Source,
+    source: Shared<'static>,
     big_endian: bool,
     limits: Limits,
     path: PathBuf,
@@ -52,7 +50,7 @@ pub(in crate::matlab) fn is_level_5(header: &[u8]) -> Option<bool> {
 
 /// Lists the variables of a file.
 pub(in crate::matlab) fn open(
-    source: Source,
+    source: Shared<'static>,
     big_endian: bool,
     path: &Path,
     limits: Limits,
@@ -256,7 +254,7 @@ impl File {
             return Err(self.decode(format!("the text {} of {} bytes", header.name, tag.bytes)));
         }
         let bytes = self.bytes(tag.data, tag.bytes, "a text")?;
-        let units = |kind| Element { kind, big_endian: self.big_endian }.numbers::<f64>(&bytes);
+        let units = |kind: Kind| kind.numbers::<f64>(self.big_endian, &bytes);
         Ok(match tag.kind {
             tag::UTF8 | tag::INT8 | tag::UINT8 => String::from_utf8_lossy(&bytes).into_owned(),
             tag::UTF16 | tag::UINT16 => {
@@ -287,9 +285,13 @@ impl File {
             tag::DOUBLE => Kind::F64,
             _ => return Err(self.decode(format!("the array {} of type {}", header.name, tag.kind))),
         };
-        let element = Element { kind, big_endian: self.big_endian };
-        let storage = Storage::Run { source: Arc::clone(&self.source), offset: tag.data };
-        let array = Array { dims: header.dims, element, storage };
+        let array = Array {
+            dims: header.dims,
+            kind,
+            big_endian: self.big_endian,
+            source: Arc::clone(&self.source),
+            layout: Layout::Run { offset: tag.data },
+        };
         if array.bytes() != tag.bytes {
             let found = format!("{} bytes for an array of {:?}", tag.bytes, array.dims);
             return Err(self.decode(found));

@@ -1,0 +1,159 @@
+//! Samples in blocks of equal size, each of them compressed by itself or not: the chunks of HDF5, the strips and tiles of TIFF.
+
+use std::io;
+use std::path::Path;
+use std::sync::Arc;
+
+use rayon::prelude::*;
+
+use super::copy::Target;
+use super::filters::{Filter, Scratch};
+use super::kind::Sample;
+use super::run::Raster;
+use super::source::Source;
+use super::{Bad, Part};
+use crate::{IoError, Limits};
+
+/// Where the blocks of a cube are, and what was done to them. Each lies as the cube does: of the same type and order.
+#[derive(Debug, Clone)]
+pub(crate) struct Blocks {
+    /// Bands, rows and columns of a block, none of them 0.
+    pub(crate) size: [usize; 3],
+    /// The distances in `places` from a block to the next along bands, rows and columns.
+    pub(crate) strides: [usize; 3],
+    pub(crate) places: Arc<[Place]>,
+    /// In the order in which they were applied.
+    pub(crate) filters: Vec<Filter>,
+    /// Blocks that reach beyond the last row are stored without what is beyond, as strips are; others are stored whole.
+    pub(crate) cut: bool,
+}
+
+/// A block in a file.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Place {
+    pub(crate) offset: u64,
+    pub(crate) bytes: u64,
+    /// Bit `i` says that the filter `i` was not used.
+    pub(crate) skipped: u32,
+}
+
+impl Blocks {
+    /// Compares what is declared with the length of the file; `what` is how a message calls a block.
+    pub(super) fn check(
+        &self,
+        cube: &Raster,
+        source: &dyn Source,
+        (path, what): (&Path, &'static str),
+        limits: Limits,
+    ) -> Result<(), IoError> {
+        let truncated = |need, have| Err(IoError::Truncated { path: path.to_owned(), what, need, have });
+        let (below, last) = (self.strides[1], cube.rows.div_ceil(self.size[1]).saturating_sub(1));
+        for (i, place) in self.places.iter().enumerate() {
+            let row = if self.cut && last > 0 { i / below.max(1) % (last + 1) } else { 0 };
+            let bytes = self.shape(cube, row).bytes().unwrap_or(u64::MAX);
+            let plain = self.filters.is_empty();
+            let end = place.offset.saturating_add(if plain { bytes } else { place.bytes });
+            if end > source.len() {
+                return truncated(end, source.len());
+            }
+            if plain && place.bytes < bytes {
+                return truncated(bytes, place.bytes);
+            }
+            limits.check(path, what, bytes, place.bytes)?;
+        }
+        Ok(())
+    }
+
+    /// The samples of a block, by its number among the blocks of a column.
+    fn shape(&self, cube: &Raster, row: usize) -> Raster {
+        let [bands, mut rows, cols] = self.size;
+        if self.cut {
+            rows = rows.min(cube.rows.saturating_sub(row * rows));
+        }
+        Raster { bands, rows, cols, ..*cube }
+    }
+
+    /// Reads a part, whose bands are in the same blocks, to where it belongs. Where `shared` says so, all threads unpack.
+    pub(super) fn read_into<S: Sample>(
+        &self,
+        cube: &Raster,
+        source: &dyn Source,
+        part: &Part<'_>,
+        target: Target<'_, '_, S>,
+        (scratch, shared): (&mut Scratch, bool),
+    ) -> Result<(), Bad> {
+        let [high_band, high, wide] = self.size;
+        let band = part.bands.first().map_or(0, |b| b / high_band);
+        let places: Vec<usize> = part.bands.iter().map(|b| b % high_band).collect();
+        let rows = part.rows.start / high..part.rows.end.div_ceil(high);
+        let cols = part.cols.start / wide..part.cols.end.div_ceil(wide);
+        let all: Vec<[usize; 2]> = rows.flat_map(|row| cols.clone().map(move |col| [row, col])).collect();
+        let place = |[row, col]: [usize; 2]| {
+            let index = band * self.strides[0] + row * self.strides[1] + col * self.strides[2];
+            self.places.get(index).copied().ok_or(Bad::Io(io::ErrorKind::UnexpectedEof.into()))
+        };
+        // Copies what is wanted of a block.
+        let mut copy = |at @ [row, col]: [usize; 2], from: (&dyn Source, u64), window: &mut Vec<u8>| {
+            let [top, left] = [row * high, col * wide];
+            let rows = part.rows.start.max(top)..part.rows.end.min(top + high);
+            let cols = part.cols.start.max(left)..part.cols.end.min(left + wide);
+            let local = Part {
+                bands: &places,
+                rows: rows.start - top..rows.end - top,
+                cols: cols.start - left..cols.end - left,
+            };
+            let above = (rows.start - part.rows.start) * target.width;
+            let mut below: Vec<&mut [S]> =
+                target.bands.iter_mut().map(|p| p.get_mut(above..).unwrap_or_default()).collect();
+            let col = target.col + cols.start - part.cols.start;
+            let target = Target { bands: &mut below, width: target.width, col };
+            self.shape(cube, at[0]).read_into(from, &local, target, window)
+        };
+        if self.filters.is_empty() {
+            for at in all {
+                copy(at, (source, place(at)?.offset), &mut scratch.window)?;
+            }
+            return Ok(());
+        }
+        if !shared {
+            for at in all {
+                self.unpack(&self.shape(cube, at[0]), source, place(at)?, scratch)?;
+                let Scratch { block, window, .. } = scratch;
+                copy(at, (&block.as_slice(), 0), window)?;
+            }
+            return Ok(());
+        }
+        let mut several: Vec<Scratch> = Vec::new();
+        several.resize_with(2 * rayon::current_num_threads(), Scratch::default);
+        for some in all.chunks(several.len()) {
+            let unpacked: Vec<Result<(), Bad>> = several
+                .par_iter_mut()
+                .zip(some)
+                .map(|(scratch, &at)| self.unpack(&self.shape(cube, at[0]), source, place(at)?, scratch))
+                .collect();
+            unpacked.into_iter().collect::<Result<(), Bad>>()?;
+            for (scratch, &at) in several.iter().zip(some) {
+                copy(at, (&scratch.block.as_slice(), 0), &mut Vec::new())?;
+            }
+        }
+        Ok(())
+    }
+
+    /// A block as it was before it was written, in `scratch.block`.
+    fn unpack(
+        &self,
+        shape: &Raster,
+        source: &dyn Source,
+        place: Place,
+        scratch: &mut Scratch,
+    ) -> Result<(), Bad> {
+        scratch.block.resize(usize::try_from(place.bytes).unwrap_or(usize::MAX), 0);
+        source.read_at(place.offset, &mut scratch.block)?;
+        let used = self
+            .filters
+            .iter()
+            .enumerate()
+            .filter(|(i, _)| place.skipped.checked_shr(*i as u32).unwrap_or(0) & 1 == 0);
+        scratch.undo(used.map(|(_, filter)| *filter), shape)
+    }
+}
