@@ -248,6 +248,9 @@ pub(crate) enum Noise {
     Columns of the table, with their units and sources: smalti list metrics.\n\
     results.json is removed first and written last: a folder that has it is whole.")]
 pub(crate) struct Evaluate {
+    /// The command line, for the page
+    #[arg(skip)]
+    pub(crate) words: Vec<String>,
     /// Built-in cameras (smalti list cameras) or TOML files
     #[arg(required = true)]
     pub(crate) cameras: Vec<String>,
@@ -325,6 +328,9 @@ pub(crate) enum Listing {
     Written: report.html, a page of all that was found; side-by-side/ with a picture for each scene and luminance (the reference, then the cameras in the order of the \
     table) and one with maps of how far each is from the reference (ΔE2000, S-CIELAB), CAMERA.l3 (for smalti render), CAMERA-kernels.png and results.json, which is removed first and written last: a folder that has it is whole.")]
 pub(crate) struct Compare {
+    /// The command line, for the page
+    #[arg(skip)]
+    pub(crate) words: Vec<String>,
     /// Built-in cameras (smalti list cameras) or TOML files
     #[arg(required = true)]
     pub(crate) cameras: Vec<String>,

@@ -35,7 +35,7 @@ use std::ffi::OsString;
 use std::io::Write;
 use std::path::Path;
 
-use args::{Cli, Command};
+use args::{Cli, Command, Compare, Evaluate};
 use clap::{CommandFactory, Parser};
 
 pub use args::ReportOptions;
@@ -68,8 +68,9 @@ pub fn command(args: impl IntoIterator<Item = OsString>) -> u8 {
     if !args.is_empty() && complete::answer(Cli::command, &args) {
         return DONE;
     }
+    let words = args.iter().skip(1).map(|a| a.to_string_lossy().into_owned()).collect();
     let done = match Cli::try_parse_from(args) {
-        Ok(cli) => run(cli),
+        Ok(cli) => run(cli, words),
         Err(e) => {
             // What cannot be printed has nobody to read it.
             let _ = e.print();
@@ -86,16 +87,16 @@ pub fn command(args: impl IntoIterator<Item = OsString>) -> u8 {
     }
 }
 
-fn run(cli: Cli) -> anyhow::Result<()> {
+fn run(cli: Cli, words: Vec<String>) -> anyhow::Result<()> {
     if let Some(threads) = cli.common.threads {
         rayon::ThreadPoolBuilder::new().num_threads(usize::from(threads)).build_global()?;
     }
     match cli.command {
-        Command::Compare(a) => compare::run(&a, &cli.common),
+        Command::Compare(a) => compare::run(&Compare { words, ..*a }, &cli.common),
         Command::Train(a) => train::run(&a, &cli.common),
         Command::Render(a) => render::run(&a, &cli.common),
         Command::Simulate(a) => simulate::run(&a, &cli.common),
-        Command::Evaluate(a) => evaluate::run(&a, &cli.common),
+        Command::Evaluate(a) => evaluate::run(&Evaluate { words, ..a }, &cli.common),
         Command::Sweep(a) => sweep::run(&a, &cli.common),
         Command::Report(a) => study_report::run(&a, &cli.common),
         Command::List(a) => list::run(&a),
@@ -114,7 +115,8 @@ fn print(text: &str) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// An error and its causes, but for those whose words the error before already holds.
+/// An error and its causes, each once: a cause whose words end the error's is left out, and so is an error (a context) whose words begin
+/// its cause's.
 pub fn in_one_line(error: &(dyn Error + 'static)) -> String {
     let mut told = error.to_string();
     let mut cause = error.source();
@@ -138,6 +140,14 @@ fn is_broken_pipe(error: &anyhow::Error) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn errors_are_told_once() {
+        let told = |e: anyhow::Error| in_one_line(e.as_ref());
+        assert_eq!(told(anyhow::anyhow!("b").context("a")), "a: b");
+        assert_eq!(told(anyhow::anyhow!("x.toml: no key").context("x.toml")), "x.toml: no key");
+        assert_eq!(told(anyhow::anyhow!("no key").context("x.toml: no key")), "x.toml: no key");
+    }
 
     #[test]
     fn the_command_line_is_consistent() {

@@ -22,9 +22,9 @@ impl Default for Limits {
     }
 }
 
-// Deflate, the densest coding among the formats read here, expands at most 1032 times (zlib's technical notes).
+// Deflate, the densest coding here but JPEG XL, expands at most 1032 times (zlib's technical notes).
 // Headers and tables add a little; small files may declare up to a mebibyte whatever their length.
-const LARGEST_EXPANSION: u64 = 1032;
+pub(crate) const LARGEST_EXPANSION: u64 = 1032;
 const ALWAYS_ALLOWED: u64 = 1 << 20;
 
 impl Limits {

@@ -9,14 +9,10 @@ use smalti_cli::ReportOptions;
 use crate::error::of_command;
 use crate::work::{detached, watched};
 
-/// Does what a command line says, as the `smalti` command does, and returns its exit code: 0 done, 1 failed, 2 wrong usage. Results
-/// go to standard output, messages to standard error.
-///
-/// Args:
-///     args: the command line without the name of the program: `["compare", "bayer", "rgbw", "-o", "out"]`.
+/// The command, in a process that does nothing else: it may end the process.
 #[pyfunction]
-pub(crate) fn command(py: Python<'_>, args: Vec<PathBuf>) -> PyResult<u8> {
-    let line = std::iter::once(OsString::from("smalti")).chain(args.into_iter().map(PathBuf::into_os_string));
+pub(crate) fn run_command(py: Python<'_>, args: Vec<OsString>) -> PyResult<u8> {
+    let line = std::iter::once(OsString::from("smalti")).chain(args);
     detached(py, || Ok(smalti_cli::command(line)))
 }
 

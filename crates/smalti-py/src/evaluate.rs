@@ -290,7 +290,7 @@ pub(crate) fn score_scenes(
                 watch.check()?;
                 let about = format!("{name} at {luminance_cd_m2} cd/m²");
                 let lit = setup.in_light(luminance_cd_m2).and_then(|s| s.exposed()).or_raise_about(&about)?;
-                let isp = processing(own, pipeline, &lit.light).or_raise_about(&about)?;
+                let isp = processing(&lit.camera, pipeline, &lit.light).or_raise_about(&about)?;
                 let scores =
                     compare_on(&lit, &*isp, seed, &ScoreSettings::default()).or_raise_about(&about)?;
                 all.push(PySceneScores { scores, scene: name.to_owned(), luminance_cd_m2, white });

@@ -35,7 +35,7 @@ mod _smalti {
     #[pymodule_export]
     use crate::color::{delta_e, lab, scielab_map, xyz};
     #[pymodule_export]
-    use crate::command::{command, write_report};
+    use crate::command::{run_command, write_report};
     #[pymodule_export]
     use crate::error::SmaltiError;
     #[pymodule_export]

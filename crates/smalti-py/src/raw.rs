@@ -89,7 +89,7 @@ impl PyRawImage {
         Ok(Self { raw, notes: Vec::new(), info: None })
     }
 
-    /// A raw image from an uncompressed DNG, cropped to its active area.
+    /// A raw image from a DNG (uncompressed, lossless JPEG, Deflate or JPEG XL), cropped to its active area.
     #[staticmethod]
     fn read(py: Python<'_>, path: PathBuf) -> PyResult<Self> {
         let read = watched(py, None, |_| dng::read(&path, Limits::default()).or_raise())?;

@@ -97,8 +97,11 @@ def test_compare_takes_any_scene() -> None:
     (own,) = smalti.compare([smalti.Camera("bayer")], scenes=[scene], luminances_cd_m2=[20.0], progress=False)
     (relit,) = smalti.compare([smalti.Camera("bayer")], scenes=[scene], illuminant="D65", luminances_cd_m2=[20.0], progress=False)
     assert own["scene"] == "macbeth?patch=32" and own["cpsnr_db"] != relit["cpsnr_db"]
-    # A file has one sample a pixel; so has the scene here, whatever the sensor's size.
     assert own["cpsnr_db"] > 20 and own["seed"] == 1
+    # On wavelengths of its own.
+    fine = smalti.Scene("macbeth?patch=32", wavelengths_nm=np.arange(400, 701, 5))
+    (record,) = smalti.compare([smalti.Camera("bayer")], scenes=[fine], luminances_cd_m2=[20.0], progress=False)
+    assert record["cpsnr_db"] == pytest.approx(relit["cpsnr_db"], abs=0.5)
 
 
 def test_a_stop_of_aperture_is_a_stop_of_light() -> None:

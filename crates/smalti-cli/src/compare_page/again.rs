@@ -6,14 +6,18 @@ use smalti_report::page::{Markup, copyable, el};
 use crate::study_report::quoted;
 
 /// The command that was typed, the facts, and every key of every camera.
-pub(super) fn section(facts: &[(&str, String)], cameras: &[(String, &Camera)]) -> anyhow::Result<Markup> {
+pub(super) fn section(
+    words: &[String],
+    facts: &[(&str, String)],
+    cameras: &[(String, &Camera)],
+) -> anyhow::Result<Markup> {
     let facts = facts.iter().map(|(k, v)| Markup::from(el("dt").child(*k)).and(el("dd").child(v)));
     let mut out: Markup = el("p")
         .child("The same version gives the same figures to the bit, on any number of threads. Files that the command names must be as they were.")
         .into();
     out = out
         .and(el("dl").class("facts").children(facts))
-        .and(copyable(&command(std::env::args_os().skip(1).map(|a| a.to_string_lossy().into_owned())), "command"))
+        .and(copyable(&command(words), "command"))
         .and(el("p").child("Each camera as it was resolved, every key with its value; as a TOML file it is a camera for any command."));
     for (label, camera) in cameras {
         let text = toml::to_string(camera.description())?;
@@ -24,8 +28,8 @@ pub(super) fn section(facts: &[(&str, String)], cameras: &[(String, &Camera)]) -
 }
 
 /// The words as one would type them.
-fn command(words: impl Iterator<Item = String>) -> String {
-    words.fold("smalti".to_owned(), |line, word| format!("{line} {}", typed(&word)))
+fn command(words: &[String]) -> String {
+    words.iter().fold("smalti".to_owned(), |line, word| format!("{line} {}", typed(word)))
 }
 
 /// A word for a POSIX shell; options stay options.
@@ -68,7 +72,7 @@ mod tests {
             "-",
         ];
         assert_eq!(
-            command(words.iter().map(|w| (*w).to_owned())),
+            command(&words.map(str::to_owned)),
             "smalti compare bayer 'a b.toml' --luminance 1,80 --set 'x=[1,2]' --output='it'\\''s' -o '$(rm)' --gain='-1' -"
         );
     }

@@ -16,6 +16,8 @@ const ALIASING: Maps =
 
 /// All that was evaluated.
 pub(crate) struct Shots<'a> {
+    /// The command line.
+    pub(crate) words: &'a [String],
     pub(crate) cameras: &'a [Camera],
     /// What they are called, each its own.
     pub(crate) labels: &'a [String],
@@ -84,7 +86,7 @@ pub(crate) fn page(shots: &Shots<'_>) -> anyhow::Result<String> {
         .section("noise", "Noise", figures::noise(&scored).and(noise_tables(&scored)))
         .section("edges", "Sharpness", figures::edges(&scored))
         .section("filters", "Filters", el("div").class("cameras").children(filters))
-        .section("again", "The same again", again::section(&facts, &cameras)?)
+        .section("again", "The same again", again::section(shots.words, &facts, &cameras)?)
         .foot(foot())
         .html())
 }

@@ -9,8 +9,9 @@ use smalti::sensor::RawSamples;
 
 use super::packed::{Predictor, float, integer};
 use super::{jxl, ljpeg};
+use crate::file::{self, LARGEST_EXPANSION};
 use crate::tiff_tags::{self as tags, Ifd, Tiff};
-use crate::{IoError, Limits, file};
+use crate::{IoError, Limits};
 
 /// How strips or tiles are compressed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -59,9 +60,15 @@ pub(super) fn decode(
     let rows_at = interleaved(ifd, tags::ROW_INTERLEAVE_FACTOR, shape.rows, path)?;
     let cols_at = interleaved(ifd, tags::COLUMN_INTERLEAVE_FACTOR, shape.cols, path)?;
     let chunks = chunks(ifd, shape, path)?;
+    if shape.coding == Coding::JpegXl {
+        let at_once = rayon::current_num_threads().min(chunks.list.len()) as u64;
+        let memory = jxl::memory(chunks.size(shape)).saturating_mul(at_once);
+        let have = believed(shape.coding, tiff.bytes().len() as u64);
+        limits.check(path, "the strips or tiles that are unpacked at once", memory, have)?;
+    }
     // So many are decompressed at once that every thread has some, and few are held.
     for batch in chunks.list.chunks(4 * rayon::current_num_threads()) {
-        let read = |chunk| content(tiff, ifd, shape, &chunks, chunk, path);
+        let read = |chunk| content(tiff, ifd, shape, &chunks, chunk, limits, path);
         // All are done before the first error in their order is told: the same for any number of threads.
         let contents: Vec<Result<Content<'_>, IoError>> = batch.par_iter().map(read).collect();
         for (chunk, content) in batch.iter().zip(contents) {
@@ -143,7 +150,15 @@ fn check_size(tiff: Tiff<'_>, shape: Shape, limits: Limits, path: &Path) -> Resu
     if need > have {
         return Err(IoError::Truncated { path: path.to_owned(), what: WHAT, need, have });
     }
-    limits.check(path, WHAT, samples.saturating_mul(if shape.float { 4 } else { 2 }), have)
+    let bytes = samples.saturating_mul(if shape.float { 4 } else { 2 });
+    limits.check(path, WHAT, bytes, believed(shape.coding, have))
+}
+
+/// The length of a file as its limits see it. An even picture of any size is a few bytes of JPEG XL: so much is believed of any
+/// file.
+fn believed(coding: Coding, file_len: u64) -> u64 {
+    const JPEG_XL_BYTES: u64 = 256 << 20;
+    if coding == Coding::JpegXl { file_len.max(JPEG_XL_BYTES / LARGEST_EXPANSION) } else { file_len }
 }
 
 struct Chunk {
@@ -159,6 +174,13 @@ struct Chunks {
     rows: usize,
     cols: usize,
     list: Vec<Chunk>,
+}
+
+impl Chunks {
+    /// Of a strip or tile, the last of which may have fewer rows.
+    fn size(&self, shape: Shape) -> jxl::Size {
+        jxl::Size { least_rows: self.rows, most_rows: self.rows, cols: self.cols, planes: shape.planes }
+    }
 }
 
 fn chunks(ifd: &Ifd<'_>, shape: Shape, path: &Path) -> Result<Chunks, IoError> {
@@ -227,6 +249,7 @@ fn content<'a>(
     shape: Shape,
     chunks: &Chunks,
     chunk: &Chunk,
+    limits: Limits,
     path: &Path,
 ) -> Result<Content<'a>, IoError> {
     let have = tiff.bytes().len() as u64;
@@ -261,9 +284,7 @@ fn content<'a>(
         return Ok(Content::Samples(decoded, samples));
     }
     if shape.coding == Coding::JpegXl {
-        Limits::default().check(path, "a strip or tile", needed as u64, len as u64)?;
-        let size =
-            jxl::Size { least_rows: rows, most_rows: chunks.rows, cols: chunks.cols, planes: shape.planes };
+        let size = jxl::Size { least_rows: rows, ..chunks.size(shape) };
         let decoded = file::guarded(path, "DNG", || {
             jxl::decode(coded, size).map_err(|m| wrong(format!("JPEG XL: {m}")))
         })?;
@@ -281,7 +302,7 @@ fn content<'a>(
                 "1 (none); 2, 34892 or 34893 with 8 or 16 bits; 3, 34894 or 34895 with floating point";
             IoError::field(path, "Predictor", code.to_string(), expected)
         })?;
-    Limits::default().check(path, "a strip or tile", needed as u64, len as u64)?;
+    limits.check(path, "a strip or tile", needed as u64, len as u64)?;
     let mut inflated = Vec::new();
     flate2::read::ZlibDecoder::new(coded)
         .take(needed as u64)

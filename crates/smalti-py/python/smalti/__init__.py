@@ -10,6 +10,7 @@ made; arrays that they are given are copied once. Images are [rows, columns, wav
 their name. What cannot be computed raises `SmaltiError` (a ValueError) in the words of the `smalti` command.
 """
 
+from ._command import command
 from ._long import Light, Path, Progress, compare, gather, report, solve, sweep, train
 from ._smalti import (
     Camera,
@@ -32,7 +33,6 @@ from ._smalti import (
     aliasing,
     cameras,
     cfas,
-    command,
     cpsnr_db,
     delta_e,
     edge_sfr,

@@ -1,18 +1,8 @@
-"""`python -m smalti`, and the `smalti` that pip installs: the command itself."""
+"""`python -m smalti` is the command."""
 
-from __future__ import annotations
-
-import signal
 import sys
 
-from ._smalti import command
-
-
-def main() -> int:
-    # Python would hear of Ctrl-C only after the work; the command ends at once, and a sweep after its part.
-    signal.signal(signal.SIGINT, signal.SIG_DFL)
-    return command(sys.argv[1:])
-
+from ._command import main
 
 if __name__ == "__main__":
     sys.exit(main())
