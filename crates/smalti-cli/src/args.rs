@@ -348,7 +348,7 @@ pub(crate) struct Compare {
     #[arg(long, value_delimiter = ',', value_enum, default_value = "l3")]
     pub(crate) processing: Vec<Processing>,
     /// Also find how much more light the first camera needs to equal each of the others, in stops, by each metric, with the
-    /// first way of processing; takes some minutes
+    /// first way of processing; takes half a minute and more
     #[arg(long)]
     pub(crate) light_gain: bool,
     /// A learned table (smalti train) to use instead of learning one; as many as there are cameras, in their order

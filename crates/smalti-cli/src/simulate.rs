@@ -25,6 +25,9 @@ const SCORED_PX: usize = 2048;
 /// What a capture takes at its peak, measured on mosaics: raw samples, and pictures in XYZ while they are compared.
 const BYTES_PER_PIXEL: u64 = 120;
 
+/// Files of `--stages`, along the light path.
+const STAGES: [&str; 4] = ["1-scene-radiance", "2-optical-image-irradiance", "3-raw", "4-picture-xyz"];
+
 pub(crate) fn run(args: &Simulate, common: &Common) -> anyhow::Result<()> {
     let progress = Progress::new(4, common.quiet);
     progress.begin("scene");
@@ -68,7 +71,9 @@ pub(crate) fn run(args: &Simulate, common: &Common) -> anyhow::Result<()> {
         PictureFormat::Tif => "rendered.tif",
     });
     // A folder that has metrics.json is whole: that of an earlier run goes first, the new one comes last.
-    write::begin_folder(dir, &["metrics.json", stages::INDEX])?;
+    let earlier = STAGES.map(|stage| format!("{stage}.npy"));
+    let earlier = earlier.iter().map(String::as_str).chain(["metrics.json", stages::INDEX]);
+    write::begin_folder(dir, &earlier.collect::<Vec<_>>())?;
     picture::write(&rendered, &picture, depth)?;
     dng::write(&dir.join("raw.dng"), &photo.raw, &info)?;
     if let Some(scene) = &scene {
@@ -225,20 +230,20 @@ fn write_cube(
 
 fn write_scene(dir: &Path, scene: &Scene) -> anyhow::Result<()> {
     let facts = [("distance_m", scene.distance_m()), ("horizontal_fov_deg", scene.horizontal_fov_deg())];
-    write_cube(dir, "1-scene-radiance", scene.radiance(), "photons s^-1 m^-2 sr^-1 nm^-1", &facts)
+    write_cube(dir, STAGES[0], scene.radiance(), "photons s^-1 m^-2 sr^-1 nm^-1", &facts)
 }
 
 /// The stages after the scene as `.npy`, with axes and units in `stages.json`.
 fn write_stages(dir: &Path, photo: &Photograph) -> anyhow::Result<()> {
     let image = &photo.optical_image;
     let spacing = [("sample_spacing_m", image.sample_spacing_m())];
-    write_cube(dir, "2-optical-image-irradiance", image.irradiance(), "photons s^-1 m^-2 nm^-1", &spacing)?;
+    write_cube(dir, STAGES[1], image.irradiance(), "photons s^-1 m^-2 nm^-1", &spacing)?;
     write_raw(dir, &photo.raw)?;
     let planes = photo.picture.planes();
     let axes = [("XYZ", 3), ("row", planes.rows()), ("column", planes.cols())];
     write_stage(
         dir,
-        "4-picture-xyz",
+        STAGES[3],
         &axes,
         planes.data(),
         "relative, Y = 1 is the brightest white the sensor holds",
@@ -252,8 +257,8 @@ fn write_raw(dir: &Path, raw: &RawImage) -> anyhow::Result<()> {
     let levels: [(&str, &[f64]); 2] =
         [("black_level", &[raw.black_level()]), ("white_level", &[raw.white_level()])];
     match raw.samples() {
-        RawSamples::Digital(v) => write_stage(dir, "3-raw", &axes, v, "digital numbers", &levels)?,
-        RawSamples::Analog(v) => write_stage(dir, "3-raw", &axes, v, "V", &levels)?,
+        RawSamples::Digital(v) => write_stage(dir, STAGES[2], &axes, v, "digital numbers", &levels)?,
+        RawSamples::Analog(v) => write_stage(dir, STAGES[2], &axes, v, "V", &levels)?,
     }
     Ok(())
 }

@@ -29,5 +29,8 @@ pub(crate) fn toml(dir: &Path, number: u64) -> anyhow::Result<String> {
         _ => format!("smalti compare {file} {scored}"),
     };
     let text = toml::to_string(&camera)?;
-    Ok(format!("# Design {number} of {name}: {}\n# {again}\n{text}", plain(&design.filters.label)))
+    let label = plain(&design.filters.label);
+    Ok(format!(
+        "# Design {number} of {name}: {label}. Its figures again, from this as {file}:\n# {again}\n{text}"
+    ))
 }

@@ -93,7 +93,7 @@ pub const CATALOG: &[MetricInfo] = &[
         "aliasing_percent",
         "%",
         Lower,
-        "Energy of a picture that no linear transfer of an alias-free reference explains; luminance plus colour.",
+        "Energy of a picture that no linear transfer of an alias-free reference explains, luminance plus colour, over that of the reference; false colour can take it beyond 100.",
         "defined by smalti, see metrics::aliasing",
     ),
     metric(
