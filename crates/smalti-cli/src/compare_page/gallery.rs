@@ -1,5 +1,7 @@
 //! Pictures in the page, by scene and light: the script makes the viewer of them, and without it they stand in rows.
 
+use std::sync::atomic::{AtomicUsize, Ordering};
+
 use rayon::prelude::*;
 use serde_json::json;
 use smalti_report::page::{DataUri, Markup, el};
@@ -69,15 +71,10 @@ pub(super) struct Maps {
 
 /// The place of the viewer, and all pictures.
 pub(super) fn gallery(groups: &[Group], maps: &[&Maps]) -> Markup {
-    let mut quality = QUALITIES[QUALITIES.len() - 1];
-    let mut encoded = Vec::new();
-    for of in QUALITIES {
-        encoded = encode(groups, of);
-        quality = of;
-        if encoded.iter().flatten().map(Encoded::bytes).sum::<usize>() <= MOST_BYTES {
-            break;
-        }
-    }
+    let last = QUALITIES[QUALITIES.len() - 1];
+    let fitting = QUALITIES.iter().find_map(|of| Some((*of, encode(groups, *of, MOST_BYTES)?)));
+    let (quality, encoded) =
+        fitting.unwrap_or_else(|| (last, encode(groups, last, usize::MAX).unwrap_or_default()));
     let mut left = MOST_BYTES;
     let rows = groups.iter().zip(&encoded).map(|(group, shots)| {
         let figures = group.shots.iter().zip(shots).map(|(shot, encoded)| {
@@ -125,7 +122,8 @@ impl Encoded {
     }
 }
 
-fn encode(groups: &[Group], quality: Quality) -> Vec<Vec<Encoded>> {
+/// All pictures, in order; `None` where they are larger together.
+fn encode(groups: &[Group], quality: Quality, most_bytes: usize) -> Option<Vec<Vec<Encoded>>> {
     let jpeg = |p: &Pixels, of| {
         if !quality.halved {
             return DataUri::jpeg(p.width, p.height, &p.rgb, of);
@@ -141,11 +139,14 @@ fn encode(groups: &[Group], quality: Quality) -> Vec<Vec<Encoded>> {
         Map::Values { width, height, steps } => DataUri::grey_jpeg(*width, *height, steps, quality.map).ok(),
         Map::Picture(pixels) => jpeg(pixels, quality.map).ok(),
     };
-    let shot = |s: &Shot| Encoded {
-        picture: jpeg(&s.picture, quality.picture).map_err(|e| e.to_string()),
-        maps: s.maps.iter().map(map).collect(),
+    let bytes = AtomicUsize::new(0);
+    let shot = |s: &Shot| {
+        let picture = jpeg(&s.picture, quality.picture).map_err(|e| e.to_string());
+        let encoded = Encoded { picture, maps: s.maps.iter().map(map).collect() };
+        let so_far = bytes.fetch_add(encoded.bytes(), Ordering::Relaxed) + encoded.bytes();
+        (so_far <= most_bytes).then_some(encoded)
     };
-    groups.par_iter().map(|g| g.shots.iter().map(shot).collect()).collect()
+    groups.par_iter().map(|g| g.shots.par_iter().map(shot).collect()).collect()
 }
 
 /// Means of two by two pixels of `each` values; of fewer where a last row or column is alone.
@@ -229,7 +230,7 @@ mod tests {
         assert!(html.as_str().contains("four of them one of a map"));
         assert!(html.as_str().len() < 5_100_000, "{} bytes", html.as_str().len());
         // More than can be: pictures become coarse, then some are missing, and say so.
-        let html = gallery(&[group(160)], &[&KIND, &KIND]);
+        let html = gallery(&[group(320)], &[&KIND, &KIND]);
         assert!(html.as_str().contains("one of a picture") && html.as_str().contains("No picture"));
         assert!(html.as_str().len() < 5_200_000, "{} bytes", html.as_str().len());
     }
