@@ -178,3 +178,22 @@ def test_everything_public_is_documented() -> None:
             for member in vars(thing):
                 if not member.startswith("_"):
                     assert getattr(thing, member).__doc__, f"{name}.{member}"
+
+
+@pytest.mark.parametrize("pattern", ["RGGB", "GRBG", "BGGR"])
+def test_raw_files_through_libraw(pattern: str, tmp_path: Path) -> None:
+    samples = np.random.default_rng(3).integers(0, 4096, (64, 96), dtype=np.uint16)
+    tile = np.array(["RGB".index(letter) for letter in pattern]).reshape(2, 2)
+    raw = smalti.RawImage(samples, tile, black_level=64, white_level=4095, channel_names=["R", "G", "B"])
+    raw.write(tmp_path / "shot.dng")
+    seen = smalti.read_camera_raw(tmp_path / "shot.dng")
+    np.testing.assert_array_equal(seen.samples, raw.samples)
+    assert seen.tile is not None and raw.tile is not None
+    of = [raw.channel_names[c] for c in raw.tile.ravel()]
+    assert [seen.channel_names[c] for c in seen.tile.ravel()] == of == list(pattern)
+    assert (seen.black_level, seen.white_level) == (raw.black_level, raw.white_level)
+    (tmp_path / "no.nef").write_bytes(b"nothing")
+    with pytest.raises(smalti.SmaltiError, match="no.nef"):
+        smalti.read_camera_raw(tmp_path / "no.nef")
+    with pytest.raises(FileNotFoundError):
+        smalti.read_camera_raw(tmp_path / "absent.nef")

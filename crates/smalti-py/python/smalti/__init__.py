@@ -12,6 +12,7 @@ their name. What cannot be computed raises `SmaltiError` (a ValueError) in the w
 
 from ._command import command
 from ._long import Light, Path, Progress, compare, gather, report, solve, sweep, train
+from ._raws import read_camera_raw
 from ._smalti import (
     Camera,
     Cfa,
@@ -94,6 +95,7 @@ __all__ = [
     "luminance_noise_percent",
     "merge",
     "metrics",
+    "read_camera_raw",
     "report",
     "scenes",
     "scielab",

@@ -27,7 +27,7 @@ def command(args: Sequence[str | os.PathLike[str]]) -> int:
     Args:
         args: the command line without the name of the program: `["compare", "bayer", "rgbw", "-o", "out"]`.
     """
-    line = [sys.executable, "-m", "smalti", *map(os.fspath, args)]
+    line = [sys.executable, "-m", "smalti", *(os.fspath(a) for a in args)]
     if sys.stdout is sys.__stdout__ and sys.stderr is sys.__stderr__:
         return subprocess.run(line).returncode
     done = subprocess.run(line, capture_output=True, text=True, encoding="utf-8")
