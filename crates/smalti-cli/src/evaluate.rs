@@ -57,6 +57,7 @@ pub(crate) fn run(args: &Evaluate, common: &Common) -> anyhow::Result<()> {
         let white = Observer::Cie1931.white(&illuminant.photons(WavelengthGrid::VISIBLE)?)?;
         let page = compare_page::evaluate_page(&Shots {
             words: &args.words,
+            typed: &args.cameras,
             cameras: &cameras,
             labels: &names::numbered(cameras.iter().map(|c| c.description().name.clone()).collect()),
             luminances_cd_m2: &args.luminance,

@@ -5,19 +5,20 @@ use smalti_report::page::{Markup, copyable, el};
 
 use crate::study_report::quoted;
 
-/// The command that was typed, the facts, and every key of every camera.
+/// One command for the same again, the facts, and every key of every camera; `typed` are the cameras as they were named.
 pub(super) fn section(
     words: &[String],
+    typed: &[String],
     facts: &[(&str, String)],
     cameras: &[(String, &Camera)],
 ) -> anyhow::Result<Markup> {
     let facts = facts.iter().map(|(k, v)| Markup::from(el("dt").child(*k)).and(el("dd").child(v)));
     let mut out: Markup = el("p")
-        .child("The same version gives the same figures to the bit, on any number of threads. Files that the command names must be as they were.")
+        .child("The same version gives the same figures to the bit, on any number of threads. The command writes the files of cameras anew; other files that it names must be as they were.")
         .into();
     out = out
         .and(el("dl").class("facts").children(facts))
-        .and(copyable(&command(words), "command"))
+        .and(copyable(&with_files(words, typed, cameras)?, "command"))
         .and(el("p").child("Each camera as it was resolved, every key with its value; as a TOML file it is a camera for any command."));
     for (label, camera) in cameras {
         let text = toml::to_string(camera.description())?;
@@ -25,6 +26,26 @@ pub(super) fn section(
         out = out.and(el("details").child(summary).child(copyable(&text, "description")));
     }
     Ok(out)
+}
+
+/// The words as one would type them, after what writes each camera that is no built-in one to a file of its own.
+fn with_files(words: &[String], typed: &[String], cameras: &[(String, &Camera)]) -> anyhow::Result<String> {
+    let (mut words, mut files) = (words.to_vec(), String::new());
+    let of_files = typed
+        .iter()
+        .zip(cameras)
+        .filter(|(name, _)| smalti_io::cameras::names().iter().all(|c| c.name != **name));
+    for (i, (name, (_, camera))) in of_files.enumerate() {
+        let file = format!("again-{}.toml", i + 1);
+        let text = toml::to_string(camera.description())?;
+        let mut end = "EOF".to_owned();
+        while text.lines().any(|line| line == end) {
+            end.push('_');
+        }
+        files += &format!("cat > {file} <<'{end}'\n{text}{end}\n");
+        words.iter_mut().filter(|word| *word == name).for_each(|word| word.clone_from(&file));
+    }
+    Ok(files + &command(&words))
 }
 
 /// The words as one would type them.

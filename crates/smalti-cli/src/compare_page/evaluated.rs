@@ -18,6 +18,8 @@ const ALIASING: Maps =
 pub(crate) struct Shots<'a> {
     /// The command line.
     pub(crate) words: &'a [String],
+    /// The cameras as it names them.
+    pub(crate) typed: &'a [String],
     pub(crate) cameras: &'a [Camera],
     /// What they are called, each its own.
     pub(crate) labels: &'a [String],
@@ -86,7 +88,7 @@ pub(crate) fn page(shots: &Shots<'_>) -> anyhow::Result<String> {
         .section("noise", "Noise", figures::noise(&scored).and(noise_tables(&scored)))
         .section("edges", "Sharpness", figures::edges(&scored))
         .section("filters", "Filters", el("div").class("cameras").children(filters))
-        .section("again", "The same again", again::section(shots.words, &facts, &cameras)?)
+        .section("again", "The same again", again::section(shots.words, shots.typed, &facts, &cameras)?)
         .foot(foot())
         .html())
 }

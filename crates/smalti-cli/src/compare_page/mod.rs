@@ -73,7 +73,11 @@ pub(crate) fn page(report: &Report<'_>) -> anyhow::Result<String> {
     ];
     let cameras: Vec<_> = report.labels.iter().cloned().zip(report.cameras).collect();
     Ok(page
-        .section("again", "The same again", again::section(&report.args.words, &facts, &cameras)?)
+        .section(
+            "again",
+            "The same again",
+            again::section(&report.args.words, &report.args.cameras, &facts, &cameras)?,
+        )
         .data("compare", json!({"learned": data}))
         .foot(foot())
         .html())

@@ -50,8 +50,8 @@ fn a_comparison_has_a_small_page_and_names_are_text() {
     assert!(scores.matches("class=\"best\"").count() >= 12, "{scores}");
     assert!(!html.contains("id=\"kernels\""), "nothing was learned");
     assert!(
-        html.contains("smalti compare host.toml bayer --scene &#39;dead-leaves")
-            || html.contains("smalti compare host.toml bayer --scene 'dead-leaves")
+        html.contains("smalti compare again-1.toml bayer --scene &#39;dead-leaves")
+            || html.contains("smalti compare again-1.toml bayer --scene 'dead-leaves")
     );
     assert_eq!(place.json("o/results.json")["files"].as_array().unwrap().last().unwrap(), "report.html");
 }
@@ -88,18 +88,26 @@ fn an_evaluation_has_a_page_whose_cameras_can_be_used() {
     assert_eq!(html.matches("class=\"shot\"").count(), 3);
     assert!(html.matches("<td class=\"number\">").count() > 24);
     // The description is a camera, and scores the same.
-    let toml = html
-        .split("the whole description</summary>")
-        .nth(1)
-        .unwrap()
-        .split("<pre tabindex=\"0\">")
-        .nth(1)
-        .unwrap();
-    let toml = toml.split("</pre>").next().unwrap();
-    let toml = [("&lt;", "<"), ("&gt;", ">"), ("&quot;", "\""), ("&#39;", "'"), ("&amp;", "&")]
-        .iter()
-        .fold(toml.to_owned(), |text, (from, to)| text.replace(from, to));
-    place.write("again.toml", &toml);
+    let copied = |after: &str| {
+        let text = html.split(after).nth(1).unwrap().split("<pre tabindex=\"0\">").nth(1).unwrap();
+        let text = text.split("</pre>").next().unwrap();
+        [("&lt;", "<"), ("&gt;", ">"), ("&quot;", "\""), ("&#39;", "'"), ("&amp;", "&")]
+            .iter()
+            .fold(text.to_owned(), |text, (from, to)| text.replace(from, to))
+    };
+    place.write("again.toml", copied("the whole description</summary>"));
     place.ok("evaluate again.toml --luminance 75 -o again");
-    assert_eq!(place.json("again/results.json"), place.json("o/results.json"));
+    let results = place.json("o/results.json");
+    assert_eq!(place.json("again/results.json"), results);
+    // One command does it all, where the camera's file is not there.
+    let command = copied("The same again</h2>");
+    assert!(command.starts_with("cat > again-1.toml <<'EOF'\n"), "{command}");
+    std::fs::remove_file(place.path("host.toml")).unwrap();
+    std::fs::remove_dir_all(place.path("o")).unwrap();
+    let folder = std::path::Path::new(env!("CARGO_BIN_EXE_smalti")).parent().unwrap();
+    let path = format!("{}:{}", folder.display(), std::env::var("PATH").unwrap_or_default());
+    let mut shell = std::process::Command::new("sh");
+    shell.args(["-c", &command]).env("PATH", path).env("SMALTI_CACHE_DIR", place.path("cache"));
+    let run = crate::Run::of(shell.current_dir(place.path("")));
+    assert_eq!((run.code, place.json("o/results.json")), (0, results), "{}", run.err);
 }
