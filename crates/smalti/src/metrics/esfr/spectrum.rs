@@ -178,11 +178,11 @@ fn windowed_transform(esf: &[f64], edge_at: f64, width: usize) -> Vec<f64> {
     let mut buffer = vec![Complex::new(0.0, 0.0); esf.len()];
     for (i, (slot, e)) in buffer.iter_mut().skip(1).zip(esf.windows(3)).enumerate() {
         if let [before, _, after] = *e {
-            slot.re = 0.5 * (after - before) * hamming((i + 1) as f64 - edge_at, half);
+            slot.re = (0.5 * (after - before) * hamming((i + 1) as f64 - edge_at, half)) as f32;
         }
     }
     FftPlanner::new().plan_fft_forward(buffer.len()).process(&mut buffer);
-    buffer.iter().take(width + 1).map(|c| c.norm()).collect()
+    buffer.iter().take(width + 1).map(|c| f64::from(c.norm())).collect()
 }
 
 /// What the central difference over two quarter pixels loses at a frequency along the lines: x / sin x.
