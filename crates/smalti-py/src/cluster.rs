@@ -28,15 +28,10 @@ fn fresh(_: &str, make: &dyn Fn() -> Made) -> Made {
     make()
 }
 
-/// Refuses a study that its description alone does not make whole.
-fn check_sendable(study: &PyStudy) -> PyResult<()> {
-    match study.designs.study().scenes.iter().find(|s| s.hash.is_some()) {
-        None => Ok(()),
-        Some(scene) => Err(wrong(format!(
-            "the scene {} is a file, which is not sent to workers; expected built-in scenes (with files: a sweep for each shard, and merge)",
-            scene.name
-        ))),
-    }
+/// The scenes of a study that its description does not hold.
+#[pyfunction]
+pub(crate) fn scenes_in_files<'py>(py: Python<'py>, study: &PyStudy) -> Bound<'py, PyBytes> {
+    PyBytes::new(py, &studies::scenes_as_bytes(study.designs.study()))
 }
 
 /// A study as a worker has it, ready to compute any part of its results.
@@ -49,11 +44,11 @@ pub(crate) struct PyPartMaker {
 #[pymethods]
 impl PyPartMaker {
     #[new]
-    fn py_new(py: Python<'_>, manifest: &str, cache: bool) -> PyResult<Self> {
+    fn py_new(py: Python<'_>, manifest: &str, scenes: &[u8], cache: bool) -> PyResult<Self> {
         detached(py, || {
             let sent = Manifest::from_bytes(manifest.as_bytes(), Path::new("manifest.json")).or_raise()?;
-            let (designs, about) =
-                studies::from_json("the study that was sent", manifest).map_err(|e| wrong(e.to_string()))?;
+            let (designs, about) = studies::from_json("the study that was sent", manifest, scenes)
+                .map_err(|e| wrong(e.to_string()))?;
             let plan = sweeps::plan_after(&designs, about, Some(sent.plan.chunk), || None).or_raise()?;
             let own = Manifest::new(&plan).or_raise()?;
             if own.hash() != sent.hash() {
@@ -112,7 +107,6 @@ pub(crate) struct PySharedFolder {
 impl PySharedFolder {
     #[new]
     fn py_new(py: Python<'_>, study: &PyStudy, out: PathBuf, part_size: Option<u64>) -> PyResult<Self> {
-        check_sendable(study)?;
         if out.is_file() {
             return Err(wrong(format!("{} is a file; expected a folder for the results", out.display())));
         }
@@ -172,7 +166,6 @@ impl PySharedPlace {
         names: Vec<String>,
         manifest: Option<&[u8]>,
     ) -> PyResult<Self> {
-        check_sendable(study)?;
         // One that cannot be read is told of below.
         let there = || Some(Manifest::from_bytes(manifest?, &place).ok()?.plan);
         let plan = sweeps::plan_after(&study.designs, study.about.clone(), part_size, there).or_raise()?;

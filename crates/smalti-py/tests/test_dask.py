@@ -172,11 +172,21 @@ def test_errors_of_workers_arrive(client: Client, tmp_path: Path) -> None:
     assert runs(tmp_path / "cluster") == [] and parts(tmp_path / "cluster") == {}
 
 
-def test_what_cannot_be_sent_is_refused(client: Client, study: smalti.Study, tmp_path: Path) -> None:
-    smalti.Scene("macbeth").write(tmp_path / "chart.exr")
-    text = STUDY.replace('name = "small"', 'name = "small"\nscenes = ["chart.exr"]')
-    with pytest.raises(smalti.SmaltiError, match="chart.exr is a file"):
-        smalti.sweep(smalti.Study.from_toml(text, tmp_path), tmp_path / "out", client=client, progress=False)
+def test_scenes_in_files_are_sent(client: Client, tmp_path: Path) -> None:
+    """The file is gone when workers begin."""
+    smalti.Scene("macbeth?patch=8").write(tmp_path / "chart.exr")
+    smalti.Scene("dead-leaves?rows=40&cols=60&least=3&largest=20&seed=2").write(tmp_path / "leaves.npz")
+    text = conftest.STUDY.format(sets=2, mosaics=2)
+    text = text.replace('name = "small"', 'name = "small"\nscenes = ["chart.exr", "zone-plate?size=32", "leaves.npz"]')
+    study = smalti.Study.from_toml(text, tmp_path)
+    (tmp_path / "chart.exr").unlink()
+    (tmp_path / "leaves.npz").unlink()
+    smalti.sweep(study, tmp_path / "alone", part_size=8, progress=False)
+    smalti.sweep(study, tmp_path / "cluster", client=client, part_size=8, progress=False)
+    assert parts(tmp_path / "cluster") == parts(tmp_path / "alone") != {}
+
+
+def test_what_cannot_be_is_refused(client: Client, study: smalti.Study, tmp_path: Path) -> None:
     with pytest.raises(smalti.SmaltiError, match="shard and client"):
         smalti.sweep(study, tmp_path / "out", client=client, shard="1/2")  # type: ignore[call-overload]
     with pytest.raises(smalti.SmaltiError, match=r"expected a dask\.distributed\.Client"):

@@ -2,6 +2,7 @@
 
 mod conditions;
 mod file;
+mod parcel;
 
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -13,6 +14,8 @@ use smalti::camera::description::ArchitectureName;
 use smalti::design::{Condition, DesignError, Designs, Metric, Processing, Sight, Study, StudyScene};
 use smalti::scene::{Scene, Setting, catalog};
 use smalti::spectrum::WavelengthGrid;
+
+pub use self::parcel::scenes_as_bytes;
 
 use self::conditions::conditions;
 use self::file::StudyFile;
@@ -67,20 +70,24 @@ pub fn load(name: &str) -> Result<(Designs, String), Box<Diagnostic>> {
 fn resolved(name: &str) -> Result<(Designs, String), Box<Diagnostic>> {
     let wrong = |message: String| Box::new(Diagnostic::new(name, message));
     let text = text::read_to_string(Path::new(name)).map_err(|e| wrong(e.to_string()))?;
-    from_json(name, &text)
+    from_json(name, &text, &[])
 }
 
-/// A study that was resolved before, or the manifest of its results, from its text; `name` is only told in errors.
+/// A study that was resolved before, or the manifest of its results, from its text, and what [`scenes_as_bytes`] made of its scenes in
+/// files; `name` is only told in errors.
 ///
 /// # Errors
-/// When it is none, names the file of a scene, or has no design.
-pub fn from_json(name: &str, text: &str) -> Result<(Designs, String), Box<Diagnostic>> {
+/// When it is none, names the file of a scene that is not among `scenes`, or has no design.
+pub fn from_json(name: &str, text: &str, scenes: &[u8]) -> Result<(Designs, String), Box<Diagnostic>> {
     let wrong = |message: String| Box::new(Diagnostic::new(name, message));
     let value: Value = serde_json::from_str(text).map_err(|e| wrong(e.to_string()))?;
     let study = value.get("study").unwrap_or(&value);
     let about = study.get("about").and_then(Value::as_str).unwrap_or_default().to_owned();
-    let study = Study::deserialize(study).map_err(|e| wrong(format!("it is no resolved study: {e}")))?;
-    if let Some(scene) = study.scenes.iter().find(|s| s.hash.is_some()) {
+    let mut study = Study::deserialize(study).map_err(|e| wrong(format!("it is no resolved study: {e}")))?;
+    if !scenes.is_empty() {
+        parcel::put_scenes(&mut study, scenes).map_err(wrong)?;
+    }
+    if let Some(scene) = study.scenes.iter().find(|s| s.hash.is_some() && s.scene.is_none()) {
         return Err(wrong(format!(
             "it is not whole without the file of the scene {}: give its TOML file",
             scene.name

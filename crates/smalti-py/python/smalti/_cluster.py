@@ -15,7 +15,7 @@ import distributed
 from fsspec.core import url_to_fs  # type: ignore[import-untyped]
 from fsspec.implementations.local import LocalFileSystem  # type: ignore[import-untyped]
 
-from ._smalti import PartMaker, SharedFolder, SharedPlace, SmaltiError, Study
+from ._smalti import PartMaker, SharedFolder, SharedPlace, SmaltiError, Study, scenes_in_files
 
 RETRIES = 3
 """How often a part is tried again that could not be written. A worker that dies is another matter: Dask counts those itself."""
@@ -128,22 +128,22 @@ _ready: dict[tuple[str, bool], PartMaker] = {}
 _preparing = threading.Lock()
 
 
-def _maker(manifest: str, cache: bool) -> PartMaker:
+def _maker(manifest: str, scenes: bytes, cache: bool) -> PartMaker:
     """The study, prepared once in each process: the last one is kept."""
     with _preparing:
         maker = _ready.get((manifest, cache))
         if maker is None:
             _ready.clear()
-            maker = _ready[manifest, cache] = PartMaker(manifest, cache)
+            maker = _ready[manifest, cache] = PartMaker(manifest, scenes, cache)
         return maker
 
 
-def _make(manifest: str, part: int, target: Target, cache: bool) -> tuple[int, int, float] | SmaltiError:
+def _make(manifest: str, scenes: bytes, part: int, target: Target, cache: bool) -> tuple[int, int, float] | SmaltiError:
     """Computes a part and writes it, in a worker: its number, bytes, seconds. An error that would come again is not raised, since
     Dask would try again."""
     start = time.monotonic()
     try:
-        maker = _maker(manifest, cache)
+        maker = _maker(manifest, scenes, cache)
         if isinstance(target, str):
             size = maker.write(part, target)
         else:
@@ -160,16 +160,17 @@ def _threads(client: distributed.Client) -> int:
     return sum(client.nthreads().values())
 
 
-def _compute(client: distributed.Client, place: _Place, cache: bool, done: Callable[[int], None]) -> None:
+def _compute(client: distributed.Client, study: Study, place: _Place, cache: bool, done: Callable[[int], None]) -> None:
     token = secrets.token_hex(8)
     # The result of a task, not data sent to workers: should the worker die that holds it, Dask makes it anew.
     manifest = client.submit(str, place.manifest(), key=f"smalti-study-{token}", pure=False)
+    scenes = client.submit(bytes, scenes_in_files(study), key=f"smalti-scenes-{token}", pure=False)
     waiting = iter(place.missing())
 
     def send(number: int) -> Iterator[distributed.Future[Any]]:
         for part in islice(waiting, max(number, 0)):
             key = f"smalti-part-{token}-{part}"
-            yield client.submit(_make, manifest, part, place.target, cache, key=key, pure=False, retries=RETRIES)
+            yield client.submit(_make, manifest, scenes, part, place.target, cache, key=key, pure=False, retries=RETRIES)
 
     wanted, asked = AHEAD * max(_threads(client), 1), time.monotonic()
     sent = set(send(wanted))
@@ -219,7 +220,7 @@ def sweep(
                 if tell is not None:
                     tell(count)
 
-            _compute(client, place, cache, done)
+            _compute(client, study, place, cache, done)
         timings = {"seconds": time.monotonic() - start, "designs": total, "threads": _threads(client)}
         place.finish(json.dumps(timings))
     finally:
