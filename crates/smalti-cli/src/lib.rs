@@ -47,10 +47,12 @@ const WRONG_USAGE: u8 = 2;
 
 /// What `smalti report` makes of results of sweeps; its files are written. The report as JSON, that of `--json`.
 ///
+/// `go_on` is asked before each figure; after a no, it ends with an error and without a page.
+///
 /// # Errors
 /// When results cannot be read, or files not written.
-pub fn report(of: &ReportOptions) -> anyhow::Result<String> {
-    Ok(study_report::report(of, &Progress::new(0, true))?.document)
+pub fn report(of: &ReportOptions, go_on: &dyn Fn() -> bool) -> anyhow::Result<String> {
+    Ok(study_report::report(of, &Progress::new(0, true), go_on)?.document)
 }
 
 /// The camera of a design of a folder of results, as TOML.

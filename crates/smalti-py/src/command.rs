@@ -17,15 +17,22 @@ pub(crate) fn run_command(py: Python<'_>, args: Vec<OsString>) -> PyResult<u8> {
 }
 
 #[pyfunction]
-pub(crate) fn write_report(
-    py: Python<'_>,
+pub(crate) fn write_report<'py>(
+    py: Python<'py>,
     results: Vec<PathBuf>,
     output: Option<PathBuf>,
     pictures: u16,
     picture: Vec<u64>,
     draw: Vec<String>,
-) -> PyResult<Bound<'_, PyAny>> {
+    progress: Option<&Bound<'py, PyAny>>,
+) -> PyResult<Bound<'py, PyAny>> {
     let of = ReportOptions { results, output, pictures, picture, draw };
-    let document = watched(py, None, |_| smalti_cli::report(&of).map_err(|e| of_command(e.as_ref())))?;
+    let document = watched(py, progress, |watch| {
+        let go_on = || {
+            watch.step();
+            watch.check().is_ok()
+        };
+        smalti_cli::report(&of, &go_on).map_err(|e| of_command(e.as_ref()))
+    })?;
     py.import("json")?.call_method1("loads", (document,))
 }

@@ -20,7 +20,7 @@ use crate::image::PyImage;
 use crate::l3::PyPipeline;
 use crate::scene::PyScene;
 use crate::spectrum::light;
-use crate::work::watched;
+use crate::work::{InSteps, Watch, watched};
 
 pub(crate) fn cache(keep: bool) -> Cache {
     if keep { Cache::open(None) } else { Cache::disabled() }
@@ -152,9 +152,9 @@ pub(crate) fn evaluate(
     let settings = EvaluationSettings { luminance_cd_m2, illuminant, seed };
     let name = camera.camera.description().name.clone();
     let own = &camera.camera;
-    let (scores, pictures) = watched(py, None, |_| {
+    let (scores, pictures) = watched(py, None, |watch| {
         let cache = self::cache(cache);
-        let isp = |light: &Spectrum| processing(own, pipeline, light);
+        let isp = |light: &Spectrum| processing(own, pipeline, light, watch);
         let images = |key: &str, make: &dyn Fn() -> _| cache.optical_image(key, make);
         evaluate_with(own, &settings, &images, &isp)
             .or_raise_about(format!("{name} at {luminance_cd_m2} cd/m²"))
@@ -290,11 +290,10 @@ pub(crate) fn score_scenes(
                 watch.check()?;
                 let about = format!("{name} at {luminance_cd_m2} cd/m²");
                 let lit = setup.in_light(luminance_cd_m2).and_then(|s| s.exposed()).or_raise_about(&about)?;
-                let isp = processing(&lit.camera, pipeline, &lit.light).or_raise_about(&about)?;
+                let isp = processing(&lit.camera, pipeline, &lit.light, watch).or_raise_about(&about)?;
                 let scores =
                     compare_on(&lit, &*isp, seed, &ScoreSettings::default()).or_raise_about(&about)?;
                 all.push(PySceneScores { scores, scene: name.to_owned(), luminance_cd_m2, white });
-                watch.step();
             }
         }
         Ok(all)
@@ -317,23 +316,8 @@ impl NameOrScene {
     }
 }
 
-/// How much more light a camera needs to make as good pictures as another, by every metric.
-///
-/// Args:
-///     camera: the one that gets more light, or less.
-///     other: the one to be equalled.
-///     pipelines: learned pipelines of the two; None in its place: the camera's own processing.
-///     scenes: built-in scenes with their parameters for the scores of whole pictures; default dead leaves and the ColorChecker. Each is
-///         taken some twenty times.
-///     luminance_cd_m2: mean luminance of the scenes for `other`, cd/m².
-///     illuminant: their light; default D65.
-///     seed: names the noise.
-///
-/// Returns:
-///     luminance_cd_m2, tried, and metrics: for each its name, `gain` in stops ({"stops": v}, or {"more_than": v} or {"less_than": v} where it is
-///     beyond four), and what the two score in equal light (`own`, `target`).
+/// The light gain; the words are in `_long.py`.
 #[pyfunction]
-#[pyo3(signature = (camera, other, *, pipelines=(None, None), scenes=None, luminance_cd_m2=1.0, illuminant=None, seed=1))]
 #[allow(clippy::too_many_arguments)]
 pub(crate) fn light_gain<'py>(
     py: Python<'py>,
@@ -344,6 +328,7 @@ pub(crate) fn light_gain<'py>(
     luminance_cd_m2: f64,
     illuminant: Option<&Bound<'py, PyAny>>,
     seed: u64,
+    progress: Option<&Bound<'py, PyAny>>,
 ) -> PyResult<Bound<'py, PyAny>> {
     let default = LightGainSettings::default();
     let settings = LightGainSettings {
@@ -355,10 +340,10 @@ pub(crate) fn light_gain<'py>(
     };
     let (of, than) = (pipelines.0.as_deref(), pipelines.1.as_deref());
     let (own, others) = (&camera.camera, &other.camera);
-    let gains = watched(py, None, |_| {
+    let gains = watched(py, progress, |watch| {
         let (a, b) = (
-            |light: &Spectrum| processing(own, of, light),
-            |light: &Spectrum| processing(others, than, light),
+            |light: &Spectrum| processing(own, of, light, watch),
+            |light: &Spectrum| processing(others, than, light, watch),
         );
         let (a, b) = (Contender { camera: own, isp: &a }, Contender { camera: others, isp: &b });
         light_gains(a, b, &settings).or_raise()
@@ -405,11 +390,13 @@ fn processing<'a>(
     camera: &'a smalti::camera::Camera,
     pipeline: Option<&'a PyPipeline>,
     light: &Spectrum,
+    watch: &'a Watch,
 ) -> Result<Box<dyn Isp + 'a>, CameraError> {
-    match pipeline {
-        Some(pipeline) => Ok(Box::new(&pipeline.0)),
-        None => Ok(Box::new(camera.isp(light, WhiteBalance::None)?)),
-    }
+    let isp: Box<dyn Isp> = match pipeline {
+        Some(pipeline) => Box::new(&pipeline.0),
+        None => Box::new(camera.isp(light, WhiteBalance::None)?),
+    };
+    Ok(Box::new(InSteps { isp, watch }))
 }
 
 /// What serialises to JSON, as a dict.

@@ -31,7 +31,7 @@ mod _smalti {
     #[pymodule_export]
     use crate::cfa::{PyCfa, cfas, filters};
     #[pymodule_export]
-    use crate::cluster::{PyPartMaker, PySharedFolder, PySharedPlace};
+    use crate::cluster::{PyPartMaker, PySharedFolder, PySharedPlace, scenes_in_files};
     #[pymodule_export]
     use crate::color::{delta_e, lab, scielab_map, xyz};
     #[pymodule_export]

@@ -7,6 +7,9 @@ use std::time::Duration;
 
 use pyo3::exceptions::{PyKeyboardInterrupt, PyRuntimeError};
 use pyo3::prelude::*;
+use smalti::color::Image;
+use smalti::isp::{Isp, IspError};
+use smalti::sensor::RawImage;
 
 /// How often Python is asked for signals, and told of progress.
 const TICK: Duration = Duration::from_millis(50);
@@ -27,6 +30,23 @@ impl Watch {
     /// Counts a step as done.
     pub(crate) fn step(&self) {
         self.done.fetch_add(1, Ordering::Relaxed);
+    }
+}
+
+/// A pipeline of which each picture is a step; it stops when the work is asked to end.
+pub(crate) struct InSteps<'a> {
+    pub(crate) isp: Box<dyn Isp + 'a>,
+    pub(crate) watch: &'a Watch,
+}
+
+impl Isp for InSteps<'_> {
+    fn render(&self, raw: &RawImage) -> Result<Image, IspError> {
+        if self.watch.check().is_err() {
+            return Err(IspError::Stopped);
+        }
+        let picture = self.isp.render(raw)?;
+        self.watch.step();
+        Ok(picture)
     }
 }
 

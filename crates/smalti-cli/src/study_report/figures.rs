@@ -104,7 +104,7 @@ fn axes(section: &Section<'_>) -> Plot {
 }
 
 /// Figures of one condition with one processing.
-pub(super) fn of_section(section: &Section<'_>, book: &mut Book) -> anyhow::Result<()> {
+pub(super) fn of_section(section: &Section<'_>, book: &mut Book<'_>) -> anyhow::Result<()> {
     if !section.results.has_plane() {
         return filters::of_section(section, book);
     }
@@ -169,7 +169,7 @@ fn mean(group: &Group, name: &str) -> Points {
 }
 
 /// The front over the cloud: the line is that of ΔE and MTF50 alone.
-fn front(section: &Section<'_>, axes: &Plot, book: &mut Book) -> anyhow::Result<()> {
+fn front(section: &Section<'_>, axes: &Plot, book: &mut Book<'_>) -> anyhow::Result<()> {
     let [x, y, _] = columns(section, section.rows.clone());
     let mut plot = axes
         .clone()
@@ -204,7 +204,7 @@ fn histograms(
     label: &str,
     column: usize,
     summary: fn(&Group) -> &Summary,
-    book: &mut Book,
+    book: &mut Book<'_>,
 ) -> anyhow::Result<()> {
     let values = |rows: &mut dyn Iterator<Item = usize>| {
         columns(section, rows).into_iter().nth(column).unwrap_or_default()
@@ -269,7 +269,7 @@ pub(super) fn means(sections: &[&Section<'_>]) -> Option<Plot> {
 }
 
 /// Figures of all sections at once: means, and filters by rule over the cloud.
-pub(super) fn together(sections: &[&Section<'_>], book: &mut Book) -> anyhow::Result<()> {
+pub(super) fn together(sections: &[&Section<'_>], book: &mut Book<'_>) -> anyhow::Result<()> {
     let Some(means) = means(sections) else { return Ok(()) };
     book.save("means", &means.draw()?, 2.0)?;
     let marks: Vec<&&Section<'_>> = sections
@@ -282,7 +282,7 @@ pub(super) fn together(sections: &[&Section<'_>], book: &mut Book) -> anyhow::Re
 }
 
 /// Filters by rule, over the designs and means of a cloud where there is one.
-fn by_rule(rules: &Section<'_>, cloud: Option<&Section<'_>>, book: &mut Book) -> anyhow::Result<()> {
+fn by_rule(rules: &Section<'_>, cloud: Option<&Section<'_>>, book: &mut Book<'_>) -> anyhow::Result<()> {
     let own = rules.rows.clone().map(|r| rules.scores(r));
     let means = cloud.iter().flat_map(|c| &c.groups).map(|g| [g.delta_e.mean.value, g.mtf50.mean.value, 0.0]);
     let marks: Vec<[f64; 3]> = own.chain(means).filter(|s| s[0].is_finite()).collect();

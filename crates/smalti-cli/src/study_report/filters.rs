@@ -19,15 +19,17 @@ const FIRST_NM: f64 = 380.0;
 const LAST_NM: f64 = 720.0;
 
 /// Filters and mosaics of the best and worst designs, and what they make of two scenes.
-pub(super) fn of_section(section: &Section<'_>, book: &mut Book) -> anyhow::Result<()> {
+pub(super) fn of_section(section: &Section<'_>, book: &mut Book<'_>) -> anyhow::Result<()> {
     let best = |g: &Group| g.best.first().copied();
     spectra(section, "filters-best", "Filters of the best designs", best, book)?;
     spectra(section, "filters-worst", "Filters of the designs of largest colour error", |g| g.worst, book)?;
     mosaics(section, book)?;
     // The description of a camera may name a file that is not part of the study.
     let studio = Studio::new(section);
-    let draws =
-        [("zone plates", zone_plates as fn(&Studio<'_>, &Section<'_>, &mut Book) -> _), ("scene", leaves)];
+    let draws = [
+        ("zone plates", zone_plates as fn(&Studio<'_>, &Section<'_>, &mut Book<'_>) -> _),
+        ("scene", leaves),
+    ];
     for (what, draw) in draws {
         match &studio {
             Ok(studio) => {
@@ -73,7 +75,7 @@ fn spectra(
     name: &str,
     title: &str,
     which: impl Fn(&Group) -> Option<usize>,
-    book: &mut Book,
+    book: &mut Book<'_>,
 ) -> anyhow::Result<()> {
     let mut panels = Panels::new(ACROSS).title(format!("{title}, {}", section.title())).without_legend();
     let mut any = false;
@@ -95,7 +97,7 @@ fn spectra(
     if any { book.save(name, &panels.draw()?, 2.0) } else { Ok(()) }
 }
 
-fn mosaics(section: &Section<'_>, book: &mut Book) -> anyhow::Result<()> {
+fn mosaics(section: &Section<'_>, book: &mut Book<'_>) -> anyhow::Result<()> {
     let mut mosaics = Mosaics::new()
         .title(format!("Mosaics of the best designs, {}", section.title()))
         .note("Cells have about the colours of their filters; A passes the shortest wavelengths. One period is framed.");
@@ -116,7 +118,7 @@ fn mosaics(section: &Section<'_>, book: &mut Book) -> anyhow::Result<()> {
 }
 
 /// The zone plate by the best designs of fewest and most colours, and by the design that aliases most.
-fn zone_plates(studio: &Studio<'_>, section: &Section<'_>, book: &mut Book) -> anyhow::Result<()> {
+fn zone_plates(studio: &Studio<'_>, section: &Section<'_>, book: &mut Book<'_>) -> anyhow::Result<()> {
     let best = |g: &Group| Some((g.colors, *g.best.first()?));
     let few = section.groups.iter().find_map(best);
     let many = section.groups.iter().rev().find_map(best).filter(|m| Some(*m) != few);
@@ -142,7 +144,7 @@ fn zone_plates(studio: &Studio<'_>, section: &Section<'_>, book: &mut Book) -> a
 }
 
 /// A scene in the colours of nature by the best and by the worst design.
-fn leaves(studio: &Studio<'_>, section: &Section<'_>, book: &mut Book) -> anyhow::Result<()> {
+fn leaves(studio: &Studio<'_>, section: &Section<'_>, book: &mut Book<'_>) -> anyhow::Result<()> {
     let delta_e = |r: &usize| match section.results.measure(MAIN[0]).or(section.results.measures.first()) {
         Some(m) if m.better == Better::Higher => -m.at(*r),
         Some(m) => m.at(*r),
@@ -169,7 +171,7 @@ fn add(
     section: &Section<'_>,
     shown: &[(usize, String)],
     name: &str,
-    book: &mut Book,
+    book: &mut Book<'_>,
 ) -> anyhow::Result<()> {
     if shown.is_empty() {
         return Ok(());

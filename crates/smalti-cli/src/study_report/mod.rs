@@ -14,7 +14,7 @@ pub(crate) use page::{grouped, quoted};
 
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, bail};
+use anyhow::{Context, bail, ensure};
 use smalti_io::write;
 use smalti_report::Figure;
 
@@ -38,7 +38,7 @@ pub(crate) fn run(args: &ReportArgs, common: &Common) -> anyhow::Result<()> {
         return crate::print(&camera::toml(dir, number)?);
     }
     let progress = Progress::new(args.of.results.len() as u64 + 2, common.quiet);
-    let made = report(&args.of, &progress)?;
+    let made = report(&args.of, &progress, &|| true)?;
     crate::print(if args.json { &made.document } else { &made.text })
 }
 
@@ -50,8 +50,12 @@ pub(crate) struct Made {
     text: String,
 }
 
-/// Makes the report and its files.
-pub(crate) fn report(of: &ReportOptions, progress: &Progress) -> anyhow::Result<Made> {
+/// Makes the report and its files. `go_on` is asked before each figure; after a no, nothing is written.
+pub(crate) fn report(
+    of: &ReportOptions,
+    progress: &Progress,
+    go_on: &dyn Fn() -> bool,
+) -> anyhow::Result<Made> {
     let alone = of.output.as_ref().filter(|o| o.extension().is_some_and(|e| e.eq_ignore_ascii_case("html")));
     let folder = match (&of.output, of.results.first()) {
         (Some(folder), _) => folder.clone(),
@@ -82,11 +86,12 @@ pub(crate) fn report(of: &ReportOptions, progress: &Progress) -> anyhow::Result<
     let mut files = Vec::new();
     if alone.is_none() {
         progress.begin("figures");
-        let mut book = Book::begin(&folder)?;
+        let mut book = Book::begin(&folder, go_on)?;
         book.notes = notes;
         draw(&all, &of.draw, &mut book)?;
         (files, notes) = (book.files, book.notes);
     }
+    ensure!(go_on(), "stopped");
     let document = serde_json::to_string_pretty(&document::document(&all, &files, &notes)?)? + "\n";
     let seen = match alone {
         Some(file) => {
@@ -106,7 +111,8 @@ pub(crate) fn report(of: &ReportOptions, progress: &Progress) -> anyhow::Result<
 }
 
 /// The figures of a report, as they are written.
-struct Book {
+struct Book<'a> {
+    go_on: &'a dyn Fn() -> bool,
     folder: PathBuf,
     /// Folder of the section at work, relative to that of the report; empty where there is one section.
     part: PathBuf,
@@ -114,11 +120,12 @@ struct Book {
     notes: Vec<String>,
 }
 
-impl Book {
+impl<'a> Book<'a> {
     /// What an earlier report left goes first, so that no figure of it stands beside those of this one.
-    fn begin(folder: &Path) -> anyhow::Result<Self> {
+    fn begin(folder: &Path, go_on: &'a dyn Fn() -> bool) -> anyhow::Result<Self> {
         clear(folder)?;
-        Ok(Self { folder: folder.to_owned(), part: PathBuf::new(), files: Vec::new(), notes: Vec::new() })
+        let (files, notes) = (Vec::new(), Vec::new());
+        Ok(Self { go_on, folder: folder.to_owned(), part: PathBuf::new(), files, notes })
     }
 
     fn enter(&mut self, part: &str) -> anyhow::Result<()> {
@@ -128,6 +135,7 @@ impl Book {
 
     /// Writes a figure as SVG, and as PNG with so many pixels for one of the SVG; with fewer where the file would be large.
     fn save(&mut self, name: &str, figure: &Figure, scale: f64) -> anyhow::Result<()> {
+        ensure!((self.go_on)(), "stopped");
         let draw = |scale: f64| figure.png(scale).with_context(|| name.to_owned());
         let mut png = draw(scale)?;
         if png.len() > LARGE && scale > 1.5 {
@@ -159,7 +167,7 @@ fn clear(folder: &Path) -> anyhow::Result<()> {
     Ok(write::begin_folder(folder, &names)?)
 }
 
-fn draw(all: &[(&Results, Vec<Section<'_>>)], wanted: &[String], book: &mut Book) -> anyhow::Result<()> {
+fn draw(all: &[(&Results, Vec<Section<'_>>)], wanted: &[String], book: &mut Book<'_>) -> anyhow::Result<()> {
     let sections: Vec<&Section<'_>> = all.iter().flat_map(|(_, s)| s).collect();
     figures::together(&sections, book)?;
     if let [only] = sections[..] {

@@ -11,7 +11,7 @@ their name. What cannot be computed raises `SmaltiError` (a ValueError) in the w
 """
 
 from ._command import command
-from ._long import Light, Path, Progress, compare, gather, report, solve, sweep, train
+from ._long import Light, Path, Progress, compare, gather, light_gain, report, solve, sweep, train
 from ._raws import read_camera_raw
 from ._smalti import (
     Camera,
@@ -42,7 +42,6 @@ from ._smalti import (
     illuminant,
     illuminants,
     lab_from_xyz,
-    light_gain,
     luminance_noise_percent,
     merge,
     metrics,

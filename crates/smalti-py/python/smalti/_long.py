@@ -22,7 +22,7 @@ Progress = bool | Callable[[int], object]
 
 
 @contextmanager
-def _told(progress: Progress, total: int, what: str, unit: str) -> Iterator[Callable[[int], object] | None]:
+def _told(progress: Progress, total: int | None, what: str, unit: str) -> Iterator[Callable[[int], object] | None]:
     if progress is False:
         yield None
     elif progress is True:
@@ -215,6 +215,39 @@ def compare(
     return records
 
 
+def light_gain(
+    camera: Camera,
+    other: Camera,
+    *,
+    pipelines: tuple[Pipeline | None, Pipeline | None] = (None, None),
+    scenes: Sequence[str] | None = None,
+    luminance_cd_m2: float = 1.0,
+    illuminant: Light | None = None,
+    seed: int = 1,
+    progress: Progress = True,
+) -> dict[str, Any]:
+    """How much more light a camera needs to make as good pictures as another, by every metric.
+
+    Args:
+        camera: the one that gets more light, or less.
+        other: the one to be equalled.
+        pipelines: learned pipelines of the two; None in its place: the camera's own processing.
+        scenes: built-in scenes with their parameters for the scores of whole pictures; default dead leaves and the ColorChecker. Each is
+            taken some twenty times.
+        luminance_cd_m2: mean luminance of the scenes for `other`, cd/m².
+        illuminant: their light; default D65.
+        seed: names the noise.
+        progress: see `Progress`; steps are pictures, and how many it takes is not known before.
+
+    Returns:
+        luminance_cd_m2, tried, and metrics: for each its name, `gain` in stops ({"stops": v}, or {"more_than": v} or {"less_than": v} where
+        it is beyond four), and what the two score in equal light (`own`, `target`).
+    """
+    of = None if scenes is None else list(scenes)
+    with _told(progress, None, f"{camera.name} against {other.name}", "picture") as told:
+        return _smalti.light_gain(camera, other, pipelines, of, luminance_cd_m2, illuminant, seed, told)
+
+
 @overload
 def sweep(
     study: Study | Path,
@@ -299,6 +332,7 @@ def report(
     pictures: int = 16,
     designs: Sequence[int] = (),
     draw: Sequence[str] = (),
+    progress: Progress = True,
 ) -> dict[str, Any]:
     """What a study found: a page to brush and filter, figures, tables; what `smalti report` writes.
 
@@ -309,6 +343,7 @@ def report(
         pictures: how many designs have pictures in the page: the best, the worst, then of the Pareto front, 0 to 1000.
         designs: designs of the first results, by their numbers, that have pictures as well.
         draw: conditions and processings that get figures of their own: those with one of these texts in their name; default the first 8.
+        progress: see `Progress`; steps are figures.
 
     Returns:
         report.json: the tables, the best designs, the files and notes.
@@ -319,4 +354,5 @@ def report(
     """
     several = [results] if isinstance(results, Results | str | os.PathLike) else list(results)
     folders = [r.dir if isinstance(r, Results) else r for r in several]
-    return _smalti.write_report(folders, out, pictures, list(designs), list(draw))
+    with _told(progress, None, "report", "figure") as told:
+        return _smalti.write_report(folders, out, pictures, list(designs), list(draw), told)

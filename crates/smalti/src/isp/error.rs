@@ -62,6 +62,9 @@ pub enum IspError {
         /// Channels it has.
         got: usize,
     },
+    /// A pipeline that its user can stop has been stopped.
+    #[error("stopped")]
+    Stopped,
     /// A list that a colour matrix is learned from is empty.
     #[error("a colour matrix needs at least one of {what}")]
     Empty {
