@@ -1,9 +1,47 @@
-//! What cameras and scenes are called in tables and in the names of files.
+//! What cameras, scenes and keys are called in tables and in the names of files.
 
 use smalti::camera::Camera;
 
 /// Most characters of a name in the name of a file.
 const MOST_CHARS: usize = 100;
+
+/// How keys end, and their unit; longer ends first.
+const UNITS: [(&str, &str); 19] = [
+    ("_uv_per_e", "µV/e⁻"),
+    ("_v_per_s", "V/s"),
+    ("_dioptres_per_um", "dioptres/µm"),
+    ("_dioptres", "dioptres"),
+    ("_cd_m2", "cd/m²"),
+    ("_percent", "%"),
+    ("_ppm", "10⁻⁶"),
+    ("_bits", "bit"),
+    ("_dn", "DN"),
+    ("_um", "µm"),
+    ("_mm", "mm"),
+    ("_nm", "nm"),
+    ("_mv", "mV"),
+    ("_ms", "ms"),
+    ("_c", "°C"),
+    ("_v", "V"),
+    ("_e", "e⁻"),
+    ("rows", "pixels"),
+    ("cols", "pixels"),
+];
+
+/// The unit that the end of a key states; none for others.
+pub(crate) fn unit(key: &str) -> &'static str {
+    UNITS.iter().find(|(end, _)| key.ends_with(end)).map_or("", |(_, unit)| unit)
+}
+
+/// A key and its value as one says them: `sensor.pixel.pitch_um` of 1.1 is a pitch of 1.1 µm.
+pub(crate) fn said(key: &str, value: &str) -> String {
+    let last = key.rsplit('.').next().unwrap_or(key);
+    let stated = UNITS.iter().find_map(|(end, unit)| Some((last.strip_suffix(end)?, *unit)));
+    match stated.filter(|(name, _)| !name.is_empty()) {
+        Some((name, unit)) => format!("{} {value} {unit}", name.replace('_', " ")),
+        None => format!("{} {value}", last.replace('_', " ")),
+    }
+}
 
 /// The names of cameras as those of files and folders; see [`file_names`].
 pub(crate) fn of_cameras(cameras: &[Camera]) -> Vec<String> {
@@ -49,5 +87,14 @@ mod tests {
         assert_eq!(all(&["../../etc", "a b/c", ".."]), ["-..-etc", "a-b-c", "3-"]);
         assert_eq!(all(&["a", "a", "2-a"]), ["1-a", "2-a", "3-2-a"]);
         assert_eq!(all(&["é".repeat(200).as_str()])[0].chars().count(), MOST_CHARS);
+    }
+
+    #[test]
+    fn keys_are_said_with_their_units() {
+        assert_eq!(said("luminance_cd_m2", "5"), "luminance 5 cd/m²");
+        assert_eq!(said("sensor.pixel.pitch_um", "1.1"), "pitch 1.1 µm");
+        assert_eq!(said("optics.f_number", "2"), "f number 2");
+        assert_eq!(said("sensor.rows", "480"), "rows 480");
+        assert_eq!(said("illuminant", "D65"), "illuminant D65");
     }
 }

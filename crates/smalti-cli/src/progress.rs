@@ -1,8 +1,11 @@
 //! Progress on standard error: a bar with an estimate on a terminal, nothing when piped or quiet.
 
+use std::fmt::Write;
 use std::time::Duration;
 
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
+
+const TEMPLATE: &str = "{bar:24} {human_pos}/{human_len}{rate}  {msg}  {elapsed}, about {eta} left";
 
 /// Steps of known number, the current one named.
 pub(crate) struct Progress {
@@ -19,23 +22,14 @@ impl Progress {
         } else {
             ProgressBar::with_draw_target(Some(steps), ProgressDrawTarget::stderr())
         };
-        if let Ok(style) =
-            ProgressStyle::with_template("{bar:24} {pos}/{len} {msg}  {elapsed}, about {eta} left")
-        {
-            bar.set_style(style);
+        if let Ok(style) = ProgressStyle::with_template(TEMPLATE) {
+            let rate = |state: &ProgressState, out: &mut dyn Write| {
+                let _ = out.write_str(&rate(state.per_sec()));
+            };
+            bar.set_style(style.with_key("rate", rate));
         }
         bar.enable_steady_tick(Duration::from_millis(200));
         Self { bar, quiet }
-    }
-
-    /// Many short steps, of which the rate matters.
-    pub(crate) fn of_many(steps: u64, quiet: bool) -> Self {
-        let progress = Self::new(steps, quiet);
-        let template = "{bar:24} {human_pos}/{human_len} {per_sec:.0}  {msg}  {elapsed}, about {eta} left";
-        if let Ok(style) = ProgressStyle::with_template(template) {
-            progress.bar.set_style(style);
-        }
-        progress
     }
 
     /// Names the step that begins.
@@ -63,5 +57,27 @@ impl Progress {
     /// Removes the bar.
     pub(crate) fn finish(&self) {
         self.bar.finish_and_clear();
+    }
+}
+
+/// How fast steps are done; nothing before the first.
+fn rate(per_second: f64) -> String {
+    if !per_second.is_finite() || per_second <= 0.0 {
+        String::new()
+    } else if per_second < 1.0 {
+        format!("  {:.1} s each", 1.0 / per_second)
+    } else {
+        format!("  {per_second:.0}/s")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::rate;
+
+    #[test]
+    fn a_rate_is_per_second_or_per_step() {
+        let rates = [0.0, f64::NAN, f64::INFINITY, 0.08, 0.99, 1.0, 5200.4].map(rate);
+        assert_eq!(rates, ["", "", "", "  12.5 s each", "  1.0 s each", "  1/s", "  5200/s"]);
     }
 }

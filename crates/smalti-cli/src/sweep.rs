@@ -47,7 +47,7 @@ pub(crate) fn run(args: &SweepArgs, common: &Common) -> anyhow::Result<()> {
     }
     let run = Run::open(&args.output, &plan, args.shard)?;
     let to_do: u64 = run.missing().iter().map(|&c| plan.designs_of(c)).map(|r| r.end - r.start).sum();
-    let progress = Progress::of_many(to_do, common.quiet);
+    let progress = Progress::new(to_do, common.quiet);
     progress.begin(designs.study().name.clone());
     if to_do < designs.len() && args.shard.is_none() {
         progress.note(&format!("{} of {} designs are there already", designs.len() - to_do, designs.len()));
@@ -65,6 +65,10 @@ pub(crate) fn run(args: &SweepArgs, common: &Common) -> anyhow::Result<()> {
     let timings = json!({"seconds": seconds, "designs": to_do, "threads": rayon::current_num_threads()});
     let lacking = run.finish(timings)?;
     let rate = if seconds > 0.0 { to_do as f64 / seconds } else { 0.0 };
+    let done = match to_do {
+        0 => "nothing was left to do".to_owned(),
+        n => format!("{n} designs in {seconds:.1} s ({rate:.0} a second)"),
+    };
     let dir = args.output.display();
     if args.json {
         let document = json!({
@@ -78,7 +82,7 @@ pub(crate) fn run(args: &SweepArgs, common: &Common) -> anyhow::Result<()> {
     } else {
         format!("{dir} lacks {lacking} parts, those of other shards")
     };
-    crate::print(&format!("{to_do} designs in {seconds:.1} s ({rate:.0} a second); {next}\n"))
+    crate::print(&format!("{done}; {next}\n"))
 }
 
 /// Ctrl-C may come at any moment: parts are whole or not there. It is said how one goes on.
@@ -149,10 +153,14 @@ fn dry_run(args: &SweepArgs, designs: &Designs, plan: &Plan, sweep: &Sweep<'_>) 
     let rows: Vec<_> = designs.groups().map(row).collect();
     out += &table::render(&["colours", "filter sets", "mosaics", "designs"], &rows);
     let with: Vec<String> = study.processing.iter().map(|p| processing(*p)).collect();
+    let conditions = match study.conditions.len() {
+        1 => "one condition".to_owned(),
+        n => format!("each of {n} conditions"),
+    };
     out += &format!(
-        "\n{to_do} designs: {} condition(s), processing {}\n{} parts of {} designs, about {megabytes:.1} MB\n\
+        "\n{to_do} designs to score, under {conditions}, with {} processing\n\
+         written in {} files of at most {} designs, about {megabytes:.1} MB\n\
          about {} at {per_s:.0} designs a second (measured now)\n",
-        study.conditions.len(),
         with.join(" and "),
         plan.chunks(),
         plan.chunk,

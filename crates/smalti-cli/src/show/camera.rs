@@ -9,6 +9,7 @@ use smalti_io::cameras;
 
 use super::tile::{self, Tile};
 use super::{Part, Show, Shown, cfa, figure, find};
+use crate::names;
 
 /// Sections of the description, in the direction of light.
 const SECTIONS: [&str; 4] = ["optics", "sensor", "exposure", "isp"];
@@ -16,27 +17,6 @@ const SECTIONS: [&str; 4] = ["optics", "sensor", "exposure", "isp"];
 const SHORT_LIST: usize = 8;
 /// Where resolution is stated.
 const MIDDLE_NM: f64 = 550.0;
-/// How keys end, and their unit; longer ends first.
-const UNITS: [(&str, &str); 18] = [
-    ("_uv_per_e", "µV/e⁻"),
-    ("_v_per_s", "V/s"),
-    ("_dioptres_per_um", "dioptres/µm"),
-    ("_dioptres", "dioptres"),
-    ("_percent", "%"),
-    ("_ppm", "10⁻⁶"),
-    ("_bits", "bit"),
-    ("_dn", "DN"),
-    ("_um", "µm"),
-    ("_mm", "mm"),
-    ("_nm", "nm"),
-    ("_mv", "mV"),
-    ("_ms", "ms"),
-    ("_c", "°C"),
-    ("_v", "V"),
-    ("_e", "e⁻"),
-    ("rows", "pixels"),
-    ("cols", "pixels"),
-];
 
 pub(super) fn show(args: &Show) -> anyhow::Result<Shown> {
     let camera = cameras::load(&args.name, &args.overrides, None).map_err(|e| anyhow::anyhow!("{e}"))?;
@@ -156,7 +136,7 @@ fn unit(key: &str, v: &Value) -> &'static str {
     if !v.is_number() && !v.is_array() {
         return "";
     }
-    UNITS.iter().find(|(end, _)| key.ends_with(end)).map_or("", |(_, unit)| unit)
+    names::unit(key)
 }
 
 fn rows(heading: &str, rows: &[(&str, f64, &str)]) -> String {

@@ -14,6 +14,8 @@ use smalti::metrics::{Better, CATALOG, MetricInfo};
 use smalti_io::dataset::{Column, ColumnKind, ColumnSpec, Dataset};
 use smalti_io::sweeps::processing;
 
+use crate::names;
+
 /// Problems told apart; of more only the number is kept.
 const MAX_PROBLEMS: usize = 100;
 /// Colour, resolution, noise: what figures are drawn over, where a study scores it.
@@ -238,8 +240,8 @@ fn measures(schema: &[ColumnSpec]) -> Vec<Measure> {
 
 fn value(key: &str, value: &ConditionValue) -> String {
     match value {
-        ConditionValue::Number(v) => format!("{key} {v}"),
-        ConditionValue::Text(v) => format!("{key} {v}"),
+        ConditionValue::Number(v) => names::said(key, &v.to_string()),
+        ConditionValue::Text(v) => names::said(key, v),
     }
 }
 
