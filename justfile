@@ -37,6 +37,17 @@ tables:
     python3 tools/generate_cameras.py
     cargo fmt --all
 
+# The pictures of the documentation, by the commands that it names; some minutes.
+pictures:
+    cargo build --release --locked -p smalti-cli
+    cd tools/page && npm ci --silent
+    python3 tools/make_pictures.py target/release/smalti
+
+# The documentation as a book, in target/book.
+book:
+    command -v mdbook >/dev/null || cargo install --locked mdbook
+    mdbook build
+
 # The pages of docs/reference, from the code
 reference:
     cargo build --locked -p smalti-cli

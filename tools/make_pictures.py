@@ -1,17 +1,20 @@
 #!/usr/bin/env python3
-"""Makes the pictures of the documentation, docs/images/*.png, with a built `smalti`.
+"""Makes the pictures of the documentation, docs/images/*.png, with a built `smalti`; `just pictures` does all.
 
     cargo build --release -p smalti-cli
-    python3 tools/make_pictures.py target/release/smalti
+    (cd tools/page && npm ci)
+    python3 tools/make_pictures.py target/release/smalti [NAME ...]
 
-Needs numpy and Pillow 10.1 or newer (its scalable default font). The cameras and scenes are built in, the seeds
-fixed: the pictures come out the same each time, up to the versions of Pillow and its font.
+NAMEs are those of functions below; all without one. Needs numpy, Pillow 10.1 or newer (its scalable default font), and for the pictures
+of pages Node.js and Chromium. Cameras and scenes are built in or in the tutorial, seeds are fixed: the pictures come out the same each
+time, up to the versions of Pillow, its font and the browser.
 """
 
 import colorsys
 import json
 import math
 import pathlib
+import re
 import subprocess
 import sys
 import tempfile
@@ -19,7 +22,8 @@ import tempfile
 import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
-OUT = pathlib.Path(__file__).resolve().parent.parent / "docs/images"
+ROOT = pathlib.Path(__file__).resolve().parent.parent
+OUT = ROOT / "docs/images"
 PAPER, INK, FAINT = (255, 255, 255), (30, 30, 30), (110, 110, 110)
 
 # What a letter of a pattern looks like, linear RGB 0–1.
@@ -152,7 +156,7 @@ def filter_color(name, letters, row, col, rows, cols):
     return FILTERS[letter]
 
 
-def cfa_sheet():
+def cfa_sheet(_work):
     """The tiles of the catalogue, each repeated over a square of about 12 × 12 cells."""
     entries = json.loads(smalti("list", "cfas", "--json"))
     cols, side, cell, foot, gap = 9, 120, 134, 24, 10
@@ -172,15 +176,97 @@ def cfa_sheet():
     save(sheet, "cfas.png")
 
 
+def row(pictures, captions, name):
+    """Pictures of one height beside each other, a line below each."""
+    gap, foot = 18, 36
+    sheet = Image.new("RGB", (sum(p.width for p in pictures) + gap * (len(pictures) - 1), pictures[0].height + foot), PAPER)
+    draw = ImageDraw.Draw(sheet)
+    x = 0
+    for picture, caption in zip(pictures, captions):
+        sheet.paste(picture, (x, 0))
+        draw.text((x, picture.height + 8), caption, fill=INK, font=font(18))
+        x += picture.width + gap
+    save(sheet, name)
+
+
+def opened(path, rows=480):
+    """A picture at a height."""
+    picture = Image.open(path).convert("RGB")
+    return picture.resize((picture.width * rows // picture.height, rows), Image.LANCZOS)
+
+
+def tutorial(page):
+    """The first file that a page of the tutorial has the reader write."""
+    text = (ROOT / "docs/tutorial" / page).read_text()
+    return re.search(r"```toml\n(.*?)```", text, re.DOTALL).group(1)
+
+
+def own_camera(work):
+    """The camera of the tutorial: its mosaic, and what it makes of a scene."""
+    camera = work / "mine.toml"
+    camera.write_text(tutorial("2-own-camera.md"))
+    smalti("show", camera, "-o", work / "mine.png")
+    smalti("simulate", camera, "--scene", "macbeth", "-q", "-o", work / "mine")
+    pictures = [opened(work / "mine.png"), opened(work / "mine/rendered.png")]
+    row(pictures, ["Its mosaic", "Its picture of the ColorChecker"], "own-camera.png")
+
+
+def raw_file(work):
+    """A raw file, developed the classic way and by a learned pipeline."""
+    raw = work / "dim/raw.dng"
+    smalti("train", "rgbw", "--illuminants", "D65", "-q", "-o", work / "rgbw.l3")
+    smalti("simulate", "rgbw", "--scene", "dead-leaves", "--luminance", "2", "-q", "-o", work / "dim")
+    smalti("render", raw, "--pipeline", work / "rgbw.l3", "-q", "-o", work / "learned.png")
+    pictures = [opened(work / "dim/rendered.png"), opened(work / "learned.png")]
+    row(pictures, ["Bilinear, and a colour matrix", "The learned pipeline, from the same raw file"], "raw-file.png")
+
+
+def studies(work):
+    """Figures of the studies of the documentation, and the page of one."""
+    smalti("sweep", "table2", "-q", "-o", work / "table2")
+    smalti("report", work / "table2")
+    figure = Image.open(work / "table2/report/panels-by-colours.png").convert("RGB")
+    save(fitted(figure, 1200, 800), "studies-table2.png")
+    screenshot(work / "table2/report/report.html", "report-sweep.png")
+    smalti("sweep", "theory", "-q", "-o", work / "theory")
+    smalti("report", work / "table2", work / "theory", "-o", work / "rules.html")
+    screenshot(work / "rules.html", "report-rules-dark.png", "dark", "whole")
+
+
+def learned_study(work):
+    """Zone plates of learned pipelines. The study takes minutes."""
+    smalti("sweep", "table2-l3", "-q", "-o", work / "learned-study")
+    smalti("report", work / "learned-study")
+    plates = Image.open(work / "learned-study/report/zone-plates.png").convert("RGB")
+    save(plates, "studies-zone-plates.png")
+
+
+def page_of_comparison(work):
+    """The page of a comparison, and its maps."""
+    smalti("compare", "bayer", "rgbw", "-q", "-o", work / "page")
+    screenshot(work / "page/report.html", "report-compare.png")
+    screenshot(work / "page/report.html", "report-maps-dark.png", "dark", "ΔE2000 difference")
+
+
+def screenshot(page, name, *how):
+    subprocess.run(["node", ROOT / "tools/page/screenshot.mjs", page, OUT / name, *how], check=True)
+    print(f"{OUT / name}: {(OUT / name).stat().st_size / 1e3:.0f} kB")
+
+
+PICTURES = [stages, contact_sheet, cfa_sheet, own_camera, learned, raw_file, studies, learned_study, page_of_comparison]
+
+
 def main():
-    if len(sys.argv) != 2:
+    if len(sys.argv) < 2:
         sys.exit(__doc__)
-    with tempfile.TemporaryDirectory() as folder:
-        work = pathlib.Path(folder)
-        stages(work)
-        contact_sheet(work)
-        learned(work)
-    cfa_sheet()
+    named = {picture.__name__: picture for picture in PICTURES}
+    unknown = [name for name in sys.argv[2:] if name not in named]
+    if unknown:
+        sys.exit(f"no picture is called {unknown[0]}; there are {', '.join(named)}")
+    for name, picture in named.items():
+        if name in sys.argv[2:] or len(sys.argv) == 2:
+            with tempfile.TemporaryDirectory() as work:
+                picture(pathlib.Path(work))
 
 
 if __name__ == "__main__":

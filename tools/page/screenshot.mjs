@@ -1,9 +1,5 @@
-// The pictures of pages in the documentation, `FILE PICTURE [light|dark] [WHAT]`; WHAT is `whole`, all designs of a study instead of some
-// selected, or the name of a map:
-//   smalti sweep table2 -o out && smalti report out && node tools/page/screenshot.mjs out/report/report.html docs/images/report-sweep.png
-//   smalti report out theory -o rules.html && node tools/page/screenshot.mjs rules.html docs/images/report-rules-dark.png dark whole
-//   smalti compare bayer rgbw && node tools/page/screenshot.mjs out/report.html docs/images/report-compare.png
-//   node tools/page/screenshot.mjs out/report.html docs/images/report-maps-dark.png dark "ΔE2000 difference"
+// The pictures of pages in the documentation, for tools/make_pictures.py: `FILE PICTURE [light|dark] [WHAT]`; WHAT is `whole`, all designs of
+// a study instead of some selected, or the name of a map.
 import { resolve } from "node:path";
 import { launch, open } from "./browser.mjs";
 
