@@ -203,7 +203,9 @@ fn summary(pipeline: &Pipeline, file: &Path) -> String {
     let names = pipeline.channel_names();
     let clipped: Vec<String> = pipeline.saturations().iter().map(|&m| channels_of(m, names)).collect();
     format!(
-        "{}\n{} classes occur, with {} operators, learned from {} patches; the rest of the {} in the table fall back\n\
+        "{}\nA class is a position in the mosaic, a level of light, a texture, and which channels are clipped. Occupied: it has patches;\n\
+         learned: enough of them; interpolated: from the levels on both sides; pooled: learned with the classes beside it.\n\
+         {} classes occur, with {} operators, learned from {} patches; the rest of the {} in the table fall back\n\
          levels: {}; textures: {}; clipped channels: {}\n\n{}\n",
         table::render(&header, &rows),
         s.occupied,

@@ -199,7 +199,10 @@ fn studies_that_cannot_be_are_refused_where_they_say_so() {
     fails(("colors = [3, 4]", "colors = [9]"), &["no design"]);
     fails(("colors = [3, 4]", "colors = []"), &["no design"]);
     fails(("colors = [3, 4]", "colors = [3, 3]"), &["study.toml:4", "twice"]);
-    fails(("camera = \"table1\"", "camera = \"tabel1\""), &["did you mean 'table1'"]);
+    fails(
+        ("camera = \"table1\"", "camera = \"tabel1\""),
+        &["study.toml:3", "tabel1: no such camera", "did you mean 'table1'"],
+    );
     fails(("camera = \"table1\"", "camara = \"table1\""), &["study.toml:3", "camara"]);
     fails(("[filters.gaussian_grid]", "[filters.gaussian]"), &["study.toml:8", "gaussian_grid"]);
     fails(

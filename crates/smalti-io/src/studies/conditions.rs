@@ -100,6 +100,11 @@ fn condition(
                 let shown = source.about_key(&format!("{place}.{key}"), message);
                 Box::new(Diagnostic { help: e.help.clone().or(shown.help.clone()), ..shown })
             }
+            // A file of its own says where in it.
+            None if !is_toml(Path::new(&file.camera)) => {
+                let shown = source.about_key("camera", &format!("{}: {}", file.camera, e.message));
+                Box::new(Diagnostic { help: e.help.clone().or(shown.help.clone()), ..shown })
+            }
             None => e,
         })?;
     let illuminant =
