@@ -264,6 +264,31 @@ test("a phone needs no horizontal scrolling", () => withPage({ viewport: { width
   await page.touchscreen.tap(box.x + box.width / 2, box.y + box.height / 2);
 }));
 
+test("a click that trembles keeps the rectangle, Escape clears it", () => withPage({}, async (page) => {
+  await brush(page, [0.2, 0.2, 0.7, 0.8]);
+  const words = await count(page).textContent();
+  const frame = page.locator(".scatter .u-select");
+  const size = await frame.boundingBox();
+  // On the point shown, with a tremor.
+  const [x, y] = (await pixels(page, INK)).places[0];
+  const box = await plot(page).boundingBox();
+  await page.mouse.move(box.x + x, box.y + y);
+  await page.mouse.down();
+  await page.mouse.move(box.x + x + 1, box.y + y);
+  await page.mouse.up();
+  assert.equal(await count(page).textContent(), words);
+  assert.deepEqual(await frame.boundingBox(), size);
+  await plot(page).focus();
+  await page.keyboard.press("Escape");
+  assert.equal(await count(page).textContent(), "240 designs");
+  assert.equal((await frame.boundingBox())?.width ?? 0, 0);
+}));
+
+test("prose is about as wide as the tables and figures below it", () => withPage({ viewport: { width: 1900, height: 1000 } }, async (page) => {
+  const shares = await page.evaluate(() => [...document.querySelectorAll(".lead p, #content > section > p")].map((p) => p.getBoundingClientRect().width / p.parentElement.getBoundingClientRect().width));
+  assert.ok(shares.length > 3 && shares.every((s) => s > 0.7), `${shares}`);
+}));
+
 test("on a phone, tables that are wider scroll within and show a bar", async () => {
   // Playwright hides all bars.
   const barred = await launch({ ignoreDefaultArgs: ["--hide-scrollbars"] });

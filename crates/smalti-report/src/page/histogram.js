@@ -90,6 +90,6 @@ class Histogram {
     if (this.words.textContent !== words) this.words.textContent = words;
     if (!this.chart || (bin < 0 && this.chart.select.width === 0)) return;
     const left = bin < 0 ? 0 : this.chart.valToPos(from, "x");
-    this.chart.setSelect({ left, top: 0, width: bin < 0 ? 0 : this.chart.valToPos(to, "x") - left, height: this.chart.height }, false);
+    this.chart.setSelect({ left, top: 0, width: bin < 0 ? 0 : this.chart.valToPos(to, "x") - left, height: this.chart.bbox.height / uPlot.pxRatio }, false);
   }
 }

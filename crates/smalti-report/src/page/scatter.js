@@ -52,6 +52,8 @@ class Scatter extends Cloud {
       this.pressed = down;
       if (down) this.paintPale();
       handle(event);
+      // A click that trembles takes uPlot's rectangle away.
+      if (!down) this.showBox();
     };
     this.chart = new uPlot({
       ...size, mode: 2, padding: [14, 16, 2, 4], legend: { show: false }, scales: { x: scale("x"), y: scale("y") }, axes: [axis("x", 2), axis("y", 3)],
