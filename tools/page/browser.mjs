@@ -9,10 +9,11 @@ const require = createRequire(import.meta.url);
 const axeSource = await readFile(require.resolve("axe-core/axe.min.js"), "utf8");
 const executablePath = process.env.SMALTI_CHROMIUM ?? ["/usr/bin/chromium", "/usr/bin/chromium-browser", "/usr/bin/google-chrome"].find((p) => existsSync(p));
 
-export function launch() {
+// `options` are those of Playwright's launch.
+export function launch(options = {}) {
   if (!executablePath) throw new Error("no Chromium: install Debian's chromium or set SMALTI_CHROMIUM");
   const args = ["--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-background-networking", "--disable-component-update", "--disable-sync"];
-  return chromium.launch({ executablePath, args });
+  return chromium.launch({ executablePath, args, ...options });
 }
 
 // Opens a file. `faults` gathers errors, refusals by the policy, and requests for anything but the file itself.

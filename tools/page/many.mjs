@@ -1,5 +1,6 @@
 // A page of many designs out of one of few: its data are replaced. The policy allows that, data are no program.
-export function withDesigns(html, count) {
+// `marked`: how many of the last have marks.
+export function withDesigns(html, count, marked = 0) {
   const found = html.match(/(<script type="application\/json" id="sweep">)(.*?)(<\/script>)/s);
   const data = JSON.parse(found[2]);
   let state = 1;
@@ -21,7 +22,7 @@ export function withDesigns(html, count) {
     columns: data.columns.filter((c) => ranges[c.name]).map((c) => ({ ...c, values: packed(() => ranges[c.name][0] + (ranges[c.name][1] - ranges[c.name][0]) * random() * random()) })),
     words: data.words.map((w) => ({ ...w, values: { words: [w.name === "tile" ? "bc/ab" : w.values.words[0]], codes: constant(0) } })),
     filters: { center: each((i) => 450 + 70 * (i % 3)), fwhm: each(() => 60 + 40 * random()), peak: { n: filters, table: constant(1).table }, curve: { n: filters, table: constant(-1).table }, curves: data.filters.curves },
-    marks: [],
+    marks: marked > 0 ? [{ study: "few", name: "", rows: { n: marked, f32: Buffer.from(Float32Array.from({ length: marked }, (_, i) => count - marked + i).buffer).toString("base64") } }] : [],
     pictures: [],
   });
   const json = JSON.stringify(data).replaceAll("<", "\\u003c");

@@ -7,7 +7,7 @@ const [file, picture] = process.argv.slice(2, 4).map((p) => resolve(p));
 const [colorScheme = "light", what] = process.argv.slice(4);
 const browser = await launch();
 const { page, faults } = await open(browser, file, { viewport: { width: 1500, height: 1130 }, colorScheme });
-const plot = page.locator(".scatter canvas").last();
+const plot = page.locator(".scatter [role=application]");
 const at = (box, x, y) => [box.x + x * box.width, box.y + y * box.height];
 if (await plot.count() > 0) {
   // Of a study, with designs selected.

@@ -34,8 +34,8 @@ after(async () => {
   await rm(dir, { recursive: true, force: true });
 });
 
-const withPage = (options, doing, path = file) => work(browser, path, options, (page) => page.locator(".scatter canvas").last(), doing);
-const plot = (page) => page.getByRole("application");
+const withPage = (options, doing, path = file) => work(browser, path, options, plot, doing);
+const plot = (page) => page.locator(".scatter").getByRole("application");
 const count = (page) => page.locator(".selection output");
 async function brush(page, [x0, y0, x1, y1], steps = 4) {
   await plot(page).scrollIntoViewIfNeeded();
@@ -45,6 +45,31 @@ async function brush(page, [x0, y0, x1, y1], steps = 4) {
   await page.mouse.move(box.x + x1 * box.width, box.y + y1 * box.height, { steps });
   await page.mouse.up();
 }
+// The pixels of the plot whose colour passes: how many, and one place in each square of five, from the corner of the plot.
+const pixels = (page, passes) => page.evaluate(`(${readPixels})((r, g, b, a) => ${passes})`);
+function readPixels(passes) {
+  const canvas = document.querySelector(".scatter canvas");
+  const over = document.querySelector(".scatter [role=application]");
+  const copy = new OffscreenCanvas(canvas.width, canvas.height).getContext("2d", { willReadFrequently: true });
+  copy.drawImage(canvas, 0, 0);
+  const ratio = canvas.width / canvas.clientWidth;
+  const box = over.style;
+  const [left, top, width, height] = [box.left, box.top, box.width, box.height].map((v) => Math.round(parseFloat(v) * ratio));
+  const { data } = copy.getImageData(left, top, width, height);
+  const places = new Map();
+  let count = 0;
+  for (let y = 0; y < height; y += 1) {
+    for (let x = 0; x < width; x += 1) {
+      const at = 4 * (y * width + x);
+      if (!passes(...data.subarray(at, at + 4))) continue;
+      count += 1;
+      places.set(`${Math.floor(x / 5)} ${Math.floor(y / 5)}`, [x / ratio, y / ratio]);
+    }
+  }
+  return { count, places: [...places.values()], all: width * height };
+}
+// --ink in light colours; no dot is as dark.
+const INK = "r < 70 && g < 70 && b < 70";
 const number = (text) => Number(text.match(/[\d,]+/)[0].replaceAll(",", ""));
 
 test("hostile names are shown and do nothing", () => withPage({}, async (page) => {
@@ -65,7 +90,7 @@ test("a rectangle selects, and the selection is saved", () => withPage({}, async
   assert.match(words, /^\d+ of 240 designs selected/);
   const selected = number(words);
   assert.ok(selected > 5 && selected < 240, words);
-  assert.equal(await page.locator(".histogram .some[d^=M]").count(), 4);
+  assert.equal(await page.locator(".histogram figcaption", { hasText: "; of the selection" }).count(), 4);
 
   const [download] = await Promise.all([page.waitForEvent("download"), page.getByRole("button", { name: "Download CSV" }).click()]);
   const lines = (await readFile(await download.path(), "utf8")).trimEnd().split("\n");
@@ -193,28 +218,13 @@ test("few designs beside many are marked, in a legend, under the pointer and whe
   assert.equal(await page.locator(".legend .marks b").textContent(), "few & <b>");
   assert.equal(await page.locator(".legend .marks svg path").count(), 2);
   assert.equal(number(await count(page).textContent()), 244);
-  // The canvas above the dots holds more with marks than without.
-  const painted = () => page.evaluate(() => {
-    const canvas = document.querySelector(".scatter canvas:last-of-type");
-    const copy = new OffscreenCanvas(canvas.width, canvas.height).getContext("2d", { willReadFrequently: true });
-    copy.drawImage(canvas, 0, 0);
-    return copy.getImageData(0, 0, canvas.width, canvas.height).data.filter((v, i) => i % 4 === 3 && v > 0).length;
-  });
+  const painted = () => pixels(page, INK).then((p) => p.count);
   await page.getByLabel("Pareto front", { exact: true }).uncheck();
   const marked = await painted();
-  // Every mark is found where it is drawn: from a corner to the other.
+  // Every mark is found where its outline is drawn.
   const found = new Set();
   const box = await plot(page).boundingBox();
-  const places = await page.evaluate(() => {
-    const canvas = document.querySelector(".scatter canvas:last-of-type");
-    const { width, height } = canvas;
-    const copy = new OffscreenCanvas(width, height).getContext("2d", { willReadFrequently: true });
-    copy.drawImage(canvas, 0, 0);
-    const { data } = copy.getImageData(0, 0, width, height);
-    const out = [];
-    for (let y = 20; y < height - 60; y += 4) for (let x = 70; x < width - 20; x += 4) if (data[4 * (y * width + x) + 3] > 0) out.push([x * canvas.clientWidth / width, y * canvas.clientHeight / height]);
-    return out;
-  });
+  const { places } = await pixels(page, INK);
   assert.ok(places.length > 20);
   for (const [x, y] of places) {
     await page.mouse.move(box.x + x, box.y + y);
@@ -254,23 +264,53 @@ test("a phone needs no horizontal scrolling", () => withPage({ viewport: { width
   await page.touchscreen.tap(box.x + box.width / 2, box.y + box.height / 2);
 }));
 
-test("on paper the points are drawn again, in light colours", () => withPage({ colorScheme: "dark" }, async (page) => {
-  const painted = () => page.evaluate(() => {
-    const canvas = document.querySelector(".scatter canvas:last-of-type");
-    const copy = new OffscreenCanvas(canvas.width, canvas.height).getContext("2d", { willReadFrequently: true });
-    copy.drawImage(canvas, 0, 0);
-    const { data } = copy.getImageData(0, 0, canvas.width, canvas.height);
-    let count = 0;
-    for (let i = 3; i < data.length; i += 4) count += data[i] > 0;
-    return [count, document.documentElement.dataset.theme];
+test("a click that trembles keeps the rectangle, Escape clears it", () => withPage({}, async (page) => {
+  await brush(page, [0.2, 0.2, 0.7, 0.8]);
+  const words = await count(page).textContent();
+  const frame = page.locator(".scatter .u-select");
+  const size = await frame.boundingBox();
+  // On the point shown, with a tremor.
+  const [x, y] = (await pixels(page, INK)).places[0];
+  const box = await plot(page).boundingBox();
+  await page.mouse.move(box.x + x, box.y + y);
+  await page.mouse.down();
+  await page.mouse.move(box.x + x + 1, box.y + y);
+  await page.mouse.up();
+  assert.equal(await count(page).textContent(), words);
+  assert.deepEqual(await frame.boundingBox(), size);
+  await plot(page).focus();
+  await page.keyboard.press("Escape");
+  assert.equal(await count(page).textContent(), "240 designs");
+  assert.equal((await frame.boundingBox())?.width ?? 0, 0);
+}));
+
+test("prose is about as wide as the tables and figures below it", () => withPage({ viewport: { width: 1900, height: 1000 } }, async (page) => {
+  const shares = await page.evaluate(() => [...document.querySelectorAll(".lead p, #content > section > p")].map((p) => p.getBoundingClientRect().width / p.parentElement.getBoundingClientRect().width));
+  assert.ok(shares.length > 3 && shares.every((s) => s > 0.7), `${shares}`);
+}));
+
+test("on a phone, tables that are wider scroll within and show a bar", async () => {
+  // Playwright hides all bars.
+  const barred = await launch({ ignoreDefaultArgs: ["--hide-scrollbars"] });
+  await work(barred, file, { viewport: { width: 390, height: 844 }, isMobile: true }, plot, async (page) => {
+    const bars = await page.evaluate(() => [...document.querySelectorAll(".scrolls")].filter((e) => e.scrollWidth > e.clientWidth)
+      .map((e) => e.offsetHeight - e.clientHeight));
+    assert.ok(bars.length >= 3 && bars.every((bar) => bar >= 8), `${bars}`);
   });
-  const [screen, none] = await painted();
+  await barred.close();
+});
+
+test("on paper the points are drawn again, in light colours", () => withPage({ colorScheme: "dark" }, async (page) => {
+  const look = async () => [await pixels(page, "a > 0"), await pixels(page, "r === 27 && g === 29 && b === 33 && a === 255"), await page.evaluate(() => document.documentElement.dataset.theme)];
+  const [screen, dark, none] = await look();
+  assert.ok(screen.count === screen.all && dark.count > screen.all / 2, "the screen is dark");
   await page.evaluate(() => dispatchEvent(new Event("beforeprint")));
-  const [paper, theme] = await painted();
-  assert.ok(paper > screen + 240 * 4, `${screen} ${paper}`);
+  const [paper, darkPaper, theme] = await look();
+  assert.ok(paper.count > 240 * 4 && paper.count < paper.all / 3, `shapes on nothing: ${paper.count} of ${paper.all}`);
+  assert.ok(darkPaper.count < dark.count / 100, "no dark ground on paper");
   assert.deepEqual([none, theme], [undefined, "light"]);
   await page.evaluate(() => dispatchEvent(new Event("afterprint")));
-  assert.deepEqual(await painted(), [screen, undefined]);
+  assert.deepEqual(await look(), [screen, dark, undefined]);
 }));
 
 test("without scripts the tables and figures stand", () => withPageWithoutScripts());
@@ -289,8 +329,7 @@ test("100 000 points answer a brush within 100 ms", async () => {
     assert.equal(number(await count(page).textContent()), 100_000);
     // From the event to the frame that shows it.
     await page.evaluate(() => {
-      window.took = [];
-      document.querySelector(".scatter canvas:last-of-type").addEventListener("pointermove", (event) => {
+      document.querySelector(".scatter [role=application]").addEventListener("pointermove", (event) => {
         if (event.buttons === 0) return;
         requestAnimationFrame(() => {
           const channel = new MessageChannel();
@@ -299,13 +338,105 @@ test("100 000 points answer a brush within 100 ms", async () => {
         });
       });
     });
-    await brush(page, [0.2, 0.2, 0.8, 0.9], 12);
-    const selected = number(await count(page).textContent());
-    assert.ok(selected > 1000 && selected < 100_000);
-    const took = (await page.evaluate(() => window.took)).sort((a, b) => a - b);
-    const work = await page.evaluate(() => performance.getEntriesByName("smalti-brush", "measure").map((m) => m.duration));
-    const median = took[Math.floor(took.length / 2)];
-    console.log(`# brush of 100 000: ${median.toFixed(0)} ms from event to frame, ${Math.max(...work).toFixed(0)} ms of work at most`);
-    assert.ok(median < 100, `${took.map((t) => t.toFixed(0))}`);
+    // Of what else the machine does, three brushes do not all suffer.
+    let slowest = Infinity;
+    for (let attempt = 0; attempt < 3 && slowest >= 100; attempt += 1) {
+      await page.evaluate(() => { window.took = []; });
+      await brush(page, [0.2, 0.2, 0.8, 0.9], 12);
+      const selected = number(await count(page).textContent());
+      assert.ok(selected > 1000 && selected < 100_000);
+      const [first, ...took] = await page.evaluate(() => window.took);
+      slowest = took.length > 5 ? Math.max(...took) : Infinity;
+      console.log(`# brush of 100 000, from event to frame: ${slowest.toFixed(0)} ms at most, the first ${first.toFixed(0)} ms, all ${took.map((t) => t.toFixed(0))}`);
+      await page.getByRole("button", { name: "Clear selection" }).click();
+    }
+    assert.ok(slowest < 100, `${slowest}`);
   }, many);
+});
+
+test("marks are above 100 000 dots", async () => {
+  const many = join(dir, "marked.html");
+  await writeFile(many, withDesigns(await readFile(file, "utf8"), 100_010, 10));
+  await withPage({}, async (page) => {
+    assert.equal(number(await count(page).textContent()), 100_010);
+    assert.deepEqual(await page.locator(".legend .marks .chip").allTextContents(), ["few"]);
+    await page.getByLabel("Pareto front", { exact: true }).uncheck();
+    const box = await plot(page).boundingBox();
+    const found = new Set();
+    for (const [x, y] of (await pixels(page, INK)).places) {
+      await page.mouse.move(box.x + x, box.y + y);
+      const [design, mark] = (await page.locator(".tip").textContent()).split("\n");
+      if (mark === "few") found.add(design);
+    }
+    assert.ok(found.size > 5, [...found].join("; "));
+    for (const design of found) assert.ok(number(design) >= 100_000, design);
+  }, many);
+});
+
+test("axes say that they are logarithmic; what lies beyond Nyquist is marked and said", async () => {
+  const coarse = join(dir, "coarse.html");
+  const html = await readFile(file, "utf8");
+  const finest = Number(html.match(/"nyquist_cy_per_mm":([\d.]+)/)[1]);
+  assert.ok(Math.abs(finest - 1000 / (2 * 2.8)) < 1e-9, "of pixels of 2.8 µm");
+  await writeFile(coarse, html.replaceAll(`"nyquist_cy_per_mm":${finest}`, "\"nyquist_cy_per_mm\":70"));
+  await withPage({}, async (page) => {
+    assert.match(await plot(page).getAttribute("aria-label"), /^Colour error ΔE76, ΔE\*ab \(logarithmic\) against Resolution MTF50, cycles\/mm\. /);
+    await page.getByLabel("Across").selectOption({ label: "Luminance noise, %" });
+    assert.match(await plot(page).getAttribute("aria-label"), / against Luminance noise, % \(logarithmic\)\. /);
+    await page.getByLabel("Across").selectOption({ label: "Resolution MTF50, cycles/mm" });
+    const [, some, all] = (await page.locator(".legend .beyond").textContent()).match(/Nyquist frequency, .*: (\d+) of (\d+) on the front/).map(Number);
+    assert.ok(some > 0 && some < all, `${some} of ${all}`);
+    await plot(page).focus();
+    await page.keyboard.press("Home");
+    assert.ok(!(await count(page).textContent()).includes("Nyquist"));
+    await page.keyboard.press("End");
+    assert.match(await count(page).textContent(), /, MTF50 beyond Nyquist$/);
+    await page.keyboard.press("Enter");
+    assert.equal(await page.locator("section.design .beyond").first().textContent(), " beyond Nyquist");
+  }, coarse);
+});
+
+test("histograms tell the share of each bin, by keys and by pointer", () => withPage({}, async (page) => {
+  await brush(page, [0.2, 0.2, 0.7, 0.8]);
+  const first = page.locator(".histogram").first();
+  const words = first.locator("figcaption");
+  const median = await words.textContent();
+  await first.getByRole("application").focus();
+  const shares = [0, 0];
+  for (let bin = 0; bin < 40; bin += 1) {
+    await page.keyboard.press("ArrowRight");
+    const [, all, some] = (await words.textContent()).match(/^[\d.]+ to [\d.]+: ([\d.]+) %; of the selection ([\d.]+) %$/);
+    shares[0] += Number(all);
+    shares[1] += Number(some);
+  }
+  // Those far from the others are in no bin.
+  for (const share of shares) assert.ok(share > 95 && share < 100.5, `${shares}`);
+  await page.keyboard.press("Home");
+  const box = await first.locator(".u-over").boundingBox();
+  await page.mouse.move(box.x + 2, box.y + 20);
+  const under = await words.textContent();
+  await page.mouse.move(box.x + box.width - 2, box.y + 20);
+  assert.notEqual(await words.textContent(), under);
+  await page.mouse.move(5, 5);
+  await plot(page).focus();
+  assert.equal(await words.textContent(), median);
+}));
+
+test("a finger across selects", () => withPage({ hasTouch: true }, async (page) => {
+  const box = await plot(page).boundingBox();
+  const touch = (type, x, y) => plot(page).dispatchEvent(type, { pointerType: "touch", clientX: box.x + x * box.width, clientY: box.y + y * box.height, bubbles: true });
+  await touch("pointerdown", 0.3, 0.2);
+  for (const at of [0.4, 0.5, 0.6]) await touch("pointermove", at, at);
+  await touch("pointerup", 0.6, 0.6);
+  assert.match(await count(page).textContent(), /^\d+ of 240 designs selected/);
+}));
+
+test("the plotting library is that of its release", async () => {
+  const ours = join(here, "../../crates/smalti-report/vendor/uplot");
+  const theirs = join(here, "node_modules/uplot");
+  for (const [mine, its] of [["uPlot.iife.min.js", "dist/uPlot.iife.min.js"], ["uPlot.min.css", "dist/uPlot.min.css"], ["LICENSE", "LICENSE"]]) {
+    assert.ok((await readFile(join(ours, mine))).equals(await readFile(join(theirs, its))), mine);
+  }
+  const { devDependencies } = JSON.parse(await readFile(join(here, "package.json"), "utf8"));
+  assert.ok((await readFile(join(ours, "README.md"), "utf8")).startsWith(`uPlot ${devDependencies.uplot} by `));
 });

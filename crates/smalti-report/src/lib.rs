@@ -13,6 +13,9 @@
 //! Each is built up and drawn to a [`Figure`], which gives an SVG document and a PNG. Equal inputs give equal bytes, on
 //! machines without fonts as well: the text of a PNG is set in Inter, which the crate brings along.
 //!
+//! The plots of a page that answer a hand are drawn in the browser by uPlot, which the crate brings along (`vendor/uplot`, MIT); the
+//! figures of the table are drawn here.
+//!
 //! Colours of categories are those of [okabe2008], of values viridis ([smith2015]): both can be told apart with any
 //! colour vision.
 //!

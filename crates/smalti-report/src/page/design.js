@@ -90,6 +90,15 @@ function smallTile(designs, row) {
     ...rows.flatMap((cells, y) => [...cells].map((c, x) => draw("rect", { x, y, width: 1, height: 1, fill: colors[c.charCodeAt(0) - 97] || "#808080" }))));
 }
 
+// The frequency beyond which the sensor of a section samples nothing, in the unit of a column of resolution; none of others.
+function nyquistOf(designs, column, section) {
+  if (column.name === "mtf50_cy_per_px") return 0.5;
+  return column.name === "mtf50_cy_per_mm" ? designs.data.sections[section].nyquist_cy_per_mm : null;
+}
+function isBeyondNyquist(designs, row) {
+  return designs.columns.some((c) => c.values[row] > (nyquistOf(designs, c, designs.section[row]) ?? Infinity));
+}
+
 // How many in a hundred of the designs with as many colours are worse.
 function rankOf(designs, column, row) {
   if (!column.better || !Number.isFinite(column.values[row])) return "";
@@ -109,7 +118,8 @@ function figuresOf(designs, row) {
       make("th", { scope: "col", class: "number", title: "of the designs with as many colours" }, "Better than"))));
   const body = make("tbody");
   for (const column of designs.columns.filter((c) => !c.parameter && c.name !== "colors" && Number.isFinite(c.values[row]))) {
-    body.append(make("tr", { title: column.doc }, make("th", { scope: "row" }, column.label),
+    body.append(make("tr", { title: column.doc }, make("th", { scope: "row" }, column.label,
+        column.values[row] > (nyquistOf(designs, column, designs.section[row]) ?? Infinity) ? make("span", { class: "beyond" }, " beyond Nyquist") : null),
       make("td", { class: "number" }, shown(column.values[row]), make("span", { class: "unit" }, column.unit.replace("cycles", "cy").replace("pixel", "px"))),
       make("td", { class: "number" }, rankOf(designs, column, row))));
   }

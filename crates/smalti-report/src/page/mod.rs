@@ -45,30 +45,53 @@ use crate::Figure;
 pub struct Piece {
     css: &'static str,
     js: &'static str,
+    /// Whose work it is, where it is not ours: the page says so at its end.
+    credit: &'static str,
 }
 
+impl Piece {
+    const fn new(css: &'static str, js: &'static str) -> Self {
+        Self { css, js, credit: "" }
+    }
+}
+
+/// The plots of a page: uPlot's release as it is on npm, behind its licence. vendor/uplot/README.md tells of its origin.
+const UPLOT: Piece = Piece {
+    css: include_str!("../../vendor/uplot/uPlot.min.css"),
+    js: concat!(
+        "/*\n",
+        include_str!("../../vendor/uplot/LICENSE"),
+        "\n*/\n",
+        include_str!("../../vendor/uplot/uPlot.iife.min.js"),
+        "\n"
+    ),
+    credit: "Plots are drawn by uPlot 1.6.32, © 2022 Leon Sorokin, MIT licence: its text is in the source of this page.",
+};
+
 /// What every page has: look, light and dark, tables that sort, text to copy.
-const SHELL: Piece = Piece { css: include_str!("shell.css"), js: include_str!("shell.js") };
+const SHELL: Piece = Piece::new(include_str!("shell.css"), include_str!("shell.js"));
 
 /// What a page of many designs is made of, in this order.
 pub const SWEEP: &[Piece] = &[
-    Piece { css: "", js: include_str!("data.js") },
-    Piece { css: "", js: include_str!("viridis.js") },
-    Piece { css: "", js: include_str!("color.js") },
-    Piece { css: "", js: include_str!("scale.js") },
-    Piece { css: include_str!("scatter.css"), js: include_str!("scatter.js") },
-    Piece { css: "", js: include_str!("histogram.js") },
-    Piece { css: include_str!("design.css"), js: include_str!("design.js") },
-    Piece { css: include_str!("filters.css"), js: include_str!("filters.js") },
-    Piece { css: include_str!("sweep.css"), js: include_str!("sweep.js") },
+    Piece::new("", include_str!("data.js")),
+    Piece::new("", include_str!("viridis.js")),
+    Piece::new("", include_str!("color.js")),
+    UPLOT,
+    Piece::new("", include_str!("axes.js")),
+    Piece::new("", include_str!("cloud.js")),
+    Piece::new(include_str!("scatter.css"), include_str!("scatter.js")),
+    Piece::new("", include_str!("histogram.js")),
+    Piece::new(include_str!("design.css"), include_str!("design.js")),
+    Piece::new(include_str!("filters.css"), include_str!("filters.js")),
+    Piece::new(include_str!("sweep.css"), include_str!("sweep.js")),
 ];
 
 /// What a page of pictures side by side is made of, in this order.
 pub const COMPARE: &[Piece] = &[
-    Piece { css: "", js: include_str!("data.js") },
-    Piece { css: "", js: include_str!("viridis.js") },
-    Piece { css: include_str!("kernels.css"), js: include_str!("kernels.js") },
-    Piece { css: include_str!("compare.css"), js: include_str!("compare.js") },
+    Piece::new("", include_str!("data.js")),
+    Piece::new("", include_str!("viridis.js")),
+    Piece::new(include_str!("kernels.css"), include_str!("kernels.js")),
+    Piece::new(include_str!("compare.css"), include_str!("compare.js")),
 ];
 
 /// A figure, in the colours of the page. Its title and note are in it.

@@ -26,15 +26,19 @@ let onPaper = false;
 function isDark() {
   return (root.dataset.theme || (darkWished.matches ? "dark" : "light")) === "dark";
 }
-// The colour that a variable of the style sheet has now: canvases do not know variables.
+// The colour that a variable of the style sheet has now: canvases do not know variables, and to ask lays out the page.
+const themeColors = new Map();
 function themeColor(name) {
+  if (themeColors.has(name)) return themeColors.get(name);
   const probe = document.body.appendChild(make("i"));
   probe.style.color = `var(${name})`;
   const color = getComputedStyle(probe).color;
   probe.remove();
+  themeColors.set(name, color);
   return color;
 }
 function themeChanged() {
+  themeColors.clear();
   const button = document.getElementById("theme");
   button.textContent = isDark() ? "Light" : "Dark";
   button.setAttribute("aria-label", isDark() ? "Switch to light colours" : "Switch to dark colours");

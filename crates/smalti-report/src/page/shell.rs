@@ -119,10 +119,11 @@ impl Page {
         let data = self.data.iter().map(|(id, value)| {
             el("script").attr("type", "application/json").id(id).child(Markup::trusted(json(value)))
         });
+        let credits = pieces().filter(|p| !p.credit.is_empty()).map(|p| el("p").child(p.credit));
         let body = el("body")
             .child(bar)
             .child(main)
-            .child(el("footer").child(self.foot.clone()))
+            .child(el("footer").child(self.foot.clone()).children(credits))
             .children(data)
             .child(el("script").child(Markup::trusted(js)));
         let document = Markup::from(el("html").attr("lang", "en").child(head).child(body));

@@ -105,10 +105,8 @@ function startSweep(data) {
     performance.mark("smalti-brush");
     select();
     if (!view.zoom || scatter.box) scatter.state.selected = selected;
-    if (scatter.box) {
-      scatter.paintDots();
-      scatter.paintOver();
-    } else show();
+    if (scatter.box) scatter.paint();
+    else show();
     tellSelection();
     performance.measure("smalti-brush", "smalti-brush");
   }
@@ -133,10 +131,12 @@ function startSweep(data) {
     if (log.y && !view.zoom && !view.whole) padded.y[1] = Math.max(padded.y[1], 1.1 * extent(view.y.values, filters.keep)[1]);
     let many = 0;
     for (let i = 0; i < filters.keep.length; i += 1) many += filters.keep[i];
+    const front = view.front ? frontOf(view.x, view.y, filters.keep) : [];
     scatter.show({
       x: view.x, y: view.y, log, ends: padded, shown: filters.keep, selected, count: many,
-      color: colorsOf(), front: view.front ? frontOf(view.x, view.y, filters.keep) : [], marks: designs.marks, words: tipOf,
+      color: colorsOf(), front, marks: designs.marks, words: tipOf, beyond: (row) => isBeyondNyquist(designs, row), nyquist: nyquistIn(padded),
     });
+    scatter.legend.append(...legendOfMarks(), ...legendOfNyquist(front));
     tellSelection();
   }
   function tipOf(row) {
@@ -144,6 +144,7 @@ function startSweep(data) {
     if (markOf.has(row)) lines.push(markOf.get(row));
     for (const c of [view.x, view.y]) lines.push(`${c.label} ${shown(c.values[row])}`);
     if (view.color.column) lines.push(`${view.color.column.label} ${shown(view.color.column.values[row])}`);
+    if (isBeyondNyquist(designs, row)) lines.push("MTF50 beyond Nyquist");
     return lines.join("\n");
   }
   function colorsOf() {
@@ -157,7 +158,7 @@ function startSweep(data) {
         const chip = make("i");
         chip.style.background = css(table[code]);
         return make("span", { class: "chip" }, chip, words ? words.words[code] || "(none)" : `${code} colours`);
-      }), ...legendOfMarks());
+      }));
       return { codes, table };
     }
     const [low, high] = quantiles(column.values, filters.keep, [0.005, 0.98]);
@@ -166,7 +167,7 @@ function startSweep(data) {
     const bar = make("canvas", { width: 256, height: 1, "aria-hidden": "true" });
     const c = bar.getContext("2d");
     table.forEach((rgb, i) => { c.fillStyle = css(rgb); c.fillRect(i, 0, 1, 1); });
-    scatter.legend.replaceChildren(make("span", {}, withUnit(column)), make("span", {}, shown(low)), bar, make("span", {}, shown(high)), ...legendOfMarks());
+    scatter.legend.replaceChildren(make("span", {}, withUnit(column)), make("span", {}, shown(low)), bar, make("span", {}, shown(high)));
     return { codes, table };
   }
   // The symbols of the designs that are marked, by study.
@@ -179,19 +180,38 @@ function startSweep(data) {
       })));
   }
 
+  // Where the axes pass what the sensor samples, if all designs have the same sensor.
+  function nyquistIn(ends) {
+    const within = (axis) => {
+      const limits = new Set(data.sections.map((_, section) => nyquistOf(designs, view[axis], section)));
+      const [limit] = limits;
+      return limits.size === 1 && limit > ends[axis][0] && limit < ends[axis][1] ? limit : null;
+    };
+    return { x: within("x"), y: within("y") };
+  }
+  function legendOfNyquist(front) {
+    const beyond = front.filter((row) => isBeyondNyquist(designs, row));
+    if (beyond.length === 0) return [];
+    const unseen = beyond.filter((row) => scatter.px?.[row] === OUT).length;
+    const symbol = draw("svg", { viewBox: "-9 -9 18 18", "aria-hidden": "true" }, draw("path", { d: "M-7 -7L7 7M-7 7L7 -7" }));
+    return [make("span", { class: "beyond" }, make("span", { class: "chip" }, symbol,
+      `MTF50 beyond the sensor's Nyquist frequency, so aliased: ${beyond.length} of ${front.length} on the front${unseen > 0 ? `, ${unseen === beyond.length ? "all" : unseen} outside the plot` : ""}`))];
+  }
+
   function tellSelection() {
     const { keep } = filters;
     let [all, some, inView] = [0, 0, 0];
     for (let i = 0; i < keep.length; i += 1) {
       all += keep[i];
       some += selected[i];
-      if (selected[i] && scatter.px && scatter.px[i] > 0) inView += 1;
+      if (selected[i] && scatter.px && scatter.px[i] !== OUT) inView += 1;
     }
     const of = (n) => n.toLocaleString("en");
     let words = scatter.box ? `${of(some)} of ${of(all)} designs selected` : `${of(all)} designs`;
     if (scatter.px && inView < some) words += `, ${of(some - inView)} of them outside the plot or without figures`;
     if (count.textContent !== words) count.textContent = words;
-    scatter.over.setAttribute("aria-label", `${withUnit(view.y)} against ${withUnit(view.x)}. ${words}.`);
+    const axis = (which) => `${withUnit(view[which])}${scatter.state.log[which] ? " (logarithmic)" : ""}`;
+    scatter.name(`${axis("y")} against ${axis("x")}. ${words}.`);
     clear.disabled = !scatter.box;
     zoom.disabled = !scatter.box && !view.zoom;
     zoom.textContent = view.zoom ? "Zoom out" : "Zoom to selection";

@@ -31,6 +31,10 @@ pub(super) struct Choice {
 
 impl Choice {
     pub(super) fn of(sources: &Sources<'_>) -> anyhow::Result<Self> {
+        Self::among(sources, MOST)
+    }
+
+    fn among(sources: &Sources<'_>, most: usize) -> anyhow::Result<Self> {
         if let Some((results, _)) = sources.all.first() {
             for number in sources.wanted {
                 ensure!(
@@ -41,7 +45,7 @@ impl Choice {
             }
         }
         let all: usize = sources.all.iter().map(|(r, _)| r.number.len()).sum();
-        let step = all.div_ceil(MOST).max(1);
+        let step = all.div_ceil(most).max(1);
         let mut rows = Vec::new();
         let mut index = 0;
         for (study, (results, sections)) in sources.all.iter().enumerate() {
@@ -52,7 +56,7 @@ impl Choice {
                     .groups
                     .iter()
                     .flat_map(|g| g.best.iter().copied().chain(g.worst))
-                    .chain(front.iter().copied().take(MOST / 10))
+                    .chain(front.iter().copied().take(most / 10))
                     .collect();
                 let wanted = |n: &u64| study == 0 && sources.wanted.contains(n);
                 for row in section.rows.clone() {
@@ -71,5 +75,53 @@ impl Choice {
     /// Place in the page of a row of the results of a study.
     pub(super) fn place(&self, study: usize, row: usize) -> Option<usize> {
         self.rows.binary_search_by_key(&(study, row), |r| (r.study, r.row)).ok()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::*;
+    use crate::study_report::answers::Section;
+    use crate::study_report::results::Results;
+
+    fn scored(dir: &Path, name: &str, filters: &str) -> Results {
+        let (study, out) = (dir.join(format!("{name}.toml")), dir.join(name));
+        let text = format!(
+            "name = \"{name}\"\ncamera = \"table1\"\ncolors = [3]\nmosaics = {{ given = [[\"bc\", \"ab\"]] }}\n{filters}"
+        );
+        std::fs::write(&study, text).unwrap();
+        let words = ["smalti", "sweep", study.to_str().unwrap(), "-o", out.to_str().unwrap()];
+        let words = words.iter().chain(&["--no-cache", "--quiet"]).map(Into::into);
+        assert_eq!(crate::command(words), 0);
+        Results::read(&out).unwrap()
+    }
+
+    #[test]
+    fn of_more_designs_than_a_page_holds_all_marked_ones_are_there() {
+        let dir = tempfile::tempdir().unwrap();
+        let cloud = scored(
+            dir.path(),
+            "cloud",
+            "[sample]\nfilters = 90\n[filters.gaussian_grid]\ncenters_nm = [430, 10, 660]\nsigmas_nm = [20, 5, 55]\n",
+        );
+        let few = scored(
+            dir.path(),
+            "few",
+            "[filters.rule]\nrules = [\"uniform\", \"height-scaled\"]\ntargets = [\"cones\"]\n",
+        );
+        let all = [(&cloud, Section::all(&cloud).unwrap()), (&few, Section::all(&few).unwrap())];
+        let sources = Sources { all: &all, dirs: &[], pictures: 0, wanted: &[] };
+        assert_eq!(Choice::of(&sources).unwrap().of, None);
+        let choice = Choice::among(&sources, 20).unwrap();
+        let designs = few.number.len();
+        assert_eq!(choice.of, Some(90 + designs));
+        let of = |study| choice.rows.iter().filter(|r| r.study == study).count();
+        assert!((18..45).contains(&of(0)), "{}", of(0));
+        assert_eq!(of(1), designs);
+        let marked = marks::marks(&sources, &choice);
+        let rows: u64 = marked.iter().filter_map(|m| m.pointer("/rows/n")?.as_u64()).sum();
+        assert_eq!((designs > 1, rows), (true, designs as u64));
     }
 }
