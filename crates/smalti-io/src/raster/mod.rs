@@ -143,7 +143,6 @@ impl Cube<'_> {
             None if self.source.is_stream() && !self.raster.by_rows() => {
                 (together, self.raster.rows.max(1), false)
             }
-            None if self.source.is_stream() => (together, (UNIT_BYTES / row_bytes(together)).max(1), false),
             // Where rows run fastest, a few of them would be read in small pieces: bands are shared out instead.
             None if self.raster.order[2] == Axis::Row => (1, self.raster.rows.max(1), false),
             None => (together, (UNIT_BYTES / row_bytes(together)).max(1), false),
