@@ -31,6 +31,10 @@ kills:
 fuzz target="all" seconds="60":
     fuzz/run {{target}} {{seconds}}
 
+# The fuzz targets compile.
+check-fuzz:
+    cargo check --manifest-path fuzz/Cargo.toml --locked
+
 # Regenerates the tables of published figures.
 tables:
     python3 tools/generate_tables.py

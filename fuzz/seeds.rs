@@ -85,6 +85,13 @@ fn main() -> Result<(), Box<dyn Error>> {
     }
     fs::write(dir.join("override"), "sensor.pixel.pitch_um=1.4\nsensor.cfa.pattern=[\"RG\"]\n")?;
 
+    let dir = folder("study")?;
+    for study in smalti_io::studies::names() {
+        fs::write(dir.join(study.name), study.toml)?;
+        let (designs, _) = smalti_io::studies::load(study.name).map_err(|e| e.to_string())?;
+        fs::write(dir.join(format!("{}.json", study.name)), serde_json::to_vec(designs.study())?)?;
+    }
+
     let dir = folder("names")?;
     for name in
         ["zone-plate?frequency=0.25&size=64", "D:5600", "blackbody:3000", "random?channels=4&rows=8&cols=8"]

@@ -4,19 +4,18 @@
 //! 700 nm.
 
 use std::collections::BTreeMap;
+use std::io;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
-use rayon::prelude::*;
-use smalti::numeric::Planes;
-use smalti::spectrum::{SpectralCube, WavelengthGrid};
+use smalti::spectrum::WavelengthGrid;
 
-use crate::error::At;
-use crate::file;
-use crate::picture::png::{Samples, eight, sixteen, unpack};
-use crate::raster::zeros;
+use crate::file::stem;
+use crate::picture::grey;
+use crate::raster::{Cube, FileSource, Shared, Storage, Stream};
+use crate::scene_file::cube_file::CubeFile;
 use crate::scene_file::stated::{Bands, wavelength_in};
-use crate::scene_file::tiles::{Crop, cropped, resampled};
-use crate::wavelengths::places;
+use crate::scene_file::tiles::{Tiles, load};
 use crate::{IoError, Quantity, ReadOptions, SpectralFile};
 
 // Pictures numbered 1 to 31 that state no wavelengths are those of CAVE.
@@ -37,10 +36,20 @@ pub fn is_folder(path: &Path) -> bool {
 /// When the folder has no bands, the wavelengths are neither stated nor given, one is missing or stated twice, pictures are
 /// malformed, of colour or of unequal size, or the cube is larger than the limits.
 pub fn read(path: &Path, options: &ReadOptions) -> Result<SpectralFile, IoError> {
+    load(&*open(path, options)?, path, options)
+}
+
+/// As [`read`], pictures to be unpacked as their rows are needed, each at most once where rows are asked for in their order. Of the
+/// options, the part is not looked at.
+///
+/// # Errors
+/// As [`read`], but for the samples.
+pub fn open(path: &Path, options: &ReadOptions) -> Result<Box<dyn Tiles>, IoError> {
     let (folder, names) = folder_of_pictures(path, true)
         .ok_or_else(|| IoError::field(path, "the folder", "without two PNG", "a PNG for each band"))?;
-    let load = |name: &str| file::read(&folder.join(name), options.limits.file_bytes);
-    assembled(path, &names, load, options)
+    // Files are opened as they are read: there may be more of them than may be open.
+    let source = move |name: &str| Ok(Arc::new(FileSource::open(&folder.join(name))?) as Shared<'static>);
+    Ok(Box::new(opened(path, &names, source, options)?))
 }
 
 /// As [`read`], from names and contents in memory; `path` is only named.
@@ -53,11 +62,11 @@ pub fn from_files(
     options: &ReadOptions,
 ) -> Result<SpectralFile, IoError> {
     let names: Vec<String> = files.iter().map(|f| f.0.clone()).collect();
-    let load = |name: &str| {
+    let source = |name: &str| {
         let found = files.iter().find(|f| f.0 == name);
-        Ok(found.map(|f| f.1.clone()).unwrap_or_default())
+        Ok(Arc::new(found.map_or(&[][..], |f| f.1.as_slice())) as Shared<'_>)
     };
-    assembled(path, &names, load, options)
+    load(&opened(path, &names, source, options)?, path, options)
 }
 
 /// The folder that has the pictures, and their names in order.
@@ -133,12 +142,12 @@ fn chosen(path: &Path, names: &[String]) -> Result<(Vec<usize>, Vec<f64>, bool),
     }
 }
 
-fn assembled(
+fn opened<'a>(
     path: &Path,
     names: &[String],
-    load: impl Fn(&str) -> Result<Vec<u8>, IoError> + Sync,
+    source: impl Fn(&str) -> Result<Shared<'a>, IoError> + Clone + Send + Sync + 'a,
     options: &ReadOptions,
-) -> Result<SpectralFile, IoError> {
+) -> Result<CubeFile<'a>, IoError> {
     let (which, numbers, wavelengths) = chosen(path, names)?;
     let bands = if wavelengths {
         Bands::sorted(path, "the names of the pictures", numbers.iter().copied().enumerate())?
@@ -147,89 +156,74 @@ fn assembled(
         let grid = if cave { Some(CAVE) } else { options.grid };
         Bands::given(path, numbers.len(), &ReadOptions { grid, ..options.clone() })?
     };
-    let ordered: Vec<&str> =
-        bands.order.iter().filter_map(|i| names.get(*which.get(*i)?)).map(String::as_str).collect();
-    let quantity = options.quantity.unwrap_or(Quantity::Reflectance);
-    let allowed = options.limits.decoded_bytes / (ordered.len().max(1) as u64);
-    let decoded: Vec<Result<Planes, IoError>> = ordered
-        .par_iter()
-        .map(|name| {
-            let path = path.join(name);
-            let plane = decode(&load(name)?, &path, allowed, options)?;
-            let whole = Crop::whole(plane.rows(), plane.cols());
-            let part = options.crop.unwrap_or(whole).within(plane.rows(), plane.cols(), &path)?;
-            if part == whole { Ok(plane) } else { cropped(&plane, part, &path) }
-        })
-        .collect();
-    let mut size = None;
-    let mut data = Vec::new();
-    let mut filled = 0;
-    for (plane, name) in decoded.into_iter().zip(&ordered) {
-        let plane = plane?;
-        let (rows, cols) = *size.get_or_insert((plane.rows(), plane.cols()));
-        if (plane.rows(), plane.cols()) != (rows, cols) {
-            let found = format!("{} × {}", plane.rows(), plane.cols());
-            return Err(IoError::field(
-                &path.join(name),
-                "the size",
-                found,
-                format!("{rows} × {cols}, as the first band"),
-            ));
+    let members: Vec<&String> = which.iter().filter_map(|i| names.get(*i)).collect();
+    let mut cubes: Vec<Cube<'a>> = Vec::new();
+    for name in &members {
+        let file = path.join(name.as_str());
+        let raster = grey::raster(&source(name)?, &file, options.limits.decoded_bytes)?;
+        if let Some(first) = cubes.first().map(|c| c.raster)
+            && (first.rows, first.cols) != (raster.rows, raster.cols)
+        {
+            let found = format!("{} × {}", raster.rows, raster.cols);
+            let expected = format!("{} × {}, as the first band", first.rows, first.cols);
+            return Err(IoError::field(&file, "the size", found, expected));
         }
-        if data.is_empty() {
-            data = zeros(plane.data().len() * ordered.len());
-        }
-        let rest = data.get_mut(filled..).unwrap_or_default();
-        rest.iter_mut().zip(plane.data()).for_each(|(to, v)| *to = *v);
-        filled += plane.data().len();
+        let (source, of) = (source.clone(), (*name).clone());
+        let begin = move || grey::rows(&source(&of).map_err(|e| io::Error::other(e.to_string()))?);
+        let stream = Stream::new(name, raster.bytes().unwrap_or(u64::MAX), begin);
+        cubes.push(Cube { source: Arc::new(stream), raster, storage: Storage::Run { offset: 0 } });
     }
-    let (rows, cols) = size.unwrap_or((0, 0));
-    let planes = Planes::new(rows, cols, ordered.len(), data).at(path)?;
-    let places = places(&bands.wavelengths_nm, bands.grid);
-    let uniform =
-        bands.grid.wavelengths_nm().len() == ordered.len() && places.iter().all(|p| p.weight == 0.0);
-    let planes = if uniform { planes } else { resampled(&planes, &places, path)? };
-    Ok(SpectralFile {
-        name: file::stem(path),
-        cube: SpectralCube::new(bands.grid, planes).at(path)?,
-        quantity,
-        illuminant: None,
-        distance_m: None,
-        horizontal_fov_deg: None,
-    })
-}
-
-/// A grey picture; the largest number is 1. One of colour is taken where its channels are equal.
-fn decode(bytes: &[u8], path: &Path, allowed: u64, options: &ReadOptions) -> Result<Planes, IoError> {
-    let picture = unpack(bytes, path, options, ("a band", 4, allowed))?;
-    let (channels, (rows, cols)) = (picture.channels, picture.size);
-    let compared = if channels > 2 { 3 } else { 1 };
-    let data: Option<Vec<f32>> = match &picture.samples {
-        Samples::Sixteen(buffer) if channels == 1 => Some(buffer.as_chunks().0.iter().map(sixteen).collect()),
-        Samples::Sixteen(buffer) => grey(buffer, 2 * channels, 2, compared)
-            .map(|firsts| firsts.filter_map(|b| b.first_chunk().map(sixteen)).collect()),
-        Samples::Eight(buffer) => grey(buffer, channels, 1, compared)
-            .map(|firsts| firsts.filter_map(|b| b.first().map(eight)).collect()),
-    };
-    let data = data.ok_or_else(|| {
-        IoError::field(path, "the colour type", "colour", "grey, or equal red, green and blue")
-    })?;
-    Planes::new(rows, cols, 1, data).at(path)
-}
-
-/// The first sample of each pixel, where the samples of its colours are equal.
-fn grey(buffer: &[u8], pixel: usize, sample: usize, compared: usize) -> Option<impl Iterator<Item = &[u8]>> {
-    let equal = |p: &[u8]| {
-        let mut samples = p.chunks_exact(sample).take(compared);
-        let first = samples.next();
-        samples.all(|s| Some(s) == first)
-    };
-    buffer.chunks_exact(pixel).all(equal).then(|| buffer.chunks_exact(pixel))
+    // The largest number is 1.
+    let gains = cubes.iter().map(|c| (1.0 / c.raster.kind.largest().unwrap_or(1.0), 0.0)).collect();
+    let quantity = options.quantity.unwrap_or(Quantity::Reflectance);
+    let mut file = CubeFile::new((path, "PNG"), cubes, (stem(path), bands, quantity), options);
+    file.gains = gains;
+    Ok(file)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// 1 × 1 of 16 bits; grey, or red, green and blue.
+    fn png_of(samples: &[u16], interlaced: bool) -> Vec<u8> {
+        let mut out = Vec::new();
+        let mut encoder = png::Encoder::new(&mut out, 1, 1);
+        encoder.set_color(if samples.len() == 3 { png::ColorType::Rgb } else { png::ColorType::Grayscale });
+        encoder.set_depth(png::BitDepth::Sixteen);
+        let bytes: Vec<u8> = samples.iter().flat_map(|v| v.to_be_bytes()).collect();
+        encoder.write_header().unwrap().write_image_data(&bytes).unwrap();
+        if interlaced {
+            // Of one pixel, the first pass is all.
+            out[28] = 1;
+            let crc = crc32fast::hash(&out[12..29]);
+            out[29..33].copy_from_slice(&crc.to_be_bytes());
+        }
+        out
+    }
+
+    fn read_two(first: Vec<u8>) -> Result<Vec<f32>, String> {
+        let files = [("400nm.png".to_owned(), first), ("500nm.png".to_owned(), png_of(&[13107], false))];
+        let file = from_files(&files, Path::new("f"), &ReadOptions::default()).map_err(|e| e.to_string())?;
+        Ok(file.cube.planes().data().to_vec())
+    }
+
+    #[test]
+    fn pictures_of_any_kind_are_bands_but_those_of_colour() {
+        for first in [png_of(&[65535], false), png_of(&[65535], true), png_of(&[65535; 3], false)] {
+            assert_eq!(read_two(first), Ok(vec![1.0, 0.2]));
+        }
+        let colour = read_two(png_of(&[1, 2, 2], false)).unwrap_err();
+        assert_eq!(
+            colour,
+            "f: not a valid PNG file: 400nm.png: it is of colour; expected grey, or equal red, green and blue"
+        );
+        let good = png_of(&[65535], false);
+        assert!(read_two(good[..20].to_vec()).unwrap_err().starts_with("f/400nm.png: not a valid PNG file"));
+        for end in 34..good.len() - 12 {
+            assert!(read_two(good[..end].to_vec()).is_err(), "cut at {end}");
+        }
+    }
 
     fn names(of: &[&str]) -> Result<(Vec<usize>, Vec<f64>, bool), String> {
         let names: Vec<String> = of.iter().map(|n| (*n).to_owned()).collect();

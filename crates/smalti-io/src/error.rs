@@ -142,8 +142,13 @@ pub enum IoError {
         source: UpliftError,
     },
     /// A built-in scene that is not there, or cannot be as asked.
-    #[error(transparent)]
-    Catalog(SceneError),
+    #[error("{}{source}", unnamed(name, source))]
+    Catalog {
+        /// What was asked for: the scene and its parameters.
+        name: String,
+        /// Why.
+        source: SceneError,
+    },
     /// The content makes no scene.
     #[error("{}: {source}", path.display())]
     Scene {
@@ -214,6 +219,15 @@ pub enum IoError {
         /// Why.
         source: ShapeError,
     },
+}
+
+/// The name of a scene and a colon, where the error does not name it itself.
+fn unnamed(name: &str, error: &SceneError) -> String {
+    use SceneError::{BadValue, Syntax, UnknownParameter, UnknownScene};
+    match error {
+        UnknownScene { .. } | UnknownParameter { .. } | BadValue { .. } | Syntax { .. } => String::new(),
+        _ => format!("{name}: "),
+    }
 }
 
 /// Puts the file's name before an error of the library.

@@ -40,12 +40,17 @@ impl Limits {
             let limit = self.decoded_bytes;
             return Err(IoError::TooLarge { path: path.to_owned(), what, bytes, limit });
         }
-        if bytes > ALWAYS_ALLOWED.max(file_len.saturating_mul(LARGEST_EXPANSION)) {
-            let need = bytes / LARGEST_EXPANSION;
-            return Err(IoError::Truncated { path: path.to_owned(), what, need, have: file_len });
-        }
-        Ok(())
+        plausible(path, what, bytes, file_len)
     }
+}
+
+/// Refuses content that is larger than a file of `file_len` bytes can hold.
+pub(crate) fn plausible(path: &Path, what: &'static str, bytes: u64, file_len: u64) -> Result<(), IoError> {
+    if bytes > ALWAYS_ALLOWED.max(file_len.saturating_mul(LARGEST_EXPANSION)) {
+        let need = bytes / LARGEST_EXPANSION;
+        return Err(IoError::Truncated { path: path.to_owned(), what, need, have: file_len });
+    }
+    Ok(())
 }
 
 /// The whole file.

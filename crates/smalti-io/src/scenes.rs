@@ -74,8 +74,76 @@ impl SceneRequest {
 pub fn load(name: &str, request: &SceneRequest) -> Result<Scene, IoError> {
     let setting = request.setting();
     if !is_meant(name) {
-        return catalog::build_natural(name, &setting).map_err(IoError::Catalog);
+        return catalog::build_natural(name, &setting)
+            .map_err(|source| IoError::Catalog { name: name.to_owned(), source });
     }
     let path = Path::new(name);
     request.applied_to(scene_file::read(path, &setting, &request.read)?).at(path)
+}
+
+#[cfg(test)]
+mod tests {
+    use smalti::numeric::Planes;
+    use smalti::spectrum::SpectralCube;
+
+    use super::*;
+    use crate::exr::{Layout, write};
+    use crate::{Quantity, SpectralFile};
+
+    fn asked() -> SceneRequest {
+        SceneRequest {
+            luminance_cd_m2: Some(40.0),
+            distance_m: Some(2.5),
+            horizontal_fov_deg: Some(7.0),
+            illuminant: Some(Illuminant::A),
+            grid: WavelengthGrid::new(420.0, 20.0, 12).ok(),
+            read: ReadOptions::default(),
+        }
+    }
+
+    fn check(scene: &Scene) {
+        assert!((scene.mean_luminance_cd_m2().unwrap() / 40.0 - 1.0).abs() < 1e-5);
+        assert_eq!((scene.distance_m(), scene.horizontal_fov_deg()), (2.5, 7.0));
+        let grid = scene.radiance().grid();
+        assert_eq!(Some(grid), asked().grid);
+        // The light has the spectrum of A, whatever its level.
+        let (light, a) = (scene.illuminant().values(), Illuminant::A.photons(grid).unwrap());
+        let level = light[0] / a.values()[0];
+        assert!(light.iter().zip(a.values()).all(|(light, a)| (light / a / level - 1.0).abs() < 1e-6));
+    }
+
+    #[test]
+    fn a_name_and_a_file_are_as_asked() {
+        check(&load("macbeth?patch=4", &asked()).unwrap());
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("a.exr");
+        let grid = WavelengthGrid::VISIBLE;
+        let data = (0..2 * 3 * grid.len()).map(|i| 0.1 + 0.01 * (i % 70) as f32).collect();
+        let file = SpectralFile {
+            name: "a".into(),
+            cube: SpectralCube::new(grid, Planes::new(2, 3, grid.len(), data).unwrap()).unwrap(),
+            quantity: Quantity::Reflectance,
+            illuminant: None,
+            distance_m: Some(1.0),
+            horizontal_fov_deg: Some(20.0),
+        };
+        write(&path, &file, Layout::Fichet2021).unwrap();
+        let name = path.to_str().unwrap();
+        check(&load(name, &asked()).unwrap());
+        // What is not asked for is as the file states.
+        let as_stated = load(name, &SceneRequest::default()).unwrap();
+        assert_eq!((as_stated.distance_m(), as_stated.horizontal_fov_deg()), (1.0, 20.0));
+        assert_eq!(as_stated.radiance().grid(), grid);
+    }
+
+    #[test]
+    fn errors_name_the_scene() {
+        let error = |name: &str, request: &SceneRequest| load(name, request).unwrap_err().to_string();
+        let dark = SceneRequest { luminance_cd_m2: Some(-1.0), ..SceneRequest::default() };
+        assert!(error("macbeth", &dark).starts_with("macbeth: "), "{}", error("macbeth", &dark));
+        let default = SceneRequest::default();
+        let unknown = error("macbeht", &default);
+        assert!(unknown.starts_with("there is no scene named 'macbeht'"), "{unknown}");
+        assert!(error("absent.exr", &default).starts_with("cannot read absent.exr"));
+    }
 }

@@ -307,6 +307,7 @@ fn headers_of_envi_that_cannot_be_are_refused() {
         ("bands = 3", "", "bands is absent"),
         ("bands = 3", "bands = 99999999999999999999", "bands is '99999999999999999999'"),
         ("lines = 1", "lines = 18446744073709551615", "the samples needs 18446744073709551615 bytes"),
+        ("data type = 1", "data type = 6", "expected real numbers, as radiance and reflectance are"),
         ("data type = 1", "data type = 9", "(6 and 9 are complex)"),
         ("data type = 1", "data type = 7", "expected 1, 2, 3, 4, 5, 12, 13, 14 or 15"),
         ("data type = 1", "data type = 2", "byte order is absent"),
@@ -471,13 +472,13 @@ proptest! {
 }
 
 /// `cargo test --release -p smalti-io --test cubes -- --ignored --nocapture speed`. The yardstick is NumPy's own time for the same
-/// numbers, or that of tifffile or OpenCV where they are faster.
+/// numbers, or that of tifffile, OpenEXR or OpenCV where they are faster.
 #[test]
 #[ignore = "a measurement, of a release build on an idle machine"]
 fn the_speed_of_numpy_is_within_reach() {
     let dir = tempfile::tempdir().unwrap();
     let arguments = [Path::new("speed-write"), dir.path()];
-    let Some(seen) = python("check_cubes.py", "numpy, tifffile, cv2", &arguments) else { return };
+    let Some(seen) = python("check_cubes.py", "numpy, tifffile, cv2, OpenEXR", &arguments) else { return };
     let mut slow = Vec::new();
     for seen in seen {
         let (name, theirs) = (seen[0].as_str().unwrap(), seen[1].as_f64().unwrap());

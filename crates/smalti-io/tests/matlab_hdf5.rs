@@ -328,7 +328,7 @@ fn what_the_fuzzer_found_is_refused() {
     // Four gibibytes would be taken for it.
     let chunk = error("chunk_of_4_gib.h5");
     assert!(matches!(chunk, IoError::Truncated { what: "a chunk", .. }), "{chunk}");
-    for name in ["integers_of_many_bytes.h5", "sum_beyond_64_bits.h5"] {
+    for name in ["elements_of_many_bytes.h5", "integers_of_many_bytes.h5", "sum_beyond_64_bits.h5"] {
         let error = error(name);
         assert!(matches!(error, IoError::Decode { .. } | IoError::Field { .. }), "{error}");
     }

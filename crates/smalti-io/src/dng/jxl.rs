@@ -1,4 +1,4 @@
-//! Strips and tiles of JPEG XL (ISO/IEC 18181), as DNG has them since 1.7: lossless or lossy.
+//! Strips and tiles of JPEG XL \[iso18181\], as DNG has them since 1.7 \[dng17\]: lossless or lossy.
 
 use jxl_oxide::{AllocTracker, JxlImage, JxlThreadPool};
 

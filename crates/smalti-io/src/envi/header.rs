@@ -131,7 +131,12 @@ impl<'a> Fields<'a> {
             Some("13") => Kind::U32,
             Some("14") => Kind::I64,
             Some("15") => Kind::U64,
-            Some("6" | "9") => return Err(self.error("data type", "real numbers (6 and 9 are complex)")),
+            Some("6" | "9") => {
+                return Err(self.error(
+                    "data type",
+                    "real numbers, as radiance and reflectance are (6 and 9 are complex)",
+                ));
+            }
             _ => return Err(self.error("data type", "1, 2, 3, 4, 5, 12, 13, 14 or 15")),
         })
     }

@@ -3,13 +3,14 @@
 //! A spectral file seldom says everything a scene needs. [`read`] returns what the file does say, unchanged;
 //! [`SpectralFile::into_scene`](crate::SpectralFile::into_scene) adds the rest.
 
+mod blocks;
 mod layout;
 mod read;
 mod rgb;
 mod write;
 
 pub use layout::Layout;
-pub use read::{from_bytes, is_spectral, read};
+pub use read::{from_bytes, is_spectral, open, read};
 pub(crate) use rgb::rgb_from_bytes;
 pub use write::write;
 

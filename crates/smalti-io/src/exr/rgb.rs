@@ -1,16 +1,17 @@
 //! RGB pictures in OpenEXR: linear light, sRGB primaries unless the file says otherwise.
 
+use std::io::Cursor;
 use std::path::Path;
 
+use exr::prelude::{AnyChannels, FlatSamples, Layer, MetaData, ReadChannels, ReadLayers};
 use smalti::color::{ColorSpace, Image};
 use smalti::numeric::Planes;
 
-use super::read::{checked, load};
-use crate::IoError;
-use crate::ReadOptions;
+use super::read::declared_bytes;
 use crate::error::At;
-use crate::file::Negative;
+use crate::file::{Negative, guarded, sample};
 use crate::picture::Picture;
+use crate::{IoError, Limits, ReadOptions};
 
 /// The channels R, G, B, or Y for all three.
 pub(crate) fn rgb_from_bytes(bytes: &[u8], path: &Path, options: &ReadOptions) -> Result<Picture, IoError> {
@@ -33,4 +34,55 @@ pub(crate) fn rgb_from_bytes(bytes: &[u8], path: &Path, options: &ReadOptions) -
         return Ok(Picture { image: Image::new(ColorSpace::LinearSrgb, planes).at(path)?, bits: 32, notes });
     }
     Err(IoError::field(path, "the picture", "without channels R, G, B or Y", "an RGB or grey picture"))
+}
+
+/// All layers, flat, at full resolution, after the header was compared with the length of the file.
+fn load(bytes: &[u8], path: &Path, limits: Limits) -> Result<Vec<Layer<AnyChannels<FlatSamples>>>, IoError> {
+    let decode = |e: exr::error::Error| IoError::Decode {
+        path: path.to_owned(),
+        format: "OpenEXR",
+        message: e.to_string(),
+    };
+    guarded(path, "OpenEXR", || {
+        let meta = MetaData::read_from_buffered(Cursor::new(bytes), false).map_err(decode)?;
+        let mut declared = 0u64;
+        for header in &meta.headers {
+            declared = declared.saturating_add(declared_bytes(header, path)?);
+        }
+        limits.check(path, "the image", declared, bytes.len() as u64)?;
+        let image = exr::prelude::read()
+            .no_deep_data()
+            .largest_resolution_level()
+            .all_channels()
+            .all_layers()
+            .all_attributes()
+            .from_buffered(Cursor::new(bytes))
+            .map_err(decode)?;
+        Ok(image.layer_data.into_vec())
+    })
+}
+
+/// The samples of a channel as f32; an error names the first that is not what `negative` allows.
+fn checked(
+    samples: &FlatSamples,
+    channel: &str,
+    cols: usize,
+    path: &Path,
+    negative: Negative,
+) -> Result<Vec<f32>, IoError> {
+    let check = |(i, v): (usize, f32)| {
+        sample(v, negative).map_err(|expected| IoError::Pixel {
+            path: path.to_owned(),
+            channel: channel.to_owned(),
+            row: i / cols.max(1),
+            col: i % cols.max(1),
+            value: f64::from(v),
+            expected,
+        })
+    };
+    match samples {
+        FlatSamples::F16(v) => v.iter().map(|x| x.to_f32()).enumerate().map(check).collect(),
+        FlatSamples::F32(v) => v.iter().copied().enumerate().map(check).collect(),
+        FlatSamples::U32(v) => v.iter().map(|&x| x as f32).enumerate().map(check).collect(),
+    }
 }

@@ -145,6 +145,70 @@ fn bad_values_name_their_band_and_pixel() {
     );
 }
 
+/// Three bands of all types beside a channel of a picture, 5 × 7, in blocks.
+fn exr_in(blocks: ::exr::prelude::Blocks, compression: ::exr::prelude::Compression) -> Vec<u8> {
+    use ::exr::prelude::*;
+    let at = |band: usize, i: usize| (100 * band + i) as f32;
+    let list = [
+        ("B", FlatSamples::F16(vec![f16::from_f32(0.5); 35])),
+        ("S0.400,0nm", FlatSamples::F32((0..35).map(|i| at(0, i)).collect())),
+        ("S0.500,0nm", FlatSamples::U32((0..35).map(|i| at(1, i) as u32).collect())),
+        ("S0.600,0nm", FlatSamples::F16((0..35).map(|i| f16::from_f32(at(2, i))).collect())),
+    ];
+    let list = list.into_iter().map(|(name, samples)| AnyChannel::new(name, samples));
+    let encoding = Encoding { compression, blocks, line_order: LineOrder::Increasing };
+    let layer = Layer::new((7, 5), LayerAttributes::default(), encoding, AnyChannels::sort(list.collect()));
+    let mut out = std::io::Cursor::new(Vec::new());
+    Image::from_layer(layer).write().to_buffered(&mut out).unwrap();
+    out.into_inner()
+}
+
+#[test]
+fn every_block_type_and_part_is_read() {
+    use ::exr::prelude::{Blocks, Compression, Vec2};
+    for compression in [Compression::Uncompressed, Compression::RLE, Compression::ZIP16, Compression::PIZ] {
+        for blocks in [Blocks::ScanLines, Blocks::Tiles(Vec2(3, 2)), Blocks::Tiles(Vec2(64, 64))] {
+            let bytes = exr_in(blocks, compression);
+            let file = read_bytes(&bytes).unwrap();
+            for band in 0..3 {
+                let expected: Vec<f32> = (0..35).map(|i| (100 * band + i) as f32).collect();
+                assert_eq!(file.cube.planes().plane(band), expected, "{blocks:?} {compression:?}");
+            }
+            let part = crate::scene_file::Crop { row: 1, col: 2, rows: 3, cols: 4 };
+            let options = ReadOptions { crop: Some(part), ..ReadOptions::default() };
+            let cut = from_bytes(&bytes, Path::new("f.exr"), &options).unwrap();
+            assert_eq!(cut, file.cropped(part).unwrap(), "{blocks:?} {compression:?}");
+        }
+    }
+}
+
+#[test]
+fn a_table_of_blocks_that_lies_is_found_out() {
+    let good = exr_in(::exr::prelude::Blocks::ScanLines, ::exr::prelude::Compression::ZIP1);
+    // The table of five blocks ends where the first block begins.
+    let first = (8..good.len() - 8)
+        .find(|at| u64::from_le_bytes(good[*at..at + 8].try_into().unwrap()) == *at as u64 + 40)
+        .unwrap();
+    let change = |block: usize, to: u64| {
+        let mut bytes = good.clone();
+        bytes[first + 8 * block..][..8].copy_from_slice(&to.to_le_bytes());
+        read_bytes(&bytes).unwrap_err().to_string()
+    };
+    let second = u64::from_le_bytes(good[first + 8..first + 16].try_into().unwrap());
+    assert!(change(0, second).contains("block 0 is another one"), "{}", change(0, second));
+    assert!(
+        change(2, u64::MAX).contains("a block needs 18446744073709551615 bytes"),
+        "{}",
+        change(2, u64::MAX)
+    );
+    assert!(
+        read_bytes(&good[..first + 39])
+            .unwrap_err()
+            .to_string()
+            .contains("the table of blocks needs 40 bytes")
+    );
+}
+
 #[test]
 fn what_is_missing_is_said() {
     let rgb = exr_with(&[("R", [1.0; 2]), ("G", [1.0; 2]), ("B", [1.0; 2])]);

@@ -210,6 +210,11 @@ impl Context {
             _ => {}
         }
         // What is rare, the crate reads: other filters, arrays that were written in part, small ones in the header.
+        // It takes memory for the elements that are declared, which may be longer than numbers of this kind.
+        let size = dataset.element_size().map_err(|e| self.decode(e))?;
+        if size != kind.size() as u64 {
+            return Err(self.decode(format!("elements of {size} bytes; expected {}", kind.size())));
+        }
         let raw = dataset.read_raw().map_err(|e| self.decode(e))?;
         if raw.len() as u64 != bytes {
             return Err(self.decode(format!("a dataset of {} bytes; expected {bytes}", raw.len())));

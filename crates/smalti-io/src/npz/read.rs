@@ -9,7 +9,7 @@ use super::array::{Array, Type, axes, named_axes};
 use super::zip::{Archive, Member};
 use crate::error::At;
 use crate::file::stem;
-use crate::raster::{Cube, FileSource, Shared, Source, Storage, part};
+use crate::raster::{Cube, FileSource, Shared, Storage, part};
 use crate::scene_file::cube_file::CubeFile;
 use crate::scene_file::stated::{Bands, quantity_in};
 use crate::scene_file::tiles::{Tiles, load};
@@ -29,16 +29,16 @@ const LIST_LIMIT: u64 = 64 << 20;
 /// are neither stated nor given, a sample is NaN, infinite or negative (with its band and place), or the cube is larger than the
 /// limits.
 pub fn read(path: &Path, options: &ReadOptions) -> Result<SpectralFile, IoError> {
-    load(&opened(FileSource::open(path)?, path, options)?, path, options)
+    load(&opened(Arc::new(FileSource::open(path)?), path, options)?, path, options)
 }
 
-/// As [`read`], samples to be read as they are needed; those of a compressed archive are read at once. Of the options, the part
-/// is not looked at.
+/// As [`read`], samples to be read as they are needed; those of a compressed archive are unpacked from the begin on, as far as they are
+/// needed. Of the options, the part is not looked at.
 ///
 /// # Errors
 /// As [`read`], but for the samples.
 pub fn open(path: &Path, options: &ReadOptions) -> Result<Box<dyn Tiles>, IoError> {
-    Ok(Box::new(opened(FileSource::open(path)?, path, options)?))
+    Ok(Box::new(opened(Arc::new(FileSource::open(path)?), path, options)?))
 }
 
 /// As [`read`], from memory; `path` is only named.
@@ -46,18 +46,18 @@ pub fn open(path: &Path, options: &ReadOptions) -> Result<Box<dyn Tiles>, IoErro
 /// # Errors
 /// As [`read`].
 pub fn from_bytes(bytes: &[u8], path: &Path, options: &ReadOptions) -> Result<SpectralFile, IoError> {
-    load(&opened(bytes, path, options)?, path, options)
+    load(&opened(Arc::new(bytes), path, options)?, path, options)
 }
 
-fn opened<'a>(source: impl Source + 'a, path: &Path, options: &ReadOptions) -> Result<CubeFile<'a>, IoError> {
+fn opened<'a>(source: Shared<'a>, path: &Path, options: &ReadOptions) -> Result<CubeFile<'a>, IoError> {
     let io = |source| IoError::Read { path: path.to_owned(), source };
-    let magic = part(&source, 0, source.len().min(6) as usize).map_err(io)?;
+    let magic = part(&*source, 0, source.len().min(6) as usize).map_err(io)?;
     if magic.starts_with(b"PK") { archive(source, path, options) } else { single(source, path, options) }
 }
 
-fn single<'a>(source: impl Source + 'a, path: &Path, options: &ReadOptions) -> Result<CubeFile<'a>, IoError> {
+fn single<'a>(source: Shared<'a>, path: &Path, options: &ReadOptions) -> Result<CubeFile<'a>, IoError> {
     let io = |source| IoError::Read { path: path.to_owned(), source };
-    let start = |n: usize| part(&source, 0, n.min(usize::try_from(source.len()).unwrap_or(n))).map_err(io);
+    let start = |n: usize| part(&*source, 0, n.min(usize::try_from(source.len()).unwrap_or(n))).map_err(io);
     let array = Array::parse("", path, start)?;
     let given = options.grid.map(|g| g.len()).ok_or_else(|| {
         let expected = "them given by hand (--wavelengths), or an .npz with an array `wavelengths_nm`";
@@ -65,27 +65,20 @@ fn single<'a>(source: impl Source + 'a, path: &Path, options: &ReadOptions) -> R
     })?;
     let axes = axes(path, &array.shape, given)?;
     let bands = Bands::given(path, given, options)?;
-    let cube = Cube {
-        source: Arc::new(source),
-        raster: array.raster(axes, path)?,
-        storage: Storage::Run { offset: array.start },
-    };
+    let cube =
+        Cube { source, raster: array.raster(axes, path)?, storage: Storage::Run { offset: array.start } };
     cube.check(path, "the array", options.limits)?;
     let quantity = options.quantity.unwrap_or(Quantity::RelativeEnergy);
     Ok(CubeFile::new((path, "NumPy"), vec![cube], (stem(path), bands, quantity), options))
 }
 
 /// The arrays of an archive.
-struct Arrays<'a> {
-    archive: Archive<'a>,
+struct Arrays<'p, 'a> {
+    archive: Archive<'p, 'a>,
     arrays: Vec<(Array, Member)>,
 }
 
-fn archive<'a>(
-    source: impl Source + 'a,
-    path: &Path,
-    options: &ReadOptions,
-) -> Result<CubeFile<'a>, IoError> {
+fn archive<'a>(source: Shared<'a>, path: &Path, options: &ReadOptions) -> Result<CubeFile<'a>, IoError> {
     let archive = Archive::open(&source, path, options.limits)?;
     let mut arrays = Vec::new();
     for member in &archive.members {
@@ -148,8 +141,7 @@ fn archive<'a>(
         }
         None => None,
     };
-    // A stored cube is read where it lies; a compressed one is unpacked.
-    let content = if Archive::stored(&member) { None } else { Some(arrays.archive.content(&member)?) };
+    let (source, begin) = arrays.archive.source(&member)?;
     let need = raster.bytes().and_then(|n| n.checked_add(cube.start)).unwrap_or(u64::MAX);
     if need > member.size {
         let have = member.size;
@@ -158,10 +150,6 @@ fn archive<'a>(
     let name = arrays.text("name")?.unwrap_or_else(|| stem(path));
     let distance_m = arrays.single(&["distance_m", "distance"])?;
     let horizontal_fov_deg = arrays.single(&["horizontal_fov_deg", "fov_deg", "fov"])?;
-    let (source, begin): (Shared<'a>, u64) = match content {
-        Some(content) => (Arc::new(content), 0),
-        None => (Arc::new(source), member.at),
-    };
     let cube = Cube { source, raster, storage: Storage::Run { offset: begin + cube.start } };
     cube.check(path, "the cube", options.limits)?;
     let mut file = CubeFile::new((path, "NumPy"), vec![cube], (name, bands, quantity), options);
@@ -191,7 +179,7 @@ fn on_grid(values: &[f64], bands: &Bands) -> Result<Spectrum, smalti::spectrum::
     Spectrum::new(bands.grid, values)
 }
 
-impl Arrays<'_> {
+impl Arrays<'_, '_> {
     /// The cube: the one that was asked for, else `cube`, else the only one of three axes.
     fn cube(&self, options: &ReadOptions) -> Result<&(Array, Member), IoError> {
         let path = self.archive.path;

@@ -2,10 +2,13 @@
 
 use std::io::{self, BufReader, Read};
 use std::path::Path;
+use std::sync::Arc;
 
-use flate2::read::DeflateDecoder;
+use crc32fast::Hasher;
+use flate2::bufread::DeflateDecoder;
 
-use crate::raster::{Source, part};
+use crate::file::plausible;
+use crate::raster::{Shared, Source, Span, Stream, part};
 use crate::{IoError, Limits};
 
 const LIST_ENTRY: &[u8] = b"PK\x01\x02";
@@ -34,9 +37,9 @@ pub(crate) struct Member {
 }
 
 /// An archive whose list has been read.
-pub(crate) struct Archive<'a> {
-    pub(crate) path: &'a Path,
-    pub(crate) source: &'a dyn Source,
+pub(crate) struct Archive<'p, 'a> {
+    pub(crate) path: &'p Path,
+    source: Shared<'a>,
     pub(crate) members: Vec<Member>,
     limits: Limits,
 }
@@ -68,33 +71,41 @@ fn wrong(path: &Path, message: impl Into<String>) -> IoError {
     IoError::Decode { path: path.to_owned(), format: "ZIP", message: message.into() }
 }
 
-impl<'a> Archive<'a> {
-    pub(crate) fn open(source: &'a dyn Source, path: &'a Path, limits: Limits) -> Result<Self, IoError> {
+impl<'p, 'a> Archive<'p, 'a> {
+    pub(crate) fn open(source: &Shared<'a>, path: &'p Path, limits: Limits) -> Result<Self, IoError> {
         let io = |source| IoError::Read { path: path.to_owned(), source };
+        let source = Arc::clone(source);
         let len = source.len();
         // The end has a comment of up to 65535 bytes behind it.
         let tail_len = len.min((END_LEN + LOCATOR_LEN + 65_535) as u64);
-        let tail = part(source, len - tail_len, tail_len as usize).map_err(io)?;
+        let tail = part(&*source, len - tail_len, tail_len as usize).map_err(io)?;
         let expected = "a ZIP archive of NumPy arrays";
         let not_zip = || IoError::UnknownFormat { path: path.to_owned(), expected };
         let end = tail.windows(END_LEN).rposition(|w| w.starts_with(END)).ok_or_else(not_zip)?;
-        let (size, at) = list_place(source, &tail, end).ok_or_else(|| wrong(path, "its end is cut short"))?;
+        let (size, at) =
+            list_place(&*source, &tail, end).ok_or_else(|| wrong(path, "its end is cut short"))?;
         if at.checked_add(size).is_none_or(|end| end > len) || size > LIST_LIMIT {
             return Err(wrong(path, format!("its list of {size} bytes at {at} is not within the file")));
         }
-        let list = part(source, at, size as usize).map_err(io)?;
+        let list = part(&*source, at, size as usize).map_err(io)?;
         let mut rest = Bytes(&list);
         let mut members = Vec::new();
         while rest.0.starts_with(LIST_ENTRY) {
-            let member = entry(&mut rest, source).map_err(|m| wrong(path, m))?;
+            let member = entry(&mut rest, &*source).map_err(|m| wrong(path, m))?;
             members.push(member);
         }
         Ok(Self { path, source, members, limits })
     }
 
-    /// Whether the content lies in the archive as it is.
-    pub(crate) fn stored(member: &Member) -> bool {
-        !member.deflated
+    /// The content of a member, where it lies or as a stream, and where in it the content begins.
+    pub(crate) fn source(&self, member: &Member) -> Result<(Shared<'a>, u64), IoError> {
+        if !member.deflated {
+            return Ok((Arc::clone(&self.source), member.at));
+        }
+        plausible(self.path, "an array", member.size, member.compressed)?;
+        let (source, of) = (Arc::clone(&self.source), member.clone());
+        let stream = Stream::new(&member.name, member.size, move || Ok(reader(&source, &of, 1 << 16)));
+        Ok((Arc::new(stream), 0))
     }
 
     /// The first bytes of a member, or all of it where it is shorter.
@@ -102,7 +113,7 @@ impl<'a> Archive<'a> {
         let len = len.min(usize::try_from(member.size).unwrap_or(usize::MAX));
         self.limits.check(self.path, "an array", len as u64, self.source.len())?;
         let mut out = Vec::with_capacity(len);
-        self.reader(member, 1 << 9)
+        reader(&self.source, member, 1 << 9)
             .take(len as u64)
             .read_to_end(&mut out)
             .map_err(|e| wrong(self.path, format!("{}: {e}", member.name)))?;
@@ -113,42 +124,47 @@ impl<'a> Archive<'a> {
     pub(crate) fn content(&self, member: &Member) -> Result<Vec<u8>, IoError> {
         self.limits.check(self.path, "an array", member.size, member.compressed)?;
         let mut out = vec![0; usize::try_from(member.size).unwrap_or(usize::MAX)];
-        let mut reader = self.reader(member, 1 << 16);
-        let mut whole = || {
-            reader.read_exact(&mut out)?;
-            // What is more than was stated is not looked at, but it is wrong.
-            Ok::<_, io::Error>(reader.read(&mut [0])? == 0)
-        };
-        match whole() {
-            Ok(true) if crc32fast::hash(&out) == member.crc => Ok(out),
-            Ok(_) => {
-                Err(wrong(self.path, format!("{} has not the length and check sum stated", member.name)))
-            }
-            Err(e) => Err(wrong(self.path, format!("{}: {e}", member.name))),
-        }
-    }
-
-    fn reader(&self, member: &Member, at_once: usize) -> Box<dyn Read + 'a> {
-        let raw = Span { source: self.source, at: member.at, end: member.at + member.compressed };
-        let raw = BufReader::with_capacity(at_once, raw);
-        if member.deflated { Box::new(DeflateDecoder::new(raw)) } else { Box::new(raw) }
+        reader(&self.source, member, 1 << 16)
+            .read_exact(&mut out)
+            .map_err(|e| wrong(self.path, format!("{}: {e}", member.name)))?;
+        Ok(out)
     }
 }
 
-/// A part of a source, read from its begin to its end.
-struct Span<'a> {
-    source: &'a dyn Source,
-    at: u64,
-    end: u64,
+fn reader<'a>(source: &Shared<'a>, member: &Member, at_once: usize) -> Box<dyn Read + Send + 'a> {
+    let raw = Span::new(source, member.at, member.at + member.compressed);
+    let raw = BufReader::with_capacity(at_once, raw);
+    let (left, stated) = (member.size, member.crc);
+    match member.deflated {
+        true => Box::new(Checked { inner: DeflateDecoder::new(raw), left, stated, seen: Hasher::new() }),
+        false => Box::new(Checked { inner: raw, left, stated, seen: Hasher::new() }),
+    }
 }
 
-impl Read for Span<'_> {
+/// Content that is compared with its length and check sum when its end is reached.
+struct Checked<R> {
+    inner: R,
+    left: u64,
+    stated: u32,
+    seen: Hasher,
+}
+
+impl<R: Read> Read for Checked<R> {
     fn read(&mut self, out: &mut [u8]) -> io::Result<usize> {
-        let len = out.len().min(usize::try_from(self.end - self.at).unwrap_or(usize::MAX));
-        let out = out.get_mut(..len).unwrap_or_default();
-        self.source.read_at(self.at, out)?;
-        self.at += len as u64;
-        Ok(len)
+        let len = out.len().min(usize::try_from(self.left).unwrap_or(usize::MAX));
+        if len == 0 {
+            return Ok(0);
+        }
+        let count = self.inner.read(out.get_mut(..len).unwrap_or_default())?;
+        self.seen.update(out.get(..count).unwrap_or_default());
+        self.left = self.left.saturating_sub(count as u64);
+        // What is more than was stated is not looked at, but it is wrong.
+        if self.left == 0 && (self.seen.clone().finalize() != self.stated || self.inner.read(&mut [0])? != 0)
+        {
+            let message = "it has not the length and check sum stated";
+            return Err(io::Error::new(io::ErrorKind::InvalidData, message));
+        }
+        Ok(count)
     }
 }
 

@@ -1,8 +1,9 @@
 //! RGB pictures: PNG, TIFF, JPEG and OpenEXR in, PNG and TIFF out.
 
 mod encode;
+pub(crate) mod grey;
 mod jpeg;
-pub(crate) mod png;
+mod png;
 mod tiff;
 
 use std::path::Path;

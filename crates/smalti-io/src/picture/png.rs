@@ -12,9 +12,7 @@ use crate::file::guarded;
 use crate::{IoError, icc};
 
 pub(super) fn decode(bytes: &[u8], path: &Path, options: &ReadOptions) -> Result<Picture, IoError> {
-    // Three planes of f32 beside what is unpacked.
-    let Unpacked { info, size: (rows, cols), channels, samples } =
-        unpack(bytes, path, options, ("the picture", 12, options.limits.decoded_bytes))?;
+    let Unpacked { info, size: (rows, cols), channels, samples } = unpack(bytes, path, options)?;
     let (mut samples, bits) = samples.to_f32();
     let mut notes = Vec::new();
     alpha_note(&mut notes, channels);
@@ -27,17 +25,17 @@ pub(super) fn decode(bytes: &[u8], path: &Path, options: &ReadOptions) -> Result
 }
 
 /// The samples of a picture, pixel by pixel.
-pub(crate) struct Unpacked {
+struct Unpacked {
     info: Info<'static>,
     /// Rows and columns.
-    pub(crate) size: (usize, usize),
+    size: (usize, usize),
     /// 1 to 4, of which the second of two and the fourth are alpha.
-    pub(crate) channels: usize,
-    pub(crate) samples: Samples,
+    channels: usize,
+    samples: Samples,
 }
 
 /// Samples as they are stored.
-pub(crate) enum Samples {
+enum Samples {
     Eight(Vec<u8>),
     /// Big-endian.
     Sixteen(Vec<u8>),
@@ -47,29 +45,16 @@ impl Samples {
     /// The largest number is 1; and the bits of a sample.
     fn to_f32(&self) -> (Vec<f32>, u8) {
         match self {
-            Self::Sixteen(bytes) => (bytes.as_chunks().0.iter().map(sixteen).collect(), 16),
-            Self::Eight(bytes) => (bytes.iter().map(eight).collect(), 8),
+            Self::Sixteen(bytes) => (
+                bytes.as_chunks().0.iter().map(|b| f32::from(u16::from_be_bytes(*b)) / 65535.0).collect(),
+                16,
+            ),
+            Self::Eight(bytes) => (bytes.iter().map(|b| f32::from(*b) / 255.0).collect(), 8),
         }
     }
 }
 
-/// A sample of 16 bits, of which the largest is 1.
-pub(crate) fn sixteen(bytes: &[u8; 2]) -> f32 {
-    f32::from(u16::from_be_bytes(*bytes)) / 65535.0
-}
-
-/// A sample of 8 bits, of which the largest is 1.
-pub(crate) fn eight(byte: &u8) -> f32 {
-    f32::from(*byte) / 255.0
-}
-
-/// Unpacks a picture. `what` is how a message calls it; it and so many bytes more for each pixel must be within `allowed`.
-pub(crate) fn unpack(
-    bytes: &[u8],
-    path: &Path,
-    options: &ReadOptions,
-    (what, beside, allowed): (&'static str, u64, u64),
-) -> Result<Unpacked, IoError> {
+fn unpack(bytes: &[u8], path: &Path, options: &ReadOptions) -> Result<Unpacked, IoError> {
     let wrong = |e: png::DecodingError| IoError::Decode {
         path: path.to_owned(),
         format: "PNG",
@@ -87,10 +72,12 @@ pub(crate) fn unpack(
         options.limits.check(path, "the picture", raw, bytes.len() as u64)?;
         let mut reader = decoder.read_info().map_err(wrong)?;
         let size = reader.output_buffer_size().unwrap_or(usize::MAX);
-        let memory = pixels.saturating_mul(beside).saturating_add(size as u64);
+        // Three planes of f32 beside what is unpacked.
+        let memory = pixels.saturating_mul(12).saturating_add(size as u64);
+        let allowed = options.limits.decoded_bytes;
         if memory > allowed {
             let path = path.to_owned();
-            return Err(IoError::TooLarge { path, what, bytes: memory, limit: allowed });
+            return Err(IoError::TooLarge { path, what: "the picture", bytes: memory, limit: allowed });
         }
         let mut buffer = vec![0; size];
         let frame = reader.next_frame(&mut buffer).map_err(wrong)?;

@@ -24,8 +24,16 @@ pub(crate) struct Blocks {
     pub(crate) places: Arc<[Place]>,
     /// In the order in which they were applied.
     pub(crate) filters: Vec<Filter>,
+    /// What unpacks blocks in place of filters.
+    pub(crate) unpack: Option<Arc<dyn Unpack>>,
     /// Blocks that reach beyond the last row are stored without what is beyond, as strips are; others are stored whole.
     pub(crate) cut: bool,
+}
+
+/// Unpacks the blocks of a format.
+pub(crate) trait Unpack: std::fmt::Debug + Send + Sync {
+    /// Fills `out` with the samples of a block, by its number among the places, from what is stored of it. An error in words.
+    fn unpack(&self, block: usize, stored: &[u8], out: &mut Vec<u8>) -> Result<(), String>;
 }
 
 /// A block in a file.
@@ -38,6 +46,11 @@ pub(crate) struct Place {
 }
 
 impl Blocks {
+    /// Whether blocks are unpacked before they are read.
+    pub(super) fn packed(&self) -> bool {
+        !self.filters.is_empty() || self.unpack.is_some()
+    }
+
     /// Compares what is declared with the length of the file; `what` is how a message calls a block.
     pub(super) fn check(
         &self,
@@ -51,7 +64,7 @@ impl Blocks {
         for (i, place) in self.places.iter().enumerate() {
             let row = if self.cut && last > 0 { i / below.max(1) % (last + 1) } else { 0 };
             let bytes = self.shape(cube, row).bytes().unwrap_or(u64::MAX);
-            let plain = self.filters.is_empty();
+            let plain = !self.packed();
             let end = place.offset.saturating_add(if plain { bytes } else { place.bytes });
             if end > source.len() {
                 return truncated(end, source.len());
@@ -59,7 +72,10 @@ impl Blocks {
             if plain && place.bytes < bytes {
                 return truncated(bytes, place.bytes);
             }
-            limits.check(path, what, bytes, place.bytes)?;
+            // What a format unpacks itself, it has compared with the length of the file.
+            if self.unpack.is_none() {
+                limits.check(path, what, bytes, place.bytes)?;
+            }
         }
         Ok(())
     }
@@ -88,10 +104,8 @@ impl Blocks {
         let rows = part.rows.start / high..part.rows.end.div_ceil(high);
         let cols = part.cols.start / wide..part.cols.end.div_ceil(wide);
         let all: Vec<[usize; 2]> = rows.flat_map(|row| cols.clone().map(move |col| [row, col])).collect();
-        let place = |[row, col]: [usize; 2]| {
-            let index = band * self.strides[0] + row * self.strides[1] + col * self.strides[2];
-            self.places.get(index).copied().ok_or(Bad::Io(io::ErrorKind::UnexpectedEof.into()))
-        };
+        let index =
+            |[row, col]: [usize; 2]| band * self.strides[0] + row * self.strides[1] + col * self.strides[2];
         // Copies what is wanted of a block.
         let mut copy = |at @ [row, col]: [usize; 2], from: (&dyn Source, u64), window: &mut Vec<u8>| {
             let [top, left] = [row * high, col * wide];
@@ -109,15 +123,15 @@ impl Blocks {
             let target = Target { bands: &mut below, width: target.width, col };
             self.shape(cube, at[0]).read_into(from, &local, target, window)
         };
-        if self.filters.is_empty() {
+        if !self.packed() {
             for at in all {
-                copy(at, (source, place(at)?.offset), &mut scratch.window)?;
+                copy(at, (source, self.place(index(at))?.offset), &mut scratch.window)?;
             }
             return Ok(());
         }
         if !shared {
             for at in all {
-                self.unpack(&self.shape(cube, at[0]), source, place(at)?, scratch)?;
+                self.unpacked(&self.shape(cube, at[0]), source, index(at), scratch)?;
                 let Scratch { block, window, .. } = scratch;
                 copy(at, (&block.as_slice(), 0), window)?;
             }
@@ -129,7 +143,7 @@ impl Blocks {
             let unpacked: Vec<Result<(), Bad>> = several
                 .par_iter_mut()
                 .zip(some)
-                .map(|(scratch, &at)| self.unpack(&self.shape(cube, at[0]), source, place(at)?, scratch))
+                .map(|(scratch, &at)| self.unpacked(&self.shape(cube, at[0]), source, index(at), scratch))
                 .collect();
             unpacked.into_iter().collect::<Result<(), Bad>>()?;
             for (scratch, &at) in several.iter().zip(some) {
@@ -139,16 +153,24 @@ impl Blocks {
         Ok(())
     }
 
+    fn place(&self, index: usize) -> Result<Place, Bad> {
+        self.places.get(index).copied().ok_or(Bad::Io(io::ErrorKind::UnexpectedEof.into()))
+    }
+
     /// A block as it was before it was written, in `scratch.block`.
-    fn unpack(
+    fn unpacked(
         &self,
         shape: &Raster,
         source: &dyn Source,
-        place: Place,
+        index: usize,
         scratch: &mut Scratch,
     ) -> Result<(), Bad> {
+        let place = self.place(index)?;
         scratch.block.resize(usize::try_from(place.bytes).unwrap_or(usize::MAX), 0);
         source.read_at(place.offset, &mut scratch.block)?;
+        if let Some(format) = &self.unpack {
+            return scratch.replaced(shape, |stored, out| format.unpack(index, stored, out));
+        }
         let used = self
             .filters
             .iter()

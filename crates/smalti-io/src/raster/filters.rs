@@ -35,6 +35,21 @@ pub(crate) struct Scratch {
 }
 
 impl Scratch {
+    /// Replaces what stands in `self.block` by what `unpack` makes of it, which are samples of this shape.
+    pub(super) fn replaced(
+        &mut self,
+        shape: &Raster,
+        unpack: impl FnOnce(&[u8], &mut Vec<u8>) -> Result<(), String>,
+    ) -> Result<(), Bad> {
+        self.other.clear();
+        unpack(&self.block, &mut self.other).map_err(Bad::Block)?;
+        std::mem::swap(&mut self.block, &mut self.other);
+        match Some(self.block.len() as u64) == shape.bytes() {
+            true => Ok(()),
+            false => Err(Bad::Block("a block is of another length".into())),
+        }
+    }
+
     /// Undoes what was done to a block of these samples, which stands in `self.block`, and leaves it there.
     pub(super) fn undo(
         &mut self,

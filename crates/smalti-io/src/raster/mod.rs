@@ -10,6 +10,7 @@ mod kind;
 mod memory;
 mod run;
 mod source;
+mod stream;
 mod values;
 
 use std::collections::BTreeMap;
@@ -20,7 +21,7 @@ use std::path::Path;
 
 use rayon::prelude::*;
 
-pub(crate) use blocks::{Blocks, Place};
+pub(crate) use blocks::{Blocks, Place, Unpack};
 use copy::Target;
 pub(crate) use filters::Filter;
 use filters::Scratch;
@@ -29,7 +30,8 @@ pub(crate) use memory::zeros;
 use memory::{filled, room};
 pub(crate) use run::Raster;
 use run::UNIT_BYTES;
-pub(crate) use source::{FileSource, Shared, Source, bytes_at, part};
+pub(crate) use source::{FileSource, Shared, Source, Span, bytes_at, part};
+pub(crate) use stream::Stream;
 pub(crate) use values::{BadSample, Values};
 
 use crate::{IoError, Limits};
@@ -63,7 +65,10 @@ pub(crate) enum Bad {
 
 impl From<io::Error> for Bad {
     fn from(error: io::Error) -> Self {
-        Self::Io(error)
+        match error.kind() {
+            io::ErrorKind::InvalidData => Self::Block(error.to_string()),
+            _ => Self::Io(error),
+        }
     }
 }
 
@@ -103,12 +108,18 @@ impl Cube<'_> {
         }
     }
 
-    /// The rows that are unpacked at once; where rows run fastest, as many as make reading them worth while; else 1.
+    /// The rows that are unpacked at once; where rows run fastest, as many as make reading them worth while; of a stream in which
+    /// they do not follow one another, all; else 1.
     pub(crate) fn rows_at_once(&self) -> usize {
         // A quarter of a page: fewer would have the disk read each page many times.
         const PIECE_BYTES: usize = 1 << 10;
+        let raster = &self.raster;
         match &self.storage {
-            Storage::Blocks(blocks) if !blocks.filters.is_empty() => blocks.size[1],
+            _ if self.source.is_stream() => {
+                let slowest = raster.order.into_iter().find(|axis| raster.len(*axis) > 1);
+                if slowest == Some(Axis::Row) { 1 } else { raster.rows.max(1) }
+            }
+            Storage::Blocks(blocks) if blocks.packed() => blocks.size[1],
             _ if self.raster.order[2] == Axis::Row => PIECE_BYTES / self.raster.kind.size(),
             _ => 1,
         }
@@ -118,7 +129,7 @@ impl Cube<'_> {
     /// together, counted from the first row of the cube where they are unpacked together.
     fn unit(&self, cols: usize) -> (usize, usize, bool) {
         let (together, packed) = match &self.storage {
-            Storage::Blocks(blocks) if !blocks.filters.is_empty() => (blocks.size[0], Some(blocks.size[1])),
+            Storage::Blocks(blocks) if blocks.packed() => (blocks.size[0], Some(blocks.size[1])),
             Storage::Blocks(blocks) => (blocks.size[0], None),
             Storage::Run { .. } => (self.raster.bands, None),
         };
@@ -128,6 +139,10 @@ impl Cube<'_> {
             |bands: usize| bands.saturating_mul(cols).saturating_mul(self.raster.kind.size()).max(1);
         match packed {
             Some(rows) => (together, rows, true),
+            // In the order of the stream, so that it is unpacked once.
+            None if self.source.is_stream() && !self.raster.by_rows() => {
+                (together, self.raster.rows.max(1), false)
+            }
             // Where rows run fastest, a few of them would be read in small pieces: bands are shared out instead.
             None if self.raster.order[2] == Axis::Row => (1, self.raster.rows.max(1), false),
             None => (together, (UNIT_BYTES / row_bytes(together)).max(1), false),
@@ -171,8 +186,8 @@ pub(crate) fn read<S: Sample>(
     let len = bands.len() * rows.len() * cols.len();
     let mut data: Vec<S> = room(len);
     let empty = data.spare_capacity_mut().get_mut(..len).unwrap_or_default();
-    let mut units = units(empty, cubes, bands, rows, cols.len());
-    let shared = units.len() < 2 * rayon::current_num_threads();
+    let mut tasks = tasks(units(empty, cubes, bands, rows, cols.len()), cubes);
+    let shared = tasks.len() < 2 * rayon::current_num_threads();
     let read = |scratch: &mut Scratch, unit: &mut Unit<'_, MaybeUninit<S>>| {
         let mut planes: Vec<&mut [S]> = unit.planes.iter_mut().map(|p| filled(p)).collect();
         let count: usize = planes.iter().map(|p| p.len()).sum();
@@ -187,8 +202,11 @@ pub(crate) fn read<S: Sample>(
         Ok(count)
     };
     // All are done before the first error in their order is told: the same for any number of threads.
-    let done: Vec<Result<usize, Bad>> = units.par_iter_mut().map_init(Scratch::default, read).collect();
-    drop(units);
+    let all = |scratch: &mut Scratch, task: &mut Vec<Unit<'_, MaybeUninit<S>>>| {
+        task.iter_mut().map(|unit| read(scratch, unit)).sum::<Result<usize, Bad>>()
+    };
+    let done: Vec<Result<usize, Bad>> = tasks.par_iter_mut().map_init(Scratch::default, all).collect();
+    drop(tasks);
     let count: usize = done.into_iter().sum::<Result<usize, Bad>>()?;
     if count != len {
         return Err(Bad::Io(io::ErrorKind::UnexpectedEof.into()));
@@ -235,6 +253,19 @@ fn units<'d, S>(
         }
     }
     units
+}
+
+/// Units that one thread reads one after another: those of a stream, each other alone.
+fn tasks<'d, S>(units: Vec<Unit<'d, S>>, cubes: &[Cube<'_>]) -> Vec<Vec<Unit<'d, S>>> {
+    let mut tasks: Vec<Vec<Unit<'d, S>>> = Vec::new();
+    for unit in units {
+        let stream = cubes.get(unit.cube).is_some_and(|c| c.source.is_stream());
+        match tasks.last_mut().filter(|task| stream && task.last().is_some_and(|u| u.cube == unit.cube)) {
+            Some(task) => task.push(unit),
+            None => tasks.push(vec![unit]),
+        }
+    }
+    tasks
 }
 
 #[cfg(test)]

@@ -40,6 +40,11 @@ impl Raster {
         }
     }
 
+    /// Whether rows run slower than columns.
+    pub(super) fn by_rows(&self) -> bool {
+        self.order.iter().find(|axis| **axis != Axis::Band) == Some(&Axis::Row)
+    }
+
     /// Reads a part of the samples, which begin at `offset`, to where it belongs. It lies within them, and they within the
     /// source.
     pub(super) fn read_into<S: Sample>(
@@ -101,7 +106,7 @@ impl Raster {
     ) -> Result<(), Bad> {
         let row = part.bands.len().max(1) * part.cols.len() * self.kind.size();
         // Cut across the slower of rows and columns.
-        let by_rows = self.order.iter().find(|a| **a != Axis::Band) == Some(&Axis::Row);
+        let by_rows = self.by_rows();
         let (len, line) = if by_rows {
             (part.rows.len(), row)
         } else {

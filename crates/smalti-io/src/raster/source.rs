@@ -1,7 +1,7 @@
 //! Bytes that are read from any place.
 
 use std::fs::File;
-use std::io;
+use std::io::{self, Read, Seek, SeekFrom};
 use std::path::Path;
 use std::sync::Arc;
 
@@ -21,6 +21,11 @@ pub(crate) trait Source: Send + Sync {
     /// All bytes, where they lie in memory.
     fn memory(&self) -> Option<&[u8]> {
         None
+    }
+
+    /// Whether bytes are had one after another: what lies before those that were read last takes reading from the begin.
+    fn is_stream(&self) -> bool {
+        false
     }
 }
 
@@ -91,10 +96,51 @@ impl Source for FileSource {
 
     #[cfg(not(unix))]
     fn read_at(&self, offset: u64, out: &mut [u8]) -> io::Result<()> {
-        use std::io::{Read, Seek, SeekFrom};
         let mut file = self.file.lock().map_err(|_| io::Error::other("a reader has failed before"))?;
         file.seek(SeekFrom::Start(offset))?;
         file.read_exact(out)
+    }
+}
+
+/// A part of a source, read as a file of its own.
+pub(crate) struct Span<'a> {
+    source: Shared<'a>,
+    begin: u64,
+    end: u64,
+    at: u64,
+}
+
+impl<'a> Span<'a> {
+    /// From a place to another, at most the end of the source.
+    pub(crate) fn new(source: &Shared<'a>, begin: u64, end: u64) -> Self {
+        let end = end.min(source.len()).max(begin);
+        Self { source: Arc::clone(source), begin, end, at: begin }
+    }
+
+    pub(crate) fn whole(source: &Shared<'a>) -> Self {
+        Self::new(source, 0, source.len())
+    }
+}
+
+impl Read for Span<'_> {
+    fn read(&mut self, out: &mut [u8]) -> io::Result<usize> {
+        let len = out.len().min(usize::try_from(self.end.saturating_sub(self.at)).unwrap_or(usize::MAX));
+        let out = out.get_mut(..len).unwrap_or_default();
+        self.source.read_at(self.at, out)?;
+        self.at += len as u64;
+        Ok(len)
+    }
+}
+
+impl Seek for Span<'_> {
+    fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
+        let at = match to {
+            SeekFrom::Start(at) => self.begin.checked_add(at),
+            SeekFrom::End(by) => self.end.checked_add_signed(by),
+            SeekFrom::Current(by) => self.at.checked_add_signed(by),
+        };
+        self.at = at.filter(|at| *at >= self.begin).ok_or(io::ErrorKind::InvalidInput)?;
+        Ok(self.at - self.begin)
     }
 }
 

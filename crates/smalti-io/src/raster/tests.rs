@@ -1,5 +1,6 @@
-use std::io::Write;
+use std::io::{Cursor, Write};
 use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 
 use proptest::prelude::*;
 
@@ -60,6 +61,19 @@ fn in_run(raster: Raster, offset: usize, on_disk: bool) -> Cube<'static> {
     Cube { source, raster, storage: Storage::Run { offset: offset as u64 } }
 }
 
+/// As a stream, which counts how often it is begun.
+fn in_stream(raster: Raster, offset: usize, begun: &Arc<AtomicUsize>) -> Cube<'static> {
+    let mut bytes = vec![0xee; offset];
+    bytes.extend(samples(&raster, raster, [0; 3]));
+    let (len, begun) = (bytes.len() as u64, Arc::clone(begun));
+    let begin = move || {
+        begun.fetch_add(1, Relaxed);
+        Ok(Box::new(Cursor::new(bytes.clone())) as _)
+    };
+    let source = Arc::new(Stream::new("s", len, begin));
+    Cube { source, raster, storage: Storage::Run { offset: offset as u64 } }
+}
+
 fn in_blocks(raster: Raster, size: [usize; 3], packed: bool, cut: bool) -> Cube<'static> {
     let counts =
         [raster.bands.div_ceil(size[0]), raster.rows.div_ceil(size[1]), raster.cols.div_ceil(size[2])];
@@ -87,7 +101,7 @@ fn in_blocks(raster: Raster, size: [usize; 3], packed: bool, cut: bool) -> Cube<
         }
     }
     let strides = [counts[1] * counts[2], counts[2], 1];
-    let blocks = Blocks { size, strides, places: places.into(), filters, cut };
+    let blocks = Blocks { size, strides, places: places.into(), filters, unpack: None, cut };
     let cube = Cube { source: Arc::new(OnDisk(bytes)), raster, storage: Storage::Blocks(blocks) };
     cube.check(Path::new("f"), "a block", Limits::default()).unwrap();
     cube
@@ -116,13 +130,15 @@ fn read_plain(cubes: &[Cube<'_>], bands: &[(usize, usize)], part: (Range<usize>,
 proptest! {
     #[test]
     fn every_order_and_window_is_read(
-        order in 0usize..6, big_endian: bool, offset in 0usize..9, storage in 0usize..6,
+        order in 0usize..6, big_endian: bool, offset in 0usize..9, storage in 0usize..7,
         (bands, rows, cols) in (1usize..40, 1usize..70, 1usize..70), block in prop::array::uniform3(1usize..50),
         cut in prop::array::uniform4(any::<prop::sample::Index>()), picked in any::<prop::sample::Index>(), backwards: bool,
     ) {
         let raster = Raster { kind: Kind::U16, big_endian, bands, rows, cols, order: ORDERS[order] };
+        let begun = Arc::new(AtomicUsize::new(0));
         let cube = match storage {
             0 | 1 => in_run(raster, offset, storage == 0),
+            6 => in_stream(raster, offset, &begun),
             _ => in_blocks(raster, block, storage % 2 == 0, storage > 3),
         };
         // One of the bands left out.
@@ -134,6 +150,47 @@ proptest! {
         let places: Vec<(usize, usize)> = wanted.iter().map(|b| (0, *b)).collect();
         let data = read_plain(&[cube], &places, (rows.clone(), cols.clone()));
         prop_assert_eq!(data, expected(&wanted, rows, cols));
+        // Whatever the order, a stream is unpacked once.
+        prop_assert_eq!(begun.load(Relaxed), usize::from(storage == 6));
+    }
+}
+
+#[test]
+fn a_stream_by_rows_is_unpacked_once_for_all_of_them() {
+    let begun = Arc::new(AtomicUsize::new(0));
+    let read_by_rows = |order: usize| {
+        let raster =
+            Raster { kind: Kind::U16, big_endian: false, bands: 3, rows: 40, cols: 6, order: ORDERS[order] };
+        let cubes = [in_stream(raster, 3, &begun)];
+        begun.store(0, Relaxed);
+        for row in (0..40).step_by(10) {
+            let data = read_plain(&cubes, &[(0, 0), (0, 1), (0, 2)], (row..row + 10, 0..6));
+            assert_eq!(data, expected(&[0, 1, 2], row..row + 10, 0..6));
+        }
+        (cubes[0].rows_at_once(), begun.load(Relaxed))
+    };
+    assert_eq!((read_by_rows(2), read_by_rows(3)), ((1, 1), (1, 1)));
+    // Where rows lie apart, once for each part.
+    for order in [0, 1, 4, 5] {
+        assert_eq!(read_by_rows(order), (40, 4));
+    }
+}
+
+#[test]
+fn what_a_stream_lacks_is_an_error_about_the_file() {
+    let raster = Raster { kind: Kind::U16, big_endian: false, bands: 1, rows: 4, cols: 6, order: ORDERS[0] };
+    type Begin = fn() -> io::Result<Box<dyn io::Read + Send>>;
+    let cases: [(Begin, &str); 3] = [
+        (|| Ok(Box::new(Cursor::new(vec![0; 47]))), "s: failed to fill whole buffer"),
+        (|| panic!("of a decoder"), "s: the decoder failed on it"),
+        (|| Err(io::Error::other("no")), "s: no"),
+    ];
+    for (begin, expected) in cases {
+        let source: Shared<'static> = Arc::new(Stream::new("s", 48, begin));
+        let cube = Cube { source, raster, storage: Storage::Run { offset: 0 } };
+        let done: Result<Vec<f32>, Bad> = read(&[cube], &[(0, 0)], (0..4, 0..6), |_, _, _| Ok(()));
+        let Err(Bad::Block(message)) = done else { panic!("{done:?}") };
+        assert_eq!(message, expected);
     }
 }
 

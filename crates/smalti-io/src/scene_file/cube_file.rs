@@ -24,6 +24,8 @@ pub(crate) struct CubeFile<'a> {
     places: Vec<(usize, usize)>,
     /// Gain and offset of each band; where it is shorter, 1 and 0.
     pub(crate) gains: Vec<(f64, f64)>,
+    /// What a message calls each band; where it is shorter, the wavelength and number.
+    pub(crate) channels: Vec<String>,
     /// The number that stands where nothing was measured.
     pub(crate) ignore: Option<f32>,
     negative: Negative,
@@ -48,6 +50,7 @@ impl<'a> CubeFile<'a> {
             bands: bands.order.clone(),
             cubes,
             gains: Vec::new(),
+            channels: Vec::new(),
             ignore: None,
             negative: negative(options),
             header: Header::plain(name, size, bands, quantity),
@@ -71,7 +74,8 @@ impl Tiles for CubeFile<'_> {
             let nm =
                 self.bands.iter().position(|b| *b == band).and_then(|i| self.header.wavelengths_nm.get(i));
             let number = format!("band {}", band + 1);
-            nm.map_or(number.clone(), |nm| format!("{nm} nm ({number})"))
+            let called = self.channels.get(band).cloned();
+            called.unwrap_or_else(|| nm.map_or(number.clone(), |nm| format!("{nm} nm ({number})")))
         };
         let data = raster::read(&self.cubes, &self.places, part.ranges(), check)
             .map_err(|bad| bad_to_error(bad, (&self.path, self.format), channel))?;

@@ -72,17 +72,4 @@ impl Facts {
         header.horizontal_fov_deg = self.horizontal_fov_deg;
         Ok(())
     }
-
-    /// The file with what is stated here.
-    pub(crate) fn state(self, file: &mut SpectralFile, path: &Path) -> Result<(), IoError> {
-        file.quantity = self.quantity().unwrap_or(file.quantity);
-        let mut header = Header::of(file);
-        self.state_header(&mut header, path)?;
-        let Header { name, illuminant, distance_m, horizontal_fov_deg, .. } = header;
-        file.name = name;
-        file.illuminant = illuminant;
-        file.distance_m = distance_m;
-        file.horizontal_fov_deg = horizontal_fov_deg;
-        Ok(())
-    }
 }

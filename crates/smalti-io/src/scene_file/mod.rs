@@ -93,8 +93,8 @@ fn extension(path: &Path) -> Option<String> {
     Some(path.extension()?.to_str()?.to_ascii_lowercase())
 }
 
-/// A spectral image whose samples are read as they are needed; none where the file is a picture, or of a format that is read
-/// whole. Of the options, the part is not looked at.
+/// A spectral image whose samples are read as they are needed; none where the file is a picture. Of the options, the part is not
+/// looked at.
 ///
 /// # Errors
 /// When the header cannot be read or is not valid.
@@ -105,6 +105,8 @@ pub fn open(path: &Path, options: &ReadOptions) -> Result<Option<Box<dyn Tiles>>
         Some(Format::Tiff) if spectral_tiff::is_spectral(path, options)? => {
             spectral_tiff::open(path, options).map(Some)
         }
+        Some(Format::Exr) if exr::is_spectral(path)? => exr::open(path, options).map(Some),
+        Some(Format::Bands) => bands::open(path, options).map(Some),
         Some(Format::Mat) => matlab::open(path, options).map(Some),
         Some(Format::Hdf5) => hdf5::open(path, options).map(Some),
         _ => Ok(None),
@@ -116,18 +118,9 @@ pub fn open(path: &Path, options: &ReadOptions) -> Result<Option<Box<dyn Tiles>>
 /// # Errors
 /// When the file cannot be read or is not valid.
 pub fn read_spectral(path: &Path, options: &ReadOptions) -> Result<Option<SpectralFile>, IoError> {
-    if let Some(tiles) = open(path, options)? {
-        return load(&tiles, path, options).map(Some);
-    }
-    let file = match Format::find(path) {
-        // What remains is read whole, and cut.
-        Some(Format::Exr) if exr::is_spectral(path, options)? => exr::read(path, options)?,
-        Some(Format::Bands) => return bands::read(path, options).map(Some),
-        _ => return Ok(None),
-    };
-    match options.crop {
-        Some(part) => file.cropped(part).map(Some),
-        None => Ok(Some(file)),
+    match open(path, options)? {
+        Some(tiles) => load(&tiles, path, options).map(Some),
+        None => Ok(None),
     }
 }
 

@@ -163,6 +163,9 @@ def speed(write):
     jobs.append(("stored.npz", lambda: planar(np.load(folder / "stored.npz")["cube"])))
     np.savez_compressed(folder / "deflated.npz", cube=planes, wavelengths=nm)
     jobs.append(("deflated.npz", lambda: planar(np.load(folder / "deflated.npz")["cube"])))
+    for order in ["C", "F"]:
+        np.savez_compressed(folder / f"deflated-rcb-{order}.npz", cube=np.array(cube, order=order), wavelengths=nm)
+        jobs.append((f"deflated-rcb-{order}.npz", lambda o=order: planar(np.load(folder / f"deflated-rcb-{o}.npz")["cube"], (2, 0, 1))))
     import tifffile
     meta = {"wavelengths": nm.tolist()}
     for name, data, options, back in [("pages-f4", planes.astype("f4"), {}, None), ("pages-u2", planes, {}, None),
@@ -171,6 +174,19 @@ def speed(write):
         tifffile.imwrite(folder / f"{name}.tif", data, photometric="minisblack", metadata=meta, **options)
         jobs.append((f"{name}.tif", lambda n=name, b=back: planar(tifffile.imread(folder / f"{n}.tif"), b),
                      strips(name, data) if "compression" in options else numpys(name, data, False, back)))
+    import OpenEXR
+    channels = [f"S0.{v:.0f},0nm" for v in nm]
+
+    def exr(name):
+        with OpenEXR.File(str(folder / name), separate_channels=True) as file:
+            return np.stack([file.channels()[c].pixels for c in channels]).astype(np.float32)
+
+    for name, dtype, code in [("plain-f4", "f4", OpenEXR.NO_COMPRESSION), ("zip-f4", "f4", OpenEXR.ZIP_COMPRESSION),
+                              ("zip-f2", "f2", OpenEXR.ZIP_COMPRESSION)]:
+        # Halves end at 65504.
+        data = planes.astype(dtype)
+        OpenEXR.File({"compression": code, "type": OpenEXR.scanlineimage}, dict(zip(channels, data))).write(str(folder / f"{name}.exr"))
+        jobs.append((f"{name}.exr", lambda n=name: exr(f"{n}.exr"), numpys(name, data, code != OpenEXR.NO_COMPRESSION, None)))
     import cv2
     (folder / "cave").mkdir()
     for i in range(count):

@@ -1,0 +1,140 @@
+//! Blocks of lines, and tiles, of OpenEXR (*Technical Introduction to OpenEXR*: "Chunk offset table").
+
+use std::path::Path;
+use std::sync::Arc;
+
+use exr::block::UncompressedBlock;
+use exr::block::chunk::Chunk;
+use exr::meta::header::Header;
+use exr::prelude::{MetaData, SampleType, Vec2, f16};
+
+use crate::file::guarded;
+use crate::raster::{Axis, Blocks, Cube, Kind, Place, Raster, Shared, Storage, Unpack, bytes_at};
+use crate::{IoError, Limits};
+
+/// What stands before the content of a block, at most.
+const BLOCK_HEAD: u64 = 24;
+
+/// The wanted channels of a layer, whose table of blocks stands behind the headers with those of the layers before it.
+pub(super) fn cube<'a>(
+    source: Shared<'a>,
+    meta: MetaData,
+    (layer, channels): (usize, Vec<usize>),
+    tables: u64,
+    (path, limits): (&Path, Limits),
+) -> Result<Cube<'a>, IoError> {
+    let absent = || IoError::field(path, "the image", "absent", "a layer");
+    let header = meta.headers.get(layer).ok_or_else(absent)?;
+    let Vec2(cols, rows) = header.layer_size;
+    let Vec2(wide, high) = header.max_block_pixel_size();
+    let (wide, high) = (wide.clamp(1, cols.max(1)), high.clamp(1, rows.max(1)));
+    // Blocks of the full resolution are the first, by rows.
+    let across = cols.div_ceil(wide);
+    let count = (across as u64).saturating_mul(rows.div_ceil(high) as u64);
+    let before = meta.headers.iter().take(layer).fold(0u64, |n, h| n.saturating_add(h.chunk_count as u64));
+    let table = tables.saturating_add(before.saturating_mul(8));
+    let table = bytes_at(&*source, table, count.saturating_mul(8), "the table of blocks", path)?;
+    let offsets: Vec<u64> = table.as_chunks().0.iter().map(|b| u64::from_le_bytes(*b)).collect();
+
+    let pixels = (wide as u64).saturating_mul(high as u64);
+    let largest = pixels.saturating_mul(header.channels.bytes_per_pixel as u64);
+    limits.check(path, "a block", largest, source.len())?;
+    // A block ends where the next one begins, and is no larger than it was before.
+    let mut ends = offsets.clone();
+    ends.push(source.len());
+    ends.sort_unstable();
+    let place = |offset: &u64| {
+        let next = ends.get(ends.partition_point(|end| end <= offset)).copied().unwrap_or(source.len());
+        let bytes = next.saturating_sub(*offset).min(largest.saturating_add(BLOCK_HEAD));
+        Place { offset: *offset, bytes, skipped: 0 }
+    };
+    let places: Arc<[Place]> = offsets.iter().map(place).collect();
+    let raster = Raster {
+        kind: Kind::F32,
+        big_endian: cfg!(target_endian = "big"),
+        bands: channels.len(),
+        rows,
+        cols,
+        order: [Axis::Row, Axis::Band, Axis::Col],
+    };
+    let blocks = Blocks {
+        size: [channels.len().max(1), high, wide],
+        strides: [0, across, 1],
+        places,
+        filters: Vec::new(),
+        unpack: Some(Arc::new(Layer { meta, layer, channels, size: [high, wide], across })),
+        cut: false,
+    };
+    let cube = Cube { source, raster, storage: Storage::Blocks(blocks) };
+    cube.check(path, "a block", limits)?;
+    Ok(cube)
+}
+
+#[derive(Debug)]
+struct Layer {
+    meta: MetaData,
+    layer: usize,
+    channels: Vec<usize>,
+    /// Rows and columns of a block.
+    size: [usize; 2],
+    /// Blocks in a row of them.
+    across: usize,
+}
+
+impl Unpack for Layer {
+    fn unpack(&self, block: usize, stored: &[u8], out: &mut Vec<u8>) -> Result<(), String> {
+        let unpacked = guarded(Path::new(""), "OpenEXR", || {
+            let decoded = Chunk::read(&mut &*stored, &self.meta)
+                .and_then(|chunk| UncompressedBlock::decompress_chunk(chunk, &self.meta, false));
+            decoded.map_err(|e| IoError::field(Path::new(""), "a block", e.to_string(), ""))
+        });
+        let unpacked = unpacked.map_err(|e| match e {
+            IoError::Field { found, .. } => found,
+            IoError::Decode { message, .. } => message,
+            e => e.to_string(),
+        })?;
+        let header = self.meta.headers.get(self.layer).ok_or("a layer is absent")?;
+        self.copy(header, block, &unpacked, out).ok_or_else(|| format!("block {block} is another one"))
+    }
+}
+
+impl Layer {
+    /// The wanted channels by rows, filled up with zeros where the block is cut by the edge of the image.
+    fn copy(&self, header: &Header, block: usize, from: &UncompressedBlock, out: &mut Vec<u8>) -> Option<()> {
+        let [high, wide] = self.size;
+        let [row, col] = [block / self.across.max(1) * high, block % self.across.max(1) * wide];
+        let index = from.index;
+        if (index.layer, index.level, index.pixel_position) != (self.layer, Vec2(0, 0), Vec2(col, row)) {
+            return None;
+        }
+        let Vec2(cols, rows) = index.pixel_size;
+        let mut begin = 0;
+        let mut line = 0;
+        let mut places = Vec::with_capacity(header.channels.list.len());
+        for channel in &header.channels.list {
+            places.push((line, channel.sample_type));
+            line += cols * channel.sample_type.bytes_per_sample();
+        }
+        out.resize(high * self.channels.len() * wide * 4, 0);
+        for row in out.chunks_exact_mut((self.channels.len() * wide * 4).max(1)).take(rows) {
+            for (to, channel) in row.chunks_exact_mut(wide * 4).zip(&self.channels) {
+                let (place, kind) = places.get(*channel)?;
+                let samples = from.data.get(begin + place..)?.get(..cols * kind.bytes_per_sample())?;
+                let to = to.get_mut(..cols * 4)?;
+                match kind {
+                    SampleType::F32 => to.copy_from_slice(samples),
+                    SampleType::F16 => put(to, samples, |b| f16::from_ne_bytes(b).to_f32()),
+                    SampleType::U32 => put(to, samples, |b| u32::from_ne_bytes(b) as f32),
+                }
+            }
+            begin += line;
+        }
+        Some(())
+    }
+}
+
+fn put<const N: usize>(to: &mut [u8], samples: &[u8], load: impl Fn([u8; N]) -> f32) {
+    for (to, sample) in to.as_chunks_mut().0.iter_mut().zip(samples.as_chunks().0) {
+        *to = load(*sample).to_ne_bytes();
+    }
+}

@@ -1,0 +1,69 @@
+//! Bytes that can only be had one after another: what a compressed stream unpacks to.
+
+use std::io::{self, Read};
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::{Mutex, PoisonError};
+
+use super::source::Source;
+
+type Reader<'a> = Box<dyn Read + Send + 'a>;
+
+/// A stream that stays where it was read to, so that who asks for its bytes in their order unpacks them once. What lies before is
+/// unpacked from the begin; none of it is held.
+pub(crate) struct Stream<'a> {
+    /// What a message calls it.
+    name: String,
+    len: u64,
+    begin: Box<dyn Fn() -> io::Result<Reader<'a>> + Send + Sync + 'a>,
+    reached: Mutex<Option<(u64, Reader<'a>)>>,
+}
+
+impl<'a> Stream<'a> {
+    /// Of so many bytes, which `begin` reads from the first.
+    pub(crate) fn new(
+        name: &str,
+        len: u64,
+        begin: impl Fn() -> io::Result<Reader<'a>> + Send + Sync + 'a,
+    ) -> Self {
+        Self { name: name.to_owned(), len, begin: Box::new(begin), reached: Mutex::new(None) }
+    }
+
+    fn advance(&self, offset: u64, out: &mut [u8]) -> io::Result<()> {
+        let mut reached = self.reached.lock().unwrap_or_else(PoisonError::into_inner);
+        let (at, mut stream) = match reached.take() {
+            Some((at, stream)) if at <= offset => (at, stream),
+            _ => (0, (self.begin)()?),
+        };
+        if io::copy(&mut (&mut stream).take(offset - at), &mut io::sink())? < offset - at {
+            return Err(io::ErrorKind::UnexpectedEof.into());
+        }
+        stream.read_exact(out)?;
+        let at = offset + out.len() as u64;
+        // What has been read to its end is let go.
+        if at < self.len {
+            *reached = Some((at, stream));
+        }
+        Ok(())
+    }
+}
+
+impl Source for Stream<'_> {
+    fn len(&self) -> u64 {
+        self.len
+    }
+
+    /// An error of kind [`io::ErrorKind::InvalidData`] where it is the stream that is not as it should be.
+    fn read_at(&self, offset: u64, out: &mut [u8]) -> io::Result<()> {
+        let wrong = |what: &str| io::Error::new(io::ErrorKind::InvalidData, format!("{}: {what}", self.name));
+        // Decoders are not ours: should one panic on a hostile file after all, that is an error about the file.
+        match catch_unwind(AssertUnwindSafe(|| self.advance(offset, out))) {
+            Ok(Err(e)) if e.raw_os_error().is_none() => Err(wrong(&e.to_string())),
+            Ok(done) => done,
+            Err(_) => Err(wrong("the decoder failed on it")),
+        }
+    }
+
+    fn is_stream(&self) -> bool {
+        true
+    }
+}

@@ -1,0 +1,23 @@
+//! Studies: files that users write (TOML), and studies that were resolved before (JSON). Cameras, lights and filters that are named are
+//! looked for where there are none.
+#![no_main]
+
+use std::path::PathBuf;
+
+use smalti_io::{TomlSource, studies};
+
+libfuzzer_sys::fuzz_target!(|data: &[u8]| {
+    let Ok(text) = std::str::from_utf8(data) else { return };
+    let done = if text.trim_start().starts_with('{') {
+        studies::from_json("fuzz.json", text)
+    // Scenes are slow to make, not wrong; and of files anywhere nothing is known.
+    } else if text.contains("scenes") || text.contains("file") || text.contains('/') {
+        return;
+    } else {
+        let source = TomlSource { name: "fuzz.toml".into(), folder: PathBuf::from("absent"), text: text.into() };
+        studies::from_source(&source)
+    };
+    if let Err(e) = done {
+        let _ = e.to_string();
+    }
+});
