@@ -26,8 +26,8 @@ use crate::scene_args::SceneOptions;
     smalti convert balloons_ms/ -o balloons.hdr --interleave bip\n  \
     smalti convert cube.npy --wavelengths 400:10:700 --quantity reflectance -o cube.tif --layout pages\n\n\
     A spectral file keeps its values and what it says of them; with --luminance or --illuminant, or --wavelengths other than its own, \
-    it becomes a scene first. What the new file cannot hold is said. ENVI, NumPy and TIFF are read and written by rows: cubes \
-    may be larger than memory.")]
+    it becomes a scene first. What the new file cannot hold is said. Spectral files of every format are read by parts, and ENVI, \
+    NumPy and TIFF written so: cubes may be larger than memory.")]
 pub(crate) struct Convert {
     /// A built-in scene, or a file or folder
     pub(crate) scene: String,
@@ -154,15 +154,10 @@ fn as_it_is(args: &Convert) -> anyhow::Result<Option<Box<dyn Tiles>>> {
     }
     let path = Path::new(&args.scene);
     let read = resolve::read_options(options)?;
-    let tiles: Box<dyn Tiles> = match scene_file::open(path, &read)? {
-        Some(tiles) => match read.crop {
-            Some(part) => Box::new(Cropped::new(tiles, part, path)?),
-            None => tiles,
-        },
-        None => match scene_file::read_spectral(path, &read)? {
-            Some(file) => Box::new(Whole::of(file)),
-            None => return Ok(None),
-        },
+    let Some(tiles) = scene_file::open(path, &read)? else { return Ok(None) };
+    let tiles: Box<dyn Tiles> = match read.crop {
+        Some(part) => Box::new(Cropped::new(tiles, part, path)?),
+        None => tiles,
     };
     if read.grid.is_some_and(|grid| !grid.wavelengths_nm().eq(tiles.header().wavelengths_nm.iter().copied()))
     {

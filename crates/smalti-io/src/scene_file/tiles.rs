@@ -1,6 +1,5 @@
 //! Spectral images that are read by parts, so that they need not fit into memory.
 
-use std::borrow::Cow;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
@@ -175,22 +174,14 @@ pub trait Tiles: Send + Sync {
 /// A file in memory.
 pub struct Whole<'a> {
     header: Header,
-    cube: Cow<'a, SpectralCube>,
+    cube: &'a SpectralCube,
 }
 
 impl<'a> Whole<'a> {
     /// The file as one that is read by parts.
     #[must_use]
     pub fn new(file: &'a SpectralFile) -> Self {
-        Self { header: Header::of(file), cube: Cow::Borrowed(&file.cube) }
-    }
-}
-
-impl Whole<'static> {
-    /// As [`Self::new`], which keeps the file.
-    #[must_use]
-    pub fn of(file: SpectralFile) -> Self {
-        Self { header: Header::of(&file), cube: Cow::Owned(file.cube) }
+        Self { header: Header::of(file), cube: &file.cube }
     }
 }
 
