@@ -132,7 +132,7 @@ test("a rectangle selects, and the selection is saved", () => withPage({}, async
   }
 }));
 
-test("a click shows a design, with a picture or with how to make one", () => withPage({}, async (page) => {
+test("a click shows a design, with its pictures, or those of one like it and how to make its own", () => withPage({}, async (page) => {
   const panel = page.locator("section.design");
   assert.equal(await panel.locator(".pictures img").count(), 2, "the first has pictures");
   const row = page.locator("#best tbody tr", { has: page.locator("td", { hasText: "5" }) }).last();
@@ -141,9 +141,22 @@ test("a click shows a design, with a picture or with how to make one", () => wit
   assert.equal(await panel.locator("h3").textContent(), `Design ${title}`);
   assert.equal(await panel.locator("tbody tr").first().locator("th").textContent(), "A");
   assert.ok((await panel.locator("desc").first().textContent()).startsWith("A at "));
-  if (await panel.locator(".pictures").count() === 0) {
-    assert.match(await panel.locator(".copyable pre").first().textContent(), new RegExp(`^smalti report out --picture ${title} -o`));
+  const picturesOf = (design) => panel.locator(`.pictures img[alt$=", design ${design}"]`).count();
+  const [own, others] = [[], []];
+  for (const button of await page.locator("#best tbody button").all()) {
+    await button.click();
+    const design = await button.textContent();
+    if (await picturesOf(design) === 2) {
+      own.push(design);
+      continue;
+    }
+    assert.match(await panel.locator(".copyable pre").first().textContent(), new RegExp(`^smalti report out --picture ${design} -o`));
+    // Instead, those of the design most like it, where there is one of as many colours on the same mosaic.
+    const [, other] = /design (\d+) has the same mosaic/.exec(await panel.textContent()) ?? [];
+    assert.equal(await panel.locator(".pictures img").count(), other ? 2 : 0);
+    if (other) others.push(await picturesOf(other));
   }
+  assert.ok(own.length > 0 && others.length > 0 && others.every((n) => n === 2), `${own}; ${others}`);
   await page.getByLabel("with pictures").check();
   assert.equal(number(await count(page).textContent()), 5);
   await plot(page).focus();

@@ -26,8 +26,8 @@ use crate::scene_args::SceneOptions;
     smalti convert balloons_ms/ -o balloons.hdr --interleave bip\n  \
     smalti convert cube.npy --wavelengths 400:10:700 --quantity reflectance -o cube.tif --layout pages\n\n\
     A spectral file keeps its values and what it says of them; with --luminance or --illuminant, or --wavelengths other than its own, \
-    it becomes a scene first. What the new file cannot hold is said. Spectral files of every format are read by parts, and ENVI, \
-    NumPy and TIFF written so: cubes may be larger than memory.")]
+    it becomes a scene first. What the new file cannot hold is said. Spectral files of nearly every format are read by parts, \
+    and ENVI, NumPy and TIFF written so: cubes may be larger than memory (docs/formats-scenes.md).")]
 pub(crate) struct Convert {
     /// A built-in scene, or a file or folder
     pub(crate) scene: String,
@@ -101,10 +101,11 @@ pub(crate) fn run(args: &Convert, common: &Common) -> anyhow::Result<()> {
 }
 
 fn scene(args: &Convert) -> anyhow::Result<Scene> {
-    resolve::scene(&args.scene, &args.scene_options).with_context(|| match &args.scene_options.wavelengths {
-        Some(w) => format!("{} at --wavelengths {w}", args.scene),
-        None => args.scene.clone(),
-    })
+    let scene = resolve::scene(&args.scene, &args.scene_options);
+    match &args.scene_options.wavelengths {
+        Some(w) => scene.with_context(|| format!("--wavelengths {w}")),
+        None => scene,
+    }
 }
 
 /// How a spectral file is written; none for a picture.

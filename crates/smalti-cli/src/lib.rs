@@ -41,18 +41,37 @@ use clap::{CommandFactory, Parser};
 pub use args::ReportOptions;
 use progress::Progress;
 
+/// What long work asks and tells, from any thread.
+#[derive(Clone, Copy)]
+pub struct Watch<'a> {
+    /// Asked before each picture and figure; after a no, the work ends with an error.
+    pub go_on: &'a (dyn Fn() -> bool + Sync),
+    /// Told of each picture and figure that is made.
+    pub done: &'a (dyn Fn() + Sync),
+}
+
+impl Watch<'static> {
+    /// Nobody asks or listens.
+    pub(crate) const NOBODY: Self = Self { go_on: &|| true, done: &|| () };
+}
+
+impl Watch<'_> {
+    pub(crate) fn ask(&self) -> anyhow::Result<()> {
+        anyhow::ensure!((self.go_on)(), "stopped");
+        Ok(())
+    }
+}
+
 const DONE: u8 = 0;
 const FAILED: u8 = 1;
 const WRONG_USAGE: u8 = 2;
 
 /// What `smalti report` makes of results of sweeps; its files are written. The report as JSON, that of `--json`.
 ///
-/// `go_on` is asked before each figure; after a no, it ends with an error and without a page.
-///
 /// # Errors
-/// When results cannot be read, or files not written.
-pub fn report(of: &ReportOptions, go_on: &dyn Fn() -> bool) -> anyhow::Result<String> {
-    Ok(study_report::report(of, &Progress::new(0, true), go_on)?.document)
+/// When results cannot be read, or files not written; when it is asked to stop: then there is no page, and no `report.json`.
+pub fn report(of: &ReportOptions, watch: &Watch<'_>) -> anyhow::Result<String> {
+    Ok(study_report::report(of, &Progress::new(0, true), watch)?.document)
 }
 
 /// The camera of a design of a folder of results, as TOML.

@@ -33,14 +33,16 @@ pub(crate) fn unit(key: &str) -> &'static str {
     UNITS.iter().find(|(end, _)| key.ends_with(end)).map_or("", |(_, unit)| unit)
 }
 
-/// A key and its value as one says them: `sensor.pixel.pitch_um` of 1.1 is a pitch of 1.1 µm.
-pub(crate) fn said(key: &str, value: &str) -> String {
-    let last = key.rsplit('.').next().unwrap_or(key);
-    let stated = UNITS.iter().find_map(|(end, unit)| Some((last.strip_suffix(end)?, *unit)));
-    match stated.filter(|(name, _)| !name.is_empty()) {
-        Some((name, unit)) => format!("{} {value} {unit}", name.replace('_', " ")),
-        None => format!("{} {value}", last.replace('_', " ")),
-    }
+/// A key as one says it, and its unit: `sensor.pixel.pitch_um` is a pitch in µm. Where another of the `keys` ends alike, with the table that
+/// it stands in.
+pub(crate) fn said<'a>(key: &str, mut keys: impl Iterator<Item = &'a str>) -> (String, &'static str) {
+    let last = |key: &str| key.rsplit('.').next().unwrap_or_default().to_owned();
+    let own = last(key);
+    let stated = UNITS.iter().find_map(|(end, unit)| Some((own.strip_suffix(end)?, *unit)));
+    let (name, unit) = stated.filter(|(name, _)| !name.is_empty()).unwrap_or((&own, ""));
+    let table = key.rsplit('.').nth(1).filter(|_| keys.any(|k| k != key && last(k) == own));
+    let name = table.map_or(name.to_owned(), |table| format!("{table} {name}"));
+    (name.replace('_', " "), unit)
 }
 
 /// The names of cameras as those of files and folders; see [`file_names`].
@@ -91,10 +93,13 @@ mod tests {
 
     #[test]
     fn keys_are_said_with_their_units() {
-        assert_eq!(said("luminance_cd_m2", "5"), "luminance 5 cd/m²");
-        assert_eq!(said("sensor.pixel.pitch_um", "1.1"), "pitch 1.1 µm");
-        assert_eq!(said("optics.f_number", "2"), "f number 2");
-        assert_eq!(said("sensor.rows", "480"), "rows 480");
-        assert_eq!(said("illuminant", "D65"), "illuminant D65");
+        let alone = |key| said(key, [key].into_iter());
+        assert_eq!(alone("luminance_cd_m2"), ("luminance".into(), "cd/m²"));
+        assert_eq!(alone("sensor.pixel.pitch_um"), ("pitch".into(), "µm"));
+        assert_eq!(alone("optics.f_number"), ("f number".into(), ""));
+        assert_eq!(alone("sensor.rows"), ("rows".into(), ""));
+        let keys = ["optics.transmittance.long_pass.edge_nm", "optics.transmittance.short_pass.edge_nm"];
+        let both = keys.map(|key| said(key, keys.into_iter()).0);
+        assert_eq!(both, ["long pass edge", "short pass edge"]);
     }
 }

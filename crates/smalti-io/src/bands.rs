@@ -158,9 +158,11 @@ fn opened<'a>(
     };
     let members: Vec<&String> = which.iter().filter_map(|i| names.get(*i)).collect();
     let mut cubes: Vec<Cube<'a>> = Vec::new();
+    // Those that are interlaced are all unpacked at once while they are read.
+    let each = options.limits.decoded_bytes / members.len().max(1) as u64;
     for name in &members {
         let file = path.join(name.as_str());
-        let raster = grey::raster(&source(name)?, &file, options.limits.decoded_bytes)?;
+        let raster = grey::raster(&source(name)?, &file, each)?;
         if let Some(first) = cubes.first().map(|c| c.raster)
             && (first.rows, first.cols) != (raster.rows, raster.cols)
         {
@@ -169,7 +171,12 @@ fn opened<'a>(
             return Err(IoError::field(&file, "the size", found, expected));
         }
         let (source, of) = (source.clone(), (*name).clone());
-        let begin = move || grey::rows(&source(&of).map_err(|e| io::Error::other(e.to_string()))?);
+        let begin = move || {
+            grey::rows(&source(&of).map_err(|e| match e {
+                IoError::Read { source, .. } => source,
+                e => io::Error::other(e.to_string()),
+            })?)
+        };
         let stream = Stream::new(name, raster.bytes().unwrap_or(u64::MAX), begin);
         cubes.push(Cube { source: Arc::new(stream), raster, storage: Storage::Run { offset: 0 } });
     }

@@ -28,11 +28,8 @@ pub(crate) fn write_report<'py>(
 ) -> PyResult<Bound<'py, PyAny>> {
     let of = ReportOptions { results, output, pictures, picture, draw };
     let document = watched(py, progress, |watch| {
-        let go_on = || {
-            watch.step();
-            watch.check().is_ok()
-        };
-        smalti_cli::report(&of, &go_on).map_err(|e| of_command(e.as_ref()))
+        let of_report = smalti_cli::Watch { go_on: &|| watch.check().is_ok(), done: &|| watch.step() };
+        smalti_cli::report(&of, &of_report).map_err(|e| of_command(e.as_ref()))
     })?;
     py.import("json")?.call_method1("loads", (document,))
 }

@@ -34,10 +34,10 @@ pub(super) fn of_section(section: &Section<'_>, book: &mut Book<'_>) -> anyhow::
         match &studio {
             Ok(studio) => {
                 if let Err(error) = draw(studio, section, book) {
-                    book.note(section, what, &error);
+                    book.note(section, what, &error)?;
                 }
             }
-            Err(error) => book.note(section, what, error),
+            Err(error) => book.note(section, what, error)?,
         }
     }
     Ok(())

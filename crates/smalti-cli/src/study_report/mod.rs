@@ -14,13 +14,13 @@ pub(crate) use page::{grouped, quoted};
 
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, bail, ensure};
+use anyhow::{Context, bail};
 use smalti_io::write;
 use smalti_report::Figure;
 
 use crate::args::{Common, ReportArgs, ReportOptions};
-use crate::names;
 use crate::progress::Progress;
+use crate::{Watch, names};
 use answers::Section;
 use results::Results;
 
@@ -38,7 +38,7 @@ pub(crate) fn run(args: &ReportArgs, common: &Common) -> anyhow::Result<()> {
         return crate::print(&camera::toml(dir, number)?);
     }
     let progress = Progress::new(args.of.results.len() as u64 + 2, common.quiet);
-    let made = report(&args.of, &progress, &|| true)?;
+    let made = report(&args.of, &progress, &Watch::NOBODY)?;
     crate::print(if args.json { &made.document } else { &made.text })
 }
 
@@ -50,12 +50,8 @@ pub(crate) struct Made {
     text: String,
 }
 
-/// Makes the report and its files. `go_on` is asked before each figure; after a no, nothing is written.
-pub(crate) fn report(
-    of: &ReportOptions,
-    progress: &Progress,
-    go_on: &dyn Fn() -> bool,
-) -> anyhow::Result<Made> {
+/// Makes the report and its files.
+pub(crate) fn report(of: &ReportOptions, progress: &Progress, watch: &Watch<'_>) -> anyhow::Result<Made> {
     let alone = of.output.as_ref().filter(|o| o.extension().is_some_and(|e| e.eq_ignore_ascii_case("html")));
     let folder = match (&of.output, of.results.first()) {
         (Some(folder), _) => folder.clone(),
@@ -79,6 +75,7 @@ pub(crate) fn report(
         dirs: &of.results,
         pictures: usize::from(of.pictures),
         wanted: &of.picture,
+        watch,
     };
     progress.begin("page");
     let (html, mut notes) = page::page(&sources)?;
@@ -86,12 +83,12 @@ pub(crate) fn report(
     let mut files = Vec::new();
     if alone.is_none() {
         progress.begin("figures");
-        let mut book = Book::begin(&folder, go_on)?;
+        let mut book = Book::begin(&folder, watch)?;
         book.notes = notes;
         draw(&all, &of.draw, &mut book)?;
         (files, notes) = (book.files, book.notes);
     }
-    ensure!(go_on(), "stopped");
+    watch.ask()?;
     let document = serde_json::to_string_pretty(&document::document(&all, &files, &notes)?)? + "\n";
     let seen = match alone {
         Some(file) => {
@@ -112,7 +109,7 @@ pub(crate) fn report(
 
 /// The figures of a report, as they are written.
 struct Book<'a> {
-    go_on: &'a dyn Fn() -> bool,
+    watch: &'a Watch<'a>,
     folder: PathBuf,
     /// Folder of the section at work, relative to that of the report; empty where there is one section.
     part: PathBuf,
@@ -122,10 +119,10 @@ struct Book<'a> {
 
 impl<'a> Book<'a> {
     /// What an earlier report left goes first, so that no figure of it stands beside those of this one.
-    fn begin(folder: &Path, go_on: &'a dyn Fn() -> bool) -> anyhow::Result<Self> {
+    fn begin(folder: &Path, watch: &'a Watch<'a>) -> anyhow::Result<Self> {
         clear(folder)?;
         let (files, notes) = (Vec::new(), Vec::new());
-        Ok(Self { go_on, folder: folder.to_owned(), part: PathBuf::new(), files, notes })
+        Ok(Self { watch, folder: folder.to_owned(), part: PathBuf::new(), files, notes })
     }
 
     fn enter(&mut self, part: &str) -> anyhow::Result<()> {
@@ -135,7 +132,7 @@ impl<'a> Book<'a> {
 
     /// Writes a figure as SVG, and as PNG with so many pixels for one of the SVG; with fewer where the file would be large.
     fn save(&mut self, name: &str, figure: &Figure, scale: f64) -> anyhow::Result<()> {
-        ensure!((self.go_on)(), "stopped");
+        self.watch.ask()?;
         let draw = |scale: f64| figure.png(scale).with_context(|| name.to_owned());
         let mut png = draw(scale)?;
         if png.len() > LARGE && scale > 1.5 {
@@ -146,16 +143,19 @@ impl<'a> Book<'a> {
             write::bytes(&self.folder.join(&file), bytes)?;
             self.files.push(file.to_string_lossy().into_owned());
         }
+        (self.watch.done)();
         Ok(())
     }
 
-    /// What cannot be drawn is said; the rest of the report is none the worse.
-    fn note(&mut self, about: &Section<'_>, what: &str, error: &anyhow::Error) {
+    /// What cannot be drawn is said; the rest of the report is none the worse, unless it was asked to stop.
+    fn note(&mut self, about: &Section<'_>, what: &str, error: &anyhow::Error) -> anyhow::Result<()> {
+        self.watch.ask()?;
         self.notes.push(format!(
             "{}: no {what}: {}",
             about.title(),
             results::plain(&crate::in_one_line(error.as_ref()))
         ));
+        Ok(())
     }
 }
 
@@ -195,10 +195,13 @@ fn chosen<'a, 'b>(sections: &[&'a Section<'b>], wanted: &[String]) -> anyhow::Re
     if wanted.is_empty() {
         return Ok(sections.iter().copied().take(DRAWN).collect());
     }
-    let titles: Vec<String> = sections.iter().map(|s| s.title().to_lowercase()).collect();
+    // By its words, or by the keys of the study.
+    let told = |s: &&Section<'_>| format!("{}\n{}", s.title(), s.results.setup_keys(s.setup)).to_lowercase();
+    let titles: Vec<String> = sections.iter().map(told).collect();
     let holds = |text: &String, title: &String| title.contains(&text.to_lowercase());
     if let Some(text) = wanted.iter().find(|text| !titles.iter().any(|title| holds(text, title))) {
-        bail!("{text} is in the name of no condition to draw: {}", titles.join("; "));
+        let names: Vec<String> = sections.iter().map(|s| s.title()).collect();
+        bail!("{text} is in the name of no condition to draw: {}", names.join("; "));
     }
     let named =
         sections.iter().zip(&titles).filter(|(_, title)| wanted.iter().any(|text| holds(text, title)));

@@ -212,11 +212,30 @@ impl Results {
     /// What sets a setup apart from the others of the study, in words; empty where there is but one.
     pub(crate) fn setup_name(&self, setup: u64) -> String {
         let Some((condition, way)) = self.setup(setup) else { return String::new() };
-        let mut parts: Vec<String> = condition.values.iter().map(|(k, v)| plain(&value(k, v))).collect();
+        let keys = || condition.values.iter().map(|(key, _)| key.as_str());
+        let part = |(key, value): &(String, ConditionValue)| {
+            let (name, unit) = names::said(key, keys());
+            plain(&match value {
+                ConditionValue::Number(v) => format!("{name} {v} {unit}"),
+                ConditionValue::Text(v) => format!("{name} {v}"),
+            })
+        };
+        let mut parts: Vec<String> =
+            condition.values.iter().map(|of| part(of).trim_end().to_owned()).collect();
         if self.study().processing.len() > 1 {
             parts.push(processing(way));
         }
         parts.join(", ")
+    }
+
+    /// The keys and values of a condition as the study has them.
+    pub(crate) fn setup_keys(&self, setup: u64) -> String {
+        let Some((condition, _)) = self.setup(setup) else { return String::new() };
+        let part = |(key, value): &(String, ConditionValue)| match value {
+            ConditionValue::Number(v) => format!("{key} {v}"),
+            ConditionValue::Text(v) => format!("{key} {v}"),
+        };
+        condition.values.iter().map(part).collect::<Vec<_>>().join(", ")
     }
 
     /// Whether the designs follow rules or lists, so that what they are called says more than their number.
@@ -236,13 +255,6 @@ fn measures(schema: &[ColumnSpec]) -> Vec<Measure> {
         .collect();
     all.sort_by_key(|m| MAIN.iter().position(|n| *n == m.name).unwrap_or(MAIN.len()));
     all
-}
-
-fn value(key: &str, value: &ConditionValue) -> String {
-    match value {
-        ConditionValue::Number(v) => names::said(key, &v.to_string()),
-        ConditionValue::Text(v) => names::said(key, v),
-    }
 }
 
 /// The designs of the study in the manifest.

@@ -79,7 +79,7 @@ fn what_cannot_be_written_leaves_nothing() {
         ("convert uniform?size=4 -o a.npy --wavelengths 400:10:x", "'x' is not a number"),
         (
             "convert uniform?size=4 -o a.npy --wavelengths 100:10:4000",
-            "--wavelengths 100:10:4000: the illuminant D65: the data cover 300",
+            "--wavelengths 100:10:4000: uniform?size=4: the illuminant D65: the data cover 300",
         ),
         ("convert uniform?size=4 -o a.npz --interleave bil", "--interleave is of ENVI"),
         ("convert uniform?size=4 -o a.png --layout pages", "--layout pages and samples are of a .tif"),

@@ -5,17 +5,32 @@ use std::sync::Arc;
 
 use exr::block::UncompressedBlock;
 use exr::block::chunk::Chunk;
+use exr::meta::BlockDescription;
 use exr::meta::header::Header;
-use exr::prelude::{MetaData, SampleType, Vec2, f16};
+use exr::prelude::{Compression, MetaData, SampleType, Vec2, f16};
 
 use crate::file::guarded;
-use crate::raster::{Axis, Blocks, Cube, Kind, Place, Raster, Shared, Storage, Unpack, bytes_at};
+use crate::raster::{Axis, Blocks, Cube, Kind, Place, Raster, Shared, Source, Storage, Unpack, bytes_at};
 use crate::{IoError, Limits};
 
 /// What stands before the content of a block, at most.
-const BLOCK_HEAD: u64 = 24;
+const BLOCK_HEAD_BYTES: u64 = 24;
 
-/// The wanted channels of a layer, whose table of blocks stands behind the headers with those of the layers before it.
+/// How samples are stored that can be read where they lie: lines that are not compressed, all channels of one type.
+pub(super) fn plain(header: &Header) -> Option<Kind> {
+    let types = || header.channels.list.iter().map(|c| c.sample_type);
+    let first = types().next()?;
+    let kind = match first {
+        SampleType::F32 => Kind::F32,
+        SampleType::F16 => Kind::F16,
+        SampleType::U32 => Kind::U32,
+    };
+    let lines =
+        header.blocks == BlockDescription::ScanLines && header.compression == Compression::Uncompressed;
+    (lines && types().all(|t| t == first)).then_some(kind)
+}
+
+/// The wanted channels of a layer, or all where they are [`plain`], whose table of blocks stands behind the headers with those of the layers before it.
 pub(super) fn cube<'a>(
     source: Shared<'a>,
     meta: MetaData,
@@ -38,14 +53,28 @@ pub(super) fn cube<'a>(
 
     let pixels = (wide as u64).saturating_mul(high as u64);
     let largest = pixels.saturating_mul(header.channels.bytes_per_pixel as u64);
-    limits.check(path, "a block", largest, source.len())?;
+    // As it is in the file, or as single precision.
+    let unpacked = pixels.saturating_mul(4).saturating_mul(channels.len() as u64).max(largest);
+    limits.check(path, "a block", unpacked, source.len())?;
+    if let Some(kind) = plain(header) {
+        let places = lines(&*source, &meta, layer, (&offsets, largest), path)?;
+        let bands = header.channels.list.len();
+        let raster =
+            Raster { kind, big_endian: false, bands, rows, cols, order: [Axis::Row, Axis::Band, Axis::Col] };
+        let size = [bands.max(1), 1, cols.max(1)];
+        let blocks =
+            Blocks { size, strides: [0, 1, 1], places, filters: Vec::new(), unpack: None, cut: false };
+        let cube = Cube { source, raster, storage: Storage::Blocks(blocks) };
+        cube.check(path, "a block", limits)?;
+        return Ok(cube);
+    }
     // A block ends where the next one begins, and is no larger than it was before.
     let mut ends = offsets.clone();
     ends.push(source.len());
     ends.sort_unstable();
     let place = |offset: &u64| {
         let next = ends.get(ends.partition_point(|end| end <= offset)).copied().unwrap_or(source.len());
-        let bytes = next.saturating_sub(*offset).min(largest.saturating_add(BLOCK_HEAD));
+        let bytes = next.saturating_sub(*offset).min(largest.saturating_add(BLOCK_HEAD_BYTES));
         Place { offset: *offset, bytes, skipped: 0 }
     };
     let places: Arc<[Place]> = offsets.iter().map(place).collect();
@@ -68,6 +97,28 @@ pub(super) fn cube<'a>(
     let cube = Cube { source, raster, storage: Storage::Blocks(blocks) };
     cube.check(path, "a block", limits)?;
     Ok(cube)
+}
+
+/// Where the samples of lines are, each behind its number and length; with several layers, that of the layer comes first.
+fn lines(
+    source: &dyn Source,
+    meta: &MetaData,
+    layer: usize,
+    (offsets, bytes): (&[u64], u64),
+    path: &Path,
+) -> Result<Arc<[Place]>, IoError> {
+    let first = meta.headers.get(layer).map_or(0, |h| i64::from(h.own_attributes.layer_position.1));
+    let head_bytes = if meta.requirements.has_multiple_layers { 12 } else { 8 };
+    let line = |(row, offset): (usize, &u64)| {
+        let head = bytes_at(source, *offset, head_bytes, "a block", path)?;
+        let stated: Vec<i64> = head.as_chunks().0.iter().map(|b| i64::from(i32::from_le_bytes(*b))).collect();
+        let own = [layer as i64, first + row as i64, i64::try_from(bytes).unwrap_or(i64::MAX)];
+        if !own.ends_with(&stated) {
+            return Err(IoError::field(path, "a block", format!("line {stated:?}"), format!("line {own:?}")));
+        }
+        Ok(Place { offset: offset.saturating_add(head_bytes), bytes, skipped: 0 })
+    };
+    offsets.iter().enumerate().map(line).collect()
 }
 
 #[derive(Debug)]

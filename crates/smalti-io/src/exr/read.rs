@@ -161,9 +161,12 @@ fn opened<'a>(source: Shared<'a>, path: &Path, options: &ReadOptions) -> Result<
             (nm, order, grid, quantity)
         }
     };
-    let channels = wanted.iter().filter_map(|i| names.get(*i).cloned()).collect();
+    let (order, channels) = match blocks::plain(header) {
+        Some(_) => (wanted.clone(), names),
+        None => ((0..count).collect(), wanted.iter().filter_map(|i| names.get(*i).cloned()).collect()),
+    };
     let quantity = facts.as_ref().and_then(Facts::quantity).unwrap_or(from_layout);
-    let bands = Bands { order: (0..count).collect(), wavelengths_nm, grid };
+    let bands = Bands { order, wavelengths_nm, grid };
     let cube = blocks::cube(source, meta, (layer, wanted), end, (path, options.limits))?;
     let mut file = CubeFile::new((path, "OpenEXR"), vec![cube], (stem(path), bands, quantity), options);
     file.channels = channels;

@@ -59,7 +59,7 @@ pub(crate) enum Bad {
     Io(io::Error),
     /// A sample is not what it should be.
     Sample(BadSample),
-    /// A compressed block is not what it should be.
+    /// A compressed block or stream is not what it should be.
     Block(String),
 }
 

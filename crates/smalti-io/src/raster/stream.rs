@@ -8,31 +8,31 @@ use super::source::Source;
 
 type Reader<'a> = Box<dyn Read + Send + 'a>;
 
-/// A stream that stays where it was read to, so that who asks for its bytes in their order unpacks them once. What lies before is
-/// unpacked from the begin; none of it is held.
+/// A stream that stays where it was read to: asked for in their order, its bytes are unpacked once. For those before, it is begun
+/// anew. What has been passed is not held here.
 pub(crate) struct Stream<'a> {
     /// What a message calls it.
     name: String,
     len: u64,
-    begin: Box<dyn Fn() -> io::Result<Reader<'a>> + Send + Sync + 'a>,
+    start: Box<dyn Fn() -> io::Result<Reader<'a>> + Send + Sync + 'a>,
     reached: Mutex<Option<(u64, Reader<'a>)>>,
 }
 
 impl<'a> Stream<'a> {
-    /// Of so many bytes, which `begin` reads from the first.
+    /// Of so many bytes, which `start` begins to read from the first.
     pub(crate) fn new(
         name: &str,
         len: u64,
-        begin: impl Fn() -> io::Result<Reader<'a>> + Send + Sync + 'a,
+        start: impl Fn() -> io::Result<Reader<'a>> + Send + Sync + 'a,
     ) -> Self {
-        Self { name: name.to_owned(), len, begin: Box::new(begin), reached: Mutex::new(None) }
+        Self { name: name.to_owned(), len, start: Box::new(start), reached: Mutex::new(None) }
     }
 
     fn advance(&self, offset: u64, out: &mut [u8]) -> io::Result<()> {
         let mut reached = self.reached.lock().unwrap_or_else(PoisonError::into_inner);
         let (at, mut stream) = match reached.take() {
             Some((at, stream)) if at <= offset => (at, stream),
-            _ => (0, (self.begin)()?),
+            _ => (0, (self.start)()?),
         };
         if io::copy(&mut (&mut stream).take(offset - at), &mut io::sink())? < offset - at {
             return Err(io::ErrorKind::UnexpectedEof.into());
@@ -58,6 +58,7 @@ impl Source for Stream<'_> {
         // Decoders are not ours: should one panic on a hostile file after all, that is an error about the file.
         match catch_unwind(AssertUnwindSafe(|| self.advance(offset, out))) {
             Ok(Err(e)) if e.raw_os_error().is_none() => Err(wrong(&e.to_string())),
+            Ok(Err(e)) => Err(io::Error::new(e.kind(), format!("{}: {e}", self.name))),
             Ok(done) => done,
             Err(_) => Err(wrong("the decoder failed on it")),
         }

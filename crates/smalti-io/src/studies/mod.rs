@@ -19,6 +19,7 @@ pub use self::parcel::scenes_as_bytes;
 
 use self::conditions::conditions;
 use self::file::StudyFile;
+use self::parcel::hash;
 use crate::cameras::read_curve;
 use crate::diagnostic::Diagnostic;
 use crate::toml_source::{BuiltinFile, TomlSource, beside, builtin};
@@ -207,20 +208,4 @@ fn scenes(file: &StudyFile, source: &TomlSource) -> Result<Vec<StudyScene>, Box<
         Ok(StudyScene { name: name.clone(), hash: None, scene: None })
     };
     file.scenes.iter().enumerate().map(scene).collect()
-}
-
-/// Of all that a scene is.
-fn hash(scene: &Scene) -> String {
-    let radiance = scene.radiance();
-    let grid = radiance.grid();
-    let mut hasher = blake3::Hasher::new();
-    let shape = [radiance.rows(), radiance.cols(), grid.len()].map(|n| n as f64);
-    let numbers = [grid.start_nm(), grid.step_nm(), scene.distance_m(), scene.horizontal_fov_deg()];
-    for v in shape.iter().chain(&numbers).chain(scene.illuminant().values()) {
-        hasher.update(&v.to_le_bytes());
-    }
-    for v in radiance.planes().data() {
-        hasher.update(&v.to_le_bytes());
-    }
-    hasher.finalize().to_hex().to_string()
 }

@@ -343,7 +343,7 @@ def report(
         pictures: how many designs have pictures in the page: the best, the worst, then of the Pareto front, 0 to 1000.
         designs: designs of the first results, by their numbers, that have pictures as well.
         draw: conditions and processings that get figures of their own: those with one of these texts in their name; default the first 8.
-        progress: see `Progress`; steps are figures.
+        progress: see `Progress`; steps are pictures in the page and figures.
 
     Returns:
         report.json: the tables, the best designs, the files and notes.

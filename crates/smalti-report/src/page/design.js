@@ -95,8 +95,11 @@ function nyquistOf(designs, column, section) {
   if (column.name === "mtf50_cy_per_px") return 0.5;
   return column.name === "mtf50_cy_per_mm" ? designs.data.sections[section].nyquist_cy_per_mm : null;
 }
+function isBeyond(designs, column, row) {
+  return column.values[row] > (nyquistOf(designs, column, designs.section[row]) ?? Infinity);
+}
 function isBeyondNyquist(designs, row) {
-  return designs.columns.some((c) => c.values[row] > (nyquistOf(designs, c, designs.section[row]) ?? Infinity));
+  return designs.columns.some((column) => isBeyond(designs, column, row));
 }
 
 // How many in a hundred of the designs with as many colours are worse.
@@ -119,7 +122,7 @@ function figuresOf(designs, row) {
   const body = make("tbody");
   for (const column of designs.columns.filter((c) => !c.parameter && c.name !== "colors" && Number.isFinite(c.values[row]))) {
     body.append(make("tr", { title: column.doc }, make("th", { scope: "row" }, column.label,
-        column.values[row] > (nyquistOf(designs, column, designs.section[row]) ?? Infinity) ? make("span", { class: "beyond" }, " beyond Nyquist") : null),
+        isBeyond(designs, column, row) ? make("span", { class: "beyond" }, " beyond Nyquist") : null),
       make("td", { class: "number" }, shown(column.values[row]), make("span", { class: "unit" }, column.unit.replace("cycles", "cy").replace("pixel", "px"))),
       make("td", { class: "number" }, rankOf(designs, column, row))));
   }
@@ -148,15 +151,34 @@ function pictureOf(picture, words) {
   };
   return make("button", { type: "button", click: enlarge, "aria-haspopup": "dialog" }, image(false));
 }
-function picturesOf(designs, row, number) {
-  const here = designs.pictures.get(row);
-  if (here) {
-    const one = (picture, words, exact) => make("figure", { class: exact ? "exact" : "" }, pictureOf(picture, `${words}, design ${number}`), make("figcaption", {}, words));
-    return [make("div", { class: "pictures" }, one(here.zone_plate, "Zone plate, pixel for pixel, without noise", true), one(here.scene, "Dead leaves, with all noise"))];
+// Of the designs with pictures, as many colours and the same mosaic, the one whose filters are most alike: its row, and by how much centres
+// and widths differ, nm, on average.
+function mostAlike(designs, row) {
+  const mosaic = (r) => designs.tile && designs.tile.codes[r];
+  const mine = filtersOf(designs, row);
+  let best = null;
+  for (const other of designs.pictures.keys()) {
+    if (designs.colors[other] !== designs.colors[row] || designs.section[other] !== designs.section[row] || mosaic(other) !== mosaic(row)) continue;
+    const theirs = filtersOf(designs, other);
+    const apart = mine.reduce((sum, f, i) => sum + Math.abs(f.center - theirs[i].center) + Math.abs(f.fwhm - theirs[i].fwhm), 0) / (2 * mine.length);
+    if (Number.isFinite(apart) && (!best || apart < best.apart)) best = { row: other, apart };
   }
+  return best;
+}
+function picturesOf(designs, row, number) {
+  const both = ({ zone_plate: plate, scene }, of) => {
+    const one = (picture, words, exact) => make("figure", { class: exact ? "exact" : "" }, pictureOf(picture, `${words}, design ${of}`), make("figcaption", {}, words));
+    return make("div", { class: "pictures" }, one(plate, "Zone plate, pixel for pixel, without noise", true), one(scene, "Dead leaves, with all noise"));
+  };
+  const here = designs.pictures.get(row);
+  if (here) return [both(here, number)];
+  const alike = mostAlike(designs, row);
+  const other = alike && designs.number[alike.row];
   return [
     make("p", { class: "none" }, `No pictures of this design are in this page: it holds those of ${designs.pictures.size} (filter “with pictures”). This command makes a page with them:`),
     commandOf(designs, row, `--picture ${number} -o design-${number}.html`),
+    ...(alike ? [make("p", { class: "none" }, `Of those, design ${other} has the same mosaic and the filters most alike, ${Math.round(alike.apart)} nm apart on average. Its pictures:`),
+      both(designs.pictures.get(alike.row), other)] : []),
   ];
 }
 function commandOf(designs, row, options) {

@@ -34,7 +34,7 @@ fn keys(text: &str) -> Vec<String> {
 }
 
 fn is_key(key: &str) -> bool {
-    const WITHOUT_YEAR: [&str; 11] = [
+    const WITHOUT_YEAR: [&str; 13] = [
         "aptina",
         "isetcam",
         "cie15",
@@ -46,6 +46,8 @@ fn is_key(key: &str) -> bool {
         "emva1288",
         "ansiz8028",
         "cfaresolution",
+        "dng17",
+        "iso18181",
     ];
     let name = key.trim_end_matches(|c: char| c.is_ascii_digit());
     let dated = name.len() > 1 && key.len() - name.len() == 4 && name.chars().all(|c| c.is_ascii_lowercase());

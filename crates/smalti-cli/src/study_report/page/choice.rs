@@ -83,6 +83,7 @@ mod tests {
     use std::path::Path;
 
     use super::*;
+    use crate::Watch;
     use crate::study_report::answers::Section;
     use crate::study_report::results::Results;
 
@@ -112,7 +113,7 @@ mod tests {
             "[filters.rule]\nrules = [\"uniform\", \"height-scaled\"]\ntargets = [\"cones\"]\n",
         );
         let all = [(&cloud, Section::all(&cloud).unwrap()), (&few, Section::all(&few).unwrap())];
-        let sources = Sources { all: &all, dirs: &[], pictures: 0, wanted: &[] };
+        let sources = Sources { all: &all, dirs: &[], pictures: 0, wanted: &[], watch: &Watch::NOBODY };
         assert_eq!(Choice::of(&sources).unwrap().of, None);
         let choice = Choice::among(&sources, 20).unwrap();
         let designs = few.number.len();

@@ -7,6 +7,7 @@ use smalti_report::page::DataUri;
 
 use super::Sources;
 use super::choice::Choice;
+use crate::Watch;
 use crate::pictures::Pixels;
 use crate::study_report::answers::Section;
 use crate::study_report::pictures::{LEAVES, Stage, Studio, ZONE_PLATE};
@@ -42,9 +43,10 @@ pub(super) fn gallery(sources: &Sources<'_>, choice: &Choice) -> anyhow::Result<
             continue;
         }
         // The description of a camera may name a file that is not part of the study.
-        let drawn = match draw(section, &here) {
+        let drawn = match draw(section, &here, sources.watch) {
             Ok(drawn) => drawn,
             Err(error) => {
+                sources.watch.ask()?;
                 let why = results::plain(&crate::in_one_line(error.as_ref()));
                 notes.push(format!("{}: no pictures in the page: {why}", section.title()));
                 continue;
@@ -73,13 +75,16 @@ pub(super) fn gallery(sources: &Sources<'_>, choice: &Choice) -> anyhow::Result<
 type Encoded = (DataUri, usize, usize);
 
 /// The zone plate without noise and the scene with it, of each.
-fn draw(section: &Section<'_>, wishes: &[&Wish]) -> anyhow::Result<Vec<[Encoded; 2]>> {
+fn draw(section: &Section<'_>, wishes: &[&Wish], watch: &Watch<'_>) -> anyhow::Result<Vec<[Encoded; 2]>> {
     let studio = Studio::new(section)?;
     let stages = [studio.stage(ZONE_PLATE, NoiseMode::None)?, studio.stage(LEAVES, NoiseMode::All)?];
     let one = |wish: &&Wish| {
         let picture = |stage: &Stage<'_>| {
+            watch.ask()?;
             let Pixels { width, height, rgb } = stage.picture(wish.row)?;
-            anyhow::Ok((DataUri::jpeg(width, height, &rgb, QUALITY)?, width, height))
+            let made = DataUri::jpeg(width, height, &rgb, QUALITY)?;
+            (watch.done)();
+            anyhow::Ok((made, width, height))
         };
         let [zone, leaves] = &stages;
         anyhow::Ok([picture(zone)?, picture(leaves)?])

@@ -15,6 +15,7 @@ use smalti_report::page::{Markup, Page, SWEEP, el, figure, packed, runs};
 use super::answers::Section;
 use super::results::Results;
 use super::{figures, results};
+use crate::Watch;
 pub(crate) use again::quoted;
 use choice::Choice;
 pub(crate) use words::grouped;
@@ -27,6 +28,7 @@ pub(super) struct Sources<'a> {
     /// How many designs have pictures, and which have them in any case.
     pub(super) pictures: usize,
     pub(super) wanted: &'a [u64],
+    pub(super) watch: &'a Watch<'a>,
 }
 
 /// The page, and what could not be shown.
