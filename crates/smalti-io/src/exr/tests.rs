@@ -182,6 +182,57 @@ fn every_block_type_and_part_is_read() {
     }
 }
 
+/// Two layers of lines as they are, 2 × 3, with bands in single precision; the first begins at row −4. What the bands of a layer are is
+/// told by `first_nm`.
+fn two_layers(first_nm: [u32; 2]) -> Vec<u8> {
+    use ::exr::prelude::*;
+    let layer = |(number, nm): (usize, u32)| {
+        let samples =
+            |band: usize| FlatSamples::F32((0..6).map(|i| (100 * number + 10 * band + i) as f32).collect());
+        let names = ["Z".to_owned(), format!("S0.{nm},0nm"), format!("S0.{},0nm", nm + 10)];
+        let list = names.iter().enumerate().map(|(band, name)| AnyChannel::new(name.as_str(), samples(band)));
+        let attributes = LayerAttributes {
+            layer_position: Vec2(3, -4 * i32::from(number == 0)),
+            ..LayerAttributes::named(format!("layer {number}").as_str())
+        };
+        let encoding = Encoding {
+            compression: Compression::Uncompressed,
+            blocks: Blocks::ScanLines,
+            line_order: LineOrder::Increasing,
+        };
+        Layer::new((3, 2), attributes, encoding, AnyChannels::sort(list.collect()))
+    };
+    let layers: Vec<_> = first_nm.into_iter().enumerate().map(layer).collect();
+    let window = IntegerBounds::new((0, -4), (9usize, 9usize));
+    let mut out = std::io::Cursor::new(Vec::new());
+    Image::from_layers(ImageAttributes::new(window), layers).write().to_buffered(&mut out).unwrap();
+    out.into_inner()
+}
+
+#[test]
+fn plain_lines_are_read_where_they_lie() {
+    let bytes = two_layers([400, 600]);
+    let file = read_bytes(&bytes).unwrap();
+    // Channels are sorted by name: Z, which is no band, comes last.
+    let expected = |band: usize| (0..6).map(|i| (10 * (band + 1) + i) as f32).collect::<Vec<f32>>();
+    assert_eq!(file.cube.planes().plane(0), expected(0));
+    assert_eq!(file.cube.planes().plane(1), expected(1));
+    // Behind the headers are two tables of two blocks each; the first block follows.
+    let tables = (8..bytes.len() - 8)
+        .find(|at| u64::from_le_bytes(bytes[*at..at + 8].try_into().unwrap()) == *at as u64 + 32)
+        .unwrap();
+    let of_other_layer = bytes[tables + 16..tables + 24].to_vec();
+    let mut wrong = bytes.clone();
+    wrong[tables..tables + 8].copy_from_slice(&of_other_layer);
+    let error = read_bytes(&wrong).unwrap_err().to_string();
+    assert!(error.contains("f.exr: a block is line [1, 0, 36]; expected line [0, -4, 36]"), "{error}");
+    let mut cut = bytes.clone();
+    cut.truncate(bytes.len() - 1);
+    assert!(read_bytes(&cut).is_ok(), "the other layer is not looked at");
+    cut.truncate(tables + 32 + 40);
+    assert!(read_bytes(&cut).unwrap_err().to_string().contains("a block needs"));
+}
+
 #[test]
 fn a_table_of_blocks_that_lies_is_found_out() {
     let good = exr_in(::exr::prelude::Blocks::ScanLines, ::exr::prelude::Compression::ZIP1);
