@@ -1,0 +1,100 @@
+//! Processing: `[isp]`.
+
+use serde::{Deserialize, Serialize};
+
+/// Which image pipeline.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "kebab-case")]
+pub enum PipelineName {
+    /// Demosaic, white balance, colour matrix.
+    #[default]
+    Classic,
+}
+
+/// How missing channels are filled in.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "kebab-case")]
+pub enum DemosaicName {
+    /// Linear interpolation, any mosaic.
+    #[default]
+    Bilinear,
+    /// Malvar, He, Cutler 2004; Bayer only.
+    Malvar2004,
+    /// Along edges, in the manner of Adams and Hamilton 1997; Bayer only.
+    Adaptive,
+}
+
+/// White balance.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "kebab-case")]
+pub enum WhiteBalanceName {
+    /// None: colours as they are under the scene's light.
+    None,
+    /// The mean of the picture is made grey.
+    GrayWorld,
+    /// The scene's illuminant is made white.
+    #[default]
+    Illuminant,
+}
+
+/// The surfaces a colour matrix is fitted to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "kebab-case")]
+pub enum ColorCorrectionName {
+    /// The 24 patches of the ColorChecker.
+    #[default]
+    Macbeth,
+    /// The natural reflectances.
+    Natural,
+}
+
+/// Colour space of the pictures written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "kebab-case")]
+pub enum OutputName {
+    /// sRGB (IEC 61966-2-1).
+    #[default]
+    Srgb,
+    /// Display P3.
+    DisplayP3,
+}
+
+/// `[isp]`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(default, deny_unknown_fields)]
+pub struct IspDescription {
+    /// Which pipeline.
+    pub pipeline: PipelineName,
+    /// How missing channels are filled in.
+    pub demosaic: DemosaicName,
+    /// White balance.
+    pub white_balance: WhiteBalanceName,
+    /// The surfaces the colour matrix is fitted to by least squares, under the scene's illuminant.
+    pub color_correction: ColorCorrectionName,
+    /// Whether the matrix is constrained to render the illuminant's white exactly.
+    pub preserve_white: bool,
+    /// Noise that the matrix is fitted for, percent of the brightest white; 0: plain least squares.
+    pub color_noise_percent: f64,
+    /// Colour space of the pictures written.
+    pub output: OutputName,
+}
+
+impl Default for IspDescription {
+    fn default() -> Self {
+        Self {
+            pipeline: PipelineName::Classic,
+            demosaic: DemosaicName::Bilinear,
+            white_balance: WhiteBalanceName::Illuminant,
+            color_correction: ColorCorrectionName::Macbeth,
+            preserve_white: false,
+            color_noise_percent: 0.3,
+            output: OutputName::Srgb,
+        }
+    }
+}

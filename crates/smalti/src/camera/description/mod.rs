@@ -1,0 +1,52 @@
+//! The camera as its user describes it: one struct per table of `camera.toml`, keys in the user's units.
+//!
+//! Every key has a default, so that a file names only what differs; the resolved description names all.
+
+mod exposure;
+mod isp;
+mod optics;
+mod sensor;
+
+pub use exposure::{AutoExposureName, ExposureDescription};
+pub use isp::{
+    ColorCorrectionName, DemosaicName, IspDescription, OutputName, PipelineName, WhiteBalanceName,
+};
+pub use optics::{
+    FalloffName, OpticsDescription, OpticsModelName, PsfDescription, SurroundName, ZernikeOrdering,
+};
+pub use sensor::{ArchitectureName, CfaDescription, PatternDescription, PixelDescription, SensorDescription};
+
+use serde::{Deserialize, Serialize};
+
+/// A camera file.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(default, deny_unknown_fields)]
+pub struct CameraDescription {
+    /// What the camera is called.
+    pub name: String,
+    /// First, step and last of the wavelengths it is simulated on, nm, where scenes do not say; absent: 400, 10, 700.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub wavelengths_nm: Option<[f64; 3]>,
+    /// The lens.
+    pub optics: OpticsDescription,
+    /// The image sensor.
+    pub sensor: SensorDescription,
+    /// Exposure time and gain.
+    pub exposure: ExposureDescription,
+    /// Processing from raw to picture.
+    pub isp: IspDescription,
+}
+
+impl Default for CameraDescription {
+    fn default() -> Self {
+        Self {
+            name: "camera".into(),
+            wavelengths_nm: None,
+            optics: OpticsDescription::default(),
+            sensor: SensorDescription::default(),
+            exposure: ExposureDescription::default(),
+            isp: IspDescription::default(),
+        }
+    }
+}

@@ -1,0 +1,153 @@
+//! The lens: `[optics]`.
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+
+use crate::numeric::Planes;
+use crate::sensor::Filter;
+
+/// How the lens forms the image.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "kebab-case")]
+pub enum OpticsModelName {
+    /// No blur, for tests.
+    Pinhole,
+    /// Limited by diffraction alone, with defocus if stated.
+    #[default]
+    Diffraction,
+    /// Wavefront aberrations by Zernike coefficients.
+    Zernike,
+    /// A point spread function from a file.
+    Psf,
+}
+
+/// Fall-off of illumination towards the edge of the field.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "kebab-case")]
+pub enum FalloffName {
+    /// None.
+    None,
+    /// Fourth power of the cosine of the field angle.
+    #[default]
+    Cos4,
+}
+
+/// What lies beyond the border of the scene.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "kebab-case")]
+pub enum SurroundName {
+    /// Nothing, as in ISETCam: the border of the picture darkens.
+    Dark,
+    /// The outermost samples go on.
+    Edge,
+    /// The scene mirrored at its border.
+    #[default]
+    Mirror,
+}
+
+/// Order of the Zernike polynomials.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "kebab-case")]
+pub enum ZernikeOrdering {
+    /// Noll 1976, counted from 1 (piston).
+    #[default]
+    Noll,
+    /// OSA/ANSI Z80.28, counted from 0 (piston).
+    Osa,
+}
+
+/// `[optics]`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(default, deny_unknown_fields)]
+pub struct OpticsDescription {
+    /// How the image is formed.
+    pub model: OpticsModelName,
+    /// Focal length divided by the diameter of the entrance pupil.
+    pub f_number: f64,
+    /// Focal length, mm.
+    pub focal_length_mm: f64,
+    /// Fall-off towards the edge.
+    pub falloff: FalloffName,
+    /// What the lens sees beyond the border of the scene.
+    pub surround: SurroundName,
+    /// Transmittance of the lens.
+    pub transmittance: Filter,
+    /// Infrared-cut filter in front of the sensor; absent: none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub ir_cut: Option<Filter>,
+    /// Separation of the four spots of a birefringent low-pass filter on the sensor, µm in both directions; 0: none.
+    pub low_pass_separation_um: f64,
+    /// Error of the lens' power, dioptres.
+    pub defocus_dioptres: f64,
+    /// Wavelength at which the lens is in focus, nm; only with `chromatic_dioptres_per_um`.
+    pub chromatic_reference_nm: f64,
+    /// Longitudinal chromatic focus: change of focus per µm of wavelength, dioptres/µm; 0: none.
+    pub chromatic_dioptres_per_um: f64,
+    /// Wavefront coefficients, µm RMS, by index (`model = "zernike"`).
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    pub zernike_um: BTreeMap<String, f64>,
+    /// What the indices of `zernike_um` mean.
+    pub zernike_ordering: ZernikeOrdering,
+    /// Point spread function, a `.npy` of shape (wavelengths, rows, cols) (`model = "psf"`).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub psf: Option<PsfDescription>,
+}
+
+impl Default for OpticsDescription {
+    fn default() -> Self {
+        Self {
+            model: OpticsModelName::Diffraction,
+            f_number: 4.0,
+            focal_length_mm: 3.863,
+            falloff: FalloffName::Cos4,
+            surround: SurroundName::Mirror,
+            transmittance: Filter::Flat(1.0),
+            ir_cut: None,
+            low_pass_separation_um: 0.0,
+            defocus_dioptres: 0.0,
+            chromatic_reference_nm: 550.0,
+            chromatic_dioptres_per_um: 0.0,
+            zernike_um: BTreeMap::new(),
+            zernike_ordering: ZernikeOrdering::Noll,
+            psf: None,
+        }
+    }
+}
+
+/// `[optics.psf]`: a measured or computed point spread function.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct PsfDescription {
+    /// A `.npy` of shape (wavelengths, rows, cols), or (rows, cols) for all wavelengths; each plane is scaled to
+    /// unit sum, its centre at (rows / 2, cols / 2).
+    pub file: String,
+    /// Distance between samples on the sensor, µm.
+    pub spacing_um: f64,
+    /// First wavelength, nm.
+    #[serde(default = "first_nm")]
+    pub start_nm: f64,
+    /// Step between the planes, nm.
+    #[serde(default = "step_nm")]
+    pub step_nm: f64,
+    /// What is in the file: filled in when it is read.
+    #[serde(skip)]
+    pub planes: Option<Planes>,
+    /// BLAKE3 hash of the file, so that a resolved description names its data: filled in when it is read.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub hash: String,
+}
+
+fn first_nm() -> f64 {
+    400.0
+}
+
+fn step_nm() -> f64 {
+    10.0
+}

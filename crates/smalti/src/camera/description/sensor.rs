@@ -1,0 +1,190 @@
+//! The image sensor: `[sensor]`, its pixel and its colour filter array.
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+
+use crate::sensor::Filter;
+
+/// How a sensor sees colour.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "kebab-case")]
+pub enum ArchitectureName {
+    /// A colour filter array.
+    #[default]
+    Mosaic,
+    /// A prism with one sensor per channel.
+    Prism,
+    /// One capture per channel; they share the exposure time.
+    FieldSequential,
+}
+
+/// `[sensor]`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(default, deny_unknown_fields)]
+pub struct SensorDescription {
+    /// Rows of pixels.
+    pub rows: usize,
+    /// Columns of pixels.
+    pub cols: usize,
+    /// How it sees colour.
+    pub architecture: ArchitectureName,
+    /// Bits of the converter; 0: no quantisation, the raw samples are volts.
+    pub adc_bits: u32,
+    /// Digital number without light.
+    pub black_level_dn: f64,
+    /// Gain differences between pixels, standard deviation in percent.
+    pub prnu_percent: f64,
+    /// Offset differences between pixels, standard deviation in mV.
+    pub dsnu_mv: f64,
+    /// Noise common to a row, drawn anew for each capture, mV.
+    pub row_noise_mv: f64,
+    /// Offset common to a column, fixed for the device, standard deviation in mV.
+    pub column_noise_mv: f64,
+    /// Pixels that give no signal, per million.
+    pub dead_pixels_ppm: f64,
+    /// Pixels with a large dark signal, per million.
+    pub hot_pixels_ppm: f64,
+    /// Dark signal of a hot pixel, V/s.
+    pub hot_pixel_dark_voltage_v_per_s: f64,
+    /// Which device: pixels differ from device to device, not from capture to capture.
+    pub serial: u64,
+    /// Electrons per photon that reaches the photodetector.
+    pub quantum_efficiency: Filter,
+    /// Share of a pixel's signal that its neighbours receive, percent in all; 0: none.
+    pub crosstalk_percent: f64,
+    /// The pixel.
+    pub pixel: PixelDescription,
+    /// The colour filter array.
+    pub cfa: CfaDescription,
+}
+
+impl Default for SensorDescription {
+    fn default() -> Self {
+        Self {
+            rows: 480,
+            cols: 640,
+            architecture: ArchitectureName::Mosaic,
+            adc_bits: 12,
+            black_level_dn: 0.0,
+            prnu_percent: 0.0,
+            dsnu_mv: 0.0,
+            row_noise_mv: 0.0,
+            column_noise_mv: 0.0,
+            dead_pixels_ppm: 0.0,
+            hot_pixels_ppm: 0.0,
+            hot_pixel_dark_voltage_v_per_s: 1.0,
+            serial: 1,
+            quantum_efficiency: Filter::Flat(1.0),
+            crosstalk_percent: 0.0,
+            pixel: PixelDescription::default(),
+            cfa: CfaDescription::default(),
+        }
+    }
+}
+
+/// `[sensor.pixel]`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(default, deny_unknown_fields)]
+pub struct PixelDescription {
+    /// Distance between pixels, µm.
+    pub pitch_um: f64,
+    /// Photodetector area divided by pixel area, above 0, at most 1.
+    pub fill_factor: f64,
+    /// Volts per electron, µV.
+    pub conversion_gain_uv_per_e: f64,
+    /// Largest output, V.
+    pub voltage_swing_v: f64,
+    /// Electrons a pixel holds.
+    pub full_well_e: f64,
+    /// Dark signal at 25 °C, V/s.
+    pub dark_voltage_v_per_s: f64,
+    /// Temperature of the sensor, °C; the dark signal doubles with every `dark_doubling_c` above 25.
+    pub temperature_c: f64,
+    /// Temperature step that doubles the dark signal, °C.
+    pub dark_doubling_c: f64,
+    /// Noise of one reading, mV RMS.
+    pub read_noise_mv: f64,
+}
+
+impl Default for PixelDescription {
+    fn default() -> Self {
+        Self {
+            pitch_um: 2.2,
+            fill_factor: 0.45,
+            conversion_gain_uv_per_e: 200.0,
+            voltage_swing_v: 1.8,
+            full_well_e: 9000.0,
+            dark_voltage_v_per_s: 1e-5,
+            temperature_c: 25.0,
+            dark_doubling_c: 6.0,
+            read_noise_mv: 1.34,
+        }
+    }
+}
+
+/// The tile: the name of a built-in, or its lines in letters.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(untagged)]
+pub enum PatternDescription {
+    /// A built-in (`smalti list cfas`).
+    Name(String),
+    /// One string per row, one letter per cell.
+    Letters(Vec<String>),
+}
+
+// By hand: the derived error of an untagged enum does not say what was expected.
+impl<'de> Deserialize<'de> for PatternDescription {
+    fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct Visitor;
+        impl<'de> serde::de::Visitor<'de> for Visitor {
+            type Value = PatternDescription;
+
+            fn expecting(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+                f.write_str("the name of a CFA, or its lines such as [\"RG\", \"GB\"]")
+            }
+
+            fn visit_str<E: serde::de::Error>(self, name: &str) -> Result<Self::Value, E> {
+                Ok(PatternDescription::Name(name.into()))
+            }
+
+            fn visit_seq<A: serde::de::SeqAccess<'de>>(self, mut seq: A) -> Result<Self::Value, A::Error> {
+                let mut lines = Vec::new();
+                while let Some(line) = seq.next_element()? {
+                    lines.push(line);
+                }
+                Ok(PatternDescription::Letters(lines))
+            }
+        }
+        deserializer.deserialize_any(Visitor)
+    }
+}
+
+/// `[sensor.cfa]`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(default, deny_unknown_fields)]
+pub struct CfaDescription {
+    /// The tile.
+    pub pattern: PatternDescription,
+    /// One filter per letter; with the name of a built-in, those named here replace its own.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    pub filters: BTreeMap<String, Filter>,
+    /// Letters that stand for weighted sums of filters: `a = { R = 0.5, G = 0.5 }`.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    pub mixtures: BTreeMap<String, BTreeMap<String, f64>>,
+}
+
+impl Default for CfaDescription {
+    fn default() -> Self {
+        Self {
+            pattern: PatternDescription::Name("bayer".into()),
+            filters: BTreeMap::new(),
+            mixtures: BTreeMap::new(),
+        }
+    }
+}
