@@ -56,47 +56,45 @@ pub(super) fn cube<'a>(
     // As it is in the file, or as single precision.
     let unpacked = pixels.saturating_mul(4).saturating_mul(channels.len() as u64).max(largest);
     limits.check(path, "a block", unpacked, source.len())?;
-    if let Some(kind) = plain(header) {
-        let places = lines(&*source, &meta, layer, (&offsets, largest), path)?;
-        let bands = header.channels.list.len();
-        let raster =
-            Raster { kind, big_endian: false, bands, rows, cols, order: [Axis::Row, Axis::Band, Axis::Col] };
-        let size = [bands.max(1), 1, cols.max(1)];
-        let blocks =
-            Blocks { size, strides: [0, 1, 1], places, filters: Vec::new(), unpack: None, cut: false };
-        let cube = Cube { source, raster, storage: Storage::Blocks(blocks) };
-        cube.check(path, "a block", limits)?;
-        return Ok(cube);
-    }
-    // A block ends where the next one begins, and is no larger than it was before.
-    let mut ends = offsets.clone();
-    ends.push(source.len());
-    ends.sort_unstable();
-    let place = |offset: &u64| {
-        let next = ends.get(ends.partition_point(|end| end <= offset)).copied().unwrap_or(source.len());
-        let bytes = next.saturating_sub(*offset).min(largest.saturating_add(BLOCK_HEAD_BYTES));
-        Place { offset: *offset, bytes, skipped: 0 }
+    let plain = plain(header);
+    let places = match plain {
+        Some(_) => lines(&*source, &meta, layer, (&offsets, largest), path)?,
+        None => packed(&offsets, largest, source.len()),
     };
-    let places: Arc<[Place]> = offsets.iter().map(place).collect();
+    let bands = if plain.is_some() { header.channels.list.len() } else { channels.len() };
     let raster = Raster {
-        kind: Kind::F32,
-        big_endian: cfg!(target_endian = "big"),
-        bands: channels.len(),
+        kind: plain.unwrap_or(Kind::F32),
+        big_endian: plain.is_none() && cfg!(target_endian = "big"),
+        bands,
         rows,
         cols,
         order: [Axis::Row, Axis::Band, Axis::Col],
     };
+    let layer = Layer { meta, layer, channels, size: [high, wide], across };
     let blocks = Blocks {
-        size: [channels.len().max(1), high, wide],
+        size: [bands.max(1), high, wide],
         strides: [0, across, 1],
         places,
         filters: Vec::new(),
-        unpack: Some(Arc::new(Layer { meta, layer, channels, size: [high, wide], across })),
+        unpack: plain.is_none().then(|| Arc::new(layer) as Arc<dyn Unpack>),
         cut: false,
     };
     let cube = Cube { source, raster, storage: Storage::Blocks(blocks) };
     cube.check(path, "a block", limits)?;
     Ok(cube)
+}
+
+/// Where compressed blocks are: one ends where the next one begins, and is no larger than it was before.
+fn packed(offsets: &[u64], largest: u64, file_bytes: u64) -> Arc<[Place]> {
+    let mut ends = offsets.to_vec();
+    ends.push(file_bytes);
+    ends.sort_unstable();
+    let place = |offset: &u64| {
+        let next = ends.get(ends.partition_point(|end| end <= offset)).copied().unwrap_or(file_bytes);
+        let bytes = next.saturating_sub(*offset).min(largest.saturating_add(BLOCK_HEAD_BYTES));
+        Place { offset: *offset, bytes, skipped: 0 }
+    };
+    offsets.iter().map(place).collect()
 }
 
 /// Where the samples of lines are, each behind its number and length; with several layers, that of the layer comes first.

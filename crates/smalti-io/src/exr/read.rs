@@ -86,11 +86,15 @@ fn spectral(meta: &MetaData, path: &Path) -> Result<Option<(usize, Vec<String>, 
     Ok(None)
 }
 
-/// What the samples of a layer take in memory, at four bytes each.
+/// What the samples of all layers take in memory, at four bytes each.
 ///
 /// # Errors
 /// When they are none that are read here.
-pub(super) fn declared_bytes(header: &Header, path: &Path) -> Result<u64, IoError> {
+pub(super) fn declared_bytes(meta: &MetaData, path: &Path) -> Result<u64, IoError> {
+    meta.headers.iter().try_fold(0u64, |sum, header| Ok(sum.saturating_add(of_layer(header, path)?)))
+}
+
+fn of_layer(header: &Header, path: &Path) -> Result<u64, IoError> {
     if header.deep {
         return Err(IoError::field(path, "the image", "deep data", "one sample per pixel"));
     }
@@ -115,11 +119,7 @@ fn opened<'a>(source: Shared<'a>, path: &Path, options: &ReadOptions) -> Result<
         let expected = "channels Radiance.C01, Radiance.C02, … or S0.400,0nm, … or T.400,0nm, …";
         return Err(IoError::field(path, "the spectrum", "absent", expected));
     };
-    let mut declared = 0u64;
-    for header in &meta.headers {
-        declared = declared.saturating_add(declared_bytes(header, path)?);
-    }
-    plausible(path, "the image", declared, source.len())?;
+    plausible(path, "the image", declared_bytes(&meta, path)?, source.len())?;
     let Some(header) = meta.headers.get(layer) else {
         return Err(IoError::field(path, "the image", "absent", "a layer"));
     };

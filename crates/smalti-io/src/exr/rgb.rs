@@ -45,11 +45,7 @@ fn load(bytes: &[u8], path: &Path, limits: Limits) -> Result<Vec<Layer<AnyChanne
     };
     guarded(path, "OpenEXR", || {
         let meta = MetaData::read_from_buffered(Cursor::new(bytes), false).map_err(decode)?;
-        let mut declared = 0u64;
-        for header in &meta.headers {
-            declared = declared.saturating_add(declared_bytes(header, path)?);
-        }
-        limits.check(path, "the image", declared, bytes.len() as u64)?;
+        limits.check(path, "the image", declared_bytes(&meta, path)?, bytes.len() as u64)?;
         let image = exr::prelude::read()
             .no_deep_data()
             .largest_resolution_level()
