@@ -215,13 +215,10 @@ impl Results {
         let keys = || condition.values.iter().map(|(key, _)| key.as_str());
         let part = |(key, value): &(String, ConditionValue)| {
             let (name, unit) = names::said(key, keys());
-            plain(&match value {
-                ConditionValue::Number(v) => format!("{name} {v} {unit}"),
-                ConditionValue::Text(v) => format!("{name} {v}"),
-            })
+            let number = matches!(value, ConditionValue::Number(_)) && !unit.is_empty();
+            plain(&if number { format!("{name} {value} {unit}") } else { format!("{name} {value}") })
         };
-        let mut parts: Vec<String> =
-            condition.values.iter().map(|of| part(of).trim_end().to_owned()).collect();
+        let mut parts: Vec<String> = condition.values.iter().map(part).collect();
         if self.study().processing.len() > 1 {
             parts.push(processing(way));
         }
@@ -231,11 +228,7 @@ impl Results {
     /// The keys and values of a condition as the study has them.
     pub(crate) fn setup_keys(&self, setup: u64) -> String {
         let Some((condition, _)) = self.setup(setup) else { return String::new() };
-        let part = |(key, value): &(String, ConditionValue)| match value {
-            ConditionValue::Number(v) => format!("{key} {v}"),
-            ConditionValue::Text(v) => format!("{key} {v}"),
-        };
-        condition.values.iter().map(part).collect::<Vec<_>>().join(", ")
+        condition.values.iter().map(|(key, value)| format!("{key} {value}")).collect::<Vec<_>>().join(", ")
     }
 
     /// Whether the designs follow rules or lists, so that what they are called says more than their number.

@@ -134,11 +134,7 @@ pub fn columns(designs: &Designs, rows: &[Scored]) -> Vec<Column> {
                 _ => f64::NAN,
             })
         } else {
-            text(&|r| match value(r) {
-                Some((_, ConditionValue::Text(t))) => t.clone(),
-                Some((_, ConditionValue::Number(v))) => v.to_string(),
-                None => String::new(),
-            })
+            text(&|r| value(r).map_or_else(String::new, |(_, v)| v.to_string()))
         });
     }
     if named(study) {
