@@ -9,7 +9,7 @@ use smalti::metrics::MetricError;
 use smalti::scene::Scene;
 use smalti::sensor::{NoiseMode, RawImage, RawSamples, Window};
 use smalti::spectrum::{SpectralCube, Spectrum};
-use smalti_io::dng::{self, ColorMatrix, DngInfo};
+use smalti_io::dng::{self, DngInfo};
 use smalti_io::picture::{self, Depth};
 use smalti_io::stages::{self, write_stage};
 use smalti_io::{memory, write};
@@ -60,7 +60,7 @@ pub(crate) fn run(args: &Simulate, common: &Common) -> anyhow::Result<()> {
     // Everything is computed before anything is written.
     let gain = photo.picture.brightness_gain();
     let picture = photo.picture.clone().scaled(gain).converted(camera.output_space())?;
-    let info = dng_info(&camera, &light)?;
+    let info = DngInfo::of_camera(&camera, &light)?;
     let score = score(&camera, &light, &photo, noise, args.camera_options.seed)?;
     let metrics = metrics(args, &camera, facts, &photo, gain, score)?;
     let text = serde_json::to_string_pretty(&metrics)? + "\n";
@@ -110,20 +110,6 @@ fn fitted(scene: Scene, args: &Simulate, camera: &Camera) -> anyhow::Result<Scen
         return Ok(scene);
     }
     Ok(camera.fitted(scene, resolve::is_file(&args.scene))?)
-}
-
-fn dng_info(camera: &Camera, light: &Spectrum) -> anyhow::Result<DngInfo> {
-    let isp = camera.isp(light, WhiteBalance::None)?;
-    Ok(DngInfo {
-        make: "Smalti".into(),
-        model: camera.description().name.clone(),
-        // The matrix holds for the light of the scene; Exif has no code for most lights, and 255 means "other".
-        color_matrix: Some(ColorMatrix {
-            camera_from_xyz: camera.camera_from_xyz(light)?,
-            light_source: 255,
-        }),
-        as_shot_neutral: Some(isp.color_matrix.camera_white().to_vec()),
-    })
 }
 
 /// How far the picture is from what the standard observer sees through the same lens and pixels, and where.

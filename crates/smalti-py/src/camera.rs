@@ -11,19 +11,17 @@ use smalti::isp::WhiteBalance;
 use smalti::sensor::{Cfa, Channel};
 use smalti::sensor::{Exposure, NoiseMode};
 use smalti::spectrum::{Observer, Outside, Spectrum, WavelengthGrid};
-use smalti_io::dng::{ColorMatrix, DngInfo};
+use smalti_io::dng::DngInfo;
 use smalti_io::{Override, TomlSource, cameras};
 
 use crate::cfa::PyCfa;
 use crate::error::{OrRaise, SmaltiError, not_found, short, wrong};
 use crate::image::PyImage;
+use crate::photograph::PyPhotograph;
 use crate::raw::PyRawImage;
 use crate::scene::{PyOpticalImage, PyScene};
 use crate::spectrum::{grid_of, light, wavelengths};
 use crate::work::watched;
-
-/// Code of a light that Exif has no name for.
-const OTHER_LIGHT: u16 = 255;
 
 /// A camera: lens, sensor and processing.
 ///
@@ -267,16 +265,7 @@ impl PyCamera {
             let image = camera.optics.image(&scene.scene).or_raise()?;
             watch.check()?;
             let photo = camera.photograph(image, light, noise, seed).or_raise()?;
-            let isp = camera.isp(light, WhiteBalance::None).or_raise()?;
-            let info = DngInfo {
-                make: "Smalti".into(),
-                model: camera.description().name.clone(),
-                color_matrix: Some(ColorMatrix {
-                    camera_from_xyz: camera.camera_from_xyz(light).or_raise()?,
-                    light_source: OTHER_LIGHT,
-                }),
-                as_shot_neutral: Some(isp.color_matrix.camera_white().to_vec()),
-            };
+            let info = DngInfo::of_camera(&camera, light).or_raise()?;
             let balanced = camera.white_balance() != WhiteBalance::None;
             Ok(PyPhotograph {
                 optical_image: PyOpticalImage(photo.optical_image),
@@ -354,68 +343,6 @@ impl PyCamera {
         };
         let white = Observer::Cie1931.white(&photons).or_raise()?;
         Ok((photons, white))
-    }
-}
-
-/// A picture with all that led to it.
-#[pyclass(name = "Photograph", module = "smalti", frozen)]
-#[derive(Debug, Clone)]
-pub(crate) struct PyPhotograph {
-    optical_image: PyOpticalImage,
-    raw: PyRawImage,
-    picture: PyImage,
-    exposure: Exposure,
-    light: Spectrum,
-    white: [f64; 3],
-    /// With the window that was read.
-    camera: Camera,
-}
-
-#[pymethods]
-impl PyPhotograph {
-    /// Irradiance on the sensor.
-    #[getter]
-    fn optical_image(&self) -> PyOpticalImage {
-        self.optical_image.clone()
-    }
-
-    /// The raw image.
-    #[getter]
-    fn raw(&self) -> PyRawImage {
-        self.raw.clone()
-    }
-
-    /// The picture in XYZ, white-balanced as the camera's description says.
-    #[getter]
-    fn picture(&self) -> PyImage {
-        self.picture.clone()
-    }
-
-    /// Integration time, s.
-    #[getter]
-    fn exposure_time_s(&self) -> f64 {
-        self.exposure.time_s
-    }
-
-    /// What the standard observer would see through the same lens and pixels, without noise: in XYZ as they are under the light of the
-    /// scene, on the scale of `Camera.render`.
-    fn reference(&self, py: Python<'_>) -> PyResult<PyImage> {
-        let reference = watched(py, None, |_| {
-            self.camera.reference_as_exposed(&self.optical_image.0, &self.exposure, &self.light).or_raise()
-        })?;
-        Ok(PyImage::new(reference, Some(self.white)))
-    }
-
-    fn __repr__(&self) -> String {
-        let (rows, cols) = (self.picture.image.rows(), self.picture.image.cols());
-        format!(
-            "<smalti.Photograph: {rows} × {cols} pixels, exposed {} ms>",
-            short(self.exposure.time_s * 1e3)
-        )
-    }
-
-    fn _repr_png_<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.picture.png_as_shown(py)
     }
 }
 

@@ -15,6 +15,7 @@ mod evaluate;
 mod image;
 mod l3;
 mod metrics;
+mod photograph;
 mod raw;
 mod scene;
 mod spectrum;
@@ -27,7 +28,7 @@ use pyo3::prelude::*;
 #[pymodule]
 mod _smalti {
     #[pymodule_export]
-    use crate::camera::{PyCamera, PyPhotograph, camera_names};
+    use crate::camera::{PyCamera, camera_names};
     #[pymodule_export]
     use crate::cfa::{PyCfa, cfas, filters};
     #[pymodule_export]
@@ -50,6 +51,8 @@ mod _smalti {
     use crate::metrics::{
         PyEdge, aliasing, cpsnr_db, edge_sfr, luminance_noise_percent, metrics, visual_snr,
     };
+    #[pymodule_export]
+    use crate::photograph::PyPhotograph;
     #[pymodule_export]
     use crate::raw::PyRawImage;
     #[pymodule_export]

@@ -14,7 +14,10 @@ mod read;
 mod samples;
 mod write;
 
+use smalti::camera::{Camera, CameraError};
+use smalti::isp::WhiteBalance;
 use smalti::sensor::RawImage;
+use smalti::spectrum::Spectrum;
 
 pub use crate::scene_file::Crop;
 pub use read::{from_bytes, read};
@@ -40,6 +43,26 @@ pub struct DngInfo {
     pub color_matrix: Option<ColorMatrix>,
     /// Camera values of a neutral surface, one per channel.
     pub as_shot_neutral: Option<Vec<f64>>,
+}
+
+impl DngInfo {
+    /// Exif's code of a light that it has no name for.
+    const OTHER_LIGHT: u16 = 255;
+
+    /// What a simulated camera says of its pictures under a light, in photons.
+    ///
+    /// # Errors
+    /// When the camera, or the eye, does not see the light.
+    pub fn of_camera(camera: &Camera, light: &Spectrum) -> Result<Self, CameraError> {
+        let isp = camera.isp(light, WhiteBalance::None)?;
+        let camera_from_xyz = camera.camera_from_xyz(light)?;
+        Ok(Self {
+            make: "Smalti".into(),
+            model: camera.description().name.clone(),
+            color_matrix: Some(ColorMatrix { camera_from_xyz, light_source: Self::OTHER_LIGHT }),
+            as_shot_neutral: Some(isp.color_matrix.camera_white().to_vec()),
+        })
+    }
 }
 
 /// A DNG as read.
