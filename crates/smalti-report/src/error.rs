@@ -72,6 +72,9 @@ pub enum FigureError {
         /// The part.
         what: &'static str,
     },
+    /// The plotting crate could not draw.
+    #[error("cannot draw the plot")]
+    Plot(#[from] plotters::drawing::DrawingAreaErrorKind<std::convert::Infallible>),
     /// The SVG could not be drawn as a picture.
     #[error("cannot draw the SVG")]
     Render(#[from] resvg::usvg::Error),

@@ -1,5 +1,6 @@
 //! Where title, legend, panels, colour bar and labels stand.
 
+use crate::backend::Canvas;
 use crate::figure::check_size;
 use crate::legend::{Entry, draw_entries, entries, rows};
 use crate::panel::{Edges, Panel};
@@ -34,7 +35,8 @@ pub(crate) fn layout(asked: &Layout<'_>) -> Result<Figure, FigureError> {
     check_size(full_width, full_height)?;
     let first = asked.panels.first().ok_or(FigureError::Nothing { what: "panel" })?;
     let shared = shared(first, asked.panels)?;
-    let mut svg = Svg::default();
+    let canvas = Canvas::default();
+    let mut svg = canvas.borrow_mut();
     let inner = full_width - 2.0 * MARGIN;
 
     // Top: title, legend.
@@ -98,7 +100,9 @@ pub(crate) fn layout(asked: &Layout<'_>) -> Result<Figure, FigureError> {
             svg.text((area.x, area.y - 9.0), Anchor::Start, NAME, INK, &name);
         }
         let edges = Edges { left: i % columns == 0, bottom: i + columns >= asked.panels.len() };
-        Panel { plot, area, shared: &shared, edges }.draw(&mut svg)?;
+        drop(svg);
+        Panel { plot, area, shared: &shared, edges }.draw(&canvas)?;
+        svg = canvas.borrow_mut();
     }
     let last = area_of((row_count.max(1) - 1) * columns);
     let middle_x = left + 0.5 * (full_width - left - right);
@@ -115,7 +119,8 @@ pub(crate) fn layout(asked: &Layout<'_>) -> Result<Figure, FigureError> {
     }
     let (title, description) =
         (title(asked, first), described(asked, first, shared.picture_bytes.is_some(), &notes));
-    Figure::new(svg, full_width, full_height, &title, &description)
+    drop(svg);
+    Figure::new(canvas.take(), full_width, full_height, &title, &description)
 }
 
 /// The legend, in rows from the left; returns where it ends.

@@ -1,12 +1,20 @@
 //! One panel: grid, histograms, clouds, lines, marks, axes.
 
+use plotters::coord::cartesian::Cartesian2d;
+use plotters::prelude::{
+    AreaSeries, ChartBuilder, ChartContext, Circle, DashedLineSeries, EmptyElement, ErrorBar,
+    IntoDrawingArea, LabelAreaPosition, LineSeries, PathElement, Polygon, TRANSPARENT,
+};
+
 use crate::FigureError;
+use crate::backend::{Backend, Canvas, pixels, style, text_style, units};
 use crate::cloud::{Dot, draw_cloud};
 use crate::color::Rgb;
 use crate::figure::encode;
 use crate::layers::{Corner, Histogram, Line, Points, Symbol};
 use crate::layout::{LABEL, TICK};
 use crate::plot::{Layer, Plot};
+use crate::scale::{Axis, Tick};
 use crate::shared::{INTERVAL_SHARE, Shared, counts};
 use crate::svg::{Anchor, Area, FRAME, GRID, INK, Paint, SOFT, Svg, path_of};
 use crate::text::width;
@@ -51,10 +59,13 @@ pub(crate) fn draw_symbol(
     }
 }
 
+type Chart<'a> = ChartContext<'a, Backend, Cartesian2d<Axis, Axis>>;
+
 impl Panel<'_> {
-    pub(crate) fn draw(&self, svg: &mut Svg) -> Result<(), FigureError> {
+    pub(crate) fn draw(&self, svg: &Canvas) -> Result<(), FigureError> {
         let area = self.area;
         if self.shared.empty {
+            let mut svg = svg.borrow_mut();
             svg.rect(
                 area,
                 Paint { fill: Some((Rgb(250, 250, 250), 1.0)), stroke: Some((GRID, 1.0)), dashed: false },
@@ -63,8 +74,8 @@ impl Panel<'_> {
             svg.text(middle, Anchor::Middle, LABEL, SOFT, "no data");
             return Ok(());
         }
-        self.draw_axes(svg);
-        svg.open_window(Area {
+        let mut chart = self.chart(svg)?;
+        svg.borrow_mut().open_window(Area {
             x: area.x - 1.0,
             y: area.y - 1.0,
             width: area.width + 2.0,
@@ -73,70 +84,81 @@ impl Panel<'_> {
         let mut interval_row = 0;
         for layer in &self.plot.layers {
             if let Layer::Histogram(histogram) = layer {
-                self.draw_histogram(svg, histogram, &mut interval_row);
+                self.draw_histogram(svg, &mut chart, histogram, &mut interval_row)?;
             }
         }
-        self.draw_clouds(svg)?;
+        self.draw_clouds(svg, &chart)?;
         for layer in &self.plot.layers {
             if let Layer::Line(line) = layer {
-                self.draw_line(svg, line);
+                self.draw_line(svg, &mut chart, line)?;
             }
         }
         for layer in &self.plot.layers {
             if let Layer::Points(points) = layer
                 && points.marks
             {
-                self.draw_marks(svg, points);
+                self.draw_marks(svg, &mut chart, points)?;
             }
         }
-        svg.close_window();
+        svg.borrow_mut().close_window();
         if self.plot.wavelengths {
-            self.draw_wavelengths(svg)?;
+            self.draw_wavelengths(&mut svg.borrow_mut())?;
         }
         Ok(())
     }
 
-    fn x(&self, value: f64) -> Option<f64> {
-        // Far outside is as good as a little outside, and keeps coordinates small.
-        self.shared.x.place(value).map(|t| self.area.x + t.clamp(-2.0, 3.0) * self.area.width)
-    }
-
-    fn y(&self, value: f64) -> Option<f64> {
-        self.shared.y.place(value).map(|t| self.area.y + (1.0 - t.clamp(-2.0, 3.0)) * self.area.height)
-    }
-
-    fn draw_axes(&self, svg: &mut Svg) {
+    /// Grid and axes.
+    fn chart(&self, svg: &Canvas) -> Result<Chart<'static>, FigureError> {
         let Area { x, y, width: w, height: h } = self.area;
+        let below = TICK.size + 26.0;
+        let size = (x + w + 1.0, y + h + below + 1.0);
+        let root = Backend { svg: svg.clone(), size }.into_drawing_area();
+        // One unit more: the crate's last pixel is the end of the axis.
+        let room = root.shrink((0, units(y)), (units(x + w) + 1, units(h + below) + 1));
+        let mut chart = ChartBuilder::on(&room)
+            .set_label_area_size(LabelAreaPosition::Left, units(x))
+            .set_label_area_size(LabelAreaPosition::Bottom, units(below))
+            .build_cartesian_2d(self.shared.x, self.shared.y)?;
         let x_count = ((w / 95.0) as usize).clamp(2, 12);
+        let y_count = ((h / 62.0) as usize).clamp(2, 12);
+        let label = |ticks: &[Tick], shown: bool, v: f64| match ticks.iter().find(|t| t.0 == v) {
+            Some((_, label)) if shown => label.clone(),
+            _ => String::new(),
+        };
         let mut x_ticks = self.shared.x.ticks(x_count);
         // Labels that would touch: every other tick.
         let widest = x_ticks.iter().map(|(_, l)| width(l, TICK)).fold(0.0, f64::max);
-        if x_ticks.len() as f64 * (widest + 14.0) > w + widest {
-            x_ticks = self.shared.x.ticks(x_count / 2);
+        let touching = x_ticks.len() as f64 * (widest + 14.0) > w + widest;
+        let x_count = if touching { x_count / 2 } else { x_count };
+        if touching {
+            x_ticks = self.shared.x.ticks(x_count);
         }
-        let y_ticks = self.shared.y.ticks(((h / 62.0) as usize).clamp(2, 12));
-        for at in x_ticks.iter().filter_map(|(v, _)| self.x(*v)) {
-            svg.line((at, y), (at, y + h), GRID, 1.0);
-        }
-        for at in y_ticks.iter().filter_map(|(v, _)| self.y(*v)) {
-            svg.line((x, at), (x + w, at), GRID, 1.0);
-        }
-        svg.path(&path_of(&[(x, y), (x, y + h), (x + w, y + h)], false), Paint::stroke(FRAME, 1.4));
-        let strip = if self.plot.wavelengths { 11.0 } else { 0.0 };
-        for (value, label) in &x_ticks {
-            let Some(at) = self.x(*value) else { continue };
-            svg.line((at, y + h), (at, y + h + 5.0), FRAME, 1.2);
-            if self.edges.bottom {
-                svg.text((at, y + h + strip + 9.0 + TICK.size), Anchor::Middle, TICK, INK, label);
-            }
-        }
-        for (value, label) in &y_ticks {
-            let Some(at) = self.y(*value) else { continue };
-            svg.line((x - 5.0, at), (x, at), FRAME, 1.2);
-            if self.edges.left {
-                svg.text((x - 10.0, at + TICK.size * 0.36), Anchor::End, TICK, INK, label);
-            }
-        }
+        let y_ticks = self.shared.y.ticks(y_count);
+        let x_label = |v: &f64| label(&x_ticks, self.edges.bottom, *v);
+        let y_label = |v: &f64| label(&y_ticks, self.edges.left, *v);
+        chart
+            .configure_mesh()
+            .light_line_style(TRANSPARENT)
+            .max_light_lines(1)
+            .bold_line_style(style(GRID, 1.0, 1.0))
+            .axis_style(style(FRAME, 1.0, 1.4))
+            .label_style(text_style(TICK))
+            .set_tick_mark_size(LabelAreaPosition::Left, units(5.0))
+            .set_tick_mark_size(
+                LabelAreaPosition::Bottom,
+                units(if self.plot.wavelengths { 10.0 } else { 5.0 }),
+            )
+            .x_labels(x_count)
+            .y_labels(y_count)
+            .x_label_formatter(&x_label)
+            .y_label_formatter(&y_label)
+            .draw()?;
+        Ok(chart)
+    }
+
+    /// The point, if it has a place.
+    fn point(&self, x: f64, y: f64) -> Option<(f64, f64)> {
+        (self.shared.x.place(x).is_some() && self.shared.y.place(y).is_some()).then_some((x, y))
     }
 
     /// The spectrum as it looks, under the axis of wavelengths.
@@ -153,38 +175,48 @@ impl Panel<'_> {
         Ok(())
     }
 
-    fn draw_histogram(&self, svg: &mut Svg, histogram: &Histogram, interval_row: &mut usize) {
-        let Some((start, bin)) = self.shared.bin else { return };
+    fn draw_histogram(
+        &self,
+        svg: &Canvas,
+        chart: &mut Chart<'_>,
+        histogram: &Histogram,
+        interval_row: &mut usize,
+    ) -> Result<(), FigureError> {
+        let Some((start, bin)) = self.shared.bin else { return Ok(()) };
         let color = series_color(self.shared, &histogram.name, histogram.color);
-        let paint = Paint { fill: Some((color, 0.22)), stroke: Some((color, 1.8)), dashed: false };
-        svg.open("", &histogram.name);
+        let floor = self.shared.y.low;
+        svg.borrow_mut().open("", &histogram.name);
         // Each run of bins that hold something is an outline.
-        let mut points: Vec<(f64, f64)> = Vec::new();
+        let mut steps: Vec<(f64, f64)> = Vec::new();
         for (i, count) in counts(&histogram.values, start, bin).into_iter().chain([0]).enumerate() {
-            let (Some(x), Some(y)) = (self.x(start + bin * i as f64), self.y(count as f64)) else { continue };
-            let floor = self.area.y + self.area.height;
+            let (x, y) = (start + bin * i as f64, count as f64);
             if count > 0 {
-                let before = points.last().map_or(floor, |p| p.1);
-                points.extend([(x, before), (x, y)]);
-            } else if let Some(last) = points.last().copied() {
-                points.extend([(x, last.1), (x, floor)]);
-                svg.path(&path_of(&points, false), paint);
-                points.clear();
+                let Some(step) = self.point(x, y) else { continue };
+                steps.extend([(x, steps.last().map_or(floor, |p| p.1)), step]);
+            } else if let Some(last) = steps.last().copied() {
+                steps.extend([(x, last.1), (x, floor)]);
+                let area =
+                    AreaSeries::new(std::mem::take(&mut steps), floor, style(color, 0.22, 0.0).filled());
+                chart.draw_series(area.border_style(style(color, 1.0, 1.8)))?;
             }
         }
         if let Some((low, center, high)) = histogram.interval {
-            let y = self.area.y + (*interval_row as f64 + 0.6) * INTERVAL_SHARE * self.area.height;
+            let share = (*interval_row as f64 + 0.6) * INTERVAL_SHARE;
             *interval_row += 1;
-            if let [Some(a), Some(m), Some(b)] = [low, center, high].map(|v| self.x(v)) {
-                svg.line((a, y), (b, y), color, 2.6);
-                [a, b].into_iter().for_each(|end| svg.line((end, y - 7.0), (end, y + 7.0), color, 2.6));
-                draw_symbol(svg, Symbol::Circle, (m, y), 6.5, color, true);
+            let y = self.shared.y.value(1.0 - share);
+            if [low, center, high].iter().all(|v| self.point(*v, y).is_some()) {
+                let look = style(color, 1.0, 2.6);
+                chart.draw_series([PathElement::new([(low, y), (high, y)], look)])?;
+                let cap = || PathElement::new([(0, units(-7.0)), (0, units(7.0))], look);
+                chart.draw_series([low, high].map(|end| EmptyElement::at((end, y)) + cap()))?;
+                self.symbol(chart, Symbol::Circle, (center, y), 6.5, color)?;
             }
         }
-        svg.close();
+        svg.borrow_mut().close();
+        Ok(())
     }
 
-    fn draw_clouds(&self, svg: &mut Svg) -> Result<(), FigureError> {
+    fn draw_clouds(&self, svg: &Canvas, chart: &Chart<'_>) -> Result<(), FigureError> {
         let mut dots = Vec::new();
         for (series, layer) in self.plot.layers.iter().enumerate() {
             let Layer::Points(points) = layer else { continue };
@@ -200,8 +232,9 @@ impl Panel<'_> {
                 _ => 1.5,
             });
             for (i, (x, y)) in points.x.iter().zip(&points.y).enumerate() {
-                let (Some(x), Some(y)) = (self.x(*x), self.y(*y)) else { continue };
+                let Some(at) = self.point(*x, *y) else { continue };
                 let Some(color) = self.dot_color(points, i, color) else { continue };
+                let (x, y) = pixels(chart.backend_coord(&at));
                 dots.push(Dot {
                     x,
                     y,
@@ -220,7 +253,7 @@ impl Panel<'_> {
             (false, 1501..=30_000) => 0.45,
             (false, _) => 0.35,
         };
-        draw_cloud(svg, self.area, dots, opacity, self.shared.picture_bytes)
+        draw_cloud(&mut svg.borrow_mut(), self.area, dots, opacity, self.shared.picture_bytes)
     }
 
     /// The colour of a point; none where its value is NaN.
@@ -232,98 +265,106 @@ impl Panel<'_> {
         Some(Rgb::viridis(axis.place(value).unwrap_or(if value > axis.high { 1.0 } else { 0.0 })))
     }
 
-    fn draw_line(&self, svg: &mut Svg, line: &Line) {
+    fn draw_line(&self, svg: &Canvas, chart: &mut Chart<'_>, line: &Line) -> Result<(), FigureError> {
         let color = series_color(self.shared, &line.name, line.color);
-        svg.open("", &line.name);
+        svg.borrow_mut().open("", &line.name);
         let mut run: Vec<(f64, f64)> = Vec::new();
-        let places = line.x.iter().zip(&line.y).map(|(x, y)| Some((self.x(*x)?, self.y(*y)?)));
+        let places = line.x.iter().zip(&line.y).map(|(x, y)| self.point(*x, *y));
         // Each run of points with a place is a path.
         for point in places.chain([None]) {
-            match point {
-                Some(point) => {
-                    match (line.corner, run.last().copied()) {
-                        (Corner::XFirst, Some(last)) => run.push((point.0, last.1)),
-                        (Corner::YFirst, Some(last)) => run.push((last.0, point.1)),
-                        _ => {}
-                    }
-                    run.push(point);
-                }
-                None => {
-                    self.draw_run(svg, line, color, &run);
-                    run.clear();
-                }
-            }
-        }
-        svg.close();
-    }
-
-    fn draw_run(&self, svg: &mut Svg, line: &Line, color: Rgb, run: &[(f64, f64)]) {
-        let (Some(first), Some(last)) = (run.first(), run.last()) else { return };
-        if line.filled {
-            let floor = self.area.y + self.area.height;
-            let outline: Vec<(f64, f64)> =
-                [(first.0, floor)].iter().chain(run).copied().chain([(last.0, floor)]).collect();
-            svg.path(
-                &path_of(&outline, true),
-                Paint { fill: Some((color, 0.16)), stroke: None, dashed: false },
-            );
-        }
-        let paint = Paint { dashed: line.dashed, ..Paint::stroke(color, line.width.clamp(0.2, 30.0)) };
-        svg.path(&path_of(run, false), paint);
-    }
-
-    fn draw_marks(&self, svg: &mut Svg, points: &Points) {
-        let own = series_color(self.shared, &points.name, points.color);
-        let white = Rgb(255, 255, 255);
-        svg.open("", &points.name);
-        for (i, (x, y)) in points.x.iter().zip(&points.y).enumerate() {
-            let (Some(x), Some(y), Some(color)) = (self.x(*x), self.y(*y), self.dot_color(points, i, own))
-            else {
+            let Some(point) = point else {
+                self.draw_run(chart, line, color, std::mem::take(&mut run))?;
                 continue;
             };
-            let bars = [
-                points.x_intervals.as_ref().and_then(|v| v.get(i)).map(|v| (v, true)),
-                points.y_intervals.as_ref().and_then(|v| v.get(i)).map(|v| (v, false)),
-            ];
-            for (color, thickness) in [(white, 5.0), (color, 2.2)] {
-                for ((low, high), along_x) in bars.into_iter().flatten() {
-                    // An endless interval leaves the panel.
-                    let end = |v: f64, out: f64| {
-                        if v.is_infinite() {
-                            Some(out)
-                        } else if along_x {
-                            self.x(v)
-                        } else {
-                            self.y(v)
-                        }
-                    };
-                    let (start, stop) = match along_x {
-                        true => {
-                            (end(*low, self.area.x - 20.0), end(*high, self.area.x + self.area.width + 20.0))
-                        }
-                        false => {
-                            (end(*low, self.area.y + self.area.height + 20.0), end(*high, self.area.y - 20.0))
-                        }
-                    };
-                    let (Some(start), Some(stop)) = (start, stop) else { continue };
-                    let at = |along: f64, across: f64| {
-                        if along_x { (along, y + across) } else { (x + across, along) }
-                    };
-                    svg.line(at(start, 0.0), at(stop, 0.0), color, thickness);
-                    [start, stop]
-                        .into_iter()
-                        .for_each(|e| svg.line(at(e, -5.0), at(e, 5.0), color, thickness));
+            match (line.corner, run.last().copied()) {
+                (Corner::XFirst, Some(last)) => run.push((point.0, last.1)),
+                (Corner::YFirst, Some(last)) => run.push((last.0, point.1)),
+                _ => {}
+            }
+            run.push(point);
+        }
+        svg.borrow_mut().close();
+        Ok(())
+    }
+
+    fn draw_run(
+        &self,
+        chart: &mut Chart<'_>,
+        line: &Line,
+        color: Rgb,
+        run: Vec<(f64, f64)>,
+    ) -> Result<(), FigureError> {
+        if run.is_empty() {
+            return Ok(());
+        }
+        if line.filled {
+            let tint = style(color, 0.16, 0.0).filled();
+            chart.draw_series(AreaSeries::new(run.iter().copied(), self.shared.y.low, tint))?;
+        }
+        let look = style(color, 1.0, line.width.clamp(0.2, 30.0));
+        if line.dashed {
+            chart.draw_series(DashedLineSeries::new(run, units(7.0), units(5.0), look))?;
+        } else {
+            chart.draw_series(LineSeries::new(run, look))?;
+        }
+        Ok(())
+    }
+
+    fn symbol(
+        &self,
+        chart: &mut Chart<'_>,
+        symbol: Symbol,
+        at: (f64, f64),
+        radius: f64,
+        color: Rgb,
+    ) -> Result<(), FigureError> {
+        let (fill, edge) = (style(color, 1.0, 0.0).filled(), style(Rgb(255, 255, 255), 1.0, 1.6));
+        match symbol.outline(radius) {
+            None => {
+                chart.draw_series([
+                    Circle::new(at, units(radius), fill),
+                    Circle::new(at, units(radius), edge),
+                ])?;
+            }
+            Some(corners) => {
+                let corners: Vec<_> = corners.into_iter().map(|(x, y)| (units(x), units(y))).collect();
+                let closed: Vec<_> = corners.iter().chain(corners.first()).copied().collect();
+                chart.draw_series([EmptyElement::at(at)
+                    + Polygon::new(corners, fill)
+                    + PathElement::new(closed, edge)])?;
+            }
+        }
+        Ok(())
+    }
+
+    fn draw_marks(&self, svg: &Canvas, chart: &mut Chart<'_>, points: &Points) -> Result<(), FigureError> {
+        let own = series_color(self.shared, &points.name, points.color);
+        svg.borrow_mut().open("", &points.name);
+        for (i, (x, y)) in points.x.iter().zip(&points.y).enumerate() {
+            let (Some((x, y)), Some(color)) = (self.point(*x, *y), self.dot_color(points, i, own)) else {
+                continue;
+            };
+            // An endless interval leaves the panel.
+            let ends = |interval: Option<&(f64, f64)>, axis: &Axis| {
+                let end = |v: f64, out: f64| {
+                    if v.is_infinite() { Some(axis.value(out)) } else { axis.place(v).map(|_| v) }
+                };
+                interval.and_then(|(low, high)| Some((end(*low, -0.5)?, end(*high, 1.5)?)))
+            };
+            let along_x = ends(points.x_intervals.as_ref().and_then(|v| v.get(i)), &self.shared.x);
+            let along_y = ends(points.y_intervals.as_ref().and_then(|v| v.get(i)), &self.shared.y);
+            for look in [style(Rgb(255, 255, 255), 1.0, 5.0), style(color, 1.0, 2.2)] {
+                if let Some((low, high)) = along_x {
+                    chart.draw_series([ErrorBar::new_horizontal(y, low, x, high, look, 1000)])?;
+                }
+                if let Some((low, high)) = along_y {
+                    chart.draw_series([ErrorBar::new_vertical(x, low, y, high, look, 1000)])?;
                 }
             }
-            draw_symbol(
-                svg,
-                points.symbol,
-                (x, y),
-                points.radius.unwrap_or(7.5).clamp(0.2, 50.0),
-                color,
-                true,
-            );
+            let radius = points.radius.unwrap_or(7.5).clamp(0.2, 50.0);
+            self.symbol(chart, points.symbol, (x, y), radius, color)?;
         }
-        svg.close();
+        svg.borrow_mut().close();
+        Ok(())
     }
 }

@@ -1,5 +1,9 @@
 //! Axes: from values to pixels, and where ticks stand.
 
+use std::ops::Range;
+
+use plotters::coord::ranged1d::{DefaultFormatting, KeyPointHint, Ranged};
+
 /// How an axis spreads its values.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum Scale {
@@ -16,6 +20,29 @@ pub(crate) struct Axis {
     pub(crate) scale: Scale,
     pub(crate) low: f64,
     pub(crate) high: f64,
+}
+
+impl Ranged for Axis {
+    type FormatOption = DefaultFormatting;
+    type ValueType = f64;
+
+    fn map(&self, value: &f64, (from, to): (i32, i32)) -> i32 {
+        // Far outside is as good as a little outside, and keeps coordinates small.
+        let t = self.place(*value).unwrap_or(0.0).clamp(-2.0, 3.0);
+        from + libm::round(t * f64::from(to - from)) as i32
+    }
+
+    fn key_points<Hint: KeyPointHint>(&self, hint: Hint) -> Vec<f64> {
+        // A grid between the ticks is not drawn.
+        if hint.weight().allow_light_points() && hint.max_num_points() != hint.bold_points() {
+            return Vec::new();
+        }
+        self.ticks(hint.max_num_points()).into_iter().map(|(value, _)| value).collect()
+    }
+
+    fn range(&self) -> Range<f64> {
+        self.low..self.high
+    }
 }
 
 /// A tick and its label.
@@ -51,6 +78,14 @@ impl Axis {
             Scale::Log => return None,
         };
         t.is_finite().then_some(t)
+    }
+
+    /// The value at a place.
+    pub(crate) fn value(&self, t: f64) -> f64 {
+        match self.scale {
+            Scale::Linear => self.low + t * (self.high - self.low),
+            Scale::Log => self.low * libm::pow(self.high / self.low, t),
+        }
     }
 
     /// About `count` ticks at round values within the range.

@@ -267,8 +267,11 @@ fn histograms_count() {
     let heights: Vec<f64> = outlines
         .iter()
         .flat_map(|d| {
-            let ys: Vec<f64> =
-                d[1..].split('L').map(|p| p.split(' ').nth(1).unwrap().parse().unwrap()).collect();
+            let ys: Vec<f64> = d[1..]
+                .trim_end_matches('Z')
+                .split('L')
+                .map(|p| p.split(' ').nth(1).unwrap().parse().unwrap())
+                .collect();
             let floor = ys[0];
             ys.into_iter().map(move |y| floor - y).filter(|h| *h > 0.0).collect::<Vec<_>>()
         })
