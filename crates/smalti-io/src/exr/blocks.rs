@@ -10,7 +10,7 @@ use exr::meta::header::Header;
 use exr::prelude::{Compression, MetaData, SampleType, Vec2, f16};
 
 use crate::file::guarded;
-use crate::raster::{Axis, Blocks, Cube, Kind, Place, Raster, Shared, Source, Storage, Unpack, bytes_at};
+use crate::raster::{Axis, Blocks, Cube, Kind, Place, Raster, Shared, Storage, Unpack, bytes_at};
 use crate::{IoError, Limits};
 
 /// What stands before the content of a block, at most.
@@ -57,9 +57,9 @@ pub(super) fn cube<'a>(
     let unpacked = pixels.saturating_mul(4).saturating_mul(channels.len() as u64).max(largest);
     limits.check(path, "a block", unpacked, source.len())?;
     let plain = plain(header);
-    let places = match plain {
-        Some(_) => lines(&*source, &meta, layer, (&offsets, largest), path)?,
-        None => packed(&offsets, largest, source.len()),
+    let (places, heads) = match plain {
+        Some(_) => lines(&meta, layer, (&offsets, largest), path)?,
+        None => (packed(&offsets, largest, source.len()), Arc::default()),
     };
     let bands = if plain.is_some() { header.channels.list.len() } else { channels.len() };
     let raster = Raster {
@@ -75,6 +75,7 @@ pub(super) fn cube<'a>(
         size: [bands.max(1), high, wide],
         strides: [0, across, 1],
         places,
+        heads,
         filters: Vec::new(),
         unpack: plain.is_none().then(|| Arc::new(layer) as Arc<dyn Unpack>),
         cut: false,
@@ -97,26 +98,32 @@ fn packed(offsets: &[u64], largest: u64, file_bytes: u64) -> Arc<[Place]> {
     offsets.iter().map(place).collect()
 }
 
-/// Where the samples of lines are, each behind its number and length; with several layers, that of the layer comes first.
+/// Blocks, and what stands before each of them.
+type Placed = (Arc<[Place]>, Arc<[u8]>);
+
+/// Where the samples of lines are, and their heads: number and length; with several layers, that of the layer comes first.
 fn lines(
-    source: &dyn Source,
     meta: &MetaData,
     layer: usize,
     (offsets, bytes): (&[u64], u64),
     path: &Path,
-) -> Result<Arc<[Place]>, IoError> {
+) -> Result<Placed, IoError> {
     let first = meta.headers.get(layer).map_or(0, |h| i64::from(h.own_attributes.layer_position.1));
-    let head_bytes = if meta.requirements.has_multiple_layers { 12 } else { 8 };
-    let line = |(row, offset): (usize, &u64)| {
-        let head = bytes_at(source, *offset, head_bytes, "a block", path)?;
-        let stated: Vec<i64> = head.as_chunks().0.iter().map(|b| i64::from(i32::from_le_bytes(*b))).collect();
-        let own = [layer as i64, first + row as i64, i64::try_from(bytes).unwrap_or(i64::MAX)];
-        if !own.ends_with(&stated) {
-            return Err(IoError::field(path, "a block", format!("line {stated:?}"), format!("line {own:?}")));
-        }
-        Ok(Place { offset: offset.saturating_add(head_bytes), bytes, skipped: 0 })
+    let layer = meta.requirements.has_multiple_layers.then_some(layer as i64);
+    let head_bytes = if layer.is_some() { 12 } else { 8 };
+    let head = |row: usize| {
+        let numbers = layer.into_iter().chain([first + row as i64, i64::try_from(bytes).unwrap_or(i64::MAX)]);
+        numbers.map(i32::try_from).collect::<Result<Vec<i32>, _>>()
     };
-    offsets.iter().enumerate().map(line).collect()
+    let heads = (0..offsets.len()).map(head).collect::<Result<Vec<_>, _>>();
+    let heads = heads.map_err(|_| {
+        IoError::field(path, "a block", format!("{bytes} bytes"), "numbers and lengths below 2³¹")
+    })?;
+    let place = |o: &u64| Place { offset: o.saturating_add(head_bytes), bytes, skipped: 0 };
+    Ok((
+        offsets.iter().map(place).collect(),
+        heads.into_iter().flatten().flat_map(i32::to_le_bytes).collect(),
+    ))
 }
 
 #[derive(Debug)]

@@ -225,7 +225,7 @@ fn plain_lines_are_read_where_they_lie() {
     let mut wrong = bytes.clone();
     wrong[tables..tables + 8].copy_from_slice(&of_other_layer);
     let error = read_bytes(&wrong).unwrap_err().to_string();
-    assert!(error.contains("f.exr: a block is line [1, 0, 36]; expected line [0, -4, 36]"), "{error}");
+    assert!(error.contains("f.exr: not a valid OpenEXR file: block 0 is another one"), "{error}");
     let mut cut = bytes.clone();
     cut.truncate(bytes.len() - 1);
     assert!(read_bytes(&cut).is_ok(), "the other layer is not looked at");

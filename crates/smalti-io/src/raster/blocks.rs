@@ -6,13 +6,16 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use super::copy::Target;
+use super::copy::{Strides, Target, gather};
 use super::filters::{Filter, Scratch};
 use super::kind::Sample;
-use super::run::Raster;
+use super::run::{Raster, gathered};
 use super::source::Source;
-use super::{Bad, Part};
+use super::{Axis, Bad, Part};
 use crate::{IoError, Limits};
+
+/// Bytes between lines that are read with them.
+const LINE_GAP_BYTES: u64 = 64;
 
 /// Where the blocks of a cube are, and what was done to them. Each lies as the cube does: of the same type and order.
 #[derive(Debug, Clone)]
@@ -22,6 +25,8 @@ pub(crate) struct Blocks {
     /// The distances in `places` from a block to the next along bands, rows and columns.
     pub(crate) strides: [usize; 3],
     pub(crate) places: Arc<[Place]>,
+    /// What stands before each block, all of one length: a block behind anything else is another one.
+    pub(crate) heads: Arc<[u8]>,
     /// In the order in which they were applied.
     pub(crate) filters: Vec<Filter>,
     /// What unpacks blocks in place of filters.
@@ -95,7 +100,7 @@ impl Blocks {
         cube: &Raster,
         source: &dyn Source,
         part: &Part<'_>,
-        target: Target<'_, '_, S>,
+        mut target: Target<'_, '_, S>,
         (scratch, shared): (&mut Scratch, bool),
     ) -> Result<(), Bad> {
         let [high_band, high, wide] = self.size;
@@ -124,8 +129,16 @@ impl Blocks {
             self.shape(cube, at[0]).read_into(from, &local, target, window)
         };
         if !self.packed() {
+            if let Some((bytes, strides)) = self.window(cube, source, part, &mut scratch.window)? {
+                let extent = (places.as_slice(), part.rows.len(), part.cols.len());
+                return gathered(gather(bytes, (cube.kind, cube.big_endian), strides, extent, &mut target));
+            }
+            let mut head = vec![0; self.head_bytes()];
             for at in all {
-                copy(at, (source, self.place(index(at))?.offset), &mut scratch.window)?;
+                let offset = self.place(index(at))?.offset;
+                source.read_at(offset.saturating_sub(head.len() as u64), &mut head)?;
+                self.check_head(index(at), &head)?;
+                copy(at, (source, offset), &mut scratch.window)?;
             }
             return Ok(());
         }
@@ -151,6 +164,49 @@ impl Blocks {
             }
         }
         Ok(())
+    }
+
+    /// Lines at equal distances, of which most is wanted, read at once with what stands between them: one by one each would
+    /// cost a call to the system.
+    fn window<'s>(
+        &self,
+        cube: &Raster,
+        source: &dyn Source,
+        part: &Part<'_>,
+        buffer: &'s mut Vec<u8>,
+    ) -> Result<Option<(&'s [u8], Strides)>, Bad> {
+        let line = cube.bands * cube.cols;
+        let lines =
+            cube.order == [Axis::Row, Axis::Band, Axis::Col] && self.size == [cube.bands, 1, cube.cols];
+        let most = 2 * part.bands.len() * part.cols.len() >= line;
+        let places = self.places.get(part.rows.clone()).unwrap_or_default();
+        let [first, second, ..] = places else { return Ok(None) };
+        let (size, pitch) = (cube.kind.size() as u64, second.offset.saturating_sub(first.offset));
+        let gap = pitch.checked_sub(line as u64 * size);
+        let near = gap.is_some_and(|bytes| bytes <= LINE_GAP_BYTES && bytes % size == 0);
+        let equal = || places.is_sorted_by(|a, b| a.offset.checked_add(pitch) == Some(b.offset));
+        if source.memory().is_some() || !lines || !most || !near || !equal() {
+            return Ok(None);
+        }
+        let (row, head) = ((pitch / size) as usize, self.head_bytes());
+        buffer.resize(head + ((places.len() - 1) * row + line) * size as usize, 0);
+        source.read_at(first.offset.saturating_sub(head as u64), buffer)?;
+        for (block, bytes) in part.rows.clone().zip(buffer.chunks(row * size as usize)) {
+            self.check_head(block, bytes.get(..head).unwrap_or_default())?;
+        }
+        let samples = buffer.get(head..).unwrap_or_default();
+        Ok(Some((samples, Strides { first: part.cols.start, band: cube.cols, row, col: 1 })))
+    }
+
+    fn head_bytes(&self) -> usize {
+        self.heads.len().checked_div(self.places.len()).unwrap_or(0)
+    }
+
+    fn check_head(&self, block: usize, head: &[u8]) -> Result<(), Bad> {
+        match self.heads.get(block * head.len()..).is_some_and(|heads| heads.starts_with(head)) {
+            true => Ok(()),
+            false => Err(Bad::Block(format!("block {block} is another one"))),
+        }
     }
 
     fn place(&self, index: usize) -> Result<Place, Bad> {

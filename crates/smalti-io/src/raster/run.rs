@@ -196,6 +196,6 @@ impl Raster {
     }
 }
 
-fn gathered(done: Option<()>) -> Result<(), Bad> {
+pub(super) fn gathered(done: Option<()>) -> Result<(), Bad> {
     done.ok_or_else(|| Bad::Io(io::ErrorKind::UnexpectedEof.into()))
 }

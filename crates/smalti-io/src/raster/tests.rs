@@ -41,8 +41,8 @@ fn samples(cube: &Raster, block: Raster, [band, row, col]: [usize; 3]) -> Vec<u8
     out
 }
 
-/// A file that does not say that it is in memory, as a file on disk.
-struct OnDisk(Vec<u8>);
+/// A file that does not say that it is in memory, as a file on disk, and counts how often it is read.
+struct OnDisk(Vec<u8>, Arc<AtomicUsize>);
 
 impl Source for OnDisk {
     fn len(&self) -> u64 {
@@ -50,6 +50,7 @@ impl Source for OnDisk {
     }
 
     fn read_at(&self, offset: u64, out: &mut [u8]) -> io::Result<()> {
+        self.1.fetch_add(1, Relaxed);
         self.0.read_at(offset, out)
     }
 }
@@ -57,7 +58,8 @@ impl Source for OnDisk {
 fn in_run(raster: Raster, offset: usize, on_disk: bool) -> Cube<'static> {
     let mut bytes = vec![0xee; offset];
     bytes.extend(samples(&raster, raster, [0; 3]));
-    let source: Shared<'static> = if on_disk { Arc::new(OnDisk(bytes)) } else { Arc::new(bytes) };
+    let source: Shared<'static> =
+        if on_disk { Arc::new(OnDisk(bytes, Arc::default())) } else { Arc::new(bytes) };
     Cube { source, raster, storage: Storage::Run { offset: offset as u64 } }
 }
 
@@ -101,10 +103,39 @@ fn in_blocks(raster: Raster, size: [usize; 3], packed: bool, cut: bool) -> Cube<
         }
     }
     let strides = [counts[1] * counts[2], counts[2], 1];
-    let blocks = Blocks { size, strides, places: places.into(), filters, unpack: None, cut };
-    let cube = Cube { source: Arc::new(OnDisk(bytes)), raster, storage: Storage::Blocks(blocks) };
+    let blocks =
+        Blocks { size, strides, places: places.into(), filters, heads: Arc::default(), unpack: None, cut };
+    let cube =
+        Cube { source: Arc::new(OnDisk(bytes, Arc::default())), raster, storage: Storage::Blocks(blocks) };
     cube.check(Path::new("f"), "a block", Limits::default()).unwrap();
     cube
+}
+
+/// Lines with something before each of them, of which the second has more where they are not at equal distances.
+fn in_lines(raster: Raster, head: usize, equal: bool, reads: &Arc<AtomicUsize>) -> Cube<'static> {
+    let (mut bytes, mut places, mut heads) = (Vec::new(), Vec::new(), Vec::new());
+    for row in 0..raster.rows {
+        if !equal && row == 1 {
+            bytes.extend([0xee; 2]);
+        }
+        let own = vec![row as u8; head];
+        bytes.extend(&own);
+        heads.extend(own);
+        let line = samples(&raster, Raster { rows: 1, ..raster }, [0, row, 0]);
+        places.push(Place { offset: bytes.len() as u64, bytes: line.len() as u64, skipped: 0 });
+        bytes.extend(line);
+    }
+    let blocks = Blocks {
+        size: [raster.bands, 1, raster.cols],
+        strides: [0, 1, 1],
+        places: places.into(),
+        heads: heads.into(),
+        filters: Vec::new(),
+        unpack: None,
+        cut: false,
+    };
+    let source = Arc::new(OnDisk(bytes, Arc::clone(reads)));
+    Cube { source, raster, storage: Storage::Blocks(blocks) }
 }
 
 /// What the samples of a part are.
@@ -130,7 +161,7 @@ fn read_plain(cubes: &[Cube<'_>], bands: &[(usize, usize)], part: (Range<usize>,
 proptest! {
     #[test]
     fn every_order_and_window_is_read(
-        order in 0usize..6, big_endian: bool, offset in 0usize..9, storage in 0usize..7,
+        order in 0usize..6, big_endian: bool, offset in 0usize..9, storage in 0usize..9,
         (bands, rows, cols) in (1usize..40, 1usize..70, 1usize..70), block in prop::array::uniform3(1usize..50),
         cut in prop::array::uniform4(any::<prop::sample::Index>()), picked in any::<prop::sample::Index>(), backwards: bool,
     ) {
@@ -139,6 +170,7 @@ proptest! {
         let cube = match storage {
             0 | 1 => in_run(raster, offset, storage == 0),
             6 => in_stream(raster, offset, &begun),
+            7 | 8 => in_lines(raster, offset, storage == 7, &Arc::default()),
             _ => in_blocks(raster, block, storage % 2 == 0, storage > 3),
         };
         // One of the bands left out.
@@ -174,6 +206,35 @@ fn a_stream_by_rows_is_unpacked_once_for_all_of_them() {
     for order in [0, 1, 4, 5] {
         assert_eq!(read_by_rows(order), (40, 4));
     }
+}
+
+#[test]
+fn lines_at_equal_distances_are_read_together() {
+    let raster = Raster { kind: Kind::U16, big_endian: false, bands: 3, rows: 40, cols: 6, order: ORDERS[2] };
+    let reads = |head: usize, equal: bool, bands: &[usize]| {
+        let reads = Arc::default();
+        let places: Vec<(usize, usize)> = bands.iter().map(|b| (0, *b)).collect();
+        let data = read_plain(&[in_lines(raster, head, equal, &reads)], &places, (3..40, 1..5));
+        assert_eq!(data, expected(bands, 3..40, 1..5));
+        reads.load(Relaxed)
+    };
+    assert_eq!(reads(8, true, &[2, 0, 1]), 1);
+    // Not where little is wanted, where what stands between is no number of samples, or much.
+    for (head, bands) in [(8, &[1][..]), (7, &[0, 1, 2]), (200, &[0, 1, 2])] {
+        assert_eq!(reads(head, true, bands), 2 * 37);
+    }
+    // A line behind another one's head.
+    for bands in [&[(0, 0), (0, 1)][..], &[(0, 0)]] {
+        let mut cube = in_lines(raster, 8, true, &Arc::default());
+        if let Storage::Blocks(blocks) = &mut cube.storage {
+            blocks.heads = blocks.heads.iter().rev().copied().collect();
+        }
+        let done: Result<Vec<f32>, Bad> = read(&[cube], bands, (5..7, 0..6), |_, _, _| Ok(()));
+        assert!(matches!(done, Err(Bad::Block(message)) if message == "block 5 is another one"));
+    }
+    let cube = |equal| in_lines(Raster { rows: 3, ..raster }, 8, equal, &Arc::default());
+    let whole = |equal| read_plain(&[cube(equal)], &[(0, 0), (0, 1), (0, 2)], (0..3, 0..6));
+    assert_eq!(whole(false), whole(true));
 }
 
 #[test]

@@ -113,7 +113,7 @@ pub(super) fn cube<'a>(
     let places =
         offsets.into_iter().zip(counts).map(|(offset, bytes)| Place { offset, bytes, skipped: 0 }).collect();
     let strides = [down * across, across, 1];
-    let blocks = Blocks { size, strides, places, filters, unpack: None, cut: !tiled };
+    let blocks = Blocks { size, strides, places, filters, heads: [].into(), unpack: None, cut: !tiled };
     let cube = Cube { source: Shared::clone(source), raster, storage: Storage::Blocks(blocks) };
     cube.check(path, "a strip or tile", limits)?;
     Ok(cube)

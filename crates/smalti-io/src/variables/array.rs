@@ -130,6 +130,7 @@ impl Array {
                     strides: places.map(|a| distances[a]),
                     places: Arc::clone(chunks),
                     filters: filters.clone(),
+                    heads: Arc::default(),
                     unpack: None,
                     cut: false,
                 };
