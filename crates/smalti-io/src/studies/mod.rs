@@ -151,7 +151,9 @@ pub fn from_source(source: &TomlSource) -> Result<(Designs, String), Box<Diagnos
         DesignError::TooFewSets { .. } | DesignError::TooManySets { .. } => {
             wrong("sample.filters", &e.to_string())
         }
-        DesignError::TooFew { .. } | DesignError::TooMany { .. } => wrong("sample.mosaics", &e.to_string()),
+        DesignError::TooFew { .. } | DesignError::TooMany { .. } | DesignError::TooManyMosaics { .. } => {
+            wrong("sample.mosaics", &e.to_string())
+        }
         DesignError::NoDesign { .. } => wrong("colors", &e.to_string()),
         _ => Box::new(Diagnostic::new(source.name.clone(), e.to_string())),
     })?;

@@ -70,6 +70,16 @@ pub enum DesignError {
         /// Largest number that is listed.
         limit: u64,
     },
+    /// More mosaics of all numbers of colours together are asked for than one study holds.
+    #[error(
+        "{wanted} mosaics of all numbers of colours together are too many to list; ask for at most {limit}"
+    )]
+    TooManyMosaics {
+        /// Number asked for.
+        wanted: u64,
+        /// Largest number that is listed.
+        limit: u64,
+    },
     /// More sets of filters are asked for than there are.
     #[error("{wanted} different sets of {colors} filters are asked for, but the family has only {available}")]
     TooFewSets {

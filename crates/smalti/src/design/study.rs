@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use super::error::DesignError;
 use super::filters::{FilterFamily, FilterSet};
 use super::learned::LessonSettings;
-use super::mosaics::MosaicFamily;
+use super::mosaics::{MosaicFamily, Wanted};
 use super::permutation::Permutation;
 use super::scenes::StudyScene;
 use super::scores::Metric;
@@ -234,6 +234,17 @@ impl Designs {
     /// When a family refuses a key, more designs are asked for than it has, or there is no design at all.
     pub fn new(study: Study) -> Result<Self, DesignError> {
         study.filters.validate()?;
+        // Before the first of them is listed, which may take seconds.
+        let mut listed = 0u64;
+        for &colors in &study.colors {
+            if study.mosaics.count(colors) != Ok(0) {
+                let Wanted { count, limit, .. } = study.mosaics.wanted(colors, study.mosaic_count)?;
+                listed = listed.saturating_add(count);
+                if listed > limit {
+                    return Err(DesignError::TooManyMosaics { wanted: listed, limit });
+                }
+            }
+        }
         let group = |&colors: &usize| {
             let available = study.filters.count(colors)?;
             let sets = match study.filter_sets {

@@ -23,6 +23,16 @@ const MAX_LISTED: u64 = 10_000_000;
 /// Most cells of all mosaics that are listed at once: some bytes each, so that a list stays below a gigabyte.
 const MAX_LISTED_CELLS: u64 = 100_000_000;
 
+const THIS_TILE: &str = "this tile";
+
+/// How many mosaics are wanted, of how many, and how many are listed at most.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Wanted {
+    pub(super) count: u64,
+    available: u128,
+    pub(super) limit: u64,
+}
+
 /// `mosaics` of a study: `"catalogue"`, `{ given = [["bc", "ab"]] }` or a table `[mosaics.tile]`.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
@@ -59,32 +69,34 @@ impl MosaicFamily {
     /// As [`MosaicFamily::count`], though a sample may be drawn from more than 2¹²⁸ − 1; when more are asked for than
     /// there are, or more than ten million, or than have a hundred million cells.
     pub fn pick(&self, colors: usize, count: Option<u64>, seed: u64) -> Result<Vec<Mosaic>, DesignError> {
-        let (what, all) = match self {
-            Self::Given(tiles) => ("the list of given mosaics", given(tiles, colors)?),
-            Self::Tile(tile) => return tile.pick(colors, count, seed),
-            Self::Catalogue => ("the catalogue", published(colors)?.into_iter().map(|(_, m)| m).collect()),
+        let wanted = self.wanted(colors, count)?;
+        let all = match self {
+            Self::Given(tiles) => given(tiles, colors)?,
+            Self::Tile(tile) => return tile.pick(colors, wanted, seed),
+            Self::Catalogue => published(colors)?.into_iter().map(|(_, mosaic)| mosaic).collect(),
         };
-        let wanted = wanted(what, colors, count, all.len() as u128, 1)?;
-        chosen(all, wanted, colors, seed)
+        chosen(all, wanted.count, colors, seed)
     }
-}
 
-/// How many mosaics of so many cells to return.
-fn wanted(
-    what: &'static str,
-    colors: usize,
-    count: Option<u64>,
-    available: u128,
-    cells: usize,
-) -> Result<u64, DesignError> {
-    if let Some(wanted) = count.filter(|&n| u128::from(n) > available) {
-        return Err(DesignError::TooFew { what, colors, wanted, available });
-    }
-    let wanted = count.map_or(available, u128::from);
-    let limit = MAX_LISTED.min(MAX_LISTED_CELLS / cells.max(1) as u64);
-    match u64::try_from(wanted) {
-        Ok(n) if n <= limit => Ok(n),
-        _ => Err(DesignError::TooMany { what, colors, wanted, limit }),
+    /// How many mosaics [`MosaicFamily::pick`] returns, without a list of them.
+    ///
+    /// # Errors
+    /// As [`MosaicFamily::pick`].
+    pub(super) fn wanted(&self, colors: usize, count: Option<u64>) -> Result<Wanted, DesignError> {
+        let (what, available, cells) = match self {
+            Self::Given(tiles) => ("the list of given mosaics", given(tiles, colors)?.len() as u128, 1),
+            Self::Tile(tile) => (THIS_TILE, tile.available(colors, count)?, tile.rows * tile.cols),
+            Self::Catalogue => ("the catalogue", published(colors)?.len() as u128, 1),
+        };
+        if let Some(wanted) = count.filter(|&n| u128::from(n) > available) {
+            return Err(DesignError::TooFew { what, colors, wanted, available });
+        }
+        let wanted = count.map_or(available, u128::from);
+        let limit = MAX_LISTED.min(MAX_LISTED_CELLS / cells.max(1) as u64);
+        match u64::try_from(wanted) {
+            Ok(count) if count <= limit => Ok(Wanted { count, available, limit }),
+            _ => Err(DesignError::TooMany { what, colors, wanted, limit }),
+        }
     }
 }
 

@@ -5,7 +5,7 @@ use std::collections::HashSet;
 use serde::{Deserialize, Serialize};
 
 use super::group::{Group, Symmetry, cycles};
-use super::{PURPOSE, chosen, surjection};
+use super::{PURPOSE, Wanted, chosen, surjection};
 use crate::design::error::{DesignError, colors_checked};
 use crate::numeric::philox::Stream;
 use crate::sensor::Mosaic;
@@ -28,8 +28,6 @@ pub struct Tile {
     pub symmetry: Symmetry,
 }
 
-const WHAT: &str = "this tile";
-
 impl Tile {
     fn group(&self) -> Result<Group, DesignError> {
         let Self { rows, cols, symmetry } = *self;
@@ -50,7 +48,7 @@ impl Tile {
         colors_checked(colors)?;
         let group = self.group()?;
         let order = group.elements().len() as u128;
-        let uncountable = DesignError::Uncountable { what: WHAT, colors };
+        let uncountable = DesignError::Uncountable { what: super::THIS_TILE, colors };
         let mut of = vec![0; self.rows * self.cols];
         // How many elements have each number of cycles.
         let mut with = vec![0u128; of.len() + 1];
@@ -66,22 +64,20 @@ impl Tile {
         whole.checked_add(rest / order).ok_or(uncountable)
     }
 
-    pub(super) fn pick(
-        &self,
-        colors: usize,
-        count: Option<u64>,
-        seed: u64,
-    ) -> Result<Vec<Mosaic>, DesignError> {
-        let available = match self.count(colors) {
-            Err(DesignError::Uncountable { .. }) if count.is_some() => u128::MAX,
-            other => other?,
-        };
-        let wanted = super::wanted(WHAT, colors, count, available, self.rows * self.cols)?;
-        // A sample of most of them would mostly draw what it has.
-        if u128::from(wanted) * 2 > available {
-            return chosen(self.all(colors)?, wanted, colors, seed);
+    /// How many mosaics a number of them, or all, are drawn from; 2¹²⁸ − 1 stands for more than that.
+    pub(super) fn available(&self, colors: usize, count: Option<u64>) -> Result<u128, DesignError> {
+        match self.count(colors) {
+            Err(DesignError::Uncountable { .. }) if count.is_some() => Ok(u128::MAX),
+            other => other,
         }
-        self.sample(colors, wanted, seed)
+    }
+
+    pub(super) fn pick(&self, colors: usize, wanted: Wanted, seed: u64) -> Result<Vec<Mosaic>, DesignError> {
+        // A sample of most of them would mostly draw what it has.
+        if u128::from(wanted.count) * 2 > wanted.available {
+            return chosen(self.all(colors)?, wanted.count, colors, seed);
+        }
+        self.sample(colors, wanted.count, seed)
     }
 
     fn mosaic(&self, cells: &[u8]) -> Result<Mosaic, DesignError> {
