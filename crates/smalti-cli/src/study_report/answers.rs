@@ -196,6 +196,17 @@ impl<'a> Section<'a> {
         MAIN.map(|name| self.results.measure(name).map_or(f64::NAN, |m| m.at(row)))
     }
 
+    /// The finest detail that the pixels sample, half a cycle each.
+    pub(crate) fn nyquist_cy_per_mm(&self) -> Option<f64> {
+        let (condition, _) = self.results.setup(self.setup)?;
+        Some(0.5 / (condition.camera.sensor.pixel.pitch_um * 1e-3))
+    }
+
+    /// Whether the MTF50 of a row is of detail finer than that, which is aliased, not resolved.
+    pub(crate) fn beyond_nyquist(&self, row: usize) -> bool {
+        self.nyquist_cy_per_mm().is_some_and(|limit| self.scores(row)[1] > limit)
+    }
+
     /// The metrics that the front compares, in words.
     pub(crate) fn compared_in_words(&self) -> String {
         // Without units, which stand in the tables.

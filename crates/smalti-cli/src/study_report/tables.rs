@@ -14,6 +14,9 @@ const SECTIONS: usize = 20;
 /// Problems shown of a study.
 const PROBLEMS: usize = 5;
 
+/// Marks an MTF50 beyond the Nyquist frequency.
+const BEYOND: &str = " *";
+
 /// All tables of the results of some studies.
 pub(crate) fn text(all: &[(&Results, Vec<Section<'_>>)]) -> anyhow::Result<String> {
     let mut out = String::new();
@@ -28,11 +31,25 @@ pub(crate) fn text(all: &[(&Results, Vec<Section<'_>>)]) -> anyhow::Result<Strin
                 let cloud = all.iter().filter(|(r, _)| !r.is_named()).find_map(|(_, s)| s.first());
                 out += &format!("\n{}", by_label(section, cloud));
             }
-            out += &format!("\nBest designs: {}\n{}", section.choice.words(), best(section)?);
+            out += &format!(
+                "\nBest designs: {}\n{}",
+                section.choice.words(),
+                designs(section, &best_rows(section))?
+            );
             out += &front(section)?;
         }
         if sections.len() > SECTIONS {
             out += &format!("\n{} more conditions are in report.json\n", sections.len() - SECTIONS);
+        }
+        let shown = |s: &Section<'_>| {
+            best_rows(s).into_iter().chain(s.some_of_front(FRONT)).any(|r| s.beyond_nyquist(r))
+        };
+        if let Some(limit) =
+            sections.iter().take(SECTIONS).find(|s| shown(s)).and_then(Section::nyquist_cy_per_mm)
+        {
+            out += &format!(
+                "* finer than the {limit:.1} cy/mm that the pixels sample (Nyquist): detail that is aliased, not resolved\n"
+            );
         }
         out.push('\n');
     }
@@ -148,7 +165,10 @@ fn by_label(section: &Section<'_>, cloud: Option<&Section<'_>>) -> String {
 fn design_row(section: &Section<'_>, row: usize) -> anyhow::Result<Vec<String>> {
     let design = section.results.design(row)?;
     let mut cells = vec![design.filters.filters.len().to_string(), design.number.to_string()];
-    cells.extend(section.results.measures.iter().map(|m| m.text(row)));
+    cells.extend(section.results.measures.iter().map(|m| {
+        let beyond = m.name == MAIN[1] && section.beyond_nyquist(row);
+        m.text(row) + if beyond { BEYOND } else { "" }
+    }));
     cells.extend([section.results.mosaic(&design), filters(section, &design)]);
     Ok(cells)
 }
@@ -178,9 +198,8 @@ fn designs(section: &Section<'_>, rows: &[usize]) -> anyhow::Result<String> {
     Ok(table::render(&header, &rows))
 }
 
-fn best(section: &Section<'_>) -> anyhow::Result<String> {
-    let rows: Vec<usize> = section.groups.iter().flat_map(|g| g.best.iter().copied()).collect();
-    designs(section, &rows)
+fn best_rows(section: &Section<'_>) -> Vec<usize> {
+    section.groups.iter().flat_map(|g| g.best.iter().copied()).collect()
 }
 
 fn front(section: &Section<'_>) -> anyhow::Result<String> {

@@ -141,6 +141,30 @@ fn means_best_and_front_are_those_of_the_rows() {
 }
 
 #[test]
+fn detail_finer_than_the_pixels_is_marked() {
+    let place = Place::new();
+    let set = |centers: [(u32, u32); 3]| {
+        let filters =
+            centers.map(|(nm, sigma)| format!("{{ gaussian = {{ center_nm = {nm}, sigma_nm = {sigma} }} }}"));
+        format!("[[filters.list]]\nfilters = [{}]\n", filters.join(", "))
+    };
+    let study = |set: String| {
+        place.write(
+            "one.toml",
+            format!("camera = \"table1\"\ncolors = [3]\nmosaics = {{ given = [[\"bc\", \"ab\"]] }}\n{set}"),
+        );
+        std::fs::remove_dir_all(place.path("out")).ok();
+        place.ok("sweep one.toml -o out");
+        place.ok("report out")
+    };
+    // Filters that overlap this much need a colour matrix that amplifies all detail, and what is aliased.
+    let absurd = study(set([(442, 45), (462, 33), (635, 42)]));
+    assert!(absurd.contains(" * ") && absurd.contains("* finer than the 178.6 cy/mm"), "{absurd}");
+    let sound = study(set([(455, 25), (540, 35), (600, 30)]));
+    assert!(!sound.contains('*'), "{sound}");
+}
+
+#[test]
 fn figures_are_whole_and_written_anew() {
     let place = swept();
     place.ok("report out");

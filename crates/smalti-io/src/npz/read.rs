@@ -32,7 +32,7 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<SpectralFile, IoError>
     load(&opened(Arc::new(FileSource::open(path)?), path, options)?, path, options)
 }
 
-/// As [`read`], samples to be read as they are needed; those of a compressed archive are unpacked from the begin on, as far as they are
+/// As [`read`], samples to be read as they are needed; those of a compressed archive are unpacked from the beginning on, as far as they are
 /// needed. Of the options, the part is not looked at.
 ///
 /// # Errors

@@ -10,7 +10,7 @@ use crate::file::{guarded, plausible};
 use crate::raster::{Axis, Kind, Raster, Shared, Span};
 
 /// Of a picture that is unpacked row by row; more is refused.
-const ROW_LIMIT: usize = 1 << 28;
+const ROW_LIMIT_BYTES: usize = 1 << 28;
 
 /// How the samples that [`rows`] gives lie; only the header of the picture is looked at.
 ///
@@ -74,7 +74,7 @@ pub(crate) fn rows<'a>(source: &Shared<'a>) -> io::Result<Box<dyn Read + Send + 
 
 fn reader<'a>(source: &Shared<'a>) -> Result<Reader<BufReader<Span<'a>>>, DecodingError> {
     let mut decoder =
-        Decoder::new_with_limits(BufReader::new(Span::whole(source)), Limits { bytes: ROW_LIMIT });
+        Decoder::new_with_limits(BufReader::new(Span::whole(source)), Limits { bytes: ROW_LIMIT_BYTES });
     decoder.set_transformations(Transformations::EXPAND);
     decoder.set_ignore_text_chunk(true);
     decoder.set_ignore_iccp_chunk(true);

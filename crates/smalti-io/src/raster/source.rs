@@ -23,7 +23,7 @@ pub(crate) trait Source: Send + Sync {
         None
     }
 
-    /// Whether bytes are had one after another: what lies before those that were read last takes reading from the begin.
+    /// Whether bytes are had one after another: what lies before those that were read last takes reading from the beginning.
     fn is_stream(&self) -> bool {
         false
     }

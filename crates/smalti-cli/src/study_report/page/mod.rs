@@ -109,12 +109,6 @@ fn means(sources: &Sources<'_>) -> anyhow::Result<Markup> {
     Ok(out)
 }
 
-/// The finest detail that the pixels of a section sample, half a cycle each.
-fn nyquist_cy_per_mm(section: &Section<'_>) -> Option<f64> {
-    let (condition, _) = section.results.setup(section.setup)?;
-    Some(0.5 / (condition.camera.sensor.pixel.pitch_um * 1e-3))
-}
-
 fn data(sources: &Sources<'_>, choice: &Choice, pictures: Value) -> anyhow::Result<Value> {
     let studies: Vec<Value> = sources
         .all
@@ -135,7 +129,7 @@ fn data(sources: &Sources<'_>, choice: &Choice, pictures: Value) -> anyhow::Resu
         .enumerate()
         .flat_map(|(study, (_, sections))| {
             sections.iter().map(move |s| {
-                json!({"study": study, "name": s.title(), "nyquist_cy_per_mm": nyquist_cy_per_mm(s)})
+                json!({"study": study, "name": s.title(), "nyquist_cy_per_mm": s.nyquist_cy_per_mm()})
             })
         })
         .collect();
