@@ -135,6 +135,10 @@ pub(crate) fn explain(message: &str) -> (String, Option<String>) {
             let list = known.join(", ");
             let help = match nearest(wrong, known.iter().copied()) {
                 Some(near) => format!("did you mean `{near}`? valid here: {list}"),
+                // The name of a curve where a table is wanted.
+                None if known.contains(&"builtin") => {
+                    format!("valid here: {list}; a built-in one by its name: {{ builtin = \"{wrong}\" }}")
+                }
                 None => format!("valid here: {list}"),
             };
             (format!("unknown {what} `{wrong}`"), Some(help))

@@ -180,6 +180,11 @@ fn filters_that_do_not_fit() {
     );
     set(&place, &["sensor.cfa.filters.R={builtin=\"nikon-d5100/Q\"}"], &["did you mean 'nikon-d5100/"]);
     set(&place, &["sensor.cfa.filters.R={gauss={center_nm=5}}"], &["unknown value `gauss`", "`gaussian`"]);
+    set(
+        &place,
+        &["sensor.quantum_efficiency=silicon"],
+        &["unknown value `silicon`", "{ builtin = \"silicon\" }"],
+    );
     set(&place, &["sensor.cfa.filters.R={gaussian={center_nm=500}}"], &["missing key `sigma_nm`"]);
     set(&place, &["sensor.cfa.filters.R={flat=2}"], &["`sensor.cfa.filters.R`", "2; expected 0 to 1"]);
     set(
