@@ -2,8 +2,8 @@
 
 use plotters::coord::cartesian::Cartesian2d;
 use plotters::prelude::{
-    AreaSeries, ChartBuilder, ChartContext, Circle, DashedLineSeries, EmptyElement, ErrorBar,
-    IntoDrawingArea, LabelAreaPosition, LineSeries, PathElement, Polygon, TRANSPARENT,
+    AreaSeries, ChartBuilder, ChartContext, Circle, EmptyElement, ErrorBar, IntoDrawingArea,
+    LabelAreaPosition, LineSeries, PathElement, Polygon, TRANSPARENT,
 };
 
 use crate::FigureError;
@@ -273,7 +273,7 @@ impl Panel<'_> {
         // Each run of points with a place is a path.
         for point in places.chain([None]) {
             let Some(point) = point else {
-                self.draw_run(chart, line, color, std::mem::take(&mut run))?;
+                self.draw_run(svg, chart, line, color, std::mem::take(&mut run))?;
                 continue;
             };
             match (line.corner, run.last().copied()) {
@@ -289,6 +289,7 @@ impl Panel<'_> {
 
     fn draw_run(
         &self,
+        svg: &Canvas,
         chart: &mut Chart<'_>,
         line: &Line,
         color: Rgb,
@@ -301,11 +302,14 @@ impl Panel<'_> {
             let tint = style(color, 0.16, 0.0).filled();
             chart.draw_series(AreaSeries::new(run.iter().copied(), self.shared.y.low, tint))?;
         }
-        let look = style(color, 1.0, line.width.clamp(0.2, 30.0));
+        let width = line.width.clamp(0.2, 30.0);
         if line.dashed {
-            chart.draw_series(DashedLineSeries::new(run, units(7.0), units(5.0), look))?;
+            // One path with dashes: the crate would write each dash as a shape.
+            let points: Vec<_> = run.iter().map(|at| pixels(chart.backend_coord(at))).collect();
+            let paint = Paint { dashed: true, ..Paint::stroke(color, width) };
+            svg.borrow_mut().path(&path_of(&points, false), paint);
         } else {
-            chart.draw_series(LineSeries::new(run, look))?;
+            chart.draw_series(LineSeries::new(run, style(color, 1.0, width)))?;
         }
         Ok(())
     }

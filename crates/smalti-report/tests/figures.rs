@@ -70,6 +70,15 @@ fn one_of_each() -> Vec<Figure> {
 }
 
 #[test]
+fn a_dashed_line_is_one_shape() {
+    // From edge to edge a thousand times: millions of dashes.
+    let x: Vec<f64> = (0..1000).map(|i| f64::from(i % 2)).collect();
+    let of = |line: Line| Plot::new("x", "y").line(line).draw().unwrap().svg().len();
+    let dashed = of(Line::new("front", &x, &x).dashed());
+    assert!(dashed < of(Line::new("front", &x, &x)) + 100, "{dashed} bytes");
+}
+
+#[test]
 fn figures_hold_their_labels() {
     let figures = one_of_each();
     for (figure, labels) in figures.iter().zip([
