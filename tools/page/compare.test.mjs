@@ -290,6 +290,10 @@ test("the best are marked by more than colour, and tables sort", () => withPage(
 }));
 
 for (const [name, path] of [["compare", () => compared], ["evaluate", () => evaluated]]) {
+  test(`nothing of ${name} is left unsaid`, () => withPage({}, async (page) => {
+    assert.doesNotMatch(await page.locator("body").innerText(), /\b(null|undefined|NaN)\b/);
+  }, path()));
+
   for (const colorScheme of ["light", "dark"]) {
     test(`${name}: axe finds no serious fault, ${colorScheme}`, () => withPage({ colorScheme }, async (page) => {
       assert.deepEqual(await axe(page), []);

@@ -18,13 +18,13 @@ use crate::show::Show;
     version,
     arg_required_else_help = true,
     after_help = "Examples:\n  \
-        smalti compare bayer rgbw --luminance 1,80          learn, render, score: a table and pictures\n  \
-        smalti simulate bayer -o out                        a picture of the default scene\n  \
-        smalti simulate my.toml --scene zone-plate -o out   your camera, another scene\n  \
-        smalti evaluate bayer rgbw                          colour, resolution, noise, aliasing\n  \
-        smalti sweep table2 -o out && smalti report out     5000 colour filter arrays, scored and shown\n  \
-        smalti list cfas                                    what is built in\n  \
-        smalti show rgbw                                    a camera, its mosaic and its spectra, drawn\n\n\
+        smalti compare bayer rgbw --luminance 1,80            learn, render, score: a table and pictures\n  \
+        smalti simulate bayer -o out                          a picture of the default scene\n  \
+        smalti simulate my.toml --scene zone-plate -o out     your camera, another scene\n  \
+        smalti evaluate bayer rgbw                            colour, resolution, noise, aliasing\n  \
+        smalti sweep table2 -o study && smalti report study   5000 colour filter arrays, scored and shown\n  \
+        smalti list cfas                                      what is built in\n  \
+        smalti show rgbw                                      a camera, its mosaic and its spectra, drawn\n\n\
         Results go to standard output or -o, progress and messages to standard error.\n\
         Exit code: 0 done, 1 failed, 2 wrong usage."
 )]
@@ -88,18 +88,18 @@ pub(crate) enum Command {
 
 #[derive(Debug, Clone, Args)]
 #[command(after_help = "Examples:\n  \
-    smalti sweep table2 -o out && smalti report out     what more colours cost: 5000 designs\n  \
-    smalti sweep my-study.toml -o out                   your own study; again, after Ctrl-C, to go on\n  \
-    smalti sweep my-study.toml --dry-run                how many designs, how long, how large\n  \
-    smalti sweep my-study.toml --shard 3/16 -o out      one of sixteen machines that share the folder\n  \
-    smalti sweep --merge part1 part2 -o out             folders of shards into one\n\n\
+    smalti sweep table2 -o study && smalti report study   what more colours cost: 5000 designs\n  \
+    smalti sweep my-study.toml -o mine                    your own study; again, after Ctrl-C, to go on\n  \
+    smalti sweep my-study.toml --dry-run                  how many designs, how long, how large\n  \
+    smalti sweep my-study.toml --shard 3/16 -o mine       one of sixteen machines that share the folder\n  \
+    smalti sweep --merge part1 part2 -o mine              folders of shards into one\n\n\
     DIR/designs/*.parquet has a row for each design; pandas, Polars and DuckDB read it as it is.")]
 pub(crate) struct SweepArgs {
     /// A built-in study (smalti list studies), a TOML file, or the manifest.json of its results
     #[arg(required_unless_present = "merge", conflicts_with = "merge")]
     pub(crate) study: Option<String>,
     /// Folder for the results, made if need be; one that holds some of them is continued
-    #[arg(short, long, default_value = "out", value_name = "DIR")]
+    #[arg(short, long, default_value = "study", value_name = "DIR")]
     pub(crate) output: PathBuf,
     /// Do only the I-th of N parts of the study
     #[arg(long, value_name = "I/N")]
@@ -126,12 +126,12 @@ pub(crate) struct SweepArgs {
 
 #[derive(Debug, Clone, Args)]
 #[command(after_help = "Examples:\n  \
-    smalti sweep table2 -o out && smalti report out     what more colours cost: tables and figures\n  \
-    smalti report out theory -o both                    filters by rule over the cloud of all filters\n  \
-    smalti report out --json > out.json                 the same as one document\n  \
-    smalti report out -o out.html                       the page alone\n  \
-    smalti report out --picture 4711,17                 with the pictures of these designs\n  \
-    smalti report out --camera 4711 > found.toml        a design as a camera for all other commands\n\n\
+    smalti sweep table2 -o study && smalti report study   what more colours cost: tables and figures\n  \
+    smalti report study theory -o both                    filters by rule over the cloud of all filters\n  \
+    smalti report study --json > study.json               the same as one document\n  \
+    smalti report study -o study.html                     the page alone\n  \
+    smalti report study --picture 4711,17                 with the pictures of these designs\n  \
+    smalti report study --camera 4711 > found.toml        a design as a camera for all other commands\n\n\
     ΔE is the mean of the ColorChecker (CIELAB 1976), MTF50 that of a slanted edge in cycles/mm on the sensor, noise that of the \
     luminance of grey patches in percent. The best design of a number of colours is the one of least ΔE among those \
     whose MTF50 is not below the median; where only mosaics differ, that of the largest MTF50.\n\n\

@@ -158,7 +158,7 @@ fn dry_run(args: &SweepArgs, designs: &Designs, plan: &Plan, sweep: &Sweep<'_>) 
         n => format!("each of {n} conditions"),
     };
     out += &format!(
-        "\n{to_do} designs to score, under {conditions}, with {} processing\n\
+        "\n{to_do} to score: these designs under {conditions}, with {} processing\n\
          written in {} files of at most {} designs, about {megabytes:.1} MB\n\
          about {} at {per_s:.0} designs a second (measured now)\n",
         with.join(" and "),

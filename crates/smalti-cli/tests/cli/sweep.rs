@@ -219,6 +219,10 @@ fn studies_that_cannot_be_are_refused_where_they_say_so() {
         &["study.toml:9", "sigmas_nm"],
     );
     fails(("luminance_cd_m2 = [20, 75]", "\"optics.f_numbr\" = [2, 4]"), &["f_numbr", "f_number"]);
+    fails(
+        ("luminance_cd_m2 = [20, 75]", "luminance = [20, 75]"),
+        &["`luminance`", "did you mean `luminance_cd_m2`"],
+    );
     fails(("luminance_cd_m2 = [20, 75]", "luminance_cd_m2 = [-1]"), &["luminance_cd_m2", "above 0"]);
     fails(("colors = [3, 4]", "colors = [3, 4]\nprocessing = \"fancy\""), &["study.toml:5"]);
     let processing = "colors = [3, 4]\nprocessing = [\"l3\", \"l3\"]";
@@ -227,6 +231,11 @@ fn studies_that_cannot_be_are_refused_where_they_say_so() {
     fails(learn("processing = \"l3\"\n[l3]\nside = 8\n[sample]"), &["study.toml", "`l3`", "side", "3, 5, 7"]);
     fails(learn("processing = \"l3\"\n[l3]\nlevels = 4000000000\n[sample]"), &["levels", "1 to 256"]);
     fails(learn("processing = \"l3\"\nset = { \"sensor.architecture\" = \"prism\" }\n[sample]"), &["mosaic"]);
+    fails(("filters = 6", "filters = 0"), &["study.toml:6", "`sample.filters`"]);
+    fails(
+        ("[filters.gaussian_grid]", "[filters.gaussian_grid]\nmin_spacing_nm = 300"),
+        &["study.toml:8", "`filters`", "0 sets"],
+    );
     fails(("filters = 6", "filters = 9000000000000000000"), &["study.toml:6", "only"]);
 }
 

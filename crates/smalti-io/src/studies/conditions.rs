@@ -4,12 +4,16 @@ use std::path::Path;
 
 use smalti::camera::CameraDescription;
 use smalti::design::{Condition, ConditionValue};
+use smalti::names::nearest;
 
 use super::file::{Conditions, MAX_CONDITIONS, StudyFile};
 use crate::camera_toml::Override;
 use crate::diagnostic::Diagnostic;
 use crate::toml_source::{TomlSource, beside, is_toml};
 use crate::{cameras, lights};
+
+/// What a condition may say beside keys of the camera.
+const OF_STUDY: [&str; 2] = ["luminance_cd_m2", "illuminant"];
 
 /// The conditions: of a grid in the order of its keys by name, of which the last changes fastest; or of the list.
 pub(super) fn conditions(file: &StudyFile, source: &TomlSource) -> Result<Vec<Condition>, Box<Diagnostic>> {
@@ -72,11 +76,17 @@ fn condition(
     let mut values = Vec::new();
     for (key, value) in &point {
         let number = value.as_float().or_else(|| value.as_integer().map(|i| i as f64));
+        let meant = nearest(key, OF_STUDY);
         match (key.as_str(), number, value.as_str()) {
             ("luminance_cd_m2", Some(v), _) => luminance_cd_m2 = v,
             ("illuminant", _, Some(name)) => light = name,
             ("luminance_cd_m2", None, _) => return Err(wrong(&at(key), "expected a number")),
             ("illuminant", _, None) => return Err(wrong(&at(key), "expected a name")),
+            _ if meant.is_some() => {
+                let shown = source.about_key(&format!("{place}.{key}"), &format!("unknown key `{key}`"));
+                let help = meant.map(|own| format!("did you mean `{own}`?"));
+                return Err(Box::new(Diagnostic { help, ..shown }));
+            }
             _ => overrides.push(as_override(key, value)),
         }
         let text = || ConditionValue::Text(value.as_str().map_or_else(|| value.to_string(), str::to_owned));

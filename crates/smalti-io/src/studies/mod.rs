@@ -154,7 +154,16 @@ pub fn from_source(source: &TomlSource) -> Result<(Designs, String), Box<Diagnos
         DesignError::TooFew { .. } | DesignError::TooMany { .. } | DesignError::TooManyMosaics { .. } => {
             wrong("sample.mosaics", &e.to_string())
         }
-        DesignError::NoDesign { .. } => wrong("colors", &e.to_string()),
+        DesignError::NoDesign { colors, sets, .. } => {
+            let key = match (file.sample.filters.number(), file.sample.mosaics.number()) {
+                _ if colors.is_empty() => "colors",
+                (Some(0), _) => "sample.filters",
+                (_, Some(0)) => "sample.mosaics",
+                _ if sets.iter().all(|n| *n == 0) => "filters",
+                _ => "colors",
+            };
+            wrong(key, &e.to_string())
+        }
         _ => Box::new(Diagnostic::new(source.name.clone(), e.to_string())),
     })?;
     Ok((designs, file.about))

@@ -121,8 +121,8 @@ function startViewer(root) {
     make("div", { class: "zooms" },
       button("−", "Smaller", () => view.enlarge(0.5)), button("+", "Larger", () => view.enlarge(2)), button("Whole", "Whole picture", () => view.set(0, 0, 1)),
       reading, legend),
-    hasMaps ? about : null,
-    hasValues ? told : null,
+    ...(hasMaps ? [about] : []),
+    ...(hasValues ? [told] : []),
     make("p", { class: "help", id: "viewer-help" },
       `Wheel, pinch or + and − enlarge, dragging or the arrows move, 0 shows the whole. All pictures move together.${hasValues ? " Where the pointer is, maps tell their values." : ""}`));
 
