@@ -155,10 +155,10 @@ fn dry_run(args: &SweepArgs, designs: &Designs, plan: &Plan, sweep: &Sweep<'_>) 
     let with: Vec<String> = study.processing.iter().map(|p| processing(*p)).collect();
     let conditions = match study.conditions.len() {
         1 => "one condition".to_owned(),
-        n => format!("each of {n} conditions"),
+        n => format!("{n} conditions, each design under every one"),
     };
     out += &format!(
-        "\n{to_do} to score: these designs under {conditions}, with {} processing\n\
+        "\n{to_do} to score ({conditions}), with {} processing\n\
          written in {} files of at most {} designs, about {megabytes:.1} MB\n\
          about {} at {per_s:.0} designs a second (measured now)\n",
         with.join(" and "),

@@ -135,9 +135,8 @@ pub(crate) fn explain(message: &str) -> (String, Option<String>) {
             let list = known.join(", ");
             let help = match nearest(wrong, known.iter().copied()) {
                 Some(near) => format!("did you mean `{near}`? valid here: {list}"),
-                // The name of a curve where a table is wanted.
                 None if known.contains(&"builtin") => {
-                    format!("valid here: {list}; a built-in one by its name: {{ builtin = \"{wrong}\" }}")
+                    format!("valid here: {list}; a built-in one by its name, say {{ builtin = \"silicon\" }}")
                 }
                 None => format!("valid here: {list}"),
             };

@@ -41,9 +41,18 @@ pub(crate) fn text_style(font: Font) -> TextStyle<'static> {
     TextStyle { color, ..TextStyle::from((FontFamily::SansSerif, font.size * UNITS, weight)) }
 }
 
+/// A part of a drawing: where it begins, pixels, and its size.
 pub(crate) struct Backend {
     pub(crate) svg: Canvas,
+    pub(crate) origin: (f64, f64),
     pub(crate) size: (f64, f64),
+}
+
+impl Backend {
+    fn at(&self, coord: BackendCoord) -> (f64, f64) {
+        let (x, y) = pixels(coord);
+        (self.origin.0 + x, self.origin.1 + y)
+    }
 }
 
 fn rgb(color: BackendColor) -> Rgb {
@@ -85,7 +94,7 @@ impl DrawingBackend for Backend {
     ) -> Result<(), DrawError> {
         let width = f64::from(style.stroke_width()) / UNITS;
         if style.color().alpha > 0.0 {
-            self.svg.borrow_mut().line(pixels(from), pixels(to), rgb(style.color()), width);
+            self.svg.borrow_mut().line(self.at(from), self.at(to), rgb(style.color()), width);
         }
         Ok(())
     }
@@ -97,7 +106,7 @@ impl DrawingBackend for Backend {
         style: &S,
         fill: bool,
     ) -> Result<(), DrawError> {
-        let ((x, y), (right, bottom)) = (pixels(from), pixels(to));
+        let ((x, y), (right, bottom)) = (self.at(from), self.at(to));
         self.svg.borrow_mut().rect(Area { x, y, width: right - x, height: bottom - y }, paint(style, fill));
         Ok(())
     }
@@ -107,11 +116,14 @@ impl DrawingBackend for Backend {
         path: I,
         style: &S,
     ) -> Result<(), DrawError> {
-        let points: Vec<_> = path.into_iter().map(pixels).collect();
+        let points: Vec<_> = path.into_iter().map(|p| self.at(p)).collect();
+        if style.color().alpha == 0.0 {
+            return Ok(());
+        }
         if let [from, to] = points.as_slice() {
             let width = f64::from(style.stroke_width()) / UNITS;
             self.svg.borrow_mut().line(*from, *to, rgb(style.color()), width);
-        } else if style.color().alpha > 0.0 {
+        } else {
             self.svg.borrow_mut().path(&path_of(&points, false), paint(style, false));
         }
         Ok(())
@@ -125,7 +137,7 @@ impl DrawingBackend for Backend {
         fill: bool,
     ) -> Result<(), DrawError> {
         let radius = f64::from(radius) / UNITS;
-        self.svg.borrow_mut().circle(pixels(center), radius, &Svg::paint(paint(style, fill)));
+        self.svg.borrow_mut().circle(self.at(center), radius, &Svg::paint(paint(style, fill)));
         Ok(())
     }
 
@@ -134,7 +146,7 @@ impl DrawingBackend for Backend {
         corners: I,
         style: &S,
     ) -> Result<(), DrawError> {
-        let points: Vec<_> = corners.into_iter().map(pixels).collect();
+        let points: Vec<_> = corners.into_iter().map(|p| self.at(p)).collect();
         self.svg.borrow_mut().raw_path(&path_of(&points, true), &Svg::paint(paint(style, true)));
         Ok(())
     }
@@ -159,7 +171,7 @@ impl DrawingBackend for Backend {
             VPos::Center => 0.36,
             VPos::Bottom => -0.22,
         };
-        let (x, y) = pixels(at);
+        let (x, y) = self.at(at);
         let color = rgb(style.color());
         let mut svg = self.svg.borrow_mut();
         match style.transform() {

@@ -2,8 +2,8 @@
 
 use plotters::coord::cartesian::Cartesian2d;
 use plotters::prelude::{
-    AreaSeries, ChartBuilder, ChartContext, Circle, EmptyElement, ErrorBar, IntoDrawingArea,
-    LabelAreaPosition, LineSeries, PathElement, Polygon, TRANSPARENT,
+    AreaSeries, ChartBuilder, ChartContext, Circle, EmptyElement, IntoDrawingArea, LabelAreaPosition,
+    LineSeries, PathElement, Polygon, ShapeStyle,
 };
 
 use crate::FigureError;
@@ -14,7 +14,7 @@ use crate::figure::encode;
 use crate::layers::{Corner, Histogram, Line, Points, Symbol};
 use crate::layout::{LABEL, TICK};
 use crate::plot::{Layer, Plot};
-use crate::scale::{Axis, Tick};
+use crate::scale::{Axis, Beyond, Tick};
 use crate::shared::{INTERVAL_SHARE, Shared, counts};
 use crate::svg::{Anchor, Area, FRAME, GRID, INK, Paint, SOFT, Svg, path_of};
 use crate::text::width;
@@ -59,7 +59,21 @@ pub(crate) fn draw_symbol(
     }
 }
 
-type Chart<'a> = ChartContext<'a, Backend, Cartesian2d<Axis, Axis>>;
+/// A bar with caps, which reach as far to both sides as `cap` says.
+fn bar(
+    chart: &mut Chart<'_>,
+    ends: [(f64, f64); 2],
+    cap: (f64, f64),
+    look: ShapeStyle,
+) -> Result<(), FigureError> {
+    chart.draw_series([PathElement::new(ends, look)])?;
+    let (x, y) = (units(cap.0), units(cap.1));
+    chart.draw_series(ends.map(|end| EmptyElement::at(end) + PathElement::new([(-x, -y), (x, y)], look)))?;
+    Ok(())
+}
+
+/// Where series are drawn.
+type Chart<'a> = ChartContext<'a, Backend, Cartesian2d<Beyond, Beyond>>;
 
 impl Panel<'_> {
     pub(crate) fn draw(&self, svg: &Canvas) -> Result<(), FigureError> {
@@ -74,6 +88,7 @@ impl Panel<'_> {
             svg.text(middle, Anchor::Middle, LABEL, SOFT, "no data");
             return Ok(());
         }
+        self.draw_axes(svg)?;
         let mut chart = self.chart(svg)?;
         svg.borrow_mut().open_window(Area {
             x: area.x - 1.0,
@@ -107,12 +122,34 @@ impl Panel<'_> {
         Ok(())
     }
 
-    /// Grid and axes.
+    /// The panel and what is around it, for series.
     fn chart(&self, svg: &Canvas) -> Result<Chart<'static>, FigureError> {
+        let Area { width, height, .. } = self.area;
+        // A hundredth more: the crate's last pixel is the end of the axis.
+        let size = (width * Beyond::LENGTHS + 0.01, height * Beyond::LENGTHS + 0.01);
+        let root = Backend { svg: svg.clone(), origin: self.origin(), size }.into_drawing_area();
+        Ok(ChartBuilder::on(&root).build_cartesian_2d(Beyond(self.shared.x), Beyond(self.shared.y))?)
+    }
+
+    /// Where the chart of the series begins.
+    fn origin(&self) -> (f64, f64) {
+        let Area { x, y, width, height } = self.area;
+        // Upwards there is what remains of the lengths.
+        (x - Beyond::BEFORE * width, y - (Beyond::LENGTHS - 1.0 - Beyond::BEFORE) * height)
+    }
+
+    /// The place of a point in the drawing.
+    fn place(&self, chart: &Chart<'_>, at: (f64, f64)) -> (f64, f64) {
+        let ((left, top), (x, y)) = (self.origin(), pixels(chart.backend_coord(&at)));
+        (left + x, top + y)
+    }
+
+    /// Grid and axes.
+    fn draw_axes(&self, svg: &Canvas) -> Result<(), FigureError> {
         let Area { x, y, width: w, height: h } = self.area;
         let below = TICK.size + 26.0;
         let size = (x + w + 1.0, y + h + below + 1.0);
-        let root = Backend { svg: svg.clone(), size }.into_drawing_area();
+        let root = Backend { svg: svg.clone(), origin: (0.0, 0.0), size }.into_drawing_area();
         // One unit more: the crate's last pixel is the end of the axis.
         let room = root.shrink((0, units(y)), (units(x + w) + 1, units(h + below) + 1));
         let mut chart = ChartBuilder::on(&room)
@@ -138,8 +175,7 @@ impl Panel<'_> {
         let y_label = |v: &f64| label(&y_ticks, self.edges.left, *v);
         chart
             .configure_mesh()
-            .light_line_style(TRANSPARENT)
-            .max_light_lines(1)
+            .max_light_lines(0)
             .bold_line_style(style(GRID, 1.0, 1.0))
             .axis_style(style(FRAME, 1.0, 1.4))
             .label_style(text_style(TICK))
@@ -153,7 +189,7 @@ impl Panel<'_> {
             .x_label_formatter(&x_label)
             .y_label_formatter(&y_label)
             .draw()?;
-        Ok(chart)
+        Ok(())
     }
 
     /// The point, if it has a place.
@@ -205,10 +241,7 @@ impl Panel<'_> {
             *interval_row += 1;
             let y = self.shared.y.value(1.0 - share);
             if [low, center, high].iter().all(|v| self.point(*v, y).is_some()) {
-                let look = style(color, 1.0, 2.6);
-                chart.draw_series([PathElement::new([(low, y), (high, y)], look)])?;
-                let cap = || PathElement::new([(0, units(-7.0)), (0, units(7.0))], look);
-                chart.draw_series([low, high].map(|end| EmptyElement::at((end, y)) + cap()))?;
+                bar(chart, [(low, y), (high, y)], (0.0, 7.0), style(color, 1.0, 2.6))?;
                 self.symbol(chart, Symbol::Circle, (center, y), 6.5, color)?;
             }
         }
@@ -234,7 +267,7 @@ impl Panel<'_> {
             for (i, (x, y)) in points.x.iter().zip(&points.y).enumerate() {
                 let Some(at) = self.point(*x, *y) else { continue };
                 let Some(color) = self.dot_color(points, i, color) else { continue };
-                let (x, y) = pixels(chart.backend_coord(&at));
+                let (x, y) = self.place(chart, at);
                 dots.push(Dot {
                     x,
                     y,
@@ -305,7 +338,7 @@ impl Panel<'_> {
         let width = line.width.clamp(0.2, 30.0);
         if line.dashed {
             // One path with dashes: the crate would write each dash as a shape.
-            let points: Vec<_> = run.iter().map(|at| pixels(chart.backend_coord(at))).collect();
+            let points: Vec<_> = run.iter().map(|at| self.place(chart, *at)).collect();
             let paint = Paint { dashed: true, ..Paint::stroke(color, width) };
             svg.borrow_mut().path(&path_of(&points, false), paint);
         } else {
@@ -348,21 +381,18 @@ impl Panel<'_> {
             let (Some((x, y)), Some(color)) = (self.point(*x, *y), self.dot_color(points, i, own)) else {
                 continue;
             };
-            // An endless interval leaves the panel.
             let ends = |interval: Option<&(f64, f64)>, axis: &Axis| {
-                let end = |v: f64, out: f64| {
-                    if v.is_infinite() { Some(axis.value(out)) } else { axis.place(v).map(|_| v) }
-                };
-                interval.and_then(|(low, high)| Some((end(*low, -0.5)?, end(*high, 1.5)?)))
+                let placed = |v: f64| v.is_infinite() || axis.place(v).is_some();
+                interval.copied().filter(|(low, high)| placed(*low) && placed(*high))
             };
             let along_x = ends(points.x_intervals.as_ref().and_then(|v| v.get(i)), &self.shared.x);
             let along_y = ends(points.y_intervals.as_ref().and_then(|v| v.get(i)), &self.shared.y);
             for look in [style(Rgb(255, 255, 255), 1.0, 5.0), style(color, 1.0, 2.2)] {
                 if let Some((low, high)) = along_x {
-                    chart.draw_series([ErrorBar::new_horizontal(y, low, x, high, look, 1000)])?;
+                    bar(chart, [(low, y), (high, y)], (0.0, 5.0), look)?;
                 }
                 if let Some((low, high)) = along_y {
-                    chart.draw_series([ErrorBar::new_vertical(x, low, y, high, look, 1000)])?;
+                    bar(chart, [(x, low), (x, high)], (5.0, 0.0), look)?;
                 }
             }
             let radius = points.radius.unwrap_or(7.5).clamp(0.2, 50.0);

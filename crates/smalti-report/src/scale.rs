@@ -27,21 +27,51 @@ impl Ranged for Axis {
     type ValueType = f64;
 
     fn map(&self, value: &f64, (from, to): (i32, i32)) -> i32 {
-        // Far outside is as good as a little outside, and keeps coordinates small.
-        let t = self.place(*value).unwrap_or(0.0).clamp(-2.0, 3.0);
-        from + libm::round(t * f64::from(to - from)) as i32
+        from + libm::round(self.place(*value).unwrap_or(0.0) * f64::from(to - from)) as i32
     }
 
     fn key_points<Hint: KeyPointHint>(&self, hint: Hint) -> Vec<f64> {
-        // A grid between the ticks is not drawn.
-        if hint.weight().allow_light_points() && hint.max_num_points() != hint.bold_points() {
-            return Vec::new();
+        match hint.max_num_points() {
+            // Asked for a grid between the ticks, of which there is none.
+            0 => Vec::new(),
+            count => self.ticks(count).into_iter().map(|(value, _)| value).collect(),
         }
-        self.ticks(hint.max_num_points()).into_iter().map(|(value, _)| value).collect()
     }
 
     fn range(&self) -> Range<f64> {
         self.low..self.high
+    }
+}
+
+/// An axis with twice its length before and behind it. What lies beyond the axis is drawn there and cut by the panel: the plotting crate
+/// would draw it at the edge. Further outside is as good, and keeps coordinates small.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Beyond(pub(crate) Axis);
+
+impl Beyond {
+    /// Lengths of the axis before it.
+    pub(crate) const BEFORE: f64 = 2.0;
+    /// Lengths of the axis in all.
+    pub(crate) const LENGTHS: f64 = 5.0;
+}
+
+impl Ranged for Beyond {
+    type FormatOption = DefaultFormatting;
+    type ValueType = f64;
+
+    fn map(&self, value: &f64, (from, to): (i32, i32)) -> i32 {
+        // What is endless leaves the panel.
+        let t = if value.is_infinite() { *value } else { self.0.place(*value).unwrap_or(0.0) };
+        let share = (t + Self::BEFORE).clamp(0.0, Self::LENGTHS) / Self::LENGTHS;
+        from + libm::round(share * f64::from(to - from)) as i32
+    }
+
+    fn key_points<Hint: KeyPointHint>(&self, _: Hint) -> Vec<f64> {
+        Vec::new()
+    }
+
+    fn range(&self) -> Range<f64> {
+        self.0.range()
     }
 }
 

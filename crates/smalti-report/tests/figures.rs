@@ -69,6 +69,41 @@ fn one_of_each() -> Vec<Figure> {
     ]
 }
 
+/// The numbers of an attribute of all elements of a name.
+fn numbers_of(svg: &str, element: &str, attribute: &str) -> Vec<f64> {
+    let of = |tag: &str| tag.split_once(&format!(" {attribute}=\""))?.1.split('"').next()?.parse().ok();
+    svg.split(&format!("<{element}")).skip(1).filter(|tag| tag.starts_with(' ')).filter_map(of).collect()
+}
+
+#[test]
+fn what_lies_beyond_the_axes_is_cut_and_not_moved_to_their_ends() {
+    let plot = || Plot::new("x", "y").x_range(0.0, 10.0).y_range(0.0, 10.0);
+    let lines = |plot: Plot| {
+        let svg = plot.draw().unwrap().svg().to_owned();
+        let series = svg.split("overflow=\"hidden\"").nth(1).unwrap().to_owned();
+        let ends = ["x1", "x2", "y1", "y2"].map(|name| numbers_of(&series, "line", name));
+        (ends, numbers_of(&svg, "svg", "width")[1], numbers_of(&svg, "svg", "x")[0], series)
+    };
+    // At the right end of the panel a line to twice its height is as far above as the panel is high.
+    let (inside, ..) = lines(plot().line(Line::new("line", &[0.0, 10.0], &[0.0, 10.0])));
+    let (beyond, ..) = lines(plot().line(Line::new("line", &[0.0, 10.0], &[0.0, 20.0])));
+    let high = inside[2][0] - inside[3][0];
+    assert!((beyond[3][0] - (inside[3][0] - high)).abs() < 0.1, "{beyond:?} {inside:?}");
+    // A mark beyond the range is not in the window; an endless interval has no end in it, and no mark a ring.
+    let means = Points::new("means", &[5.0, 15.0], &[5.0, 5.0]);
+    let (ends, width, left, series) =
+        lines(plot().points(means.radius(3.0).x_intervals(&[(2.0, f64::INFINITY), (14.0, 16.0)])));
+    let within = |x: &f64| (left..=left + width).contains(x);
+    let at: Vec<f64> = numbers_of(&series, "circle", "cx").into_iter().filter(within).collect();
+    assert!(!at.is_empty() && at.iter().all(|x| (x - at[0]).abs() < 0.1), "{at:?}");
+    assert!(numbers_of(&series, "circle", "r").iter().all(|r| *r == 3.0), "{series}");
+    // Bars begin at the interval's low end, twice: white below, in colour above. Of the caps only those are in the window.
+    let caps: Vec<f64> =
+        ends[0].iter().zip(&ends[1]).filter(|(a, b)| a == b).map(|(a, _)| *a).filter(within).collect();
+    assert_eq!(caps.len(), 2, "{ends:?}");
+    assert_eq!(caps[0], caps[1]);
+}
+
 #[test]
 fn a_dashed_line_is_one_shape() {
     // From edge to edge a thousand times: millions of dashes.

@@ -37,19 +37,10 @@ pub(crate) fn text(all: &[(&Results, Vec<Section<'_>>)]) -> anyhow::Result<Strin
                 designs(section, &best_rows(section))?
             );
             out += &front(section)?;
+            out += &finer_than_pixels(section);
         }
         if sections.len() > SECTIONS {
             out += &format!("\n{} more conditions are in report.json\n", sections.len() - SECTIONS);
-        }
-        let shown = |s: &Section<'_>| {
-            best_rows(s).into_iter().chain(s.some_of_front(FRONT)).any(|r| s.beyond_nyquist(r))
-        };
-        if let Some(limit) =
-            sections.iter().take(SECTIONS).find(|s| shown(s)).and_then(Section::nyquist_cy_per_mm)
-        {
-            out += &format!(
-                "* finer than the {limit:.1} cy/mm that the pixels sample (Nyquist): detail that is aliased, not resolved\n"
-            );
         }
         out.push('\n');
     }
@@ -196,6 +187,17 @@ fn designs(section: &Section<'_>, rows: &[usize]) -> anyhow::Result<String> {
         .collect();
     let rows = rows.iter().map(|&r| design_row(section, r)).collect::<anyhow::Result<Vec<_>>>()?;
     Ok(table::render(&header, &rows))
+}
+
+/// What the mark at an MTF50 means, where one is shown.
+fn finer_than_pixels(section: &Section<'_>) -> String {
+    let mut shown = best_rows(section).into_iter().chain(section.some_of_front(FRONT));
+    match section.nyquist_cy_per_mm().filter(|_| shown.any(|row| section.beyond_nyquist(row))) {
+        Some(limit) => format!(
+            "* finer than the {limit:.1} cy/mm that the pixels sample (Nyquist): detail that is aliased, not resolved\n"
+        ),
+        None => String::new(),
+    }
 }
 
 fn best_rows(section: &Section<'_>) -> Vec<usize> {

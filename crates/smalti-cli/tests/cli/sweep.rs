@@ -203,8 +203,15 @@ fn studies_that_cannot_be_are_refused_where_they_say_so() {
     let small = "mosaics = 3\n[filters.gaussian_grid]\n[mosaics.tile]\nrows = 2\ncols = 3";
     fails((small, &tile("\"all\"")), &["study.toml:7", "257706024 mosaics of 4 colours", "at most 6250000"]);
     let head = |colors: &str| format!("colors = [{colors}]\n[sample]\nfilters = 6\n");
-    let (small, large) = (head("3, 4") + small, head("4, 5") + &tile("3200000"));
-    fails((&small, &large), &["study.toml:7", "6400000 mosaics of all numbers", "at most 6250000"]);
+    let (small, large) = (head("3, 4") + small, head("4, 5, 6") + &tile("3200000"));
+    fails(
+        (&small, &large),
+        &[
+            "study.toml:7",
+            "9600000 mosaics are too many",
+            "at most 6250000 of all numbers of colours together",
+        ],
+    );
     fails(("colors = [3, 4]", "colors = [9]"), &["no design"]);
     fails(("colors = [3, 4]", "colors = []"), &["no design"]);
     fails(("colors = [3, 4]", "colors = [3, 3]"), &["study.toml:4", "twice"]);

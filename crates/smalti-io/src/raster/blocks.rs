@@ -1,4 +1,5 @@
-//! Samples in blocks of equal size, each of them compressed by itself or not: the chunks of HDF5, the strips and tiles of TIFF.
+//! Samples in blocks of equal size, each of them compressed by itself or not: the chunks of HDF5, the strips and tiles of TIFF, the lines and
+//! tiles of OpenEXR.
 
 use std::io;
 use std::path::Path;
@@ -182,8 +183,9 @@ impl Blocks {
         let places = self.places.get(part.rows.clone()).unwrap_or_default();
         let [first, second, ..] = places else { return Ok(None) };
         let (size, pitch) = (cube.kind.size() as u64, second.offset.saturating_sub(first.offset));
-        let gap = pitch.checked_sub(line as u64 * size);
-        let near = gap.is_some_and(|bytes| bytes <= LINE_GAP_BYTES && bytes % size == 0);
+        let line_bytes = line as u64 * size;
+        let gap = pitch.checked_sub(line_bytes);
+        let near = gap.is_some_and(|bytes| bytes <= LINE_GAP_BYTES.min(line_bytes) && bytes % size == 0);
         let equal = || places.is_sorted_by(|a, b| a.offset.checked_add(pitch) == Some(b.offset));
         if source.memory().is_some() || !lines || !most || !near || !equal() {
             return Ok(None);

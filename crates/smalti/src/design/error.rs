@@ -72,7 +72,7 @@ pub enum DesignError {
     },
     /// More mosaics of all numbers of colours together are asked for than one study holds.
     #[error(
-        "{wanted} mosaics of all numbers of colours together are too many to list; ask for at most {limit}"
+        "{wanted} mosaics are too many to list; ask for at most {limit} of all numbers of colours together"
     )]
     TooManyMosaics {
         /// Number asked for.

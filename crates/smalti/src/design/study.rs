@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use super::error::DesignError;
 use super::filters::{FilterFamily, FilterSet};
 use super::learned::LessonSettings;
-use super::mosaics::{MosaicFamily, Wanted};
+use super::mosaics::MosaicFamily;
 use super::permutation::Permutation;
 use super::scenes::StudyScene;
 use super::scores::Metric;
@@ -231,19 +231,21 @@ impl Designs {
     /// Counts the designs and draws the mosaics.
     ///
     /// # Errors
-    /// When a family refuses a key, more designs are asked for than it has, or there is no design at all.
+    /// When a family refuses a key, more designs are asked for than it has, more mosaics than are listed at once, or there is no design
+    /// at all.
     pub fn new(study: Study) -> Result<Self, DesignError> {
         study.filters.validate()?;
         // Before the first of them is listed, which may take seconds.
-        let mut listed = 0u64;
+        let (mut listed, mut limit) = (0u64, u64::MAX);
         for &colors in &study.colors {
             if study.mosaics.count(colors) != Ok(0) {
-                let Wanted { count, limit, .. } = study.mosaics.wanted(colors, study.mosaic_count)?;
-                listed = listed.saturating_add(count);
-                if listed > limit {
-                    return Err(DesignError::TooManyMosaics { wanted: listed, limit });
-                }
+                let wanted = study.mosaics.wanted(colors, study.mosaic_count)?;
+                listed = listed.saturating_add(wanted.count);
+                limit = limit.min(wanted.limit);
             }
+        }
+        if listed > limit {
+            return Err(DesignError::TooManyMosaics { wanted: listed, limit });
         }
         let group = |&colors: &usize| {
             let available = study.filters.count(colors)?;
