@@ -116,14 +116,12 @@ impl DrawingBackend for Backend {
         path: I,
         style: &S,
     ) -> Result<(), DrawError> {
-        let points: Vec<_> = path.into_iter().map(|p| self.at(p)).collect();
-        if style.color().alpha == 0.0 {
-            return Ok(());
+        let path: Vec<_> = path.into_iter().collect();
+        if let [from, to] = path[..] {
+            return self.draw_line(from, to, style);
         }
-        if let [from, to] = points.as_slice() {
-            let width = f64::from(style.stroke_width()) / UNITS;
-            self.svg.borrow_mut().line(*from, *to, rgb(style.color()), width);
-        } else {
+        if style.color().alpha > 0.0 {
+            let points: Vec<_> = path.into_iter().map(|p| self.at(p)).collect();
             self.svg.borrow_mut().path(&path_of(&points, false), paint(style, false));
         }
         Ok(())

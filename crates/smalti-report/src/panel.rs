@@ -2,8 +2,8 @@
 
 use plotters::coord::cartesian::Cartesian2d;
 use plotters::prelude::{
-    AreaSeries, ChartBuilder, ChartContext, Circle, EmptyElement, IntoDrawingArea, LabelAreaPosition,
-    LineSeries, PathElement, Polygon, ShapeStyle,
+    AreaSeries, ChartBuilder, ChartContext, EmptyElement, IntoDrawingArea, LabelAreaPosition, LineSeries,
+    PathElement, ShapeStyle,
 };
 
 use crate::FigureError;
@@ -59,6 +59,9 @@ pub(crate) fn draw_symbol(
     }
 }
 
+/// Where series are drawn.
+type Chart<'a> = ChartContext<'a, Backend, Cartesian2d<Beyond, Beyond>>;
+
 /// A bar with caps, which reach as far to both sides as `cap` says.
 fn bar(
     chart: &mut Chart<'_>,
@@ -71,9 +74,6 @@ fn bar(
     chart.draw_series(ends.map(|end| EmptyElement::at(end) + PathElement::new([(-x, -y), (x, y)], look)))?;
     Ok(())
 }
-
-/// Where series are drawn.
-type Chart<'a> = ChartContext<'a, Backend, Cartesian2d<Beyond, Beyond>>;
 
 impl Panel<'_> {
     pub(crate) fn draw(&self, svg: &Canvas) -> Result<(), FigureError> {
@@ -242,7 +242,8 @@ impl Panel<'_> {
             let y = self.shared.y.value(1.0 - share);
             if [low, center, high].iter().all(|v| self.point(*v, y).is_some()) {
                 bar(chart, [(low, y), (high, y)], (0.0, 7.0), style(color, 1.0, 2.6))?;
-                self.symbol(chart, Symbol::Circle, (center, y), 6.5, color)?;
+                let at = self.place(chart, (center, y));
+                draw_symbol(&mut svg.borrow_mut(), Symbol::Circle, at, 6.5, color, true);
             }
         }
         svg.borrow_mut().close();
@@ -347,33 +348,6 @@ impl Panel<'_> {
         Ok(())
     }
 
-    fn symbol(
-        &self,
-        chart: &mut Chart<'_>,
-        symbol: Symbol,
-        at: (f64, f64),
-        radius: f64,
-        color: Rgb,
-    ) -> Result<(), FigureError> {
-        let (fill, edge) = (style(color, 1.0, 0.0).filled(), style(Rgb(255, 255, 255), 1.0, 1.6));
-        match symbol.outline(radius) {
-            None => {
-                chart.draw_series([
-                    Circle::new(at, units(radius), fill),
-                    Circle::new(at, units(radius), edge),
-                ])?;
-            }
-            Some(corners) => {
-                let corners: Vec<_> = corners.into_iter().map(|(x, y)| (units(x), units(y))).collect();
-                let closed: Vec<_> = corners.iter().chain(corners.first()).copied().collect();
-                chart.draw_series([EmptyElement::at(at)
-                    + Polygon::new(corners, fill)
-                    + PathElement::new(closed, edge)])?;
-            }
-        }
-        Ok(())
-    }
-
     fn draw_marks(&self, svg: &Canvas, chart: &mut Chart<'_>, points: &Points) -> Result<(), FigureError> {
         let own = series_color(self.shared, &points.name, points.color);
         svg.borrow_mut().open("", &points.name);
@@ -396,7 +370,8 @@ impl Panel<'_> {
                 }
             }
             let radius = points.radius.unwrap_or(7.5).clamp(0.2, 50.0);
-            self.symbol(chart, points.symbol, (x, y), radius, color)?;
+            let at = self.place(chart, (x, y));
+            draw_symbol(&mut svg.borrow_mut(), points.symbol, at, radius, color, true);
         }
         svg.borrow_mut().close();
         Ok(())
