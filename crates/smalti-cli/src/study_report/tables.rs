@@ -194,7 +194,8 @@ fn finer_than_pixels(section: &Section<'_>) -> String {
     let mut shown = best_rows(section).into_iter().chain(section.some_of_front(FRONT));
     match section.nyquist_cy_per_mm().filter(|_| shown.any(|row| section.beyond_nyquist(row))) {
         Some(limit) => format!(
-            "* finer than the {limit:.1} cy/mm that the pixels sample (Nyquist): detail that is aliased, not resolved\n"
+            "{} finer than the {limit:.1} cy/mm that the pixels sample (Nyquist): detail that is aliased, not resolved\n",
+            BEYOND.trim_start()
         ),
         None => String::new(),
     }

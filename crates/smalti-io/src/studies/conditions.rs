@@ -76,18 +76,19 @@ fn condition(
     let mut values = Vec::new();
     for (key, value) in &point {
         let number = value.as_float().or_else(|| value.as_integer().map(|i| i as f64));
-        let meant = nearest(key, OF_STUDY);
         match (key.as_str(), number, value.as_str()) {
             ("luminance_cd_m2", Some(v), _) => luminance_cd_m2 = v,
             ("illuminant", _, Some(name)) => light = name,
             ("luminance_cd_m2", None, _) => return Err(wrong(&at(key), "expected a number")),
             ("illuminant", _, None) => return Err(wrong(&at(key), "expected a name")),
-            _ if meant.is_some() => {
-                let shown = source.about_key(&format!("{place}.{key}"), &format!("unknown key `{key}`"));
-                let help = meant.map(|own| format!("did you mean `{own}`?"));
-                return Err(Box::new(Diagnostic { help, ..shown }));
-            }
-            _ => overrides.push(as_override(key, value)),
+            _ => match nearest(key, OF_STUDY) {
+                Some(meant) => {
+                    let shown = source.about_key(&format!("{place}.{key}"), &format!("unknown key `{key}`"));
+                    let help = Some(format!("did you mean `{meant}`?"));
+                    return Err(Box::new(Diagnostic { help, ..shown }));
+                }
+                None => overrides.push(as_override(key, value)),
+            },
         }
         let text = || ConditionValue::Text(value.as_str().map_or_else(|| value.to_string(), str::to_owned));
         values.push((key.clone(), number.map_or_else(text, ConditionValue::Number)));

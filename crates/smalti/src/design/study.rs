@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use super::error::DesignError;
 use super::filters::{FilterFamily, FilterSet};
 use super::learned::LessonSettings;
-use super::mosaics::MosaicFamily;
+use super::mosaics::{MosaicFamily, Wanted};
 use super::permutation::Permutation;
 use super::scenes::StudyScene;
 use super::scores::Metric;
@@ -236,18 +236,16 @@ impl Designs {
     pub fn new(study: Study) -> Result<Self, DesignError> {
         study.filters.validate()?;
         // Before the first of them is listed, which may take seconds.
-        let (mut listed, mut limit) = (0u64, u64::MAX);
-        for &colors in &study.colors {
-            if study.mosaics.count(colors) != Ok(0) {
-                let wanted = study.mosaics.wanted(colors, study.mosaic_count)?;
-                listed = listed.saturating_add(wanted.count);
-                limit = limit.min(wanted.limit);
-            }
-        }
-        if listed > limit {
+        let wanted = |&colors: &usize| match study.mosaics.wanted(colors, study.mosaic_count) {
+            Err(DesignError::TooFew { available: 0, .. }) => Ok(None),
+            wanted => Ok(Some(wanted?).filter(|w| w.count > 0)),
+        };
+        let wanted = study.colors.iter().map(wanted).collect::<Result<Vec<_>, DesignError>>()?;
+        let listed = wanted.iter().flatten().fold(0u64, |n, w| n.saturating_add(w.count));
+        if let Some(limit) = wanted.iter().flatten().map(|w| w.limit).min().filter(|limit| listed > *limit) {
             return Err(DesignError::TooManyMosaics { wanted: listed, limit });
         }
-        let group = |&colors: &usize| {
+        let group = |(&colors, wanted): (&usize, Option<Wanted>)| {
             let available = study.filters.count(colors)?;
             let sets = match study.filter_sets {
                 Some(wanted) if u128::from(wanted) > available && available > 0 => {
@@ -261,9 +259,9 @@ impl Designs {
             };
             let order = (u128::from(sets) < available)
                 .then(|| Permutation::new(available, study.seed, PURPOSE, colors as u32));
-            let mosaics = match study.mosaics.count(colors) {
-                Ok(0) => Vec::new(),
-                _ => study.mosaics.pick(colors, study.mosaic_count, study.seed)?,
+            let mosaics = match wanted {
+                Some(wanted) => study.mosaics.list(colors, wanted, study.seed)?,
+                None => Vec::new(),
             };
             let mut group = Group { colors, sets, order, made: Vec::new(), mosaics };
             if sets <= MAX_MADE {
@@ -271,7 +269,7 @@ impl Designs {
             }
             Ok(group)
         };
-        let groups = study.colors.iter().map(group).collect::<Result<Vec<_>, DesignError>>()?;
+        let groups = study.colors.iter().zip(wanted).map(group).collect::<Result<Vec<_>, DesignError>>()?;
         let too_many = || DesignError::TooManyDesigns;
         let per_setup = groups.iter().try_fold(0u64, |n, g| n.checked_add(g.len()?)).ok_or_else(too_many)?;
         let setups = (study.conditions.len() as u64).checked_mul(study.processing.len() as u64);

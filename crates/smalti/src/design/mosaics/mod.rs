@@ -69,7 +69,11 @@ impl MosaicFamily {
     /// As [`MosaicFamily::count`], though a sample may be drawn from more than 2¹²⁸ − 1; when more are asked for than
     /// there are, or more than ten million, or than have a hundred million cells.
     pub fn pick(&self, colors: usize, count: Option<u64>, seed: u64) -> Result<Vec<Mosaic>, DesignError> {
-        let wanted = self.wanted(colors, count)?;
+        self.list(colors, self.wanted(colors, count)?, seed)
+    }
+
+    /// As [`MosaicFamily::pick`], of mosaics that are counted already.
+    pub(super) fn list(&self, colors: usize, wanted: Wanted, seed: u64) -> Result<Vec<Mosaic>, DesignError> {
         let all = match self {
             Self::Given(tiles) => given(tiles, colors)?,
             Self::Tile(tile) => return tile.pick(colors, wanted, seed),
