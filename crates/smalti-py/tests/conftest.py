@@ -35,6 +35,11 @@ def parts(folder: Path) -> dict[str, bytes]:
     return {p.name: p.read_bytes() for p in (folder / "designs").iterdir()}
 
 
+def whole_parts(folder: Path) -> dict[str, bytes]:
+    """The same while something may still be written there: the parts that are whole."""
+    return {p.name: p.read_bytes() for p in (folder / "designs").glob("part-*.parquet")}
+
+
 @pytest.fixture(scope="session", autouse=True)
 def cache(tmp_path_factory: pytest.TempPathFactory) -> None:
     os.environ["SMALTI_CACHE_DIR"] = str(tmp_path_factory.mktemp("cache"))
