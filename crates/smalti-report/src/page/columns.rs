@@ -1,9 +1,12 @@
 //! Columns of numbers for a page: as few bytes as their values need, so that a page of many designs stays small.
 
 use std::collections::HashMap;
+use std::io::Write;
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
+use flate2::Compression;
+use flate2::write::DeflateEncoder;
 use serde_json::{Value, json};
 
 /// Most different values of a column that are kept in a table beside it.
@@ -76,4 +79,41 @@ pub fn words<'a>(texts: impl Iterator<Item = &'a str>) -> Value {
         })
         .collect();
     json!({"words": words, "codes": packed(&codes)})
+}
+
+/// Pictures of whole numbers for a script to calculate with: each number less what its neighbours to the left and above let
+/// expect (the median predictor of [weinberger2000], exact), then deflated.
+///
+/// Numbers beyond 16 bits are cut off. `data.js` reads it.
+#[must_use]
+pub fn whole_pictures<'a>(pictures: impl Iterator<Item = &'a [i32]>, cols: usize) -> Value {
+    let (mut low, mut high, mut count) = (Vec::new(), Vec::new(), 0);
+    for picture in pictures {
+        count += 1;
+        let at =
+            |row: usize, col: usize| picture.get(row * cols + col).map_or(0, |v| (*v).clamp(-32768, 32767));
+        for i in 0..picture.len() {
+            let (row, col) = (i / cols.max(1), i % cols.max(1));
+            let expected = match (row, col) {
+                (0, 0) => 0,
+                (0, _) => at(0, col - 1),
+                (_, 0) => at(row - 1, 0),
+                _ => {
+                    let (left, above, corner) = (at(row, col - 1), at(row - 1, col), at(row - 1, col - 1));
+                    let (least, most) = (left.min(above), left.max(above));
+                    (left + above - corner).clamp(least, most)
+                }
+            };
+            // Small numbers of either sign have a high byte of 0.
+            let off = at(row, col) - expected;
+            let code = ((off << 1) ^ (off >> 31)) as u32;
+            low.push(code as u8);
+            high.extend([(code >> 8) as u8, (code >> 16) as u8]);
+        }
+    }
+    // The codes are 17 bits; the upper bytes, nearly all 0, are for rare jumps.
+    low.extend(high);
+    let mut encoder = DeflateEncoder::new(Vec::new(), Compression::best());
+    let deflated = encoder.write_all(&low).and_then(|()| encoder.finish()).unwrap_or_default();
+    json!({"count": count, "deflated": STANDARD.encode(deflated)})
 }

@@ -28,6 +28,29 @@ function unrun(runs, count) {
   return values;
 }
 
+// Pictures of whole numbers, as whole_pictures of columns.rs packs them.
+async function unpackPictures({ count, deflated }, rows, cols) {
+  const stream = new Blob([bytesOf(deflated)]).stream().pipeThrough(new DecompressionStream("deflate-raw"));
+  const bytes = new Uint8Array(await new Response(stream).arrayBuffer());
+  const size = rows * cols;
+  return Array.from({ length: count }, (_, k) => {
+    const picture = new Int32Array(size);
+    for (let i = 0, row = 0; row < rows; row += 1) {
+      for (let col = 0; col < cols; col += 1, i += 1) {
+        const at = k * size + i;
+        const high = count * size + 2 * at;
+        const code = bytes[at] | (bytes[high] << 8) | (bytes[high + 1] << 16);
+        const left = col ? picture[i - 1] : 0;
+        const above = row ? picture[i - cols] : 0;
+        let expected = row ? above : left;
+        if (row && col) expected = Math.max(Math.min(left, above), Math.min(Math.max(left, above), left + above - picture[i - cols - 1]));
+        picture[i] = expected + ((code >> 1) ^ -(code & 1));
+      }
+    }
+    return picture;
+  });
+}
+
 // A column of numbers whose values are made when they are first asked for.
 function lazyColumn(about, values) {
   let made;
@@ -36,6 +59,21 @@ function lazyColumn(about, values) {
     get values() {
       made ??= values();
       return made;
+    },
+  };
+}
+
+// A scene of a stage; its pictures are unpacked when they are first asked for.
+function readScene(scene) {
+  let planes;
+  return {
+    ...scene,
+    spectra: unpack(scene.spectra),
+    metered: scene.metered && unpack(scene.metered),
+    count: scene.planes.count,
+    planes: () => {
+      planes ??= unpackPictures(scene.planes, scene.rows, scene.cols);
+      return planes;
     },
   };
 }
@@ -58,6 +96,8 @@ function readDesigns(data) {
     curves: { ...data.filters.curves, values: unpack(data.filters.curves.values) },
     words: data.words.map((w) => ({ ...w, words: w.values.words, codes: unpack(w.values.codes) })),
     pictures: new Map(data.pictures.map((p) => [p.row, p])),
+    matrices: { scale: unpack(data.matrices.scale), codes: new Int16Array(bytesOf(data.matrices.i16).buffer) },
+    stages: data.stages.map((stage) => stage && { ...stage, scenes: stage.scenes.map(readScene) }),
   };
   designs.tile = designs.words.find((w) => w.name === "tile");
   if (data.sections.length > 1) {

@@ -2,16 +2,16 @@
 
 const NM = Array.from({ length: 171 }, (_, i) => 380 + 2 * i);
 
-// Transmittance of a filter at the wavelengths of NM; null where the page does not hold it.
-function curveOf(designs, at) {
+// Transmittance of a filter at some wavelengths; null where the page does not hold it.
+function curveOf(designs, at, wavelengths = NM) {
   const code = designs.curve[at];
   if (code === -1) {
     const [center, sigma, peak] = [designs.center[at], designs.fwhm[at] / 2.354820045, designs.peak[at]];
-    return NM.map((nm) => peak * Math.exp(-0.5 * ((nm - center) / sigma) ** 2));
+    return wavelengths.map((nm) => peak * Math.exp(-0.5 * ((nm - center) / sigma) ** 2));
   }
   if (code < 0) return null;
   const { first_nm: first, step_nm: step, count, values } = designs.curves;
-  return NM.map((nm) => {
+  return wavelengths.map((nm) => {
     const place = Math.min(count - 1, Math.max(0, (nm - first) / step));
     const low = Math.min(count - 2, Math.floor(place));
     const [a, b] = [values[code * count + low], values[code * count + low + 1]];
@@ -140,46 +140,51 @@ function filterTable(filters) {
     })));
 }
 
-function pictureOf(picture, words) {
-  const image = (large) => make("img", { src: picture.src, width: picture.width, height: picture.height, alt: large ? "" : words });
+// A picture that is enlarged by a click; `copy` makes it a second time, for that.
+function enlargeable(picture, words, copy) {
   const enlarge = () => {
-    const dialog = make("dialog", { "aria-label": words }, image(true),
+    const dialog = make("dialog", { "aria-label": words }, copy(),
       make("form", { method: "dialog" }, make("span", {}, words), make("button", {}, "Close")));
     dialog.addEventListener("close", () => dialog.remove());
     document.body.append(dialog);
     dialog.showModal();
   };
-  return make("button", { type: "button", click: enlarge, "aria-haspopup": "dialog" }, image(false));
+  return make("button", { type: "button", click: enlarge, "aria-haspopup": "dialog" }, picture);
 }
-// Of the designs with pictures, as many colours and the same mosaic, the one whose filters are most alike: its row, and by how much centres
-// and widths differ, nm, on average.
-function mostAlike(designs, row) {
-  const mosaic = (r) => designs.tile && designs.tile.codes[r];
-  const mine = filtersOf(designs, row);
-  let best = null;
-  for (const other of designs.pictures.keys()) {
-    if (designs.colors[other] !== designs.colors[row] || designs.section[other] !== designs.section[row] || mosaic(other) !== mosaic(row)) continue;
-    const theirs = filtersOf(designs, other);
-    const apart = mine.reduce((sum, f, i) => sum + Math.abs(f.center - theirs[i].center) + Math.abs(f.fwhm - theirs[i].fwhm), 0) / (2 * mine.length);
-    if (Number.isFinite(apart) && (!best || apart < best.apart)) best = { row: other, apart };
-  }
-  return best;
+function embedded({ src, width, height }, words) {
+  const image = (alt) => make("img", { src, width, height, alt });
+  return enlargeable(image(words), words, () => image(""));
 }
+function drawnHere(studio, scene, isNoisy, words) {
+  const canvas = () => make("canvas", { width: scene.cols, height: scene.rows, role: "img", "aria-label": words });
+  const shown = canvas();
+  photograph(studio, scene, isNoisy).then(
+    (rgba) => {
+      shown.getContext("2d").putImageData(new ImageData(rgba, scene.cols, scene.rows), 0, 0);
+      shown.dataset.drawn = "";
+    },
+    (error) => shown.closest("figure")?.append(make("p", { class: "none" }, `This reader could not draw it: ${error.message}`)),
+  );
+  return enlargeable(shown, words, () => {
+    const copy = canvas();
+    copy.getContext("2d").drawImage(shown, 0, 0);
+    return copy;
+  });
+}
+const PICTURES = [["Zone plate, pixel for pixel, without noise", "exact"], ["Dead leaves, with all noise", ""]];
 function picturesOf(designs, row, number) {
-  const both = ({ zone_plate: plate, scene }, of) => {
-    const one = (picture, words, exact) => make("figure", { class: exact ? "exact" : "" }, pictureOf(picture, `${words}, design ${of}`), make("figcaption", {}, words));
-    return make("div", { class: "pictures" }, one(plate, "Zone plate, pixel for pixel, without noise", true), one(scene, "Dead leaves, with all noise"));
-  };
-  const here = designs.pictures.get(row);
-  if (here) return [both(here, number)];
-  const alike = mostAlike(designs, row);
-  const other = alike && designs.number[alike.row];
-  return [
-    make("p", { class: "none" }, `No pictures of this design are in this page: it holds those of ${designs.pictures.size} (filter “with pictures”). This command makes a page with them:`),
-    commandOf(designs, row, `--picture ${number} -o design-${number}.html`),
-    ...(alike ? [make("p", { class: "none" }, `Of those, design ${other} has the same mosaic and the filters most alike, ${Math.round(alike.apart)} nm apart on average. Its pictures:`),
-      both(designs.pictures.get(alike.row), other)] : []),
-  ];
+  const both = (picture) => make("div", { class: "pictures" }, PICTURES.map(([words, name], which) =>
+    make("figure", { class: name }, picture(which, `${words}, design ${number}`), make("figcaption", {}, words))));
+  const command = () => commandOf(designs, row, `--picture ${number} -o design-${number}.html`);
+  const say = (...words) => make("p", { class: "none" }, ...words);
+  const own = designs.pictures.get(row);
+  if (own) return [both((which, words) => embedded([own.zone_plate, own.scene][which], words))];
+  const studio = studioOf(designs, row);
+  if (!studio) return [say("This page does not hold what it takes to draw pictures of this design. This command makes a page with them:"), command()];
+  const pictures = both((which, words) => drawnHere(studio, studio.stage.scenes[which], which === 1, words));
+  const processing = studio.drawn.own_processing;
+  if (!processing) return [pictures, say("Drawn by this page the way the simulator makes them; the noise is another draw of the same kind.")];
+  return [pictures, say(`Drawn by this page with bilinear demosaicking and a colour matrix. The study's own processing is ${processing}: this command makes a page with its pictures.`), command()];
 }
 function commandOf(designs, row, options) {
   const study = designs.data.studies[designs.data.sections[designs.section[row]].study];

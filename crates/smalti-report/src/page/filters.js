@@ -65,7 +65,8 @@ class Filters {
 
   addMarks() {
     const { front, pictures } = this.designs;
-    const marks = [["on the Pareto front of ΔE, MTF50 and noise", (i) => front[i] === 1], ["with pictures", (i) => pictures.has(i)]];
+    const marks = [["on the Pareto front of ΔE, MTF50 and noise", (i) => front[i] === 1]];
+    if (pictures.size) marks.push(["with pictures by the simulator itself", (i) => pictures.has(i)]);
     const wanted = new Set();
     const boxes = marks.map(([words, passes]) => {
       const [input, label] = this.box(words, null, null, () => {

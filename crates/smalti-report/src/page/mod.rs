@@ -16,7 +16,7 @@
 //! | tables | [`Table`] |
 //! | figures as inline SVG | `Markup::from(&Figure)`, [`figure`] |
 //! | pictures | [`DataUri`] |
-//! | numbers for programs, small | [`packed`], [`runs`], [`words`], [`Page::data`] |
+//! | numbers for programs, small | [`packed`], [`runs`], [`words`], [`whole_pictures`], [`Page::data`] |
 //! | text to copy | [`copyable`] |
 //! | programs and styles of a kind of page | [`Piece`]: [`SWEEP`], [`COMPARE`] |
 //!
@@ -32,7 +32,7 @@ mod table;
 #[cfg(test)]
 mod tests;
 
-pub use columns::{packed, runs, words};
+pub use columns::{packed, runs, whole_pictures, words};
 pub use markup::{Element, Markup, el};
 pub use picture::DataUri;
 pub use shell::Page;
@@ -81,6 +81,8 @@ pub const SWEEP: &[Piece] = &[
     Piece::new("", include_str!("cloud.js")),
     Piece::new(include_str!("scatter.css"), include_str!("scatter.js")),
     Piece::new("", include_str!("histogram.js")),
+    Piece::new("", include_str!("demosaic.js")),
+    Piece::new("", include_str!("photograph.js")),
     Piece::new(include_str!("design.css"), include_str!("design.js")),
     Piece::new(include_str!("filters.css"), include_str!("filters.js")),
     Piece::new(include_str!("sweep.css"), include_str!("sweep.js")),

@@ -6,6 +6,7 @@ use jpeg_encoder::{ColorType, Encoder, SamplingFactor};
 
 use super::markup::{Element, el};
 use crate::FigureError;
+use crate::figure::encode as png;
 
 /// A picture as a data URI.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -30,10 +31,14 @@ impl DataUri {
         encode(width, height, bytes, 1, quality)
     }
 
-    /// A PNG file.
-    #[must_use]
-    pub fn png(file: &[u8]) -> Self {
-        Self(format!("data:image/png;base64,{}", STANDARD.encode(file)))
+    /// A PNG of 8-bit sRGB, three bytes a pixel, row by row: every pixel as it is.
+    ///
+    /// # Errors
+    /// As [`jpeg`](Self::jpeg).
+    pub fn png(width: usize, height: usize, rgb: &[u8]) -> Result<Self, FigureError> {
+        let (w, h) = checked("PNG", width, height, rgb, 3)?;
+        let file = png(rgb, w.into(), h.into(), png::ColorType::Rgb)?;
+        Ok(Self(format!("data:image/png;base64,{}", STANDARD.encode(file))))
     }
 
     /// The URI.
@@ -60,27 +65,34 @@ fn encode(
     each: usize,
     quality: u8,
 ) -> Result<DataUri, FigureError> {
-    let expected = width.saturating_mul(height).saturating_mul(each);
-    if expected == 0 || samples.len() != expected {
-        return Err(FigureError::Picture {
-            caption: "JPEG".into(),
-            width,
-            height,
-            expected,
-            got: samples.len(),
-        });
-    }
-    let size = || FigureError::Size {
-        width: width as f64,
-        height: height as f64,
-        reason: "a JPEG has at most 65535 pixels a side".into(),
-    };
-    let (w, h) = (u16::try_from(width).map_err(|_| size())?, u16::try_from(height).map_err(|_| size())?);
+    let (w, h) = checked("JPEG", width, height, samples, each)?;
     let mut bytes = Vec::new();
     let mut encoder = Encoder::new(&mut bytes, quality.clamp(1, 100));
     encoder.set_sampling_factor(SamplingFactor::F_1_1);
     encoder.set_optimized_huffman_tables(true);
     let color = if each == 1 { ColorType::Luma } else { ColorType::Rgb };
-    encoder.encode(samples, w, h, color).map_err(|_| size())?;
+    encoder.encode(samples, w, h, color).map_err(|_| size("JPEG", width, height))?;
     Ok(DataUri(format!("data:image/jpeg;base64,{}", STANDARD.encode(bytes))))
+}
+
+/// Width and height of samples, `each` a pixel, that are as many as there should be.
+fn checked(
+    kind: &str,
+    width: usize,
+    height: usize,
+    samples: &[u8],
+    each: usize,
+) -> Result<(u16, u16), FigureError> {
+    let expected = width.saturating_mul(height).saturating_mul(each);
+    if expected == 0 || samples.len() != expected {
+        let (caption, got) = (kind.into(), samples.len());
+        return Err(FigureError::Picture { caption, width, height, expected, got });
+    }
+    let side = |n: usize| u16::try_from(n).map_err(|_| size(kind, width, height));
+    Ok((side(width)?, side(height)?))
+}
+
+fn size(kind: &str, width: usize, height: usize) -> FigureError {
+    let reason = format!("a {kind} has at most 65535 pixels a side");
+    FigureError::Size { width: width as f64, height: height as f64, reason }
 }

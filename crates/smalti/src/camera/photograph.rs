@@ -140,6 +140,12 @@ impl Camera {
         Exposure { time_s: 1.0, analog_gain: self.analog_gain, analog_offset_v: self.analog_offset_v }
     }
 
+    /// How the exposure time is found.
+    #[must_use]
+    pub fn exposure_time(&self) -> ExposureTime {
+        self.exposure_time
+    }
+
     /// The exposure for an optical image: the stated time, or the one that the rule finds.
     ///
     /// # Errors

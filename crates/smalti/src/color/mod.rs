@@ -21,7 +21,7 @@ pub use cie1976::{
 };
 pub use difference::{DeltaE, DifferenceMap};
 pub use image::{ColorSpace, Image, ImageError};
-pub use viewing::SRGB_WHITE;
+pub use viewing::{BRIGHT_SHARE, SRGB_WHITE, shown_from_xyz};
 
 #[cfg(test)]
 mod tests {

@@ -1,6 +1,7 @@
 //! Pictures in relative XYZ made ready to be looked at on a screen.
 
-use super::matrix::IDENTITY;
+use super::display::{Primaries, matrices};
+use super::matrix::{IDENTITY, Matrix3, product};
 use super::{Adaptation, ColorSpace, Image, ImageError};
 use crate::numeric::Planes;
 
@@ -8,7 +9,18 @@ use crate::numeric::Planes;
 pub const SRGB_WHITE: [f64; 3] = [0.95047, 1.0, 1.08883];
 
 /// The share of pixels that may be brighter than white when the brightness of a picture is chosen.
-const BRIGHT_SHARE: f64 = 0.005;
+pub const BRIGHT_SHARE: f64 = 0.005;
+
+/// X, Y, Z under a light of this white as sRGB shows it.
+fn adapted(white: Option<[f64; 3]>) -> Matrix3 {
+    white.and_then(|w| Adaptation::Bradford.matrix(SRGB_WHITE, w)).unwrap_or(IDENTITY)
+}
+
+/// Linear sRGB from X, Y, Z as [`Image::shown`] makes it, but for the gain.
+#[must_use]
+pub fn shown_from_xyz(white: Option<[f64; 3]>) -> Matrix3 {
+    product(&matrices(&Primaries::SRGB).1, &adapted(white))
+}
 
 impl Image {
     /// The factor that makes a picture in XYZ as bright as a viewer expects: all but the brightest half percent of its pixels within
@@ -40,9 +52,8 @@ impl Image {
         if self.space() != ColorSpace::Xyz {
             return Err(ImageError::Space { expected: ColorSpace::Xyz, got: self.space() });
         }
-        let matrix = white.and_then(|w| Adaptation::Bradford.matrix(SRGB_WHITE, w)).unwrap_or(IDENTITY);
         let (planes, mut out) = (self.planes(), Planes::zeros(self.rows(), self.cols(), 3));
-        for (i, row) in matrix.iter().enumerate() {
+        for (i, row) in adapted(white).iter().enumerate() {
             let [a, b, c] = row.map(|v| (v * gain) as f32);
             let xyz = planes.plane(0).iter().zip(planes.plane(1)).zip(planes.plane(2));
             out.plane_mut(i).iter_mut().zip(xyz).for_each(|(o, ((x, y), z))| *o = a * x + b * y + c * z);

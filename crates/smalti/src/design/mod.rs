@@ -13,6 +13,7 @@ mod lessons;
 mod mosaics;
 mod permutation;
 mod prepared;
+mod preview;
 mod scenes;
 mod scores;
 mod shown;
@@ -30,6 +31,7 @@ pub use filters::{
 pub use learned::{LessonSettings, Lessons};
 pub use mosaics::{MosaicFamily, Symmetry, Tile, published};
 pub use permutation::Permutation;
+pub use preview::{PixelLight, ReadoutModel};
 pub use scenes::StudyScene;
 pub use scores::{AliasingScores, Asked, ColorScores, EdgeScores, Metric, SceneFigures, Scores, Sight};
 pub use study::{Condition, ConditionValue, Design, Designs, Processing, Study};

@@ -1,5 +1,6 @@
 //! Arithmetic that knows nothing of light: image planes and rectangles, random numbers, Fourier transforms, least squares.
 
+pub(crate) mod dense;
 pub mod elementary;
 pub mod fft;
 pub mod least_squares;

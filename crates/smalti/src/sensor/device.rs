@@ -174,24 +174,26 @@ impl Sensor {
     /// # Errors
     /// When a curve does not cover the grid.
     pub fn spectral_responsivity_on(&self, grid: WavelengthGrid) -> Result<Vec<Spectrum>, SensorError> {
-        let on_grid = |what: String, curve: &Spectrum| {
-            curve.resampled(grid, Outside::Error).map_err(|e| match e {
-                SpectrumError::Coverage { have_start_nm, have_end_nm, need_start_nm, need_end_nm } => {
-                    SensorError::Coverage { what, have_start_nm, have_end_nm, need_start_nm, need_end_nm }
-                }
-                other => other.into(),
-            })
-        };
-        let mut common = on_grid("the quantum efficiency".into(), &self.quantum_efficiency)?;
-        if let Some(cut) = &self.ir_cut {
-            common = common.times(&on_grid("the IR-cut filter".into(), cut)?)?;
-        }
+        let common = self.bare_responsivity_on(grid)?;
         let channel = |c: &super::Channel| {
-            let filter = on_grid(format!("the filter '{}'", c.name), &c.transmittance)?;
+            let filter = on_grid(&format!("the filter '{}'", c.name), &c.transmittance, grid)?;
             // What overshoots below zero by rounding must not subtract light.
             Ok(filter.times(&common)?.map(|_, v| v.max(0.0)))
         };
         self.cfa.channels().iter().map(channel).collect()
+    }
+
+    /// Electrons per photon where there is no colour filter: quantum efficiency and IR-cut filter, each curve linear between its
+    /// samples.
+    ///
+    /// # Errors
+    /// When a curve does not cover the grid.
+    pub fn bare_responsivity_on(&self, grid: WavelengthGrid) -> Result<Spectrum, SensorError> {
+        let own = on_grid("the quantum efficiency", &self.quantum_efficiency, grid)?;
+        match &self.ir_cut {
+            Some(cut) => Ok(own.times(&on_grid("the IR-cut filter", cut, grid)?)?),
+            None => Ok(own),
+        }
     }
 
     /// Dark signal at the sensor's temperature, V/s.
@@ -210,4 +212,20 @@ impl Sensor {
         let full = self.pixel.full_well_e * self.pixel.conversion_gain_v_per_e;
         ((full + exposure.analog_offset_v) * exposure.analog_gain).min(self.pixel.voltage_swing_v)
     }
+}
+
+/// A curve on a grid that it must cover.
+fn on_grid(what: &str, curve: &Spectrum, grid: WavelengthGrid) -> Result<Spectrum, SensorError> {
+    curve.resampled(grid, Outside::Error).map_err(|e| match e {
+        SpectrumError::Coverage { have_start_nm, have_end_nm, need_start_nm, need_end_nm } => {
+            SensorError::Coverage {
+                what: what.into(),
+                have_start_nm,
+                have_end_nm,
+                need_start_nm,
+                need_end_nm,
+            }
+        }
+        other => other.into(),
+    })
 }

@@ -16,9 +16,11 @@ use super::choice::Choice;
 use crate::study_report::answers::Section;
 use crate::study_report::results::Results;
 
-/// Wavelengths of curves that are no formula: first, step, count.
-const CURVE_NM: (f64, f64, usize) = (380.0, 5.0, 69);
-/// Most of them in a page, 69 bytes each.
+/// Wavelengths of curves that are no formula, at least: first and last. They go on to those of the cameras.
+const CURVE_NM: (f64, f64) = (380.0, 720.0);
+/// Between two of them.
+const CURVE_STEP_NM: f64 = 5.0;
+/// Most curves in a page, 69 bytes each or more.
 const MOST_CURVES: usize = 10_000;
 /// What is no column to look at: the number stands beside, problems in the lead.
 const LEFT_OUT: [&str; 2] = ["design", "problem"];
@@ -142,8 +144,7 @@ fn chosen<T: Clone>(
 /// the Gaussian of its centre, width and peak, −2 where it is not in the page, else the number of its samples.
 fn filters(sources: &Sources<'_>, choice: &Choice) -> anyhow::Result<Value> {
     let (mut center, mut fwhm, mut peak, mut curve) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
-    let (first_nm, step_nm, count) = CURVE_NM;
-    let grid = WavelengthGrid::new(first_nm, step_nm, count)?;
+    let grid = curve_grid(sources)?;
     let mut places: HashMap<String, f64> = HashMap::new();
     let mut samples: Vec<f64> = Vec::new();
     for row in &choice.rows {
@@ -173,8 +174,17 @@ fn filters(sources: &Sources<'_>, choice: &Choice) -> anyhow::Result<Value> {
         "fwhm": packed(&fwhm),
         "peak": packed(&peak),
         "curve": packed(&curve),
-        "curves": {"first_nm": first_nm, "step_nm": step_nm, "count": count, "values": packed(&samples)},
+        "curves": {"first_nm": grid.start_nm(), "step_nm": grid.step_nm(), "count": grid.len(), "values": packed(&samples)},
     }))
+}
+
+fn curve_grid(sources: &Sources<'_>) -> anyhow::Result<WavelengthGrid> {
+    let conditions = sources.all.iter().flat_map(|(results, _)| &results.study().conditions);
+    let grids = conditions.filter_map(|c| c.camera.grid().ok());
+    let (low, high) = grids.fold(CURVE_NM, |(low, high), g| (low.min(g.start_nm()), high.max(g.end_nm())));
+    let first = (low / CURVE_STEP_NM).floor() * CURVE_STEP_NM;
+    let count = ((high - first) / CURVE_STEP_NM).ceil() as usize + 1;
+    Ok(WavelengthGrid::new(first, CURVE_STEP_NM, count)?)
 }
 
 /// Measured curves may begin or end where the camera's wavelengths do; beyond them nothing is known, and nothing drawn.

@@ -1,4 +1,4 @@
-//! Pictures of some designs in the page.
+//! Pictures of some designs in the page: those of learned pipelines, which it cannot draw itself, and those asked for.
 
 use rayon::prelude::*;
 use serde_json::{Value, json};
@@ -7,15 +7,14 @@ use smalti_report::page::DataUri;
 
 use super::Sources;
 use super::choice::Choice;
+use super::stages::{MOST_BYTES, Stages};
 use crate::Watch;
 use crate::pictures::Pixels;
 use crate::study_report::answers::Section;
 use crate::study_report::pictures::{LEAVES, Stage, Studio, ZONE_PLATE};
 use crate::study_report::{DRAWN, results};
 
-/// Most bytes of all pictures: what a page of 5000 designs can spare of its 4 MB.
-const MOST_BYTES: usize = 2_800_000;
-/// Of JPEG. Below, rings of a zone plate get halos that are not the camera's.
+/// Of JPEG, for pictures that nobody asked for. Below, rings of a zone plate get halos that are not the camera's.
 const QUALITY: u8 = 78;
 
 pub(super) struct Gallery {
@@ -28,15 +27,15 @@ struct Wish {
     study: usize,
     section: usize,
     row: usize,
-    /// Named by the caller: no limit applies.
+    /// Named by the caller: no limit applies, and every pixel is as it is.
     wanted: bool,
 }
 
-pub(super) fn gallery(sources: &Sources<'_>, choice: &Choice) -> anyhow::Result<Gallery> {
+pub(super) fn gallery(sources: &Sources<'_>, choice: &Choice, stages: &Stages) -> anyhow::Result<Gallery> {
     let sections: Vec<(usize, &Section<'_>)> =
         sources.all.iter().enumerate().flat_map(|(i, (_, s))| s.iter().map(move |s| (i, s))).collect();
-    let wishes = wishes(sources, &sections);
-    let (mut pictures, mut notes, mut bytes, mut left_out) = (Vec::new(), Vec::new(), 0, 0);
+    let wishes = wishes(sources, &sections, stages);
+    let (mut pictures, mut notes, mut bytes, mut left_out) = (Vec::new(), Vec::new(), stages.bytes, 0);
     for (index, (_, section)) in sections.iter().enumerate() {
         let here: Vec<&Wish> = wishes.iter().filter(|w| w.section == index).collect();
         if here.is_empty() {
@@ -82,7 +81,10 @@ fn draw(section: &Section<'_>, wishes: &[&Wish], watch: &Watch<'_>) -> anyhow::R
         let picture = |stage: &Stage<'_>| {
             watch.ask()?;
             let Pixels { width, height, rgb } = stage.picture(wish.row)?;
-            let made = DataUri::jpeg(width, height, &rgb, QUALITY)?;
+            let made = match wish.wanted {
+                true => DataUri::png(width, height, &rgb),
+                false => DataUri::jpeg(width, height, &rgb, QUALITY),
+            }?;
             (watch.done)();
             anyhow::Ok((made, width, height))
         };
@@ -94,7 +96,7 @@ fn draw(section: &Section<'_>, wishes: &[&Wish], watch: &Watch<'_>) -> anyhow::R
 
 /// The designs asked for; then of each number of colours the best and the worst; then the front, evenly; then the second and third
 /// best. Of several sections in turn.
-fn wishes(sources: &Sources<'_>, sections: &[(usize, &Section<'_>)]) -> Vec<Wish> {
+fn wishes(sources: &Sources<'_>, sections: &[(usize, &Section<'_>)], stages: &Stages) -> Vec<Wish> {
     let mut wishes: Vec<Wish> = Vec::new();
     let mut add = |section: usize, row: usize, wanted: bool| {
         let Some((study, _)) = sections.get(section) else { return };
@@ -112,8 +114,12 @@ fn wishes(sources: &Sources<'_>, sections: &[(usize, &Section<'_>)]) -> Vec<Wish
             }
         }
     }
-    let each = (sources.pictures / sections.len().clamp(1, DRAWN)).max(1);
-    for (index, (_, section)) in sections.iter().enumerate().take(DRAWN) {
+    let is_room = stages.bytes < MOST_BYTES;
+    let undrawn = || {
+        sections.iter().enumerate().filter(|(index, _)| is_room && !stages.is_exact(*index)).take(DRAWN)
+    };
+    let each = (sources.pictures / undrawn().count().max(1)).max(1);
+    for (index, (_, section)) in undrawn() {
         let groups = &section.groups;
         let best = |rank: usize| groups.iter().filter_map(move |g| g.best.get(rank).copied());
         let in_turn = best(0)

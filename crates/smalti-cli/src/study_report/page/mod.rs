@@ -5,6 +5,7 @@ mod choice;
 mod columns;
 mod gallery;
 mod marks;
+mod stages;
 mod words;
 
 use std::path::PathBuf;
@@ -18,6 +19,7 @@ use super::{figures, results};
 use crate::Watch;
 pub(crate) use again::quoted;
 use choice::Choice;
+use stages::Stages;
 pub(crate) use words::grouped;
 
 /// What a page is made of.
@@ -34,19 +36,20 @@ pub(super) struct Sources<'a> {
 /// The page, and what could not be shown.
 pub(super) fn page(sources: &Sources<'_>) -> anyhow::Result<(String, Vec<String>)> {
     let choice = Choice::of(sources)?;
-    let gallery = gallery::gallery(sources, &choice)?;
+    let stages = Stages::new(sources)?;
+    let gallery = gallery::gallery(sources, &choice, &stages)?;
     let mut page = Page::new(title(sources)).with(SWEEP).lead(lead(sources, &choice));
     page = page
         .section("designs", "Designs", words::explorer())
         .section("means", "Means by number of colours", means(sources)?)
         .section("best", "Best designs", words::best(sources, &choice)?)
         .section("again", "The same again", again::section(sources)?)
-        .data("sweep", data(sources, &choice, gallery.data)?)
+        .data("sweep", data(sources, &choice, &stages, gallery.data)?)
         .foot(el("p").child(format!(
             "Made by Smalti {}. This page needs no network and sends nothing.",
             env!("CARGO_PKG_VERSION")
         )));
-    Ok((page.html(), gallery.notes))
+    Ok((page.html(), [stages.notes, gallery.notes].concat()))
 }
 
 fn title(sources: &Sources<'_>) -> String {
@@ -109,7 +112,7 @@ fn means(sources: &Sources<'_>) -> anyhow::Result<Markup> {
     Ok(out)
 }
 
-fn data(sources: &Sources<'_>, choice: &Choice, pictures: Value) -> anyhow::Result<Value> {
+fn data(sources: &Sources<'_>, choice: &Choice, stages: &Stages, pictures: Value) -> anyhow::Result<Value> {
     let studies: Vec<Value> = sources
         .all
         .iter()
@@ -123,6 +126,7 @@ fn data(sources: &Sources<'_>, choice: &Choice, pictures: Value) -> anyhow::Resu
             })
         })
         .collect();
+    let (stages, drawn, matrices) = stages.data(sources, choice)?;
     let sections: Vec<Value> = sources
         .all
         .iter()
@@ -131,6 +135,11 @@ fn data(sources: &Sources<'_>, choice: &Choice, pictures: Value) -> anyhow::Resu
             sections.iter().map(move |s| {
                 json!({"study": study, "name": s.title(), "nyquist_cy_per_mm": s.nyquist_cy_per_mm()})
             })
+        })
+        .zip(drawn)
+        .map(|(mut section, drawn)| {
+            section["drawn"] = drawn;
+            section
         })
         .collect();
     let numbers: Vec<u64> = choice.rows.iter().map(|r| r.number).collect();
@@ -150,6 +159,8 @@ fn data(sources: &Sources<'_>, choice: &Choice, pictures: Value) -> anyhow::Resu
         "columns": columns.numbers,
         "words": columns.words,
         "filters": columns.filters,
+        "stages": stages,
+        "matrices": matrices,
         "pictures": pictures,
     }))
 }

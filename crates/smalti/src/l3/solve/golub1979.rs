@@ -6,7 +6,7 @@
 //! Everything in it follows from the moments: with the eigenvalues d and eigenvectors v of the Gram matrix and β = v · c,
 //! ‖(I − A) y‖² = yᵀy − Σ β²/d + Σ β²/d (λ / (d + λ))² and tr A = Σ d / (d + λ).
 
-use super::dense::{Eigen, dot};
+use crate::numeric::dense::{Eigen, dot};
 
 /// Steps in which λ is first looked for, over the whole range of eigenvalues.
 const STEPS: usize = 64;

@@ -1,11 +1,10 @@
 //! From the moments of a class to its kernels.
 
-mod dense;
 mod golub1979;
 #[cfg(test)]
 mod tests;
 
-use dense::{Eigen, cholesky, substitute};
+use crate::numeric::dense::{self, Eigen, cholesky, substitute};
 use golub1979::Ridge;
 
 use super::{Alpha, KernelForm, L3Error, Moments, Solver, Statistics};

@@ -4,7 +4,7 @@ use faer::{MatRef, Side};
 
 /// A = Uᵀ U in place of A, of which only what is on and above the diagonal is read and written. False as soon as a pivot is
 /// not above `least`: the matrix is then singular to the precision of its entries.
-pub(super) fn cholesky(a: &mut [f64], size: usize, least: f64) -> bool {
+pub(crate) fn cholesky(a: &mut [f64], size: usize, least: f64) -> bool {
     for k in 0..size {
         let (above, below) = a.split_at_mut((k + 1) * size);
         let row = &mut above[k * size + k..];
@@ -24,7 +24,7 @@ pub(super) fn cholesky(a: &mut [f64], size: usize, least: f64) -> bool {
 }
 
 /// x of Uᵀ U x = b, in place of b.
-pub(super) fn substitute(u: &[f64], size: usize, b: &mut [f64]) {
+pub(crate) fn substitute(u: &[f64], size: usize, b: &mut [f64]) {
     for (k, row) in u.chunks_exact(size).enumerate() {
         let value = b[k] / row[k];
         b[k] = value;
@@ -38,15 +38,15 @@ pub(super) fn substitute(u: &[f64], size: usize, b: &mut [f64]) {
 
 /// Eigenvalues and eigenvectors of a symmetric matrix.
 #[derive(Debug)]
-pub(super) struct Eigen {
-    pub(super) values: Vec<f64>,
+pub(crate) struct Eigen {
+    pub(crate) values: Vec<f64>,
     /// One after the other.
-    pub(super) vectors: Vec<f64>,
+    pub(crate) vectors: Vec<f64>,
 }
 
 impl Eigen {
     /// Of a symmetric matrix; `None` when a value is not finite or the iteration does not end.
-    pub(super) fn of(a: &[f64], size: usize) -> Option<Self> {
+    pub(crate) fn of(a: &[f64], size: usize) -> Option<Self> {
         if size == 0 || a.len() != size * size || a.iter().any(|v| !v.is_finite()) {
             return None;
         }
@@ -58,13 +58,13 @@ impl Eigen {
     }
 
     /// Eigenvalues above a bound with their vectors.
-    pub(super) fn above(&self, bound: f64) -> impl Iterator<Item = (f64, &[f64])> {
+    pub(crate) fn above(&self, bound: f64) -> impl Iterator<Item = (f64, &[f64])> {
         let vectors = self.vectors.chunks_exact(self.values.len().max(1));
         self.values.iter().copied().zip(vectors).filter(move |&(d, _)| d > bound)
     }
 
     /// The x of minimum norm with the least ‖A x − b‖, where eigenvalues up to a bound count as zero; in place of b.
-    pub(super) fn solve(&self, bound: f64, b: &mut [f64]) {
+    pub(crate) fn solve(&self, bound: f64, b: &mut [f64]) {
         let mut x = vec![0.0; b.len()];
         for (d, v) in self.above(bound) {
             let along = dot(v, b) / d;
@@ -74,7 +74,7 @@ impl Eigen {
     }
 }
 
-pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
+pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 

@@ -1,0 +1,165 @@
+// Pictures of designs, drawn here as the simulator makes them: the light on the pixels is a sum of few pictures with a spectrum each, so a
+// filter makes of each of them one number. Then the read-out, demosaicking, the design's colour matrix, the display.
+
+// Random numbers, the same for the same picture (sfc32, with normal numbers after Box and Muller and Poisson numbers of a mean).
+function randomOf(seed) {
+  let [a, b, c, d] = [0x9e3779b9, 0x243f6a88, 0xb7e15162, seed | 0];
+  const uniform = () => {
+    const t = (((a + b) | 0) + d) | 0;
+    d = (d + 1) | 0;
+    a = b ^ (b >>> 9);
+    b = (c + (c << 3)) | 0;
+    c = ((c << 21) | (c >>> 11)) + t | 0;
+    return ((t >>> 0) + 0.5) / 4294967296;
+  };
+  for (let i = 0; i < 15; i += 1) uniform();
+  let spare = null;
+  const normal = () => {
+    if (spare !== null) {
+      const kept = spare;
+      spare = null;
+      return kept;
+    }
+    const [size, angle] = [Math.sqrt(-2 * Math.log(uniform())), 2 * Math.PI * uniform()];
+    spare = size * Math.sin(angle);
+    return size * Math.cos(angle);
+  };
+  const poisson = (mean) => {
+    if (mean > 40) return Math.max(0, Math.round(mean + Math.sqrt(mean) * normal()));
+    const end = Math.exp(-mean);
+    let n = 0;
+    for (let p = uniform(); p > end; p *= uniform()) n += 1;
+    return n;
+  };
+  return { uniform, normal, poisson };
+}
+
+// What a filter makes of a spectrum of the stage, per nm of step.
+function through(filter, spectrum, from = 0) {
+  return filter.reduce((sum, t, i) => sum + Math.max(0, t) * spectrum[from + i], 0);
+}
+
+// Photoelectrons per second of a channel at every pixel.
+function ratesOf(planes, weights) {
+  const out = new Float32Array(planes[0].length);
+  planes.forEach((plane, k) => { for (let i = 0; i < out.length; i += 1) out[i] += weights[k] * plane[i]; });
+  return out;
+}
+// What pixels give to their neighbours; at the border what is beyond is like what is within.
+function spread(rates, rows, cols, kernel) {
+  const out = new Float32Array(rates.length);
+  const within = (v, n) => Math.min(n - 1, Math.max(0, v));
+  for (let r = 0; r < rows; r += 1) {
+    for (let c = 0; c < cols; c += 1) {
+      let sum = 0;
+      for (let i = -1; i <= 1; i += 1) for (let j = -1; j <= 1; j += 1) sum += kernel[1 + i][1 + j] * rates[within(r - i, rows) * cols + within(c - j, cols)];
+      out[r * cols + c] = sum;
+    }
+  }
+  return out;
+}
+
+// Samples from photoelectrons per second: 0 at black level, 1 at saturation. In the order of smalti::sensor.
+function readOut(rates, rows, cols, time, readout, random) {
+  const out = new Float32Array(rates.length);
+  const columns = Array.from({ length: cols }, () => (random ? readout.column_noise_v * random.normal() : 0));
+  for (let r = 0, i = 0; r < rows; r += 1) {
+    const line = random && readout.row_noise_v ? readout.row_noise_v * random.normal() : 0;
+    for (let c = 0; c < cols; c += 1, i += 1) {
+      let electrons = rates[i] * time;
+      let [response, offset] = [1, 0];
+      if (random) {
+        const defect = readout.dead + readout.hot > 0 ? random.uniform() : 1;
+        electrons = defect < readout.dead ? 0 : electrons + time * (defect < readout.dead + readout.hot ? readout.hot_e_per_s : readout.dark_e_per_s);
+        electrons = random.poisson(electrons);
+        if (readout.prnu) response = Math.max(0, 1 + readout.prnu * random.normal());
+        if (readout.dsnu_v) offset += readout.dsnu_v * random.normal();
+        offset += readout.read_noise_v * random.normal() + line + columns[c];
+      }
+      let volts = Math.min(electrons, readout.full_well_e) * readout.gain_v_per_e * response + offset;
+      volts = Math.min((volts + readout.analog_offset_v) * readout.analog_gain, readout.swing_v);
+      if (readout.step_v) {
+        const [low, high] = readout.range_v;
+        volts = low + readout.step_v * Math.round((Math.min(high, Math.max(low, volts)) - low) / readout.step_v);
+      }
+      out[i] = (volts - readout.black_v) / (readout.white_v - readout.black_v);
+    }
+  }
+  return out;
+}
+
+// The exposure time, s, of each picture: the stated one, or that of the rule.
+function timeOf(scene, filters, rates, { readout, light }, step) {
+  if (readout.time_s !== null) return readout.time_s / (readout.in_turn ? filters.length : 1);
+  const mean = (of) => of.reduce((sum, v) => sum + v, 0) / of.length;
+  const rate = scene.metered ? light * step * Math.max(...filters.map((f) => through(f, scene.metered))) : mean(rates.map(mean));
+  return readout.metered_v / ((rate + readout.dark_e_per_s) * readout.gain_v_per_e);
+}
+
+const encoded = Uint8ClampedArray.from({ length: 4096 }, (_, i) => {
+  const v = i / 4095;
+  return Math.round(255 * (v <= 0.0031308 ? 12.92 * v : 1.055 * v ** (1 / 2.4) - 0.055));
+});
+
+// What it takes to draw a design; null where the page does not hold it.
+function studioOf(designs, row) {
+  const drawn = designs.data.sections[designs.section[row]].drawn;
+  const stage = drawn && designs.stages[drawn.stage];
+  const tile = designs.tile && designs.tile.words[designs.tile.codes[row]];
+  if (!stage || !(designs.matrices.scale[row] > 0)) return null;
+  const [first, step, count] = stage.nm;
+  const nm = Array.from({ length: count }, (_, i) => first + i * step);
+  const filters = [];
+  for (let at = designs.start[row]; at < designs.start[row + 1]; at += 1) filters.push(curveOf(designs, at, nm));
+  const mosaic = drawn.readout.all_channels ? null : tile && mosaicOf(tile);
+  if (filters.some((f) => !f) || (!drawn.readout.all_channels && !(mosaic && mosaic.whole && mosaic.channels === filters.length))) return null;
+  return { designs, row, drawn, stage, filters, mosaic };
+}
+
+// The picture of a scene, RGBA.
+async function photograph(studio, scene, isNoisy) {
+  const { designs, row, drawn, stage, filters, mosaic } = studio;
+  const { rows, cols } = scene;
+  const [, step, count] = stage.nm;
+  const planes = await scene.planes();
+  const weights = filters.map((f) => planes.map((_, k) => drawn.light * step * scene.step * through(f, scene.spectra, k * count)));
+  // Every channel at every pixel; then of each pixel the one that it has.
+  let rates = weights.map((w) => ratesOf(planes, w));
+  if (mosaic) {
+    const own = new Float32Array(rows * cols);
+    for (let r = 0, i = 0; r < rows; r += 1) for (let c = 0; c < cols; c += 1, i += 1) own[i] = rates[mosaic.rows[r % mosaic.down][c % mosaic.across]][i];
+    rates = [own];
+  }
+  if (drawn.readout.crosstalk) rates = rates.map((r) => spread(r, rows, cols, drawn.readout.crosstalk));
+  const time = timeOf(scene, filters, rates, drawn, step);
+  const random = isNoisy ? randomOf(designs.number[row]) : null;
+  const samples = rates.map((r) => readOut(r, rows, cols, time, drawn.readout, random));
+  return displayed(mosaic ? demosaicked(samples[0], rows, cols, mosaic) : samples, designs, row, stage);
+}
+
+// As bright as a viewer expects: all but the brightest few pixels are within the range of the display.
+function displayed(channels, designs, row, stage) {
+  const { scale, codes } = designs.matrices;
+  const matrix = channels.map((_, k) => [0, 1, 2].map((i) => codes[3 * (designs.start[row] + k) + i] * scale[row]));
+  const size = channels[0].length;
+  const luminance = new Float32Array(size);
+  channels.forEach((plane, k) => { for (let i = 0; i < size; i += 1) luminance[i] += matrix[k][1] * plane[i]; });
+  const bright = luminance.slice().sort()[Math.floor((size - 1) * (1 - stage.bright_share))];
+  const gain = bright > 0 ? 1 / bright : 1;
+  const rgba = new Uint8ClampedArray(4 * size).fill(255);
+  stage.rgb_from_xyz.forEach((line, color) => {
+    const weights = matrix.map((xyz) => gain * (line[0] * xyz[0] + line[1] * xyz[1] + line[2] * xyz[2]));
+    for (let i = 0; i < size; i += 1) {
+      let v = 0;
+      for (let k = 0; k < weights.length; k += 1) v += weights[k] * channels[k][i];
+      rgba[4 * i + color] = encode(v);
+    }
+  });
+  return rgba;
+}
+// Linear light to a byte of sRGB. Dark values are far apart in the table, so those are calculated.
+function encode(v) {
+  if (!(v > 0)) return 0;
+  if (v < 0.05) return Math.round(255 * (v <= 0.0031308 ? 12.92 * v : 1.055 * v ** (1 / 2.4) - 0.055));
+  return encoded[Math.min(4095, Math.round(4095 * v))];
+}

@@ -1,0 +1,154 @@
+// Pictures that the page of a study draws itself, against those that the simulator makes.
+import assert from "node:assert/strict";
+import { execFileSync } from "node:child_process";
+import { mkdtemp, readFile, rm, stat, writeFile } from "node:fs/promises";
+import { tmpdir } from "node:os";
+import { join, resolve } from "node:path";
+import { after, before, test } from "node:test";
+import { launch, work } from "./browser.mjs";
+
+const here = import.meta.dirname;
+const smalti = resolve(process.env.SMALTI ?? join(here, "../../target/debug/smalti"));
+let dir;
+let browser;
+before(async () => {
+  dir = await mkdtemp(join(tmpdir(), "smalti-drawn-"));
+  browser = await launch();
+});
+after(async () => {
+  await browser?.close();
+  await rm(dir, { recursive: true, force: true });
+});
+
+const run = (...args) => execFileSync(smalti, [...args, "--quiet"], { cwd: dir, encoding: "utf8" });
+const plot = (page) => page.locator(".scatter").getByRole("application");
+const panel = (page) => page.locator("section.design");
+
+// A page that draws its pictures, and those of the simulator: for the number of a design its two, as data URIs.
+async function pages(name, toml) {
+  await writeFile(join(dir, `${name}.toml`), `name = "${name}"\n${toml}`);
+  run("sweep", `${name}.toml`, "-o", name, "--no-cache");
+  const [{ sections }] = JSON.parse(run("report", name, "-o", `${name}.html`, "--pictures", "0", "--json")).studies;
+  const numbers = sections.flatMap((s) => s.colors.flatMap((g) => g.best.slice(0, 2).map((b) => b.design)));
+  run("report", name, "-o", `${name}-own.html`, "--picture", numbers.join(","));
+  const [, text] = /<script type="application\/json" id="sweep">(.*?)<\/script>/s.exec(await readFile(join(dir, `${name}-own.html`), "utf8"));
+  const data = JSON.parse(text);
+  assert.equal(data.pictures.length, numbers.length);
+  const own = new Map(data.pictures.map((p) => [p.row, [p.zone_plate.src, p.scene.src]]));
+  return { file: join(dir, `${name}.html`), own: new Map(numbers.map((n) => [n, own.get(n - data.number[0])])) };
+}
+
+// Compares a canvas of the page with a picture: PSNR in dB over all; mean and standard deviation of green of both in a rectangle.
+async function against(canvas, [src, [x0, y0, w, h]]) {
+  const image = new Image();
+  image.src = src;
+  await image.decode();
+  const [width, height] = [image.naturalWidth, image.naturalHeight];
+  if (canvas.width !== width || canvas.height !== height) throw new Error(`${canvas.width} × ${canvas.height}, not ${width} × ${height}`);
+  const pixels = (of) => {
+    const copy = new OffscreenCanvas(width, height).getContext("2d");
+    copy.drawImage(of, 0, 0);
+    return copy.getImageData(0, 0, width, height).data;
+  };
+  const both = [canvas, image].map(pixels);
+  const sum = both[0].reduce((s, v, i) => s + (v - both[1][i]) ** 2, 0);
+  const patches = both.map((data) => {
+    const values = Array.from({ length: w * h }, (_, i) => data[4 * ((y0 + Math.floor(i / w)) * width + x0 + (i % w)) + 1]);
+    const mean = values.reduce((s, v) => s + v, 0) / values.length;
+    return { mean, sd: Math.sqrt(values.reduce((s, v) => s + (v - mean) ** 2, 0) / values.length) };
+  });
+  return { psnr: 10 * Math.log10((255 ** 2 * 3 * width * height) / sum), patches };
+}
+// Inside of a leaf of one colour.
+const LEAF = [295, 258, 25, 24];
+
+async function compare(name, toml, designs, leastPsnr) {
+  const { file, own } = await pages(name, toml);
+  assert.equal(own.size, designs);
+  await work(browser, file, {}, plot, async (page) => {
+    for (const [number, theirs] of own) {
+      await page.locator("#best tbody button").filter({ hasText: new RegExp(`^${number}$`) }).first().dispatchEvent("click");
+      assert.equal(await panel(page).locator("h3").textContent(), `Design ${number}`);
+      const canvases = panel(page).locator(".pictures canvas");
+      assert.equal(await canvases.count(), 2, await panel(page).textContent());
+      await panel(page).locator(".pictures canvas[data-drawn]").nth(1).waitFor();
+      const found = [];
+      for (const i of [0, 1]) found.push(await canvases.nth(i).evaluate(against, [theirs[i], LEAF]));
+      const [plate, { patches: [a, b] }] = found;
+      assert.ok(plate.psnr > leastPsnr, `${name}, zone plate of design ${number}: ${plate.psnr} dB`);
+      // The mean of 600 pixels that are interpolated from fewer.
+      assert.ok(Math.abs(a.mean - b.mean) < 1 + 0.3 * b.sd, `${name}, leaf of design ${number}: ${a.mean}, ${b.mean}`);
+      assert.ok(b.sd > 0.3 && a.sd / b.sd > 0.8 && a.sd / b.sd < 1.25, `${name}, noise of design ${number}: ${a.sd}, ${b.sd}`);
+    }
+  });
+}
+
+const FILTERS = "[filters.gaussian_grid]\ncenters_nm = [430, 10, 660]\nsigmas_nm = [20, 5, 55]\nmin_spacing_nm = 20\n";
+
+test("any mosaic, before any read-out", async () => {
+  // The samples of some channels are far apart and lie in no lattice of their own.
+  await compare("mosaics", `camera = "table1"\ncolors = [3, 5, 7]
+mosaics = { given = [["bc", "ab"], ["aabcb", "dcbea", "bacdd"], ["abcd", "efga", "gbfc", "aaea"]] }\n[sample]\nfilters = 2\n${FILTERS}`, 3, 50);
+  await compare("readout", `camera = "table1"\ncolors = [4]\nmosaics = { given = [["ab", "cd"]] }\n[sample]\nfilters = 1\n${FILTERS}
+[conditions.grid]\n"sensor.adc_bits" = [0, 8]\n"sensor.crosstalk_percent" = [12]\n"exposure.auto" = ["mean", "luminance"]\n"exposure.analog_offset_mv" = [30]`, 4, 45);
+});
+
+test("every exposure, light and way of seeing colour", async () => {
+  await compare("ways", `camera = "table1"\ncolors = [3]\nmosaics = { given = [["bc", "ab"]] }\n[sample]\nfilters = 1\n${FILTERS}
+[conditions.grid]\n"sensor.architecture" = ["mosaic", "prism", "field-sequential"]\nluminance_cd_m2 = [5, 100]`, 6, 50);
+  await compare("lights", `camera = "table1"\ncolors = [3]\nmosaics = { given = [["bc", "ab"]] }\n[sample]\nfilters = 1\n${FILTERS}
+[conditions.grid]\nilluminant = ["A", "D65"]\n"exposure.time_ms" = [4, 40]`, 4, 45);
+});
+
+test("filters that are no formula", async () => {
+  await compare("library", `camera = "table1"\ncolors = [3]\nmosaics = { given = [["bc", "ab"]] }\n[sample]\nfilters = 3
+[[filters.library.series]]\nraised_cosine = { centers_nm = [440, 30, 620], fwhms_nm = [60, 40, 140] }\n`, 2, 45);
+});
+
+test("learned pipelines are not drawn but said", async () => {
+  await writeFile(join(dir, "learned.toml"), `name = "learned"\ncamera = "table1"\ncolors = [3]\nprocessing = ["classic", "l3"]
+mosaics = { given = [["bc", "ab"]] }\n[l3]\nside = 3\nlevels = 1\nsize_px = 64\n[sample]\nfilters = 6\n${FILTERS}`);
+  run("sweep", "learned.toml", "-o", "learned", "--no-cache");
+  run("report", "learned", "-o", "learned.html", "--pictures", "1");
+  await work(browser, join(dir, "learned.html"), {}, plot, async (page) => {
+    const seen = { own: 0, drawn: 0, said: 0 };
+    for (const button of await page.locator("#best tbody button").all()) {
+      await button.dispatchEvent("click");
+      const text = await panel(page).textContent();
+      const [own, drawn] = [await panel(page).locator(".pictures img").count(), await panel(page).locator(".pictures canvas").count()];
+      assert.equal(own + drawn, 2);
+      seen[own ? "own" : "drawn"] += 1;
+      const said = /processing is a learned pipeline/.test(text);
+      assert.equal(said, drawn > 0 && /\bl3\b/.test(await panel(page).locator(".sub").textContent()), text);
+      if (said) {
+        seen.said += 1;
+        assert.match(text, /smalti report learned --picture \d+ -o/);
+      }
+    }
+    assert.ok(seen.own === 1 && seen.drawn > 2 && seen.said > 0, JSON.stringify(seen));
+  });
+});
+
+test("a page of many lenses draws smaller pictures, and says where it can draw none", async () => {
+  await writeFile(join(dir, "lenses.toml"), `name = "lenses"\ncamera = "table1"\nmetrics = ["delta_e_76"]\ncolors = [3]\nmosaics = { given = [["bc", "ab"]] }\n[sample]\nfilters = 2
+${FILTERS}[conditions.grid]\n"optics.f_number" = [1.8, 2, 2.4, 2.8, 3.2, 4, 4.5, 5.6, 6.3, 7.1, 8, 9, 10, 11, 12.7, 14]`);
+  run("sweep", "lenses.toml", "-o", "lenses", "--no-cache");
+  const file = join(dir, "lenses.html");
+  run("report", "lenses", "-o", file, "--pictures", "0");
+  assert.ok((await stat(file)).size < 4_000_000);
+  await work(browser, file, {}, plot, async (page) => {
+    const seen = { drawn: 0, none: 0 };
+    for (const button of await page.locator("#best tbody tr:first-child button").all()) {
+      await button.dispatchEvent("click");
+      const canvases = panel(page).locator(".pictures canvas");
+      if (await canvases.count()) {
+        seen.drawn += 1;
+        assert.equal(await canvases.first().getAttribute("width"), "128");
+      } else {
+        seen.none += 1;
+        assert.match(await panel(page).textContent(), /does not hold what it takes to draw/);
+      }
+    }
+    assert.ok(seen.drawn > 5 && seen.drawn + seen.none === 16, JSON.stringify(seen));
+  });
+});
