@@ -130,7 +130,7 @@ pub(crate) struct SweepArgs {
     smalti report study theory -o both                    filters by rule over the cloud of all filters\n  \
     smalti report study --json > study.json               the same as one document\n  \
     smalti report study -o study.html                     the page alone\n  \
-    smalti report study --picture 4711,17                 with the pictures of these designs\n  \
+    smalti report study --picture 4711,17                 with the simulator's pictures of these designs\n  \
     smalti report study --camera 4711 > found.toml        a design as a camera for all other commands\n\n\
     ΔE is the mean of the ColorChecker (CIELAB 1976), MTF50 that of a slanted edge in cycles/mm on the sensor, noise that of the \
     luminance of grey patches in percent. The best design of a number of colours is the one of least ΔE among those \
@@ -158,10 +158,11 @@ pub struct ReportOptions {
     /// first DIR]
     #[arg(short, long, value_name = "FOLDER")]
     pub output: Option<PathBuf>,
-    /// How many designs have pictures in the page: the best, the worst, then of the Pareto front
+    /// How many designs have pictures of their learned pipelines in the page: the best, the worst, then of the Pareto front. Others the
+    /// page draws itself
     #[arg(long, default_value_t = 16, value_name = "N", value_parser = clap::value_parser!(u16).range(0..=1000))]
     pub pictures: u16,
-    /// Designs of the first DIR, by their numbers, that have pictures in the page as well
+    /// Designs of the first DIR, by their numbers, whose pictures by the simulator are in the page
     #[arg(long, value_delimiter = ',', value_name = "DESIGN")]
     pub picture: Vec<u64>,
     /// Conditions and processings that get figures of their own: those with TEXT in their name, as the tables give it; may be given

@@ -119,11 +119,11 @@ def test_the_command_comes_with_the_package(command: Command, tmp_path: Path, ca
 def test_reports_are_those_of_the_command(command: Command, tmp_path: Path) -> None:
     results = smalti.sweep(smalti.Study.from_toml(STUDY), tmp_path / "out", progress=False)
     seen: list[int] = []
-    document = smalti.report(results, pictures=2, progress=seen.append)
-    # Two pictures of each of two designs, and a figure is an SVG and a PNG.
-    assert seen[-1] == 4 + len(document["figures"]) / 2
+    document = smalti.report(results, designs=[1, 7], progress=seen.append)
+    # What the page draws from, two pictures of each of two designs; a figure is an SVG and a PNG.
+    assert seen[-1] == 1 + 4 + len(document["figures"]) / 2
     assert document == json.loads((tmp_path / "out/report/report.json").read_text())
-    assert document == json.loads(command("report", tmp_path / "out", "-o", tmp_path / "other", "--pictures", "2", "--json"))
+    assert document == json.loads(command("report", tmp_path / "out", "-o", tmp_path / "other", "--picture", "1,7", "--json"))
     assert (tmp_path / "out/report/report.html").read_bytes() == (tmp_path / "other/report.html").read_bytes()
     smalti.report([tmp_path / "out"], tmp_path / "alone.html", pictures=0)
     assert (tmp_path / "alone.html").read_bytes().startswith(b"<!doctype html>")

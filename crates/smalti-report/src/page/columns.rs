@@ -85,6 +85,8 @@ pub fn words<'a>(texts: impl Iterator<Item = &'a str>) -> Value {
 /// expect (the median predictor of [weinberger2000], exact), then deflated.
 ///
 /// Numbers beyond 16 bits are cut off. `data.js` reads it.
+///
+/// [weinberger2000]: https://doi.org/10.1109/83.855427
 #[must_use]
 pub fn whole_pictures<'a>(pictures: impl Iterator<Item = &'a [i32]>, cols: usize) -> Value {
     let (mut low, mut high, mut count) = (Vec::new(), Vec::new(), 0);

@@ -1,3 +1,5 @@
+use std::io::Read;
+
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use proptest::prelude::*;
@@ -132,6 +134,40 @@ fn unpacked(column: &Value) -> Vec<f32> {
     }
 }
 
+/// What `data.js` does.
+fn whole(packed: &Value, rows: usize, cols: usize) -> Vec<Vec<i32>> {
+    let deflated = STANDARD.decode(packed["deflated"].as_str().unwrap()).unwrap();
+    let mut bytes = Vec::new();
+    flate2::read::DeflateDecoder::new(&deflated[..]).read_to_end(&mut bytes).unwrap();
+    let (count, size) = (packed["count"].as_u64().unwrap() as usize, rows * cols);
+    let mut out = vec![vec![0i32; size]; count];
+    for (k, picture) in out.iter_mut().enumerate() {
+        for i in 0..size {
+            let at = k * size + i;
+            let high = count * size + 2 * at;
+            let code = i32::from(bytes[at]) | i32::from(bytes[high]) << 8 | i32::from(bytes[high + 1]) << 16;
+            let (row, col) = (i / cols, i % cols);
+            let left = if col > 0 { picture[i - 1] } else { 0 };
+            let above = if row > 0 { picture[i - cols] } else { 0 };
+            let expected = match (row, col) {
+                (0, _) => left,
+                (_, 0) => above,
+                _ => (left + above - picture[i - cols - 1]).clamp(left.min(above), left.max(above)),
+            };
+            picture[i] = expected + ((code >> 1) ^ -(code & 1));
+        }
+    }
+    out
+}
+
+#[test]
+fn smooth_pictures_of_numbers_are_small() {
+    let smooth: Vec<i32> = (0..200 * 300).map(|i| (i / 300) * (i % 300) / 7 - 4000).collect();
+    let text = whole_pictures([&smooth[..]].into_iter(), 300).to_string();
+    assert!(text.len() < 4000, "{} bytes", text.len());
+    assert_eq!(whole_pictures(std::iter::empty(), 300)["count"], 0);
+}
+
 #[test]
 fn pictures_are_whole_and_small() {
     let rgb: Vec<u8> = (0..64 * 48).flat_map(|i| [(i % 64) as u8 * 4, (i / 64) as u8 * 5, 90]).collect();
@@ -144,6 +180,14 @@ fn pictures_are_whole_and_small() {
     assert!(matches!(DataUri::jpeg(0, 0, &[], 80), Err(crate::FigureError::Picture { .. })));
     let wide = vec![0; 3 * 70_000];
     assert!(matches!(DataUri::jpeg(70_000, 1, &wide, 80), Err(crate::FigureError::Size { .. })));
+    let exact = DataUri::png(64, 48, &rgb).unwrap();
+    let file = STANDARD.decode(exact.as_str().strip_prefix("data:image/png;base64,").unwrap()).unwrap();
+    let mut reader = png::Decoder::new(std::io::Cursor::new(file)).read_info().unwrap();
+    let mut back = vec![0; rgb.len()];
+    reader.next_frame(&mut back).unwrap();
+    assert_eq!(back, rgb);
+    assert!(matches!(DataUri::png(64, 47, &rgb), Err(crate::FigureError::Picture { .. })));
+    assert!(matches!(DataUri::png(70_000, 1, &wide), Err(crate::FigureError::Size { .. })));
     let grey: Vec<u8> = rgb.iter().step_by(3).copied().collect();
     let small = DataUri::grey_jpeg(64, 48, &grey, 80).unwrap();
     assert!(small.as_str().len() < uri.as_str().len());
@@ -185,6 +229,20 @@ proptest! {
         prop_assert_eq!(back.len(), values.len());
         for (a, b) in values.iter().zip(back) {
             prop_assert!((*a as f32).to_bits() == b.to_bits() || a.is_nan() && b.is_nan());
+        }
+    }
+
+    #[test]
+    fn pictures_of_numbers_come_back(
+        cols in 1..9usize,
+        values in prop::collection::vec(prop_oneof![Just(i32::MIN), Just(i32::MAX), any::<i16>().prop_map(i32::from), -3..3i32], 0..200),
+    ) {
+        let rows = values.len() / cols / 2;
+        let pictures: Vec<&[i32]> = values.chunks_exact((rows * cols).max(1)).take(2).collect();
+        let cut: Vec<Vec<i32>> = pictures.iter().map(|p| p.iter().map(|v| (*v).clamp(-32768, 32767)).collect()).collect();
+        let packed = whole_pictures(pictures.into_iter(), cols);
+        if rows > 0 {
+            prop_assert_eq!(whole(&packed, rows, cols), cut);
         }
     }
 }

@@ -13,6 +13,7 @@ mod cfa_filters;
 mod design_filters;
 mod design_learned;
 mod design_mosaics;
+mod design_preview;
 mod design_statistics;
 mod design_targets;
 mod design_toml;

@@ -115,9 +115,8 @@ fn wishes(sources: &Sources<'_>, sections: &[(usize, &Section<'_>)], stages: &St
         }
     }
     let is_room = stages.bytes < MOST_BYTES;
-    let undrawn = || {
-        sections.iter().enumerate().filter(|(index, _)| is_room && !stages.is_exact(*index)).take(DRAWN)
-    };
+    let undrawn =
+        || sections.iter().enumerate().filter(|(index, _)| is_room && !stages.is_exact(*index)).take(DRAWN);
     let each = (sources.pictures / undrawn().count().max(1)).max(1);
     for (index, (_, section)) in undrawn() {
         let groups = &section.groups;
