@@ -256,7 +256,7 @@ pub(crate) struct Evaluate {
     #[arg(required = true)]
     pub(crate) cameras: Vec<String>,
     /// Mean luminance of the targets, cd/m²; several, separated by commas, are evaluated in turn
-    #[arg(long, value_delimiter = ',', default_value = "75", value_name = "CD_M2")]
+    #[arg(long, value_delimiter = ',', default_value = "75", value_name = "CD_M2", value_parser = number)]
     pub(crate) luminance: Vec<f64>,
     /// Light of the targets: a name (smalti list illuminants) or a CSV of wavelength_nm and relative power
     #[arg(long, default_value = "D65", value_name = "NAME")]
@@ -493,8 +493,13 @@ pub(crate) struct Render {
     pub(crate) json: bool,
 }
 
+/// A number, which what takes it judges.
+pub(crate) fn number(text: &str) -> Result<f64, String> {
+    text.trim().parse().map_err(|_| "expected a number".into())
+}
+
 /// A number above zero.
 pub(crate) fn positive(text: &str) -> Result<f64, String> {
-    let number: Option<f64> = text.trim().parse().ok();
-    number.filter(|v| v.is_finite() && *v > 0.0).ok_or_else(|| "expected a number above 0".into())
+    let found = number(text).ok();
+    found.filter(|v| v.is_finite() && *v > 0.0).ok_or_else(|| "expected a number above 0".into())
 }

@@ -53,7 +53,11 @@ pub(crate) fn of_cameras(cameras: &[Camera]) -> Vec<String> {
 /// Names as those of files: other characters than letters, digits, `-`, `_` and `.` replaced, and numbered where two would be
 /// one, also where the file system knows no capitals.
 pub(crate) fn file_names<'a>(names: impl Iterator<Item = &'a str>) -> Vec<String> {
-    let keep = |c: char| if c.is_alphanumeric() || "-_.".contains(c) { c } else { '-' };
+    let keep = |c: char| match c {
+        '²' => '2',
+        c if c.is_alphanumeric() || "-_.".contains(c) => c,
+        _ => '-',
+    };
     let plain = |name: &str| name.chars().take(MOST_CHARS).map(keep).collect::<String>();
     numbered(names.map(|name| plain(name).trim_start_matches('.').to_owned()).collect())
 }

@@ -4,17 +4,19 @@ use clap::{Args, ValueEnum};
 use smalti_io::Quantity;
 use smalti_io::scene_file::Crop;
 
+use crate::args::number;
+
 /// What a scene is when its file or name does not say.
 #[derive(Debug, Clone, Default, PartialEq, Args)]
 pub(crate) struct SceneOptions {
     /// Mean luminance, cd/m² [default: what the scene states, else 100]
-    #[arg(long, value_name = "CD_M2", allow_negative_numbers = true)]
+    #[arg(long, value_name = "CD_M2", value_parser = number, allow_negative_numbers = true)]
     pub(crate) luminance: Option<f64>,
     /// Distance from the lens, m
-    #[arg(long, value_name = "M", allow_negative_numbers = true)]
+    #[arg(long, value_name = "M", value_parser = number, allow_negative_numbers = true)]
     pub(crate) distance: Option<f64>,
     /// Horizontal field of view, degrees [default: the scene fills the sensor]
-    #[arg(long, value_name = "DEGREES", allow_negative_numbers = true)]
+    #[arg(long, value_name = "DEGREES", value_parser = number, allow_negative_numbers = true)]
     pub(crate) fov: Option<f64>,
     /// Light of the scene: a name (smalti list illuminants) or a CSV of wavelength_nm and relative power; files are re-lit
     #[arg(long, value_name = "NAME")]

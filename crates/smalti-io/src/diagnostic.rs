@@ -23,6 +23,12 @@ impl Diagnostic {
         Self { origin: origin.into(), message: message.into(), help: None, place: None }
     }
 
+    /// Says what to do about it.
+    #[must_use]
+    pub fn with_help(self: Box<Self>, help: impl Into<String>) -> Box<Self> {
+        Box::new(Self { help: Some(help.into()), ..*self })
+    }
+
     /// Points at bytes of a text.
     #[must_use]
     pub fn with_span(mut self, text: &str, span: Range<usize>) -> Self {

@@ -78,6 +78,12 @@ impl TomlSource {
         toml::from_str(&self.text).map_err(|e| Box::new(self.at(e.span(), e.message())))
     }
 
+    /// Whether one of these keys stands at the top.
+    pub(crate) fn says_any(&self, keys: &[&str]) -> bool {
+        toml::from_str::<toml::Table>(&self.text)
+            .is_ok_and(|table| keys.iter().any(|k| table.contains_key(*k)))
+    }
+
     /// An error about the value of a key, shown at its line where the file states it, else at the innermost table around it. A
     /// key is a path such as `conditions.list[2].luminance_cd_m2`; keys with dots in them are found as they stand.
     #[must_use]

@@ -368,6 +368,28 @@ fn scenes_and_settings_that_cannot_be() {
 }
 
 #[test]
+fn numbers_that_are_none_and_files_of_another_kind() {
+    let place = Place::new();
+    for command in ["simulate", "evaluate", "compare"] {
+        let run = place.run(&[command, "bayer", "--luminance", "abc"]);
+        assert!(
+            run.code == 2 && run.err.contains("'abc' for '--luminance <CD_M2>': expected a number"),
+            "{}",
+            run.err
+        );
+    }
+    place.write(
+        "study.toml",
+        "camera = \"bayer\"\ncolors = [3]\nfilters = { gaussian_grid = {} }\nmosaics = \"catalogue\"\n",
+    );
+    fails(
+        &place,
+        &["evaluate", "study.toml"],
+        &["study.toml:1:1", "this is the file of a study: smalti sweep"],
+    );
+}
+
+#[test]
 fn folders_that_cannot_be_written() {
     let place = Place::new();
     place.write("file", "kept");

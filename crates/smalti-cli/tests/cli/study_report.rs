@@ -212,7 +212,10 @@ fn a_page_holds_the_designs() {
     assert_eq!(pictures[0]["row"], 6);
     assert!(pictures[0]["scene"]["src"].as_str().unwrap().starts_with("data:image/png;base64,iVBOR"));
     // What it draws them from.
-    assert_eq!((data["stages"].as_array().unwrap().len(), &data["sections"][0]["drawn"]["stage"]), (1, &0.into()));
+    assert_eq!(
+        (data["stages"].as_array().unwrap().len(), &data["sections"][0]["drawn"]["stage"]),
+        (1, &0.into())
+    );
     assert_eq!(data["matrices"]["scale"]["n"], 8);
     // Colours from 3 to 4: the filters of all designs are 4 × 3 + 4 × 4.
     assert_eq!(data["filters"]["center"]["n"], 28);

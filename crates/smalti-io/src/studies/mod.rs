@@ -105,7 +105,14 @@ pub fn from_json(name: &str, text: &str, scenes: &[u8]) -> Result<(Designs, Stri
 /// # Errors
 /// As [`load`].
 pub fn from_source(source: &TomlSource) -> Result<(Designs, String), Box<Diagnostic>> {
-    let file: StudyFile = source.parse()?;
+    let camera = |e: Box<Diagnostic>| match source.says_any(&["optics", "sensor", "exposure", "isp"]) {
+        true => e.with_help(format!(
+            "this is the file of a camera; a study names it: camera = \"{}\"",
+            source.name
+        )),
+        false => e,
+    };
+    let file: StudyFile = source.parse().map_err(camera)?;
     let wrong = |key: &str, message: &str| Box::new(source.about_key(key, message));
     let mut filters = file.filters.clone();
     for (place, filter) in filters.filters_mut() {

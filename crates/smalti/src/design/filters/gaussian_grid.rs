@@ -21,8 +21,10 @@ const WHAT: &str = "the family gaussian_grid";
 #[serde(default, deny_unknown_fields)]
 pub struct GaussianGrid {
     /// Centres: first, step and last, nm.
+    #[serde(deserialize_with = "super::first_step_last")]
     pub centers_nm: [f64; 3],
     /// Standard deviations: first, step and last, nm.
+    #[serde(deserialize_with = "super::first_step_last")]
     pub sigmas_nm: [f64; 3],
     /// Smallest distance of two centres, nm; 0: filters may share a centre and differ in width.
     pub min_spacing_nm: f64,

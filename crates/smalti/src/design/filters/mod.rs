@@ -168,6 +168,13 @@ struct Steps {
     len: u64,
 }
 
+/// Three numbers; of more or fewer the error says which they are.
+fn first_step_last<'de, D: serde::Deserializer<'de>>(from: D) -> Result<[f64; 3], D::Error> {
+    let found = Vec::<f64>::deserialize(from)?;
+    let wrong = |v: Vec<f64>| format!("found {} numbers; expected three: [first, step, last] in nm", v.len());
+    found.try_into().map_err(|v| serde::de::Error::custom(wrong(v)))
+}
+
 impl Steps {
     fn new(key: &str, [first, step, last]: [f64; 3]) -> Result<Self, DesignError> {
         let range = 1e-3..=1e5;

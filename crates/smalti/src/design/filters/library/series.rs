@@ -19,8 +19,10 @@ pub enum Series {
     /// Raised cosines: every centre with every width.
     RaisedCosine {
         /// Centres: first, step and last, nm.
+        #[serde(deserialize_with = "super::super::first_step_last")]
         centers_nm: [f64; 3],
         /// Full widths at half maximum: first, step and last, nm.
+        #[serde(deserialize_with = "super::super::first_step_last")]
         fwhms_nm: [f64; 3],
         /// Largest transmittance, 0 to 1.
         #[serde(default = "peak")]
@@ -29,8 +31,10 @@ pub enum Series {
     /// Bands with Butterworth edges, as interference filters have them: every centre with every width.
     Butterworth {
         /// Centres: first, step and last, nm.
+        #[serde(deserialize_with = "super::super::first_step_last")]
         centers_nm: [f64; 3],
         /// Full widths at half maximum: first, step and last, nm.
+        #[serde(deserialize_with = "super::super::first_step_last")]
         fwhms_nm: [f64; 3],
         /// Order, 1 to 100.
         order: u32,
