@@ -228,6 +228,7 @@ def studies(work):
     figure = Image.open(work / "table2/report/panels-by-colours.png").convert("RGB")
     save(fitted(figure, 1200, 800), "studies-table2.png")
     screenshot(work / "table2/report/report.html", "report-sweep.png")
+    screenshot(work / "table2/report/report.html", "report-design.png", "light", "design")
     smalti("sweep", "theory", "-q", "-o", work / "theory")
     smalti("report", work / "table2", work / "theory", "-o", work / "rules.html")
     screenshot(work / "rules.html", "report-rules-dark.png", "dark", "whole")

@@ -1,5 +1,5 @@
 // The pictures of pages in the documentation, for tools/make_pictures.py: `FILE PICTURE [light|dark] [WHAT]`; WHAT is `whole`, all designs of
-// a study instead of some selected, or the name of a map.
+// a study instead of some selected, `design`, the best of five colours alone, or the name of a map.
 import { resolve } from "node:path";
 import { launch, open } from "./browser.mjs";
 
@@ -9,7 +9,16 @@ const browser = await launch();
 const { page, faults } = await open(browser, file, { viewport: { width: 1500, height: 1130 }, colorScheme });
 const plot = page.locator(".scatter [role=application]");
 const at = (box, x, y) => [box.x + x * box.width, box.y + y * box.height];
-if (await plot.count() > 0) {
+if (what === "design") {
+  await page.setViewportSize({ width: 760, height: 1130 });
+  await page.locator("#best tbody tr", { has: page.locator("td", { hasText: /^5$/ }) }).first().getByRole("button").dispatchEvent("click");
+  await page.locator(".pictures canvas[data-drawn]").nth(1).waitFor();
+  // The command at its end names a folder of this machine.
+  await page.locator("section.design h4").last().evaluate((heading) => {
+    heading.nextElementSibling.remove();
+    heading.remove();
+  });
+} else if (await plot.count() > 0) {
   // Of a study, with designs selected.
   if (what !== "whole") {
     const box = await plot.boundingBox();
@@ -27,6 +36,6 @@ if (await plot.count() > 0) {
   await page.mouse.move(...at(await page.locator(".frame").last().boundingBox(), 0.4, 0.5));
   await page.waitForTimeout(300);
 }
-await page.screenshot({ path: picture });
+await (what === "design" ? page.locator("section.design") : page).screenshot({ path: picture });
 await browser.close();
 if (faults.length > 0) throw new Error(faults.join("\n"));
