@@ -78,7 +78,7 @@ impl TomlSource {
     /// On the first key or value that does not fit: its line, what was expected, the nearest valid key.
     pub fn describe(&self, overrides: &[Override]) -> Result<CameraDescription, Box<Diagnostic>> {
         let study = |e: Box<Diagnostic>| match self.says_any(&["colors", "mosaics"]) {
-            true => e.with_help("this is the file of a study: smalti sweep takes those"),
+            true => Box::new(e.with_help("this is the file of a study: smalti sweep takes those")),
             false => e,
         };
         let description: CameraDescription = self.parse().map_err(study)?;

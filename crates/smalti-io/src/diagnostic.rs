@@ -25,8 +25,8 @@ impl Diagnostic {
 
     /// Says what to do about it.
     #[must_use]
-    pub fn with_help(self: Box<Self>, help: impl Into<String>) -> Box<Self> {
-        Box::new(Self { help: Some(help.into()), ..*self })
+    pub fn with_help(self, help: impl Into<String>) -> Self {
+        Self { help: Some(help.into()), ..self }
     }
 
     /// Points at bytes of a text.

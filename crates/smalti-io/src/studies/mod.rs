@@ -106,10 +106,11 @@ pub fn from_json(name: &str, text: &str, scenes: &[u8]) -> Result<(Designs, Stri
 /// As [`load`].
 pub fn from_source(source: &TomlSource) -> Result<(Designs, String), Box<Diagnostic>> {
     let camera = |e: Box<Diagnostic>| match source.says_any(&["optics", "sensor", "exposure", "isp"]) {
-        true => e.with_help(format!(
-            "this is the file of a camera; a study names it: camera = \"{}\"",
-            source.name
-        )),
+        true => {
+            let help =
+                format!("this is the file of a camera; a study names it: camera = \"{}\"", source.name);
+            Box::new(e.with_help(help))
+        }
         false => e,
     };
     let file: StudyFile = source.parse().map_err(camera)?;

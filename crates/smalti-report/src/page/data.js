@@ -69,7 +69,6 @@ function readScene(scene) {
   return {
     ...scene,
     spectra: unpack(scene.spectra),
-    metered: scene.metered && unpack(scene.metered),
     count: scene.planes.count,
     planes: () => {
       planes ??= unpackPictures(scene.planes, scene.rows, scene.cols);
@@ -93,7 +92,7 @@ function readDesigns(data) {
     fwhm: unpack(data.filters.fwhm),
     peak: unpack(data.filters.peak),
     curve: unpack(data.filters.curve),
-    curves: { ...data.filters.curves, values: unpack(data.filters.curves.values) },
+    curves: { ...data.filters.curves, most: unpack(data.filters.curves.most), values: unpack(data.filters.curves.values) },
     words: data.words.map((w) => ({ ...w, words: w.values.words, codes: unpack(w.values.codes) })),
     pictures: new Map(data.pictures.map((p) => [p.row, p])),
     matrices: { scale: unpack(data.matrices.scale), codes: new Int16Array(bytesOf(data.matrices.i16).buffer) },

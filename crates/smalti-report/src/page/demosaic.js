@@ -78,11 +78,15 @@ function newMosaic(tile) {
   const [down, across] = [rows.length, rows[0].length];
   const modulo = (a, n) => ((a % n) + n) % n;
   const channelAt = (r, c) => rows[modulo(r, down)][modulo(c, across)];
-  const channels = 1 + Math.max(...rows.flat());
+  const channels = 1 + rows.flat().reduce((most, c) => Math.max(most, c), 0);
   const taps = (row, col) => Array.from({ length: channels }, (_, channel) => tapsOf((r, c) => channelAt(row + r, col + c) === channel));
   const cells = rows.map((line, r) => line.map((_, c) => taps(r, c)));
-  const reach = Math.max(...cells.flat(3).filter(Boolean).map((t) => Math.max(Math.abs(t.row), Math.abs(t.col))));
-  return { down, across, channels, rows, cells, reach, whole: cells.flat(2).every(Boolean) };
+  let [reach, isWhole] = [0, true];
+  for (const found of cells.flat(2)) {
+    isWhole &&= found !== null;
+    for (const { row, col } of found ?? []) reach = Math.max(reach, Math.abs(row), Math.abs(col));
+  }
+  return { down, across, channels, rows, cells, reach, isWhole };
 }
 
 // A plane for each channel from samples, rows × cols. At the border the weights of the samples that are there are scaled to sum to 1;

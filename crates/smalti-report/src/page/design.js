@@ -10,12 +10,12 @@ function curveOf(designs, at, wavelengths = NM) {
     return wavelengths.map((nm) => peak * Math.exp(-0.5 * ((nm - center) / sigma) ** 2));
   }
   if (code < 0) return null;
-  const { first_nm: first, step_nm: step, count, values } = designs.curves;
+  const { first_nm: first, step_nm: step, count, most, values } = designs.curves;
   return wavelengths.map((nm) => {
     const place = Math.min(count - 1, Math.max(0, (nm - first) / step));
     const low = Math.min(count - 2, Math.floor(place));
     const [a, b] = [values[code * count + low], values[code * count + low + 1]];
-    return a + (b - a) * (place - low);
+    return most[code] * (a + (b - a) * (place - low));
   });
 }
 function filtersOf(designs, row) {
@@ -155,36 +155,42 @@ function embedded({ src, width, height }, words) {
   const image = (alt) => make("img", { src, width, height, alt });
   return enlargeable(image(words), words, () => image(""));
 }
-function drawnHere(studio, scene, isNoisy, words) {
+// A canvas that is drawn a little later; `failed` is told why where it cannot be.
+function drawnHere(studio, which, words, failed) {
+  const scene = studio.stage.scenes[which];
   const canvas = () => make("canvas", { width: scene.cols, height: scene.rows, role: "img", "aria-label": words });
   const shown = canvas();
-  photograph(studio, scene, isNoisy).then(
-    (rgba) => {
-      shown.getContext("2d").putImageData(new ImageData(rgba, scene.cols, scene.rows), 0, 0);
-      shown.dataset.drawn = "";
-    },
-    (error) => shown.closest("figure")?.append(make("p", { class: "none" }, `This reader could not draw it: ${error.message}`)),
-  );
+  photograph(studio, which, PICTURES[which].isNoisy).then((rgba) => {
+    shown.getContext("2d").putImageData(new ImageData(rgba, scene.cols, scene.rows), 0, 0);
+    shown.dataset.drawn = "";
+  }).catch(failed);
   return enlargeable(shown, words, () => {
     const copy = canvas();
     copy.getContext("2d").drawImage(shown, 0, 0);
     return copy;
   });
 }
-const PICTURES = [["Zone plate, pixel for pixel, without noise", "exact"], ["Dead leaves, with all noise", ""]];
+const PICTURES = [
+  { words: "Zone plate, pixel for pixel, without noise", name: "exact", isNoisy: false },
+  { words: "Dead leaves, with all noise", name: "", isNoisy: true },
+];
 function picturesOf(designs, row, number) {
-  const both = (picture) => make("div", { class: "pictures" }, PICTURES.map(([words, name], which) =>
+  const both = (picture) => make("div", { class: "pictures" }, PICTURES.map(({ words, name }, which) =>
     make("figure", { class: name }, picture(which, `${words}, design ${number}`), make("figcaption", {}, words))));
+  const say = (words) => make("p", { class: "none" }, words);
   const command = () => commandOf(designs, row, `--picture ${number} -o design-${number}.html`);
-  const say = (...words) => make("p", { class: "none" }, ...words);
   const own = designs.pictures.get(row);
   if (own) return [both((which, words) => embedded([own.zone_plate, own.scene][which], words))];
-  const studio = studioOf(designs, row);
-  if (!studio) return [say("This page does not hold what it takes to draw pictures of this design. This command makes a page with them:"), command()];
-  const pictures = both((which, words) => drawnHere(studio, studio.stage.scenes[which], which === 1, words));
+  const { studio, none, isElsewhere } = studioOf(designs, row);
+  if (!studio) return [say(`The page has no pictures of this design: ${none}.${isElsewhere ? " This command makes a page with them:" : ""}`), isElsewhere ? command() : null];
+  const place = make("div");
+  const failed = (error) => place.replaceChildren(say(`The page could not draw its pictures: ${error.message}. This command makes a page with them:`), command());
   const processing = studio.drawn.own_processing;
-  if (!processing) return [pictures, say("Drawn by this page the way the simulator makes them; the noise is another draw of the same kind.")];
-  return [pictures, say(`Drawn by this page with bilinear demosaicking and a colour matrix. The study's own processing is ${processing}: this command makes a page with its pictures.`), command()];
+  const about = processing
+    ? `Drawn by this page with bilinear demosaicking and a colour matrix. The study's own processing is ${processing}: this command makes a page with its pictures.`
+    : "Drawn by this page the way the simulator makes them; the noise is another draw of the same kind.";
+  place.append(both((which, words) => drawnHere(studio, which, words, failed)), say(about), ...(processing ? [command()] : []));
+  return [place];
 }
 function commandOf(designs, row, options) {
   const study = designs.data.studies[designs.data.sections[designs.section[row]].study];
@@ -205,7 +211,7 @@ function showDesign(designs, row, panel) {
       make("div", {}, make("h4", {}, "Mosaic"), tile ? tileOf(tile, filters) : null),
       make("div", {}, make("h4", {}, "Filters"), filterTable(filters))),
     make("h4", {}, "Figures"), figuresOf(designs, row),
-    make("h4", {}, "Pictures"), ...picturesOf(designs, row, number),
+    make("h4", {}, "Pictures"), ...picturesOf(designs, row, number).filter(Boolean),
     make("h4", {}, "As a camera for other commands"), commandOf(designs, row, `--camera ${number} > design-${number}.toml`),
   );
   if (filters.some((f) => !f.curve)) panel.append(make("p", { class: "none" }, "The spectra of some filters are not in this page: it would have become too large."));

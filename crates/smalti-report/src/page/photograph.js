@@ -1,7 +1,7 @@
 // Pictures of designs, drawn here as the simulator makes them: the light on the pixels is a sum of few pictures with a spectrum each, so a
 // filter makes of each of them one number. Then the read-out, demosaicking, the design's colour matrix, the display.
 
-// Random numbers, the same for the same picture (sfc32, with normal numbers after Box and Muller and Poisson numbers of a mean).
+// Random numbers of a seed (sfc32): uniform, normal (Box and Muller), Poisson of a mean.
 function randomOf(seed) {
   let [a, b, c, d] = [0x9e3779b9, 0x243f6a88, 0xb7e15162, seed | 0];
   const uniform = () => {
@@ -45,35 +45,54 @@ function ratesOf(planes, weights) {
   planes.forEach((plane, k) => { for (let i = 0; i < out.length; i += 1) out[i] += weights[k] * plane[i]; });
   return out;
 }
-// What pixels give to their neighbours; at the border what is beyond is like what is within.
-function spread(rates, rows, cols, kernel) {
-  const out = new Float32Array(rates.length);
+// The channel of the mosaic at every pixel; without a mosaic a plane for each channel. A border of pixels around goes on with the
+// pattern, in the light of the outermost.
+function seen(rates, rows, cols, mosaic, border) {
+  const [height, width] = [rows + 2 * border, cols + 2 * border];
   const within = (v, n) => Math.min(n - 1, Math.max(0, v));
-  for (let r = 0; r < rows; r += 1) {
-    for (let c = 0; c < cols; c += 1) {
+  const modulo = (v, n) => ((v % n) + n) % n;
+  return (mosaic ? [rates] : rates.map((one) => [one])).map((channels) => {
+    const out = new Float32Array(height * width);
+    for (let r = -border, i = 0; r < rows + border; r += 1) {
+      const line = mosaic && mosaic.rows[modulo(r, mosaic.down)];
+      for (let c = -border; c < cols + border; c += 1, i += 1) {
+        const channel = mosaic ? line[modulo(c, mosaic.across)] : 0;
+        out[i] = channels[channel][within(r, rows) * cols + within(c, cols)];
+      }
+    }
+    return out;
+  });
+}
+// What pixels give to their neighbours, from a plane with a border of one.
+function spread(wide, rows, cols, kernel) {
+  const out = new Float32Array(rows * cols);
+  for (let r = 0, at = 0; r < rows; r += 1) {
+    for (let c = 0; c < cols; c += 1, at += 1) {
       let sum = 0;
-      for (let i = -1; i <= 1; i += 1) for (let j = -1; j <= 1; j += 1) sum += kernel[1 + i][1 + j] * rates[within(r - i, rows) * cols + within(c - j, cols)];
-      out[r * cols + c] = sum;
+      for (let i = 0; i < 3; i += 1) for (let j = 0; j < 3; j += 1) sum += kernel[i][j] * wide[(r + 2 - i) * (cols + 2) + c + 2 - j];
+      out[at] = sum;
     }
   }
   return out;
 }
 
-// Samples from photoelectrons per second: 0 at black level, 1 at saturation. In the order of smalti::sensor.
-function readOut(rates, rows, cols, time, readout, random) {
+// Samples from photoelectrons per second: 0 at black level, 1 at saturation. In the order of smalti::sensor. `pattern` is what belongs
+// to the device, `random` to the capture; without noise there are none.
+function readOut(rates, rows, cols, time, readout, pattern, random) {
   const out = new Float32Array(rates.length);
-  const columns = Array.from({ length: cols }, () => (random ? readout.column_noise_v * random.normal() : 0));
+  const columns = Array.from({ length: cols }, () => (random ? readout.column_noise_v * pattern.normal() : 0));
+  const defects = readout.dead + readout.hot;
   for (let r = 0, i = 0; r < rows; r += 1) {
-    const line = random && readout.row_noise_v ? readout.row_noise_v * random.normal() : 0;
+    const line = random ? readout.row_noise_v * random.normal() : 0;
     for (let c = 0; c < cols; c += 1, i += 1) {
       let electrons = rates[i] * time;
       let [response, offset] = [1, 0];
       if (random) {
-        const defect = readout.dead + readout.hot > 0 ? random.uniform() : 1;
-        electrons = defect < readout.dead ? 0 : electrons + time * (defect < readout.dead + readout.hot ? readout.hot_e_per_s : readout.dark_e_per_s);
+        const defect = defects > 0 ? pattern.uniform() : 1;
+        electrons = defect < readout.dead ? 0 : electrons + time * (defect < defects ? readout.hot_e_per_s : readout.dark_e_per_s);
         electrons = random.poisson(electrons);
-        if (readout.prnu) response = Math.max(0, 1 + readout.prnu * random.normal());
-        if (readout.dsnu_v) offset += readout.dsnu_v * random.normal();
+        if (readout.prnu) response = Math.max(0, 1 + readout.prnu * pattern.normal());
+        if (readout.dsnu_v) offset += readout.dsnu_v * pattern.normal();
         offset += readout.read_noise_v * random.normal() + line + columns[c];
       }
       let volts = Math.min(electrons, readout.full_well_e) * readout.gain_v_per_e * response + offset;
@@ -89,10 +108,10 @@ function readOut(rates, rows, cols, time, readout, random) {
 }
 
 // The exposure time, s, of each picture: the stated one, or that of the rule.
-function timeOf(scene, filters, rates, { readout, light }, step) {
+function timeOf(metered, filters, rates, { readout, light }, step) {
   if (readout.time_s !== null) return readout.time_s / (readout.in_turn ? filters.length : 1);
   const mean = (of) => of.reduce((sum, v) => sum + v, 0) / of.length;
-  const rate = scene.metered ? light * step * Math.max(...filters.map((f) => through(f, scene.metered))) : mean(rates.map(mean));
+  const rate = metered ? light * step * Math.max(...filters.map((f) => through(f, metered))) : mean(rates.map(mean));
   return readout.metered_v / ((rate + readout.dark_e_per_s) * readout.gain_v_per_e);
 }
 
@@ -101,39 +120,45 @@ const encoded = Uint8ClampedArray.from({ length: 4096 }, (_, i) => {
   return Math.round(255 * (v <= 0.0031308 ? 12.92 * v : 1.055 * v ** (1 / 2.4) - 0.055));
 });
 
-// What it takes to draw a design; null where the page does not hold it.
+// What it takes to draw a design; or why there is none of it, and whether another page may have it.
 function studioOf(designs, row) {
   const drawn = designs.data.sections[designs.section[row]].drawn;
-  const stage = drawn && designs.stages[drawn.stage];
-  const tile = designs.tile && designs.tile.words[designs.tile.codes[row]];
-  if (!stage || !(designs.matrices.scale[row] > 0)) return null;
+  if (drawn.none) return { none: drawn.none, isElsewhere: drawn.is_elsewhere };
+  const stage = designs.stages[drawn.stage];
+  if (!(designs.matrices.scale[row] > 0)) return { none: "it has no colour matrix", isElsewhere: false };
   const [first, step, count] = stage.nm;
   const nm = Array.from({ length: count }, (_, i) => first + i * step);
   const filters = [];
   for (let at = designs.start[row]; at < designs.start[row + 1]; at += 1) filters.push(curveOf(designs, at, nm));
-  const mosaic = drawn.readout.all_channels ? null : tile && mosaicOf(tile);
-  if (filters.some((f) => !f) || (!drawn.readout.all_channels && !(mosaic && mosaic.whole && mosaic.channels === filters.length))) return null;
-  return { designs, row, drawn, stage, filters, mosaic };
+  if (filters.some((f) => !f)) return { none: "the spectra of its filters are not in it", isElsewhere: true };
+  const tile = drawn.readout.all_channels ? null : designs.tile.words[designs.tile.codes[row]];
+  if (tile && tile.length * filters.length > MOST_TAPS) return { none: "its mosaic is too large to be drawn here", isElsewhere: true };
+  return { studio: { designs, row, drawn, stage, filters, tile } };
 }
+// Cells times channels of a mosaic: the taps of these are found in a second.
+const MOST_TAPS = 60000;
 
 // The picture of a scene, RGBA.
-async function photograph(studio, scene, isNoisy) {
-  const { designs, row, drawn, stage, filters, mosaic } = studio;
-  const { rows, cols } = scene;
-  const [, step, count] = stage.nm;
+async function photograph({ designs, row, drawn, stage, filters, tile }, which, isNoisy) {
+  const scene = stage.scenes[which];
   const planes = await scene.planes();
+  const { rows, cols } = scene;
+  const { readout } = drawn;
+  const [, step, count] = stage.nm;
+  const mosaic = tile && mosaicOf(tile);
+  if (mosaic && !mosaic.isWhole) throw new Error("the samples of a channel are too far apart");
   const weights = filters.map((f) => planes.map((_, k) => drawn.light * step * scene.step * through(f, scene.spectra, k * count)));
-  // Every channel at every pixel; then of each pixel the one that it has.
-  let rates = weights.map((w) => ratesOf(planes, w));
-  if (mosaic) {
-    const own = new Float32Array(rows * cols);
-    for (let r = 0, i = 0; r < rows; r += 1) for (let c = 0; c < cols; c += 1, i += 1) own[i] = rates[mosaic.rows[r % mosaic.down][c % mosaic.across]][i];
-    rates = [own];
-  }
-  if (drawn.readout.crosstalk) rates = rates.map((r) => spread(r, rows, cols, drawn.readout.crosstalk));
-  const time = timeOf(scene, filters, rates, drawn, step);
-  const random = isNoisy ? randomOf(designs.number[row]) : null;
-  const samples = rates.map((r) => readOut(r, rows, cols, time, drawn.readout, random));
+  const border = readout.crosstalk ? 1 : 0;
+  let rates = seen(weights.map((w) => ratesOf(planes, w)), rows, cols, mosaic, border);
+  if (border) rates = rates.map((wide) => spread(wide, rows, cols, readout.crosstalk));
+  const time = timeOf(drawn.metered[which] && unpack(drawn.metered[which]), filters, rates, drawn, step);
+  const random = isNoisy ? randomOf(1 + designs.number[row]) : null;
+  // Captures in turn are of one device, with one pattern; those behind a prism of one each.
+  let pattern;
+  const samples = rates.map((one) => {
+    if (!pattern || readout.in_turn) pattern = randomOf(0);
+    return readOut(one, rows, cols, time, readout, pattern, random);
+  });
   return displayed(mosaic ? demosaicked(samples[0], rows, cols, mosaic) : samples, designs, row, stage);
 }
 

@@ -31,7 +31,7 @@ pub use filters::{
 pub use learned::{LessonSettings, Lessons};
 pub use mosaics::{MosaicFamily, Symmetry, Tile, published};
 pub use permutation::Permutation;
-pub use preview::{PixelLight, ReadoutModel};
+pub use preview::{PixelLight, ReadoutModel, metered_electrons};
 pub use scenes::StudyScene;
 pub use scores::{AliasingScores, Asked, ColorScores, EdgeScores, Metric, SceneFigures, Scores, Sight};
 pub use study::{Condition, ConditionValue, Design, Designs, Processing, Study};

@@ -6,12 +6,14 @@ use serde::Serialize;
 
 use crate::camera::{Camera, CameraError, ExposureTime, Setup};
 use crate::numeric::Planes;
-use crate::numeric::dense::Eigen;
-use crate::sensor::{AutoExposure, ColorArchitecture, PixelSpectra};
+use crate::numeric::dense::{Eigen, dot};
+use crate::sensor::{AutoExposure, ColorArchitecture, PixelSpectra, SensorError};
 use crate::spectrum::Spectrum;
 
 /// Rows whose moments are summed at a time, and the sums added in order: the same bits for any number of threads.
 const BAND: usize = 16;
+/// Products of two wavelengths that the moments are summed of, about a second's worth; of more, from pixels evenly spread.
+const MOST_PRODUCTS: usize = 500_000_000;
 
 /// The light of a scene on the pixels of a camera, in the photoelectrons that it would make without colour filters: its
 /// principal components, of which few hold all that filters can tell apart, since the spectra of surfaces are smooth.
@@ -21,7 +23,6 @@ const BAND: usize = 16;
 pub struct PixelLight {
     planes: Planes,
     spectra: Vec<Spectrum>,
-    metered: Option<Spectrum>,
     lost: f64,
 }
 
@@ -35,23 +36,26 @@ impl PixelLight {
         let light = PixelSpectra::new(&camera.sensor, image)?;
         let (window, grid) = (light.window(), light.grid());
         let bare = camera.sensor.bare_responsivity_on(grid)?;
-        // Wavelength by wavelength, along a row of pixels.
-        let electrons = |row: usize| -> Vec<Vec<f64>> {
+        // Wavelength by wavelength, every `step`-th pixel of a row; which one it begins with differs from row to row.
+        let electrons = |row: usize, step: usize| -> Vec<Vec<f64>> {
             let line = |(i, r): (usize, &f64)| {
-                light.line(window.row + row, i).iter().map(|&v| f64::from(v) * r).collect()
+                let photons = light.line(window.row + row, i).iter().skip(row * 5 % step).step_by(step);
+                photons.map(|&v| f64::from(v) * r).collect()
             };
             bare.values().iter().enumerate().map(line).collect()
         };
         let n = grid.len();
+        let step =
+            (window.rows * window.cols).saturating_mul(n * n).div_ceil(MOST_PRODUCTS).clamp(1, window.cols);
         let bands: Vec<Vec<f64>> = (0..window.rows.div_ceil(BAND))
             .into_par_iter()
             .map(|band| {
                 let mut moments = vec![0.0; n * n];
                 for row in band * BAND..((band + 1) * BAND).min(window.rows) {
-                    let lines = electrons(row);
+                    let lines = electrons(row, step);
                     for (i, a) in lines.iter().enumerate() {
                         for (j, b) in lines.iter().enumerate().skip(i) {
-                            moments[i * n + j] += a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+                            moments[i * n + j] += dot(a, b);
                         }
                     }
                 }
@@ -65,28 +69,25 @@ impl PixelLight {
         for i in 0..n {
             (0..i).for_each(|j| moments[i * n + j] = moments[j * n + i]);
         }
-        let eigen = Eigen::of(&moments, n).ok_or(crate::sensor::SensorError::NoLight)?;
+        let eigen = Eigen::of(&moments, n).ok_or(SensorError::NoLight)?;
         // They ascend.
-        let found: Vec<(f64, &[f64])> = eigen.above(0.0).collect();
-        let (rest, first) = found.split_at(found.len().saturating_sub(most));
-        let sum = |of: &[(f64, &[f64])]| of.iter().map(|(d, _)| d).sum::<f64>();
-        let vectors: Vec<&[f64]> = first.iter().rev().map(|(_, v)| *v).collect();
+        let found: Vec<&[f64]> = eigen.above(0.0).map(|(_, vector)| vector).collect();
+        let vectors: Vec<&[f64]> = found.into_iter().rev().take(most).collect();
         let mut planes = Planes::zeros(window.rows, window.cols, vectors.len());
         for (k, vector) in vectors.iter().enumerate() {
             planes.plane_mut(k).par_chunks_mut(window.cols).enumerate().for_each(|(row, out)| {
-                let lines = electrons(row);
+                let lines = electrons(row, 1);
                 for (col, o) in out.iter_mut().enumerate() {
                     *o = vector.iter().zip(&lines).map(|(v, line)| v * line[col]).sum::<f64>() as f32;
                 }
             });
         }
-        let area = camera.sensor.pixel.photodetector_area_m2();
-        let metered = camera.metered(image)?;
-        let metered = metered.map(|irradiance| Ok::<_, CameraError>(irradiance.times(&bare)?.scaled(area)));
+        let of_row = |row: usize| electrons(row, 1).iter().map(|line| dot(line, line)).sum::<f64>();
+        let all: f64 = (0..window.rows).into_par_iter().map(of_row).collect::<Vec<_>>().iter().sum();
+        let kept: f64 = planes.data().iter().map(|v| f64::from(*v).powi(2)).sum();
         Ok(Self {
-            lost: (sum(rest) / (sum(rest) + sum(first)).max(f64::MIN_POSITIVE)).sqrt(),
+            lost: (1.0 - kept / all.max(f64::MIN_POSITIVE)).max(0.0).sqrt(),
             spectra: vectors.iter().map(|v| Spectrum::new(grid, v.to_vec())).collect::<Result<_, _>>()?,
-            metered: metered.transpose()?,
             planes,
         })
     }
@@ -103,13 +104,6 @@ impl PixelLight {
         &self.spectra
     }
 
-    /// What the exposure rule looks at, photoelectrons s⁻¹ nm⁻¹ of a pixel without colour filter; `None` where the time is
-    /// stated or the rule looks at all pixels.
-    #[must_use]
-    pub fn metered(&self) -> Option<&Spectrum> {
-        self.metered.as_ref()
-    }
-
     /// What the components leave out, as a share of the light: root of the mean square over pixels and wavelengths.
     #[must_use]
     pub fn lost(&self) -> f64 {
@@ -122,6 +116,18 @@ impl PixelLight {
         let squares = |i: usize| self.planes.planes().map(|p| f64::from(p[i]).powi(2)).sum::<f64>();
         (0..self.planes.plane_len()).map(squares).fold(0.0, f64::max).sqrt()
     }
+}
+
+/// What the exposure rule of a camera looks at in a scene before it, photoelectrons s⁻¹ nm⁻¹ of a pixel without colour filter; `None`
+/// where the time is stated or the rule looks at all pixels.
+///
+/// # Errors
+/// When the rule is impossible or the sensor sees nothing of the scene.
+pub fn metered_electrons(setup: &Setup) -> Result<Option<Spectrum>, CameraError> {
+    let sensor = &setup.camera.sensor;
+    let Some(irradiance) = setup.camera.metered(&setup.image)? else { return Ok(None) };
+    let bare = sensor.bare_responsivity_on(irradiance.grid())?;
+    Ok(Some(irradiance.times(&bare)?.scaled(sensor.pixel.photodetector_area_m2())))
 }
 
 /// How a camera reads out photoelectrons, as [`Sensor::capture`](crate::sensor::Sensor::capture) does.

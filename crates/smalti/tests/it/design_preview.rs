@@ -3,7 +3,7 @@
 
 use smalti::camera::description::AutoExposureName;
 use smalti::camera::{Camera, CameraDescription, Setup};
-use smalti::design::{PixelLight, ReadoutModel};
+use smalti::design::{PixelLight, ReadoutModel, metered_electrons};
 use smalti::scene::Setting;
 use smalti::sensor::Cfa;
 use smalti::spectrum::WavelengthGrid;
@@ -91,6 +91,18 @@ fn components_are_orthonormal_ordered_and_what_is_left_out_is_known() {
     assert!(light.brightest() >= all.iter().sum::<f64>().sqrt() / (light.planes().plane_len() as f64).sqrt());
 }
 
+/// On a fine grid the components are found from some of the pixels.
+#[test]
+fn a_fine_grid_takes_no_longer_and_loses_no_more() {
+    let grid = WavelengthGrid::new(400.0, 1.0, 301).unwrap();
+    let camera = Camera::new(CameraDescription::default(), grid).unwrap();
+    let setting = Setting { grid, ..Setting::default() };
+    let fine = Setup::of_test_scene(&camera, LEAVES, &setting).unwrap();
+    let (fine, coarse) =
+        (PixelLight::new(&fine, 8).unwrap(), PixelLight::new(&setup(|_| {}, LEAVES), 8).unwrap());
+    assert!(fine.lost() < 1.5 * coarse.lost(), "{}, {}", fine.lost(), coarse.lost());
+}
+
 #[test]
 fn any_number_of_threads_gives_the_same_bits() {
     let setup = setup(|_| {}, LEAVES);
@@ -115,7 +127,8 @@ fn the_model_finds_the_exposure_of_each_rule() {
         let (light, readout) =
             (PixelLight::new(&setup, GRID.len()).unwrap(), ReadoutModel::new(&setup.camera).unwrap());
         let cfa = &setup.camera.sensor.cfa;
-        let rate = match light.metered() {
+        let metered = metered_electrons(&setup).unwrap();
+        let rate = match &metered {
             Some(spectrum) => {
                 let channel =
                     |c: &smalti::sensor::Channel| spectrum.times(&c.transmittance).unwrap().integral();
@@ -135,7 +148,7 @@ fn the_model_finds_the_exposure_of_each_rule() {
                 rates.iter().sum::<f64>() / rates.len() as f64
             }
         };
-        assert_eq!((light.metered().is_none(), readout.time_s), (rule == AutoExposureName::Mean, None));
+        assert_eq!((metered.is_none(), readout.time_s), (rule == AutoExposureName::Mean, None));
         let time_s = readout.metered_v.unwrap() / ((rate + readout.dark_e_per_s) * readout.gain_v_per_e);
         assert!(
             (time_s / setup.exposure.time_s - 1.0).abs() < 1e-5,

@@ -44,7 +44,11 @@ fn wrong_keys_are_shown_at_their_line() {
             "unknown field `centres_nm`",
             "mosaics = \"catalogue\"\n[filters.gaussian_grid]\nmin_spacing_nm = 10\ncentres_nm = [1, 2, 3]",
         ),
-        (3, "found 2 numbers; expected three: [first, step, last]", "mosaics = \"catalogue\"\n[filters.gaussian_grid]\ncenters_nm = [400, 700]"),
+        (
+            3,
+            "found 2 numbers; expected three: [first, step, last]",
+            "mosaics = \"catalogue\"\n[filters.gaussian_grid]\ncenters_nm = [400, 700]",
+        ),
         (2, "unknown variant `gauss`", "mosaics = \"catalogue\"\n[filters.gauss]\n"),
         (4, "unknown field `column`", "filters.rule = {}\n[mosaics.tile]\nrows = 2\ncolumn = 2"),
         (

@@ -13,15 +13,14 @@ use smalti_report::page::{packed, words};
 
 use super::Sources;
 use super::choice::Choice;
-use crate::study_report::answers::Section;
 use crate::study_report::results::Results;
 
 /// Wavelengths of curves that are no formula, at least: first and last. They go on to those of the cameras.
 const CURVE_NM: (f64, f64) = (380.0, 720.0);
-/// Between two of them.
-const CURVE_STEP_NM: f64 = 5.0;
-/// Most curves in a page, 69 bytes each or more.
-const MOST_CURVES: usize = 10_000;
+/// Between two of them, at most and at least: as fine as those of the cameras.
+const CURVE_STEPS_NM: (f64, f64) = (5.0, 1.0);
+/// Most bytes of curves in a page.
+const MOST_CURVE_BYTES: usize = 700_000;
 /// What is no column to look at: the number stands beside, problems in the lead.
 const LEFT_OUT: [&str; 2] = ["design", "problem"];
 
@@ -144,11 +143,12 @@ fn chosen<T: Clone>(
 /// the Gaussian of its centre, width and peak, −2 where it is not in the page, else the number of its samples.
 fn filters(sources: &Sources<'_>, choice: &Choice) -> anyhow::Result<Value> {
     let (mut center, mut fwhm, mut peak, mut curve) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
-    let grid = curve_grid(sources)?;
-    let mut places: HashMap<String, f64> = HashMap::new();
+    let cameras = camera_grids(sources);
+    let grid = curve_grid(&cameras)?;
+    let (mut places, mut most): (HashMap<String, f64>, Vec<f64>) = Default::default();
     let mut samples: Vec<f64> = Vec::new();
     for row in &choice.rows {
-        let Some((results, sections)) = sources.all.get(row.study) else { continue };
+        let Some((results, _)) = sources.all.get(row.study) else { continue };
         let design = results.design(row.row)?;
         for filter in &design.filters.filters {
             let figures = FilterFigures::from(filter);
@@ -161,11 +161,15 @@ fn filters(sources: &Sources<'_>, choice: &Choice) -> anyhow::Result<Value> {
             }
             let key = serde_json::to_string(filter)?;
             let next = places.len();
-            let place = *places.entry(key).or_insert(if next < MOST_CURVES { next as f64 } else { -2.0 });
+            let is_room = (next + 1) * grid.len() <= MOST_CURVE_BYTES;
+            let place = *places.entry(key).or_insert(if is_room { next as f64 } else { -2.0 });
             curve.push(place);
             if place == next as f64 {
-                // To 1/255, as the eye tells them on a screen: a byte each.
-                samples.extend(sampled(filter, grid, sections).iter().map(|v| (v * 255.0).round() / 255.0));
+                // To 1/255 of its largest value, which stands beside: a byte each.
+                let values = sampled(filter, grid, &cameras);
+                let largest = values.iter().fold(0.0f64, |m, v| m.max(*v)).max(f64::MIN_POSITIVE);
+                samples.extend(values.iter().map(|v| (v / largest * 255.0).round() / 255.0));
+                most.push(largest);
             }
         }
     }
@@ -174,26 +178,41 @@ fn filters(sources: &Sources<'_>, choice: &Choice) -> anyhow::Result<Value> {
         "fwhm": packed(&fwhm),
         "peak": packed(&peak),
         "curve": packed(&curve),
-        "curves": {"first_nm": grid.start_nm(), "step_nm": grid.step_nm(), "count": grid.len(), "values": packed(&samples)},
+        "curves": {
+            "first_nm": grid.start_nm(), "step_nm": grid.step_nm(), "count": grid.len(),
+            "most": packed(&most), "values": packed(&samples),
+        },
     }))
 }
 
-fn curve_grid(sources: &Sources<'_>) -> anyhow::Result<WavelengthGrid> {
+/// The wavelengths of all cameras, the widest first.
+fn camera_grids(sources: &Sources<'_>) -> Vec<WavelengthGrid> {
     let conditions = sources.all.iter().flat_map(|(results, _)| &results.study().conditions);
-    let grids = conditions.filter_map(|c| c.camera.grid().ok());
-    let (low, high) = grids.fold(CURVE_NM, |(low, high), g| (low.min(g.start_nm()), high.max(g.end_nm())));
-    let first = (low / CURVE_STEP_NM).floor() * CURVE_STEP_NM;
-    let count = ((high - first) / CURVE_STEP_NM).ceil() as usize + 1;
-    Ok(WavelengthGrid::new(first, CURVE_STEP_NM, count)?)
+    let mut grids: Vec<WavelengthGrid> = Vec::new();
+    for grid in conditions.filter_map(|c| c.camera.grid().ok()) {
+        if !grids.contains(&grid) {
+            grids.push(grid);
+        }
+    }
+    let width = |g: &WavelengthGrid| g.end_nm() - g.start_nm();
+    grids.sort_by(|a, b| width(b).total_cmp(&width(a)));
+    grids
 }
 
-/// Measured curves may begin or end where the camera's wavelengths do; beyond them nothing is known, and nothing drawn.
-fn sampled(filter: &Filter, grid: WavelengthGrid, sections: &[Section<'_>]) -> Vec<f64> {
-    if let Ok(curve) = filter.spectrum(grid) {
-        return curve.values().to_vec();
-    }
-    let own = sections.first().and_then(|s| s.results.setup(s.setup)).and_then(|(c, _)| c.camera.grid().ok());
-    let Some((own, curve)) = own.and_then(|own| Some((own, filter.spectrum(own).ok()?))) else {
+fn curve_grid(cameras: &[WavelengthGrid]) -> anyhow::Result<WavelengthGrid> {
+    let around = |(low, high): (f64, f64), g: &WavelengthGrid| (low.min(g.start_nm()), high.max(g.end_nm()));
+    let (low, high) = cameras.iter().fold(CURVE_NM, around);
+    let step = cameras.iter().fold(CURVE_STEPS_NM.0, |s, g| s.min(g.step_nm())).max(CURVE_STEPS_NM.1);
+    let first = (low / step).floor() * step;
+    let count = ((high - first) / step).ceil() as usize + 1;
+    Ok(WavelengthGrid::new(first, step, count)?)
+}
+
+/// A curve on a grid. Measured ones may begin or end where the wavelengths of their camera do; beyond them nothing is known, and
+/// nothing drawn.
+fn sampled(filter: &Filter, grid: WavelengthGrid, cameras: &[WavelengthGrid]) -> Vec<f64> {
+    let known = |own: &WavelengthGrid| Some((*own, filter.spectrum(*own).ok()?));
+    let Some((own, curve)) = known(&grid).or_else(|| cameras.iter().find_map(known)) else {
         return vec![0.0; grid.len()];
     };
     let values = curve.values();

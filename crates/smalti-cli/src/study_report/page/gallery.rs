@@ -47,7 +47,7 @@ pub(super) fn gallery(sources: &Sources<'_>, choice: &Choice, stages: &Stages) -
             Err(error) => {
                 sources.watch.ask()?;
                 let why = results::plain(&crate::in_one_line(error.as_ref()));
-                notes.push(format!("{}: no pictures in the page: {why}", section.title()));
+                notes.push(format!("{}: no pictures by the simulator: {why}", section.title()));
                 continue;
             }
         };
@@ -109,14 +109,13 @@ fn wishes(sources: &Sources<'_>, sections: &[(usize, &Section<'_>)], stages: &St
         for number in sources.wanted {
             let Ok(row) = results.number.binary_search(number) else { continue };
             let section = sections.iter().position(|(study, s)| *study == 0 && s.rows.contains(&row));
-            if let Some(section) = section {
+            if let Some(section) = section.filter(|s| !stages.has_failed(*s)) {
                 add(section, row, true);
             }
         }
     }
-    let is_room = stages.bytes < MOST_BYTES;
     let undrawn =
-        || sections.iter().enumerate().filter(|(index, _)| is_room && !stages.is_exact(*index)).take(DRAWN);
+        || sections.iter().enumerate().filter(|(index, _)| stages.wants_pictures(*index)).take(DRAWN);
     let each = (sources.pictures / undrawn().count().max(1)).max(1);
     for (index, (_, section)) in undrawn() {
         let groups = &section.groups;
