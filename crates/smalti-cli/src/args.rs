@@ -158,8 +158,8 @@ pub struct ReportOptions {
     /// first DIR]
     #[arg(short, long, value_name = "FOLDER")]
     pub output: Option<PathBuf>,
-    /// How many designs have pictures of their learned pipelines in the page: the best, the worst, then of the Pareto front. Others the
-    /// page draws itself
+    /// How many designs have pictures in the page by processing that it cannot draw itself (learned pipelines, demosaicking other than
+    /// bilinear): the best, the worst, then of the Pareto front
     #[arg(long, default_value_t = 16, value_name = "N", value_parser = clap::value_parser!(u16).range(0..=1000))]
     pub pictures: u16,
     /// Designs of the first DIR, by their numbers, whose pictures by the simulator are in the page

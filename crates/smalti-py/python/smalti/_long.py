@@ -340,11 +340,11 @@ def report(
         results: a folder of results, or several that are shown together.
         out: a folder for report.html, figures (SVG, PNG) and report.json, made if need be; or FILE.html for the page alone; default the
             folder `report` in the first of the results.
-        pictures: how many designs have pictures of their learned pipelines in the page: the best, the worst, then of the Pareto front,
-            0 to 1000. Others the page draws itself.
+        pictures: how many designs have pictures in the page by processing that it cannot draw itself (learned pipelines, demosaicking
+            other than bilinear): the best, the worst, then of the Pareto front, 0 to 1000.
         designs: designs of the first results, by their numbers, whose pictures by the simulator are in the page.
         draw: conditions and processings that get figures of their own: those with one of these texts in their name; default the first 8.
-        progress: see `Progress`; steps are pictures in the page and figures.
+        progress: see `Progress`; steps are what the page draws from, pictures in it and figures.
 
     Returns:
         report.json: the tables, the best designs, the files and notes.

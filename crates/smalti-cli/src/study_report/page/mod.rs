@@ -27,7 +27,7 @@ pub(super) struct Sources<'a> {
     pub(super) all: &'a [(&'a Results, Vec<Section<'a>>)],
     /// The folders as they were named.
     pub(super) dirs: &'a [PathBuf],
-    /// How many designs have pictures, and which have them in any case.
+    /// How many designs have pictures by processing that the page has not, and which have the simulator's in any case.
     pub(super) pictures: usize,
     pub(super) wanted: &'a [u64],
     pub(super) watch: &'a Watch<'a>,
