@@ -166,9 +166,9 @@ test("large mosaics are drawn or said, and the rest of the design is there", asy
 
 test("why there are no pictures is said", async () => {
   const study = (name, more) => writeFile(join(dir, `${name}.toml`), `name = "${name}"\ncamera = "table1"\ncolors = [3]\nmosaics = { given = [["bc", "ab"]] }\n[sample]\nfilters = 2\n${FILTERS}${more}`);
-  await study("unexposed", '[conditions.grid]\n"exposure.analog_offset_mv" = [0, 2000]\n');
+  await study("unexposed", '[conditions.grid]\n"exposure.analog_offset_mv" = [2000, 0]\n');
   run("sweep", "unexposed.toml", "-o", "unexposed", "--no-cache");
-  const { notes } = JSON.parse(run("report", "unexposed", "-o", "unexposed.html", "--picture", "2", "--json"));
+  const { notes } = JSON.parse(run("report", "unexposed", "-o", "unexposed.html", "--picture", "0", "--json"));
   assert.equal(notes.filter((n) => /no pictures/.test(n)).length, 1, notes.join("\n"));
   await work(browser, join(dir, "unexposed.html"), {}, plot, async (page) => {
     await panel(page).locator(".pictures canvas[data-drawn]").nth(1).waitFor();

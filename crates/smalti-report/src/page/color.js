@@ -34,10 +34,12 @@ function display([x, y, z], peak) {
   const missing = Math.min(0, ...linear);
   linear = linear.map((v) => v - missing);
   const top = Math.max(0, ...linear);
-  return linear.map((v) => {
-    const s = top > 0 ? (v / top) * peak : 0;
-    return Math.round(255 * (s <= 0.0031308 ? 12.92 * s : 1.055 * s ** (1 / 2.4) - 0.055));
-  });
+  return linear.map((v) => encoded(top > 0 ? (v / top) * peak : 0));
+}
+// Linear light, 0 to 1, as a byte of sRGB (IEC 61966-2-1).
+function encoded(linear) {
+  const v = Math.min(1, Math.max(0, linear));
+  return Math.round(255 * (v <= 0.0031308 ? 12.92 * v : 1.055 * v ** (1 / 2.4) - 0.055));
 }
 function luma([r, g, b]) {
   return Math.max(1, 0.299 * r + 0.587 * g + 0.114 * b);

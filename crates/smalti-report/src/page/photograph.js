@@ -115,11 +115,6 @@ function timeOf(metered, filters, rates, { readout, light }, step) {
   return readout.metered_v / ((rate + readout.dark_e_per_s) * readout.gain_v_per_e);
 }
 
-const encoded = Uint8ClampedArray.from({ length: 4096 }, (_, i) => {
-  const v = i / 4095;
-  return Math.round(255 * (v <= 0.0031308 ? 12.92 * v : 1.055 * v ** (1 / 2.4) - 0.055));
-});
-
 // What it takes to draw a design; or why there is none of it, and whether another page may have it.
 function studioOf(designs, row) {
   const drawn = designs.data.sections[designs.section[row]].drawn;
@@ -177,14 +172,8 @@ function displayed(channels, designs, row, stage) {
     for (let i = 0; i < size; i += 1) {
       let v = 0;
       for (let k = 0; k < weights.length; k += 1) v += weights[k] * channels[k][i];
-      rgba[4 * i + color] = encode(v);
+      rgba[4 * i + color] = encoded(v);
     }
   });
   return rgba;
-}
-// Linear light to a byte of sRGB. Dark values are far apart in the table, so those are calculated.
-function encode(v) {
-  if (!(v > 0)) return 0;
-  if (v < 0.05) return Math.round(255 * (v <= 0.0031308 ? 12.92 * v : 1.055 * v ** (1 / 2.4) - 0.055));
-  return encoded[Math.min(4095, Math.round(4095 * v))];
 }

@@ -6,8 +6,8 @@ use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use rayon::prelude::*;
 use serde_json::{Value, json};
-use smalti::camera::description::DemosaicName;
-use smalti::camera::{Camera, Setup};
+use smalti::camera::description::{DemosaicName, ExposureDescription};
+use smalti::camera::{Camera, CameraDescription, Setup};
 use smalti::color::{BRIGHT_SHARE, shown_from_xyz};
 use smalti::design::{PixelLight, Processing, ReadoutModel, metered_electrons};
 use smalti::isp::{ColorFit, WhiteBalance};
@@ -248,10 +248,17 @@ fn drawn(section: &Section<'_>, stages: &mut Vec<Stage>) -> anyhow::Result<Drawn
         (_, DemosaicName::Malvar2004) => Some("the demosaicking of Malvar et al. 2004"),
         (_, DemosaicName::Adaptive) => Some("adaptive demosaicking"),
     };
-    let stage = stages.iter().position(|s| s.serves(&camera, illuminant)).unwrap_or_else(|| {
-        stages.push(Stage { camera: camera.clone(), illuminant: illuminant.clone(), luminance_cd_m2 });
-        stages.len() - 1
-    });
+    let stage = match stages.iter().position(|s| s.serves(&camera, illuminant)) {
+        Some(found) => found,
+        None => {
+            // Exposed somehow: cameras that share the stage have their own rules, of which some may fail.
+            let exposure = ExposureDescription { time_ms: Some(1.0), ..ExposureDescription::default() };
+            let description = CameraDescription { exposure, ..condition.camera.clone() };
+            let camera = Camera::new(description, camera.grid())?;
+            stages.push(Stage { camera, illuminant: illuminant.clone(), luminance_cd_m2 });
+            stages.len() - 1
+        }
+    };
     let light = stages.get(stage).map_or(1.0, |s| luminance_cd_m2 / s.luminance_cd_m2);
     let data = json!({"stage": stage, "light": light, "readout": readout, "own_processing": own});
     Ok(Drawn { stage, camera, fit, data, own_processing: own })
