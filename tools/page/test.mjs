@@ -156,7 +156,7 @@ test("a click shows a design with its pictures", () => withPage({}, async (page)
   const large = page.locator("dialog canvas");
   assert.ok(seen.has(await large.evaluate((c) => c.toDataURL())));
   await page.getByRole("button", { name: "Close" }).click();
-  assert.equal(await page.locator("dialog").count(), 0);
+  await page.locator("dialog").waitFor({ state: "detached" });
   // That of the simulator itself, which was asked for.
   await page.getByLabel("with pictures by the simulator itself").check();
   assert.equal(number(await count(page).textContent()), 1);

@@ -69,7 +69,6 @@ function readScene(scene) {
   return {
     ...scene,
     spectra: unpack(scene.spectra),
-    count: scene.planes.count,
     planes: () => {
       planes ??= unpackPictures(scene.planes, scene.rows, scene.cols);
       return planes;

@@ -126,7 +126,9 @@ function studioOf(designs, row) {
   const filters = [];
   for (let at = designs.start[row]; at < designs.start[row + 1]; at += 1) filters.push(curveOf(designs, at, nm));
   if (filters.some((f) => !f)) return { none: "the spectra of its filters are not in it", isElsewhere: true };
-  const tile = drawn.readout.all_channels ? null : designs.tile.words[designs.tile.codes[row]];
+  const isMosaic = !drawn.readout.all_channels;
+  const tile = isMosaic && designs.tile ? designs.tile.words[designs.tile.codes[row]] : null;
+  if (isMosaic && !tile) return { none: "its mosaic is not in it", isElsewhere: true };
   if (tile && tile.length * filters.length > MOST_TAPS) return { none: "its mosaic is too large to be drawn here", isElsewhere: true };
   return { studio: { designs, row, drawn, stage, filters, tile } };
 }

@@ -1,4 +1,4 @@
-//! Pictures of some designs in the page: those of learned pipelines, which it cannot draw itself, and those asked for.
+//! Pictures of some designs in the page: by processing that it cannot draw itself, and those asked for.
 
 use rayon::prelude::*;
 use serde_json::{Value, json};
