@@ -2,57 +2,62 @@
 default:
     @just --list
 
-# The tests.
+# Runs the tests.
 test:
     cargo test --workspace
 
-# Everything that must hold before a change lands.
+# Runs everything that must pass before a change lands.
 ci:
     .ci/run
 
-# The HTML pages in headless Chromium.
+# Tests the HTML pages in headless Chromium.
 pages:
     cargo build -p smalti-cli
     tools/page/run
 
-# All benchmarks; `just bench optics` runs one.
+# Runs all benchmarks, or one: `just bench optics`.
 bench name="":
     cargo bench --workspace {{ if name == "" { "" } else { "--bench " + name } }}
 
-# Bayer demosaicking against OpenCV, in one run.
+# Compares Bayer demosaicking and L³ rendering with OpenCV in one run.
 bench-opencv:
     python3 tools/bench_opencv.py
 
-# Kills a sweep a hundred times; its results must be those of one that was left alone.
+# Makes ISETCam's reference values again with Octave and compares them, all or some: `just isetcam ../isetcam out scene optics`.
+isetcam checkout out *groups:
+    octave-cli -q tools/isetcam/make_reference.m {{checkout}} crates/smalti/tests/data/isetcam {{out}} {{groups}}
+    python3 tools/isetcam/compare.py crates/smalti/tests/data/isetcam {{out}} {{ if groups == "" { "" } else { "--some" } }}
+
+# Kills a sweep a hundred times and checks that its results equal those of an uninterrupted run.
 kills:
     cargo test --release -p smalti-cli --test cli a_hundred_kills -- --ignored
 
-# Fuzzes one parser for a minute, or all in turn: `just fuzz exr`, `just fuzz all 600`.
+# Fuzzes one parser for a minute, or all parsers in turn: `just fuzz exr`, `just fuzz all 600`.
 fuzz target="all" seconds="60":
     fuzz/run {{target}} {{seconds}}
 
-# The fuzz targets compile.
+# Checks that the fuzz targets compile.
 check-fuzz:
     cargo check --manifest-path fuzz/Cargo.toml --locked
 
-# Regenerates the tables of published figures.
+# Regenerates the tables of published data.
 tables:
     python3 tools/generate_tables.py
     python3 tools/generate_cameras.py
     cargo fmt --all
 
-# The pictures of the documentation, by the commands that it names; some minutes.
+# Makes the pictures of the documentation with the commands that it names. This takes some minutes.
 pictures:
     cargo build --release --locked -p smalti-cli
     cd tools/page && npm ci --silent
     python3 tools/make_pictures.py target/release/smalti
 
-# The documentation as a book, in target/book.
+# Builds the documentation as a book in target/book.
 book:
     command -v mdbook >/dev/null || cargo install --locked mdbook
     mdbook build
 
-# The pages of docs/reference, from the code
+# Generates the pages of docs/reference from the code.
 reference:
     cargo build --locked -p smalti-cli
     mkdir -p docs/reference
@@ -63,3 +68,11 @@ reference:
     for name in $(target/debug/smalti list cfas --json | grep -o '"name": "[^"]*"' | cut -d'"' -f4); do \
         target/debug/smalti show $name --as cfa -o docs/reference/cfas/$name.svg; \
     done
+
+# Prints the lines of source per crate, without tests and generated tables: `just lines`, `just lines HEAD~10`.
+lines commit="HEAD":
+    python3 tools/lines.py {{commit}}
+
+# Makes the simulator that pages embed, after a change of what draws their pictures. Needs wasm-opt (Debian's binaryen).
+wasm:
+    tools/wasm/build

@@ -1,13 +1,13 @@
 #!/usr/bin/env python3
-"""Bayer demosaicking and learned pipelines beside OpenCV's: the same 4K frames, 16 bits, two threads, in turns.
+"""Compares Bayer demosaicking and learned pipelines with OpenCV on the same 4K frames of 16 bits, with two threads, in turns.
 
     cargo bench -p smalti --bench demosaic --bench l3 --no-run
     python3 tools/bench_opencv.py [--rounds 5] [--only l3]
 
-Prints the throughput of bilinear demosaicking and its ratio to OpenCV's `cvtColor(COLOR_BayerRGGB2RGB)`, and that of
-rendering with a learned table (classification included) and its ratio to OpenCV's edge-aware `COLOR_BayerRGGB2RGB_EA`.
-Needs numpy and opencv-python-headless. Other work on the machine slows all of them alike, which is why the rounds
-alternate and the ratio of medians is what counts.
+The script prints the throughput of bilinear demosaicking and its ratio to OpenCV's `cvtColor(COLOR_BayerRGGB2RGB)`. It also prints the
+throughput of rendering with a learned table (classification included) and its ratio to OpenCV's edge-aware `COLOR_BayerRGGB2RGB_EA`.
+It needs numpy and opencv-python-headless. Other load on the machine slows all of them alike. The rounds therefore
+alternate, and the ratio of the medians is the result.
 """
 
 import argparse
@@ -29,7 +29,7 @@ def noise():
 
 
 def picture():
-    """From dark to clipped, with edges and noise: the frame of `benches/l3.rs`."""
+    """The frame of `benches/l3.rs`: from dark to clipped, with edges and noise."""
     row, col = np.ogrid[:ROWS, :COLS]
     i = np.arange(ROWS * COLS, dtype=np.uint64).reshape(ROWS, COLS)
     grain = ((i * np.uint64(2654435761)) >> np.uint64(16)).astype(np.int64) & 1023
@@ -58,7 +58,7 @@ def opencv_seconds(code, raw, into, repeats=30):
 
 
 def smalti_seconds(bench, group):
-    """Median time by benchmark name, from Criterion's own files."""
+    """Median time by benchmark name, from the files of Criterion."""
     subprocess.run(
         ["cargo", "bench", "-q", "-p", "smalti", "--bench", bench, "--",
          "--warm-up-time", "0.5", "--measurement-time", "2", "--noplot"],
@@ -74,7 +74,7 @@ def smalti_seconds(bench, group):
 
 
 def roofline(name, rate):
-    """What a pixel of a learned pipeline cannot do without: multiply-adds of three kernels and their offsets, bytes of the raw
+    """The minimum work of a pixel of a learned pipeline: multiply-adds of three kernels and their offsets, bytes of the raw
     samples and of three planes."""
     side = int(name.split("x")[-1])
     macs, bytes_ = 3 * (side * side + 1), 2 + 3 * 4

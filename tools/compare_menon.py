@@ -1,16 +1,16 @@
 #!/usr/bin/env python3
-"""L³ beside Menon 2007, Malvar 2004 and bilinear of PyPI's colour-demosaicing on Bayer, without noise.
+"""Compares L³ with Menon 2007, Malvar 2004 and bilinear demosaicking of PyPI's colour-demosaicing on Bayer, without noise.
 
     cargo build --release -p smalti-cli
     python3 -m venv target/venv && target/venv/bin/pip install colour-demosaicing numpy
     target/venv/bin/python tools/compare_menon.py
 
-Everything is made here: the raw images (`smalti simulate --noise none`), the truth (the same camera with three sensors
-behind a prism, each at every pixel), and the learned tables (`smalti train bayer --target bayer`: camera RGB in place of
-XYZ, so that L³ does here what the others do). All results then go through one matrix from camera RGB to XYZ, the
-least-squares one of the camera; L³ gets no colour correction of its own. The scenes are those that `smalti compare`
-scores on, exposed so that the brightest pixel is at 0.8 of saturation; nothing is learned from them. Printed is the CPSNR
-in XYZ against the truth, in dB, peak at the largest Y of the truth.
+The script makes all data: the raw images (`smalti simulate --noise none`), the ground truth (the same camera with three sensors
+behind a prism, so that every pixel has all channels), and the learned tables (`smalti train bayer --target bayer`: camera RGB instead of
+XYZ, so that L³ performs the same task as the others). One matrix, the least-squares matrix of the camera, then maps all results from camera RGB to
+XYZ. L³ has no colour correction of its own. The scenes are the test scenes of `smalti compare`, which are not used for training. They are
+exposed so that the brightest pixel is at 0.8 of saturation. The script prints the CPSNR in XYZ against the truth, in dB, with the largest Y of the
+truth as peak.
 """
 
 import argparse
@@ -24,7 +24,7 @@ import warnings
 import numpy as np
 
 with warnings.catch_warnings():
-    # About plotting, which is not used.
+    # The warning is about plotting, which is not used.
     warnings.simplefilter("ignore")
     from colour_demosaicing import (
         demosaicing_CFA_Bayer_bilinear,
@@ -34,7 +34,7 @@ with warnings.catch_warnings():
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 
-# Those of `test_scenes` in crates/smalti/src/camera/compare.rs, with the pixels they cover: two samples to a pixel.
+# Those of `test_scenes` in crates/smalti/src/camera/compare.rs, with the pixels they cover at two samples per pixel.
 SCENES = [
     ("dead-leaves?rows=576&cols=768&least=2&largest=150&seed=1001", (288, 384)),
     ("macbeth?patch=128", (256, 384)),
@@ -43,7 +43,7 @@ SCENES = [
     ("hdr?rows=384", (192, 288)),
 ]
 
-# L³ by the options it is trained with.
+# The training options of each L³ table.
 TABLES = {
     "5x5 flat-texture": "--patch 5 --textures flat-texture",
     "5x5 oriented": "--patch 5 --textures oriented",
@@ -124,7 +124,7 @@ def main():
 def measure(args, work):
     tables = {}
     chosen = {o: o for o in args.l3} if args.l3 else TABLES
-    # A table is for the black and white levels of its raw files.
+    # A table applies to the black and white levels of its raw files only.
     training = {"sensor.adc_bits": "16", **dict(s.split("=", 1) for s in args.set)}
     for number, (name, options) in enumerate(chosen.items()):
         table = work / f"{number}.l3"
@@ -138,13 +138,13 @@ def measure(args, work):
     }
     results = {name: {} for name in [*classic, *tables]}
     for number, (spec, size) in enumerate(SCENES):
-        # The brightest pixel of the truth tells the light that brings it where it is wanted.
+        # The brightest pixel of the truth determines the luminance that brings it to the wanted level.
         dim, _ = simulate(args, spec, size, 1, work / f"{number}-dim", **{"sensor.architecture": "prism"})
         light = round(BRIGHTEST / dim.max(), 4)
         rgb, xyz = simulate(args, spec, size, light, work / f"{number}-truth", **{"sensor.architecture": "prism"})
         folder = work / f"{number}-raw"
         raw, _ = simulate(args, spec, size, light, folder)
-        # The picture behind the prism is camera RGB through the camera's matrix: solving for it gives that matrix back.
+        # The picture behind the prism is camera RGB times the matrix of the camera, so that least squares recover this matrix.
         pixels = rgb.reshape(3, -1)
         matrix = np.linalg.lstsq(pixels.T, xyz.reshape(3, -1).T, rcond=None)[0].T
         def to_xyz(image):
@@ -157,7 +157,7 @@ def measure(args, work):
             smalti(args, "render", folder / "raw.dng", "--pipeline", table, "-o", work / "l3.npy")
             image = np.load(work / "l3.npy").astype(np.float64)
             results[name][spec] = cpsnr(to_xyz(image), truth, args.border)
-            # The scale is one for all channels and scenes, whatever white was: checked rather than fitted.
+            # The scale must be 1 for all channels and scenes. It is checked and not fitted.
             scale = (image * rgb).sum() / (rgb * rgb).sum()
             if abs(scale - 1) > 0.05:
                 raise SystemExit(f"{name} is on a scale of its own: {scale:.3f}")

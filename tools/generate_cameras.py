@@ -4,8 +4,8 @@
     pip install colour-science==0.4.7
     python3 tools/generate_cameras.py
 
-The curves were measured at NPL (Darrodi et al. 2015); the package (BSD-3-Clause) is where the numbers were read.
-Digits beyond the sixth say nothing in a measurement and are dropped.
+The curves were measured at NPL (Darrodi et al. 2015). The numbers were read from the package (BSD-3-Clause).
+Digits beyond the sixth are not significant in a measurement and are dropped.
 """
 import pathlib
 import subprocess

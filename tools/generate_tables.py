@@ -4,7 +4,7 @@
     pip install colour-science==0.4.7
     python3 tools/generate_tables.py && cargo fmt
 
-Each table names its primary source; the package (BSD-3-Clause) is where the numbers were read, except for the
+Each table names its primary source. The numbers were read from the package (BSD-3-Clause), except for the
 natural reflectances, which are in tools/data with their source and licence.
 """
 import pathlib

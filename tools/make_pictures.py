@@ -1,13 +1,13 @@
 #!/usr/bin/env python3
-"""Makes the pictures of the documentation, docs/images/*.png, with a built `smalti`; `just pictures` does all.
+"""Makes the pictures of the documentation, docs/images/*.png, with a built `smalti`. `just pictures` makes all of them.
 
     cargo build --release -p smalti-cli
     (cd tools/page && npm ci)
     python3 tools/make_pictures.py target/release/smalti [NAME ...]
 
-NAMEs are those of functions below; all without one. Needs numpy, Pillow 10.1 or newer (its scalable default font), and for the pictures
-of pages Node.js and Chromium. Cameras and scenes are built in or in the tutorial, seeds are fixed: the pictures come out the same each
-time, up to the versions of Pillow, its font and the browser.
+NAME is a function below; without a NAME all pictures are made. The script needs numpy, Pillow 10.1 or newer (for its scalable default font), and for
+the pictures of pages Node.js and Chromium. Cameras and scenes are built in or part of the tutorial, and seeds are fixed. The pictures are therefore
+reproducible, up to the versions of Pillow, its font and the browser.
 """
 
 import colorsys
@@ -26,15 +26,15 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent
 OUT = ROOT / "docs/images"
 PAPER, INK, FAINT = (255, 255, 255), (30, 30, 30), (110, 110, 110)
 
-# What a letter of a pattern looks like, linear RGB 0–1.
+# The colour of each letter of a pattern, linear RGB 0–1.
 FILTERS = {
     "R": (1, 0.05, 0.03), "G": (0.04, 0.75, 0.08), "B": (0.03, 0.1, 1), "W": (1, 1, 1), "C": (0.1, 0.8, 0.9),
     "Y": (1, 0.85, 0.05), "M": (0.85, 0.1, 0.7), "E": (0.02, 0.6, 0.4), "I": (0.16, 0.05, 0.06), "O": (1, 0.35, 0.02),
     "X": (0.05, 0.45, 0.02),
 }
-# Where a letter means something else: `clear`, not cyan.
+# In these patterns C means clear and not cyan.
 CLEAR = {"rccb", "rccc"}
-# Carrier phases of the arrays whose cells are mixtures, as in the catalogue: mean, amplitude, turns per primary.
+# Carrier phases of the arrays of mixtures, as in the catalogue: mean, amplitude and turns for each primary.
 MIXTURES = {
     "hirakawa2008": [(0.5, 8**-0.5, -0.125), (0.5, 0.5, 0.5), (0.5, 8**-0.5, 0.125)],
     "condat2011": [(0.5, 3**-0.5, t - 0.25) for t in (0, 1 / 3, -1 / 3)],
@@ -47,7 +47,7 @@ def smalti(*args):
 
 
 def encoded(linear):
-    """sRGB bytes of linear light."""
+    """Encodes linear light as sRGB bytes."""
     v = np.clip(linear, 0, 1)
     v = np.where(v <= 0.0031308, 12.92 * v, 1.055 * v ** (1 / 2.4) - 0.055)
     return (255 * v + 0.5).astype(np.uint8)
@@ -70,7 +70,7 @@ def save(image, name):
 
 
 def stages(work):
-    """Scene, mosaic and picture side by side; the mosaic enlarged, its place marked in the others."""
+    """Scene, mosaic and picture side by side. The mosaic is enlarged, and frames mark its place in the other two."""
     size, crop, zoom, gap, foot = 480, 48, 10, 18, 64
     place = (128, 350)  # column, row of the crop
     camera = ["--set", "sensor.rows=480", "--set", "sensor.cols=480"]
@@ -84,13 +84,13 @@ def stages(work):
     part = raw[place[1] : place[1] + crop, place[0] : place[0] + crop] - about["black_level"][0]
     part /= np.percentile(part, 99.5)
     tile = [[FILTERS[letter] for letter in row] for row in ("RG", "GB")]
-    # The crop begins at an even row and column, so at the tile's corner.
+    # The crop begins at an even row and column, which is the corner of the tile.
     mosaic = np.tile(np.array(tile, float), (crop // 2, crop // 2, 1)) * part[:, :, None]
     mosaic = Image.fromarray(encoded(mosaic)).resize((crop * zoom,) * 2, Image.NEAREST)
 
     sheet = Image.new("RGB", (3 * size + 2 * gap, size + foot), PAPER)
     draw = ImageDraw.Draw(sheet)
-    # Pillow's font knows little beyond ASCII.
+    # Pillow's font has few characters beyond ASCII.
     captions = [
         ("Scene", "dead leaves, spectra of natural objects"),
         ("Raw mosaic", f"{crop} by {crop} of its pixels, in the colours of their filters"),
@@ -126,7 +126,7 @@ def contact_sheet(work):
 
 
 def learned(work):
-    """Bayer and RGBW with learned pipelines beside what an observer sees, and the kernels of the second."""
+    """Bayer and RGBW with learned pipelines beside the reference, and the kernels of RGBW."""
     smalti("compare", "bayer", "rgbw", "--luminance", "1,80", "-q", "-o", work / "compare")
     rows = [("resolution-chart", 1), ("macbeth", 1), ("macbeth", 80)]
     names = [f"side-by-side/{s}-{l}-cd-m2.png" for s, l in rows] + ["rgbw-kernels.png"]
@@ -137,6 +137,38 @@ def learned(work):
         sheet.paste(picture, (0, y))
         y += picture.height
     save(sheet.quantize(256, dither=Image.Dither.NONE), "learned.png")
+
+
+def low_light(work):
+    """The first picture of the README: Bayer and RGBW at 1 cd/m², with bilinear demosaicking and with learned pipelines."""
+    smalti("compare", "bayer", "rgbw", "--processing", "l3,bilinear", "--luminance", 1, "-q", "-o", work / "dark")
+    results = json.loads((work / "dark/results.json").read_text())["results"]
+    scores = {(r["camera"], r["pipeline"]): r for r in results}
+    # The pictures of a scene stand four to a row, the reference first, in the order of the results.
+    columns = [("Reference", None), ("Bayer, bilinear", ("bayer", "bilinear")), ("Bayer, L³", ("bayer", "l3")), ("RGBW, L³", ("rgbw", "l3"))]
+    # A scene, its size in the sheet, and the part of it that is shown.
+    rows = [("macbeth", (384, 256), (0, 0, 384, 256)), ("resolution-chart", (384, 288), (42, 124, 192, 224))]
+    head, foot, gap, size = 44, 76, 14, (300, 200)
+    sheet = Image.new("RGB", (4 * size[0] + 3 * gap, head + 2 * size[1] + gap + foot), PAPER)
+    draw = ImageDraw.Draw(sheet)
+    bold, plain = (ImageFont.truetype(ROOT / f"crates/smalti-report/fonts/Inter-{f}.otf", s) for f, s in (("SemiBold", 27), ("Regular", 23)))
+    for c, (title, key) in enumerate(columns):
+        x = c * (size[0] + gap)
+        place = 0 if key is None else 1 + list(scores).index(key)
+        draw.text((x, 2), title, fill=INK, font=bold)
+        for r, (scene, (width, height), part) in enumerate(rows):
+            drawn = Image.open(work / f"dark/side-by-side/{scene}-1-cd-m2.png").convert("RGB")
+            left, top = 20 + place % 4 * 404, 58 + place // 4 * (height + 68)
+            box = (left + part[0], top + part[1], left + part[2], top + part[3])
+            enlarged = Image.NEAREST if part[2] - part[0] < width else Image.LANCZOS
+            sheet.paste(drawn.crop(box).resize(size, enlarged), (x, head + r * (size[1] + gap)))
+        lines = ["ColorChecker and a part of", "a resolution chart, 1 cd/m²"]
+        if key is not None:
+            noise = scores[key]["targets"]["luminance_noise_percent"]["mean"]
+            lines = [f"CPSNR {scores[key]['cpsnr_db']:.1f} dB", f"luminance noise {noise:.0f} %"]
+        for i, line in enumerate(lines):
+            draw.text((x, head + 2 * size[1] + gap + 8 + 31 * i), line, fill=INK if key else FAINT, font=plain)
+    save(sheet.quantize(256, kmeans=3, dither=Image.Dither.NONE), "low-light.png")
 
 
 def filter_color(name, letters, row, col, rows, cols):
@@ -177,7 +209,7 @@ def cfa_sheet(_work):
 
 
 def row(pictures, captions, name):
-    """Pictures of one height beside each other, a line below each."""
+    """Pictures of equal height side by side, each with a caption."""
     gap, foot = 18, 36
     sheet = Image.new("RGB", (sum(p.width for p in pictures) + gap * (len(pictures) - 1), pictures[0].height + foot), PAPER)
     draw = ImageDraw.Draw(sheet)
@@ -190,19 +222,19 @@ def row(pictures, captions, name):
 
 
 def opened(path, rows=480):
-    """A picture at a height."""
+    """Opens a picture and scales it to a height."""
     picture = Image.open(path).convert("RGB")
     return picture.resize((picture.width * rows // picture.height, rows), Image.LANCZOS)
 
 
 def tutorial(page):
-    """The first file that a page of the tutorial has the reader write."""
+    """The first TOML file of a page of the tutorial."""
     text = (ROOT / "docs/tutorial" / page).read_text()
     return re.search(r"```toml\n(.*?)```", text, re.DOTALL).group(1)
 
 
 def own_camera(work):
-    """The camera of the tutorial: its mosaic, and what it makes of a scene."""
+    """The camera of the tutorial: its mosaic and its picture of the ColorChecker."""
     camera = work / "mine.toml"
     camera.write_text(tutorial("2-own-camera.md"))
     smalti("show", camera, "-o", work / "mine.png")
@@ -212,7 +244,7 @@ def own_camera(work):
 
 
 def raw_file(work):
-    """A raw file, developed the classic way and by a learned pipeline."""
+    """A raw file, rendered with classic processing and with a learned pipeline."""
     raw = work / "dim/raw.dng"
     smalti("train", "rgbw", "--illuminants", "D65", "-q", "-o", work / "rgbw.l3")
     smalti("simulate", "rgbw", "--scene", "dead-leaves", "--luminance", "2", "-q", "-o", work / "dim")
@@ -222,7 +254,7 @@ def raw_file(work):
 
 
 def studies(work):
-    """Figures of the studies of the documentation, and the page of one."""
+    """Figures of the studies of the documentation, and the page of one study."""
     smalti("sweep", "table2", "-q", "-o", work / "table2")
     smalti("report", work / "table2")
     figure = Image.open(work / "table2/report/panels-by-colours.png").convert("RGB")
@@ -235,7 +267,7 @@ def studies(work):
 
 
 def learned_study(work):
-    """Zone plates of learned pipelines. The study takes minutes."""
+    """Zone plates of learned pipelines. This study takes minutes."""
     smalti("sweep", "table2-l3", "-q", "-o", work / "learned-study")
     smalti("report", work / "learned-study")
     plates = Image.open(work / "learned-study/report/zone-plates.png").convert("RGB")
@@ -243,7 +275,7 @@ def learned_study(work):
 
 
 def page_of_comparison(work):
-    """The page of a comparison, and its maps."""
+    """The page of a comparison and its maps."""
     smalti("compare", "bayer", "rgbw", "-q", "-o", work / "page")
     screenshot(work / "page/report.html", "report-compare.png")
     screenshot(work / "page/report.html", "report-maps-dark.png", "dark", "ΔE2000 difference")
@@ -254,7 +286,7 @@ def screenshot(page, name, *how):
     print(f"{OUT / name}: {(OUT / name).stat().st_size / 1e3:.0f} kB")
 
 
-PICTURES = [stages, contact_sheet, cfa_sheet, own_camera, learned, raw_file, studies, learned_study, page_of_comparison]
+PICTURES = [stages, contact_sheet, cfa_sheet, own_camera, low_light, learned, raw_file, studies, learned_study, page_of_comparison]
 
 
 def main():

@@ -1,4 +1,4 @@
-"""A first picture: a camera before a chart, what it costs in noise to make its pixels smaller."""
+"""A first picture: a camera photographs a chart, and smaller pixels increase its noise."""
 
 import smalti
 
@@ -11,5 +11,5 @@ for pitch_um in (2.2, 1.1):
     scores = smalti.evaluate(camera, luminance_cd_m2=10.0)
     print(f"{pitch_um} µm, {photo.exposure_time_s * 1e3:.0f} ms: {scores}")
 
-# Every stage is an array: irradiance on the sensor, digital numbers, the picture in XYZ.
+# Every stage is an array: irradiance on the sensor, digital numbers and the picture in XYZ.
 print(photo.optical_image.irradiance.shape, photo.raw.samples.dtype, photo.picture.array.mean(axis=(0, 1)))

@@ -1,4 +1,4 @@
-"""A colour filter array of one's own: three Gaussian filters and a clear one, moved until the colours are best."""
+"""A custom colour filter array: three Gaussian filters and a clear one, with the green filter that gives the lowest colour error."""
 
 import numpy as np
 import smalti

@@ -1,9 +1,9 @@
-"""A learned pipeline: trained for a mosaic that no developer knows, kept in a file, used on a raw file."""
+"""A learned pipeline: trained for a mosaic that no raw developer supports, written to a file and applied to a raw file."""
 
 import smalti
 
 camera = smalti.Camera("rgbw", set={"sensor.rows": 192, "sensor.cols": 256})
-# Without scenes the built-in training set is used, which takes a minute or so; these few do for a look.
+# Without scenes, training uses the built-in set and takes about a minute. These few scenes suffice for a first look.
 scenes = [smalti.Scene(f"dead-leaves?rows=256&cols=320&seed={seed}") for seed in (1, 2, 3)]
 pipeline = smalti.train(camera, [*scenes, smalti.Scene("grey-steps")], levels=6)
 pipeline.write("rgbw.l3")

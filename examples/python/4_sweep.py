@@ -1,4 +1,4 @@
-"""A study: which filters and mosaics give good colours with little noise? Results as a data frame, and a plot."""
+"""A study of which filters and mosaics have a low colour error and little noise, with a data frame and a plot of the results."""
 
 import matplotlib.pyplot as plt
 import smalti
@@ -21,7 +21,7 @@ study = smalti.Study.from_toml(
     """
 )
 print(study)
-# Ctrl-C leaves what is finished; the next run goes on from there.
+# Ctrl-C keeps the finished parts, and the next run resumes.
 frame = smalti.sweep(study, "filters").to_pandas()
 best = frame.nsmallest(5, "delta_e_2000")[["design", "colors", "tile", "delta_e_2000", "luminance_noise_percent"]]
 print(best.to_string(index=False))

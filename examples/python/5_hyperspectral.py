@@ -1,9 +1,9 @@
-"""A hyperspectral image, as NumPy keeps it, before a camera: reflectances and their wavelengths from an .npz file."""
+"""A camera photographs a hyperspectral image: reflectances and their wavelengths from an .npz file."""
 
 import numpy as np
 import smalti
 
-# Stands for one's own file: a cube [rows, columns, wavelengths] of reflectance, 400 to 720 nm in steps of 8.
+# This stands for your own file: a cube [rows, columns, wavelengths] of reflectance, 400 to 720 nm in steps of 8 nm.
 nm = np.arange(400.0, 721.0, 8.0)
 y, x = np.mgrid[0:120, 0:160] / 160.0
 cube = 0.5 + 0.4 * np.sin(2 * np.pi * (x[..., None] * 3 + (nm - 400.0) / 320.0)) * np.cos(2 * np.pi * y[..., None])
@@ -17,7 +17,7 @@ photo = camera.photograph(scene)
 photo.picture.write("phone.png")
 print(photo, photo.raw)
 
-# Files that other programs know: OpenEXR, MATLAB for ISETCam, ENVI. Parts of one can be read alone.
+# Other programs read these files: OpenEXR, MATLAB for ISETCam, ENVI. Smalti can read a part of one.
 for name in ["scene.exr", "scene.mat", "scene.hdr"]:
     scene.write(name)
     again = smalti.Scene(name)

@@ -1,4 +1,4 @@
-// A browser without a network, and pages in it whose every fault is kept.
+// A browser without a network, and pages in it that record every fault.
 import assert from "node:assert/strict";
 import { existsSync } from "node:fs";
 import { readFile } from "node:fs/promises";
@@ -16,7 +16,7 @@ export function launch(options = {}) {
   return chromium.launch({ executablePath, args, ...options });
 }
 
-// Opens a file. `faults` gathers errors, refusals by the policy, and requests for anything but the file itself.
+// Opens a file. `faults` collects errors, violations of the content security policy, and requests for anything but the file itself.
 export async function open(browser, file, options = {}) {
   const context = await browser.newContext({ viewport: { width: 1500, height: 1000 }, offline: true, acceptDownloads: true, ...options });
   const page = await context.newPage();
@@ -29,7 +29,7 @@ export async function open(browser, file, options = {}) {
   return { page, faults, close: () => context.close() };
 }
 
-// Works on a page once what `ready` finds in it is there, and fails on every fault.
+// Runs `doing` on a page once the element that `ready` locates exists, and fails on every fault.
 export async function work(browser, file, options, ready, doing) {
   const { page, faults, close } = await open(browser, file, options);
   try {
@@ -41,7 +41,7 @@ export async function work(browser, file, options, ready, doing) {
   }
 }
 
-// Serious faults that axe-core finds.
+// The serious violations that axe-core finds.
 export async function axe(page) {
   await page.evaluate(axeSource);
   const { violations } = await page.evaluate(() => window.axe.run());

@@ -1,4 +1,4 @@
-// Pictures that the page of a study draws itself, against those that the simulator makes.
+// Pictures that the page of a study draws itself, pixel by pixel against those that the command makes.
 import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
 import { mkdtemp, readFile, rm, stat, writeFile } from "node:fs/promises";
@@ -38,49 +38,31 @@ async function pages(name, toml) {
   return { file: join(dir, `${name}.html`), own: new Map(numbers.map((n) => [n, own.get(n - data.number[0])])) };
 }
 
-// Compares a canvas of the page with a picture, dB: PSNR of all pixels, and of the means of 12 × 12, in which noise is small. Noise: the
-// standard deviation of green of both in a rectangle.
-async function against(canvas, [src, [x0, y0, w, h]]) {
+// How many bytes of a canvas of the page differ from those of a picture.
+async function differing(canvas, src) {
   const image = new Image();
   image.src = src;
   await image.decode();
   const [width, height] = [image.naturalWidth, image.naturalHeight];
   if (canvas.width !== width || canvas.height !== height) throw new Error(`${canvas.width} × ${canvas.height}, not ${width} × ${height}`);
-  const pixels = (of) => {
+  const [mine, its] = [canvas, image].map((of) => {
     const copy = new OffscreenCanvas(width, height).getContext("2d");
     copy.drawImage(of, 0, 0);
     return copy.getImageData(0, 0, width, height).data;
-  };
-  const both = [canvas, image].map(pixels);
-  const psnr = (side) => {
-    let [squares, n] = [0, 0];
-    for (let y = 0; y + side <= height; y += side) {
-      for (let x = 0; x + side <= width; x += side) {
-        for (let color = 0; color < 3; color += 1, n += 1) {
-          let sum = 0;
-          for (let i = 0; i < side * side; i += 1) {
-            const at = 4 * ((y + Math.floor(i / side)) * width + x + (i % side)) + color;
-            sum += both[0][at] - both[1][at];
-          }
-          squares += (sum / side ** 2) ** 2;
-        }
-      }
-    }
-    return 10 * Math.log10((255 ** 2 * n) / squares);
-  };
-  const noise = both.map((data) => {
-    const values = Array.from({ length: w * h }, (_, i) => data[4 * ((y0 + Math.floor(i / w)) * width + x0 + (i % w)) + 1]);
-    const mean = values.reduce((s, v) => s + v, 0) / values.length;
-    return Math.sqrt(values.reduce((s, v) => s + (v - mean) ** 2, 0) / values.length);
   });
-  return { psnr: psnr(1), smooth: psnr(12), noise };
+  let [count, levels] = [0, new Set()];
+  mine.forEach((v, i) => {
+    count += v !== its[i];
+    levels.add(its[i]);
+  });
+  if (levels.size < 20) throw new Error("there is nothing in the picture");
+  return count;
 }
-// Inside of a leaf of one colour.
-const LEAF = [295, 258, 25, 24];
+const STALE = "the module in crates/smalti-report/vendor/smalti-wasm is not that of this tree: run `just wasm`";
 
-// Holds what a page draws of designs against what the simulator makes; returns the worst of each.
-async function hold(name, file, own, leastPsnr) {
-  const worst = { plate: Infinity, leaves: Infinity };
+// Holds what a page draws of designs against what the command makes; returns the milliseconds of each zone plate.
+async function hold(name, file, own) {
+  const times = [];
   await work(browser, file, {}, plot, async (page) => {
     for (const [number, theirs] of own) {
       await page.locator("#best tbody button").filter({ hasText: new RegExp(`^${number}$`) }).first().dispatchEvent("click");
@@ -88,22 +70,21 @@ async function hold(name, file, own, leastPsnr) {
       const canvases = panel(page).locator(".pictures canvas");
       assert.equal(await canvases.count(), 2, await panel(page).textContent());
       await panel(page).locator(".pictures canvas[data-drawn]").nth(1).waitFor();
-      const [plate, leaves] = [await canvases.nth(0).evaluate(against, [theirs[0], LEAF]), await canvases.nth(1).evaluate(against, [theirs[1], LEAF])];
-      worst.plate = Math.min(worst.plate, plate.psnr);
-      worst.leaves = Math.min(worst.leaves, leaves.smooth);
-      assert.ok(plate.psnr > leastPsnr, `${name}, zone plate of design ${number}: ${plate.psnr} dB`);
-      assert.ok(leaves.smooth > 40, `${name}, leaves of design ${number}: ${leaves.smooth} dB`);
-      const [mine, its] = leaves.noise;
-      assert.ok(its > 0.3 && mine / its > 0.8 && mine / its < 1.25, `${name}, noise of design ${number}: ${mine}, ${its}`);
+      for (const which of [0, 1]) {
+        const count = await canvases.nth(which).evaluate(differing, theirs[which]);
+        assert.equal(count, 0, `${name}, picture ${which} of design ${number}; ${STALE}`);
+      }
+      times.push(Number(await canvases.first().getAttribute("data-drawn")));
     }
   });
-  return worst;
+  return times;
 }
-async function compare(name, toml, designs, leastPsnr) {
+async function compare(name, toml, designs) {
   const { file, own } = await pages(name, toml);
   assert.equal(own.size, designs);
-  const { plate, leaves } = await hold(name, file, own, leastPsnr);
-  console.log(`# ${name}: zone plates ${plate.toFixed(1)} dB, leaves ${leaves.toFixed(1)} dB at least`);
+  const times = await hold(name, file, own);
+  console.log(`# ${name}: zone plates in ${times.map((ms) => ms.toFixed(0)).join(", ")} ms`);
+  return times;
 }
 
 const FILTERS = "[filters.gaussian_grid]\ncenters_nm = [430, 10, 660]\nsigmas_nm = [20, 5, 55]\nmin_spacing_nm = 20\n";
@@ -111,23 +92,23 @@ const FILTERS = "[filters.gaussian_grid]\ncenters_nm = [430, 10, 660]\nsigmas_nm
 test("any mosaic, before any read-out", async () => {
   // The samples of some channels are far apart and lie in no lattice of their own.
   await compare("mosaics", `camera = "table1"\ncolors = [3, 5, 7]
-mosaics = { given = [["bc", "ab"], ["aabcb", "dcbea", "bacdd"], ["abcd", "efga", "gbfc", "aaea"]] }\n[sample]\nfilters = 2\n${FILTERS}`, 3, 50);
+mosaics = { given = [["bc", "ab"], ["aabcb", "dcbea", "bacdd"], ["abcd", "efga", "gbfc", "aaea"]] }\n[sample]\nfilters = 2\n${FILTERS}`, 3);
   await compare("readout", `camera = "table1"\ncolors = [4]\nmosaics = { given = [["ab", "cd"]] }\n[sample]\nfilters = 1\n${FILTERS}
-[conditions.grid]\n"sensor.adc_bits" = [0, 8]\n"sensor.crosstalk_percent" = [12]\n"exposure.auto" = ["mean", "luminance"]\n"exposure.analog_offset_mv" = [30]`, 4, 45);
+[conditions.grid]\n"sensor.adc_bits" = [0, 8]\n"sensor.crosstalk_percent" = [12]\n"exposure.auto" = ["mean", "luminance"]\n"exposure.analog_offset_mv" = [30]`, 4);
 });
 
 test("every exposure, light and way of seeing colour", async () => {
   await compare("ways", `camera = "table1"\ncolors = [3]\nmosaics = { given = [["bc", "ab"]] }\n[sample]\nfilters = 1\n${FILTERS}
-[conditions.grid]\n"sensor.architecture" = ["mosaic", "prism", "field-sequential"]\nluminance_cd_m2 = [5, 100]`, 6, 50);
+[conditions.grid]\n"sensor.architecture" = ["mosaic", "prism", "field-sequential"]\nluminance_cd_m2 = [5, 100]`, 6);
   await compare("lights", `camera = "table1"\ncolors = [3]\nmosaics = { given = [["bc", "ab"]] }\n[sample]\nfilters = 1\n${FILTERS}
-[conditions.grid]\nilluminant = ["A", "D65"]\n"exposure.time_ms" = [30, 60]`, 4, 45);
+[conditions.grid]\nilluminant = ["A", "D65"]\n"exposure.time_ms" = [30, 60]`, 4);
 });
 
 test("filters that are no formula", async () => {
   const library = (peak) => `camera = "table1"\ncolors = [3]\nmosaics = { given = [["bc", "ab"]] }\n[sample]\nfilters = 6
 [filters.library]\n[[filters.library.series]]\nraised_cosine = { centers_nm = [440, 30, 620], fwhms_nm = [60, 40, 140], peak = ${peak} }\n`;
-  await compare("library", library(0.9), 2, 50);
-  await compare("dim", library(0.01), 2, 50);
+  await compare("library", library(0.9), 2);
+  await compare("dim", library(0.01), 2);
 });
 
 test("studies on different wavelengths, in either order", async () => {
@@ -145,23 +126,29 @@ mosaics = { given = [["bc", "ab"]] }\n[filters.library.filters]\n${filters}\n`;
       const button = page.locator("#best").getByRole("table", { name: /near/ }).getByRole("button", { name: /^0$/ });
       await button.dispatchEvent("click");
       await panel(page).locator(".pictures canvas[data-drawn]").nth(1).waitFor();
-      const found = await panel(page).locator(".pictures canvas").first().evaluate(against, [near.own.get(0)[0], LEAF.map((v) => v / 2)]);
-      assert.ok(found.psnr > 50, `${order}: ${found.psnr} dB`);
+      const count = await panel(page).locator(".pictures canvas").first().evaluate(differing, near.own.get(0)[0]);
+      assert.equal(count, 0, `${order}; ${STALE}`);
     });
   }
 });
 
-test("large mosaics are drawn or said, and the rest of the design is there", async () => {
+test("large mosaics", async () => {
   const tile = (side, letters) => Array.from({ length: side }, (_, r) => Array.from({ length: side }, (_, c) => letters[(r * r + 3 * r * c + c + (r >> 2)) % letters.length]).join(""));
-  await compare("large", `camera = "table1"\ncolors = [3]\nmosaics = { given = [${JSON.stringify(tile(96, "abc"))}] }\n[sample]\nfilters = 1\n${FILTERS}`, 1, 50);
-  await writeFile(join(dir, "huge.toml"), `name = "huge"\ncamera = "table1"\ncolors = [4]\nmosaics = { given = [${JSON.stringify(tile(128, "abcd"))}] }\n[sample]\nfilters = 1\n${FILTERS}`);
-  run("sweep", "huge.toml", "-o", "huge", "--no-cache");
-  run("report", "huge", "-o", "huge.html");
-  await work(browser, join(dir, "huge.html"), {}, plot, async (page) => {
-    const text = await panel(page).textContent();
-    assert.match(text, /Colour error/);
-    assert.match(text, /its mosaic is too large to be drawn here\. This command makes a page with them:/);
-  });
+  await compare("large", `camera = "table1"\ncolors = [3]\nmosaics = { given = [${JSON.stringify(tile(96, "abc"))}] }\n[sample]\nfilters = 1\n${FILTERS}`, 1);
+});
+
+test("every demosaicking, and pipelines that are learned", async () => {
+  const demosaic = `[conditions.grid]\n"isp.demosaic" = ["malvar2004", "hamilton-adams1997"]`;
+  await compare("demosaic", `camera = "table1"\ncolors = [3]\nmosaics = { given = [["bc", "ab"]] }\n[sample]\nfilters = 1\n${FILTERS}${demosaic}`, 2);
+  const learned = (solver) => `camera = "table1"\ncolors = [3, 5]\nprocessing = ["classic", "l3"]\nmosaics = { given = [["bc", "ab"], ["aabcb", "dcbea", "bacdd"]] }
+[l3]\nsolver = "${solver}"\nside = 5\nlevels = 2\nsize_px = 96\n[sample]\nfilters = 2\n${FILTERS}\n[conditions.grid]\n"exposure.auto" = ["mean", "luminance"]`;
+  await compare("learned", learned("wiener"), 8);
+  await compare("ridge", learned("ridge"), 8);
+});
+
+test("a picture of 256 × 256 pixels takes a twentieth of a second", async () => {
+  const times = await compare("times", `camera = "table1"\ncolors = [4]\nmosaics = { given = [["ab", "cd"]] }\n[sample]\nfilters = 4\n${FILTERS}`, 2);
+  assert.ok(Math.min(...times) <= 50, times.join(", "));
 });
 
 test("why there are no pictures is said", async () => {
@@ -183,28 +170,22 @@ test("why there are no pictures is said", async () => {
   await close();
 });
 
-test("learned pipelines are not drawn but said", async () => {
-  await writeFile(join(dir, "learned.toml"), `name = "learned"\ncamera = "table1"\ncolors = [3]\nprocessing = ["classic", "l3"]
-mosaics = { given = [["bc", "ab"]] }\n[l3]\nside = 3\nlevels = 1\nsize_px = 64\n[sample]\nfilters = 6\n${FILTERS}`);
-  run("sweep", "learned.toml", "-o", "learned", "--no-cache");
-  run("report", "learned", "-o", "learned.html", "--pictures", "1");
-  await work(browser, join(dir, "learned.html"), {}, plot, async (page) => {
-    const seen = { own: 0, drawn: 0, said: 0 };
-    for (const button of await page.locator("#best tbody button").all()) {
-      await button.dispatchEvent("click");
-      const text = await panel(page).textContent();
-      const [own, drawn] = [await panel(page).locator(".pictures img").count(), await panel(page).locator(".pictures canvas").count()];
-      assert.equal(own + drawn, 2);
-      seen[own ? "own" : "drawn"] += 1;
-      const said = /processing is a learned pipeline/.test(text);
-      assert.equal(said, drawn > 0 && /\bl3\b/.test(await panel(page).locator(".sub").textContent()), text);
-      if (said) {
-        seen.said += 1;
-        assert.match(text, /smalti report learned --picture \d+ -o/);
-      }
-    }
-    assert.ok(seen.own === 1 && seen.drawn > 2 && seen.said > 0, JSON.stringify(seen));
-  });
+test("a browser without WebAssembly shows what the page embeds, and says why it draws nothing else", async () => {
+  await writeFile(join(dir, "barred.toml"), `name = "barred"\ncamera = "table1"\ncolors = [3, 4]\nmosaics = { given = [["bc", "ab"], ["ab", "cd"]] }\n[sample]\nfilters = 1\n${FILTERS}`);
+  run("sweep", "barred.toml", "-o", "barred", "--no-cache");
+  run("report", "barred", "-o", "barred.html", "--picture", "1");
+  const { page, faults, close } = await open(browser, join(dir, "barred.html"));
+  await page.addInitScript(() => { delete window.WebAssembly; });
+  await page.reload();
+  const choose = (number) => page.locator("#best tbody button").filter({ hasText: new RegExp(`^${number}$`) }).first().dispatchEvent("click");
+  await choose(0);
+  await panel(page).getByText("The page could not draw its pictures: this browser bars WebAssembly").waitFor();
+  assert.match(await panel(page).textContent(), /smalti report barred --picture 0 -o/);
+  assert.equal(await panel(page).locator("canvas").count(), 0);
+  await choose(1);
+  assert.equal(await panel(page).locator(".pictures img").count(), 2);
+  assert.deepEqual(faults, []);
+  await close();
 });
 
 test("a page of many lenses draws smaller pictures, and says where it can draw none", async () => {
@@ -224,7 +205,7 @@ ${FILTERS}[conditions.grid]\n"optics.f_number" = [1.8, 2, 2.4, 2.8, 3.2, 4, 4.5,
         assert.equal(await canvases.first().getAttribute("width"), "128");
       } else {
         seen.none += 1;
-        assert.match(await panel(page).textContent(), /would have become too large; take fewer/);
+        assert.match(await panel(page).textContent(), /would be too large; report fewer/);
       }
     }
     assert.ok(seen.drawn > 5 && seen.drawn + seen.none === 16, JSON.stringify(seen));

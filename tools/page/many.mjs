@@ -1,5 +1,5 @@
-// A page of many designs out of one of few: its data are replaced. The policy allows that, data are no program.
-// `marked`: how many of the last have marks.
+// Makes a page of many designs from a page of few by replacing its data. The content security policy allows this, since data are no script.
+// `marked` is the number of designs at the end that have marks.
 export function withDesigns(html, count, marked = 0) {
   const found = html.match(/(<script type="application\/json" id="sweep">)(.*?)(<\/script>)/s);
   const data = JSON.parse(found[2]);

@@ -1,5 +1,5 @@
-// The pictures of pages in the documentation, for tools/make_pictures.py: `FILE PICTURE [light|dark] [WHAT]`; WHAT is `whole`, all designs of
-// a study instead of some selected, `design`, the best of five colours alone, or the name of a map.
+// Makes the pictures of pages in the documentation for tools/make_pictures.py: `FILE PICTURE [light|dark] [WHAT]`. WHAT is `whole` (all designs of
+// a study without a selection), `design` (the best design of five colours alone), or the name of a map.
 import { resolve } from "node:path";
 import { launch, open } from "./browser.mjs";
 
@@ -13,13 +13,13 @@ if (what === "design") {
   await page.setViewportSize({ width: 760, height: 1130 });
   await page.locator("#best tbody tr", { has: page.locator("td", { hasText: /^5$/ }) }).first().getByRole("button").dispatchEvent("click");
   await page.locator(".pictures canvas[data-drawn]").nth(1).waitFor();
-  // The command at its end names a folder of this machine.
+  // The command at the end of the page names a folder of this machine.
   await page.locator("section.design h4").last().evaluate((heading) => {
     heading.nextElementSibling.remove();
     heading.remove();
   });
 } else if (await plot.count() > 0) {
-  // Of a study, with designs selected.
+  // The page of a study, with a selection of designs.
   if (what !== "whole") {
     const box = await plot.boundingBox();
     await page.mouse.move(...at(box, 0.36, 0.62));
@@ -29,7 +29,7 @@ if (what === "design") {
     await page.mouse.move(5, 5);
   }
 } else if (what) {
-  // Of a chart in the most light, with the values under the pointer.
+  // The ColorChecker at the highest luminance, with the values under the cursor.
   await page.getByLabel("Scene").selectOption("macbeth");
   await page.getByLabel("Luminance").selectOption({ index: await page.getByLabel("Luminance").locator("option").count() - 1 });
   await page.getByLabel("Show").selectOption(what);

@@ -1,86 +1,134 @@
-//! `smalti compare`: cameras with their learned pipelines before the same scenes.
+//! `smalti compare`: renders the same scenes with cameras and their learned pipelines.
+
+use std::path::{Path, PathBuf};
 
 use anyhow::{Context, bail, ensure};
-use smalti::camera::{
-    Camera, CameraError, Contender, Evaluation, EvaluationSettings, LightGainSettings, LightGains,
-    SceneScores, ScoreSettings, Setup, compare_on, evaluate_with, light_gains, test_scenes,
+use clap::Args;
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
+use smalti::camera::ScoreSettings;
+use smalti::experiment::{
+    ComparisonSettings, Contender, Processing, Progress as _, Resources, TestScene, compare, ensure_mosaic,
+    learn_default, light_gains_to_first,
 };
-use smalti::isp::{Classic, Demosaic, Isp, WhiteBalance};
-use smalti::l3::{Pipeline, peak_ratio_db};
-use smalti::metrics::esfr::EdgeSfr;
-use smalti::scene::Setting;
-use smalti::sensor::NoiseMode;
-use smalti::spectrum::{Illuminant, Spectrum};
+use smalti::isp::Demosaic;
+use smalti::l3::Pipeline;
+use smalti::spectrum::{Observer, WavelengthGrid};
 use smalti_io::cache::Cache;
-use smalti_io::write;
+use smalti_io::{l3, memory, write};
+use smalti_report::comparison::{Comparison, PAGE, SIDE_BY_SIDE};
+use smalti_report::names;
 
-use crate::args::{Common, Compare, Processing};
-use crate::compare_page;
-use crate::compare_report::{self, Report};
+use crate::args::{CameraOptions, Common};
+use crate::learning_args::LearningOptions;
+use crate::numbers::positive;
 use crate::progress::Progress;
-use crate::{learn, names, resolve};
+use crate::{resolve, table};
 
-/// A camera with one way of processing.
-pub(crate) struct Way<'a> {
-    pub(crate) camera: &'a Camera,
-    /// What the camera is called, numbered where two have one name.
-    pub(crate) label: &'a str,
-    pub(crate) processing: Processing,
-    pub(crate) pipeline: Option<&'a Pipeline>,
-}
+/// The file whose presence shows that a folder is complete.
+const RESULTS: &str = "results.json";
 
-/// What one way scores in one light.
-pub(crate) struct Outcome {
-    pub(crate) luminance_cd_m2: f64,
-    pub(crate) targets: Evaluation,
-    /// The response to the edge.
-    pub(crate) edge: Option<EdgeSfr>,
-    pub(crate) scenes: Vec<(String, SceneScores)>,
-    /// For each scene, how far the learned pipeline's picture in fixed point is from that in single precision, dB; `None` for other
-    /// processing, and where the table has no fixed-point form for the camera.
-    pub(crate) fixed_point_psnr_db: Vec<Option<f64>>,
-}
-
-/// How much more light one way needs to equal another.
-pub(crate) struct Gain {
-    pub(crate) first: String,
-    pub(crate) other: String,
+#[derive(Debug, Clone, Args)]
+#[command(after_help = "Examples:\n  \
+    smalti compare bayer rgbw --luminance 1,80\n  \
+    smalti compare bayer rgbw --luminance 1 --light-gain\n  \
+    smalti compare bayer --processing l3,bilinear,malvar2004,hamilton-adams1997 --luminance 1,10,80\n  \
+    smalti compare bayer rgbw clarity kodak wang --luminance 1 --scene photo.png -o slides\n\n\
+    CPSNR (in XYZ), ΔE2000 and S-CIELAB are means over the pictures of all scenes. MTF50 is measured on a slanted edge, visual \
+    SNR and noise on the grey patches of a chart (smalti list metrics). The cache stores the learned pipelines, so that the next \
+    comparison takes seconds.\n\n\
+    Output files: report.html, a page of all results; side-by-side/, for each scene and luminance one picture (the reference, then the \
+    cameras in the order of the table) and one of error maps (ΔE2000, S-CIELAB); CAMERA.l3 (for smalti render); CAMERA-kernels.png; \
+    and results.json, which is removed first and written last, so a folder that contains it is complete.")]
+pub(crate) struct Compare {
+    /// The command line, for the page
+    #[arg(skip)]
+    pub(crate) words: Vec<String>,
+    /// Built-in cameras (smalti list cameras) or TOML files
+    #[arg(required = true)]
+    pub(crate) cameras: Vec<String>,
+    /// Mean luminance of the scenes, cd/m²; one or several, separated by commas
+    #[arg(long, value_delimiter = ',', default_value = "1,80", value_name = "CD_M2", value_parser = positive, allow_negative_numbers = true)]
+    pub(crate) luminance: Vec<f64>,
+    /// A scene to compare on, built in or a file; may be given more than once. The name of a default scene without
+    /// parameters selects it in its default size [default: test scenes that are not used for training]
+    #[arg(long = "scene", value_name = "SCENE")]
     pub(crate) scenes: Vec<String>,
-    pub(crate) gains: LightGains,
+    /// Illuminant of the scenes and of the training: a name (smalti list illuminants) or a CSV
+    #[arg(long, default_value = "D65", value_name = "NAME")]
+    pub(crate) illuminant: String,
+    /// Processing methods, separated by commas
+    #[arg(long, value_delimiter = ',', value_parser = processing(), default_value = "l3")]
+    pub(crate) processing: Vec<Processing>,
+    /// Also measure the light gain of each camera over the first: how much more light, in stops, the first camera needs to reach
+    /// the same score by each metric, with the first processing method. Takes at least half a minute
+    #[arg(long)]
+    pub(crate) light_gain: bool,
+    /// A learned table (smalti train) to use instead of training; one for each camera, in their order
+    #[arg(long = "pipeline", value_name = "FILE.l3")]
+    pub(crate) pipelines: Vec<PathBuf>,
+    #[command(flatten)]
+    pub(crate) camera_options: CameraOptions,
+    /// Do not use the cache of optical images and pipelines ($SMALTI_CACHE_DIR, else the user's cache folder)
+    #[arg(long)]
+    pub(crate) no_cache: bool,
+    /// Print results.json instead of the table
+    #[arg(long)]
+    pub(crate) json: bool,
+    /// Folder for the results, created if needed
+    #[arg(short, long, default_value = "out", value_name = "DIR")]
+    pub(crate) output: PathBuf,
+    // Last: the heading would apply to all arguments after it.
+    #[command(flatten)]
+    pub(crate) learning: LearningOptions,
+}
+
+/// Parses the names of processing methods, including a former name.
+fn processing() -> impl TypedValueParser<Value = Processing> {
+    let value = |p: Processing| {
+        let value = PossibleValue::new(p.name());
+        match p {
+            Processing::L3 => value.help("The learned pipeline"),
+            Processing::Classic(Demosaic::Malvar2004) => {
+                value.help("Malvar, He and Cutler 2004 with a colour matrix, for Bayer mosaics")
+            }
+            Processing::Classic(Demosaic::HamiltonAdams1997) => value
+                .alias("adaptive")
+                .help("Hamilton and Adams 1997 with a colour matrix, for Bayer mosaics"),
+            Processing::Classic(_) => {
+                value.help("Bilinear demosaicking with a colour matrix, for any mosaic")
+            }
+        }
+    };
+    PossibleValuesParser::new(Processing::all().into_iter().map(value)).try_map(|typed| {
+        let typed = if typed == "adaptive" { "hamilton-adams1997" } else { &typed };
+        Processing::all().into_iter().find(|p| p.name() == typed).ok_or("unknown processing")
+    })
 }
 
 pub(crate) fn run(args: &Compare, common: &Common) -> anyhow::Result<()> {
     let illuminant = resolve::illuminant(&args.illuminant)?;
-    let cameras = args
-        .cameras
-        .iter()
-        .map(|name| resolve::camera(name, &args.camera_options, None))
-        .collect::<anyhow::Result<Vec<Camera>>>()?;
+    let cameras = resolve::cameras(&args.cameras, &args.camera_options)?;
     if args.processing.contains(&Processing::L3) {
-        cameras.iter().try_for_each(learn::ensure_mosaic)?;
+        cameras.iter().try_for_each(ensure_mosaic)?;
     }
-    ensure!(
-        !args.light_gain || cameras.len() > 1,
-        "--light-gain holds cameras against each other: name two or more"
-    );
+    ensure!(!args.light_gain || cameras.len() > 1, "--light-gain compares cameras; expected two or more");
     write::ensure_can_fill(&args.output)?;
     let seed = args.camera_options.seed;
     let cache = if args.no_cache { Cache::disabled() } else { Cache::open(None) };
     let (settings, training) = (args.learning.settings(seed), args.learning.training());
-    let ways_each = args.processing.len();
     let gains = if args.light_gain { args.luminance.len() * (cameras.len() - 1) } else { 0 };
-    let steps = cameras.len() * (1 + ways_each * args.luminance.len()) + gains;
+    let steps = cameras.len() * (1 + args.processing.len() * args.luminance.len()) + gains;
     let progress = Progress::new(steps as u64, common.quiet);
+    let resources = Resources { store: &cache, progress: &progress, memory_bytes: memory::available_bytes() };
     let labels = names::numbered(cameras.iter().map(|c| c.description().name.clone()).collect());
-    let (mut ways, mut left_out) = (Vec::new(), Vec::new());
     let given = given_pipelines(args)?;
     let mut pipelines = Vec::new();
     for (number, (camera, label)) in cameras.iter().zip(&labels).enumerate() {
-        progress.begin(format!("{label}: its pipeline"));
+        progress.begin(&format!("{label}: pipeline"));
         let learned = if let Some(pipeline) = given.get(number) {
             Some(pipeline.clone())
         } else if args.processing.contains(&Processing::L3) {
-            let learned = learn::learned(camera, &settings, &training, &illuminant, &cache, &progress);
+            let learned = learn_default(camera, &settings, &training, &illuminant, resources);
             Some(learned.with_context(|| label.clone())?)
         } else {
             None
@@ -88,70 +136,113 @@ pub(crate) fn run(args: &Compare, common: &Common) -> anyhow::Result<()> {
         pipelines.push(learned);
         progress.done();
     }
+    let (mut contenders, mut left_out) = (Vec::new(), Vec::new());
     for ((camera, label), pipeline) in cameras.iter().zip(&labels).zip(&pipelines) {
         for (i, &processing) in args.processing.iter().enumerate() {
-            let way = Way { camera, label, processing, pipeline: pipeline.as_ref() };
-            if !way.is_defined() {
-                progress.note(&format!("{} is left out: it is defined for Bayer mosaics", way.name()));
-                left_out.push(way.name());
+            let contender = Contender { camera, label, processing, pipeline: pipeline.as_ref() };
+            if !contender.is_defined() {
+                progress.note(&format!(
+                    "{} is left out, since the method is defined for Bayer mosaics only",
+                    contender.name()
+                ));
+                left_out.push(contender.name());
             } else if !args.processing[..i].contains(&processing) {
-                ways.push(way);
+                contenders.push(contender);
             }
         }
     }
     ensure!(
-        !ways.is_empty(),
-        "nothing is left to compare: --processing names nothing that takes these mosaics"
+        !contenders.is_empty(),
+        "nothing is left to compare: no method of --processing supports these mosaics"
     );
-    let scenes = scenes(args);
-    let mut outcomes: Vec<Vec<Outcome>> = Vec::new();
-    let mut setups: Vec<Setup> = Vec::new();
-    for way in &ways {
-        // Forming images takes longest; cameras of one lens and pitch share them.
-        setups = scenes
-            .iter()
-            .enumerate()
-            .map(|(i, name)| match setups.get(i).map(|s| s.before(way.camera)).transpose()?.flatten() {
-                Some(setup) => Ok(setup),
-                None => setup(way.camera, name, args, &illuminant).with_context(|| name.clone()),
-            })
-            .collect::<anyhow::Result<_>>()?;
-        outcomes.push(outcomes_of(way, args, &scenes, &setups, &illuminant, &cache, &progress)?);
-    }
-    let gains = if args.light_gain {
-        light_gains_of(&ways, args, &scenes, &illuminant, &progress)?
-    } else {
-        Vec::new()
+    let settings = ComparisonSettings {
+        luminances_cd_m2: args.luminance.clone(),
+        illuminant,
+        scenes: scenes(args)?,
+        seed,
+        score: ScoreSettings::default(),
     };
-    let report = Report {
-        args,
+    let outcomes = compare(&contenders, &settings, resources)?;
+    let gains =
+        if args.light_gain { light_gains_to_first(&contenders, &settings, &progress)? } else { Vec::new() };
+    if let Some(gain) = gains.first()
+        && !args.scenes.is_empty()
+        && !gain.scenes.iter().eq(settings.scenes.iter().map(TestScene::name))
+    {
+        progress.note(&format!("light gains are measured on {}", gain.scenes.join(" and ")));
+    }
+    let scene_labels: Vec<String> = settings.scenes.iter().map(|s| scene_label(s.name())).collect();
+    let report = Comparison {
+        command: &resolve::command_line(&args.words, &args.cameras),
         cameras: &cameras,
         labels: &labels,
-        ways: &ways,
+        contenders: &contenders,
         left_out: &left_out,
         outcomes: &outcomes,
         gains: &gains,
+        scene_labels: &scene_labels,
+        illuminant: &args.illuminant,
+        white: Observer::Cie1931.white(&settings.illuminant.photons(WavelengthGrid::VISIBLE)?)?,
+        seed,
     };
     let text = serde_json::to_string_pretty(&report.document()?)? + "\n";
     progress.begin("writing");
-    report.write(&text)?;
+    write_files(&report, &args.output, &text)?;
     progress.finish();
     if args.json {
         return crate::print(&text);
     }
-    let over =
-        if scenes.len() == 1 { "of one scene".into() } else { format!("means over {} scenes", scenes.len()) };
+    let over = match settings.scenes.len() {
+        1 => "scores of one scene".into(),
+        n => format!("means over {n} scenes"),
+    };
     crate::print(&format!(
-        "{}{}{}\n{over}; to look at: {}; figures in {}\n",
-        report.scores_table(),
+        "{}{}{}\n{over}; see {}; all results are in {}\n",
+        report.scores_table(&table::render),
         report.fixed_point_line(),
-        report.gains_table(),
-        args.output.join(compare_page::FILE).display(),
-        args.output.join(compare_report::RESULTS).display(),
+        report.gains_table(&table::render),
+        args.output.join(PAGE).display(),
+        args.output.join(RESULTS).display(),
     ))
 }
 
-/// Tables that are used as they are, one for each camera; none when all are to be learned.
+/// Writes everything; `document` is the content of results.json, which is removed first and written last.
+fn write_files(report: &Comparison<'_>, dir: &Path, document: &str) -> anyhow::Result<()> {
+    let new = report.files();
+    for file in earlier_files(dir).iter().filter(|file| !new.contains(file)) {
+        // A file that is gone, or that cannot be removed, must not lose the new results.
+        let _ = std::fs::remove_file(dir.join(file));
+    }
+    let mut files = write::Files::new(dir, &[RESULTS], &[]);
+    report.draw(&mut |name, content| Ok(files.write(name, content)?))?;
+    for (_, pipeline, name) in report.learned() {
+        l3::write_table(&dir.join(format!("{name}.l3")), pipeline)?;
+    }
+    Ok(files.write(RESULTS, document.as_bytes())?)
+}
+
+/// The files that an earlier comparison lists in its results.json, as far as their names are those of a comparison.
+fn earlier_files(dir: &Path) -> Vec<String> {
+    let text = std::fs::read(dir.join(RESULTS)).ok();
+    let results = text.and_then(|text| serde_json::from_slice::<serde_json::Value>(&text).ok());
+    let listed = results.as_ref().and_then(|r| r.get("files")?.as_array());
+    let is_own = |file: &&str| {
+        // A name that leads elsewhere is not one that a comparison gives.
+        let name = file.strip_prefix(SIDE_BY_SIDE).and_then(|f| f.strip_prefix('/')).unwrap_or(file);
+        (name.ends_with(".png") || name.ends_with(".l3") || *file == PAGE)
+            && Path::new(name).file_name().is_some_and(|n| n == name)
+    };
+    let files = listed.into_iter().flatten().filter_map(serde_json::Value::as_str);
+    files.filter(is_own).map(str::to_owned).collect()
+}
+
+/// The name of a scene without its folder, parameters and extension.
+fn scene_label(scene: &str) -> String {
+    let name = if resolve::is_file(scene) { scene } else { scene.split('?').next().unwrap_or(scene) };
+    Path::new(name).file_stem().map_or_else(|| scene.to_owned(), |s| s.to_string_lossy().into_owned())
+}
+
+/// The given pipelines, one for each camera; empty when all are to be learned.
 fn given_pipelines(args: &Compare) -> anyhow::Result<Vec<Pipeline>> {
     let (given, cameras) = (args.pipelines.len(), args.cameras.len());
     if given != 0 && given != cameras {
@@ -162,165 +253,33 @@ fn given_pipelines(args: &Compare) -> anyhow::Result<Vec<Pipeline>> {
         .map(|file| {
             let pipeline = smalti_io::l3::read_table(file)?;
             if pipeline.outputs() != ["X", "Y", "Z"] {
-                bail!("{}: gives {}, expected X, Y, Z", file.display(), pipeline.outputs().join(", "));
+                bail!(
+                    "{}: the outputs are {}; expected X, Y, Z",
+                    file.display(),
+                    pipeline.outputs().join(", ")
+                );
             }
             Ok(pipeline)
         })
         .collect()
 }
 
-/// The scenes to compare on: those asked for, else the built-in ones, which nothing is trained on.
-fn scenes(args: &Compare) -> Vec<String> {
-    match args.scenes.is_empty() {
-        true => test_scenes().iter().map(|s| (*s).to_owned()).collect(),
-        // A name alone is the scene of that name among the built-in ones to compare on: those of the catalogue are smaller.
-        false => args.scenes.iter().map(|name| of_test_set(name).unwrap_or(name).to_owned()).collect(),
+/// The scenes of the command line, else the default test scenes.
+fn scenes(args: &Compare) -> anyhow::Result<Vec<TestScene>> {
+    if args.scenes.is_empty() {
+        return Ok(TestScene::default_set());
     }
-}
-
-fn of_test_set(name: &str) -> Option<&'static str> {
-    test_scenes().iter().copied().find(|s| s.split('?').next() == Some(name.trim()))
-}
-
-impl Way<'_> {
-    pub(crate) fn name(&self) -> String {
-        format!("{} {}", self.label, self.processing.name())
-    }
-
-    /// Whether the processing is one for the camera's mosaic.
-    fn is_defined(&self) -> bool {
-        match self.processing {
-            Processing::L3 | Processing::Bilinear => true,
-            Processing::Malvar2004 | Processing::Adaptive => {
-                self.camera.sensor.cfa.mosaic().bayer_phase().is_some()
-            }
+    let scene = |name: &String| {
+        if !resolve::is_file(name) {
+            return Ok(TestScene::built_in(name));
         }
-    }
-
-    /// The processing for scenes under a light.
-    fn isp<'a>(&'a self, light: &Spectrum) -> Result<Box<dyn Isp + 'a>, CameraError> {
-        let demosaic = match (self.processing, self.pipeline) {
-            (Processing::L3, Some(pipeline)) => return Ok(Box::new(pipeline)),
-            (Processing::Malvar2004, _) => Demosaic::Malvar2004,
-            (Processing::Adaptive, _) => Demosaic::Adaptive,
-            (Processing::L3 | Processing::Bilinear, _) => Demosaic::Bilinear,
+        let options = crate::scene_args::SceneOptions {
+            luminance: Some(1.0),
+            illuminant: Some(args.illuminant.clone()),
+            ..Default::default()
         };
-        Ok(Box::new(Classic { demosaic, ..self.camera.isp(light, WhiteBalance::None)? }))
-    }
-
-    /// How far the picture of a scene in fixed point is from the one that was scored.
-    fn fixed_point_psnr_db(
-        &self,
-        setup: &Setup,
-        scored: &SceneScores,
-        seed: u64,
-    ) -> Result<Option<f64>, CameraError> {
-        let (Processing::L3, Some(pipeline)) = (self.processing, self.pipeline) else { return Ok(None) };
-        let raw = setup.camera.sensor.capture(&setup.image, &setup.exposure, NoiseMode::All, seed)?;
-        // Volts, and kernels beyond 16 bits, have no fixed point.
-        let fixed = pipeline.render_fixed(&raw).ok();
-        Ok(fixed.and_then(|f| peak_ratio_db(scored.picture.planes(), &f.planes)).filter(|v| v.is_finite()))
-    }
-}
-
-/// A scene before a camera, at the mean luminance of 1 cd/m².
-fn setup(camera: &Camera, name: &str, args: &Compare, illuminant: &Illuminant) -> anyhow::Result<Setup> {
-    if !resolve::is_file(name) {
-        let setting = Setting { luminance_cd_m2: 1.0, illuminant: illuminant.clone(), ..Setting::default() };
-        return Ok(Setup::of_test_scene(camera, name, &setting)?);
-    }
-    let options = crate::scene_args::SceneOptions {
-        luminance: Some(1.0),
-        illuminant: Some(args.illuminant.clone()),
-        ..Default::default()
+        let scene = resolve::scene(name, &options).with_context(|| name.clone())?;
+        Ok(TestScene::Given { name: name.clone(), scene })
     };
-    Ok(Setup::new(camera, resolve::scene_for(name, &options, camera)?, 1)?)
-}
-
-fn outcomes_of(
-    way: &Way<'_>,
-    args: &Compare,
-    scenes: &[String],
-    setups: &[Setup],
-    illuminant: &Illuminant,
-    cache: &Cache,
-    progress: &Progress,
-) -> anyhow::Result<Vec<Outcome>> {
-    let seed = args.camera_options.seed;
-    let mut outcomes = Vec::new();
-    for &luminance_cd_m2 in &args.luminance {
-        progress.begin(format!("{} at {luminance_cd_m2} cd/m²", way.name()));
-        let context = || format!("{} at {luminance_cd_m2} cd/m²", way.name());
-        let settings = EvaluationSettings { luminance_cd_m2, illuminant: illuminant.clone(), seed };
-        let images = |key: &str, make: &dyn Fn() -> Result<_, CameraError>| cache.optical_image(key, make);
-        let (targets, pictures) = evaluate_with(way.camera, &settings, &images, &|light| way.isp(light))
-            .with_context(|| {
-                let exposed = way.camera.description().exposure.time_ms.is_some();
-                let hint = if exposed {
-                    ": the camera's exposure is fixed; the scenes may be too bright or too dark for it"
-                } else {
-                    ""
-                };
-                format!("{}{hint}", context())
-            })?;
-        let (mut scored, mut fixed_point) = (Vec::new(), Vec::new());
-        for (name, setup) in scenes.iter().zip(setups) {
-            let lit = setup.in_light(luminance_cd_m2)?.exposed()?;
-            let isp = way.isp(&lit.light)?;
-            let scores = compare_on(&lit, &*isp, seed, &ScoreSettings::default());
-            let scores = scores.with_context(|| format!("{}, {name}", context()))?;
-            fixed_point.push(way.fixed_point_psnr_db(&lit, &scores, seed)?);
-            scored.push((name.clone(), scores));
-        }
-        outcomes.push(Outcome {
-            luminance_cd_m2,
-            targets,
-            edge: pictures.edge_sfr().ok(),
-            scenes: scored,
-            fixed_point_psnr_db: fixed_point,
-        });
-        progress.done();
-    }
-    Ok(outcomes)
-}
-
-/// How much more light the first way needs to equal each of the others that process alike.
-fn light_gains_of(
-    ways: &[Way<'_>],
-    args: &Compare,
-    scenes: &[String],
-    illuminant: &Illuminant,
-    progress: &Progress,
-) -> anyhow::Result<Vec<Gain>> {
-    let mut gains = Vec::new();
-    // Each is taken some twenty times: two are enough. Files have no name that builds them again; the default stands in.
-    let built_in: Vec<String> = scenes.iter().filter(|s| !resolve::is_file(s)).take(2).cloned().collect();
-    let of = if built_in.is_empty() { LightGainSettings::default().scenes } else { built_in };
-    if !args.scenes.is_empty() && of != scenes {
-        progress.note(&format!("light gains are those of {}", of.join(" and ")));
-    }
-    let Some(first) = ways.first() else { return Ok(gains) };
-    let others = ways.iter().filter(|w| w.processing == first.processing).skip(1);
-    for other in others {
-        for &luminance_cd_m2 in &args.luminance {
-            progress.begin(format!("light gain of {} at {luminance_cd_m2} cd/m²", other.name()));
-            let settings = LightGainSettings {
-                luminance_cd_m2,
-                illuminant: illuminant.clone(),
-                seed: args.camera_options.seed,
-                scenes: of.clone(),
-                score: ScoreSettings::default(),
-            };
-            let (a, b) = (|light: &Spectrum| first.isp(light), |light: &Spectrum| other.isp(light));
-            let found = light_gains(
-                Contender { camera: first.camera, isp: &a },
-                Contender { camera: other.camera, isp: &b },
-                &settings,
-            );
-            let found = found.with_context(|| format!("light gain at {luminance_cd_m2} cd/m²"))?;
-            gains.push(Gain { first: first.name(), other: other.name(), scenes: of.clone(), gains: found });
-            progress.done();
-        }
-    }
-    Ok(gains)
+    args.scenes.iter().map(scene).collect()
 }

@@ -1,4 +1,4 @@
-//! Tab completion: the shell asks the program itself, so that names of what is built in stand beside files.
+//! Tab completion: the shell calls the program, which completes built-in names as well as files.
 
 use std::ffi::{OsStr, OsString};
 use std::path::Path;
@@ -14,11 +14,11 @@ use smalti_io::{cameras, studies};
 use crate::keys::keys;
 use crate::resolve::has_extension;
 
-/// The variable by which a shell's script asks.
+/// The environment variable by which the script of a shell requests completions.
 const VARIABLE: &str = "SMALTI_COMPLETE";
-/// Files of scenes.
+/// Extensions of scene files.
 const SCENES: &[&str] = &smalti_io::scene_file::EXTENSIONS;
-/// What `show` draws.
+/// Extensions of the files that `show` draws.
 const SHOWN: &[&str] = &{
     let mut all = ["toml"; SCENES.len() + 2];
     all[1] = "csv";
@@ -30,7 +30,7 @@ const SHOWN: &[&str] = &{
     all
 };
 
-/// Answers a shell, if one asks by these arguments.
+/// Completes for a shell, if one requests it.
 pub(crate) fn answer(command: fn() -> Command, args: &[OsString]) -> bool {
     let shell = CompleteEnv::with_factory(move || with_names(command())).var(VARIABLE);
     match shell.try_complete(args.iter().cloned(), std::env::current_dir().ok().as_deref()) {
@@ -42,17 +42,19 @@ pub(crate) fn answer(command: fn() -> Command, args: &[OsString]) -> bool {
     }
 }
 
-/// The script that makes a shell ask.
+/// The script that sets up a shell.
 pub(crate) fn script(shell: clap_complete::Shell) -> anyhow::Result<String> {
     let shells = Shells::builtins();
     let name = shell.to_string();
-    let Some(shell) = shells.completer(&name) else { anyhow::bail!("{name}: no completion for it") };
+    let Some(shell) = shells.completer(&name) else {
+        anyhow::bail!("completion is not available for the shell {name}")
+    };
     let mut script = Vec::new();
     EnvCompleter::write_registration(shell, VARIABLE, "smalti", "smalti", "smalti", &mut script)?;
     Ok(String::from_utf8(script)?)
 }
 
-/// What stands for an argument is known by its name, in all commands.
+/// Adds completers to all arguments by their names, in all commands.
 fn with_names(command: Command) -> Command {
     let command = command.mut_args(|arg| match arg.get_id().as_str() {
         "camera" | "cameras" => with(arg, camera_names, &["toml"]),
@@ -64,14 +66,14 @@ fn with_names(command: Command) -> Command {
         "overrides" => arg.add(ArgValueCompleter::new(camera_keys)),
         "illuminant" | "illuminants" | "target_illuminant" => with(arg, light_names, &["csv"]),
         "study" => with(arg, study_names, &["toml"]),
-        // Of `show`, which takes all.
+        // The argument of `show`, which accepts every kind.
         "name" => with(arg, all_names, SHOWN),
         _ => arg,
     });
     command.mut_subcommands(with_names)
 }
 
-/// An argument that is a name or a file.
+/// Completes an argument with names and files.
 fn with(arg: Arg, names: fn() -> Vec<CompletionCandidate>, extensions: &'static [&'static str]) -> Arg {
     arg.add(ArgValueCompleter::new(NameOrFile { names, extensions }))
 }
@@ -92,12 +94,12 @@ impl ValueCompleter for NameOrFile {
     }
 }
 
-/// A scene's parameters stand behind its name.
+/// Completes scenes, and parameters after the name of a scene.
 struct SceneOrFile(NameOrFile);
 
 impl ValueCompleter for SceneOrFile {
     fn complete(&self, current: &OsStr) -> Vec<CompletionCandidate> {
-        // Some shells hand over a word with its quotes: `?` and `&` mean something to them.
+        // Some shells pass a word with the quotes that `?` and `&` need.
         let typed: String =
             current.to_string_lossy().chars().filter(|c| !['\'', '"', '\\'].contains(c)).collect();
         match typed.split_once('?') {
@@ -107,7 +109,7 @@ impl ValueCompleter for SceneOrFile {
     }
 }
 
-/// What may follow `name?` and the parameters that are typed already.
+/// The parameters of a scene that are not typed yet.
 fn scene_parameters(name: &str, typed: &str) -> Vec<CompletionCandidate> {
     let Some(scene) = catalog::names().iter().find(|s| s.name == name) else { return Vec::new() };
     let (before, begun) = typed.rsplit_once('&').map_or(("", typed), |(b, t)| (&typed[..=b.len()], t));
@@ -146,10 +148,10 @@ fn scene_names() -> Vec<CompletionCandidate> {
 }
 
 fn light_names() -> Vec<CompletionCandidate> {
-    Illuminant::names().iter().map(|name| named(name, "light")).collect()
+    Illuminant::names().iter().map(|name| named(name, "illuminant")).collect()
 }
 
-/// Each name once: what means several things is the first of them.
+/// Every name once; a name of several kinds has the help of the first.
 fn all_names() -> Vec<CompletionCandidate> {
     let arrays = cfa::names().iter().map(|c| named(c.name, c.summary));
     let filters = cfa::builtin_filters().iter().map(|f| named(f.name, f.summary));
@@ -170,7 +172,7 @@ mod tests {
     /// Every argument that a name of something built in can stand for.
     #[test]
     fn arguments_with_names_are_completed() {
-        let command = with_names(crate::args::Cli::command());
+        let command = with_names(crate::cli::Cli::command());
         let mut found = Vec::new();
         for sub in command.get_subcommands() {
             for arg in sub.get_arguments().filter(|a| a.get::<ArgValueCompleter>().is_some()) {

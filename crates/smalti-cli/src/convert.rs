@@ -1,4 +1,4 @@
-//! `smalti convert`: a scene to another format.
+//! `smalti convert`: converts a scene to another format.
 
 use std::path::{Path, PathBuf};
 
@@ -15,6 +15,7 @@ use crate::args::Common;
 use crate::progress::Progress;
 use crate::resolve::{self, has_extension};
 use crate::scene_args::SceneOptions;
+use smalti::experiment::Progress as _;
 
 #[derive(Debug, Clone, Args)]
 #[command(after_help = "Examples:\n  \
@@ -25,26 +26,26 @@ use crate::scene_args::SceneOptions;
     smalti convert macbeth -o macbeth.mat                 for ISETCam\n  \
     smalti convert balloons_ms/ -o balloons.hdr --interleave bip\n  \
     smalti convert cube.npy --wavelengths 400:10:700 --quantity reflectance -o cube.tif --layout pages\n\n\
-    A spectral file keeps its values and what it says of them; with --luminance or --illuminant, or --wavelengths other than its own, \
-    it becomes a scene first. What the new file cannot hold is said. Spectral files of nearly every format are read by parts, \
-    and ENVI, NumPy and TIFF written so: cubes may be larger than memory (docs/formats-scenes.md).")]
+    The values and metadata of a spectral file are kept. With --luminance, --illuminant or other --wavelengths than its own, the file is \
+    first converted to a scene. Notes list what the new format cannot represent. Most spectral formats are read in parts, and ENVI, NumPy \
+    and TIFF are also written in parts, so cubes may exceed the memory (docs/formats-scenes.md).")]
 pub(crate) struct Convert {
-    /// A built-in scene, or a file or folder
+    /// A built-in scene, a file or a folder of bands
     pub(crate) scene: String,
     #[command(flatten)]
     pub(crate) scene_options: SceneOptions,
-    /// .exr (spectral), .mat (a scene of ISETCam), .h5, .hdr (ENVI, samples beside it; or .img, .bsq, .bil, .bip), .npz, .npy (photons), .tif with --layout pages or
-    /// samples (spectral), .png or .tif (a picture as the standard observer sees it)
+    /// .exr (spectral), .mat (a scene of ISETCam), .h5, .hdr (ENVI with its samples in a second file; or .img, .bsq, .bil, .bip), .npz,
+    /// .npy (photons), .tif with --layout pages or samples (spectral), .png or .tif (a picture for the standard observer)
     #[arg(short, long, value_name = "FILE")]
     pub(crate) output: PathBuf,
-    /// Where the bands are: of an EXR fichet2021 or pbrt, of a TIFF pages or samples; the version of a MAT-file, v5 or v7.3
+    /// Arrangement of bands: fichet2021 or pbrt for EXR, pages or samples for TIFF; version of a MAT-file: v5 or v7.3
     /// [default: fichet2021; a picture; v5]
     #[arg(long, value_enum)]
     pub(crate) layout: Option<Layout>,
     /// Order of the samples of ENVI [default: that of the extension, else bsq]
     #[arg(long, value_enum)]
     pub(crate) interleave: Option<EnviInterleave>,
-    /// Compress a spectral TIFF, without loss
+    /// Compress a spectral TIFF without loss
     #[arg(long)]
     pub(crate) compress: bool,
 }
@@ -85,8 +86,8 @@ pub(crate) fn run(args: &Convert, common: &Common) -> anyhow::Result<()> {
     let path = &args.output;
     let spectral = write_options(args)?;
     let file = as_it_is(args)?;
-    // What is lost of a file is told; a built-in scene is there still.
-    let tell = file.is_some();
+    // Losses are reported for files only, since a built-in scene remains available.
+    let report_losses = file.is_some();
     let notes = match (file, spectral) {
         (Some(file), Some(options)) => write_spectral(args, file, &options)?,
         (_, Some(options)) => {
@@ -95,7 +96,7 @@ pub(crate) fn run(args: &Convert, common: &Common) -> anyhow::Result<()> {
         }
         (_, None) => write_picture(path, &scene(args)?)?,
     };
-    notes.iter().filter(|_| tell).for_each(|note| progress.note(note));
+    notes.iter().filter(|_| report_losses).for_each(|note| progress.note(note));
     progress.finish();
     crate::print(&format!("{}\n", path.display()))
 }
@@ -108,7 +109,7 @@ fn scene(args: &Convert) -> anyhow::Result<Scene> {
     }
 }
 
-/// How a spectral file is written; none for a picture.
+/// The options of writing a spectral file; `None` for a picture.
 fn write_options(args: &Convert) -> anyhow::Result<Option<WriteOptions>> {
     let path = &args.output;
     let tiff = match args.layout {
@@ -133,11 +134,11 @@ fn write_options(args: &Convert) -> anyhow::Result<Option<WriteOptions>> {
         "{}: expected a name that ends in .exr, .mat, .h5, .hdr, .npz, .npy, .png or .tif",
         path.display()
     );
-    ensure!(exr.is_none() || format == Some(Format::Exr), "--layout fichet2021 and pbrt are of an .exr");
-    ensure!(matlab.is_none() || format == Some(Format::Mat), "--layout v5 and v7.3 are of a .mat");
-    ensure!(tiff.is_none() || format == Some(Format::Tiff), "--layout pages and samples are of a .tif");
-    ensure!(args.interleave.is_none() || format == Some(Format::Envi), "--interleave is of ENVI (.hdr)");
-    ensure!(!args.compress || tiff.is_some(), "--compress is of a .tif with --layout pages or samples");
+    ensure!(exr.is_none() || format == Some(Format::Exr), "--layout fichet2021 and pbrt apply to .exr");
+    ensure!(matlab.is_none() || format == Some(Format::Mat), "--layout v5 and v7.3 apply to .mat");
+    ensure!(tiff.is_none() || format == Some(Format::Tiff), "--layout pages and samples apply to .tif");
+    ensure!(args.interleave.is_none() || format == Some(Format::Envi), "--interleave applies to ENVI (.hdr)");
+    ensure!(!args.compress || tiff.is_some(), "--compress applies to .tif with --layout pages or samples");
     let interleave = args.interleave.map(|i| match i {
         EnviInterleave::Bsq => Interleave::Bsq,
         EnviInterleave::Bil => Interleave::Bil,
@@ -147,7 +148,7 @@ fn write_options(args: &Convert) -> anyhow::Result<Option<WriteOptions>> {
     Ok((!picture).then_some(WriteOptions { interleave, exr, matlab, tiff }))
 }
 
-/// The spectral file as it is, unless it is to become a scene: it is read when it is written.
+/// The unchanged spectral file, unless it must become a scene. It is read while the new file is written.
 fn as_it_is(args: &Convert) -> anyhow::Result<Option<Box<dyn Tiles>>> {
     let options = &args.scene_options;
     if !resolve::is_file(&args.scene) || options.luminance.is_some() || options.illuminant.is_some() {
@@ -176,7 +177,7 @@ fn write_spectral(
     if !has_extension(path, &["npy"]) {
         return Ok(scene_file::write(path, &file, options)?);
     }
-    // An .npy says nothing of its values: they are always photons.
+    // An .npy does not state its quantity: the values are always photons.
     match Photons::new(file) {
         Ok(photons) => Ok(scene_file::write(path, &photons, options)?),
         Err(_) => {
@@ -191,6 +192,7 @@ fn write_picture(path: &Path, scene: &Scene) -> anyhow::Result<Vec<String>> {
     let gain = image.brightness_gain();
     let image = image.scaled(gain);
     picture::write(path, &image.converted(ColorSpace::Srgb)?, Depth::Eight)?;
-    let instead = if has_extension(path, &["png"]) { "" } else { " (--layout pages or samples keeps them)" };
-    Ok(vec![format!("{} is a picture, without the spectra{instead}", path.display())])
+    let instead =
+        if has_extension(path, &["png"]) { "" } else { " (use --layout pages or samples to keep them)" };
+    Ok(vec![format!("{} is a picture without spectra{instead}", path.display())])
 }

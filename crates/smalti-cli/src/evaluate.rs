@@ -1,44 +1,74 @@
-//! `smalti evaluate`: the scores of cameras, as a table or as JSON.
+//! `smalti evaluate`: scores cameras, as a table or as JSON.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
-use anyhow::Context;
+use clap::Args;
 use serde_json::json;
-use smalti::camera::{Camera, Evaluation, EvaluationPictures, EvaluationSettings, evaluate};
-use smalti::color::{ColorSpace, Image};
-use smalti::numeric::Planes;
+use smalti::camera::{Camera, Evaluation, EvaluationPictures, EvaluationSettings};
+use smalti::color::ColorSpace;
+use smalti::experiment::{Contender, Progress as _, Resources};
 use smalti::spectrum::{Observer, WavelengthGrid};
 use smalti_io::cache::Cache;
 use smalti_io::picture::{self, Depth};
 use smalti_io::write;
+use smalti_report::comparison::{Evaluations, PAGE, aliasing_picture, columns, evaluation_page};
+use smalti_report::names;
 
-use crate::args::{Common, Evaluate};
-use crate::columns::headings;
-use crate::compare_page::{self, Shots};
+use crate::args::{CameraOptions, Common};
+use crate::numbers::number;
 use crate::progress::Progress;
-use crate::{columns, names, resolve, table};
+use crate::{resolve, table};
+
+#[derive(Debug, Clone, Args)]
+#[command(after_help = "Examples:\n  \
+    smalti evaluate bayer rgbw\n  \
+    smalti evaluate bayer my.toml --luminance 1,10,100 --illuminant A --json\n  \
+    smalti evaluate bayer --set sensor.cfa.pattern=quad-bayer -o quad\n\n\
+    smalti list metrics explains the columns of the table, with their units and sources.\n\
+    results.json is removed first and written last, so a folder that contains it is complete.")]
+pub(crate) struct Evaluate {
+    /// The command line, for the page
+    #[arg(skip)]
+    pub(crate) words: Vec<String>,
+    /// Built-in cameras (smalti list cameras) or TOML files
+    #[arg(required = true)]
+    pub(crate) cameras: Vec<String>,
+    /// Mean luminance of the targets, cd/m²; one or several, separated by commas
+    #[arg(long, value_delimiter = ',', default_value = "75", value_name = "CD_M2", value_parser = number)]
+    pub(crate) luminance: Vec<f64>,
+    /// Illuminant of the targets: a name (smalti list illuminants) or a CSV of wavelength_nm and relative power
+    #[arg(long, default_value = "D65", value_name = "NAME")]
+    pub(crate) illuminant: String,
+    #[command(flatten)]
+    pub(crate) camera_options: CameraOptions,
+    /// Do not use the cache of optical images ($SMALTI_CACHE_DIR, else the user's cache folder)
+    #[arg(long)]
+    pub(crate) no_cache: bool,
+    /// Print one JSON document instead of the table
+    #[arg(long)]
+    pub(crate) json: bool,
+    /// Write report.html, results.json and the pictures of the targets to this folder
+    #[arg(short, long, value_name = "DIR")]
+    pub(crate) output: Option<PathBuf>,
+}
 
 pub(crate) fn run(args: &Evaluate, common: &Common) -> anyhow::Result<()> {
     let illuminant = resolve::illuminant(&args.illuminant)?;
-    let cameras = args
-        .cameras
-        .iter()
-        .map(|name| resolve::camera(name, &args.camera_options, None))
-        .collect::<anyhow::Result<Vec<Camera>>>()?;
+    let cameras = resolve::cameras(&args.cameras, &args.camera_options)?;
     if let Some(dir) = &args.output {
         write::ensure_can_fill(dir)?;
     }
     let cache = if args.no_cache { Cache::disabled() } else { Cache::open(None) };
     let progress = Progress::new((cameras.len() * args.luminance.len()) as u64, common.quiet);
+    let resources = Resources { store: &cache, progress: &progress, memory_bytes: None };
     let (mut results, mut shots) = (Vec::new(), Vec::new());
     for camera in &cameras {
         for &luminance_cd_m2 in &args.luminance {
             let name = &camera.description().name;
-            progress.begin(format!("{name} at {luminance_cd_m2} cd/m²"));
+            progress.begin(&format!("{name} at {luminance_cd_m2} cd/m²"));
             let seed = args.camera_options.seed;
             let settings = EvaluationSettings { luminance_cd_m2, illuminant: illuminant.clone(), seed };
-            let (scores, pictures) = evaluate(camera, &settings, &|key, make| cache.optical_image(key, make))
-                .with_context(|| format!("{name} at {luminance_cd_m2} cd/m²"))?;
+            let (scores, pictures) = Contender::as_described(camera, name).evaluate(&settings, resources)?;
             shots.extend(args.output.is_some().then_some(pictures));
             results.push((camera, scores));
             progress.done();
@@ -51,13 +81,12 @@ pub(crate) fn run(args: &Evaluate, common: &Common) -> anyhow::Result<()> {
         "cameras": results.iter().map(|(c, s)| entry(c, s)).collect::<anyhow::Result<Vec<_>>>()?,
     });
     let text = serde_json::to_string_pretty(&document)? + "\n";
-    // Everything is computed before anything is written; a folder that has results.json is whole.
+    // All results are computed before the first file is written; results.json marks a complete folder.
     if let Some(dir) = &args.output {
         write::begin_folder(dir, &["results.json"])?;
         let white = Observer::Cie1931.white(&illuminant.photons(WavelengthGrid::VISIBLE)?)?;
-        let page = compare_page::evaluate_page(&Shots {
-            words: &args.words,
-            typed: &args.cameras,
+        let page = evaluation_page(&Evaluations {
+            command: &resolve::command_line(&args.words, &args.cameras),
             cameras: &cameras,
             labels: &names::numbered(cameras.iter().map(|c| c.description().name.clone()).collect()),
             luminances_cd_m2: &args.luminance,
@@ -66,14 +95,13 @@ pub(crate) fn run(args: &Evaluate, common: &Common) -> anyhow::Result<()> {
             seed: args.camera_options.seed,
             results: &results,
             pictures: &shots,
-            aliasing: aliasing_picture,
         })?;
         let names = names::of_cameras(&cameras);
         let runs = names.iter().flat_map(|name| args.luminance.iter().map(move |cd_m2| (name, cd_m2)));
         for ((name, cd_m2), pictures) in runs.zip(&shots) {
             write_pictures(&dir.join(format!("{name}-{cd_m2}-cd-m2")), pictures)?;
         }
-        write::bytes(&dir.join(compare_page::FILE), page.as_bytes())?;
+        write::bytes(&dir.join(PAGE), page.as_bytes())?;
         write::bytes(&dir.join("results.json"), text.as_bytes())?;
     }
     crate::print(&if args.json { text } else { scores_table(&results) })
@@ -91,8 +119,11 @@ fn entry(camera: &Camera, scores: &Evaluation) -> anyhow::Result<serde_json::Val
 }
 
 fn scores_table(results: &[(&Camera, Evaluation)]) -> String {
-    let header: Vec<&str> =
-        ["camera", "cd/m²"].into_iter().chain(headings(&columns::EVALUATE)).chain(["exposure ms"]).collect();
+    let header: Vec<&str> = ["camera", "cd/m²"]
+        .into_iter()
+        .chain(columns::headings(&columns::EVALUATE))
+        .chain(["exposure ms"])
+        .collect();
     let row = |(camera, s): &(&Camera, Evaluation)| {
         vec![
             camera.description().name.clone(),
@@ -121,12 +152,4 @@ fn write_pictures(dir: &Path, pictures: &EvaluationPictures) -> anyhow::Result<(
     }
     picture::write_png(&dir.join("aliasing.png"), &aliasing_picture(pictures)?, Depth::Eight)?;
     Ok(())
-}
-
-/// What of the zone plate's picture is not in the zone plate. A difference has two signs: grey is none.
-fn aliasing_picture(pictures: &EvaluationPictures) -> anyhow::Result<Image> {
-    let planes = &pictures.aliasing;
-    let largest = planes.data().iter().fold(0.0f32, |m, v| m.max(v.abs())).max(f32::MIN_POSITIVE);
-    let data = planes.data().iter().map(|v| 0.5 + 0.5 * v / largest).collect();
-    Ok(Image::new(ColorSpace::Srgb, Planes::new(planes.rows(), planes.cols(), 3, data)?)?)
 }

@@ -1,13 +1,19 @@
-//! The keys of the files that users write, out of their JSON Schema, which comes from the code that reads them.
+//! The keys of camera and study files, from the JSON Schema that the code reading them generates.
 
 use std::collections::BTreeSet;
 
 use serde_json::{Map, Value, json};
 
-use crate::list::Entry;
+/// An item or key in a list.
+pub(crate) struct Entry {
+    pub(crate) name: String,
+    pub(crate) summary: String,
+    pub(crate) details: Vec<String>,
+    pub(crate) json: serde_json::Value,
+}
 
-/// The keys of a schema in the order of the code, tables within tables by their path. What stands at several keys, such as the
-/// shapes of a filter, is explained at the first.
+/// The keys of a schema in the order of the code; keys of inner tables have their path. Definitions that several keys share, such as
+/// the shapes of a filter, are explained at the first key only.
 pub(crate) fn keys(schema: &schemars::Schema) -> Vec<Entry> {
     let root = schema.as_value();
     let mut walk = Walk { definitions: &root["$defs"], explained: BTreeSet::new(), entries: Vec::new() };
@@ -22,7 +28,7 @@ struct Walk<'a> {
 }
 
 impl<'a> Walk<'a> {
-    /// What a schema refers to, with the name of the definition; a value that may be absent is what it is when it is there.
+    /// The schema behind a reference, with the name of its definition; for an optional value, the schema of the value.
     fn resolved(&self, schema: &'a Value) -> (&'a Value, Option<&'a str>) {
         if let Some(there) = schema["anyOf"].as_array().and_then(|a| a.iter().find(|s| s["type"] != "null"))
             && schema["anyOf"].as_array().is_some_and(|a| a.iter().any(|s| s["type"] == "null"))
@@ -47,7 +53,7 @@ impl<'a> Walk<'a> {
         if properties(own).is_some() && own["oneOf"].is_null() {
             return self.table(own, path);
         }
-        // Choices of a list are those of its items.
+        // The choices of a list are those of its items.
         let (item, item_name) =
             if own["items"].is_object() { self.resolved(&own["items"]) } else { (own, name) };
         let variants = ["oneOf", "anyOf"].iter().find_map(|k| item[k].as_array());
@@ -67,7 +73,7 @@ impl<'a> Walk<'a> {
             details,
             json: json!({"key": path, "default": default, "doc": doc}),
         });
-        // Tables that the value may be.
+        // The tables that the value may be.
         for variant in variants.into_iter().flatten().filter(|_| first) {
             let (variant, _) = self.resolved(variant);
             let doc = text(&variant["description"]);
@@ -90,7 +96,7 @@ fn properties(schema: &Value) -> Option<&Map<String, Value>> {
     schema["properties"].as_object()
 }
 
-/// A documentation comment as one line: its first paragraph, links as the words that they stand on.
+/// The first paragraph of a documentation comment as one line; links become their text.
 fn text(doc: &Value) -> String {
     let first = doc.as_str().unwrap_or_default().split("\n\n").next().unwrap_or_default();
     let mut line = first.split_whitespace().collect::<Vec<_>>().join(" ");
@@ -101,7 +107,7 @@ fn text(doc: &Value) -> String {
     line.replace("[`", "`").replace("`]", "`")
 }
 
-/// A default as it would stand in the file.
+/// A default value as TOML.
 fn toml_text(value: &Value) -> String {
     match value {
         Value::Object(map) => {

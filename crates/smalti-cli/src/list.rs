@@ -1,25 +1,68 @@
-//! `smalti list`: what is built in.
+//! `smalti list`: lists built-in items, and the keys of camera and study files.
 
 use anyhow::bail;
-use clap::ValueEnum;
+use clap::{Args, ValueEnum};
 use serde_json::json;
 use smalti::metrics;
 use smalti::scene::catalog;
 use smalti::sensor::cfa;
 use smalti::spectrum::Illuminant;
 use smalti_io::{BuiltinFile, cameras, studies};
+use smalti_report::comparison::columns::where_shown;
 
-use crate::args::{List, Listing};
-use crate::keys::keys;
-use crate::{columns, table, terminal};
+use crate::keys::{Entry, keys};
+use crate::{table, terminal};
 
-/// Text is not broken into fewer columns.
-const LEAST_COLUMNS: usize = 24;
+#[derive(Debug, Clone, Args)]
+#[command(after_help = "Examples:\n  \
+    smalti list cfas\n  \
+    smalti list scenes --json\n  \
+    smalti list camera-keys                               the keys of a camera file, with defaults\n  \
+    smalti list camera-keys --schema > camera.json        a JSON Schema for editors")]
+pub(crate) struct List {
+    /// What to list
+    #[arg(value_enum)]
+    pub(crate) what: Listing,
+    /// Print JSON
+    #[arg(long)]
+    pub(crate) json: bool,
+    /// Print Markdown, as in docs/reference
+    #[arg(long, conflicts_with = "json")]
+    pub(crate) markdown: bool,
+    /// Print a JSON Schema, for camera-keys and study-keys
+    #[arg(long, conflicts_with_all = ["json", "markdown"])]
+    pub(crate) schema: bool,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Listing {
+    /// Built-in scenes and their parameters
+    Scenes,
+    /// Colour filter arrays, with their tiles and sources
+    Cfas,
+    /// Built-in cameras
+    Cameras,
+    /// Light sources
+    Illuminants,
+    /// Filter curves
+    Filters,
+    /// Metrics, with their units
+    Metrics,
+    /// Studies of many designs, for `smalti sweep`
+    Studies,
+    /// Keys of a camera file, with their defaults
+    CameraKeys,
+    /// Keys of a study file, with their defaults
+    StudyKeys,
+}
+
+/// The least width of wrapped text.
+const MIN_COLUMNS: usize = 24;
 
 pub(crate) fn run(args: &List) -> anyhow::Result<()> {
     let entries = match args.what {
         Listing::Scenes => scenes(),
-        Listing::Cfas => cfas(),
+        Listing::Cfas => cfas()?,
         Listing::Cameras => files(cameras::names()),
         Listing::Illuminants => illuminants(),
         Listing::Filters => filters(),
@@ -32,26 +75,26 @@ pub(crate) fn run(args: &List) -> anyhow::Result<()> {
         let schema = match args.what {
             Listing::CameraKeys => cameras::schema(),
             Listing::StudyKeys => studies::schema(),
-            _ => bail!("--schema is of what users write: camera-keys or study-keys"),
+            _ => bail!("--schema applies to camera-keys and study-keys"),
         };
-        return crate::print(&(serde_json::to_string_pretty(&schema)? + "\n"));
+        return crate::output::print_json(&schema);
     }
     if args.markdown {
         return crate::print(&markdown(args.what, &entries));
     }
     if args.json {
         let json: Vec<_> = entries.iter().map(|e| e.json.clone()).collect();
-        return crate::print(&(serde_json::to_string_pretty(&json)? + "\n"));
+        return crate::output::print_json(&json);
     }
     crate::print(&lines(&entries, terminal::columns()))
 }
 
-/// Names, and beside them what there is to say, in lines of so many columns where there is an edge.
+/// Names with their summaries and details, wrapped to a width if there is one.
 fn lines(entries: &[Entry], columns: Option<usize>) -> String {
     let width = entries.iter().map(|e| e.name.chars().count()).max().unwrap_or(0);
     let broken = |text: &str, indent: usize| match columns {
-        // Words of their own line are read worse than long lines.
-        Some(columns) if columns >= indent + LEAST_COLUMNS => table::wrap(text, columns - indent),
+        // Single words per line would be harder to read than long lines.
+        Some(columns) if columns >= indent + MIN_COLUMNS => table::wrap(text, columns - indent),
         _ => vec![text.to_owned()],
     };
     let mut out = String::new();
@@ -68,20 +111,12 @@ fn lines(entries: &[Entry], columns: Option<usize>) -> String {
     out
 }
 
-/// Something that there is, or may be written.
-pub(crate) struct Entry {
-    pub(crate) name: String,
-    pub(crate) summary: String,
-    pub(crate) details: Vec<String>,
-    pub(crate) json: serde_json::Value,
-}
-
-/// A page of the reference. Arrays have their tiles beside them, drawn by `smalti show NAME -o FILE`.
+/// A page of the reference. Colour filter arrays have pictures of their tiles, from `smalti show NAME -o FILE`.
 fn markdown(what: Listing, entries: &[Entry]) -> String {
     let value = what.to_possible_value();
     let name = value.as_ref().map(|v| v.get_name().to_owned()).unwrap_or_default();
     let title = value.and_then(|v| v.get_help().map(ToString::to_string)).unwrap_or_default();
-    // A bar would end the cell of a table, an angle begin a tag.
+    // A bar would end the cell of a table, an angle bracket begin a tag.
     let cell = |s: &str| s.replace('|', "\\|").replace('<', "&lt;").replace("  ", " · ");
     let mut page = format!(
         "# {title}\n\nAs `smalti list {name}` prints them; this page is made by `just reference`.\n\n| name | |\n|---|---|\n",
@@ -117,10 +152,10 @@ fn scenes() -> Vec<Entry> {
     catalog::names().iter().map(entry).collect()
 }
 
-fn cfas() -> Vec<Entry> {
+fn cfas() -> Result<Vec<Entry>, cfa::CfaError> {
     let entry = |c: &cfa::CfaInfo| {
-        let pattern = c.pattern();
-        Entry {
+        let pattern = c.pattern()?;
+        Ok(Entry {
             name: c.name.into(),
             summary: format!("{} ({} × {})", c.summary, c.rows(), c.cols()),
             details: pattern.iter().cloned().chain([c.source.to_owned()]).collect(),
@@ -128,7 +163,7 @@ fn cfas() -> Vec<Entry> {
                 "name": c.name, "aliases": c.aliases, "summary": c.summary, "source": c.source,
                 "rows": c.rows(), "cols": c.cols(), "pattern": pattern,
             }),
-        }
+        })
     };
     cfa::names().iter().map(entry).collect()
 }
@@ -160,7 +195,7 @@ fn illuminants() -> Vec<Entry> {
         json: json!({"name": name, "summary": summary}),
     };
     let named = Illuminant::names().iter().map(|name| (*name, summary(name)));
-    // Of families an example stands; a file serves as well.
+    // A family is represented by an example.
     let families = [
         ("D:5600", "CIE daylight of any temperature, 4000 to 25000 K"),
         (
@@ -185,7 +220,7 @@ fn metric_list() -> Vec<Entry> {
     let entry = |m: &metrics::MetricInfo| Entry {
         name: m.name.into(),
         summary: format!("[{}] {}", m.unit, m.doc),
-        details: columns::where_shown(m.name).into_iter().chain([m.source.into()]).collect(),
+        details: where_shown(m.name).into_iter().chain([m.source.into()]).collect(),
         json: json!({"name": m.name, "unit": m.unit, "doc": m.doc, "source": m.source}),
     };
     metrics::CATALOG.iter().map(entry).collect()
@@ -196,8 +231,8 @@ mod tests {
     use super::*;
 
     #[test]
-    fn lines_fit_where_there_is_an_edge() {
-        for entries in [scenes(), cfas(), metric_list(), keys(&cameras::schema())] {
+    fn lines_fit_the_width() {
+        for entries in [scenes(), cfas().unwrap(), metric_list(), keys(&cameras::schema())] {
             let whole = lines(&entries, None);
             let broken = lines(&entries, Some(80));
             assert!(broken.lines().count() > whole.lines().count());

@@ -1,4 +1,4 @@
-//! Manual pages, made of what `--help` says.
+//! Manual pages, from the texts of `--help`.
 
 use std::path::Path;
 
@@ -7,16 +7,16 @@ use clap_mangen::Man;
 use clap_mangen::roff::{Roff, roman};
 use smalti_io::write;
 
-/// Writes smalti.1 and a page for each command; the names of the files, in order.
+/// Writes smalti.1 and a page for each command, and returns the names of the files.
 pub(crate) fn write_pages(command: Command, dir: &Path) -> anyhow::Result<String> {
     write::begin_folder(dir, &[])?;
-    let mut told = String::new();
+    let mut names = String::new();
     for (name, page) in pages(command)? {
         let path = dir.join(&name);
         write::bytes(&path, &page)?;
-        told += &format!("{}\n", path.display());
+        names += &format!("{}\n", path.display());
     }
-    Ok(told)
+    Ok(names)
 }
 
 /// Names and contents.
@@ -36,7 +36,7 @@ fn page(title: &str, command: Command) -> std::io::Result<(String, Vec<u8>)> {
     let commands = command.has_subcommands();
     let (name, synopsis) = (title.to_owned(), title.replace('-', " "));
     let source = concat!("smalti ", env!("CARGO_PKG_VERSION"));
-    // Equal versions give equal pages: no date.
+    // The pages have no date, so that equal versions give equal pages.
     let man = Man::new(command.display_name(name).bin_name(synopsis)).title(title).source(source);
     let mut page = Vec::new();
     man.render_title(&mut page)?;
@@ -53,7 +53,7 @@ fn page(title: &str, command: Command) -> std::io::Result<(String, Vec<u8>)> {
     Ok((format!("{title}.1"), page))
 }
 
-/// What follows the options in `--help`: indented lines are examples and stay as they are, others are paragraphs.
+/// The text after the options in `--help`: indented lines are verbatim examples, other lines are paragraphs.
 fn examples(after: &str) -> Roff {
     let mut roff = Roff::default();
     let mut lines = after.lines().peekable();

@@ -7,7 +7,7 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 
 const TEMPLATE: &str = "{bar:24} {human_pos}/{human_len}{rate}  {msg}  {elapsed}, about {eta} left";
 
-/// Steps of known number, the current one named.
+/// A known number of steps, with the name of the current one.
 pub(crate) struct Progress {
     bar: ProgressBar,
     quiet: bool,
@@ -15,7 +15,7 @@ pub(crate) struct Progress {
 
 impl Progress {
     pub(crate) fn new(steps: u64, quiet: bool) -> Self {
-        // A terminal that only prints would keep each state of the bar.
+        // A dumb terminal would print every state of the bar.
         let dumb = std::env::var_os("TERM").is_some_and(|t| t == "dumb");
         let bar = if quiet || dumb {
             ProgressBar::hidden()
@@ -32,35 +32,34 @@ impl Progress {
         Self { bar, quiet }
     }
 
-    /// Names the step that begins.
-    pub(crate) fn begin(&self, what: impl Into<String>) {
-        self.bar.set_message(what.into());
-    }
-
-    /// There is more to do than was thought: so many steps.
-    pub(crate) fn more(&self, steps: u64) {
-        self.bar.inc_length(steps);
-    }
-
-    /// Counts a step as done.
-    pub(crate) fn done(&self) {
-        self.bar.inc(1);
-    }
-
-    /// Says something that is no error, above the bar; nothing when quiet.
-    pub(crate) fn note(&self, text: &str) {
-        if !self.quiet {
-            self.bar.suspend(|| eprintln!("note: {text}"));
-        }
-    }
-
     /// Removes the bar.
     pub(crate) fn finish(&self) {
         self.bar.finish_and_clear();
     }
 }
 
-/// How fast steps are done; nothing before the first.
+impl smalti::experiment::Progress for Progress {
+    fn expect(&self, steps: u64) {
+        self.bar.inc_length(steps);
+    }
+
+    fn begin(&self, step: &str) {
+        self.bar.set_message(step.to_owned());
+    }
+
+    fn done(&self) {
+        self.bar.inc(1);
+    }
+
+    /// Prints a note above the bar, unless quiet.
+    fn note(&self, text: &str) {
+        if !self.quiet {
+            self.bar.suspend(|| eprintln!("note: {text}"));
+        }
+    }
+}
+
+/// The rate of steps; empty before the first.
 fn rate(per_second: f64) -> String {
     if !per_second.is_finite() || per_second <= 0.0 {
         String::new()

@@ -1,17 +1,48 @@
-//! `smalti render`: a raw file through a learned pipeline.
+//! `smalti render`: renders a raw file with a learned pipeline.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use anyhow::{Context, bail};
+use clap::Args;
 use serde_json::json;
 use smalti::color::{ColorSpace, Image};
 use smalti::l3::{Pipeline, Rendered};
 use smalti_io::picture::{self, Depth};
 use smalti_io::{Limits, dng, l3, npy};
 
-use crate::args::{Common, Render};
+use crate::args::Common;
+use crate::numbers::positive;
 use crate::progress::Progress;
 use crate::resolve::has_extension;
+use smalti::experiment::Progress as _;
+
+#[derive(Debug, Clone, Args)]
+#[command(after_help = "Examples:\n  \
+    smalti render out/raw.dng --pipeline rgbw.l3 -o picture.png\n  \
+    smalti render out/raw.dng --pipeline rgbw.l3 -o xyz.npy\n\n\
+    A pixel that is darker or brighter than the training data is rendered with the nearest class. A note reports the number of such pixels.")]
+pub(crate) struct Render {
+    /// A raw file (DNG)
+    pub(crate) raw: PathBuf,
+    /// A learned table (smalti train)
+    #[arg(long, value_name = "FILE.l3")]
+    pub(crate) pipeline: PathBuf,
+    /// .png or .tif (sRGB for a display) or .npy (the unscaled outputs X, Y, Z, where a white diffuser has at most Y = 1)
+    #[arg(short, long, value_name = "FILE")]
+    pub(crate) output: PathBuf,
+    /// Compute in fixed point with 16-bit kernels, as an image signal processor does; needs digital numbers in the raw file
+    #[arg(long)]
+    pub(crate) fixed: bool,
+    /// Gain of the picture [default: all but the brightest half percent are within the range of the display]
+    #[arg(long, value_name = "FACTOR", value_parser = positive, allow_negative_numbers = true)]
+    pub(crate) gain: Option<f64>,
+    /// Bits per channel of the picture
+    #[arg(long, default_value = "8", value_parser = ["8", "16"])]
+    pub(crate) bits: String,
+    /// Print a summary as JSON
+    #[arg(long)]
+    pub(crate) json: bool,
+}
 
 pub(crate) fn run(args: &Render, common: &Common) -> anyhow::Result<()> {
     if !has_extension(&args.output, &["npy", "png", "tif", "tiff"]) {
@@ -22,7 +53,7 @@ pub(crate) fn run(args: &Render, common: &Common) -> anyhow::Result<()> {
     let pipeline = l3::read_table(&args.pipeline)?;
     let dng = dng::read(&args.raw, Limits::default())?;
     dng.notes.iter().for_each(|note| progress.note(&format!("{}: {note}", args.raw.display())));
-    // A raw file may list its channels in another order than the pipeline does; names tell.
+    // A raw file may list its channels in another order than the pipeline; names identify them.
     let raw = dng.raw.with_channels(pipeline.channel_names());
     progress.done();
     progress.begin("rendering");
@@ -46,16 +77,16 @@ pub(crate) fn run(args: &Render, common: &Common) -> anyhow::Result<()> {
             "pixels_brighter_than_trained": outside.brighter,
             "pixels_clipped_unlike_trained": outside.saturation,
         });
-        return crate::print(&(serde_json::to_string_pretty(&report)? + "\n"));
+        return crate::output::print_json(&report);
     }
     for (count, what) in [
-        (outside.darker, "darker than anything trained"),
-        (outside.brighter, "brighter than anything trained"),
-        (outside.saturation, "with channels clipped together that never were in training"),
+        (outside.darker, "darker than the training data"),
+        (outside.brighter, "brighter than the training data"),
+        (outside.saturation, "clipped in a combination of channels that does not occur in the training data"),
     ] {
         if count > 0 {
             let total = rendered.planes.rows() * rendered.planes.cols();
-            progress.note(&format!("{count} of {total} pixels are {what}; the nearest class was used"));
+            progress.note(&format!("{count} of {total} pixels are {what} and use the nearest class"));
         }
     }
     crate::print(&format!("{}\n", args.output.display()))
@@ -68,7 +99,7 @@ fn write(args: &Render, pipeline: &Pipeline, rendered: &Rendered) -> anyhow::Res
     }
     let Some(white) = pipeline.white() else {
         bail!(
-            "{}: {} gives {}, which is no picture: name an .npy to write them as they are",
+            "{}: the outputs of {} are {}, not a picture; use the extension .npy to write them",
             args.output.display(),
             args.pipeline.display(),
             pipeline.outputs().join(", "),

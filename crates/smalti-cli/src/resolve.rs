@@ -1,4 +1,4 @@
-//! From what was typed to what the library takes.
+//! Resolves names and options of the command line to objects of the library.
 
 use std::path::Path;
 
@@ -8,11 +8,12 @@ use smalti::scene::Scene;
 use smalti::spectrum::{Illuminant, WavelengthGrid};
 pub(crate) use smalti_io::scene_file::is_meant as is_file;
 use smalti_io::{ReadOptions, SceneRequest, cameras, lights, scenes};
+use smalti_report::comparison::{CameraArgument, CommandLine};
 
 use crate::args::CameraOptions;
 use crate::scene_args::SceneOptions;
 
-/// A camera by name or file, with the overrides of the command line, for scenes on a wavelength grid; `None`: its own.
+/// A camera by name or file with the overrides of the command line, on a wavelength grid or, with `None`, on its own.
 pub(crate) fn camera(
     name: &str,
     options: &CameraOptions,
@@ -21,19 +22,31 @@ pub(crate) fn camera(
     cameras::load(name, &options.overrides, grid).map_err(|e| anyhow::anyhow!("{e}"))
 }
 
-/// A light by name, or from a CSV file (`file.csv#column` picks a column).
+/// The words of the command line for pages, with the cameras among them.
+pub(crate) fn command_line(words: &[String], cameras: &[String]) -> CommandLine {
+    let is_built_in = |word: &String| cameras::names().iter().any(|c| c.name == *word);
+    let argument = |word: &String| CameraArgument { word: word.clone(), is_built_in: is_built_in(word) };
+    CommandLine { words: words.to_vec(), cameras: cameras.iter().map(argument).collect() }
+}
+
+/// Cameras by name or file, on their own wavelengths.
+pub(crate) fn cameras(names: &[String], options: &CameraOptions) -> anyhow::Result<Vec<Camera>> {
+    names.iter().map(|name| camera(name, options, None)).collect()
+}
+
+/// An illuminant by name or from a CSV file; `file.csv#column` selects a column.
 pub(crate) fn illuminant(name: &str) -> anyhow::Result<Illuminant> {
     Ok(lights::load(name, Path::new(""))?)
 }
 
-/// The wavelengths that a scene is asked for: those that were typed, else those that the camera states.
+/// A scene by name or file on the wavelengths of the command line, else on those that the camera states.
 pub(crate) fn scene_for(name: &str, options: &SceneOptions, camera: &Camera) -> anyhow::Result<Scene> {
-    let typed = options.wavelengths.as_deref().map(wavelengths).transpose()?;
+    let given = options.wavelengths.as_deref().map(wavelengths).transpose()?;
     let stated = camera.description().wavelengths_nm.map(|_| camera.grid());
-    scene_on(name, options, typed.or(stated))
+    scene_on(name, options, given.or(stated))
 }
 
-/// What was typed of a scene.
+/// The request for a scene from its options.
 fn request(options: &SceneOptions, grid: Option<WavelengthGrid>) -> anyhow::Result<SceneRequest> {
     Ok(SceneRequest {
         luminance_cd_m2: options.luminance,
@@ -45,7 +58,7 @@ fn request(options: &SceneOptions, grid: Option<WavelengthGrid>) -> anyhow::Resu
     })
 }
 
-/// How a file is read: what was typed of what it may leave unsaid.
+/// The options of reading a file.
 pub(crate) fn read_options(options: &SceneOptions) -> anyhow::Result<ReadOptions> {
     Ok(ReadOptions {
         clamp_negative: options.clamp_negative,
@@ -65,7 +78,7 @@ pub(crate) fn scene(name: &str, options: &SceneOptions) -> anyhow::Result<Scene>
 /// A scene by name or file, on a wavelength grid if one is given.
 fn scene_on(name: &str, options: &SceneOptions, grid: Option<WavelengthGrid>) -> anyhow::Result<Scene> {
     if let Some(option) = options.of_files().filter(|_| !is_file(name)) {
-        bail!("{name}: {option} is of files; it is a built-in scene");
+        bail!("{name}: {option} applies to files, and this is a built-in scene");
     }
     Ok(scenes::load(name, &request(options, grid)?)?)
 }
@@ -74,7 +87,7 @@ pub(crate) fn has_extension(path: &Path, known: &[&str]) -> bool {
     path.extension().and_then(|e| e.to_str()).is_some_and(|e| known.iter().any(|k| k.eq_ignore_ascii_case(e)))
 }
 
-/// `START:STEP:END` in nm.
+/// Parses `START:STEP:END` in nm.
 pub(crate) fn wavelengths(text: &str) -> anyhow::Result<WavelengthGrid> {
     let numbers: Vec<f64> = text
         .split(':')

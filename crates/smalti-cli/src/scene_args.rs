@@ -1,15 +1,15 @@
-//! What is said of a scene on the command line.
+//! Options of scenes.
 
 use clap::{Args, ValueEnum};
 use smalti_io::Quantity;
 use smalti_io::scene_file::Crop;
 
-use crate::args::number;
+use crate::numbers::number;
 
-/// What a scene is when its file or name does not say.
+/// Properties of a scene that its file or name does not state.
 #[derive(Debug, Clone, Default, PartialEq, Args)]
 pub(crate) struct SceneOptions {
-    /// Mean luminance, cd/m² [default: what the scene states, else 100]
+    /// Mean luminance, cd/m² [default: that of the scene, else 100]
     #[arg(long, value_name = "CD_M2", value_parser = number, allow_negative_numbers = true)]
     pub(crate) luminance: Option<f64>,
     /// Distance from the lens, m
@@ -18,28 +18,33 @@ pub(crate) struct SceneOptions {
     /// Horizontal field of view, degrees [default: the scene fills the sensor]
     #[arg(long, value_name = "DEGREES", value_parser = number, allow_negative_numbers = true)]
     pub(crate) fov: Option<f64>,
-    /// Light of the scene: a name (smalti list illuminants) or a CSV of wavelength_nm and relative power; files are re-lit
+    /// Illuminant of the scene: a name (smalti list illuminants) or a CSV of wavelength_nm and relative power. Files are relit
     #[arg(long, value_name = "NAME")]
     pub(crate) illuminant: Option<String>,
-    /// Wavelengths, nm; of a file that states none, those of its bands [default: those of the file, else 400:10:700]
+    /// Wavelengths, nm; for a file that states none, those of its bands [default: those of the file, else 400:10:700]
     #[arg(long, value_name = "START:STEP:END")]
     pub(crate) wavelengths: Option<String>,
-    /// What the values of a file are that does not state it
+    /// Quantity of the values of a file that does not state it
     #[arg(long, value_enum)]
     pub(crate) quantity: Option<FileQuantity>,
-    /// Which variable, array or dataset of a file is the cube
+    /// Variable, array or dataset of a file that holds the spectral cube
     #[arg(long, value_name = "NAME")]
     pub(crate) variable: Option<String>,
-    /// The part of a file to read: first row and column, from 0, then how many
+    /// Part of a file to read: first row and column, counted from 0, then the number of rows and columns
     #[arg(long, value_name = "ROW,COL,ROWS,COLS")]
     pub(crate) crop: Option<Crop>,
-    /// Take negative values of a spectral file, and those that say that nothing was measured, as 0
+    /// Replace negative values of a spectral file and its no-data values by 0
     #[arg(long)]
     pub(crate) clamp_negative: bool,
 }
 
 impl SceneOptions {
-    /// The first option that was typed and has a meaning for files alone.
+    /// Whether the option or a parameter of the scene states the field of view.
+    pub(crate) fn states_fov(&self, scene: &str) -> bool {
+        self.fov.is_some() || scene.contains("fov=")
+    }
+
+    /// The first given option that applies to files only.
     pub(crate) fn of_files(&self) -> Option<&'static str> {
         [
             (self.quantity.is_some(), "--quantity"),
@@ -48,18 +53,18 @@ impl SceneOptions {
             (self.clamp_negative, "--clamp-negative"),
         ]
         .into_iter()
-        .find_map(|(typed, name)| typed.then_some(name))
+        .find_map(|(given, name)| given.then_some(name))
     }
 }
 
-/// What the values of a spectral file are.
+/// The quantity of the values of a spectral file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum FileQuantity {
     /// Radiance, photons s⁻¹ m⁻² sr⁻¹ nm⁻¹
     Photons,
     /// Radiance, W m⁻² sr⁻¹ nm⁻¹
     Energy,
-    /// Radiance in energy units up to a factor
+    /// Radiance in energy units, up to a constant factor
     Relative,
     /// Reflectance, 0 to 1
     Reflectance,

@@ -1,31 +1,106 @@
-//! `smalti simulate`: one capture, from the scene to a picture.
+//! `smalti simulate`: one capture, from the scene to the picture.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
+use clap::{Args, ValueEnum};
 use serde_json::json;
-use smalti::camera::{Camera, CameraError, Photograph, PictureScores, ScoreSettings, score_picture};
-use smalti::isp::{Isp, WhiteBalance};
-use smalti::metrics::MetricError;
+use smalti::camera::{Camera, Photograph, ScoreSettings};
+use smalti::experiment::{Progress as _, ScoredWindow, Simulation, SimulationSettings, simulate};
 use smalti::scene::Scene;
-use smalti::sensor::{NoiseMode, RawImage, RawSamples, Window};
-use smalti::spectrum::{SpectralCube, Spectrum};
+use smalti::sensor::{NoiseMode, RawImage, RawSamples};
+use smalti::spectrum::SpectralCube;
 use smalti_io::dng::{self, DngInfo};
 use smalti_io::picture::{self, Depth};
 use smalti_io::stages::{self, write_stage};
 use smalti_io::{memory, write};
 
-use crate::args::{Common, Noise, PictureFormat, Simulate};
+use crate::args::{CameraOptions, Common};
 use crate::progress::Progress;
 use crate::resolve;
+use crate::scene_args::SceneOptions;
 
-/// How pictures are scored: on a good desktop screen, lightness relative to the brightest white in the picture.
-const SCORE: ScoreSettings = ScoreSettings { samples_per_degree: 60.0, highlight_share: 0.0 };
-/// Rows and columns, at most, of the part of a picture that is scored.
-const SCORED_PX: usize = 2048;
-/// What a capture takes at its peak, measured on mosaics: raw samples, and pictures in XYZ while they are compared.
+#[derive(Debug, Clone, Args)]
+#[command(after_help = "Examples:\n  \
+    smalti simulate bayer -o out\n  \
+    smalti simulate rgbw --scene macbeth --luminance 5 --illuminant A -o dim\n  \
+    smalti simulate my.toml --scene rendered.exr --set sensor.pixel.pitch_um=1.4 --set exposure.time_ms=20\n  \
+    smalti simulate bayer --scene photo.png --noise none --stages\n\n\
+    metrics.json is removed first and written last, so a folder that contains it is complete.")]
+pub(crate) struct Simulate {
+    /// A built-in camera (smalti list cameras) or a TOML file
+    pub(crate) camera: String,
+    /// A built-in scene, with parameters as in `zone-plate?frequency=0.4` (smalti list scenes), or a file: spectral or
+    /// RGB EXR, ENVI, NumPy, TIFF, PNG, JPEG, or a folder of bands
+    #[arg(long, default_value = "resolution-chart")]
+    pub(crate) scene: String,
+    #[command(flatten)]
+    pub(crate) scene_options: SceneOptions,
+    #[command(flatten)]
+    pub(crate) camera_options: CameraOptions,
+    /// Noise to simulate
+    #[arg(long, value_enum, default_value_t = Noise::All)]
+    pub(crate) noise: Noise,
+    /// Read out the whole sensor, also where the scene does not cover it
+    #[arg(long)]
+    pub(crate) full_frame: bool,
+    /// Also write every stage of the light path as .npy, with its unit in stages.json
+    #[arg(long)]
+    pub(crate) stages: bool,
+    /// Bits per channel of the picture
+    #[arg(long, default_value = "8", value_parser = ["8", "16"])]
+    pub(crate) bits: String,
+    /// Format of the picture: rendered.png or rendered.tif
+    #[arg(long, value_enum, default_value_t = PictureFormat::Png)]
+    pub(crate) format: PictureFormat,
+    /// Print metrics.json to standard output as well
+    #[arg(long)]
+    pub(crate) json: bool,
+    /// Folder for the results, created if needed
+    #[arg(short, long, default_value = "out", value_name = "DIR")]
+    pub(crate) output: PathBuf,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum PictureFormat {
+    /// PNG
+    Png,
+    /// TIFF
+    Tif,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Noise {
+    /// No noise: expected values
+    None,
+    /// Photon noise only
+    Shot,
+    /// All noise
+    All,
+}
+
+impl Noise {
+    fn mode(self) -> NoiseMode {
+        match self {
+            Self::None => NoiseMode::None,
+            Self::Shot => NoiseMode::PhotonOnly,
+            Self::All => NoiseMode::All,
+        }
+    }
+
+    /// The name in metrics.json.
+    fn name(self) -> &'static str {
+        match self {
+            Self::None => "none",
+            Self::Shot => "shot",
+            Self::All => "all",
+        }
+    }
+}
+
+/// Peak memory of a capture, measured on mosaics: raw samples, and pictures in XYZ during their comparison.
 const BYTES_PER_PIXEL: u64 = 120;
 
-/// Files of `--stages`, along the light path.
+/// Names of the files of `--stages`, in the order of the light path.
 const STAGES: [&str; 4] = ["1-scene-radiance", "2-optical-image-irradiance", "3-raw", "4-picture-xyz"];
 
 pub(crate) fn run(args: &Simulate, common: &Common) -> anyhow::Result<()> {
@@ -37,32 +112,25 @@ pub(crate) fn run(args: &Simulate, common: &Common) -> anyhow::Result<()> {
     let mut camera = resolve::camera(&args.camera, &args.camera_options, Some(scene.radiance().grid()))?;
     let scene = fitted(scene, args, &camera)?;
     progress.done();
-    progress.begin("optics");
     if !args.full_frame {
         camera.sensor.window = Some(camera.window_on(&scene)?);
     }
     ensure_memory(&camera)?;
-    let optical_image = camera.optics.image(&scene)?;
     let facts = scene_facts(args, &scene)?;
     let light = scene.illuminant().clone();
-    // The largest thing in memory is kept only to be written.
-    let scene = args.stages.then_some(scene);
-    progress.done();
-    progress.begin("sensor and processing");
-    let noise = match args.noise {
-        Noise::None => NoiseMode::None,
-        Noise::Shot => NoiseMode::PhotonOnly,
-        Noise::All => NoiseMode::All,
+    let kept = args.stages.then(|| scene.clone());
+    let settings = SimulationSettings {
+        noise: args.noise.mode(),
+        seed: args.camera_options.seed,
+        score: ScoreSettings::default(),
     };
-    let photo = camera.photograph(optical_image, &light, noise, args.camera_options.seed)?;
-    progress.done();
+    let Simulation { photograph: photo, score } = simulate(&camera, scene, &settings, &progress)?;
     progress.begin("writing");
-    // Everything is computed before anything is written.
+    // All results are computed before the first file is written.
     let gain = photo.picture.brightness_gain();
     let picture = photo.picture.clone().scaled(gain).converted(camera.output_space())?;
     let info = DngInfo::of_camera(&camera, &light)?;
-    let score = score(&camera, &light, &photo, noise, args.camera_options.seed)?;
-    let metrics = metrics(args, &camera, facts, &photo, gain, score)?;
+    let metrics = metrics(args, &camera, facts, &photo, gain, score, &settings.score)?;
     let text = serde_json::to_string_pretty(&metrics)? + "\n";
     let dir = &args.output;
     let depth = if args.bits == "16" { Depth::Sixteen } else { Depth::Eight };
@@ -70,13 +138,13 @@ pub(crate) fn run(args: &Simulate, common: &Common) -> anyhow::Result<()> {
         PictureFormat::Png => "rendered.png",
         PictureFormat::Tif => "rendered.tif",
     });
-    // A folder that has metrics.json is whole: that of an earlier run goes first, the new one comes last.
+    // metrics.json marks a complete folder: it is removed first and written last.
     let earlier = STAGES.map(|stage| format!("{stage}.npy"));
     let earlier = earlier.iter().map(String::as_str).chain(["metrics.json", stages::INDEX]);
     write::begin_folder(dir, &earlier.collect::<Vec<_>>())?;
     picture::write(&rendered, &picture, depth)?;
     dng::write(&dir.join("raw.dng"), &photo.raw, &info)?;
-    if let Some(scene) = &scene {
+    if let Some(scene) = &kept {
         write_scene(dir, scene)?;
         write_stages(dir, &photo)?;
     }
@@ -85,11 +153,11 @@ pub(crate) fn run(args: &Simulate, common: &Common) -> anyhow::Result<()> {
     if args.json {
         return crate::print(&text);
     }
-    let count = if args.stages { "raw.dng, metrics.json, stages.json" } else { "raw.dng, metrics.json" };
-    crate::print(&format!("{}  ({count} beside it)\n", rendered.display()))
+    let others = if args.stages { "raw.dng, metrics.json, stages.json" } else { "raw.dng, metrics.json" };
+    crate::print(&format!("{}  ({others} in the same folder)\n", rendered.display()))
 }
 
-/// Refuses what would end in the system killing the program midway.
+/// Refuses a capture that exceeds the available memory, since the system would kill the program.
 fn ensure_memory(camera: &Camera) -> anyhow::Result<()> {
     let sensor = &camera.sensor;
     let (rows, cols) = sensor.window.map_or((sensor.rows, sensor.cols), |w| (w.rows, w.cols));
@@ -97,58 +165,19 @@ fn ensure_memory(camera: &Camera) -> anyhow::Result<()> {
     let Some(available) = memory::available_bytes() else { return Ok(()) };
     anyhow::ensure!(
         need <= available,
-        "`sensor.rows` × `sensor.cols`: a picture of {rows} × {cols} pixels takes {} MiB of memory; {} are available",
+        "`sensor.rows` × `sensor.cols`: a picture of {rows} × {cols} pixels needs {} MiB of memory; {} MiB are available",
         need >> 20,
         available >> 20,
     );
     Ok(())
 }
 
-/// The scene, as wide as needed to lie on the sensor whole, unless its field of view was stated.
+/// The scene with a field of view that fits the sensor, unless the command line states one.
 fn fitted(scene: Scene, args: &Simulate, camera: &Camera) -> anyhow::Result<Scene> {
-    if args.scene_options.fov.is_some() || args.scene.contains("fov=") {
+    if args.scene_options.states_fov(&args.scene) {
         return Ok(scene);
     }
     Ok(camera.fitted(scene, resolve::is_file(&args.scene))?)
-}
-
-/// How far the picture is from what the standard observer sees through the same lens and pixels, and where.
-struct Score {
-    scores: PictureScores,
-    window: Window,
-}
-
-/// Scores the middle of the picture, at most [`SCORED_PX`] high and wide. `None` where there is no light.
-fn score(
-    camera: &Camera,
-    light: &Spectrum,
-    photo: &Photograph,
-    noise: NoiseMode,
-    seed: u64,
-) -> anyhow::Result<Option<Score>> {
-    let mosaic = camera.sensor.cfa.mosaic();
-    let whole = camera.sensor.read_window();
-    let middle = |first: usize, count: usize, tile: usize| {
-        let taken = count.min(SCORED_PX);
-        let skipped = (count - taken) / 2;
-        (first + skipped - skipped % tile, taken)
-    };
-    let (row, rows) = middle(whole.row, whole.rows, mosaic.rows());
-    let (col, cols) = middle(whole.col, whole.cols, mosaic.cols());
-    let window = Window { row, col, rows, cols };
-    let mut camera = camera.clone();
-    camera.sensor.window = Some(window);
-    // A windowed capture has the bits of that part of the whole.
-    let raw = camera.sensor.capture(&photo.optical_image, &photo.exposure, noise, seed)?;
-    let colors = camera.isp(light, WhiteBalance::None)?;
-    let measured = colors.render(&raw)?;
-    let reference = camera.reference_as_exposed(&photo.optical_image, &photo.exposure, light)?;
-    let white = colors.color_matrix.xyz_white();
-    match score_picture(&measured, &reference, white, &SCORE) {
-        Ok(scores) => Ok(Some(Score { scores, window })),
-        Err(CameraError::Metric(MetricError::Undefined { .. })) => Ok(None),
-        Err(e) => Err(e.into()),
-    }
 }
 
 fn scene_facts(args: &Simulate, scene: &Scene) -> anyhow::Result<serde_json::Value> {
@@ -166,18 +195,19 @@ fn metrics(
     scene: serde_json::Value,
     photo: &Photograph,
     gain: f64,
-    score: Option<Score>,
+    score: Option<ScoredWindow>,
+    settings: &ScoreSettings,
 ) -> anyhow::Result<serde_json::Value> {
     let mean = |v: &mut dyn Iterator<Item = f64>, n: usize| v.sum::<f64>() / n as f64;
     let lux = photo.optical_image.illuminance_lux()?;
     let levels = photo.raw.normalized();
-    let scored = |s: &Score| json!({"row": s.window.row, "col": s.window.col, "rows": s.window.rows, "cols": s.window.cols});
+    let scored = |s: &ScoredWindow| json!({"row": s.window.row, "col": s.window.col, "rows": s.window.rows, "cols": s.window.cols});
     Ok(json!({
         "smalti_version": env!("CARGO_PKG_VERSION"),
         "camera": camera.description().name,
         "scene": scene,
         "seed": args.camera_options.seed,
-        "noise": format!("{:?}", args.noise).to_lowercase(),
+        "noise": args.noise.name(),
         "exposure_time_s": photo.exposure.time_s,
         "mean_illuminance_lux": mean(&mut lux.iter().map(|&v| f64::from(v)), lux.len()),
         "raw": {
@@ -193,13 +223,14 @@ fn metrics(
             "pixel_delta_e_2000_mean": score.as_ref().map(|s| s.scores.pixel_delta_e_2000_mean),
             "pixel_delta_e_2000_p95": score.as_ref().map(|s| s.scores.pixel_delta_e_2000_p95),
             "scored_window": score.as_ref().map(scored),
-            "viewing_px_per_degree": SCORE.samples_per_degree,
+            "viewing_px_per_degree": settings.samples_per_degree,
+            "highlight_share": settings.highlight_share,
         },
         "description": camera.description(),
     }))
 }
 
-/// A spectral image as `.npy`, with its unit and facts in `stages.json`.
+/// Writes a spectral image as `.npy`, with its unit and properties in `stages.json`.
 fn write_cube(
     dir: &Path,
     name: &str,
@@ -219,7 +250,7 @@ fn write_scene(dir: &Path, scene: &Scene) -> anyhow::Result<()> {
     write_cube(dir, STAGES[0], scene.radiance(), "photons s^-1 m^-2 sr^-1 nm^-1", &facts)
 }
 
-/// The stages after the scene as `.npy`, with axes and units in `stages.json`.
+/// Writes the stages after the scene as `.npy`, with axes and units in `stages.json`.
 fn write_stages(dir: &Path, photo: &Photograph) -> anyhow::Result<()> {
     let image = &photo.optical_image;
     let spacing = [("sample_spacing_m", image.sample_spacing_m())];

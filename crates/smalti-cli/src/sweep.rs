@@ -1,37 +1,78 @@
-//! `smalti sweep`: the designs of a study, scored and written as they come.
+//! `smalti sweep`: scores the designs of a study and writes the results in parts.
 
+use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 use anyhow::{Context, bail};
+use clap::Args;
 use serde_json::json;
 use smalti::design::{Designs, Sweep};
 use smalti_io::cache::Cache;
-use smalti_io::dataset::{self, ColumnKind, Manifest, Plan, Run};
+use smalti_io::dataset::{self, ColumnKind, Manifest, Plan, Run, Shard};
 use smalti_io::studies;
-use smalti_io::sweeps::{self, processing};
+use smalti_io::sweeps;
 
-use crate::args::{Common, SweepArgs};
+use crate::args::Common;
 use crate::progress::Progress;
 use crate::table;
+use smalti::experiment::Progress as _;
 
-/// How a program ends that Ctrl-C stopped, as shells say it.
+#[derive(Debug, Clone, Args)]
+#[command(after_help = "Examples:\n  \
+    smalti sweep table2 -o study && smalti report study   score 5000 designs and report them\n  \
+    smalti sweep my-study.toml -o mine                    your own study; repeat the command to resume\n  \
+    smalti sweep my-study.toml --dry-run                  number of designs, duration, size\n  \
+    smalti sweep my-study.toml --shard 3/16 -o mine       one of sixteen machines with a shared folder\n  \
+    smalti sweep --merge part1 part2 -o mine              merge the folders of shards\n\n\
+    DIR/designs/*.parquet has a row for each design; pandas, Polars and DuckDB read it directly.")]
+pub(crate) struct SweepArgs {
+    /// A built-in study (smalti list studies), a TOML file, or the manifest.json of its results
+    #[arg(required_unless_present = "merge", conflicts_with = "merge")]
+    pub(crate) study: Option<String>,
+    /// Folder for the results, created if needed; an incomplete study in it is resumed
+    #[arg(short, long, default_value = "study", value_name = "DIR")]
+    pub(crate) output: PathBuf,
+    /// Score only the I-th of N shards of the study
+    #[arg(long, value_name = "I/N")]
+    pub(crate) shard: Option<Shard>,
+    /// Designs per file of results; an interrupted run loses at most two files [default: by the size of the study]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=dataset::MAX_CHUNK))]
+    pub(crate) part_size: Option<u64>,
+    /// Print the number of designs, the expected duration and the size of the results; write nothing
+    #[arg(long)]
+    pub(crate) dry_run: bool,
+    /// Measure how many designs per second this machine scores; write nothing
+    #[arg(long, conflicts_with = "dry_run")]
+    pub(crate) benchmark: bool,
+    /// Merge the results of shards that ran in separate folders into the folder of -o
+    #[arg(long, value_name = "DIR", num_args = 1.., conflicts_with_all = ["shard", "dry_run", "benchmark"])]
+    pub(crate) merge: Vec<PathBuf>,
+    /// Do not use the cache of optical images
+    #[arg(long)]
+    pub(crate) no_cache: bool,
+    /// Print JSON
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+/// The exit code after Ctrl-C, as shells define it.
 const STOPPED: i32 = 130;
 
 pub(crate) fn run(args: &SweepArgs, common: &Common) -> anyhow::Result<()> {
     if !args.merge.is_empty() {
         dataset::merge(&args.merge, &args.output)?;
         return crate::print(&format!(
-            "{} holds the results of {} folders\n",
+            "{} contains the results of {} folders\n",
             args.output.display(),
             args.merge.len()
         ));
     }
     let Some(name) = &args.study else {
-        bail!("which study? A built-in one (smalti list studies) or a TOML file")
+        bail!("expected a built-in study (smalti list studies) or a TOML file")
     };
     let (designs, about) = studies::load(name).map_err(|e| anyhow::anyhow!("{e}"))?;
     let plan = sweeps::plan(&designs, about, args.part_size, &args.output)?;
-    // What cannot be is refused before anything is tried.
+    // An impossible study is refused before the first design is scored.
     Manifest::new(&plan)?;
     let cache = if args.no_cache { Cache::disabled() } else { Cache::open(None) };
     let images = |key: &str, make: &dyn Fn() -> _| cache.optical_image(key, make);
@@ -48,9 +89,9 @@ pub(crate) fn run(args: &SweepArgs, common: &Common) -> anyhow::Result<()> {
     let run = Run::open(&args.output, &plan, args.shard)?;
     let to_do: u64 = run.missing().iter().map(|&c| plan.designs_of(c)).map(|r| r.end - r.start).sum();
     let progress = Progress::new(to_do, common.quiet);
-    progress.begin(designs.study().name.clone());
+    progress.begin(&designs.study().name);
     if to_do < designs.len() && args.shard.is_none() {
-        progress.note(&format!("{} of {} designs are there already", designs.len() - to_do, designs.len()));
+        progress.note(&format!("{} of {} designs are already scored", designs.len() - to_do, designs.len()));
     }
     for (colors, _, _) in designs.groups().filter(|&(_, sets, mosaics)| sets == 0 || mosaics == 0) {
         progress.note(&format!("the study has no design of {colors} colours"));
@@ -67,7 +108,7 @@ pub(crate) fn run(args: &SweepArgs, common: &Common) -> anyhow::Result<()> {
     let rate = if seconds > 0.0 { to_do as f64 / seconds } else { 0.0 };
     let done = match to_do {
         0 => "nothing was left to do".to_owned(),
-        n => format!("{n} designs in {seconds:.1} s ({rate:.0} a second)"),
+        n => format!("{n} designs in {seconds:.1} s ({rate:.0} per second)"),
     };
     let dir = args.output.display();
     if args.json {
@@ -75,35 +116,35 @@ pub(crate) fn run(args: &SweepArgs, common: &Common) -> anyhow::Result<()> {
             "study": designs.study().name, "output": args.output, "designs": designs.len(), "scored": to_do,
             "seconds": seconds, "designs_per_s": rate, "parts_missing": lacking,
         });
-        return crate::print(&(serde_json::to_string_pretty(&document)? + "\n"));
+        return crate::output::print_json(&document);
     }
     let next = if lacking == 0 {
-        format!("{dir} is complete: see it with `smalti report {dir}`")
+        format!("{dir} is complete; `smalti report {dir}` reports it")
     } else {
-        format!("{dir} lacks {lacking} parts, those of other shards")
+        format!("{dir} lacks {lacking} parts of other shards")
     };
     crate::print(&format!("{done}; {next}\n"))
 }
 
-/// Ctrl-C may come at any moment: parts are whole or not there. It is said how one goes on.
+/// Reports on Ctrl-C how to resume. Every part on disk is complete, so the program can end at any moment.
 fn tell_when_stopped(args: &SweepArgs) -> anyhow::Result<()> {
     let dir = args.output.display().to_string();
     ctrlc::set_handler(move || {
-        eprintln!("\nstopped; what is in {dir} stays, and the same command goes on from there");
+        eprintln!("\nstopped; {dir} keeps the results so far, and the same command resumes the study");
         std::process::exit(STOPPED);
     })
     .context("listening for Ctrl-C")
 }
 
-/// Scores designs spread over the study for about so long; designs a second.
+/// Scores designs from all of the study for about `time`; the number scored, and designs per second.
 fn rate(designs: &Designs, sweep: &Sweep<'_>, time: Duration) -> anyhow::Result<(u64, f64)> {
-    // Preparing is not what repeats.
+    // The preparation of a study is not part of the rate.
     let of_first = designs.end_of_condition(0).min(designs.len());
     sweep.score(0..1, &|| ())?;
     let (start, mut done, mut size) = (Instant::now(), 0, 32);
     loop {
         let part = size.min(of_first);
-        // Numbers of colours come one after another: equal steps meet all of them.
+        // Designs are ordered by number of colours: equal steps sample all of them.
         let stride = (of_first / part).max(1);
         let numbers: Vec<u64> = (0..part).map(|i| (i * stride + done % stride).min(of_first - 1)).collect();
         sweep.score_numbers(&numbers, &|| ())?;
@@ -117,7 +158,7 @@ fn rate(designs: &Designs, sweep: &Sweep<'_>, time: Duration) -> anyhow::Result<
 }
 
 fn dry_run(args: &SweepArgs, designs: &Designs, plan: &Plan, sweep: &Sweep<'_>) -> anyhow::Result<()> {
-    let (_, per_s) = rate(designs, sweep, Duration::from_secs(1)).context("trying some designs")?;
+    let (_, per_s) = rate(designs, sweep, Duration::from_secs(1)).context("scoring some designs")?;
     let study = designs.study();
     let own = (0..plan.chunks()).filter(|&c| args.shard.is_none_or(|s| s.owns(c)));
     let to_do: u64 = own.map(|c| plan.designs_of(c)).map(|r| r.end - r.start).sum();
@@ -144,7 +185,7 @@ fn dry_run(args: &SweepArgs, designs: &Designs, plan: &Plan, sweep: &Sweep<'_>) 
             "processing": study.processing, "parts": plan.chunks(), "designs_per_part": plan.chunk,
             "designs_per_s": per_s, "seconds": seconds, "megabytes": megabytes,
         });
-        return crate::print(&(serde_json::to_string_pretty(&document)? + "\n"));
+        return crate::output::print_json(&document);
     }
     let mut out = format!("{}\n\n", study.name);
     let row = |(colors, sets, mosaics): (usize, u64, usize)| {
@@ -152,15 +193,15 @@ fn dry_run(args: &SweepArgs, designs: &Designs, plan: &Plan, sweep: &Sweep<'_>) 
     };
     let rows: Vec<_> = designs.groups().map(row).collect();
     out += &table::render(&["colours", "filter sets", "mosaics", "designs"], &rows);
-    let with: Vec<String> = study.processing.iter().map(|p| processing(*p)).collect();
+    let with: Vec<String> = study.processing.iter().map(|p| p.name().to_owned()).collect();
     let conditions = match study.conditions.len() {
         1 => "one condition".to_owned(),
-        n => format!("{n} conditions, each design under every one"),
+        n => format!("each design under {n} conditions"),
     };
     out += &format!(
-        "\n{to_do} to score ({conditions}), with {} processing\n\
-         written in {} files of at most {} designs, about {megabytes:.1} MB\n\
-         about {} at {per_s:.0} designs a second (measured now)\n",
+        "\n{to_do} designs to score ({conditions}), with {} processing\n\
+         {} files of at most {} designs, about {megabytes:.1} MB\n\
+         about {} at {per_s:.0} designs per second (measured now)\n",
         with.join(" and "),
         plan.chunks(),
         plan.chunk,
@@ -174,14 +215,14 @@ fn benchmark(args: &SweepArgs, designs: &Designs, sweep: &Sweep<'_>) -> anyhow::
     let threads = rayon::current_num_threads();
     if args.json {
         let document = json!({"study": designs.study().name, "designs": done, "designs_per_s": per_s, "threads": threads});
-        return crate::print(&(serde_json::to_string_pretty(&document)? + "\n"));
+        return crate::output::print_json(&document);
     }
     crate::print(&format!(
-        "{per_s:.0} designs a second on {threads} threads ({done} designs, all scenes, noise and metrics; nothing written)\n"
+        "{per_s:.0} designs per second on {threads} threads ({done} designs with all scenes, noise and metrics; nothing written)\n"
     ))
 }
 
-/// Seconds in the unit that one would say.
+/// A duration in seconds, minutes or hours.
 fn duration(seconds: f64) -> String {
     match seconds {
         s if s < 100.0 => format!("{s:.1} s"),

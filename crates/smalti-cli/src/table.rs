@@ -1,19 +1,19 @@
-//! A table in plain text: first column left, numbers right; on a terminal no wider than that.
+//! Tables in plain text, with the first column left-aligned and all others right-aligned, that fit the width of a terminal.
 
 use unicode_width::UnicodeWidthStr;
 
 /// Between columns.
 const GAP: &str = "  ";
-/// Texts are shortened to no less.
-const LEAST_TEXT: usize = 8;
+/// The least width of shortened texts.
+const MIN_TEXT: usize = 8;
 
-/// Lines of cells under a header. Where standard output is a terminal the table fits it; elsewhere it is whole.
+/// A table with a header. It fits the width of a terminal; elsewhere its width is not limited.
 pub(crate) fn render(header: &[&str], rows: &[Vec<String>]) -> String {
     within(header, rows, crate::terminal::columns())
 }
 
-/// A table of at most so many characters across, if it can be: headings are broken, then texts shortened, then columns
-/// put below the others, after those that tell the rows apart.
+/// A table at most `columns` characters wide where possible. Headings are wrapped first, then texts are shortened, then columns are
+/// moved to further blocks below.
 fn within(header: &[&str], rows: &[Vec<String>], columns: Option<usize>) -> String {
     let cell = |row: &Vec<String>, c: usize| row.get(c).cloned().unwrap_or_default();
     let mut table: Vec<Column> = (0..header.len())
@@ -27,7 +27,7 @@ fn within(header: &[&str], rows: &[Vec<String>], columns: Option<usize>) -> Stri
         table.iter_mut().for_each(Column::break_head);
     }
     while !fits(&table) {
-        let texts = table.iter_mut().filter(|c| c.is_text() && c.width() > LEAST_TEXT);
+        let texts = table.iter_mut().filter(|c| c.is_text() && c.width() > MIN_TEXT);
         let Some(widest) = texts.max_by_key(|c| c.width()) else { break };
         widest.shorten(widest.width() - 1);
     }
@@ -37,7 +37,7 @@ fn within(header: &[&str], rows: &[Vec<String>], columns: Option<usize>) -> Stri
     fold(&table, columns.unwrap_or(usize::MAX))
 }
 
-/// Blocks below each other, each beginning with the columns that tell the rows apart.
+/// Blocks below each other, each of which begins with the first columns that together identify a row.
 fn fold(table: &[Column], limit: usize) -> String {
     let distinct = |count: usize| {
         let mut rows: Vec<Vec<&String>> =
@@ -88,7 +88,7 @@ impl Column {
     }
 }
 
-/// A text of at most so many characters across, with … where there was more.
+/// A text cut to a width with an ellipsis.
 fn shortened(text: &str, limit: usize) -> String {
     if text.width() <= limit {
         return text.to_owned();
@@ -100,7 +100,7 @@ fn shortened(text: &str, limit: usize) -> String {
     out + "…"
 }
 
-/// A text in lines of at most so many characters, broken at spaces; longer words stand alone.
+/// A text wrapped at spaces to lines of a width; a longer word has a line of its own.
 pub(crate) fn wrap(text: &str, limit: usize) -> Vec<String> {
     let mut lines: Vec<String> = Vec::new();
     for word in text.split_whitespace() {
@@ -131,7 +131,7 @@ fn draw(table: &[&Column]) -> String {
         padded.collect::<Vec<_>>().join(GAP).trim_end().to_owned()
     };
     let heads = table.iter().map(|c| c.head.len()).max().unwrap_or(0);
-    // Headings of fewer lines stand at the bottom.
+    // Headings of fewer lines are aligned to the bottom.
     let head = |column: &Column, l: usize| {
         (l + column.head.len()).checked_sub(heads).and_then(|l| column.head.get(l)).cloned()
     };

@@ -1,23 +1,23 @@
-//! What standard output can show: how wide it is, whether in colour, whether pictures.
+//! The capabilities of standard output: width, colours, graphics.
 
 use std::io::IsTerminal;
 
 use clap::ValueEnum;
 use smalti_report::Rgb;
 
-/// Width where nothing says how wide: that of a terminal since there have been any.
+/// Width where it is unknown.
 const USUAL_COLUMNS: usize = 80;
-/// Narrower, nothing can be drawn.
-const LEAST_COLUMNS: usize = 20;
+/// The least width for drawings.
+const MIN_COLUMNS: usize = 20;
 
-/// How things are drawn, as asked for.
+/// The graphics of drawings, as an option.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(crate) enum Graphics {
-    /// The best that the terminal is known to show
+pub(crate) enum GraphicsChoice {
+    /// The best graphics that the terminal is known to support
     Auto,
-    /// Pictures, by the protocol of the terminal kitty
+    /// Pictures by the protocol of the terminal kitty
     Kitty,
-    /// Pictures, as sixels
+    /// Pictures as sixels
     Sixel,
     /// Coloured blocks
     Blocks,
@@ -25,27 +25,27 @@ pub(crate) enum Graphics {
     Text,
 }
 
-/// Whether to use colours.
+/// The use of colours, as an option.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(crate) enum When {
-    /// On a terminal that shows them, unless `NO_COLOR` is set
+pub(crate) enum ColorChoice {
+    /// On a terminal with colours, unless `NO_COLOR` is set
     Auto,
-    /// Also when piped
+    /// Always, also when piped
     Always,
     /// Never
     Never,
 }
 
-/// How pictures get to the terminal.
+/// A graphics protocol.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Protocol {
-    /// Escape codes with a PNG in them.
+    /// Escape codes that contain a PNG.
     Kitty,
-    /// Six rows at a time.
+    /// Bands of six rows of pixels.
     Sixel,
 }
 
-/// Which colours there are.
+/// The colours of a terminal.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Depth {
     /// All of sRGB.
@@ -54,30 +54,30 @@ pub(crate) enum Depth {
     Indexed,
 }
 
-/// What standard output can show.
+/// The capabilities of standard output.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Screen {
-    /// Columns.
+    /// Width in characters.
     pub(crate) columns: usize,
-    /// Rows, on a terminal.
+    /// Height in characters, on a terminal.
     pub(crate) rows: Option<usize>,
-    /// How pictures get there; `None`: not at all.
+    /// The protocol for pictures; `None`: pictures are drawn as characters.
     pub(crate) protocol: Option<Protocol>,
-    /// Which colours there are; `None`: none, and no control codes.
+    /// The colours; `None`: no colours and no control codes.
     pub(crate) depth: Option<Depth>,
 }
 
 impl Screen {
-    /// Standard output.
-    pub(crate) fn of_stdout(graphics: Graphics, color: When) -> Self {
+    /// Detects the capabilities of standard output.
+    pub(crate) fn of_stdout(graphics: GraphicsChoice, color: ColorChoice) -> Self {
         let env = |name: &str| std::env::var(name).ok();
-        let (protocol, depth) = able(&env, std::io::stdout().is_terminal(), graphics, color);
-        let told = env("COLUMNS").and_then(|c| c.parse().ok());
-        let columns = columns().or(told).unwrap_or(USUAL_COLUMNS);
-        Self { columns: columns.max(LEAST_COLUMNS), rows: size().map(|(_, rows)| rows), protocol, depth }
+        let (protocol, depth) = capabilities(&env, std::io::stdout().is_terminal(), graphics, color);
+        let stated = env("COLUMNS").and_then(|c| c.parse().ok());
+        let columns = columns().or(stated).unwrap_or(USUAL_COLUMNS);
+        Self { columns: columns.max(MIN_COLUMNS), rows: size().map(|(_, rows)| rows), protocol, depth }
     }
 
-    /// Text in a colour, as it is where there are none.
+    /// Text in a colour; unchanged where there are no colours.
     pub(crate) fn colored(&self, color: Rgb, text: &str) -> String {
         match self.depth {
             Some(depth) => format!("\x1b[38;{}m{text}\x1b[0m", code(depth, color)),
@@ -85,7 +85,7 @@ impl Screen {
         }
     }
 
-    /// Text on a colour, in black or white.
+    /// Text on a coloured ground, in black or white.
     pub(crate) fn on_color(&self, color: Rgb, text: &str) -> String {
         match self.depth {
             Some(depth) => {
@@ -95,8 +95,7 @@ impl Screen {
         }
     }
 
-    /// The control code for text in a colour on another, that of the terminal where there is none; nothing where there are no
-    /// colours.
+    /// The control code for text in the colour `ink` on `ground`, or on the ground of the terminal; empty where there are no colours.
     pub(crate) fn colors(&self, ink: Rgb, ground: Option<Rgb>) -> String {
         match (self.depth, ground) {
             (Some(depth), Some(ground)) => {
@@ -108,12 +107,12 @@ impl Screen {
     }
 }
 
-/// Columns of standard output; `None` when it is no terminal.
+/// Width of standard output in characters; `None` when it is no terminal.
 pub(crate) fn columns() -> Option<usize> {
     size().map(|(columns, _)| columns)
 }
 
-/// How much higher than wide a character is; about two where the terminal does not say.
+/// Ratio of height to width of a character; 2 where the terminal does not report it.
 pub(crate) fn cell_shape() -> f64 {
     #[cfg(unix)]
     if let Ok(size) = rustix::termios::tcgetwinsize(std::io::stdout()) {
@@ -129,16 +128,17 @@ pub(crate) fn cell_shape() -> f64 {
 
 fn size() -> Option<(usize, usize)> {
     let (width, height) = terminal_size::terminal_size_of(std::io::stdout())?;
-    // Some terminals, such as those of continuous integration, say 0.
+    // Some terminals, such as those of continuous integration, report 0.
     (width.0 > 0 && std::io::stdout().is_terminal()).then_some((width.0.into(), height.0.into()))
 }
 
-/// Pictures and colours. What is asked for holds; the terminal is never asked, since one that does not answer would hang.
-fn able(
+/// The protocol and the colours from the options and the environment. The terminal is not queried: without an answer the program
+/// would hang.
+fn capabilities(
     env: &dyn Fn(&str) -> Option<String>,
     is_terminal: bool,
-    graphics: Graphics,
-    color: When,
+    graphics: GraphicsChoice,
+    color: ColorChoice,
 ) -> (Option<Protocol>, Option<Depth>) {
     let set = |name: &str| env(name).filter(|v| !v.is_empty());
     let term = set("TERM").unwrap_or_default();
@@ -153,21 +153,21 @@ fn able(
     let depth = Some(if truecolor { Depth::True } else { Depth::Indexed });
     let unable = term == "dumb" || (term.is_empty() && cfg!(unix));
     let colorful = match color {
-        When::Always => true,
-        When::Never => false,
-        When::Auto => is_terminal && !unable && set("NO_COLOR").is_none(),
+        ColorChoice::Always => true,
+        ColorChoice::Never => false,
+        ColorChoice::Auto => is_terminal && !unable && set("NO_COLOR").is_none(),
     };
     match graphics {
-        Graphics::Kitty => (Some(Protocol::Kitty), depth),
-        Graphics::Sixel => (Some(Protocol::Sixel), depth),
-        Graphics::Blocks => (None, depth),
-        Graphics::Text => (None, None),
-        Graphics::Auto if !colorful => (None, None),
-        // Pictures are for eyes, and do not pass through a multiplexer.
-        Graphics::Auto if !is_terminal || multiplexed => (None, depth),
-        Graphics::Auto if speaks_kitty => (Some(Protocol::Kitty), depth),
-        Graphics::Auto if known(&["sixel", "foot", "mlterm"]) => (Some(Protocol::Sixel), depth),
-        Graphics::Auto => (None, depth),
+        GraphicsChoice::Kitty => (Some(Protocol::Kitty), depth),
+        GraphicsChoice::Sixel => (Some(Protocol::Sixel), depth),
+        GraphicsChoice::Blocks => (None, depth),
+        GraphicsChoice::Text => (None, None),
+        GraphicsChoice::Auto if !colorful => (None, None),
+        // Multiplexers do not pass pictures on.
+        GraphicsChoice::Auto if !is_terminal || multiplexed => (None, depth),
+        GraphicsChoice::Auto if speaks_kitty => (Some(Protocol::Kitty), depth),
+        GraphicsChoice::Auto if known(&["sixel", "foot", "mlterm"]) => (Some(Protocol::Sixel), depth),
+        GraphicsChoice::Auto => (None, depth),
     }
 }
 
@@ -197,17 +197,17 @@ mod tests {
     use super::*;
 
     fn of(vars: &[(&str, &str)], is_terminal: bool) -> (Option<Protocol>, Option<Depth>) {
-        asked(vars, is_terminal, Graphics::Auto, When::Auto)
+        asked(vars, is_terminal, GraphicsChoice::Auto, ColorChoice::Auto)
     }
 
     fn asked(
         vars: &[(&str, &str)],
         is_terminal: bool,
-        graphics: Graphics,
-        color: When,
+        graphics: GraphicsChoice,
+        color: ColorChoice,
     ) -> (Option<Protocol>, Option<Depth>) {
         let env = |name: &str| vars.iter().find(|(n, _)| *n == name).map(|(_, v)| (*v).to_owned());
-        able(&env, is_terminal, graphics, color)
+        capabilities(&env, is_terminal, graphics, color)
     }
 
     #[test]
@@ -236,11 +236,14 @@ mod tests {
     #[test]
     fn what_is_asked_for_holds() {
         let kitty = [("TERM", "xterm-kitty"), ("NO_COLOR", "1")];
-        assert_eq!(asked(&kitty, false, Graphics::Auto, When::Always), (None, Some(Depth::True)));
-        assert_eq!(asked(&kitty, true, Graphics::Blocks, When::Auto), (None, Some(Depth::True)));
-        assert_eq!(asked(&kitty, true, Graphics::Text, When::Always), (None, None));
-        assert_eq!(asked(&[], false, Graphics::Sixel, When::Auto).0, Some(Protocol::Sixel));
-        assert_eq!(asked(&kitty[..1], true, Graphics::Auto, When::Never), (None, None));
+        assert_eq!(
+            asked(&kitty, false, GraphicsChoice::Auto, ColorChoice::Always),
+            (None, Some(Depth::True))
+        );
+        assert_eq!(asked(&kitty, true, GraphicsChoice::Blocks, ColorChoice::Auto), (None, Some(Depth::True)));
+        assert_eq!(asked(&kitty, true, GraphicsChoice::Text, ColorChoice::Always), (None, None));
+        assert_eq!(asked(&[], false, GraphicsChoice::Sixel, ColorChoice::Auto).0, Some(Protocol::Sixel));
+        assert_eq!(asked(&kitty[..1], true, GraphicsChoice::Auto, ColorChoice::Never), (None, None));
     }
 
     #[test]

@@ -1,21 +1,96 @@
-//! `smalti train`: a learned pipeline as a file.
+//! `smalti train`: learns a pipeline and writes it to a file.
 
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, bail};
+use clap::Args;
 use serde_json::json;
 use smalti::camera::{Camera, TrainingTarget};
-use smalti::color::SRGB_WHITE;
-use smalti::l3::{Axes, Origin, Pipeline, PositionSummary, Statistics};
-use smalti::sensor::Channel;
+use smalti::experiment::{
+    NamedScene, Progress as _, TrainingMaterial, TrainingRecord, continue_statistics, ensure_mosaic,
+    fresh_statistics, gather, pair_statistics, solve,
+};
+use smalti::l3::{Origin, Pipeline, PositionSummary};
 use smalti::spectrum::Illuminant;
-use smalti_io::{l3, write};
+use smalti_io::{l3, memory, write};
 
-use crate::args::{Common, Train};
-use crate::learn::{self, Material};
+use crate::args::{CameraOptions, Common};
+use crate::learning_args::LearningOptions;
+use crate::numbers::positive;
 use crate::progress::Progress;
 use crate::scene_args::SceneOptions;
 use crate::{pairs, resolve, table};
+
+#[derive(Debug, Clone, Args)]
+#[command(after_help = "Examples:\n  \
+    smalti train rgbw -o rgbw.l3\n  \
+    smalti train my.toml --illuminants A --target-illuminant D65 -o warm.l3       white-balanced for tungsten\n  \
+    smalti train bayer --scene forest.exr --scene street.exr -o mine.l3\n  \
+    smalti train bayer --statistics half.l3s -o a.l3                             statistics for --continue\n  \
+    smalti train nikon.toml --pair shot.dng shot.jpg --pair b.dng b.jpg -o nikon.l3\n  \
+    smalti train rgbw -o rgbw.l3 --c-header rgbw_isp.h --npz rgbw.npz\n\n\
+    Without --scene, --pair or --continue, the training data are the default set: dead leaves, patch charts, gradients, edges, \
+    stars, gratings, steps and scenes of high dynamic range, in natural and saturated colours, under daylight, tungsten and LED. \
+    --exposures determines the exposure of all scenes, and their luminance has no effect. The printed table states for each \
+    position of the mosaic how many classes occur, and the origin of the kernels of classes with too few patches.")]
+pub(crate) struct Train {
+    /// A built-in camera (smalti list cameras) or a TOML file
+    pub(crate) camera: String,
+    /// A scene to learn from instead of the default set, built in or a file; may be given more than once
+    #[arg(long = "scene", value_name = "SCENE")]
+    pub(crate) scenes: Vec<String>,
+    /// Illuminants of the default set, which its scenes use in turn
+    #[arg(
+        long,
+        value_delimiter = ',',
+        default_value = "D65,A,LED",
+        value_name = "NAME,...",
+        conflicts_with = "scenes"
+    )]
+    pub(crate) illuminants: Vec<String>,
+    /// Illuminant of the target pictures, for illuminant correction [default: that of the capture]
+    #[arg(long, value_name = "NAME")]
+    pub(crate) target_illuminant: Option<String>,
+    /// Quantity to estimate at every pixel: xyz, or the channels of a camera (name or TOML) [default: xyz]
+    #[arg(long, value_name = "TARGET")]
+    pub(crate) target: Option<String>,
+    /// Exposures of each scene, as the response to its highlights, where 1 is saturation [default: from 3 down to the noise]
+    #[arg(long, value_delimiter = ',', value_name = "R,...", value_parser = positive, allow_negative_numbers = true)]
+    pub(crate) exposures: Vec<f64>,
+    /// A raw file (DNG) and the target picture of the same capture; may be given more than once. The picture is aligned with
+    /// the raw image to a fraction of a pixel and may be cropped, shifted or scaled. Pairs cannot be combined with --scene,
+    /// since raw files contain noise and scenes do not
+    #[arg(long = "pair", num_args = 2, value_names = ["RAW", "PICTURE"], conflicts_with_all = ["scenes", "target", "target_illuminant"])]
+    pub(crate) pairs: Vec<PathBuf>,
+    /// Use the pictures of --pair without alignment, pixel by pixel
+    #[arg(long, requires = "pairs")]
+    pub(crate) no_align: bool,
+    /// Continue from statistics that --statistics saved; several files are merged
+    #[arg(long = "continue", value_name = "FILE")]
+    pub(crate) continue_from: Vec<PathBuf>,
+    /// Save the statistics of all patches, to continue from or to merge later
+    #[arg(long, value_name = "FILE")]
+    pub(crate) statistics: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) camera_options: CameraOptions,
+    /// Also write the table as NumPy arrays
+    #[arg(long, value_name = "FILE")]
+    pub(crate) npz: Option<PathBuf>,
+    /// Also write the table as a C header in fixed point
+    #[arg(long, value_name = "FILE")]
+    pub(crate) c_header: Option<PathBuf>,
+    /// Print every class as JSON instead of the table
+    #[arg(long)]
+    pub(crate) json: bool,
+    /// The learned table (safetensors)
+    #[arg(short, long, value_name = "FILE.l3")]
+    pub(crate) output: PathBuf,
+    #[command(flatten, next_help_heading = "Properties that a --scene does not state")]
+    pub(crate) scene_options: SceneOptions,
+    // Last: the heading would apply to all arguments after it.
+    #[command(flatten)]
+    pub(crate) learning: LearningOptions,
+}
 
 pub(crate) fn run(args: &Train, common: &Common) -> anyhow::Result<()> {
     let camera = resolve::camera(&args.camera, &args.camera_options, None)?;
@@ -26,7 +101,7 @@ pub(crate) fn run(args: &Train, common: &Common) -> anyhow::Result<()> {
     let training = args.learning.training();
     let lights =
         args.illuminants.iter().map(|n| resolve::illuminant(n)).collect::<anyhow::Result<Vec<_>>>()?;
-    learn::ensure_mosaic(&camera)?;
+    ensure_mosaic(&camera)?;
     let files = [Some(&args.output), args.statistics.as_ref(), args.npz.as_ref(), args.c_header.as_ref()];
     for file in files.into_iter().flatten() {
         match folder_to_make(file) {
@@ -39,35 +114,34 @@ pub(crate) fn run(args: &Train, common: &Common) -> anyhow::Result<()> {
         Some(m) => m.light(&camera)?,
         None => lights.first().unwrap_or(&Illuminant::D65).photons(camera.grid())?,
     };
-    let mut statistics = camera.training_statistics(&settings, &light)?;
-    learn::ensure_memory(statistics.axes(), statistics.outputs().len())?;
+    let mut statistics = fresh_statistics(&camera, &settings, &light, memory::available_bytes())?;
     if !args.pairs.is_empty() {
-        // Real raw files hold their noise; pictures are in sRGB.
-        statistics = Statistics::new(statistics.axes().clone(), statistics.outputs().to_vec(), true)?
-            .with_white(Some(SRGB_WHITE));
+        statistics = pair_statistics(&statistics)?;
     }
     let (mut sources, mut reports) = (Vec::new(), Vec::new());
-    if let Some((first, others)) = args.continue_from.split_first() {
-        statistics = continued(first, others, statistics, material.is_some() || !args.pairs.is_empty())?;
+    if !args.continue_from.is_empty() {
+        let saved = |file: &PathBuf| anyhow::Ok((file.display().to_string(), l3::read_statistics(file)?));
+        let saved = args.continue_from.iter().map(saved).collect::<anyhow::Result<_>>()?;
+        statistics = continue_statistics(saved, &statistics, material.is_some() || !args.pairs.is_empty())?;
         sources.extend(args.continue_from.iter().map(|f| format!("statistics {}", f.display())));
     }
-    let steps = material.as_ref().map_or(0, Material::len) + args.pairs.len() / 2;
+    let steps = material.as_ref().map_or(0, TrainingMaterial::len) + args.pairs.len() / 2;
     let progress = Progress::new(steps as u64 + 1, common.quiet);
     for pair in args.pairs.chunks_exact(2) {
-        progress.begin(format!("{} and {}", pair[0].display(), pair[1].display()));
+        progress.begin(&format!("{} and {}", pair[0].display(), pair[1].display()));
         let files: [&Path; 2] = [&pair[0], &pair[1]];
         reports.push(pairs::add(&mut statistics, &camera, files, !args.no_align, &progress)?);
         sources.push(format!("{} and {}", pair[0].display(), pair[1].display()));
         progress.done();
     }
     if let Some(material) = &material {
-        learn::gather(&camera, &settings, material, &mut statistics, &progress)?;
+        gather(&camera, &settings, material, &mut statistics, &progress)?;
         sources.extend(material.names());
     }
     progress.begin("solving");
-    let story = learn::provenance(&camera, &settings, &training, &sources, statistics.count())?;
-    let pipeline = training.solve(&statistics, story)?;
-    // Everything is computed before anything is written.
+    let story = TrainingRecord { camera: camera.description().clone(), settings, sources };
+    let pipeline = solve(&statistics, &training, Some(&story))?;
+    // All results are computed before the first file is written.
     for folder in files.into_iter().flatten().filter_map(|f| folder_to_make(f)) {
         write::begin_folder(folder, &[])?;
     }
@@ -91,97 +165,55 @@ pub(crate) fn run(args: &Train, common: &Common) -> anyhow::Result<()> {
     crate::print(&text)
 }
 
-/// The folder of a file, where it is absent.
+/// The folder of a file, if it does not exist.
 fn folder_to_make(file: &Path) -> Option<&Path> {
     file.parent().filter(|folder| !folder.as_os_str().is_empty() && !folder.exists())
 }
 
-/// Names in a C header begin with the name of its file.
+/// The prefix of names in a C header: the name of its file.
 fn prefix(file: &Path) -> String {
     let stem = file.file_stem().map(|s| s.to_string_lossy().into_owned()).unwrap_or_default();
     let plain: String = stem.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '_' }).collect();
     if plain.starts_with(|c: char| c.is_ascii_alphabetic()) { plain } else { format!("l3_{plain}") }
 }
 
-/// What is learned from; `None` when pairs or saved statistics are all.
-fn material(args: &Train, camera: &Camera, lights: &[Illuminant]) -> anyhow::Result<Option<Material>> {
+/// The training scenes; `None` when only pairs or saved statistics are given.
+fn material(
+    args: &Train,
+    camera: &Camera,
+    lights: &[Illuminant],
+) -> anyhow::Result<Option<TrainingMaterial>> {
     if !args.scenes.is_empty() {
         let scene = |name: &String| {
             let scene = resolve::scene_for(name, &args.scene_options, camera)?;
-            anyhow::Ok((name.clone(), camera.fitted(scene, resolve::is_file(name))?))
+            let keeps_fov = args.scene_options.states_fov(name);
+            Ok(NamedScene::for_camera(camera, name.clone(), scene, resolve::is_file(name), keeps_fov)?)
         };
-        return Ok(Some(Material::Scenes(args.scenes.iter().map(scene).collect::<anyhow::Result<_>>()?)));
+        let scenes = args.scenes.iter().map(scene).collect::<anyhow::Result<_>>()?;
+        return Ok(Some(TrainingMaterial::Scenes(scenes)));
     }
     if args.scene_options != SceneOptions::default() {
         bail!(
-            "--illuminant, --luminance, --distance, --fov and --wavelengths are for scenes of --scene; the lights of the \
-             default set are --illuminants, its exposures --exposures"
+            "--illuminant, --luminance, --distance, --fov and --wavelengths apply to scenes of --scene; use --illuminants and \
+             --exposures for the default set"
         );
     }
     let others = !args.pairs.is_empty() || !args.continue_from.is_empty();
-    Ok((!others).then(|| Material::Default(lights.to_vec())))
+    Ok((!others).then(|| TrainingMaterial::DefaultSet(lights.to_vec())))
 }
 
-/// What should come out: XYZ, or what another camera sees.
+/// The target: XYZ, or the channels of another camera.
 fn target(args: &Train) -> anyhow::Result<TrainingTarget> {
     let Some(name) = &args.target else { return Ok(TrainingTarget::Xyz) };
     if name.eq_ignore_ascii_case("xyz") {
         return Ok(TrainingTarget::Xyz);
     }
-    let other =
-        resolve::camera(name, &crate::args::CameraOptions { overrides: Vec::new(), seed: 1 }, None)
-            .with_context(|| format!("--target {name}: expected xyz, a built-in camera or a TOML file"))?;
-    let curves = other.sensor.spectral_responsivity_on(other.grid())?;
-    let channels = other.sensor.cfa.channels().iter().zip(curves);
-    Ok(TrainingTarget::Channels(
-        channels.map(|(c, curve)| Channel { name: c.name.clone(), transmittance: curve }).collect(),
-    ))
+    let other = resolve::camera(name, &CameraOptions { overrides: Vec::new(), seed: 1 }, None)
+        .with_context(|| format!("--target {name}: expected xyz, a built-in camera or a TOML file"))?;
+    Ok(TrainingTarget::channels_of(&other)?)
 }
 
-/// Saved statistics, merged. When more is to be added (`more`) they must be as `fresh` ones are; else it is enough that they
-/// are of the camera and of the settings that were typed, in whatever light they were gathered.
-fn continued(first: &Path, others: &[PathBuf], fresh: Statistics, more: bool) -> anyhow::Result<Statistics> {
-    let mut statistics = l3::read_statistics(first)?;
-    let (its, own) = (statistics.axes(), fresh.axes());
-    let name = first.display();
-    if its.mosaic() != own.mosaic() {
-        bail!("{name}: statistics of another mosaic than that of the camera");
-    }
-    if its.side() != own.side() {
-        bail!("{name}: statistics of patches of {0} × {0}; --patch is {1}", its.side(), own.side());
-    }
-    if its.level_count() != own.level_count() {
-        bail!("{name}: statistics of {} levels; --levels is {}", its.level_count(), own.level_count());
-    }
-    if its.textures() != own.textures() {
-        let names = |a: &Axes| a.textures().names().join(", ");
-        bail!("{name}: statistics of the textures {}; --textures asks for {}", names(its), names(own));
-    }
-    if its.noise() != own.noise() {
-        bail!("{name}: statistics of a camera with other noise (or of another exposure)");
-    }
-    if statistics.outputs() != fresh.outputs() {
-        let names = |s: &Statistics| s.outputs().join(", ");
-        bail!("{name}: statistics with targets {}; {} were asked for", names(&statistics), names(&fresh));
-    }
-    if more {
-        if statistics.noisy() != fresh.noisy() {
-            bail!(
-                "{name}: raw files hold their noise and scenes do not: statistics of the one cannot go on with the other"
-            );
-        }
-        statistics
-            .merge(&fresh)
-            .with_context(|| format!("{name}, gathered in another light or with other settings"))?;
-    }
-    for file in others {
-        let other = l3::read_statistics(file)?;
-        statistics.merge(&other).with_context(|| format!("{name} and {}", file.display()))?;
-    }
-    Ok(statistics)
-}
-
-/// The table of classes: what was learned, and where it was not.
+/// The table of classes and the origins of their kernels.
 fn summary(pipeline: &Pipeline, file: &Path) -> String {
     let s = pipeline.summary();
     let header =
@@ -203,9 +235,9 @@ fn summary(pipeline: &Pipeline, file: &Path) -> String {
     let names = pipeline.channel_names();
     let clipped: Vec<String> = pipeline.saturations().iter().map(|&m| channels_of(m, names)).collect();
     format!(
-        "{}\nA class is a position in the mosaic, a level of light, a texture, and which channels are clipped. Occupied: it has patches;\n\
-         learned: enough of them; interpolated: from the levels on both sides; pooled: learned with the classes beside it.\n\
-         {} classes occur, with {} operators, learned from {} patches; the rest of the {} in the table fall back\n\
+        "{}\nA class is a combination of position in the mosaic, response level, texture and clipped channels. An occupied class has patches.\n\
+         Its kernels are learned from its patches, interpolated between levels, pooled with similar classes, or those of the nearest level.\n\
+         {} classes occur, with {} operators, learned from {} patches; the other classes of the {} in the table use fallbacks\n\
          levels: {}; textures: {}; clipped channels: {}\n\n{}\n",
         table::render(&header, &rows),
         s.occupied,
@@ -219,7 +251,7 @@ fn summary(pipeline: &Pipeline, file: &Path) -> String {
     )
 }
 
-/// Names of the channels of a combination.
+/// The names of the channels in a mask.
 fn channels_of(mask: u32, names: &[String]) -> String {
     if mask == 0 {
         return "none".into();

@@ -16,7 +16,7 @@ use crate::raster::{Cube, FileSource, Shared, Storage, Stream};
 use crate::scene_file::cube_file::CubeFile;
 use crate::scene_file::stated::{Bands, wavelength_in};
 use crate::scene_file::tiles::{Tiles, load};
-use crate::{IoError, Quantity, ReadOptions, SpectralFile};
+use crate::{IoError, Limits, Quantity, ReadOptions, SpectralFile};
 
 // Pictures numbered 1 to 31 that state no wavelengths are those of CAVE.
 const CAVE: WavelengthGrid = WavelengthGrid::VISIBLE;
@@ -29,21 +29,15 @@ pub fn is_folder(path: &Path) -> bool {
     folder_of_pictures(path, true).is_some()
 }
 
-/// A spectral image from the PNG of a folder, or of the only folder in it. See `docs/formats-scenes.md` for how their names state
+/// A spectral image from the PNG of a folder, or of the only folder in it. `docs/formats-scenes.md` describes how their names state
 /// wavelengths. Values are reflectances unless the options say otherwise; the largest number is 1.
 ///
-/// # Errors
-/// When the folder has no bands, the wavelengths are neither stated nor given, one is missing or stated twice, pictures are
-/// malformed, of colour or of unequal size, or the cube is larger than the limits.
-pub fn read(path: &Path, options: &ReadOptions) -> Result<SpectralFile, IoError> {
-    load(&*open(path, options)?, path, options)
-}
-
-/// As [`read`], pictures to be unpacked as their rows are needed, each at most once where rows are asked for in their order. Of the
-/// options, the part is not looked at.
+/// Samples are read as they are needed: see [`crate::scene_file::load`]. The part that the options ask for is ignored here.
+/// Each picture is unpacked at most once if its rows are read in their order.
 ///
 /// # Errors
-/// As [`read`], but for the samples.
+/// When the folder has no bands, the wavelengths are neither stated nor given, one is missing or stated twice, or pictures are
+/// malformed or of unequal size.
 pub fn open(path: &Path, options: &ReadOptions) -> Result<Box<dyn Tiles>, IoError> {
     let (folder, names) = folder_of_pictures(path, true)
         .ok_or_else(|| IoError::field(path, "the folder", "without two PNG", "a PNG for each band"))?;
@@ -52,10 +46,10 @@ pub fn open(path: &Path, options: &ReadOptions) -> Result<Box<dyn Tiles>, IoErro
     Ok(Box::new(opened(path, &names, source, options)?))
 }
 
-/// As [`read`], from names and contents in memory; `path` is only named.
+/// As [`open`], from names and contents in memory and loaded; `path` is only named.
 ///
 /// # Errors
-/// As [`read`].
+/// As [`open`] and [`load`].
 pub fn from_files(
     files: &[(String, Vec<u8>)],
     path: &Path,
@@ -75,7 +69,7 @@ fn folder_of_pictures(path: &Path, descend: bool) -> Option<(PathBuf, Vec<String
     let mut names = Vec::new();
     for entry in std::fs::read_dir(path).ok()?.flatten() {
         let name = entry.file_name().into_string().ok()?;
-        // What systems and other programs hide there is none of the user's.
+        // Hidden files of the system and of other programs are not pictures of the user.
         if name.starts_with('.') || name.starts_with("__") {
             continue;
         }
@@ -106,7 +100,7 @@ fn chosen(path: &Path, names: &[String]) -> Result<(Vec<usize>, Vec<f64>, bool),
         let (which, nm) = with_unit.into_iter().unzip();
         return Ok((which, nm, true));
     }
-    // `object_ms_01`: what stands before the number is the same for all bands.
+    // `object_ms_01`: the text before the number is the same for all bands.
     let mut groups: BTreeMap<&str, Vec<(usize, f64)>> = BTreeMap::new();
     for (i, s) in stems.iter().enumerate() {
         let digits = s.len() - s.trim_end_matches(|c: char| c.is_ascii_digit()).len();
@@ -158,8 +152,9 @@ fn opened<'a>(
     };
     let members: Vec<&String> = which.iter().filter_map(|i| names.get(*i)).collect();
     let mut cubes: Vec<Cube<'a>> = Vec::new();
-    // Those that are interlaced are all unpacked at once while they are read.
-    let each = options.limits.decoded_bytes / members.len().max(1) as u64;
+    // All interlaced pictures are unpacked at the same time.
+    let decoded_bytes = options.limits.decoded_bytes / members.len().max(1) as u64;
+    let each = Limits { decoded_bytes, ..options.limits };
     for name in &members {
         let file = path.join(name.as_str());
         let raster = grey::raster(&source(name)?, &file, each)?;

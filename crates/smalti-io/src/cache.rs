@@ -9,12 +9,47 @@ use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
 use rayon::prelude::*;
+use smalti::camera::CameraError;
+use smalti::experiment::Store;
 use smalti::l3::Statistics;
 use smalti::numeric::Planes;
 use smalti::optics::{OPTICAL_IMAGE_REVISION, OpticalImage};
 use smalti::spectrum::{SpectralCube, WavelengthGrid};
 
+use crate::scene_file::blocks::little_endian;
 use crate::{IoError, l3, write};
+
+impl Store for Cache {
+    fn optical_image(
+        &self,
+        key: &str,
+        make: &dyn Fn() -> Result<OpticalImage, CameraError>,
+    ) -> Result<OpticalImage, CameraError> {
+        Cache::optical_image(self, key, make)
+    }
+
+    fn statistics(&self, key: &str) -> Option<Statistics> {
+        let path = self.path(&statistics_key(key), STATISTICS_EXTENSION)?;
+        let statistics = l3::read_statistics(&path).ok()?;
+        mark_used(&path);
+        Some(statistics)
+    }
+
+    fn keep_statistics(&self, key: &str, statistics: &Statistics) {
+        let path = self.path(&statistics_key(key), STATISTICS_EXTENSION);
+        if let (Some(dir), Some(path)) = (&self.dir, path) {
+            // A cache that cannot be written costs time, not the result.
+            let _ = write::create_folder(dir).and_then(|()| {
+                self.evict(dir, &path, self.limit_bytes);
+                l3::write_statistics(&path, statistics)
+            });
+        }
+    }
+}
+
+fn statistics_key(key: &str) -> CacheKey {
+    KeyBuilder::new().bytes("statistics", key.as_bytes()).finish()
+}
 
 /// The largest size of a cache unless [`Cache::with_limit`] says otherwise, bytes.
 pub const DEFAULT_LIMIT: u64 = 2 << 30;
@@ -103,34 +138,8 @@ impl Cache {
         self.dir.as_deref()
     }
 
-    fn path(&self, key: &CacheKey) -> Option<PathBuf> {
-        self.named(key, EXTENSION)
-    }
-
-    fn named(&self, key: &CacheKey, extension: &str) -> Option<PathBuf> {
+    fn path(&self, key: &CacheKey, extension: &str) -> Option<PathBuf> {
         self.dir.as_ref().map(|d| d.join(format!("{key}.{extension}")))
-    }
-
-    /// The training statistics of that key; `None` when they are absent or damaged.
-    #[must_use]
-    pub fn get_statistics(&self, key: &CacheKey) -> Option<Statistics> {
-        let path = self.named(key, STATISTICS_EXTENSION)?;
-        let statistics = l3::read_statistics(&path).ok()?;
-        let _ = File::options().append(true).open(path).and_then(|f| f.set_modified(SystemTime::now()));
-        Some(statistics)
-    }
-
-    /// Keeps training statistics. A disabled cache does nothing.
-    ///
-    /// # Errors
-    /// When the folder or file cannot be written.
-    pub fn put_statistics(&self, key: &CacheKey, statistics: &Statistics) -> Result<(), IoError> {
-        let (Some(dir), Some(path)) = (&self.dir, self.named(key, STATISTICS_EXTENSION)) else {
-            return Ok(());
-        };
-        fs::create_dir_all(dir).map_err(|source| IoError::Write { path: dir.clone(), source })?;
-        self.evict(dir, &path, self.limit_bytes);
-        l3::write_statistics(&path, statistics)
     }
 
     /// The optical image of a description, made where it is not kept. Those that another version of Smalti made are not taken.
@@ -157,7 +166,7 @@ impl Cache {
     /// The image of that key, bit for bit as it was put; `None` when it is absent or damaged.
     #[must_use]
     pub fn get(&self, key: &CacheKey) -> Option<OpticalImage> {
-        let path = self.path(key)?;
+        let path = self.path(key, EXTENSION)?;
         let mut file = File::open(&path).ok()?;
         let mut header = [0; HEADER_LEN];
         file.read_exact(&mut header).ok()?;
@@ -173,15 +182,11 @@ impl Cache {
             return None;
         }
         if cfg!(target_endian = "big") {
-            data.iter_mut().for_each(|v| *v = f32::from_bits(v.to_bits().swap_bytes()));
+            data = little_endian(&data).into_owned();
         }
         let planes = Planes::new(header.rows, header.cols, header.grid.len(), data).ok()?;
         let cube = SpectralCube::new(header.grid, planes).ok()?;
-        // The time of the last use decides what goes first. A file system without it only forgets less wisely.
-        let _ = File::options()
-            .append(true)
-            .open(self.path(key)?)
-            .and_then(|f| f.set_modified(SystemTime::now()));
+        mark_used(&path);
         OpticalImage::new(cube, header.sample_spacing_m).ok()
     }
 
@@ -191,22 +196,16 @@ impl Cache {
     /// # Errors
     /// When the folder or file cannot be written.
     pub fn put(&self, key: &CacheKey, image: &OpticalImage) -> Result<(), IoError> {
-        let (Some(dir), Some(path)) = (&self.dir, self.path(key)) else { return Ok(()) };
+        let (Some(dir), Some(path)) = (&self.dir, self.path(key, EXTENSION)) else { return Ok(()) };
         let cube = image.irradiance();
         let data = cube.planes().data();
         let size = (data.len() as u64).saturating_mul(4).saturating_add(HEADER_LEN as u64);
         if size > self.limit_bytes {
             return Ok(());
         }
-        fs::create_dir_all(dir).map_err(|source| IoError::Write { path: dir.clone(), source })?;
-        let swapped: Vec<f32>;
-        let data = if cfg!(target_endian = "little") {
-            data
-        } else {
-            swapped = data.iter().map(|v| f32::from_bits(v.to_bits().swap_bytes())).collect();
-            &swapped
-        };
-        let bytes: &[u8] = bytemuck::cast_slice(data);
+        write::create_folder(dir)?;
+        let data = little_endian(data);
+        let bytes: &[u8] = bytemuck::cast_slice(&data);
         let header = Header {
             rows: cube.rows(),
             cols: cube.cols(),
@@ -215,10 +214,9 @@ impl Cache {
             checksum: crc32fast::hash(bytes),
         };
         self.evict(dir, &path, self.limit_bytes - size);
-        write::atomic(&path, |out| {
-            out.write_all(&header.bytes(key))
-                .and_then(|()| out.write_all(bytes))
-                .map_err(|source| IoError::Write { path: path.clone(), source })
+        write::stream(&path, |out| {
+            out.write_all(&header.bytes(key))?;
+            out.write_all(bytes)
         })
     }
 
@@ -245,6 +243,11 @@ impl Cache {
             total -= len;
         }
     }
+}
+
+/// The time of the last use decides which entries are removed first. Without it, another order does no harm.
+fn mark_used(path: &Path) {
+    let _ = File::options().append(true).open(path).and_then(|f| f.set_modified(SystemTime::now()));
 }
 
 /// Whether a file is of a cache, finished or not.
@@ -371,7 +374,7 @@ mod tests {
         let cache = Cache::open(Some(dir.path().to_owned()));
         let k = key("a");
         cache.put(&k, &image(2, 3, 0.1)).unwrap();
-        let path = cache.path(&k).unwrap();
+        let path = cache.path(&k, EXTENSION).unwrap();
         let good = fs::read(&path).unwrap();
         for i in 0..good.len() {
             let mut bad = good.clone();

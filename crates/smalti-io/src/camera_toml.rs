@@ -77,11 +77,8 @@ impl TomlSource {
     /// # Errors
     /// On the first key or value that does not fit: its line, what was expected, the nearest valid key.
     pub fn describe(&self, overrides: &[Override]) -> Result<CameraDescription, Box<Diagnostic>> {
-        let study = |e: Box<Diagnostic>| match self.says_any(&["colors", "mosaics"]) {
-            true => Box::new(e.with_help("this is the file of a study: smalti sweep takes those")),
-            false => e,
-        };
-        let description: CameraDescription = self.parse().map_err(study)?;
+        let study = || "this is the file of a study: smalti sweep takes those".to_owned();
+        let description: CameraDescription = self.parse_or_tell(&["colors", "mosaics"], study)?;
         if overrides.is_empty() {
             return Ok(description);
         }

@@ -74,7 +74,7 @@ pub fn from_source(
     })
 }
 
-/// Shows an impossible value where it stands: on the command line, in the file, or nowhere if it is a default.
+/// Shows an impossible value where it is stated: on the command line, in the file, or without a place if it is a default.
 fn about(source: &TomlSource, overrides: &[Override], key: &str, message: &str) -> Diagnostic {
     // An override of the key itself, of the table around it, or of a key within it.
     let within = |inner: &str, outer: &str| {
@@ -86,7 +86,7 @@ fn about(source: &TomlSource, overrides: &[Override], key: &str, message: &str) 
     }
 }
 
-/// Replaces every named file by what is in it, so that the description stands alone.
+/// Replaces the name of every file by its content, so that the description is complete.
 fn read_files(
     d: &mut CameraDescription,
     folder: &Path,

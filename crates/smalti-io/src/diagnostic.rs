@@ -23,12 +23,6 @@ impl Diagnostic {
         Self { origin: origin.into(), message: message.into(), help: None, place: None }
     }
 
-    /// Says what to do about it.
-    #[must_use]
-    pub fn with_help(self, help: impl Into<String>) -> Self {
-        Self { help: Some(help.into()), ..self }
-    }
-
     /// Points at bytes of a text.
     #[must_use]
     pub fn with_span(mut self, text: &str, span: Range<usize>) -> Self {

@@ -1,7 +1,7 @@
 //! What can go wrong with a file.
 
 use std::io;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use smalti::color::ImageError;
 use smalti::color::jakob_hanika2019::UpliftError;
@@ -122,25 +122,17 @@ pub enum IoError {
         /// What was expected.
         expected: &'static str,
     },
-    /// The spectral content does not fit.
+    /// The content makes no value of the library.
     #[error("{}: {source}", path.display())]
-    Spectrum {
+    Content {
         /// The file.
         path: PathBuf,
         /// Why.
-        source: SpectrumError,
+        source: ContentError,
     },
     /// A light that is neither a name nor a file.
     #[error(transparent)]
     Light(SpectrumError),
-    /// The colours of a picture cannot be lifted to spectra.
-    #[error("{}: {source}", path.display())]
-    Uplift {
-        /// The file.
-        path: PathBuf,
-        /// Why.
-        source: UpliftError,
-    },
     /// A built-in scene that is not there, or cannot be as asked.
     #[error("{}{source}", unnamed(name, source))]
     Catalog {
@@ -148,38 +140,6 @@ pub enum IoError {
         name: String,
         /// Why.
         source: SceneError,
-    },
-    /// The content makes no scene.
-    #[error("{}: {source}", path.display())]
-    Scene {
-        /// The file.
-        path: PathBuf,
-        /// Why.
-        source: SceneError,
-    },
-    /// The content makes no raw image.
-    #[error("{}: {source}", path.display())]
-    Raw {
-        /// The file.
-        path: PathBuf,
-        /// Why.
-        source: RawError,
-    },
-    /// The content makes no mosaic.
-    #[error("{}: {source}", path.display())]
-    Mosaic {
-        /// The file.
-        path: PathBuf,
-        /// Why.
-        source: CfaError,
-    },
-    /// The content makes no picture.
-    #[error("{}: {source}", path.display())]
-    Image {
-        /// The file.
-        path: PathBuf,
-        /// Why.
-        source: ImageError,
     },
     /// The file was written by a later (or other) version of its format.
     #[error("{}: it is version {found} of the {format} format; version {expected} is read here", path.display())]
@@ -203,22 +163,29 @@ pub enum IoError {
         /// Hash that the file states.
         stated: String,
     },
-    /// The content makes no learned pipeline or statistics.
-    #[error("{}: {source}", path.display())]
-    Learned {
-        /// The file.
-        path: PathBuf,
-        /// Why.
-        source: L3Error,
-    },
+}
+
+/// Why the content of a file makes no value of the library.
+#[derive(Debug, Error)]
+#[error(transparent)]
+#[non_exhaustive]
+pub enum ContentError {
+    /// No spectrum or spectral cube.
+    Spectrum(#[from] SpectrumError),
+    /// A picture whose colours cannot be converted to spectra.
+    Uplift(#[from] UpliftError),
+    /// No scene.
+    Scene(#[from] SceneError),
+    /// No raw image.
+    Raw(#[from] RawError),
+    /// No mosaic.
+    Mosaic(#[from] CfaError),
+    /// No picture.
+    Image(#[from] ImageError),
+    /// No learned pipeline and no statistics.
+    Learned(#[from] L3Error),
     /// The shape does not match the data.
-    #[error("{}: {source}", path.display())]
-    Shape {
-        /// The file.
-        path: PathBuf,
-        /// Why.
-        source: ShapeError,
-    },
+    Shape(#[from] ShapeError),
 }
 
 /// The name of a scene and a colon, where the error does not name it itself.
@@ -230,27 +197,65 @@ fn unnamed(name: &str, error: &SceneError) -> String {
     }
 }
 
-/// Puts the file's name before an error of the library.
+/// Names the file in an error of the library.
 pub(crate) trait At<T> {
     /// The same result, with the file named.
-    fn at(self, path: &std::path::Path) -> Result<T, IoError>;
+    fn at(self, path: &Path) -> Result<T, IoError>;
 }
 
-macro_rules! at {
-    ($($error:ty => $variant:ident),*) => {$(
-        impl<T> At<T> for Result<T, $error> {
-            fn at(self, path: &std::path::Path) -> Result<T, IoError> {
-                self.map_err(|source| IoError::$variant { path: path.to_owned(), source })
-            }
-        }
-    )*};
+impl<T, E: Into<ContentError>> At<T> for Result<T, E> {
+    fn at(self, path: &Path) -> Result<T, IoError> {
+        self.map_err(|source| IoError::Content { path: path.to_owned(), source: source.into() })
+    }
 }
-at!(SpectrumError => Spectrum, SceneError => Scene, RawError => Raw, CfaError => Mosaic, ImageError => Image, ShapeError => Shape, L3Error => Learned);
 
 impl IoError {
+    /// Names the file that the system cannot read.
+    pub(crate) fn reading(path: &Path) -> impl Fn(io::Error) -> Self + Copy {
+        move |source| Self::Read { path: path.to_owned(), source }
+    }
+
+    /// Names the file or folder that the system cannot write.
+    pub(crate) fn writing(path: &Path) -> impl Fn(io::Error) -> Self + Copy {
+        move |source| Self::Write { path: path.to_owned(), source }
+    }
+
+    /// A file that is not valid in its format.
+    pub(crate) fn decode(path: &Path, format: &'static str, message: impl ToString) -> Self {
+        Self::Decode { path: path.to_owned(), format, message: message.to_string() }
+    }
+
+    /// A file that ends before what it declares.
+    pub(crate) fn truncated(path: &Path, what: &'static str, need: u64, have: u64) -> Self {
+        Self::Truncated { path: path.to_owned(), what, need, have }
+    }
+
+    /// A file of another format.
+    pub(crate) fn unknown(path: &Path, expected: &'static str) -> Self {
+        Self::UnknownFormat { path: path.to_owned(), expected }
+    }
+
+    /// A sample, by its number in a plane of `cols` columns.
+    pub(crate) fn pixel(
+        path: &Path,
+        channel: impl Into<String>,
+        (i, cols): (usize, usize),
+        value: f32,
+        expected: &'static str,
+    ) -> Self {
+        Self::Pixel {
+            path: path.to_owned(),
+            channel: channel.into(),
+            row: i / cols.max(1),
+            col: i % cols.max(1),
+            value: f64::from(value),
+            expected,
+        }
+    }
+
     /// A field that is not what it should be.
     pub(crate) fn field(
-        path: &std::path::Path,
+        path: &Path,
         field: impl Into<String>,
         found: impl Into<String>,
         expected: impl Into<String>,

@@ -28,7 +28,16 @@ pub(crate) const LARGEST_EXPANSION: u64 = 1032;
 const ALWAYS_ALLOWED: u64 = 1 << 20;
 
 impl Limits {
-    /// Refuses content that is larger than allowed, or than a file of `file_len` bytes can hold.
+    /// Refuses content that takes more memory than allowed.
+    pub(crate) fn check_memory(self, path: &Path, what: &'static str, bytes: u64) -> Result<(), IoError> {
+        let limit = self.decoded_bytes;
+        if bytes > limit {
+            return Err(IoError::TooLarge { path: path.to_owned(), what, bytes, limit });
+        }
+        Ok(())
+    }
+
+    /// Refuses content that takes more memory than allowed, or more than a file of `file_len` bytes can hold.
     pub(crate) fn check(
         self,
         path: &Path,
@@ -36,10 +45,7 @@ impl Limits {
         bytes: u64,
         file_len: u64,
     ) -> Result<(), IoError> {
-        if bytes > self.decoded_bytes {
-            let limit = self.decoded_bytes;
-            return Err(IoError::TooLarge { path: path.to_owned(), what, bytes, limit });
-        }
+        self.check_memory(path, what, bytes)?;
         plausible(path, what, bytes, file_len)
     }
 }
@@ -47,15 +53,14 @@ impl Limits {
 /// Refuses content that is larger than a file of `file_len` bytes can hold.
 pub(crate) fn plausible(path: &Path, what: &'static str, bytes: u64, file_len: u64) -> Result<(), IoError> {
     if bytes > ALWAYS_ALLOWED.max(file_len.saturating_mul(LARGEST_EXPANSION)) {
-        let need = bytes / LARGEST_EXPANSION;
-        return Err(IoError::Truncated { path: path.to_owned(), what, need, have: file_len });
+        return Err(IoError::truncated(path, what, bytes / LARGEST_EXPANSION, file_len));
     }
     Ok(())
 }
 
 /// The whole file.
 pub(crate) fn read(path: &Path, limit: u64) -> Result<Vec<u8>, IoError> {
-    let io = |source| IoError::Read { path: path.to_owned(), source };
+    let io = IoError::reading(path);
     let mut file = File::open(path).map_err(io)?;
     let metadata = file.metadata().map_err(io)?;
     let too_large = |bytes| IoError::TooLarge { path: path.to_owned(), what: "the file", bytes, limit };
@@ -76,20 +81,21 @@ pub(crate) fn stem(path: &Path) -> String {
     path.file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned())
 }
 
-/// Runs a decoder that is not ours. Should it panic on a hostile file after all, that is an error about the file,
-/// not the end of the program.
+/// Runs a decoder of another crate. If it panics on a malformed file, that is an error about the file and not the end of the program.
 pub(crate) fn guarded<T>(
     path: &Path,
     format: &'static str,
     decode: impl FnOnce() -> Result<T, IoError>,
 ) -> Result<T, IoError> {
-    std::panic::catch_unwind(std::panic::AssertUnwindSafe(decode)).unwrap_or_else(|_| {
-        let message = "the decoder failed on it".to_owned();
-        Err(IoError::Decode { path: path.to_owned(), format, message })
-    })
+    caught(decode).unwrap_or_else(|message| Err(IoError::decode(path, format, message)))
 }
 
-/// What becomes of negative samples. NaN and infinity are always errors.
+/// The result of a decoder of another crate; an error in words if it panics.
+pub(crate) fn caught<T>(decode: impl FnOnce() -> T) -> Result<T, &'static str> {
+    std::panic::catch_unwind(std::panic::AssertUnwindSafe(decode)).map_err(|_| "the decoder failed on it")
+}
+
+/// How negative samples are treated. NaN and infinity are always errors.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Negative {
     /// An error: there is no negative radiance.

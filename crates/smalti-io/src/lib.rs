@@ -25,9 +25,10 @@
 //! | [`text`] | UTF-8 | `String` |
 //! | [`memory`] | `/proc/meminfo` | bytes |
 //!
-//! Every reader has two doors: `read(path)` and `from_bytes(bytes, name)`. Neither panics on any input, and neither
-//! takes memory for what a header declares before it has been compared with what the file can hold. Every writer
-//! writes to a temporary file beside the target and renames it: a target is either whole or as it was.
+//! Every reader has a function for a path (`read`, or `open` for spectral images that are read by parts) and one for bytes in memory,
+//! `from_bytes`. Neither panics on any input, and neither takes memory for what a header declares before that has been compared with
+//! what the file can hold. Every writer writes to a temporary file beside the target and renames it: a target is either whole or as it
+//! was.
 
 pub mod bands;
 pub mod cache;
@@ -58,7 +59,7 @@ pub mod stages;
 pub mod studies;
 pub mod sweeps;
 pub mod text;
-mod tiff_tags;
+mod tiff;
 mod toml_source;
 mod variables;
 mod wavelengths;
@@ -66,7 +67,7 @@ pub mod write;
 
 pub use camera_toml::Override;
 pub use diagnostic::Diagnostic;
-pub use error::IoError;
+pub use error::{ContentError, IoError};
 pub use file::Limits;
 pub use scene_file::{Quantity, ReadOptions, SceneDefaults, SpectralFile};
 pub use scenes::SceneRequest;

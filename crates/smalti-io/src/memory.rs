@@ -1,9 +1,8 @@
-//! How much memory there is.
+//! The available memory.
 
 use std::fs;
 
-/// Bytes that can be had without swapping, by the system and by the limit of the container; `None` where the system
-/// does not say (other than Linux).
+/// Bytes that are available without swapping, by the system and by the limit of the container; `None` on systems other than Linux.
 #[must_use]
 pub fn available_bytes() -> Option<u64> {
     let system = of_meminfo(&fs::read_to_string("/proc/meminfo").ok()?)?;

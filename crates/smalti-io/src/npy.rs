@@ -8,6 +8,11 @@ use crate::{IoError, Limits, file, write};
 const MAGIC: &[u8; 6] = b"\x93NUMPY";
 // NumPy aligns the data so that they can be mapped into memory.
 const ALIGNMENT: usize = 64;
+const EXPECTED: &str = "a NumPy .npy file of format 1, 2 or 3";
+/// Bytes before the text of the longest header.
+const PREFIX: usize = 12;
+/// Headers of arrays without structures take less than a line.
+const HEADER_LIMIT: usize = 1 << 16;
 
 /// A type of element.
 pub trait Element: Copy + sealed::Sealed {
@@ -50,7 +55,7 @@ pub enum NpyData {
 pub struct NpyArray {
     /// Length of every axis; none for a single number.
     pub shape: Vec<usize>,
-    /// As many elements as the shape asks for.
+    /// As many elements as the shape states.
     pub data: NpyData,
 }
 
@@ -77,20 +82,19 @@ pub fn write<T: Element>(path: &Path, shape: &[usize], data: &[T]) -> Result<(),
     }
     let header = header(T::DESCR, shape)
         .ok_or_else(|| IoError::field(path, "shape", format!("{} axes", shape.len()), "fewer axes"))?;
-    write::atomic(path, |out| {
-        let io = |source| IoError::Write { path: path.to_owned(), source };
-        out.write_all(&header).map_err(io)?;
+    write::stream(path, |out| {
+        out.write_all(&header)?;
         let mut bytes = Vec::with_capacity(1 << 16);
         for chunk in data.chunks(1 << 13) {
             bytes.clear();
             chunk.iter().for_each(|v| v.extend(&mut bytes));
-            out.write_all(&bytes).map_err(io)?;
+            out.write_all(&bytes)?;
         }
         Ok(())
     })
 }
 
-/// All that stands before the data of an array in C order; `None` when it has too many axes.
+/// The header of an array in C order; `None` when it has too many axes.
 pub(crate) fn header(descr: &str, shape: &[usize]) -> Option<Vec<u8>> {
     let mut axes: String = shape.iter().map(|n| format!("{n}, ")).collect();
     // A tuple of one keeps its comma.
@@ -120,33 +124,21 @@ pub fn read(path: &Path, limits: Limits) -> Result<NpyArray, IoError> {
 /// # Errors
 /// As [`read`].
 pub fn from_bytes(bytes: &[u8], path: &Path) -> Result<NpyArray, IoError> {
-    let not_npy = || IoError::UnknownFormat {
-        path: path.to_owned(),
-        expected: "a NumPy .npy file of format 1, 2 or 3",
-    };
-    let (start, length) = prefix(bytes).ok_or_else(not_npy)?;
-    let (header, data) =
-        bytes.get(start..).and_then(|rest| rest.split_at_checked(length)).ok_or_else(not_npy)?;
-    let header = std::str::from_utf8(header).map_err(|_| not_npy())?;
-
-    let descr = value(header, "descr").unwrap_or("absent");
-    if value(header, "fortran_order").is_none_or(|v| !v.starts_with("False")) {
-        return Err(IoError::field(path, "fortran_order", "not False", "False: elements in C order"));
+    let start = |n: usize| Ok(bytes.get(..n).unwrap_or(bytes).to_vec());
+    let Header { descr, fortran, shape, start } = Header::parse("", path, start)?;
+    if fortran {
+        return Err(IoError::field(path, "fortran_order", "True", "False: elements in C order"));
     }
-    let shape = shape(header).ok_or_else(|| IoError::field(path, "shape", header, "a tuple of lengths"))?;
-    let size = match descr.get(..5) {
-        Some("'<f4'") => 4,
-        Some("'<f8'") => 8,
-        Some("'<u2'") => 2,
-        _ => {
-            let found = descr.split(',').next().unwrap_or_default();
-            return Err(IoError::field(path, "descr", found, "'<f4', '<f8' or '<u2'"));
-        }
+    let size = match descr.as_str() {
+        "<f4" => 4,
+        "<f8" => 8,
+        "<u2" => 2,
+        _ => return Err(IoError::field(path, "descr", format!("'{descr}'"), "'<f4', '<f8' or '<u2'")),
     };
+    let data = bytes.get(start..).unwrap_or_default();
     let need = shape.iter().try_fold(size, |p: usize, &n| p.checked_mul(n)).unwrap_or(usize::MAX);
     if need > data.len() {
-        let (need, have) = (need as u64, data.len() as u64);
-        return Err(IoError::Truncated { path: path.to_owned(), what: "the array", need, have });
+        return Err(IoError::truncated(path, "the array", need as u64, data.len() as u64));
     }
     if need < data.len() {
         let found = format!("{} bytes long", data.len());
@@ -160,27 +152,62 @@ pub fn from_bytes(bytes: &[u8], path: &Path) -> Result<NpyArray, IoError> {
     Ok(NpyArray { shape, data })
 }
 
-/// How many bytes the longest [`prefix`] takes.
-pub(crate) const PREFIX: usize = 12;
+/// The header of an array.
+pub(crate) struct Header {
+    /// The type of the elements in the words of NumPy, without quotation marks; of a structure not its fields.
+    pub(crate) descr: String,
+    /// Whether the first index runs fastest.
+    pub(crate) fortran: bool,
+    pub(crate) shape: Vec<usize>,
+    /// Where the elements begin.
+    pub(crate) start: usize,
+}
 
-/// Where the text of the header begins, and its length.
-pub(crate) fn prefix(bytes: &[u8]) -> Option<(usize, usize)> {
-    match bytes.strip_prefix(MAGIC)? {
-        [1, _, a, b, ..] => Some((10, usize::from(u16::from_le_bytes([*a, *b])))),
-        [2 | 3, _, a, b, c, d, ..] => Some((PREFIX, u32::from_le_bytes([*a, *b, *c, *d]) as usize)),
-        _ => None,
+impl Header {
+    /// From the first bytes of a file: `start(n)` gives `n` of them, or all where there are fewer. Errors call the array by its name,
+    /// if it has one.
+    pub(crate) fn parse(
+        name: &str,
+        path: &Path,
+        start: impl Fn(usize) -> Result<Vec<u8>, IoError>,
+    ) -> Result<Self, IoError> {
+        let field = |key: &str| if name.is_empty() { key.to_owned() } else { format!("{name}: {key}") };
+        let wrong = |what: &str| {
+            IoError::field(path, if name.is_empty() { "the array" } else { name }, what, EXPECTED)
+        };
+        let (begin, length) = match start(PREFIX)?.strip_prefix(MAGIC) {
+            Some([1, _, a, b, ..]) => (10, usize::from(u16::from_le_bytes([*a, *b]))),
+            Some([2 | 3, _, a, b, c, d, ..]) => (PREFIX, u32::from_le_bytes([*a, *b, *c, *d]) as usize),
+            _ if name.is_empty() => return Err(IoError::unknown(path, EXPECTED)),
+            _ => return Err(wrong("something else")),
+        };
+        if length > HEADER_LIMIT {
+            return Err(wrong("one with a header of more than 65536 bytes"));
+        }
+        let bytes = start(begin + length)?;
+        let text = bytes.get(begin..begin + length).ok_or_else(|| wrong("cut short"))?;
+        let text = String::from_utf8_lossy(text);
+        // The header is a Python dictionary in one line.
+        let value = |key: &str| {
+            let (_, rest) = text.split_once(&format!("'{key}'"))?;
+            rest.trim_start().strip_prefix(':').map(str::trim_start)
+        };
+        let descr = value("descr").unwrap_or("absent");
+        let descr = descr.strip_prefix('\'').and_then(|d| d.split_once('\'')).map_or("a structure", |d| d.0);
+        let fortran = match value("fortran_order") {
+            Some(v) if v.starts_with("True") => true,
+            Some(v) if v.starts_with("False") => false,
+            _ => return Err(IoError::field(path, field("fortran_order"), "absent", "True or False")),
+        };
+        let lengths = |tuple: &str| -> Option<Vec<usize>> {
+            let (tuple, _) = tuple.strip_prefix('(')?.split_once(')')?;
+            tuple.split(',').map(str::trim).filter(|n| !n.is_empty()).map(|n| n.parse().ok()).collect()
+        };
+        let shape = value("shape").and_then(lengths).ok_or_else(|| {
+            IoError::field(path, field("shape"), "absent or no lengths", "a tuple of lengths")
+        })?;
+        Ok(Self { descr: descr.to_owned(), fortran, shape, start: begin + length })
     }
-}
-
-/// What stands behind a key of the header, a Python dictionary in one line.
-pub(crate) fn value<'a>(header: &'a str, key: &str) -> Option<&'a str> {
-    let (_, rest) = header.split_once(&format!("'{key}'"))?;
-    rest.trim_start().strip_prefix(':').map(str::trim_start)
-}
-
-pub(crate) fn shape(header: &str) -> Option<Vec<usize>> {
-    let (tuple, _) = value(header, "shape")?.strip_prefix('(')?.split_once(')')?;
-    tuple.split(',').map(str::trim).filter(|n| !n.is_empty()).map(|n| n.parse().ok()).collect()
 }
 
 #[cfg(test)]
@@ -221,6 +248,7 @@ mod tests {
         };
         assert!(text("<f4", ">f4").contains("descr is '>f4'; expected '<f4', '<f8' or '<u2'"));
         assert!(text("False", "True ").contains("C order"));
+        assert!(text("False", "Fals ").contains("fortran_order is absent"));
         assert!(text("(2, 3)", "(2, 2)").contains("24 bytes long; expected 16 bytes"));
         assert!(write(path, &[4], &[1u16; 3]).unwrap_err().to_string().contains("a shape of 3 elements"));
     }

@@ -9,7 +9,7 @@ use crate::error::At;
 use crate::scene_file::{self, is_meant};
 use crate::{IoError, ReadOptions};
 
-/// What is asked of a scene. What is not is as its file states, else as in [`Setting`].
+/// Properties that a scene is required to have. Those that are not stated here are taken from its file, else from [`Setting`].
 #[derive(Debug, Clone, Default)]
 pub struct SceneRequest {
     /// Mean luminance, cd/m².
@@ -22,7 +22,7 @@ pub struct SceneRequest {
     pub illuminant: Option<Illuminant>,
     /// The wavelengths; a file is resampled.
     pub grid: Option<WavelengthGrid>,
-    /// What a file may leave unsaid.
+    /// Assumptions for facts that a file does not state.
     pub read: ReadOptions,
 }
 
@@ -130,7 +130,7 @@ mod tests {
         write(&path, &file, Layout::Fichet2021).unwrap();
         let name = path.to_str().unwrap();
         check(&load(name, &asked()).unwrap());
-        // What is not asked for is as the file states.
+        // Other properties are those of the file.
         let as_stated = load(name, &SceneRequest::default()).unwrap();
         assert_eq!((as_stated.distance_m(), as_stated.horizontal_fov_deg()), (1.0, 20.0));
         assert_eq!(as_stated.radiance().grid(), grid);

@@ -59,7 +59,7 @@ impl SpectrumTable {
 /// As [`read`]; when the column is absent, or not named where there are several.
 pub fn read_spectrum(path_and_column: &str) -> Result<Spectrum, IoError> {
     let (path, column) = match path_and_column.rsplit_once('#') {
-        // A file whose name holds '#' is meant as it stands.
+        // A file may have '#' in its name.
         Some((path, column)) if !Path::new(path_and_column).is_file() => (path, Some(column)),
         _ => (path_and_column, None),
     };
@@ -115,11 +115,8 @@ pub fn parse(text: &str, path: &Path) -> Result<SpectrumTable, IoError> {
         (1..first.len()).map(|i| i.to_string()).collect()
     };
     if names.is_empty() {
-        return Err(wrong(
-            first_line,
-            "one column".into(),
-            "wavelength_nm and at least one column of values",
-        ));
+        let expected = "wavelength_nm and at least one column of values";
+        return Err(wrong(first_line, "one column".into(), expected));
     }
     if let Some(name) = names.iter().enumerate().find_map(|(i, n)| names[..i].contains(n).then_some(n)) {
         return Err(wrong(first_line, format!("two columns called '{name}'"), "names that differ"));
@@ -130,11 +127,8 @@ pub fn parse(text: &str, path: &Path) -> Result<SpectrumTable, IoError> {
     for (line, row) in lines {
         let row = fields(row);
         if row.len() != names.len() + 1 {
-            return Err(wrong(
-                line,
-                format!("{} columns", row.len()),
-                &format!("{} columns", names.len() + 1),
-            ));
+            let expected = format!("{} columns", names.len() + 1);
+            return Err(wrong(line, format!("{} columns", row.len()), &expected));
         }
         let mut numbers = row.iter().map(|v| match v.parse::<f64>() {
             Ok(number) if number.is_finite() => Ok(number),
@@ -162,22 +156,9 @@ pub fn parse(text: &str, path: &Path) -> Result<SpectrumTable, IoError> {
     let most = MAX_SAMPLES.min(MAX_VALUES / names.len()).max(wavelengths_nm.len());
     let grid = uniform_grid(&wavelengths_nm, most).at(path)?;
     let places = places(&wavelengths_nm, grid);
-    let resampled = |v: &[f64]| {
-        let at = |i: usize| v.get(i).copied().unwrap_or(0.0);
-        let value = |p: &crate::wavelengths::Between| {
-            if p.weight == 0.0 {
-                at(p.index)
-            } else {
-                at(p.index) * (1.0 - p.weight) + at(p.index + 1) * p.weight
-            }
-        };
-        Spectrum::new(grid, places.iter().map(value).collect()).at(path)
-    };
-    let columns = names
-        .into_iter()
-        .zip(&values)
-        .map(|(name, v)| Ok((name, resampled(v)?)))
-        .collect::<Result<Vec<_>, IoError>>()?;
+    let resampled = |v: &[f64]| Spectrum::new(grid, places.iter().map(|p| p.of(v)).collect()).at(path);
+    let columns = names.into_iter().zip(&values).map(|(name, v)| Ok((name, resampled(v)?)));
+    let columns = columns.collect::<Result<Vec<_>, IoError>>()?;
     Ok(SpectrumTable { path: path.to_owned(), columns })
 }
 
@@ -201,16 +182,15 @@ pub fn write(path: &Path, columns: &[(&str, &Spectrum)]) -> Result<(), IoError> 
             return Err(IoError::field(path, "column name", format!("'{name}'"), "a plain name, used once"));
         }
     }
-    write::atomic(path, |out| {
-        let io = |source| IoError::Write { path: path.to_owned(), source };
+    write::stream(path, |out| {
         let names: Vec<_> = columns.iter().map(|(n, _)| *n).collect();
-        writeln!(out, "wavelength_nm,{}", names.join(",")).map_err(io)?;
+        writeln!(out, "wavelength_nm,{}", names.join(","))?;
         for (i, nm) in grid.wavelengths_nm().enumerate() {
-            write!(out, "{nm}").map_err(io)?;
+            write!(out, "{nm}")?;
             for (_, spectrum) in columns {
-                write!(out, ",{}", spectrum.values()[i]).map_err(io)?;
+                write!(out, ",{}", spectrum.values()[i])?;
             }
-            writeln!(out).map_err(io)?;
+            writeln!(out)?;
         }
         Ok(())
     })

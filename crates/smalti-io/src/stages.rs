@@ -45,14 +45,10 @@ pub fn write_stage<T: Element>(
 ) -> Result<(), IoError> {
     let plain = !name.is_empty() && name.bytes().all(|b| b.is_ascii_alphanumeric() || b == b'_' || b == b'-');
     if !plain {
-        return Err(IoError::field(
-            dir,
-            "the stage",
-            format!("'{name}'"),
-            "a name of letters, digits, - and _",
-        ));
+        let expected = "a name of letters, digits, - and _";
+        return Err(IoError::field(dir, "the stage", format!("'{name}'"), expected));
     }
-    std::fs::create_dir_all(dir).map_err(|source| IoError::Write { path: dir.to_owned(), source })?;
+    write::create_folder(dir)?;
     let index_path = dir.join(INDEX);
     let mut index = if index_path.exists() { read_index(dir)? } else { BTreeMap::new() };
 
@@ -68,8 +64,7 @@ pub fn write_stage<T: Element>(
         numbers: numbers.iter().map(|(k, v)| ((*k).to_owned(), v.to_vec())).collect(),
     };
     index.insert(name.to_owned(), stage);
-    let json = serde_json::to_string_pretty(&index)
-        .map_err(|e| IoError::Write { path: index_path.clone(), source: e.into() })?;
+    let json = serde_json::to_string_pretty(&index).map_err(|e| IoError::writing(&index_path)(e.into()))?;
     write::bytes(&index_path, (json + "\n").as_bytes())
 }
 
@@ -79,11 +74,8 @@ pub fn write_stage<T: Element>(
 /// When `stages.json` cannot be read or is malformed.
 pub fn read_index(dir: &Path) -> Result<BTreeMap<String, Stage>, IoError> {
     let path = dir.join(INDEX);
-    serde_json::from_str(&text::read_to_string(&path)?).map_err(|e| IoError::Decode {
-        path: path.clone(),
-        format: "stages.json",
-        message: e.to_string(),
-    })
+    let text = text::read_to_string(&path)?;
+    serde_json::from_str(&text).map_err(|e| IoError::decode(&path, "stages.json", e))
 }
 
 #[cfg(test)]

@@ -37,6 +37,13 @@ pub fn from_bytes(bytes: Vec<u8>, path: &Path) -> Result<String, IoError> {
     }
 }
 
+/// A text of UTF-16 units in a byte order.
+pub(crate) fn utf16(big_endian: bool, bytes: &[u8]) -> String {
+    let load = if big_endian { u16::from_be_bytes } else { u16::from_le_bytes };
+    let units: Vec<u16> = bytes.as_chunks().0.iter().map(|b| load(*b)).collect();
+    String::from_utf16_lossy(&units)
+}
+
 /// JSON in ASCII, for the text fields of formats that know nothing else. Empty where the value has no JSON, which
 /// the plain structures written here always have.
 pub(crate) fn ascii_json(value: &impl serde::Serialize) -> String {

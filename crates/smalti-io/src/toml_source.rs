@@ -78,10 +78,17 @@ impl TomlSource {
         toml::from_str(&self.text).map_err(|e| Box::new(self.at(e.span(), e.message())))
     }
 
-    /// Whether one of these keys stands at the top.
-    pub(crate) fn says_any(&self, keys: &[&str]) -> bool {
-        toml::from_str::<toml::Table>(&self.text)
-            .is_ok_and(|table| keys.iter().any(|k| table.contains_key(*k)))
+    /// As [`TomlSource::parse`]; where one of these keys stands at the top, which files of another kind have, errors tell of it.
+    pub(crate) fn parse_or_tell<T: DeserializeOwned>(
+        &self,
+        others: &[&str],
+        help: impl FnOnce() -> String,
+    ) -> Result<T, Box<Diagnostic>> {
+        self.parse().map_err(|error| {
+            let is_other = toml::from_str::<toml::Table>(&self.text)
+                .is_ok_and(|table| others.iter().any(|key| table.contains_key(*key)));
+            if is_other { Box::new(Diagnostic { help: Some(help()), ..*error }) } else { error }
+        })
     }
 
     /// An error about the value of a key, shown at its line where the file states it, else at the innermost table around it. A

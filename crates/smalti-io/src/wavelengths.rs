@@ -14,8 +14,20 @@ pub(crate) struct Between {
     pub(crate) weight: f64,
 }
 
-/// The uniform grid that stands for ascending wavelengths (at least two): from the first to the last, with as many
-/// steps as their smallest distance asks for, at most `max_count` samples.
+impl Between {
+    /// The value at this place, linear between the values of the file.
+    pub(crate) fn of(self, values: &[f64]) -> f64 {
+        let at = |i: usize| values.get(i).copied().unwrap_or(0.0);
+        if self.weight > 0.0 {
+            at(self.index) * (1.0 - self.weight) + at(self.index + 1) * self.weight
+        } else {
+            at(self.index)
+        }
+    }
+}
+
+/// The uniform grid for ascending wavelengths (at least two): from the first to the last, with their smallest distance (rounded down
+/// to fit) as step and at most `max_count` samples.
 pub(crate) fn uniform_grid(
     wavelengths_nm: &[f64],
     max_count: usize,

@@ -1,5 +1,6 @@
 //! Writing a file whole or not at all.
 
+use std::collections::BTreeSet;
 use std::fs::{self, File, OpenOptions};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
@@ -33,7 +34,7 @@ impl Drop for Temporary {
 /// # Errors
 /// What `fill` returns, or [`IoError::Write`].
 pub fn atomic(path: &Path, fill: impl FnOnce(&mut Target) -> Result<(), IoError>) -> Result<(), IoError> {
-    let io = |source| IoError::Write { path: path.to_owned(), source };
+    let io = IoError::writing(path);
     let (file, mut temporary) = create_beside(path).map_err(io)?;
     let mut target = BufWriter::with_capacity(1 << 18, file);
     fill(&mut target)?;
@@ -44,14 +45,17 @@ pub fn atomic(path: &Path, fill: impl FnOnce(&mut Target) -> Result<(), IoError>
     Ok(())
 }
 
+/// As [`atomic`], where only writing can fail.
+pub(crate) fn stream(path: &Path, fill: impl FnOnce(&mut Target) -> io::Result<()>) -> Result<(), IoError> {
+    atomic(path, |out| fill(out).map_err(IoError::writing(path)))
+}
+
 /// Writes `bytes` as by [`atomic`].
 ///
 /// # Errors
 /// [`IoError::Write`].
 pub fn bytes(path: &Path, bytes: &[u8]) -> Result<(), IoError> {
-    atomic(path, |out| {
-        out.write_all(bytes).map_err(|source| IoError::Write { path: path.to_owned(), source })
-    })
+    stream(path, |out| out.write_all(bytes))
 }
 
 /// As [`bytes()`], and the data are on the disk before the file has its name: after a loss of power it is whole or absent.
@@ -59,11 +63,10 @@ pub fn bytes(path: &Path, bytes: &[u8]) -> Result<(), IoError> {
 /// # Errors
 /// [`IoError::Write`].
 pub fn durable(path: &Path, bytes: &[u8]) -> Result<(), IoError> {
-    atomic(path, |out| {
-        out.write_all(bytes)
-            .and_then(|()| out.flush())
-            .and_then(|()| out.get_ref().sync_data())
-            .map_err(|source| IoError::Write { path: path.to_owned(), source })
+    stream(path, |out| {
+        out.write_all(bytes)?;
+        out.flush()?;
+        out.get_ref().sync_data()
     })
 }
 
@@ -73,7 +76,7 @@ pub fn durable(path: &Path, bytes: &[u8]) -> Result<(), IoError> {
 /// # Errors
 /// [`IoError::Write`].
 pub fn ensure_can_write(path: &Path) -> Result<(), IoError> {
-    let io = |source| IoError::Write { path: path.to_owned(), source };
+    let io = IoError::writing(path);
     if path.is_dir() {
         return Err(io(io::Error::new(io::ErrorKind::IsADirectory, "it is a folder; expected a file")));
     }
@@ -86,7 +89,7 @@ pub fn ensure_can_write(path: &Path) -> Result<(), IoError> {
 /// # Errors
 /// [`IoError::Write`].
 pub fn ensure_can_fill(dir: &Path) -> Result<(), IoError> {
-    let io = |source| IoError::Write { path: dir.to_owned(), source };
+    let io = IoError::writing(dir);
     if dir.is_file() {
         return Err(io(not_a_folder()));
     }
@@ -100,15 +103,15 @@ fn not_a_folder() -> io::Error {
 }
 
 /// Makes a folder where it is absent and removes from it the files that say what is in it. Their new versions are to be
-/// written last: as long as they are absent, what else lies there may be of two runs.
+/// written last: as long as they are absent, the other files may come from two runs.
 ///
 /// # Errors
 /// [`IoError::Write`].
 pub fn begin_folder(dir: &Path, indices: &[&str]) -> Result<(), IoError> {
     if dir.is_file() {
-        return Err(IoError::Write { path: dir.to_owned(), source: not_a_folder() });
+        return Err(IoError::writing(dir)(not_a_folder()));
     }
-    fs::create_dir_all(dir).map_err(|source| IoError::Write { path: dir.to_owned(), source })?;
+    create_folder(dir)?;
     for index in indices {
         let path = dir.join(index);
         match fs::remove_file(&path) {
@@ -119,6 +122,50 @@ pub fn begin_folder(dir: &Path, indices: &[&str]) -> Result<(), IoError> {
         }
     }
     Ok(())
+}
+
+/// Files of a folder and the folders in it, written one after the other. Folders are made as they are needed. Files that an earlier
+/// run left in a folder are removed before the first new file is written to it.
+#[derive(Debug)]
+pub struct Files {
+    folder: PathBuf,
+    indices: Vec<String>,
+    earlier: Vec<String>,
+    begun: BTreeSet<PathBuf>,
+}
+
+impl Files {
+    /// Of `folder`. Earlier files with the names `indices` are removed from it; those with the names `earlier` also from the folders
+    /// in it. Nothing is removed before the first write.
+    #[must_use]
+    pub fn new(folder: &Path, indices: &[&str], earlier: &[String]) -> Self {
+        let indices = indices.iter().map(|&name| name.to_owned()).collect();
+        Self { folder: folder.to_owned(), indices, earlier: earlier.to_vec(), begun: BTreeSet::new() }
+    }
+
+    /// Writes a file as by [`bytes()`]; `name` is its path relative to the folder.
+    ///
+    /// # Errors
+    /// [`IoError::Write`].
+    pub fn write(&mut self, name: &str, content: &[u8]) -> Result<(), IoError> {
+        let path = self.folder.join(name);
+        if !self.begun.contains(&self.folder) {
+            let names: Vec<&str> = self.indices.iter().chain(&self.earlier).map(String::as_str).collect();
+            begin_folder(&self.folder, &names)?;
+            self.begun.insert(self.folder.clone());
+        }
+        if let Some(parent) = path.parent().filter(|p| !self.begun.contains(*p)) {
+            let names: Vec<&str> = self.earlier.iter().map(String::as_str).collect();
+            begin_folder(parent, &names)?;
+            self.begun.insert(parent.to_owned());
+        }
+        bytes(&path, content)
+    }
+}
+
+/// Makes a folder, and the folders around it, where it is absent.
+pub(crate) fn create_folder(dir: &Path) -> Result<(), IoError> {
+    fs::create_dir_all(dir).map_err(IoError::writing(dir))
 }
 
 /// A new file in the folder of `path`, under a name no other process or thread has.
@@ -196,6 +243,24 @@ mod tests {
         assert_eq!(names(&out), ["data"]);
         let error = begin_folder(&out.join("data"), &[]).unwrap_err().to_string();
         assert!(error.ends_with("data: it is a file; expected a folder"), "{error}");
+    }
+
+    #[test]
+    fn files_replace_those_of_an_earlier_run() {
+        let dir = tempfile::tempdir().unwrap();
+        let out = dir.path().join("out");
+        for name in ["index.json", "a.svg", "mine.txt", "in/a.svg", "in/index.json"] {
+            Files::new(&out, &[], &[]).write(name, b"old").unwrap();
+        }
+        let mut files = Files::new(&out, &["index.json"], &["a.svg".into()]);
+        assert!(out.join("index.json").exists(), "nothing is removed before the first write");
+        files.write("in/b.svg", b"new").unwrap();
+        let mut there = names(&out);
+        there.sort();
+        assert_eq!(there, ["in", "mine.txt"]);
+        let mut there = names(&out.join("in"));
+        there.sort();
+        assert_eq!(there, ["b.svg", "index.json"]);
     }
 
     #[test]

@@ -31,6 +31,11 @@ fn sample(row: usize, col: usize, band: usize) -> f64 {
     ((row + 5 * col + 20 * band) % 120 + 1) as f64
 }
 
+fn part_of(file: &SpectralFile, part: Crop) -> SpectralFile {
+    let options = ReadOptions { crop: Some(part), ..ReadOptions::default() };
+    scene_file::load(&scene_file::Whole::new(file), Path::new("f"), &options).unwrap()
+}
+
 fn read(path: &Path, options: &ReadOptions) -> Result<SpectralFile, IoError> {
     scene_file::read_spectral(path, options).map(Option::unwrap)
 }
@@ -76,7 +81,7 @@ fn files_of_scipy_and_h5py_are_read() {
         let whole = read(&dir.path().join(name), &default).unwrap_or_else(|e| panic!("{e}"));
         let part = Crop { row: 1, col: 2, rows: 3, cols: 2 };
         let cut = read(&dir.path().join(name), &ReadOptions { crop: Some(part), ..ReadOptions::default() });
-        assert_eq!(cut.unwrap(), whole.clone().cropped(part).unwrap(), "{name}");
+        assert_eq!(cut.unwrap(), part_of(&whole, part), "{name}");
         whole
     };
     let error = |name: &str| read(&dir.path().join(name), &default).unwrap_err().to_string();
@@ -216,7 +221,7 @@ fn a_part_is_the_part_of_the_whole() {
             Crop { row: 39, col: 0, rows: 1, cols: 33 },
             Crop { row: 0, col: 32, rows: 40, cols: 1 },
         ] {
-            let cut = whole.clone().cropped(part).unwrap();
+            let cut = part_of(&whole, part);
             assert_eq!(&tiles.read(part).unwrap(), cut.cube.planes(), "{}", path.display());
             let options = ReadOptions { crop: Some(part), ..ReadOptions::default() };
             assert_eq!(read(&path, &options).unwrap(), cut, "{}", path.display());

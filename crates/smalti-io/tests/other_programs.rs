@@ -14,7 +14,7 @@ use smalti::spectrum::{SpectralCube, Spectrum, WavelengthGrid};
 use smalti_io::dng::{self, ColorMatrix, Compression, DngInfo};
 use smalti_io::exr::{self, Layout};
 use smalti_io::picture::{self, Depth};
-use smalti_io::{Limits, Quantity, ReadOptions, SpectralFile};
+use smalti_io::{Limits, Quantity, ReadOptions, SpectralFile, scene_file};
 
 #[path = "support/python.rs"]
 mod python;
@@ -259,7 +259,9 @@ fn spectra_of_the_openexr_library_are_read() {
     if python("check_exr.py", "OpenEXR, numpy", &[Path::new("write"), dir.path()]).is_none() {
         return;
     }
-    let read = |name: &str| exr::read(&dir.path().join(name), &ReadOptions::default()).unwrap();
+    let read = |name: &str| {
+        scene_file::read_spectral(&dir.path().join(name), &ReadOptions::default()).unwrap().unwrap()
+    };
     let emissive = read("emissive.exr");
     assert_eq!((emissive.quantity, emissive.cube.rows(), emissive.cube.cols()), (Quantity::Energy, 3, 5));
     assert_eq!(emissive.cube.grid(), WavelengthGrid::new(400.0, 20.0, 16).unwrap());

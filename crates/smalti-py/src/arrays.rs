@@ -1,5 +1,5 @@
-//! NumPy arrays in and out. Out: views of what an object holds, without a copy, not writeable; they keep the object alive.
-//! In: one copy, since the library owns its memory.
+//! NumPy arrays as arguments and results. Results are read-only views of the memory of an object, which they keep alive. Arguments are
+//! copied once, since the library owns its memory.
 
 use numpy::ndarray::{ArrayView, Dimension, IxDyn, ShapeBuilder};
 use numpy::{
@@ -11,10 +11,10 @@ use smalti::spectrum::WavelengthGrid;
 
 use crate::error::wrong;
 
-/// How far a wavelength may lie from its place on an even grid, as a share of the step.
+/// Tolerance of a wavelength on an even grid, as a share of the step.
 const EVEN: f64 = 1e-3;
 
-/// Whatever NumPy takes for an array of a type: one of that type as it is, another converted.
+/// An array of a type; other types are converted by NumPy.
 pub(crate) fn array<'py, T: Element>(
     value: &Bound<'py, PyAny>,
     what: &str,
@@ -57,7 +57,7 @@ pub(crate) fn planes(value: &Bound<'_, PyAny>, what: &str, last: &str) -> PyResu
     Ok(planes)
 }
 
-/// That an array has the axes that are expected of it.
+/// Checks the number of axes of an array.
 pub(crate) fn expect_axes(shape: &[usize], what: &str, axes: &[&str]) -> PyResult<()> {
     if shape.len() == axes.len() { Ok(()) } else { Err(expected(what, axes, shape)) }
 }
@@ -86,7 +86,7 @@ pub(crate) fn grid(wavelengths_nm: &[f64]) -> PyResult<WavelengthGrid> {
     WavelengthGrid::new(first, step, wavelengths_nm.len()).map_err(|e| wrong(format!("wavelengths_nm: {e}")))
 }
 
-/// A view of memory that `owner` holds.
+/// A view of memory that `owner` owns.
 fn view<'py, T: Element, D: Dimension>(
     owner: Bound<'py, PyAny>,
     view: &ArrayView<'_, T, D>,
@@ -116,7 +116,7 @@ pub(crate) fn image_view<'py, T: Element>(
     view(owner, &seen)
 }
 
-/// Values of some axes, the last one fastest.
+/// Values with these axes, the last one fastest.
 pub(crate) fn slice_view<'py, T: Element>(
     owner: Bound<'py, PyAny>,
     shape: &[usize],

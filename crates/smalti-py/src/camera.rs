@@ -1,4 +1,4 @@
-//! Cameras: described, resolved, taking pictures.
+//! Cameras: descriptions and captures.
 
 use std::path::{Path, PathBuf};
 
@@ -6,17 +6,18 @@ use numpy::IntoPyArray;
 use numpy::PyArrayMethods;
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyDict, PyString};
-use smalti::camera::Camera;
+use smalti::camera::{Camera, ScoreSettings};
+use smalti::experiment::{SimulationSettings, capture, numbered};
 use smalti::isp::WhiteBalance;
-use smalti::sensor::{Cfa, Channel};
 use smalti::sensor::{Exposure, NoiseMode};
-use smalti::spectrum::{Observer, Outside, Spectrum, WavelengthGrid};
+use smalti::spectrum::{Observer, Spectrum, WavelengthGrid};
 use smalti_io::dng::DngInfo;
 use smalti_io::{Override, TomlSource, cameras};
 
 use crate::cfa::PyCfa;
 use crate::error::{OrRaise, SmaltiError, not_found, short, wrong};
 use crate::image::PyImage;
+use crate::json::dict_of;
 use crate::photograph::PyPhotograph;
 use crate::raw::PyRawImage;
 use crate::scene::{PyOpticalImage, PyScene};
@@ -27,19 +28,17 @@ use crate::work::watched;
 ///
 /// Args:
 ///     source: a built-in camera ("bayer", "rgbw", "phone", …; see `smalti.cameras()`) or a TOML file.
-///     set: keys of the camera's description to be replaced, such as {"sensor.pixel.pitch_um": 1.4}; `smalti list keys` names all.
-///     wavelengths_nm: where its curves are sampled, nm, even steps; default those that it states, else 400, 410, … 700. Scenes on
-///         other wavelengths are taken on their own.
+///     set: keys of the description to replace, such as {"sensor.pixel.pitch_um": 1.4}; `smalti list camera-keys` prints all keys.
+///     wavelengths_nm: sampling wavelengths of its curves, nm, even steps; default those that it states, else 400, 410, … 700. A
+///         scene on other wavelengths is simulated on its own.
 ///
 /// Raises:
 ///     FileNotFoundError: when there is no such file.
-///     SmaltiError: when there is no such camera, or a key or value does not fit, with its line.
+///     SmaltiError: when there is no such camera, or a key or value is invalid; the message contains the line.
 #[pyclass(name = "Camera", module = "smalti", frozen)]
 #[derive(Debug, Clone)]
 pub(crate) struct PyCamera {
     pub(crate) camera: Camera,
-    /// The colour filter array is not that of the description.
-    own_cfa: bool,
 }
 
 #[pymethods]
@@ -54,16 +53,16 @@ impl PyCamera {
         let (overrides, grid) = (overrides(set)?, grid_of(wavelengths_nm)?);
         let name = source.to_string_lossy();
         let camera = cameras::load(&name, &overrides, grid).map_err(|e| diagnosed(&name, &e.to_string()))?;
-        Ok(Self { camera, own_cfa: false })
+        Ok(Self { camera })
     }
 
     /// A camera from the text of a TOML file.
     ///
     /// Args:
     ///     text: the description.
-    ///     set: keys to be replaced, as for `Camera`.
+    ///     set: keys to replace, as for `Camera`.
     ///     wavelengths_nm: as for `Camera`.
-    ///     folder: where files that the text names are looked for.
+    ///     folder: folder of the files that the text names.
     #[staticmethod]
     #[pyo3(signature = (text, set=None, wavelengths_nm=None, folder=None))]
     fn from_toml(
@@ -76,7 +75,7 @@ impl PyCamera {
         Self::from_text(text, folder.unwrap_or_default(), &overrides, grid)
     }
 
-    /// What it is called.
+    /// The name.
     #[getter]
     fn name(&self) -> &str {
         &self.camera.description().name
@@ -85,15 +84,14 @@ impl PyCamera {
     /// All keys of its description, in the units of their names.
     #[getter]
     fn description<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let json = serde_json::to_string(self.camera.description()).or_raise()?;
-        py.import("json")?.call_method1("loads", (json,))
+        dict_of(py, self.camera.description())
     }
 
     /// Its description as the text of a TOML file.
     fn to_toml(&self) -> PyResult<String> {
-        if self.own_cfa {
+        if self.camera.has_other_cfa() {
             return Err(wrong(
-                "a camera with a Cfa of one's own has no description of it; write the filters to files",
+                "the description does not contain the Cfa of with_cfa; write its filters to files",
             ));
         }
         toml::to_string(self.camera.description()).or_raise()
@@ -111,62 +109,61 @@ impl PyCamera {
         (self.camera.sensor.rows, self.camera.sensor.cols)
     }
 
-    /// Distance between the middles of neighbouring pixels, m.
+    /// Distance between the centres of neighbouring pixels, m.
     #[getter]
     fn pitch_m(&self) -> f64 {
         self.camera.sensor.pixel.pitch_m
     }
 
-    /// The wavelengths that its curves are sampled at, nm, float64 [wavelengths].
+    /// The sampling wavelengths of its curves, nm, float64 [wavelengths].
     #[getter]
     fn wavelengths_nm<'py>(&self, py: Python<'py>) -> Bound<'py, PyAny> {
         wavelengths(py, self.camera.grid())
     }
 
-    /// Electrons per photon on the photodetector, filter and quantum efficiency, float64 [channels, wavelengths].
+    /// Electrons per photon on the pixel, the product of filter and quantum efficiency, float64 [channels, wavelengths].
     fn spectral_responsivity<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let curves = self.camera.sensor.spectral_responsivity_on(self.camera.grid()).or_raise()?;
         let values: Vec<f64> = curves.iter().flat_map(|c| c.values()).copied().collect();
         Ok(values.into_pyarray(py).reshape((curves.len(), self.camera.grid().len()))?.into_any())
     }
 
-    /// The same camera with another colour filter array. Its description is still that of the first.
+    /// The same camera with another colour filter array. Its description does not change.
     fn with_cfa(&self, cfa: &PyCfa) -> PyResult<Self> {
-        let cfa = on_grid(&cfa.0, self.camera.grid())?;
-        Ok(Self { camera: self.camera.with_cfa(cfa), own_cfa: true })
+        let cfa = cfa.0.on_grid(self.camera.grid()).or_raise()?;
+        Ok(Self { camera: self.camera.with_cfa(cfa) })
     }
 
     /// The same camera with another number of pixels.
     fn with_size(&self, rows: usize, cols: usize) -> PyResult<Self> {
         let camera = self.camera.with_size(rows, cols);
         camera.sensor.validate().or_raise()?;
-        Ok(Self { camera, own_cfa: self.own_cfa })
+        Ok(Self { camera })
     }
 
-    /// The scene, as wide as needed to lie on the sensor whole. Scenes from files and arrays are not spread over more pixels than they
-    /// have.
+    /// The scene with a field of view that fits the sensor. Scenes from files and arrays do not cover more pixels than they have samples.
     fn fitted(&self, scene: &PyScene) -> PyResult<PyScene> {
         self.on_sensor(scene)
     }
 
-    /// What the lens throws on the sensor. Scenes whose field of view was not stated are `fitted`.
+    /// The irradiance of a scene on the sensor. Scenes whose field of view was not stated are `fitted`.
     fn optical_image(&self, py: Python<'_>, scene: &PyScene) -> PyResult<PyOpticalImage> {
         let (camera, scene) = self.before(scene)?;
         watched(py, None, |_| Ok(PyOpticalImage(camera.optics.image(&scene.scene).or_raise()?)))
     }
 
-    /// The integration time for an optical image, s: the stated one, or that which the camera's rule finds.
+    /// The integration time for an optical image, s: stated in the description, or determined by its exposure rule.
     fn exposure_time_s(&self, py: Python<'_>, optical_image: &PyOpticalImage) -> PyResult<f64> {
         let camera = self.on(optical_image.0.irradiance().grid())?;
         py.detach(|| camera.exposure(&optical_image.0)).or_raise().map(|e| e.time_s)
     }
 
-    /// The raw image of what falls on the sensor.
+    /// The raw image of an optical image.
     ///
     /// Args:
     ///     optical_image: irradiance on the sensor.
-    ///     noise: "all", "shot" (of photons alone) or "none".
-    ///     seed: names the noise of this capture; the same seed gives the same bits.
+    ///     noise: "all", "shot" (photon noise only) or "none".
+    ///     seed: seed of the noise of this capture; the same seed gives the same bits.
     ///     time_s: integration time, s; default `exposure_time_s`.
     #[pyo3(signature = (optical_image, *, noise="all", seed=1, time_s=None))]
     fn capture(
@@ -186,13 +183,12 @@ impl PyCamera {
         Ok(PyRawImage { raw, notes: Vec::new(), info: None })
     }
 
-    /// The picture of a raw image by the camera's own processing (demosaicking, colour matrix), in XYZ under the light.
+    /// Renders a raw image by the camera's own processing (demosaicking, colour matrix) to XYZ under the illuminant.
     ///
     /// Args:
-    ///     raw: a raw image of this camera's mosaic.
-    ///     illuminant: the light that the colour matrix is for: a `Scene`, a name, a CSV file or a `Spectrum` of relative power.
-    ///     white_balance: "none" (XYZ as they are under the light; `Image.shown` adapts white) or as the camera's description
-    ///         says ("camera").
+    ///     raw: a raw image with the mosaic of this camera.
+    ///     illuminant: illuminant of the colour matrix: a `Scene`, a name, a CSV file or a `Spectrum` of relative power.
+    ///     white_balance: "none" (XYZ under the illuminant; `Image.shown` adapts white) or "camera" (as in the description).
     #[pyo3(signature = (raw, illuminant, *, white_balance="none"))]
     fn render(
         &self,
@@ -215,11 +211,11 @@ impl PyCamera {
         })
     }
 
-    /// What the standard observer would see through the same lens and pixels, in XYZ on the scale of `render`, without noise.
+    /// The noise-free picture of the standard observer through the same lens and pixels, in XYZ on the scale of `render`.
     ///
     /// Args:
     ///     optical_image: irradiance on the sensor.
-    ///     illuminant: the light, as for `render`.
+    ///     illuminant: as for `render`.
     ///     time_s: integration time, s; default `exposure_time_s`.
     #[pyo3(signature = (optical_image, illuminant, *, time_s=None))]
     fn reference(
@@ -238,13 +234,13 @@ impl PyCamera {
         })
     }
 
-    /// One picture of a scene, with all that led to it, as `smalti simulate` takes it.
+    /// Simulates one capture of a scene, as `smalti simulate` does.
     ///
     /// Args:
-    ///     scene: what is before the camera; `fitted` unless its field of view was stated.
-    ///     noise: "all", "shot" (of photons alone) or "none".
-    ///     seed: names the noise of this capture.
-    ///     full_frame: read all pixels, not only those that the scene covers.
+    ///     scene: the scene; `fitted` unless its field of view was stated.
+    ///     noise: "all", "shot" (photon noise only) or "none".
+    ///     seed: seed of the noise of this capture.
+    ///     full_frame: read out all pixels, not only those that the scene covers.
     #[pyo3(signature = (scene, *, noise="all", seed=1, full_frame=false))]
     fn photograph(
         &self,
@@ -254,26 +250,26 @@ impl PyCamera {
         seed: u64,
         full_frame: bool,
     ) -> PyResult<PyPhotograph> {
-        let noise = noise_mode(noise)?;
+        let settings =
+            SimulationSettings { noise: noise_mode(noise)?, seed, score: ScoreSettings::default() };
         let (mut camera, scene) = self.before(scene)?;
         let white = scene.white()?;
         watched(py, None, |watch| {
             if !full_frame {
                 camera.sensor.window = Some(camera.window_on(&scene.scene).or_raise()?);
             }
-            let light = scene.scene.illuminant();
-            let image = camera.optics.image(&scene.scene).or_raise()?;
-            watch.check()?;
-            let photo = camera.photograph(image, light, noise, seed).or_raise()?;
-            let info = DngInfo::of_camera(&camera, light).or_raise()?;
+            let light = scene.scene.illuminant().clone();
+            let photo = capture(&camera, scene.scene, &settings, watch).or_raise()?;
+            let info = DngInfo::of_camera(&camera, &light).or_raise()?;
             let balanced = camera.white_balance() != WhiteBalance::None;
             Ok(PyPhotograph {
                 optical_image: PyOpticalImage(photo.optical_image),
                 raw: PyRawImage { raw: photo.raw, notes: Vec::new(), info: Some(info) },
                 picture: PyImage::new(photo.picture, (!balanced).then_some(white)),
                 exposure: photo.exposure,
-                light: light.clone(),
+                light,
                 white,
+                settings,
                 camera,
             })
         })
@@ -306,21 +302,15 @@ impl PyCamera {
         grid: Option<WavelengthGrid>,
     ) -> PyResult<Self> {
         let source = TomlSource { name: "camera".into(), folder, text };
-        Ok(Self { camera: cameras::from_source(&source, overrides, grid).or_raise()?, own_cfa: false })
+        Ok(Self { camera: cameras::from_source(&source, overrides, grid).or_raise()? })
     }
 
-    /// The camera on the wavelengths of a scene, which limit what is known of the light.
+    /// The camera on the wavelengths of a scene.
     pub(crate) fn on(&self, grid: WavelengthGrid) -> PyResult<Camera> {
-        if grid == self.camera.grid() {
-            return Ok(self.camera.clone());
-        }
-        let camera = Camera::new(self.camera.description().clone(), grid).or_raise()?;
-        let (rows, cols) = (self.camera.sensor.rows, self.camera.sensor.cols);
-        let camera = camera.with_size(rows, cols);
-        Ok(if self.own_cfa { camera.with_cfa(on_grid(&self.camera.sensor.cfa, grid)?) } else { camera })
+        self.camera.on_grid(grid).or_raise()
     }
 
-    /// The scene, as wide as needed to lie on the sensor whole.
+    /// The scene with a field of view that fits the sensor.
     pub(crate) fn on_sensor(&self, scene: &PyScene) -> PyResult<PyScene> {
         Ok(PyScene {
             scene: self.camera.fitted(scene.scene.clone(), scene.is_file).or_raise()?,
@@ -329,13 +319,13 @@ impl PyCamera {
         })
     }
 
-    /// Camera and scene on one grid, the scene on the sensor.
+    /// Camera and scene on one wavelength grid, with the scene fitted to the sensor.
     fn before(&self, scene: &PyScene) -> PyResult<(Camera, PyScene)> {
         let scene = if scene.fov_stated { scene.clone() } else { self.on_sensor(scene)? };
         Ok((self.on(scene.scene.radiance().grid())?, scene))
     }
 
-    /// A light in photons, and its white.
+    /// The spectrum of an illuminant in photons, and its white point.
     fn light(&self, value: &Bound<'_, PyAny>) -> PyResult<(Spectrum, [f64; 3])> {
         let photons = match value.cast::<PyScene>() {
             Ok(scene) => scene.get().scene.illuminant().clone(),
@@ -346,10 +336,16 @@ impl PyCamera {
     }
 }
 
-/// Names of the built-in cameras, each with what it is.
+/// Names of the built-in cameras with their summaries.
 #[pyfunction(name = "cameras")]
 pub(crate) fn camera_names() -> std::collections::BTreeMap<&'static str, &'static str> {
     cameras::names().iter().map(|c| (c.name, c.summary)).collect()
+}
+
+/// The labels of cameras in results: their names, numbered where two are equal.
+#[pyfunction]
+pub(crate) fn camera_labels(cameras: Vec<PyRef<'_, PyCamera>>) -> Vec<String> {
+    numbered(cameras.iter().map(|c| c.camera.description().name.clone()).collect())
 }
 
 fn exposure(camera: &Camera, image: &PyOpticalImage, time_s: Option<f64>) -> PyResult<Exposure> {
@@ -368,17 +364,7 @@ fn noise_mode(name: &str) -> PyResult<NoiseMode> {
     }
 }
 
-/// The filters of an array on other wavelengths.
-fn on_grid(cfa: &Cfa, grid: WavelengthGrid) -> PyResult<Cfa> {
-    let channel = |c: &Channel| {
-        let transmittance = c.transmittance.resampled(grid, Outside::Error).or_raise_about(&c.name)?;
-        Ok(Channel { name: c.name.clone(), transmittance })
-    };
-    let channels = cfa.channels().iter().map(channel).collect::<PyResult<_>>()?;
-    Cfa::new(cfa.name(), cfa.mosaic().clone(), channels).or_raise()
-}
-
-/// Why a file of a camera or study does not do; that it is not there is told apart.
+/// The exception for a camera or study that cannot be loaded; a missing file is a FileNotFoundError.
 pub(crate) fn diagnosed(name: &str, text: &str) -> PyErr {
     let is_toml = Path::new(name).extension().is_some_and(|e| e.eq_ignore_ascii_case("toml"));
     if is_toml && !Path::new(name).exists() {
@@ -388,19 +374,19 @@ pub(crate) fn diagnosed(name: &str, text: &str) -> PyErr {
     }
 }
 
-/// Keys and their values as the command takes them.
+/// Keys and values in the form of the command.
 pub(crate) fn overrides(set: Option<&Bound<'_, PyDict>>) -> PyResult<Vec<Override>> {
     let one = |(key, value): (Bound<'_, PyAny>, Bound<'_, PyAny>)| {
         let key: String =
             key.extract().map_err(|_| wrong("set: expected keys such as \"sensor.pixel.pitch_um\""))?;
-        let value =
-            toml_value(&value).map_err(|_| wrong(format!("set[\"{key}\"]: {value} has no form in TOML")))?;
+        let value = toml_value(&value)
+            .map_err(|_| wrong(format!("set[\"{key}\"]: {value} cannot be written as TOML")))?;
         Ok(Override { key, value: value.to_string() })
     };
     set.into_iter().flat_map(|set| set.iter()).map(one).collect()
 }
 
-/// A value of Python or NumPy as one of TOML.
+/// Converts a value of Python or NumPy to TOML.
 fn toml_value(value: &Bound<'_, PyAny>) -> PyResult<toml::Value> {
     if let Ok(text) = value.cast::<PyString>() {
         return Ok(toml::Value::String(text.to_str()?.to_owned()));

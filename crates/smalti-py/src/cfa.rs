@@ -5,7 +5,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyString};
 use smalti::sensor::cfa;
 use smalti::sensor::{Cfa, Channel, Mosaic};
-use smalti::spectrum::{Outside, Spectrum, WavelengthGrid};
+use smalti::spectrum::{Extrapolation, Spectrum, WavelengthGrid};
 use smalti_report::{Cell, Mosaics, Rgb};
 
 use crate::arrays;
@@ -17,11 +17,11 @@ use crate::spectrum::{PySpectrum, filter, grid_or_visible, wavelengths};
 /// Args:
 ///     pattern: the name of a built-in one ("bayer", "random?channels=4&seed=1", …; see `smalti.cfas()`), or the rows of a tile in
 ///         letters, such as ["RG", "GB"].
-///     filters: what each letter passes: a `Spectrum`, the name of a built-in filter (`smalti.filters()`) or a CSV file, a number
+///     filters: filter of each letter: a `Spectrum`, the name of a built-in filter (`smalti.filters()`) or a CSV file, a number
 ///         (the same at every wavelength), or a formula as in camera files, such as
-///         {"gaussian": {"center_nm": 550, "sigma_nm": 30}}. Built-in arrays have filters of their own, which these replace.
-///     wavelengths_nm: where the filters are sampled, nm, even steps; default 400, 410, … 700.
-///     name: what to call it; default the pattern.
+///         {"gaussian": {"center_nm": 550, "sigma_nm": 30}}. They replace the filters of a built-in array.
+///     wavelengths_nm: sampling wavelengths of the filters, nm, even steps; default 400, 410, … 700.
+///     name: name of the array; default the pattern.
 #[pyclass(name = "Cfa", module = "smalti", frozen)]
 #[derive(Debug, Clone)]
 pub(crate) struct PyCfa(pub(crate) Cfa);
@@ -60,7 +60,7 @@ impl PyCfa {
     ///     transmittances: one row for each channel, 0 to 1 [channels, wavelengths].
     ///     wavelengths_nm: nm, even steps; default 400, 410, … 700.
     ///     channel_names: default A, B, C, …
-    ///     name: what to call it.
+    ///     name: name of the array.
     #[staticmethod]
     #[pyo3(signature = (tile, transmittances, wavelengths_nm=None, channel_names=None, name="custom"))]
     fn from_arrays(
@@ -95,7 +95,7 @@ impl PyCfa {
         Ok(Self(Cfa::new(name, mosaic, channels).or_raise()?))
     }
 
-    /// What it is called.
+    /// The name.
     #[getter]
     fn name(&self) -> &str {
         self.0.name()
@@ -108,7 +108,7 @@ impl PyCfa {
         arrays::slice_view(slf.as_any().clone(), &[mosaic.rows(), mosaic.cols()], mosaic.cells())
     }
 
-    /// The rows of the tile in letters; None where channels have longer names.
+    /// The rows of the tile as letters; None where the names of channels are longer than a letter.
     #[getter]
     fn letters(&self) -> Option<Vec<String>> {
         self.0.letters()
@@ -130,7 +130,7 @@ impl PyCfa {
         Ok(channels)
     }
 
-    /// The wavelengths that filters are sampled at, nm, float64 [wavelengths].
+    /// The sampling wavelengths of the filters, nm, float64 [wavelengths].
     #[getter]
     fn wavelengths_nm<'py>(&self, py: Python<'py>) -> Bound<'py, PyAny> {
         let grid = self.0.channels().first().map(|c| c.transmittance.grid()).unwrap_or_default();
@@ -157,7 +157,7 @@ impl PyCfa {
     /// The tiles in the colours of their filters, as SVG.
     fn _repr_svg_(&self) -> PyResult<String> {
         let looks = |c: &Channel| -> PyResult<Cell> {
-            let seen = c.transmittance.resampled(WavelengthGrid::VISIBLE, Outside::Zero).or_raise()?;
+            let seen = c.transmittance.resampled(WavelengthGrid::VISIBLE, Extrapolation::Zero).or_raise()?;
             let nm: Vec<f64> = seen.grid().wavelengths_nm().collect();
             let letter = if c.name.chars().count() <= 2 { c.name.clone() } else { String::new() };
             Ok(Cell { letter, color: Rgb::of_transmittance(&nm, seen.values()) })
@@ -183,12 +183,13 @@ pub(crate) fn filters() -> Vec<&'static str> {
     cfa::builtin_filters().iter().map(|f| f.name).collect()
 }
 
-/// A tile as an argument: whole numbers [rows, columns].
+/// A tile argument: whole numbers [rows, columns].
 pub(crate) fn mosaic(tile: &Bound<'_, PyAny>) -> PyResult<Mosaic> {
     let tile = arrays::array::<i64>(tile, "tile")?;
     arrays::expect_axes(tile.shape(), "tile", &["rows", "columns"])?;
-    let cell =
-        |&v: &i64| u8::try_from(v).map_err(|_| wrong(format!("tile: {v} is no channel; expected 0 to 255")));
+    let cell = |&v: &i64| {
+        u8::try_from(v).map_err(|_| wrong(format!("tile: {v} is not a channel; expected 0 to 255")))
+    };
     let cells = tile.as_array().iter().map(cell).collect::<PyResult<Vec<u8>>>()?;
     let (rows, cols) = (tile.shape().first().copied(), tile.shape().get(1).copied());
     Mosaic::new(rows.unwrap_or(0), cols.unwrap_or(0), cells).or_raise()

@@ -1,4 +1,4 @@
-//! What a sweep on a cluster needs of this side: who asks for parts, and who computes them. `python/smalti/_cluster.py` sends them about.
+//! Sweeps on a cluster: the client that requests parts, and the workers that compute them. `python/smalti/_cluster.py` connects both.
 
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
@@ -9,7 +9,7 @@ use pyo3::types::PyBytes;
 use smalti::camera::CameraError;
 use smalti::design::Sweep;
 use smalti::optics::OpticalImage;
-use smalti_io::dataset::{self, Elsewhere, Manifest, Run, RunRecord};
+use smalti_io::dataset::{self, Manifest, RemoteDataset, Run, RunRecord};
 use smalti_io::studies;
 use smalti_io::sweeps::{self, SweepError};
 
@@ -28,13 +28,13 @@ fn fresh(_: &str, make: &dyn Fn() -> Made) -> Made {
     make()
 }
 
-/// The scenes of a study that its description does not hold.
+/// The scenes of a study that its description does not contain.
 #[pyfunction]
 pub(crate) fn scenes_in_files<'py>(py: Python<'py>, study: &PyStudy) -> Bound<'py, PyBytes> {
     PyBytes::new(py, &studies::scenes_as_bytes(study.designs.study()))
 }
 
-/// A study as a worker has it, ready to compute any part of its results.
+/// A prepared study on a worker, which computes any part of its results.
 #[pyclass(name = "PartMaker", module = "smalti._smalti", frozen)]
 pub(crate) struct PyPartMaker {
     sweep: Sweep<'static>,
@@ -54,7 +54,7 @@ impl PyPartMaker {
             if own.hash() != sent.hash() {
                 let differences = sent.differences(&own);
                 return Err(wrong(format!(
-                    "a worker has another version of Smalti than the client; what it would compute:\n{differences}"
+                    "a worker has another version of Smalti than the client. Differences of its results:\n{differences}"
                 )));
             }
             let sweep = Sweep::owning(designs, if cache { &kept } else { &fresh });
@@ -62,17 +62,17 @@ impl PyPartMaker {
         })
     }
 
-    /// Where a part lies in its place.
+    /// The path of a part within the results.
     fn name(&self, part: u64) -> String {
         dataset::part_name(part)
     }
 
-    /// The bytes of a part, computed on one core: a worker has as many tasks at once as it has threads.
+    /// Computes the bytes of a part on one core, since a worker runs one task per thread.
     fn encode<'py>(&self, py: Python<'py>, part: u64) -> PyResult<Bound<'py, PyBytes>> {
         Ok(PyBytes::new(py, &self.bytes(py, part)?))
     }
 
-    /// Computes a part and puts it into a folder; returns how many bytes it has.
+    /// Computes a part, writes it to a folder and returns its size in bytes.
     fn write(&self, py: Python<'_>, part: u64, dir: PathBuf) -> PyResult<usize> {
         let bytes = self.bytes(py, part)?;
         detached(py, || dataset::write_part(&dir, part, &bytes).or_raise())?;
@@ -95,7 +95,7 @@ impl PyPartMaker {
     }
 }
 
-/// A folder that workers fill; nobody else does until `finish` or `close`.
+/// A folder that workers fill. It is locked until `finish` or `close`.
 #[pyclass(name = "SharedFolder", module = "smalti._smalti", frozen)]
 pub(crate) struct PySharedFolder {
     run: Mutex<Option<Run>>,
@@ -118,12 +118,12 @@ impl PySharedFolder {
         })
     }
 
-    /// What workers are sent.
+    /// The manifest, which is sent to workers.
     fn manifest(&self) -> PyResult<String> {
         self.manifest.to_json().or_raise()
     }
 
-    /// Parts that are to be computed.
+    /// The missing parts.
     fn missing(&self) -> Vec<u64> {
         self.missing.clone()
     }
@@ -133,28 +133,28 @@ impl PySharedFolder {
         count(&self.manifest, part)
     }
 
-    /// Counts a part that a worker has put there.
+    /// Counts a part that a worker has written.
     fn adopt(&self, part: u64) -> PyResult<()> {
         let run = self.run.lock().unwrap_or_else(PoisonError::into_inner);
         run.as_ref().map_or(Ok(()), |r| r.adopt(part).or_raise())
     }
 
-    /// Notes the run in the manifest, and lets go of the folder.
+    /// Records the run in the manifest and unlocks the folder.
     fn finish(&self, py: Python<'_>, timings: &str) -> PyResult<()> {
         let timings = serde_json::from_str(timings).or_raise()?;
         let run = self.run.lock().unwrap_or_else(PoisonError::into_inner).take();
         detached(py, || run.map_or(Ok(()), |r| r.finish(timings).or_raise().map(drop)))
     }
 
-    /// Lets go of the folder.
+    /// Unlocks the folder.
     fn close(&self) {
         drop(self.run.lock().unwrap_or_else(PoisonError::into_inner).take());
     }
 }
 
-/// A place that workers fill, which Python alone can open.
+/// Results on a file system that only Python can open.
 #[pyclass(name = "SharedPlace", module = "smalti._smalti", frozen)]
-pub(crate) struct PySharedPlace(Elsewhere);
+pub(crate) struct PySharedPlace(RemoteDataset);
 
 #[pymethods]
 impl PySharedPlace {
@@ -166,18 +166,18 @@ impl PySharedPlace {
         names: Vec<String>,
         manifest: Option<&[u8]>,
     ) -> PyResult<Self> {
-        // One that cannot be read is told of below.
+        // An unreadable manifest is reported by `RemoteDataset::open`.
         let there = || Some(Manifest::from_bytes(manifest?, &place).ok()?.plan);
         let plan = sweeps::plan_after(&study.designs, study.about.clone(), part_size, there).or_raise()?;
-        Ok(Self(Elsewhere::open(&place, &plan, &names, manifest).or_raise()?))
+        Ok(Self(RemoteDataset::open(&place, &plan, &names, manifest).or_raise()?))
     }
 
-    /// What workers are sent.
+    /// The manifest, which is sent to workers.
     fn manifest(&self) -> PyResult<String> {
         self.0.manifest().to_json().or_raise()
     }
 
-    /// Parts that are to be computed, by the names of those that are there.
+    /// The missing parts, from the names of existing files.
     fn missing(&self, names: Vec<String>) -> PyResult<Vec<u64>> {
         self.0.missing(&names).or_raise()
     }
@@ -187,7 +187,7 @@ impl PySharedPlace {
         count(self.0.manifest(), part)
     }
 
-    /// The manifest that is there, with one more run.
+    /// The existing manifest with one more run.
     fn with_run(&self, manifest: &[u8], parts: u64, timings: &str) -> PyResult<String> {
         let record = RunRecord { shard: None, parts, timings: serde_json::from_str(timings).or_raise()? };
         self.0.with_run(manifest, record).or_raise()?.to_json().or_raise()

@@ -12,11 +12,11 @@ use crate::error::{OrRaise, wrong};
 use crate::image::PyImage;
 use crate::work::{detached, watched};
 
-/// The difference of colours.
+/// The colour difference ΔE*ab or ΔE00.
 ///
 /// Args:
 ///     lab1: L*, a*, b* in the last axis, float64 […, 3].
-///     lab2: the same shape; of method "1994" lab1 is the reference.
+///     lab2: an array of the same shape; for the method "1994", lab1 is the reference.
 ///     method: "2000" (CIEDE2000, ISO/CIE 11664-6), "1994" or "1976".
 ///
 /// Returns:
@@ -73,13 +73,13 @@ pub(crate) fn xyz<'py>(
     each(py, lab, "lab", |v| xyz_from_lab(v, white))
 }
 
-/// S-CIELAB: the difference of pictures after the blur of the eye (Zhang and Wandell 1997), at every pixel.
+/// S-CIELAB (Zhang and Wandell 1997): the colour difference at every pixel after the spatial filtering of the eye.
 ///
 /// Args:
 ///     picture: in XYZ.
 ///     reference: in XYZ, of the same size.
 ///     white: X, Y, Z of white on the scale of the pictures.
-///     samples_per_degree: how fine pixels are to the eye, pixels per degree, 1 to 2000.
+///     samples_per_degree: viewing condition, pixels per degree of visual angle, 1 to 2000.
 ///     method: "1976", "1994" or "2000".
 ///
 /// Returns:

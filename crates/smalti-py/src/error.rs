@@ -1,4 +1,4 @@
-//! Errors of the library as exceptions of Python.
+//! Errors of the library as Python exceptions.
 
 use std::error::Error;
 use std::fmt::Display;
@@ -7,7 +7,7 @@ use std::io;
 use pyo3::create_exception;
 use pyo3::exceptions::{PyOSError, PyValueError};
 use pyo3::prelude::*;
-use smalti_cli::in_one_line;
+use smalti_report::in_one_line;
 
 create_exception!(
     smalti,
@@ -17,11 +17,11 @@ create_exception!(
      A file that the operating system refuses is an OSError instead, of the fitting kind (FileNotFoundError, PermissionError, …)."
 );
 
-/// Results of the library, with its errors raised.
+/// Converts errors of the library to exceptions.
 pub(crate) trait OrRaise<T> {
     /// The value, or the exception.
     fn or_raise(self) -> PyResult<T>;
-    /// The same, what it is about before the message.
+    /// The same, with the subject before the message.
     fn or_raise_about(self, about: impl Display) -> PyResult<T>;
 }
 
@@ -35,17 +35,12 @@ impl<T, E: Error + 'static> OrRaise<T> for Result<T, E> {
     }
 }
 
-/// The exception of an error of the command.
-pub(crate) fn of_command(error: &(dyn Error + 'static)) -> PyErr {
-    raised(error, in_one_line(error))
-}
-
-/// What is wrong with an argument, where the library has not seen it yet.
+/// The exception for an invalid argument.
 pub(crate) fn wrong(message: impl Into<String>) -> PyErr {
     SmaltiError::new_err(message.into())
 }
 
-/// The exception that fits: what the operating system refused is an OSError, of the kind that its number says.
+/// The exception for an error: an OSError with its number for errors of the operating system, else a SmaltiError.
 fn raised(error: &(dyn Error + 'static), text: String) -> PyErr {
     let mut cause = Some(error);
     while let Some(e) = cause {
@@ -60,13 +55,13 @@ fn raised(error: &(dyn Error + 'static), text: String) -> PyErr {
     SmaltiError::new_err(text)
 }
 
-/// A file that is not there, where the library tells it in words alone.
+/// The exception for a missing file, where the library reports only a message.
 pub(crate) fn not_found(text: String) -> PyErr {
     const ENOENT: i32 = 2;
     PyOSError::new_err((ENOENT, text))
 }
 
-/// A number for people: four digits that count.
+/// A number with four significant digits.
 pub(crate) fn short(value: f64) -> String {
     const DIGITS: i32 = 4;
     if value == 0.0 || !value.is_finite() {

@@ -1,15 +1,13 @@
-//! Cameras scored on the built-in targets and scenes.
+//! Scores of cameras on built-in targets and on scenes.
 
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use smalti::camera::{
-    CameraError, Contender, Evaluation, EvaluationSettings, LightGainSettings, ScoreSettings, Setup,
-    compare_on, evaluate_with, light_gains, score_picture, test_scenes,
+    Evaluation, EvaluationSettings, LightGainSettings, ScoreSettings, score_picture, test_scenes,
 };
-use smalti::isp::{Isp, WhiteBalance};
+use smalti::experiment::{Contender, Resources, TestScene, light_gain_between, score_scene};
 use smalti::numeric::Planes;
-use smalti::scene::Setting;
-use smalti::spectrum::{Illuminant, Observer, Spectrum};
+use smalti::spectrum::{Illuminant, Observer};
 use smalti_io::SceneRequest;
 use smalti_io::cache::Cache;
 
@@ -17,10 +15,11 @@ use crate::arrays;
 use crate::camera::PyCamera;
 use crate::error::{OrRaise, wrong};
 use crate::image::PyImage;
+use crate::json::dict_of;
 use crate::l3::PyPipeline;
 use crate::scene::PyScene;
 use crate::spectrum::light;
-use crate::work::{InSteps, Watch, watched};
+use crate::work::watched;
 
 pub(crate) fn cache(keep: bool) -> Cache {
     if keep { Cache::open(None) } else { Cache::disabled() }
@@ -39,61 +38,61 @@ pub(crate) struct PyEvaluation {
 
 #[pymethods]
 impl PyEvaluation {
-    /// Mean CIEDE2000 of the ColorChecker's patches from the chart itself, white patch at Y = 100.
+    /// Mean CIEDE2000 between the patches of the picture and the ColorChecker, with the white patch at Y = 100.
     #[getter]
     fn delta_e_2000(&self) -> f64 {
         self.scores.delta_e_2000.mean
     }
 
-    /// Mean ΔE*ab of 1976, likewise.
+    /// The same with ΔE*ab of 1976.
     #[getter]
     fn delta_e_76(&self) -> f64 {
         self.scores.delta_e_76.mean
     }
 
-    /// Frequency at which the response to an edge falls to one half, cycles per mm on the sensor.
+    /// Frequency at which the SFR of a slanted edge falls to one half, cycles per mm on the sensor.
     #[getter]
     fn mtf50_cy_per_mm(&self) -> f64 {
         self.scores.mtf50_cy_per_mm
     }
 
-    /// The same, cycles per pixel.
+    /// The same in cycles per pixel.
     #[getter]
     fn mtf50_cy_per_px(&self) -> f64 {
         self.scores.mtf50_cy_per_px
     }
 
-    /// 100 · std(Y) / mean(Y) on the grey patches, mean, percent.
+    /// Mean over the grey patches of 100 · std(Y) / mean(Y), percent.
     #[getter]
     fn luminance_noise_percent(&self) -> f64 {
         self.scores.luminance_noise_percent.mean
     }
 
-    /// Reciprocal of the noise of the grey patches as it is seen, median.
+    /// Median over the grey patches of the reciprocal of the visible noise.
     #[getter]
     fn visual_snr(&self) -> f64 {
         self.scores.visual_snr.median
     }
 
-    /// Energy in the picture of the zone plate that is not in the zone plate, percent.
+    /// Energy in the picture of the zone plate that the zone plate does not contain, percent.
     #[getter]
     fn aliasing_percent(&self) -> f64 {
         self.scores.aliasing_percent
     }
 
-    /// Share of the chart's raw samples that are saturated, percent.
+    /// Share of saturated raw samples of the chart, percent.
     #[getter]
     fn saturated_percent(&self) -> f64 {
         self.scores.saturated_percent
     }
 
-    /// From the smallest signal above the dark noise to saturation, dB (EMVA 1288).
+    /// Dynamic range from the dark noise to saturation, dB (EMVA 1288).
     #[getter]
     fn dynamic_range_db(&self) -> f64 {
         self.scores.dynamic_range_db
     }
 
-    /// All figures, patch by patch, under the names that `smalti evaluate --json` has.
+    /// All scores, also for each patch, with the names of `smalti evaluate --json`.
     fn to_dict<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         dict_of(py, &self.scores)
     }
@@ -108,7 +107,7 @@ impl PyEvaluation {
         Ok(pictures)
     }
 
-    /// What of the zone plate's picture is not in the zone plate, signed, linear sRGB, float32 [rows, columns, 3]: a view.
+    /// The difference of the picture of the zone plate from the zone plate, linear sRGB, float32 [rows, columns, 3]: a view.
     #[getter]
     fn aliasing<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
         arrays::planes_view(slf.as_any().clone(), &slf.get().aliasing)
@@ -132,10 +131,10 @@ impl PyEvaluation {
 /// Args:
 ///     camera: the camera.
 ///     luminance_cd_m2: mean luminance of every target, cd/m².
-///     illuminant: their light: a name, a CSV file or a `Spectrum` of relative power; default D65.
-///     pipeline: a learned pipeline that makes the pictures; default the camera's own processing.
-///     seed: names the noise.
-///     cache: keep optical images between runs, where the command keeps them.
+///     illuminant: illuminant of the targets: a name, a CSV file or a `Spectrum` of relative power; default D65.
+///     pipeline: a learned pipeline that renders the pictures; default the camera's own processing.
+///     seed: seed of the noise.
+///     cache: keep optical images between runs, in the cache of the command.
 #[pyfunction]
 #[pyo3(signature = (camera, *, luminance_cd_m2=75.0, illuminant=None, pipeline=None, seed=1, cache=true))]
 pub(crate) fn evaluate(
@@ -151,18 +150,16 @@ pub(crate) fn evaluate(
     let white = Observer::Cie1931.white(&illuminant.photons(camera.camera.grid()).or_raise()?).or_raise()?;
     let settings = EvaluationSettings { luminance_cd_m2, illuminant, seed };
     let name = camera.camera.description().name.clone();
-    let own = &camera.camera;
+    let contender = Contender::with_pipeline(&camera.camera, &name, pipeline.map(|p| &p.0));
     let (scores, pictures) = watched(py, None, |watch| {
-        let cache = self::cache(cache);
-        let isp = |light: &Spectrum| processing(own, pipeline, light, watch);
-        let images = |key: &str, make: &dyn Fn() -> _| cache.optical_image(key, make);
-        evaluate_with(own, &settings, &images, &isp)
-            .or_raise_about(format!("{name} at {luminance_cd_m2} cd/m²"))
+        let store = self::cache(cache);
+        let resources = Resources { store: &store, progress: watch, memory_bytes: None };
+        contender.evaluate(&settings, resources).or_raise()
     })?;
     let shown = |image| PyImage::new(image, Some(white));
     Ok(PyEvaluation {
         scores,
-        camera: name,
+        camera: name.clone(),
         pictures: [
             ("macbeth", shown(pictures.macbeth)),
             ("edge", shown(pictures.edge)),
@@ -172,11 +169,12 @@ pub(crate) fn evaluate(
     })
 }
 
-/// How well a scene came out, against what the standard observer sees of it.
+/// The scores of a picture of a scene against the picture of the standard observer.
 #[pyclass(name = "SceneScores", module = "smalti", frozen)]
 #[derive(Debug, Clone)]
 pub(crate) struct PySceneScores {
     scores: smalti::camera::SceneScores,
+    processing: &'static str,
     scene: String,
     luminance_cd_m2: f64,
     white: [f64; 3],
@@ -184,15 +182,16 @@ pub(crate) struct PySceneScores {
 
 #[pymethods]
 impl PySceneScores {
-    /// All figures, under the names that `smalti compare --json` has.
+    /// All scores, with the names of `smalti compare --json`.
     fn to_dict<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let dict = dict_of(py, &self.scores)?;
+        dict.set_item("processing", self.processing)?;
         dict.set_item("scene", &self.scene)?;
         dict.set_item("luminance_cd_m2", self.luminance_cd_m2)?;
         Ok(dict)
     }
 
-    /// White over RMS difference of X, Y, Z together, dB.
+    /// Ratio of white to the RMS difference over X, Y and Z, dB.
     #[getter]
     fn cpsnr_db(&self) -> f64 {
         self.scores.scores.cpsnr_db
@@ -204,19 +203,19 @@ impl PySceneScores {
         self.scores.scores.pixel_delta_e_2000_mean
     }
 
-    /// Mean S-CIELAB difference (ΔE 1976 after the blur of the eye).
+    /// Mean S-CIELAB difference (ΔE 1976 after the spatial filtering of the eye).
     #[getter]
     fn scielab_mean(&self) -> f64 {
         self.scores.scores.scielab_mean
     }
 
-    /// The picture, XYZ under the scene's light.
+    /// The picture in XYZ under the illuminant of the scene.
     #[getter]
     fn picture(&self) -> PyImage {
         PyImage::new(self.scores.picture.clone(), Some(self.white))
     }
 
-    /// What the standard observer sees, on the scale of the picture.
+    /// The picture of the standard observer, on the scale of the picture.
     #[getter]
     fn reference(&self) -> PyImage {
         PyImage::new(self.scores.reference.clone(), Some(self.white))
@@ -231,16 +230,16 @@ impl PySceneScores {
     }
 }
 
-/// A camera before built-in scenes, in each light, scored as `smalti compare` does: the exposure found anew for each luminance.
+/// Scores a camera on scenes as `smalti compare` does. The exposure is determined for each luminance.
 ///
 /// Args:
 ///     camera: the camera.
-///     scenes: built-in scenes with their parameters, or `Scene` objects; default `smalti.test_scenes()`, which nothing is trained on. A
-///         pixel sees two samples of a built-in scene in either direction, and one of a `Scene`.
+///     scenes: built-in scenes with their parameters, or `Scene` objects; default `smalti.test_scenes()`, which are not used for
+///         training. A pixel covers 2 × 2 samples of a built-in scene, and one sample of a `Scene`.
 ///     luminances_cd_m2: mean luminances of the scenes, cd/m².
-///     illuminant: their light; default D65. A `Scene` is re-lit if one is given.
+///     illuminant: illuminant of the scenes; default D65 for built-in scenes. A `Scene` is relit only if this is given.
 ///     pipeline: a learned pipeline; default the camera's own processing.
-///     seed: names the noise.
+///     seed: seed of the noise.
 ///     progress: called with the number of pictures scored so far.
 #[pyfunction]
 #[pyo3(signature = (camera, *, scenes=None, luminances_cd_m2=vec![75.0], illuminant=None, pipeline=None, seed=1, progress=None))]
@@ -255,52 +254,37 @@ pub(crate) fn score_scenes(
     seed: u64,
     progress: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<Vec<PySceneScores>> {
-    let asked = illuminant.map(light).transpose()?;
-    let illuminant = asked.clone().unwrap_or(Illuminant::D65);
+    let relit = illuminant.map(light).transpose()?;
+    let illuminant = relit.clone().unwrap_or(Illuminant::D65);
     let built_in = || test_scenes().iter().map(|s| NameOrScene::Name((*s).to_owned())).collect();
     let scenes = scenes.unwrap_or_else(built_in);
-    let own = &camera.camera;
+    let name = &camera.camera.description().name;
+    let contender = Contender::with_pipeline(&camera.camera, name, pipeline.map(|p| &p.0));
+    let score = ScoreSettings::default();
     watched(py, progress, |watch| {
         let mut all = Vec::new();
         for scene in &scenes {
             watch.check()?;
-            let name = scene.name();
-            let setup = match scene {
-                NameOrScene::Name(name) => {
-                    let setting = Setting {
-                        luminance_cd_m2: 1.0,
-                        illuminant: illuminant.clone(),
-                        ..Setting::default()
-                    };
-                    Setup::of_test_scene(own, name, &setting).or_raise_about(name)?
-                }
-                NameOrScene::Scene(of) => {
-                    let request = SceneRequest {
-                        luminance_cd_m2: Some(1.0),
-                        illuminant: asked.clone(),
-                        ..Default::default()
-                    };
-                    let scene = request.applied_to(of.get().scene.clone()).or_raise_about(name)?;
-                    let on_its_grid = camera.on(scene.radiance().grid())?;
-                    Setup::new(&on_its_grid, scene, 1).or_raise_about(name)?
-                }
-            };
-            let white = Observer::Cie1931.white(&setup.light).or_raise_about(name)?;
+            let scene = scene.test_scene(relit.as_ref())?;
+            let setup = scene.before(contender.camera, &illuminant).or_raise()?;
+            let white = Observer::Cie1931.white(&setup.light).or_raise_about(scene.name())?;
             for &luminance_cd_m2 in &luminances_cd_m2 {
-                watch.check()?;
-                let about = format!("{name} at {luminance_cd_m2} cd/m²");
-                let lit = setup.in_light(luminance_cd_m2).and_then(|s| s.exposed()).or_raise_about(&about)?;
-                let isp = processing(&lit.camera, pipeline, &lit.light, watch).or_raise_about(&about)?;
-                let scores =
-                    compare_on(&lit, &*isp, seed, &ScoreSettings::default()).or_raise_about(&about)?;
-                all.push(PySceneScores { scores, scene: name.to_owned(), luminance_cd_m2, white });
+                let scored = score_scene(&contender, &setup, luminance_cd_m2, seed, &score, watch);
+                let (scores, _) = scored.or_raise_about(scene.name())?;
+                all.push(PySceneScores {
+                    scores,
+                    processing: contender.processing.name(),
+                    scene: scene.name().to_owned(),
+                    luminance_cd_m2,
+                    white,
+                });
             }
         }
         Ok(all)
     })
 }
 
-/// A built-in scene by its name, or any scene.
+/// A built-in scene by name, or a `Scene`.
 #[derive(FromPyObject)]
 pub(crate) enum NameOrScene {
     Name(String),
@@ -308,15 +292,25 @@ pub(crate) enum NameOrScene {
 }
 
 impl NameOrScene {
-    fn name(&self) -> &str {
+    /// The scene at a mean luminance of 1 cd/m², relit if an illuminant is given.
+    fn test_scene(&self, illuminant: Option<&Illuminant>) -> PyResult<TestScene> {
         match self {
-            Self::Name(name) => name,
-            Self::Scene(scene) => &scene.get().source,
+            Self::Name(name) => Ok(TestScene::built_in(name)),
+            Self::Scene(scene) => {
+                let PyScene { scene, source: name, .. } = scene.get();
+                let request = SceneRequest {
+                    luminance_cd_m2: Some(1.0),
+                    illuminant: illuminant.cloned(),
+                    ..Default::default()
+                };
+                let scene = request.applied_to(scene.clone()).or_raise_about(name)?;
+                Ok(TestScene::Given { name: name.clone(), scene })
+            }
         }
     }
 }
 
-/// The light gain; the words are in `_long.py`.
+/// The light gain; see `smalti.light_gain`.
 #[pyfunction]
 #[allow(clippy::too_many_arguments)]
 pub(crate) fn light_gain<'py>(
@@ -338,31 +332,27 @@ pub(crate) fn light_gain<'py>(
         scenes: scenes.unwrap_or(default.scenes),
         score: default.score,
     };
-    let (of, than) = (pipelines.0.as_deref(), pipelines.1.as_deref());
-    let (own, others) = (&camera.camera, &other.camera);
-    let gains = watched(py, progress, |watch| {
-        let (a, b) = (
-            |light: &Spectrum| processing(own, of, light, watch),
-            |light: &Spectrum| processing(others, than, light, watch),
-        );
-        let (a, b) = (Contender { camera: own, isp: &a }, Contender { camera: others, isp: &b });
-        light_gains(a, b, &settings).or_raise()
-    })?;
+    let (of, than) = (pipelines.0.as_deref().map(|p| &p.0), pipelines.1.as_deref().map(|p| &p.0));
+    let name = |camera: &PyCamera| camera.camera.description().name.clone();
+    let (first, second) = (name(camera), name(other));
+    let a = Contender::with_pipeline(&camera.camera, &first, of);
+    let b = Contender::with_pipeline(&other.camera, &second, than);
+    let gains = watched(py, progress, |watch| light_gain_between(&a, &b, &settings, watch).or_raise())?;
     dict_of(py, &gains)
 }
 
-/// Scenes to compare cameras on: nothing is trained on them.
+/// Names of the test scenes, which are not used for training.
 #[pyfunction(name = "test_scenes")]
 pub(crate) fn test_scene_names() -> Vec<&'static str> {
     test_scenes().to_vec()
 }
 
-/// The distance of a picture from a reference on the same scale, both in XYZ under the scene's light.
+/// The difference of a picture from a reference on the same scale, both in XYZ under the illuminant of the scene.
 ///
 /// Args:
 ///     picture: the picture.
-///     reference: what it should be, such as `Camera.reference`; its `white` must be known.
-///     samples_per_degree: how fine pixels are to the eye, pixels per degree, 1 to 2000.
+///     reference: the target, such as `Camera.reference`; its `white` must be known.
+///     samples_per_degree: viewing condition, pixels per degree of visual angle, 1 to 2000.
 ///     highlight_share: share of the reference's pixels, 0 to below 1, that may be brighter than white.
 ///
 /// Returns:
@@ -383,24 +373,4 @@ pub(crate) fn score_pictures<'py>(
     let scores =
         watched(py, None, |_| score_picture(&picture.image, &reference.image, white, &settings).or_raise())?;
     dict_of(py, &scores)
-}
-
-/// What makes pictures: a learned pipeline, else the camera's own processing, as they are under the light.
-fn processing<'a>(
-    camera: &'a smalti::camera::Camera,
-    pipeline: Option<&'a PyPipeline>,
-    light: &Spectrum,
-    watch: &'a Watch,
-) -> Result<Box<dyn Isp + 'a>, CameraError> {
-    let isp: Box<dyn Isp> = match pipeline {
-        Some(pipeline) => Box::new(&pipeline.0),
-        None => Box::new(camera.isp(light, WhiteBalance::None)?),
-    };
-    Ok(Box::new(InSteps { isp, watch }))
-}
-
-/// What serialises to JSON, as a dict.
-fn dict_of<'py>(py: Python<'py>, value: &impl serde::Serialize) -> PyResult<Bound<'py, PyAny>> {
-    let json = serde_json::to_string(value).or_raise()?;
-    py.import("json")?.call_method1("loads", (json,))
 }

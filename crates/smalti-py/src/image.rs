@@ -24,14 +24,14 @@ const SPACES: [(&str, ColorSpace); 5] = [
 /// A picture of three planes in a stated colour space.
 ///
 /// Args:
-///     array: [rows, columns, 3]; numbers as they are, uint8 and uint16 divided by 255 and 65535.
+///     array: [rows, columns, 3]; uint8 and uint16 are divided by 255 and 65535.
 ///     space: "xyz" (CIE 1931, relative), "linear-srgb", "srgb", "linear-display-p3" or "display-p3"; encoded values are 0 to 1.
-///     white: X, Y, Z of the light that a picture in XYZ was taken under; it is what `shown` makes white.
+///     white: X, Y, Z of the illuminant of a picture in XYZ, which `shown` adapts to the white of the display.
 #[pyclass(name = "Image", module = "smalti", frozen)]
 #[derive(Debug, Clone)]
 pub(crate) struct PyImage {
     pub(crate) image: Image,
-    /// White of the light, Y = 1.
+    /// White point of the illuminant, Y = 1.
     pub(crate) white: Option<[f64; 3]>,
 }
 
@@ -66,7 +66,7 @@ impl PyImage {
         Ok(Self::new(picture.image, None))
     }
 
-    /// Writes a picture as PNG or TIFF, by the ending of the name, in sRGB or Display P3 as it is; others as `shown`.
+    /// Writes a PNG or TIFF, by the extension. Pictures in sRGB or Display P3 are written unchanged, others as `shown`.
     ///
     /// Args:
     ///     path: a name that ends in .png, .tif or .tiff.
@@ -113,36 +113,35 @@ impl PyImage {
         (self.image.rows(), self.image.cols(), 3)
     }
 
-    /// X, Y, Z of the light that the picture was taken under, Y = 1; None where it is not known.
+    /// X, Y, Z of the illuminant, Y = 1; None where it is unknown.
     #[getter]
     fn white(&self) -> Option<[f64; 3]> {
         self.white
     }
 
-    /// The picture in another colour space; white is not adapted.
+    /// The picture in another colour space, without chromatic adaptation.
     fn converted(&self, py: Python<'_>, space: &str) -> PyResult<Self> {
         let space = space_of(space)?;
         let image = py.detach(|| self.image.converted(space)).or_raise()?;
         Ok(Self { image, white: self.white })
     }
 
-    /// The factor that makes a picture in XYZ as bright as a viewer expects: all but the brightest half percent of the pixels within
-    /// the range of the display.
+    /// The gain for display of a picture in XYZ: all but the brightest half percent of the pixels are within the range of the display.
     fn brightness_gain(&self) -> PyResult<f64> {
         let xyz = self.image.converted(ColorSpace::Xyz).or_raise()?;
         Ok(xyz.brightness_gain())
     }
 
-    /// The picture in sRGB as one looks at it: the white of its light, where known, made that of the screen (Bradford).
+    /// The picture in sRGB for display, with its illuminant, where known, adapted to the white of the display (Bradford).
     ///
     /// Args:
-    ///     gain: brightness; default `brightness_gain()`.
+    ///     gain: factor of the luminance; default `brightness_gain()`.
     #[pyo3(signature = (gain=None))]
     fn shown(&self, py: Python<'_>, gain: Option<f64>) -> PyResult<Self> {
         Ok(Self::new(detached(py, || self.as_shown(gain))?, None))
     }
 
-    /// As `shown`, uint8 [rows, columns, 3]: what `matplotlib.pyplot.imshow` takes.
+    /// As `shown`, uint8 [rows, columns, 3], for `matplotlib.pyplot.imshow`.
     fn to_uint8<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let bytes = self.bytes()?;
         let (rows, cols) = (self.image.rows(), self.image.cols());
@@ -176,14 +175,14 @@ impl PyImage {
         Ok(PyBytes::new(py, &out).into_any())
     }
 
-    /// In sRGB, white adapted, `gain` times as bright.
+    /// In sRGB, with white adapted and luminance scaled by `gain`.
     fn as_shown(&self, gain: Option<f64>) -> PyResult<Image> {
         let gain = gain.map_or_else(|| self.brightness_gain(), Ok)?;
         let xyz = self.image.converted(ColorSpace::Xyz).or_raise()?;
         xyz.shown(self.white, gain).or_raise()
     }
 
-    /// Encoded pictures as they are, others as they are shown.
+    /// Encoded pictures unchanged, others as `shown`.
     fn encoded(&self) -> PyResult<Image> {
         match self.image.space() {
             ColorSpace::Srgb | ColorSpace::DisplayP3 => Ok(self.image.clone()),
@@ -191,7 +190,7 @@ impl PyImage {
         }
     }
 
-    /// In sRGB, three bytes a pixel, row by row.
+    /// In sRGB, three bytes per pixel, row by row.
     fn bytes(&self) -> PyResult<Vec<u8>> {
         let shown = self.encoded()?.converted(ColorSpace::Srgb).or_raise()?;
         let [r, g, b] = [0, 1, 2].map(|c| shown.planes().plane(c));
@@ -200,7 +199,7 @@ impl PyImage {
     }
 }
 
-/// A colour space by its name.
+/// A colour space by name.
 pub(crate) fn space_of(name: &str) -> PyResult<ColorSpace> {
     let found = SPACES.iter().find(|(n, _)| n.eq_ignore_ascii_case(name)).map(|(_, s)| *s);
     let known = || SPACES.map(|(n, _)| n).join(", ");

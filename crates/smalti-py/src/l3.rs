@@ -1,25 +1,27 @@
-//! Learned pipelines: train, keep, render.
+//! Learned pipelines: training, files, rendering.
 
 use std::path::PathBuf;
 
 use numpy::IntoPyArray;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyString};
-use serde_json::json;
-use smalti::camera::{Camera, LevelRule, TrainingScene, TrainingSettings, TrainingTarget, training_scenes};
+use smalti::camera::{LevelRule, TrainingSettings, TrainingTarget, training_scenes};
 use smalti::color::{ColorSpace, Image};
-use smalti::l3::{
-    Alpha, KernelForm, Origin, Pair, PerceptualWeights, Pipeline, Rendered, Solver, Statistics, Textures,
-    Training,
+use smalti::experiment::{
+    NamedScene, RawAndPicture, TrainingMaterial, TrainingRecord, add_pair, ensure_mosaic, fresh_statistics,
+    gather, pair_statistics, solve,
 };
-use smalti::sensor::{Channel, ColorArchitecture};
+use smalti::l3::{
+    Alpha, KernelForm, Origin, PerceptualWeights, Pipeline, Rendered, Solver, Statistics, Textures, Training,
+};
 use smalti::spectrum::Illuminant;
-use smalti_io::l3;
+use smalti_io::{l3, memory};
 
 use crate::arrays;
 use crate::camera::PyCamera;
 use crate::error::{OrRaise, wrong};
 use crate::image::PyImage;
+use crate::json::loads;
 use crate::raw::PyRawImage;
 use crate::scene::PyScene;
 use crate::spectrum::light;
@@ -38,8 +40,7 @@ impl PyPipeline {
         watched(py, None, |_| Ok(Self(l3::read_table(&path).or_raise()?)))
     }
 
-    /// Writes the pipeline, by the ending of the name: .l3 (exactly; `read` reads it), .npz (arrays for NumPy), or .h (C99 in fixed
-    /// point).
+    /// Writes the pipeline in the format of the extension: .l3 (exact, for `read`), .npz (NumPy arrays) or .h (C99 in fixed point).
     fn write(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
         let extension =
             path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase()).unwrap_or_default();
@@ -58,28 +59,28 @@ impl PyPipeline {
         })
     }
 
-    /// The picture of a raw image, in XYZ under the light it was learned for; its channels are matched by their names.
+    /// Renders a raw image to XYZ under the illuminant of the training. Channels are matched by name.
     ///
     /// Args:
-    ///     raw: a raw image of the mosaic it was learned for.
-    ///     fixed_point: in 16-bit arithmetic as in a camera's firmware; digital numbers only.
+    ///     raw: a raw image with the mosaic of the training.
+    ///     fixed_point: compute with 16-bit kernels as an image signal processor does; needs digital numbers.
     ///
     /// Raises:
-    ///     SmaltiError: when the image has another mosaic or other levels, or the outputs are no picture (`render_outputs`).
+    ///     SmaltiError: when the image has another mosaic or other levels, or the outputs are not a picture (see `render_outputs`).
     #[pyo3(signature = (raw, *, fixed_point=false))]
     fn render(&self, py: Python<'_>, raw: &PyRawImage, fixed_point: bool) -> PyResult<PyImage> {
         if self.0.outputs() != ["X", "Y", "Z"] {
             let outputs = self.0.outputs().join(", ");
             return Err(wrong(format!(
-                "the pipeline gives {outputs}, which is no picture; render_outputs gives them as they are"
+                "the outputs of the pipeline are {outputs}, not a picture; use render_outputs"
             )));
         }
         let rendered = self.rendered(py, raw, fixed_point)?;
         Ok(PyImage::new(Image::new(ColorSpace::Xyz, rendered.planes).or_raise()?, self.0.white()))
     }
 
-    /// What the pipeline makes of a raw image, float32 [rows, columns, outputs], and how many pixels were unlike what was trained
-    /// with, by name; those have the nearest class.
+    /// The outputs for a raw image, float32 [rows, columns, outputs], and the numbers of pixels that are "darker" or "brighter" than the
+    /// training data, or clipped unlike them ("saturation"). These pixels are rendered with the nearest class.
     #[pyo3(signature = (raw, *, fixed_point=false))]
     fn render_outputs<'py>(
         &self,
@@ -104,13 +105,13 @@ impl PyPipeline {
         self.0.outputs().to_vec()
     }
 
-    /// Names of the mosaic's channels.
+    /// Names of the channels of the mosaic.
     #[getter]
     fn channel_names(&self) -> Vec<String> {
         self.0.channel_names().to_vec()
     }
 
-    /// X, Y, Z of white in the light it was learned for, Y = 1; None where outputs are no picture.
+    /// X, Y, Z of the illuminant of the training, Y = 1; None where the outputs are not a picture.
     #[getter]
     fn white(&self) -> Option<[f64; 3]> {
         self.0.white()
@@ -148,19 +149,19 @@ impl PyPipeline {
         arrays::slice_view(slf.as_any().clone(), &shape, &p.kernels().offsets)
     }
 
-    /// Names of the textures that are told apart.
+    /// Names of the texture classes.
     #[getter]
     fn textures(&self) -> Vec<&'static str> {
         self.0.axes().textures().names().to_vec()
     }
 
-    /// How it was learned: version, camera, settings, scenes.
+    /// The training: version, camera, settings, scenes.
     #[getter]
     fn provenance<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        py.import("json")?.call_method1("loads", (self.0.provenance(),))
+        loads(py, self.0.provenance())
     }
 
-    /// One record for each class: position, level, texture, patches, where its kernel comes from. For a data frame.
+    /// A record for each class, ready for a data frame: position, clipped channels, level, texture, patches, origin of its kernel.
     fn classes<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyDict>>> {
         let names = self.0.axes().textures().names();
         let record = |(i, class): (usize, &smalti::l3::Class)| {
@@ -204,7 +205,7 @@ impl PyPipeline {
     }
 }
 
-/// What pipelines are solved from: moments of patches and targets, class by class. They can be added up.
+/// The statistics that pipelines are solved from: moments of patches and targets for each class. Statistics can be merged.
 #[pyclass(name = "Statistics", module = "smalti", frozen)]
 #[derive(Debug, Clone)]
 pub(crate) struct PyStatistics(pub(crate) Statistics);
@@ -217,19 +218,19 @@ impl PyStatistics {
         watched(py, None, |_| Ok(Self(l3::read_statistics(&path).or_raise()?)))
     }
 
-    /// Writes an .l3s file, exactly.
+    /// Writes an .l3s file without loss.
     fn write(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
         watched(py, None, |_| l3::write_statistics(&path, &self.0).or_raise())
     }
 
-    /// These and others, of the same classes and targets.
+    /// The sum of these statistics and others of the same classes and targets.
     fn merged(&self, py: Python<'_>, other: &Self) -> PyResult<Self> {
         let mut sum = self.0.clone();
         py.detach(|| sum.merge(&other.0)).or_raise()?;
         Ok(Self(sum))
     }
 
-    /// Number of patches seen.
+    /// Number of patches.
     #[getter]
     fn patches(&self) -> u64 {
         self.0.count()
@@ -251,6 +252,11 @@ impl PyStatistics {
     }
 }
 
+/// The camera, settings and sources of statistics, for the provenance of pipelines.
+#[pyclass(name = "TrainingStory", module = "smalti._smalti", frozen)]
+#[derive(Debug)]
+pub(crate) struct PyTrainingStory(TrainingRecord);
+
 /// Gathers statistics; see `smalti.gather`.
 #[pyfunction]
 #[pyo3(signature = (camera, scenes, pairs, illuminants, target, target_illuminant, exposures, patch, levels, level_rule, textures, sharp, seed, progress))]
@@ -271,9 +277,9 @@ pub(crate) fn gather_statistics(
     sharp: bool,
     seed: u64,
     progress: Option<&Bound<'_, PyAny>>,
-) -> PyResult<(PyStatistics, String)> {
+) -> PyResult<(PyStatistics, PyTrainingStory)> {
     let own = &camera.camera;
-    ensure_mosaic(own)?;
+    ensure_mosaic(own).or_raise()?;
     let settings = TrainingSettings {
         side: patch,
         levels,
@@ -299,60 +305,49 @@ pub(crate) fn gather_statistics(
     };
     let lights = illuminants.iter().map(light).collect::<PyResult<Vec<Illuminant>>>()?;
     let pairs = pairs.unwrap_or_default();
-    let default = scenes.is_none() && pairs.is_empty();
-    let scenes =
-        scenes.unwrap_or_default().iter().map(|s| fitted(camera, s.get())).collect::<PyResult<Vec<_>>>()?;
+    if !pairs.is_empty() && scenes.as_ref().is_some_and(|s| !s.is_empty()) {
+        return Err(wrong("raw files contain noise and scenes do not: give either pairs or scenes"));
+    }
+    let scene = |s: Bound<'_, PyScene>| {
+        let PyScene { scene, source, fov_stated, is_file } = s.get().clone();
+        NamedScene::for_camera(own, source, scene, is_file, fov_stated).or_raise()
+    };
+    let material = match scenes {
+        Some(scenes) => {
+            Some(TrainingMaterial::Scenes(scenes.into_iter().map(scene).collect::<PyResult<_>>()?))
+        }
+        None => pairs.is_empty().then(|| TrainingMaterial::DefaultSet(lights.clone())),
+    };
     let pairs: Vec<(PyRawImage, PyImage)> =
         pairs.iter().map(|(r, i)| (r.get().clone(), i.get().clone())).collect();
     let (statistics, sources) = watched(py, progress, |watch| {
-        let first = match scenes.first() {
-            Some(scene) => scene.scene.illuminant().clone(),
-            None => lights.first().unwrap_or(&Illuminant::D65).photons(own.grid()).or_raise()?,
+        let first = match &material {
+            Some(material) if !material.is_empty() => material.light(own).or_raise()?,
+            _ => lights.first().unwrap_or(&Illuminant::D65).photons(own.grid()).or_raise()?,
         };
-        let mut statistics = own.training_statistics(&settings, &first).or_raise()?;
-        let mut sources = Vec::new();
+        let mut statistics =
+            fresh_statistics(own, &settings, &first, memory::available_bytes()).or_raise()?;
         if !pairs.is_empty() {
-            if !scenes.is_empty() {
-                return Err(wrong(
-                    "raw files hold their noise and scenes do not: learn from pairs or from scenes",
-                ));
-            }
-            // Real raw files hold their noise.
-            statistics = Statistics::new(statistics.axes().clone(), statistics.outputs().to_vec(), true)
-                .or_raise()?
-                .with_white(Some(smalti::color::SRGB_WHITE));
+            statistics = pair_statistics(&statistics).or_raise()?;
         }
-        let names: Vec<String> = own.sensor.cfa.channels().iter().map(|c| c.name.clone()).collect();
-        for (i, (raw, target)) in pairs.iter().enumerate() {
+        let mut sources = Vec::new();
+        for (i, (raw, picture)) in pairs.iter().enumerate() {
             watch.check()?;
-            let raw = raw.raw.clone().with_channels(&names);
-            let wanted = target.image.converted(ColorSpace::Xyz).or_raise()?;
-            let pair = Pair { raw: &raw, seen: None, target: wanted.planes() };
-            statistics.add(&pair).or_raise_about(format!("pair {i}"))?;
-            sources.push(format!("pair {i}"));
+            let name = format!("pair {i}");
+            let (raw, picture) = (&raw.raw, &picture.image);
+            let pair = RawAndPicture { name: &name, raw, default_crop: None, picture };
+            add_pair(&mut statistics, own, pair, false, watch).or_raise()?;
+            sources.push(name);
             watch.step();
         }
-        for (place, scene) in scenes.iter().enumerate() {
-            watch.check()?;
-            let before = scenes.iter().take(place).filter(|s| s.source == scene.source).count();
-            let item = item_of(&scene.source, before);
-            own.train_on(&mut statistics, &scene.scene, &settings, item).or_raise_about(&scene.source)?;
-            sources.push(scene.source.clone());
-            watch.step();
-        }
-        if default {
-            for (item, of_set) in training_scenes(&lights).iter().enumerate() {
-                watch.check()?;
-                let scene = of_set.build(own).or_raise_about(&of_set.spec)?;
-                own.train_on(&mut statistics, &scene, &settings, item as u64).or_raise_about(&of_set.spec)?;
-                sources.push(name(of_set));
-                watch.step();
-            }
+        if let Some(material) = &material {
+            gather(own, &settings, material, &mut statistics, watch).or_raise()?;
+            sources.extend(material.names());
         }
         Ok((statistics, sources))
     })?;
-    let story = json!({"camera": own.description(), "settings": format!("{settings:?}"), "scenes": sources});
-    Ok((PyStatistics(statistics), story.to_string()))
+    let story = TrainingRecord { camera: own.description().clone(), settings, sources };
+    Ok((PyStatistics(statistics), PyTrainingStory(story)))
 }
 
 /// Number of scenes of the default training set.
@@ -368,7 +363,7 @@ pub(crate) fn training_set_len() -> usize {
 pub(crate) fn solve_statistics(
     py: Python<'_>,
     statistics: &PyStatistics,
-    story: &str,
+    story: Option<&PyTrainingStory>,
     solver: &str,
     alpha_flat: Option<(f64, f64)>,
     alpha_texture: Option<(f64, f64)>,
@@ -397,68 +392,19 @@ pub(crate) fn solve_statistics(
         smoothing,
         ..Training::default()
     };
-    let known: serde_json::Value = serde_json::from_str(story).unwrap_or_default();
-    let part = |key: &str| known.get(key).cloned().unwrap_or_default();
-    // The keys of `smalti train`, in its order.
-    let story = json!({
-        "smalti_version": env!("CARGO_PKG_VERSION"),
-        "camera": part("camera"),
-        "settings": part("settings"),
-        "training": format!("{training:?}"),
-        "scenes": part("scenes"),
-        "patches": statistics.0.count(),
-    });
-    watched(py, None, |_| Ok(PyPipeline(training.solve(&statistics.0, story.to_string()).or_raise()?)))
-}
-
-fn name(scene: &TrainingScene) -> String {
-    format!("{} under {}", scene.spec, scene.light.name())
-}
-
-/// The number that a scene's noise is keyed by, from its name as for the command (FNV-1a, 32 bits): the same whether it is learned
-/// from alone, in parts or with others. Further scenes of one name have numbers of their own.
-fn item_of(name: &str, before: usize) -> u64 {
-    let hash = name.bytes().fold(0x811c_9dc5, |h: u64, b| ((h ^ u64::from(b)) * 0x0100_0193) & 0xffff_ffff);
-    hash.wrapping_add(before as u64) & 0xffff_ffff
-}
-
-/// A scene on the camera's wavelengths and sensor.
-fn fitted(camera: &PyCamera, scene: &PyScene) -> PyResult<PyScene> {
-    let grid = camera.camera.grid();
-    let scene = if scene.scene.radiance().grid() == grid {
-        scene.clone()
-    } else {
-        PyScene { scene: scene.scene.clone().resampled(grid).or_raise_about(&scene.source)?, ..scene.clone() }
-    };
-    if scene.fov_stated { Ok(scene) } else { camera.on_sensor(&scene) }
+    let story = story.map(|s| &s.0);
+    watched(py, None, |_| Ok(PyPipeline(solve(&statistics.0, &training, story).or_raise()?)))
 }
 
 /// What should come out: XYZ, or what another camera sees.
 fn target_of(value: &Bound<'_, PyAny>) -> PyResult<TrainingTarget> {
     if let Ok(camera) = value.cast::<PyCamera>() {
-        let camera = &camera.get().camera;
-        let curves = camera.sensor.spectral_responsivity_on(camera.grid()).or_raise()?;
-        let channels = camera.sensor.cfa.channels().iter().zip(curves);
-        let channel = |(c, curve): (&Channel, _)| Channel { name: c.name.clone(), transmittance: curve };
-        return Ok(TrainingTarget::Channels(channels.map(channel).collect()));
+        return TrainingTarget::channels_of(&camera.get().camera).or_raise();
     }
     match value.cast::<PyString>().map(|s| s.to_string().to_ascii_lowercase()).as_deref() {
         Ok("xyz") => Ok(TrainingTarget::Xyz),
         _ => Err(wrong("target: expected \"xyz\" or a Camera")),
     }
-}
-
-/// That a camera is one that pipelines are learned for.
-fn ensure_mosaic(camera: &Camera) -> PyResult<()> {
-    let architecture = match camera.sensor.architecture {
-        ColorArchitecture::Mosaic => return Ok(()),
-        ColorArchitecture::Prism => "prism",
-        ColorArchitecture::FieldSequential => "field-sequential",
-    };
-    let name = &camera.description().name;
-    Err(wrong(format!(
-        "{name}: `sensor.architecture` is {architecture}: every pixel sees every channel; learned pipelines are for mosaics"
-    )))
 }
 
 fn one_of<T: Clone>(what: &str, name: &str, known: &[(&str, T)]) -> PyResult<T> {
@@ -467,7 +413,7 @@ fn one_of<T: Clone>(what: &str, name: &str, known: &[(&str, T)]) -> PyResult<T> 
     found.ok_or_else(|| wrong(format!("{what} is '{name}'; expected one of {}", names())))
 }
 
-/// Names of the channels of a combination.
+/// The names of the channels in a mask.
 fn clipped(mask: u32, names: &[String]) -> String {
     if mask == 0 {
         return "none".into();

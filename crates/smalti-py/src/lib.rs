@@ -1,22 +1,25 @@
 //! The extension module of the Python package `smalti`: objects of the library with NumPy arrays in and out.
 //!
-//! Thin: what is computed is computed by `smalti`, what is read and written by `smalti-io`. Here are conversions (`arrays`),
-//! exceptions (`error`), and the way in which long work gives the interpreter's lock free and ends on Ctrl-C (`work`).
-//! What is nicer to say in Python (progress bars, data frames) is in `python/smalti`.
+//! `smalti` computes, `smalti-io` reads and writes files. This crate converts arguments and arrays (`arrays`), raises exceptions
+//! (`error`), and runs long work without the lock of the interpreter until it ends or Ctrl-C stops it (`work`). Progress bars and
+//! functions with many keyword arguments are written in Python, in `python/smalti`.
 
 mod arrays;
 mod camera;
 mod cfa;
 mod cluster;
 mod color;
+#[cfg(feature = "command")]
 mod command;
 mod error;
 mod evaluate;
 mod image;
+mod json;
 mod l3;
 mod metrics;
 mod photograph;
 mod raw;
+mod report;
 mod scene;
 mod spectrum;
 mod study;
@@ -24,19 +27,20 @@ mod work;
 
 use pyo3::prelude::*;
 
-/// What the package `smalti` is made of; see there.
+/// The implementation of the package `smalti`, which documents it.
 #[pymodule]
 mod _smalti {
     #[pymodule_export]
-    use crate::camera::{PyCamera, camera_names};
+    use crate::camera::{PyCamera, camera_labels, camera_names};
     #[pymodule_export]
     use crate::cfa::{PyCfa, cfas, filters};
     #[pymodule_export]
     use crate::cluster::{PyPartMaker, PySharedFolder, PySharedPlace, scenes_in_files};
     #[pymodule_export]
     use crate::color::{delta_e, lab, scielab_map, xyz};
+    #[cfg(feature = "command")]
     #[pymodule_export]
-    use crate::command::{run_command, write_report};
+    use crate::command::run_command;
     #[pymodule_export]
     use crate::error::SmaltiError;
     #[pymodule_export]
@@ -46,7 +50,9 @@ mod _smalti {
     #[pymodule_export]
     use crate::image::PyImage;
     #[pymodule_export]
-    use crate::l3::{PyPipeline, PyStatistics, gather_statistics, solve_statistics, training_set_len};
+    use crate::l3::{
+        PyPipeline, PyStatistics, PyTrainingStory, gather_statistics, solve_statistics, training_set_len,
+    };
     #[pymodule_export]
     use crate::metrics::{
         PyEdge, aliasing, cpsnr_db, edge_sfr, luminance_noise_percent, metrics, visual_snr,
@@ -56,13 +62,15 @@ mod _smalti {
     #[pymodule_export]
     use crate::raw::PyRawImage;
     #[pymodule_export]
+    use crate::report::write_report;
+    #[pymodule_export]
     use crate::scene::{PyOpticalImage, PyScene, scenes};
     #[pymodule_export]
     use crate::spectrum::{PySpectrum, illuminant, illuminants};
     #[pymodule_export]
     use crate::study::{PyResults, PyStudy, designs_missing, merge, parse_shard, run_sweep, study_names};
 
-    /// The version of the package, that of the command.
+    /// The version of the package and of the command.
     #[pymodule_export]
     #[allow(non_upper_case_globals)]
     const __version__: &str = env!("CARGO_PKG_VERSION");

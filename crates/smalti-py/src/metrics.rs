@@ -99,11 +99,11 @@ impl PyEdge {
 /// Measures the response to a slanted edge.
 ///
 /// Args:
-///     image: linear in light: an array [rows, columns] or [rows, columns, planes], an `Image` (in XYZ: its Y), or a `RawImage` (one
-///         channel, at the places of its samples).
-///     plane: the plane to measure, or the channel of a `RawImage`; default 0, of an `Image` 1.
-///     region: row, column, rows, columns; default the whole.
-///     isetcam: as ISETCam's ISO12233 of 2021 measures, for comparison with published figures.
+///     image: linear values: an array [rows, columns] or [rows, columns, planes], an `Image` (in XYZ: its Y), or a `RawImage` (the
+///         samples of one channel).
+///     plane: the plane, or the channel of a `RawImage`; default 0, or 1 for an `Image`.
+///     region: row, column, rows, columns; default the whole image.
+///     isetcam: use the method of ISETCam's ISO12233 of 2021, for comparison with published values.
 #[pyfunction]
 #[pyo3(signature = (image, *, plane=None, region=None, isetcam=false))]
 pub(crate) fn edge_sfr(
@@ -129,11 +129,11 @@ pub(crate) fn edge_sfr(
     })
 }
 
-/// 100 · std / mean of each of several uniform patches, percent (divisor n − 1).
+/// 100 · std / mean (divisor n − 1) of each uniform patch, percent.
 ///
 /// Args:
-///     luminance: linear in light: [rows, columns], or an `Image` in XYZ (its Y).
-///     patches: row, column, rows, columns of each.
+///     luminance: linear values [rows, columns], or an `Image` in XYZ (its Y).
+///     patches: row, column, rows, columns of each patch.
 #[pyfunction]
 pub(crate) fn luminance_noise_percent<'py>(
     py: Python<'py>,
@@ -147,13 +147,13 @@ pub(crate) fn luminance_noise_percent<'py>(
     Ok(noise.percent.into_pyarray(py).into_any())
 }
 
-/// Peak signal-to-noise ratio of all planes together, dB.
+/// Peak signal-to-noise ratio over all planes, dB.
 ///
 /// Args:
 ///     image: [rows, columns] or [rows, columns, planes], or an `Image`.
 ///     reference: the same shape.
-///     peak: the largest value an image can have.
-///     region: row, column, rows, columns; default the whole.
+///     peak: the largest possible value.
+///     region: row, column, rows, columns; default the whole image.
 #[pyfunction]
 #[pyo3(signature = (image, reference, *, peak=1.0, region=None))]
 pub(crate) fn cpsnr_db(
@@ -168,12 +168,12 @@ pub(crate) fn cpsnr_db(
     py.detach(|| measure_psnr(&image, &reference, region, peak)).or_raise().map(|p| p.cpsnr_db)
 }
 
-/// What of a picture is not in its reference: the same scene without sampling by a mosaic. Both linear in light, without noise.
+/// The energy of a picture that its reference, the same scene without a mosaic, does not contain. Both are linear and without noise.
 ///
 /// Args:
 ///     picture: [rows, columns, planes], at least 16 × 16 pixels, or an `Image`.
 ///     reference: the same shape.
-///     luminance_weights: Y of each plane's primary; default those of linear sRGB.
+///     luminance_weights: Y of the primary of each plane; default linear sRGB.
 ///
 /// Returns:
 ///     luminance_percent, color_percent, total_percent: energy relative to that of the reference.
@@ -194,13 +194,13 @@ pub(crate) fn aliasing<'py>(
     Ok(dict)
 }
 
-/// Reciprocal of the noise of a uniform region as it is seen, in units of ΔE 1976 (Farrell et al. 2010).
+/// Reciprocal of the visible noise of a uniform region, in units of ΔE 1976 (Farrell et al. 2010).
 ///
 /// Args:
 ///     picture: in XYZ.
 ///     region: row, column, rows, columns.
 ///     white: X, Y, Z of white on the scale of the picture.
-///     samples_per_degree: how fine pixels are to the eye, pixels per degree, 1 to 2000.
+///     samples_per_degree: viewing condition, pixels per degree of visual angle, 1 to 2000.
 #[pyfunction]
 #[pyo3(signature = (picture, region, white, samples_per_degree=60.0))]
 pub(crate) fn visual_snr(
@@ -215,7 +215,7 @@ pub(crate) fn visual_snr(
     })
 }
 
-/// All metrics there are: name, unit, which way it improves ("lower", "higher" or None), what it says, its source.
+/// All metrics: name, unit, better direction ("lower", "higher" or None), meaning, source.
 #[pyfunction]
 pub(crate) fn metrics(py: Python<'_>) -> PyResult<Vec<Bound<'_, PyDict>>> {
     let record = |m: &smalti::metrics::MetricInfo| {

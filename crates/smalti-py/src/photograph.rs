@@ -1,17 +1,19 @@
-//! A picture as a camera took it.
+//! A capture of a camera.
 
 use pyo3::prelude::*;
 use smalti::camera::Camera;
+use smalti::experiment::{SimulationSettings, score_capture};
 use smalti::sensor::Exposure;
 use smalti::spectrum::Spectrum;
 
 use crate::error::{OrRaise, short};
 use crate::image::PyImage;
+use crate::json::dict_of;
 use crate::raw::PyRawImage;
 use crate::scene::PyOpticalImage;
 use crate::work::watched;
 
-/// A picture with all that led to it.
+/// A picture with the optical image and the raw image that it was made from.
 #[pyclass(name = "Photograph", module = "smalti", frozen)]
 #[derive(Debug, Clone)]
 pub(crate) struct PyPhotograph {
@@ -21,7 +23,8 @@ pub(crate) struct PyPhotograph {
     pub(crate) exposure: Exposure,
     pub(crate) light: Spectrum,
     pub(crate) white: [f64; 3],
-    /// With the window that was read.
+    pub(crate) settings: SimulationSettings,
+    /// With the window that was read out.
     pub(crate) camera: Camera,
 }
 
@@ -39,7 +42,7 @@ impl PyPhotograph {
         self.raw.clone()
     }
 
-    /// The picture in XYZ, white-balanced as the camera's description says.
+    /// The picture in XYZ, with the white balance of the camera's description.
     #[getter]
     fn picture(&self) -> PyImage {
         self.picture.clone()
@@ -51,13 +54,23 @@ impl PyPhotograph {
         self.exposure.time_s
     }
 
-    /// What the standard observer would see through the same lens and pixels, without noise: in XYZ as they are under the light of the
-    /// scene, on the scale of `Camera.render`.
+    /// The noise-free picture of the standard observer through the same lens and pixels, in XYZ under the illuminant of the scene, on the
+    /// scale of `Camera.render`.
     fn reference(&self, py: Python<'_>) -> PyResult<PyImage> {
         let reference = watched(py, None, |_| {
             self.camera.reference_as_exposed(&self.optical_image.0, &self.exposure, &self.light).or_raise()
         })?;
         Ok(PyImage::new(reference, Some(self.white)))
+    }
+
+    /// The difference of the centre of the picture from `reference`, for the camera's own processing without white balance, as `smalti
+    /// simulate` scores it: cpsnr_db, pixel_delta_e_2000_mean, pixel_delta_e_2000_p95, scielab_mean and others; None without light.
+    fn scores<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
+        let (image, exposure) = (&self.optical_image.0, &self.exposure);
+        let scored = watched(py, None, |_| {
+            score_capture(&self.camera, &self.light, image, exposure, &self.settings).or_raise()
+        })?;
+        scored.map(|s| dict_of(py, &s.scores)).transpose()
     }
 
     fn __repr__(&self) -> String {

@@ -1,4 +1,4 @@
-//! Raw images: from arrays, from DNG, to both.
+//! Raw images, from and to arrays and DNG files.
 
 use std::path::PathBuf;
 
@@ -13,11 +13,11 @@ use crate::cfa::{PyCfa, default_name, mosaic};
 use crate::error::{OrRaise, wrong};
 use crate::work::watched;
 
-/// Raw samples with what is needed to read them.
+/// Raw samples with their mosaic and levels.
 ///
 /// Args:
-///     samples: [rows, columns] of a mosaic, or [rows, columns, channels] where every pixel has every channel. Whole numbers are digital
-///         numbers of at most 16 bits; others are volts.
+///     samples: [rows, columns] of a mosaic, or [rows, columns, channels] where every pixel has every channel. Integers are digital
+///         numbers of at most 16 bits; floating-point values are volts.
 ///     tile: the channel of each cell of the mosaic's tile, whole numbers from 0 [rows, columns], or a `Cfa`; None where every pixel
 ///         has every channel.
 ///     black_level: the sample without light, in the unit of the samples.
@@ -27,9 +27,9 @@ use crate::work::watched;
 #[derive(Debug, Clone)]
 pub(crate) struct PyRawImage {
     pub(crate) raw: RawImage,
-    /// What else was found in its file.
+    /// Notes of the reader of its file.
     pub(crate) notes: Vec<String>,
-    /// What developers need to know of the camera.
+    /// The metadata of a DNG.
     pub(crate) info: Option<DngInfo>,
 }
 
@@ -96,7 +96,7 @@ impl PyRawImage {
         Ok(Self { raw: read.raw, notes: read.notes, info: Some(read.info) })
     }
 
-    /// Writes a DNG. Captures of a `Camera` carry its colour matrix; others open in raw developers without colours.
+    /// Writes a DNG. A capture of a `Camera` contains its colour matrix; other raw images have none.
     fn write(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
         let info = self.info.clone().unwrap_or_default();
         watched(py, None, |_| dng::write(&path, &self.raw, &info).or_raise())
@@ -117,7 +117,7 @@ impl PyRawImage {
         }
     }
 
-    /// (samples − black) / (white − black), float32, of the shape of `samples`; below 0 where noise took them there.
+    /// (samples − black) / (white − black), float32, of the shape of `samples`; negative where noise exceeds the signal.
     fn normalized<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let raw = &self.raw;
         let values = py.detach(|| raw.normalized()).into_pyarray(py);
@@ -180,13 +180,13 @@ impl PyRawImage {
         self.raw.saturated_percent()
     }
 
-    /// What was simplified or left aside when the file was read.
+    /// Notes on what the reader simplified or ignored.
     #[getter]
     fn notes(&self) -> Vec<String> {
         self.notes.clone()
     }
 
-    /// The same image with its channels in the order of these names; as it is where they are not its own.
+    /// The same image with its channels in the order of these names; unchanged where the names differ from its own.
     fn with_channels(&self, names: Vec<String>) -> Self {
         Self { raw: self.raw.clone().with_channels(&names), ..self.clone() }
     }

@@ -1,4 +1,4 @@
-//! Scenes and what a lens makes of them.
+//! Scenes and optical images.
 
 use std::path::PathBuf;
 
@@ -19,34 +19,34 @@ use crate::image::PyImage;
 use crate::spectrum::{PySpectrum, grid_of, grid_or_visible, light, wavelengths};
 use crate::work::watched;
 
-/// A flat scene of spectral radiance before the camera.
+/// A flat scene of spectral radiance in front of the camera.
 ///
 /// Args:
 ///     source: a built-in scene, with its parameters if any ("macbeth", "zone-plate?size=400", …; see `smalti.scenes()`), or a file:
 ///         spectral EXR, MATLAB, HDF5, ENVI, NumPy, spectral TIFF, a folder of bands, or a picture (PNG, TIFF, JPEG, EXR), which is
-///         lifted to spectra.
-///     luminance_cd_m2: mean luminance, cd/m²; default 100 for what is built in, else what the file states.
-///     illuminant: the light: a name, a CSV file or a `Spectrum` of relative power; default D65, or what the file states.
-///     distance_m: from the lens, m; default 1.2, or what the file states.
-///     fov_deg: full horizontal field of view, degrees; default 10, or what the file states.
+///         upsampled to spectra.
+///     luminance_cd_m2: mean luminance, cd/m²; default 100 for built-in scenes, else the value in the file.
+///     illuminant: a name, a CSV file or a `Spectrum` of relative power; default D65, or the illuminant in the file.
+///     distance_m: distance from the lens, m; default 1.2, or the value in the file.
+///     fov_deg: full horizontal field of view, degrees; default 10, or the value in the file.
 ///     wavelengths_nm: nm, even steps; default 400, 410, … 700, or those of the file; needed for a file that states none.
-///     quantity: what the values of a file are that does not state it: "photons", "energy", "relative-energy" or "reflectance".
-///     variable: which variable, array or dataset of a file is the cube.
-///     crop: the part of a file that is read: (row, column, rows, columns).
-///     clamp_negative: take negative samples of a file as zero; otherwise they are an error.
+///     quantity: quantity of a file that does not state it: "photons", "energy", "relative-energy" or "reflectance".
+///     variable: variable, array or dataset of a file that holds the spectral cube.
+///     crop: part of a file to read: (row, column, rows, columns).
+///     clamp_negative: replace negative samples of a file by zero; otherwise they are an error.
 ///
 /// Raises:
 ///     OSError: when a file cannot be read.
-///     SmaltiError: when there is no such scene, a parameter is out of range, or a file holds no scene.
+///     SmaltiError: when there is no such scene, a parameter is out of range, or a file contains no scene.
 #[pyclass(name = "Scene", module = "smalti", frozen)]
 #[derive(Debug, Clone)]
 pub(crate) struct PyScene {
     pub(crate) scene: Scene,
-    /// What it was asked for by.
+    /// The name or file that was requested.
     pub(crate) source: String,
-    /// Its width is to be kept, since it was stated.
+    /// Whether the field of view was stated and must be kept.
     pub(crate) fov_stated: bool,
-    /// It has no more detail than its pixels.
+    /// Whether it comes from a file, so that it has no more detail than its samples.
     pub(crate) is_file: bool,
 }
 
@@ -74,8 +74,8 @@ impl PyScene {
         let fov_stated = fov_deg.is_some() || name.contains("fov=");
         let is_file = scene_file::is_meant(&name);
         if !is_file && (quantity.is_some() || variable.is_some() || crop.is_some() || clamp_negative) {
-            let of_files = "quantity, variable, crop and clamp_negative are of files";
-            return Err(wrong(format!("{name}: {of_files}; it is a built-in scene")));
+            let options = "quantity, variable, crop and clamp_negative";
+            return Err(wrong(format!("{name}: {options} apply to files, and this is a built-in scene")));
         }
         let request = SceneRequest {
             luminance_cd_m2,
@@ -103,12 +103,12 @@ impl PyScene {
     ///     wavelengths_nm: nm, even steps, as many as the last axis has; default 400, 410, … 700.
     ///     unit: "photons" (s⁻¹ m⁻² sr⁻¹ nm⁻¹), "energy" (W m⁻² sr⁻¹ nm⁻¹), or "relative-energy" (up to a factor; scaled to
     ///         `luminance_cd_m2`).
-    ///     illuminant: the light that the scene is under, by name or as a `Spectrum` of relative power; its level is set so that white
-    ///         is as bright as the brightest percent of the scene.
-    ///     luminance_cd_m2: mean luminance to scale to; default: as it is (100 for relative energy).
-    ///     distance_m: from the lens, m.
-    ///     fov_deg: full horizontal field of view, degrees; default: as wide as fits the camera's pixels.
-    ///     name: what to call it.
+    ///     illuminant: illuminant of the scene: a name or a `Spectrum` of relative power. Its level is chosen so that white is as
+    ///         bright as the brightest percent of the scene.
+    ///     luminance_cd_m2: mean luminance to scale to, cd/m²; default: not scaled (100 for relative energy).
+    ///     distance_m: distance from the lens, m.
+    ///     fov_deg: full horizontal field of view, degrees; default: fits the sensor of the camera.
+    ///     name: name of the scene.
     #[staticmethod]
     #[pyo3(signature = (radiance, wavelengths_nm=None, *, unit="photons", illuminant=None, luminance_cd_m2=None, distance_m=1.2, fov_deg=None, name="array"))]
     #[allow(clippy::too_many_arguments)]
@@ -134,16 +134,16 @@ impl PyScene {
         Self::from_cube(cube, quantity, illuminant, luminance_cd_m2, distance_m, fov_deg, name)
     }
 
-    /// A scene from reflectances and a light.
+    /// A scene from reflectances and an illuminant.
     ///
     /// Args:
     ///     reflectance: [rows, columns, wavelengths], finite and not negative; 1 is a perfect white diffuser.
     ///     wavelengths_nm: nm, even steps, as many as the last axis has; default 400, 410, … 700.
-    ///     illuminant: the light: a name, a CSV file or a `Spectrum` of relative power; default D65.
+    ///     illuminant: a name, a CSV file or a `Spectrum` of relative power; default D65.
     ///     luminance_cd_m2: mean luminance of the scene, cd/m².
-    ///     distance_m: from the lens, m.
-    ///     fov_deg: full horizontal field of view, degrees; default: as wide as fits the camera's pixels.
-    ///     name: what to call it.
+    ///     distance_m: distance from the lens, m.
+    ///     fov_deg: full horizontal field of view, degrees; default: fits the sensor of the camera.
+    ///     name: name of the scene.
     #[staticmethod]
     #[pyo3(signature = (reflectance, wavelengths_nm=None, *, illuminant=None, luminance_cd_m2=100.0, distance_m=1.2, fov_deg=None, name="array"))]
     fn from_reflectance(
@@ -173,7 +173,7 @@ impl PyScene {
         arrays::planes_view(slf.as_any().clone(), slf.get().scene.radiance().planes())
     }
 
-    /// Radiance of a perfect white diffuser under the scene's light, photons s⁻¹ m⁻² sr⁻¹ nm⁻¹.
+    /// Radiance of a perfect white diffuser under the illuminant of the scene, photons s⁻¹ m⁻² sr⁻¹ nm⁻¹.
     #[getter]
     fn illuminant_photons(&self) -> PySpectrum {
         PySpectrum(self.scene.illuminant().clone())
@@ -192,7 +192,7 @@ impl PyScene {
         (cube.rows(), cube.cols(), cube.grid().len())
     }
 
-    /// What it is called.
+    /// The name.
     #[getter]
     fn name(&self) -> &str {
         self.scene.name()
@@ -223,19 +223,19 @@ impl PyScene {
         values.into_pyarray(py).call_method1("reshape", ((cube.rows(), cube.cols()),))
     }
 
-    /// What the standard observer sees: an `Image` in XYZ, absolute, Y in cd/m² (CIE 1931).
+    /// The picture of the CIE 1931 standard observer: an `Image` in absolute XYZ, Y in cd/m².
     fn xyz(&self, py: Python<'_>) -> PyResult<PyImage> {
         let planes = py.detach(|| self.scene.xyz()).or_raise()?;
         Ok(PyImage::new(Image::new(ColorSpace::Xyz, planes).or_raise()?, Some(self.white()?)))
     }
 
-    /// The scene under another light (name, CSV file or `Spectrum` of relative power); its mean luminance stays.
+    /// The scene under another illuminant (name, CSV file or `Spectrum` of relative power), with the same mean luminance.
     fn relit(&self, illuminant: &Bound<'_, PyAny>) -> PyResult<Self> {
         let light = light(illuminant)?;
         Ok(Self { scene: self.scene.clone().relit(&light).or_raise()?, ..self.clone() })
     }
 
-    /// The scene at another mean luminance (cd/m²), distance (m), field of view (degrees).
+    /// The scene with another mean luminance (cd/m²), distance (m) or field of view (degrees).
     #[pyo3(signature = (*, luminance_cd_m2=None, distance_m=None, fov_deg=None))]
     fn replaced(
         &self,
@@ -249,24 +249,24 @@ impl PyScene {
         Ok(Self { scene, fov_stated: self.fov_stated || fov_deg.is_some(), ..self.clone() })
     }
 
-    /// The scene on other wavelengths (nm, even steps, within its own), linear between its samples.
+    /// The scene on other wavelengths (nm, even steps, within its range), interpolated linearly.
     fn resampled(&self, wavelengths_nm: &Bound<'_, PyAny>) -> PyResult<Self> {
         let grid = grid_or_visible(Some(wavelengths_nm))?;
         Ok(Self { scene: self.scene.clone().resampled(grid).or_raise()?, ..self.clone() })
     }
 
-    /// The part of `rows` × `cols` pixels from `row`, `col` on.
+    /// The part of `rows` × `cols` pixels that begins at `row`, `col`.
     fn cropped(&self, row: usize, col: usize, rows: usize, cols: usize) -> PyResult<Self> {
         Ok(Self { scene: self.scene.clone().cropped(row, col, rows, cols).or_raise()?, ..self.clone() })
     }
 
-    /// Writes a spectral file, in the format that the end of its name tells: .exr, .mat (for ISETCam), .h5, .hdr (ENVI), .npz, .npy
-    /// (photons alone) or .tif.
+    /// Writes a spectral file in the format of the extension: .exr, .mat (for ISETCam), .h5, .hdr (ENVI), .npz, .npy (photons only) or
+    /// .tif.
     ///
     /// Args:
     ///     path: the file.
-    ///     layout: of an .exr "fichet2021" (channels `S0.400,0nm` with units) or "pbrt" (`Radiance.C01`); of a .mat "v5" or "v7.3"; of a
-    ///         .tif "pages" or "samples". Default the first.
+    ///     layout: for .exr "fichet2021" (channels `S0.400,0nm` with units) or "pbrt" (`Radiance.C01`); for .mat "v5" or "v7.3"; for
+    ///         .tif "pages" or "samples". Default the first of each.
     #[pyo3(signature = (path, layout=None))]
     fn write(&self, py: Python<'_>, path: PathBuf, layout: Option<&str>) -> PyResult<()> {
         let mut options = WriteOptions::default();
@@ -279,8 +279,7 @@ impl PyScene {
             (Some(Format::Tiff), Some("pages")) => options.tiff.layout = spectral_tiff::Layout::Pages,
             (Some(Format::Tiff), Some("samples")) => options.tiff.layout = spectral_tiff::Layout::Samples,
             (_, Some(other)) => {
-                let expected =
-                    "fichet2021 or pbrt of an .exr, v5 or v7.3 of a .mat, pages or samples of a .tif";
+                let expected = "fichet2021 or pbrt for .exr, v5 or v7.3 for .mat, pages or samples for .tif";
                 return Err(wrong(format!("{}: layout is '{other}'; expected {expected}", path.display())));
             }
         }
@@ -310,7 +309,7 @@ impl PyScene {
 }
 
 impl PyScene {
-    /// X, Y, Z of the scene's light, Y = 1.
+    /// X, Y, Z of the illuminant of the scene, Y = 1.
     pub(crate) fn white(&self) -> PyResult<[f64; 3]> {
         Observer::Cie1931.white(self.scene.illuminant()).or_raise()
     }
@@ -334,7 +333,7 @@ impl PyScene {
             illuminant: given.clone().unwrap_or(default.illuminant),
         };
         let relative = matches!(quantity, Quantity::Reflectance | Quantity::RelativeEnergy);
-        // The light of relative radiance is scaled with it.
+        // The illuminant of relative radiance is scaled with it.
         let illuminant = match (&given, quantity) {
             (Some(light), Quantity::Reflectance) => Some(light.photons(grid).or_raise()?),
             _ => None,

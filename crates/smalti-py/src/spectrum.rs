@@ -1,16 +1,16 @@
-//! Spectra: values over wavelengths, and what stands for one in an argument.
+//! Spectra, and arguments that are resolved to spectra.
 
 use numpy::IntoPyArray;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyString};
 use smalti::sensor::Filter;
-use smalti::spectrum::{Illuminant, Outside, Spectrum, WavelengthGrid};
+use smalti::spectrum::{Extrapolation, Illuminant, Spectrum, WavelengthGrid};
 use smalti_io::{lights, spectrum_csv};
 
 use crate::arrays;
 use crate::error::{OrRaise, short, wrong};
 
-/// Values over even wavelengths: a transmittance, a reflectance, a light.
+/// Values at evenly spaced wavelengths, such as a transmittance, a reflectance or an illuminant.
 ///
 /// Args:
 ///     values: one number for each wavelength, float64 [wavelengths], in the unit of the quantity.
@@ -34,7 +34,7 @@ impl PySpectrum {
     /// A spectrum from a CSV file: nm and values, comma-separated, optionally with a header.
     ///
     /// Args:
-    ///     path: the file; `file.csv#column` picks a column by its name.
+    ///     path: the file; `file.csv#column` selects a column by its name.
     #[staticmethod]
     fn read(path: std::path::PathBuf) -> PyResult<Self> {
         Ok(Self(spectrum_csv::read_spectrum(&path.to_string_lossy()).or_raise()?))
@@ -67,13 +67,13 @@ impl PySpectrum {
     ///
     /// Args:
     ///     wavelengths_nm: the new wavelengths.
-    ///     outside: what holds beyond the own wavelengths: "error", "zero", or "hold" (the value at the end).
+    ///     outside: the value outside the spectrum: "error", "zero" or "hold" (the value at the end).
     #[pyo3(signature = (wavelengths_nm, outside="error"))]
     fn resampled(&self, wavelengths_nm: &Bound<'_, PyAny>, outside: &str) -> PyResult<Self> {
         let outside = match outside {
-            "error" => Outside::Error,
-            "zero" => Outside::Zero,
-            "hold" => Outside::Hold,
+            "error" => Extrapolation::Error,
+            "zero" => Extrapolation::Zero,
+            "hold" => Extrapolation::Hold,
             other => return Err(wrong(format!("outside is '{other}'; expected error, zero or hold"))),
         };
         let grid = arrays::grid(&arrays::numbers(wavelengths_nm, "wavelengths_nm")?)?;
@@ -95,11 +95,11 @@ impl PySpectrum {
     }
 }
 
-/// The relative spectral power of a light, in units of energy as CIE tabulates lights.
+/// The relative spectral power of an illuminant, in units of energy as in the tables of the CIE.
 ///
 /// Args:
-///     name: a built-in light ("D65", "A", "LED", "blackbody:3000", …; see `smalti.illuminants()`) or a CSV file.
-///     wavelengths_nm: where to sample it, nm, even steps; default 400, 410, … 700.
+///     name: a built-in illuminant ("D65", "A", "LED", "blackbody:3000", …; see `smalti.illuminants()`) or a CSV file.
+///     wavelengths_nm: sampling wavelengths, nm, even steps; default 400, 410, … 700.
 #[pyfunction]
 #[pyo3(signature = (name, wavelengths_nm=None))]
 pub(crate) fn illuminant(name: &str, wavelengths_nm: Option<&Bound<'_, PyAny>>) -> PyResult<PySpectrum> {
@@ -107,7 +107,7 @@ pub(crate) fn illuminant(name: &str, wavelengths_nm: Option<&Bound<'_, PyAny>>) 
     Ok(PySpectrum(light.energy(grid_or_visible(wavelengths_nm)?).or_raise()?))
 }
 
-/// Names of the built-in lights, besides `D:<kelvin>` (daylight) and `blackbody:<kelvin>`.
+/// Names of the built-in illuminants, besides `D:<kelvin>` (daylight) and `blackbody:<kelvin>`.
 #[pyfunction]
 pub(crate) fn illuminants() -> Vec<&'static str> {
     Illuminant::names().to_vec()
@@ -118,17 +118,17 @@ pub(crate) fn wavelengths(py: Python<'_>, grid: WavelengthGrid) -> Bound<'_, PyA
     grid.wavelengths_nm().collect::<Vec<f64>>().into_pyarray(py).into_any()
 }
 
-/// The wavelengths of an argument, else the visible ones.
+/// The grid of an optional argument; default the visible wavelengths.
 pub(crate) fn grid_or_visible(wavelengths_nm: Option<&Bound<'_, PyAny>>) -> PyResult<WavelengthGrid> {
     Ok(grid_of(wavelengths_nm)?.unwrap_or_default())
 }
 
-/// The wavelengths of an argument, if it is there.
+/// The grid of an optional argument.
 pub(crate) fn grid_of(wavelengths_nm: Option<&Bound<'_, PyAny>>) -> PyResult<Option<WavelengthGrid>> {
     wavelengths_nm.map(|w| arrays::grid(&arrays::numbers(w, "wavelengths_nm")?)).transpose()
 }
 
-/// A light as an argument: a name, a CSV file, or relative spectral power (energy).
+/// An illuminant argument: a name, a CSV file, or relative spectral power (energy).
 pub(crate) fn light(value: &Bound<'_, PyAny>) -> PyResult<Illuminant> {
     if let Ok(name) = value.cast::<PyString>() {
         return lights::load(name.to_str()?, std::path::Path::new("")).or_raise();
@@ -139,16 +139,16 @@ pub(crate) fn light(value: &Bound<'_, PyAny>) -> PyResult<Illuminant> {
     Ok(Illuminant::Measured { name: "given".into(), power: power.get().0.clone() })
 }
 
-/// A filter as an argument: a spectrum, the name of a built-in one, a number (flat), or the table of a camera file.
+/// A filter argument: a spectrum, the name of a built-in filter, a number (flat), or the table of a camera file.
 pub(crate) fn filter(value: &Bound<'_, PyAny>, what: &str, grid: WavelengthGrid) -> PyResult<Spectrum> {
     if let Ok(spectrum) = value.cast::<PySpectrum>() {
-        return spectrum.get().0.resampled(grid, Outside::Error).or_raise_about(what);
+        return spectrum.get().0.resampled(grid, Extrapolation::Error).or_raise_about(what);
     }
     let filter = if let Ok(name) = value.cast::<PyString>() {
         let name = name.to_str()?;
         if name.to_ascii_lowercase().ends_with(".csv") || name.contains(".csv#") {
             let read = spectrum_csv::read_spectrum(name).or_raise_about(what)?;
-            return read.resampled(grid, Outside::Error).or_raise_about(what);
+            return read.resampled(grid, Extrapolation::Error).or_raise_about(what);
         }
         Filter::Builtin(name.to_owned())
     } else if let Ok(flat) = value.extract::<f64>() {

@@ -1,4 +1,4 @@
-//! Studies: many designs, scored into a folder of results.
+//! Studies of many designs, and their results.
 
 use std::path::PathBuf;
 use std::str::FromStr;
@@ -12,11 +12,13 @@ use smalti::design::{Designs, Sweep};
 use smalti_io::dataset::{self, Column, Dataset, Manifest, Run, Shard};
 use smalti_io::sweeps::{self, SweepError};
 use smalti_io::{TomlSource, studies};
+use smalti_report::study::camera_toml;
 
 use crate::camera::{PyCamera, diagnosed};
 use crate::cfa::PyCfa;
-use crate::error::{OrRaise, of_command, wrong};
+use crate::error::{OrRaise, wrong};
 use crate::evaluate::cache;
+use crate::json::dict_of;
 use crate::work::watched;
 
 /// A study: families of filters and mosaics, conditions, metrics.
@@ -26,7 +28,7 @@ use crate::work::watched;
 ///
 /// Raises:
 ///     FileNotFoundError: when there is no such file.
-///     SmaltiError: when there is no such study, a key or value does not fit, or it has no design.
+///     SmaltiError: when there is no such study, a key or value is invalid, or it has no design.
 #[pyclass(name = "Study", module = "smalti", frozen)]
 #[derive(Debug)]
 pub(crate) struct PyStudy {
@@ -48,7 +50,7 @@ impl PyStudy {
     ///
     /// Args:
     ///     text: the study.
-    ///     folder: where files that the text names are looked for.
+    ///     folder: folder of the files that the text names.
     #[staticmethod]
     #[pyo3(signature = (text, folder=None))]
     fn from_toml(py: Python<'_>, text: String, folder: Option<PathBuf>) -> PyResult<Self> {
@@ -57,13 +59,13 @@ impl PyStudy {
         Ok(Self { designs, about })
     }
 
-    /// What it is called.
+    /// The name.
     #[getter]
     fn name(&self) -> &str {
         &self.designs.study().name
     }
 
-    /// What it is about, in words.
+    /// The description in words.
     #[getter]
     fn about(&self) -> &str {
         &self.about
@@ -72,8 +74,7 @@ impl PyStudy {
     /// The study with all its keys.
     #[getter]
     fn description<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let json = serde_json::to_string(self.designs.study()).or_raise()?;
-        py.import("json")?.call_method1("loads", (json,))
+        dict_of(py, self.designs.study())
     }
 
     /// The colour filter array of a design, by its number from 0.
@@ -101,10 +102,10 @@ impl PyStudy {
     }
 }
 
-/// Scores the designs of a study, or of a shard of it, that are not in the folder yet; see `smalti.sweep`.
+/// Scores the missing designs of a study or of a shard; see `smalti.sweep`.
 ///
 /// Returns:
-///     designs scored, seconds, parts that the folder still lacks.
+///     number of designs scored, seconds, number of parts that are still missing.
 #[pyfunction]
 #[pyo3(signature = (study, out, shard, part_size, cache, progress))]
 pub(crate) fn run_sweep(
@@ -123,7 +124,7 @@ pub(crate) fn run_sweep(
     let designs = &study.designs;
     watched(py, progress, |watch| {
         let plan = sweeps::plan(designs, study.about.clone(), part_size, &out).or_raise()?;
-        // What cannot be is refused before anything is tried.
+        // An impossible study is refused before the first design is scored.
         Manifest::new(&plan).or_raise()?;
         let cache = self::cache(cache);
         let images = |key: &str, make: &dyn Fn() -> _| cache.optical_image(key, make);
@@ -143,7 +144,7 @@ pub(crate) fn run_sweep(
     })
 }
 
-/// How many designs of a study, or of a shard of it, a folder still lacks; it is not made, and not locked.
+/// Number of designs of a study or of a shard that a folder lacks. The folder is neither created nor locked.
 #[pyfunction]
 #[pyo3(signature = (study, out, shard, part_size))]
 pub(crate) fn designs_missing(
@@ -160,11 +161,11 @@ pub(crate) fn designs_missing(
     Ok(own.map(|c| plan.designs_of(c)).map(|r| r.end - r.start).sum())
 }
 
-/// Puts the results of shards into one folder, which is then as one run would have left it.
+/// Merges the results of shards into one folder, which is then identical to that of a single run.
 ///
 /// Args:
-///     folders: the results of the shards; every part must be in one of them.
-///     out: the folder for the whole.
+///     folders: the results of the shards, which must contain all parts.
+///     out: the folder for the merged results.
 #[pyfunction]
 pub(crate) fn merge(py: Python<'_>, folders: Vec<PathBuf>, out: PathBuf) -> PyResult<()> {
     watched(py, None, |_| dataset::merge(&folders, &out).or_raise())
@@ -191,7 +192,7 @@ impl PyResults {
         self.0.dir().to_owned()
     }
 
-    /// Whether every design is there.
+    /// Whether all designs have been scored.
     #[getter]
     fn complete(&self) -> bool {
         self.0.is_complete()
@@ -200,19 +201,20 @@ impl PyResults {
     /// The study with all its keys.
     #[getter]
     fn study<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        py.import("json")?.call_method1("loads", (self.0.manifest().plan.study.to_string(),))
+        dict_of(py, &self.0.manifest().plan.study)
     }
 
-    /// The camera of a design, as `smalti.evaluate` or `smalti.train` take it.
+    /// The camera of a design, for `smalti.evaluate` or `smalti.train`.
     ///
     /// Args:
-    ///     design: its number.
+    ///     design: number of the design.
     fn camera(&self, design: u64) -> PyResult<PyCamera> {
-        let text = smalti_cli::design_camera(self.0.dir(), design).map_err(|e| of_command(e.as_ref()))?;
+        let designs = sweeps::read_designs(&self.0).or_raise()?;
+        let text = camera_toml(&designs, design).or_raise_about(self.0.dir().display())?;
         PyCamera::from_text(text, self.0.dir().to_owned(), &[], None)
     }
 
-    /// What each column holds: its unit and meaning, by its name.
+    /// Unit and meaning of each column, by name.
     #[getter]
     fn columns<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let columns = PyDict::new(py);
@@ -223,7 +225,7 @@ impl PyResults {
     }
 
     /// The values of columns, by name, in the order of the designs: float64 or int64 [designs], or a list of texts or of arrays.
-    /// Every part is checked against its hash.
+    /// The hash of every part is checked.
     ///
     /// Args:
     ///     names: default all columns.
@@ -271,12 +273,12 @@ impl PyResults {
     /// Reads every part and checks its hash.
     ///
     /// Raises:
-    ///     SmaltiError: the first part that is damaged.
+    ///     SmaltiError: names the first damaged part.
     fn verify(&self, py: Python<'_>) -> PyResult<()> {
         watched(py, None, |_| self.0.verify().or_raise())
     }
 
-    /// Number of designs that are there.
+    /// Number of scored designs.
     fn __len__(&self) -> usize {
         usize::try_from(self.0.designs()).unwrap_or(usize::MAX)
     }
@@ -292,13 +294,13 @@ impl PyResults {
     }
 }
 
-/// Names of the built-in studies, each with what it is.
+/// Names of the built-in studies with their summaries.
 #[pyfunction(name = "studies")]
 pub(crate) fn study_names() -> std::collections::BTreeMap<&'static str, &'static str> {
     studies::names().iter().map(|s| (s.name, s.summary)).collect()
 }
 
-/// A shard as the command has it, `3/16`, as two numbers.
+/// Parses a shard such as `3/16`.
 #[pyfunction]
 pub(crate) fn parse_shard(text: &str) -> PyResult<(u32, u32)> {
     let shard = Shard::from_str(text).or_raise()?;

@@ -1,4 +1,4 @@
-//! Long work: without the lock of the interpreter, ended by Ctrl-C.
+//! Long work without the lock of the interpreter, which Ctrl-C stops.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
@@ -7,14 +7,12 @@ use std::time::Duration;
 
 use pyo3::exceptions::{PyKeyboardInterrupt, PyRuntimeError};
 use pyo3::prelude::*;
-use smalti::color::Image;
-use smalti::isp::{Isp, IspError};
-use smalti::sensor::RawImage;
+use smalti::experiment::Progress;
 
-/// How often Python is asked for signals, and told of progress.
+/// The interval at which signals are checked and progress is reported.
 const TICK: Duration = Duration::from_millis(50);
 
-/// What long work and the thread that waits for it tell each other.
+/// State shared by long work and the thread that waits for it.
 #[derive(Debug, Default)]
 pub(crate) struct Watch {
     stop: AtomicBool,
@@ -22,40 +20,36 @@ pub(crate) struct Watch {
 }
 
 impl Watch {
-    /// An error once the work should end. Work asks between steps that are whole in themselves.
+    /// Returns an error once the work should end. Work calls this between complete steps.
     pub(crate) fn check(&self) -> PyResult<()> {
         if self.stop.load(Ordering::Relaxed) { Err(PyKeyboardInterrupt::new_err(())) } else { Ok(()) }
     }
 
-    /// Counts a step as done.
+    /// Counts a finished step.
     pub(crate) fn step(&self) {
         self.done.fetch_add(1, Ordering::Relaxed);
     }
 }
 
-/// A pipeline of which each picture is a step; it stops when the work is asked to end.
-pub(crate) struct InSteps<'a> {
-    pub(crate) isp: Box<dyn Isp + 'a>,
-    pub(crate) watch: &'a Watch,
-}
+impl Progress for Watch {
+    fn done(&self) {
+        self.step();
+    }
 
-impl Isp for InSteps<'_> {
-    fn render(&self, raw: &RawImage) -> Result<Image, IspError> {
-        if self.watch.check().is_err() {
-            return Err(IspError::Stopped);
-        }
-        let picture = self.isp.render(raw)?;
-        self.watch.step();
-        Ok(picture)
+    fn picture(&self) {
+        self.step();
+    }
+
+    fn is_stopped(&self) -> bool {
+        self.stop.load(Ordering::Relaxed)
     }
 }
 
-/// Does work that may take long on a thread of its own, while this one, without the lock, listens for signals and calls
-/// `progress` with the number of steps done. After Ctrl-C, or when `progress` raises, the work is asked to end and waited for:
-/// what it borrows must outlive it.
+/// Runs long work on another thread. This thread, without the lock, checks signals and calls `progress` with the number of finished
+/// steps. After Ctrl-C, or when `progress` raises, it requests the work to end and waits for it, since the work borrows from here.
 ///
 /// # Errors
-/// Those of the work; what Ctrl-C or `progress` raised; RuntimeError for a fault of the library.
+/// Errors of the work, exceptions of Ctrl-C and `progress`, and RuntimeError for a fault of the library.
 pub(crate) fn watched<T: Send>(
     py: Python<'_>,
     progress: Option<&Bound<'_, PyAny>>,
@@ -71,23 +65,23 @@ pub(crate) fn watched<T: Send>(
             let _ = sender.send(result);
         });
         let mut raised: Option<PyErr> = None;
-        let mut told = 0;
+        let mut reported = 0;
         loop {
             let next = py.detach(|| match receiver.lock() {
                 Ok(receiver) => receiver.recv_timeout(TICK),
                 Err(_) => Err(RecvTimeoutError::Disconnected),
             });
-            let asked = || -> PyResult<()> {
+            let poll = || -> PyResult<()> {
                 py.check_signals()?;
                 let done = watch.done.load(Ordering::Relaxed);
-                if let Some(progress) = progress.filter(|_| done != told) {
-                    told = done;
+                if let Some(progress) = progress.filter(|_| done != reported) {
+                    reported = done;
                     progress.call1((done,))?;
                 }
                 Ok(())
             };
             if raised.is_none()
-                && let Err(e) = { asked }()
+                && let Err(e) = { poll }()
             {
                 watch.stop.store(true, Ordering::Relaxed);
                 raised = Some(e);
@@ -95,21 +89,21 @@ pub(crate) fn watched<T: Send>(
             match next {
                 Ok(result) => return raised.map_or(result, Err),
                 Err(RecvTimeoutError::Timeout) => {}
-                Err(RecvTimeoutError::Disconnected) => return Err(fault("a thread ended without a word")),
+                Err(RecvTimeoutError::Disconnected) => return Err(fault("a thread ended without a result")),
             }
         }
     })
 }
 
-/// Work of a fraction of a second, without the lock.
+/// Runs work of a fraction of a second without the lock.
 ///
 /// # Errors
-/// Those of the work; RuntimeError for a fault of the library.
+/// Errors of the work, and RuntimeError for a fault of the library.
 pub(crate) fn detached<T: Send>(py: Python<'_>, work: impl FnOnce() -> PyResult<T> + Send) -> PyResult<T> {
     py.detach(|| caught(work))
 }
 
-/// The library does not panic; should it, Python sees an exception that programs can catch.
+/// Converts a panic, which would be a fault of the library, to an exception.
 fn caught<T>(work: impl FnOnce() -> PyResult<T>) -> PyResult<T> {
     catch_unwind(AssertUnwindSafe(work)).unwrap_or_else(|panic| {
         let text = panic.downcast_ref::<String>().map(String::as_str);

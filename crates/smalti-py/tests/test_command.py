@@ -137,3 +137,51 @@ def test_reports_are_those_of_the_command(command: Command, tmp_path: Path) -> N
     assert scores.delta_e_2000 == pytest.approx(frame.delta_e_2000[40], rel=1e-6)
     with pytest.raises(smalti.SmaltiError, match="designs 0 to 71, not 72"):
         results.camera(72)
+
+
+SIZE = {"sensor.rows": 64, "sensor.cols": 96}
+SET = ["--set", "sensor.rows=64", "--set", "sensor.cols=96"]
+SCENES = ["dead-leaves?rows=64&cols=96&largest=40", "macbeth?patch=12"]
+
+
+def test_training_gives_the_bytes_of_train(command: Command, tmp_path: Path) -> None:
+    listed = [word for scene in SCENES for word in ("--scene", scene)]
+    few = ["--patch", "3", "--levels", "3", "--textures", "none", "--seed", "5"]
+    command("train", "bayer", *listed, *few, *SET, "-o", tmp_path / "command.l3")
+    pipeline = smalti.train(
+        smalti.Camera("bayer", set=SIZE), [smalti.Scene(s) for s in SCENES], patch=3, levels=3, textures="none", seed=5,
+        progress=False,
+    )  # fmt: skip
+    pipeline.write(tmp_path / "python.l3")
+    assert (tmp_path / "python.l3").read_bytes() == (tmp_path / "command.l3").read_bytes()
+    assert pipeline.provenance["settings"]["textures"] == "none" and pipeline.provenance["scenes"] == SCENES
+
+
+def test_comparisons_are_those_of_compare(command: Command, tmp_path: Path) -> None:
+    listed = [word for scene in SCENES for word in ("--scene", scene)]
+    words = ["--processing", "bilinear", *listed, "--luminance", "1,20", *SET, "-o", tmp_path / "o", "--json"]
+    results = json.loads(command("compare", "bayer", "rgbw", *words))["results"]
+    found = [(r["camera"], r["luminance_cd_m2"], s["scene"], s["scores"]) for r in results for s in r["scenes"]]
+    cameras = [smalti.Camera(name, set=SIZE) for name in ("bayer", "rgbw")]
+    records = smalti.compare(cameras, scenes=SCENES, luminances_cd_m2=[1.0, 20.0], progress=False)
+    assert len(found) == len(records) == 8
+    own = {(r["camera"], r["luminance_cd_m2"], r["scene"]): r for r in records}
+    for camera, luminance, scene, scores in found:
+        record = own[camera, luminance, scene]
+        assert scores == {key: record[key] for key in scores}
+
+
+def test_a_name_alone_is_that_of_the_test_set(command: Command, tmp_path: Path) -> None:
+    whole = next(s for s in smalti.test_scenes() if s.split("?")[0] == "macbeth")
+    (record,) = smalti.compare([smalti.Camera("bayer")], scenes=["macbeth"], progress=False)
+    assert record["scene"] == whole
+
+
+def test_photographs_are_scored_as_simulate_scores_them(command: Command, tmp_path: Path) -> None:
+    words = ["--scene", "macbeth?patch=12", "--luminance", "30", *SET, "-o", tmp_path / "o", "--json"]
+    picture = json.loads(command("simulate", "bayer", *words))["picture"]
+    photo = smalti.Camera("bayer", set=SIZE).photograph(smalti.Scene("macbeth?patch=12", luminance_cd_m2=30.0))
+    scores = photo.scores()
+    assert scores is not None
+    for key in ("cpsnr_db", "pixel_delta_e_2000_mean", "pixel_delta_e_2000_p95", "scielab_mean"):
+        assert picture[key] == scores[key]

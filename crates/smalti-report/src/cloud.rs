@@ -1,4 +1,4 @@
-//! Many points: as shapes while they are few, as a picture when they are many.
+//! Clouds of points, drawn as shapes, or as an embedded picture where there are many.
 
 use resvg::tiny_skia::{Color, FillRule, Paint, PathBuilder, Pixmap, Transform};
 
@@ -8,7 +8,7 @@ use crate::figure::encode;
 use crate::layers::Symbol;
 use crate::svg::{Area, Svg, number, path_of};
 
-/// A picture of more pixels than this would take long and a lot of memory; it has fewer per pixel of the figure.
+/// The most pixels of an embedded picture, which limits time and memory.
 const PIXELS_LIMIT: f64 = 2e7;
 
 pub(crate) struct Dot {
@@ -21,7 +21,7 @@ pub(crate) struct Dot {
     pub(crate) index: usize,
 }
 
-/// Draws dots in a mixed order, the same each time, so that no series and no end of a file hides the rest.
+/// Draws dots in a reproducible shuffled order, so that no series and no part of a file hides the others.
 pub(crate) fn draw_cloud(
     svg: &mut Svg,
     area: Area,
@@ -57,7 +57,7 @@ pub(crate) fn draw_cloud(
     Ok(())
 }
 
-/// A well-mixed function of a number: the finaliser of SplitMix64.
+/// A hash of a number: the finaliser of SplitMix64.
 fn mixed(mut z: u64) -> u64 {
     z = z.wrapping_add(0x9E37_79B9_7F4A_7C15);
     z = (z ^ z >> 30).wrapping_mul(0xBF58_476D_1CE4_E5B9);
@@ -65,7 +65,7 @@ fn mixed(mut z: u64) -> u64 {
     z ^ z >> 31
 }
 
-/// A picture of two pixels per pixel; of fewer, if it would be larger than the limit.
+/// Embeds a picture with two pixels per pixel of the figure, or fewer where it would exceed the limit of bytes.
 fn draw_picture(
     svg: &mut Svg,
     area: Area,
@@ -76,7 +76,7 @@ fn draw_picture(
     let mut scale = (PIXELS_LIMIT / (area.width * area.height)).sqrt().min(2.0);
     let mut png = picture(area, dots, opacity, scale)?;
     while png.len() > limit && scale > 0.25 {
-        // Bytes grow about as the pixels do.
+        // The number of bytes is about proportional to that of pixels.
         scale = (scale * 0.95 * (limit as f64 / png.len() as f64).sqrt()).max(0.25);
         png = picture(area, dots, opacity, scale)?;
     }

@@ -1,4 +1,4 @@
-//! Colours that people with any colour vision tell apart, and the colours of wavelengths.
+//! Colours that readers with any colour vision can distinguish, and the colours of wavelengths.
 
 use std::fmt;
 
@@ -20,7 +20,7 @@ impl fmt::Display for Rgb {
     }
 }
 
-/// The palette for categories of [okabe2008], darker colours first and its yellow, too pale for dots on white, last.
+/// The palette of [okabe2008] for categories, with darker colours first and yellow, which is too pale for dots on white, last.
 ///
 /// [okabe2008]: https://jfly.uni-koeln.de/color/
 pub const OKABE_ITO: [Rgb; 8] = [
@@ -34,15 +34,15 @@ pub const OKABE_ITO: [Rgb; 8] = [
     Rgb(240, 228, 66),
 ];
 
-/// Every 15th entry of Matplotlib's viridis ([smith2015]); between them linear, within 5 of 255.
+/// Every 15th entry of Matplotlib's viridis ([smith2015]); linear interpolation is within 5 of 255.
 const VIRIDIS: [u32; 18] = [
     0x440154, 0x481769, 0x472a7a, 0x433d84, 0x3d4e8a, 0x355e8d, 0x2e6d8e, 0x297b8e, 0x23898e, 0x1f978b,
     0x21a585, 0x2eb37c, 0x46c06f, 0x65cb5e, 0x89d548, 0xb0dd2f, 0xd8e219, 0xfde725,
 ];
 
 impl Rgb {
-    /// The colour at `t` (0 to 1) of viridis, for values: even steps look even, in grey as well. Beyond the ends, the
-    /// ends; for NaN, the low one.
+    /// The colour of viridis at `t` from 0 to 1, whose equal steps look equal, also in grey. Values outside have the colour of the nearer
+    /// end, and NaN that of the low end.
     #[must_use]
     pub fn viridis(t: f64) -> Self {
         let t = if t.is_nan() { 0.0 } else { t.clamp(0.0, 1.0) };
@@ -61,18 +61,18 @@ impl Rgb {
         Self(one(self.0, other.0), one(self.1, other.1), one(self.2, other.2))
     }
 
-    /// About the colour of a wavelength, as bright as the display makes it; near black beyond 380–720 nm.
+    /// The approximate colour of a wavelength at the maximum brightness of the display; near black beyond 380–720 nm.
     #[must_use]
     pub fn of_wavelength(wavelength_nm: f64) -> Self {
-        // The ends of the visible fade as they do in a photograph of a spectrum.
+        // The ends of the visible range fade as in a photograph of a spectrum.
         let fade = ((wavelength_nm - 375.0) / 45.0).min((730.0 - wavelength_nm) / 60.0).clamp(0.12, 1.0);
         display(matching(wavelength_nm), fade)
     }
 
-    /// About the colour of a filter under equal-energy light, for its curve and its cells in a mosaic: hue as seen,
-    /// brightness such that it stands out on white. A filter that passes all is a light grey.
+    /// The approximate colour of a filter under equal-energy light, for curves and for cells of mosaics: the perceived hue, dark enough to
+    /// contrast with white. A filter that transmits all wavelengths is light grey.
     ///
-    /// Wavelengths in nanometres and as many transmittances of any scale; values that are not positive count nothing.
+    /// Takes wavelengths in nanometres and as many transmittances on any scale; values that are not positive are ignored.
     #[must_use]
     pub fn of_transmittance(wavelengths_nm: &[f64], transmittance: &[f64]) -> Self {
         let mut xyz = [0.0; 3];
@@ -82,11 +82,11 @@ impl Rgb {
             }
         }
         let full = display(xyz, 0.75).mix(Self(128, 128, 128), 0.1);
-        // Light colours (yellow, cyan, white) are darkened to a luma that lines keep on white.
+        // Light colours (yellow, cyan, white) are darkened so that lines are visible on white.
         full.mix(Self(0, 0, 0), (1.0 - 145.0 / full.luma()).clamp(0.0, 1.0))
     }
 
-    /// Black or white, whichever is read better on this colour.
+    /// Black or white, whichever is more legible on this colour.
     #[must_use]
     pub fn ink(self) -> Self {
         if self.luma() > 120.0 { Self(0, 0, 0) } else { Self(255, 255, 255) }
@@ -98,7 +98,7 @@ impl Rgb {
 }
 
 /// The CIE 1931 colour-matching functions after the fit of [wyman2013]. Its tails have the wrong hue, so beyond
-/// 415–655 nm, where hue hardly changes, the functions fade out as the eye's do.
+/// 415–655 nm, where hue hardly changes, the functions fade out like those of the eye.
 fn matching(wavelength_nm: f64) -> [f64; 3] {
     let nm = wavelength_nm.clamp(415.0, 655.0);
     let fade = libm::exp(-((nm - wavelength_nm) / 9.0).max((wavelength_nm - nm) / 15.0).max(0.0));
@@ -114,7 +114,7 @@ fn matching(wavelength_nm: f64) -> [f64; 3] {
     ]
 }
 
-/// XYZ as sRGB: white is added to what the display cannot show, the brightest channel becomes `peak`.
+/// XYZ as sRGB. Colours outside the gamut are desaturated with white, and the brightest channel becomes `peak`.
 fn display(xyz: [f64; 3], peak: f64) -> Rgb {
     let [x, y, z] = xyz;
     let mut linear = [

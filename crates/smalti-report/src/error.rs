@@ -1,8 +1,8 @@
-//! Why a figure cannot be drawn.
+//! Errors of drawing.
 
 use thiserror::Error;
 
-/// A figure that cannot be drawn from what was given.
+/// The reason why a figure cannot be drawn.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum FigureError {
@@ -23,7 +23,7 @@ pub enum FigureError {
         "range of {axis}: {low} to {high} must be finite and rise; on a logarithmic axis both must be positive"
     )]
     Range {
-        /// What it is the range of.
+        /// The axis.
         axis: &'static str,
         /// Lower end.
         low: f64,
@@ -37,10 +37,10 @@ pub enum FigureError {
         width: f64,
         /// Height in pixels.
         height: f64,
-        /// What limit it breaks.
+        /// The limit that is violated.
         reason: String,
     },
-    /// A picture whose buffer has not three bytes for each of its pixels.
+    /// A picture whose buffer does not have three bytes per pixel.
     #[error("picture `{caption}`: {width} × {height} pixels need {expected} bytes (8-bit RGB), got {got}")]
     Picture {
         /// Its caption.
@@ -54,7 +54,7 @@ pub enum FigureError {
         /// Bytes given.
         got: usize,
     },
-    /// A mosaic that is no rectangle of cells, or too large to see.
+    /// A mosaic whose cells are not a rectangle, or that has too many cells.
     #[error("mosaic `{caption}`: {cells} cells in rows of {cols} (at most {limit} cells)")]
     Mosaic {
         /// Its caption.
@@ -66,16 +66,13 @@ pub enum FigureError {
         /// The most cells that are drawn.
         limit: usize,
     },
-    /// A figure of several parts without a part.
+    /// A figure without any part.
     #[error("a figure needs at least one {what}")]
     Nothing {
         /// The part.
         what: &'static str,
     },
-    /// The plotting crate could not draw.
-    #[error("cannot draw the plot")]
-    Plot(#[from] plotters::drawing::DrawingAreaErrorKind<std::convert::Infallible>),
-    /// The SVG could not be drawn as a picture.
+    /// The SVG could not be rendered.
     #[error("cannot draw the SVG")]
     Render(#[from] resvg::usvg::Error),
     /// A PNG could not be encoded.

@@ -13,7 +13,7 @@ pub const SIDE_LIMIT: f64 = 16_384.0;
 /// The most pixels of a PNG.
 const PIXEL_LIMIT: f64 = 1e8;
 
-/// A finished figure: an SVG document, and from it a PNG. Equal inputs give equal bytes.
+/// A finished figure as an SVG document, which can be rendered as PNG. Equal inputs give equal bytes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Figure {
     svg: String,
@@ -33,7 +33,7 @@ impl Figure {
         Ok(Self { svg: svg.finish(width, height, title, description), width, height })
     }
 
-    /// The SVG document, UTF-8, with its title and a description for those who do not see it.
+    /// The SVG document in UTF-8, with a title and a description for screen readers.
     #[must_use]
     pub fn svg(&self) -> &str {
         &self.svg
@@ -45,8 +45,8 @@ impl Figure {
         (self.width, self.height)
     }
 
-    /// The figure as an 8-bit RGB PNG, `scale` pixels for each of the SVG's; 2 suits print and sharp screens. The
-    /// text is set in the crate's own font, so that every machine draws the same.
+    /// The figure as an 8-bit RGB PNG with `scale` pixels per pixel of the SVG; 2 suits print and high-resolution displays. The
+    /// text is set in the font of this crate, so that all machines draw the same bytes.
     ///
     /// # Errors
     /// [`FigureError::Size`] for a scale that is not positive or gives too many pixels.
@@ -79,7 +79,7 @@ impl Figure {
     }
 }
 
-/// Refuses what cannot be drawn or would not hold a label.
+/// Refuses sizes that cannot be drawn.
 pub(crate) fn check_size(width: f64, height: f64) -> Result<(), FigureError> {
     let fits = |side: f64| (1.0..=SIDE_LIMIT).contains(&side);
     if fits(width) && fits(height) {
@@ -92,7 +92,7 @@ pub(crate) fn check_size(width: f64, height: f64) -> Result<(), FigureError> {
     })
 }
 
-/// Bytes of pixels as PNG.
+/// Encodes pixels as PNG.
 pub(crate) fn encode(
     pixels: &[u8],
     width: u32,

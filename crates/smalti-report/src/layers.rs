@@ -1,17 +1,17 @@
-//! What a plot shows: points, lines, histograms.
+//! The layers of a plot: points, lines, histograms.
 
 use crate::FigureError;
 use crate::color::Rgb;
 
-/// The sign of a point.
+/// The symbol of a point.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum Symbol {
     /// A disc.
     #[default]
     Circle,
-    /// A square on its side.
+    /// A square with horizontal sides.
     Square,
-    /// A square on its corner.
+    /// A square that stands on a corner.
     Diamond,
     /// A triangle, point up.
     TriangleUp,
@@ -22,7 +22,7 @@ pub enum Symbol {
 }
 
 impl Symbol {
-    /// Corners about the origin, of about the area of a disc of this radius; `None` for the disc.
+    /// The corners around the origin, for about the area of a disc of this radius; `None` for the disc.
     pub(crate) fn outline(self, radius: f64) -> Option<Vec<(f64, f64)>> {
         // Corners of the regular pentagon, from the top clockwise, y down.
         const PENTAGON: [(f64, f64); 5] = [
@@ -49,7 +49,7 @@ impl Symbol {
     }
 }
 
-/// A series of points: a cloud of dots, or few emphasised marks over it.
+/// A series of points: a cloud of dots, or a few emphasised marks above it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Points {
     pub(crate) name: String,
@@ -65,8 +65,8 @@ pub struct Points {
 }
 
 impl Points {
-    /// Points at (x, y). The name goes to the legend; an empty one does not. Points that are not finite are left out
-    /// and counted under the plot.
+    /// Points at (x, y). A name that is not empty appears in the legend. Points that are not finite are not drawn but counted
+    /// below the plot.
     #[must_use]
     pub fn new(name: impl Into<String>, x: &[f64], y: &[f64]) -> Self {
         Self {
@@ -83,49 +83,49 @@ impl Points {
         }
     }
 
-    /// Colours each point by its value, on viridis with a colour bar; see [`crate::Plot::values`].
+    /// Colours each point by its value, with viridis and a colour bar; see [`crate::Plot::values`].
     #[must_use]
     pub fn values(mut self, values: &[f64]) -> Self {
         self.values = Some(values.to_vec());
         self
     }
 
-    /// One colour for all, in place of the next of the palette.
+    /// Sets one colour for all points, instead of the next colour of the palette.
     #[must_use]
     pub fn color(mut self, color: Rgb) -> Self {
         self.color = Some(color);
         self
     }
 
-    /// The sign of each point.
+    /// The symbol of all points.
     #[must_use]
     pub fn symbol(mut self, symbol: Symbol) -> Self {
         self.symbol = symbol;
         self
     }
 
-    /// Radius in pixels; without it, smaller the more points there are.
+    /// Sets the radius in pixels; by default it decreases with the number of points.
     #[must_use]
     pub fn radius(mut self, radius: f64) -> Self {
         self.radius = Some(radius);
         self
     }
 
-    /// Large marks with a white edge, above clouds and lines: means, rules, chosen designs.
+    /// Draws large marks with a white edge above clouds and lines, such as means or selected designs.
     #[must_use]
     pub fn marks(mut self) -> Self {
         self.marks = true;
         self
     }
 
-    /// An interval (low, high) of x for each point, drawn as a bar; makes marks of the points.
+    /// Adds an interval (low, high) of x to each point, which is drawn as a bar; the points become marks.
     #[must_use]
     pub fn x_intervals(mut self, intervals: &[(f64, f64)]) -> Self {
         self.x_intervals = Some(intervals.to_vec());
         self.marks()
     }
 
-    /// An interval (low, high) of y for each point, drawn as a bar; makes marks of the points.
+    /// Adds an interval (low, high) of y to each point, which is drawn as a bar; the points become marks.
     #[must_use]
     pub fn y_intervals(mut self, intervals: &[(f64, f64)]) -> Self {
         self.y_intervals = Some(intervals.to_vec());
@@ -143,19 +143,20 @@ impl Points {
     }
 }
 
-/// How a line goes from point to point.
+/// The connection between two points of a line.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum Corner {
-    /// Straight.
+    /// A straight line.
     #[default]
     Straight,
-    /// Along x, then along y: the edge of what a front of two lower-is-better metrics dominates, by rising x.
+    /// First along x, then along y: the boundary of the region that a front of two lower-is-better metrics dominates, with points by
+    /// rising x.
     XFirst,
-    /// Along y, then along x: the same where x is higher-is-better and y lower-is-better.
+    /// First along y, then along x: the same where x is higher-is-better and y lower-is-better.
     YFirst,
 }
 
-/// A line through points, in the order given: a spectrum, a Pareto front.
+/// A line through points in the given order, such as a spectrum or a Pareto front.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Line {
     pub(crate) name: String,
@@ -169,7 +170,7 @@ pub struct Line {
 }
 
 impl Line {
-    /// A line through (x, y). The name goes to the legend; an empty one does not. It breaks where a point is not finite.
+    /// A line through (x, y). A name that is not empty appears in the legend. The line is interrupted where a point is not finite.
     #[must_use]
     pub fn new(name: impl Into<String>, x: &[f64], y: &[f64]) -> Self {
         Self {
@@ -184,35 +185,35 @@ impl Line {
         }
     }
 
-    /// Its colour, in place of the next of the palette.
+    /// Sets the colour, instead of the next colour of the palette.
     #[must_use]
     pub fn color(mut self, color: Rgb) -> Self {
         self.color = Some(color);
         self
     }
 
-    /// Its width in pixels.
+    /// Sets the width in pixels.
     #[must_use]
     pub fn width(mut self, width: f64) -> Self {
         self.width = width;
         self
     }
 
-    /// Dashed.
+    /// Draws a dashed line.
     #[must_use]
     pub fn dashed(mut self) -> Self {
         self.dashed = true;
         self
     }
 
-    /// How it goes from point to point.
+    /// Sets the connection between points.
     #[must_use]
     pub fn corner(mut self, corner: Corner) -> Self {
         self.corner = corner;
         self
     }
 
-    /// A tint between the line and the bottom of the plot.
+    /// Fills the area between the line and the bottom of the plot with a tint.
     #[must_use]
     pub fn filled(mut self) -> Self {
         self.filled = true;
@@ -224,7 +225,7 @@ impl Line {
     }
 }
 
-/// A histogram: how many of the values fall in each bin. All histograms of a figure share their bins.
+/// A histogram of values. All histograms of a figure share their bins.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Histogram {
     pub(crate) name: String,
@@ -234,20 +235,20 @@ pub struct Histogram {
 }
 
 impl Histogram {
-    /// The histogram of values; those that are not finite are left out and counted under the plot.
+    /// The histogram of values; values that are not finite are not drawn but counted below the plot.
     #[must_use]
     pub fn new(name: impl Into<String>, values: &[f64]) -> Self {
         Self { name: name.into(), values: values.to_vec(), color: None, interval: None }
     }
 
-    /// Its colour, in place of the next of the palette.
+    /// Sets the colour, instead of the next colour of the palette.
     #[must_use]
     pub fn color(mut self, color: Rgb) -> Self {
         self.color = Some(color);
         self
     }
 
-    /// Marks an interval and a centre above the bars: the 5th and 95th percentile and the mean, say.
+    /// Marks an interval and a centre above the bars, such as the 5th and 95th percentile and the mean.
     #[must_use]
     pub fn interval(mut self, low: f64, center: f64, high: f64) -> Self {
         self.interval = Some((low, center, high));

@@ -1,16 +1,15 @@
-//! Names of the series, with their signs.
+//! The legend: names of series with their symbols.
 
 use crate::color::Rgb;
 use crate::layers::Symbol;
-use crate::layout::TICK;
 use crate::panel::{draw_symbol, series_color};
 use crate::plot::{Layer, Plot};
 use crate::shared::Shared;
 use crate::svg::{Anchor, Area, FRAME, INK, Paint, Svg};
-use crate::text::{clean, fit, width};
+use crate::text::{TICK, clean, fit, width};
 
 const GAP: f64 = 24.0;
-/// Names longer than this, in pixels, are cut.
+/// The longest name in pixels.
 const NAME_LIMIT: f64 = 320.0;
 
 #[derive(Debug, Clone, PartialEq)]
@@ -27,7 +26,7 @@ pub(crate) struct Entry {
 }
 
 impl Entry {
-    /// Room of the sign, up to the name.
+    /// Width of the symbol and the space before the name.
     fn sign_width(&self) -> f64 {
         if matches!(self.sign, Sign::Dot(..)) { 22.0 } else { 30.0 }
     }
@@ -51,7 +50,7 @@ pub(crate) fn entries(panels: &[Plot], shared: &Shared) -> Vec<Entry> {
         };
         match entries.iter_mut().find(|e| e.name == name) {
             None => entries.push(Entry { name, sign }),
-            // One name in several colours stands for its symbol alone.
+            // A name that occurs in several colours is shown by its symbol in grey.
             Some(Entry { sign: Sign::Dot(symbol, color, _), .. }) => {
                 if matches!(sign, Sign::Dot(s, c, _) if s == *symbol && c != *color) {
                     *color = FRAME;
@@ -63,7 +62,7 @@ pub(crate) fn entries(panels: &[Plot], shared: &Shared) -> Vec<Entry> {
     entries
 }
 
-/// The entries broken into rows of at most `limit` pixels.
+/// The entries in rows of at most `limit` pixels.
 pub(crate) fn rows(entries: &[Entry], limit: f64) -> Vec<&[Entry]> {
     let mut rows = Vec::new();
     let mut rest = entries;
@@ -80,7 +79,7 @@ pub(crate) fn rows(entries: &[Entry], limit: f64) -> Vec<&[Entry]> {
     rows
 }
 
-/// One row of entries, on the base line `at`.
+/// Draws a row of entries on the baseline that begins at `at`.
 pub(crate) fn draw_entries(svg: &mut Svg, row: &[Entry], at: (f64, f64), limit: f64) {
     let (mut x, y) = at;
     for entry in row {
@@ -95,10 +94,7 @@ pub(crate) fn draw_entries(svg: &mut Svg, row: &[Entry], at: (f64, f64), limit: 
             }
             Sign::Area(color) => {
                 let area = Area { x: x + 1.0, y: middle - 7.0, width: 20.0, height: 14.0 };
-                svg.rect(
-                    area,
-                    Paint { fill: Some((*color, 0.25)), stroke: Some((*color, 1.8)), dashed: false },
-                );
+                svg.rect(area, Paint { stroke: Some((*color, 1.8)), ..Paint::fill(*color, 0.25) });
             }
         }
         let name = fit(&entry.name, TICK, limit - entry.sign_width());

@@ -1,57 +1,64 @@
-//! Figures of Smalti as SVG and PNG (scatter plots, spectra, histograms, mosaics, sheets of pictures) and pages of them as HTML.
-//! No physics: plain numbers in, a picture or a page out, and no file is opened.
+//! Figures of Smalti as SVG and PNG (scatter plots, spectra, histograms, mosaics, sheets of pictures), and reports as HTML pages, tables
+//! and JSON. It takes plain data, has no physics of its own (pictures come from `smalti`) and opens no file.
 //!
-//! | figure | type |
+//! | figure or report | type |
 //! |---|---|
 //! | points in series or coloured by value, marks with intervals, fronts, histograms | [`Plot`] |
 //! | curves over wavelength | [`Plot::spectra`] |
 //! | several plots with shared axes | [`Panels`] |
 //! | mosaics as coloured tiles | [`Mosaics`] |
 //! | pictures side by side | [`Sheet`] |
-//! | an HTML page that needs nothing else | [`page::Page`] |
+//! | a self-contained HTML page | [`page::Page`] |
+//! | the report of studies | [`study::Report`] |
+//! | the report of a comparison, of evaluations | [`comparison::Comparison`], [`comparison::Evaluations`] |
 //!
-//! Each is built up and drawn to a [`Figure`], which gives an SVG document and a PNG. Equal inputs give equal bytes, on
-//! machines without fonts as well: the text of a PNG is set in Inter, which the crate brings along.
+//! Each is built step by step and drawn to a [`Figure`], which provides an SVG document and a PNG. Equal inputs give equal bytes, on
+//! machines without fonts as well: the text of a PNG is set in Inter, which the crate contains.
 //!
-//! The plots of a page that answer a hand are drawn in the browser by uPlot, which the crate brings along (`vendor/uplot`, MIT); the
-//! figures of the table are drawn here.
+//! The interactive plots of a page are drawn in the browser by uPlot, which the crate contains (`vendor/uplot`, MIT).
+//! This crate draws the figures in the table above and writes them as SVG; `resvg` renders a PNG from the same SVG.
+//! A large cloud of points becomes one embedded picture, and points without a place on the axes are counted, not drawn.
 //!
-//! Colours of categories are those of [okabe2008], of values viridis ([smith2015]): both can be told apart with any
-//! colour vision.
-//!
-//! Axes, grid and series of the figures are those of `plotters`; where ticks stand, legends and clouds are ours, and the
-//! SVG is written here, by a backend of `plotters` (`backend.rs`): it takes hundredths of pixels for the crate's whole ones,
-//! names figure and series for a screen reader, and measures text in the font that it brings. PNGs are drawn by `resvg`
-//! from the very SVG. Of the crates measured, kuva 0.6 and charton 0.9 write each point of a cloud as a shape (22 MB for
-//! 100 000 points with charton) and NaN as a coordinate; `plotters` draws a point at NaN on the axis and puts no tick on a
-//! logarithmic axis from 1.2 to 8.7, so that points without a place are left out and ticks are chosen before it is asked.
+//! Categories have the colours of [okabe2008], and values those of viridis ([smith2015]): readers with any colour vision
+//! can distinguish both.
 //!
 //! [okabe2008]: https://jfly.uni-koeln.de/color/
 //! [smith2015]: https://bids.github.io/colormap/
 
-mod backend;
+mod axes;
 mod cloud;
 mod color;
+pub mod comparison;
 mod error;
 mod figure;
 mod layers;
 mod layout;
 mod legend;
+pub mod names;
 pub mod page;
 mod panel;
+mod pictures;
 mod plot;
+mod report_error;
 mod scale;
 mod shared;
 mod sheet;
+mod store;
+pub mod study;
 mod svg;
 mod text;
 mod tiles;
+mod words;
 
 pub use color::{OKABE_ITO, Rgb};
 pub use error::FigureError;
 pub use figure::{Figure, SIDE_LIMIT};
 pub use layers::{Corner, Histogram, Line, Points, Symbol};
+pub use pictures::filter_color;
 pub use plot::{Panels, Plot};
+pub use report_error::{ReportError, in_one_line};
 pub use scale::Scale;
 pub use sheet::Sheet;
+pub use store::Store;
 pub use tiles::{Cell, Mosaics};
+pub use words::TextTable;

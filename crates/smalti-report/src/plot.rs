@@ -1,16 +1,33 @@
 //! A plot: axes and layers.
 
 use crate::layers::{Histogram, Line, Points};
-use crate::layout::{Layout, layout};
 use crate::scale::Scale;
-use crate::{Figure, FigureError};
 
-/// An axis as asked for.
+/// The label, scale and range that an axis is to have.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Asked {
+pub(crate) struct AxisRequest {
     pub(crate) label: String,
     pub(crate) scale: Scale,
+    /// `None`: the range of the data.
     pub(crate) range: Option<(f64, f64)>,
+}
+
+/// What surrounds the panels of a figure.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Frame {
+    pub(crate) title: String,
+    pub(crate) note: String,
+    pub(crate) description: String,
+    pub(crate) legend: bool,
+    /// Width and height in pixels.
+    pub(crate) size: (f64, f64),
+}
+
+impl Frame {
+    fn of_size(width: f64, height: f64) -> Self {
+        let [title, note, description] = [const { String::new() }; 3];
+        Self { title, note, description, legend: true, size: (width, height) }
+    }
 }
 
 #[derive(Debug, Clone, PartialEq)]
@@ -32,9 +49,9 @@ impl Layer {
 
 /// A plot, alone or as one of several [`crate::Panels`].
 ///
-/// Histograms lie at the back, then clouds of points (mixed, so that no series hides another), lines, marks. More than
-/// 6000 points in a figure are drawn as a picture within the SVG, of two pixels per pixel, so that files stay small;
-/// the description says so.
+/// The layers are drawn from back to front: histograms, clouds of points (shuffled, so that no series hides another), lines,
+/// marks. More than 6000 points are drawn as a picture within the SVG, with two pixels per pixel, so that files remain small; the
+/// description states this.
 ///
 /// ```
 /// use smalti_report::{Corner, Line, Plot, Points, Symbol};
@@ -51,41 +68,33 @@ impl Layer {
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Plot {
-    pub(crate) title: String,
-    pub(crate) note: String,
-    pub(crate) description: String,
-    pub(crate) x: Asked,
-    pub(crate) y: Asked,
-    pub(crate) values: Asked,
+    pub(crate) frame: Frame,
+    pub(crate) x: AxisRequest,
+    pub(crate) y: AxisRequest,
+    pub(crate) values: AxisRequest,
     pub(crate) layers: Vec<Layer>,
-    pub(crate) legend: bool,
     pub(crate) wavelengths: bool,
     pub(crate) bin_width: Option<f64>,
-    pub(crate) size: (f64, f64),
 }
 
 impl Plot {
     /// An empty plot of 800 × 600 pixels. Labels name the quantity and its unit: `"MTF50 (cy/mm)"`.
     #[must_use]
     pub fn new(x_label: impl Into<String>, y_label: impl Into<String>) -> Self {
-        let asked = |label: String| Asked { label, scale: Scale::Linear, range: None };
+        let axis = |label: String| AxisRequest { label, scale: Scale::Linear, range: None };
         Self {
-            title: String::new(),
-            note: String::new(),
-            description: String::new(),
-            x: asked(x_label.into()),
-            y: asked(y_label.into()),
-            values: asked(String::new()),
+            frame: Frame::of_size(800.0, 600.0),
+            x: axis(x_label.into()),
+            y: axis(y_label.into()),
+            values: axis(String::new()),
             layers: Vec::new(),
-            legend: true,
             wavelengths: false,
             bin_width: None,
-            size: (800.0, 600.0),
         }
     }
 
-    /// A plot for curves over wavelength, with the colours of the spectrum under its axis. Add one [`Line`] per
-    /// filter; [`crate::Rgb::of_transmittance`] gives each about its own colour.
+    /// A plot for curves over wavelength, with the colours of the spectrum below its axis. Add one [`Line`] per
+    /// filter; [`crate::Rgb::of_transmittance`] returns the approximate colour of a filter.
     #[must_use]
     pub fn spectra(y_label: impl Into<String>) -> Self {
         let mut plot = Self::new("Wavelength (nm)", y_label);
@@ -93,88 +102,88 @@ impl Plot {
         plot
     }
 
-    /// The title above.
+    /// Sets the title above the plot.
     #[must_use]
     pub fn title(mut self, title: impl Into<String>) -> Self {
-        self.title = title.into();
+        self.frame.title = title.into();
         self
     }
 
-    /// A note in small print below.
+    /// Sets a note in small print below.
     #[must_use]
     pub fn note(mut self, note: impl Into<String>) -> Self {
-        self.note = note.into();
+        self.frame.note = note.into();
         self
     }
 
-    /// What the figure shows, for those who do not see it; without it, axes and series are listed.
+    /// Sets the description for screen readers; by default it lists the axes and series.
     #[must_use]
     pub fn description(mut self, description: impl Into<String>) -> Self {
-        self.description = description.into();
+        self.frame.description = description.into();
         self
     }
 
-    /// Width and height in pixels.
+    /// Sets width and height in pixels.
     #[must_use]
     pub fn size(mut self, width: f64, height: f64) -> Self {
-        self.size = (width, height);
+        self.frame.size = (width, height);
         self
     }
 
-    /// The range of x, in place of that of the data. Points beyond are counted under the plot.
+    /// Sets the range of x, instead of that of the data. Points outside are counted below the plot.
     #[must_use]
     pub fn x_range(mut self, low: f64, high: f64) -> Self {
         self.x.range = Some((low, high));
         self
     }
 
-    /// The range of y, in place of that of the data. Points beyond are counted under the plot.
+    /// Sets the range of y, instead of that of the data. Points outside are counted below the plot.
     #[must_use]
     pub fn y_range(mut self, low: f64, high: f64) -> Self {
         self.y.range = Some((low, high));
         self
     }
 
-    /// How x is spread.
+    /// Sets the scale of x.
     #[must_use]
     pub fn x_scale(mut self, scale: Scale) -> Self {
         self.x.scale = scale;
         self
     }
 
-    /// How y is spread.
+    /// Sets the scale of y.
     #[must_use]
     pub fn y_scale(mut self, scale: Scale) -> Self {
         self.y.scale = scale;
         self
     }
 
-    /// Label of the colour bar of [`Points::values`].
+    /// Sets the label of the colour bar of [`Points::values`].
     #[must_use]
     pub fn values(mut self, label: impl Into<String>) -> Self {
         self.values.label = label.into();
         self
     }
 
-    /// The range of the colour bar, in place of that of the data; values beyond get the colour of its ends, and its
-    /// labels say so.
+    /// Sets the range of the colour bar, instead of that of the data. Values outside have the colour of the nearer end, whose label
+    /// shows ≤ or ≥.
     #[must_use]
     pub fn value_range(mut self, low: f64, high: f64) -> Self {
         self.values.range = Some((low, high));
         self
     }
 
-    /// Width of the bins of histograms, at least a 400th of their range; without it, a round number that gives about 40.
+    /// Sets the width of bins, at least a 400th of the range; by default a round number that gives about 40 bins.
     #[must_use]
     pub fn bin_width(mut self, width: f64) -> Self {
         self.bin_width = Some(width);
         self
     }
 
-    /// Without a legend.
+    /// Omits the legend.
     #[must_use]
     pub fn without_legend(mut self) -> Self {
-        self.legend = false;
+        self.frame.legend = false;
         self
     }
 
@@ -198,27 +207,10 @@ impl Plot {
         self.layers.push(Layer::Histogram(histogram));
         self
     }
-
-    /// The figure. A plot without a finite point is drawn empty, and says so.
-    ///
-    /// # Errors
-    /// [`FigureError`] for columns of different length, bad ranges, and sizes without room for the labels.
-    pub fn draw(&self) -> Result<Figure, FigureError> {
-        layout(&Layout {
-            title: &self.title,
-            note: &self.note,
-            description: &self.description,
-            size: self.size,
-            columns: 1,
-            legend: self.legend,
-            named_panels: false,
-            panels: std::slice::from_ref(self),
-        })
-    }
 }
 
-/// Several plots side by side with shared axes and colours, one legend and one colour bar; labels, scales and ranges
-/// are those of the first plot, the title of each stands above it.
+/// Several plots side by side with shared axes and colours, one legend and one colour bar. Labels, scales and ranges
+/// are those of the first plot, and each plot has its title above it.
 ///
 /// ```
 /// use smalti_report::{Panels, Plot, Points};
@@ -234,62 +226,50 @@ impl Plot {
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Panels {
-    title: String,
-    note: String,
-    description: String,
-    columns: usize,
-    legend: bool,
-    size: (f64, f64),
-    panels: Vec<Plot>,
+    pub(crate) frame: Frame,
+    pub(crate) columns: usize,
+    pub(crate) panels: Vec<Plot>,
 }
 
 impl Panels {
-    /// No panels yet, this many to a row, on 1200 × 800 pixels.
+    /// A figure of 1200 × 800 pixels without panels, with `columns` panels per row.
     #[must_use]
     pub fn new(columns: usize) -> Self {
-        Self {
-            title: String::new(),
-            note: String::new(),
-            description: String::new(),
-            columns: columns.max(1),
-            legend: true,
-            size: (1200.0, 800.0),
-            panels: Vec::new(),
-        }
+        Self { frame: Frame::of_size(1200.0, 800.0), columns: columns.max(1), panels: Vec::new() }
     }
 
-    /// The title above all.
+    /// Sets the title above all panels.
     #[must_use]
     pub fn title(mut self, title: impl Into<String>) -> Self {
-        self.title = title.into();
+        self.frame.title = title.into();
         self
     }
 
-    /// A note in small print below.
+    /// Sets a note in small print below.
     #[must_use]
     pub fn note(mut self, note: impl Into<String>) -> Self {
-        self.note = note.into();
+        self.frame.note = note.into();
         self
     }
 
-    /// What the figure shows, for those who do not see it; without it, axes and series are listed.
+    /// Sets the description for screen readers; by default it lists the axes and series.
     #[must_use]
     pub fn description(mut self, description: impl Into<String>) -> Self {
-        self.description = description.into();
+        self.frame.description = description.into();
         self
     }
 
-    /// Width and height in pixels.
+    /// Sets width and height in pixels.
     #[must_use]
     pub fn size(mut self, width: f64, height: f64) -> Self {
-        self.size = (width, height);
+        self.frame.size = (width, height);
         self
     }
 
-    /// Without a legend.
+    /// Omits the legend.
     #[must_use]
     pub fn without_legend(mut self) -> Self {
-        self.legend = false;
+        self.frame.legend = false;
         self
     }
 
@@ -298,22 +278,5 @@ impl Panels {
     pub fn panel(mut self, plot: Plot) -> Self {
         self.panels.push(plot);
         self
-    }
-
-    /// The figure.
-    ///
-    /// # Errors
-    /// As [`Plot::draw`], and [`FigureError::Nothing`] without a panel.
-    pub fn draw(&self) -> Result<Figure, FigureError> {
-        layout(&Layout {
-            title: &self.title,
-            note: &self.note,
-            description: &self.description,
-            size: self.size,
-            columns: self.columns.min(self.panels.len().max(1)),
-            legend: self.legend,
-            named_panels: true,
-            panels: &self.panels,
-        })
     }
 }

@@ -1,16 +1,12 @@
-//! Axes: from values to pixels, and where ticks stand.
+//! Axes: positions of values, and ticks.
 
-use std::ops::Range;
-
-use plotters::coord::ranged1d::{DefaultFormatting, KeyPointHint, Ranged};
-
-/// How an axis spreads its values.
+/// The scale of an axis.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum Scale {
-    /// Equal steps.
+    /// Linear: equal steps.
     #[default]
     Linear,
-    /// Equal ratios; only positive values have a place.
+    /// Logarithmic: equal ratios; only positive values have a place.
     Log,
 }
 
@@ -22,64 +18,12 @@ pub(crate) struct Axis {
     pub(crate) high: f64,
 }
 
-impl Ranged for Axis {
-    type FormatOption = DefaultFormatting;
-    type ValueType = f64;
-
-    fn map(&self, value: &f64, (from, to): (i32, i32)) -> i32 {
-        from + libm::round(self.place(*value).unwrap_or(0.0) * f64::from(to - from)) as i32
-    }
-
-    fn key_points<Hint: KeyPointHint>(&self, hint: Hint) -> Vec<f64> {
-        match hint.max_num_points() {
-            // Asked for a grid between the ticks, of which there is none.
-            0 => Vec::new(),
-            count => self.ticks(count).into_iter().map(|(value, _)| value).collect(),
-        }
-    }
-
-    fn range(&self) -> Range<f64> {
-        self.low..self.high
-    }
-}
-
-/// An axis with twice its length before and behind it. What lies beyond the axis is drawn there and cut by the panel: the plotting crate
-/// would draw it at the edge. Further outside is as good, and keeps coordinates small.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Beyond(pub(crate) Axis);
-
-impl Beyond {
-    /// Lengths of the axis before it.
-    pub(crate) const BEFORE: f64 = 2.0;
-    /// Lengths of the axis in all.
-    pub(crate) const LENGTHS: f64 = 5.0;
-}
-
-impl Ranged for Beyond {
-    type FormatOption = DefaultFormatting;
-    type ValueType = f64;
-
-    fn map(&self, value: &f64, (from, to): (i32, i32)) -> i32 {
-        // What is endless leaves the panel.
-        let t = if value.is_infinite() { *value } else { self.0.place(*value).unwrap_or(0.0) };
-        let share = (t + Self::BEFORE).clamp(0.0, Self::LENGTHS) / Self::LENGTHS;
-        from + libm::round(share * f64::from(to - from)) as i32
-    }
-
-    fn key_points<Hint: KeyPointHint>(&self, _: Hint) -> Vec<f64> {
-        Vec::new()
-    }
-
-    fn range(&self) -> Range<f64> {
-        self.0.range()
-    }
-}
-
 /// A tick and its label.
 pub(crate) type Tick = (f64, String);
 
 impl Axis {
-    /// The axis that shows values from `low` to `high` with some air; from 0 when the air would reach below it.
+    /// The axis for values from `low` to `high` with a margin, a share `air` of the range. The margin of values that are not negative
+    /// ends at 0.
     pub(crate) fn around(scale: Scale, low: f64, high: f64, air: f64) -> Self {
         let (mut a, mut b) = (low, high);
         match scale {
@@ -100,7 +44,7 @@ impl Axis {
         Self { scale, low: a, high: b }
     }
 
-    /// Place of a value, 0 at the low end and 1 at the high; `None` where it has none.
+    /// The place of a value, 0 at the low end and 1 at the high end; `None` for values without a place.
     pub(crate) fn place(&self, value: f64) -> Option<f64> {
         let t = match self.scale {
             Scale::Linear => (value - self.low) / (self.high - self.low),
@@ -108,14 +52,6 @@ impl Axis {
             Scale::Log => return None,
         };
         t.is_finite().then_some(t)
-    }
-
-    /// The value at a place.
-    pub(crate) fn value(&self, t: f64) -> f64 {
-        match self.scale {
-            Scale::Linear => self.low + t * (self.high - self.low),
-            Scale::Log => self.low * libm::pow(self.high / self.low, t),
-        }
     }
 
     /// About `count` ticks at round values within the range.
@@ -127,7 +63,7 @@ impl Axis {
     }
 }
 
-/// A round step, 1, 2 or 5 times a power of ten, that makes about `count` of a span ([heckbert1990]).
+/// A round step, 1, 2 or 5 times a power of ten, that divides a span into about `count` parts ([heckbert1990]).
 pub(crate) fn round_step(span: f64, count: usize) -> f64 {
     let (mantissa, exponent) = round_parts(span, count);
     scaled(mantissa, exponent)

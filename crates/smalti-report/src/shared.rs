@@ -1,13 +1,13 @@
-//! What all panels of a figure share: ranges, colours, bins.
+//! Properties that the panels of a figure share: ranges, colours, bins.
 
 use crate::FigureError;
 use crate::color::{OKABE_ITO, Rgb};
-use crate::plot::{Asked, Layer, Plot};
+use crate::plot::{AxisRequest, Layer, Plot};
 use crate::scale::{Axis, Scale, round_step};
 
-/// More points than this are drawn as a picture: as shapes they would make a file of more than about 0.4 MB.
+/// The most points that are drawn as shapes, which corresponds to a file of about 0.4 MB.
 const SHAPES_LIMIT: usize = 6000;
-/// What all pictures of a figure may take; in an SVG they grow by a third.
+/// The most bytes of all pictures of a figure; base64 in the SVG adds a third.
 const PICTURES_LIMIT: usize = 690_000;
 const BINS_LIMIT: f64 = 400.0;
 
@@ -24,19 +24,19 @@ pub(crate) struct Shared {
     pub(crate) beyond: (bool, bool),
     pub(crate) colors: Vec<(String, Rgb)>,
     pub(crate) bin: Option<(f64, f64)>,
-    /// How many bytes the cloud of a panel may take as a picture; none where it is drawn as shapes.
+    /// The most bytes of the picture of a cloud in a panel; `None` where clouds are drawn as shapes.
     pub(crate) picture_bytes: Option<usize>,
-    /// Points in the fullest panel.
+    /// Number of points in the panel with the most points.
     pub(crate) crowd: usize,
     pub(crate) empty: bool,
 }
 
-/// Spans of values below the first vanish in rounding; beyond the others, spans and ratios overflow.
+/// Spans of values below `TINY` vanish in rounding; beyond the other limits, spans and ratios overflow.
 const TINY: f64 = 1e-290;
 const HUGE: f64 = 1e300;
 const LOG_HUGE: f64 = 1e100;
 
-/// Whether an axis can reach a value.
+/// Whether an axis can contain a value.
 fn fits(scale: Scale, value: f64) -> bool {
     match scale {
         Scale::Linear => value.abs() <= HUGE,
@@ -70,20 +70,20 @@ impl Extent {
     }
 }
 
-/// The axis for an extent, or as asked.
-fn axis(asked: &Asked, extent: Extent, air: f64, name: &'static str) -> Result<Axis, FigureError> {
-    if let Some((low, high)) = asked.range {
+/// The axis of the range that is requested, else of the extent of the data with some air around it.
+fn axis(request: &AxisRequest, extent: Extent, air: f64, name: &'static str) -> Result<Axis, FigureError> {
+    if let Some((low, high)) = request.range {
         let wide = high - low > 1e-9 * low.abs().max(high.abs()) && high - low > TINY;
-        if !(wide && fits(asked.scale, low) && fits(asked.scale, high)) {
+        if !(wide && fits(request.scale, low) && fits(request.scale, high)) {
             return Err(FigureError::Range { axis: name, low, high });
         }
-        return Ok(Axis { scale: asked.scale, low, high });
+        return Ok(Axis { scale: request.scale, low, high });
     }
     if extent.is_empty() {
-        let (low, high) = if asked.scale == Scale::Log { (1.0, 10.0) } else { (0.0, 1.0) };
-        return Ok(Axis { scale: asked.scale, low, high });
+        let (low, high) = if request.scale == Scale::Log { (1.0, 10.0) } else { (0.0, 1.0) };
+        return Ok(Axis { scale: request.scale, low, high });
     }
-    Ok(Axis::around(asked.scale, extent.low, extent.high, air))
+    Ok(Axis::around(request.scale, extent.low, extent.high, air))
 }
 
 pub(crate) fn shared(first: &Plot, panels: &[Plot]) -> Result<Shared, FigureError> {
@@ -132,7 +132,7 @@ pub(crate) fn shared(first: &Plot, panels: &[Plot]) -> Result<Shared, FigureErro
     let empty = x.is_empty() || y.is_empty();
     let mut y_axis = axis(&first.y, y, 0.04, "y")?;
     if first.y.range.is_none() && y_axis.scale == Scale::Linear {
-        // Room above the bars for the marks of intervals.
+        // Space above the bars for the marks of intervals.
         let marks = |p: &Plot| {
             p.layers.iter().filter(|l| matches!(l, Layer::Histogram(h) if h.interval.is_some())).count()
         };
@@ -184,7 +184,7 @@ fn colors<'a>(layers: impl Iterator<Item = &'a Layer>) -> Vec<(String, Rgb)> {
     colors
 }
 
-/// First edge and width of the bins.
+/// The first edge and the width of bins.
 fn bins(first: &Plot, panels: &[Plot]) -> Option<(f64, f64)> {
     let mut extent = Extent::new(Scale::Linear);
     for layer in panels.iter().flat_map(|p| &p.layers) {
@@ -196,12 +196,12 @@ fn bins(first: &Plot, panels: &[Plot]) -> Option<(f64, f64)> {
         return None;
     }
     let span = (extent.high - extent.low).max(1e-9 * extent.high.abs()).max(f64::MIN_POSITIVE * 1e16);
-    let asked = first.bin_width.filter(|w| w.is_finite() && *w > 0.0);
-    let width = asked.map_or_else(|| round_step(span, 40), |w| w.max(span / BINS_LIMIT));
+    let requested = first.bin_width.filter(|w| w.is_finite() && *w > 0.0);
+    let width = requested.map_or_else(|| round_step(span, 40), |w| w.max(span / BINS_LIMIT));
     Some((libm::floor(extent.low / width) * width, width))
 }
 
-/// How many values fall in each bin, up to the last that holds one.
+/// The number of values in each bin, up to the last bin that is not empty.
 pub(crate) fn counts(values: &[f64], start: f64, width: f64) -> Vec<usize> {
     let mut counts: Vec<usize> = Vec::new();
     for value in values.iter().filter(|v| v.is_finite()) {

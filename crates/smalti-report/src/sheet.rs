@@ -19,8 +19,8 @@ struct Picture {
     rgb: Vec<u8>,
 }
 
-/// Pictures side by side, each with its caption, pixel for pixel: at scale 1 a PNG holds them unchanged. Small pictures
-/// can be enlarged by whole numbers, without blur.
+/// Pictures side by side, each with its caption. At scale 1, a PNG contains their unchanged pixels. Small pictures can be enlarged by
+/// integers without blur.
 ///
 /// ```
 /// use smalti_report::Sheet;
@@ -40,7 +40,7 @@ pub struct Sheet {
 }
 
 impl Sheet {
-    /// No picture yet, this many to a row.
+    /// A sheet without pictures, with `columns` pictures per row.
     #[must_use]
     pub fn new(columns: usize) -> Self {
         Self {
@@ -52,28 +52,28 @@ impl Sheet {
         }
     }
 
-    /// The title above all.
+    /// Sets the title above all pictures.
     #[must_use]
     pub fn title(mut self, title: impl Into<String>) -> Self {
         self.title = title.into();
         self
     }
 
-    /// A note in small print below.
+    /// Sets a note in small print below.
     #[must_use]
     pub fn note(mut self, note: impl Into<String>) -> Self {
         self.note = note.into();
         self
     }
 
-    /// Each pixel as a square of this many.
+    /// Draws each pixel as a square of `times` × `times` pixels.
     #[must_use]
     pub fn enlarge(mut self, times: u32) -> Self {
         self.enlarge = times.max(1);
         self
     }
 
-    /// Adds a picture of 8-bit sRGB by rows, three bytes to a pixel.
+    /// Adds a picture in 8-bit sRGB by rows, with three bytes per pixel.
     #[must_use]
     pub fn picture(mut self, caption: impl Into<String>, width: usize, height: usize, rgb: &[u8]) -> Self {
         self.pictures.push(Picture { caption: caption.into(), width, height, rgb: rgb.to_vec() });
@@ -83,8 +83,8 @@ impl Sheet {
     /// The figure.
     ///
     /// # Errors
-    /// [`FigureError::Nothing`] without a picture, [`FigureError::Picture`] for a buffer of another length than its
-    /// size says, and [`FigureError::Size`] for a sheet that is too large.
+    /// [`FigureError::Nothing`] without a picture, [`FigureError::Picture`] for a buffer whose length does not
+    /// match its size, and [`FigureError::Size`] for a sheet that is too large.
     pub fn draw(&self) -> Result<Figure, FigureError> {
         if self.pictures.is_empty() {
             return Err(FigureError::Nothing { what: "picture" });
@@ -121,7 +121,7 @@ impl Sheet {
             for ((column, picture), caption) in row.iter().enumerate().zip(&captions) {
                 let (w, h) = (picture.width as f64 * times, picture.height as f64 * times);
                 let left = MARGIN + column as f64 * (cell + GAP);
-                // Whole pixels, so that none is blurred.
+                // Pictures begin at whole pixels to avoid blur.
                 let area =
                     Area { x: (left + 0.5 * (cell - w)).floor(), y: y + (height - h), width: w, height: h };
                 let png =

@@ -1,4 +1,4 @@
-//! SVG, written in fixed notation so that equal figures are equal bytes.
+//! SVG with numbers in fixed notation, so that equal figures have equal bytes.
 
 use std::fmt::Write;
 
@@ -12,7 +12,7 @@ pub(crate) const SOFT: Rgb = Rgb(96, 96, 96);
 pub(crate) const GRID: Rgb = Rgb(229, 229, 229);
 pub(crate) const FRAME: Rgb = Rgb(120, 120, 120);
 
-/// Where a text stands about its point.
+/// The alignment of a text to its point.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Anchor {
     Start,
@@ -29,7 +29,7 @@ pub(crate) struct Area {
     pub(crate) height: f64,
 }
 
-/// How an outline is filled and drawn.
+/// Fill and stroke of an outline.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Paint {
     pub(crate) fill: Option<(Rgb, f64)>,
@@ -38,6 +38,10 @@ pub(crate) struct Paint {
 }
 
 impl Paint {
+    pub(crate) fn fill(color: Rgb, opacity: f64) -> Self {
+        Self { fill: Some((color, opacity)), stroke: None, dashed: false }
+    }
+
     pub(crate) fn stroke(color: Rgb, width: f64) -> Self {
         Self { fill: None, stroke: Some((color, width)), dashed: false }
     }
@@ -60,7 +64,7 @@ impl Paint {
     }
 }
 
-/// A coordinate with at most two decimals: hundredths of a pixel are more than a printer shows.
+/// A coordinate with at most two decimals, which exceeds the resolution of printers.
 pub(crate) fn number(value: f64) -> String {
     let value = if value.is_finite() { value.clamp(-1e6, 1e6) } else { 0.0 };
     let text = format!("{value:.2}");
@@ -80,7 +84,7 @@ pub(crate) fn path_of(points: &[(f64, f64)], closed: bool) -> String {
     out
 }
 
-/// A drawing in the making. Later parts cover earlier ones.
+/// The elements of a drawing. Later elements cover earlier ones.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Svg {
     body: String,
@@ -162,10 +166,10 @@ impl Svg {
         ));
     }
 
-    /// A PNG in the drawing. `sharp` keeps its pixels square when enlarged.
+    /// Embeds a PNG. `sharp` keeps its pixels square when it is enlarged.
     pub(crate) fn image(&mut self, area: Area, png: &[u8], sharp: bool) {
         let data = base64::engine::general_purpose::STANDARD.encode(png);
-        // `optimizeSpeed` is the word of SVG 1.1, `pixelated` that of browsers.
+        // `optimizeSpeed` is the keyword of SVG 1.1, `pixelated` that of CSS.
         let rendering =
             if sharp { " image-rendering=\"optimizeSpeed\" style=\"image-rendering:pixelated\"" } else { "" };
         self.push(&format!(
@@ -178,7 +182,7 @@ impl Svg {
         ));
     }
 
-    /// Opens a group of one look, whose title a browser shows on hovering.
+    /// Opens a group with common attributes, whose title browsers show as a tooltip.
     pub(crate) fn open(&mut self, attributes: &str, title: &str) {
         self.push(&format!("<g{attributes}>"));
         if !title.is_empty() {
@@ -190,7 +194,7 @@ impl Svg {
         self.push("</g>");
     }
 
-    /// Opens a window: what leaves it is cut. Without an id, so that several figures can stand in one page.
+    /// Opens a clipping window. It needs no id, so that a page can contain several figures.
     pub(crate) fn open_window(&mut self, area: Area) {
         let [x, y, w, h] = [area.x, area.y, area.width, area.height].map(number);
         self.push(&format!(
@@ -204,7 +208,7 @@ impl Svg {
 
     /// A bar of viridis from the bottom up.
     pub(crate) fn value_bar(&mut self, area: Area) {
-        // One id for all figures: they define the same.
+        // All figures define the same gradient under this id.
         self.push("<linearGradient id=\"smalti-viridis\" x1=\"0\" y1=\"1\" x2=\"0\" y2=\"0\">");
         for i in 0..=17 {
             let t = f64::from(i) / 17.0;
@@ -220,7 +224,7 @@ impl Svg {
         ));
     }
 
-    /// The document, on white.
+    /// The document, with a white background.
     pub(crate) fn finish(self, width: f64, height: f64, title: &str, description: &str) -> String {
         let (w, h) = (number(width), number(height));
         format!(

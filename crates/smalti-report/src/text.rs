@@ -1,4 +1,4 @@
-//! Text: the fonts that stand in the crate, how wide a text is, and what of a foreign text is safe to write.
+//! Text: the fonts of the crate, the width of text, and the escaping of text from outside.
 
 use skrifa::MetadataProvider;
 use skrifa::instance::{LocationRef, Size};
@@ -7,10 +7,10 @@ use skrifa::instance::{LocationRef, Size};
 pub(crate) const REGULAR: &[u8] = include_bytes!("../fonts/Inter-Regular.otf");
 pub(crate) const SEMI_BOLD: &[u8] = include_bytes!("../fonts/Inter-SemiBold.otf");
 
-/// First the font of the PNG; where it is missing, fonts of about its width.
+/// The font of the PNG, then fonts of similar width.
 pub(crate) const FAMILY: &str = "Inter, 'Helvetica Neue', Arial, 'Liberation Sans', sans-serif";
 
-/// How a text is set.
+/// Size and weight of text.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Font {
     pub(crate) size: f64,
@@ -25,6 +25,11 @@ pub(crate) const fn bold(size: f64) -> Font {
     Font { size, bold: true }
 }
 
+/// Labels of ticks, and names in a legend.
+pub(crate) const TICK: Font = plain(17.0);
+/// Labels of axes.
+pub(crate) const LABEL: Font = plain(19.0);
+
 /// Width of a text in pixels, without kerning.
 pub(crate) fn width(text: &str, font: Font) -> f64 {
     let data = if font.bold { SEMI_BOLD } else { REGULAR };
@@ -32,14 +37,14 @@ pub(crate) fn width(text: &str, font: Font) -> f64 {
     let metrics = face.glyph_metrics(Size::unscaled(), LocationRef::default());
     let units = f64::from(face.metrics(Size::unscaled(), LocationRef::default()).units_per_em).max(1.0);
     let map = face.charmap();
-    // A sign that the font lacks is about as wide as it is high in the fonts that have it.
+    // A character that the font lacks is counted as one em.
     let advance =
         |c: char| map.map(c).and_then(|g| metrics.advance_width(g)).map_or(1.0, |w| f64::from(w) / units);
     text.chars().map(advance).sum::<f64>() * font.size
 }
 
-/// What a label may hold: no control characters, which XML forbids, and none of the marks that reverse the direction
-/// of what follows. Each becomes `�`, line ends and tabs become spaces.
+/// Replaces control characters, which XML forbids, and bidirectional marks, which reverse the direction of text, by `�`. Line ends
+/// and tabs become spaces.
 pub(crate) fn clean(text: &str) -> String {
     text.chars()
         .map(|c| match c {
@@ -52,7 +57,7 @@ pub(crate) fn clean(text: &str) -> String {
         .collect()
 }
 
-/// A label as XML text or attribute.
+/// Escapes a label for XML text or attributes.
 pub(crate) fn escape(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for c in clean(text).chars() {
@@ -68,7 +73,7 @@ pub(crate) fn escape(text: &str) -> String {
     out
 }
 
-/// The text, cut with an ellipsis where it is wider than `limit` pixels.
+/// The text, truncated with an ellipsis where it is wider than `limit` pixels.
 pub(crate) fn fit(text: &str, font: Font, limit: f64) -> String {
     if width(text, font) <= limit {
         return text.to_owned();
@@ -88,7 +93,7 @@ pub(crate) fn fit(text: &str, font: Font, limit: f64) -> String {
     out
 }
 
-/// The text in lines of at most `limit` pixels, broken at line ends and spaces; what does not fit in `lines` lines is cut.
+/// The text in lines of at most `limit` pixels, wrapped at line ends and spaces; text beyond `lines` lines is truncated.
 pub(crate) fn wrap(text: &str, font: Font, limit: f64, lines: usize) -> Vec<String> {
     let mut out: Vec<String> = Vec::new();
     for paragraph in text.split('\n') {

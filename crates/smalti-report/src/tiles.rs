@@ -6,7 +6,7 @@ use crate::svg::{Anchor, Area, INK, Paint, SOFT, Svg};
 use crate::text::{Font, bold, clean, plain, wrap};
 use crate::{Figure, FigureError};
 
-/// The most cells of one mosaic: more are too small to tell apart.
+/// The most cells of one mosaic; more cells would be too small to distinguish.
 const CELLS_LIMIT: usize = 64 * 64;
 const MARGIN: f64 = 20.0;
 const GAP: f64 = 32.0;
@@ -17,9 +17,9 @@ const NOTE: Font = plain(14.0);
 /// One cell of a mosaic: the letter of its filter and its colour.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Cell {
-    /// Shown in the cell; may be empty.
+    /// The letter in the cell; may be empty.
     pub letter: String,
-    /// Its colour; [`Rgb::of_transmittance`] gives about that of its filter.
+    /// Its colour; [`Rgb::of_transmittance`] returns the approximate colour of a filter.
     pub color: Rgb,
 }
 
@@ -30,8 +30,8 @@ struct Tile {
     cells: Vec<Cell>,
 }
 
-/// Mosaics side by side, each with its caption. The tile is repeated around itself, paler, so that one sees what the
-/// sensor looks like; a frame shows one period.
+/// Mosaics side by side, each with its caption. The tile is repeated around itself in paler colours, as on the
+/// sensor; a frame marks one period.
 ///
 /// ```
 /// use smalti_report::{Cell, Mosaics, Rgb};
@@ -58,41 +58,41 @@ impl Default for Mosaics {
 }
 
 impl Mosaics {
-    /// No mosaic yet, five to a row, each 220 pixels wide.
+    /// A figure without mosaics, with five mosaics per row, each 220 pixels wide.
     #[must_use]
     pub fn new() -> Self {
         Self { title: String::new(), note: String::new(), columns: 5, side: 220.0, tiles: Vec::new() }
     }
 
-    /// The title above all.
+    /// Sets the title above all mosaics.
     #[must_use]
     pub fn title(mut self, title: impl Into<String>) -> Self {
         self.title = title.into();
         self
     }
 
-    /// A note in small print below.
+    /// Sets a note in small print below.
     #[must_use]
     pub fn note(mut self, note: impl Into<String>) -> Self {
         self.note = note.into();
         self
     }
 
-    /// Mosaics to a row.
+    /// Sets the number of mosaics per row.
     #[must_use]
     pub fn columns(mut self, columns: usize) -> Self {
         self.columns = columns.max(1);
         self
     }
 
-    /// Width of each mosaic in pixels.
+    /// Sets the width of each mosaic in pixels.
     #[must_use]
     pub fn side(mut self, side: f64) -> Self {
         self.side = side;
         self
     }
 
-    /// Adds a mosaic: the cells of one tile by rows, `cols` to a row.
+    /// Adds a mosaic from the cells of one tile by rows, with `cols` cells per row.
     #[must_use]
     pub fn mosaic(mut self, caption: impl Into<String>, cols: usize, cells: &[Cell]) -> Self {
         self.tiles.push(Tile { caption: caption.into(), cols, cells: cells.to_vec() });
@@ -102,7 +102,7 @@ impl Mosaics {
     /// The figure.
     ///
     /// # Errors
-    /// [`FigureError::Nothing`] without a mosaic, [`FigureError::Mosaic`] for one whose cells are no full rows, and
+    /// [`FigureError::Nothing`] without a mosaic, [`FigureError::Mosaic`] for one whose cells do not fill its rows, and
     /// [`FigureError::Size`].
     pub fn draw(&self) -> Result<Figure, FigureError> {
         if self.tiles.is_empty() {
@@ -172,7 +172,7 @@ fn described(tile: &Tile) -> String {
 
 fn draw_tile(svg: &mut Svg, tile: &Tile, area: Area) {
     let (cols, rows) = (tile.cols, tile.cells.len() / tile.cols.max(1));
-    // Half of a period around it, at least one cell; a large tile stands alone.
+    // Half a period, at least one cell, surrounds the tile; a large tile is not repeated.
     let around = if cols.max(rows) > 8 { 0 } else { (cols.max(rows) / 2).max(1) };
     let (shown_cols, shown_rows) = (cols + 2 * around, rows + 2 * around);
     let pitch = area.width / shown_cols.max(shown_rows) as f64;
@@ -187,14 +187,9 @@ fn draw_tile(svg: &mut Svg, tile: &Tile, area: Area) {
             let inside = (around..around + rows).contains(&row) && (around..around + cols).contains(&col);
             let color = if inside { cell.color } else { cell.color.mix(Rgb(255, 255, 255), 0.62) };
             let (x, y) = (x0 + pitch * col as f64, y0 + pitch * row as f64);
-            svg.rect(
-                Area { x, y, width: pitch, height: pitch },
-                Paint {
-                    fill: Some((color, 1.0)),
-                    stroke: Some((Rgb(255, 255, 255), (pitch * 0.04).min(2.0))),
-                    dashed: false,
-                },
-            );
+            let stroke = Some((Rgb(255, 255, 255), (pitch * 0.04).min(2.0)));
+            let area = Area { x, y, width: pitch, height: pitch };
+            svg.rect(area, Paint { stroke, ..Paint::fill(color, 1.0) });
             if inside && size >= 7.0 {
                 let at = (x + 0.5 * pitch, y + 0.5 * pitch + size * 0.36);
                 svg.text(at, Anchor::Middle, bold(size), cell.color.ink(), &cell.letter);

@@ -7,7 +7,7 @@ use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use rayon::prelude::*;
 use smalti::camera::{Camera, CameraDescription, CameraError, EvaluationSettings};
 use smalti::design::statistics::{Objective, pareto_front};
-use smalti::design::{LessonSettings, Lessons, Metric, Scores, Targets};
+use smalti::design::{LearningSettings, Metric, PipelineTrainer, Scores, Targets};
 use smalti::numeric::philox::Stream;
 use smalti::sensor::{Cfa, Channel, Filter, Mosaic};
 use smalti::spectrum::WavelengthGrid;
@@ -50,9 +50,10 @@ fn designs(c: &mut Criterion) {
     group.bench_function("3 to 7 colours, all cores", |b| {
         b.iter(|| many.par_iter().map(|cfa| targets.score(cfa)).collect::<Vec<_>>())
     });
-    let lessons = Lessons::new(&targets, &LessonSettings::default(), &|_, make| make()).expect("lessons");
+    let trainer =
+        PipelineTrainer::new(&targets, &LearningSettings::default(), &|_, make| make()).expect("trainer");
     let learned = |cfa: &Cfa| -> Result<Scores, CameraError> {
-        let (pipeline, reach) = lessons.pipeline(cfa)?;
+        let (pipeline, reach) = trainer.pipeline(cfa)?;
         targets.score_with(cfa, &pipeline.renderer(), reach)
     };
     let some = &many[..40];

@@ -4,7 +4,7 @@
 //! The modules follow the light, and each imports only from those before it:
 //!
 //! [`numeric`] → [`spectrum`] → [`color`] → [`scene`] → [`optics`] → [`sensor`] → [`isp`] → [`l3`] →
-//! [`metrics`] → [`camera`] → [`design`]
+//! [`metrics`] → [`camera`] → [`design`] → [`experiment`]
 //!
 //! | stage | from | to | unit of the result |
 //! |---|---|---|---|
@@ -22,21 +22,22 @@
 //! let mut description = CameraDescription::default();
 //! description.sensor.pixel.pitch_um = 1.4;
 //! let camera = Camera::new(description, WavelengthGrid::VISIBLE)?;
-//! // The closure may keep optical images between designs; this one makes them anew.
+//! // The closure may cache optical images between designs; this one computes them every time.
 //! let (scores, _pictures) = evaluate(&camera, &EvaluationSettings::default(), &|_key, make| make())?;
 //! assert!(scores.delta_e_2000.mean < 3.0 && scores.mtf50_cy_per_mm > 100.0);
 //! # Ok::<(), smalti::camera::CameraError>(())
 //! ```
 //!
-//! This crate is pure computation: it opens no file, prints nothing and keeps no global state. Reading and
-//! writing is `smalti-io`'s, the command is `smalti-cli`'s. No function panics on any input: what cannot be
-//! computed is an error that says why.
+//! This crate is pure computation: it opens no file, prints nothing and keeps no global state. `smalti-io` reads and
+//! writes files, and `smalti-cli` is the command. No function panics on any input; invalid input is an error that states
+//! the reason.
 //!
 //! Out of scope: ray tracing of scenes or lenses, video, and raw formats of single camera makers.
 
 pub mod camera;
 pub mod color;
 pub mod design;
+pub mod experiment;
 pub mod isp;
 pub mod l3;
 pub mod metrics;

@@ -1,10 +1,13 @@
-//! The name a user may have meant.
+//! Suggestions for mistyped names.
 
-/// The known name that begins with `name` (two letters or more), else that with the fewest letters to insert, delete, replace or exchange with their neighbour, when these are
-/// at most a third of the letters of `name`; case does not count. The first of equals.
+/// The known name closest to `name`, ignoring case; the first of several that are equally close.
+///
+/// A known name that begins with `name` (at least two letters) is preferred. Otherwise the distance is the
+/// number of letters to insert, delete, replace or swap with a neighbour, and it may be at most a third of
+/// the letters of `name`.
 #[must_use]
 pub fn nearest<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
-    // Longer input cannot be a slip of the pen, and the comparison takes time with the product of the lengths.
+    // Longer input is no typing error, and the cost grows with the product of the lengths.
     if name.len() > 64 {
         return None;
     }
@@ -19,7 +22,7 @@ pub fn nearest<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Opti
     (least * 3 <= typed.chars().count().max(3)).then_some(best)
 }
 
-/// The end of a message: `; did you mean 'bayer'?`, or nothing.
+/// The end of an error message: `; did you mean 'bayer'?`, or an empty string.
 pub(crate) fn did_you_mean(suggestion: Option<&str>) -> String {
     suggestion.map(|s| format!("; did you mean '{s}'?")).unwrap_or_default()
 }

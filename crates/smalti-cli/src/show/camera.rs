@@ -1,26 +1,27 @@
-//! A camera: every key of its description with its unit, what follows from them, its mosaic and its spectra.
+//! A camera: every key of its description with its unit, derived quantities, the mosaic and the spectra.
 
 use serde_json::{Map, Value, json};
 use smalti::camera::Camera;
 use smalti::camera::description::PatternDescription;
 use smalti::sensor::Channel;
 use smalti::sensor::cfa::info;
-use smalti_io::cameras;
+use smalti_io::{Override, cameras};
+use smalti_report::names;
 
+use super::datasheet::{Datasheet, Part, four_digits};
 use super::tile::{self, Tile};
-use super::{Part, Show, Shown, cfa, figure, find};
-use crate::names;
+use super::{cfa, study};
 
 /// Sections of the description, in the direction of light.
 const SECTIONS: [&str; 4] = ["optics", "sensor", "exposure", "isp"];
-/// Longer lists are counted, not written.
+/// Longer lists are shown by their length only.
 const SHORT_LIST: usize = 8;
-/// Where resolution is stated.
+/// The wavelength of the diffraction limit.
 const MIDDLE_NM: f64 = 550.0;
 
-pub(super) fn show(args: &Show) -> anyhow::Result<Shown> {
-    let camera = cameras::load(&args.name, &args.overrides, None).map_err(|e| anyhow::anyhow!("{e}"))?;
-    let (summary, toml) = find::file(&args.name, cameras::names())?;
+pub(super) fn datasheet(name: &str, overrides: &[Override]) -> anyhow::Result<Datasheet> {
+    let camera = cameras::load(name, overrides, None).map_err(|e| anyhow::anyhow!("{e}"))?;
+    let (summary, toml) = study::file(name, cameras::names())?;
     let description = serde_json::to_value(camera.description())?;
     let array = &camera.description().sensor.cfa;
     let built_in = match &array.pattern {
@@ -64,17 +65,17 @@ pub(super) fn show(args: &Show) -> anyhow::Result<Shown> {
         camera.sensor.cols,
         camera.sensor.rows
     );
-    Ok(Shown {
+    Ok(Datasheet {
         title,
         about: Some(summary).filter(|s| !s.is_empty()).into_iter().collect(),
-        // What is drawn comes last: it is what stays on a screen.
+        // The drawings come last, since they remain visible when the text scrolls.
         parts: vec![Part::Lines(lines), Part::Tile(tile), Part::Plot(plot)],
         json,
         toml: Some(toml),
     })
 }
 
-/// Electrons for each photon on the pixel before lens and filter, by channel.
+/// Electrons per photon that reaches the lens, for each channel.
 fn sensitivity(camera: &Camera) -> anyhow::Result<Vec<Channel>> {
     let lens = camera.optics.transmittance_on(camera.grid())?;
     let others = camera.sensor.quantum_efficiency.times(&lens)?;
@@ -83,7 +84,7 @@ fn sensitivity(camera: &Camera) -> anyhow::Result<Vec<Channel>> {
     camera.sensor.cfa.channels().iter().map(channel).collect()
 }
 
-/// What an engineer would compute from the keys: name, value, unit.
+/// Quantities derived from the keys: name, value, unit.
 fn derived(camera: &Camera) -> anyhow::Result<Vec<(&'static str, f64, &'static str)>> {
     let (sensor, pixel) = (&camera.sensor, &camera.sensor.pixel);
     let saturation_e = pixel
@@ -105,9 +106,9 @@ fn derived(camera: &Camera) -> anyhow::Result<Vec<(&'static str, f64, &'static s
     Ok(out)
 }
 
-/// The keys of a section, those of inner tables after their own heading.
+/// The keys of a section, then its inner tables below their own headings.
 fn table(heading: &str, path: &str, keys: &Map<String, Value>) -> String {
-    // Filters stand beside the tile.
+    // The legend of the tile shows the filters.
     if path == "sensor.cfa" {
         return String::new();
     }
@@ -127,7 +128,7 @@ fn table(heading: &str, path: &str, keys: &Map<String, Value>) -> String {
     out
 }
 
-/// Tables in the file, as against curves, which are written in one line.
+/// Whether a key is a table of its own in the file; curves are written in one line.
 fn is_table(key: &str) -> bool {
     ["pixel", "cfa", "psf", "zernike_um"].contains(&key)
 }
@@ -140,12 +141,13 @@ fn unit(key: &str, v: &Value) -> &'static str {
 }
 
 fn rows(heading: &str, rows: &[(&str, f64, &str)]) -> String {
-    let line =
-        |(name, value, unit): &(&str, f64, &str)| [(*name).to_owned(), figure(*value), (*unit).to_owned()];
+    let line = |(name, value, unit): &(&str, f64, &str)| {
+        [(*name).to_owned(), four_digits(*value), (*unit).to_owned()]
+    };
     aligned(heading, &rows.iter().map(line).collect::<Vec<_>>())
 }
 
-/// A heading, and below it names, values and units in columns.
+/// A heading with names, values and units in columns below it.
 fn aligned(heading: &str, lines: &[[String; 3]]) -> String {
     if lines.is_empty() {
         return String::new();
@@ -157,14 +159,14 @@ fn aligned(heading: &str, lines: &[[String; 3]]) -> String {
     out
 }
 
-/// A value in a line; long lists by their length.
+/// A value in one line; a long list by its length.
 fn value(v: &Value) -> String {
     match v {
         Value::String(text) => text.clone(),
         Value::Number(n) => n.as_f64().filter(|_| n.is_f64()).map_or(n.to_string(), |x| x.to_string()),
         Value::Array(items) if items.len() > SHORT_LIST => format!("{} values", items.len()),
         Value::Array(items) => items.iter().map(value).collect::<Vec<_>>().join(", "),
-        // A curve is a table of one key, its shape; for one by name, the name says it.
+        // A curve is a table with one key, its shape; a built-in curve is shown by its name.
         Value::Object(keys) => match (keys.len(), keys.get("builtin")) {
             (1, Some(name)) => value(name),
             (1, None) => keys.iter().map(|(k, v)| format!("{k}: {}", value(v))).collect(),

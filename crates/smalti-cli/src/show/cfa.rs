@@ -1,24 +1,25 @@
-//! A colour filter array: its tile, its spectra, where it is from.
+//! A colour filter array: its tile, its spectra and its source.
 
 use anyhow::Context;
 use serde_json::json;
 use smalti::sensor::cfa::{self, CfaInfo};
 use smalti::spectrum::WavelengthGrid;
 
+use super::datasheet::{Datasheet, Part};
 use super::plot::{Curve, Plot};
 use super::tile::{self, Tile};
-use super::{Part, Show, Shown};
 use crate::resolve;
+use crate::scene_args::SceneOptions;
 
-/// Up to the end of silicon's response, for filters that pass infrared.
+/// The end of silicon's response, for filters that transmit infrared.
 const INFRARED_END_NM: f64 = 1000.0;
 const STEP_NM: f64 = 5.0;
 
-pub(super) fn show(args: &Show) -> anyhow::Result<Shown> {
-    let info = cfa::info(&args.name)?;
+pub(super) fn datasheet(name: &str, options: &SceneOptions) -> anyhow::Result<Datasheet> {
+    let info = cfa::info(name)?;
     let infrared = info.filters.iter().any(|(_, filter)| filter.contains("infrared"));
-    let grid = grid(args, if infrared { INFRARED_END_NM } else { 700.0 })?;
-    let array = cfa::builtin(&args.name, grid)?;
+    let grid = grid(options, if infrared { INFRARED_END_NM } else { 700.0 })?;
+    let array = cfa::builtin(name, grid)?;
     let named = |letter: char| info.filters.iter().find(|(l, _)| *l == letter).map(|(_, f)| (*f).to_owned());
     let tile = Tile::of(&array, named)?;
     let mut title =
@@ -26,7 +27,7 @@ pub(super) fn show(args: &Show) -> anyhow::Result<Shown> {
     if !info.aliases.is_empty() {
         title += &format!(", also called {}", info.aliases.join(", "));
     }
-    let toml = toml(&args.name, info, &tile);
+    let toml = toml(name, info, &tile);
     let mut json = json!({
         "kind": "cfa", "name": array.name(), "aliases": info.aliases, "summary": info.summary, "source": info.source,
         "filters": info.filters.iter().map(|(l, f)| (l.to_string(), json!(f))).collect::<serde_json::Map<_, _>>(),
@@ -37,12 +38,12 @@ pub(super) fn show(args: &Show) -> anyhow::Result<Shown> {
     }
     let plot = spectra("Transmittance of the filters", "Transmittance", &tile);
     let about = vec![info.summary.to_owned(), info.source.to_owned()];
-    Ok(Shown { title, about, parts: vec![Part::Tile(tile), Part::Plot(plot)], json, toml: Some(toml) })
+    Ok(Datasheet { title, about, parts: vec![Part::Tile(tile), Part::Plot(plot)], json, toml: Some(toml) })
 }
 
-/// The wavelengths asked for, else from 400 nm to an end.
-pub(super) fn grid(args: &Show, end_nm: f64) -> anyhow::Result<WavelengthGrid> {
-    match &args.scene_options.wavelengths {
+/// The wavelengths of the command line, else 400 nm to `end_nm`.
+pub(super) fn grid(options: &SceneOptions, end_nm: f64) -> anyhow::Result<WavelengthGrid> {
+    match &options.wavelengths {
         Some(text) => resolve::wavelengths(text),
         None => {
             let count = ((end_nm - 400.0) / STEP_NM).round() as usize + 1;
@@ -51,7 +52,7 @@ pub(super) fn grid(args: &Show, end_nm: f64) -> anyhow::Result<WavelengthGrid> {
     }
 }
 
-/// The curves of a tile's channels.
+/// The curves of the channels of a tile.
 pub(super) fn spectra(title: &str, quantity: &'static str, tile: &Tile) -> Plot {
     let curve = |e: &tile::Entry| Curve {
         letter: e.letter,
@@ -61,11 +62,11 @@ pub(super) fn spectra(title: &str, quantity: &'static str, tile: &Tile) -> Plot 
     Plot { title: title.into(), quantity, curves: tile.channels.iter().map(curve).collect() }
 }
 
-/// The keys that put the array into a camera, each filter named, so that it can be replaced.
+/// The keys of a camera with this array; each filter is named, so that it can be replaced.
 fn toml(name: &str, info: &CfaInfo, tile: &Tile) -> String {
     let pattern = match info.fixed_pattern() {
         Some(_) => format!("{:?}", tile.pattern()),
-        // Mixtures and random tiles are made from the name.
+        // Mixtures and random tiles are generated from the name.
         None => format!("{name:?}"),
     };
     // The filters of a random tile depend on its parameters.

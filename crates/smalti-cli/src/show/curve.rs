@@ -1,4 +1,4 @@
-//! A single curve: a light, or a filter.
+//! A single curve: an illuminant or a filter.
 
 use std::path::Path;
 
@@ -8,49 +8,51 @@ use smalti::spectrum::{Observer, Spectrum, WavelengthGrid};
 use smalti_io::spectrum_csv;
 use smalti_report::Rgb;
 
+use super::datasheet::{Datasheet, Part};
 use super::plot::{Curve, Plot};
-use super::{Part, Show, Shown, cfa, tile};
+use super::{cfa, tile};
 use crate::resolve::{self, has_extension};
+use crate::scene_args::SceneOptions;
 
-/// Where curves are looked at that may reach beyond the visible.
+/// The last wavelength of curves that may extend beyond the visible.
 const END_NM: f64 = 1000.0;
 
 fn is_csv(name: &str) -> bool {
     has_extension(Path::new(name.split('#').next().unwrap_or(name)), &["csv"])
 }
 
-/// A filter by name or file, on its own wavelengths where it is a file.
-pub(super) fn filter(args: &Show) -> anyhow::Result<Shown> {
-    let asked = args.scene_options.wavelengths.is_some();
-    let curve = match (is_csv(&args.name), asked) {
-        (true, false) => spectrum_csv::read_spectrum(&args.name)?,
+/// A filter by name or file; a file keeps its own wavelengths.
+pub(super) fn filter(name: &str, options: &SceneOptions) -> anyhow::Result<Datasheet> {
+    let asked = options.wavelengths.is_some();
+    let curve = match (is_csv(name), asked) {
+        (true, false) => spectrum_csv::read_spectrum(name)?,
         (true, true) => {
-            let curve = spectrum_csv::read_spectrum(&args.name)?;
-            curve.resampled(cfa::grid(args, END_NM)?, smalti::spectrum::Outside::Error)?
+            let curve = spectrum_csv::read_spectrum(name)?;
+            curve.resampled(cfa::grid(options, END_NM)?, smalti::spectrum::Extrapolation::Error)?
         }
         (false, _) => {
-            let infrared = args.name.contains("infrared") || args.name == "silicon";
+            let infrared = name.contains("infrared") || name == "silicon";
             let end_nm = if infrared { END_NM } else { 700.0 };
-            Filter::Builtin(args.name.clone()).spectrum(cfa::grid(args, end_nm)?)?
+            Filter::Builtin(name.to_owned()).spectrum(cfa::grid(options, end_nm)?)?
         }
     };
-    let info = filters::builtin_filters().iter().find(|f| f.name == args.name);
+    let info = filters::builtin_filters().iter().find(|f| f.name == name);
     let (nm, peak) = tile::peak(&curve);
     let about = info.map(|f| vec![f.summary.to_owned(), f.source.to_owned()]).unwrap_or_default();
-    let title = format!("{}: a curve of transmittance, peak {peak:.2} at {nm:.0} nm", args.name);
+    let title = format!("{name}: a transmittance curve, peak {peak:.2} at {nm:.0} nm");
     let color = tile::looks(&curve.map(|_, v| v.clamp(0.0, 1.0)))?;
-    let parts = vec![Part::Plot(plot("Transmittance", "Transmittance", &args.name, color, curve.clone()))];
+    let parts = vec![Part::Plot(plot("Transmittance", "Transmittance", name, color, curve.clone()))];
     let json = json!({
-        "kind": "filter", "name": args.name, "summary": info.map(|f| f.summary), "source": info.map(|f| f.source),
+        "kind": "filter", "name": name, "summary": info.map(|f| f.summary), "source": info.map(|f| f.source),
         "color": color.to_string(), "wavelengths_nm": curve.grid().wavelengths_nm().collect::<Vec<_>>(), "transmittance": curve.values(),
     });
-    Ok(Shown { title, about, parts, json, toml: None })
+    Ok(Datasheet { title, about, parts, json, toml: None })
 }
 
-/// A light by name or file: power relative to its peak.
-pub(super) fn illuminant(args: &Show) -> anyhow::Result<Shown> {
-    let light = resolve::illuminant(&args.name)?;
-    let grid = cfa::grid(args, 700.0)?;
+/// An illuminant by name or file, as power relative to its peak.
+pub(super) fn illuminant(name: &str, options: &SceneOptions) -> anyhow::Result<Datasheet> {
+    let light = resolve::illuminant(name)?;
+    let grid = cfa::grid(options, 700.0)?;
     let energy = light.energy(grid)?;
     let highest = energy.max();
     let energy = if highest > 0.0 { energy.scaled(1.0 / highest) } else { energy };
@@ -59,14 +61,13 @@ pub(super) fn illuminant(args: &Show) -> anyhow::Result<Shown> {
     let sum: f64 = xyz.iter().sum();
     let [x, y] = [xyz[0] / sum, xyz[1] / sum];
     let color = color_of(xyz)?;
-    let title = format!("{}: a light, x = {x:.4}, y = {y:.4} (CIE 1931)", light.name());
+    let title = format!("{}: an illuminant, x = {x:.4}, y = {y:.4} (CIE 1931)", light.name());
     let json = json!({
         "kind": "illuminant", "name": light.name(), "xy": [x, y], "color": color.to_string(),
         "wavelengths_nm": grid.wavelengths_nm().collect::<Vec<_>>(), "relative_power": energy.values(),
     });
-    let parts =
-        vec![Part::Plot(plot("Power relative to the peak", "Relative power", &args.name, color, energy))];
-    Ok(Shown { title, about: Vec::new(), parts, json, toml: None })
+    let parts = vec![Part::Plot(plot("Power relative to the peak", "Relative power", name, color, energy))];
+    Ok(Datasheet { title, about: Vec::new(), parts, json, toml: None })
 }
 
 fn plot(title: &str, quantity: &'static str, name: &str, color: Rgb, values: Spectrum) -> Plot {
@@ -79,7 +80,7 @@ fn plot(title: &str, quantity: &'static str, name: &str, color: Rgb, values: Spe
     }
 }
 
-/// A light on a screen adapted to daylight, its brightest channel full.
+/// The colour of an illuminant on a display adapted to daylight, with the brightest channel at its maximum.
 fn color_of(xyz: [f64; 3]) -> anyhow::Result<Rgb> {
     use smalti::color::{ColorSpace, Image};
     use smalti::numeric::Planes;

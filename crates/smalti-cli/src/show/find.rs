@@ -1,20 +1,18 @@
-//! What kind of thing a name is.
+//! The kind of item that a name stands for.
 
 use std::path::Path;
 
 use anyhow::bail;
 use clap::ValueEnum;
-use serde_json::json;
 use smalti::names::nearest;
 use smalti::scene::catalog;
 use smalti::sensor::{Filter, cfa};
 use smalti::spectrum::{Illuminant, WavelengthGrid};
 use smalti_io::{cameras, studies, text};
 
-use super::{Part, Shown};
 use crate::resolve::has_extension;
 
-/// A kind of thing, in the order in which a name that means several is understood.
+/// The kinds of items, in the order of precedence for a name with several meanings.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(super) enum Kind {
     /// A camera, built in or a TOML file
@@ -25,9 +23,9 @@ pub(super) enum Kind {
     Scene,
     /// A study, built in or a TOML file
     Study,
-    /// A light: a name, or a CSV file
+    /// An illuminant, built in or a CSV file
     Illuminant,
-    /// A filter or another curve of transmittance: a name, or a CSV file
+    /// A filter or another transmittance curve, built in or a CSV file
     Filter,
 }
 
@@ -51,7 +49,7 @@ impl Kind {
         }
     }
 
-    /// Names of this kind.
+    /// The built-in names of this kind.
     fn names(self) -> Vec<&'static str> {
         match self {
             Self::Camera => cameras::names().iter().map(|f| f.name).collect(),
@@ -66,7 +64,7 @@ impl Kind {
         }
     }
 
-    /// Whether a built-in of this kind has that name.
+    /// Whether a built-in item of this kind has this name.
     fn has(self, name: &str) -> bool {
         match self {
             Self::Camera | Self::Study => self.names().contains(&name),
@@ -82,7 +80,7 @@ fn before_parameters(name: &str) -> &str {
     name.split_once('?').map_or(name, |(n, _)| n).trim()
 }
 
-/// What a name is, and what else it could be.
+/// The kind of a name, and the other kinds that it could mean.
 pub(super) fn kind(name: &str, asked: Option<Kind>) -> anyhow::Result<(Kind, Vec<Kind>)> {
     if let Some(kind) = asked {
         return Ok((kind, Vec::new()));
@@ -97,14 +95,14 @@ pub(super) fn kind(name: &str, asked: Option<Kind>) -> anyhow::Result<(Kind, Vec
     Ok((kinds.remove(0), kinds))
 }
 
-/// What a file is, by its name, where that does not say by its text; nothing when it is none.
+/// The kinds that a file can be, from its name and, for TOML, its text; empty when the name is no file.
 fn of_file(name: &str) -> anyhow::Result<Vec<Kind>> {
     let path = Path::new(name);
     if has_extension(path, &["toml"]) {
         let text = text::read_to_string(path)?;
         return Ok(vec![if is_study(&text) { Kind::Study } else { Kind::Camera }]);
     }
-    // A CSV may name a column after `#`.
+    // The name of a CSV file may end in `#` and a column.
     if has_extension(Path::new(name.split('#').next().unwrap_or(name)), &["csv"]) {
         return Ok(vec![Kind::Filter, Kind::Illuminant]);
     }
@@ -117,7 +115,7 @@ fn is_study(toml: &str) -> bool {
     top.filter_map(|l| l.split_once('=')).any(|(key, _)| key.trim().trim_matches('"') == "camera")
 }
 
-/// The nearest names, and what they are.
+/// The message about an unknown name, with the nearest known names.
 fn unknown(name: &str) -> String {
     let wanted = before_parameters(name);
     let mut names: Vec<&str> =
@@ -129,39 +127,9 @@ fn unknown(name: &str) -> String {
         format!("{name} ({})", kinds.collect::<Vec<_>>().join(", "))
     };
     let near: Vec<String> = names.iter().map(what).collect();
-    let known = "smalti list cameras, cfas, scenes, studies, illuminants or filters says what is built in";
-    match near.is_empty() {
-        true => format!("'{name}' is neither built in nor a file; {known}"),
-        false => {
-            format!("'{name}' is neither built in nor a file; did you mean {}? {known}", near.join(", "))
-        }
-    }
-}
-
-/// The file of a camera or study, as it stands.
-pub(super) fn file(name: &str, built_in: &[smalti_io::BuiltinFile]) -> anyhow::Result<(String, String)> {
-    match built_in.iter().find(|f| f.name == name) {
-        Some(file) => Ok((file.summary.into(), file.toml.into())),
-        None => Ok((String::new(), text::read_to_string(Path::new(name))?)),
-    }
-}
-
-/// A study is its file, once it is known to be one.
-pub(super) fn study(name: &str) -> anyhow::Result<Shown> {
-    let (designs, about) = studies::load(name).map_err(|e| anyhow::anyhow!("{e}"))?;
-    let (summary, toml) = file(name, studies::names())?;
-    let study = designs.study();
-    let title = format!("{}: a study of {} designs", study.name, designs.len());
-    let next = format!("smalti sweep {name} --dry-run says how long it takes.");
-    Ok(Shown {
-        title,
-        about: vec![if about.is_empty() { summary.clone() } else { about.clone() }, next],
-        parts: vec![Part::Lines(toml.clone())],
-        json: json!({
-            "kind": "study", "name": study.name, "summary": summary, "about": about, "designs": designs.len(), "toml": toml,
-        }),
-        toml: Some(toml),
-    })
+    let known = "smalti list prints the built-in cameras, cfas, scenes, studies, illuminants and filters";
+    let guess = if near.is_empty() { String::new() } else { format!("did you mean {}? ", near.join(", ")) };
+    format!("'{name}' is neither built in nor a file; {guess}{known}")
 }
 
 #[cfg(test)]

@@ -1,4 +1,4 @@
-//! Pictures by the graphics protocol of the terminal kitty, which others speak as well:
+//! Pictures by the graphics protocol of the terminal kitty, which other terminals support as well:
 //! <https://sw.kovidgoyal.net/kitty/graphics-protocol/>.
 
 use base64::Engine;
@@ -7,11 +7,11 @@ use base64::engine::general_purpose::STANDARD;
 use super::picture::Pixels;
 use crate::terminal;
 
-/// Most characters of base64 in one command, as the protocol has it.
+/// The protocol's limit of base64 characters in one command.
 const CHUNK: usize = 4096;
 
-/// A picture as PNG (`f=100`) to be shown at once (`a=T`), scaled to so many columns (`c`) and the rows (`r`) that keep its shape:
-/// versions before 0.27 do not find them alone. The terminal is not to answer (`q=2`), since the shell would read it.
+/// Encodes a picture as PNG (`f=100`) that is displayed at once (`a=T`), scaled to `columns` (`c`) and to the rows (`r`) that keep
+/// its aspect ratio, which kitty before 0.27 does not compute. The terminal must not reply (`q=2`): the shell would read it.
 pub(super) fn encode(picture: &Pixels, columns: usize) -> anyhow::Result<String> {
     let height = columns as f64 * picture.height as f64 / picture.width.max(1) as f64;
     let rows = (height / terminal::cell_shape()).round().max(1.0);

@@ -1,37 +1,36 @@
-//! Pictures in characters: two pixels in each, one above the other.
+//! Pictures as characters, each of which shows two pixels, one above the other.
 
 use anyhow::Context;
 use smalti::color::{ColorSpace, Image};
 use smalti::numeric::Planes;
 use smalti_report::Rgb;
 
-use crate::pictures::bytes;
 use crate::terminal::Screen;
 
-/// From dark to bright, for terminals without colours.
+/// Characters from dark to bright, for terminals without colours.
 const RAMP: &[u8] = b" .:-=+*#%@";
-/// Without colours, a picture is no larger.
+/// The largest width of a picture without colours.
 const LETTER_COLUMNS: usize = 72;
-/// Rows left for what stands above.
+/// Rows left for the text above.
 const ROWS_ABOVE: usize = 8;
 
 /// A picture, 8-bit sRGB.
 pub(super) struct Pixels {
     pub(super) width: usize,
     pub(super) height: usize,
-    /// Row by row; as many as `width * height`.
+    /// `width * height` pixels, row by row.
     pub(super) rgb: Vec<[u8; 3]>,
 }
 
 impl Pixels {
-    /// A picture in any colour space.
+    /// From a picture in any colour space.
     pub(super) fn of(image: &Image) -> anyhow::Result<Self> {
         let image = image.converted(ColorSpace::Srgb)?;
-        let rgb = bytes(&image).as_chunks::<3>().0.to_vec();
+        let rgb = image.rgb8().as_chunks::<3>().0.to_vec();
         Ok(Self { width: image.cols(), height: image.rows(), rgb })
     }
 
-    /// A figure.
+    /// From the PNG of a figure.
     pub(super) fn from_png(png: &[u8]) -> anyhow::Result<Self> {
         let mut reader = png::Decoder::new(std::io::Cursor::new(png)).read_info()?;
         let mut bytes = vec![0; reader.output_buffer_size().context("a figure of no size")?];
@@ -51,7 +50,7 @@ impl Pixels {
         Ok(out)
     }
 
-    /// Scaled down to a width, its shape kept; as it is when not wider.
+    /// Scaled down to a width with the aspect ratio kept; unchanged when not wider.
     pub(super) fn at_most(&self, width: usize) -> Self {
         if self.width <= width {
             return Self { width: self.width, height: self.height, rgb: self.rgb.clone() };
@@ -60,7 +59,7 @@ impl Pixels {
         self.resized(width, height)
     }
 
-    /// To a size by the mean over the pixels that fall into each, or the nearest.
+    /// Resampled by the mean of the pixels that fall into each, or the nearest pixel.
     fn resized(&self, width: usize, height: usize) -> Self {
         let from = |i: usize, old: usize, new: usize| (i * old / new, ((i + 1) * old).div_ceil(new));
         let mut rgb = Vec::with_capacity(width * height);
@@ -81,18 +80,18 @@ impl Pixels {
         Self { width, height, rgb }
     }
 
-    /// The columns that the picture fills: all, but that its rows stay on the screen, and no more than it has.
+    /// The columns that the picture fills: at most its own, such that all of its rows are visible.
     pub(super) fn columns_on(&self, screen: &Screen) -> usize {
         let by_height = most_rows(screen).saturating_mul(2).saturating_mul(self.width) / self.height.max(1);
         screen.columns.min(by_height).min(self.width).max(1)
     }
 
-    /// In half blocks where there are colours, else in characters that are the denser the brighter.
+    /// Half blocks where there are colours, else characters whose density shows the brightness.
     pub(super) fn lines(&self, screen: &Screen) -> String {
         let columns = self.columns_on(screen);
         if screen.depth.is_none() {
             let columns = columns.min(LETTER_COLUMNS);
-            // Pictures higher than the screen even when a column wide are squeezed.
+            // A picture that is higher than the screen at a width of one column is squeezed.
             let rows = (self.height * columns / self.width.max(1) / 2).clamp(1, most_rows(screen));
             let line = |row: &[[u8; 3]]| {
                 row.iter().map(|p| shade(*p)).collect::<String>().trim_end().to_owned() + "\n"
@@ -108,7 +107,7 @@ impl Pixels {
             for (x, &[r, g, b]) in above.iter().enumerate() {
                 let below = rest.first().and_then(|row| row.get(x)).map(|&[r, g, b]| Rgb(r, g, b));
                 let colors = screen.colors(Rgb(r, g, b), below);
-                // Neighbours are often alike: pictures take half the bytes.
+                // Neighbours often have equal colours; omitting these codes halves the output.
                 if colors != before {
                     out += &colors;
                     before = colors;
@@ -121,7 +120,7 @@ impl Pixels {
     }
 }
 
-/// Rows that a picture may take.
+/// The most rows of a picture.
 fn most_rows(screen: &Screen) -> usize {
     screen.rows.map_or(usize::MAX, |rows| rows.saturating_sub(ROWS_ABOVE).max(4))
 }
@@ -133,7 +132,7 @@ fn shade([r, g, b]: [u8; 3]) -> char {
     RAMP.get(index).map_or(' ', |&c| char::from(c))
 }
 
-/// A picture scaled down, in linear light, to about the pixels that are shown: scenes are large.
+/// A picture reduced in linear light to at most `most` columns, since scenes are large.
 pub(super) fn reduced(image: &Image, most: usize) -> anyhow::Result<Image> {
     let step = image.cols().div_ceil(most).max(1);
     let (rows, cols) = (image.rows().div_ceil(step), image.cols().div_ceil(step));

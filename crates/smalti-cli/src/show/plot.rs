@@ -8,9 +8,9 @@ use crate::terminal::Screen;
 /// Characters across and down the field of a plot.
 pub(super) const COLUMNS: usize = 72;
 const ROWS: usize = 11;
-/// Less is not drawn: on the ground, curves would hide each other.
+/// Smaller values are not drawn, because curves would hide each other at zero.
 const LEAST: f64 = 0.01;
-/// Left of the field: numbers and the axis.
+/// Columns left of the field, for numbers and the axis.
 pub(super) const MARGIN: usize = 5;
 /// Dots of a character: columns, rows.
 const DOTS: (usize, usize) = (2, 4);
@@ -20,7 +20,7 @@ const BRAILLE: [[u8; 2]; 4] = [[0x01, 0x08], [0x02, 0x10], [0x04, 0x20], [0x40, 
 /// Curves over wavelength, from 0 to 1.
 pub(super) struct Plot {
     pub(super) title: String,
-    /// What is drawn upwards.
+    /// The quantity of the vertical axis.
     pub(super) quantity: &'static str,
     pub(super) curves: Vec<Curve>,
 }
@@ -45,7 +45,7 @@ impl Plot {
         ends.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), (a, b)| (low.min(a), high.max(b)))
     }
 
-    /// In dots of Braille where there are colours to tell curves apart, else in their letters.
+    /// Braille dots where colours distinguish the curves, else their letters.
     pub(super) fn lines(&self, screen: &Screen) -> String {
         let columns = COLUMNS.min(screen.columns - MARGIN);
         let (across, down) = if screen.depth.is_some() { DOTS } else { (1, 1) };
@@ -62,7 +62,7 @@ impl Plot {
                     continue;
                 }
                 let y = ((1.0 - value.clamp(0.0, 1.0)) * (height - 1) as f64).round() as usize;
-                // Steep edges are drawn whole: from beside the dot before.
+                // A steep edge is drawn without gaps, from the height of the previous dot.
                 let from = before.map_or(y, |b| if b < y { b + 1 } else { b.saturating_sub(1).max(y) });
                 for dot in from.min(y)..=from.max(y) {
                     if let Some(mark) = field.get_mut(dot / down).and_then(|row| row.get_mut(x / across)) {
@@ -120,7 +120,7 @@ impl Plot {
 /// The axis of wavelengths with its numbers.
 fn axis(low: f64, high: f64, columns: usize) -> String {
     let steps = [10.0, 20.0, 50.0, 100.0, 200.0, 500.0, 1000.0, 2000.0, 5000.0];
-    // A number and the space after it take six characters.
+    // Eight characters for each number and the space after it.
     let few = |step: &f64| (high - low) / step * 8.0 <= columns as f64;
     let step = steps.into_iter().find(few).unwrap_or(1e4);
     let at = |nm: f64| ((nm - low) / (high - low).max(1e-9) * (columns - 1) as f64).round() as usize;

@@ -1,4 +1,4 @@
-//! A scene: its picture as the eye sees it, and its figures.
+//! A scene: its appearance to the standard observer, and its properties.
 
 use anyhow::Context;
 use serde_json::json;
@@ -6,15 +6,17 @@ use smalti::color::cct::PlanckianLocus;
 use smalti::color::{ColorSpace, Image, SRGB_WHITE};
 use smalti::spectrum::{Illuminant, Observer, Spectrum};
 
+use super::datasheet::{Datasheet, Part, four_digits};
 use super::picture::{self, Pixels};
-use super::{Part, Show, Shown, figure};
+
 use crate::resolve;
+use crate::scene_args::SceneOptions;
 
-/// Pixels of a picture's width for terminals that show some; blocks need fewer.
-const MOST_PX: usize = 960;
+/// The largest width of a picture in pixels.
+const MAX_PX: usize = 960;
 
-pub(super) fn show(args: &Show) -> anyhow::Result<Shown> {
-    let scene = resolve::scene(&args.name, &args.scene_options).with_context(|| args.name.clone())?;
+pub(super) fn datasheet(name: &str, options: &SceneOptions) -> anyhow::Result<Datasheet> {
+    let scene = resolve::scene(name, options).with_context(|| name.to_owned())?;
     let (radiance, light) = (scene.radiance(), scene.illuminant());
     let (rows, cols, grid) = (radiance.rows(), radiance.cols(), radiance.grid());
     let xyz = Observer::Cie1931.xyz_from_photons(light)?;
@@ -24,7 +26,7 @@ pub(super) fn show(args: &Show) -> anyhow::Result<Shown> {
     let mean = scene.mean_luminance_cd_m2()?;
     let luminance = scene.luminance_cd_m2()?;
     let ends = luminance.iter().fold((f32::INFINITY, 0.0f32), |(l, h), &v| (l.min(v), h.max(v)));
-    let image = picture::reduced(&Image::new(ColorSpace::Xyz, scene.xyz()?)?, MOST_PX)?;
+    let image = picture::reduced(&Image::new(ColorSpace::Xyz, scene.xyz()?)?, MAX_PX)?;
     let white = Observer::Cie1931.white(light)?;
     let white = if white.iter().all(|v| v.is_finite()) { white } else { SRGB_WHITE };
     let seen = Pixels::of(&image.shown(Some(white), image.brightness_gain())?)?;
@@ -36,7 +38,7 @@ pub(super) fn show(args: &Show) -> anyhow::Result<Shown> {
         grid.step_nm()
     );
     let kelvin = temperature_k.map_or(String::new(), |k| format!(", {k:.0} K"));
-    let name = name_of(light).map_or(String::new(), |name| format!("{name}, "));
+    let light_name = name_of(light).map_or(String::new(), |name| format!("{name}, "));
     let lines = [
         ("size", format!("{cols} × {rows} pixels, {:.2}° wide", scene.horizontal_fov_deg())),
         ("distance", format!("{} m", scene.distance_m())),
@@ -44,21 +46,21 @@ pub(super) fn show(args: &Show) -> anyhow::Result<Shown> {
             "luminance",
             format!(
                 "mean {} cd/m², from {} to {}",
-                figure(mean),
-                figure(ends.0.into()),
-                figure(ends.1.into())
+                four_digits(mean),
+                four_digits(ends.0.into()),
+                four_digits(ends.1.into())
             ),
         ),
-        ("illuminant", format!("{name}x = {x:.4}, y = {y:.4}{kelvin}")),
+        ("illuminant", format!("{light_name}x = {x:.4}, y = {y:.4}{kelvin}")),
         ("wavelengths", wavelengths),
     ];
     let lines = lines.map(|(name, value)| format!("{name:<12} {value}\n")).concat();
-    Ok(Shown {
-        title: format!("{}: a scene", args.name),
-        about: vec!["As the eye sees it, its light as white, all but the brightest half percent within the display's range.".into()],
+    Ok(Datasheet {
+        title: format!("{name}: a scene"),
+        about: vec!["As the CIE 1931 observer sees it, adapted to its illuminant. The brightest half percent exceeds the range of the display.".into()],
         parts: vec![Part::Picture(seen), Part::Lines(lines)],
         json: json!({
-            "kind": "scene", "name": args.name, "rows": rows, "cols": cols, "horizontal_fov_deg": scene.horizontal_fov_deg(),
+            "kind": "scene", "name": name, "rows": rows, "cols": cols, "horizontal_fov_deg": scene.horizontal_fov_deg(),
             "distance_m": scene.distance_m(), "mean_luminance_cd_m2": mean, "least_luminance_cd_m2": ends.0,
             "largest_luminance_cd_m2": ends.1, "illuminant": name_of(light), "illuminant_xy": [x, y], "illuminant_temperature_k": temperature_k,
             "wavelengths_nm": grid.wavelengths_nm().collect::<Vec<_>>(), "illuminant_photons": light.values(),
@@ -67,7 +69,7 @@ pub(super) fn show(args: &Show) -> anyhow::Result<Shown> {
     })
 }
 
-/// A scene keeps the spectrum of its light: the named light that has the same.
+/// The name of the built-in illuminant with this spectrum; a scene keeps only the spectrum.
 fn name_of(light: &Spectrum) -> Option<&'static str> {
     let relative = |s: &Spectrum| s.scaled(1.0 / s.max().max(f64::MIN_POSITIVE));
     let own = relative(light);
@@ -77,6 +79,6 @@ fn name_of(light: &Spectrum) -> Option<&'static str> {
             own.values().iter().zip(relative(&other).values()).all(|(a, b)| (a - b).abs() < 1e-4)
         })
     };
-    // A single wavelength is the same under every light.
+    // All illuminants are equal at one or two wavelengths.
     Illuminant::names().iter().find(same).copied().filter(|_| light.grid().len() > 2)
 }

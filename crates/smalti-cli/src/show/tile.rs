@@ -1,20 +1,19 @@
-//! The tile of a colour filter array: coloured cells with letters, and what each letter stands for.
+//! The tile of a colour filter array: coloured cells with letters, and the legend of the letters.
 
 use serde_json::{Value, json};
 use smalti::sensor::{Cfa, Channel};
 use smalti::spectrum::Spectrum;
-use smalti_report::{Cell, Figure, Mosaics, Rgb};
+use smalti_report::{Cell, Figure, Mosaics, Rgb, filter_color};
 
-use crate::pictures::filter_color;
 use crate::terminal::Screen;
 
-/// Widths and heights of a cell in characters, the largest that fits first. About two columns are as wide as a row is high.
+/// Widths and heights of a cell in characters, largest first. Two columns are about as wide as a row is high.
 const CELLS: [(usize, usize); 4] = [(7, 3), (3, 1), (2, 1), (1, 1)];
 /// Tiles of more rows have smaller cells.
 const ROWS_OF_LARGE_CELLS: usize = 6;
 /// Columns that the legend needs beside the tile.
 const LEGEND_COLUMNS: usize = 44;
-/// Curves in lighter or darker colours would vanish on some background.
+/// The range of luma of curves: others would vanish on a white or a black background.
 const LUMA: (f64, f64) = (80.0, 165.0);
 
 /// A tile and its channels.
@@ -25,12 +24,12 @@ pub(super) struct Tile {
     pub(super) channels: Vec<Entry>,
 }
 
-/// What is shown of a channel.
+/// A channel in the legend.
 pub(super) struct Entry {
     pub(super) letter: char,
-    /// Its name where that says more than the letter.
+    /// The name of its filter; empty where there is none but the letter.
     pub(super) name: String,
-    /// What its filter looks like in daylight.
+    /// The colour of its filter in daylight.
     pub(super) color: Rgb,
     pub(super) curve: Spectrum,
     cells: usize,
@@ -38,7 +37,7 @@ pub(super) struct Entry {
 }
 
 impl Tile {
-    /// `named` gives filters of single letters a name.
+    /// `named` returns the name of a filter that has a single letter.
     pub(super) fn of(cfa: &Cfa, named: impl Fn(char) -> Option<String>) -> anyhow::Result<Self> {
         let mosaic = cfa.mosaic();
         let cells = mosaic.cells().to_vec();
@@ -68,18 +67,18 @@ impl Tile {
         self.channels.get(usize::from(cell))
     }
 
-    /// The pattern in letters, as `pattern` of a camera's file has it.
+    /// The pattern in letters, in the form of the key `pattern` of a camera file.
     pub(super) fn pattern(&self) -> Vec<String> {
         let letter = |&c: &u8| self.entry(c).map_or('?', |e| e.letter);
         self.cells.chunks(self.cols.max(1)).map(|row| row.iter().map(letter).collect()).collect()
     }
 
-    /// The cells in characters, and the legend beside them where there is room, else below.
+    /// The cells as characters, with the legend beside them where there is room, else below.
     pub(super) fn lines(&self, screen: &Screen) -> String {
         let fits = |&(width, height): &(usize, usize)| {
             width * self.cols <= screen.columns && (height == 1 || self.rows() <= ROWS_OF_LARGE_CELLS)
         };
-        // Without colours there is nothing but the letter to see.
+        // Without colours, only the letter is visible.
         let sizes = if screen.depth.is_some() { &CELLS[..] } else { &CELLS[2..] };
         let (width, height) = sizes.iter().copied().find(fits).unwrap_or((1, 1));
         let shown = self.cols.min(screen.columns / width);
@@ -113,7 +112,7 @@ impl Tile {
         joined.collect()
     }
 
-    /// A line for each channel: its letter, its share of the cells, its peak.
+    /// A line for each channel: letter, share of the cells, peak.
     pub(super) fn legend(&self, screen: &Screen) -> String {
         let line = |e: &Entry| {
             let (nm, peak) = peak(&e.curve);
@@ -169,13 +168,13 @@ fn letters(channels: &[Channel]) -> Vec<char> {
     others.take(names.by_ref().count()).collect()
 }
 
-/// What a filter looks like in daylight.
+/// The colour of a filter in daylight.
 pub(super) fn looks(filter: &Spectrum) -> anyhow::Result<Rgb> {
     let [r, g, b] = filter_color(filter)?.map(|v| (v * 255.0).round() as u8);
     Ok(Rgb(r, g, b))
 }
 
-/// A colour for lines, neither lost on black nor on white.
+/// A colour for lines that is visible on black and on white.
 pub(super) fn for_lines(color: Rgb) -> Rgb {
     let luma = |Rgb(r, g, b): Rgb| 0.299 * f64::from(r) + 0.587 * f64::from(g) + 0.114 * f64::from(b);
     let own = luma(color);
@@ -204,7 +203,7 @@ mod tests {
         for info in cfa::names() {
             let cfa = cfa::builtin(info.name, WavelengthGrid::VISIBLE).unwrap();
             let tile = Tile::of(&cfa, |_| None).unwrap();
-            assert_eq!(tile.pattern(), info.pattern(), "{}", info.name);
+            assert_eq!(tile.pattern(), info.pattern().unwrap(), "{}", info.name);
             let shares: f64 = tile.channels.iter().map(|c| c.share).sum();
             assert!(
                 (shares - 1.0).abs() < 1e-12 && tile.channels.iter().all(|c| c.cells > 0),
@@ -213,7 +212,7 @@ mod tests {
             );
             let letters: String = tile.lines(&screen).lines().take(1).collect();
             let row: String = letters.chars().filter(|c| *c != ' ').take(info.cols()).collect();
-            assert_eq!(row, info.pattern()[0], "{}", info.name);
+            assert_eq!(row, info.pattern().unwrap()[0], "{}", info.name);
         }
     }
 

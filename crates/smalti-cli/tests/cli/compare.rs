@@ -152,14 +152,14 @@ fn the_table_the_files_and_the_figures_agree() {
 #[test]
 fn ways_of_processing_stand_beside_each_other_where_they_are_defined() {
     let place = Place::new();
-    let all = "--processing malvar2004,bilinear,adaptive,bilinear";
+    let all = "--processing malvar2004,bilinear,hamilton-adams1997,bilinear";
     let words = format!("compare bayer rgbw --scene {LEAVES} --luminance 80 {all} -o o");
     let got = run(&place, &words);
     assert_eq!(got.code, 0);
     assert_eq!(
         got.err,
-        "note: rgbw malvar2004 is left out: it is defined for Bayer mosaics\n\
-         note: rgbw adaptive is left out: it is defined for Bayer mosaics\n"
+        "note: rgbw malvar2004 is left out, since the method is defined for Bayer mosaics only\n\
+         note: rgbw hamilton-adams1997 is left out, since the method is defined for Bayer mosaics only\n"
     );
     let ways: Vec<String> = got
         .out
@@ -168,9 +168,9 @@ fn ways_of_processing_stand_beside_each_other_where_they_are_defined() {
         .take(4)
         .map(|l| l.split_whitespace().take(2).collect::<Vec<_>>().join(" "))
         .collect();
-    assert_eq!(ways, ["bayer malvar2004", "bayer bilinear", "bayer adaptive", "rgbw bilinear"]);
+    assert_eq!(ways, ["bayer malvar2004", "bayer bilinear", "bayer hamilton-adams1997", "rgbw bilinear"]);
     let results = place.json("o/results.json");
-    assert_eq!(results["left_out"], serde_json::json!(["rgbw malvar2004", "rgbw adaptive"]));
+    assert_eq!(results["left_out"], serde_json::json!(["rgbw malvar2004", "rgbw hamilton-adams1997"]));
     assert_eq!(results["cameras"].as_array().unwrap().len(), 2);
     // Nothing was learned, so no table is written.
     assert_eq!(place.names("o"), ["report.html", "results.json", "side-by-side"]);
@@ -245,7 +245,10 @@ fn the_light_gain_is_a_table_and_json() {
         "{text}"
     );
     assert!(text.contains(" stops"), "{text}");
-    assert!(text.contains(&format!("\nof {scene}, and of four captures of the chart")), "{text}");
+    assert!(
+        text.contains(&format!("\nThese values are of {scene} and of four captures of the chart")),
+        "{text}"
+    );
     let results = place.json("o/results.json");
     let gain = &results["light_gains"][0];
     assert_eq!(gain["needs_more_light"], "bayer bilinear");

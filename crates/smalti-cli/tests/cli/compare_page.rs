@@ -31,7 +31,7 @@ fn a_comparison_has_a_small_page_and_names_are_text() {
         &place,
         &format!("compare host.toml bayer --scene {LEAVES} --luminance 5,80 --processing bilinear -o o"),
     );
-    assert!(text.contains("to look at: o/report.html"), "{text}");
+    assert!(text.contains("see o/report.html"), "{text}");
     let html = page(&place, "o/report.html");
     assert!(html.len() < 600_000, "{}", html.len());
     // The program of the page, and its data: the name is in neither as it is.
@@ -100,7 +100,7 @@ fn an_evaluation_has_a_page_whose_cameras_can_be_used() {
     let results = place.json("o/results.json");
     assert_eq!(place.json("again/results.json"), results);
     // One command does it all, where the camera's file is not there.
-    let command = copied("The same again</h2>");
+    let command = copied("Reproduction</h2>");
     assert!(command.starts_with("cat > again-1.toml <<'EOF'\n"), "{command}");
     std::fs::remove_file(place.path("host.toml")).unwrap();
     std::fs::remove_dir_all(place.path("o")).unwrap();

@@ -81,10 +81,10 @@ fn what_cannot_be_written_leaves_nothing() {
             "convert uniform?size=4 -o a.npy --wavelengths 100:10:4000",
             "--wavelengths 100:10:4000: uniform?size=4: the illuminant D65: the data cover 300",
         ),
-        ("convert uniform?size=4 -o a.npz --interleave bil", "--interleave is of ENVI"),
-        ("convert uniform?size=4 -o a.png --layout pages", "--layout pages and samples are of a .tif"),
-        ("convert uniform?size=4 -o a.tif --compress", "--compress is of a .tif with --layout"),
-        ("convert uniform?size=4 -o a.hdr --crop 0,0,1,1", "uniform?size=4: --crop is of files"),
+        ("convert uniform?size=4 -o a.npz --interleave bil", "--interleave applies to ENVI"),
+        ("convert uniform?size=4 -o a.png --layout pages", "--layout pages and samples apply to .tif"),
+        ("convert uniform?size=4 -o a.tif --compress", "--compress applies to .tif with --layout"),
+        ("convert uniform?size=4 -o a.hdr --crop 0,0,1,1", "uniform?size=4: --crop applies to files"),
         ("convert no.hdr -o a.npz", "no.hdr: the file of samples is absent"),
     ] {
         let run = place.run(&words.split(' ').collect::<Vec<_>>());
@@ -124,7 +124,7 @@ fn formats_in_a_row_keep_the_scene_to_the_last_bit() {
     assert_eq!(part[4..8], whole[5 * 24 + 8..5 * 24 + 12]);
     let run = place.run(&["convert", "b.npz", "-o", "b.tif"]);
     assert!(
-        run.err.contains("b.tif is a picture, without the spectra (--layout pages or samples keeps them)"),
+        run.err.contains("b.tif is a picture without spectra (use --layout pages or samples to keep them)"),
         "{}",
         run.err
     );

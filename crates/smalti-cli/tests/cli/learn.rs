@@ -171,7 +171,7 @@ fn other_targets_and_other_light() {
     let run = place.run(&["render", "s/raw.dng", "--pipeline", "t.l3", "-o", "t.png"]);
     assert_eq!(run.code, 1);
     assert!(
-        run.err.contains("t.png: t.l3 gives R, G, W, B, which is no picture: name an .npy"),
+        run.err.contains("t.png: the outputs of t.l3 are R, G, W, B, not a picture; use the extension .npy"),
         "{}",
         run.err
     );
@@ -263,7 +263,7 @@ fn pixels_beyond_what_was_trained_are_counted() {
         place.ok(&format!("simulate bayer {LEAVES} {SMALL} --luminance {luminance} -o s"));
         let run = place.run(&["render", "s/raw.dng", "--pipeline", "mid.l3", "-o", "a.png"]);
         assert_eq!(run.code, 0);
-        let words = format!("of 9216 pixels are {what} than anything trained; the nearest class was used");
+        let words = format!("of 9216 pixels are {what} than the training data and use the nearest class");
         assert!(run.err.starts_with("note: ") && run.err.contains(&words), "{luminance}: {}", run.err);
         let quiet = place.ok("render s/raw.dng --pipeline mid.l3 -o a.png -q --json");
         let json: serde_json::Value = serde_json::from_str(&quiet).unwrap();

@@ -7,6 +7,7 @@ mod compare;
 mod compare_page;
 mod convert;
 mod evaluate;
+mod experiments;
 #[path = "../../../smalti/tests/it/gaussian_sets.rs"]
 mod gaussian_sets;
 mod learn;

@@ -149,7 +149,7 @@ fn kitty(text: &str) -> Vec<(u32, u32)> {
 
 /// The pixels of a sixel picture: as many as it says, each painted.
 fn sixel(text: &str) -> (usize, Vec<Option<[u8; 3]>>) {
-    let body = text.split_once("\x1bP0;1;0q\"1;1;").unwrap().1.split_once("\x1b\\").unwrap().0;
+    let body = text.split_once("q\"1;1;").unwrap().1.split_once("\x1b\\").unwrap().0;
     let (width, rest) = body.split_once(';').unwrap();
     let end = rest.find(|c: char| !c.is_ascii_digit()).unwrap();
     let (width, height): (usize, usize) = (width.parse().unwrap(), rest[..end].parse().unwrap());
@@ -210,7 +210,7 @@ fn pictures_for_terminals_that_show_them_decode() {
     // A mosaic and its spectra; a scene, pixel for pixel.
     assert_eq!(kitty(&colored(&place, "show rgbw --as cfa --graphics kitty")).len(), 2);
     assert_eq!(kitty(&colored(&place, "show macbeth?patch=8 --graphics kitty")), [(48, 32)]);
-    let large = kitty(&colored(&place, "show uniform?size=2500 --wavelengths 550:10:560 --graphics kitty"));
+    let large = kitty(&colored(&place, "show uniform?size=2500 --wavelengths 450:100:650 --graphics kitty"));
     assert!(large[0].0 <= 960 && large[0].0 == large[0].1, "{large:?}");
 
     let (width, pixels) = sixel(&colored(&place, "show macbeth?patch=8 --graphics sixel"));
@@ -291,8 +291,8 @@ fn what_cannot_be_shown_says_why() {
         ("show broken.toml", &["broken.toml"]),
         ("show no.png", &["no.png"]),
         ("show absent.csv", &["absent.csv"]),
-        ("show rgbw --luminance 3", &["--luminance says nothing about a camera"]),
-        ("show macbeth --set isp.output=srgb", &["--set says nothing about a scene"]),
+        ("show rgbw --luminance 3", &["--luminance does not apply to a camera"]),
+        ("show macbeth --set isp.output=srgb", &["--set does not apply to a scene"]),
         ("show macbeth --toml", &["a scene has no TOML"]),
         ("show bayer --set sensor.pixel.pitch_um=0", &["pitch_um"]),
         ("show bayer --toml --set isp.output=srgb", &["--json"]),

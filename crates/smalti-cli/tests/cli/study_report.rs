@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use serde_json::Value;
+use smalti::design::Study;
 use smalti::design::statistics::summarize;
-use smalti::design::{FilterFigures, Study};
 use smalti_io::dataset::{Column, Dataset};
 
 use crate::{Place, numbers};
@@ -208,7 +208,7 @@ fn a_page_holds_the_designs() {
         data["columns"].as_array().unwrap().iter().map(|c| c["name"].as_str().unwrap()).collect();
     assert_eq!(names[..3], ["delta_e_76", "delta_e_2000", "mtf50_cy_per_mm"]);
     let pictures = data["pictures"].as_array().unwrap();
-    assert_eq!(pictures.len(), 1, "the page draws those of classic processing; one was asked for");
+    assert_eq!(pictures.len(), 1, "the page draws the others; one was asked for");
     assert_eq!(pictures[0]["row"], 6);
     assert!(pictures[0]["scene"]["src"].as_str().unwrap().starts_with("data:image/png;base64,iVBOR"));
     // What it draws them from.
@@ -216,7 +216,10 @@ fn a_page_holds_the_designs() {
         (data["stages"].as_array().unwrap().len(), &data["sections"][0]["drawn"]["stage"]),
         (1, &0.into())
     );
-    assert_eq!(data["matrices"]["scale"]["n"], 8);
+    assert_eq!(data["studies"][0]["study"]["seed"], 1);
+    assert!(
+        html.contains("id=\"simulator\"") && html.contains("&#39;wasm-unsafe-eval&#39;; worker-src blob:")
+    );
     // Colours from 3 to 4: the filters of all designs are 4 × 3 + 4 × 4.
     assert_eq!(data["filters"]["center"]["n"], 28);
 
@@ -434,7 +437,9 @@ fn incomplete_results_are_reported_as_such() {
     place.ok("sweep two-parts.toml -o out --shard 1/2");
     let text = place.ok("report out");
     assert!(
-        text.contains("Incomplete: 1 of 2 parts are missing, 88 designs; this is of the 512 there are."),
+        text.contains(
+            "Incomplete: 1 of 2 parts are missing, 88 designs. This report is of the 512 scored designs."
+        ),
         "{text}"
     );
     let study = &place.json("out/report/report.json")["studies"][0];
@@ -468,7 +473,7 @@ fn a_study_is_read_as_it_was_written() {
         assert_eq!(&read, designs.study(), "{name}");
         let figures = |d: &smalti::design::Designs| {
             let design = d.design(d.len() - 1).unwrap();
-            design.filters.filters.iter().map(|f| FilterFigures::from(f).center_nm).collect::<Vec<f64>>()
+            design.filters.figures().unwrap().iter().map(|f| f.center_nm).collect::<Vec<f64>>()
         };
         assert_eq!(figures(&smalti::design::Designs::new(read).unwrap()), figures(&designs), "{name}");
     }

@@ -140,7 +140,7 @@ fn a_stopped_sweep_says_how_to_go_on() {
     let ended = child.wait_with_output().unwrap();
     let said = String::from_utf8(ended.stderr).unwrap();
     assert_eq!(ended.status.code(), Some(130), "{said}");
-    assert!(said.contains("stopped; what is in out stays"), "{said}");
+    assert!(said.contains("stopped; out keeps the results so far"), "{said}");
     assert!(parts() > 0);
 }
 

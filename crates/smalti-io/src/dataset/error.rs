@@ -54,7 +54,7 @@ pub enum DatasetError {
         /// The folder.
         dir: PathBuf,
     },
-    /// A file among the parts that is none; readers of the whole folder would take it for one.
+    /// A file among the parts that is not a part; readers of the whole folder would take it for one.
     #[error("{} is no part of these results; move it elsewhere", path.display())]
     Stray {
         /// The file.
@@ -215,7 +215,7 @@ impl PartProblem {
     }
 }
 
-/// A failure to write, told apart by whether trying again later helps.
+/// A failure to write, classified by whether a later attempt can succeed.
 pub(super) fn writing(error: IoError) -> DatasetError {
     use io::ErrorKind::{FileTooLarge, PermissionDenied, QuotaExceeded, ReadOnlyFilesystem, StorageFull};
     match error {

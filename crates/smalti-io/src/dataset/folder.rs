@@ -1,4 +1,4 @@
-//! What lies in a folder of results.
+//! The files in a folder of results.
 
 use std::fs;
 use std::io;
@@ -31,14 +31,31 @@ pub(super) fn chunk_of(file: &str) -> Option<u64> {
     (name(chunk) == file).then_some(chunk)
 }
 
+/// The path of a part in its folder: `designs/part-000012.parquet`.
+#[must_use]
+pub fn part_name(chunk: u64) -> String {
+    part(Path::new(""), chunk).to_string_lossy().replace('\\', "/")
+}
+
+/// Puts the bytes of a part into a folder that a [`Run`](super::Run), perhaps of another machine, has opened: whole or not at all, on the
+/// disk when this returns.
+///
+/// # Errors
+/// When it cannot be written.
+pub fn write_part(dir: &Path, chunk: u64, bytes: &[u8]) -> Result<(), DatasetError> {
+    crate::write::durable(&part(dir, chunk), bytes).map_err(super::error::writing)
+}
+
+/// The numbers below `chunks` that are not in an ascending list.
+pub(super) fn missing(chunks: u64, there: &[u64]) -> impl Iterator<Item = u64> {
+    let mut there = there.iter().copied().peekable();
+    (0..chunks).filter(move |chunk| there.next_if_eq(chunk).is_none())
+}
+
 /// The file whose temporary one this is, as [`crate::write::atomic`] names them.
 fn temporary(file: &str) -> Option<&str> {
     let (of, number) = file.strip_prefix('.')?.strip_suffix(".tmp")?.rsplit_once('.')?;
     number.bytes().all(|b| b.is_ascii_digit() || b == b'-').then_some(of)
-}
-
-fn reading(path: &Path) -> impl Fn(io::Error) -> IoError {
-    move |source| IoError::Read { path: path.to_owned(), source }
 }
 
 /// Refuses a folder that holds things but no results. An absent one is fine.
@@ -46,15 +63,15 @@ pub(super) fn check_ours(dir: &Path) -> Result<(), DatasetError> {
     let listing = match fs::read_dir(dir) {
         Ok(listing) => listing,
         Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(()),
-        Err(error) => return Err(reading(dir)(error).into()),
+        Err(error) => return Err(IoError::reading(dir)(error).into()),
     };
     let name = |entry: fs::DirEntry| entry.file_name().to_string_lossy().into_owned();
     let names: Vec<String> =
-        listing.map(|entry| entry.map(name)).collect::<Result<_, _>>().map_err(reading(dir))?;
+        listing.map(|entry| entry.map(name)).collect::<Result<_, _>>().map_err(IoError::reading(dir))?;
     check_names(dir, names.into_iter())
 }
 
-/// The same for the names of what lies in a place.
+/// The same for the names of the files in a place.
 pub(super) fn check_names(dir: &Path, names: impl Iterator<Item = String>) -> Result<(), DatasetError> {
     let mut foreign = None;
     for name in names {
@@ -75,8 +92,8 @@ pub(super) fn check_names(dir: &Path, names: impl Iterator<Item = String>) -> Re
 
 /// Removes the temporary manifest of a run that was killed. Call it under the lock of the manifest.
 pub(super) fn sweep_manifest(dir: &Path) -> Result<(), DatasetError> {
-    for entry in fs::read_dir(dir).map_err(reading(dir))? {
-        let entry = entry.map_err(reading(dir))?;
+    for entry in fs::read_dir(dir).map_err(IoError::reading(dir))? {
+        let entry = entry.map_err(IoError::reading(dir))?;
         if temporary(&entry.file_name().to_string_lossy()) == Some(manifest::FILE) {
             remove(&entry.path())?;
         }
@@ -91,11 +108,11 @@ pub(super) fn list(dir: &Path, chunks: u64, sweep: Option<Option<Shard>>) -> Res
     let listing = match fs::read_dir(&parts) {
         Ok(listing) => listing,
         Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(Vec::new()),
-        Err(error) => return Err(reading(&parts)(error).into()),
+        Err(error) => return Err(IoError::reading(&parts)(error).into()),
     };
     let mut found = Vec::new();
     for entry in listing {
-        let entry = entry.map_err(reading(&parts))?;
+        let entry = entry.map_err(IoError::reading(&parts))?;
         let name = entry.file_name();
         let name = name.to_string_lossy();
         if let Some(chunk) = chunk_of(&name).filter(|c| *c < chunks) {
@@ -116,7 +133,7 @@ pub(super) fn list(dir: &Path, chunks: u64, sweep: Option<Option<Shard>>) -> Res
 fn remove(path: &Path) -> Result<(), DatasetError> {
     match fs::remove_file(path) {
         Err(source) if source.kind() != io::ErrorKind::NotFound => {
-            Err(super::error::writing(IoError::Write { path: path.to_owned(), source }))
+            Err(super::error::writing(IoError::writing(path)(source)))
         }
         _ => Ok(()),
     }
@@ -124,7 +141,7 @@ fn remove(path: &Path) -> Result<(), DatasetError> {
 
 /// Forces the names in a folder to the disk, where the system can.
 pub(super) fn sync(dir: &Path) {
-    // A part whose name is lost is computed anew; nothing depends on this.
+    // A part whose name is lost is computed again, so that a failure does no harm.
     if let Ok(folder) = fs::File::open(dir) {
         let _ = folder.sync_all();
     }

@@ -18,7 +18,7 @@ const SHARD: &str = ".lock-shard-";
 
 /// Locks that are held.
 #[derive(Debug)]
-pub(super) struct Held {
+pub(super) struct Locks {
     _files: Vec<File>,
 }
 
@@ -27,7 +27,7 @@ pub(super) fn is_lock(name: &str) -> bool {
 }
 
 /// Locks a folder for a run of the whole or of a shard, at once or not at all.
-pub(super) fn acquire(dir: &Path, shard: Option<Shard>) -> Result<Held, DatasetError> {
+pub(super) fn acquire(dir: &Path, shard: Option<Shard>) -> Result<Locks, DatasetError> {
     let busy = |by: String| DatasetError::Busy { dir: dir.to_owned(), by };
     let path = dir.join(WHOLE);
     let mut whole = open(&path)?;
@@ -38,7 +38,7 @@ pub(super) fn acquire(dir: &Path, shard: Option<Shard>) -> Result<Held, DatasetE
         sign(&mut whole);
         // Nobody holds one: shards share `.lock` first.
         shard_locks(dir).for_each(|(path, _)| drop(fs::remove_file(path)));
-        return Ok(Held { _files: vec![whole] });
+        return Ok(Locks { _files: vec![whole] });
     };
     if !attempt(&path, || whole.try_lock_shared())? {
         return Err(busy(signature(&path)));
@@ -55,15 +55,15 @@ pub(super) fn acquire(dir: &Path, shard: Option<Shard>) -> Result<Held, DatasetE
             return Err(busy(format!("shard {other}, {}", signature(&path))));
         }
     }
-    Ok(Held { _files: vec![own, whole] })
+    Ok(Locks { _files: vec![own, whole] })
 }
 
 /// Waits for the lock of the manifest, which nobody holds for long.
-pub(super) fn manifest(dir: &Path) -> Result<Held, DatasetError> {
+pub(super) fn manifest(dir: &Path) -> Result<Locks, DatasetError> {
     let path = dir.join(MANIFEST);
     let file = open(&path)?;
     file.lock().map_err(|source| DatasetError::Lock { path, source })?;
-    Ok(Held { _files: vec![file] })
+    Ok(Locks { _files: vec![file] })
 }
 
 fn open(path: &Path) -> Result<File, DatasetError> {
@@ -73,7 +73,7 @@ fn open(path: &Path) -> Result<File, DatasetError> {
         .create(true)
         .truncate(false)
         .open(path)
-        .map_err(|source| writing(IoError::Write { path: path.to_owned(), source }))
+        .map_err(|e| writing(IoError::writing(path)(e)))
 }
 
 /// Whether a lock was had. Others look at locks for a moment to see whether they are held, so once is not enough.

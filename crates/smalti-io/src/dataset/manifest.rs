@@ -93,7 +93,7 @@ pub struct Manifest {
     hash: String,
 }
 
-/// As it stands in the file.
+/// The manifest as it is written.
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Raw {
@@ -151,7 +151,7 @@ impl Manifest {
     /// # Errors
     /// When it is not JSON of this form, is of another revision, states a hash that is not its own, or has a plan that cannot be.
     pub fn from_bytes(bytes: &[u8], path: &Path) -> Result<Self, DatasetError> {
-        let decode = |message: String| IoError::Decode { path: path.to_owned(), format: "manifest", message };
+        let decode = |message: String| IoError::decode(path, "manifest", message);
         let value: Value = serde_json::from_slice(bytes).map_err(|e| decode(e.to_string()))?;
         let at = |key: &str| value.get(key).map_or_else(|| "absent".to_owned(), Value::to_string);
         if value.get("format").and_then(Value::as_str) != Some(FORMAT) {
@@ -193,11 +193,11 @@ impl Manifest {
 
     pub(super) fn write(&self, dir: &Path) -> Result<(), IoError> {
         let path = dir.join(FILE);
-        let text = self.to_json().map_err(|e| IoError::Write { path: path.clone(), source: e.into() })?;
+        let text = self.to_json().map_err(|e| IoError::writing(&path)(e.into()))?;
         write::durable(&path, text.as_bytes())
     }
 
-    /// Refuses to go on, in a place that has this manifest, with another plan.
+    /// Refuses to continue, in a place that has this manifest, with another plan.
     pub(super) fn check_same(&self, now: &Self, dir: &Path) -> Result<(), DatasetError> {
         if self.hash == now.hash {
             return Ok(());

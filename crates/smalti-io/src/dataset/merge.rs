@@ -64,7 +64,7 @@ pub fn merge(from: &[PathBuf], into: &Path) -> Result<(), DatasetError> {
 
 /// The bytes of a part, checked.
 fn read(path: &Path, manifest: &super::Manifest, chunk: u64) -> Result<Vec<u8>, DatasetError> {
-    let bytes = fs::read(path).map_err(|source| IoError::Read { path: path.to_owned(), source })?;
+    let bytes = fs::read(path).map_err(IoError::reading(path))?;
     part::part_from_bytes(bytes.clone(), path, manifest, chunk, &[])?;
     Ok(bytes)
 }

@@ -15,7 +15,6 @@
 //! after a loss of power; a run that is killed loses only the chunks it was at.
 
 mod difference;
-mod elsewhere;
 mod error;
 mod folder;
 mod lock;
@@ -23,17 +22,19 @@ mod manifest;
 mod merge;
 mod part;
 mod read;
+mod remote;
 mod run;
 mod schema;
 mod shard;
 
 pub use difference::{Difference, Differences};
-pub use elsewhere::{Elsewhere, part_name, write_part};
 pub use error::{DatasetError, PartProblem};
+pub use folder::{part_name, write_part};
 pub use manifest::{Manifest, Plan, RunRecord};
 pub use merge::merge;
 pub use part::{encode, part_from_bytes};
 pub use read::{Dataset, Part, Rows};
+pub use remote::RemoteDataset;
 pub use run::Run;
 pub use schema::{Column, ColumnKind, ColumnSpec};
 pub use shard::{Shard, ShardError};

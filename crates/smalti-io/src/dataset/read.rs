@@ -4,8 +4,9 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use super::error::DatasetError;
+use super::folder::missing;
 use super::manifest::Manifest;
-use super::run::{missing, read_manifest};
+use super::run::read_manifest;
 use super::schema::Column;
 use super::{folder, part};
 

@@ -1,18 +1,17 @@
 //! Writing results: a folder that is locked, and the chunks that are still to do.
 
-use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use serde_json::Value;
 
 use super::error::{DatasetError, writing};
-use super::lock::{self, Held};
+use super::lock::{self, Locks};
 use super::manifest::{Manifest, Plan, RunRecord};
 use super::schema::Column;
 use super::shard::Shard;
 use super::{folder, part};
-use crate::{IoError, write};
+use crate::write;
 
 /// A folder of results that is being filled, by this run alone or by this shard and others. The folder is free again when the
 /// value is dropped or its process ends, however it ends.
@@ -23,7 +22,7 @@ pub struct Run {
     shard: Option<Shard>,
     missing: Vec<u64>,
     written: AtomicU64,
-    _locks: Held,
+    _locks: Locks,
 }
 
 impl Run {
@@ -49,8 +48,7 @@ impl Run {
         write::begin_folder(dir, &[]).map_err(writing)?;
         let locks = lock::acquire(dir, shard)?;
         settle_manifest(dir, &manifest)?;
-        let parts = folder::parts_dir(dir);
-        fs::create_dir_all(&parts).map_err(|source| writing(IoError::Write { path: parts, source }))?;
+        write::create_folder(&folder::parts_dir(dir)).map_err(writing)?;
         let chunks = manifest.plan.chunks();
         let own = |chunk: &u64| shard.is_none_or(|s| s.owns(*chunk));
         let mut there = folder::list(dir, chunks, Some(shard))?;
@@ -58,7 +56,7 @@ impl Run {
         for &chunk in &there {
             part::quick_check(&folder::part(dir, chunk), &manifest, chunk)?;
         }
-        let missing = missing(chunks, &there).filter(own).collect();
+        let missing = folder::missing(chunks, &there).filter(own).collect();
         Ok(Self { dir: dir.to_owned(), manifest, shard, missing, written: AtomicU64::new(0), _locks: locks })
     }
 
@@ -86,7 +84,7 @@ impl Run {
 
     /// Writes the bytes of a part.
     pub(super) fn put(&self, chunk: u64, bytes: &[u8]) -> Result<(), DatasetError> {
-        super::write_part(&self.dir, chunk, bytes)?;
+        folder::write_part(&self.dir, chunk, bytes)?;
         self.written.fetch_add(1, Ordering::Relaxed);
         Ok(())
     }
@@ -134,12 +132,6 @@ impl Run {
         let chunks = self.manifest.plan.chunks();
         Ok(chunks.saturating_sub(folder::list(&self.dir, chunks, None)?.len() as u64))
     }
-}
-
-/// The numbers below `chunks` that are not in an ascending list.
-pub(super) fn missing(chunks: u64, there: &[u64]) -> impl Iterator<Item = u64> {
-    let mut there = there.iter().copied().peekable();
-    (0..chunks).filter(move |chunk| there.next_if_eq(chunk).is_none())
 }
 
 pub(super) fn read_manifest(dir: &Path) -> Result<Manifest, DatasetError> {

@@ -96,7 +96,7 @@ impl Column {
     }
 }
 
-/// Refuses names that are not to be told apart or need quotes somewhere.
+/// Refuses names that cannot be distinguished or need quotes in some program.
 pub(super) fn check(schema: &[ColumnSpec]) -> Result<(), DatasetError> {
     let error = |what: String, found: String, expected: &str| {
         Err(DatasetError::Plan { what, found, expected: expected.to_owned() })

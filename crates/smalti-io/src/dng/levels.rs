@@ -1,17 +1,17 @@
-//! Black levels (DNG 1.4, chapter 5: mapping raw values to linear reference values), and what is left aside.
+//! Black levels (DNG 1.4, chapter 5: mapping raw values to linear reference values), and notes on ignored opcodes.
 
 use std::path::Path;
 
 use smalti::sensor::RawSamples;
 
 use crate::IoError;
-use crate::tiff_tags::{self as tags, Ifd};
+use crate::tiff::{Directory, tags};
 
 /// The black level of the image, after `samples` (of the active area, ordered plane, row, column, of the size
 /// `(rows, cols, planes)`) have been shifted to have one. That is the highest of all, as DNG scales from it: what is
 /// saturated stays so.
 pub(super) fn one_black_level(
-    ifd: &Ifd<'_>,
+    ifd: &Directory,
     (rows, cols, planes): (usize, usize, usize),
     samples: &mut RawSamples,
     path: &Path,
@@ -77,7 +77,7 @@ pub(super) fn one_black_level(
     Ok(most)
 }
 
-fn numbers(ifd: &Ifd<'_>, tag: u16, name: &str, path: &Path) -> Result<Option<Vec<f64>>, IoError> {
+fn numbers(ifd: &Directory, tag: u16, name: &str, path: &Path) -> Result<Option<Vec<f64>>, IoError> {
     let values = ifd.numbers(tag).filter(|v| !v.is_empty());
     if values.as_ref().is_some_and(|v| v.iter().any(|x| !x.is_finite())) {
         return Err(IoError::field(path, name, "not finite", "numbers"));
@@ -86,14 +86,14 @@ fn numbers(ifd: &Ifd<'_>, tag: u16, name: &str, path: &Path) -> Result<Option<Ve
 }
 
 /// Notes which opcode lists are not carried out.
-pub(super) fn opcode_lists(ifd: &Ifd<'_>, notes: &mut Vec<String>) {
+pub(super) fn opcode_lists(ifd: &Directory, notes: &mut Vec<String>) {
     for (tag, name, when) in [
         (tags::OPCODE_LIST_1, "OpcodeList1", "the samples as stored"),
         (tags::OPCODE_LIST_2, "OpcodeList2", "the linear raw image"),
         (tags::OPCODE_LIST_3, "OpcodeList3", "the demosaicked image"),
     ] {
         // A count of zero opcodes takes four bytes.
-        if ifd.raw(tag).is_some_and(|list| list.iter().take(4).any(|b| *b != 0)) {
+        if ifd.bytes(tag).is_some_and(|list| list.iter().take(4).any(|b| *b != 0)) {
             notes.push(format!(
                 "{name} is ignored: its corrections (defects, shading, distortion) are of {when}, and the samples are \
                  wanted as the sensor gave them"

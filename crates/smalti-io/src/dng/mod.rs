@@ -75,7 +75,7 @@ pub struct Dng {
     pub default_crop: Option<Crop>,
     /// The rest.
     pub info: DngInfo,
-    /// What was simplified or left aside.
+    /// What was simplified or ignored.
     pub notes: Vec<String>,
 }
 

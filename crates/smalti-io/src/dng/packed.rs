@@ -1,5 +1,7 @@
 //! Samples in bytes: packed bits, floating point of DNG's sizes, and the differences that Deflate is given.
 
+use crate::raster::{add_differences, restore_floats};
+
 /// Sample `i` of a row. Sizes below 16 bits are packed, the most significant bit first, in either byte order.
 pub(super) fn integer(bytes: &[u8], i: usize, bits: usize, big_endian: bool) -> u16 {
     let byte = |at: usize| u32::from(bytes.get(at).copied().unwrap_or(0));
@@ -78,39 +80,8 @@ impl Predictor {
     pub(super) fn undo(self, row: &mut [u8], size: usize, big_endian: bool) {
         match self {
             Self::None => {}
-            Self::Difference(step) if size == 1 => sum(row, step),
-            Self::Difference(step) => {
-                let mut values: Vec<u16> =
-                    (0..row.len() / 2).map(|i| integer(row, i, 16, big_endian)).collect();
-                for i in step..values.len() {
-                    let before = values.get(i - step).copied().unwrap_or(0);
-                    if let Some(v) = values.get_mut(i) {
-                        *v = v.wrapping_add(before);
-                    }
-                }
-                for (to, v) in row.as_chunks_mut::<2>().0.iter_mut().zip(values) {
-                    *to = if big_endian { v.to_be_bytes() } else { v.to_le_bytes() };
-                }
-            }
-            Self::FloatingPoint(step) => {
-                sum(row, step);
-                let count = row.len() / size;
-                let sorted = row.to_vec();
-                for (i, to) in row.chunks_exact_mut(size).enumerate() {
-                    for (k, b) in to.iter_mut().enumerate() {
-                        *b = sorted.get(k * count + i).copied().unwrap_or(0);
-                    }
-                }
-            }
-        }
-    }
-}
-
-fn sum(row: &mut [u8], step: usize) {
-    for i in step..row.len() {
-        let before = row.get(i - step).copied().unwrap_or(0);
-        if let Some(b) = row.get_mut(i) {
-            *b = b.wrapping_add(before);
+            Self::Difference(step) => add_differences(row, step, size, big_endian),
+            Self::FloatingPoint(step) => restore_floats(row, step, size),
         }
     }
 }

@@ -5,19 +5,19 @@ use std::path::Path;
 use smalti::sensor::{Mosaic, RawImage, RawSamples, Sampling};
 
 use super::levels::{one_black_level, opcode_lists};
-use super::samples::{Area, Coding, Shape, decode};
+use super::samples::{Coding, Shape, decode};
 use super::{
     CFA, COLOR_LETTERS, ColorMatrix, Crop, Description, Dng, DngInfo, Facts, LINEAR_RAW, color_codes,
     plane_order,
 };
 use crate::error::At;
-use crate::tiff_tags::{self as tags, Ifd, Tiff};
+use crate::tiff::{Directory, Images, tags};
 use crate::{IoError, Limits, file};
 
 /// The raw image of a DNG: CFA or LinearRaw; 8 to 16 bits or floating point of 16, 24 or 32; uncompressed, lossless
 /// JPEG, Deflate or JPEG XL; both byte orders, strips or tiles. The image is cropped to its active area and its linearisation
 /// table applied. Where black levels differ from pixel to pixel, their difference to the highest is taken off the
-/// samples, so that one level holds for all. Opcode lists are left aside, with a note.
+/// samples, so that one level holds for all. Opcode lists are ignored, with a note.
 ///
 /// # Errors
 /// When the file cannot be read, is not a DNG, is compressed otherwise, has another layout than a rectangular mosaic, ends
@@ -34,28 +34,38 @@ pub fn from_bytes(bytes: &[u8], path: &Path) -> Result<Dng, IoError> {
     parse(bytes, path, Limits::default())
 }
 
+/// Most images of a DNG that are looked at.
+const MAX_IMAGES: usize = 64;
+
 fn parse(bytes: &[u8], path: &Path, limits: Limits) -> Result<Dng, IoError> {
-    let not_dng = || IoError::UnknownFormat { path: path.to_owned(), expected: "a DNG file" };
-    let tiff = Tiff::new(bytes).ok_or_else(not_dng)?;
-    let ifds = tiff.ifds();
-    let first = ifds.first().ok_or_else(not_dng)?;
-    first.raw(tags::DNG_VERSION).ok_or_else(not_dng)?;
-    let is_raw = |i: &&Ifd<'_>| {
-        matches!(i.size(tags::PHOTOMETRIC), Some(p) if p == usize::from(CFA) || p == usize::from(LINEAR_RAW))
-            && i.size(tags::NEW_SUBFILE_TYPE).unwrap_or(0) == 0
+    let not_dng = || IoError::unknown(path, "a DNG file");
+    // A damaged preview does not matter where the raw image is whole.
+    let mut damaged = None;
+    let mut images = Vec::new();
+    for image in Images::new(&bytes, path, true).map_err(|_| not_dng())?.take(MAX_IMAGES) {
+        match image {
+            Ok(image) => images.push(image),
+            Err(error) => damaged = damaged.or(Some(error)),
+        }
+    }
+    let first = images.first().filter(|i| i.has(tags::DNG_VERSION));
+    let is_raw = |i: &&Directory| {
+        i.integer(tags::PHOTOMETRIC).is_some_and(|p| p == u64::from(CFA) || p == u64::from(LINEAR_RAW))
+            && i.integer(tags::NEW_SUBFILE_TYPE).unwrap_or(0) == 0
     };
-    let ifd = ifds.iter().find(is_raw).ok_or_else(|| {
-        IoError::field(
-            path,
-            "the raw image",
-            "absent",
-            "PhotometricInterpretation CFA (32803) or LinearRaw (34892)",
-        )
-    })?;
+    let (first, ifd) = match (first, images.iter().find(is_raw), damaged) {
+        (Some(first), Some(ifd), _) => (first, ifd),
+        (_, _, Some(error)) => return Err(error),
+        (None, ..) => return Err(not_dng()),
+        (Some(_), None, None) => {
+            let expected = "PhotometricInterpretation CFA (32803) or LinearRaw (34892)";
+            return Err(IoError::field(path, "the raw image", "absent", expected));
+        }
+    };
 
     let shape = shape(ifd, path)?;
     let area = active_area(ifd, shape, path)?;
-    let mut samples = decode(tiff, ifd, shape, area, limits, path)?;
+    let mut samples = decode(bytes, ifd, shape, area, limits, path)?;
     let mut notes = Vec::new();
     let table = ifd.numbers(tags::LINEARIZATION_TABLE).filter(|t| !t.is_empty());
     if let (RawSamples::Digital(values), Some(table)) = (&mut samples, &table) {
@@ -72,7 +82,7 @@ fn parse(bytes: &[u8], path: &Path, limits: Limits) -> Result<Dng, IoError> {
     } else {
         f64::from((1u32 << shape.bits) - 1)
     });
-    let (rows, cols) = (area.bottom - area.top, area.right - area.left);
+    let (rows, cols) = (area.rows, area.cols);
     let black = one_black_level(ifd, (rows, cols, shape.planes), &mut samples, path, &mut notes)?;
     let facts =
         first.text(tags::IMAGE_DESCRIPTION).and_then(|t| serde_json::from_str::<Description>(&t).ok());
@@ -91,7 +101,7 @@ fn parse(bytes: &[u8], path: &Path, limits: Limits) -> Result<Dng, IoError> {
 
 /// The sampling in the words of the description, and its channels in the order of DNG's planes. `None` where the
 /// description is not of this mosaic: left behind by a program that changed the image.
-fn described(facts: Facts, stated: &Sampling, ifd: &Ifd<'_>) -> Option<(Facts, Sampling, Vec<usize>)> {
+fn described(facts: Facts, stated: &Sampling, ifd: &Directory) -> Option<(Facts, Sampling, Vec<usize>)> {
     if facts.channels.len() != stated.channels() {
         return None;
     }
@@ -103,7 +113,7 @@ fn described(facts: Facts, stated: &Sampling, ifd: &Ifd<'_>) -> Option<(Facts, S
             let pattern: Option<Vec<u8>> =
                 cells.iter().map(|c| codes.get(usize::from(*c)).copied()).collect();
             let same_tile = rows.len() == m.rows() && rows.iter().all(|r| r.len() == m.cols());
-            if !same_tile || pattern.as_deref() != ifd.raw(tags::CFA_PATTERN) {
+            if !same_tile || pattern.as_deref() != ifd.bytes(tags::CFA_PATTERN) {
                 return None;
             }
             let mosaic = Mosaic::new(m.rows(), m.cols(), cells).ok()?;
@@ -113,7 +123,7 @@ fn described(facts: Facts, stated: &Sampling, ifd: &Ifd<'_>) -> Option<(Facts, S
     }
 }
 
-fn shape(ifd: &Ifd<'_>, path: &Path) -> Result<Shape, IoError> {
+fn shape(ifd: &Directory, path: &Path) -> Result<Shape, IoError> {
     let coding = coding(ifd, path)?;
     let planes = ifd.size(tags::SAMPLES_PER_PIXEL).unwrap_or(1);
     let (rows, cols) = (ifd.size(tags::IMAGE_LENGTH).unwrap_or(0), ifd.size(tags::IMAGE_WIDTH).unwrap_or(0));
@@ -139,7 +149,7 @@ fn shape(ifd: &Ifd<'_>, path: &Path) -> Result<Shape, IoError> {
     Ok(shape)
 }
 
-fn coding(ifd: &Ifd<'_>, path: &Path) -> Result<Coding, IoError> {
+fn coding(ifd: &Directory, path: &Path) -> Result<Coding, IoError> {
     let compression = ifd.size(tags::COMPRESSION).unwrap_or(1);
     match compression {
         1 => return Ok(Coding::None),
@@ -157,36 +167,30 @@ fn coding(ifd: &Ifd<'_>, path: &Path) -> Result<Coding, IoError> {
     Err(IoError::field(path, "Compression", format!("{compression}{name}"), expected))
 }
 
-fn active_area(ifd: &Ifd<'_>, shape: Shape, path: &Path) -> Result<Area, IoError> {
-    let whole = Area { top: 0, left: 0, bottom: shape.rows, right: shape.cols };
-    let Some(stated) = ifd.numbers(tags::ACTIVE_AREA) else { return Ok(whole) };
-    let area = match stated.as_slice() {
-        [top, left, bottom, right] => Area {
-            top: *top as usize,
-            left: *left as usize,
-            bottom: *bottom as usize,
-            right: *right as usize,
-        },
-        _ => Area { top: 0, left: 0, bottom: 0, right: 0 },
+fn active_area(ifd: &Directory, shape: Shape, path: &Path) -> Result<Crop, IoError> {
+    let Some(stated) = ifd.numbers(tags::ACTIVE_AREA) else {
+        return Ok(Crop::whole(shape.rows, shape.cols));
     };
-    if area.top < area.bottom
-        && area.bottom <= shape.rows
-        && area.left < area.right
-        && area.right <= shape.cols
-    {
-        return Ok(area);
-    }
-    let expected = format!("top, left, bottom, right within {} × {}", shape.rows, shape.cols);
-    Err(IoError::field(path, "ActiveArea", format!("{stated:?}"), expected))
+    let area = match stated.iter().map(|v| *v as usize).collect::<Vec<_>>()[..] {
+        [row, col, bottom, right] => {
+            let (rows, cols) = (bottom.saturating_sub(row), right.saturating_sub(col));
+            Crop { row, col, rows, cols }.within(shape.rows, shape.cols, path).ok()
+        }
+        _ => None,
+    };
+    area.ok_or_else(|| {
+        let expected = format!("top, left, bottom, right within {} × {}", shape.rows, shape.cols);
+        IoError::field(path, "ActiveArea", format!("{stated:?}"), expected)
+    })
 }
 
 /// The mosaic and names for its channels, from DNG's own fields.
-fn sampling(ifd: &Ifd<'_>, shape: Shape, path: &Path) -> Result<(Sampling, Vec<String>), IoError> {
+fn sampling(ifd: &Directory, shape: Shape, path: &Path) -> Result<(Sampling, Vec<String>), IoError> {
     let name = |code: &u8| match COLOR_LETTERS.get(usize::from(*code)) {
         Some(letter) => (*letter).to_owned(),
         None => format!("code {code}"),
     };
-    if ifd.size(tags::PHOTOMETRIC) == Some(usize::from(LINEAR_RAW)) {
+    if ifd.integer(tags::PHOTOMETRIC) == Some(u64::from(LINEAR_RAW)) {
         let names = match shape.planes {
             3 => (0..3).map(|c| name(&c)).collect(),
             n => (1..=n).map(|i| i.to_string()).collect(),
@@ -206,8 +210,8 @@ fn sampling(ifd: &Ifd<'_>, shape: Shape, path: &Path) -> Result<(Sampling, Vec<S
         [rows, cols] => (*rows as usize, *cols as usize),
         _ => return Err(IoError::field(path, "CFARepeatPatternDim", format!("{dim:?}"), "rows and columns")),
     };
-    let pattern = ifd.raw(tags::CFA_PATTERN).unwrap_or_default();
-    let plane_colors = ifd.raw(tags::CFA_PLANE_COLOR).unwrap_or(&[0, 1, 2]);
+    let pattern = ifd.bytes(tags::CFA_PATTERN).unwrap_or_default();
+    let plane_colors = ifd.bytes(tags::CFA_PLANE_COLOR).unwrap_or(&[0, 1, 2]);
     // Planes that no cell has would be channels without samples.
     let used: Vec<u8> = plane_colors.iter().copied().filter(|c| pattern.contains(c)).collect();
     let channel = |code: &u8| {
@@ -222,7 +226,7 @@ fn sampling(ifd: &Ifd<'_>, shape: Shape, path: &Path) -> Result<(Sampling, Vec<S
 }
 
 /// `None` where it is not stated, or not in whole pixels within the image.
-fn default_crop(ifd: &Ifd<'_>, rows: usize, cols: usize) -> Option<Crop> {
+fn default_crop(ifd: &Directory, rows: usize, cols: usize) -> Option<Crop> {
     let (origin, size) = (ifd.numbers(tags::DEFAULT_CROP_ORIGIN)?, ifd.numbers(tags::DEFAULT_CROP_SIZE)?);
     // Horizontal before vertical.
     let ([col, row], [wide, high]) = (origin.as_slice(), size.as_slice()) else { return None };
@@ -230,12 +234,11 @@ fn default_crop(ifd: &Ifd<'_>, rows: usize, cols: usize) -> Option<Crop> {
         return None;
     }
     let crop = Crop { row: *row as usize, col: *col as usize, rows: *high as usize, cols: *wide as usize };
-    let within = crop.row.checked_add(crop.rows)? <= rows && crop.col.checked_add(crop.cols)? <= cols;
-    (within && crop.rows > 0 && crop.cols > 0).then_some(crop)
+    crop.within(rows, cols, Path::new("")).ok()
 }
 
 /// Names and colour; `order` gives the channel of each of DNG's planes.
-fn info(first: &Ifd<'_>, order: &[usize]) -> DngInfo {
+fn info(first: &Directory, order: &[usize]) -> DngInfo {
     let channels = order.len();
     let plane = |c: usize| order.iter().position(|&o| o == c);
     let light_source = first.size(tags::CALIBRATION_ILLUMINANT_1).unwrap_or(0) as u16;

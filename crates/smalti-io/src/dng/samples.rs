@@ -10,7 +10,8 @@ use smalti::sensor::RawSamples;
 use super::packed::{Predictor, float, integer};
 use super::{jxl, ljpeg};
 use crate::file::{self, LARGEST_EXPANSION};
-use crate::tiff_tags::{self as tags, Ifd, Tiff};
+use crate::scene_file::Crop;
+use crate::tiff::{Directory, tags};
 use crate::{IoError, Limits};
 
 /// How strips or tiles are compressed.
@@ -33,26 +34,17 @@ pub(super) struct Shape {
     pub(super) coding: Coding,
 }
 
-/// The part of the image that is light-sensitive: rows and columns from, to.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Area {
-    pub(super) top: usize,
-    pub(super) left: usize,
-    pub(super) bottom: usize,
-    pub(super) right: usize,
-}
-
-/// Samples of the area, ordered plane, row, column.
+/// Samples of the area that is light-sensitive, ordered plane, row, column.
 pub(super) fn decode(
-    tiff: Tiff<'_>,
-    ifd: &Ifd<'_>,
+    bytes: &[u8],
+    ifd: &Directory,
     shape: Shape,
-    area: Area,
+    area: Crop,
     limits: Limits,
     path: &Path,
 ) -> Result<RawSamples, IoError> {
-    check_size(tiff, shape, limits, path)?;
-    let (height, width) = (area.bottom - area.top, area.right - area.left);
+    check_size(bytes, shape, limits, path)?;
+    let Crop { row: top, col: left, rows: height, cols: width } = area;
     let len = height * width * shape.planes;
     let mut digital = vec![0u16; if shape.float { 0 } else { len }];
     let mut analog = vec![0f32; if shape.float { len } else { 0 }];
@@ -63,20 +55,20 @@ pub(super) fn decode(
     if shape.coding == Coding::JpegXl {
         let at_once = rayon::current_num_threads().min(chunks.list.len()) as u64;
         let memory = jxl::memory(chunks.size(shape)).saturating_mul(at_once);
-        let have = believed(shape.coding, tiff.bytes().len() as u64);
+        let have = believed(shape.coding, bytes.len() as u64);
         limits.check(path, "the strips or tiles that are unpacked at once", memory, have)?;
     }
-    // So many are decompressed at once that every thread has some, and few are held.
+    // Enough for all threads, and few in memory.
     for batch in chunks.list.chunks(4 * rayon::current_num_threads()) {
-        let read = |chunk| content(tiff, ifd, shape, &chunks, chunk, limits, path);
-        // All are done before the first error in their order is told: the same for any number of threads.
+        let read = |chunk| content(bytes, ifd, shape, &chunks, chunk, limits, path);
+        // The first error in their order is reported: the same for any number of threads.
         let contents: Vec<Result<Content<'_>, IoError>> = batch.par_iter().map(read).collect();
         for (chunk, content) in batch.iter().zip(contents) {
             let content = content?;
             for (r, row) in rows_at.iter().skip(chunk.row).take(chunks.rows).enumerate() {
-                let Some(row) = row.checked_sub(area.top).filter(|r| *r < height) else { continue };
+                let Some(row) = row.checked_sub(top).filter(|r| *r < height) else { continue };
                 let cols = cols_at.iter().skip(chunk.col).take(chunks.cols).enumerate();
-                let within = cols.filter_map(|(c, col)| Some((c, col.checked_sub(area.left)?)));
+                let within = cols.filter_map(|(c, col)| Some((c, col.checked_sub(left)?)));
                 let places = within.filter(|(_, col)| *col < width).flat_map(|(c, col)| {
                     (0..shape.planes).map(move |p| (c * shape.planes + p, (p * height + row) * width + col))
                 });
@@ -99,14 +91,9 @@ pub(super) fn decode(
         }
     }
     if let Some(i) = analog.iter().position(|v| !v.is_finite()) {
-        return Err(IoError::Pixel {
-            path: path.to_owned(),
-            channel: (i / (height * width).max(1)).to_string(),
-            row: i / width.max(1) % height.max(1),
-            col: i % width.max(1),
-            value: f64::from(analog.get(i).copied().unwrap_or(f32::NAN)),
-            expected: "a finite number",
-        });
+        let (plane, value) = (height * width, analog.get(i).copied().unwrap_or(f32::NAN));
+        let channel = (i / plane.max(1)).to_string();
+        return Err(IoError::pixel(path, channel, (i % plane.max(1), width), value, "a finite number"));
     }
     Ok(if shape.float { RawSamples::Analog(analog) } else { RawSamples::Digital(digital) })
 }
@@ -122,7 +109,7 @@ fn put<T>(into: &mut [T], places: impl Iterator<Item = (usize, usize)>, sample: 
 
 /// Which rows, or columns, of the image are stored, in their order: with a factor `n` first every `n`th from the first, then
 /// every `n`th from the second, and so on (DNG 1.7). So the colours of a mosaic lie apart.
-fn interleaved(ifd: &Ifd<'_>, tag: u16, count: usize, path: &Path) -> Result<Vec<usize>, IoError> {
+fn interleaved(ifd: &Directory, tag: u16, count: usize, path: &Path) -> Result<Vec<usize>, IoError> {
     let factor = ifd.size(tag).unwrap_or(1);
     if factor == 0 || factor > count {
         let name =
@@ -133,9 +120,9 @@ fn interleaved(ifd: &Ifd<'_>, tag: u16, count: usize, path: &Path) -> Result<Vec
 }
 
 /// What the file cannot hold is refused before memory is taken.
-fn check_size(tiff: Tiff<'_>, shape: Shape, limits: Limits, path: &Path) -> Result<(), IoError> {
+fn check_size(bytes: &[u8], shape: Shape, limits: Limits, path: &Path) -> Result<(), IoError> {
     const WHAT: &str = "the raw image";
-    let have = tiff.bytes().len() as u64;
+    let have = bytes.len() as u64;
     let samples = [shape.rows, shape.cols, shape.planes]
         .iter()
         .try_fold(1u64, |product, &n| product.checked_mul(n as u64))
@@ -148,10 +135,10 @@ fn check_size(tiff: Tiff<'_>, shape: Shape, limits: Limits, path: &Path) -> Resu
     };
     let need = samples.checked_mul(least_bits).map_or(u64::MAX, |bits| bits / 8);
     if need > have {
-        return Err(IoError::Truncated { path: path.to_owned(), what: WHAT, need, have });
+        return Err(IoError::truncated(path, WHAT, need, have));
     }
-    let bytes = samples.saturating_mul(if shape.float { 4 } else { 2 });
-    limits.check(path, WHAT, bytes, believed(shape.coding, have))
+    let memory = samples.saturating_mul(if shape.float { 4 } else { 2 });
+    limits.check(path, WHAT, memory, believed(shape.coding, have))
 }
 
 /// The length of a file as its limits see it. An even picture of any size is a few bytes of JPEG XL: so much is believed of any
@@ -183,7 +170,7 @@ impl Chunks {
     }
 }
 
-fn chunks(ifd: &Ifd<'_>, shape: Shape, path: &Path) -> Result<Chunks, IoError> {
+fn chunks(ifd: &Directory, shape: Shape, path: &Path) -> Result<Chunks, IoError> {
     let tiled = ifd.size(tags::TILE_WIDTH).is_some();
     let (rows, cols, tag, count_tag, field) = if tiled {
         let (rows, cols) =
@@ -194,21 +181,17 @@ fn chunks(ifd: &Ifd<'_>, shape: Shape, path: &Path) -> Result<Chunks, IoError> {
         (rows, shape.cols, tags::STRIP_OFFSETS, tags::STRIP_BYTE_COUNTS, "StripOffsets")
     };
     if rows == 0 || cols == 0 {
-        return Err(IoError::field(
-            path,
-            "the strip or tile size",
-            format!("{rows} × {cols}"),
-            "more than 0",
-        ));
+        let found = format!("{rows} × {cols}");
+        return Err(IoError::field(path, "the strip or tile size", found, "more than 0"));
     }
     let (down, across) = (shape.rows.div_ceil(rows), shape.cols.div_ceil(cols));
-    let offsets = ifd.numbers(tag).unwrap_or_default();
+    let offsets = ifd.integers(tag).unwrap_or_default();
     if down.checked_mul(across) != Some(offsets.len()) {
         let found = format!("{} long", offsets.len());
         return Err(IoError::field(path, field, found, format!("{down} × {across} offsets")));
     }
-    let lens = ifd.numbers(count_tag).unwrap_or_default();
-    let chunk = |(i, offset): (usize, &f64)| Chunk {
+    let lens = ifd.integers(count_tag).unwrap_or_default();
+    let chunk = |(i, offset): (usize, &u64)| Chunk {
         row: i / across * rows,
         col: i % across * cols,
         offset: *offset as usize,
@@ -244,39 +227,34 @@ impl Content<'_> {
 }
 
 fn content<'a>(
-    tiff: Tiff<'a>,
-    ifd: &Ifd<'_>,
+    bytes: &'a [u8],
+    ifd: &Directory,
     shape: Shape,
     chunks: &Chunks,
     chunk: &Chunk,
     limits: Limits,
     path: &Path,
 ) -> Result<Content<'a>, IoError> {
-    let have = tiff.bytes().len() as u64;
-    let truncated =
-        |need: u64| IoError::Truncated { path: path.to_owned(), what: "the raw image", need, have };
+    let have = bytes.len() as u64;
+    let truncated = |need: u64| IoError::truncated(path, "the raw image", need, have);
     // The last strip ends with the image; tiles are always whole, but a writer may have cut the last ones.
     let rows = chunks.rows.min(shape.rows - chunk.row);
     let samples = chunks.cols.checked_mul(shape.planes).ok_or_else(|| truncated(u64::MAX))?;
     let row_bytes = samples.checked_mul(shape.bits).ok_or_else(|| truncated(u64::MAX))?.div_ceil(8);
     let bytes_from = |len: usize| {
         let end = chunk.offset.saturating_add(len);
-        tiff.bytes().get(chunk.offset..end).ok_or_else(|| truncated(end as u64))
+        bytes.get(chunk.offset..end).ok_or_else(|| truncated(end as u64))
     };
     let needed = rows.checked_mul(row_bytes).ok_or_else(|| truncated(u64::MAX))?;
     if shape.coding == Coding::None {
-        return Ok(Content::Bytes(Cow::Borrowed(bytes_from(needed)?), row_bytes, tiff.big_endian()));
+        return Ok(Content::Bytes(Cow::Borrowed(bytes_from(needed)?), row_bytes, ifd.big_endian));
     }
     let len = chunk
         .len
         .ok_or_else(|| IoError::field(path, "the byte counts", "too short", "one for every strip or tile"))?;
     let coded = bytes_from(len)?;
     let place = format!("the strip or tile at row {}, column {}", chunk.row, chunk.col);
-    let wrong = |what: String| IoError::Decode {
-        path: path.to_owned(),
-        format: "DNG",
-        message: format!("{place}: {what}"),
-    };
+    let wrong = |what: String| IoError::decode(path, "DNG", format!("{place}: {what}"));
     if shape.coding == Coding::LosslessJpeg {
         let (least, most) = (rows.checked_mul(samples), chunks.rows.checked_mul(samples));
         let (Some(least), Some(most)) = (least, most) else { return Err(truncated(u64::MAX)) };
@@ -312,8 +290,8 @@ fn content<'a>(
         return Err(wrong(format!("Deflate: it has {} bytes of {needed}", inflated.len())));
     }
     for row in inflated.chunks_exact_mut(row_bytes) {
-        predictor.undo(row, shape.bits / 8, tiff.big_endian());
+        predictor.undo(row, shape.bits / 8, ifd.big_endian);
     }
-    let big = tiff.big_endian() || matches!(predictor, Predictor::FloatingPoint(_));
+    let big = ifd.big_endian || matches!(predictor, Predictor::FloatingPoint(_));
     Ok(Content::Bytes(Cow::Owned(inflated), row_bytes, big))
 }

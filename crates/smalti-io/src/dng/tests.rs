@@ -110,7 +110,7 @@ fn what_is_not_read_is_said() {
         b[entry + 8..entry + 10].copy_from_slice(&value.to_le_bytes());
         parse(&b).unwrap_err().to_string()
     };
-    use crate::tiff_tags as tags;
+    use crate::tiff::tags;
     assert!(patched(tags::COMPRESSION, 34892).contains("Compression is 34892 (lossy JPEG); expected 1"));
     assert!(patched(tags::COMPRESSION, 52546).contains("row 0, column 0: JPEG XL"));
     assert!(patched(tags::COMPRESSION, 7).contains("lossless JPEG: it does not begin as a JPEG does"));

@@ -1,6 +1,5 @@
 //! Writing DNG.
 
-use std::collections::BTreeMap;
 use std::io::Write;
 use std::path::Path;
 
@@ -9,7 +8,7 @@ use smalti::sensor::{RawImage, RawSamples, Sampling};
 use super::ljpeg;
 use super::{CFA, Description, DngInfo, Facts, LINEAR_RAW, color_codes, plane_order};
 use crate::text::ascii_json;
-use crate::tiff_tags::{self as tags, Value};
+use crate::tiff::{Fields, Value, tags, write_header};
 use crate::{IoError, write};
 
 /// How samples are written.
@@ -56,14 +55,13 @@ pub fn write_compressed(
     let plain = raw.samples().len() as u64 * if digital { 2 } else { 4 };
     let bytes = coded.as_ref().map_or(plain, |c| c.len() as u64);
     let rows = raw.rows() as u32;
-    write::atomic(path, |out| {
-        tags::write_header(out, fields, rows, bytes)
-            .and_then(|()| match (coded, raw.samples()) {
-                (Some(coded), _) => out.write_all(&coded),
-                (None, RawSamples::Digital(v)) => write_interleaved(out, v, raw, |x| x.to_le_bytes()),
-                (None, RawSamples::Analog(v)) => write_interleaved(out, v, raw, |x| x.to_le_bytes()),
-            })
-            .map_err(|source| IoError::Write { path: path.to_owned(), source })
+    write::stream(path, |out| {
+        write_header(out, fields, rows, bytes)?;
+        match (coded, raw.samples()) {
+            (Some(coded), _) => out.write_all(&coded),
+            (None, RawSamples::Digital(v)) => write_interleaved(out, v, raw, |x| x.to_le_bytes()),
+            (None, RawSamples::Analog(v)) => write_interleaved(out, v, raw, |x| x.to_le_bytes()),
+        }
     })
 }
 
@@ -113,7 +111,7 @@ fn write_interleaved<T: Copy, const N: usize>(
     Ok(())
 }
 
-fn fields(path: &Path, raw: &RawImage, info: &DngInfo) -> Result<BTreeMap<u16, Value>, IoError> {
+fn fields(path: &Path, raw: &RawImage, info: &DngInfo) -> Result<Fields, IoError> {
     let channels = raw.sampling().channels();
     let planes = raw.sampling().planes();
     let size = |n: usize, what: &str| {
@@ -141,7 +139,7 @@ fn fields(path: &Path, raw: &RawImage, info: &DngInfo) -> Result<BTreeMap<u16, V
         white_level: raw.white_level(),
     };
 
-    let mut fields = BTreeMap::from([
+    let mut fields = Fields::from([
         (tags::NEW_SUBFILE_TYPE, Value::Long(vec![0])),
         (tags::IMAGE_WIDTH, Value::Long(vec![cols])),
         (tags::IMAGE_LENGTH, Value::Long(vec![rows])),
@@ -166,9 +164,11 @@ fn fields(path: &Path, raw: &RawImage, info: &DngInfo) -> Result<BTreeMap<u16, V
             fields.insert(tag, Value::Ascii(ascii(text)));
         }
     }
-    match raw.sampling() {
-        Sampling::Full { .. } => {
+    // Rows of the matrix are in the order of the colour planes.
+    let order = match raw.sampling() {
+        Sampling::Full { channels } => {
             fields.insert(tags::PHOTOMETRIC, Value::Short(vec![LINEAR_RAW]));
+            (0..*channels).collect()
         }
         Sampling::Mosaic(mosaic) => {
             let codes = color_codes(raw.channel_names()).ok_or_else(|| {
@@ -176,37 +176,27 @@ fn fields(path: &Path, raw: &RawImage, info: &DngInfo) -> Result<BTreeMap<u16, V
                 IoError::field(path, "channels", channels.to_string(), expected)
             })?;
             let code = |c: &u8| codes.get(usize::from(*c)).copied().unwrap_or(0);
-            let side = |n: usize| {
-                u16::try_from(n).map_err(|_| {
-                    IoError::field(path, "the mosaic", n.to_string(), "at most 65535 cells a side")
-                })
+            let too_large = |n: usize| {
+                IoError::field(path, "the mosaic", n.to_string(), "at most 65535 cells in a row or column")
             };
+            let side = |n: usize| u16::try_from(n).map_err(|_| too_large(n));
             let dim = vec![side(mosaic.rows())?, side(mosaic.cols())?];
             fields.insert(tags::PHOTOMETRIC, Value::Short(vec![CFA]));
             fields.insert(tags::CFA_REPEAT_PATTERN_DIM, Value::Short(dim));
             fields.insert(tags::CFA_PATTERN, Value::Byte(mosaic.cells().iter().map(code).collect()));
-            fields.insert(
-                tags::CFA_PLANE_COLOR,
-                Value::Byte(plane_order(&codes).into_iter().filter_map(|c| codes.get(c).copied()).collect()),
-            );
+            let order = plane_order(&codes);
+            let colors = order.iter().filter_map(|c| codes.get(*c).copied()).collect();
+            fields.insert(tags::CFA_PLANE_COLOR, Value::Byte(colors));
             fields.insert(tags::CFA_LAYOUT, Value::Short(vec![1]));
+            order
         }
-    }
-    // Rows of the matrix stand in the order of the colour planes.
-    let order = match raw.sampling() {
-        Sampling::Mosaic(_) => plane_order(&color_codes(raw.channel_names()).unwrap_or_default()),
-        Sampling::Full { channels } => (0..*channels).collect(),
     };
     let per_channel = |field: &str, got: usize| {
         if got == channels {
             return Ok(());
         }
-        Err(IoError::field(
-            path,
-            field,
-            format!("{got} long"),
-            format!("one entry for each of {channels} channels"),
-        ))
+        let expected = format!("one entry for each of {channels} channels");
+        Err(IoError::field(path, field, format!("{got} long"), expected))
     };
     if let Some(matrix) = &info.color_matrix {
         per_channel("color_matrix", matrix.camera_from_xyz.len())?;
@@ -217,10 +207,8 @@ fn fields(path: &Path, raw: &RawImage, info: &DngInfo) -> Result<BTreeMap<u16, V
     }
     if let Some(neutral) = &info.as_shot_neutral {
         per_channel("as_shot_neutral", neutral.len())?;
-        fields.insert(
-            tags::AS_SHOT_NEUTRAL,
-            Value::Rational(order.iter().filter_map(|&c| neutral.get(c)).map(|&v| fraction(v)).collect()),
-        );
+        let values = order.iter().filter_map(|&c| neutral.get(c)).map(|&v| fraction(v)).collect();
+        fields.insert(tags::AS_SHOT_NEUTRAL, Value::Rational(values));
     }
     Ok(fields)
 }

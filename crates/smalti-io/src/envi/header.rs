@@ -20,7 +20,7 @@ impl<'a> Fields<'a> {
         let mut lines = text.trim_start_matches('\u{feff}').lines().enumerate();
         if lines.next().is_none_or(|(_, first)| first.trim() != "ENVI") {
             let expected = "an ENVI header (its first line is ENVI)";
-            return Err(IoError::UnknownFormat { path: path.to_owned(), expected });
+            return Err(IoError::unknown(path, expected));
         }
         let mut fields = BTreeMap::new();
         while let Some((number, line)) = lines.next() {
@@ -57,7 +57,7 @@ impl<'a> Fields<'a> {
         Ok(Self { path, fields })
     }
 
-    /// As it stands in the file, braces included.
+    /// As it is written in the file, braces included.
     pub(super) fn raw(&self, key: &str) -> Option<&str> {
         self.fields.get(key).map(String::as_str).filter(|v| !v.is_empty())
     }

@@ -5,5 +5,5 @@ mod read;
 mod write;
 
 pub(crate) use read::header_beside;
-pub use read::{from_bytes, open, read};
+pub use read::{from_bytes, open};
 pub use write::{Interleave, write};

@@ -19,36 +19,24 @@ pub(super) const DATA_EXTENSIONS: [&str; 6] = ["img", "dat", "raw", "bsq", "bil"
 /// Wavelengths of an unknown unit are taken for nm in this range alone.
 const SURELY_NM: std::ops::RangeInclusive<f64> = 200.0..=20_000.0;
 
-/// A spectral image, whole or the part that the options ask for. `path` is the header (`.hdr`) or the file of samples.
+/// A spectral image. `path` is the header (`.hdr`) or the file of samples. `docs/formats-scenes.md` describes what is stated and what is
+/// assumed otherwise.
 ///
-/// What is stated and what is assumed where it is not: see `docs/formats-scenes.md`.
+/// Samples are read as they are needed: see [`crate::scene_file::load`]. The part that the options ask for is ignored here.
 ///
 /// # Errors
 /// When header or samples cannot be found or read, a key is missing, contradictory or out of range, the file of samples is too
-/// short, the wavelengths are neither stated nor given, a sample is NaN, infinite or negative (with its band and place), or the
-/// cube is larger than the limits.
-pub fn read(path: &Path, options: &ReadOptions) -> Result<SpectralFile, IoError> {
-    load(&opened(path, options)?, path, options)
-}
-
-/// As [`read`], samples to be read as they are needed; of the options, the part is not looked at.
-///
-/// # Errors
-/// As [`read`], but for the samples.
+/// short, or the wavelengths are neither stated nor given.
 pub fn open(path: &Path, options: &ReadOptions) -> Result<Box<dyn Tiles>, IoError> {
-    Ok(Box::new(opened(path, options)?))
-}
-
-fn opened(path: &Path, options: &ReadOptions) -> Result<CubeFile<'static>, IoError> {
     let (header, data) = files(path)?;
     let text = file::read(&header, HEADER_LIMIT)?;
-    described(&text, Arc::new(FileSource::open(&data)?), &header, options)
+    Ok(Box::new(described(&text, Arc::new(FileSource::open(&data)?), &header, options)?))
 }
 
-/// As [`read`], from memory; `path` is only named.
+/// As [`open`], from memory and loaded; `path` is only named.
 ///
 /// # Errors
-/// As [`read`].
+/// As [`open`] and [`load`].
 pub fn from_bytes(
     header: &[u8],
     data: &[u8],
@@ -139,9 +127,7 @@ fn described<'a>(
     let bands = bands(&fields, count, facts.as_ref(), path, options)?;
     let (quantity, factor) = quantity(&fields, facts.as_ref(), options)?;
     let mut file = CubeFile::new((path, "ENVI"), vec![cube], (stem(path), bands, quantity), options);
-    if let Some(facts) = facts {
-        facts.state_header(&mut file.header, path)?;
-    }
+    Facts::state(facts, &mut file.header, path)?;
     let gains = fields.numbers("data gain values", count)?;
     let offsets = fields.numbers("data offset values", count)?;
     let of = |list: &Option<Vec<f64>>, i: usize, default| {
@@ -184,11 +170,7 @@ fn bands(
             None => return Err(fields.error("wavelength units", "Nanometers, Micrometers or Unknown")),
         };
         let nm = values.into_iter().map(|v| scaled(v, scale)).collect();
-        let bands = with_unit("wavelength", nm)?;
-        return Ok(match facts {
-            Some(facts) => bands.on(facts.start_nm, facts.step_nm),
-            None => bands,
-        });
+        return Ok(Facts::regrid(facts, with_unit("wavelength", nm)?));
     }
     let names = fields.list("band names", count).ok().flatten();
     let named: Option<Vec<f64>> = names.and_then(|n| n.into_iter().map(wavelength_in).collect());

@@ -39,7 +39,7 @@ impl Interleave {
 /// samples of any other name the header takes the extension `.hdr`. The image is read and written by rows, so that it need not
 /// fit into memory.
 ///
-/// What ENVI has no key for stands as JSON in the key `smalti`, so that [`super::read`] returns an equal value.
+/// Facts that ENVI has no key for are written as JSON in the key `smalti`, so that [`super::open`] returns an equal value.
 ///
 /// # Errors
 /// When a file cannot be written, or the image cannot be read.
@@ -47,7 +47,7 @@ pub fn write(path: &Path, image: &dyn Tiles, interleave: Interleave) -> Result<(
     let (header_path, data_path) = names(path);
     let header = image.header();
     write::atomic(&data_path, |out| {
-        let io = |source| IoError::Write { path: data_path.clone(), source };
+        let io = IoError::writing(&data_path);
         let lines = match interleave {
             Interleave::Bsq => return write_planes(out, 0, image, &data_path, |_, _| {}),
             Interleave::Bil => by_line,

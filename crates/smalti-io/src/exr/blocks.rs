@@ -9,11 +9,11 @@ use exr::meta::BlockDescription;
 use exr::meta::header::Header;
 use exr::prelude::{Compression, MetaData, SampleType, Vec2, f16};
 
-use crate::file::guarded;
+use crate::file::caught;
 use crate::raster::{Axis, Blocks, Cube, Kind, Place, Raster, Shared, Storage, Unpack, bytes_at};
 use crate::{IoError, Limits};
 
-/// What stands before the content of a block, at most.
+/// Bytes of the longest header of a block.
 const BLOCK_HEAD_BYTES: u64 = 24;
 
 /// How samples are stored that can be read where they lie: lines that are not compressed, all channels of one type.
@@ -30,7 +30,7 @@ pub(super) fn plain(header: &Header) -> Option<Kind> {
     (lines && types().all(|t| t == first)).then_some(kind)
 }
 
-/// The wanted channels of a layer, or all where they are [`plain`], whose table of blocks stands behind the headers with those of the layers before it.
+/// The wanted channels of a layer, or all channels if they are [`plain`]. The tables of the blocks of all layers follow the headers.
 pub(super) fn cube<'a>(
     source: Shared<'a>,
     meta: MetaData,
@@ -98,10 +98,10 @@ fn packed(offsets: &[u64], largest: u64, file_bytes: u64) -> Arc<[Place]> {
     offsets.iter().map(place).collect()
 }
 
-/// Blocks, and what stands before each of them.
+/// Blocks and their headers.
 type Placed = (Arc<[Place]>, Arc<[u8]>);
 
-/// Where the samples of lines are, and their heads: number and length; with several layers, that of the layer comes first.
+/// Where the samples of lines are, and their headers: number and length, in files of several layers after the number of the layer.
 fn lines(
     meta: &MetaData,
     layer: usize,
@@ -139,16 +139,11 @@ struct Layer {
 
 impl Unpack for Layer {
     fn unpack(&self, block: usize, stored: &[u8], out: &mut Vec<u8>) -> Result<(), String> {
-        let unpacked = guarded(Path::new(""), "OpenEXR", || {
-            let decoded = Chunk::read(&mut &*stored, &self.meta)
-                .and_then(|chunk| UncompressedBlock::decompress_chunk(chunk, &self.meta, false));
-            decoded.map_err(|e| IoError::field(Path::new(""), "a block", e.to_string(), ""))
-        });
-        let unpacked = unpacked.map_err(|e| match e {
-            IoError::Field { found, .. } => found,
-            IoError::Decode { message, .. } => message,
-            e => e.to_string(),
+        let unpacked = caught(|| {
+            Chunk::read(&mut &*stored, &self.meta)
+                .and_then(|chunk| UncompressedBlock::decompress_chunk(chunk, &self.meta, false))
         })?;
+        let unpacked = unpacked.map_err(|e| e.to_string())?;
         let header = self.meta.headers.get(self.layer).ok_or("a layer is absent")?;
         self.copy(header, block, &unpacked, out).ok_or_else(|| format!("block {block} is another one"))
     }

@@ -1,6 +1,6 @@
 //! OpenEXR: spectral images (two layouts) and RGB pictures.
 //!
-//! A spectral file seldom says everything a scene needs. [`read`] returns what the file does say, unchanged;
+//! A spectral file seldom says everything a scene needs. [`open`] returns what the file does say, unchanged;
 //! [`SpectralFile::into_scene`](crate::SpectralFile::into_scene) adds the rest.
 
 mod blocks;
@@ -10,7 +10,7 @@ mod rgb;
 mod write;
 
 pub use layout::Layout;
-pub use read::{from_bytes, is_spectral, open, read};
+pub use read::{from_bytes, is_spectral, open};
 pub(crate) use rgb::rgb_from_bytes;
 pub use write::write;
 

@@ -24,32 +24,26 @@ use crate::{IoError, Quantity, ReadOptions, SpectralFile};
 // A file in PBRT's layout that states no wavelengths has 31 bands by convention, 400 to 700 nm.
 const PBRT_GRID: WavelengthGrid = WavelengthGrid::VISIBLE;
 
-/// A spectral image in either layout, told apart by the names of its channels.
+/// A spectral image in either layout, which the names of its channels identify.
 ///
 /// In the layout of Fichet et al. radiance is W m⁻² sr⁻¹ nm⁻¹ unless `emissiveUnits` begins with `photons`; without
 /// that attribute it is relative. In PBRT's it is relative energy, and 31 bands that state no wavelengths are
 /// 400–700 nm. Of polarised files the first Stokes component is taken; where a file has radiance and reflectance,
 /// radiance.
 ///
-/// # Errors
-/// When the file cannot be read, is not OpenEXR, has no spectral channels, states no wavelengths, has a NaN,
-/// infinite or negative value (with its band and pixel), or is larger than the limits.
-pub fn read(path: &Path, options: &ReadOptions) -> Result<SpectralFile, IoError> {
-    load(&*open(path, options)?, path, options)
-}
-
-/// As [`read`], samples to be read as they are needed, by blocks of lines or tiles. Of the options, the part is not looked at.
+/// Samples are read as they are needed: see [`crate::scene_file::load`]. The part that the options ask for is ignored here.
+/// They are unpacked by blocks of lines or tiles.
 ///
 /// # Errors
-/// As [`read`], but for the samples.
+/// When the file cannot be read, is not OpenEXR, has no spectral channels or states no wavelengths.
 pub fn open(path: &Path, options: &ReadOptions) -> Result<Box<dyn Tiles>, IoError> {
     Ok(Box::new(opened(Arc::new(FileSource::open(path)?), path, options)?))
 }
 
-/// As [`read`], from memory; `path` is only named.
+/// As [`open`], from memory and loaded; `path` is only named.
 ///
 /// # Errors
-/// As [`read`].
+/// As [`open`] and [`load`].
 pub fn from_bytes(bytes: &[u8], path: &Path, options: &ReadOptions) -> Result<SpectralFile, IoError> {
     load(&opened(Arc::new(bytes), path, options)?, path, options)
 }
@@ -65,7 +59,7 @@ pub fn is_spectral(path: &Path) -> Result<bool, IoError> {
 
 /// All headers, and where they end.
 fn headers(source: &Shared<'_>, path: &Path) -> Result<(MetaData, u64), IoError> {
-    let decode = |message: String| IoError::Decode { path: path.to_owned(), format: "OpenEXR", message };
+    let decode = |message: String| IoError::decode(path, "OpenEXR", message);
     guarded(path, "OpenEXR", || {
         let mut reader = BufReader::new(Span::whole(source));
         let meta = MetaData::read_from_buffered(&mut reader, false).map_err(|e| decode(e.to_string()))?;
@@ -89,7 +83,7 @@ fn spectral(meta: &MetaData, path: &Path) -> Result<Option<(usize, Vec<String>, 
 /// What the samples of all layers take in memory, at four bytes each.
 ///
 /// # Errors
-/// When they are none that are read here.
+/// When the samples are deep or subsampled.
 pub(super) fn declared_bytes(meta: &MetaData, path: &Path) -> Result<u64, IoError> {
     meta.headers.iter().try_fold(0u64, |sum, header| Ok(sum.saturating_add(of_layer(header, path)?)))
 }
@@ -170,8 +164,6 @@ fn opened<'a>(source: Shared<'a>, path: &Path, options: &ReadOptions) -> Result<
     let cube = blocks::cube(source, meta, (layer, wanted), end, (path, options.limits))?;
     let mut file = CubeFile::new((path, "OpenEXR"), vec![cube], (stem(path), bands, quantity), options);
     file.channels = channels;
-    if let Some(facts) = facts {
-        facts.state_header(&mut file.header, path)?;
-    }
+    Facts::state(facts, &mut file.header, path)?;
     Ok(file)
 }

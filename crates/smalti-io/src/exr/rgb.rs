@@ -15,7 +15,7 @@ use crate::{IoError, Limits, ReadOptions};
 
 /// The channels R, G, B, or Y for all three.
 pub(crate) fn rgb_from_bytes(bytes: &[u8], path: &Path, options: &ReadOptions) -> Result<Picture, IoError> {
-    let negative = if options.clamp_negative { Negative::Clamp } else { Negative::Keep };
+    let negative = options.negative_or(Negative::Keep);
     for layer in load(bytes, path, options.limits)? {
         let channels = &layer.channel_data.list;
         let find = |name: &str| channels.iter().find(|c| c.name.to_string() == name);
@@ -38,11 +38,7 @@ pub(crate) fn rgb_from_bytes(bytes: &[u8], path: &Path, options: &ReadOptions) -
 
 /// All layers, flat, at full resolution, after the header was compared with the length of the file.
 fn load(bytes: &[u8], path: &Path, limits: Limits) -> Result<Vec<Layer<AnyChannels<FlatSamples>>>, IoError> {
-    let decode = |e: exr::error::Error| IoError::Decode {
-        path: path.to_owned(),
-        format: "OpenEXR",
-        message: e.to_string(),
-    };
+    let decode = |e: exr::error::Error| IoError::decode(path, "OpenEXR", e);
     guarded(path, "OpenEXR", || {
         let meta = MetaData::read_from_buffered(Cursor::new(bytes), false).map_err(decode)?;
         limits.check(path, "the image", declared_bytes(&meta, path)?, bytes.len() as u64)?;
@@ -67,14 +63,7 @@ fn checked(
     negative: Negative,
 ) -> Result<Vec<f32>, IoError> {
     let check = |(i, v): (usize, f32)| {
-        sample(v, negative).map_err(|expected| IoError::Pixel {
-            path: path.to_owned(),
-            channel: channel.to_owned(),
-            row: i / cols.max(1),
-            col: i % cols.max(1),
-            value: f64::from(v),
-            expected,
-        })
+        sample(v, negative).map_err(|expected| IoError::pixel(path, channel, (i, cols), v, expected))
     };
     match samples {
         FlatSamples::F16(v) => v.iter().map(|x| x.to_f32()).enumerate().map(check).collect(),

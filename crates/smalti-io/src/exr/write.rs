@@ -15,7 +15,7 @@ use crate::{IoError, write};
 use crate::{Quantity, SpectralFile};
 
 /// Writes a spectral image, 32-bit, losslessly compressed. What the layout has no place for (name, distance, field
-/// of view, illuminant, exact grid) goes as JSON into the attribute `comments`, so that [`super::read`] returns an
+/// of view, illuminant, exact grid) goes as JSON into the attribute `comments`, so that [`super::open`] returns an
 /// equal value. Equal values make equal bytes.
 ///
 /// # Errors
@@ -24,12 +24,8 @@ pub fn write(path: &Path, file: &SpectralFile, layout: Layout) -> Result<(), IoE
     let grid = file.cube.grid();
     let kind = match (layout, file.quantity) {
         (Layout::Pbrt, Quantity::Reflectance) => {
-            return Err(IoError::field(
-                path,
-                "the layout",
-                "PBRT's",
-                "that of Fichet et al. for reflectances",
-            ));
+            let expected = "that of Fichet et al. for reflectances";
+            return Err(IoError::field(path, "the layout", "PBRT's", expected));
         }
         (_, Quantity::Reflectance) => "T",
         _ => "S0",
@@ -64,11 +60,10 @@ pub fn write(path: &Path, file: &SpectralFile, layout: Layout) -> Result<(), IoE
 
     write::atomic(path, |out| {
         image.write().to_buffered(out).map_err(|e| {
-            let source = match e {
+            IoError::writing(path)(match e {
                 exr::error::Error::Io(source) => source,
                 other => std::io::Error::other(other.to_string()),
-            };
-            IoError::Write { path: path.to_owned(), source }
+            })
         })
     })
 }

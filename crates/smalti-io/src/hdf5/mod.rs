@@ -9,41 +9,33 @@ use std::sync::Arc;
 
 use hdf5_pure::{AttrValue, FileBuilder};
 
+pub(crate) use tree::FORMAT;
+
 use crate::file::guarded;
 use crate::raster::{FileSource, Shared};
 use crate::scene_file::facts::Comment;
 use crate::scene_file::tiles::{Tiles, load};
 use crate::{IoError, ReadOptions, SpectralFile, variables, write as whole};
 
-/// How messages call the format.
-pub(crate) const FORMAT: &str = "HDF5";
-
-/// A spectral image from an HDF5 file. What is taken for the cube, and for its wavelengths, says `docs/formats-scenes.md`.
+/// A spectral image from an HDF5 file. `docs/formats-scenes.md` describes which dataset is taken for the cube and for its wavelengths.
 ///
-/// The values are those of the file. What they are is assumed from the name of the dataset, unless `options` says it:
+/// The values are those of the file. Their quantity is assumed from the name of the dataset, unless `options` states it:
 /// reflectance for `img\` and `img` (KAUST), relative energy for all others.
 ///
-/// # Errors
-/// When the file cannot be read, is no HDF5, has no cube or several without a name of one in `options`, states no
-/// wavelengths or such as are not ascending nm, has a NaN, infinite or negative value (with its band and pixel), or is
-/// larger than the limits.
-pub fn read(path: &Path, options: &ReadOptions) -> Result<SpectralFile, IoError> {
-    load(&open(path, options)?, path, options)
-}
-
-/// As [`read`], samples to be read as they are needed, chunks whole; those under other filters than shuffle and deflate are
-/// unpacked at once. Of the options, the part is not looked at.
+/// Samples are read as they are needed: see [`crate::scene_file::load`]. The part that the options ask for is ignored here.
+/// Chunks are read whole; those with other filters than shuffle and deflate are unpacked at once.
 ///
 /// # Errors
-/// As [`read`], but for the samples.
+/// When the file cannot be read, is no HDF5, has no cube or several without a name of one in `options`, or states no
+/// wavelengths or such as are not ascending nm.
 pub fn open(path: &Path, options: &ReadOptions) -> Result<Box<dyn Tiles>, IoError> {
     from_source(Arc::new(FileSource::open(path)?), path, options)
 }
 
-/// As [`read`], from memory; `path` is only named.
+/// As [`open`], from memory and loaded; `path` is only named.
 ///
 /// # Errors
-/// As [`read`].
+/// As [`open`] and [`load`].
 pub fn from_bytes(bytes: &[u8], path: &Path, options: &ReadOptions) -> Result<SpectralFile, IoError> {
     load(&from_source(Arc::new(bytes.to_vec()), path, options)?, path, options)
 }
@@ -81,5 +73,5 @@ pub fn write(path: &Path, file: &SpectralFile) -> Result<(), IoError> {
 
 /// What the encoder says, as an error of writing.
 pub(crate) fn unwritten(path: &Path, error: impl std::error::Error + Send + Sync + 'static) -> IoError {
-    IoError::Write { path: path.to_owned(), source: std::io::Error::other(error) }
+    IoError::writing(path)(std::io::Error::other(error))
 }

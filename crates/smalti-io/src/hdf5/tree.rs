@@ -8,10 +8,13 @@ use hdf5_pure::{
     Layout as Stored, Object,
 };
 
-use super::{FORMAT, octave};
+use super::octave::{self, Variable};
 use crate::raster::{Filter, Kind, Place, Shared};
 use crate::variables::{Array, Attribute, Chunks, Fields, Layout, Numbers, Value};
 use crate::{IoError, Limits};
+
+/// The name of the format in messages.
+pub(crate) const FORMAT: &str = "HDF5";
 
 // Registered identifiers of filters.
 const DEFLATE: u16 = 1;
@@ -29,7 +32,7 @@ struct Context {
 
 /// A group.
 pub(crate) struct Members {
-    pub(super) group: Group,
+    group: Group,
     datasets: Vec<String>,
     groups: Vec<String>,
     context: Context,
@@ -74,7 +77,14 @@ impl Fields for Members {
             let attributes = group.attrs().map_err(|e| context.decode(e))?;
             let members = context.members(group)?;
             if attributes.contains_key(octave::MARK) {
-                return octave::value(&members).map(Some);
+                let variable = Variable {
+                    group: &members.group,
+                    fields: &members,
+                    path: &context.path,
+                    limits: context.limits,
+                    decode: &|e| context.decode(e),
+                };
+                return octave::value(&variable).map(Some);
             }
             return Ok(Some(Value::Fields(Box::new(members))));
         }
@@ -82,23 +92,9 @@ impl Fields for Members {
     }
 }
 
-impl Members {
-    pub(super) fn decode(&self, error: impl std::fmt::Display) -> IoError {
-        self.context.decode(error)
-    }
-
-    pub(super) fn path(&self) -> &Path {
-        &self.context.path
-    }
-
-    pub(super) fn limits(&self) -> Limits {
-        self.context.limits
-    }
-}
-
 impl Context {
-    fn decode(&self, error: impl std::fmt::Display) -> IoError {
-        IoError::Decode { path: self.path.clone(), format: FORMAT, message: error.to_string() }
+    fn decode(&self, error: impl ToString) -> IoError {
+        IoError::decode(&self.path, FORMAT, error)
     }
 
     fn members(&self, group: Group) -> Result<Members, IoError> {
@@ -200,8 +196,7 @@ impl Context {
                 // The crate takes memory for what a chunk is said to be long.
                 let have = self.source.len();
                 if let Some(c) = chunks.iter().find(|c| c.storage_size > have.saturating_sub(c.address)) {
-                    let (path, what, need) = (self.path.clone(), "a chunk", c.storage_size);
-                    return Err(IoError::Truncated { path, what, need, have });
+                    return Err(IoError::truncated(&self.path, "a chunk", c.storage_size, have));
                 }
                 if let Some(chunks) = placed(dataset, dims, &chunk_shape, &chunks) {
                     return Ok(Some((Arc::clone(&self.source), Layout::Chunks(chunks))));
@@ -209,8 +204,8 @@ impl Context {
             }
             _ => {}
         }
-        // What is rare, the crate reads: other filters, arrays that were written in part, small ones in the header.
-        // It takes memory for the elements that are declared, which may be longer than numbers of this kind.
+        // The crate reads rare cases: other filters, arrays that were written in part, small arrays in the header.
+        // It allocates memory for the declared elements, which may be longer than numbers of this kind.
         let size = dataset.element_size().map_err(|e| self.decode(e))?;
         if size != kind.size() as u64 {
             return Err(self.decode(format!("elements of {size} bytes; expected {}", kind.size())));
@@ -230,8 +225,7 @@ impl Context {
         let need = along.fold(LEAST, u64::saturating_mul);
         let have = self.source.len();
         if need > have {
-            let (path, what) = (self.path.clone(), "the list of chunks");
-            return Err(IoError::Truncated { path, what, need, have });
+            return Err(IoError::truncated(&self.path, "the list of chunks", need, have));
         }
         Ok(())
     }

@@ -1,4 +1,4 @@
-//! What stands in a `.l3` file: strings and arrays in the safetensors container, with a hash over all of them.
+//! The content of a `.l3` file: strings and arrays in the safetensors container, with a hash over all of them.
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;
@@ -11,7 +11,7 @@ use serde::de::DeserializeOwned;
 use serde_json::{Map, Value, json};
 
 use crate::npy::Element;
-use crate::{IoError, write};
+use crate::{IoError, Limits, write};
 
 /// The key of the hash. It is the only one that is not hashed.
 const HASH: &str = "blake3";
@@ -105,16 +105,12 @@ impl Content {
         let mut header = Value::Object(header).to_string();
         // The data begin at a multiple of 8 bytes.
         header.push_str(&" ".repeat(header.len().next_multiple_of(8) - header.len()));
-        if header.len() as u64 > MAX_HEADER {
-            let bytes = header.len() as u64;
-            let what = "the description of how it was trained";
-            return Err(IoError::TooLarge { path: path.to_owned(), what, bytes, limit: MAX_HEADER });
-        }
-        write::atomic(path, |out| {
-            let io = |source| IoError::Write { path: path.to_owned(), source };
-            out.write_all(&(header.len() as u64).to_le_bytes()).map_err(io)?;
-            out.write_all(header.as_bytes()).map_err(io)?;
-            self.tensors.iter().try_for_each(|t| out.write_all(&t.bytes).map_err(io))
+        let limits = Limits { decoded_bytes: MAX_HEADER, ..Limits::default() };
+        limits.check_memory(path, "the description of how it was trained", header.len() as u64)?;
+        write::stream(path, |out| {
+            out.write_all(&(header.len() as u64).to_le_bytes())?;
+            out.write_all(header.as_bytes())?;
+            self.tensors.iter().try_for_each(|t| out.write_all(&t.bytes))
         })
     }
 
@@ -164,23 +160,21 @@ impl<'a> Opened<'a> {
         format: &'static str,
         version: &'static str,
     ) -> Result<Self, IoError> {
-        let unknown = || IoError::UnknownFormat { path: path.to_owned(), expected: EXPECTED };
+        let unknown = || IoError::unknown(path, EXPECTED);
         let (length, rest) = bytes.split_first_chunk::<8>().ok_or_else(unknown)?;
         let length = u64::from_le_bytes(*length);
         if rest.first().is_some_and(|&b| b != b'{') || !(2..=MAX_HEADER).contains(&length) {
             return Err(unknown());
         }
-        let truncated = |what, need, have| IoError::Truncated { path: path.to_owned(), what, need, have };
         let Some(header) = usize::try_from(length).ok().and_then(|n| rest.get(..n)) else {
-            return Err(truncated("its header", length, rest.len() as u64));
+            return Err(IoError::truncated(path, "its header", length, rest.len() as u64));
         };
-        let decode =
-            |message: String| IoError::Decode { path: path.to_owned(), format: "safetensors", message };
+        let decode = |message: String| IoError::decode(path, "safetensors", message);
         // The header is parsed twice, to say how much is missing where something is.
         let declared: Metadata = serde_json::from_slice(header).map_err(|e| decode(e.to_string()))?;
         let (need, have) = (declared.data_len() as u64, (rest.len() - header.len()) as u64);
         if need > have {
-            return Err(truncated("its arrays", need, have));
+            return Err(IoError::truncated(path, "its arrays", need, have));
         }
         let tensors = SafeTensors::deserialize(bytes).map_err(|e| decode(e.to_string()))?;
         let metadata = declared.metadata().iter().flatten().map(|(k, v)| (k.clone(), v.clone())).collect();

@@ -33,7 +33,7 @@ pub fn write_npz(path: &Path, pipeline: &Pipeline) -> Result<(), IoError> {
     let npy_of = |t: Tensor| (t.name, npy::header(t.descr, &t.shape), t.bytes);
     files.extend(content.tensors.into_iter().map(npy_of));
     write::atomic(path, |out| {
-        let io = |source| IoError::Write { path: path.to_owned(), source };
+        let io = IoError::writing(path);
         let (mut members, mut at) = (Vec::new(), 0);
         for (name, header, data) in files {
             let header =

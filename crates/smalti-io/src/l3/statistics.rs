@@ -14,7 +14,7 @@ use crate::{IoError, Limits, file};
 const FORMAT: &str = "smalti-l3-statistics";
 const VERSION: &str = "1";
 
-/// Writes statistics, to be read back bit for bit: merging and adding go on as if they had never left memory.
+/// Writes statistics so that they read back bit for bit: merging and adding continue as if they had stayed in memory.
 ///
 /// # Errors
 /// [`IoError::Write`].

@@ -11,7 +11,7 @@ use std::sync::Arc;
 
 use crate::raster::{FileSource, Shared, bytes_at};
 use crate::scene_file::tiles::{Tiles, load};
-use crate::{IoError, ReadOptions, SpectralFile, hdf5, variables, write as whole};
+use crate::{IoError, Limits, ReadOptions, SpectralFile, hdf5, variables, write as whole};
 
 const FORMAT: &str = "MATLAB";
 
@@ -26,31 +26,25 @@ pub enum Version {
     V73,
 }
 
-/// A spectral image from a MAT-file of level 5 (`-v6`, `-v7`) or of version 7.3, told apart by their first bytes.
+/// A spectral image from a MAT-file of level 5 (`-v6`, `-v7`) or of version 7.3, which its first bytes identify.
 ///
-/// A scene of ISETCam is photons s⁻¹ m⁻² sr⁻¹ nm⁻¹, whether it comes as the struct `scene`, as `photons` with `wave`, or
-/// as `mcCOEF` with `basis`; its illuminant, distance and field of view are taken where the file has them. What becomes of
-/// other files says [`hdf5::read`]: the rules are the same.
+/// A scene of ISETCam is photons s⁻¹ m⁻² sr⁻¹ nm⁻¹, whether it is stored as the struct `scene`, as `photons` with `wave`, or
+/// as `mcCOEF` with `basis`; its illuminant, distance and field of view are taken where the file has them. For other files the
+/// rules are those of [`hdf5::open`].
 ///
-/// # Errors
-/// As [`hdf5::read`]; files of level 4, which hold no cubes, are refused.
-pub fn read(path: &Path, options: &ReadOptions) -> Result<SpectralFile, IoError> {
-    load(&open(path, options)?, path, options)
-}
-
-/// As [`read`], samples to be read as they are needed; a compressed variable of level 5, which is one stream, is unpacked at
-/// once. Of the options, the part is not looked at.
+/// Samples are read as they are needed: see [`crate::scene_file::load`]. The part that the options ask for is ignored here.
+/// A compressed variable of level 5 is one stream and is unpacked at once.
 ///
 /// # Errors
-/// As [`read`], but for the samples.
+/// As [`hdf5::open`]; files of level 4, which hold no cubes, are refused.
 pub fn open(path: &Path, options: &ReadOptions) -> Result<Box<dyn Tiles>, IoError> {
     from_source(Arc::new(FileSource::open(path)?), path, options)
 }
 
-/// As [`read`], from memory; `path` is only named.
+/// As [`open`], from memory and loaded; `path` is only named.
 ///
 /// # Errors
-/// As [`read`].
+/// As [`open`] and [`load`].
 pub fn from_bytes(bytes: &[u8], path: &Path, options: &ReadOptions) -> Result<SpectralFile, IoError> {
     load(&from_source(Arc::new(bytes.to_vec()), path, options)?, path, options)
 }
@@ -69,13 +63,13 @@ fn from_source(
         let root = v5::read::open(source, big_endian, path, options.limits)?;
         return variables::open(&root, path, options);
     }
-    // Level 4 begins with a small number; text that begins with zero bytes is none.
+    // Files of level 4 begin with a small number, whose bytes include a zero; text does not.
     if start.len() >= 20 && start.iter().take(4).any(|&b| b == 0) {
         let (path, found, expected) =
             (path.to_owned(), "4".into(), "5 or 7.3, which hold arrays of three axes,");
         return Err(IoError::Version { path, format: FORMAT, found, expected });
     }
-    Err(IoError::UnknownFormat { path: path.to_owned(), expected: "a MAT-file of level 5 or version 7.3" })
+    Err(IoError::unknown(path, "a MAT-file of level 5 or version 7.3"))
 }
 
 /// Writes photons as a struct `scene` that ISETCam loads (`sceneFromFile`, `load`), other quantities as `cube` (single
@@ -89,15 +83,10 @@ pub fn write(path: &Path, file: &SpectralFile, version: Version) -> Result<(), I
     match version {
         Version::V73 => v73::write(path, &variables),
         Version::V5 => {
-            if let Some(bytes) = v5::write::too_large(&variables) {
-                let (path, limit) = (path.to_owned(), v5::write::largest());
-                let what = "the scene in a MAT-file of level 5 (version 7.3 holds it)";
-                return Err(IoError::TooLarge { path, what, bytes, limit });
-            }
-            whole::atomic(path, |out| {
-                v5::write::write(out, &variables)
-                    .map_err(|source| IoError::Write { path: path.to_owned(), source })
-            })
+            let what = "the scene in a MAT-file of level 5 (version 7.3 holds it)";
+            let limits = Limits { decoded_bytes: v5::write::LARGEST, ..Limits::default() };
+            limits.check_memory(path, what, v5::write::largest(&variables))?;
+            whole::stream(path, |out| v5::write::write(out, &variables))
         }
     }
 }

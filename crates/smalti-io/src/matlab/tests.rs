@@ -158,9 +158,9 @@ fn a_bomb_is_not_unpacked() {
 fn what_level_5_cannot_hold_is_refused() {
     let planes = Planes::zeros(1, 1 << 10, 1 << 10);
     let items: Vec<_> = (0..600).map(|_| ("x", content::Item::Cube(&planes))).collect();
-    let bytes = v5::write::too_large(&[("scene", content::Item::Struct(items))]).unwrap();
-    assert!(bytes > 600 << 22 && bytes < 601 << 22);
-    assert_eq!(v5::write::too_large(&[("x", content::Item::Cube(&planes))]), None);
+    let bytes = v5::write::largest(&[("scene", content::Item::Struct(items))]);
+    assert!(bytes > 600 << 22 && bytes < 601 << 22 && bytes > v5::write::LARGEST);
+    assert!(v5::write::largest(&[("x", content::Item::Cube(&planes))]) < v5::write::LARGEST);
 }
 
 proptest! {

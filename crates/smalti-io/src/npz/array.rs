@@ -1,12 +1,10 @@
-//! What stands before the elements of a NumPy array.
+//! The header of a NumPy array.
 
 use std::path::Path;
 
+use crate::IoError;
+use crate::npy::Header;
 use crate::raster::{Axis, Kind, Raster};
-use crate::{IoError, npy};
-
-/// Headers of arrays that could be cubes are a line.
-const HEADER_LIMIT: usize = 1 << 16;
 
 /// Elements of an array.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -35,40 +33,18 @@ pub(super) struct Array {
 }
 
 impl Array {
-    /// From the first bytes of its file: `start(n)` gives `n` of them, or all where there are less.
+    /// From the first bytes of its file: `start(n)` gives `n` of them, or all where there are fewer.
     pub(super) fn parse(
         name: &str,
         path: &Path,
         start: impl Fn(usize) -> Result<Vec<u8>, IoError>,
     ) -> Result<Self, IoError> {
-        let field = |key: &str| if name.is_empty() { key.to_owned() } else { format!("{name}: {key}") };
-        let wrong = |what: &str| {
-            let expected = "a NumPy array of format 1, 2 or 3";
-            IoError::field(path, if name.is_empty() { "the array" } else { name }, what, expected)
-        };
-        let (begin, length) = npy::prefix(&start(npy::PREFIX)?).ok_or_else(|| wrong("something else"))?;
-        if length > HEADER_LIMIT {
-            return Err(wrong("one of a header of more than 65536 bytes"));
-        }
-        let bytes = start(begin + length)?;
-        let text = bytes.get(begin..begin + length).ok_or_else(|| wrong("cut short"))?;
-        let text = String::from_utf8_lossy(text);
-        let descr = npy::value(&text, "descr").unwrap_or("absent");
-        let descr = descr.strip_prefix('\'').and_then(|d| d.split_once('\'')).map_or("a structure", |d| d.0);
-        let fortran = match npy::value(&text, "fortran_order") {
-            Some(v) if v.starts_with("True") => true,
-            Some(v) if v.starts_with("False") => false,
-            _ => return Err(IoError::field(path, field("fortran_order"), "absent", "True or False")),
-        };
-        let shape = npy::shape(&text).ok_or_else(|| {
-            IoError::field(path, field("shape"), "absent or no lengths", "a tuple of lengths")
-        })?;
-        let (kind, big_endian) = kind(descr);
-        let start = (begin + length) as u64;
-        Ok(Self { name: name.to_owned(), descr: descr.to_owned(), kind, big_endian, fortran, shape, start })
+        let Header { descr, fortran, shape, start } = Header::parse(name, path, start)?;
+        let (kind, big_endian) = kind(&descr);
+        Ok(Self { name: name.to_owned(), descr, kind, big_endian, fortran, shape, start: start as u64 })
     }
 
-    /// The cube as it lies in its file, where its axes are these.
+    /// The layout of the cube in its file, for these axes.
     pub(super) fn raster(&self, axes: [Axis; 3], path: &Path) -> Result<Raster, IoError> {
         let Type::Number(kind) = self.kind else {
             let key = if self.name.is_empty() { "descr" } else { &self.name };
@@ -119,23 +95,23 @@ impl Array {
 fn kind(descr: &str) -> (Type, bool) {
     let big_endian = descr.starts_with('>');
     let name = descr.trim_start_matches(['<', '>', '|']);
-    let kind = match name {
-        "u1" | "b1" => Type::Number(Kind::U8),
-        "i1" => Type::Number(Kind::I8),
-        "u2" => Type::Number(Kind::U16),
-        "i2" => Type::Number(Kind::I16),
-        "u4" => Type::Number(Kind::U32),
-        "i4" => Type::Number(Kind::I32),
-        "u8" => Type::Number(Kind::U64),
-        "i8" => Type::Number(Kind::I64),
-        "f2" => Type::Number(Kind::F16),
-        "f4" => Type::Number(Kind::F32),
-        "f8" => Type::Number(Kind::F64),
-        _ if name.starts_with('U') => Type::Unicode,
-        _ if name.starts_with('S') => Type::Bytes,
-        _ => Type::Other,
+    let number = match name {
+        "u1" | "b1" => Kind::U8,
+        "i1" => Kind::I8,
+        "u2" => Kind::U16,
+        "i2" => Kind::I16,
+        "u4" => Kind::U32,
+        "i4" => Kind::I32,
+        "u8" => Kind::U64,
+        "i8" => Kind::I64,
+        "f2" => Kind::F16,
+        "f4" => Kind::F32,
+        "f8" => Kind::F64,
+        _ if name.starts_with('U') => return (Type::Unicode, big_endian),
+        _ if name.starts_with('S') => return (Type::Bytes, big_endian),
+        _ => return (Type::Other, big_endian),
     };
-    (kind, big_endian)
+    (Type::Number(number), big_endian)
 }
 
 /// The axes of a cube of `bands` wavelengths: the one that has their number, then rows and columns.
@@ -146,13 +122,8 @@ pub(super) fn axes(path: &Path, shape: &[usize], bands: usize) -> Result<[Axis; 
         [false, true, false] => Ok([Axis::Row, Axis::Band, Axis::Col]),
         [false, false, true] => Ok([Axis::Row, Axis::Col, Axis::Band]),
         [false, false, false] => {
-            let found = format!("{shape:?}");
-            Err(IoError::field(
-                path,
-                "shape",
-                found,
-                format!("an axis of {bands}, the number of wavelengths"),
-            ))
+            let expected = format!("an axis of {bands}, the number of wavelengths");
+            Err(IoError::field(path, "shape", format!("{shape:?}"), expected))
         }
         [_, _, _] => {
             let found = format!("{shape:?}, where more than one axis has as many as there are wavelengths");

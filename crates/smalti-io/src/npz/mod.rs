@@ -6,5 +6,5 @@ mod write;
 mod zip;
 pub(crate) mod zip_write;
 
-pub use read::{from_bytes, open, read};
+pub use read::{from_bytes, open};
 pub use write::{write, write_npy};

@@ -11,52 +11,43 @@ use crate::error::At;
 use crate::file::stem;
 use crate::raster::{Cube, FileSource, Shared, Storage, part};
 use crate::scene_file::cube_file::CubeFile;
-use crate::scene_file::stated::{Bands, quantity_in};
+use crate::scene_file::stated::{Bands, known_quantity};
 use crate::scene_file::tiles::{Tiles, load};
 use crate::wavelengths::places;
-use crate::{IoError, Quantity, ReadOptions, SpectralFile};
+use crate::{IoError, Limits, Quantity, ReadOptions, SpectralFile};
 
 /// Elements of an array that is not the cube, bytes.
 const LIST_LIMIT: u64 = 64 << 20;
 
-/// A spectral image, whole or the part that the options ask for, from a single array (`.npy`) or an archive of named ones
-/// (`.npz`), told apart by their first bytes.
+/// A spectral image from a single array (`.npy`) or an archive of named ones (`.npz`), which its first bytes identify.
+/// `docs/formats-scenes.md` lists the names of the arrays and what is assumed where one is absent.
 ///
-/// What arrays of an archive are called, and what is assumed where one is absent: see `docs/formats-scenes.md`.
-///
-/// # Errors
-/// When the file cannot be read, is no array or archive, has no cube or several, the axis of wavelengths is not clear, wavelengths
-/// are neither stated nor given, a sample is NaN, infinite or negative (with its band and place), or the cube is larger than the
-/// limits.
-pub fn read(path: &Path, options: &ReadOptions) -> Result<SpectralFile, IoError> {
-    load(&opened(Arc::new(FileSource::open(path)?), path, options)?, path, options)
-}
-
-/// As [`read`], samples to be read as they are needed; those of a compressed archive are unpacked from the beginning on, as far as they are
-/// needed. Of the options, the part is not looked at.
+/// Samples are read as they are needed: see [`crate::scene_file::load`]. The part that the options ask for is ignored here.
+/// Those of a compressed archive are unpacked from the beginning, as far as they are needed.
 ///
 /// # Errors
-/// As [`read`], but for the samples.
+/// When the file cannot be read, is no array or archive, has no cube or several, the axis of wavelengths is not clear, or wavelengths
+/// are neither stated nor given.
 pub fn open(path: &Path, options: &ReadOptions) -> Result<Box<dyn Tiles>, IoError> {
     Ok(Box::new(opened(Arc::new(FileSource::open(path)?), path, options)?))
 }
 
-/// As [`read`], from memory; `path` is only named.
+/// As [`open`], from memory and loaded; `path` is only named.
 ///
 /// # Errors
-/// As [`read`].
+/// As [`open`] and [`load`].
 pub fn from_bytes(bytes: &[u8], path: &Path, options: &ReadOptions) -> Result<SpectralFile, IoError> {
     load(&opened(Arc::new(bytes), path, options)?, path, options)
 }
 
 fn opened<'a>(source: Shared<'a>, path: &Path, options: &ReadOptions) -> Result<CubeFile<'a>, IoError> {
-    let io = |source| IoError::Read { path: path.to_owned(), source };
+    let io = IoError::reading(path);
     let magic = part(&*source, 0, source.len().min(6) as usize).map_err(io)?;
     if magic.starts_with(b"PK") { archive(source, path, options) } else { single(source, path, options) }
 }
 
 fn single<'a>(source: Shared<'a>, path: &Path, options: &ReadOptions) -> Result<CubeFile<'a>, IoError> {
-    let io = |source| IoError::Read { path: path.to_owned(), source };
+    let io = IoError::reading(path);
     let start = |n: usize| part(&*source, 0, n.min(usize::try_from(source.len()).unwrap_or(n))).map_err(io);
     let array = Array::parse("", path, start)?;
     let given = options.grid.map(|g| g.len()).ok_or_else(|| {
@@ -82,7 +73,7 @@ fn archive<'a>(source: Shared<'a>, path: &Path, options: &ReadOptions) -> Result
     let archive = Archive::open(&source, path, options.limits)?;
     let mut arrays = Vec::new();
     for member in &archive.members {
-        // Other files are none of NumPy's.
+        // Files of other kinds are ignored.
         if let Some(name) = member.name.strip_suffix(".npy") {
             arrays.push((Array::parse(name, path, |n| archive.start(member, n))?, member.clone()));
         }
@@ -112,40 +103,33 @@ fn archive<'a>(source: Shared<'a>, path: &Path, options: &ReadOptions) -> Result
     }
     let raster = cube.raster(axes, path)?;
     let light = arrays.list(&["illuminant_photons", "illuminant"])?;
+    let not_of_bands = |name: &str, count: usize| {
+        let expected = format!("{}, as many as bands", raster.bands);
+        IoError::field(path, name, format!("{count} numbers"), expected)
+    };
     let bands = match stated {
         Some((name, nm)) if nm.len() == raster.bands => {
             Bands::sorted(path, name, nm.into_iter().enumerate())?
         }
-        Some((name, nm)) => {
-            let found = format!("{} numbers", nm.len());
-            return Err(IoError::field(path, name, found, format!("{}, as many as bands", raster.bands)));
-        }
+        Some((name, nm)) => return Err(not_of_bands(name, nm.len())),
         None => Bands::given(path, raster.bands, options)?,
     };
     let (quantity, factor) = match arrays.text("quantity")? {
-        Some(text) => quantity_in(&text).ok_or_else(|| {
-            let expected = "photons, energy, relative, reflectance, or a unit such as W m^-2 sr^-1 nm^-1";
-            IoError::field(path, "quantity", format!("'{text}'"), expected)
-        })?,
+        Some(text) => known_quantity(path, &text)?,
         None => (options.quantity.unwrap_or(Quantity::RelativeEnergy), 1.0),
     };
     let illuminant = match light {
-        Some((name, values)) if values.len() == raster.bands => Some(
-            on_grid(&values, &bands)
-                .at(path)
-                .map_err(|e| IoError::field(path, name, e.to_string(), "finite values, not negative"))?,
-        ),
+        Some((name, values)) if values.len() != raster.bands => return Err(not_of_bands(name, values.len())),
         Some((name, values)) => {
-            let found = format!("{} numbers", values.len());
-            return Err(IoError::field(path, name, found, format!("{}, as many as bands", raster.bands)));
+            let wrong = |e| IoError::field(path, name, e, "finite values, not negative");
+            Some(on_grid(&values, &bands).at(path).map_err(|e| wrong(e.to_string()))?)
         }
         None => None,
     };
     let (source, begin) = arrays.archive.source(&member)?;
     let need = raster.bytes().and_then(|n| n.checked_add(cube.start)).unwrap_or(u64::MAX);
     if need > member.size {
-        let have = member.size;
-        return Err(IoError::Truncated { path: path.to_owned(), what: "the cube", need, have });
+        return Err(IoError::truncated(path, "the cube", need, member.size));
     }
     let name = arrays.text("name")?.unwrap_or_else(|| stem(path));
     let distance_m = arrays.single(&["distance_m", "distance"])?;
@@ -162,20 +146,10 @@ fn archive<'a>(source: Shared<'a>, path: &Path, options: &ReadOptions) -> Result
     Ok(file)
 }
 
-/// Values of the bands of a file on the grid that stands for their wavelengths.
+/// Values of the bands of a file, resampled to the grid of their wavelengths.
 fn on_grid(values: &[f64], bands: &Bands) -> Result<Spectrum, smalti::spectrum::SpectrumError> {
     let sorted: Vec<f64> = bands.order.iter().filter_map(|i| values.get(*i).copied()).collect();
-    let at = |i: usize| sorted.get(i).copied().unwrap_or(0.0);
-    let values = places(&bands.wavelengths_nm, bands.grid)
-        .iter()
-        .map(|p| {
-            if p.weight > 0.0 {
-                at(p.index) * (1.0 - p.weight) + at(p.index + 1) * p.weight
-            } else {
-                at(p.index)
-            }
-        })
-        .collect();
+    let values = places(&bands.wavelengths_nm, bands.grid).iter().map(|p| p.of(&sorted)).collect();
     Spectrum::new(bands.grid, values)
 }
 
@@ -194,12 +168,8 @@ impl Arrays<'_, '_> {
         if let Some(name) = &options.variable {
             return named(name).ok_or_else(|| {
                 let all: Vec<&(Array, Member)> = self.arrays.iter().collect();
-                IoError::field(
-                    path,
-                    format!("the array '{name}'"),
-                    "absent",
-                    format!("one of {}", names(&all)),
-                )
+                let expected = format!("one of {}", names(&all));
+                IoError::field(path, format!("the array '{name}'"), "absent", expected)
             });
         }
         match (named("cube"), cubes.as_slice()) {
@@ -215,15 +185,8 @@ impl Arrays<'_, '_> {
 
     fn elements(&self, array: &Array, member: &Member) -> Result<Vec<u8>, IoError> {
         let path = self.archive.path;
-        if member.size > LIST_LIMIT {
-            let (bytes, limit) = (member.size, LIST_LIMIT);
-            return Err(IoError::TooLarge {
-                path: path.to_owned(),
-                what: "an array beside the cube",
-                bytes,
-                limit,
-            });
-        }
+        let limits = Limits { decoded_bytes: LIST_LIMIT, ..Limits::default() };
+        limits.check_memory(path, "an array beside the cube", member.size)?;
         let content = self.archive.content(member)?;
         Ok(content.get(array.start as usize..).unwrap_or_default().to_vec())
     }

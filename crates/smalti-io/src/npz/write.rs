@@ -16,7 +16,7 @@ use crate::{IoError, npy, write};
 /// When the file cannot be written, or the image cannot be read.
 pub fn write(path: &Path, image: &dyn Tiles) -> Result<(), IoError> {
     let header = image.header();
-    let io = |source| IoError::Write { path: path.to_owned(), source };
+    let io = IoError::writing(path);
     write::atomic(path, |out| {
         let mut members: Vec<Stored> = Vec::new();
         let mut at = 0;
@@ -51,19 +51,19 @@ pub fn write(path: &Path, image: &dyn Tiles) -> Result<(), IoError> {
     })
 }
 
-/// Writes the samples alone, band, row, column; what they are is not said in the file.
+/// Writes the samples alone, ordered band, row, column. The file does not state the wavelengths or the quantity.
 ///
 /// # Errors
 /// As [`write()`].
 pub fn write_npy(path: &Path, image: &dyn Tiles) -> Result<(), IoError> {
     write::atomic(path, |out| {
         let begin = npy_begin(image.header());
-        out.write_all(&begin).map_err(|source| IoError::Write { path: path.to_owned(), source })?;
+        out.write_all(&begin).map_err(IoError::writing(path))?;
         write_planes(out, begin.len() as u64, image, path, |_, _| {})
     })
 }
 
-/// What stands before the samples.
+/// The header before the samples.
 fn npy_begin(header: &Header) -> Vec<u8> {
     let shape = [header.wavelengths_nm.len(), header.rows, header.cols];
     // Three axes always have a header.

@@ -1,4 +1,4 @@
-//! ZIP archives (APPNOTE 6.3.10), read and written without those of its parts that archives of arrays do not use.
+//! Reading ZIP archives (APPNOTE 6.3.10): stored and deflated members, sizes of 64 bits.
 
 use std::io::{self, BufReader, Read};
 use std::path::Path;
@@ -18,9 +18,12 @@ const END_64: &[u8] = b"PK\x06\x06";
 const LOCATOR_64: &[u8] = b"PK\x06\x07";
 const END_LEN: usize = 22;
 const LOCATOR_LEN: usize = 20;
+/// Numbers that have a wider one elsewhere.
+const WIDE_16: u64 = u16::MAX as u64;
+const WIDE_32: u64 = u32::MAX as u64;
 /// Of the extra field with numbers of 64 bits.
-const EXTRA_64: u16 = 1;
-/// A list of more is none of arrays.
+const EXTRA_64: u64 = 1;
+/// Bytes of the longest list; lists of arrays are short.
 const LIST_LIMIT: u64 = 64 << 20;
 
 /// A file of an archive.
@@ -44,7 +47,7 @@ pub(crate) struct Archive<'p, 'a> {
     limits: Limits,
 }
 
-/// Numbers, least significant byte first.
+/// Fields of an archive, numbers with the least significant byte first.
 struct Bytes<'a>(&'a [u8]);
 
 impl<'a> Bytes<'a> {
@@ -54,33 +57,30 @@ impl<'a> Bytes<'a> {
         Some(head)
     }
 
-    fn u16(&mut self) -> Option<u16> {
-        Some(u16::from_le_bytes(self.take(2)?.try_into().ok()?))
+    /// A number of so many bytes.
+    fn number(&mut self, bytes: usize) -> Option<u64> {
+        Some(self.take(bytes)?.iter().rev().fold(0, |n, b| n << 8 | u64::from(*b)))
     }
 
-    fn u32(&mut self) -> Option<u32> {
-        Some(u32::from_le_bytes(self.take(4)?.try_into().ok()?))
-    }
-
-    fn u64(&mut self) -> Option<u64> {
-        Some(u64::from_le_bytes(self.take(8)?.try_into().ok()?))
+    /// As [`Self::number`], for lengths of texts and extra fields.
+    fn length(&mut self) -> Option<usize> {
+        usize::try_from(self.number(2)?).ok()
     }
 }
 
 fn wrong(path: &Path, message: impl Into<String>) -> IoError {
-    IoError::Decode { path: path.to_owned(), format: "ZIP", message: message.into() }
+    IoError::decode(path, "ZIP", message.into())
 }
 
 impl<'p, 'a> Archive<'p, 'a> {
     pub(crate) fn open(source: &Shared<'a>, path: &'p Path, limits: Limits) -> Result<Self, IoError> {
-        let io = |source| IoError::Read { path: path.to_owned(), source };
+        let io = IoError::reading(path);
         let source = Arc::clone(source);
         let len = source.len();
         // The end has a comment of up to 65535 bytes behind it.
         let tail_len = len.min((END_LEN + LOCATOR_LEN + 65_535) as u64);
         let tail = part(&*source, len - tail_len, tail_len as usize).map_err(io)?;
-        let expected = "a ZIP archive of NumPy arrays";
-        let not_zip = || IoError::UnknownFormat { path: path.to_owned(), expected };
+        let not_zip = || IoError::unknown(path, "a ZIP archive of NumPy arrays");
         let end = tail.windows(END_LEN).rposition(|w| w.starts_with(END)).ok_or_else(not_zip)?;
         let (size, at) =
             list_place(&*source, &tail, end).ok_or_else(|| wrong(path, "its end is cut short"))?;
@@ -91,13 +91,12 @@ impl<'p, 'a> Archive<'p, 'a> {
         let mut rest = Bytes(&list);
         let mut members = Vec::new();
         while rest.0.starts_with(LIST_ENTRY) {
-            let member = entry(&mut rest, &*source).map_err(|m| wrong(path, m))?;
-            members.push(member);
+            members.push(entry(&mut rest, &*source).map_err(|m| wrong(path, m))?);
         }
         Ok(Self { path, source, members, limits })
     }
 
-    /// The content of a member, where it lies or as a stream, and where in it the content begins.
+    /// The content of a member, in the file or as a stream, and the offset at which it begins.
     pub(crate) fn source(&self, member: &Member) -> Result<(Shared<'a>, u64), IoError> {
         if !member.deflated {
             return Ok((Arc::clone(&self.source), member.at));
@@ -158,10 +157,10 @@ impl<R: Read> Read for Checked<R> {
         let count = self.inner.read(out.get_mut(..len).unwrap_or_default())?;
         self.seen.update(out.get(..count).unwrap_or_default());
         self.left = self.left.saturating_sub(count as u64);
-        // What is more than was stated is not looked at, but it is wrong.
+        // A stream that continues beyond the stated length is damaged too.
         if self.left == 0 && (self.seen.clone().finalize() != self.stated || self.inner.read(&mut [0])? != 0)
         {
-            let message = "it has not the length and check sum stated";
+            let message = "its length or check sum is not the one stated";
             return Err(io::Error::new(io::ErrorKind::InvalidData, message));
         }
         Ok(count)
@@ -171,87 +170,73 @@ impl<R: Read> Read for Checked<R> {
 /// Length and place of the list, from the record at `end` of the last bytes of an archive.
 fn list_place(source: &dyn Source, tail: &[u8], end: usize) -> Option<(u64, u64)> {
     let mut record = Bytes(tail.get(end..)?);
-    // Signature, disks, counts.
+    // Signature, disks.
     record.take(4 + 2 + 2)?;
-    let count = record.u16().max(record.u16())?;
-    let (size, at) = (record.u32()?, record.u32()?);
-    if count != u16::MAX && size != u32::MAX && at != u32::MAX {
-        return Some((u64::from(size), u64::from(at)));
-    }
-    let mut locator = Bytes(tail.get(end.checked_sub(LOCATOR_LEN)?..)?);
-    if locator.take(4)? != LOCATOR_64 {
-        return Some((u64::from(size), u64::from(at)));
-    }
+    let count = record.number(2)?.max(record.number(2)?);
+    let (size, at) = (record.number(4)?, record.number(4)?);
+    let locator = end.checked_sub(LOCATOR_LEN).and_then(|at| tail.get(at..)?.strip_prefix(LOCATOR_64));
+    let Some(locator) = locator.filter(|_| count == WIDE_16 || size == WIDE_32 || at == WIDE_32) else {
+        return Some((size, at));
+    };
+    let mut locator = Bytes(locator);
     locator.take(4)?;
-    let record = part(source, locator.u64()?, 56).ok()?;
-    let mut record = Bytes(&record);
-    if record.take(4)? != END_64 {
-        return None;
-    }
+    let record = part(source, locator.number(8)?, 56).ok()?;
+    let mut record = Bytes(record.strip_prefix(END_64)?);
     // Its length, versions, disks, counts.
     record.take(8 + 4 + 8 + 16)?;
-    Some((record.u64()?, record.u64()?))
+    Some((record.number(8)?, record.number(8)?))
+}
+
+/// The next member of a list and its method, with the bits of its flags.
+fn listed(list: &mut Bytes<'_>) -> Option<(u64, u64, Member)> {
+    list.take(8)?;
+    let (flags, method) = (list.number(2)?, list.number(2)?);
+    list.take(4)?;
+    let crc = list.number(4)? as u32;
+    let (compressed, size) = (list.number(4)?, list.number(4)?);
+    let (name, extra, comment) = (list.length()?, list.length()?, list.length()?);
+    list.take(8)?;
+    let at = list.number(4)?;
+    let name = String::from_utf8_lossy(list.take(name)?).into_owned();
+    let mut fields = Bytes(list.take(extra)?);
+    list.take(comment)?;
+    // Numbers that do not fit into 32 bits are in an extra field.
+    let mut wide = Bytes(&[]);
+    while let (Some(id), Some(len)) = (fields.number(2), fields.length()) {
+        let Some(content) = fields.take(len) else { break };
+        if id == EXTRA_64 {
+            wide = Bytes(content);
+        }
+    }
+    let mut number = |short: u64| if short == WIDE_32 { wide.number(8) } else { Some(short) };
+    let (size, compressed, at) = (number(size)?, number(compressed)?, number(at)?);
+    Some((flags, method, Member { name, deflated: method == 8, crc, at, compressed, size }))
 }
 
 fn entry(list: &mut Bytes<'_>, source: &dyn Source) -> Result<Member, String> {
-    let short = || "its list is cut short".to_owned();
-    let mut read = || {
-        list.take(8)?;
-        let (flags, method) = (list.u16()?, list.u16()?);
-        list.take(4)?;
-        let crc = list.u32()?;
-        let (compressed, size) = (list.u32()?, list.u32()?);
-        let (name, extra, comment) = (list.u16()?, list.u16()?, list.u16()?);
-        list.take(8)?;
-        let at = list.u32()?;
-        let name = String::from_utf8_lossy(list.take(usize::from(name))?).into_owned();
-        let extra = list.take(usize::from(extra))?;
-        list.take(usize::from(comment))?;
-        let (size, compressed, at) = extended(extra, size, compressed, at)?;
-        Some((flags, method, Member { name, deflated: method == 8, crc, at, compressed, size }))
-    };
-    let (flags, method, mut member) = read().ok_or_else(short)?;
-    let name = member.name.clone();
+    let (flags, method, member) = listed(list).ok_or("its list is cut short")?;
+    let name = &member.name;
     if flags & 1 != 0 || ![0, 8].contains(&method) {
         return Err(format!(
-            "{name} is encrypted or compressed by method {method}; stored or deflated ones are read"
+            "{name} is encrypted or compressed by method {method}; expected a stored or deflated member"
         ));
     }
     if method == 0 && member.size != member.compressed {
         return Err(format!("{name} is stored, but its two lengths differ"));
     }
-    // What stands before the content may be of another length than in the list.
     let outside = || format!("{name} is not within the file");
     let local = part(source, member.at, 30).map_err(|_| outside())?;
-    let mut local = Bytes(&local);
-    if local.take(4) != Some(LOCAL_ENTRY) {
+    let Some(local) = local.strip_prefix(LOCAL_ENTRY) else {
         return Err(format!("{name} is not where the list says"));
-    }
-    let mut lengths = || {
-        local.take(22)?;
-        Some(u64::from(local.u16()?) + u64::from(local.u16()?))
     };
-    let begin = lengths().and_then(|n| member.at.checked_add(30 + n));
-    let end = begin.and_then(|at| at.checked_add(member.compressed));
-    match (begin, end) {
-        (Some(begin), Some(end)) if end <= source.len() => member.at = begin,
-        _ => return Err(outside()),
+    // The name and the extra field before the content may have other lengths than in the list.
+    let mut local = Bytes(local);
+    let mut begin = || {
+        local.take(22)?;
+        member.at.checked_add(30 + local.number(2)? + local.number(2)?)
+    };
+    match begin().map(|at| (at, at.checked_add(member.compressed))) {
+        Some((at, Some(end))) if end <= source.len() => Ok(Member { at, ..member }),
+        _ => Err(outside()),
     }
-    Ok(member)
-}
-
-/// Sizes and place, from the extra field where they do not fit into 32 bits.
-fn extended(extra: &[u8], size: u32, compressed: u32, at: u32) -> Option<(u64, u64, u64)> {
-    let mut fields = Bytes(extra);
-    let mut wide = None;
-    while fields.0.len() >= 4 {
-        let (id, len) = (fields.u16()?, usize::from(fields.u16()?));
-        let Some(content) = fields.take(len) else { break };
-        if id == EXTRA_64 {
-            wide = Some(content);
-        }
-    }
-    let mut wide = Bytes(wide.unwrap_or_default());
-    let mut number = |short: u32| if short == u32::MAX { wide.u64() } else { Some(u64::from(short)) };
-    Some((number(size)?, number(compressed)?, number(at)?))
 }

@@ -11,7 +11,7 @@ pub(crate) struct Stored {
     pub(crate) name: String,
     pub(crate) crc: u32,
     pub(crate) size: u64,
-    /// Where its header stands.
+    /// The offset of its header.
     pub(crate) at: u64,
 }
 
@@ -20,7 +20,7 @@ fn narrow(v: u64) -> u32 {
 }
 
 impl Stored {
-    /// A file of these pieces, whose header stands at `at`.
+    /// A file that consists of these pieces, whose header is at the offset `at`.
     pub(crate) fn of(name: &str, pieces: &[&[u8]], at: u64) -> Self {
         let mut crc = crc32fast::Hasher::new();
         pieces.iter().for_each(|p| crc.update(p));
@@ -32,7 +32,7 @@ impl Stored {
         self.size >= u64::from(u32::MAX)
     }
 
-    /// What the header before the file and its place in the list have in common, up to the length of the extra field.
+    /// The fields that the header before the file and its entry in the list share, up to the length of the extra field.
     fn common(&self, version: u16, extra: usize) -> Vec<u8> {
         let mut out = Vec::new();
         // Version needed, no flags, stored, time, date.
@@ -43,7 +43,7 @@ impl Stored {
         out
     }
 
-    /// What stands before the file; its length does not depend on the check sum.
+    /// The header before the file. Its length does not depend on the check sum.
     pub(crate) fn local(&self) -> Vec<u8> {
         let mut extra = Vec::new();
         if self.wide() {
@@ -80,7 +80,7 @@ impl Stored {
     }
 }
 
-/// What ends an archive: its list, which stands at `at`, and where to find it.
+/// The end of an archive: its list, which is at the offset `at`, and the records that state where it is.
 pub(crate) fn end(members: &[Stored], at: u64) -> Vec<u8> {
     let mut out = Vec::new();
     members.iter().for_each(|m| m.list(&mut out));

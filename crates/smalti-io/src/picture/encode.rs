@@ -1,14 +1,13 @@
 //! Writing PNG and TIFF.
 
-use std::collections::BTreeMap;
-use std::io::Write;
+use std::io::{self, Write};
 use std::path::Path;
 
 use png::{BitDepth, ColorType, Encoder, SrgbRenderingIntent};
 use smalti::color::{ColorSpace, Image, ImageError};
 
 use crate::error::At;
-use crate::tiff_tags::{self as tags, Value};
+use crate::tiff::{Fields, Value, tags, write_header};
 use crate::{IoError, icc, write};
 
 /// Bits per sample of a picture that is written.
@@ -30,10 +29,7 @@ pub fn write(path: &Path, image: &Image, depth: Depth) -> Result<(), IoError> {
     match extension.as_str() {
         "png" => write_png(path, image, depth),
         "tif" | "tiff" => write_tiff(path, image, depth),
-        _ => Err(IoError::UnknownFormat {
-            path: path.to_owned(),
-            expected: "a name that ends in .png, .tif or .tiff",
-        }),
+        _ => Err(IoError::unknown(path, "a name that ends in .png, .tif or .tiff")),
     }
 }
 
@@ -45,12 +41,9 @@ pub fn write(path: &Path, image: &Image, depth: Depth) -> Result<(), IoError> {
 pub fn write_png(path: &Path, image: &Image, depth: Depth) -> Result<(), IoError> {
     let samples = quantised(path, image, depth, u16::to_be_bytes)?;
     write::atomic(path, |out| {
-        let wrong = |e: png::EncodingError| IoError::Write {
-            path: path.to_owned(),
-            source: match e {
-                png::EncodingError::IoError(source) => source,
-                other => std::io::Error::other(other.to_string()),
-            },
+        let wrong = |e: png::EncodingError| match e {
+            png::EncodingError::IoError(source) => IoError::writing(path)(source),
+            other => IoError::writing(path)(io::Error::other(other.to_string())),
         };
         let (cols, rows) = size(path, image)?;
         let mut info = png::Info::with_size(cols, rows);
@@ -82,7 +75,7 @@ pub fn write_tiff(path: &Path, image: &Image, depth: Depth) -> Result<(), IoErro
     let samples = quantised(path, image, depth, u16::to_le_bytes)?;
     let (cols, rows) = size(path, image)?;
     let bits = if depth == Depth::Eight { 8 } else { 16 };
-    let mut fields = BTreeMap::from([
+    let mut fields = Fields::from([
         (tags::IMAGE_WIDTH, Value::Long(vec![cols])),
         (tags::IMAGE_LENGTH, Value::Long(vec![rows])),
         (tags::BITS_PER_SAMPLE, Value::Short(vec![bits; 3])),
@@ -92,12 +85,11 @@ pub fn write_tiff(path: &Path, image: &Image, depth: Depth) -> Result<(), IoErro
         (tags::PLANAR_CONFIGURATION, Value::Short(vec![1])),
     ]);
     if let Some(profile) = icc::profile(image.space()) {
-        fields.insert(tags::ICC_PROFILE, Value::Undefined(profile));
+        fields.insert(tags::ICC_PROFILE, Value::Undefined(profile.to_vec()));
     }
-    write::atomic(path, |out| {
-        let io = |source| IoError::Write { path: path.to_owned(), source };
-        tags::write_header(out, fields, rows, samples.len() as u64).map_err(io)?;
-        out.write_all(&samples).map_err(io)
+    write::stream(path, |out| {
+        write_header(out, fields, rows, samples.len() as u64)?;
+        out.write_all(&samples)
     })
 }
 
@@ -125,14 +117,7 @@ fn quantised(
     let (r, g, b) = (planes.plane(0), planes.plane(1), planes.plane(2));
     for (name, plane) in [("R", r), ("G", g), ("B", b)] {
         if let Some(i) = plane.iter().position(|v| v.is_nan()) {
-            return Err(IoError::Pixel {
-                path: path.to_owned(),
-                channel: name.to_owned(),
-                row: i / image.cols().max(1),
-                col: i % image.cols().max(1),
-                value: f64::NAN,
-                expected: "a number",
-            });
+            return Err(IoError::pixel(path, name, (i, image.cols()), f32::NAN, "a number"));
         }
     }
     let pixels = r.iter().zip(g).zip(b).flat_map(|((r, g), b)| [*r, *g, *b]);

@@ -3,11 +3,11 @@
 use std::io::{self, BufReader, Read};
 use std::path::Path;
 
-use png::{BitDepth, ColorType, Decoder, DecodingError, Limits, Reader, Transformations};
+use png::{BitDepth, ColorType, Decoder, DecodingError, Reader, Transformations};
 
-use crate::IoError;
 use crate::file::{guarded, plausible};
 use crate::raster::{Axis, Kind, Raster, Shared, Span};
+use crate::{IoError, Limits};
 
 /// Of a picture that is unpacked row by row; more is refused.
 const ROW_LIMIT_BYTES: usize = 1 << 28;
@@ -15,28 +15,18 @@ const ROW_LIMIT_BYTES: usize = 1 << 28;
 /// How the samples that [`rows`] gives lie; only the header of the picture is looked at.
 ///
 /// # Errors
-/// When it is no PNG, or declares more than its file can hold. One that is interlaced is unpacked whole: `decoded_bytes` bounds it.
-pub(crate) fn raster(source: &Shared<'_>, path: &Path, decoded_bytes: u64) -> Result<Raster, IoError> {
+/// When it is no PNG, or declares more than its file can hold. One that is interlaced is unpacked whole: the limits bound it.
+pub(crate) fn raster(source: &Shared<'_>, path: &Path, limits: Limits) -> Result<Raster, IoError> {
     guarded(path, "PNG", || {
-        let reader = reader(source).map_err(|e| IoError::Decode {
-            path: path.to_owned(),
-            format: "PNG",
-            message: e.to_string(),
-        })?;
+        let reader = reader(source).map_err(|e| IoError::decode(path, "PNG", e))?;
         let info = reader.info();
         let (rows, cols) = (info.height as usize, info.width as usize);
         let sixteen = reader.output_color_type().1 == BitDepth::Sixteen;
         let raw = (info.raw_row_length() as u64).saturating_mul(u64::from(info.height));
         plausible(path, "the picture", raw, source.len())?;
         let bytes = reader.output_buffer_size().map_or(u64::MAX, |n| n as u64);
-        if info.interlaced && bytes > decoded_bytes {
-            let limit = decoded_bytes;
-            return Err(IoError::TooLarge {
-                path: path.to_owned(),
-                what: "an interlaced picture",
-                bytes,
-                limit,
-            });
+        if info.interlaced {
+            limits.check_memory(path, "an interlaced picture", bytes)?;
         }
         Ok(Raster {
             kind: if sixteen { Kind::U16 } else { Kind::U8 },
@@ -74,7 +64,7 @@ pub(crate) fn rows<'a>(source: &Shared<'a>) -> io::Result<Box<dyn Read + Send + 
 
 fn reader<'a>(source: &Shared<'a>) -> Result<Reader<BufReader<Span<'a>>>, DecodingError> {
     let mut decoder =
-        Decoder::new_with_limits(BufReader::new(Span::whole(source)), Limits { bytes: ROW_LIMIT_BYTES });
+        Decoder::new_with_limits(BufReader::new(Span::whole(source)), png::Limits { bytes: ROW_LIMIT_BYTES });
     decoder.set_transformations(Transformations::EXPAND);
     decoder.set_ignore_text_chunk(true);
     decoder.set_ignore_iccp_chunk(true);

@@ -8,13 +8,13 @@ use zune_jpeg::JpegDecoder;
 use zune_jpeg::zune_core::colorspace::ColorSpace as Coded;
 use zune_jpeg::zune_core::options::DecoderOptions;
 
-use super::{PROFILE_NOTE, Picture, from_interleaved};
+use super::decoded::{PROFILE_NOTE, Picture, from_interleaved};
 use crate::IoError;
 use crate::ReadOptions;
 use crate::file::guarded;
 
 pub(super) fn decode(bytes: &[u8], path: &Path, options: &ReadOptions) -> Result<Picture, IoError> {
-    let wrong = |message: String| IoError::Decode { path: path.to_owned(), format: "JPEG", message };
+    let wrong = |message: String| IoError::decode(path, "JPEG", message);
     guarded(path, "JPEG", || {
         let settings = DecoderOptions::default()
             .jpeg_set_out_colorspace(Coded::RGB)
@@ -27,10 +27,7 @@ pub(super) fn decode(bytes: &[u8], path: &Path, options: &ReadOptions) -> Result
         let (rows, cols) = (usize::from(info.height), usize::from(info.width));
         let pixels = rows as u64 * cols as u64;
         options.limits.check(path, "the picture", pixels.saturating_mul(3), bytes.len() as u64)?;
-        if pixels.saturating_mul(3 + 12 + 12) > options.limits.decoded_bytes {
-            let (bytes, limit) = (pixels.saturating_mul(27), options.limits.decoded_bytes);
-            return Err(IoError::TooLarge { path: path.to_owned(), what: "the picture", bytes, limit });
-        }
+        options.limits.check_memory(path, "the picture", pixels.saturating_mul(3 + 12 + 12))?;
         let buffer = decoder.decode().map_err(|e| wrong(e.to_string()))?;
         let mut notes = Vec::new();
         if decoder.icc_profile().is_some() {

@@ -6,16 +6,15 @@ use std::path::Path;
 use png::{BitDepth, ColorType, Decoder, Info, Limits, Transformations};
 use smalti::color::ColorSpace;
 
-use super::{PROFILE_NOTE, Picture, alpha_note, from_interleaved};
+use super::decoded::{PROFILE_NOTE, Picture, alpha_note, from_interleaved};
 use crate::ReadOptions;
 use crate::file::guarded;
 use crate::{IoError, icc};
 
 pub(super) fn decode(bytes: &[u8], path: &Path, options: &ReadOptions) -> Result<Picture, IoError> {
-    let Unpacked { info, size: (rows, cols), channels, samples } = unpack(bytes, path, options)?;
-    let (mut samples, bits) = samples.to_f32();
+    let Unpacked { info, size: (rows, cols), channels, bits, mut samples } = unpack(bytes, path, options)?;
     let mut notes = Vec::new();
-    alpha_note(&mut notes, channels);
+    alpha_note(&mut notes, channels == 2 || channels == 4);
     let (space, gamma) = space(&info, &mut notes);
     if let Some(gamma) = gamma {
         let exponent = 1.0 / gamma;
@@ -31,35 +30,14 @@ struct Unpacked {
     size: (usize, usize),
     /// 1 to 4, of which the second of two and the fourth are alpha.
     channels: usize,
-    samples: Samples,
-}
-
-/// Samples as they are stored.
-enum Samples {
-    Eight(Vec<u8>),
-    /// Big-endian.
-    Sixteen(Vec<u8>),
-}
-
-impl Samples {
-    /// The largest number is 1; and the bits of a sample.
-    fn to_f32(&self) -> (Vec<f32>, u8) {
-        match self {
-            Self::Sixteen(bytes) => (
-                bytes.as_chunks().0.iter().map(|b| f32::from(u16::from_be_bytes(*b)) / 65535.0).collect(),
-                16,
-            ),
-            Self::Eight(bytes) => (bytes.iter().map(|b| f32::from(*b) / 255.0).collect(), 8),
-        }
-    }
+    /// Bits of a sample in the file.
+    bits: u8,
+    /// The largest number is 1.
+    samples: Vec<f32>,
 }
 
 fn unpack(bytes: &[u8], path: &Path, options: &ReadOptions) -> Result<Unpacked, IoError> {
-    let wrong = |e: png::DecodingError| IoError::Decode {
-        path: path.to_owned(),
-        format: "PNG",
-        message: e.to_string(),
-    };
+    let wrong = |e: png::DecodingError| IoError::decode(path, "PNG", e);
     guarded(path, "PNG", || {
         let limit = usize::try_from(options.limits.decoded_bytes).unwrap_or(usize::MAX);
         let mut decoder = Decoder::new_with_limits(Cursor::new(bytes), Limits { bytes: limit });
@@ -72,13 +50,9 @@ fn unpack(bytes: &[u8], path: &Path, options: &ReadOptions) -> Result<Unpacked, 
         options.limits.check(path, "the picture", raw, bytes.len() as u64)?;
         let mut reader = decoder.read_info().map_err(wrong)?;
         let size = reader.output_buffer_size().unwrap_or(usize::MAX);
-        // Three planes of f32 beside what is unpacked.
+        // Three planes of f32 beside the decoded samples.
         let memory = pixels.saturating_mul(12).saturating_add(size as u64);
-        let allowed = options.limits.decoded_bytes;
-        if memory > allowed {
-            let path = path.to_owned();
-            return Err(IoError::TooLarge { path, what: "the picture", bytes: memory, limit: allowed });
-        }
+        options.limits.check_memory(path, "the picture", memory)?;
         let mut buffer = vec![0; size];
         let frame = reader.next_frame(&mut buffer).map_err(wrong)?;
         buffer.truncate(frame.buffer_size());
@@ -88,12 +62,15 @@ fn unpack(bytes: &[u8], path: &Path, options: &ReadOptions) -> Result<Unpacked, 
             ColorType::Rgb | ColorType::Indexed => 3,
             ColorType::Rgba => 4,
         };
-        let samples = match frame.bit_depth {
-            BitDepth::Sixteen => Samples::Sixteen(buffer),
-            _ => Samples::Eight(buffer),
+        let (bits, samples) = match frame.bit_depth {
+            BitDepth::Sixteen => {
+                let sixteen = |b: &[u8; 2]| f32::from(u16::from_be_bytes(*b)) / 65535.0;
+                (16, buffer.as_chunks().0.iter().map(sixteen).collect())
+            }
+            _ => (8, buffer.iter().map(|b| f32::from(*b) / 255.0).collect()),
         };
         let size = (frame.height as usize, frame.width as usize);
-        Ok(Unpacked { info: reader.info().clone(), size, channels, samples })
+        Ok(Unpacked { info: reader.info().clone(), size, channels, bits, samples })
     })
 }
 
@@ -113,7 +90,7 @@ fn space(info: &Info<'_>, notes: &mut Vec<String>) -> (ColorSpace, Option<f32>) 
     }
     if let Some(profile) = &info.icc_profile {
         for space in [ColorSpace::Srgb, ColorSpace::DisplayP3] {
-            if icc::profile(space).is_some_and(|p| p.as_slice() == profile.as_ref()) {
+            if icc::profile(space).is_some_and(|p| p == profile.as_ref()) {
                 return (space, None);
             }
         }

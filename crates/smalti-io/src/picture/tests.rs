@@ -1,7 +1,11 @@
 use proptest::prelude::*;
 
+use smalti::color::{ColorSpace, Image};
+use smalti::numeric::Planes;
+
 use super::*;
 use crate::Limits;
+use crate::tiff::{Fields, Value, tags, write_header};
 
 fn ramp(space: ColorSpace, rows: usize, cols: usize) -> Image {
     let n = rows * cols * 3;
@@ -55,6 +59,30 @@ fn a_png_gamma_is_undone() {
     let p = from_bytes(&bytes, Path::new("f.png"), &ReadOptions::default()).unwrap();
     assert_eq!(p.image.space(), ColorSpace::LinearSrgb);
     assert!((p.image.planes().plane(2)[0] - (128.0f32 / 255.0).powi(2)).abs() < 1e-6);
+}
+
+#[test]
+fn grey_tiff_is_read_whichever_number_is_white_and_alpha_is_ignored() {
+    let read = |photometric: u16, samples: u16, data: &[u8]| {
+        let fields = Fields::from([
+            (tags::IMAGE_WIDTH, Value::Long(vec![2])),
+            (tags::IMAGE_LENGTH, Value::Long(vec![1])),
+            (tags::BITS_PER_SAMPLE, Value::Short(vec![8; usize::from(samples)])),
+            (tags::PHOTOMETRIC, Value::Short(vec![photometric])),
+            (tags::SAMPLES_PER_PIXEL, Value::Short(vec![samples])),
+        ]);
+        let mut bytes = Vec::new();
+        write_header(&mut bytes, fields, 1, data.len() as u64).unwrap();
+        bytes.extend(data);
+        let picture = from_bytes(&bytes, Path::new("f.tif"), &ReadOptions::default());
+        picture.map(|p| (p.image.planes().plane(2).to_vec(), p.notes)).map_err(|e| e.to_string())
+    };
+    assert_eq!(read(1, 1, &[0, 51]), Ok((vec![0.0, 0.2], Vec::new())));
+    assert_eq!(read(0, 1, &[255, 204]), Ok((vec![0.0, 0.2], Vec::new())));
+    let note = vec!["the alpha channel is ignored".to_owned()];
+    assert_eq!(read(1, 2, &[0, 9, 51, 9]), Ok((vec![0.0, 0.2], note)));
+    let palette = read(3, 1, &[0, 51]).unwrap_err();
+    assert_eq!(palette, "f.tif: PhotometricInterpretation is 3; expected 0 or 1 (grey) or 2 (RGB)");
 }
 
 /// A PNG that declares that many rows and columns in a few bytes.

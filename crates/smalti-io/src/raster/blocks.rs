@@ -1,5 +1,5 @@
-//! Samples in blocks of equal size, each of them compressed by itself or not: the chunks of HDF5, the strips and tiles of TIFF, the lines and
-//! tiles of OpenEXR.
+//! Samples in blocks of equal size, each compressed by itself or not compressed: the chunks of HDF5, the strips and tiles of TIFF, the
+//! lines and tiles of OpenEXR.
 
 use std::io;
 use std::path::Path;
@@ -18,7 +18,8 @@ use crate::{IoError, Limits};
 /// Bytes between lines that are read with them.
 const LINE_GAP_BYTES: u64 = 64;
 
-/// Where the blocks of a cube are, and what was done to them. Each lies as the cube does: of the same type and order.
+/// The places of the blocks of a cube, and the filters that were applied to them. Blocks have the type of sample and the order of axes
+/// of the cube.
 #[derive(Debug, Clone)]
 pub(crate) struct Blocks {
     /// Bands, rows and columns of a block, none of them 0.
@@ -26,13 +27,13 @@ pub(crate) struct Blocks {
     /// The distances in `places` from a block to the next along bands, rows and columns.
     pub(crate) strides: [usize; 3],
     pub(crate) places: Arc<[Place]>,
-    /// What stands before each block, all of one length: a block behind anything else is another one.
+    /// The headers of all blocks, each of the same length. A block with another header is not the expected one.
     pub(crate) heads: Arc<[u8]>,
     /// In the order in which they were applied.
     pub(crate) filters: Vec<Filter>,
-    /// What unpacks blocks in place of filters.
+    /// Unpacks blocks in place of filters.
     pub(crate) unpack: Option<Arc<dyn Unpack>>,
-    /// Blocks that reach beyond the last row are stored without what is beyond, as strips are; others are stored whole.
+    /// Whether blocks that reach beyond the last row are stored only up to it, as strips are, and not whole.
     pub(crate) cut: bool,
 }
 
@@ -65,7 +66,7 @@ impl Blocks {
         (path, what): (&Path, &'static str),
         limits: Limits,
     ) -> Result<(), IoError> {
-        let truncated = |need, have| Err(IoError::Truncated { path: path.to_owned(), what, need, have });
+        let truncated = |need, have| Err(IoError::truncated(path, what, need, have));
         let (below, last) = (self.strides[1], cube.rows.div_ceil(self.size[1]).saturating_sub(1));
         for (i, place) in self.places.iter().enumerate() {
             let row = if self.cut && last > 0 { i / below.max(1) % (last + 1) } else { 0 };
@@ -167,8 +168,8 @@ impl Blocks {
         Ok(())
     }
 
-    /// Lines at equal distances, of which most is wanted, read at once with what stands between them: one by one each would
-    /// cost a call to the system.
+    /// Lines at equal distances, most of whose samples are wanted, are read at once with the bytes between them: read one by one, each
+    /// line would cost a call to the system.
     fn window<'s>(
         &self,
         cube: &Raster,

@@ -1,4 +1,4 @@
-//! What is done to blocks of samples when they are written, undone: the filters of HDF5, and compression and predictors of TIFF.
+//! Undoing the filters of HDF5, and the compression and predictors of TIFF.
 
 use flate2::{Decompress, FlushDecompress};
 use weezl::BitOrder;
@@ -35,7 +35,7 @@ pub(crate) struct Scratch {
 }
 
 impl Scratch {
-    /// Replaces what stands in `self.block` by what `unpack` makes of it, which are samples of this shape.
+    /// Replaces the content of `self.block` by the result of `unpack`, which are samples of this shape.
     pub(super) fn replaced(
         &mut self,
         shape: &Raster,
@@ -50,7 +50,7 @@ impl Scratch {
         }
     }
 
-    /// Undoes what was done to a block of these samples, which stands in `self.block`, and leaves it there.
+    /// Undoes the filters of a block of these samples, which is in `self.block`, and leaves the result there.
     pub(super) fn undo(
         &mut self,
         filters: impl DoubleEndedIterator<Item = Filter>,
@@ -69,11 +69,11 @@ impl Scratch {
             match filter {
                 Filter::Differences => {
                     let rows = self.block.chunks_mut(row);
-                    rows.for_each(|r| add_up(r, samples, size, shape.big_endian));
+                    rows.for_each(|r| add_differences(r, samples, size, shape.big_endian));
                     continue;
                 }
                 Filter::FloatDifferences => {
-                    self.block.chunks_mut(row).for_each(|r| put_together(r, samples, size));
+                    self.block.chunks_mut(row).for_each(|r| restore_floats(r, samples, size));
                     continue;
                 }
                 _ => self.other.resize(need, 0),
@@ -125,6 +125,7 @@ fn unshuffle(shuffled: &[u8], size: usize, into: &mut [u8]) {
     }
     match size {
         2 => sized::<2>(shuffled, into),
+        3 => sized::<3>(shuffled, into),
         4 => sized::<4>(shuffled, into),
         8 => sized::<8>(shuffled, into),
         _ => into.copy_from_slice(shuffled),
@@ -158,8 +159,9 @@ fn unpack_bits(packed: &[u8], out: &mut [u8]) -> Option<()> {
     Some(())
 }
 
-/// Undoes horizontal differencing (TIFF 6.0, section 14) of samples of any size, taken as whole numbers.
-fn add_up(row: &mut [u8], samples: usize, size: usize, big_endian: bool) {
+/// Undoes horizontal differencing (TIFF 6.0, section 14) of samples of any size, taken as whole numbers. Each is the difference to the one
+/// `samples` before it.
+pub(crate) fn add_differences(row: &mut [u8], samples: usize, size: usize, big_endian: bool) {
     macro_rules! of {
         ($t:ty) => {{
             let (load, store): (fn(_) -> $t, fn($t) -> _) = if big_endian {
@@ -182,12 +184,12 @@ fn add_up(row: &mut [u8], samples: usize, size: usize, big_endian: bool) {
 }
 
 /// Undoes the predictor of floating point (TIFF Technical Note 3): differences of bytes, the first bytes of all samples first.
-fn put_together(row: &mut [u8], samples: usize, size: usize) {
+pub(crate) fn restore_floats(row: &mut [u8], samples: usize, size: usize) {
     for i in samples..row.len() {
         row[i] = row[i].wrapping_add(row[i - samples]);
     }
     let shuffled = row.to_vec();
-    // The last of them hold the lowest bits: what comes out is big-endian.
+    // The first bytes are the most significant: the result is big-endian.
     unshuffle(&shuffled, size, row);
 }
 

@@ -1,7 +1,5 @@
 //! Types of samples in files, and the numbers that they become.
 
-use super::copy::{Strides, Target, gather};
-
 /// How a sample is stored.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Kind {
@@ -37,17 +35,6 @@ impl Kind {
             Self::U32 => Some(f64::from(u32::MAX)),
             _ => None,
         }
-    }
-
-    /// All whole samples in `bytes`, one after another.
-    pub(crate) fn numbers<S: Sample>(self, big_endian: bool, bytes: &[u8]) -> Vec<S> {
-        let mut numbers = vec![S::default(); bytes.len() / self.size()];
-        let count = numbers.len();
-        let strides = Strides { first: 0, band: 0, row: 0, col: 1 };
-        let mut target = Target { bands: &mut [&mut numbers[..]], width: count, col: 0 };
-        // As many as there are bytes for.
-        let _ = gather(bytes, (self, big_endian), strides, (&[0], 1, count), &mut target);
-        numbers
     }
 }
 
@@ -116,30 +103,6 @@ pub(super) fn half(bits: u16) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn every_type_and_byte_order() {
-        let one = |kind: Kind, bytes: &[u8]| {
-            let swapped: Vec<u8> = bytes.iter().rev().copied().collect();
-            let little: Vec<f64> = kind.numbers(false, bytes);
-            assert_eq!(little, kind.numbers::<f64>(true, &swapped));
-            // Rounded once.
-            assert_eq!(kind.numbers::<f32>(false, bytes)[0], little[0] as f32);
-            little[0]
-        };
-        assert_eq!(one(Kind::I8, &(-3i8).to_le_bytes()), -3.0);
-        assert_eq!(one(Kind::U8, &[200]), 200.0);
-        assert_eq!(one(Kind::I16, &(-300i16).to_le_bytes()), -300.0);
-        assert_eq!(one(Kind::U16, &40000u16.to_le_bytes()), 40000.0);
-        assert_eq!(one(Kind::I32, &(-70000i32).to_le_bytes()), -70000.0);
-        assert_eq!(one(Kind::U32, &4_000_000_001u32.to_le_bytes()), 4_000_000_001.0);
-        assert_eq!(one(Kind::I64, &(-(1i64 << 40)).to_le_bytes()), -((1i64 << 40) as f64));
-        assert_eq!(one(Kind::U64, &(1u64 << 63).to_le_bytes()), (1u64 << 63) as f64);
-        assert_eq!(one(Kind::F16, &0x3c00u16.to_le_bytes()), 1.0);
-        assert_eq!(one(Kind::F32, &1.5f32.to_le_bytes()), 1.5);
-        assert_eq!(one(Kind::F64, &1e-300f64.to_le_bytes()), 1e-300);
-        assert_eq!(Kind::U16.numbers::<f64>(false, &[1, 0, 2, 0, 3]), [1.0, 2.0]);
-    }
 
     #[test]
     fn half_floats_are_exact() {

@@ -1,13 +1,14 @@
-//! A cube of samples as it lies in a file: any type, byte order and order of axes, in one run or in blocks, read by parts.
+//! A cube of samples in a file: any type, byte order and order of axes, contiguous or in blocks, read by parts.
 //!
-//! What is read is spread over units of about a mebibyte, or of the blocks that are unpacked at once, each read, transposed and
-//! checked by one thread while it is in the cache.
+//! Reading is divided into units of about a mebibyte, or of the blocks that are unpacked at once. One thread reads, transposes and
+//! checks a unit while it is in the cache.
 
 mod blocks;
 mod copy;
 mod filters;
 mod kind;
 mod memory;
+mod part;
 mod run;
 mod source;
 mod stream;
@@ -23,54 +24,19 @@ use rayon::prelude::*;
 
 pub(crate) use blocks::{Blocks, Place, Unpack};
 use copy::Target;
-pub(crate) use filters::Filter;
 use filters::Scratch;
+pub(crate) use filters::{Filter, add_differences, restore_floats};
 pub(crate) use kind::{Kind, Sample};
 pub(crate) use memory::zeros;
 use memory::{filled, room};
+pub(crate) use part::{Axis, Bad, Part};
 pub(crate) use run::Raster;
 use run::UNIT_BYTES;
 pub(crate) use source::{FileSource, Shared, Source, Span, bytes_at, part};
 pub(crate) use stream::Stream;
-pub(crate) use values::{BadSample, Values};
+pub(crate) use values::Values;
 
 use crate::{IoError, Limits};
-
-/// Axes of a cube.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Axis {
-    Band,
-    Row,
-    Col,
-}
-
-/// A part of a cube: the bands that are wanted, in the order of the planes they become, its rows and columns.
-#[derive(Debug, Clone)]
-pub(crate) struct Part<'a> {
-    pub(crate) bands: &'a [usize],
-    pub(crate) rows: Range<usize>,
-    pub(crate) cols: Range<usize>,
-}
-
-/// Why a part cannot be had.
-#[derive(Debug)]
-pub(crate) enum Bad {
-    /// The file cannot be read.
-    Io(io::Error),
-    /// A sample is not what it should be.
-    Sample(BadSample),
-    /// A compressed block or stream is not what it should be.
-    Block(String),
-}
-
-impl From<io::Error> for Bad {
-    fn from(error: io::Error) -> Self {
-        match error.kind() {
-            io::ErrorKind::InvalidData => Self::Block(error.to_string()),
-            _ => Self::Io(error),
-        }
-    }
-}
 
 /// Samples, and where they are.
 #[derive(Clone)]
@@ -100,7 +66,7 @@ impl Cube<'_> {
             Storage::Run { offset } => {
                 let need = self.raster.bytes().and_then(|n| n.checked_add(*offset)).unwrap_or(u64::MAX);
                 if need > have {
-                    return Err(IoError::Truncated { path: path.to_owned(), what, need, have });
+                    return Err(IoError::truncated(path, what, need, have));
                 }
                 Ok(())
             }
@@ -201,7 +167,7 @@ pub(crate) fn read<S: Sample>(
         }
         Ok(count)
     };
-    // All are done before the first error in their order is told: the same for any number of threads.
+    // The first error in the order of the units is reported: the same for any number of threads.
     let all = |scratch: &mut Scratch, task: &mut Vec<Unit<'_, MaybeUninit<S>>>| {
         task.iter_mut().map(|unit| read(scratch, unit)).sum::<Result<usize, Bad>>()
     };
@@ -219,7 +185,7 @@ pub(crate) fn read<S: Sample>(
 /// A plane, its band in the cube, and what is left of it to read.
 type Rest<'a, S> = (usize, usize, &'a mut [S]);
 
-/// What is to be read, in pieces that are independent.
+/// Divides the samples to read into independent units.
 fn units<'d, S>(
     data: &'d mut [S],
     cubes: &[Cube<'_>],

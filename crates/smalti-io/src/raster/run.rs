@@ -22,7 +22,7 @@ pub(crate) struct Raster {
 
 /// Bytes that a thread reads, transposes and checks at once.
 pub(super) const UNIT_BYTES: usize = 1 << 20;
-/// Bytes that are sooner read than passed over.
+/// Gaps up to this length are read rather than skipped.
 const GAP_BYTES: usize = 1 << 12;
 
 impl Raster {

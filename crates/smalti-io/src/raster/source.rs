@@ -18,12 +18,12 @@ pub(crate) trait Source: Send + Sync {
     /// Fills `out` from an offset; an error where the source ends before.
     fn read_at(&self, offset: u64, out: &mut [u8]) -> io::Result<()>;
 
-    /// All bytes, where they lie in memory.
+    /// All bytes, where they are in memory.
     fn memory(&self) -> Option<&[u8]> {
         None
     }
 
-    /// Whether bytes are had one after another: what lies before those that were read last takes reading from the beginning.
+    /// Whether bytes can only be read in their order: to read earlier bytes again, reading starts from the beginning.
     fn is_stream(&self) -> bool {
         false
     }
@@ -71,7 +71,7 @@ pub(crate) struct FileSource {
 
 impl FileSource {
     pub(crate) fn open(path: &Path) -> Result<Self, IoError> {
-        let io = |source| IoError::Read { path: path.to_owned(), source };
+        let io = IoError::reading(path);
         let file = File::open(path).map_err(io)?;
         let metadata = file.metadata().map_err(io)?;
         if metadata.is_dir() {
@@ -144,7 +144,7 @@ impl Seek for Span<'_> {
     }
 }
 
-/// A part of a source as a vector; no memory is taken for what lies beyond its end.
+/// A part of a source as a vector. No memory is allocated for bytes beyond its end.
 pub(crate) fn part(source: &dyn Source, offset: u64, len: usize) -> io::Result<Vec<u8>> {
     if offset.checked_add(len as u64).is_none_or(|end| end > source.len()) {
         return Err(io::ErrorKind::UnexpectedEof.into());
@@ -154,7 +154,7 @@ pub(crate) fn part(source: &dyn Source, offset: u64, len: usize) -> io::Result<V
     Ok(out)
 }
 
-/// As [`part`], with an error that says what the file has not.
+/// As [`part`], with an error that names what the file lacks.
 pub(crate) fn bytes_at(
     source: &dyn Source,
     offset: u64,
@@ -164,9 +164,7 @@ pub(crate) fn bytes_at(
 ) -> Result<Vec<u8>, IoError> {
     let have = source.len().saturating_sub(offset);
     match usize::try_from(len) {
-        Ok(count) if len <= have => {
-            part(source, offset, count).map_err(|source| IoError::Read { path: path.to_owned(), source })
-        }
-        _ => Err(IoError::Truncated { path: path.to_owned(), what, need: len, have }),
+        Ok(count) if len <= have => part(source, offset, count).map_err(IoError::reading(path)),
+        _ => Err(IoError::truncated(path, what, len, have)),
     }
 }

@@ -1,15 +1,15 @@
 //! Bytes that can only be had one after another: what a compressed stream unpacks to.
 
 use std::io::{self, Read};
-use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Mutex, PoisonError};
 
 use super::source::Source;
+use crate::file::caught;
 
 type Reader<'a> = Box<dyn Read + Send + 'a>;
 
-/// A stream that stays where it was read to: asked for in their order, its bytes are unpacked once. For those before, it is begun
-/// anew. What has been passed is not held here.
+/// A stream that keeps its position: bytes that are read in their order are unpacked once. To read earlier bytes, it starts again
+/// from the beginning. No unpacked bytes are kept.
 pub(crate) struct Stream<'a> {
     /// What a message calls it.
     name: String,
@@ -39,7 +39,7 @@ impl<'a> Stream<'a> {
         }
         stream.read_exact(out)?;
         let at = offset + out.len() as u64;
-        // What has been read to its end is let go.
+        // A stream that has been read to its end is closed.
         if at < self.len {
             *reached = Some((at, stream));
         }
@@ -55,12 +55,11 @@ impl Source for Stream<'_> {
     /// An error of kind [`io::ErrorKind::InvalidData`] where it is the stream that is not as it should be.
     fn read_at(&self, offset: u64, out: &mut [u8]) -> io::Result<()> {
         let wrong = |what: &str| io::Error::new(io::ErrorKind::InvalidData, format!("{}: {what}", self.name));
-        // Decoders are not ours: should one panic on a hostile file after all, that is an error about the file.
-        match catch_unwind(AssertUnwindSafe(|| self.advance(offset, out))) {
+        match caught(|| self.advance(offset, out)) {
             Ok(Err(e)) if e.raw_os_error().is_none() => Err(wrong(&e.to_string())),
             Ok(Err(e)) => Err(io::Error::new(e.kind(), format!("{}: {e}", self.name))),
             Ok(done) => done,
-            Err(_) => Err(wrong("the decoder failed on it")),
+            Err(message) => Err(wrong(message)),
         }
     }
 

@@ -4,6 +4,7 @@ use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 
 use proptest::prelude::*;
 
+use super::values::BadSample;
 use super::*;
 use crate::file::Negative;
 

@@ -1,4 +1,4 @@
-//! What stored numbers mean.
+//! From stored numbers to values.
 
 use crate::file::{Negative, sample};
 
@@ -18,7 +18,7 @@ pub(crate) struct BadSample {
 pub(crate) struct Values<'a> {
     /// Gain and offset of every band of the file; where it is shorter, 1 and 0.
     pub(crate) gains: &'a [(f64, f64)],
-    /// The number that stands where nothing was measured.
+    /// The number that marks missing measurements.
     pub(crate) ignore: Option<f32>,
     pub(crate) negative: Negative,
 }

@@ -7,7 +7,8 @@ use std::path::Path;
 use rayon::prelude::*;
 use smalti::numeric::Planes;
 
-use super::tiles::{Crop, Tiles};
+use super::crop::Crop;
+use super::tiles::Tiles;
 use crate::{IoError, write};
 
 /// Bytes of samples that are held at once.
@@ -27,8 +28,8 @@ pub(crate) fn row_blocks(image: &dyn Tiles) -> impl Iterator<Item = Crop> {
     (0..rows).step_by(count).map(move |row| Crop { row, col: 0, rows: count.min(rows - row), cols })
 }
 
-/// Writes one plane after another from a place of a file on, 32-bit, little-endian; the file then stands at their end. `seen` is
-/// shown the bytes of each band in their order.
+/// Writes one plane after another from an offset of a file on, 32-bit, little-endian. The position is then at their end. `seen` is
+/// given the bytes of each band in their order.
 pub(crate) fn write_planes(
     out: &mut write::Target,
     base: u64,
@@ -36,7 +37,7 @@ pub(crate) fn write_planes(
     path: &Path,
     mut seen: impl FnMut(usize, &[u8]),
 ) -> Result<(), IoError> {
-    let io = |source| IoError::Write { path: path.to_owned(), source };
+    let io = IoError::writing(path);
     let header = image.header();
     let row_bytes = header.cols as u64 * 4;
     let plane_bytes = header.rows as u64 * row_bytes;

@@ -4,9 +4,10 @@ use std::path::{Path, PathBuf};
 
 use smalti::numeric::Planes;
 
+use super::crop::Crop;
 use super::spectral::ReadOptions;
 use super::stated::Bands;
-use super::tiles::{Crop, Header, Tiles};
+use super::tiles::{Header, Tiles};
 use crate::error::At;
 use crate::file::Negative;
 use crate::raster::{self, Bad, Cube, Values};
@@ -15,7 +16,7 @@ use crate::{IoError, Quantity};
 /// A file of one or several cubes, whose bands are counted through.
 pub(crate) struct CubeFile<'a> {
     path: PathBuf,
-    /// How a message calls what unpacks its samples.
+    /// The name of the format in messages about its samples.
     format: &'static str,
     cubes: Vec<Cube<'a>>,
     /// The band for each wavelength of the header.
@@ -24,9 +25,9 @@ pub(crate) struct CubeFile<'a> {
     places: Vec<(usize, usize)>,
     /// Gain and offset of each band; where it is shorter, 1 and 0.
     pub(crate) gains: Vec<(f64, f64)>,
-    /// What a message calls each band; where it is shorter, the wavelength and number.
+    /// Names of the bands in messages; for bands beyond its end, wavelength and number.
     pub(crate) channels: Vec<String>,
-    /// The number that stands where nothing was measured.
+    /// The number that marks missing measurements.
     pub(crate) ignore: Option<f32>,
     negative: Negative,
     pub(crate) header: Header,
@@ -52,7 +53,7 @@ impl<'a> CubeFile<'a> {
             gains: Vec::new(),
             channels: Vec::new(),
             ignore: None,
-            negative: negative(options),
+            negative: options.negative_or(Negative::Refuse),
             header: Header::plain(name, size, bands, quantity),
         }
     }
@@ -95,7 +96,7 @@ pub(crate) fn bad_to_error(
 ) -> IoError {
     match bad {
         Bad::Io(source) => IoError::Read { path: path.to_owned(), source },
-        Bad::Block(message) => IoError::Decode { path: path.to_owned(), format, message },
+        Bad::Block(message) => IoError::decode(path, format, message),
         Bad::Sample(s) => IoError::Pixel {
             path: path.to_owned(),
             channel: channel(s.band),
@@ -105,9 +106,4 @@ pub(crate) fn bad_to_error(
             expected: s.expected,
         },
     }
-}
-
-/// What the options ask for.
-fn negative(options: &ReadOptions) -> Negative {
-    if options.clamp_negative { Negative::Clamp } else { Negative::Refuse }
 }

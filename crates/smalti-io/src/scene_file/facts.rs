@@ -6,11 +6,12 @@ use serde::{Deserialize, Serialize};
 use smalti::spectrum::Spectrum;
 
 use super::spectral::{Quantity, SpectralFile};
+use super::stated::Bands;
 use super::tiles::Header;
 use crate::IoError;
 use crate::error::At;
 
-/// The JSON object that stands in the comment.
+/// The JSON object in the comment.
 #[derive(Debug, Serialize, Deserialize)]
 pub(crate) struct Comment {
     pub(crate) smalti: Facts,
@@ -62,14 +63,23 @@ impl Facts {
         self.quantity.parse().ok()
     }
 
-    /// The header with what is stated here; its grid must stand. A quantity is not stated here alone: see [`Self::quantity`].
-    pub(crate) fn state_header(self, header: &mut Header, path: &Path) -> Result<(), IoError> {
-        header.name = self.name;
-        if let Some(values) = self.illuminant_photons {
+    /// The bands on the grid that facts state, where they state one of these wavelengths.
+    pub(crate) fn regrid(facts: Option<&Self>, bands: Bands) -> Bands {
+        match facts {
+            Some(facts) => bands.on(facts.start_nm, facts.step_nm),
+            None => bands,
+        }
+    }
+
+    /// Puts what facts state into a header that has its grid and quantity.
+    pub(crate) fn state(facts: Option<Self>, header: &mut Header, path: &Path) -> Result<(), IoError> {
+        let Some(facts) = facts else { return Ok(()) };
+        header.name = facts.name;
+        if let Some(values) = facts.illuminant_photons {
             header.illuminant = Some(Spectrum::new(header.grid, values).at(path)?);
         }
-        header.distance_m = self.distance_m;
-        header.horizontal_fov_deg = self.horizontal_fov_deg;
+        header.distance_m = facts.distance_m;
+        header.horizontal_fov_deg = facts.horizontal_fov_deg;
         Ok(())
     }
 }

@@ -1,4 +1,4 @@
-//! Between spectral files and scenes.
+//! Conversion between spectral files and scenes.
 
 use std::path::Path;
 
@@ -11,7 +11,7 @@ use super::spectral::{Quantity, SpectralFile};
 use crate::IoError;
 use crate::error::At;
 
-/// What a scene needs and a file may leave unsaid.
+/// Facts that a scene needs and a file may not state.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SceneDefaults {
     /// Mean luminance of a scene whose values are relative, cd/m².
@@ -37,7 +37,7 @@ impl Default for SceneDefaults {
 const WHITE_PERCENTILE: f64 = 0.99;
 
 impl SpectralFile {
-    /// The file that stands for a scene: photons, every fact stated, so that a round trip is exact.
+    /// The scene as a file: photons, every fact stated, so that a round trip is exact.
     #[must_use]
     pub fn of_scene(scene: &Scene) -> Self {
         Self {

@@ -1,6 +1,7 @@
 //! Scenes from files of any format that holds one.
 
 pub(crate) mod blocks;
+pub(crate) mod crop;
 pub(crate) mod cube_file;
 pub(crate) mod facts;
 mod into_scene;
@@ -19,9 +20,10 @@ use smalti::spectrum::{Illuminant, Observer};
 use crate::error::At;
 use crate::{IoError, bands, envi, exr, hdf5, matlab, npz, picture, spectral_tiff};
 
+pub use crop::Crop;
 pub use into_scene::SceneDefaults;
 pub use spectral::{Quantity, ReadOptions, SpectralFile};
-pub use tiles::{Crop, Cropped, Header, Tiles, Whole, load};
+pub use tiles::{Cropped, Header, Tiles, Whole, load};
 pub use write::{Photons, Restated, WriteOptions, write};
 
 /// A format of spectral images.
@@ -125,7 +127,7 @@ pub fn read_spectral(path: &Path, options: &ReadOptions) -> Result<Option<Spectr
 }
 
 /// A file as a scene on its own wavelengths: spectra as they are, a picture lifted to spectra on the wavelengths of the setting.
-/// What the file leaves unsaid is that of the setting, but for the light: files that say nothing of it are taken for daylight (D65).
+/// Facts that the file does not state are those of the setting, except for the light: without one, daylight (D65) is assumed.
 ///
 /// # Errors
 /// When the file cannot be read or holds no scene.
@@ -160,11 +162,10 @@ fn lifted(
         }
         None => image,
     };
-    let uplift = |source| IoError::Uplift { path: path.to_owned(), source };
-    let cube = Uplift::new(setting.grid, Observer::Cie1931).and_then(|u| u.uplift_image(&image));
+    let cube = Uplift::new(setting.grid, Observer::Cie1931).and_then(|u| u.uplift_image(&image)).at(path)?;
     Ok(SpectralFile {
         name,
-        cube: cube.map_err(uplift)?,
+        cube,
         quantity: Quantity::Reflectance,
         illuminant: None,
         distance_m: None,

@@ -1,11 +1,12 @@
-//! What a spectral file says, whatever its format.
+//! The content of a spectral file of any format.
 
 use std::str::FromStr;
 
 use smalti::spectrum::{SpectralCube, Spectrum, WavelengthGrid};
 
-use super::tiles::Crop;
+use super::crop::Crop;
 use crate::Limits;
+use crate::file::Negative;
 
 /// How files are read.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -23,6 +24,13 @@ pub struct ReadOptions {
     pub variable: Option<String>,
     /// The part of the image that is wanted; formats that can read no more than it.
     pub crop: Option<Crop>,
+}
+
+impl ReadOptions {
+    /// How negative samples are treated unless the options require zeros.
+    pub(crate) fn negative_or(&self, otherwise: Negative) -> Negative {
+        if self.clamp_negative { Negative::Clamp } else { otherwise }
+    }
 }
 
 /// What the values of a spectral image are.
@@ -63,7 +71,7 @@ impl FromStr for Quantity {
     }
 }
 
-/// What a spectral file says.
+/// The content of a spectral file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SpectralFile {
     /// What the image is called: as stated, or the name of the file.

@@ -21,7 +21,7 @@ pub(crate) struct Bands {
     pub(crate) order: Vec<usize>,
     /// nm, ascending.
     pub(crate) wavelengths_nm: Vec<f64>,
-    /// The uniform grid that stands for them.
+    /// The uniform grid that they are resampled to.
     pub(crate) grid: WavelengthGrid,
 }
 
@@ -149,6 +149,14 @@ pub(crate) fn quantity_in(text: &str) -> Option<(Quantity, f64)> {
         _ => {}
     }
     radiance(text)
+}
+
+/// As [`quantity_in`]; an error where the words are not known.
+pub(crate) fn known_quantity(path: &Path, text: &str) -> Result<(Quantity, f64), IoError> {
+    quantity_in(text).ok_or_else(|| {
+        let expected = "photons, energy, relative, reflectance, or a unit such as W m^-2 sr^-1 nm^-1";
+        IoError::field(path, "quantity", format!("'{text}'"), expected)
+    })
 }
 
 /// A unit of spectral radiance: factors with exponents, the denominator behind a slash.

@@ -1,86 +1,19 @@
 //! Spectral images that are read by parts, so that they need not fit into memory.
 
-use std::ops::Range;
-use std::path::{Path, PathBuf};
-use std::str::FromStr;
+use std::ops::Deref;
+use std::path::Path;
 
 use smalti::numeric::Planes;
 use smalti::spectrum::{SpectralCube, Spectrum, WavelengthGrid};
 
+use super::crop::Crop;
 use super::spectral::{Quantity, ReadOptions, SpectralFile};
 use super::stated::Bands;
 use crate::IoError;
 use crate::error::At;
 use crate::wavelengths::{Between, places};
 
-/// A rectangle of an image, in pixels.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Crop {
-    /// First row, from 0.
-    pub row: usize,
-    /// First column, from 0.
-    pub col: usize,
-    /// Rows, at least one.
-    pub rows: usize,
-    /// Columns, at least one.
-    pub cols: usize,
-}
-
-impl FromStr for Crop {
-    type Err = String;
-
-    /// From `ROW,COL,ROWS,COLS`.
-    fn from_str(text: &str) -> Result<Self, String> {
-        let numbers: Option<Vec<usize>> = text.split(',').map(|n| n.trim().parse().ok()).collect();
-        match numbers.as_deref() {
-            Some(&[row, col, rows, cols]) if rows > 0 && cols > 0 => Ok(Self { row, col, rows, cols }),
-            _ => Err("expected ROW,COL,ROWS,COLS: first row and column from 0, then how many of each".into()),
-        }
-    }
-}
-
-impl Crop {
-    /// The whole of an image.
-    #[must_use]
-    pub fn whole(rows: usize, cols: usize) -> Self {
-        Self { row: 0, col: 0, rows, cols }
-    }
-
-    /// # Errors
-    /// When it reaches beyond the image.
-    pub(crate) fn within(self, rows: usize, cols: usize, path: &Path) -> Result<Self, IoError> {
-        let inside = |first: usize, count: usize, len: usize| {
-            count > 0 && first.checked_add(count).is_some_and(|end| end <= len)
-        };
-        if inside(self.row, self.rows, rows) && inside(self.col, self.cols, cols) {
-            return Ok(self);
-        }
-        let Self { row, col, rows: high, cols: wide } = self;
-        let found = format!("{high} rows from {row} and {wide} columns from {col}");
-        Err(IoError::field(
-            path,
-            "the part to read",
-            found,
-            format!("a part of {rows} rows and {cols} columns"),
-        ))
-    }
-
-    /// Its rows and columns.
-    pub(crate) fn ranges(self) -> (Range<usize>, Range<usize>) {
-        (self.row..self.row + self.rows, self.col..self.col + self.cols)
-    }
-
-    /// The horizontal field of view of the part, taken as if it were in the middle: tan(φ′/2) = tan(φ/2) · cols′/cols.
-    fn field_of_view_deg(self, whole_deg: f64, whole_cols: usize) -> f64 {
-        if self.cols == whole_cols {
-            return whole_deg;
-        }
-        let half = (whole_deg.to_radians() / 2.0).tan() * self.cols as f64 / whole_cols.max(1) as f64;
-        2.0 * half.atan().to_degrees()
-    }
-}
-
-/// What a spectral file says before its samples are read; see [`SpectralFile`] for units.
+/// The facts that a spectral file states beside its samples; see [`SpectralFile`] for units.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Header {
     /// What the image is called.
@@ -91,7 +24,7 @@ pub struct Header {
     pub cols: usize,
     /// The wavelengths of the file, ascending, nm.
     pub wavelengths_nm: Vec<f64>,
-    /// The uniform grid that stands for them where the file becomes a [`SpectralFile`].
+    /// The uniform grid that the bands are resampled to in a [`SpectralFile`].
     pub grid: WavelengthGrid,
     /// What the values are.
     pub quantity: Quantity,
@@ -155,7 +88,7 @@ impl Header {
 
 /// A spectral image whose header has been read, and whose samples are read as they are needed.
 pub trait Tiles: Send + Sync {
-    /// What is known before.
+    /// The facts that the file states beside its samples.
     fn header(&self) -> &Header;
 
     /// A part of the image: one plane for each wavelength of the header, finite and not negative.
@@ -244,21 +177,7 @@ impl<T: Tiles> Tiles for Cropped<T> {
     }
 }
 
-impl<T: Tiles + ?Sized> Tiles for Box<T> {
-    fn header(&self) -> &Header {
-        (**self).header()
-    }
-
-    fn read(&self, part: Crop) -> Result<Planes, IoError> {
-        (**self).read(part)
-    }
-
-    fn rows_at_once(&self) -> usize {
-        (**self).rows_at_once()
-    }
-}
-
-impl<T: Tiles + ?Sized> Tiles for &T {
+impl<P: Deref<Target: Tiles> + Send + Sync> Tiles for P {
     fn header(&self) -> &Header {
         (**self).header()
     }
@@ -292,10 +211,7 @@ fn load_whole(tiles: &dyn Tiles, path: &Path, options: &ReadOptions) -> Result<S
     let pixels = (header.rows as u64).saturating_mul(header.cols as u64);
     let planes = header.wavelengths_nm.len() as u64 + if same { 0 } else { grid.len() as u64 };
     let bytes = pixels.saturating_mul(planes).saturating_mul(4);
-    if bytes > options.limits.decoded_bytes {
-        let limit = options.limits.decoded_bytes;
-        return Err(IoError::TooLarge { path: path.to_owned(), what: "the cube", bytes, limit });
-    }
+    options.limits.check_memory(path, "the cube", bytes)?;
     let planes = tiles.read(Crop::whole(header.rows, header.cols))?;
     let planes = if same { planes } else { resampled(&planes, &places, path)? };
     Ok(SpectralFile {
@@ -321,19 +237,4 @@ pub(crate) fn resampled(planes: &Planes, places: &[Between], path: &Path) -> Res
         }
     }
     Planes::new(planes.rows(), planes.cols(), places.len(), data).at(path)
-}
-
-impl SpectralFile {
-    /// A part of the image. Its field of view is that of as many columns in the middle.
-    ///
-    /// # Errors
-    /// When the part reaches beyond the image.
-    pub fn cropped(self, part: Crop) -> Result<Self, IoError> {
-        let path = PathBuf::from(&self.name);
-        let part = part.within(self.cube.rows(), self.cube.cols(), &path)?;
-        let fov = self.horizontal_fov_deg.map(|deg| part.field_of_view_deg(deg, self.cube.cols()));
-        let planes = cropped(self.cube.planes(), part, &path)?;
-        let cube = SpectralCube::new(self.cube.grid(), planes).at(&path)?;
-        Ok(Self { cube, horizontal_fov_deg: fov, ..self })
-    }
 }

@@ -5,15 +5,16 @@ use std::path::Path;
 use smalti::numeric::Planes;
 use smalti::spectrum::units::photons_per_joule;
 
+use super::crop::Crop;
 use super::spectral::{Quantity, ReadOptions};
-use super::tiles::{Crop, Header, Tiles, load};
+use super::tiles::{Header, Tiles, load};
 use super::{Format, extension};
 use crate::envi::Interleave;
 use crate::error::At;
 use crate::file::{Negative, sample};
 use crate::{IoError, Limits, envi, exr, hdf5, matlab, npz, spectral_tiff};
 
-/// What a format leaves to choose.
+/// Choices that formats leave.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct WriteOptions {
     /// Order of the samples of ENVI; otherwise that of the file's extension, BSQ where it tells none.
@@ -29,7 +30,7 @@ pub struct WriteOptions {
 /// Writes a spectral image in the format that the end of the file's name tells: OpenEXR, MATLAB, HDF5, ENVI, NumPy or TIFF. The last
 /// three are written by rows, so that the image need not fit into memory.
 ///
-/// Returns what the file does not hold, in words.
+/// Returns notes on the facts that the file does not hold.
 ///
 /// # Errors
 /// When the name tells no format that is written, the image cannot be read, or the file not be written.
@@ -61,7 +62,7 @@ pub fn write(path: &Path, image: &dyn Tiles, options: &WriteOptions) -> Result<V
                     header.grid
                 ));
             }
-            // What does not fit into memory has been refused by then.
+            // Images that do not fit into memory have been refused before.
             let limits = Limits { decoded_bytes: u64::MAX, ..Limits::default() };
             let file = load(image, path, &ReadOptions { limits, ..ReadOptions::default() })?;
             match whole {
@@ -73,7 +74,7 @@ pub fn write(path: &Path, image: &dyn Tiles, options: &WriteOptions) -> Result<V
         Some(Format::Bands) | None => {
             let expected =
                 "a name that ends in .exr, .mat, .h5, .hdr (or .img, .bsq, .bil, .bip), .npz, .npy or .tif";
-            return Err(IoError::UnknownFormat { path: path.to_owned(), expected });
+            return Err(IoError::unknown(path, expected));
         }
     }
     Ok(notes)

@@ -5,46 +5,35 @@ use std::sync::Arc;
 
 use serde_json::Value;
 
-use super::directory::{Directory, directories};
-use super::page;
 use crate::file::stem;
-use crate::raster::{Cube, FileSource, Shared, Source};
+use crate::raster::{Cube, FileSource, Kind, Shared, Source};
 use crate::scene_file::cube_file::CubeFile;
 use crate::scene_file::facts::{Comment, Facts};
-use crate::scene_file::stated::{Bands, quantity_in, wavelength_in};
+use crate::scene_file::stated::{Bands, known_quantity, wavelength_in};
 use crate::scene_file::tiles::{Tiles, load};
-use crate::tiff_tags as tags;
+use crate::text::utf16;
+use crate::tiff::{self, Directory, Images, tags};
 use crate::{IoError, Quantity, ReadOptions, SpectralFile};
 
-const PAGE_NAME: u16 = 285;
-const IMAGEJ_LENGTHS: u16 = 50838;
-const IMAGEJ_METADATA: u16 = 50839;
 /// Bands from which on a file that is not colour is a spectrum, though it does not say so: grey, RGB and either with alpha have
 /// fewer.
 const SURELY_SPECTRAL: usize = 5;
 
-/// A spectral image, whole or the part that the options ask for: a band for each image of the file, for each sample of a pixel, or
-/// both. See `docs/formats-scenes.md` for what states the wavelengths.
+/// A spectral image: a band for each image of the file, for each sample of a pixel, or both. `docs/formats-scenes.md` describes what
+/// states the wavelengths.
+///
+/// Samples are read as they are needed: see [`crate::scene_file::load`]. The part that the options ask for is ignored here.
 ///
 /// # Errors
-/// When the file cannot be read, is malformed or of a kind that is not read, wavelengths are neither stated nor given, a sample is
-/// NaN, infinite or negative (with its band and place), or the cube is larger than the limits.
-pub fn read(path: &Path, options: &ReadOptions) -> Result<SpectralFile, IoError> {
-    load(&opened(FileSource::open(path)?, path, options)?, path, options)
-}
-
-/// As [`read`], samples to be read as they are needed. Of the options, the part is not looked at.
-///
-/// # Errors
-/// As [`read`], but for the samples.
+/// When the file cannot be read, is malformed or of a kind that is not supported, or wavelengths are neither stated nor given.
 pub fn open(path: &Path, options: &ReadOptions) -> Result<Box<dyn Tiles>, IoError> {
     Ok(Box::new(opened(FileSource::open(path)?, path, options)?))
 }
 
-/// As [`read`], from memory; `path` is only named.
+/// As [`open`], from memory and loaded; `path` is only named.
 ///
 /// # Errors
-/// As [`read`].
+/// As [`open`] and [`load`].
 pub fn from_bytes(bytes: &[u8], path: &Path, options: &ReadOptions) -> Result<SpectralFile, IoError> {
     load(&opened(bytes, path, options)?, path, options)
 }
@@ -55,27 +44,26 @@ pub fn from_bytes(bytes: &[u8], path: &Path, options: &ReadOptions) -> Result<Sp
 /// # Errors
 /// When the file cannot be read or its directories are malformed.
 pub fn is_spectral(path: &Path, options: &ReadOptions) -> Result<bool, IoError> {
-    let source = FileSource::open(path)?;
-    let pages = pages(&directories(&source, path)?);
-    Ok(spectral(&pages, options))
+    Ok(spectral(&pages(&FileSource::open(path)?, path)?, options))
 }
 
 fn spectral(pages: &[Directory], options: &ReadOptions) -> bool {
-    let samples = |d: &Directory| d.number(tags::SAMPLES_PER_PIXEL).unwrap_or(1);
+    let samples = |d: &Directory| d.integer(tags::SAMPLES_PER_PIXEL).unwrap_or(1);
     let count = pages.iter().map(samples).fold(0, u64::saturating_add);
     let Some(first) = pages.first() else { return false };
     let stated = stated(pages, usize::try_from(count).unwrap_or(usize::MAX)).is_some();
     // 0 and 1 are grey; several colour pictures in a file are pictures still, however many.
-    let grey = first.number(tags::PHOTOMETRIC).unwrap_or(1) <= 1;
+    let grey = first.integer(tags::PHOTOMETRIC).unwrap_or(1) <= 1;
     let given = options.grid.is_some_and(|g| g.len() > 1 && g.len() as u64 == count);
     let many = if grey { count } else { samples(first) } >= SURELY_SPECTRAL as u64;
     (stated && count > 1) || many || (grey && given)
 }
 
 /// The images that are no reduced copies or masks of others.
-fn pages(directories: &[Directory]) -> Vec<Directory> {
-    let whole = |d: &&Directory| d.number(tags::NEW_SUBFILE_TYPE).unwrap_or(0) & 0b101 == 0;
-    directories.iter().filter(whole).cloned().collect()
+fn pages(source: &dyn Source, path: &Path) -> Result<Vec<Directory>, IoError> {
+    let mut images = Images::new(source, path, false)?.collect::<Result<Vec<_>, _>>()?;
+    images.retain(|d| d.integer(tags::NEW_SUBFILE_TYPE).unwrap_or(0) & 0b101 == 0);
+    Ok(images)
 }
 
 /// What the descriptions of a file say.
@@ -116,7 +104,7 @@ fn stated(pages: &[Directory], count: usize) -> Option<Stated> {
     if let Some(found) = imagej_labels(first).and_then(named).and_then(|nm| of("the labels of ImageJ", nm)) {
         return Some(found);
     }
-    for (tag, key) in [(PAGE_NAME, "PageName"), (tags::IMAGE_DESCRIPTION, "ImageDescription")] {
+    for (tag, key) in [(tags::PAGE_NAME, "PageName"), (tags::IMAGE_DESCRIPTION, "ImageDescription")] {
         let names: Vec<String> = pages.iter().map(|p| p.text(tag).unwrap_or_default()).collect();
         if let Some(found) = named(names).and_then(|nm| of(key, nm)) {
             return Some(found);
@@ -127,26 +115,22 @@ fn stated(pages: &[Directory], count: usize) -> Option<Stated> {
 
 /// The labels of slices in the metadata of ImageJ: a list of kinds and their counts, then the texts in UTF-16.
 fn imagej_labels(page: &Directory) -> Option<Vec<String>> {
-    let lengths = page.numbers(IMAGEJ_LENGTHS)?;
-    let bytes = page.bytes(IMAGEJ_METADATA)?;
+    let lengths = page.integers(tags::IMAGEJ_LENGTHS)?;
+    let bytes = page.bytes(tags::IMAGEJ_METADATA)?;
     let (&head_len, lengths) = lengths.split_first()?;
     let (head, mut rest) = bytes.split_at_checked(usize::try_from(head_len).ok()?)?;
-    let number = |b: &[u8; 4]| if page.big_endian { u32::from_be_bytes(*b) } else { u32::from_le_bytes(*b) };
-    let words: Vec<u32> = head.as_chunks().0.iter().map(number).collect();
+    let words: Vec<f64> = Kind::U32.numbers(page.big_endian, head);
     let mut lengths = lengths.iter();
     for pair in words.get(1..)?.chunks_exact(2) {
-        let (kind, count) = (pair.first()?, *pair.get(1)? as usize);
+        let (kind, count) = (*pair.first()?, *pair.get(1)? as usize);
         let mut texts = Vec::new();
         for length in lengths.by_ref().take(count) {
             let (text, after) = rest.split_at_checked(usize::try_from(*length).ok()?)?;
             rest = after;
-            let unit =
-                |b: &[u8; 2]| if page.big_endian { u16::from_be_bytes(*b) } else { u16::from_le_bytes(*b) };
-            let units: Vec<u16> = text.as_chunks().0.iter().map(unit).collect();
-            texts.push(String::from_utf16_lossy(&units));
+            texts.push(utf16(page.big_endian, text));
         }
         // The four letters `labl` as a number.
-        if *kind == 0x6c61_626c {
+        if kind == f64::from(0x6c61_626c) {
             return Some(texts);
         }
     }
@@ -155,13 +139,13 @@ fn imagej_labels(page: &Directory) -> Option<Vec<String>> {
 
 fn opened<'a>(source: impl Source + 'a, path: &Path, options: &ReadOptions) -> Result<CubeFile<'a>, IoError> {
     let source: Shared<'a> = Arc::new(source);
-    let directories = pages(&directories(&*source, path)?);
+    let directories = pages(&*source, path)?;
     let Some(first) = directories.first() else {
         return Err(IoError::field(path, "the image", "absent", "an image"));
     };
     refuse_hidden(first, directories.len(), path)?;
     let cubes: Vec<Cube<'a>> =
-        directories.iter().map(|d| page::cube(d, &source, path, options.limits)).collect::<Result<_, _>>()?;
+        directories.iter().map(|d| tiff::cube(d, &source, path, options.limits)).collect::<Result<_, _>>()?;
     let size = |c: &Cube<'_>| (c.raster.rows, c.raster.cols);
     let (rows, cols) = cubes.first().map_or((0, 0), size);
     if let Some((i, (high, wide))) = cubes.iter().map(size).enumerate().find(|(_, s)| *s != (rows, cols)) {
@@ -174,10 +158,7 @@ fn opened<'a>(source: impl Source + 'a, path: &Path, options: &ReadOptions) -> R
     let bands = match &stated {
         Some(stated) => {
             let bands = Bands::sorted(path, stated.key, stated.nm.iter().copied().enumerate())?;
-            match &stated.facts {
-                Some(facts) => bands.on(facts.start_nm, facts.step_nm),
-                None => bands,
-            }
+            Facts::regrid(stated.facts.as_ref(), bands)
         }
         None => Bands::given(path, count, options)?,
     };
@@ -185,10 +166,7 @@ fn opened<'a>(source: impl Source + 'a, path: &Path, options: &ReadOptions) -> R
     let text = stated.as_ref().and_then(|s| s.quantity.as_deref());
     let (quantity, factor) = match (facts.and_then(Facts::quantity), text) {
         (Some(quantity), _) => (quantity, 1.0),
-        (None, Some(text)) => quantity_in(text).ok_or_else(|| {
-            let expected = "photons, energy, relative, reflectance, or a unit such as W m^-2 sr^-1 nm^-1";
-            IoError::field(path, "quantity", format!("'{text}'"), expected)
-        })?,
+        (None, Some(text)) => known_quantity(path, text)?,
         (None, None) => (options.quantity.unwrap_or(Quantity::RelativeEnergy), 1.0),
     };
     // Whole numbers of pictures: the largest is 1.
@@ -200,9 +178,7 @@ fn opened<'a>(source: impl Source + 'a, path: &Path, options: &ReadOptions) -> R
         cubes.iter().flat_map(|c| std::iter::repeat_n((factor / full(c), 0.0), c.raster.bands)).collect();
     let mut file = CubeFile::new((path, "TIFF"), cubes, (stem(path), bands, quantity), options);
     file.gains = gains;
-    if let Some(facts) = stated.and_then(|s| s.facts) {
-        facts.state_header(&mut file.header, path)?;
-    }
+    Facts::state(stated.and_then(|s| s.facts), &mut file.header, path)?;
     Ok(file)
 }
 

@@ -66,7 +66,7 @@ fn condition(
     point: Vec<(String, toml::Value)>,
 ) -> Result<Condition, Box<Diagnostic>> {
     let wrong = |key: &str, message: &str| Box::new(source.about_key(key, message));
-    // A condition replaces what the study says, so that is where what is wrong stands.
+    // A condition replaces a key of the study: errors are shown where the value in use is stated.
     let at = |key: &str| match point.iter().any(|(k, _)| k == key) {
         true => format!("{place}.{key}"),
         false => key.to_owned(),

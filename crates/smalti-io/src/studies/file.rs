@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use serde::Deserialize;
-use smalti::design::{FilterFamily, LessonSettings, Metric, MosaicFamily, Processing};
+use smalti::design::{FilterFamily, LearningSettings, Metric, MosaicFamily, Processing};
 
 /// Most conditions of a study: a grid of axes grows fast.
 pub(super) const MAX_CONDITIONS: usize = 5_000;
@@ -46,7 +46,7 @@ pub(super) struct StudyFile {
     pub(super) scenes: Vec<String>,
     /// How pipelines of designs are learned where `processing` has `"l3"`.
     #[serde(default)]
-    pub(super) l3: LessonSettings,
+    pub(super) l3: LearningSettings,
     /// How many of each family.
     #[serde(default)]
     pub(super) sample: Sample,

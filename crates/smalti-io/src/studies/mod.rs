@@ -11,7 +11,7 @@ use std::sync::Arc;
 use serde::Deserialize;
 use serde_json::Value;
 use smalti::camera::description::ArchitectureName;
-use smalti::design::{Condition, DesignError, Designs, Metric, Processing, Sight, Study, StudyScene};
+use smalti::design::{Condition, DesignError, Designs, Metric, MetricTarget, Processing, Study, StudyScene};
 use smalti::scene::{Scene, Setting, catalog};
 use smalti::spectrum::WavelengthGrid;
 
@@ -62,16 +62,10 @@ pub fn schema() -> schemars::Schema {
 /// has no design.
 pub fn load(name: &str) -> Result<(Designs, String), Box<Diagnostic>> {
     if Path::new(name).extension().is_some_and(|e| e.eq_ignore_ascii_case("json")) {
-        return resolved(name);
+        let text = text::read_to_string(Path::new(name));
+        return from_json(name, &text.map_err(|e| Box::new(Diagnostic::new(name, e.to_string())))?, &[]);
     }
     from_source(&TomlSource::find("study", STUDIES, name)?)
-}
-
-/// A study as JSON, which holds all but the files of scenes.
-fn resolved(name: &str) -> Result<(Designs, String), Box<Diagnostic>> {
-    let wrong = |message: String| Box::new(Diagnostic::new(name, message));
-    let text = text::read_to_string(Path::new(name)).map_err(|e| wrong(e.to_string()))?;
-    from_json(name, &text, &[])
 }
 
 /// A study that was resolved before, or the manifest of its results, from its text, and what [`scenes_as_bytes`] made of its scenes in
@@ -89,10 +83,8 @@ pub fn from_json(name: &str, text: &str, scenes: &[u8]) -> Result<(Designs, Stri
         parcel::put_scenes(&mut study, scenes).map_err(wrong)?;
     }
     if let Some(scene) = study.scenes.iter().find(|s| s.hash.is_some() && s.scene.is_none()) {
-        return Err(wrong(format!(
-            "it is not whole without the file of the scene {}: give its TOML file",
-            scene.name
-        )));
+        let name = &scene.name;
+        return Err(wrong(format!("it lacks the file of the scene {name}; give the TOML file of the study")));
     }
     if study.processing.contains(&Processing::L3) {
         study.l3.validate().map_err(|e| wrong(e.to_string()))?;
@@ -105,15 +97,8 @@ pub fn from_json(name: &str, text: &str, scenes: &[u8]) -> Result<(Designs, Stri
 /// # Errors
 /// As [`load`].
 pub fn from_source(source: &TomlSource) -> Result<(Designs, String), Box<Diagnostic>> {
-    let camera = |e: Box<Diagnostic>| match source.says_any(&["optics", "sensor", "exposure", "isp"]) {
-        true => {
-            let help =
-                format!("this is the file of a camera; a study names it: camera = \"{}\"", source.name);
-            Box::new(e.with_help(help))
-        }
-        false => e,
-    };
-    let file: StudyFile = source.parse().map_err(camera)?;
+    let camera = || format!("this is the file of a camera; a study names it: camera = \"{}\"", source.name);
+    let file: StudyFile = source.parse_or_tell(&["optics", "sensor", "exposure", "isp"], camera)?;
     let wrong = |key: &str, message: &str| Box::new(source.about_key(key, message));
     let mut filters = file.filters.clone();
     for (place, filter) in filters.filters_mut() {
@@ -189,7 +174,7 @@ fn metrics(file: &StudyFile, source: &TomlSource) -> Result<Vec<Metric>, Box<Dia
         let of_scenes = Metric::OF_SCENES.into_iter().filter(|_| !file.scenes.is_empty());
         return Ok(Metric::USUAL.into_iter().chain(of_scenes).collect());
     };
-    let of_scenes = stated.iter().find(|m| m.sight() == Sight::Scenes);
+    let of_scenes = stated.iter().find(|m| m.target() == MetricTarget::Scenes);
     match of_scenes {
         _ if stated.is_empty() => Err(wrong("metrics", "expected at least one metric")),
         Some(metric) if file.scenes.is_empty() => {

@@ -1,18 +1,12 @@
 //! The columns of a sweep's results: a row for each design.
 
 use smalti::design::{
-    ConditionValue, Designs, FilterFamily, FilterFigures, Metric, Processing, Scored, Scores, Sight, Study,
-    StudyScene,
+    ConditionValue, DesignError, Designs, FilterFamily, FilterFigures, Metric, MetricTarget, ScoredDesign,
+    Scores, Study, StudyScene,
 };
 use smalti::metrics::{CATALOG, MetricInfo};
 
 use crate::dataset::{Column, ColumnKind, ColumnSpec};
-
-/// The name that a processing has in results and study files.
-#[must_use]
-pub fn processing(of: Processing) -> String {
-    serde_json::to_value(of).ok().and_then(|v| v.as_str().map(str::to_owned)).unwrap_or_default()
-}
 
 /// A key of a condition as the name of a column: `optics.f_number` becomes `optics_f_number`.
 fn condition_column(key: &str) -> String {
@@ -23,14 +17,14 @@ fn condition_column(key: &str) -> String {
 fn metrics(study: &Study) -> Vec<(String, Metric, usize)> {
     let mut all = Vec::new();
     for &metric in &study.metrics {
-        if metric.sight() != Sight::Scenes {
+        if metric.target() != MetricTarget::Scenes {
             all.push((metric.name().to_owned(), metric, 0));
             continue;
         }
         for (i, scene) in study.scenes.iter().enumerate() {
             let name = |scene: &StudyScene| condition_column(scene.short_name());
             let own = name(scene);
-            // Scenes of one name are told apart by their place.
+            // Scenes of the same name are numbered by their place.
             let alike = study.scenes.iter().filter(|s| name(s) == own).count();
             let place = if alike > 1 { format!("_{}", i + 1) } else { String::new() };
             all.push((format!("{}_{own}{place}", metric.name()), metric, i));
@@ -41,7 +35,7 @@ fn metrics(study: &Study) -> Vec<(String, Metric, usize)> {
 
 /// Whether a study has a metric of the edge, so that it is exposed.
 fn looks_at_edge(study: &Study) -> bool {
-    study.metrics.iter().any(|m| m.sight() == Sight::Edge)
+    study.metrics.iter().any(|m| m.target() == MetricTarget::Edge)
 }
 
 /// Whether sets of filters have names that say more than their figures.
@@ -98,7 +92,7 @@ pub fn schema(study: &Study) -> Vec<ColumnSpec> {
     for (name, metric, scene) in metrics(study) {
         let info = CATALOG.iter().find(|m| m.name == metric.name());
         let (unit, doc) = info.map_or(("", ""), |MetricInfo { unit, doc, .. }| (*unit, *doc));
-        let of = study.scenes.get(scene).filter(|_| metric.sight() == Sight::Scenes);
+        let of = study.scenes.get(scene).filter(|_| metric.target() == MetricTarget::Scenes);
         let of = of.map_or_else(String::new, |s| format!(" Of the scene {}.", s.name));
         all.push(column(&name, Float, unit, &format!("{doc}{of}")));
     }
@@ -111,23 +105,26 @@ pub fn schema(study: &Study) -> Vec<ColumnSpec> {
 }
 
 /// The rows of designs, column by column, in the order of the schema.
-#[must_use]
-pub fn columns(designs: &Designs, rows: &[Scored]) -> Vec<Column> {
+///
+/// # Errors
+/// When a filter cannot be sampled.
+pub fn columns(designs: &Designs, rows: &[ScoredDesign]) -> Result<Vec<Column>, DesignError> {
     let study = designs.study();
-    let text = |f: &dyn Fn(&Scored) -> String| Column::Text(rows.iter().map(f).collect());
-    let number = |f: &dyn Fn(&Scored) -> f64| Column::Float(rows.iter().map(f).collect());
+    let text = |f: &dyn Fn(&ScoredDesign) -> String| Column::Text(rows.iter().map(f).collect());
+    let number = |f: &dyn Fn(&ScoredDesign) -> f64| Column::Float(rows.iter().map(f).collect());
+    let figures = rows.iter().map(|r| r.design.filters.figures()).collect::<Result<Vec<_>, DesignError>>()?;
     let lists = |f: &dyn Fn(&FilterFigures) -> f64| {
-        let of = |r: &Scored| r.design.filters.filters.iter().map(|filter| f(&filter.into())).collect();
-        Column::Floats(rows.iter().map(of).collect())
+        Column::Floats(figures.iter().map(|row| row.iter().map(f).collect()).collect())
     };
     let mut all = vec![
         Column::Int(rows.iter().map(|r| r.design.number as i64).collect()),
         Column::Int(rows.iter().map(|r| r.design.filters.filters.len() as i64).collect()),
-        text(&|r| processing(r.design.processing)),
+        text(&|r| r.design.processing.name().to_owned()),
     ];
     let keys = study.conditions.first().map_or(0, |c| c.values.len());
     for key in 0..keys {
-        let value = |r: &Scored| study.conditions.get(r.design.condition).and_then(|c| c.values.get(key));
+        let value =
+            |r: &ScoredDesign| study.conditions.get(r.design.condition).and_then(|c| c.values.get(key));
         all.push(if all_numbers(study, key) {
             number(&|r| match value(r) {
                 Some((_, ConditionValue::Number(v))) => *v,
@@ -154,6 +151,6 @@ pub fn columns(designs: &Designs, rows: &[Scored]) -> Vec<Column> {
         let time = |s: &Scores| Some(s.edge.as_ref()?.as_ref().ok()?.time_s);
         all.push(number(&|r| r.scores.as_ref().ok().and_then(time).unwrap_or(f64::NAN)));
     }
-    all.push(text(&Scored::problem));
-    all
+    all.push(text(&ScoredDesign::problem));
+    Ok(all)
 }

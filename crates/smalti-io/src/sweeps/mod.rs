@@ -1,17 +1,21 @@
-//! Sweeps as folders of results: what a study is cut into, its columns, and its designs scored and written as they come.
+//! Sweeps as folders of results: the parts and columns of a study, the scoring of its designs, and the reading of its results.
 //!
 //! The command and the Python package write the same bytes, since both write here.
 
 mod columns;
+mod results;
 
-pub use columns::{columns, processing, schema};
+pub use columns::{columns, schema};
+pub use results::{ResultsError, read_designs, read_results};
 
 use std::path::Path;
 use std::sync::mpsc::sync_channel;
 use std::thread;
 use std::time::{Duration, Instant};
 
-use smalti::design::{DesignError, Designs, Metric, Processing, SCORES_REVISION, Scored, Sight, Sweep};
+use smalti::design::{
+    DesignError, Designs, Metric, MetricTarget, Processing, SCORES_REVISION, ScoredDesign, Sweep,
+};
 use thiserror::Error;
 
 use crate::dataset::{self, Column, Dataset, DatasetError, MAX_CHUNK, MAX_PARTS, Manifest, Plan, Run};
@@ -22,7 +26,7 @@ const PARTS: u64 = 256;
 const CHUNK: std::ops::RangeInclusive<u64> = 512..=1 << 14;
 /// Designs that a part of slow ones has fewer, by this factor.
 const SLOWER: u64 = 8;
-/// How long designs are scored between two questions whether to go on.
+/// How long designs are scored before `go_on` is asked again.
 const PATIENCE: Duration = Duration::from_millis(200);
 /// Designs of a thread in the first such time.
 const FIRST: u64 = 4;
@@ -37,7 +41,7 @@ pub enum SweepError {
     /// The results cannot be written.
     #[error(transparent)]
     Dataset(#[from] DatasetError),
-    /// It was asked to stop. What is written stays, and the next run goes on from there.
+    /// It was asked to stop. The finished parts are kept, and the next run continues with the others.
     #[error("stopped; what is finished is kept, and the next run goes on from there")]
     Stopped,
     /// The study cannot be stated as JSON.
@@ -71,7 +75,7 @@ pub fn plan_after(
 ) -> Result<Plan, SweepError> {
     let study = designs.study();
     let begun = || there().filter(|p| p.designs == designs.len()).map(|p| p.chunk);
-    let pictures = |m: &Metric| matches!(m.sight(), Sight::ZonePlate | Sight::Scenes);
+    let pictures = |m: &Metric| matches!(m.target(), MetricTarget::ZonePlate | MetricTarget::Scenes);
     let learned = |p: &Processing| *p != Processing::Classic;
     let slow = study.metrics.iter().any(pictures) || study.processing.iter().any(learned);
     let even = (designs.len() / PARTS).next_power_of_two().clamp(*CHUNK.start(), *CHUNK.end());
@@ -108,10 +112,15 @@ pub fn score_and_write(
         let mut pace = FIRST * rayon::current_num_threads() as u64;
         let mut scored = Ok(());
         for &chunk in run.missing() {
-            match score(sweep, plan.designs_of(chunk), &mut pace, done, go_on) {
-                // A writer that is gone says why below.
-                Ok(rows) if sender.send((chunk, columns(designs, &rows))).is_ok() => {}
-                Ok(_) => break,
+            let part = score(sweep, plan.designs_of(chunk), &mut pace, done, go_on)
+                .and_then(|rows| Ok(columns(designs, &rows)?));
+            match part {
+                // The result of the writer below says why it ended.
+                Ok(columns) => {
+                    if sender.send((chunk, columns)).is_err() {
+                        break;
+                    }
+                }
                 Err(e) => {
                     scored = Err(e);
                     break;
@@ -142,7 +151,7 @@ pub fn encode_part(
     }
     let mut pace = FIRST * rayon::current_num_threads() as u64;
     let rows = score(sweep, manifest.plan.designs_of(chunk), &mut pace, &|| {}, go_on)?;
-    Ok(dataset::encode(manifest, chunk, &columns(sweep.designs(), &rows))?)
+    Ok(dataset::encode(manifest, chunk, &columns(sweep.designs(), &rows)?)?)
 }
 
 /// Scores a range some designs at a time: the rows are the same however many.
@@ -152,7 +161,7 @@ fn score(
     pace: &mut u64,
     done: &(dyn Fn() + Sync),
     go_on: &dyn Fn() -> bool,
-) -> Result<Vec<Scored>, SweepError> {
+) -> Result<Vec<ScoredDesign>, SweepError> {
     let (mut rows, mut at) = (Vec::new(), range.start);
     while at < range.end {
         if !go_on() {

@@ -7,6 +7,9 @@ use crate::raster::{self, Axis, Blocks, Cube, Filter, Kind, Place, Raster, Share
 use crate::scene_file::cube_file::bad_to_error;
 use crate::{IoError, Limits};
 
+/// The name of the format in messages about chunks: no other format has them.
+pub(super) const FORMAT: &str = "HDF5";
+
 /// An array that is not read yet. Its axes are ordered as MATLAB does, the fastest first.
 #[derive(Clone)]
 pub(crate) struct Array {
@@ -152,5 +155,5 @@ pub(super) fn doubles(
     let bands: Vec<(usize, usize)> = bands.map(|band| (0, band)).collect();
     let whole = (0..cube.raster.rows, 0..cube.raster.cols);
     raster::read(std::slice::from_ref(cube), &bands, whole, |_, _, _| Ok(()))
-        .map_err(|bad| bad_to_error(bad, (path, super::FORMAT), |band| format!("band {band}")))
+        .map_err(|bad| bad_to_error(bad, (path, FORMAT), |band| format!("band {band}")))
 }

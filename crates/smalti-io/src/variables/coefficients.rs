@@ -8,8 +8,9 @@ use smalti::numeric::Planes;
 use crate::error::At;
 use crate::file::Negative;
 use crate::raster::{self, Bad, Cube, Values, zeros};
+use crate::scene_file::crop::Crop;
 use crate::scene_file::cube_file::bad_to_error;
-use crate::scene_file::tiles::{Crop, Header, Tiles};
+use crate::scene_file::tiles::{Header, Tiles};
 use crate::{IoError, Limits};
 
 /// Photons as the mean spectrum and, for every pixel, the weights of basis functions.
@@ -39,14 +40,11 @@ impl Tiles for Combined {
         let pixels = part.rows * part.cols;
         // The planes that come out may be many more than the coefficients that came in.
         let bytes = (pixels as u64).saturating_mul(4 * count as u64 + 8 * weights as u64);
-        if bytes > self.limits.decoded_bytes {
-            let (what, limit) = ("the photons of mcCOEF", self.limits.decoded_bytes);
-            return Err(IoError::TooLarge { path: self.path.clone(), what, bytes, limit });
-        }
+        self.limits.check_memory(&self.path, "the photons of mcCOEF", bytes)?;
         let nm = |band: usize| self.header.wavelengths_nm.get(band).copied().unwrap_or_default();
         let error = |bad| {
             let channel = |band: usize| format!("{} nm (band {})", nm(band), band + 1);
-            bad_to_error(bad, (&self.path, super::FORMAT), channel)
+            bad_to_error(bad, (&self.path, super::array::FORMAT), channel)
         };
         let bands: Vec<(usize, usize)> = (0..weights).map(|k| (0, k)).collect();
         let cubes = std::slice::from_ref(&self.coefficients);

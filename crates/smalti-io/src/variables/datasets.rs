@@ -33,7 +33,7 @@ const KNOWN: [Known; 4] = [
 const UNSTATED_COUNTS: [usize; 2] = [31, 34];
 
 // Names that are looked at for a cube, at most, and how deep.
-const MOST_ARRAYS: usize = 1000;
+const MAX_ARRAYS: usize = 1000;
 const DEEPEST: usize = 4;
 
 /// The cube among the variables of a file.
@@ -60,8 +60,7 @@ pub(super) fn open(
             stated = wavelengths::beside(fields, path, options)?;
         }
     }
-    let given = options.grid.map(|g| (g.wavelengths_nm().collect(), "the given wavelengths".into()));
-    let stated = stated.or(given);
+    let stated = stated.or_else(|| wavelengths::given(options));
     let (axes, nm) = axes(&numbers, &place, matlab, known.is_some(), stated, path)?;
 
     let attribute = |name: &str| {
@@ -80,9 +79,7 @@ pub(super) fn open(
     let quantity = stated.or(options.quantity).unwrap_or(from_layout);
     let name = (stem(path), quantity);
     let mut file = placed(&numbers.array, axes, name, &nm, facts.as_ref(), (path, options))?;
-    if let Some(facts) = facts {
-        facts.state_header(&mut file.header, path)?;
-    }
+    Facts::state(facts, &mut file.header, path)?;
     Ok(Box::new(file))
 }
 
@@ -161,7 +158,7 @@ fn collect(
 ) -> Result<(), IoError> {
     for name in fields.names() {
         *seen += 1;
-        if *seen > MOST_ARRAYS {
+        if *seen > MAX_ARRAYS {
             return Ok(());
         }
         let place = if within.is_empty() { name.clone() } else { format!("{within}/{name}") };

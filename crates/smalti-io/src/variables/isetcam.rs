@@ -31,7 +31,9 @@ pub(super) fn find(
     for name in ["photons", "data"] {
         let Some(photons) = numbers_at(fields, name)?.filter(|n| n.array.dims.len() == 3) else { continue };
         // `data` is a common name: it takes wavelengths beside it to be a cube.
-        let Some((nm, _)) = wavelengths::beside(fields, path, options)?.or_else(|| given(options)) else {
+        let Some((nm, _)) =
+            wavelengths::beside(fields, path, options)?.or_else(|| wavelengths::given(options))
+        else {
             continue;
         };
         let quantity = options.quantity.filter(|_| name == "data").unwrap_or(Quantity::Photons);
@@ -42,10 +44,6 @@ pub(super) fn find(
         return Ok(Some(Box::new(file)));
     }
     Ok(None)
-}
-
-fn given(options: &ReadOptions) -> Option<(Vec<f64>, String)> {
-    options.grid.map(|g| (g.wavelengths_nm().collect(), "the given wavelengths".to_owned()))
 }
 
 /// A struct `scene`.
@@ -62,7 +60,7 @@ pub(super) fn scene_struct(
     let wave = numbers_at(scene, "spectrum.wave")?;
     let nm = match wave {
         Some(wave) => wavelengths::in_nm(&wave, "scene.spectrum.wave", path, options)?,
-        None => given(options).ok_or_else(|| missing("spectrum.wave"))?.0,
+        None => wavelengths::given(options).ok_or_else(|| missing("spectrum.wave"))?.0,
     };
     refuse_other_axes(&photons, "scene.data.photons", nm.len(), path)?;
     let quantity = facts.as_ref().and_then(Facts::quantity).unwrap_or(Quantity::Photons);
@@ -76,9 +74,7 @@ pub(super) fn scene_struct(
         file.gains = vec![((high - low) / (bits.exp2() - 1.0), low); nm.len()];
     }
     state(&mut file.header, scene, ["distance", "wAngular"], path, options)?;
-    if let Some(facts) = facts {
-        facts.state_header(&mut file.header, path)?;
-    }
+    Facts::state(facts, &mut file.header, path)?;
     Ok(Box::new(file))
 }
 
@@ -91,7 +87,7 @@ fn refuse_other_axes(numbers: &Numbers, name: &str, count: usize, path: &Path) -
     Err(IoError::field(path, name, numbers.shape(), expected))
 }
 
-/// What lies beside a cube: its name, the illuminant, distance and field of view.
+/// Takes the name, the illuminant, the distance and the field of view beside a cube.
 fn state(
     header: &mut Header,
     fields: &dyn Fields,

@@ -35,6 +35,11 @@ pub(super) fn beside(
     Ok(None)
 }
 
+/// The wavelengths that the options give, and what messages call them.
+pub(super) fn given(options: &ReadOptions) -> Option<(Vec<f64>, String)> {
+    options.grid.map(|g| (g.wavelengths_nm().collect(), "the given wavelengths".to_owned()))
+}
+
 /// The wavelengths that an attribute of the cube states.
 pub(super) fn attribute(cube: &Numbers, path: &Path) -> Result<Option<(Vec<f64>, String)>, IoError> {
     for name in NAMES {

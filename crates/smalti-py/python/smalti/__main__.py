@@ -1,4 +1,4 @@
-"""`python -m smalti` is the command."""
+"""Runs the `smalti` command."""
 
 import sys
 

@@ -1,4 +1,4 @@
-"""A sweep on the workers of a Dask cluster: they compute parts and write them; nothing but the word that they did comes back."""
+"""Sweeps on the workers of a Dask cluster, which compute and write the parts of the results and report only their completion."""
 
 from __future__ import annotations
 
@@ -18,16 +18,16 @@ from fsspec.implementations.local import LocalFileSystem  # type: ignore[import-
 from ._smalti import PartMaker, SharedFolder, SharedPlace, SmaltiError, Study, scenes_in_files
 
 RETRIES = 3
-"""How often a part is tried again that could not be written. A worker that dies is another matter: Dask counts those itself."""
+"""Number of retries of a part that could not be written. Dask itself counts the workers that die."""
 AHEAD = 4
-"""Parts that are sent for each thread of the workers, so that none waits; more would only fill the scheduler."""
+"""Number of parts that are submitted for each thread of the workers, so that no thread waits; more would burden the scheduler."""
 PATIENCE = 1.0
-"""How long, in s, the number of workers is taken for what it was."""
+"""Interval, in s, at which the number of workers is queried."""
 
 Target = str | tuple[Any, str]
-"""A folder that every worker sees; or a file system of fsspec and a path in it."""
+"""A folder that every worker can access, or a file system of fsspec and a path in it."""
 Open = Callable[[int], Any]
-"""Begins to tell of progress, for so many designs."""
+"""Opens the progress of a number of designs."""
 
 
 class _Place(Protocol):
@@ -42,7 +42,7 @@ class _Place(Protocol):
 
 
 class _Folder:
-    """A folder: locked, so that a second run is refused."""
+    """A folder, which is locked against a second run."""
 
     def __init__(self, study: Study, out: str, part_size: int | None) -> None:
         self.target: Target = os.path.abspath(out)
@@ -55,8 +55,8 @@ class _Folder:
         self.close = self._folder.close
 
 
-class _Elsewhere:
-    """Any other file system that fsspec knows."""
+class _RemoteDataset:
+    """Another file system of fsspec."""
 
     def __init__(self, study: Study, fs: Any, root: str, part_size: int | None) -> None:
         self.target: Target = (fs, root)
@@ -78,7 +78,7 @@ class _Elsewhere:
             found = self._fs.ls(folder, detail=False)
         except FileNotFoundError:
             return []
-        # Object stores may list a folder itself.
+        # Object stores may list the folder itself.
         return [str(f).rstrip("/").rsplit("/", 1)[-1] for f in found if str(f).strip("/") != folder.strip("/")]
 
     def missing(self) -> list[int]:
@@ -97,7 +97,7 @@ class _Elsewhere:
 
 
 def _put(fs: Any, path: str, data: bytes) -> None:
-    """Writes a file under a temporary name and moves it: it is there whole or not at all."""
+    """Writes a file under a temporary name and moves it, so that it is never incomplete."""
     folder, name = path.rsplit("/", 1)
     temporary = f"{folder}/.{name}.{secrets.randbits(60)}-0.tmp"
     try:
@@ -120,8 +120,8 @@ def _place(study: Study, out: str | os.PathLike[str] | tuple[Any, str], part_siz
         return _Folder(study, str(root), part_size)
     root = root.rstrip("/")
     if any(mark in root for mark in "*?["):
-        raise SmaltiError(f"out is {root!r}; expected a path without *, ? and [, which file systems take for patterns")
-    return _Elsewhere(study, fs, root, part_size)
+        raise SmaltiError(f"out is {root!r}; expected a path without *, ? and [, which file systems treat as patterns")
+    return _RemoteDataset(study, fs, root, part_size)
 
 
 _ready: dict[tuple[str, bool], PartMaker] = {}
@@ -129,7 +129,7 @@ _preparing = threading.Lock()
 
 
 def _maker(manifest: str, scenes: bytes, cache: bool) -> PartMaker:
-    """The study, prepared once in each process: the last one is kept."""
+    """Prepares a study once per process, and keeps the last one."""
     with _preparing:
         maker = _ready.get((manifest, cache))
         if maker is None:
@@ -139,8 +139,8 @@ def _maker(manifest: str, scenes: bytes, cache: bool) -> PartMaker:
 
 
 def _make(manifest: str, scenes: bytes, part: int, target: Target, cache: bool) -> tuple[int, int, float] | SmaltiError:
-    """Computes a part and writes it, in a worker: its number, bytes, seconds. An error that would come again is not raised, since
-    Dask would try again."""
+    """Computes and writes a part on a worker; returns its number, bytes and seconds. A permanent error is returned, not raised, since
+    Dask would retry the task."""
     start = time.monotonic()
     try:
         maker = _maker(manifest, scenes, cache)
@@ -162,7 +162,7 @@ def _threads(client: distributed.Client) -> int:
 
 def _compute(client: distributed.Client, study: Study, place: _Place, cache: bool, done: Callable[[int], None]) -> None:
     token = secrets.token_hex(8)
-    # The result of a task, not data sent to workers: should the worker die that holds it, Dask makes it anew.
+    # These are results of tasks, which Dask computes again when the worker that holds them dies.
     manifest = client.submit(str, place.manifest(), key=f"smalti-study-{token}", pure=False)
     scenes = client.submit(bytes, scenes_in_files(study), key=f"smalti-scenes-{token}", pure=False)
     waiting = iter(place.missing())
@@ -183,7 +183,7 @@ def _compute(client: distributed.Client, study: Study, place: _Place, cache: boo
             sent.discard(future)
             place.adopt(made[0])
             done(made[0])
-            # A cluster may grow while it works; to ask at every part would keep its scheduler busy.
+            # A cluster may grow during the work. A query after every part would burden the scheduler.
             if time.monotonic() > asked + PATIENCE:
                 wanted, asked = AHEAD * max(_threads(client), 1), time.monotonic()
             more = list(send(wanted - len(sent)))
@@ -200,25 +200,25 @@ def sweep(
     out: str | os.PathLike[str] | tuple[Any, str],
     part_size: int | None,
     cache: bool,
-    told: Open,
+    open_progress: Open,
 ) -> str | None:
-    """See `smalti.sweep`. Returns the folder, or None for another place."""
+    """See `smalti.sweep`. Returns the folder, or None for another file system."""
     if not isinstance(client, distributed.Client):
         raise SmaltiError(f"client is {type(client).__name__}; expected a dask.distributed.Client")
     if client.asynchronous:
-        raise SmaltiError("the client is asynchronous; expected one that waits (asynchronous=False)")
+        raise SmaltiError("the client is asynchronous; expected asynchronous=False")
     place = _place(study, out, part_size)
     try:
         missing = place.missing()
         total = sum(map(place.designs_of, missing))
         start, count = time.monotonic(), 0
-        with told(total) as tell:
+        with open_progress(total) as report:
 
             def done(part: int) -> None:
                 nonlocal count
                 count += place.designs_of(part)
-                if tell is not None:
-                    tell(count)
+                if report is not None:
+                    report(count)
 
             _compute(client, study, place, cache, done)
         timings = {"seconds": time.monotonic() - start, "designs": total, "threads": _threads(client)}

@@ -1,4 +1,4 @@
-"""The `smalti` command: as a program, and called from Python."""
+"""The `smalti` command, as a program and for calls from Python."""
 
 from __future__ import annotations
 
@@ -12,17 +12,20 @@ from . import _smalti
 
 
 def main() -> int:
-    """`python -m smalti`, and the `smalti` that pip installs."""
-    # Python would hear of Ctrl-C only after the work; the command ends at once, and a sweep says how it goes on.
+    """The entry point of `python -m smalti` and of the `smalti` that pip installs."""
+    # Python would handle Ctrl-C only after the work; this way the command ends at once, and a sweep reports how to resume.
     signal.signal(signal.SIGINT, signal.SIG_DFL)
+    if not hasattr(_smalti, "run_command"):
+        print("error: this build of the package has no command; build it with the feature `command`", file=sys.stderr)
+        return 1
     return _smalti.run_command(sys.argv[1:])
 
 
 def command(args: Sequence[str | os.PathLike[str]]) -> int:
-    """Runs the `smalti` command in a process of its own, and returns its exit code: 0 done, 1 failed, 2 wrong usage.
+    """Runs the `smalti` command in a new process and returns its exit code: 0 success, 1 failure, 2 wrong usage.
 
-    Results go to standard output, progress and messages to standard error; where Python's own are elsewhere, as in Jupyter, they are
-    printed there in the end. Ctrl-C ends the command.
+    Results are written to standard output, progress and messages to standard error. Where Python redirects these streams, as in
+    Jupyter, the output is printed when the command ends. Ctrl-C ends the command.
 
     Args:
         args: the command line without the name of the program: `["compare", "bayer", "rgbw", "-o", "out"]`.

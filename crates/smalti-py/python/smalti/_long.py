@@ -1,4 +1,4 @@
-"""Long work, with a bar of tqdm: what Python says more nicely than the extension module."""
+"""Long work with a progress bar of tqdm, and keyword arguments."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ from . import _smalti
 from ._smalti import Camera, Image, Pipeline, RawImage, Results, Scene, Spectrum, Statistics, Study
 
 Path = str | os.PathLike[str]
-"""Where a file or folder is."""
+"""The path of a file or folder."""
 Light = str | Spectrum
-"""A light: a name, a CSV file, or relative spectral power."""
+"""An illuminant: a name, a CSV file, or relative spectral power."""
 Progress = bool | Callable[[int], object]
-"""True: a bar where somebody looks; False: none; or what is called, now and then, with the number of steps done."""
+"""True: a progress bar on a terminal or in a notebook; False: none; or a function that is called with the number of finished steps."""
 
 
 @contextmanager
@@ -26,7 +26,7 @@ def _told(progress: Progress, total: int | None, what: str, unit: str) -> Iterat
     if progress is False:
         yield None
     elif progress is True:
-        # `disable=None`: not where nobody looks.
+        # `disable=None`: no bar where standard error is not a terminal.
         with tqdm(total=total, desc=what, unit=unit, disable=None) as bar:
             yield lambda done: bar.update(done - bar.n)
     else:
@@ -41,37 +41,16 @@ def _gather(
     camera: Camera,
     scenes: Sequence[Scene] | None,
     pairs: Sequence[tuple[RawImage, Image]] | None,
-    illuminants: Sequence[Light],
-    target: Literal["xyz"] | Camera,
-    target_illuminant: Light | None,
-    exposures: Sequence[float],
-    patch: int,
-    levels: int,
-    level_rule: str,
-    textures: str,
-    sharp: bool,
-    seed: int,
     progress: Progress,
-) -> tuple[Statistics, str]:
+    *settings: Any,
+) -> tuple[Statistics, _smalti.TrainingStory]:
     given = len(scenes or ()) + len(pairs or ())
     total = given if scenes is not None or pairs is not None else _smalti.training_set_len()
-    with _told(progress, total, f"{camera.name} learns", "scene") as told:
-        return _smalti.gather_statistics(
-            camera,
-            None if scenes is None else list(scenes),
-            None if pairs is None else list(pairs),
-            list(illuminants),
-            target,
-            target_illuminant,
-            list(exposures),
-            patch,
-            levels,
-            level_rule,
-            textures,
-            sharp,
-            seed,
-            told,
-        )
+    of_scenes = None if scenes is None else list(scenes)
+    of_pairs = None if pairs is None else list(pairs)
+    with _told(progress, total, f"training {camera.name}", "scene") as told:
+        gathered: Callable[..., tuple[Statistics, _smalti.TrainingStory]] = _smalti.gather_statistics
+        return gathered(camera, of_scenes, of_pairs, *settings, progress=told)
 
 
 def gather(
@@ -91,13 +70,13 @@ def gather(
     seed: int = 1,
     progress: Progress = True,
 ) -> Statistics:
-    """What a camera's pipeline is learned from: the moments of patches and targets, class by class. See `train`.
+    """Gathers the statistics that a pipeline is solved from: the moments of patches and targets for each class. See `train`.
 
-    Statistics of several machines or days add up (`Statistics.merged`) and are solved in any way (`solve`).
+    Statistics of several runs can be merged (`Statistics.merged`) and solved with different settings (`solve`).
     """
     return _gather(
-        camera, scenes, pairs, illuminants, target, target_illuminant, exposures, patch, levels, level_rule, textures, sharp,
-        seed, progress,
+        camera, scenes, pairs, progress, list(illuminants), target, target_illuminant, list(exposures), patch, levels,
+        level_rule, textures, sharp, seed,
     )[0]  # fmt: skip
 
 
@@ -111,8 +90,8 @@ def solve(
     symmetry: bool = True,
     smoothing: float = 0.0,
 ) -> Pipeline:
-    """The pipeline that statistics ask for; the arguments are those of `train`."""
-    return _smalti.solve_statistics(statistics, "{}", solver, alpha_flat, alpha_texture, linear, symmetry, smoothing)
+    """Solves a pipeline from statistics; the arguments are those of `train`."""
+    return _smalti.solve_statistics(statistics, None, solver, alpha_flat, alpha_texture, linear, symmetry, smoothing)
 
 
 def train(
@@ -138,36 +117,36 @@ def train(
     seed: int = 1,
     progress: Progress = True,
 ) -> Pipeline:
-    """Learns the pipeline of a camera (L³: local, linear, learned). The default is what `smalti train` learns, to the same bytes.
+    """Learns the pipeline of a camera (L³: local, linear, learned). With default arguments, the bytes are those of `smalti train`.
 
     Args:
-        camera: whose mosaic, noise and colours the pipeline is for.
-        scenes: what to learn from, simulated; default a built-in set that nothing is evaluated on.
-        pairs: raw images and the pictures that should come of them, pixel by pixel, instead of scenes.
-        illuminants: lights of the built-in set, in turn.
-        target: "xyz", or a camera whose channels are to be estimated.
-        target_illuminant: the light that targets are seen under, where it is not that of the scenes.
-        exposures: exposures of each scene, as the response that its 99th percentile would have (1: just saturated).
-        patch: side of the patch around a pixel that its colour is computed from, pixels: 3, 5, 7, 9 or 11.
+        camera: the camera, whose mosaic, noise and spectral sensitivities determine the pipeline.
+        scenes: training scenes; default a built-in set, which is not used for evaluation.
+        pairs: raw images with their target pictures, aligned pixel by pixel, instead of scenes.
+        illuminants: illuminants of the built-in set, which its scenes use in turn.
+        target: "xyz", or a camera whose channels are estimated.
+        target_illuminant: illuminant of the targets; default that of the scenes.
+        exposures: exposures of each scene, as the response to its 99th percentile, where 1 is saturation.
+        patch: side of the patch from which the colour of its central pixel is computed, pixels: 3, 5, 7, 9 or 11.
         levels: number of response levels, 1 to 256.
-        level_rule: how levels are spaced.
-        textures: what is told apart by the structure within a patch.
-        sharp: learn to undo the blur of the lens.
-        solver: how kernels are found from the statistics.
-        alpha_flat: weight of noise against blur in flat patches: luminance, chrominance (means solver="perceptual").
+        level_rule: spacing of the response levels.
+        textures: texture classes of patches.
+        sharp: also learn to correct the blur of the lens.
+        solver: solver of the kernels.
+        alpha_flat: weight of noise against blur in flat patches: luminance, chrominance (implies solver="perceptual").
         alpha_texture: the same in textured patches.
-        linear: kernels without an offset.
-        symmetry: share data between positions that symmetry of the mosaic makes equal.
-        smoothing: mix kernels with those of the neighbouring levels, 0 (not) to 1.
-        seed: names the noise that patches are classified with.
+        linear: learn kernels without an offset.
+        symmetry: share data between positions that are equivalent by a symmetry of the mosaic.
+        smoothing: share of the neighbouring levels in each kernel, from 0 (none) to 1.
+        seed: seed of the noise with which patches are classified.
         progress: see `Progress`.
 
     Raises:
-        SmaltiError: when a setting is impossible for the camera, or a position of the mosaic has seen nothing.
+        SmaltiError: when a setting is impossible for the camera, or a position of the mosaic has no patches.
     """
     statistics, story = _gather(
-        camera, scenes, pairs, illuminants, target, target_illuminant, exposures, patch, levels, level_rule, textures, sharp,
-        seed, progress,
+        camera, scenes, pairs, progress, list(illuminants), target, target_illuminant, list(exposures), patch, levels,
+        level_rule, textures, sharp, seed,
     )  # fmt: skip
     return _smalti.solve_statistics(statistics, story, solver, alpha_flat, alpha_texture, linear, symmetry, smoothing)
 
@@ -182,15 +161,17 @@ def compare(
     seed: int = 1,
     progress: Progress = True,
 ) -> list[dict[str, Any]]:
-    """Cameras before the same scenes, scored: a record for each camera, scene and luminance, ready for a data frame.
+    """Scores cameras on the same scenes, as `smalti compare` does: a record for each camera, scene and luminance, ready for a data frame.
+
+    Cameras of equal names are numbered: "1-bayer", "2-bayer".
 
     Args:
-        cameras: two or more for a comparison; one does.
-        pipelines: learned pipelines, one for each camera; None in its place: the camera's own processing.
-        scenes: built-in scenes with their parameters, or `Scene` objects; default `test_scenes()`, which nothing is trained on.
+        cameras: one or more cameras.
+        pipelines: a learned pipeline for each camera, or None for the camera's own processing.
+        scenes: built-in scenes with their parameters, or `Scene` objects; default `test_scenes()`, which are not used for training.
         luminances_cd_m2: mean luminances of the scenes, cd/m².
-        illuminant: their light; default D65 for built-in scenes, their own for others.
-        seed: names the noise.
+        illuminant: illuminant of the scenes; default D65 for built-in scenes, and their own for others.
+        seed: seed of the noise.
         progress: see `Progress`.
     """
     each = list(pipelines) if pipelines is not None else [None] * len(cameras)
@@ -198,8 +179,9 @@ def compare(
         raise _smalti.SmaltiError(f"pipelines: {len(each)} given for {len(cameras)} cameras; expected one for each")
     of: list[str | Scene] = list(scenes) if scenes is not None else list(_smalti.test_scenes())
     records: list[dict[str, Any]] = []
+    labels = _smalti.camera_labels(list(cameras))
     with _told(progress, len(cameras) * len(of) * len(luminances_cd_m2), "comparing", "picture") as told:
-        for camera, pipeline in zip(cameras, each, strict=True):
+        for camera, label, pipeline in zip(cameras, labels, each, strict=True):
             step = partial(_after, told, len(records)) if told is not None else None
             scored = _smalti.score_scenes(
                 camera,
@@ -210,8 +192,7 @@ def compare(
                 seed=seed,
                 progress=step,
             )
-            how = "own" if pipeline is None else "l3"
-            records += [{"camera": camera.name, "processing": how, **scores.to_dict()} for scores in scored]
+            records += [{"camera": label, **scores.to_dict()} for scores in scored]
     return records
 
 
@@ -226,22 +207,22 @@ def light_gain(
     seed: int = 1,
     progress: Progress = True,
 ) -> dict[str, Any]:
-    """How much more light a camera needs to make as good pictures as another, by every metric.
+    """How much more light a camera needs to reach the scores of another, for each metric.
 
     Args:
-        camera: the one that gets more light, or less.
-        other: the one to be equalled.
-        pipelines: learned pipelines of the two; None in its place: the camera's own processing.
+        camera: the camera whose light is varied.
+        other: the reference camera.
+        pipelines: the learned pipelines of both, or None for the camera's own processing.
         scenes: built-in scenes with their parameters for the scores of whole pictures; default dead leaves and the ColorChecker. Each is
-            taken some twenty times.
+            captured about twenty times.
         luminance_cd_m2: mean luminance of the scenes for `other`, cd/m².
-        illuminant: their light; default D65.
-        seed: names the noise.
-        progress: see `Progress`; steps are pictures, and how many it takes is not known before.
+        illuminant: illuminant of the scenes; default D65.
+        seed: seed of the noise.
+        progress: see `Progress`; steps are pictures, whose number is not known in advance.
 
     Returns:
-        luminance_cd_m2, tried, and metrics: for each its name, `gain` in stops ({"stops": v}, or {"more_than": v} or {"less_than": v} where
-        it is beyond four), and what the two score in equal light (`own`, `target`).
+        luminance_cd_m2, tried, and metrics: for each metric its name, the `gain` in stops ({"stops": v}, or {"more_than": v} or
+        {"less_than": v} beyond four stops), and the scores of both cameras in equal light (`own`, `target`).
     """
     of = None if scenes is None else list(scenes)
     with _told(progress, None, f"{camera.name} against {other.name}", "picture") as told:
@@ -284,40 +265,41 @@ def sweep(
     cache: bool = True,
     progress: Progress = True,
 ) -> Results | None:
-    """Scores the designs of a study into a folder of Parquet files: the bytes that `smalti sweep` writes.
+    """Scores the designs of a study and writes the Parquet files of `smalti sweep`, with the same bytes.
 
-    What is there already is kept, so that a sweep that was interrupted goes on. After Ctrl-C all finished parts are there.
+    Existing parts are kept, so that an interrupted sweep resumes. After Ctrl-C, all finished parts are on disk.
 
     Args:
-        study: a `Study`, the name of a built-in one, or a TOML file.
-        out: a new or empty folder, or one that an earlier run of the same study left. With a client, a folder that all workers
-            see, a URL of fsspec ("s3://bucket/results"), or (file system, path).
-        client: a `dask.distributed.Client`: its workers compute the parts and write them, the same bytes. Workers that die are made up for.
-        shard: (i, n) or "i/n": the i-th of n shares, i from 1; `merge` puts their folders together.
-        part_size: designs of a file; default by their number.
-        cache: keep optical images between runs, where the command keeps them.
+        study: a `Study`, the name of a built-in study, or a TOML file.
+        out: a new or empty folder, or the folder of an earlier run of the same study. With a client, a folder that all workers can
+            access, a URL of fsspec ("s3://bucket/results"), or (file system, path).
+        client: a `dask.distributed.Client`, whose workers compute and write the parts with the same bytes. Tasks of workers that die
+            are repeated.
+        shard: (i, n) or "i/n": the i-th of n shards, i from 1; `merge` merges their folders.
+        part_size: designs per file; default by the number of designs.
+        cache: keep optical images between runs, in the cache of the command.
         progress: see `Progress`.
 
     Returns:
-        What is in the folder; None where a client has filled a place that is no folder.
+        The results in the folder; None for another file system.
 
     Raises:
-        SmaltiError: when the folder holds something else, or the results of another study.
+        SmaltiError: when the folder contains other files or the results of another study.
         OSError: when the folder cannot be written.
-        distributed.KilledWorker: when one part has ended several workers.
+        distributed.KilledWorker: when several workers died while computing one part.
     """
     known = study if isinstance(study, Study) else Study(study)
     if client is not None:
         if shard is not None:
-            raise _smalti.SmaltiError("shard and client are given; expected one of them: workers share the whole study")
-        # Only who has a cluster needs Dask.
+            raise _smalti.SmaltiError("shard and client are given; expected only one, since workers share the whole study")
+        # Dask is needed only here.
         from . import _cluster
 
         bar = partial(_told, progress, what=known.name, unit="design")
         folder = _cluster.sweep(client, known, out, part_size, cache, bar)
         return Results(folder) if folder is not None else None
     if isinstance(out, tuple):
-        raise _smalti.SmaltiError("out is a file system and a path; expected a folder, or a client whose workers write there")
+        raise _smalti.SmaltiError("out is a file system and a path; expected a folder, or also a client")
     share = _smalti.parse_shard(shard) if isinstance(shard, str) else shard
     missing = _smalti.designs_missing(known, out, share, part_size)
     with _told(progress, missing, known.name, "design") as told:
@@ -334,17 +316,17 @@ def report(
     draw: Sequence[str] = (),
     progress: Progress = True,
 ) -> dict[str, Any]:
-    """What a study found: a page to brush and filter, figures, tables; what `smalti report` writes.
+    """Reports the results of a study as `smalti report` does: an interactive page, figures and tables.
 
     Args:
-        results: a folder of results, or several that are shown together.
-        out: a folder for report.html, figures (SVG, PNG) and report.json, made if need be; or FILE.html for the page alone; default the
+        results: a folder of results, or several folders for a common report.
+        out: a folder for report.html, figures (SVG, PNG) and report.json, created if needed; or FILE.html for the page only; default the
             folder `report` in the first of the results.
-        pictures: how many designs have pictures in the page by processing that it cannot draw itself (learned pipelines, demosaicking
-            other than bilinear): the best, the worst, then of the Pareto front, 0 to 1000.
-        designs: designs of the first results, by their numbers, whose pictures by the simulator are in the page.
-        draw: conditions and processings that get figures of their own: those with one of these texts in their name; default the first 8.
-        progress: see `Progress`; steps are what the page draws from, pictures in it and figures.
+        pictures: number of designs, 0 to 1000, whose pictures are embedded in the page for processing that the page cannot compute
+            (learned pipelines, demosaicking other than bilinear): the best, the worst, then those of the Pareto front.
+        designs: further designs of the first results, by number, whose pictures are embedded in the page.
+        draw: draw figures of the conditions and processing methods whose name contains one of these texts; default the first 8.
+        progress: see `Progress`; steps are pictures and figures.
 
     Returns:
         report.json: the tables, the best designs, the files and notes.

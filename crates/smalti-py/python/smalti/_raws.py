@@ -1,4 +1,4 @@
-"""Raw files of cameras, through LibRaw."""
+"""Raw files of camera makers, read by LibRaw."""
 
 from __future__ import annotations
 
@@ -11,23 +11,23 @@ from ._smalti import RawImage, SmaltiError
 
 
 def read_camera_raw(source: str | os.PathLike[str] | Any) -> RawImage:
-    """A raw image from a file in a camera maker's own format (NEF, CR3, ARW, RAF, …), read by LibRaw.
+    """Reads a raw file in the format of a camera maker (NEF, CR3, ARW, RAF, …) with LibRaw.
 
-    It has the samples of the visible area as the sensor gave them. Where channels have black levels of their own, samples are shifted to
-    have the highest; two greens of a Bayer mosaic are one channel. DNG needs no LibRaw: `RawImage.read`.
+    The raw image contains the unprocessed samples of the visible area. Where the black levels of channels differ, samples are shifted to
+    the highest level. The two greens of a Bayer mosaic are one channel. `RawImage.read` reads DNG files without LibRaw.
 
     Args:
         source: a file, or an open `rawpy.RawPy`.
 
     Raises:
         ImportError: without rawpy (`pip install smalti[raws]`).
-        OSError: when there is no such file.
+        OSError: when the file cannot be opened.
         SmaltiError: when the file has no mosaic, or LibRaw cannot read it.
     """
     import rawpy
 
     if isinstance(source, str | os.PathLike):
-        # What the operating system refuses, in its words.
+        # Raises the OSError of the operating system.
         open(source, "rb").close()
         try:
             raw = rawpy.imread(os.fspath(source))
@@ -39,7 +39,7 @@ def read_camera_raw(source: str | os.PathLike[str] | Any) -> RawImage:
         raise SmaltiError("the raw file has no mosaic: every pixel has all colours")
     letters = source.color_desc.decode()
     rows, cols = source.raw_pattern.shape
-    # From the corner of the visible area, which need not be that of the sensor.
+    # The tile begins at the corner of the visible area, which may differ from that of the sensor.
     cells = source.raw_colors_visible[:rows, :cols]
     seen = {letters[c] for c in np.unique(cells)}
     names = [letter for letter in dict.fromkeys(letters) if letter in seen]

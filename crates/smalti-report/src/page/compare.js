@@ -1,6 +1,6 @@
 // Pictures side by side, or two over each other, moved and enlarged together. They are those that stand in the page.
 
-const MOST_ZOOM = 32;
+const MAX_ZOOM = 32;
 
 function readShots(gallery, kinds) {
   return Array.from(gallery.querySelectorAll(".shots"), (group) => ({
@@ -57,7 +57,7 @@ class View {
     Object.assign(this, { x: 0, y: 0, zoom: 1, changed });
   }
   set(x, y, zoom) {
-    this.zoom = Math.min(MOST_ZOOM, Math.max(1, zoom));
+    this.zoom = Math.min(MAX_ZOOM, Math.max(1, zoom));
     const most = 1 - 1 / this.zoom;
     this.x = Math.min(most, Math.max(0, x));
     this.y = Math.min(most, Math.max(0, y));
@@ -65,7 +65,7 @@ class View {
   }
   // Enlarges around a place of the frame, both 0 to 1.
   enlarge(factor, px = 0.5, py = 0.5) {
-    const zoom = Math.min(MOST_ZOOM, Math.max(1, this.zoom * factor));
+    const zoom = Math.min(MAX_ZOOM, Math.max(1, this.zoom * factor));
     this.set(this.x + px / this.zoom - px / zoom, this.y + py / this.zoom - py / zoom, zoom);
   }
   // Moves by a share of the frame.

@@ -28,13 +28,17 @@ function unrun(runs, count) {
   return values;
 }
 
-// Pictures of whole numbers, as whole_pictures of columns.rs packs them.
-async function unpackPictures({ count, deflated }, rows, cols) {
-  const stream = new Blob([bytesOf(deflated)]).stream().pipeThrough(new DecompressionStream("deflate-raw"));
-  const bytes = new Uint8Array(await new Response(stream).arrayBuffer());
+async function inflated(text) {
+  const stream = new Blob([bytesOf(text)]).stream().pipeThrough(new DecompressionStream("deflate-raw"));
+  return new Uint8Array(await new Response(stream).arrayBuffer());
+}
+// Pictures of whole numbers, as whole_pictures of columns.rs packs them, one after the other.
+async function unpackPictures({ rows, cols, count, deflated }) {
+  const bytes = await inflated(deflated);
   const size = rows * cols;
-  return Array.from({ length: count }, (_, k) => {
-    const picture = new Int32Array(size);
+  const pictures = new Int32Array(count * size);
+  for (let k = 0; k < count; k += 1) {
+    const picture = pictures.subarray(k * size, (k + 1) * size);
     for (let i = 0, row = 0; row < rows; row += 1) {
       for (let col = 0; col < cols; col += 1, i += 1) {
         const at = k * size + i;
@@ -47,8 +51,8 @@ async function unpackPictures({ count, deflated }, rows, cols) {
         picture[i] = expected + ((code >> 1) ^ -(code & 1));
       }
     }
-    return picture;
-  });
+  }
+  return pictures;
 }
 
 // A column of numbers whose values are made when they are first asked for.
@@ -59,19 +63,6 @@ function lazyColumn(about, values) {
     get values() {
       made ??= values();
       return made;
-    },
-  };
-}
-
-// A scene of a stage; its pictures are unpacked when they are first asked for.
-function readScene(scene) {
-  let planes;
-  return {
-    ...scene,
-    spectra: unpack(scene.spectra),
-    planes: () => {
-      planes ??= unpackPictures(scene.planes, scene.rows, scene.cols);
-      return planes;
     },
   };
 }
@@ -94,8 +85,7 @@ function readDesigns(data) {
     curves: { ...data.filters.curves, most: unpack(data.filters.curves.most), values: unpack(data.filters.curves.values) },
     words: data.words.map((w) => ({ ...w, words: w.values.words, codes: unpack(w.values.codes) })),
     pictures: new Map(data.pictures.map((p) => [p.row, p])),
-    matrices: { scale: unpack(data.matrices.scale), codes: new Int16Array(bytesOf(data.matrices.i16).buffer) },
-    stages: data.stages.map((stage) => stage && { ...stage, scenes: stage.scenes.map(readScene) }),
+    stages: data.stages,
   };
   designs.tile = designs.words.find((w) => w.name === "tile");
   if (data.sections.length > 1) {

@@ -2,16 +2,16 @@
 
 const NM = Array.from({ length: 171 }, (_, i) => 380 + 2 * i);
 
-// Transmittance of a filter at some wavelengths; null where the page does not hold it.
-function curveOf(designs, at, wavelengths = NM) {
+// Transmittance of a filter at NM; null where the page does not hold it.
+function curveOf(designs, at) {
   const code = designs.curve[at];
   if (code === -1) {
     const [center, sigma, peak] = [designs.center[at], designs.fwhm[at] / 2.354820045, designs.peak[at]];
-    return wavelengths.map((nm) => peak * Math.exp(-0.5 * ((nm - center) / sigma) ** 2));
+    return NM.map((nm) => peak * Math.exp(-0.5 * ((nm - center) / sigma) ** 2));
   }
   if (code < 0) return null;
   const { first_nm: first, step_nm: step, count, most, values } = designs.curves;
-  return wavelengths.map((nm) => {
+  return NM.map((nm) => {
     const place = Math.min(count - 1, Math.max(0, (nm - first) / step));
     const low = Math.min(count - 2, Math.floor(place));
     const [a, b] = [values[code * count + low], values[code * count + low + 1]];
@@ -155,14 +155,17 @@ function embedded({ src, width, height }, words) {
   const image = (alt) => make("img", { src, width, height, alt });
   return enlargeable(image(words), words, () => image(""));
 }
-// A canvas that is drawn a little later; `failed` is told why where it cannot be.
-function drawnHere(studio, which, words, failed) {
-  const scene = studio.stage.scenes[which];
-  const canvas = () => make("canvas", { width: scene.cols, height: scene.rows, role: "img", "aria-label": words });
+// A canvas that is drawn a little later; `done` is told when it is, `failed` why it cannot be.
+function drawnHere(designs, row, which, words, done, failed) {
+  const { rows, cols } = drawnOf(designs, row).light.scenes[which].light.planes;
+  const canvas = () => make("canvas", { width: cols, height: rows, role: "img", "aria-label": words });
   const shown = canvas();
-  photograph(studio, which, PICTURES[which].isNoisy).then((rgba) => {
-    shown.getContext("2d").putImageData(new ImageData(rgba, scene.cols, scene.rows), 0, 0);
-    shown.dataset.drawn = "";
+  designs.simulator ??= new Simulator(designs);
+  designs.simulator.draw(row, which, PICTURES[which].isNoisy, () => shown.isConnected).then((picture) => {
+    if (!picture) return;
+    shown.getContext("2d").putImageData(new ImageData(new Uint8ClampedArray(picture.rgba.buffer), cols, rows), 0, 0);
+    shown.dataset.drawn = picture.ms.toFixed(1);
+    done();
   }).catch(failed);
   return enlargeable(shown, words, () => {
     const copy = canvas();
@@ -181,16 +184,18 @@ function picturesOf(designs, row, number) {
   const command = () => commandOf(designs, row, `--picture ${number} -o design-${number}.html`);
   const own = designs.pictures.get(row);
   if (own) return [both((which, words) => embedded([own.zone_plate, own.scene][which], words))];
-  const { studio, none, isElsewhere } = studioOf(designs, row);
-  if (!studio) return [say(`The page has no pictures of this design: ${none}.${isElsewhere ? " This command makes a page with them:" : ""}`), isElsewhere ? command() : null];
+  const drawn = drawnOf(designs, row);
+  if (drawn.none) return [say(`The page has no pictures of this design: ${drawn.none}.${drawn.is_elsewhere ? " This command makes a page with them:" : ""}`), drawn.is_elsewhere ? command() : null];
   const place = make("div");
   const failed = (error) => place.replaceChildren(say(`The page could not draw its pictures: ${error.message}. This command makes a page with them:`), command());
-  const processing = studio.drawn.own_processing;
-  const about = processing
-    ? `Drawn by this page with bilinear demosaicking and a colour matrix. The study's own processing is ${processing}: this command makes a page with its pictures.`
-    : "Drawn by this page the way the simulator makes them; the noise is another draw of the same kind.";
-  place.append(both((which, words) => drawnHere(studio, which, words, failed)), say(about), ...(processing ? [command()] : []));
+  const about = "Drawn by this page with the simulator itself: the same pixels as by the command.";
+  const state = make("p", { class: "none", role: "status" }, drawn.is_learned ? "Learning the pipeline of this design …" : "Drawing …");
+  const done = () => { state.textContent = about; };
+  place.append(both((which, words) => drawnHere(designs, row, which, words, done, failed)), state);
   return [place];
+}
+function drawnOf(designs, row) {
+  return designs.data.sections[designs.section[row]].drawn;
 }
 function commandOf(designs, row, options) {
   const study = designs.data.studies[designs.data.sections[designs.section[row]].study];

@@ -1,7 +1,7 @@
 // Which designs are shown: by number of colours, words (processing, conditions, mosaic), marks, and ranges of any number.
 
 // Words of a column that get a box each; of more there is a list.
-const MOST_BOXES = 8;
+const MAX_BOXES = 8;
 
 class Filters {
   constructor(designs, changed) {
@@ -52,7 +52,7 @@ class Filters {
     const counts = new Array(column.words.length).fill(0);
     column.codes.forEach((code) => { counts[code] += 1; });
     const entries = column.words.map((words, code) => ({ code, words: words || "(none)", many: counts[code] }));
-    if (entries.length <= MOST_BOXES) {
+    if (entries.length <= MAX_BOXES) {
       this.addBoxes(column.label, entries, column.codes);
       return;
     }

@@ -81,12 +81,16 @@ pub const SWEEP: &[Piece] = &[
     Piece::new("", include_str!("cloud.js")),
     Piece::new(include_str!("scatter.css"), include_str!("scatter.js")),
     Piece::new("", include_str!("histogram.js")),
-    Piece::new("", include_str!("demosaic.js")),
-    Piece::new("", include_str!("photograph.js")),
+    Piece::new("", include_str!("simulator.js")),
     Piece::new(include_str!("design.css"), include_str!("design.js")),
     Piece::new(include_str!("filters.css"), include_str!("filters.js")),
     Piece::new(include_str!("sweep.css"), include_str!("sweep.js")),
 ];
+
+/// The simulator as WebAssembly, deflated: `crates/smalti-wasm`, made by `just wasm`.
+const SIMULATOR: &[u8] = include_bytes!("../../vendor/smalti-wasm/smalti.wasm.deflate");
+/// Bytes that the simulator takes in a page.
+pub const SIMULATOR_BYTES: usize = SIMULATOR.len().div_ceil(3) * 4;
 
 /// What a page of pictures side by side is made of, in this order.
 pub const COMPARE: &[Piece] = &[
@@ -100,6 +104,12 @@ pub const COMPARE: &[Piece] = &[
 #[must_use]
 pub fn figure(drawing: &Figure) -> Markup {
     el("figure").class("drawing").child(drawing).into()
+}
+
+/// The foot of a page: the version that made it.
+pub(crate) fn foot() -> Markup {
+    let version = env!("CARGO_PKG_VERSION");
+    el("p").child(format!("Made by Smalti {version}. This page needs no network and sends nothing.")).into()
 }
 
 /// A text, of one line or several, with a button that copies it.

@@ -6,7 +6,7 @@ use serde_json::Value;
 use sha2::{Digest, Sha256};
 
 use super::markup::{Markup, el, json};
-use super::{Piece, SHELL};
+use super::{Piece, SHELL, SIMULATOR};
 
 /// A page in the making.
 #[derive(Debug, Clone, PartialEq)]
@@ -17,6 +17,7 @@ pub struct Page {
     pieces: Vec<Piece>,
     data: Vec<(String, Value)>,
     foot: Markup,
+    simulates: bool,
 }
 
 impl Page {
@@ -30,6 +31,7 @@ impl Page {
             pieces: Vec::new(),
             data: Vec::new(),
             foot: Markup::new(),
+            simulates: false,
         }
     }
 
@@ -61,6 +63,13 @@ impl Page {
         self
     }
 
+    /// Embeds the simulator, and lets the page's own script run it as WebAssembly in a worker.
+    #[must_use]
+    pub fn simulator(mut self) -> Self {
+        self.simulates = true;
+        self.data("simulator", STANDARD.encode(SIMULATOR).into())
+    }
+
     /// What stands at the end.
     #[must_use]
     pub fn foot(mut self, content: impl Into<Markup>) -> Self {
@@ -76,8 +85,9 @@ impl Page {
         // One function around all: pieces see each other, the window sees none of them.
         let js =
             format!("(() => {{\n\"use strict\";\n{}}})();\n", pieces().map(|p| p.js).collect::<String>());
+        let simulator = if self.simulates { " 'wasm-unsafe-eval'; worker-src blob:" } else { "" };
         let policy = format!(
-            "default-src 'none'; script-src {}; style-src {}; img-src data:; base-uri 'none'; form-action 'none'",
+            "default-src 'none'; script-src {}{simulator}; style-src {}; img-src data:; base-uri 'none'; form-action 'none'",
             source(&js),
             source(&css)
         );

@@ -14,7 +14,7 @@ function startSweep(data) {
 
   const ways = [
     { label: "Number of colours", column: null, words: null },
-    ...designs.words.filter((w) => w.words.length > 1 && w.words.length <= MOST_BOXES).map((w) => ({ label: w.label, words: w })),
+    ...designs.words.filter((w) => w.words.length > 1 && w.words.length <= MAX_BOXES).map((w) => ({ label: w.label, words: w })),
     ...varied.filter((c) => c.name !== "colors").map((c) => ({ label: withUnit(c), column: c })),
   ];
   view.color = ways[0];

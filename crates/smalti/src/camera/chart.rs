@@ -1,4 +1,4 @@
-//! The ColorChecker before a camera: where its patches lie, what they are scored by.
+//! The ColorChecker on a camera: the positions and the scores of its patches.
 
 use crate::camera::CameraError;
 use crate::color::Image;
@@ -11,21 +11,21 @@ use crate::spectrum::{Observer, Spectrum};
 
 /// Pixels of the sensor that a patch of the chart spans.
 const PATCH_PX: usize = 40;
-/// Pixels that are measured in the middle of a patch, as many as ISETCam takes.
+/// Side of the measured centre of a patch, pixels, as in ISETCam.
 const PATCH_CORE_PX: usize = 25;
-/// Samples of the scene per patch: fewer than pixels, as in ISETCam, since patches are flat.
+/// Samples of the scene per patch. Fewer samples than pixels suffice for uniform patches, as in ISETCam.
 pub(super) const PATCH_SAMPLES: usize = 32;
 /// Rows and columns of the sensor that the chart covers.
 pub(super) const SIZE_PX: [usize; 2] = [macbeth::ROWS * PATCH_PX, macbeth::COLS * PATCH_PX];
-/// Patches of the grey series, from white to black.
+/// Indices of the grey series, from white to black.
 pub(crate) const GREYS: std::ops::Range<usize> = 18..24;
 const WHITE: usize = 18;
 /// The plane Y of a picture in XYZ.
 pub(crate) const LUMINANCE: usize = 1;
-/// Pixels per degree at which noise is looked at, as in [`ScoreSettings`](super::ScoreSettings).
+/// Viewing resolution for visual noise, pixels per degree, as in [`ScoreSettings`](super::ScoreSettings).
 const VIEWING_PX_PER_DEGREE: f64 = 60.0;
 
-/// The part of every patch that is measured, row by row from dark skin.
+/// The measured centre of every patch, row by row from dark skin.
 pub(crate) fn patches() -> Vec<Rect> {
     let inset = (PATCH_PX - PATCH_CORE_PX) / 2;
     let patch = |i: usize| Rect {
@@ -37,23 +37,23 @@ pub(crate) fn patches() -> Vec<Rect> {
     (0..macbeth::ROWS * macbeth::COLS).map(patch).collect()
 }
 
-/// X, Y, Z of the chart itself under a light (photons), patch by patch.
+/// Reference X, Y, Z of every patch under an illuminant (photons).
 pub(crate) fn expected(light: &Spectrum) -> Result<Vec<[f64; 3]>, CameraError> {
     let xyz = |s: &Spectrum| Ok(Observer::Cie1931.xyz_from_photons(&s.times(light)?)?);
     macbeth::reflectances(light.grid())?.iter().map(xyz).collect()
 }
 
-/// The colours of patches against those [expected](expected()).
+/// Colour differences between measured patches and their [reference](expected()).
 pub(crate) fn accuracy(measured: &[[f64; 3]], expected: &[[f64; 3]]) -> Result<ColorAccuracy, CameraError> {
     Ok(color_accuracy(measured, expected, WHITE, LabWhite::Reference)?)
 }
 
-/// The means of patches of a picture in XYZ.
+/// Mean X, Y, Z of the patches of a picture.
 pub(crate) fn means(picture: &Image, patches: &[Rect]) -> Result<Vec<[f64; 3]>, CameraError> {
     Ok(patch_means(picture.planes(), patches)?.iter().map(|m| [m[0], m[1], m[2]]).collect())
 }
 
-/// The colours of a picture of the chart under a light (photons), against the chart's own.
+/// Colour differences of a picture of the chart under an illuminant (photons) from the reference.
 pub(super) fn colors(clean: &Image, light: &Spectrum) -> Result<ColorAccuracy, CameraError> {
     accuracy(&means(clean, &patches())?, &expected(light)?)
 }
@@ -62,13 +62,14 @@ pub(super) fn colors(clean: &Image, light: &Spectrum) -> Result<ColorAccuracy, C
 pub(super) struct GreyNoise {
     /// `100 · std(Y) / mean(Y)`.
     pub(super) luminance_noise_percent: Vec<f64>,
-    /// Reciprocal standard deviation in S-CIELAB.
+    /// Visual signal-to-noise ratio: reciprocal standard deviation in S-CIELAB.
     pub(super) visual_snr: Vec<f64>,
 }
 
-/// Noise of a picture of the chart under a light (photons).
+/// Noise of a picture of the chart under an illuminant (photons).
 ///
-/// The eye is taken to be adapted to the picture: white is the light, as bright as makes the white patch L* = 100.
+/// The observer is assumed to be adapted to the picture: white has the chromaticity of the illuminant and the luminance of the
+/// white patch.
 pub(super) fn noise(noisy: &Image, light: &Spectrum) -> Result<GreyNoise, CameraError> {
     let rects = patches();
     let luminance_noise_percent = luminance_noise(noisy.planes(), LUMINANCE, &rects[GREYS])?.percent;

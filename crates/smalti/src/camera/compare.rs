@@ -1,4 +1,4 @@
-//! One scene before a camera, taken and processed and scored: what comparisons of cameras and of processing are made of.
+//! Captures, renders and scores one scene with one camera, the unit of all comparisons.
 
 use std::sync::Arc;
 
@@ -13,16 +13,14 @@ use crate::scene::{Scene, Setting, catalog};
 use crate::sensor::{Exposure, NoiseMode};
 use crate::spectrum::{Observer, Spectrum};
 
-/// Samples of a test scene per pixel of the sensor, in each direction: a pixel integrates over detail finer than itself, as
-/// outside.
+/// Samples of a test scene per pixel in each direction, so that pixels integrate over finer detail, as in real scenes.
 pub const TEST_SAMPLES_PER_PX: usize = 2;
 
-/// Scenes to compare cameras on, as [`catalog::build`] takes them, for pictures of at most 288 × 384 pixels at
+/// The scenes for comparisons of cameras, in the form of [`catalog::build`]. Pictures have at most 288 × 384 pixels at
 /// [`TEST_SAMPLES_PER_PX`].
 ///
-/// Nothing is trained on them: the leaves have a seed above 1000 and other radii than training has, the reflectances of the
-/// ColorChecker (the room is painted with them too) are not among those of training, and chart and star have edges of other
-/// directions.
+/// They are disjoint from the training scenes: the dead leaves have other seeds (above 1000) and radii, the reflectances of the
+/// ColorChecker (used for the room as well) are not in the training set, and chart and star have edges in other directions.
 #[must_use]
 pub fn test_scenes() -> &'static [&'static str] {
     &[
@@ -34,32 +32,31 @@ pub fn test_scenes() -> &'static [&'static str] {
     ]
 }
 
-/// A scene before a camera that is cut to it.
+/// A scene imaged on a camera with as many pixels as the scene covers.
 #[derive(Debug, Clone)]
 pub struct Setup {
     /// The camera, with as many pixels as the scene covers.
     pub camera: Camera,
-    /// What the lens throws on the sensor.
+    /// The irradiance on the sensor plane.
     pub image: Arc<OpticalImage>,
-    /// The light on the scene: radiance of a white diffuser, photons s⁻¹ m⁻² sr⁻¹ nm⁻¹.
+    /// The illuminant of the scene: radiance of a white diffuser, photons s⁻¹ m⁻² sr⁻¹ nm⁻¹.
     pub light: Spectrum,
-    /// How it is taken.
+    /// The exposure.
     pub exposure: Exposure,
 }
 
 impl Setup {
-    /// A scene before a camera, so large that a pixel spans `samples_per_px` of its samples in each direction; its field of view
-    /// is set accordingly. So every camera sees a scene with equally many pixels. The exposure is that of the
-    /// camera's description.
+    /// Images a scene with `samples_per_px` samples per pixel in each direction, by setting its field of view. All cameras thus
+    /// capture the scene with equally many pixels. The exposure is that of the camera's description.
     ///
     /// # Errors
-    /// When the scene has no whole pixel, or a stage refuses.
+    /// When the scene is smaller than a pixel or a stage fails.
     pub fn new(camera: &Camera, scene: Scene, samples_per_px: usize) -> Result<Self, CameraError> {
         let samples = [scene.radiance().rows(), scene.radiance().cols()];
         Self::with_size(camera, scene, samples.map(|n| n / samples_per_px.max(1)))
     }
 
-    /// A scene before a camera that spans `size` pixels, rows and columns.
+    /// Images a scene on `rows` × `cols` pixels.
     pub(super) fn with_size(
         camera: &Camera,
         scene: Scene,
@@ -71,8 +68,8 @@ impl Setup {
         Ok(Self { light: scene.illuminant().clone(), camera, image, exposure })
     }
 
-    /// A built-in scene by its words, leaves painted with natural reflectances, at [`TEST_SAMPLES_PER_PX`].
-    /// Field of view and wavelengths are those of the camera, whatever the setting says.
+    /// Images a built-in scene with natural reflectances at [`TEST_SAMPLES_PER_PX`]. `spec` is its name with parameters. The
+    /// camera determines field of view and wavelengths; those of the setting are ignored.
     ///
     /// # Errors
     /// As [`catalog::build`] and [`Setup::new`].
@@ -82,8 +79,8 @@ impl Setup {
         Self::new(camera, scene, TEST_SAMPLES_PER_PX)
     }
 
-    /// The same scene before another camera, without forming the image again: `None` where its lens, pitch or wavelengths
-    /// differ, so that another image falls on its sensor.
+    /// The same scene on another camera, with the same optical image; `None` when the lens, the pixel pitch or the wavelengths
+    /// differ and the image must be computed again.
     ///
     /// # Errors
     /// When no exposure is found.
@@ -100,7 +97,7 @@ impl Setup {
         Ok(Some(Self { camera, exposure, ..self.clone() }))
     }
 
-    /// The same scene in `factor` times the light, at the same exposure.
+    /// The same scene with its light multiplied by `factor`, at the same exposure.
     ///
     /// # Errors
     /// When the factor is negative or not finite.
@@ -109,7 +106,7 @@ impl Setup {
         Ok(Self { image: Arc::new(image), light: self.light.scaled(factor), ..self.clone() })
     }
 
-    /// The same scene, exposed anew as the camera's description says.
+    /// The same scene with the exposure that the camera's description gives for it.
     ///
     /// # Errors
     /// When no exposure is found.
@@ -118,7 +115,7 @@ impl Setup {
     }
 }
 
-/// A camera with as many pixels as a scene covers, and the scene as wide as they see.
+/// The camera with `rows` × `cols` pixels, and the scene with their field of view.
 pub(crate) fn cut_to(
     camera: &Camera,
     scene: Scene,
@@ -130,32 +127,31 @@ pub(crate) fn cut_to(
     Ok((camera, scene.with_fov(fov_deg)?))
 }
 
-/// How well a scene came out.
+/// The scores of one scene with its picture and reference.
 #[derive(Debug, Clone, Serialize)]
 pub struct SceneScores {
-    /// The distance from the reference.
+    /// The differences from the reference.
     #[serde(flatten)]
     pub scores: PictureScores,
     /// Integration time, s.
     pub exposure_time_s: f64,
-    /// Share of the raw samples that are saturated, percent.
+    /// Saturated raw samples, percent.
     pub saturated_percent: f64,
     /// Seed of the noise.
     pub seed: u64,
-    /// The picture, XYZ under the scene's light.
+    /// The picture, X, Y, Z under the illuminant of the scene.
     #[serde(skip)]
     pub picture: Image,
-    /// What the standard observer sees, on the scale of the picture.
+    /// The reference of the standard observer, on the scale of the picture.
     #[serde(skip)]
     pub reference: Image,
 }
 
-/// Takes a scene with all noise, processes it, scores the picture against
-/// [`Camera::reference_as_exposed`]. `isp` makes XYZ as they are under the scene's light, on the scale of
-/// [`Classic`](crate::isp::Classic).
+/// Captures a scene with all noise, renders it, and scores the picture against [`Camera::reference_as_exposed`]. `isp` renders
+/// X, Y, Z under the illuminant of the scene, not adapted, on the scale of [`Classic`](crate::isp::Classic).
 ///
 /// # Errors
-/// When a stage refuses, or the scene is dark.
+/// When a stage fails or the scene is dark.
 pub fn compare_on(
     setup: &Setup,
     isp: &dyn Isp,

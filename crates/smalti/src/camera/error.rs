@@ -1,4 +1,4 @@
-//! What can be wrong with a camera.
+//! Errors of cameras and their pictures.
 
 use thiserror::Error;
 
@@ -12,11 +12,11 @@ use crate::scene::SceneError;
 use crate::sensor::{CfaError, RawError, SensorError};
 use crate::spectrum::SpectrumError;
 
-/// What can be wrong with a camera or with one of its pictures.
+/// An error of a camera or of one of its pictures.
 #[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]
 pub enum CameraError {
-    /// A key of the description has an impossible value.
+    /// A key of the description has an invalid value.
     #[error("`{key}`: {message}")]
     Key {
         /// Dotted path of the key, such as `sensor.pixel.fill_factor`.
@@ -24,37 +24,43 @@ pub enum CameraError {
         /// What is wrong, and what was expected.
         message: String,
     },
-    /// Optics refused.
+    /// A value cannot be written as text.
+    #[error("the settings cannot be written as text: {message}")]
+    Text {
+        /// Why.
+        message: String,
+    },
+    /// An error of the optics.
     #[error(transparent)]
     Optics(#[from] OpticsError),
-    /// The sensor refused.
+    /// An error of the sensor.
     #[error(transparent)]
     Sensor(#[from] SensorError),
-    /// The colour filter array is impossible.
+    /// The colour filter array is invalid.
     #[error(transparent)]
     Cfa(#[from] CfaError),
-    /// A raw image is impossible.
+    /// A raw image is invalid.
     #[error(transparent)]
     Raw(#[from] RawError),
-    /// The processing refused.
+    /// An error of the processing.
     #[error(transparent)]
     Isp(#[from] IspError),
-    /// A learned pipeline refused.
+    /// An error of a learned pipeline or its training.
     #[error(transparent)]
     L3(#[from] L3Error),
-    /// A reflectance cannot be lifted from RGB.
+    /// A reflectance cannot be computed from RGB.
     #[error(transparent)]
     Uplift(#[from] UpliftError),
-    /// A scene is impossible.
+    /// A scene is invalid.
     #[error(transparent)]
     Scene(#[from] SceneError),
     /// A metric cannot be computed.
     #[error(transparent)]
     Metric(#[from] MetricError),
-    /// A picture is impossible.
+    /// A picture is invalid.
     #[error(transparent)]
     Image(#[from] ImageError),
-    /// Spectral data do not fit.
+    /// Spectral data are invalid.
     #[error(transparent)]
     Spectrum(#[from] SpectrumError),
 }

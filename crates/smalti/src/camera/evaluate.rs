@@ -1,20 +1,21 @@
 //! The scores of a camera on three targets: colour and noise on the ColorChecker, resolution on a slanted edge,
-//! aliasing on a zone plate.
+//! and aliasing on a zone plate.
 //!
-//! Every target is as large on the sensor, in pixels, for every camera, so that scores rest on equally many samples.
-//! Colour and resolution are measured without noise: they are properties of the design, not of one capture. Noise
-//! is measured on one capture with all noise. Both are at the real exposure, so that processing which treats dark
-//! and bright signals differently, as a learned pipeline does, is scored at what it does at this level.
+//! Each target covers the same number of pixels on every camera, so that scores rest on equally many samples. Colour and
+//! resolution are measured without noise, because they are properties of the design rather than of one capture. Noise is
+//! measured on one capture with all noise. Both use the actual exposure, because a learned pipeline processes dark and bright
+//! signals differently.
 
 use serde::Serialize;
 
 use super::chart::{self, LUMINANCE};
 use super::target::{EDGE_REGION, Target, edge_mtf50};
 use super::{Camera, CameraError};
-use crate::color::display::Primaries;
-use crate::color::matrix::{IDENTITY, product};
-use crate::color::{Adaptation, Image};
+use crate::color::display::{D65_XYZ, Matrices};
+use crate::color::matrix::product;
+use crate::color::{Adaptation, Image, ImageError};
 use crate::isp::{Isp, WhiteBalance};
+use crate::metrics::MetricError;
 use crate::metrics::aliasing::{Aliasing, aliasing};
 use crate::metrics::dynamic_range::dynamic_range;
 use crate::metrics::esfr::{EdgeSfr, EsfrOptions, edge_sfr};
@@ -27,19 +28,19 @@ use crate::spectrum::{Illuminant, Observer, Spectrum, WavelengthGrid};
 /// Luminance of the primaries of sRGB (IEC 61966-2-1).
 const SRGB_LUMINANCE: [f64; 3] = [0.2126, 0.7152, 0.0722];
 
-/// What the targets are lit by.
+/// Illumination of the targets and seed of the noise.
 #[derive(Debug, Clone, PartialEq)]
 pub struct EvaluationSettings {
     /// Mean luminance of every target, cd/m².
     pub luminance_cd_m2: f64,
-    /// The light.
+    /// The illuminant.
     pub illuminant: Illuminant,
     /// Seed of the noise.
     pub seed: u64,
 }
 
 impl EvaluationSettings {
-    /// The setting of the targets, on a camera's wavelengths.
+    /// The setting of the targets on a wavelength grid.
     pub(crate) fn setting(&self, grid: WavelengthGrid) -> Setting {
         Setting {
             luminance_cd_m2: self.luminance_cd_m2,
@@ -57,7 +58,7 @@ impl Default for EvaluationSettings {
     }
 }
 
-/// A figure for each patch, and their mean.
+/// A score for each patch and the mean.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct PatchScores {
     /// Mean over the patches.
@@ -66,13 +67,21 @@ pub struct PatchScores {
     pub per_patch: Vec<f64>,
 }
 
-impl From<Vec<f64>> for PatchScores {
-    fn from(per_patch: Vec<f64>) -> Self {
-        Self { mean: per_patch.iter().sum::<f64>() / per_patch.len().max(1) as f64, per_patch }
+/// The error of scores without patches.
+const NO_PATCH: MetricError = MetricError::TooFew { what: "patches", minimum: 1, got: 0 };
+
+impl PatchScores {
+    /// # Errors
+    /// [`MetricError::TooFew`] without patches.
+    pub(super) fn new(per_patch: Vec<f64>) -> Result<Self, MetricError> {
+        if per_patch.is_empty() {
+            return Err(NO_PATCH);
+        }
+        Ok(Self { mean: per_patch.iter().sum::<f64>() / per_patch.len() as f64, per_patch })
     }
 }
 
-/// A figure for each grey patch, and the middle one.
+/// A score for each grey patch and the median.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct GreyScores {
     /// Median over the patches.
@@ -81,17 +90,20 @@ pub struct GreyScores {
     pub per_patch: Vec<f64>,
 }
 
-impl From<Vec<f64>> for GreyScores {
-    fn from(per_patch: Vec<f64>) -> Self {
+impl GreyScores {
+    /// # Errors
+    /// [`MetricError::TooFew`] without patches.
+    pub(super) fn new(per_patch: Vec<f64>) -> Result<Self, MetricError> {
         let mut sorted = per_patch.clone();
         sorted.sort_by(f64::total_cmp);
-        let middle = |i: usize| sorted.get(i / 2).copied().unwrap_or(f64::NAN);
-        let median = f64::midpoint(middle(sorted.len().saturating_sub(1)), middle(sorted.len()));
-        Self { median, per_patch }
+        let count = sorted.len();
+        let middle = sorted.get(count.saturating_sub(1) / 2).zip(sorted.get(count / 2));
+        let (&low, &high) = middle.ok_or(NO_PATCH)?;
+        Ok(Self { median: f64::midpoint(low, high), per_patch })
     }
 }
 
-/// Exposure times found or stated for the targets.
+/// Exposure times of the targets.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct ExposureTimes {
     /// The ColorChecker, s.
@@ -107,26 +119,26 @@ pub struct ExposureTimes {
 pub struct Evaluation {
     /// Mean luminance of the targets, cd/m².
     pub luminance_cd_m2: f64,
-    /// Colour difference of 1976 from the chart itself, white patch at Y = 100.
+    /// ΔE*ab (CIE 1976) from the reference chart, white patch at Y = 100.
     pub delta_e_76: PatchScores,
-    /// CIEDE2000 from the chart itself, white patch at Y = 100.
+    /// CIEDE2000 from the reference chart, white patch at Y = 100.
     pub delta_e_2000: PatchScores,
-    /// Frequency at which the response to an edge falls to one half, cycles per mm on the sensor.
+    /// Spatial frequency at which the edge response falls to one half (MTF50), cycles per mm on the sensor.
     pub mtf50_cy_per_mm: f64,
-    /// The same in cycles per pixel.
+    /// MTF50 in cycles per pixel.
     pub mtf50_cy_per_px: f64,
     /// `100 · std(Y) / mean(Y)` on the grey series, percent.
     pub luminance_noise_percent: PatchScores,
-    /// Reciprocal of the noise of the grey series as it is seen, in units of ΔE 1976, white patch at L* = 100, at 60 pixels per
-    /// degree. The median: white may be clipped, and black is little but noise.
+    /// Visual signal-to-noise ratio of the grey series: reciprocal noise in ΔE 1976, white patch at L* = 100, 60 pixels per
+    /// degree. The summary is the median, because white may clip and black is mostly noise.
     pub visual_snr: GreyScores,
-    /// Share of the chart's raw samples that are saturated, percent: colours that clip are wrong colours.
+    /// Saturated raw samples of the chart, percent. Clipping falsifies colours.
     pub saturated_percent: f64,
-    /// Energy in the picture of the zone plate that is not in the zone plate, percent.
+    /// Aliased energy in the picture of the zone plate, percent of the energy of the zone plate.
     pub aliasing_percent: f64,
-    /// The part of it that is colour.
+    /// The chromatic part of the aliased energy, percent.
     pub color_aliasing_percent: f64,
-    /// From the smallest signal that stands out of the dark noise to saturation, dB (EMVA 1288).
+    /// Ratio of saturation to the signal whose signal-to-noise ratio is 1 (EMVA 1288), dB.
     pub dynamic_range_db: f64,
     /// Exposure times.
     pub exposure: ExposureTimes,
@@ -143,12 +155,12 @@ pub struct EvaluationPictures {
     pub edge: Image,
     /// The zone plate, without noise.
     pub zone_plate: Image,
-    /// What of the zone plate's picture is not in the zone plate.
+    /// The aliased part of the picture of the zone plate.
     pub aliasing: Planes,
 }
 
 impl EvaluationPictures {
-    /// The response to the edge in the plane of luminance, whose MTF50 is that of [`Evaluation`].
+    /// The edge response of the luminance plane, whose MTF50 is that of [`Evaluation`].
     ///
     /// # Errors
     /// When there is no edge in the picture.
@@ -157,19 +169,19 @@ impl EvaluationPictures {
     }
 }
 
-/// Finds the optical image of a name, or makes it: where images are cached between runs.
+/// Returns the optical image for a key, from a cache or by calling the given function.
 pub type OpticalImages<'a> = &'a (
         dyn Fn(&str, &dyn Fn() -> Result<OpticalImage, CameraError>) -> Result<OpticalImage, CameraError>
             + Sync
     );
 
-/// Finds the processing for scenes under a light (photons). Its pictures are XYZ as they are under that light, not adapted.
+/// Returns the processing for scenes under an illuminant (photons). Its pictures are X, Y, Z under that illuminant, not adapted.
 pub type IspFor<'a> = &'a (dyn Fn(&Spectrum) -> Result<Box<dyn Isp + 'a>, CameraError> + Sync + 'a);
 
-/// Scores a camera with its own processing. `images` may keep optical images; `&|_, make| make()` makes them anew.
+/// Scores a camera with its own processing. `images` may cache optical images; `&|_, make| make()` computes them every time.
 ///
 /// # Errors
-/// When a stage refuses, or a metric cannot be computed.
+/// When a stage fails, or a metric cannot be computed.
 pub fn evaluate(
     camera: &Camera,
     settings: &EvaluationSettings,
@@ -178,11 +190,11 @@ pub fn evaluate(
     evaluate_with(camera, settings, images, &|light| Ok(Box::new(camera.isp(light, WhiteBalance::None)?)))
 }
 
-/// Scores a camera with processing of one's own. Its captures without noise have no converter: their samples are volts, with
-/// black and white level in volts.
+/// Scores a camera with the given processing. Captures without noise bypass the analog-to-digital converter: their samples and
+/// their black and white levels are volts.
 ///
 /// # Errors
-/// When a stage refuses, or a metric cannot be computed.
+/// When a stage fails, or a metric cannot be computed.
 pub fn evaluate_with(
     camera: &Camera,
     settings: &EvaluationSettings,
@@ -194,8 +206,8 @@ pub fn evaluate_with(
     let edge = Target::edge(camera, &setting)?;
     let zone = Target::zone_plate(camera, &setting)?;
     let ((chart, edge), zone) = rayon::join(
-        || rayon::join(|| chart.shoot(settings, images, isp), || edge.shoot(settings, images, isp)),
-        || zone.shoot(settings, images, isp),
+        || rayon::join(|| chart.capture(settings, images, isp), || edge.capture(settings, images, isp)),
+        || zone.capture(settings, images, isp),
     );
     let (chart, edge, zone) = (chart?, edge?, zone?);
     let (noisy, reference) = rayon::join(|| chart.noisy(settings.seed), || zone.reference());
@@ -209,12 +221,12 @@ pub fn evaluate_with(
     let aliasing = zone_plate_aliasing(&zone.clean, &reference, &setting)?;
     let evaluation = Evaluation {
         luminance_cd_m2: settings.luminance_cd_m2,
-        delta_e_76: colors.delta_e_76.per_patch.into(),
-        delta_e_2000: colors.delta_e_2000.per_patch.into(),
+        delta_e_76: PatchScores::new(colors.delta_e_76.per_patch)?,
+        delta_e_2000: PatchScores::new(colors.delta_e_2000.per_patch)?,
         mtf50_cy_per_mm: mtf50_cy_per_px / (camera.sensor.pixel.pitch_m * 1e3),
         mtf50_cy_per_px,
-        luminance_noise_percent: noise.luminance_noise_percent.into(),
-        visual_snr: noise.visual_snr.into(),
+        luminance_noise_percent: PatchScores::new(noise.luminance_noise_percent)?,
+        visual_snr: GreyScores::new(noise.visual_snr)?,
         saturated_percent,
         aliasing_percent: aliasing.total_percent,
         color_aliasing_percent: aliasing.color_percent,
@@ -235,8 +247,8 @@ pub fn evaluate_with(
     Ok((evaluation, pictures))
 }
 
-/// A target before the camera, and its picture without noise.
-struct Shot<'a, 'i> {
+/// A target imaged on the camera, and its picture without noise.
+struct TargetCapture<'a, 'i> {
     camera: &'a Camera,
     image: OpticalImage,
     exposure: Exposure,
@@ -244,56 +256,55 @@ struct Shot<'a, 'i> {
     clean: Image,
 }
 
-impl Shot<'_, '_> {
+impl TargetCapture<'_, '_> {
     /// The capture with all noise.
     fn noisy(&self, seed: u64) -> Result<RawImage, CameraError> {
         Ok(self.camera.sensor.capture(&self.image, &self.exposure, NoiseMode::All, seed)?)
     }
 
-    /// What the standard observer sees of it.
+    /// The reference of the standard observer.
     fn reference(&self) -> Result<Image, CameraError> {
         self.camera.reference(&self.image)
     }
 }
 
 impl Target {
-    fn shoot<'i>(
+    fn capture<'i>(
         &self,
         settings: &EvaluationSettings,
         images: OpticalImages<'_>,
         isp: IspFor<'i>,
-    ) -> Result<Shot<'_, 'i>, CameraError> {
+    ) -> Result<TargetCapture<'_, 'i>, CameraError> {
         let camera = &self.camera;
         let make = || self.image();
         let image = images(&self.key, &make)?;
         let light = settings.illuminant.photons(camera.grid())?;
         let isp = isp(&light)?;
         let exposure = camera.exposure(&image)?;
-        // Without a converter: rounding without noise would be an error of its own, which noise takes away.
+        // Without converter, because quantisation errors are only negligible together with noise (dithering).
         let clean = isp.render(&camera.sensor.capture_ideal(&image, &exposure)?)?;
-        Ok(Shot { camera, image, exposure, isp, clean })
+        Ok(TargetCapture { camera, image, exposure, isp, clean })
     }
 }
 
-/// Compared in linear sRGB with the light made white, where the zone plate is neutral.
+/// Aliasing in linear sRGB adapted to the illuminant, in which the zone plate is neutral.
 pub(crate) fn zone_plate_aliasing(
     picture: &Image,
     reference: &Image,
     setting: &Setting,
 ) -> Result<Aliasing, CameraError> {
     let white = Observer::Cie1931.xyz_from_photons(&setting.illuminant.photons(setting.grid)?)?;
-    // The picture's scale is that of the exposure; the reference is brought to the same mean luminance.
+    // The scale of the picture depends on the exposure; the reference is scaled to the same mean luminance.
     let mean = |picture: &Image| picture.planes().plane(LUMINANCE).iter().map(|&v| f64::from(v)).sum::<f64>();
     let gain = mean(picture) / mean(reference);
-    let (picture, reference) = (linear_srgb(picture, white, 1.0), linear_srgb(reference, white, gain));
+    let (picture, reference) = (linear_srgb(picture, white, 1.0)?, linear_srgb(reference, white, gain)?);
     Ok(aliasing(&picture, &reference, &SRGB_LUMINANCE)?)
 }
 
-/// A picture in XYZ with its white made that of sRGB, times a gain.
-fn linear_srgb(picture: &Image, white: [f64; 3], gain: f64) -> Planes {
-    let d65 = Primaries::SRGB.white_xyz().unwrap_or([1.0; 3]);
-    let adapted = Adaptation::Bradford.matrix(d65, white).unwrap_or(IDENTITY);
-    let rgb_from_xyz = product(&Primaries::SRGB.rgb_from_xyz().unwrap_or(IDENTITY), &adapted);
+/// A picture in XYZ as linear sRGB, with its white adapted to D65, times a gain.
+fn linear_srgb(picture: &Image, white: [f64; 3], gain: f64) -> Result<Planes, ImageError> {
+    let adapted = Adaptation::Bradford.matrix(D65_XYZ, white).ok_or(ImageError::White(white))?;
+    let rgb_from_xyz = product(&Matrices::SRGB.rgb_from_xyz, &adapted);
     let xyz = picture.planes();
     let mut rgb = Planes::zeros(xyz.rows(), xyz.cols(), 3);
     for (c, row) in rgb_from_xyz.iter().enumerate() {
@@ -303,7 +314,7 @@ fn linear_srgb(picture: &Image, white: [f64; 3], gain: f64) -> Planes {
             *out = x * a + y * b + z * c;
         }
     }
-    rgb
+    Ok(rgb)
 }
 
 fn pixel_dynamic_range_db(camera: &Camera) -> Result<f64, CameraError> {
@@ -315,4 +326,31 @@ fn pixel_dynamic_range_db(camera: &Camera) -> Result<f64, CameraError> {
     let saturation_e = (sensor.saturation_v(&exposure) - zero_v) / volts_per_e;
     let read_e = pixel.read_noise_v / pixel.conversion_gain_v_per_e;
     Ok(dynamic_range(saturation_e, read_e, step_v / volts_per_e)?.db)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::color::ColorSpace;
+
+    #[test]
+    fn scores_need_patches() {
+        assert_eq!(PatchScores::new(vec![]), Err(NO_PATCH));
+        assert_eq!(GreyScores::new(vec![]), Err(NO_PATCH));
+        assert_eq!(PatchScores::new(vec![1.0, 2.0, 6.0]).unwrap().mean, 3.0);
+        assert_eq!(GreyScores::new(vec![6.0, 1.0, 2.0]).unwrap().median, 2.0);
+        assert_eq!(GreyScores::new(vec![6.0, 1.0, 2.0, 3.0]).unwrap().median, 2.5);
+    }
+
+    #[test]
+    fn a_light_that_cannot_be_adapted_is_an_error() {
+        let grey = Planes::new(2, 2, 3, vec![0.5; 12]).unwrap();
+        let picture = Image::new(ColorSpace::Xyz, grey).unwrap();
+        for white in [[0.0; 3], [0.1, -0.1, 20.0], [f64::INFINITY, 1.0, 1.0]] {
+            assert_eq!(linear_srgb(&picture, white, 1.0).unwrap_err(), ImageError::White(white));
+        }
+        // X, Y, Z equal under the equal-energy light are neutral.
+        let neutral = linear_srgb(&picture, [1.0; 3], 2.0).unwrap();
+        assert!(neutral.data().iter().all(|v| (v - 1.0).abs() < 1e-3), "{:?}", neutral.data());
+    }
 }

@@ -1,4 +1,4 @@
-//! The light gain: how much more light one camera needs to make as good a picture as another.
+//! The light gain: how much more light one camera needs for the same image quality as another.
 
 use std::collections::HashMap;
 use std::fmt;
@@ -6,36 +6,35 @@ use std::fmt;
 use serde::Serialize;
 
 use super::chart::{self, PATCH_SAMPLES};
-use super::{Camera, CameraError, IspFor, ScoreSettings, Setup, compare_on};
+use super::{Camera, CameraError, GreyScores, IspFor, PatchScores, ScoreSettings, Setup, compare_on};
 use crate::isp::Isp;
-use crate::metrics::{Better, CATALOG, MetricError};
+use crate::metrics::{Better, MetricError, metric_info};
 use crate::scene::{Setting, macbeth};
 use crate::sensor::NoiseMode;
 use crate::spectrum::Illuminant;
 
-/// How far light is looked for on either side, stops.
+/// Range of the search in both directions, stops.
 const REACH_STOPS: i32 = 4;
-/// Halvings of the stop in which the two are equal; what is left is interpolated.
+/// Bisections of the stop that contains the crossing; the remaining interval is interpolated.
 const HALVINGS: u32 = 3;
 
-/// Scenes that whole pictures are scored on by default: those of [`test_scenes`](super::test_scenes) that look like photographs
-/// and like surfaces, smaller, since each is taken some twenty times. Another seed moves the gain by a
-/// hundredth of a stop, by S-CIELAB by a few.
+/// Default scenes for the scores of whole pictures: smaller versions of two [`test_scenes`](super::test_scenes), because each is
+/// captured some twenty times. Another seed changes the gain by a hundredth of a stop, and by a few hundredths for S-CIELAB.
 const SCENES: [&str; 2] = ["dead-leaves?rows=384&cols=512&least=2&largest=100&seed=1001", "macbeth?patch=64"];
 
-/// Captures of the ColorChecker that noise is averaged over: its patches are small, and one capture leaves the gain uncertain
-/// by a tenth of a stop, four by half of that.
+/// Number of captures of the ColorChecker over which noise is averaged. Its patches are small: the gain is uncertain by a tenth
+/// of a stop with one capture and by half of that with four.
 const CHART_CAPTURES: u64 = 4;
 
-/// How much more light a camera needs to equal another, in stops: powers of two. Below 0 it needs less.
+/// How much more light a camera needs to equal another, in stops (powers of two). Negative values mean less light.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum LightGain {
-    /// So much.
+    /// The gain.
     Stops(f64),
-    /// Even so much more is not enough.
+    /// The gain is larger than the search range; the limit is given.
     MoreThan(f64),
-    /// Even in so much less light (a negative number) it is better.
+    /// The gain is below the search range; the limit (a negative number) is given.
     LessThan(f64),
 }
 
@@ -49,14 +48,14 @@ impl fmt::Display for LightGain {
     }
 }
 
-/// How much more light it takes until `quality`, a function of light in stops, is as good as `target`.
+/// The light, in stops, at which `quality`, a function of light, equals `target`.
 ///
-/// Light is added (or taken) stop by stop, at most four, until the two change places; that stop is halved three times, and
-/// within the eighth of a stop the quality is taken to be linear. So `quality` is asked at most 8 times, always at whole
-/// eighths. It should get better with light on the way; the crossing that is nearest to equal light is found.
+/// The search changes the light in steps of one stop, at most four, until quality crosses the target. It bisects that stop
+/// three times and interpolates linearly within the last eighth of a stop. `quality` is evaluated at most 8 times, always at
+/// multiples of an eighth. It should improve with light; of several crossings, it finds the one nearest to equal light.
 ///
 /// # Errors
-/// When `quality` fails, is NaN, or `better` says that there is no better.
+/// When `quality` fails or is NaN, or the metric has no direction of improvement.
 pub fn light_gain(
     better: Better,
     target: f64,
@@ -69,12 +68,12 @@ pub fn light_gain(
             Better::Higher => own - target,
             Better::Lower => target - own,
             Better::Neither => {
-                let reason = "the metric is neither good nor bad";
+                let reason = "the metric has no direction of improvement";
                 return Err(MetricError::Undefined { quantity, reason }.into());
             }
         };
         match lead {
-            // Infinity less infinity.
+            // The difference of equal infinities would be NaN.
             _ if own == target => Ok(0.0),
             v if v.is_nan() => {
                 Err(MetricError::Undefined { quantity, reason: "the metric has no value" }.into())
@@ -107,32 +106,32 @@ pub fn light_gain(
     Ok(if behind { LightGain::MoreThan(reach) } else { LightGain::LessThan(-reach) })
 }
 
-/// A camera with its processing.
+/// A camera and its processing.
 #[derive(Clone, Copy)]
-pub struct Contender<'a> {
+pub struct CameraAndIsp<'a> {
     /// The camera.
     pub camera: &'a Camera,
-    /// Its processing for a light.
+    /// Its processing for an illuminant.
     pub isp: IspFor<'a>,
 }
 
-/// Where the light gain is asked for.
+/// Settings of a light gain.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LightGainSettings {
-    /// Mean luminance of the scenes for the camera that is to be equalled, cd/m².
+    /// Mean luminance of the scenes for the reference camera, cd/m².
     pub luminance_cd_m2: f64,
-    /// The light.
+    /// The illuminant.
     pub illuminant: Illuminant,
-    /// Seed of the noise, the same in every light, so that scores change smoothly with light.
+    /// Seed of the noise. It is the same at every luminance, so that scores change smoothly with light.
     pub seed: u64,
-    /// Built-in scenes for the scores of whole pictures, as [`Setup::of_test_scene`] takes them.
+    /// Built-in scenes for the scores of whole pictures, in the form of [`Setup::of_test_scene`].
     pub scenes: Vec<String>,
-    /// How pictures are looked at.
+    /// Viewing conditions of the scores.
     pub score: ScoreSettings,
 }
 
 impl Default for LightGainSettings {
-    /// At 1 cd/m² of D65, on dead leaves and the ColorChecker.
+    /// 1 cd/m² of D65, dead leaves and the ColorChecker.
     fn default() -> Self {
         Self {
             luminance_cd_m2: 1.0,
@@ -147,80 +146,79 @@ impl Default for LightGainSettings {
 /// The light gain by one metric.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct MetricGain {
-    /// Its name in the list of metrics.
+    /// Its name in the catalogue of metrics.
     pub metric: &'static str,
     /// The light gain.
     pub gain: LightGain,
-    /// What the camera scores in equal light.
+    /// The score of the camera at equal light.
     pub own: f64,
-    /// What the other scores, and is to be equalled.
+    /// The score of the reference camera.
     pub target: f64,
 }
 
 /// The light gain by every metric.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct LightGains {
-    /// Mean luminance for the camera that is to be equalled, cd/m².
+    /// Mean luminance for the reference camera, cd/m².
     pub luminance_cd_m2: f64,
-    /// By metric.
+    /// The gain by each metric.
     pub metrics: Vec<MetricGain>,
-    /// Amounts of light in which the camera was tried.
+    /// Number of luminances at which the camera was evaluated.
     pub tried: usize,
 }
 
-/// The metrics by which cameras are compared: of whole pictures, the mean over the scenes; of noise, over the grey patches of
-/// a ColorChecker, the mean of the one and the median of the other.
+/// The metrics of a light gain. Those of whole pictures are means over the scenes. Of the grey patches of the ColorChecker,
+/// luminance noise is the mean and visual SNR the median.
 const METRICS: [&str; 5] =
     ["cpsnr_db", "pixel_delta_e_2000_mean", "scielab_mean", "visual_snr", "luminance_noise_percent"];
 
 /// How much more light camera `a` needs to equal camera `b`.
 ///
-/// Every picture is scored relative to its own exposure and light: white is the reference's. Exposure times are those that the
-/// cameras choose at the luminance of the settings, and stay when the light changes: otherwise an automatic exposure
-/// would undo the change. Metrics share their captures: most take 8 amounts of light each, all together some 10 to 20,
-/// each a capture, a rendering and a score of every scene.
+/// Every picture is scored relative to its own exposure and light, with the white of its reference. The exposure times are
+/// those for the luminance of the settings and stay fixed when the light changes, because automatic exposure would undo the
+/// change. Metrics share their captures: each needs up to 8 luminances, all together some 10 to 20, and each luminance a
+/// capture, a rendering and a score of every scene.
 ///
 /// # Errors
-/// When a stage refuses, or a scene is dark.
+/// When a stage fails or a scene is dark.
 pub fn light_gains(
-    a: Contender<'_>,
-    b: Contender<'_>,
+    a: CameraAndIsp<'_>,
+    b: CameraAndIsp<'_>,
     settings: &LightGainSettings,
 ) -> Result<LightGains, CameraError> {
-    let rig_b = Rig::new(b, settings, None)?;
-    let targets = rig_b.qualities(0.0, settings)?;
-    let rig_a = Rig::new(a, settings, Some(&rig_b))?;
-    drop(rig_b);
+    let reference = CameraUnderTest::new(b, settings, None)?;
+    let targets = reference.qualities(0.0, settings)?;
+    let camera = CameraUnderTest::new(a, settings, Some(&reference))?;
+    drop(reference);
     let mut known: HashMap<i64, [f64; METRICS.len()]> = HashMap::new();
     let mut qualities = |stops: f64| -> Result<[f64; METRICS.len()], CameraError> {
-        // Places are whole eighths of a stop.
+        // The search evaluates multiples of an eighth of a stop only.
         let place = (stops * f64::from(1u32 << HALVINGS)).round() as i64;
         match known.get(&place) {
             Some(&q) => Ok(q),
-            None => Ok(*known.entry(place).or_insert(rig_a.qualities(stops, settings)?)),
+            None => Ok(*known.entry(place).or_insert(camera.qualities(stops, settings)?)),
         }
     };
     let mut metrics = Vec::with_capacity(METRICS.len());
     for (i, (&metric, &target)) in METRICS.iter().zip(&targets).enumerate() {
-        let better = CATALOG.iter().find(|m| m.name == metric).map_or(Better::Neither, |m| m.better);
-        let gain = light_gain(better, target, |stops| Ok(qualities(stops)?[i]))?;
+        let gain = light_gain(metric_info(metric)?.better, target, |stops| Ok(qualities(stops)?[i]))?;
         metrics.push(MetricGain { metric, gain, own: qualities(0.0)?[i], target });
     }
     Ok(LightGains { luminance_cd_m2: settings.luminance_cd_m2, metrics, tried: known.len() })
 }
 
-/// A contender before all scenes.
-struct Rig<'a> {
+/// A camera with its processing, and the scenes and the chart imaged on it.
+struct CameraUnderTest<'a> {
     scenes: Vec<(Setup, Box<dyn Isp + 'a>)>,
     chart: (Setup, Box<dyn Isp + 'a>),
 }
 
-impl<'a> Rig<'a> {
-    /// `other` may lend its optical images.
+impl<'a> CameraUnderTest<'a> {
+    /// Optical images of `other` are reused where possible.
     fn new(
-        Contender { camera, isp }: Contender<'a>,
+        CameraAndIsp { camera, isp }: CameraAndIsp<'a>,
         settings: &LightGainSettings,
-        other: Option<&Rig<'_>>,
+        other: Option<&CameraUnderTest<'_>>,
     ) -> Result<Self, CameraError> {
         let setting = Setting {
             luminance_cd_m2: settings.luminance_cd_m2,
@@ -253,7 +251,7 @@ impl<'a> Rig<'a> {
         })
     }
 
-    /// The scores of [`METRICS`] in more light, by so many stops.
+    /// The scores of [`METRICS`] with the light changed by `stops`.
     fn qualities(
         &self,
         stops: f64,
@@ -272,8 +270,8 @@ impl<'a> Rig<'a> {
         Ok([cpsnr, delta_e, scielab, visual, luminance])
     }
 
-    /// Visual SNR and luminance noise of the grey series, the mean over captures. In the deep dark, where a patch has no
-    /// signal, the worst there is.
+    /// Visual SNR and luminance noise of the grey series, means over captures. When a patch has no signal, they are 0 and infinite,
+    /// the worst values.
     fn grey_noise(&self, stops: f64, seed: u64) -> Result<[f64; 2], CameraError> {
         let (setup, isp) = &self.chart;
         let Setup { camera, image, light, exposure } = &setup.in_light(stops.exp2())?;
@@ -286,9 +284,8 @@ impl<'a> Rig<'a> {
                 Err(CameraError::Metric(MetricError::Undefined { .. })) => return Ok([0.0, f64::INFINITY]),
                 Err(e) => return Err(e),
             };
-            let percent = &noise.luminance_noise_percent;
-            luminance += percent.iter().sum::<f64>() / percent.len().max(1) as f64;
-            visual += super::GreyScores::from(noise.visual_snr).median;
+            luminance += PatchScores::new(noise.luminance_noise_percent)?.mean;
+            visual += GreyScores::new(noise.visual_snr)?.median;
         }
         Ok([visual, luminance].map(|sum| sum / CHART_CAPTURES as f64))
     }
@@ -298,7 +295,7 @@ impl<'a> Rig<'a> {
 mod tests {
     use super::*;
 
-    /// The light gain of a quality against a target, and how often it was asked.
+    /// The light gain of a quality against a target, and the number of evaluations.
     fn gain(better: Better, target: f64, quality: impl Fn(f64) -> f64) -> (LightGain, usize) {
         let mut asked = 0;
         let gain = light_gain(better, target, |stops| {
@@ -348,8 +345,8 @@ mod tests {
     #[test]
     fn every_metric_has_a_direction() {
         for name in METRICS {
-            let found = CATALOG.iter().find(|m| m.name == name).map(|m| m.better);
-            assert!(matches!(found, Some(Better::Higher | Better::Lower)), "{name}");
+            let better = metric_info(name).unwrap().better;
+            assert!(matches!(better, Better::Higher | Better::Lower), "{name}");
         }
     }
 }

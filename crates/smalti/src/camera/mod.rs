@@ -1,6 +1,8 @@
-//! The whole camera: optics, sensor and processing composed, its description, its evaluation; comparison of cameras with
-//! any processing.
+//! The camera: optics, sensor and processing combined, its description, its evaluation and training, and comparisons of cameras.
 
+// The file of the type that gives the module its name.
+#[allow(clippy::module_inception)]
+mod camera;
 pub(crate) mod chart;
 pub(crate) mod compare;
 pub mod description;
@@ -11,10 +13,12 @@ mod photograph;
 mod reference;
 mod resolve;
 mod score;
+pub(crate) mod stable_text;
 pub(crate) mod target;
 mod training;
 mod training_set;
 
+pub use camera::Camera;
 pub use compare::{SceneScores, Setup, TEST_SAMPLES_PER_PX, compare_on, test_scenes};
 pub use description::CameraDescription;
 pub use error::CameraError;
@@ -23,10 +27,10 @@ pub use evaluate::{
     PatchScores, evaluate, evaluate_with,
 };
 pub use light_gain::{
-    Contender, LightGain, LightGainSettings, LightGains, MetricGain, light_gain, light_gains,
+    CameraAndIsp, LightGain, LightGainSettings, LightGains, MetricGain, light_gain, light_gains,
 };
-pub use photograph::{Camera, Photograph};
+pub use photograph::Photograph;
 pub use resolve::ExposureTime;
 pub use score::{PictureScores, ScoreSettings, score_picture};
 pub use training::{LevelRule, TrainingSettings, TrainingTarget};
-pub use training_set::{TrainingScene, training_reflectances, training_scenes};
+pub use training_set::{TRAINING_SET_REVISION, TrainingScene, training_reflectances, training_scenes};

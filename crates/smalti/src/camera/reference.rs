@@ -1,16 +1,16 @@
-//! What others would see in the place of a camera: the standard observer, or any set of sensitivities; on the scale of the
-//! camera's own pictures, so that picture and reference can be compared as they are.
+//! Reference pictures: the response of the standard observer, or of any set of sensitivities, behind the lens and pixels of a
+//! camera. They have the scale of the camera's pictures, so that both can be compared directly.
 //!
 //! # Scale
 //!
-//! Under the light `l` (photons, through a lens of transmittance τ) a perfect white diffuser throws the irradiance κ·τ·l on a
-//! pixel; κ is geometry. It makes the raw value, black level 0 and white level 1,
+//! Under the illuminant `l` (photons, through a lens of transmittance τ) a perfect white diffuser causes the irradiance κ·τ·l on
+//! a pixel, with a geometric factor κ. With black level 0 and white level 1, its raw value is
 //!
 //! `n_c = κ · A · ∫τ·s_c·l · t · g / (white − black)`
 //!
 //! in channel `c`, with the photodetector's area `A`, the responsivity `s_c`, the time `t` and the gain `g` in samples per
-//! photoelectron. [`Classic`](crate::isp::Classic) renders it with Y = max n_c. An observer without the lens before him sees
-//! `κ · ∫ȳ·l` there. Hence the factor from what is seen to the picture: κ is gone from
+//! photoelectron. [`Classic`](crate::isp::Classic) renders it with Y = max n_c. The response of an observer without the lens is
+//! `κ · ∫ȳ·l`. The factor from this response to the picture does not depend on κ:
 //!
 //! `A · max_c ∫τ·s_c·l · t · g / ((white − black) · ∫ȳ·l)`.
 
@@ -20,16 +20,16 @@ use crate::isp::IspError;
 use crate::numeric::Planes;
 use crate::optics::OpticalImage;
 use crate::sensor::{Cfa, Channel, ColorArchitecture, Exposure, Mosaic, NonUniformity, Pixel, Sensor};
-use crate::spectrum::{Observer, Outside, Spectrum};
+use crate::spectrum::{Extrapolation, Observer, Spectrum};
 
-/// A lens that passes less than this at a wavelength has taken the light away: it is not looked for behind the lens.
+/// Transmittance of the lens below which the irradiance before the lens is not reconstructed.
 const OPAQUE: f64 = 1e-4;
-/// Volts per electron of the pixel that an observer looks through: so few, and the well so large, that nothing is ever full.
+/// Conversion gain of the reference pixel, volts per electron, so small that no pixel saturates.
 const OBSERVER_V_PER_E: f64 = 1e-9;
 
 impl Camera {
-    /// What the standard observer would see through the same lens and pixels: XYZ of every pixel that is read, without
-    /// noise, mosaic or saturation, absolute up to a common factor.
+    /// X, Y, Z of the standard observer behind the same lens and pixels, for every pixel that is read, without noise, mosaic or
+    /// saturation, up to a common factor.
     ///
     /// # Errors
     /// As [`Sensor::expected_volts`].
@@ -40,16 +40,16 @@ impl Camera {
         Ok(Image::new(ColorSpace::Xyz, volts)?)
     }
 
-    /// What the standard observer sees of the scene, pixel by pixel and without noise, on the scale of
-    /// [`Classic`](crate::isp::Classic)'s pictures at an exposure under a light (photons): Y = 1 for a perfect white diffuser
-    /// that just saturates the channel that sees it brightest. Colours are those before the lens, as the camera's colour
-    /// matrix aims at them; blur and fall-off are those behind it.
+    /// X, Y, Z of the standard observer at every pixel without noise, on the scale of the pictures of
+    /// [`Classic`](crate::isp::Classic) at an exposure under an illuminant (photons): Y = 1 for a perfect white diffuser that just
+    /// saturates its brightest channel. Colours are those before the lens, which are the target of the colour matrix; blur and
+    /// fall-off are those behind the lens.
     ///
-    /// It does not saturate: what is brighter than the sensor can hold stays so. Crosstalk between pixels, which a
-    /// colour matrix knows nothing of, is left out.
+    /// The reference does not saturate and has no crosstalk between pixels.
     ///
     /// # Errors
-    /// When the light is dark to camera or observer, its wavelengths are not the camera's, or the exposure is impossible.
+    /// When the illuminant is dark to the camera or the observer, its wavelengths are not those of the camera, or the exposure is
+    /// invalid.
     pub fn reference_as_exposed(
         &self,
         image: &OpticalImage,
@@ -59,7 +59,7 @@ impl Camera {
         self.as_exposed(self.seen_by_observer(image)?, exposure, light)
     }
 
-    /// What the observer sees, on the scale of [`Camera::reference_as_exposed`].
+    /// Scales the response of the observer as in [`Camera::reference_as_exposed`].
     pub(crate) fn as_exposed(
         &self,
         mut seen: Planes,
@@ -72,18 +72,18 @@ impl Camera {
         Ok(Image::new(ColorSpace::Xyz, seen)?)
     }
 
-    /// [`Camera::seen_by`] of the standard observer: X, Y, Z.
+    /// [`Camera::seen_by`] for the standard observer: X, Y, Z.
     pub(crate) fn seen_by_observer(&self, image: &OpticalImage) -> Result<Planes, CameraError> {
         self.seen_by(image, &xyz(&Observer::Cie1931.photon_weights(self.grid())?))
     }
 
-    /// What a device of other sensitivities (per photon, 0 or more, in any unit; zero beyond their wavelengths) would see in
-    /// the place of this one: one plane for each, every pixel that is read, without noise, mosaic or saturation. The mean over
-    /// the photodetector of ∫ sensitivity · irradiance, where irradiance is as before the lens: its transmittance is
-    /// divided out, but where it passes less than 10⁻⁴.
+    /// The response of other sensitivities (per photon, not negative, in any unit; zero beyond their wavelengths) behind the same
+    /// lens and pixels: one plane for each sensitivity, for every pixel that is read, without noise, mosaic or saturation. A value
+    /// is the mean over the photodetector of ∫ sensitivity · irradiance. The transmittance of the lens is divided out where it is
+    /// at least 10⁻⁴.
     ///
-    /// The unit is that of the sensitivities times photons s⁻¹ m⁻². Times [`Camera::exposure_scale`] it has the scale of
-    /// a picture: what a learned pipeline is trained to make.
+    /// The unit is that of the sensitivities times photons s⁻¹ m⁻². Multiplied by [`Camera::exposure_scale`], the planes have the
+    /// scale of a picture and are targets for training.
     ///
     /// # Errors
     /// When there is no sensitivity, one is negative, or all are zero; and as [`Sensor::expected_volts`].
@@ -91,7 +91,7 @@ impl Camera {
         let lens = self.optics.transmittance_on(self.grid())?;
         let before = |c: &Channel| {
             let mut passes = lens.values().iter();
-            let on_grid = c.transmittance.resampled(self.grid(), Outside::Zero)?;
+            let on_grid = c.transmittance.resampled(self.grid(), Extrapolation::Zero)?;
             let undone = on_grid.map(|_, v| match passes.next() {
                 Some(&t) if t >= OPAQUE => v / t,
                 _ => 0.0,
@@ -106,15 +106,15 @@ impl Camera {
         Ok(volts)
     }
 
-    /// The factor that brings what [`Camera::seen_by`] returns to the scale of a picture: with it, a perfect white diffuser
-    /// that just saturates the camera's brightest channel reads 1 through `sensitivity` (ȳ for XYZ). All planes
-    /// of one set of targets take one factor, so that they keep their proportions.
+    /// The factor from the planes of [`Camera::seen_by`] to the scale of a picture: a perfect white diffuser that just saturates
+    /// its brightest channel becomes 1 in the plane of `sensitivity` (ȳ for XYZ). All planes of one target take the same factor,
+    /// so that they keep their ratios.
     ///
     /// For a target under another light than that of the capture, divide by ∫ sensitivity · target light and multiply by
     /// ∫ sensitivity · light, both lights as radiance of a white diffuser.
     ///
     /// # Errors
-    /// When the light is dark to camera or sensitivity, grids differ, or the exposure is impossible.
+    /// When the illuminant is dark to the camera or the sensitivity, grids differ, or the exposure is invalid.
     pub fn exposure_scale(
         &self,
         exposure: &Exposure,
@@ -125,7 +125,7 @@ impl Camera {
         let white = |s: &Spectrum| Ok::<f64, CameraError>(s.times(light)?.integral());
         let channels = self.responsivities()?.iter().map(white).collect::<Result<Vec<_>, _>>()?;
         let brightest = channels.iter().copied().fold(0.0, f64::max);
-        let seen = white(&sensitivity.resampled(self.grid(), Outside::Zero)?)?;
+        let seen = white(&sensitivity.resampled(self.grid(), Extrapolation::Zero)?)?;
         for (what, response) in [("the camera", brightest), ("the target", seen)] {
             if response <= 0.0 {
                 return Err(IspError::NoResponse { what }.into());
@@ -143,7 +143,7 @@ impl Camera {
         Ok(brightest * per_photon / seen)
     }
 
-    /// Volts behind pixels of other sensitivities, of which `largest` is the largest value, and volts for a unit of
+    /// The volts of pixels with other sensitivities, whose largest value is `largest`, and the volts per unit of
     /// ∫ sensitivity · irradiance.
     fn volts_through(
         &self,
@@ -169,7 +169,7 @@ impl Camera {
             nonuniformity: NonUniformity::default(),
             ..self.sensor.clone()
         };
-        // A well and a swing that nothing fills, so that the reference never clips.
+        // The full well and the voltage swing are so large that the reference never clips.
         let pixel = Pixel {
             full_well_e: 1e12,
             voltage_swing_v: 1e3,

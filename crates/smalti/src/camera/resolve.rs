@@ -1,4 +1,4 @@
-//! From the description to the parts: every key checked in the user's unit, then turned into SI.
+//! Resolves a description into optics, sensor and exposure. Every key is checked in its own unit and converted to SI.
 
 use super::CameraError;
 use super::description::{
@@ -24,7 +24,7 @@ fn key(key: &str, message: impl std::fmt::Display) -> CameraError {
     CameraError::Key { key: key.into(), message: message.to_string() }
 }
 
-/// Refuses a value outside `low..=high`, and NaN.
+/// Checks that a value lies within `low..=high`; NaN does not.
 fn within(name: &str, value: f64, low: f64, high: f64) -> Result<f64, CameraError> {
     if value >= low && value <= high {
         Ok(value)
@@ -33,7 +33,7 @@ fn within(name: &str, value: f64, low: f64, high: f64) -> Result<f64, CameraErro
     }
 }
 
-/// Refuses what is not above 0 and at most `high`.
+/// Checks that a value is above 0 and at most `high`.
 fn positive(name: &str, value: f64, high: f64) -> Result<f64, CameraError> {
     if value > 0.0 && value <= high {
         Ok(value)
@@ -181,7 +181,7 @@ pub(super) fn sensor(d: &SensorDescription, grid: WavelengthGrid) -> Result<Sens
     }
     let adc = Adc { bits: d.adc_bits, black_level_dn: d.black_level_dn };
     adc.validate().map_err(|e| key("sensor.black_level_dn", e))?;
-    // Half of what leaks goes to the four neighbours across an edge each, nothing across the corners.
+    // A quarter of the crosstalk goes to each of the four neighbours that share an edge.
     let leak = within("sensor.crosstalk_percent", d.crosstalk_percent, 0.0, 100.0)? * 1e-2;
     let side = leak / 4.0;
     let sensor = Sensor {
@@ -238,7 +238,7 @@ fn color_filter_array(d: &SensorDescription, grid: WavelengthGrid) -> Result<Cfa
     }
 }
 
-/// A pattern some of whose letters stand for weighted sums of filters.
+/// A pattern with letters for weighted sums of filters.
 fn mixed(d: &SensorDescription, lines: &[String], filters: &[(char, Spectrum)]) -> Result<Cfa, CameraError> {
     let (mosaic, letters) = Mosaic::from_letters(lines).map_err(|e| key("sensor.cfa.pattern", e))?;
     let mut of_letter = Vec::new();
@@ -283,10 +283,10 @@ fn single_letter(name: &str, text: &str) -> Result<char, CameraError> {
 }
 
 impl CameraDescription {
-    /// The wavelengths that the camera is simulated on where scenes do not say.
+    /// The wavelength grid of the camera, used when a scene does not determine it.
     ///
     /// # Errors
-    /// When the key is no uniform grid of at most 100000 wavelengths.
+    /// When the key is not a uniform grid of at most 100000 wavelengths.
     pub fn grid(&self) -> Result<WavelengthGrid, CameraError> {
         let Some([start, step, end]) = self.wavelengths_nm else { return Ok(WavelengthGrid::VISIBLE) };
         let steps = ((end - start) / step).round();
@@ -302,16 +302,16 @@ impl CameraDescription {
     }
 }
 
-/// How the exposure time is found.
+/// The stated exposure time, or the rule for it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum ExposureTime {
-    /// Stated, s.
+    /// The stated time, s.
     Fixed(f64),
-    /// By a rule.
+    /// The exposure rule.
     Auto(AutoExposure),
 }
 
-/// The exposure of a description: time, gain, offset in V.
+/// The exposure of a description: time or rule, analog gain, analog offset in V.
 pub(super) fn exposure(d: &CameraDescription) -> Result<(ExposureTime, f64, f64), CameraError> {
     let e = &d.exposure;
     let gain = positive("exposure.analog_gain", e.analog_gain, 1e6)?;
@@ -337,7 +337,7 @@ pub(super) fn exposure(d: &CameraDescription) -> Result<(ExposureTime, f64, f64)
     Ok((time, gain, offset_v))
 }
 
-/// The noise that the colour matrix is fitted for, relative to the brightest white.
+/// The noise that the fit of the colour matrix assumes, relative to the brightest white.
 pub(super) fn color_noise(d: &CameraDescription) -> Result<f64, CameraError> {
     Ok(within("isp.color_noise_percent", d.isp.color_noise_percent, 0.0, 100.0)? * 1e-2)
 }

@@ -1,8 +1,9 @@
-//! How far a picture is from what the standard observer would see.
+//! Scores of a picture against the reference of the standard observer.
 
 use serde::Serialize;
 
 use super::CameraError;
+use super::chart::LUMINANCE;
 use crate::color::scielab::Scielab;
 use crate::color::{DeltaE, DifferenceMap, Image, difference};
 use crate::metrics::psnr::psnr;
@@ -10,17 +11,13 @@ use crate::metrics::visual_snr::scielab_score;
 use crate::metrics::{MetricError, Rect};
 use crate::numeric::Planes;
 
-/// The plane Y of a picture in XYZ.
-const LUMINANCE: usize = 1;
-
-/// How pictures are looked at.
+/// Viewing conditions of the scores.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ScoreSettings {
-    /// How fine pixels are to the eye, pixels per degree, 1 to 2000. A desktop screen of 100 dpi from 0.7 m is near 48, a good
-    /// one 60.
+    /// Viewing resolution, pixels per degree, 1 to 2000. A desktop display of 100 dpi at 0.7 m has about 48.
     pub samples_per_degree: f64,
-    /// The share of the reference's pixels, 0 to below 1, that may be brighter than the white of the display it is shown on. 0
-    /// takes the brightest pixel for white; lamps and glints then make all else dark.
+    /// The fraction of the pixels of the reference, 0 to below 1, that may be brighter than display white. With 0 the brightest
+    /// pixel is white, and lamps or specular highlights make the rest of the picture dark.
     pub highlight_share: f64,
 }
 
@@ -31,20 +28,20 @@ impl Default for ScoreSettings {
     }
 }
 
-/// The distance of a picture from its reference. The names of the fields are those of the list of metrics.
+/// The differences of a picture from its reference. The fields have the names of the catalogue of metrics.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct PictureScores {
-    /// White over RMS difference of X, Y, Z together, dB; infinite where nothing differs.
+    /// Peak signal-to-noise ratio over X, Y, Z together, peak at white, dB; infinite for equal pictures.
     pub cpsnr_db: f64,
     /// Mean CIEDE2000 of the pixels.
     pub pixel_delta_e_2000_mean: f64,
-    /// The CIEDE2000 that 95 % of the pixels do not exceed.
+    /// 95th percentile of CIEDE2000 over the pixels.
     pub pixel_delta_e_2000_p95: f64,
-    /// Mean S-CIELAB difference (ΔE 1976 after the blur of the eye).
+    /// Mean S-CIELAB difference (ΔE 1976 after spatial filtering).
     pub scielab_mean: f64,
-    /// The Y that was taken for white, in the scale of the reference.
+    /// The Y used as white, on the scale of the reference.
     pub white_y: f64,
-    /// The CIEDE2000 difference at every pixel: one plane. Its mean and 95 % are those above.
+    /// The CIEDE2000 difference at every pixel: one plane.
     #[serde(skip)]
     pub delta_e_2000_map: Planes,
     /// The S-CIELAB difference at every pixel: one plane.
@@ -52,14 +49,13 @@ pub struct PictureScores {
     pub scielab_map: Planes,
 }
 
-/// Scores a picture against a reference on the same scale, both in XYZ as they are under the scene's light (not adapted);
-/// [`Camera::reference_as_exposed`](super::Camera::reference_as_exposed) makes one. `white` is X, Y, Z of the scene's light
-/// with Y = 1.
+/// Scores a picture against a reference on the same scale, both in X, Y, Z under the illuminant of the scene (not adapted), such
+/// as that of [`Camera::reference_as_exposed`](super::Camera::reference_as_exposed). `white` is X, Y, Z of the illuminant with
+/// Y = 1.
 ///
-/// Nothing is scaled to fit, so a picture that is too bright or too dark as a whole pays for it. What counts is relative to the
-/// reference's own white: the Y that all but [`ScoreSettings::highlight_share`] of its pixels stay below is the peak of
-/// the CPSNR and the white of CIELAB. So pictures taken in different light compare. Beyond white both pictures are cut as a
-/// display cuts them: Y to white, its chromaticity kept.
+/// No scale is fitted, so that errors of overall brightness count. The peak of the CPSNR and the white of CIELAB is the Y that
+/// all but [`ScoreSettings::highlight_share`] of the pixels of the reference do not exceed, so that scores at different
+/// luminances are comparable. Both pictures are clipped at white like on a display: Y is limited and the chromaticity kept.
 ///
 /// # Errors
 /// [`MetricError::Undefined`] when the reference is dark; else when the pictures are not in XYZ, differ in size or hold
@@ -78,7 +74,7 @@ pub fn score_picture(
         let (quantity, reason) = ("the distance from the reference", "the reference is dark");
         return Err(MetricError::Undefined { quantity, reason }.into());
     }
-    let (picture, reference) = (shown(picture, white_y)?, shown(reference, white_y)?);
+    let (picture, reference) = (clipped_at_white(picture, white_y)?, clipped_at_white(reference, white_y)?);
     let white = white.map(|v| v / white[LUMINANCE] * white_y);
     let scielab = Scielab::new(settings.samples_per_degree, DeltaE::Cie1976);
     let scielab = scielab_score(&picture, &reference, white, &scielab)?;
@@ -90,15 +86,14 @@ pub fn score_picture(
         pixel_delta_e_2000_p95: f64::from(at_share(&mut pixels.values.clone(), 0.95)),
         scielab_mean: scielab.mean,
         white_y,
-        delta_e_2000_map: one_plane(pixels),
-        scielab_map: one_plane(scielab.map),
+        delta_e_2000_map: one_plane(pixels)?,
+        scielab_map: one_plane(scielab.map)?,
     })
 }
 
-/// A map as a plane. It has a value for each pixel, so nothing is lost.
-fn one_plane(map: DifferenceMap) -> Planes {
-    let (rows, cols) = (map.rows, map.cols);
-    Planes::new(rows, cols, 1, map.values).unwrap_or_else(|_| Planes::zeros(rows, cols, 1))
+/// A map as a plane.
+fn one_plane(map: DifferenceMap) -> Result<Planes, MetricError> {
+    Ok(Planes::new(map.rows, map.cols, 1, map.values)?)
 }
 
 fn check(white: [f64; 3], settings: &ScoreSettings) -> Result<(), MetricError> {
@@ -115,35 +110,34 @@ fn check(white: [f64; 3], settings: &ScoreSettings) -> Result<(), MetricError> {
     }
 }
 
-/// The Y that all but a share of the pixels do not exceed.
+/// The Y that all but a fraction of the pixels do not exceed.
 fn white_level(reference: &Image, highlight_share: f64) -> f64 {
     let mut luminance = reference.planes().plane(LUMINANCE).to_vec();
     f64::from(at_share(&mut luminance, 1.0 - highlight_share))
 }
 
-/// The value that a share of all values do not exceed; 0 where there are none.
+/// The quantile of the values; 0 without values.
 fn at_share(values: &mut [f32], share: f64) -> f32 {
     let Some(last) = values.len().checked_sub(1) else { return 0.0 };
     let at = (last as f64 * share) as usize;
     *values.select_nth_unstable_by(at.min(last), f32::total_cmp).1
 }
 
-/// A picture as a display shows it whose white is at `white_y`.
-fn shown(picture: &Image, white_y: f64) -> Result<Image, CameraError> {
+/// A picture clipped at white: Y is limited to `white_y` and the chromaticity kept.
+fn clipped_at_white(picture: &Image, white_y: f64) -> Result<Image, CameraError> {
     let mut planes = picture.planes().clone();
-    let white_y = white_y as f32;
-    let bright: Vec<(usize, f32)> = planes
-        .plane(LUMINANCE)
-        .iter()
-        .enumerate()
-        .filter(|(_, y)| **y > white_y)
-        .map(|(i, y)| (i, white_y / y))
-        .collect();
+    limit_brightness(&mut planes, white_y as f32, |planes, i| planes.plane(LUMINANCE)[i]);
+    Ok(Image::new(picture.space(), planes)?)
+}
+
+/// Scales the planes at every pixel whose brightness exceeds `limit` down to it, which keeps their ratios.
+pub(super) fn limit_brightness(planes: &mut Planes, limit: f32, brightness: impl Fn(&Planes, usize) -> f32) {
+    let all = (0..planes.plane_len()).map(|i| (i, brightness(planes, i)));
+    let factors: Vec<(usize, f32)> = all.filter(|(_, b)| *b > limit).map(|(i, b)| (i, limit / b)).collect();
     for p in 0..planes.count() {
         let plane = planes.plane_mut(p);
-        bright.iter().for_each(|&(i, factor)| plane[i] *= factor);
+        factors.iter().for_each(|&(i, factor)| plane[i] *= factor);
     }
-    Ok(Image::new(picture.space(), planes)?)
 }
 
 #[cfg(test)]
@@ -167,6 +161,15 @@ mod tests {
     }
 
     #[test]
+    fn a_map_of_another_size_is_an_error() {
+        let map = |values| DifferenceMap { rows: 2, cols: 3, values };
+        assert!(
+            matches!(one_plane(map(vec![1.0; 5])), Err(MetricError::Shape(e)) if (e.expected, e.got) == (6, 5))
+        );
+        assert_eq!(one_plane(map(vec![1.0; 6])).unwrap().plane(0), [1.0; 6]);
+    }
+
+    #[test]
     fn the_reference_itself_is_perfect() {
         let s = score(&picture(ramp), &picture(ramp));
         assert_eq!(s.cpsnr_db, f64::INFINITY);
@@ -177,7 +180,7 @@ mod tests {
         }
     }
 
-    /// A map has each difference where it is; S-CIELAB spreads it as the eye does. Mean and 95 % are those of the map.
+    /// The map of CIEDE2000 is local, that of S-CIELAB is blurred. Mean and 95th percentile are those of the map.
     #[test]
     fn the_maps_show_where_pictures_differ() {
         let spoiled = |i: usize| ramp(i) * if (10..20).contains(&(i / 50)) { 0.8 } else { 1.0 };
@@ -195,7 +198,7 @@ mod tests {
         assert_eq!(s.pixel_delta_e_2000_p95, f64::from(sorted[1999 * 95 / 100]));
     }
 
-    /// No scale is fitted: 3 % less light is 3 % of every value off.
+    /// No scale is fitted: 3 % less light is an error of 3 % in every value.
     #[test]
     fn an_error_of_brightness_counts() {
         let s = score(&picture(|i| 0.97 * ramp(i)), &picture(ramp));
@@ -208,7 +211,7 @@ mod tests {
         assert!(s.pixel_delta_e_2000_mean > 0.3 && s.pixel_delta_e_2000_p95 >= s.pixel_delta_e_2000_mean);
     }
 
-    /// Twice the light and twice the exposure's scale are the same picture.
+    /// A common scale of picture and reference does not change the scores.
     #[test]
     fn scores_do_not_depend_on_the_common_scale() {
         let noisy = |i: usize| ramp(i) + 0.01 * ((i * 7919 % 101) as f32 / 50.0 - 1.0);
@@ -219,7 +222,7 @@ mod tests {
         assert!((one.pixel_delta_e_2000_p95 / other.pixel_delta_e_2000_p95 - 1.0).abs() < 1e-2);
     }
 
-    /// A lamp ten thousand times as bright as the rest, clipped by the camera, neither ruins nor hides the rest.
+    /// A clipped lamp, ten thousand times as bright as the rest, does not affect the scores of the rest.
     #[test]
     fn what_a_display_cannot_show_does_not_count() {
         let lamp = |i: usize| if i < 5 { 1e4 } else { ramp(i) };

@@ -1,6 +1,7 @@
-//! The targets that cameras are scored on: the ColorChecker, a slanted edge, a zone plate.
+//! The targets of an evaluation: the ColorChecker, a slanted edge and a zone plate.
 
 use super::chart::{self, PATCH_SAMPLES};
+use super::stable_text::stable_text;
 use super::{Camera, CameraError};
 use crate::metrics::esfr::{EsfrOptions, edge_sfr};
 use crate::metrics::{MetricError, Rect};
@@ -10,14 +11,14 @@ use crate::scene::{self, Scene, Setting, SlantedBar, ZonePlate, macbeth};
 
 /// Pixels of the sensor that the edge scene spans; it has 513 samples.
 const EDGE_PX: usize = 120;
-/// The region in which the edge is measured, row, column, rows, columns: ISETCam's for this scene.
+/// The region of the edge that is measured, as in ISETCam for this scene.
 pub(crate) const EDGE_REGION: Rect = Rect { row: 27, col: 37, rows: 66, cols: 44 };
 /// Pixels of the sensor that the zone plate spans.
 const ZONE_PX: usize = 256;
 /// Samples of the zone plate per pixel of the sensor.
 const ZONE_SAMPLES_PER_PX: usize = 3;
 
-/// A scene and the camera cut to it.
+/// A scene, the camera with as many pixels as the scene covers, and the cache key of its optical image.
 pub(crate) struct Target {
     pub(crate) camera: Camera,
     scene: Box<dyn Fn() -> Result<Scene, CameraError> + Sync>,
@@ -35,7 +36,7 @@ impl Target {
     ) -> Result<Self, CameraError> {
         let horizontal_fov_deg = camera.field_of_view_deg(cols, setting.distance_m)?;
         let setting = Setting { horizontal_fov_deg, ..setting.clone() };
-        let key = format!("{name} {setting:?} {:?}", camera.optics);
+        let key = stable_text(&(name, &setting, &camera.optics))?;
         Ok(Self { camera: camera.with_size(rows, cols), scene: Box::new(move || scene(&setting)), key })
     }
 
@@ -51,7 +52,7 @@ impl Target {
 
     pub(crate) fn zone_plate(camera: &Camera, setting: &Setting) -> Result<Self, CameraError> {
         let size = ZONE_PX * ZONE_SAMPLES_PER_PX;
-        // Up to the sensor's Nyquist frequency in the middle of each side.
+        // The zone plate reaches the Nyquist frequency of the sensor at the centre of each side.
         let plate = ZonePlate { size, frequency: 0.5 / ZONE_SAMPLES_PER_PX as f64, ..ZonePlate::default() };
         Self::new(camera, ZONE_PX, ZONE_PX, setting, "zone-plate", move |s| Ok(scene::zone_plate(&plate, s)?))
     }
@@ -62,7 +63,7 @@ impl Target {
     }
 }
 
-/// Frequency, cycles per pixel, at which the response to an edge falls to one half in the plane of luminance.
+/// Spatial frequency at which the edge response of the luminance plane falls to one half (MTF50), cycles per pixel.
 pub(crate) fn edge_mtf50(picture: &Planes, luminance: usize, region: Rect) -> Result<f64, CameraError> {
     let sfr = edge_sfr(picture, luminance, region, &EsfrOptions::default())?;
     let missing = MetricError::NoEdge { reason: "the response does not fall to one half" };

@@ -1,5 +1,9 @@
-//! Pairs to learn from: a camera before scenes, and what should come of its raw images.
+//! Training pairs by simulation: raw images of a camera and their target pictures.
 
+use serde::Serialize;
+
+use super::chart::LUMINANCE;
+use super::score::limit_brightness;
 use super::{Camera, CameraError};
 use crate::isp::IspError;
 use crate::l3::{Axes, L3Error, Levels, Pair, Statistics, Textures};
@@ -9,63 +13,77 @@ use crate::scene::{self, Scene, Setting};
 use crate::sensor::{Channel, Exposure, NoiseMode};
 use crate::spectrum::{Illuminant, Observer, Spectrum};
 
-/// The percentile of the response that exposures are counted by.
+/// The quantile of the response that defines an exposure.
 const BRIGHT: f64 = 0.99;
-/// The most exposed of the default exposures lies between these: where white saturates the darkest channel. Beyond it there is
-/// nothing to be learned of white, and colours fill the classes of clipped patches, which in pictures hold highlights.
+/// Limits of the largest default exposure, at which white saturates the darkest channel. Beyond it, white carries no further
+/// information, and colours would dominate the classes of clipped patches, which contain highlights in real pictures.
 const OVEREXPOSED: [f64; 2] = [1.2, 3.0];
-/// Ratio of one default exposure to the next at most: close enough that every level sees the bright and the dark end of scenes.
+/// Largest ratio between adjacent default exposures, so that every level contains both bright and dark parts of scenes.
 const EXPOSURE_RATIO: f64 = 2.5;
-/// Of what a channel responds to, the share that the eye sees (1 at the peak of its sensitivity) for the channel to tell luminance:
-/// about 0.05 for blue, 0.001 for near infrared.
-const LEAST_SEEN: f64 = 0.01;
-/// Highest cut between levels.
+/// Least mean luminous efficiency of the response of a channel for it to indicate luminance: about 0.05 for blue, 0.001 for near
+/// infrared.
+const MIN_SEEN: f64 = 0.01;
+/// Highest cut between response levels, relative to saturation.
 const HIGHEST_CUT: f64 = 0.85;
 
-/// What the learned pipeline should give.
-#[derive(Debug, Clone, PartialEq, Default)]
+/// The output that a pipeline is trained for.
+#[derive(Debug, Clone, PartialEq, Default, Serialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum TrainingTarget {
-    /// CIE 1931 X, Y, Z; Y = 1 for a white diffuser that just saturates the channel that sees it brightest, as with
+    /// CIE 1931 X, Y, Z, with Y = 1 for a white diffuser that just saturates its brightest channel, as with
     /// [`crate::isp::Classic`].
     #[default]
     Xyz,
-    /// What other sensors would see through the same lens: another camera, near infrared, bands of the spectrum. The
-    /// transmittances are whole sensitivities (per photon, relative); white gives 1 in the largest where it gives
-    /// Y = 1 in XYZ.
+    /// The responses of other sensitivities behind the same lens, such as another camera, near infrared or spectral bands. The
+    /// transmittances are relative sensitivities per photon. A white of Y = 1 in XYZ is 1 in the largest response.
     Channels(Vec<Channel>),
 }
 
-/// How levels are cut.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+impl TrainingTarget {
+    /// The responses of another camera behind the same lens.
+    ///
+    /// # Errors
+    /// When its curves do not match its wavelength grid.
+    pub fn channels_of(camera: &Camera) -> Result<Self, CameraError> {
+        let curves = camera.sensor.spectral_responsivity_on(camera.grid())?;
+        let channels = camera.sensor.cfa.channels().iter().zip(curves);
+        let channel = |(c, curve): (&Channel, _)| Channel { name: c.name.clone(), transmittance: curve };
+        Ok(Self::Channels(channels.map(channel).collect()))
+    }
+}
+
+/// The rule for the cuts between response levels.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum LevelRule {
-    /// In equal ratios from half the noise of the dark to nearly full.
+    /// Equal ratios from half of the dark noise to nearly saturation.
     #[default]
     Logarithmic,
-    /// In equal steps of the noise's standard deviation.
+    /// Equal steps in units of the standard deviation of the noise.
     NoiseSteps,
 }
 
-/// How a pipeline is to be learned.
-#[derive(Debug, Clone, PartialEq)]
+/// Settings for training a pipeline.
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct TrainingSettings {
     /// Side of the patch, pixels: 3, 5, 7, 9 or 11.
     pub side: usize,
     /// Number of response levels.
     pub levels: usize,
-    /// How they are cut.
+    /// The rule for their cuts.
     pub level_rule: LevelRule,
-    /// What is told apart by structure.
+    /// Texture classes.
     pub textures: Textures,
-    /// What should come out.
+    /// The output.
     pub target: TrainingTarget,
-    /// The light that the target is seen under, where it is not that of the capture: illuminant correction.
+    /// The illuminant of the target, if it differs from that of the capture (illuminant correction).
     pub target_light: Option<Illuminant>,
-    /// Targets without the blur of the lens (pixels still have their area): the pipeline learns to sharpen.
+    /// Whether targets lack the blur of the lens, so that the pipeline learns to sharpen. The pixel area still blurs them.
     pub sharp: bool,
-    /// Exposures of each scene, as the response that its 99th percentile would have (1: just saturated); empty: from where
-    /// white saturates every channel (within 1.2 to 3), with 1 among them, down to the noise of the dark.
+    /// Exposures of each scene: the responses of its 99th percentile, 1 at saturation. When empty, they range from the response at
+    /// which white saturates every channel (limited to 1.2 to 3) down to the dark noise, and include 1.
     pub exposures: Vec<f64>,
-    /// Seed of the noise that patches are classified with.
+    /// Seed of the noise for the classification of patches.
     pub seed: u64,
 }
 
@@ -86,10 +104,10 @@ impl Default for TrainingSettings {
 }
 
 impl Camera {
-    /// The exposure that training is for: the stated one, or that which the camera finds before a white field of 100 cd/m².
+    /// The nominal exposure of training: the stated one, or the automatic exposure for a white field of 100 cd/m².
     ///
     /// # Errors
-    /// When none can be found.
+    /// When no exposure is found.
     pub fn nominal_exposure(&self) -> Result<Exposure, CameraError> {
         let setting = Setting { grid: self.grid(), ..Setting::default() };
         let white = scene::uniform(8, 8, &setting)?;
@@ -97,10 +115,10 @@ impl Camera {
         camera.exposure(&camera.optics.image(&white)?)
     }
 
-    /// The classes that a pipeline for this camera tells apart, levels cut for white under a light (photons).
+    /// The class axes of a pipeline for this camera, with levels cut for white under an illuminant (photons).
     ///
     /// # Errors
-    /// When a setting is impossible for the camera.
+    /// When a setting is invalid for the camera.
     pub fn training_axes(&self, settings: &TrainingSettings, light: &Spectrum) -> Result<Axes, CameraError> {
         let noise = self.sensor.signal_noise(&self.nominal_exposure()?)?;
         let dark = noise.variance(0.0).sqrt();
@@ -113,13 +131,13 @@ impl Camera {
         let response = |s: &Spectrum| Ok::<f64, CameraError>(s.times(light)?.integral());
         let white = self.responsivities()?.iter().map(response).collect::<Result<Vec<_>, _>>()?;
         let brightest = white.iter().copied().fold(0.0, f64::max);
-        // A channel that does not see the light, such as infrared under LED, has levels of its own noise.
+        // A channel that does not respond to the illuminant, such as infrared under LED light, gets levels within its noise.
         let white: Vec<f64> = white.iter().map(|w| w.max(1e-3 * brightest)).collect();
         let axes = Axes::new(self.sensor.cfa.mosaic().clone(), settings.side, levels, noise)?;
         Ok(axes.with_levels_by_position(&white)?.with_textures(settings.textures))
     }
 
-    /// Statistics of nothing yet, for pairs of [`Camera::train_on`].
+    /// Empty statistics for [`Camera::train_on`].
     ///
     /// # Errors
     /// As [`Camera::training_axes`].
@@ -138,18 +156,17 @@ impl Camera {
             (TrainingTarget::Xyz, Some(other)) => Some(other.photons(self.grid())?),
         };
         let xyz = |light: &Spectrum| Ok::<_, CameraError>(Observer::Cie1931.xyz_from_photons(light)?);
-        // To nine digits: the light of scenes of different luminance differs in the last bits, and must not keep their
-        // statistics apart.
+        // Rounding to nine digits lets statistics of scenes merge whose luminances differ, and with them the last bits of white.
         let relative = |w: [f64; 3]| w.map(|v| (v / w[1] * 1e9).round() / 1e9);
         let white = white.as_ref().map(xyz).transpose()?.map(relative);
         Ok(Statistics::new(self.training_axes(settings, light)?, outputs, false)?.with_white(white))
     }
 
-    /// Adds a scene at every exposure: patches without noise, classified with it, and what the target sensitivities see
-    /// of the same pixels. `item` names the scene among others, so that each has noise of its own.
+    /// Adds a scene at every exposure: patches without noise, classified with noise, and their targets. `item` identifies the
+    /// scene, so that every scene has its own noise.
     ///
     /// # Errors
-    /// When a stage refuses.
+    /// When a stage fails.
     pub fn train_on(
         &self,
         statistics: &mut Statistics,
@@ -182,9 +199,8 @@ impl Camera {
         Ok(())
     }
 
-    /// The Y of a white diffuser that just saturates the channel that sees it darkest, at least 1: what of brighter light reaches
-    /// the raw image tells no more how bright it is. Channels beyond what the eye sees, such as near infrared, do not tell it
-    /// anyway.
+    /// The Y of a white diffuser that just saturates its darkest channel, at least 1. The raw image does not determine the
+    /// luminance of brighter light. Channels with little luminous efficiency, such as near infrared, are ignored.
     fn knowable_luminance(&self, light: &Spectrum) -> Result<f64, CameraError> {
         let y = &Observer::Cie1931.photon_weights(light.grid())?[1];
         let (mut least, mut most) = (f64::INFINITY, 0.0f64);
@@ -192,7 +208,7 @@ impl Camera {
             let response = channel.times(light)?;
             let (white, seen) = (response.integral(), response.times(y)?.integral() / y.max());
             most = most.max(white);
-            if seen > LEAST_SEEN * white {
+            if seen > MIN_SEEN * white {
                 least = least.min(white);
             }
         }
@@ -206,7 +222,7 @@ impl Camera {
         Ok(self.with_size(window.rows, window.cols))
     }
 
-    /// Targets at the light of the scene, one plane per output.
+    /// The targets of a scene, one plane per output.
     fn training_target(
         &self,
         scene: &Scene,
@@ -236,7 +252,7 @@ impl Camera {
         }
     }
 
-    /// What other sensitivities see, such that white is 1 in the largest where it is 1 in Y.
+    /// The responses of other sensitivities, scaled so that a white of Y = 1 is 1 in the largest response.
     fn channels_as_exposed(
         &self,
         image: &OpticalImage,
@@ -247,8 +263,11 @@ impl Camera {
         let planes = self.seen_by(image, channels)?;
         let mut scale = f64::INFINITY;
         for channel in channels {
-            // The largest response to white has the smallest factor; those that do not see the light have none.
-            scale = scale.min(self.exposure_scale(exposure, light, &channel.transmittance).unwrap_or(scale));
+            // The largest response to white has the smallest factor; channels without response are skipped.
+            match self.exposure_scale(exposure, light, &channel.transmittance) {
+                Err(CameraError::Isp(IspError::NoResponse { what: "the target" })) => {}
+                found => scale = scale.min(found?),
+            }
         }
         if !scale.is_finite() {
             return Err(IspError::NoResponse { what: "the target" }.into());
@@ -256,7 +275,7 @@ impl Camera {
         scaled(&planes, scale)
     }
 
-    /// A factor on the light at which little clips, and the bright end of the response there.
+    /// A factor on the light at which few pixels clip, and the bright quantile of the response at this light.
     fn bright_response(&self, image: &OpticalImage, exposure: &Exposure) -> Result<(f64, f64), CameraError> {
         let mut factor = 1.0;
         for _ in 0..12 {
@@ -273,7 +292,7 @@ impl Camera {
     }
 }
 
-/// The scene under another light, as bright for a white diffuser as it was.
+/// The scene under another illuminant, with the same luminance of a white diffuser.
 fn relit_white(scene: &Scene, other: &Illuminant) -> Result<Scene, CameraError> {
     let y = &Observer::Cie1931.photon_weights(scene.radiance().grid())?[1];
     let white = |s: &Scene| Ok::<f64, CameraError>(s.illuminant().times(y)?.integral());
@@ -287,7 +306,7 @@ fn scaled(planes: &Planes, factor: f64) -> Result<Planes, CameraError> {
     Ok(Planes::new(planes.rows(), planes.cols(), planes.count(), data).map_err(L3Error::from)?)
 }
 
-/// From the brightest down to the least response, with 1 among them.
+/// Exposures from the brightest down to the least response, including 1.
 fn default_exposures(knowable: f64, least: f64) -> Vec<f64> {
     let [low, high] = OVEREXPOSED;
     let most = knowable.clamp(low, high);
@@ -297,20 +316,13 @@ fn default_exposures(knowable: f64, least: f64) -> Vec<f64> {
     over.chain((0..=below).map(|i| EXPOSURE_RATIO.powi(-i))).collect()
 }
 
-/// The targets with what is brighter than `most` cut as a display cuts it: brightness (Y, or the largest of other outputs) to
-/// `most`, its chromaticity kept. Targets that no raw image can tell would teach their classes slopes.
+/// The targets with their brightness (Y, or the largest of other outputs) limited to `most` and their ratios kept. Targets that
+/// the raw image cannot determine would distort the kernels of their classes.
 fn bounded(mut target: Planes, kind: &TrainingTarget, most: f64) -> Planes {
-    let brightness = |i: usize| match kind {
-        TrainingTarget::Xyz => target.plane(1)[i],
+    limit_brightness(&mut target, most as f32, |target, i| match kind {
+        TrainingTarget::Xyz => target.plane(LUMINANCE)[i],
         TrainingTarget::Channels(_) => target.planes().map(|p| p[i]).fold(0.0, f32::max),
-    };
-    let most = most as f32;
-    let cut = (0..target.plane_len()).map(|i| (i, most / brightness(i))).filter(|(_, factor)| *factor < 1.0);
-    let cut: Vec<(usize, f32)> = cut.collect();
-    for plane in 0..target.count() {
-        let plane = target.plane_mut(plane);
-        cut.iter().for_each(|&(i, factor)| plane[i] *= factor);
-    }
+    });
     target
 }
 
@@ -334,7 +346,7 @@ mod tests {
         let planes = || Planes::new(1, 3, 3, vec![0.5, 4.0, 0.0, 1.0, 2.0, 0.0, 0.2, 1.0, 0.0]).unwrap();
         let xyz = bounded(planes(), &TrainingTarget::Xyz, 1.5);
         assert_eq!(xyz.data(), [0.5, 3.0, 0.0, 1.0, 1.5, 0.0, 0.2, 0.75, 0.0]);
-        // Of other outputs the largest counts.
+        // For other outputs, the largest one is limited.
         let bands = bounded(planes(), &TrainingTarget::Channels(Vec::new()), 1.0);
         assert_eq!(bands.data(), [0.5, 1.0, 0.0, 1.0, 0.5, 0.0, 0.2, 0.25, 0.0]);
     }

@@ -1,15 +1,18 @@
-//! The scenes that pipelines learn from by default, and what they are painted with.
+//! The default training scenes and their reflectances.
 
 use super::{Camera, CameraError};
 use crate::color::jakob_hanika2019::Uplift;
 use crate::scene::{Scene, Setting, catalog};
 use crate::spectrum::{Illuminant, Observer, Spectrum, WavelengthGrid, reflectance};
 
-/// Pixels of the sensor that a scene of the default set spans, in rows and columns.
+/// Revision of the default training set. It increases when the scenes change, so that cached statistics are not reused.
+pub const TRAINING_SET_REVISION: u32 = 1;
+
+/// Side of a default training scene, pixels of the sensor.
 const SCENE_PX: usize = 256;
-/// Samples of those scenes per pixel: two, so that detail beyond the sensor's Nyquist frequency is there to alias.
+/// Samples per pixel: two, so that detail beyond the sensor's Nyquist frequency can alias.
 const SAMPLES_PER_PX: usize = 2;
-/// Greys among the reflectances of the default set.
+/// Number of grey reflectances.
 const GREYS: usize = 16;
 
 /// A scene of the default training set.
@@ -17,20 +20,20 @@ const GREYS: usize = 16;
 pub struct TrainingScene {
     /// The scene's name in the catalogue, with its parameters.
     pub spec: String,
-    /// Its light.
+    /// Its illuminant.
     pub light: Illuminant,
 }
 
-/// The default training set, each scene under one of the lights in turn:
+/// The default training set. The scenes take the illuminants in turn:
 ///
-/// - dead leaves and charts of even patches, at several scales, in natural and in saturated colours;
-/// - gradients from colour to colour and from light to shade; shades on white paper, since what clips in pictures is white far more
-///   often than coloured;
+/// - dead leaves and charts of uniform patches at several scales, in natural and in saturated colours;
+/// - gradients between colours and between light and shade, and shading on white paper, because clipped areas in pictures are
+///   mostly white;
 /// - glossy balls with highlights, lamps and deep shade, of high dynamic range;
-/// - edges, rays, gratings and a grey ramp.
+/// - edges, Siemens stars, gratings and a grey ramp.
 ///
-/// None of it is in [`test_scenes`](super::test_scenes), nor in the targets of [`evaluate`](super::evaluate()), nor are the
-/// reflectances of the ColorChecker among those it is painted with.
+/// It contains none of the [`test_scenes`](super::test_scenes), none of the targets of [`evaluate`](super::evaluate()), and no
+/// reflectance of the ColorChecker.
 #[must_use]
 pub fn training_scenes(lights: &[Illuminant]) -> Vec<TrainingScene> {
     let n = SCENE_PX * SAMPLES_PER_PX;
@@ -58,13 +61,13 @@ pub fn training_scenes(lights: &[Illuminant]) -> Vec<TrainingScene> {
         format!("grey-steps?steps=16&step={}&rows={n}&density=2", n / 16),
     ]);
     let lights = if lights.is_empty() { &[Illuminant::D65][..] } else { lights };
-    // Every light meets every scale of leaves.
+    // Every illuminant occurs with every scale of leaves.
     let light = |i: usize| lights[(i + i / 4) % lights.len()].clone();
     specs.into_iter().enumerate().map(|(i, spec)| TrainingScene { spec, light: light(i) }).collect()
 }
 
 impl TrainingScene {
-    /// The scene, as large as it is meant to be on a camera's sensor.
+    /// Builds the scene with the field of view that it needs on a camera.
     ///
     /// # Errors
     /// When the catalogue has no such scene.
@@ -78,11 +81,11 @@ impl TrainingScene {
     }
 }
 
-/// Reflectances of natural objects; greys, since nature has few and what is not trained is not rendered well: they keep
-/// neutrals neutral; and saturated colours lifted from RGB, few, since each pulls the transforms away from the others.
+/// Reflectances of natural objects, greys, and a few saturated colours computed from RGB. Greys are rare in nature, but pipelines
+/// must render neutrals accurately. Saturated colours are few, because each reduces the accuracy of the others.
 ///
 /// # Errors
-/// When the grid is one that colours cannot be lifted on.
+/// When reflectances cannot be computed from RGB on the grid.
 pub fn training_reflectances(grid: WavelengthGrid) -> Result<Vec<Spectrum>, CameraError> {
     let mut all: Vec<Spectrum> = reflectance::natural(grid)?.into_iter().map(|(_, s)| s).collect();
     all.extend((1..=GREYS).map(|i| Spectrum::constant(grid, (i as f64 / GREYS as f64).powi(2) * 0.95)));

@@ -1,8 +1,8 @@
-//! Chromatic adaptation: how tristimulus values change when the white does.
+//! Chromatic adaptation: the change of tristimulus values with the white point.
 
 use super::matrix::{Matrix3, apply, diagonal, inverse, product};
 
-/// The space in which a change of white is a change of gain (von Kries).
+/// The space in which chromatic adaptation is a gain per channel (von Kries).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[non_exhaustive]
 pub enum Adaptation {
@@ -36,11 +36,14 @@ impl Adaptation {
     }
 
     /// The matrix that carries XYZ seen under `white_from` to XYZ that looks the same under `white_to`; it maps one
-    /// white onto the other. The scales of the whites count. `None` when a white has no response to scale.
+    /// white onto the other. The scales of the whites count. `None` unless both whites have finite cone responses above 0.
     #[must_use]
     pub fn matrix(self, white_to: [f64; 3], white_from: [f64; 3]) -> Option<Matrix3> {
         let cone_from_xyz = self.cone_from_xyz();
         let (to, from) = (apply(&cone_from_xyz, white_to), apply(&cone_from_xyz, white_from));
+        if !to.iter().chain(&from).all(|v| v.is_finite() && *v > 0.0) {
+            return None;
+        }
         let gain = diagonal([to[0] / from[0], to[1] / from[1], to[2] / from[2]]);
         let m = product(&inverse(&cone_from_xyz)?, &product(&gain, &cone_from_xyz));
         m.as_flattened().iter().all(|v| v.is_finite()).then_some(m)
@@ -72,6 +75,10 @@ mod tests {
                 assert!((g - w).abs() < 1e-12, "{method:?}");
             }
             assert_eq!(method.matrix(d65, [0.0; 3]), None);
+            assert_eq!(method.matrix(d65, [f64::NAN; 3]), None);
+            // So blue that its long-wavelength or its luminance response is negative.
+            assert_eq!(method.matrix([-0.2, 0.1, 20.0], d65), None);
+            assert_eq!(method.matrix(d65, [0.1, -0.1, 20.0]), None);
         }
     }
 

@@ -1,15 +1,15 @@
-//! Correlated colour temperature, by its definition (CIE 15:2018, 9.5): the temperature of the Planckian radiator
+//! Correlated colour temperature as defined in CIE 15:2018, 9.5: the temperature of the Planckian radiator
 //! nearest in the CIE 1960 (u, v) diagram.
 //!
-//! The nearest point is searched on Planck's law itself, not in a table of isotherms (Robertson 1968) or of the
-//! locus (Ohno 2013), so the result has their quantities (CCT and signed D_uv) without their interpolation.
+//! The search evaluates Planck's law itself, rather than a table of isotherms (Robertson 1968) or of the
+//! locus (Ohno 2013). It yields the same quantities (CCT and signed D_uv) without interpolation error.
 
 use thiserror::Error;
 
 use super::cie1976::uv_from_xyz;
 use crate::spectrum::{Illuminant, Observer, Spectrum, SpectrumError, WavelengthGrid};
 
-/// Correlated colour temperature and the distance from the Planckian locus.
+/// Correlated colour temperature and distance from the Planckian locus.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cct {
     /// Correlated colour temperature, K.
@@ -18,24 +18,25 @@ pub struct Cct {
     pub duv: f64,
 }
 
-/// A colour without a correlated colour temperature.
+/// Errors of a correlated colour temperature.
 #[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]
 pub enum CctError {
     /// Black, or not finite.
     #[error("X, Y, Z = {0:?} have no chromaticity")]
     NoChromaticity([f64; 3]),
-    /// Too far from the locus for the notion to mean anything (CIE 15: |D_uv| ≤ 0.05), or beyond 1000–100000 K.
+    /// The colour is too far from the locus for a correlated colour temperature (CIE 15: |D_uv| ≤ 0.05), or
+    /// outside 1000–100 000 K.
     #[error(
         "the colour is {duv:.4} from the Planckian locus at {cct_k:.0} K; a correlated colour temperature needs at most 0.05, and 1000 to 100000 K"
     )]
     FarFromLocus {
-        /// Nearest temperature searched, K.
+        /// Nearest temperature in the searched range, K.
         cct_k: f64,
         /// Distance in u, v.
         duv: f64,
     },
-    /// The observer's data failed.
+    /// The observer's data could not be computed.
     #[error(transparent)]
     Spectrum(#[from] SpectrumError),
 }
@@ -46,11 +47,11 @@ pub struct PlanckianLocus {
     matching: [Spectrum; 3],
 }
 
-/// Reciprocal temperatures searched, in mired (10⁶/K): 100 000 K to 1000 K.
+/// Range of the search in reciprocal temperature, mired (10⁶/K): 100 000 K to 1000 K.
 const MIRED: (f64, f64) = (10.0, 1000.0);
 
 impl PlanckianLocus {
-    /// The locus of an observer, integrated 360–830 nm in steps of 5 nm.
+    /// The locus of an observer, integrated over 360–830 nm in steps of 5 nm.
     ///
     /// # Errors
     /// Never for the observers of this crate.
@@ -83,7 +84,8 @@ impl PlanckianLocus {
         };
         let distance = |mired: f64| offset(mired).map(|d| d[0].hypot(d[1]));
 
-        // Steps of 10 mired are finer than the locus bends; the bracket then shrinks by the golden section.
+        // Steps of 10 mired resolve the curvature of the locus; a golden-section search then refines the
+        // bracket.
         let steps = ((MIRED.1 - MIRED.0) / 10.0) as usize;
         let mut best = (f64::INFINITY, MIRED.0);
         for i in 0..=steps {
@@ -106,7 +108,8 @@ impl PlanckianLocus {
         let mired = 0.5 * (low + high);
         let d = offset(mired)?;
         let cct_k = 1e6 / mired;
-        // Along the locus u grows with the mired; the left of that direction is above it.
+        // Along the locus u increases with the reciprocal temperature; points to the left of this direction
+        // lie above it.
         let (ahead, behind) = (self.uv(1e6 / (mired + 0.1))?, self.uv(1e6 / (mired - 0.1))?);
         let along = [ahead[0] - behind[0], ahead[1] - behind[1]];
         let duv = d[0].hypot(d[1]) * (along[0] * d[1] - along[1] * d[0]).signum();
@@ -137,7 +140,7 @@ mod tests {
         }
     }
 
-    /// CIE daylight lies 0.003 above the locus; its formula gives the temperature back to a few kelvin.
+    /// CIE daylight lies 0.003 above the locus; the formula recovers its nominal temperature to a few kelvin.
     #[test]
     fn daylight_has_the_temperature_it_is_named_by() {
         let grid = WavelengthGrid::new(360.0, 5.0, 95).unwrap();

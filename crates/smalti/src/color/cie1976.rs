@@ -1,10 +1,10 @@
 //! Chromaticity coordinates, CIELAB and CIELUV (CIE 15:2018; ISO/CIE 11664-4 and -5).
 //!
-//! X, Y, Z and the white are in the same, free, scale: only their ratios count.
+//! X, Y, Z and the white share a scale, which is arbitrary: only their ratios matter.
 
-/// (6/29)³: below it the cube root gives way to a line.
+/// (6/29)³: below this value a line replaces the cube root.
 const EPSILON: f64 = 216.0 / 24389.0;
-/// (29/3)³, 100 times the slope of that line in L*.
+/// (29/3)³: 100 times the slope of that line in L*.
 const KAPPA: f64 = 24389.0 / 27.0;
 
 /// x, y of tristimulus values; `None` for black.
@@ -15,9 +15,9 @@ pub fn xy_from_xyz(xyz: [f64; 3]) -> Option<[f64; 2]> {
 
 /// Tristimulus values of a chromaticity at luminance `y_luminance`; `None` for y = 0.
 #[must_use]
-pub fn xyz_from_xy(xy: [f64; 2], y_luminance: f64) -> Option<[f64; 3]> {
+pub const fn xyz_from_xy(xy: [f64; 2], y_luminance: f64) -> Option<[f64; 3]> {
     let k = y_luminance / xy[1];
-    k.is_finite().then(|| [k * xy[0], y_luminance, k * (1.0 - xy[0] - xy[1])])
+    if k.is_finite() { Some([k * xy[0], y_luminance, k * (1.0 - xy[0] - xy[1])]) } else { None }
 }
 
 /// u′, v′ (CIE 1976 UCS) of tristimulus values; `None` for black.
@@ -37,7 +37,7 @@ fn ratio(a: f64, b: f64, sum: f64) -> Option<[f64; 2]> {
     pair.iter().all(|v| v.is_finite()).then_some(pair)
 }
 
-/// CIELAB L*, a*, b* against a white.
+/// CIELAB L*, a*, b* relative to a white.
 #[must_use]
 pub fn lab_from_xyz(xyz: [f64; 3], white: [f64; 3]) -> [f64; 3] {
     let f = |i: usize| {
@@ -48,7 +48,7 @@ pub fn lab_from_xyz(xyz: [f64; 3], white: [f64; 3]) -> [f64; 3] {
     [116.0 * fy - 16.0, 500.0 * (fx - fy), 200.0 * (fy - fz)]
 }
 
-/// Tristimulus values of CIELAB against a white, in the scale of the white.
+/// Tristimulus values of CIELAB coordinates relative to a white, in the scale of the white.
 #[must_use]
 pub fn xyz_from_lab(lab: [f64; 3], white: [f64; 3]) -> [f64; 3] {
     let fy = (lab[0] + 16.0) / 116.0;
@@ -59,7 +59,7 @@ pub fn xyz_from_lab(lab: [f64; 3], white: [f64; 3]) -> [f64; 3] {
     [white[0] * inverse(fy + lab[1] / 500.0), white[1] * inverse(fy), white[2] * inverse(fy - lab[2] / 200.0)]
 }
 
-/// CIELUV L*, u*, v* against a white. Black is the origin.
+/// CIELUV L*, u*, v* relative to a white. Black is the origin.
 #[must_use]
 pub fn luv_from_xyz(xyz: [f64; 3], white: [f64; 3]) -> [f64; 3] {
     let t = xyz[1] / white[1];

@@ -1,24 +1,33 @@
-//! Pictures from one colour space to another.
+//! Conversion of images between colour spaces.
 
 use rayon::prelude::*;
 
 use super::difference::three;
-use super::display::{ENCODED_KNEE, LINEAR_KNEE, Primaries, decode_srgb, matrices};
+use super::display::{ENCODED_KNEE, LINEAR_KNEE, Matrices, Primaries, decode_srgb};
 use super::matrix::{IDENTITY, Matrix3, product};
 use super::{ColorSpace, Image, ImageError};
 use crate::numeric::Planes;
 
-/// Pixels that one task works on.
+/// Pixels per task.
 const CHUNK: usize = 16_384;
 
 impl ColorSpace {
-    /// The primaries, for a display space.
+    /// The primaries of a display space.
     #[must_use]
     pub fn primaries(self) -> Option<Primaries> {
         match self {
             Self::Xyz => None,
             Self::LinearSrgb | Self::Srgb => Some(Primaries::SRGB),
             Self::LinearDisplayP3 | Self::DisplayP3 => Some(Primaries::DISPLAY_P3),
+        }
+    }
+
+    /// To and from XYZ; for XYZ itself the identity.
+    fn matrices(self) -> Matrices {
+        match self {
+            Self::Xyz => Matrices { xyz_from_rgb: IDENTITY, rgb_from_xyz: IDENTITY },
+            Self::LinearSrgb | Self::Srgb => Matrices::SRGB,
+            Self::LinearDisplayP3 | Self::DisplayP3 => Matrices::DISPLAY_P3,
         }
     }
 
@@ -30,15 +39,15 @@ impl ColorSpace {
 }
 
 impl Image {
-    /// The picture in another colour space.
+    /// The image in another colour space.
     ///
-    /// [`ColorSpace::Xyz`] here means X, Y, Z with the white of the display spaces (D65) at Y = 1: scale absolute
-    /// values before. Linear spaces keep colours outside the gamut as values below 0 or above 1; an encoded space
-    /// cannot hold them, so they are clipped to 0–1, channel by channel, on encoding. No adaptation takes place.
-    /// The encoding is exact to 1e-6.
+    /// [`ColorSpace::Xyz`] here is relative to the white of the display spaces (D65) at Y = 1; absolute
+    /// values need scaling first. Linear spaces represent colours outside the gamut by values below 0 or
+    /// above 1. Encoded spaces cannot, so encoding clips each channel to 0–1. No chromatic adaptation takes
+    /// place. The encoding is accurate to 1e-6.
     ///
     /// # Errors
-    /// None at present; kept for spaces that cannot be reached.
+    /// None at present; reserved for spaces without a conversion.
     pub fn converted(&self, to: ColorSpace) -> Result<Self, ImageError> {
         if self.space() == to {
             return Ok(self.clone());
@@ -73,21 +82,20 @@ impl Image {
     }
 }
 
-/// Linear values of `to` from linear values of `from`.
+/// The matrix from linear values of `from` to linear values of `to`.
 fn between(to: ColorSpace, from: ColorSpace) -> Matrix3 {
     if to.primaries() == from.primaries() {
         return IDENTITY;
     }
-    let xyz_from = from.primaries().map_or(IDENTITY, |p| matrices(&p).0);
-    let to_from_xyz = to.primaries().map_or(IDENTITY, |p| matrices(&p).1);
-    product(&to_from_xyz, &xyz_from)
+    product(&to.matrices().rgb_from_xyz, &from.matrices().xyz_from_rgb)
 }
 
-/// The sRGB curve above its knee, linear between samples spaced evenly on the encoded side.
+/// The sRGB decoding curve above its linear segment, interpolated between samples evenly spaced in encoded
+/// value.
 struct DecodeTable(Vec<f32>);
 
 impl DecodeTable {
-    /// (1/4096)²/8 times the curvature, at most 3.2, keeps the error below 3e-8.
+    /// The interpolation error is (1/4096)²/8 times the curvature, at most 3.2, hence below 3e-8.
     const STEPS: usize = 4096;
 
     fn new() -> Self {
@@ -107,29 +115,30 @@ impl DecodeTable {
     }
 }
 
-/// The power of the curve, continued below the knee so that the interpolation next to it stays smooth.
+/// The power segment of the curve, extended below the linear segment so that interpolation next to it stays
+/// smooth.
 fn power_branch(encoded: f64) -> f32 {
     if encoded > ENCODED_KNEE {
         decode_srgb(encoded) as f32
     } else {
-        ((encoded + 0.055) / 1.055).powf(2.4) as f32
+        libm::pow((encoded + 0.055) / 1.055, 2.4) as f32
     }
 }
 
-/// The sRGB curve above its knee, linear between samples spaced evenly within each octave of linear light, so that
-/// the relative error is the same everywhere: 2⁻¹⁶/8 × 0.25 × 1.055 = 5e-7.
+/// The sRGB encoding curve above its linear segment, interpolated between samples evenly spaced within each
+/// octave of linear light. The relative error is then uniform: 2⁻¹⁶/8 × 0.25 × 1.055 = 5e-7.
 struct EncodeTable(Vec<f32>);
 
 impl EncodeTable {
     const BITS: u32 = 8;
-    /// The float at the bottom of the table, 2⁻⁹, below the knee.
+    /// The lowest float of the table, 2⁻⁹, which lies in the linear segment.
     const FIRST: u32 = 0x3b00_0000;
 
     fn new() -> Self {
         let last = Self::index(1.0) + 1;
         let sample = |i: usize| {
             let linear = f64::from(f32::from_bits(Self::FIRST + ((i as u32) << (23 - Self::BITS))));
-            (1.055 * linear.powf(1.0 / 2.4) - 0.055) as f32
+            (1.055 * libm::pow(linear, 1.0 / 2.4) - 0.055) as f32
         };
         Self((0..=last).map(sample).collect())
     }
@@ -144,7 +153,7 @@ impl EncodeTable {
             let i = Self::index(v);
             let mask = (1 << (23 - Self::BITS)) - 1;
             let t = (v.to_bits() & mask) as f32 / (mask + 1) as f32;
-            // The curve passes 1 by a rounding.
+            // Rounding can carry the curve above 1.
             (self.0[i] + t * (self.0[i + 1] - self.0[i])).min(1.0)
         } else {
             12.92 * v // and NaN
@@ -165,7 +174,7 @@ mod tests {
         ColorSpace::DisplayP3,
     ];
 
-    /// A picture of colours within the gamut of sRGB, longer than one chunk.
+    /// An image of colours within the sRGB gamut, longer than one chunk.
     fn picture() -> Image {
         let n = 3 * 70_000;
         let data = (0..n).map(|i| ((i * 7919) % 4093) as f32 / 4092.0).collect();
@@ -186,7 +195,7 @@ mod tests {
                     .zip(in_a.planes().data())
                     .map(|(x, y)| (x - y).abs())
                     .fold(0.0, f32::max);
-                // Near black the curve multiplies rounding by 12.92.
+                // Near black the curve multiplies rounding errors by 12.92.
                 assert!(worst < 2e-5, "{a:?} → {b:?}: {worst}");
             }
         }

@@ -1,7 +1,7 @@
-//! Display colour spaces: matrices derived from primaries and white, and the curve of sRGB.
+//! Display colour spaces: matrices derived from primaries and white, and the sRGB transfer function.
 
 use super::cie1976::xyz_from_xy;
-use super::matrix::{IDENTITY, Matrix3, apply, diagonal, inverse, product};
+use super::matrix::{Matrix3, apply, diagonal, inverse, known, product};
 
 /// Chromaticities (x, y) of the primaries of an additive display and of its white.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -16,62 +16,91 @@ pub struct Primaries {
     pub white: [f64; 2],
 }
 
-/// D65 as display standards round it (IEC 61966-2-1, ITU-R BT.709).
+/// D65 as rounded in display standards (IEC 61966-2-1, ITU-R BT.709).
 pub const D65_XY: [f64; 2] = [0.3127, 0.3290];
 
+/// X, Y, Z of that white, Y = 1.
+pub(crate) const D65_XYZ: [f64; 3] = match xyz_from_xy(D65_XY, 1.0) {
+    Some(white) => white,
+    None => [0.0; 3],
+};
+const _: () = assert!(D65_XYZ[1] == 1.0);
+
 impl Primaries {
-    /// sRGB (IEC 61966-2-1), those of ITU-R BT.709.
+    /// sRGB (IEC 61966-2-1), with the primaries of ITU-R BT.709.
     pub const SRGB: Self = Self { red: [0.64, 0.33], green: [0.30, 0.60], blue: [0.15, 0.06], white: D65_XY };
     /// Display P3: the primaries of SMPTE EG 432-1 with D65 white.
     pub const DISPLAY_P3: Self =
         Self { red: [0.680, 0.320], green: [0.265, 0.690], blue: [0.150, 0.060], white: D65_XY };
 
-    /// X, Y, Z of white at Y = 1; `None` when its y is zero.
+    /// X, Y, Z of the white at Y = 1; `None` when its y is zero.
     #[must_use]
-    pub fn white_xyz(&self) -> Option<[f64; 3]> {
+    pub const fn white_xyz(&self) -> Option<[f64; 3]> {
         xyz_from_xy(self.white, 1.0)
     }
 
-    /// XYZ (white at Y = 1) from linear RGB; `None` when the primaries lie on a line or have no luminance.
+    /// The matrix to XYZ (white at Y = 1) from linear RGB; `None` when the primaries are collinear or have no
+    /// luminance.
     #[must_use]
-    pub fn xyz_from_rgb(&self) -> Option<Matrix3> {
-        let (r, g, b) =
-            (xyz_from_xy(self.red, 1.0)?, xyz_from_xy(self.green, 1.0)?, xyz_from_xy(self.blue, 1.0)?);
-        let columns = [0, 1, 2].map(|i| [r[i], g[i], b[i]]);
-        let luminance = apply(&inverse(&columns)?, self.white_xyz()?);
-        Some(product(&columns, &diagonal(luminance)))
+    pub const fn xyz_from_rgb(&self) -> Option<Matrix3> {
+        let (Some(r), Some(g), Some(b), Some(white)) = (
+            xyz_from_xy(self.red, 1.0),
+            xyz_from_xy(self.green, 1.0),
+            xyz_from_xy(self.blue, 1.0),
+            self.white_xyz(),
+        ) else {
+            return None;
+        };
+        let columns = [[r[0], g[0], b[0]], [r[1], g[1], b[1]], [r[2], g[2], b[2]]];
+        match inverse(&columns) {
+            Some(inverse) => Some(product(&columns, &diagonal(apply(&inverse, white)))),
+            None => None,
+        }
     }
 
-    /// Linear RGB from XYZ (white at Y = 1); `None` as for [`Primaries::xyz_from_rgb`].
+    /// The matrix to linear RGB from XYZ (white at Y = 1); `None` under the conditions of
+    /// [`Primaries::xyz_from_rgb`].
     #[must_use]
-    pub fn rgb_from_xyz(&self) -> Option<Matrix3> {
-        inverse(&self.xyz_from_rgb()?)
+    pub const fn rgb_from_xyz(&self) -> Option<Matrix3> {
+        match self.xyz_from_rgb() {
+            Some(m) => inverse(&m),
+            None => None,
+        }
     }
 }
 
-/// Both matrices of a space that is known to be sound.
-pub(super) fn matrices(primaries: &Primaries) -> (Matrix3, Matrix3) {
-    let pair = || Some((primaries.xyz_from_rgb()?, primaries.rgb_from_xyz()?));
-    pair().unwrap_or((IDENTITY, IDENTITY))
+/// XYZ from linear RGB and its inverse, white at Y = 1, for the built-in spaces.
+pub(crate) struct Matrices {
+    pub(crate) xyz_from_rgb: Matrix3,
+    pub(crate) rgb_from_xyz: Matrix3,
 }
 
-/// Linear light at which the line of the sRGB curve meets its power.
+impl Matrices {
+    pub(crate) const SRGB: Self = Self::of(&Primaries::SRGB);
+    pub(crate) const DISPLAY_P3: Self = Self::of(&Primaries::DISPLAY_P3);
+
+    const fn of(primaries: &Primaries) -> Self {
+        Self { xyz_from_rgb: known(primaries.xyz_from_rgb()), rgb_from_xyz: known(primaries.rgb_from_xyz()) }
+    }
+}
+
+/// Linear value at which the linear segment of the sRGB curve meets the power segment.
 pub(super) const LINEAR_KNEE: f64 = 0.0031308;
-/// The encoded value there.
+/// The encoded value at that point.
 pub(super) const ENCODED_KNEE: f64 = 0.04045;
 
-/// Linear light, clipped to 0–1, encoded by the curve of IEC 61966-2-1. NaN stays NaN.
+/// Encodes linear light, clipped to 0–1, with the curve of IEC 61966-2-1. NaN stays NaN.
 #[must_use]
 pub fn encode_srgb(linear: f64) -> f64 {
     let v = linear.clamp(0.0, 1.0);
-    if v <= LINEAR_KNEE { 12.92 * v } else { 1.055 * v.powf(1.0 / 2.4) - 0.055 }
+    if v <= LINEAR_KNEE { 12.92 * v } else { 1.055 * libm::pow(v, 1.0 / 2.4) - 0.055 }
 }
 
-/// Linear light of a value encoded by the curve of IEC 61966-2-1, clipped to 0–1. NaN stays NaN.
+/// Decodes a value, clipped to 0–1, to linear light with the curve of IEC 61966-2-1. NaN stays NaN.
 #[must_use]
 pub fn decode_srgb(encoded: f64) -> f64 {
     let v = encoded.clamp(0.0, 1.0);
-    if v <= ENCODED_KNEE { v / 12.92 } else { ((v + 0.055) / 1.055).powf(2.4) }
+    if v <= ENCODED_KNEE { v / 12.92 } else { libm::pow((v + 0.055) / 1.055, 2.4) }
 }
 
 #[cfg(test)]
@@ -86,7 +115,8 @@ mod tests {
         }
     }
 
-    /// IEC 61966-2-1 prints its matrix with four decimals; Display P3's is colour-science 0.4.7's, derived as here.
+    /// IEC 61966-2-1 prints its matrix with four decimals. The matrix of Display P3 is from colour-science
+    /// 0.4.7.
     #[test]
     fn matrices_are_the_published_ones() {
         let srgb = [[0.4124, 0.3576, 0.1805], [0.2126, 0.7152, 0.0722], [0.0193, 0.1192, 0.9505]];
@@ -109,12 +139,12 @@ mod tests {
     fn the_curve_inverts_and_meets_at_the_knee() {
         for i in 0..=1000 {
             let v = f64::from(i) / 1000.0;
-            // The standard's rounded knees leave a step of 3e-8.
+            // The rounded constants of the standard leave a step of 3e-8.
             assert!((decode_srgb(encode_srgb(v)) - v).abs() < 1e-7);
         }
         assert!(encode_srgb(f64::NAN).is_nan() && decode_srgb(f64::NAN).is_nan());
         assert!((encode_srgb(1.5) - 1.0).abs() < 1e-15);
-        // 18 % grey, as printed in every table of sRGB: 118/255.
+        // 18 % grey in 8-bit sRGB is 118.
         assert_eq!((encode_srgb(0.18) * 255.0).round(), 118.0);
     }
 

@@ -1,14 +1,14 @@
-//! A picture: three planes in a stated colour space.
+//! An image: three planes in a stated colour space.
 
 use thiserror::Error;
 
 use crate::numeric::Planes;
 
-/// What three planes of numbers mean.
+/// The meaning of the three planes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum ColorSpace {
-    /// CIE X, Y, Z of the 1931 observer; the scale is that of the maker, stated where it matters.
+    /// CIE X, Y, Z of the 1931 observer. The function that makes the image states the scale where it matters.
     Xyz,
     /// Linear light, primaries of IEC 61966-2-1, D65 white = (1, 1, 1).
     LinearSrgb,
@@ -20,14 +20,14 @@ pub enum ColorSpace {
     DisplayP3,
 }
 
-/// An image that cannot be.
+/// Errors of an image.
 #[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]
 pub enum ImageError {
-    /// A picture has three planes.
-    #[error("a picture has 3 planes, got {got}")]
+    /// The number of planes is not three.
+    #[error("an image has 3 planes, got {got}")]
     Planes {
-        /// Planes that came.
+        /// Planes that were given.
         got: usize,
     },
     /// The operation is defined in another colour space.
@@ -39,9 +39,7 @@ pub enum ImageError {
         got: ColorSpace,
     },
     /// A value is NaN or infinite.
-    #[error(
-        "plane {plane} of the picture is {value} at row {row}, column {col}; a finite number was expected"
-    )]
+    #[error("plane {plane} of the image is {value} at row {row}, column {col}; a finite number was expected")]
     Value {
         /// Plane, from 0.
         plane: usize,
@@ -64,6 +62,11 @@ pub enum ImageError {
         /// Columns of the second.
         right_cols: usize,
     },
+    /// A picture cannot be adapted from this white.
+    #[error(
+        "the white with X, Y, Z of {0:?} cannot be adapted to D65: its cone responses (Bradford) must be finite and above 0"
+    )]
+    White([f64; 3]),
 }
 
 /// Three planes of equal size in a colour space.
@@ -74,10 +77,10 @@ pub struct Image {
 }
 
 impl Image {
-    /// An image of three planes.
+    /// An image from three planes.
     ///
     /// # Errors
-    /// When there are not three.
+    /// When the number of planes is not three.
     pub fn new(space: ColorSpace, planes: Planes) -> Result<Self, ImageError> {
         if planes.count() == 3 {
             Ok(Self { space, planes })
@@ -86,10 +89,10 @@ impl Image {
         }
     }
 
-    /// Whether every value is finite.
+    /// Checks that every value is finite.
     ///
     /// # Errors
-    /// [`ImageError::Value`] of the first that is not.
+    /// [`ImageError::Value`] for the first value that is not.
     pub fn check_finite(&self) -> Result<(), ImageError> {
         match self.planes.data().iter().position(|v| !v.is_finite()) {
             None => Ok(()),
@@ -101,7 +104,7 @@ impl Image {
         }
     }
 
-    /// What the numbers mean.
+    /// The colour space.
     #[must_use]
     pub fn space(&self) -> ColorSpace {
         self.space

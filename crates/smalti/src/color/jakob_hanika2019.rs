@@ -1,78 +1,85 @@
-//! Pictures in sRGB lifted to smooth reflectance spectra.
+//! Spectral upsampling: sRGB images to smooth reflectance spectra.
 //!
-//! W. Jakob and J. Hanika (2019), "A low-dimensional function space for efficient spectral upsampling", *Computer
-//! Graphics Forum* 38(2): a reflectance is a sigmoid of a quadratic polynomial of the wavelength, whose three
-//! coefficients are found by least squares in CIELAB under D65. Between 0 and 1 everywhere, it can be lit by anything.
+//! W. Jakob and J. Hanika (2019), "A low-dimensional function space for efficient spectral upsampling",
+//! *Computer Graphics Forum* 38(2). A reflectance is a sigmoid of a quadratic polynomial in wavelength. Least
+//! squares in CIELAB under D65 yields its three coefficients. The reflectance lies between 0 and 1 at every
+//! wavelength, so any illuminant can be applied to it.
 
 use rayon::prelude::*;
 use thiserror::Error;
 
 use super::cie1976::lab_from_xyz;
 use super::difference::three;
-use super::display::{Primaries, matrices};
+use super::display::Matrices;
 use super::matrix::{Matrix3, apply, inverse};
 use super::{ColorSpace, Image, ImageError};
 use crate::numeric::Planes;
-use crate::spectrum::{Illuminant, Observer, Outside, SpectralCube, Spectrum, SpectrumError, WavelengthGrid};
+use crate::spectrum::{
+    Extrapolation, Illuminant, Observer, SpectralCube, Spectrum, SpectrumError, WavelengthGrid,
+};
 
-/// What stops the uplifting.
+/// Errors of spectral upsampling.
 #[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]
 pub enum UpliftError {
-    /// The picture is not one it can be applied to.
+    /// The image is not suitable.
     #[error(transparent)]
     Image(#[from] ImageError),
-    /// The wavelengths do not reach where the observer sees.
+    /// The wavelength grid does not cover the observer's sensitivity.
     #[error(transparent)]
     Spectrum(#[from] SpectrumError),
 }
 
-/// Reflectance spectra for colours of sRGB, on a wavelength grid.
+/// Spectral upsampling of sRGB colours to reflectances on a wavelength grid.
 #[derive(Debug, Clone)]
 pub struct Uplift {
     grid: WavelengthGrid,
-    /// The wavelengths, in blocks of four.
+    /// The wavelengths in blocks of four.
     blocks: Vec<Block>,
     /// XYZ relative to white from linear sRGB.
     relative_xyz_from_rgb: Matrix3,
-    /// Coefficients over (largest channel, its value, the ratios of the next two channels to it), the last fastest.
+    /// Coefficients over the index of the largest channel, its value, and the ratios of the next two channels
+    /// to it. The last index varies fastest.
     table: Vec<[f64; 3]>,
 }
 
-/// Four wavelengths side by side, for SIMD; those past the end of the grid have no weight.
+/// Four wavelengths, for SIMD. Wavelengths beyond the end of the grid have zero weight.
 #[derive(Debug, Clone, Copy, Default)]
 struct Block {
-    /// Position of each: −1 at 400 nm, 1 at 700 nm.
+    /// Normalised wavelengths: −1 at 400 nm, 1 at 700 nm.
     position: [f64; LANES],
-    /// Weights of each in X, Y and Z under D65, relative to white.
+    /// Weights in X, Y and Z under D65, relative to white.
     weights: [[f64; LANES]; 3],
 }
 
 const LANES: usize = 4;
 
-/// Nodes of the table along each ratio, evenly spaced.
+/// Table nodes along each ratio, evenly spaced.
 const RATIOS: usize = 24;
-/// Nodes along the value of the largest channel.
+/// Table nodes along the value of the largest channel.
 const VALUES: usize = 32;
-/// The range of that value. No sigmoid is 0 or 1 throughout; these limits cost less than 0.1 ΔE.
+/// The smallest value of the largest channel. No sigmoid is 0 or 1 at every wavelength; these limits cost
+/// less than 0.1 ΔE.
 const DARKEST: f64 = 1e-4;
 const LIGHTEST: f64 = 0.9995;
-/// ΔE*ab at which a single colour counts as found.
+/// Convergence tolerance for a single colour, ΔE*ab.
 const TOLERANCE: f64 = 1e-5;
-/// ΔE*ab at which a pixel counts as found: far below what is seen, and met by the table itself for most.
+/// Convergence tolerance for a pixel, ΔE*ab: far below visibility, and met by table interpolation for most
+/// pixels.
 const IMAGE_TOLERANCE: f64 = 0.2;
-/// Pixels that one task works on.
+/// Pixels per task.
 const CHUNK: usize = 4096;
 
 impl Uplift {
-    /// Prepares the table for a grid that covers the visible range, and an observer; D65 is white.
+    /// Computes the table for an observer and a grid that covers the visible range; the white is D65.
     ///
     /// # Errors
-    /// When the grid does not meet the observer's sensitivity.
+    /// When the grid does not overlap the observer's sensitivity.
     pub fn new(grid: WavelengthGrid, observer: Observer) -> Result<Self, UpliftError> {
-        // Beyond 830 nm D65 is not defined, and not seen.
-        let d65 =
-            Illuminant::D65.energy(WavelengthGrid::new(360.0, 1.0, 471)?)?.resampled(grid, Outside::Zero)?;
+        // D65 is not defined beyond 830 nm, where the observer's sensitivity is negligible.
+        let d65 = Illuminant::D65
+            .energy(WavelengthGrid::new(360.0, 1.0, 471)?)?
+            .resampled(grid, Extrapolation::Zero)?;
         let [x, y, z] = observer.matching_functions(grid)?;
         let weights: Vec<[f64; 3]> =
             (0..grid.len()).map(|i| [&x, &y, &z].map(|m| m.values()[i] * d65.values()[i])).collect();
@@ -93,7 +100,7 @@ impl Uplift {
                 block.weights[c][i % LANES] = w[c] / white[c];
             }
         }
-        let (xyz_from_rgb, _) = matrices(&Primaries::SRGB);
+        let xyz_from_rgb = Matrices::SRGB.xyz_from_rgb;
         let mut uplift = Self {
             grid,
             blocks,
@@ -107,14 +114,14 @@ impl Uplift {
         Ok(uplift)
     }
 
-    /// The grid of the spectra.
+    /// The wavelength grid of the spectra.
     #[must_use]
     pub fn grid(&self) -> WavelengthGrid {
         self.grid
     }
 
-    /// Coefficients a, b, c of the reflectance of a linear sRGB colour: ½ + x / (2 √(1 + x²)) with
-    /// x = a p² + b p + c and p = (λ − 550 nm) / 150 nm. Channels are clipped to 0–1; NaN counts as 0.
+    /// Coefficients a, b, c of the reflectance of a linear sRGB colour: ½ + x / (2 √(1 + x²)) with x = a p² +
+    /// b p + c and p = (λ − 550 nm) / 150 nm. Channels are clipped to 0–1; NaN counts as 0.
     #[must_use]
     pub fn coefficients(&self, rgb: [f64; 3]) -> [f64; 3] {
         let cell = Cell::of(rgb);
@@ -122,18 +129,19 @@ impl Uplift {
         self.solved(self.target(&cell.rgb), start, TOLERANCE)
     }
 
-    /// The reflectance of coefficients, 0 to 1.
+    /// The reflectance of a set of coefficients, 0 to 1.
     #[must_use]
     pub fn reflectance(&self, coefficients: [f64; 3]) -> Spectrum {
         Spectrum::from_fn(self.grid, |nm| sigmoid(polynomial(coefficients, position(nm))))
     }
 
-    /// A picture in [`ColorSpace::LinearSrgb`] as reflectances: lit by D65 it has the colours of the picture
-    /// (relative to white). Channels below 0 count as 0. A pixel with a channel above 1 is that of the pixel divided by
-    /// its largest channel, times that channel: a "reflectance" above 1, as of a lamp.
+    /// The reflectances of an image in [`ColorSpace::LinearSrgb`]. Under D65 they reproduce the colours of
+    /// the image relative to white. Negative channels count as 0. A pixel whose largest channel exceeds 1 is
+    /// divided by that channel before the fit and multiplied by it afterwards; its "reflectance" exceeds 1,
+    /// like that of a lamp.
     ///
     /// # Errors
-    /// When the picture is in another colour space, or holds a value that is not finite.
+    /// When the image is in another colour space, or contains a value that is not finite.
     pub fn uplift_image(&self, image: &Image) -> Result<SpectralCube, UpliftError> {
         if image.space() != ColorSpace::LinearSrgb {
             return Err(ImageError::Space { expected: ColorSpace::LinearSrgb, got: image.space() }.into());
@@ -183,7 +191,7 @@ impl Uplift {
         lab_from_xyz(apply(&self.relative_xyz_from_rgb, *rgb), [1.0; 3])
     }
 
-    /// CIELAB of coefficients under D65.
+    /// CIELAB of the reflectance of a set of coefficients under D65.
     fn lab(&self, coefficients: [f64; 3]) -> [f64; 3] {
         let mut sums = [[0.0; LANES]; 3];
         for block in &self.blocks {
@@ -197,7 +205,7 @@ impl Uplift {
         lab_from_xyz(sums.map(|s| s.iter().sum()), [1.0; 3])
     }
 
-    /// CIELAB of coefficients under D65, and its derivatives: one row per L*, a*, b*.
+    /// CIELAB of the reflectance under D65, and its Jacobian with one row each for L*, a*, b*.
     fn lab_and_jacobian(&self, coefficients: [f64; 3]) -> ([f64; 3], Matrix3) {
         let mut sums = [[0.0; LANES]; 3];
         let mut slopes = [[[0.0; LANES]; 3]; 3];
@@ -219,18 +227,18 @@ impl Uplift {
         let xyz: [f64; 3] = sums.map(|s| s.iter().sum());
         let slope: Matrix3 = slopes.map(|s| s.map(|s| s.iter().sum()));
         let lab = lab_from_xyz(xyz, [1.0; 3]);
-        // Derivative of the cube root of CIELAB and of the line that replaces it near black.
+        // Derivative of CIELAB's cube root, and of the linear segment near black.
         let df =
             xyz.map(|t| if t > 216.0 / 24389.0 { 1.0 / (3.0 * t.cbrt().powi(2)) } else { 841.0 / 108.0 });
         let jacobian = [0, 1, 2].map(|k| {
             let [fx, fy, fz] = [0, 1, 2].map(|c| df[c] * slope[c][k]);
             [116.0 * fy, 500.0 * (fx - fy), 200.0 * (fy - fz)]
         });
-        // Transposed: the rows above are per coefficient.
+        // Transpose: the rows above are per coefficient.
         (lab, [0, 1, 2].map(|r| [jacobian[0][r], jacobian[1][r], jacobian[2][r]]))
     }
 
-    /// Least squares by Gauss-Newton steps damped as by Levenberg and Marquardt, until ΔE*ab is below `tolerance`.
+    /// Levenberg–Marquardt least squares until ΔE*ab is below `tolerance`.
     fn solved(&self, target: [f64; 3], start: [f64; 3], tolerance: f64) -> [f64; 3] {
         let mut at = start;
         let (lab, mut jacobian) = self.lab_and_jacobian(at);
@@ -270,7 +278,8 @@ impl Uplift {
                     rgb[(channel + 2) % 3] = v * ratio(third);
                     self.solved(self.target(&rgb), start, TOLERANCE)
                 };
-                // From a middle grey outwards, each from its neighbour: the extremes are far from any fixed start.
+                // Start at middle grey and continue from node to neighbouring node: a fixed start is too far
+                // from the extremes.
                 let middle = VALUES / 2;
                 let mut column = vec![[0.0; 3]; VALUES];
                 column[middle] = solve(middle, [0.0; 3]);
@@ -294,26 +303,27 @@ impl Uplift {
     }
 }
 
-/// Value of the largest channel at a node: dense near black and near white, where the coefficients run away.
+/// Value of the largest channel at a node. Nodes are dense near black and white, where the coefficients
+/// diverge.
 fn value_of_node(node: usize) -> f64 {
     let t = node as f64 / (VALUES - 1) as f64;
     let smooth = |t: f64| t * t * (3.0 - 2.0 * t);
     DARKEST + (LIGHTEST - DARKEST) * smooth(smooth(t))
 }
 
-/// Where a colour lies in the table.
+/// Position of a colour in the table.
 struct Cell {
-    /// The colour within the limits of the table.
+    /// The colour, clipped to the limits of the table.
     rgb: [f64; 3],
-    /// Index of the corner nearest black.
+    /// Index of the corner nearest to black.
     corner: usize,
-    /// Fractions along value, second and third channel.
+    /// Fractions along the value and along the second and third channel.
     fraction: [f64; 3],
 }
 
 impl Cell {
     fn of(rgb: [f64; 3]) -> Self {
-        // NaN is not above 0.
+        // NaN compares false and becomes 0.
         let rgb = rgb.map(|v| if v > 0.0 { v.min(1.0) } else { 0.0 });
         let channel = if rgb[0] >= rgb[1] && rgb[0] >= rgb[2] {
             0
@@ -370,7 +380,7 @@ impl Cell {
     }
 }
 
-/// Where a wavelength lies: −1 at 400 nm, 1 at 700 nm.
+/// Normalised wavelength: −1 at 400 nm, 1 at 700 nm.
 fn position(wavelength_nm: f64) -> f64 {
     (wavelength_nm - 550.0) / 150.0
 }
@@ -391,7 +401,7 @@ fn square(v: [f64; 3]) -> f64 {
     v[0] * v[0] + v[1] * v[1] + v[2] * v[2]
 }
 
-/// The damped normal equations; `None` where they have no solution.
+/// One damped Gauss–Newton step; `None` where the normal equations have no solution.
 fn step(jacobian: &Matrix3, residual: [f64; 3], damping: f64) -> Option<[f64; 3]> {
     let j = jacobian;
     let normal = [0, 1, 2].map(|a| {

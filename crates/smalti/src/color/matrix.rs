@@ -1,4 +1,4 @@
-//! 3 × 3 matrices in row order, read target-first: `xyz_from_rgb` applied to rgb gives xyz.
+//! 3 × 3 row-major matrices, named target first: `xyz_from_rgb` applied to rgb gives xyz.
 
 /// Rows of a 3 × 3 matrix.
 pub type Matrix3 = [[f64; 3]; 3];
@@ -6,34 +6,68 @@ pub type Matrix3 = [[f64; 3]; 3];
 /// The identity.
 pub const IDENTITY: Matrix3 = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 
-/// A matrix with these values on its diagonal.
+/// A diagonal matrix.
 #[must_use]
 pub const fn diagonal(d: [f64; 3]) -> Matrix3 {
     [[d[0], 0.0, 0.0], [0.0, d[1], 0.0], [0.0, 0.0, d[2]]]
 }
 
-/// The matrix times a column.
+/// The matrix-vector product.
 #[must_use]
-pub fn apply(m: &Matrix3, v: [f64; 3]) -> [f64; 3] {
-    m.map(|row| row[0] * v[0] + row[1] * v[1] + row[2] * v[2])
+pub const fn apply(m: &Matrix3, v: [f64; 3]) -> [f64; 3] {
+    [dot(m[0], v), dot(m[1], v), dot(m[2], v)]
 }
 
-/// The product `a b`: first `b`, then `a`.
+const fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+/// Rows and columns exchanged.
+const fn transposed(m: &Matrix3) -> Matrix3 {
+    let [a, b, c] = *m;
+    [[a[0], b[0], c[0]], [a[1], b[1], c[1]], [a[2], b[2], c[2]]]
+}
+
+/// The product `a b`: it applies `b` first, then `a`.
 #[must_use]
-pub fn product(a: &Matrix3, b: &Matrix3) -> Matrix3 {
-    a.map(|row| [0, 1, 2].map(|j| row[0] * b[0][j] + row[1] * b[1][j] + row[2] * b[2][j]))
+pub const fn product(a: &Matrix3, b: &Matrix3) -> Matrix3 {
+    let columns = transposed(b);
+    [apply(&columns, a[0]), apply(&columns, a[1]), apply(&columns, a[2])]
 }
 
 /// The inverse; `None` when the matrix is singular or not finite.
 #[must_use]
-pub fn inverse(m: &Matrix3) -> Option<Matrix3> {
-    let cofactor = |r: usize, c: usize| {
-        let (r1, r2, c1, c2) = ((r + 1) % 3, (r + 2) % 3, (c + 1) % 3, (c + 2) % 3);
-        m[r1][c1] * m[r2][c2] - m[r1][c2] * m[r2][c1]
-    };
-    let determinant: f64 = (0..3).map(|c| m[0][c] * cofactor(0, c)).sum();
-    let inverse = [0, 1, 2].map(|i| [0, 1, 2].map(|j| cofactor(j, i) / determinant));
-    inverse.as_flattened().iter().all(|v| v.is_finite()).then_some(inverse)
+pub const fn inverse(m: &Matrix3) -> Option<Matrix3> {
+    let cofactors = [
+        [cofactor(m, 0, 0), cofactor(m, 0, 1), cofactor(m, 0, 2)],
+        [cofactor(m, 1, 0), cofactor(m, 1, 1), cofactor(m, 1, 2)],
+        [cofactor(m, 2, 0), cofactor(m, 2, 1), cofactor(m, 2, 2)],
+    ];
+    let determinant = dot(m[0], cofactors[0]);
+    let mut inverse = transposed(&cofactors);
+    let mut i = 0;
+    while i < 9 {
+        inverse[i / 3][i % 3] /= determinant;
+        if !inverse[i / 3][i % 3].is_finite() {
+            return None;
+        }
+        i += 1;
+    }
+    Some(inverse)
+}
+
+const fn cofactor(m: &Matrix3, r: usize, c: usize) -> f64 {
+    let (r1, r2, c1, c2) = ((r + 1) % 3, (r + 2) % 3, (c + 1) % 3, (c + 2) % 3);
+    m[r1][c1] * m[r2][c2] - m[r1][c2] * m[r2][c1]
+}
+
+/// The matrix of a constant. A singular matrix is a compile-time error.
+pub(super) const fn known(m: Option<Matrix3>) -> Matrix3 {
+    assert!(m.is_some(), "the matrix of a constant is singular");
+    match m {
+        Some(m) => m,
+        None => IDENTITY,
+    }
 }
 
 #[cfg(test)]

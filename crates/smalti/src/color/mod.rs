@@ -1,7 +1,7 @@
 //! Colour: tristimulus values, uniform colour spaces, colour differences, adaptation, display spaces, S-CIELAB.
 //!
-//! Plain functions take `[f64; 3]`; pictures are [`Image`]s of `f32` planes, worked on in parallel with results
-//! that do not depend on the number of threads.
+//! Functions of single colours take `[f64; 3]`. Images are `f32` planes in an [`Image`] and are processed in
+//! parallel; results do not depend on the number of threads.
 
 pub mod adaptation;
 pub mod cct;
@@ -21,7 +21,7 @@ pub use cie1976::{
 };
 pub use difference::{DeltaE, DifferenceMap};
 pub use image::{ColorSpace, Image, ImageError};
-pub use viewing::{BRIGHT_SHARE, SRGB_WHITE, shown_from_xyz};
+pub use viewing::SRGB_WHITE;
 
 #[cfg(test)]
 mod tests {

@@ -1,46 +1,47 @@
-//! S-CIELAB: colour difference as the eye sees fine patterns.
+//! S-CIELAB: a colour difference that accounts for the spatial resolution of the eye.
 //!
 //! X. Zhang and B. A. Wandell (1997), "A spatial extension of CIELAB for digital color-image reproduction",
-//! *Journal of the SID* 5(1). Both pictures are turned into a luminance, a red-green and a blue-yellow plane, each is
-//! blurred as the eye blurs it, and the blurred pictures are compared in CIELAB.
+//! *Journal of the SID* 5(1). Both images are separated into luminance, red-green and blue-yellow planes.
+//! Each plane is blurred with the kernel of the eye for it. CIELAB then compares the blurred images.
 
 use rayon::prelude::*;
 use thiserror::Error;
 
 use super::difference::{DeltaE, DifferenceMap, check_pair, map_of_planes, three};
-use super::matrix::{IDENTITY, Matrix3, inverse};
+use super::matrix::{Matrix3, inverse, known};
 use super::{Image, ImageError};
 use crate::numeric::mirror::about_border;
 
-/// What stops S-CIELAB.
+/// Errors of S-CIELAB.
 #[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]
 pub enum ScielabError {
-    /// The pictures cannot be compared.
+    /// The images cannot be compared.
     #[error(transparent)]
     Image(#[from] ImageError),
-    /// The resolution is not one the kernels can be sampled at.
+    /// The kernels cannot be sampled at this resolution.
     #[error("samples_per_degree is {0}; expected 1 to 2000")]
     SamplesPerDegree(f64),
 }
 
-/// How the widths of the kernels in degrees are meant.
+/// The interpretation of the kernel widths, which are in degrees.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum KernelWidth {
     /// As printed in the paper: exp(−r²/σ²), luminance σ 0.0283°, 0.133°, 4.336°; red-green 0.0392°, 0.494°;
     /// blue-yellow 0.0536°, 0.386°.
     #[default]
     ZhangWandell1997,
-    /// As in ISETCam (2021): the full widths at half maximum of the first S-CIELAB program (0.05°, 0.225°, 7°;
-    /// 0.0685°, 0.826°; 0.092°, 0.6451°) taken for half widths. These kernels are twice as wide as the paper's.
+    /// As in ISETCam (2021): the full widths at half maximum of the first S-CIELAB program (0.05°, 0.225°,
+    /// 7°; 0.0685°, 0.826°; 0.092°, 0.6451°), taken as half widths. These kernels are twice as wide as those
+    /// of the paper.
     Isetcam,
 }
 
-/// The observer's matrix to opponent colours.
+/// The matrix from XYZ to opponent colours.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Opponent {
-    /// From XYZ of a 2° observer, as the paper has it; but Z goes into red-green with +0.077, as in its program: with
-    /// the −0.077 in print white would be far from neutral.
+    /// From XYZ of a 2° observer, as in the paper, except that Z contributes +0.077 to red-green, as in the
+    /// authors' program. With the printed value of −0.077, white would be far from neutral.
     #[default]
     Degrees2,
     /// From XYZ of the 10° observer (the first S-CIELAB program's).
@@ -49,7 +50,7 @@ pub enum Opponent {
 
 impl Opponent {
     /// Luminance, red-green and blue-yellow from X, Y, Z.
-    pub(crate) fn matrix(self) -> Matrix3 {
+    pub(crate) const fn matrix(self) -> Matrix3 {
         match self {
             Self::Degrees2 => [
                 [0.2787336, 0.7218031, -0.1065520],
@@ -63,15 +64,25 @@ impl Opponent {
             ],
         }
     }
+
+    /// X, Y, Z from luminance, red-green and blue-yellow.
+    fn inverse_matrix(self) -> Matrix3 {
+        const DEGREES_2: Matrix3 = known(inverse(&Opponent::Degrees2.matrix()));
+        const DEGREES_10: Matrix3 = known(inverse(&Opponent::Degrees10.matrix()));
+        match self {
+            Self::Degrees2 => DEGREES_2,
+            Self::Degrees10 => DEGREES_10,
+        }
+    }
 }
 
-/// What lies outside the picture.
+/// Extension of the images beyond their borders.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Boundary {
-    /// Its mirror image, the border pixel repeated.
+    /// Reflection, with the border pixel repeated.
     #[default]
     Mirror,
-    /// The picture again, from the other side.
+    /// Periodic continuation.
     Periodic,
 }
 
@@ -80,21 +91,21 @@ pub enum Boundary {
 pub struct Scielab {
     /// Pixels per degree of visual angle.
     pub samples_per_degree: f64,
-    /// The colour difference taken between the blurred pictures.
+    /// The colour difference formula for the blurred images.
     pub formula: DeltaE,
     /// The widths of the kernels.
     pub kernels: KernelWidth,
     /// The matrix to opponent colours.
     pub opponent: Opponent,
-    /// What lies outside the pictures.
+    /// Extension of the images beyond their borders.
     pub boundary: Boundary,
 }
 
-/// S-CIELAB of two pictures in XYZ (CIE 1931) against a white in the same scale, kernels as in the paper, the
-/// picture mirrored at its borders. [`Scielab`] has the choices.
+/// S-CIELAB of two images in XYZ (CIE 1931) relative to a white in the same scale. The kernels are those of
+/// the paper, and the images are reflected at their borders. [`Scielab`] offers the alternatives.
 ///
 /// # Errors
-/// When a picture is not in XYZ, the sizes differ, or `samples_per_degree` is not within 1–2000.
+/// When an image is not in XYZ, the sizes differ, or `samples_per_degree` is not within 1–2000.
 pub fn scielab(
     reference: &Image,
     test: &Image,
@@ -118,7 +129,7 @@ impl Scielab {
         }
     }
 
-    /// The difference at every pixel, against a white in the scale of the pictures.
+    /// The difference at every pixel, relative to a white in the scale of the images.
     ///
     /// # Errors
     /// As [`scielab`].
@@ -140,30 +151,31 @@ impl Scielab {
         ))
     }
 
-    /// X, Y, Z planes of a picture as the eye resolves it.
+    /// The X, Y, Z planes of an image after the blur of the eye.
     fn filtered(&self, image: &Image) -> Result<[Vec<f32>; 3], ScielabError> {
         let kernels = self.kernels()?;
         let opponent_from_xyz = self.opponent.matrix();
-        let xyz_from_opponent = inverse(&opponent_from_xyz).unwrap_or(IDENTITY);
+        let xyz_from_opponent = self.opponent.inverse_matrix();
         let opponent = transformed(&opponent_from_xyz, three(image.planes()));
         let shape = (image.rows(), image.cols());
         let blurred = [0, 1, 2].map(|c| blur(&opponent[c], shape, &kernels[c], self.boundary));
         Ok(transformed(&xyz_from_opponent, blurred.each_ref().map(Vec::as_slice)))
     }
 
-    /// For each opponent plane the weights of its Gaussians and their samples; every kernel sums to one.
+    /// The Gaussians of each opponent plane with their weights and samples; every kernel sums to one.
     ///
-    /// Each Gaussian is cut to a support of one degree, normalised on it, and then weighted.
+    /// Each Gaussian is truncated to a support of one degree, normalised, and then weighted.
     fn kernels(&self) -> Result<[Vec<Gaussian>; 3], ScielabError> {
         let per_degree = self.samples_per_degree;
         if !(1.0..=2000.0).contains(&per_degree) {
             return Err(ScielabError::SamplesPerDegree(per_degree));
         }
-        // The widest odd support within a degree, at least three samples.
+        // The widest odd support within one degree, with at least three samples.
         let radius = ((per_degree / 2.0).ceil() as usize - 1).max(1);
         let parts: [&[(f64, f64, f64)]; 3] = [
-            // Weight, σ of the paper, half width of ISETCam in degrees. The weights are those of the first program,
-            // which sum to one; the paper prints them times 0.918, 0.861 and 0.859 with three decimals.
+            // Weight, σ of the paper, and half width of ISETCam, in degrees. The weights are those of the
+            // first program, which sum to one. The paper prints them multiplied by 0.918, 0.861 and 0.859,
+            // with three decimals.
             &[(1.00327, 0.0283, 0.05), (0.114416, 0.133, 0.225), (-0.117686, 4.336, 7.0)],
             &[(0.616725, 0.0392, 0.0685), (0.383275, 0.494, 0.826)],
             &[(0.567885, 0.0536, 0.092), (0.432115, 0.386, 0.6451)],
@@ -184,7 +196,7 @@ impl Scielab {
     }
 }
 
-/// One separable part of a kernel: its weight and the right half of its samples, from the centre.
+/// One separable part of a kernel: its weight and its samples from the centre outwards.
 struct Gaussian {
     weight: f32,
     half: Vec<f32>,
@@ -195,7 +207,7 @@ impl Gaussian {
         let value = |i: usize| (-(i as f64 / sigma_samples).powi(2)).exp();
         let sum = 1.0 + 2.0 * (1..=radius).map(value).sum::<f64>();
         let mut half: Vec<f32> = (0..=radius).map(|i| (value(i) / sum) as f32).collect();
-        // Samples too small to count only cost time.
+        // Negligible samples would only cost time.
         while half.len() > 1 && half.last().is_some_and(|&v| v < 1e-9) {
             half.pop();
         }
@@ -203,7 +215,7 @@ impl Gaussian {
     }
 }
 
-/// Three planes through a matrix.
+/// The planes after multiplication by a matrix.
 fn transformed(m: &Matrix3, planes: [&[f32]; 3]) -> [Vec<f32>; 3] {
     [0, 1, 2].map(|row| {
         let w = m[row].map(|v| v as f32);
@@ -219,9 +231,9 @@ fn transformed(m: &Matrix3, planes: [&[f32]; 3]) -> [Vec<f32>; 3] {
     })
 }
 
-/// Pixels that one task works on.
+/// Pixels per task.
 const CHUNK: usize = 16_384;
-/// Rows that one task works on.
+/// Rows per task.
 const ROWS: usize = 16;
 
 /// The weighted sum of separable blurs of a plane.
@@ -275,7 +287,7 @@ fn blur(plane: &[f32], (rows, cols): (usize, usize), kernel: &[Gaussian], bounda
     out
 }
 
-/// The index inside 0..n that stands for one outside.
+/// The index inside 0..n that replaces one outside.
 fn outside(i: isize, n: usize, boundary: Boundary) -> usize {
     match boundary {
         Boundary::Periodic => i.rem_euclid(n as isize) as usize,
@@ -338,7 +350,7 @@ mod tests {
         }
         let srgb = Image::new(ColorSpace::Srgb, Planes::zeros(4, 4, 3)).unwrap();
         assert!(scielab(&srgb, &srgb, WHITE, 60.0, DeltaE::Cie1976).is_err());
-        // Smaller than the kernel, and empty.
+        // Images smaller than the kernel, and an empty image.
         assert_eq!(
             scielab(&grey(1, 2, |_, _| 3.0), &grey(1, 2, |_, _| 3.0), WHITE, 100.0, DeltaE::Cie1976)
                 .unwrap()

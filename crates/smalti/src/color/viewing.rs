@@ -1,30 +1,23 @@
-//! Pictures in relative XYZ made ready to be looked at on a screen.
+//! Conversion of relative XYZ images for viewing on a display.
 
-use super::display::{Primaries, matrices};
-use super::matrix::{IDENTITY, Matrix3, product};
+use super::matrix::{IDENTITY, Matrix3};
 use super::{Adaptation, ColorSpace, Image, ImageError};
 use crate::numeric::Planes;
 
-/// White of sRGB as IEC 61966-2-1 rounds it: X, Y, Z, Y = 1.
+/// White point of sRGB as rounded in IEC 61966-2-1: X, Y, Z with Y = 1.
 pub const SRGB_WHITE: [f64; 3] = [0.95047, 1.0, 1.08883];
 
-/// The share of pixels that may be brighter than white when the brightness of a picture is chosen.
-pub const BRIGHT_SHARE: f64 = 0.005;
+/// The fraction of pixels that may exceed display white with [`Image::brightness_gain`].
+const BRIGHT_SHARE: f64 = 0.005;
 
-/// X, Y, Z under a light of this white as sRGB shows it.
-fn adapted(white: Option<[f64; 3]>) -> Matrix3 {
-    white.and_then(|w| Adaptation::Bradford.matrix(SRGB_WHITE, w)).unwrap_or(IDENTITY)
-}
-
-/// Linear sRGB from X, Y, Z as [`Image::shown`] makes it, but for the gain.
-#[must_use]
-pub fn shown_from_xyz(white: Option<[f64; 3]>) -> Matrix3 {
-    product(&matrices(&Primaries::SRGB).1, &adapted(white))
+/// The matrix that adapts X, Y, Z from a white to that of sRGB (Bradford); the identity without a white.
+fn adapted(white: Option<[f64; 3]>) -> Result<Matrix3, ImageError> {
+    white.map_or(Ok(IDENTITY), |w| Adaptation::Bradford.matrix(SRGB_WHITE, w).ok_or(ImageError::White(w)))
 }
 
 impl Image {
-    /// The factor that makes a picture in XYZ as bright as a viewer expects: all but the brightest half percent of its pixels within
-    /// the range of the display. 1 where that is dark.
+    /// The gain that brings all but the brightest half percent of the pixels of an XYZ image within the range
+    /// of the display. It is 1 for a dark image.
     #[must_use]
     pub fn brightness_gain(&self) -> f64 {
         let mut luminance: Vec<f32> = self.planes().plane(1).to_vec();
@@ -36,24 +29,32 @@ impl Image {
         if bright > 0.0 { 1.0 / f64::from(bright) } else { 1.0 }
     }
 
-    /// The picture with every value times a factor.
+    /// The image with every value multiplied by a factor.
     #[must_use]
     pub fn scaled(mut self, factor: f64) -> Self {
         self.planes_mut().data_mut().iter_mut().for_each(|v| *v = (f64::from(*v) * factor) as f32);
         self
     }
 
-    /// A picture in XYZ in sRGB as one looks at it: `gain` times as bright, and the white of its light, X, Y, Z with Y = 1, made
-    /// that of sRGB (Bradford). Without a white, or with one that cannot be adapted, colours stay as they are.
+    /// The first three planes as 8-bit red, green and blue, pixel by pixel; 0 is black and 1 full.
+    #[must_use]
+    pub fn rgb8(&self) -> Vec<u8> {
+        let [r, g, b] = [0, 1, 2].map(|c| self.planes().plane(c));
+        let byte = |v: f32| (v.clamp(0.0, 1.0) * 255.0).round() as u8;
+        r.iter().zip(g).zip(b).flat_map(|((&r, &g), &b)| [r, g, b].map(byte)).collect()
+    }
+
+    /// Converts a picture in XYZ to sRGB for viewing. It is multiplied by `gain`, and its white (X, Y, Z with Y = 1) is adapted to
+    /// that of sRGB (Bradford). Without a white, colours are not adapted.
     ///
     /// # Errors
-    /// [`ImageError::Space`] when the picture is not in XYZ.
+    /// [`ImageError::Space`] when the picture is not in XYZ; [`ImageError::White`] when the white cannot be adapted.
     pub fn shown(&self, white: Option<[f64; 3]>, gain: f64) -> Result<Self, ImageError> {
         if self.space() != ColorSpace::Xyz {
             return Err(ImageError::Space { expected: ColorSpace::Xyz, got: self.space() });
         }
         let (planes, mut out) = (self.planes(), Planes::zeros(self.rows(), self.cols(), 3));
-        for (i, row) in adapted(white).iter().enumerate() {
+        for (i, row) in adapted(white)?.iter().enumerate() {
             let [a, b, c] = row.map(|v| (v * gain) as f32);
             let xyz = planes.plane(0).iter().zip(planes.plane(1)).zip(planes.plane(2));
             out.plane_mut(i).iter_mut().zip(xyz).for_each(|(o, ((x, y), z))| *o = a * x + b * y + c * z);
@@ -81,6 +82,15 @@ mod tests {
         let darker = picture.clone().scaled(0.5);
         assert!((darker.brightness_gain() - 8.0).abs() < 1e-6);
         assert!(shown.shown(None, 1.0).is_err());
+    }
+
+    #[test]
+    fn a_white_that_cannot_be_adapted_is_refused() {
+        let picture = Image::new(ColorSpace::Xyz, Planes::zeros(2, 2, 3)).unwrap();
+        for white in [[0.0; 3], [f64::NAN, 1.0, 1.0], [0.1, -0.1, 20.0]] {
+            assert!(matches!(picture.shown(Some(white), 1.0), Err(ImageError::White(_))), "{white:?}");
+        }
+        assert!(picture.shown(None, 1.0).is_ok());
     }
 
     #[test]

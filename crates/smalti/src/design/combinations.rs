@@ -1,4 +1,4 @@
-//! Counting and numbering of combinations, so that any of them is computed alone.
+//! Counting and numbering of combinations, so that any combination can be computed from its number.
 
 /// The number of ways to choose `k` of `n`; `None` when it is above 2¹²⁸ − 1.
 #[must_use]
@@ -9,8 +9,8 @@ pub fn binomial(n: u128, k: u32) -> Option<u128> {
     }
     let mut value: u128 = 1;
     for i in 1..=k.min(n - k) {
-        // value × factor / i is whole; what i shares with value is divided out first, so that the product overflows only
-        // when the result does.
+        // value × factor / i is an integer. Dividing by the common divisor first makes the product overflow only when the
+        // result does.
         let shared = gcd(value, i);
         value = (value / shared).checked_mul((n - (i - 1)) / (i / shared))?;
     }
@@ -24,8 +24,8 @@ fn gcd(mut a: u128, mut b: u128) -> u128 {
     a
 }
 
-/// The `index`-th set of `k` numbers below `n`, ascending; `None` when there is none. Sets are counted in the order
-/// of their largest member, then the next (combinatorial number system), in O(k² log n).
+/// The `index`-th set of `k` numbers below `n`, ascending; `None` when there is none. Sets are ordered by their largest
+/// member, then by the next (combinatorial number system). The cost is O(k² log n).
 #[must_use]
 pub fn combination(n: u64, k: u32, index: u128) -> Option<Vec<u64>> {
     if binomial(n.into(), k).is_some_and(|count| index >= count) {
@@ -34,7 +34,7 @@ pub fn combination(n: u64, k: u32, index: u128) -> Option<Vec<u64>> {
     let (mut above, mut rest) = (n, index);
     let mut members = Vec::with_capacity(k as usize);
     for i in (1..=k).rev() {
-        // The largest member with at most `rest` sets below it; a number of sets beyond 2¹²⁸ is more than that.
+        // The largest member with at most `rest` sets below it. `None` stands for a number of sets above 2¹²⁸ − 1.
         let (mut low, mut high) = (u64::from(i) - 1, above);
         while high - low > 1 {
             let middle = low + (high - low) / 2;

@@ -1,11 +1,11 @@
-//! What can be wrong with a family of designs.
+//! Errors of studies and of families of designs.
 
 use thiserror::Error;
 
 use crate::camera::CameraError;
 use crate::sensor::CfaError;
 
-/// What can be wrong with a family of designs, or with what is asked of it.
+/// An error of a study or of a family of designs.
 #[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]
 pub enum DesignError {
@@ -18,13 +18,13 @@ pub enum DesignError {
         /// What is wrong, and what was expected.
         message: String,
     },
-    /// A filter array has 1 to 26 colours: one letter each.
+    /// A colour filter array has 1 to 26 colours, because each colour has a letter.
     #[error("{colors} colours; expected 1 to 26")]
     Colors {
-        /// Colours that were asked for.
+        /// Requested number of colours.
         colors: usize,
     },
-    /// There are more designs than 2¹²⁸ − 1.
+    /// The family has more than 2¹²⁸ − 1 designs.
     #[error("{what} has more than 2^128 designs of {colors} colours, too many to number")]
     Uncountable {
         /// The family.
@@ -32,31 +32,31 @@ pub enum DesignError {
         /// Colours.
         colors: usize,
     },
-    /// A design is asked for by a number that it does not have.
+    /// The family has no design with the requested number.
     #[error("{what} has {count} designs of {colors} colours; there is no design {index} (counted from 0)")]
     Index {
         /// The family.
         what: &'static str,
         /// Colours.
         colors: usize,
-        /// The number asked for.
+        /// The requested number.
         index: u128,
-        /// Designs there are.
+        /// Number of designs.
         count: u128,
     },
-    /// More designs are asked for than there are.
+    /// More mosaics are requested than the family has.
     #[error("{wanted} different mosaics of {colors} colours are asked for, but {what} has only {available}")]
     TooFew {
         /// The family.
         what: &'static str,
         /// Colours.
         colors: usize,
-        /// Number asked for.
+        /// Requested number.
         wanted: u64,
-        /// Number there is.
+        /// Number of mosaics of the family.
         available: u128,
     },
-    /// More mosaics are asked for than one list holds.
+    /// More mosaics are requested than can be listed.
     #[error(
         "{wanted} mosaics of {colors} colours of {what} are too many to list; ask for at most {limit} of them"
     )]
@@ -65,37 +65,37 @@ pub enum DesignError {
         what: &'static str,
         /// Colours.
         colors: usize,
-        /// Number asked for; where all were, the number there is.
+        /// Requested number, or the number of mosaics of the family when all are requested.
         wanted: u128,
-        /// Largest number that is listed.
+        /// Largest number that can be listed.
         limit: u64,
     },
-    /// More mosaics of all numbers of colours together are asked for than one study holds.
+    /// More mosaics of all numbers of colours together are requested than one study can list.
     #[error(
         "{wanted} mosaics are too many to list; ask for at most {limit} of all numbers of colours together"
     )]
     TooManyMosaics {
-        /// Number asked for.
+        /// Requested number.
         wanted: u64,
-        /// Largest number that is listed.
+        /// Largest number that can be listed.
         limit: u64,
     },
-    /// More sets of filters are asked for than there are.
+    /// More sets of filters are requested than the family has.
     #[error("{wanted} different sets of {colors} filters are asked for, but the family has only {available}")]
     TooFewSets {
         /// Colours.
         colors: usize,
-        /// Number asked for.
+        /// Requested number.
         wanted: u64,
-        /// Number there is.
+        /// Number of sets of the family.
         available: u128,
     },
-    /// All sets of filters are asked for, and there are more than can be numbered.
+    /// All sets of filters are requested, and there are more than 2⁶⁴ − 1.
     #[error("the family has {available} sets of {colors} filters; ask for a number of them in place of all")]
     TooManySets {
         /// Colours.
         colors: usize,
-        /// Number there is.
+        /// Number of sets of the family.
         available: u128,
     },
     /// Sets of filters times mosaics times conditions are more than 2⁶⁴ − 1.
@@ -115,27 +115,27 @@ pub enum DesignError {
         /// Mosaics for each.
         mosaics: Vec<u64>,
     },
-    /// A design is asked for by a number beyond the last.
+    /// The study has no design with the requested number.
     #[error("the study has {count} designs; there is no design {number} (counted from 0)")]
     NoSuchDesign {
-        /// The number asked for.
+        /// The requested number.
         number: u64,
-        /// Designs there are.
+        /// Number of designs.
         count: u64,
     },
-    /// A condition is asked for by a number beyond the last.
+    /// The study has no condition with the requested index.
     #[error("the study has no condition {index} (counted from 0)")]
     NoSuchCondition {
-        /// The number asked for.
+        /// The requested index.
         index: usize,
     },
-    /// A camera cannot be made, or its targets cannot be imaged.
+    /// A camera is invalid, or its targets cannot be imaged.
     #[error(transparent)]
     Camera(#[from] CameraError),
-    /// A filter of the family cannot be made.
+    /// A filter of the family is invalid.
     #[error("filter '{name}': {problem}")]
     Filter {
-        /// Its name or place.
+        /// Its name or its position in the family.
         name: String,
         /// What is wrong with it.
         problem: CfaError,
@@ -145,7 +145,7 @@ pub enum DesignError {
     Cfa(#[from] CfaError),
 }
 
-/// What there is of each number of colours, in words.
+/// The sets of filters and the mosaics for each number of colours, as text.
 fn counted(colors: &[usize], sets: &[u64], mosaics: &[u64]) -> String {
     let of = |((colors, sets), mosaics): ((&usize, &u64), &u64)| {
         format!("{colors} colours have {sets} sets of filters and {mosaics} mosaics; ")
@@ -159,7 +159,7 @@ impl DesignError {
     }
 }
 
-/// Colours that a filter array can have: one letter each.
+/// Checks the number of colours of a colour filter array.
 pub(super) fn colors_checked(colors: usize) -> Result<u32, DesignError> {
     match u32::try_from(colors) {
         Ok(n @ 1..=26) => Ok(n),

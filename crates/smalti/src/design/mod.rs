@@ -1,26 +1,28 @@
 //! Families of designs: sets of filters and mosaics that a study searches.
 //!
 //! A design is a set of N filters, ascending in wavelength, and a [`Mosaic`](crate::sensor::Mosaic) whose channel i has
-//! filter i. [`FilterFamily`] and [`MosaicFamily`] are written in the file of a study. Each tells how many members it has
-//! for a number of colours, and gives any of them; of a [`FilterFamily`], by its number and alone, so that a
-//! [`Permutation`] of the numbers is a sample without replacement that needs no memory.
+//! filter i. The file of a study states a [`FilterFamily`] and a [`MosaicFamily`]. Each counts its members for a number of
+//! colours. A [`FilterFamily`] computes any member from its number alone, so that a [`Permutation`] of the numbers draws
+//! without replacement and without memory.
 
 mod combinations;
 mod error;
 mod filters;
-mod learned;
-mod lessons;
+mod imaged_scene;
 mod mosaics;
+mod patch_light;
 mod permutation;
-mod prepared;
+mod pipeline_trainer;
+mod pixel_light;
 mod preview;
+mod results;
 mod scenes;
 mod scores;
-mod shown;
 pub mod statistics;
 mod study;
 mod sweep;
 mod targets;
+mod training_scene;
 
 pub use combinations::{binomial, combination, combination_rank};
 pub use error::DesignError;
@@ -28,12 +30,16 @@ pub use filters::{
     Dye, Dyes, FilterFamily, FilterFigures, FilterSet, GaussianGrid, Library, ListedSet, Rule, RuleName,
     RuleTarget, Series,
 };
-pub use learned::{LessonSettings, Lessons};
 pub use mosaics::{MosaicFamily, Symmetry, Tile, published};
 pub use permutation::Permutation;
-pub use preview::{PixelLight, ReadoutModel, metered_electrons};
+pub use pipeline_trainer::{LearningSettings, PipelineTrainer};
+pub use pixel_light::{PixelLight, QuantizedLight, QuantizedPlanes};
+pub use preview::{Preview, PreviewDesign, PreviewLight, PreviewScene, PreviewTraining, metered};
+pub use results::{ColumnValues, ResultColumn, StudyResults};
 pub use scenes::StudyScene;
-pub use scores::{AliasingScores, Asked, ColorScores, EdgeScores, Metric, SceneFigures, Scores, Sight};
+pub use scores::{
+    AliasingScores, ColorScores, EdgeScores, Metric, MetricResult, MetricTarget, SceneFigures, Scores,
+};
 pub use study::{Condition, ConditionValue, Design, Designs, Processing, Study};
-pub use sweep::{SCORES_REVISION, Scored, Sweep};
+pub use sweep::{SCORES_REVISION, ScoredDesign, Sweep};
 pub use targets::Targets;

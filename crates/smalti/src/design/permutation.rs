@@ -1,13 +1,13 @@
-//! A random order of a range too large to shuffle: place `i` of the order is computed alone.
+//! A random permutation of a range that is too large to shuffle. Each of its values is computed independently.
 
 use crate::numeric::philox::{Stream, philox4x32};
 
-/// Enough that small domains mix as well: the advice for format-preserving ciphers is 10 rounds, and a round costs
-/// some ten nanoseconds.
+/// Number of rounds, above the 10 recommended for format-preserving encryption, so that small ranges mix as well. A round
+/// takes about ten nanoseconds.
 const ROUNDS: usize = 16;
 
-/// A keyed bijection of `0..len`: its values at 0, 1, 2, … are the range in random order, so that the first k of
-/// them are a uniform sample without replacement. It needs no memory and gives the same order on every machine.
+/// A keyed permutation of `0..len`. Its values at 0, 1, 2, … are the range in random order, so that the first k values are
+/// a uniform sample without replacement. It needs no memory and gives the same order on every machine.
 ///
 /// A Feistel network with Philox ([salmon2011]) as its round function permutes the pairs of numbers below ⌈√len⌉,
 /// and a value outside the range is permuted again until it is inside (cycle walking, [black2002]).
@@ -20,20 +20,20 @@ pub struct Permutation {
     /// The halves are numbers below this; at most 2⁶⁴.
     root: u128,
     keys: [[u32; 2]; ROUNDS],
-    /// Whether 0 and 1 are exchanged in the end.
+    /// Whether 0 and 1 are exchanged after the rounds.
     exchange: bool,
 }
 
 impl Permutation {
-    /// The order of `0..len` that (seed, purpose, item) name; `purpose` separates uses of one seed, `item` counts
-    /// within a use.
+    /// The permutation of `0..len` with the key (seed, purpose, item). `purpose` separates the uses of a seed, and `item`
+    /// numbers the permutations of one use.
     #[must_use]
     pub fn new(len: u128, seed: u64, purpose: u32, item: u32) -> Self {
         let floor = len.isqrt();
         let root = if floor.checked_mul(floor) == Some(len) { floor } else { floor + 1 };
         let mut stream = Stream::new(seed, purpose, item);
         let keys = std::array::from_fn(|_| [stream.next_u32(), stream.next_u32()]);
-        // An even number of rounds on an odd root makes even permutations only, and orders of a few values show it.
+        // An even number of rounds on an odd root yields even permutations only; the exchange yields odd ones too.
         let exchange = stream.next_u32() & 1 == 1;
         Self { len, root: root.max(2), keys, exchange }
     }
@@ -44,19 +44,19 @@ impl Permutation {
         self.len
     }
 
-    /// Whether there is no value.
+    /// Whether the range is empty.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.len == 0
     }
 
-    /// The value at place `i`; `None` from `len` on.
+    /// The value at place `i`; `None` for `i` of `len` or more.
     #[must_use]
     pub fn at(&self, i: u128) -> Option<u128> {
         if i >= self.len {
             return None;
         }
-        // The cycle of `i` comes back to `i`, which is inside: the walk ends.
+        // The walk ends, because the cycle of `i` returns to `i`, which is inside the range.
         let mut value = self.mixed(i);
         while value >= self.len {
             value = self.mixed(value);
@@ -64,13 +64,13 @@ impl Permutation {
         Some(value)
     }
 
-    /// The network on `0..root²`.
+    /// The Feistel network on `0..root²`.
     fn mixed(&self, value: u128) -> u128 {
         let (mut left, mut right) = (value / self.root, value % self.root);
         for key in &self.keys {
             let words = philox4x32([right as u32, (right >> 32) as u32, 0, 0], *key);
             let random = words.iter().fold(0, |sum, &w| sum << 32 | u128::from(w));
-            // 128 bits for less than 64: the remainder is uniform to 2⁻⁶⁴.
+            // The remainder of 128 bits by less than 64 bits is uniform to 2⁻⁶⁴.
             (left, right) = (right, (left + random % self.root) % self.root);
         }
         let mixed = left * self.root + right;

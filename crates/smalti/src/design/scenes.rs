@@ -1,12 +1,13 @@
-//! Scenes of one's own that designs are scored on beside the targets.
+//! Scenes chosen by the user, on which a study scores designs in addition to the targets.
 
 use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
+use super::imaged_scene::ImagedScene;
 use super::scores::SceneFigures;
-use super::shown::Shown;
 use crate::camera::compare::cut_to;
+use crate::camera::stable_text::stable_text;
 use crate::camera::{Camera, CameraError, OpticalImages, ScoreSettings, TEST_SAMPLES_PER_PX, score_picture};
 use crate::isp::Isp;
 use crate::numeric::Planes;
@@ -14,33 +15,32 @@ use crate::scene::{Scene, Setting, catalog};
 use crate::sensor::{Cfa, NoiseMode};
 use crate::spectrum::{Observer, Spectrum};
 
-/// Most pixels of a scene: the light on each of them is kept at every wavelength.
+/// Maximum number of pixels of a scene. The light on each of them is kept in memory at every wavelength.
 const MAX_PIXELS: usize = 1 << 20;
 
-/// A scene of a study. As JSON it is its name and, of a file, the hash; what was in the file is not part of it.
+/// A scene of a study. Its JSON holds the name and the hash of a file, but not the content of the file.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct StudyScene {
-    /// A built-in scene with its parameters, as [`catalog::build`] takes it; or the name of a file.
+    /// A built-in scene with its parameters, as accepted by [`catalog::build`], or the name of a file.
     pub name: String,
-    /// Hash of what is in the file; `None` for a built-in scene.
+    /// Hash of the content of the file; `None` for a built-in scene.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub hash: Option<String>,
-    /// What was in the file.
+    /// The content of the file.
     #[serde(skip)]
     pub scene: Option<Arc<Scene>>,
 }
 
 impl PartialEq for StudyScene {
-    /// By name and hash.
+    /// Compares name and hash.
     fn eq(&self, other: &Self) -> bool {
         (&self.name, &self.hash) == (&other.name, &other.hash)
     }
 }
 
 impl StudyScene {
-    /// The scene in a setting, and how many of its samples a pixel spans in each direction. A built-in one has
-    /// [`TEST_SAMPLES_PER_PX`]; a file is not spread over fewer pixels than it has samples, and is put under light and
-    /// luminance of the setting.
+    /// The scene in a setting, and the number of samples that a pixel spans in each direction: [`TEST_SAMPLES_PER_PX`] for a
+    /// built-in scene, 1 for a file. A file is relit with the illuminant and the mean luminance of the setting.
     fn build(&self, setting: &Setting) -> Result<(Scene, usize), CameraError> {
         match (&self.scene, &self.hash) {
             (Some(scene), _) => {
@@ -54,7 +54,7 @@ impl StudyScene {
         }
     }
 
-    /// The first part of its name, without folder, parameters and extension.
+    /// Its name without folder, parameters and extension.
     #[must_use]
     pub fn short_name(&self) -> &str {
         let name = self.name.split('?').next().unwrap_or(&self.name);
@@ -66,16 +66,16 @@ impl StudyScene {
     }
 }
 
-/// A scene before the camera of a study, and what the standard observer sees of it.
+/// A scene imaged on the camera of a study, with the reference seen by the standard observer.
 #[derive(Debug, Clone)]
-pub(super) struct View {
-    shown: Shown,
-    /// X, Y, Z per pixel.
+pub(super) struct SceneTarget {
+    imaged: ImagedScene,
+    /// X, Y, Z of the reference at every pixel.
     seen: Arc<Planes>,
     light: Spectrum,
 }
 
-impl View {
+impl SceneTarget {
     pub(super) fn new(
         camera: &Camera,
         scene: &StudyScene,
@@ -92,28 +92,28 @@ impl View {
         }
         let (camera, built) = cut_to(camera, built, [rows, cols])?;
         let fov_deg = built.horizontal_fov_deg();
-        let key = format!("{} {:?} {fov_deg} {setting:?} {:?}", scene.name, scene.hash, camera.optics);
+        let key = stable_text(&(&scene.name, &scene.hash, fov_deg, setting, &camera.optics))?;
         let image = images(&key, &|| Ok(camera.optics.image(&built)?))?;
         let seen = Arc::new(camera.seen_by_observer(&image)?);
-        Ok(Self { light: built.illuminant().clone(), shown: Shown::new(camera, image)?, seen })
+        Ok(Self { light: built.illuminant().clone(), imaged: ImagedScene::new(camera, image)?, seen })
     }
 
-    /// The distance of the picture that a colour filter array and its processing make, with all noise.
+    /// Scores the picture of a colour filter array and its processing against the reference, with all noise.
     pub(super) fn score(&self, cfa: &Cfa, isp: &dyn Isp, seed: u64) -> Result<SceneFigures, CameraError> {
-        let (camera, exposure) = self.shown.through(cfa)?;
-        let raw = camera.sensor.capture(&self.shown.pixels, &exposure, NoiseMode::All, seed)?;
+        let (camera, exposure) = self.imaged.with_cfa(cfa)?;
+        let raw = camera.sensor.capture(&self.imaged.pixels, &exposure, NoiseMode::All, seed)?;
         let picture = isp.render(&raw)?;
         let reference = camera.as_exposed(Planes::clone(&self.seen), &exposure, &self.light)?;
-        let found = score_picture(
+        let scores = score_picture(
             &picture,
             &reference,
             Observer::Cie1931.white(&self.light)?,
             &ScoreSettings::default(),
         )?;
         Ok(SceneFigures {
-            cpsnr_db: found.cpsnr_db,
-            pixel_delta_e_2000_mean: found.pixel_delta_e_2000_mean,
-            scielab_mean: found.scielab_mean,
+            cpsnr_db: scores.cpsnr_db,
+            pixel_delta_e_2000_mean: scores.pixel_delta_e_2000_mean,
+            scielab_mean: scores.scielab_mean,
         })
     }
 }

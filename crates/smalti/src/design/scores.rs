@@ -1,4 +1,4 @@
-//! What designs are scored by, and what they scored.
+//! The metrics of a study and the scores of its designs.
 
 use serde::{Deserialize, Serialize};
 
@@ -9,46 +9,46 @@ use crate::camera::CameraError;
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub enum Metric {
-    /// Colour difference of 1976 from the ColorChecker itself, mean over the patches.
+    /// ΔE*ab (CIE 1976) from the reference ColorChecker, mean over the patches.
     #[serde(rename = "delta_e_76")]
     DeltaE76,
-    /// CIEDE2000 from the ColorChecker itself, mean over the patches.
+    /// CIEDE2000 from the reference ColorChecker, mean over the patches.
     #[serde(rename = "delta_e_2000")]
     DeltaE2000,
-    /// Frequency at which the response to an edge falls to one half, cycles per mm on the sensor.
+    /// Spatial frequency at which the edge response falls to one half (MTF50), cycles per mm on the sensor.
     #[serde(rename = "mtf50_cy_per_mm")]
     Mtf50CyPerMm,
-    /// The same in cycles per pixel.
+    /// MTF50 in cycles per pixel.
     #[serde(rename = "mtf50_cy_per_px")]
     Mtf50CyPerPx,
     /// `100 · std(Y) / mean(Y)`, mean over the grey series of the ColorChecker, percent.
     #[serde(rename = "luminance_noise_percent")]
     LuminanceNoise,
-    /// Energy in the picture of a zone plate that is not in the zone plate, percent.
+    /// Aliased energy in the picture of a zone plate, percent of the energy of the zone plate.
     #[serde(rename = "aliasing_percent")]
     Aliasing,
-    /// The part of it that is colour.
+    /// The chromatic part of the aliased energy, percent.
     #[serde(rename = "color_aliasing_percent")]
     ColorAliasing,
-    /// White over RMS difference of X, Y, Z from what the standard observer sees of a scene, dB.
+    /// Peak signal-to-noise ratio over X, Y, Z of a scene against the standard observer, peak at white, dB.
     #[serde(rename = "cpsnr_db")]
     Cpsnr,
-    /// Mean CIEDE2000 of the pixels of a scene.
+    /// CIEDE2000, mean over the pixels of a scene.
     #[serde(rename = "pixel_delta_e_2000_mean")]
     PixelDeltaE2000,
-    /// Mean S-CIELAB difference of a scene.
+    /// S-CIELAB difference, mean over the pixels of a scene.
     #[serde(rename = "scielab_mean")]
     Scielab,
 }
 
-/// What a metric looks at.
+/// The target that a metric is measured on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
-pub enum Sight {
+pub enum MetricTarget {
     /// The ColorChecker without noise.
-    Colors,
+    ColorPatches,
     /// The grey series of the ColorChecker with all noise.
-    Greys,
+    GreyPatches,
     /// A slanted edge without noise.
     Edge,
     /// A zone plate without noise.
@@ -58,22 +58,22 @@ pub enum Sight {
 }
 
 impl Metric {
-    /// The metrics of a study that names none: those of `[cfaresolution]`, and two of their variants.
+    /// The default metrics of a study: those of `[cfaresolution]` and two variants of them.
     pub const USUAL: [Self; 5] =
         [Self::DeltaE76, Self::DeltaE2000, Self::Mtf50CyPerMm, Self::Mtf50CyPerPx, Self::LuminanceNoise];
 
-    /// The metrics of scenes.
+    /// The metrics that are measured on scenes.
     pub const OF_SCENES: [Self; 3] = [Self::Cpsnr, Self::PixelDeltaE2000, Self::Scielab];
 
-    /// What it looks at.
+    /// The target that it is measured on.
     #[must_use]
-    pub fn sight(self) -> Sight {
+    pub fn target(self) -> MetricTarget {
         match self {
-            Self::DeltaE76 | Self::DeltaE2000 => Sight::Colors,
-            Self::LuminanceNoise => Sight::Greys,
-            Self::Mtf50CyPerMm | Self::Mtf50CyPerPx => Sight::Edge,
-            Self::Aliasing | Self::ColorAliasing => Sight::ZonePlate,
-            Self::Cpsnr | Self::PixelDeltaE2000 | Self::Scielab => Sight::Scenes,
+            Self::DeltaE76 | Self::DeltaE2000 => MetricTarget::ColorPatches,
+            Self::LuminanceNoise => MetricTarget::GreyPatches,
+            Self::Mtf50CyPerMm | Self::Mtf50CyPerPx => MetricTarget::Edge,
+            Self::Aliasing | Self::ColorAliasing => MetricTarget::ZonePlate,
+            Self::Cpsnr | Self::PixelDeltaE2000 | Self::Scielab => MetricTarget::Scenes,
         }
     }
 
@@ -95,7 +95,7 @@ impl Metric {
     }
 }
 
-/// Of the ColorChecker without noise, means over its patches.
+/// Colour differences on the ColorChecker without noise, means over the patches.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ColorScores {
     /// [`Metric::DeltaE76`].
@@ -104,7 +104,7 @@ pub struct ColorScores {
     pub delta_e_2000: f64,
 }
 
-/// Of a slanted edge.
+/// Resolution measured on a slanted edge.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct EdgeScores {
     /// [`Metric::Mtf50CyPerMm`].
@@ -115,7 +115,7 @@ pub struct EdgeScores {
     pub time_s: f64,
 }
 
-/// What of a zone plate's picture is not in the zone plate.
+/// Aliasing measured on a zone plate.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AliasingScores {
     /// [`Metric::Aliasing`].
@@ -124,7 +124,7 @@ pub struct AliasingScores {
     pub color_aliasing_percent: f64,
 }
 
-/// How far the picture of a scene is from what the standard observer sees, as in
+/// Differences of the picture of a scene from the reference of the standard observer, as in
 /// [`PictureScores`](crate::camera::PictureScores).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SceneFigures {
@@ -136,20 +136,20 @@ pub struct SceneFigures {
     pub scielab_mean: f64,
 }
 
-/// What was found where a metric asked for it: `None` where none did; else the scores, or why there are none.
-pub type Asked<T> = Option<Result<T, CameraError>>;
+/// The scores on one target, or the error of the measurement; `None` when no metric of the study needs the target.
+pub type MetricResult<T> = Option<Result<T, CameraError>>;
 
-/// The scores of a design. What fails on one target, such as an edge without contrast, says nothing of the others.
+/// The scores of a design. A failure on one target, such as an edge without contrast, does not affect the others.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Scores {
-    /// Colours of the ColorChecker.
-    pub colors: Asked<ColorScores>,
+    /// The colour patches of the ColorChecker.
+    pub colors: MetricResult<ColorScores>,
     /// [`Metric::LuminanceNoise`].
-    pub luminance_noise_percent: Asked<f64>,
-    /// The edge.
-    pub edge: Asked<EdgeScores>,
+    pub luminance_noise_percent: MetricResult<f64>,
+    /// The slanted edge.
+    pub edge: MetricResult<EdgeScores>,
     /// The zone plate.
-    pub zone_plate: Asked<AliasingScores>,
+    pub zone_plate: MetricResult<AliasingScores>,
     /// The scenes of the study, in their order.
     pub scenes: Vec<Result<SceneFigures, CameraError>>,
     /// Exposure time of the ColorChecker, s.
@@ -157,11 +157,11 @@ pub struct Scores {
 }
 
 impl Scores {
-    /// The score by a metric, of a scene by its place among those of the study; `None` where it was not asked for, or cannot be
-    /// computed.
+    /// The score of a metric; `scene` is the index of the scene in the study and counts for metrics of scenes only. `None`
+    /// when the metric was not measured or cannot be computed.
     #[must_use]
     pub fn value(&self, metric: Metric, scene: usize) -> Option<f64> {
-        fn of<T: Copy>(found: &Asked<T>) -> Option<T> {
+        fn of<T: Copy>(found: &MetricResult<T>) -> Option<T> {
             found.as_ref()?.as_ref().ok().copied()
         }
         let scene = || self.scenes.get(scene)?.as_ref().ok();
@@ -179,9 +179,9 @@ impl Scores {
         })
     }
 
-    /// What failed, each with the target that it failed on.
+    /// The measurements that failed: the target and the error.
     pub fn problems(&self) -> impl Iterator<Item = (&'static str, &CameraError)> {
-        fn of<T>(found: &Asked<T>) -> Option<&CameraError> {
+        fn of<T>(found: &MetricResult<T>) -> Option<&CameraError> {
             found.as_ref()?.as_ref().err()
         }
         let targets = [

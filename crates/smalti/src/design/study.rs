@@ -1,4 +1,4 @@
-//! A study: families of filters and mosaics before cameras, and the designs that it has, numbered.
+//! A study: families of filters and mosaics on cameras, and its numbered designs.
 
 use std::collections::BTreeMap;
 
@@ -6,39 +6,50 @@ use serde::{Deserialize, Serialize};
 
 use super::error::DesignError;
 use super::filters::{FilterFamily, FilterSet};
-use super::learned::LessonSettings;
-use super::mosaics::{MosaicFamily, Wanted};
+use super::mosaics::{MosaicFamily, MosaicRequest};
 use super::permutation::Permutation;
+use super::pipeline_trainer::LearningSettings;
 use super::scenes::StudyScene;
 use super::scores::Metric;
 use crate::camera::description::{CfaDescription, PatternDescription};
 use crate::camera::{CameraDescription, CameraError};
 use crate::sensor::{Cfa, Channel, Filter, Mosaic};
-use crate::spectrum::{Illuminant, Spectrum, SpectrumError, WavelengthGrid};
+use crate::spectrum::{Illuminant, WavelengthGrid};
 
-/// Separates the choice of filters from other uses of the same seed.
+/// Purpose key of the random numbers that choose sets of filters.
 const PURPOSE: u32 = 0x4453_4E03;
 
-/// Sets of filters that are made at once and kept.
-const MAX_MADE: u64 = 64;
+/// Maximum number of sets of filters that are computed in advance and cached.
+const MAX_CACHED_SETS: u64 = 64;
 
-/// What makes a picture of the raw samples of a design.
+/// The processing that renders the raw image of a design.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 #[non_exhaustive]
 pub enum Processing {
-    /// That of the camera's description: demosaicking, one matrix for colour.
+    /// The processing of the camera description: demosaicking and a colour matrix.
     Classic,
-    /// A pipeline learned for the design.
+    /// An L³ pipeline trained for the design.
     L3,
+}
+
+impl Processing {
+    /// Its name in study files and results.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Classic => "classic",
+            Self::L3 => "l3",
+        }
+    }
 }
 
 /// A value of a condition.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(untagged)]
 pub enum ConditionValue {
-    /// In the unit of its key.
+    /// A number in the unit of its key.
     Number(f64),
     /// A name.
     Text(String),
@@ -53,81 +64,48 @@ impl std::fmt::Display for ConditionValue {
     }
 }
 
-/// What designs are seen under.
+/// A condition of a study: camera, illuminant and luminance.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Condition {
-    /// What sets this condition apart: the same keys, in the same order, in every condition of a study.
+    /// The keys and values that differ between conditions. All conditions of a study have the same keys in the same order.
     pub values: Vec<(String, ConditionValue)>,
     /// Mean luminance of the targets, cd/m².
     pub luminance_cd_m2: f64,
-    /// The light of the targets.
-    #[serde(serialize_with = "name_of_light", deserialize_with = "light")]
+    /// Illuminant of the targets.
     pub illuminant: Illuminant,
-    /// The camera. Its own colour filter array is not used.
+    /// The camera. The colour filter array of each design replaces its own.
     pub camera: CameraDescription,
 }
 
-fn name_of_light<S: serde::Serializer>(light: &Illuminant, to: S) -> Result<S::Ok, S::Error> {
-    match light {
-        // A name alone would not say what was in the file.
-        Illuminant::Measured { name, power } => {
-            (name, power.grid().start_nm(), power.grid().step_nm(), power.values()).serialize(to)
-        }
-        named => named.name().serialize(to),
-    }
-}
-
-/// As [`name_of_light`] writes it.
-fn light<'de, D: serde::Deserializer<'de>>(from: D) -> Result<Illuminant, D::Error> {
-    #[derive(Deserialize)]
-    #[serde(
-        untagged,
-        expecting = "expected the name of a light, or its name, first wavelength, step and samples"
-    )]
-    enum Written {
-        Name(String),
-        Measured(String, f64, f64, Vec<f64>),
-    }
-    let wrong = <D::Error as serde::de::Error>::custom::<SpectrumError>;
-    match Written::deserialize(from)? {
-        Written::Name(name) => Illuminant::from_name(&name).map_err(wrong),
-        Written::Measured(name, start_nm, step_nm, values) => {
-            let grid = WavelengthGrid::new(start_nm, step_nm, values.len()).map_err(wrong)?;
-            let power = Spectrum::new(grid, values).map_err(wrong)?;
-            Ok(Illuminant::Measured { name, power })
-        }
-    }
-}
-
-/// A study, resolved: it alone says what every design is.
+/// A resolved study, which defines every design.
 ///
-/// As JSON it is read as it was written, keys beside its own ignored. The samples of `optics.psf` and the scenes in files are
-/// not part of it, but their hashes are.
+/// Reading its JSON gives an equal study; unknown keys are ignored. The JSON holds the hashes of `optics.psf` and of scene files
+/// instead of their contents.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Study {
-    /// What it is called.
+    /// Its name.
     pub name: String,
-    /// Decides which designs are drawn, and the noise of the captures: the same for every design.
+    /// Seed of the random designs and of the noise. Every design has the same noise.
     pub seed: u64,
     /// Numbers of colours.
     pub colors: Vec<usize>,
-    /// The filters.
+    /// The family of filters.
     pub filters: FilterFamily,
-    /// Sets of filters for each number of colours; all when `None`.
+    /// Number of sets of filters for each number of colours; `None` takes all.
     pub filter_sets: Option<u64>,
-    /// The mosaics, each with every set of filters.
+    /// The family of mosaics. Every mosaic is combined with every set of filters.
     pub mosaics: MosaicFamily,
-    /// Mosaics for each number of colours; all when `None`.
+    /// Number of mosaics for each number of colours; `None` takes all.
     pub mosaic_count: Option<u64>,
-    /// Every design under every condition.
+    /// The conditions. Every design is scored under each.
     pub conditions: Vec<Condition>,
-    /// Every design with every processing.
+    /// The kinds of processing. Every design is scored with each.
     pub processing: Vec<Processing>,
-    /// How pipelines of designs are learned.
-    pub l3: LessonSettings,
-    /// What every design is scored by, in the order of the results.
+    /// Training settings for learned pipelines.
+    pub l3: LearningSettings,
+    /// The metrics, in the order of the results.
     pub metrics: Vec<Metric>,
-    /// What [`Metric::OF_SCENES`] are of.
+    /// The scenes that [`Metric::OF_SCENES`] are measured on.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub scenes: Vec<StudyScene>,
 }
@@ -139,16 +117,16 @@ pub struct Design {
     pub number: u64,
     /// Index of the condition.
     pub condition: usize,
-    /// What makes the picture.
+    /// The processing.
     pub processing: Processing,
-    /// The filters, ascending in wavelength.
+    /// The filters in ascending wavelength.
     pub filters: FilterSet,
-    /// Channel i has filter i.
+    /// The mosaic, whose channel i has filter i.
     pub mosaic: Mosaic,
 }
 
 impl Design {
-    /// The colour filter array; channels are named A, B, C, …
+    /// The colour filter array. Its channels are named A, B, C, …
     ///
     /// # Errors
     /// When a filter cannot be sampled on the grid.
@@ -161,7 +139,7 @@ impl Design {
         Ok(Cfa::new(self.filters.label.clone(), self.mosaic.clone(), channels)?)
     }
 
-    /// A camera with the filters and the mosaic of this design in place of its own; channels are named as in [`Design::cfa`].
+    /// The description of a camera with the filters and the mosaic of this design; channels are named as in [`Design::cfa`].
     #[must_use]
     pub fn camera(&self, fixed: &CameraDescription) -> CameraDescription {
         let row = |cells: &[u8]| cells.iter().map(|&c| letter(usize::from(c))).collect();
@@ -176,7 +154,7 @@ impl Design {
         camera
     }
 
-    /// The tile in letters, rows apart by `/`: `a` is the filter of the shortest wavelengths.
+    /// The tile in letters, with rows separated by `/`. `a` is the filter of the shortest wavelengths.
     #[must_use]
     pub fn tile(&self) -> String {
         let row = |cells: &[u8]| cells.iter().map(|&c| letter(usize::from(c)).to_ascii_lowercase()).collect();
@@ -193,10 +171,10 @@ fn letter(i: usize) -> char {
 struct Group {
     colors: usize,
     sets: u64,
-    /// Which set of the family comes first, second, …; `None` where all are taken in their order.
+    /// Random order of the sets of the family; `None` takes all in their order.
     order: Option<Permutation>,
-    /// The sets, where they are few: some take long to make, and come again with every mosaic.
-    made: Vec<FilterSet>,
+    /// All sets when there are few of them. Some are slow to compute, and every mosaic needs them again.
+    cached_sets: Vec<FilterSet>,
     mosaics: Vec<Mosaic>,
 }
 
@@ -206,7 +184,7 @@ impl Group {
     }
 
     fn set(&self, family: &FilterFamily, index: u64) -> Result<FilterSet, DesignError> {
-        if let Some(set) = self.made.get(index as usize) {
+        if let Some(set) = self.cached_sets.get(index as usize) {
             return Ok(set.clone());
         }
         let index = u128::from(index);
@@ -214,15 +192,15 @@ impl Group {
     }
 }
 
-/// The designs of a study. Any of them is found by its number alone; of mosaics a list is kept.
+/// The designs of a study. Any design can be computed from its number alone.
 ///
-/// Numbers run over the sets of filters first, then mosaics, numbers of colours, processing, conditions: what is slowest to
-/// prepare changes least often.
+/// The number runs fastest over the sets of filters, then over mosaics, numbers of colours, processing and conditions, so that
+/// whatever is slowest to prepare changes least often.
 #[derive(Debug, Clone)]
 pub struct Designs {
     study: Study,
     groups: Vec<Group>,
-    /// Under one condition with one processing.
+    /// Number of designs under one condition with one processing.
     per_setup: u64,
     count: u64,
 }
@@ -231,21 +209,22 @@ impl Designs {
     /// Counts the designs and draws the mosaics.
     ///
     /// # Errors
-    /// When a family refuses a key, more designs are asked for than it has, more mosaics than are listed at once, or there is no design
-    /// at all.
+    /// When a key of a family is invalid, more designs are requested than the family has, more mosaics than can be listed, or the
+    /// study has no design.
     pub fn new(study: Study) -> Result<Self, DesignError> {
         study.filters.validate()?;
-        // Before the first of them is listed, which may take seconds.
-        let wanted = |&colors: &usize| match study.mosaics.wanted(colors, study.mosaic_count) {
+        // All requests are checked before the first list is made, which may take seconds.
+        let request = |&colors: &usize| match study.mosaics.request(colors, study.mosaic_count) {
             Err(DesignError::TooFew { available: 0, .. }) => Ok(None),
-            wanted => Ok(Some(wanted?).filter(|w| w.count > 0)),
+            request => Ok(Some(request?).filter(|r| r.count > 0)),
         };
-        let wanted = study.colors.iter().map(wanted).collect::<Result<Vec<_>, DesignError>>()?;
-        let listed = wanted.iter().flatten().fold(0u64, |n, w| n.saturating_add(w.count));
-        if let Some(limit) = wanted.iter().flatten().map(|w| w.limit).min().filter(|limit| listed > *limit) {
+        let requests = study.colors.iter().map(request).collect::<Result<Vec<_>, DesignError>>()?;
+        let listed = requests.iter().flatten().fold(0u64, |n, r| n.saturating_add(r.count));
+        if let Some(limit) = requests.iter().flatten().map(|r| r.limit).min().filter(|limit| listed > *limit)
+        {
             return Err(DesignError::TooManyMosaics { wanted: listed, limit });
         }
-        let group = |(&colors, wanted): (&usize, Option<Wanted>)| {
+        let group = |(&colors, request): (&usize, Option<MosaicRequest>)| {
             let available = study.filters.count(colors)?;
             let sets = match study.filter_sets {
                 Some(wanted) if u128::from(wanted) > available && available > 0 => {
@@ -259,17 +238,18 @@ impl Designs {
             };
             let order = (u128::from(sets) < available)
                 .then(|| Permutation::new(available, study.seed, PURPOSE, colors as u32));
-            let mosaics = match wanted {
-                Some(wanted) => study.mosaics.list(colors, wanted, study.seed)?,
+            let mosaics = match request {
+                Some(request) => study.mosaics.list(colors, request, study.seed)?,
                 None => Vec::new(),
             };
-            let mut group = Group { colors, sets, order, made: Vec::new(), mosaics };
-            if sets <= MAX_MADE {
-                group.made = (0..sets).map(|i| group.set(&study.filters, i)).collect::<Result<_, _>>()?;
+            let mut group = Group { colors, sets, order, cached_sets: Vec::new(), mosaics };
+            if sets <= MAX_CACHED_SETS {
+                group.cached_sets =
+                    (0..sets).map(|i| group.set(&study.filters, i)).collect::<Result<_, _>>()?;
             }
             Ok(group)
         };
-        let groups = study.colors.iter().zip(wanted).map(group).collect::<Result<Vec<_>, DesignError>>()?;
+        let groups = study.colors.iter().zip(requests).map(group).collect::<Result<Vec<_>, DesignError>>()?;
         let too_many = || DesignError::TooManyDesigns;
         let per_setup = groups.iter().try_fold(0u64, |n, g| n.checked_add(g.len()?)).ok_or_else(too_many)?;
         let setups = (study.conditions.len() as u64).checked_mul(study.processing.len() as u64);
@@ -290,53 +270,53 @@ impl Designs {
         &self.study
     }
 
-    /// The number of designs, under all conditions.
+    /// The number of designs under all conditions and processing.
     #[must_use]
     pub fn len(&self) -> u64 {
         self.count
     }
 
-    /// Never: a study without a design is refused.
+    /// Always `false`, because [`Designs::new`] refuses a study without a design.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.count == 0
     }
 
-    /// Per number of colours: sets of filters and mosaics.
+    /// For each number of colours: that number, the number of sets of filters, and the number of mosaics.
     pub fn groups(&self) -> impl Iterator<Item = (usize, u64, usize)> {
         self.groups.iter().map(|g| (g.colors, g.sets, g.mosaics.len()))
     }
 
-    /// Which condition with which processing a design is seen under, counted from 0.
+    /// The setup of a design, that is its combination of condition and processing, counted from 0.
     #[must_use]
     pub fn setup_of(&self, number: u64) -> u64 {
         number / self.per_setup
     }
 
-    /// Index of the condition, and processing, of a setup; `None` where there are not so many.
+    /// Condition index and processing of a setup; `None` beyond the last setup.
     #[must_use]
     pub fn setup(&self, setup: u64) -> Option<(usize, Processing)> {
-        let ways = self.study.processing.len() as u64;
-        let condition = usize::try_from(setup / ways).ok().filter(|&c| c < self.study.conditions.len())?;
-        Some((condition, *self.study.processing.get((setup % ways) as usize)?))
+        let kinds = self.study.processing.len() as u64;
+        let condition = usize::try_from(setup / kinds).ok().filter(|&c| c < self.study.conditions.len())?;
+        Some((condition, *self.study.processing.get((setup % kinds) as usize)?))
     }
 
-    /// The condition of a design.
+    /// The condition index of a design.
     #[must_use]
     pub fn condition_of(&self, number: u64) -> usize {
         (self.setup_of(number) / self.study.processing.len() as u64) as usize
     }
 
-    /// The first design after `number` that has another condition.
+    /// The number of the first design of the condition after that of `number`.
     #[must_use]
     pub fn end_of_condition(&self, number: u64) -> u64 {
         (self.condition_of(number) as u64 + 1) * self.per_setup * self.study.processing.len() as u64
     }
 
-    /// The design of a number.
+    /// The design with a number.
     ///
     /// # Errors
-    /// When there are not so many, or a filter cannot be made.
+    /// When there is no such design or a filter is invalid.
     pub fn design(&self, number: u64) -> Result<Design, DesignError> {
         let beyond = || DesignError::NoSuchDesign { number, count: self.count };
         if number >= self.count {

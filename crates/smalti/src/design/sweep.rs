@@ -1,4 +1,4 @@
-//! The designs of a study, scored.
+//! Scoring the designs of a study.
 
 use std::borrow::Cow;
 use std::ops::Range;
@@ -7,78 +7,79 @@ use std::sync::{Arc, Mutex, PoisonError};
 use rayon::prelude::*;
 
 use super::error::DesignError;
-use super::learned::Lessons;
+use super::pipeline_trainer::PipelineTrainer;
 use super::scores::{Metric, Scores};
 use super::study::{Design, Designs, Processing};
 use super::targets::Targets;
 use crate::camera::{Camera, CameraError, EvaluationSettings, OpticalImages};
 
-/// Raised whenever scores change: results of two revisions do not belong in one table.
-pub const SCORES_REVISION: u32 = 3;
+/// Revision of the scores. It increases whenever scores change; a table must not mix revisions.
+pub const SCORES_REVISION: u32 = 4;
 
-/// A design and what it scored.
+/// A design and its scores.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Scored {
+pub struct ScoredDesign {
     /// The design.
     pub design: Design,
-    /// Its scores, or why it has none: a set of filters that sees no light.
+    /// Its scores, or the error that prevented all of them, such as filters that pass no light.
     pub scores: Result<Scores, CameraError>,
 }
 
-impl Scored {
+impl ScoredDesign {
     /// As [`Scores::value`].
     #[must_use]
     pub fn value(&self, metric: Metric, scene: usize) -> Option<f64> {
         self.scores.as_ref().ok()?.value(metric, scene)
     }
 
-    /// Why scores are missing, in words; empty where none is. What failed on several targets in one way is said once.
+    /// The errors of the measurements as text; empty when none failed. Equal errors of several targets appear once.
     #[must_use]
     pub fn problem(&self) -> String {
         let scores = match &self.scores {
             Ok(scores) => scores,
             Err(e) => return e.to_string(),
         };
-        let mut said: Vec<String> = Vec::new();
+        let mut messages: Vec<String> = Vec::new();
         for (target, e) in scores.problems() {
             let e = e.to_string();
-            if !said.iter().any(|s| s.ends_with(&e)) {
-                said.push(format!("{target}: {e}"));
+            if !messages.iter().any(|s| s.ends_with(&e)) {
+                messages.push(format!("{target}: {e}"));
             }
         }
-        said.join("; ")
+        messages.join("; ")
     }
 }
 
-/// A study at work. What a condition needs is prepared when its first design is scored, and kept until another comes.
+/// Scores the designs of a study. It prepares a condition when the first of its designs is scored and keeps it until
+/// another condition is needed.
 pub struct Sweep<'a> {
     designs: Cow<'a, Designs>,
     images: OpticalImages<'a>,
-    ready: Mutex<Option<(usize, Arc<Ready>)>>,
+    prepared: Mutex<Option<(usize, Arc<PreparedCondition>)>>,
 }
 
-/// A condition, ready for designs.
-struct Ready {
+/// The camera, the targets and the training light of one condition.
+struct PreparedCondition {
     camera: Camera,
     targets: Targets,
-    /// Where the study has designs that are learned for.
-    lessons: Option<Lessons>,
+    /// `None` when no design of the study has a learned pipeline.
+    trainer: Option<PipelineTrainer>,
 }
 
 impl<'a> Sweep<'a> {
-    /// A study; `images` may keep optical images, as for [`evaluate`](crate::camera::evaluate).
+    /// A sweep over borrowed designs; `images` may cache optical images, as in [`evaluate`](crate::camera::evaluate).
     #[must_use]
     pub fn new(designs: &'a Designs, images: OpticalImages<'a>) -> Self {
-        Self { designs: Cow::Borrowed(designs), images, ready: Mutex::new(None) }
+        Self { designs: Cow::Borrowed(designs), images, prepared: Mutex::new(None) }
     }
 
-    /// The same with a study that it keeps, for one that outlives who began it.
+    /// A sweep that owns its designs, for callers that cannot lend them.
     #[must_use]
     pub fn owning(designs: Designs, images: OpticalImages<'a>) -> Self {
-        Self { designs: Cow::Owned(designs), images, ready: Mutex::new(None) }
+        Self { designs: Cow::Owned(designs), images, prepared: Mutex::new(None) }
     }
 
-    /// The designs that it scores.
+    /// The designs of the study.
     #[must_use]
     pub fn designs(&self) -> &Designs {
         &self.designs
@@ -87,8 +88,12 @@ impl<'a> Sweep<'a> {
     /// Scores the designs of a range, in their order. Calls `done` after each, from any thread.
     ///
     /// # Errors
-    /// When a condition cannot be prepared, or a design cannot be made. That a design has no score is not an error.
-    pub fn score(&self, range: Range<u64>, done: &(dyn Fn() + Sync)) -> Result<Vec<Scored>, DesignError> {
+    /// When a condition cannot be prepared or a design cannot be built. A design without scores is not an error.
+    pub fn score(
+        &self,
+        range: Range<u64>,
+        done: &(dyn Fn() + Sync),
+    ) -> Result<Vec<ScoredDesign>, DesignError> {
         let mut rows = Vec::new();
         let mut at = range.start;
         while at < range.end {
@@ -99,7 +104,7 @@ impl<'a> Sweep<'a> {
         Ok(rows)
     }
 
-    /// Scores designs of one condition, that of the first.
+    /// Scores designs of one condition, which is that of the first number.
     ///
     /// # Errors
     /// As [`Sweep::score`].
@@ -107,7 +112,7 @@ impl<'a> Sweep<'a> {
         &self,
         numbers: &[u64],
         done: &(dyn Fn() + Sync),
-    ) -> Result<Vec<Scored>, DesignError> {
+    ) -> Result<Vec<ScoredDesign>, DesignError> {
         let Some(&first) = numbers.first() else { return Ok(Vec::new()) };
         self.score_under(self.designs.condition_of(first), numbers.par_iter().copied(), done)
     }
@@ -117,7 +122,7 @@ impl<'a> Sweep<'a> {
         condition: usize,
         numbers: impl ParallelIterator<Item = u64>,
         done: &(dyn Fn() + Sync),
-    ) -> Result<Vec<Scored>, DesignError> {
+    ) -> Result<Vec<ScoredDesign>, DesignError> {
         let prepared = self.condition(condition)?;
         let score = |number: u64| {
             let scored = prepared.score(self.designs.design(number)?);
@@ -127,19 +132,19 @@ impl<'a> Sweep<'a> {
         numbers.map(score).collect()
     }
 
-    fn condition(&self, index: usize) -> Result<Arc<Ready>, DesignError> {
-        let mut kept = self.ready.lock().unwrap_or_else(PoisonError::into_inner);
+    fn condition(&self, index: usize) -> Result<Arc<PreparedCondition>, DesignError> {
+        let mut kept = self.prepared.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some((_, prepared)) = kept.as_ref().filter(|(i, _)| *i == index) {
             return Ok(prepared.clone());
         }
-        // Two conditions at once would need twice the memory.
+        // Drop the old condition first: two at once would need twice the memory.
         *kept = None;
         let made = Arc::new(self.prepare(index)?);
         *kept = Some((index, made.clone()));
         Ok(made)
     }
 
-    fn prepare(&self, index: usize) -> Result<Ready, DesignError> {
+    fn prepare(&self, index: usize) -> Result<PreparedCondition, DesignError> {
         let study = self.designs.study();
         let condition = study.conditions.get(index).ok_or(DesignError::NoSuchCondition { index })?;
         let grid = condition.camera.grid()?;
@@ -151,24 +156,24 @@ impl<'a> Sweep<'a> {
         };
         let targets = Targets::new(&camera, &settings, &study.metrics, &study.scenes, self.images)?;
         let learns = study.processing.contains(&Processing::L3);
-        let lessons = learns.then(|| Lessons::new(&targets, &study.l3, self.images)).transpose()?;
-        Ok(Ready { camera, targets, lessons })
+        let trainer = learns.then(|| PipelineTrainer::new(&targets, &study.l3, self.images)).transpose()?;
+        Ok(PreparedCondition { camera, targets, trainer })
     }
 }
 
-impl Ready {
-    fn score(&self, design: Design) -> Scored {
+impl PreparedCondition {
+    fn score(&self, design: Design) -> ScoredDesign {
         let score = || {
             let cfa = design.cfa(self.camera.grid())?;
-            match &self.lessons {
-                Some(lessons) if design.processing == Processing::L3 => {
-                    let (pipeline, reach) = lessons.pipeline(&cfa)?;
-                    // Planned once for all pictures of the design.
+            match &self.trainer {
+                Some(trainer) if design.processing == Processing::L3 => {
+                    let (pipeline, reach) = trainer.pipeline(&cfa)?;
+                    // One renderer serves all pictures of the design.
                     self.targets.score_with(&cfa, &pipeline.renderer(), reach)
                 }
                 _ => self.targets.score(&cfa),
             }
         };
-        Scored { scores: score(), design }
+        ScoredDesign { scores: score(), design }
     }
 }

@@ -1,18 +1,17 @@
-//! The targets of [`evaluate`](crate::camera::evaluate) before one lens and one geometry of pixels, kept so that many colour
-//! filter arrays are scored on them fast.
+//! The targets of [`evaluate`](crate::camera::evaluate), imaged once so that many colour filter arrays can be scored fast.
 //!
-//! The light on every pixel is gathered once ([`PixelSpectra`]). A design then costs what depends on its filters: an
-//! integral over wavelength, the noise of the grey patches, its processing, the metrics. Only the rows are made
-//! that a metric looks at, with the reach of the processing around them. Scores are those of `evaluate`, but for
-//! rounding.
+//! The light on every pixel is gathered once ([`PixelSpectra`](crate::sensor::PixelSpectra)). Each design then needs only the
+//! computations that depend on its filters: the integral over wavelength, the noise of the grey patches, the processing and
+//! the metrics. Only the rows that a metric measures are rendered, extended by the reach of the processing. Scores equal
+//! those of `evaluate` up to rounding.
 
 use std::collections::VecDeque;
 use std::sync::{Arc, Mutex, PoisonError};
 
-use super::prepared::Prepared;
-use super::scenes::{StudyScene, View};
-use super::scores::{AliasingScores, Asked, ColorScores, EdgeScores, Metric, Scores, Sight};
-use super::shown::Shown;
+use super::imaged_scene::ImagedScene;
+use super::patch_light::PatchLight;
+use super::scenes::{SceneTarget, StudyScene};
+use super::scores::{AliasingScores, ColorScores, EdgeScores, Metric, MetricResult, MetricTarget, Scores};
 use crate::camera::evaluate::zone_plate_aliasing;
 use crate::camera::target::{EDGE_REGION, Target, edge_mtf50};
 use crate::camera::{Camera, CameraError, EvaluationSettings, OpticalImages, chart};
@@ -26,90 +25,91 @@ use crate::scene::{Setting, macbeth};
 use crate::sensor::{Cfa, ColorArchitecture, Exposure, Mosaic, NoiseMode, RawImage, Sensor};
 use crate::spectrum::{Spectrum, WavelengthGrid};
 
-/// Targets, ready to be seen through any filters.
+/// The targets imaged on the pixels of a camera, ready for any colour filter array.
 #[derive(Debug, Clone)]
 pub struct Targets {
     setting: Setting,
-    pub(super) chart: Arc<Shown>,
-    /// What metrics look at; the chart is there in any case, for exposure.
-    sights: Vec<Sight>,
-    edge: Option<Shown>,
+    pub(super) chart: Arc<ImagedScene>,
+    /// The targets that the metrics need. The chart is always imaged, because the exposure is found on it.
+    measured: Vec<MetricTarget>,
+    edge: Option<ImagedScene>,
     light: Spectrum,
     fit: ColorFit,
-    /// X, Y, Z of the patches themselves.
+    /// X, Y, Z of the reference patches.
     expected: Vec<[f64; 3]>,
-    /// Photons s⁻¹ nm⁻¹, the most on any pixel of the chart at each wavelength.
+    /// Maximum over the pixels of the chart at each wavelength, photons s⁻¹ nm⁻¹.
     brightest: Vec<f64>,
     zone_plate: Option<ZonePlate>,
-    scenes: Vec<View>,
+    scenes: Vec<SceneTarget>,
     seed: u64,
-    kept: Arc<Mutex<Kept>>,
+    cache: Arc<Mutex<PatchLightCache>>,
 }
 
-/// Mosaics with what scoring them needs; none where it cannot be done by filters.
-type Kept = VecDeque<(Mosaic, Option<Arc<Prepared>>)>;
+/// The light of the patches for the latest mosaics; `None` for a mosaic that needs the general path.
+type PatchLightCache = VecDeque<(Mosaic, Option<Arc<PatchLight>>)>;
 
-/// Mosaics of which is kept what scoring needs: those of a study of filters, one for each number of colours.
-const KEPT_MOSAICS: usize = 8;
-/// Share of saturation from which a chart may clip.
-const CLIPS: f64 = 0.9999;
+/// Capacity of the cache. A study of filters has one mosaic for each number of colours.
+const CACHED_MOSAICS: usize = 8;
+/// Fraction of saturation above which the chart may clip.
+const CLIPPING: f64 = 0.9999;
 
-/// The zone plate in front of the camera, and as the standard observer sees it.
+/// The zone plate imaged on the camera, with the reference seen by the standard observer.
 #[derive(Debug, Clone)]
 struct ZonePlate {
-    shown: Shown,
+    imaged: ImagedScene,
     reference: Image,
 }
 
 impl ZonePlate {
     fn new(target: &Target, images: OpticalImages<'_>) -> Result<Self, CameraError> {
-        let shown = Shown::target(target, images)?;
-        Ok(Self { reference: shown.camera.reference(shown.image())?, shown })
+        let image = images(&target.key, &|| target.image())?;
+        let reference = target.camera.reference(&image)?;
+        Ok(Self { reference, imaged: ImagedScene::new(target.camera.clone(), image)? })
     }
 }
 
-/// The scores of chart and edge.
+/// The scores on the chart and the edge.
 struct Charts {
-    colors: Asked<ColorScores>,
-    noise: Asked<f64>,
-    edge: Asked<EdgeScores>,
+    colors: MetricResult<ColorScores>,
+    noise: MetricResult<f64>,
+    edge: MetricResult<EdgeScores>,
 }
 
-/// The edge, captured without noise.
+/// A capture of the edge without noise.
 struct EdgeCapture {
     raw: RawImage,
-    /// Where it is measured.
+    /// The region that is measured.
     region: Rect,
     time_s: f64,
 }
 
 impl EdgeCapture {
-    fn new(shown: &Shown, cfa: &Cfa, reach: usize) -> Result<Self, CameraError> {
-        let (camera, exposure) = shown.through(cfa)?;
+    fn new(imaged: &ImagedScene, cfa: &Cfa, reach: usize) -> Result<Self, CameraError> {
+        let (camera, exposure) = imaged.with_cfa(cfa)?;
         let (first, end) = (EDGE_REGION.row, EDGE_REGION.row + EDGE_REGION.rows);
-        let (sensor, row) = shown.band(&camera.sensor, first, end, reach);
-        let raw = sensor.capture_ideal(&shown.pixels, &exposure)?;
-        Ok(Self { raw, region: below(EDGE_REGION, row), time_s: exposure.time_s })
+        let (sensor, row) = imaged.band(&camera.sensor, first, end, reach);
+        let raw = sensor.capture_ideal(&imaged.pixels, &exposure)?;
+        Ok(Self { raw, region: relative_to(EDGE_REGION, row), time_s: exposure.time_s })
     }
 }
 
-/// A rectangle of a target in an image whose first row is row `row` of the target.
-fn below(rect: Rect, row: usize) -> Rect {
+/// A rectangle of a target, relative to an image that begins at row `row` of the target.
+fn relative_to(rect: Rect, row: usize) -> Rect {
     Rect { row: rect.row - row, ..rect }
 }
 
-/// Photoelectrons per photon and nm, per channel.
+/// Photoelectrons per photon times the wavelength step, for each channel.
 fn response(sensor: &Sensor, grid: WavelengthGrid) -> Result<Vec<Vec<f64>>, CameraError> {
     let on_grid = sensor.spectral_responsivity_on(grid)?;
     Ok(on_grid.iter().map(|r| r.values().iter().map(|v| v * grid.step_nm()).collect()).collect())
 }
 
 impl Targets {
-    /// What metrics look at before a camera, whatever its filters; `scenes` are those that [`Metric::OF_SCENES`] are of. `images`
-    /// may keep optical images, as for `evaluate`.
+    /// Images the targets that the metrics need on the pixels of a camera. [`Metric::OF_SCENES`] are measured on `scenes`;
+    /// `images` may cache optical images, as in `evaluate`.
     ///
     /// # Errors
-    /// When a stage refuses.
+    /// When a stage fails.
     pub fn new(
         camera: &Camera,
         settings: &EvaluationSettings,
@@ -118,37 +118,43 @@ impl Targets {
         images: OpticalImages<'_>,
     ) -> Result<Self, CameraError> {
         let setting = settings.setting(camera.grid());
-        let sights: Vec<Sight> = metrics.iter().map(|m| m.sight()).collect();
-        let looks = |sight| sights.contains(&sight);
+        let measured: Vec<MetricTarget> = metrics.iter().map(|m| m.target()).collect();
+        let needs = |target| measured.contains(&target);
         let light = settings.illuminant.photons(camera.grid())?;
-        let chart = Arc::new(Shown::target(&Target::chart(camera, &setting)?, images)?);
-        let edge = || Shown::target(&Target::edge(camera, &setting)?, images);
+        let chart = Arc::new(ImagedScene::of_target(&Target::chart(camera, &setting)?, images)?);
+        let edge = || ImagedScene::of_target(&Target::edge(camera, &setting)?, images);
         let zone_plate = || ZonePlate::new(&Target::zone_plate(camera, &setting)?, images);
-        let view = |scene| View::new(camera, scene, &setting, images);
-        let scenes = if looks(Sight::Scenes) { scenes } else { &[] };
+        let scene_target = |scene| SceneTarget::new(camera, scene, &setting, images);
+        let scenes = if needs(MetricTarget::Scenes) { scenes } else { &[] };
         Ok(Self {
             brightest: chart.brightest(),
             chart,
-            kept: Arc::default(),
-            edge: looks(Sight::Edge).then(edge).transpose()?,
-            zone_plate: looks(Sight::ZonePlate).then(zone_plate).transpose()?,
-            scenes: scenes.iter().map(view).collect::<Result<_, _>>()?,
+            cache: Arc::default(),
+            edge: needs(MetricTarget::Edge).then(edge).transpose()?,
+            zone_plate: needs(MetricTarget::ZonePlate).then(zone_plate).transpose()?,
+            scenes: scenes.iter().map(scene_target).collect::<Result<_, _>>()?,
             fit: camera.color_fit(&light)?,
             expected: chart::expected(&light)?,
-            sights,
+            measured,
             light,
             setting,
             seed: settings.seed,
         })
     }
 
-    /// The light, photons.
+    /// The illuminant, photons.
     #[must_use]
     pub fn light(&self) -> &Spectrum {
         &self.light
     }
 
-    /// What the targets are lit by and how far they are.
+    /// The irradiance at the metered point of the chart; `None` when the exposure rule does not meter a point.
+    #[must_use]
+    pub fn metered(&self) -> Option<&Spectrum> {
+        self.chart.metered()
+    }
+
+    /// Illuminant, luminance and distance of the targets.
     pub(super) fn setting(&self) -> &Setting {
         &self.setting
     }
@@ -161,13 +167,13 @@ impl Targets {
     /// The scores of a colour filter array with the camera's own processing.
     ///
     /// # Errors
-    /// When no exposure is found before the chart, or the processing cannot be made; what fails on a target stands in its
-    /// scores.
+    /// When no exposure is found for the chart or the processing cannot be built. The scores hold the error of a target that
+    /// cannot be measured.
     pub fn score(&self, cfa: &Cfa) -> Result<Scores, CameraError> {
-        let (camera, exposure) = self.chart.through(cfa)?;
+        let (camera, exposure) = self.chart.with_cfa(cfa)?;
         let isp = camera.isp_fitted_to(&self.fit, WhiteBalance::None)?;
-        let linear = match self.prepared(isp.demosaic, cfa.mosaic())? {
-            Some(prepared) => self.score_linear(&camera, &exposure, &isp, &prepared)?,
+        let linear = match self.patch_light(isp.demosaic, cfa.mosaic())? {
+            Some(patch_light) => self.score_linear(&camera, &exposure, &isp, &patch_light)?,
             None => None,
         };
         match linear {
@@ -176,13 +182,13 @@ impl Targets {
         }
     }
 
-    /// The scores with processing of one's own, which makes X, Y, Z as they are under the light of raw samples. A pixel of its
-    /// picture depends on samples at most `reach` rows away.
+    /// The scores of a colour filter array with the given processing. Its pictures are X, Y, Z under the illuminant of the
+    /// scene, not adapted, and each pixel depends on samples at most `reach` rows away.
     ///
     /// # Errors
     /// As [`Targets::score`].
     pub fn score_with(&self, cfa: &Cfa, isp: &dyn Isp, reach: usize) -> Result<Scores, CameraError> {
-        let (camera, exposure) = self.chart.through(cfa)?;
+        let (camera, exposure) = self.chart.with_cfa(cfa)?;
         let patches = chart::patches();
         let colors = || {
             let mut measured = Vec::with_capacity(patches.len());
@@ -196,43 +202,43 @@ impl Targets {
             let (raw, greys) = self.greys_raw(&camera.sensor, &exposure, reach)?;
             Ok(luminance_noise(isp.render(&raw)?.planes(), chart::LUMINANCE, &greys)?.mean_percent)
         };
-        let edge = |shown: &Shown| {
-            let edge = EdgeCapture::new(shown, cfa, reach)?;
+        let edge = |imaged: &ImagedScene| {
+            let edge = EdgeCapture::new(imaged, cfa, reach)?;
             self.edge(&edge, isp.render(&edge.raw)?.planes(), chart::LUMINANCE)
         };
         let charts = self.charts(&colors, &noise, &edge);
         Ok(self.with_pictures(charts, cfa, isp, exposure.time_s))
     }
 
-    /// Chart and edge, as far as metrics look at them.
+    /// Measures the chart and the edge where the metrics need them.
     fn charts(
         &self,
         colors: &dyn Fn() -> Result<ColorScores, CameraError>,
         noise: &dyn Fn() -> Result<f64, CameraError>,
-        edge: &dyn Fn(&Shown) -> Result<EdgeScores, CameraError>,
+        edge: &dyn Fn(&ImagedScene) -> Result<EdgeScores, CameraError>,
     ) -> Charts {
         Charts {
-            colors: self.sights.contains(&Sight::Colors).then(colors),
-            noise: self.sights.contains(&Sight::Greys).then(noise),
+            colors: self.measured.contains(&MetricTarget::ColorPatches).then(colors),
+            noise: self.measured.contains(&MetricTarget::GreyPatches).then(noise),
             edge: self.edge.as_ref().map(edge),
         }
     }
 
-    /// The scores of chart and edge with those of zone plate and scenes, which take whole pictures.
+    /// Adds the scores on the zone plate and the scenes, which need whole pictures.
     fn with_pictures(&self, charts: Charts, cfa: &Cfa, isp: &dyn Isp, macbeth_time_s: f64) -> Scores {
         Scores {
             colors: charts.colors,
             luminance_noise_percent: charts.noise,
             edge: charts.edge,
             zone_plate: self.zone_plate.as_ref().map(|zone| self.aliasing(zone, cfa, isp)),
-            scenes: self.scenes.iter().map(|view| view.score(cfa, isp, self.seed)).collect(),
+            scenes: self.scenes.iter().map(|scene| scene.score(cfa, isp, self.seed)).collect(),
             macbeth_time_s,
         }
     }
 
     fn aliasing(&self, zone: &ZonePlate, cfa: &Cfa, isp: &dyn Isp) -> Result<AliasingScores, CameraError> {
-        let (camera, exposure) = zone.shown.through(cfa)?;
-        let picture = isp.render(&camera.sensor.capture_ideal(&zone.shown.pixels, &exposure)?)?;
+        let (camera, exposure) = zone.imaged.with_cfa(cfa)?;
+        let picture = isp.render(&camera.sensor.capture_ideal(&zone.imaged.pixels, &exposure)?)?;
         let found = zone_plate_aliasing(&picture, &zone.reference, &self.setting)?;
         Ok(AliasingScores {
             aliasing_percent: found.total_percent,
@@ -240,62 +246,65 @@ impl Targets {
         })
     }
 
-    /// What scoring a mosaic needs, kept from the last designs; `None` where it cannot be done by filters.
-    fn prepared(&self, demosaic: Demosaic, mosaic: &Mosaic) -> Result<Option<Arc<Prepared>>, CameraError> {
+    /// The light of the patches for a mosaic, from the cache or computed; `None` when the mosaic needs the general path.
+    fn patch_light(
+        &self,
+        demosaic: Demosaic,
+        mosaic: &Mosaic,
+    ) -> Result<Option<Arc<PatchLight>>, CameraError> {
         let sensor = &self.chart.camera.sensor;
         if sensor.crosstalk.is_some() || sensor.architecture != ColorArchitecture::Mosaic {
             return Ok(None);
         }
-        let kept = || self.kept.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some((_, found)) = kept().iter().find(|(m, _)| m == mosaic) {
+        let cache = || self.cache.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((_, found)) = cache().iter().find(|(m, _)| m == mosaic) {
             return Ok(found.clone());
         }
         let patches = chart::patches();
-        // So far samples may lie from what is measured.
+        // Distance from the measured regions to the border: the reach must not exceed it.
         let clear = patches.iter().chain([&EDGE_REGION]).map(|p| p.row.min(p.col)).min().unwrap_or(0);
         let near = demosaic.interpolation(mosaic)?.filter(|i| i.reach() <= clear);
-        let made = near.map(|i| Arc::new(Prepared::new(i, mosaic, &self.chart.pixels, &patches)));
-        let mut kept = kept();
-        if kept.len() >= KEPT_MOSAICS {
-            kept.pop_front();
+        let made = near.map(|i| Arc::new(PatchLight::new(i, mosaic, &self.chart.pixels, &patches)));
+        let mut cache = cache();
+        if cache.len() >= CACHED_MOSAICS {
+            cache.pop_front();
         }
-        kept.push_back((mosaic.clone(), made.clone()));
+        cache.push_back((mosaic.clone(), made.clone()));
         Ok(made)
     }
 
-    /// As [`Targets::score_with`], by what processing is that is linear in the samples: colours from the light on the patches,
-    /// one plane of luminance for edge and noise. `None` where the chart may clip, or the tile is so large that patches lie too
-    /// near the border.
+    /// [`Targets::score_with`] for processing that is linear in the samples: colours from the light of the patches, and only the
+    /// luminance plane for edge and noise. `None` when the chart may clip or the picture is white-balanced.
     fn score_linear(
         &self,
         camera: &Camera,
         exposure: &Exposure,
         isp: &Classic,
-        prepared: &Prepared,
+        patch_light: &PatchLight,
     ) -> Result<Option<Charts>, CameraError> {
         let (sensor, mosaic) = (&camera.sensor, camera.sensor.cfa.mosaic());
-        let reach = prepared.interpolation.reach();
+        let reach = patch_light.interpolation.reach();
         let response = response(sensor, self.chart.pixels.grid())?;
         let levels = sensor.raw_levels(exposure)?;
         let range_v = levels.white_v - levels.black_v;
-        // A converter that cannot show no light, because the offset is below its range, clips the dark.
+        // An offset below the range of the converter clips the dark signal.
         let dark_v = exposure.analog_offset_v * exposure.analog_gain;
         let dark_clips = (levels.black_v - dark_v).abs() > 1e-9 * range_v;
         // Normalised samples per photoelectron per second.
         let gain = exposure.time_s * sensor.pixel.conversion_gain_v_per_e * exposure.analog_gain / range_v;
-        let most =
+        let maximum =
             |response: &Vec<f64>| response.iter().zip(&self.brightest).map(|(r, b)| r * b).sum::<f64>();
-        let brightest = response.iter().map(most).fold(0.0, f64::max) * gain;
-        if dark_clips || brightest > CLIPS || isp.white_balance != WhiteBalance::None {
+        let brightest = response.iter().map(maximum).fold(0.0, f64::max) * gain;
+        if dark_clips || brightest > CLIPPING || isp.white_balance != WhiteBalance::None {
             return Ok(None);
         }
         let matrix = &isp.color_matrix;
         let xyz = |channels: Vec<f64>| matrix.xyz(&channels).map(|v| v * gain * isp.gain);
-        let colors = || self.colors(&prepared.channels(&response).map(xyz).collect::<Vec<_>>());
+        let colors = || self.colors(&patch_light.channels(&response).map(xyz).collect::<Vec<_>>());
 
         let factors: Vec<f32> =
             matrix.xyz_from_camera().iter().map(|c| (c[chart::LUMINANCE] * isp.gain) as f32).collect();
-        let luminance = TileFilter::new(&prepared.interpolation, mosaic, &factors);
+        let luminance = TileFilter::new(&patch_light.interpolation, mosaic, &factors);
         let plane = |raw: &RawImage| -> Result<Planes, CameraError> {
             let plane = luminance.apply(&raw.normalized(), raw.cols())?;
             Ok(Planes::new(raw.rows(), raw.cols(), 1, plane).map_err(IspError::from)?)
@@ -304,14 +313,14 @@ impl Targets {
             let (raw, greys) = self.greys_raw(sensor, exposure, reach)?;
             Ok(luminance_noise(&plane(&raw)?, 0, &greys)?.mean_percent)
         };
-        let edge = |shown: &Shown| {
-            let edge = EdgeCapture::new(shown, &sensor.cfa, reach)?;
+        let edge = |imaged: &ImagedScene| {
+            let edge = EdgeCapture::new(imaged, &sensor.cfa, reach)?;
             self.edge(&edge, &plane(&edge.raw)?, 0)
         };
         Ok(Some(self.charts(&colors, &noise, &edge)))
     }
 
-    /// The capture of a row of patches, without noise or with that of a seed, and where the patches lie in it.
+    /// The capture of a row of patches, without noise or with the noise of a seed, and the patches in it.
     fn chart_raw(
         &self,
         sensor: &Sensor,
@@ -327,10 +336,10 @@ impl Targets {
             None => sensor.capture_ideal(&self.chart.pixels, exposure)?,
             Some(seed) => sensor.capture(&self.chart.pixels, exposure, NoiseMode::All, seed)?,
         };
-        Ok((raw, patches.iter().map(|&p| below(p, row)).collect()))
+        Ok((raw, patches.iter().map(|&p| relative_to(p, row)).collect()))
     }
 
-    /// The capture of the grey series with noise, and where its patches lie.
+    /// The capture of the grey series with noise, and its patches.
     fn greys_raw(
         &self,
         sensor: &Sensor,

@@ -8,24 +8,24 @@ use crate::color::{ColorSpace, Image};
 use crate::numeric::Planes;
 use crate::sensor::RawImage;
 
-/// Pixels summed at a time, and sums added in order: the mean is the same for any number of threads.
+/// Pixels per partial sum. Partial sums are added in order, so that the mean does not depend on the number of threads.
 const CHUNK: usize = 4096;
 
-/// Demosaicking, then one matrix for colour and white balance; the result is linear in the raw samples (but for
-/// adaptive demosaicking and grey-world balance) and not clipped.
+/// Demosaicking followed by one matrix for colour and white balance. The picture is linear in the raw samples (except with
+/// adaptive demosaicking or grey-world balance) and not clipped.
 ///
-/// The picture is CIE X, Y, Z with Y = `gain` for a perfect white diffuser that just saturates the channel that sees it
-/// brightest. With [`WhiteBalance::None`] it is that under the scene's light; otherwise white is D65, so that
-/// [`ColorSpace::LinearSrgb`] of white at Y = 1 is (1, 1, 1).
+/// The picture is CIE X, Y, Z with Y = `gain` for a perfect white diffuser that just saturates its brightest channel. With
+/// [`WhiteBalance::None`] the values are those under the illuminant of the scene. Otherwise white is adapted to D65, so that
+/// white at Y = 1 is (1, 1, 1) in [`ColorSpace::LinearSrgb`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct Classic {
-    /// How channels a pixel has not seen are estimated.
+    /// The demosaicking method.
     pub demosaic: Demosaic,
-    /// X, Y, Z from the camera's channels.
+    /// The matrix from camera channels to X, Y, Z.
     pub color_matrix: ColorMatrix,
-    /// What is done about the colour of the light.
+    /// The white balance.
     pub white_balance: WhiteBalance,
-    /// A factor on the picture, finite; 1 leaves the exposure as it was taken.
+    /// A finite factor on the picture; 1 keeps the exposure of the capture.
     pub gain: f64,
 }
 
@@ -41,10 +41,11 @@ impl Classic {
         }
     }
 
-    /// X, Y, Z of planes that have been demosaicked, one per channel, normalised.
+    /// The picture from demosaicked and normalised planes, one per channel.
     ///
     /// # Errors
-    /// When there is not one plane for each channel of the colour matrix, or the gain is not finite.
+    /// When the number of planes is not that of the channels of the colour matrix, the gain is not finite, or the white of the
+    /// camera cannot be adapted to D65.
     pub fn render_planes(&self, camera: &Planes) -> Result<Image, IspError> {
         let expected = self.color_matrix.camera_white().len();
         if camera.count() != expected {
@@ -58,7 +59,7 @@ impl Classic {
             WhiteBalance::GrayWorld => camera.planes().map(mean).collect(),
             _ => Vec::new(),
         };
-        let columns: Vec<[f32; 3]> = output_matrix(&self.color_matrix, self.white_balance, &means)
+        let columns: Vec<[f32; 3]> = output_matrix(&self.color_matrix, self.white_balance, &means)?
             .into_iter()
             .map(|c| c.map(|v| (v * self.gain) as f32))
             .collect();

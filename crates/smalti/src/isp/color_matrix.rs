@@ -1,30 +1,29 @@
-//! Tristimulus values from camera channels by least squares over a set of reflectances.
+//! Colour matrices: tristimulus values from camera channels by least squares over a set of reflectances.
 
 use super::IspError;
 use crate::numeric::least_squares::{Matrix, lstsq, lstsq_constrained};
 use crate::spectrum::{Observer, Spectrum, SpectrumError};
 
-/// A channel that sees white this much fainter than the brightest one takes no part in colour: when that one is full,
-/// at ten thousand electrons or so, the faint one holds ten, which is noise. An infrared pixel behind an infrared-cut
-/// filter, or on wavelengths that end before its band, is such a one; least squares would amplify its noise thousandfold.
+/// Relative response to white below which a channel is excluded. At saturation of the brightest channel, about ten thousand
+/// electrons, it would hold ten electrons, mostly noise, which least squares would amplify a thousandfold. An example is an
+/// infrared pixel behind an infrared-cut filter.
 const BLIND: f64 = 1e-3;
 
-/// What a colour matrix must hold exactly.
+/// A constraint on the fit of a colour matrix.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[non_exhaustive]
 pub enum ColorConstraint {
-    /// Nothing: the smallest error over the reflectances.
+    /// No constraint: the least error over the reflectances.
     #[default]
     None,
-    /// The illuminant's white comes out as it is (Finlayson and Drew 1997), so greys carry no cast.
+    /// White of the illuminant is reproduced exactly (Finlayson and Drew 1997), so that greys have no colour cast.
     PreserveWhite,
 }
 
 /// A linear map from `N` camera channels to CIE X, Y, Z under one illuminant.
 ///
-/// Scale: camera values are such that a perfect white diffuser puts the channel that sees it brightest at 1, and its
-/// Y is 1. For a picture that is exposed less, both are less by the same factor; so, applied to channels that are 1
-/// at saturation, Y = 1 is the brightest white the sensor can hold.
+/// A perfect white diffuser has the value 1 in its brightest channel and Y = 1. Both scale with the exposure. Applied to channels
+/// that are 1 at saturation, Y = 1 is therefore the brightest white that the sensor can record.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ColorMatrix {
     xyz_from_camera: Vec<[f64; 3]>,
@@ -33,7 +32,7 @@ pub struct ColorMatrix {
 }
 
 impl ColorMatrix {
-    /// A matrix that is known: per channel its part in X, Y, Z; what the channels and X, Y, Z are for white.
+    /// A known matrix: for each channel its contributions to X, Y, Z, and the channels and X, Y, Z of white.
     ///
     /// # Errors
     /// When the numbers of channels differ or are 0, a value is not finite, or the white is not positive.
@@ -63,25 +62,25 @@ impl ColorMatrix {
         Ok(Self { xyz_from_camera, camera_white, xyz_white })
     }
 
-    /// Per channel, its part in X, Y, Z: the columns of the 3 × N matrix.
+    /// The columns of the 3 × N matrix: for each channel its contributions to X, Y, Z.
     #[must_use]
     pub fn xyz_from_camera(&self) -> &[[f64; 3]] {
         &self.xyz_from_camera
     }
 
-    /// The channels for a perfect white diffuser, the largest 1 where [`color_matrix`] made it.
+    /// The channels of a perfect white diffuser; [`color_matrix`] scales the largest to 1.
     #[must_use]
     pub fn camera_white(&self) -> &[f64] {
         &self.camera_white
     }
 
-    /// X, Y, Z of a perfect white diffuser under the illuminant, Y = 1 where [`color_matrix`] made it.
+    /// X, Y, Z of a perfect white diffuser under the illuminant; [`color_matrix`] scales Y to 1.
     #[must_use]
     pub fn xyz_white(&self) -> [f64; 3] {
         self.xyz_white
     }
 
-    /// X, Y, Z of one set of channels. Channels beyond those of the matrix are left out.
+    /// X, Y, Z of one set of channels. Channels beyond those of the matrix are ignored.
     #[must_use]
     pub fn xyz(&self, camera: &[f64]) -> [f64; 3] {
         let mut xyz = [0.0; 3];
@@ -92,20 +91,19 @@ impl ColorMatrix {
     }
 }
 
-/// What colour matrices are fitted to: the reflectances of surfaces under an illuminant, and X, Y, Z of them. The same for
-/// every camera.
+/// The data for fitting colour matrices: reflectances under an illuminant and their X, Y, Z. It does not depend on the camera.
 #[derive(Debug, Clone)]
 pub struct ColorFit {
     light: Spectrum,
     /// One per surface.
     reflectances: Vec<Spectrum>,
-    /// X, Y, Z per surface, 1 for Y of white.
+    /// X, Y, Z per surface, with Y = 1 for white.
     xyz: Vec<f64>,
     xyz_white: [f64; 3],
 }
 
 impl ColorFit {
-    /// Surfaces under an illuminant, in photons per nm, in any unit, as an observer sees them.
+    /// Reflectances under an illuminant (photons per nm, in any unit), with X, Y, Z of an observer.
     ///
     /// # Errors
     /// When there is no reflectance, grids differ, or the illuminant is dark to the observer.
@@ -131,21 +129,19 @@ impl ColorFit {
         })
     }
 
-    /// The matrix that makes the smallest squared error of X, Y, Z over the surfaces.
+    /// The matrix with the least squared error of X, Y, Z over the surfaces.
     ///
-    /// `responsivities` are those of the channels per photon (filter times lens times quantum efficiency; a factor common
-    /// to all does not matter), on the grid of the illuminant.
+    /// `responsivities` are those of the channels per photon (filter times lens times quantum efficiency, up to a common
+    /// factor), on the grid of the illuminant.
     ///
-    /// Any number of channels will do. Where there are more than the reflectances can tell apart (their spectra have some
-    /// six to eight degrees of freedom), or channels are mixtures of others, the matrix of smallest norm is taken, which
-    /// amplifies noise least. A channel that is all but blind under the illuminant (below a thousandth of the brightest
-    /// one's white) gets no part.
+    /// The number of channels is arbitrary. If the fit is underdetermined, because channels outnumber the degrees of freedom of
+    /// the reflectances (about six to eight) or are mixtures of others, the matrix has the least norm, which amplifies noise
+    /// least. A channel whose response to white is below a thousandth of the brightest is excluded.
     ///
-    /// `noise` is the standard deviation of independent noise that every channel is taken to carry, relative to the
-    /// brightest white; the error that is minimised then includes what the matrix makes of it (ridge regression). 0 is
-    /// plain least squares. Channels that are nearly sums of others, such as white beside red, green and blue, would
-    /// otherwise be subtracted from one another with large factors, for a gain in colour that no eye sees and a loss by
-    /// noise that every eye does.
+    /// `noise` is the standard deviation of independent noise in every channel, relative to the brightest white. The minimised
+    /// error includes the noise after the matrix (ridge regression); 0 is ordinary least squares. Without noise, channels that
+    /// are nearly sums of others, such as white next to red, green and blue, would get large coefficients of opposite sign,
+    /// whose gain in colour accuracy is invisible and whose noise is visible.
     ///
     /// # Errors
     /// When there is no channel, grids differ, the solver fails, the noise is negative, or the illuminant is dark to the
@@ -173,7 +169,7 @@ impl ColorFit {
         let seeing: Vec<Spectrum> = camera.into_iter().zip(&camera_white).map(sees).collect();
         let (channels, samples) = (responsivities.len(), self.reflectances.len());
         let (mut a, mut b) = (responses(&self.reflectances, &seeing, brightest)?, self.xyz.clone());
-        // Noise adds its variance, once per sample, to the diagonal of the normal equations: one more row per channel.
+        // Noise adds its variance to the diagonal of the normal equations, that is one row per channel.
         let noise_rows = if noise > 0.0 { channels } else { 0 };
         for channel in 0..noise_rows {
             a.extend((0..channels).map(|c| if c == channel { noise * (samples as f64).sqrt() } else { 0.0 }));
@@ -195,12 +191,12 @@ impl ColorFit {
     }
 }
 
-/// Curves times a light.
+/// Curves multiplied by an illuminant.
 fn under(light: &Spectrum, curves: &[Spectrum]) -> Result<Vec<Spectrum>, IspError> {
     curves.iter().map(|s| Ok(s.times(light)?)).collect()
 }
 
-/// What each curve sees of each reflectance, over `scale`: a row per reflectance.
+/// The response of each curve to each reflectance, divided by `scale`: one row per reflectance.
 fn responses(reflectances: &[Spectrum], curves: &[Spectrum], scale: f64) -> Result<Vec<f64>, IspError> {
     let mut rows = Vec::with_capacity(reflectances.len() * curves.len());
     for r in reflectances {
@@ -215,7 +211,7 @@ fn responses(reflectances: &[Spectrum], curves: &[Spectrum], scale: f64) -> Resu
     Ok(rows)
 }
 
-/// The colour matrix over `reflectances` under an illuminant, once: see [`ColorFit::new`] and [`ColorFit::matrix`].
+/// [`ColorFit::new`] and [`ColorFit::matrix`] in one call.
 ///
 /// # Errors
 /// As these.
@@ -234,7 +230,7 @@ pub fn color_matrix(
 mod tests {
     use super::*;
     use crate::spectrum::generated::COLORCHECKER;
-    use crate::spectrum::{Illuminant, Outside, WavelengthGrid};
+    use crate::spectrum::{Extrapolation, Illuminant, WavelengthGrid};
     use approx::assert_abs_diff_eq;
 
     const GRID: WavelengthGrid = WavelengthGrid::VISIBLE;
@@ -244,7 +240,7 @@ mod tests {
     }
 
     fn chart() -> Vec<Spectrum> {
-        (0..24).map(|i| COLORCHECKER.spectrum(i, GRID, Outside::Error).unwrap()).collect()
+        (0..24).map(|i| COLORCHECKER.spectrum(i, GRID, Extrapolation::Error).unwrap()).collect()
     }
 
     fn matrix(channels: &[Spectrum], constraint: ColorConstraint) -> ColorMatrix {
@@ -252,7 +248,7 @@ mod tests {
         color_matrix(channels, &chart(), &light, Observer::Cie1931, constraint, 0.0).unwrap()
     }
 
-    /// A camera that meets the Luther condition sees as the observer does: the fit is exact.
+    /// The fit is exact for a camera that meets the Luther condition.
     #[test]
     fn luther_camera_is_exact() {
         let eye = Observer::Cie1931.photon_weights(GRID).unwrap();
@@ -290,7 +286,7 @@ mod tests {
         }
     }
 
-    /// An infrared channel on visible wavelengths: its trace of red would lower the error and drown the picture in noise.
+    /// The slight red response of an infrared channel would reduce the error, but amplify noise.
     #[test]
     fn a_channel_that_is_all_but_blind_takes_no_part() {
         let (r, g, b) = (gaussian(600.0, 35.0), gaussian(540.0, 40.0), gaussian(460.0, 30.0));
@@ -319,7 +315,7 @@ mod tests {
         assert!(matches!(fit(&[other], &chart()), Err(IspError::Spectrum(_))));
     }
 
-    /// White is nearly the sum of red, green and blue: without noise the fit subtracts them with large factors.
+    /// White is nearly the sum of red, green and blue: without noise, the coefficients are large and of opposite sign.
     #[test]
     fn noise_keeps_the_factors_small_at_hardly_any_cost_in_colour() {
         let bands = [gaussian(610.0, 40.0), gaussian(540.0, 40.0), gaussian(460.0, 40.0)];

@@ -1,4 +1,4 @@
-//! What can go wrong between raw samples and a picture.
+//! Errors of the processing from raw image to picture.
 
 use thiserror::Error;
 
@@ -7,7 +7,7 @@ use crate::numeric::ShapeError;
 use crate::numeric::least_squares::LeastSquaresError;
 use crate::spectrum::SpectrumError;
 
-/// A raw image that cannot be processed as asked.
+/// The reason why a raw image cannot be processed.
 #[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]
 pub enum IspError {
@@ -25,7 +25,7 @@ pub enum IspError {
         /// The method.
         method: &'static str,
     },
-    /// A channel appears nowhere near some pixel.
+    /// A channel has no samples near some pixel.
     #[error(
         "channel {channel} has too few samples around cell ({row}, {col}) of the mosaic: within {reach} pixels none enclose it"
     )]
@@ -36,10 +36,10 @@ pub enum IspError {
         row: usize,
         /// Column of the cell.
         col: usize,
-        /// How far samples are looked for, pixels.
+        /// Search radius, pixels.
         reach: usize,
     },
-    /// The image is so small that it holds no sample of a channel.
+    /// The image is so small that it has no sample of a channel.
     #[error("an image of {rows} × {cols} pixels holds no sample of channel {channel}")]
     ChannelNotSeen {
         /// The channel.
@@ -49,32 +49,32 @@ pub enum IspError {
         /// Columns of the image.
         cols: usize,
     },
-    /// A plan made for one mosaic was given an image of another.
+    /// The demosaicker is for another mosaic than that of the image.
     #[error("the image has another mosaic than the demosaicker was made for")]
     Mosaic,
-    /// Two things that meet have different numbers of channels.
+    /// A number of channels is wrong.
     #[error("{what} has {got} channels, expected {expected}")]
     Channels {
-        /// The one that is wrong.
+        /// The data with the wrong number.
         what: &'static str,
-        /// Channels it should have.
+        /// Expected number of channels.
         expected: usize,
-        /// Channels it has.
+        /// Actual number of channels.
         got: usize,
     },
-    /// A pipeline that its user can stop has been stopped.
+    /// The caller stopped the pipeline.
     #[error("stopped")]
     Stopped,
-    /// A list that a colour matrix is learned from is empty.
+    /// A list for the fit of a colour matrix is empty.
     #[error("a colour matrix needs at least one of {what}")]
     Empty {
         /// The list.
         what: &'static str,
     },
-    /// The camera, or the eye, does not see the illuminant.
+    /// The camera or the observer does not respond to the illuminant.
     #[error("{what} does not respond to the illuminant, so white has no place")]
     NoResponse {
-        /// Which of the two.
+        /// The camera or the observer.
         what: &'static str,
     },
     /// A parameter is out of its range.
@@ -87,22 +87,22 @@ pub enum IspError {
         /// The range.
         expected: &'static str,
     },
-    /// A learned pipeline is not made for the raw image, or not for pictures.
+    /// A learned pipeline does not match the raw image, or does not render pictures.
     #[error("{reason}")]
     Learned {
-        /// What its own error says.
+        /// The message of its error.
         reason: String,
     },
     /// A buffer does not match its shape.
     #[error(transparent)]
     Shape(#[from] ShapeError),
-    /// Spectral data do not fit.
+    /// Spectral data are invalid.
     #[error(transparent)]
     Spectrum(#[from] SpectrumError),
     /// The colour matrix could not be computed.
     #[error(transparent)]
     LeastSquares(#[from] LeastSquaresError),
-    /// The picture could not be made.
+    /// The picture is invalid.
     #[error(transparent)]
     Image(#[from] ImageError),
 }

@@ -1,9 +1,9 @@
-//! Processing: from raw samples to a picture.
+//! Processing from raw image to picture.
 //!
-//! Black level, [demosaicking](Demosaic), [colour matrix](color_matrix()), [white balance](WhiteBalance); [`Classic`]
-//! joins them. Nothing here knows where the raw image comes from: a simulated one and one from a camera's file are
-//! treated alike.
+//! The stages are black level, [demosaicking](Demosaic), [colour matrix](color_matrix()) and [white balance](WhiteBalance);
+//! [`Classic`] combines them. Simulated raw images and those of camera files are processed alike.
 
+mod camera_from_xyz;
 mod classic;
 mod color_matrix;
 pub mod demosaic;
@@ -12,6 +12,7 @@ pub(crate) mod source;
 pub(crate) mod tile_filter;
 mod white_balance;
 
+pub use camera_from_xyz::camera_from_xyz;
 pub use classic::Classic;
 pub use color_matrix::{ColorConstraint, ColorFit, ColorMatrix, color_matrix};
 pub use demosaic::Demosaic;
@@ -21,12 +22,12 @@ pub use white_balance::WhiteBalance;
 use crate::color::Image;
 use crate::sensor::RawImage;
 
-/// A pipeline that makes a picture of a raw image.
+/// A pipeline that renders raw images.
 pub trait Isp: Send + Sync {
-    /// The picture.
+    /// The picture of a raw image.
     ///
     /// # Errors
-    /// When the pipeline is not made for such an image.
+    /// When the pipeline does not match the image.
     fn render(&self, raw: &RawImage) -> Result<Image, IspError>;
 }
 

@@ -2,7 +2,7 @@
 
 use crate::sensor::{RawImage, RawSamples};
 
-/// Raw samples that are normalised as they are read.
+/// Raw samples that are normalised when they are read.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Source<'a> {
     samples: Samples<'a>,
@@ -19,7 +19,7 @@ enum Samples<'a> {
 }
 
 impl<'a> Source<'a> {
-    /// The first plane of a raw image, to be read as [`RawImage::normalized`] does.
+    /// The first plane of a raw image, normalised as by [`RawImage::normalized`].
     pub(crate) fn of(raw: &'a RawImage) -> Self {
         let samples = match raw.samples() {
             RawSamples::Digital(v) => Samples::Digital(v),
@@ -29,12 +29,12 @@ impl<'a> Source<'a> {
         Self { samples, black: raw.black_level() as f32, gain, rows: raw.rows(), cols: raw.cols() }
     }
 
-    /// 16-bit samples as they are.
+    /// 16-bit samples without normalisation.
     pub(crate) fn digital(samples: &'a [u16], rows: usize, cols: usize) -> Self {
         Self { samples: Samples::Digital(samples), black: 0.0, gain: 1.0, rows, cols }
     }
 
-    /// Values that are normalised already.
+    /// Values that are already normalised.
     pub(crate) fn normalized(values: &'a [f32], rows: usize, cols: usize) -> Self {
         Self { samples: Samples::Analog(values), black: 0.0, gain: 1.0, rows, cols }
     }
@@ -56,7 +56,7 @@ impl<'a> Source<'a> {
         (value - self.black) * self.gain
     }
 
-    /// A row, written to `out`, which has a place for each of its samples.
+    /// Writes a row to `out`, which has the length of the row.
     #[inline(always)]
     pub(crate) fn read_row(&self, row: usize, out: &mut [f32]) {
         let at = row * self.cols..(row + 1) * self.cols;

@@ -1,5 +1,4 @@
-//! Linear demosaicking and a colour matrix as one filter per place in the tile: what a linear pipeline is, once it is made
-//! for a mosaic.
+//! A linear pipeline for one mosaic: demosaicking and one output of the colour matrix as one filter per cell of the tile.
 
 use super::IspError;
 use super::demosaic::Interpolation;
@@ -9,20 +8,20 @@ use crate::sensor::Mosaic;
 /// Lanes of a vector of pixels.
 const LANES: usize = 16;
 
-/// One plane of a picture from normalised raw samples: at every pixel the sum of the samples around it, weighted by its place
-/// in the tile. It is defined where all samples within its reach are there.
+/// One output plane from normalised raw samples. Each pixel is a weighted sum of the samples around it, with weights for its
+/// cell of the tile. It is defined where all samples within the reach exist.
 #[derive(Debug, Clone)]
 pub(crate) struct TileFilter {
     reach: usize,
     rows: usize,
-    /// Vectors after which the pattern along a row repeats.
+    /// Period of the weights along a row, in vectors.
     period: usize,
-    /// Row of the tile, sample (row by row within the reach), vector.
+    /// By row of the tile, then sample (in row order within the reach), then vector.
     weights: Vec<[f32; LANES]>,
 }
 
 impl TileFilter {
-    /// The sum of a mosaic's interpolated channels, each times its factor.
+    /// The sum of the interpolated channels of a mosaic, each multiplied by its factor.
     pub(crate) fn new(interpolation: &Interpolation, mosaic: &Mosaic, factors: &[f32]) -> Self {
         let (reach, rows, period) = (interpolation.reach(), mosaic.rows(), mosaic.cols());
         let side = 2 * reach + 1;
@@ -47,11 +46,10 @@ impl TileFilter {
         Self { reach, rows, period, weights }
     }
 
-    /// The plane over `raw`, whose first pixel is the first of a tile, but for a margin as wide as the reach, which is
-    /// left 0. `raw` is `cols` wide.
+    /// The plane of `raw`, which has `cols` columns and begins with a whole tile. A margin as wide as the reach is 0.
     ///
     /// # Errors
-    /// When no pixel has all the samples that it needs.
+    /// When the image is not larger than the margin.
     pub(crate) fn apply(&self, raw: &[f32], cols: usize) -> Result<Vec<f32>, IspError> {
         let rows = raw.len() / cols.max(1);
         let side = 2 * self.reach + 1;
@@ -87,7 +85,7 @@ impl Kernel for Rows<'_> {
             let out = &mut self.out[row * self.cols..(row + 1) * self.cols];
             for (v, out) in out.chunks_mut(LANES).enumerate() {
                 let first = v * LANES;
-                // Columns whose samples are all there; vectors begin with a tile of the pattern, so they cannot move.
+                // The columns with all samples. Vectors are aligned to the period, so the range is cut within them.
                 let (from, to) =
                     (reach.saturating_sub(first), (self.cols - reach).saturating_sub(first).min(LANES));
                 if from >= to {

@@ -1,44 +1,53 @@
-//! What is done about the colour of the light.
+//! White balance.
 
 use super::ColorMatrix;
-use crate::color::Adaptation;
-use crate::color::display::Primaries;
-use crate::color::matrix::{IDENTITY, Matrix3, apply};
+use crate::color::display::D65_XYZ;
+use crate::color::matrix::{Matrix3, apply};
+use crate::color::{Adaptation, ImageError};
 
-/// Which light is taken for white, and whether the picture shows it as such.
+/// The white balance of a picture.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[non_exhaustive]
 pub enum WhiteBalance {
-    /// Nothing: X, Y, Z as they are under the scene's light, linear in the raw samples. This is what colour is scored
-    /// from.
+    /// None: X, Y, Z under the illuminant of the scene, linear in the raw samples, as for scores of colour.
     None,
-    /// The mean of the picture is taken for the light. Each channel is scaled so that the mean has the proportions of
-    /// the colour matrix's white, its Y kept; then as [`WhiteBalance::Illuminant`].
+    /// The mean of the picture is assumed to be neutral. Channels are scaled so that it has the chromaticity of the white of the
+    /// colour matrix and keeps its Y; then as [`WhiteBalance::Illuminant`].
     GrayWorld,
-    /// A white surface, as the camera sees it, comes out as D65 by Bradford adaptation, its Y kept.
+    /// The white of the camera is adapted to D65 (Bradford) and keeps its Y.
     #[default]
     Illuminant,
 }
 
-/// The X, Y, Z of a camera's channels as the picture shall show them, rows X, Y, Z by channels.
-/// `means` are the channels averaged over the picture.
-pub(super) fn output_matrix(colors: &ColorMatrix, balance: WhiteBalance, means: &[f64]) -> Vec<[f64; 3]> {
+/// The matrix from camera channels to X, Y, Z of the picture, one row for each of X, Y, Z. `means` are the channels averaged
+/// over the picture.
+///
+/// # Errors
+/// [`ImageError::White`] when the camera's white cannot be adapted.
+pub(super) fn output_matrix(
+    colors: &ColorMatrix,
+    balance: WhiteBalance,
+    means: &[f64],
+) -> Result<Vec<[f64; 3]>, ImageError> {
     let columns = colors.xyz_from_camera();
-    // White is what the matrix makes of the camera's white. A matrix that is fitted to surfaces misses the light itself by a
-    // little, and no tint of a white wall is forgiven.
-    let adaptation = adaptation_to_d65(colors.xyz(colors.camera_white()));
-    match balance {
+    // White is the X, Y, Z that the matrix gives for the camera's white. A fitted matrix reproduces the illuminant only
+    // approximately, and even a slight tint of white is visible.
+    let adaptation = || adaptation_to_d65(colors.xyz(colors.camera_white()));
+    Ok(match balance {
         WhiteBalance::None => columns.to_vec(),
-        WhiteBalance::Illuminant => columns.iter().map(|c| apply(&adaptation, *c)).collect(),
+        WhiteBalance::Illuminant => {
+            let adaptation = adaptation()?;
+            columns.iter().map(|c| apply(&adaptation, *c)).collect()
+        }
         WhiteBalance::GrayWorld => {
-            let gains = gray_world_gains(colors, means);
+            let (adaptation, gains) = (adaptation()?, gray_world_gains(colors, means));
             columns.iter().zip(gains).map(|(c, g)| apply(&adaptation, *c).map(|v| v * g)).collect()
         }
-    }
+    })
 }
 
-/// Factors that make the means proportional to the camera's white and leave Y of the mean as it is. All 1 where the
-/// picture is dark; 1 for a channel that sees nothing of the white or of the picture.
+/// Factors that make the means proportional to the camera's white and keep Y of the mean. They are 1 for a dark picture, and for
+/// a channel without response to white or to the picture.
 fn gray_world_gains(colors: &ColorMatrix, means: &[f64]) -> Vec<f64> {
     let white = colors.camera_white();
     let level = colors.xyz(means)[1] / colors.xyz(white)[1];
@@ -49,12 +58,39 @@ fn gray_world_gains(colors: &ColorMatrix, means: &[f64]) -> Vec<f64> {
     white.iter().zip(means).map(gain).collect()
 }
 
-/// Bradford adaptation of a white to D65 of the same Y; the identity where the white is beyond it (a cone response
-/// that is not positive).
-fn adaptation_to_d65(white: [f64; 3]) -> Matrix3 {
+/// Bradford adaptation of a white to D65 of the same Y.
+fn adaptation_to_d65(white: [f64; 3]) -> Result<Matrix3, ImageError> {
     let white = white.map(|v| v / white[1]);
-    let bradford = Adaptation::Bradford;
-    let seen = apply(&bradford.cone_from_xyz(), white).iter().all(|v| v.is_finite() && *v > 0.0);
-    let matrix = || bradford.matrix(Primaries::SRGB.white_xyz()?, white);
-    if seen { matrix().unwrap_or(IDENTITY) } else { IDENTITY }
+    Adaptation::Bradford.matrix(D65_XYZ, white).ok_or(ImageError::White(white))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::color::matrix::{IDENTITY, apply};
+
+    fn colors(white: [f64; 3]) -> ColorMatrix {
+        ColorMatrix::new(IDENTITY.to_vec(), white.to_vec(), [1.0; 3]).unwrap()
+    }
+
+    #[test]
+    fn white_comes_out_as_d65() {
+        let white = [1.0985, 1.0, 0.3558];
+        let columns = output_matrix(&colors(white), WhiteBalance::Illuminant, &[]).unwrap();
+        let [r, g, b] = [columns[0], columns[1], columns[2]];
+        let xyz_from_camera = [0, 1, 2].map(|i| [r[i], g[i], b[i]]);
+        let shown = apply(&xyz_from_camera, white);
+        assert!(shown.iter().zip(D65_XYZ).all(|(s, d)| (s - d).abs() < 1e-12), "{shown:?}");
+    }
+
+    /// A violet outside the spectral locus has a negative cone response.
+    #[test]
+    fn a_white_that_cannot_be_adapted_is_an_error() {
+        let colors = colors([0.1, 0.01, 20.0]);
+        for balance in [WhiteBalance::Illuminant, WhiteBalance::GrayWorld] {
+            let got = output_matrix(&colors, balance, &[1.0; 3]);
+            assert!(matches!(got, Err(ImageError::White(_))), "{balance:?}: {got:?}");
+        }
+        assert_eq!(output_matrix(&colors, WhiteBalance::None, &[]).unwrap(), IDENTITY.to_vec());
+    }
 }

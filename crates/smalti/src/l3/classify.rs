@@ -1,22 +1,22 @@
-//! Classification of a row of pixels at a time, in vectors of columns.
+//! Classification of pixels, row by row, in vectors of columns.
 //!
-//! What is summed over a patch is summed down its columns first and then along the row, so that neighbours share the
-//! first half of the work.
+//! Sums over a patch run down its columns first and then along the row, so that neighbouring patches share
+//! the column sums.
 
 use std::ops::Range;
 
 use super::blocks::{Columns, LANES, add_taps, each, run_of, values, values_mut};
 use super::orientation::{Orientation, Tensor};
-use super::window::Window;
+use super::window::{Strip, Window};
 use super::{Axes, ContrastPairs, MAX_SIDE, Textures};
 use crate::numeric::simd::{Kernel, dispatch};
 
-/// What classification of a row gives, one value per column.
+/// The classification of a row, one value per column.
 #[derive(Debug, Default)]
 pub(super) struct RowClasses {
-    /// Level × textures + texture.
+    /// Level × number of textures + texture.
     pub(super) local: Vec<u32>,
-    /// Channels that are clipped in the patch; all 0 where `clipped` is false.
+    /// Bit mask of the channels that are clipped in the patch; all 0 where `clipped` is false.
     pub(super) saturation: Vec<u32>,
     /// Whether any sample near the row is clipped.
     pub(super) clipped: bool,
@@ -33,31 +33,31 @@ struct Scratch {
     bits: Vec<u32>,
 }
 
-/// Axes made ready for rows of an image.
+/// Class axes, prepared for the rows of an image.
 #[derive(Debug, Clone)]
 pub(super) struct Classifier {
     axes: Axes,
     half: usize,
-    /// Differences between samples of like channels: the shift, and the rows and columns (inclusive, relative to
-    /// the centre) of the patch that they start from.
+    /// Differences between samples of equal channels: the shift, and the rows and columns (inclusive,
+    /// relative to the centre of the patch) of their first samples.
     pairs: [ContrastPairs; 2],
     orientation: Option<Orientation>,
     /// Cut points of each row of the tile.
     cuts: Vec<Cuts>,
-    /// Columns, whole blocks and whole tiles, after which phases of vectors repeat.
+    /// Number of columns, in whole blocks and whole tiles, after which the phase of the vectors repeats.
     run: usize,
-    /// Per row of the tile, the bits of the channels of as many columns.
+    /// For each row of the tile, the channel bits of this many columns.
     bits: Vec<Vec<u32>>,
 }
 
-/// Cut points between levels in a row of the tile.
+/// Cut points between levels, for one row of the tile.
 #[derive(Debug, Clone)]
 struct Cuts {
-    /// Cut by cut, those of a run of columns and a tile more: a run that starts at any phase.
+    /// Concatenated cuts, each for a run of columns plus one tile, so that a run can start at any phase.
     columns: Vec<f32>,
     /// Number of cuts.
     count: usize,
-    /// Columns kept of each cut.
+    /// Columns stored per cut.
     period: usize,
 }
 
@@ -70,8 +70,9 @@ impl Cuts {
         Self { columns: (0..count).flat_map(columns).collect(), count, period: run + cols }
     }
 
-    /// Levels of means, whose first has the phase of `column`. `below` cuts lay below all means that came before; neighbours are
-    /// alike, so that from there few cuts have to be looked at.
+    /// The levels of means; the first mean has the phase of `column`. `below` is the number of cuts below all
+    /// previous means. Neighbouring means are similar, so the search starts there and few cuts need to be
+    /// tested.
     #[inline(always)]
     fn levels<const W: usize>(&self, means: &[f32; W], column: usize, below: &mut usize) -> [u32; W] {
         let cut = |j: usize| values::<f32, W>(&self.columns, j * self.period + column);
@@ -126,15 +127,15 @@ impl Classifier {
         }
     }
 
-    /// Rows and columns that a window must reach beyond the pixels that are classified.
+    /// Rows and columns of margin that a window needs around the classified pixels.
     pub(super) fn margin(&self) -> [usize; 2] {
         let [a, b] = self.pairs.map(|p| p.reach());
         let c = self.orientation.as_ref().map_or([0, 0], Orientation::reach);
         [0, 1].map(|i| self.half.max(a[i]).max(b[i]).max(c[i]))
     }
 
-    /// Classifies columns of row `row` of a window; `phase` is the place in the tile of the row's first pixel. What is written
-    /// begins with the first of the columns, and goes on to whole vectors.
+    /// Classifies columns of row `row` of a window. `phase` is the position of the row's first pixel in the
+    /// tile. The output begins with the first of the columns and is padded to whole vectors.
     pub(super) fn row(
         &self,
         window: &Window,
@@ -146,34 +147,13 @@ impl Classifier {
         let tile = self.axes.mosaic();
         let phase = [phase[0] % tile.rows(), (phase[1] + cols.start) % tile.cols()];
         let len = cols.len().next_multiple_of(LANES);
-        let strip = Strip { classifier: self, window, row: row as isize, phase, first: cols.start, len };
-        dispatch(Job { strip, out });
-    }
-}
-
-/// Columns of a row.
-#[derive(Clone, Copy)]
-pub(super) struct Strip<'a> {
-    classifier: &'a Classifier,
-    pub(super) window: &'a Window,
-    pub(super) row: isize,
-    /// Of the first column.
-    phase: [usize; 2],
-    first: usize,
-    /// Columns, whole vectors.
-    pub(super) len: usize,
-}
-
-impl Strip<'_> {
-    /// Where in the lines of the window the column lies that is `right` of the first. The margin is as wide as whatever is
-    /// read beside a patch.
-    #[inline(always)]
-    pub(super) fn at(&self, right: isize) -> usize {
-        ((self.window.margin[1] + self.first) as isize + right).max(0) as usize
+        let strip = Strip { window, row: row as isize, phase, first: cols.start, len };
+        dispatch(Job { classifier: self, strip, out });
     }
 }
 
 struct Job<'a> {
+    classifier: &'a Classifier,
     strip: Strip<'a>,
     out: &'a mut RowClasses,
 }
@@ -183,8 +163,7 @@ impl Kernel for Job<'_> {
 
     #[inline(always)]
     fn run(self) {
-        let Self { strip, out } = self;
-        let c = strip.classifier;
+        let Self { classifier: c, strip, out } = self;
         out.local.resize(strip.len, 0);
         out.saturation.resize(strip.len, 0);
         out.mean.resize(strip.len, 0.0);
@@ -202,6 +181,7 @@ impl Kernel for Job<'_> {
         each(
             strip.len,
             &mut Levels {
+                classifier: c,
                 strip,
                 cuts,
                 spans,
@@ -217,7 +197,7 @@ impl Kernel for Job<'_> {
             orientation.row(&strip, &mut s.tensor, kinds, &mut out.local);
         }
         if out.clipped {
-            saturations(&strip, &mut s.bits, &mut out.saturation);
+            saturations(c, &strip, &mut s.bits, &mut out.saturation);
         } else {
             out.saturation.fill(0);
         }
@@ -225,20 +205,20 @@ impl Kernel for Job<'_> {
 }
 
 impl Classifier {
-    /// Whether any sample that patches of a row hold is clipped.
+    /// Whether any sample in the patches of a row is clipped.
     fn clipped(&self, window: &Window, row: isize) -> bool {
         let from = (row + window.margin[0] as isize) as usize - self.half;
         let lines = window.highest.iter().skip(from).take(self.axes.side());
         lines.fold(f32::MIN, |a, &b| a.max(b)) >= self.axes.clip() as f32
     }
 
-    /// Coefficients of 1, x, x² in what the square of the summed differences must exceed to be texture.
+    /// Coefficients of 1, x, x² in the threshold for the square of the summed differences.
     #[inline(always)]
     fn contrast_limits(&self) -> [f32; 3] {
         let count = self.pairs.iter().map(ContrastPairs::count).sum::<usize>() as f32;
         let noise = self.axes.noise();
         let (over_noise, fraction) = self.axes.contrast();
-        // Of the difference of two normal numbers of variance σ² the mean is 2σ / √π.
+        // The mean absolute difference of two normal deviates with variance σ² is 2σ / √π.
         let scale = (over_noise * over_noise * 4.0 / std::f64::consts::PI) as f32 * count * count;
         let [v0, v1] =
             [noise.constant + noise.row + noise.column, noise.per_signal].map(|v| v as f32 * scale);
@@ -247,7 +227,7 @@ impl Classifier {
     }
 }
 
-/// Sums down the columns of the patches, from the first patch's first column on.
+/// Sums down the columns of the patches, from the first column of the first patch.
 #[inline(always)]
 fn sums(strip: &Strip<'_>, half: usize, out: &mut Vec<f32>) {
     struct Sums<'a> {
@@ -276,8 +256,8 @@ fn sums(strip: &Strip<'_>, half: usize, out: &mut Vec<f32>) {
     each(out.len(), &mut Sums { lines, from: strip.at(-half), out });
 }
 
-/// Sums down the rows that pairs start from of the differences between their ends, from their first column for the first
-/// pixel on.
+/// Differences between the samples of a pair, summed down the rows; the first column belongs to the first
+/// pixel.
 #[inline(always)]
 fn differences(strip: &Strip<'_>, pairs: &ContrastPairs, out: &mut Vec<f32>) {
     struct Differences<'a> {
@@ -312,14 +292,15 @@ fn differences(strip: &Strip<'_>, pairs: &ContrastPairs, out: &mut Vec<f32>) {
     each(out.len(), &mut Differences { lines, from, out });
 }
 
-/// Means, levels, and whether there is texture.
+/// Means, levels and texture.
 struct Levels<'a> {
+    classifier: &'a Classifier,
     strip: Strip<'a>,
     cuts: &'a Cuts,
-    /// Columns that the pairs of a patch start from.
+    /// Number of first columns of the pairs in a patch, per shift.
     spans: [usize; 2],
     limits: [f32; 3],
-    /// Cuts that lay below all means of the last block.
+    /// Number of cuts below all means of the previous block.
     below: usize,
     scratch: &'a Scratch,
     mean: &'a mut [f32],
@@ -329,7 +310,7 @@ struct Levels<'a> {
 impl Columns for Levels<'_> {
     #[inline(always)]
     fn columns<const W: usize>(&mut self, at: usize) {
-        let axes = &self.strip.classifier.axes;
+        let axes = &self.classifier.axes;
         let outs = (values_mut::<f32, W>(self.mean, at), values_mut::<u32, W>(self.local, at));
         let (Some(mean), Some(local)) = outs else { return };
         let mut total = [0.0; W];
@@ -340,7 +321,7 @@ impl Columns for Levels<'_> {
         }
         let kinds = axes.textures().count() as u32;
         let mut level =
-            self.cuts.levels(&total, self.strip.phase[1] + at % self.strip.classifier.run, &mut self.below);
+            self.cuts.levels(&total, self.strip.phase[1] + at % self.classifier.run, &mut self.below);
         for level in &mut level {
             *level *= kinds;
         }
@@ -362,7 +343,7 @@ impl Columns for Levels<'_> {
 
 /// Channels that are clipped in each patch.
 #[inline(always)]
-fn saturations(strip: &Strip<'_>, bits: &mut Vec<u32>, out: &mut [u32]) {
+fn saturations(c: &Classifier, strip: &Strip<'_>, bits: &mut Vec<u32>, out: &mut [u32]) {
     struct Samples<'a> {
         /// Samples of a row and the bits of their channels.
         rows: &'a [(&'a [f32], &'a [u32])],
@@ -409,7 +390,6 @@ fn saturations(strip: &Strip<'_>, bits: &mut Vec<u32>, out: &mut [u32]) {
             }
         }
     }
-    let c = strip.classifier;
     let (half, tile) = (c.half as isize, c.axes.mosaic());
     let mut rows = [(&[] as &[f32], &[] as &[u32]); MAX_SIDE];
     let rows = &mut rows[..c.axes.side()];
@@ -417,7 +397,7 @@ fn saturations(strip: &Strip<'_>, bits: &mut Vec<u32>, out: &mut [u32]) {
         let down = (strip.phase[0] as isize + r).rem_euclid(tile.rows() as isize) as usize;
         *entry = (strip.window.line(strip.row + r), &c.bits[down]);
     }
-    // The phase of the first patch's first column.
+    // The phase of the first column of the first patch.
     let first = (strip.phase[1] as isize - half).rem_euclid(tile.cols() as isize) as usize;
     bits.resize((strip.len + 2 * c.half).next_multiple_of(LANES), 0);
     let clip = c.axes.clip() as f32;

@@ -20,6 +20,9 @@ pub enum L3Error {
         /// The range.
         expected: &'static str,
     },
+    /// Processing with a learned pipeline lacks the pipeline.
+    #[error("there is no learned pipeline for the camera")]
+    NoPipeline,
     /// An axis of classes has no members.
     #[error("the class axis '{axis}' has no members; at least one is needed")]
     EmptyAxis {
@@ -115,7 +118,7 @@ pub enum L3Error {
         /// Columns of the other.
         got_cols: usize,
     },
-    /// The target has another number of planes than there are outputs.
+    /// The number of planes of the target is not that of the outputs.
     #[error("the target has {got} planes; {expected} outputs are learned")]
     Outputs {
         /// Outputs.
@@ -153,7 +156,7 @@ pub enum L3Error {
         /// Its index.
         class: usize,
     },
-    /// The picture of a pipeline with another number of outputs than three was asked for.
+    /// A pipeline renders pictures only with three outputs.
     #[error("the pipeline has {got} outputs; a picture has three: use `render_raw`")]
     NotAPicture {
         /// Its outputs.
@@ -170,7 +173,7 @@ pub enum L3Error {
     Isp(#[from] IspError),
 }
 
-/// A number within a range, or the error that says so.
+/// Checks that a number lies within a range.
 pub(super) fn within(
     name: &'static str,
     value: f64,

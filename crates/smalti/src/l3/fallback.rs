@@ -1,45 +1,45 @@
-//! Kernels for classes that have too few patches: no class is left without.
+//! Kernels for classes with too few patches, so that every class has kernels.
 //!
-//! In this order ([`Origin`]): between the nearest learned levels on both sides; from all textures of the level
-//! together; from all combinations of clipped channels of the level together; those of the nearest level that has any; from all
-//! patches of the position.
+//! The sources, in order of preference ([`Origin`]): interpolation between the nearest learned levels on both
+//! sides; all textures of the level; all combinations of clipped channels at the level; the nearest level
+//! that has kernels; all patches of the position.
 
 use rayon::prelude::*;
 
 use super::pools::{Pool, Pools, is_flat};
-use super::solve::{Solution, Solving};
+use super::solve::{ClassSolver, Solution};
 use super::symmetry::Member;
 use super::{Axes, L3Error, Origin};
 
-/// The kernels around one position, by saturation, level and texture.
+/// The kernels of one position, by saturation, level and texture.
 pub(super) struct Table<'a> {
     pub(super) position: usize,
     members: &'a [Member],
     pools: &'a Pools<'a>,
-    solving: &'a Solving<'a>,
+    solver: &'a ClassSolver<'a>,
     axes: &'a Axes,
-    /// Saturations, levels, textures.
+    /// Numbers of saturations, levels and textures.
     sizes: [usize; 3],
     least: u64,
 }
 
-/// Kernels and where they come from.
+/// Kernels and their origins.
 pub(super) type Filled = Vec<(Solution, Origin)>;
 
 impl<'a> Table<'a> {
     pub(super) fn new(
         (position, members): (usize, &'a [Member]),
         pools: &'a Pools<'a>,
-        solving: &'a Solving<'a>,
+        solver: &'a ClassSolver<'a>,
         axes: &'a Axes,
         saturations: usize,
         least: u64,
     ) -> Self {
         let sizes = [saturations, axes.level_count(), axes.textures().count()];
-        Self { position, members, pools, solving, axes, sizes, least }
+        Self { position, members, pools, solver, axes, sizes, least }
     }
 
-    /// Every class, ordered as in a pipeline. `smoothing` is that of [`super::Training`].
+    /// Kernels of every class, in the order of a pipeline. For `smoothing`, see [`super::Training`].
     pub(super) fn filled(&self, smoothing: f64) -> Result<Filled, L3Error> {
         if self.count(Pool { saturation: None, level: None, texture: None }) == 0 {
             let cols = self.axes.mosaic().cols();
@@ -73,12 +73,12 @@ impl<'a> Table<'a> {
         self.pools.count(self.position, self.members, pool)
     }
 
-    /// Solves a pool for kernels of a class.
+    /// Solves a pool for the kernels of a class.
     fn solve(&self, pool: Pool, index: usize) -> Result<Solution, L3Error> {
         let flat = is_flat(self.axes.textures(), self.place(index)[2]);
         let classes: usize = self.sizes.iter().product();
         let moments = self.pools.moments(self.position, self.members, pool);
-        self.solving.solve(&moments, flat, self.position * classes + index)
+        self.solver.solve(&moments, flat, self.position * classes + index)
     }
 
     fn solve_when_enough(&self, pool: Pool, index: usize) -> Result<Option<Solution>, L3Error> {
@@ -90,8 +90,8 @@ impl<'a> Table<'a> {
         all.map(|index| self.solve_when_enough(self.own(index), index)).collect()
     }
 
-    /// Learned kernels mixed with those of the level below and above, each weighted by its patches, the neighbours by
-    /// `smoothing` besides.
+    /// Mixes learned kernels with those of the levels below and above. The weights are the numbers of
+    /// patches; those of the neighbours are multiplied by `smoothing`.
     fn smoothed(&self, learned: Vec<Option<Solution>>, smoothing: f64) -> Vec<Option<Solution>> {
         if smoothing <= 0.0 {
             return learned;
@@ -113,10 +113,10 @@ impl<'a> Table<'a> {
         (0..learned.len()).map(mixed).collect()
     }
 
-    /// Linear in the logarithm of the level.
+    /// Interpolates linearly in the logarithm of the level.
     fn interpolate(&self, learned: &[Option<Solution>], filled: &mut [Option<(Solution, Origin)>]) {
         let levels = self.axes.levels_at(self.position);
-        let log = |level: usize| levels.middle(level).max(f64::MIN_POSITIVE).ln();
+        let log = |level: usize| libm::log(levels.middle(level).max(f64::MIN_POSITIVE));
         for (index, empty) in filled.iter_mut().enumerate().filter(|(_, f)| f.is_none()) {
             let [saturation, level, texture] = self.place(index);
             let at = |l: usize| learned[self.index([saturation, l, texture])].as_ref().map(|s| (l, s));
@@ -124,7 +124,7 @@ impl<'a> Table<'a> {
             let above = (level + 1..self.sizes[1]).find_map(at);
             if let (Some((low, a)), Some((high, b))) = (below, above) {
                 let share = (log(level) - log(low)) / (log(high) - log(low));
-                // Cuts at or below zero have no logarithm.
+                // Non-positive cuts have no logarithm.
                 let by_place = (level - low) as f64 / (high - low) as f64;
                 let share = if (0.0..=1.0).contains(&share) { share } else { by_place };
                 *empty = Solution::mixed(&[(1.0 - share, a), (share, b)]).map(|s| (s, Origin::Interpolated));
@@ -140,7 +140,7 @@ impl<'a> Table<'a> {
         })
     }
 
-    /// The same for all combinations of a level: solved once for flat patches and once for the others.
+    /// Pools all saturations of a level: solves once for flat patches and once for the others.
     fn pool_saturations(&self, filled: &mut [Option<(Solution, Origin)>]) -> Result<(), L3Error> {
         let textures = self.sizes[2].min(2);
         let solved: Vec<Option<Solution>> = (0..self.sizes[1] * textures)
@@ -163,7 +163,7 @@ impl<'a> Table<'a> {
         Ok(())
     }
 
-    /// Of two that are equally near, the brighter: it has seen less noise.
+    /// Takes the nearest level; of two equally near, the brighter, which is less noisy.
     fn nearest_level(&self, filled: &mut [Option<(Solution, Origin)>]) {
         let found: Vec<Option<Solution>> = (0..filled.len())
             .map(|index| {

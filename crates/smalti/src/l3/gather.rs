@@ -1,8 +1,9 @@
-//! Bands of an image, sorted by class and summed.
+//! Accumulation of the moments of an image, band by band.
 //!
-//! A band of rows is classified and sorted by class, and then every class's patches are summed in registers, a few at a time
-//! for the whole triangle. What is in memory besides the moments is one band and what a thread sums at the moment, whatever
-//! the number of images. Sums are taken over fixed parts of a band and added in order, so that no bit depends on the threads.
+//! The pixels of a band of rows are classified and sorted by class. The patches of each class are then summed
+//! in registers, a few at a time for the whole triangle of the moment matrix. Apart from the moments, memory
+//! holds one band and the current sums of each thread, for any number of images. Sums run over fixed parts of
+//! a band and are added in a fixed order, so results have the same bits for any number of threads.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -10,28 +11,27 @@ use std::ops::Range;
 use rayon::prelude::*;
 
 use super::classify::{Classifier, RowClasses};
-use super::statistics::Pair;
 use super::window::Window;
-use super::{Axes, ClassKey, Moments};
+use super::{Axes, ClassKey, Moments, Pair};
 use crate::isp::source::Source;
 use crate::numeric::Planes;
 use crate::numeric::simd::{Kernel, dispatch};
 
-/// Rows that are taken at a time.
+/// Rows per band.
 const BAND_ROWS: usize = 128;
 /// Rows that one task classifies.
 const TASK_ROWS: usize = 16;
-/// Patches of a class that are summed by themselves.
+/// Patches of a class per partial sum.
 const PART_PATCHES: usize = 4096;
-/// Doubles of patches that lie in the innermost cache while they are summed, beside the sums: 16 KiB. There is a neighbour on the
-/// same core that wants its share.
+/// Size of a batch of patches, in doubles: 16 KiB, which stays in the L1 cache beside the sums and leaves
+/// room for a second thread on the core.
 const BATCH: usize = 2048;
-/// Bits of a class number that one pass of sorting takes.
+/// Bits of the class number per pass of the radix sort.
 const DIGIT_BITS: u32 = 11;
-/// Lists shorter than this are sorted by comparison: counting has 2¹¹ places to clear.
+/// Lists shorter than this are sorted by comparison, since a counting pass must clear 2¹¹ counters.
 const SHORT: usize = 512;
 
-/// Gathers a pair of images.
+/// Accumulates a pair of images.
 pub(super) struct Gatherer<'a> {
     axes: &'a Axes,
     outputs: usize,
@@ -40,28 +40,29 @@ pub(super) struct Gatherer<'a> {
     phase: [usize; 2],
 }
 
-/// The pixels of a few rows by class.
-struct Sorted {
-    /// For each combination of clipped channels, class numbers (above) and pixels of the band (the lower 32 bits), ascending.
+/// The pixels of a few rows, by class.
+struct ClassifiedPixels {
+    /// For each combination of clipped channels: class numbers (upper bits) with pixels of the band (lower 32
+    /// bits), in ascending order.
     by_saturation: BTreeMap<u32, Vec<u64>>,
-    /// Least and largest mean response of each position.
+    /// Smallest and largest mean response at each position.
     trained: Vec<[f32; 2]>,
 }
 
 impl<'a> Gatherer<'a> {
-    /// `phase` is where in the tile the first pixel lies.
+    /// `phase` is the position of the first pixel in the tile.
     pub(super) fn new(axes: &'a Axes, outputs: usize, pair: &'a Pair<'a>, phase: [usize; 2]) -> Self {
         Self { axes, outputs, classifier: Classifier::new(axes), pair, phase }
     }
 
-    /// The rows whose patches lie within the image, some at a time.
+    /// Bands of the rows whose patches lie within the image.
     pub(super) fn bands(&self) -> impl Iterator<Item = Range<usize>> + use<> {
         let half = self.axes.side() / 2;
         let end = self.pair.raw.rows().saturating_sub(half);
         (half..end).step_by(BAND_ROWS).map(move |first| first..(first + BAND_ROWS).min(end))
     }
 
-    /// Levels × textures.
+    /// Number of levels times number of textures.
     fn locals(&self) -> u64 {
         (self.axes.level_count() * self.axes.textures().count()) as u64
     }
@@ -105,7 +106,7 @@ impl<'a> Gatherer<'a> {
         for key in members.keys() {
             classes.entry(*key).or_insert_with(|| Moments::new(self.axes.taps(), self.outputs));
         }
-        // Both are in the order of keys.
+        // Both lists are in the order of keys.
         let mut lists = members.into_iter().peekable();
         let work: Vec<(&mut Moments, Vec<u32>)> = classes
             .iter_mut()
@@ -136,8 +137,8 @@ impl<'a> Gatherer<'a> {
         });
     }
 
-    /// The pixels of a band by class, some rows at a time.
-    fn sorted(&self, band: &Range<usize>) -> Vec<Sorted> {
+    /// The pixels of a band by class, a few rows at a time.
+    fn sorted(&self, band: &Range<usize>) -> Vec<ClassifiedPixels> {
         let tasks: Vec<usize> = (0..band.len()).step_by(TASK_ROWS).collect();
         tasks
             .into_par_iter()
@@ -154,7 +155,7 @@ impl<'a> Gatherer<'a> {
         rows: Range<usize>,
         window: &mut Window,
         classes: &mut RowClasses,
-    ) -> Sorted {
+    ) -> ClassifiedPixels {
         let mosaic = self.axes.mosaic();
         let tile = [mosaic.rows(), mosaic.cols()];
         let (half, cols, locals) = (self.axes.side() / 2, self.pair.raw.cols(), self.locals());
@@ -187,14 +188,14 @@ impl<'a> Gatherer<'a> {
         }
         let most = self.axes.positions() as u64 * locals;
         by_saturation.values_mut().for_each(|list| sort(list, most));
-        Sorted { by_saturation, trained }
+        ClassifiedPixels { by_saturation, trained }
     }
 }
 
-/// Sorts entries by what is above their lower 32 bits, which is below `most`; equal ones stay in order.
+/// Stable sort of entries by the bits above their lower 32, whose value is below `most`.
 fn sort(entries: &mut Vec<u64>, most: u64) {
     if entries.len() < SHORT {
-        // The lower bits ascend already, and are part of what is compared.
+        // The lower bits already ascend, so comparing whole entries keeps the order.
         entries.sort_unstable();
         return;
     }
@@ -221,17 +222,17 @@ fn sort(entries: &mut Vec<u64>, most: u64) {
 const LANES: usize = 8;
 /// Rows of Σ z zᵀ that are summed in registers at a time.
 const BLOCK: usize = 8;
-/// And columns; z with what rounds it up has at least as many values.
+/// Columns of the same; z with its padding is never shorter.
 const WIDTH: usize = 2 * LANES;
 
-/// What a thread keeps between classes.
+/// Memory that a thread reuses between classes.
 #[derive(Default)]
 struct Scratch {
     sums: Vec<f64>,
     batch: Vec<f64>,
 }
 
-/// Where the z of a pixel is read.
+/// The source of the z of a pixel.
 struct Patches<'a> {
     window: &'a Window,
     target: &'a Planes,
@@ -246,16 +247,16 @@ impl Patches<'_> {
         (1 + self.side * self.side + self.outputs).next_multiple_of(LANES).max(WIDTH)
     }
 
-    /// Σ z zᵀ over pixels of the band: what is on and right of the diagonal is right, the rest is not.
+    /// Σ z zᵀ over pixels of the band. Only the upper triangle, with the diagonal, is valid.
     fn sum(&self, pixels: &[u32], scratch: &mut Scratch) {
         let stride = self.stride();
         scratch.sums.clear();
         scratch.sums.resize(stride * stride, 0.0);
         let count = (BATCH / stride).max(1);
-        // Rows of a patch are copied in whole registers, which may reach beyond the last z.
+        // Rows of a patch are copied in whole registers, which may extend beyond the last z.
         let len = count * stride + 2 * LANES;
         scratch.batch.resize(len + LANES, 0.0);
-        // A register that lies in two lines of the cache takes twice as long to read.
+        // Reading a register that spans two cache lines takes twice as long.
         let first = scratch.batch.as_ptr().align_offset(LANES * size_of::<f64>()).min(LANES);
         let (batch, sums) = (&mut scratch.batch[first..first + len], &mut scratch.sums);
         for part in pixels.chunks(count) {
@@ -263,8 +264,8 @@ impl Patches<'_> {
         }
     }
 
-    /// z of some pixels: 1, the patch row by row in registers of `W` samples, the targets. What follows z within its stride is
-    /// left as it comes.
+    /// Gathers z of some pixels: 1, the patch row by row in registers of `W` samples, and the targets. The
+    /// padding after z within its stride is arbitrary.
     #[inline(always)]
     fn gather<const W: usize>(&self, pixels: &[u32], batch: &mut [f64], stride: usize) {
         let (side, window) = (self.side, self.window);
@@ -274,12 +275,13 @@ impl Patches<'_> {
             let (row, col) = ((pixel / cols) as usize, (pixel % cols) as usize);
             let z = &mut batch[k * stride..];
             z[0] = 1.0;
-            // The margin of this window is half a patch: columns of a patch start at the pixel's own.
+            // The margin of this window is half a patch, so the columns of a patch start at the pixel's own
+            // index.
             let mut from = (row + top) * window.stride + col;
             for r in 0..side {
                 let to = 1 + r * side;
-                // Windows reach beyond their last column by a whole vector. Read whole before anything is written: only then is
-                // the copy one of registers.
+                // Windows extend beyond their last column by a whole vector. Reading the whole line before
+                // writing lets the compiler copy it through one register.
                 let (Some(&line), Some(out)) = (
                     lines.get(from..from + W).and_then(|s| s.first_chunk::<W>()),
                     z.get_mut(to..to + W).and_then(|s| s.first_chunk_mut::<W>()),
@@ -296,7 +298,7 @@ impl Patches<'_> {
     }
 }
 
-/// `sums += Σ z zᵀ` over a batch of pixels, on and right of the diagonal.
+/// `sums += Σ z zᵀ` over a batch of pixels, upper triangle only.
 struct Products<'a, 'b> {
     patches: &'a Patches<'b>,
     pixels: &'a [u32],
@@ -325,8 +327,8 @@ impl Kernel for Products<'_, '_> {
     }
 }
 
-/// Rows `i..i + BLOCK`, the columns `j..j + WIDTH` that there are. Where fewer are left, those before are summed with them and
-/// dropped: code for one width alone is what compilers keep in registers, and no z is shorter.
+/// Rows `i..i + BLOCK` and the existing columns of `j..j + WIDTH`. Where fewer columns remain, the preceding
+/// ones are summed again and discarded: compilers keep the sums in registers only when the width is fixed.
 #[inline(always)]
 fn block(batch: &[f64], n: usize, i: usize, j: usize, sums: &mut [f64]) {
     let from = j.min(n.saturating_sub(WIDTH));

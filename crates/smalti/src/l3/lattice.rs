@@ -1,22 +1,23 @@
-//! Where a mosaic repeats itself.
+//! The translational symmetry of a mosaic.
 
 use crate::sensor::Mosaic;
 
-/// Differences between samples of like channels within a patch: which pairs of pixels they are taken between.
+/// The sample pairs of equal channels within a patch whose differences measure its contrast.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct ContrastPairs {
-    /// From the first pixel of a pair to the second, rows and columns.
+    /// Shift from the first to the second pixel of a pair, in rows and columns.
     pub shift: [isize; 2],
-    /// First and last row that pairs start from, relative to the centre of the patch.
+    /// First and last row of the pairs' first pixels, relative to the centre of the patch.
     pub rows: [isize; 2],
-    /// First and last column that pairs start from, relative to the centre of the patch.
+    /// First and last column of the pairs' first pixels, relative to the centre of the patch.
     pub cols: [isize; 2],
 }
 
 impl ContrastPairs {
-    /// The pairs along a shift in a patch that reaches `half` pixels from its centre.
+    /// The pairs along a shift in a patch that extends `half` pixels from its centre.
     pub(super) fn new(shift: Shift, half: usize) -> Self {
-        // Both ends within the patch; where the shift is longer than the patch, in the middle of it.
+        // Both pixels lie within the patch; where the shift is longer than the patch, the pair is centred on
+        // it.
         let span = |s: isize| {
             let half = half as isize;
             let (from, to) = ((-half).max(-half - s), half.min(half - s));
@@ -31,7 +32,7 @@ impl ContrastPairs {
         ((self.rows[1] - self.rows[0] + 1) * (self.cols[1] - self.cols[0] + 1)) as usize
     }
 
-    /// How far from the centre samples are read, in rows and columns.
+    /// Distance from the centre of the farthest sample read, in rows and columns.
     #[must_use]
     pub fn reach(&self) -> [usize; 2] {
         let far = |span: [isize; 2], s: isize| {
@@ -48,19 +49,19 @@ impl ContrastPairs {
 /// A shift in rows and columns.
 pub(super) type Shift = [isize; 2];
 
-/// Two short, independent shifts under which every pixel meets one of its own channel, the shorter first: the reduced
-/// basis of the mosaic's translations, which may be finer than its tile (a 5 × 5 tile whose rows are shifted copies of each
-/// other repeats along a knight's move).
+/// Two short, independent translations that map every pixel to one of its own channel, the shorter first.
+/// They are the reduced basis of the mosaic's translation lattice, which may be finer than its tile: a 5 × 5
+/// tile whose rows are shifted copies of each other repeats along a knight's move.
 pub(super) fn basis(mosaic: &Mosaic) -> [Shift; 2] {
     let (rows, cols) = (mosaic.rows() as isize, mosaic.cols() as isize);
     let repeats = |[r, c]: Shift| {
         let (down, right) = (r.rem_euclid(rows) as usize, c.rem_euclid(cols) as usize);
         mosaic.shifted(down, right).cells() == mosaic.cells()
     };
-    // Of a shift and its opposite one is enough. The tile itself is among them, so two independent ones are.
+    // One of each pair of opposite shifts suffices. The tile itself is included, so two independent shifts exist.
     let half = (0..=rows).flat_map(|r| (-cols..=cols).map(move |c| [r, c]));
     let mut all: Vec<Shift> = half.filter(|&[r, c]| r > 0 || c > 0).collect();
-    // Squares of lengths; equal ones in the order right, down, others.
+    // Ordered by squared length; equal lengths in the order right, down, others.
     all.sort_by_key(|&[r, c]| (r * r + c * c, r, c));
     let mut found: Vec<Shift> = Vec::new();
     for shift in all {

@@ -1,4 +1,4 @@
-//! Cut points of the response level.
+//! Cut points of the response levels.
 
 use serde::{Deserialize, Serialize};
 
@@ -6,20 +6,20 @@ use super::L3Error;
 use super::error::within;
 use crate::sensor::SignalNoise;
 
-/// Most levels there may be.
+/// Maximum number of levels.
 const MAX_LEVELS: usize = 256;
 
-/// Cut points between levels of the mean response of a patch, normalised (1 at white level), ascending. Level `i` lies from
-/// cut `i − 1` to cut `i`; the first reaches down, the last up without end.
+/// Cut points between the levels of a patch's mean response, normalised (1 at the white level), in ascending
+/// order. Level `i` lies between cuts `i − 1` and `i`. The first and the last level are unbounded.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "Vec<f32>", into = "Vec<f32>")]
 pub struct Levels(Vec<f32>);
 
 impl Levels {
-    /// Levels between given cut points: one more than there are cuts.
+    /// Levels with given cut points; there is one level more than there are cuts.
     ///
     /// # Errors
-    /// When a cut is not finite, they do not ascend, or there are more than 255.
+    /// When a cut is not finite, the cuts do not ascend, or there are more than 255.
     pub fn new(cuts: Vec<f32>) -> Result<Self, L3Error> {
         let wrong = |reason: String| Err(L3Error::Levels { reason });
         if cuts.len() >= MAX_LEVELS {
@@ -34,11 +34,11 @@ impl Levels {
         }
     }
 
-    /// `count` levels in equal ratios from `least` to `most`: all that is below `least` is in the first level, all above
-    /// `most` in the last.
+    /// `count` levels with geometrically spaced cuts from `least` to `most`. The first level contains
+    /// everything below `least`, the last everything above `most`.
     ///
     /// # Errors
-    /// When there are none or too many, or the range is empty.
+    /// When the number is zero or too large, or the range is empty.
     pub fn logarithmic(count: usize, least: f64, most: f64) -> Result<Self, L3Error> {
         if count == 0 {
             return Err(L3Error::EmptyAxis { axis: "level" });
@@ -55,11 +55,12 @@ impl Levels {
         Self::new((0..count - 1).map(cut).collect())
     }
 
-    /// `count` levels whose widths are equal in standard deviations of the noise: ∫ dx / σ(x) from 0 to `most` is cut
-    /// into equal parts. Narrow where noise is small, wide where it is large.
+    /// `count` levels of equal width in standard deviations of the noise: the integral ∫ dx / σ(x) from 0 to
+    /// `most` is divided into equal parts. Levels are narrow where the noise is low and wide where it is
+    /// high.
     ///
     /// # Errors
-    /// As [`Levels::logarithmic`], and when the noise has no variance.
+    /// As for [`Levels::logarithmic`], and when the noise has no variance.
     pub fn noise_steps(count: usize, noise: &SignalNoise, most: f64) -> Result<Self, L3Error> {
         if count == 0 {
             return Err(L3Error::EmptyAxis { axis: "level" });
@@ -69,7 +70,7 @@ impl Levels {
         if noise.variance(0.0) <= 0.0 {
             return Err(L3Error::Levels { reason: "equal steps of noise need noise in the dark".into() });
         }
-        // The integral by the midpoint rule on a grid that is fine near the dark.
+        // Midpoint rule on a grid that is fine near zero.
         const STEPS: usize = 4096;
         let at = |i: usize| most * (i as f64 / STEPS as f64).powi(2);
         let mut sums = vec![0.0];
@@ -106,8 +107,9 @@ impl Levels {
         self.0.partition_point(|&cut| cut <= mean)
     }
 
-    /// A response that stands for a level: the geometric mean of its cuts (the arithmetic one where the lower is not above
-    /// 0), half the first cut for the level below it, and one and a half times the last for the level above it.
+    /// A response that represents a level: the geometric mean of its cuts, or the arithmetic mean where the
+    /// lower cut is not above 0. For the first level it is half the first cut; for the last, one and a half
+    /// times the last cut.
     #[must_use]
     pub fn middle(&self, level: usize) -> f64 {
         let cut = |i: usize| self.0.get(i).copied().map(f64::from);
@@ -116,7 +118,7 @@ impl Levels {
             (Some(low), Some(high)) => f64::midpoint(low, high),
             (None, Some(first)) => first - first.abs() / 2.0,
             (Some(last), None) => last + last.abs() / 2.0,
-            // One level for all there is, or none of these.
+            // A single level, or an index that does not exist.
             (None, None) => 0.5,
         }
     }

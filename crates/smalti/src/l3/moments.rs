@@ -1,7 +1,7 @@
-//! Sums of products of patch and target: all that least squares needs to know of a class.
+//! Moments of patch and target: the sufficient statistics of least squares for a class.
 
-/// Sums over the patches of a class of z zᵀ, where z = (1, patch, target): count, means, Gram matrix and cross-products.
-/// The upper triangle is kept, row by row.
+/// The sum of z zᵀ over the patches of a class, with z = (1, patch, target). It contains the count, the
+/// means, the Gram matrix and the cross-products. Only the upper triangle is stored, row by row.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Moments {
     size: usize,
@@ -9,15 +9,15 @@ pub struct Moments {
 }
 
 impl Moments {
-    /// Of nothing, for `taps` samples and `outputs` targets.
+    /// Empty moments for `taps` samples and `outputs` targets.
     #[must_use]
     pub fn new(taps: usize, outputs: usize) -> Self {
         let size = 1 + taps + outputs;
         Self { size, sums: vec![0.0; size * (size + 1) / 2] }
     }
 
-    /// From the upper triangle of Σ z zᵀ, row by row. `None` when its length does not fit, a value is not finite, or the count
-    /// is not a whole number.
+    /// From the upper triangle of Σ z zᵀ, row by row. `None` when its length is wrong, a value is not finite,
+    /// or the count is not a whole number.
     #[must_use]
     pub fn from_sums(taps: usize, outputs: usize, sums: Vec<f64>) -> Option<Self> {
         let size = 1 + taps + outputs;
@@ -44,7 +44,7 @@ impl Moments {
         self.sums[self.place(i.min(j), i.max(j))]
     }
 
-    /// Place of (i, j) with i ≤ j in the upper triangle.
+    /// Index of (i, j), with i ≤ j, in the upper triangle.
     fn place(&self, i: usize, j: usize) -> usize {
         i * self.size - i * (i + 1) / 2 + j
     }
@@ -55,14 +55,14 @@ impl Moments {
         self.sums[0] as u64
     }
 
-    /// Adds another, of the same size; one of another size is left out.
+    /// Adds other moments of the same size; those of another size are ignored.
     pub fn merge(&mut self, other: &Self) {
         if self.size == other.size {
             self.sums.iter_mut().zip(&other.sums).for_each(|(a, b)| *a += b);
         }
     }
 
-    /// Adds another of the same size whose entry `i` belongs to entry `places[i]` of this one.
+    /// Adds moments of the same size whose entry `i` belongs to entry `places[i]` of these.
     pub(super) fn merge_permuted(&mut self, other: &Self, places: &[usize]) {
         if self.size != other.size || places.len() != self.size {
             return;
@@ -78,7 +78,7 @@ impl Moments {
         }
     }
 
-    /// Adds `times` patches of one z; one of another length is left out.
+    /// Adds one z `times` times; a z of another length is ignored.
     pub(super) fn add(&mut self, z: &[f64], times: f64) {
         if z.len() != self.size {
             return;
@@ -91,12 +91,12 @@ impl Moments {
         }
     }
 
-    /// Divides all, the count included.
+    /// Divides all entries, including the count.
     pub(super) fn divide(&mut self, by: f64) {
         self.sums.iter_mut().for_each(|s| *s /= by);
     }
 
-    /// Adds a square Σ z zᵀ, of which what is on and right of the diagonal is read; its rows are `stride` apart.
+    /// Adds the upper triangle of a square matrix Σ z zᵀ with a row stride of `stride`.
     pub(super) fn add_square(&mut self, square: &[f64], stride: usize) {
         let mut at = 0;
         for (i, row) in square.chunks_exact(stride).take(self.size).enumerate() {

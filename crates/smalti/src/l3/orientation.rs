@@ -1,26 +1,27 @@
-//! Directions of edges by the structure tensor of a patch.
+//! Orientation of edges from the structure tensor of a patch.
 
 use super::blocks::{Columns, LANES, add_taps, each, values, values_mut};
-use super::classify::Strip;
 use super::lattice::Shift;
+use super::window::Strip;
 use super::{MAX_SIDE, Textures};
 
-/// Edges count as such when their structure tensor is this coherent: (λ₁ − λ₂) / (λ₁ + λ₂) of its eigenvalues.
+/// Minimum coherence of the structure tensor of an edge: (λ₁ − λ₂) / (λ₁ + λ₂) of its eigenvalues.
 const COHERENT: f32 = Textures::EDGE_COHERENCE as f32;
 
-/// Sums down the columns of the patches of the tensor's entries: down · down, down · right, right · right.
+/// Column sums of the tensor's entries over the patches: down · down, down · right, right · right.
 #[derive(Debug, Default)]
 pub(super) struct Tensor([Vec<f32>; 3]);
 
-/// How gradients are taken from differences between samples of like channels, along two shifts of the mosaic. At every pixel
-/// of a patch both differences are taken around that pixel (to half a pixel), so that they see one place of the scene; they
-/// reach beyond the patch by half a shift.
+/// Estimation of gradients from differences between samples of equal channels, along two translations of the
+/// mosaic. At every pixel of a patch both differences are centred on that pixel (to half a pixel), so that
+/// they describe the same point of the scene. They extend beyond the patch by half a translation.
 #[derive(Debug, Clone)]
 pub(super) struct Orientation {
     half: usize,
-    /// The ends of the two differences, relative to the pixel.
+    /// End points of the two differences, relative to the pixel.
     ends: [[Shift; 2]; 2],
-    /// From differences along the two shifts to those along rows and columns, per pixel.
+    /// Matrix from the differences along the two translations to the gradient along rows and columns, per
+    /// pixel.
     gradient: [[f32; 2]; 2],
 }
 
@@ -32,18 +33,18 @@ impl Orientation {
             let start = s.map(|v| -v.div_euclid(2));
             [start, [start[0] + s[0], start[1] + s[1]]]
         };
-        // The shifts are the rows of a matrix that takes gradients to differences; this is its inverse.
+        // The translations are the rows of a matrix that maps gradients to differences; this is its inverse.
         Self { half, ends: shifts.map(ends), gradient: [[d / det, -b / det], [-c / det, a / det]] }
     }
 
-    /// How far beyond the centre samples are read, in rows and columns.
+    /// Distance from the centre of the farthest sample read, in rows and columns.
     pub(super) fn reach(&self) -> [usize; 2] {
         let far = |axis: usize| self.ends.iter().flatten().map(|end| end[axis].unsigned_abs()).max();
         [0, 1].map(|axis| self.half + far(axis).unwrap_or(0))
     }
 
-    /// Adds 1 to 4 to textures whose structure tensor has a direction. `local` is a multiple of `kinds` where a patch is flat,
-    /// one more where it is texture.
+    /// Adds 1 to 4 to textures with a dominant orientation. `local` is a multiple of `kinds` where a patch is
+    /// flat, and one more where it is texture.
     #[inline(always)]
     pub(super) fn row(&self, strip: &Strip<'_>, tensor: &mut Tensor, kinds: u32, local: &mut [u32]) {
         let half = self.half as isize;
@@ -66,9 +67,9 @@ impl Orientation {
     }
 }
 
-/// The tensor summed down columns.
+/// Column sums of the tensor.
 struct Sums<'a> {
-    /// Per row of the patch, the lines of the ends of both differences.
+    /// For each row of the patch, the lines of the end points of both differences.
     lines: &'a [[&'a [f32]; 4]],
     from: [usize; 4],
     gradient: [[f32; 2]; 2],
@@ -100,7 +101,7 @@ impl Columns for Sums<'_> {
     }
 }
 
-/// From the tensor to classes.
+/// Classification by the tensor.
 struct Directions<'a> {
     tensor: &'a Tensor,
     side: usize,
@@ -118,19 +119,21 @@ impl Columns for Directions<'_> {
         let Some(local) = values_mut::<u32, W>(self.local, at) else { return };
         for i in 0..W {
             let (difference, twice, all) = (rr[i] - dd[i], 2.0 * dr[i], COHERENT * (dd[i] + rr[i]));
-            // Both sides of λ₁ − λ₂ > COHERENT (λ₁ + λ₂) squared. Without any gradient there is no direction.
+            // λ₁ − λ₂ > COHERENT (λ₁ + λ₂), with both sides squared. The strict inequality excludes patches
+            // without any gradient.
             let edge = difference * difference + twice * twice > all * all;
             let textured = local[i] % self.kinds != 0;
-            // The gradient's direction is half the angle of (difference, twice).
+            // The angle of the gradient is half that of (difference, twice).
             local[i] += if edge & textured { 1 + direction(difference, twice) } else { 0 };
         }
     }
 }
 
-/// Which of the four directions 0°, 45°, 90°, 135° (from right towards down) is nearest to half the angle of (`cos`, `sin`).
+/// The index of the orientation (0°, 45°, 90°, 135°, from right towards down) nearest to half the angle of
+/// (`cos`, `sin`).
 #[inline(always)]
 fn direction(cos: f32, sin: f32) -> u32 {
-    // Doubled, the directions lie at 0°, 90°, 180° and 270°.
+    // Doubled, the orientations are 0°, 90°, 180° and 270°.
     let along = if cos >= 0.0 { 0 } else { 2 };
     let slanted = if sin > 0.0 { 1 } else { 3 };
     if cos.abs() >= sin.abs() { along } else { slanted }
@@ -171,14 +174,14 @@ mod tests {
         all
     }
 
-    /// A grating is a grating in the direction that it has, whatever the lattice that it is sampled on.
+    /// A grating is classified with its own orientation on any sampling lattice.
     #[test]
     fn gratings_lie_in_their_direction() {
         let size = [64, 80];
         for mosaic in mosaics() {
             for side in [5, 7] {
                 for degrees in (0..180).step_by(15) {
-                    // From right towards down; halfway between two directions either is right.
+                    // From right towards down; halfway between two orientations either is correct.
                     let nearest = (f64::from(degrees) / 45.0).round() as u32 % 4;
                     let (down, right) = f64::from(degrees).to_radians().sin_cos();
                     let at = |i: usize| {
@@ -190,14 +193,14 @@ mod tests {
                     let inside = (10..54).flat_map(|r| (10..70).map(move |c| r * 80 + c));
                     let right = inside.clone().filter(|&i| found[i] == 2 + nearest).count();
                     let share = right as f64 / inside.count() as f64;
-                    // On a ridge of the wave the gradient is small, but it still has its direction.
+                    // The gradient is small at the crests of the wave, but its orientation is unchanged.
                     assert!(share > 0.95, "{share} at {degrees}°, {mosaic:?}, patch {side}");
                 }
             }
         }
     }
 
-    /// Neither noise-free flat patches nor isotropic ones have a direction.
+    /// Noise-free flat patches and isotropic patches have no orientation.
     #[test]
     fn flat_and_round_have_none() {
         let size = [40, 48];
@@ -213,7 +216,7 @@ mod tests {
         }
     }
 
-    /// Rows have the classes that they have, wherever a band begins.
+    /// The classes of a row do not depend on where a band begins.
     #[test]
     fn bands_make_no_difference() {
         let size = [45, 37];

@@ -2,26 +2,26 @@
 
 use super::{Axes, ClassKey, L3Error};
 
-/// Where the kernels of a class come from, in the order in which they are looked for.
+/// Origin of the kernels of a class, in order of preference.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[repr(u8)]
 pub enum Origin {
-    /// Learned from patches of the class itself (and of those that symmetry makes equal).
+    /// Learned from the patches of the class itself (and of classes that are equivalent by symmetry).
     Learned = 0,
-    /// Too few patches: between those of the nearest levels on both sides.
+    /// Interpolated between the nearest learned levels on both sides, for lack of patches.
     Interpolated = 1,
-    /// Learned from all textures of the level together.
+    /// Learned from all textures of the level.
     PooledTextures = 2,
-    /// Learned from all combinations of saturated channels at the level together.
+    /// Learned from all combinations of saturated channels at the level.
     PooledSaturations = 3,
-    /// Those of the nearest level that has any.
+    /// Copied from the nearest level that has kernels.
     NearestLevel = 4,
-    /// Learned from all patches of the position together.
+    /// Learned from all patches of the position.
     PooledLevels = 5,
 }
 
 impl Origin {
-    /// All, in order.
+    /// All origins, in order.
     pub const ALL: [Self; 6] = [
         Self::Learned,
         Self::Interpolated,
@@ -31,13 +31,13 @@ impl Origin {
         Self::PooledLevels,
     ];
 
-    /// From its number.
+    /// The origin with a number.
     #[must_use]
     pub fn from_code(code: u8) -> Option<Self> {
         Self::ALL.get(usize::from(code)).copied()
     }
 
-    /// What it is called in reports.
+    /// Its name in reports.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -51,16 +51,17 @@ impl Origin {
     }
 }
 
-/// A class and where its kernels come from.
+/// A class, and the origin of its kernels.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Class {
-    /// Patches that were seen of it.
+    /// Number of training patches.
     pub count: u64,
-    /// Where its kernels come from.
+    /// Origin of its kernels.
     pub origin: Origin,
 }
 
-/// The kernels of every class: for each class and output, a weight per tap of the patch (row order) and an offset.
+/// The kernels of every class: for each class and output, one weight per tap of the patch (row order) and an
+/// offset.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Kernels {
     /// Weights, ordered class, output, tap: output = offset + Σ weight · normalised sample.
@@ -69,7 +70,7 @@ pub struct Kernels {
     pub offsets: Vec<f32>,
 }
 
-/// What a pipeline is made of.
+/// A learned pipeline.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Pipeline {
     axes: Axes,
@@ -88,25 +89,26 @@ pub struct Pipeline {
 /// The parts of a [`Pipeline`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct PipelineParts {
-    /// How patches are classified.
+    /// The class axes.
     pub axes: Axes,
-    /// Combinations of saturated channels that are told apart, bit `c` for channel `c`, ascending, beginning with 0.
+    /// Combinations of saturated channels on the saturation axis, bit `c` for channel `c`, ascending from 0.
     pub saturations: Vec<u32>,
-    /// Names of the outputs, `X`, `Y`, `Z` for a picture.
+    /// Names of the outputs; `X`, `Y`, `Z` for a colour image.
     pub outputs: Vec<String>,
     /// Names of the mosaic's channels.
     pub channel_names: Vec<String>,
-    /// Black level of the raw images it is for, digital numbers.
+    /// Black level of the raw images, digital numbers.
     pub black_level: f64,
-    /// White level of the raw images it is for, digital numbers.
+    /// White level of the raw images, digital numbers.
     pub white_level: f64,
-    /// Least and largest mean response that was trained with, for each position.
+    /// Smallest and largest mean response in the training data, for each position.
     pub trained: Vec<[f32; 2]>,
-    /// The classes, position slowest, then saturation, level, texture.
+    /// The classes; the indices vary from position (slowest) through saturation and level to texture
+    /// (fastest).
     pub classes: Vec<Class>,
     /// Their kernels.
     pub kernels: Kernels,
-    /// How it was trained, as JSON.
+    /// Description of the training, as JSON.
     pub provenance: String,
 }
 
@@ -114,7 +116,7 @@ impl Pipeline {
     /// A pipeline from its parts.
     ///
     /// # Errors
-    /// [`L3Error::Table`] says what does not fit.
+    /// [`L3Error::Table`], which names the inconsistency.
     pub fn from_parts(parts: PipelineParts) -> Result<Self, L3Error> {
         let PipelineParts {
             axes,
@@ -183,13 +185,13 @@ impl Pipeline {
         })
     }
 
-    /// How patches are classified.
+    /// The class axes.
     #[must_use]
     pub fn axes(&self) -> &Axes {
         &self.axes
     }
 
-    /// Combinations of saturated channels that are told apart, ascending, the first 0.
+    /// Combinations of saturated channels on the saturation axis, ascending from 0.
     #[must_use]
     pub fn saturations(&self) -> &[u32] {
         &self.saturations
@@ -207,44 +209,45 @@ impl Pipeline {
         &self.channel_names
     }
 
-    /// Black level of the raw images it is for.
+    /// Black level of the raw images, digital numbers.
     #[must_use]
     pub fn black_level(&self) -> f64 {
         self.black_level
     }
 
-    /// White level of the raw images it is for.
+    /// White level of the raw images, digital numbers.
     #[must_use]
     pub fn white_level(&self) -> f64 {
         self.white_level
     }
 
-    /// Least and largest mean response that was trained with, for each position.
+    /// Smallest and largest mean response in the training data, for each position.
     #[must_use]
     pub fn trained(&self) -> &[[f32; 2]] {
         &self.trained
     }
 
-    /// The same with what it gives for white: X, Y, Z of a perfect diffuser in the light that pictures are made for, Y = 1. It
-    /// tells how to show them; rendering does not use it.
+    /// The pipeline with the white point of its output: X, Y, Z, Y = 1, of a perfect diffuser under the
+    /// illuminant of the targets. It is needed for display; rendering does not use it.
     #[must_use]
     pub fn with_white(self, white: Option<[f64; 3]>) -> Self {
         Self { white, ..self }
     }
 
-    /// X, Y, Z of white, Y = 1, where the outputs are X, Y, Z and white is known.
+    /// White point of the output, X, Y, Z with Y = 1, where the outputs are X, Y, Z and it is known.
     #[must_use]
     pub fn white(&self) -> Option<[f64; 3]> {
         self.white
     }
 
-    /// How it was trained, as JSON.
+    /// Description of the training, as JSON.
     #[must_use]
     pub fn provenance(&self) -> &str {
         &self.provenance
     }
 
-    /// The classes, position slowest, then saturation, level, texture.
+    /// The classes; the indices vary from position (slowest) through saturation and level to texture
+    /// (fastest).
     #[must_use]
     pub fn classes(&self) -> &[Class] {
         &self.classes
@@ -256,7 +259,8 @@ impl Pipeline {
         &self.kernels
     }
 
-    /// The weights of a class for an output, in the order of the patch's rows. Empty when there is none such.
+    /// The weights of a class for an output, in the row order of the patch. Empty when there is no such class
+    /// or output.
     #[must_use]
     pub fn weights(&self, class: usize, output: usize) -> &[f32] {
         let taps = self.axes.taps();
@@ -264,7 +268,7 @@ impl Pipeline {
         self.kernels.weights.get(at..at + taps).unwrap_or(&[])
     }
 
-    /// The index of a class by the places of its coordinates on the axes.
+    /// The index of a class from its coordinates on the axes.
     #[must_use]
     pub fn index(&self, position: usize, saturation: usize, level: usize, texture: usize) -> usize {
         let textures = self.axes.textures().count();
@@ -272,7 +276,7 @@ impl Pipeline {
             + texture
     }
 
-    /// The class of an index.
+    /// The class with an index.
     #[must_use]
     pub fn key(&self, index: usize) -> ClassKey {
         let (textures, levels) = (self.axes.textures().count(), self.axes.level_count());
@@ -285,15 +289,16 @@ impl Pipeline {
         }
     }
 
-    /// The place on the saturation axis of a combination of clipped channels: itself, or the one that differs in
-    /// the fewest channels; of those the one with more channels clipped.
+    /// Index on the saturation axis of a combination of clipped channels. For a combination that is not on
+    /// the axis, it is that of the combination that differs in the fewest channels and, of several, has the
+    /// most channels clipped.
     #[must_use]
     pub fn saturation_place(&self, clipped: u32) -> usize {
         nearest_saturation(&self.saturations, clipped)
     }
 }
 
-/// The place of a combination of clipped channels, or of the one nearest to it: see [`Pipeline::saturation_place`].
+/// Index of the nearest combination of clipped channels: see [`Pipeline::saturation_place`].
 pub(super) fn nearest_saturation(saturations: &[u32], clipped: u32) -> usize {
     let far = |mask: u32| ((mask ^ clipped).count_ones(), std::cmp::Reverse(mask.count_ones()));
     (0..saturations.len()).min_by_key(|&i| far(saturations[i])).unwrap_or(0)

@@ -1,10 +1,10 @@
-//! Moments of a class or of many together, patches that symmetry makes equal included.
+//! Moments of one class or of several pooled classes, including patches that are equivalent by symmetry.
 
-use super::symmetry::{Member, Symmetry, Turn};
+use super::symmetry::{Isometry, Member, Symmetry};
 use super::{Axes, Moments, Statistics, Textures, pipeline};
 
-/// The combinations of clipped channels that get a place on the axis: none clipped, and those of at least a share of all
-/// patches. Ascending.
+/// The combinations of clipped channels on the saturation axis: none clipped, and every combination with at
+/// least a given fraction of all patches. Ascending.
 pub(super) fn kept_saturations(statistics: &Statistics, share: f64) -> Vec<u32> {
     let least = share * statistics.count() as f64;
     let mut counts = std::collections::BTreeMap::from([(0, u64::MAX)]);
@@ -16,7 +16,7 @@ pub(super) fn kept_saturations(statistics: &Statistics, share: f64) -> Vec<u32> 
     counts.into_keys().collect()
 }
 
-/// The classes of a position to be taken together; `None`: all along that axis.
+/// The classes of a position to pool; `None` pools a whole axis.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Pool {
     pub(super) saturation: Option<usize>,
@@ -24,21 +24,21 @@ pub(super) struct Pool {
     pub(super) texture: Option<usize>,
 }
 
-/// A class that has been seen, by its places on the axes.
+/// A class with training data, by its coordinates on the axes.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Seen<'a> {
+pub(super) struct TrainedClass<'a> {
     pub(super) saturation: usize,
     pub(super) level: usize,
     pub(super) texture: usize,
     pub(super) moments: &'a Moments,
 }
 
-/// What has been seen of every position.
+/// The classes with training data, for every position.
 pub(super) struct Pools<'a> {
     axes: &'a Axes,
     outputs: usize,
-    /// Per position. Patches whose combination of clipped channels has no place count to the nearest that has one.
-    pub(super) seen: Vec<Vec<Seen<'a>>>,
+    /// Per position. Combinations of clipped channels that are not on the axis count towards the nearest one.
+    pub(super) seen: Vec<Vec<TrainedClass<'a>>>,
 }
 
 impl<'a> Pools<'a> {
@@ -46,9 +46,9 @@ impl<'a> Pools<'a> {
         let axes = statistics.axes();
         let mut seen = vec![Vec::new(); axes.positions()];
         for (key, moments) in statistics.classes() {
-            // Statistics hold only keys within their axes.
+            // Keys in the statistics lie within their axes.
             if let Some(list) = seen.get_mut(key.position as usize) {
-                list.push(Seen {
+                list.push(TrainedClass {
                     saturation: pipeline::nearest_saturation(saturations, key.saturation),
                     level: usize::from(key.level),
                     texture: usize::from(key.texture),
@@ -59,8 +59,9 @@ impl<'a> Pools<'a> {
         Self { axes, outputs: statistics.outputs().len(), seen }
     }
 
-    /// The classes of a pool around a position that stands for a group, each as often as a turn brings it there.
-    fn chosen(&self, members: &[Member], pool: Pool) -> impl Iterator<Item = (Member, Seen<'a>)> {
+    /// The classes of a pool around the representative position of a group, once for every symmetry operation
+    /// that maps a member to it.
+    fn chosen(&self, members: &[Member], pool: Pool) -> impl Iterator<Item = (Member, TrainedClass<'a>)> {
         let textures = self.axes.textures();
         let fits = |wanted: Option<usize>, got| wanted.is_none_or(|w| w == got);
         members.iter().flat_map(move |&member| {
@@ -68,22 +69,23 @@ impl<'a> Pools<'a> {
             let chosen = here.iter().filter(move |s| {
                 fits(pool.saturation, s.saturation)
                     && fits(pool.level, s.level)
-                    && fits(pool.texture, member.turn.texture(textures, s.texture))
+                    && fits(pool.texture, member.isometry.texture(textures, s.texture))
             });
             chosen.map(move |s| (member, *s))
         })
     }
 
-    /// How often the group brings every patch of a pool: by the turns that leave the position, and the texture, as they are.
+    /// Number of times the group repeats each patch of a pool: the symmetry operations that keep the position
+    /// and the texture.
     fn repeats(&self, position: usize, members: &[Member], pool: Pool) -> u64 {
         let stays = |m: &&Member| {
             m.position == position
-                && pool.texture.is_none_or(|t| m.turn.texture(self.axes.textures(), t) == t)
+                && pool.texture.is_none_or(|t| m.isometry.texture(self.axes.textures(), t) == t)
         };
         (members.iter().filter(stays).count() as u64).max(1)
     }
 
-    /// Patches of a pool, each counted once.
+    /// Number of patches in a pool, without repetitions.
     pub(super) fn count(&self, position: usize, members: &[Member], pool: Pool) -> u64 {
         let all: u64 = self.chosen(members, pool).map(|(_, s)| s.moments.count()).sum();
         all / self.repeats(position, members, pool)
@@ -96,13 +98,13 @@ impl<'a> Pools<'a> {
         let mut last = None;
         let mut places: Vec<usize> = (0..sum.size()).collect();
         for (member, seen) in self.chosen(members, pool) {
-            if member.turn == Turn::IDENTITY {
+            if member.isometry == Isometry::IDENTITY {
                 sum.merge(seen.moments);
                 continue;
             }
-            if last != Some(member.turn) {
-                places[1..].iter_mut().zip(member.turn.taps(side)).for_each(|(p, tap)| *p = 1 + tap);
-                last = Some(member.turn);
+            if last != Some(member.isometry) {
+                places[1..].iter_mut().zip(member.isometry.taps(side)).for_each(|(p, tap)| *p = 1 + tap);
+                last = Some(member.isometry);
             }
             sum.merge_permuted(seen.moments, &places);
         }
@@ -111,13 +113,13 @@ impl<'a> Pools<'a> {
     }
 }
 
-/// Whether a kind of structure is the flat one. Where flat and texture are not told apart, patches count as texture:
-/// what would be smoothed away cannot be brought back.
+/// Whether a texture class is flat. Without texture classes, patches count as texture: detail lost by
+/// smoothing cannot be restored.
 pub(super) fn is_flat(textures: Textures, texture: usize) -> bool {
     textures != Textures::None && texture == 0
 }
 
-/// For symmetric positions: the least and largest mean responses of all cells of the group.
+/// For symmetric positions: the smallest and largest mean response over all cells of the group.
 pub(super) fn trained(statistics: &Statistics, symmetry: &Symmetry) -> Vec<[f32; 2]> {
     let own = statistics.trained();
     let mut by_group = own.to_vec();

@@ -1,26 +1,13 @@
-//! Moments of every class, gathered from pairs of raw image and target in one pass.
+//! Moments of every class, accumulated from pairs of raw image and target in one pass.
 
 use std::collections::BTreeMap;
 
 use super::gather::Gatherer;
-use super::{Axes, ClassKey, L3Error, Moments};
-use crate::numeric::Planes;
+use super::{Axes, ClassKey, L3Error, Moments, Pair};
 use crate::sensor::{Mosaic, RawImage, Sampling};
 
-/// A raw image and what should come of it.
-#[derive(Debug, Clone, Copy)]
-pub struct Pair<'a> {
-    /// The samples that are learned from: without noise where the noise is added by computation
-    /// ([`Statistics::new`]), as taken otherwise.
-    pub raw: &'a RawImage,
-    /// The image that patches are classified by, of the same size: with noise, as later images will have it. `None`: `raw`.
-    pub seen: Option<&'a RawImage>,
-    /// One plane per output, of the size of the raw image; finite.
-    pub target: &'a Planes,
-}
-
-/// Moments of every class that has been seen. Equal pairs in equal order give equal bits for any number of threads; two that
-/// were gathered apart can be merged.
+/// Moments of every class in the training data. Equal pairs in equal order give equal bits for any number of
+/// threads. Separately accumulated statistics can be merged.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Statistics {
     axes: Axes,
@@ -34,8 +21,8 @@ pub struct Statistics {
 }
 
 impl Statistics {
-    /// Of nothing yet. `noisy` tells whether the raw images hold their noise; where they do not, solving adds that of the
-    /// axes to the moments.
+    /// Empty statistics. `noisy` states whether the raw images contain their noise; if not, training adds
+    /// that of the axes to the moments.
     ///
     /// # Errors
     /// When there is no output.
@@ -57,10 +44,10 @@ impl Statistics {
         })
     }
 
-    /// From moments that were saved.
+    /// Statistics from stored moments.
     ///
     /// # Errors
-    /// When moments are of another size, or a key is not one of the axes.
+    /// When moments have the wrong size, or a key is not on the axes.
     #[allow(clippy::too_many_arguments)]
     pub fn from_parts(
         axes: Axes,
@@ -96,7 +83,7 @@ impl Statistics {
         Ok(Self { channel_names, levels, trained, classes, ..empty })
     }
 
-    /// How patches are classified.
+    /// The class axes.
     #[must_use]
     pub fn axes(&self) -> &Axes {
         &self.axes
@@ -114,49 +101,50 @@ impl Statistics {
         &self.channel_names
     }
 
-    /// Black and white level of the raw images, once one has been seen.
+    /// Black and white level of the raw images, after the first one.
     #[must_use]
     pub fn raw_levels(&self) -> Option<[f64; 2]> {
         self.levels
     }
 
-    /// The same with X, Y, Z of white in the targets' light, Y = 1: handed on to pipelines ([`super::Pipeline::white`]).
+    /// The statistics with the white point of the targets, X, Y, Z with Y = 1, which pipelines inherit
+    /// ([`super::Pipeline::white`]).
     #[must_use]
     pub fn with_white(self, white: Option<[f64; 3]>) -> Self {
         Self { white, ..self }
     }
 
-    /// X, Y, Z of white in the targets' light, Y = 1, where it is known.
+    /// White point of the targets, X, Y, Z with Y = 1, if it is known.
     #[must_use]
     pub fn white(&self) -> Option<[f64; 3]> {
         self.white
     }
 
-    /// Whether the raw images hold their noise.
+    /// Whether the raw images contain their noise.
     #[must_use]
     pub fn noisy(&self) -> bool {
         self.noisy
     }
 
-    /// Least and largest mean response of a patch, for each position; infinite where none was seen.
+    /// Smallest and largest mean response of a patch, for each position; infinite where there is no data.
     #[must_use]
     pub fn trained(&self) -> &[[f32; 2]] {
         &self.trained
     }
 
-    /// The moments of every class that has been seen.
+    /// The moments of every class in the training data.
     #[must_use]
     pub fn classes(&self) -> &BTreeMap<ClassKey, Moments> {
         &self.classes
     }
 
-    /// Number of patches seen.
+    /// Number of training patches.
     #[must_use]
     pub fn count(&self) -> u64 {
         self.classes.values().map(Moments::count).sum()
     }
 
-    /// Adds what another has seen.
+    /// Adds other statistics.
     ///
     /// # Errors
     /// When axes, outputs, levels or noise differ.
@@ -195,11 +183,11 @@ impl Statistics {
         self.classes.entry(key).or_insert_with(|| Moments::new(taps, outputs))
     }
 
-    /// Adds every patch of a pair that lies within the image.
+    /// Adds every patch of a pair that lies completely within the image.
     ///
     /// # Errors
-    /// When sizes, mosaics or levels do not match those before, the image is smaller than patch or tile, or a value is not finite.
-    /// Nothing has been added then.
+    /// When sizes, mosaics or levels do not match earlier pairs, the image is smaller than patch or tile, or
+    /// a value is not finite. The statistics are then unchanged.
     pub fn add(&mut self, pair: &Pair<'_>) -> Result<(), L3Error> {
         let phase = self.check(pair)?;
         let gatherer = Gatherer::new(&self.axes, self.outputs.len(), pair, phase);
@@ -209,12 +197,12 @@ impl Statistics {
         Ok(())
     }
 
-    /// Adds `times` patches of an even field around every position, as if cut from a picture of it: `samples` are normalised, one
-    /// for each channel and without noise, `target` one for each output. They count as flat, and as seen without noise.
-    /// A field that clips in any channel is left out.
+    /// Adds `times` patches of a uniform field at every position, as if from an image of it. `samples` are
+    /// normalised and noise-free, one per channel; `target` has one value per output. The patches count as
+    /// flat. A field that clips in any channel is skipped.
     ///
     /// # Errors
-    /// When there is not one value for each channel and output, or one is not finite.
+    /// When there is not one value per channel and output, or a value is not finite.
     pub fn add_even(&mut self, samples: &[f64], target: &[f64], times: u32) -> Result<(), L3Error> {
         let channels = self.axes.mosaic().channels();
         if samples.len() != channels || samples.iter().any(|v| !v.is_finite()) {
@@ -252,7 +240,7 @@ impl Statistics {
         Ok(())
     }
 
-    /// The place in the tile of the image's first pixel, when all is as it should be.
+    /// Checks a pair and returns the position of the image's first pixel in the tile.
     fn check(&mut self, pair: &Pair<'_>) -> Result<[usize; 2], L3Error> {
         let raw = pair.raw;
         let phase = phase_in(self.axes.mosaic(), &self.channel_names, raw)?;
@@ -263,7 +251,7 @@ impl Statistics {
             if same { Ok(()) } else { Err(L3Error::PairSize { what, rows, cols, got_rows, got_cols }) }
         };
         size("the target", pair.target.rows(), pair.target.cols())?;
-        // The levels of later images are those of the images as seen: what is learned from may be volts.
+        // Images to render later have the levels of the classified image; the training image may be in volts.
         let as_seen = pair.seen.unwrap_or(raw);
         let levels = [as_seen.black_level(), as_seen.white_level()];
         if let Some(seen) = pair.seen {
@@ -300,7 +288,8 @@ impl Statistics {
     }
 }
 
-/// Where in the tile the first pixel of a raw image lies. `names` are those of the tile's channels, for messages.
+/// The position of a raw image's first pixel in the tile. `names` are the names of the tile's channels, for
+/// messages.
 pub(super) fn phase_in(mosaic: &Mosaic, names: &[String], raw: &RawImage) -> Result<[usize; 2], L3Error> {
     let Sampling::Mosaic(got) = raw.sampling() else { return Err(L3Error::NoMosaic) };
     let cells = (0..mosaic.rows()).flat_map(|r| (0..mosaic.cols()).map(move |c| [r, c]));
@@ -315,7 +304,7 @@ pub(super) fn phase_in(mosaic: &Mosaic, names: &[String], raw: &RawImage) -> Res
     })
 }
 
-/// The cells of a tile, a few of them.
+/// The cells of a tile, abbreviated.
 fn listed(mosaic: &Mosaic, names: &[String]) -> String {
     let cells = mosaic.cells();
     let name = |&c: &u8| names.get(usize::from(c)).cloned().unwrap_or_else(|| c.to_string());
@@ -323,7 +312,7 @@ fn listed(mosaic: &Mosaic, names: &[String]) -> String {
     shown.join(" ") + if cells.len() > 16 { " …" } else { "" }
 }
 
-/// An image must hold a patch, and every phase of the tile.
+/// An image must contain a patch and every phase of the tile.
 pub(super) fn check_size(axes: &Axes, rows: usize, cols: usize) -> Result<(), L3Error> {
     let (need_rows, need_cols) =
         (axes.side().max(axes.mosaic().rows()), axes.side().max(axes.mosaic().cols()));
@@ -337,6 +326,7 @@ pub(super) fn check_size(axes: &Axes, rows: usize, cols: usize) -> Result<(), L3
 mod tests {
     use super::*;
     use crate::l3::Levels;
+    use crate::numeric::Planes;
     use crate::numeric::philox::Stream;
     use crate::sensor::{RawSamples, SignalNoise};
 
@@ -358,7 +348,7 @@ mod tests {
         Axes::new(mosaic, 5, Levels::logarithmic(4, 0.1, 0.8).unwrap(), noise).unwrap()
     }
 
-    /// Every patch is counted once, and the sums are those of the plain definition.
+    /// Every patch is counted once, and the sums follow the definition.
     #[test]
     fn sums_are_what_they_say() {
         let (raw, target) = pair(150, 41, 3);
@@ -371,7 +361,7 @@ mod tests {
         let mut expected = 0.0;
         for r in 2..148 {
             for c in 2..39 {
-                // The top left of the patch times the second target.
+                // The top left sample of the patch times the second target.
                 expected += f64::from(x[(r - 2) * 41 + c - 2]) * f64::from(target.plane(1)[r * 41 + c]);
             }
         }
@@ -399,7 +389,7 @@ mod tests {
         }
     }
 
-    /// An even field counts as a picture of it does.
+    /// A uniform field counts like an image of it.
     #[test]
     fn even_fields_are_pictures_of_them() {
         let (samples, target) = ([0.31, 0.12, 0.45], [0.2, 0.7]);
@@ -413,7 +403,7 @@ mod tests {
         let (mut picture, mut field) = (empty(), empty());
         picture.add(&Pair { raw: &raw, seen: None, target: &plane }).unwrap();
         field.add_even(&samples, &target, 16).unwrap();
-        // A quarter of the 8 × 8 patches within the picture lies at each position.
+        // A quarter of the 8 × 8 patches within the image belongs to each position.
         assert!(picture.classes().keys().eq(field.classes().keys()) && field.count() == 64);
         for (a, b) in picture.classes().values().zip(field.classes().values()) {
             assert!(a.sums().iter().zip(b.sums()).all(|(a, b)| (a - b).abs() < 1e-6 * b.abs()));
@@ -421,7 +411,7 @@ mod tests {
         for (a, b) in picture.trained().iter().flatten().zip(field.trained().iter().flatten()) {
             assert!((a - b).abs() < 1e-6);
         }
-        // What clips is not a flat patch of its colour.
+        // A clipped field is not a flat patch of its colour.
         field.add_even(&[0.3, 1.0, 0.3], &target, 16).unwrap();
         assert_eq!(field.count(), 64);
         assert!(field.add_even(&samples[1..], &target, 1).is_err());

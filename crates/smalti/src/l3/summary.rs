@@ -1,19 +1,19 @@
-//! The table of classes in numbers, for reports.
+//! Statistics of the learned table, for reports.
 
 use super::{Origin, Pipeline};
 
-/// What a pipeline consists of.
+/// Size and occupancy of a pipeline.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Summary {
-    /// One for each position of the mosaic's tile, in row order.
+    /// One entry per position of the mosaic's tile, in row order.
     pub positions: Vec<PositionSummary>,
     /// Classes of the table.
     pub classes: usize,
-    /// Classes of which patches were seen.
+    /// Classes with training data.
     pub occupied: usize,
     /// Linear operators: occupied classes times outputs.
     pub operators: usize,
-    /// Patches that were seen.
+    /// Training patches.
     pub patches: u64,
 }
 
@@ -26,16 +26,16 @@ pub struct PositionSummary {
     pub col: usize,
     /// Name of its channel.
     pub channel: String,
-    /// Patches that were seen.
+    /// Training patches.
     pub patches: u64,
-    /// Classes of which patches were seen.
+    /// Classes with training data.
     pub occupied: usize,
-    /// Classes by where their kernels come from, in the order of [`Origin::ALL`].
+    /// Number of classes by origin of their kernels, in the order of [`Origin::ALL`].
     pub by_origin: [usize; Origin::ALL.len()],
 }
 
 impl Pipeline {
-    /// The table of classes in numbers.
+    /// Statistics of the table.
     #[must_use]
     pub fn summary(&self) -> Summary {
         let mosaic = self.axes().mosaic();

@@ -1,18 +1,19 @@
-//! Bands of a raw image with what lies around them, normalised.
+//! Normalised bands of a raw image with their surroundings.
 
 use super::blocks::{BLOCK, LANES};
 use crate::isp::source::Source;
 use crate::numeric::mirror::about_outermost;
 
-/// The place in `0..len` that stands in for `at`: itself; beyond the ends the one of the same phase in a tile of `period` that
-/// is nearest to the mirrored place. For a period of 1 or 2 that is the mirror about the outermost sample.
+/// The index in `0..len` that replaces `at`. Beyond the ends it is the index nearest to the reflected one
+/// that has the same phase in a tile of `period`. For a period of 1 or 2 this is the reflection about the
+/// outermost sample.
 pub(super) fn mirrored(at: isize, len: usize, period: usize) -> usize {
     if (0..len as isize).contains(&at) {
         return at as usize;
     }
     let mirror = about_outermost(at, len) as isize;
     let period = period as isize;
-    // The shifts of the mirrored place to the phase of `at`, down and up.
+    // The shifts from the reflected index to the phase of `at`, down and up.
     let down = (mirror - at).rem_euclid(period);
     let candidates = [mirror - down, mirror - down + period];
     let inside = |c: &isize| (0..len as isize).contains(c);
@@ -20,12 +21,12 @@ pub(super) fn mirrored(at: isize, len: usize, period: usize) -> usize {
     nearest.unwrap_or(mirror) as usize
 }
 
-/// Lines begin at multiples of this: a register that lies in two lines of the cache takes twice as long to read.
+/// Alignment of lines: reading a register that spans two cache lines takes twice as long.
 const REGISTER_BYTES: usize = 64;
-/// What lies beyond the right margin of a line: vectors that start within the line may reach so far.
+/// Padding beyond the right margin of a line, for vectors that start within the line.
 const SPARE: usize = 3 * BLOCK;
 
-/// Rows of a raw image with a margin on all sides, mirrored by the phase of the tile.
+/// Rows of a raw image with a margin on all sides, reflected with the phase of the tile.
 #[derive(Debug, Default)]
 pub(super) struct Window<S = f32> {
     pub(super) stride: usize,
@@ -33,14 +34,14 @@ pub(super) struct Window<S = f32> {
     pub(super) cols: usize,
     /// Row `first − margin` of the image is at the top.
     data: Vec<S>,
-    /// Where in the data it begins, so that lines begin at whole registers.
+    /// Offset of the data that aligns lines to whole registers.
     base: usize,
-    /// The highest sample of each row, where samples are normalised; NaN is not high.
+    /// The highest sample of each row, where samples are normalised; NaN is ignored.
     pub(super) highest: Vec<f32>,
 }
 
 impl Window {
-    /// Fills the window with `rows` rows from `first` on.
+    /// Fills the window with `rows` rows from `first`.
     #[inline(always)]
     pub(super) fn read(
         &mut self,
@@ -70,7 +71,8 @@ impl Window {
 }
 
 impl<S: Copy + Default> Window<S> {
-    /// Fills the window with `rows` rows from `first` on of an image of a size, each as `read(row, out)` gives it.
+    /// Fills the window with `rows` rows from `first` of an image of a given size; `read(row, out)` supplies
+    /// each row.
     #[inline(always)]
     pub(super) fn read_with(
         &mut self,
@@ -98,15 +100,36 @@ impl<S: Copy + Default> Window<S> {
         }
     }
 
-    /// All lines, one after another.
+    /// All lines, concatenated.
     pub(super) fn lines(&self) -> &[S] {
         self.data.get(self.base..).unwrap_or(&[])
     }
 
-    /// Row `row` of the band (negative: above it), from its left margin on.
+    /// Row `row` of the band (negative: above it), starting at its left margin.
     pub(super) fn line(&self, row: isize) -> &[S] {
         let at = self.base + (row + self.margin[0] as isize) as usize * self.stride;
         self.data.get(at..at + self.stride).unwrap_or(&[])
+    }
+}
+
+/// A range of columns of a row of a window.
+#[derive(Clone, Copy)]
+pub(super) struct Strip<'a> {
+    pub(super) window: &'a Window,
+    pub(super) row: isize,
+    /// Phase of the first column.
+    pub(super) phase: [usize; 2],
+    pub(super) first: usize,
+    /// Number of columns, a multiple of the vector length.
+    pub(super) len: usize,
+}
+
+impl Strip<'_> {
+    /// Index in the lines of the window of the column `right` of the first. The margin covers every sample
+    /// that is read beside a patch.
+    #[inline(always)]
+    pub(super) fn at(&self, right: isize) -> usize {
+        ((self.window.margin[1] + self.first) as isize + right).max(0) as usize
     }
 }
 

@@ -1,13 +1,13 @@
-//! Aliasing: what a picture shows that its scene does not.
+//! Aliasing: structures of a picture that its scene does not contain.
 //!
-//! A camera may blur, sharpen, shift or scale a pattern; that is a linear transfer, and not aliasing. What remains of
-//! the picture after the best such transfer of an alias-free reference is energy that is not in the reference:
-//! frequencies folded by the sampling, false colours and zippers of the demosaicking.
+//! A camera may blur, sharpen, shift or scale a pattern. This is a linear transfer and not aliasing. The residual of the best
+//! such transfer of an alias-free reference is energy that is not in the reference: frequencies folded by sampling, false
+//! colour, and zipper artefacts of demosaicking.
 //!
-//! The transfer is found by least squares in blocks of about 16 × 16 pixels: a constant and a filter of 3 × 3
-//! taps from the reference to the picture. Within a block of a zone plate there is nearly one frequency, and such
-//! a filter can give it any gain and phase, with their change across the block. Energies of residuals are divided by
-//! the share of freedom the fit leaves, so that a pattern unrelated to the reference counts in full.
+//! The transfer is fitted by least squares in blocks of about 16 × 16 pixels: a constant and a filter of 3 × 3 taps from the
+//! reference to the picture. A block of a zone plate contains nearly one frequency, and such a filter can give it any gain and
+//! phase, including their change across the block. Residual energies are divided by the fraction of degrees of freedom that
+//! the fit leaves, so that a pattern unrelated to the reference counts in full.
 
 use rayon::prelude::*;
 
@@ -15,29 +15,29 @@ use super::MetricError;
 use super::psnr::same_size;
 use crate::numeric::Planes;
 
-/// Side of the blocks; the last ones of an image take what is left and are up to twice as long.
+/// Side of the blocks, pixels. The last blocks of an image include the remainder and are up to twice as long.
 const BLOCK: usize = 16;
 /// A constant and 3 × 3 taps.
 const UNKNOWNS: usize = 10;
-/// An unknown that explains less than this share of its energy beyond the others is left out.
+/// Fraction of its energy that an unknown must explain beyond the others; otherwise its weight is 0.
 const RANK_TOLERANCE: f64 = 1e-7;
 
 /// Aliasing of a picture against an alias-free reference.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Aliasing {
-    /// Energy in luminance that the reference does not have, in percent of the reference's energy.
+    /// Luminance energy that is not in the reference, percent of the energy of the reference.
     pub luminance_percent: f64,
-    /// Energy in colour that the reference does not have, likewise; a neutral reference has none.
+    /// Chromatic energy that is not in the reference, percent of the energy of the reference.
     pub color_percent: f64,
     /// Their sum.
     pub total_percent: f64,
-    /// What was added, signed, per plane and in the unit of the picture: the picture of the aliasing.
+    /// The residual of each plane, signed, in the unit of the picture.
     pub difference: Planes,
 }
 
-/// Measures a picture against the same scene rendered without sampling by a mosaic and without frequencies that the
-/// pixel grid cannot hold: a zone plate for choice, any finely detailed scene otherwise. Both must be linear in
-/// light and noise-free; noise counts as aliasing.
+/// Measures a picture against a reference of the same scene without mosaic and without frequencies beyond the Nyquist limit of
+/// the pixel grid. A zone plate is best; any scene with fine detail will do. Both must be linear in light and free of noise,
+/// because noise counts as aliasing.
 ///
 /// With e the residual of a plane and weights w that sum to 1, luminance energy is that of Σ w e, colour energy is
 /// Σ w (e − Σ w e)², both per pixel and relative to Σ w (reference − its mean)². `luminance_weights` are the Y of
@@ -84,7 +84,7 @@ pub fn aliasing(
             }
         }
         for i in 0..block.height * block.width {
-            // Scaled by the freedom left, so that energies do not depend on the number of unknowns.
+            // Scaled by the remaining degrees of freedom, so that energies do not depend on the number of unknowns.
             let e = |p: usize| planes.get(p).map_or(0.0, |(v, scale)| v[i] * scale);
             let y: f64 = weights.iter().enumerate().map(|(p, w)| w * e(p)).sum();
             luminance += y * y;
@@ -136,8 +136,7 @@ struct Block {
     width: usize,
 }
 
-/// What a block of the picture holds beyond a transfer of the reference: per plane the values in row order, and the
-/// scale that makes up for the freedom the fit has taken.
+/// The residual of a block: for each plane the values in row order, and the scale for the degrees of freedom of the fit.
 struct Residual {
     block: Block,
     planes: Vec<(Vec<f64>, f64)>,
@@ -158,8 +157,8 @@ fn residual(picture: &Planes, reference: &Planes, block: Block) -> Residual {
     Residual { block, planes: (0..picture.count()).map(plane).collect() }
 }
 
-/// For every pixel of a block a 1 and the 3 × 3 pixels of the reference around it, the border pixel repeated outside.
-/// The mean of the block is taken off first: it is the constant's, and rounding is kinder without it.
+/// For every pixel of a block: 1 and the 3 × 3 pixels of the reference around it, with border pixels repeated outside. The mean
+/// of the block is subtracted, which the constant absorbs, to reduce rounding errors.
 fn taps(plane: &[f32], (rows, cols): (usize, usize), block: Block) -> Vec<[f64; UNKNOWNS]> {
     let value = |row: usize, col: usize| f64::from(plane[row.min(rows - 1) * cols + col.min(cols - 1)]);
     let pixels = || (0..block.height).flat_map(move |r| (0..block.width).map(move |c| (r, c)));
@@ -178,8 +177,8 @@ fn taps(plane: &[f32], (rows, cols): (usize, usize), block: Block) -> Vec<[f64; 
         .collect()
 }
 
-/// Weights that bring the taps closest to the values, and how many of them are in use. Normal equations by Cholesky's
-/// method; an unknown that the ones before it already explain gets weight 0.
+/// The least-squares weights of the taps, and the number of weights in use. The normal equations are solved by Cholesky's
+/// method; an unknown that earlier ones already explain gets weight 0.
 fn least_squares(taps: &[[f64; UNKNOWNS]], values: &[f64]) -> ([f64; UNKNOWNS], usize) {
     let mut gram = [[0.0; UNKNOWNS]; UNKNOWNS];
     let mut right = [0.0; UNKNOWNS];

@@ -1,13 +1,13 @@
-//! The metrics there are, for lists and reports.
+//! The catalogue of metrics, for lists and reports.
 
-/// Which way a metric improves.
+/// The direction in which a metric improves.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Better {
     /// Smaller is better.
     Lower,
     /// Larger is better.
     Higher,
-    /// A property, neither good nor bad in itself.
+    /// A property without a direction of improvement.
     Neither,
 }
 
@@ -18,9 +18,9 @@ pub struct MetricInfo {
     pub name: &'static str,
     /// Its unit.
     pub unit: &'static str,
-    /// Which way it improves.
+    /// The direction of improvement.
     pub better: Better,
-    /// What it says, in a sentence.
+    /// Its definition in one sentence.
     pub doc: &'static str,
     /// The standard or paper that defines it.
     pub source: &'static str,
@@ -36,9 +36,10 @@ const fn metric(
     MetricInfo { name, unit, better, doc, source }
 }
 
+use super::MetricError;
 use Better::{Higher, Lower, Neither};
 
-/// All metrics, by what they measure: colour, detail, noise, distance from a reference, sensor.
+/// All metrics, in the order colour, resolution, noise, differences from a reference, sensor.
 pub const CATALOG: &[MetricInfo] = &[
     metric(
         "delta_e_76",
@@ -212,15 +213,26 @@ pub const CATALOG: &[MetricInfo] = &[
     ),
 ];
 
+/// The entry of a metric in the [catalogue](CATALOG).
+///
+/// # Errors
+/// [`MetricError::UnknownMetric`] when no metric has this name.
+pub fn metric_info(name: &str) -> Result<&'static MetricInfo, MetricError> {
+    let found = CATALOG.iter().find(|m| m.name == name);
+    found.ok_or_else(|| MetricError::UnknownMetric { name: name.to_owned() })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
-    fn names_are_unique_and_everything_is_said() {
+    fn names_are_unique_and_entries_are_complete() {
         for (i, m) in CATALOG.iter().enumerate() {
             assert!(CATALOG[..i].iter().all(|n| n.name != m.name), "{} appears twice", m.name);
             assert!(!m.name.is_empty() && !m.unit.is_empty() && m.doc.ends_with('.') && !m.source.is_empty());
+            assert_eq!(metric_info(m.name), Ok(m));
         }
+        assert_eq!(metric_info("psnr"), Err(MetricError::UnknownMetric { name: "psnr".into() }));
     }
 }

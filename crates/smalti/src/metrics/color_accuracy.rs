@@ -6,10 +6,10 @@ use crate::color::{DeltaE, lab_from_xyz};
 /// The white that CIELAB refers to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum LabWhite {
-    /// The white patch of the reference, for both: a cast of the measured white counts as an error.
+    /// The white patch of the reference for both: a colour cast counts as an error.
     #[default]
     Reference,
-    /// Each its own white patch: a cast of the whole picture does not count.
+    /// The own white patch of each: an overall colour cast does not count.
     Own,
 }
 
@@ -39,12 +39,12 @@ pub struct ColorAccuracy {
     pub reference_lab: Vec<[f64; 3]>,
 }
 
-/// Compares the XYZ of patches with those of a reference, both first scaled so that the white patch (index
-/// `white_patch`; 3 on the Macbeth chart read column by column, 18 row by row) has Y = 100: exposure does not count.
+/// Compares X, Y, Z of patches with those of a reference. Both are scaled so that the white patch (index `white_patch`; 18 on the
+/// Macbeth chart in row order, 3 in column order) has Y = 100, so that exposure does not count.
 ///
 /// # Errors
-/// When the numbers of patches differ, the white patch is not there, a value is not finite, or the Y (or another
-/// component) of a white patch is not above 0.
+/// When the numbers of patches differ, the white patch does not exist, a value is not finite, or X, Y or Z of a white patch is
+/// not above 0.
 pub fn color_accuracy(
     measured_xyz: &[[f64; 3]],
     reference_xyz: &[[f64; 3]],

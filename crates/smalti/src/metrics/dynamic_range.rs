@@ -1,4 +1,4 @@
-//! Dynamic range of a sensor: the largest signal over the smallest that stands out of the noise.
+//! Dynamic range of a sensor: the ratio of saturation to the signal whose signal-to-noise ratio is 1.
 
 use super::MetricError;
 use super::snr::decibels;
@@ -24,7 +24,7 @@ pub struct DynamicRange {
 /// noise of the dark current), `step_e` one step of the converter in electrons, 0 when there is none.
 ///
 /// # Errors
-/// When a figure is negative or not finite, or saturation does not lie above the smallest signal.
+/// When a value is negative or not finite, or saturation is not above the smallest signal.
 pub fn dynamic_range(saturation_e: f64, dark_noise_e: f64, step_e: f64) -> Result<DynamicRange, MetricError> {
     for (name, value) in [("saturation_e", saturation_e), ("dark_noise_e", dark_noise_e), ("step_e", step_e)]
     {

@@ -1,16 +1,23 @@
-//! Why a metric cannot be computed.
+//! Errors of metrics.
 
 use thiserror::Error;
 
 use super::Rect;
 use crate::color::ImageError;
 use crate::color::scielab::ScielabError;
+use crate::numeric::ShapeError;
 
-/// A measurement that cannot be made on what was given.
+/// The reason why a metric cannot be computed.
 #[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]
 pub enum MetricError {
-    /// A region has no pixels or leaves the image.
+    /// No metric has this name.
+    #[error("no metric is called '{name}'")]
+    UnknownMetric {
+        /// The name.
+        name: String,
+    },
+    /// A region is empty or extends beyond the image.
     #[error(
         "the region of {} × {} pixels at row {}, column {} must have pixels and lie within the image of {rows} × {cols}",
         rect.rows, rect.cols, rect.row, rect.col
@@ -23,40 +30,40 @@ pub enum MetricError {
         /// Columns of the image.
         cols: usize,
     },
-    /// A plane or channel that is not there.
+    /// A plane or channel does not exist.
     #[error("plane {index} was asked for, but there are {count} (counted from 0)")]
     Plane {
         /// Its index.
         index: usize,
-        /// Planes there are.
+        /// Number of planes.
         count: usize,
     },
-    /// Two things that belong together differ in number.
+    /// A number of items is wrong.
     #[error("{what}: expected {expected}, got {got}")]
     Count {
         /// What was counted.
         what: &'static str,
-        /// How many were expected.
+        /// Expected number.
         expected: usize,
-        /// How many came.
+        /// Actual number.
         got: usize,
     },
-    /// Too little to measure on.
+    /// There are too few items for a measurement.
     #[error("{what}: at least {minimum} are needed, got {got}")]
     TooFew {
         /// What was counted.
         what: &'static str,
-        /// How many are needed.
+        /// Least number.
         minimum: usize,
-        /// How many came.
+        /// Actual number.
         got: usize,
     },
     /// A value is NaN or infinite.
     #[error("{what}: value {index} is not finite")]
     NotFinite {
-        /// What it belongs to.
+        /// The data that contain it.
         what: &'static str,
-        /// Its place, in row order from 0.
+        /// Its index in row order, from 0.
         index: usize,
     },
     /// A number is out of its range.
@@ -80,18 +87,18 @@ pub enum MetricError {
     /// No straight edge crosses the region.
     #[error("no edge crosses the region: {reason}")]
     NoEdge {
-        /// What was missing.
+        /// The missing property.
         reason: &'static str,
     },
-    /// The two sides of the edge hardly differ.
+    /// The contrast of the edge is too low.
     #[error("the contrast of the edge (Michelson) is {contrast:.3}; at least {minimum:.3} is needed")]
     LowContrast {
         /// (high − low) / (high + low).
         contrast: f64,
-        /// The least that is accepted.
+        /// The least accepted contrast.
         minimum: f64,
     },
-    /// The edge is too straight or too diagonal to be sampled finely.
+    /// The angle of the edge is too small or too large for subpixel sampling.
     #[error("the edge stands at {angle_deg:.2}° to the pixel grid; expected {expected}")]
     EdgeAngle {
         /// Its angle to the nearer axis of the grid.
@@ -99,7 +106,7 @@ pub enum MetricError {
         /// The range.
         expected: &'static str,
     },
-    /// The angle of the edge is such that its samples fall on the same few places again and again.
+    /// The angle of the edge makes its samples coincide at a few phases.
     #[error(
         "the samples across the edge (at {angle_deg:.2}°) leave gaps of {gap_px:.2} px, at most {maximum_px:.2} are \
          allowed: choose another angle or a longer edge"
@@ -107,23 +114,26 @@ pub enum MetricError {
     EdgeSampling {
         /// Largest gap between neighbouring samples of the edge profile, pixels.
         gap_px: f64,
-        /// The largest that is accepted, pixels.
+        /// The largest accepted gap, pixels.
         maximum_px: f64,
         /// Angle of the edge to the nearer axis of the grid.
         angle_deg: f64,
     },
-    /// The measurement has no result: a divisor vanishes or no sample lies in the range.
+    /// The metric is undefined: a divisor vanishes or no sample lies in the range.
     #[error("{quantity} is not defined here: {reason}")]
     Undefined {
-        /// What was to be computed.
+        /// The quantity.
         quantity: &'static str,
-        /// Why it cannot be.
+        /// The reason.
         reason: &'static str,
     },
-    /// The image is not of the kind that was expected.
+    /// The image has the wrong colour space or shape.
     #[error(transparent)]
     Image(#[from] ImageError),
-    /// S-CIELAB does not apply.
+    /// The number of values of a map does not match its size.
+    #[error(transparent)]
+    Shape(#[from] ShapeError),
+    /// S-CIELAB cannot be computed.
     #[error(transparent)]
     Scielab(#[from] ScielabError),
 }

@@ -14,11 +14,11 @@ pub struct LuminanceNoise {
     pub mean_percent: f64,
 }
 
-/// Luminance noise of uniform patches of a plane that holds luminance (the Y of XYZ, any scale), as ISETCam scores
-/// the grey series of the Macbeth chart.
+/// Luminance noise of uniform patches of a luminance plane (Y of XYZ in any scale), as in ISETCam for the grey series of the
+/// Macbeth chart.
 ///
 /// # Errors
-/// When the plane or a patch is not there, there is no patch, a patch has fewer than two pixels, a value is not
+/// When the plane or a patch does not exist, there is no patch, a patch has fewer than two pixels, a value is not
 /// finite, or the mean of a patch is not above 0.
 pub fn luminance_noise(
     planes: &Planes,
@@ -31,7 +31,7 @@ pub fn luminance_noise(
     Ok(LuminanceNoise { percent, mean_percent })
 }
 
-/// Mean, which is above 0, and standard deviation of every patch.
+/// Mean (above 0) and standard deviation of every patch.
 pub(super) fn plane_statistics(
     planes: &Planes,
     plane: usize,
@@ -83,7 +83,7 @@ mod tests {
     }
 
     #[test]
-    fn what_has_no_answer_is_refused() {
+    fn undefined_noise_is_refused() {
         let p = Planes::zeros(4, 4, 1);
         let all = Rect::whole(4, 4);
         assert!(matches!(luminance_noise(&p, 0, &[all]), Err(MetricError::Undefined { .. })));

@@ -1,16 +1,16 @@
-//! What a picture is worth, in numbers: plain functions on images. They know nothing of cameras, so they score
-//! a photograph as well as a simulation.
+//! Image quality metrics: plain functions on images. They do not depend on the simulator, so that photographs can be scored as
+//! well.
 //!
-//! | question | module |
+//! | quantity | module |
 //! |---|---|
-//! | are the colours right? | [`color_accuracy`], [`visual_snr`] |
-//! | how fine is the detail? | [`esfr`] |
-//! | what was added that is not there? | [`aliasing`] |
-//! | how noisy is it? | [`luminance_noise`], [`snr`], [`visual_snr`] |
-//! | how far from a reference? | [`psnr`] |
-//! | what is the sensor itself? | [`photon_transfer`], [`dynamic_range`] |
+//! | colour accuracy | [`color_accuracy`], [`visual_snr`] |
+//! | resolution | [`esfr`] |
+//! | aliasing | [`aliasing`] |
+//! | noise | [`luminance_noise`], [`snr`], [`visual_snr`] |
+//! | difference from a reference | [`psnr`] |
+//! | sensor characteristics | [`photon_transfer`], [`dynamic_range`] |
 //!
-//! Sums run in one fixed order, so a result has the same bits whatever the number of threads.
+//! Sums are evaluated in a fixed order, so that results have the same bits for any number of threads.
 
 pub mod aliasing;
 mod catalog;
@@ -25,7 +25,7 @@ pub mod psnr;
 pub mod snr;
 pub mod visual_snr;
 
-pub use catalog::{Better, CATALOG, MetricInfo};
+pub use catalog::{Better, CATALOG, MetricInfo, metric_info};
 pub use error::MetricError;
 pub use patch::patch_means;
 

@@ -14,7 +14,7 @@ pub(super) fn check_region(rect: Rect, rows: usize, cols: usize) -> Result<(), M
 /// The mean of every plane over every rectangle: one inner vector per rectangle, one value per plane.
 ///
 /// # Errors
-/// When a rectangle leaves the image or holds no pixel.
+/// When a rectangle extends beyond the image or is empty.
 pub fn patch_means(planes: &Planes, rects: &[Rect]) -> Result<Vec<Vec<f64>>, MetricError> {
     let mean = |plane: usize, rect: &Rect| {
         rect.values(planes.plane(plane), planes.cols()).sum::<f64>() / rect.len() as f64

@@ -1,20 +1,19 @@
-//! Photon transfer: what a sensor is, measured from flat frames alone, in the manner of EMVA 1288 ([emva1288], release
-//! 4.0 Linear).
+//! Photon transfer: the characteristics of a sensor from flat frames, following EMVA 1288 ([emva1288], release 4.0 Linear).
 //!
-//! The mean of a photon signal is also its variance, so the slope of temporal variance over mean, both in digital
-//! numbers, is the system gain; with it every other figure is known in electrons.
+//! The variance of a photon signal equals its mean. The slope of temporal variance over mean, both in digital numbers, is
+//! therefore the system gain, which converts all other quantities to electrons.
 //!
 //! [emva1288]: https://www.emva.org/standards-technology/emva-1288/
 
 use super::MetricError;
 use super::dynamic_range::{DynamicRange, dynamic_range};
 
-/// Share of saturation up to which the gain is fitted.
+/// Fraction of saturation up to which the gain is fitted.
 const GAIN_FIT_TOP: f64 = 0.7;
-/// Shares of saturation between which linearity is judged.
+/// Range of linearity, as fractions of saturation.
 const LINEAR_RANGE: std::ops::RangeInclusive<f64> = 0.05..=0.95;
-/// Below this variance, in steps of the converter squared, the dark noise hides in the steps: it is then known to be
-/// below √(0.24 − 1/12) = 0.4 steps.
+/// Variance in squared converter steps below which quantisation hides the dark noise. Its upper limit is then
+/// √(0.24 − 1/12) = 0.4 steps.
 const QUANTISATION_LIMIT: f64 = 0.24;
 
 /// Two flat frames and two dark frames at one exposure, each the samples of one channel in the same order.
@@ -28,7 +27,7 @@ pub struct FlatPair<'a> {
     pub dark: [&'a [f32]; 2],
 }
 
-/// Frames for the fixed pattern: two or more of each kind, the more the better (the standard takes 400).
+/// Frames for the fixed pattern, at least two of each kind (400 in the standard).
 #[derive(Debug, Clone, Copy)]
 pub struct FrameStacks<'a> {
     /// Uniformly lit to about half of saturation.
@@ -37,24 +36,24 @@ pub struct FrameStacks<'a> {
     pub dark: &'a [&'a [f32]],
 }
 
-/// What the frames tell of the sensor.
+/// The characteristics of a sensor.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PhotonTransfer {
     /// System gain, digital numbers per electron.
     pub gain_dn_per_e: f64,
     /// Temporal noise in the dark without that of quantisation, electrons; with short integration the read noise.
     pub dark_noise_e: f64,
-    /// The dark noise is smaller than the steps of the converter can show; `dark_noise_e` is an upper limit.
+    /// Whether quantisation hides the dark noise, so that `dark_noise_e` is an upper limit.
     pub dark_noise_is_limit: bool,
-    /// Saturation capacity, electrons: the signal at the largest temporal variance, beyond which clipping takes it
-    /// away. It is known to one step of the exposure series, and lies a few times the shot noise below the full well.
+    /// Saturation capacity, electrons: the signal at the largest temporal variance, above which clipping reduces the variance. Its
+    /// resolution is one step of the exposure series, and it lies a few times the shot noise below the full well.
     pub saturation_e: f64,
-    /// The ceiling of the signal in the brightest frames, electrons: the full well, or whatever clips before it. `None`
-    /// when the series does not reach it, that is when the variance there is not yet below half of its largest.
+    /// The largest signal in the brightest frames, electrons: the full well, or an earlier clipping level. `None` when the series
+    /// does not reach it, that is, the variance of the brightest frames is not below half of its maximum.
     pub full_well_e: Option<f64>,
-    /// `√saturation_e` as a ratio in decibels: the largest signal-to-noise ratio.
+    /// The largest signal-to-noise ratio, `√saturation_e`, in decibels.
     pub snr_max_db: f64,
-    /// Saturation over the smallest signal that stands out of the noise.
+    /// The dynamic range.
     pub dynamic_range: DynamicRange,
     /// Mean absolute deviation from a straight line between 5 and 95 % of saturation, percent.
     pub linearity_error_percent: f64,
@@ -62,7 +61,7 @@ pub struct PhotonTransfer {
     pub prnu_percent: Option<f64>,
     /// Dark signal non-uniformity (DSNU1288), electrons; `None` without stacks.
     pub dsnu_e: Option<f64>,
-    /// The curve: one point per exposure, in rising order.
+    /// The photon transfer curve: one point per exposure, ascending.
     pub curve: Vec<TransferPoint>,
 }
 
@@ -87,8 +86,8 @@ pub struct TransferPoint {
     pub dark_variance_dn2: f64,
 }
 
-/// Evaluates a series of exposures from near dark to beyond saturation (the standard takes 50 even steps), and
-/// stacks for the fixed pattern.
+/// Evaluates a series of exposures from near dark to beyond saturation (50 even steps in the standard), and stacks of frames for
+/// the fixed pattern.
 ///
 /// `step_dn` is the step of the converter in the unit of the samples: 1 for digital numbers, 0 for volts.
 ///
@@ -117,7 +116,7 @@ pub fn photon_transfer(
         let what = "exposures below 70 % of saturation";
         return Err(MetricError::TooFew { what, minimum: 3, got: fitted.len() });
     }
-    // Both lines go through the dark, where there is neither signal nor its noise.
+    // Both lines pass through the dark point, which has neither signal nor shot noise.
     let gain = slope(fitted.iter().map(|p| (p.signal_dn, p.variance_dn2 - p.dark_variance_dn2)));
     let responsivity = slope(fitted.iter().map(|p| (p.exposure, p.signal_dn)));
     if !(gain > 0.0 && responsivity > 0.0) {
@@ -151,7 +150,7 @@ pub fn photon_transfer(
     })
 }
 
-/// Means and temporal variances of all pairs, in rising order of exposure.
+/// Means and temporal variances of all pairs, in ascending order of exposure.
 fn curve(levels: &[FlatPair<'_>]) -> Result<Vec<TransferPoint>, MetricError> {
     if levels.len() < 4 {
         return Err(MetricError::TooFew { what: "exposures", minimum: 4, got: levels.len() });
@@ -172,8 +171,8 @@ fn curve(levels: &[FlatPair<'_>]) -> Result<Vec<TransferPoint>, MetricError> {
     Ok(points)
 }
 
-/// Mean and temporal variance from two frames. The difference cancels the fixed pattern; its own mean, a drift of the
-/// light between the frames, is taken out.
+/// Mean and temporal variance of two frames. Their difference cancels the fixed pattern. Its mean, a drift of the light between
+/// the frames, is subtracted.
 fn pair_statistics([a, b]: [&[f32]; 2], size: usize) -> Result<(f64, f64), MetricError> {
     check_frame(a, size)?;
     check_frame(b, size)?;
@@ -213,7 +212,7 @@ fn slope(points: impl Iterator<Item = (f64, f64)>) -> f64 {
     xy / xx
 }
 
-/// Mean |deviation| from the line that fits best in relative terms.
+/// Mean absolute deviation from the line of least relative squared error.
 fn linearity_error_percent(curve: &[TransferPoint], saturated: TransferPoint) -> Result<f64, MetricError> {
     let within = |p: &&TransferPoint| {
         p.exposure <= saturated.exposure && LINEAR_RANGE.contains(&(p.signal_dn / saturated.signal_dn))
@@ -252,7 +251,7 @@ fn fixed_pattern(stacks: &FrameStacks<'_>) -> Result<FixedPattern, MetricError> 
         let reason = "the lit stack is not brighter than the dark one";
         return Err(MetricError::Undefined { quantity: "photoresponse non-uniformity", reason });
     }
-    // A pattern that drowns in the noise that is left over can come out below 0.
+    // The variance of a weak pattern can be negative after subtracting the temporal noise.
     let root = |variance: f64| variance.max(0.0).sqrt();
     Ok(FixedPattern {
         prnu_percent: 100.0 * root(bright_variance - dark_variance) / signal,
@@ -260,7 +259,7 @@ fn fixed_pattern(stacks: &FrameStacks<'_>) -> Result<FixedPattern, MetricError> 
     })
 }
 
-/// Mean of a stack, and the variance over the pixels of their means less what temporal noise adds to it.
+/// Mean of a stack, and the spatial variance of the pixel means without the contribution of temporal noise.
 fn spatial_statistics(frames: &[&[f32]], size: usize) -> Result<(f64, f64), MetricError> {
     if frames.len() < 2 {
         return Err(MetricError::TooFew { what: "frames in a stack", minimum: 2, got: frames.len() });

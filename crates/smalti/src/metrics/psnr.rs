@@ -4,12 +4,12 @@ use super::patch::check_region;
 use super::{MetricError, Rect};
 use crate::numeric::Planes;
 
-/// How far an image is from a reference of the same size.
+/// Mean squared error and PSNR of an image.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Psnr {
     /// Mean squared difference per plane.
     pub mse: Vec<f64>,
-    /// `10 · log10(peak² / mse)` per plane, decibels; infinite where nothing differs.
+    /// `10 · log10(peak² / mse)` per plane, decibels; infinite for equal planes.
     pub psnr_db: Vec<f64>,
     /// Mean squared difference over all planes.
     pub cmse: f64,
@@ -17,11 +17,11 @@ pub struct Psnr {
     pub cpsnr_db: f64,
 }
 
-/// Compares an image with a reference inside a region (leave out the border where demosaicking is extrapolation).
-/// `peak` is the largest value an image can have: 1 or 255 as the images are scaled.
+/// Compares an image with a reference within a region, which should exclude the border where demosaicking extrapolates. `peak` is
+/// the largest value of the scale, such as 1 or 255.
 ///
 /// # Errors
-/// When the sizes differ, the region leaves the image, `peak` is not above 0, or a value is not finite.
+/// When the sizes differ, the region extends beyond the image, `peak` is not above 0, or a value is not finite.
 pub fn psnr(image: &Planes, reference: &Planes, region: Rect, peak: f64) -> Result<Psnr, MetricError> {
     same_size(image, reference)?;
     check_region(region, image.rows(), image.cols())?;

@@ -1,4 +1,4 @@
-//! Noise and differences as an eye at a distance sees them: visual SNR and S-CIELAB.
+//! Visual SNR and S-CIELAB: visibility of noise and differences at a viewing distance.
 
 use super::patch::check_region;
 use super::{MetricError, Rect};
@@ -6,8 +6,7 @@ use crate::color::scielab::Scielab;
 use crate::color::{DeltaE, DifferenceMap, Image};
 use crate::numeric::Planes;
 
-/// How fine the pixels of a picture are to the eye, in pixels per degree: pictures of `pixels_per_inch` seen from
-/// `distance_m`.
+/// Pixels per degree of visual angle of a picture with `pixels_per_inch` at a viewing distance of `distance_m`.
 #[must_use]
 pub fn samples_per_degree(pixels_per_inch: f64, distance_m: f64) -> f64 {
     pixels_per_inch / 0.0254 * distance_m * 2.0 * 0.5f64.to_radians().tan()
@@ -43,10 +42,10 @@ pub fn scielab_score(
 /// deviation of its S-CIELAB values, √(var L* + var a* + var b*), taken as the RMS of ΔE 1976 between the region and
 /// its own mean. 1 means that the noise is about as large as a just visible difference; infinite without noise.
 ///
-/// `white` is in the scale of the picture; `samples_per_degree` says how large the pixels appear.
+/// `white` is on the scale of the picture; `samples_per_degree` is the viewing resolution.
 ///
 /// # Errors
-/// When the picture is not in XYZ, the region leaves it or has fewer than two pixels, a value is not finite, or
+/// When the picture is not in XYZ, the region extends beyond it or has fewer than two pixels, a value is not finite, or
 /// `samples_per_degree` is not within 1–2000.
 ///
 /// [farrell2010]: https://doi.org/10.1117/12.839149
@@ -67,17 +66,14 @@ pub fn visual_snr(
     }
     let means: Vec<f64> = cut.chunks(region.len()).map(|p| p.iter().sum::<f64>() / p.len() as f64).collect();
     let uniform = means.iter().flat_map(|&m| std::iter::repeat_n(m as f32, region.len())).collect();
-    let image = |data: Vec<f32>| {
-        // The buffer has three planes of the size of the region, so neither step fails.
-        let shaped = Planes::new(region.rows, region.cols, 3, data);
-        let shaped = shaped.unwrap_or_else(|_| Planes::zeros(region.rows, region.cols, 3));
-        Image::new(picture.space(), shaped)
+    let image = |data: Vec<f32>| -> Result<Image, MetricError> {
+        Ok(Image::new(picture.space(), Planes::new(region.rows, region.cols, 3, data)?)?)
     };
     let noisy = image(cut.iter().map(|&v| v as f32).collect())?;
     let map = Scielab::new(samples_per_degree, DeltaE::Cie1976).compare(&image(uniform)?, &noisy, white)?;
     let squares: f64 = map.values.iter().map(|&v| f64::from(v) * f64::from(v)).sum();
     let variance = squares / (region.len() - 1) as f64;
-    // A picture in single precision is not flatter than this after filtering.
+    // Rounding in single precision limits the variance of a uniform picture after filtering to this.
     Ok(if variance < 1e-10 { f64::INFINITY } else { 1.0 / variance.sqrt() })
 }
 
@@ -120,11 +116,30 @@ mod tests {
     }
 
     #[test]
+    fn pictures_that_cannot_be_scored_are_refused() {
+        let score = |picture: &Image, reference: &Image, samples_per_degree| {
+            let settings = Scielab::new(samples_per_degree, DeltaE::Ciede2000);
+            scielab_score(picture, reference, WHITE, &settings).unwrap_err()
+        };
+        let planes = |space, rows| Image::new(space, Planes::zeros(rows, rows, 3)).unwrap();
+        let (picture, empty) = (planes(ColorSpace::Xyz, 4), planes(ColorSpace::Xyz, 0));
+        assert!(matches!(score(&empty, &empty, 40.0), MetricError::TooFew { minimum: 1, got: 0, .. }));
+        assert!(matches!(score(&picture, &planes(ColorSpace::Xyz, 5), 40.0), MetricError::Scielab(_)));
+        assert!(matches!(score(&picture, &planes(ColorSpace::Srgb, 4), 40.0), MetricError::Scielab(_)));
+        for samples_per_degree in [0.5, 2001.0, f64::NAN] {
+            assert!(matches!(score(&picture, &picture, samples_per_degree), MetricError::Scielab(_)));
+        }
+    }
+
+    #[test]
     fn bad_input_is_refused() {
         let run = |image: &Image, rows, samples| {
             visual_snr(image, Rect { row: 0, col: 0, rows, cols: 4 }, WHITE, samples).unwrap_err()
         };
         assert!(matches!(run(&grey(1.0), 81, 30.0), MetricError::Region { .. }));
+        let pixel = Rect { row: 0, col: 0, rows: 1, cols: 1 };
+        let refused = visual_snr(&grey(1.0), pixel, WHITE, 30.0).unwrap_err();
+        assert!(matches!(refused, MetricError::TooFew { minimum: 2, got: 1, .. }));
         assert!(matches!(run(&grey(1.0), 4, 0.0), MetricError::Scielab(_)));
         let srgb = Image::new(ColorSpace::Srgb, Planes::zeros(4, 4, 3)).unwrap();
         assert!(matches!(run(&srgb, 4, 30.0), MetricError::Scielab(_)));

@@ -1,9 +1,7 @@
-//! Small symmetric systems on slices: matrices in row order, a side of at most a few hundred.
+//! Dense symmetric systems of a few hundred unknowns at most, as row-major slices.
 
-use faer::{MatRef, Side};
-
-/// A = Uᵀ U in place of A, of which only what is on and above the diagonal is read and written. False as soon as a pivot is
-/// not above `least`: the matrix is then singular to the precision of its entries.
+/// Cholesky factorisation A = Uᵀ U in place, on the upper triangle. Returns false when a pivot is not above
+/// `least`, that is, when the matrix is singular to the precision of its entries.
 pub(crate) fn cholesky(a: &mut [f64], size: usize, least: f64) -> bool {
     for k in 0..size {
         let (above, below) = a.split_at_mut((k + 1) * size);
@@ -23,7 +21,7 @@ pub(crate) fn cholesky(a: &mut [f64], size: usize, least: f64) -> bool {
     true
 }
 
-/// x of Uᵀ U x = b, in place of b.
+/// Solves Uᵀ U x = b in place of `b`.
 pub(crate) fn substitute(u: &[f64], size: usize, b: &mut [f64]) {
     for (k, row) in u.chunks_exact(size).enumerate() {
         let value = b[k] / row[k];
@@ -39,31 +37,42 @@ pub(crate) fn substitute(u: &[f64], size: usize, b: &mut [f64]) {
 /// Eigenvalues and eigenvectors of a symmetric matrix.
 #[derive(Debug)]
 pub(crate) struct Eigen {
+    /// Ascending.
     pub(crate) values: Vec<f64>,
-    /// One after the other.
+    /// Eigenvectors, concatenated.
     pub(crate) vectors: Vec<f64>,
 }
 
 impl Eigen {
-    /// Of a symmetric matrix; `None` when a value is not finite or the iteration does not end.
+    /// Decomposes a symmetric matrix; `None` when a value is not finite or the iteration does not converge.
+    ///
+    /// Householder reflections make the matrix tridiagonal; the implicit QL iteration with Wilkinson's shift makes it diagonal
+    /// ([golub2013], sections 8.3.1 and 8.3.3). Sums have one order, so that every machine gives the same bits.
+    ///
+    /// [golub2013]: https://doi.org/10.56021/9781421407944
     pub(crate) fn of(a: &[f64], size: usize) -> Option<Self> {
         if size == 0 || a.len() != size * size || a.iter().any(|v| !v.is_finite()) {
             return None;
         }
-        let eigen = MatRef::from_row_major_slice(a, size, size).self_adjoint_eigen(Side::Upper).ok()?;
-        let values: Vec<f64> = eigen.S().column_vector().iter().copied().collect();
-        let vectors: Vec<f64> =
-            eigen.U().col_iter().flat_map(|v| v.iter().copied().collect::<Vec<_>>()).collect();
-        values.iter().chain(&vectors).all(|v| v.is_finite()).then_some(Self { values, vectors })
+        let (mut values, mut off, mut vectors) = tridiagonal(a.to_vec(), size);
+        diagonalise(&mut values, &mut off, &mut vectors)?;
+        let mut order: Vec<usize> = (0..size).collect();
+        order.sort_by(|&i, &j| values[i].total_cmp(&values[j]));
+        let sorted = order.iter().flat_map(|&i| vectors[i * size..(i + 1) * size].iter().copied()).collect();
+        values.sort_by(f64::total_cmp);
+        let finite = |v: &f64| v.is_finite();
+        let found = Self { values, vectors: sorted };
+        found.values.iter().chain(&found.vectors).all(finite).then_some(found)
     }
 
-    /// Eigenvalues above a bound with their vectors.
+    /// The eigenvalues above a bound, with their eigenvectors.
     pub(crate) fn above(&self, bound: f64) -> impl Iterator<Item = (f64, &[f64])> {
         let vectors = self.vectors.chunks_exact(self.values.len().max(1));
         self.values.iter().copied().zip(vectors).filter(move |&(d, _)| d > bound)
     }
 
-    /// The x of minimum norm with the least ‖A x − b‖, where eigenvalues up to a bound count as zero; in place of b.
+    /// The minimum-norm solution x of min ‖A x − b‖, in place of `b`. Eigenvalues up to `bound` count as
+    /// zero.
     pub(crate) fn solve(&self, bound: f64, b: &mut [f64]) {
         let mut x = vec![0.0; b.len()];
         for (d, v) in self.above(bound) {
@@ -72,6 +81,116 @@ impl Eigen {
         }
         b.copy_from_slice(&x);
     }
+}
+
+/// Diagonal, off-diagonal and Qᵀ of Qᵀ A Q = T.
+fn tridiagonal(mut a: Vec<f64>, size: usize) -> (Vec<f64>, Vec<f64>, Vec<f64>) {
+    let mut off = vec![0.0; size];
+    // Of each reflection I − β v vᵀ: β, and v in the row of the matrix that it made zero.
+    let mut factors = vec![0.0; size];
+    let mut image = vec![0.0; size];
+    for k in 0..size.saturating_sub(1) {
+        let (above, below) = a.split_at_mut((k + 1) * size);
+        let (v, p) = (&mut above[k * size + k + 1..], &mut image[k + 1..]);
+        let scale = v.iter().fold(0.0f64, |m, x| m.max(x.abs()));
+        let rest = v[1..].iter().fold(0.0f64, |m, x| m.max(x.abs()));
+        if rest == 0.0 {
+            off[k] = v[0];
+            continue;
+        }
+        v.iter_mut().for_each(|x| *x /= scale);
+        let norm = dot(v, v).sqrt().copysign(v[0]);
+        off[k] = -norm * scale;
+        v[0] += norm;
+        let factor = 1.0 / (norm * v[0]);
+        factors[k] = factor;
+        // p = β A v, with A's rows below the diagonal read in order; then A − v wᵀ − w vᵀ.
+        p.fill(0.0);
+        for (line, &x) in below.chunks_exact(size).zip(v.iter()) {
+            p.iter_mut().zip(&line[k + 1..]).for_each(|(p, a)| *p += x * a);
+        }
+        p.iter_mut().for_each(|p| *p *= factor);
+        let along = 0.5 * factor * dot(v, p);
+        p.iter_mut().zip(v.iter()).for_each(|(w, x)| *w -= along * x);
+        for ((line, &x), &w) in below.chunks_exact_mut(size).zip(v.iter()).zip(p.iter()) {
+            let pairs = v.iter().zip(p.iter());
+            line[k + 1..].iter_mut().zip(pairs).for_each(|(a, (vj, wj))| *a -= x * wj + w * vj);
+        }
+    }
+    let diagonal = (0..size).map(|i| a[i * size + i]).collect();
+    // Q of the reflections, from the last to the first; then its transpose.
+    let mut q = vec![0.0; size * size];
+    (0..size).for_each(|i| q[i * size + i] = 1.0);
+    for k in (0..size.saturating_sub(1)).rev().filter(|&k| factors[k] != 0.0) {
+        let (v, sums) = (&a[k * size + k + 1..(k + 1) * size], &mut image[k + 1..]);
+        sums.fill(0.0);
+        let lines = &mut q[(k + 1) * size..];
+        for (line, &x) in lines.chunks_exact(size).zip(v) {
+            sums.iter_mut().zip(&line[k + 1..]).for_each(|(s, q)| *s += x * q);
+        }
+        for (line, &x) in lines.chunks_exact_mut(size).zip(v) {
+            let share = factors[k] * x;
+            line[k + 1..].iter_mut().zip(sums.iter()).for_each(|(q, s)| *q -= share * s);
+        }
+    }
+    let transposed = (0..size * size).map(|at| q[at % size * size + at / size]).collect();
+    (diagonal, off, transposed)
+}
+
+/// Turns of the QL iteration for one eigenvalue; two or three are usual.
+const MAX_TURNS: usize = 60;
+
+/// Makes a tridiagonal matrix diagonal, and turns the rows of `vectors` with it.
+fn diagonalise(diagonal: &mut [f64], off: &mut [f64], vectors: &mut [f64]) -> Option<()> {
+    let size = diagonal.len();
+    for first in 0..size {
+        for turn in 0.. {
+            let split = |i: &usize| {
+                let around = diagonal[*i].abs() + diagonal[i + 1].abs();
+                off[*i].abs() <= f64::EPSILON * around
+            };
+            let last = (first..size - 1).find(split).unwrap_or(size - 1);
+            if last == first {
+                break;
+            }
+            if turn == MAX_TURNS {
+                return None;
+            }
+            let half = (diagonal[first + 1] - diagonal[first]) / (2.0 * off[first]);
+            let root = libm::hypot(half, 1.0).copysign(half);
+            let mut bulge = diagonal[last] - diagonal[first] + off[first] / (half + root);
+            let (mut sine, mut cosine, mut shift) = (1.0, 1.0, 0.0);
+            let mut whole = true;
+            for i in (first..last).rev() {
+                let (f, b) = (sine * off[i], cosine * off[i]);
+                let length = libm::hypot(f, bulge);
+                off[i + 1] = length;
+                if length == 0.0 {
+                    // The matrix has come apart before the end of the sweep.
+                    diagonal[i + 1] -= shift;
+                    off[last] = 0.0;
+                    whole = false;
+                    break;
+                }
+                (sine, cosine) = (f / length, bulge / length);
+                let at = diagonal[i + 1] - shift;
+                let sum = (diagonal[i] - at) * sine + 2.0 * cosine * b;
+                shift = sine * sum;
+                diagonal[i + 1] = at + shift;
+                bulge = cosine * sum - b;
+                let (above, below) = vectors.split_at_mut((i + 1) * size);
+                for (x, y) in above[i * size..].iter_mut().zip(&mut below[..size]) {
+                    (*x, *y) = (cosine * *x - sine * *y, sine * *x + cosine * *y);
+                }
+            }
+            if whole {
+                diagonal[first] -= shift;
+                off[first] = bulge;
+                off[last] = 0.0;
+            }
+        }
+    }
+    Some(())
 }
 
 pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
@@ -83,7 +202,7 @@ mod tests {
     use super::*;
     use crate::numeric::philox::Stream;
 
-    /// A Aᵀ of a random A of `size` × `rank`, and a right side.
+    /// Returns A Aᵀ for a random A of `size` × `rank`, and a right-hand side.
     fn system(size: usize, rank: usize) -> (Vec<f64>, Vec<f64>) {
         let mut random = Stream::new(5, 6, 7);
         let a: Vec<f64> = (0..size * rank).map(|_| random.uniform() - 0.5).collect();
@@ -110,13 +229,38 @@ mod tests {
     }
 
     #[test]
+    fn vectors_are_orthonormal_and_make_the_matrix_again() {
+        for (size, rank) in [(1, 1), (2, 2), (3, 1), (25, 30), (40, 12), (122, 130)] {
+            let (a, _) = system(size, rank);
+            let Eigen { values, vectors } = Eigen::of(&a, size).unwrap();
+            assert!(values.is_sorted());
+            let largest = values[size - 1];
+            let row = |i: usize| &vectors[i * size..(i + 1) * size];
+            for i in 0..size {
+                for j in 0..size {
+                    let unit = f64::from(u8::from(i == j));
+                    assert!((dot(row(i), row(j)) - unit).abs() < 1e-13, "{size}: {i}, {j}");
+                    let made: f64 = (0..size).map(|k| values[k] * row(k)[i] * row(k)[j]).sum();
+                    assert!((made - a[i * size + j]).abs() < 1e-13 * largest, "{size}: {i}, {j}");
+                }
+            }
+        }
+        // Diagonal and equal values, and a matrix of zeros.
+        assert_eq!(
+            Eigen::of(&[3.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 3.0], 3).unwrap().values,
+            [1.0, 3.0, 3.0]
+        );
+        assert_eq!(Eigen::of(&[0.0; 16], 4).unwrap().values, [0.0; 4]);
+    }
+
+    #[test]
     fn what_is_singular_is_told_and_solved_with_the_smallest_norm() {
         let (a, mut b) = system(8, 3);
         assert!(!cholesky(&mut a.clone(), 8, 1e-12));
         let eigen = Eigen::of(&a, 8).unwrap();
         assert_eq!(eigen.above(1e-12).count(), 3);
         eigen.solve(1e-12, &mut b);
-        // Nothing of x lies in the null space.
+        // x has no component in the null space.
         for v in eigen.vectors.chunks_exact(8).take(5) {
             assert!(dot(v, &b).abs() < 1e-9);
         }

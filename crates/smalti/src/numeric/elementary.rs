@@ -1,20 +1,22 @@
-//! Logarithm, exponential and sine in plain arithmetic, without branches or calls into a maths library: a loop
-//! over them becomes vector code, and every instruction set, machine and lane gives the same bits.
+//! Logarithm, exponential and sine in plain arithmetic, without branches or calls into a maths library. A
+//! loop over them compiles to vector code, and every instruction set, machine and lane gives the same bits.
 //!
-//! All are truncated Taylor series with exact rational coefficients after an exact range reduction; the
-//! truncation lies below the rounding of the type. The arguments are those of the samplers: see each function.
+//! All are truncated Taylor series with exact rational coefficients after an exact range reduction. The
+//! truncation error is below the rounding error of the type. Each function states the range of arguments it
+//! accepts.
 
 use std::f32::consts as f32c;
 use std::f64::consts as f64c;
 
-/// Natural logarithm of a normal positive number.
+/// Natural logarithm of a positive normal number.
 #[inline(always)]
 #[must_use]
 pub fn ln_f64(x: f64) -> f64 {
-    // x = 2^e · m with m in [√½, √2): moving the exponent by the bits of √½ makes the split one subtraction.
+    // x = 2^e · m with m in [√½, √2). Offsetting the exponent by the bits of √½ splits x with one
+    // subtraction.
     const SQRT_HALF: u64 = 0x3FE6_A09E_667F_3BCD;
     let offset = x.to_bits().wrapping_sub(SQRT_HALF);
-    // A signed 12-bit exponent, turned into a number by adding it to the mantissa of 1.5 · 2^52.
+    // Adding a signed 12-bit exponent to the mantissa of 1.5 · 2^52 converts it to a floating-point number.
     let exponent = (offset as i64 >> 52) as u64;
     const MAGIC: f64 = 6_755_399_441_055_744.0;
     let e = f64::from_bits(MAGIC.to_bits().wrapping_add(exponent)) - MAGIC;
@@ -39,7 +41,7 @@ pub fn ln_f64(x: f64) -> f64 {
     e * f64c::LN_2 + (2.0 * s + 2.0 * s * z * sum)
 }
 
-/// Natural logarithm of a normal positive number.
+/// Natural logarithm of a positive normal number.
 #[inline(always)]
 #[must_use]
 pub fn ln_f32(x: f32) -> f32 {
@@ -57,7 +59,7 @@ pub fn ln_f32(x: f32) -> f32 {
 #[inline(always)]
 #[must_use]
 pub fn exp_f64(x: f64) -> f64 {
-    // ln 2 in two parts, the first short enough that its multiples below 2^11 are exact.
+    // ln 2 in two parts. The first is short enough that its multiples below 2^11 are exact.
     const LN2_HIGH: f64 = 0.693_147_180_369_123_8;
     const LN2_LOW: f64 = 1.908_214_929_270_587_7e-10;
     const MAGIC: f64 = 6_755_399_441_055_744.0;
@@ -77,7 +79,7 @@ pub fn exp_f64(x: f64) -> f64 {
 #[inline(always)]
 #[must_use]
 pub fn sin_cos_turn(turn: u32) -> (f32, f32) {
-    // The nearest quarter turn, and what is left: −⅛..⅛ of a turn.
+    // The nearest quarter turn and the remainder, −⅛ to ⅛ of a turn.
     let quarter = turn.wrapping_add(1 << 29) >> 30;
     let rest = turn.wrapping_sub(quarter << 30) as i32;
     let x = rest as f32 * (f32c::TAU / 4_294_967_296.0);
@@ -104,7 +106,7 @@ mod tests {
             let y = x as f32;
             assert!((f64::from(ln_f32(y)) - f64::from(y).ln()).abs() <= 1.5e-7 * scale, "{y}");
         }
-        // Near 1 the relative error counts: there the logarithm itself is small.
+        // Near 1 the logarithm itself is small, so the relative error is tested.
         for i in 1..1000 {
             let x = 1.0 + f64::from(i) * 1e-5;
             assert!((ln_f64(x) / x.ln() - 1.0).abs() < 1e-15);

@@ -1,12 +1,13 @@
 //! Two-dimensional Fourier transforms of real image planes.
 //!
-//! Rows go through `realfft`, columns through `rustfft`; between them the half spectrum is transposed in tiles
-//! one cache line wide, so both passes read and write contiguous memory. The spectrum is kept transposed: value
-//! `(ky, kx)` lies at `kx * rows + ky`, with `kx` in `0..cols / 2 + 1` and `ky` in `0..rows`.
+//! Rows are transformed with `realfft` and columns with `rustfft`. Between the two, the half spectrum is
+//! transposed in tiles one cache line wide, so that both passes access contiguous memory. The spectrum stays
+//! transposed: value `(ky, kx)` is stored at `kx * rows + ky`, with `kx` in `0..cols / 2 + 1` and `ky` in
+//! `0..rows`.
 //!
-//! The forward transform is not normalised; the inverse divides by `rows * cols`, so the two undo each other.
-//! Every row and column is computed by one thread in one order: results have the same bits for any number of
-//! threads.
+//! The forward transform is not normalised; the inverse divides by `rows * cols`, so that it recovers the
+//! plane. One thread computes each row and column in a fixed order: results have the same bits for any number
+//! of threads.
 
 use std::sync::Arc;
 
@@ -17,12 +18,12 @@ use thiserror::Error;
 
 pub use rustfft::num_complex::Complex32;
 
-/// Values of a tile side in a transposition: 8 complex numbers fill a cache line of 64 bytes.
+/// Side of a transposition tile, in values: 8 complex numbers fill a cache line of 64 bytes.
 const TILE: usize = 8;
-/// Pieces that one pass is cut into; also the most threads that work on one plane.
+/// Number of tasks that one pass is split into; also the maximum number of threads that work on one plane.
 const TASKS: usize = 16;
 
-/// What can be wrong with a transform.
+/// Errors of a transform.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 #[non_exhaustive]
 pub enum FftError {
@@ -46,7 +47,8 @@ pub enum FftError {
     },
 }
 
-/// The smallest length not below `n` that transforms fast: even, with no prime factor above 5.
+/// The smallest even length of at least `n` whose prime factors are 2, 3 and 5, for which the transform is
+/// fast.
 #[must_use]
 pub fn fast_len(n: usize) -> usize {
     let smooth = |n: usize| {
@@ -58,7 +60,7 @@ pub fn fast_len(n: usize) -> usize {
         }
         m == 1
     };
-    // Lengths beyond any memory have no fast neighbour worth looking for.
+    // Lengths beyond addressable memory are not searched.
     if n > usize::MAX / 4 {
         return n;
     }
@@ -69,14 +71,14 @@ pub fn fast_len(n: usize) -> usize {
     even
 }
 
-/// Frequency of bin `k` of a transform of `len` samples, cycles per sample, in −0.5 to 0.5 (the bin at half the
-/// sampling rate counts as positive).
+/// Frequency of bin `k` of a transform of `len` samples, cycles per sample, in −0.5 to 0.5. The Nyquist bin
+/// counts as positive.
 #[must_use]
 pub fn bin_frequency(k: usize, len: usize) -> f64 {
     if k <= len / 2 { k as f64 / len as f64 } else { -((len - k.min(len)) as f64 / len as f64) }
 }
 
-/// A planned transform of planes of one size. Plan once, use for many planes, from any thread.
+/// A planned transform for planes of one size. Plan it once; use it for many planes from any thread.
 #[derive(Clone)]
 pub struct RealFft2 {
     rows: usize,
@@ -87,9 +89,9 @@ pub struct RealFft2 {
     col_inverse: Arc<dyn Fft<f32>>,
 }
 
-/// Memory for one transform at a time, about three times that of the plane. Made by [`RealFft2::workspace`].
+/// Memory for one transform at a time, about three times the size of the plane. See [`RealFft2::workspace`].
 pub struct Workspace {
-    /// Half spectrum of the rows, row order.
+    /// Half spectrum of the rows, row-major.
     by_row: Vec<Complex32>,
     /// Half spectrum of the plane, transposed.
     by_col: Vec<Complex32>,
@@ -97,7 +99,7 @@ pub struct Workspace {
 }
 
 impl Workspace {
-    /// The spectrum, in the order the module describes.
+    /// The spectrum, in the order that the module documentation describes.
     #[must_use]
     pub fn spectrum(&self) -> &[Complex32] {
         &self.by_col
@@ -117,12 +119,12 @@ impl std::fmt::Debug for RealFft2 {
 }
 
 impl RealFft2 {
-    /// Plans transforms of `rows` × `cols` planes. Any size works; [`fast_len`] gives good ones.
+    /// Plans transforms of `rows` × `cols` planes. Any size works; sizes from [`fast_len`] are fast.
     ///
     /// # Errors
     /// When a side is zero, or the spectrum would not fit the address space.
     pub fn new(rows: usize, cols: usize) -> Result<Self, FftError> {
-        // Two half spectra of 8-byte values, and room to spare.
+        // Two half spectra of 8-byte values, with a margin.
         let bytes = rows.checked_mul(cols).and_then(|n| n.checked_mul(32));
         if rows == 0 || cols == 0 || bytes.is_none_or(|b| b > isize::MAX as usize) {
             return Err(FftError::Size { rows, cols });
@@ -157,7 +159,7 @@ impl RealFft2 {
         self.cols / 2 + 1
     }
 
-    /// Memory to transform with; one per plane that is worked on at the same time.
+    /// Allocates the memory for a transform. Each plane that is processed concurrently needs its own.
     #[must_use]
     pub fn workspace(&self) -> Workspace {
         let zero = Complex32::default();
@@ -181,10 +183,10 @@ impl RealFft2 {
         }
     }
 
-    /// The spectrum of a plane in row order.
+    /// The spectrum of a row-major plane.
     ///
     /// # Errors
-    /// When `plane` has not `rows * cols` values.
+    /// When `plane` does not have `rows * cols` values.
     pub fn forward(&self, plane: &[f32]) -> Result<Vec<Complex32>, FftError> {
         check("the plane", self.rows * self.cols, plane.len())?;
         let mut work = self.workspace();
@@ -193,10 +195,10 @@ impl RealFft2 {
         Ok(work.by_col)
     }
 
-    /// The plane that has a spectrum; undoes [`RealFft2::forward`].
+    /// The plane of a spectrum: the inverse of [`RealFft2::forward`].
     ///
     /// # Errors
-    /// When `spectrum` has not `rows * (cols / 2 + 1)` values.
+    /// When `spectrum` does not have `rows * (cols / 2 + 1)` values.
     pub fn inverse(&self, spectrum: &[Complex32]) -> Result<Vec<f32>, FftError> {
         check("the spectrum", self.rows * self.half_cols(), spectrum.len())?;
         let mut work = self.workspace();
@@ -207,15 +209,15 @@ impl RealFft2 {
         Ok(plane)
     }
 
-    /// Filters a plane in the frequency domain, without memory beyond `work`.
+    /// Filters a plane in the frequency domain without allocating memory beyond `work`.
     ///
-    /// `fill(r, row)` writes input row `r` (all `cols` values); `transfer(kx, column)` changes the spectrum at
-    /// horizontal bin `kx` in place, one value per vertical bin; the upper left `out.len() / out_cols` rows ×
-    /// `out_cols` columns of the result go through `finish` to `out`. Horizontal bins from `passing` on are
-    /// taken to be zero, and cost nothing.
+    /// `fill(r, row)` writes input row `r` (all `cols` values). `transfer(kx, column)` modifies the spectrum
+    /// at horizontal bin `kx` in place, one value per vertical bin. `finish` converts the upper left
+    /// `out.len() / out_cols` rows × `out_cols` columns of the result into `out`. Horizontal bins from
+    /// `passing` on are taken to be zero and are skipped.
     ///
     /// # Errors
-    /// When `work` was made for another size, or `out` is no window of the plane.
+    /// When `work` was made for another size, or `out` is not a window of the plane.
     pub fn filter(
         &self,
         work: &mut Workspace,
@@ -258,7 +260,7 @@ impl RealFft2 {
             |(task, (rows, scratch))| {
                 for (i, row) in rows.chunks_exact_mut(half).enumerate() {
                     fill(task * per_task + i, &mut scratch.real);
-                    // Fails only on wrong lengths, and these are ours.
+                    // This fails only on wrong lengths, and the lengths are fixed by the plan.
                     let done =
                         self.row_forward.process_with_scratch(&mut scratch.real, row, &mut scratch.fft);
                     debug_assert!(done.is_ok());
@@ -274,7 +276,7 @@ impl RealFft2 {
         work_on: impl Fn(usize, &mut [Complex32], &mut [Complex32]) + Sync,
     ) {
         let (rows, half) = (self.rows, self.half_cols());
-        // Whole tiles per task, or neighbouring tasks would share cache lines.
+        // Each task takes whole tiles, so that no two tasks share a cache line.
         let per_task = half.div_ceil(TASKS).next_multiple_of(TILE);
         let by_row = &work.by_row;
         work.by_col.par_chunks_mut(per_task * rows).zip(&mut work.tasks).enumerate().for_each(
@@ -311,7 +313,7 @@ impl RealFft2 {
                     let tile = &mut scratch.tile[..count * half];
                     transpose(&by_col[r..], rows, tile, half, count);
                     for (row, out) in tile.chunks_exact_mut(half).zip(out.chunks_exact_mut(out_cols)) {
-                        // A real plane has real values here; what rounding left is dropped.
+                        // The row of a real plane is real at this bin; the imaginary part is rounding error.
                         row[0].im = 0.0;
                         if self.cols.is_multiple_of(2) {
                             row[half - 1].im = 0.0;
@@ -365,7 +367,7 @@ mod tests {
         }
     }
 
-    /// Sizes with odd, prime, single and more-than-tasks sides.
+    /// Sizes with odd, prime and single sides, and with more rows than tasks.
     const SIZES: [(usize, usize); 8] =
         [(1, 1), (1, 8), (9, 1), (2, 2), (7, 13), (16, 24), (33, 20), (150, 131)];
 

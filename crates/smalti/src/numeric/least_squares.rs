@@ -1,13 +1,17 @@
-//! Linear least squares by the singular value decomposition: the solution of minimum norm, whatever the rank.
+//! Linear least squares by singular value decomposition: the minimum-norm solution for a matrix of any rank.
+//!
+//! The decomposition is the one-sided Jacobi method ([hestenes1958]): rotations make the columns orthogonal, and their lengths are
+//! the singular values. Sums have one order, so that every machine gives the same bits.
+//!
+//! [hestenes1958]: https://doi.org/10.1137/0106005
 
-use faer::{Mat, MatRef};
 use thiserror::Error;
 
-/// A least-squares problem that cannot be solved.
+/// Errors of a least-squares problem.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 #[non_exhaustive]
 pub enum LeastSquaresError {
-    /// A matrix has another number of values than its shape asks for.
+    /// The number of values does not match the shape of a matrix.
     #[error("{matrix} is {rows} × {cols} and needs {expected} values, got {got}")]
     Shape {
         /// Which matrix.
@@ -16,9 +20,9 @@ pub enum LeastSquaresError {
         rows: usize,
         /// Its columns.
         cols: usize,
-        /// Values the shape asks for (saturated where it overflows).
+        /// Values that the shape requires (saturated where it overflows).
         expected: usize,
-        /// Values that came.
+        /// Values that were given.
         got: usize,
     },
     /// A matrix holds NaN or infinity.
@@ -37,7 +41,7 @@ pub enum LeastSquaresError {
     },
 }
 
-/// A matrix in row order, lent to a solver.
+/// A borrowed row-major matrix.
 #[derive(Debug, Clone, Copy)]
 pub struct Matrix<'a> {
     rows: usize,
@@ -46,13 +50,13 @@ pub struct Matrix<'a> {
 }
 
 impl<'a> Matrix<'a> {
-    /// `rows` × `cols` values in row order.
+    /// A matrix of `rows` × `cols` values in row order.
     #[must_use]
     pub fn new(rows: usize, cols: usize, values: &'a [f64]) -> Self {
         Self { rows, cols, values }
     }
 
-    fn checked(self, matrix: &'static str, rows: usize) -> Result<MatRef<'a, f64>, LeastSquaresError> {
+    fn checked(self, matrix: &'static str, rows: usize) -> Result<Dense, LeastSquaresError> {
         let expected = rows.saturating_mul(self.cols);
         if self.rows != rows || self.values.len() != expected {
             let got = self.values.len();
@@ -61,25 +65,27 @@ impl<'a> Matrix<'a> {
         if self.values.iter().any(|v| !v.is_finite()) {
             return Err(LeastSquaresError::NotFinite { matrix });
         }
-        Ok(MatRef::from_row_major_slice(self.values, rows, self.cols))
+        Ok(Dense { rows, cols: self.cols, values: self.values.to_vec() })
     }
 }
 
-/// `x` (`a.cols` × `b.cols`, row order) with the smallest ‖A X − B‖, and among those with the smallest ‖X‖.
+/// The `x` (`a.cols` × `b.cols`, row-major) that minimises ‖A X − B‖; of several, the one with the smallest
+/// ‖X‖.
 ///
-/// Singular values below the largest times machine precision times the longer side count as zero: a matrix of
-/// lower rank than columns (more channels than samples, or channels that are mixtures of others) is no error.
+/// Singular values below the largest times machine precision times the longer side count as zero. A
+/// rank-deficient matrix (more channels than samples, or channels that are mixtures of others) is therefore
+/// not an error.
 ///
 /// # Errors
 /// When shapes and values do not match, or a value is not finite.
 pub fn lstsq(a: Matrix<'_>, b: Matrix<'_>) -> Result<Vec<f64>, LeastSquaresError> {
     let (a, b) = (a.checked("A", a.rows)?, b.checked("B", a.rows)?);
-    Ok(row_major(pseudo_inverse(a, 0.0)? * b))
+    Ok(pseudo_inverse(&a, 0.0)?.times(&b).values)
 }
 
-/// As [`lstsq`], under the exact condition C X = D.
+/// Like [`lstsq`], subject to the exact condition C X = D.
 ///
-/// Where the conditions contradict each other, they are met in the least-squares sense and come before A X = B.
+/// Contradictory conditions are met in the least-squares sense; they take precedence over A X = B.
 ///
 /// # Errors
 /// As [`lstsq`].
@@ -112,37 +118,142 @@ pub fn lstsq_constrained(
     }
     let (a, b) = (a.checked("A", a.rows)?, b.checked("B", a.rows)?);
     let (c, d) = (c.checked("C", c.rows)?, d.checked("D", c.rows)?);
-    let c_inverse = pseudo_inverse(c, 0.0)?;
-    let fixed = &c_inverse * d;
-    // What the conditions leave free is the null space of C; A restricted to it decides the rest. Rounding in the
-    // projection leaves singular values near machine precision where there are none, so the cut is relative to A.
-    let free = Mat::<f64>::identity(unknowns, unknowns) - &c_inverse * c;
-    let residual = b - a * &fixed;
-    let x = fixed + pseudo_inverse((a * free).as_ref(), a.norm_l2())? * residual;
-    // Where A is badly conditioned X is large, and its rounding breaks the condition; one correction mends that.
-    let miss = d - c * &x;
-    let x = x + c_inverse * miss;
-    Ok(row_major(x))
+    let c_inverse = pseudo_inverse(&c, 0.0)?;
+    let fixed = c_inverse.times(&d);
+    // The conditions leave the null space of C free, where A decides. Rounding in the projection leaves
+    // singular values near machine precision instead of zero, so the cut-off is relative to A.
+    let free = Dense::identity(unknowns).plus(-1.0, &c_inverse.times(&c));
+    let residual = b.plus(-1.0, &a.times(&fixed));
+    let norm = dot(&a.values, &a.values).sqrt();
+    let x = fixed.plus(1.0, &pseudo_inverse(&a.times(&free), norm)?.times(&residual));
+    // Where A is badly conditioned, X is large and its rounding violates the condition. One correction step
+    // restores it.
+    let miss = d.plus(-1.0, &c.times(&x));
+    Ok(x.plus(1.0, &c_inverse.times(&miss)).values)
+}
+
+/// A matrix in row order.
+#[derive(Debug, Clone)]
+struct Dense {
+    rows: usize,
+    cols: usize,
+    values: Vec<f64>,
+}
+
+impl Dense {
+    fn zeros(rows: usize, cols: usize) -> Self {
+        Self { rows, cols, values: vec![0.0; rows * cols] }
+    }
+
+    fn identity(size: usize) -> Self {
+        let mut eye = Self::zeros(size, size);
+        eye.values.iter_mut().step_by(size + 1).for_each(|v| *v = 1.0);
+        eye
+    }
+
+    fn transposed(&self) -> Self {
+        let values = (0..self.cols).flat_map(|c| self.values.iter().skip(c).step_by(self.cols).copied());
+        Self { rows: self.cols, cols: self.rows, values: values.collect() }
+    }
+
+    fn times(&self, right: &Self) -> Self {
+        let mut out = Self::zeros(self.rows, right.cols);
+        if right.cols > 0 && self.cols > 0 {
+            let rows = self.values.chunks_exact(self.cols).zip(out.values.chunks_exact_mut(right.cols));
+            for (row, out) in rows {
+                for (&factor, line) in row.iter().zip(right.values.chunks_exact(right.cols)) {
+                    out.iter_mut().zip(line).for_each(|(o, v)| *o += factor * v);
+                }
+            }
+        }
+        out
+    }
+
+    fn plus(mut self, factor: f64, other: &Self) -> Self {
+        self.values.iter_mut().zip(&other.values).for_each(|(a, b)| *a += factor * b);
+        self
+    }
+}
+
+/// Sweeps of rotations after which the method has failed; six are usual.
+const MAX_SWEEPS: usize = 60;
+/// Parts of a sum that are added side by side, so that it becomes vector code.
+const LANES: usize = 8;
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    let ((a, a_rest), (b, b_rest)) = (a.as_chunks::<LANES>(), b.as_chunks::<LANES>());
+    let mut sums = [0.0; LANES];
+    for (a, b) in a.iter().zip(b) {
+        (0..LANES).for_each(|l| sums[l] += a[l] * b[l]);
+    }
+    let rest: f64 = a_rest.iter().zip(b_rest).map(|(a, b)| a * b).sum();
+    sums.iter().sum::<f64>() + rest
 }
 
 /// The Moore-Penrose inverse. Singular values below `max(largest, scale)` times precision times size are zero.
-fn pseudo_inverse(a: MatRef<'_, f64>, scale: f64) -> Result<Mat<f64>, LeastSquaresError> {
-    let (rows, cols) = a.shape();
+fn pseudo_inverse(a: &Dense, scale: f64) -> Result<Dense, LeastSquaresError> {
+    let (rows, cols) = (a.rows, a.cols);
     if rows == 0 || cols == 0 {
-        return Ok(Mat::zeros(cols, rows));
+        return Ok(Dense::zeros(cols, rows));
     }
-    let svd = a.thin_svd().map_err(|_| LeastSquaresError::NoConvergence { rows, cols })?;
-    let sigma: Vec<f64> = svd.S().column_vector().iter().copied().collect();
-    let largest = sigma.iter().copied().fold(scale, f64::max);
+    if rows < cols {
+        return Ok(pseudo_inverse(&a.transposed(), scale)?.transposed());
+    }
+    // Columns of A V as rows, and Vᵀ beside them.
+    let (mut columns, mut v) = (a.transposed(), Dense::identity(cols));
+    // Far from overflow and underflow; the inverse is scaled back.
+    let unit = columns.values.iter().fold(0.0f64, |m, x| m.max(x.abs())).max(f64::MIN_POSITIVE);
+    columns.values.iter_mut().for_each(|x| *x /= unit);
+    let turned = |m: &mut Dense, [p, q]: [usize; 2], [cosine, sine]: [f64; 2]| {
+        let (before, after) = m.values.split_at_mut(q * m.cols);
+        for (x, y) in before[p * m.cols..(p + 1) * m.cols].iter_mut().zip(&mut after[..m.cols]) {
+            (*x, *y) = (cosine * *x - sine * *y, sine * *x + cosine * *y);
+        }
+    };
+    let mut sweeps = 0;
+    loop {
+        let mut still = true;
+        for p in 0..cols {
+            for q in p + 1..cols {
+                let (x, y) =
+                    (&columns.values[p * rows..(p + 1) * rows], &columns.values[q * rows..(q + 1) * rows]);
+                let (xx, yy, xy) = (dot(x, x), dot(y, y), dot(x, y));
+                // Columns shorter than rounding of the longest teach nothing.
+                if xy.abs() <= f64::EPSILON * (xx * yy).sqrt().max(f64::EPSILON) {
+                    continue;
+                }
+                still = false;
+                let half = (yy - xx) / (2.0 * xy);
+                let tangent = 1.0 / (half.abs() + libm::hypot(half, 1.0)).copysign(half);
+                let cosine = 1.0 / (1.0 + tangent * tangent).sqrt();
+                let rotation = [cosine, cosine * tangent];
+                turned(&mut columns, [p, q], rotation);
+                turned(&mut v, [p, q], rotation);
+            }
+        }
+        if still {
+            break;
+        }
+        sweeps += 1;
+        if sweeps == MAX_SWEEPS {
+            return Err(LeastSquaresError::NoConvergence { rows, cols });
+        }
+    }
+    let squares: Vec<f64> = columns.values.chunks_exact(rows).map(|c| dot(c, c)).collect();
+    let largest = squares.iter().fold(0.0f64, |m, s| m.max(s.sqrt())).max(scale / unit);
     let cut = largest * f64::EPSILON * rows.max(cols) as f64;
-    let (u, v) = (svd.U(), svd.V());
-    let scaled =
-        Mat::from_fn(cols, sigma.len(), |i, j| if sigma[j] > cut { v[(i, j)] / sigma[j] } else { 0.0 });
-    Ok(scaled * u.transpose())
-}
-
-fn row_major(x: Mat<f64>) -> Vec<f64> {
-    (0..x.nrows()).flat_map(|i| (0..x.ncols()).map(move |j| (i, j))).map(|at| x[at]).collect()
+    let mut inverse = Dense::zeros(cols, rows);
+    for ((column, square), v) in
+        columns.values.chunks_exact(rows).zip(squares).zip(v.values.chunks_exact(cols))
+    {
+        if square.sqrt() > cut {
+            for (line, v) in inverse.values.chunks_exact_mut(rows).zip(v) {
+                let factor = v / square / unit;
+                line.iter_mut().zip(column).for_each(|(o, c)| *o += factor * c);
+            }
+        }
+    }
+    Ok(inverse)
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
-//! Places beyond the ends of a row, mirrored into it.
+//! Reflection of indices beyond the ends of a row.
 
-/// The place in `0..len` that a mirror on the border puts at `at`: the outermost sample is repeated
-/// (… 1 0 | 0 1 … n−1 | n−1 n−2 …). 0 for an empty row.
+/// The index in `0..len` that reflection about the border assigns to `at`. The outermost sample is repeated
+/// (… 1 0 | 0 1 … n−1 | n−1 n−2 …). Returns 0 for an empty row.
 pub(crate) fn about_border(at: isize, len: usize) -> usize {
     if len == 0 {
         return 0;
@@ -10,8 +10,9 @@ pub(crate) fn about_border(at: isize, len: usize) -> usize {
     folded.min(2 * len - 1 - folded)
 }
 
-/// The place in `0..len` that a mirror on the outermost sample puts at `at`: that sample is not repeated
-/// (… 2 1 | 0 1 … n−1 | n−2 …), so a mosaic of period 2 goes on. 0 for a row of one sample or none.
+/// The index in `0..len` that reflection about the outermost sample assigns to `at`. That sample is not
+/// repeated (… 2 1 | 0 1 … n−1 | n−2 …), so a mosaic of period 2 keeps its phase. Returns 0 for a row of at
+/// most one sample.
 pub(crate) fn about_outermost(at: isize, len: usize) -> usize {
     if len < 2 {
         return 0;

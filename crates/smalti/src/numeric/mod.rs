@@ -1,4 +1,4 @@
-//! Arithmetic that knows nothing of light: image planes and rectangles, random numbers, Fourier transforms, least squares.
+//! Arithmetic without optics: image planes and rectangles, random numbers, Fourier transforms, least squares.
 
 pub(crate) mod dense;
 pub mod elementary;

@@ -1,8 +1,8 @@
-//! Normal deviates ([box1958]): two from two random words, without rejection, so that lane `i` of a vector needs
-//! nothing but the words of pixel `i`.
+//! Normal deviates by the Box–Muller transform ([box1958]): two deviates from two random words, without
+//! rejection. Each pixel therefore needs a fixed number of random words, which suits vector code.
 //!
-//! The radius comes from a 32-bit uniform, so deviates reach ±6.7 standard deviations (a draw beyond that has
-//! probability 2e-11).
+//! The radius comes from a 32-bit uniform number, so deviates are limited to ±6.7 standard deviations. A
+//! larger deviate has a probability of 2e-11.
 //!
 //! [box1958]: https://doi.org/10.1214/aoms/1177706645
 
@@ -12,7 +12,7 @@ use super::elementary::{ln_f32, sin_cos_turn};
 #[inline(always)]
 #[must_use]
 pub fn normal_pair(radius: u32, angle: u32) -> (f32, f32) {
-    // Halves keep the uniform off 0; rounding may take it to 1, where the radius is 0.
+    // The offset of one half excludes 0. Rounding may give 1, where the radius is 0.
     let u = (radius as f32 + 0.5) * (1.0 / 4_294_967_296.0);
     let r = (-2.0 * ln_f32(u)).max(0.0).sqrt();
     let (s, c) = sin_cos_turn(angle);
@@ -38,7 +38,7 @@ mod tests {
             }
         }
         let n = f64::from(N);
-        // Four standard errors: the variance of x^k is (2k−1)!! less the mean's square.
+        // Four standard errors: the variance of x^k is (2k−1)!! minus the squared mean.
         for (k, (expected, variance)) in
             [(0.0, 0.5), (0.0, 1.0), (1.0, 2.0), (0.0, 15.0), (3.0, 96.0)].iter().enumerate()
         {

@@ -1,12 +1,12 @@
-//! Philox4x32-10, a counter-based random generator ([salmon2011]): the same counter gives the same numbers,
-//! whichever thread asks and in whatever order.
+//! Philox4x32-10, a counter-based random number generator ([salmon2011]). The same counter and key give the
+//! same numbers on any thread and in any order.
 //!
 //! [salmon2011]: https://doi.org/10.1145/2063384.2063405
 
 const MULTIPLIER: [u32; 2] = [0xD251_1F53, 0xCD9E_8D57];
 const WEYL: [u32; 2] = [0x9E37_79B9, 0xBB67_AE85];
 
-/// Four random words for one counter value under one key.
+/// Four random words for a counter value and a key.
 #[must_use]
 #[inline]
 pub fn philox4x32(counter: [u32; 4], key: [u32; 2]) -> [u32; 4] {
@@ -21,7 +21,7 @@ pub fn philox4x32(counter: [u32; 4], key: [u32; 2]) -> [u32; 4] {
     [a, b, c, d]
 }
 
-/// A sequence of random numbers named by (seed, purpose, item): equal names give equal sequences.
+/// A sequence of random numbers, identified by (seed, purpose, item): equal identifiers give equal sequences.
 #[derive(Debug, Clone)]
 pub struct Stream {
     key: [u32; 2],
@@ -32,7 +32,7 @@ pub struct Stream {
 }
 
 impl Stream {
-    /// The sequence of a name. `purpose` separates uses of one seed, `item` counts within a use.
+    /// Starts the sequence. `purpose` separates the uses of one seed; `item` counts within a use.
     #[must_use]
     pub fn new(seed: u64, purpose: u32, item: u32) -> Self {
         Self {
@@ -56,15 +56,15 @@ impl Stream {
         self.words[self.used - 1]
     }
 
-    /// Uniform in [0, 1), 53 bits.
+    /// A uniform number in [0, 1) with 53 random bits.
     pub fn uniform(&mut self) -> f64 {
         let bits = u64::from(self.next_u32()) << 32 | u64::from(self.next_u32());
         (bits >> 11) as f64 * (1.0 / (1u64 << 53) as f64)
     }
 
-    /// Uniform in `0..n`, without bias; 0 when `n` is 0.
+    /// An unbiased uniform integer in `0..n`; 0 when `n` is 0.
     pub fn below(&mut self, n: u32) -> u32 {
-        // Lemire 2019: multiply, reject the few values that would favour some results.
+        // Lemire (2019): multiply, and reject the few values that would bias the result.
         let threshold = n.wrapping_neg().checked_rem(n).unwrap_or(0);
         loop {
             let product = u64::from(self.next_u32()) * u64::from(n);
@@ -79,7 +79,7 @@ impl Stream {
 mod tests {
     use super::*;
 
-    /// Random123's `kat_vectors` for philox4x32, 10 rounds.
+    /// Known-answer test vectors of Random123 (`kat_vectors`) for philox4x32 with 10 rounds.
     #[test]
     fn known_answers() {
         let kat = [

@@ -1,5 +1,7 @@
 //! A stack of image planes of equal size.
 
+use serde::Serialize;
+
 use thiserror::Error;
 
 /// The size of a buffer does not match the shape it should have.
@@ -19,7 +21,7 @@ pub struct ShapeError {
 }
 
 /// `count` planes of `rows` × `cols` values, one plane after another, each in row order.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Planes {
     rows: usize,
     cols: usize,

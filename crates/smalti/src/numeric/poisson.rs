@@ -1,12 +1,12 @@
-//! Poisson deviates, exact at every mean: inversion below 10, Hörmann's PTRS above ([hormann1993]).
+//! Poisson deviates, exact at every mean: inversion below 10, Hörmann's PTRS from 10 on ([hormann1993]).
 //!
-//! Works on a block of lanes at once. Every lane draws from a Philox stream of its own, so a rejection in one
-//! lane moves no other, and the result does not depend on how pixels are grouped into blocks. Counts are whole
-//! numbers in `f64`, which holds them one by one to 2⁵³.
+//! The sampler processes a block of lanes at once. Every lane has its own Philox stream, so a rejection in
+//! one lane does not affect another, and the grouping of pixels into blocks does not affect the result.
+//! Counts are whole numbers in `f64`, which represents integers exactly up to 2⁵³.
 //!
 //! [hormann1993]: https://doi.org/10.1016/0167-6687(93)90997-4
 
-// Lanes are indexed: that is how loops over several arrays become vector code.
+// Loops over several arrays become vector code only when they are indexed.
 #![allow(clippy::needless_range_loop)]
 
 use super::elementary::{exp_f64, ln_f64};
@@ -15,13 +15,14 @@ use super::philox::philox4x32;
 /// Lanes of a block.
 pub const LANES: usize = 128;
 
-/// Below this mean, inversion: PTRS is defined from 10 on.
+/// Inversion applies below this mean; PTRS is defined from 10 on.
 const PTRS_FROM: f64 = 10.0;
-/// Above this mean a count is no longer exact in `f64`; means are held to it.
+/// Means are clamped to this value: above it a count is no longer exact in `f64`.
 const LARGEST_MEAN: f64 = 1e15;
 
-/// The counter of each lane: word 0 is `first + lane`, words 1 and 2 are common, word 3 counts attempts from
-/// `attempt` on. The first attempt's words 0 and 1 are passed in, because the caller has use for words 2 and 3.
+/// Philox counters of the lanes. Word 0 is `first + lane`, words 1 and 2 are common, and word 3 counts
+/// attempts from `attempt`. The caller passes words 0 and 1 of the first attempt, because it uses words 2 and
+/// 3 itself.
 #[derive(Debug, Clone, Copy)]
 pub struct LaneCounter {
     /// Key of the generator.
@@ -37,7 +38,7 @@ pub struct LaneCounter {
 }
 
 impl LaneCounter {
-    /// The random words of a lane's `n`-th attempt.
+    /// The random words of attempt `n` of a lane.
     #[inline(always)]
     #[must_use]
     pub fn words(&self, lane: u32, n: u32) -> [u32; 4] {
@@ -45,7 +46,7 @@ impl LaneCounter {
         philox4x32(counter, self.key)
     }
 
-    /// The random words of the first attempt of every lane, word by word.
+    /// The random words of the first attempt of every lane, one array per word.
     #[inline(always)]
     #[must_use]
     pub fn block(&self) -> [[u32; LANES]; 4] {
@@ -58,7 +59,7 @@ impl LaneCounter {
     }
 }
 
-/// Replaces each mean by a draw. Means that are not positive give 0. `words` are those of attempt 0.
+/// Replaces each mean by a Poisson deviate. Means that are not positive give 0. `words` belong to attempt 0.
 #[inline(always)]
 #[allow(clippy::manual_clamp)] // which would keep NaN
 pub fn poisson_lanes(counter: &LaneCounter, words: [&[u32; LANES]; 2], means: &mut [f64; LANES]) {
@@ -78,7 +79,7 @@ pub fn poisson_lanes(counter: &LaneCounter, words: [&[u32; LANES]; 2], means: &m
     *means = counts;
 }
 
-/// Inversion by sequential search, for the lanes whose mean is below [`PTRS_FROM`].
+/// Inversion by sequential search, for lanes whose mean is below [`PTRS_FROM`].
 #[inline(always)]
 fn inversion_lanes(words: [&[u32; LANES]; 2], means: &[f64; LANES], counts: &mut [f64; LANES]) {
     const GROUP: usize = 16;
@@ -92,7 +93,7 @@ fn inversion_lanes(words: [&[u32; LANES]; 2], means: &[f64; LANES], counts: &mut
             let bits = u64::from(words[0][base + i]) << 32 | u64::from(words[1][base + i]);
             mean[i] = means[base + i];
             u[i] = (bits >> 11) as f64 * (1.0 / (1u64 << 53) as f64);
-            // Lanes of the other method are done at once.
+            // Lanes that PTRS handles stop at once.
             u[i] = if mean[i] < PTRS_FROM { u[i] } else { -1.0 };
             term[i] = exp_f64(-mean[i].min(PTRS_FROM));
             cumulated[i] = term[i];
@@ -137,8 +138,8 @@ const LN_FACTORIAL: [f64; 16] = [
     27.899_271_383_840_89,
 ];
 
-/// PTRS for the lanes whose mean is at least [`PTRS_FROM`]: all lanes try at once, those that the cheap test
-/// leaves open are gathered for the full test, those that fail are gathered for the next attempt.
+/// PTRS for lanes whose mean is at least [`PTRS_FROM`]. All lanes make the quick test; the undecided ones are
+/// gathered for the full test, and rejected ones are gathered for the next attempt.
 #[inline(always)]
 fn ptrs_lanes(
     counter: &LaneCounter,
@@ -164,7 +165,7 @@ fn ptrs_lanes(
     }
     let mut attempt = 0;
     loop {
-        // The open trials take the full test; those that fail stay, packed to the front.
+        // Undecided trials take the full test; rejected ones are packed to the front.
         let failed = open.full_test(n, counts);
         if failed == 0 {
             return;
@@ -180,11 +181,11 @@ fn ptrs_lanes(
 
 /// One trial of PTRS.
 struct Trial {
-    /// The count it proposes.
+    /// The proposed count.
     k: f64,
-    /// Whether the squeeze accepts it.
+    /// Whether the squeeze (quick test) accepts it.
     quick: bool,
-    /// Whether the full test accepts it, were it made, needs these.
+    /// Inputs of the full test.
     us: f64,
     v: f64,
     a: f64,
@@ -197,7 +198,7 @@ impl Trial {
     #[inline(always)]
     fn new(mean: f64, word_u: u32, word_v: u32) -> Self {
         const UNIT: f64 = 1.0 / 4_294_967_296.0;
-        // Both off their ends: u in (−½, ½), v in (0, 1).
+        // The end points are excluded: u in (−½, ½), v in (0, 1).
         let u = (f64::from(word_u) + 0.5) * UNIT - 0.5;
         let v = (f64::from(word_v) + 0.5) * UNIT;
         let b = 0.931 + 2.53 * mean.sqrt();
@@ -209,7 +210,7 @@ impl Trial {
     }
 }
 
-/// Trials gathered from the lanes where the matter is open.
+/// Trials of the lanes that the quick test left undecided.
 struct Trials {
     lane: [u32; LANES],
     mean: [f64; LANES],
@@ -225,8 +226,8 @@ impl Default for Trials {
 }
 
 impl Trials {
-    /// Tests the first `n` trials, writes the counts of those accepted, packs the others to the front, and
-    /// returns how many those are.
+    /// Tests the first `n` trials, writes the counts of accepted ones, packs the rejected ones to the front
+    /// and returns their number.
     #[inline(always)]
     fn full_test(&mut self, n: usize, counts: &mut [f64; LANES]) -> usize {
         let mut k = [0.0; LANES];
@@ -242,8 +243,8 @@ impl Trials {
         for j in 0..padded {
             let mean = self.mean[j].max(PTRS_FROM);
             let t = Trial::new(mean, self.u[j], self.v[j]);
-            // ln of the probability of k: k ln(λ/k) + k − λ − Stirling's series, in which nothing large cancels;
-            // below 16 the series is not exact, and the factorial is tabulated.
+            // Log-probability of k: k ln(λ/k) + k − λ − Stirling's series, which avoids the cancellation of
+            // large terms. The series is inexact below 16, where a table of factorials replaces it.
             let small = t.k < 16.0;
             let kk = t.k.max(1.0);
             let inv = 1.0 / kk;
@@ -293,7 +294,8 @@ mod tests {
         k * mean.ln() - mean - libm::lgamma(k + 1.0)
     }
 
-    /// Mean, variance and the chi-square of the histogram, within four standard errors of the exact law.
+    /// The mean, the variance and the chi-square of the histogram lie within four standard errors of the
+    /// exact law.
     #[test]
     fn draws_follow_the_exact_law() {
         const BLOCKS: u32 = 1500;
@@ -341,7 +343,7 @@ mod tests {
     fn a_lane_does_not_depend_on_its_block() {
         let block = |first: u32, mean: f64| {
             let counter = LaneCounter { key: [1, 2], first, row: 5, purpose: 3, attempt: 0 };
-            // Neighbours at all levels, the lane in question at `mean`.
+            // The neighbours have means of all sizes; the lane under test has `mean`.
             let mut means: [f64; LANES] =
                 std::array::from_fn(|i| if (i as u32 + first).is_multiple_of(3) { mean } else { i as f64 });
             let words = counter.block();

@@ -1,6 +1,6 @@
 //! Rectangles of an image.
 
-/// A rectangle of pixels, counted from 0; it covers `rows` × `cols` pixels from (`row`, `col`).
+/// A rectangle of pixels, indexed from 0: `rows` × `cols` pixels with the upper left one at (`row`, `col`).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct Rect {
     /// First row.
@@ -14,7 +14,7 @@ pub struct Rect {
 }
 
 impl Rect {
-    /// The whole of an image.
+    /// The rectangle that covers a whole image.
     #[must_use]
     pub fn whole(rows: usize, cols: usize) -> Self {
         Self { row: 0, col: 0, rows, cols }
@@ -26,21 +26,21 @@ impl Rect {
         self.rows.saturating_mul(self.cols)
     }
 
-    /// Whether it holds no pixel.
+    /// Whether it contains no pixel.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.rows == 0 || self.cols == 0
     }
 
-    /// Whether it has pixels and lies within an image of `rows` × `cols`.
+    /// Whether it is not empty and lies within an image of `rows` × `cols`.
     #[must_use]
     pub fn fits(&self, rows: usize, cols: usize) -> bool {
         let fits = |first: usize, count: usize, all| first.checked_add(count).is_some_and(|end| end <= all);
         !self.is_empty() && fits(self.row, self.rows, rows) && fits(self.col, self.cols, cols)
     }
 
-    /// The values of a plane of `plane_cols` columns inside the rectangle, in row order. Rows that are not
-    /// there are left out; ask [`Rect::fits`] first.
+    /// The values of a plane of `plane_cols` columns inside the rectangle, in row order. Rows beyond the
+    /// plane are skipped; check [`Rect::fits`] first.
     pub(crate) fn values<'a>(&self, plane: &'a [f32], plane_cols: usize) -> impl Iterator<Item = f64> + 'a {
         let Self { row, col, rows, cols } = *self;
         plane

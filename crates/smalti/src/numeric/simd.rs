@@ -1,13 +1,15 @@
-//! One place that picks the instruction set at run time.
+//! Selection of the instruction set at run time.
 //!
-//! A kernel is plain code over arrays of fixed length. Compiled once per instruction set it becomes vector code,
-//! and since nothing in it is reordered or contracted (Rust does neither), every set gives the same bits.
+//! A kernel is plain code over arrays of fixed length. It is compiled once per instruction set and becomes
+//! vector code. Rust neither reorders nor contracts floating-point operations, so every instruction set gives
+//! the same bits.
 
-/// Work to be compiled for several instruction sets.
+/// Code to compile for several instruction sets.
 pub(crate) trait Kernel {
     /// Its result.
     type Output;
-    /// The work. Must be `#[inline(always)]`, and so must all that it calls, to be compiled for the set chosen.
+    /// The computation. It and everything that it calls must be `#[inline(always)]` to be compiled for the
+    /// selected set.
     fn run(self) -> Self::Output;
 }
 
@@ -19,7 +21,7 @@ pub(crate) fn dispatch<K: Kernel>(kernel: K) -> K::Output {
         use std::arch::is_x86_feature_detected as has;
         if allowed(Set::Avx512) && has!("avx512f") && has!("avx512bw") && has!("avx512dq") && has!("avx512vl")
         {
-            // SAFETY: the features that the function is compiled for were just found present.
+            // SAFETY: the required features were detected above.
             return unsafe { avx512(kernel) };
         }
         if allowed(Set::Avx2) && has!("avx2") {
@@ -30,18 +32,19 @@ pub(crate) fn dispatch<K: Kernel>(kernel: K) -> K::Output {
     kernel.run()
 }
 
-/// What [`dispatch`] chooses from, from the narrowest to the widest.
+/// The choices of [`dispatch`], from the narrowest to the widest.
 #[cfg(any(test, target_arch = "x86_64"))]
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(not(test), allow(dead_code))]
 pub(crate) enum Set {
-    /// What any processor of the architecture runs.
+    /// The baseline of the architecture.
     Plain,
     Avx2,
     Avx512,
 }
 
-/// Whether [`dispatch`] may choose a set: tests narrow the choice, so that every path runs that the machine has.
+/// Whether [`dispatch`] may select a set. Tests restrict the choice in order to run every path of the
+/// machine.
 #[cfg(all(target_arch = "x86_64", not(test)))]
 #[inline]
 fn allowed(_: Set) -> bool {
@@ -56,8 +59,8 @@ fn allowed(set: Set) -> bool {
     set as u8 <= WIDEST.load(std::sync::atomic::Ordering::Relaxed)
 }
 
-/// Keeps [`dispatch`], on all threads, to a set and narrower ones while `work` runs. All give the same bits, so that other tests
-/// are slower meanwhile and no more.
+/// Restricts [`dispatch`] on all threads to a set and narrower ones while `work` runs. All sets give the same
+/// bits, so tests that run concurrently only become slower.
 #[cfg(test)]
 pub(crate) fn with_widest<T>(set: Set, work: impl FnOnce() -> T) -> T {
     use std::sync::atomic::Ordering;
@@ -87,7 +90,7 @@ mod tests {
     use crate::numeric::normal::normal_pair;
     use crate::numeric::poisson::{LANES, LaneCounter, poisson_lanes};
 
-    /// A block of Poisson and normal numbers, at means of every size.
+    /// A block of Poisson and normal deviates, at means of every size.
     struct Draw(u32);
 
     impl Kernel for Draw {
@@ -118,11 +121,11 @@ mod tests {
             assert!(dispatch(Draw(row)) == expected);
             #[cfg(target_arch = "x86_64")]
             if std::arch::is_x86_feature_detected!("avx2") {
-                // SAFETY: the feature was just found present.
+                // SAFETY: the feature was detected above.
                 assert!(unsafe { avx2(Draw(row)) } == expected);
             }
         }
-        // And so does every machine: a digest of what was drawn when this was written.
+        // Every machine gives the same bits: the digest was recorded when this test was written.
         let fold = |h: u64, v: u64| (h ^ v).wrapping_mul(0x0100_0000_01b3);
         let digest = (0..200).fold(0, |h, row| {
             let (counts, normals) = Draw(row).run();

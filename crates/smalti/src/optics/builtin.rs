@@ -1,19 +1,21 @@
-//! Filters that go before a sensor, by formula.
+//! Analytic filters in front of the sensor.
 //!
-//! Interference and absorption filters alike have edges near a logistic curve: T(λ) = 1 / (1 + exp(±(λ − λ₀) / w)),
-//! half at the edge λ₀. The width is the distance between 10 % and 90 %, 2 ln 9 · w.
+//! The edges of interference and absorption filters resemble a logistic curve: T(λ) = 1 / (1 + exp(±(λ − λ₀)
+//! / w)), with a transmittance of one half at the edge λ₀. The width is the distance between 10 % and 90 %, 2
+//! ln 9 · w.
 
 use super::error::{OpticsError, require};
 use crate::spectrum::{Spectrum, WavelengthGrid};
 
-/// An infrared-cut filter as in front of a colour sensor: passes the visible, half at 650 nm, 90 % to 10 % within
-/// 30 nm.
+/// An infrared-cut filter for a colour sensor. It passes visible light, with a transmittance of one half at
+/// 650 nm and a width (90 % to 10 %) of 30 nm.
 #[must_use]
 pub fn ir_cut(grid: WavelengthGrid) -> Spectrum {
     edge(grid, 650.0, 30.0, 1.0)
 }
 
-/// Passes wavelengths below `edge_nm`; from 90 % to 10 % within `width_nm`.
+/// A filter that passes wavelengths below `edge_nm`; its transmittance falls from 90 % to 10 % within
+/// `width_nm`.
 ///
 /// # Errors
 /// When a parameter is not positive and finite.
@@ -22,7 +24,8 @@ pub fn short_pass(grid: WavelengthGrid, edge_nm: f64, width_nm: f64) -> Result<S
     Ok(edge(grid, edge_nm, width_nm, 1.0))
 }
 
-/// Passes wavelengths above `edge_nm`; from 10 % to 90 % within `width_nm`.
+/// A filter that passes wavelengths above `edge_nm`; its transmittance rises from 10 % to 90 % within
+/// `width_nm`.
 ///
 /// # Errors
 /// When a parameter is not positive and finite.

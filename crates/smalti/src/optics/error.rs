@@ -1,4 +1,4 @@
-//! What can go wrong between scene and sensor plane.
+//! Errors of image formation, from the scene to the sensor plane.
 
 use thiserror::Error;
 
@@ -6,7 +6,7 @@ use crate::numeric::ShapeError;
 use crate::numeric::fft::FftError;
 use crate::spectrum::SpectrumError;
 
-/// What can be wrong with optics, or with the scene put before them.
+/// Errors of the optics, or of a scene that they cannot image.
 #[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]
 pub enum OpticsError {
@@ -20,7 +20,7 @@ pub enum OpticsError {
         /// The range.
         expected: &'static str,
     },
-    /// The scene is at or within the focal length: there is no real image.
+    /// The scene is within the focal length, so there is no real image.
     #[error(
         "the scene is {distance_m} m from the lens; a focal length of {focal_length_m} m needs more than that"
     )]
@@ -33,9 +33,9 @@ pub enum OpticsError {
     /// No Zernike mode has this number.
     #[error("there is no Zernike mode {number}; expected {expected}")]
     ZernikeNumber {
-        /// The number asked for.
+        /// The requested number.
         number: usize,
-        /// The numbers that exist here.
+        /// The available numbers.
         expected: &'static str,
     },
     /// No Zernike mode has this order and frequency.
@@ -48,7 +48,7 @@ pub enum OpticsError {
         /// Azimuthal frequency.
         m: i32,
     },
-    /// The wavefront bends too fast for a sampled pupil; such blur is geometrical, not wave optics.
+    /// The wavefront is too steep for a sampled pupil; such a blur is geometrical, not wave-optical.
     #[error(
         "the wavefront error changes by {waves_per_radius:.1} waves per pupil radius; up to {limit} can be sampled"
     )]
@@ -58,25 +58,25 @@ pub enum OpticsError {
         /// Largest slope that can be sampled.
         limit: f64,
     },
-    /// The blur is wider than the image by far.
+    /// The blur is far wider than the image.
     #[error(
         "the blur reaches {radius_m:.3e} m, the image is {image_m:.3e} m wide; up to four times that is possible"
     )]
     BlurTooWide {
         /// Radius of the blur on the sensor.
         radius_m: f64,
-        /// Larger side of the image.
+        /// Longer side of the image.
         image_m: f64,
     },
     /// A point spread function cannot be used.
     #[error("point spread function {index}: {problem}")]
     Psf {
-        /// Which of the stack, from 0.
+        /// Index in the stack, from 0.
         index: usize,
-        /// What is wrong and what was expected.
+        /// The problem and the expected value.
         problem: &'static str,
     },
-    /// Point spread functions and their wavelengths do not pair.
+    /// The number of point spread functions differs from the number of wavelengths.
     #[error("{wavelengths} wavelengths for {planes} point spread functions; expected as many")]
     PsfCount {
         /// Wavelengths given.
@@ -84,28 +84,28 @@ pub enum OpticsError {
         /// Point spread functions given.
         planes: usize,
     },
-    /// Point spread functions are unknown at a wavelength of the scene.
+    /// The point spread functions do not cover a wavelength of the scene.
     #[error("the point spread functions cover {have_start_nm}–{have_end_nm} nm, but {need_nm} nm is needed")]
     PsfCoverage {
         /// First wavelength of the stack.
         have_start_nm: f64,
         /// Last wavelength of the stack.
         have_end_nm: f64,
-        /// The wavelength without one.
+        /// The wavelength that is not covered.
         need_nm: f64,
     },
-    /// Spectral data do not fit.
+    /// Spectral data are invalid.
     #[error(transparent)]
     Spectrum(#[from] SpectrumError),
     /// The image cannot be transformed.
     #[error(transparent)]
     Fft(#[from] FftError),
-    /// Planes do not fit.
+    /// The shape of the planes is invalid.
     #[error(transparent)]
     Shape(#[from] ShapeError),
 }
 
-/// `Ok` when `value` is finite and `good`, else the parameter error that names it.
+/// `Ok` when `value` is finite and `good`; otherwise an error that names the parameter.
 pub(super) fn require(
     good: bool,
     name: &'static str,

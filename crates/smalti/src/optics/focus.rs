@@ -1,11 +1,13 @@
 //! Being out of focus: the same for all wavelengths, or growing with wavelength.
 
+use serde::Serialize;
+
 use super::error::{OpticsError, require};
 use crate::spectrum::Spectrum;
 
 /// How far the image is from focus, for all wavelengths alike. All three ways give a wavefront error W₂₀ ρ² over
 /// the pupil (ρ = 1 at the rim).
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
 #[non_exhaustive]
 pub enum Defocus {
     /// In focus.
@@ -20,7 +22,7 @@ pub enum Defocus {
 }
 
 /// Focus as a function of wavelength (longitudinal chromatic aberration), as an error of power in dioptres.
-#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize)]
 #[non_exhaustive]
 pub enum ChromaticFocus {
     /// All wavelengths focus in one plane.

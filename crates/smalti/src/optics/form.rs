@@ -1,4 +1,4 @@
-//! Forming the optical image.
+//! Formation of the optical image.
 
 use rayon::prelude::*;
 
@@ -13,21 +13,24 @@ use crate::numeric::fft::{RealFft2, Workspace};
 use crate::scene::Scene;
 use crate::spectrum::SpectralCube;
 
-/// Bands per set of scratch memory, at least: keeps all scratch together below the size of the image.
+/// Minimum number of bands per set of scratch memory. It keeps the total scratch memory below the size of the
+/// image.
 const BANDS_PER_GROUP: usize = 8;
-/// Widest blur, in sides of the image.
+/// Maximum width of the blur, in sides of the image.
 const WIDEST_BLUR: f64 = 4.0;
 
 impl Optics {
-    /// The irradiance that the lens makes of a scene, photons s⁻¹ m⁻² nm⁻¹, on the wavelengths of the scene and with
-    /// its samples, enlarged by [`Padding`](super::Padding). Fall-off is applied first, then the blur.
+    /// The irradiance that the lens forms from a scene, photons s⁻¹ m⁻² nm⁻¹. It has the wavelengths and the
+    /// sampling of the scene and is enlarged by [`Padding`](super::Padding). Relative illumination is applied
+    /// before the blur.
     ///
-    /// Needs the memory of scene and image, and scratch for some planes per thread. The result has the same bits for
-    /// any number of threads.
+    /// The function needs memory for the scene and the image, and scratch memory for a few planes per thread.
+    /// The result has the same bits for any number of threads.
     ///
     /// # Errors
-    /// When a parameter is out of range, the scene is not beyond the focal length, a spectrum or the point spread
-    /// functions do not cover the scene's wavelengths, or the blur is too steep or too wide to compute.
+    /// When a parameter is out of range, the scene is not beyond the focal length, a spectrum or the point
+    /// spread functions do not cover the scene's wavelengths, or the blur is too steep or too wide to
+    /// compute.
     pub fn image(&self, scene: &Scene) -> Result<OpticalImage, OpticsError> {
         let radiance = scene.radiance();
         let grid = radiance.grid();
@@ -85,7 +88,7 @@ impl Optics {
     }
 }
 
-/// One wavelength of the scene, and what turns it into irradiance on the axis.
+/// One wavelength of the scene, and its conversion to irradiance on the axis.
 struct Band<'a> {
     radiance: &'a [f32],
     gain: f32,
@@ -111,7 +114,7 @@ impl Band<'_> {
     }
 }
 
-/// Squared positions of columns and rows, in image distances.
+/// Squared positions of columns and rows, in units of the image distance.
 enum FalloffMap {
     None,
     Cos4 { x2: Vec<f32>, y2: Vec<f32> },
@@ -140,7 +143,7 @@ struct Frame {
 }
 
 impl Frame {
-    /// One band through the lens.
+    /// Applies the blur of the lens to one band.
     fn blur(
         &self,
         work: &mut Workspace,
@@ -161,7 +164,8 @@ impl Frame {
                 row[c] = cols.source(c).map_or(0.0, |s| row[cols.offset + s]);
             }
         };
-        // Ringing of a spectrum cut by coarse sampling, and rounding; NaN stays to be found.
+        // Coarse sampling (Gibbs ringing) and rounding cause small negative values. NaN is kept, so that a
+        // later check can find it.
         let not_negative = |v: f32| if v < 0.0 { 0.0 } else { v };
         let passing = otf.passing();
         let apply = |kx: usize, column: &mut [_]| otf.apply(kx, column);

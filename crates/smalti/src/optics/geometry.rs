@@ -1,8 +1,8 @@
-//! Where the image lies and how large it is.
+//! Position and size of the image.
 
 use super::error::{OpticsError, require};
 
-/// A thin lens before a plane scene, in air.
+/// A thin lens in front of a plane scene, in air.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Geometry {
     image_distance_m: f64,
@@ -23,7 +23,7 @@ impl Geometry {
         }
         let magnification = -focal_length_m / (distance_m - focal_length_m);
         let image_distance_m = focal_length_m * (1.0 - magnification);
-        // A scene a rounding error beyond the focal length images at infinity.
+        // A scene that is beyond the focal length by a rounding error is imaged at infinity.
         if !image_distance_m.is_finite() {
             return Err(too_near);
         }
@@ -31,8 +31,8 @@ impl Geometry {
         Ok(Self { image_distance_m, magnification, working_f_number })
     }
 
-    /// A pinhole does not focus: the image plane stays at the focal length and the magnification term of the
-    /// camera equation is absent, wherever the scene is.
+    /// The geometry of a pinhole, which does not focus. The image plane is at the focal length for any scene
+    /// distance, and the magnification term of the camera equation is absent.
     ///
     /// # Errors
     /// When focal length or f-number is not positive and finite.
@@ -41,39 +41,39 @@ impl Geometry {
         Ok(Self { image_distance_m: focal_length_m, magnification: 0.0, working_f_number: f_number })
     }
 
-    /// From lens to image, m.
+    /// Distance from the lens to the image, m.
     #[must_use]
     pub fn image_distance_m(&self) -> f64 {
         self.image_distance_m
     }
 
-    /// Size in the image over size in the scene; negative, as the image is upside down (which the samples
-    /// ignore: row 0 stays the top of the scene).
+    /// Image size over object size. It is negative because the image is inverted; the samples ignore the
+    /// inversion (row 0 remains the top of the scene).
     #[must_use]
     pub fn magnification(&self) -> f64 {
         self.magnification
     }
 
-    /// N (1 + |m|), the f-number seen from the image. It sets irradiance and diffraction.
+    /// The working f-number N (1 + |m|), which determines irradiance and diffraction.
     #[must_use]
     pub fn working_f_number(&self) -> f64 {
         self.working_f_number
     }
 
-    /// Irradiance over radiance on the axis of a lossless lens, sr: π / (1 + 4 N² (1 + |m|)²).
+    /// On-axis irradiance over radiance of a lossless lens, sr: π / (1 + 4 N² (1 + |m|)²).
     #[must_use]
     pub fn irradiance_per_radiance_sr(&self) -> f64 {
         std::f64::consts::PI / (1.0 + 4.0 * self.working_f_number * self.working_f_number)
     }
 
-    /// Distance between samples on the sensor, m, of a scene with `cols` samples over a field of view:
-    /// 2 s' tan(fov / 2) / cols.
+    /// Sample spacing on the sensor, m, for a scene with `cols` samples over a field of view: 2 s' tan(fov /
+    /// 2) / cols.
     #[must_use]
     pub fn sample_spacing_m(&self, horizontal_fov_deg: f64, cols: usize) -> f64 {
         2.0 * self.image_distance_m * (horizontal_fov_deg.to_radians() / 2.0).tan() / cols as f64
     }
 
-    /// Angle between the axis and the ray through the lens' centre to a point of the sensor, rad.
+    /// Angle between the axis and the chief ray to a point of the sensor, rad.
     #[must_use]
     pub fn field_angle_rad(&self, x_m: f64, y_m: f64) -> f64 {
         (x_m.hypot(y_m) / self.image_distance_m).atan()

@@ -1,15 +1,16 @@
-//! The image that the lens throws on the sensor.
+//! The optical image: irradiance on the sensor plane.
 
 use rayon::prelude::*;
 
 use crate::numeric::Planes;
 use crate::spectrum::{Observer, SpectralCube, SpectrumError};
 
-/// Raised whenever a change alters the optical image of some lens and scene: what was kept of older revisions is void.
+/// Revision of the optical computation. Increase it with every change that alters an optical image; caches of
+/// older revisions are then invalid.
 pub const OPTICAL_IMAGE_REVISION: u32 = 1;
 
-/// Spectral irradiance on the sensor plane, photons s⁻¹ m⁻² nm⁻¹, centred on the optical axis. Sample `(r, c)`
-/// is the mean over a square of side `sample_spacing_m`.
+/// Spectral irradiance on the sensor plane, photons s⁻¹ m⁻² nm⁻¹, centred on the optical axis. Sample `(r,
+/// c)` is the mean over a square with a side of `sample_spacing_m`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct OpticalImage {
     irradiance: SpectralCube,
@@ -32,10 +33,10 @@ impl OpticalImage {
         Ok(Self { irradiance, sample_spacing_m })
     }
 
-    /// The same image with so many times the light.
+    /// The image with its irradiance multiplied by a factor.
     ///
     /// # Errors
-    /// When the factor is negative or not finite, or takes a value beyond single precision.
+    /// When the factor is negative or not finite, or a product exceeds the range of single precision.
     pub fn scaled(&self, factor: f64) -> Result<Self, SpectrumError> {
         if !(factor.is_finite() && factor >= 0.0) {
             let expected = "0 or more, finite";
@@ -48,7 +49,7 @@ impl OpticalImage {
         Self::new(SpectralCube::new(self.irradiance.grid(), planes)?, self.sample_spacing_m)
     }
 
-    /// Photons s⁻¹ m⁻² nm⁻¹.
+    /// Spectral irradiance, photons s⁻¹ m⁻² nm⁻¹.
     #[must_use]
     pub fn irradiance(&self) -> &SpectralCube {
         &self.irradiance

@@ -1,5 +1,7 @@
 //! What a lens is, by its values.
 
+use serde::Serialize;
+
 use super::diffraction::{in_focus, out_of_focus};
 use super::error::{OpticsError, require};
 use super::focus::{ChromaticFocus, Defocus, rim_error_m};
@@ -12,7 +14,7 @@ use super::pupil::Pupil;
 use super::zernike::Wavefront;
 use crate::numeric::Planes;
 use crate::numeric::fft::{Complex32, RealFft2, bin_frequency};
-use crate::spectrum::{Outside, Spectrum, WavelengthGrid};
+use crate::spectrum::{Extrapolation, Spectrum, WavelengthGrid};
 
 /// Steepest wavefront that the integral of a defocused lens is worth its time for, waves per pupil radius.
 const STEEPEST_DEFOCUS: f64 = 200.0;
@@ -20,7 +22,7 @@ const STEEPEST_DEFOCUS: f64 = 200.0;
 /// A lens and the filters before the sensor.
 ///
 /// All fields are open; they are checked where they are used. [`Optics::new`] fills them for a perfect lens.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Optics {
     /// Focal length, m.
     pub focal_length_m: f64,
@@ -41,7 +43,7 @@ pub struct Optics {
 }
 
 /// How a lens blurs. The blur is the same over the whole field.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 #[non_exhaustive]
 pub enum OpticsModel {
     /// No blur, and no focusing: the image plane stays at the focal length, the magnification term of the camera
@@ -69,7 +71,7 @@ pub enum OpticsModel {
 }
 
 /// How light falls off from the axis.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
 pub enum Falloff {
     /// Not at all.
     None,
@@ -79,7 +81,7 @@ pub enum Falloff {
 }
 
 /// Share of the light that the lens passes.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub enum Transmittance {
     /// The same at all wavelengths, 0–1.
     Constant(f64),
@@ -182,7 +184,7 @@ fn fraction(name: &'static str, t: &Spectrum, grid: WavelengthGrid) -> Result<Sp
     for &v in t.values() {
         require((0.0..=1.0).contains(&v), name, v, "0 to 1")?;
     }
-    Ok(t.resampled(grid, Outside::Error)?)
+    Ok(t.resampled(grid, Extrapolation::Error)?)
 }
 
 /// The blur of a lens at the wavelengths of a scene, with all that does not depend on wavelength worked out once.

@@ -1,14 +1,14 @@
 //! The lens: from radiance in the scene to irradiance on the sensor.
 //!
-//! [`Optics`] describes a lens by values; [`Optics::image`] forms the image. Irradiance follows the camera
-//! equation, E = π τ L / (1 + 4 N² (1 + |m|)²), with an optional cos⁴ fall-off; blur is a multiplication with
-//! the optical transfer function of each wavelength in the frequency domain, where lens, wavefront error and
-//! optical low-pass filter combine by their product. The blur is the same over the whole field.
+//! [`Optics`] describes a lens; [`Optics::image`] forms the image. Irradiance follows the camera equation, E
+//! = π τ L / (1 + 4 N² (1 + |m|)²), with an optional cos⁴ law. The blur is a multiplication with the optical
+//! transfer function of each wavelength in the frequency domain. This function is the product of those of
+//! lens, wavefront error and optical low-pass filter, and is the same over the whole field.
 //!
-//! Two things to know of the arithmetic. The image has the samples of the scene: detail finer than that is not
-//! invented, and where the samples are coarser than the lens resolves, sharp edges overshoot (Gibbs); what
-//! would be negative is set to zero. And the transforms are of single precision: a value below 10⁻⁶ of the
-//! brightest of its wavelength is not to be relied on.
+//! Two numerical properties matter. First, the image has the samples of the scene. Finer detail is absent,
+//! and where the sampling is coarser than the resolution of the lens, sharp edges overshoot (Gibbs); negative
+//! values are set to zero. Second, the transforms are in single precision: values below 10⁻⁶ of the maximum
+//! of their wavelength are not reliable.
 
 pub mod builtin;
 mod diffraction;

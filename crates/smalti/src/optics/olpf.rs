@@ -1,11 +1,13 @@
 //! The optical low-pass filter in front of a sensor.
 
+use serde::Serialize;
+
 use super::error::{OpticsError, require};
 
 /// Two crossed birefringent plates that split every ray into four, at the corners of a rectangle. Their transfer
 /// function is cos(π a fx) · cos(π b fy) (Greivenkamp 1990): the first zero lies at half the inverse separation,
 /// so a separation of one pixel pitch removes what alternates from pixel to pixel.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct BirefringentLowPass {
     /// Distance of the spots along rows, m.
     pub horizontal_separation_m: f64,

@@ -4,8 +4,8 @@ use super::diffraction::diffraction_limit;
 use super::olpf::BirefringentLowPass;
 use crate::numeric::fft::{Complex32, bin_frequency};
 
-/// Optical transfer function of a lens and its low-pass filter at one wavelength: 1 at frequency zero.
-/// Frequencies are cycles per metre on the sensor, `fx` to the right, `fy` *down* the rows.
+/// The optical transfer function of a lens and its low-pass filter at one wavelength, 1 at frequency zero.
+/// Frequencies are in cycles per metre on the sensor: `fx` to the right, `fy` *down* the rows.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Otf {
     cutoff_cy_per_m: f64,
@@ -13,14 +13,14 @@ pub struct Otf {
     low_pass: Option<BirefringentLowPass>,
 }
 
-/// The lens' part.
+/// The transfer function of the lens alone.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum LensTransfer {
     /// No blur.
     Unity,
-    /// A table over frequency from 0 to the cut-off; round spots.
+    /// A table over frequency from 0 to the cut-off, for rotationally symmetric functions.
     Radial(Vec<f32>),
-    /// Mean phase factor over the pupil, to multiply with the diffraction limit.
+    /// The mean phase factor over the pupil, which multiplies the diffraction limit.
     Pupil {
         /// Over two-dimensional frequency.
         mean_phase: FrequencyGrid,
@@ -40,13 +40,13 @@ impl Otf {
         Self { cutoff_cy_per_m, lens, low_pass }
     }
 
-    /// Nothing passes at or above this frequency in x or y, cycles/m; infinite for a pinhole.
+    /// The cut-off frequency in x and y, cycles/m; infinite for a pinhole.
     #[must_use]
     pub fn cutoff_cy_per_m(&self) -> f64 {
         self.cutoff_cy_per_m
     }
 
-    /// Transfer at a frequency.
+    /// The transfer function at a frequency.
     #[must_use]
     pub fn at(&self, fx_cy_per_m: f64, fy_cy_per_m: f64) -> Complex32 {
         let (fx, fy) = (fx_cy_per_m, fy_cy_per_m);
@@ -80,9 +80,9 @@ pub(super) struct OtfOnGrid<'a> {
 }
 
 impl OtfOnGrid<'_> {
-    /// Horizontal bins that may pass light.
+    /// The number of horizontal bins below the cut-off.
     pub(super) fn passing(&self) -> usize {
-        // A float too large for an integer, as of a pinhole, becomes the largest integer.
+        // A value too large for an integer, such as that of a pinhole, becomes the largest integer.
         (self.otf.cutoff_cy_per_m / self.col_step).ceil() as usize
     }
 
@@ -118,7 +118,7 @@ impl OtfOnGrid<'_> {
         }
     }
 
-    /// Frequencies above and below zero share a value: one look-up serves two samples.
+    /// Positive and negative frequencies have the same value: one look-up serves two samples.
     fn apply_radial(&self, fx: f64, table: &[f32], column: &mut [Complex32]) {
         let rows = column.len();
         let x = (fx / self.otf.cutoff_cy_per_m) as f32;
@@ -149,7 +149,8 @@ pub(super) fn lookup(table: &[f32], nu: f32) -> f32 {
     }
 }
 
-/// A Hermitian function of frequency on a square grid, periodic, as the half spectrum of [`RealFft2`] orders it.
+/// A Hermitian, periodic function of frequency on a square grid, in the order of the half spectrum of
+/// [`RealFft2`].
 ///
 /// [`RealFft2`]: crate::numeric::fft::RealFft2
 #[derive(Debug, Clone, PartialEq)]
@@ -163,7 +164,7 @@ pub(super) struct FrequencyGrid {
 struct GridColumn {
     side: i64,
     step_cy_per_m: f64,
-    /// One period, and its first three values again.
+    /// One period, followed by its first three values.
     values: Vec<Complex32>,
 }
 
@@ -180,7 +181,8 @@ impl FrequencyGrid {
         nodes.map(|(ky, w)| self.along_x(fx, ky) * w).sum()
     }
 
-    /// Interpolated along x at every vertical node, so that a column costs four products per sample, not sixteen.
+    /// Interpolates along x at every vertical node, so that a column costs four products per sample instead
+    /// of sixteen.
     fn at_column(&self, fx: f64) -> GridColumn {
         let side = self.side as i64;
         let values = (0..side + 3).map(|ky| self.along_x(fx, ky)).collect();
@@ -207,7 +209,7 @@ impl FrequencyGrid {
 impl GridColumn {
     fn at(&self, fy: f64) -> Complex32 {
         let (first, weights) = keys1981(fy / self.step_cy_per_m);
-        // Frequencies are asked for up to half the period either way.
+        // Frequencies lie within half a period of zero.
         let first = if first < 0 { first + self.side } else { first };
         let nodes = self.values.get(first as usize..).unwrap_or(&[]);
         nodes.iter().zip(weights).map(|(v, w)| v * w).sum()
@@ -216,7 +218,7 @@ impl GridColumn {
 
 /// First node and weights of the cubic that interpolates at `x` (Keys 1981, a = −1/2).
 fn keys1981(x: f64) -> (i64, [f32; 4]) {
-    // Not `floor`, which is a call into libm on x86-64 without SSE4.1.
+    // `floor` is a call into libm on x86-64 without SSE4.1.
     let toward_zero = x as i64;
     let base = toward_zero - i64::from(toward_zero as f64 > x);
     let t = (x - base as f64) as f32;

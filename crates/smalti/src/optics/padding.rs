@@ -1,11 +1,13 @@
 //! What lies beyond the border of the scene.
 
+use serde::Serialize;
+
 use super::error::{OpticsError, require};
 use crate::numeric::fft::fast_len;
 use crate::numeric::mirror::about_border;
 
 /// What the lens sees beyond the border of the scene.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
 pub enum Boundary {
     /// Nothing. The optical image is larger than the scene by the margin on every side, and holds the light
     /// that spreads there. This is what ISETCam does.
@@ -23,8 +25,8 @@ pub enum Boundary {
 /// always large enough for the geometrical blur, but the tails of diffraction have no end, and what they spread beyond
 /// the margin comes back in on the other side. That is little light: it shows only where the image is darker than
 /// about 1 % of its brightest part (there by up to some ten per cent next to the border, with the margin of 1/8 at
-/// f/4 and 0.7 µm samples). A wider margin, 1.0 say, takes it away.
-#[derive(Debug, Clone, Copy, PartialEq)]
+/// f/4 and 0.7 µm samples). A wider margin, such as 1.0, removes it.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Padding {
     /// What is beyond the border.
     pub boundary: Boundary,

@@ -1,5 +1,7 @@
 //! Point spread functions that were measured, or computed by a lens design program.
 
+use serde::Serialize;
+
 use super::error::{OpticsError, require};
 use super::otf::FrequencyGrid;
 use crate::numeric::Planes;
@@ -13,7 +15,7 @@ const MAX_SIDE: usize = 2048;
 /// The axis is at row `rows / 2`, column `cols / 2` (integer division, counted from 0). Each is scaled to a sum of 1. Its
 /// samples are read as those of a band-limited function, so its transform carries no blur of an interpolation, and
 /// the energy stays 1; detail beyond half its sampling rate is not there.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct PsfStack {
     /// Ascending; empty when one serves for all wavelengths.
     wavelengths_nm: Vec<f64>,

@@ -1,4 +1,4 @@
-//! The pupil of an aberrated lens, sampled, and its autocorrelation.
+//! The sampled pupil of an aberrated lens, and its autocorrelation.
 
 use std::f64::consts::TAU;
 
@@ -7,33 +7,34 @@ use super::otf::FrequencyGrid;
 use super::zernike::Wavefront;
 use crate::numeric::fft::{Complex32, RealFft2};
 
-/// Samples over the pupil's diameter, fewest and most.
+/// Samples over the diameter of the pupil: the available sizes.
 const SAMPLES: [usize; 3] = [256, 512, 1024];
-/// Largest change of the wavefront from sample to sample, waves: 16 samples per fringe interpolate to 10⁻³.
+/// Largest change of the wavefront between samples, waves. With 16 samples per fringe the interpolation error
+/// is 10⁻³.
 const WAVES_PER_SAMPLE: f64 = 1.0 / 16.0;
 
-/// A wavefront sampled over the pupil, and how many sample pairs lie within both pupils at every shift.
+/// A wavefront sampled over the pupil, and the number of sample pairs within both pupils at every shift.
 ///
-/// The autocorrelation of the pupil function is the diffraction limit times the mean, over the overlap of the two
-/// shifted pupils, of the phase factor. The first is known exactly; only the mean is sampled.
+/// The autocorrelation of the pupil function is the diffraction limit times the mean phase factor over the
+/// overlap of the two shifted pupils. The diffraction limit is known exactly; only the mean is sampled.
 pub(super) struct Pupil {
     fft: RealFft2,
-    /// Wavefront error in m where the pupil is, NaN elsewhere.
+    /// Wavefront error in m inside the pupil, NaN outside.
     error_m: Vec<f64>,
-    /// ρ², in step with `error_m`.
+    /// ρ² at the samples of `error_m`.
     rho2: Vec<f64>,
     pairs: Vec<Complex32>,
 }
 
 impl Pupil {
-    /// `slope_m` is the largest change per pupil radius, `shortest_m` the shortest wavelength that will be asked for.
+    /// `slope_m` is the largest change per pupil radius; `shortest_m` is the shortest wavelength in use.
     pub(super) fn new(wavefront: &Wavefront, slope_m: f64, shortest_m: f64) -> Result<Self, OpticsError> {
         let waves_per_radius = slope_m / shortest_m;
         let limit = |n: usize| WAVES_PER_SAMPLE * n as f64 / 2.0;
         let Some(n) = SAMPLES.into_iter().find(|&n| waves_per_radius <= limit(n)) else {
             return Err(OpticsError::WavefrontTooSteep { waves_per_radius, limit: limit(SAMPLES[2]) });
         };
-        // Twice the diameter, so that the autocorrelation does not wrap.
+        // Twice the diameter, so that the autocorrelation does not wrap around.
         let side = 2 * n;
         let fft = RealFft2::new(side, side)?;
         let mut error_m = vec![f64::NAN; side * side];
@@ -51,7 +52,7 @@ impl Pupil {
         let mut pupil = Self { fft, error_m, rho2, pairs: Vec::new() };
         pupil.pairs = pupil.autocorrelation(|_| (1.0, 0.0))?;
         for v in &mut pupil.pairs {
-            // Counts are whole; what is not is rounding of the transform.
+            // Counts are whole numbers; a fraction is rounding error of the transform.
             *v = Complex32::new(v.re.round(), 0.0);
         }
         Ok(pupil)
@@ -118,7 +119,8 @@ mod tests {
             for ky in 0..side / 2 {
                 let nu = (kx as f64).hypot(ky as f64) / (side / 2) as f64;
                 let got = f64::from(pupil.pairs[kx * side + ky].re / total);
-                // Counting lattice points in a lens of this size: an error of a few points along the rim.
+                // The counts are lattice points in an overlap of this size: the error is a few points along
+                // its rim.
                 assert!((got - diffraction_limit(nu)).abs() < 1e-3, "{nu} {got} {}", diffraction_limit(nu));
             }
         }
@@ -152,7 +154,7 @@ mod tests {
             let grid = pupil.mean_phase(500e-9, 0.0, 1.0).unwrap();
             for (fx, fy) in [(0.1, 0.0), (0.0, 0.2), (0.3, 0.4), (-0.3, 0.2), (0.2, -0.3)] {
                 let got = grid.at(fx, fy);
-                // Rows go down where y goes up.
+                // Rows increase downwards, y upwards.
                 let turn = -TAU * (fx * dx - fy * dy) * 2.0;
                 assert!((f64::from(got.re) - turn.cos()).abs() < 1e-3, "{fx} {fy} {got}");
                 assert!((f64::from(got.im) - turn.sin()).abs() < 1e-3, "{fx} {fy} {got}");

@@ -3,6 +3,8 @@
 //! Numbered as by Noll (1976) or by OSA/ANSI Z80.28. Angles are counted from the pupil's x axis (to the right in
 //! the picture) towards y (up).
 
+use serde::Serialize;
+
 use super::error::{OpticsError, require};
 
 /// Highest radial order; beyond it the sums below would lose digits.
@@ -11,14 +13,14 @@ const MAX_ORDER: u32 = 20;
 const MODES: usize = 231;
 
 /// One polynomial, by radial order `n` and azimuthal frequency `m` (negative: sine).
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
 pub struct ZernikeMode {
     n: u32,
     m: i32,
 }
 
 /// How modes are numbered.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 pub enum ZernikeIndex {
     /// Noll 1976, from 1; defocus is 4.
     Noll,
@@ -112,7 +114,7 @@ impl ZernikeMode {
 }
 
 /// Unit of Zernike coefficients.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub enum WavefrontUnit {
     /// µm.
     Micrometres,
@@ -126,7 +128,7 @@ pub enum WavefrontUnit {
 /// A wavefront error as a sum of Zernike modes, the same length at every wavelength.
 ///
 /// The sign is fixed by the image: a tilt with a positive coefficient moves it towards +x (right) or +y (up).
-#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct Wavefront {
     /// Modes and their coefficients, m.
     terms: Vec<(ZernikeMode, f64)>,

@@ -4,14 +4,14 @@ use super::compose::{check_size, grey};
 use super::error::require;
 use super::{Scene, SceneError, Setting};
 
-/// White and dark squares in turn, white at the top left.
+/// Alternating white and dark squares, with white at the top left.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Checkerboard {
     /// Squares in each direction, 1 to 4096.
     pub squares: usize,
     /// Rows and columns of a square in pixels, 1 to 4096.
     pub square_px: usize,
-    /// Luminance of the white squares over that of the dark ones, more than 1.
+    /// Ratio of the luminances of white and dark squares, more than 1.
     pub contrast_ratio: f64,
 }
 
@@ -21,10 +21,10 @@ impl Default for Checkerboard {
     }
 }
 
-/// Draws the board. Its edges run between pixels, so nothing needs smoothing.
+/// Draws the checkerboard. Its edges coincide with pixel borders, so no antialiasing is needed.
 ///
 /// # Errors
-/// When a parameter is out of its range, or the setting is.
+/// When a parameter or the setting is out of range.
 pub fn checkerboard(board: &Checkerboard, setting: &Setting) -> Result<Scene, SceneError> {
     let Checkerboard { squares, square_px, contrast_ratio } = *board;
     require((1..=4096).contains(&squares), "squares", squares as f64, "1 to 4096")?;

@@ -1,4 +1,5 @@
-//! A chart of even patches of several sizes, for colours: every square is one patch or four smaller squares.
+//! A chart of uniform colour patches of several sizes: every square is one patch or splits into four smaller
+//! squares.
 
 use super::compose::{Fragment, check_size, fragments, lit};
 use super::error::require;
@@ -7,12 +8,13 @@ use super::{Scene, SceneError, Setting};
 use crate::numeric::philox::Stream;
 use crate::spectrum::Spectrum;
 
-/// Separates the random numbers of this pattern from other uses of a seed.
+/// Separates the random numbers of this pattern from other uses of the seed.
 const PURPOSE: u32 = 0x7061_7463;
-/// Of the squares that may be divided, so many are: every halving of the side then covers a quarter of what is left.
+/// The fraction of divisible squares that are divided; each patch size then covers a quarter of the remaining
+/// area.
 const DIVIDED: f64 = 0.75;
 
-/// Square patches, each of one reflectance.
+/// Square patches, each of a single reflectance.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ColorPatches {
     /// Rows, 1 to 32768.
@@ -21,9 +23,9 @@ pub struct ColorPatches {
     pub cols: usize,
     /// Side of the smallest patches in pixels, 1 to 4096.
     pub least_px: usize,
-    /// How often the side may double: the largest are `least_px` · 2^`doublings`, at most 8.
+    /// Number of times that the side doubles, at most 8: the largest patches are `least_px` · 2^`doublings`.
     pub doublings: u32,
-    /// Equal seeds give equal pictures.
+    /// Seed of the random numbers.
     pub seed: u64,
 }
 
@@ -34,11 +36,12 @@ impl Default for ColorPatches {
     }
 }
 
-/// Draws the patches, each with one of the `reflectances` (on the grid of the setting) at random. Squares are cut at the right
-/// and at the bottom.
+/// Draws the patches, each with a random one of the `reflectances` (on the grid of the setting). The right
+/// and bottom borders of the image truncate squares.
 ///
 /// # Errors
-/// When a parameter or the setting is out of its range, there is no reflectance, one is negative, or their grid is another.
+/// When a parameter or the setting is out of range, the list of reflectances is empty, or a reflectance is
+/// negative or on another grid.
 pub fn color_patches(
     chart: &ColorPatches,
     reflectances: &[Spectrum],
@@ -55,12 +58,13 @@ pub fn color_patches(
     }
     check_reflectances(reflectances, setting.grid)?;
     check_size(rows, cols, setting.grid)?;
-    // The square of a pixel is found from the largest down, each with random numbers of its own: no order of drawing matters.
+    // Each pixel finds its square from the largest size downwards. Every square has its own random numbers,
+    // so the order of evaluation does not matter.
     let painted_by = |row: usize, col: usize| -> (u32, usize) {
         for level in (0..=doublings).rev() {
             let side = least_px << level;
             let (down, right) = (row / side, col / side);
-            // Fewer than 2¹⁵ in each direction.
+            // There are fewer than 2¹⁵ squares in each direction.
             let place = (down as u32) << 16 | right as u32;
             let mut random = Stream::new(seed, PURPOSE + level, place);
             if level == 0 || random.uniform() >= DIVIDED {

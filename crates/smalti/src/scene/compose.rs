@@ -1,5 +1,5 @@
-//! From a few spectra and a map to a spectral image of chosen mean luminance. Besides the image itself, memory is
-//! a few bytes per pixel.
+//! Spectral images of a chosen mean luminance, from a few spectra and a map. Apart from the image itself, a
+//! few bytes of memory per pixel are needed.
 
 use rayon::prelude::*;
 
@@ -7,21 +7,21 @@ use super::{Scene, SceneError, Setting};
 use crate::numeric::Planes;
 use crate::spectrum::{Observer, SpectralCube, Spectrum, WavelengthGrid};
 
-/// Most values (pixels times wavelengths) of a built-in scene: 4 GiB.
+/// Maximum number of values (pixels times wavelengths) of a built-in scene: 4 GiB.
 pub const MAX_VALUES: usize = 1 << 30;
 
-/// A part of one pixel that shows one spectrum.
+/// A part of one pixel with one spectrum.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Fragment {
     /// Column of the pixel.
     pub col: u32,
     /// Index into the list of spectra.
     pub spectrum: u32,
-    /// Share of the pixel, or any other factor on the spectrum.
+    /// Fraction of the pixel, or any other factor on the spectrum.
     pub weight: f32,
 }
 
-/// An error when a scene of this size would be too large, or empty. To be called before anything is allocated.
+/// Fails when a scene of this size would be empty or too large. Call it before any allocation.
 pub(super) fn check_size(rows: usize, cols: usize, grid: WavelengthGrid) -> Result<(), SceneError> {
     let values = rows.checked_mul(cols).and_then(|n| n.checked_mul(grid.len())).unwrap_or(usize::MAX);
     if (1..=MAX_VALUES).contains(&values) && rows <= u32::MAX as usize && cols <= u32::MAX as usize {
@@ -31,7 +31,7 @@ pub(super) fn check_size(rows: usize, cols: usize, grid: WavelengthGrid) -> Resu
     }
 }
 
-/// A scene of grey reflectances, one per pixel in row order.
+/// A scene of spectrally flat reflectances, one per pixel in row order.
 pub(super) fn grey(
     name: &str,
     rows: usize,
@@ -44,7 +44,8 @@ pub(super) fn grey(
     let scale = scale_to(setting, &light, mean)?;
     let light = light.scaled(scale);
     fill(name, rows, cols, light.clone(), setting, |row, band, out| {
-        // Rounded once per pixel: equal reflectance gives radiance in exact proportion to the light.
+        // One rounding per pixel: radiance is exactly proportional to the illuminant where reflectances are
+        // equal.
         let light = light.values()[band];
         for (out, &r) in out.iter_mut().zip(&reflectance[row * cols..]) {
             *out = (light * f64::from(r)) as f32;
@@ -52,8 +53,8 @@ pub(super) fn grey(
     })
 }
 
-/// A scene of weighted spectra: row `r` shows `rows[r]`. `radiance` holds relative photon radiance; `light`, in the
-/// same unit, is the radiance of a perfect white diffuser.
+/// A scene of weighted spectra: row `r` is composed of `rows[r]`. `radiance` holds relative photon radiances;
+/// `light`, in the same unit, is the radiance of a perfect white diffuser.
 pub(super) fn fragments(
     name: &str,
     cols: usize,
@@ -82,12 +83,12 @@ pub(super) fn fragments(
     })
 }
 
-/// Reflectances under a light.
+/// Reflectances times an illuminant.
 pub(super) fn lit(reflectances: &[Spectrum], light: &Spectrum) -> Result<Vec<Spectrum>, SceneError> {
     reflectances.iter().map(|r| Ok(r.times(light)?)).collect()
 }
 
-/// The factor on the light that brings a mean reflectance to the luminance of the setting.
+/// The factor on the illuminant that gives a mean reflectance the luminance of the setting.
 fn scale_to(setting: &Setting, light: &Spectrum, mean_reflectance: f64) -> Result<f64, SceneError> {
     scale_of(setting, Observer::Cie1931.xyz_from_photons(light)?[1] * mean_reflectance)
 }
@@ -101,7 +102,7 @@ fn scale_of(setting: &Setting, mean_luminance: f64) -> Result<f64, SceneError> {
     }
 }
 
-/// Fills a cube row by row of each plane, in parallel, with `paint(row, band, out)`.
+/// Fills a cube in parallel, row by row of each plane, with `paint(row, band, out)`.
 fn fill(
     name: &str,
     rows: usize,

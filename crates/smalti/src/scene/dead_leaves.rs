@@ -1,5 +1,5 @@
-//! Dead leaves ([matheron1968], [lee2001]): discs that occlude each other, with a density of radii ∝ 1/r³. The image
-//! looks the same at every scale, and its power spectrum falls like that of photographs.
+//! The dead-leaves model ([matheron1968], [lee2001]): overlapping discs whose radii have a density ∝ 1/r³.
+//! The image is scale-invariant, and its power spectrum resembles that of natural images.
 //!
 //! [matheron1968]: https://cg.ensmp.fr/bibliotheque/public/MATHERON_Rapport_00129.pdf
 //! [lee2001]: https://doi.org/10.1023/A:1011109015675
@@ -15,12 +15,12 @@ use super::{Scene, SceneError, Setting};
 use crate::numeric::philox::Stream;
 use crate::spectrum::Spectrum;
 
-/// Separates the random numbers of this pattern from other uses of a seed.
+/// Separates the random numbers of this pattern from other uses of the seed.
 const PURPOSE: u32 = 0x6c65_6166;
-/// Leaves that are drawn at a time, and rows that one thread paints. Both only affect speed, not the picture.
+/// Leaves per batch, and rows per task. Both affect only speed, not the image.
 const BATCH: u32 = 1 << 14;
 const BAND: usize = 32;
-/// A pixel that shows less than this of what lies behind is taken to be covered.
+/// A pixel counts as covered when less than this fraction of it remains visible.
 const COVERED: f32 = 1.0 / 512.0;
 
 /// Leaves of random reflectance.
@@ -30,11 +30,11 @@ pub struct DeadLeaves {
     pub rows: usize,
     /// Columns, 1 to 32768.
     pub cols: usize,
-    /// Least radius in pixels, at least 0.5.
+    /// Smallest radius in pixels, at least 0.5.
     pub least_radius_px: f64,
-    /// Largest radius in pixels, more than the least and at most 10⁵.
+    /// Largest radius in pixels, more than the smallest and at most 10⁵.
     pub largest_radius_px: f64,
-    /// Equal seeds give equal pictures.
+    /// Seed of the random numbers.
     pub seed: u64,
 }
 
@@ -44,14 +44,14 @@ impl Default for DeadLeaves {
     }
 }
 
-/// Draws the leaves, each with one of the `reflectances` (on the grid of the setting) at random.
+/// Draws the leaves, each with a random one of the `reflectances` (on the grid of the setting).
 ///
-/// Leaves are laid from front to back and only where the picture is still empty, so the cost is bounded by the
-/// pixels and by the number of leaves it takes to cover them.
+/// Leaves are placed from front to back, and only where the image is still empty. The cost is therefore
+/// bounded by the number of pixels and by the number of leaves that cover them.
 ///
 /// # Errors
-/// When a parameter or the setting is out of its range, there is no reflectance, one is negative, or their grid is
-/// another.
+/// When a parameter or the setting is out of range, the list of reflectances is empty, or a reflectance is
+/// negative or on another grid.
 pub fn dead_leaves(
     leaves: &DeadLeaves,
     reflectances: &[Spectrum],
@@ -69,8 +69,13 @@ pub fn dead_leaves(
     check_reflectances(reflectances, setting.grid)?;
     check_size(rows, cols, setting.grid)?;
 
-    let law =
-        Law { size: [cols as f64, rows as f64], least, largest, kinds: reflectances.len() as u32, seed };
+    let law = LeafDistribution {
+        size: [cols as f64, rows as f64],
+        least,
+        largest,
+        kinds: reflectances.len() as u32,
+        seed,
+    };
     let mut bands: Vec<Band> =
         (0..rows).step_by(BAND).map(|first| Band::new(first, BAND.min(rows - first), cols)).collect();
     for batch in 0..law.batches() {
@@ -95,10 +100,10 @@ struct Leaf {
     spectrum: u32,
 }
 
-/// How leaves are drawn: only those that may reach the picture. The centre of such a leaf of radius r lies in a
-/// rectangle of (cols + 2r) × (rows + 2r), so radii have the density r⁻³ (cols + 2r)(rows + 2r), a sum of three powers
-/// of r.
-struct Law {
+/// The distribution of leaves that can reach the image. The centre of such a leaf of radius r lies in a
+/// rectangle of (cols + 2r) × (rows + 2r), so radii have the density r⁻³ (cols + 2r)(rows + 2r), a sum of
+/// three powers of r.
+struct LeafDistribution {
     size: [f64; 2],
     least: f64,
     largest: f64,
@@ -106,7 +111,7 @@ struct Law {
     seed: u64,
 }
 
-impl Law {
+impl LeafDistribution {
     /// Integrals of the three powers: r⁻³, r⁻² and r⁻¹.
     fn shares(&self) -> [f64; 3] {
         let ([cols, rows], a, b) = (self.size, self.least, self.largest);
@@ -117,10 +122,10 @@ impl Law {
         ]
     }
 
-    /// So many batches that a given pixel stays empty with a probability below e⁻⁴⁰; what is left then shows the
-    /// backdrop.
+    /// The number of batches after which a given pixel is still empty with a probability below e⁻⁴⁰. Pixels
+    /// that remain empty show the backdrop.
     fn batches(&self) -> u32 {
-        // A pixel is covered at the rate ∫ r⁻³ π r² dr.
+        // The rate at which a pixel is covered is ∫ r⁻³ π r² dr.
         let covering = std::f64::consts::PI * (self.largest / self.least).ln();
         let leaves = 40.0 * self.shares().iter().sum::<f64>() / covering;
         (leaves / f64::from(BATCH)).ceil().min(f64::from(u32::MAX / 2)) as u32
@@ -133,7 +138,7 @@ impl Law {
         let mut stream = Stream::new(self.seed, PURPOSE, batch);
         let leaf = |_| {
             let (pick, u) = (stream.uniform() * total, stream.uniform());
-            // The inverse of the cumulative distribution of each power.
+            // Inverse of the cumulative distribution of each power.
             let radius = if pick < shares[0] {
                 (a.powi(-2) + u * (b.powi(-2) - a.powi(-2))).sqrt().recip()
             } else if pick < shares[0] + shares[1] {
@@ -149,13 +154,14 @@ impl Law {
     }
 }
 
-/// Some rows of the picture while it fills.
+/// A band of rows while it is being filled.
 struct Band {
     first_row: usize,
     cols: usize,
-    /// What is still seen of each pixel, from 1 (empty) to 0.
+    /// Visible fraction of each pixel that is not yet covered, from 1 (empty) to 0.
     open: Vec<f32>,
-    /// For each pixel a column at or right of it, with nothing open between: one more per row ends the search.
+    /// For each pixel, a column at or to its right with no open pixel in between. One extra entry per row
+    /// ends the search.
     next: Vec<u32>,
     fragments: Vec<Vec<Fragment>>,
     empty: usize,
@@ -189,10 +195,10 @@ impl Band {
         }
     }
 
-    /// Lays a leaf into one row, from open pixel to open pixel.
+    /// Draws a leaf into one row, from open pixel to open pixel.
     fn paint_row(&mut self, leaf: &Leaf, row: usize) {
         let dy = (self.first_row + row) as f64 + 0.5 - leaf.y;
-        // Pixels whose centre is this far inside (outside) the circle are covered entirely (not at all).
+        // Pixels whose centre is this far inside (outside) the circle are covered completely (not at all).
         let half_chord = |radius: f64| (radius * radius - dy * dy).max(0.0).sqrt();
         let reach = half_chord(leaf.radius + FRAC_1_SQRT_2);
         let inside = if leaf.radius > FRAC_1_SQRT_2 { half_chord(leaf.radius - FRAC_1_SQRT_2) } else { 0.0 };
@@ -214,7 +220,7 @@ impl Band {
         let open = &mut self.open[row * self.cols + col];
         let behind = *open * (1.0 - cover);
         let full = behind < COVERED;
-        // What is left of an almost covered pixel goes to the leaf that covers it.
+        // The remainder of an almost covered pixel goes to the leaf that covers it.
         let weight = if full { *open } else { *open - behind };
         *open = if full { 0.0 } else { behind };
         self.fragments[row].push(Fragment { col: col as u32, spectrum, weight });
@@ -224,7 +230,8 @@ impl Band {
         }
     }
 
-    /// The first open column of a row from `col` on, or the number of columns. Shortens the way for the next search.
+    /// The first open column of a row from `col`, or the number of columns. It shortens the path of later
+    /// searches.
     fn next_open(&mut self, row: usize, col: usize) -> usize {
         let next = &mut self.next[row * (self.cols + 1)..(row + 1) * (self.cols + 1)];
         let mut found = col;
@@ -249,9 +256,9 @@ impl Band {
     }
 }
 
-/// The part of a pixel that a disc covers, from the position of the pixel's centre relative to that of the disc. The
-/// circle is taken as straight within the pixel, but moved inwards by the mean of its sagitta over a pixel, s²/2r
-/// from -1/2 to 1/2.
+/// The fraction of a pixel that a disc covers, from the position of the pixel's centre relative to that of
+/// the disc. Within the pixel the circle is approximated by a straight line, moved inwards by the mean
+/// sagitta, that is, the mean of s²/2r over s from -1/2 to 1/2.
 fn disc_cover(dx: f64, dy: f64, radius: f64) -> f32 {
     let distance = dx.hypot(dy);
     let depth = radius - distance - 1.0 / (24.0 * radius);
@@ -260,7 +267,7 @@ fn disc_cover(dx: f64, dy: f64, radius: f64) -> f32 {
     }
     let (nx, ny) = ((dx / distance).abs(), (dy / distance).abs());
     let (long, short) = (nx.max(ny), nx.min(ny));
-    // Seen along the normal the pixel is a trapezium: flat over `long - short`, sloping to `long + short`.
+    // Projected on the normal the pixel is a trapezium: flat over `long - short`, sloping to `long + short`.
     let (flat, full) = ((long - short) / 2.0, (long + short) / 2.0);
     let d = depth.abs();
     let beyond = if d >= full {
@@ -279,7 +286,7 @@ mod tests {
 
     #[test]
     fn cover_is_the_area_of_a_half_plane() {
-        // A huge disc is a half-plane; count points of a fine grid that lie in it.
+        // A huge disc is a half-plane; compare with a count of fine grid points inside it.
         let radius = 1e6;
         for (angle, depth) in [(0.0f64, 0.2f64), (0.3, -0.4), (0.785, 0.1), (1.2, 0.55), (1.57, -0.1)] {
             let (s, c) = angle.sin_cos();
@@ -306,7 +313,7 @@ mod tests {
 
     #[test]
     fn every_pixel_is_covered_once() {
-        let law = Law { size: [50.0, 40.0], least: 1.0, largest: 30.0, kinds: 3, seed: 5 };
+        let law = LeafDistribution { size: [50.0, 40.0], least: 1.0, largest: 30.0, kinds: 3, seed: 5 };
         let mut band = Band::new(0, 40, 50);
         (0..law.batches()).for_each(|b| band.paint(&law.batch(b)));
         assert_eq!(band.empty, 0);

@@ -1,11 +1,11 @@
-//! What can be wrong with a scene, or with the words that ask for one.
+//! Errors of scenes and of their specifications.
 
 use thiserror::Error;
 
 use crate::names::did_you_mean;
 use crate::spectrum::SpectrumError;
 
-/// What can be wrong with a scene.
+/// Errors of a scene.
 #[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]
 pub enum SceneError {
@@ -24,16 +24,16 @@ pub enum SceneError {
         "a scene of {rows} × {cols} pixels at {bands} wavelengths is too large; expected at most {limit} values"
     )]
     TooLarge {
-        /// Rows asked for.
+        /// Requested rows.
         rows: usize,
-        /// Columns asked for.
+        /// Requested columns.
         cols: usize,
         /// Wavelengths of the grid.
         bands: usize,
-        /// Most values that a scene may have.
+        /// Maximum number of values of a scene.
         limit: usize,
     },
-    /// The scene has no luminance, so no factor brings it to a chosen one.
+    /// The scene has no luminance, so it cannot be scaled to a given luminance.
     #[error(
         "the scene has no luminance on the grid {start_nm}–{end_nm} nm, so it cannot be scaled to a chosen one; expected light between 360 and 830 nm"
     )]
@@ -43,22 +43,22 @@ pub enum SceneError {
         /// Last wavelength of the scene.
         end_nm: f64,
     },
-    /// The scene cannot be relit: its light has (almost) no power where the new light has some.
+    /// The illuminant of a scene cannot be replaced: it has (almost) no power where the new one has some.
     #[error(
         "the scene's light has {fraction:.1e} of its maximum at {wavelength_nm} nm, so what the scene reflects there is unknown; expected a light with power wherever the new one has some"
     )]
     NoLightToDivideBy {
         /// The wavelength.
         wavelength_nm: f64,
-        /// The old light there, relative to its largest value.
+        /// Power of the old illuminant there, relative to its maximum.
         fraction: f64,
     },
-    /// The number of reflectances is not the one the pattern needs.
+    /// The number of reflectances does not suit the pattern.
     #[error("got {got} reflectances; expected {expected}")]
     Reflectances {
-        /// How many came.
+        /// Number given.
         got: usize,
-        /// How many are needed, in words.
+        /// Number needed, in words.
         expected: &'static str,
     },
     /// No built-in scene has this name.
@@ -66,7 +66,7 @@ pub enum SceneError {
     UnknownScene {
         /// The name.
         name: String,
-        /// The built-in name nearest to it, if one is near.
+        /// The closest built-in name, if there is one.
         suggestion: Option<&'static str>,
         /// All names, separated by commas.
         known: String,
@@ -81,39 +81,39 @@ pub enum SceneError {
         scene: &'static str,
         /// The name.
         name: String,
-        /// The parameter nearest to it, if one is near.
+        /// The closest parameter name, if there is one.
         suggestion: Option<&'static str>,
-        /// All its parameters, separated by commas.
+        /// All parameters of the scene, separated by commas.
         known: String,
     },
-    /// The value of a parameter cannot be read, or is out of its range.
+    /// The value of a parameter cannot be parsed or is out of range.
     #[error("{name}={value} for the scene '{scene}'; expected {expected}")]
     BadValue {
         /// The scene.
         scene: &'static str,
         /// The parameter.
         name: &'static str,
-        /// What was given.
+        /// The text given.
         value: String,
         /// What was expected.
         expected: &'static str,
     },
-    /// A piece of the specification is not `name=value`, or a parameter is given twice.
+    /// A part of the specification is not `name=value`, or a parameter is given twice.
     #[error("'{piece}' in the parameters of the scene '{scene}'; expected {expected}")]
     Syntax {
         /// The scene.
         scene: &'static str,
-        /// The piece.
+        /// The part.
         piece: String,
         /// What was expected.
         expected: &'static str,
     },
-    /// Spectral data do not fit.
+    /// Spectral data are invalid.
     #[error(transparent)]
     Spectrum(#[from] SpectrumError),
 }
 
-/// An error unless `ok`.
+/// Returns an error unless `ok`.
 pub(super) fn require(
     ok: bool,
     name: &'static str,

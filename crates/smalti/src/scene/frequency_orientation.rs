@@ -1,4 +1,4 @@
-//! Gratings of eight frequencies in eight directions.
+//! Gratings of several frequencies and orientations (ISETCam: eight of each).
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -6,19 +6,19 @@ use super::compose::{check_size, grey};
 use super::error::require;
 use super::{PatternSampling, Scene, SceneError, Setting};
 
-/// Square blocks, each with one sinusoidal grating: its frequency grows from left to right, its direction turns
-/// from top (bars horizontal) to bottom (bars vertical).
+/// Square blocks with one sinusoidal grating each. The frequency increases from left to right; the
+/// orientation changes from horizontal bars at the top to vertical bars at the bottom.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FrequencyOrientation {
     /// Rows and columns of a block in pixels, 2 to 4096.
     pub block_px: usize,
     /// Columns of blocks; column `j` (from 1) has `j` cycles per block. 1 to 64.
     pub frequencies: usize,
-    /// Rows of blocks, their directions evenly spaced over 0–90°. 1 to 64.
+    /// Rows of blocks, with orientations evenly spaced over 0–90°. 1 to 64.
     pub angles: usize,
     /// Contrast (Michelson), more than 0 and at most 1.
     pub contrast: f64,
-    /// `Isetcam`: points, at least 10⁻⁴. `Area`: the mean over each pixel.
+    /// `Isetcam`: point samples, clipped to at least 10⁻⁴. `Area`: the mean over each pixel.
     pub sampling: PatternSampling,
 }
 
@@ -29,11 +29,12 @@ impl Default for FrequencyOrientation {
     }
 }
 
-/// Draws the gratings: reflectance (1 + contrast · sin 2πj(x sin α + y cos α)) / 2, x and y counting from 0 at the
-/// first pixel of a block to 1 at its end. ISETCam lights it with equal photons at every wavelength.
+/// Draws the gratings: reflectance (1 + contrast · sin 2πj(x sin α + y cos α)) / 2, where x and y run from 0
+/// at the first pixel of a block to 1 at its end. ISETCam illuminates it with equal photons at every
+/// wavelength.
 ///
 /// # Errors
-/// When a parameter is out of its range, or the setting is.
+/// When a parameter or the setting is out of range.
 pub fn frequency_orientation(target: &FrequencyOrientation, setting: &Setting) -> Result<Scene, SceneError> {
     let FrequencyOrientation { block_px, frequencies, angles, contrast, sampling } = *target;
     require((2..=4096).contains(&block_px), "block_px", block_px as f64, "2 to 4096")?;
@@ -44,7 +45,7 @@ pub fn frequency_orientation(target: &FrequencyOrientation, setting: &Setting) -
     check_size(rows, cols, setting.grid)?;
     let block = block_px as f64;
     let angle = |i: usize| if angles > 1 { FRAC_PI_2 * i as f64 / (angles - 1) as f64 } else { 0.0 };
-    // The mean of a sinusoid over a pixel is its value in the middle times a sinc per direction.
+    // The mean of a sinusoid over a pixel is its value at the centre times one sinc per direction.
     let sinc = |f: f64| if f == 0.0 { 1.0 } else { (PI * f).sin() / (PI * f) };
     let (offset, least) = match sampling {
         PatternSampling::Isetcam => (0.0, 1e-4),

@@ -1,4 +1,4 @@
-//! A grating whose frequency grows to the right and whose contrast grows downwards ([campbell1968]).
+//! A grating whose frequency increases to the right and whose contrast increases downwards ([campbell1968]).
 //!
 //! [campbell1968]: https://doi.org/10.1113/jphysiol.1968.sp008574
 
@@ -9,7 +9,7 @@ use super::error::require;
 use super::quadrature::mean_over_pixel;
 use super::{Scene, SceneError, Setting};
 
-/// A chirp: frequency and contrast both change in equal ratios per pixel.
+/// A chirp whose frequency and contrast change geometrically from pixel to pixel.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FrequencySweep {
     /// Rows, 1 to 32768.
@@ -20,7 +20,7 @@ pub struct FrequencySweep {
     pub lowest: f64,
     /// Frequency at the right border, cycles per pixel, more than `lowest` and at most 2.
     pub highest: f64,
-    /// Contrast at the top, more than 0 and at most 1; that at the bottom is 1.
+    /// Contrast at the top, more than 0 and at most 1; the contrast at the bottom is 1.
     pub least_contrast: f64,
 }
 
@@ -30,10 +30,10 @@ impl Default for FrequencySweep {
     }
 }
 
-/// Draws the sweep; every pixel holds the mean over its width.
+/// Draws the sweep; every pixel contains the mean over its width.
 ///
 /// # Errors
-/// When a parameter is out of its range, or the setting is.
+/// When a parameter or the setting is out of range.
 pub fn frequency_sweep(sweep: &FrequencySweep, setting: &Setting) -> Result<Scene, SceneError> {
     let FrequencySweep { rows, cols, lowest, highest, least_contrast } = *sweep;
     require((1..=32768).contains(&rows), "rows", rows as f64, "1 to 32768")?;

@@ -1,9 +1,11 @@
-//! Glossy balls and lamps: highlights of the light's own colour on objects of any colour, and deep shade.
+//! Glossy balls and lamps: highlights in the colour of the illuminant on objects of any colour, and deep
+//! shade.
 //!
-//! A ball reflects light in two ways ([shafer1985]): in its body, by its reflectance and the cosine of the angle to the light, and at its
-//! surface, which leaves the light as it is (here after Blinn, a power of the cosine between the normal and half way from
-//! light to eye). Highlights are many times as bright as white. Lamps are even discs, brighter still. The backdrop is white
-//! paper, and patches of shade lie over all.
+//! A ball reflects light in two ways ([shafer1985]). Body reflection is the reflectance times the cosine of
+//! the angle of incidence. Surface reflection keeps the spectrum of the illuminant and follows Blinn: a power
+//! of the cosine between the normal and the bisector of the directions to light and eye. Highlights are many
+//! times as bright as white. Lamps are uniform discs that are brighter still. The backdrop is white paper,
+//! and patches of shade cover the whole scene.
 //!
 //! [shafer1985]: https://doi.org/10.1002/col.5080100409
 
@@ -16,43 +18,44 @@ use super::{Scene, SceneError, Setting};
 use crate::numeric::philox::Stream;
 use crate::spectrum::Spectrum;
 
-/// Separates the random numbers of this pattern from other uses of a seed.
+/// Separates the random numbers of this pattern from other uses of the seed.
 const PURPOSE: u32 = 0x676c_6f73;
 /// Samples per pixel in each direction.
 const SAMPLES: usize = 2;
-/// Balls, whatever the size: they cover the backdrop about once.
+/// Number of balls for any image size: they cover the backdrop about once.
 const BALLS: u32 = 220;
-/// Radii, as shares of the shorter side of the picture, in equal ratios.
+/// Smallest and largest radius, as fractions of the shorter side of the image; radii are spaced
+/// geometrically.
 const RADII: [f64; 2] = [0.012, 0.16];
-/// Of so many balls, one is a lamp.
+/// One ball in this many is a lamp.
 const LAMP_OF: u32 = 20;
-/// Luminance of lamps over that of white in full light.
+/// Luminance of lamps relative to fully lit white.
 const LAMP: f64 = 12.0;
 /// Reflectance of the backdrop.
 const PAPER: f64 = 0.85;
-/// Light on what faces away from the lamp that lights the scene.
+/// Illumination of surfaces that face away from the main light.
 const AMBIENT: f64 = 0.2;
-/// Direction to the light: right, down, towards the eye. Of length 1.
+/// Unit vector towards the light: right, down, towards the eye.
 const TO_LIGHT: [f64; 3] = [-0.48, -0.6, 0.64];
-/// Exponents of highlights, from satin to polish, and their brightness over white for an exponent of 1.
+/// Specular exponents, from satin to polish, and the brightness relative to white for an exponent of 1.
 const GLOSS: [f64; 3] = [15.0, 60.0, 250.0];
 const HIGHLIGHT: f64 = 0.1;
 
-/// Balls at random.
+/// Randomly placed balls.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct GlossyBalls {
     /// Rows, 8 to 16384.
     pub rows: usize,
     /// Columns, 8 to 16384.
     pub cols: usize,
-    /// Full light over the deepest shade, 1 to 10⁸.
+    /// Ratio of full light to the deepest shade, 1 to 10⁸.
     pub shade: f64,
-    /// Equal seeds give equal pictures.
+    /// Seed of the random numbers.
     pub seed: u64,
 }
 
 impl Default for GlossyBalls {
-    /// Shade of 1000:1.
+    /// A shade ratio of 1000:1.
     fn default() -> Self {
         Self { rows: 512, cols: 512, shade: 1000.0, seed: 1 }
     }
@@ -62,15 +65,16 @@ struct Ball {
     x: f64,
     y: f64,
     radius: f64,
-    /// `None`: a lamp.
+    /// `None` for a lamp.
     body: Option<u32>,
     gloss: f64,
 }
 
-/// Draws the balls, each with one of the `reflectances` (on the grid of the setting).
+/// Draws the balls, each with a random one of the `reflectances` (on the grid of the setting).
 ///
 /// # Errors
-/// When a parameter or the setting is out of its range, there is no reflectance, one is negative, or their grid is another.
+/// When a parameter or the setting is out of range, the list of reflectances is empty, or a reflectance is
+/// negative or on another grid.
 pub fn glossy_balls(
     pattern: &GlossyBalls,
     reflectances: &[Spectrum],
@@ -139,13 +143,13 @@ fn ball(index: u32, rows: usize, cols: usize, kinds: u32, seed: u64) -> Ball {
 }
 
 impl Ball {
-    /// Light that the body reflects for a reflectance of 1, and light that the surface does, where the ball is seen.
+    /// Body reflection for a reflectance of 1, and surface reflection, at a visible point of the ball.
     fn shine(&self, x: f64, y: f64) -> (f64, f64) {
         let (nx, ny) = ((x - self.x) / self.radius, (y - self.y) / self.radius);
         let nz = (1.0 - nx * nx - ny * ny).max(0.0).sqrt();
         let dot = |v: [f64; 3]| (v[0] * nx + v[1] * ny + v[2] * nz).max(0.0);
         let [lx, ly, lz] = TO_LIGHT;
-        // The eye is straight ahead.
+        // The viewing direction is along z.
         let length = (lx * lx + ly * ly + (lz + 1.0).powi(2)).sqrt();
         let half = [lx / length, ly / length, (lz + 1.0) / length];
         let diffuse = AMBIENT + (1.0 - AMBIENT) * dot(TO_LIGHT);
@@ -153,7 +157,7 @@ impl Ball {
     }
 }
 
-/// Shade, in equal ratios between the nodes of a lattice of four by four cells.
+/// Shade factors, interpolated geometrically between the nodes of a lattice of four by four cells.
 struct Shades {
     nodes: Vec<f64>,
     cell: [f64; 2],
@@ -165,7 +169,7 @@ impl Shades {
     fn new(rows: usize, cols: usize, shade: f64, seed: u64) -> Self {
         let side = Self::CELLS + 1;
         let node = |i: usize| {
-            // Half of the nodes stand in full light.
+            // Half of the nodes are in full light.
             let u = Stream::new(seed, PURPOSE + 1, i as u32).uniform();
             -(2.0 * u - 1.0).max(0.0) * shade.ln()
         };

@@ -1,4 +1,4 @@
-//! Smooth gradients: from colour to colour, and from light to shade.
+//! Smooth gradients of colour and of illumination.
 
 use rayon::prelude::*;
 
@@ -9,10 +9,11 @@ use super::{Scene, SceneError, Setting};
 use crate::numeric::philox::Stream;
 use crate::spectrum::Spectrum;
 
-/// Separates the random numbers of this pattern from other uses of a seed.
+/// Separates the random numbers of this pattern from other uses of the seed.
 const PURPOSE: u32 = 0x6772_6164;
 
-/// Colours at the nodes of a square lattice; between them reflectance runs linearly, and light in equal ratios.
+/// Colours at the nodes of a square lattice. Between nodes, reflectance is interpolated linearly and
+/// illumination geometrically.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Gradients {
     /// Rows, 1 to 32768.
@@ -21,25 +22,27 @@ pub struct Gradients {
     pub cols: usize,
     /// Distance between nodes in pixels, 2 to 32768.
     pub cell_px: usize,
-    /// Brightest light over darkest, 1 to 10⁸.
+    /// Ratio of the brightest to the darkest illumination, 1 to 10⁸.
     pub contrast_ratio: f64,
-    /// Whether all is white, so that only the light changes: paper with shades.
+    /// Whether every node is white, so that only the illumination varies.
     pub neutral: bool,
-    /// Equal seeds give equal pictures.
+    /// Seed of the random numbers.
     pub seed: u64,
 }
 
 impl Default for Gradients {
-    /// Cells of 64 pixels, light of 100:1.
+    /// Cells of 64 pixels and an illumination ratio of 100:1.
     fn default() -> Self {
         Self { rows: 512, cols: 512, cell_px: 64, contrast_ratio: 100.0, neutral: false, seed: 1 }
     }
 }
 
-/// Draws the gradients; a node has one of the `reflectances` (on the grid of the setting) and a light at random.
+/// Draws the gradients; a node has a random one of the `reflectances` (on the grid of the setting) and a
+/// random illumination.
 ///
 /// # Errors
-/// When a parameter or the setting is out of its range, there is no reflectance, one is negative, or their grid is another.
+/// When a parameter or the setting is out of range, the list of reflectances is empty, or a reflectance is
+/// negative or on another grid.
 pub fn gradients(
     pattern: &Gradients,
     reflectances: &[Spectrum],

@@ -1,10 +1,10 @@
-//! A wedge of grey steps, for tone curves and dynamic range.
+//! A grey step wedge, for tone curves and dynamic range.
 
 use super::compose::{check_size, grey};
 use super::error::require;
 use super::{Scene, SceneError, Setting};
 
-/// A wedge of grey bars from bright (left) to dark, in equal steps of optical density.
+/// Grey bars from bright (left) to dark, in equal steps of optical density.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct GreySteps {
     /// Number of bars, 2 to 4096.
@@ -27,7 +27,7 @@ impl Default for GreySteps {
 /// Draws the wedge.
 ///
 /// # Errors
-/// When a parameter is out of its range, or the setting is.
+/// When a parameter or the setting is out of range.
 pub fn grey_steps(wedge: &GreySteps, setting: &Setting) -> Result<Scene, SceneError> {
     let GreySteps { steps, step_px, rows, density } = *wedge;
     require((2..=4096).contains(&steps), "steps", steps as f64, "2 to 4096")?;

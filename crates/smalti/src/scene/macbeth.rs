@@ -1,22 +1,22 @@
 //! The ColorChecker ("Macbeth chart"): 24 matt patches in four rows of six.
 //!
-//! Patch `i` counts row by row from dark skin (top left) to black (bottom right); the last row is the grey series
-//! from white to black. Patches are squares that touch each other, without a frame, as in ISETCam's chart. Tables
-//! made with ISETCam often count column by column instead.
+//! Patches are numbered row by row from dark skin (top left) to black (bottom right); the last row is the
+//! grey series from white to black. They are adjacent squares without a frame, as in ISETCam's chart. Tables
+//! made with ISETCam often number the patches column by column instead.
 
 use super::compose::{Fragment, check_size, fragments, lit};
 use super::error::require;
 use super::{Scene, SceneError, Setting};
 use crate::numeric::Rect;
 use crate::spectrum::generated::COLORCHECKER;
-use crate::spectrum::{Outside, Spectrum, SpectrumError, WavelengthGrid};
+use crate::spectrum::{Extrapolation, Spectrum, SpectrumError, WavelengthGrid};
 
 /// Rows of patches.
 pub const ROWS: usize = 4;
 /// Columns of patches.
 pub const COLS: usize = 6;
 
-/// Where patch `index` lies in a chart with patches of `patch_px` pixels; `None` from 24 on.
+/// The position of patch `index` in a chart with patches of `patch_px` pixels; `None` from 24 on.
 #[must_use]
 pub fn patch_rect(index: usize, patch_px: usize) -> Option<Rect> {
     (index < ROWS * COLS).then(|| Rect {
@@ -27,12 +27,13 @@ pub fn patch_rect(index: usize, patch_px: usize) -> Option<Rect> {
     })
 }
 
-/// The reflectances of the 24 patches (average of 30 charts, 380–730 nm; held beyond), row by row from dark skin.
+/// The reflectances of the 24 patches (average of 30 charts, 380–730 nm; held constant beyond), row by row
+/// from dark skin.
 ///
 /// # Errors
 /// Never for a valid grid.
 pub fn reflectances(grid: WavelengthGrid) -> Result<Vec<Spectrum>, SceneError> {
-    (0..ROWS * COLS).map(|i| Ok(COLORCHECKER.spectrum(i, grid, Outside::Hold)?)).collect()
+    (0..ROWS * COLS).map(|i| Ok(COLORCHECKER.spectrum(i, grid, Extrapolation::Hold)?)).collect()
 }
 
 /// The chart, 4 × 6 patches of `patch_px` × `patch_px` pixels.
@@ -43,10 +44,10 @@ pub fn chart(patch_px: usize, setting: &Setting) -> Result<Scene, SceneError> {
     chart_of(&reflectances(setting.grid)?, patch_px, setting)
 }
 
-/// The chart with other reflectances: 24, row by row, on the grid of the setting.
+/// The chart with other reflectances: 24 of them, row by row, on the grid of the setting.
 ///
 /// # Errors
-/// As [`chart`], and when there are not 24 reflectances, one is negative, or their grid is another.
+/// As for [`chart`], and when there are not 24 reflectances, or one is negative or on another grid.
 pub fn chart_of(reflectances: &[Spectrum], patch_px: usize, setting: &Setting) -> Result<Scene, SceneError> {
     if reflectances.len() != ROWS * COLS {
         return Err(SceneError::Reflectances { got: reflectances.len(), expected: "24, row by row" });
@@ -66,7 +67,7 @@ pub fn chart_of(reflectances: &[Spectrum], patch_px: usize, setting: &Setting) -
     fragments("macbeth", cols, &painted, &lit(reflectances, &light)?, &light, setting)
 }
 
-/// An error when a reflectance is negative or on another grid.
+/// Fails when a reflectance is negative or on another grid.
 pub(super) fn check_reflectances(list: &[Spectrum], grid: WavelengthGrid) -> Result<(), SceneError> {
     for r in list {
         if r.grid() != grid {

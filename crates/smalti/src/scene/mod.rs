@@ -1,8 +1,8 @@
-//! What stands before the camera: spectral radiance with an absolute luminance, a distance and a field of view.
+//! Scenes: spectral radiance with an absolute luminance, a distance and a field of view.
 //!
-//! Charts and patterns are functions of their own parameters and a [`Setting`]: the light, the mean luminance, the
-//! distance and the field of view. Pixels hold the mean over their area, except where a pattern is sampled as
-//! ISETCam does it, so that both can be compared ([`PatternSampling`]).
+//! Charts and patterns are functions of their own parameters and a [`Setting`]: illuminant, mean luminance,
+//! distance and field of view. Pixels contain the mean over their area. [`PatternSampling`] offers ISETCam's
+//! point samples as an alternative, for comparisons.
 
 pub mod catalog;
 mod checkerboard;
@@ -48,10 +48,10 @@ pub use self::slanted_bar::{SlantedBar, slanted_bar};
 pub use self::uniform::uniform;
 pub use self::zone_plate::{ZonePlate, zone_plate, zone_plate_isetcam};
 
-/// How a pattern becomes pixels.
+/// Sampling of a pattern.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum PatternSampling {
-    /// Points, with ISETCam's rules for clipping and ties.
+    /// Point samples, with ISETCam's rules for clipping and ties.
     Isetcam,
     /// The mean over the area of each pixel.
     Area,

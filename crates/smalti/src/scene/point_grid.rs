@@ -1,4 +1,4 @@
-//! Bright points on black, to see the point spread over the field.
+//! Bright points on black, which show the point spread function over the field.
 
 use super::compose::{check_size, grey};
 use super::error::require;
@@ -25,7 +25,7 @@ impl Default for PointGrid {
 /// Draws the grid; the scene has `points * spacing_px` rows and columns.
 ///
 /// # Errors
-/// When a parameter is out of its range, or the setting is.
+/// When a parameter or the setting is out of range.
 pub fn point_grid(grid: &PointGrid, setting: &Setting) -> Result<Scene, SceneError> {
     let PointGrid { points, spacing_px, diameter_px } = *grid;
     require((1..=1024).contains(&points), "points", points as f64, "1 to 1024")?;

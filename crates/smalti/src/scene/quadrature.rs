@@ -1,7 +1,8 @@
 //! Means over the width of a pixel.
 
-/// Mean of `f` over `i..i+1` by two panels of five-point Gauss-Legendre quadrature; for a wave of two cycles per
-/// pixel, the highest that charts have, the error is below 10⁻⁴, for one of half a cycle below 10⁻¹⁰.
+/// Mean of `f` over `i..i+1` by two panels of five-point Gauss-Legendre quadrature. For a wave of two cycles
+/// per pixel, the highest frequency of the charts, the error is below 10⁻⁴; for half a cycle it is below
+/// 10⁻¹⁰.
 pub(super) fn mean_over_pixel(i: usize, f: impl Fn(f64) -> f64) -> f64 {
     let root = 2.0 * (10.0f64 / 7.0).sqrt();
     let (near, far) = ((5.0 - root).sqrt() / 3.0, (5.0 + root).sqrt() / 3.0);

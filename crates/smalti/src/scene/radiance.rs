@@ -6,13 +6,15 @@ use super::SceneError;
 use super::error::require;
 use super::setting::{require_distance, require_fov, require_luminance};
 use crate::numeric::Planes;
-use crate::spectrum::{Illuminant, Observer, Outside, SpectralCube, Spectrum, SpectrumError, WavelengthGrid};
+use crate::spectrum::{
+    Extrapolation, Illuminant, Observer, SpectralCube, Spectrum, SpectrumError, WavelengthGrid,
+};
 
-/// Below this fraction of its largest value a light is taken to be absent when a scene is relit: what is
-/// divided out there would be rounding, not reflectance.
+/// Below this fraction of its maximum, an illuminant counts as absent when a scene is relit. The division
+/// would recover rounding errors there, not reflectance.
 const NO_LIGHT: f64 = 1e-6;
 
-/// Spectral radiance of a plane that faces the camera.
+/// Spectral radiance of a plane that is perpendicular to the optical axis.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Scene {
     name: String,
@@ -23,8 +25,8 @@ pub struct Scene {
 }
 
 impl Scene {
-    /// A scene from its parts. `radiance` and `illuminant` (the radiance of a perfect white diffuser under the
-    /// scene's light) are photons s⁻¹ m⁻² sr⁻¹ nm⁻¹ on one grid.
+    /// A scene from its parts. `radiance` and `illuminant` (the radiance of a perfect white diffuser in the
+    /// scene) are in photons s⁻¹ m⁻² sr⁻¹ nm⁻¹ on the same grid.
     ///
     /// # Errors
     /// When the grids differ, the distance is not positive, or the field of view is not within 0–180°.
@@ -45,19 +47,19 @@ impl Scene {
         Ok(Self { name: name.into(), radiance, illuminant, distance_m, horizontal_fov_deg })
     }
 
-    /// What it is called.
+    /// Its name.
     #[must_use]
     pub fn name(&self) -> &str {
         &self.name
     }
 
-    /// Photons s⁻¹ m⁻² sr⁻¹ nm⁻¹.
+    /// Spectral radiance, photons s⁻¹ m⁻² sr⁻¹ nm⁻¹.
     #[must_use]
     pub fn radiance(&self) -> &SpectralCube {
         &self.radiance
     }
 
-    /// Radiance of a perfect white diffuser under the scene's light, photons s⁻¹ m⁻² sr⁻¹ nm⁻¹.
+    /// Radiance of a perfect white diffuser under the scene's illuminant, photons s⁻¹ m⁻² sr⁻¹ nm⁻¹.
     #[must_use]
     pub fn illuminant(&self) -> &Spectrum {
         &self.illuminant
@@ -87,7 +89,8 @@ impl Scene {
     /// Tristimulus values of every pixel as three planes X, Y, Z (CIE 1931), absolute: Y in cd/m².
     ///
     /// # Errors
-    /// Never for a valid scene.
+    /// Tristimulus values of every pixel as three planes X, Y, Z (CIE 1931). They are absolute: Y is in
+    /// cd/m².
     pub fn xyz(&self) -> Result<Planes, SceneError> {
         Ok(Observer::Cie1931.xyz_planes_from_photons(&self.radiance)?)
     }
@@ -112,7 +115,7 @@ impl Scene {
         Ok(out)
     }
 
-    /// The scene with all radiance, and its light, multiplied so that the mean luminance is as asked, cd/m².
+    /// The scene with its radiance and its illuminant scaled to a mean luminance, cd/m².
     ///
     /// # Errors
     /// When the luminance is not within 0–10¹² cd/m², or the scene has none.
@@ -124,12 +127,13 @@ impl Scene {
         self.multiplied(&factors, illuminant)
     }
 
-    /// The scene under another light: its radiance is divided by the old light and multiplied by the new one,
-    /// wavelength by wavelength. The mean luminance stays, as with ISETCam's `sceneAdjustIlluminant`, since
-    /// the power of an [`Illuminant`] is relative; [`Scene::with_mean_luminance`] sets another.
+    /// The scene under another illuminant: its radiance is divided by the old illuminant and multiplied by
+    /// the new one, wavelength by wavelength. Since the power of an [`Illuminant`] is relative, the mean
+    /// luminance is kept, as in ISETCam's `sceneAdjustIlluminant`; [`Scene::with_mean_luminance`] sets
+    /// another.
     ///
     /// # Errors
-    /// When the old light has less than 10⁻⁶ of its maximum at a wavelength where the new one has power,
+    /// When the old illuminant has less than 10⁻⁶ of its maximum at a wavelength where the new one has power,
     /// when the new one does not cover the grid, or when the result has no luminance.
     pub fn relit(self, illuminant: &Illuminant) -> Result<Self, SceneError> {
         let grid = self.radiance.grid();
@@ -155,12 +159,12 @@ impl Scene {
         self.multiplied(&factors, new.scaled(scale))
     }
 
-    /// The scene on other wavelengths, radiance and light linear between the samples.
+    /// The scene on another wavelength grid; radiance and illuminant are interpolated linearly.
     ///
     /// # Errors
-    /// When the new grid reaches beyond the old one.
+    /// When the new grid extends beyond the old one.
     pub fn resampled(self, grid: WavelengthGrid) -> Result<Self, SceneError> {
-        let illuminant = self.illuminant.resampled(grid, Outside::Error)?;
+        let illuminant = self.illuminant.resampled(grid, Extrapolation::Error)?;
         let own = self.radiance.grid();
         let planes = self.radiance.planes();
         let mut out = Planes::zeros(planes.rows(), planes.cols(), grid.len());
@@ -174,7 +178,8 @@ impl Scene {
         Ok(Self { radiance: SpectralCube::new(grid, out)?, illuminant, ..self })
     }
 
-    /// The scene at another distance, m. Its angular size stays, so it grows with the distance.
+    /// The scene at another distance, m. The field of view stays the same, so the size on the scene plane
+    /// scales with the distance.
     ///
     /// # Errors
     /// When the distance is not positive.
@@ -192,11 +197,11 @@ impl Scene {
         Ok(Self { horizontal_fov_deg, ..self })
     }
 
-    /// The part of `rows` × `cols` pixels from `row`, `col` on. Pixels keep their size on the scene plane, so the
-    /// field of view shrinks; the mean luminance becomes that of the part.
+    /// The part of `rows` × `cols` pixels from `row`, `col`. Pixels keep their size on the scene plane, so
+    /// the field of view shrinks. The mean luminance becomes that of the part.
     ///
     /// # Errors
-    /// When the part is empty or reaches beyond the scene.
+    /// When the part is empty or extends beyond the scene.
     pub fn cropped(self, row: usize, col: usize, rows: usize, cols: usize) -> Result<Self, SceneError> {
         let (all_rows, all_cols) = (self.radiance.rows(), self.radiance.cols());
         let fits = |from: usize, count: usize, all: usize| count > 0 && from <= all && count <= all - from;
@@ -215,7 +220,7 @@ impl Scene {
         Ok(Self { radiance, horizontal_fov_deg, ..self })
     }
 
-    /// Mean of every plane. Each sum runs in order, so it does not depend on the number of threads.
+    /// Mean of every plane. Each sum runs in a fixed order, so it does not depend on the number of threads.
     fn plane_means(&self) -> Vec<f64> {
         let planes: Vec<&[f32]> = self.radiance.planes().planes().collect();
         planes
@@ -233,13 +238,13 @@ impl Scene {
         }
     }
 
-    /// Each plane times its factor, and the light replaced.
+    /// Each plane multiplied by its factor, with a new illuminant.
     fn multiplied(self, factors: &[f64], illuminant: Spectrum) -> Result<Self, SceneError> {
         let grid = self.radiance.grid();
         let mut planes = self.radiance.into_planes();
         let len = planes.plane_len().max(1);
         planes.data_mut().par_chunks_mut(len).zip(factors).for_each(|(plane, &factor)| {
-            // The product is rounded once, so that going there and back loses no more than it must.
+            // A single rounding limits the loss when a change is undone later.
             plane.iter_mut().for_each(|v| *v = (f64::from(*v) * factor) as f32);
         });
         Ok(Self { radiance: SpectralCube::new(grid, planes)?, illuminant, ..self })

@@ -1,6 +1,7 @@
-//! Polygons drawn with the exact area they cover of each pixel.
+//! Polygon rasterisation with exact area coverage of each pixel.
 
-/// Grey values of an image, pixel `(r, c)` covering `c..c+1` × `r..r+1` in the coordinates (x, y) of the shapes.
+/// Grey values of an image. Pixel `(r, c)` covers `c..c+1` × `r..r+1` in the (x, y) coordinates of the
+/// shapes.
 #[derive(Debug, Clone)]
 pub(super) struct Canvas {
     rows: usize,
@@ -8,11 +9,11 @@ pub(super) struct Canvas {
     values: Vec<f32>,
 }
 
-/// A closed polygon, its corners (x, y) in order.
+/// A closed polygon: its corners (x, y) in order.
 pub(super) type Contour = Vec<[f64; 2]>;
 
 impl Canvas {
-    /// A canvas of one value.
+    /// A uniform canvas.
     pub(super) fn new(rows: usize, cols: usize, value: f32) -> Self {
         Self { rows, cols, values: vec![value; rows * cols] }
     }
@@ -22,8 +23,8 @@ impl Canvas {
         &self.values
     }
 
-    /// Paints what the contours enclose. Contours may touch and may lie in each other as holes (drawn in the
-    /// opposite direction), but may not overlap otherwise.
+    /// Fills the inside of the contours. Contours may touch, and a contour of the opposite direction inside
+    /// another is a hole. Other overlaps are not allowed.
     pub(super) fn fill(&mut self, contours: &[Contour], value: f32) {
         let points = || contours.iter().flatten();
         if !points().all(|p| p[0].is_finite() && p[1].is_finite()) {
@@ -39,7 +40,7 @@ impl Canvas {
             return;
         }
         let width = right - left;
-        // One column more takes what lies right of an edge in the last pixel.
+        // One extra column holds the area to the right of an edge in the last pixel.
         let mut change = vec![0.0f64; (width + 1) * (bottom - top)];
         for contour in contours {
             for (i, &a) in contour.iter().enumerate() {
@@ -64,8 +65,8 @@ impl Canvas {
     }
 }
 
-/// Adds an edge to the changes of coverage from pixel to pixel: the sum along a row up to a pixel is the signed area
-/// of that pixel that lies right of the edges.
+/// Adds an edge to the coverage differences between pixels. Their sum along a row up to a pixel is the signed
+/// area of that pixel to the right of the edges.
 fn add_edge(change: &mut [f64], width: usize, a: [f64; 2], b: [f64; 2]) {
     let (sign, a, b) = if a[1] <= b[1] { (1.0, a, b) } else { (-1.0, b, a) };
     let rows = change.len() / (width + 1);
@@ -82,7 +83,7 @@ fn add_edge(change: &mut [f64], width: usize, a: [f64; 2], b: [f64; 2]) {
     }
 }
 
-/// The piece of an edge in one row, from `x0` to `x1 >= x0`, of the signed height `height`.
+/// The part of an edge within one row, from `x0` to `x1 >= x0`, with the signed height `height`.
 fn add_piece(line: &mut [f64], x0: f64, x1: f64, height: f64) {
     let width = line.len() - 1;
     let share = |from: f64, to: f64| if x1 > x0 { (to - from) / (x1 - x0) } else { 1.0 };
@@ -107,7 +108,7 @@ fn add_piece(line: &mut [f64], x0: f64, x1: f64, height: f64) {
     }
 }
 
-/// A rectangle with the sides `width`, `height` about `centre`, turned by `angle_rad` from x to y.
+/// A rectangle of `width` × `height` about `centre`, rotated by `angle_rad` from x to y.
 pub(super) fn rectangle(centre: [f64; 2], width: f64, height: f64, angle_rad: f64) -> Contour {
     let (s, c) = angle_rad.sin_cos();
     [(-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5)]
@@ -118,7 +119,7 @@ pub(super) fn rectangle(centre: [f64; 2], width: f64, height: f64, angle_rad: f6
         .to_vec()
 }
 
-/// A sector of a ring about `centre` between two radii and two angles, rad.
+/// A sector of an annulus about `centre` between two radii and two angles, rad.
 pub(super) fn sector(centre: [f64; 2], radii: [f64; 2], angles_rad: [f64; 2]) -> Contour {
     let arc = |radius: f64, from: f64, to: f64| {
         let n = arc_pieces(radius, (to - from).abs());
@@ -131,7 +132,7 @@ pub(super) fn sector(centre: [f64; 2], radii: [f64; 2], angles_rad: [f64; 2]) ->
     arc(radii[1], from, to).chain(arc(radii[0], to, from)).collect()
 }
 
-/// A disc, as a regular polygon.
+/// A disc, approximated by a regular polygon.
 pub(super) fn disc(centre: [f64; 2], radius: f64) -> Contour {
     let turn = std::f64::consts::TAU;
     let n = arc_pieces(radius, turn);
@@ -148,7 +149,7 @@ pub(super) fn ring(centre: [f64; 2], inner: f64, outer: f64) -> [Contour; 2] {
     [disc(centre, outer), hole]
 }
 
-/// Pieces of an arc that leave at most 0.002 pixels between chord and arc.
+/// Number of segments for which the distance between chord and arc is at most 0.002 pixels.
 fn arc_pieces(radius: f64, angle_rad: f64) -> usize {
     let step = (8.0 * 0.002 / radius.max(0.01)).sqrt().min(0.5);
     ((angle_rad / step).ceil() as usize).clamp(1, 1 << 14)
@@ -167,7 +168,7 @@ mod tests {
 
     #[test]
     fn covers_the_area_of_the_shape() {
-        // Values are single precision, so areas agree to about 1e-6 of the number of pixels touched.
+        // Values are in single precision, so areas agree to about 1e-6 of the number of pixels covered.
         let turned = rectangle([10.3, 9.8], 7.0, 4.5, 0.3);
         assert!((area(20, 20, &[turned]) - 31.5).abs() < 1e-4);
         let circle = disc([10.2, 10.1], 6.0);

@@ -1,5 +1,7 @@
 //! What every built-in scene is given: its light, its luminance and where it stands.
 
+use serde::Serialize;
+
 use super::SceneError;
 use super::error::require;
 use crate::spectrum::{Illuminant, Spectrum, WavelengthGrid};
@@ -8,7 +10,7 @@ use crate::spectrum::{Illuminant, Spectrum, WavelengthGrid};
 ///
 /// The defaults are those with which ISETCam creates its charts: a mean luminance of 100 cd/m² (a well-lit
 /// office), 1.2 m away, 10° wide, D65 on 400–700 nm in steps of 10.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Setting {
     /// Mean luminance over all pixels, cd/m² (CIE 1931), more than 0 and at most 10¹².
     pub luminance_cd_m2: f64,

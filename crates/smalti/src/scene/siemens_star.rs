@@ -1,4 +1,4 @@
-//! The Siemens star: frequency grows towards the centre, in every direction.
+//! The Siemens star: its frequency increases towards the centre in every direction.
 
 use std::f64::consts::TAU;
 
@@ -7,14 +7,14 @@ use super::error::require;
 use super::raster::{Canvas, disc, sector};
 use super::{Scene, SceneError, Setting};
 
-/// Dark spokes on white. At the radius r (pixels) the frequency is `cycles / (2π r)` cycles per pixel.
+/// Dark spokes on white. At a radius r (pixels) the frequency is `cycles / (2π r)` cycles per pixel.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SiemensStar {
     /// Rows and columns, 8 to 32768.
     pub size: usize,
     /// Dark spokes, 2 to 1024.
     pub cycles: usize,
-    /// Luminance of white over that of the spokes, more than 1.
+    /// Luminance ratio of white to the spokes, more than 1.
     pub contrast_ratio: f64,
 }
 
@@ -25,11 +25,11 @@ impl Default for SiemensStar {
     }
 }
 
-/// Draws the star, every pixel with its exact mean. Its radius is 0.47 of the size; a white disc of a fiftieth of
-/// that, with a dark dot, marks the centre.
+/// Draws the star; every pixel contains its exact mean. The radius of the star is 0.47 of the size. A white
+/// disc of a fiftieth of that radius, with a dark dot, marks the centre.
 ///
 /// # Errors
-/// When a parameter is out of its range, or the setting is.
+/// When a parameter or the setting is out of range.
 pub fn siemens_star(star: &SiemensStar, setting: &Setting) -> Result<Scene, SceneError> {
     let SiemensStar { size, cycles, contrast_ratio } = *star;
     require((8..=32768).contains(&size), "size", size as f64, "8 to 32768")?;

@@ -5,17 +5,18 @@ use super::error::require;
 use super::raster::Canvas;
 use super::{PatternSampling, Scene, SceneError, Setting};
 
-/// A straight edge through the centre; left of it, seen along a positive slope, is the bright half.
+/// A straight edge through the centre. With a positive slope, the half to its left is bright.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SlantedBar {
-    /// Size; the scene has `2 * round(size / 2) + 1` rows and columns, so that the edge runs through the middle of a
-    /// pixel. 1 to 32768.
+    /// Size, 1 to 32768. The scene has `2 * round(size / 2) + 1` rows and columns, so that the edge passes
+    /// through the centre of a pixel.
     pub size: usize,
     /// Slope of the edge, rows per column, not 0; the edge is `atan(1 / slope)` from the vertical.
     pub slope: f64,
-    /// Luminance of the bright half over that of the dark half, more than 1.
+    /// Luminance ratio of the bright half to the dark half, more than 1.
     pub contrast_ratio: f64,
-    /// `Isetcam`: a pixel is bright when its centre is strictly on the bright side. `Area`: it holds the mean.
+    /// `Isetcam`: a pixel is bright when its centre is strictly on the bright side. `Area`: a pixel contains
+    /// the mean.
     pub sampling: PatternSampling,
 }
 
@@ -27,7 +28,7 @@ impl Default for SlantedBar {
 }
 
 impl SlantedBar {
-    /// The slope of an edge so many degrees from the vertical.
+    /// The slope of an edge at an angle of `angle_deg` degrees from the vertical.
     #[must_use]
     pub fn slope_of_angle(angle_deg: f64) -> f64 {
         1.0 / angle_deg.to_radians().tan()
@@ -36,12 +37,12 @@ impl SlantedBar {
 
 /// Draws the edge.
 ///
-/// The inclusion rule of [`PatternSampling::Isetcam`] is that of ISETCam in exact arithmetic: with Y the row and X the
-/// column counted from the central pixel, bright where Y > slope·X. ISETCam compares in single precision, so a
-/// few pixels whose centres lie on the edge itself differ.
+/// [`PatternSampling::Isetcam`] applies ISETCam's rule in exact arithmetic: with the row Y and the column X
+/// counted from the central pixel, a pixel is bright where Y > slope·X. ISETCam compares in single precision,
+/// so a few pixels whose centres lie on the edge itself differ.
 ///
 /// # Errors
-/// When a parameter is out of its range, or the setting is.
+/// When a parameter or the setting is out of range.
 pub fn slanted_bar(bar: &SlantedBar, setting: &Setting) -> Result<Scene, SceneError> {
     let SlantedBar { size, slope, contrast_ratio, sampling } = *bar;
     require((1..=32768).contains(&size), "size", size as f64, "1 to 32768")?;
@@ -60,11 +61,11 @@ pub fn slanted_bar(bar: &SlantedBar, setting: &Setting) -> Result<Scene, SceneEr
         }
         PatternSampling::Area => {
             let mut canvas = Canvas::new(n, n, dark);
-            // The bright half-plane is bounded by the edge and by a box beyond the image.
+            // The edge and a box beyond the image bound the bright half-plane.
             let (middle, reach) = (n as f64 / 2.0, 2.0 * n as f64);
             let length = slope.hypot(1.0);
             let along = [reach / length, reach * slope / length];
-            // Towards larger Y - slope * X.
+            // The normal points towards larger Y - slope * X.
             let across = [-along[1], along[0]];
             let corner = |u: f64, v: f64| {
                 [middle + u * along[0] + v * across[0], middle + u * along[1] + v * across[1]]

@@ -1,4 +1,4 @@
-//! The circular zone plate: every frequency in every direction, to make aliasing visible.
+//! The circular zone plate: every frequency in every direction, which makes aliasing visible.
 
 use std::f64::consts::{PI, TAU};
 
@@ -7,21 +7,21 @@ use super::error::require;
 use super::quadrature::mean_over_pixel;
 use super::{Scene, SceneError, Setting};
 
-/// A circular zone plate, reflectance (1 + contrast · cos φ) / 2 with a phase φ that grows as the square of the
-/// distance from the centre; every pixel holds the mean over its area.
+/// A circular zone plate with the reflectance (1 + contrast · cos φ) / 2. The phase φ is proportional to the
+/// square of the distance from the centre. Every pixel contains the mean over its area.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ZonePlate {
     /// Rows and columns, 1 to 32768.
     pub size: usize,
-    /// Frequency at the middle of each side, cycles per pixel of the scene, more than 0 and at most 2. In the corners
-    /// it is √2 times as high.
+    /// Frequency at the middle of each side, cycles per pixel of the scene, more than 0 and at most 2. In the
+    /// corners it is √2 times as high.
     pub frequency: f64,
     /// Contrast (Michelson), more than 0 and at most 1.
     pub contrast: f64,
 }
 
 impl Default for ZonePlate {
-    /// 384 × 384 pixels, as ISETCam's, up to half a cycle per pixel.
+    /// 384 × 384 pixels, up to half a cycle per pixel, as in ISETCam.
     fn default() -> Self {
         Self { size: 384, frequency: 0.5, contrast: 1.0 }
     }
@@ -30,7 +30,7 @@ impl Default for ZonePlate {
 /// Draws the zone plate.
 ///
 /// # Errors
-/// When a parameter is out of its range, or the setting is.
+/// When a parameter or the setting is out of range.
 pub fn zone_plate(plate: &ZonePlate, setting: &Setting) -> Result<Scene, SceneError> {
     let ZonePlate { size, frequency, contrast } = *plate;
     require((1..=32768).contains(&size), "size", size as f64, "1 to 32768")?;
@@ -40,7 +40,7 @@ pub fn zone_plate(plate: &ZonePlate, setting: &Setting) -> Result<Scene, SceneEr
     let middle = size as f64 / 2.0;
     // The frequency in cycles per pixel is the derivative of φ / 2π, so φ = π f r² / middle.
     let phase = |x: f64| PI * frequency * (x - middle).powi(2) / middle;
-    // exp(iφ) is a product of a function of x and one of y, so its mean over a pixel is one too.
+    // exp(iφ) is the product of a function of x and one of y, and so is its mean over a pixel.
     let cos: Vec<f64> = (0..size).map(|i| mean_over_pixel(i, |x| phase(x).cos())).collect();
     let sin: Vec<f64> = (0..size).map(|i| mean_over_pixel(i, |x| phase(x).sin())).collect();
     let mut reflectance = Vec::with_capacity(size * size);
@@ -51,9 +51,9 @@ pub fn zone_plate(plate: &ZonePlate, setting: &Setting) -> Result<Scene, SceneEr
     grey("zone-plate", size, size, &reflectance, setting)
 }
 
-/// The zone plate of ISETCam's `sceneCreate('zonePlate')`: 384 × 384 point samples of 1 + cos(π r² / 384), clipped to
-/// 10⁻⁴–1. The clipping flattens the bright half of every ring and adds overtones; it is here for comparisons.
-/// ISETCam lights it with equal photons at every wavelength.
+/// The zone plate of ISETCam's `sceneCreate('zonePlate')`, for comparisons: 384 × 384 point samples of 1 +
+/// cos(π r² / 384), clipped to 10⁻⁴–1. The clipping flattens the bright half of every ring and adds
+/// harmonics. ISETCam illuminates it with equal photons at every wavelength.
 ///
 /// # Errors
 /// When the setting is out of range.

@@ -1,13 +1,13 @@
-//! From volts to digital numbers.
+//! Analog-to-digital conversion.
 
 use super::SensorError;
 
 /// The analog-to-digital converter.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Adc {
-    /// Bits, 1–16; 0 for none, the samples being volts.
+    /// Bits, 1–16; 0 for no converter, in which case samples are volts.
     pub bits: u32,
-    /// Digital number of zero volts, so that noise below zero survives. 0 without a converter.
+    /// Digital number of zero volts. A positive value preserves noise below zero. 0 without a converter.
     pub black_level_dn: f64,
 }
 
@@ -15,7 +15,7 @@ impl Adc {
     /// Checks every field.
     ///
     /// # Errors
-    /// When there are more than 16 bits, or the black level takes more than nine tenths of the range.
+    /// When there are more than 16 bits, or the black level exceeds nine tenths of the range.
     pub fn validate(&self) -> Result<(), SensorError> {
         if self.bits > 16 {
             return Err(SensorError::AdcBits { bits: self.bits });
@@ -25,18 +25,24 @@ impl Adc {
         if fits { Ok(()) } else { Err(SensorError::BlackLevel { value: self.black_level_dn, limit }) }
     }
 
-    /// 2^bits.
+    /// Number of levels, 2^bits.
     #[must_use]
     pub fn levels(&self) -> f64 {
         f64::from(self.bits.min(16)).exp2()
     }
 
-    /// Digital number (not rounded, not clipped) of a voltage, where `swing_v` spans the converter:
-    /// `v / swing · 2^bits + black level`. Samples are this, rounded, within 0 to 2^bits − 1.
+    /// Digital number of a voltage, neither rounded nor clipped: `v / swing · 2^bits + black level`, where
+    /// `swing_v` is the range of the converter. Samples are this value, rounded and clipped to 0 to 2^bits −
+    /// 1.
     ///
-    /// ISETCam does not clip, so its full scale is 2^bits, a number the converter does not have.
+    /// ISETCam does not clip, so its full scale is 2^bits, which is not a code of the converter.
     #[must_use]
     pub fn number(&self, volts: f64, swing_v: f64) -> f64 {
         volts / swing_v * self.levels() + self.black_level_dn
+    }
+
+    /// The voltage of a digital number: the inverse of [`Adc::number`].
+    pub(crate) fn volts(&self, number: f64, swing_v: f64) -> f64 {
+        (number - self.black_level_dn) * swing_v / self.levels()
     }
 }

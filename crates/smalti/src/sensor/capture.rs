@@ -1,35 +1,22 @@
-//! The capture: light gathered, read out and converted, in bands of rows that any thread may take.
+//! The capture: light collection, read-out and conversion, in bands of rows that are independent tasks.
 
 use std::sync::Arc;
 
 use rayon::prelude::*;
 
 use super::collect::{Collector, Rates};
-use super::pixel_spectra::{Filtered, PixelSpectra};
+use super::pixel_spectra::{FilteredLight, PixelSpectra};
 use super::readout::Readout;
-use super::{ColorArchitecture, Exposure, RawImage, RawSamples, Sensor, SensorError};
+use super::{ColorArchitecture, Exposure, NoiseMode, RawImage, RawSamples, Sensor, SensorError};
 use crate::numeric::Planes;
 use crate::numeric::poisson::LANES;
 use crate::numeric::simd::{Kernel, dispatch};
 use crate::optics::OpticalImage;
 
-/// Which noise a capture has.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum NoiseMode {
-    /// None: what light alone gives on a perfect device, without dark signal and fixed pattern; saturation and
-    /// quantisation as in the real thing. ISETCam's noise-free volts.
-    None,
-    /// Photon shot noise, and nothing else that [`NoiseMode::None`] has not.
-    PhotonOnly,
-    /// Everything.
-    #[default]
-    All,
-}
-
-/// What falls on a sensor.
+/// The light on a sensor.
 #[derive(Debug, Clone, Copy)]
 pub enum Light<'a> {
-    /// Irradiance, to be integrated over wavelength and photodetectors.
+    /// Spectral irradiance, to be integrated over wavelength and photodetectors.
     Image(&'a OpticalImage),
     /// Photons on the photodetectors, to be integrated over wavelength.
     Pixels(&'a PixelSpectra),
@@ -53,59 +40,61 @@ impl<'a> From<&'a PixelSpectra> for Light<'a> {
     }
 }
 
-/// Rows that one task takes. Fixed: results do not depend on it, but scratch is per band.
+/// Rows per task. Results do not depend on it, but each band has its own scratch memory.
 const BAND: usize = 16;
 
 impl Sensor {
-    /// Mean photoelectrons of every pixel: light alone, after crosstalk, without limit by the well. One plane for
-    /// a mosaic, one per channel otherwise, each exposed for `time_s`.
-    pub(super) fn electrons(&self, image: &OpticalImage, time_s: f64) -> Result<Planes, SensorError> {
-        let (collector, w) = (Collector::new(self, image)?, self.read_window());
+    /// Mean photoelectrons of every pixel from light alone: after crosstalk, without saturation of the well.
+    /// One plane for a mosaic, otherwise one per channel, each exposed for `time_s`.
+    pub(super) fn electrons(&self, light: Light<'_>, time_s: f64) -> Result<Planes, SensorError> {
+        match light {
+            Light::Image(image) => Ok(self.electrons_from(&Collector::new(self, image)?, time_s)),
+            Light::Pixels(pixels) => Ok(self.electrons_from(&FilteredLight::new(self, pixels)?, time_s)),
+        }
+    }
+
+    fn electrons_from(&self, rates: &impl Rates, time_s: f64) -> Planes {
+        let w = self.read_window();
         let planes = self.sampling().planes();
         let mut out = Planes::zeros(w.rows, w.cols, planes);
         let time = time_s as f32;
         for plane in 0..planes {
             let bands = out.plane_mut(plane).par_chunks_mut(BAND * w.cols).enumerate();
             bands.for_each(|(b, rows)| {
-                dispatch(LightBand {
-                    sensor: self,
-                    rates: &collector,
-                    plane,
-                    first_row: b * BAND,
-                    out: rows,
-                });
+                dispatch(LightBand { sensor: self, rates, plane, first_row: b * BAND, out: rows });
                 rows.iter_mut().for_each(|e| *e *= time);
             });
         }
-        Ok(out)
+        out
     }
 
-    /// Volts at the converter without noise: light alone, after full well, analog gain and offset and clipping to
-    /// the swing. One plane for a mosaic, one per channel (in the order of the CFA) otherwise; the size is that of
-    /// the window. Pixels that lie beyond the optical image see no light.
+    /// Noise-free volts at the converter, from light alone: after full well, analog gain and offset, and
+    /// clipping to the swing. One plane for a mosaic, otherwise one per channel in the order of the CFA; the
+    /// size is that of the window. Pixels outside the optical image receive no light.
     ///
     /// # Errors
-    /// When sensor or exposure are impossible, or a curve does not cover the wavelengths of the image.
+    /// When the sensor or the exposure is invalid, or a curve does not cover the wavelengths of the image.
     pub fn expected_volts(&self, image: &OpticalImage, exposure: &Exposure) -> Result<Planes, SensorError> {
         let (volts, rows, cols, planes) = self.read_out::<f32>(image.into(), exposure, NoiseMode::None, 0)?;
         Ok(Planes::new(rows, cols, planes, volts)?)
     }
 
-    /// Takes a picture. The order in the pixel: light and dark current (one Poisson draw, since a sum of Poisson
-    /// numbers is one) → full well → volts → gain and offset of the pixel → read noise → row and column noise →
-    /// analog offset and gain → clip to the swing → quantisation.
+    /// Captures a raw image. The signal chain is: light and dark current (one Poisson deviate, since a sum of
+    /// Poisson variables is one) → full well → volts → gain (PRNU) and offset (DSNU) of the pixel → read
+    /// noise → row and column noise → analog offset and gain → clipping to the swing → quantisation.
     ///
-    /// With a converter, samples are `round(v / swing · 2^bits + black level)` within 0 to 2^bits − 1; without,
-    /// volts, of which noise may be below zero. The black level of the result is the sample of no signal, the white
-    /// level that of saturation (full well or swing). `seed` names the noise of this capture; the fixed pattern
-    /// belongs to the device. The same arguments give the same bits on any machine and number of threads.
+    /// With a converter, samples are `round(v / swing · 2^bits + black level)`, clipped to 0 to 2^bits − 1.
+    /// Without one they are volts, which noise can make negative. The black level of the result is the sample
+    /// without signal, the white level that at saturation (full well or swing). `seed` determines the
+    /// temporal noise of this capture; fixed-pattern noise belongs to the device. Equal arguments give the
+    /// same bits on any machine and for any number of threads.
     ///
-    /// Pixels that lie beyond the optical image see no light; wavelengths beyond it count as dark. An image and the
-    /// [`PixelSpectra`] of it give the same but for rounding in the mean number of photoelectrons.
+    /// Pixels outside the optical image receive no light; wavelengths outside its grid count as dark. An
+    /// image and its [`PixelSpectra`] give equal results up to rounding of the mean number of photoelectrons.
     ///
     /// # Errors
-    /// When sensor or exposure are impossible, a curve does not cover the wavelengths of the light, or spectra were
-    /// gathered by other pixels ([`SensorError::OtherPixels`]).
+    /// When the sensor or the exposure is invalid, a curve does not cover the wavelengths of the light, or
+    /// the spectra belong to other pixels ([`SensorError::OtherPixels`]).
     pub fn capture<'a>(
         &self,
         light: impl Into<Light<'a>>,
@@ -125,7 +114,7 @@ impl Sensor {
         Ok(RawImage::new(rows, cols, samples, self.sampling(), names, levels.black, levels.white)?)
     }
 
-    /// Samples with rows, columns and planes.
+    /// Samples with numbers of rows, columns and planes.
     fn read_out<S: Sample>(
         &self,
         light: Light<'_>,
@@ -137,7 +126,9 @@ impl Sensor {
         exposure.validate()?;
         match light {
             Light::Image(image) => self.read_out_from(&Collector::new(self, image)?, exposure, noise, seed),
-            Light::Pixels(pixels) => self.read_out_from(&Filtered::new(self, pixels)?, exposure, noise, seed),
+            Light::Pixels(pixels) => {
+                self.read_out_from(&FilteredLight::new(self, pixels)?, exposure, noise, seed)
+            }
         }
     }
 
@@ -156,7 +147,7 @@ impl Sensor {
         };
         let readout = Readout::new(self, exposure, time_s, noise, seed)?;
         let scale = if self.adc.bits == 0 { 1.0 } else { self.adc.levels() / self.pixel.voltage_swing_v };
-        let to_sample = ToSample {
+        let to_sample = SampleScale {
             scale: scale as f32,
             black: self.adc.black_level_dn as f32,
             last: (self.adc.levels() - 1.0) as f32,
@@ -216,7 +207,8 @@ impl<R: Rates> Kernel for LightBand<'_, R> {
         for (i, row) in self.out.chunks_exact_mut(cols).enumerate() {
             for (dy, weights) in kernel.iter().enumerate() {
                 for (dx, &weight) in weights.iter().enumerate() {
-                    // What pixel (r, c) gives to (r + dy − 1, c + dx − 1), seen from there.
+                    // The contribution of pixel (r, c) to pixel (r + dy − 1, c + dx − 1), indexed by the
+                    // receiving pixel.
                     let at = (i + 2 - dy) * width + 2 - dx;
                     let weight = weight as f32;
                     for (o, l) in row.iter_mut().zip(&wide[at..at + cols]) {
@@ -229,28 +221,28 @@ impl<R: Rates> Kernel for LightBand<'_, R> {
 }
 
 /// Scale from volts to samples.
-struct ToSample {
+struct SampleScale {
     scale: f32,
     black: f32,
     last: f32,
 }
 
-/// What a converter gives.
+/// The output type of a converter.
 trait Sample: Copy + Default + Send + Sync {
-    fn from_volts(volts: f32, to: &ToSample) -> Self;
+    fn from_volts(volts: f32, to: &SampleScale) -> Self;
 }
 
 impl Sample for f32 {
     #[inline(always)]
-    fn from_volts(volts: f32, _: &ToSample) -> Self {
+    fn from_volts(volts: f32, _: &SampleScale) -> Self {
         volts
     }
 }
 
 impl Sample for u16 {
     #[inline(always)]
-    fn from_volts(volts: f32, to: &ToSample) -> Self {
-        // Not negative here, so that cutting off after adding a half rounds.
+    fn from_volts(volts: f32, to: &SampleScale) -> Self {
+        // The value is not negative here, so truncation after adding a half rounds.
         let number = (volts * to.scale + to.black).max(0.0).min(to.last);
         (number + 0.5) as i32 as u16
     }
@@ -259,11 +251,11 @@ impl Sample for u16 {
 /// Read-out of a band of rows.
 struct Band<'a, S> {
     readout: &'a Readout,
-    to_sample: &'a ToSample,
+    to_sample: &'a SampleScale,
     /// Row, column and plane of the first pixel.
     origin: (u32, u32, u32),
     cols: usize,
-    /// Per column, to a whole number of blocks.
+    /// One value per column, padded to a whole number of blocks.
     fixed_offset_v: &'a [f32],
     light: &'a [f32],
     out: &'a mut [S],

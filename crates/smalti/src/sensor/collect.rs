@@ -1,5 +1,5 @@
-//! From the optical image to photoelectrons per second: first over wavelength, at the resolution of the image,
-//! then over each pixel, of the channel it has.
+//! From the optical image to photoelectrons per second: integration over wavelength for each channel, at the
+//! resolution of the image, and then over the aperture of each pixel.
 
 use std::ops::Range;
 
@@ -10,30 +10,30 @@ use super::{ColorArchitecture, Sensor, SensorError};
 use crate::numeric::simd::{Kernel, dispatch};
 use crate::optics::OpticalImage;
 
-/// Where the photoelectrons of pixels are known, before crosstalk.
+/// A source of photoelectron rates before crosstalk.
 pub(super) trait Rates: Sync {
-    /// Rows and columns of pixels that can be gathered: the read-out part with its border.
+    /// Rows and columns of available pixels: the window with its border.
     fn size(&self) -> (usize, usize);
 
-    /// Photoelectrons per second of row `row` (counted within [`Rates::size`]) of a plane of samples. `lines` is scratch.
-    /// Must be `#[inline(always)]`.
+    /// Photoelectrons per second of row `row` (relative to [`Rates::size`]) of a plane of samples. `lines` is
+    /// scratch memory. Must be `#[inline(always)]`.
     fn gather_row(&self, row: usize, plane: usize, lines: &mut Vec<f32>, out: &mut [f32]);
 }
 
-/// Light on a sensor, ready to be gathered row by row.
+/// The light on a sensor, integrated over wavelength, for row-by-row collection.
 pub(super) struct Collector<'a> {
     sensor: &'a Sensor,
-    /// Photoelectrons per second for a photodetector wholly in a sample's light: row, channel, column.
+    /// Photoelectrons per second of a photodetector that a sample covers completely: row, channel, column.
     rates: Vec<f32>,
     channels: usize,
     width: usize,
     rows: Taps,
     cols: Taps,
-    /// Sensor row of the first of `rows`; columns likewise.
+    /// Sensor row and column of the first value of `rows`.
     origin: [i64; 2],
 }
 
-/// Photoelectrons per second beyond which `f32` sums might overflow.
+/// Photoelectrons per second above which `f32` sums could overflow.
 pub(super) const LARGEST_RATE: f32 = 1e30;
 
 impl Sensor {
@@ -49,7 +49,7 @@ impl Sensor {
         })
     }
 
-    /// Rows and columns of the read-out part, with the dummy pixels that crosstalk needs around it.
+    /// Rows and columns of the window, with the border of dummy pixels that crosstalk needs.
     fn gathered(&self) -> [Range<i64>; 2] {
         let w = self.read_window();
         let border = i64::from(self.crosstalk.is_some());
@@ -57,14 +57,14 @@ impl Sensor {
             .map(|(first, count)| first as i64 - border..(first + count) as i64 + border)
     }
 
-    /// What the rows and columns of pixels gather of the image.
+    /// The samples of the image that contribute to the rows and columns of pixels.
     pub(super) fn taps(&self, image: &OpticalImage) -> (Taps, Taps) {
         let [rows, cols] = self.axes(image);
         let [row_range, col_range] = self.gathered();
         (rows.taps(row_range), cols.taps(col_range))
     }
 
-    /// Rows and columns of the image that the read-out part sees.
+    /// Rows and columns of the image within the field of view of the window.
     pub(super) fn footprint(&self, image: &OpticalImage) -> [Range<usize>; 2] {
         let (rows, cols) = self.taps(image);
         [rows.used, cols.used]
@@ -72,7 +72,7 @@ impl Sensor {
 }
 
 impl<'a> Collector<'a> {
-    /// Integrates over wavelength what the sensor sees of the image.
+    /// Integrates the visible part of the image over wavelength.
     pub(super) fn new(sensor: &'a Sensor, image: &OpticalImage) -> Result<Self, SensorError> {
         let cube = image.irradiance();
         let scale = cube.grid().step_nm() * sensor.pixel.photodetector_area_m2();
@@ -101,7 +101,7 @@ impl Rates for Collector<'_> {
     #[inline(always)]
     fn gather_row(&self, row: usize, plane: usize, lines: &mut Vec<f32>, out: &mut [f32]) {
         let mosaic = self.sensor.cfa.mosaic();
-        // Dummy pixels at −1 continue the mosaic.
+        // Dummy pixels from −1 continue the mosaic.
         let wrap = |at: i64, period: usize| at.rem_euclid(period as i64) as usize;
         let tile_row = wrap(self.origin[0] + row as i64, mosaic.rows()) * mosaic.cols();
         let tile = match self.sensor.architecture {
@@ -116,7 +116,7 @@ impl Rates for Collector<'_> {
             out.fill(0.0);
             return;
         }
-        // The rows of the image under this row of pixels, one line per channel that occurs in it.
+        // The rows of the image that cover this row of pixels, with one line per channel that occurs in it.
         let mut line_of = [0usize; 256];
         for channel in 0..self.channels {
             let wanted = if tile.is_empty() {

@@ -2,39 +2,41 @@
 
 use super::{Adc, Cfa, DarkCurrentTemperature, Exposure, NonUniformity, Pixel, Sampling, SensorError};
 use crate::numeric::Rect;
-use crate::spectrum::{Outside, Spectrum, SpectrumError, WavelengthGrid};
+use crate::spectrum::{Extrapolation, Spectrum, SpectrumError, WavelengthGrid};
 
-/// Largest number of samples of one capture, 2²⁹ (1 GiB of 16-bit numbers): a sensor beyond is an error before
-/// anything is allocated. A window of a larger sensor may be captured.
+/// Maximum number of samples of a capture, 2²⁹ (1 GiB of 16-bit numbers). A larger sensor is an error before
+/// any allocation; a window of it can be captured.
 pub const MAX_SAMPLES: usize = 1 << 29;
 
-/// The three ways of seeing colour of Catrysse, Wandell and El Gamal (1999, Proc. SPIE 3650).
+/// The three colour architectures of Catrysse, Wandell and El Gamal (1999, Proc. SPIE 3650).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum ColorArchitecture {
-    /// One channel per pixel, as the mosaic tells.
+    /// One channel per pixel, given by the mosaic.
     #[default]
     Mosaic,
-    /// One sensor per channel behind a beam splitter: every channel at every pixel, each with the whole exposure
-    /// time, and each sensor with a fixed pattern of its own. The channels' filters are those of the prism.
+    /// One sensor per channel behind a beam splitter. Every pixel has every channel, each with the full
+    /// exposure time, and each sensor has its own fixed-pattern noise. The channels' filters are those of the
+    /// prism.
     Prism,
-    /// One sensor, one capture per channel behind changing filters: every channel at every pixel, all with the
-    /// same fixed pattern. The captures share the exposure time: each has 1/N of it.
+    /// One sensor with exchangeable filters and one capture per channel. Every pixel has every channel, all
+    /// with the same fixed-pattern noise. The captures share the exposure time: each takes 1/N of it.
     FieldSequential,
 }
 
-/// How light is gathered over a pixel.
+/// The aperture of a pixel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Aperture {
-    /// Irradiance integrated over the photodetector, a square of `fill_factor · pitch²` in the middle of the pixel.
-    /// The optical image is what its type says: constant over the square of each sample.
+    /// Irradiance is integrated over the photodetector, a square of `fill_factor · pitch²` at the centre of
+    /// the pixel. The optical image is constant over the square of each sample.
     #[default]
     Area,
-    /// Irradiance at the pixel's centre, linear between samples, times the photodetector's area. It has no pixel MTF;
-    /// for comparison with ISETCam.
+    /// Irradiance at the pixel's centre, interpolated linearly between samples, times the photodetector's
+    /// area. There is no pixel MTF. For comparison with ISETCam.
     ///
-    /// ISETCam does only this where the samples are coarser than the pixel. Where they are finer, it first blurs the
-    /// image: with n = ⌈pitch / spacing⌉, by a Gaussian of standard deviation n/4 samples, cut off at n × n samples.
-    /// So its aperture is about the whole pixel, whatever the fill factor, which is a factor on the signal alone.
+    /// ISETCam does only this where the sample spacing exceeds the pixel pitch. Where it is finer, ISETCam
+    /// first blurs the image with a Gaussian of standard deviation n/4 samples, truncated to n × n samples,
+    /// where n = ⌈pitch / spacing⌉. Its aperture is therefore about the whole pixel for any fill factor,
+    /// which only scales the signal.
     Point,
 }
 
@@ -45,37 +47,38 @@ pub struct Sensor {
     pub rows: usize,
     /// Columns of pixels.
     pub cols: usize,
-    /// The part that is read out; all when `None`. A windowed capture has the same bits as that part of the whole.
+    /// The window that is read out; `None` for the whole sensor. A windowed capture has the same bits as that
+    /// part of a full capture.
     pub window: Option<Rect>,
-    /// Every pixel.
+    /// The pixel, equal over the sensor.
     pub pixel: Pixel,
-    /// How light is gathered over a pixel.
+    /// The aperture of a pixel.
     pub aperture: Aperture,
-    /// Filters and their places.
+    /// The colour filter array.
     pub cfa: Cfa,
     /// Electrons per photon that enters the photodetector, 0–1.
     pub quantum_efficiency: Spectrum,
     /// Transmittance of a filter over the whole sensor, 0–1.
     pub ir_cut: Option<Spectrum>,
-    /// Optical and electrical crosstalk: entry `[1 + i][1 + j]` is the fraction of a pixel's photoelectrons that
-    /// arrive in the pixel `i` rows below and `j` columns right of it; the entries sum to 1. Beyond its edge the
-    /// sensor goes on in dummy pixels, which give as they take.
+    /// Optical and electrical crosstalk. Entry `[1 + i][1 + j]` is the fraction of a pixel's photoelectrons
+    /// that arrive in the pixel `i` rows below and `j` columns to the right; the entries sum to 1. Dummy
+    /// pixels continue the sensor beyond its edges and exchange electrons in the same way.
     ///
-    /// Photoelectrons that scatter one by one stay Poisson distributed and independent, so mixing the means
-    /// before the draw is exact.
+    /// Photoelectrons that scatter independently remain Poisson distributed and independent, so mixing the
+    /// means before the draw is exact.
     pub crosstalk: Option<[[f64; 3]; 3]>,
-    /// How pixels differ.
+    /// Non-uniformity of the pixels.
     pub nonuniformity: NonUniformity,
     /// The converter.
     pub adc: Adc,
-    /// How colour is seen.
+    /// The colour architecture.
     pub architecture: ColorArchitecture,
-    /// Temperature of the sensor and its effect; `None` for the reference temperature.
+    /// Temperature dependence of the dark current; `None` for the reference temperature.
     pub dark_temperature: Option<DarkCurrentTemperature>,
 }
 
 impl Sensor {
-    /// A sensor of perfectly uniform pixels without converter, window, crosstalk or IR-cut filter.
+    /// A sensor of uniform pixels without converter, window, crosstalk or IR-cut filter.
     #[must_use]
     pub fn new(rows: usize, cols: usize, pixel: Pixel, cfa: Cfa, quantum_efficiency: Spectrum) -> Self {
         Self {
@@ -98,7 +101,7 @@ impl Sensor {
     /// Checks every field, and that a capture fits in memory ([`MAX_SAMPLES`]).
     ///
     /// # Errors
-    /// The first thing that is impossible.
+    /// The first field that is invalid.
     pub fn validate(&self) -> Result<(), SensorError> {
         let (rows, cols) = (self.rows, self.cols);
         if rows == 0 || cols == 0 {
@@ -111,7 +114,7 @@ impl Sensor {
         }
         let planes = self.sampling().planes();
         let samples = w.rows.checked_mul(w.cols).and_then(|n| n.checked_mul(planes));
-        // Positions are counters of the random generator, 32 bits with room for a border.
+        // Positions are counters of the random number generator: 32 bits, with room for a border.
         let countable = rows.max(cols) < (1 << 31);
         if !countable || samples.is_none_or(|n| n > MAX_SAMPLES) {
             return Err(SensorError::TooLarge { rows: w.rows, cols: w.cols, planes, limit: MAX_SAMPLES });
@@ -125,7 +128,7 @@ impl Sensor {
             ("the IR-cut filter", self.ir_cut.as_ref()),
         ];
         for (what, curve) in curves.into_iter().filter_map(|(w, c)| c.map(|c| (w, c))) {
-            // Measured curves overshoot by rounding; a thousandth is forgiven, as for filters.
+            // The tolerance of a thousandth accepts rounding in measured curves, as for filters.
             if let Some(i) = curve.values().iter().position(|v| !(-1e-3..=1.001).contains(v)) {
                 let wavelength_nm = curve.grid().wavelength_nm(i);
                 return Err(SensorError::Fraction { what, wavelength_nm, value: curve.values()[i] });
@@ -141,13 +144,13 @@ impl Sensor {
         Ok(())
     }
 
-    /// The part that is read out.
+    /// The window that is read out.
     #[must_use]
     pub fn read_window(&self) -> Rect {
         self.window.unwrap_or(Rect::whole(self.rows, self.cols))
     }
 
-    /// Which channels a pixel of the read-out part has seen.
+    /// The channels that each pixel of the window samples.
     #[must_use]
     pub fn sampling(&self) -> Sampling {
         let w = self.read_window();
@@ -162,14 +165,14 @@ impl Sensor {
     /// Electrons per photon, per channel: filter × quantum efficiency × IR-cut, on the grid of the filters.
     ///
     /// # Errors
-    /// When quantum efficiency or IR-cut do not cover that grid.
+    /// When quantum efficiency or IR-cut filter do not cover that grid.
     pub fn spectral_responsivity(&self) -> Result<Vec<Spectrum>, SensorError> {
         let grid =
             self.cfa.channels().first().map_or(self.quantum_efficiency.grid(), |c| c.transmittance.grid());
         self.spectral_responsivity_on(grid)
     }
 
-    /// As [`Sensor::spectral_responsivity`], on a grid of one's own, each curve linear between its samples.
+    /// Like [`Sensor::spectral_responsivity`], on a given grid, with linear interpolation of each curve.
     ///
     /// # Errors
     /// When a curve does not cover the grid.
@@ -177,14 +180,14 @@ impl Sensor {
         let common = self.bare_responsivity_on(grid)?;
         let channel = |c: &super::Channel| {
             let filter = on_grid(&format!("the filter '{}'", c.name), &c.transmittance, grid)?;
-            // What overshoots below zero by rounding must not subtract light.
+            // Negative rounding errors of measured curves must not subtract light.
             Ok(filter.times(&common)?.map(|_, v| v.max(0.0)))
         };
         self.cfa.channels().iter().map(channel).collect()
     }
 
-    /// Electrons per photon where there is no colour filter: quantum efficiency and IR-cut filter, each curve linear between its
-    /// samples.
+    /// Electrons per photon without a colour filter: quantum efficiency times IR-cut filter, with linear
+    /// interpolation of each curve.
     ///
     /// # Errors
     /// When a curve does not cover the grid.
@@ -199,14 +202,14 @@ impl Sensor {
     /// Dark signal at the sensor's temperature, V/s.
     ///
     /// # Errors
-    /// When the temperature is impossible.
+    /// When the temperature is out of range.
     pub fn dark_voltage_v_per_s(&self) -> Result<f64, SensorError> {
         let factor = self.dark_temperature.map_or(Ok(1.0), |t| t.factor())?;
         Ok(self.pixel.dark_voltage_v_per_s * factor)
     }
 
-    /// Volts at the converter at which a pixel of mean gain and offset saturates: the well is full or the swing
-    /// used up.
+    /// Volts at the converter at which a pixel of mean gain and offset saturates, by full well or by the
+    /// swing.
     #[must_use]
     pub fn saturation_v(&self, exposure: &Exposure) -> f64 {
         let full = self.pixel.full_well_e * self.pixel.conversion_gain_v_per_e;
@@ -216,7 +219,7 @@ impl Sensor {
 
 /// A curve on a grid that it must cover.
 fn on_grid(what: &str, curve: &Spectrum, grid: WavelengthGrid) -> Result<Spectrum, SensorError> {
-    curve.resampled(grid, Outside::Error).map_err(|e| match e {
+    curve.resampled(grid, Extrapolation::Error).map_err(|e| match e {
         SpectrumError::Coverage { have_start_nm, have_end_nm, need_start_nm, need_end_nm } => {
             SensorError::Coverage {
                 what: what.into(),

@@ -1,4 +1,4 @@
-//! What can be wrong with a sensor, an exposure or the light it is shown.
+//! Errors of sensors, exposures and captures.
 
 use thiserror::Error;
 
@@ -6,20 +6,20 @@ use super::{CfaError, RawError};
 use crate::numeric::{Rect, ShapeError};
 use crate::spectrum::SpectrumError;
 
-/// A sensor or an exposure that cannot be, or does not fit the image it is shown.
+/// Errors of a sensor, an exposure, or the light on a sensor.
 #[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]
 pub enum SensorError {
-    /// Spectra gathered on other pixels than those that are read.
+    /// The spectra belong to other pixels than the window.
     #[error(
         "{} × {} pixels from ({}, {}) are read, but light is known for {} × {} from ({}, {}); expected rows among them, \
          the same columns, and a sensor of the same size and crosstalk",
         window.rows, window.cols, window.row, window.col, gathered.rows, gathered.cols, gathered.row, gathered.col
     )]
     OtherPixels {
-        /// The pixels that are read.
+        /// The window.
         window: Rect,
-        /// The pixels whose light is known.
+        /// The pixels of the spectra.
         gathered: Rect,
     },
     /// The sensor has no pixels.
@@ -42,7 +42,7 @@ pub enum SensorError {
         /// [`MAX_SAMPLES`](super::MAX_SAMPLES).
         limit: usize,
     },
-    /// The window reaches beyond the sensor.
+    /// The window extends beyond the sensor.
     #[error(
         "the window of {window_rows} × {window_cols} pixels at ({row}, {col}) must be non-empty and lie within the sensor of {rows} × {cols}"
     )]
@@ -60,13 +60,13 @@ pub enum SensorError {
         /// Columns of the sensor.
         cols: usize,
     },
-    /// The pixel pitch is not that of a pixel.
+    /// The pixel pitch is out of range.
     #[error("pitch_m is {value}; expected 1e-9 to 1e-2 m")]
     Pitch {
         /// The value.
         value: f64,
     },
-    /// The fill factor is not a fraction of the pixel.
+    /// The fill factor is out of range.
     #[error("fill_factor is {value}; expected more than 0 and at most 1")]
     FillFactor {
         /// The value.
@@ -78,25 +78,25 @@ pub enum SensorError {
         /// The value.
         value: f64,
     },
-    /// The voltage swing leaves no range.
+    /// The voltage swing is out of range.
     #[error("voltage_swing_v is {value}; expected 1e-6 to 1e3 V")]
     VoltageSwing {
         /// The value.
         value: f64,
     },
-    /// The well holds nothing.
+    /// The full-well capacity is out of range.
     #[error("full_well_e is {value}; expected 1 to 1e12 electrons")]
     FullWell {
         /// The value.
         value: f64,
     },
-    /// Dark voltage is negative or not a number.
+    /// The dark voltage is negative or not a number.
     #[error("dark_voltage_v_per_s is {value}; expected 0 to 1e3 V/s")]
     DarkVoltage {
         /// The value.
         value: f64,
     },
-    /// Read noise is negative or not a number.
+    /// The read noise is negative or not a number.
     #[error("read_noise_v is {value}; expected 0 to 1e3 V")]
     ReadNoise {
         /// The value.
@@ -128,28 +128,28 @@ pub enum SensorError {
         /// The bits.
         bits: u32,
     },
-    /// The black level leaves no range to the converter.
+    /// The black level leaves no range for the signal.
     #[error(
         "black_level_dn is {value}; expected 0 or more, and below {limit} (nine tenths of the range; 0 without a converter)"
     )]
     BlackLevel {
         /// The value.
         value: f64,
-        /// The bound.
+        /// The upper bound.
         limit: f64,
     },
-    /// The crosstalk kernel creates or loses light.
+    /// The crosstalk kernel does not conserve light.
     #[error("the crosstalk kernel needs entries of 0 or more that sum to 1; they sum to {sum}")]
     Crosstalk {
-        /// Its sum.
+        /// The sum of its entries.
         sum: f64,
     },
-    /// A sensitivity is not a fraction.
+    /// A quantum efficiency or transmittance is not within 0–1.
     #[error("{what} at {wavelength_nm} nm is {value}; expected 0 to 1")]
     Fraction {
         /// Quantum efficiency or IR-cut filter.
         what: &'static str,
-        /// Where.
+        /// The wavelength.
         wavelength_nm: f64,
         /// The value.
         value: f64,
@@ -182,7 +182,7 @@ pub enum SensorError {
         /// The value.
         value: f64,
     },
-    /// The analog offset is out of its range, or pushes all signal out of the swing.
+    /// The analog offset is out of range, or leaves the signal no swing.
     #[error("analog_offset_v is {value}; expected −1e3 to 1e3 V that leave the swing some signal")]
     AnalogOffset {
         /// The value.
@@ -198,19 +198,19 @@ pub enum SensorError {
         /// The range.
         expected: &'static str,
     },
-    /// The sensor sees no light to set an exposure by.
+    /// There is no light to determine an exposure time.
     #[error("no exposure time can be chosen: the sensor sees no light where the rule looks for it")]
     NoLight,
-    /// Spectral data do not fit.
+    /// Spectral data are invalid.
     #[error(transparent)]
     Spectrum(#[from] SpectrumError),
-    /// The colour filter array does not fit.
+    /// The colour filter array is invalid.
     #[error(transparent)]
     Cfa(#[from] CfaError),
-    /// The raw image does not fit.
+    /// The raw image is invalid.
     #[error(transparent)]
     Raw(#[from] RawError),
-    /// The shape does not fit.
+    /// The shape is invalid.
     #[error(transparent)]
     Shape(#[from] ShapeError),
 }

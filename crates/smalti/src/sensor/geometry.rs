@@ -1,10 +1,11 @@
-//! Which samples of the optical image a pixel gathers, and with what weights. Rows and columns separate.
+//! The samples of the optical image that each pixel collects, and their weights. Rows and columns are
+//! separable.
 
 use std::ops::Range;
 
 use super::Aperture;
 
-/// One axis of the sensor over one axis of the image.
+/// One axis of the sensor relative to one axis of the image.
 pub(super) struct AxisGeometry {
     /// Pixels along the whole axis, centred on the optical axis.
     pub(super) pixels: usize,
@@ -14,24 +15,24 @@ pub(super) struct AxisGeometry {
     pub(super) side_in_samples: f64,
     /// Samples of the image, centred on the optical axis.
     pub(super) samples: usize,
-    /// How light is gathered.
+    /// The pixel aperture.
     pub(super) aperture: Aperture,
 }
 
-/// Weights of a run of pixels. A pixel beyond the image has none; one that is partly beyond has weights that sum
-/// to the part within.
+/// Weights of a run of pixels. A pixel outside the image has none; one that is partly outside has weights
+/// that sum to the fraction inside.
 pub(super) struct Taps {
     first_sample: Vec<u32>,
     first_weight: Vec<u32>,
     weights: Vec<f32>,
-    /// The samples that are used, of all that the image has; `first_sample` counts from its start.
+    /// The samples in use, relative to the start of the image.
     pub(super) used: Range<usize>,
-    /// Most weights of a pixel.
+    /// Maximum number of weights of a pixel.
     pub(super) most: usize,
 }
 
 impl AxisGeometry {
-    /// The weights of pixels `range` (indices below 0 and beyond the end are those of dummy pixels).
+    /// The weights of pixels `range`; indices below 0 and beyond the end are dummy pixels.
     pub(super) fn taps(&self, range: Range<i64>) -> Taps {
         let mut first_sample = Vec::with_capacity((range.end - range.start).max(0) as usize);
         let mut first_weight = Vec::with_capacity(first_sample.capacity() + 1);
@@ -64,7 +65,7 @@ impl AxisGeometry {
         taps
     }
 
-    /// Overlap of the photodetector with each sample's square, relative to the photodetector.
+    /// Overlap of the photodetector with the square of each sample, relative to the photodetector.
     fn push_area(&self, centre: f64, weights: &mut Vec<f32>) -> u32 {
         let (low, high) = (centre - self.side_in_samples / 2.0, centre + self.side_in_samples / 2.0);
         let (from, to) = (low.max(0.0), high.min(self.samples as f64));
@@ -81,11 +82,11 @@ impl AxisGeometry {
         first as u32
     }
 
-    /// Linear interpolation between the centres of the samples, zero beyond the outermost.
+    /// Linear interpolation between sample centres, zero beyond the outermost.
     fn push_point(&self, centre: f64, weights: &mut Vec<f32>) -> u32 {
         let at = centre - 0.5;
         let last = self.samples as f64 - 1.0;
-        // Rounding of the centring must not push a pixel on the outermost sample outside.
+        // Rounding must not place a pixel on the outermost sample outside the image.
         if at < -1e-9 || at > last + 1e-9 {
             return 0;
         }
@@ -101,13 +102,13 @@ impl AxisGeometry {
 }
 
 impl Taps {
-    /// First sample of a pixel, counted from the start of `used`.
+    /// First sample of a pixel, relative to the start of `used`.
     #[inline(always)]
     pub(super) fn first(&self, pixel: usize) -> usize {
         self.first_sample[pixel] as usize
     }
 
-    /// Weights of a pixel, of the samples from its first on.
+    /// Weights of a pixel, for the samples from its first.
     #[inline(always)]
     pub(super) fn weights_of(&self, pixel: usize) -> &[f32] {
         &self.weights[self.first_weight[pixel] as usize..self.first_weight[pixel + 1] as usize]

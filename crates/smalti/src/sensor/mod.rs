@@ -1,9 +1,10 @@
 //! The image sensor: colour filter array, pixel, exposure, noise, analog-to-digital conversion.
 //!
-//! [`Sensor::capture`] turns an optical image into a [`RawImage`]. [`Cfa`] and [`RawImage`] know nothing of the
-//! simulator: the raw file of a real camera is the same type.
+//! [`Sensor::capture`] turns an optical image into a [`RawImage`]. [`Cfa`] and [`RawImage`] are independent
+//! of the simulation: the raw file of a real camera has the same type.
 
 mod adc;
+mod auto_exposure;
 mod capture;
 pub mod cfa;
 mod collect;
@@ -11,6 +12,7 @@ mod device;
 mod error;
 mod exposure;
 mod geometry;
+mod noise_mode;
 mod noise_model;
 mod nonuniformity;
 mod pixel;
@@ -21,11 +23,13 @@ mod raw_levels;
 mod readout;
 
 pub use adc::Adc;
-pub use capture::{Light, NoiseMode};
+pub use auto_exposure::AutoExposure;
+pub use capture::Light;
 pub use cfa::{Cfa, CfaError, Channel, Filter, Mosaic};
 pub use device::{Aperture, ColorArchitecture, MAX_SAMPLES, Sensor};
 pub use error::SensorError;
-pub use exposure::{AutoExposure, Exposure};
+pub use exposure::Exposure;
+pub use noise_mode::NoiseMode;
 pub use noise_model::{NoiseVariance, SignalNoise};
 pub use nonuniformity::NonUniformity;
 pub use pixel::{DarkCurrentTemperature, Pixel};
@@ -34,5 +38,5 @@ pub use quantum_efficiency::{QuantumEfficiency, silicon_absorption_per_m};
 pub use raw::{RawError, RawImage, RawSamples, Sampling};
 pub use raw_levels::RawLevels;
 
-/// A part of the sensor is a rectangle of pixels.
+/// A rectangle of pixels of the sensor.
 pub use crate::numeric::Rect as Window;

@@ -1,11 +1,11 @@
-//! The variance that the noise of a pixel should have, in closed form. Tests hold captures against it, and
-//! weights for noisy data can be had without simulating.
+//! The variance of a pixel in closed form. Tests compare captures with it, and it provides weights for noisy
+//! data without simulation.
 
 use serde::{Deserialize, Serialize};
 
 use super::{ColorArchitecture, Exposure, Sensor, SensorError};
 
-/// Variance at the converter, V², term by term, for a pixel far from saturation. Defects are not counted.
+/// Variance at the converter, V², term by term, for a pixel far below saturation, without defects.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct NoiseVariance {
     /// Shot noise of the light.
@@ -16,13 +16,13 @@ pub struct NoiseVariance {
     pub read: f64,
     /// Row noise.
     pub row: f64,
-    /// Differences in gain between pixels, acting on light and dark signal.
+    /// Photo-response non-uniformity (PRNU): gain differences that act on light and dark signal.
     pub prnu: f64,
-    /// Differences in offset between pixels.
+    /// Dark-signal non-uniformity (DSNU): offset differences between pixels.
     pub dsnu: f64,
-    /// Differences between columns.
+    /// Column noise.
     pub column: f64,
-    /// Rounding by the converter, LSB²/12: right where the other noise is above half an LSB.
+    /// Quantisation noise, LSB²/12: valid where the other noise exceeds half an LSB.
     pub quantization: f64,
 }
 
@@ -46,38 +46,39 @@ impl NoiseVariance {
     }
 }
 
-/// The variance of a normalised sample ([`super::RawImage::normalized`]: 0 at black level, 1 at white level) as a polynomial
-/// of its mean: `constant + per_signal · x + per_signal_squared · x²`, and what the pixels of a row or a column share.
+/// The variance of a normalised sample ([`super::RawImage::normalized`]: 0 at the black level, 1 at the white
+/// level) as a polynomial of its mean, `constant + per_signal · x + per_signal_squared · x²`, plus the
+/// variances that the pixels of a row or a column share.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SignalNoise {
-    /// Of every pixel by itself, whatever the signal: read noise, dark current, offsets, quantisation.
+    /// Signal-independent variance of each pixel: read noise, dark current, offsets, quantisation.
     pub constant: f64,
-    /// Shot noise: variance per signal.
+    /// Shot noise: variance per unit of signal.
     pub per_signal: f64,
-    /// Differences in gain: variance per signal².
+    /// Gain differences: variance per squared signal.
     pub per_signal_squared: f64,
-    /// Shared by all pixels of a row.
+    /// Variance common to all pixels of a row.
     pub row: f64,
-    /// Shared by all pixels of a column.
+    /// Variance common to all pixels of a column.
     pub column: f64,
 }
 
 impl SignalNoise {
-    /// Variance at a mean signal, rows and columns included. Signals below 0 count as 0.
+    /// Variance at a mean signal, including rows and columns. Negative signals count as 0.
     #[must_use]
     pub fn variance(&self, signal: f64) -> f64 {
         let x = signal.max(0.0);
         self.own(x, x * x) + self.row + self.column
     }
 
-    /// Mean variance of a pixel by itself over signals of a mean and a mean square.
+    /// Mean variance of a pixel, without rows and columns, over signals with a given mean and mean square.
     #[must_use]
     pub fn own(&self, mean: f64, mean_square: f64) -> f64 {
         self.constant + self.per_signal * mean.max(0.0) + self.per_signal_squared * mean_square
     }
 
-    /// Whether there is none.
+    /// Whether there is no noise.
     #[must_use]
     pub fn is_none(&self) -> bool {
         *self == Self::default()
@@ -85,17 +86,17 @@ impl SignalNoise {
 }
 
 impl Sensor {
-    /// The noise of normalised samples far from saturation, over the pixels of many devices.
+    /// The noise of normalised samples far below saturation, over the pixels of many devices.
     ///
     /// # Errors
-    /// As [`Sensor::noise_variance`], and when nothing lies between black and saturation.
+    /// As for [`Sensor::noise_variance`], and when there is no range between black and saturation.
     pub fn signal_noise(&self, exposure: &Exposure) -> Result<SignalNoise, SensorError> {
         let levels = self.raw_levels(exposure)?;
         let range_v = levels.white_v - levels.black_v;
         let full_e = range_v / (self.pixel.conversion_gain_v_per_e * exposure.analog_gain);
         let (dark, full) = (self.noise_variance(0.0, exposure)?, self.noise_variance(full_e, exposure)?);
         let (squared, gain) = (range_v * range_v, self.nonuniformity.prnu_fraction);
-        // PRNU acts on light and dark signal: (e + d)² = e² + 2 e d + d², and d² is in `dark` already.
+        // PRNU acts on light and dark signal: (e + d)² = e² + 2 e d + d², and `dark` includes d².
         let per_signal_squared = (range_v * gain).powi(2);
         let own = |v: &NoiseVariance| v.total() - v.row - v.column;
         Ok(SignalNoise {
@@ -107,10 +108,10 @@ impl Sensor {
         })
     }
 
-    /// The variance of a pixel that collects `photoelectrons` on average.
+    /// The variance of a pixel with a mean number of `photoelectrons`.
     ///
     /// # Errors
-    /// When the exposure or the sensor's temperature is impossible.
+    /// When the exposure or the sensor's temperature is out of range.
     pub fn noise_variance(
         &self,
         photoelectrons: f64,

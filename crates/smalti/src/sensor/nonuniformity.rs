@@ -1,20 +1,20 @@
-//! How pixels differ from one another, and what rows and columns share.
+//! Non-uniformity of pixels, and row and column noise.
 
 use super::SensorError;
 
-/// Non-uniformity of a device. All but the row noise is fixed: it belongs to the device with this serial number
-/// and the absolute position of the pixel, and is the same in every exposure and under any window.
+/// Non-uniformity of a device. Everything except row noise is fixed-pattern noise: it depends on the serial
+/// number of the device and on the absolute position of the pixel, and is equal in every exposure and window.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct NonUniformity {
-    /// Standard deviation of the pixels' gain (photo response), as a fraction: 0.01 is 1 %.
+    /// Standard deviation of the pixels' gain (PRNU), as a fraction: 0.01 is 1 %.
     pub prnu_fraction: f64,
-    /// Standard deviation of the pixels' offset (dark signal), V before the analog gain.
+    /// Standard deviation of the pixels' offset (DSNU), V before the analog gain.
     pub dsnu_v: f64,
-    /// Standard deviation of an offset common to a row, drawn anew in every capture, V before the analog gain.
+    /// Standard deviation of an offset common to a row, new in every capture, V before the analog gain.
     pub row_noise_v: f64,
-    /// Standard deviation of an offset common to a column (its amplifier), fixed, V before the analog gain.
+    /// Standard deviation of a fixed offset common to a column, V before the analog gain.
     pub column_noise_v: f64,
-    /// Fraction of pixels that collect nothing: neither light nor dark current.
+    /// Fraction of pixels without any response to light, and without dark current.
     pub dead_pixel_fraction: f64,
     /// Fraction of pixels whose dark signal is `hot_pixel_dark_voltage_v_per_s`.
     pub hot_pixel_fraction: f64,
@@ -25,7 +25,7 @@ pub struct NonUniformity {
 }
 
 impl Default for NonUniformity {
-    /// A perfect device. Hot pixels, once there are any, gain 1 V/s.
+    /// An ideal device. Hot pixels, if there are any, have a dark signal of 1 V/s.
     fn default() -> Self {
         Self {
             prnu_fraction: 0.0,
@@ -44,7 +44,7 @@ impl NonUniformity {
     /// Checks every field.
     ///
     /// # Errors
-    /// The first field that is impossible.
+    /// The first field that is out of range.
     pub fn validate(&self) -> Result<(), SensorError> {
         let deviations = [
             ("dsnu_v", self.dsnu_v),

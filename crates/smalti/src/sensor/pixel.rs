@@ -6,18 +6,18 @@ use crate::spectrum::units::{BOLTZMANN_J_PER_K, ELECTRON_C};
 /// One pixel, equal over the sensor.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Pixel {
-    /// Distance between neighbouring pixels, m, equal in both directions, 1 nm to 1 cm.
+    /// Pixel pitch, m, equal in both directions, 1 nm to 1 cm.
     pub pitch_m: f64,
-    /// Area of the photodetector as a fraction of the pixel, 0–1, above 0. The photodetector is a square in the
-    /// middle of the pixel.
+    /// Area of the photodetector as a fraction of the pixel, above 0 and at most 1. The photodetector is a
+    /// square at the centre of the pixel.
     pub fill_factor: f64,
-    /// Volts per electron.
+    /// Conversion gain, volts per electron.
     pub conversion_gain_v_per_e: f64,
-    /// Volts at which the signal chain saturates, after the analog gain. The converter spans them.
+    /// Volts at which the signal chain saturates, after the analog gain; the range of the converter.
     pub voltage_swing_v: f64,
-    /// Electrons that the well holds.
+    /// Full-well capacity, electrons.
     pub full_well_e: f64,
-    /// Dark signal, V/s, at the reference temperature. It has shot noise of its own.
+    /// Dark signal, V/s, at the reference temperature. It has its own shot noise.
     pub dark_voltage_v_per_s: f64,
     /// Standard deviation of the read noise, V, before the analog gain.
     pub read_noise_v: f64,
@@ -27,9 +27,9 @@ impl Pixel {
     /// Checks every field.
     ///
     /// # Errors
-    /// The first field that is impossible.
+    /// The first field that is out of range.
     pub fn validate(&self) -> Result<(), SensorError> {
-        // The bounds are far outside of what is built; they keep single precision from overflow.
+        // The bounds are far outside real devices; they prevent overflow of single precision.
         let (p, within) = (self, |v: f64, low: f64, high: f64| (low..=high).contains(&v));
         if !within(p.pitch_m, 1e-9, 1e-2) {
             return Err(SensorError::Pitch { value: p.pitch_m });
@@ -62,12 +62,13 @@ impl Pixel {
     }
 }
 
-/// How dark current follows temperature. The pixel's dark voltage holds at `reference_k`.
+/// Dependence of dark current on temperature. The pixel's dark voltage applies at `reference_k`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum DarkCurrentTemperature {
-    /// `exp(−E/k · (1/T − 1/T₀))`, thermal activation ([widenhorn2002]): E is near 1.1 eV (the band gap) where
-    /// diffusion dominates, near 0.55 eV (half of it) where generation in the depletion region does.
+    /// Thermal activation, `exp(−E/k · (1/T − 1/T₀))` ([widenhorn2002]). E is near 1.1 eV (the band gap)
+    /// where diffusion dominates, and near 0.55 eV (half of it) where generation in the depletion region
+    /// dominates.
     ///
     /// [widenhorn2002]: https://doi.org/10.1117/12.463446
     Activation {
@@ -93,7 +94,8 @@ impl DarkCurrentTemperature {
     /// Dark current at the sensor's temperature, relative to that at the reference.
     ///
     /// # Errors
-    /// When a temperature is not within 1–1000 K, an energy not within 0–5 eV, an interval not above 0.1 K.
+    /// When a temperature is not within 1–1000 K, an energy not within 0–5 eV, or an interval not above 0.1
+    /// K.
     pub fn factor(&self) -> Result<f64, SensorError> {
         let check = |field, value: f64, low: f64, high: f64, expected| {
             if value >= low && value <= high {
@@ -107,14 +109,14 @@ impl DarkCurrentTemperature {
             Self::Activation { temperature_k, reference_k, energy_ev } => {
                 let (t, t0) = (kelvin("temperature_k", temperature_k)?, kelvin("reference_k", reference_k)?);
                 let e = check("energy_ev", energy_ev, 0.0, 5.0, "0 to 5 eV")?;
-                (-e * ELECTRON_C / BOLTZMANN_J_PER_K * (1.0 / t - 1.0 / t0)).exp()
+                libm::exp(-e * ELECTRON_C / BOLTZMANN_J_PER_K * (1.0 / t - 1.0 / t0))
             }
             Self::Doubling { temperature_k, reference_k, interval_k } => {
                 let (t, t0) = (kelvin("temperature_k", temperature_k)?, kelvin("reference_k", reference_k)?);
-                ((t - t0) / check("interval_k", interval_k, 0.1, 1000.0, "0.1 to 1000 K")?).exp2()
+                libm::exp2((t - t0) / check("interval_k", interval_k, 0.1, 1000.0, "0.1 to 1000 K")?)
             }
         };
-        // A reference near absolute zero would make any sensor infinitely dark-noisy.
+        // A reference near absolute zero would make the dark current unbounded.
         check("dark current relative to the reference", factor, 0.0, 1e12, "at most 1e12")
     }
 }
@@ -128,7 +130,7 @@ mod tests {
         let doubled =
             DarkCurrentTemperature::Doubling { temperature_k: 308.0, reference_k: 300.0, interval_k: 8.0 };
         assert!((doubled.factor().unwrap() - 2.0).abs() < 1e-12);
-        // Half the band gap near room temperature doubles about every 10 K.
+        // Activation with half the band gap near room temperature doubles about every 10 K.
         let activated =
             DarkCurrentTemperature::Activation { temperature_k: 310.0, reference_k: 300.0, energy_ev: 0.56 };
         assert!((activated.factor().unwrap() - 2.01).abs() < 0.01);

@@ -1,45 +1,46 @@
-//! The light on every pixel, per wavelength: gathered over photodetectors once, then seen through any filters.
+//! Spectra per pixel: light that is collected over photodetectors once and then filtered by any colour filter
+//! array.
 //!
-//! A capture integrates an optical image over wavelength, for each channel, and then over photodetectors. Both are linear
-//! and may change places. What comes first is then the same for every colour filter array before the same lens on pixels
-//! of the same geometry.
+//! A capture integrates an optical image over wavelength, for each channel, and over photodetectors. Both are
+//! linear, so their order can be exchanged. The integral over photodetectors is then common to every colour
+//! filter array with the same lens and pixel geometry.
 
 use rayon::prelude::*;
 
 use super::collect::{LARGEST_RATE, Rates};
 use super::{ColorArchitecture, MAX_SAMPLES, Sensor, SensorError};
-use crate::numeric::Rect;
+use crate::numeric::{Planes, Rect};
 use crate::optics::OpticalImage;
 use crate::spectrum::{Spectrum, WavelengthGrid};
 
-/// Lanes of a vector of pixels, and vectors that are summed side by side: enough to hide the latency of a sum.
+/// Lanes of a pixel vector. Several vectors are summed in parallel to hide the latency of additions.
 const LANES: usize = 16;
 const GROUP: usize = 4;
 const STEP: usize = LANES * GROUP;
 
-/// Photons on the photodetectors of a part of a sensor, per second and wavelength, before any filter.
+/// Photons on the photodetectors of a window, per second and wavelength, before any filter.
 ///
-/// It depends on the optical image and on what of the sensor gathers light: number and pitch of the pixels, fill factor,
-/// aperture, crosstalk (a border of one pixel) and window. Filters, quantum efficiency, noise and converter may be
-/// anything when it is captured ([`Sensor::capture`]).
+/// They depend on the optical image and on the parts of the sensor that collect light: number and pitch of
+/// the pixels, fill factor, aperture, crosstalk (a border of one pixel) and window. Filters, quantum
+/// efficiency, noise and converter can vary between captures ([`Sensor::capture`]).
 #[derive(Debug, Clone, PartialEq)]
 pub struct PixelSpectra {
     grid: WavelengthGrid,
-    /// Of the whole sensor: rows, columns.
+    /// Rows and columns of the whole sensor.
     pixels: [usize; 2],
     window: Rect,
     border: usize,
-    /// Columns with border, to a whole number of steps; what is added sees no light.
+    /// Columns with border, padded to a whole number of steps; the padding receives no light.
     stride: usize,
-    /// Photons s⁻¹ nm⁻¹; row, wavelength, column.
+    /// Photons s⁻¹ nm⁻¹, ordered row, wavelength, column.
     photons: Vec<f32>,
 }
 
 impl PixelSpectra {
-    /// Gathers what the read-out part of a sensor sees of an image.
+    /// Collects the light of an image over the window of a sensor.
     ///
     /// # Errors
-    /// When the sensor is impossible, or pixels times wavelengths exceed [`MAX_SAMPLES`].
+    /// When the sensor is invalid, or pixels times wavelengths exceed [`MAX_SAMPLES`].
     pub fn new(sensor: &Sensor, image: &OpticalImage) -> Result<Self, SensorError> {
         sensor.validate()?;
         let (window, cube) = (sensor.read_window(), image.irradiance());
@@ -73,13 +74,58 @@ impl PixelSpectra {
         Ok(Self { grid, pixels: [sensor.rows, sensor.cols], window, border, stride, photons })
     }
 
-    /// The part of the sensor whose light this is.
+    /// The sum of planes times their spectra, plane₀ · spectrum₀ + plane₁ · spectrum₁ + …, photons s⁻¹ nm⁻¹, clipped at 0. The
+    /// planes have the size of the sensor. The pixels around it receive the light of its outermost pixels.
+    ///
+    /// # Errors
+    /// When the sensor is invalid or has a window, the sizes of planes and spectra do not match it or each other, or
+    /// pixels times wavelengths exceed [`MAX_SAMPLES`].
+    pub fn of_components(
+        sensor: &Sensor,
+        planes: &Planes,
+        spectra: &[Spectrum],
+    ) -> Result<Self, SensorError> {
+        sensor.validate()?;
+        let (rows, cols, border) = (sensor.rows, sensor.cols, usize::from(sensor.crosstalk.is_some()));
+        let (window, gathered) =
+            (sensor.read_window(), Rect { row: 0, col: 0, rows: planes.rows(), cols: planes.cols() });
+        let grid = spectra.first().map(Spectrum::grid).ok_or(SensorError::NoLight)?;
+        let like =
+            window == gathered && planes.count() == spectra.len() && spectra.iter().all(|s| s.grid() == grid);
+        if !like || [rows, cols] != [planes.rows(), planes.cols()] {
+            return Err(SensorError::OtherPixels { window, gathered });
+        }
+        let stride = (cols + 2 * border).next_multiple_of(STEP);
+        let line = stride * grid.len();
+        let Some(count) = line.checked_mul(rows + 2 * border).filter(|&n| n <= MAX_SAMPLES) else {
+            return Err(SensorError::TooLarge { rows, cols, planes: grid.len(), limit: MAX_SAMPLES });
+        };
+        let mut photons = vec![0.0f32; count];
+        photons.par_chunks_exact_mut(line.max(1)).enumerate().for_each(|(r, out)| {
+            let row = r.saturating_sub(border).min(rows - 1);
+            for (i, out) in out.chunks_exact_mut(stride).enumerate() {
+                let inner = &mut out[border..border + cols];
+                for (plane, spectrum) in planes.planes().zip(spectra) {
+                    let weight = spectrum.values().get(i).map_or(0.0, |&v| v as f32);
+                    let light = &plane[row * cols..(row + 1) * cols];
+                    inner.iter_mut().zip(light).for_each(|(o, l)| *o += weight * l);
+                }
+                inner.iter_mut().for_each(|o| *o = o.max(0.0));
+                if border > 0 {
+                    (out[0], out[cols + 1]) = (out[1], out[cols]);
+                }
+            }
+        });
+        Ok(Self { grid, pixels: [rows, cols], window, border, stride, photons })
+    }
+
+    /// The window.
     #[must_use]
     pub fn window(&self) -> Rect {
         self.window
     }
 
-    /// The wavelengths.
+    /// The wavelength grid.
     #[must_use]
     pub fn grid(&self) -> WavelengthGrid {
         self.grid
@@ -98,8 +144,8 @@ impl PixelSpectra {
 }
 
 impl PixelSpectra {
-    /// Photons s⁻¹ nm⁻¹ at one wavelength along a row of the whole sensor, within the window. Nothing for a row or wavelength
-    /// that is not there.
+    /// Photons s⁻¹ nm⁻¹ at one wavelength along a row of the whole sensor, within the window. Empty for a row
+    /// or wavelength outside.
     pub(crate) fn line(&self, row: usize, wavelength: usize) -> &[f32] {
         let at = |r: usize| {
             let inside = r < self.window.rows && wavelength < self.grid.len();
@@ -110,23 +156,23 @@ impl PixelSpectra {
     }
 }
 
-/// The light as a sensor's filters let it through.
-pub(super) struct Filtered<'a> {
+/// The light after the filters of a sensor.
+pub(super) struct FilteredLight<'a> {
     light: &'a PixelSpectra,
-    /// First row to be read, of those of `light`.
+    /// Index in `light` of the first row to read.
     first_row: usize,
     rows: usize,
     cols: usize,
-    /// Per row of the tile (or per plane, where every pixel sees every channel): wavelength, then [`Self::period`] vectors of
-    /// responsivities, which repeat along the row.
+    /// Per row of the tile (or per plane, where every pixel has every channel): for each wavelength,
+    /// [`Self::period`] vectors of responsivities, which repeat along the row.
     weights: Vec<Vec<[f32; LANES]>>,
-    /// Vectors after which the pattern along a row repeats.
+    /// Number of vectors after which the pattern along a row repeats.
     period: usize,
-    /// The row of the tile that `first_row` has; `None` where there is no tile.
+    /// The row of the tile at `first_row`; `None` without a mosaic.
     phase: Option<usize>,
 }
 
-impl<'a> Filtered<'a> {
+impl<'a> FilteredLight<'a> {
     pub(super) fn new(sensor: &Sensor, light: &'a PixelSpectra) -> Result<Self, SensorError> {
         let (window, border) = (sensor.read_window(), light.border);
         let inside =
@@ -174,7 +220,7 @@ impl<'a> Filtered<'a> {
     }
 }
 
-impl Rates for Filtered<'_> {
+impl Rates for FilteredLight<'_> {
     fn size(&self) -> (usize, usize) {
         (self.rows, self.cols)
     }
@@ -187,7 +233,7 @@ impl Rates for Filtered<'_> {
         let photons = &self.light.photons[at..at + count * stride];
         for (g, out) in out.chunks_mut(STEP).enumerate() {
             let mut sums = [[0.0f32; LANES]; GROUP];
-            // Where the pattern along the row stands, for each vector of the group.
+            // Position in the pattern along the row, for each vector of the group.
             let places: [usize; GROUP] = std::array::from_fn(|k| (g * GROUP + k) % self.period);
             for i in 0..count {
                 let from = i * stride + g * STEP;

@@ -1,42 +1,43 @@
-//! Quantum efficiency of the photodiode, apart from the colour filter above it.
+//! Quantum efficiency of the photodiode, without the colour filter.
 
 use serde::{Deserialize, Serialize};
 
-use crate::spectrum::{Outside, Spectrum, SpectrumError, WavelengthGrid};
+use crate::spectrum::{Extrapolation, Spectrum, SpectrumError, WavelengthGrid};
 
-/// Electrons collected per photon that reaches the photodiode's aperture, 0 to 1, by wavelength.
+/// Electrons collected per photon at the photodiode's aperture, 0 to 1, as a function of wavelength.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 #[non_exhaustive]
 pub enum QuantumEfficiency {
-    /// Every photon gives an electron.
+    /// Every photon generates an electron.
     #[default]
     Ideal,
-    /// The same at every wavelength, 0 to 1.
+    /// Constant, 0 to 1.
     Flat(f64),
-    /// Absorption in a layer of silicon of finite depth:
-    /// `transmission exp(−α dead_layer_m) (1 − exp(−α depth_m))`, with the absorption coefficient α of
-    /// intrinsic silicon at 300 K (Green 2008). Diffusion from below the layer is left out.
+    /// Absorption in a layer of silicon of finite depth: `transmission exp(−α dead_layer_m) (1 − exp(−α
+    /// depth_m))`, with the absorption coefficient α of intrinsic silicon at 300 K (Green 2008). Diffusion
+    /// from below the layer is neglected.
     Silicon {
-        /// Depth over which electrons are collected, above 0; a few micrometres.
+        /// Depth over which electrons are collected, above 0; typically a few micrometres.
         depth_m: f64,
-        /// Depth at the surface whose electrons are lost, which costs blue; 0 or more.
+        /// Depth of the dead layer at the surface, which reduces the response to blue; 0 or more.
         dead_layer_m: f64,
-        /// Light that enters the silicon, after reflection and the layers above, 0 to 1.
+        /// Fraction of light that enters the silicon, after reflection and the layers above, 0 to 1.
         transmission: f64,
     },
 }
 
 impl QuantumEfficiency {
-    /// A back-illuminated photodiode such as small-pixel sensors have: 3.5 µm deep, 20 nm dead layer, 85 % of the
-    /// light enters. Near 0.82 at 500 nm, 0.15 at 850 nm. A typical curve, not that of a product.
+    /// A typical back-illuminated photodiode of a small-pixel sensor: 3.5 µm deep, with a dead layer of 20 nm
+    /// and a transmission of 85 %. Near 0.82 at 500 nm and 0.15 at 850 nm. It does not represent a particular
+    /// product.
     pub const SILICON: Self = Self::Silicon { depth_m: 3.5e-6, dead_layer_m: 20e-9, transmission: 0.85 };
 
     /// The curve on a grid.
     ///
     /// # Errors
-    /// When a parameter is out of its range, or silicon is asked for below 300 nm, where one photon can give more
-    /// than one electron.
+    /// When a parameter is out of range, or silicon is requested below 300 nm, where one photon can generate
+    /// more than one electron.
     pub fn spectrum(&self, grid: WavelengthGrid) -> Result<Spectrum, SpectrumError> {
         match *self {
             Self::Ideal => Ok(Spectrum::constant(grid, 1.0)),
@@ -57,7 +58,8 @@ impl QuantumEfficiency {
     }
 }
 
-/// Absorption coefficient of silicon at 300 K, m⁻¹: `4π k / λ`. Zero above 1200 nm, where photons lack the energy.
+/// Absorption coefficient of silicon at 300 K, m⁻¹: `4π k / λ`. Zero above 1200 nm, below the band gap
+/// energy.
 ///
 /// # Errors
 /// When the grid begins below 300 nm.
@@ -73,7 +75,7 @@ pub fn silicon_absorption_per_m(grid: WavelengthGrid) -> Result<Spectrum, Spectr
     }
     let alpha =
         Spectrum::new(own, EXTINCTION.to_vec())?.map(|nm, k| 4.0 * std::f64::consts::PI * k / (nm * 1e-9));
-    alpha.resampled(grid, Outside::Zero)
+    alpha.resampled(grid, Extrapolation::Zero)
 }
 
 fn fraction(name: &'static str, value: f64) -> Result<(), SpectrumError> {

@@ -1,18 +1,18 @@
-//! What comes out of a sensor, simulated or real.
+//! Raw images, simulated or from a real camera.
 
 use thiserror::Error;
 
 use super::Mosaic;
 use crate::numeric::ShapeError;
 
-/// A raw image that cannot be.
+/// Errors of a raw image.
 #[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]
 pub enum RawError {
     /// The number of samples does not match the size.
     #[error(transparent)]
     Shape(#[from] ShapeError),
-    /// Black and white level do not make a range.
+    /// The white level is not above the black level.
     #[error("white level {white} must lie above black level {black}, both finite")]
     Levels {
         /// Black level, digital numbers.
@@ -20,12 +20,12 @@ pub enum RawError {
         /// White level, digital numbers.
         white: f64,
     },
-    /// The names do not match the channels.
+    /// The number of names differs from the number of channels.
     #[error("expected {expected} channel names, got {got}")]
     Names {
         /// Channels.
         expected: usize,
-        /// Names that came.
+        /// Names given.
         got: usize,
     },
 }
@@ -35,7 +35,7 @@ pub enum RawError {
 pub enum RawSamples {
     /// Digital numbers of a converter of at most 16 bits.
     Digital(Vec<u16>),
-    /// Volts at the pixel output, where there is no converter (`adc_bits = 0`).
+    /// Volts at the pixel output, without a converter (`adc_bits = 0`).
     Analog(Vec<f32>),
 }
 
@@ -49,20 +49,20 @@ impl RawSamples {
         }
     }
 
-    /// Whether there is none.
+    /// Whether there are no samples.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 }
 
-/// Which channels each pixel has seen.
+/// The channels that each pixel samples.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Sampling {
     /// One channel per pixel: a colour filter array.
     Mosaic(Mosaic),
-    /// Every channel at every pixel, one plane per channel: a prism with a sensor for each channel, or captures
-    /// one after another.
+    /// Every channel at every pixel, one plane per channel: a prism with one sensor per channel, or
+    /// sequential captures.
     Full {
         /// Number of channels.
         channels: usize,
@@ -89,7 +89,7 @@ impl Sampling {
     }
 }
 
-/// Raw samples with what is needed to read them.
+/// Raw samples with their interpretation.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RawImage {
     rows: usize,
@@ -102,11 +102,11 @@ pub struct RawImage {
 }
 
 impl RawImage {
-    /// A raw image from its parts; samples ordered plane, row, column. `black_level` is the sample without
-    /// light, `white_level` the one at saturation, both in the unit of the samples.
+    /// A raw image from its parts, with samples ordered plane, row, column. `black_level` is the sample
+    /// without light, `white_level` that at saturation, both in the unit of the samples.
     ///
     /// # Errors
-    /// When sizes do not match or the levels make no range.
+    /// When sizes do not match, or the white level is not above the black level.
     pub fn new(
         rows: usize,
         cols: usize,
@@ -148,7 +148,7 @@ impl RawImage {
         &self.samples
     }
 
-    /// Which channels each pixel has seen.
+    /// The channels that each pixel samples.
     #[must_use]
     pub fn sampling(&self) -> &Sampling {
         &self.sampling
@@ -160,19 +160,20 @@ impl RawImage {
         &self.channel_names
     }
 
-    /// The sample without light.
+    /// Black level: the sample without light.
     #[must_use]
     pub fn black_level(&self) -> f64 {
         self.black_level
     }
 
-    /// The sample at saturation.
+    /// White level: the sample at saturation.
     #[must_use]
     pub fn white_level(&self) -> f64 {
         self.white_level
     }
 
-    /// The same image with its channels numbered in the order of `names`; as it is where these are not its own names.
+    /// The image with its channels in the order of `names`; unchanged where these are not the names of its
+    /// channels.
     #[must_use]
     pub fn with_channels(self, names: &[String]) -> Self {
         let place = |name: &String| names.iter().position(|n| n == name);
@@ -187,7 +188,7 @@ impl RawImage {
         }
     }
 
-    /// Share of samples at or above the white level, percent.
+    /// Percentage of samples at or above the white level.
     #[must_use]
     pub fn saturated_percent(&self) -> f64 {
         let white = self.white_level;
@@ -198,7 +199,7 @@ impl RawImage {
         100.0 * count as f64 / self.samples.len() as f64
     }
 
-    /// All samples as `(value − black) / (white − black)`; below 0 where noise took them there.
+    /// All samples as `(value − black) / (white − black)`; noise can make them negative.
     #[must_use]
     pub fn normalized(&self) -> Vec<f32> {
         let gain = 1.0 / (self.white_level - self.black_level);

@@ -1,4 +1,4 @@
-//! The levels that raw samples are read by.
+//! Black and white levels of raw samples.
 
 use super::{Exposure, Light, NoiseMode, RawImage, RawSamples, Sensor, SensorError};
 
@@ -7,11 +7,11 @@ use super::{Exposure, Light, NoiseMode, RawImage, RawSamples, Sensor, SensorErro
 pub struct RawLevels {
     /// Sample without signal: digital number, or V without a converter.
     pub black: f64,
-    /// Sample at saturation (full well, swing, or the converter's last number), in the same unit.
+    /// Sample at saturation (full well, swing, or the converter's largest number), in the same unit.
     pub white: f64,
-    /// Volts at the converter of the black level.
+    /// Volts at the converter for the black level.
     pub black_v: f64,
-    /// Volts at the converter of the white level.
+    /// Volts at the converter for the white level.
     pub white_v: f64,
 }
 
@@ -19,7 +19,7 @@ impl Sensor {
     /// Black and white level of captures with an exposure.
     ///
     /// # Errors
-    /// When the analog offset leaves nothing between them.
+    /// When the analog offset leaves no range between them.
     pub fn raw_levels(&self, exposure: &Exposure) -> Result<RawLevels, SensorError> {
         let zero_v = exposure.analog_offset_v * exposure.analog_gain;
         let saturation_v = self.saturation_v(exposure);
@@ -27,10 +27,14 @@ impl Sensor {
             RawLevels { black: zero_v, white: saturation_v, black_v: zero_v, white_v: saturation_v }
         } else {
             let (swing, last) = (self.pixel.voltage_swing_v, self.adc.levels() - 1.0);
-            let volts = |number: f64| (number - self.adc.black_level_dn) * swing / self.adc.levels();
             let black = self.adc.number(zero_v, swing).clamp(0.0, last);
             let white = self.adc.number(saturation_v, swing).round().min(last);
-            RawLevels { black, white, black_v: volts(black), white_v: volts(white) }
+            RawLevels {
+                black,
+                white,
+                black_v: self.adc.volts(black, swing),
+                white_v: self.adc.volts(white, swing),
+            }
         };
         if levels.white > levels.black {
             Ok(levels)
@@ -39,11 +43,11 @@ impl Sensor {
         }
     }
 
-    /// What an exact converter of the same levels would give without noise: volts at [`RawLevels`] of this sensor,
-    /// so that its [`RawImage::normalized`] is that of a digital capture before rounding.
+    /// A noise-free capture by an ideal converter with the same levels: volts at the [`RawLevels`] of this
+    /// sensor. Its [`RawImage::normalized`] is that of a digital capture before rounding.
     ///
     /// # Errors
-    /// As [`Sensor::capture`].
+    /// As for [`Sensor::capture`].
     pub fn capture_ideal<'a>(
         &self,
         light: impl Into<Light<'a>>,

@@ -1,15 +1,15 @@
-//! From the mean number of photoelectrons of a pixel to its voltage at the converter: every noise term, in the
-//! order in which the pixel meets them, on blocks of lanes.
+//! From the mean number of photoelectrons of a pixel to its voltage at the converter. Every noise term is
+//! added in the order of the signal chain, on blocks of lanes.
 
 use super::{Exposure, NoiseMode, Sensor, SensorError};
 use crate::numeric::normal::normal_pair;
 use crate::numeric::philox::philox4x32;
 use crate::numeric::poisson::{LANES, LaneCounter, poisson_lanes};
 
-/// Word 2 of the generator's counter: what the numbers are for. Word 0 is the column, word 1 the row, word 3 the
-/// plane (upper half) and the attempt (lower half).
+/// Word 2 of the generator's counter, which identifies the purpose of the random numbers. Word 0 is the
+/// column, word 1 the row, word 3 the plane (upper half) and the attempt (lower half).
 mod purpose {
-    /// Light and read noise, keyed by the seed.
+    /// Photon and read noise, keyed by the seed.
     pub(super) const PIXEL: u32 = 0x5345_4e01;
     /// Row noise, keyed by the seed.
     pub(super) const ROW: u32 = 0x5345_4e02;
@@ -19,7 +19,7 @@ mod purpose {
     pub(super) const COLUMN: u32 = 0x5345_4e04;
 }
 
-/// All that a block needs to know.
+/// The parameters of a block.
 pub(super) struct Readout {
     mode: NoiseMode,
     seed: [u32; 2],
@@ -35,13 +35,14 @@ pub(super) struct Readout {
     read_noise_v: f32,
     row_noise_v: f32,
     column_noise_v: f32,
-    /// Words below it: dead; below the second: hot. Both 33 bits, so that all pixels may be.
+    /// Thresholds of a random word: dead below the first, hot below the second. They have 33 bits, so that
+    /// all pixels can be defective.
     dead_below: u64,
     hot_below: u64,
     gain: f32,
     offset_v: f32,
     swing_v: f32,
-    /// Whether planes have separate patterns (a prism's sensors) or one (sequential captures).
+    /// Whether planes have separate patterns (the sensors of a prism) or one (sequential captures).
     separate_patterns: bool,
 }
 
@@ -89,7 +90,7 @@ impl Readout {
         if self.separate_patterns { plane << 16 } else { 0 }
     }
 
-    /// Fixed offsets of the columns from `first` on, V.
+    /// Fixed offsets of the columns from `first`, V.
     pub(super) fn column_offsets(&self, first: u32, plane: u32, out: &mut [f32]) {
         if self.mode != NoiseMode::All {
             return out.fill(0.0);
@@ -108,8 +109,8 @@ impl Readout {
         self.row_noise_v * normal_pair(w[0], w[1]).0
     }
 
-    /// Volts at the converter of the pixels from `(row, col)` on, not above the swing. `light` is photoelectrons
-    /// per second.
+    /// Volts at the converter of the pixels from `(row, col)`, clipped to the swing. `light` is in
+    /// photoelectrons per second.
     #[inline(always)]
     pub(super) fn block(
         &self,
@@ -156,7 +157,7 @@ impl Readout {
         }
     }
 
-    /// Adds dark current, takes out dead pixels, and gives each pixel its gain and offset.
+    /// Adds dark current, applies dead pixels, and gives each pixel its gain and offset.
     #[inline(always)]
     fn pattern(
         &self,

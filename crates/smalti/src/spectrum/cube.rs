@@ -33,7 +33,8 @@ impl SpectralCube {
         }
         let bands = planes.data().par_chunks(planes.plane_len()).enumerate();
         let bad = bands.find_map_first(|(i, plane)| {
-            // Neither NaN nor infinity is within. Pieces are looked through without a branch: almost always all are well.
+            // The comparison excludes NaN and infinity. Chunks are tested without a branch, because nearly
+            // all are valid.
             let well = |v: &f32| (*v >= 0.0) & (*v <= f32::MAX);
             let bad = plane.chunks(4096).find(|piece| !piece.iter().fold(true, |all, v| all & well(v)))?;
             bad.iter().find(|v| !well(v)).map(|&v| (i, v))

@@ -1,10 +1,12 @@
 //! A sampled spectral function.
 
+use serde::{Serialize, Serializer};
+
 use super::{SpectrumError, WavelengthGrid};
 
-/// What a spectrum is taken to be outside the range it was measured in.
+/// The value of a spectrum outside its measured range.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Outside {
+pub enum Extrapolation {
     /// Unknown: asking for it is an error.
     Error,
     /// Zero, as for a sensitivity or a colour matching function.
@@ -18,6 +20,13 @@ pub enum Outside {
 pub struct Spectrum {
     grid: WavelengthGrid,
     values: Vec<f64>,
+}
+
+/// First wavelength and step in nm, then the values.
+impl Serialize for Spectrum {
+    fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
+        (self.grid.start_nm(), self.grid.step_nm(), &self.values).serialize(to)
+    }
 }
 
 impl Spectrum {
@@ -87,19 +96,23 @@ impl Spectrum {
     /// The spectrum on another grid, by linear interpolation.
     ///
     /// # Errors
-    /// When the new grid reaches beyond this one and `outside` is [`Outside::Error`].
-    pub fn resampled(&self, grid: WavelengthGrid, outside: Outside) -> Result<Self, SpectrumError> {
+    /// When the new grid reaches beyond this one and `extrapolation` is [`Extrapolation::Error`].
+    pub fn resampled(
+        &self,
+        grid: WavelengthGrid,
+        extrapolation: Extrapolation,
+    ) -> Result<Self, SpectrumError> {
         if grid == self.grid {
             return Ok(self.clone());
         }
         let values = grid
             .wavelengths_nm()
-            .map(|nm| match (self.at(nm), outside) {
+            .map(|nm| match (self.at(nm), extrapolation) {
                 (Some(v), _) => Ok(v),
-                (None, Outside::Zero) => Ok(0.0),
-                (None, Outside::Hold) if nm < self.grid.start_nm() => Ok(self.values[0]),
-                (None, Outside::Hold) => Ok(self.values[self.values.len() - 1]),
-                (None, Outside::Error) => Err(SpectrumError::Coverage {
+                (None, Extrapolation::Zero) => Ok(0.0),
+                (None, Extrapolation::Hold) if nm < self.grid.start_nm() => Ok(self.values[0]),
+                (None, Extrapolation::Hold) => Ok(self.values[self.values.len() - 1]),
+                (None, Extrapolation::Error) => Err(SpectrumError::Coverage {
                     have_start_nm: self.grid.start_nm(),
                     have_end_nm: self.grid.end_nm(),
                     need_start_nm: grid.start_nm(),

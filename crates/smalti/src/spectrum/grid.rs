@@ -1,5 +1,7 @@
 //! The uniform wavelength grid that every spectral quantity is sampled on.
 
+use serde::Serialize;
+
 use thiserror::Error;
 
 use crate::names::did_you_mean;
@@ -37,7 +39,7 @@ pub enum SpectrumError {
         /// The other.
         right: WavelengthGrid,
     },
-    /// The data do not reach as far as the grid that is asked for.
+    /// The data do not cover the requested grid.
     #[error(
         "the data cover {have_start_nm}–{have_end_nm} nm, but {need_start_nm}–{need_end_nm} nm are needed"
     )]
@@ -76,7 +78,7 @@ pub enum SpectrumError {
     /// No data set has this name.
     #[error("unknown {what} '{name}'{}; expected one of {expected}", did_you_mean(*suggestion))]
     UnknownName {
-        /// What was asked for.
+        /// The requested name.
         what: &'static str,
         /// The name.
         name: String,
@@ -99,7 +101,7 @@ pub enum SpectrumError {
 }
 
 /// Wavelengths `start_nm + i * step_nm`, `i` in `0..count`, in nanometres.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct WavelengthGrid {
     start_nm: f64,
     step_nm: f64,

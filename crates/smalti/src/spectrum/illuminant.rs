@@ -1,8 +1,10 @@
 //! Light sources as relative spectral power.
 
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
 use super::generated::{DAYLIGHT_BASIS, F2, F11, LED_B3};
 use super::units::{BOLTZMANN_J_PER_K, LIGHT_M_PER_S, PLANCK_J_S, photons_per_joule};
-use super::{Outside, Spectrum, SpectrumError, WavelengthGrid};
+use super::{Extrapolation, Spectrum, SpectrumError, WavelengthGrid};
 use crate::names::nearest;
 
 /// The CIE named its D illuminants with c₂ = 1.4380e-2 m K; c₂ is 1.4388e-2 since 1968, which moves them up.
@@ -42,6 +44,42 @@ pub enum Illuminant {
         /// Relative spectral power.
         power: Spectrum,
     },
+}
+
+/// A light that has a name is written by its name. A measured one is written with its samples, since its name alone would not say what was
+/// in the file: name, first wavelength, step, values.
+impl Serialize for Illuminant {
+    fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
+        match self {
+            Self::Measured { name, power } => {
+                (name, power.grid().start_nm(), power.grid().step_nm(), power.values()).serialize(to)
+            }
+            named => named.name().serialize(to),
+        }
+    }
+}
+
+impl<'de> Deserialize<'de> for Illuminant {
+    fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
+        #[derive(Deserialize)]
+        #[serde(
+            untagged,
+            expecting = "expected the name of a light, or its name, first wavelength, step and samples"
+        )]
+        enum Form {
+            Name(String),
+            Measured(String, f64, f64, Vec<f64>),
+        }
+        let wrong = <D::Error as serde::de::Error>::custom::<SpectrumError>;
+        match Form::deserialize(from)? {
+            Form::Name(name) => Self::from_name(&name).map_err(wrong),
+            Form::Measured(name, start_nm, step_nm, values) => {
+                let grid = WavelengthGrid::new(start_nm, step_nm, values.len()).map_err(wrong)?;
+                let power = Spectrum::new(grid, values).map_err(wrong)?;
+                Ok(Self::Measured { name, power })
+            }
+        }
+    }
 }
 
 impl Illuminant {
@@ -157,13 +195,13 @@ impl Illuminant {
             Self::A => Ok(planck_relative(grid, 2848.0, 1.435e-2)),
             Self::E => Ok(Spectrum::constant(grid, 100.0)),
             Self::Daylight { cct_k } => daylight(grid, *cct_k),
-            Self::F2 => F2.spectrum(0, grid, Outside::Error),
-            Self::F11 => F11.spectrum(0, grid, Outside::Error),
-            Self::Led => LED_B3.spectrum(0, grid, Outside::Error),
+            Self::F2 => F2.spectrum(0, grid, Extrapolation::Error),
+            Self::F11 => F11.spectrum(0, grid, Extrapolation::Error),
+            Self::Led => LED_B3.spectrum(0, grid, Extrapolation::Error),
             Self::Blackbody { temperature_k } => {
                 Ok(planck_relative(grid, *temperature_k, PLANCK_J_S * LIGHT_M_PER_S / BOLTZMANN_J_PER_K))
             }
-            Self::Measured { power, .. } => power.resampled(grid, Outside::Error),
+            Self::Measured { power, .. } => power.resampled(grid, Extrapolation::Error),
         };
         power.map_err(|problem| SpectrumError::Of {
             what: format!("the illuminant {}", self.name()),
@@ -183,8 +221,8 @@ impl Illuminant {
 /// Planck's law scaled to 100 at 560 nm.
 fn planck_relative(grid: WavelengthGrid, temperature_k: f64, c2_m_k: f64) -> Spectrum {
     let exponent = |nm: f64| c2_m_k / (nm * 1e-9 * temperature_k);
-    let at_560 = exponent(560.0).exp_m1();
-    Spectrum::from_fn(grid, |nm| 100.0 * (560.0 / nm).powi(5) * (at_560 / exponent(nm).exp_m1()))
+    let at_560 = libm::expm1(exponent(560.0));
+    Spectrum::from_fn(grid, |nm| 100.0 * (560.0 / nm).powi(5) * (at_560 / libm::expm1(exponent(nm))))
 }
 
 /// CIE daylight, CIE 15:2018 section 4.1.2.
@@ -201,7 +239,7 @@ fn daylight(grid: WavelengthGrid, cct_k: f64) -> Result<Spectrum, SpectrumError>
     let m = 0.0241 + 0.2562 * x - 0.7341 * y;
     let m1 = round((-1.3515 - 1.7703 * x + 5.9114 * y) / m);
     let m2 = round((0.0300 - 31.4424 * x + 30.0717 * y) / m);
-    let s = |i| DAYLIGHT_BASIS.spectrum(i, grid, Outside::Error);
+    let s = |i| DAYLIGHT_BASIS.spectrum(i, grid, Extrapolation::Error);
     let (s0, s1, s2) = (s(0)?, s(1)?, s(2)?);
     let values = (0..grid.len()).map(|i| s0.values()[i] + m1 * s1.values()[i] + m2 * s2.values()[i]);
     Spectrum::new(grid, values.map(|v| v.max(0.0)).collect())
@@ -225,8 +263,10 @@ mod tests {
     #[test]
     fn the_formula_gives_the_tabulated_d65() {
         let grid = WavelengthGrid::new(300.0, 5.0, 97).unwrap();
-        let (formula, table) =
-            (Illuminant::D65.energy(grid).unwrap(), D65_TABLE.spectrum(0, grid, Outside::Error).unwrap());
+        let (formula, table) = (
+            Illuminant::D65.energy(grid).unwrap(),
+            D65_TABLE.spectrum(0, grid, Extrapolation::Error).unwrap(),
+        );
         for ((nm, got), want) in grid.wavelengths_nm().zip(formula.values()).zip(table.values()) {
             // The table's digits go to 1e-4; M₁ and M₂ were rounded in making it, as here.
             assert!((got - want).abs() < 1e-3 * want.max(1.0), "{nm} nm: {got} is not {want}");

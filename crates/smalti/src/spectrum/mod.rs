@@ -12,7 +12,7 @@ pub mod reflectance;
 pub mod units;
 
 pub use cube::SpectralCube;
-pub use curve::{Outside, Spectrum};
+pub use curve::{Extrapolation, Spectrum};
 pub use grid::{SpectrumError, WavelengthGrid};
 pub use illuminant::Illuminant;
 pub use observer::Observer;

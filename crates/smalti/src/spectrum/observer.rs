@@ -3,11 +3,11 @@
 use rayon::prelude::*;
 
 use super::generated::{CIE_1931_2DEG, CIE_1964_10DEG, CIE_2015_2DEG, Table};
-use super::{Outside, Spectrum, SpectrumError, WavelengthGrid};
+use super::{Extrapolation, Spectrum, SpectrumError, WavelengthGrid};
 use crate::numeric::Planes;
 use crate::spectrum::units::{EFFICACY_LM_PER_W, photons_per_joule};
 
-/// Pixels that one task works on, few enough to stay in cache over all wavelengths.
+/// Pixels per task: few enough to stay in the cache over all wavelengths.
 const CHUNK: usize = 4096;
 
 /// Colour matching functions to turn spectra into tristimulus values.
@@ -35,18 +35,18 @@ impl Observer {
     /// x̄, ȳ, z̄ on a grid; zero outside the tabulated range.
     ///
     /// # Errors
-    /// Never for a valid grid; the table itself is checked by a test.
+    /// Never for a valid grid; a test checks the table.
     pub fn matching_functions(self, grid: WavelengthGrid) -> Result<[Spectrum; 3], SpectrumError> {
         let t = self.table();
         Ok([
-            t.spectrum(0, grid, Outside::Zero)?,
-            t.spectrum(1, grid, Outside::Zero)?,
-            t.spectrum(2, grid, Outside::Zero)?,
+            t.spectrum(0, grid, Extrapolation::Zero)?,
+            t.spectrum(1, grid, Extrapolation::Zero)?,
+            t.spectrum(2, grid, Extrapolation::Zero)?,
         ])
     }
 
-    /// Weights that turn photons (s⁻¹ m⁻² sr⁻¹ nm⁻¹) into absolute X, Y, Z by a plain sum; Y in cd/m².
-    /// From photon irradiance (no sr⁻¹) Y comes out in lux.
+    /// Weights whose sum with photons (s⁻¹ m⁻² sr⁻¹ nm⁻¹) gives absolute X, Y, Z, with Y in cd/m². For photon
+    /// irradiance (without sr⁻¹), Y is in lux.
     ///
     /// # Errors
     /// As [`Observer::matching_functions`].
@@ -64,7 +64,7 @@ impl Observer {
         Ok(weights.map(|w| w.values().iter().zip(photons.values()).map(|(a, b)| a * b).sum()))
     }
 
-    /// X, Y, Z of a light of photons, Y = 1. NaN where it has no luminance.
+    /// X, Y, Z of a photon spectrum, normalised to Y = 1. NaN where the luminance is zero.
     ///
     /// # Errors
     /// As [`Observer::matching_functions`].
@@ -87,7 +87,7 @@ impl Observer {
         out.data_mut().par_chunks_mut(n).zip(&weights).for_each(|(sum, w)| {
             sum.par_chunks_mut(CHUNK).enumerate().for_each(|(chunk, sum)| {
                 for (plane, &k) in cube.planes().planes().zip(w.values()) {
-                    // Photon counts near 1e16 times weights near 1e-14: within f32 at every step.
+                    // Photon counts near 1e16 times weights near 1e-14 stay within the range of f32.
                     let k = k as f32;
                     for (s, &v) in sum.iter_mut().zip(&plane[chunk * CHUNK..]) {
                         *s += k * v;
@@ -109,7 +109,8 @@ mod tests {
         WavelengthGrid::new(360.0, 1.0, 471).unwrap()
     }
 
-    /// Equal energy is white to the 3e-4 that the published tables leave (1931: 106.865, 106.857, 106.892).
+    /// Equal energy is white within 3e-4, the residual of the published tables (1931: 106.865, 106.857,
+    /// 106.892).
     #[test]
     fn equal_energy_is_white() {
         for observer in ALL {

@@ -1,4 +1,4 @@
-//! Physical constants (exact, SI 2019) and the step from energy to photons.
+//! Physical constants (exact, SI 2019) and the conversion from energy to photons.
 
 /// Planck's constant, J s.
 pub const PLANCK_J_S: f64 = 6.626_070_15e-34;

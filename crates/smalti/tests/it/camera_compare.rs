@@ -3,7 +3,7 @@
 
 use smalti::camera::description::{ArchitectureName, FalloffName, PatternDescription, WhiteBalanceName};
 use smalti::camera::{
-    Camera, CameraDescription, Contender, EvaluationSettings, LightGain, LightGainSettings, ScoreSettings,
+    Camera, CameraAndIsp, CameraDescription, EvaluationSettings, LightGain, LightGainSettings, ScoreSettings,
     Setup, compare_on, evaluate, evaluate_with, light_gains, score_picture, test_scenes,
 };
 use smalti::isp::{Isp, WhiteBalance};
@@ -234,7 +234,7 @@ fn gains(a: &Camera, b: &Camera) -> Vec<(&'static str, LightGain)> {
         scenes: vec!["dead-leaves?rows=192&cols=256&least=2&largest=60&seed=1001".into()],
         ..LightGainSettings::default()
     };
-    let (a, b) = (Contender { camera: a, isp: &isp_a }, Contender { camera: b, isp: &isp_b });
+    let (a, b) = (CameraAndIsp { camera: a, isp: &isp_a }, CameraAndIsp { camera: b, isp: &isp_b });
     light_gains(a, b, &settings).unwrap().metrics.iter().map(|m| (m.metric, m.gain)).collect()
 }
 

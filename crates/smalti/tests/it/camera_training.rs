@@ -7,12 +7,12 @@ use smalti::camera::{
     Camera, CameraDescription, CameraError, ScoreSettings, Setup, TrainingSettings, TrainingTarget,
     compare_on, training_reflectances, training_scenes,
 };
-use smalti::isp::WhiteBalance;
+use smalti::isp::{IspError, WhiteBalance};
 use smalti::l3::{L3Error, Pipeline, Training};
 use smalti::numeric::Planes;
 use smalti::scene::{Scene, Setting, catalog, macbeth, uniform};
 use smalti::sensor::{Channel, NoiseMode};
-use smalti::spectrum::{Illuminant, Observer, Outside, SpectralCube, Spectrum, WavelengthGrid};
+use smalti::spectrum::{Extrapolation, Illuminant, Observer, SpectralCube, Spectrum, WavelengthGrid};
 
 const GRID: WavelengthGrid = WavelengthGrid::VISIBLE;
 
@@ -168,7 +168,7 @@ fn nothing_of_the_test_scenes_is_learned_from() {
     // A few wavelengths are enough for luminance.
     let setting = Setting { grid: WavelengthGrid::new(450.0, 50.0, 4).unwrap(), ..Setting::default() };
     let coarse: Vec<Spectrum> =
-        natural.iter().map(|r| r.resampled(setting.grid, Outside::Hold).unwrap()).collect();
+        natural.iter().map(|r| r.resampled(setting.grid, Extrapolation::Hold).unwrap()).collect();
     let build = |spec: &str| catalog::build(spec, &setting, &coarse).unwrap();
     let trained: Vec<(String, Vec<f64>)> = training_scenes(&[Illuminant::D65])
         .into_iter()
@@ -199,6 +199,43 @@ fn nothing_of_the_test_scenes_is_learned_from() {
         if most - least > 0.1 {
             assert!(natural.iter().map(far).fold(1.0, f64::min) > 0.005);
         }
+    }
+}
+
+/// Settings that the axes or the statistics do not have, a dark illuminant, sensitivities without response, and exposures that
+/// are no factors.
+#[test]
+fn what_cannot_be_trained_for_is_refused() {
+    let camera = camera("bayer");
+    let light = Illuminant::D65.photons(GRID).unwrap();
+    for wrong in [
+        TrainingSettings { side: 4, ..settings() },
+        TrainingSettings { side: 13, ..settings() },
+        TrainingSettings { levels: 0, ..settings() },
+        TrainingSettings { levels: 257, ..settings() },
+        TrainingSettings { target: TrainingTarget::Channels(Vec::new()), ..settings() },
+    ] {
+        let refused = camera.training_statistics(&wrong, &light);
+        assert!(matches!(refused, Err(CameraError::L3(_))), "{wrong:?}: {refused:?}");
+    }
+    let refused = camera.training_axes(&settings(), &light.scaled(0.0));
+    assert!(matches!(refused, Err(CameraError::L3(L3Error::Levels { .. }))), "{refused:?}");
+
+    let scene = leaves(&camera, 1, &Illuminant::D65);
+    let train = |settings: &TrainingSettings| {
+        let mut statistics = camera.training_statistics(settings, &light).unwrap();
+        let refused = camera.train_on(&mut statistics, &scene, settings, 1).unwrap_err();
+        assert_eq!(statistics.count(), 0);
+        refused
+    };
+    for sensitivity in [0.0, -1.0] {
+        let band = Channel { name: "band".into(), transmittance: Spectrum::constant(GRID, sensitivity) };
+        let refused = train(&TrainingSettings { target: TrainingTarget::Channels(vec![band]), ..settings() });
+        assert!(matches!(refused, CameraError::Isp(IspError::NoResponse { .. })), "{refused:?}");
+    }
+    for exposure in [-1.0, f64::NAN, f64::INFINITY] {
+        let refused = train(&TrainingSettings { exposures: vec![exposure], ..settings() });
+        assert!(matches!(refused, CameraError::Spectrum(_)), "{refused:?}");
     }
 }
 

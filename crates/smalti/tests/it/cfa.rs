@@ -22,7 +22,8 @@ fn letters_number_the_channels_as_they_appear() {
     assert_eq!(mosaic.cells(), &[0, 1, 1, 2]);
     assert_eq!(letters, ['B', 'G', 'R']);
     assert_eq!(mosaic.to_letters(&letters).unwrap(), ["BG", "GR"]);
-    assert_eq!(mosaic.to_letters(&['B']), None);
+    let missing = CfaError::CellChannel { row: 0, col: 1, channel: 1, channels: 1 };
+    assert_eq!(mosaic.to_letters(&['B']), Err(missing));
     // Any letter does.
     assert_eq!(Mosaic::from_letters(&["éμ"]).unwrap().1, ['é', 'μ']);
 }

@@ -43,6 +43,8 @@ fn every_entry_builds_on_visible_and_infrared_grids() {
                 "{}",
                 entry.name
             );
+            let lines = entry.pattern().unwrap();
+            assert!(lines.len() == entry.rows() && lines.iter().all(|l| l.chars().count() == entry.cols()));
             assert_eq!(built.channels().len(), built.mosaic().channels());
             assert!(built.channels().len() > 1 || entry.name == "mono", "{}", entry.name);
             for channel in built.channels() {
@@ -210,7 +212,7 @@ fn parameters_make_random_arrays() {
     assert_eq!(built.name(), name);
     assert_eq!((built.mosaic().rows(), built.mosaic().cols(), built.channels().len()), (6, 10, 4));
     assert_eq!(built.letters().unwrap(), cfa::pattern(name).unwrap());
-    assert_eq!(cfa::pattern("random?seed=1").unwrap(), cfa::info("random").unwrap().pattern());
+    assert_eq!(cfa::pattern("random?seed=1").unwrap(), cfa::info("random").unwrap().pattern().unwrap());
     assert_eq!(
         cfa::builtin("random?channels=26&rows=16&cols=16", near_infrared()).unwrap().channels().len(),
         26

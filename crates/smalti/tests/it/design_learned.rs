@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used)]
 
 use smalti::camera::{Camera, CameraDescription, CameraError, ScoreSettings, Setup, compare_on};
-use smalti::design::{LessonSettings, Lessons, Metric, Scores, Targets};
+use smalti::design::{LearningSettings, Metric, PipelineTrainer, Scores, Targets};
 use smalti::isp::WhiteBalance;
 use smalti::l3::Textures;
 use smalti::scene::Setting;
@@ -22,8 +22,8 @@ fn camera() -> Camera {
     Camera::new(d, GRID).unwrap()
 }
 
-fn lessons(camera: &Camera, settings: &LessonSettings) -> Result<Lessons, CameraError> {
-    Lessons::new(&targets(camera), settings, &|_, make| make())
+fn trainer(camera: &Camera, settings: &LearningSettings) -> Result<PipelineTrainer, CameraError> {
+    PipelineTrainer::new(&targets(camera), settings, &|_, make| make())
 }
 
 /// ΔE, MTF50 in cycles/mm and luminance noise in percent.
@@ -32,18 +32,18 @@ fn figures(scores: &Scores) -> [f64; 3] {
 }
 
 /// So small that laws are tested fast.
-fn small() -> LessonSettings {
-    LessonSettings {
+fn small() -> LearningSettings {
+    LearningSettings {
         side: 5,
         levels: 2,
         textures: Textures::FlatTexture,
         size_px: 96,
-        ..LessonSettings::default()
+        ..LearningSettings::default()
     }
 }
 
-fn score(lessons: &Lessons, targets: &Targets, cfa: &Cfa) -> Result<Scores, CameraError> {
-    let (pipeline, reach) = lessons.pipeline(cfa)?;
+fn score(trainer: &PipelineTrainer, targets: &Targets, cfa: &Cfa) -> Result<Scores, CameraError> {
+    let (pipeline, reach) = trainer.pipeline(cfa)?;
     targets.score_with(cfa, &pipeline.renderer(), reach)
 }
 
@@ -51,13 +51,13 @@ fn score(lessons: &Lessons, targets: &Targets, cfa: &Cfa) -> Result<Scores, Came
 #[test]
 fn learned_processing_beats_classic_at_every_number_of_colours() {
     let camera = camera();
-    let (targets, lessons) = (targets(&camera), lessons(&camera, &LessonSettings::default()).unwrap());
+    let (targets, trainer) = (targets(&camera), trainer(&camera, &LearningSettings::default()).unwrap());
     let setup = Setup::of_test_scene(&camera, UNSEEN, &Setting::default()).unwrap();
     for set in SETS {
         let cfa = cfa(set);
         let n = cfa.channels().len();
         let camera = camera.with_cfa(cfa.clone());
-        let (pipeline, reach) = lessons.pipeline(&cfa).unwrap();
+        let (pipeline, reach) = trainer.pipeline(&cfa).unwrap();
         let learned = targets.score_with(&cfa, &pipeline.renderer(), reach).unwrap();
         let classic = targets.score(&cfa).unwrap();
         let both = format!("{n} colours: {learned:?}, classic {classic:?}");
@@ -89,8 +89,8 @@ fn threads_change_no_bit() {
     let with = |threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| {
-            let lessons = lessons(&camera, &small()).unwrap();
-            (lessons.pipeline(&cfa).unwrap(), score(&lessons, &targets(&camera), &cfa).unwrap())
+            let trainer = trainer(&camera, &small()).unwrap();
+            (trainer.pipeline(&cfa).unwrap(), score(&trainer, &targets(&camera), &cfa).unwrap())
         })
     };
     assert_eq!(with(1), with(3));
@@ -102,8 +102,8 @@ fn pictures_depend_on_the_rows_within_reach() {
     let camera = camera();
     let (targets, cfa) = (targets(&camera), cfa(SETS[2]));
     for textures in [Textures::FlatTexture, Textures::Oriented] {
-        let lessons = lessons(&camera, &LessonSettings { textures, ..small() }).unwrap();
-        let (pipeline, reach) = lessons.pipeline(&cfa).unwrap();
+        let trainer = trainer(&camera, &LearningSettings { textures, ..small() }).unwrap();
+        let (pipeline, reach) = trainer.pipeline(&cfa).unwrap();
         let far = targets.score_with(&cfa, &pipeline.renderer(), reach + 60).unwrap();
         assert_eq!(targets.score_with(&cfa, &pipeline.renderer(), reach).unwrap(), far);
     }
@@ -113,7 +113,7 @@ fn pictures_depend_on_the_rows_within_reach() {
 #[test]
 fn blind_channels() {
     let camera = camera();
-    let (targets, lessons) = (targets(&camera), lessons(&camera, &small()).unwrap());
+    let (targets, trainer) = (targets(&camera), trainer(&camera, &small()).unwrap());
     let whole = cfa(SETS[1]);
     let blind = |which: &dyn Fn(usize) -> bool| {
         let channel = |(i, c): (usize, &Channel)| Channel {
@@ -123,33 +123,33 @@ fn blind_channels() {
         let channels = whole.channels().iter().enumerate().map(channel).collect();
         Cfa::new("blind", whole.mosaic().clone(), channels).unwrap()
     };
-    let delta_e = |cfa: &Cfa| figures(&score(&lessons, &targets, cfa).unwrap())[0];
+    let delta_e = |cfa: &Cfa| figures(&score(&trainer, &targets, cfa).unwrap())[0];
     let all = delta_e(&whole);
     let without = delta_e(&blind(&|i| i == 3));
     assert!(without.is_finite() && without > all);
-    assert!(score(&lessons, &targets, &blind(&|_| true)).is_err());
+    assert!(score(&trainer, &targets, &blind(&|_| true)).is_err());
     // One channel: grey pictures.
     let mono = Cfa::new("one", Mosaic::new(1, 1, vec![0]).unwrap(), whole.channels()[1..2].to_vec()).unwrap();
     assert!(delta_e(&mono) > all);
     // More channels than classes can tell apart.
     let many = (0..33).map(|i| Channel { name: i.to_string(), ..whole.channels()[1].clone() }).collect();
     let many = Cfa::new("many", Mosaic::new(1, 33, (0..33).collect()).unwrap(), many).unwrap();
-    assert!(lessons.pipeline(&many).is_err());
+    assert!(trainer.pipeline(&many).is_err());
 }
 
 #[test]
 fn impossible_settings_are_refused() {
     let camera = camera();
     for size_px in [0, 15, 4097, usize::MAX] {
-        assert!(lessons(&camera, &LessonSettings { size_px, ..small() }).is_err());
+        assert!(trainer(&camera, &LearningSettings { size_px, ..small() }).is_err());
     }
     let cfa = cfa(SETS[0]);
     for settings in [
-        LessonSettings { side: 4, ..small() },
-        LessonSettings { side: 13, ..small() },
-        LessonSettings { levels: 0, ..small() },
-        LessonSettings { levels: 257, ..small() },
+        LearningSettings { side: 4, ..small() },
+        LearningSettings { side: 13, ..small() },
+        LearningSettings { levels: 0, ..small() },
+        LearningSettings { levels: 257, ..small() },
     ] {
-        assert!(lessons(&camera, &settings).and_then(|l| l.pipeline(&cfa)).is_err());
+        assert!(trainer(&camera, &settings).and_then(|l| l.pipeline(&cfa)).is_err());
     }
 }

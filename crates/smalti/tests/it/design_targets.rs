@@ -1,12 +1,12 @@
 //! Scores of designs on kept targets, against those of `evaluate`.
 #![allow(clippy::unwrap_used)]
 
-use smalti::camera::description::{DemosaicName, PatternDescription};
+use smalti::camera::description::PatternDescription;
 use smalti::camera::{
     Camera, CameraDescription, EvaluationSettings, ScoreSettings, Setup, compare_on, evaluate,
 };
 use smalti::design::{Metric, Scores, StudyScene, Targets};
-use smalti::isp::WhiteBalance;
+use smalti::isp::{Demosaic, WhiteBalance};
 use smalti::scene::Setting;
 use smalti::sensor::{Cfa, Channel, Filter, Mosaic};
 use smalti::spectrum::WavelengthGrid;
@@ -146,9 +146,9 @@ fn a_target_that_fails_leaves_the_others() {
 #[test]
 fn and_whatever_the_camera() {
     let changes: [fn(&mut CameraDescription); 5] = [
-        |d| d.isp.demosaic = DemosaicName::Malvar2004,
+        |d| d.isp.demosaic = Demosaic::Malvar2004,
         |d| {
-            d.isp.demosaic = DemosaicName::Adaptive;
+            d.isp.demosaic = Demosaic::HamiltonAdams1997;
             d.exposure.auto = Some(smalti::camera::description::AutoExposureName::Mean);
         },
         |d| d.sensor.crosstalk_percent = 6.0,

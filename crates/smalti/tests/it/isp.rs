@@ -45,7 +45,7 @@ fn any_mosaic() -> impl Strategy<Value = Mosaic> {
 fn methods(mosaic: &Mosaic) -> Vec<Demosaic> {
     let bayer = (mosaic.rows(), mosaic.cols(), mosaic.channels()) == (2, 2, 3)
         && (mosaic.cells()[0] == mosaic.cells()[3] || mosaic.cells()[1] == mosaic.cells()[2]);
-    let all = [Demosaic::Bilinear, Demosaic::Malvar2004, Demosaic::Adaptive];
+    let all = [Demosaic::Bilinear, Demosaic::Malvar2004, Demosaic::HamiltonAdams1997];
     if bayer { all.to_vec() } else { all[..1].to_vec() }
 }
 
@@ -139,7 +139,9 @@ proptest! {
 
 #[test]
 fn bayer_methods_reproduce_constants_and_gradients() {
-    for (shift, method) in (0..4).flat_map(|s| [Demosaic::Malvar2004, Demosaic::Adaptive].map(|m| (s, m))) {
+    for (shift, method) in
+        (0..4).flat_map(|s| [Demosaic::Malvar2004, Demosaic::HamiltonAdams1997].map(|m| (s, m)))
+    {
         let mosaic = bayer(shift / 2, shift % 2);
         for (rows, cols) in [(2, 2), (2, 9), (3, 5), (40, 37)] {
             let planes = method.apply(&raw_of(&mosaic, rows, cols, |_, _| 0.4)).unwrap();
@@ -215,14 +217,14 @@ fn adaptive_follows_edges() {
         let green = Planes::new(40, 40, 1, planes.plane(1).to_vec()).unwrap();
         largest_error(&green, |_, r, c| step(r, c), 3)
     };
-    assert!(error(Demosaic::Adaptive) < 1e-6);
+    assert!(error(Demosaic::HamiltonAdams1997) < 1e-6);
     assert!(error(Demosaic::Bilinear) > 0.1);
 }
 
 #[test]
 fn other_mosaics_are_refused_by_name() {
     let quad = Mosaic::new(4, 4, vec![0, 0, 1, 1, 0, 0, 1, 1, 1, 1, 2, 2, 1, 1, 2, 2]).unwrap();
-    for method in [Demosaic::Malvar2004, Demosaic::Adaptive] {
+    for method in [Demosaic::Malvar2004, Demosaic::HamiltonAdams1997] {
         let error = method.apply(&noise(&quad, 16, 16, 1)).unwrap_err();
         assert!(matches!(error, IspError::UnsupportedCfa { rows: 4, cols: 4, channels: 3, .. }), "{error}");
     }
@@ -237,7 +239,7 @@ fn full_sampling_passes_through() {
     let sampling = Sampling::Full { channels: 3 };
     let names = ["R", "G", "B"].map(String::from).to_vec();
     let raw = RawImage::new(1, 2, RawSamples::Digital(samples), sampling, names, 16.0, 528.0).unwrap();
-    for method in [Demosaic::Bilinear, Demosaic::Malvar2004, Demosaic::Adaptive] {
+    for method in [Demosaic::Bilinear, Demosaic::Malvar2004, Demosaic::HamiltonAdams1997] {
         assert_eq!(method.apply(&raw).unwrap().data(), [0.0, 0.5, 0.0, 0.0, 0.5, 1.0]);
     }
 }
@@ -296,7 +298,7 @@ fn bad_input_is_named() {
     assert!(ColorMatrix::new(vec![[1.0; 3]], vec![1.0], [1.0, 0.0, 1.0]).is_err());
 
     let small = noise(&bayer(0, 0), 1, 5, 1);
-    for method in [Demosaic::Bilinear, Demosaic::Malvar2004, Demosaic::Adaptive] {
+    for method in [Demosaic::Bilinear, Demosaic::Malvar2004, Demosaic::HamiltonAdams1997] {
         assert!(matches!(method.apply(&small), Err(IspError::ChannelNotSeen { channel: 2, .. })));
     }
     let mut sparse = vec![0; 200 * 200];

@@ -2,8 +2,8 @@
 #![allow(clippy::unwrap_used)]
 
 use smalti::l3::{
-    Axes, GOOD_RESIDUAL_PX, LEAST_SIDE, Pair, Pipeline, Registration, RegistrationError, Statistics,
-    Training, peak_ratio_db,
+    Axes, GOOD_RESIDUAL_PX, MIN_SIDE, Pair, Pipeline, Registration, RegistrationError, Statistics, Training,
+    peak_ratio_db,
 };
 use smalti::numeric::Planes;
 use smalti::numeric::philox::Stream;
@@ -144,7 +144,7 @@ fn what_does_not_match_is_refused() {
     }
     let small = Planes::new(8, 80, 1, vec![0.5; 640]).unwrap();
     let error = Registration::find(&raw, &small, 1.0).unwrap_err();
-    assert_eq!(error, RegistrationError::TooSmall { rows: 8, cols: 80, least: LEAST_SIDE });
+    assert_eq!(error, RegistrationError::TooSmall { rows: 8, cols: 80, least: MIN_SIDE });
     for scale in [0.0, -1.0, f64::NAN, 1e9] {
         assert!(matches!(Registration::find(&raw, &other, scale), Err(RegistrationError::Scale { .. })));
     }

@@ -332,7 +332,7 @@ fn filters_multiply() {
     }
 }
 
-/// Figures of ISETCam for the f/4 lens of 3.8628 mm before a scene at 1.2 m (see `oracle_optics.rs` for all of them).
+/// Figures of ISETCam for the f/4 lens of 3.8628 mm before a scene at 1.2 m (see `isetcam_optics.rs` for all of them).
 #[test]
 fn figures_of_isetcam() {
     let optics = Optics::new(0.003862755099228297, 4.0);

@@ -63,7 +63,7 @@ pub(super) fn check(
     Ok(())
 }
 
-/// Where a value of a pair stands: Thrift's compact protocol writes a text as its length and its bytes, after one byte for the
+/// The place of the value of a pair: Thrift's compact protocol writes a text as its length and its bytes, after one byte for the
 /// field. The last place is the pair; statistics of a text column, before, might hold the same bytes.
 fn find(bytes: &[u8], key: &str) -> Option<std::ops::Range<usize>> {
     let length = u8::try_from(key.len()).ok()?;
@@ -132,7 +132,7 @@ pub(in super::super) fn stated_hash(path: &Path, manifest: &Manifest) -> Result<
 }
 
 fn tail(path: &Path, manifest: &Manifest) -> Result<Vec<u8>, DatasetError> {
-    let io = |source| IoError::Read { path: path.to_owned(), source };
+    let io = IoError::reading(path);
     let mut file = File::open(path).map_err(io)?;
     let bytes = file.metadata().map_err(io)?.len();
     let wanted = TAIL + 8 * manifest.plan.schema.len() as u64;

@@ -7,7 +7,7 @@ pub(super) struct BitReader<'a> {
     at: usize,
     held: u64,
     count: u32,
-    /// Zero bits given out after the end.
+    /// Zero bits that were returned after the end.
     beyond: u32,
 }
 
@@ -84,7 +84,7 @@ pub(super) struct BitWriter {
 }
 
 impl BitWriter {
-    /// Goes on after what is written already.
+    /// Continues after bytes that are already written.
     pub(super) fn after(bytes: Vec<u8>) -> Self {
         Self { bytes, held: 0, count: 0 }
     }

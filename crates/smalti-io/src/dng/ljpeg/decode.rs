@@ -2,7 +2,7 @@
 
 use super::bits::BitReader;
 use super::huffman::Decoder;
-use super::{MOST_COMPONENTS, predict};
+use super::{MAX_COMPONENTS, predict};
 
 /// What the header of a frame says.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -18,7 +18,7 @@ struct Frame {
 #[derive(Debug, Default)]
 struct Headers {
     frame: Option<Frame>,
-    tables: [Option<Decoder>; MOST_COMPONENTS],
+    tables: [Option<Decoder>; MAX_COMPONENTS],
     restart_interval: usize,
 }
 
@@ -99,8 +99,8 @@ fn frame(segment: &[u8]) -> Result<Frame, String> {
     if rows == 0 || cols == 0 || !(2..=16).contains(&precision) {
         return Err(format!("its frame is {cols} × {rows} of {precision} bits"));
     }
-    if components.is_empty() || components.len() > MOST_COMPONENTS {
-        return Err(format!("it has {count} components; expected 1 to {MOST_COMPONENTS}"));
+    if components.is_empty() || components.len() > MAX_COMPONENTS {
+        return Err(format!("it has {count} components; expected 1 to {MAX_COMPONENTS}"));
     }
     if components.iter().any(|c| c[1] != 0x11) {
         return Err("its components are subsampled".into());
@@ -113,7 +113,7 @@ fn frame(segment: &[u8]) -> Result<Frame, String> {
     })
 }
 
-fn tables(mut segment: &[u8], tables: &mut [Option<Decoder>; MOST_COMPONENTS]) -> Result<(), String> {
+fn tables(mut segment: &[u8], tables: &mut [Option<Decoder>; MAX_COMPONENTS]) -> Result<(), String> {
     while let Some((&place, rest)) = segment.split_first() {
         let counts: &[u8; 16] = array(rest, 0)?;
         let symbols: usize = counts.iter().map(|&c| usize::from(c)).sum();

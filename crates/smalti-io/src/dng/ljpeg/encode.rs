@@ -5,7 +5,7 @@ use super::huffman::{Encoder, size};
 use super::predict;
 
 /// A frame of 16-bit samples, row by row, `components` side by side, each predicted with `predictor` (1 to 7); after
-/// every `restart_rows` rows (0: never) the prediction begins anew.
+/// every `restart_rows` rows (0: never) the prediction restarts.
 ///
 /// `None` when the samples are no such frame: rows and columns go up to 65535, components to 4.
 pub(in crate::dng) fn encode(
@@ -19,7 +19,7 @@ pub(in crate::dng) fn encode(
     let rows = samples.len().checked_div(row_len)?;
     let (high, wide) = (u16::try_from(rows).ok()?, u16::try_from(cols).ok()?);
     let interval = u16::try_from(restart_rows.checked_mul(cols)?).ok()?;
-    if rows * row_len != samples.len() || rows == 0 || !(1..=super::MOST_COMPONENTS).contains(&components) {
+    if rows * row_len != samples.len() || rows == 0 || !(1..=super::MAX_COMPONENTS).contains(&components) {
         return None;
     }
     let differences = |r: usize| {

@@ -12,7 +12,7 @@ pub(super) use decode::decode;
 pub(super) use encode::encode;
 
 /// Number of components of a frame; DNG allows up to four.
-const MOST_COMPONENTS: usize = 4;
+const MAX_COMPONENTS: usize = 4;
 
 /// Predicted value of a sample from its neighbours: left, above, above left (T.81, table H.1).
 fn predict(selection: u8, left: i32, above: i32, corner: i32) -> i32 {

@@ -53,8 +53,7 @@ fn text(path: &Path, pipeline: &Pipeline, prefix: &str) -> Result<String, IoErro
         let found = format!("{:?} pixels", pairs.map(|p| p.shift));
         return Err(IoError::field(path, "the shift of the mosaic to itself", found, "at most 1000 pixels"));
     }
-    let clip =
-        first_clipped(pipeline).map_err(|source| IoError::Learned { path: path.to_owned(), source })?;
+    let clip = first_clipped(pipeline).at(path)?;
     let mut out = Header { out: String::new(), upper: prefix.to_ascii_uppercase(), lower: prefix };
     out.comment(pipeline, &fixed);
     out.constants(pipeline, &fixed, &flat, clip);
@@ -98,48 +97,40 @@ impl Header<'_> {
 
     fn comment(&mut self, pipeline: &Pipeline, fixed: &FixedKernels) {
         let axes = pipeline.axes();
-        let count = operations(pipeline);
-        let outputs: Vec<String> = pipeline.outputs().iter().map(|o| plain(o)).collect();
-        let channels: Vec<String> = pipeline.channel_names().iter().map(|c| plain(c)).collect();
-        let upper = self.upper.clone();
-        let shifts = [most_shift(fixed), least_shift(fixed)];
-        self.line(format!("#ifndef {upper}_H\n#define {upper}_H\n"));
-        self.line("/* A learned image pipeline in fixed point, written by Smalti.\n");
-        self.line(format!(
-            "   Outputs: {}. Channels of the mosaic, from 0: {}.",
-            outputs.join(", "),
-            channels.join(", ")
-        ));
-        self.line(format!(
-            "   Raw images: black level {}, white level {}. Patch: {} x {} pixels.",
-            pipeline.black_level(),
-            pipeline.white_level(),
-            axes.side(),
-            axes.side()
-        ));
-        self.line(format!(
-            "   Class = ((position * {upper}_SATURATIONS + saturation) * {upper}_LEVELS + level) * {upper}_TEXTURES + texture;"
-        ));
-        self.line(format!("   textures: {}.", axes.textures().names().join(", ").replace('°', " degrees")));
+        let names = |of: &[String]| of.iter().map(|n| plain(n)).collect::<Vec<_>>().join(", ");
+        let (outputs, channels) = (names(pipeline.outputs()), names(pipeline.channel_names()));
+        let (black, white, side) = (pipeline.black_level(), pipeline.white_level(), axes.side());
+        let textures = axes.textures().names().join(", ").replace('°', " degrees");
         let reduced =
             if fixed.sample_shift == 0 { "" } else { ", half of that rounded down from the middle" };
-        self.line(format!(
-            "   Output = {upper}_SCALE * (offset + sum of kernel * d) / 2^shift, white = 1, d = sample - {upper}_BLACK{reduced}, of 16 bits;"
-        ));
-        self.line("   kernels are row by row; each class has the shift that uses their 16 bits, the same for all outputs.");
+        let shifts = [most_shift(fixed), least_shift(fixed)];
         let [fine, coarse] = shifts.map(|shift| f64::from(fixed.scale) / f64::from(1u32 << shift));
-        self.line(format!("   A step of the sum is {fine:.3e} to {coarse:.3e} of white.\n"));
-        self.line("   Operations per pixel as written below, indexing apart:");
+        let Operations { kernel_multiplications, multiplications, additions, comparisons, table_bytes } =
+            operations(pipeline);
+        let upper = self.upper.clone();
         self.line(format!(
-            "     {} multiplications ({} for the kernels), {} additions, {} comparisons; tables of {} bytes.",
-            count.multiplications,
-            count.kernel_multiplications,
-            count.additions,
-            count.comparisons,
-            count.table_bytes
+            "\
+#ifndef {upper}_H
+#define {upper}_H
+
+/* A learned image pipeline in fixed point, written by Smalti.
+
+   Outputs: {outputs}. Channels of the mosaic, from 0: {channels}.
+   Raw images: black level {black}, white level {white}. Patch: {side} x {side} pixels.
+   Class = ((position * {upper}_SATURATIONS + saturation) * {upper}_LEVELS + level) * {upper}_TEXTURES + texture;
+   textures: {textures}.
+   Output = {upper}_SCALE * (offset + sum of kernel * d) / 2^shift, white = 1, d = sample - {upper}_BLACK{reduced}, of 16 bits;
+   kernels are row by row; each class has the shift that uses their 16 bits, the same for all outputs.
+   A step of the sum is {fine:.3e} to {coarse:.3e} of white.
+
+   Operations per pixel as written below, indexing apart:
+     {multiplications} multiplications ({kernel_multiplications} for the kernels), {additions} additions, {comparisons} comparisons; tables of {table_bytes} bytes.
+   Neighbouring pixels share most sums of the classification. */
+
+#include <stddef.h>
+#include <stdint.h>
+"
         ));
-        self.line("   Neighbouring pixels share most sums of the classification. */\n");
-        self.line("#include <stddef.h>\n#include <stdint.h>\n");
     }
 
     fn constants(&mut self, pipeline: &Pipeline, fixed: &FixedKernels, flat: &Flat, clip: u32) {

@@ -7,13 +7,14 @@ use flate2::{Decompress, FlushDecompress, Status};
 
 use super::{HEADER_BYTES, class, flag, tag};
 use crate::raster::{Kind, Shared, bytes_at};
+use crate::text::utf16;
 use crate::variables::{Array, Fields, Layout, Numbers, Value};
 use crate::{IoError, Limits};
 
 // What MATLAB itself holds names to; a longer one is no name.
 const LONGEST_NAME: u64 = 1024;
-const MOST_DIMS: u64 = 32;
-const MOST_FIELDS: u64 = 1 << 16;
+const MAX_DIMS: u64 = 32;
+const MAX_FIELDS: u64 = 1 << 16;
 // More than the header of an array with the longest name.
 const PEEK_BYTES: usize = 4096;
 
@@ -120,8 +121,8 @@ struct Header {
 }
 
 impl File {
-    fn decode(&self, message: impl Into<String>) -> IoError {
-        IoError::Decode { path: self.path.clone(), format: "MATLAB", message: message.into() }
+    fn decode(&self, message: impl ToString) -> IoError {
+        IoError::decode(&self.path, "MATLAB", message)
     }
 
     fn bytes(&self, offset: u64, len: u64, what: &'static str) -> Result<Vec<u8>, IoError> {
@@ -148,8 +149,7 @@ impl File {
         let len = u64::from(self.number(second));
         let have = self.source.len() - (at + 8);
         if len > have {
-            let (path, what) = (self.path.clone(), "an element");
-            return Err(IoError::Truncated { path, what, need: len, have });
+            return Err(IoError::truncated(&self.path, "an element", len, have));
         }
         Ok(Tag { kind: first, data: at + 8, bytes: len, next: at + 8 + len.next_multiple_of(8) })
     }
@@ -163,14 +163,14 @@ impl File {
         Ok((self.bytes(tag.data, tag.bytes, what)?, tag.next))
     }
 
-    /// The beginning of the array whose data element lies there. None where it is empty.
+    /// The header of the array whose data element is at this offset. `None` if the array is empty.
     fn header(&self, offset: u64, bytes: u64) -> Result<Option<Header>, IoError> {
         if bytes == 0 {
             return Ok(None);
         }
         let (flags, at) = self.part(offset, tag::UINT32, 8, "the flags of an array")?;
         let word = self.number(&flags);
-        let (dims, at) = self.part(at, tag::INT32, 4 * MOST_DIMS, "the dimensions of an array")?;
+        let (dims, at) = self.part(at, tag::INT32, 4 * MAX_DIMS, "the dimensions of an array")?;
         let dims: Vec<usize> = dims
             .chunks_exact(4)
             .map(|d| usize::try_from(self.number(d) as i32))
@@ -194,7 +194,7 @@ impl File {
             return Ok(None);
         }
         let whole = u64::from(self.number(start.get(4..).unwrap_or_default()));
-        // What was not inflated stands for the rest: no header reaches so far.
+        // The bytes that were not inflated do not matter: no header is so long.
         let file = File { source: Arc::new(start), ..self.clone() };
         Ok(file.header(8, whole)?.map(|h| h.name))
     }
@@ -254,14 +254,11 @@ impl File {
             return Err(self.decode(format!("the text {} of {} bytes", header.name, tag.bytes)));
         }
         let bytes = self.bytes(tag.data, tag.bytes, "a text")?;
-        let units = |kind: Kind| kind.numbers::<f64>(self.big_endian, &bytes);
         Ok(match tag.kind {
             tag::UTF8 | tag::INT8 | tag::UINT8 => String::from_utf8_lossy(&bytes).into_owned(),
-            tag::UTF16 | tag::UINT16 => {
-                let units: Vec<u16> = units(Kind::U16).iter().map(|&u| u as u16).collect();
-                String::from_utf16_lossy(&units)
-            }
-            tag::UTF32 | tag::UINT32 => units(Kind::U32)
+            tag::UTF16 | tag::UINT16 => utf16(self.big_endian, &bytes),
+            tag::UTF32 | tag::UINT32 => Kind::U32
+                .numbers::<f64>(self.big_endian, &bytes)
                 .iter()
                 .map(|&u| char::from_u32(u as u32).unwrap_or(char::REPLACEMENT_CHARACTER))
                 .collect(),
@@ -306,7 +303,7 @@ impl File {
         }
         let (longest, at) = self.part(at, tag::INT32, 4, "the length of field names")?;
         let longest = u64::from(self.number(&longest)).clamp(1, LONGEST_NAME);
-        let (names, mut at) = self.part(at, tag::INT8, MOST_FIELDS * longest, "the names of fields")?;
+        let (names, mut at) = self.part(at, tag::INT8, MAX_FIELDS * longest, "the names of fields")?;
         let mut fields = Vec::new();
         for name in names.chunks_exact(longest as usize) {
             let name = name.split(|&b| b == 0).next().unwrap_or_default();

@@ -6,16 +6,11 @@ use super::super::content::{Item, column_major};
 use super::{class, tag};
 
 // MATLAB itself refuses variables of level 5 that are larger.
-const LARGEST: u64 = (1 << 31) - 1;
+pub(in crate::matlab) const LARGEST: u64 = (1 << 31) - 1;
 
-/// Bytes of the largest variable, where one is larger than the format can hold.
-pub(in crate::matlab) fn too_large(variables: &[(&str, Item)]) -> Option<u64> {
-    variables.iter().map(|(name, item)| matrix_bytes(name, item)).find(|&bytes| bytes > LARGEST)
-}
-
-/// The most that a variable may take.
-pub(in crate::matlab) const fn largest() -> u64 {
-    LARGEST
+/// Bytes of the largest variable.
+pub(in crate::matlab) fn largest(variables: &[(&str, Item)]) -> u64 {
+    variables.iter().map(|(name, item)| matrix_bytes(name, item)).max().unwrap_or(0)
 }
 
 /// Writes a file.

@@ -2,6 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::isp::Demosaic;
+
 /// Which image pipeline.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
@@ -10,20 +12,6 @@ pub enum PipelineName {
     /// Demosaic, white balance, colour matrix.
     #[default]
     Classic,
-}
-
-/// How missing channels are filled in.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(rename_all = "kebab-case")]
-pub enum DemosaicName {
-    /// Linear interpolation, any mosaic.
-    #[default]
-    Bilinear,
-    /// Malvar, He, Cutler 2004; Bayer only.
-    Malvar2004,
-    /// Along edges, in the manner of Adams and Hamilton 1997; Bayer only.
-    Adaptive,
 }
 
 /// White balance.
@@ -72,7 +60,7 @@ pub struct IspDescription {
     /// Which pipeline.
     pub pipeline: PipelineName,
     /// How missing channels are filled in.
-    pub demosaic: DemosaicName,
+    pub demosaic: Demosaic,
     /// White balance.
     pub white_balance: WhiteBalanceName,
     /// The surfaces the colour matrix is fitted to by least squares, under the scene's illuminant.
@@ -89,7 +77,7 @@ impl Default for IspDescription {
     fn default() -> Self {
         Self {
             pipeline: PipelineName::Classic,
-            demosaic: DemosaicName::Bilinear,
+            demosaic: Demosaic::Bilinear,
             white_balance: WhiteBalanceName::Illuminant,
             color_correction: ColorCorrectionName::Macbeth,
             preserve_white: false,

@@ -8,9 +8,7 @@ mod optics;
 mod sensor;
 
 pub use exposure::{AutoExposureName, ExposureDescription};
-pub use isp::{
-    ColorCorrectionName, DemosaicName, IspDescription, OutputName, PipelineName, WhiteBalanceName,
-};
+pub use isp::{ColorCorrectionName, IspDescription, OutputName, PipelineName, WhiteBalanceName};
 pub use optics::{
     FalloffName, OpticsDescription, OpticsModelName, PsfDescription, SurroundName, ZernikeOrdering,
 };

@@ -9,7 +9,8 @@ pub fn delta_e_2000(lab1: [f64; 3], lab2: [f64; 3]) -> f64 {
 
     let c_mean = (a1.hypot(b1) + a2.hypot(b2)) / 2.0;
     let c_mean7 = c_mean.powi(7);
-    // The share a′ takes of a near the neutral axis; 1 − √(…) keeps far from it.
+    // The factor 1 + G by which a′ exceeds a; written with a positive sign, 1 − √(…) stays accurate far from
+    // the neutral axis.
     let stretch = 1.0 + 0.5 * (1.0 - (c_mean7 / (c_mean7 + POW25_7)).sqrt());
     let (ap1, ap2) = (a1 * stretch, a2 * stretch);
     let (cp1, cp2) = (ap1.hypot(b1), ap2.hypot(b2));

@@ -1,4 +1,4 @@
-//! Colour differences in CIELAB, each formula in a file of its own, and maps of them over pictures.
+//! Colour differences in CIELAB, one file per formula, and difference maps of images.
 
 mod cie76;
 mod cie94;
@@ -14,7 +14,7 @@ use super::cie1976::lab_from_xyz;
 use super::{ColorSpace, Image, ImageError};
 use crate::numeric::Planes;
 
-/// Pixels that one task works on; fixed, so that results do not depend on the number of threads.
+/// Pixels per task, fixed so that results do not depend on the number of threads.
 const CHUNK: usize = 4096;
 
 /// A colour difference formula.
@@ -42,7 +42,7 @@ impl DeltaE {
     }
 }
 
-/// A colour difference at every pixel.
+/// The colour difference at every pixel.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DifferenceMap {
     /// Rows.
@@ -67,10 +67,11 @@ impl DifferenceMap {
     }
 }
 
-/// ΔE at every pixel of two pictures of equal size in [`ColorSpace::Xyz`], against a white in the same scale.
+/// ΔE at every pixel of two images of equal size in [`ColorSpace::Xyz`], relative to a white in the same
+/// scale.
 ///
 /// # Errors
-/// When a picture is not in XYZ, or the sizes differ.
+/// When an image is not in XYZ, or the sizes differ.
 pub fn delta_e_map(
     reference: &Image,
     test: &Image,
@@ -82,7 +83,7 @@ pub fn delta_e_map(
     Ok(map_of_planes(size, three(reference.planes()), three(test.planes()), white, formula))
 }
 
-/// Whether two pictures can be compared.
+/// Checks that two images can be compared.
 pub(super) fn check_pair(reference: &Image, test: &Image) -> Result<(), ImageError> {
     for image in [reference, test] {
         if image.space() != ColorSpace::Xyz {
@@ -100,12 +101,12 @@ pub(super) fn check_pair(reference: &Image, test: &Image) -> Result<(), ImageErr
     Ok(())
 }
 
-/// The planes of a picture.
+/// The planes of an image.
 pub(super) fn three(planes: &Planes) -> [&[f32]; 3] {
     [planes.plane(0), planes.plane(1), planes.plane(2)]
 }
 
-/// ΔE of planes that are known to have equal length.
+/// ΔE of planes whose lengths have been checked.
 pub(super) fn map_of_planes(
     (rows, cols): (usize, usize),
     reference: [&[f32]; 3],
@@ -154,7 +155,7 @@ mod tests {
         for (xyz1, xyz2, expected) in PAIRS {
             for (formula, expected) in ALL.into_iter().zip(expected) {
                 let got = formula.between(lab_from_xyz(xyz1, WHITE), lab_from_xyz(xyz2, WHITE));
-                // ISETCam rounds (6/29)³, so only the last digits differ.
+                // ISETCam rounds (6/29)³, so the last digits differ.
                 assert!((got - expected).abs() < 1e-6, "{formula:?}: {got} is not {expected}");
             }
         }

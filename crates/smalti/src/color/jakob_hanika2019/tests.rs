@@ -7,7 +7,7 @@ fn lab_of(uplift: &Uplift, reflectance: &[f64]) -> [f64; 3] {
     lab_from_xyz(xyz, [1.0; 3])
 }
 
-/// Encoded values 0 to 255 in even steps, all combinations, as linear light; and very dark ones.
+/// All combinations of encoded values 0 to 255 in even steps, as linear light, plus very dark colours.
 fn colours(step: usize) -> Vec<[f64; 3]> {
     let levels: Vec<f64> = (0..=255)
         .step_by(step)
@@ -21,7 +21,8 @@ fn colours(step: usize) -> Vec<[f64; 3]> {
 #[test]
 fn every_colour_of_srgb_comes_back() {
     let uplift = Uplift::new(WavelengthGrid::VISIBLE, Observer::Cie1931).unwrap();
-    // In steps of 3 (704 969 colours) the largest ΔE2000 was 0.235 for pictures and 0.052 for single colours.
+    // With steps of 3 (704 969 colours), the largest ΔE2000 was 0.235 for images and 0.052 for single
+    // colours.
     let rgb = colours(17);
     let n = rgb.len();
     let data = [0, 1, 2].iter().flat_map(|&c| rgb.iter().map(move |v| v[c] as f32)).collect();
@@ -40,7 +41,7 @@ fn every_colour_of_srgb_comes_back() {
             worst = (single, v);
         }
     }
-    // The sigmoid's limits at black and white cost 0.05; the picture's tolerance comes on top.
+    // The limits of the sigmoid at black and white cost 0.05; the tolerance for images adds to that.
     assert!(worst.0 < 0.06, "single {worst:?}");
     assert!(worst_image.0 < 0.4, "picture {worst_image:?}");
 }
@@ -68,7 +69,7 @@ fn spectra_are_smooth_and_grey_is_flat() {
     let grey = uplift.reflectance(uplift.coefficients([0.2; 3]));
     assert!(grey.values().iter().all(|r| (r - 0.2).abs() < 1e-4));
     for rgb in colours(51) {
-        // A sigmoid of a parabola changes direction once at most.
+        // A sigmoid of a parabola has at most one extremum.
         let spectrum = uplift.reflectance(uplift.coefficients(rgb));
         let rises: Vec<bool> = spectrum
             .values()

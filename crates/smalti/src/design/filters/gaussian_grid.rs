@@ -1,8 +1,9 @@
-//! Sets of Gaussian filters on a fine grid of centres and widths: the brute force of [cfaresolution], section 3.4.
+//! Sets of Gaussian filters on a fine grid of centres and widths: the exhaustive search of [cfaresolution], section 3.4.
 
 use serde::{Deserialize, Serialize};
 
-use super::{FilterSet, Steps, index_checked};
+use super::set::{FilterSet, index_checked};
+use super::steps::Steps;
 use crate::design::combinations::{binomial, combination};
 use crate::design::error::{DesignError, colors_checked};
 use crate::sensor::Filter;
@@ -12,19 +13,19 @@ const WHAT: &str = "the family gaussian_grid";
 /// `[filters.gaussian_grid]`: every set of different Gaussian filters of peak 1 with centres and standard
 /// deviations on a grid.
 ///
-/// The paper states that the grid was fine, not its values. By default centres cover the visible range, and
-/// standard deviations reach from the step of the default wavelength grid, 10 nm, below which sampling would
-/// distort the curve, to 60 nm (141 nm at half maximum), wider than colour filters are. Steps of 2.5 nm leave
-/// neighbours on the grid that correlate by 98 % even where they are narrowest, so that results do not show the grid.
+/// The paper states that the grid was fine, but not its values. By default the centres cover the visible range. Standard
+/// deviations range from 10 nm, the step of the default wavelength grid, below which sampling would distort the curve, to
+/// 60 nm (141 nm full width at half maximum), wider than common colour filters. With steps of 2.5 nm, even the narrowest
+/// neighbouring filters have a correlation of 98 %, so that the grid does not affect results.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default, deny_unknown_fields)]
 pub struct GaussianGrid {
     /// Centres: first, step and last, nm.
-    #[serde(deserialize_with = "super::first_step_last")]
+    #[serde(deserialize_with = "super::steps::first_step_last")]
     pub centers_nm: [f64; 3],
     /// Standard deviations: first, step and last, nm.
-    #[serde(deserialize_with = "super::first_step_last")]
+    #[serde(deserialize_with = "super::steps::first_step_last")]
     pub sigmas_nm: [f64; 3],
     /// Smallest distance of two centres, nm; 0: filters may share a centre and differ in width.
     pub min_spacing_nm: f64,
@@ -36,11 +37,11 @@ impl Default for GaussianGrid {
     }
 }
 
-/// The grid, checked.
+/// The grid with its values checked.
 struct Grid {
     centers: Steps,
     sigmas: Steps,
-    /// Smallest distance of centres in steps; `None`: centres may coincide.
+    /// Smallest distance of centres in steps; `None` when centres may coincide.
     apart: Option<u64>,
 }
 
@@ -53,7 +54,7 @@ impl GaussianGrid {
             let message = format!("{spacing} is out of range; expected 0 to 100000");
             return Err(DesignError::key("gaussian_grid.min_spacing_nm", message));
         }
-        // Rounding must not ask for one step more where the spacing is a whole number of them.
+        // The margin keeps rounding from adding a step when the spacing is a whole number of steps.
         let steps = (spacing / centers.step - 1e-9).ceil();
         Ok(Grid { centers, sigmas, apart: (spacing > 0.0).then_some((steps as u64).max(1)) })
     }
@@ -103,7 +104,7 @@ impl GaussianGrid {
 }
 
 impl Grid {
-    /// Places that `k` centres can be chosen from when what must lie between them is taken out.
+    /// Number of centres from which `k` can be chosen after removing the mandatory gaps between them.
     fn slack(&self, k: u32, apart: u64) -> u64 {
         self.centers.len.saturating_sub(u64::from(k - 1).saturating_mul(apart - 1))
     }

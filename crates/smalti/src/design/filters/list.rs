@@ -1,8 +1,8 @@
-//! Filter sets written out one by one.
+//! Filter sets listed in the study file.
 
 use serde::{Deserialize, Serialize};
 
-use super::{FilterSet, ascending, index_checked, sampled};
+use super::set::{FilterSet, ascending, index_checked, sampled};
 use crate::design::error::{DesignError, colors_checked};
 use crate::sensor::Filter;
 
@@ -11,7 +11,7 @@ use crate::sensor::Filter;
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct ListedSet {
-    /// What it is called in results; absent: its number in the list, counted from 1.
+    /// Its name in results. The default is its number in the list, counted from 1.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub label: Option<String>,
     /// The filters, in any order: they are sorted by their mean wavelength.
@@ -19,7 +19,7 @@ pub struct ListedSet {
 }
 
 impl ListedSet {
-    /// Its label, or its place in the list.
+    /// Its label, or its number in the list.
     fn name(&self, place: usize) -> String {
         self.label.clone().unwrap_or_else(|| format!("set {}", place + 1))
     }

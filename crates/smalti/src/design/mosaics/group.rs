@@ -1,31 +1,31 @@
-//! Which tiles are one mosaic: shifts on the torus, and with them mirror images and rotations.
+//! Symmetries under which tiles are the same mosaic: shifts, mirror images and rotations.
 
 use serde::{Deserialize, Serialize};
 
-/// What makes two tiles the same mosaic.
+/// The symmetry under which two tiles count as the same mosaic.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 #[non_exhaustive]
 pub enum Symmetry {
-    /// A shift: the same mosaic seen from another pixel.
+    /// Shifts of the origin.
     #[default]
     Shift,
-    /// A shift, and mirrors at a row or a column (at both: half a turn).
+    /// Shifts, and reflections at a row or a column; both together are a rotation by 180°.
     ShiftMirror,
-    /// All of these and quarter turns; for square tiles.
+    /// Shifts, reflections and rotations by 90°; for square tiles.
     ShiftMirrorRotation,
 }
 
-/// The permutations of the cells of a tile that a symmetry allows, each once. The first leaves all in place.
+/// The group of permutations of the cells of a tile by a symmetry. The identity comes first.
 pub(super) struct Group {
     cells: usize,
-    /// Row g: for each cell, the cell whose colour it takes.
+    /// Element by element: for each cell, the cell whose colour it takes.
     sources: Vec<u16>,
 }
 
 impl Group {
-    /// For at most 65536 cells; a tile that is not square has no quarter turns.
+    /// The group for at most 65536 cells. Rotations by 90° need a square tile.
     pub(super) fn new(rows: usize, cols: usize, symmetry: Symmetry) -> Self {
         let turned = symmetry == Symmetry::ShiftMirrorRotation && rows == cols;
         let options = |on: bool| if on { &[false, true][..] } else { &[false][..] };
@@ -46,7 +46,7 @@ impl Group {
                 }
             }
         }
-        // On small tiles a mirror is a shift. The identity is the least.
+        // On small tiles a reflection can equal a shift. The identity is the smallest element.
         elements.sort_unstable();
         elements.dedup();
         Self { cells: rows * cols, sources: elements.concat() }
@@ -60,7 +60,7 @@ impl Group {
         &self.sources[index * self.cells..][..self.cells]
     }
 
-    /// The first of all images of a tile in the order of their cells.
+    /// The lexicographically smallest image of a tile.
     pub(super) fn canonical(&self, tile: &[u8]) -> Box<[u8]> {
         let mut best = self.element(0);
         for element in self.elements().skip(1) {
@@ -72,7 +72,7 @@ impl Group {
         best.iter().map(|&s| tile[usize::from(s)]).collect()
     }
 
-    /// Whether the first cells of a tile can be those of a canonical one: no image is certain to come before it.
+    /// Whether the first cells of a tile can begin a canonical tile, that is, no image is already smaller.
     pub(super) fn may_be_canonical(&self, first: &[u8]) -> bool {
         self.elements().skip(1).all(|element| {
             for (&source, own) in element.iter().zip(first) {
@@ -87,7 +87,7 @@ impl Group {
     }
 }
 
-/// The cycle that each cell is in, numbered in order of appearance, and the number of cycles.
+/// Writes the cycle of each cell, numbered in order of appearance, and returns the number of cycles.
 pub(super) fn cycles(element: &[u16], of: &mut [u16]) -> usize {
     of.fill(u16::MAX);
     let mut count = 0;

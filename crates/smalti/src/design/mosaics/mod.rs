@@ -1,7 +1,8 @@
-//! Families of mosaics: how many mosaics of N colours each has, all of them, or a random sample.
+//! Families of mosaics. A family counts its mosaics of N colours and lists all of them or a random sample.
 
 mod group;
 mod published;
+mod request;
 mod surjection;
 mod tile;
 
@@ -9,29 +10,17 @@ use serde::{Deserialize, Serialize};
 
 pub use group::Symmetry;
 pub use published::published;
+pub(super) use request::MosaicRequest;
+use request::{THIS_TILE, sampled};
 pub use tile::Tile;
 
 use super::error::{DesignError, colors_checked};
-use super::permutation::Permutation;
 use crate::sensor::Mosaic;
 
-/// Separates these random numbers from other uses of the same seed.
-const PURPOSE: u32 = 0x4453_4E02;
-
-/// Most mosaics that are listed at once.
+/// Maximum number of mosaics in a list.
 const MAX_LISTED: u64 = 10_000_000;
-/// Most cells of all mosaics that are listed at once: some bytes each, so that a list stays below a gigabyte.
+/// Maximum number of cells of all mosaics in a list. With a few bytes per cell, a list stays below a gigabyte.
 const MAX_LISTED_CELLS: u64 = 100_000_000;
-
-const THIS_TILE: &str = "this tile";
-
-/// How many mosaics are wanted, of how many, and how many are listed at most.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Wanted {
-    pub(super) count: u64,
-    available: u128,
-    pub(super) limit: u64,
-}
 
 /// `mosaics` of a study: `"catalogue"`, `{ given = [["bc", "ab"]] }` or a table `[mosaics.tile]`.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -39,10 +28,10 @@ pub(super) struct Wanted {
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 #[non_exhaustive]
 pub enum MosaicFamily {
-    /// Tiles written out, one text per row: the letters a, b, c, … are the filters, ascending in wavelength, so that the
-    /// number of letters is the number of colours. Taken as they are written.
+    /// Listed tiles, one string per row. The letters a, b, c, … are the filters in ascending wavelength, so that the number of
+    /// letters is the number of colours. Tiles are used as written.
     Given(Vec<Vec<String>>),
-    /// Every placement in a tile.
+    /// Every placement of the colours in a tile.
     Tile(Tile),
     /// The published mosaics: [`published`].
     Catalogue,
@@ -61,32 +50,36 @@ impl MosaicFamily {
         }
     }
 
-    /// `count` different mosaics of `colors` colours, each selection of them equally likely; all, when `count` is
-    /// `None`. The seed decides which; of a tile each mosaic is shown by the first of its tiles in the order of the
-    /// cells, reduced to its period.
+    /// A random sample of `count` different mosaics of `colors` colours, or all mosaics when `count` is `None`. All samples are
+    /// equally likely. A mosaic of a tile is represented by its lexicographically smallest tile, reduced to its period.
     ///
     /// # Errors
-    /// As [`MosaicFamily::count`], though a sample may be drawn from more than 2¹²⁸ − 1; when more are asked for than
-    /// there are, or more than ten million, or than have a hundred million cells.
+    /// As [`MosaicFamily::count`], but a sample may be drawn from more than 2¹²⁸ − 1 mosaics. Also when more mosaics are
+    /// requested than exist, or more than ten million, or mosaics of more than a hundred million cells in total.
     pub fn pick(&self, colors: usize, count: Option<u64>, seed: u64) -> Result<Vec<Mosaic>, DesignError> {
-        self.list(colors, self.wanted(colors, count)?, seed)
+        self.list(colors, self.request(colors, count)?, seed)
     }
 
-    /// As [`MosaicFamily::pick`], of mosaics that are counted already.
-    pub(super) fn list(&self, colors: usize, wanted: Wanted, seed: u64) -> Result<Vec<Mosaic>, DesignError> {
+    /// [`MosaicFamily::pick`] for a request that has been checked.
+    pub(super) fn list(
+        &self,
+        colors: usize,
+        request: MosaicRequest,
+        seed: u64,
+    ) -> Result<Vec<Mosaic>, DesignError> {
         let all = match self {
             Self::Given(tiles) => given(tiles, colors)?,
-            Self::Tile(tile) => return tile.pick(colors, wanted, seed),
+            Self::Tile(tile) => return tile.pick(colors, request, seed),
             Self::Catalogue => published(colors)?.into_iter().map(|(_, mosaic)| mosaic).collect(),
         };
-        chosen(all, wanted.count, colors, seed)
+        sampled(all, request.count, colors, seed)
     }
 
-    /// How many mosaics [`MosaicFamily::pick`] returns, without a list of them.
+    /// Checks a request for mosaics without listing them.
     ///
     /// # Errors
     /// As [`MosaicFamily::pick`].
-    pub(super) fn wanted(&self, colors: usize, count: Option<u64>) -> Result<Wanted, DesignError> {
+    pub(super) fn request(&self, colors: usize, count: Option<u64>) -> Result<MosaicRequest, DesignError> {
         let (what, available, cells) = match self {
             Self::Given(tiles) => ("the list of given mosaics", given(tiles, colors)?.len() as u128, 1),
             Self::Tile(tile) => (THIS_TILE, tile.available(colors, count)?, tile.rows * tile.cols),
@@ -98,20 +91,10 @@ impl MosaicFamily {
         let wanted = count.map_or(available, u128::from);
         let limit = MAX_LISTED.min(MAX_LISTED_CELLS / cells.max(1) as u64);
         match u64::try_from(wanted) {
-            Ok(count) if count <= limit => Ok(Wanted { count, available, limit }),
+            Ok(count) if count <= limit => Ok(MosaicRequest { count, available, limit }),
             _ => Err(DesignError::TooMany { what, colors, wanted, limit }),
         }
     }
-}
-
-/// All mosaics in their order, or a random choice of them.
-fn chosen(all: Vec<Mosaic>, wanted: u64, colors: usize, seed: u64) -> Result<Vec<Mosaic>, DesignError> {
-    if wanted == all.len() as u64 {
-        return Ok(all);
-    }
-    let order = Permutation::new(all.len() as u128, seed, PURPOSE, colors as u32);
-    let places = (0..u128::from(wanted)).filter_map(|i| order.at(i));
-    Ok(places.filter_map(|i| all.get(i as usize).cloned()).collect())
 }
 
 /// The given tiles with `colors` letters.

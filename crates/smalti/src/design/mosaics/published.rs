@@ -7,14 +7,14 @@ use crate::design::filters::mean_wavelength_nm;
 use crate::sensor::cfa::{CfaInfo, names};
 use crate::sensor::{Filter, Mosaic};
 
-/// The mosaics of the [catalogue](names) with `colors` filters, each with the first entry that shows it.
+/// The mosaics of the [catalogue](names) with `colors` filters, each with its first entry in the catalogue.
 ///
-/// Channels are numbered by the mean wavelength of the entry's own filters between 400 and 700 nm: in Bayer's mosaic
-/// blue is channel 0, green 1, red 2; white lies between green and red, infrared comes last.
+/// Channels are ordered by the mean wavelength of the filters of the entry between 400 and 700 nm. In the Bayer mosaic,
+/// blue is channel 0, green 1 and red 2. White lies between green and red, and infrared comes last.
 ///
-/// Left out are entries whose cells are mixtures of filters (`hirakawa2008`, `condat2011`: more kinds of cells than
-/// filters), the `random` mosaic, which is made and not published, and every entry that is a shift of one before it
-/// (the other phases of Bayer; `rccb`, `ryyb` and `cyym`, which are Bayer's with the middle filter doubled).
+/// The list omits entries whose cells are mixtures of filters (`hirakawa2008`, `condat2011`), the `random` mosaic, and every
+/// entry that is a shift of an earlier one (the other Bayer phases, and `rccb`, `ryyb` and `cyym`, which are Bayer mosaics of
+/// other filters).
 ///
 /// # Errors
 /// When `colors` is not 1 to 26.

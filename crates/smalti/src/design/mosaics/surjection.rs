@@ -1,11 +1,11 @@
-//! Colourings of places in which every colour appears.
+//! Colourings of places in which every colour appears (surjections).
 
 use crate::numeric::philox::Stream;
 
 /// The number of ways to colour `places` places so that each of `colors` colours appears; `None` when it is above
 /// 2¹²⁸ − 1.
 pub(super) fn count(places: usize, colors: usize) -> Option<u128> {
-    // ways[j]: colourings of the places so far in which j given colours appear, whatever the others.
+    // ways[j]: colourings of the places so far in which j given colours all appear.
     let mut ways: Vec<Option<u128>> = (0..=colors).map(|j| Some(u128::from(j == 0))).collect();
     for _ in 0..places {
         for j in (0..=colors).rev() {
@@ -18,15 +18,15 @@ pub(super) fn count(places: usize, colors: usize) -> Option<u128> {
     ways[colors]
 }
 
-/// Draws such colourings, each as likely as any other to the precision of a double.
+/// Draws such colourings, all equally likely to the precision of an `f64`.
 pub(super) struct Sampler {
     colors: usize,
-    /// Row m: for each j, the probability that m places coloured at random have j given colours.
+    /// Row m: for each j, the probability that j given colours all appear on m randomly coloured places.
     covered: Vec<Vec<f64>>,
 }
 
 impl Sampler {
-    /// For up to `places` places.
+    /// A sampler for up to `places` places.
     pub(super) fn new(places: usize, colors: usize) -> Self {
         let mut covered = vec![(0..=colors).map(|j| f64::from(u8::from(j == 0))).collect::<Vec<f64>>()];
         for m in 0..places {
@@ -40,21 +40,21 @@ impl Sampler {
         Self { colors, covered }
     }
 
-    /// The probabilities that the next place takes one of the `j` colours still missing and the places after it, whose
-    /// row is `after`, the rest; and that it takes another colour and those after it take all that are missing.
+    /// The probability that the next place takes one of the `j` missing colours and the later places the rest, and the
+    /// probability that it takes another colour and the later places all `j`. `after` is the row of the later places.
     fn next(after: &[f64], colors: usize, j: usize) -> [f64; 2] {
         let share = j as f64 / colors as f64;
         [if j == 0 { 0.0 } else { share * after[j - 1] }, (1.0 - share) * after[j]]
     }
 
-    /// The share of all colourings of `places` places in which every colour appears.
+    /// The fraction of all colourings of `places` places in which every colour appears.
     pub(super) fn probability(&self, places: usize) -> f64 {
         self.covered[places][self.colors]
     }
 
-    /// A colouring of as many places as `out` has. There are at least as many places as colours.
+    /// Writes a colouring to `out`, which has at least as many places as there are colours.
     pub(super) fn draw(&self, stream: &mut Stream, out: &mut [u8]) {
-        // The colours that are missing, then the others.
+        // The missing colours, then the others.
         let mut palette: [u8; 256] = std::array::from_fn(|i| i as u8);
         let mut missing = self.colors;
         let places = out.len();

@@ -1,20 +1,21 @@
-//! All mosaics of a tile: how many there are, all of them, or a random sample.
+//! The mosaics of a tile: their number, all of them, or a random sample.
 
 use std::collections::HashSet;
 
 use serde::{Deserialize, Serialize};
 
 use super::group::{Group, Symmetry, cycles};
-use super::{PURPOSE, Wanted, chosen, surjection};
+use super::request::{MosaicRequest, PURPOSE, THIS_TILE, sampled};
+use super::surjection;
 use crate::design::error::{DesignError, colors_checked};
 use crate::numeric::philox::Stream;
 use crate::sensor::Mosaic;
 
-/// Largest number of cells: the permutations of a tile of 32 × 32 fill 16 MB.
+/// Largest number of cells. The permutations of a tile of 32 × 32 cells take 16 MB.
 const MAX_CELLS: usize = 1024;
 
-/// `[mosaics.tile]`: every placement of N colours in a tile in which all appear; those that a symmetry makes the same
-/// mosaic count once.
+/// `[mosaics.tile]`: every placement of N colours in a tile in which all colours appear. Placements that are equal under the
+/// symmetry count once.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
@@ -23,7 +24,7 @@ pub struct Tile {
     pub rows: usize,
     /// Columns.
     pub cols: usize,
-    /// What makes two tiles the same mosaic.
+    /// The symmetry under which two tiles count as the same mosaic.
     #[serde(default)]
     pub symmetry: Symmetry,
 }
@@ -42,18 +43,17 @@ impl Tile {
         Ok(Group::new(rows, cols, symmetry))
     }
 
-    /// By the lemma of Cauchy and Frobenius (Burnside): the mean over the group of the number of placements that an
-    /// element leaves as they are.
+    /// Burnside's lemma: the mean over the group of the number of placements that an element fixes.
     pub(super) fn count(&self, colors: usize) -> Result<u128, DesignError> {
         colors_checked(colors)?;
         let group = self.group()?;
         let order = group.elements().len() as u128;
-        let uncountable = DesignError::Uncountable { what: super::THIS_TILE, colors };
+        let uncountable = DesignError::Uncountable { what: THIS_TILE, colors };
         let mut of = vec![0; self.rows * self.cols];
-        // How many elements have each number of cycles.
+        // Number of elements for each number of cycles.
         let mut with = vec![0u128; of.len() + 1];
         group.elements().for_each(|element| with[cycles(element, &mut of)] += 1);
-        // The sum may exceed the mean's range: whole parts and remainders of the division by the order apart.
+        // The sum may overflow although the mean fits, so quotients and remainders are summed separately.
         let (mut whole, mut rest) = (0u128, 0u128);
         for (places, &elements) in with.iter().enumerate().filter(|(_, n)| **n > 0) {
             let fixed = surjection::count(places, colors).ok_or(uncountable.clone())?;
@@ -64,7 +64,7 @@ impl Tile {
         whole.checked_add(rest / order).ok_or(uncountable)
     }
 
-    /// How many mosaics a number of them, or all, are drawn from; 2¹²⁸ − 1 stands for more than that.
+    /// Number of mosaics to draw from. For a sample, 2¹²⁸ − 1 stands for any larger number.
     pub(super) fn available(&self, colors: usize, count: Option<u64>) -> Result<u128, DesignError> {
         match self.count(colors) {
             Err(DesignError::Uncountable { .. }) if count.is_some() => Ok(u128::MAX),
@@ -72,12 +72,17 @@ impl Tile {
         }
     }
 
-    pub(super) fn pick(&self, colors: usize, wanted: Wanted, seed: u64) -> Result<Vec<Mosaic>, DesignError> {
-        // A sample of most of them would mostly draw what it has.
-        if u128::from(wanted.count) * 2 > wanted.available {
-            return chosen(self.all(colors)?, wanted.count, colors, seed);
+    pub(super) fn pick(
+        &self,
+        colors: usize,
+        request: MosaicRequest,
+        seed: u64,
+    ) -> Result<Vec<Mosaic>, DesignError> {
+        // Rejection sampling of most mosaics would mostly draw duplicates.
+        if u128::from(request.count) * 2 > request.available {
+            return sampled(self.all(colors)?, request.count, colors, seed);
         }
-        self.sample(colors, wanted.count, seed)
+        self.sample(colors, request.count, seed)
     }
 
     fn mosaic(&self, cells: &[u8]) -> Result<Mosaic, DesignError> {
@@ -91,7 +96,7 @@ impl Tile {
         let mut found = Vec::new();
         let mut uses = vec![0usize; colors];
         let mut cells: Vec<u8> = vec![];
-        // Colour to try next at the end of `cells`.
+        // The next colour to append to `cells`.
         let mut next = 0u8;
         loop {
             let missing = uses.iter().filter(|&&n| n == 0).count();
@@ -108,18 +113,18 @@ impl Tile {
                     found.push(self.mosaic(&cells)?);
                 }
             }
-            // The last cell has been dealt with: its next colour.
+            // Backtrack: try the next colour of the last cell.
             let Some(last) = cells.pop() else { return Ok(found) };
             uses[usize::from(last)] -= 1;
             next = last + 1;
         }
     }
 
-    /// `wanted` different mosaics, each set of them equally likely.
+    /// `count` different mosaics; all sets of that size are equally likely.
     ///
-    /// An element of the group is drawn with the number of placements that it leaves as they are as weight, then one of
-    /// these: every mosaic is equally likely, however many tiles show it ([dixon1983]).
-    fn sample(&self, colors: usize, wanted: u64, seed: u64) -> Result<Vec<Mosaic>, DesignError> {
+    /// An element of the group is drawn with a weight equal to the number of placements that it fixes, then one of these
+    /// placements. Every mosaic is then equally likely, regardless of the size of its orbit ([dixon1983]).
+    fn sample(&self, colors: usize, count: u64, seed: u64) -> Result<Vec<Mosaic>, DesignError> {
         let group = self.group()?;
         let places = self.rows * self.cols;
         let sampler = surjection::Sampler::new(places, colors);
@@ -127,7 +132,7 @@ impl Tile {
         let mut sum = 0.0;
         let weight = |element: &[u16]| {
             let cycles = cycles(element, &mut of);
-            // Relative to colors^places, all colourings.
+            // Relative to the number of all colourings, colors^places.
             sum += sampler.probability(cycles) * libm::pow(colors as f64, cycles as f64 - places as f64);
             sum
         };
@@ -135,7 +140,7 @@ impl Tile {
         let mut stream = Stream::new(seed, PURPOSE, colors as u32);
         let (mut seen, mut found) = (HashSet::new(), Vec::new());
         let (mut palette, mut tile) = (vec![0; places], vec![0; places]);
-        while (found.len() as u64) < wanted {
+        while (found.len() as u64) < count {
             let at = stream.uniform() * sum;
             let element = group.element(cumulative.partition_point(|&c| c <= at).min(cumulative.len() - 1));
             let cycles = cycles(element, &mut of);

@@ -1,4 +1,4 @@
-//! The few distributions that confidence intervals need. All follow from the regularised incomplete beta function.
+//! Distributions for confidence intervals, from the regularised incomplete beta function.
 
 /// Regularised incomplete beta function I_x(a, b) for a, b > 0, by its continued fraction ([dlmf2024], 8.17.22)
 /// evaluated after Lentz.
@@ -9,7 +9,7 @@ pub(super) fn incomplete_beta(x: f64, a: f64, b: f64) -> f64 {
     if x >= 1.0 {
         return 1.0;
     }
-    // The fraction converges fast on this side of the mean; the other side is its mirror.
+    // The fraction converges fast on this side of the mean; symmetry gives the other side.
     if x > (a + 1.0) / (a + b + 2.0) {
         return 1.0 - incomplete_beta(1.0 - x, b, a);
     }
@@ -19,7 +19,7 @@ pub(super) fn incomplete_beta(x: f64, a: f64, b: f64) -> f64 {
     let nonzero = |v: f64| if v.abs() < TINY { TINY } else { v };
     let (mut c, mut d) = (1.0, 1.0 / nonzero(1.0 - (a + b) * x / (a + 1.0)));
     let mut fraction = d;
-    // About √max(a, b) terms are needed; the bound stands for a few hundred million designs.
+    // About √max(a, b) terms are needed; the limit suffices for a few hundred million designs.
     for i in 1..100_000u32 {
         let m = f64::from(i);
         let even = m * (b - m) * x / ((a + 2.0 * m - 1.0) * (a + 2.0 * m));
@@ -46,12 +46,12 @@ fn binomial_cdf(k: usize, n: usize, probability: f64) -> f64 {
     incomplete_beta(1.0 - probability, (n - k) as f64, k as f64 + 1.0)
 }
 
-/// The value that `below(y) < target` leaves, for a rising `below` on `0..=1`.
-fn bisect(target: f64, below: impl Fn(f64) -> f64) -> f64 {
+/// The y in `0..=1` where an increasing function reaches `target`.
+fn bisect(target: f64, increasing: impl Fn(f64) -> f64) -> f64 {
     let (mut low, mut high) = (0.0, 1.0);
     for _ in 0..100 {
         let middle = 0.5 * (low + high);
-        if below(middle) < target {
+        if increasing(middle) < target {
             low = middle;
         } else {
             high = middle;
@@ -60,8 +60,8 @@ fn bisect(target: f64, below: impl Fn(f64) -> f64) -> f64 {
     0.5 * (low + high)
 }
 
-/// How many standard errors a mean of `n` ≥ 2 normal values lies from the truth with probability `confidence`:
-/// Student's t with n − 1 degrees of freedom, two-sided.
+/// Two-sided quantile of Student's t with n − 1 degrees of freedom, n ≥ 2: half width of the confidence interval of a mean
+/// in standard errors.
 pub(super) fn student_t(confidence: f64, n: usize) -> f64 {
     let freedom = n as f64 - 1.0;
     // With y = t² / (ν + t²), P(|T| < t) = I_y(½, ν/2).
@@ -69,17 +69,17 @@ pub(super) fn student_t(confidence: f64, n: usize) -> f64 {
     (freedom * y / (1.0 - y)).sqrt()
 }
 
-/// The normal deviate whose absolute value is below it with probability `confidence`.
+/// Two-sided quantile of the standard normal distribution.
 pub(super) fn normal_z(confidence: f64) -> f64 {
-    // Deviates beyond 40 have no probability that a double can hold.
+    // The probability beyond 40 underflows an `f64`.
     40.0 * bisect(confidence, |y| libm::erf(40.0 * y * std::f64::consts::FRAC_1_SQRT_2))
 }
 
-/// Ranks (from 1) of the order statistics of `n` values between which their quantile `probability` lies with at
-/// least the given confidence, whatever the distribution; `None` where even the extreme value is no bound.
+/// Ranks (from 1) of the order statistics of `n` values that bound their quantile `probability` with at least the given
+/// confidence, for any distribution; `None` where even the extreme value is no bound.
 pub(super) fn quantile_ranks(n: usize, probability: f64, confidence: f64) -> (Option<usize>, Option<usize>) {
     let tail = 0.5 * (1.0 - confidence);
-    // The first k in 0..n at which a rising condition holds.
+    // The first k in 0..n from which a condition holds.
     let first = |holds: &dyn Fn(usize) -> bool| {
         let (mut low, mut high) = (0, n);
         while low < high {
@@ -94,7 +94,7 @@ pub(super) fn quantile_ranks(n: usize, probability: f64, confidence: f64) -> (Op
     };
     // The value of rank l exceeds the quantile when at most l − 1 values lie below it.
     let lower = first(&|k| binomial_cdf(k, n, probability) > tail);
-    // That of rank u falls short of it when at least u lie below.
+    // The value of rank u is below the quantile when at least u values lie below it.
     let upper = first(&|k| binomial_cdf(k, n, probability) >= 1.0 - tail) + 1;
     (Some(lower).filter(|l| *l > 0), Some(upper).filter(|u| *u <= n))
 }

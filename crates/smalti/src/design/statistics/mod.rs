@@ -1,5 +1,5 @@
-//! What a study says: how a metric spreads over the designs of a group, which designs no other beats, and which to
-//! look at first. Plain functions on columns of numbers; they know nothing of how the numbers came about.
+//! Statistics of the scores of a study: distributions of a metric over the designs of a group, Pareto fronts, and rankings.
+//! All are plain functions on columns of numbers.
 //!
 //! ```
 //! use smalti::design::statistics::{Objective, Rule, best_per_group, pareto_front, summarize_groups};
@@ -26,23 +26,23 @@ mod ranking;
 mod summary;
 
 pub use objective::Objective;
-pub use pareto::{Front, pareto_front};
+pub use pareto::{ParetoFront, pareto_front};
 pub use ranking::{Rule, best_per_group};
 pub use summary::{Estimate, Moments, Summary, quantile_of_sorted, summarize, summarize_groups};
 
 use thiserror::Error;
 
-/// A question that the columns given cannot answer.
+/// An error of the statistics of a study.
 #[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]
 pub enum StatisticsError {
-    /// A confidence that is no probability.
+    /// The confidence is not a probability.
     #[error("the confidence must lie between 0 and 1, both excluded; got {value}")]
     Confidence {
-        /// What was given.
+        /// The confidence.
         value: f64,
     },
-    /// Columns of one table that differ in length.
+    /// Columns of one table differ in length.
     #[error("the columns must have one row per design: {expected} rows in the first, {got} in another")]
     Lengths {
         /// Rows of the first column.
@@ -50,15 +50,15 @@ pub enum StatisticsError {
         /// Rows of the one that differs.
         got: usize,
     },
-    /// A front or a rule without an objective.
+    /// A Pareto front or a ranking rule has no objective.
     #[error("no objective given")]
     NoObjective,
-    /// A weight that cannot be summed.
+    /// A weight is negative or not finite.
     #[error("the weight of objective {index} must be finite and not negative; got {value}")]
     Weight {
         /// Position of the objective, from 0.
         index: usize,
-        /// What was given.
+        /// The weight.
         value: f64,
     },
 }

@@ -1,8 +1,8 @@
-//! A column that is to be small or large.
+//! A column of values to minimise or to maximise.
 
 use super::StatisticsError;
 
-/// One value per design, and which way it improves.
+/// One value per design, and the direction of improvement.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Objective<'a> {
     values: &'a [f64],
@@ -28,7 +28,7 @@ impl<'a> Objective<'a> {
         self.values
     }
 
-    /// The value with its sign such that smaller is better; `None` for NaN and beyond the last row.
+    /// The value, negated where larger is better, so that smaller is better; `None` for NaN and beyond the last row.
     pub(super) fn cost(&self, row: usize) -> Option<f64> {
         let value = self.values.get(row).copied().filter(|v| !v.is_nan())?;
         Some(if self.higher { -value } else { value })

@@ -1,4 +1,4 @@
-//! The designs that no other design beats.
+//! Pareto fronts: the designs that no other design dominates.
 
 use std::collections::BTreeMap;
 
@@ -7,24 +7,24 @@ use super::{Objective, StatisticsError};
 
 /// The Pareto front of a set of designs.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Front {
-    /// Rows of the front, ascending. Designs that are equal in every objective are all on it or all not.
+pub struct ParetoFront {
+    /// Rows of the front, ascending. Of designs that are equal in every objective, all or none are on the front.
     pub rows: Vec<usize>,
-    /// Rows left out because an objective of theirs is NaN.
+    /// Number of rows left out because one of their objectives is NaN.
     pub left_out: usize,
 }
 
-/// The rows that no other row beats: none is at least as good in every objective and better in one.
+/// The rows that no other row dominates, that is, is at least as good in every objective and better in one.
 ///
-/// Infinite values are compared like others. Up to three objectives take n log n ([kung1975]); more are sorted by the
-/// sum of their ranks and compared with the front found so far ([chomicki2003]), n times the length of the front.
+/// Infinite values are compared like others. Up to three objectives take n log n operations ([kung1975]). With more, rows are
+/// sorted by the sum of their ranks and compared with the front found so far ([chomicki2003]): n times the size of the front.
 ///
 /// [kung1975]: https://doi.org/10.1145/321906.321910
 /// [chomicki2003]: https://doi.org/10.1109/ICDE.2003.1260846
 ///
 /// # Errors
 /// [`StatisticsError::NoObjective`], and [`StatisticsError::Lengths`] unless all have as many rows.
-pub fn pareto_front(objectives: &[Objective<'_>]) -> Result<Front, StatisticsError> {
+pub fn pareto_front(objectives: &[Objective<'_>]) -> Result<ParetoFront, StatisticsError> {
     let all = rows(objectives)?;
     let mut front = match objectives {
         [a] => sweep(all, [a, a, a]),
@@ -36,16 +36,15 @@ pub fn pareto_front(objectives: &[Objective<'_>]) -> Result<Front, StatisticsErr
     Ok(front)
 }
 
-/// A number as an integer of the same order; both zeros are one.
+/// A number as an integer of the same order; −0 equals 0.
 fn key(cost: f64) -> u64 {
     let bits = (cost + 0.0).to_bits();
     if bits >> 63 == 1 { !bits } else { bits | 1 << 63 }
 }
 
-/// Three objectives: ascending in the first, a row is beaten when a row before it is no worse in the other two. Those
-/// are kept as a staircase, the least third cost so far up to each second cost. One or two objectives are the same
-/// with the last repeated.
-fn sweep(all: usize, objectives: [&Objective<'_>; 3]) -> Front {
+/// Sweeps over three objectives. In ascending order of the first, a row is dominated when an earlier row is no worse in the
+/// other two. A staircase holds the least third cost up to each second cost. One or two objectives repeat the last.
+fn sweep(all: usize, objectives: [&Objective<'_>; 3]) -> ParetoFront {
     let mut order: Vec<([u64; 3], usize)> = Vec::with_capacity(all);
     for row in 0..all {
         let costs = objectives.map(|o| o.cost(row).map(key));
@@ -73,12 +72,12 @@ fn sweep(all: usize, objectives: [&Objective<'_>; 3]) -> Front {
             stairs.insert(b, c);
         }
     }
-    Front { rows, left_out }
+    ParetoFront { rows, left_out }
 }
 
-/// Any number of objectives. A row that beats another has the smaller sum of ranks, so that after sorting by it a row
-/// is on the front unless a row of the front beats it.
-fn filter(all: usize, objectives: &[Objective<'_>]) -> Front {
+/// Filters by any number of objectives. A dominating row has a smaller sum of ranks, so that in this order a row is on the
+/// front unless a row of the front dominates it.
+fn filter(all: usize, objectives: &[Objective<'_>]) -> ParetoFront {
     let valid: Vec<usize> =
         (0..all).filter(|row| objectives.iter().all(|o| o.cost(*row).is_some())).collect();
     let width = objectives.len();
@@ -104,15 +103,15 @@ fn filter(all: usize, objectives: &[Objective<'_>]) -> Front {
     let mut order: Vec<(u64, usize)> = sums.iter().enumerate().map(|(place, sum)| (*sum, place)).collect();
     order.sort_unstable();
     let mut rows = Vec::new();
-    // The front's ranks lie together: comparing with it is nearly all of the work.
+    // The ranks of the front are contiguous, because comparisons with them take most of the time.
     let mut front: Vec<u32> = Vec::new();
     for (_, place) in order {
         let Some(own) = ranks.get(place * width..(place + 1) * width) else { continue };
-        let beats = |other: &[u32]| other.iter().zip(own).all(|(o, s)| o <= s) && other != own;
-        if !front.chunks_exact(width).any(beats) {
+        let dominates = |other: &[u32]| other.iter().zip(own).all(|(o, s)| o <= s) && other != own;
+        if !front.chunks_exact(width).any(dominates) {
             front.extend_from_slice(own);
             rows.extend(valid.get(place));
         }
     }
-    Front { rows, left_out: all - valid.len() }
+    ParetoFront { rows, left_out: all - valid.len() }
 }

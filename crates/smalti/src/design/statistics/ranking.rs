@@ -1,4 +1,4 @@
-//! Which designs to look at first.
+//! Rankings of the designs of a group.
 
 use std::cmp::Ordering;
 
@@ -6,25 +6,24 @@ use super::objective::rows;
 use super::summary::{quantile_of_sorted, rows_per_group};
 use super::{Objective, StatisticsError};
 
-/// How the designs of a group are put in order, best first.
+/// The ranking rule for the designs of a group, best first.
 ///
-/// For a report, [`Rule::Keeping`] with the least ΔE and MTF50 kept is the choice: the best of a single metric often
-/// is a design that ruins another, a weight between unlike units cannot be defended, and "the best colour among the
-/// sharper half of its group" can be said in a sentence.
+/// Reports use [`Rule::Keeping`] with least ΔE and median MTF50: the best design by one metric is often poor by another, and
+/// weights between unlike units are arbitrary. The rule means "the best colour among the sharper half of the group".
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub enum Rule<'a> {
-    /// By `best`, among the designs whose `keep` is no worse than the group's median.
+    /// By `best`, among the designs whose `keep` is no worse than the median of the group.
     Keeping {
-        /// What decides.
+        /// The objective that ranks.
         best: Objective<'a>,
-        /// What must not fall below the median.
+        /// The objective that must be no worse than the median.
         keep: Objective<'a>,
     },
     /// By the first objective, ties by the next. One objective alone ranks by that metric.
     Lexicographic(Vec<Objective<'a>>),
-    /// By the weighted sum of the objectives, each as its distance from the group's median in units of the group's
-    /// interval of 90 % (5th to 95th percentile). An objective without spread counts nothing.
+    /// By the weighted sum of the objectives, each as its difference from the median of the group divided by the range from
+    /// the 5th to the 95th percentile. An objective without spread is ignored.
     Weighted(Vec<(Objective<'a>, f64)>),
 }
 
@@ -76,7 +75,7 @@ fn order(rule: &Rule<'_>, mut members: Vec<usize>) -> Vec<usize> {
     // Rows ascend, and the sort is stable: equal designs stay in the order of their rows.
     match rule {
         Rule::Keeping { best, keep } => {
-            // Of an even number the lower middle: none between it and the median.
+            // For an even number, the lower of the middle two; no value lies between it and the median.
             let kept = costs(keep);
             let median = kept.get(kept.len().saturating_sub(1) / 2).copied().unwrap_or(f64::NAN);
             members.retain(|row| keep.cost(*row).is_some_and(|cost| cost <= median));

@@ -1,13 +1,13 @@
-//! How a metric spreads over the designs of a group, and how well the designs drawn tell it.
+//! Summary statistics of a metric over a group of designs, with confidence intervals.
 
 use std::collections::BTreeMap;
 
 use super::StatisticsError;
 use super::distribution::{normal_z, quantile_ranks, student_t};
 
-/// A figure and its confidence interval, in the unit of the column.
+/// An estimate and its confidence interval, in the unit of the column.
 ///
-/// `value` is NaN where too few designs define it. `low` and `high` are −∞ and ∞ where too few designs bound it.
+/// With too few designs, `value` is NaN, and `low` and `high` are −∞ and ∞.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Estimate {
     /// The estimate.
@@ -26,23 +26,23 @@ impl Estimate {
 
 /// One metric over one group of designs.
 ///
-/// `p05` and `p95` bound the interval that holds 90 % of the designs, as in the seed study's table of means.
+/// `p05` and `p95` bound the central 90 % of the designs.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Summary {
-    /// Designs with a finite value; the figures below are theirs.
+    /// Number of designs with a finite value, which the statistics are computed from.
     pub count: usize,
-    /// Designs without one.
+    /// Number of designs without a finite value.
     pub left_out: usize,
-    /// Arithmetic mean; its interval by Student's t, near enough for the hundreds of designs of a study whatever
+    /// Arithmetic mean. Its interval is by Student's t, which is accurate for the hundreds of designs of a study regardless of
     /// their distribution.
     pub mean: Estimate,
-    /// Standard deviation, of n − 1; its interval after [bonett2006], which holds without normality. From 5 designs.
+    /// Standard deviation with divisor n − 1. Its interval is by [bonett2006], does not assume normality, and needs 5 designs.
     ///
     /// [bonett2006]: https://doi.org/10.1016/j.csda.2004.10.003
     pub standard_deviation: Estimate,
-    /// Median. This and the percentiles are interpolated linearly between order statistics, NumPy's default
-    /// (type 7 of [hyndman1996]); their intervals lie between order statistics chosen by the binomial distribution
-    /// ([thompson1936]), which holds for any continuous distribution.
+    /// Median. The median and the percentiles are interpolated linearly between order statistics, as in NumPy by default
+    /// (type 7 of [hyndman1996]). Their intervals are bounded by order statistics chosen by the binomial distribution
+    /// ([thompson1936]), which is valid for any continuous distribution.
     ///
     /// [hyndman1996]: https://doi.org/10.1080/00031305.1996.10473566
     /// [thompson1936]: https://doi.org/10.1214/aoms/1177732502
@@ -53,10 +53,8 @@ pub struct Summary {
     pub p95: Estimate,
 }
 
-/// The summary of one column. Values that are not finite are left out and counted. The order of the values does not
-/// matter, to the last bit.
-///
-/// `confidence` is that of each interval by itself, 0.95 by custom.
+/// The summary of one column. Values that are not finite are left out and counted. The result does not depend on the order of
+/// the values, to the last bit. `confidence` applies to each interval separately; 0.95 is common.
 ///
 /// # Errors
 /// [`StatisticsError::Confidence`] unless it lies between 0 and 1.
@@ -97,7 +95,7 @@ pub fn summarize(values: &[f64], confidence: f64) -> Result<Summary, StatisticsE
     })
 }
 
-/// The summary of a column for each group, ascending. A group without a finite value stays, with `count` 0.
+/// The summary of a column for each group, ascending. A group without a finite value has `count` 0.
 ///
 /// # Errors
 /// [`StatisticsError::Lengths`] unless the columns are of one length, [`StatisticsError::Confidence`] as in
@@ -112,7 +110,7 @@ pub fn summarize_groups<G: Ord + Clone>(
     rows.into_iter().map(|(group, rows)| Ok((group, summarize(&column(rows), confidence)?))).collect()
 }
 
-/// The rows of each group, ascending in both.
+/// The rows of each group; groups and rows ascend.
 pub(super) fn rows_per_group<G: Ord + Clone>(
     groups: &[G],
     rows: usize,
@@ -130,8 +128,8 @@ pub(super) fn rows_per_group<G: Ord + Clone>(
     Ok(map)
 }
 
-/// The value below which the share `probability` of ascending values lies, linearly interpolated, as NumPy's default
-/// does to the last bit; NaN without values. Probabilities beyond 0 and 1 give the extremes.
+/// The quantile of ascending values, interpolated linearly; it equals that of NumPy (default method) to the last bit. NaN
+/// without values. Probabilities outside 0 to 1 give the extremes.
 #[must_use]
 pub fn quantile_of_sorted(sorted: &[f64], probability: f64) -> f64 {
     let Some(last) = sorted.len().checked_sub(1) else { return f64::NAN };
@@ -140,12 +138,12 @@ pub fn quantile_of_sorted(sorted: &[f64], probability: f64) -> f64 {
     let t = position - index as f64;
     let at = |i: usize| sorted.get(i.min(last)).copied().unwrap_or(f64::NAN);
     let (a, b) = (at(index), at(index + 1));
-    // From the nearer end, so that the result is monotone in t.
+    // Interpolation from the nearer end makes the result monotone in t.
     if t < 0.5 { a + (b - a) * t } else { b - (b - a) * (1.0 - t) }
 }
 
-/// Bonett's interval: the logarithm of the variance is near normal, with a spread that the kurtosis sets. The kurtosis
-/// is taken about a trimmed mean, which a long tail moves less.
+/// Bonett's interval: the logarithm of the variance is nearly normal, with a standard error that depends on the kurtosis. The
+/// kurtosis is taken about a trimmed mean, which is robust against long tails.
 fn standard_deviation(sorted: &[f64], moments: &Moments, confidence: f64) -> Estimate {
     let value = moments.standard_deviation();
     let n = sorted.len() as f64;
@@ -164,10 +162,9 @@ fn standard_deviation(sorted: &[f64], moments: &Moments, confidence: f64) -> Est
     Estimate { value, low: end(-1.0), high: end(1.0) }
 }
 
-/// Count, mean and variance of values seen one by one, or of parts joined: memory for three numbers.
+/// Running count, mean and variance, which can be merged ([chan1983]).
 ///
-/// Joining parts gives the same as one pass up to rounding, so for equal bits join the same parts in the same order.
-/// After [chan1983].
+/// Merged parts equal one pass up to rounding. For equal bits, merge the same parts in the same order.
 ///
 /// [chan1983]: https://doi.org/10.1080/00031305.1983.10483115
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -186,7 +183,7 @@ impl Moments {
         self.squares += before * (value - self.mean);
     }
 
-    /// Both parts together.
+    /// The moments of both parts together.
     #[must_use]
     pub fn merge(self, other: Self) -> Self {
         if self.count == 0 || other.count == 0 {
@@ -201,25 +198,25 @@ impl Moments {
         }
     }
 
-    /// How many values were added.
+    /// Number of values.
     #[must_use]
     pub fn count(&self) -> u64 {
         self.count
     }
 
-    /// Their mean; NaN without one.
+    /// Mean; NaN without values.
     #[must_use]
     pub fn mean(&self) -> f64 {
         if self.count == 0 { f64::NAN } else { self.mean }
     }
 
-    /// Their variance, of n − 1; NaN below two.
+    /// Variance with divisor n − 1; NaN for fewer than two values.
     #[must_use]
     pub fn variance(&self) -> f64 {
         if self.count < 2 { f64::NAN } else { self.squares / (self.count - 1) as f64 }
     }
 
-    /// The root of the variance.
+    /// Square root of the variance.
     #[must_use]
     pub fn standard_deviation(&self) -> f64 {
         self.variance().sqrt()

@@ -1,12 +1,12 @@
-//! The Bayer layout, whatever its channels are called.
+//! The Bayer layout, independent of the names of its channels.
 
 use super::super::IspError;
 use crate::sensor::Mosaic;
 
-/// Where the channels of a Bayer mosaic lie.
+/// The positions of the channels of a Bayer mosaic.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Bayer {
-    /// The channel that every second pixel has.
+    /// The channel of every second pixel.
     pub(super) green: usize,
     green_at_origin: bool,
     /// The other channel of even rows, and of odd rows.
@@ -14,7 +14,7 @@ pub(super) struct Bayer {
 }
 
 impl Bayer {
-    /// The layout of a mosaic: any that repeats after 2 × 2 and has three channels, one of them on a diagonal.
+    /// The layout of a mosaic with a period of 2 × 2 and three channels, one of them on a diagonal; `None` for any other mosaic.
     pub(super) fn of(mosaic: &Mosaic) -> Option<Self> {
         let at = |r, c| mosaic.channel_at(r, c);
         let (rows, cols) = (mosaic.rows(), mosaic.cols());
@@ -31,7 +31,7 @@ impl Bayer {
         }
     }
 
-    /// As [`Bayer::of`], for a method that takes nothing else.
+    /// [`Bayer::of`] for a method that is defined for Bayer mosaics only.
     pub(super) fn required(mosaic: &Mosaic, method: &'static str) -> Result<Self, IspError> {
         let (rows, cols, channels) = (mosaic.rows(), mosaic.cols(), mosaic.channels());
         Self::of(mosaic).ok_or(IspError::UnsupportedCfa { rows, cols, channels, method })

@@ -1,4 +1,4 @@
-//! Bilinear interpolation of any mosaic, and its fast integer form for Bayer.
+//! Bilinear interpolation of any mosaic, with a fast integer version for Bayer mosaics.
 
 use rayon::prelude::*;
 
@@ -11,11 +11,11 @@ use super::simd::{BayerLines, Simd, bayer_row};
 use crate::numeric::{Planes, ShapeError};
 use crate::sensor::{Mosaic, RawImage, Sampling};
 
-/// Bilinear demosaicking of one mosaic: a normalised convolution whose weights are those of linear interpolation
-/// between the samples of a channel that enclose a pixel. Made once per mosaic, applied to any number of images.
+/// Bilinear demosaicking of one mosaic: a normalised convolution with the weights of linear interpolation between the samples
+/// of a channel that enclose a pixel. One instance serves any number of images.
 ///
-/// Linear gradients are reproduced away from the border, measured samples are kept. At the border the weights of the
-/// samples that are there are scaled to sum to 1; where none is there, the mean of the nearest of the channel is taken.
+/// It reproduces linear gradients away from the border and keeps measured samples. At the border, the weights of the available
+/// samples are scaled to sum to 1. If none is available, the result is the mean of the nearest samples of the channel.
 ///
 /// ```
 /// use smalti::isp::demosaic::Bilinear;
@@ -35,11 +35,10 @@ pub struct Bilinear {
 }
 
 impl Bilinear {
-    /// Finds the weights for a mosaic.
+    /// Computes the weights for a mosaic.
     ///
     /// # Errors
-    /// [`IspError::SparseChannel`] when samples of a channel are so far apart that none within 64 pixels enclose
-    /// some pixel.
+    /// [`IspError::SparseChannel`] when no samples of a channel within 64 pixels enclose some pixel.
     pub fn new(mosaic: &Mosaic) -> Result<Self, IspError> {
         let (rows, cols) = (mosaic.rows() as i64, mosaic.cols() as i64);
         let plan = Plan::new(mosaic, Border::Normalize, |row, col, channel| {
@@ -60,11 +59,11 @@ impl Bilinear {
         Ok(Self { mosaic: mosaic.clone(), bayer: Bayer::of(mosaic), plan })
     }
 
-    /// One plane per channel, as [`super::Demosaic::apply`] gives, written over planes that are there already.
+    /// Writes one plane per channel to existing planes, with the values of [`super::Demosaic::apply`].
     ///
     /// # Errors
-    /// [`IspError::Mosaic`] when the raw image has another mosaic, [`IspError::Shape`] when `out` is not of the size
-    /// of the image with one plane per channel, [`IspError::ChannelNotSeen`] when the image misses a channel.
+    /// [`IspError::Mosaic`] when the raw image has another mosaic, [`IspError::Shape`] when `out` does not have the size of the
+    /// image and one plane per channel, [`IspError::ChannelNotSeen`] when the image has no sample of a channel.
     pub fn apply_into(&self, raw: &RawImage, out: &mut Planes) -> Result<(), IspError> {
         let (rows, cols) = (raw.rows(), raw.cols());
         if *raw.sampling() != Sampling::Mosaic(self.mosaic.clone()) {
@@ -78,12 +77,12 @@ impl Bilinear {
         self.plan.apply(Source::of(raw), Simd::best(), out.data_mut())
     }
 
-    /// 16-bit samples, `rows` × `cols`, into planes of 16 bits, one after another in the order of the channels, to
-    /// the nearest integer (halves on Bayer mosaics up, as in OpenCV). Black level is left in.
+    /// Writes 16-bit planes of `rows` × `cols` samples to `out`, in the order of the channels. Values are rounded to the nearest
+    /// integer (on Bayer mosaics halves up, as in OpenCV). The black level is not subtracted.
     ///
     /// # Errors
-    /// When `samples.len()` is not `rows * cols`, `out.len()` is not that times the channels, or the image misses
-    /// a channel.
+    /// When `samples.len()` is not `rows * cols`, `out.len()` is not that times the number of channels, or the image has no
+    /// sample of a channel.
     pub fn apply_u16(
         &self,
         samples: &[u16],
@@ -126,14 +125,14 @@ impl Bilinear {
     }
 }
 
-/// The integer form for Bayer; sizes have been checked.
+/// The integer version for Bayer mosaics; the caller has checked the sizes.
 fn bayer_u16(simd: Simd, bayer: Bayer, samples: &[u16], rows: usize, cols: usize, out: &mut [u16]) {
     bands(out, rows, cols).into_par_iter().enumerate().for_each(|(i, mut band)| {
         let line = |row: usize| &samples[row * cols..(row + 1) * cols];
         let height = band.first().map_or(0, |b| b.len() / cols);
         for k in 0..height {
             let row = i * BAND_ROWS + k;
-            // Above and below the image lies the row on the other side, which holds the same channels.
+            // Rows beyond the border are mirrored; they hold the same channels.
             let above = line(if row == 0 { 1 } else { row - 1 });
             let below = line(if row + 1 == rows { rows - 2 } else { row + 1 });
             let [a, b, c] = &mut band[..] else { continue };
@@ -148,7 +147,7 @@ fn bayer_u16(simd: Simd, bayer: Bayer, samples: &[u16], rows: usize, cols: usize
                 (g[col], own[col], other[col]) = border_pixel(&lines, col, row == 0 || row + 1 == rows);
             }
             if row == 0 || row + 1 == rows {
-                // Doubling the row that is there would weigh it twice in the green mean of four.
+                // In the border rows, the green mean must not count the mirrored row twice.
                 for col in 1..cols - 1 {
                     g[col] = border_pixel(&lines, col, true).0;
                 }
@@ -157,7 +156,7 @@ fn bayer_u16(simd: Simd, bayer: Bayer, samples: &[u16], rows: usize, cols: usize
     });
 }
 
-/// Green, the row's own chroma and the other chroma at a pixel whose row or column is outermost.
+/// Green, the chroma channel of the row and the other chroma channel at a pixel of the border.
 fn border_pixel(lines: &BayerLines<'_>, col: usize, outer_row: bool) -> (u16, u16, u16) {
     let sides = [col.checked_sub(1), Some(col + 1).filter(|&c| c < lines.here.len())];
     let mean = |values: &[u32]| {

@@ -1,15 +1,14 @@
 //! Weights of linear interpolation between the samples of one channel of a periodic mosaic.
 //!
-//! A pixel is interpolated in the Delaunay cell that encloses it: the samples on the empty circle around it. Where
-//! that cell is a triangle, the weights are the pixel's barycentric coordinates. Samples of a mosaic lie on a
-//! lattice, so cells of four and more samples on one circle are the rule, and every triangulation of such a cell is
-//! as good as another; the weights are the mean over the triangulations that fan out from each of its corners, which
-//! keeps the symmetry of the cell. On Bayer mosaics this is bilinear interpolation.
+//! A pixel is interpolated in its Delaunay cell, the samples on the empty circle around it. In a triangular cell, the weights
+//! are the barycentric coordinates of the pixel. Since the samples of a mosaic lie on a lattice, cells often have four or more
+//! samples on one circle, and their triangulation is not unique. The weights are then the mean over the fan triangulations
+//! from each corner, which keeps the symmetry of the cell. On Bayer mosaics this is bilinear interpolation.
 //!
-//! Linear functions are reproduced, and the samples used are the nearest that enclose the pixel, so no weight is
-//! spent further away than needed. Everything is decided in integers; nothing depends on rounding.
+//! Linear functions are reproduced, and the samples are the nearest that enclose the pixel. All decisions use integers and do
+//! not depend on rounding.
 
-/// How far from a pixel samples are looked for.
+/// Search radius for samples, pixels.
 pub(super) const MAX_REACH: i64 = 64;
 
 /// A position relative to the pixel, (row, column).
@@ -58,7 +57,7 @@ fn enclosing_cell(near: &[Offset]) -> Option<Vec<Offset>> {
     let &neighbour = near[1..].iter().min_by_key(|&&p| (distance(p), p))?;
     let edge = if orient(start, neighbour, origin) >= 0 { (start, neighbour) } else { (neighbour, start) };
     let mut cell = cell_left_of(near, edge.0, edge.1).or_else(|| cell_left_of(near, edge.1, edge.0))?;
-    // Walking towards the origin never returns to a cell (Edelsbrunner 1990); the bound is for safety.
+    // The walk towards the origin never returns to a cell (Edelsbrunner 1990); the bound is a safeguard.
     for _ in 0..near.len() {
         let corners = cell.iter().zip(cell.iter().cycle().skip(1));
         match corners.map(|(&a, &b)| (a, b)).find(|&(a, b)| orient(a, b, origin) < 0) {
@@ -80,7 +79,7 @@ fn cell_left_of(near: &[Offset], a: Offset, b: Offset) -> Option<Vec<Offset>> {
     Some(cell)
 }
 
-/// Whether the circle through the corners lies where samples have been looked for.
+/// Whether the circle through the corners lies within the search radius.
 fn circle_within(cell: &[Offset], reach: i64) -> bool {
     let &[a, b, c, ..] = cell else { return false };
     let (bx, by, cx, cy) = (b.0 - a.0, b.1 - a.1, c.0 - a.0, c.1 - a.1);
@@ -89,11 +88,11 @@ fn circle_within(cell: &[Offset], reach: i64) -> bool {
     let (x, y) = ((cy as f64 * b2 - by as f64 * c2) / d, (bx as f64 * c2 - cx as f64 * b2) / d);
     let radius = x.hypot(y);
     let centre = (x + a.0 as f64).abs().max((y + a.1 as f64).abs());
-    // A sample that was not looked at is at least reach + 1 away.
+    // Samples outside the search radius are at least reach + 1 away.
     centre + radius < reach as f64 + 1.0 - 1e-6
 }
 
-/// Barycentric coordinates of the origin, the mean over the fans from each corner of a convex cell.
+/// Barycentric coordinates of the origin, averaged over the fan triangulations from each corner of a convex cell.
 fn fan_mean(cell: &[Offset]) -> Vec<(Offset, f64)> {
     let (origin, n) = ((0, 0), cell.len());
     let mut sum = vec![0.0; n];

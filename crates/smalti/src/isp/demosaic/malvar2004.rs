@@ -1,5 +1,5 @@
 //! Malvar, He and Cutler 2004, "High-quality linear interpolation for demosaicing of Bayer-patterned color images":
-//! bilinear interpolation corrected by the Laplacian of the channel that the pixel has seen.
+//! bilinear interpolation with a correction by the Laplacian of the channel of the pixel.
 
 use super::super::IspError;
 use super::bayer::Bayer;
@@ -9,7 +9,7 @@ use crate::sensor::Mosaic;
 /// The published 5 × 5 filters in eighths, doubled to be integers (figure 2 of the paper).
 const GREEN: [[i8; 5]; 5] =
     [[0, 0, -2, 0, 0], [0, 0, 4, 0, 0], [-2, 4, 8, 4, -2], [0, 0, 4, 0, 0], [0, 0, -2, 0, 0]];
-/// A chroma channel at a green pixel that has its samples left and right.
+/// A chroma channel at a green pixel with its samples on the left and right.
 const CHROMA_BESIDE: [[i8; 5]; 5] =
     [[0, 0, 1, 0, 0], [0, -2, 0, -2, 0], [-2, 8, 10, 8, -2], [0, -2, 0, -2, 0], [0, 0, 1, 0, 0]];
 /// A chroma channel at a pixel of the other chroma channel.

@@ -1,12 +1,14 @@
 //! Demosaicking: every channel at every pixel.
 
-mod adams1997;
 mod bayer;
 mod bilinear;
 mod delaunay;
+mod hamilton_adams1997;
 mod malvar2004;
 mod plan;
 mod simd;
+
+use serde::{Deserialize, Serialize};
 
 use super::IspError;
 use super::source::Source;
@@ -16,46 +18,70 @@ pub use bilinear::Bilinear;
 pub(crate) use plan::{BAND_ROWS, bands};
 use simd::Simd;
 
-/// How the channels a pixel has not seen are estimated.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+/// A demosaicking method.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "kebab-case")]
 #[non_exhaustive]
 pub enum Demosaic {
     /// Linear interpolation between the samples of a channel that enclose the pixel, for any mosaic.
     #[default]
     Bilinear,
-    /// Malvar, He and Cutler 2004, linear with 5 × 5 filters, for Bayer mosaics.
+    /// Malvar, He and Cutler 2004: linear filters of 5 × 5 samples, for Bayer mosaics.
     Malvar2004,
-    /// Green along the smaller gradient, the other channels by their difference to green, for Bayer mosaics
-    /// (Hamilton and Adams 1997).
-    Adaptive,
+    /// Hamilton and Adams 1997: green along the smaller gradient, the other channels by their difference to green, for Bayer mosaics.
+    // Older descriptions use the name "adaptive".
+    #[serde(alias = "adaptive")]
+    HamiltonAdams1997,
 }
 
 impl Demosaic {
-    /// One plane per channel, normalised: 0 at black level, 1 at white level; not clipped. Pixels keep the value
-    /// of the channel they have seen. An image that has every channel at every pixel passes through.
+    /// Every method.
+    pub const ALL: [Self; 3] = [Self::Bilinear, Self::Malvar2004, Self::HamiltonAdams1997];
+
+    /// The name of the method in descriptions and on the command line.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Bilinear => "bilinear",
+            Self::Malvar2004 => "malvar2004",
+            Self::HamiltonAdams1997 => "hamilton-adams1997",
+        }
+    }
+
+    /// Whether the method is defined for a mosaic.
+    #[must_use]
+    pub fn is_defined_for(self, mosaic: &Mosaic) -> bool {
+        match self {
+            Self::Bilinear => true,
+            Self::Malvar2004 | Self::HamiltonAdams1997 => mosaic.bayer_phase().is_some(),
+        }
+    }
+
+    /// One plane per channel, normalised to 0 at black level and 1 at white level, not clipped. Measured samples are kept. An
+    /// image with all channels at every pixel is only normalised.
     ///
     /// # Errors
-    /// [`IspError::UnsupportedCfa`] when the method is not defined for the mosaic; [`IspError::ChannelNotSeen`] when
-    /// the image is so small that it misses a channel; [`IspError::SparseChannel`] when samples of a channel are
-    /// too far apart.
+    /// [`IspError::UnsupportedCfa`] when the method is not defined for the mosaic; [`IspError::ChannelNotSeen`] when the image is
+    /// so small that it has no sample of a channel; [`IspError::SparseChannel`] when samples of a channel are too far apart.
     pub fn apply(self, raw: &RawImage) -> Result<Planes, IspError> {
         self.apply_with(Simd::best(), raw)
     }
 
-    /// Rows or columns, whichever is more, from which samples can reach a pixel.
+    /// The reach of the method: a pixel depends on samples at most that many rows or columns away.
     ///
     /// # Errors
     /// When the method is not defined for the mosaic.
     pub fn reach(self, mosaic: &Mosaic) -> Result<usize, IspError> {
-        Ok(self.interpolation(mosaic)?.map_or(adams1997::REACH, |i| i.reach()))
+        Ok(self.interpolation(mosaic)?.map_or(hamilton_adams1997::REACH, |i| i.reach()))
     }
 
-    /// The weights of the method for a mosaic; `None` where it has none that do not depend on the image.
+    /// The weights of the method for a mosaic; `None` when the method is not linear.
     pub(crate) fn interpolation(self, mosaic: &Mosaic) -> Result<Option<Interpolation>, IspError> {
         Ok(match self {
             Self::Bilinear => Some(Interpolation(Bilinear::new(mosaic)?.into_plan())),
             Self::Malvar2004 => Some(Interpolation(malvar2004::plan(mosaic)?)),
-            Self::Adaptive => None,
+            Self::HamiltonAdams1997 => None,
         })
     }
 
@@ -71,7 +97,7 @@ impl Demosaic {
         match self {
             Self::Bilinear => Bilinear::new(mosaic)?.plan().apply(source, simd, planes)?,
             Self::Malvar2004 => malvar2004::plan(mosaic)?.apply(source, simd, planes)?,
-            Self::Adaptive => adams1997::apply(mosaic, source, simd, planes)?,
+            Self::HamiltonAdams1997 => hamilton_adams1997::apply(mosaic, source, simd, planes)?,
         }
         Ok(out)
     }
@@ -82,13 +108,13 @@ impl Demosaic {
 pub(crate) struct Interpolation(plan::Plan);
 
 impl Interpolation {
-    /// Rows or columns, whichever is more, from which samples can reach a pixel.
+    /// The reach of the weights, in rows or columns, whichever is larger.
     pub(crate) fn reach(&self) -> usize {
         self.0.reach()
     }
 
-    /// Calls `each` with row and column from a pixel of the tile and the weight of every sample that a channel there is
-    /// made of.
+    /// Calls `each` with the offset (rows, columns) and the weight of every sample that contributes to a channel at a pixel of the
+    /// tile.
     pub(crate) fn each_weight(
         &self,
         row: usize,
@@ -125,7 +151,17 @@ mod tests {
         ]
     }
 
-    /// Every instruction set and the way pixel by pixel give the same bits.
+    #[test]
+    fn names_are_those_of_descriptions() {
+        for method in Demosaic::ALL {
+            let named = serde_json::to_value(method).unwrap();
+            assert_eq!(named, method.name());
+            assert_eq!(serde_json::from_value::<Demosaic>(named).unwrap(), method);
+        }
+        assert_eq!(serde_json::from_str::<Demosaic>("\"adaptive\"").unwrap(), Demosaic::HamiltonAdams1997);
+    }
+
+    /// Every instruction set and the reference implementation give the same bits.
     #[test]
     fn all_ways_agree() {
         for (mosaic, (rows, cols)) in

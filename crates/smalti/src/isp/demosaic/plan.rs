@@ -1,7 +1,7 @@
 //! Linear demosaicking: for each cell of the tile and each channel, a short list of weighted samples.
 //!
-//! A plan is made once per mosaic and applied to images of any size. Rows are done in parallel in bands of fixed
-//! height, columns in vectors whose weights repeat with the tile.
+//! A plan is computed once per mosaic and applied to images of any size. Bands of rows are processed in parallel, and columns in
+//! vectors whose weights repeat with the tile.
 
 use std::collections::BTreeMap;
 
@@ -14,12 +14,12 @@ use crate::numeric::ShapeError;
 use crate::numeric::mirror::about_outermost;
 use crate::sensor::Mosaic;
 
-/// Rows done by one task. Fixed, so that the work is cut the same way for any number of threads.
+/// Rows per task, fixed so that results do not depend on the number of threads.
 pub(crate) const BAND_ROWS: usize = 32;
-/// Vectors of weights that may be kept; a tile that needs more is done pixel by pixel.
+/// Maximum number of weight vectors in memory. Larger tiles are processed pixel by pixel.
 const MAX_VECTORS: usize = 1 << 15;
 
-/// One weighted sample, at a distance from the pixel that is interpolated.
+/// A weighted sample, by its offset from the interpolated pixel.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Tap {
     pub(super) row: i32,
@@ -27,13 +27,13 @@ pub(super) struct Tap {
     pub(super) weight: f32,
 }
 
-/// What stands in for samples beyond the border of the image.
+/// The treatment of samples beyond the border of the image.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Border {
-    /// Nothing: the weights of the samples that are there are scaled to sum to 1. Where none is there, the mean of
-    /// the nearest samples of the channel.
+    /// The weights of the available samples are scaled to sum to 1. Without any, the result is the mean of the nearest samples
+    /// of the channel.
     Normalize,
-    /// The image mirrored about its outermost pixels, which keeps the phase of a tile of 2 × 2.
+    /// The image is mirrored about its outermost pixels, which keeps the phase of a tile of 2 × 2.
     Mirror,
 }
 
@@ -42,7 +42,7 @@ pub(super) enum Border {
 pub(super) struct Plan {
     mosaic: Mosaic,
     border: Border,
-    /// Cell by cell, channel by channel, in the order rows then columns of the samples.
+    /// Taps by cell, then channel, in row order of the samples.
     taps: Vec<Vec<Tap>>,
     reach_rows: usize,
     reach_cols: usize,
@@ -70,18 +70,18 @@ impl Plan {
         Ok(Self { mosaic: mosaic.clone(), border, taps, reach_rows, reach_cols })
     }
 
-    /// Rows or columns, whichever is more, from which samples can reach a pixel.
+    /// The reach of the taps, in rows or columns, whichever is larger.
     pub(super) fn reach(&self) -> usize {
         self.reach_rows.max(self.reach_cols)
     }
 
-    /// What a channel at a pixel of the tile is made of.
+    /// The taps of a channel at a pixel of the tile.
     pub(super) fn taps(&self, row: usize, col: usize, channel: usize) -> &[Tap] {
         let cell = (row % self.mosaic.rows()) * self.mosaic.cols() + col % self.mosaic.cols();
         &self.taps[cell * self.mosaic.channels() + channel]
     }
 
-    /// One plane per channel, one after another, written to `out`.
+    /// Writes one plane per channel to `out`, one after another.
     pub(super) fn apply<T: Sample>(
         &self,
         source: Source<'_>,
@@ -109,7 +109,7 @@ impl Plan {
         Ok(())
     }
 
-    /// As [`Plan::apply`], the slow way.
+    /// Reference implementation of [`Plan::apply`].
     #[cfg(test)]
     pub(super) fn pixel_by_pixel(&self, source: Source<'_>) -> Vec<f32> {
         let mut out = vec![0.0; source.rows() * source.cols() * self.mosaic.channels()];
@@ -119,7 +119,7 @@ impl Plan {
         out
     }
 
-    /// An image smaller than the tile may hold no sample of some channel.
+    /// Checks that the image has samples of every channel; one smaller than the tile may not.
     fn every_channel_is_seen(&self, rows: usize, cols: usize) -> Result<(), IspError> {
         let m = &self.mosaic;
         let mut seen = vec![false; m.channels()];
@@ -132,7 +132,7 @@ impl Plan {
         }
     }
 
-    /// The value of a channel at a pixel, wherever it lies.
+    /// The value of a channel at any pixel, including the border.
     fn pixel(&self, source: &Source<'_>, row: usize, col: usize, channel: usize) -> f32 {
         let (mut sum, mut total, mut missing) = (0.0f32, 0.0f32, false);
         for t in self.taps(row, col, channel) {
@@ -155,7 +155,7 @@ impl Plan {
         }
     }
 
-    /// The mean of the nearest samples of a channel, by growing squares.
+    /// The mean of the nearest samples of a channel, searched in growing squares.
     fn nearest(&self, source: &Source<'_>, row: usize, col: usize, channel: usize) -> f32 {
         for ring in 1..source.rows().max(source.cols()) {
             let rows = row.saturating_sub(ring)..=(row + ring).min(source.rows() - 1);
@@ -167,7 +167,7 @@ impl Plan {
                 return sum / n as f32;
             }
         }
-        0.0 // not reached: every channel has been seen
+        0.0 // unreachable: the image has samples of every channel
     }
 
     fn pixel_band<T: Sample>(&self, source: Source<'_>, first: usize, band: &mut [&mut [T]]) {
@@ -194,7 +194,7 @@ impl Plan {
         let (rows, cols, channels) = (source.rows(), source.cols(), self.mosaic.channels());
         let (up, side) = (self.reach_rows, self.reach_cols);
         let band_rows = band.first().map_or(0, |b| b.len() / cols);
-        // Row `first - up` of the image lies at the top of the buffer, whether it exists or not.
+        // The buffer begins with row `first - up` of the image, even if that row does not exist.
         buffer.resize((band_rows + 2 * up) * layout.stride, 0.0);
         for (i, line) in buffer.chunks_mut(layout.stride).enumerate() {
             if let Some(row) = (first + i).checked_sub(up).filter(|&r| r < rows) {
@@ -220,7 +220,7 @@ impl Plan {
         }
     }
 
-    /// The taps of each row of the tile and channel, gathered by vector of columns.
+    /// The taps for each row of the tile and each channel, grouped by vector of columns.
     fn vectors(&self, layout: &Layout) -> Vec<RowVectors> {
         let offset = |(row, col): (i32, i32)| {
             let down = (self.reach_rows as i64 + i64::from(row)) as usize;
@@ -246,14 +246,14 @@ impl Plan {
     }
 }
 
-/// The taps of one row of the tile and one channel: `spans` cuts them by vector, which repeat along the row.
+/// The taps for one row of the tile and one channel. `spans` holds the range of each vector; vectors repeat along the row.
 #[derive(Debug, Default)]
 struct RowVectors {
     taps: Vec<LaneTap>,
     spans: Vec<(usize, usize)>,
 }
 
-/// How rows lie in the buffer of a band, and after how many vectors the weights repeat.
+/// The layout of rows in the buffer of a band, and the period of the weights in vectors.
 #[derive(Debug)]
 struct Layout {
     stride: usize,
@@ -261,7 +261,7 @@ struct Layout {
 }
 
 impl Layout {
-    /// `None` where the image is too small, or the tile too large, for vectors.
+    /// `None` when the image is too small or the tile too large for vectors.
     fn new(plan: &Plan, cols: usize) -> Option<Self> {
         let m = &plan.mosaic;
         // The least common multiple of tile width and lanes, in vectors; LANES is a power of two.
@@ -272,7 +272,7 @@ impl Layout {
     }
 }
 
-/// The rows of each band, plane by plane.
+/// The rows of each band of all planes.
 pub(crate) fn bands<T>(data: &mut [T], rows: usize, cols: usize) -> Vec<Vec<&mut [T]>> {
     let mut bands: Vec<Vec<&mut [T]>> = (0..rows.div_ceil(BAND_ROWS)).map(|_| Vec::new()).collect();
     for plane in data.chunks_mut((rows * cols).max(1)) {

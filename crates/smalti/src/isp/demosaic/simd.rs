@@ -3,10 +3,10 @@
 //! Each loop is written once on arrays of lanes. Products and sums are rounded separately everywhere, so that every
 //! instruction set gives the same bits.
 
-/// Lanes the loops are written for: one AVX-512 register of `f32`, two of AVX2.
+/// Lanes per vector: one AVX-512 register of `f32`, or two of AVX2.
 pub(super) const LANES: usize = 16;
 
-/// An instruction set this machine has. Only [`Simd::all`] makes one.
+/// An instruction set of this machine. Only [`Simd::all`] constructs one.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Simd(Set);
 
@@ -38,7 +38,7 @@ impl Simd {
         sets
     }
 
-    /// The widest.
+    /// The widest instruction set.
     pub(super) fn best() -> Self {
         Self::all().pop().unwrap_or(Self(Set::Portable))
     }
@@ -76,18 +76,18 @@ macro_rules! dispatched {
     };
 }
 
-/// One sample used by a vector of pixels: where it lies and what each lane takes of it.
+/// One sample of a vector of pixels: its position and its weight in each lane.
 #[derive(Debug, Clone)]
 pub(super) struct LaneTap {
-    /// Distance from the first lane's own place in the buffer, minus the largest reach up and left.
+    /// Offset in the buffer from the first lane, shifted by the largest reach upwards and to the left.
     pub(super) offset: usize,
     pub(super) weights: [f32; LANES],
 }
 
-/// A sample that a plan can write.
+/// An output sample of a plan.
 pub(super) trait Sample: Copy + Default + Send + Sync {
     fn from_f32(value: f32) -> Self;
-    /// [`weighted_row_f32`] or its like.
+    /// [`weighted_row_f32`] or its equivalent for the type.
     fn weighted_row(simd: Simd, taps: &[LaneTap], spans: &[(usize, usize)], window: &[f32], out: &mut [Self]);
 }
 
@@ -109,8 +109,8 @@ impl Sample for f32 {
 }
 
 impl Sample for u16 {
-    /// The nearest integer. `value` is a weighted mean of 16-bit numbers, so it is in range; the sum with 2²³ leaves
-    /// it in the low bits of the mantissa, which vectorises where a checked conversion does not.
+    /// The nearest integer. `value` is a weighted mean of 16-bit numbers and therefore in range. Adding 2²³ moves it to the low
+    /// bits of the mantissa, which vectorises, unlike a checked conversion.
     #[inline(always)]
     fn from_f32(value: f32) -> Self {
         (value + 8_388_608.0).to_bits() as u16
@@ -138,7 +138,7 @@ dispatched! {
     weighted_row_u16 => weighted_row_body(taps: &[LaneTap], spans: &[(usize, usize)], window: &[f32], out: &mut [u16])
 }
 
-/// Vectors that share one reading of the weights.
+/// Vectors that share one load of the weights.
 const BLOCK: usize = 8;
 
 #[inline(always)]
@@ -161,7 +161,7 @@ fn weighted_row_body<T: Sample>(taps: &[LaneTap], spans: &[(usize, usize)], wind
 /// `B` vectors of pixels, `step` apart.
 #[inline(always)]
 fn weighted_block<T: Sample, const B: usize>(taps: &[LaneTap], step: usize, window: &[f32], out: &mut [T]) {
-    // Windows of one length, one per vector, so that each tap is checked against their end once.
+    // One window of equal length per vector, so that one bounds check per tap suffices.
     let Some(len) = window.len().checked_sub((B - 1) * step) else { return };
     let mut windows = [window; B];
     for (b, w) in windows.iter_mut().enumerate() {
@@ -181,8 +181,8 @@ fn weighted_block<T: Sample, const B: usize>(taps: &[LaneTap], step: usize, wind
         }
     }
     for (b, sum) in sums.iter().enumerate() {
-        // A loop, not `map`: its closure would be compiled without the instruction set, and called. And by way of an
-        // array of its own: written straight to `out`, the sums are kept in memory rather than in registers.
+        // A loop, because the closure of `map` would be compiled without the instruction set. The local array keeps the sums
+        // in registers, which writing to `out` directly does not.
         let mut values = [T::default(); LANES];
         for lane in 0..LANES {
             values[lane] = T::from_f32(sum[lane]);
@@ -190,7 +190,7 @@ fn weighted_block<T: Sample, const B: usize>(taps: &[LaneTap], step: usize, wind
         let out = &mut out[b * step..];
         match out.first_chunk_mut::<LANES>() {
             Some(full) => *full = values,
-            // The last vector of a row, cut off by its end.
+            // The last, incomplete vector of a row.
             None => out.iter_mut().zip(values).for_each(|(o, v)| *o = v),
         }
     }
@@ -207,12 +207,12 @@ pub(super) struct BayerLines<'a> {
 }
 
 dispatched! {
-    /// Bilinear interpolation of the middle row: green, the other channel of the row, and the channel that is not in
-    /// it. The first and last pixel are left alone.
+    /// Bilinear interpolation of the middle row: green, the other channel of the row, and the channel that the row lacks. The
+    /// first and last pixels are not written.
     bayer_row => bayer_row_body(lines: BayerLines<'_>, green: &mut [u16], own: &mut [u16], other: &mut [u16])
 }
 
-/// Pixels done at once: 32 of 16 bits fill an AVX-512 register.
+/// Pixels per vector: 32 of 16 bits fill an AVX-512 register.
 const WIDE: usize = 2 * LANES;
 
 #[inline(always)]

@@ -1,23 +1,23 @@
-//! Shifts between planes, from the phase of their cross-power spectra.
+//! Shifts between planes, by phase correlation.
 
 use rayon::prelude::*;
 
 use crate::numeric::fft::{Complex32, RealFft2, bin_frequency, fast_len};
 
-/// Largest side at which all places are tried.
+/// Maximum side of the plane in the exhaustive search.
 const COARSE_SIDE: usize = 512;
-/// Side of the patches that are compared at full resolution, and how many are taken along each side at most.
+/// Side of the patches at full resolution, and the maximum number of patches along each side.
 const PATCH_SIDE: usize = 256;
-const MOST_PATCHES: usize = 6;
-/// Standard deviation of the weight of frequencies, cycles per pixel. Above it a mosaic's channels alias, and noise
-/// rules.
+const MAX_PATCHES: usize = 6;
+/// Standard deviation of the frequency weight, cycles per pixel. At higher frequencies the channels of a
+/// mosaic alias, and noise dominates.
 const BAND: f64 = 0.12;
-/// Share of the spectrum of a patch that must agree with its shift. Noise alone reaches a hundredth.
-const LEAST_AGREEMENT: f64 = 0.1;
-/// Finest step of the peak's place, pixels.
+/// Minimum fraction of the spectrum of a patch that agrees with its shift. Noise alone reaches 0.01.
+const MIN_AGREEMENT: f64 = 0.1;
+/// Finest step of the peak search, pixels.
 const FINEST: f64 = 0.005;
 
-/// Values, row by row.
+/// A plane of values, row by row.
 #[derive(Debug, Clone)]
 pub(super) struct Plane {
     pub(super) rows: usize,
@@ -25,7 +25,7 @@ pub(super) struct Plane {
     pub(super) values: Vec<f32>,
 }
 
-/// A plane on the grid of another, from this row and column of it.
+/// A plane on the grid of another, at this row and column.
 #[derive(Debug, Clone)]
 pub(super) struct Placed {
     pub(super) plane: Plane,
@@ -39,10 +39,10 @@ pub(super) struct Shift {
     pub(super) col: f64,
 }
 
-/// What one patch says.
+/// The shift of one patch.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct PatchShift {
-    /// Its centre in the placed plane, pixels.
+    /// Centre of the patch in the placed plane, pixels.
     row: usize,
     col: usize,
     shift: Shift,
@@ -57,7 +57,8 @@ impl Plane {
         self.values.get(r * self.cols..(r + 1) * self.cols).unwrap_or_default()
     }
 
-    /// Means over squares of `step` × `step` pixels of another plane, whose pixels are `scale` of these.
+    /// Means over squares of `step` × `step` pixels of another plane, whose pixels span `scale` pixels of
+    /// this one.
     fn reduced(&self, step: f64) -> Self {
         let (rows, cols) = ((self.rows as f64 / step) as usize, (self.cols as f64 / step) as usize);
         let range = |i: usize, len: usize| {
@@ -81,7 +82,8 @@ impl Plane {
         Self::new(rows, cols, values)
     }
 
-    /// A part, less its mean, tapered to zero at its edges (Hann), in the corner of a plane of zeros.
+    /// A window without its mean, tapered to zero at its edges (Hann) and placed in the corner of a plane of
+    /// zeros.
     fn window(
         &self,
         (row, high): (usize, usize),
@@ -104,11 +106,11 @@ impl Plane {
     }
 }
 
-/// The terms of the half spectrum of a correlation, whitened by half: the phase counts more than the amplitude, and
-/// frequencies without signal for little.
+/// The terms of the half spectrum of a correlation, partially whitened: the phase weighs more than the
+/// amplitude, and frequencies without signal weigh little.
 struct CrossPower {
     rows: usize,
-    /// Vertical bin, horizontal frequency, real and imaginary part; column by column.
+    /// Vertical bin, horizontal frequency, real and imaginary part, column by column.
     terms: Vec<(usize, f64, f64, f64)>,
 }
 
@@ -124,14 +126,14 @@ impl CrossPower {
             let (ar, ai, br, bi) = (f64::from(a.re), f64::from(a.im), f64::from(b.re), f64::from(b.im));
             let (re, im) = (ar * br + ai * bi, ai * br - ar * bi);
             let size = re.hypot(im);
-            // All but the first column stand for the other half of the spectrum, too.
+            // Every column except the first also represents the conjugate half of the spectrum.
             let weight = if i / rows == 0 { weight } else { 2.0 * weight } / size.sqrt();
             (size > 0.0 && weight.is_finite()).then_some((i % rows, fx, re * weight, im * weight))
         };
         Self { rows, terms: a.iter().zip(&b).enumerate().filter_map(term).collect() }
     }
 
-    /// The correlation at each of these rows × columns.
+    /// The correlation at given rows and columns.
     fn at(&self, rows: &[f64], cols: &[f64]) -> Vec<f64> {
         use std::f64::consts::TAU;
         let phases: Vec<Vec<(f64, f64)>> = rows
@@ -157,8 +159,8 @@ impl CrossPower {
         out
     }
 
-    /// The place of the peak near `at`, by ever finer sums from this step on, and how much of the spectrum agrees with it,
-    /// 0 to 1.
+    /// The position of the peak near `at`, refined from this step on, and the fraction (0 to 1) of the
+    /// spectrum that agrees with it.
     fn peak(&self, mut at: Shift, mut step: f64) -> (Shift, f64) {
         let total: f64 = self.terms.iter().map(|t| t.2.hypot(t.3)).sum();
         let mut agrees = 0.0;
@@ -179,7 +181,7 @@ impl CrossPower {
     }
 }
 
-/// Where the moving plane's corner lies on the fixed one, to about a pixel.
+/// Position of the moving plane's corner on the fixed plane, to about a pixel.
 pub(super) fn coarse(fixed: &Plane, moving: &Plane, scale: f64) -> Shift {
     let largest = fixed.rows.max(fixed.cols) as f64;
     let step = (largest / COARSE_SIDE as f64).max(1.0).max(scale);
@@ -193,17 +195,18 @@ pub(super) fn coarse(fixed: &Plane, moving: &Plane, scale: f64) -> Shift {
     for &(k, fx, re, im) in &power.terms {
         let bin = (fx * size.1 as f64).round() as usize;
         if let Some(s) = spectrum.get_mut(bin * size.0 + k) {
-            // Terms of the first column stand for themselves, the others for two.
+            // Terms of the first column count once, all others twice.
             let half = if bin == 0 { 1.0 } else { 0.5 };
             *s = Complex32::new((re * half) as f32, (im * half) as f32);
         }
     }
     let Ok(correlation) = fft.inverse(&spectrum) else { return Shift { row: 0.0, col: 0.0 } };
-    // Places beyond the fixed plane are negative ones.
+    // Indices beyond the extent of the fixed plane represent negative shifts.
     let signed = |i: usize, n: usize, limit: usize| if i > limit { i as f64 - n as f64 } else { i as f64 };
     let place =
         |i: usize| Shift { row: signed(i / size.1, size.0, a.rows), col: signed(i % size.1, size.1, a.cols) };
-    // A picture shows the scene of the raw image: where they share but a corner, their likeness is chance.
+    // The image shows the scene of the raw image. Where only a corner is common, a high correlation is
+    // coincidental.
     let common = |s: Shift| {
         let along = |shift: f64, a: usize, b: usize| (a as f64).min(shift + b as f64) - shift.max(0.0);
         along(s.row, a.rows, b.rows).max(0.0) * along(s.col, a.cols, b.cols).max(0.0)
@@ -216,10 +219,10 @@ pub(super) fn coarse(fixed: &Plane, moving: &Plane, scale: f64) -> Shift {
     Shift { row: at.row * step, col: at.col * step }
 }
 
-/// How far each patch of the placed plane would have to move on.
+/// The residual shift of each patch of the placed plane.
 pub(super) fn patches(fixed: &Plane, placed: &Placed) -> Vec<PatchShift> {
     let p = &placed.plane;
-    // At least two patches along a side, so that every quadrant has one.
+    // At least two patches along a side, so that every quadrant contains one.
     let side = |len: usize| PATCH_SIDE.min(len / 2) & !1;
     let (high, wide) = (side(p.rows), side(p.cols));
     if high.min(wide) < 12 {
@@ -227,7 +230,7 @@ pub(super) fn patches(fixed: &Plane, placed: &Placed) -> Vec<PatchShift> {
     }
     let Ok(fft) = RealFft2::new(high, wide) else { return Vec::new() };
     let starts = |len: usize, side: usize| -> Vec<usize> {
-        let n = (len / side).clamp(2, MOST_PATCHES);
+        let n = (len / side).clamp(2, MAX_PATCHES);
         (0..n).map(|i| i * (len - side) / (n - 1)).collect()
     };
     let places: Vec<(usize, usize)> = starts(p.rows, high)
@@ -242,12 +245,12 @@ pub(super) fn patches(fixed: &Plane, placed: &Placed) -> Vec<PatchShift> {
             return None;
         }
         let (shift, agrees) = CrossPower::of(&fft, &a, &b).peak(Shift { row: 0.0, col: 0.0 }, 2.0);
-        (agrees >= LEAST_AGREEMENT).then_some(PatchShift { row: row + high / 2, col: col + wide / 2, shift })
+        (agrees >= MIN_AGREEMENT).then_some(PatchShift { row: row + high / 2, col: col + wide / 2, shift })
     };
     places.par_iter().filter_map(one).collect()
 }
 
-/// The median of the patches, along rows and columns.
+/// The median shift of the patches, along rows and columns.
 pub(super) fn middle(patches: &[PatchShift]) -> Option<Shift> {
     let median = |of: fn(&PatchShift) -> f64| {
         let mut values: Vec<f64> = patches.iter().map(of).collect();
@@ -268,7 +271,7 @@ pub(super) fn quadrants(placed: &Placed, patches: &[PatchShift]) -> [Option<[f64
     })
 }
 
-/// Pearson's correlation of the placed plane and what lies under it, after smoothing over 4 × 4 pixels.
+/// Pearson correlation of the placed plane and the fixed plane below it, after smoothing over 4 × 4 pixels.
 pub(super) fn pearson(fixed: &Plane, placed: &Placed) -> f64 {
     let p = &placed.plane;
     let rows = placed.row..placed.row + p.rows;
@@ -282,6 +285,6 @@ pub(super) fn pearson(fixed: &Plane, placed: &Placed) -> f64 {
         (ab, aa, bb) = (ab + x * y, aa + x * x, bb + y * y);
     }
     let correlation = ab / (aa * bb).sqrt();
-    // Without structure there is none.
+    // Uniform planes have no correlation.
     if correlation.is_finite() { correlation } else { 0.0 }
 }

@@ -1,10 +1,12 @@
-//! A picture laid onto the raw image of the same shot, to a fraction of a pixel, so that the two make a [`Pair`].
+//! Registration of an image with the raw image of the same shot, to subpixel accuracy, so that the two form a
+//! [`Pair`].
 //!
-//! Learning from a real camera ([jiang2017]) needs raw and picture pixel by pixel, but a camera's own picture is cropped,
-//! sometimes scaled, and its lens corrected. Here the luminance of both is compared: once at low resolution over all
-//! places the picture may have, then in patches at full resolution by the phase of their cross-power spectrum, whose
-//! peak is found to a hundredth of a pixel by a Fourier sum around it ([guizarsicairos2008]). The median of the patches is
-//! the shift; what each quadrant is off by tells of distortion, which a shift cannot undo.
+//! Training for a real camera ([jiang2017]) needs raw image and target pixel by pixel, but the camera's own
+//! image is cropped, sometimes scaled, and corrected for lens distortion. The method compares the luminances
+//! of both. An exhaustive search at low resolution finds the approximate position. Phase correlation of
+//! patches at full resolution refines it; a Fourier sum around the peak locates it to a hundredth of a pixel
+//! ([guizarsicairos2008]). The median of the patches is the shift. The residual shifts of the quadrants
+//! indicate distortion, which a shift cannot correct.
 //!
 //! [jiang2017]: https://doi.org/10.1109/TIP.2017.2713942
 //! [guizarsicairos2008]: https://doi.org/10.1364/OL.33.000156
@@ -20,20 +22,20 @@ use crate::numeric::{Planes, ShapeError};
 use crate::sensor::{RawError, RawImage, RawSamples, Sampling};
 use correlate::{Plane, Shift};
 
-/// Why a picture cannot be laid onto a raw image.
+/// Errors of registration.
 #[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]
 pub enum RegistrationError {
     /// The raw image cannot be interpolated.
     #[error(transparent)]
     Isp(#[from] IspError),
-    /// An image has not the size that it should.
+    /// The shape of an image is invalid.
     #[error(transparent)]
     Shape(#[from] ShapeError),
-    /// The part that is left makes no raw image.
+    /// The common part is not a valid raw image.
     #[error(transparent)]
     Raw(#[from] RawError),
-    /// One of the images is too small to be compared.
+    /// One of the images is too small.
     #[error("{rows} × {cols} pixels are too few to align by; at least {least} × {least} are needed")]
     TooSmall {
         /// Rows.
@@ -43,67 +45,69 @@ pub enum RegistrationError {
         /// Pixels needed along each side.
         least: usize,
     },
-    /// The scale is not one that can be.
-    #[error("a pixel of the picture is {value} pixels of the raw image; expected 0.25 to 8")]
+    /// The scale is out of range.
+    #[error("a pixel of the image spans {value} pixels of the raw image; expected 0.25 to 8")]
     Scale {
         /// Pixels of the raw image per pixel of the picture.
         value: f64,
     },
-    /// Nothing in the picture is where the raw image has it.
+    /// The image does not match the raw image at any position.
     #[error(
-        "the picture does not match the raw image: their correlation is {correlation:.2}, expected at least {least}"
+        "the image does not match the raw image: their correlation is {correlation:.2}, expected at least {least}"
     )]
     NoMatch {
         /// The best correlation found.
         correlation: f64,
-        /// The least that is taken for a match.
+        /// The minimum correlation of a match.
         least: f64,
     },
 }
 
-/// Sides below this hold too little to be compared.
-pub const LEAST_SIDE: usize = 32;
-/// A picture that is correlated less with the raw image is not of the same shot.
-pub const LEAST_CORRELATION: f64 = 0.5;
-/// Below this the raw and picture differ by more than tones and noise: other processing, movement, or little structure.
+/// Minimum side of an image, pixels.
+pub const MIN_SIDE: usize = 32;
+/// Minimum correlation of a match.
+pub const MIN_CORRELATION: f64 = 0.5;
+/// Below this correlation, raw image and target differ by more than tone curve and noise: other processing,
+/// motion, or little structure.
 pub const GOOD_CORRELATION: f64 = 0.9;
-/// Shifts smaller than this cannot be told from none, pixels: errors on pairs of known shift, with noise, reach 0.06.
+/// Resolution of the shift, pixels: on pairs with known shift and noise, errors reach 0.06.
 pub const RESOLVED_SHIFT_PX: f64 = 0.1;
-/// Residual shift in a quadrant that makes a pair doubtful, pixels.
+/// Residual shift of a quadrant above which a pair is doubtful, pixels.
 pub const GOOD_RESIDUAL_PX: f64 = 0.25;
 
-/// Where a picture lies on a raw image.
+/// The position of an image on a raw image.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Registration {
-    /// Rows from the upper edge of the raw image to that of the picture, in pixels of the raw image; negative where
-    /// the picture reaches beyond.
+    /// Rows from the upper edge of the raw image to that of the image, in pixels of the raw image. Negative
+    /// where the image extends beyond the raw image.
     pub row_shift_px: f64,
-    /// Columns likewise, from the left edges.
+    /// Columns from the left edge of the raw image to that of the image.
     pub col_shift_px: f64,
-    /// Pixels of the raw image per pixel of the picture.
+    /// Pixels of the raw image per pixel of the image.
     pub scale: f64,
     /// Correlation of the aligned luminances after smoothing over 4 × 4 pixels, −1 to 1 (Pearson).
     pub correlation: f64,
-    /// What is left of the shift in each quadrant of the common part (upper left, upper right, lower left, lower right), rows
-    /// and columns in pixels of the raw image; `None` where a quadrant has too little structure or is too small.
+    /// Residual shift in each quadrant of the common part (upper left, upper right, lower left, lower right):
+    /// rows and columns in pixels of the raw image. `None` where a quadrant has too little structure or is
+    /// too small.
     pub residuals_px: [Option<[f64; 2]>; 4],
 }
 
-/// The part of a raw image that its picture covers, and the picture on its grid.
+/// The part of a raw image that its target covers, and the target on the grid of the raw image.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Aligned {
     /// The raw image, cropped by whole tiles of its mosaic.
     pub raw: RawImage,
-    /// The picture, of the same size.
+    /// The target, of the same size.
     pub target: Planes,
-    /// First row of the raw image that is left.
+    /// First row of the remaining raw image.
     pub row: usize,
-    /// First column.
+    /// First column of the remaining raw image.
     pub col: usize,
 }
 
 impl Aligned {
-    /// What to learn from.
+    /// The pair for training.
     #[must_use]
     pub fn pair(&self) -> Pair<'_> {
         Pair { raw: &self.raw, seen: None, target: &self.target }
@@ -111,30 +115,31 @@ impl Aligned {
 }
 
 impl Registration {
-    /// Finds where a picture lies on the raw image of the same shot. `luminance` is one plane, linear in light; each of its
-    /// pixels is `scale` pixels of the raw image, known from their sizes or found by trying ([`Registration::best`]).
+    /// Registers an image with the raw image of the same shot. `luminance` is one plane in linear light; each
+    /// of its pixels spans `scale` pixels of the raw image. The scale follows from the sizes, or from a
+    /// search ([`Registration::best`]).
     ///
     /// # Errors
-    /// When one of the two is too small, the scale is out of range, the raw image cannot be interpolated, or no place
-    /// matches.
+    /// When an image is too small, the scale is out of range, the raw image cannot be interpolated, or no
+    /// position matches.
     pub fn find(raw: &RawImage, luminance: &Planes, scale: f64) -> Result<Self, RegistrationError> {
         Self::best(raw, luminance, &[scale])
     }
 
-    /// As [`Registration::find`], with the scale of `scales` that matches best.
+    /// Like [`Registration::find`], with the best of several scales.
     ///
     /// # Errors
-    /// As [`Registration::find`], where none of the scales succeeds.
+    /// As for [`Registration::find`], when none of the scales succeeds.
     pub fn best(raw: &RawImage, luminance: &Planes, scales: &[f64]) -> Result<Self, RegistrationError> {
         let fixed = Plane::new(raw.rows(), raw.cols(), raw_luminance(raw)?);
         let moving = Plane::new(luminance.rows(), luminance.cols(), even_noise(luminance.plane(0)));
         for p in [&fixed, &moving] {
-            if p.rows.min(p.cols) < LEAST_SIDE {
-                return Err(RegistrationError::TooSmall { rows: p.rows, cols: p.cols, least: LEAST_SIDE });
+            if p.rows.min(p.cols) < MIN_SIDE {
+                return Err(RegistrationError::TooSmall { rows: p.rows, cols: p.cols, least: MIN_SIDE });
             }
         }
         let mut best: Result<Self, RegistrationError> =
-            Err(RegistrationError::NoMatch { correlation: 0.0, least: LEAST_CORRELATION });
+            Err(RegistrationError::NoMatch { correlation: 0.0, least: MIN_CORRELATION });
         for &scale in scales {
             let found = at_scale(&fixed, &moving, scale);
             let better = match (&found, &best) {
@@ -148,7 +153,7 @@ impl Registration {
         best
     }
 
-    /// Whether the picture lies on the raw image already, as nearly as can be told.
+    /// Whether the image is aligned with the raw image within the resolution of the method.
     #[must_use]
     pub fn is_identity(&self) -> bool {
         self.scale == 1.0
@@ -162,12 +167,12 @@ impl Registration {
         self.residuals_px.iter().flatten().map(|[r, c]| r.hypot(*c)).fold(0.0, f64::max)
     }
 
-    /// The common part of both: `target`, the planes of the picture, on the grid of the raw image (Lanczos, three
-    /// lobes). A picture that lies on it already stays as it is.
+    /// The common part of both: `target`, the planes of the image, is resampled (Lanczos, three lobes) to the
+    /// grid of the raw image. A target that is aligned already stays unchanged.
     ///
     /// # Errors
-    /// When less than [`LEAST_SIDE`] pixels are common, or the raw image samples every channel at every pixel and
-    /// cannot be cropped.
+    /// When the common part is smaller than [`MIN_SIDE`] pixels, or the raw image samples every channel at
+    /// every pixel and cannot be cropped.
     pub fn apply(&self, raw: &RawImage, target: &Planes) -> Result<Aligned, RegistrationError> {
         if self.is_identity() && (raw.rows(), raw.cols()) == (target.rows(), target.cols()) {
             return Ok(Aligned { raw: raw.clone(), target: target.clone(), row: 0, col: 0 });
@@ -180,8 +185,8 @@ impl Registration {
         let cols = resample::Axis::new(self.col_shift_px, self.scale, target.cols());
         let (row, height) = rows.covered(raw.rows(), tile.0);
         let (col, width) = cols.covered(raw.cols(), tile.1);
-        if height.min(width) < LEAST_SIDE {
-            return Err(RegistrationError::TooSmall { rows: height, cols: width, least: LEAST_SIDE });
+        if height.min(width) < MIN_SIDE {
+            return Err(RegistrationError::TooSmall { rows: height, cols: width, least: MIN_SIDE });
         }
         let planes: Vec<f32> = target
             .planes()
@@ -192,7 +197,7 @@ impl Registration {
     }
 }
 
-/// A part that begins with a whole tile, so that the mosaic stays.
+/// A crop that begins with a whole tile, so that the mosaic is unchanged.
 fn cropped(
     raw: &RawImage,
     (row, rows): (usize, usize),
@@ -214,7 +219,7 @@ fn cropped(
     RawImage::new(rows, cols, samples, sampling, names, raw.black_level(), raw.white_level())
 }
 
-/// Mean of the channels, interpolated. All methods but the bilinear one follow edges and could move them.
+/// Mean of the bilinearly interpolated channels. Other methods follow edges and could shift them.
 fn raw_luminance(raw: &RawImage) -> Result<Vec<f32>, IspError> {
     let planes = Demosaic::Bilinear.apply(raw)?;
     let mut sum = vec![0f32; planes.plane_len()];
@@ -224,7 +229,7 @@ fn raw_luminance(raw: &RawImage) -> Result<Vec<f32>, IspError> {
     Ok(even_noise(&sum))
 }
 
-/// The square root: noise of photons becomes even, and most of a tone curve linear.
+/// The square root makes photon noise uniform and is close to a tone curve.
 fn even_noise(values: &[f32]) -> Vec<f32> {
     values.iter().map(|v| v.max(0.0).sqrt()).collect()
 }
@@ -234,7 +239,8 @@ fn at_scale(fixed: &Plane, moving: &Plane, scale: f64) -> Result<Registration, R
         return Err(RegistrationError::Scale { value: scale });
     }
     let mut shift = correlate::coarse(fixed, moving, scale);
-    // A patch that is shifted against its window is seen as shifted a little less: what is left is found again.
+    // A shift of a patch relative to its window is slightly underestimated; the iteration finds the
+    // remainder.
     for _ in 0..3 {
         let placed = placed(moving, shift, scale, fixed);
         let Some(step) = correlate::middle(&correlate::patches(fixed, &placed)) else { break };
@@ -242,8 +248,8 @@ fn at_scale(fixed: &Plane, moving: &Plane, scale: f64) -> Result<Registration, R
     }
     let placed = placed(moving, shift, scale, fixed);
     let correlation = correlate::pearson(fixed, &placed);
-    if correlation < LEAST_CORRELATION {
-        return Err(RegistrationError::NoMatch { correlation, least: LEAST_CORRELATION });
+    if correlation < MIN_CORRELATION {
+        return Err(RegistrationError::NoMatch { correlation, least: MIN_CORRELATION });
     }
     let last = correlate::patches(fixed, &placed);
     Ok(Registration {
@@ -255,7 +261,7 @@ fn at_scale(fixed: &Plane, moving: &Plane, scale: f64) -> Result<Registration, R
     })
 }
 
-/// The picture's luminance on the grid of the raw image, and the part that it covers.
+/// The luminance of the image on the grid of the raw image, and the part that it covers.
 fn placed(moving: &Plane, shift: Shift, scale: f64, fixed: &Plane) -> correlate::Placed {
     let rows = resample::Axis::new(shift.row, scale, moving.rows);
     let cols = resample::Axis::new(shift.col, scale, moving.cols);

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 /// Lobes of the kernel on either side.
 const LOBES: f64 = 3.0;
 
-/// How an axis of the picture lies on that of the raw image.
+/// The mapping between an axis of the image and that of the raw image.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Axis {
     shift: f64,
@@ -13,34 +13,36 @@ pub(super) struct Axis {
     len: usize,
 }
 
-/// Weights for a place: those of the samples from `first` on.
+/// Kernel weights at a position, for the samples from `first`.
 struct Taps {
     first: usize,
     weights: Vec<f32>,
 }
 
 impl Axis {
-    /// Its `len` pixels are `scale` pixels of the raw image each, and begin `shift` after it.
+    /// The `len` pixels of the image span `scale` pixels of the raw image each; the first begins at `shift`.
     pub(super) fn new(shift: f64, scale: f64, len: usize) -> Self {
         Self { shift, scale, len }
     }
 
-    /// Where the centre of pixel `i` of the raw image lies, in pixels of the picture.
+    /// Centre of pixel `i` of the raw image, in pixels of the image.
     fn place(&self, i: usize) -> f64 {
         (i as f64 + 0.5 - self.shift) / self.scale - 0.5
     }
 
-    /// Half the width of the kernel, in pixels of the picture: wider where the picture is finer than the raw image.
+    /// Half the width of the kernel, in pixels of the image. It widens where the image is finer than the raw
+    /// image.
     fn reach(&self) -> f64 {
         LOBES * (1.0 / self.scale).max(1.0)
     }
 
-    /// The first pixel of the raw image, a multiple of `step`, and the number of them, whose kernels lie within the
-    /// picture.
+    /// The first pixel of the raw image (a multiple of `step`) and the number of pixels whose kernels lie
+    /// within the image.
     pub(super) fn covered(&self, raw_len: usize, step: usize) -> (usize, usize) {
         let inside = |i: usize| {
             let (at, reach) = (self.place(i), self.reach());
-            // A kernel at a whole pixel has but one weight; only pixels of the same size lie all there.
+            // At an integer position the kernel has a single weight; only pixels of equal size all have
+            // integer positions.
             let reach = if at.fract() == 0.0 && self.scale == 1.0 { 0.0 } else { reach };
             at - reach >= -1e-9 && at + reach <= self.len as f64 - 1.0 + 1e-9
         };
@@ -68,7 +70,7 @@ fn lanczos(x: f64) -> f64 {
     if x.abs() < LOBES { sinc(x) * sinc(x / LOBES) } else { 0.0 }
 }
 
-/// Rows and columns (first, number) of the raw image's grid, from a plane of the picture.
+/// Rows and columns (first, number) of the grid of the raw image, from a plane of the image.
 pub(super) fn plane(
     values: &[f32],
     rows: &Axis,

@@ -1,28 +1,27 @@
-//! Bands of rows, rendered side by side.
+//! Parallel rendering of bands of rows.
 
 use rayon::prelude::*;
 
 use super::super::classify::{Classifier, RowClasses};
 use super::super::window::Window;
 use super::super::{L3Error, MAX_SIDE, Pipeline};
-use super::Outside;
 use super::fixed::{Entry, FixedKernels};
-use super::index::Index;
+use super::index::{Index, OutsideCounts};
 use super::portable::PIXELS;
-use super::table::{Place, Run, Sample, Simd, Table};
+use super::simd::{Rendering, Simd};
+use super::table::{Place, Run, Table};
 use crate::isp::demosaic::{BAND_ROWS, bands};
 use crate::isp::source::Source;
 use crate::numeric::Planes;
 use crate::numeric::simd::{Kernel, dispatch};
 use crate::sensor::RawImage;
 
-/// Columns of a row that are done at a time: few enough that their samples stay in the innermost cache from the first step to
-/// the last.
+/// Columns that are processed together: their samples stay in the L1 cache through all steps.
 const STRIP: usize = 512;
 
-/// A pipeline with all that does not depend on the image.
+/// A pipeline with everything precomputed that does not depend on the image.
 #[derive(Debug, Clone)]
-pub(super) struct Engine<'a, S: Sample> {
+pub(super) struct Engine<'a, S: Rendering> {
     pipeline: &'a Pipeline,
     classifier: Classifier,
     index: Index,
@@ -30,7 +29,7 @@ pub(super) struct Engine<'a, S: Sample> {
     pub(super) simd: Simd,
 }
 
-/// What a thread works in.
+/// Memory that a thread reuses.
 #[derive(Debug, Default)]
 struct Scratch<S> {
     window: Window,
@@ -55,18 +54,18 @@ impl<'a> Engine<'a, i16> {
         let (table, places) = Table::new(&kernels.weights, offsets, side, outputs, kernels.scale);
         let entry = |(&place, &shift)| Entry::new(place, shift).map(|entry| entry.0);
         let entries = places.iter().zip(&kernels.shifts).map(entry).collect::<Option<_>>();
-        let reason = || "more kernels than fixed point has places for".into();
+        let reason = || "too many kernels for fixed point".into();
         let entries = entries.ok_or_else(|| L3Error::Table { reason: reason() })?;
         Ok(Self::new(pipeline, table, entries))
     }
 }
 
-/// Side of the patch, number of outputs.
+/// Side of the patch and number of outputs.
 fn shape(pipeline: &Pipeline) -> [usize; 2] {
     [pipeline.axes().side(), pipeline.outputs().len()]
 }
 
-impl<'a, S: Sample> Engine<'a, S> {
+impl<'a, S: Rendering> Engine<'a, S> {
     fn new(pipeline: &'a Pipeline, table: Table<S>, kernels: Vec<u32>) -> Self {
         Self {
             pipeline,
@@ -81,14 +80,15 @@ impl<'a, S: Sample> Engine<'a, S> {
         self.pipeline
     }
 
-    /// Renders an image that fits into planes that fit; `phase` is the place of its first pixel in the tile.
+    /// Renders an image into planes; the caller has checked both. `phase` is the position of the first pixel
+    /// in the tile.
     pub(super) fn render(
         &self,
         raw: &RawImage,
         reader: &S::Reader<'_>,
         phase: [usize; 2],
         planes: &mut Planes,
-    ) -> Outside {
+    ) -> OutsideCounts {
         let (rows, cols) = (raw.rows(), raw.cols());
         let (source, mosaic) = (Source::of(raw), self.pipeline.axes().mosaic());
         bands(planes.data_mut(), rows, cols)
@@ -104,7 +104,7 @@ impl<'a, S: Sample> Engine<'a, S> {
                 };
                 self.band(source, reader, phase, &place, scratch, &mut band)
             })
-            .reduce(Outside::default, |a, b| a + b)
+            .reduce(OutsideCounts::default, |a, b| a + b)
     }
 
     fn band(
@@ -115,12 +115,12 @@ impl<'a, S: Sample> Engine<'a, S> {
         place: &Place,
         scratch: &mut Scratch<S>,
         planes: &mut [&mut [f32]],
-    ) -> Outside {
+    ) -> OutsideCounts {
         let (cols, half, side) = (place.size[1], place.half, 2 * place.half + 1);
         let Scratch { window, own, classes, kernels, patches } = scratch;
         dispatch(Read { source, window, margin: self.classifier.margin(), place });
         let samples = S::window(reader, window, own, place);
-        let mut outside = Outside::default();
+        let mut outside = OutsideCounts::default();
         for row in 0..place.rows {
             let down = (phase[0] + place.first + row) % place.tile[0];
             for first in (0..cols).step_by(STRIP) {

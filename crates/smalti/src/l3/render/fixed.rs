@@ -1,39 +1,40 @@
-//! Kernels and samples of 16 bits.
+//! Fixed-point rendering with 16-bit kernels and samples.
 
 use super::super::window::Window;
 use super::super::{L3Error, Pipeline};
-use super::table::Place;
+use super::table::{HIGH_PART, Place};
 use crate::numeric::simd::{Kernel, dispatch};
 
-/// Most that the magnitudes of the weights of a kernel may sum to: with samples of 16 bits the sum stays within 32.
-const MOST_TOTAL: i64 = 65_535;
-/// Offsets enter the sum as two weights of 16 bits; one is multiplied with this, the other with 1.
-pub(super) const HIGH_PART: i32 = 1 << 14;
-/// Finer kernels than this many binary places are of no use.
-const MOST_SHIFT: u8 = 24;
+/// Maximum sum of the magnitudes of a kernel's weights: with 16-bit samples the sum fits 32 bits.
+const MAX_TOTAL: i64 = 65_535;
+/// Maximum number of fractional bits of a kernel.
+const MAX_SHIFT: u8 = 24;
 
-/// Kernels for integer arithmetic, as in the firmware of a camera.
+/// Kernels for integer arithmetic, as in camera firmware.
 ///
-/// With d = (sample − `black`) rounded down by `sample_shift` bits (halves up) and clamped to 16 bits,
+/// With d = (sample − `black`), shifted right by `sample_shift` bits (halves round up) and clamped to 16
+/// bits,
 ///
-/// output = `scale` · 2^−`shifts` · (`offsets` + Σ `weights` · d),
+/// output = `scale` · 2^−`shifts` · (`offsets` + Σ `weights` · d).
 ///
-/// where the sum fits 32 bits in any order: every weight is within ±32767 and, of every kernel,
-/// 32768 Σ |weight| + |offset| is below 2³¹ (so Σ |weight| ≤ 65535). Every class has the most binary places that these bounds allow
-/// its kernels.
+/// The sum fits 32 bits in any order: every weight is within ±32767, and for every kernel 32768 Σ |weight| +
+/// |offset| is below 2³¹ (so Σ |weight| ≤ 65535). Every class has as many fractional bits as these bounds
+/// allow.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FixedKernels {
-    /// Weights times 2^`shifts` of their class, ordered class, output, tap (the rows of the patch).
+    /// Weights times 2^`shifts` of their class, ordered class, output, tap (row order).
     pub weights: Vec<i16>,
     /// Offsets in units of the sum, ordered class, output.
     pub offsets: Vec<i32>,
-    /// Binary places of the weights of each class, 0 to 24, the same for all its outputs.
+    /// Fractional bits of the weights of each class, 0 to 24, equal for all outputs.
     pub shifts: Vec<u8>,
-    /// What is taken off samples, digital numbers: the black level, rounded. What is lost by that is in the offsets.
+    /// Value subtracted from samples, digital numbers: the rounded black level. The offsets compensate for
+    /// the rounding.
     pub black: i32,
-    /// Bits that samples lose after that: 1 where the range from black to white does not fit 15 bits, otherwise 0.
+    /// Right shift of the difference: 1 where the range from black to white does not fit 15 bits, otherwise
+    /// 0.
     pub sample_shift: u32,
-    /// Factor from sums to outputs of a class whose weights have no binary places.
+    /// Factor from sums to outputs for a class without fractional bits.
     pub scale: f32,
 }
 
@@ -53,7 +54,7 @@ impl FixedKernels {
         let rounded = black.round();
         let kernels = pipeline.kernels();
         let taps = pipeline.axes().taps();
-        // What is added to a normalised sample by rounding the black level.
+        // The error of a normalised sample due to the rounded black level.
         let excess = (black - rounded) / range;
         let offset = |(weights, &offset): (&[f32], &f32)| {
             let total: f64 = weights.iter().map(|&w| f64::from(w)).sum();
@@ -82,20 +83,20 @@ impl FixedKernels {
         Ok(fixed)
     }
 
-    /// Factor from sums to outputs of a class; `None` when there is none such.
+    /// Factor from sums to outputs of a class; `None` when there is no such class.
     #[must_use]
     pub fn scale_of(&self, class: usize) -> Option<f32> {
         self.shifts.get(class).map(|&shift| shifted(self.scale, u32::from(shift)))
     }
 
-    /// The two weights that make an offset, for [`HIGH_PART`] and 1.
+    /// The two weights that represent an offset, for the factors [`HIGH_PART`] and 1.
     pub(super) fn parts(offset: i32) -> [i16; 2] {
         let low = (offset + HIGH_PART / 2).rem_euclid(HIGH_PART) - HIGH_PART / 2;
         [((offset - low) / HIGH_PART) as i16, low as i16]
     }
 }
 
-/// Weights and offsets of a class with some binary places, where they keep to the bounds.
+/// Weights and offsets of a class with `shift` fractional bits, if they respect the bounds.
 fn quantized(weights: &[f32], offsets: &[f64], taps: usize, shift: u8) -> Option<(Vec<i16>, Vec<i32>)> {
     let factor = f64::from(1u32 << shift);
     let integer = |&w: &f32| {
@@ -106,9 +107,9 @@ fn quantized(weights: &[f32], offsets: &[f64], taps: usize, shift: u8) -> Option
     let offset = |(weights, offset): (&[i16], &f64)| {
         let total: i64 = weights.iter().map(|w| i64::from(w.unsigned_abs())).sum();
         let offset = (offset * factor).round();
-        // The parts of an offset may be larger than the whole by as much as the finer part, twice.
+        // The magnitudes of the two parts can exceed that of the offset by at most twice the finer part.
         let most = total as f64 * 32_768.0 + offset.abs() + f64::from(HIGH_PART);
-        let whole = most < f64::from(i32::MAX) && total <= MOST_TOTAL;
+        let whole = most < f64::from(i32::MAX) && total <= MAX_TOTAL;
         let parts = offset.abs() + f64::from(HIGH_PART) < f64::from(HIGH_PART) * f64::from(i16::MAX);
         (whole && parts).then_some(offset as i32)
     };
@@ -116,52 +117,52 @@ fn quantized(weights: &[f32], offsets: &[f64], taps: usize, shift: u8) -> Option
     Some((weights, offsets))
 }
 
-/// The finest shift that the weights of a class may allow.
+/// Upper bound on the fractional bits of a class.
 fn most_shift(weights: &[f32], taps: usize) -> u8 {
     let most = |limit: f64, found: f64| (limit / found.max(f64::MIN_POSITIVE)).log2().ceil();
     let largest = weights.iter().fold(0.0f64, |m, &w| m.max(f64::from(w).abs()));
     let total = |kernel: &[f32]| kernel.iter().map(|&w| f64::from(w).abs()).sum::<f64>();
     let total = weights.chunks_exact(taps).map(total).fold(0.0, f64::max);
-    let shift = most(f64::from(i16::MAX), largest).min(most(MOST_TOTAL as f64, total));
-    shift.clamp(0.0, f64::from(MOST_SHIFT)) as u8
+    let shift = most(f64::from(i16::MAX), largest).min(most(MAX_TOTAL as f64, total));
+    shift.clamp(0.0, f64::from(MAX_SHIFT)) as u8
 }
 
-/// Where the kernels of a class lie, and in the bits above their binary places: known with the place, they cost no reading.
+/// Index of the kernels of a class, with their fractional bits in the upper bits. One read yields both.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Entry(pub(super) u32);
 
 impl Entry {
-    /// Bits of the place.
+    /// Bits of the index.
     pub(super) const PLACE: u32 = 27;
-    /// Bits of an exponent lie above these of a number in single precision.
+    /// Position of the exponent in a single-precision number.
     pub(super) const MANTISSA: u32 = 23;
 
-    /// `None` when the place is beyond the bits.
+    /// `None` when the index does not fit.
     pub(super) fn new(place: u32, shift: u8) -> Option<Self> {
-        let fits = place >> Self::PLACE == 0 && shift <= MOST_SHIFT;
+        let fits = place >> Self::PLACE == 0 && shift <= MAX_SHIFT;
         fits.then_some(Self(place | u32::from(shift) << Self::PLACE))
     }
 
-    /// The first register.
+    /// Index of the first register.
     #[inline(always)]
     pub(super) fn place(self) -> usize {
         (self.0 & ((1 << Self::PLACE) - 1)) as usize
     }
 
-    /// Factor from sums to outputs, out of that for no binary places.
+    /// Factor from sums to outputs, given that for no fractional bits.
     #[inline(always)]
     pub(super) fn scale(self, whole: f32) -> f32 {
         shifted(whole, self.0 >> Self::PLACE)
     }
 }
 
-/// `scale` / 2^`shift`, exact: a scale is 2^-18 at least, levels being within 1e5, and finite.
+/// `scale` / 2^`shift`, exact: levels are within 1e5, so the scale is at least 2^-18 and finite.
 #[inline(always)]
 fn shifted(scale: f32, shift: u32) -> f32 {
     f32::from_bits(scale.to_bits().wrapping_sub(shift << Entry::MANTISSA))
 }
 
-/// Samples of a raw image, read as [`FixedKernels`] take them.
+/// Samples of a raw image, read in the form of [`FixedKernels`].
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Digital<'a> {
     samples: &'a [u16],
@@ -175,7 +176,7 @@ impl<'a> Digital<'a> {
         Self { samples, cols, black: kernels.black, shift: kernels.sample_shift }
     }
 
-    /// The 16 bits of a sample.
+    /// The 16-bit value of a sample.
     #[inline(always)]
     pub(super) fn reduced(&self, sample: u16) -> i16 {
         let difference = i32::from(sample) - self.black;

@@ -1,29 +1,52 @@
-//! From what classification gives for a row to the kernels of its pixels.
+//! From the classes of a row to the kernels of its pixels.
 
 use super::super::Pipeline;
 use super::super::blocks::run_of;
 use super::super::classify::RowClasses;
-use super::Outside;
 use crate::numeric::simd::{Kernel, dispatch};
 
-/// Most channels for which every combination of clipped ones has an entry.
-const MOST_LISTED: usize = 12;
-/// Columns that are done at a time, at least.
-const LEAST_RUN: usize = 256;
+/// The numbers of pixels outside the range of the training data. They are rendered with the nearest class.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct OutsideCounts {
+    /// Pixels whose patch has a mean response below all training patches of their position.
+    pub darker: u64,
+    /// Pixels whose patch has a mean response above all training patches of their position.
+    pub brighter: u64,
+    /// Pixels whose patch has a combination of clipped channels that is not on the saturation axis.
+    pub saturation: u64,
+}
 
-/// Which kernels a pixel takes, and whether it is like what was trained with.
+impl std::ops::Add for OutsideCounts {
+    type Output = Self;
+
+    fn add(self, other: Self) -> Self {
+        Self {
+            darker: self.darker + other.darker,
+            brighter: self.brighter + other.brighter,
+            saturation: self.saturation + other.saturation,
+        }
+    }
+}
+
+/// Maximum number of channels for which a table lists every combination of clipped channels.
+const MAX_LISTED: usize = 12;
+/// Minimum number of columns processed together.
+const MIN_RUN: usize = 256;
+
+/// The kernels of a pixel, and whether the pixel lies within the range of the training data.
 #[derive(Debug, Clone)]
 pub(super) struct Index {
-    /// What the inner loops find the kernels of each class by.
+    /// References to the kernels of each class, for the inner loops.
     kernels: Vec<u32>,
-    /// Registers of a class, where every class has its own, in order.
+    /// Registers per class, if every class has its own kernels, stored in order.
     step: Option<u32>,
-    /// Per row of the tile, for the columns of a run and a tile more: first class of the position, trained range.
+    /// Per row of the tile, for the columns of a run plus one tile: first class of the position, trained
+    /// range.
     columns: Vec<Columns>,
-    /// Columns after which these repeat.
+    /// Period of these columns.
     run: usize,
     tile: [usize; 2],
-    /// Classes of a combination of clipped channels at a position.
+    /// Classes per combination of clipped channels at a position.
     per_saturation: usize,
     saturations: Saturations,
 }
@@ -35,10 +58,10 @@ struct Columns {
     most: Vec<f32>,
 }
 
-/// Places on the saturation axis.
+/// Indices on the saturation axis.
 #[derive(Debug, Clone)]
 struct Saturations {
-    /// Of every combination of clipped channels, where there are few channels.
+    /// The index of every combination of clipped channels, if there are few channels.
     listed: Vec<u32>,
     axis: Vec<u32>,
 }
@@ -48,7 +71,7 @@ impl Index {
         let axes = pipeline.axes();
         let tile = [axes.mosaic().rows(), axes.mosaic().cols()];
         let vectors = run_of(tile[1]);
-        let run = vectors * LEAST_RUN.div_ceil(vectors);
+        let run = vectors * MIN_RUN.div_ceil(vectors);
         let columns_of = |row: usize| {
             let mut columns = Columns::default();
             for col in 0..run + tile[1] {
@@ -61,7 +84,7 @@ impl Index {
             columns
         };
         let channels = axes.mosaic().channels();
-        let listed = if channels <= MOST_LISTED { 1u32 << channels } else { 0 };
+        let listed = if channels <= MAX_LISTED { 1u32 << channels } else { 0 };
         let step = kernels.get(1).copied().filter(|&step| {
             kernels.iter().enumerate().all(|(class, &from)| class as u64 * u64::from(step) == u64::from(from))
         });
@@ -79,8 +102,8 @@ impl Index {
         }
     }
 
-    /// Kernels of `cols` pixels that were classified, the first of which has a phase in the tile. `out` has a place for each and
-    /// as many more as vectors need.
+    /// Finds the kernels of `cols` classified pixels; `phase` is that of the first one. `out` is padded to
+    /// whole vectors.
     pub(super) fn row(
         &self,
         pipeline: &Pipeline,
@@ -88,7 +111,7 @@ impl Index {
         phase: [usize; 2],
         cols: usize,
         out: &mut [u32],
-    ) -> Outside {
+    ) -> OutsideCounts {
         let mut outside = dispatch(Row { index: self, classes, phase, cols, out });
         if classes.clipped {
             outside.saturation = self.saturations(pipeline, classes, &mut out[..cols]);
@@ -104,11 +127,12 @@ impl Index {
         outside
     }
 
-    /// Moves classes to the places of their clipped channels. Returns how many of these are not on the axis.
+    /// Moves classes to the index of their clipped channels. Returns the number of pixels whose combination
+    /// is not on the axis.
     fn saturations(&self, pipeline: &Pipeline, classes: &RowClasses, out: &mut [u32]) -> u64 {
         let (mut missing, mut last, mut place, mut known) = (0, 0, 0, true);
         for (class, &mask) in out.iter_mut().zip(&classes.saturation) {
-            // Neighbours mostly have the same channels clipped.
+            // Neighbouring pixels mostly have the same clipped channels.
             if mask != last {
                 last = mask;
                 let listed = self.saturations.listed.get(mask as usize);
@@ -131,17 +155,17 @@ struct Row<'a> {
 }
 
 impl Kernel for Row<'_> {
-    type Output = Outside;
+    type Output = OutsideCounts;
 
     #[inline(always)]
-    fn run(self) -> Outside {
+    fn run(self) -> OutsideCounts {
         let Self { index, classes, phase, cols, out } = self;
         let columns = &index.columns[phase[0] % index.tile[0]];
         let first = phase[1] % index.tile[1];
         let run = first..first + index.run;
         let (base, least, most) =
             (&columns.base[run.clone()], &columns.least[run.clone()], &columns.most[run]);
-        let mut outside = Outside::default();
+        let mut outside = OutsideCounts::default();
         let runs = classes.local[..cols].chunks(index.run).zip(classes.mean[..cols].chunks(index.run));
         for ((local, mean), out) in runs.zip(out[..cols].chunks_mut(index.run)) {
             for ((out, &local), &base) in out.iter_mut().zip(local).zip(base) {

@@ -1,14 +1,15 @@
 //! Rendering of raw images with a learned table.
 //!
-//! Per row: classify its pixels ([`super::classify`]), look up which kernels they take ([`index`]), lay the rows of the
-//! patches column by column in one line ([`interleave`](table::Sample::interleave)), so that the patch of a pixel is one run of
-//! it, and multiply ([`products`](table::Sample::products)). In single precision, or in 16-bit numbers as the firmware of a
-//! camera would ([`FixedKernels`]).
+//! For each row: classify the pixels ([`super::classify`]); look up their kernels ([`index`]); interleave the
+//! rows of the patches column by column ([`interleave`](simd::Rendering::interleave)), which makes the patch of
+//! every pixel contiguous; and multiply ([`products`](simd::Rendering::products)). The arithmetic is in single
+//! precision or, as in camera firmware, in 16-bit fixed point ([`FixedKernels`]).
 
 mod engine;
 mod fixed;
 mod index;
 mod portable;
+mod simd;
 mod table;
 #[cfg(test)]
 mod tests;
@@ -16,6 +17,7 @@ mod tests;
 mod x86;
 
 pub use fixed::FixedKernels;
+pub use index::OutsideCounts;
 
 use super::classify::Classifier;
 use super::statistics::{check_size, phase_in};
@@ -27,50 +29,28 @@ use crate::sensor::{RawImage, RawSamples};
 use engine::Engine;
 use fixed::Digital;
 
-/// How far levels of a digital raw image may lie from those of the pipeline, digital numbers.
+/// Tolerance of the black and white level of a digital raw image against those of the pipeline, digital
+/// numbers.
 const LEVEL_TOLERANCE_DN: f64 = 0.5;
 
-/// What comes of a raw image.
+/// The result of rendering a raw image.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Rendered {
-    /// One plane for each output.
+    /// One plane per output.
     pub planes: Planes,
-    /// How many pixels were unlike what was trained with.
-    pub outside: Outside,
+    /// The numbers of pixels outside the range of the training data.
+    pub outside: OutsideCounts,
 }
 
-/// How many pixels were unlike what was trained with. They are rendered with the nearest class.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct Outside {
-    /// Pixels whose patch has a mean response below all that were trained with at their position.
-    pub darker: u64,
-    /// Pixels whose patch has a mean response above all that were trained with at their position.
-    pub brighter: u64,
-    /// Pixels whose patch has a combination of clipped channels that is not on the saturation axis.
-    pub saturation: u64,
-}
-
-impl std::ops::Add for Outside {
-    type Output = Self;
-
-    fn add(self, other: Self) -> Self {
-        Self {
-            darker: self.darker + other.darker,
-            brighter: self.brighter + other.brighter,
-            saturation: self.saturation + other.saturation,
-        }
-    }
-}
-
-/// A pipeline made ready to render any number of images in single precision.
+/// A pipeline that is prepared to render any number of images in single precision.
 #[derive(Debug, Clone)]
 pub struct Renderer<'a>(Engine<'a, f32>);
 
 impl Renderer<'_> {
-    /// The picture of a raw image.
+    /// Renders a raw image.
     ///
     /// # Errors
-    /// When its mosaic, size or levels are not those of the pipeline.
+    /// When its mosaic, size or levels do not match the pipeline.
     pub fn render(&self, raw: &RawImage) -> Result<Rendered, L3Error> {
         rendered(self.0.pipeline(), raw, |planes| self.render_into(raw, planes))
     }
@@ -87,17 +67,17 @@ impl Renderer<'_> {
         Ok(Image::new(ColorSpace::Xyz, self.render(raw).map_err(learned)?.planes)?)
     }
 
-    /// The same, written over planes that are there already.
+    /// Like [`Renderer::render`], into existing planes.
     ///
     /// # Errors
-    /// As [`Renderer::render`], and when there is not one plane of the image's size for each output.
-    pub fn render_into(&self, raw: &RawImage, planes: &mut Planes) -> Result<Outside, L3Error> {
+    /// As for [`Renderer::render`], and when there is not one plane of the image's size per output.
+    pub fn render_into(&self, raw: &RawImage, planes: &mut Planes) -> Result<OutsideCounts, L3Error> {
         let phase = check(self.0.pipeline(), raw, planes)?;
         Ok(self.0.render(raw, &(), phase, planes))
     }
 }
 
-/// A pipeline made ready to render any number of images of given levels in fixed point.
+/// A pipeline that is prepared to render any number of images with given levels in fixed point.
 #[derive(Debug, Clone)]
 pub struct FixedRenderer<'a> {
     engine: Engine<'a, i16>,
@@ -106,25 +86,26 @@ pub struct FixedRenderer<'a> {
 }
 
 impl FixedRenderer<'_> {
-    /// The kernels it multiplies with.
+    /// The fixed-point kernels.
     #[must_use]
     pub fn kernels(&self) -> &FixedKernels {
         &self.kernels
     }
 
-    /// The picture of a raw image.
+    /// Renders a raw image.
     ///
     /// # Errors
-    /// [`L3Error::NotDigital`] when its samples are volts, and when its mosaic, size or levels do not fit.
+    /// [`L3Error::NotDigital`] when its samples are volts; otherwise when its mosaic, size or levels do not
+    /// match.
     pub fn render(&self, raw: &RawImage) -> Result<Rendered, L3Error> {
         rendered(self.engine.pipeline(), raw, |planes| self.render_into(raw, planes))
     }
 
-    /// The same, written over planes that are there already.
+    /// Like [`FixedRenderer::render`], into existing planes.
     ///
     /// # Errors
-    /// As [`FixedRenderer::render`], and when there is not one plane of the image's size for each output.
-    pub fn render_into(&self, raw: &RawImage, planes: &mut Planes) -> Result<Outside, L3Error> {
+    /// As for [`FixedRenderer::render`], and when there is not one plane of the image's size per output.
+    pub fn render_into(&self, raw: &RawImage, planes: &mut Planes) -> Result<OutsideCounts, L3Error> {
         let RawSamples::Digital(samples) = raw.samples() else { return Err(L3Error::NotDigital) };
         let phase = check(self.engine.pipeline(), raw, planes)?;
         let [black, white] = self.levels;
@@ -138,23 +119,26 @@ impl FixedRenderer<'_> {
 }
 
 impl Pipeline {
-    /// The picture of a raw image, in single precision: one plane for each output.
+    /// Renders a raw image in single precision: one plane per output.
     ///
-    /// A pixel's value is offset + Σ weight · sample over its patch, with the kernels of its class; samples are normalised (0 at
-    /// black, 1 at white level), those beyond the border are mirrored ones of the same place in the tile. Every number of
-    /// threads and every instruction set gives the same bits. NaN in a raw image makes the pixels NaN whose patch holds it.
+    /// The value of a pixel is offset + Σ weight · sample over its patch, with the kernels of its class.
+    /// Samples are normalised (0 at the black level, 1 at the white level) and are reflected at the border,
+    /// with the phase of the tile. Results have the same bits for any number of threads and any instruction
+    /// set. A NaN sample makes every pixel NaN whose patch contains it.
     ///
     /// # Errors
-    /// When mosaic or size of the image do not fit, or the levels of a digital one are not within 0.5 DN of the pipeline's.
+    /// When the mosaic or the size of the image does not match, or the levels of a digital image differ from
+    /// those of the pipeline by more than 0.5 DN.
     pub fn render_raw(&self, raw: &RawImage) -> Result<Rendered, L3Error> {
         self.renderer().render(raw)
     }
 
-    /// The same in fixed point: 16-bit samples times 16-bit kernels scaled by class ([`FixedKernels`]), summed in 32 bits. Pixels have the
-    /// classes that they have in single precision.
+    /// Renders in fixed point: products of 16-bit samples and 16-bit kernels, scaled per class
+    /// ([`FixedKernels`]), are summed in 32 bits. Pixels have the same classes as in single precision.
     ///
     /// # Errors
-    /// As [`Pipeline::render_raw`]; when the samples are volts, and when the kernels are too large for 16 bits.
+    /// As for [`Pipeline::render_raw`]; also when the samples are volts, or the kernels are too large for 16
+    /// bits.
     pub fn render_fixed(&self, raw: &RawImage) -> Result<Rendered, L3Error> {
         if matches!(raw.samples(), RawSamples::Analog(_)) {
             return Err(L3Error::NotDigital);
@@ -163,19 +147,20 @@ impl Pipeline {
         self.fixed_renderer(raw.black_level(), raw.white_level())?.render(raw)
     }
 
-    /// How many rows away samples lie at most that a pixel of a picture depends on, those that its class is told by included.
+    /// Distance in rows of the farthest sample on which an output pixel depends, including the samples that
+    /// determine its class.
     #[must_use]
     pub fn reach(&self) -> usize {
         Classifier::new(self.axes()).margin()[0]
     }
 
-    /// The pipeline made ready for rendering: what [`Pipeline::render_raw`] does first for every image, done once.
+    /// Prepares the pipeline for rendering. [`Pipeline::render_raw`] does so for every image.
     #[must_use]
     pub fn renderer(&self) -> Renderer<'_> {
         Renderer(Engine::float(self))
     }
 
-    /// The pipeline made ready for rendering in fixed point of raw images with these levels, digital numbers.
+    /// Prepares the pipeline for fixed-point rendering of raw images with these levels, digital numbers.
     ///
     /// # Errors
     /// As [`Pipeline::fixed_kernels`].
@@ -185,7 +170,7 @@ impl Pipeline {
         Ok(FixedRenderer { engine, kernels, levels: [black_level, white_level] })
     }
 
-    /// The kernels in 16 bits, for raw images with these levels, digital numbers.
+    /// The 16-bit kernels for raw images with these levels, digital numbers.
     ///
     /// # Errors
     /// When the white level is not above the black level, or the kernels are too large.
@@ -195,22 +180,22 @@ impl Pipeline {
 }
 
 impl Isp for Pipeline {
-    /// The picture in CIE XYZ of a pipeline with three outputs.
+    /// Renders CIE XYZ with a pipeline of three outputs.
     fn render(&self, raw: &RawImage) -> Result<Image, IspError> {
         self.renderer().picture(raw)
     }
 }
 
 impl Isp for Renderer<'_> {
-    /// The picture in CIE XYZ of a pipeline with three outputs.
+    /// Renders CIE XYZ with a pipeline of three outputs.
     fn render(&self, raw: &RawImage) -> Result<Image, IspError> {
         self.picture(raw)
     }
 }
 
-/// How far a picture is from a reference, as a peak signal-to-noise ratio in decibels: 20 log₁₀ of the largest value of the
-/// reference over the root mean square of the difference. Infinite when they are equal. `None` when the sizes differ, or
-/// a value is not finite.
+/// Peak signal-to-noise ratio in decibels between an image and a reference: 20 log₁₀ of the largest value of
+/// the reference over the root mean square difference. Infinite for equal images. `None` when the sizes
+/// differ or a value is not finite.
 #[must_use]
 pub fn peak_ratio_db(reference: &Planes, other: &Planes) -> Option<f64> {
     let shape = |p: &Planes| (p.rows(), p.cols(), p.count());
@@ -229,16 +214,16 @@ pub fn peak_ratio_db(reference: &Planes, other: &Planes) -> Option<f64> {
 fn rendered(
     pipeline: &Pipeline,
     raw: &RawImage,
-    render: impl FnOnce(&mut Planes) -> Result<Outside, L3Error>,
+    render: impl FnOnce(&mut Planes) -> Result<OutsideCounts, L3Error>,
 ) -> Result<Rendered, L3Error> {
-    // Before memory is asked for.
+    // Checked before any allocation.
     check_image(pipeline, raw)?;
     let mut planes = Planes::zeros(raw.rows(), raw.cols(), pipeline.outputs().len());
     let outside = render(&mut planes)?;
     Ok(Rendered { planes, outside })
 }
 
-/// The phase of the first pixel, when image and planes fit the pipeline.
+/// Checks that image and planes match the pipeline, and returns the phase of the first pixel.
 fn check(pipeline: &Pipeline, raw: &RawImage, planes: &Planes) -> Result<[usize; 2], L3Error> {
     let phase = check_image(pipeline, raw)?;
     let (count, rows, cols) = (pipeline.outputs().len(), raw.rows(), raw.cols());
@@ -252,7 +237,7 @@ fn check(pipeline: &Pipeline, raw: &RawImage, planes: &Planes) -> Result<[usize;
 fn check_image(pipeline: &Pipeline, raw: &RawImage) -> Result<[usize; 2], L3Error> {
     let phase = phase_in(pipeline.axes().mosaic(), pipeline.channel_names(), raw)?;
     check_size(pipeline.axes(), raw.rows(), raw.cols())?;
-    // Volts have levels of their own; once normalised they are alike.
+    // Volts have their own levels; after normalisation they are equivalent.
     if matches!(raw.samples(), RawSamples::Digital(_)) {
         let (black, white) = (pipeline.black_level(), pipeline.white_level());
         let (got_black, got_white) = (raw.black_level(), raw.white_level());

@@ -1,13 +1,13 @@
-//! The inner loops in plain code, which defines the order of the sums.
+//! Portable inner loops, which define the order of summation.
 
 use super::fixed::Entry;
 use super::table::{Run, Sample, registers_of};
 use crate::numeric::simd::Kernel;
 
-/// Pixels that the inner loops take at a time.
+/// Pixels per iteration of the inner loops.
 pub(super) const PIXELS: usize = 16;
 
-/// `out[x * lines + i] = lines[i][x]` for `columns` columns; beyond the end of a line, zero.
+/// `out[x * lines + i] = lines[i][x]` for `columns` columns; zero beyond the end of a line.
 pub(super) fn interleave<S: Sample>(lines: &[&[S]], columns: usize, out: &mut Vec<S>) {
     out.clear();
     out.resize(columns * lines.len(), S::default());
@@ -17,10 +17,10 @@ pub(super) fn interleave<S: Sample>(lines: &[&[S]], columns: usize, out: &mut Ve
     }
 }
 
-/// The products of a run in single precision.
+/// Products of a run in single precision.
 pub(super) struct Float<'r, 'a, 'p, 'q>(pub(super) &'r Run<'a, f32>, pub(super) &'p mut [&'q mut [f32]]);
 
-/// The sum of sixteen partial sums: a tree of fixed shape, one that vectors of pixels can climb together.
+/// The sum of sixteen partial sums by a fixed binary tree, which vectors of pixels can evaluate together.
 #[inline(always)]
 fn tree(p: &[f32; 16]) -> f32 {
     let four = |i: usize| (p[i] + p[i + 2]) + (p[i + 1] + p[i + 3]);
@@ -37,8 +37,8 @@ impl Float<'_, '_, '_, '_> {
 impl Kernel for Float<'_, '_, '_, '_> {
     type Output = ();
 
-    /// Lane `i` sums the products of taps `i`, `i + 16`, … in this order, rounded one by one; the constant beyond the last tap is
-    /// one of them.
+    /// Lane `i` sums the products of taps `i`, `i + 16`, … in this order, rounding each. The constant after
+    /// the last tap counts as a tap.
     #[inline(always)]
     fn run(self) {
         let Self(run, planes) = self;
@@ -67,7 +67,7 @@ impl Kernel for Float<'_, '_, '_, '_> {
     }
 }
 
-/// The products of a run in fixed point.
+/// Products of a run in fixed point.
 pub(super) struct Fixed<'r, 'a, 'p, 'q>(pub(super) &'r Run<'a, i16>, pub(super) &'p mut [&'q mut [f32]]);
 
 impl Fixed<'_, '_, '_, '_> {

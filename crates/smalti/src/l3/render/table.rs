@@ -1,79 +1,29 @@
-//! Kernels as the inner loops read them: the taps of a patch column by column, padded to whole registers.
+//! Kernels in the layout of the inner loops: the taps of a patch column by column, padded to whole registers.
 
 use std::collections::HashMap;
 
-use super::super::window::Window;
-use super::portable;
+/// An offset enters the sum as two 16-bit weights; one is multiplied by this value, the other by 1.
+pub(super) const HIGH_PART: i32 = 1 << 14;
 
-/// An instruction set that this machine has, and the code for it. All give the same bits.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Simd {
-    /// What any processor of the architecture runs.
-    #[cfg(test)]
-    Plain,
-    /// The same code, compiled for the widest vectors that this machine has.
-    Compiled,
-    /// Intrinsics. Only [`Simd::all`] and [`Simd::best`] make one.
-    #[cfg(target_arch = "x86_64")]
-    Avx512(super::x86::Avx512),
-}
-
-impl Simd {
-    /// The fastest.
-    pub(super) fn best() -> Self {
-        #[cfg(target_arch = "x86_64")]
-        if let Some(set) = super::x86::Avx512::detect() {
-            return Self::Avx512(set);
-        }
-        Self::Compiled
-    }
-
-    #[cfg(test)]
-    pub(super) fn all() -> Vec<Self> {
-        let mut sets = vec![Self::Plain, Self::Compiled];
-        if Self::best() != Self::Compiled {
-            sets.push(Self::best());
-        }
-        sets
-    }
-}
-
-/// 64 bytes that begin where a line of the cache does: a register read across two lines takes twice as long.
+/// 64 bytes aligned to a cache line: reading a register that spans two lines takes twice as long.
 #[derive(Debug, Clone, Copy)]
 #[repr(C, align(64))]
 pub(super) struct Register<T, const LANES: usize>(pub(super) [T; LANES]);
 
-/// Numbers that a path multiplies: `f32`, or `i16` in fixed point.
+/// The number type of a rendering path: `f32`, or `i16` in fixed point.
 pub(super) trait Sample: Copy + Default + Send + Sync + std::fmt::Debug + 'static {
-    /// How many fill a register.
+    /// Numbers per register.
     const LANES: usize;
-    /// What stands in the patch beyond its last tap, for offsets to be multiplied with.
+    /// Constants after the last tap of the patch, which multiply the offsets.
     const CONSTANTS: &'static [Self];
-    /// Lanes on the boundary of a register.
+    /// An aligned register.
     type Register: Copy + Send + Sync + std::fmt::Debug;
-    /// Where rows are read besides the window that is classified.
-    type Reader<'a>: Sync;
-
     fn register(lanes: &[Self]) -> Self::Register;
     /// Equal for equal numbers.
     fn bits(self) -> u32;
-
-    /// The window that patches are taken from, `window` or `own`, which is filled then.
-    fn window<'w>(
-        reader: &Self::Reader<'_>,
-        window: &'w Window,
-        own: &'w mut Window<Self>,
-        place: &Place,
-    ) -> &'w Window<Self>;
-
-    /// `out[x * lines + i] = lines[i][x]` for `columns` columns at least. Lines reach a register beyond the last column.
-    fn interleave(simd: Simd, lines: &[&[Self]], columns: usize, out: &mut Vec<Self>);
-
-    /// Value of every output at every pixel of a run.
-    fn products(simd: Simd, run: &Run<'_, Self>, planes: &mut [&mut [f32]]);
 }
 
-/// Which rows of an image a window holds.
+/// The rows of an image that a window holds.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Place {
     pub(super) size: [usize; 2],
@@ -83,38 +33,38 @@ pub(super) struct Place {
     pub(super) tile: [usize; 2],
 }
 
-/// Pixels beside each other.
+/// Consecutive pixels of a row.
 #[derive(Debug)]
 pub(super) struct Run<'a, S: Sample> {
     pub(super) table: &'a Table<S>,
-    /// Columns of patches one after another, those of the first pixel first.
+    /// Concatenated columns of patches, starting with those of the first pixel.
     pub(super) patches: &'a [S],
-    /// The first register of the kernels of each pixel, in fixed point an [`Entry`](super::fixed::Entry); filled up to whole vectors
-    /// of [`portable::PIXELS`] with any kernels.
+    /// The first register of the kernels of each pixel (in fixed point an [`Entry`](super::fixed::Entry)),
+    /// padded with arbitrary kernels to whole vectors of [`PIXELS`](super::portable::PIXELS).
     pub(super) kernels: &'a [u32],
-    /// Where in the planes the first pixel lies.
+    /// Index of the first pixel in the planes.
     pub(super) at: usize,
     /// Number of pixels.
     pub(super) count: usize,
 }
 
-/// Distinct kernels.
+/// The distinct kernels.
 #[derive(Debug, Clone)]
 pub(super) struct Table<S: Sample> {
     /// Ordered kernel, output, register.
     pub(super) registers: Vec<S::Register>,
     /// Side of the patch.
     pub(super) side: usize,
-    /// The last register of a patch with nothing but what stands beyond its last tap.
+    /// The last register of a patch, with only the constants after its last tap.
     pub(super) beyond: S::Register,
-    /// In fixed point, factor from sums to values of kernels without binary places.
+    /// In fixed point, the factor from sums to values for kernels without fractional bits.
     pub(super) scale: f32,
 }
 
 impl<S: Sample> Table<S> {
-    /// From `weights` ordered class, output, tap (row order), and `offsets(class · outputs + output)`, which are multiplied with
-    /// [`Sample::CONSTANTS`]. Returns as well at which register the kernels of each class begin: those that are equal are kept
-    /// once.
+    /// Builds the table from `weights`, ordered class, output, tap (row order), and `offsets` of
+    /// `class · outputs + output`, which [`Sample::CONSTANTS`] multiply. Also returns the first register of the kernels of
+    /// each class. Equal kernels are stored once.
     pub(super) fn new(
         weights: &[S],
         offsets: impl Fn(usize) -> Vec<S>,
@@ -152,7 +102,7 @@ impl<S: Sample> Table<S> {
     }
 }
 
-/// Registers that hold a patch and the constants beyond it.
+/// Registers for a patch and the constants after it.
 pub(super) const fn registers_of<S: Sample>(side: usize) -> usize {
     (side * side + S::CONSTANTS.len()).div_ceil(S::LANES)
 }
@@ -161,7 +111,6 @@ impl Sample for f32 {
     const LANES: usize = 16;
     const CONSTANTS: &'static [Self] = &[1.0];
     type Register = Register<Self, 16>;
-    type Reader<'a> = ();
 
     fn register(lanes: &[Self]) -> Self::Register {
         Register(lanes.first_chunk().copied().unwrap_or_default())
@@ -170,40 +119,12 @@ impl Sample for f32 {
     fn bits(self) -> u32 {
         self.to_bits()
     }
-
-    fn window<'w>(
-        (): &Self::Reader<'_>,
-        window: &'w Window,
-        _: &'w mut Window<Self>,
-        _: &Place,
-    ) -> &'w Window<Self> {
-        window
-    }
-
-    fn interleave(simd: Simd, lines: &[&[Self]], columns: usize, out: &mut Vec<Self>) {
-        match simd {
-            #[cfg(target_arch = "x86_64")]
-            Simd::Avx512(set) => set.interleave_f32(lines, columns, out),
-            _ => portable::interleave(lines, columns, out),
-        }
-    }
-
-    fn products(simd: Simd, run: &Run<'_, Self>, planes: &mut [&mut [f32]]) {
-        match simd {
-            #[cfg(test)]
-            Simd::Plain => portable::Float(run, planes).plain(),
-            Simd::Compiled => crate::numeric::simd::dispatch(portable::Float(run, planes)),
-            #[cfg(target_arch = "x86_64")]
-            Simd::Avx512(set) => set.products_f32(run, planes),
-        }
-    }
 }
 
 impl Sample for i16 {
     const LANES: usize = 32;
-    const CONSTANTS: &'static [Self] = &[super::fixed::HIGH_PART as Self, 1];
+    const CONSTANTS: &'static [Self] = &[HIGH_PART as Self, 1];
     type Register = Register<Self, 32>;
-    type Reader<'a> = super::fixed::Digital<'a>;
 
     fn register(lanes: &[Self]) -> Self::Register {
         Register(lanes.first_chunk().copied().unwrap_or([0; 32]))
@@ -211,33 +132,5 @@ impl Sample for i16 {
 
     fn bits(self) -> u32 {
         u32::from(self.cast_unsigned())
-    }
-
-    fn window<'w>(
-        reader: &Self::Reader<'_>,
-        _: &'w Window,
-        own: &'w mut Window<Self>,
-        place: &Place,
-    ) -> &'w Window<Self> {
-        reader.fill(own, place);
-        own
-    }
-
-    fn interleave(simd: Simd, lines: &[&[Self]], columns: usize, out: &mut Vec<Self>) {
-        match simd {
-            #[cfg(target_arch = "x86_64")]
-            Simd::Avx512(set) => set.interleave_i16(lines, columns, out),
-            _ => portable::interleave(lines, columns, out),
-        }
-    }
-
-    fn products(simd: Simd, run: &Run<'_, Self>, planes: &mut [&mut [f32]]) {
-        match simd {
-            #[cfg(test)]
-            Simd::Plain => portable::Fixed(run, planes).plain(),
-            Simd::Compiled => crate::numeric::simd::dispatch(portable::Fixed(run, planes)),
-            #[cfg(target_arch = "x86_64")]
-            Simd::Avx512(set) => set.products_i16(run, planes),
-        }
     }
 }

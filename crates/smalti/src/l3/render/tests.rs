@@ -5,7 +5,7 @@ mod unlike;
 use super::super::lattice;
 use super::super::window::mirrored;
 use super::super::{Axes, Class, Kernels, Levels, Origin, PipelineParts, Textures};
-use super::table::Simd;
+use super::simd::Simd;
 use super::*;
 use crate::numeric::philox::Stream;
 use crate::numeric::simd::{Set, with_widest};
@@ -116,7 +116,7 @@ impl<'a> Reference<'a> {
         (cols[0]..=cols[1]).map(column).collect()
     }
 
-    fn class(&self, row: usize, col: usize, outside: &mut Outside) -> usize {
+    fn class(&self, row: usize, col: usize, outside: &mut OutsideCounts) -> usize {
         let axes = self.pipeline.axes();
         let (m, half) = (axes.mosaic(), (axes.side() / 2) as isize);
         let (r0, c0) = (row as isize, col as isize);
@@ -159,7 +159,7 @@ impl<'a> Reference<'a> {
         let (rows, cols, side) = (self.raw.rows(), self.raw.cols(), self.pipeline.axes().side());
         let half = (side / 2) as isize;
         let mut planes = Planes::zeros(rows, cols, self.pipeline.outputs().len());
-        let mut outside = Outside::default();
+        let mut outside = OutsideCounts::default();
         for (row, col) in (0..rows).flat_map(|r| (0..cols).map(move |c| (r, c))) {
             let class = self.class(row, col, &mut outside);
             let taps: Vec<usize> = (0..side * side)

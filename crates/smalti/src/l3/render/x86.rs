@@ -1,4 +1,4 @@
-//! The inner loops with AVX-512: four pixels at a time are multiplied, sixteen climb the tree of sums together.
+//! Inner loops with AVX-512: they multiply four pixels at a time and sum sixteen in one tree.
 
 use std::arch::x86_64::*;
 
@@ -6,7 +6,7 @@ use super::fixed::Entry;
 use super::portable::{self, PIXELS};
 use super::table::{Run, Sample, registers_of};
 
-/// A processor that has AVX-512 with its instructions for 16 bits. Only [`Avx512::detect`] makes one.
+/// Proof that the processor has AVX-512 with 16-bit instructions. Only [`Avx512::detect`] constructs it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Avx512(());
 
@@ -17,7 +17,7 @@ impl Avx512 {
     }
 
     pub(super) fn interleave_f32(self, lines: &[&[f32]], columns: usize, out: &mut Vec<f32>) {
-        // SAFETY: that there is a value of this type shows that the processor has the features.
+        // SAFETY: a value of this type proves that the processor has the features.
         unsafe {
             match lines.len() {
                 3 => interleave_f32::<3>(lines, columns, out),
@@ -71,7 +71,7 @@ impl Avx512 {
     }
 }
 
-/// Register `o` of lines laid column by column takes in lane `l` column `(o L + l) / P` of line `(o L + l) % P`.
+/// Register `o` of the interleaved lines contains in lane `l` column `(o L + l) / P` of line `(o L + l) % P`.
 const fn columns_f32<const P: usize>() -> [[i32; 16]; P] {
     let (mut table, mut i) = ([[0; 16]; P], 0);
     while i < 16 * P {
@@ -90,7 +90,7 @@ const fn columns_i16<const P: usize>() -> [[i16; 32]; P] {
     table
 }
 
-/// Which lanes of register `o` line `i` fills, in `[o][i]`.
+/// The lanes of register `o` that line `i` fills, in `[o][i]`.
 const fn lanes_of<const P: usize>(lanes: usize) -> [[u32; P]; P] {
     let (mut masks, mut place) = ([[0; P]; P], 0);
     while place < lanes * P {
@@ -113,7 +113,7 @@ fn interleave_f32<const P: usize>(lines: &[&[f32]], columns: usize, out: &mut Ve
     let mut from = [_mm512_setzero_ps(); P];
     for (block, out) in out.chunks_exact_mut(16 * P).enumerate() {
         for i in 0..P {
-            // SAFETY: every line was found to hold as many blocks.
+            // SAFETY: every line has been checked to hold as many blocks.
             from[i] = unsafe { _mm512_loadu_ps(lines[i].as_ptr().add(block * 16)) };
         }
         for o in 0..P {
@@ -121,7 +121,7 @@ fn interleave_f32<const P: usize>(lines: &[&[f32]], columns: usize, out: &mut Ve
             for i in 1..P {
                 v = _mm512_mask_permutexvar_ps(v, masks[o][i] as u16, places[o], from[i]);
             }
-            // SAFETY: `out` has 16 P places.
+            // SAFETY: `out` has 16 P elements.
             unsafe { _mm512_storeu_ps(out.as_mut_ptr().add(16 * o), v) };
         }
     }
@@ -140,7 +140,7 @@ fn interleave_i16<const P: usize>(lines: &[&[i16]], columns: usize, out: &mut Ve
     let mut from = [_mm512_setzero_si512(); P];
     for (block, out) in out.chunks_exact_mut(32 * P).enumerate() {
         for i in 0..P {
-            // SAFETY: every line was found to hold as many blocks.
+            // SAFETY: every line has been checked to hold as many blocks.
             from[i] = unsafe { _mm512_loadu_si512(lines[i].as_ptr().add(block * 32).cast()) };
         }
         for o in 0..P {
@@ -148,13 +148,13 @@ fn interleave_i16<const P: usize>(lines: &[&[i16]], columns: usize, out: &mut Ve
             for i in 1..P {
                 v = _mm512_mask_permutexvar_epi16(v, masks[o][i], places[o], from[i]);
             }
-            // SAFETY: `out` has 32 P places.
+            // SAFETY: `out` has 32 P elements.
             unsafe { _mm512_storeu_si512(out.as_mut_ptr().add(32 * o).cast(), v) };
         }
     }
 }
 
-/// Outputs in groups of three, then what is left: a patch that is loaded is used for a group.
+/// Processes outputs in groups of three, then the rest; a loaded patch serves a whole group.
 #[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl")]
 fn all_f32<const P: usize>(run: &Run<'_, f32>, planes: &mut [&mut [f32]]) {
     for (group, planes) in planes.chunks_mut(3).enumerate() {
@@ -179,7 +179,7 @@ fn all_i16<const P: usize>(run: &Run<'_, i16>, planes: &mut [&mut [f32]]) {
     }
 }
 
-/// Four sums of lanes: in each quarter of the result, one number per vector.
+/// Four lane sums: each quarter of the result holds one number per vector.
 #[inline]
 #[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl")]
 fn quarters_f32([a, b, c, d]: [__m512; 4]) -> __m512 {
@@ -190,7 +190,7 @@ fn quarters_f32([a, b, c, d]: [__m512; 4]) -> __m512 {
     _mm512_add_ps(low, _mm512_castpd_ps(_mm512_unpackhi_pd(ab, cd)))
 }
 
-/// The sums of the quarters of four vectors, one vector after another.
+/// The sums of the quarters of four vectors, concatenated.
 #[inline]
 #[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl")]
 fn whole_f32([a, b, c, d]: [__m512; 4]) -> __m512 {
@@ -215,7 +215,7 @@ fn whole_i32([a, b, c, d]: [__m512i; 4]) -> __m512i {
     _mm512_add_epi32(_mm512_shuffle_i32x4::<0x88>(ab, cd), _mm512_shuffle_i32x4::<0xdd>(ab, cd))
 }
 
-/// Writes the values of sixteen pixels, or of those that the row still has.
+/// Writes the values of sixteen pixels, or of the remaining pixels of the row.
 #[inline]
 #[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl")]
 fn store(out: &mut [f32], values: __m512) {
@@ -229,10 +229,10 @@ fn group_f32<const P: usize, const G: usize>(run: &Run<'_, f32>, first: usize, p
     let n = const { registers_of::<f32>(P) };
     let last: u16 = const { (1 << (P * P - f32::LANES * (registers_of::<f32>(P) - 1))) - 1 };
     let registers = &run.table.registers;
-    // Every patch of the run once for all, and where the last kernels may begin.
+    // One check covers every patch of the run and the range of kernel indices.
     let Some(patches) = run.patches.get(..(run.kernels.len() + P - 1) * P) else { return };
     let Some(most) = registers.len().checked_sub(G * n) else { return };
-    // SAFETY: a register of 64 bytes on its boundary.
+    // SAFETY: an aligned register of 64 bytes.
     let beyond = unsafe { _mm512_load_ps(run.table.beyond.0.as_ptr()) };
     let mut outs = planes.map(|p| p[run.at..run.at + run.count].chunks_mut(PIXELS));
     for (block, kernels) in run.kernels.as_chunks::<PIXELS>().0.iter().enumerate() {
@@ -245,7 +245,7 @@ fn group_f32<const P: usize, const G: usize>(run: &Run<'_, f32>, first: usize, p
                 if from > most {
                     return;
                 }
-                // SAFETY: G n registers are there.
+                // SAFETY: G n registers exist from this index.
                 let weights = unsafe { registers.as_ptr().add(from) };
                 let mut values = [beyond; 8];
                 for (r, value) in values.iter_mut().enumerate().take(n) {
@@ -258,7 +258,7 @@ fn group_f32<const P: usize, const G: usize>(run: &Run<'_, f32>, first: usize, p
                 }
                 for (g, sums) in sums.iter_mut().enumerate() {
                     for (r, &value) in values.iter().enumerate().take(n) {
-                        // SAFETY: one of them, 64 bytes on their boundary.
+                        // SAFETY: one of these registers, aligned to 64 bytes.
                         let weight = unsafe { _mm512_load_ps(weights.add(g * n + r).cast()) };
                         let product = _mm512_mul_ps(value, weight);
                         sums[p] = if r == 0 { product } else { _mm512_add_ps(sums[p], product) };
@@ -282,10 +282,10 @@ fn group_i16<const P: usize, const G: usize>(run: &Run<'_, i16>, first: usize, p
     let n = const { registers_of::<i16>(P) };
     let last: u32 = const { (1 << (P * P - i16::LANES * (registers_of::<i16>(P) - 1))) - 1 };
     let registers = &run.table.registers;
-    // Every patch of the run once for all, and where the last kernels may begin.
+    // One check covers every patch of the run and the range of kernel indices.
     let Some(patches) = run.patches.get(..(run.kernels.len() + P - 1) * P) else { return };
     let Some(most) = registers.len().checked_sub(G * n) else { return };
-    // SAFETY: a register of 64 bytes on its boundary.
+    // SAFETY: an aligned register of 64 bytes.
     let beyond = unsafe { _mm512_load_si512(run.table.beyond.0.as_ptr().cast()) };
     let whole = _mm512_castps_si512(_mm512_set1_ps(run.table.scale));
     let mut outs = planes.map(|p| p[run.at..run.at + run.count].chunks_mut(PIXELS));
@@ -299,7 +299,7 @@ fn group_i16<const P: usize, const G: usize>(run: &Run<'_, i16>, first: usize, p
                 if from > most {
                     return;
                 }
-                // SAFETY: G n registers are there.
+                // SAFETY: G n registers exist from this index.
                 let weights = unsafe { registers.as_ptr().add(from) };
                 let mut values = [beyond; 4];
                 for (r, value) in values.iter_mut().enumerate().take(n) {
@@ -316,7 +316,7 @@ fn group_i16<const P: usize, const G: usize>(run: &Run<'_, i16>, first: usize, p
                 }
                 for (g, sums) in sums.iter_mut().enumerate() {
                     for (r, &value) in values.iter().enumerate().take(n) {
-                        // SAFETY: one of them, 64 bytes on their boundary.
+                        // SAFETY: one of these registers, aligned to 64 bytes.
                         let weight = unsafe { _mm512_load_si512(weights.add(g * n + r).cast()) };
                         let pairs = _mm512_madd_epi16(value, weight);
                         sums[p] = if r == 0 { pairs } else { _mm512_add_epi32(sums[p], pairs) };
@@ -329,7 +329,7 @@ fn group_i16<const P: usize, const G: usize>(run: &Run<'_, i16>, first: usize, p
         }
         // SAFETY: sixteen numbers of 32 bits.
         let entries = unsafe { _mm512_loadu_si512(kernels.as_ptr().cast()) };
-        // What `Entry::scale` does.
+        // Vector form of `Entry::scale`.
         let shifts = _mm512_srli_epi32::<{ Entry::PLACE }>(entries);
         let exponents = _mm512_slli_epi32::<{ Entry::MANTISSA }>(shifts);
         let scales = _mm512_castsi512_ps(_mm512_sub_epi32(whole, exponents));

@@ -1,4 +1,4 @@
-//! From the moments of a class to its kernels.
+//! Solution of the moments of a class for its kernels.
 
 mod golub1979;
 #[cfg(test)]
@@ -12,10 +12,10 @@ use crate::color::matrix::{Matrix3, inverse};
 use crate::color::scielab::Opponent;
 use crate::sensor::SignalNoise;
 
-/// Eigenvalues up to this share of the summed second moments of the patch are taken for rounding. Samples are single
-/// precision, so that their own rounding is about 10⁻¹⁵ of their squares; sums of products in double precision, from which
-/// the means are subtracted, add a few dozen times 2·10⁻¹⁶. A direction in which the patches of a class differ by less
-/// (standard deviation below 10⁻⁷ of the response) teaches nothing but rounding.
+/// Eigenvalues up to this fraction of the summed second moments of the patch count as rounding errors.
+/// Single-precision samples have rounding errors of about 10⁻¹⁵ of their squares; double-precision sums of
+/// products, from which the means are subtracted, add a few dozen times 2·10⁻¹⁶. A direction in which the
+/// patches vary less (standard deviation below 10⁻⁷ of the response) carries only rounding errors.
 const ROUNDING: f64 = 64.0 * f64::EPSILON;
 
 /// The kernels of one class in double precision.
@@ -28,7 +28,7 @@ pub(super) struct Solution {
 }
 
 impl Solution {
-    /// The sum of some, each times its share.
+    /// The weighted sum of solutions.
     pub(super) fn mixed(parts: &[(f64, &Self)]) -> Option<Self> {
         let sum = |of: fn(&Self) -> &[f64]| {
             let mut sum = vec![0.0; of(parts.first()?.1).len()];
@@ -41,9 +41,9 @@ impl Solution {
     }
 }
 
-/// What all classes of a training share.
+/// Solves the kernels of one class at a time, with parameters that all classes share.
 #[derive(Debug)]
-pub(super) struct Solving<'a> {
+pub(super) struct ClassSolver<'a> {
     solver: &'a Solver,
     form: KernelForm,
     noise: SignalNoise,
@@ -53,7 +53,7 @@ pub(super) struct Solving<'a> {
     opponent: Option<OpponentSpace>,
 }
 
-/// Where X, Y, Z stand among the outputs, and the way to opponent colours and back.
+/// Indices of X, Y, Z among the outputs, and the matrices to opponent colours and back.
 #[derive(Debug)]
 struct OpponentSpace {
     places: [usize; 3],
@@ -73,7 +73,7 @@ impl OpponentSpace {
     }
 }
 
-impl<'a> Solving<'a> {
+impl<'a> ClassSolver<'a> {
     pub(super) fn new(solver: &'a Solver, form: KernelForm, statistics: &Statistics) -> Self {
         Self {
             solver,
@@ -86,7 +86,7 @@ impl<'a> Solving<'a> {
         }
     }
 
-    /// The kernels of a class; `class` is its index, for errors.
+    /// The kernels of a class; `class` is its index, for error messages.
     pub(super) fn solve(&self, moments: &Moments, flat: bool, class: usize) -> Result<Solution, L3Error> {
         let normal = Normal::new(moments, self.side * self.side, self.outputs, self.form);
         let mut weights = normal.cross.clone();
@@ -135,7 +135,8 @@ impl<'a> Solving<'a> {
         }
         let luminance = self.loaded(normal, moments, alpha.luminance)?;
         if alpha.luminance == alpha.chrominance {
-            // One weight for all: the space does not matter, and for 1 this is Wiener's solution bit by bit.
+            // With a single weight the colour space does not matter, and for 1 this is Wiener's solution bit
+            // by bit.
             space.places.into_iter().for_each(|o| luminance.solve_rows(&mut rows[row(o)]));
             return Some(());
         }
@@ -150,7 +151,7 @@ impl<'a> Solving<'a> {
         Some(())
     }
 
-    /// The system C + α Σ, where C holds Σ already when the statistics are of noisy samples.
+    /// The system C + α Σ. When the statistics are of noisy samples, C includes Σ already.
     fn loaded(&self, normal: &Normal, moments: &Moments, alpha: f64) -> Option<System> {
         let mut gram = normal.gram.clone();
         let load = if self.noisy { alpha - 1.0 } else { alpha };
@@ -161,14 +162,14 @@ impl<'a> Solving<'a> {
     }
 }
 
-/// The sum of three rows times the values of a row of a matrix.
+/// Three rows multiplied by a row of a matrix and summed.
 fn combined(m: &[f64; 3], rows: &[Vec<f64>; 3]) -> Vec<f64> {
     let [a, b, c] = rows;
     a.iter().zip(b).zip(c).map(|((a, b), c)| m[0] * a + m[1] * b + m[2] * c).collect()
 }
 
-/// Adds `load` times the noise covariance of patches with these moments: what every pixel has by itself on the diagonal, what
-/// the pixels of a row and of a column share where two taps lie in one.
+/// Adds `load` times the noise covariance of patches with these moments: pixel noise on the diagonal, and row
+/// and column noise where two taps share a row or a column.
 fn add_noise(gram: &mut [f64], load: f64, noise: &SignalNoise, side: usize, moments: &Moments) {
     let taps = side * side;
     let share = 1.0 / moments.get(0, 0).max(1.0);
@@ -183,11 +184,11 @@ fn add_noise(gram: &mut [f64], load: f64, noise: &SignalNoise, side: usize, mome
     }
 }
 
-/// A symmetric system made ready to be solved.
+/// A factorised symmetric system.
 enum System {
-    /// Uᵀ U.
+    /// Cholesky factor: Uᵀ U.
     Factored(Vec<f64>, usize),
-    /// Where it is singular.
+    /// Eigendecomposition, where the matrix is singular.
     Spectral(Eigen, f64),
 }
 
@@ -210,7 +211,8 @@ impl System {
     }
 }
 
-/// Second moments of a class per patch: about the means for affine kernels, about zero for linear ones.
+/// Second moments of a class per patch: central moments for affine kernels, moments about zero for linear
+/// ones.
 struct Normal {
     taps: usize,
     form: KernelForm,
@@ -223,7 +225,7 @@ struct Normal {
     power: Vec<f64>,
     mean_patch: Vec<f64>,
     mean_target: Vec<f64>,
-    /// Eigenvalues up to this are rounding.
+    /// Eigenvalues up to this value count as rounding errors.
     cut: f64,
 }
 
@@ -266,14 +268,14 @@ impl Normal {
             gram,
             cross,
             power: target.map(|o| (m.get(o, o) * share - about * means[o] * means[o]).max(0.0)).collect(),
-            // Above zero, so that a class of black patches has a solution too.
+            // Above zero, so that a class of black patches has a solution.
             cut: (ROUNDING * squares).max(f64::MIN_POSITIVE),
             mean_target: means[1 + taps..].to_vec(),
             mean_patch: means[1..1 + taps].to_vec(),
         }
     }
 
-    /// With the offsets that belong to the weights.
+    /// Completes the weights with their offsets.
     fn solution(&self, weights: Vec<f64>) -> Solution {
         let offset = |(row, mean): (&[f64], &f64)| match self.form {
             KernelForm::Affine => mean - dense::dot(row, &self.mean_patch),

@@ -45,7 +45,7 @@ fn one_class(
 fn solved(s: &Statistics, solver: Solver, form: KernelForm) -> Solution {
     let mut whole = Moments::new(s.axes().taps(), s.outputs().len());
     s.classes().values().for_each(|m| whole.merge(m));
-    Solving::new(&solver, form, s).solve(&whole, false, 0).unwrap()
+    ClassSolver::new(&solver, form, s).solve(&whole, false, 0).unwrap()
 }
 
 fn largest(values: &[f64]) -> f64 {
@@ -173,8 +173,8 @@ fn noisy_statistics_hold_their_noise() {
     }
     let with_noise = Moments::from_sums(9, 3, with_noise).unwrap();
     for solver in [Solver::Wiener, Solver::Perceptual(PerceptualWeights::default())] {
-        let a = Solving::new(&solver, KernelForm::Affine, &clean).solve(&moments, true, 0).unwrap();
-        let b = Solving::new(&solver, KernelForm::Affine, &noisy).solve(&with_noise, true, 0).unwrap();
+        let a = ClassSolver::new(&solver, KernelForm::Affine, &clean).solve(&moments, true, 0).unwrap();
+        let b = ClassSolver::new(&solver, KernelForm::Affine, &noisy).solve(&with_noise, true, 0).unwrap();
         // For α ≠ 1 the mean square that PRNU acts on holds the noise itself, and Σ is larger by a thousandth.
         let tolerance = if solver == Solver::Wiener { 1e-12 } else { 1e-3 };
         a.weights.iter().zip(&b.weights).for_each(|(a, b)| assert!((a - b).abs() < tolerance, "{a} {b}"));
@@ -224,7 +224,7 @@ fn degenerate_classes_have_finite_kernels() {
             below,
         ] {
             for form in [KernelForm::Affine, KernelForm::Linear] {
-                let s = Solving::new(&solver, form, &noiseless).solve(&moments, true, 0).unwrap();
+                let s = ClassSolver::new(&solver, form, &noiseless).solve(&moments, true, 0).unwrap();
                 assert!(s.weights.iter().chain(&s.offsets).all(|v| v.is_finite()), "{name}");
                 if solver == Solver::LeastSquares && (form == KernelForm::Affine || name != "few") {
                     // What was seen is fitted, all of these being linear.

@@ -1,21 +1,22 @@
-//! Where the edge is: samples in lines across it, the centroid on each line, a straight line through them.
+//! Location of the edge: lines of samples across it, the centroid on each line, and the straight line through the centroids.
 
 use std::f64::consts::PI;
 
-use super::{CentroidWindow, EdgeOrientation, MetricError, Rect};
+use super::options::{CentroidWindow, EdgeOrientation};
+use crate::metrics::{MetricError, Rect};
 
-/// Pixels that a region needs in each direction: fewer leave no room for two plateaus and an edge.
+/// Least number of pixels of a region in each direction, for two plateaus and an edge.
 const MINIMUM_SIDE: usize = 8;
 
 /// Lines of samples across the edge.
 pub(super) struct Lines {
-    /// Per line, in order: places along the line in pixels and values. A line may be empty.
+    /// For each line the positions along the line, pixels, and the values. A line may be empty.
     pub(super) lines: Vec<Vec<(f64, f64)>>,
-    /// Pixels along a line, whether sampled or not.
+    /// Number of pixels along a line, including those without samples.
     pub(super) width: usize,
 }
 
-/// A straight edge: at line `y` it stands at `intercept + slope * y`, in pixels.
+/// A straight edge at `intercept + slope * y` on line `y`, pixels.
 pub(super) struct EdgeLine {
     pub(super) intercept: f64,
     pub(super) slope: f64,
@@ -32,8 +33,8 @@ pub(super) fn gather(
         let what = "pixels along the shorter side of the edge region";
         return Err(MetricError::TooFew { what, minimum: MINIMUM_SIDE, got: shorter });
     }
-    // Sums and counts of the outer thirds: left, right, top, bottom. The direction in which they differ more
-    // is the one across the edge.
+    // Sums and counts of the outer thirds: left, right, top, bottom. Their larger difference gives the direction across the
+    // edge.
     let mut outer = [(0.0, 0usize); 4];
     for row in 0..rect.rows {
         for col in 0..rect.cols {
@@ -69,7 +70,7 @@ pub(super) fn gather(
 /// with windows centred on the first fit.
 pub(super) fn fit(lines: &Lines, windows: CentroidWindow) -> Result<EdgeLine, MetricError> {
     let middle = (lines.width - 1) as f64 / 2.0;
-    // sfrmat counts places from 1 and lays its window over differences that stand half a pixel earlier.
+    // sfrmat counts positions from 1 and places its window on differences that lie half a pixel earlier.
     let (shift, ahead) = match windows {
         CentroidWindow::OnEdge => (0.0, 0.0),
         CentroidWindow::Sfrmat => (-0.5, 1.0),
@@ -117,7 +118,7 @@ fn fit_once(
 }
 
 /// Centroid of the differences between neighbouring samples under a Hamming window that peaks at `centre` and
-/// reaches its end at the farther end of the line. The sign of the edge cancels. `None` where nothing differs.
+/// ends at the farther end of the line. The sign of the edge cancels. `None` for a constant line.
 fn centroid(line: &[(f64, f64)], windows: CentroidWindow, centre: f64, last: f64) -> Option<f64> {
     let differences = line.windows(2).filter_map(|pair| match *pair {
         [(x0, v0), (x1, v1)] => Some(((x0 + x1) / 2.0, v1 - v0)),

@@ -1,165 +1,28 @@
-//! Spatial frequency response from a slanted edge (e-SFR), in the manner of ISO 12233 ([iso12233]) and
+//! Spatial frequency response from a slanted edge (e-SFR), following ISO 12233 ([iso12233]) and
 //! P. D. Burns (2000), "Slanted-edge MTF for digital camera and scanner analysis", IS&T PICS.
 //!
-//! An edge that is a little slanted is met by every line of pixels at another phase; all lines together sample
-//! its profile much finer than the pixels do. On each line the edge is located by the centroid of the windowed
-//! derivative; a straight line is fitted, and fitted again with windows centred on it. Every sample is
-//! projected along that line into bins of a quarter pixel. The derivative of this profile, windowed, is the
-//! line spread; the modulus of its Fourier transform, 1 at frequency 0, is the response.
+//! A slightly slanted edge crosses each line of pixels at a different phase, so that all lines together sample its profile
+//! more finely than the pixels. The centroid of the windowed derivative locates the edge on each line. A straight line is
+//! fitted to the centroids, and fitted again with windows centred on it. Every sample is projected along this line into bins
+//! of a quarter pixel. The windowed derivative of the profile is the line spread function, and the normalised modulus of its
+//! Fourier transform is the response.
 //!
 //! [iso12233]: https://www.iso.org/standard/71696.html
 
 mod edge;
+mod options;
 mod region;
+mod response;
 mod spectrum;
 
+pub use options::{CentroidWindow, EdgeOrientation, EsfrOptions, FrequencyAxis};
 pub use region::find_edge_region;
+pub use response::EdgeSfr;
 
 use super::patch::check_region;
 use super::{MetricError, Rect};
 use crate::numeric::Planes;
 use crate::sensor::{RawImage, RawSamples, Sampling};
-
-/// Which way the edge runs.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum EdgeOrientation {
-    /// Nearly along the columns: dark and bright lie left and right.
-    Vertical,
-    /// Nearly along the rows: dark and bright lie above and below.
-    Horizontal,
-}
-
-/// The direction in which frequencies are counted.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum FrequencyAxis {
-    /// Across the edge, at right angles to it: the frequency the lens sees (ISO 12233:2017 and later).
-    EdgeNormal,
-    /// Along the lines of pixels, as older software and ISETCam count it: lower by the cosine of the edge's angle.
-    PixelLines,
-}
-
-/// How the window that locates the edge on a line is laid.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum CentroidWindow {
-    /// Centred on the edge.
-    OnEdge,
-    /// As in Burns's sfrmat 2–3 and ISETCam: half a pixel off and a line ahead, the first difference counted twice.
-    /// The fitted slope changes by some 1e-4. That is nothing on a clean edge; on a demosaicked one whose slope
-    /// is near a ratio of small numbers (7:3) it moves samples over the edges of bins, and MTF50 of a colour
-    /// channel changes by up to 2 %.
-    Sfrmat,
-}
-
-/// How an edge is measured.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct EsfrOptions {
-    /// The direction in which frequencies are counted.
-    pub frequency_axis: FrequencyAxis,
-    /// How the window that locates the edge is laid.
-    pub centroid_window: CentroidWindow,
-    /// Whether the response of the discrete derivative, sinc(f / 2) with f in cycles per pixel, is divided out.
-    pub derivative_correction: bool,
-    /// Whether the profile is corrected to first order for samples that do not lie evenly within their bins, as happens
-    /// when the slope is near a ratio of small numbers. Beyond the standard; it changes nothing at other slopes, and
-    /// at 1:7 or 3:7 it lowers the error of the response fourfold.
-    pub place_correction: bool,
-    /// The least accepted Michelson contrast of the edge, above 0.
-    pub minimum_contrast: f64,
-}
-
-impl Default for EsfrOptions {
-    /// Across the edge, window on the edge, derivative and places corrected; contrast at least 0.05.
-    fn default() -> Self {
-        Self {
-            frequency_axis: FrequencyAxis::EdgeNormal,
-            centroid_window: CentroidWindow::OnEdge,
-            derivative_correction: true,
-            place_correction: true,
-            minimum_contrast: 0.05,
-        }
-    }
-}
-
-impl EsfrOptions {
-    /// As ISETCam's `ISO12233` of 2021 has it: frequency along the lines, derivative not corrected. For comparison
-    /// with published figures; its MTF50 is lower by the cosine of the angle and by the derivative's own loss.
-    #[must_use]
-    pub fn isetcam() -> Self {
-        Self {
-            frequency_axis: FrequencyAxis::PixelLines,
-            centroid_window: CentroidWindow::Sfrmat,
-            derivative_correction: false,
-            place_correction: false,
-            ..Self::default()
-        }
-    }
-}
-
-/// The response measured on an edge.
-#[derive(Debug, Clone, PartialEq)]
-pub struct EdgeSfr {
-    /// Frequencies from 0 to at least 1 cycle per pixel along the lines, even steps.
-    pub frequency_cy_per_px: Vec<f64>,
-    /// Response at these frequencies; 1 at frequency 0.
-    pub sfr: Vec<f64>,
-    /// The first frequency at which the response is one half, linear between samples; `None` when it stays above.
-    pub mtf50_cy_per_px: Option<f64>,
-    /// Area under the response from half a cycle per pixel upwards, in percent of the whole area up to the
-    /// highest frequency: detail that the pixel grid can only show as something else.
-    pub aliasing_percent: f64,
-    /// Which way the edge runs.
-    pub orientation: EdgeOrientation,
-    /// Angle to the columns (vertical edge) or rows (horizontal edge), −45 to 45, positive where the position
-    /// grows with row or column.
-    pub edge_angle_deg: f64,
-    /// Michelson contrast of the two plateaus, 0 to 1.
-    pub contrast: f64,
-    /// RMS distance, along the lines, of the located edge from the fitted straight line.
-    pub fit_residual_px: f64,
-    /// The edge profile in steps of a quarter pixel along the lines, in the unit of the image.
-    pub esf: Vec<f64>,
-    /// Place of the edge in `esf`, in its steps.
-    pub edge_at: f64,
-}
-
-impl EdgeSfr {
-    /// The response at a frequency, linear between samples; `None` outside the measured range.
-    #[must_use]
-    pub fn mtf(&self, cy_per_px: f64) -> Option<f64> {
-        let step = *self.frequency_cy_per_px.get(1)?;
-        let at = cy_per_px / step;
-        if !(at >= 0.0 && at <= (self.sfr.len() - 1) as f64) {
-            return None;
-        }
-        let (low, share) = (at as usize, at.fract());
-        let here = *self.sfr.get(low)?;
-        let next = self.sfr.get(low + 1).copied().unwrap_or(here);
-        Some(here + share * (next - here))
-    }
-
-    /// The first frequency at which the response falls to `level`, in cycles per pixel.
-    #[must_use]
-    pub fn frequency_at(&self, level: f64) -> Option<f64> {
-        spectrum::first_crossing(&self.frequency_cy_per_px, &self.sfr, level)
-    }
-
-    /// MTF50 in cycles per millimetre on a sensor of this pixel pitch.
-    #[must_use]
-    pub fn mtf50_cy_per_mm(&self, pitch_m: f64) -> Option<f64> {
-        self.mtf50_cy_per_px.map(|f| cy_per_mm(f, pitch_m))
-    }
-
-    /// The frequencies in cycles per millimetre on a sensor of this pixel pitch.
-    #[must_use]
-    pub fn frequency_cy_per_mm(&self, pitch_m: f64) -> Vec<f64> {
-        self.frequency_cy_per_px.iter().map(|&f| cy_per_mm(f, pitch_m)).collect()
-    }
-}
-
-/// Cycles per pixel as cycles per millimetre.
-fn cy_per_mm(cy_per_px: f64, pitch_m: f64) -> f64 {
-    cy_per_px / (pitch_m * 1e3)
-}
 
 /// The responses of the planes of a picture and of its luminance.
 #[derive(Debug, Clone, PartialEq)]
@@ -170,13 +33,13 @@ pub struct PictureSfr {
     pub luminance: EdgeSfr,
 }
 
-/// ISETCam's weights of red, green and blue in the luminance an edge is measured on (before 2022).
+/// Weights of red, green and blue for the luminance of edges in ISETCam before 2022.
 pub const ISETCAM_LUMINANCE_WEIGHTS: [f64; 3] = [0.3, 0.6, 0.1];
 
 /// Measures one plane within a region; values must be linear in light.
 ///
 /// # Errors
-/// When the plane or region is not there, a value is not finite, or the region shows no usable edge
+/// When the plane or region does not exist, a value is not finite, or the region shows no usable edge
 /// ([`MetricError::NoEdge`], [`MetricError::LowContrast`], [`MetricError::EdgeAngle`],
 /// [`MetricError::EdgeSampling`]).
 pub fn edge_sfr(
@@ -196,7 +59,7 @@ pub fn edge_sfr(
 /// Measures every plane and the luminance `Σ weights[i] · plane[i]`.
 ///
 /// # Errors
-/// As [`edge_sfr`], and when the number of weights is not that of the planes or one is not finite.
+/// As [`edge_sfr`], and when the number of weights is not that of the planes or a weight is not finite.
 pub fn picture_sfr(
     planes: &Planes,
     rect: Rect,
@@ -216,12 +79,11 @@ pub fn picture_sfr(
     Ok(PictureSfr { channels: channels.collect::<Result<_, _>>()?, luminance })
 }
 
-/// Measures one channel of a raw image before any demosaicking, on the samples of that channel alone at the places
-/// where they are. Frequencies are in cycles per pixel of the whole sensor, so the aliasing limit of a Bayer
-/// channel's own grid (0.25 cycles per pixel for red and blue) lies within the range.
+/// Measures one channel of a raw image without demosaicking, on its own samples. Frequencies are in cycles per pixel of the full
+/// grid, so that the Nyquist limit of a Bayer channel (0.25 cycles per pixel for red and blue) lies within the range.
 ///
 /// # Errors
-/// As [`edge_sfr`]. A sparse channel needs a longer edge: [`MetricError::EdgeSampling`] says when it is too short.
+/// As [`edge_sfr`]. A sparse channel needs a longer edge; [`MetricError::EdgeSampling`] reports an edge that is too short.
 pub fn raw_channel_sfr(
     raw: &RawImage,
     channel: usize,
@@ -252,7 +114,7 @@ pub fn raw_channel_sfr(
     })
 }
 
-/// Locates the edge among the samples that `value` yields and turns its profile into the response.
+/// Locates the edge in the samples from `value` and computes the response.
 fn measure(
     rect: Rect,
     options: &EsfrOptions,

@@ -4,22 +4,21 @@ use super::check_region;
 use super::{EsfrOptions, MetricError, Rect, edge_sfr};
 use crate::numeric::Planes;
 
-/// Pixels along the border that are not looked at: demosaicking is least certain there.
+/// Pixels of the border that are ignored, because demosaicking is least accurate there.
 const BORDER: usize = 3;
-/// Lines looked at, evenly spread: more do not sharpen a rough location.
+/// Maximum number of lines for the rough location of the edge, evenly spaced.
 const MAXIMUM_LINES: usize = 256;
-/// A line agrees with the edge when its steepest place is at most this far from it, in pixels.
+/// Largest distance of the steepest position of a line from the edge for the line to agree with it, pixels.
 const TOLERANCE_PX: f64 = 2.0;
 
-/// A region around the one long slanted edge that dominates a plane of a picture (the slanted-bar chart), fit for
-/// [`edge_sfr`]: the edge crosses its middle, enters and leaves through its short sides, and keeps plateaus of
-/// at least 8 pixels on both sides.
+/// Finds a region for [`edge_sfr`] around the one long slanted edge of a picture (the slanted-bar chart). The edge crosses the
+/// centre of the region and its short sides, and both plateaus have at least 8 pixels.
 ///
-/// The steepest place of every line across the edge is found, and the line through most of them by medians of
-/// slopes ([theil1950]), which up to a quarter of stray places do not disturb.
+/// The steepest position of every line across the edge is found, and a straight line is fitted to them by medians of slopes
+/// ([theil1950]), which tolerates up to a quarter of outliers.
 ///
 /// # Errors
-/// When the plane is not there or too small, a value is not finite, or no such edge is found.
+/// When the plane does not exist or is too small, a value is not finite, or no such edge is found.
 ///
 /// [theil1950]: https://doi.org/10.1007/978-94-011-2546-8_20
 pub fn find_edge_region(planes: &Planes, plane: usize) -> Result<Rect, MetricError> {
@@ -54,7 +53,7 @@ pub fn find_edge_region(planes: &Planes, plane: usize) -> Result<Rect, MetricErr
     let middle_x = edge.intercept + edge.slope * middle_y;
     let room = (middle_x - BORDER as f64).min((width - BORDER) as f64 - middle_x);
     let plateau = (0.15 * width as f64).clamp(8.0, 32.0);
-    // The edge may use up what the plateaus leave of the width; a steep one makes the region short.
+    // The edge may span the width without the plateaus; a strongly slanted edge makes the region short.
     let run = (2.0 * (room - plateau) / edge.slope.abs()).min(y1 - y0);
     if room < plateau || run.is_nan() || run < 8.0 {
         return Err(MetricError::NoEdge { reason: "the longest edge is too close to the border" });
@@ -70,14 +69,18 @@ pub fn find_edge_region(planes: &Planes, plane: usize) -> Result<Rect, MetricErr
 }
 
 /// An edge at `intercept + slope * y` on the lines `first` to `last`.
-struct Located {
+struct LocatedEdge {
     intercept: f64,
     slope: f64,
     first: usize,
     last: usize,
 }
 
-fn locate(length: usize, width: usize, sample: impl Fn(usize, usize) -> f64) -> Result<Located, MetricError> {
+fn locate(
+    length: usize,
+    width: usize,
+    sample: impl Fn(usize, usize) -> f64,
+) -> Result<LocatedEdge, MetricError> {
     let step = (length / MAXIMUM_LINES).max(1);
     let steepest = |y: usize| {
         let slope = |x: usize| (sample(y, x + 1) - sample(y, x - 1)).abs();
@@ -101,13 +104,13 @@ fn locate(length: usize, width: usize, sample: impl Fn(usize, usize) -> f64) -> 
     let agreeing = places.iter().filter(agrees).count();
     match (first, last) {
         (Some(first), Some(last)) if largest > 0.0 && 4 * agreeing > all.len() && slope.abs() <= 1.0 => {
-            Ok(Located { intercept, slope, first: first.0 as usize, last: last.0 as usize })
+            Ok(LocatedEdge { intercept, slope, first: first.0 as usize, last: last.0 as usize })
         }
         _ => Err(MetricError::NoEdge { reason: "the steepest places do not lie on one straight line" }),
     }
 }
 
-/// The middle value; 0 of none.
+/// The median; 0 without values.
 fn median(mut values: Vec<f64>) -> f64 {
     let middle = values.len() / 2;
     if values.is_empty() {

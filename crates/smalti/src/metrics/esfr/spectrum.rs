@@ -1,20 +1,22 @@
-//! From located samples to the response: fine profile, derivative, window, Fourier transform.
+//! From located samples to the response: supersampled profile, derivative, window, Fourier transform.
 
 use std::f64::consts::PI;
 
 use rustfft::{FftPlanner, num_complex::Complex};
 
 use super::edge::{EdgeLine, Lines, hamming};
-use super::{EdgeOrientation, EdgeSfr, EsfrOptions, FrequencyAxis, MetricError};
+use super::options::{EdgeOrientation, EsfrOptions, FrequencyAxis};
+use super::response::{EdgeSfr, first_crossing};
+use crate::metrics::MetricError;
 
 /// Bins per pixel.
 const OVERSAMPLING: usize = 4;
-/// A wider gap between neighbouring samples of the profile would be filled by invention: slopes 1:1 and 1:2 leave gaps
-/// of 1 and 1/2 pixel, 1:3 one of 1/3, which bins of a quarter pixel bear.
+/// Largest accepted gap between adjacent samples of the profile, pixels. Slopes of 1:1 and 1:2 leave gaps of 1 and 1/2 pixel,
+/// which are too wide to interpolate; the gap of 1/3 at 1:3 is acceptable with bins of a quarter pixel.
 const MAXIMUM_GAP_PX: f64 = 0.4;
-/// Divisions of a pixel in which gaps are measured.
+/// Resolution of the measurement of gaps, divisions per pixel.
 const GAP_DIVISIONS: usize = 20;
-/// Beyond this angle the edge belongs to neither axis and its lines sample few distinct phases.
+/// Largest angle of an edge to its axis. Near 45° the lines sample only a few distinct phases.
 const MAXIMUM_ANGLE_DEG: f64 = 44.0;
 
 pub(super) fn respond(
@@ -52,7 +54,7 @@ pub(super) fn respond(
         }
     }
     let frequency_cy_per_px: Vec<f64> = (0..sfr.len()).map(|k| along_lines(k) / cosine).collect();
-    // The limit of the pixel grid lies along the lines, whichever way frequencies are counted.
+    // The Nyquist limit of the pixel grid applies along the lines, for either frequency axis.
     let above: f64 = sfr.iter().enumerate().filter(|(k, _)| along_lines(*k) >= 0.5).map(|(_, v)| v).sum();
     Ok(EdgeSfr {
         mtf50_cy_per_px: first_crossing(&frequency_cy_per_px, &sfr, 0.5),
@@ -68,18 +70,18 @@ pub(super) fn respond(
     })
 }
 
-/// Samples that fell into one bin.
+/// The samples of one bin.
 #[derive(Clone, Copy, Default)]
 struct Bin {
     count: u32,
     sum: f64,
-    /// Sum of their distances from the middle of the bin, in bins.
+    /// Sum of their distances from the centre of the bin, in bins.
     offset_sum: f64,
 }
 
-/// The edge profile: means of the samples in bins of a quarter pixel, `width` pixels around the middle of the
-/// region, and where the edge stands in it. The bins are counted from the first pixel of the first line, as
-/// in the software that accompanies the standard: on an aliased picture the result depends on their phase.
+/// The edge profile, means of the samples in bins of a quarter pixel over `width` pixels around the centre of the region, and the
+/// position of the edge in it. Bins start at the first pixel of the first line, as in the software of the standard, because the
+/// result for an aliased picture depends on their phase.
 fn profile(lines: &Lines, fit: &EdgeLine, place_correction: bool) -> Result<(Vec<f64>, f64), MetricError> {
     let fine = OVERSAMPLING as f64;
     let count = OVERSAMPLING * lines.width;
@@ -109,7 +111,7 @@ fn profile(lines: &Lines, fit: &EdgeLine, place_correction: bool) -> Result<(Vec
     Ok((esf, fine * fit.intercept - first + 0.5))
 }
 
-/// The largest gap between samples within a quarter of the width from the edge, across which the profile changes.
+/// The largest gap between samples within a quarter of the width from the edge, where the profile changes.
 fn largest_gap_px(lines: &Lines, fit: &EdgeLine) -> f64 {
     let count = GAP_DIVISIONS * (lines.width / 2);
     let mut met = vec![false; count];
@@ -126,7 +128,7 @@ fn largest_gap_px(lines: &Lines, fit: &EdgeLine) -> f64 {
     (longest + 1) as f64 / GAP_DIVISIONS as f64
 }
 
-/// Means of the bins; an empty one takes the straight line between its filled neighbours, or the nearest one.
+/// Means of the bins; empty bins are interpolated linearly between filled ones, or take the nearest at the ends.
 fn fill(bins: &[Bin]) -> Vec<f64> {
     let known: Vec<(usize, f64)> = bins
         .iter()
@@ -150,13 +152,13 @@ fn fill(bins: &[Bin]) -> Vec<f64> {
         .collect()
 }
 
-/// Moves each mean from the mean place of its samples to the middle of the bin, along the local slope.
+/// Corrects each mean from the mean position of its samples to the centre of the bin, along the local slope.
 fn at_bin_middles(bins: &[Bin], means: &[f64]) -> Vec<f64> {
     let offset = |b: &Bin| if b.count > 0 { b.offset_sum / f64::from(b.count) } else { 0.0 };
     let mut moved = means.to_vec();
     for ((slot, m), b) in moved.iter_mut().skip(1).zip(means.windows(3)).zip(bins.windows(3)) {
         if let ([before, _, after], [left, here, right]) = (m, b) {
-            // Mean places of the outer two lie at least one bin apart.
+            // The mean positions of the outer two bins are at least one bin apart.
             *slot -= offset(here) * (after - before) / (2.0 + offset(right) - offset(left));
         }
     }
@@ -185,18 +187,8 @@ fn windowed_transform(esf: &[f64], edge_at: f64, width: usize) -> Vec<f64> {
     buffer.iter().take(width + 1).map(|c| f64::from(c.norm())).collect()
 }
 
-/// What the central difference over two quarter pixels loses at a frequency along the lines: x / sin x.
+/// The correction of the central difference over two quarter pixels at a frequency along the lines: x / sin x.
 fn derivative_correction(cy_per_px: f64) -> f64 {
     let x = 2.0 * PI * cy_per_px / OVERSAMPLING as f64;
     if x > 0.0 { x / x.sin() } else { 1.0 }
-}
-
-/// The first place where `values` falls to `level`, linear between samples.
-pub(super) fn first_crossing(places: &[f64], values: &[f64], level: f64) -> Option<f64> {
-    places.windows(2).zip(values.windows(2)).find_map(|(p, v)| match (p, v) {
-        (&[p0, p1], &[v0, v1]) if v0 > level && v1 <= level => {
-            Some(p0 + (p1 - p0) * (v0 - level) / (v0 - v1))
-        }
-        _ => None,
-    })
 }

@@ -1,5 +1,6 @@
-//! The built-in scenes by name: `zone-plate`, or with parameters, `zone-plate?frequency=0.25&size=512`. Parameters
-//! are separated by `&` or `,` (which a shell leaves alone).
+//! The built-in scenes by name, optionally with parameters: `zone-plate` or
+//! `zone-plate?frequency=0.25&size=512`. `&` or `,` separates the parameters; the comma needs no quoting in a
+//! shell.
 
 mod params;
 
@@ -22,9 +23,9 @@ use crate::spectrum::{Spectrum, reflectance};
 pub struct SceneInfo {
     /// Its name.
     pub name: &'static str,
-    /// What it shows, in a line.
+    /// What it shows, in one line.
     pub summary: &'static str,
-    /// Its own parameters; [`common_parameters`] come on top.
+    /// Its own parameters, in addition to [`common_parameters`].
     pub parameters: &'static [ParamInfo],
     build: fn(&Args<'_>, &Setting, &[Spectrum]) -> Result<Scene, SceneError>,
 }
@@ -35,7 +36,7 @@ pub fn names() -> &'static [SceneInfo] {
     &SCENES
 }
 
-/// The parameters that every scene understands; where they are not given, the setting holds.
+/// The parameters that every scene accepts. They override the setting.
 #[must_use]
 pub fn common_parameters() -> &'static [ParamInfo] {
     &COMMON
@@ -50,12 +51,13 @@ pub fn build_natural(spec: &str, setting: &Setting) -> Result<Scene, SceneError>
     build(spec, setting, &natural)
 }
 
-/// Builds a scene from its name and parameters. `natural` are the reflectances (on the grid of the setting) that
-/// patterns of natural materials draw from; the ColorChecker's are taken when it is empty.
+/// Builds a scene from its name and parameters. `natural` holds the reflectances, on the grid of the setting,
+/// from which patterns of natural materials draw. When it is empty, the reflectances of the ColorChecker are
+/// used.
 ///
 /// # Errors
-/// An unknown scene or parameter (with the nearest known one), a value out of its range, a scene that would be too
-/// large, or a setting that is out of range.
+/// When the scene or a parameter is unknown (the error holds the closest known name), a value or the setting
+/// is out of range, or the scene would be too large.
 pub fn build(spec: &str, setting: &Setting, natural: &[Spectrum]) -> Result<Scene, SceneError> {
     let (name, parameters) = spec.split_once('?').unwrap_or((spec, ""));
     let name = name.trim();
@@ -79,8 +81,8 @@ pub fn build(spec: &str, setting: &Setting, natural: &[Spectrum]) -> Result<Scen
     (info.build)(&args, &setting, natural)
 }
 
-/// Point samples as ISETCam takes them, or the mean over each pixel.
-const SEED: ParamInfo = whole!("seed", 1, 0..=18446744073709551615, "equal seeds give equal pictures");
+/// Point samples as in ISETCam, or the mean over each pixel.
+const SEED: ParamInfo = whole!("seed", 1, 0..=18446744073709551615, "seed of the random numbers");
 
 macro_rules! sampling {
     ($default:literal) => {
@@ -98,7 +100,7 @@ fn sampling(args: &Args<'_>) -> PatternSampling {
     if args.choice("sampling") == "isetcam" { PatternSampling::Isetcam } else { PatternSampling::Area }
 }
 
-/// What patterns of natural materials draw from: the reflectances given, else those of the ColorChecker.
+/// The reflectances for patterns of natural materials: those given, or those of the ColorChecker.
 fn painted_with<'a>(natural: &'a [Spectrum], s: &Setting) -> Result<Cow<'a, [Spectrum]>, SceneError> {
     if natural.is_empty() {
         return Ok(Cow::Owned(macbeth::reflectances(s.grid)?));
@@ -125,7 +127,7 @@ static SCENES: [SceneInfo; 16] = [
                 0.01..=89.0,
                 "angle of the edge from the vertical, degrees; instead of slope"
             ),
-            number!("contrast", "1e6", 1.001..=1e9, "bright over dark luminance; 4 in ISO 12233:2017"),
+            number!("contrast", "1e6", 1.001..=1e9, "ratio of bright to dark luminance; 4 in ISO 12233:2017"),
             sampling!("isetcam"),
         ],
         build: |a, s, _| {
@@ -136,7 +138,7 @@ static SCENES: [SceneInfo; 16] = [
     },
     SceneInfo {
         name: "zone-plate",
-        summary: "circular zone plate, to see aliasing",
+        summary: "circular zone plate, which shows aliasing",
         parameters: &[
             whole!("size", 384, 2..=16384, "rows and columns, pixels"),
             number!("frequency", "0.5", 1e-3..=2.0, "frequency at the sides, cycles per pixel"),
@@ -159,7 +161,7 @@ static SCENES: [SceneInfo; 16] = [
     },
     SceneInfo {
         name: "uniform",
-        summary: "white field without structure",
+        summary: "uniform white field",
         parameters: &[whole!("size", 64, 1..=16384, "rows and columns, pixels")],
         build: |a, s, _| uniform(a.count("size"), a.count("size"), s),
     },
@@ -179,7 +181,7 @@ static SCENES: [SceneInfo; 16] = [
     },
     SceneInfo {
         name: "frequency-sweep",
-        summary: "grating, frequency growing to the right, contrast downwards (Campbell-Robson)",
+        summary: "grating whose frequency increases to the right and whose contrast increases downwards (Campbell-Robson)",
         parameters: &[
             whole!("rows", 384, 1..=16384, "rows, pixels"),
             whole!("cols", 768, 2..=16384, "columns, pixels"),
@@ -196,7 +198,7 @@ static SCENES: [SceneInfo; 16] = [
     },
     SceneInfo {
         name: "frequency-orientation",
-        summary: "gratings of growing frequency (to the right) and turning direction (downwards)",
+        summary: "gratings whose frequency increases to the right and whose orientation changes downwards",
         parameters: &[
             whole!("block", 32, 2..=4096, "rows and columns of a grating, pixels"),
             whole!("frequencies", 8, 1..=64, "gratings from left to right, 1, 2, … cycles each"),
@@ -217,11 +219,11 @@ static SCENES: [SceneInfo; 16] = [
     },
     SceneInfo {
         name: "siemens-star",
-        summary: "dark spokes on white, frequency growing towards the centre",
+        summary: "dark spokes on white; the frequency increases towards the centre",
         parameters: &[
             whole!("size", 512, 8..=16384, "rows and columns, pixels"),
             whole!("cycles", 72, 2..=1024, "dark spokes"),
-            number!("contrast", "1000", 1.001..=1e9, "bright over dark luminance"),
+            number!("contrast", "1000", 1.001..=1e9, "ratio of bright to dark luminance"),
         ],
         build: |a, s, _| {
             let (size, cycles) = (a.count("size"), a.count("cycles"));
@@ -230,7 +232,7 @@ static SCENES: [SceneInfo; 16] = [
     },
     SceneInfo {
         name: "point-grid",
-        summary: "bright points on black, to see the point spread",
+        summary: "bright points on black, which show the point spread function",
         parameters: &[
             whole!("points", 15, 1..=1024, "points in each direction"),
             whole!("spacing", 32, 2..=4096, "distance between points, pixels"),
@@ -243,11 +245,11 @@ static SCENES: [SceneInfo; 16] = [
     },
     SceneInfo {
         name: "checkerboard",
-        summary: "white and dark squares in turn",
+        summary: "alternating white and dark squares",
         parameters: &[
             whole!("squares", 16, 1..=4096, "squares in each direction"),
             whole!("square", 32, 1..=4096, "rows and columns of a square, pixels"),
-            number!("contrast", "1000", 1.001..=1e9, "bright over dark luminance"),
+            number!("contrast", "1000", 1.001..=1e9, "ratio of bright to dark luminance"),
         ],
         build: |a, s, _| {
             let (squares, square_px) = (a.count("squares"), a.count("square"));
@@ -256,7 +258,7 @@ static SCENES: [SceneInfo; 16] = [
     },
     SceneInfo {
         name: "dead-leaves",
-        summary: "discs that occlude each other, with the power spectrum of photographs",
+        summary: "dead leaves: overlapping discs with the power spectrum of natural images",
         parameters: &[
             whole!("rows", 512, 1..=16384, "rows, pixels"),
             whole!("cols", 512, 1..=16384, "columns, pixels"),
@@ -277,12 +279,12 @@ static SCENES: [SceneInfo; 16] = [
     },
     SceneInfo {
         name: "color-patches",
-        summary: "even square patches of several sizes",
+        summary: "uniform square patches of several sizes",
         parameters: &[
             whole!("rows", 512, 1..=16384, "rows, pixels"),
             whole!("cols", 512, 1..=16384, "columns, pixels"),
             whole!("least", 8, 1..=4096, "side of the smallest patches, pixels"),
-            whole!("doublings", 4, 0..=8, "how often the side doubles up to the largest"),
+            whole!("doublings", 4, 0..=8, "number of doublings from the smallest to the largest side"),
             SEED,
         ],
         build: |a, s, natural| {
@@ -298,17 +300,17 @@ static SCENES: [SceneInfo; 16] = [
     },
     SceneInfo {
         name: "gradients",
-        summary: "smooth gradients from colour to colour and from light to shade",
+        summary: "smooth gradients of colour and illumination",
         parameters: &[
             whole!("rows", 512, 1..=16384, "rows, pixels"),
             whole!("cols", 512, 1..=16384, "columns, pixels"),
             whole!("cell", 64, 2..=16384, "distance from one colour to the next, pixels"),
-            number!("contrast", "100", 1.0..=1e8, "brightest light over darkest"),
+            number!("contrast", "100", 1.0..=1e8, "ratio of the brightest to the darkest illumination"),
             ParamInfo {
                 name: "paint",
                 default: "colors",
                 expected: "colors or white",
-                doc: "what the light falls on: natural reflectances, or white alone",
+                doc: "reflectances of the nodes: natural ones, or white only",
                 kind: Kind::Choice(&["colors", "white"]),
             },
             SEED,
@@ -327,11 +329,11 @@ static SCENES: [SceneInfo; 16] = [
     },
     SceneInfo {
         name: "glossy-balls",
-        summary: "balls with highlights, lamps and deep shade before white paper: high dynamic range",
+        summary: "high dynamic range: balls with highlights, lamps and deep shade against white paper",
         parameters: &[
             whole!("rows", 512, 8..=16384, "rows, pixels"),
             whole!("cols", 512, 8..=16384, "columns, pixels"),
-            number!("shade", "1000", 1.0..=1e8, "full light over the deepest shade"),
+            number!("shade", "1000", 1.0..=1e8, "ratio of full light to the deepest shade"),
             SEED,
         ],
         build: |a, s, natural| {
@@ -348,10 +350,10 @@ static SCENES: [SceneInfo; 16] = [
     },
     SceneInfo {
         name: "resolution-chart",
-        summary: "slanted squares, wedges, lines, rings and text in the manner of ISO 12233",
+        summary: "slanted squares, wedges, lines, rings and text after ISO 12233",
         parameters: &[
             whole!("rows", 1080, 60..=16384, "rows, pixels; 4/3 as many columns"),
-            number!("contrast", "40", 1.001..=1e9, "white over black luminance"),
+            number!("contrast", "40", 1.001..=1e9, "ratio of white to black luminance"),
         ],
         build: |a, s, _| {
             let chart = ResolutionChart { rows: a.count("rows"), contrast_ratio: a.number("contrast") };

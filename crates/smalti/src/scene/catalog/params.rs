@@ -1,4 +1,4 @@
-//! Parameters of the built-in scenes: what they are, and how their values are read.
+//! Parameters of the built-in scenes: their definitions, and the parsing of their values.
 
 use crate::names::nearest;
 use crate::scene::SceneError;
@@ -9,16 +9,16 @@ use crate::spectrum::Illuminant;
 pub struct ParamInfo {
     /// Its name.
     pub name: &'static str,
-    /// What it is when not given; empty where the setting decides.
+    /// The default value; empty where the setting decides.
     pub default: &'static str,
-    /// The values it takes, in words.
+    /// The accepted values, in words.
     pub expected: &'static str,
     /// What it means.
     pub doc: &'static str,
     pub(super) kind: Kind,
 }
 
-/// How a value is read and what it may be.
+/// The type and range of a value.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Kind {
     Whole { least: u64, most: u64 },
@@ -27,7 +27,7 @@ pub(super) enum Kind {
     Light,
 }
 
-/// A whole number; its range stands once and is put into words from there.
+/// A whole number. The range is stated once; the text of the error message derives from it.
 macro_rules! whole {
     ($name:literal, $default:literal, $least:literal ..= $most:literal, $doc:literal) => {
         ParamInfo {
@@ -40,7 +40,8 @@ macro_rules! whole {
     };
 }
 
-/// A number, also as a fraction such as 7/3; its range stands once and is put into words from there.
+/// A number or a fraction such as 7/3. The range is stated once; the text of the error message derives from
+/// it.
 macro_rules! number {
     ($name:literal, $default:literal, $least:literal ..= $most:literal, $doc:literal) => {
         ParamInfo {
@@ -55,7 +56,7 @@ macro_rules! number {
 
 pub(super) use {number, whole};
 
-/// What every scene understands; without them the setting holds.
+/// Parameters of every scene, which override the setting.
 pub(super) static COMMON: [ParamInfo; 4] = [
     number!("luminance", "", 1e-9..=1e12, "mean luminance, cd/m²"),
     number!("distance", "", 1e-6..=1e9, "distance from the lens, m"),
@@ -69,7 +70,7 @@ pub(super) static COMMON: [ParamInfo; 4] = [
     },
 ];
 
-/// The values given for one scene, checked against its parameters.
+/// The parameter values of one scene, checked against its definitions.
 pub(super) struct Args<'a> {
     scene: &'static str,
     own: &'static [ParamInfo],
@@ -77,7 +78,7 @@ pub(super) struct Args<'a> {
 }
 
 impl<'a> Args<'a> {
-    /// Reads `name=value` pieces separated by `&` or `,`.
+    /// Parses `name=value` pairs separated by `&` or `,`.
     pub(super) fn parse(
         scene: &'static str,
         own: &'static [ParamInfo],
@@ -121,28 +122,28 @@ impl<'a> Args<'a> {
         SceneError::BadValue { scene: self.scene, name: info.name, value, expected: info.expected }
     }
 
-    /// What was given for a parameter.
+    /// The text given for a parameter.
     fn text(&self, name: &str) -> Option<&'a str> {
         self.given.iter().find(|(p, _)| p.name == name).map(|(_, value)| *value)
     }
 
-    /// What was given, or the default; empty only where neither is.
+    /// The text given, or the default; empty if there is neither.
     fn text_or_default(&self, name: &str) -> &str {
         let default = || self.all().find(|p| p.name == name).map_or("", |p| p.default);
         self.text(name).unwrap_or_else(default)
     }
 
-    /// A whole number. Zero for a name the scene does not have, which a test rules out.
+    /// A whole number. Zero for a name that the scene does not have; a test excludes that case.
     pub(super) fn whole(&self, name: &str) -> u64 {
         parse_whole(self.text_or_default(name)).unwrap_or(0)
     }
 
-    /// A whole number of pixels or things.
+    /// A whole number of pixels or objects.
     pub(super) fn count(&self, name: &str) -> usize {
         usize::try_from(self.whole(name)).unwrap_or(usize::MAX)
     }
 
-    /// A number, if given or if there is a default.
+    /// A number, if it was given or has a default.
     pub(super) fn number_if(&self, name: &str) -> Option<f64> {
         parse_number(self.text_or_default(name))
     }
@@ -152,12 +153,12 @@ impl<'a> Args<'a> {
         self.number_if(name).unwrap_or(0.0)
     }
 
-    /// One of several words.
+    /// One of several keywords.
     pub(super) fn choice(&self, name: &str) -> &str {
         self.text_or_default(name)
     }
 
-    /// The light, if given.
+    /// The illuminant, if it was given.
     pub(super) fn light(&self) -> Option<Illuminant> {
         self.text("illuminant").and_then(|t| Illuminant::from_name(t).ok())
     }
@@ -174,7 +175,7 @@ impl Kind {
     }
 }
 
-/// A whole number, also written as `1e3`.
+/// A whole number; the form `1e3` is accepted.
 fn parse_whole(text: &str) -> Option<u64> {
     let exact = |v: f64| (v >= 0.0 && v.fract() == 0.0 && v < 9e15).then_some(v as u64);
     text.parse().ok().or_else(|| text.parse().ok().and_then(exact))

@@ -29,12 +29,13 @@ pub(super) enum Shape {
     Sphere(Vec3, f64),
 }
 
-/// Rays start this far from where they left, so that rounding does not hit the same surface again.
+/// Rays start at this distance from a surface, so that rounding does not make them hit the same surface
+/// again.
 const NEAR: f64 = 1e-6;
 
 impl Shape {
-    /// Distance along the ray to the first hit, in lengths of `direction`, and the normal there. A block is not hit
-    /// from inside.
+    /// Distance along the ray to the first hit, in lengths of `direction`, and the normal at that point. A
+    /// block cannot be hit from inside.
     pub(super) fn hit(&self, origin: Vec3, direction: Vec3) -> Option<(f64, Vec3)> {
         match *self {
             Self::Block(low, high) => {
@@ -64,7 +65,7 @@ impl Shape {
     }
 }
 
-/// Whether a ray of sight meets a block, also from inside.
+/// Whether a viewing ray intersects a block, or starts inside it.
 pub(super) fn meets(low: Vec3, high: Vec3, origin: Vec3, direction: Vec3) -> bool {
     let (mut enter, mut leave) = (0.0f64, f64::INFINITY);
     for i in 0..3 {

@@ -1,8 +1,10 @@
-//! A scene of high dynamic range: a room by day with a sunlit floor, a window, a bare bulb, and a dark corridor.
+//! A scene of high dynamic range: a room in daylight with a sunlit floor, a window, a bare bulb and a dark
+//! corridor.
 //!
-//! Luminance is traced, not painted: the sky through the window, the sun, the bulb and what the walls reflect (as one
-//! constant) fall on matt surfaces with shadows. The bulb is lit by CIE illuminant A, all else by the light of the
-//! setting. Bulb and sunlit surfaces are more than 10⁵ times as bright as the end of the corridor.
+//! Ray tracing determines the luminance. Light comes from the sky through the window, the sun, the bulb, and
+//! the walls (approximated by a constant), and falls on matt surfaces with shadows. The bulb is CIE
+//! illuminant A; everything else has the illuminant of the setting. The bulb and sunlit surfaces are more
+//! than 10⁵ times as bright as the end of the corridor.
 
 mod geometry;
 mod room;
@@ -18,10 +20,10 @@ use crate::spectrum::{Illuminant, Observer, Spectrum};
 
 /// Samples per pixel in each direction.
 const SAMPLES: usize = 3;
-/// Half the width that the camera sees at the distance 1.
+/// Half the width of the field of view at a distance of 1.
 const HALF_WIDTH: f64 = 0.68;
 
-/// Draws the room, `rows` rows (8 to 16384) and 3/2 as many columns.
+/// Renders the room with `rows` rows (8 to 16384) and 3/2 as many columns.
 ///
 /// # Errors
 /// When `rows` or the setting is out of range.
@@ -44,7 +46,7 @@ pub fn hdr(rows: usize, setting: &Setting) -> Result<Scene, SceneError> {
 
 fn of_unit_luminance(light: Spectrum) -> Result<Spectrum, SceneError> {
     let luminance = Observer::Cie1931.xyz_from_photons(&light)?[1];
-    // A light without luminance stays as it is; the mean luminance is refused later.
+    // An illuminant without luminance stays unchanged; the check of the mean luminance rejects it later.
     Ok(if luminance > 0.0 { light.scaled(1.0 / luminance) } else { light })
 }
 

@@ -1,15 +1,16 @@
-//! What stands in the room, and how much light falls where. Lengths in m, x right, y up, z away from the camera;
-//! light in cd/m² of a white diffuser (illuminance over π) or, where a source itself is seen, of that source.
+//! The contents and the illumination of the room. Lengths are in m, with x to the right, y up and z away from
+//! the camera. Light is in cd/m²: the luminance of a white diffuser (illuminance over π) or, for a directly
+//! visible source, of that source.
 
 use super::geometry::{Shape, Vec3, add, dot, meets, scale, sub, unit};
 use crate::scene::macbeth;
 
-/// Index of a reflectance: those of the ColorChecker, then these greys.
+/// Indices of reflectances: the ColorChecker comes first, then these greys.
 pub(super) const WHITE: usize = 24;
 pub(super) const BLACK: usize = 25;
 /// Reflectance of each grey.
 pub(super) const GREYS: [f64; 2] = [0.82, 0.02];
-/// Patches of the ColorChecker that things are made of.
+/// ColorChecker patches used as materials.
 const BROWN: usize = 0;
 const SKY: usize = 2;
 const FOLIAGE: usize = 3;
@@ -19,7 +20,7 @@ const RED: usize = 14;
 const BLUE: usize = 12;
 const YELLOW: usize = 15;
 
-/// Corners of the room, and the wall between it and the corridor.
+/// Corners of the room, and thickness of the wall towards the corridor.
 const LOW: Vec3 = [-2.6, 0.0, -0.6];
 const HIGH: Vec3 = [2.6, 2.6, 4.6];
 const WALL: f64 = 0.15;
@@ -28,21 +29,21 @@ const WINDOW: [f64; 4] = [-2.0, -0.35, 0.95, 2.2];
 const DOOR: [f64; 4] = [1.35, 2.2, 0.0, 2.05];
 const CORRIDOR: [f64; 2] = [1.25, 3.9];
 const CORRIDOR_END: f64 = 8.3;
-/// Rays that miss this block need not be tried against what is in it.
+/// Rays that miss this bounding box cannot hit its contents.
 const TABLE_BOUNDS: [Vec3; 2] = [[-0.36, -0.01, 2.94], [1.16, 1.23, 3.76]];
-/// A clear halogen bulb of 150 cd; its luminance is that over its disc.
+/// A clear halogen bulb of 150 cd; its luminance is the mean over its disc.
 const BULB: Vec3 = [0.62, 1.22, 3.35];
 const BULB_RADIUS: f64 = 0.035;
 const BULB_CD: f64 = 150.0;
-/// Illuminance of the sun on a plane that faces it, lux, and the direction to it.
+/// Illuminance of the sun on a perpendicular plane, lux, and the direction towards it.
 const SUN_LUX: f64 = 60_000.0;
 const TO_SUN: Vec3 = [-0.22, 0.62, 0.75];
-/// Luminance of the sky as the window shows it to the room.
+/// Luminance of the sky as visible through the window from the room.
 const SKY_CD_M2: f64 = 3500.0;
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Surface {
-    /// A reflectance, times a factor.
+    /// A reflectance times a factor.
     Matt(usize, f64),
     /// Boards of two tones along z.
     Boards,
@@ -52,7 +53,7 @@ pub(super) enum Surface {
     Bulb,
 }
 
-/// What a ray of sight shows: a reflectance times so much daylight and so much lamplight.
+/// Light along a viewing ray: a reflectance times an amount of daylight and an amount of lamplight.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Shade {
     pub(super) reflectance: usize,
@@ -60,11 +61,11 @@ pub(super) struct Shade {
     pub(super) lamplight: f64,
 }
 
-/// The room, built once per picture.
+/// The room, built once per image.
 pub(super) struct Room {
-    /// Furniture casts shadows; walls are known to enclose it.
+    /// Furniture casts shadows; the walls enclose the room.
     furniture: Vec<(Shape, Surface)>,
-    /// The table and what stands on it, within [`TABLE_BOUNDS`].
+    /// The table and the objects on it, within [`TABLE_BOUNDS`].
     table: Vec<(Shape, Surface)>,
     walls: Vec<(Shape, Surface)>,
 }
@@ -91,7 +92,7 @@ impl Room {
             block([wr, y0, z1], [dl, y1, back], plaster),
             block([dl, dt, z1], [dr, y1, back], plaster),
             block([dr, y0, z1], [x1, y1, back], plaster),
-            // The corridor and what stands in it.
+            // The corridor and the objects in it.
             block([dl, y0 - 1.0, z1], [dr, y0, back], matt(BROWN)),
             block([cl, y0 - 1.0, back], [cr, y0, end], matt(BROWN)),
             block([cl - 1.0, y0, back], [cl, y1, end], plaster),
@@ -134,8 +135,8 @@ impl Room {
         Self { furniture, table, walls }
     }
 
-    /// What is seen along a ray. `part` in 0..9 chooses which ninth of the sky's samples to take; all parts together
-    /// make the whole.
+    /// The light along a viewing ray. `part` in 0..9 selects one ninth of the samples of the sky; all parts
+    /// together give the total.
     pub(super) fn seen(&self, origin: Vec3, direction: Vec3, part: usize) -> Shade {
         let (mut origin, mut direction, mut dimmed) = (origin, direction, 1.0);
         loop {
@@ -171,11 +172,11 @@ impl Room {
         }
     }
 
-    /// Daylight and lamplight on a surface.
+    /// Daylight and lamplight at a surface point.
     fn light(&self, point: Vec3, normal: Vec3, part: usize) -> (f64, f64) {
         let pi = std::f64::consts::PI;
         if point[2] > HIGH[2] + WALL {
-            // In the corridor only what comes through the door and is reflected on.
+            // The corridor receives only light that enters through the door and is reflected.
             let depth = point[2] - HIGH[2] - WALL;
             let facing = 0.55 - 0.45 * normal[2];
             return (9.0 * (-1.9 * depth).exp() * facing, 0.0);
@@ -215,7 +216,8 @@ impl Room {
             || meets(TABLE_BOUNDS[0], TABLE_BOUNDS[1], from, to) && self.table.iter().any(hit)
     }
 
-    /// How much of the light that the walls reflect arrives, 0 to 1: less in corners, under and behind furniture.
+    /// Fraction of the light from the walls that arrives, 0 to 1. It is lower in corners, and under and
+    /// behind furniture.
     fn openness(&self, point: Vec3, normal: Vec3, part: usize) -> f64 {
         let corner: f64 = (0..3)
             .flat_map(|i| [point[i] - LOW[i], HIGH[i] - point[i]].map(|d| (i, d)))
@@ -241,7 +243,7 @@ fn dim(shade: Shade, factor: f64) -> Shade {
     Shade { daylight: shade.daylight * factor, lamplight: shade.lamplight * factor, ..shade }
 }
 
-/// Whether the line from a point to the sun passes through the panes.
+/// Whether the line from a point to the sun passes through the window panes.
 fn sun_enters(point: Vec3, to_sun: Vec3) -> bool {
     let at = |z: f64| add(point, scale(to_sun, (z - point[2]) / to_sun[2]));
     let [x0, x1, y0, y1] = WINDOW;
@@ -261,7 +263,7 @@ fn outside(direction: Vec3) -> Shade {
     } else if y < far {
         (GREEN, 12_000.0)
     } else {
-        // Brighter towards the horizon, as a clear sky is.
+        // A clear sky is brighter towards the horizon.
         (SKY, 13_000.0 + 14_000.0 * (-(y - far) / 0.12).exp())
     };
     Shade { reflectance, daylight, lamplight: 0.0 }
@@ -274,7 +276,7 @@ fn boards(point: Vec3) -> (usize, f64) {
     (BROWN, if gap { 0.5 } else { 1.6 * tone })
 }
 
-/// Six patches by four on black.
+/// Six by four patches on black.
 fn chart(point: Vec3) -> (usize, f64) {
     let (u, v) = ((point[0] - 0.03) / 0.165, (1.92 - point[1]) / 0.16);
     let (col, row) = (u.floor(), v.floor());

@@ -2,7 +2,7 @@
 
 use crate::scene::raster::{Canvas, Contour, disc};
 
-/// Strokes on a grid of 4 × 6 steps, `xy` per corner, y from the top, strokes separated by `|`.
+/// Strokes on a grid of 4 × 6 steps: `xy` per corner, y from the top, with `|` between strokes.
 fn strokes(letter: char) -> &'static str {
     match letter {
         'A' => "06 20 46|14 34",
@@ -49,13 +49,13 @@ fn strokes(letter: char) -> &'static str {
     }
 }
 
-/// Width of a text in units of its height: six steps of the grid from letter to letter.
+/// Width of a text in units of its height; each letter advances by six grid steps.
 pub(super) fn width(text: &str) -> f64 {
     (text.chars().count() as f64 - 1.0 / 3.0).max(0.0)
 }
 
-/// Writes a text with its top left at (x, y), letters `height` high, all in pixels. Letters that the font lacks
-/// are left out.
+/// Draws a text with its top left corner at (x, y) and letters of `height`, all in pixels. Letters that are
+/// not in the font are skipped.
 pub(super) fn write(canvas: &mut Canvas, text: &str, [x, y]: [f64; 2], height: f64, value: f32) {
     let step = height / 6.0;
     let half = 0.42 * step;
@@ -76,7 +76,7 @@ pub(super) fn write(canvas: &mut Canvas, text: &str, [x, y]: [f64; 2], height: f
     }
 }
 
-/// A straight line as a rectangle, `half` to either side.
+/// A straight line as a rectangle that extends `half` to either side.
 fn line(a: [f64; 2], b: [f64; 2], half: f64) -> Contour {
     let (dx, dy) = (b[0] - a[0], b[1] - a[1]);
     let length = dx.hypot(dy).max(f64::MIN_POSITIVE);

@@ -1,7 +1,8 @@
-//! A chart in the manner of ISO 12233:2000: slanted squares, hyperbolic wedges, bursts of lines, rings, greys, text.
+//! A chart after ISO 12233:2000: slanted squares, hyperbolic wedges, line bursts, rings, greys and text.
 //!
-//! Frequencies are in line widths per picture height (LW/PH), as in the standard: a line pair is two line widths, so
-//! a chart of `rows` rows carries frequencies up to `rows` LW/PH itself. Labels give hundreds of LW/PH.
+//! Frequencies are in line widths per picture height (LW/PH), as in the standard. A line pair is two line
+//! widths, so a chart of `rows` rows can represent frequencies up to `rows` LW/PH. Labels are in hundreds of
+//! LW/PH.
 
 mod letters;
 
@@ -15,7 +16,7 @@ use super::{Scene, SceneError, Setting};
 pub struct ResolutionChart {
     /// Rows, 60 to 16384; the chart has 4/3 as many columns.
     pub rows: usize,
-    /// Luminance of white over that of black, more than 1. The standard asks for at least 40.
+    /// Luminance ratio of white to black, more than 1. The standard requires at least 40.
     pub contrast_ratio: f64,
 }
 
@@ -25,10 +26,10 @@ impl Default for ResolutionChart {
     }
 }
 
-/// Draws the chart, every pixel with its exact mean.
+/// Draws the chart; every pixel contains its exact mean.
 ///
 /// # Errors
-/// When a parameter is out of its range, or the setting is.
+/// When a parameter or the setting is out of range.
 pub fn resolution_chart(chart: &ResolutionChart, setting: &Setting) -> Result<Scene, SceneError> {
     let ResolutionChart { rows, contrast_ratio } = *chart;
     require((60..=16384).contains(&rows), "rows", rows as f64, "60 to 16384")?;
@@ -46,7 +47,7 @@ pub fn resolution_chart(chart: &ResolutionChart, setting: &Setting) -> Result<Sc
     grey("resolution-chart", rows, cols, sheet.canvas.values(), setting)
 }
 
-/// The chart while it is drawn, in units of a hundredth of its height. A line width of 1 is 100 LW/PH.
+/// The chart during drawing, in units of a hundredth of its height. A line width of 1 is 100 LW/PH.
 struct Sheet {
     canvas: Canvas,
     unit: f64,
@@ -54,7 +55,7 @@ struct Sheet {
     black: f32,
 }
 
-/// Which way the lines of a wedge or a burst run.
+/// Direction of the lines of a wedge or a burst.
 #[derive(Clone, Copy, PartialEq)]
 enum Lines {
     Upright,
@@ -75,7 +76,7 @@ impl Sheet {
         self.text("LABELS X 100 LINE WIDTHS PER PICTURE HEIGHT", [middle[0], 91.6], 1.3);
 
         for side in [-1.0, 1.0] {
-            // The lower half is full of lines and text, where an arc would only disturb.
+            // The lower half is filled with lines and text, so the arc is omitted there.
             self.clear([middle[0] + side * 28.5, 70.5], 41.0, 35.0);
             for y in [14.0, 86.0] {
                 self.rings([middle[0] + side * 54.5, y], 6.2);
@@ -87,7 +88,8 @@ impl Sheet {
             self.greys([middle[0] + 44.4, 23.0 + 5.2 * f64::from(row)], row);
         }
 
-        // Coarse wedges above and left of the middle, fine ones below and right; each grows finer towards the middle.
+        // Coarse wedges are above and to the left of the centre, fine ones below and to the right.
+        // Frequencies increase towards the centre.
         self.wedge([middle[0], 12.5], 30.0, [1.0, 6.0], Lines::Upright, 1.0);
         self.wedge([middle[0], 87.5], 30.0, [5.0, 10.0], Lines::Upright, -1.0);
         self.wedge([middle[0] - 48.0, 50.0], 40.0, [1.0, 6.0], Lines::Level, 1.0);
@@ -109,19 +111,19 @@ impl Sheet {
         [x * self.unit, y * self.unit]
     }
 
-    /// Fills contours given in units of the sheet.
+    /// Fills contours, in units of the sheet.
     fn fill(&mut self, contours: &[Contour], value: f32) {
         let scaled = |c: &Contour| c.iter().map(|&p| self.px(p)).collect();
         let contours: Vec<Contour> = contours.iter().map(scaled).collect();
         self.canvas.fill(&contours, value);
     }
 
-    /// Clears the place of what is drawn next.
+    /// Clears an area before something is drawn there.
     fn clear(&mut self, centre: [f64; 2], width: f64, height: f64) {
         self.fill(&[rectangle(centre, width, height, 0.0)], 1.0);
     }
 
-    /// A border, and triangles whose tips touch the edge of the picture.
+    /// A border, and triangles whose tips touch the edges of the image.
     fn frame(&mut self) {
         let (w, black) = (self.width, self.black);
         let inset = |d: f64| rectangle([w / 2.0, 50.0], w - 2.0 * d, 100.0 - 2.0 * d, 0.0);
@@ -138,7 +140,7 @@ impl Sheet {
         }
     }
 
-    /// Rings that grow finer outwards, from 100 to 500 LW/PH.
+    /// Rings whose frequency increases outwards from 100 to 500 LW/PH.
     fn rings(&mut self, centre: [f64; 2], radius: f64) {
         self.fill(&[disc(centre, radius + 1.0)], 1.0);
         self.fill(&[disc(centre, 0.5)], self.black);
@@ -156,7 +158,7 @@ impl Sheet {
         self.fill(&[rectangle(centre, side, side, angle_deg.to_radians())], self.black);
     }
 
-    /// Three patches of the twelve from white to black in equal steps of density.
+    /// Three of the twelve patches from white to black in equal steps of density.
     fn greys(&mut self, [x, y]: [f64; 2], row: u32) {
         for col in 0..3 {
             let share = (3 * row + col) as f32 / 11.0;
@@ -166,8 +168,9 @@ impl Sheet {
         }
     }
 
-    /// Five dark lines that grow finer together. The frequency (in hundreds of LW/PH) is linear along the wedge, so the
-    /// width of the lines is hyperbolic. It starts at `start` and runs right or down, or left or up for a `sign` of -1.
+    /// Five dark lines that taper together. The frequency (in hundreds of LW/PH) is linear along the wedge,
+    /// so the line width is hyperbolic. The wedge begins at `start` and extends right or down; with a `sign`
+    /// of -1, left or up.
     fn wedge(&mut self, start: [f64; 2], length: f64, frequency: [f64; 2], lines: Lines, sign: f64) {
         const PIECES: usize = 256;
         let upright = lines == Lines::Upright;
@@ -219,7 +222,7 @@ impl Sheet {
         };
         let side = 6.0;
         let line = 1.0 / frequency;
-        // As many lines as fit, an odd number so that one runs through the centre.
+        // As many lines as fit; an odd number, so that one passes through the centre.
         let half = ((side / line - 1.0) / 4.0).floor().clamp(0.0, 4.0) as i32;
         self.clear([centre[0], centre[1] + 1.0], side + 1.5, side + 3.5);
         let (s, c) = angle.sin_cos();
@@ -257,7 +260,7 @@ impl Sheet {
         }
     }
 
-    /// A text centred at the top on a place, on white ground.
+    /// A text on a white background, centred below a point.
     fn text(&mut self, text: &str, [x, y]: [f64; 2], height: f64) {
         let width = letters::width(text) * height;
         self.clear([x, y + height / 2.0], width + height, 1.6 * height);
@@ -265,7 +268,7 @@ impl Sheet {
         letters::write(&mut self.canvas, text, at, height * self.unit, self.black);
     }
 
-    /// A text right of a place, or centred below it.
+    /// A text to the right of a point, or centred below it.
     fn text_from(&mut self, text: &str, [x, y]: [f64; 2], height: f64, right: bool) {
         let width = letters::width(text) * height;
         let corner = if right { [x, y - height / 2.0] } else { [x - width / 2.0, y] };
@@ -280,14 +283,14 @@ mod tests {
 
     #[test]
     fn bursts_have_the_frequency_of_their_label() {
-        // 1000 rows: 100 LW/PH are lines of ten pixels.
+        // With 1000 rows, lines of 100 LW/PH are ten pixels wide.
         let chart = ResolutionChart { rows: 1000, contrast_ratio: 50.0 };
         let grid = crate::spectrum::WavelengthGrid::new(550.0, 10.0, 1).unwrap();
         let scene = resolution_chart(&chart, &Setting { grid, ..Setting::default() }).unwrap();
         let plane = scene.radiance().planes().plane(0);
         let white = scene.illuminant().values()[0] as f32;
         assert!(plane.iter().all(|&v| v <= white * 1.000_001 && v >= white / 50.000_1));
-        // The burst of 200 LW/PH, upright: dark lines of five pixels, ten apart.
+        // The vertical burst of 200 LW/PH has dark lines of five pixels with a period of ten.
         let (row, middle) = (630, (100.0 * 1333.0 / 1000.0 / 2.0 + 11.5 + 8.2) * 10.0);
         let line = &plane[row * 1333..(row + 1) * 1333];
         let dark = |x: f64| line[x as usize] < white / 2.0;

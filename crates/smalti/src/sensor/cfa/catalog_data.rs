@@ -2,18 +2,7 @@
 //! read from the table that Stanford's group published with its L³ work (`s_makeCFAs.m`), not from the original.
 
 use super::Modulation;
-use super::catalog::CfaInfo;
-
-/// How the tile of an entry is given.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Layout {
-    /// One letter per cell.
-    Letters(&'static [&'static str]),
-    /// Mixtures of primaries on one carrier.
-    Weighted { rows: usize, cols: usize, carrier: [f64; 2], primaries: &'static [Modulation] },
-    /// Made from parameters.
-    Random,
-}
+use super::catalog_entry::{CfaInfo, Layout};
 
 type Filters = &'static [(char, &'static str)];
 

@@ -1,18 +1,19 @@
-//! Filter curves by formula, sampled on any wavelength grid.
+//! Analytic filter curves on any wavelength grid.
 
 use serde::{Deserialize, Serialize};
 
+use super::shapes::{gaussian, logistic};
 use super::{CfaError, named};
-use crate::spectrum::{Outside, Spectrum, WavelengthGrid};
+use crate::spectrum::{Extrapolation, Spectrum, WavelengthGrid};
 
-/// The shape of a filter's transmittance. Wavelengths are in nanometres, `peak` is the largest transmittance,
+/// The shape of a filter's transmittance. Wavelengths are in nanometres; `peak` is the maximum transmittance,
 /// 0 to 1.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 #[non_exhaustive]
 pub enum Filter {
-    /// The same transmittance, 0 to 1, at every wavelength.
+    /// A constant transmittance, 0 to 1.
     Flat(f64),
     /// `peak exp(−½ ((λ − center) / sigma)²)`, sampled at the wavelengths of the grid.
     Gaussian {
@@ -24,8 +25,8 @@ pub enum Filter {
         #[serde(default = "one")]
         peak: f64,
     },
-    /// `peak` from `low_nm` to `high_nm`, nothing elsewhere. Each sample is the mean over its own interval of
-    /// one grid step, so that the integral is `peak (high_nm − low_nm)` wherever the edges lie between samples.
+    /// `peak` from `low_nm` to `high_nm`, zero elsewhere. Each sample is the mean over an interval of one
+    /// grid step, so that the integral is `peak (high_nm − low_nm)` wherever the edges lie.
     Box {
         /// Lower edge.
         low_nm: f64,
@@ -35,8 +36,9 @@ pub enum Filter {
         #[serde(default = "one")]
         peak: f64,
     },
-    /// One period of a raised cosine, `peak (1 + cos(π (λ − center) / fwhm)) / 2`, zero beyond `fwhm` from the
-    /// centre. Neighbours one `fwhm` apart add up to `peak` at every wavelength between their centres.
+    /// One period of a raised cosine, `peak (1 + cos(π (λ − center) / fwhm)) / 2`, zero beyond `fwhm` from
+    /// the centre. Two such filters one `fwhm` apart add up to `peak` at every wavelength between their
+    /// centres.
     RaisedCosine {
         /// Wavelength of the peak.
         center_nm: f64,
@@ -46,8 +48,8 @@ pub enum Filter {
         #[serde(default = "one")]
         peak: f64,
     },
-    /// Passes wavelengths above the edge: `peak / (1 + exp(−(λ − edge) / width))`. From 10 % to 90 % of the
-    /// peak takes 4.4 widths.
+    /// Long-pass filter: `peak / (1 + exp(−(λ − edge) / width))`. The rise from 10 % to 90 % of the peak
+    /// takes 4.4 widths.
     LongPass {
         /// Wavelength of half the peak.
         edge_nm: f64,
@@ -57,7 +59,7 @@ pub enum Filter {
         #[serde(default = "one")]
         peak: f64,
     },
-    /// Passes wavelengths below the edge: `peak` minus the long pass of the same edge.
+    /// Short-pass filter: `peak` minus the long-pass filter with the same edge.
     ShortPass {
         /// Wavelength of half the peak.
         edge_nm: f64,
@@ -67,8 +69,8 @@ pub enum Filter {
         #[serde(default = "one")]
         peak: f64,
     },
-    /// A band with the magnitude of a Butterworth filter, `peak / (1 + (2 (λ − center) / fwhm)^(2 order))`:
-    /// flatter on top and steeper at the edges the higher the order.
+    /// Band-pass filter with the magnitude response of a Butterworth filter, `peak / (1 + (2 (λ − center) /
+    /// fwhm)^(2 order))`. A higher order gives a flatter top and steeper edges.
     Butterworth {
         /// Middle of the band.
         center_nm: f64,
@@ -80,9 +82,10 @@ pub enum Filter {
         /// Order, 1 to 100.
         order: u32,
     },
-    /// A mixture of dyes by the law of Beer and Lambert, `leakage + (peak − leakage) 10^(−A(λ))`: the absorbance A is
-    /// the sum over the bands of `absorbance exp(−4 ln 2 ((ν − ν₀) / Δν)²)`, Gaussians of the frequency ν ∝ 1/λ
-    /// ([verhoeven1996]). `leakage` is light that no concentration absorbs: it scatters, or passes beside the pigment.
+    /// A mixture of dyes by the Beer–Lambert law, `leakage + (peak − leakage) 10^(−A(λ))`. The absorbance A
+    /// is the sum over the bands of `absorbance exp(−4 ln 2 ((ν − ν₀) / Δν)²)`, Gaussians in frequency ν ∝
+    /// 1/λ ([verhoeven1996]). `leakage` is light that no concentration absorbs: it is scattered or passes
+    /// beside the pigment.
     ///
     /// [verhoeven1996]: https://doi.org/10.1351/pac199668122223
     Dye {
@@ -91,17 +94,17 @@ pub enum Filter {
         /// Transmittance where no dye absorbs.
         #[serde(default = "one")]
         peak: f64,
-        /// Transmittance however much the dyes absorb, at most `peak`.
+        /// Transmittance in the limit of full absorption, at most `peak`.
         #[serde(default)]
         leakage: f64,
     },
-    /// A filter of the library by its name, as [`builtin_filters`](super::builtin_filters) lists them.
+    /// A built-in filter by name; [`builtin_filters`](super::builtin_filters) lists them.
     Builtin(String),
     /// A file of wavelengths and values.
     ///
-    /// This library opens no file: whoever does replaces it by [`Filter::Samples`].
+    /// This library opens no file: the caller reads it and substitutes [`Filter::Samples`].
     File(String),
-    /// Samples on a uniform grid, linear between them.
+    /// Samples on a uniform grid with linear interpolation.
     Samples {
         /// First wavelength.
         start_nm: f64,
@@ -119,9 +122,10 @@ pub enum Filter {
 pub struct AbsorptionBand {
     /// Wavelength of the largest absorbance.
     pub center_nm: f64,
-    /// Full width at half the absorbance, above 0: Δν is that of `fwhm_nm` at the centre, `ν₀ fwhm_nm / center_nm`.
+    /// Full width at half the absorbance, above 0. In frequency, Δν is `ν₀ fwhm_nm / center_nm`.
     pub fwhm_nm: f64,
-    /// Largest absorbance, −log₁₀ of the transmittance; it goes with concentration and thickness. 0 to 100.
+    /// Maximum absorbance, −log₁₀ of the transmittance, 0 to 100. It is proportional to concentration and
+    /// thickness.
     pub absorbance: f64,
 }
 
@@ -141,8 +145,8 @@ impl Filter {
     /// The transmittance on a grid.
     ///
     /// # Errors
-    /// When a parameter is out of its range or not finite, no built-in filter has the name, or a measured curve
-    /// does not reach as far as the grid and cannot be taken as zero there.
+    /// When a parameter is out of range or not finite, no built-in filter has the name, or a measured curve
+    /// does not cover the grid and cannot be taken as zero outside it.
     pub fn spectrum(&self, grid: WavelengthGrid) -> Result<Spectrum, CfaError> {
         let sampled = |f: &dyn Fn(f64) -> f64| Ok(Spectrum::from_fn(grid, f));
         match *self {
@@ -152,7 +156,7 @@ impl Filter {
             }
             Self::Gaussian { center_nm, sigma_nm, peak } => {
                 band(center_nm, "sigma_nm", sigma_nm, peak)?;
-                sampled(&|nm| peak * libm::exp(-0.5 * ((nm - center_nm) / sigma_nm).powi(2)))
+                sampled(&|nm| peak * gaussian(nm, center_nm, sigma_nm))
             }
             Self::Box { low_nm, high_nm, peak } => {
                 wavelength("low_nm", low_nm)?;
@@ -204,15 +208,10 @@ impl Filter {
             Self::File(ref name) => Err(CfaError::UnreadFile { name: name.clone() }),
             Self::Samples { start_nm, step_nm, ref values } => {
                 let own = WavelengthGrid::new(start_nm, step_nm, values.len())?;
-                Ok(Spectrum::new(own, values.clone())?.resampled(grid, Outside::Error)?)
+                Ok(Spectrum::new(own, values.clone())?.resampled(grid, Extrapolation::Error)?)
             }
         }
     }
-}
-
-/// The step from 0 to 1, with ½ at 0; it does not overflow far from it.
-pub(super) fn logistic(x: f64) -> f64 {
-    1.0 / (1.0 + libm::exp(-x))
 }
 
 fn parameter(name: &str, value: f64, expected: &'static str) -> CfaError {
@@ -224,7 +223,7 @@ fn within(name: &str, value: f64, low: f64, high: f64, expected: &'static str) -
 }
 
 fn wavelength(name: &str, nm: f64) -> Result<(), CfaError> {
-    // Light that photodiodes see; 0.61 is a wavelength in µm that means to be 610.
+    // The range of photodiodes. A value of 0.61 is probably a wavelength in µm.
     if (100.0..=1e5).contains(&nm) {
         Ok(())
     } else {

@@ -3,12 +3,12 @@
 use super::{Cfa, CfaError, Channel, Mosaic};
 use crate::spectrum::{Spectrum, SpectrumError};
 
-/// A tile whose cells each pass a fraction of every primary: the transmittance of a cell is the sum of the
-/// primaries' transmittances, each times its weight.
+/// A tile whose cells transmit a fraction of every primary: the transmittance of a cell is the weighted sum
+/// of the primaries' transmittances.
 ///
-/// Weights are from 0 to 1 each: 1 passes all that the primary's own filter would. Their sum may exceed 1,
-/// since primaries that do not overlap add up to at most one of them at any wavelength; where the primaries do
-/// overlap, [`WeightedMosaic::cfa`] brings the whole array down by one factor.
+/// Each weight is from 0 to 1, where 1 is the primary's own filter. The sum of weights can exceed 1, since
+/// primaries that do not overlap add up to at most 1 at any wavelength. Where primaries overlap,
+/// [`WeightedMosaic::cfa`] scales the whole array by one factor.
 #[derive(Debug, Clone, PartialEq)]
 pub struct WeightedMosaic {
     rows: usize,
@@ -22,18 +22,18 @@ pub struct WeightedMosaic {
 pub struct Modulation {
     /// Mean weight.
     pub mean: f64,
-    /// Amplitude about the mean.
+    /// Amplitude around the mean.
     pub amplitude: f64,
     /// Phase at the first cell, turns (1 is 2π).
     pub phase_turns: f64,
 }
 
 impl WeightedMosaic {
-    /// A tile from the weights of its cells, in the order row, column, primary.
+    /// A tile from the weights of its cells, ordered row, column, primary.
     ///
     /// # Errors
-    /// When the number of weights is not `rows * cols * primaries`, there is no cell or primary or more than
-    /// 65536 cells, or a weight is not within 0–1.
+    /// When the number of weights is not `rows * cols * primaries`, there is no primary, the number of cells
+    /// is not within 1–65536, or a weight is not within 0–1.
     pub fn new(rows: usize, cols: usize, primaries: usize, weights: Vec<f64>) -> Result<Self, CfaError> {
         let count = rows.checked_mul(cols).filter(|n| (1..=65536).contains(n)).unwrap_or(0);
         if count == 0 || count.checked_mul(primaries) != Some(weights.len()) || primaries == 0 {
@@ -54,9 +54,9 @@ impl WeightedMosaic {
         }
     }
 
-    /// A tile in which each primary modulates one carrier, the way in which Hirakawa and Wolfe (2008) and
-    /// Condat (2011) write colour filter arrays: luminance stays at frequency zero, and chrominance lies
-    /// wholly at the carrier. `carrier` counts cycles over the rows and over the columns of the tile.
+    /// A tile in which each primary modulates one carrier, the representation of Hirakawa and Wolfe (2008)
+    /// and Condat (2011): luminance is at frequency zero, and chrominance entirely at the carrier. `carrier`
+    /// counts cycles over the rows and over the columns of the tile.
     ///
     /// # Errors
     /// As [`WeightedMosaic::new`].
@@ -74,7 +74,8 @@ impl WeightedMosaic {
                 + carrier[1] * (cell % cols) as f64 / cols as f64
                 + m.phase_turns;
             let value = m.mean + m.amplitude * libm::cos(std::f64::consts::TAU * turns);
-            // Rounding of the cosine would set equal cells apart and put a weight of 0 below it.
+            // Without rounding, the error of the cosine would separate equal cells and make a weight of 0
+            // negative.
             (value * 1e9).round() / 1e9 + 0.0
         };
         let weights = (0..rows * cols).flat_map(|cell| primaries.iter().map(move |m| weight(cell, m)));
@@ -93,7 +94,7 @@ impl WeightedMosaic {
         self.cols
     }
 
-    /// The weights of the primaries in a cell anywhere on the sensor.
+    /// The weights of the primaries in the cell of any pixel of the sensor.
     #[must_use]
     pub fn weights_at(&self, row: usize, col: usize) -> &[f64] {
         let cell = row % self.rows * self.cols + col % self.cols;
@@ -103,7 +104,7 @@ impl WeightedMosaic {
     /// The distinct mixtures in order of first appearance, and the mosaic of their indices.
     ///
     /// # Errors
-    /// When there are more than 256 of them.
+    /// When there are more than 256 distinct mixtures.
     pub fn distinct(&self) -> Result<(Mosaic, Vec<Vec<f64>>), CfaError> {
         let mut mixtures: Vec<Vec<f64>> = Vec::new();
         let mut cells = Vec::with_capacity(self.rows * self.cols);
@@ -123,11 +124,11 @@ impl WeightedMosaic {
 
     /// The colour filter array: a channel for each distinct mixture, named by its weights (`1R+0.5G`).
     ///
-    /// Where a mixture would pass more than all light (overlapping primaries), the transmittances of all
-    /// channels are divided by the largest one, so that the ratios between cells stay as designed.
+    /// Where overlapping primaries would give a mixture a transmittance above 1, the transmittances of all
+    /// channels are divided by the largest one, which preserves the ratios between cells.
     ///
     /// # Errors
-    /// When the number of primaries is not that of the weights, their grids differ, or as [`Cfa::new`].
+    /// When the number of primaries is not that of the weights, their grids differ, or as for [`Cfa::new`].
     pub fn cfa(&self, name: impl Into<String>, primaries: &[Channel]) -> Result<Cfa, CfaError> {
         let Some(first) = primaries.first().filter(|_| primaries.len() == self.primaries) else {
             return Err(CfaError::Parameter {

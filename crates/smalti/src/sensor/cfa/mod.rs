@@ -1,10 +1,11 @@
 //! Colour filter arrays: a tile of channel indices and one spectral sensitivity per channel.
 //!
-//! [`Mosaic`] and [`Cfa`] are the types; [`Filter`] gives curves by formula or name, [`builtin`] whole arrays by
-//! name, [`WeightedMosaic`] those whose cells are mixtures, [`blue_noise`] random ones.
+//! The types are [`Mosaic`] and [`Cfa`]. [`Filter`] provides curves by formula or name, [`builtin`] whole
+//! arrays by name, [`WeightedMosaic`] arrays whose cells are mixtures, and [`blue_noise`] random arrays.
 
 mod catalog;
 mod catalog_data;
+mod catalog_entry;
 mod filters;
 mod generated;
 mod mixture;
@@ -12,8 +13,10 @@ mod mosaic;
 mod named;
 mod pattern;
 mod random;
+mod shapes;
 
-pub use catalog::{CfaInfo, builtin, builtin_with, info, names, pattern};
+pub use catalog::{builtin, builtin_with, info, names, pattern};
+pub use catalog_entry::CfaInfo;
 pub use filters::{AbsorptionBand, Filter};
 pub use mixture::{Modulation, WeightedMosaic};
 pub use mosaic::{Cfa, CfaError, Channel, Mosaic};

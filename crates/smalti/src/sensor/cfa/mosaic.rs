@@ -1,11 +1,12 @@
 //! The mosaic tile, its channels and the colour filter array that joins them.
 
+use serde::Serialize;
 use thiserror::Error;
 
 use crate::names::did_you_mean;
-use crate::spectrum::{Spectrum, SpectrumError};
+use crate::spectrum::{Extrapolation, Spectrum, SpectrumError, WavelengthGrid};
 
-/// What can be wrong with a colour filter array.
+/// An error of a colour filter array.
 #[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]
 pub enum CfaError {
@@ -16,7 +17,7 @@ pub enum CfaError {
         rows: usize,
         /// Columns.
         cols: usize,
-        /// Cells that came.
+        /// Actual number of cells.
         cells: usize,
     },
     /// A cell names a channel that does not exist.
@@ -26,9 +27,9 @@ pub enum CfaError {
         row: usize,
         /// Column of the cell.
         col: usize,
-        /// Channel it names.
+        /// The channel.
         channel: usize,
-        /// Channels there are.
+        /// Number of channels.
         channels: usize,
     },
     /// A channel appears in no cell.
@@ -48,17 +49,17 @@ pub enum CfaError {
         row: usize,
         /// Column of the pattern.
         col: usize,
-        /// The filters there are.
+        /// The known filters.
         known: String,
     },
     /// No built-in has that name.
     #[error("no built-in {what} is called '{name}'{}", did_you_mean(suggestion.as_deref()))]
     UnknownName {
-        /// What was looked for (CFA, filter).
+        /// The kind of item (CFA, filter).
         what: &'static str,
         /// The name.
         name: String,
-        /// The nearest name there is.
+        /// The closest known name.
         suggestion: Option<String>,
     },
     /// A filter names a file that has not been read.
@@ -161,7 +162,7 @@ impl Mosaic {
 }
 
 /// One channel of a colour filter array.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Channel {
     /// Its name, a letter where the pattern is written in letters.
     pub name: String,
@@ -179,6 +180,20 @@ pub struct Cfa {
 }
 
 impl Cfa {
+    /// The same array with its filters sampled on another wavelength grid.
+    ///
+    /// # Errors
+    /// When a filter does not reach as far as the grid; the message names it.
+    pub fn on_grid(&self, grid: WavelengthGrid) -> Result<Self, CfaError> {
+        let channel = |c: &Channel| {
+            let named = |e| SpectrumError::Of { what: c.name.clone(), problem: Box::new(e) };
+            let transmittance = c.transmittance.resampled(grid, Extrapolation::Error).map_err(named)?;
+            Ok(Channel { name: c.name.clone(), transmittance })
+        };
+        let channels = self.channels.iter().map(channel).collect::<Result<_, SpectrumError>>()?;
+        Self::new(self.name.clone(), self.mosaic.clone(), channels)
+    }
+
     /// A colour filter array from its parts.
     ///
     /// # Errors

@@ -1,20 +1,20 @@
-//! The filters of the library by name: formulas for every kind of cell in the catalogue, and measured cameras.
+//! The built-in filters: formulas for every kind of cell in the catalogue, and measured cameras.
 
 use super::CfaError;
-use super::filters::{Filter, logistic};
 use super::generated::{NIKON_D5100, SIGMA_SD_MERRILL};
+use super::shapes::{self, logistic};
 use crate::names::nearest;
 use crate::sensor::QuantumEfficiency;
-use crate::spectrum::{Outside, Spectrum, WavelengthGrid};
+use crate::spectrum::{Extrapolation, Spectrum, WavelengthGrid};
 
-/// A filter that can be asked for by name.
+/// A built-in filter.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct FilterInfo {
     /// Its name, as in `{ builtin = "red" }`.
     pub name: &'static str,
-    /// What it is and includes.
+    /// A short description.
     pub summary: &'static str,
-    /// Where the numbers are from.
+    /// The origin of the numbers.
     pub source: &'static str,
 }
 
@@ -74,14 +74,14 @@ static INFOS: &[FilterInfo] = &[
     info("sigma-sd-merrill/B", MERRILL, DARRODI),
 ];
 
-/// The filters that [`Filter::Builtin`] knows. The formulas stand in where a catalogue array needs a filter for
-/// each of its letters; designs that are to be compared should bring their own.
+/// The filters of [`Filter::Builtin`](super::Filter::Builtin). The formulas supply a filter for each letter of the catalogue's
+/// arrays. Designs that are to be compared should specify their own.
 #[must_use]
 pub fn builtin_filters() -> &'static [FilterInfo] {
     INFOS
 }
 
-/// Transmittance of a named filter.
+/// Transmittance of a built-in filter.
 pub(super) fn spectrum(name: &str, grid: WavelengthGrid) -> Result<Spectrum, CfaError> {
     let blue = |nm: f64| logistic((BLUE_GREEN_NM - nm) / EDGE_NM);
     let red_side = |nm: f64| logistic((nm - GREEN_RED_NM) / EDGE_NM);
@@ -89,10 +89,10 @@ pub(super) fn spectrum(name: &str, grid: WavelengthGrid) -> Result<Spectrum, Cfa
     let green = |nm: f64| (1.0 - blue(nm)) * (1.0 - red_side(nm));
     let red = |nm: f64| (1.0 - blue(nm)) * red_side(nm) * cut(nm);
     let infrared = |nm: f64| logistic((nm - INFRARED_NM) / EDGE_NM);
-    // Dye and infrared leak share the light, so that the sum stays below the peak.
+    // The infrared leak transmits a share of the light that the dye absorbs, so the sum stays below the peak.
     let opening = |dye: f64, nm: f64| dye + (1.0 - dye) * infrared(nm);
     let formula = |f: &dyn Fn(f64) -> f64| Ok(Spectrum::from_fn(grid, |nm| PEAK * f(nm)));
-    let gaussian = |center_nm, sigma_nm| Filter::Gaussian { center_nm, sigma_nm, peak: PEAK }.spectrum(grid);
+    let gaussian = |center_nm, sigma_nm| formula(&|nm| shapes::gaussian(nm, center_nm, sigma_nm));
     match name {
         "red" => formula(&red),
         "green" => formula(&green),
@@ -114,16 +114,16 @@ pub(super) fn spectrum(name: &str, grid: WavelengthGrid) -> Result<Spectrum, Cfa
         "narrow" => gaussian(540.0, 10.0),
         "silicon" => Ok(QuantumEfficiency::SILICON.spectrum(grid)?),
         "ir-cut" => Ok(crate::optics::builtin::ir_cut(grid)),
-        "nikon-d5100/R" => Ok(NIKON_D5100.spectrum(0, grid, Outside::Zero)?),
-        "nikon-d5100/G" => Ok(NIKON_D5100.spectrum(1, grid, Outside::Zero)?),
-        "nikon-d5100/B" => Ok(NIKON_D5100.spectrum(2, grid, Outside::Zero)?),
-        "sigma-sd-merrill/R" => Ok(SIGMA_SD_MERRILL.spectrum(0, grid, Outside::Zero)?),
-        "sigma-sd-merrill/G" => Ok(SIGMA_SD_MERRILL.spectrum(1, grid, Outside::Zero)?),
-        "sigma-sd-merrill/B" => Ok(SIGMA_SD_MERRILL.spectrum(2, grid, Outside::Zero)?),
+        "nikon-d5100/R" => Ok(NIKON_D5100.spectrum(0, grid, Extrapolation::Zero)?),
+        "nikon-d5100/G" => Ok(NIKON_D5100.spectrum(1, grid, Extrapolation::Zero)?),
+        "nikon-d5100/B" => Ok(NIKON_D5100.spectrum(2, grid, Extrapolation::Zero)?),
+        "sigma-sd-merrill/R" => Ok(SIGMA_SD_MERRILL.spectrum(0, grid, Extrapolation::Zero)?),
+        "sigma-sd-merrill/G" => Ok(SIGMA_SD_MERRILL.spectrum(1, grid, Extrapolation::Zero)?),
+        "sigma-sd-merrill/B" => Ok(SIGMA_SD_MERRILL.spectrum(2, grid, Extrapolation::Zero)?),
         _ => match band(name) {
             Some((k, n)) => {
                 let spacing = 300.0 / n;
-                // 2.3548 standard deviations are the full width at half maximum of a Gaussian.
+                // The full width at half maximum of a Gaussian is 2.3548 standard deviations.
                 gaussian(400.0 + spacing * (k - 0.5), spacing / 2.354_820_045)
             }
             None => Err(CfaError::UnknownName {
@@ -135,15 +135,15 @@ pub(super) fn spectrum(name: &str, grid: WavelengthGrid) -> Result<Spectrum, Cfa
     }
 }
 
-/// `band-k-of-n` as (k, n).
+/// Parses `band-k-of-n` into (k, n).
 fn band(name: &str) -> Option<(f64, f64)> {
     let (k, n) = name.strip_prefix("band-")?.split_once("-of-")?;
     let (k, n): (u8, u8) = (k.parse().ok()?, n.parse().ok()?);
     (1 <= k && k <= n && n <= 64).then(|| (k.into(), n.into()))
 }
 
-// The edges of the generic set lie where those of common sensors do, near the crossings of the Nikon D5100's curves
-// (499 and 579 nm); 10 % to 90 % takes 53 nm, as in pigment filters. Red, green and blue add up to at most PEAK.
+// The edges of the generic set are typical: they lie near the crossings of the Nikon D5100's curves (499 and
+// 579 nm). 10 % to 90 % takes 53 nm, as in pigment filters. Red, green and blue add up to at most PEAK.
 const BLUE_GREEN_NM: f64 = 495.0;
 const GREEN_RED_NM: f64 = 580.0;
 const EDGE_NM: f64 = 12.0;

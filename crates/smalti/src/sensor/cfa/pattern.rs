@@ -1,12 +1,13 @@
-//! Mosaics written in letters, and what can be read off a tile: its period, its phase, whether it is Bayer's.
+//! Mosaics as patterns of letters, and properties of a tile: its period, its phase, whether it is a Bayer
+//! arrangement.
 
 use super::{Cfa, CfaError, Channel, Mosaic};
 use crate::spectrum::Spectrum;
 
-/// Where the three kinds of cell of a 2 × 2 tile lie in which one channel fills a diagonal: Bayer's
-/// arrangement, whatever the colours (RYYB and RCCB have it as well).
+/// The positions of the three channels in a 2 × 2 tile with one channel on a diagonal. This is the Bayer
+/// arrangement of any colours; RYYB and RCCB have it as well.
 ///
-/// Which of the two single channels is red is not in the geometry; those who need it look at the filters.
+/// The geometry does not determine which of the other two channels is red; that depends on the filters.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct BayerPhase {
     /// The channel of the diagonal, green in a Bayer mosaic.
@@ -15,13 +16,13 @@ pub struct BayerPhase {
     pub even_rows: usize,
     /// The other channel of the odd rows.
     pub odd_rows: usize,
-    /// Column, 0 or 1, of the diagonal channel in the even rows; in the odd rows it is the other one.
+    /// Column (0 or 1) of the diagonal channel in the even rows; in the odd rows it is in the other column.
     pub diagonal_col: usize,
 }
 
 impl Mosaic {
-    /// A tile written one letter per cell, one text per row, and the letter of each channel. Channels are
-    /// counted in the order in which their letters first appear, row by row.
+    /// A tile from one letter per cell and one string per row, and the letter of each channel. Channels are
+    /// numbered by first appearance of their letters, row by row.
     ///
     /// # Errors
     /// When the rows differ in length, there is no cell, or there are more than 256 different letters.
@@ -44,15 +45,19 @@ impl Mosaic {
         Ok((Self::new(lines.len(), cols, cells)?, letters))
     }
 
-    /// The tile as text, one letter per cell and one text per row; `None` when there are fewer letters than
-    /// channels.
-    #[must_use]
-    pub fn to_letters(&self, letters: &[char]) -> Option<Vec<String>> {
-        let line = |row: &[u8]| row.iter().map(|&c| letters.get(usize::from(c))).collect::<Option<String>>();
-        self.cells().chunks(self.cols()).map(line).collect()
+    /// The tile as text, one letter per cell and one string per row.
+    ///
+    /// # Errors
+    /// [`CfaError::CellChannel`] when there are fewer letters than channels.
+    pub fn to_letters(&self, letters: &[char]) -> Result<Vec<String>, CfaError> {
+        let letter = |row: usize, col: usize| {
+            let (channel, channels) = (self.channel_at(row, col), letters.len());
+            letters.get(channel).ok_or(CfaError::CellChannel { row, col, channel, channels })
+        };
+        (0..self.rows()).map(|row| (0..self.cols()).map(|col| letter(row, col)).collect()).collect()
     }
 
-    /// The smallest tile that covers the sensor in the same way.
+    /// The smallest tile that gives the same mosaic.
     #[must_use]
     pub fn reduced(&self) -> Self {
         let (rows, cols) = (self.rows(), self.cols());
@@ -63,19 +68,19 @@ impl Mosaic {
         let rows = divisors(rows).find(|&d| repeats(d, 0)).unwrap_or(rows);
         let cols = divisors(cols).find(|&d| repeats(0, d)).unwrap_or(cols);
         let cells = (0..rows * cols).map(|i| self.channel_at(i / cols, i % cols) as u8).collect();
-        // Every channel of the tile is in its period, so the parts are valid.
+        // Every channel of the tile occurs in its period, so the parts are valid.
         Self::new(rows, cols, cells).unwrap_or_else(|_| self.clone())
     }
 
-    /// One tile for all mosaics that differ by a shift: the reduced tile, at the shift whose cells come first
-    /// in row order. Two mosaics are the same up to the choice of the origin when their canonical tiles are
-    /// equal.
+    /// A unique tile for all mosaics that differ only by a shift: the reduced tile at the shift whose cells
+    /// come first in lexicographic row order. Two mosaics are equal up to the choice of origin when their
+    /// canonical tiles are equal.
     #[must_use]
     pub fn canonical(&self) -> Self {
         let tile = self.reduced();
         let (rows, cols) = (tile.rows(), tile.cols());
-        // Ranks of the rows read cyclically from each cell, then of all rows from each cell: doubling the
-        // length that has been compared needs log₂ steps, where comparing every shift would need n².
+        // Rank the rows read cyclically from each cell, then all rows read from each cell. Doubling the
+        // compared length takes log₂ n steps, whereas comparing every pair of shifts takes n².
         let mut rank: Vec<u32> = tile.cells().iter().map(|&c| u32::from(c)).collect();
         let doubled = |rank: &[u32], dr: usize, dc: usize| {
             let pair = |i: usize| (rank[i], rank[(i / cols + dr) % rows * cols + (i % cols + dc) % cols]);
@@ -94,8 +99,7 @@ impl Mosaic {
         tile.shifted(first / cols, first % cols)
     }
 
-    /// Where the cells lie when this is Bayer's arrangement (three channels, one on a diagonal); `None` when it
-    /// is not.
+    /// The phase of a Bayer arrangement (three channels, one on a diagonal); `None` for other mosaics.
     #[must_use]
     pub fn bayer_phase(&self) -> Option<BayerPhase> {
         let tile = self.reduced();
@@ -115,11 +119,11 @@ impl Mosaic {
 }
 
 impl Cfa {
-    /// A colour filter array from a pattern in letters and a filter (transmittance, 0 to 1) for each letter.
-    /// Filters that the pattern does not use are ignored.
+    /// A colour filter array from a pattern of letters and a filter (transmittance, 0 to 1) for each letter.
+    /// Filters that do not occur in the pattern are ignored.
     ///
     /// # Errors
-    /// When the pattern is not a rectangle, a letter has no filter, or as [`Cfa::new`].
+    /// When the pattern is not a rectangle, a letter has no filter, or as for [`Cfa::new`].
     pub fn from_pattern<S: AsRef<str>>(
         name: impl Into<String>,
         lines: &[S],
@@ -143,7 +147,7 @@ impl Cfa {
         Self::new(name, mosaic, channels)
     }
 
-    /// The pattern in letters, one text per row; `None` when the name of a channel is not a single letter.
+    /// The pattern in letters, one string per row; `None` when a channel name is not a single letter.
     #[must_use]
     pub fn letters(&self) -> Option<Vec<String>> {
         let single = |name: &str| {
@@ -151,6 +155,6 @@ impl Cfa {
             chars.next().filter(|_| chars.next().is_none())
         };
         let letters: Option<Vec<char>> = self.channels().iter().map(|c| single(&c.name)).collect();
-        self.mosaic().to_letters(&letters?)
+        self.mosaic().to_letters(&letters?).ok()
     }
 }

@@ -1,23 +1,25 @@
-//! Random mosaics with blue noise: irregular, so that aliasing turns into noise, yet evenly spread.
+//! Random mosaics with a blue-noise distribution: irregular, so that aliasing turns into noise, yet uniform
+//! in density.
 
 use super::{CfaError, Mosaic};
 use crate::numeric::philox::Stream;
 
-/// Separates these random numbers from other uses of the same seed.
+/// Separates these random numbers from other uses of the seed.
 const PURPOSE: u32 = 0x4346_4101;
 
-/// Sweeps over all pairs of cells; most tiles come to rest before.
+/// Maximum number of sweeps over all pairs of cells; most tiles converge earlier.
 const MAX_SWEEPS: usize = 30;
 
-/// A random tile in which each channel is spread evenly over the torus, in equal numbers of cells (to one). The
-/// same arguments give the same tile on every machine.
+/// A random tile that distributes each channel evenly with periodic boundaries. The channels have equal
+/// numbers of cells, to within one. Equal arguments give the same tile on every machine.
 ///
-/// The aim is that of Condat (2010), chrominance with a blue-noise spectrum; the method is void-and-cluster's
-/// energy (Ulichney 1993): every two cells of the same channel repel each other by a Gaussian of their
-/// distance, and two cells are swapped as long as this lowers the sum.
+/// The aim is that of Condat (2010): chrominance with a blue-noise spectrum. The method minimises the
+/// void-and-cluster energy (Ulichney 1993). Every two cells of a channel repel each other by a Gaussian of
+/// their distance, and cells are swapped while this reduces the sum.
 ///
 /// # Errors
-/// When there are fewer than 2 or more than 26 channels, fewer cells than channels, or more than 4096 cells.
+/// When the number of channels is not within 2–26, the tile has fewer cells than channels, or it has more
+/// than 4096 cells.
 pub fn blue_noise(channels: usize, rows: usize, cols: usize, seed: u64) -> Result<Mosaic, CfaError> {
     let parameter = |name: &str, value: usize, expected| {
         Err(CfaError::Parameter { name: name.into(), value: value as f64, expected })
@@ -39,13 +41,13 @@ pub fn blue_noise(channels: usize, rows: usize, cols: usize, seed: u64) -> Resul
         cells.swap(last, random.below(last as u32 + 1) as usize);
     }
 
-    // A channel in 1 of n cells has its cells √n apart; 0.6 of that makes neighbours feel each other and little
-    // beyond.
+    // A channel with 1 in n cells has a mean spacing of √n. A standard deviation of 0.6 of that limits the
+    // interaction to neighbours.
     let sigma = 0.6 * (channels as f64).sqrt();
     let (down, across) = (periodic_gaussian(rows, sigma), periodic_gaussian(cols, sigma));
     let kernel =
         |a: usize, b: usize| down[(a / cols).abs_diff(b / cols)] * across[(a % cols).abs_diff(b % cols)];
-    // What each cell would feel if it had each channel.
+    // The energy that each cell would have with each channel.
     let mut field = vec![vec![0.0; count]; channels];
     for (at, &channel) in cells.iter().enumerate() {
         field[usize::from(channel)].iter_mut().enumerate().for_each(|(i, f)| *f += kernel(i, at));
@@ -58,7 +60,7 @@ pub fn blue_noise(channels: usize, rows: usize, cols: usize, seed: u64) -> Resul
                 let gain = field[p][a] - field[p][b] + field[q][b]
                     - field[q][a]
                     - 2.0 * (kernel(a, a) - kernel(a, b));
-                // Rounding must not keep two equal states swapping for ever.
+                // The threshold prevents rounding from swapping two equal states for ever.
                 if p != q && gain > 1e-9 {
                     let change = |i: usize| kernel(i, b) - kernel(i, a);
                     field[p].iter_mut().enumerate().for_each(|(i, f)| *f += change(i));
@@ -75,7 +77,8 @@ pub fn blue_noise(channels: usize, rows: usize, cols: usize, seed: u64) -> Resul
     Mosaic::new(rows, cols, cells)
 }
 
-/// A Gaussian of the distance on a circle of `length` cells, with all its images within six deviations.
+/// A Gaussian of the distance on a circle of `length` cells, with all its images within six standard
+/// deviations.
 fn periodic_gaussian(length: usize, sigma: f64) -> Vec<f64> {
     let images = (6.0 * sigma / length as f64).ceil() as i32 + 1;
     let at = |d: usize| {

@@ -1,6 +1,6 @@
 //! Published tables, as numbers. Written by `tools/generate_tables.py`.
 
-// Some reflectances happen to begin like 1/π.
+// Some reflectances begin with the digits of 1/π, which Clippy reports.
 #[allow(clippy::approx_constant)]
 mod colorchecker;
 mod illuminants;
@@ -13,7 +13,7 @@ pub use illuminants::{D65_TABLE, DAYLIGHT_BASIS, F2, F11, LED_B3};
 pub use natural::{NATURAL, NATURAL_NAMES};
 pub use observers::{CIE_1931_2DEG, CIE_1964_10DEG, CIE_2015_2DEG};
 
-use super::{Outside, Spectrum, SpectrumError, WavelengthGrid};
+use super::{Extrapolation, Spectrum, SpectrumError, WavelengthGrid};
 
 /// `N` functions tabulated on a uniform wavelength grid.
 #[derive(Debug)]
@@ -30,15 +30,15 @@ impl<const N: usize> Table<N> {
     /// Column `column` on another grid, interpolated linearly.
     ///
     /// # Errors
-    /// When the grid reaches beyond the table and `outside` is [`Outside::Error`].
+    /// When the grid reaches beyond the table and `extrapolation` is [`Extrapolation::Error`].
     pub fn spectrum(
         &self,
         column: usize,
         grid: WavelengthGrid,
-        outside: Outside,
+        extrapolation: Extrapolation,
     ) -> Result<Spectrum, SpectrumError> {
         let own = WavelengthGrid::new(self.start_nm, self.step_nm, self.rows.len())?;
         let values = self.rows.iter().map(|r| r.get(column).copied().unwrap_or(0.0)).collect();
-        Spectrum::new(own, values)?.resampled(grid, outside)
+        Spectrum::new(own, values)?.resampled(grid, extrapolation)
     }
 }

@@ -1,6 +1,6 @@
 //! The scenes, lens and sensors that the reference values of ISETCam are of, built with Smalti.
 
-use super::{numbers, oracle_csv, oracle_json};
+use super::{numbers, reference_csv, reference_json};
 use serde_json::Value;
 use smalti::numeric::Planes;
 use smalti::optics::{OpticalImage, Optics};
@@ -43,19 +43,24 @@ pub fn scene(rows: usize, cols: usize, fov_deg: f64, photons: impl Fn(usize, usi
 }
 
 /// The ColorChecker. ISETCam counts patches column by column.
-pub fn chart() -> Option<Scene> {
-    let photons = oracle_csv("scene_macbeth_d65_photons.csv")?;
-    Some(scene(128, 192, 10.0, |b, r, c| photons[c / 32 * 4 + r / 32][b]))
+pub fn chart() -> Scene {
+    let photons = reference_csv("scene_macbeth_d65_photons.csv");
+    scene(128, 192, 10.0, |b, r, c| photons[c / 32 * 4 + r / 32][b])
 }
 
 /// The slanted edge. ISETCam compares in single precision, which decides about the lattice points that lie exactly on
 /// the line.
-pub fn bar() -> Option<Scene> {
-    let json = oracle_json("scene_slantedbar.json")?;
+pub fn bar() -> Scene {
+    let json = reference_json("scene_slantedbar.json");
     let (dark, bright) = (numbers(&json["dark_photons"]), numbers(&json["bright_photons"]));
-    Some(scene(513, 513, 5.0, |b, r, c| {
-        if r as f32 - 256.0 > 7.0 / 3.0 * (c as f32 - 256.0) { bright[b] } else { dark[b] }
-    }))
+    scene(
+        513,
+        513,
+        5.0,
+        |b, r, c| {
+            if r as f32 - 256.0 > 7.0 / 3.0 * (c as f32 - 256.0) { bright[b] } else { dark[b] }
+        },
+    )
 }
 
 pub fn image_of(scene: &Scene) -> OpticalImage {
@@ -77,7 +82,21 @@ pub struct Case {
 
 impl Case {
     pub fn new(id: &str) -> Self {
-        let json = oracle_json(&format!("ip_case_{id}.json")).unwrap();
+        Self::from_json(id, reference_json(&format!("ip_case_{id}.json")))
+    }
+
+    /// The cameras with tiles of 4 × 4.
+    pub fn tiles_4x4() -> Vec<Self> {
+        let cases = reference_json("ip_tiles_4x4.json");
+        cases
+            .as_array()
+            .unwrap()
+            .iter()
+            .map(|c| Self::from_json(c["id"].as_str().unwrap(), c.clone()))
+            .collect()
+    }
+
+    fn from_json(id: &str, json: Value) -> Self {
         let n = json["N"].as_u64().unwrap() as usize;
         let table = numbers(&json["filters_31xN"]);
         let filter =

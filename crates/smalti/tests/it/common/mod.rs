@@ -1,4 +1,4 @@
-//! Where the reference values of ISETCam lie, and how to read them. Not every test uses everything.
+//! Readers of the reference values of ISETCam. Not every test uses every one of them.
 #![allow(dead_code, missing_docs, unreachable_pub, clippy::unwrap_used, clippy::panic)]
 
 pub mod isetcam;
@@ -8,14 +8,10 @@ use std::path::PathBuf;
 
 use smalti::numeric::philox::Stream;
 
-/// The folder of reference values beside the checkout; `None`, with a message, when it is absent.
-pub fn oracle() -> Option<PathBuf> {
-    let dir = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../../shared/oracle");
-    if dir.is_dir() {
-        return Some(dir);
-    }
-    eprintln!("skipped: no reference values at ../shared/oracle");
-    None
+/// A file of the reference values of ISETCam; `tests/data/isetcam/README.md` says where each comes from.
+fn reference(name: &str) -> String {
+    let file = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/data/isetcam").join(name);
+    std::fs::read_to_string(&file).unwrap_or_else(|e| panic!("{}: {e}", file.display()))
 }
 
 /// Rows of numbers.
@@ -27,13 +23,13 @@ pub fn csv(text: &str) -> Vec<Vec<f64>> {
 }
 
 /// A CSV file of the reference values.
-pub fn oracle_csv(name: &str) -> Option<Vec<Vec<f64>>> {
-    oracle().map(|d| csv(&std::fs::read_to_string(d.join(name)).unwrap()))
+pub fn reference_csv(name: &str) -> Vec<Vec<f64>> {
+    csv(&reference(name))
 }
 
 /// A JSON file of the reference values.
-pub fn oracle_json(name: &str) -> Option<serde_json::Value> {
-    oracle().map(|d| serde_json::from_str(&std::fs::read_to_string(d.join(name)).unwrap()).unwrap())
+pub fn reference_json(name: &str) -> serde_json::Value {
+    serde_json::from_str(&reference(name)).unwrap()
 }
 
 /// A JSON array of numbers, flattened.

@@ -1,5 +1,5 @@
-//! Sets drawn from a library of filters that can be made: measured ones, and shapes nearer to those of manufacturing
-//! than a Gaussian is.
+//! Sets drawn from a library of filters that can be manufactured: measured filters, and shapes closer to real filters than
+//! a Gaussian.
 
 mod series;
 
@@ -9,14 +9,14 @@ use serde::{Deserialize, Serialize};
 
 pub use series::{Dye, Dyes, Series};
 
-use super::{FilterSet, ascending, index_checked, sampled};
+use super::set::{FilterSet, ascending, index_checked, sampled};
 use crate::design::combinations::{binomial, combination};
 use crate::design::error::{DesignError, colors_checked};
 use crate::sensor::Filter;
 
 const WHAT: &str = "the family library";
 
-/// Filters that a library can have.
+/// Maximum number of filters of a library.
 const MAX_FILTERS: u64 = 1_000_000;
 
 /// `[filters.library]`: every combination of N filters of a library. The filters of a set are sorted by their mean
@@ -69,7 +69,7 @@ impl Library {
         }
         for (i, series) in self.series.iter().enumerate() {
             let len = series.len(&key(i))?;
-            // Parameters go up or down from one end to the other.
+            // Parameters are monotone along a series, so that checking both ends suffices.
             for at in [0, len.saturating_sub(1)] {
                 if let Some((_, filter)) = series.at(&key(i), at)? {
                     sampled(&key(i), &filter)?;

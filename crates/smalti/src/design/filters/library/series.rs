@@ -1,8 +1,8 @@
-//! Many filters of one kind by one line of a library.
+//! Series of filters of one kind in a library.
 
 use serde::{Deserialize, Serialize};
 
-use super::super::Steps;
+use super::super::steps::Steps;
 use crate::design::combinations::{binomial, combination};
 use crate::design::error::DesignError;
 use crate::sensor::Filter;
@@ -14,15 +14,15 @@ use crate::sensor::cfa::AbsorptionBand;
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 #[non_exhaustive]
 pub enum Series {
-    /// The channels of cameras that were measured, as [`builtin_filters`](crate::sensor::cfa::builtin_filters) has them.
+    /// The measured channels of cameras among the [`builtin_filters`](crate::sensor::cfa::builtin_filters).
     Measured,
     /// Raised cosines: every centre with every width.
     RaisedCosine {
         /// Centres: first, step and last, nm.
-        #[serde(deserialize_with = "super::super::first_step_last")]
+        #[serde(deserialize_with = "super::super::steps::first_step_last")]
         centers_nm: [f64; 3],
         /// Full widths at half maximum: first, step and last, nm.
-        #[serde(deserialize_with = "super::super::first_step_last")]
+        #[serde(deserialize_with = "super::super::steps::first_step_last")]
         fwhms_nm: [f64; 3],
         /// Largest transmittance, 0 to 1.
         #[serde(default = "peak")]
@@ -31,10 +31,10 @@ pub enum Series {
     /// Bands with Butterworth edges, as interference filters have them: every centre with every width.
     Butterworth {
         /// Centres: first, step and last, nm.
-        #[serde(deserialize_with = "super::super::first_step_last")]
+        #[serde(deserialize_with = "super::super::steps::first_step_last")]
         centers_nm: [f64; 3],
         /// Full widths at half maximum: first, step and last, nm.
-        #[serde(deserialize_with = "super::super::first_step_last")]
+        #[serde(deserialize_with = "super::super::steps::first_step_last")]
         fwhms_nm: [f64; 3],
         /// Order, 1 to 100.
         order: u32,
@@ -48,22 +48,21 @@ pub enum Series {
 
 /// Mixtures of a few dyes, each at a few concentrations: [`Filter::Dye`].
 ///
-/// By default five dyes whose bands stand side by side over the visible range, and mixtures of at most two, as pigment
-/// filters are (yellow and magenta make red): 50 filters. Absorbances of 1 and 2 pass 10 % and 1 % at the middle of a
-/// band.
+/// The default is five dyes with adjacent bands over the visible range and mixtures of at most two dyes, like pigment
+/// filters (yellow and magenta make red): 50 filters. Absorbances of 1 and 2 pass 10 % and 1 % at the centre of a band.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default, deny_unknown_fields)]
 pub struct Dyes {
     /// The dyes.
     pub dyes: Vec<Dye>,
-    /// Absorbances at the middle of the band that each dye of a mixture can have, above 0.
+    /// Absorbances at the centre of the band that each dye of a mixture can have, above 0.
     pub absorbances: Vec<f64>,
     /// Largest number of dyes in a mixture.
     pub at_most: usize,
     /// Transmittance where no dye absorbs, 0 to 1.
     pub peak: f64,
-    /// Transmittance however much the dyes absorb, at most `peak`.
+    /// Lower limit of the transmittance, at most `peak`.
     pub leakage: f64,
 }
 
@@ -72,7 +71,7 @@ pub struct Dyes {
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Dye {
-    /// Middle of the band, nm.
+    /// Centre of the band, nm.
     pub center_nm: f64,
     /// Full width of the band at half its absorbance, nm.
     pub fwhm_nm: f64,
@@ -95,7 +94,7 @@ fn peak() -> f64 {
     0.9
 }
 
-/// Names of the measured channels, which a test compares with the library of filters.
+/// Names of the measured channels; a test compares them with the built-in filters.
 pub(super) const MEASURED: [&str; 6] = [
     "nikon-d5100/R",
     "nikon-d5100/G",
@@ -106,7 +105,7 @@ pub(super) const MEASURED: [&str; 6] = [
 ];
 
 impl Series {
-    /// Number of filters; `key` is where the series stands.
+    /// Number of filters; `key` is the path of the series in the study file.
     pub(super) fn len(&self, key: &str) -> Result<u64, DesignError> {
         match self {
             Self::Measured => Ok(MEASURED.len() as u64),
@@ -158,7 +157,7 @@ fn bands(key: &str, centers_nm: [f64; 3], fwhms_nm: [f64; 3]) -> Result<(Steps, 
 }
 
 impl Dyes {
-    /// Mixtures of exactly `dyes` dyes: which ones, times the absorbance of each.
+    /// Number of mixtures of exactly `dyes` dyes: combinations of dyes times combinations of absorbances.
     fn mixtures(&self, dyes: usize) -> Option<u64> {
         let dyes = u32::try_from(dyes).ok()?;
         let choices = u64::try_from(binomial(self.dyes.len() as u128, dyes)?).ok()?;

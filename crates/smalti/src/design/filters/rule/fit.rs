@@ -1,39 +1,38 @@
-//! Fitting a sum of Gaussians to a curve: damped Gauss-Newton steps (Levenberg's), each brought back to what the
-//! constraints allow. The error never grows, the number of steps is bounded, and plain loops with `libm` give the same
-//! bits on every machine.
+//! Fits a sum of Gaussians to a curve by damped Gauss-Newton steps (Levenberg), each projected onto the constraints. The error
+//! never grows and the number of steps is bounded. Plain loops and `libm` give the same bits on every machine.
 
-/// Steps of the fit.
+/// Maximum number of steps of the fit.
 const MAX_STEPS: usize = 300;
 
-/// A sum this near to its curve, 1 % root mean square, is near enough. A Gaussian is the sum of many sets of Gaussians,
-/// the last of them one filter and nothing else; the fit is to end at a near one.
+/// Relative squared error at which the fit ends: 1 % root mean square. Many sets of Gaussians sum to nearly the same curve,
+/// down to a single filter, and the fit should stop at one close to its start.
 const CLOSE: f64 = 1e-4;
 
-/// Bisections of the largest height, more than a double has bits.
+/// Bisections for the largest height, more than the bits of an `f64`.
 const BISECTIONS: usize = 64;
 
-/// A Gaussian of the sum. Lengths are in units of the distance of the filters of the uniform rule.
+/// A Gaussian of the sum. The unit of wavelength is the spacing of the filters of the uniform rule.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Bell {
+pub(super) struct Gaussian {
     pub center: f64,
     pub sigma: f64,
     pub height: f64,
 }
 
-/// What the sum may be made of.
+/// Constraints on the Gaussians of the sum.
 #[derive(Debug, Clone)]
 pub(super) struct Bounds {
     pub center: [f64; 2],
     pub sigma: [f64; 2],
-    /// Smallest distance of neighbours.
+    /// Smallest distance of neighbouring centres.
     pub spacing: f64,
-    /// Smallest height as a share of the largest.
+    /// Smallest height as a fraction of the largest.
     pub height: f64,
 }
 
-/// What a fit may change.
+/// The parameters that a fit varies.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Free {
+pub(super) enum FreeParameters {
     Heights,
     All,
 }
@@ -45,7 +44,7 @@ pub(super) struct Curve {
     pub values: Vec<f64>,
 }
 
-impl Bell {
+impl Gaussian {
     fn value(&self, at: f64) -> f64 {
         let x = (at - self.center) / self.sigma;
         libm::exp(-0.5 * x * x)
@@ -53,46 +52,46 @@ impl Bell {
 }
 
 impl Curve {
-    fn sum(&self, bells: &[Bell]) -> Vec<f64> {
-        self.at.iter().map(|&at| bells.iter().map(|b| b.height * b.value(at)).sum()).collect()
+    fn sum(&self, gaussians: &[Gaussian]) -> Vec<f64> {
+        self.at.iter().map(|&at| gaussians.iter().map(|b| b.height * b.value(at)).sum()).collect()
     }
 
-    fn squared_error(&self, bells: &[Bell]) -> f64 {
-        self.sum(bells).iter().zip(&self.values).map(|(s, v)| (s - v) * (s - v)).sum()
+    fn squared_error(&self, gaussians: &[Gaussian]) -> f64 {
+        self.sum(gaussians).iter().zip(&self.values).map(|(s, v)| (s - v) * (s - v)).sum()
     }
 
-    /// The bells with their heights times the factor that brings their sum nearest to the curve.
-    pub(super) fn scaled(&self, bells: &[Bell]) -> Vec<Bell> {
-        let sum = self.sum(bells);
+    /// The Gaussians with their heights scaled so that the sum has the least squared error.
+    pub(super) fn scaled(&self, gaussians: &[Gaussian]) -> Vec<Gaussian> {
+        let sum = self.sum(gaussians);
         let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
         let square = dot(&sum, &sum);
         let factor = if square > 0.0 { dot(&sum, &self.values) / square } else { 0.0 };
-        bells.iter().map(|b| Bell { height: b.height * factor, ..*b }).collect()
+        gaussians.iter().map(|b| Gaussian { height: b.height * factor, ..*b }).collect()
     }
 
-    /// Squared error of the sum at its best scale, as a share of the squared curve.
-    pub(super) fn relative_error(&self, bells: &[Bell]) -> f64 {
-        self.squared_error(&self.scaled(bells)) / self.values.iter().map(|v| v * v).sum::<f64>()
+    /// Squared error of the sum at its best scale, as a fraction of the squared curve.
+    pub(super) fn relative_error(&self, gaussians: &[Gaussian]) -> f64 {
+        self.squared_error(&self.scaled(gaussians)) / self.values.iter().map(|v| v * v).sum::<f64>()
     }
 
-    /// Bells within the bounds whose sum is nearer to the curve than that of `start`, or as near.
-    pub(super) fn fitted(&self, start: &[Bell], free: Free, bounds: &Bounds) -> Vec<Bell> {
-        let mut bells = bounds.nearest(start.to_vec());
-        let mut error = self.squared_error(&bells);
+    /// Gaussians within the bounds whose sum has at most the squared error of `start` within the bounds.
+    pub(super) fn fitted(&self, start: &[Gaussian], free: FreeParameters, bounds: &Bounds) -> Vec<Gaussian> {
+        let mut gaussians = bounds.nearest(start.to_vec());
+        let mut error = self.squared_error(&gaussians);
         let close = CLOSE * self.values.iter().map(|v| v * v).sum::<f64>();
         let mut damping = 1.0;
         for _ in 0..MAX_STEPS {
-            if free == Free::All && error <= close {
+            if free == FreeParameters::All && error <= close {
                 break;
             }
-            let (curvature, slope) = self.normal_equations(&bells, free, bounds);
+            let (curvature, slope) = self.normal_equations(&gaussians, free, bounds);
             let before = error;
             while damping < 1e12 {
                 let step = solved(&curvature, &slope, damping);
-                let trial = bounds.nearest(moved(&bells, &step, free));
+                let trial = bounds.nearest(moved(&gaussians, &step, free));
                 let trial_error = self.squared_error(&trial);
                 if trial_error < error {
-                    (bells, error) = (trial, trial_error);
+                    (gaussians, error) = (trial, trial_error);
                     damping = (damping * 0.1f64).max(1e-12);
                     break;
                 }
@@ -102,20 +101,25 @@ impl Curve {
                 break;
             }
         }
-        bells
+        gaussians
     }
 
-    /// Jᵀ J and −Jᵀ r over the free parameters. Those at a bound that the slope would take beyond it stay.
-    fn normal_equations(&self, bells: &[Bell], free: Free, bounds: &Bounds) -> (Vec<Vec<f64>>, Vec<f64>) {
-        let per_bell = if free == Free::All { 3 } else { 1 };
-        let n = bells.len() * per_bell;
+    /// Jᵀ J and −Jᵀ r over the free parameters. A parameter at a bound is held when its slope points beyond the bound.
+    fn normal_equations(
+        &self,
+        gaussians: &[Gaussian],
+        free: FreeParameters,
+        bounds: &Bounds,
+    ) -> (Vec<Vec<f64>>, Vec<f64>) {
+        let per_gaussian = if free == FreeParameters::All { 3 } else { 1 };
+        let n = gaussians.len() * per_gaussian;
         let mut curvature = vec![vec![0.0; n]; n];
         let mut slope = vec![0.0; n];
         let mut row = vec![0.0; n];
-        for ((&at, &value), sum) in self.at.iter().zip(&self.values).zip(self.sum(bells)) {
-            for (bell, row) in bells.iter().zip(row.chunks_exact_mut(per_bell)) {
-                let (shape, x) = (bell.value(at), (at - bell.center) / bell.sigma);
-                let by_center = bell.height * shape * x / bell.sigma;
+        for ((&at, &value), sum) in self.at.iter().zip(&self.values).zip(self.sum(gaussians)) {
+            for (gaussian, row) in gaussians.iter().zip(row.chunks_exact_mut(per_gaussian)) {
+                let (shape, x) = (gaussian.value(at), (at - gaussian.center) / gaussian.sigma);
+                let by_center = gaussian.height * shape * x / gaussian.sigma;
                 for (entry, d) in row.iter_mut().zip([shape, by_center, by_center * x]) {
                     *entry = d;
                 }
@@ -128,32 +132,34 @@ impl Curve {
             }
         }
         let sigma = bounds.sigma;
-        for (i, bell) in bells.iter().enumerate() {
+        for (i, gaussian) in gaussians.iter().enumerate() {
             let mut hold = |parameter: usize, at_low: bool, at_high: bool| {
-                let k = i * per_bell + parameter;
+                let k = i * per_gaussian + parameter;
                 if (at_low && slope[k] < 0.0) || (at_high && slope[k] > 0.0) {
                     (0..n).for_each(|j| curvature[k.max(j)][k.min(j)] = 0.0);
                     slope[k] = 0.0;
                 }
             };
-            hold(0, bell.height <= 0.0, false);
-            if free == Free::All {
-                hold(2, bell.sigma <= sigma[0], bell.sigma >= sigma[1]);
+            hold(0, gaussian.height <= 0.0, false);
+            if free == FreeParameters::All {
+                hold(2, gaussian.sigma <= sigma[0], gaussian.sigma >= sigma[1]);
             }
         }
         (curvature, slope)
     }
 }
 
-fn moved(bells: &[Bell], step: &[f64], free: Free) -> Vec<Bell> {
-    let moved = |(bell, step): (&Bell, &[f64])| match (free, step) {
-        (Free::All, &[height, center, sigma]) => {
-            Bell { height: bell.height + height, center: bell.center + center, sigma: bell.sigma + sigma }
-        }
-        (_, step) => Bell { height: bell.height + step.first().unwrap_or(&0.0), ..*bell },
+fn moved(gaussians: &[Gaussian], step: &[f64], free: FreeParameters) -> Vec<Gaussian> {
+    let moved = |(gaussian, step): (&Gaussian, &[f64])| match (free, step) {
+        (FreeParameters::All, &[height, center, sigma]) => Gaussian {
+            height: gaussian.height + height,
+            center: gaussian.center + center,
+            sigma: gaussian.sigma + sigma,
+        },
+        (_, step) => Gaussian { height: gaussian.height + step.first().unwrap_or(&0.0), ..*gaussian },
     };
-    let per_bell = if free == Free::All { 3 } else { 1 };
-    bells.iter().zip(step.chunks_exact(per_bell)).map(moved).collect()
+    let per_gaussian = if free == FreeParameters::All { 3 } else { 1 };
+    gaussians.iter().zip(step.chunks_exact(per_gaussian)).map(moved).collect()
 }
 
 /// The solution of (A + damping·mean diagonal·1) x = b by Cholesky's method, A given by its lower triangle.
@@ -166,7 +172,7 @@ fn solved(a: &[Vec<f64>], b: &[f64], damping: f64) -> Vec<f64> {
         l[i][i] += ridge;
         for j in 0..=i {
             let sum: f64 = (0..j).map(|k| l[i][k] * l[j][k]).sum();
-            // A pivot that rounding has taken is as small as the ridge.
+            // Rounding can make a pivot vanish; the ridge is its lower limit.
             l[i][j] = if i == j { (l[i][i] - sum).max(ridge).sqrt() } else { (l[i][j] - sum) / l[j][j] };
         }
         let sum: f64 = (0..i).map(|k| l[i][k] * x[k]).sum();
@@ -180,12 +186,12 @@ fn solved(a: &[Vec<f64>], b: &[f64], damping: f64) -> Vec<f64> {
 }
 
 impl Bounds {
-    /// The bells within the bounds that are nearest to some bells.
-    fn nearest(&self, mut bells: Vec<Bell>) -> Vec<Bell> {
-        // Less what must lie before each centre, centres need only ascend: regression by pooling neighbours.
+    /// The Gaussians projected onto the bounds.
+    fn nearest(&self, mut gaussians: Vec<Gaussian>) -> Vec<Gaussian> {
+        // After subtracting the mandatory spacing, centres need only ascend: isotonic regression by pooling neighbours.
         let mut pools: Vec<(f64, usize)> = Vec::new();
-        for (i, bell) in bells.iter().enumerate() {
-            pools.push((bell.center - i as f64 * self.spacing, 1));
+        for (i, gaussian) in gaussians.iter().enumerate() {
+            pools.push((gaussian.center - i as f64 * self.spacing, 1));
             while let &[.., (a, m), (b, n)] = pools.as_slice() {
                 if a <= b {
                     break;
@@ -194,32 +200,33 @@ impl Bounds {
                 pools.push(((a * m as f64 + b * n as f64) / (m + n) as f64, m + n));
             }
         }
-        let last = self.center[1] - bells.len().saturating_sub(1) as f64 * self.spacing;
+        let last = self.center[1] - gaussians.len().saturating_sub(1) as f64 * self.spacing;
         let centers = pools.into_iter().flat_map(|(center, n)| std::iter::repeat_n(center, n));
-        for (i, (bell, center)) in bells.iter_mut().zip(centers).enumerate() {
-            bell.center = center.max(self.center[0]).min(last.max(self.center[0])) + i as f64 * self.spacing;
-            bell.sigma = bell.sigma.max(self.sigma[0]).min(self.sigma[1]);
+        for (i, (gaussian, center)) in gaussians.iter_mut().zip(centers).enumerate() {
+            gaussian.center =
+                center.max(self.center[0]).min(last.max(self.center[0])) + i as f64 * self.spacing;
+            gaussian.sigma = gaussian.sigma.max(self.sigma[0]).min(self.sigma[1]);
         }
-        let largest = self.largest_height(&bells);
-        for bell in &mut bells {
-            bell.height = bell.height.max(self.height * largest).min(largest);
+        let largest = self.largest_height(&gaussians);
+        for gaussian in &mut gaussians {
+            gaussian.height = gaussian.height.max(self.height * largest).min(largest);
         }
-        bells
+        gaussians
     }
 
-    /// The largest height of the nearest allowed heights: where what is cut from the higher ones equals `self.height`
-    /// times what is added to the lower ones.
-    fn largest_height(&self, bells: &[Bell]) -> f64 {
-        let (mut low, mut high) = (0.0, bells.iter().map(|b| b.height).fold(0.0, f64::max));
+    /// The largest height after projection: there, the sum cut from higher heights equals `self.height` times the sum added to
+    /// lower heights.
+    fn largest_height(&self, gaussians: &[Gaussian]) -> f64 {
+        let (mut low, mut high) = (0.0, gaussians.iter().map(|b| b.height).fold(0.0, f64::max));
         if self.height <= 0.0 {
             return high;
         }
         for _ in 0..BISECTIONS {
             let middle = 0.5 * (low + high);
-            let excess = |b: &Bell| {
+            let excess = |b: &Gaussian| {
                 (b.height - middle).max(0.0) - self.height * (self.height * middle - b.height).max(0.0)
             };
-            if bells.iter().map(excess).sum::<f64>() > 0.0 { low = middle } else { high = middle }
+            if gaussians.iter().map(excess).sum::<f64>() > 0.0 { low = middle } else { high = middle }
         }
         high
     }

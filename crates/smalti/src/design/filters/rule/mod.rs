@@ -7,13 +7,14 @@ use serde::{Deserialize, Serialize};
 
 pub use target::RuleTarget;
 
-use self::fit::{Bell, Bounds, Curve, Free};
-use super::{FWHM_PER_SIGMA, FilterSet, index_checked};
+use self::fit::{Bounds, Curve, FreeParameters, Gaussian};
+use super::figures::FWHM_PER_SIGMA;
+use super::set::{FilterSet, index_checked};
 use crate::design::error::{DesignError, colors_checked};
 use crate::sensor::Filter;
 
-/// Narrowest filter that a fit makes, nm: half a step of the default wavelength grid, on which a narrower one would
-/// be lost between samples.
+/// Smallest standard deviation of a fitted filter, nm: half a step of the default wavelength grid. A narrower filter would
+/// fall between samples.
 const MIN_SIGMA_NM: f64 = 5.0;
 
 /// A rule of `[cfaresolution]`, section 3.5.
@@ -24,21 +25,21 @@ const MIN_SIGMA_NM: f64 = 5.0;
 pub enum RuleName {
     /// Evenly spaced centres, one width, peaks of 1.
     Uniform,
-    /// Uniform, with the heights whose sum is nearest to the target in the least-squares sense.
+    /// Uniform centres and widths, with the heights of least squared error from the target.
     HeightScaled,
-    /// Heights, centres and widths nearest to the target, from the height-scaled filters on.
+    /// Heights, centres and widths of least squared error from the target, starting at the height-scaled filters.
     AllScaled,
 }
 
-/// `[filters.rule]`: Gaussian filters of which there is one set for each rule, target and width.
+/// `[filters.rule]`: one set of Gaussian filters for each rule, target and width.
 ///
 /// The range is divided into N equal parts, with a centre in the middle of each. Errors are squared differences over
-/// the range at 1 nm. Heights come out with the largest at 1. The uniform rule has no target and counts once.
+/// the range at 1 nm. Heights are scaled so that the largest is 1. The uniform rule has no target and counts once.
 ///
-/// The all-scaled fit goes from the height-scaled filters downhill, and ends when the sum is within 1 % root mean square
-/// of the target: a Gaussian is the sum of many sets of Gaussians, down to one filter that does it all. Without
-/// constraints filters crowd where the target is high, as the paper found; maximum width, minimum spacing and minimum
-/// height are the constraints that it wishes for; with them the fit may rest in a local minimum.
+/// The all-scaled fit descends from the height-scaled filters and ends when the sum is within 1 % root mean square of the
+/// target, because many sets of Gaussians, down to a single filter, sum to a Gaussian. Without constraints, filters crowd
+/// where the target is high, as the paper found. Maximum width, minimum spacing and minimum height are the constraints that
+/// the paper proposes; with them the fit may end in a local minimum.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default, deny_unknown_fields)]
@@ -47,18 +48,18 @@ pub struct Rule {
     pub rules: Vec<RuleName>,
     /// The targets: `"cones"`, or `{ gaussian = { center_nm = 550, sigma_nm = 80 } }`.
     pub targets: Vec<RuleTarget>,
-    /// Standard deviations of the uniform filters, nm, one set for each; empty: as wide at half maximum as they are
-    /// apart, or `max_sigma_nm` where that is less.
+    /// Standard deviations of the uniform filters, nm, one set for each. When empty, the full width at half maximum equals the
+    /// spacing, limited by `max_sigma_nm`.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub sigmas_nm: Vec<f64>,
     /// First and last wavelength of the range, nm.
     pub range_nm: [f64; 2],
-    /// Largest standard deviation, nm; absent: the width of the range.
+    /// Largest standard deviation, nm. The default is the width of the range.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub max_sigma_nm: Option<f64>,
     /// Smallest distance of neighbouring centres, nm.
     pub min_spacing_nm: f64,
-    /// Smallest height, as a share of the largest, 0 to 1.
+    /// Smallest height as a fraction of the largest, 0 to 1.
     pub min_height: f64,
 }
 
@@ -89,7 +90,7 @@ impl std::fmt::Display for RuleName {
 }
 
 impl Rule {
-    /// Every set: its rule, target and standard deviation.
+    /// Rule, target and standard deviation of every set.
     fn sets(&self) -> impl Iterator<Item = (RuleName, Option<RuleTarget>, Option<f64>)> {
         let targets = |&rule: &RuleName| match rule {
             RuleName::Uniform => vec![(rule, None)],
@@ -117,20 +118,24 @@ impl Rule {
         let (rule, target, sigma_nm) = self.sets().nth(index as usize).ok_or(missing)?;
         let unit = self.spacing_nm(colors);
         let start = self.uniform(colors, sigma_nm);
-        let bells = match target {
+        let gaussians = match target {
             None => start,
             Some(target) => {
                 let (curve, bounds) = (self.curve(target, unit)?, self.bounds(unit, &start));
-                let heights = curve.fitted(&curve.scaled(&start), Free::Heights, &bounds);
-                if rule == RuleName::AllScaled { curve.fitted(&heights, Free::All, &bounds) } else { heights }
+                let heights = curve.fitted(&curve.scaled(&start), FreeParameters::Heights, &bounds);
+                if rule == RuleName::AllScaled {
+                    curve.fitted(&heights, FreeParameters::All, &bounds)
+                } else {
+                    heights
+                }
             }
         };
-        let largest = bells.iter().map(|b| b.height).fold(0.0, f64::max);
-        // Narrow filters far from a narrow target.
+        let largest = gaussians.iter().map(|b| b.height).fold(0.0, f64::max);
+        // Narrow filters can lie far from a narrow target.
         if largest < 1e-6 {
             return Err(DesignError::key("rule.targets", "no filter of the rule reaches the target"));
         }
-        let filter = |b: &Bell| Filter::Gaussian {
+        let filter = |b: &Gaussian| Filter::Gaussian {
             center_nm: self.range_nm[0] + b.center * unit,
             sigma_nm: b.sigma * unit,
             peak: (b.height / largest).min(1.0),
@@ -142,36 +147,36 @@ impl Rule {
             Some(colors.to_string()),
         ];
         let label = parts.into_iter().flatten().collect::<Vec<_>>().join(", ");
-        Ok(FilterSet { label, filters: bells.iter().map(filter).collect() })
+        Ok(FilterSet { label, filters: gaussians.iter().map(filter).collect() })
     }
 
-    /// Squared difference between a target and the sum of Gaussian filters at its best scale, as a share of the
-    /// squared target. Filters of another kind are left out.
+    /// Squared difference between a target and the sum of Gaussian filters at its best scale, as a fraction of the
+    /// squared target. Filters of another kind are ignored.
     ///
     /// # Errors
-    /// When the range is impossible or the target has nothing within it.
+    /// When the range is impossible or the target vanishes within it.
     pub fn relative_error(&self, target: RuleTarget, filters: &[Filter]) -> Result<f64, DesignError> {
         self.check(1)?;
-        let bell = |f: &Filter| match *f {
+        let gaussian = |f: &Filter| match *f {
             Filter::Gaussian { center_nm, sigma_nm, peak } => {
-                Some(Bell { center: center_nm - self.range_nm[0], sigma: sigma_nm, height: peak })
+                Some(Gaussian { center: center_nm - self.range_nm[0], sigma: sigma_nm, height: peak })
             }
             _ => None,
         };
-        Ok(self.curve(target, 1.0)?.relative_error(&filters.iter().filter_map(bell).collect::<Vec<_>>()))
+        Ok(self.curve(target, 1.0)?.relative_error(&filters.iter().filter_map(gaussian).collect::<Vec<_>>()))
     }
 
     fn spacing_nm(&self, colors: usize) -> f64 {
         (self.range_nm[1] - self.range_nm[0]) / colors as f64
     }
 
-    fn uniform(&self, colors: usize, sigma_nm: Option<f64>) -> Vec<Bell> {
+    fn uniform(&self, colors: usize, sigma_nm: Option<f64>) -> Vec<Gaussian> {
         let widest = self.max_sigma_nm.map_or(f64::INFINITY, |s| s / self.spacing_nm(colors));
         let sigma = match sigma_nm {
             Some(nm) => nm / self.spacing_nm(colors),
             None => (1.0 / FWHM_PER_SIGMA).min(widest),
         };
-        (0..colors).map(|i| Bell { center: i as f64 + 0.5, sigma, height: 1.0 }).collect()
+        (0..colors).map(|i| Gaussian { center: i as f64 + 0.5, sigma, height: 1.0 }).collect()
     }
 
     /// The target over the range, at 1 nm.
@@ -187,7 +192,7 @@ impl Rule {
         Ok(Curve { at: nm.iter().map(|nm| (nm - low) / unit_nm).collect(), values })
     }
 
-    fn bounds(&self, unit_nm: f64, start: &[Bell]) -> Bounds {
+    fn bounds(&self, unit_nm: f64, start: &[Gaussian]) -> Bounds {
         let width = self.range_nm[1] - self.range_nm[0];
         let sigma = start.first().map_or(1.0, |b| b.sigma);
         Bounds {

@@ -1,17 +1,17 @@
-//! What the filters of a rule add up to.
+//! Target curves for the sum of the filters of a rule.
 
 use serde::{Deserialize, Serialize};
 
 use crate::spectrum::{Observer, Spectrum, SpectrumError, WavelengthGrid};
 
-/// The curve that the sum of the filters is to have; its height does not count.
+/// The target for the sum of the filters, up to a factor.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 #[non_exhaustive]
 pub enum RuleTarget {
-    /// A Gaussian, what the paper takes the sensitivity of the eye to be. It peaks near 550 nm there and is low at 380
-    /// and 710 nm: with the default width these lie two standard deviations away.
+    /// A Gaussian, which the paper uses for the sensitivity of the eye. In the paper it peaks near 550 nm and is low at 380 and
+    /// 710 nm, which lie two standard deviations away with the default width.
     Gaussian {
         /// Centre, nm.
         #[serde(default = "center_nm")]
@@ -20,8 +20,7 @@ pub enum RuleTarget {
         #[serde(default = "sigma_nm")]
         sigma_nm: f64,
     },
-    /// The sum of the cone fundamentals of the CIE 2° observer (`[cie170]`), each with its maximum at 1, per photon, as
-    /// pixels count light.
+    /// The sum of the cone fundamentals of the CIE 2° observer (`[cie170]`), each with its maximum at 1, per photon.
     Cones,
 }
 
@@ -49,7 +48,7 @@ impl std::fmt::Display for RuleTarget {
 }
 
 impl RuleTarget {
-    /// The curve at some wavelengths.
+    /// The curve at the given wavelengths.
     pub(super) fn at(self, wavelengths_nm: &[f64]) -> Result<Vec<f64>, SpectrumError> {
         match self {
             Self::Gaussian { center_nm, sigma_nm } => Ok(wavelengths_nm
@@ -93,7 +92,7 @@ fn fundamentals() -> Result<[Spectrum; 3], SpectrumError> {
 
 /// l + m + s per photon, each with its maximum at 1.
 fn cones() -> Result<Spectrum, SpectrumError> {
-    // The energy of a photon goes with 1/λ. The digits of the table leave negative values where there is nothing.
+    // The energy of a photon is proportional to 1/λ. Rounding in the table leaves negative values where the cones are blind.
     let [l, m, s] = fundamentals()?.map(|f| {
         let per_photon = f.map(|nm, v| v.max(0.0) / nm);
         per_photon.scaled(1.0 / per_photon.max())

@@ -2,7 +2,8 @@
 
 use proptest::prelude::*;
 
-use super::super::fixed::{Entry, HIGH_PART};
+use super::super::fixed::Entry;
+use super::super::table::HIGH_PART;
 use super::*;
 
 const TAPS: usize = 25;
@@ -35,7 +36,7 @@ fn small_kernels_keep_their_precision_beside_large_ones() {
         assert_same(&got, &expected, &format!("{simd:?}, {set:?}"));
     }
     let octaves: Vec<usize> = (0..raw.rows() * raw.cols())
-        .map(|i| octave(reference.class(i / raw.cols(), i % raw.cols(), &mut Outside::default())))
+        .map(|i| octave(reference.class(i / raw.cols(), i % raw.cols(), &mut OutsideCounts::default())))
         .collect();
     for wanted in 0..9 {
         // Each as a picture of its own: against its own largest value.
@@ -57,14 +58,14 @@ fn classes_that_no_pixel_has_cost_no_precision() {
     let mut met = vec![false; alike.classes().len()];
     let reference = Reference::new(&alike, &raw, [0, 0]);
     for i in 0..60 * 70 {
-        met[reference.class(i / 70, i % 70, &mut Outside::default())] = true;
+        met[reference.class(i / 70, i % 70, &mut OutsideCounts::default())] = true;
     }
     assert!(met.contains(&false));
     let unlike = scaled(&alike, |class| if met[class] { 1.0 } else { 256.0 });
     assert_eq!(alike.render_fixed(&raw).unwrap(), unlike.render_fixed(&raw).unwrap());
 }
 
-/// 32768 Σ |weight| + |offset| of a kernel: what the sum may come to, with whatever samples in whatever order.
+/// 32768 Σ |weight| + |offset| of a kernel: the bound of its sum for any samples in any order.
 fn most(weights: &[i16], offset: i32) -> i64 {
     let total: i64 = weights.iter().map(|w| i64::from(w.unsigned_abs())).sum();
     total * 32768 + i64::from(offset.unsigned_abs())

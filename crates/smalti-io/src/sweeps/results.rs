@@ -1,0 +1,157 @@
+//! Reading a folder of results as plain data.
+
+use std::collections::HashSet;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use serde::Deserialize;
+use serde_json::Value;
+use smalti::design::{ColumnValues, DesignError, Designs, ResultColumn, Study, StudyResults};
+use thiserror::Error;
+
+use crate::dataset::{Column, ColumnKind, ColumnSpec, Dataset, DatasetError};
+use crate::studies;
+
+/// The column that repeats the number of each row.
+const NUMBER: &str = "design";
+
+/// Results that cannot be read as those of a study.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum ResultsError {
+    /// The folder cannot be read.
+    #[error(transparent)]
+    Dataset(#[from] DatasetError),
+    /// The manifest holds a study that this version cannot read.
+    #[error("{}: manifest.json: `study` is not one of this version", dir.display())]
+    Study {
+        /// The folder.
+        dir: PathBuf,
+        /// Why.
+        source: serde_json::Error,
+    },
+    /// The study in the manifest has impossible values.
+    #[error("{}: manifest.json: `study`", dir.display())]
+    Designs {
+        /// The folder.
+        dir: PathBuf,
+        /// Why.
+        source: Box<DesignError>,
+    },
+    /// The study has another number of designs in this version.
+    #[error(
+        "{}: manifest.json: its study has {here} designs in this version, {stated} are stated; report it with Smalti {smalti}",
+        dir.display()
+    )]
+    Count {
+        /// The folder.
+        dir: PathBuf,
+        /// Designs in this version.
+        here: u64,
+        /// Designs in the manifest.
+        stated: u64,
+        /// The version that wrote the manifest.
+        smalti: String,
+    },
+    /// No design has been scored.
+    #[error("{} holds no design yet: run `smalti sweep` until some are scored", dir.display())]
+    Empty {
+        /// The folder.
+        dir: PathBuf,
+    },
+    /// The values of a column are of another kind than the manifest states.
+    #[error("{}: its column {column} holds other values than a sweep writes", dir.display())]
+    Column {
+        /// The folder.
+        dir: PathBuf,
+        /// The column.
+        column: String,
+    },
+}
+
+/// The designs of the study that a folder of results states.
+///
+/// # Errors
+/// [`ResultsError::Study`], [`ResultsError::Designs`] and [`ResultsError::Count`].
+pub fn read_designs(dataset: &Dataset) -> Result<Designs, ResultsError> {
+    let (plan, dir) = (&dataset.manifest().plan, || dataset.dir().to_owned());
+    let study =
+        Study::deserialize(&plan.study).map_err(|source| ResultsError::Study { dir: dir(), source })?;
+    let designs =
+        Designs::new(study).map_err(|e| ResultsError::Designs { dir: dir(), source: Box::new(e) })?;
+    if designs.len() != plan.designs {
+        let smalti = dataset.manifest().smalti.replace(char::is_control, " ");
+        return Err(ResultsError::Count { dir: dir(), here: designs.len(), stated: plan.designs, smalti });
+    }
+    Ok(designs)
+}
+
+/// Reads a folder of results, complete or not, and checks every part against its hash. Columns of lists are left out.
+///
+/// # Errors
+/// When the folder cannot be read, holds no scored design, or holds the results of a study that this version cannot read.
+pub fn read_results(dir: &Path) -> Result<StudyResults, ResultsError> {
+    let dataset = Dataset::open(dir)?;
+    let designs = read_designs(&dataset)?;
+    if dataset.designs() == 0 {
+        return Err(ResultsError::Empty { dir: dir.to_owned() });
+    }
+    let manifest = dataset.manifest();
+    let name = &designs.study().name;
+    let is_built_in = studies::names().iter().any(|s| s.name == name)
+        && studies::load(name).is_ok_and(|(built_in, _)| built_in.study() == designs.study());
+    let mut results = StudyResults {
+        is_built_in,
+        about: manifest.plan.study.get("about").and_then(Value::as_str).unwrap_or_default().to_owned(),
+        study_json: format!("{:#}", manifest.plan.study),
+        smalti_version: manifest.smalti.clone(),
+        plan_blake3: manifest.hash().to_owned(),
+        origin: dir.display().to_string(),
+        parts: manifest.plan.chunks(),
+        parts_missing: dataset.missing().count() as u64,
+        numbers: Vec::new(),
+        columns: manifest.plan.schema.iter().filter_map(empty).collect(),
+        designs,
+    };
+    let names: Vec<String> = results.columns.iter().map(|c| c.name.clone()).collect();
+    let names: Vec<&str> = names.iter().map(String::as_str).collect();
+    let mut known: Vec<HashSet<Arc<str>>> = vec![HashSet::new(); names.len()];
+    for part in dataset.columns(&names)? {
+        let part = part?;
+        results.numbers.extend(part.designs);
+        for ((whole, more), known) in results.columns.iter_mut().zip(part.columns).zip(&mut known) {
+            append(&mut whole.values, more, known)
+                .ok_or_else(|| ResultsError::Column { dir: dir.to_owned(), column: whole.name.clone() })?;
+        }
+    }
+    Ok(results)
+}
+
+/// A column without rows; `None` for those that are left out.
+fn empty(spec: &ColumnSpec) -> Option<ResultColumn> {
+    let values = match spec.kind {
+        ColumnKind::Int if spec.name != NUMBER => ColumnValues::Integers(Vec::new()),
+        ColumnKind::Float => ColumnValues::Numbers(Vec::new()),
+        ColumnKind::Text => ColumnValues::Texts(Vec::new()),
+        ColumnKind::Int | ColumnKind::Floats => return None,
+    };
+    Some(ResultColumn { name: spec.name.clone(), unit: spec.unit.clone(), doc: spec.doc.clone(), values })
+}
+
+/// Appends the rows of a part; `None` where they are of another kind.
+fn append(whole: &mut ColumnValues, more: Column, known: &mut HashSet<Arc<str>>) -> Option<()> {
+    match (whole, more) {
+        (ColumnValues::Integers(whole), Column::Int(more)) => whole.extend(more),
+        (ColumnValues::Numbers(whole), Column::Float(more)) => whole.extend(more),
+        (ColumnValues::Texts(whole), Column::Text(more)) => whole.extend(more.into_iter().map(|text| {
+            if let Some(there) = known.get(text.as_str()) {
+                return Arc::clone(there);
+            }
+            let text: Arc<str> = text.into();
+            known.insert(Arc::clone(&text));
+            text
+        })),
+        _ => return None,
+    }
+    Some(())
+}

@@ -1,0 +1,98 @@
+//! How the page is made again.
+
+use smalti::camera::Camera;
+
+use super::results::CommandLine;
+use crate::ReportError;
+use crate::page::{Markup, copyable, el};
+use crate::words::quoted;
+
+/// The facts, one command that computes the results again, and the description of every camera.
+pub(super) fn section(
+    command: &CommandLine,
+    facts: &[(&str, String)],
+    cameras: &[(String, &Camera)],
+) -> Result<Markup, ReportError> {
+    let facts = facts.iter().map(|(k, v)| Markup::from(el("dt").child(*k)).and(el("dd").child(v)));
+    let mut out: Markup = el("p")
+        .child("The same version of Smalti gives the same figures bit for bit, on any number of threads. The command first writes the files of cameras. Other files that it names must be unchanged.")
+        .into();
+    out = out
+        .and(el("dl").class("facts").children(facts))
+        .and(copyable(&with_files(command, cameras)?, "command"))
+        .and(el("p").child("The descriptions of the cameras contain every key with its value. Saved as a TOML file, a description is a camera for any command."));
+    for (label, camera) in cameras {
+        let text = toml::to_string(camera.description())?;
+        let summary = el("summary").child(format!("{label}: the whole description"));
+        out = out.and(el("details").child(summary).child(copyable(&text, "description")));
+    }
+    Ok(out)
+}
+
+/// The command for a shell, after commands that write each camera that is not built in to a file of its own.
+fn with_files(line: &CommandLine, cameras: &[(String, &Camera)]) -> Result<String, ReportError> {
+    let (mut words, mut files) = (line.words.clone(), String::new());
+    let of_files = line.cameras.iter().zip(cameras).filter(|(argument, _)| !argument.is_built_in);
+    for (i, (argument, (_, camera))) in of_files.enumerate() {
+        let file = format!("again-{}.toml", i + 1);
+        let text = toml::to_string(camera.description())?;
+        let mut end = "EOF".to_owned();
+        while text.lines().any(|line| line == end) {
+            end.push('_');
+        }
+        files += &format!("cat > {file} <<'{end}'\n{text}{end}\n");
+        words.iter_mut().filter(|word| **word == argument.word).for_each(|word| word.clone_from(&file));
+    }
+    Ok(files + &command(&words))
+}
+
+/// The words of a command for a shell.
+fn command(words: &[String]) -> String {
+    words.iter().fold("smalti".to_owned(), |line, word| format!("{line} {}", typed(word)))
+}
+
+/// A word for a POSIX shell; options stay options.
+fn typed(word: &str) -> String {
+    let name = word.trim_start_matches('-');
+    let dashes = &word[..word.len() - name.len()];
+    match (dashes, name.split_once('=')) {
+        ("", _) => quoted(word),
+        (_, Some((option, value))) if !value.is_empty() => {
+            format!("{dashes}{}={}", quoted(option), quoted_value(value))
+        }
+        (_, _) if name.is_empty() => word.to_owned(),
+        _ => format!("{dashes}{}", quoted(name)),
+    }
+}
+
+/// The value of `--key=value`. One that begins with a hyphen does not name a file.
+fn quoted_value(value: &str) -> String {
+    if value.starts_with('-') { format!("'{}'", value.replace('\'', "'\\''")) } else { quoted(value) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_command_is_what_was_typed() {
+        let words = [
+            "compare",
+            "bayer",
+            "a b.toml",
+            "--luminance",
+            "1,80",
+            "--set",
+            "x=[1,2]",
+            "--output=it's",
+            "-o",
+            "$(rm)",
+            "--gain=-1",
+            "-",
+        ];
+        assert_eq!(
+            command(&words.map(str::to_owned)),
+            "smalti compare bayer 'a b.toml' --luminance 1,80 --set 'x=[1,2]' --output='it'\\''s' -o '$(rm)' --gain='-1' -"
+        );
+    }
+}

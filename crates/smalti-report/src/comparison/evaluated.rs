@@ -1,0 +1,216 @@
+//! The page of an evaluation: the pictures of the targets and their scores.
+
+use smalti::camera::{Camera, Evaluation, EvaluationPictures};
+use smalti::color::{ColorSpace, Image};
+use smalti::numeric::Planes;
+use smalti::spectrum::{WavelengthGrid, reflectance};
+
+use super::figures::{self, Scored};
+use super::gallery::{self, Group, Map, Maps, Shot};
+use super::results::CommandLine;
+use super::{again, columns, tables};
+use crate::ReportError;
+use crate::page::{COMPARE, Markup, Page, Table, el, foot};
+use crate::pictures::Pixels;
+use crate::words::listed;
+
+const ALIASING: Maps = Maps {
+    name: "Aliasing",
+    unit: "",
+    about: "The part of the picture that is not in the zone plate: grey where there is none.",
+};
+
+/// The evaluations of cameras at one or several luminances.
+#[derive(Debug, Clone, Copy)]
+pub struct Evaluations<'a> {
+    /// The command that made them.
+    pub command: &'a CommandLine,
+    /// The cameras.
+    pub cameras: &'a [Camera],
+    /// The label of each camera.
+    pub labels: &'a [String],
+    /// The mean luminances of the targets.
+    pub luminances_cd_m2: &'a [f64],
+    /// The light of the targets, as the command names it.
+    pub illuminant: &'a str,
+    /// X, Y, Z of that light, Y = 1.
+    pub white: [f64; 3],
+    /// The seed of the noise.
+    pub seed: u64,
+    /// For each camera one per luminance.
+    pub results: &'a [(&'a Camera, Evaluation)],
+    /// In the same order.
+    pub pictures: &'a [EvaluationPictures],
+}
+
+impl Evaluations<'_> {
+    /// Label, scores and pictures of each camera in one light.
+    fn in_light(
+        &self,
+        light: usize,
+    ) -> impl Iterator<Item = (&String, &Camera, &Evaluation, &EvaluationPictures)> {
+        let each = self.luminances_cd_m2.len().max(1);
+        self.labels.iter().enumerate().filter_map(move |(i, label)| {
+            let (camera, evaluation) = self.results.get(i * each + light)?;
+            Some((label, *camera, evaluation, self.pictures.get(i * each + light)?))
+        })
+    }
+}
+
+/// The page of evaluations as HTML.
+///
+/// # Errors
+/// When a picture cannot be converted, or a camera cannot be written as text.
+pub fn page(shots: &Evaluations<'_>) -> Result<String, ReportError> {
+    let edges: Vec<_> = shots.pictures.iter().map(|p| p.edge_sfr().ok()).collect();
+    let each = shots.luminances_cd_m2.len();
+    let scored: Vec<Vec<Scored<'_>>> = (0..each)
+        .map(|light| {
+            let one = |(i, (label, camera, evaluation, _)): (usize, (&String, &Camera, _, _))| Scored {
+                name: label.clone(),
+                luminance_cd_m2: shots.luminances_cd_m2.get(light).copied().unwrap_or(f64::NAN),
+                evaluation,
+                edge: edges.get(i * each + light).and_then(Option::as_ref),
+                pitch_m: camera.sensor.pixel.pitch_m,
+            };
+            shots.in_light(light).enumerate().map(one).collect()
+        })
+        .collect();
+    let filters = shots.cameras.iter().zip(shots.labels).map(|(c, label)| figures::filters(c, label));
+    let lights: Vec<String> = shots.luminances_cd_m2.iter().map(f64::to_string).collect();
+    let lead = format!(
+        "ColorChecker, slanted edge and zone plate at {} cd/m², light {}, seed {}. All pictures are scaled to the same brightness.",
+        listed(&lights),
+        shots.illuminant,
+        shots.seed
+    );
+    let facts = [
+        ("Smalti", env!("CARGO_PKG_VERSION").to_owned()),
+        ("seed", shots.seed.to_string()),
+        ("light", shots.illuminant.to_owned()),
+    ];
+    let cameras: Vec<_> = shots.labels.iter().cloned().zip(shots.cameras).collect();
+    Ok(Page::new(format!("{} evaluated", listed(shots.labels)))
+        .with(COMPARE)
+        .lead(el("p").child(lead))
+        .section("pictures", "Pictures", gallery::gallery(&groups(shots)?, &[&ALIASING]))
+        .section("scores", "Scores", scores(shots))
+        .section("colours", "Colours", colors(&scored))
+        .section("noise", "Noise", figures::noise(&scored).and(tables::noise(&scored)))
+        .section("edges", "Sharpness", figures::edges(&scored))
+        .section("filters", "Filters", el("div").class("cameras").children(filters))
+        .section("again", "Reproduction", again::section(shots.command, &facts, &cameras)?)
+        .foot(foot())
+        .html())
+}
+
+fn groups(shots: &Evaluations<'_>) -> Result<Vec<Group>, ReportError> {
+    let mut groups = Vec::new();
+    type Of = fn(&EvaluationPictures) -> &Image;
+    let targets: [(&str, Of); 3] =
+        [("ColorChecker", |p| &p.macbeth), ("edge", |p| &p.edge), ("zone plate", |p| &p.zone_plate)];
+    for (scene, of) in targets {
+        for (light, &luminance_cd_m2) in shots.luminances_cd_m2.iter().enumerate() {
+            let mut group =
+                Group { scene: scene.into(), luminance_cd_m2, shots: Vec::new(), tops: Vec::new() };
+            for (label, _, e, pictures) in shots.in_light(light) {
+                let (caption, maps) = match scene {
+                    "ColorChecker" => (format!("ΔE2000 {:.2}", e.delta_e_2000.mean), Vec::new()),
+                    "edge" => (format!("MTF50 {:.1} cy/mm", e.mtf50_cy_per_mm), Vec::new()),
+                    _ => {
+                        let caption = format!("aliasing {:.1} %", e.aliasing_percent);
+                        (caption, vec![Map::Picture(Pixels::of(&aliasing_picture(pictures)?))])
+                    }
+                };
+                let picture = Pixels::of(&seen(of(pictures), shots.white)?);
+                group.shots.push(Shot { name: label.clone(), caption, picture, maps });
+            }
+            groups.push(group);
+        }
+    }
+    Ok(groups)
+}
+
+/// The aliasing in the picture of the zone plate, in sRGB. Aliasing has two signs: grey is none.
+///
+/// # Errors
+/// When the planes have another shape than the picture.
+pub fn aliasing_picture(pictures: &EvaluationPictures) -> Result<Image, ReportError> {
+    let planes = &pictures.aliasing;
+    let largest = planes.data().iter().fold(0.0f32, |m, v| m.max(v.abs())).max(f32::MIN_POSITIVE);
+    let data = planes.data().iter().map(|v| 0.5 + 0.5 * v / largest).collect();
+    Ok(Image::new(ColorSpace::Srgb, Planes::new(planes.rows(), planes.cols(), 3, data)?)?)
+}
+
+/// A picture for display: the light is white, and the 99th percentile of the luminance is just below white, since targets in little
+/// light are dark as exposed.
+fn seen(picture: &Image, white: [f64; 3]) -> Result<Image, ReportError> {
+    let mut luminance: Vec<f32> =
+        picture.planes().plane(1).iter().copied().filter(|v| v.is_finite()).collect();
+    let place = luminance.len().saturating_sub(1) * 99 / 100;
+    luminance.sort_unstable_by(f32::total_cmp);
+    let bright = luminance.get(place).copied().filter(|v| *v > 0.0).unwrap_or(1.0);
+    Ok(picture.shown(Some(white), 0.92 / f64::from(bright))?)
+}
+
+/// A column: its digits, whether higher is better, and its value.
+type Measure = (usize, bool, fn(&Evaluation) -> f64);
+
+/// In the order of [`columns::EVALUATE`].
+const MEASURES: [Measure; 8] = [
+    (2, false, |e| e.delta_e_76.mean),
+    (2, false, |e| e.delta_e_2000.mean),
+    (1, true, |e| e.mtf50_cy_per_mm),
+    (3, true, |e| e.mtf50_cy_per_px),
+    (2, false, |e| e.luminance_noise_percent.mean),
+    (1, false, |e| e.aliasing_percent),
+    (1, false, |e| e.saturated_percent),
+    (1, true, |e| e.dynamic_range_db),
+];
+
+fn scores(shots: &Evaluations<'_>) -> Markup {
+    let mut table = Table::new("Scores").text("Camera").number("Luminance, cd/m²");
+    for heading in columns::headings(&columns::EVALUATE) {
+        table = table.number(heading);
+    }
+    table = table.number("Exposure, ms");
+    for (light, luminance) in shots.luminances_cd_m2.iter().enumerate() {
+        let all: Vec<_> = shots.in_light(light).collect();
+        let columns: Vec<Vec<Markup>> = MEASURES
+            .iter()
+            .map(|(digits, higher, of)| {
+                tables::marked(&all.iter().map(|a| of(a.2)).collect::<Vec<_>>(), *digits, *higher)
+            })
+            .collect();
+        for (i, (label, _, e, _)) in all.iter().enumerate() {
+            let mut cells: Vec<Markup> = vec![(*label).into(), luminance.to_string().into()];
+            cells.extend(columns.iter().filter_map(|c| c.get(i).cloned()));
+            cells.push(format!("{:.2}", e.exposure.macbeth_s * 1e3).into());
+            table = table.row(cells, false);
+        }
+    }
+    Markup::from(table).and(
+        el("p").class("help").child(
+            "★ marks the best value in this light. Higher is better for MTF50 and dynamic range, lower for the other columns.",
+        ),
+    )
+}
+
+/// Colour differences of each patch, a table for each light.
+fn colors(scored: &[Vec<Scored<'_>>]) -> Markup {
+    // This grid is valid, so there is no error.
+    let patches = reflectance::colorchecker(WavelengthGrid::VISIBLE).unwrap_or_default();
+    let table = |of_light: &Vec<Scored<'_>>| {
+        let first = of_light.first()?;
+        let columns: Vec<(String, Vec<f64>)> =
+            of_light.iter().map(|s| (s.name.clone(), s.evaluation.delta_e_2000.per_patch.clone())).collect();
+        // The name without the density of the patch.
+        let name = |(i, (name, _)): (usize, &(&str, _))| {
+            format!("{} {}", i + 1, name.split(" (").next().unwrap_or(name))
+        };
+        let names: Vec<String> = patches.iter().enumerate().map(name).collect();
+        let caption = format!("ΔE2000 of each patch at {} cd/m²", first.luminance_cd_m2);
+        Some(tables::patches(caption, "Patch", &names, &columns, 2))
+    };
+    el("div").class("beside").children(scored.iter().filter_map(table)).into()
+}

@@ -1,0 +1,109 @@
+//! The results of a comparison, and what its page states of their origin.
+
+use smalti::camera::{Camera, SceneScores};
+use smalti::color::Image;
+use smalti::experiment::{Contender, Outcome, PairwiseLightGain, Processing};
+use smalti::l3::Pipeline;
+
+use crate::{ReportError, names};
+
+/// The command that made results, for their page.
+#[derive(Debug, Clone, Default)]
+pub struct CommandLine {
+    /// Its words, without the name of the program.
+    pub words: Vec<String>,
+    /// The cameras as its words name them.
+    pub cameras: Vec<CameraArgument>,
+}
+
+/// A camera as the words of a command name it.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct CameraArgument {
+    /// The word.
+    pub word: String,
+    /// Whether it is the name of a built-in camera. Otherwise it is a file.
+    pub is_built_in: bool,
+}
+
+/// All results of a comparison.
+#[derive(Clone, Copy)]
+pub struct Comparison<'a> {
+    /// The command that made them.
+    pub command: &'a CommandLine,
+    /// The cameras.
+    pub cameras: &'a [Camera],
+    /// The label of each camera.
+    pub labels: &'a [String],
+    /// Each camera with each of its ways of processing.
+    pub contenders: &'a [Contender<'a>],
+    /// Names of contenders that were left out: their processing is not defined for their camera.
+    pub left_out: &'a [String],
+    /// For each contender one outcome per luminance.
+    pub outcomes: &'a [Vec<Outcome>],
+    /// How much more light the first camera needs to equal each other camera. Empty where it was not asked for.
+    pub gains: &'a [PairwiseLightGain],
+    /// The label of each scene.
+    pub scene_labels: &'a [String],
+    /// The light of the scenes, as the command names it.
+    pub illuminant: &'a str,
+    /// X, Y, Z of that light, Y = 1.
+    pub white: [f64; 3],
+    /// The seed of the noise.
+    pub seed: u64,
+}
+
+/// The mean of a score over the scenes.
+pub(super) fn mean(outcome: &Outcome, of: impl Fn(&SceneScores) -> f64) -> f64 {
+    outcome.scenes.iter().map(|(_, s)| of(s)).sum::<f64>() / outcome.scenes.len().max(1) as f64
+}
+
+impl<'a> Comparison<'a> {
+    /// The outcomes of the first contender, one per luminance. Every contender has the same luminances and scenes.
+    pub(super) fn lights(&self) -> &'a [Outcome] {
+        self.outcomes.first().map_or(&[], Vec::as_slice)
+    }
+
+    /// Luminances that were compared.
+    pub(super) fn light_count(&self) -> usize {
+        self.lights().len()
+    }
+
+    /// One of them, cd/m².
+    pub(super) fn luminance(&self, light: usize) -> f64 {
+        self.lights().get(light).map_or(f64::NAN, |o| o.luminance_cd_m2)
+    }
+
+    /// The scenes, as [`scene::catalog`](smalti::scene::catalog) takes them, or files.
+    pub(super) fn scene_names(&self) -> Vec<String> {
+        self.lights().first().into_iter().flat_map(|o| &o.scenes).map(|(name, _)| name.clone()).collect()
+    }
+
+    /// Scenes that were compared on.
+    pub(super) fn scene_count(&self) -> usize {
+        self.lights().first().map_or(0, |o| o.scenes.len())
+    }
+
+    /// The learned ways.
+    pub(super) fn learned_contenders(&self) -> Vec<(&'a Contender<'a>, &'a Pipeline)> {
+        self.learned().into_iter().map(|(contender, pipeline, _)| (contender, pipeline)).collect()
+    }
+
+    /// The learned ways with the names of their files, without extension.
+    #[must_use]
+    pub fn learned(&self) -> Vec<(&'a Contender<'a>, &'a Pipeline, String)> {
+        let learned: Vec<&'a Contender<'a>> =
+            self.contenders.iter().filter(|c| c.processing == Processing::L3).collect();
+        let files = names::file_names(learned.iter().map(|c| c.label));
+        learned.into_iter().zip(files).filter_map(|(c, file)| Some((c, c.pipeline?, file))).collect()
+    }
+
+    /// The label of a scene.
+    pub(super) fn scene_label(&self, scene: usize) -> &'a str {
+        self.scene_labels.get(scene).map_or("", String::as_str)
+    }
+
+    /// A picture of a scored scene as shown on a screen: white is that of the reference.
+    pub(super) fn as_seen(&self, scores: &SceneScores, picture: &Image) -> Result<Image, ReportError> {
+        Ok(picture.shown(Some(self.white), 1.0 / scores.scores.white_y)?)
+    }
+}

@@ -1,0 +1,85 @@
+//! The files of a comparison: pictures side by side, maps of differences, kernels and the page.
+
+use smalti::experiment::Outcome;
+
+use super::kernels;
+use super::page::{maps_sheet, page};
+use super::results::Comparison;
+use crate::pictures::add;
+use crate::{ReportError, Sheet, Store, names};
+
+/// The page of a comparison or an evaluation, in its folder.
+pub const PAGE: &str = "report.html";
+/// The folder of the pictures.
+pub const SIDE_BY_SIDE: &str = "side-by-side";
+/// The end of the names of maps, after that of their picture.
+const MAPS: &str = "-differences";
+/// Pictures in a row.
+const ACROSS: usize = 4;
+
+impl Comparison<'_> {
+    /// All files but the document, relative to the folder. The tables of pipelines (`.l3`) are among them, which
+    /// [`draw`](Self::draw) does not make.
+    #[must_use]
+    pub fn files(&self) -> Vec<String> {
+        let pictures = self.picture_names().into_iter().flatten();
+        let pictures = pictures.flat_map(|p| ["", MAPS].map(|what| format!("{SIDE_BY_SIDE}/{p}{what}.png")));
+        let tables = self.learned().into_iter();
+        let tables = tables.flat_map(|(_, _, f)| [format!("{f}-kernels.png"), format!("{f}.l3")]);
+        pictures.chain(tables).chain([PAGE.to_owned()]).collect()
+    }
+
+    /// Makes the page and the pictures and stores them, the page last.
+    ///
+    /// # Errors
+    /// When a picture cannot be drawn or stored.
+    pub fn draw(&self, store: &mut Store<'_>) -> Result<(), ReportError> {
+        let page = page(self)?;
+        for (l, (light, names)) in self.lights().iter().zip(self.picture_names()).enumerate() {
+            for (s, name) in names.iter().enumerate() {
+                let title = format!("{}, {} cd/m²", self.scene_label(s), light.luminance_cd_m2);
+                let sheet = self.side_by_side(&title, l, s)?;
+                store(&format!("{SIDE_BY_SIDE}/{name}.png"), &sheet.draw()?.png(1.0)?)
+                    .map_err(ReportError::Store)?;
+                let maps = maps_sheet(self, title, l, s);
+                store(&format!("{SIDE_BY_SIDE}/{name}{MAPS}.png"), &maps.draw()?.png(1.0)?)
+                    .map_err(ReportError::Store)?;
+            }
+        }
+        for (contender, pipeline, file) in self.learned() {
+            let sheet = kernels::sheet(contender.camera, contender.label, pipeline)?;
+            store(&format!("{file}-kernels.png"), &sheet.draw()?.png(1.0)?).map_err(ReportError::Store)?;
+        }
+        store(PAGE, page.as_bytes()).map_err(ReportError::Store)
+    }
+
+    /// The reference of a scene in one light and the pictures of all contenders beside it.
+    fn side_by_side(&self, title: &str, light: usize, scene: usize) -> Result<Sheet, ReportError> {
+        let mut sheet = Sheet::new(ACROSS).title(title);
+        for (i, (contender, outcomes)) in self.contenders.iter().zip(self.outcomes).enumerate() {
+            let Some((_, scored)) = outcomes.get(light).and_then(|o| o.scenes.get(scene)) else { continue };
+            if i == 0 {
+                sheet = add(sheet, "reference", &self.as_seen(scored, &scored.reference)?);
+            }
+            let scores = &scored.scores;
+            let caption = format!(
+                "{} {}\n{:.1} dB, S-CIELAB {:.1}",
+                contender.label,
+                contender.processing.name(),
+                scores.cpsnr_db,
+                scores.scielab_mean
+            );
+            sheet = add(sheet, caption, &self.as_seen(scored, &scored.picture)?);
+        }
+        Ok(sheet)
+    }
+
+    /// Names of the pictures without extension, for each light one for each scene.
+    fn picture_names(&self) -> Vec<Vec<String>> {
+        let of_light = |light: &Outcome| {
+            let files = names::file_names(self.scene_labels.iter().map(String::as_str));
+            files.into_iter().map(|f| format!("{f}-{}-cd-m2", light.luminance_cd_m2)).collect()
+        };
+        self.lights().iter().map(of_light).collect()
+    }
+}

@@ -1,0 +1,73 @@
+//! A comparison in words and tables.
+
+use smalti::camera::MetricGain;
+use smalti::experiment::PairwiseLightGain;
+
+use super::columns::{self, headings};
+use super::results::{Comparison, mean};
+use crate::TextTable;
+
+impl Comparison<'_> {
+    /// The scores, a row for each luminance and contender.
+    #[must_use]
+    pub fn scores_table(&self, table: &TextTable<'_>) -> String {
+        let header: Vec<&str> =
+            ["camera", "pipeline", "cd/m²"].into_iter().chain(headings(&columns::COMPARE)).collect();
+        let mut rows = Vec::new();
+        for light in 0..self.light_count() {
+            for (contender, outcomes) in self.contenders.iter().zip(self.outcomes) {
+                let Some(o) = outcomes.get(light) else { continue };
+                rows.push(vec![
+                    contender.label.to_owned(),
+                    contender.processing.name().to_owned(),
+                    o.luminance_cd_m2.to_string(),
+                    format!("{:.2}", mean(o, |s| s.scores.cpsnr_db)),
+                    format!("{:.2}", mean(o, |s| s.scores.pixel_delta_e_2000_mean)),
+                    format!("{:.2}", mean(o, |s| s.scores.scielab_mean)),
+                    format!("{:.1}", o.targets.mtf50_cy_per_mm),
+                    format!("{:.3}", o.targets.visual_snr.median),
+                    format!("{:.1}", o.targets.luminance_noise_percent.mean),
+                ]);
+            }
+        }
+        table(&header, &rows)
+    }
+
+    /// The largest difference between fixed point and single precision, as a line. Empty where none was computed.
+    #[must_use]
+    pub fn fixed_point_line(&self) -> String {
+        let all = self.outcomes.iter().flatten().flat_map(|o| o.fixed_point_psnr_db.iter().flatten());
+        match all.copied().reduce(f64::min) {
+            Some(db) => format!(
+                "fixed point (16-bit samples and kernels) is within {db:.1} dB PSNR of single precision\n"
+            ),
+            None => String::new(),
+        }
+    }
+
+    /// A table for each camera to be equalled at each luminance.
+    #[must_use]
+    pub fn gains_table(&self, table: &TextTable<'_>) -> String {
+        let mut out = String::new();
+        for PairwiseLightGain { first, other, gains, scenes } in self.gains {
+            let header = ["metric", first.as_str(), other.as_str(), "light gain"];
+            let row = |g: &MetricGain| {
+                vec![
+                    g.metric.to_owned(),
+                    format!("{:.3}", g.own),
+                    format!("{:.3}", g.target),
+                    g.gain.to_string(),
+                ]
+            };
+            let rows: Vec<Vec<String>> = gains.metrics.iter().map(row).collect();
+            out += &format!(
+                "\nmore light that {first} needs to equal {other} at {} cd/m²\n{}These values are of {} and of four captures of the chart, \
+                 not of the pictures of the first table.\n",
+                gains.luminance_cd_m2,
+                table(&header, &rows),
+                scenes.join(" and "),
+            );
+        }
+        out
+    }
+}

@@ -1,0 +1,119 @@
+//! The report as one JSON document.
+
+use serde_json::{Map, Value, json};
+use smalti::design::FilterFigures;
+use smalti::design::statistics::{Estimate, Summary};
+
+use super::results::Results;
+use super::sections::{CONFIDENCE, Group, Section};
+use crate::ReportError;
+
+/// The largest number of designs of a front in the document.
+const FRONT: usize = 1000;
+
+/// All that the tables contain and more. `figures` are the files, relative to the folder.
+pub(super) fn document(
+    all: &[(&Results, Vec<Section<'_>>)],
+    figures: &[String],
+    notes: &[String],
+) -> Result<Value, ReportError> {
+    let studies =
+        all.iter().map(|(r, sections)| study(r, sections)).collect::<Result<Vec<_>, ReportError>>()?;
+    Ok(json!({
+        "smalti_version": env!("CARGO_PKG_VERSION"),
+        "confidence": CONFIDENCE,
+        "studies": studies,
+        "figures": figures,
+        "notes": notes,
+    }))
+}
+
+fn study(results: &Results, sections: &[Section<'_>]) -> Result<Value, ReportError> {
+    let data = &results.data;
+    Ok(json!({
+        "name": results.study().name,
+        "about": results.about(),
+        "folder": data.origin,
+        "plan_blake3": data.plan_blake3,
+        "scored_by": data.smalti_version,
+        "designs": data.designs.len(),
+        "designs_missing": data.designs.len() - data.numbers.len() as u64,
+        "parts_missing": data.parts_missing,
+        "problems": results.problems,
+        "sections": sections.iter().map(section).collect::<Result<Vec<_>, ReportError>>()?,
+    }))
+}
+
+fn section(section: &Section<'_>) -> Result<Value, ReportError> {
+    let (mut condition, mut out) = (Map::new(), Map::new());
+    if let Some((seen_under, way)) = section.results.setup(section.setup) {
+        for (key, value) in &seen_under.values {
+            condition.insert(key.clone(), serde_json::to_value(value)?);
+        }
+        out.insert("condition".into(), condition.into());
+        out.insert("camera".into(), seen_under.camera.name.clone().into());
+        out.insert("luminance_cd_m2".into(), seen_under.luminance_cd_m2.into());
+        out.insert("illuminant".into(), seen_under.illuminant.name().into());
+        out.insert("processing".into(), way.name().into());
+    }
+    let group = |g: &Group| -> Result<Value, ReportError> {
+        let best = g.best.iter().map(|&r| design(section, r)).collect::<Result<Vec<_>, ReportError>>()?;
+        let (designs, left_out) = g.counts();
+        let mut out = Map::new();
+        out.insert("colors".into(), g.colors.into());
+        out.insert("designs".into(), designs.into());
+        out.insert("left_out".into(), left_out.into());
+        for (measure, found) in section.results.measures.iter().zip(&g.summaries) {
+            out.insert(measure.name.clone(), summary(found));
+        }
+        out.insert("best".into(), best.into());
+        out.insert("worst".into(), g.worst.map(|r| design(section, r)).transpose()?.into());
+        Ok(out.into())
+    };
+    let groups = section.groups.iter().map(group).collect::<Result<Vec<_>, ReportError>>()?;
+    out.insert("best_by".into(), section.choice.words().into());
+    out.insert("colors".into(), groups.into());
+    let mut filters = Vec::new();
+    for (label, colors) in &section.labels {
+        for (colors, rows) in colors {
+            let rows = rows.iter().map(|&r| design(section, r)).collect::<Result<Vec<_>, ReportError>>()?;
+            filters.push(json!({"filters": label, "colors": colors, "designs": rows}));
+        }
+    }
+    out.insert("filters".into(), filters.into());
+    let front = section.some_of_front(FRONT);
+    let designs = front.iter().map(|&r| design(section, r)).collect::<Result<Vec<_>, ReportError>>()?;
+    out.insert("pareto_front".into(), json!({"count": section.front.len(), "designs": designs}));
+    Ok(out.into())
+}
+
+fn design(section: &Section<'_>, row: usize) -> Result<Value, ReportError> {
+    let design = section.results.design(row)?;
+    let figures = design.filters.figures()?;
+    let list = |f: fn(&FilterFigures) -> f64| figures.iter().map(f).collect::<Vec<_>>();
+    let mut out = Map::new();
+    out.insert("design".into(), design.number.into());
+    out.insert("colors".into(), figures.len().into());
+    for measure in &section.results.measures {
+        out.insert(measure.name.clone(), measure.at(row).into());
+    }
+    out.insert("filters".into(), design.filters.label.clone().into());
+    out.insert("tile".into(), design.tile().into());
+    out.insert("mosaic".into(), section.results.mosaic(&design).into());
+    out.insert("center_nm".into(), list(|f| f.center_nm).into());
+    out.insert("fwhm_nm".into(), list(|f| f.fwhm_nm).into());
+    out.insert("peak".into(), list(|f| f.peak).into());
+    Ok(out.into())
+}
+
+/// A summary with its intervals. A bound that is infinite, since there are too few designs, is null.
+fn summary(s: &Summary) -> Value {
+    let estimate = |e: &Estimate| json!({"value": e.value, "low": e.low, "high": e.high});
+    json!({
+        "mean": estimate(&s.mean),
+        "standard_deviation": estimate(&s.standard_deviation),
+        "median": estimate(&s.median),
+        "p05": estimate(&s.p05),
+        "p95": estimate(&s.p95),
+    })
+}

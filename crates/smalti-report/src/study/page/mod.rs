@@ -1,0 +1,161 @@
+//! The page of a report: the designs to brush, filter and look at one by one.
+
+mod again;
+mod choice;
+mod columns;
+mod gallery;
+mod marks;
+mod sources;
+mod stages;
+#[cfg(test)]
+mod tests;
+mod words;
+use serde_json::{Value, json};
+
+use super::figures;
+use super::sections::Section;
+use crate::ReportError;
+use crate::page::{Markup, Page, SWEEP, el, figure, foot, packed, runs};
+use crate::words::{grouped, plain, quoted};
+use choice::Choice;
+pub(super) use sources::Sources;
+use stages::Stages;
+
+/// The page as HTML, and notes about what could not be shown.
+pub(super) fn page(sources: &Sources<'_>) -> Result<(String, Vec<String>), ReportError> {
+    let choice = Choice::of(sources)?;
+    let stages = Stages::new(sources)?;
+    let gallery = gallery::gallery(sources, &choice, &stages)?;
+    let mut page = Page::new(title(sources)).with(SWEEP).lead(lead(sources, &choice));
+    if stages.draws() {
+        page = page.simulator();
+    }
+    page = page
+        .section("designs", "Designs", words::explorer())
+        .section("means", "Means by number of colours", means(sources)?)
+        .section("best", "Best designs", words::best(sources, &choice)?)
+        .section("again", "Reproduction", again::section(sources))
+        .data("sweep", data(sources, &choice, &stages, gallery.data)?)
+        .foot(foot());
+    Ok((page.html(), [stages.notes, gallery.notes].concat()))
+}
+
+fn title(sources: &Sources<'_>) -> String {
+    let names: Vec<String> = sources.all.iter().map(|(r, _)| r.name()).collect();
+    names.join(", ")
+}
+
+/// The aim of each study, how much of it is scored, and warnings.
+fn lead(sources: &Sources<'_>, choice: &Choice) -> Markup {
+    let mut out = Markup::new();
+    for (results, _) in sources.all {
+        let data = &results.data;
+        let (there, all) = (data.numbers.len() as u64, data.designs.len());
+        let name = if sources.all.len() > 1 { format!("{}: ", results.name()) } else { String::new() };
+        if !results.about().is_empty() {
+            out = out.and(el("p").class("about").child(format!("{name}{}", results.about())));
+        }
+        out = out.and(el("p").child(format!(
+            "{name}{} designs, seed {}, scored by Smalti {}.",
+            grouped(there),
+            results.study().seed,
+            plain(&data.smalti_version)
+        )));
+        let mut warnings = Vec::new();
+        if there < all {
+            warnings.push(format!(
+                "{name}Incomplete: {} of {} designs are not scored yet.",
+                grouped(all - there),
+                grouped(all)
+            ));
+        }
+        let (theirs, ours) = (&data.smalti_version, env!("CARGO_PKG_VERSION"));
+        if theirs != ours {
+            warnings.push(format!(
+                "{name}Another version: the figures are those of Smalti {theirs}. Smalti {ours} computed the spectra, mosaics and pictures \
+                 of this page."
+            ));
+        }
+        for (problem, count) in results.problems.iter().take(5) {
+            warnings.push(format!("{name}Left out: {count} × {problem}"));
+        }
+        out = out.and(warnings.into_iter().map(words::warning).collect::<Markup>());
+    }
+    if let Some(all) = choice.of {
+        out = out.and(words::warning(format!(
+            "This page shows {} of {} designs: the fronts, the best, the worst and a regular sample of the others. The tables are of all designs.",
+            grouped(choice.rows.len() as u64),
+            grouped(all as u64)
+        )));
+    }
+    out
+}
+
+fn means(sources: &Sources<'_>) -> Result<Markup, ReportError> {
+    let sections: Vec<&Section<'_>> = sources.sections().collect();
+    let mut out = words::intervals(&sections);
+    if let Some(plot) = figures::means(&sections) {
+        out = out.and(figure(&plot.draw()?));
+    }
+    Ok(out)
+}
+
+fn data(
+    sources: &Sources<'_>,
+    choice: &Choice,
+    stages: &Stages,
+    pictures: Value,
+) -> Result<Value, ReportError> {
+    let draws = stages.draws();
+    let studies: Vec<Value> = sources
+        .all
+        .iter()
+        .map(|(results, _)| -> Result<Value, ReportError> {
+            let study = if draws { serde_json::to_value(results.study())? } else { Value::Null };
+            Ok(json!({
+                "study": study,
+                "name": results.name(),
+                "seed": results.study().seed,
+                "smalti": results.data.smalti_version,
+                "dir": quoted(&results.data.origin),
+            }))
+        })
+        .collect::<Result<_, ReportError>>()?;
+    let all: Vec<&Section<'_>> = sources.sections().collect();
+    let (stages, drawn) = stages.data(&all)?;
+    let sections: Vec<Value> = sources
+        .all
+        .iter()
+        .enumerate()
+        .flat_map(|(study, (_, sections))| {
+            sections.iter().map(move |s| {
+                json!({"study": study, "name": s.title(), "nyquist_cy_per_mm": s.nyquist_cy_per_mm()})
+            })
+        })
+        .zip(drawn)
+        .map(|(mut section, drawn)| {
+            section["drawn"] = drawn;
+            section
+        })
+        .collect();
+    let numbers: Vec<u64> = choice.rows.iter().map(|r| r.number).collect();
+    let section: Vec<f64> = choice.rows.iter().map(|r| r.section as f64).collect();
+    let front: Vec<f64> = choice.rows.iter().map(|r| f64::from(u8::from(r.front))).collect();
+    let columns = columns::columns(sources, choice)?;
+    Ok(json!({
+        "version": env!("CARGO_PKG_VERSION"),
+        "rows": choice.rows.len(),
+        "studies": studies,
+        "sections": sections,
+        "number": runs(&numbers),
+        "section": packed(&section),
+        "marks": marks::marks(sources, choice),
+        "front": packed(&front),
+        "colors": columns.colors,
+        "columns": columns.numbers,
+        "words": columns.words,
+        "filters": columns.filters,
+        "stages": stages,
+        "pictures": pictures,
+    }))
+}

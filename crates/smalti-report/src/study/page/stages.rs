@@ -1,0 +1,313 @@
+//! The data from which the page draws pictures of its designs: the light of two scenes and of the training scenes on the pixels.
+
+use serde_json::{Value, json};
+use smalti::camera::description::ExposureDescription;
+use smalti::camera::{Camera, CameraDescription, EvaluationSettings, Setup};
+use smalti::design::{
+    LearningSettings, PipelineTrainer, Preview, PreviewLight, PreviewScene, PreviewTraining, Processing,
+    QuantizedPlanes, Targets, metered,
+};
+use smalti::experiment::Progress;
+use smalti::scene::Setting;
+use smalti::spectrum::Illuminant;
+
+use super::sources::Sources;
+use crate::page::{SIMULATOR_BYTES, whole_pictures};
+use crate::study::book::ensure_running;
+use crate::study::pictures::{LEAVES, ZONE_PLATE, camera_of};
+use crate::study::sections::Section;
+use crate::words::plain;
+use crate::{ReportError, in_one_line};
+
+/// The scenes at a quarter of the pixels, for a page of many stages.
+const SMALL: [&str; 2] =
+    ["zone-plate?size=256&frequency=0.25", "dead-leaves?rows=288&cols=384&least=2&largest=75&seed=1001"];
+/// The approximate bytes of a stage at full size, and of training data.
+const STAGE_BYTES: usize = 850_000;
+/// The largest number of bytes of the simulator, stages and pictures: a page of 5000 designs then stays below 4 MB.
+pub(super) const MAX_BYTES: usize = 2_800_000;
+/// Spectral components of each scene. Grey rings differ in the blur of the lens alone. Eight components describe natural surfaces in
+/// daylight to a few thousandths.
+const COMPONENTS: [usize; 2] = [3, 8];
+/// Spectral components of training scenes.
+const LESSON_COMPONENTS: usize = 8;
+
+/// One lens and pixel geometry under one light. They determine the light on the pixels up to a factor.
+struct Stage {
+    camera: Camera,
+    illuminant: Illuminant,
+    luminance_cd_m2: f64,
+    /// Side of the training scenes, where pipelines are learned.
+    lessons_px: Option<usize>,
+}
+
+impl Stage {
+    /// The stage of a section alone.
+    fn new(section: &Section<'_>) -> Result<Self, ReportError> {
+        let (condition, processing, camera) = camera_of(section)?;
+        // Any exposure: the cameras that share the stage have their own rules, of which some may fail.
+        let exposure = ExposureDescription { time_ms: Some(1.0), ..ExposureDescription::default() };
+        let description = CameraDescription { exposure, ..condition.camera.clone() };
+        let lessons_px = (processing == Processing::L3).then_some(section.results.study().l3.size_px);
+        Ok(Self {
+            camera: Camera::new(description, camera.grid())?,
+            illuminant: condition.illuminant.clone(),
+            luminance_cd_m2: condition.luminance_cd_m2,
+            lessons_px,
+        })
+    }
+
+    /// Whether the light on the pixels is that of another stage up to a factor.
+    fn serves(&self, stage: &Self) -> bool {
+        let (own, other) = (&self.camera.sensor, &stage.camera.sensor);
+        self.illuminant == stage.illuminant
+            && self.camera.optics == stage.camera.optics
+            && self.camera.grid() == stage.camera.grid()
+            && own.pixel.pitch_m == other.pixel.pitch_m
+            && own.pixel.fill_factor == other.pixel.fill_factor
+            && own.aperture == other.aperture
+            && own.quantum_efficiency == other.quantum_efficiency
+            && own.ir_cut == other.ir_cut
+            && self.lessons_px.zip(stage.lessons_px).is_none_or(|(own, other)| own == other)
+    }
+
+    /// Both scenes before its camera.
+    fn setups(&self, specs: [&str; 2], progress: &dyn Progress) -> Result<Vec<Setup>, ReportError> {
+        let setting = Setting {
+            luminance_cd_m2: self.luminance_cd_m2,
+            illuminant: self.illuminant.clone(),
+            grid: self.camera.grid(),
+            ..Setting::default()
+        };
+        let setup = |spec| {
+            ensure_running(progress)?;
+            Ok(Setup::of_test_scene(&self.camera, spec, &setting)?)
+        };
+        specs.into_iter().map(setup).collect()
+    }
+
+    /// The chart before a camera.
+    fn targets(&self, camera: &Camera) -> Result<Targets, ReportError> {
+        let settings = EvaluationSettings {
+            luminance_cd_m2: self.luminance_cd_m2,
+            illuminant: self.illuminant.clone(),
+            seed: 0,
+        };
+        Ok(Targets::new(camera, &settings, &[], &[], &|_, make| make())?)
+    }
+
+    /// The light of both scenes and of the training scenes.
+    fn light(&self, setups: &[Setup]) -> Result<PreviewLight, ReportError> {
+        let scenes = setups.iter().zip(COMPONENTS).map(|(setup, n)| PreviewScene::new(setup, n));
+        let lessons = |size_px| -> Result<PreviewTraining, ReportError> {
+            let settings = LearningSettings { size_px, ..LearningSettings::default() };
+            let lessons = PipelineTrainer::new(&self.targets(&self.camera)?, &settings, &|_, make| make())?;
+            Ok(PreviewTraining::new(&lessons, LESSON_COMPONENTS)?)
+        };
+        Ok(PreviewLight {
+            factor: 1.0,
+            scenes: scenes.collect::<Result<_, _>>()?,
+            training: self.lessons_px.map(lessons).transpose()?,
+        })
+    }
+
+    /// The light before the camera of a section, with its strength, and the light that its exposure rule meters.
+    fn light_of(
+        &self,
+        section: &Section<'_>,
+        setups: &[Setup],
+        light: &PreviewLight,
+    ) -> Result<PreviewLight, ReportError> {
+        let (condition, processing, camera) = camera_of(section)?;
+        let mut light = light.clone();
+        light.factor = condition.luminance_cd_m2 / self.luminance_cd_m2;
+        for (scene, setup) in light.scenes.iter_mut().zip(setups) {
+            scene.metered = metered(
+                &setup.before(&camera)?.ok_or(ReportError::Missing { what: "image before another lens" })?,
+            )?;
+        }
+        if processing != Processing::L3 {
+            light.training = None;
+        }
+        if let Some(lessons) = &mut light.training {
+            lessons.chart.metered = self.targets(&camera)?.metered().map(|s| s.values().to_vec());
+        }
+        Ok(light)
+    }
+}
+
+/// The planes of a stage for the page.
+fn packed(light: &mut PreviewLight) -> Value {
+    let plane = |planes: &mut QuantizedPlanes| {
+        let QuantizedPlanes { rows, cols, codes, .. } = planes;
+        let mut data = whole_pictures(codes.chunks_exact((*rows * *cols).max(1)), *cols);
+        (data["rows"], data["cols"]) = (json!(rows), json!(cols));
+        data
+    };
+    json!({"planes": light.planes_mut().map(plane).collect::<Vec<_>>()})
+}
+
+/// How a section draws its designs.
+struct Drawn {
+    stage: usize,
+    light: PreviewLight,
+}
+
+/// Why a section draws no pictures.
+#[derive(Clone)]
+enum Undrawn {
+    /// The page would be too large. A page of fewer sections has the pictures.
+    NoRoom,
+    Failed(String),
+}
+
+impl Undrawn {
+    fn words(&self) -> &str {
+        match self {
+            Self::NoRoom => "it would be too large; report fewer studies or conditions at a time",
+            Self::Failed(why) => why,
+        }
+    }
+}
+
+impl From<ReportError> for Undrawn {
+    fn from(error: ReportError) -> Self {
+        Self::Failed(plain(&in_one_line(&error)))
+    }
+}
+
+/// The data from which pictures of designs are drawn.
+pub(super) struct Stages {
+    stages: Vec<Value>,
+    sections: Vec<Result<Drawn, Undrawn>>,
+    /// Bytes of all stages and of the simulator.
+    pub(super) bytes: usize,
+    pub(super) notes: Vec<String>,
+}
+
+impl Stages {
+    pub(super) fn new(sources: &Sources<'_>) -> Result<Self, ReportError> {
+        let sections: Vec<&Section<'_>> = sources.sections().collect();
+        let mut stages: Vec<Stage> = Vec::new();
+        // The camera may need a file that is not part of the study.
+        let places: Vec<Result<usize, Undrawn>> =
+            sections.iter().map(|s| Ok(place(Stage::new(s)?, &mut stages))).collect();
+        let learned = stages.iter().filter(|s| s.lessons_px.is_some()).count();
+        let mut bytes = if stages.is_empty() { 0 } else { SIMULATOR_BYTES };
+        let wanted = bytes + (stages.len() + learned) * STAGE_BYTES;
+        let specs = if wanted < MAX_BYTES + STAGE_BYTES { [ZONE_PLATE, LEAVES] } else { SMALL };
+        let mut drawn: Vec<Result<Drawn, Undrawn>> = Vec::new();
+        drawn.resize_with(sections.len(), || Err(Undrawn::NoRoom));
+        let mut data = Vec::new();
+        for (index, stage) in stages.iter().enumerate() {
+            let make = || -> Result<(PreviewLight, Vec<Setup>), Undrawn> {
+                if bytes >= MAX_BYTES {
+                    return Err(Undrawn::NoRoom);
+                }
+                let setups = stage.setups(specs, sources.progress)?;
+                Ok((stage.light(&setups).map_err(Undrawn::from)?, setups))
+            };
+            let mut made = make();
+            // A stop is no reason that a section could state.
+            ensure_running(sources.progress)?;
+            for ((section, place), drawn) in sections.iter().zip(&places).zip(&mut drawn) {
+                if place.as_ref().is_ok_and(|stage| *stage == index) {
+                    *drawn = match &made {
+                        Ok((light, setups)) => stage
+                            .light_of(section, setups, light)
+                            .map(|light| Drawn { stage: index, light })
+                            .map_err(Undrawn::from),
+                        Err(why) => Err(why.clone()),
+                    };
+                }
+            }
+            let stage = made.as_mut().map_or(Value::Null, |(light, _)| packed(light));
+            bytes += stage.to_string().len();
+            data.push(stage);
+            sources.progress.picture();
+        }
+        for (drawn, place) in drawn.iter_mut().zip(places) {
+            if let Err(why) = place {
+                *drawn = Err(why);
+            }
+        }
+        let note = |(section, drawn): (&&Section<'_>, &Result<Drawn, Undrawn>)| {
+            let why = drawn.as_ref().err()?;
+            Some(format!("{}: the page draws no pictures: {}", section.title(), why.words()))
+        };
+        let notes = sections.iter().zip(&drawn).filter_map(note).collect();
+        Ok(Self { stages: data, sections: drawn, bytes, notes })
+    }
+
+    /// Whether pictures of a section are embedded although the page can draw them: learning a pipeline takes long.
+    pub(super) fn wants_pictures(&self, section: usize) -> bool {
+        matches!(self.sections.get(section), Some(Ok(drawn)) if drawn.light.training.is_some())
+    }
+
+    /// Whether a section cannot have pictures, which a note states.
+    pub(super) fn has_failed(&self, section: usize) -> bool {
+        matches!(self.sections.get(section), Some(Err(Undrawn::Failed(_))))
+    }
+
+    /// Whether the page draws anything.
+    pub(super) fn draws(&self) -> bool {
+        self.sections.iter().any(Result::is_ok)
+    }
+
+    /// Draws the designs of a section as the page does, or as another page would where this one has no room.
+    pub(super) fn preview(
+        &self,
+        index: usize,
+        section: &Section<'_>,
+        progress: &dyn Progress,
+    ) -> Result<Preview, ReportError> {
+        let alone;
+        let light = match self.sections.get(index) {
+            Some(Ok(drawn)) => &drawn.light,
+            _ => {
+                let stage = Stage::new(section)?;
+                let setups = stage.setups([ZONE_PLATE, LEAVES], progress)?;
+                alone = stage.light_of(section, &setups, &stage.light(&setups)?)?;
+                &alone
+            }
+        };
+        let (condition, processing) =
+            section.results.condition(section.setup).ok_or(ReportError::Missing { what: "condition" })?;
+        Ok(Preview::new(section.results.study(), condition, processing, light)?)
+    }
+
+    /// The stages, and the part of each section.
+    pub(super) fn data(&self, sections: &[&Section<'_>]) -> Result<(Value, Vec<Value>), ReportError> {
+        let said =
+            |(drawn, section): (&Result<Drawn, Undrawn>, &&Section<'_>)| -> Result<Value, ReportError> {
+                match drawn {
+                    Ok(Drawn { stage, light }) => {
+                        let (condition, processing) = section
+                            .results
+                            .condition(section.setup)
+                            .ok_or(ReportError::Missing { what: "condition" })?;
+                        let is_learned = processing == Processing::L3;
+                        Ok(
+                            json!({"stage": stage, "light": light, "condition": condition, "is_learned": is_learned}),
+                        )
+                    }
+                    Err(why) => {
+                        Ok(json!({"none": why.words(), "is_elsewhere": matches!(why, Undrawn::NoRoom)}))
+                    }
+                }
+            };
+        let drawn = self.sections.iter().zip(sections).map(said).collect::<Result<_, ReportError>>()?;
+        Ok((json!(self.stages), drawn))
+    }
+}
+
+/// The index of a stage among known stages. It is added where none of them serves.
+fn place(stage: Stage, stages: &mut Vec<Stage>) -> usize {
+    let found = stages.iter().position(|s| s.serves(&stage));
+    let place = found.unwrap_or(stages.len());
+    match stages.get_mut(place) {
+        Some(there) => there.lessons_px = there.lessons_px.or(stage.lessons_px),
+        None => stages.push(stage),
+    }
+    place
+}

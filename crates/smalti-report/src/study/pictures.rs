@@ -1,0 +1,93 @@
+//! Pictures of scenes by chosen designs.
+
+use smalti::camera::{Camera, CameraError, EvaluationSettings, Setup};
+use smalti::design::{Condition, PipelineTrainer, Processing, Targets};
+use smalti::isp::{Isp, WhiteBalance};
+use smalti::scene::Setting;
+use smalti::sensor::NoiseMode;
+use smalti::spectrum::Observer;
+
+use super::sections::Section;
+use crate::ReportError;
+use crate::pictures::Pixels;
+
+/// Rings up to the Nyquist frequency of the sensor in the middle of each side, on 256 × 256 pixels.
+pub(super) const ZONE_PLATE: &str = "zone-plate?size=512&frequency=0.25";
+/// Dead leaves with natural colours, on 288 × 384 pixels.
+pub(super) const LEAVES: &str = "dead-leaves?rows=576&cols=768&least=2&largest=150&seed=1001";
+
+/// The camera of a section and the training data of its pipelines, which all scenes share.
+pub(super) struct Studio<'a> {
+    section: &'a Section<'a>,
+    camera: Camera,
+    setting: Setting,
+    /// Training data, where pipelines are learned.
+    lessons: Option<PipelineTrainer>,
+}
+
+/// A scene before the camera, for any design.
+pub(super) struct Stage<'a> {
+    studio: &'a Studio<'a>,
+    setup: Setup,
+    noise: NoiseMode,
+}
+
+/// Condition and processing of a section, and its camera.
+pub(super) fn camera_of<'a>(
+    section: &Section<'a>,
+) -> Result<(&'a Condition, Processing, Camera), ReportError> {
+    let (condition, processing) =
+        section.results.setup(section.setup).ok_or(ReportError::Missing { what: "condition" })?;
+    let camera = Camera::new(condition.camera.clone(), condition.camera.grid()?)?;
+    Ok((condition, processing, camera))
+}
+
+impl<'a> Studio<'a> {
+    pub(super) fn new(section: &'a Section<'a>) -> Result<Self, ReportError> {
+        let (condition, processing, camera) = camera_of(section)?;
+        let setting = Setting {
+            luminance_cd_m2: condition.luminance_cd_m2,
+            illuminant: condition.illuminant.clone(),
+            grid: camera.grid(),
+            ..Setting::default()
+        };
+        let evaluation = EvaluationSettings {
+            luminance_cd_m2: condition.luminance_cd_m2,
+            illuminant: condition.illuminant.clone(),
+            seed: section.results.study().seed,
+        };
+        let learn = || {
+            let targets = Targets::new(&camera, &evaluation, &[], &[], &|_, make| make())?;
+            PipelineTrainer::new(&targets, &section.results.study().l3, &|_, make| make())
+        };
+        let lessons = (processing == Processing::L3).then(learn).transpose()?;
+        Ok(Self { section, camera, setting, lessons })
+    }
+
+    pub(super) fn stage(&self, scene: &str, noise: NoiseMode) -> Result<Stage<'_>, ReportError> {
+        let setup = Setup::of_test_scene(&self.camera, scene, &self.setting)?;
+        Ok(Stage { studio: self, setup, noise })
+    }
+}
+
+impl Stage<'_> {
+    /// The picture that the design of a row makes.
+    pub(super) fn picture(&self, row: usize) -> Result<Pixels, ReportError> {
+        let Studio { section, camera, lessons, .. } = self.studio;
+        let design = section.results.design(row)?;
+        let camera = camera.with_cfa(design.cfa(camera.grid())?);
+        // The lens is the same, and so is the optical image.
+        let setup =
+            self.setup.before(&camera)?.ok_or(ReportError::Missing { what: "image before another lens" })?;
+        let Setup { camera, image, light, exposure } = &setup;
+        let raw = camera.sensor.capture(image, exposure, self.noise, section.results.study().seed);
+        let raw = raw.map_err(CameraError::from)?;
+        let isp: Box<dyn Isp> = match lessons {
+            Some(lessons) => Box::new(lessons.pipeline(&camera.sensor.cfa)?.0),
+            None => Box::new(camera.isp(light, WhiteBalance::None)?),
+        };
+        let picture = isp.render(&raw).map_err(CameraError::from)?;
+        let white = Observer::Cie1931.white(light)?;
+        Ok(Pixels::of(&picture.shown(Some(white), picture.brightness_gain())?))
+    }
+}

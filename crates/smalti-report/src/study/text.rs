@@ -1,0 +1,223 @@
+//! The report in words and tables.
+
+use smalti::design::statistics::{Estimate, Summary};
+use smalti::design::{Design, FilterFamily};
+
+use super::results::{MAIN, Results};
+use super::sections::{Group, Section, label};
+use crate::ReportError;
+use crate::words::{TextTable, plain};
+
+/// Rows shown of the Pareto front.
+const FRONT: usize = 10;
+/// Sections shown. The document has all.
+const SECTIONS: usize = 20;
+/// Problems shown of a study.
+const PROBLEMS: usize = 5;
+
+/// Marks an MTF50 beyond the Nyquist frequency.
+const BEYOND: &str = " *";
+
+/// All tables of the results of studies.
+pub(super) fn text(
+    all: &[(&Results, Vec<Section<'_>>)],
+    table: &TextTable<'_>,
+) -> Result<String, ReportError> {
+    let mut out = String::new();
+    for (results, sections) in all {
+        out += &head(results);
+        for section in sections.iter().take(SECTIONS) {
+            if !section.name.is_empty() {
+                out += &format!("\n── {} ──\n", section.name);
+            }
+            out += &format!("\n{}", means(section, table));
+            if !section.labels.is_empty() && results.has_plane() {
+                let cloud = all.iter().filter(|(r, _)| !r.is_named()).find_map(|(_, s)| s.first());
+                out += &format!("\n{}", by_label(section, cloud, table));
+            }
+            out += &format!(
+                "\nBest designs: {}\n{}",
+                section.choice.words(),
+                designs(section, &best_rows(section), table)?
+            );
+            out += &front(section, table)?;
+            out += &finer_than_pixels(section);
+        }
+        if sections.len() > SECTIONS {
+            out += &format!("\n{} more conditions are in report.json\n", sections.len() - SECTIONS);
+        }
+        out.push('\n');
+    }
+    out += "Intervals in parentheses contain the mean with a confidence of 95 %. The interval of 90 % of the designs reaches from the 5th to the 95th percentile.\n";
+    Ok(out)
+}
+
+fn head(results: &Results) -> String {
+    let data = &results.data;
+    let (there, all) = (data.numbers.len() as u64, data.designs.len());
+    let mut out = format!("{}: {all} designs\n", results.name());
+    if !results.about().is_empty() {
+        out += &format!("{}\n", results.about());
+    }
+    if there < all {
+        out += &format!(
+            "Incomplete: {} of {} parts are missing, {} designs. This report is of the {there} scored designs.\n",
+            data.parts_missing,
+            data.parts,
+            all - there
+        );
+    }
+    let mut problems: Vec<_> = results.problems.iter().collect();
+    problems.sort_by_key(|(problem, count)| (std::cmp::Reverse(**count), (*problem).clone()));
+    for (problem, count) in problems.iter().take(PROBLEMS) {
+        out += &format!("Left out: {count} × {}\n", plain(problem));
+    }
+    if problems.len() > PROBLEMS {
+        out += &format!("Left out: {} more kinds of problems\n", problems.len() - PROBLEMS);
+    }
+    out
+}
+
+/// A value and its confidence interval.
+fn estimate(e: &Estimate, digits: usize) -> String {
+    if !e.value.is_finite() {
+        return "–".into();
+    }
+    if !(e.low.is_finite() && e.high.is_finite()) {
+        return format!("{:.digits$}", e.value);
+    }
+    format!("{:.digits$} ({:.digits$}–{:.digits$})", e.value, e.low, e.high)
+}
+
+/// The interval that holds 90 % of the designs.
+pub(super) fn spread(s: &Summary, digits: usize) -> String {
+    if s.count == 0 { "–".into() } else { format!("{:.digits$}–{:.digits$}", s.p05.value, s.p95.value) }
+}
+
+/// The paper's table 2, with intervals.
+fn means(section: &Section<'_>, table: &TextTable<'_>) -> String {
+    let measures = &section.results.measures;
+    let mut header = vec!["colours", "designs", "left out"];
+    for measure in measures {
+        header.push(&measure.header);
+        header.extend(is_spread(&measure.name).then_some("90 %"));
+    }
+    let row = |g: &Group| {
+        let (designs, left_out) = g.counts();
+        let mut row = vec![g.colors.to_string(), designs.to_string(), left_out.to_string()];
+        for (measure, summary) in measures.iter().zip(&g.summaries) {
+            row.push(estimate(&summary.mean, measure.digits));
+            row.extend(is_spread(&measure.name).then(|| spread(summary, measure.digits)));
+        }
+        row
+    };
+    table(&header, &section.groups.iter().map(row).collect::<Vec<_>>())
+}
+
+/// Whether the interval of 90 % of the designs is shown: for colour and resolution, as in the paper.
+pub(super) fn is_spread(name: &str) -> bool {
+    MAIN[..2].contains(&name)
+}
+
+/// Designs by name, and the means of a cloud of other designs.
+fn by_label(section: &Section<'_>, cloud: Option<&Section<'_>>, table: &TextTable<'_>) -> String {
+    let several = section.labels.values().flat_map(|g| g.values()).any(|rows| rows.len() > 1);
+    let mut header = vec!["colours", "filters", "ΔE", "MTF50 cy/mm", "noise %"];
+    header.extend(several.then_some("designs"));
+    let row = |colors: u8, name: &str, means: [f64; 3], count: usize| {
+        let [d, m, n] = means;
+        let mut row = vec![colors.to_string(), name.to_owned()];
+        // A study need not score noise.
+        let noise = if n.is_finite() { format!("{n:.2}") } else { "–".into() };
+        row.extend([format!("{d:.2}"), format!("{m:.1}"), noise]);
+        row.extend(several.then(|| count.to_string()));
+        row
+    };
+    let mut rows = Vec::new();
+    for group in &section.groups {
+        for (label, members) in &section.labels {
+            let members = members.get(&group.colors).map_or(&[][..], Vec::as_slice);
+            let scores: Vec<[f64; 3]> =
+                members.iter().map(|&r| section.scores(r)).filter(|s| s[0].is_finite()).collect();
+            let mean = |i: usize| scores.iter().map(|s| s[i]).sum::<f64>() / scores.len() as f64;
+            if !scores.is_empty() {
+                rows.push(row(group.colors, label, [0, 1, 2].map(mean), scores.len()));
+            }
+        }
+        let beside = cloud.and_then(|c| Some((c, c.groups.iter().find(|g| g.colors == group.colors)?)));
+        if let Some((cloud, g)) = beside {
+            let means = [&g.delta_e, &g.mtf50, &g.noise].map(|s| s.mean.value);
+            rows.push(row(
+                group.colors,
+                &format!("mean of {}", cloud.results.name()),
+                means,
+                g.delta_e.count,
+            ));
+        }
+    }
+    table(&header, &rows)
+}
+
+fn design_row(section: &Section<'_>, row: usize) -> Result<Vec<String>, ReportError> {
+    let design = section.results.design(row)?;
+    let mut cells = vec![design.filters.filters.len().to_string(), design.number.to_string()];
+    cells.extend(section.results.measures.iter().map(|m| {
+        let beyond = m.name == MAIN[1] && section.beyond_nyquist(row);
+        m.text(row) + if beyond { BEYOND } else { "" }
+    }));
+    cells.extend([section.results.mosaic(&design), filters(section, &design)?]);
+    Ok(cells)
+}
+
+/// Centre and width of each filter, nm.
+pub(super) fn figures(design: &Design) -> Result<Vec<String>, ReportError> {
+    let figures = design.filters.figures()?;
+    Ok(figures.iter().map(|f| format!("{:.0}/{:.0}", f.center_nm, f.fwhm_nm)).collect())
+}
+
+fn filters(section: &Section<'_>, design: &Design) -> Result<String, ReportError> {
+    let figures = figures(design)?.join(" ");
+    Ok(match section.results.study().filters {
+        FilterFamily::GaussianGrid(_) => figures,
+        _ => format!("{figures} ({})", label(design)),
+    })
+}
+
+fn designs(section: &Section<'_>, rows: &[usize], table: &TextTable<'_>) -> Result<String, ReportError> {
+    let measures = section.results.measures.iter().map(|m| m.header.as_str());
+    let header: Vec<&str> = ["colours", "design"]
+        .into_iter()
+        .chain(measures)
+        .chain(["mosaic", "filters: centre/FWHM nm"])
+        .collect();
+    let rows = rows.iter().map(|&r| design_row(section, r)).collect::<Result<Vec<_>, ReportError>>()?;
+    Ok(table(&header, &rows))
+}
+
+/// The explanation of the mark at an MTF50, where one is shown.
+fn finer_than_pixels(section: &Section<'_>) -> String {
+    let mut shown = best_rows(section).into_iter().chain(section.some_of_front(FRONT));
+    match section.nyquist_cy_per_mm().filter(|_| shown.any(|row| section.beyond_nyquist(row))) {
+        Some(limit) => format!(
+            "{} finer than the {limit:.1} cy/mm that the pixels sample (Nyquist frequency). Such detail is aliased, not resolved.\n",
+            BEYOND.trim_start()
+        ),
+        None => String::new(),
+    }
+}
+
+fn best_rows(section: &Section<'_>) -> Vec<usize> {
+    section.groups.iter().flat_map(|g| g.best.iter().copied()).collect()
+}
+
+fn front(section: &Section<'_>, table: &TextTable<'_>) -> Result<String, ReportError> {
+    let rows = section.some_of_front(FRONT);
+    let all = section.front.len();
+    let shown =
+        if rows.len() < all { format!("; {} of them, evenly spread", rows.len()) } else { String::new() };
+    Ok(format!(
+        "\nPareto front: {all} designs that no other design beats in {}{shown}\n{}",
+        section.compared_in_words(),
+        designs(section, &rows, table)?
+    ))
+}

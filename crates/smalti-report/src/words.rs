@@ -1,0 +1,64 @@
+//! Texts that several pages share.
+
+/// Lays out a header and rows of cells as lines of text.
+pub type TextTable<'a> = dyn Fn(&[&str], &[Vec<String>]) -> String + 'a;
+
+/// A number with thin spaces between thousands.
+pub(crate) fn grouped(number: u64) -> String {
+    let digits = number.to_string();
+    if digits.len() < 5 {
+        return digits;
+    }
+    let mut out = String::new();
+    for (i, digit) in digits.chars().enumerate() {
+        if i > 0 && (digits.len() - i).is_multiple_of(3) {
+            out.push('\u{202f}');
+        }
+        out.push(digit);
+    }
+    out
+}
+
+/// Names as a list in a sentence: `a, b and c`.
+pub(crate) fn listed(names: &[String]) -> String {
+    match names {
+        [] => String::new(),
+        [one] => one.clone(),
+        [first @ .., last] => format!("{} and {last}", first.join(", ")),
+    }
+}
+
+/// Text of a file without characters that would control a terminal.
+pub(crate) fn plain(text: &str) -> String {
+    text.replace(char::is_control, " ")
+}
+
+/// A word of a command, quoted for a POSIX shell. A leading hyphen gets `./` in front, since the word names a file.
+pub(crate) fn quoted(word: &str) -> String {
+    let safe = |c: char| c.is_ascii_alphanumeric() || "_./-+,:@%".contains(c);
+    if !word.is_empty() && !word.starts_with('-') && word.chars().all(safe) {
+        return word.to_owned();
+    }
+    let dashed = if word.starts_with('-') { format!("./{word}") } else { word.to_owned() };
+    format!("'{}'", dashed.replace('\'', "'\\''"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn words_of_commands_are_quoted() {
+        assert_eq!(quoted("out/a-1"), "out/a-1");
+        assert_eq!(quoted("a b; rm -r '*'"), "'a b; rm -r '\\''*'\\'''");
+        assert_eq!(quoted("-o"), "'./-o'");
+    }
+
+    #[test]
+    fn thousands_are_grouped() {
+        assert_eq!(
+            [0, 9999, 10_000, 1_234_567].map(grouped),
+            ["0", "9999", "10\u{202f}000", "1\u{202f}234\u{202f}567"]
+        );
+    }
+}

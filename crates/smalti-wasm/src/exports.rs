@@ -1,0 +1,81 @@
+//! The functions of the module, for a host that has numbers alone.
+
+use std::cell::RefCell;
+
+use smalti::design::Processing;
+use smalti::sensor::NoiseMode;
+
+use crate::studio::{Studio, StudioError};
+
+/// The input, the output and what is kept between calls.
+#[derive(Default)]
+struct Module {
+    studio: Studio,
+    input: Vec<u8>,
+    output: Vec<u8>,
+}
+
+thread_local! {
+    static MODULE: RefCell<Module> = RefCell::default();
+}
+
+const FAILED: i32 = -1;
+
+/// Runs a function on what is kept; of an error the output is its message.
+fn run(work: impl FnOnce(&mut Module) -> Result<i32, StudioError>) -> i32 {
+    MODULE.with_borrow_mut(|module| {
+        work(module).unwrap_or_else(|error| {
+            module.output = error.to_string().into_bytes();
+            FAILED
+        })
+    })
+}
+
+/// Makes room for an input; returns where it is to be written.
+#[unsafe(no_mangle)]
+extern "C" fn reserve(bytes: usize) -> *mut u8 {
+    MODULE.with_borrow_mut(|module| {
+        module.input = vec![0; bytes];
+        module.input.as_mut_ptr()
+    })
+}
+
+/// Adds the study of the input.
+#[unsafe(no_mangle)]
+extern "C" fn study() -> i32 {
+    run(|module| Ok(module.studio.study(&std::mem::take(&mut module.input))? as i32))
+}
+
+/// Makes a condition of a study ready.
+#[unsafe(no_mangle)]
+extern "C" fn setup(study: usize, condition: usize, is_learned: u32, text_bytes: usize) -> i32 {
+    run(|module| {
+        let input = std::mem::take(&mut module.input);
+        let (light, codes) = input.split_at_checked(text_bytes).ok_or(StudioError::Planes)?;
+        let processing = if is_learned == 0 { Processing::Classic } else { Processing::L3 };
+        module.studio.setup(study, condition, processing, light, codes)?;
+        Ok(0)
+    })
+}
+
+/// Draws what a design makes of a scene.
+#[unsafe(no_mangle)]
+extern "C" fn draw(number: f64, scene: usize, is_noisy: u32) -> i32 {
+    run(|module| {
+        let noise = if is_noisy == 0 { NoiseMode::None } else { NoiseMode::All };
+        module.output = module.studio.draw(number as u64, scene, noise)?;
+        Ok(0)
+    })
+}
+
+/// Where the output lies.
+#[unsafe(no_mangle)]
+extern "C" fn output() -> *const u8 {
+    MODULE.with_borrow(|module| module.output.as_ptr())
+}
+
+/// Bytes of the output.
+#[unsafe(no_mangle)]
+extern "C" fn output_bytes() -> usize {
+    MODULE.with_borrow(|module| module.output.len())
+}

@@ -1,0 +1,125 @@
+//! Studies, the setup at work and the last design.
+
+use std::fmt;
+use std::sync::Arc;
+
+use smalti::camera::CameraError;
+use smalti::design::{DesignError, Designs, Preview, PreviewDesign, PreviewLight, Processing, Study};
+use smalti::sensor::NoiseMode;
+
+/// Why there is no picture.
+#[derive(Debug)]
+#[non_exhaustive]
+pub enum StudioError {
+    /// The input cannot be read.
+    Input(serde_json::Error),
+    /// The numbers of the planes are more or fewer than their text says.
+    Planes,
+    /// There is no such study.
+    NoStudy(usize),
+    /// No setup was made.
+    NoSetup,
+    /// The study refused.
+    Design(DesignError),
+    /// A stage refused.
+    Camera(CameraError),
+}
+
+impl fmt::Display for StudioError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Input(error) => write!(f, "the input cannot be read: {error}"),
+            Self::Planes => f.write_str("the light has more or fewer samples than its description says"),
+            Self::NoStudy(index) => write!(f, "there is no study {index}"),
+            Self::NoSetup => f.write_str("no setup was made"),
+            Self::Design(error) => error.fmt(f),
+            Self::Camera(error) => error.fmt(f),
+        }
+    }
+}
+
+impl std::error::Error for StudioError {}
+
+impl From<serde_json::Error> for StudioError {
+    fn from(error: serde_json::Error) -> Self {
+        Self::Input(error)
+    }
+}
+
+impl From<DesignError> for StudioError {
+    fn from(error: DesignError) -> Self {
+        Self::Design(error)
+    }
+}
+
+impl From<CameraError> for StudioError {
+    fn from(error: CameraError) -> Self {
+        Self::Camera(error)
+    }
+}
+
+/// What a page draws with.
+#[derive(Default)]
+pub struct Studio {
+    studies: Vec<Designs>,
+    setup: Option<(usize, Preview)>,
+    design: Option<(u64, PreviewDesign)>,
+}
+
+impl Studio {
+    /// Adds a study, as JSON; returns its index.
+    ///
+    /// # Errors
+    /// When it cannot be read or has no designs.
+    pub fn study(&mut self, json: &[u8]) -> Result<usize, StudioError> {
+        let study: Study = serde_json::from_slice(json)?;
+        self.studies.push(Designs::new(study)?);
+        Ok(self.studies.len() - 1)
+    }
+
+    /// Makes a condition of a study with a processing ready, in place of what was there before. `light` is a
+    /// [`PreviewLight`] as JSON, `codes` the numbers of its planes, 32 bits each, little-endian.
+    ///
+    /// # Errors
+    /// When there is no such study or condition, or the light does not fit.
+    pub fn setup(
+        &mut self,
+        study: usize,
+        condition: usize,
+        processing: Processing,
+        light: &[u8],
+        codes: &[u8],
+    ) -> Result<(), StudioError> {
+        (self.setup, self.design) = (None, None);
+        let designs = self.studies.get(study).ok_or(StudioError::NoStudy(study))?;
+        let mut light: PreviewLight = serde_json::from_slice(light)?;
+        let (mut numbers, []) = codes.as_chunks() else { return Err(StudioError::Planes) };
+        for planes in light.planes_mut() {
+            let samples = planes.rows.checked_mul(planes.cols).and_then(|n| n.checked_mul(planes.count));
+            let (here, rest) =
+                samples.and_then(|n| numbers.split_at_checked(n)).ok_or(StudioError::Planes)?;
+            planes.codes = Arc::new(here.iter().map(|&bytes| i32::from_le_bytes(bytes)).collect());
+            numbers = rest;
+        }
+        if !numbers.is_empty() {
+            return Err(StudioError::Planes);
+        }
+        self.setup = Some((study, Preview::new(designs.study(), condition, processing, &light)?));
+        Ok(())
+    }
+
+    /// What a design of the study makes of a scene: RGBA, row by row.
+    ///
+    /// # Errors
+    /// When there is no such design or scene, or a stage refuses.
+    pub fn draw(&mut self, number: u64, scene: usize, noise: NoiseMode) -> Result<Vec<u8>, StudioError> {
+        let (study, preview) = self.setup.as_ref().ok_or(StudioError::NoSetup)?;
+        let designs = self.studies.get(*study).ok_or(StudioError::NoStudy(*study))?;
+        if self.design.as_ref().is_none_or(|(kept, _)| *kept != number) {
+            self.design = Some((number, preview.design(&designs.design(number)?)?));
+        }
+        let (_, design) = self.design.as_ref().ok_or(StudioError::NoSetup)?;
+        let rgb = preview.picture(design, scene, noise)?.rgb8();
+        Ok(rgb.as_chunks().0.iter().flat_map(|&[r, g, b]| [r, g, b, u8::MAX]).collect())
+    }
+}

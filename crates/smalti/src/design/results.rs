@@ -1,0 +1,64 @@
+//! The results of a study as plain data: a row for each scored design, a column for each quantity.
+
+use std::sync::Arc;
+
+use super::study::Designs;
+
+/// The results of a study, complete or not, with what is known of their origin.
+#[derive(Debug, Clone)]
+pub struct StudyResults {
+    /// The designs of the study. The rows are those that have been scored.
+    pub designs: Designs,
+    /// What the study investigates, in the words of its file. Empty where the file has none.
+    pub about: String,
+    /// The study as JSON, as it was recorded with the results.
+    pub study_json: String,
+    /// Whether the study is built in: then its name alone identifies it.
+    pub is_built_in: bool,
+    /// The version of Smalti that scored the designs.
+    pub smalti_version: String,
+    /// BLAKE3 hash of the plan of the results, hexadecimal.
+    pub plan_blake3: String,
+    /// Where the results were read, as text for readers.
+    pub origin: String,
+    /// Number of parts of complete results.
+    pub parts: u64,
+    /// Number of parts that are absent.
+    pub parts_missing: u64,
+    /// The number of the design of each row, ascending.
+    pub numbers: Vec<u64>,
+    /// One value per row in each column. Columns of lists are left out: their values follow from the designs.
+    pub columns: Vec<ResultColumn>,
+}
+
+/// A column of the results of a study.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ResultColumn {
+    /// Its name, such as `delta_e_76`.
+    pub name: String,
+    /// The unit of its values. Empty where they have none.
+    pub unit: String,
+    /// What it means, in a sentence.
+    pub doc: String,
+    /// One value per row.
+    pub values: ColumnValues,
+}
+
+/// The values of a column.
+#[derive(Debug, Clone, PartialEq)]
+pub enum ColumnValues {
+    /// Whole numbers.
+    Integers(Vec<i64>),
+    /// Numbers. NaN marks a design without this score.
+    Numbers(Vec<f64>),
+    /// Texts. Equal texts share their memory.
+    Texts(Vec<Arc<str>>),
+}
+
+impl StudyResults {
+    /// A column by its name.
+    #[must_use]
+    pub fn column(&self, name: &str) -> Option<&ResultColumn> {
+        self.columns.iter().find(|c| c.name == name)
+    }
+}

@@ -1,0 +1,73 @@
+//! The training scene of a study: many small pictures side by side.
+//!
+//! One scene needs one optical image and one capture. The boundaries between its pictures are edges like any others.
+
+use crate::camera::{Camera, CameraError, training_reflectances};
+use crate::numeric::Planes;
+use crate::scene::{Scene, Setting, catalog};
+use crate::spectrum::{SpectralCube, Spectrum};
+
+/// Side of one picture, pixels of the sensor.
+const PIECE_PX: usize = 64;
+/// Samples per pixel: two, so that detail beyond the sensor's Nyquist frequency can alias.
+const SAMPLES_PER_PX: usize = 2;
+/// Relative illuminance of the pictures, in turn: all colours occur in shade as well.
+const BRIGHTNESS: [f32; 3] = [0.95, 0.95, 0.35];
+/// Relative illuminance of the uniform surfaces.
+const SHADES: [f64; 3] = [1.0, 0.6, 0.3];
+/// One picture of this many is a test pattern; the others are dead leaves.
+const PATTERN_INTERVAL: usize = 4;
+
+/// A square scene for `size_px` × `size_px` pixels of the sensor, with the field of view of the setting. `white` is the radiance
+/// of a perfect white diffuser in full light.
+pub(super) fn scene(
+    camera: &Camera,
+    size_px: usize,
+    white: &Spectrum,
+    setting: &Setting,
+) -> Result<Scene, CameraError> {
+    let (n, piece) = (size_px * SAMPLES_PER_PX, PIECE_PX * SAMPLES_PER_PX);
+    let reflectances = training_reflectances(camera.grid())?;
+    let mut planes = Planes::zeros(n, n, setting.grid.len());
+    let pieces = size_px.div_ceil(PIECE_PX);
+    for i in 0..pieces * pieces {
+        let (row, col) = (i / pieces * piece, i % pieces * piece);
+        let part = catalog::build(&spec(i, piece), setting, &reflectances)?;
+        // Every scene has the mean luminance of the setting, so that their illuminants differ in strength.
+        let light = BRIGHTNESS[i % BRIGHTNESS.len()] * (white.max() / part.illuminant().max()) as f32;
+        let (rows, cols) = (piece.min(n - row), piece.min(n - col));
+        let from = part.radiance();
+        for (band, source) in from.planes().planes().enumerate() {
+            let to = planes.plane_mut(band).chunks_exact_mut(n).skip(row).take(rows);
+            for (to, source) in to.zip(source.chunks_exact(from.cols())) {
+                to[col..].iter_mut().zip(&source[..cols]).for_each(|(t, s)| *t = s * light);
+            }
+        }
+    }
+    let cube = SpectralCube::new(setting.grid, planes)?;
+    Ok(Scene::new("lessons", cube, white.clone(), setting.distance_m, setting.horizontal_fov_deg)?)
+}
+
+/// The scene of one picture: dead leaves at several scales, with seeds below those of the test scenes, or a test pattern.
+fn spec(i: usize, n: usize) -> String {
+    let scales = [(1.5, 200), (3.0, 60), (1.0, 30), (8.0, 400)];
+    if i % PATTERN_INTERVAL != PATTERN_INTERVAL - 1 {
+        let (least, largest) = scales[i % scales.len()];
+        return format!("dead-leaves?rows={n}&cols={n}&seed={}&least={least}&largest={largest}", i + 1);
+    }
+    match i / PATTERN_INTERVAL % 5 {
+        0 => format!("slanted-bar?size={}", n + 1),
+        1 => format!("grey-steps?steps=16&step={}&rows={n}&density=2", n / 16),
+        2 => format!("siemens-star?size={n}&cycles=12&contrast=20"),
+        3 => format!("checkerboard?squares=5&square={}&contrast=50", n.div_ceil(5)),
+        _ => format!("frequency-sweep?rows={n}&cols={n}&contrast=0.05"),
+    }
+}
+
+/// Radiance of uniform surfaces in full light and in shade. They are the surfaces that the camera's colour matrix is fitted to,
+/// so that learned and fitted colours use the same data.
+pub(super) fn surfaces(camera: &Camera, white: &Spectrum) -> Result<Vec<Spectrum>, CameraError> {
+    let all = camera.surfaces()?;
+    let lit = all.iter().map(|s| Ok(s.times(white)?)).collect::<Result<Vec<_>, CameraError>>()?;
+    Ok(SHADES.iter().flat_map(|&light| lit.iter().map(move |s| s.scaled(light))).collect())
+}

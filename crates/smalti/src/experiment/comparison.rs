@@ -1,0 +1,359 @@
+//! Comparisons of cameras, each with its processing, on the same scenes.
+
+use super::error::StageContext;
+use super::progress::{Stoppable, ensure_running};
+use super::{ExperimentError, Processing, Progress, Resources};
+use crate::camera::{
+    Camera, CameraAndIsp, CameraError, Evaluation, EvaluationPictures, EvaluationSettings, LightGainSettings,
+    LightGains, SceneScores, ScoreSettings, Setup, compare_on, evaluate_with, light_gains, test_scenes,
+};
+use crate::isp::{Classic, Isp, WhiteBalance};
+use crate::l3::{Pipeline, peak_ratio_db};
+use crate::metrics::esfr::EdgeSfr;
+use crate::scene::{Scene, Setting};
+use crate::sensor::NoiseMode;
+use crate::spectrum::{Illuminant, Spectrum};
+
+/// Maximum number of scenes of a light gain, because each scene is captured some twenty times.
+const LIGHT_GAIN_SCENES: usize = 2;
+
+/// A camera with its processing.
+#[derive(Clone, Copy)]
+pub struct Contender<'a> {
+    /// The camera.
+    pub camera: &'a Camera,
+    /// The unique name of the camera in results.
+    pub label: &'a str,
+    /// Its processing.
+    pub processing: Processing,
+    /// The learned pipeline for [`Processing::L3`].
+    pub pipeline: Option<&'a Pipeline>,
+}
+
+/// A scene of a comparison.
+#[derive(Debug, Clone)]
+pub enum TestScene {
+    /// A scene of the catalogue, by its name and parameters, with two samples per pixel in each direction.
+    BuiltIn(String),
+    /// A given scene with one sample per pixel.
+    Given {
+        /// Its name.
+        name: String,
+        /// The scene; its mean luminance is 1 cd/m².
+        scene: Scene,
+    },
+}
+
+impl TestScene {
+    /// A built-in scene by its name and parameters. A name without parameters selects the scene of that name among
+    /// [`test_scenes`], which is larger than that of the catalogue.
+    #[must_use]
+    pub fn built_in(name: &str) -> Self {
+        let of_test_set = test_scenes().iter().find(|s| s.split('?').next() == Some(name.trim()));
+        Self::BuiltIn((*of_test_set.unwrap_or(&name)).to_owned())
+    }
+
+    /// The default scenes of a comparison, [`test_scenes`].
+    #[must_use]
+    pub fn default_set() -> Vec<Self> {
+        test_scenes().iter().map(|name| Self::built_in(name)).collect()
+    }
+
+    /// The name of the scene.
+    #[must_use]
+    pub fn name(&self) -> &str {
+        match self {
+            Self::BuiltIn(name) | Self::Given { name, .. } => name,
+        }
+    }
+
+    /// Images the scene on a camera at a mean luminance of 1 cd/m². A given scene keeps its wavelength grid.
+    ///
+    /// # Errors
+    /// When the scene does not exist or a stage fails.
+    pub fn before(&self, camera: &Camera, illuminant: &Illuminant) -> Result<Setup, ExperimentError> {
+        let setup = match self {
+            Self::BuiltIn(name) => {
+                let illuminant = illuminant.clone();
+                let setting = Setting { luminance_cd_m2: 1.0, illuminant, ..Setting::default() };
+                Setup::of_test_scene(camera, name, &setting)
+            }
+            Self::Given { scene, .. } => camera
+                .on_grid(scene.radiance().grid())
+                .and_then(|camera| Setup::new(&camera, scene.clone(), 1)),
+        };
+        setup.in_context(|| self.name().to_owned())
+    }
+}
+
+/// Settings of a comparison.
+#[derive(Debug, Clone)]
+pub struct ComparisonSettings {
+    /// Mean luminances of the scenes, cd/m².
+    pub luminances_cd_m2: Vec<f64>,
+    /// Their illuminant.
+    pub illuminant: Illuminant,
+    /// The scenes.
+    pub scenes: Vec<TestScene>,
+    /// Seed of the noise.
+    pub seed: u64,
+    /// Viewing conditions of the scores.
+    pub score: ScoreSettings,
+}
+
+/// The scores of a contender at one luminance.
+pub struct Outcome {
+    /// Mean luminance of the scenes, cd/m².
+    pub luminance_cd_m2: f64,
+    /// The scores on the targets of [`evaluate`](crate::camera::evaluate()).
+    pub targets: Evaluation,
+    /// The edge response; `None` when the picture shows no edge.
+    pub edge: Option<EdgeSfr>,
+    /// The scores on each scene, with its name.
+    pub scenes: Vec<(String, SceneScores)>,
+    /// For each scene, the PSNR of the fixed-point picture of the learned pipeline against single precision, dB; `None` for classic
+    /// processing, and when the table has no fixed-point form for the camera.
+    pub fixed_point_psnr_db: Vec<Option<f64>>,
+}
+
+impl<'a> Contender<'a> {
+    /// A camera with the processing of its description.
+    #[must_use]
+    pub fn as_described(camera: &'a Camera, label: &'a str) -> Self {
+        let processing = Processing::Classic(camera.description().isp.demosaic);
+        Self { camera, label, processing, pipeline: None }
+    }
+
+    /// A camera with a learned pipeline if there is one, otherwise with the processing of its description.
+    #[must_use]
+    pub fn with_pipeline(camera: &'a Camera, label: &'a str, pipeline: Option<&'a Pipeline>) -> Self {
+        let own = Self::as_described(camera, label);
+        if pipeline.is_some() { Self { processing: Processing::L3, pipeline, ..own } } else { own }
+    }
+
+    /// The camera's label and the name of the processing.
+    #[must_use]
+    pub fn name(&self) -> String {
+        format!("{} {}", self.label, self.processing.name())
+    }
+
+    /// Whether the processing is defined for the camera's mosaic.
+    #[must_use]
+    pub fn is_defined(&self) -> bool {
+        self.processing.is_defined_for(self.camera.sensor.cfa.mosaic())
+    }
+
+    /// The processing for scenes under an illuminant (photons). It fails once the caller stops the work.
+    fn isp<'b>(&self, light: &Spectrum, progress: &'b dyn Progress) -> Result<Box<dyn Isp + 'b>, CameraError>
+    where
+        'a: 'b,
+    {
+        let isp: Box<dyn Isp + 'b> = match (self.processing, self.pipeline) {
+            (Processing::L3, Some(pipeline)) => Box::new(pipeline),
+            (Processing::L3, None) => return Err(crate::l3::L3Error::NoPipeline.into()),
+            (Processing::Classic(demosaic), _) => {
+                let camera = self.camera.on_grid(light.grid())?;
+                Box::new(Classic { demosaic, ..camera.isp(light, WhiteBalance::None)? })
+            }
+        };
+        Ok(Box::new(Stoppable { isp, progress }))
+    }
+
+    /// Scores the camera on the built-in targets; see [`evaluate_with`].
+    ///
+    /// # Errors
+    /// When a stage fails, a metric cannot be computed, or the work is stopped.
+    pub fn evaluate(
+        &self,
+        settings: &EvaluationSettings,
+        resources: Resources<'_>,
+    ) -> Result<(Evaluation, EvaluationPictures), ExperimentError> {
+        let images =
+            |key: &str, make: &dyn Fn() -> Result<_, CameraError>| resources.store.optical_image(key, make);
+        let isp = |light: &Spectrum| self.isp(light, resources.progress);
+        evaluate_with(self.camera, settings, &images, &isp).map_err(|e| {
+            let fixed = self.camera.description().exposure.time_ms.is_some();
+            let hint = match &e {
+                CameraError::Metric(_) if fixed => {
+                    ": the camera's exposure is fixed; the scenes may be too bright or too dark for it"
+                }
+                _ => "",
+            };
+            ExperimentError::stage(format!("{} at {} cd/m²{hint}", self.label, settings.luminance_cd_m2), e)
+        })
+    }
+}
+
+/// Captures a scene at a mean luminance with the exposure of the camera's description, renders the raw image and scores the
+/// picture. `setup` is the scene at 1 cd/m².
+///
+/// # Errors
+/// When a stage fails, the scene is dark, or the work is stopped.
+pub fn score_scene(
+    contender: &Contender<'_>,
+    setup: &Setup,
+    luminance_cd_m2: f64,
+    seed: u64,
+    score: &ScoreSettings,
+    progress: &dyn Progress,
+) -> Result<(SceneScores, Option<f64>), ExperimentError> {
+    ensure_running(progress)?;
+    let scored = || -> Result<_, CameraError> {
+        let lit = setup.in_light(luminance_cd_m2)?.exposed()?;
+        let isp = contender.isp(&lit.light, progress)?;
+        let scores = compare_on(&lit, &*isp, seed, score)?;
+        let fixed_point_db = fixed_point_psnr_db(contender, &lit, &scores, seed)?;
+        Ok((scores, fixed_point_db))
+    };
+    scored().in_context(|| format!("{} at {luminance_cd_m2} cd/m²", contender.name()))
+}
+
+/// PSNR of the fixed-point picture of a scene against the picture that was scored, dB.
+fn fixed_point_psnr_db(
+    contender: &Contender<'_>,
+    setup: &Setup,
+    scored: &SceneScores,
+    seed: u64,
+) -> Result<Option<f64>, CameraError> {
+    let (Processing::L3, Some(pipeline)) = (contender.processing, contender.pipeline) else {
+        return Ok(None);
+    };
+    let raw = setup.camera.sensor.capture(&setup.image, &setup.exposure, NoiseMode::All, seed)?;
+    // Raw images in volts, and kernels beyond 16 bits, have no fixed-point form.
+    let fixed = pipeline.render_fixed(&raw).ok();
+    Ok(fixed.and_then(|f| peak_ratio_db(scored.picture.planes(), &f.planes)).filter(|v| v.is_finite()))
+}
+
+/// Compares contenders on scenes. The result holds an outcome for each contender and luminance; each is one step of progress.
+/// Cameras with the same lens and pixel pitch share the optical images.
+///
+/// # Errors
+/// When a contender lacks its pipeline, a stage fails, or the work is stopped.
+pub fn compare(
+    contenders: &[Contender<'_>],
+    settings: &ComparisonSettings,
+    resources: Resources<'_>,
+) -> Result<Vec<Vec<Outcome>>, ExperimentError> {
+    let mut outcomes = Vec::with_capacity(contenders.len());
+    let mut setups: Vec<Setup> = Vec::new();
+    for contender in contenders {
+        if contender.processing == Processing::L3 && contender.pipeline.is_none() {
+            return Err(ExperimentError::NoPipeline { camera: contender.label.to_owned() });
+        }
+        let mut own = Vec::with_capacity(settings.scenes.len());
+        for (i, scene) in settings.scenes.iter().enumerate() {
+            ensure_running(resources.progress)?;
+            let shared = setups.get(i).map(|s| s.before(contender.camera)).transpose();
+            own.push(match shared.in_context(|| scene.name().to_owned())?.flatten() {
+                Some(setup) => setup,
+                None => scene.before(contender.camera, &settings.illuminant)?,
+            });
+        }
+        setups = own;
+        let at = |&luminance: &f64| outcome(contender, luminance, &setups, settings, resources);
+        outcomes.push(settings.luminances_cd_m2.iter().map(at).collect::<Result<_, _>>()?);
+    }
+    Ok(outcomes)
+}
+
+fn outcome(
+    contender: &Contender<'_>,
+    luminance_cd_m2: f64,
+    setups: &[Setup],
+    settings: &ComparisonSettings,
+    resources: Resources<'_>,
+) -> Result<Outcome, ExperimentError> {
+    let progress = resources.progress;
+    progress.begin(&format!("{} at {luminance_cd_m2} cd/m²", contender.name()));
+    let illuminant = settings.illuminant.clone();
+    let targets = EvaluationSettings { luminance_cd_m2, illuminant, seed: settings.seed };
+    let (targets, pictures) = contender.evaluate(&targets, resources)?;
+    let (mut scenes, mut fixed_point) = (Vec::new(), Vec::new());
+    for (scene, setup) in settings.scenes.iter().zip(setups) {
+        let scored = score_scene(contender, setup, luminance_cd_m2, settings.seed, &settings.score, progress);
+        let (scores, fixed_point_db) = scored.map_err(|e| match e {
+            ExperimentError::Stage { context, source } => {
+                ExperimentError::Stage { context: format!("{context}, {}", scene.name()), source }
+            }
+            other => other,
+        })?;
+        fixed_point.push(fixed_point_db);
+        scenes.push((scene.name().to_owned(), scores));
+    }
+    progress.done();
+    Ok(Outcome {
+        luminance_cd_m2,
+        targets,
+        edge: pictures.edge_sfr().ok(),
+        scenes,
+        fixed_point_psnr_db: fixed_point,
+    })
+}
+
+/// The light gain of a pair of contenders.
+pub struct PairwiseLightGain {
+    /// The contender whose light changes.
+    pub first: String,
+    /// The contender that it is to equal.
+    pub other: String,
+    /// The scenes for the scores of whole pictures.
+    pub scenes: Vec<String>,
+    /// The gains by each metric.
+    pub gains: LightGains,
+}
+
+/// How much more light contender `a` needs to equal contender `b`, by every metric.
+///
+/// # Errors
+/// When a stage fails, or the work is stopped.
+pub fn light_gain_between(
+    a: &Contender<'_>,
+    b: &Contender<'_>,
+    settings: &LightGainSettings,
+    progress: &dyn Progress,
+) -> Result<LightGains, ExperimentError> {
+    let isp_a = |light: &Spectrum| a.isp(light, progress);
+    let isp_b = |light: &Spectrum| b.isp(light, progress);
+    let (a, b) =
+        (CameraAndIsp { camera: a.camera, isp: &isp_a }, CameraAndIsp { camera: b.camera, isp: &isp_b });
+    light_gains(a, b, settings).in_context(|| format!("light gain at {} cd/m²", settings.luminance_cd_m2))
+}
+
+/// The light gains of the first contender against every other contender with the same processing, at each luminance. Each is one
+/// step of progress. Only built-in scenes can be used: the first two of the settings, or the default ones.
+///
+/// # Errors
+/// When a stage fails, or the work is stopped.
+pub fn light_gains_to_first(
+    contenders: &[Contender<'_>],
+    settings: &ComparisonSettings,
+    progress: &dyn Progress,
+) -> Result<Vec<PairwiseLightGain>, ExperimentError> {
+    let Some((first, rest)) = contenders.split_first() else { return Ok(Vec::new()) };
+    let built_in = settings.scenes.iter().filter_map(|s| match s {
+        TestScene::BuiltIn(name) => Some(name.clone()),
+        TestScene::Given { .. } => None,
+    });
+    let mut scenes: Vec<String> = built_in.take(LIGHT_GAIN_SCENES).collect();
+    if scenes.is_empty() {
+        scenes = LightGainSettings::default().scenes;
+    }
+    let mut gains = Vec::new();
+    for other in rest.iter().filter(|c| c.processing == first.processing) {
+        for &luminance_cd_m2 in &settings.luminances_cd_m2 {
+            progress.begin(&format!("light gain of {} at {luminance_cd_m2} cd/m²", other.name()));
+            let light = LightGainSettings {
+                luminance_cd_m2,
+                illuminant: settings.illuminant.clone(),
+                seed: settings.seed,
+                scenes: scenes.clone(),
+                score: settings.score,
+            };
+            let found = light_gain_between(first, other, &light, progress)?;
+            let (first, other) = (first.name(), other.name());
+            gains.push(PairwiseLightGain { first, other, scenes: scenes.clone(), gains: found });
+            progress.done();
+        }
+    }
+    Ok(gains)
+}

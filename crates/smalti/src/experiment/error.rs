@@ -1,0 +1,130 @@
+//! Errors of experiments.
+
+use thiserror::Error;
+
+use crate::camera::CameraError;
+use crate::isp::IspError;
+use crate::l3::{L3Error, RegistrationError};
+
+/// The reason why an experiment has no result.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum ExperimentError {
+    /// A stage failed.
+    #[error("{context}: {source}")]
+    Stage {
+        /// The camera, scene and luminance.
+        context: String,
+        /// The error of the stage.
+        source: CameraError,
+    },
+    /// The caller stopped the work.
+    #[error("stopped")]
+    Stopped,
+    /// Pipelines can be learned for mosaics only.
+    #[error(
+        "{camera}: `sensor.architecture` is {architecture}: every pixel sees every channel; learned pipelines are for mosaics"
+    )]
+    NotMosaic {
+        /// The camera's name.
+        camera: String,
+        /// Its architecture.
+        architecture: &'static str,
+    },
+    /// A camera of a comparison has no pipeline.
+    #[error("{camera}: a comparison with learned pipelines needs one for each camera")]
+    NoPipeline {
+        /// The camera's name.
+        camera: String,
+    },
+    /// There is no training scene.
+    #[error("there is no scene to learn from")]
+    NoScene,
+    /// The table of classes would not fit into memory.
+    #[error(
+        "a table of {positions} positions × {levels} levels × {textures} textures with patches of {side} × {side} takes {need_mib} MiB of memory \
+         to learn; {available_mib} are available: a smaller --patch, fewer --levels or --textures none take less"
+    )]
+    Memory {
+        /// Positions of the tile.
+        positions: usize,
+        /// Response levels.
+        levels: usize,
+        /// Texture classes.
+        textures: usize,
+        /// Side of the patch, pixels.
+        side: usize,
+        /// Required memory, MiB.
+        need_mib: u64,
+        /// Available memory, MiB.
+        available_mib: u64,
+    },
+    /// Saved statistics do not match the settings.
+    #[error("{name}: {reason}")]
+    Statistics {
+        /// The source of the statistics.
+        name: String,
+        /// The difference.
+        reason: String,
+    },
+    /// A raw image and its picture cannot be aligned.
+    #[error("{pair}: {source}")]
+    Registration {
+        /// The name of the pair.
+        pair: String,
+        /// The error of the registration.
+        source: RegistrationError,
+    },
+}
+
+impl ExperimentError {
+    /// The error of a stage with its context. [`IspError::Stopped`] becomes [`ExperimentError::Stopped`].
+    pub(super) fn stage(context: impl Into<String>, source: impl Into<CameraError>) -> Self {
+        match source.into() {
+            CameraError::Isp(IspError::Stopped) => Self::Stopped,
+            source => Self::Stage { context: context.into(), source },
+        }
+    }
+}
+
+/// Adds the context to the error of a stage.
+pub(super) trait StageContext<T> {
+    fn in_context(self, context: impl FnOnce() -> String) -> Result<T, ExperimentError>;
+}
+
+impl<T, E: Into<CameraError>> StageContext<T> for Result<T, E> {
+    fn in_context(self, context: impl FnOnce() -> String) -> Result<T, ExperimentError> {
+        self.map_err(|e| ExperimentError::stage(context(), e))
+    }
+}
+
+/// Checks that moments and kernels of these axes fit into memory. Combinations of clipped channels, which depend on the scenes,
+/// may need more.
+pub(super) fn ensure_memory(
+    axes: &crate::l3::Axes,
+    outputs: usize,
+    memory_bytes: Option<u64>,
+) -> Result<(), ExperimentError> {
+    let (positions, levels, textures) = (axes.positions(), axes.level_count(), axes.textures().count());
+    let size = 1 + axes.taps() + outputs;
+    let each = size * (size + 1) / 2 * size_of::<f64>() + outputs * axes.taps() * size_of::<f32>();
+    let classes = positions.saturating_mul(levels * textures);
+    let need = (classes as u64).saturating_mul(each as u64);
+    match memory_bytes {
+        Some(available) if need > available => Err(ExperimentError::Memory {
+            positions,
+            levels,
+            textures,
+            side: axes.side(),
+            need_mib: need >> 20,
+            available_mib: available >> 20,
+        }),
+        _ => Ok(()),
+    }
+}
+
+impl From<L3Error> for ExperimentError {
+    fn from(source: L3Error) -> Self {
+        Self::stage("learning", source)
+    }
+}

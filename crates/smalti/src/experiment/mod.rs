@@ -1,0 +1,31 @@
+//! Experiments as functions of plain values: simulate, train, evaluate, compare, light gain.
+//!
+//! The command and the Python package only call these functions, so that both give the same results for the same settings. No
+//! function opens a file: the caller passes scenes, raw images and pipelines. A [`Store`] caches slow results, and a
+//! [`Progress`] receives the steps and can stop the work.
+
+mod comparison;
+mod error;
+mod labels;
+mod learning;
+mod pairs;
+mod processing;
+mod progress;
+mod simulation;
+mod store;
+
+pub use comparison::{
+    ComparisonSettings, Contender, Outcome, PairwiseLightGain, TestScene, compare, light_gain_between,
+    light_gains_to_first, score_scene,
+};
+pub use error::ExperimentError;
+pub use labels::numbered;
+pub use learning::{
+    NamedScene, TrainingMaterial, TrainingRecord, continue_statistics, ensure_mosaic, fresh_statistics,
+    gather, learn_default, pair_statistics, solve,
+};
+pub use pairs::{PairAlignment, RawAndPicture, add_pair};
+pub use processing::Processing;
+pub use progress::{Progress, Silent};
+pub use simulation::{ScoredWindow, Simulation, SimulationSettings, capture, score_capture, simulate};
+pub use store::{NoStore, Resources, Store};

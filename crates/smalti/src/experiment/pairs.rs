@@ -1,0 +1,96 @@
+//! Training pairs of a raw image and its target picture, with alignment.
+
+use super::error::StageContext;
+use super::{ExperimentError, Progress};
+use crate::camera::{Camera, CameraError};
+use crate::color::{ColorSpace, Image};
+use crate::l3::{GOOD_CORRELATION, GOOD_RESIDUAL_PX, Pair, Registration, Statistics};
+use crate::numeric::Planes;
+use crate::sensor::RawImage;
+
+/// A raw image and its target picture.
+#[derive(Debug, Clone, Copy)]
+pub struct RawAndPicture<'a> {
+    /// The name of the pair in messages.
+    pub name: &'a str,
+    /// The raw image. The order of its channels may differ from that of the camera.
+    pub raw: &'a RawImage,
+    /// Rows and columns of the default crop, if the raw file states it.
+    pub default_crop: Option<(usize, usize)>,
+    /// The picture.
+    pub picture: &'a Image,
+}
+
+/// The alignment of a picture with its raw image.
+#[derive(Debug, Clone)]
+pub struct PairAlignment {
+    /// The registration; `None` when the pair was not to be aligned.
+    pub registration: Option<Registration>,
+    /// Rows that were used for training.
+    pub rows: usize,
+    /// Columns that were used for training.
+    pub cols: usize,
+}
+
+/// Adds a pair to the statistics. With `align`, the picture may be a crop of the raw image, shifted by fractions of a pixel or
+/// scaled. Otherwise picture and raw image must match pixel by pixel.
+///
+/// # Errors
+/// When the picture cannot be aligned, or the pair does not match the statistics.
+pub fn add_pair(
+    statistics: &mut Statistics,
+    camera: &Camera,
+    pair: RawAndPicture<'_>,
+    align: bool,
+    progress: &dyn Progress,
+) -> Result<PairAlignment, ExperimentError> {
+    let about = || pair.name.to_owned();
+    let names: Vec<String> = camera.sensor.cfa.channels().iter().map(|c| c.name.clone()).collect();
+    let target = pair.picture.converted(ColorSpace::Xyz).in_context(about)?;
+    let target = target.planes();
+    let raw = pair.raw.clone().with_channels(&names);
+    if !align {
+        statistics
+            .add(&Pair { raw: &raw, seen: None, target })
+            .map_err(CameraError::from)
+            .in_context(about)?;
+        return Ok(PairAlignment { registration: None, rows: raw.rows(), cols: raw.cols() });
+    }
+    let refused = |source| ExperimentError::Registration { pair: about(), source };
+    let luminance = Planes::new(target.rows(), target.cols(), 1, target.plane(1).to_vec())
+        .map_err(crate::l3::L3Error::from)?;
+    let scales = scales(&raw, pair.default_crop, target);
+    let found = Registration::best(&raw, &luminance, &scales).map_err(refused)?;
+    if found.correlation < GOOD_CORRELATION {
+        let (name, correlation) = (pair.name, found.correlation);
+        progress.note(&format!(
+            "{name}: their correlation is only {correlation:.2}; check that both are of the same shot"
+        ));
+    }
+    if found.largest_residual_px() > GOOD_RESIDUAL_PX {
+        let (name, px) = (pair.name, found.largest_residual_px());
+        progress.note(&format!(
+            "{name}: quadrants are off by up to {px:.2} pixels; is the picture's distortion corrected?"
+        ));
+    }
+    let aligned = found.apply(&raw, target).map_err(refused)?;
+    statistics.add(&aligned.pair()).map_err(CameraError::from).in_context(about)?;
+    let (rows, cols) = (aligned.raw.rows(), aligned.raw.cols());
+    Ok(PairAlignment { registration: Some(found), rows, cols })
+}
+
+/// Candidate scales, pixels of the raw image per pixel of the picture: 1, and the ratios of the default crop and of the raw image
+/// to the picture.
+fn scales(raw: &RawImage, default_crop: Option<(usize, usize)>, picture: &Planes) -> Vec<f64> {
+    let mut scales = vec![1.0];
+    for (rows, cols) in default_crop.into_iter().chain([(raw.rows(), raw.cols())]) {
+        let down = rows as f64 / picture.rows().max(1) as f64;
+        let across = cols as f64 / picture.cols().max(1) as f64;
+        let scale = if rows > cols { down } else { across };
+        let is_new = scales.iter().all(|s| (s / scale - 1.0).abs() > 1e-4);
+        if (down / across - 1.0).abs() < 0.01 && is_new && (0.25..=8.0).contains(&scale) {
+            scales.push(scale);
+        }
+    }
+    scales
+}

@@ -1,0 +1,64 @@
+//! Progress reports of an experiment, and stopping it.
+
+use super::ExperimentError;
+use crate::color::Image;
+use crate::isp::{Isp, IspError};
+use crate::sensor::RawImage;
+
+/// Receives the steps of an experiment, from any thread, and can stop it.
+pub trait Progress: Sync {
+    /// Announces further steps of the work.
+    fn expect(&self, steps: u64) {
+        let _ = steps;
+    }
+
+    /// A step with this name begins.
+    fn begin(&self, step: &str) {
+        let _ = step;
+    }
+
+    /// A step is done.
+    fn done(&self) {}
+
+    /// A picture was rendered. A step may have several pictures.
+    fn picture(&self) {}
+
+    /// A note for the user that is not an error.
+    fn note(&self, text: &str) {
+        let _ = text;
+    }
+
+    /// Whether the work should stop. The experiment checks this between steps and pictures, and then ends with
+    /// [`ExperimentError::Stopped`].
+    fn is_stopped(&self) -> bool {
+        false
+    }
+}
+
+/// Ignores all reports and never stops the work.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Silent;
+
+impl Progress for Silent {}
+
+/// An error if the work should stop.
+pub(super) fn ensure_running(progress: &dyn Progress) -> Result<(), ExperimentError> {
+    if progress.is_stopped() { Err(ExperimentError::Stopped) } else { Ok(()) }
+}
+
+/// A pipeline that fails once the work should stop.
+pub(super) struct Stoppable<'a> {
+    pub(super) isp: Box<dyn Isp + 'a>,
+    pub(super) progress: &'a dyn Progress,
+}
+
+impl Isp for Stoppable<'_> {
+    fn render(&self, raw: &RawImage) -> Result<Image, IspError> {
+        if self.progress.is_stopped() {
+            return Err(IspError::Stopped);
+        }
+        let picture = self.isp.render(raw)?;
+        self.progress.picture();
+        Ok(picture)
+    }
+}

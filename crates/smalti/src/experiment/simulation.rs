@@ -1,0 +1,123 @@
+//! One capture, from the scene to a scored picture.
+
+use super::error::StageContext;
+use super::{ExperimentError, Progress};
+use crate::camera::{Camera, CameraError, Photograph, PictureScores, ScoreSettings, score_picture};
+use crate::isp::{Isp, WhiteBalance};
+use crate::metrics::MetricError;
+use crate::optics::OpticalImage;
+use crate::scene::Scene;
+use crate::sensor::{Exposure, NoiseMode, Window};
+use crate::spectrum::Spectrum;
+
+/// Maximum number of rows and of columns that are scored.
+const MAX_SCORED_PX: usize = 2048;
+
+/// Settings of a simulation.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SimulationSettings {
+    /// The noise sources.
+    pub noise: NoiseMode,
+    /// Seed of the noise.
+    pub seed: u64,
+    /// Viewing conditions of the scores, as in a comparison.
+    pub score: ScoreSettings,
+}
+
+/// The results of a simulation.
+#[derive(Debug, Clone)]
+pub struct Simulation {
+    /// The results of every stage.
+    pub photograph: Photograph,
+    /// The scores of the centre of the picture against the reference of the standard observer; `None` when there is no light.
+    pub score: Option<ScoredWindow>,
+}
+
+/// The scores of a part of a picture.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ScoredWindow {
+    /// The scores.
+    pub scores: PictureScores,
+    /// The part of the sensor.
+    pub window: Window,
+}
+
+/// Captures a scene, renders the raw image and scores the picture, in two steps of progress. The scene is dropped as soon as its
+/// optical image is formed.
+///
+/// # Errors
+/// When a stage fails, or the work is stopped.
+pub fn simulate(
+    camera: &Camera,
+    scene: Scene,
+    settings: &SimulationSettings,
+    progress: &dyn Progress,
+) -> Result<Simulation, ExperimentError> {
+    let light = scene.illuminant().clone();
+    let photograph = capture(camera, scene, settings, progress)?;
+    let score = score_capture(camera, &light, &photograph.optical_image, &photograph.exposure, settings)?;
+    Ok(Simulation { photograph, score })
+}
+
+/// [`simulate`] without the scores.
+///
+/// # Errors
+/// When a stage fails, or the work is stopped.
+pub fn capture(
+    camera: &Camera,
+    scene: Scene,
+    settings: &SimulationSettings,
+    progress: &dyn Progress,
+) -> Result<Photograph, ExperimentError> {
+    let about = || camera.description().name.clone();
+    progress.begin("optics");
+    let image = camera.optics.image(&scene).map_err(CameraError::from).in_context(about)?;
+    let light = scene.illuminant().clone();
+    drop(scene);
+    progress.done();
+    super::progress::ensure_running(progress)?;
+    progress.begin("sensor and processing");
+    let photograph = camera.photograph(image, &light, settings.noise, settings.seed).in_context(about)?;
+    progress.done();
+    Ok(photograph)
+}
+
+/// Captures an optical image under an illuminant (photons) and scores the centre of the picture, at most 2048 pixels high and
+/// wide. `None` when there is no light.
+///
+/// # Errors
+/// When a stage fails.
+pub fn score_capture(
+    camera: &Camera,
+    light: &Spectrum,
+    image: &OpticalImage,
+    exposure: &Exposure,
+    settings: &SimulationSettings,
+) -> Result<Option<ScoredWindow>, ExperimentError> {
+    let about = || camera.description().name.clone();
+    let mosaic = camera.sensor.cfa.mosaic();
+    let whole = camera.sensor.read_window();
+    let middle = |first: usize, count: usize, tile: usize| {
+        let taken = count.min(MAX_SCORED_PX);
+        let skipped = (count - taken) / 2;
+        (first + skipped - skipped % tile, taken)
+    };
+    let (row, rows) = middle(whole.row, whole.rows, mosaic.rows());
+    let (col, cols) = middle(whole.col, whole.cols, mosaic.cols());
+    let window = Window { row, col, rows, cols };
+    let mut camera = camera.clone();
+    camera.sensor.window = Some(window);
+    // A windowed capture has the same bits as that part of the full capture.
+    let score = || -> Result<_, CameraError> {
+        let raw = camera.sensor.capture(image, exposure, settings.noise, settings.seed)?;
+        let isp = camera.isp(light, WhiteBalance::None)?;
+        let picture = isp.render(&raw)?;
+        let reference = camera.reference_as_exposed(image, exposure, light)?;
+        match score_picture(&picture, &reference, isp.color_matrix.xyz_white(), &settings.score) {
+            Ok(scores) => Ok(Some(ScoredWindow { scores, window })),
+            Err(CameraError::Metric(MetricError::Undefined { .. })) => Ok(None),
+            Err(e) => Err(e),
+        }
+    };
+    score().in_context(about)
+}

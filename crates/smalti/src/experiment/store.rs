@@ -1,0 +1,63 @@
+//! The cache of experiments, and the resources that they may use.
+
+use super::{Progress, Silent};
+use crate::camera::CameraError;
+use crate::l3::Statistics;
+use crate::optics::OpticalImage;
+
+/// A cache of slow results. A key contains everything that its result was computed from. A store may lose entries at any time.
+pub trait Store: Sync {
+    /// The optical image of a key, computed by `make` when it is not cached.
+    ///
+    /// # Errors
+    /// Those of `make`.
+    fn optical_image(
+        &self,
+        key: &str,
+        make: &dyn Fn() -> Result<OpticalImage, CameraError>,
+    ) -> Result<OpticalImage, CameraError>;
+
+    /// The training statistics of a key; `None` when they are not cached.
+    fn statistics(&self, key: &str) -> Option<Statistics>;
+
+    /// Caches training statistics.
+    fn keep_statistics(&self, key: &str, statistics: &Statistics);
+}
+
+/// Caches nothing.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct NoStore;
+
+impl Store for NoStore {
+    fn optical_image(
+        &self,
+        _: &str,
+        make: &dyn Fn() -> Result<OpticalImage, CameraError>,
+    ) -> Result<OpticalImage, CameraError> {
+        make()
+    }
+
+    fn statistics(&self, _: &str) -> Option<Statistics> {
+        None
+    }
+
+    fn keep_statistics(&self, _: &str, _: &Statistics) {}
+}
+
+/// Resources that the caller provides for an experiment.
+#[derive(Clone, Copy)]
+pub struct Resources<'a> {
+    /// The cache.
+    pub store: &'a dyn Store,
+    /// The receiver of progress.
+    pub progress: &'a dyn Progress,
+    /// Memory limit of training, bytes; `None` for no limit.
+    pub memory_bytes: Option<u64>,
+}
+
+impl Default for Resources<'_> {
+    /// No cache, no progress reports, no memory limit.
+    fn default() -> Self {
+        Self { store: &NoStore, progress: &Silent, memory_bytes: None }
+    }
+}
