@@ -14,7 +14,7 @@ pub fn plan() -> Plan {
             spec("c", ColumnKind::Text),
             spec("d", ColumnKind::Floats),
         ],
-        designs: 3,
+        trials: 3,
         chunk: 3,
     }
 }

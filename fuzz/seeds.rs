@@ -88,8 +88,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     let dir = folder("study")?;
     for study in smalti_io::studies::names() {
         fs::write(dir.join(study.name), study.toml)?;
-        let (designs, _) = smalti_io::studies::load(study.name).map_err(|e| e.to_string())?;
-        fs::write(dir.join(format!("{}.json", study.name)), serde_json::to_vec(designs.study())?)?;
+        let (trials, _) = smalti_io::studies::load(study.name).map_err(|e| e.to_string())?;
+        fs::write(dir.join(format!("{}.json", study.name)), serde_json::to_vec(trials.study())?)?;
     }
 
     let dir = folder("names")?;
@@ -245,7 +245,7 @@ fn seeds_of_dataset(dir: &Path) -> Result<(), Box<dyn Error>> {
         ],
     )?;
     run.finish(serde_json::json!({"seconds": 1}))?;
-    for name in ["manifest.json", "designs/part-000000.parquet"] {
+    for name in ["manifest.json", "trials/part-000000.parquet"] {
         let file = results.join(name);
         fs::copy(&file, dir.join(file.file_name().ok_or("a file has a name")?))?;
     }

@@ -23,9 +23,9 @@ study = smalti.Study.from_toml(
 print(study)
 # Ctrl-C keeps the finished parts, and the next run resumes.
 frame = smalti.sweep(study, "filters").to_pandas()
-best = frame.nsmallest(5, "delta_e_2000")[["design", "colors", "tile", "delta_e_2000", "luminance_noise_percent"]]
+best = frame.nsmallest(5, "delta_e_2000")[["trial", "colors", "tile", "delta_e_2000", "luminance_noise_percent"]]
 print(best.to_string(index=False))
-print(study.design(int(best.design.iloc[0])))
+print(study.cfa(int(best.trial.iloc[0])))
 
 for colors, group in frame.groupby("colors"):
     plt.scatter(group.luminance_noise_percent, group.delta_e_2000, s=8, label=f"{colors} colours")

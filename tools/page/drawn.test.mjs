@@ -29,7 +29,7 @@ async function pages(name, toml) {
   await writeFile(join(dir, `${name}.toml`), `name = "${name}"\n${toml}`);
   run("sweep", `${name}.toml`, "-o", name, "--no-cache");
   const [{ sections }] = JSON.parse(run("report", name, "-o", `${name}.html`, "--pictures", "0", "--json")).studies;
-  const numbers = sections.flatMap((s) => s.colors.flatMap((g) => g.best.slice(0, 2).map((b) => b.design)));
+  const numbers = sections.flatMap((s) => s.colors.flatMap((g) => g.best.slice(0, 2).map((b) => b.trial)));
   run("report", name, "-o", `${name}-own.html`, "--picture", numbers.join(","));
   const [, text] = /<script type="application\/json" id="sweep">(.*?)<\/script>/s.exec(await readFile(join(dir, `${name}-own.html`), "utf8"));
   const data = JSON.parse(text);
@@ -66,13 +66,13 @@ async function hold(name, file, own) {
   await work(browser, file, {}, plot, async (page) => {
     for (const [number, theirs] of own) {
       await page.locator("#best tbody button").filter({ hasText: new RegExp(`^${number}$`) }).first().dispatchEvent("click");
-      assert.equal(await panel(page).locator("h3").textContent(), `Design ${number}`);
+      assert.equal(await panel(page).locator("h3").textContent(), `Trial ${number}`);
       const canvases = panel(page).locator(".pictures canvas");
       assert.equal(await canvases.count(), 2, await panel(page).textContent());
       await panel(page).locator(".pictures canvas[data-drawn]").nth(1).waitFor();
       for (const which of [0, 1]) {
         const count = await canvases.nth(which).evaluate(differing, theirs[which]);
-        assert.equal(count, 0, `${name}, picture ${which} of design ${number}; ${STALE}`);
+        assert.equal(count, 0, `${name}, picture ${which} of trial ${number}; ${STALE}`);
       }
       times.push(Number(await canvases.first().getAttribute("data-drawn")));
     }

@@ -87,7 +87,7 @@ test("a rectangle selects, and the selection is saved", () => withPage({}, async
   assert.equal(number(await count(page).textContent()), 240);
   await brush(page, [0.2, 0.2, 0.7, 0.8]);
   const words = await count(page).textContent();
-  assert.match(words, /^\d+ of 240 designs selected/);
+  assert.match(words, /^\d+ of 240 trials selected/);
   const selected = number(words);
   assert.ok(selected > 5 && selected < 240, words);
   assert.equal(await page.locator(".histogram figcaption", { hasText: "; of the selection" }).count(), 4);
@@ -96,7 +96,7 @@ test("a rectangle selects, and the selection is saved", () => withPage({}, async
   const lines = (await readFile(await download.path(), "utf8")).trimEnd().split("\n");
   assert.equal(lines.length, selected + 1);
   const head = lines[0].split(",");
-  for (const name of ["design", "optics_f_number", "tile", "delta_e_76", "mtf50_cy_per_mm", "center_nm"]) assert.ok(head.includes(name), name);
+  for (const name of ["trial", "optics_f_number", "tile", "delta_e_76", "mtf50_cy_per_mm", "center_nm"]) assert.ok(head.includes(name), name);
   // Names with commas and quotes stand in quotes; the columns behind hold none.
   const back = (name) => head.length - head.indexOf(name);
   for (const line of lines.slice(1)) {
@@ -118,17 +118,17 @@ test("a rectangle selects, and the selection is saved", () => withPage({}, async
   const all = (await readFile(await second.path(), "utf8")).trimEnd().split("\n").slice(1).map((line) => line.split(","));
   assert.equal(all.length, 240);
   const cell = (cells, name) => cells.at(-back(name));
-  const byNumber = new Map(all.map((cells) => [Number(cell(cells, "design")), cells]));
+  const byNumber = new Map(all.map((cells) => [Number(cell(cells, "trial")), cells]));
   const report = JSON.parse(execFileSync(smalti, ["report", "out", "-o", "again.html", "--pictures", "0", "--json", "--quiet"], { cwd: dir }));
   const best = report.studies[0].sections.flatMap((s) => s.colors.flatMap((c) => c.best));
   assert.equal(best.length, 18);
-  for (const design of best) {
-    const cells = byNumber.get(design.design);
-    assert.equal(cell(cells, "tile"), design.tile);
+  for (const trial of best) {
+    const cells = byNumber.get(trial.trial);
+    assert.equal(cell(cells, "tile"), trial.tile);
     for (const name of ["delta_e_76", "mtf50_cy_per_mm", "luminance_noise_percent"]) {
-      assert.ok(Math.abs(cell(cells, name) / design[name] - 1) < 1e-6, name);
+      assert.ok(Math.abs(cell(cells, name) / trial[name] - 1) < 1e-6, name);
     }
-    assert.deepEqual(cell(cells, "center_nm").split(" ").map(Number), design.center_nm);
+    assert.deepEqual(cell(cells, "center_nm").split(" ").map(Number), trial.center_nm);
   }
 }));
 
@@ -137,7 +137,7 @@ test("a click shows a design with its pictures", () => withPage({}, async (page)
   const row = page.locator("#best tbody tr", { has: page.locator("td", { hasText: "5" }) }).last();
   await row.getByRole("button").click();
   const title = await row.getByRole("button").textContent();
-  assert.equal(await panel.locator("h3").textContent(), `Design ${title}`);
+  assert.equal(await panel.locator("h3").textContent(), `Trial ${title}`);
   assert.equal(await panel.locator("tbody tr").first().locator("th").textContent(), "A");
   assert.ok((await panel.locator("desc").first().textContent()).startsWith("A at "));
   // The pictures of each are drawn, and are its own: no two are alike.
@@ -145,8 +145,8 @@ test("a click shows a design with its pictures", () => withPage({}, async (page)
   const buttons = await page.locator("#best tbody button").all();
   for (const button of buttons) {
     await button.dispatchEvent("click");
-    const design = await button.textContent();
-    const pictures = panel.locator(`.pictures canvas[data-drawn][aria-label$=", design ${design}"]`);
+    const trial = await button.textContent();
+    const pictures = panel.locator(`.pictures canvas[data-drawn][aria-label$=", trial ${trial}"]`);
     await pictures.nth(1).waitFor();
     seen.add(await pictures.first().evaluate((c) => c.toDataURL()));
   }
@@ -163,7 +163,7 @@ test("a click shows a design with its pictures", () => withPage({}, async (page)
   await plot(page).focus();
   await page.keyboard.press("ArrowRight");
   await page.keyboard.press("Enter");
-  assert.equal(await panel.locator("h3").textContent(), "Design 5");
+  assert.equal(await panel.locator("h3").textContent(), "Trial 5");
   assert.equal(await panel.locator(".pictures img").count(), 2);
   await panel.locator(".pictures button").first().click();
   assert.equal(await page.locator("dialog img").count(), 1);
@@ -174,7 +174,7 @@ test("the keyboard walks from point to point", () => withPage({}, async (page) =
   await plot(page).focus();
   await page.keyboard.press("Home");
   const first = await count(page).textContent();
-  assert.match(first, /^Design \d+, \d colours, Resolution MTF50/);
+  assert.match(first, /^Trial \d+, \d colours, Resolution MTF50/);
   await page.keyboard.press("ArrowRight");
   const second = await count(page).textContent();
   assert.notEqual(second, first);
@@ -185,7 +185,7 @@ test("the keyboard walks from point to point", () => withPage({}, async (page) =
   await page.mouse.move(box.x + box.width - 30, box.y + box.height - 60, { steps: 3 });
   await page.waitForTimeout(100);
   await page.keyboard.press("Enter");
-  assert.equal(await panel.textContent(), second.match(/^Design \d+/)[0]);
+  assert.equal(await panel.textContent(), second.match(/^Trial \d+/)[0]);
 }));
 
 test("filters by colours, conditions and ranges", () => withPage({}, async (page) => {
@@ -217,7 +217,7 @@ test("tables sort, commands copy, the theme changes", () => withPage({ permissio
   assert.match(command, /^cat > study.json <<'EOF'\n\{[\x20-\x7e\n]+\}\nEOF\nsmalti sweep study.json -o again && smalti report again$/);
   // The command alone makes the same results.
   execFileSync("sh", ["-c", command.replace("smalti sweep", `'${smalti}' sweep --quiet`).replace(/ && .*/, "")], { cwd: dir });
-  const part = (where) => readFile(join(dir, where, "designs/part-000000.parquet"));
+  const part = (where) => readFile(join(dir, where, "trials/part-000000.parquet"));
   assert.deepEqual(await part("again"), await part("out"));
 
   const back = () => page.evaluate(() => getComputedStyle(document.body).backgroundColor);
@@ -294,7 +294,7 @@ test("a click that trembles keeps the rectangle, Escape clears it", () => withPa
   assert.deepEqual(await frame.boundingBox(), size);
   await plot(page).focus();
   await page.keyboard.press("Escape");
-  assert.equal(await count(page).textContent(), "240 designs");
+  assert.equal(await count(page).textContent(), "240 trials");
   assert.equal((await frame.boundingBox())?.width ?? 0, 0);
 }));
 
@@ -379,11 +379,11 @@ test("marks are above 100 000 dots", async () => {
     const found = new Set();
     for (const [x, y] of (await pixels(page, INK)).places) {
       await page.mouse.move(box.x + x, box.y + y);
-      const [design, mark] = (await page.locator(".tip").textContent()).split("\n");
-      if (mark === "few") found.add(design);
+      const [trial, mark] = (await page.locator(".tip").textContent()).split("\n");
+      if (mark === "few") found.add(trial);
     }
     assert.ok(found.size > 5, [...found].join("; "));
-    for (const design of found) assert.ok(number(design) >= 100_000, design);
+    for (const trial of found) assert.ok(number(trial) >= 100_000, trial);
   }, many);
 });
 
@@ -442,7 +442,7 @@ test("a finger across selects", () => withPage({ hasTouch: true }, async (page) 
   await touch("pointerdown", 0.3, 0.2);
   for (const at of [0.4, 0.5, 0.6]) await touch("pointermove", at, at);
   await touch("pointerup", 0.6, 0.6);
-  assert.match(await count(page).textContent(), /^\d+ of 240 designs selected/);
+  assert.match(await count(page).textContent(), /^\d+ of 240 trials selected/);
 }));
 
 test("the plotting library is that of its release", async () => {

@@ -6,7 +6,7 @@ use anyhow::Context;
 use clap::Args;
 use smalti::experiment::Progress as _;
 use smalti_io::dataset::Dataset;
-use smalti_io::sweeps::{read_designs, read_results};
+use smalti_io::sweeps::{read_results, read_trials};
 use smalti_io::write;
 use smalti_report::study::{DOCUMENT, PAGE, Report, ReportSettings, Results, camera_toml, figure_files};
 
@@ -20,12 +20,12 @@ use crate::table;
     smalti report study theory -o both                    two studies: filters by rule and all filters\n  \
     smalti report study --json > study.json               all results as one JSON document\n  \
     smalti report study -o study.html                     only the page\n  \
-    smalti report study --picture 4711,17                 embed the pictures of these designs\n  \
-    smalti report study --camera 4711 > found.toml        a design as a camera file for other commands\n\n\
+    smalti report study --picture 4711,17                 embed the pictures of these trials\n  \
+    smalti report study --camera 4711 > found.toml        the design of a trial as a camera file for other commands\n\n\
     ΔE is the mean over the ColorChecker (CIELAB 1976), MTF50 that of a slanted edge in cycles/mm on the sensor, and noise that of the \
     luminance of grey patches in percent. For each number of colours, the best design has the least ΔE among the designs whose \
     MTF50 is at least the median; where only mosaics differ, it has the largest MTF50.\n\n\
-    report.html is a single page that works offline, with interactive plots and a filter of the designs. Figures are written as SVG \
+    report.html is a single page that works offline, with interactive plots and a filter of the trials. Figures are written as SVG \
     and PNG. report.json is removed first and written last, so a folder that contains it is complete.")]
 pub(crate) struct ReportArgs {
     /// Folders of results (smalti sweep), complete or not
@@ -35,19 +35,19 @@ pub(crate) struct ReportArgs {
     /// first DIR]
     #[arg(short, long, value_name = "FOLDER")]
     pub(crate) output: Option<PathBuf>,
-    /// Number of designs with learned pipelines whose pictures are embedded in the page: the best, the worst, then those of the
+    /// Number of trials with learned pipelines whose pictures are embedded in the page: the best, the worst, then those of the
     /// Pareto front
     #[arg(long, default_value_t = 16, value_name = "N", value_parser = clap::value_parser!(u16).range(0..=1000))]
     pub(crate) pictures: u16,
-    /// Further designs of the first DIR, by number, whose pictures are embedded in the page
-    #[arg(long, value_delimiter = ',', value_name = "DESIGN")]
+    /// Further trials of the first DIR, by number, whose pictures are embedded in the page
+    #[arg(long, value_delimiter = ',', value_name = "TRIAL")]
     pub(crate) picture: Vec<u64>,
     /// Draw figures of the conditions and processing methods whose name in the tables contains TEXT; may be given more than once
     /// [default: the first 8]
     #[arg(long, value_name = "TEXT")]
     pub(crate) draw: Vec<String>,
-    /// Print only the camera file of a design of the first DIR, by its number
-    #[arg(long, value_name = "DESIGN", conflicts_with_all = ["output", "json"])]
+    /// Print only the camera file of a trial of the first DIR, by its number
+    #[arg(long, value_name = "TRIAL", conflicts_with_all = ["output", "json"])]
     pub(crate) camera: Option<u64>,
     /// Print report.json instead of the tables
     #[arg(long)]
@@ -103,7 +103,7 @@ pub(crate) fn run(args: &ReportArgs, common: &Common) -> anyhow::Result<()> {
     crate::print(&if args.json { document } else { text + &written })
 }
 
-/// The camera of a design as TOML.
+/// The camera of a trial as TOML.
 fn camera(dir: &Path, number: u64) -> anyhow::Result<String> {
-    camera_toml(&read_designs(&Dataset::open(dir)?)?, number).with_context(|| dir.display().to_string())
+    camera_toml(&read_trials(&Dataset::open(dir)?)?, number).with_context(|| dir.display().to_string())
 }

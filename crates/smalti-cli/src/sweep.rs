@@ -1,4 +1,4 @@
-//! `smalti sweep`: scores the designs of a study and writes the results in parts.
+//! `smalti sweep`: scores the trials of a study and writes the results in parts.
 
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 use anyhow::{Context, bail};
 use clap::Args;
 use serde_json::json;
-use smalti::design::{Designs, Sweep};
+use smalti::design::{Sweep, Trials};
 use smalti_io::cache::Cache;
 use smalti_io::dataset::{self, ColumnKind, Manifest, Plan, Run, Shard};
 use smalti_io::studies;
@@ -19,12 +19,12 @@ use smalti::experiment::Progress as _;
 
 #[derive(Debug, Clone, Args)]
 #[command(after_help = "Examples:\n  \
-    smalti sweep table2 -o study && smalti report study   score 5000 designs and report them\n  \
+    smalti sweep table2 -o study && smalti report study   score 5000 trials and report them\n  \
     smalti sweep my-study.toml -o mine                    your own study; repeat the command to resume\n  \
-    smalti sweep my-study.toml --dry-run                  number of designs, duration, size\n  \
+    smalti sweep my-study.toml --dry-run                  number of trials, duration, size\n  \
     smalti sweep my-study.toml --shard 3/16 -o mine       one of sixteen machines with a shared folder\n  \
     smalti sweep --merge part1 part2 -o mine              merge the folders of shards\n\n\
-    DIR/designs/*.parquet has a row for each design; pandas, Polars and DuckDB read it directly.")]
+    DIR/trials/*.parquet has a row for each trial; pandas, Polars and DuckDB read it directly.")]
 pub(crate) struct SweepArgs {
     /// A built-in study (smalti list studies), a TOML file, or the manifest.json of its results
     #[arg(required_unless_present = "merge", conflicts_with = "merge")]
@@ -35,13 +35,13 @@ pub(crate) struct SweepArgs {
     /// Score only the I-th of N shards of the study
     #[arg(long, value_name = "I/N")]
     pub(crate) shard: Option<Shard>,
-    /// Designs per file of results; an interrupted run loses at most two files [default: by the size of the study]
+    /// Trials per file of results; an interrupted run loses at most two files [default: by the size of the study]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=dataset::MAX_CHUNK))]
     pub(crate) part_size: Option<u64>,
-    /// Print the number of designs, the expected duration and the size of the results; write nothing
+    /// Print the number of trials, the expected duration and the size of the results; write nothing
     #[arg(long)]
     pub(crate) dry_run: bool,
-    /// Measure how many designs per second this machine scores; write nothing
+    /// Measure how many trials per second this machine scores; write nothing
     #[arg(long, conflicts_with = "dry_run")]
     pub(crate) benchmark: bool,
     /// Merge the results of shards that ran in separate folders into the folder of -o
@@ -70,51 +70,51 @@ pub(crate) fn run(args: &SweepArgs, common: &Common) -> anyhow::Result<()> {
     let Some(name) = &args.study else {
         bail!("expected a built-in study (smalti list studies) or a TOML file")
     };
-    let (designs, about) = studies::load(name).map_err(|e| anyhow::anyhow!("{e}"))?;
-    let plan = sweeps::plan(&designs, about, args.part_size, &args.output)?;
-    // An impossible study is refused before the first design is scored.
+    let (trials, about) = studies::load(name).map_err(|e| anyhow::anyhow!("{e}"))?;
+    let plan = sweeps::plan(&trials, about, args.part_size, &args.output)?;
+    // An impossible study is refused before the first trial is scored.
     Manifest::new(&plan)?;
     let cache = if args.no_cache { Cache::disabled() } else { Cache::open(None) };
     let images = |key: &str, make: &dyn Fn() -> _| cache.optical_image(key, make);
-    let sweep = Sweep::new(&designs, &images);
+    let sweep = Sweep::new(&trials, &images);
     if args.dry_run {
-        return dry_run(args, &designs, &plan, &sweep);
+        return dry_run(args, &trials, &plan, &sweep);
     }
     if args.benchmark {
-        return benchmark(args, &designs, &sweep);
+        return benchmark(args, &trials, &sweep);
     }
     if args.output.is_file() {
         bail!("{} is a file; expected a folder for the results", args.output.display());
     }
     let run = Run::open(&args.output, &plan, args.shard)?;
-    let to_do: u64 = run.missing().iter().map(|&c| plan.designs_of(c)).map(|r| r.end - r.start).sum();
+    let to_do: u64 = run.missing().iter().map(|&c| plan.trials_of(c)).map(|r| r.end - r.start).sum();
     let progress = Progress::new(to_do, common.quiet);
-    progress.begin(&designs.study().name);
-    if to_do < designs.len() && args.shard.is_none() {
-        progress.note(&format!("{} of {} designs are already scored", designs.len() - to_do, designs.len()));
+    progress.begin(&trials.study().name);
+    if to_do < trials.len() && args.shard.is_none() {
+        progress.note(&format!("{} of {} trials are already scored", trials.len() - to_do, trials.len()));
     }
-    for (colors, _, _) in designs.groups().filter(|&(_, sets, mosaics)| sets == 0 || mosaics == 0) {
+    for (colors, _, _) in trials.groups().filter(|&(_, sets, mosaics)| sets == 0 || mosaics == 0) {
         progress.note(&format!("the study has no design of {colors} colours"));
     }
     if !common.quiet {
         tell_when_stopped(args)?;
     }
     let start = Instant::now();
-    sweeps::score_and_write(&sweep, &designs, &run, &|| progress.done(), &|| true)?;
+    sweeps::score_and_write(&sweep, &trials, &run, &|| progress.done(), &|| true)?;
     progress.finish();
     let seconds = start.elapsed().as_secs_f64();
-    let timings = json!({"seconds": seconds, "designs": to_do, "threads": rayon::current_num_threads()});
+    let timings = json!({"seconds": seconds, "trials": to_do, "threads": rayon::current_num_threads()});
     let lacking = run.finish(timings)?;
     let rate = if seconds > 0.0 { to_do as f64 / seconds } else { 0.0 };
     let done = match to_do {
         0 => "nothing was left to do".to_owned(),
-        n => format!("{n} designs in {seconds:.1} s ({rate:.0} per second)"),
+        n => format!("{n} trials in {seconds:.1} s ({rate:.0} per second)"),
     };
     let dir = args.output.display();
     if args.json {
         let document = json!({
-            "study": designs.study().name, "output": args.output, "designs": designs.len(), "scored": to_do,
-            "seconds": seconds, "designs_per_s": rate, "parts_missing": lacking,
+            "study": trials.study().name, "output": args.output, "trials": trials.len(), "scored": to_do,
+            "seconds": seconds, "trials_per_s": rate, "parts_missing": lacking,
         });
         return crate::output::print_json(&document);
     }
@@ -136,15 +136,15 @@ fn tell_when_stopped(args: &SweepArgs) -> anyhow::Result<()> {
     .context("listening for Ctrl-C")
 }
 
-/// Scores designs from all of the study for about `time`; the number scored, and designs per second.
-fn rate(designs: &Designs, sweep: &Sweep<'_>, time: Duration) -> anyhow::Result<(u64, f64)> {
+/// Scores trials from all of the study for about `time`; the number scored, and trials per second.
+fn rate(trials: &Trials, sweep: &Sweep<'_>, time: Duration) -> anyhow::Result<(u64, f64)> {
     // The preparation of a study is not part of the rate.
-    let of_first = designs.end_of_condition(0).min(designs.len());
+    let of_first = trials.end_of_condition(0).min(trials.len());
     sweep.score(0..1, &|| ())?;
     let (start, mut done, mut size) = (Instant::now(), 0, 32);
     loop {
         let part = size.min(of_first);
-        // Designs are ordered by number of colours: equal steps sample all of them.
+        // Trials are ordered by number of colours: equal steps sample all of them.
         let stride = (of_first / part).max(1);
         let numbers: Vec<u64> = (0..part).map(|i| (i * stride + done % stride).min(of_first - 1)).collect();
         sweep.score_numbers(&numbers, &|| ())?;
@@ -157,12 +157,12 @@ fn rate(designs: &Designs, sweep: &Sweep<'_>, time: Duration) -> anyhow::Result<
     }
 }
 
-fn dry_run(args: &SweepArgs, designs: &Designs, plan: &Plan, sweep: &Sweep<'_>) -> anyhow::Result<()> {
-    let (_, per_s) = rate(designs, sweep, Duration::from_secs(1)).context("scoring some designs")?;
-    let study = designs.study();
+fn dry_run(args: &SweepArgs, trials: &Trials, plan: &Plan, sweep: &Sweep<'_>) -> anyhow::Result<()> {
+    let (_, per_s) = rate(trials, sweep, Duration::from_secs(1)).context("scoring some trials")?;
+    let study = trials.study();
     let own = (0..plan.chunks()).filter(|&c| args.shard.is_none_or(|s| s.owns(c)));
-    let to_do: u64 = own.map(|c| plan.designs_of(c)).map(|r| r.end - r.start).sum();
-    let (colors, count) = designs.groups().fold((0, 0), |(c, n), (colors, sets, mosaics)| {
+    let to_do: u64 = own.map(|c| plan.trials_of(c)).map(|r| r.end - r.start).sum();
+    let (colors, count) = trials.groups().fold((0, 0), |(c, n), (colors, sets, mosaics)| {
         let here = sets * mosaics as u64;
         (c + colors as u64 * here, n + here)
     });
@@ -176,14 +176,14 @@ fn dry_run(args: &SweepArgs, designs: &Designs, plan: &Plan, sweep: &Sweep<'_>) 
     let megabytes = to_do as f64 * plan.schema.iter().map(|c| bytes(c.kind)).sum::<f64>() * 1e-6;
     let seconds = to_do as f64 / per_s;
     if args.json {
-        let groups: Vec<_> = designs
+        let groups: Vec<_> = trials
             .groups()
             .map(|(colors, sets, mosaics)| json!({"colors": colors, "filter_sets": sets, "mosaics": mosaics}))
             .collect();
         let document = json!({
-            "study": study.name, "designs": to_do, "groups": groups, "conditions": study.conditions.len(),
-            "processing": study.processing, "parts": plan.chunks(), "designs_per_part": plan.chunk,
-            "designs_per_s": per_s, "seconds": seconds, "megabytes": megabytes,
+            "study": study.name, "trials": to_do, "groups": groups, "conditions": study.conditions.len(),
+            "processing": study.processing, "parts": plan.chunks(), "trials_per_part": plan.chunk,
+            "trials_per_s": per_s, "seconds": seconds, "megabytes": megabytes,
         });
         return crate::output::print_json(&document);
     }
@@ -191,17 +191,17 @@ fn dry_run(args: &SweepArgs, designs: &Designs, plan: &Plan, sweep: &Sweep<'_>) 
     let row = |(colors, sets, mosaics): (usize, u64, usize)| {
         vec![colors.to_string(), sets.to_string(), mosaics.to_string(), (sets * mosaics as u64).to_string()]
     };
-    let rows: Vec<_> = designs.groups().map(row).collect();
+    let rows: Vec<_> = trials.groups().map(row).collect();
     out += &table::render(&["colours", "filter sets", "mosaics", "designs"], &rows);
     let with: Vec<String> = study.processing.iter().map(|p| p.name().to_owned()).collect();
     let conditions = match study.conditions.len() {
         1 => "one condition".to_owned(),
-        n => format!("each design under {n} conditions"),
+        n => format!("each trial under {n} conditions"),
     };
     out += &format!(
-        "\n{to_do} designs to score ({conditions}), with {} processing\n\
-         {} files of at most {} designs, about {megabytes:.1} MB\n\
-         about {} at {per_s:.0} designs per second (measured now)\n",
+        "\n{to_do} trials to score ({conditions}), with {} processing\n\
+         {} files of at most {} trials, about {megabytes:.1} MB\n\
+         about {} at {per_s:.0} trials per second (measured now)\n",
         with.join(" and "),
         plan.chunks(),
         plan.chunk,
@@ -210,15 +210,16 @@ fn dry_run(args: &SweepArgs, designs: &Designs, plan: &Plan, sweep: &Sweep<'_>) 
     crate::print(&out)
 }
 
-fn benchmark(args: &SweepArgs, designs: &Designs, sweep: &Sweep<'_>) -> anyhow::Result<()> {
-    let (done, per_s) = rate(designs, sweep, Duration::from_secs(5))?;
+fn benchmark(args: &SweepArgs, trials: &Trials, sweep: &Sweep<'_>) -> anyhow::Result<()> {
+    let (done, per_s) = rate(trials, sweep, Duration::from_secs(5))?;
     let threads = rayon::current_num_threads();
     if args.json {
-        let document = json!({"study": designs.study().name, "designs": done, "designs_per_s": per_s, "threads": threads});
+        let document =
+            json!({"study": trials.study().name, "trials": done, "trials_per_s": per_s, "threads": threads});
         return crate::output::print_json(&document);
     }
     crate::print(&format!(
-        "{per_s:.0} designs per second on {threads} threads ({done} designs with all scenes, noise and metrics; nothing written)\n"
+        "{per_s:.0} trials per second on {threads} threads ({done} trials with all scenes, noise and metrics; nothing written)\n"
     ))
 }
 

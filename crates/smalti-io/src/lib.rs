@@ -17,7 +17,7 @@
 //! | [`cache`] | own | [`smalti::optics::OpticalImage`] |
 //! | [`dataset`] | folders of Parquet files, and their manifest | [`dataset::Column`] |
 //! | [`cameras`] | TOML | [`smalti::camera::Camera`] |
-//! | [`studies`] | TOML | [`smalti::design::Designs`] |
+//! | [`studies`] | TOML | [`smalti::design::Trials`] |
 //! | [`sweeps`] | a study and its folder of results | [`dataset::Plan`], [`dataset::Run`] |
 //! | [`lights`] | a name, or CSV | [`smalti::spectrum::Illuminant`] |
 //! | [`scene_file`] | whatever holds a scene | [`smalti::scene::Scene`] |

@@ -31,7 +31,7 @@ fn fresh(_: &str, make: &dyn Fn() -> Made) -> Made {
 /// The scenes of a study that its description does not contain.
 #[pyfunction]
 pub(crate) fn scenes_in_files<'py>(py: Python<'py>, study: &PyStudy) -> Bound<'py, PyBytes> {
-    PyBytes::new(py, &studies::scenes_as_bytes(study.designs.study()))
+    PyBytes::new(py, &studies::scenes_as_bytes(study.trials.study()))
 }
 
 /// A prepared study on a worker, which computes any part of its results.
@@ -47,9 +47,9 @@ impl PyPartMaker {
     fn py_new(py: Python<'_>, manifest: &str, scenes: &[u8], cache: bool) -> PyResult<Self> {
         detached(py, || {
             let sent = Manifest::from_bytes(manifest.as_bytes(), Path::new("manifest.json")).or_raise()?;
-            let (designs, about) = studies::from_json("the study that was sent", manifest, scenes)
+            let (trials, about) = studies::from_json("the study that was sent", manifest, scenes)
                 .map_err(|e| wrong(e.to_string()))?;
-            let plan = sweeps::plan_after(&designs, about, Some(sent.plan.chunk), || None).or_raise()?;
+            let plan = sweeps::plan_after(&trials, about, Some(sent.plan.chunk), || None).or_raise()?;
             let own = Manifest::new(&plan).or_raise()?;
             if own.hash() != sent.hash() {
                 let differences = sent.differences(&own);
@@ -57,7 +57,7 @@ impl PyPartMaker {
                     "a worker has another version of Smalti than the client. Differences of its results:\n{differences}"
                 )));
             }
-            let sweep = Sweep::owning(designs, if cache { &kept } else { &fresh });
+            let sweep = Sweep::owning(trials, if cache { &kept } else { &fresh });
             Ok(Self { sweep, manifest: own })
         })
     }
@@ -111,7 +111,7 @@ impl PySharedFolder {
             return Err(wrong(format!("{} is a file; expected a folder for the results", out.display())));
         }
         detached(py, || {
-            let plan = sweeps::plan(&study.designs, study.about.clone(), part_size, &out).or_raise()?;
+            let plan = sweeps::plan(&study.trials, study.about.clone(), part_size, &out).or_raise()?;
             let run = Run::open(&out, &plan, None).or_raise()?;
             let missing = run.missing().to_vec();
             Ok(Self { manifest: run.manifest().clone(), missing, run: Mutex::new(Some(run)) })
@@ -128,8 +128,8 @@ impl PySharedFolder {
         self.missing.clone()
     }
 
-    /// Number of designs of a part.
-    fn designs_of(&self, part: u64) -> u64 {
+    /// Number of trials of a part.
+    fn trials_of(&self, part: u64) -> u64 {
         count(&self.manifest, part)
     }
 
@@ -168,7 +168,7 @@ impl PySharedPlace {
     ) -> PyResult<Self> {
         // An unreadable manifest is reported by `RemoteDataset::open`.
         let there = || Some(Manifest::from_bytes(manifest?, &place).ok()?.plan);
-        let plan = sweeps::plan_after(&study.designs, study.about.clone(), part_size, there).or_raise()?;
+        let plan = sweeps::plan_after(&study.trials, study.about.clone(), part_size, there).or_raise()?;
         Ok(Self(RemoteDataset::open(&place, &plan, &names, manifest).or_raise()?))
     }
 
@@ -182,8 +182,8 @@ impl PySharedPlace {
         self.0.missing(&names).or_raise()
     }
 
-    /// Number of designs of a part.
-    fn designs_of(&self, part: u64) -> u64 {
+    /// Number of trials of a part.
+    fn trials_of(&self, part: u64) -> u64 {
         count(self.0.manifest(), part)
     }
 
@@ -195,6 +195,6 @@ impl PySharedPlace {
 }
 
 fn count(manifest: &Manifest, part: u64) -> u64 {
-    let designs = manifest.plan.designs_of(part);
-    designs.end - designs.start
+    let trials = manifest.plan.trials_of(part);
+    trials.end - trials.start
 }

@@ -68,7 +68,7 @@ mod _smalti {
     #[pymodule_export]
     use crate::spectrum::{PySpectrum, illuminant, illuminants};
     #[pymodule_export]
-    use crate::study::{PyResults, PyStudy, designs_missing, merge, parse_shard, run_sweep, study_names};
+    use crate::study::{PyResults, PyStudy, merge, parse_shard, run_sweep, study_names, trials_missing};
 
     /// The version of the package and of the command.
     #[pymodule_export]

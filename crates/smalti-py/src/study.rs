@@ -8,7 +8,7 @@ use numpy::IntoPyArray;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
 use serde_json::json;
-use smalti::design::{Designs, Sweep};
+use smalti::design::{Sweep, Trials};
 use smalti_io::dataset::{self, Column, Dataset, Manifest, Run, Shard};
 use smalti_io::sweeps::{self, SweepError};
 use smalti_io::{TomlSource, studies};
@@ -32,7 +32,7 @@ use crate::work::watched;
 #[pyclass(name = "Study", module = "smalti", frozen)]
 #[derive(Debug)]
 pub(crate) struct PyStudy {
-    pub(crate) designs: Designs,
+    pub(crate) trials: Trials,
     pub(crate) about: String,
 }
 
@@ -41,9 +41,9 @@ impl PyStudy {
     #[new]
     fn py_new(py: Python<'_>, source: PathBuf) -> PyResult<Self> {
         let name = source.to_string_lossy().into_owned();
-        let (designs, about) =
+        let (trials, about) =
             watched(py, None, |_| studies::load(&name).map_err(|e| diagnosed(&name, &e.to_string())))?;
-        Ok(Self { designs, about })
+        Ok(Self { trials, about })
     }
 
     /// A study from the text of a TOML file.
@@ -55,14 +55,14 @@ impl PyStudy {
     #[pyo3(signature = (text, folder=None))]
     fn from_toml(py: Python<'_>, text: String, folder: Option<PathBuf>) -> PyResult<Self> {
         let source = TomlSource { name: "study".into(), folder: folder.unwrap_or_default(), text };
-        let (designs, about) = watched(py, None, |_| studies::from_source(&source).or_raise())?;
-        Ok(Self { designs, about })
+        let (trials, about) = watched(py, None, |_| studies::from_source(&source).or_raise())?;
+        Ok(Self { trials, about })
     }
 
     /// The name.
     #[getter]
     fn name(&self) -> &str {
-        &self.designs.study().name
+        &self.trials.study().name
     }
 
     /// The description in words.
@@ -74,38 +74,38 @@ impl PyStudy {
     /// The study with all its keys.
     #[getter]
     fn description<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        dict_of(py, self.designs.study())
+        dict_of(py, self.trials.study())
     }
 
-    /// The colour filter array of a design, by its number from 0.
-    fn design(&self, number: u64) -> PyResult<PyCfa> {
-        let design = self.designs.design(number).or_raise()?;
-        let condition = self.designs.study().conditions.get(design.condition);
+    /// The colour filter array of a trial, by its number from 0.
+    fn cfa(&self, trial: u64) -> PyResult<PyCfa> {
+        let trial = self.trials.trial(trial).or_raise()?;
+        let condition = self.trials.study().conditions.get(trial.condition);
         let grid = condition.map(|c| c.camera.grid()).transpose().or_raise()?.unwrap_or_default();
-        Ok(PyCfa(design.cfa(grid).or_raise()?))
+        Ok(PyCfa(trial.design.cfa(grid).or_raise()?))
     }
 
-    /// Number of designs.
+    /// Number of trials.
     fn __len__(&self) -> usize {
-        usize::try_from(self.designs.len()).unwrap_or(usize::MAX)
+        usize::try_from(self.trials.len()).unwrap_or(usize::MAX)
     }
 
     fn __repr__(&self) -> String {
-        let study = self.designs.study();
+        let study = self.trials.study();
         format!(
-            "<smalti.Study '{}': {} designs, {} condition(s), metrics {}>",
+            "<smalti.Study '{}': {} trials, {} condition(s), metrics {}>",
             study.name,
-            self.designs.len(),
+            self.trials.len(),
             study.conditions.len(),
             study.metrics.iter().map(|m| m.name()).collect::<Vec<_>>().join(", "),
         )
     }
 }
 
-/// Scores the missing designs of a study or of a shard; see `smalti.sweep`.
+/// Scores the missing trials of a study or of a shard; see `smalti.sweep`.
 ///
 /// Returns:
-///     number of designs scored, seconds, number of parts that are still missing.
+///     number of trials scored, seconds, number of parts that are still missing.
 #[pyfunction]
 #[pyo3(signature = (study, out, shard, part_size, cache, progress))]
 pub(crate) fn run_sweep(
@@ -121,44 +121,44 @@ pub(crate) fn run_sweep(
     if out.is_file() {
         return Err(wrong(format!("{} is a file; expected a folder for the results", out.display())));
     }
-    let designs = &study.designs;
+    let trials = &study.trials;
     watched(py, progress, |watch| {
-        let plan = sweeps::plan(designs, study.about.clone(), part_size, &out).or_raise()?;
-        // An impossible study is refused before the first design is scored.
+        let plan = sweeps::plan(trials, study.about.clone(), part_size, &out).or_raise()?;
+        // An impossible study is refused before the first trial is scored.
         Manifest::new(&plan).or_raise()?;
         let cache = self::cache(cache);
         let images = |key: &str, make: &dyn Fn() -> _| cache.optical_image(key, make);
-        let sweep = Sweep::new(designs, &images);
+        let sweep = Sweep::new(trials, &images);
         let run = Run::open(&out, &plan, shard).or_raise()?;
-        let to_do: u64 = run.missing().iter().map(|&c| plan.designs_of(c)).map(|r| r.end - r.start).sum();
+        let to_do: u64 = run.missing().iter().map(|&c| plan.trials_of(c)).map(|r| r.end - r.start).sum();
         let start = Instant::now();
         let go_on = || watch.check().is_ok();
-        match sweeps::score_and_write(&sweep, designs, &run, &|| watch.step(), &go_on) {
+        match sweeps::score_and_write(&sweep, trials, &run, &|| watch.step(), &go_on) {
             Ok(()) => {}
             Err(SweepError::Stopped) => return Err(pyo3::exceptions::PyKeyboardInterrupt::new_err(())),
             Err(e) => return Err(e).or_raise(),
         }
         let seconds = start.elapsed().as_secs_f64();
-        let timings = json!({"seconds": seconds, "designs": to_do, "threads": rayon::current_num_threads()});
+        let timings = json!({"seconds": seconds, "trials": to_do, "threads": rayon::current_num_threads()});
         Ok((to_do, seconds, run.finish(timings).or_raise()?))
     })
 }
 
-/// Number of designs of a study or of a shard that a folder lacks. The folder is neither created nor locked.
+/// Number of trials of a study or of a shard that a folder lacks. The folder is neither created nor locked.
 #[pyfunction]
 #[pyo3(signature = (study, out, shard, part_size))]
-pub(crate) fn designs_missing(
+pub(crate) fn trials_missing(
     study: &PyStudy,
     out: PathBuf,
     shard: Option<(u32, u32)>,
     part_size: Option<u64>,
 ) -> PyResult<u64> {
     let shard = shard.map(|(index, of)| Shard::new(index, of)).transpose().or_raise()?;
-    let plan = sweeps::plan(&study.designs, study.about.clone(), part_size, &out).or_raise()?;
+    let plan = sweeps::plan(&study.trials, study.about.clone(), part_size, &out).or_raise()?;
     let there = Dataset::open(&out).map(|d| d.chunks().to_vec()).unwrap_or_default();
     let own =
         (0..plan.chunks()).filter(|&c| shard.is_none_or(|s| s.owns(c)) && there.binary_search(&c).is_err());
-    Ok(own.map(|c| plan.designs_of(c)).map(|r| r.end - r.start).sum())
+    Ok(own.map(|c| plan.trials_of(c)).map(|r| r.end - r.start).sum())
 }
 
 /// Merges the results of shards into one folder, which is then identical to that of a single run.
@@ -171,7 +171,7 @@ pub(crate) fn merge(py: Python<'_>, folders: Vec<PathBuf>, out: PathBuf) -> PyRe
     watched(py, None, |_| dataset::merge(&folders, &out).or_raise())
 }
 
-/// A folder of results: one row for each design.
+/// A folder of results: one row for each trial.
 ///
 /// Args:
 ///     dir: a folder that `sweep` or the command wrote.
@@ -192,7 +192,7 @@ impl PyResults {
         self.0.dir().to_owned()
     }
 
-    /// Whether all designs have been scored.
+    /// Whether all trials have been scored.
     #[getter]
     fn complete(&self) -> bool {
         self.0.is_complete()
@@ -204,13 +204,13 @@ impl PyResults {
         dict_of(py, &self.0.manifest().plan.study)
     }
 
-    /// The camera of a design, for `smalti.evaluate` or `smalti.train`.
+    /// The camera of a trial, for `smalti.evaluate` or `smalti.train`.
     ///
     /// Args:
-    ///     design: number of the design.
-    fn camera(&self, design: u64) -> PyResult<PyCamera> {
-        let designs = sweeps::read_designs(&self.0).or_raise()?;
-        let text = camera_toml(&designs, design).or_raise_about(self.0.dir().display())?;
+    ///     trial: number of the trial.
+    fn camera(&self, trial: u64) -> PyResult<PyCamera> {
+        let trials = sweeps::read_trials(&self.0).or_raise()?;
+        let text = camera_toml(&trials, trial).or_raise_about(self.0.dir().display())?;
         PyCamera::from_text(text, self.0.dir().to_owned(), &[], None)
     }
 
@@ -224,7 +224,7 @@ impl PyResults {
         Ok(columns)
     }
 
-    /// The values of columns, by name, in the order of the designs: float64 or int64 [designs], or a list of texts or of arrays.
+    /// The values of columns, by name, in the order of the trials: float64 or int64 [trials], or a list of texts or of arrays.
     /// The hash of every part is checked.
     ///
     /// Args:
@@ -261,7 +261,7 @@ impl PyResults {
         Ok(found)
     }
 
-    /// The values of columns as a pandas.DataFrame, a row for each design. (`pandas.read_parquet(dir / "designs")` reads them too.)
+    /// The values of columns as a pandas.DataFrame, a row for each trial. (`pandas.read_parquet(dir / "trials")` reads them too.)
     ///
     /// Args:
     ///     names: default all columns.
@@ -278,18 +278,18 @@ impl PyResults {
         watched(py, None, |_| self.0.verify().or_raise())
     }
 
-    /// Number of scored designs.
+    /// Number of scored trials.
     fn __len__(&self) -> usize {
-        usize::try_from(self.0.designs()).unwrap_or(usize::MAX)
+        usize::try_from(self.0.trials()).unwrap_or(usize::MAX)
     }
 
     fn __repr__(&self) -> String {
         let plan = &self.0.manifest().plan;
         format!(
-            "<smalti.Results in {}: {} of {} designs>",
+            "<smalti.Results in {}: {} of {} trials>",
             self.0.dir().display(),
-            self.0.designs(),
-            plan.designs
+            self.0.trials(),
+            plan.trials
         )
     }
 }

@@ -32,12 +32,12 @@ luminance_cd_m2 = [20, 75]
 
 def parts(folder: Path) -> dict[str, bytes]:
     """The files of results, by their names."""
-    return {p.name: p.read_bytes() for p in (folder / "designs").iterdir()}
+    return {p.name: p.read_bytes() for p in (folder / "trials").iterdir()}
 
 
 def whole_parts(folder: Path) -> dict[str, bytes]:
     """The same while something may still be written there: the parts that are whole."""
-    return {p.name: p.read_bytes() for p in (folder / "designs").glob("part-*.parquet")}
+    return {p.name: p.read_bytes() for p in (folder / "trials").glob("part-*.parquet")}
 
 
 @pytest.fixture(scope="session", autouse=True)

@@ -162,7 +162,7 @@ def test_objects_show_themselves() -> None:
         (photo.picture, ["xyz"]),
         (photo.optical_image, ["µm", "photons"]),
         (smalti.Spectrum(np.ones(31)), ["400:10:700 nm", "1"]),
-        (smalti.Study("aliasing"), ["aliasing", "designs"]),
+        (smalti.Study("aliasing"), ["aliasing", "trials"]),
     ]:
         text = repr(thing)
         assert text.startswith("<smalti.") and all(w in text for w in words), text

@@ -67,7 +67,7 @@ def test_results_are_those_of_the_files(tmp_path: Path) -> None:
 
     study = smalti.Study.from_toml(STUDY)
     results = smalti.sweep(study, tmp_path / "out", part_size=16, progress=False)
-    frame, files = results.to_pandas(), pd.read_parquet(tmp_path / "out" / "designs")
+    frame, files = results.to_pandas(), pd.read_parquet(tmp_path / "out" / "trials")
     assert list(frame) == list(files) and len(frame) == len(study) == 72
     for name in frame:
         if frame[name].dtype == np.float64:
@@ -75,10 +75,10 @@ def test_results_are_those_of_the_files(tmp_path: Path) -> None:
     unit, meaning = results.columns["delta_e_2000"]
     assert unit == "ΔE00" and meaning
     results.verify()
-    # A design is what the table says it is.
+    # A trial is what the table says it is.
     row = frame.iloc[40]
-    assert len(study.design(40).channel_names) == row.colors
-    part = sorted((tmp_path / "out" / "designs").iterdir())[0]
+    assert len(study.cfa(40).channel_names) == row.colors
+    part = sorted((tmp_path / "out" / "trials").iterdir())[0]
     part.write_bytes(part.read_bytes()[:-9])
     with pytest.raises(smalti.SmaltiError, match=part.name):
         results.verify()
@@ -119,8 +119,8 @@ def test_the_command_comes_with_the_package(command: Command, tmp_path: Path, ca
 def test_reports_are_those_of_the_command(command: Command, tmp_path: Path) -> None:
     results = smalti.sweep(smalti.Study.from_toml(STUDY), tmp_path / "out", progress=False)
     seen: list[int] = []
-    document = smalti.report(results, designs=[1, 7], progress=seen.append)
-    # What the page draws from, two pictures of each of two designs; a figure is an SVG and a PNG.
+    document = smalti.report(results, trials=[1, 7], progress=seen.append)
+    # What the page draws from, two pictures of each of two trials; a figure is an SVG and a PNG.
     assert seen[-1] == 1 + 4 + len(document["figures"]) / 2
     assert document == json.loads((tmp_path / "out/report/report.json").read_text())
     assert document == json.loads(command("report", tmp_path / "out", "-o", tmp_path / "other", "--picture", "1,7", "--json"))
@@ -131,11 +131,11 @@ def test_reports_are_those_of_the_command(command: Command, tmp_path: Path) -> N
         smalti.report(results, tmp_path / "drawn", draw=["sepia"])
     with pytest.raises(smalti.SmaltiError, match="none holds no results"):
         smalti.report(tmp_path / "none")
-    # A design goes on as a camera.
+    # A trial goes on as a camera.
     frame = results.to_pandas()
     scores = smalti.evaluate(results.camera(40), luminance_cd_m2=frame.luminance_cd_m2[40], cache=False)
     assert scores.delta_e_2000 == pytest.approx(frame.delta_e_2000[40], rel=1e-6)
-    with pytest.raises(smalti.SmaltiError, match="designs 0 to 71, not 72"):
+    with pytest.raises(smalti.SmaltiError, match="trials 0 to 71, not 72"):
         results.camera(72)
 
 

@@ -60,7 +60,7 @@ def test_processes_write_the_same_bytes(
     (run,) = runs(tmp_path)
     timings = run["timings"]
     assert run["parts"] == 30 and run["shard"] is None and isinstance(timings, dict)
-    assert timings["designs"] == 480 and timings["threads"] == 2 and timings["seconds"] > 0
+    assert timings["trials"] == 480 and timings["threads"] == 2 and timings["seconds"] > 0
     # Nothing is left to do, by either way.
     smalti.sweep(study, tmp_path, client=client, progress=False)
     smalti.sweep(study, tmp_path, progress=False)
@@ -133,7 +133,7 @@ def test_any_file_system_holds_the_same_bytes(study: smalti.Study, expected: dic
     fs, root = fsspec.core.url_to_fs(url)
 
     def stored() -> dict[str, bytes]:
-        return {p.rsplit("/", 1)[-1]: fs.cat_file(p) for p in fs.ls(f"{root}/designs", detail=False)}
+        return {p.rsplit("/", 1)[-1]: fs.cat_file(p) for p in fs.ls(f"{root}/trials", detail=False)}
 
     # Threads, since such a memory is that of a process.
     with (
@@ -154,7 +154,7 @@ def test_any_file_system_holds_the_same_bytes(study: smalti.Study, expected: dic
         assert len(manifest["runs"]) == 1 and 0 < manifest["runs"][0]["parts"] <= 27
         with pytest.raises(smalti.SmaltiError, match="another study"):
             smalti.sweep("aliasing", url, client=client, progress=False)
-        fs.pipe_file(f"{root}/designs/mine.txt", b"")
+        fs.pipe_file(f"{root}/trials/mine.txt", b"")
         with pytest.raises(smalti.SmaltiError, match="mine.txt is no part"):
             smalti.sweep(study, url, client=client, progress=False)
         fs.pipe_file(f"{root}/other/mine.txt", b"")

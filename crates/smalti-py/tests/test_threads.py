@@ -55,7 +55,7 @@ def test_another_thread_makes_progress() -> None:
         "smalti.compare([smalti.Camera('bayer')], luminances_cd_m2=[float(i) for i in range(1, 200)], progress=False)",
         # Each far longer than the test would wait.
         "smalti.light_gain(smalti.Camera('rgbw'), smalti.Camera('bayer'), scenes=['dead-leaves', 'macbeth'] * 50, progress=False)",
-        "smalti.sweep('table2', sys.argv[1], progress=False); smalti.report(sys.argv[1], designs=range(3000), progress=False)",
+        "smalti.sweep('table2', sys.argv[1], progress=False); smalti.report(sys.argv[1], trials=range(3000), progress=False)",
     ],
 )
 def test_ctrl_c_ends_it(work: str, tmp_path: Path) -> None:
@@ -68,7 +68,7 @@ def test_ctrl_c_ends_it(work: str, tmp_path: Path) -> None:
     os.kill(child.pid, signal.SIGINT)
     out, _ = child.communicate(timeout=60)
     assert out == "interrupted\n" and child.returncode == 7
-    # Between steps that are whole in themselves: a scene, some designs.
+    # Between steps that are whole in themselves: a scene, some trials.
     assert time.monotonic() - sent < 30
 
 

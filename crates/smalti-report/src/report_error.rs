@@ -41,18 +41,18 @@ pub enum ReportError {
         /// What was asked for.
         what: &'static str,
     },
-    /// A design is asked for by a number beyond the last.
-    #[error("it has designs 0 to {last}, not {number}")]
-    NoSuchDesign {
+    /// A trial is asked for by a number beyond the last.
+    #[error("it has trials 0 to {last}, not {number}")]
+    NoSuchTrial {
         /// The number asked for.
         number: u64,
         /// The largest number.
         last: u64,
     },
-    /// Pictures are asked for of a design that the results do not hold.
-    #[error("--picture {number}: {study} holds no such design")]
+    /// Pictures are asked for of a trial that the results do not hold.
+    #[error("--picture {number}: {study} holds no such trial")]
     NoSuchPicture {
-        /// The number of the design.
+        /// The number of the trial.
         number: u64,
         /// The study.
         study: String,

@@ -1,10 +1,10 @@
-//! Studies, the setup at work and the last design.
+//! Studies, the setup at work and the last trial.
 
 use std::fmt;
 use std::sync::Arc;
 
 use smalti::camera::CameraError;
-use smalti::design::{DesignError, Designs, Preview, PreviewDesign, PreviewLight, Processing, Study};
+use smalti::design::{DesignError, Preview, PreviewDesign, PreviewLight, Processing, Study, Trials};
 use smalti::sensor::NoiseMode;
 
 /// Why there is no picture.
@@ -61,9 +61,9 @@ impl From<CameraError> for StudioError {
 /// What a page draws with.
 #[derive(Default)]
 pub struct Studio {
-    studies: Vec<Designs>,
+    studies: Vec<Trials>,
     setup: Option<(usize, Preview)>,
-    design: Option<(u64, PreviewDesign)>,
+    trial: Option<(u64, PreviewDesign)>,
 }
 
 impl Studio {
@@ -73,7 +73,7 @@ impl Studio {
     /// When it cannot be read or has no designs.
     pub fn study(&mut self, json: &[u8]) -> Result<usize, StudioError> {
         let study: Study = serde_json::from_slice(json)?;
-        self.studies.push(Designs::new(study)?);
+        self.studies.push(Trials::new(study)?);
         Ok(self.studies.len() - 1)
     }
 
@@ -90,8 +90,8 @@ impl Studio {
         light: &[u8],
         codes: &[u8],
     ) -> Result<(), StudioError> {
-        (self.setup, self.design) = (None, None);
-        let designs = self.studies.get(study).ok_or(StudioError::NoStudy(study))?;
+        (self.setup, self.trial) = (None, None);
+        let trials = self.studies.get(study).ok_or(StudioError::NoStudy(study))?;
         let mut light: PreviewLight = serde_json::from_slice(light)?;
         let (mut numbers, []) = codes.as_chunks() else { return Err(StudioError::Planes) };
         for planes in light.planes_mut() {
@@ -104,21 +104,21 @@ impl Studio {
         if !numbers.is_empty() {
             return Err(StudioError::Planes);
         }
-        self.setup = Some((study, Preview::new(designs.study(), condition, processing, &light)?));
+        self.setup = Some((study, Preview::new(trials.study(), condition, processing, &light)?));
         Ok(())
     }
 
-    /// What a design of the study makes of a scene: RGBA, row by row.
+    /// What a trial of the study makes of a scene: RGBA, row by row.
     ///
     /// # Errors
-    /// When there is no such design or scene, or a stage refuses.
+    /// When there is no such trial or scene, or a stage refuses.
     pub fn draw(&mut self, number: u64, scene: usize, noise: NoiseMode) -> Result<Vec<u8>, StudioError> {
         let (study, preview) = self.setup.as_ref().ok_or(StudioError::NoSetup)?;
-        let designs = self.studies.get(*study).ok_or(StudioError::NoStudy(*study))?;
-        if self.design.as_ref().is_none_or(|(kept, _)| *kept != number) {
-            self.design = Some((number, preview.design(&designs.design(number)?)?));
+        let trials = self.studies.get(*study).ok_or(StudioError::NoStudy(*study))?;
+        if self.trial.as_ref().is_none_or(|(kept, _)| *kept != number) {
+            self.trial = Some((number, preview.design(&trials.trial(number)?.design)?));
         }
-        let (_, design) = self.design.as_ref().ok_or(StudioError::NoSetup)?;
+        let (_, design) = self.trial.as_ref().ok_or(StudioError::NoSetup)?;
         let rgb = preview.picture(design, scene, noise)?.rgb8();
         Ok(rgb.as_chunks().0.iter().flat_map(|&[r, g, b]| [r, g, b, u8::MAX]).collect())
     }

@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used)]
 
 use smalti::camera::{Camera, CameraDescription, Setup};
-use smalti::design::{Condition, Designs, Preview, PreviewLight, PreviewScene, Processing, Study};
+use smalti::design::{Condition, Preview, PreviewLight, PreviewScene, Processing, Study, Trials};
 use smalti::scene::Setting;
 use smalti::sensor::NoiseMode;
 use smalti::spectrum::{Illuminant, WavelengthGrid};
@@ -40,14 +40,14 @@ fn codes(light: &mut PreviewLight) -> Vec<u8> {
 #[test]
 fn text_and_numbers_give_the_pictures_of_the_library() {
     let (study, mut light) = (study(), light());
-    let designs = Designs::new(study.clone()).unwrap();
+    let trials = Trials::new(study.clone()).unwrap();
     let preview = Preview::new(&study, 0, Processing::Classic, &light).unwrap();
     let mut studio = Studio::default();
     let index = studio.study(&serde_json::to_vec(&study).unwrap()).unwrap();
     let text = serde_json::to_vec(&light).unwrap();
     studio.setup(index, 0, Processing::Classic, &text, &codes(&mut light)).unwrap();
     for number in [0, 3] {
-        let design = preview.design(&designs.design(number).unwrap()).unwrap();
+        let design = preview.design(&trials.trial(number).unwrap().design).unwrap();
         for noise in [NoiseMode::None, NoiseMode::All] {
             let rgb = preview.picture(&design, 0, noise).unwrap().rgb8();
             let rgba = studio.draw(number, 0, noise).unwrap();

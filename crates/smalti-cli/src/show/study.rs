@@ -1,4 +1,4 @@
-//! A study: its file and the number of its designs.
+//! A study: its file and the number of its trials.
 
 use std::path::Path;
 
@@ -16,17 +16,17 @@ pub(super) fn file(name: &str, built_in: &[smalti_io::BuiltinFile]) -> anyhow::R
 }
 
 pub(super) fn datasheet(name: &str) -> anyhow::Result<Datasheet> {
-    let (designs, about) = studies::load(name).map_err(|e| anyhow::anyhow!("{e}"))?;
+    let (trials, about) = studies::load(name).map_err(|e| anyhow::anyhow!("{e}"))?;
     let (summary, toml) = file(name, studies::names())?;
-    let study = designs.study();
-    let title = format!("{}: a study of {} designs", study.name, designs.len());
+    let study = trials.study();
+    let title = format!("{}: a study of {} trials", study.name, trials.len());
     let next = format!("smalti sweep {name} --dry-run estimates its duration.");
     Ok(Datasheet {
         title,
         about: vec![if about.is_empty() { summary.clone() } else { about.clone() }, next],
         parts: vec![Part::Lines(toml.clone())],
         json: json!({
-            "kind": "study", "name": study.name, "summary": summary, "about": about, "designs": designs.len(), "toml": toml,
+            "kind": "study", "name": study.name, "summary": summary, "about": about, "trials": trials.len(), "toml": toml,
         }),
         toml: Some(toml),
     })

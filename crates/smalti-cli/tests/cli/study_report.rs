@@ -9,7 +9,7 @@ use smalti_io::dataset::{Column, Dataset};
 
 use crate::{Place, numbers};
 
-/// A study of 8 designs.
+/// A study of 8 trials.
 const TINY: &str = r#"
 camera = "table1"
 colors = [3, 4]
@@ -113,12 +113,12 @@ fn means_best_and_front_are_those_of_the_rows() {
         sharp.sort_by(|&a, &b| mtf50[b].total_cmp(&mtf50[a]));
         let best = *sharp[..2].iter().min_by(|&&a, &&b| delta_e[a].total_cmp(&delta_e[b])).unwrap();
         let told = &group["best"][0];
-        assert_eq!(told["design"].as_u64(), Some(best as u64));
+        assert_eq!(told["trial"].as_u64(), Some(best as u64));
         // The filters are drawn anew by their number: they are those that were scored.
         assert_eq!(numbers(&told["center_nm"]), centers[best]);
         assert_eq!(told["tile"].as_str().unwrap(), tile[best]);
         let worst = *of.iter().max_by(|&&a, &&b| delta_e[a].total_cmp(&delta_e[b])).unwrap();
-        assert_eq!(group["worst"]["design"].as_u64(), Some(worst as u64));
+        assert_eq!(group["worst"]["trial"].as_u64(), Some(worst as u64));
     }
     let beats = |a: usize, b: usize| {
         let (no_worse, better) = (
@@ -127,11 +127,11 @@ fn means_best_and_front_are_those_of_the_rows() {
         );
         no_worse && better
     };
-    let mut front: Vec<u64> = section["pareto_front"]["designs"]
+    let mut front: Vec<u64> = section["pareto_front"]["trials"]
         .as_array()
         .unwrap()
         .iter()
-        .map(|d| d["design"].as_u64().unwrap())
+        .map(|d| d["trial"].as_u64().unwrap())
         .collect();
     front.sort_unstable();
     let all = 0..colors.len();
@@ -199,7 +199,7 @@ fn a_page_holds_the_designs() {
     assert!(!place.path("out/report").exists(), "the page alone");
     let html = String::from_utf8(place.read("page.html")).unwrap();
     assert!(
-        html.contains("Means, tiny") && html.contains("8 designs, seed 1") && html.contains("Best designs")
+        html.contains("Means, tiny") && html.contains("8 trials, seed 1") && html.contains("Best designs")
     );
     let data = html.split("id=\"sweep\">").nth(1).and_then(|d| d.split("</script>").next()).unwrap();
     let data: Value = serde_json::from_str(data).unwrap();
@@ -225,7 +225,7 @@ fn a_page_holds_the_designs() {
 
     let run = place.run(&["report", "out", "-o", "page.html", "--picture", "8"]);
     assert_eq!(run.code, 1);
-    assert!(run.err.contains("--picture 8: tiny holds no such design"), "{}", run.err);
+    assert!(run.err.contains("--picture 8: tiny holds no such trial"), "{}", run.err);
     std::fs::create_dir(place.path("folder.html")).unwrap();
     assert_eq!(place.run(&["report", "out", "-o", "folder.html"]).code, 1);
 }
@@ -234,7 +234,7 @@ fn a_page_holds_the_designs() {
 fn a_manifest_is_a_study() {
     let place = swept();
     place.ok("sweep out/manifest.json -o again");
-    let part = "designs/part-000000.parquet";
+    let part = "trials/part-000000.parquet";
     assert!(place.read(&format!("again/{part}")) == place.read(&format!("out/{part}")));
     for (name, text) in [("none.json", None), ("torn.json", Some("{")), ("other.json", Some("{\"a\": 1}"))] {
         text.into_iter().for_each(|t| place.write(name, t));
@@ -325,7 +325,7 @@ fn hostile_names_are_escaped() {
     place.write("evil.toml", format!("name = \"<script>\\u001b[2J&../../x\"\n{TINY}"));
     place.ok("sweep evil.toml -o out");
     let text = place.ok("report out");
-    assert!(text.starts_with("<script> [2J&../../x: 8 designs"), "{text}");
+    assert!(text.starts_with("<script> [2J&../../x: 8 trials"), "{text}");
     for figure in FIGURES {
         let svg = String::from_utf8(place.read(&format!("out/report/{figure}.svg"))).unwrap();
         assert!(!svg.contains("<script>") && !svg.contains('\u{1b}'), "{figure}");
@@ -352,12 +352,12 @@ fn what_cannot_be_reported_is_refused() {
     assert!(refused(&["out", "-o", "file"]).contains("expected a folder"));
     assert!(!place.path("out/report").exists(), "nothing is written before all is read");
 
-    let part = "out/designs/part-000000.parquet";
+    let part = "out/trials/part-000000.parquet";
     let whole = place.read(part);
     place.write(part, &whole[..whole.len() / 2]);
     assert!(refused(&["out"]).contains("part-000000.parquet is cut short"));
     std::fs::remove_file(place.path(part)).unwrap();
-    assert!(refused(&["out"]).contains("holds no design yet"));
+    assert!(refused(&["out"]).contains("holds no trial yet"));
     place.write(part, &whole);
 
     let manifest = String::from_utf8(place.read("out/manifest.json")).unwrap();
@@ -392,12 +392,12 @@ fn made_by_another_version(place: &Place, version: &str) {
     let mut manifest: Value = serde_json::from_slice(&place.read("out/manifest.json")).unwrap();
     let old = manifest["plan_blake3"].as_str().unwrap().to_owned();
     manifest["smalti"] = version.into();
-    let hashed = ["smalti", "revision", "designs", "chunk", "schema", "study"];
+    let hashed = ["smalti", "revision", "trials", "chunk", "schema", "study"];
     let plan: serde_json::Map<_, _> = hashed.iter().map(|k| ((*k).to_owned(), manifest[k].clone())).collect();
     let new = blake3::hash(canonical(&Value::Object(plan)).as_bytes()).to_hex().to_string();
     manifest["plan_blake3"] = new.as_str().into();
     place.write("out/manifest.json", manifest.to_string());
-    let part = "out/designs/part-000000.parquet";
+    let part = "out/trials/part-000000.parquet";
     let mut bytes = place.read(part);
     let find = |bytes: &[u8], what: &[u8]| bytes.windows(what.len()).rposition(|w| w == what).unwrap();
     let at = find(&bytes, old.as_bytes());
@@ -438,12 +438,12 @@ fn incomplete_results_are_reported_as_such() {
     let text = place.ok("report out");
     assert!(
         text.contains(
-            "Incomplete: 1 of 2 parts are missing, 88 designs. This report is of the 512 scored designs."
+            "Incomplete: 1 of 2 parts are missing, 88 trials. This report is of the 512 scored trials."
         ),
         "{text}"
     );
     let study = &place.json("out/report/report.json")["studies"][0];
-    assert_eq!((study["designs"].as_u64(), study["designs_missing"].as_u64()), (Some(600), Some(88)));
+    assert_eq!((study["trials"].as_u64(), study["trials_missing"].as_u64()), (Some(600), Some(88)));
 }
 
 /// The study in a manifest is the one that was swept, whatever it holds.
@@ -467,18 +467,18 @@ fn a_study_is_read_as_it_was_written() {
             place.write(name, toml);
         }
         let named = if path.is_file() { path.to_string_lossy().into_owned() } else { name.to_owned() };
-        let (designs, _) = smalti_io::studies::load(&named).unwrap();
-        let text = serde_json::to_string(designs.study()).unwrap();
+        let (trials, _) = smalti_io::studies::load(&named).unwrap();
+        let text = serde_json::to_string(trials.study()).unwrap();
         let read: Study = serde_json::from_str(&text).unwrap();
-        assert_eq!(&read, designs.study(), "{name}");
-        let figures = |d: &smalti::design::Designs| {
-            let design = d.design(d.len() - 1).unwrap();
+        assert_eq!(&read, trials.study(), "{name}");
+        let figures = |d: &smalti::design::Trials| {
+            let design = d.trial(d.len() - 1).unwrap().design;
             design.filters.figures().unwrap().iter().map(|f| f.center_nm).collect::<Vec<f64>>()
         };
-        assert_eq!(figures(&smalti::design::Designs::new(read).unwrap()), figures(&designs), "{name}");
+        assert_eq!(figures(&smalti::design::Trials::new(read).unwrap()), figures(&trials), "{name}");
     }
-    let (designs, _) = smalti_io::studies::load("table2").unwrap();
-    let mut study = serde_json::to_value(designs.study()).unwrap();
+    let (trials, _) = smalti_io::studies::load("table2").unwrap();
+    let mut study = serde_json::to_value(trials.study()).unwrap();
     for (wrong, words) in [
         (Value::from("D56"), "D55"),
         (serde_json::json!(["x", 400.0, 0.0, [1.0, 2.0]]), "step"),

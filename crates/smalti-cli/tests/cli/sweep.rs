@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 
 use super::{Place, Run};
 
-/// Two numbers of colours, two conditions: 72 designs.
+/// Two numbers of colours, two conditions: 72 trials.
 const STUDY: &str = r#"
 name = "small"
 camera = "table1"
@@ -32,7 +32,7 @@ fn place(study: &str) -> Place {
     place
 }
 
-/// Runs a sweep in parts of eight designs.
+/// Runs a sweep in parts of eight trials.
 fn sweep(place: &Place, out: &str, more: &[&str]) -> Run {
     let args = ["sweep", "study.toml", "-o", out, "--part-size", "8"];
     place.run(&[&args[..], more].concat())
@@ -40,7 +40,7 @@ fn sweep(place: &Place, out: &str, more: &[&str]) -> Run {
 
 /// The files of results but for the manifest, which holds timings.
 fn parts(dir: &Path) -> BTreeMap<String, Vec<u8>> {
-    let files = fs::read_dir(dir.join("designs")).unwrap().map(|e| e.unwrap().path());
+    let files = fs::read_dir(dir.join("trials")).unwrap().map(|e| e.unwrap().path());
     files.map(|p| (p.file_name().unwrap().to_str().unwrap().to_owned(), fs::read(&p).unwrap())).collect()
 }
 
@@ -49,7 +49,7 @@ fn threads_and_shards_do_not_change_the_results() {
     let place = place(STUDY);
     let whole = sweep(&place, "whole", &["--threads", "1"]);
     assert_eq!((whole.code, whole.err.as_str()), (0, ""));
-    assert!(whole.out.contains("72 designs") && whole.out.contains("is complete"), "{}", whole.out);
+    assert!(whole.out.contains("72 trials") && whole.out.contains("is complete"), "{}", whole.out);
     let expected = parts(&place.path("whole"));
     assert_eq!(expected.len(), 9);
 
@@ -81,7 +81,7 @@ fn killed(times: u32) {
     for i in 0..10 * times {
         // Spread over the run and over a part, by the golden ratio and the root of two.
         let spread = |step: f64| (f64::from(i + 1) * step).fract();
-        let before = place.names("broken/designs").len();
+        let before = place.names("broken/trials").len();
         let until = before + (spread(0.618_034) * (72 - before) as f64) as usize;
         let mut child = place
             .command()
@@ -90,7 +90,7 @@ fn killed(times: u32) {
             .stderr(Stdio::null())
             .spawn()
             .unwrap();
-        while place.names("broken/designs").len() < until && child.try_wait().unwrap().is_none() {
+        while place.names("broken/trials").len() < until && child.try_wait().unwrap().is_none() {
             sleep(part / 4);
         }
         sleep(part.mul_f64(spread(0.414_214)));
@@ -101,9 +101,9 @@ fn killed(times: u32) {
             break;
         }
         // Once it is nearly complete there is little left to break: some parts are taken away again.
-        if place.names("broken/designs").len() > 50 {
+        if place.names("broken/trials").len() > 50 {
             for part in (0..72).step_by(2) {
-                let _ = fs::remove_file(place.path(&format!("broken/designs/part-{part:06}.parquet")));
+                let _ = fs::remove_file(place.path(&format!("broken/trials/part-{part:06}.parquet")));
             }
         }
     }
@@ -131,7 +131,7 @@ fn a_stopped_sweep_says_how_to_go_on() {
     let place = place(&STUDY.replace("filters = 6", "filters = 300000"));
     let words = ["sweep", "study.toml", "--part-size", "8", "-o", "out"];
     let child = place.command().args(words).stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap();
-    let parts = || place.names("out/designs").iter().filter(|n| n.ends_with(".parquet")).count();
+    let parts = || place.names("out/trials").iter().filter(|n| n.ends_with(".parquet")).count();
     while parts() == 0 {
         sleep(Duration::from_millis(20));
     }
@@ -161,7 +161,7 @@ fn another_study_in_the_same_folder_is_refused() {
 fn a_cut_part_is_refused() {
     let place = place(STUDY);
     assert_eq!(sweep(&place, "out", &["--shard", "1/9"]).code, 0);
-    let part = "out/designs/part-000000.parquet";
+    let part = "out/trials/part-000000.parquet";
     let bytes = place.read(part);
     place.write(part, &bytes[..bytes.len() / 2]);
     let run = sweep(&place, "out", &[]);
@@ -257,7 +257,7 @@ fn a_dry_run_counts_and_writes_nothing() {
     let dry = sweep(&place, "none", &["--dry-run", "--json"]);
     assert_eq!(dry.code, 0, "{}", dry.err);
     let document: serde_json::Value = serde_json::from_str(&dry.out).unwrap();
-    assert_eq!((document["designs"].as_u64(), document["parts"].as_u64()), (Some(72), Some(9)));
+    assert_eq!((document["trials"].as_u64(), document["parts"].as_u64()), (Some(72), Some(9)));
     assert!(document["designs_per_s"].as_f64().unwrap() > 0.0 && !place.path("none").exists());
 }
 

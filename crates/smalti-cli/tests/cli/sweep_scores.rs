@@ -89,7 +89,7 @@ fn a_sweep_gives_the_figures_of_evaluate() {
         }
     }
     let refused = place.run(&["report", "out", "--camera", "99"]);
-    assert!(refused.code == 1 && refused.err.contains("designs 0 to"), "{}", refused.err);
+    assert!(refused.code == 1 && refused.err.contains("trials 0 to"), "{}", refused.err);
 }
 
 const STUDY: &str = r#"

@@ -30,7 +30,7 @@ pub enum DatasetError {
     /// A plan that cannot be carried out.
     #[error("{what} is {found}; expected {expected}")]
     Plan {
-        /// What is wrong: `designs`, `chunk`, a column.
+        /// What is wrong: `trials`, `chunk`, a column.
         what: String,
         /// What it is.
         found: String,
@@ -91,7 +91,7 @@ pub enum DatasetError {
         source: io::Error,
     },
     /// A part that cannot be used.
-    #[error("{} {problem}; delete it and run the sweep again: its designs are computed anew", path.display())]
+    #[error("{} {problem}; delete it and run the sweep again: its trials are computed anew", path.display())]
     Part {
         /// The file.
         path: PathBuf,
@@ -154,7 +154,7 @@ pub enum DatasetError {
         first: u64,
     },
     /// Two folders hold the same chunk with other values.
-    #[error("{} and {} hold the same designs with other values", first.display(), second.display())]
+    #[error("{} and {} hold the same trials with other values", first.display(), second.display())]
     Conflict {
         /// One file.
         first: PathBuf,

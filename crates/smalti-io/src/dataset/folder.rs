@@ -10,7 +10,7 @@ use super::shard::Shard;
 use crate::IoError;
 
 /// Folder of the parts.
-const PARTS: &str = "designs";
+const PARTS: &str = "trials";
 
 pub(super) fn parts_dir(dir: &Path) -> PathBuf {
     dir.join(PARTS)
@@ -31,7 +31,7 @@ pub(super) fn chunk_of(file: &str) -> Option<u64> {
     (name(chunk) == file).then_some(chunk)
 }
 
-/// The path of a part in its folder: `designs/part-000012.parquet`.
+/// The path of a part in its folder: `trials/part-000012.parquet`.
 #[must_use]
 pub fn part_name(chunk: u64) -> String {
     part(Path::new(""), chunk).to_string_lossy().replace('\\', "/")

@@ -25,9 +25,9 @@ pub struct Plan {
     pub study: Value,
     /// The columns.
     pub schema: Vec<ColumnSpec>,
-    /// Number of designs, from 1.
-    pub designs: u64,
-    /// Designs in a part, from 1 to [`MAX_CHUNK`]; the last part has what is left. At most [`MAX_PARTS`] parts.
+    /// Number of trials, from 1.
+    pub trials: u64,
+    /// Trials in a part, from 1 to [`MAX_CHUNK`]; the last part has what is left. At most [`MAX_PARTS`] parts.
     pub chunk: u64,
 }
 
@@ -35,19 +35,19 @@ impl Plan {
     /// Number of chunks.
     #[must_use]
     pub fn chunks(&self) -> u64 {
-        self.designs.div_ceil(self.chunk.max(1))
+        self.trials.div_ceil(self.chunk.max(1))
     }
 
-    /// The designs of a chunk; none where there is no such chunk.
+    /// The trials of a chunk; none where there is no such chunk.
     #[must_use]
-    pub fn designs_of(&self, chunk: u64) -> Range<u64> {
-        let at = |c: u64| c.saturating_mul(self.chunk).min(self.designs);
+    pub fn trials_of(&self, chunk: u64) -> Range<u64> {
+        let at = |c: u64| c.saturating_mul(self.chunk).min(self.trials);
         at(chunk)..at(chunk.saturating_add(1))
     }
 
-    /// Number of designs of a chunk.
+    /// Number of trials of a chunk.
     pub(super) fn rows(&self, chunk: u64) -> usize {
-        let Range { start, end } = self.designs_of(chunk);
+        let Range { start, end } = self.trials_of(chunk);
         usize::try_from(end - start).unwrap_or(usize::MAX)
     }
 
@@ -55,11 +55,11 @@ impl Plan {
         let error = |what: &str, found: u64, expected: String| {
             Err(DatasetError::Plan { what: what.into(), found: found.to_string(), expected })
         };
-        if self.designs == 0 {
-            return error("the number of designs", 0, "at least 1".into());
+        if self.trials == 0 {
+            return error("the number of trials", 0, "at least 1".into());
         }
         if self.chunk == 0 || self.chunk > MAX_CHUNK {
-            return error("the number of designs in a chunk", self.chunk, format!("1 to {MAX_CHUNK}"));
+            return error("the number of trials in a chunk", self.chunk, format!("1 to {MAX_CHUNK}"));
         }
         if self.chunks() > MAX_PARTS {
             let expected = format!("at most {MAX_PARTS}; choose larger parts");
@@ -101,7 +101,7 @@ struct Raw {
     revision: u64,
     smalti: String,
     plan_blake3: String,
-    designs: u64,
+    trials: u64,
     chunk: u64,
     schema: Vec<ColumnSpec>,
     study: Value,
@@ -158,11 +158,11 @@ impl Manifest {
             return Err(IoError::field(path, "format", at("format"), format!("{FORMAT:?}")).into());
         }
         if value.get("revision").and_then(Value::as_u64) != Some(REVISION) {
-            let (format, found, expected) = ("results", at("revision"), "1");
+            let (format, found, expected) = ("results", at("revision"), "2");
             return Err(IoError::Version { path: path.to_owned(), format, found, expected }.into());
         }
         let raw: Raw = serde_json::from_value(value).map_err(|e| decode(e.to_string()))?;
-        let plan = Plan { study: raw.study, schema: raw.schema, designs: raw.designs, chunk: raw.chunk };
+        let plan = Plan { study: raw.study, schema: raw.schema, trials: raw.trials, chunk: raw.chunk };
         let manifest =
             Self::with(raw.smalti, plan, raw.runs).map_err(|e| decode(format!("its plan cannot be: {e}")))?;
         if manifest.hash != raw.plan_blake3 {
@@ -182,7 +182,7 @@ impl Manifest {
             revision: REVISION,
             smalti: self.smalti.clone(),
             plan_blake3: self.hash.clone(),
-            designs: self.plan.designs,
+            trials: self.plan.trials,
             chunk: self.plan.chunk,
             schema: self.plan.schema.clone(),
             study: self.plan.study.clone(),
@@ -236,7 +236,7 @@ fn described(smalti: &str, plan: &Plan) -> Value {
     json!({
         "smalti": smalti,
         "revision": REVISION,
-        "designs": plan.designs,
+        "trials": plan.trials,
         "chunk": plan.chunk,
         "schema": schema,
         "study": plan.study,

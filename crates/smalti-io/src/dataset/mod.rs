@@ -1,8 +1,8 @@
-//! The results of a sweep: a folder of Parquet files, one row a design, and a manifest. `docs/formats-dataset.md` describes it.
+//! The results of a sweep: a folder of Parquet files, one row a trial, and a manifest. `docs/formats-dataset.md` describes it.
 //!
 //! ```text
 //! DIR/manifest.json                   what was computed (the plan), its hash, how long each run took
-//! DIR/designs/part-000000.parquet     one file per chunk of consecutive designs
+//! DIR/trials/part-000000.parquet     one file per chunk of consecutive trials
 //! ```
 //!
 //! [`Run::open`] makes or continues such a folder, [`Dataset::open`] reads one, [`merge`] puts those of shards together. Nothing
@@ -40,8 +40,8 @@ pub use schema::{Column, ColumnKind, ColumnSpec};
 pub use shard::{Shard, ShardError};
 
 /// Revision of the layout of folder, manifest and parts. Another one is refused.
-pub const REVISION: u64 = 1;
-/// Most designs of a chunk: a part is held in memory.
+pub const REVISION: u64 = 2;
+/// Most trials of a chunk: a part is held in memory.
 pub const MAX_CHUNK: u64 = 1 << 20;
 /// Most chunks of a dataset: part numbers have six digits, so that files sort by name.
 pub const MAX_PARTS: u64 = 1_000_000;

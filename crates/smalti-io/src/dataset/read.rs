@@ -23,8 +23,8 @@ pub struct Dataset {
 pub struct Part {
     /// Its chunk.
     pub chunk: u64,
-    /// Its designs; row `i` is design `designs.start + i`.
-    pub designs: Range<u64>,
+    /// Its trials; row `i` is trial `trials.start + i`.
+    pub trials: Range<u64>,
     /// The columns, in the order they were asked for.
     pub columns: Vec<Column>,
 }
@@ -70,10 +70,10 @@ impl Dataset {
         self.chunks.len() as u64 == self.manifest.plan.chunks()
     }
 
-    /// Number of designs that are there.
+    /// Number of trials that are there.
     #[must_use]
-    pub fn designs(&self) -> u64 {
-        let count = |&c: &u64| self.manifest.plan.designs_of(c);
+    pub fn trials(&self) -> u64 {
+        let count = |&c: &u64| self.manifest.plan.trials_of(c);
         self.chunks.iter().map(count).map(|r| r.end - r.start).sum()
     }
 
@@ -122,8 +122,8 @@ impl Iterator for Rows<'_> {
         let dataset = self.dataset;
         let chunk = *dataset.chunks.get(self.next)?;
         self.next += 1;
-        let designs = dataset.manifest.plan.designs_of(chunk);
+        let trials = dataset.manifest.plan.trials_of(chunk);
         let columns = part::read(&dataset.path(chunk), &dataset.manifest, chunk, &self.indices);
-        Some(columns.map(|columns| Part { chunk, designs, columns }))
+        Some(columns.map(|columns| Part { chunk, trials, columns }))
     }
 }

@@ -79,10 +79,10 @@ mod tests {
     use super::super::{ColumnKind, ColumnSpec, part_name};
     use super::*;
 
-    fn plan(designs: u64) -> Plan {
+    fn plan(trials: u64) -> Plan {
         let column =
             ColumnSpec { name: "n".into(), kind: ColumnKind::Int, unit: String::new(), doc: String::new() };
-        Plan { study: json!({"seed": 1}), schema: vec![column], designs, chunk: 2 }
+        Plan { study: json!({"seed": 1}), schema: vec![column], trials, chunk: 2 }
     }
 
     fn names(of: &[&str]) -> Vec<String> {
@@ -98,12 +98,8 @@ mod tests {
         let later = new.with_run(text.as_bytes(), record.clone()).unwrap();
         assert_eq!(later.runs, [record]);
         let text = later.to_json().unwrap();
-        let again = RemoteDataset::open(
-            place,
-            &plan(9),
-            &names(&["manifest.json", "designs"]),
-            Some(text.as_bytes()),
-        );
+        let again =
+            RemoteDataset::open(place, &plan(9), &names(&["manifest.json", "trials"]), Some(text.as_bytes()));
         assert!(again.unwrap().manifest().runs.is_empty());
         let other = RemoteDataset::open(place, &plan(8), &[], Some(text.as_bytes())).unwrap_err();
         assert!(matches!(other, DatasetError::OtherStudy { .. }), "{other}");
@@ -120,6 +116,6 @@ mod tests {
         for stray in ["part-000005.parquet", "mine.txt", "part-1.parquet"] {
             assert!(matches!(place.missing(&names(&[stray])), Err(DatasetError::Stray { .. })), "{stray}");
         }
-        assert_eq!(part_name(12), "designs/part-000012.parquet");
+        assert_eq!(part_name(12), "trials/part-000012.parquet");
     }
 }

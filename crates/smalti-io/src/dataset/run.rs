@@ -72,7 +72,7 @@ impl Run {
         &self.manifest
     }
 
-    /// Writes a chunk: a value in each column for each design, in order. To be called from any thread, in any order; nothing is
+    /// Writes a chunk: a value in each column for each trial, in order. To be called from any thread, in any order; nothing is
     /// kept in memory. The part is on the disk when this returns.
     ///
     /// # Errors

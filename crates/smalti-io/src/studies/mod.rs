@@ -11,7 +11,7 @@ use std::sync::Arc;
 use serde::Deserialize;
 use serde_json::Value;
 use smalti::camera::description::ArchitectureName;
-use smalti::design::{Condition, DesignError, Designs, Metric, MetricTarget, Processing, Study, StudyScene};
+use smalti::design::{Condition, DesignError, Metric, MetricTarget, Processing, Study, StudyScene, Trials};
 use smalti::scene::{Scene, Setting, catalog};
 use smalti::spectrum::WavelengthGrid;
 
@@ -60,7 +60,7 @@ pub fn schema() -> schemars::Schema {
 /// # Errors
 /// When there is none of that name, or a key, a value or a file does not fit, with the line where there is one; when the study
 /// has no design.
-pub fn load(name: &str) -> Result<(Designs, String), Box<Diagnostic>> {
+pub fn load(name: &str) -> Result<(Trials, String), Box<Diagnostic>> {
     if Path::new(name).extension().is_some_and(|e| e.eq_ignore_ascii_case("json")) {
         let text = text::read_to_string(Path::new(name));
         return from_json(name, &text.map_err(|e| Box::new(Diagnostic::new(name, e.to_string())))?, &[]);
@@ -73,7 +73,7 @@ pub fn load(name: &str) -> Result<(Designs, String), Box<Diagnostic>> {
 ///
 /// # Errors
 /// When it is none, names the file of a scene that is not among `scenes`, or has no design.
-pub fn from_json(name: &str, text: &str, scenes: &[u8]) -> Result<(Designs, String), Box<Diagnostic>> {
+pub fn from_json(name: &str, text: &str, scenes: &[u8]) -> Result<(Trials, String), Box<Diagnostic>> {
     let wrong = |message: String| Box::new(Diagnostic::new(name, message));
     let value: Value = serde_json::from_str(text).map_err(|e| wrong(e.to_string()))?;
     let study = value.get("study").unwrap_or(&value);
@@ -89,14 +89,14 @@ pub fn from_json(name: &str, text: &str, scenes: &[u8]) -> Result<(Designs, Stri
     if study.processing.contains(&Processing::L3) {
         study.l3.validate().map_err(|e| wrong(e.to_string()))?;
     }
-    Ok((Designs::new(study).map_err(|e| wrong(e.to_string()))?, about))
+    Ok((Trials::new(study).map_err(|e| wrong(e.to_string()))?, about))
 }
 
 /// A study from the text of its file.
 ///
 /// # Errors
 /// As [`load`].
-pub fn from_source(source: &TomlSource) -> Result<(Designs, String), Box<Diagnostic>> {
+pub fn from_source(source: &TomlSource) -> Result<(Trials, String), Box<Diagnostic>> {
     let camera = || format!("this is the file of a camera; a study names it: camera = \"{}\"", source.name);
     let file: StudyFile = source.parse_or_tell(&["optics", "sensor", "exposure", "isp"], camera)?;
     let wrong = |key: &str, message: &str| Box::new(source.about_key(key, message));
@@ -135,7 +135,7 @@ pub fn from_source(source: &TomlSource) -> Result<(Designs, String), Box<Diagnos
             return Err(wrong("processing", message));
         }
     }
-    let designs = Designs::new(study).map_err(|e| match &e {
+    let trials = Trials::new(study).map_err(|e| match &e {
         DesignError::Key { key, message } if key.starts_with("given") || key.starts_with("tile") => {
             wrong(&format!("mosaics.{key}"), message)
         }
@@ -159,7 +159,7 @@ pub fn from_source(source: &TomlSource) -> Result<(Designs, String), Box<Diagnos
         }
         _ => Box::new(Diagnostic::new(source.name.clone(), e.to_string())),
     })?;
-    Ok((designs, file.about))
+    Ok((trials, file.about))
 }
 
 fn twice<T: Ord>(all: &[T]) -> Option<&T> {

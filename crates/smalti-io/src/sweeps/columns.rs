@@ -1,8 +1,8 @@
-//! The columns of a sweep's results: a row for each design.
+//! The columns of a sweep's results: a row for each trial.
 
 use smalti::design::{
-    ConditionValue, DesignError, Designs, FilterFamily, FilterFigures, Metric, MetricTarget, ScoredDesign,
-    Scores, Study, StudyScene,
+    ConditionValue, DesignError, FilterFamily, FilterFigures, Metric, MetricTarget, ScoredTrial, Scores,
+    Study, StudyScene, Trials,
 };
 use smalti::metrics::{CATALOG, MetricInfo};
 
@@ -62,7 +62,7 @@ pub fn schema(study: &Study) -> Vec<ColumnSpec> {
         doc: doc.into(),
     };
     let mut all = vec![
-        column("design", Int, "", "Number of the design in the study, from 0."),
+        column("trial", Int, "", "Number of the trial in the study, from 0."),
         column("colors", Int, "", "Number of colours."),
         column("processing", Text, "", "What makes the picture of the raw samples."),
     ];
@@ -100,31 +100,31 @@ pub fn schema(study: &Study) -> Vec<ColumnSpec> {
     if looks_at_edge(study) {
         all.push(column("edge_time_s", Float, "s", "Exposure time of the edge."));
     }
-    all.push(column("problem", Text, "", "Why a design lacks scores; empty where it has all."));
+    all.push(column("problem", Text, "", "Why a trial lacks scores; empty where it has all."));
     all
 }
 
-/// The rows of designs, column by column, in the order of the schema.
+/// The rows of trials, column by column, in the order of the schema.
 ///
 /// # Errors
 /// When a filter cannot be sampled.
-pub fn columns(designs: &Designs, rows: &[ScoredDesign]) -> Result<Vec<Column>, DesignError> {
-    let study = designs.study();
-    let text = |f: &dyn Fn(&ScoredDesign) -> String| Column::Text(rows.iter().map(f).collect());
-    let number = |f: &dyn Fn(&ScoredDesign) -> f64| Column::Float(rows.iter().map(f).collect());
-    let figures = rows.iter().map(|r| r.design.filters.figures()).collect::<Result<Vec<_>, DesignError>>()?;
+pub fn columns(trials: &Trials, rows: &[ScoredTrial]) -> Result<Vec<Column>, DesignError> {
+    let study = trials.study();
+    let text = |f: &dyn Fn(&ScoredTrial) -> String| Column::Text(rows.iter().map(f).collect());
+    let number = |f: &dyn Fn(&ScoredTrial) -> f64| Column::Float(rows.iter().map(f).collect());
+    let figures =
+        rows.iter().map(|r| r.trial.design.filters.figures()).collect::<Result<Vec<_>, DesignError>>()?;
     let lists = |f: &dyn Fn(&FilterFigures) -> f64| {
         Column::Floats(figures.iter().map(|row| row.iter().map(f).collect()).collect())
     };
     let mut all = vec![
-        Column::Int(rows.iter().map(|r| r.design.number as i64).collect()),
-        Column::Int(rows.iter().map(|r| r.design.filters.filters.len() as i64).collect()),
-        text(&|r| r.design.processing.name().to_owned()),
+        Column::Int(rows.iter().map(|r| r.trial.number as i64).collect()),
+        Column::Int(rows.iter().map(|r| r.trial.design.filters.filters.len() as i64).collect()),
+        text(&|r| r.trial.processing.name().to_owned()),
     ];
     let keys = study.conditions.first().map_or(0, |c| c.values.len());
     for key in 0..keys {
-        let value =
-            |r: &ScoredDesign| study.conditions.get(r.design.condition).and_then(|c| c.values.get(key));
+        let value = |r: &ScoredTrial| study.conditions.get(r.trial.condition).and_then(|c| c.values.get(key));
         all.push(if all_numbers(study, key) {
             number(&|r| match value(r) {
                 Some((_, ConditionValue::Number(v))) => *v,
@@ -135,10 +135,10 @@ pub fn columns(designs: &Designs, rows: &[ScoredDesign]) -> Result<Vec<Column>, 
         });
     }
     if named(study) {
-        all.push(text(&|r| r.design.filters.label.clone()));
+        all.push(text(&|r| r.trial.design.filters.label.clone()));
     }
     all.extend([
-        text(&|r| r.design.tile()),
+        text(&|r| r.trial.design.tile()),
         lists(&|f| f.center_nm),
         lists(&|f| f.fwhm_nm),
         lists(&|f| f.peak),
@@ -151,6 +151,6 @@ pub fn columns(designs: &Designs, rows: &[ScoredDesign]) -> Result<Vec<Column>, 
         let time = |s: &Scores| Some(s.edge.as_ref()?.as_ref().ok()?.time_s);
         all.push(number(&|r| r.scores.as_ref().ok().and_then(time).unwrap_or(f64::NAN)));
     }
-    all.push(text(&ScoredDesign::problem));
+    all.push(text(&ScoredTrial::problem));
     Ok(all)
 }

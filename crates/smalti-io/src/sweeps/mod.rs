@@ -1,4 +1,4 @@
-//! Sweeps as folders of results: the parts and columns of a study, the scoring of its designs, and the reading of its results.
+//! Sweeps as folders of results: the parts and columns of a study, the scoring of its trials, and the reading of its results.
 //!
 //! The command and the Python package write the same bytes, since both write here.
 
@@ -6,7 +6,7 @@ mod columns;
 mod results;
 
 pub use columns::{columns, schema};
-pub use results::{ResultsError, read_designs, read_results};
+pub use results::{ResultsError, read_results, read_trials};
 
 use std::path::Path;
 use std::sync::mpsc::sync_channel;
@@ -14,7 +14,7 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use smalti::design::{
-    DesignError, Designs, Metric, MetricTarget, Processing, SCORES_REVISION, ScoredDesign, Sweep,
+    DesignError, Metric, MetricTarget, Processing, SCORES_REVISION, ScoredTrial, Sweep, Trials,
 };
 use thiserror::Error;
 
@@ -22,20 +22,20 @@ use crate::dataset::{self, Column, Dataset, DatasetError, MAX_CHUNK, MAX_PARTS, 
 
 /// Parts that a large study is cut into, about.
 const PARTS: u64 = 256;
-/// Fewest and most designs of a part. A run that is killed loses at most two: one that is computed, one that is written.
+/// Fewest and most trials of a part. A run that is killed loses at most two: one that is computed, one that is written.
 const CHUNK: std::ops::RangeInclusive<u64> = 512..=1 << 14;
-/// Designs that a part of slow ones has fewer, by this factor.
+/// Trials that a part of slow ones has fewer, by this factor.
 const SLOWER: u64 = 8;
-/// How long designs are scored before `go_on` is asked again.
+/// How long trials are scored before `go_on` is asked again.
 const PATIENCE: Duration = Duration::from_millis(200);
-/// Designs of a thread in the first such time.
+/// Trials of a thread in the first such time.
 const FIRST: u64 = 4;
 
 /// A sweep that ended before its end.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum SweepError {
-    /// A condition cannot be prepared, or a design cannot be made.
+    /// A condition cannot be prepared, or a trial cannot be made.
     #[error(transparent)]
     Design(#[from] DesignError),
     /// The results cannot be written.
@@ -49,18 +49,13 @@ pub enum SweepError {
     Study(#[from] serde_json::Error),
 }
 
-/// What the results of a study in a folder will be, and how they are cut: in parts of `part_size` designs, else in those that results
-/// in the folder have, else by the number and the speed of the designs.
+/// What the results of a study in a folder will be, and how they are cut: in parts of `part_size` trials, else in those that results
+/// in the folder have, else by the number and the speed of the trials.
 ///
 /// # Errors
 /// [`SweepError::Study`].
-pub fn plan(
-    designs: &Designs,
-    about: String,
-    part_size: Option<u64>,
-    dir: &Path,
-) -> Result<Plan, SweepError> {
-    plan_after(designs, about, part_size, || Some(Dataset::open(dir).ok()?.manifest().plan.clone()))
+pub fn plan(trials: &Trials, about: String, part_size: Option<u64>, dir: &Path) -> Result<Plan, SweepError> {
+    plan_after(trials, about, part_size, || Some(Dataset::open(dir).ok()?.manifest().plan.clone()))
 }
 
 /// As [`plan`], where what is begun is known otherwise.
@@ -68,19 +63,19 @@ pub fn plan(
 /// # Errors
 /// [`SweepError::Study`].
 pub fn plan_after(
-    designs: &Designs,
+    trials: &Trials,
     about: String,
     part_size: Option<u64>,
     there: impl FnOnce() -> Option<Plan>,
 ) -> Result<Plan, SweepError> {
-    let study = designs.study();
-    let begun = || there().filter(|p| p.designs == designs.len()).map(|p| p.chunk);
+    let study = trials.study();
+    let begun = || there().filter(|p| p.trials == trials.len()).map(|p| p.chunk);
     let pictures = |m: &Metric| matches!(m.target(), MetricTarget::ZonePlate | MetricTarget::Scenes);
     let learned = |p: &Processing| *p != Processing::Classic;
     let slow = study.metrics.iter().any(pictures) || study.processing.iter().any(learned);
-    let even = (designs.len() / PARTS).next_power_of_two().clamp(*CHUNK.start(), *CHUNK.end());
+    let even = (trials.len() / PARTS).next_power_of_two().clamp(*CHUNK.start(), *CHUNK.end());
     // A million parts at most.
-    let least = designs.len().div_ceil(MAX_PARTS);
+    let least = trials.len().div_ceil(MAX_PARTS);
     let by_size = if slow { even / SLOWER } else { even };
     let chunk = part_size.or_else(begun).unwrap_or(by_size).max(least).min(MAX_CHUNK);
     let mut resolved = serde_json::to_value(study)?;
@@ -88,17 +83,17 @@ pub fn plan_after(
         into.insert("about".into(), about.into());
         into.insert("scores_revision".into(), SCORES_REVISION.into());
     }
-    Ok(Plan { study: resolved, schema: schema(study), designs: designs.len(), chunk })
+    Ok(Plan { study: resolved, schema: schema(study), trials: trials.len(), chunk })
 }
 
-/// Scores the designs of a run's missing parts and writes them, one part while the next is computed. Calls `done` after each
-/// design, from any thread, and asks `go_on` a few times a second.
+/// Scores the trials of a run's missing parts and writes them, one part while the next is computed. Calls `done` after each
+/// trial, from any thread, and asks `go_on` a few times a second.
 ///
 /// # Errors
 /// When a condition cannot be prepared, a part cannot be written, or `go_on` says no.
 pub fn score_and_write(
     sweep: &Sweep<'_>,
-    designs: &Designs,
+    trials: &Trials,
     run: &Run,
     done: &(dyn Fn() + Sync),
     go_on: &dyn Fn() -> bool,
@@ -112,8 +107,8 @@ pub fn score_and_write(
         let mut pace = FIRST * rayon::current_num_threads() as u64;
         let mut scored = Ok(());
         for &chunk in run.missing() {
-            let part = score(sweep, plan.designs_of(chunk), &mut pace, done, go_on)
-                .and_then(|rows| Ok(columns(designs, &rows)?));
+            let part = score(sweep, plan.trials_of(chunk), &mut pace, done, go_on)
+                .and_then(|rows| Ok(columns(trials, &rows)?));
             match part {
                 // The result of the writer below says why it ended.
                 Ok(columns) => {
@@ -135,7 +130,7 @@ pub fn score_and_write(
 }
 
 /// The bytes of one part, the same whoever computes them: for machines that share the parts of a study. `manifest` is that of the
-/// designs of `sweep`. Asks `go_on` a few times a second.
+/// trials of `sweep`. Asks `go_on` a few times a second.
 ///
 /// # Errors
 /// When a condition cannot be prepared, there is no such part, or `go_on` says no.
@@ -150,18 +145,18 @@ pub fn encode_part(
         return Err(DatasetError::NotOwn { chunk, chunks, shard: None }.into());
     }
     let mut pace = FIRST * rayon::current_num_threads() as u64;
-    let rows = score(sweep, manifest.plan.designs_of(chunk), &mut pace, &|| {}, go_on)?;
-    Ok(dataset::encode(manifest, chunk, &columns(sweep.designs(), &rows)?)?)
+    let rows = score(sweep, manifest.plan.trials_of(chunk), &mut pace, &|| {}, go_on)?;
+    Ok(dataset::encode(manifest, chunk, &columns(sweep.trials(), &rows)?)?)
 }
 
-/// Scores a range some designs at a time: the rows are the same however many.
+/// Scores a range some trials at a time: the rows are the same however many.
 fn score(
     sweep: &Sweep<'_>,
     range: std::ops::Range<u64>,
     pace: &mut u64,
     done: &(dyn Fn() + Sync),
     go_on: &dyn Fn() -> bool,
-) -> Result<Vec<ScoredDesign>, SweepError> {
+) -> Result<Vec<ScoredTrial>, SweepError> {
     let (mut rows, mut at) = (Vec::new(), range.start);
     while at < range.end {
         if !go_on() {

@@ -6,14 +6,14 @@ use std::sync::Arc;
 
 use serde::Deserialize;
 use serde_json::Value;
-use smalti::design::{ColumnValues, DesignError, Designs, ResultColumn, Study, StudyResults};
+use smalti::design::{ColumnValues, DesignError, ResultColumn, Study, StudyResults, Trials};
 use thiserror::Error;
 
 use crate::dataset::{Column, ColumnKind, ColumnSpec, Dataset, DatasetError};
 use crate::studies;
 
 /// The column that repeats the number of each row.
-const NUMBER: &str = "design";
+const NUMBER: &str = "trial";
 
 /// Results that cannot be read as those of a study.
 #[derive(Debug, Error)]
@@ -32,29 +32,29 @@ pub enum ResultsError {
     },
     /// The study in the manifest has impossible values.
     #[error("{}: manifest.json: `study`", dir.display())]
-    Designs {
+    Trials {
         /// The folder.
         dir: PathBuf,
         /// Why.
         source: Box<DesignError>,
     },
-    /// The study has another number of designs in this version.
+    /// The study has another number of trials in this version.
     #[error(
-        "{}: manifest.json: its study has {here} designs in this version, {stated} are stated; report it with Smalti {smalti}",
+        "{}: manifest.json: its study has {here} trials in this version, {stated} are stated; report it with Smalti {smalti}",
         dir.display()
     )]
     Count {
         /// The folder.
         dir: PathBuf,
-        /// Designs in this version.
+        /// Trials in this version.
         here: u64,
-        /// Designs in the manifest.
+        /// Trials in the manifest.
         stated: u64,
         /// The version that wrote the manifest.
         smalti: String,
     },
-    /// No design has been scored.
-    #[error("{} holds no design yet: run `smalti sweep` until some are scored", dir.display())]
+    /// No trial has been scored.
+    #[error("{} holds no trial yet: run `smalti sweep` until some are scored", dir.display())]
     Empty {
         /// The folder.
         dir: PathBuf,
@@ -69,37 +69,36 @@ pub enum ResultsError {
     },
 }
 
-/// The designs of the study that a folder of results states.
+/// The trials of the study that a folder of results states.
 ///
 /// # Errors
-/// [`ResultsError::Study`], [`ResultsError::Designs`] and [`ResultsError::Count`].
-pub fn read_designs(dataset: &Dataset) -> Result<Designs, ResultsError> {
+/// [`ResultsError::Study`], [`ResultsError::Trials`] and [`ResultsError::Count`].
+pub fn read_trials(dataset: &Dataset) -> Result<Trials, ResultsError> {
     let (plan, dir) = (&dataset.manifest().plan, || dataset.dir().to_owned());
     let study =
         Study::deserialize(&plan.study).map_err(|source| ResultsError::Study { dir: dir(), source })?;
-    let designs =
-        Designs::new(study).map_err(|e| ResultsError::Designs { dir: dir(), source: Box::new(e) })?;
-    if designs.len() != plan.designs {
+    let trials = Trials::new(study).map_err(|e| ResultsError::Trials { dir: dir(), source: Box::new(e) })?;
+    if trials.len() != plan.trials {
         let smalti = dataset.manifest().smalti.replace(char::is_control, " ");
-        return Err(ResultsError::Count { dir: dir(), here: designs.len(), stated: plan.designs, smalti });
+        return Err(ResultsError::Count { dir: dir(), here: trials.len(), stated: plan.trials, smalti });
     }
-    Ok(designs)
+    Ok(trials)
 }
 
 /// Reads a folder of results, complete or not, and checks every part against its hash. Columns of lists are left out.
 ///
 /// # Errors
-/// When the folder cannot be read, holds no scored design, or holds the results of a study that this version cannot read.
+/// When the folder cannot be read, holds no scored trial, or holds the results of a study that this version cannot read.
 pub fn read_results(dir: &Path) -> Result<StudyResults, ResultsError> {
     let dataset = Dataset::open(dir)?;
-    let designs = read_designs(&dataset)?;
-    if dataset.designs() == 0 {
+    let trials = read_trials(&dataset)?;
+    if dataset.trials() == 0 {
         return Err(ResultsError::Empty { dir: dir.to_owned() });
     }
     let manifest = dataset.manifest();
-    let name = &designs.study().name;
+    let name = &trials.study().name;
     let is_built_in = studies::names().iter().any(|s| s.name == name)
-        && studies::load(name).is_ok_and(|(built_in, _)| built_in.study() == designs.study());
+        && studies::load(name).is_ok_and(|(built_in, _)| built_in.study() == trials.study());
     let mut results = StudyResults {
         is_built_in,
         about: manifest.plan.study.get("about").and_then(Value::as_str).unwrap_or_default().to_owned(),
@@ -111,14 +110,14 @@ pub fn read_results(dir: &Path) -> Result<StudyResults, ResultsError> {
         parts_missing: dataset.missing().count() as u64,
         numbers: Vec::new(),
         columns: manifest.plan.schema.iter().filter_map(empty).collect(),
-        designs,
+        trials,
     };
     let names: Vec<String> = results.columns.iter().map(|c| c.name.clone()).collect();
     let names: Vec<&str> = names.iter().map(String::as_str).collect();
     let mut known: Vec<HashSet<Arc<str>>> = vec![HashSet::new(); names.len()];
     for part in dataset.columns(&names)? {
         let part = part?;
-        results.numbers.extend(part.designs);
+        results.numbers.extend(part.trials);
         for ((whole, more), known) in results.columns.iter_mut().zip(part.columns).zip(&mut known) {
             append(&mut whole.values, more, known)
                 .ok_or_else(|| ResultsError::Column { dir: dir.to_owned(), column: whole.name.clone() })?;

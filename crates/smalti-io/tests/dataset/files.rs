@@ -14,17 +14,14 @@ fn every_kind_of_column_is_read_back_bit_for_bit() {
     let plan = plan(103, 10);
     whole(dir.path(), &plan);
     let dataset = Dataset::open(dir.path()).unwrap();
-    assert_eq!(
-        (dataset.manifest().plan == plan, dataset.is_complete(), dataset.designs()),
-        (true, true, 103)
-    );
+    assert_eq!((dataset.manifest().plan == plan, dataset.is_complete(), dataset.trials()), (true, true, 103));
     dataset.verify().unwrap();
     let names: Vec<&str> = plan.schema.iter().map(|c| c.name.as_str()).collect();
     let mut seen = 0;
     for (chunk, part) in dataset.columns(&names).unwrap().enumerate() {
         let part = part.unwrap();
-        assert_eq!((part.chunk, part.designs.clone()), (chunk as u64, plan.designs_of(chunk as u64)));
-        seen += part.designs.end - part.designs.start;
+        assert_eq!((part.chunk, part.trials.clone()), (chunk as u64, plan.trials_of(chunk as u64)));
+        seen += part.trials.end - part.trials.start;
         for (read, written) in part.columns.iter().zip(columns(&plan, part.chunk)) {
             assert_eq!(read.kind(), written.kind());
             assert_eq!(bits(read), bits(&written));
@@ -32,13 +29,13 @@ fn every_kind_of_column_is_read_back_bit_for_bit() {
     }
     assert_eq!(seen, 103);
     // Some columns, in another order, and one twice.
-    let part = dataset.columns(&["mosaic", "design", "mosaic"]).unwrap().last().unwrap().unwrap();
+    let part = dataset.columns(&["mosaic", "trial", "mosaic"]).unwrap().last().unwrap().unwrap();
     let written = columns(&plan, 10);
     assert_eq!(part.columns, [written[3].clone(), written[0].clone(), written[3].clone()]);
     let error = dataset.columns(&["mosaics"]).unwrap_err().to_string();
     assert!(
         error.ends_with(
-            r#"no column is called "mosaics"; there are design, seed, delta_e, mosaic, centers_nm"#
+            r#"no column is called "mosaics"; there are trial, seed, delta_e, mosaic, centers_nm"#
         )
     );
 }
@@ -98,15 +95,15 @@ fn a_run_continues_where_parts_are_missing() {
     whole(one.path(), &plan);
     whole(two.path(), &plan);
     for chunk in [0, 4, 9] {
-        fs::remove_file(two.path().join(format!("designs/part-{chunk:06}.parquet"))).unwrap();
+        fs::remove_file(two.path().join(format!("trials/part-{chunk:06}.parquet"))).unwrap();
     }
     // Left by a run that was killed.
-    for name in ["designs/.part-000004.parquet.77-0.tmp", ".manifest.json.77-1.tmp"] {
+    for name in ["trials/.part-000004.parquet.77-0.tmp", ".manifest.json.77-1.tmp"] {
         fs::write(two.path().join(name), b"half").unwrap();
     }
     let dataset = Dataset::open(two.path()).unwrap();
-    assert_eq!((dataset.missing().collect::<Vec<_>>(), dataset.designs()), (vec![0, 4, 9], 70));
-    assert_eq!(dataset.columns(&["design"]).unwrap().count(), 7);
+    assert_eq!((dataset.missing().collect::<Vec<_>>(), dataset.trials()), (vec![0, 4, 9], 70));
+    assert_eq!(dataset.columns(&["trial"]).unwrap().count(), 7);
     let run = Run::open(two.path(), &plan, None).unwrap();
     assert_eq!(run.missing(), [0, 4, 9]);
     fill(&run);
@@ -130,8 +127,8 @@ fn shards_do_their_own_and_leave_the_temporary_files_of_others() {
     assert_eq!(run.missing(), [1, 5, 9]);
     fill(&run);
     assert_eq!(run.finish(json!({"seconds": 1})).unwrap(), 7);
-    let own = dir.path().join("designs/.part-000003.parquet.77-0.tmp");
-    let other = dir.path().join("designs/.part-000002.parquet.77-0.tmp");
+    let own = dir.path().join("trials/.part-000003.parquet.77-0.tmp");
+    let other = dir.path().join("trials/.part-000002.parquet.77-0.tmp");
     fs::write(&own, b"half").unwrap();
     fs::write(&other, b"half").unwrap();
     let run = Run::open(dir.path(), &plan, shard("4/4")).unwrap();
@@ -147,7 +144,7 @@ fn shards_do_their_own_and_leave_the_temporary_files_of_others() {
 fn the_unit_and_the_meaning_of_a_column_stand_in_every_file() {
     let dir = tempfile::tempdir().unwrap();
     whole(dir.path(), &plan(5, 5));
-    let part = fs::read(dir.path().join("designs/part-000000.parquet")).unwrap();
+    let part = fs::read(dir.path().join("trials/part-000000.parquet")).unwrap();
     let text = r#"{"name":"delta_e","kind":"float","unit":"ΔE*ab","doc":"what delta_e is"}"#;
     assert!(part.windows(text.len()).any(|w| w == text.as_bytes()));
 }

@@ -11,31 +11,31 @@ pub(crate) fn spec(name: &str, kind: ColumnKind, unit: &str) -> ColumnSpec {
     ColumnSpec { name: name.into(), kind, unit: unit.into(), doc: format!("what {name} is") }
 }
 
-pub(crate) fn plan(designs: u64, chunk: u64) -> Plan {
+pub(crate) fn plan(trials: u64, chunk: u64) -> Plan {
     Plan {
         study: json!({"name": "test", "seed": 7, "camera": {"pitch_um": 2.2, "cfa": ["RG", "GB"]}}),
         schema: vec![
-            spec("design", ColumnKind::Int, ""),
+            spec("trial", ColumnKind::Int, ""),
             spec("seed", ColumnKind::Int, ""),
             spec("delta_e", ColumnKind::Float, "ΔE*ab"),
             spec("mosaic", ColumnKind::Text, ""),
             spec("centers_nm", ColumnKind::Floats, "nm"),
         ],
-        designs,
+        trials,
         chunk,
     }
 }
 
-/// Numbers that look random, the same for the same design.
-fn mixed(design: u64) -> u64 {
-    let mut x = design.wrapping_add(1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+/// Numbers that look random, the same for the same trial.
+fn mixed(trial: u64) -> u64 {
+    let mut x = trial.wrapping_add(1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
     x ^= x >> 29;
     x.wrapping_mul(0xbf58_476d_1ce4_e5b9)
 }
 
 /// All values of a chunk, extremes among them: NaN, infinity, minus zero, empty texts and lists.
 pub(crate) fn columns(plan: &Plan, chunk: u64) -> Vec<Column> {
-    let designs: Vec<u64> = plan.designs_of(chunk).collect();
+    let trials: Vec<u64> = plan.trials_of(chunk).collect();
     let float = |d: u64| match d % 7 {
         0 => f64::NAN,
         1 => f64::NEG_INFINITY,
@@ -43,11 +43,11 @@ pub(crate) fn columns(plan: &Plan, chunk: u64) -> Vec<Column> {
         _ => mixed(d) as f64 * 1e-18,
     };
     vec![
-        Column::Int(designs.iter().map(|d| *d as i64).collect()),
-        Column::Int(designs.iter().map(|d| mixed(*d) as i64).collect()),
-        Column::Float(designs.iter().map(|d| float(*d)).collect()),
-        Column::Text(designs.iter().map(|d| "ŘG/".repeat((*d % 3) as usize)).collect()),
-        Column::Floats(designs.iter().map(|d| (0..*d % 5).map(|i| float(d + i)).collect()).collect()),
+        Column::Int(trials.iter().map(|d| *d as i64).collect()),
+        Column::Int(trials.iter().map(|d| mixed(*d) as i64).collect()),
+        Column::Float(trials.iter().map(|d| float(*d)).collect()),
+        Column::Text(trials.iter().map(|d| "ŘG/".repeat((*d % 3) as usize)).collect()),
+        Column::Floats(trials.iter().map(|d| (0..*d % 5).map(|i| float(d + i)).collect()).collect()),
     ]
 }
 
@@ -78,7 +78,7 @@ pub(crate) fn whole(dir: &Path, plan: &Plan) {
 
 /// The parts by name, and the manifest without what the runs took.
 pub(crate) fn content(dir: &Path) -> (BTreeMap<String, Vec<u8>>, String) {
-    let parts = fs::read_dir(dir.join("designs")).unwrap().map(|e| {
+    let parts = fs::read_dir(dir.join("trials")).unwrap().map(|e| {
         let path = e.unwrap().path();
         (path.file_name().unwrap().to_string_lossy().into_owned(), fs::read(path).unwrap())
     });

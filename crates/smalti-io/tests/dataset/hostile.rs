@@ -13,7 +13,7 @@ const HASH: &[u8] = b"smalti.blake3\x18\x40";
 fn sample() -> (Vec<u8>, Manifest) {
     let dir = tempfile::tempdir().unwrap();
     whole(dir.path(), &plan(20, 20));
-    let bytes = fs::read(dir.path().join("designs/part-000000.parquet")).unwrap();
+    let bytes = fs::read(dir.path().join("trials/part-000000.parquet")).unwrap();
     (bytes, Dataset::open(dir.path()).unwrap().manifest().clone())
 }
 

@@ -20,7 +20,7 @@ fn judged_by(program: &str, packages: &str) {
         rows.extend((0..values[0].len()).map(|row| values.iter().map(|c| value(c, row)).collect::<Value>()));
     }
     run.finish(json!(null)).unwrap();
-    let parts = dir.path().join("designs");
+    let parts = dir.path().join("trials");
     let Some(seen) = python("check_dataset.py", packages, &[Path::new(program), &parts]) else { return };
     let names: Vec<&str> = plan.schema.iter().map(|c| c.name.as_str()).collect();
     assert_eq!(seen[0]["names"], json!(names));

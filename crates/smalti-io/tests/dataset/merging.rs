@@ -34,7 +34,7 @@ fn merged_shards_are_a_whole_run() {
     let runs: Vec<_> = manifest.runs.iter().map(|r| (r.shard.clone().unwrap(), r.parts)).collect();
     assert_eq!(runs, [("1/3".to_owned(), 4), ("2/3".into(), 3), ("3/3".into(), 3)]);
     // Again, after a merge that was cut off; and nothing is noted twice.
-    fs::remove_file(into.join("designs/part-000004.parquet")).unwrap();
+    fs::remove_file(into.join("trials/part-000004.parquet")).unwrap();
     merge(&from, &into).unwrap();
     assert_same(&into, &expected);
     assert_eq!(*Dataset::open(&into).unwrap().manifest(), manifest);
@@ -79,7 +79,7 @@ fn damaged_and_contradicting_parts_are_refused() {
         from.reverse();
     }
     from.retain(|f| !f.ends_with("odd"));
-    let part = from[1].join("designs/part-000003.parquet");
+    let part = from[1].join("trials/part-000003.parquet");
     let mut bytes = fs::read(&part).unwrap();
     bytes[40] ^= 1;
     fs::write(&part, bytes).unwrap();

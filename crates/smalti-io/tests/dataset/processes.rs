@@ -68,7 +68,7 @@ fn a_lock_ends_with_its_process_and_killed_runs_are_continued() {
         Dataset::open(&results).unwrap().verify().unwrap();
     }
     // Whether or not a kill has hit a file being written.
-    fs::write(results.join("designs/.part-000003.parquet.1-0.tmp"), b"PAR1").unwrap();
+    fs::write(results.join("trials/.part-000003.parquet.1-0.tmp"), b"PAR1").unwrap();
     let run = Run::open(&results, &plan, None).unwrap();
     fill(&run);
     assert_eq!(run.finish(json!({})).unwrap(), 0);
@@ -83,17 +83,17 @@ fn a_file_that_cannot_grow_is_named_and_the_run_is_continued() {
     whole(&expected, &plan);
     // The manifest is shorter than a part: it can be written, and no part can.
     let limit = fs::metadata(expected.join("manifest.json")).unwrap().len().div_ceil(1024);
-    let smallest = fs::metadata(expected.join("designs/part-000000.parquet")).unwrap().len();
+    let smallest = fs::metadata(expected.join("trials/part-000000.parquet")).unwrap().len();
     assert!(smallest > limit * 1024, "{smallest} {limit}");
     let (mut child, lines) = start(&results, &format!(r#"trap "" XFSZ; ulimit -f {limit}; exec "$@""#));
     let said: Vec<String> = lines.map(Result::unwrap).filter(|l| l.starts_with("cannot write")).collect();
     child.wait().unwrap();
-    let path = results.join("designs/part-000000.parquet");
+    let path = results.join("trials/part-000000.parquet");
     let [said] = &said[..] else { panic!("{said:?}") };
     assert!(said.starts_with(&format!("cannot write {}: File too large", path.display())), "{said}");
     assert!(said.ends_with("what is finished is kept: once it can be written, the same command continues"));
     // Nothing half written stays.
-    assert_eq!(fs::read_dir(results.join("designs")).unwrap().count(), 0);
+    assert_eq!(fs::read_dir(results.join("trials")).unwrap().count(), 0);
     let run = Run::open(&results, &plan, None).unwrap();
     fill(&run);
     run.finish(json!({})).unwrap();

@@ -9,7 +9,7 @@ use smalti_io::dataset::{Column, Dataset, DatasetError, PartProblem, Plan, Run, 
 use crate::fixtures::{columns, content, plan, whole};
 
 fn part(dir: &Path, chunk: u64) -> std::path::PathBuf {
-    dir.join(format!("designs/part-{chunk:06}.parquet"))
+    dir.join(format!("trials/part-{chunk:06}.parquet"))
 }
 
 #[test]
@@ -18,7 +18,7 @@ fn a_changed_study_is_refused_with_the_difference() {
     let plan = plan(30, 10);
     whole(dir.path(), &plan);
     let before = content(dir.path());
-    let mut changed = Plan { designs: 40, ..plan.clone() };
+    let mut changed = Plan { trials: 40, ..plan.clone() };
     changed.study["camera"]["pitch_um"] = json!(1.4);
     changed.study["camera"]["cfa"] = json!(["RG"]);
     changed.schema[2].unit = "ΔE00".into();
@@ -26,7 +26,7 @@ fn a_changed_study_is_refused_with_the_difference() {
     assert!(matches!(error, DatasetError::OtherStudy { .. }));
     let expected = format!(
         "{} holds the results of another study or version:\n  camera.pitch_um: 2.2 → 1.4\n  camera.cfa[1]: \"GB\" → (absent)\n  \
-         (designs): 30 → 40\n  (schema)[2].unit: \"ΔE*ab\" → \"ΔE00\"\nChoose another folder, or undo the change.",
+         (trials): 30 → 40\n  (schema)[2].unit: \"ΔE*ab\" → \"ΔE00\"\nChoose another folder, or undo the change.",
         dir.path().display()
     );
     assert_eq!(error.to_string(), expected);
@@ -46,13 +46,13 @@ fn another_revision_and_a_damaged_manifest_are_refused() {
     let plan = plan(3, 2);
     for (from, to, message) in [
         (
-            r#""revision": 1"#,
             r#""revision": 2"#,
-            "it is version 2 of the results format; version 1 is read here",
+            r#""revision": 1"#,
+            "it is version 1 of the results format; version 2 is read here",
         ),
         (r#""smalti-results""#, r#""x""#, r#"format is "x"; expected "smalti-results""#),
         (r#""seed": 7"#, r#""seed": 8"#, "it is damaged: its content has the hash"),
-        (r#""chunk": 2"#, r#""chunk": 0"#, "its plan cannot be: the number of designs in a chunk is 0"),
+        (r#""chunk": 2"#, r#""chunk": 0"#, "its plan cannot be: the number of trials in a chunk is 0"),
         ("{", "[", "not a valid manifest file"),
     ] {
         let dir = tempfile::tempdir().unwrap();
@@ -86,12 +86,12 @@ fn a_stray_file_among_the_parts_is_refused_and_others_are_not() {
     let dir = tempfile::tempdir().unwrap();
     let plan = plan(3, 2);
     whole(dir.path(), &plan);
-    for name in ["designs/.DS_Store", "report.html"] {
+    for name in ["trials/.DS_Store", "report.html"] {
         fs::write(dir.path().join(name), b"").unwrap();
     }
     drop(Run::open(dir.path(), &plan, None).unwrap());
     for name in ["part-000002.parquet", "part-1.parquet", "copy.parquet", "notes.txt"] {
-        let path = dir.path().join("designs").join(name);
+        let path = dir.path().join("trials").join(name);
         fs::write(&path, b"").unwrap();
         for error in [Run::open(dir.path(), &plan, None).unwrap_err(), Dataset::open(dir.path()).unwrap_err()]
         {
@@ -120,7 +120,7 @@ fn a_part_cut_short_is_found_when_a_run_continues_and_when_it_is_read() {
                 "{text}"
             );
             let expected = format!(
-                "{} is cut short or no Parquet file ({length} bytes); delete it and run the sweep again: its designs are \
+                "{} is cut short or no Parquet file ({length} bytes); delete it and run the sweep again: its trials are \
                  computed anew",
                 path.display()
             );
@@ -193,8 +193,8 @@ fn plans_and_chunks_that_cannot_be_are_refused() {
     let good = plan(30, 10);
     let nameless = Plan { schema: vec![], ..good.clone() };
     for (plan, message) in [
-        (plan(0, 10), "the number of designs is 0; expected at least 1"),
-        (plan(1, 0), "the number of designs in a chunk is 0; expected 1 to 1048576"),
+        (plan(0, 10), "the number of trials is 0; expected at least 1"),
+        (plan(1, 0), "the number of trials in a chunk is 0; expected 1 to 1048576"),
         (plan(1_000_001, 1), "the number of parts is 1000001; expected at most 1000000; choose larger parts"),
         (plan(u64::MAX, 1 << 20), "the number of parts is 17592186044416; expected at most 1000000"),
         (nameless, "the list of columns is empty; expected at least one"),
@@ -210,5 +210,5 @@ fn plans_and_chunks_that_cannot_be_are_refused() {
     let mut short = columns(&good, 0);
     short[0] = Column::Int(vec![1]);
     assert!(matches!(run.write(0, &short), Err(DatasetError::Columns { .. })));
-    assert_eq!(fs::read_dir(dir.join("designs")).unwrap().count(), 0);
+    assert_eq!(fs::read_dir(dir.join("trials")).unwrap().count(), 0);
 }

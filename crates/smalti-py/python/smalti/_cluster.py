@@ -27,7 +27,7 @@ PATIENCE = 1.0
 Target = str | tuple[Any, str]
 """A folder that every worker can access, or a file system of fsspec and a path in it."""
 Open = Callable[[int], Any]
-"""Opens the progress of a number of designs."""
+"""Opens the progress of a number of trials."""
 
 
 class _Place(Protocol):
@@ -35,7 +35,7 @@ class _Place(Protocol):
 
     def missing(self) -> list[int]: ...
     def manifest(self) -> str: ...
-    def designs_of(self, part: int) -> int: ...
+    def trials_of(self, part: int) -> int: ...
     def adopt(self, part: int) -> None: ...
     def finish(self, timings: str) -> None: ...
     def close(self) -> None: ...
@@ -49,7 +49,7 @@ class _Folder:
         self._folder = SharedFolder(study, out, part_size)
         self.missing = self._folder.missing
         self.manifest = self._folder.manifest
-        self.designs_of = self._folder.designs_of
+        self.trials_of = self._folder.trials_of
         self.adopt = self._folder.adopt
         self.finish = self._folder.finish
         self.close = self._folder.close
@@ -67,10 +67,10 @@ class _RemoteDataset:
         where = str(fs.unstrip_protocol(root))
         self._place = SharedPlace(study, where, part_size, names, there)
         self.manifest = self._place.manifest
-        self.designs_of = self._place.designs_of
-        self._missing = self._place.missing(self._names(f"{root}/designs"))
+        self.trials_of = self._place.trials_of
+        self._missing = self._place.missing(self._names(f"{root}/trials"))
         if there is None:
-            fs.makedirs(f"{root}/designs", exist_ok=True)
+            fs.makedirs(f"{root}/trials", exist_ok=True)
             _put(fs, f"{root}/manifest.json", self.manifest().encode())
 
     def _names(self, folder: str) -> list[str]:
@@ -210,18 +210,18 @@ def sweep(
     place = _place(study, out, part_size)
     try:
         missing = place.missing()
-        total = sum(map(place.designs_of, missing))
+        total = sum(map(place.trials_of, missing))
         start, count = time.monotonic(), 0
         with open_progress(total) as report:
 
             def done(part: int) -> None:
                 nonlocal count
-                count += place.designs_of(part)
+                count += place.trials_of(part)
                 if report is not None:
                     report(count)
 
             _compute(client, study, place, cache, done)
-        timings = {"seconds": time.monotonic() - start, "designs": total, "threads": _threads(client)}
+        timings = {"seconds": time.monotonic() - start, "trials": total, "threads": _threads(client)}
         place.finish(json.dumps(timings))
     finally:
         place.close()

@@ -265,7 +265,7 @@ def sweep(
     cache: bool = True,
     progress: Progress = True,
 ) -> Results | None:
-    """Scores the designs of a study and writes the Parquet files of `smalti sweep`, with the same bytes.
+    """Scores the trials of a study and writes the Parquet files of `smalti sweep`, with the same bytes.
 
     Existing parts are kept, so that an interrupted sweep resumes. After Ctrl-C, all finished parts are on disk.
 
@@ -276,7 +276,7 @@ def sweep(
         client: a `dask.distributed.Client`, whose workers compute and write the parts with the same bytes. Tasks of workers that die
             are repeated.
         shard: (i, n) or "i/n": the i-th of n shards, i from 1; `merge` merges their folders.
-        part_size: designs per file; default by the number of designs.
+        part_size: trials per file; default by the number of trials.
         cache: keep optical images between runs, in the cache of the command.
         progress: see `Progress`.
 
@@ -295,14 +295,14 @@ def sweep(
         # Dask is needed only here.
         from . import _cluster
 
-        bar = partial(_told, progress, what=known.name, unit="design")
+        bar = partial(_told, progress, what=known.name, unit="trial")
         folder = _cluster.sweep(client, known, out, part_size, cache, bar)
         return Results(folder) if folder is not None else None
     if isinstance(out, tuple):
         raise _smalti.SmaltiError("out is a file system and a path; expected a folder, or also a client")
     share = _smalti.parse_shard(shard) if isinstance(shard, str) else shard
-    missing = _smalti.designs_missing(known, out, share, part_size)
-    with _told(progress, missing, known.name, "design") as told:
+    missing = _smalti.trials_missing(known, out, share, part_size)
+    with _told(progress, missing, known.name, "trial") as told:
         _smalti.run_sweep(known, out, share, part_size, cache, told)
     return Results(out)
 
@@ -312,7 +312,7 @@ def report(
     out: Path | None = None,
     *,
     pictures: int = 16,
-    designs: Sequence[int] = (),
+    trials: Sequence[int] = (),
     draw: Sequence[str] = (),
     progress: Progress = True,
 ) -> dict[str, Any]:
@@ -322,14 +322,14 @@ def report(
         results: a folder of results, or several folders for a common report.
         out: a folder for report.html, figures (SVG, PNG) and report.json, created if needed; or FILE.html for the page only; default the
             folder `report` in the first of the results.
-        pictures: number of designs, 0 to 1000, whose pictures are embedded in the page for processing that the page cannot compute
+        pictures: number of trials, 0 to 1000, whose pictures are embedded in the page for processing that the page cannot compute
             (learned pipelines, demosaicking other than bilinear): the best, the worst, then those of the Pareto front.
-        designs: further designs of the first results, by number, whose pictures are embedded in the page.
+        trials: further trials of the first results, by number, whose pictures are embedded in the page.
         draw: draw figures of the conditions and processing methods whose name contains one of these texts; default the first 8.
         progress: see `Progress`; steps are pictures and figures.
 
     Returns:
-        report.json: the tables, the best designs, the files and notes.
+        report.json: the tables, the best trials, the files and notes.
 
     Raises:
         SmaltiError: when results cannot be read, or have no design.
@@ -338,4 +338,4 @@ def report(
     several = [results] if isinstance(results, Results | str | os.PathLike) else list(results)
     folders = [r.dir if isinstance(r, Results) else r for r in several]
     with _told(progress, None, "report", "figure") as told:
-        return _smalti.write_report(folders, out, pictures, list(designs), list(draw), told)
+        return _smalti.write_report(folders, out, pictures, list(trials), list(draw), told)

@@ -179,9 +179,9 @@ const PICTURES = [
 ];
 function picturesOf(designs, row, number) {
   const both = (picture) => make("div", { class: "pictures" }, PICTURES.map(({ words, name }, which) =>
-    make("figure", { class: name }, picture(which, `${words}, design ${number}`), make("figcaption", {}, words))));
+    make("figure", { class: name }, picture(which, `${words}, trial ${number}`), make("figcaption", {}, words))));
   const say = (words) => make("p", { class: "none" }, words);
-  const command = () => commandOf(designs, row, `--picture ${number} -o design-${number}.html`);
+  const command = () => commandOf(designs, row, `--picture ${number} -o trial-${number}.html`);
   const own = designs.pictures.get(row);
   if (own) return [both((which, words) => embedded([own.zone_plate, own.scene][which], words))];
   const drawn = drawnOf(designs, row);
@@ -209,7 +209,7 @@ function showDesign(designs, row, panel) {
   const words = designs.words.filter((w) => w !== designs.tile && w.words[w.codes[row]]).map((w) => w.words[w.codes[row]]);
   const tile = designs.tile ? designs.tile.words[designs.tile.codes[row]] : "";
   panel.replaceChildren(
-    make("h3", {}, `Design ${number}`),
+    make("h3", {}, `Trial ${number}`),
     make("p", { class: "sub" }, [`${designs.colors[row]} colours`, ...words, designs.front[row] ? "on the Pareto front" : null].filter(Boolean).join(" · ")),
     spectraOf(filters),
     make("div", { class: "halves" },
@@ -217,7 +217,7 @@ function showDesign(designs, row, panel) {
       make("div", {}, make("h4", {}, "Filters"), filterTable(filters))),
     make("h4", {}, "Figures"), figuresOf(designs, row),
     make("h4", {}, "Pictures"), ...picturesOf(designs, row, number).filter(Boolean),
-    make("h4", {}, "As a camera for other commands"), commandOf(designs, row, `--camera ${number} > design-${number}.toml`),
+    make("h4", {}, "As a camera for other commands"), commandOf(designs, row, `--camera ${number} > trial-${number}.toml`),
   );
   if (filters.some((f) => !f.curve)) panel.append(make("p", { class: "none" }, "The spectra of some filters are not in this page: it would have become too large."));
 }

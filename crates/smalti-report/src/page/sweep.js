@@ -140,7 +140,7 @@ function startSweep(data) {
     tellSelection();
   }
   function tipOf(row) {
-    const lines = [`Design ${designs.number[row]}, ${designs.colors[row]} colours`];
+    const lines = [`Trial ${designs.number[row]}, ${designs.colors[row]} colours`];
     if (markOf.has(row)) lines.push(markOf.get(row));
     for (const c of [view.x, view.y]) lines.push(`${c.label} ${shown(c.values[row])}`);
     if (view.color.column) lines.push(`${view.color.column.label} ${shown(view.color.column.values[row])}`);
@@ -207,7 +207,7 @@ function startSweep(data) {
       if (selected[i] && scatter.px && scatter.px[i] !== OUT) inView += 1;
     }
     const of = (n) => n.toLocaleString("en");
-    let words = scatter.box ? `${of(some)} of ${of(all)} designs selected` : `${of(all)} designs`;
+    let words = scatter.box ? `${of(some)} of ${of(all)} trials selected` : `${of(all)} trials`;
     if (scatter.px && inView < some) words += `, ${of(some - inView)} of them outside the plot or without figures`;
     if (count.textContent !== words) count.textContent = words;
     const axis = (which) => `${withUnit(view[which])}${scatter.state.log[which] ? " (logarithmic)" : ""}`;
@@ -235,7 +235,7 @@ function startSweep(data) {
     const cell = (v) => make("td", { class: "number" }, v);
     bestShown.replaceChildren(make("div", { class: "scrolls", tabindex: "0", role: "region", "aria-label": "Best of the selection" }, make("table", {},
       make("caption", {}, `${scatter.box ? "Best of the selection" : "Best of those shown"}, by ${by.label}`),
-      make("thead", {}, make("tr", {}, make("th", { scope: "col" }, "Mosaic"), ...["Design", "Colours", ...columns.map(withUnit)].map((t) => make("th", { scope: "col", class: "number" }, t)))),
+      make("thead", {}, make("tr", {}, make("th", { scope: "col" }, "Mosaic"), ...["Trial", "Colours", ...columns.map(withUnit)].map((t) => make("th", { scope: "col", class: "number" }, t)))),
       make("tbody", {}, ...rows.map((row) => make("tr", {}, make("td", {}, smallTile(designs, row)),
         make("th", { scope: "row", class: "number" }, make("button", { class: "design", type: "button", "data-row": row }, String(designs.number[row]))),
         cell(designs.colors[row]), ...columns.map((c) => cell(shown(c.values[row])))))))));
@@ -247,7 +247,7 @@ function startSweep(data) {
   function choose(row) {
     scatter.setPinned(row);
     showDesign(designs, row, panel);
-    panel.setAttribute("aria-label", `Design ${designs.number[row]}`);
+    panel.setAttribute("aria-label", `Trial ${designs.number[row]}`);
   }
 }
 
@@ -263,7 +263,7 @@ function csvText(text) {
 }
 function csvOf(designs, selected) {
   const numbers = designs.columns.filter((c) => !c.parameter && c.name !== "colors");
-  const head = ["study", "design", "colors", ...designs.words.map((w) => w.name), ...numbers.map((c) => c.name), "center_nm", "fwhm_nm", "peak"];
+  const head = ["study", "trial", "colors", ...designs.words.map((w) => w.name), ...numbers.map((c) => c.name), "center_nm", "fwhm_nm", "peak"];
   const number = (v) => (Number.isFinite(v) ? String(Number(v.toPrecision(7))) : Number.isNaN(v) ? "" : String(v));
   const lines = [head.map(csvText).join(",")];
   for (let i = 0; i < designs.count; i += 1) {
@@ -279,7 +279,7 @@ function csvOf(designs, selected) {
 }
 function saveCsv(designs, selected) {
   const url = URL.createObjectURL(new Blob([csvOf(designs, selected)], { type: "text/csv" }));
-  make("a", { href: url, download: "designs.csv" }).click();
+  make("a", { href: url, download: "trials.csv" }).click();
   setTimeout(() => URL.revokeObjectURL(url), 10000);
 }
 

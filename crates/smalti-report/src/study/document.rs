@@ -8,7 +8,7 @@ use super::results::Results;
 use super::sections::{CONFIDENCE, Group, Section};
 use crate::ReportError;
 
-/// The largest number of designs of a front in the document.
+/// The largest number of trials of a front in the document.
 const FRONT: usize = 1000;
 
 /// All that the tables contain and more. `figures` are the files, relative to the folder.
@@ -36,8 +36,8 @@ fn study(results: &Results, sections: &[Section<'_>]) -> Result<Value, ReportErr
         "folder": data.origin,
         "plan_blake3": data.plan_blake3,
         "scored_by": data.smalti_version,
-        "designs": data.designs.len(),
-        "designs_missing": data.designs.len() - data.numbers.len() as u64,
+        "trials": data.trials.len(),
+        "trials_missing": data.trials.len() - data.numbers.len() as u64,
         "parts_missing": data.parts_missing,
         "problems": results.problems,
         "sections": sections.iter().map(section).collect::<Result<Vec<_>, ReportError>>()?,
@@ -57,17 +57,17 @@ fn section(section: &Section<'_>) -> Result<Value, ReportError> {
         out.insert("processing".into(), way.name().into());
     }
     let group = |g: &Group| -> Result<Value, ReportError> {
-        let best = g.best.iter().map(|&r| design(section, r)).collect::<Result<Vec<_>, ReportError>>()?;
-        let (designs, left_out) = g.counts();
+        let best = g.best.iter().map(|&r| trial(section, r)).collect::<Result<Vec<_>, ReportError>>()?;
+        let (trials, left_out) = g.counts();
         let mut out = Map::new();
         out.insert("colors".into(), g.colors.into());
-        out.insert("designs".into(), designs.into());
+        out.insert("trials".into(), trials.into());
         out.insert("left_out".into(), left_out.into());
         for (measure, found) in section.results.measures.iter().zip(&g.summaries) {
             out.insert(measure.name.clone(), summary(found));
         }
         out.insert("best".into(), best.into());
-        out.insert("worst".into(), g.worst.map(|r| design(section, r)).transpose()?.into());
+        out.insert("worst".into(), g.worst.map(|r| trial(section, r)).transpose()?.into());
         Ok(out.into())
     };
     let groups = section.groups.iter().map(group).collect::<Result<Vec<_>, ReportError>>()?;
@@ -76,37 +76,37 @@ fn section(section: &Section<'_>) -> Result<Value, ReportError> {
     let mut filters = Vec::new();
     for (label, colors) in &section.labels {
         for (colors, rows) in colors {
-            let rows = rows.iter().map(|&r| design(section, r)).collect::<Result<Vec<_>, ReportError>>()?;
-            filters.push(json!({"filters": label, "colors": colors, "designs": rows}));
+            let rows = rows.iter().map(|&r| trial(section, r)).collect::<Result<Vec<_>, ReportError>>()?;
+            filters.push(json!({"filters": label, "colors": colors, "trials": rows}));
         }
     }
     out.insert("filters".into(), filters.into());
     let front = section.some_of_front(FRONT);
-    let designs = front.iter().map(|&r| design(section, r)).collect::<Result<Vec<_>, ReportError>>()?;
-    out.insert("pareto_front".into(), json!({"count": section.front.len(), "designs": designs}));
+    let trials = front.iter().map(|&r| trial(section, r)).collect::<Result<Vec<_>, ReportError>>()?;
+    out.insert("pareto_front".into(), json!({"count": section.front.len(), "trials": trials}));
     Ok(out.into())
 }
 
-fn design(section: &Section<'_>, row: usize) -> Result<Value, ReportError> {
-    let design = section.results.design(row)?;
-    let figures = design.filters.figures()?;
+fn trial(section: &Section<'_>, row: usize) -> Result<Value, ReportError> {
+    let trial = section.results.trial(row)?;
+    let figures = trial.design.filters.figures()?;
     let list = |f: fn(&FilterFigures) -> f64| figures.iter().map(f).collect::<Vec<_>>();
     let mut out = Map::new();
-    out.insert("design".into(), design.number.into());
+    out.insert("trial".into(), trial.number.into());
     out.insert("colors".into(), figures.len().into());
     for measure in &section.results.measures {
         out.insert(measure.name.clone(), measure.at(row).into());
     }
-    out.insert("filters".into(), design.filters.label.clone().into());
-    out.insert("tile".into(), design.tile().into());
-    out.insert("mosaic".into(), section.results.mosaic(&design).into());
+    out.insert("filters".into(), trial.design.filters.label.clone().into());
+    out.insert("tile".into(), trial.design.tile().into());
+    out.insert("mosaic".into(), section.results.mosaic(&trial.design).into());
     out.insert("center_nm".into(), list(|f| f.center_nm).into());
     out.insert("fwhm_nm".into(), list(|f| f.fwhm_nm).into());
     out.insert("peak".into(), list(|f| f.peak).into());
     Ok(out.into())
 }
 
-/// A summary with its intervals. A bound that is infinite, since there are too few designs, is null.
+/// A summary with its intervals. A bound that is infinite, since there are too few trials, is null.
 fn summary(s: &Summary) -> Value {
     let estimate = |e: &Estimate| json!({"value": e.value, "low": e.low, "high": e.high});
     json!({

@@ -82,7 +82,7 @@ fn spectra(
     let mut any = false;
     for group in &section.groups {
         let Some(row) = which(group) else { continue };
-        let design = section.results.design(row)?;
+        let design = section.results.trial(row)?.design;
         let (nm, curves) = curves(section, &design)?;
         let mut plot = Plot::spectra("Transmittance")
             .title(caption(section, group.colors, row).replace('\n', ": "))
@@ -105,7 +105,7 @@ fn mosaics(section: &Section<'_>, book: &mut Book<'_>) -> Result<(), ReportError
     let mut any = false;
     for group in &section.groups {
         let Some(&row) = group.best.first() else { continue };
-        let design = section.results.design(row)?;
+        let design = section.results.trial(row)?.design;
         let (nm, curves) = curves(section, &design)?;
         let cell = |&c: &u8| Cell {
             letter: char::from(b'A' + c % 26).to_string(),
@@ -182,7 +182,7 @@ fn add(
         let colors = section.results.colors.get(*row).copied().unwrap_or_default();
         let number = section.results.data.numbers.get(*row).copied().unwrap_or_default();
         let caption =
-            format!("{what}\n{}; design {number}", caption(section, colors, *row).replace('\n', ", "));
+            format!("{what}\n{}; trial {number}", caption(section, colors, *row).replace('\n', ", "));
         sheet = sheet.picture(caption, width, height, &rgb);
     }
     book.save(name, &sheet.enlarge(2).draw()?, 1.0)

@@ -71,10 +71,10 @@ impl<'a> Studio<'a> {
 }
 
 impl Stage<'_> {
-    /// The picture that the design of a row makes.
+    /// The picture by the trial of a row.
     pub(super) fn picture(&self, row: usize) -> Result<Pixels, ReportError> {
         let Studio { section, camera, lessons, .. } = self.studio;
-        let design = section.results.design(row)?;
+        let design = section.results.trial(row)?.design;
         let camera = camera.with_cfa(design.cfa(camera.grid())?);
         // The lens is the same, and so is the optical image.
         let setup =

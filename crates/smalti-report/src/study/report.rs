@@ -18,9 +18,9 @@ pub const PAGE: &str = "report.html";
 /// What a report is to contain.
 #[derive(Debug, Clone, Default)]
 pub struct ReportSettings {
-    /// How many designs with learned pipelines have embedded pictures in the page.
+    /// How many trials with learned pipelines have embedded pictures in the page.
     pub pictures: usize,
-    /// Designs of the first study, by their numbers, with embedded pictures in the page.
+    /// Trials of the first study, by their numbers, with embedded pictures in the page.
     pub wanted: Vec<u64>,
     /// Texts of which one must be in the name of a condition that has figures of its own. Empty: the first conditions have.
     pub draw: Vec<String>,

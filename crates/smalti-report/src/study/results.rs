@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use smalti::design::statistics::Objective;
 use smalti::design::{
     ColumnValues, Condition, ConditionValue, Design, FilterFamily, MosaicFamily, Processing, ResultColumn,
-    Study, StudyResults, published,
+    Study, StudyResults, Trial, published,
 };
 use smalti::metrics::{Better, CATALOG, MetricInfo};
 
@@ -29,7 +29,7 @@ pub(super) struct Measure {
     /// Digits after the decimal point.
     pub(super) digits: usize,
     pub(super) better: Better,
-    /// One per row; NaN where a design has no such score.
+    /// One per row; NaN where a trial has no such score.
     pub(super) values: Vec<f64>,
 }
 
@@ -90,7 +90,7 @@ pub struct Results {
     pub(super) colors: Vec<u8>,
     /// The metrics that the study scores: [`MAIN`] first.
     pub(super) measures: Vec<Measure>,
-    /// Why designs have no scores, with the number of designs.
+    /// Why trials have no scores, with the number of trials.
     pub(super) problems: BTreeMap<String, u64>,
 }
 
@@ -125,7 +125,7 @@ impl Results {
     }
 
     pub(super) fn study(&self) -> &Study {
-        self.data.designs.study()
+        self.data.trials.study()
     }
 
     /// A metric by the name of its column, where the study scores it.
@@ -147,10 +147,10 @@ impl Results {
         plain(&self.data.about)
     }
 
-    /// The design of a row.
-    pub(super) fn design(&self, row: usize) -> Result<Design, ReportError> {
+    /// The trial of a row.
+    pub(super) fn trial(&self, row: usize) -> Result<Trial, ReportError> {
         let number = self.data.numbers.get(row).ok_or(ReportError::Missing { what: "row" })?;
-        Ok(self.data.designs.design(*number)?)
+        Ok(self.data.trials.trial(*number)?)
     }
 
     /// The mosaic of a design: its name where it is from the catalogue, and its tile.
@@ -168,12 +168,12 @@ impl Results {
 
     /// Index of the condition, and processing, of a setup.
     pub(super) fn condition(&self, setup: u64) -> Option<(usize, Processing)> {
-        self.data.designs.setup(setup)
+        self.data.trials.setup(setup)
     }
 
     /// Condition and processing of a setup.
     pub(super) fn setup(&self, setup: u64) -> Option<(&Condition, Processing)> {
-        let (condition, processing) = self.data.designs.setup(setup)?;
+        let (condition, processing) = self.data.trials.setup(setup)?;
         Some((self.study().conditions.get(condition)?, processing))
     }
 
@@ -217,7 +217,7 @@ fn measures(columns: &[ResultColumn]) -> Vec<Measure> {
     all
 }
 
-/// A design counts in the means of all main metrics or of none: where it lacks one of them, all become NaN.
+/// A trial counts in the means of all main metrics or of none: where it lacks one of them, all become NaN.
 fn mask(measures: &mut [Measure], rows: usize) {
     let mut main: Vec<&mut Measure> =
         measures.iter_mut().filter(|m| MAIN.contains(&m.name.as_str())).collect();

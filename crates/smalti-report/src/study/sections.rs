@@ -40,8 +40,7 @@ impl Choice {
         if !results.has_plane() {
             return Self::Order;
         }
-        let mut groups =
-            results.data.designs.groups().filter(|(_, sets, mosaics)| sets * *mosaics as u64 > 0);
+        let mut groups = results.data.trials.groups().filter(|(_, sets, mosaics)| sets * *mosaics as u64 > 0);
         match (groups.all(|(_, sets, _)| sets == 1), results.measure(ALIASING)) {
             (true, Some(_)) => Self::Aliasing,
             (true, None) => Self::Sharpness,
@@ -103,10 +102,10 @@ impl<'a> Section<'a> {
         let mut sections = Vec::new();
         let mut start = 0;
         while let Some(&first) = results.data.numbers.get(start) {
-            let setup = results.data.designs.setup_of(first);
+            let setup = results.data.trials.setup_of(first);
             // Numbers ascend, so the designs of a setup are consecutive.
             let rest = results.data.numbers.get(start..).unwrap_or_default();
-            let end = start + rest.partition_point(|&n| results.data.designs.setup_of(n) == setup);
+            let end = start + rest.partition_point(|&n| results.data.trials.setup_of(n) == setup);
             sections.push(Self::new(results, setup, start..end)?);
             start = end;
         }
@@ -247,7 +246,7 @@ fn labels(
     }
     for row in rows {
         let colors = results.colors.get(row).copied().unwrap_or_default();
-        let label = label(&results.design(row)?);
+        let label = label(&results.trial(row)?.design);
         labels.entry(label).or_default().entry(colors).or_default().push(row);
         if labels.len() > MAX_LABELS {
             return Ok(BTreeMap::new());

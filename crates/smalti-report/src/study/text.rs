@@ -54,14 +54,14 @@ pub(super) fn text(
 
 fn head(results: &Results) -> String {
     let data = &results.data;
-    let (there, all) = (data.numbers.len() as u64, data.designs.len());
-    let mut out = format!("{}: {all} designs\n", results.name());
+    let (there, all) = (data.numbers.len() as u64, data.trials.len());
+    let mut out = format!("{}: {all} trials\n", results.name());
     if !results.about().is_empty() {
         out += &format!("{}\n", results.about());
     }
     if there < all {
         out += &format!(
-            "Incomplete: {} of {} parts are missing, {} designs. This report is of the {there} scored designs.\n",
+            "Incomplete: {} of {} parts are missing, {} trials. This report is of the {there} scored trials.\n",
             data.parts_missing,
             data.parts,
             all - there
@@ -159,13 +159,13 @@ fn by_label(section: &Section<'_>, cloud: Option<&Section<'_>>, table: &TextTabl
 }
 
 fn design_row(section: &Section<'_>, row: usize) -> Result<Vec<String>, ReportError> {
-    let design = section.results.design(row)?;
-    let mut cells = vec![design.filters.filters.len().to_string(), design.number.to_string()];
+    let trial = section.results.trial(row)?;
+    let mut cells = vec![trial.design.filters.filters.len().to_string(), trial.number.to_string()];
     cells.extend(section.results.measures.iter().map(|m| {
         let beyond = m.name == MAIN[1] && section.beyond_nyquist(row);
         m.text(row) + if beyond { BEYOND } else { "" }
     }));
-    cells.extend([section.results.mosaic(&design), filters(section, &design)?]);
+    cells.extend([section.results.mosaic(&trial.design), filters(section, &trial.design)?]);
     Ok(cells)
 }
 
@@ -185,7 +185,7 @@ fn filters(section: &Section<'_>, design: &Design) -> Result<String, ReportError
 
 fn designs(section: &Section<'_>, rows: &[usize], table: &TextTable<'_>) -> Result<String, ReportError> {
     let measures = section.results.measures.iter().map(|m| m.header.as_str());
-    let header: Vec<&str> = ["colours", "design"]
+    let header: Vec<&str> = ["colours", "trial"]
         .into_iter()
         .chain(measures)
         .chain(["mosaic", "filters: centre/FWHM nm"])

@@ -99,8 +99,8 @@ pub enum DesignError {
         available: u128,
     },
     /// Sets of filters times mosaics times conditions are more than 2⁶⁴ − 1.
-    #[error("sets of filters times mosaics times conditions are more than 2^64 designs")]
-    TooManyDesigns,
+    #[error("sets of filters times mosaics times conditions are more than 2^64 trials")]
+    TooManyTrials,
     /// A study has no design.
     #[error(
         "the study has no design: {}expected filters and mosaics for at least one number of colours, and at least one \
@@ -115,12 +115,12 @@ pub enum DesignError {
         /// Mosaics for each.
         mosaics: Vec<u64>,
     },
-    /// The study has no design with the requested number.
-    #[error("the study has {count} designs; there is no design {number} (counted from 0)")]
-    NoSuchDesign {
+    /// The study has no trial with the requested number.
+    #[error("the study has {count} trials; there is no trial {number} (counted from 0)")]
+    NoSuchTrial {
         /// The requested number.
         number: u64,
-        /// Number of designs.
+        /// Number of trials.
         count: u64,
     },
     /// The study has no condition with the requested index.

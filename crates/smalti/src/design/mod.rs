@@ -1,7 +1,7 @@
 //! Families of designs: sets of filters and mosaics that a study searches.
 //!
 //! A design is a set of N filters, ascending in wavelength, and a [`Mosaic`](crate::sensor::Mosaic) whose channel i has
-//! filter i. The file of a study states a [`FilterFamily`] and a [`MosaicFamily`]. Each counts its members for a number of
+//! filter i. A [`Trial`] is a design under a condition, with a processing. The file of a study states a [`FilterFamily`] and a [`MosaicFamily`]. Each counts its members for a number of
 //! colours. A [`FilterFamily`] computes any member from its number alone, so that a [`Permutation`] of the numbers draws
 //! without replacement and without memory.
 
@@ -40,6 +40,6 @@ pub use scenes::StudyScene;
 pub use scores::{
     AliasingScores, ColorScores, EdgeScores, Metric, MetricResult, MetricTarget, SceneFigures, Scores,
 };
-pub use study::{Condition, ConditionValue, Design, Designs, Processing, Study};
-pub use sweep::{SCORES_REVISION, ScoredDesign, Sweep};
+pub use study::{Condition, ConditionValue, Design, Processing, Study, Trial, Trials};
+pub use sweep::{SCORES_REVISION, ScoredTrial, Sweep};
 pub use targets::Targets;

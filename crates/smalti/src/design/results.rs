@@ -1,21 +1,21 @@
-//! The results of a study as plain data: a row for each scored design, a column for each quantity.
+//! The results of a study as plain data: a row for each scored trial, a column for each quantity.
 
 use std::sync::Arc;
 
-use super::study::Designs;
+use super::study::Trials;
 
 /// The results of a study, complete or not, with what is known of their origin.
 #[derive(Debug, Clone)]
 pub struct StudyResults {
-    /// The designs of the study. The rows are those that have been scored.
-    pub designs: Designs,
+    /// The trials of the study. The rows are those that have been scored.
+    pub trials: Trials,
     /// What the study investigates, in the words of its file. Empty where the file has none.
     pub about: String,
     /// The study as JSON, as it was recorded with the results.
     pub study_json: String,
     /// Whether the study is built in: then its name alone identifies it.
     pub is_built_in: bool,
-    /// The version of Smalti that scored the designs.
+    /// The version of Smalti that scored the trials.
     pub smalti_version: String,
     /// BLAKE3 hash of the plan of the results, hexadecimal.
     pub plan_blake3: String,
@@ -25,9 +25,9 @@ pub struct StudyResults {
     pub parts: u64,
     /// Number of parts that are absent.
     pub parts_missing: u64,
-    /// The number of the design of each row, ascending.
+    /// The number of the trial of each row, ascending.
     pub numbers: Vec<u64>,
-    /// One value per row in each column. Columns of lists are left out: their values follow from the designs.
+    /// One value per row in each column. Columns of lists are left out: their values follow from the trials.
     pub columns: Vec<ResultColumn>,
 }
 
@@ -49,7 +49,7 @@ pub struct ResultColumn {
 pub enum ColumnValues {
     /// Whole numbers.
     Integers(Vec<i64>),
-    /// Numbers. NaN marks a design without this score.
+    /// Numbers. NaN marks a trial without this score.
     Numbers(Vec<f64>),
     /// Texts. Equal texts share their memory.
     Texts(Vec<Arc<str>>),

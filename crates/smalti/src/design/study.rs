@@ -1,4 +1,4 @@
-//! A study: families of filters and mosaics on cameras, and its numbered designs.
+//! A study: families of filters and mosaics on cameras, and its numbered trials.
 
 use std::collections::BTreeMap;
 
@@ -22,7 +22,7 @@ const PURPOSE: u32 = 0x4453_4E03;
 /// Maximum number of sets of filters that are computed in advance and cached.
 const MAX_CACHED_SETS: u64 = 64;
 
-/// The processing that renders the raw image of a design.
+/// The processing that renders the raw images of a trial.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
@@ -77,7 +77,7 @@ pub struct Condition {
     pub camera: CameraDescription,
 }
 
-/// A resolved study, which defines every design.
+/// A resolved study, which defines every trial.
 ///
 /// Reading its JSON gives an equal study; unknown keys are ignored. The JSON holds the hashes of `optics.psf` and of scene files
 /// instead of their contents.
@@ -85,7 +85,7 @@ pub struct Condition {
 pub struct Study {
     /// Its name.
     pub name: String,
-    /// Seed of the random designs and of the noise. Every design has the same noise.
+    /// Seed of the random designs and of the noise. Every trial has the same noise.
     pub seed: u64,
     /// Numbers of colours.
     pub colors: Vec<usize>,
@@ -110,19 +110,26 @@ pub struct Study {
     pub scenes: Vec<StudyScene>,
 }
 
-/// One design under one condition.
+/// A design: the filters and the mosaic of a colour filter array.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Design {
+    /// The filters in ascending wavelength.
+    pub filters: FilterSet,
+    /// The mosaic, whose channel i has filter i.
+    pub mosaic: Mosaic,
+}
+
+/// A trial: a design under a condition, with a processing. Trials are what a sweep scores.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Trial {
     /// Its number in the study, from 0.
     pub number: u64,
     /// Index of the condition.
     pub condition: usize,
     /// The processing.
     pub processing: Processing,
-    /// The filters in ascending wavelength.
-    pub filters: FilterSet,
-    /// The mosaic, whose channel i has filter i.
-    pub mosaic: Mosaic,
+    /// The design.
+    pub design: Design,
 }
 
 impl Design {
@@ -192,21 +199,21 @@ impl Group {
     }
 }
 
-/// The designs of a study. Any design can be computed from its number alone.
+/// The trials of a study. Any trial can be computed from its number alone.
 ///
 /// The number runs fastest over the sets of filters, then over mosaics, numbers of colours, processing and conditions, so that
 /// whatever is slowest to prepare changes least often.
 #[derive(Debug, Clone)]
-pub struct Designs {
+pub struct Trials {
     study: Study,
     groups: Vec<Group>,
-    /// Number of designs under one condition with one processing.
+    /// Number of designs, each of which has one trial under a condition with a processing.
     per_setup: u64,
     count: u64,
 }
 
-impl Designs {
-    /// Counts the designs and draws the mosaics.
+impl Trials {
+    /// Counts the trials and draws the mosaics.
     ///
     /// # Errors
     /// When a key of a family is invalid, more designs are requested than the family has, more mosaics than can be listed, or the
@@ -250,7 +257,7 @@ impl Designs {
             Ok(group)
         };
         let groups = study.colors.iter().zip(requests).map(group).collect::<Result<Vec<_>, DesignError>>()?;
-        let too_many = || DesignError::TooManyDesigns;
+        let too_many = || DesignError::TooManyTrials;
         let per_setup = groups.iter().try_fold(0u64, |n, g| n.checked_add(g.len()?)).ok_or_else(too_many)?;
         let setups = (study.conditions.len() as u64).checked_mul(study.processing.len() as u64);
         let count = setups.and_then(|n| n.checked_mul(per_setup)).ok_or_else(too_many)?;
@@ -270,13 +277,13 @@ impl Designs {
         &self.study
     }
 
-    /// The number of designs under all conditions and processing.
+    /// The number of trials: of designs times conditions times kinds of processing.
     #[must_use]
     pub fn len(&self) -> u64 {
         self.count
     }
 
-    /// Always `false`, because [`Designs::new`] refuses a study without a design.
+    /// Always `false`, because [`Trials::new`] refuses a study without a design.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.count == 0
@@ -287,7 +294,7 @@ impl Designs {
         self.groups.iter().map(|g| (g.colors, g.sets, g.mosaics.len()))
     }
 
-    /// The setup of a design, that is its combination of condition and processing, counted from 0.
+    /// The setup of a trial, that is its combination of condition and processing, counted from 0.
     #[must_use]
     pub fn setup_of(&self, number: u64) -> u64 {
         number / self.per_setup
@@ -301,24 +308,24 @@ impl Designs {
         Some((condition, *self.study.processing.get((setup % kinds) as usize)?))
     }
 
-    /// The condition index of a design.
+    /// The condition index of a trial.
     #[must_use]
     pub fn condition_of(&self, number: u64) -> usize {
         (self.setup_of(number) / self.study.processing.len() as u64) as usize
     }
 
-    /// The number of the first design of the condition after that of `number`.
+    /// The number of the first trial of the condition after that of `number`.
     #[must_use]
     pub fn end_of_condition(&self, number: u64) -> u64 {
         (self.condition_of(number) as u64 + 1) * self.per_setup * self.study.processing.len() as u64
     }
 
-    /// The design with a number.
+    /// The trial with a number.
     ///
     /// # Errors
-    /// When there is no such design or a filter is invalid.
-    pub fn design(&self, number: u64) -> Result<Design, DesignError> {
-        let beyond = || DesignError::NoSuchDesign { number, count: self.count };
+    /// When there is no such trial or a filter is invalid.
+    pub fn trial(&self, number: u64) -> Result<Trial, DesignError> {
+        let beyond = || DesignError::NoSuchTrial { number, count: self.count };
         if number >= self.count {
             return Err(beyond());
         }
@@ -331,13 +338,11 @@ impl Designs {
                 continue;
             }
             let (mosaic, set) = (rest / group.sets, rest % group.sets);
-            return Ok(Design {
-                number,
-                condition,
-                processing,
+            let design = Design {
                 filters: group.set(&self.study.filters, set)?,
                 mosaic: group.mosaics.get(mosaic as usize).ok_or_else(beyond)?.clone(),
-            });
+            };
+            return Ok(Trial { number, condition, processing, design });
         }
         Err(beyond())
     }

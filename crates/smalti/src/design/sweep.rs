@@ -1,4 +1,4 @@
-//! Scoring the designs of a study.
+//! Scoring the trials of a study.
 
 use std::borrow::Cow;
 use std::ops::Range;
@@ -9,23 +9,23 @@ use rayon::prelude::*;
 use super::error::DesignError;
 use super::pipeline_trainer::PipelineTrainer;
 use super::scores::{Metric, Scores};
-use super::study::{Design, Designs, Processing};
+use super::study::{Processing, Trial, Trials};
 use super::targets::Targets;
 use crate::camera::{Camera, CameraError, EvaluationSettings, OpticalImages};
 
 /// Revision of the scores. It increases whenever scores change; a table must not mix revisions.
 pub const SCORES_REVISION: u32 = 4;
 
-/// A design and its scores.
+/// A trial and its scores.
 #[derive(Debug, Clone, PartialEq)]
-pub struct ScoredDesign {
-    /// The design.
-    pub design: Design,
+pub struct ScoredTrial {
+    /// The trial.
+    pub trial: Trial,
     /// Its scores, or the error that prevented all of them, such as filters that pass no light.
     pub scores: Result<Scores, CameraError>,
 }
 
-impl ScoredDesign {
+impl ScoredTrial {
     /// As [`Scores::value`].
     #[must_use]
     pub fn value(&self, metric: Metric, scene: usize) -> Option<f64> {
@@ -50,10 +50,10 @@ impl ScoredDesign {
     }
 }
 
-/// Scores the designs of a study. It prepares a condition when the first of its designs is scored and keeps it until
+/// Scores the trials of a study. It prepares a condition when the first of its trials is scored and keeps it until
 /// another condition is needed.
 pub struct Sweep<'a> {
-    designs: Cow<'a, Designs>,
+    trials: Cow<'a, Trials>,
     images: OpticalImages<'a>,
     prepared: Mutex<Option<(usize, Arc<PreparedCondition>)>>,
 }
@@ -62,49 +62,49 @@ pub struct Sweep<'a> {
 struct PreparedCondition {
     camera: Camera,
     targets: Targets,
-    /// `None` when no design of the study has a learned pipeline.
+    /// `None` when no trial of the study has a learned pipeline.
     trainer: Option<PipelineTrainer>,
 }
 
 impl<'a> Sweep<'a> {
-    /// A sweep over borrowed designs; `images` may cache optical images, as in [`evaluate`](crate::camera::evaluate).
+    /// A sweep over borrowed trials; `images` may cache optical images, as in [`evaluate`](crate::camera::evaluate).
     #[must_use]
-    pub fn new(designs: &'a Designs, images: OpticalImages<'a>) -> Self {
-        Self { designs: Cow::Borrowed(designs), images, prepared: Mutex::new(None) }
+    pub fn new(trials: &'a Trials, images: OpticalImages<'a>) -> Self {
+        Self { trials: Cow::Borrowed(trials), images, prepared: Mutex::new(None) }
     }
 
-    /// A sweep that owns its designs, for callers that cannot lend them.
+    /// A sweep that owns its trials, for callers that cannot lend them.
     #[must_use]
-    pub fn owning(designs: Designs, images: OpticalImages<'a>) -> Self {
-        Self { designs: Cow::Owned(designs), images, prepared: Mutex::new(None) }
+    pub fn owning(trials: Trials, images: OpticalImages<'a>) -> Self {
+        Self { trials: Cow::Owned(trials), images, prepared: Mutex::new(None) }
     }
 
-    /// The designs of the study.
+    /// The trials of the study.
     #[must_use]
-    pub fn designs(&self) -> &Designs {
-        &self.designs
+    pub fn trials(&self) -> &Trials {
+        &self.trials
     }
 
-    /// Scores the designs of a range, in their order. Calls `done` after each, from any thread.
+    /// Scores the trials of a range, in their order. Calls `done` after each, from any thread.
     ///
     /// # Errors
-    /// When a condition cannot be prepared or a design cannot be built. A design without scores is not an error.
+    /// When a condition cannot be prepared or a design cannot be built. A trial without scores is not an error.
     pub fn score(
         &self,
         range: Range<u64>,
         done: &(dyn Fn() + Sync),
-    ) -> Result<Vec<ScoredDesign>, DesignError> {
+    ) -> Result<Vec<ScoredTrial>, DesignError> {
         let mut rows = Vec::new();
         let mut at = range.start;
         while at < range.end {
-            let end = self.designs.end_of_condition(at).min(range.end);
-            rows.extend(self.score_under(self.designs.condition_of(at), (at..end).into_par_iter(), done)?);
+            let end = self.trials.end_of_condition(at).min(range.end);
+            rows.extend(self.score_under(self.trials.condition_of(at), (at..end).into_par_iter(), done)?);
             at = end;
         }
         Ok(rows)
     }
 
-    /// Scores designs of one condition, which is that of the first number.
+    /// Scores trials of one condition, which is that of the first number.
     ///
     /// # Errors
     /// As [`Sweep::score`].
@@ -112,9 +112,9 @@ impl<'a> Sweep<'a> {
         &self,
         numbers: &[u64],
         done: &(dyn Fn() + Sync),
-    ) -> Result<Vec<ScoredDesign>, DesignError> {
+    ) -> Result<Vec<ScoredTrial>, DesignError> {
         let Some(&first) = numbers.first() else { return Ok(Vec::new()) };
-        self.score_under(self.designs.condition_of(first), numbers.par_iter().copied(), done)
+        self.score_under(self.trials.condition_of(first), numbers.par_iter().copied(), done)
     }
 
     fn score_under(
@@ -122,10 +122,10 @@ impl<'a> Sweep<'a> {
         condition: usize,
         numbers: impl ParallelIterator<Item = u64>,
         done: &(dyn Fn() + Sync),
-    ) -> Result<Vec<ScoredDesign>, DesignError> {
+    ) -> Result<Vec<ScoredTrial>, DesignError> {
         let prepared = self.condition(condition)?;
         let score = |number: u64| {
-            let scored = prepared.score(self.designs.design(number)?);
+            let scored = prepared.score(self.trials.trial(number)?);
             done();
             Ok(scored)
         };
@@ -145,7 +145,7 @@ impl<'a> Sweep<'a> {
     }
 
     fn prepare(&self, index: usize) -> Result<PreparedCondition, DesignError> {
-        let study = self.designs.study();
+        let study = self.trials.study();
         let condition = study.conditions.get(index).ok_or(DesignError::NoSuchCondition { index })?;
         let grid = condition.camera.grid()?;
         let camera = Camera::new(condition.camera.clone(), grid)?;
@@ -162,18 +162,18 @@ impl<'a> Sweep<'a> {
 }
 
 impl PreparedCondition {
-    fn score(&self, design: Design) -> ScoredDesign {
+    fn score(&self, trial: Trial) -> ScoredTrial {
         let score = || {
-            let cfa = design.cfa(self.camera.grid())?;
+            let cfa = trial.design.cfa(self.camera.grid())?;
             match &self.trainer {
-                Some(trainer) if design.processing == Processing::L3 => {
+                Some(trainer) if trial.processing == Processing::L3 => {
                     let (pipeline, reach) = trainer.pipeline(&cfa)?;
-                    // One renderer serves all pictures of the design.
+                    // One renderer serves all pictures of the trial.
                     self.targets.score_with(&cfa, &pipeline.renderer(), reach)
                 }
                 _ => self.targets.score(&cfa),
             }
         };
-        ScoredDesign { scores: score(), design }
+        ScoredTrial { scores: score(), trial }
     }
 }

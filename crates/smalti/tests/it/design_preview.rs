@@ -5,8 +5,8 @@ use smalti::camera::description::{ArchitectureName, AutoExposureName};
 use smalti::camera::{Camera, CameraDescription, EvaluationSettings, Setup};
 use smalti::color::Image;
 use smalti::design::{
-    Condition, Designs, PipelineTrainer, PixelLight, Preview, PreviewLight, PreviewScene, PreviewTraining,
-    Processing, Study, Targets,
+    Condition, PipelineTrainer, PixelLight, Preview, PreviewLight, PreviewScene, PreviewTraining, Processing,
+    Study, Targets, Trials,
 };
 use smalti::isp::{Isp, WhiteBalance};
 use smalti::scene::Setting;
@@ -121,7 +121,7 @@ fn study(camera: CameraDescription, processing: Processing) -> Study {
 fn previewed(
     change: impl Fn(&mut CameraDescription),
     processing: Processing,
-) -> (Designs, PreviewLight, Setup, Option<PipelineTrainer>) {
+) -> (Trials, PreviewLight, Setup, Option<PipelineTrainer>) {
     let mut description = CameraDescription::default();
     change(&mut description);
     let study = study(description, processing);
@@ -138,7 +138,7 @@ fn previewed(
         scenes: vec![PreviewScene::new(&setup, 12).unwrap()],
         training: trainer.as_ref().map(|l| PreviewTraining::new(l, 12).unwrap()),
     };
-    (Designs::new(study).unwrap(), light, setup, trainer)
+    (Trials::new(study).unwrap(), light, setup, trainer)
 }
 
 /// Root mean square of the difference of two pictures in sRGB.
@@ -149,8 +149,8 @@ fn difference(a: &Image, b: &Image) -> f64 {
     (squares / a.len() as f64).sqrt()
 }
 
-fn direct(setup: &Setup, designs: &Designs, number: u64, trainer: Option<&PipelineTrainer>) -> Image {
-    let design = designs.design(number).unwrap();
+fn direct(setup: &Setup, trials: &Trials, number: u64, trainer: Option<&PipelineTrainer>) -> Image {
+    let design = trials.trial(number).unwrap().design;
     let camera = setup.camera.with_cfa(design.cfa(GRID).unwrap());
     let Setup { camera, image, light, exposure } = setup.before(&camera).unwrap().unwrap();
     let raw = camera.sensor.capture_ideal(&image, &exposure).unwrap();
@@ -175,12 +175,12 @@ fn a_preview_is_the_picture_of_every_kind_of_camera() {
         |d| d.exposure.time_ms = Some(30.0),
     ];
     for (i, change) in changes.into_iter().enumerate() {
-        let (designs, light, setup, _) = previewed(change, Processing::Classic);
-        let preview = Preview::new(designs.study(), 0, Processing::Classic, &light).unwrap();
+        let (trials, light, setup, _) = previewed(change, Processing::Classic);
+        let preview = Preview::new(trials.study(), 0, Processing::Classic, &light).unwrap();
         for number in [0, 3] {
-            let design = preview.design(&designs.design(number).unwrap()).unwrap();
+            let design = preview.design(&trials.trial(number).unwrap().design).unwrap();
             let picture = preview.picture(&design, 0, NoiseMode::None).unwrap();
-            let found = difference(&picture, &direct(&setup, &designs, number, None));
+            let found = difference(&picture, &direct(&setup, &trials, number, None));
             // Of a converter with 8 bits, samples that lie between two numbers go to either.
             let limit = if setup.camera.sensor.adc.bits == 8 { 0.03 } else { 0.01 };
             assert!(found < limit, "camera {i}, design {number}: {found}");
@@ -192,14 +192,14 @@ fn a_preview_is_the_picture_of_every_kind_of_camera() {
 
 #[test]
 fn a_learned_pipeline_is_that_of_the_study() {
-    let (designs, light, setup, trainer) = previewed(|_| {}, Processing::L3);
-    let preview = Preview::new(designs.study(), 0, Processing::L3, &light).unwrap();
-    let design = preview.design(&designs.design(2).unwrap()).unwrap();
+    let (trials, light, setup, trainer) = previewed(|_| {}, Processing::L3);
+    let preview = Preview::new(trials.study(), 0, Processing::L3, &light).unwrap();
+    let design = preview.design(&trials.trial(2).unwrap().design).unwrap();
     let picture = preview.picture(&design, 0, NoiseMode::None).unwrap();
-    let found = difference(&picture, &direct(&setup, &designs, 2, trainer.as_ref()));
+    let found = difference(&picture, &direct(&setup, &trials, 2, trainer.as_ref()));
     assert!(found < 0.02, "{found}");
     // It is not the camera's own processing.
-    assert!(difference(&picture, &direct(&setup, &designs, 2, None)) > 0.03);
+    assert!(difference(&picture, &direct(&setup, &trials, 2, None)) > 0.03);
 }
 
 /// Twice the light at half the time.
@@ -207,10 +207,10 @@ fn a_learned_pipeline_is_that_of_the_study() {
 fn the_factor_scales_the_light() {
     let bright = |factor: f64, time_ms: f64| {
         let change = move |d: &mut CameraDescription| d.exposure.time_ms = Some(time_ms);
-        let (designs, light, ..) = previewed(change, Processing::Classic);
+        let (trials, light, ..) = previewed(change, Processing::Classic);
         let light = PreviewLight { factor, ..light };
-        let preview = Preview::new(designs.study(), 0, Processing::Classic, &light).unwrap();
-        let design = preview.design(&designs.design(0).unwrap()).unwrap();
+        let preview = Preview::new(trials.study(), 0, Processing::Classic, &light).unwrap();
+        let design = preview.design(&trials.trial(0).unwrap().design).unwrap();
         preview.picture(&design, 0, NoiseMode::None).unwrap()
     };
     let (once, twice) = (bright(1.0, 20.0), bright(2.0, 10.0));
@@ -223,9 +223,9 @@ fn any_number_of_threads_gives_the_same_bits() {
     let with = |threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| {
-            let (designs, light, ..) = previewed(|d| d.sensor.crosstalk_percent = 5.0, Processing::L3);
-            let preview = Preview::new(designs.study(), 0, Processing::L3, &light).unwrap();
-            let design = preview.design(&designs.design(1).unwrap()).unwrap();
+            let (trials, light, ..) = previewed(|d| d.sensor.crosstalk_percent = 5.0, Processing::L3);
+            let preview = Preview::new(trials.study(), 0, Processing::L3, &light).unwrap();
+            let design = preview.design(&trials.trial(1).unwrap().design).unwrap();
             (preview.picture(&design, 0, NoiseMode::All).unwrap(), light)
         })
     };
@@ -235,9 +235,9 @@ fn any_number_of_threads_gives_the_same_bits() {
 
 #[test]
 fn what_does_not_fit_is_refused() {
-    let (designs, light, ..) = previewed(|_| {}, Processing::Classic);
+    let (trials, light, ..) = previewed(|_| {}, Processing::Classic);
     let refused = |light: &PreviewLight, condition, processing| {
-        Preview::new(designs.study(), condition, processing, light).unwrap_err().to_string()
+        Preview::new(trials.study(), condition, processing, light).unwrap_err().to_string()
     };
     assert!(refused(&light, 1, Processing::Classic).contains("condition"));
     assert!(refused(&light, 0, Processing::L3).contains("training"));
@@ -248,7 +248,7 @@ fn what_does_not_fit_is_refused() {
         "{}",
         refused(&short, 0, Processing::Classic)
     );
-    let preview = Preview::new(designs.study(), 0, Processing::Classic, &light).unwrap();
-    let design = preview.design(&designs.design(0).unwrap()).unwrap();
+    let preview = Preview::new(trials.study(), 0, Processing::Classic, &light).unwrap();
+    let design = preview.design(&trials.trial(0).unwrap().design).unwrap();
     assert!(preview.picture(&design, 1, NoiseMode::None).is_err());
 }

@@ -23,7 +23,7 @@ const VALUE: i16 = 2;
 /// The bytes of a part: the same for the same manifest, chunk and values, whoever computes them.
 ///
 /// # Errors
-/// When the columns are not those of the plan, or not of as many rows as the chunk has designs.
+/// When the columns are not those of the plan, or not of as many rows as the chunk has trials.
 pub fn encode(manifest: &Manifest, chunk: u64, columns: &[Column]) -> Result<Vec<u8>, DatasetError> {
     schema::check_columns(&manifest.plan.schema, manifest.plan.rows(chunk), chunk, columns)?;
     let failed = |message: String| DatasetError::Encode { chunk, message };
@@ -62,14 +62,14 @@ fn properties(specs: &[ColumnSpec], manifest: &Manifest, chunk: u64) -> WriterPr
         .set_write_batch_size(1024)
         .set_max_row_group_row_count(None)
         .set_max_row_group_bytes(None)
-        // Least and greatest of each part: who looks for a few designs skips the other parts.
+        // Least and greatest of each part: who looks for a few trials skips the other parts.
         .set_statistics_enabled(EnabledStatistics::Chunk)
         .set_statistics_truncate_length(Some(64))
         .set_offset_index_disabled(true);
     for spec in specs {
         let path = ColumnPath::from(spec.name.as_str());
         builder = match spec.kind {
-            // Numbers of designs follow one another: of eight bytes hardly any stay.
+            // Numbers of trials follow one another: of eight bytes hardly any stay.
             ColumnKind::Int => builder.set_column_encoding(path, Encoding::DELTA_BINARY_PACKED),
             ColumnKind::Text => builder.set_column_dictionary_enabled(path, true),
             ColumnKind::Float | ColumnKind::Floats => builder,

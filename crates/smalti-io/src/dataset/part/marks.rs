@@ -17,8 +17,8 @@ pub(super) const MAGIC: &[u8] = b"PAR1";
 const HASH: &str = "smalti.blake3";
 const PLAN: &str = "smalti.plan_blake3";
 const CHUNK: &str = "smalti.chunk";
-const FIRST: &str = "smalti.first_design";
-const ROWS: &str = "smalti.designs";
+const FIRST: &str = "smalti.first_trial";
+const ROWS: &str = "smalti.trials";
 const SCHEMA: &str = "smalti.schema";
 /// Hexadecimal digits of a hash.
 const DIGITS: usize = 64;
@@ -35,7 +35,7 @@ pub(super) fn pairs(manifest: &Manifest, chunk: u64) -> Vec<KeyValue> {
         // First, so that all others stand near the end of the file.
         pair(SCHEMA, schema),
         pair(ROWS, plan.rows(chunk).to_string()),
-        pair(FIRST, plan.designs_of(chunk).start.to_string()),
+        pair(FIRST, plan.trials_of(chunk).start.to_string()),
         pair(CHUNK, chunk.to_string()),
         pair(PLAN, manifest.hash().to_owned()),
         pair(HASH, "0".repeat(DIGITS)),
@@ -52,7 +52,7 @@ pub(super) fn check(
     for (key, expected) in [
         (PLAN, manifest.hash().to_owned()),
         (CHUNK, chunk.to_string()),
-        (FIRST, plan.designs_of(chunk).start.to_string()),
+        (FIRST, plan.trials_of(chunk).start.to_string()),
         (ROWS, plan.rows(chunk).to_string()),
     ] {
         let found = find(key).ok_or(PartProblem::NotOurs { key })?;

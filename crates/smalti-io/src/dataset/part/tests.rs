@@ -27,7 +27,7 @@ fn the_size_of_a_page_is_read_from_its_header() {
 fn a_long_run_of_nulls_in_a_list_is_refused() {
     let spec =
         ColumnSpec { name: "x".into(), kind: ColumnKind::Floats, unit: String::new(), doc: String::new() };
-    let plan = Plan { study: json!(null), schema: vec![spec], designs: 1, chunk: 1 };
+    let plan = Plan { study: json!(null), schema: vec![spec], trials: 1, chunk: 1 };
     let manifest = Manifest::new(&plan).unwrap();
     let column = [Column::Floats(vec![vec![f64::NAN; MAX_LIST_VALUES + 1]])];
     assert!(matches!(encode::encode(&manifest, 0, &column), Err(DatasetError::Columns { .. })));

@@ -19,7 +19,7 @@ pub(super) fn section(sources: &Sources<'_>) -> Markup {
             ("study", results.name()),
             ("seed", results.study().seed.to_string()),
             ("Smalti", plain(&data.smalti_version)),
-            ("designs", data.designs.len().to_string()),
+            ("trials", data.trials.len().to_string()),
             ("BLAKE3 of the plan", data.plan_blake3.clone()),
         ];
         let facts = facts.into_iter().map(|(k, v)| Markup::from(el("dt").child(k)).and(el("dd").child(v)));

@@ -13,7 +13,7 @@ pub(super) struct Row {
     /// Index of the study, and row of its results.
     pub(super) study: usize,
     pub(super) row: usize,
-    /// Number of the design in its study.
+    /// Number of the trial in its study.
     pub(super) number: u64,
     /// Index of the section among all.
     pub(super) section: usize,

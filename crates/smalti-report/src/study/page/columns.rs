@@ -22,7 +22,7 @@ const CURVE_STEPS_NM: (f64, f64) = (5.0, 1.0);
 /// The largest number of bytes of curves in a page.
 const MAX_CURVE_BYTES: usize = 700_000;
 /// Columns that the page shows elsewhere.
-const LEFT_OUT: [&str; 2] = ["design", "problem"];
+const LEFT_OUT: [&str; 2] = ["trial", "problem"];
 
 pub(super) struct Columns {
     pub(super) colors: Value,
@@ -134,7 +134,7 @@ fn filters(sources: &Sources<'_>, choice: &Choice) -> Result<Value, ReportError>
     let mut samples: Vec<f64> = Vec::new();
     for row in &choice.rows {
         let Some((results, _)) = sources.all.get(row.study) else { continue };
-        let design = results.design(row.row)?;
+        let design = results.trial(row.row)?.design;
         for filter in &design.filters.filters {
             let figures = FilterFigures::new(filter).map_err(CameraError::from)?;
             center.push(figures.center_nm);

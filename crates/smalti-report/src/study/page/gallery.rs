@@ -94,7 +94,7 @@ fn draw(
 ) -> Result<Vec<[Encoded; 2]>, ReportError> {
     let preview = preview()?;
     let one = |wish: &&Wish| {
-        let design = preview.design(&section.results.design(wish.row)?)?;
+        let design = preview.design(&section.results.trial(wish.row)?.design)?;
         let picture = |(scene, noise): (usize, NoiseMode)| {
             ensure_running(progress)?;
             let Pixels { width, height, rgb } = Pixels::of(&preview.picture(&design, scene, noise)?);

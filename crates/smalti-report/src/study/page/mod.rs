@@ -50,13 +50,13 @@ fn lead(sources: &Sources<'_>, choice: &Choice) -> Markup {
     let mut out = Markup::new();
     for (results, _) in sources.all {
         let data = &results.data;
-        let (there, all) = (data.numbers.len() as u64, data.designs.len());
+        let (there, all) = (data.numbers.len() as u64, data.trials.len());
         let name = if sources.all.len() > 1 { format!("{}: ", results.name()) } else { String::new() };
         if !results.about().is_empty() {
             out = out.and(el("p").class("about").child(format!("{name}{}", results.about())));
         }
         out = out.and(el("p").child(format!(
-            "{name}{} designs, seed {}, scored by Smalti {}.",
+            "{name}{} trials, seed {}, scored by Smalti {}.",
             grouped(there),
             results.study().seed,
             plain(&data.smalti_version)
@@ -64,7 +64,7 @@ fn lead(sources: &Sources<'_>, choice: &Choice) -> Markup {
         let mut warnings = Vec::new();
         if there < all {
             warnings.push(format!(
-                "{name}Incomplete: {} of {} designs are not scored yet.",
+                "{name}Incomplete: {} of {} trials are not scored yet.",
                 grouped(all - there),
                 grouped(all)
             ));
@@ -83,7 +83,7 @@ fn lead(sources: &Sources<'_>, choice: &Choice) -> Markup {
     }
     if let Some(all) = choice.of {
         out = out.and(words::warning(format!(
-            "This page shows {} of {} designs: the fronts, the best, the worst and a regular sample of the others. The tables are of all designs.",
+            "This page shows {} of {} trials: the fronts, the best, the worst and a regular sample of the others. The tables are of all trials.",
             grouped(choice.rows.len() as u64),
             grouped(all as u64)
         )));

@@ -12,9 +12,9 @@ const CLOUD: usize = 8;
 /// What a page is made of.
 pub(in crate::study) struct Sources<'a> {
     pub(in crate::study) all: &'a [(&'a Results, Vec<Section<'a>>)],
-    /// How many designs with learned pipelines have embedded pictures.
+    /// How many trials with learned pipelines have embedded pictures.
     pub(in crate::study) pictures: usize,
-    /// Designs of the first study that have embedded pictures in any case.
+    /// Trials of the first study that have embedded pictures in any case.
     pub(in crate::study) wanted: &'a [u64],
     pub(in crate::study) progress: &'a dyn Progress,
 }

@@ -14,8 +14,8 @@ fn results(name: &str, filters: &str) -> Results {
         "name = \"{name}\"\ncamera = \"table1\"\ncolors = [3]\nmosaics = {{ given = [[\"bc\", \"ab\"]] }}\n{filters}"
     );
     let source = TomlSource { name: name.into(), folder: "".into(), text };
-    let (designs, about) = studies::from_source(&source).unwrap();
-    let count = designs.len();
+    let (trials, about) = studies::from_source(&source).unwrap();
+    let count = trials.len();
     let column = |name: &str, values| ResultColumn {
         name: name.into(),
         unit: String::new(),
@@ -32,8 +32,8 @@ fn results(name: &str, filters: &str) -> Results {
         column("problem", ColumnValues::Texts(vec!["".into(); count as usize])),
     ];
     Results::new(StudyResults {
-        study_json: serde_json::to_string(designs.study()).unwrap(),
-        designs,
+        study_json: serde_json::to_string(trials.study()).unwrap(),
+        trials,
         about,
         is_built_in: false,
         smalti_version: env!("CARGO_PKG_VERSION").into(),

@@ -96,28 +96,28 @@ pub(super) fn best(sources: &Sources<'_>, choice: &Choice) -> Result<Markup, Rep
 
 fn table(study: usize, section: &Section<'_>, choice: &Choice) -> Result<Markup, ReportError> {
     let mut table =
-        Table::new(format!("Best designs, {}", section.title())).number("Design").number("Colours");
+        Table::new(format!("Best designs, {}", section.title())).number("Trial").number("Colours");
     for measure in &section.results.measures {
         table = table.number(&measure.header);
     }
     table = table.text("Mosaic").text("Filters: centre/FWHM, nm");
     let rows = section.groups.iter().flat_map(|g: &Group| g.best.iter().enumerate());
     for (rank, &row) in rows {
-        let design = section.results.design(row)?;
+        let trial = section.results.trial(row)?;
         let number: Markup = match choice.place(study, row) {
             Some(place) => el("button")
                 .class("design")
                 .attr("type", "button")
                 .attr("data-row", place.to_string())
-                .child(design.number.to_string())
+                .child(trial.number.to_string())
                 .into(),
-            None => design.number.to_string().into(),
+            None => trial.number.to_string().into(),
         };
-        let mut cells: Vec<Markup> = vec![number, design.filters.filters.len().to_string().into()];
+        let mut cells: Vec<Markup> = vec![number, trial.design.filters.filters.len().to_string().into()];
         cells.extend(section.results.measures.iter().map(|m| Markup::from(m.text(row))));
         cells.extend([
-            el("code").child(section.results.mosaic(&design)).into(),
-            figures(&design)?.join("  ").into(),
+            el("code").child(section.results.mosaic(&trial.design)).into(),
+            figures(&trial.design)?.join("  ").into(),
         ]);
         table = table.row(cells, rank == 0);
     }
