@@ -361,7 +361,7 @@ fn what_cannot_be_reported_is_refused() {
     place.write(part, &whole);
 
     let manifest = String::from_utf8(place.read("out/manifest.json")).unwrap();
-    place.write("out/manifest.json", manifest.replace("\"revision\": 1", "\"revision\": 9"));
+    place.write("out/manifest.json", manifest.replace("\"revision\": 2", "\"revision\": 9"));
     assert!(refused(&["out"]).contains("version 9"));
     place.write("out/manifest.json", manifest.replace("\"seed\": 1", "\"seed\": 2"));
     assert!(refused(&["out"]).contains("manifest.json"));

@@ -258,7 +258,7 @@ fn a_dry_run_counts_and_writes_nothing() {
     assert_eq!(dry.code, 0, "{}", dry.err);
     let document: serde_json::Value = serde_json::from_str(&dry.out).unwrap();
     assert_eq!((document["trials"].as_u64(), document["parts"].as_u64()), (Some(72), Some(9)));
-    assert!(document["designs_per_s"].as_f64().unwrap() > 0.0 && !place.path("none").exists());
+    assert!(document["trials_per_s"].as_f64().unwrap() > 0.0 && !place.path("none").exists());
 }
 
 /// On a disk that is full the run fails by name of the file; with space it goes on.

@@ -1,11 +1,9 @@
 //! In double precision, where what a pipeline keeps is single.
 
-use faer::Mat;
-use faer::linalg::solvers::SolveLstsq;
-
 use super::*;
 use crate::l3::{Axes, Levels, Pair, PerceptualWeights};
 use crate::numeric::Planes;
+use crate::numeric::least_squares::{Matrix, lstsq};
 use crate::numeric::philox::Stream;
 use crate::sensor::{Mosaic, RawImage, RawSamples, Sampling};
 
@@ -52,10 +50,10 @@ fn largest(values: &[f64]) -> f64 {
     values.iter().fold(0.0, |m: f64, v| m.max(v.abs()))
 }
 
-/// What is streamed and solved from moments is what a QR decomposition of all patches at once gives, with the noise as rows of
+/// What is streamed and solved from moments is what a singular value decomposition of all patches at once gives, with the noise as rows of
 /// its own: Σ = L Lᵀ times n below the centred patches.
 #[test]
-fn the_same_as_dense_qr() {
+fn the_same_as_a_dense_solution() {
     let mut random = Stream::new(3, 3, 3);
     let (s, x, target) = one_class(5, &["a", "b"], false, |x, o, r, c| {
         let around = x[r * 34 + c] + 0.3 * x[r * 34 + (c + 1).min(33)];
@@ -88,29 +86,30 @@ fn the_same_as_dense_qr() {
         }
         // An offset is a column of ones, which noise does not reach.
         let affine = usize::from(form == KernelForm::Affine);
-        let a = Mat::from_fn(n + noise.len(), 25 + affine, |i, j| match (i < n, j < 25) {
+        let (rows, cols) = (n + noise.len(), 25 + affine);
+        let entry = |i: usize, j: usize| match (i < n, j < 25) {
             (true, true) => tap(patches[i], j),
             (true, false) => 1.0,
             (false, true) => noise[i - n][j] * (n as f64).sqrt(),
             (false, false) => 0.0,
-        });
-        let b = Mat::from_fn(n + noise.len(), 2, |i, j| match patches.get(i) {
-            Some(&(r, c)) => f64::from(target.plane(j)[r * 34 + c]),
-            None => 0.0,
-        });
-        let expected = a.qr().solve_lstsq(&b);
+        };
+        let a: Vec<f64> = (0..rows * cols).map(|i| entry(i / cols, i % cols)).collect();
+        let wanted =
+            |i: usize, o: usize| patches.get(i).map_or(0.0, |&(r, c)| f64::from(target.plane(o)[r * 34 + c]));
+        let b: Vec<f64> = (0..rows * 2).map(|i| wanted(i / 2, i % 2)).collect();
+        let expected = lstsq(Matrix::new(rows, cols, &a), Matrix::new(rows, 2, &b)).unwrap();
         let got = solved(&s, solver, form);
         let scale = largest(&got.weights);
         for o in 0..2 {
             for t in 0..25 {
-                let error = (got.weights[o * 25 + t] - expected[(t, o)]).abs() / scale;
+                let error = (got.weights[o * 25 + t] - expected[t * 2 + o]).abs() / scale;
                 assert!(
                     error < 1e-9,
                     "{solver:?} {form:?} output {o} tap {t}: {error:e} of the largest weight"
                 );
             }
             if affine == 1 {
-                assert!((got.offsets[o] - expected[(25, o)]).abs() < 1e-9 * scale);
+                assert!((got.offsets[o] - expected[25 * 2 + o]).abs() < 1e-9 * scale);
             }
         }
     }
