@@ -149,7 +149,7 @@ impl Layout<'_> {
         if !self.frame.note.is_empty() {
             notes.push(self.frame.note.clone());
         }
-        let (mut all, mut holes, mut beyond) = (0usize, 0usize, 0usize);
+        let (mut all, mut holes, mut beyond, mut noun) = (0usize, 0usize, 0usize, "marks");
         let inside = |axis: &Axis, v: f64| axis.place(v).map(|t| (-1e-9..=1.0 + 1e-9).contains(&t));
         for layer in self.panels.iter().flat_map(|p| &p.layers) {
             match layer {
@@ -165,6 +165,7 @@ impl Layout<'_> {
                     }
                 }
                 Layer::Histogram(h) => {
+                    noun = "values";
                     all += h.values.len();
                     holes += h.values.iter().filter(|v| !v.is_finite()).count();
                     beyond += h.values.iter().filter(|v| inside(&shared.x, **v) == Some(false)).count();
@@ -174,10 +175,10 @@ impl Layout<'_> {
         }
         let mut missing = Vec::new();
         if holes > 0 {
-            missing.push(format!("{holes} of {all} have no place on the axes"));
+            missing.push(format!("{holes} of {all} {noun} have no place on the axes"));
         }
         if beyond > 0 {
-            missing.push(format!("{beyond} of {all} lie beyond the axes"));
+            missing.push(format!("{beyond} of {all} {noun} lie beyond the axes"));
         }
         if !missing.is_empty() {
             notes.push(format!("Not drawn: {}.", missing.join("; ")));

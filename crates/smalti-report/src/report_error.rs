@@ -50,7 +50,7 @@ pub enum ReportError {
         last: u64,
     },
     /// Pictures are asked for of a trial that the results do not hold.
-    #[error("--picture {number}: {study} holds no such trial")]
+    #[error("the pictures of trial {number} cannot be embedded: {study} holds no such trial")]
     NoSuchPicture {
         /// The number of the trial.
         number: u64,

@@ -191,13 +191,13 @@ fn what_is_not_drawn_is_said() {
     let points = Points::new("p", &[1.0, nan, 3.0, 2.0], &[1.0, 2.0, f64::INFINITY, 9.0]);
     let figure = Plot::new("x", "y").points(points).y_range(0.0, 5.0).draw().unwrap();
     assert!(
-        holds(&figure, "2 of 4 have no place on the axes; 1 of 4 lie beyond the axes"),
+        holds(&figure, "2 of 4 marks have no place on the axes; 1 of 4 marks lie beyond the axes"),
         "{:?}",
         texts(&figure)
     );
     assert!(!figure.svg().contains("NaN") && !figure.svg().contains("inf"));
     let log = Plot::new("x", "y").x_scale(Scale::Log).points(Points::new("", &[-1.0, 10.0], &[1.0, 1.0]));
-    assert!(holds(&log.draw().unwrap(), "1 of 2 have no place on the axes"));
+    assert!(holds(&log.draw().unwrap(), "1 of 2 marks have no place on the axes"));
     let empty = Plot::new("x", "y").points(Points::new("p", &[nan], &[1.0])).draw().unwrap();
     assert!(holds(&empty, "no data"));
     assert!(holds(&Plot::new("x", "y").draw().unwrap(), "no data"));
@@ -329,7 +329,7 @@ fn histograms_count() {
     let mut counts: Vec<i64> = heights.iter().map(|h| (h / unit).round() as i64).collect();
     counts.dedup();
     assert_eq!(counts, [2, 1, 3]);
-    assert!(holds(&figure, "1 of 7 have no place on the axes"));
+    assert!(holds(&figure, "1 of 7 values have no place on the axes"));
 }
 
 #[test]

@@ -225,7 +225,11 @@ fn a_page_holds_the_designs() {
 
     let run = place.run(&["report", "out", "-o", "page.html", "--picture", "8"]);
     assert_eq!(run.code, 1);
-    assert!(run.err.contains("--picture 8: tiny holds no such trial"), "{}", run.err);
+    assert!(
+        run.err.contains("the pictures of trial 8 cannot be embedded: tiny holds no such trial"),
+        "{}",
+        run.err
+    );
     std::fs::create_dir(place.path("folder.html")).unwrap();
     assert_eq!(place.run(&["report", "out", "-o", "folder.html"]).code, 1);
 }

@@ -24,7 +24,9 @@ const VARIANTS: [(&str, &str); 2] = [("delta_e_2000", "delta_e_76"), ("mtf50_cy_
 pub(super) struct Measure {
     /// The name of its column.
     pub(super) name: String,
-    /// The heading of its column in tables.
+    /// Its name, with the scene that it is measured on.
+    pub(super) title: String,
+    /// The heading of its column in tables: the title with the unit.
     pub(super) header: String,
     /// Digits after the decimal point.
     pub(super) digits: usize,
@@ -41,22 +43,23 @@ impl Measure {
         let of = |m: &&MetricInfo| column == m.name || column.starts_with(&format!("{}_", m.name));
         let info = CATALOG.iter().filter(of).max_by_key(|m| m.name.len())?;
         let scene = column.strip_prefix(info.name).unwrap_or_default().replace('_', " ");
-        let (header, digits) = match info.name {
-            "delta_e_76" => ("ΔE", 2),
-            "delta_e_2000" => ("ΔE2000", 2),
-            "mtf50_cy_per_mm" => ("MTF50 cy/mm", 1),
-            "mtf50_cy_per_px" => ("MTF50 cy/px", 3),
-            "luminance_noise_percent" => ("noise %", 2),
-            "aliasing_percent" => ("aliasing %", 1),
-            "color_aliasing_percent" => ("colour aliasing %", 1),
-            "cpsnr_db" => ("CPSNR dB", 2),
-            "pixel_delta_e_2000_mean" => ("ΔE2000", 2),
-            "scielab_mean" => ("S-CIELAB", 2),
-            other => (other, 2),
+        let (title, unit, digits) = match info.name {
+            "delta_e_76" => ("ΔE", "", 2),
+            "delta_e_2000" => ("ΔE2000", "", 2),
+            "mtf50_cy_per_mm" => ("MTF50", " cy/mm", 1),
+            "mtf50_cy_per_px" => ("MTF50", " cy/px", 3),
+            "luminance_noise_percent" => ("noise", " %", 2),
+            "aliasing_percent" => ("aliasing", " %", 1),
+            "color_aliasing_percent" => ("colour aliasing", " %", 1),
+            "cpsnr_db" => ("CPSNR", " dB", 2),
+            "pixel_delta_e_2000_mean" => ("ΔE2000", "", 2),
+            "scielab_mean" => ("S-CIELAB", "", 2),
+            other => (other, "", 2),
         };
         Some(Self {
             name: column.clone(),
-            header: format!("{header}{scene}"),
+            title: format!("{title}{scene}"),
+            header: format!("{title}{unit}{scene}"),
             digits,
             better: info.better,
             values: values.clone(),

@@ -211,9 +211,7 @@ impl<'a> Section<'a> {
 
     /// The metrics that the front compares, in words.
     pub(super) fn compared_in_words(&self) -> String {
-        // Without units: the tables state them.
-        let name = |m: &&Measure| m.header.split(' ').next().unwrap_or(&m.header).to_owned();
-        let names: Vec<String> = compared(self.results).iter().map(name).collect();
+        let names: Vec<&str> = compared(self.results).iter().map(|m| m.title.as_str()).collect();
         match names.split_last() {
             Some((last, rest)) if !rest.is_empty() => format!("{} and {last} at once", rest.join(", ")),
             _ => names.concat(),
