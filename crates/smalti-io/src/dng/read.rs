@@ -27,9 +27,6 @@ pub fn read(path: &Path, limits: Limits) -> Result<Dng, IoError> {
 }
 
 /// As [`read`], from memory; `path` is only named.
-///
-/// # Errors
-/// As [`read`].
 pub fn from_bytes(bytes: &[u8], path: &Path) -> Result<Dng, IoError> {
     parse(bytes, path, Limits::default())
 }

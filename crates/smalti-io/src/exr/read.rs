@@ -31,8 +31,7 @@ const PBRT_GRID: WavelengthGrid = WavelengthGrid::VISIBLE;
 /// 400–700 nm. Of polarised files the first Stokes component is taken; where a file has radiance and reflectance,
 /// radiance.
 ///
-/// Samples are read as they are needed: see [`crate::scene_file::load`]. The part that the options ask for is ignored here.
-/// They are unpacked by blocks of lines or tiles.
+/// Samples are unpacked by blocks of lines or tiles.
 ///
 /// # Errors
 /// When the file cannot be read, is not OpenEXR, has no spectral channels or states no wavelengths.
@@ -40,10 +39,7 @@ pub fn open(path: &Path, options: &ReadOptions) -> Result<Box<dyn Tiles>, IoErro
     Ok(Box::new(opened(Arc::new(FileSource::open(path)?), path, options)?))
 }
 
-/// As [`open`], from memory and loaded; `path` is only named.
-///
-/// # Errors
-/// As [`open`] and [`load`].
+/// As [`open`] and [`load`], from memory; `path` is only named.
 pub fn from_bytes(bytes: &[u8], path: &Path, options: &ReadOptions) -> Result<SpectralFile, IoError> {
     load(&opened(Arc::new(bytes), path, options)?, path, options)
 }

@@ -22,8 +22,7 @@ const LIST_LIMIT: u64 = 64 << 20;
 /// A spectral image from a single array (`.npy`) or an archive of named ones (`.npz`), which its first bytes identify.
 /// `docs/formats-scenes.md` lists the names of the arrays and what is assumed where one is absent.
 ///
-/// Samples are read as they are needed: see [`crate::scene_file::load`]. The part that the options ask for is ignored here.
-/// Those of a compressed archive are unpacked from the beginning, as far as they are needed.
+/// Samples of a compressed archive are unpacked from the beginning, as far as they are needed.
 ///
 /// # Errors
 /// When the file cannot be read, is no array or archive, has no cube or several, the axis of wavelengths is not clear, or wavelengths
@@ -32,10 +31,7 @@ pub fn open(path: &Path, options: &ReadOptions) -> Result<Box<dyn Tiles>, IoErro
     Ok(Box::new(opened(Arc::new(FileSource::open(path)?), path, options)?))
 }
 
-/// As [`open`], from memory and loaded; `path` is only named.
-///
-/// # Errors
-/// As [`open`] and [`load`].
+/// As [`open`] and [`load`], from memory; `path` is only named.
 pub fn from_bytes(bytes: &[u8], path: &Path, options: &ReadOptions) -> Result<SpectralFile, IoError> {
     load(&opened(Arc::new(bytes), path, options)?, path, options)
 }

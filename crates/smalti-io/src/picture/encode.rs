@@ -68,9 +68,6 @@ pub fn write_png(path: &Path, image: &Image, depth: Depth) -> Result<(), IoError
 }
 
 /// As [`write_png`], as uncompressed TIFF with an embedded profile.
-///
-/// # Errors
-/// As [`write_png`].
 pub fn write_tiff(path: &Path, image: &Image, depth: Depth) -> Result<(), IoError> {
     let samples = quantised(path, image, depth, u16::to_le_bytes)?;
     let (cols, rows) = size(path, image)?;

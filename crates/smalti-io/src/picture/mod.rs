@@ -29,9 +29,6 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Picture, IoError> {
 }
 
 /// As [`read`], from memory; `path` is only named.
-///
-/// # Errors
-/// As [`read`].
 pub fn from_bytes(bytes: &[u8], path: &Path, options: &ReadOptions) -> Result<Picture, IoError> {
     match bytes {
         [0x89, b'P', b'N', b'G', ..] => png::decode(bytes, path, options),

@@ -56,11 +56,8 @@ pub fn write(path: &Path, image: &dyn Tiles, options: &WriteOptions) -> Result<V
         Some(Format::Tiff) => spectral_tiff::write(path, image, options.tiff)?,
         Some(whole @ (Format::Exr | Format::Mat | Format::Hdf5)) => {
             if !header.wavelengths_nm.iter().copied().eq(header.grid.wavelengths_nm()) {
-                notes.push(format!(
-                    "{} holds the spectrum at {}, linear between the bands",
-                    path.display(),
-                    header.grid
-                ));
+                let (path, grid) = (path.display(), header.grid);
+                notes.push(format!("{path} holds the spectrum at {grid}, linear between the bands"));
             }
             // Images that do not fit into memory have been refused before.
             let limits = Limits { decoded_bytes: u64::MAX, ..Limits::default() };
