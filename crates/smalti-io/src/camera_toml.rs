@@ -31,10 +31,8 @@ impl std::str::FromStr for Override {
 impl Override {
     fn toml_value(&self) -> toml::Value {
         let parsed = toml::from_str::<toml::Table>(&format!("v = {}", self.value));
-        match parsed.ok().and_then(|mut t| if t.len() == 1 { t.remove("v") } else { None }) {
-            Some(value) => value,
-            None => toml::Value::String(self.value.clone()),
-        }
+        let value = parsed.ok().filter(|table| table.len() == 1).and_then(|mut table| table.remove("v"));
+        value.unwrap_or_else(|| toml::Value::String(self.value.clone()))
     }
 
     /// An error about what it sets.

@@ -139,22 +139,16 @@ impl IoError {
         Self::Line { path: path.to_owned(), line, found: found.into(), expected: expected.to_owned() }
     }
 
-    /// A sample, by its number in a plane of `cols` columns.
+    /// A sample in a row and column, from 0.
     pub(crate) fn pixel(
         path: &Path,
         channel: impl Into<String>,
-        (i, cols): (usize, usize),
+        [row, col]: [usize; 2],
         value: f32,
         expected: &'static str,
     ) -> Self {
-        Self::Pixel {
-            path: path.to_owned(),
-            channel: channel.into(),
-            row: i / cols.max(1),
-            col: i % cols.max(1),
-            value: f64::from(value),
-            expected,
-        }
+        let (path, channel) = (path.to_owned(), channel.into());
+        Self::Pixel { path, channel, row, col, value: value.into(), expected }
     }
 
     /// A field that is not what it should be.
@@ -164,11 +158,7 @@ impl IoError {
         found: impl Into<String>,
         expected: impl Into<String>,
     ) -> Self {
-        Self::Field {
-            path: path.to_owned(),
-            field: field.into(),
-            found: found.into(),
-            expected: expected.into(),
-        }
+        let (path, field) = (path.to_owned(), field.into());
+        Self::Field { path, field, found: found.into(), expected: expected.into() }
     }
 }

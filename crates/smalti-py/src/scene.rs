@@ -8,9 +8,7 @@ use smalti::color::{ColorSpace, Image};
 use smalti::optics::OpticalImage;
 use smalti::scene::{Scene, Setting, catalog};
 use smalti::spectrum::{Observer, SpectralCube, WavelengthGrid};
-use smalti_io::scene_file::{
-    self, Crop, Format, Quantity, ReadOptions, SpectralFile, Whole, WriteOptions,
-};
+use smalti_io::scene_file::{self, Crop, Format, Quantity, ReadOptions, SpectralFile, Whole, WriteOptions};
 use smalti_io::{SceneRequest, exr, matlab, spectral_tiff};
 
 use crate::arrays;

@@ -10,8 +10,9 @@ use safetensors::tensor::Metadata;
 use serde::de::DeserializeOwned;
 use serde_json::{Map, Value, json};
 
+use crate::file::at_most;
 use crate::npy::Element;
-use crate::{IoError, Limits, write};
+use crate::{IoError, write};
 
 /// The key of the hash. It is the only one that is not hashed.
 const HASH: &str = "blake3";
@@ -97,8 +98,7 @@ impl Content {
         let mut header = Value::Object(header).to_string();
         // The data begin at a multiple of 8 bytes.
         header.push_str(&" ".repeat(header.len().next_multiple_of(8) - header.len()));
-        let limits = Limits { decoded_bytes: MAX_HEADER, ..Limits::default() };
-        limits.check_memory(path, "the description of how it was trained", header.len() as u64)?;
+        at_most(MAX_HEADER, path, "the description of how it was trained", header.len() as u64)?;
         write::stream(path, |out| {
             out.write_all(&(header.len() as u64).to_le_bytes())?;
             out.write_all(header.as_bytes())?;

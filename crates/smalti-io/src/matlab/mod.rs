@@ -9,10 +9,11 @@ mod v73;
 use std::path::Path;
 use std::sync::Arc;
 
+use crate::file::at_most;
 use crate::raster::{FileSource, Shared, bytes_at};
 use crate::scene_file::tiles::{Tiles, load};
 use crate::variables::{self, Reading};
-use crate::{IoError, Limits, ReadOptions, SpectralFile, hdf5, write as whole};
+use crate::{IoError, ReadOptions, SpectralFile, hdf5, write as whole};
 
 const FORMAT: &str = "MATLAB";
 
@@ -77,8 +78,7 @@ pub fn write(path: &Path, file: &SpectralFile, version: Version) -> Result<(), I
         Version::V73 => v73::write(path, &variables),
         Version::V5 => {
             let what = "the scene in a MAT-file of level 5 (version 7.3 holds it)";
-            let limits = Limits { decoded_bytes: v5::write::LARGEST, ..Limits::default() };
-            limits.check_memory(path, what, v5::write::largest(&variables))?;
+            at_most(v5::write::LARGEST, path, what, v5::write::largest(&variables))?;
             whole::stream(path, |out| v5::write::write(out, &variables))
         }
     }

@@ -8,13 +8,13 @@ use smalti::spectrum::Spectrum;
 use super::array::{Array, Type, axes, named_axes};
 use super::zip::{Archive, Member};
 use crate::error::At;
-use crate::file::stem;
+use crate::file::{at_most, stem};
 use crate::raster::{Cube, FileSource, Shared, Storage, part};
 use crate::scene_file::cube_file::CubeFile;
 use crate::scene_file::stated::{Bands, known_quantity};
 use crate::scene_file::tiles::{Tiles, load};
 use crate::wavelengths::places;
-use crate::{IoError, Limits, Quantity, ReadOptions, SpectralFile};
+use crate::{IoError, Quantity, ReadOptions, SpectralFile};
 
 /// Elements of an array that is not the cube, bytes.
 const LIST_LIMIT: u64 = 64 << 20;
@@ -180,9 +180,7 @@ impl Arrays<'_, '_> {
     }
 
     fn elements(&self, array: &Array, member: &Member) -> Result<Vec<u8>, IoError> {
-        let path = self.archive.path;
-        let limits = Limits { decoded_bytes: LIST_LIMIT, ..Limits::default() };
-        limits.check_memory(path, "an array beside the cube", member.size)?;
+        at_most(LIST_LIMIT, self.archive.path, "an array beside the cube", member.size)?;
         let content = self.archive.content(member)?;
         Ok(content.get(array.start as usize..).unwrap_or_default().to_vec())
     }

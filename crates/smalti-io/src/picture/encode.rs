@@ -114,7 +114,8 @@ fn quantised(
     let (r, g, b) = (planes.plane(0), planes.plane(1), planes.plane(2));
     for (name, plane) in [("R", r), ("G", g), ("B", b)] {
         if let Some(i) = plane.iter().position(|v| v.is_nan()) {
-            return Err(IoError::pixel(path, name, (i, image.cols()), f32::NAN, "a number"));
+            let place = [i / image.cols(), i % image.cols()];
+            return Err(IoError::pixel(path, name, place, f32::NAN, "a number"));
         }
     }
     let pixels = r.iter().zip(g).zip(b).flat_map(|((r, g), b)| [*r, *g, *b]);

@@ -12,9 +12,8 @@ use std::path::Path;
 pub use decoded::Picture;
 pub use encode::{Depth, write, write_png, write_tiff};
 
-use crate::ReadOptions;
 use crate::exr::rgb_from_bytes;
-use crate::{IoError, file};
+use crate::{IoError, ReadOptions, file};
 
 /// A picture of any of the formats, which its first bytes identify. Grey becomes three equal planes; alpha is
 /// ignored (colours are taken as they are stored, not multiplied); profiles are ignored, with a note, unless they

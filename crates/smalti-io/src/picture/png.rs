@@ -7,9 +7,8 @@ use png::{BitDepth, Decoder, Info, Limits, Transformations};
 use smalti::color::ColorSpace;
 
 use super::decoded::{PROFILE_NOTE, Picture, alpha_note, from_interleaved};
-use crate::ReadOptions;
 use crate::file::guarded;
-use crate::{IoError, icc};
+use crate::{IoError, ReadOptions, icc};
 
 pub(super) fn decode(bytes: &[u8], path: &Path, options: &ReadOptions) -> Result<Picture, IoError> {
     let wrong = |e: png::DecodingError| IoError::decode(path, "PNG", e);

@@ -147,13 +147,9 @@ impl<T: Tiles> Tiles for Photons<T> {
             let factor = photons_per_joule(*nm);
             for (i, v) in plane.iter_mut().enumerate() {
                 let photons = (f64::from(*v) * factor) as f32;
-                *v = sample(photons, Negative::Refuse).map_err(|expected| IoError::Pixel {
-                    path: path.to_owned(),
-                    channel: format!("{nm} nm"),
-                    row: part.row + i / cols.max(1),
-                    col: part.col + i % cols.max(1),
-                    value: f64::from(*v),
-                    expected,
+                *v = sample(photons, Negative::Refuse).map_err(|expected| {
+                    let place = [part.row + i / cols, part.col + i % cols];
+                    IoError::pixel(path, format!("{nm} nm"), place, *v, expected)
                 })?;
             }
         }
