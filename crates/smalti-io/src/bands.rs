@@ -32,7 +32,6 @@ pub fn is_folder(path: &Path) -> bool {
 /// A spectral image from the PNG of a folder, or of the only folder in it. `docs/formats-scenes.md` describes how their names state
 /// wavelengths. Values are reflectances unless the options say otherwise; the largest number is 1.
 ///
-/// Samples are read as they are needed: see [`crate::scene_file::load`]. The part that the options ask for is ignored here.
 /// Each picture is unpacked at most once if its rows are read in their order.
 ///
 /// # Errors
@@ -46,10 +45,7 @@ pub fn open(path: &Path, options: &ReadOptions) -> Result<Box<dyn Tiles>, IoErro
     Ok(Box::new(opened(path, &names, source, options)?))
 }
 
-/// As [`open`], from names and contents in memory and loaded; `path` is only named.
-///
-/// # Errors
-/// As [`open`] and [`load`].
+/// As [`open`] and [`load`], from names and contents in memory; `path` is only named.
 pub fn from_files(
     files: &[(String, Vec<u8>)],
     path: &Path,

@@ -8,6 +8,7 @@ use std::io::{Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
+use blake3::{Hash, Hasher};
 use rayon::prelude::*;
 use smalti::camera::CameraError;
 use smalti::experiment::Store;
@@ -47,12 +48,12 @@ impl Store for Cache {
     }
 }
 
-fn statistics_key(key: &str) -> CacheKey {
-    KeyBuilder::new().bytes("statistics", key.as_bytes()).finish()
+fn statistics_key(key: &str) -> Hash {
+    hash(&[("statistics", key.as_bytes())])
 }
 
-/// The largest size of a cache unless [`Cache::with_limit`] says otherwise, bytes.
-pub const DEFAULT_LIMIT: u64 = 2 << 30;
+/// The largest size of a cache, bytes.
+const LIMIT_BYTES: u64 = 2 << 30;
 
 const MAGIC: &[u8; 8] = b"SMALTIOI";
 // Part of every entry: one of another version is ignored.
@@ -61,42 +62,14 @@ const HEADER_LEN: usize = 8 + 4 + 32 + 3 * 8 + 3 * 8 + 4 + 4;
 const EXTENSION: &str = "smalti-oi";
 const STATISTICS_EXTENSION: &str = "smalti-l3";
 
-/// A 256-bit BLAKE3 hash of the canonical description of a computation.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub struct CacheKey([u8; 32]);
-
-impl std::fmt::Display for CacheKey {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        self.0.iter().try_for_each(|b| write!(f, "{b:02x}"))
+/// The hash of labelled parts. The lengths of labels and parts are hashed too: `("a", "bc")` and `("ab", "c")` differ.
+fn hash(parts: &[(&str, &[u8])]) -> Hash {
+    let mut hasher = Hasher::new();
+    for part in parts.iter().flat_map(|(label, value)| [label.as_bytes(), value]) {
+        hasher.update(&(part.len() as u64).to_le_bytes());
+        hasher.update(part);
     }
-}
-
-/// Builds a key from labelled parts. Label and length of every part are hashed too: `("a", "bc")` and
-/// `("ab", "c")` differ.
-#[derive(Debug, Clone, Default)]
-pub struct KeyBuilder(blake3::Hasher);
-
-impl KeyBuilder {
-    /// A key of nothing yet. Put the version of what computes into it: a cache must not outlive a correction.
-    #[must_use]
-    pub fn new() -> Self {
-        Self::default()
-    }
-
-    /// Adds bytes under a label.
-    pub fn bytes(&mut self, label: &str, value: &[u8]) -> &mut Self {
-        for part in [label.as_bytes(), value] {
-            self.0.update(&(part.len() as u64).to_le_bytes());
-            self.0.update(part);
-        }
-        self
-    }
-
-    /// The key.
-    #[must_use]
-    pub fn finish(&self) -> CacheKey {
-        CacheKey(*self.0.finalize().as_bytes())
-    }
+    hasher.finalize()
 }
 
 /// A folder of optical images and of statistics that pipelines are learned from.
@@ -108,7 +81,7 @@ pub struct Cache {
 
 impl Cache {
     /// A cache in `dir`, else in `$SMALTI_CACHE_DIR`, else in `smalti` below `$XDG_CACHE_HOME`, `~/.cache` or
-    /// `%LOCALAPPDATA%`. Without any of these it is disabled. The folder is made by the first [`Cache::put`].
+    /// `%LOCALAPPDATA%`. Without any of these it is disabled. The folder is made with the first entry.
     #[must_use]
     pub fn open(dir: Option<PathBuf>) -> Self {
         let variable = |name: &str| std::env::var_os(name).filter(|v| !v.is_empty()).map(PathBuf::from);
@@ -117,7 +90,7 @@ impl Cache {
             .or_else(|| variable("XDG_CACHE_HOME").map(|d| d.join("smalti")))
             .or_else(|| variable("HOME").map(|d| d.join(".cache").join("smalti")))
             .or_else(|| variable("LOCALAPPDATA").map(|d| d.join("smalti")));
-        Self { dir, limit_bytes: DEFAULT_LIMIT }
+        Self { dir, limit_bytes: LIMIT_BYTES }
     }
 
     /// A cache that keeps nothing.
@@ -126,19 +99,7 @@ impl Cache {
         Self { dir: None, limit_bytes: 0 }
     }
 
-    /// The same cache, holding at most `limit_bytes`.
-    #[must_use]
-    pub fn with_limit(self, limit_bytes: u64) -> Self {
-        Self { limit_bytes, ..self }
-    }
-
-    /// The folder; `None` when disabled.
-    #[must_use]
-    pub fn dir(&self) -> Option<&Path> {
-        self.dir.as_deref()
-    }
-
-    fn path(&self, key: &CacheKey, extension: &str) -> Option<PathBuf> {
+    fn path(&self, key: &Hash, extension: &str) -> Option<PathBuf> {
         self.dir.as_ref().map(|d| d.join(format!("{key}.{extension}")))
     }
 
@@ -151,10 +112,12 @@ impl Cache {
         description: &str,
         make: &dyn Fn() -> Result<OpticalImage, E>,
     ) -> Result<OpticalImage, E> {
-        let mut hash = KeyBuilder::new();
-        hash.bytes("revision", &OPTICAL_IMAGE_REVISION.to_le_bytes())
-            .bytes("version", env!("CARGO_PKG_VERSION").as_bytes());
-        let key = hash.bytes("target", description.as_bytes()).finish();
+        // A cache must not outlive a correction.
+        let key = hash(&[
+            ("revision", &OPTICAL_IMAGE_REVISION.to_le_bytes()),
+            ("version", env!("CARGO_PKG_VERSION").as_bytes()),
+            ("target", description.as_bytes()),
+        ]);
         if let Some(image) = self.get(&key) {
             return Ok(image);
         }
@@ -164,8 +127,7 @@ impl Cache {
     }
 
     /// The image of that key, bit for bit as it was put; `None` when it is absent or damaged.
-    #[must_use]
-    pub fn get(&self, key: &CacheKey) -> Option<OpticalImage> {
+    fn get(&self, key: &Hash) -> Option<OpticalImage> {
         let path = self.path(key, EXTENSION)?;
         let mut file = File::open(&path).ok()?;
         let mut header = [0; HEADER_LEN];
@@ -192,10 +154,7 @@ impl Cache {
 
     /// Keeps an image, and removes those not used for longest until the cache is within its limit. An image larger
     /// than the limit is not kept; a disabled cache does nothing.
-    ///
-    /// # Errors
-    /// When the folder or file cannot be written.
-    pub fn put(&self, key: &CacheKey, image: &OpticalImage) -> Result<(), IoError> {
+    fn put(&self, key: &Hash, image: &OpticalImage) -> Result<(), IoError> {
         let (Some(dir), Some(path)) = (&self.dir, self.path(key, EXTENSION)) else { return Ok(()) };
         let cube = image.irradiance();
         let data = cube.planes().data();
@@ -291,10 +250,10 @@ struct Header {
 }
 
 impl Header {
-    fn bytes(&self, key: &CacheKey) -> Vec<u8> {
+    fn bytes(&self, key: &Hash) -> Vec<u8> {
         let mut out = MAGIC.to_vec();
         out.extend(VERSION.to_le_bytes());
-        out.extend(key.0);
+        out.extend(key.as_bytes());
         for n in [self.rows, self.cols, self.grid.len()] {
             out.extend((n as u64).to_le_bytes());
         }
@@ -307,12 +266,13 @@ impl Header {
         out
     }
 
-    fn parse(bytes: &[u8; HEADER_LEN], key: &CacheKey) -> Option<Self> {
+    fn parse(bytes: &[u8; HEADER_LEN], key: &Hash) -> Option<Self> {
         let (body, own) = bytes.split_last_chunk::<4>()?;
         if crc32fast::hash(body) != u32::from_le_bytes(*own) {
             return None;
         }
-        let rest = body.strip_prefix(MAGIC)?.strip_prefix(&VERSION.to_le_bytes())?.strip_prefix(&key.0)?;
+        let rest =
+            body.strip_prefix(MAGIC)?.strip_prefix(&VERSION.to_le_bytes())?.strip_prefix(key.as_bytes())?;
         let (numbers, rest) = rest.as_chunks::<8>();
         let [rows, cols, count, start_nm, step_nm, spacing] = numbers.first_chunk::<6>()?;
         let size = |b: &[u8; 8]| usize::try_from(u64::from_le_bytes(*b)).ok();
@@ -338,8 +298,8 @@ mod tests {
         OpticalImage::new(SpectralCube::new(grid, planes).unwrap(), 1.1e-6).unwrap()
     }
 
-    fn key(text: &str) -> CacheKey {
-        KeyBuilder::new().bytes("test", text.as_bytes()).finish()
+    fn key(text: &str) -> Hash {
+        hash(&[("test", text.as_bytes())])
     }
 
     #[test]
@@ -357,15 +317,9 @@ mod tests {
 
     #[test]
     fn labels_and_lengths_are_part_of_the_key() {
-        let of = |parts: &[(&str, &[u8])]| {
-            parts.iter().fold(KeyBuilder::new(), |mut k, (l, v)| k.bytes(l, v).clone()).finish()
-        };
-        assert_ne!(of(&[("a", b"bc")]), of(&[("ab", b"c")]));
-        assert_ne!(of(&[("a", b"b"), ("c", b"d")]), of(&[("a", b"bcd")]));
-        assert_eq!(
-            KeyBuilder::new().bytes("x", &1.5f32.to_le_bytes()).finish(),
-            KeyBuilder::new().bytes("x", &1.5f32.to_le_bytes()).finish()
-        );
+        assert_ne!(hash(&[("a", b"bc")]), hash(&[("ab", b"c")]));
+        assert_ne!(hash(&[("a", b"b"), ("c", b"d")]), hash(&[("a", b"bcd")]));
+        assert_eq!(hash(&[("x", b"y")]), hash(&[("x", b"y")]));
     }
 
     #[test]
@@ -394,7 +348,7 @@ mod tests {
     fn the_least_recently_used_goes_first() {
         let dir = tempfile::tempdir().unwrap();
         let one = (HEADER_LEN + 4 * 4 * 100) as u64;
-        let cache = Cache::open(Some(dir.path().to_owned())).with_limit(3 * one);
+        let cache = Cache { dir: Some(dir.path().to_owned()), limit_bytes: 3 * one };
         for name in ["a", "b", "c"] {
             cache.put(&key(name), &image(10, 10, 1.0)).unwrap();
             std::thread::sleep(std::time::Duration::from_millis(15));

@@ -31,43 +31,35 @@ impl std::str::FromStr for Override {
 impl Override {
     fn toml_value(&self) -> toml::Value {
         let parsed = toml::from_str::<toml::Table>(&format!("v = {}", self.value));
-        match parsed.ok().and_then(|mut t| if t.len() == 1 { t.remove("v") } else { None }) {
-            Some(value) => value,
-            None => toml::Value::String(self.value.clone()),
-        }
+        let value = parsed.ok().filter(|table| table.len() == 1).and_then(|mut table| table.remove("v"));
+        value.unwrap_or_else(|| toml::Value::String(self.value.clone()))
     }
 
-    fn fail(&self, message: impl Into<String>, help: Option<String>) -> Diagnostic {
-        Diagnostic { help, ..Diagnostic::new(format!("--set {}={}", self.key, self.value), message) }
+    /// An error about what it sets.
+    pub(crate) fn wrong(&self, message: String) -> Diagnostic {
+        Diagnostic::new(format!("--set {}={}", self.key, self.value), message)
     }
 
     /// Sets the key in a document, making tables on the way.
-    fn apply(&self, document: &mut toml::Table) -> Result<(), Diagnostic> {
-        let mut table = document;
-        let mut parts = self.key.split('.').peekable();
-        while let Some(part) = parts.next() {
-            if parts.peek().is_none() {
-                // The two ways to expose exclude each other: the later one holds.
-                let other = match self.key.as_str() {
-                    "exposure.auto" => "time_ms",
-                    "exposure.time_ms" => "auto",
-                    _ => "",
-                };
-                table.remove(other);
-                table.insert(part.into(), self.toml_value());
-                return Ok(());
-            }
+    fn apply(&self, document: &mut toml::Table) {
+        let (mut table, mut rest) = (document, self.key.as_str());
+        while let Some((part, after)) = rest.split_once('.') {
             let entry = table.entry(part).or_insert_with(|| toml::Value::Table(toml::Table::new()));
             // A value in the way, such as the name of a pattern, gives way to the table that the key asks for.
             if !entry.is_table() {
                 *entry = toml::Value::Table(toml::Table::new());
             }
-            match entry {
-                toml::Value::Table(inner) => table = inner,
-                _ => return Err(self.fail(format!("`{part}` is not a table"), None)),
-            }
+            let toml::Value::Table(inner) = entry else { return };
+            (table, rest) = (inner, after);
         }
-        Ok(())
+        // The two ways to expose exclude each other: the later one holds.
+        let other = match self.key.as_str() {
+            "exposure.auto" => "time_ms",
+            "exposure.time_ms" => "auto",
+            _ => "",
+        };
+        table.remove(other);
+        table.insert(rest.into(), self.toml_value());
     }
 }
 
@@ -87,7 +79,7 @@ impl TomlSource {
         // document that is wrong in the end, the override is blamed after which it never was right again.
         let mut result = Ok(description);
         for o in overrides {
-            o.apply(&mut document)?;
+            o.apply(&mut document);
             let was_right = result.is_ok();
             result = match (CameraDescription::deserialize(document.clone()), result) {
                 (Ok(description), _) => Ok(description),
@@ -97,7 +89,7 @@ impl TomlSource {
         }
         result.map_err(|(o, e)| {
             let (message, help) = explain(e.message());
-            Box::new(o.fail(message, help))
+            Box::new(Diagnostic { help, ..o.wrong(message) })
         })
     }
 }

@@ -51,9 +51,6 @@ pub fn load(
 }
 
 /// As [`load`], from a text that is not a file's; files that it names are looked for in the source's folder.
-///
-/// # Errors
-/// As [`load`].
 pub fn from_source(
     source: &TomlSource,
     overrides: &[Override],
@@ -81,7 +78,7 @@ fn about(source: &TomlSource, overrides: &[Override], key: &str, message: &str) 
         inner.strip_prefix(outer).is_some_and(|r| r.is_empty() || r.starts_with('.'))
     };
     match overrides.iter().rev().find(|o| within(key, &o.key) || within(&o.key, key)) {
-        Some(o) => Diagnostic::new(format!("--set {}={}", o.key, o.value), format!("`{key}`: {message}")),
+        Some(o) => o.wrong(format!("`{key}`: {message}")),
         None => source.about_key(key, message),
     }
 }
@@ -112,11 +109,8 @@ fn read_files(
                 [rows, cols] => (1, rows, cols),
                 [count, rows, cols] => (count, rows, cols),
                 _ => {
-                    return Err(format!(
-                        "{}: expected 2 or 3 dimensions, got {}",
-                        path.display(),
-                        array.shape.len()
-                    ));
+                    let (path, got) = (path.display(), array.shape.len());
+                    return Err(format!("{path}: expected 2 or 3 dimensions, got {got}"));
                 }
             };
             let planes = Planes::new(rows, cols, count, array.to_f32()).map_err(|e| e.to_string())?;

@@ -15,154 +15,53 @@ use thiserror::Error;
 /// A file that cannot be read or written. Every message names the file, and the place in it where there is one.
 #[derive(Debug, Error)]
 #[non_exhaustive]
+#[allow(missing_docs, reason = "the message of an error says what its fields are")]
 pub enum IoError {
     /// The operating system refused to read.
     #[error("cannot read {}: {source}", path.display())]
-    Read {
-        /// The file.
-        path: PathBuf,
-        /// Why.
-        source: io::Error,
-    },
+    Read { path: PathBuf, source: io::Error },
     /// The operating system refused to write.
     #[error("cannot write {}: {source}", path.display())]
-    Write {
-        /// The file.
-        path: PathBuf,
-        /// Why.
-        source: io::Error,
-    },
+    Write { path: PathBuf, source: io::Error },
     /// The file, or what it declares to hold, is larger than allowed.
     #[error("{}: {what} takes {bytes} bytes; at most {limit} are allowed", path.display())]
-    TooLarge {
-        /// The file.
-        path: PathBuf,
-        /// What takes the memory.
-        what: &'static str,
-        /// Bytes it takes.
-        bytes: u64,
-        /// Bytes allowed.
-        limit: u64,
-    },
-    /// The file ends before what it declares.
+    TooLarge { path: PathBuf, what: &'static str, bytes: u64, limit: u64 },
+    /// The file ends before what it declares; lengths in bytes.
     #[error("{}: {what} needs {need} bytes, but the file has {have}; it is cut short or mislabelled", path.display())]
-    Truncated {
-        /// The file.
-        path: PathBuf,
-        /// What is missing.
-        what: &'static str,
-        /// Bytes needed.
-        need: u64,
-        /// Bytes there are.
-        have: u64,
-    },
-    /// A text file is not UTF-8.
+    Truncated { path: PathBuf, what: &'static str, need: u64, have: u64 },
+    /// A text file is not UTF-8. The line is that of the first bad byte, from 1.
     #[error("{}: line {line} is not UTF-8 text", path.display())]
-    NotUtf8 {
-        /// The file.
-        path: PathBuf,
-        /// Line of the first bad byte, from 1.
-        line: usize,
-    },
+    NotUtf8 { path: PathBuf, line: usize },
     /// The format is not one that is read or written here.
     #[error("{}: expected {expected}", path.display())]
-    UnknownFormat {
-        /// The file.
-        path: PathBuf,
-        /// The formats that are known.
-        expected: &'static str,
-    },
+    UnknownFormat { path: PathBuf, expected: &'static str },
     /// A decoder found the file malformed.
     #[error("{}: not a valid {format} file: {message}", path.display())]
-    Decode {
-        /// The file.
-        path: PathBuf,
-        /// The format.
-        format: &'static str,
-        /// What the decoder says.
-        message: String,
-    },
-    /// A line of a text file is wrong.
+    Decode { path: PathBuf, format: &'static str, message: String },
+    /// A line of a text file is wrong; the first is 1.
     #[error("{}: line {line}: found {found}; expected {expected}", path.display())]
-    Line {
-        /// The file.
-        path: PathBuf,
-        /// The line, from 1.
-        line: usize,
-        /// What is there.
-        found: String,
-        /// What should be.
-        expected: String,
-    },
+    Line { path: PathBuf, line: usize, found: String, expected: String },
     /// A field (tag, attribute, channel, key) is missing, unsupported or out of range.
     #[error("{}: {field} is {found}; expected {expected}", path.display())]
-    Field {
-        /// The file.
-        path: PathBuf,
-        /// The field.
-        field: String,
-        /// What it is.
-        found: String,
-        /// What it should be.
-        expected: String,
-    },
-    /// A sample is NaN, infinite, or negative where that has no meaning.
+    Field { path: PathBuf, field: String, found: String, expected: String },
+    /// A sample is NaN, infinite, or negative where that has no meaning. Rows and columns count from 0.
     #[error("{}: channel {channel}, row {row}, column {col} is {value}; expected {expected}", path.display())]
-    Pixel {
-        /// The file.
-        path: PathBuf,
-        /// The channel or band.
-        channel: String,
-        /// Row, from 0.
-        row: usize,
-        /// Column, from 0.
-        col: usize,
-        /// The value.
-        value: f64,
-        /// What was expected.
-        expected: &'static str,
-    },
+    Pixel { path: PathBuf, channel: String, row: usize, col: usize, value: f64, expected: &'static str },
     /// The content makes no value of the library.
     #[error("{}: {source}", path.display())]
-    Content {
-        /// The file.
-        path: PathBuf,
-        /// Why.
-        source: ContentError,
-    },
+    Content { path: PathBuf, source: ContentError },
     /// A light that is neither a name nor a file.
     #[error(transparent)]
     Light(SpectrumError),
-    /// A built-in scene that is not there, or cannot be as asked.
+    /// A built-in scene (its name with the parameters) that is not there, or cannot be as asked.
     #[error("{}{source}", unnamed(name, source))]
-    Catalog {
-        /// What was asked for: the scene and its parameters.
-        name: String,
-        /// Why.
-        source: SceneError,
-    },
+    Catalog { name: String, source: SceneError },
     /// The file was written by a later (or other) version of its format.
     #[error("{}: it is version {found} of the {format} format; version {expected} is read here", path.display())]
-    Version {
-        /// The file.
-        path: PathBuf,
-        /// The format.
-        format: &'static str,
-        /// Its version.
-        found: String,
-        /// The version that is known.
-        expected: &'static str,
-    },
-    /// The content has another hash than the file states.
+    Version { path: PathBuf, format: &'static str, found: String, expected: &'static str },
+    /// The content has another hash (hexadecimal) than the file states.
     #[error("{}: it is damaged: its content has the hash {found}, but {stated} is stated", path.display())]
-    Damaged {
-        /// The file.
-        path: PathBuf,
-        /// Hash of the content, hexadecimal.
-        found: String,
-        /// Hash that the file states.
-        stated: String,
-    },
+    Damaged { path: PathBuf, found: String, stated: String },
 }
 
 /// Why the content of a file makes no value of the library.
@@ -235,22 +134,21 @@ impl IoError {
         Self::UnknownFormat { path: path.to_owned(), expected }
     }
 
-    /// A sample, by its number in a plane of `cols` columns.
+    /// A line of a text file, from 1, that is not what it should be.
+    pub(crate) fn line(path: &Path, line: usize, found: impl Into<String>, expected: &str) -> Self {
+        Self::Line { path: path.to_owned(), line, found: found.into(), expected: expected.to_owned() }
+    }
+
+    /// A sample in a row and column, from 0.
     pub(crate) fn pixel(
         path: &Path,
         channel: impl Into<String>,
-        (i, cols): (usize, usize),
+        [row, col]: [usize; 2],
         value: f32,
         expected: &'static str,
     ) -> Self {
-        Self::Pixel {
-            path: path.to_owned(),
-            channel: channel.into(),
-            row: i / cols.max(1),
-            col: i % cols.max(1),
-            value: f64::from(value),
-            expected,
-        }
+        let (path, channel) = (path.to_owned(), channel.into());
+        Self::Pixel { path, channel, row, col, value: value.into(), expected }
     }
 
     /// A field that is not what it should be.
@@ -260,11 +158,7 @@ impl IoError {
         found: impl Into<String>,
         expected: impl Into<String>,
     ) -> Self {
-        Self::Field {
-            path: path.to_owned(),
-            field: field.into(),
-            found: found.into(),
-            expected: expected.into(),
-        }
+        let (path, field) = (path.to_owned(), field.into());
+        Self::Field { path, field, found: found.into(), expected: expected.into() }
     }
 }

@@ -30,11 +30,7 @@ const ALWAYS_ALLOWED: u64 = 1 << 20;
 impl Limits {
     /// Refuses content that takes more memory than allowed.
     pub(crate) fn check_memory(self, path: &Path, what: &'static str, bytes: u64) -> Result<(), IoError> {
-        let limit = self.decoded_bytes;
-        if bytes > limit {
-            return Err(IoError::TooLarge { path: path.to_owned(), what, bytes, limit });
-        }
-        Ok(())
+        at_most(self.decoded_bytes, path, what, bytes)
     }
 
     /// Refuses content that takes more memory than allowed, or more than a file of `file_len` bytes can hold.
@@ -50,6 +46,14 @@ impl Limits {
     }
 }
 
+/// Refuses what takes more bytes than a limit.
+pub(crate) fn at_most(limit: u64, path: &Path, what: &'static str, bytes: u64) -> Result<(), IoError> {
+    if bytes > limit {
+        return Err(IoError::TooLarge { path: path.to_owned(), what, bytes, limit });
+    }
+    Ok(())
+}
+
 /// Refuses content that is larger than a file of `file_len` bytes can hold.
 pub(crate) fn plausible(path: &Path, what: &'static str, bytes: u64, file_len: u64) -> Result<(), IoError> {
     if bytes > ALWAYS_ALLOWED.max(file_len.saturating_mul(LARGEST_EXPANSION)) {
@@ -62,17 +66,11 @@ pub(crate) fn plausible(path: &Path, what: &'static str, bytes: u64, file_len: u
 pub(crate) fn read(path: &Path, limit: u64) -> Result<Vec<u8>, IoError> {
     let io = IoError::reading(path);
     let mut file = File::open(path).map_err(io)?;
-    let metadata = file.metadata().map_err(io)?;
-    let too_large = |bytes| IoError::TooLarge { path: path.to_owned(), what: "the file", bytes, limit };
-    if metadata.len() > limit {
-        return Err(too_large(metadata.len()));
-    }
+    at_most(limit, path, "the file", file.metadata().map_err(io)?.len())?;
     let mut bytes = Vec::new();
     // A device or pipe has no length: the limit is held while reading too.
     file.by_ref().take(limit.saturating_add(1)).read_to_end(&mut bytes).map_err(io)?;
-    if bytes.len() as u64 > limit {
-        return Err(too_large(bytes.len() as u64));
-    }
+    at_most(limit, path, "the file", bytes.len() as u64)?;
     Ok(bytes)
 }
 

@@ -26,7 +26,8 @@
 //! | [`memory`] | `/proc/meminfo` | bytes |
 //!
 //! Every reader has a function for a path (`read`, or `open` for spectral images that are read by parts) and one for bytes in memory,
-//! `from_bytes`. Neither panics on any input, and neither takes memory for what a header declares before that has been compared with
+//! `from_bytes`. `open` reads samples as they are needed, and ignores the part that its options ask for: [`scene_file::load`] takes
+//! it. No reader panics on any input, and none takes memory for what a header declares before that has been compared with
 //! what the file can hold. Every writer writes to a temporary file beside the target and renames it: a target is either whole or as it
 //! was.
 
@@ -69,6 +70,6 @@ pub use camera_toml::Override;
 pub use diagnostic::Diagnostic;
 pub use error::{ContentError, IoError};
 pub use file::Limits;
-pub use scene_file::{Quantity, ReadOptions, SceneDefaults, SpectralFile};
+pub use scene_file::{Quantity, ReadOptions, SpectralFile};
 pub use scenes::SceneRequest;
 pub use toml_source::{BuiltinFile, TomlSource};

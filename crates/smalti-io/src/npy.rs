@@ -20,6 +20,9 @@ pub trait Element: Copy + sealed::Sealed {
     const DESCR: &'static str;
     #[doc(hidden)]
     fn extend(self, out: &mut Vec<u8>);
+    /// From as many bytes as it has; 0 from fewer.
+    #[doc(hidden)]
+    fn from_le(bytes: &[u8]) -> Self;
 }
 
 mod sealed {
@@ -33,6 +36,9 @@ macro_rules! element {
             const DESCR: &'static str = $descr;
             fn extend(self, out: &mut Vec<u8>) {
                 out.extend_from_slice(&self.to_le_bytes());
+            }
+            fn from_le(bytes: &[u8]) -> Self {
+                bytes.first_chunk().map_or(Self::default(), |b| Self::from_le_bytes(*b))
             }
         }
     )*};
@@ -120,9 +126,6 @@ pub fn read(path: &Path, limits: Limits) -> Result<NpyArray, IoError> {
 }
 
 /// As [`read`], from memory; `path` is only named.
-///
-/// # Errors
-/// As [`read`].
 pub fn from_bytes(bytes: &[u8], path: &Path) -> Result<NpyArray, IoError> {
     let start = |n: usize| Ok(bytes.get(..n).unwrap_or(bytes).to_vec());
     let Header { descr, fortran, shape, start } = Header::parse("", path, start)?;

@@ -31,23 +31,19 @@ impl SceneRequest {
     ///
     /// # Errors
     /// When the scene cannot be so: it is dark, has no light at a wavelength, or a number is out of range.
-    pub fn applied_to(&self, scene: Scene) -> Result<Scene, SceneError> {
-        let scene = match self.grid {
-            Some(grid) if grid != scene.radiance().grid() => scene.resampled(grid)?,
-            _ => scene,
-        };
-        let scene = match &self.illuminant {
-            Some(light) => scene.relit(light)?,
-            None => scene,
-        };
-        let scene = match self.luminance_cd_m2 {
-            Some(cd_m2) => scene.with_mean_luminance(cd_m2)?,
-            None => scene,
-        };
-        let scene = match self.distance_m {
-            Some(m) => scene.with_distance(m)?,
-            None => scene,
-        };
+    pub fn applied_to(&self, mut scene: Scene) -> Result<Scene, SceneError> {
+        if let Some(grid) = self.grid.filter(|grid| *grid != scene.radiance().grid()) {
+            scene = scene.resampled(grid)?;
+        }
+        if let Some(light) = &self.illuminant {
+            scene = scene.relit(light)?;
+        }
+        if let Some(cd_m2) = self.luminance_cd_m2 {
+            scene = scene.with_mean_luminance(cd_m2)?;
+        }
+        if let Some(m) = self.distance_m {
+            scene = scene.with_distance(m)?;
+        }
         match self.horizontal_fov_deg {
             Some(deg) => scene.with_fov(deg),
             None => Ok(scene),

@@ -85,9 +85,6 @@ pub fn read(path: &Path) -> Result<SpectrumTable, IoError> {
 }
 
 /// As [`read`], from memory; `path` is only named in errors.
-///
-/// # Errors
-/// As [`read`].
 pub fn parse(text: &str, path: &Path) -> Result<SpectrumTable, IoError> {
     let mut lines = text
         .lines()
@@ -95,12 +92,7 @@ pub fn parse(text: &str, path: &Path) -> Result<SpectrumTable, IoError> {
         .map(|(i, line)| (i + 1, line.trim()))
         .filter(|(_, line)| !line.is_empty() && !line.starts_with('#'))
         .peekable();
-    let wrong = |line: usize, found: String, expected: &str| IoError::Line {
-        path: path.to_owned(),
-        line,
-        found,
-        expected: expected.to_owned(),
-    };
+    let wrong = |line: usize, found: String, expected: &str| IoError::line(path, line, found, expected);
     let fields =
         |line: &str| line.split(',').map(|v| v.trim().trim_matches('"').to_owned()).collect::<Vec<_>>();
 

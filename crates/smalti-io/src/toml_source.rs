@@ -95,7 +95,8 @@ impl TomlSource {
     /// key is a path such as `conditions.list[2].luminance_cd_m2`; keys with dots in them are found as they stand.
     #[must_use]
     pub fn about_key(&self, key: &str, message: &str) -> Diagnostic {
-        self.at(self.span_of(key), &format!("`{key}`: {message}"))
+        let table = DeTable::parse(&self.text).ok();
+        self.at(table.and_then(|table| span_in(table.get_ref(), key)), &format!("`{key}`: {message}"))
     }
 
     /// An error at a place of the text.
@@ -106,10 +107,6 @@ impl TomlSource {
             Some(span) => diagnostic.with_span(&self.text, span),
             None => diagnostic,
         }
-    }
-
-    fn span_of(&self, key: &str) -> Option<Range<usize>> {
-        span_in(DeTable::parse(&self.text).ok()?.get_ref(), key)
     }
 }
 

@@ -51,17 +51,11 @@ pub(crate) fn stream(path: &Path, fill: impl FnOnce(&mut Target) -> io::Result<(
 }
 
 /// Writes `bytes` as by [`atomic`].
-///
-/// # Errors
-/// [`IoError::Write`].
 pub fn bytes(path: &Path, bytes: &[u8]) -> Result<(), IoError> {
     stream(path, |out| out.write_all(bytes))
 }
 
 /// As [`bytes()`], and the data are on the disk before the file has its name: after a loss of power it is whole or absent.
-///
-/// # Errors
-/// [`IoError::Write`].
 pub fn durable(path: &Path, bytes: &[u8]) -> Result<(), IoError> {
     stream(path, |out| {
         out.write_all(bytes)?;
@@ -114,11 +108,10 @@ pub fn begin_folder(dir: &Path, indices: &[&str]) -> Result<(), IoError> {
     create_folder(dir)?;
     for index in indices {
         let path = dir.join(index);
-        match fs::remove_file(&path) {
-            Err(error) if error.kind() != io::ErrorKind::NotFound => {
-                return Err(IoError::Write { path, source: error });
-            }
-            _ => {}
+        if let Err(source) = fs::remove_file(&path)
+            && source.kind() != io::ErrorKind::NotFound
+        {
+            return Err(IoError::Write { path, source });
         }
     }
     Ok(())
@@ -144,20 +137,15 @@ impl Files {
     }
 
     /// Writes a file as by [`bytes()`]; `name` is its path relative to the folder.
-    ///
-    /// # Errors
-    /// [`IoError::Write`].
     pub fn write(&mut self, name: &str, content: &[u8]) -> Result<(), IoError> {
         let path = self.folder.join(name);
-        if !self.begun.contains(&self.folder) {
-            let names: Vec<&str> = self.indices.iter().chain(&self.earlier).map(String::as_str).collect();
-            begin_folder(&self.folder, &names)?;
-            self.begun.insert(self.folder.clone());
-        }
-        if let Some(parent) = path.parent().filter(|p| !self.begun.contains(*p)) {
-            let names: Vec<&str> = self.earlier.iter().map(String::as_str).collect();
-            begin_folder(parent, &names)?;
-            self.begun.insert(parent.to_owned());
+        let parent = path.parent().unwrap_or(&self.folder);
+        for (folder, indices) in [(self.folder.as_path(), self.indices.as_slice()), (parent, &[])] {
+            if !self.begun.contains(folder) {
+                let names: Vec<&str> = indices.iter().chain(&self.earlier).map(String::as_str).collect();
+                begin_folder(folder, &names)?;
+                self.begun.insert(folder.to_owned());
+            }
         }
         bytes(&path, content)
     }

@@ -8,9 +8,7 @@ use smalti::color::{ColorSpace, Image};
 use smalti::optics::OpticalImage;
 use smalti::scene::{Scene, Setting, catalog};
 use smalti::spectrum::{Observer, SpectralCube, WavelengthGrid};
-use smalti_io::scene_file::{
-    self, Crop, Format, Quantity, ReadOptions, SceneDefaults, SpectralFile, Whole, WriteOptions,
-};
+use smalti_io::scene_file::{self, Crop, Format, Quantity, ReadOptions, SpectralFile, Whole, WriteOptions};
 use smalti_io::{SceneRequest, exr, matlab, spectral_tiff};
 
 use crate::arrays;
@@ -326,11 +324,12 @@ impl PyScene {
         let default = Setting::default();
         let grid = cube.grid();
         let given = illuminant.map(light).transpose()?;
-        let defaults = SceneDefaults {
+        let defaults = Setting {
             luminance_cd_m2: luminance_cd_m2.unwrap_or(default.luminance_cd_m2),
             distance_m,
             horizontal_fov_deg: fov_deg.unwrap_or(default.horizontal_fov_deg),
             illuminant: given.clone().unwrap_or(default.illuminant),
+            grid,
         };
         let relative = matches!(quantity, Quantity::Reflectance | Quantity::RelativeEnergy);
         // The illuminant of relative radiance is scaled with it.

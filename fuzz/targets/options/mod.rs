@@ -1,8 +1,9 @@
 //! What the readers of spectral files are tried with: as it is, and with all that may be given by hand.
 
+use smalti::scene::Setting;
 use smalti::spectrum::WavelengthGrid;
 use smalti_io::scene_file::Crop;
-use smalti_io::{IoError, Limits, Quantity, ReadOptions, SceneDefaults, SpectralFile};
+use smalti_io::{IoError, Limits, Quantity, ReadOptions, SpectralFile};
 
 pub fn each(read: impl Fn(&ReadOptions) -> Result<SpectralFile, IoError>) {
     let limits = Limits { file_bytes: 1 << 20, decoded_bytes: 64 << 20 };
@@ -15,7 +16,7 @@ pub fn each(read: impl Fn(&ReadOptions) -> Result<SpectralFile, IoError>) {
         ..plain.clone()
     };
     if let Ok(file) = read(&plain) {
-        let _ = file.into_scene(&SceneDefaults::default());
+        let _ = file.into_scene(&Setting::default());
     }
     let _ = read(&given);
 }

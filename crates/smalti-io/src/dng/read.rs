@@ -27,9 +27,6 @@ pub fn read(path: &Path, limits: Limits) -> Result<Dng, IoError> {
 }
 
 /// As [`read`], from memory; `path` is only named.
-///
-/// # Errors
-/// As [`read`].
 pub fn from_bytes(bytes: &[u8], path: &Path) -> Result<Dng, IoError> {
     parse(bytes, path, Limits::default())
 }
@@ -77,11 +74,8 @@ fn parse(bytes: &[u8], path: &Path, limits: Limits) -> Result<Dng, IoError> {
     opcode_lists(ifd, &mut notes);
 
     let (sampling, names) = sampling(ifd, shape, path)?;
-    let white = ifd.number(tags::WHITE_LEVEL).unwrap_or(if shape.float {
-        1.0
-    } else {
-        f64::from((1u32 << shape.bits) - 1)
-    });
+    let full = if shape.float { 1.0 } else { f64::from((1u32 << shape.bits) - 1) };
+    let white = ifd.number(tags::WHITE_LEVEL).unwrap_or(full);
     let (rows, cols) = (area.rows, area.cols);
     let black = one_black_level(ifd, (rows, cols, shape.planes), &mut samples, path, &mut notes)?;
     let facts =
@@ -151,14 +145,11 @@ fn shape(ifd: &Directory, path: &Path) -> Result<Shape, IoError> {
 
 fn coding(ifd: &Directory, path: &Path) -> Result<Coding, IoError> {
     let compression = ifd.size(tags::COMPRESSION).unwrap_or(1);
-    match compression {
+    let name = match compression {
         1 => return Ok(Coding::None),
         7 => return Ok(Coding::LosslessJpeg),
         8 | 32946 => return Ok(Coding::Deflate),
         52546 => return Ok(Coding::JpegXl),
-        _ => {}
-    }
-    let name = match compression {
         34892 => " (lossy JPEG)",
         34713 => " (Nikon NEF)",
         _ => "",

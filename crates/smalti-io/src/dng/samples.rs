@@ -92,8 +92,8 @@ pub(super) fn decode(
     }
     if let Some(i) = analog.iter().position(|v| !v.is_finite()) {
         let (plane, value) = (height * width, analog.get(i).copied().unwrap_or(f32::NAN));
-        let channel = (i / plane.max(1)).to_string();
-        return Err(IoError::pixel(path, channel, (i % plane.max(1), width), value, "a finite number"));
+        let (channel, place) = ((i / plane).to_string(), [i % plane / width, i % width]);
+        return Err(IoError::pixel(path, channel, place, value, "a finite number"));
     }
     Ok(if shape.float { RawSamples::Analog(analog) } else { RawSamples::Digital(digital) })
 }

@@ -23,9 +23,6 @@ pub enum Compression {
 }
 
 /// As [`write_compressed`], uncompressed.
-///
-/// # Errors
-/// As [`write_compressed`].
 pub fn write(path: &Path, raw: &RawImage, info: &DngInfo) -> Result<(), IoError> {
     write_compressed(path, raw, info, Compression::None)
 }
@@ -201,13 +198,14 @@ fn fields(path: &Path, raw: &RawImage, info: &DngInfo) -> Result<Fields, IoError
     if let Some(matrix) = &info.color_matrix {
         per_channel("color_matrix", matrix.camera_from_xyz.len())?;
         let rows = order.iter().filter_map(|&c| matrix.camera_from_xyz.get(c));
-        let values = rows.flatten().map(|&v| signed_fraction(v)).collect();
+        let signed = |v: &f64| fraction(*v, i32::MAX.into()).map(|n| n as i32);
+        let values = rows.flatten().map(signed).collect();
         fields.insert(tags::COLOR_MATRIX_1, Value::SignedRational(values));
         fields.insert(tags::CALIBRATION_ILLUMINANT_1, Value::Short(vec![matrix.light_source]));
     }
     if let Some(neutral) = &info.as_shot_neutral {
         per_channel("as_shot_neutral", neutral.len())?;
-        let values = order.iter().filter_map(|&c| neutral.get(c)).map(|&v| fraction(v)).collect();
+        let values = order.iter().filter_map(|&c| neutral.get(c)).map(|&v| unsigned(v)).collect();
         fields.insert(tags::AS_SHOT_NEUTRAL, Value::Rational(values));
     }
     Ok(fields)
@@ -217,25 +215,22 @@ fn black(level: f64, planes: usize) -> Value {
     if level >= 0.0 && level.fract() == 0.0 && level <= f64::from(u32::MAX) {
         Value::Long(vec![level as u32; planes])
     } else {
-        Value::Rational(vec![fraction(level); planes])
+        Value::Rational(vec![unsigned(level); planes])
     }
 }
 
 /// The nearest fraction over a power of ten; 0 for what is negative.
-fn fraction(v: f64) -> (u32, u32) {
-    let mut denominator = 1_000_000_000u32;
-    while denominator > 1 && v * f64::from(denominator) > f64::from(u32::MAX) {
-        denominator /= 10;
-    }
-    ((v * f64::from(denominator)).round() as u32, denominator)
+fn unsigned(v: f64) -> [u32; 2] {
+    fraction(v.max(0.0), u32::MAX.into()).map(|n| n as u32)
 }
 
-fn signed_fraction(v: f64) -> (i32, i32) {
-    let mut denominator = 1_000_000_000i32;
-    while denominator > 1 && (v * f64::from(denominator)).abs() > f64::from(i32::MAX) {
-        denominator /= 10;
+/// Numerator and denominator, a power of ten; the size of the first is at most `most`.
+fn fraction(v: f64, most: f64) -> [f64; 2] {
+    let mut denominator = 1e9;
+    while denominator > 1.0 && (v * denominator).abs() > most {
+        denominator /= 10.0;
     }
-    ((v * f64::from(denominator)).round() as i32, denominator)
+    [(v * denominator).round(), denominator]
 }
 
 /// TIFF knows ASCII only.

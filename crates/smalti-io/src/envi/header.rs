@@ -19,9 +19,9 @@ impl<'a> Fields<'a> {
         let text = String::from_utf8_lossy(bytes);
         let mut lines = text.trim_start_matches('\u{feff}').lines().enumerate();
         if lines.next().is_none_or(|(_, first)| first.trim() != "ENVI") {
-            let expected = "an ENVI header (its first line is ENVI)";
-            return Err(IoError::unknown(path, expected));
+            return Err(IoError::unknown(path, "an ENVI header (its first line is ENVI)"));
         }
+        let wrong = |at: usize, found: String, expected: &str| IoError::line(path, at + 1, found, expected);
         let mut fields = BTreeMap::new();
         while let Some((number, line)) = lines.next() {
             let Some((key, value)) = line.split_once('=').filter(|_| !line.starts_with(';')) else {
@@ -32,12 +32,8 @@ impl<'a> Fields<'a> {
             if value.starts_with('{') {
                 while !value.ends_with('}') {
                     let Some((_, next)) = lines.next() else {
-                        return Err(IoError::Line {
-                            path: path.to_owned(),
-                            line: number + 1,
-                            found: format!("'{key} = {{'"),
-                            expected: "a closing brace at the end of a line".into(),
-                        });
+                        let found = format!("'{key} = {{'");
+                        return Err(wrong(number, found, "a closing brace at the end of a line"));
                     };
                     if !next.starts_with(';') {
                         value.push('\n');
@@ -46,12 +42,7 @@ impl<'a> Fields<'a> {
                 }
             }
             if fields.insert(key.clone(), value).is_some() {
-                return Err(IoError::Line {
-                    path: path.to_owned(),
-                    line: number + 1,
-                    found: format!("'{key}' once more"),
-                    expected: "each key once".into(),
-                });
+                return Err(wrong(number, format!("'{key}' once more"), "each key once"));
             }
         }
         Ok(Self { path, fields })
@@ -132,10 +123,8 @@ impl<'a> Fields<'a> {
             Some("14") => Kind::I64,
             Some("15") => Kind::U64,
             Some("6" | "9") => {
-                return Err(self.error(
-                    "data type",
-                    "real numbers, as radiance and reflectance are (6 and 9 are complex)",
-                ));
+                let expected = "real numbers, as radiance and reflectance are (6 and 9 are complex)";
+                return Err(self.error("data type", expected));
             }
             _ => return Err(self.error("data type", "1, 2, 3, 4, 5, 12, 13, 14 or 15")),
         })

@@ -22,8 +22,6 @@ const SURELY_NM: std::ops::RangeInclusive<f64> = 200.0..=20_000.0;
 /// A spectral image. `path` is the header (`.hdr`) or the file of samples. `docs/formats-scenes.md` describes what is stated and what is
 /// assumed otherwise.
 ///
-/// Samples are read as they are needed: see [`crate::scene_file::load`]. The part that the options ask for is ignored here.
-///
 /// # Errors
 /// When header or samples cannot be found or read, a key is missing, contradictory or out of range, the file of samples is too
 /// short, or the wavelengths are neither stated nor given.
@@ -33,10 +31,7 @@ pub fn open(path: &Path, options: &ReadOptions) -> Result<Box<dyn Tiles>, IoErro
     Ok(Box::new(described(&text, Arc::new(FileSource::open(&data)?), &header, options)?))
 }
 
-/// As [`open`], from memory and loaded; `path` is only named.
-///
-/// # Errors
-/// As [`open`] and [`load`].
+/// As [`open`] and [`load`], from memory; `path` is only named.
 pub fn from_bytes(
     header: &[u8],
     data: &[u8],

@@ -5,7 +5,6 @@ use std::io::{BufReader, Seek};
 use std::path::Path;
 use std::sync::Arc;
 
-use exr::meta::header::Header;
 use exr::prelude::{AttributeValue, MetaData, Text};
 use smalti::spectrum::WavelengthGrid;
 
@@ -31,8 +30,7 @@ const PBRT_GRID: WavelengthGrid = WavelengthGrid::VISIBLE;
 /// 400–700 nm. Of polarised files the first Stokes component is taken; where a file has radiance and reflectance,
 /// radiance.
 ///
-/// Samples are read as they are needed: see [`crate::scene_file::load`]. The part that the options ask for is ignored here.
-/// They are unpacked by blocks of lines or tiles.
+/// Samples are unpacked by blocks of lines or tiles.
 ///
 /// # Errors
 /// When the file cannot be read, is not OpenEXR, has no spectral channels or states no wavelengths.
@@ -40,10 +38,7 @@ pub fn open(path: &Path, options: &ReadOptions) -> Result<Box<dyn Tiles>, IoErro
     Ok(Box::new(opened(Arc::new(FileSource::open(path)?), path, options)?))
 }
 
-/// As [`open`], from memory and loaded; `path` is only named.
-///
-/// # Errors
-/// As [`open`] and [`load`].
+/// As [`open`] and [`load`], from memory; `path` is only named.
 pub fn from_bytes(bytes: &[u8], path: &Path, options: &ReadOptions) -> Result<SpectralFile, IoError> {
     load(&opened(Arc::new(bytes), path, options)?, path, options)
 }
@@ -85,19 +80,19 @@ fn spectral(meta: &MetaData, path: &Path) -> Result<Option<(usize, Vec<String>, 
 /// # Errors
 /// When the samples are deep or subsampled.
 pub(super) fn declared_bytes(meta: &MetaData, path: &Path) -> Result<u64, IoError> {
-    meta.headers.iter().try_fold(0u64, |sum, header| Ok(sum.saturating_add(of_layer(header, path)?)))
-}
-
-fn of_layer(header: &Header, path: &Path) -> Result<u64, IoError> {
-    if header.deep {
-        return Err(IoError::field(path, "the image", "deep data", "one sample per pixel"));
+    let mut sum = 0u64;
+    for header in &meta.headers {
+        if header.deep {
+            return Err(IoError::field(path, "the image", "deep data", "one sample per pixel"));
+        }
+        if let Some(c) = header.channels.list.iter().find(|c| c.sampling.0 != 1 || c.sampling.1 != 1) {
+            let field = format!("channel {}", c.name);
+            return Err(IoError::field(path, field, "subsampled", "a sample for every pixel"));
+        }
+        let pixels = (header.layer_size.0 as u64).saturating_mul(header.layer_size.1 as u64);
+        sum = sum.saturating_add(pixels.saturating_mul(header.channels.list.len() as u64).saturating_mul(4));
     }
-    if let Some(c) = header.channels.list.iter().find(|c| c.sampling.0 != 1 || c.sampling.1 != 1) {
-        let field = format!("channel {}", c.name);
-        return Err(IoError::field(path, field, "subsampled", "a sample for every pixel"));
-    }
-    let pixels = (header.layer_size.0 as u64).saturating_mul(header.layer_size.1 as u64);
-    Ok(pixels.saturating_mul(header.channels.list.len() as u64).saturating_mul(4))
+    Ok(sum)
 }
 
 fn text(attributes: &HashMap<Text, AttributeValue>, name: &str) -> Option<String> {

@@ -62,8 +62,10 @@ fn checked(
     path: &Path,
     negative: Negative,
 ) -> Result<Vec<f32>, IoError> {
+    let cols = cols.max(1);
     let check = |(i, v): (usize, f32)| {
-        sample(v, negative).map_err(|expected| IoError::pixel(path, channel, (i, cols), v, expected))
+        sample(v, negative)
+            .map_err(|expected| IoError::pixel(path, channel, [i / cols, i % cols], v, expected))
     };
     match samples {
         FlatSamples::F16(v) => v.iter().map(|x| x.to_f32()).enumerate().map(check).collect(),

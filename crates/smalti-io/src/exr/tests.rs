@@ -2,12 +2,12 @@ use std::path::Path;
 
 use proptest::prelude::*;
 use smalti::numeric::Planes;
-use smalti::scene::Scene;
+use smalti::scene::{Scene, Setting};
 use smalti::spectrum::units::photons_per_joule;
 use smalti::spectrum::{Illuminant, SpectralCube, WavelengthGrid};
 
 use super::*;
-use crate::{IoError, Quantity, ReadOptions, SceneDefaults, SpectralFile, scene_file};
+use crate::{IoError, Quantity, ReadOptions, SpectralFile, scene_file};
 
 fn cube(grid: WavelengthGrid, rows: usize, cols: usize) -> SpectralCube {
     let n = rows * cols * grid.len();
@@ -38,7 +38,7 @@ fn a_scene_survives_both_layouts_exactly() {
             let file = SpectralFile::of_scene(&scene);
             let (back, bytes) = round_trip(&file, layout);
             assert_eq!(back, file);
-            assert_eq!(back.into_scene(&SceneDefaults::default()).unwrap(), scene);
+            assert_eq!(back.into_scene(&Setting::default()).unwrap(), scene);
             assert_eq!(round_trip(&file, layout).1, bytes, "equal values make equal bytes");
         }
     }
@@ -52,7 +52,7 @@ fn energy_is_photons_over_photons_per_joule() {
     assert!((ratio / photons_per_joule(430.0) - 1.0).abs() < 1e-6);
     let (back, _) = round_trip(&energy, Layout::Fichet2021);
     assert_eq!(back.quantity, Quantity::Energy);
-    let again = back.into_scene(&SceneDefaults::default()).unwrap();
+    let again = back.into_scene(&Setting::default()).unwrap();
     for (a, b) in again.radiance().planes().data().iter().zip(file.cube.planes().data()) {
         // Two roundings of f32.
         assert!((a / b - 1.0).abs() <= 2.4e-7);
@@ -74,8 +74,7 @@ fn a_reflectance_is_lit_and_scaled() {
     assert!(write(Path::new("x.exr"), &file, Layout::Pbrt).is_err());
     let (back, _) = round_trip(&file, Layout::Fichet2021);
     assert_eq!(back, SpectralFile { name: "half".into(), ..file });
-    let scene =
-        back.into_scene(&SceneDefaults { luminance_cd_m2: 50.0, ..SceneDefaults::default() }).unwrap();
+    let scene = back.into_scene(&Setting { luminance_cd_m2: 50.0, ..Setting::default() }).unwrap();
     assert!((scene.mean_luminance_cd_m2().unwrap() - 50.0).abs() < 1e-4);
     let white = f64::from(scene.radiance().planes().plane(15)[0]) / scene.illuminant().values()[15];
     assert!((white - 0.5).abs() < 1e-6);
@@ -92,7 +91,7 @@ fn a_black_relative_image_cannot_be_scaled() {
         distance_m: None,
         horizontal_fov_deg: None,
     };
-    let error = file.into_scene(&SceneDefaults::default()).unwrap_err().to_string();
+    let error = file.into_scene(&Setting::default()).unwrap_err().to_string();
     assert_eq!(error, "black: the mean luminance is 0; expected light to scale");
 }
 
@@ -307,7 +306,7 @@ fn a_rendering_of_pbrt_is_read() {
     for (band, plane) in file.cube.planes().planes().enumerate() {
         assert!(plane.iter().enumerate().all(|(i, &v)| v == value(band + 1, i)), "band {band}");
     }
-    let scene = file.into_scene(&SceneDefaults::default()).unwrap();
+    let scene = file.into_scene(&Setting::default()).unwrap();
     assert!((scene.mean_luminance_cd_m2().unwrap() - 100.0).abs() < 1e-3);
     let picture = crate::picture::from_bytes(&bytes, Path::new("f"), &ReadOptions::default()).unwrap();
     assert_eq!(picture.image.planes().plane(2)[7], value(0, 7));

@@ -11,8 +11,7 @@ use exr::prelude::{
 use super::layout::{Layout, fichet_name};
 use crate::scene_file::facts::Comment;
 use crate::text::ascii_json;
-use crate::{IoError, write};
-use crate::{Quantity, SpectralFile};
+use crate::{IoError, Quantity, SpectralFile, write};
 
 /// Writes a spectral image, 32-bit, losslessly compressed. What the layout has no place for (name, distance, field
 /// of view, illuminant, exact grid) goes as JSON into the attribute `comments`, so that [`super::open`] returns an

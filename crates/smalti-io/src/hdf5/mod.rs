@@ -15,40 +15,30 @@ use crate::file::guarded;
 use crate::raster::{FileSource, Shared};
 use crate::scene_file::facts::Comment;
 use crate::scene_file::tiles::{Tiles, load};
-use crate::{IoError, ReadOptions, SpectralFile, variables, write as whole};
+use crate::variables::{self, Reading};
+use crate::{IoError, ReadOptions, SpectralFile, write as whole};
 
 /// A spectral image from an HDF5 file. `docs/formats-scenes.md` describes which dataset is taken for the cube and for its wavelengths.
 ///
 /// The values are those of the file. Their quantity is assumed from the name of the dataset, unless `options` states it:
 /// reflectance for `img\` and `img` (KAUST), relative energy for all others.
 ///
-/// Samples are read as they are needed: see [`crate::scene_file::load`]. The part that the options ask for is ignored here.
 /// Chunks are read whole; those with other filters than shuffle and deflate are unpacked at once.
 ///
 /// # Errors
 /// When the file cannot be read, is no HDF5, has no cube or several without a name of one in `options`, or states no
 /// wavelengths or such as are not ascending nm.
 pub fn open(path: &Path, options: &ReadOptions) -> Result<Box<dyn Tiles>, IoError> {
-    from_source(Arc::new(FileSource::open(path)?), path, options)
+    from_source(Arc::new(FileSource::open(path)?), Reading { path, options })
 }
 
-/// As [`open`], from memory and loaded; `path` is only named.
-///
-/// # Errors
-/// As [`open`] and [`load`].
+/// As [`open`] and [`load`], from memory; `path` is only named.
 pub fn from_bytes(bytes: &[u8], path: &Path, options: &ReadOptions) -> Result<SpectralFile, IoError> {
-    load(&from_source(Arc::new(bytes.to_vec()), path, options)?, path, options)
+    load(&from_source(Arc::new(bytes.to_vec()), Reading { path, options })?, path, options)
 }
 
-pub(crate) fn from_source(
-    source: Shared<'static>,
-    path: &Path,
-    options: &ReadOptions,
-) -> Result<Box<dyn Tiles>, IoError> {
-    guarded(path, FORMAT, || {
-        let root = tree::open(source, path, options.limits)?;
-        variables::open(&root, path, options)
-    })
+pub(crate) fn from_source(source: Shared<'static>, of: Reading<'_>) -> Result<Box<dyn Tiles>, IoError> {
+    guarded(of.path, FORMAT, || variables::open(&tree::open(source, of.path, of.options.limits)?, of))
 }
 
 /// Writes the datasets `cube` (bands × rows × columns, single precision) and `wavelengths` (nm), and in the attribute

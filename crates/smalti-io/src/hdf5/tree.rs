@@ -8,7 +8,7 @@ use hdf5_pure::{
     Layout as Stored, Object,
 };
 
-use super::octave::{self, Variable};
+use super::octave;
 use crate::raster::{Filter, Kind, Place, Shared};
 use crate::variables::{Array, Attribute, Chunks, Fields, Layout, Numbers, Value};
 use crate::{IoError, Limits};
@@ -24,18 +24,18 @@ const LONGEST_TEXT: u64 = 1 << 20;
 
 /// What is read, and how.
 #[derive(Clone)]
-struct Context {
+pub(super) struct Context {
     source: Shared<'static>,
-    limits: Limits,
-    path: PathBuf,
+    pub(super) limits: Limits,
+    pub(super) path: PathBuf,
 }
 
 /// A group.
 pub(crate) struct Members {
-    group: Group,
+    pub(super) group: Group,
     datasets: Vec<String>,
     groups: Vec<String>,
-    context: Context,
+    pub(super) context: Context,
 }
 
 /// The root group of a file.
@@ -77,14 +77,7 @@ impl Fields for Members {
             let attributes = group.attrs().map_err(|e| context.decode(e))?;
             let members = context.members(group)?;
             if attributes.contains_key(octave::MARK) {
-                let variable = Variable {
-                    group: &members.group,
-                    fields: &members,
-                    path: &context.path,
-                    limits: context.limits,
-                    decode: &|e| context.decode(e),
-                };
-                return octave::value(&variable).map(Some);
+                return octave::value(&members).map(Some);
             }
             return Ok(Some(Value::Fields(Box::new(members))));
         }
@@ -93,7 +86,7 @@ impl Fields for Members {
 }
 
 impl Context {
-    fn decode(&self, error: impl ToString) -> IoError {
+    pub(super) fn decode(&self, error: impl ToString) -> IoError {
         IoError::decode(&self.path, FORMAT, error)
     }
 

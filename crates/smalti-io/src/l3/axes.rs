@@ -13,7 +13,7 @@ pub(super) fn put(content: &mut Content, axes: &Axes) {
     let (over_noise, flat_fraction) = axes.contrast();
     content.text("side", axes.side());
     content.text("textures", json!(axes.textures()).as_str().unwrap_or_default());
-    content.json("noise", &json!(axes.noise()));
+    content.text("noise", json!(axes.noise()));
     content.text("clip", axes.clip());
     content.text("contrast_over_noise", over_noise);
     content.text("contrast_flat_fraction", flat_fraction);

@@ -10,8 +10,9 @@ use safetensors::tensor::Metadata;
 use serde::de::DeserializeOwned;
 use serde_json::{Map, Value, json};
 
+use crate::file::at_most;
 use crate::npy::Element;
-use crate::{IoError, Limits, write};
+use crate::{IoError, write};
 
 /// The key of the hash. It is the only one that is not hashed.
 const HASH: &str = "blake3";
@@ -39,10 +40,6 @@ impl Tensor {
         data.into_iter().for_each(|v| v.extend(&mut bytes));
         Self { name, descr: T::DESCR, shape: shape.to_vec(), bytes }
     }
-
-    fn dtype(&self) -> &'static str {
-        dtype(self.descr)
-    }
 }
 
 /// What safetensors calls NumPy's types.
@@ -67,10 +64,6 @@ pub(super) struct Content {
 impl Content {
     pub(super) fn text(&mut self, key: &'static str, value: impl ToString) {
         self.metadata.insert(key, value.to_string());
-    }
-
-    pub(super) fn json(&mut self, key: &'static str, value: &Value) {
-        self.text(key, value);
     }
 
     pub(super) fn tensor<T: Element>(
@@ -98,15 +91,14 @@ impl Content {
             let end = at + t.bytes.len();
             header.insert(
                 t.name.into(),
-                json!({ "dtype": t.dtype(), "shape": t.shape, "data_offsets": [at, end] }),
+                json!({ "dtype": dtype(t.descr), "shape": t.shape, "data_offsets": [at, end] }),
             );
             at = end;
         }
         let mut header = Value::Object(header).to_string();
         // The data begin at a multiple of 8 bytes.
         header.push_str(&" ".repeat(header.len().next_multiple_of(8) - header.len()));
-        let limits = Limits { decoded_bytes: MAX_HEADER, ..Limits::default() };
-        limits.check_memory(path, "the description of how it was trained", header.len() as u64)?;
+        at_most(MAX_HEADER, path, "the description of how it was trained", header.len() as u64)?;
         write::stream(path, |out| {
             out.write_all(&(header.len() as u64).to_le_bytes())?;
             out.write_all(header.as_bytes())?;
@@ -116,7 +108,7 @@ impl Content {
 
     fn hash(&self) -> String {
         let mut tensors: Vec<_> =
-            self.tensors.iter().map(|t| (t.name, t.dtype().into(), &*t.shape, &*t.bytes)).collect();
+            self.tensors.iter().map(|t| (t.name, dtype(t.descr).into(), &*t.shape, &*t.bytes)).collect();
         tensors.sort_by_key(|t| t.0);
         hash(self.metadata.iter().map(|(k, v)| (*k, v.as_str())), tensors.into_iter())
     }
@@ -241,7 +233,7 @@ impl<'a> Opened<'a> {
     }
 
     /// The elements of an array of any shape of so many axes.
-    pub(super) fn any<T: FromLe>(&self, name: &str, axes: usize) -> Result<(Vec<usize>, Vec<T>), IoError> {
+    pub(super) fn any<T: Element>(&self, name: &str, axes: usize) -> Result<(Vec<usize>, Vec<T>), IoError> {
         let field = || format!("tensor '{name}'");
         let wanted = dtype(T::DESCR);
         let Ok(view) = self.tensors.tensor(name) else {
@@ -255,7 +247,7 @@ impl<'a> Opened<'a> {
     }
 
     /// The elements of an array of a given shape.
-    pub(super) fn shaped<T: FromLe>(&self, name: &str, shape: &[usize]) -> Result<Vec<T>, IoError> {
+    pub(super) fn shaped<T: Element>(&self, name: &str, shape: &[usize]) -> Result<Vec<T>, IoError> {
         let (found, data) = self.any(name, shape.len())?;
         if found != shape {
             let field = format!("tensor '{name}'");
@@ -264,20 +256,3 @@ impl<'a> Opened<'a> {
         Ok(data)
     }
 }
-
-/// Elements that are read.
-pub(super) trait FromLe: Element {
-    /// From as many bytes as it has; 0 from another number.
-    fn from_le(bytes: &[u8]) -> Self;
-}
-
-macro_rules! from_le {
-    ($($t:ty),*) => {$(
-        impl FromLe for $t {
-            fn from_le(bytes: &[u8]) -> Self {
-                bytes.first_chunk().map_or(Self::default(), |b| Self::from_le_bytes(*b))
-            }
-        }
-    )*};
-}
-from_le!(u8, u32, u64, f32, f64);

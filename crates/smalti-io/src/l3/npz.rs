@@ -38,13 +38,7 @@ pub fn write_npz(path: &Path, pipeline: &Pipeline) -> Result<(), IoError> {
         for (name, header, data) in files {
             let header =
                 header.ok_or_else(|| IoError::field(path, name, "an array of many axes", "fewer axes"))?;
-            let member = Stored::of(&format!("{name}.npy"), &[&header, &data], at);
-            let local = member.local();
-            for piece in [&local, &header, &data] {
-                out.write_all(piece).map_err(io)?;
-                at += piece.len() as u64;
-            }
-            members.push(member);
+            members.push(Stored::write(out, name, &[&header, &data], &mut at).map_err(io)?);
         }
         out.write_all(&end(&members, at)).map_err(io)
     })

@@ -24,10 +24,10 @@ pub fn write_statistics(path: &Path, statistics: &Statistics) -> Result<(), IoEr
     content.text("format", FORMAT);
     content.text("version", VERSION);
     axes::put(&mut content, axes);
-    content.json("channel_names", &json!(statistics.channel_names()));
-    content.json("outputs", &json!(statistics.outputs()));
+    content.text("channel_names", json!(statistics.channel_names()));
+    content.text("outputs", json!(statistics.outputs()));
     content.text("noisy", statistics.noisy());
-    content.json("white", &json!(statistics.white()));
+    content.text("white", json!(statistics.white()));
     if let Some([black, white]) = statistics.raw_levels() {
         content.text("black_level", black);
         content.text("white_level", white);
@@ -49,18 +49,12 @@ fn triangle(taps: usize, outputs: usize) -> usize {
     size.saturating_mul(size.saturating_add(1)) / 2
 }
 
-/// Reads statistics.
-///
-/// # Errors
-/// As [`super::read_table`].
+/// Reads statistics. Errors are those of [`super::read_table`].
 pub fn read_statistics(path: &Path) -> Result<Statistics, IoError> {
     statistics_from_bytes(&file::read(path, Limits::default().file_bytes)?, path)
 }
 
 /// As [`read_statistics`], from memory; `path` is only named in errors.
-///
-/// # Errors
-/// As [`super::read_table`].
 pub fn statistics_from_bytes(bytes: &[u8], path: &Path) -> Result<Statistics, IoError> {
     let opened = Opened::new(bytes, path, FORMAT, VERSION)?;
     let axes = axes::read(&opened)?;
@@ -76,11 +70,8 @@ pub fn statistics_from_bytes(bytes: &[u8], path: &Path) -> Result<Statistics, Io
     };
     let trained: Vec<f32> = opened.shaped("trained", &[axes.positions(), 2])?;
     if trained.iter().any(|v| v.is_nan()) {
-        return Err(opened.wrong(
-            "tensor 'trained'",
-            "not a number",
-            "numbers, infinite where none was seen",
-        ));
+        let expected = "numbers, infinite where none was seen";
+        return Err(opened.wrong("tensor 'trained'", "not a number", expected));
     }
     let (shape, keys) = opened.any::<u32>("keys", 2)?;
     if shape[1] != 4 {

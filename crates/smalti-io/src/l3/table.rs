@@ -28,11 +28,11 @@ pub(super) fn content(pipeline: &Pipeline) -> Content {
     content.text("format", FORMAT);
     content.text("version", VERSION);
     axes::put(&mut content, axes);
-    content.json("channel_names", &json!(pipeline.channel_names()));
-    content.json("outputs", &json!(pipeline.outputs()));
+    content.text("channel_names", json!(pipeline.channel_names()));
+    content.text("outputs", json!(pipeline.outputs()));
     content.text("black_level", pipeline.black_level());
     content.text("white_level", pipeline.white_level());
-    content.json("white", &json!(pipeline.white()));
+    content.text("white", json!(pipeline.white()));
     content.text("provenance", pipeline.provenance());
     let classes =
         [axes.positions(), pipeline.saturations().len(), axes.level_count(), axes.textures().count()];
@@ -58,9 +58,6 @@ pub fn read_table(path: &Path) -> Result<Pipeline, IoError> {
 }
 
 /// As [`read_table`], from memory; `path` is only named in errors.
-///
-/// # Errors
-/// As [`read_table`].
 pub fn table_from_bytes(bytes: &[u8], path: &Path) -> Result<Pipeline, IoError> {
     let opened = Opened::new(bytes, path, FORMAT, VERSION)?;
     let axes = axes::read(&opened)?;

@@ -9,9 +9,11 @@ mod v73;
 use std::path::Path;
 use std::sync::Arc;
 
+use crate::file::at_most;
 use crate::raster::{FileSource, Shared, bytes_at};
 use crate::scene_file::tiles::{Tiles, load};
-use crate::{IoError, Limits, ReadOptions, SpectralFile, hdf5, variables, write as whole};
+use crate::variables::{self, Reading};
+use crate::{IoError, ReadOptions, SpectralFile, hdf5, write as whole};
 
 const FORMAT: &str = "MATLAB";
 
@@ -32,36 +34,28 @@ pub enum Version {
 /// as `mcCOEF` with `basis`; its illuminant, distance and field of view are taken where the file has them. For other files the
 /// rules are those of [`hdf5::open`].
 ///
-/// Samples are read as they are needed: see [`crate::scene_file::load`]. The part that the options ask for is ignored here.
 /// A compressed variable of level 5 is one stream and is unpacked at once.
 ///
 /// # Errors
 /// As [`hdf5::open`]; files of level 4, which hold no cubes, are refused.
 pub fn open(path: &Path, options: &ReadOptions) -> Result<Box<dyn Tiles>, IoError> {
-    from_source(Arc::new(FileSource::open(path)?), path, options)
+    from_source(Arc::new(FileSource::open(path)?), Reading { path, options })
 }
 
-/// As [`open`], from memory and loaded; `path` is only named.
-///
-/// # Errors
-/// As [`open`] and [`load`].
+/// As [`open`] and [`load`], from memory; `path` is only named.
 pub fn from_bytes(bytes: &[u8], path: &Path, options: &ReadOptions) -> Result<SpectralFile, IoError> {
-    load(&from_source(Arc::new(bytes.to_vec()), path, options)?, path, options)
+    load(&from_source(Arc::new(bytes.to_vec()), Reading { path, options })?, path, options)
 }
 
-fn from_source(
-    source: Shared<'static>,
-    path: &Path,
-    options: &ReadOptions,
-) -> Result<Box<dyn Tiles>, IoError> {
+fn from_source(source: Shared<'static>, of: Reading<'_>) -> Result<Box<dyn Tiles>, IoError> {
+    let path = of.path;
     const HDF5: &[u8] = b"\x89HDF\r\n\x1a\n";
     let start = bytes_at(&*source, 0, source.len().min(520), "the header", path)?;
     if start.get(512..) == Some(HDF5) || start.starts_with(HDF5) {
-        return hdf5::from_source(source, path, options);
+        return hdf5::from_source(source, of);
     }
     if let Some(big_endian) = v5::read::is_level_5(&start) {
-        let root = v5::read::open(source, big_endian, path, options.limits)?;
-        return variables::open(&root, path, options);
+        return variables::open(&v5::read::open(source, big_endian, path, of.options.limits)?, of);
     }
     // Files of level 4 begin with a small number, whose bytes include a zero; text does not.
     if start.len() >= 20 && start.iter().take(4).any(|&b| b == 0) {
@@ -84,8 +78,7 @@ pub fn write(path: &Path, file: &SpectralFile, version: Version) -> Result<(), I
         Version::V73 => v73::write(path, &variables),
         Version::V5 => {
             let what = "the scene in a MAT-file of level 5 (version 7.3 holds it)";
-            let limits = Limits { decoded_bytes: v5::write::LARGEST, ..Limits::default() };
-            limits.check_memory(path, what, v5::write::largest(&variables))?;
+            at_most(v5::write::LARGEST, path, what, v5::write::largest(&variables))?;
             whole::stream(path, |out| v5::write::write(out, &variables))
         }
     }

@@ -8,13 +8,13 @@ use smalti::spectrum::Spectrum;
 use super::array::{Array, Type, axes, named_axes};
 use super::zip::{Archive, Member};
 use crate::error::At;
-use crate::file::stem;
+use crate::file::{at_most, stem};
 use crate::raster::{Cube, FileSource, Shared, Storage, part};
 use crate::scene_file::cube_file::CubeFile;
 use crate::scene_file::stated::{Bands, known_quantity};
 use crate::scene_file::tiles::{Tiles, load};
 use crate::wavelengths::places;
-use crate::{IoError, Limits, Quantity, ReadOptions, SpectralFile};
+use crate::{IoError, Quantity, ReadOptions, SpectralFile};
 
 /// Elements of an array that is not the cube, bytes.
 const LIST_LIMIT: u64 = 64 << 20;
@@ -22,8 +22,7 @@ const LIST_LIMIT: u64 = 64 << 20;
 /// A spectral image from a single array (`.npy`) or an archive of named ones (`.npz`), which its first bytes identify.
 /// `docs/formats-scenes.md` lists the names of the arrays and what is assumed where one is absent.
 ///
-/// Samples are read as they are needed: see [`crate::scene_file::load`]. The part that the options ask for is ignored here.
-/// Those of a compressed archive are unpacked from the beginning, as far as they are needed.
+/// Samples of a compressed archive are unpacked from the beginning, as far as they are needed.
 ///
 /// # Errors
 /// When the file cannot be read, is no array or archive, has no cube or several, the axis of wavelengths is not clear, or wavelengths
@@ -32,10 +31,7 @@ pub fn open(path: &Path, options: &ReadOptions) -> Result<Box<dyn Tiles>, IoErro
     Ok(Box::new(opened(Arc::new(FileSource::open(path)?), path, options)?))
 }
 
-/// As [`open`], from memory and loaded; `path` is only named.
-///
-/// # Errors
-/// As [`open`] and [`load`].
+/// As [`open`] and [`load`], from memory; `path` is only named.
 pub fn from_bytes(bytes: &[u8], path: &Path, options: &ReadOptions) -> Result<SpectralFile, IoError> {
     load(&opened(Arc::new(bytes), path, options)?, path, options)
 }
@@ -184,9 +180,7 @@ impl Arrays<'_, '_> {
     }
 
     fn elements(&self, array: &Array, member: &Member) -> Result<Vec<u8>, IoError> {
-        let path = self.archive.path;
-        let limits = Limits { decoded_bytes: LIST_LIMIT, ..Limits::default() };
-        limits.check_memory(path, "an array beside the cube", member.size)?;
+        at_most(LIST_LIMIT, self.archive.path, "an array beside the cube", member.size)?;
         let content = self.archive.content(member)?;
         Ok(content.get(array.start as usize..).unwrap_or_default().to_vec())
     }

@@ -21,11 +21,7 @@ pub fn write(path: &Path, image: &dyn Tiles) -> Result<(), IoError> {
         let mut members: Vec<Stored> = Vec::new();
         let mut at = 0;
         for (name, content) in small(header) {
-            let member = Stored::of(&format!("{name}.npy"), &[&content], at);
-            let local = member.local();
-            out.write_all(&local).and_then(|()| out.write_all(&content)).map_err(io)?;
-            at += local.len() as u64 + member.size;
-            members.push(member);
+            members.push(Stored::write(out, name, &[&content], &mut at).map_err(io)?);
         }
         let begin = npy_begin(header);
         let size = header.decoded_bytes() + begin.len() as u64;

@@ -217,9 +217,8 @@ fn entry(list: &mut Bytes<'_>, source: &dyn Source) -> Result<Member, String> {
     let (flags, method, member) = listed(list).ok_or("its list is cut short")?;
     let name = &member.name;
     if flags & 1 != 0 || ![0, 8].contains(&method) {
-        return Err(format!(
-            "{name} is encrypted or compressed by method {method}; expected a stored or deflated member"
-        ));
+        let expected = "expected a stored or deflated member";
+        return Err(format!("{name} is encrypted or compressed by method {method}; {expected}"));
     }
     if method == 0 && member.size != member.compressed {
         return Err(format!("{name} is stored, but its two lengths differ"));

@@ -1,5 +1,7 @@
 //! Writing stored ZIP archives of any size.
 
+use std::io::{self, Write};
+
 /// 1 January 1980, the earliest date there is: equal arrays give equal files.
 const DATE: u16 = 1 << 5 | 1;
 /// 2.0, the version of plain archives; 4.5, that of numbers of 64 bits.
@@ -20,12 +22,22 @@ fn narrow(v: u64) -> u32 {
 }
 
 impl Stored {
-    /// A file that consists of these pieces, whose header is at the offset `at`.
-    pub(crate) fn of(name: &str, pieces: &[&[u8]], at: u64) -> Self {
+    /// Writes an array that consists of these pieces, with its header at the offset `at`, which is moved to its end.
+    pub(crate) fn write(
+        out: &mut impl Write,
+        array: &str,
+        pieces: &[&[u8]],
+        at: &mut u64,
+    ) -> io::Result<Self> {
         let mut crc = crc32fast::Hasher::new();
         pieces.iter().for_each(|p| crc.update(p));
         let size = pieces.iter().map(|p| p.len() as u64).sum();
-        Self { name: name.to_owned(), crc: crc.finalize(), size, at }
+        let stored = Self { name: format!("{array}.npy"), crc: crc.finalize(), size, at: *at };
+        let local = stored.local();
+        *at += local.len() as u64 + size;
+        out.write_all(&local)?;
+        pieces.iter().try_for_each(|piece| out.write_all(piece))?;
+        Ok(stored)
     }
 
     fn wide(&self) -> bool {

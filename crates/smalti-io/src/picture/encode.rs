@@ -68,9 +68,6 @@ pub fn write_png(path: &Path, image: &Image, depth: Depth) -> Result<(), IoError
 }
 
 /// As [`write_png`], as uncompressed TIFF with an embedded profile.
-///
-/// # Errors
-/// As [`write_png`].
 pub fn write_tiff(path: &Path, image: &Image, depth: Depth) -> Result<(), IoError> {
     let samples = quantised(path, image, depth, u16::to_le_bytes)?;
     let (cols, rows) = size(path, image)?;
@@ -117,7 +114,8 @@ fn quantised(
     let (r, g, b) = (planes.plane(0), planes.plane(1), planes.plane(2));
     for (name, plane) in [("R", r), ("G", g), ("B", b)] {
         if let Some(i) = plane.iter().position(|v| v.is_nan()) {
-            return Err(IoError::pixel(path, name, (i, image.cols()), f32::NAN, "a number"));
+            let place = [i / image.cols(), i % image.cols()];
+            return Err(IoError::pixel(path, name, place, f32::NAN, "a number"));
         }
     }
     let pixels = r.iter().zip(g).zip(b).flat_map(|((r, g), b)| [*r, *g, *b]);

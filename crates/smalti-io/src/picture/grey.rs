@@ -3,7 +3,7 @@
 use std::io::{self, BufReader, Read};
 use std::path::Path;
 
-use png::{BitDepth, ColorType, Decoder, DecodingError, Reader, Transformations};
+use png::{BitDepth, Decoder, DecodingError, Reader, Transformations};
 
 use crate::file::{guarded, plausible};
 use crate::raster::{Axis, Kind, Raster, Shared, Span};
@@ -44,12 +44,9 @@ pub(crate) fn rows<'a>(source: &Shared<'a>) -> io::Result<Box<dyn Read + Send + 
     let mut reader = reader(source).map_err(io_error)?;
     let (color, depth) = reader.output_color_type();
     let sample = if depth == BitDepth::Sixteen { 2 } else { 1 };
-    let (pixel, colors) = match color {
-        ColorType::Grayscale => (sample, 1),
-        ColorType::GrayscaleAlpha => (2 * sample, 1),
-        ColorType::Rgb | ColorType::Indexed => (3 * sample, 3),
-        ColorType::Rgba => (4 * sample, 3),
-    };
+    // Palettes are expanded: 1 to 4, of which the second of two and the fourth are alpha.
+    let channels = color.samples();
+    let (pixel, colors) = (channels * sample, if channels < 3 { 1 } else { 3 });
     let mut line = Vec::new();
     let mut rows_left = reader.info().height;
     if reader.info().interlaced {

@@ -9,9 +9,8 @@ use zune_jpeg::zune_core::colorspace::ColorSpace as Coded;
 use zune_jpeg::zune_core::options::DecoderOptions;
 
 use super::decoded::{PROFILE_NOTE, Picture, from_interleaved};
-use crate::IoError;
-use crate::ReadOptions;
 use crate::file::guarded;
+use crate::{IoError, ReadOptions};
 
 pub(super) fn decode(bytes: &[u8], path: &Path, options: &ReadOptions) -> Result<Picture, IoError> {
     let wrong = |message: String| IoError::decode(path, "JPEG", message);

@@ -12,9 +12,8 @@ use std::path::Path;
 pub use decoded::Picture;
 pub use encode::{Depth, write, write_png, write_tiff};
 
-use crate::ReadOptions;
 use crate::exr::rgb_from_bytes;
-use crate::{IoError, file};
+use crate::{IoError, ReadOptions, file};
 
 /// A picture of any of the formats, which its first bytes identify. Grey becomes three equal planes; alpha is
 /// ignored (colours are taken as they are stored, not multiplied); profiles are ignored, with a note, unless they
@@ -29,9 +28,6 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Picture, IoError> {
 }
 
 /// As [`read`], from memory; `path` is only named.
-///
-/// # Errors
-/// As [`read`].
 pub fn from_bytes(bytes: &[u8], path: &Path, options: &ReadOptions) -> Result<Picture, IoError> {
     match bytes {
         [0x89, b'P', b'N', b'G', ..] => png::decode(bytes, path, options),

@@ -3,40 +3,14 @@
 use std::io::Cursor;
 use std::path::Path;
 
-use png::{BitDepth, ColorType, Decoder, Info, Limits, Transformations};
+use png::{BitDepth, Decoder, Info, Limits, Transformations};
 use smalti::color::ColorSpace;
 
 use super::decoded::{PROFILE_NOTE, Picture, alpha_note, from_interleaved};
-use crate::ReadOptions;
 use crate::file::guarded;
-use crate::{IoError, icc};
+use crate::{IoError, ReadOptions, icc};
 
 pub(super) fn decode(bytes: &[u8], path: &Path, options: &ReadOptions) -> Result<Picture, IoError> {
-    let Unpacked { info, size: (rows, cols), channels, bits, mut samples } = unpack(bytes, path, options)?;
-    let mut notes = Vec::new();
-    alpha_note(&mut notes, channels == 2 || channels == 4);
-    let (space, gamma) = space(&info, &mut notes);
-    if let Some(gamma) = gamma {
-        let exponent = 1.0 / gamma;
-        samples.iter_mut().for_each(|v| *v = v.powf(exponent));
-    }
-    Ok(Picture { image: from_interleaved(path, (rows, cols, channels), &samples, space)?, bits, notes })
-}
-
-/// The samples of a picture, pixel by pixel.
-struct Unpacked {
-    info: Info<'static>,
-    /// Rows and columns.
-    size: (usize, usize),
-    /// 1 to 4, of which the second of two and the fourth are alpha.
-    channels: usize,
-    /// Bits of a sample in the file.
-    bits: u8,
-    /// The largest number is 1.
-    samples: Vec<f32>,
-}
-
-fn unpack(bytes: &[u8], path: &Path, options: &ReadOptions) -> Result<Unpacked, IoError> {
     let wrong = |e: png::DecodingError| IoError::decode(path, "PNG", e);
     guarded(path, "PNG", || {
         let limit = usize::try_from(options.limits.decoded_bytes).unwrap_or(usize::MAX);
@@ -56,21 +30,24 @@ fn unpack(bytes: &[u8], path: &Path, options: &ReadOptions) -> Result<Unpacked, 
         let mut buffer = vec![0; size];
         let frame = reader.next_frame(&mut buffer).map_err(wrong)?;
         buffer.truncate(frame.buffer_size());
-        let channels = match frame.color_type {
-            ColorType::Grayscale => 1,
-            ColorType::GrayscaleAlpha => 2,
-            ColorType::Rgb | ColorType::Indexed => 3,
-            ColorType::Rgba => 4,
-        };
-        let (bits, samples) = match frame.bit_depth {
+        let (bits, mut samples): (u8, Vec<f32>) = match frame.bit_depth {
             BitDepth::Sixteen => {
                 let sixteen = |b: &[u8; 2]| f32::from(u16::from_be_bytes(*b)) / 65535.0;
                 (16, buffer.as_chunks().0.iter().map(sixteen).collect())
             }
             _ => (8, buffer.iter().map(|b| f32::from(*b) / 255.0).collect()),
         };
-        let size = (frame.height as usize, frame.width as usize);
-        Ok(Unpacked { info: reader.info().clone(), size, channels, bits, samples })
+        // Palettes are expanded: 1 to 4, of which the second of two and the fourth are alpha.
+        let channels = frame.color_type.samples();
+        let mut notes = Vec::new();
+        alpha_note(&mut notes, channels == 2 || channels == 4);
+        let (space, gamma) = space(reader.info(), &mut notes);
+        if let Some(gamma) = gamma {
+            let exponent = 1.0 / gamma;
+            samples.iter_mut().for_each(|v| *v = v.powf(exponent));
+        }
+        let size = (frame.height as usize, frame.width as usize, channels);
+        Ok(Picture { image: from_interleaved(path, size, &samples, space)?, bits, notes })
     })
 }
 

@@ -32,12 +32,8 @@ pub(super) fn decode(bytes: &[u8], path: &Path, options: &ReadOptions) -> Result
     let cube = cube(&directory, &source, path, options.limits)?;
     let (rows, cols, samples) = (cube.raster.rows, cube.raster.cols, cube.raster.bands);
     if samples < channels {
-        return Err(IoError::field(
-            path,
-            "SamplesPerPixel",
-            samples.to_string(),
-            format!("at least {channels}"),
-        ));
+        let expected = format!("at least {channels}");
+        return Err(IoError::field(path, "SamplesPerPixel", samples.to_string(), expected));
     }
     let (bits, full) = match cube.raster.kind {
         Kind::U8 => (8, Some(255.0)),
@@ -45,13 +41,9 @@ pub(super) fn decode(bytes: &[u8], path: &Path, options: &ReadOptions) -> Result
         Kind::F16 => (16, None),
         Kind::F32 => (32, None),
         other => {
+            let found = format!("{} of another type", 8 * other.size());
             let expected = "8 or 16 bits, or 16 or 32 bits floating point";
-            return Err(IoError::field(
-                path,
-                "BitsPerSample",
-                format!("{} of another type", 8 * other.size()),
-                expected,
-            ));
+            return Err(IoError::field(path, "BitsPerSample", found, expected));
         }
     };
     let raw = cube.raster.bytes().unwrap_or(u64::MAX);

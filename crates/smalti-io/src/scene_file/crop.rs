@@ -50,12 +50,8 @@ impl Crop {
         }
         let Self { row, col, rows: high, cols: wide } = self;
         let found = format!("{high} rows from {row} and {wide} columns from {col}");
-        Err(IoError::field(
-            path,
-            "the part to read",
-            found,
-            format!("a part of {rows} rows and {cols} columns"),
-        ))
+        let expected = format!("a part of {rows} rows and {cols} columns");
+        Err(IoError::field(path, "the part to read", found, expected))
     }
 
     /// Its rows and columns.

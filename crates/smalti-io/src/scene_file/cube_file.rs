@@ -97,13 +97,6 @@ pub(crate) fn bad_to_error(
     match bad {
         Bad::Io(source) => IoError::Read { path: path.to_owned(), source },
         Bad::Block(message) => IoError::decode(path, format, message),
-        Bad::Sample(s) => IoError::Pixel {
-            path: path.to_owned(),
-            channel: channel(s.band),
-            row: s.row,
-            col: s.col,
-            value: f64::from(s.value),
-            expected: s.expected,
-        },
+        Bad::Sample(s) => IoError::pixel(path, channel(s.band), [s.row, s.col], s.value, s.expected),
     }
 }

@@ -5,32 +5,11 @@ use std::path::Path;
 use smalti::numeric::Planes;
 use smalti::scene::{Scene, Setting};
 use smalti::spectrum::units::photons_per_joule;
-use smalti::spectrum::{Illuminant, Observer, SpectralCube};
+use smalti::spectrum::{Observer, SpectralCube};
 
 use super::spectral::{Quantity, SpectralFile};
 use crate::IoError;
 use crate::error::At;
-
-/// Facts that a scene needs and a file may not state.
-#[derive(Debug, Clone, PartialEq)]
-pub struct SceneDefaults {
-    /// Mean luminance of a scene whose values are relative, cd/m².
-    pub luminance_cd_m2: f64,
-    /// Distance, m.
-    pub distance_m: f64,
-    /// Full horizontal field of view, degrees.
-    pub horizontal_fov_deg: f64,
-    /// The light.
-    pub illuminant: Illuminant,
-}
-
-impl Default for SceneDefaults {
-    /// Those of a built-in scene.
-    fn default() -> Self {
-        let Setting { luminance_cd_m2, distance_m, horizontal_fov_deg, illuminant, .. } = Setting::default();
-        Self { luminance_cd_m2, distance_m, horizontal_fov_deg, illuminant }
-    }
-}
 
 // Where a file gives no light, the white diffuser is as bright as the scene's brightest surfaces. The brightest
 // hundredth is left out: highlights and lamps are not surfaces.
@@ -63,7 +42,7 @@ impl SpectralFile {
         Ok(Self { cube, quantity: Quantity::Energy, ..self })
     }
 
-    /// A scene, with missing facts from `defaults`.
+    /// A scene on the wavelengths of the file, with missing facts from `defaults`.
     ///
     /// - Absolute radiance is kept, converted to photons.
     /// - Relative radiance is scaled to the mean luminance of the defaults.
@@ -75,7 +54,7 @@ impl SpectralFile {
     /// # Errors
     /// When the image is black throughout but must be scaled, a default is out of range, or the illuminant does
     /// not cover the wavelengths.
-    pub fn into_scene(self, defaults: &SceneDefaults) -> Result<Scene, IoError> {
+    pub fn into_scene(self, defaults: &Setting) -> Result<Scene, IoError> {
         let path = std::path::PathBuf::from(&self.name);
         let grid = self.cube.grid();
         let default_light = || defaults.illuminant.photons(grid).at(&path);

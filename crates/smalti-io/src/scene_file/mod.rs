@@ -21,7 +21,6 @@ use crate::error::At;
 use crate::{IoError, bands, envi, exr, hdf5, matlab, npz, picture, spectral_tiff};
 
 pub use crop::Crop;
-pub use into_scene::SceneDefaults;
 pub use spectral::{Quantity, ReadOptions, SpectralFile};
 pub use tiles::{Cropped, Header, Tiles, Whole, load};
 pub use write::{Photons, Restated, WriteOptions, write};
@@ -120,10 +119,7 @@ pub fn open(path: &Path, options: &ReadOptions) -> Result<Option<Box<dyn Tiles>>
 /// # Errors
 /// When the file cannot be read or is not valid.
 pub fn read_spectral(path: &Path, options: &ReadOptions) -> Result<Option<SpectralFile>, IoError> {
-    match open(path, options)? {
-        Some(tiles) => load(&tiles, path, options).map(Some),
-        None => Ok(None),
-    }
+    open(path, options)?.map(|tiles| load(&tiles, path, options)).transpose()
 }
 
 /// A file as a scene on its own wavelengths: spectra as they are, a picture lifted to spectra on the wavelengths of the setting.
@@ -132,19 +128,13 @@ pub fn read_spectral(path: &Path, options: &ReadOptions) -> Result<Option<Spectr
 /// # Errors
 /// When the file cannot be read or holds no scene.
 pub fn read(path: &Path, setting: &Setting, options: &ReadOptions) -> Result<Scene, IoError> {
-    let defaults = SceneDefaults {
-        luminance_cd_m2: setting.luminance_cd_m2,
-        distance_m: setting.distance_m,
-        horizontal_fov_deg: setting.horizontal_fov_deg,
-        illuminant: Illuminant::D65,
-    };
     // Messages about the file call it by the name that was typed.
     let name = path.display().to_string();
     let file = match read_spectral(path, options)? {
         Some(spectral) => SpectralFile { name, ..spectral },
         None => lifted(path, name, setting, options)?,
     };
-    file.into_scene(&defaults)
+    file.into_scene(&Setting { illuminant: Illuminant::D65, ..setting.clone() })
 }
 
 /// A picture as reflectances.

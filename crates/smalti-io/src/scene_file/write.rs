@@ -56,11 +56,8 @@ pub fn write(path: &Path, image: &dyn Tiles, options: &WriteOptions) -> Result<V
         Some(Format::Tiff) => spectral_tiff::write(path, image, options.tiff)?,
         Some(whole @ (Format::Exr | Format::Mat | Format::Hdf5)) => {
             if !header.wavelengths_nm.iter().copied().eq(header.grid.wavelengths_nm()) {
-                notes.push(format!(
-                    "{} holds the spectrum at {}, linear between the bands",
-                    path.display(),
-                    header.grid
-                ));
+                let (path, grid) = (path.display(), header.grid);
+                notes.push(format!("{path} holds the spectrum at {grid}, linear between the bands"));
             }
             // Images that do not fit into memory have been refused before.
             let limits = Limits { decoded_bytes: u64::MAX, ..Limits::default() };
@@ -150,13 +147,9 @@ impl<T: Tiles> Tiles for Photons<T> {
             let factor = photons_per_joule(*nm);
             for (i, v) in plane.iter_mut().enumerate() {
                 let photons = (f64::from(*v) * factor) as f32;
-                *v = sample(photons, Negative::Refuse).map_err(|expected| IoError::Pixel {
-                    path: path.to_owned(),
-                    channel: format!("{nm} nm"),
-                    row: part.row + i / cols.max(1),
-                    col: part.col + i % cols.max(1),
-                    value: f64::from(*v),
-                    expected,
+                *v = sample(photons, Negative::Refuse).map_err(|expected| {
+                    let place = [part.row + i / cols, part.col + i % cols];
+                    IoError::pixel(path, format!("{nm} nm"), place, *v, expected)
                 })?;
             }
         }

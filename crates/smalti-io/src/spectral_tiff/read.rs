@@ -22,18 +22,13 @@ const SURELY_SPECTRAL: usize = 5;
 /// A spectral image: a band for each image of the file, for each sample of a pixel, or both. `docs/formats-scenes.md` describes what
 /// states the wavelengths.
 ///
-/// Samples are read as they are needed: see [`crate::scene_file::load`]. The part that the options ask for is ignored here.
-///
 /// # Errors
 /// When the file cannot be read, is malformed or of a kind that is not supported, or wavelengths are neither stated nor given.
 pub fn open(path: &Path, options: &ReadOptions) -> Result<Box<dyn Tiles>, IoError> {
     Ok(Box::new(opened(FileSource::open(path)?, path, options)?))
 }
 
-/// As [`open`], from memory and loaded; `path` is only named.
-///
-/// # Errors
-/// As [`open`] and [`load`].
+/// As [`open`] and [`load`], from memory; `path` is only named.
 pub fn from_bytes(bytes: &[u8], path: &Path, options: &ReadOptions) -> Result<SpectralFile, IoError> {
     load(&opened(bytes, path, options)?, path, options)
 }

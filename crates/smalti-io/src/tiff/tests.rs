@@ -15,8 +15,8 @@ fn fields_read_back() {
         (IMAGE_WIDTH, Value::Long(vec![7])),
         (MAKE, Value::Ascii("Smalti".into())),
         (BITS_PER_SAMPLE, Value::Short(vec![8, 8, 8])),
-        (BLACK_LEVEL, Value::Rational(vec![(1, 4)])),
-        (COLOR_MATRIX_1, Value::SignedRational(vec![(-1, 2), (3, 1)])),
+        (BLACK_LEVEL, Value::Rational(vec![[1, 4]])),
+        (COLOR_MATRIX_1, Value::SignedRational(vec![[-1, 2], [3, 1]])),
     ]);
     let mut out = Vec::new();
     write_header(&mut out, fields, 5, 3).unwrap();

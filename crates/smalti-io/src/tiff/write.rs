@@ -15,8 +15,9 @@ pub(crate) enum Value {
     Ascii(String),
     Short(Vec<u16>),
     Long(Vec<u32>),
-    Rational(Vec<(u32, u32)>),
-    SignedRational(Vec<(i32, i32)>),
+    /// Numerators and denominators.
+    Rational(Vec<[u32; 2]>),
+    SignedRational(Vec<[i32; 2]>),
     Undefined(Vec<u8>),
     /// Places and lengths, of 32 bits or, in BigTIFF, of 64.
     Places(Vec<u64>),
@@ -30,12 +31,10 @@ impl Value {
             Self::Ascii(s) => (2, s.len() + 1, s.bytes().chain([0]).collect()),
             Self::Short(v) => (3, v.len(), v.iter().flat_map(|x| x.to_le_bytes()).collect()),
             Self::Long(v) => (4, v.len(), v.iter().flat_map(|x| x.to_le_bytes()).collect()),
-            Self::Rational(v) => {
-                (5, v.len(), v.iter().flat_map(|(n, d)| [n, d]).flat_map(|x| x.to_le_bytes()).collect())
-            }
+            Self::Rational(v) => (5, v.len(), v.iter().flatten().flat_map(|x| x.to_le_bytes()).collect()),
             Self::Undefined(v) => (7, v.len(), v.clone()),
             Self::SignedRational(v) => {
-                (10, v.len(), v.iter().flat_map(|(n, d)| [n, d]).flat_map(|x| x.to_le_bytes()).collect())
+                (10, v.len(), v.iter().flatten().flat_map(|x| x.to_le_bytes()).collect())
             }
             Self::Places(v) => {
                 let (kind, len) = if wide { (16, 8) } else { (4, 4) };

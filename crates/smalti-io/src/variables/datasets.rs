@@ -4,11 +4,11 @@ use std::path::Path;
 
 use smalti::spectrum::WavelengthGrid;
 
-use super::{Attribute, Axes, Fields, Numbers, Value, at, placed, text_at, wavelengths};
+use super::{Attribute, Axes, Fields, Numbers, Reading, Value, at, placed, text_at, wavelengths};
 use crate::file::stem;
 use crate::scene_file::facts::{Comment, Facts};
 use crate::scene_file::tiles::Tiles;
-use crate::{IoError, Quantity, ReadOptions};
+use crate::{IoError, Quantity};
 
 /// What is known of the cube of a data set by its name.
 struct Known {
@@ -37,14 +37,11 @@ const MAX_ARRAYS: usize = 1000;
 const DEEPEST: usize = 4;
 
 /// The cube among the variables of a file.
-pub(super) fn open(
-    fields: &dyn Fields,
-    path: &Path,
-    options: &ReadOptions,
-) -> Result<Box<dyn Tiles>, IoError> {
+pub(super) fn open(fields: &dyn Fields, of: Reading<'_>) -> Result<Box<dyn Tiles>, IoError> {
+    let Reading { path, options } = of;
     let (place, numbers) = match &options.variable {
         Some(place) => (place.clone(), chosen(fields, place, path)?),
-        None => found(fields, path, options)?,
+        None => found(fields, of)?,
     };
     let (group, last) = place.rsplit_once(['.', '/']).unwrap_or(("", &place));
     let known = KNOWN.iter().find(|k| k.name == last || k.name == place);
@@ -57,10 +54,10 @@ pub(super) fn open(
     let mut stated = wavelengths::attribute(&numbers, path)?;
     for fields in inside.as_deref().into_iter().chain([fields]) {
         if stated.is_none() {
-            stated = wavelengths::beside(fields, path, options)?;
+            stated = wavelengths::beside(fields, of)?;
         }
     }
-    let stated = stated.or_else(|| wavelengths::given(options));
+    let stated = stated.or_else(|| wavelengths::given(of));
     let (axes, nm) = axes(&numbers, &place, matlab, known.is_some(), stated, path)?;
 
     let attribute = |name: &str| {
@@ -78,7 +75,7 @@ pub(super) fn open(
     let stated = facts.as_ref().and_then(Facts::quantity);
     let quantity = stated.or(options.quantity).unwrap_or(from_layout);
     let name = (stem(path), quantity);
-    let mut file = placed(&numbers.array, axes, name, &nm, facts.as_ref(), (path, options))?;
+    let mut file = placed(&numbers.array, axes, name, &nm, facts.as_ref(), of)?;
     Facts::state(facts, &mut file.header, path)?;
     Ok(Box::new(file))
 }
@@ -113,7 +110,7 @@ fn listed(names: &[String]) -> String {
 }
 
 /// The cube of a known data set, or the only one there is.
-fn found(fields: &dyn Fields, path: &Path, options: &ReadOptions) -> Result<(String, Numbers), IoError> {
+fn found(fields: &dyn Fields, of: Reading<'_>) -> Result<(String, Numbers), IoError> {
     for known in &KNOWN {
         if let Some(Value::Numbers(numbers)) = fields.get(known.name)?
             && is_cube(&numbers)
@@ -127,7 +124,7 @@ fn found(fields: &dyn Fields, path: &Path, options: &ReadOptions) -> Result<(Str
     collect(fields, "", 0, &mut seen, &mut arrays, &mut others)?;
     // A picture beside the cube is no cube, unless there is nothing else.
     if arrays.len() > 1 {
-        let bands = wavelengths::beside(fields, path, options)?.map(|(nm, _)| nm.len());
+        let bands = wavelengths::beside(fields, of)?.map(|(nm, _)| nm.len());
         let fits = |n: &Numbers| match bands {
             Some(bands) => n.array.dims.contains(&bands),
             None => !n.array.dims.contains(&3),
@@ -139,12 +136,12 @@ fn found(fields: &dyn Fields, path: &Path, options: &ReadOptions) -> Result<(Str
     if arrays.len() > 1 {
         let names: Vec<String> = arrays.iter().map(|(name, n)| format!("{name} ({})", n.shape())).collect();
         let expected = "one; name it (variable)";
-        return Err(IoError::field(path, "the cube", format!("any of {}", listed(&names)), expected));
+        return Err(IoError::field(of.path, "the cube", format!("any of {}", listed(&names)), expected));
     }
     arrays.pop().ok_or_else(|| {
         let found =
             if others.is_empty() { "absent".into() } else { format!("absent among {}", listed(&others)) };
-        IoError::field(path, "the cube", found, "an array of three axes, or a scene of ISETCam")
+        IoError::field(of.path, "the cube", found, "an array of three axes, or a scene of ISETCam")
     })
 }
 

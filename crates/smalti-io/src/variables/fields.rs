@@ -2,11 +2,12 @@
 
 use std::path::Path;
 
+use super::Reading;
 use super::array::{Array, Axes, FORMAT};
 use crate::scene_file::cube_file::CubeFile;
 use crate::scene_file::facts::Facts;
 use crate::scene_file::stated::Bands;
-use crate::{IoError, Limits, Quantity, ReadOptions};
+use crate::{IoError, Limits, Quantity};
 
 /// What a file or a struct holds, by name.
 pub(crate) trait Fields {
@@ -101,7 +102,7 @@ pub(super) fn placed(
     (name, quantity): (String, Quantity),
     nm: &[f64],
     facts: Option<&Facts>,
-    (path, options): (&Path, &ReadOptions),
+    Reading { path, options }: Reading<'_>,
 ) -> Result<CubeFile<'static>, IoError> {
     let cube = array.cube(axes, path, options.limits)?;
     Ok(CubeFile::new((path, FORMAT), vec![cube], (name, bands(nm, facts, path)?, quantity), options))

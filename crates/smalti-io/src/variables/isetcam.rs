@@ -2,45 +2,38 @@
 
 use std::path::Path;
 
+use smalti::spectrum::Spectrum;
 use smalti::spectrum::units::photons_per_joule;
-use smalti::spectrum::{Spectrum, WavelengthGrid};
 
 use super::array::doubles;
 use super::coefficients::Combined;
-use super::{Axes, Fields, Numbers, Value, bands, numbers_at, placed, text_at, wavelengths};
+use super::{Axes, Fields, Numbers, Reading, Value, bands, numbers_at, placed, text_at, wavelengths};
 use crate::error::At;
 use crate::file::stem;
 use crate::raster::Storage;
 use crate::scene_file::facts::{Comment, Facts};
 use crate::scene_file::tiles::{Header, Tiles};
-use crate::{IoError, Quantity, ReadOptions};
+use crate::{IoError, Quantity};
 
 /// The scene of ISETCam among the variables of a file, in the order in which `sceneFromFile` looks for it.
-pub(super) fn find(
-    fields: &dyn Fields,
-    path: &Path,
-    options: &ReadOptions,
-) -> Result<Option<Box<dyn Tiles>>, IoError> {
+pub(super) fn find(fields: &dyn Fields, of: Reading<'_>) -> Result<Option<Box<dyn Tiles>>, IoError> {
     if let Some(Value::Fields(scene)) = fields.get("scene")? {
         let facts = text_at(fields, "comment")?.and_then(|c| Comment::parse(&c));
-        return scene_struct(&*scene, path, options, facts).map(Some);
+        return scene_struct(&*scene, of, facts).map(Some);
     }
     if let Some(coefficients) = numbers_at(fields, "mcCOEF")? {
-        return compressed(fields, &coefficients, path, options).map(Some);
+        return compressed(fields, &coefficients, of).map(Some);
     }
     for name in ["photons", "data"] {
         let Some(photons) = numbers_at(fields, name)?.filter(|n| n.array.dims.len() == 3) else { continue };
         // `data` is a common name: it takes wavelengths beside it to be a cube.
-        let Some((nm, _)) =
-            wavelengths::beside(fields, path, options)?.or_else(|| wavelengths::given(options))
-        else {
-            continue;
-        };
-        let quantity = options.quantity.filter(|_| name == "data").unwrap_or(Quantity::Photons);
-        refuse_other_axes(&photons, name, nm.len(), path)?;
-        let called = (stem(path), quantity);
-        let mut file = placed(&photons.array, Axes::MATLAB, called, &nm, None, (path, options))?;
-        state(&mut file.header, fields, ["dist", "fov"], path, options)?;
+        let stated = wavelengths::beside(fields, of)?.or_else(|| wavelengths::given(of));
+        let Some((nm, _)) = stated else { continue };
+        let quantity = of.options.quantity.filter(|_| name == "data").unwrap_or(Quantity::Photons);
+        refuse_other_axes(&photons, name, nm.len(), of.path)?;
+        let called = (stem(of.path), quantity);
+        let mut file = placed(&photons.array, Axes::MATLAB, called, &nm, None, of)?;
+        state(&mut file.header, fields, ["dist", "fov"], of)?;
         return Ok(Some(Box::new(file)));
     }
     Ok(None)
@@ -49,32 +42,30 @@ pub(super) fn find(
 /// A struct `scene`.
 pub(super) fn scene_struct(
     scene: &dyn Fields,
-    path: &Path,
-    options: &ReadOptions,
+    of: Reading<'_>,
     facts: Option<Facts>,
 ) -> Result<Box<dyn Tiles>, IoError> {
     let missing = |field: &str| {
-        IoError::field(path, format!("scene.{field}"), "absent", "the photons of a scene of ISETCam")
+        IoError::field(of.path, format!("scene.{field}"), "absent", "the photons of a scene of ISETCam")
     };
     let photons = numbers_at(scene, "data.photons")?.ok_or_else(|| missing("data.photons"))?;
     let wave = numbers_at(scene, "spectrum.wave")?;
     let nm = match wave {
-        Some(wave) => wavelengths::in_nm(&wave, "scene.spectrum.wave", path, options)?,
-        None => wavelengths::given(options).ok_or_else(|| missing("spectrum.wave"))?.0,
+        Some(wave) => wavelengths::in_nm(&wave, "scene.spectrum.wave", of)?,
+        None => wavelengths::given(of).ok_or_else(|| missing("spectrum.wave"))?.0,
     };
-    refuse_other_axes(&photons, "scene.data.photons", nm.len(), path)?;
+    refuse_other_axes(&photons, "scene.data.photons", nm.len(), of.path)?;
     let quantity = facts.as_ref().and_then(Facts::quantity).unwrap_or(Quantity::Photons);
-    let called = (stem(path), quantity);
-    let mut file = placed(&photons.array, Axes::MATLAB, called, &nm, facts.as_ref(), (path, options))?;
+    let called = (stem(of.path), quantity);
+    let mut file = placed(&photons.array, Axes::MATLAB, called, &nm, facts.as_ref(), of)?;
     // Before 2015 photons were packed into whole numbers (`ieCompressData`).
-    let limits = [scalar(scene, "data.dmin", path, options)?, scalar(scene, "data.dmax", path, options)?];
+    let limits = [scalar(scene, "data.dmin", of)?, scalar(scene, "data.dmax", of)?];
     if let [Some(low), Some(high)] = limits {
-        let bits =
-            scalar(scene, "data.bitDepth", path, options)?.unwrap_or(8.0 * photons.array.kind.size() as f64);
+        let bits = scalar(scene, "data.bitDepth", of)?.unwrap_or(8.0 * photons.array.kind.size() as f64);
         file.gains = vec![((high - low) / (bits.exp2() - 1.0), low); nm.len()];
     }
-    state(&mut file.header, scene, ["distance", "wAngular"], path, options)?;
-    Facts::state(facts, &mut file.header, path)?;
+    state(&mut file.header, scene, ["distance", "wAngular"], of)?;
+    Facts::state(facts, &mut file.header, of.path)?;
     Ok(Box::new(file))
 }
 
@@ -92,15 +83,14 @@ fn state(
     header: &mut Header,
     fields: &dyn Fields,
     [distance, fov]: [&str; 2],
-    path: &Path,
-    options: &ReadOptions,
+    of: Reading<'_>,
 ) -> Result<(), IoError> {
     if let Some(name) = text_at(fields, "name")? {
         header.name = name;
     }
-    header.illuminant = illuminant(fields, header.grid, &header.wavelengths_nm, path, options)?;
-    header.distance_m = scalar(fields, distance, path, options)?;
-    header.horizontal_fov_deg = scalar(fields, fov, path, options)?;
+    header.illuminant = illuminant(fields, header, of)?;
+    header.distance_m = scalar(fields, distance, of)?;
+    header.horizontal_fov_deg = scalar(fields, fov, of)?;
     Ok(())
 }
 
@@ -108,8 +98,7 @@ fn state(
 fn compressed(
     fields: &dyn Fields,
     coefficients: &Numbers,
-    path: &Path,
-    options: &ReadOptions,
+    of @ Reading { path, options }: Reading<'_>,
 ) -> Result<Box<dyn Tiles>, IoError> {
     let absent = |field: &str| IoError::field(path, field, "absent", "the basis of mcCOEF");
     let basis = numbers_at(fields, "basis.basis")?.ok_or_else(|| absent("basis.basis"))?;
@@ -117,7 +106,7 @@ fn compressed(
         Some(wave) => wave,
         None => numbers_at(fields, "basis.wavelength")?.ok_or_else(|| absent("basis.wave"))?,
     };
-    let nm = wavelengths::in_nm(&wave, "basis.wave", path, options)?;
+    let nm = wavelengths::in_nm(&wave, "basis.wave", of)?;
     let (count, weights) = (nm.len(), coefficients.array.dim(2));
     if basis.array.dims != [count, weights] {
         let expected = format!("{count} wavelengths × {weights} coefficients");
@@ -138,27 +127,16 @@ fn compressed(
     let cube = coefficients.array.cube(Axes::MATLAB, path, options.limits)?;
     let size = (cube.raster.rows, cube.raster.cols);
     let mut header = Header::plain(stem(path), size, bands(&nm, None, path)?, Quantity::Photons);
-    state(&mut header, fields, ["dist", "fov"], path, options)?;
-    Ok(Box::new(Combined {
-        path: path.to_owned(),
-        coefficients: cube,
-        basis,
-        mean,
-        header,
-        limits: options.limits,
-    }))
+    state(&mut header, fields, ["dist", "fov"], of)?;
+    let (path, limits) = (path.to_owned(), options.limits);
+    Ok(Box::new(Combined { path, coefficients: cube, basis, mean, header, limits }))
 }
 
 /// A single number. A depth map in the place of a distance is not one.
-fn scalar(
-    fields: &dyn Fields,
-    name: &str,
-    path: &Path,
-    options: &ReadOptions,
-) -> Result<Option<f64>, IoError> {
+fn scalar(fields: &dyn Fields, name: &str, of: Reading<'_>) -> Result<Option<f64>, IoError> {
     match numbers_at(fields, name)? {
         Some(numbers) if numbers.array.dims.iter().all(|&d| d == 1) => {
-            Ok(numbers.list(name, path, options.limits)?.first().copied())
+            Ok(numbers.list(name, of.path, of.options.limits)?.first().copied())
         }
         _ => Ok(None),
     }
@@ -168,10 +146,8 @@ fn scalar(
 /// energy, as `illuminantModernize` has it; of a light that differs from pixel to pixel the mean is taken.
 fn illuminant(
     fields: &dyn Fields,
-    grid: WavelengthGrid,
-    cube_nm: &[f64],
-    path: &Path,
-    options: &ReadOptions,
+    header: &Header,
+    of @ Reading { path, options }: Reading<'_>,
 ) -> Result<Option<Spectrum>, IoError> {
     let Some(Value::Fields(light)) = fields.get("illuminant")? else { return Ok(None) };
     let light = &*light;
@@ -182,12 +158,12 @@ fn illuminant(
             None => return Ok(None),
         },
     };
-    let packed = [scalar(light, "data.min", path, options)?, scalar(light, "data.max", path, options)?];
+    let packed = [scalar(light, "data.min", of)?, scalar(light, "data.max", of)?];
     let is_energy = bare || (text_at(light, "type")?.is_none() && packed[0].is_none());
-    let mut nm = cube_nm.to_vec();
+    let mut nm = header.wavelengths_nm.clone();
     for name in ["spectrum.wave", "wavelength", "wave"] {
         if let Some(wave) = numbers_at(light, name)? {
-            nm = wavelengths::in_nm(&wave, "the wavelengths of the illuminant", path, options)?;
+            nm = wavelengths::in_nm(&wave, "the wavelengths of the illuminant", of)?;
             break;
         }
     }
@@ -219,6 +195,7 @@ fn illuminant(
         let steps = (8.0 * array.kind.size() as f64).exp2() - 1.0;
         values.iter_mut().for_each(|v| *v = *v * (high - low) / steps + low);
     }
+    let grid = header.grid;
     let mut photons = Vec::with_capacity(grid.len());
     for at in grid.wavelengths_nm() {
         let value = interpolated(&nm, &values, at).ok_or_else(|| {

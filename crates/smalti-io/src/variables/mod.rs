@@ -17,22 +17,22 @@ use fields::{at, bands, numbers_at, placed, text_at};
 use crate::scene_file::tiles::Tiles;
 use crate::{IoError, ReadOptions};
 
+/// The file that is read, and how.
+#[derive(Clone, Copy)]
+pub(crate) struct Reading<'a> {
+    pub(crate) path: &'a Path,
+    pub(crate) options: &'a ReadOptions,
+}
+
 /// A spectral image among the variables of a file: a scene of ISETCam, the cube of a known data set, or the only cube
 /// there is. Its samples are read as they are needed.
-pub(crate) fn open(
-    fields: &dyn Fields,
-    path: &Path,
-    options: &ReadOptions,
-) -> Result<Box<dyn Tiles>, IoError> {
-    if let Some(place) = &options.variable
-        && let Some(Value::Fields(scene)) = at(fields, place)?
-    {
-        return isetcam::scene_struct(&*scene, path, options, None);
-    }
-    if options.variable.is_none()
-        && let Some(file) = isetcam::find(fields, path, options)?
-    {
+pub(crate) fn open(fields: &dyn Fields, of: Reading<'_>) -> Result<Box<dyn Tiles>, IoError> {
+    if let Some(place) = &of.options.variable {
+        if let Some(Value::Fields(scene)) = at(fields, place)? {
+            return isetcam::scene_struct(&*scene, of, None);
+        }
+    } else if let Some(file) = isetcam::find(fields, of)? {
         return Ok(file);
     }
-    datasets::open(fields, path, options)
+    datasets::open(fields, of)
 }

@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use super::{Attribute, Fields, Numbers, numbers_at};
-use crate::{IoError, ReadOptions};
+use super::{Attribute, Fields, Numbers, Reading, numbers_at};
+use crate::IoError;
 
 /// Names under which wavelengths are looked for, in this order: ISETCam, ICVL and ARAD, others.
 pub(super) const NAMES: [&str; 9] = [
@@ -22,22 +22,18 @@ pub(super) const NAMES: [&str; 9] = [
 const PLAUSIBLE_NM: std::ops::RangeInclusive<f64> = 100.0..=30_000.0;
 
 /// The wavelengths beside a cube, nm, and what they are called.
-pub(super) fn beside(
-    fields: &dyn Fields,
-    path: &Path,
-    options: &ReadOptions,
-) -> Result<Option<(Vec<f64>, String)>, IoError> {
+pub(super) fn beside(fields: &dyn Fields, of: Reading<'_>) -> Result<Option<(Vec<f64>, String)>, IoError> {
     for name in NAMES {
         if let Some(numbers) = numbers_at(fields, name)? {
-            return in_nm(&numbers, name, path, options).map(|nm| Some((nm, name.to_owned())));
+            return in_nm(&numbers, name, of).map(|nm| Some((nm, name.to_owned())));
         }
     }
     Ok(None)
 }
 
 /// The wavelengths that the options give, and what messages call them.
-pub(super) fn given(options: &ReadOptions) -> Option<(Vec<f64>, String)> {
-    options.grid.map(|g| (g.wavelengths_nm().collect(), "the given wavelengths".to_owned()))
+pub(super) fn given(of: Reading<'_>) -> Option<(Vec<f64>, String)> {
+    of.options.grid.map(|g| (g.wavelengths_nm().collect(), "the given wavelengths".to_owned()))
 }
 
 /// The wavelengths that an attribute of the cube states.
@@ -52,17 +48,12 @@ pub(super) fn attribute(cube: &Numbers, path: &Path) -> Result<Option<(Vec<f64>,
 }
 
 /// Wavelengths in nm, converted where an attribute states their unit.
-pub(super) fn in_nm(
-    numbers: &Numbers,
-    name: &str,
-    path: &Path,
-    options: &ReadOptions,
-) -> Result<Vec<f64>, IoError> {
+pub(super) fn in_nm(numbers: &Numbers, name: &str, of: Reading<'_>) -> Result<Vec<f64>, IoError> {
     let unit = numbers.attributes.iter().find_map(|(name, value)| match value {
         Attribute::Text(text) if name.to_ascii_lowercase().starts_with("unit") => Some(text.as_str()),
         _ => None,
     });
-    converted(numbers.list(name, path, options.limits)?, unit, name, path)
+    converted(numbers.list(name, of.path, of.options.limits)?, unit, name, of.path)
 }
 
 fn converted(values: Vec<f64>, unit: Option<&str>, name: &str, path: &Path) -> Result<Vec<f64>, IoError> {

@@ -177,14 +177,7 @@ fn entropy_coded(
             let c = i % n;
             let table = scan.tables.get(c).ok_or("a component has no table")?;
             let difference = table.difference(&mut bits).ok_or("it has a code of no table")?;
-            let of = |line: &[u16], i: usize| i32::from(line.get(i).copied().unwrap_or(0));
-            // The first row knows only its left neighbours, the first column only those above.
-            let predicted = match (first, i < n) {
-                (true, true) => middle,
-                (true, false) => of(row, i - n),
-                (false, true) => of(above, i),
-                (false, false) => predict(scan.predictor, of(row, i - n), of(above, i), of(above, i - n)),
-            };
+            let predicted = predict(scan.predictor, (row, above), i, n, first.then_some(middle));
             if let Some(v) = row.get_mut(i) {
                 *v = (predicted + difference) as u16;
             }

@@ -26,18 +26,11 @@ pub(in crate::dng) fn encode(
         let row = samples.get(r * row_len..).unwrap_or_default();
         let above = samples.get((r.max(1) - 1) * row_len..).unwrap_or_default();
         let first = r == 0 || restart_rows > 0 && r.is_multiple_of(restart_rows);
-        (0..row_len).map(move |i| {
-            let of = |line: &[u16], i: usize| i32::from(line.get(i).copied().unwrap_or(0));
-            let predicted = match (first, i < components) {
-                (true, true) => 1 << 15,
-                (true, false) => of(row, i - components),
-                (false, true) => of(above, i),
-                (false, false) => {
-                    predict(predictor, of(row, i - components), of(above, i), of(above, i - components))
-                }
-            };
+        let middle = first.then_some(1 << 15);
+        row.iter().take(row_len).enumerate().map(move |(i, sample)| {
+            let predicted = predict(predictor, (row, above), i, components, middle);
             // Modulo 2¹⁶; 32768 is its own negative and written as the positive one.
-            match i32::from((of(row, i) - predicted) as i16) {
+            match i32::from((i32::from(*sample) - predicted) as i16) {
                 -32768 => 32768,
                 d => d,
             }

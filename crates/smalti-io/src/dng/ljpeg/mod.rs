@@ -14,8 +14,17 @@ pub(super) use encode::encode;
 /// Number of components of a frame; DNG allows up to four.
 const MAX_COMPONENTS: usize = 4;
 
-/// Predicted value of a sample from its neighbours: left, above, above left (T.81, table H.1).
-fn predict(selection: u8, left: i32, above: i32, corner: i32) -> i32 {
+/// Predicted value of sample `i` of a row of pixels of `n` components, from its neighbours: left, above, above left (T.81, table H.1).
+/// The first row, which has a `middle`, knows only its left neighbours, the first column only those above.
+#[inline]
+fn predict(selection: u8, (row, above): (&[u16], &[u16]), i: usize, n: usize, middle: Option<i32>) -> i32 {
+    let of = |line: &[u16], i: usize| i32::from(line.get(i).copied().unwrap_or(0));
+    let (left, above, corner) = match (middle, i.checked_sub(n)) {
+        (Some(middle), None) => return middle,
+        (Some(_), Some(before)) => return of(row, before),
+        (None, None) => return of(above, i),
+        (None, Some(before)) => (of(row, before), of(above, i), of(above, before)),
+    };
     match selection {
         1 => left,
         2 => above,

@@ -103,8 +103,7 @@ impl Header<'_> {
         let textures = axes.textures().names().join(", ").replace('°', " degrees");
         let reduced =
             if fixed.sample_shift == 0 { "" } else { ", half of that rounded down from the middle" };
-        let shifts = [most_shift(fixed), least_shift(fixed)];
-        let [fine, coarse] = shifts.map(|shift| f64::from(fixed.scale) / f64::from(1u32 << shift));
+        let [coarse, fine] = shifts(fixed).map(|shift| f64::from(fixed.scale) / f64::from(1u32 << shift));
         let Operations { kernel_multiplications, multiplications, additions, comparisons, table_bytes } =
             operations(pipeline);
         let upper = self.upper.clone();
@@ -151,8 +150,9 @@ impl Header<'_> {
         self.define("BLACK", fixed.black, "what kernels take from samples");
         self.define("CLIP", format!("{clip}u"), "the least sample that counts as clipped");
         self.define("SAMPLE_SHIFT", fixed.sample_shift, "bits that samples lose after that");
-        self.define("MIN_SHIFT", least_shift(fixed), "binary places of the kernels that have the fewest");
-        self.define("MAX_SHIFT", most_shift(fixed), "and the most");
+        let [least_shift, most_shift] = shifts(fixed);
+        self.define("MIN_SHIFT", least_shift, "binary places of the kernels that have the fewest");
+        self.define("MAX_SHIFT", most_shift, "and the most");
         self.define("SCALE", format!("{:e}f", fixed.scale), "from sums / 2^shift to outputs");
         if axes.level_count() > 1 {
             self.define("CUT_SETS", axes.levels().len(), "1, or one for each position");
@@ -239,12 +239,9 @@ impl Header<'_> {
     }
 }
 
-fn least_shift(fixed: &FixedKernels) -> u8 {
-    fixed.shifts.iter().copied().min().unwrap_or(0)
-}
-
-fn most_shift(fixed: &FixedKernels) -> u8 {
-    fixed.shifts.iter().copied().max().unwrap_or(0)
+/// The least shift and the largest.
+fn shifts(fixed: &FixedKernels) -> [u8; 2] {
+    [fixed.shifts.iter().min(), fixed.shifts.iter().max()].map(|shift| shift.copied().unwrap_or(0))
 }
 
 /// `{a, b, c}`.

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use flate2::{Decompress, FlushDecompress, Status};
 
 use super::{HEADER_BYTES, class, flag, tag};
+use crate::matlab::FORMAT;
 use crate::raster::{Kind, Shared, bytes_at};
 use crate::text::utf16;
 use crate::variables::{Array, Fields, Layout, Numbers, Value};
@@ -18,9 +19,9 @@ const MAX_FIELDS: u64 = 1 << 16;
 // More than the header of an array with the longest name.
 const PEEK_BYTES: usize = 4096;
 
-/// The variables of a file.
-pub(in crate::matlab) struct Variables {
-    variables: Vec<(String, Place)>,
+/// The variables of a file, or the fields of a struct.
+pub(in crate::matlab) struct Members {
+    members: Vec<(String, Place)>,
     file: File,
 }
 
@@ -35,9 +36,10 @@ struct File {
 
 /// Where an array is: its data element behind its tag, or the compressed stream of element and tag.
 #[derive(Debug, Clone, Copy)]
-enum Place {
-    Plain { offset: u64, bytes: u64 },
-    Compressed { offset: u64, bytes: u64 },
+struct Place {
+    offset: u64,
+    bytes: u64,
+    compressed: bool,
 }
 
 /// Whether a file says that it is of level 5: its byte order, big-endian or not.
@@ -55,46 +57,40 @@ pub(in crate::matlab) fn open(
     big_endian: bool,
     path: &Path,
     limits: Limits,
-) -> Result<Variables, IoError> {
+) -> Result<Members, IoError> {
     let file = File { source, big_endian, limits, path: path.to_owned() };
-    let mut variables = Vec::new();
+    let mut members = Vec::new();
     let mut at = HEADER_BYTES;
     // Less than a tag may follow the last element.
     while at.saturating_add(8) <= file.source.len() {
         let element = file.tag(at)?;
+        let compressed = element.kind == tag::COMPRESSED;
         let name = match element.kind {
-            tag::MATRIX => {
-                let place = Place::Plain { offset: element.data, bytes: element.bytes };
-                file.header(element.data, element.bytes)?.map(|h| (h.name, place))
-            }
-            tag::COMPRESSED => {
-                let place = Place::Compressed { offset: element.data, bytes: element.bytes };
-                file.peek(element)?.map(|name| (name, place))
-            }
+            tag::MATRIX => file.header(element.data, element.bytes)?.map(|h| h.name),
+            tag::COMPRESSED => file.peek(element)?,
             _ => None,
         };
         // The subsystem data of objects have no name.
-        variables.extend(name.filter(|(name, _)| !name.is_empty()));
-        at = if element.kind == tag::COMPRESSED { element.data + element.bytes } else { element.next };
+        let place = Place { offset: element.data, bytes: element.bytes, compressed };
+        members.extend(name.filter(|name| !name.is_empty()).map(|name| (name, place)));
+        at = if compressed { element.data + element.bytes } else { element.next };
     }
-    Ok(Variables { variables, file })
+    Ok(Members { members, file })
 }
 
-impl Fields for Variables {
+impl Fields for Members {
     fn names(&self) -> Vec<String> {
-        self.variables.iter().map(|(name, _)| name.clone()).collect()
+        self.members.iter().map(|(name, _)| name.clone()).collect()
     }
 
     fn get(&self, name: &str) -> Result<Option<Value>, IoError> {
-        match self.variables.iter().find(|(n, _)| n == name) {
-            None => Ok(None),
-            Some((_, Place::Plain { offset, bytes })) => self.file.value(*offset, *bytes).map(Some),
-            Some((_, Place::Compressed { offset, bytes })) => {
-                let file = self.file.inflated(*offset, *bytes)?;
-                let element = file.tag(0)?;
-                file.value(element.data, element.bytes).map(Some)
-            }
+        let Some((_, place)) = self.members.iter().find(|(n, _)| n == name) else { return Ok(None) };
+        if !place.compressed {
+            return self.file.value(place.offset, place.bytes).map(Some);
         }
+        let file = self.file.inflated(place.offset, place.bytes)?;
+        let element = file.tag(0)?;
+        file.value(element.data, element.bytes).map(Some)
     }
 }
 
@@ -122,7 +118,7 @@ struct Header {
 
 impl File {
     fn decode(&self, message: impl ToString) -> IoError {
-        IoError::decode(&self.path, "MATLAB", message)
+        IoError::decode(&self.path, FORMAT, message)
     }
 
     fn bytes(&self, offset: u64, len: u64, what: &'static str) -> Result<Vec<u8>, IoError> {
@@ -290,13 +286,12 @@ impl File {
             layout: Layout::Run { offset: tag.data },
         };
         if array.bytes() != tag.bytes {
-            let found = format!("{} bytes for an array of {:?}", tag.bytes, array.dims);
-            return Err(self.decode(found));
+            return Err(self.decode(format!("{} bytes for an array of {:?}", tag.bytes, array.dims)));
         }
         Ok(Numbers { array, matlab: true, attributes: Vec::new() })
     }
 
-    fn fields(&self, header: &Header) -> Result<Struct, IoError> {
+    fn fields(&self, header: &Header) -> Result<Members, IoError> {
         let mut at = header.body;
         if header.class == class::OBJECT {
             at = self.part(at, tag::INT8, LONGEST_NAME, "the class of an object")?.1;
@@ -304,33 +299,17 @@ impl File {
         let (longest, at) = self.part(at, tag::INT32, 4, "the length of field names")?;
         let longest = u64::from(self.number(&longest)).clamp(1, LONGEST_NAME);
         let (names, mut at) = self.part(at, tag::INT8, MAX_FIELDS * longest, "the names of fields")?;
-        let mut fields = Vec::new();
+        let mut members = Vec::new();
         for name in names.chunks_exact(longest as usize) {
             let name = name.split(|&b| b == 0).next().unwrap_or_default();
             let tag = self.tag(at)?;
             if tag.kind != tag::MATRIX || tag.next > header.end.next_multiple_of(8) {
                 return Err(self.decode(format!("a field of type {} at {at}", tag.kind)));
             }
-            fields.push((String::from_utf8_lossy(name).into_owned(), tag.data, tag.bytes));
+            let place = Place { offset: tag.data, bytes: tag.bytes, compressed: false };
+            members.push((String::from_utf8_lossy(name).into_owned(), place));
             at = tag.next;
         }
-        Ok(Struct { fields, file: self.clone() })
-    }
-}
-
-/// A struct: its fields, where they are and how long.
-struct Struct {
-    fields: Vec<(String, u64, u64)>,
-    file: File,
-}
-
-impl Fields for Struct {
-    fn names(&self) -> Vec<String> {
-        self.fields.iter().map(|(name, ..)| name.clone()).collect()
-    }
-
-    fn get(&self, name: &str) -> Result<Option<Value>, IoError> {
-        let field = self.fields.iter().find(|(n, ..)| n == name);
-        field.map(|(_, offset, bytes)| self.file.value(*offset, *bytes)).transpose()
+        Ok(Members { members, file: self.clone() })
     }
 }
