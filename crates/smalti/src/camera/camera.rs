@@ -147,12 +147,6 @@ impl Camera {
         Exposure { time_s: 1.0, analog_gain: self.analog_gain, analog_offset_v: self.analog_offset_v }
     }
 
-    /// The stated exposure time or the rule for it.
-    #[must_use]
-    pub fn exposure_time(&self) -> ExposureTime {
-        self.exposure_time
-    }
-
     /// The exposure for an optical image, with the stated time or that of the exposure rule.
     ///
     /// # Errors
@@ -327,7 +321,7 @@ mod tests {
                 d.sensor.architecture = architecture;
                 d.sensor.adc_bits = 0;
                 d.isp.preserve_white = true;
-                d.optics.falloff = crate::camera::description::FalloffName::None;
+                d.optics.falloff = crate::optics::Falloff::None;
             });
             let setting = Setting { horizontal_fov_deg: 20.0, luminance_cd_m2: 10.0, ..Setting::default() };
             let scene = uniform(64, 64, &setting).unwrap();

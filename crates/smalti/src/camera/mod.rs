@@ -30,7 +30,6 @@ pub use light_gain::{
     CameraAndIsp, LightGain, LightGainSettings, LightGains, MetricGain, light_gain, light_gains,
 };
 pub use photograph::Photograph;
-pub use resolve::ExposureTime;
 pub use score::{PictureScores, ScoreSettings, score_picture};
 pub use training::{LevelRule, TrainingSettings, TrainingTarget};
 pub use training_set::{TRAINING_SET_REVISION, TrainingScene, training_reflectances, training_scenes};

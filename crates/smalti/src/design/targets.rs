@@ -33,7 +33,6 @@ pub struct Targets {
     /// The targets that the metrics need. The chart is always imaged, because the exposure is found on it.
     measured: Vec<MetricTarget>,
     edge: Option<ImagedScene>,
-    light: Spectrum,
     fit: ColorFit,
     /// X, Y, Z of the reference patches.
     expected: Vec<[f64; 3]>,
@@ -136,16 +135,9 @@ impl Targets {
             fit: camera.color_fit(&light)?,
             expected: chart::expected(&light)?,
             measured,
-            light,
             setting,
             seed: settings.seed,
         })
-    }
-
-    /// The illuminant, photons.
-    #[must_use]
-    pub fn light(&self) -> &Spectrum {
-        &self.light
     }
 
     /// The irradiance at the metered point of the chart; `None` when the exposure rule does not meter a point.

@@ -3,9 +3,8 @@
 use rayon::prelude::*;
 
 use super::SceneError;
-use super::error::require;
 use super::setting::{require_distance, require_fov, require_luminance};
-use crate::numeric::Planes;
+use crate::numeric::{Planes, require};
 use crate::spectrum::{
     Extrapolation, Illuminant, Observer, SpectralCube, Spectrum, SpectrumError, WavelengthGrid,
 };
@@ -89,8 +88,7 @@ impl Scene {
     /// Tristimulus values of every pixel as three planes X, Y, Z (CIE 1931), absolute: Y in cd/m².
     ///
     /// # Errors
-    /// Tristimulus values of every pixel as three planes X, Y, Z (CIE 1931). They are absolute: Y is in
-    /// cd/m².
+    /// Never for a valid scene.
     pub fn xyz(&self) -> Result<Planes, SceneError> {
         Ok(Observer::Cie1931.xyz_planes_from_photons(&self.radiance)?)
     }

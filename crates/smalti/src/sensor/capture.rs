@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use super::collect::{Collector, Rates};
 use super::pixel_spectra::{FilteredLight, PixelSpectra};
 use super::readout::Readout;
-use super::{ColorArchitecture, Exposure, NoiseMode, RawImage, RawSamples, Sensor, SensorError};
+use super::{Exposure, NoiseMode, RawImage, RawSamples, Sensor, SensorError};
 use crate::numeric::Planes;
 use crate::numeric::poisson::LANES;
 use crate::numeric::simd::{Kernel, dispatch};
@@ -141,11 +141,7 @@ impl Sensor {
     ) -> Result<(Vec<S>, usize, usize, usize), SensorError> {
         let w = self.read_window();
         let planes = self.sampling().planes();
-        let time_s = match self.architecture {
-            ColorArchitecture::FieldSequential => exposure.time_s / planes as f64,
-            ColorArchitecture::Mosaic | ColorArchitecture::Prism => exposure.time_s,
-        };
-        let readout = Readout::new(self, exposure, time_s, noise, seed)?;
+        let readout = Readout::new(self, exposure, exposure.time_s / self.captures(), noise, seed)?;
         let scale = if self.adc.bits == 0 { 1.0 } else { self.adc.levels() / self.pixel.voltage_swing_v };
         let to_sample = SampleScale {
             scale: scale as f32,
