@@ -1,7 +1,7 @@
 //! The camera: optics, sensor, exposure and processing, resolved from a description.
 
 use super::CameraError;
-use super::description::{CameraDescription, ColorCorrectionName, OutputName, WhiteBalanceName};
+use super::description::{CameraDescription, ColorCorrectionName, OutputName};
 use super::resolve::{self, ExposureTime};
 use crate::color::ColorSpace;
 use crate::isp::{self, Classic, ColorConstraint, ColorFit, WhiteBalance};
@@ -254,11 +254,7 @@ impl Camera {
     /// The white balance of the description.
     #[must_use]
     pub fn white_balance(&self) -> WhiteBalance {
-        match self.description.isp.white_balance {
-            WhiteBalanceName::None => WhiteBalance::None,
-            WhiteBalanceName::GrayWorld => WhiteBalance::GrayWorld,
-            WhiteBalanceName::Illuminant => WhiteBalance::Illuminant,
-        }
+        self.description.isp.white_balance
     }
 
     /// Electrons per photon that enters the lens, for each channel: lens, filters and quantum efficiency.

@@ -16,7 +16,7 @@ mod score;
 pub(crate) mod stable_text;
 pub(crate) mod target;
 mod training;
-mod training_set;
+pub(crate) mod training_set;
 
 pub use camera::Camera;
 pub use compare::{SceneScores, Setup, TEST_SAMPLES_PER_PX, compare_on, test_scenes};

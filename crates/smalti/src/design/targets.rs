@@ -28,7 +28,8 @@ use crate::spectrum::{Spectrum, WavelengthGrid};
 /// The targets imaged on the pixels of a camera, ready for any colour filter array.
 #[derive(Debug, Clone)]
 pub struct Targets {
-    setting: Setting,
+    /// Illuminant, luminance and distance of the targets.
+    pub(super) setting: Setting,
     pub(super) chart: Arc<ImagedScene>,
     /// The targets that the metrics need. The chart is always imaged, because the exposure is found on it.
     measured: Vec<MetricTarget>,
@@ -40,7 +41,8 @@ pub struct Targets {
     brightest: Vec<f64>,
     zone_plate: Option<ZonePlate>,
     scenes: Vec<SceneTarget>,
-    seed: u64,
+    /// Seed of the noise.
+    pub(super) seed: u64,
     cache: Arc<Mutex<PatchLightCache>>,
 }
 
@@ -144,16 +146,6 @@ impl Targets {
     #[must_use]
     pub fn metered(&self) -> Option<&Spectrum> {
         self.chart.metered()
-    }
-
-    /// Illuminant, luminance and distance of the targets.
-    pub(super) fn setting(&self) -> &Setting {
-        &self.setting
-    }
-
-    /// Seed of the noise.
-    pub(super) fn seed(&self) -> u64 {
-        self.seed
     }
 
     /// The scores of a colour filter array with the camera's own processing.

@@ -57,7 +57,6 @@ impl OpticalImage {
     /// # Errors
     /// Never for a valid image.
     pub fn illuminance_lux(&self) -> Result<Vec<f32>, SpectrumError> {
-        let xyz = Observer::Cie1931.xyz_planes_from_photons(&self.irradiance)?;
-        Ok(xyz.plane(1).to_vec())
+        Observer::Cie1931.luminance_from_photons(&self.irradiance)
     }
 }

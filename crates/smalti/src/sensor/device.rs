@@ -123,13 +123,8 @@ impl Sensor {
         self.nonuniformity.validate()?;
         self.adc.validate()?;
         self.dark_voltage_v_per_s()?;
-        let curves = [
-            ("quantum efficiency", Some(&self.quantum_efficiency)),
-            ("the IR-cut filter", self.ir_cut.as_ref()),
-        ];
-        for (what, curve) in curves.into_iter().filter_map(|(w, c)| c.map(|c| (w, c))) {
-            curve.check_fraction(what)?;
-        }
+        self.quantum_efficiency.check_fraction("quantum efficiency")?;
+        self.ir_cut.as_ref().map_or(Ok(()), |cut| cut.check_fraction("the IR-cut filter"))?;
         if let Some(kernel) = &self.crosstalk {
             let sum: f64 = kernel.iter().flatten().sum();
             let negative = kernel.iter().flatten().any(|&k| !(0.0..=1.0).contains(&k));

@@ -1,7 +1,7 @@
 //! Laws of comparisons: the reference has the scale of the picture, equal cameras are equal, light and time are one.
 #![allow(missing_docs, clippy::unwrap_used)]
 
-use smalti::camera::description::{ArchitectureName, PatternDescription, WhiteBalanceName};
+use smalti::camera::description::{ArchitectureName, PatternDescription};
 use smalti::camera::{
     Camera, CameraAndIsp, CameraDescription, EvaluationSettings, LightGain, LightGainSettings, ScoreSettings,
     Setup, compare_on, evaluate, evaluate_with, light_gains, score_picture, test_scenes,
@@ -23,7 +23,7 @@ fn camera(change: impl FnOnce(&mut CameraDescription)) -> Camera {
     d.exposure.analog_gain = 0.125;
     d.sensor.pixel.full_well_e = 70_000.0;
     d.sensor.adc_bits = 14;
-    d.isp.white_balance = WhiteBalanceName::None;
+    d.isp.white_balance = WhiteBalance::None;
     change(&mut d);
     Camera::new(d, GRID).unwrap()
 }

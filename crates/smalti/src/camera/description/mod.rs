@@ -8,7 +8,7 @@ mod optics;
 mod sensor;
 
 pub use exposure::{AutoExposureName, ExposureDescription};
-pub use isp::{ColorCorrectionName, IspDescription, OutputName, PipelineName, WhiteBalanceName};
+pub use isp::{ColorCorrectionName, IspDescription, OutputName, PipelineName};
 pub use optics::{OpticsDescription, OpticsModelName, PsfDescription};
 pub use sensor::{ArchitectureName, CfaDescription, PatternDescription, PixelDescription, SensorDescription};
 

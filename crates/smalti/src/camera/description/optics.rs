@@ -9,14 +9,13 @@ use crate::optics::{Boundary, Falloff, ZernikeIndex};
 use crate::sensor::Filter;
 
 /// How the lens forms the image.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum OpticsModelName {
     /// No blur, for tests.
     Pinhole,
     /// Limited by diffraction alone, with defocus if stated.
-    #[default]
     Diffraction,
     /// Wavefront aberrations by Zernike coefficients.
     Zernike,

@@ -7,12 +7,11 @@ use serde::{Deserialize, Serialize};
 use crate::sensor::Filter;
 
 /// How a sensor sees colour.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum ArchitectureName {
     /// A colour filter array.
-    #[default]
     Mosaic,
     /// A prism with one sensor per channel.
     Prism,

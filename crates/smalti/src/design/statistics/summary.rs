@@ -160,7 +160,10 @@ fn standard_deviation(sorted: &[f64], value: f64, confidence: f64) -> Estimate {
     Estimate { value, low: end(-1.0), high: end(1.0) }
 }
 
-/// The mean, NaN without values, and the standard deviation with divisor n − 1, NaN for fewer than two values, in one pass.
+/// The mean, NaN without values, and the standard deviation with divisor n − 1, NaN for fewer than two values, in one pass
+/// ([chan1983], updating).
+///
+/// [chan1983]: https://doi.org/10.1080/00031305.1983.10483115
 fn moments(values: &[f64]) -> (f64, f64) {
     let (mut mean, mut squares, mut count) = (0.0, 0.0, 0.0);
     for value in values {
