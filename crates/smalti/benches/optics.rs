@@ -9,7 +9,9 @@ use criterion::{Criterion, criterion_group, criterion_main};
 use rayon::prelude::*;
 use smalti::numeric::Planes;
 use smalti::numeric::fft::{Complex32, RealFft2, fast_len};
-use smalti::optics::{ChromaticFocus, Defocus, Optics, OpticsModel, Wavefront, WavefrontUnit, ZernikeIndex};
+use smalti::optics::{
+    ChromaticFocus, Defocus, Optics, OpticsModel, Wavefront, WavefrontUnit, ZernikeIndex, ZernikeMode,
+};
 use smalti::scene::Scene;
 use smalti::spectrum::{SpectralCube, Spectrum, WavelengthGrid};
 
@@ -71,8 +73,9 @@ fn optical_image(c: &mut Criterion) {
     let scene = scene();
     let mut transforms = Transforms::new();
     let perfect = Optics::new(4e-3, 4.0);
-    let coma = [0.0, 0.0, 0.0, 0.05, 0.0, 0.0, 0.0, 0.05];
-    let wavefront = Wavefront::from_list(ZernikeIndex::Noll, &coma, WavefrontUnit::Micrometres).unwrap();
+    // Defocus and coma.
+    let terms = [4, 8].map(|j| (ZernikeMode::from_index(ZernikeIndex::Noll, j).unwrap(), 0.05));
+    let wavefront = Wavefront::new(&terms, WavefrontUnit::Micrometres).unwrap();
     let model = OpticsModel::Zernike { wavefront, defocus: Defocus::None, chromatic: ChromaticFocus::None };
     let aberrated = Optics { model, ..perfect.clone() };
 

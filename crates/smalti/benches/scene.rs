@@ -12,7 +12,8 @@ fn scenes(c: &mut Criterion) {
     let list = macbeth::reflectances(setting.grid).unwrap();
     let mut group = c.benchmark_group("scene");
     group.sample_size(10);
-    let leaves = DeadLeaves { rows: 1024, cols: 1024, ..DeadLeaves::default() };
+    let leaves =
+        DeadLeaves { rows: 1024, cols: 1024, least_radius_px: 1.5, largest_radius_px: 200.0, seed: 1 };
     group.bench_function("dead leaves 1024x1024", |b| {
         b.iter(|| dead_leaves(&leaves, &list, &setting).unwrap());
     });

@@ -1,7 +1,7 @@
 //! The camera: optics, sensor, exposure and processing, resolved from a description.
 
 use super::CameraError;
-use super::description::{CameraDescription, ColorCorrectionName, OutputName, WhiteBalanceName};
+use super::description::{CameraDescription, ColorCorrectionName, OutputName};
 use super::resolve::{self, ExposureTime};
 use crate::color::ColorSpace;
 use crate::isp::{self, Classic, ColorConstraint, ColorFit, WhiteBalance};
@@ -147,12 +147,6 @@ impl Camera {
         Exposure { time_s: 1.0, analog_gain: self.analog_gain, analog_offset_v: self.analog_offset_v }
     }
 
-    /// The stated exposure time or the rule for it.
-    #[must_use]
-    pub fn exposure_time(&self) -> ExposureTime {
-        self.exposure_time
-    }
-
     /// The exposure for an optical image, with the stated time or that of the exposure rule.
     ///
     /// # Errors
@@ -260,11 +254,7 @@ impl Camera {
     /// The white balance of the description.
     #[must_use]
     pub fn white_balance(&self) -> WhiteBalance {
-        match self.description.isp.white_balance {
-            WhiteBalanceName::None => WhiteBalance::None,
-            WhiteBalanceName::GrayWorld => WhiteBalance::GrayWorld,
-            WhiteBalanceName::Illuminant => WhiteBalance::Illuminant,
-        }
+        self.description.isp.white_balance
     }
 
     /// Electrons per photon that enters the lens, for each channel: lens, filters and quantum efficiency.
@@ -327,7 +317,7 @@ mod tests {
                 d.sensor.architecture = architecture;
                 d.sensor.adc_bits = 0;
                 d.isp.preserve_white = true;
-                d.optics.falloff = crate::camera::description::FalloffName::None;
+                d.optics.falloff = crate::optics::Falloff::None;
             });
             let setting = Setting { horizontal_fov_deg: 20.0, luminance_cd_m2: 10.0, ..Setting::default() };
             let scene = uniform(64, 64, &setting).unwrap();

@@ -22,7 +22,7 @@ use crate::metrics::esfr::{EdgeSfr, EsfrOptions, edge_sfr};
 use crate::numeric::Planes;
 use crate::optics::OpticalImage;
 use crate::scene::Setting;
-use crate::sensor::{Exposure, NoiseMode, RawImage};
+use crate::sensor::{Exposure, NoiseMode};
 use crate::spectrum::{Illuminant, Observer, Spectrum, WavelengthGrid};
 
 /// Luminance of the primaries of sRGB (IEC 61966-2-1).
@@ -210,7 +210,10 @@ pub fn evaluate_with(
         || zone.capture(settings, images, isp),
     );
     let (chart, edge, zone) = (chart?, edge?, zone?);
-    let (noisy, reference) = rayon::join(|| chart.noisy(settings.seed), || zone.reference());
+    let (noisy, reference) = rayon::join(
+        || chart.camera.sensor.capture(&chart.image, &chart.exposure, NoiseMode::All, settings.seed),
+        || zone.camera.reference(&zone.image),
+    );
     let (noisy, reference) = (noisy?, reference?);
     let saturated_percent = noisy.saturated_percent();
     let noisy = chart.isp.render(&noisy)?;
@@ -254,18 +257,6 @@ struct TargetCapture<'a, 'i> {
     exposure: Exposure,
     isp: Box<dyn Isp + 'i>,
     clean: Image,
-}
-
-impl TargetCapture<'_, '_> {
-    /// The capture with all noise.
-    fn noisy(&self, seed: u64) -> Result<RawImage, CameraError> {
-        Ok(self.camera.sensor.capture(&self.image, &self.exposure, NoiseMode::All, seed)?)
-    }
-
-    /// The reference of the standard observer.
-    fn reference(&self) -> Result<Image, CameraError> {
-        self.camera.reference(&self.image)
-    }
 }
 
 impl Target {

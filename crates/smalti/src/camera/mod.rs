@@ -16,7 +16,7 @@ mod score;
 pub(crate) mod stable_text;
 pub(crate) mod target;
 mod training;
-mod training_set;
+pub(crate) mod training_set;
 
 pub use camera::Camera;
 pub use compare::{SceneScores, Setup, TEST_SAMPLES_PER_PX, compare_on, test_scenes};
@@ -30,7 +30,6 @@ pub use light_gain::{
     CameraAndIsp, LightGain, LightGainSettings, LightGains, MetricGain, light_gain, light_gains,
 };
 pub use photograph::Photograph;
-pub use resolve::ExposureTime;
 pub use score::{PictureScores, ScoreSettings, score_picture};
 pub use training::{LevelRule, TrainingSettings, TrainingTarget};
 pub use training_set::{TRAINING_SET_REVISION, TrainingScene, training_reflectances, training_scenes};

@@ -132,14 +132,10 @@ impl Camera {
             }
         }
         let (sensor, pixel) = (&self.sensor, &self.sensor.pixel);
-        let captures = match sensor.architecture {
-            ColorArchitecture::FieldSequential => sensor.cfa.channels().len() as f64,
-            ColorArchitecture::Mosaic | ColorArchitecture::Prism => 1.0,
-        };
         let levels = sensor.raw_levels(exposure)?;
         let range_v = levels.white_v - levels.black_v;
         let per_electron = pixel.conversion_gain_v_per_e * exposure.analog_gain / range_v;
-        let per_photon = pixel.photodetector_area_m2() * exposure.time_s / captures * per_electron;
+        let per_photon = pixel.photodetector_area_m2() * exposure.time_s / sensor.captures() * per_electron;
         Ok(brightest * per_photon / seen)
     }
 

@@ -2,12 +2,12 @@
 
 use super::CameraError;
 use super::description::{
-    ArchitectureName, AutoExposureName, CameraDescription, FalloffName, OpticsDescription, OpticsModelName,
-    PatternDescription, SensorDescription, SurroundName, ZernikeOrdering,
+    ArchitectureName, AutoExposureName, CameraDescription, OpticsDescription, OpticsModelName,
+    PatternDescription, SensorDescription,
 };
 use crate::optics::{
-    BirefringentLowPass, Boundary, ChromaticFocus, Defocus, Falloff, Optics, OpticsModel, Padding, PsfStack,
-    Transmittance, Wavefront, WavefrontUnit, ZernikeIndex, ZernikeMode,
+    BirefringentLowPass, ChromaticFocus, Defocus, Optics, OpticsModel, Padding, PsfStack, Transmittance,
+    Wavefront, WavefrontUnit, ZernikeMode,
 };
 use crate::sensor::cfa::{self, WeightedMosaic};
 use crate::sensor::{
@@ -60,24 +60,14 @@ pub(super) fn optics(d: &OpticsDescription, grid: WavelengthGrid) -> Result<Opti
     let separation_um = within("optics.low_pass_separation_um", d.low_pass_separation_um, 0.0, 1e3)?;
     Ok(Optics {
         model: model(d)?,
-        falloff: match d.falloff {
-            FalloffName::None => Falloff::None,
-            FalloffName::Cos4 => Falloff::Cos4,
-        },
+        falloff: d.falloff,
         transmittance: Transmittance::Spectral(curve("optics.transmittance", &d.transmittance, grid)?),
         ir_cut: d.ir_cut.as_ref().map(|f| curve("optics.ir_cut", f, grid)).transpose()?,
         olpf: (separation_um > 0.0).then_some(BirefringentLowPass {
             horizontal_separation_m: separation_um * 1e-6,
             vertical_separation_m: separation_um * 1e-6,
         }),
-        padding: Padding {
-            boundary: match d.surround {
-                SurroundName::Dark => Boundary::Dark,
-                SurroundName::Edge => Boundary::Edge,
-                SurroundName::Mirror => Boundary::Mirror,
-            },
-            ..Padding::default()
-        },
+        padding: Padding { boundary: d.surround, ..Padding::default() },
         ..Optics::new(focal_length_m, f_number)
     })
 }
@@ -108,14 +98,10 @@ fn model(d: &OpticsDescription) -> Result<OpticsModel, CameraError> {
 }
 
 fn wavefront(d: &OpticsDescription) -> Result<Wavefront, CameraError> {
-    let index = match d.zernike_ordering {
-        ZernikeOrdering::Noll => ZernikeIndex::Noll,
-        ZernikeOrdering::Osa => ZernikeIndex::Osa,
-    };
     let term = |(number, &um): (&String, &f64)| {
         let name = format!("optics.zernike_um.{number}");
         let parsed = number.parse().map_err(|_| key(&name, "the key is the number of a Zernike mode"))?;
-        Ok((ZernikeMode::from_index(index, parsed).map_err(|e| key(&name, e))?, um))
+        Ok((ZernikeMode::from_index(d.zernike_ordering, parsed).map_err(|e| key(&name, e))?, um))
     };
     let terms = d.zernike_um.iter().map(term).collect::<Result<Vec<_>, CameraError>>()?;
     Wavefront::new(&terms, WavefrontUnit::Micrometres).map_err(|e| key("optics.zernike_um", e))
@@ -304,7 +290,7 @@ impl CameraDescription {
 
 /// The stated exposure time, or the rule for it.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum ExposureTime {
+pub(super) enum ExposureTime {
     /// The stated time, s.
     Fixed(f64),
     /// The exposure rule.

@@ -11,7 +11,7 @@ pub const TRAINING_SET_REVISION: u32 = 1;
 /// Side of a default training scene, pixels of the sensor.
 const SCENE_PX: usize = 256;
 /// Samples per pixel: two, so that detail beyond the sensor's Nyquist frequency can alias.
-const SAMPLES_PER_PX: usize = 2;
+pub(crate) const SAMPLES_PER_PX: usize = 2;
 /// Number of grey reflectances.
 const GREYS: usize = 16;
 
@@ -37,11 +37,7 @@ pub struct TrainingScene {
 #[must_use]
 pub fn training_scenes(lights: &[Illuminant]) -> Vec<TrainingScene> {
     let n = SCENE_PX * SAMPLES_PER_PX;
-    let leaves = |seed: usize, least: f64, largest: usize| {
-        format!("dead-leaves?rows={n}&cols={n}&seed={seed}&least={least}&largest={largest}")
-    };
-    let scales = [(1.5, 200), (3.0, 60), (1.0, 30), (8.0, 400)];
-    let mut specs: Vec<String> = (0..12).map(|i| leaves(i + 1, scales[i % 4].0, scales[i % 4].1)).collect();
+    let mut specs: Vec<String> = (0..12).map(|i| dead_leaves(i, n)).collect();
     let patches =
         |(i, least): (usize, u32)| format!("color-patches?rows={n}&cols={n}&seed={}&least={least}", i + 1);
     specs.extend([3, 8, 5].into_iter().enumerate().map(patches));
@@ -64,6 +60,13 @@ pub fn training_scenes(lights: &[Illuminant]) -> Vec<TrainingScene> {
     // Every illuminant occurs with every scale of leaves.
     let light = |i: usize| lights[(i + i / 4) % lights.len()].clone();
     specs.into_iter().enumerate().map(|(i, spec)| TrainingScene { spec, light: light(i) }).collect()
+}
+
+/// Dead leaves number `i` of `n` × `n` samples, at four scales in turn, with seeds below those of the test scenes.
+pub(crate) fn dead_leaves(i: usize, n: usize) -> String {
+    let scales = [(1.5, 200), (3.0, 60), (1.0, 30), (8.0, 400)];
+    let (least, largest) = scales[i % scales.len()];
+    format!("dead-leaves?rows={n}&cols={n}&seed={}&least={least}&largest={largest}", i + 1)
 }
 
 impl TrainingScene {

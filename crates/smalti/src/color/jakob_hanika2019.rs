@@ -13,7 +13,7 @@ use super::difference::three;
 use super::display::Matrices;
 use super::matrix::{Matrix3, apply, inverse};
 use super::{ColorSpace, Image, ImageError};
-use crate::numeric::Planes;
+use crate::numeric::{Planes, require};
 use crate::spectrum::{
     Extrapolation, Illuminant, Observer, SpectralCube, Spectrum, SpectrumError, WavelengthGrid,
 };
@@ -84,13 +84,9 @@ impl Uplift {
         let weights: Vec<[f64; 3]> =
             (0..grid.len()).map(|i| [&x, &y, &z].map(|m| m.values()[i] * d65.values()[i])).collect();
         let white = [0, 1, 2].map(|c| weights.iter().map(|w| w[c]).sum::<f64>());
-        if let Some(&none) = white.iter().find(|&&w| w.is_nan() || w <= 0.0) {
-            return Err(SpectrumError::Parameter {
-                name: "the observer's response to D65 on the wavelength grid",
-                value: none,
-                expected: "a grid that covers the visible range",
-            }
-            .into());
+        for w in white {
+            let name = "the observer's response to D65 on the wavelength grid";
+            require(w > 0.0, name, w, "a grid that covers the visible range").map_err(SpectrumError::from)?;
         }
         let mut blocks = vec![Block::default(); grid.len().div_ceil(LANES)];
         for (i, (nm, w)) in grid.wavelengths_nm().zip(&weights).enumerate() {

@@ -24,7 +24,7 @@ mod sweep;
 mod targets;
 mod training_scene;
 
-pub use combinations::{binomial, combination, combination_rank};
+pub use combinations::{binomial, combination};
 pub use error::DesignError;
 pub use filters::{
     Dye, Dyes, FilterFamily, FilterFigures, FilterSet, GaussianGrid, Library, ListedSet, Rule, RuleName,

@@ -38,18 +38,6 @@ impl Permutation {
         Self { len, root: root.max(2), keys, exchange }
     }
 
-    /// Number of values.
-    #[must_use]
-    pub fn len(&self) -> u128 {
-        self.len
-    }
-
-    /// Whether the range is empty.
-    #[must_use]
-    pub fn is_empty(&self) -> bool {
-        self.len == 0
-    }
-
     /// The value at place `i`; `None` for `i` of `len` or more.
     #[must_use]
     pub fn at(&self, i: u128) -> Option<u128> {

@@ -111,7 +111,7 @@ impl PipelineTrainer {
     ) -> Result<Self, CameraError> {
         settings.validate()?;
         let size = settings.size_px;
-        let setting = targets.setting().clone();
+        let setting = targets.setting.clone();
         let light = macbeth::chart(1, &setting)?.illuminant().clone();
         let camera = targets.chart.camera.with_size(size, size);
         let horizontal_fov_deg = camera.field_of_view_deg(size, setting.distance_m)?;
@@ -130,7 +130,7 @@ impl PipelineTrainer {
             white_y: white.plane(LUMINANCE).iter().map(|&y| f64::from(y)).sum(),
             light,
         };
-        Self::from_light(camera, settings, targets.chart.clone(), light, targets.seed())
+        Self::from_light(camera, settings, targets.chart.clone(), light, targets.seed)
     }
 
     /// A trainer from light that was gathered before, on a camera with as many pixels as the light.

@@ -28,12 +28,12 @@ use crate::spectrum::{Spectrum, WavelengthGrid};
 /// The targets imaged on the pixels of a camera, ready for any colour filter array.
 #[derive(Debug, Clone)]
 pub struct Targets {
-    setting: Setting,
+    /// Illuminant, luminance and distance of the targets.
+    pub(super) setting: Setting,
     pub(super) chart: Arc<ImagedScene>,
     /// The targets that the metrics need. The chart is always imaged, because the exposure is found on it.
     measured: Vec<MetricTarget>,
     edge: Option<ImagedScene>,
-    light: Spectrum,
     fit: ColorFit,
     /// X, Y, Z of the reference patches.
     expected: Vec<[f64; 3]>,
@@ -41,7 +41,8 @@ pub struct Targets {
     brightest: Vec<f64>,
     zone_plate: Option<ZonePlate>,
     scenes: Vec<SceneTarget>,
-    seed: u64,
+    /// Seed of the noise.
+    pub(super) seed: u64,
     cache: Arc<Mutex<PatchLightCache>>,
 }
 
@@ -136,32 +137,15 @@ impl Targets {
             fit: camera.color_fit(&light)?,
             expected: chart::expected(&light)?,
             measured,
-            light,
             setting,
             seed: settings.seed,
         })
-    }
-
-    /// The illuminant, photons.
-    #[must_use]
-    pub fn light(&self) -> &Spectrum {
-        &self.light
     }
 
     /// The irradiance at the metered point of the chart; `None` when the exposure rule does not meter a point.
     #[must_use]
     pub fn metered(&self) -> Option<&Spectrum> {
         self.chart.metered()
-    }
-
-    /// Illuminant, luminance and distance of the targets.
-    pub(super) fn setting(&self) -> &Setting {
-        &self.setting
-    }
-
-    /// Seed of the noise.
-    pub(super) fn seed(&self) -> u64 {
-        self.seed
     }
 
     /// The scores of a colour filter array with the camera's own processing.

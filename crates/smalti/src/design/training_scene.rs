@@ -2,6 +2,7 @@
 //!
 //! One scene needs one optical image and one capture. The boundaries between its pictures are edges like any others.
 
+use crate::camera::training_set::{SAMPLES_PER_PX, dead_leaves};
 use crate::camera::{Camera, CameraError, training_reflectances};
 use crate::numeric::Planes;
 use crate::scene::{Scene, Setting, catalog};
@@ -9,8 +10,6 @@ use crate::spectrum::{SpectralCube, Spectrum};
 
 /// Side of one picture, pixels of the sensor.
 const PIECE_PX: usize = 64;
-/// Samples per pixel: two, so that detail beyond the sensor's Nyquist frequency can alias.
-const SAMPLES_PER_PX: usize = 2;
 /// Relative illuminance of the pictures, in turn: all colours occur in shade as well.
 const BRIGHTNESS: [f32; 3] = [0.95, 0.95, 0.35];
 /// Relative illuminance of the uniform surfaces.
@@ -48,12 +47,10 @@ pub(super) fn scene(
     Ok(Scene::new("lessons", cube, white.clone(), setting.distance_m, setting.horizontal_fov_deg)?)
 }
 
-/// The scene of one picture: dead leaves at several scales, with seeds below those of the test scenes, or a test pattern.
+/// The scene of one picture: dead leaves or a test pattern.
 fn spec(i: usize, n: usize) -> String {
-    let scales = [(1.5, 200), (3.0, 60), (1.0, 30), (8.0, 400)];
     if i % PATTERN_INTERVAL != PATTERN_INTERVAL - 1 {
-        let (least, largest) = scales[i % scales.len()];
-        return format!("dead-leaves?rows={n}&cols={n}&seed={}&least={least}&largest={largest}", i + 1);
+        return dead_leaves(i, n);
     }
     match i / PATTERN_INTERVAL % 5 {
         0 => format!("slanted-bar?size={}", n + 1),

@@ -8,14 +8,10 @@ use crate::sensor::RawImage;
 /// Receives the steps of an experiment, from any thread, and can stop it.
 pub trait Progress: Sync {
     /// Announces further steps of the work.
-    fn expect(&self, steps: u64) {
-        let _ = steps;
-    }
+    fn expect(&self, _steps: u64) {}
 
     /// A step with this name begins.
-    fn begin(&self, step: &str) {
-        let _ = step;
-    }
+    fn begin(&self, _step: &str) {}
 
     /// A step is done.
     fn done(&self) {}
@@ -24,9 +20,7 @@ pub trait Progress: Sync {
     fn picture(&self) {}
 
     /// A note for the user that is not an error.
-    fn note(&self, text: &str) {
-        let _ = text;
-    }
+    fn note(&self, _text: &str) {}
 
     /// Whether the work should stop. The experiment checks this between steps and pictures, and then ends with
     /// [`ExperimentError::Stopped`].

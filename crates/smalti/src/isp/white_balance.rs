@@ -1,20 +1,27 @@
 //! White balance.
 
+use serde::{Deserialize, Serialize};
+
 use super::ColorMatrix;
 use crate::color::display::D65_XYZ;
 use crate::color::matrix::{Matrix3, apply};
 use crate::color::{Adaptation, ImageError};
 
 /// The white balance of a picture.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+///
+/// Without one, X, Y, Z are linear in the raw samples, as for scores of colour. [`WhiteBalance::Illuminant`] adapts the white of
+/// the camera to D65 (Bradford) and keeps its Y. [`WhiteBalance::GrayWorld`] first scales the channels so that the mean of the
+/// picture has the chromaticity of the white of the colour matrix and keeps its Y.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "kebab-case")]
 #[non_exhaustive]
 pub enum WhiteBalance {
-    /// None: X, Y, Z under the illuminant of the scene, linear in the raw samples, as for scores of colour.
+    /// None: colours as they are under the scene's light.
     None,
-    /// The mean of the picture is assumed to be neutral. Channels are scaled so that it has the chromaticity of the white of the
-    /// colour matrix and keeps its Y; then as [`WhiteBalance::Illuminant`].
+    /// The mean of the picture is made grey.
     GrayWorld,
-    /// The white of the camera is adapted to D65 (Bradford) and keeps its Y.
+    /// The scene's illuminant is made white.
     #[default]
     Illuminant,
 }

@@ -6,11 +6,14 @@ pub mod fft;
 pub mod least_squares;
 pub(crate) mod mirror;
 pub mod normal;
+mod out_of_range;
 pub mod philox;
 mod planes;
 pub mod poisson;
 mod rect;
 pub(crate) mod simd;
 
+pub use out_of_range::OutOfRange;
+pub(crate) use out_of_range::require;
 pub use planes::{Planes, ShapeError};
 pub use rect::Rect;

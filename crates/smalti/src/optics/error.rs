@@ -2,8 +2,8 @@
 
 use thiserror::Error;
 
-use crate::numeric::ShapeError;
 use crate::numeric::fft::FftError;
+use crate::numeric::{OutOfRange, ShapeError};
 use crate::spectrum::SpectrumError;
 
 /// Errors of the optics, or of a scene that they cannot image.
@@ -11,15 +11,8 @@ use crate::spectrum::SpectrumError;
 #[non_exhaustive]
 pub enum OpticsError {
     /// A parameter is out of its range.
-    #[error("{name} is {value}; expected {expected}")]
-    Parameter {
-        /// Its name.
-        name: &'static str,
-        /// Its value.
-        value: f64,
-        /// The range.
-        expected: &'static str,
-    },
+    #[error(transparent)]
+    Parameter(#[from] OutOfRange),
     /// The scene is within the focal length, so there is no real image.
     #[error(
         "the scene is {distance_m} m from the lens; a focal length of {focal_length_m} m needs more than that"
@@ -37,16 +30,6 @@ pub enum OpticsError {
         number: usize,
         /// The available numbers.
         expected: &'static str,
-    },
-    /// No Zernike mode has this order and frequency.
-    #[error(
-        "there is no Zernike mode of order {n} and frequency {m}; expected an order up to 20, |m| ≤ n, n − m even"
-    )]
-    ZernikeOrder {
-        /// Radial order.
-        n: u32,
-        /// Azimuthal frequency.
-        m: i32,
     },
     /// The wavefront is too steep for a sampled pupil; such a blur is geometrical, not wave-optical.
     #[error(
@@ -103,14 +86,4 @@ pub enum OpticsError {
     /// The shape of the planes is invalid.
     #[error(transparent)]
     Shape(#[from] ShapeError),
-}
-
-/// `Ok` when `value` is finite and `good`; otherwise an error that names the parameter.
-pub(super) fn require(
-    good: bool,
-    name: &'static str,
-    value: f64,
-    expected: &'static str,
-) -> Result<(), OpticsError> {
-    if good && value.is_finite() { Ok(()) } else { Err(OpticsError::Parameter { name, value, expected }) }
 }

@@ -2,8 +2,9 @@
 
 use serde::Serialize;
 
-use super::error::{OpticsError, require};
-use crate::spectrum::Spectrum;
+use super::error::OpticsError;
+use crate::numeric::require;
+use crate::spectrum::{Spectrum, SpectrumError};
 
 /// How far the image is from focus, for all wavelengths alike. All three ways give a wavefront error W₂₀ ρ² over
 /// the pupil (ρ = 1 at the rim).
@@ -76,18 +77,10 @@ impl ChromaticFocus {
                 require(n0 > 1.0, "the index of the lens", n0, "more than 1")?;
                 ("chromatic focus (dioptres)", (index(wavelength_nm) - n0) / ((n0 - 1.0) * focal_length_m))
             }
-            Self::Measured(table) => match table.at(wavelength_nm) {
-                Some(d) => return Ok(d),
-                None => {
-                    return Err(crate::spectrum::SpectrumError::Coverage {
-                        have_start_nm: table.grid().start_nm(),
-                        have_end_nm: table.grid().end_nm(),
-                        need_start_nm: wavelength_nm,
-                        need_end_nm: wavelength_nm,
-                    }
-                    .into());
-                }
-            },
+            Self::Measured(table) => {
+                let missing = SpectrumError::coverage(table.grid(), wavelength_nm, wavelength_nm);
+                return Ok(table.at(wavelength_nm).ok_or(missing)?);
+            }
         };
         require(value.is_finite(), name, value, "a finite number")?;
         Ok(value)

@@ -1,6 +1,7 @@
 //! Position and size of the image.
 
-use super::error::{OpticsError, require};
+use super::error::OpticsError;
+use crate::numeric::{OutOfRange, require};
 
 /// A thin lens in front of a plane scene, in air.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -72,15 +73,9 @@ impl Geometry {
     pub fn sample_spacing_m(&self, horizontal_fov_deg: f64, cols: usize) -> f64 {
         2.0 * self.image_distance_m * (horizontal_fov_deg.to_radians() / 2.0).tan() / cols as f64
     }
-
-    /// Angle between the axis and the chief ray to a point of the sensor, rad.
-    #[must_use]
-    pub fn field_angle_rad(&self, x_m: f64, y_m: f64) -> f64 {
-        (x_m.hypot(y_m) / self.image_distance_m).atan()
-    }
 }
 
-fn check_lens(focal_length_m: f64, f_number: f64) -> Result<(), OpticsError> {
+fn check_lens(focal_length_m: f64, f_number: f64) -> Result<(), OutOfRange> {
     require(focal_length_m > 0.0, "focal_length_m", focal_length_m, "more than 0")?;
     require(f_number > 0.0, "f_number", f_number, "more than 0")
 }

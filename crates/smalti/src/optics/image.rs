@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use crate::numeric::Planes;
+use crate::numeric::{Planes, require};
 use crate::spectrum::{Observer, SpectralCube, SpectrumError};
 
 /// Revision of the optical computation. Increase it with every change that alters an optical image; caches of
@@ -23,13 +23,7 @@ impl OpticalImage {
     /// # Errors
     /// When the spacing is not positive and finite.
     pub fn new(irradiance: SpectralCube, sample_spacing_m: f64) -> Result<Self, SpectrumError> {
-        if !(sample_spacing_m.is_finite() && sample_spacing_m > 0.0) {
-            return Err(SpectrumError::Parameter {
-                name: "sample_spacing_m",
-                value: sample_spacing_m,
-                expected: "more than 0",
-            });
-        }
+        require(sample_spacing_m > 0.0, "sample_spacing_m", sample_spacing_m, "more than 0")?;
         Ok(Self { irradiance, sample_spacing_m })
     }
 
@@ -38,10 +32,7 @@ impl OpticalImage {
     /// # Errors
     /// When the factor is negative or not finite, or a product exceeds the range of single precision.
     pub fn scaled(&self, factor: f64) -> Result<Self, SpectrumError> {
-        if !(factor.is_finite() && factor >= 0.0) {
-            let expected = "0 or more, finite";
-            return Err(SpectrumError::Parameter { name: "factor", value: factor, expected });
-        }
+        require(factor >= 0.0, "factor", factor, "0 or more, finite")?;
         let planes = self.irradiance.planes();
         let data = planes.data().par_iter().map(|&v| (f64::from(v) * factor) as f32).collect();
         let (rows, cols, count) = (planes.rows(), planes.cols(), planes.count());
@@ -66,7 +57,6 @@ impl OpticalImage {
     /// # Errors
     /// Never for a valid image.
     pub fn illuminance_lux(&self) -> Result<Vec<f32>, SpectrumError> {
-        let xyz = Observer::Cie1931.xyz_planes_from_photons(&self.irradiance)?;
-        Ok(xyz.plane(1).to_vec())
+        Observer::Cie1931.luminance_from_photons(&self.irradiance)
     }
 }

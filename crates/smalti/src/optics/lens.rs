@@ -1,9 +1,9 @@
 //! What a lens is, by its values.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::diffraction::{in_focus, out_of_focus};
-use super::error::{OpticsError, require};
+use super::error::OpticsError;
 use super::focus::{ChromaticFocus, Defocus, rim_error_m};
 use super::geometry::Geometry;
 use super::olpf::BirefringentLowPass;
@@ -14,6 +14,7 @@ use super::pupil::Pupil;
 use super::zernike::Wavefront;
 use crate::numeric::Planes;
 use crate::numeric::fft::{Complex32, RealFft2, bin_frequency};
+use crate::numeric::require;
 use crate::spectrum::{Extrapolation, Spectrum, WavelengthGrid};
 
 /// Steepest wavefront that the integral of a defocused lens is worth its time for, waves per pupil radius.
@@ -70,12 +71,14 @@ pub enum OpticsModel {
     Psf(PsfStack),
 }
 
-/// How light falls off from the axis.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
+/// How light falls off from the axis. With cos⁴: a thin lens without vignetting, before a flat sensor.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "kebab-case")]
 pub enum Falloff {
-    /// Not at all.
+    /// None.
     None,
-    /// With cos⁴ of the field angle: a thin lens without vignetting, before a flat sensor.
+    /// Fourth power of the cosine of the field angle.
     #[default]
     Cos4,
 }

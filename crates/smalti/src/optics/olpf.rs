@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::error::{OpticsError, require};
+use crate::numeric::{OutOfRange, require};
 
 /// Two crossed birefringent plates that split every ray into four, at the corners of a rectangle. Their transfer
 /// function is cos(π a fx) · cos(π b fy) (Greivenkamp 1990): the first zero lies at half the inverse separation,
@@ -16,7 +16,7 @@ pub struct BirefringentLowPass {
 }
 
 impl BirefringentLowPass {
-    pub(super) fn check(&self) -> Result<(), OpticsError> {
+    pub(super) fn check(&self) -> Result<(), OutOfRange> {
         for (name, v) in [
             ("olpf.horizontal_separation_m", self.horizontal_separation_m),
             ("olpf.vertical_separation_m", self.vertical_separation_m),

@@ -1,21 +1,22 @@
 //! What lies beyond the border of the scene.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
-use super::error::{OpticsError, require};
 use crate::numeric::fft::fast_len;
 use crate::numeric::mirror::about_border;
+use crate::numeric::{OutOfRange, require};
 
-/// What the lens sees beyond the border of the scene.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
+/// What the lens sees beyond the border of the scene. The optical image has the size of the scene, but with dark surroundings
+/// it is larger by the margin on every side, and holds the light that spreads there.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "kebab-case")]
 pub enum Boundary {
-    /// Nothing. The optical image is larger than the scene by the margin on every side, and holds the light
-    /// that spreads there. This is what ISETCam does.
-    #[default]
+    /// Nothing, as in ISETCam: the border of the picture darkens.
     Dark,
-    /// The outermost samples go on. The optical image has the size of the scene.
+    /// The outermost samples go on.
     Edge,
-    /// The scene mirrored at its border. The optical image has the size of the scene.
+    /// The scene mirrored at its border.
     Mirror,
 }
 
@@ -42,7 +43,7 @@ impl Default for Padding {
 }
 
 impl Padding {
-    pub(super) fn check(&self) -> Result<(), OpticsError> {
+    pub(super) fn check(&self) -> Result<(), OutOfRange> {
         require((0.0..=4.0).contains(&self.margin), "padding.margin", self.margin, "0 to 4")
     }
 

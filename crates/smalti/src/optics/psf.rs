@@ -2,10 +2,11 @@
 
 use serde::Serialize;
 
-use super::error::{OpticsError, require};
+use super::error::OpticsError;
 use super::otf::FrequencyGrid;
 use crate::numeric::Planes;
 use crate::numeric::fft::{RealFft2, fast_len};
+use crate::numeric::require;
 
 /// Largest side of a point spread function, samples.
 const MAX_SIDE: usize = 2048;

@@ -107,7 +107,7 @@ impl Pupil {
 mod tests {
     use super::super::diffraction::{diffraction_limit, out_of_focus};
     use super::super::otf::lookup;
-    use super::super::zernike::{Wavefront, WavefrontUnit, ZernikeIndex};
+    use super::super::zernike::{Wavefront, WavefrontUnit, ZernikeIndex, ZernikeMode};
     use super::*;
 
     #[test]
@@ -148,8 +148,9 @@ mod tests {
     fn a_tilt_is_a_shift() {
         // Z2 with coefficient c is 2 c x: by 2c per radius, 2N · 2c on the sensor; with N λ = 1, 4c / λ.
         let unit = WavefrontUnit::Waves { at_nm: 500.0 };
-        for (list, dx, dy) in [([0.0, 0.5, 0.0], 1.0, 0.0), ([0.0, 0.0, 0.5], 0.0, 1.0)] {
-            let tilt = Wavefront::from_list(ZernikeIndex::Noll, &list, unit).unwrap();
+        for (number, dx, dy) in [(2, 1.0, 0.0), (3, 0.0, 1.0)] {
+            let mode = ZernikeMode::from_index(ZernikeIndex::Noll, number).unwrap();
+            let tilt = Wavefront::new(&[(mode, 0.5)], unit).unwrap();
             let pupil = Pupil::new(&tilt, tilt.steepest_m(), 500e-9).unwrap();
             let grid = pupil.mean_phase(500e-9, 0.0, 1.0).unwrap();
             for (fx, fy) in [(0.1, 0.0), (0.0, 0.2), (0.3, 0.4), (-0.3, 0.2), (0.2, -0.3)] {

@@ -1,11 +1,11 @@
 //! A chart of uniform colour patches of several sizes: every square is one patch or splits into four smaller
 //! squares.
 
+use super::compose::count_reflectances;
 use super::compose::{Fragment, check_size, fragments, lit};
-use super::error::require;
-use super::macbeth::check_reflectances;
 use super::{Scene, SceneError, Setting};
 use crate::numeric::philox::Stream;
+use crate::numeric::require;
 use crate::spectrum::Spectrum;
 
 /// Separates the random numbers of this pattern from other uses of the seed.
@@ -29,13 +29,6 @@ pub struct ColorPatches {
     pub seed: u64,
 }
 
-impl Default for ColorPatches {
-    /// Patches of 8 to 128 pixels.
-    fn default() -> Self {
-        Self { rows: 512, cols: 512, least_px: 8, doublings: 4, seed: 1 }
-    }
-}
-
 /// Draws the patches, each with a random one of the `reflectances` (on the grid of the setting). The right
 /// and bottom borders of the image truncate squares.
 ///
@@ -52,11 +45,7 @@ pub fn color_patches(
     require((1..=32768).contains(&cols), "cols", cols as f64, "1 to 32768")?;
     require((1..=4096).contains(&least_px), "least_px", least_px as f64, "1 to 4096")?;
     require(doublings <= 8, "doublings", f64::from(doublings), "0 to 8")?;
-    let kinds = u32::try_from(reflectances.len()).unwrap_or(0);
-    if kinds == 0 {
-        return Err(SceneError::Reflectances { got: reflectances.len(), expected: "at least 1" });
-    }
-    check_reflectances(reflectances, setting.grid)?;
+    let kinds = count_reflectances(reflectances, setting.grid)?;
     check_size(rows, cols, setting.grid)?;
     // Each pixel finds its square from the largest size downwards. Every square has its own random numbers,
     // so the order of evaluation does not matter.

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 
 use super::{Scene, SceneError, Setting};
 use crate::numeric::Planes;
-use crate::spectrum::{Observer, SpectralCube, Spectrum, WavelengthGrid};
+use crate::spectrum::{Observer, SpectralCube, Spectrum, SpectrumError, WavelengthGrid};
 
 /// Maximum number of values (pixels times wavelengths) of a built-in scene: 4 GiB.
 pub const MAX_VALUES: usize = 1 << 30;
@@ -29,6 +29,19 @@ pub(super) fn check_size(rows: usize, cols: usize, grid: WavelengthGrid) -> Resu
     } else {
         Err(SceneError::TooLarge { rows, cols, bands: grid.len(), limit: MAX_VALUES })
     }
+}
+
+/// The number of reflectances. Fails when there is none, or one is negative or on another grid.
+pub(super) fn count_reflectances(list: &[Spectrum], grid: WavelengthGrid) -> Result<u32, SceneError> {
+    let count = u32::try_from(list.len()).ok().filter(|&n| n > 0);
+    let count = count.ok_or(SceneError::Reflectances { got: list.len(), expected: "at least 1" })?;
+    for r in list {
+        if r.grid() != grid {
+            return Err(SpectrumError::GridMismatch { left: r.grid(), right: grid }.into());
+        }
+        r.check("a reflectance", |v| v >= 0.0, "reflectances are not negative")?;
+    }
+    Ok(count)
 }
 
 /// A scene of spectrally flat reflectances, one per pixel in row order.

@@ -8,11 +8,11 @@ use std::f64::consts::FRAC_1_SQRT_2;
 
 use rayon::prelude::*;
 
+use super::compose::count_reflectances;
 use super::compose::{Fragment, check_size, fragments, lit};
-use super::error::require;
-use super::macbeth::check_reflectances;
 use super::{Scene, SceneError, Setting};
 use crate::numeric::philox::Stream;
+use crate::numeric::require;
 use crate::spectrum::Spectrum;
 
 /// Separates the random numbers of this pattern from other uses of the seed.
@@ -38,12 +38,6 @@ pub struct DeadLeaves {
     pub seed: u64,
 }
 
-impl Default for DeadLeaves {
-    fn default() -> Self {
-        Self { rows: 512, cols: 512, least_radius_px: 1.5, largest_radius_px: 200.0, seed: 1 }
-    }
-}
-
 /// Draws the leaves, each with a random one of the `reflectances` (on the grid of the setting).
 ///
 /// Leaves are placed from front to back, and only where the image is still empty. The cost is therefore
@@ -63,19 +57,10 @@ pub fn dead_leaves(
     require(least >= 0.5, "least_radius_px", least, "at least 0.5")?;
     let largest_ok = largest > least && largest <= 1e5;
     require(largest_ok, "largest_radius_px", largest, "more than the least radius and at most 1e5")?;
-    if reflectances.is_empty() || u32::try_from(reflectances.len()).is_err() {
-        return Err(SceneError::Reflectances { got: reflectances.len(), expected: "at least 1" });
-    }
-    check_reflectances(reflectances, setting.grid)?;
+    let kinds = count_reflectances(reflectances, setting.grid)?;
     check_size(rows, cols, setting.grid)?;
 
-    let law = LeafDistribution {
-        size: [cols as f64, rows as f64],
-        least,
-        largest,
-        kinds: reflectances.len() as u32,
-        seed,
-    };
+    let law = LeafDistribution { size: [cols as f64, rows as f64], least, largest, kinds, seed };
     let mut bands: Vec<Band> =
         (0..rows).step_by(BAND).map(|first| Band::new(first, BAND.min(rows - first), cols)).collect();
     for batch in 0..law.batches() {

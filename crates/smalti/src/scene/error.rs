@@ -3,6 +3,7 @@
 use thiserror::Error;
 
 use crate::names::did_you_mean;
+use crate::numeric::OutOfRange;
 use crate::spectrum::SpectrumError;
 
 /// Errors of a scene.
@@ -10,15 +11,8 @@ use crate::spectrum::SpectrumError;
 #[non_exhaustive]
 pub enum SceneError {
     /// A parameter is out of its range.
-    #[error("{name} is {value}; expected {expected}")]
-    Parameter {
-        /// Its name.
-        name: &'static str,
-        /// Its value.
-        value: f64,
-        /// The range.
-        expected: &'static str,
-    },
+    #[error(transparent)]
+    Parameter(#[from] OutOfRange),
     /// The spectral image would be larger than [`MAX_VALUES`](super::MAX_VALUES).
     #[error(
         "a scene of {rows} × {cols} pixels at {bands} wavelengths is too large; expected at most {limit} values"
@@ -111,14 +105,4 @@ pub enum SceneError {
     /// Spectral data are invalid.
     #[error(transparent)]
     Spectrum(#[from] SpectrumError),
-}
-
-/// Returns an error unless `ok`.
-pub(super) fn require(
-    ok: bool,
-    name: &'static str,
-    value: f64,
-    expected: &'static str,
-) -> Result<(), SceneError> {
-    if ok { Ok(()) } else { Err(SceneError::Parameter { name, value, expected }) }
 }

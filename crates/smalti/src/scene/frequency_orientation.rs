@@ -3,8 +3,8 @@
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use super::compose::{check_size, grey};
-use super::error::require;
 use super::{PatternSampling, Scene, SceneError, Setting};
+use crate::numeric::require;
 
 /// Square blocks with one sinusoidal grating each. The frequency increases from left to right; the
 /// orientation changes from horizontal bars at the top to vertical bars at the bottom.
@@ -20,13 +20,6 @@ pub struct FrequencyOrientation {
     pub contrast: f64,
     /// `Isetcam`: point samples, clipped to at least 10⁻⁴. `Area`: the mean over each pixel.
     pub sampling: PatternSampling,
-}
-
-impl Default for FrequencyOrientation {
-    /// The layout of ISETCam's `sceneCreate('frequency orientation')`, 256 × 256 pixels.
-    fn default() -> Self {
-        Self { block_px: 32, frequencies: 8, angles: 8, contrast: 1.0, sampling: PatternSampling::Area }
-    }
 }
 
 /// Draws the gratings: reflectance (1 + contrast · sin 2πj(x sin α + y cos α)) / 2, where x and y run from 0

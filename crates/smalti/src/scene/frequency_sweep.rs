@@ -5,9 +5,9 @@
 use std::f64::consts::TAU;
 
 use super::compose::{check_size, grey};
-use super::error::require;
 use super::quadrature::mean_over_pixel;
 use super::{Scene, SceneError, Setting};
+use crate::numeric::require;
 
 /// A chirp whose frequency and contrast change geometrically from pixel to pixel.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -22,12 +22,6 @@ pub struct FrequencySweep {
     pub highest: f64,
     /// Contrast at the top, more than 0 and at most 1; the contrast at the bottom is 1.
     pub least_contrast: f64,
-}
-
-impl Default for FrequencySweep {
-    fn default() -> Self {
-        Self { rows: 384, cols: 768, lowest: 1.0 / 256.0, highest: 0.5, least_contrast: 0.01 }
-    }
 }
 
 /// Draws the sweep; every pixel contains the mean over its width.

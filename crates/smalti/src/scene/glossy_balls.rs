@@ -11,11 +11,11 @@
 
 use rayon::prelude::*;
 
+use super::compose::count_reflectances;
 use super::compose::{Fragment, check_size, fragments, lit};
-use super::error::require;
-use super::macbeth::check_reflectances;
 use super::{Scene, SceneError, Setting};
 use crate::numeric::philox::Stream;
+use crate::numeric::require;
 use crate::spectrum::Spectrum;
 
 /// Separates the random numbers of this pattern from other uses of the seed.
@@ -54,13 +54,6 @@ pub struct GlossyBalls {
     pub seed: u64,
 }
 
-impl Default for GlossyBalls {
-    /// A shade ratio of 1000:1.
-    fn default() -> Self {
-        Self { rows: 512, cols: 512, shade: 1000.0, seed: 1 }
-    }
-}
-
 struct Ball {
     x: f64,
     y: f64,
@@ -84,11 +77,7 @@ pub fn glossy_balls(
     require((8..=16384).contains(&rows), "rows", rows as f64, "8 to 16384")?;
     require((8..=16384).contains(&cols), "cols", cols as f64, "8 to 16384")?;
     require((1.0..=1e8).contains(&shade), "shade", shade, "1 to 1e8")?;
-    let white = u32::try_from(reflectances.len()).unwrap_or(0);
-    if white == 0 {
-        return Err(SceneError::Reflectances { got: reflectances.len(), expected: "at least 1" });
-    }
-    check_reflectances(reflectances, setting.grid)?;
+    let white = count_reflectances(reflectances, setting.grid)?;
     check_size(rows, cols, setting.grid)?;
     let balls: Vec<Ball> = (0..BALLS).map(|i| ball(i, rows, cols, white, seed)).collect();
     let shades = Shades::new(rows, cols, shade, seed);

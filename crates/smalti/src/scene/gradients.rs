@@ -2,11 +2,11 @@
 
 use rayon::prelude::*;
 
+use super::compose::count_reflectances;
 use super::compose::{Fragment, check_size, fragments, lit};
-use super::error::require;
-use super::macbeth::check_reflectances;
 use super::{Scene, SceneError, Setting};
 use crate::numeric::philox::Stream;
+use crate::numeric::require;
 use crate::spectrum::Spectrum;
 
 /// Separates the random numbers of this pattern from other uses of the seed.
@@ -30,13 +30,6 @@ pub struct Gradients {
     pub seed: u64,
 }
 
-impl Default for Gradients {
-    /// Cells of 64 pixels and an illumination ratio of 100:1.
-    fn default() -> Self {
-        Self { rows: 512, cols: 512, cell_px: 64, contrast_ratio: 100.0, neutral: false, seed: 1 }
-    }
-}
-
 /// Draws the gradients; a node has a random one of the `reflectances` (on the grid of the setting) and a
 /// random illumination.
 ///
@@ -55,11 +48,7 @@ pub fn gradients(
     require((1.0..=1e8).contains(&contrast_ratio), "contrast_ratio", contrast_ratio, "1 to 1e8")?;
     let white = [Spectrum::constant(setting.grid, 1.0)];
     let reflectances = if neutral { &white[..] } else { reflectances };
-    let kinds = u32::try_from(reflectances.len()).unwrap_or(0);
-    if kinds == 0 {
-        return Err(SceneError::Reflectances { got: reflectances.len(), expected: "at least 1" });
-    }
-    check_reflectances(reflectances, setting.grid)?;
+    let kinds = count_reflectances(reflectances, setting.grid)?;
     check_size(rows, cols, setting.grid)?;
     let node = |down: usize, right: usize| {
         let mut random = Stream::new(seed, PURPOSE, (down as u32) << 16 | right as u32);

@@ -1,8 +1,8 @@
 //! A grey step wedge, for tone curves and dynamic range.
 
 use super::compose::{check_size, grey};
-use super::error::require;
 use super::{Scene, SceneError, Setting};
+use crate::numeric::require;
 
 /// Grey bars from bright (left) to dark, in equal steps of optical density.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -15,13 +15,6 @@ pub struct GreySteps {
     pub rows: usize,
     /// Density of the darkest bar (the brightest has 0), more than 0 and at most 8: luminance spans 10^density.
     pub density: f64,
-}
-
-impl Default for GreySteps {
-    /// 20 bars to density 3, a contrast of 1000:1.
-    fn default() -> Self {
-        Self { steps: 20, step_px: 32, rows: 160, density: 3.0 }
-    }
 }
 
 /// Draws the wedge.

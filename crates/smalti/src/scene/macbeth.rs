@@ -4,28 +4,16 @@
 //! grey series from white to black. They are adjacent squares without a frame, as in ISETCam's chart. Tables
 //! made with ISETCam often number the patches column by column instead.
 
-use super::compose::{Fragment, check_size, fragments, lit};
-use super::error::require;
+use super::compose::{Fragment, check_size, count_reflectances, fragments, lit};
 use super::{Scene, SceneError, Setting};
-use crate::numeric::Rect;
+use crate::numeric::require;
 use crate::spectrum::generated::COLORCHECKER;
-use crate::spectrum::{Extrapolation, Spectrum, SpectrumError, WavelengthGrid};
+use crate::spectrum::{Extrapolation, Spectrum, WavelengthGrid};
 
 /// Rows of patches.
 pub const ROWS: usize = 4;
 /// Columns of patches.
 pub const COLS: usize = 6;
-
-/// The position of patch `index` in a chart with patches of `patch_px` pixels; `None` from 24 on.
-#[must_use]
-pub fn patch_rect(index: usize, patch_px: usize) -> Option<Rect> {
-    (index < ROWS * COLS).then(|| Rect {
-        row: index / COLS * patch_px,
-        col: index % COLS * patch_px,
-        rows: patch_px,
-        cols: patch_px,
-    })
-}
 
 /// The reflectances of the 24 patches (average of 30 charts, 380–730 nm; held constant beyond), row by row
 /// from dark skin.
@@ -52,7 +40,7 @@ pub fn chart_of(reflectances: &[Spectrum], patch_px: usize, setting: &Setting) -
     if reflectances.len() != ROWS * COLS {
         return Err(SceneError::Reflectances { got: reflectances.len(), expected: "24, row by row" });
     }
-    check_reflectances(reflectances, setting.grid)?;
+    count_reflectances(reflectances, setting.grid)?;
     require(patch_px > 0, "patch_px", patch_px as f64, "at least 1")?;
     let (rows, cols) = (ROWS.saturating_mul(patch_px), COLS.saturating_mul(patch_px));
     check_size(rows, cols, setting.grid)?;
@@ -65,23 +53,4 @@ pub fn chart_of(reflectances: &[Spectrum], patch_px: usize, setting: &Setting) -
     let painted: Vec<_> = (0..rows).map(row_of).collect();
     let light = setting.light()?;
     fragments("macbeth", cols, &painted, &lit(reflectances, &light)?, &light, setting)
-}
-
-/// Fails when a reflectance is negative or on another grid.
-pub(super) fn check_reflectances(list: &[Spectrum], grid: WavelengthGrid) -> Result<(), SceneError> {
-    for r in list {
-        if r.grid() != grid {
-            return Err(SpectrumError::GridMismatch { left: r.grid(), right: grid }.into());
-        }
-        if let Some(i) = r.values().iter().position(|&v| v < 0.0) {
-            return Err(SpectrumError::Value {
-                quantity: "a reflectance",
-                wavelength_nm: grid.wavelength_nm(i),
-                value: r.values()[i],
-                expected: "reflectances are not negative",
-            }
-            .into());
-        }
-    }
-    Ok(())
 }

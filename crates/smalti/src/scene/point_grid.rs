@@ -1,9 +1,9 @@
 //! Bright points on black, which show the point spread function over the field.
 
 use super::compose::{check_size, grey};
-use super::error::require;
 use super::raster::{Canvas, disc};
 use super::{Scene, SceneError, Setting};
+use crate::numeric::require;
 
 /// A square grid of bright discs on black, symmetric about the centre.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -14,12 +14,6 @@ pub struct PointGrid {
     pub spacing_px: usize,
     /// Diameter of a point in pixels, more than 0 and less than the spacing.
     pub diameter_px: f64,
-}
-
-impl Default for PointGrid {
-    fn default() -> Self {
-        Self { points: 15, spacing_px: 32, diameter_px: 2.0 }
-    }
 }
 
 /// Draws the grid; the scene has `points * spacing_px` rows and columns.

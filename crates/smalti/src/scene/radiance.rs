@@ -3,9 +3,8 @@
 use rayon::prelude::*;
 
 use super::SceneError;
-use super::error::require;
 use super::setting::{require_distance, require_fov, require_luminance};
-use crate::numeric::Planes;
+use crate::numeric::{Planes, require};
 use crate::spectrum::{
     Extrapolation, Illuminant, Observer, SpectralCube, Spectrum, SpectrumError, WavelengthGrid,
 };
@@ -89,8 +88,7 @@ impl Scene {
     /// Tristimulus values of every pixel as three planes X, Y, Z (CIE 1931), absolute: Y in cd/m².
     ///
     /// # Errors
-    /// Tristimulus values of every pixel as three planes X, Y, Z (CIE 1931). They are absolute: Y is in
-    /// cd/m².
+    /// Never for a valid scene.
     pub fn xyz(&self) -> Result<Planes, SceneError> {
         Ok(Observer::Cie1931.xyz_planes_from_photons(&self.radiance)?)
     }
@@ -100,19 +98,7 @@ impl Scene {
     /// # Errors
     /// Never for a valid scene.
     pub fn luminance_cd_m2(&self) -> Result<Vec<f32>, SceneError> {
-        const CHUNK: usize = 4096;
-        let y = &Observer::Cie1931.photon_weights(self.radiance.grid())?[1];
-        let planes: Vec<&[f32]> = self.radiance.planes().planes().collect();
-        let mut out = vec![0.0f32; self.radiance.planes().plane_len()];
-        out.par_chunks_mut(CHUNK).enumerate().for_each(|(i, chunk)| {
-            for (plane, &weight) in planes.iter().zip(y.values()) {
-                let weight = weight as f32;
-                for (sum, &v) in chunk.iter_mut().zip(&plane[i * CHUNK..]) {
-                    *sum += weight * v;
-                }
-            }
-        });
-        Ok(out)
+        Ok(Observer::Cie1931.luminance_from_photons(&self.radiance)?)
     }
 
     /// The scene with its radiance and its illuminant scaled to a mean luminance, cd/m².

@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::SceneError;
-use super::error::require;
+use crate::numeric::{OutOfRange, require};
 use crate::spectrum::{Illuminant, Spectrum, WavelengthGrid};
 
 /// Light, luminance, distance and size of a built-in scene.
@@ -43,7 +43,7 @@ impl Setting {
     }
 
     /// An error when a number is out of its range. Done first, before anything large is computed.
-    pub(super) fn check(&self) -> Result<(), SceneError> {
+    pub(super) fn check(&self) -> Result<(), OutOfRange> {
         require_luminance(self.luminance_cd_m2)?;
         require_distance(self.distance_m)?;
         require_fov(self.horizontal_fov_deg)
@@ -51,14 +51,14 @@ impl Setting {
 }
 
 /// Ten times the sun's disc is 2·10¹⁰ cd/m²; far above it single precision would overflow.
-pub(super) fn require_luminance(cd_m2: f64) -> Result<(), SceneError> {
+pub(super) fn require_luminance(cd_m2: f64) -> Result<(), OutOfRange> {
     require(cd_m2 > 0.0 && cd_m2 <= 1e12, "luminance_cd_m2", cd_m2, "more than 0 and at most 1e12")
 }
 
-pub(super) fn require_distance(m: f64) -> Result<(), SceneError> {
-    require(m.is_finite() && m > 0.0, "distance_m", m, "more than 0")
+pub(super) fn require_distance(m: f64) -> Result<(), OutOfRange> {
+    require(m > 0.0, "distance_m", m, "more than 0")
 }
 
-pub(super) fn require_fov(deg: f64) -> Result<(), SceneError> {
+pub(super) fn require_fov(deg: f64) -> Result<(), OutOfRange> {
     require(deg > 0.0 && deg < 180.0, "horizontal_fov_deg", deg, "between 0 and 180")
 }

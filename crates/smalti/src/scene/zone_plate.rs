@@ -3,9 +3,9 @@
 use std::f64::consts::{PI, TAU};
 
 use super::compose::{check_size, grey};
-use super::error::require;
 use super::quadrature::mean_over_pixel;
 use super::{Scene, SceneError, Setting};
+use crate::numeric::require;
 
 /// A circular zone plate with the reflectance (1 + contrast · cos φ) / 2. The phase φ is proportional to the
 /// square of the distance from the centre. Every pixel contains the mean over its area.

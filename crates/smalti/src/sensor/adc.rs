@@ -1,6 +1,7 @@
 //! Analog-to-digital conversion.
 
 use super::SensorError;
+use crate::numeric::require;
 
 /// The analog-to-digital converter.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -17,9 +18,7 @@ impl Adc {
     /// # Errors
     /// When there are more than 16 bits, or the black level exceeds nine tenths of the range.
     pub fn validate(&self) -> Result<(), SensorError> {
-        if self.bits > 16 {
-            return Err(SensorError::AdcBits { bits: self.bits });
-        }
+        require(self.bits <= 16, "adc bits", f64::from(self.bits), "0 (no converter) to 16")?;
         let limit = if self.bits == 0 { 0.0 } else { 0.9 * self.levels() };
         let fits = self.black_level_dn == 0.0 || (self.black_level_dn > 0.0 && self.black_level_dn < limit);
         if fits { Ok(()) } else { Err(SensorError::BlackLevel { value: self.black_level_dn, limit }) }

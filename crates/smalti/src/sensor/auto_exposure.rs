@@ -1,6 +1,7 @@
 //! Rules for the exposure time.
 
-use super::{ColorArchitecture, Exposure, Light, Sensor, SensorError};
+use super::{Exposure, Light, Sensor, SensorError};
+use crate::numeric::{OutOfRange, require};
 use crate::optics::OpticalImage;
 use crate::spectrum::Spectrum;
 
@@ -80,10 +81,7 @@ impl AutoExposure {
             Self::Specular { .. } => 100.0,
             Self::LuminancePercentile { percentile, .. } => percentile,
         };
-        if !(0.0..=100.0).contains(&percentile) {
-            let (field, expected) = ("percentile", "0 to 100");
-            return Err(SensorError::AutoExposure { field, value: percentile, expected });
-        }
+        require((0.0..=100.0).contains(&percentile), "percentile", percentile, "0 to 100")?;
         let at = sample_at_percentile(sensor, image, percentile)?;
         let cube = image.irradiance();
         Ok(Some(Spectrum::new(cube.grid(), cube.planes().planes().map(|p| f64::from(p[at])).collect())?))
@@ -123,27 +121,18 @@ impl AutoExposure {
         }
         let volts_per_s =
             electrons_per_s * sensor.pixel.conversion_gain_v_per_e + sensor.dark_voltage_v_per_s()?;
-        let captures = match sensor.architecture {
-            ColorArchitecture::FieldSequential => sensor.cfa.channels().len() as f64,
-            ColorArchitecture::Mosaic | ColorArchitecture::Prism => 1.0,
-        };
-        Ok(target_v / volts_per_s * captures)
+        Ok(target_v / volts_per_s * sensor.captures())
     }
 
     /// Target of the metered signal, light plus dark signal, in volts before gain and offset.
-    pub(crate) fn target_v(&self, sensor: &Sensor, exposure: &Exposure) -> Result<f64, SensorError> {
+    pub(crate) fn target_v(&self, sensor: &Sensor, exposure: &Exposure) -> Result<f64, OutOfRange> {
         let (field, fraction) = match *self {
             Self::Specular { fraction } => ("fraction", fraction),
             Self::Mean { target } | Self::LuminancePercentile { target, .. } => ("target", target),
         };
-        if !(fraction > 0.0 && fraction <= 1.0) {
-            let expected = "more than 0 and at most 1";
-            return Err(SensorError::AutoExposure { field, value: fraction, expected });
-        }
+        require(fraction > 0.0 && fraction <= 1.0, field, fraction, "more than 0 and at most 1")?;
         let saturation_v = sensor.saturation_v(exposure) / exposure.analog_gain - exposure.analog_offset_v;
-        if saturation_v <= 0.0 {
-            return Err(SensorError::AnalogOffset { value: exposure.analog_offset_v });
-        }
+        exposure.require_offset(saturation_v > 0.0)?;
         Ok(fraction * saturation_v)
     }
 }

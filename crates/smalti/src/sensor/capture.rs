@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use super::collect::{Collector, Rates};
 use super::pixel_spectra::{FilteredLight, PixelSpectra};
 use super::readout::Readout;
-use super::{ColorArchitecture, Exposure, NoiseMode, RawImage, RawSamples, Sensor, SensorError};
+use super::{Exposure, NoiseMode, RawImage, RawSamples, Sensor, SensorError};
 use crate::numeric::Planes;
 use crate::numeric::poisson::LANES;
 use crate::numeric::simd::{Kernel, dispatch};
@@ -75,8 +75,9 @@ impl Sensor {
     /// # Errors
     /// When the sensor or the exposure is invalid, or a curve does not cover the wavelengths of the image.
     pub fn expected_volts(&self, image: &OpticalImage, exposure: &Exposure) -> Result<Planes, SensorError> {
-        let (volts, rows, cols, planes) = self.read_out::<f32>(image.into(), exposure, NoiseMode::None, 0)?;
-        Ok(Planes::new(rows, cols, planes, volts)?)
+        let volts = self.read_out::<f32>(image.into(), exposure, NoiseMode::None, 0)?;
+        let w = self.read_window();
+        Ok(Planes::new(w.rows, w.cols, self.sampling().planes(), volts)?)
     }
 
     /// Captures a raw image. The signal chain is: light and dark current (one Poisson deviate, since a sum of
@@ -103,25 +104,23 @@ impl Sensor {
         seed: u64,
     ) -> Result<RawImage, SensorError> {
         let (levels, light) = (self.raw_levels(exposure)?, light.into());
-        let (samples, rows, cols) = if self.adc.bits == 0 {
-            let (v, rows, cols, _) = self.read_out::<f32>(light, exposure, noise, seed)?;
-            (RawSamples::Analog(v), rows, cols)
+        let samples = if self.adc.bits == 0 {
+            RawSamples::Analog(self.read_out(light, exposure, noise, seed)?)
         } else {
-            let (v, rows, cols, _) = self.read_out::<u16>(light, exposure, noise, seed)?;
-            (RawSamples::Digital(v), rows, cols)
+            RawSamples::Digital(self.read_out(light, exposure, noise, seed)?)
         };
-        let names = self.cfa.channels().iter().map(|c| c.name.clone()).collect();
-        Ok(RawImage::new(rows, cols, samples, self.sampling(), names, levels.black, levels.white)?)
+        let (w, names) = (self.read_window(), self.cfa.channels().iter().map(|c| c.name.clone()).collect());
+        Ok(RawImage::new(w.rows, w.cols, samples, self.sampling(), names, levels.black, levels.white)?)
     }
 
-    /// Samples with numbers of rows, columns and planes.
+    /// The samples of the window, ordered plane, row, column.
     fn read_out<S: Sample>(
         &self,
         light: Light<'_>,
         exposure: &Exposure,
         noise: NoiseMode,
         seed: u64,
-    ) -> Result<(Vec<S>, usize, usize, usize), SensorError> {
+    ) -> Result<Vec<S>, SensorError> {
         self.validate()?;
         exposure.validate()?;
         match light {
@@ -138,14 +137,10 @@ impl Sensor {
         exposure: &Exposure,
         noise: NoiseMode,
         seed: u64,
-    ) -> Result<(Vec<S>, usize, usize, usize), SensorError> {
+    ) -> Result<Vec<S>, SensorError> {
         let w = self.read_window();
         let planes = self.sampling().planes();
-        let time_s = match self.architecture {
-            ColorArchitecture::FieldSequential => exposure.time_s / planes as f64,
-            ColorArchitecture::Mosaic | ColorArchitecture::Prism => exposure.time_s,
-        };
-        let readout = Readout::new(self, exposure, time_s, noise, seed)?;
+        let readout = Readout::new(self, exposure, exposure.time_s / self.captures(), noise, seed)?;
         let scale = if self.adc.bits == 0 { 1.0 } else { self.adc.levels() / self.pixel.voltage_swing_v };
         let to_sample = SampleScale {
             scale: scale as f32,
@@ -171,7 +166,7 @@ impl Sensor {
                 });
             });
         }
-        Ok((out, w.rows, w.cols, planes))
+        Ok(out)
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::{Adc, Cfa, DarkCurrentTemperature, Exposure, NonUniformity, Pixel, Sampling, SensorError};
 use crate::numeric::Rect;
-use crate::spectrum::{Extrapolation, Spectrum, SpectrumError, WavelengthGrid};
+use crate::spectrum::{Extrapolation, Spectrum, WavelengthGrid};
 
 /// Maximum number of samples of a capture, 2²⁹ (1 GiB of 16-bit numbers). A larger sensor is an error before
 /// any allocation; a window of it can be captured.
@@ -123,17 +123,8 @@ impl Sensor {
         self.nonuniformity.validate()?;
         self.adc.validate()?;
         self.dark_voltage_v_per_s()?;
-        let curves = [
-            ("quantum efficiency", Some(&self.quantum_efficiency)),
-            ("the IR-cut filter", self.ir_cut.as_ref()),
-        ];
-        for (what, curve) in curves.into_iter().filter_map(|(w, c)| c.map(|c| (w, c))) {
-            // The tolerance of a thousandth accepts rounding in measured curves, as for filters.
-            if let Some(i) = curve.values().iter().position(|v| !(-1e-3..=1.001).contains(v)) {
-                let wavelength_nm = curve.grid().wavelength_nm(i);
-                return Err(SensorError::Fraction { what, wavelength_nm, value: curve.values()[i] });
-            }
-        }
+        self.quantum_efficiency.check_fraction("quantum efficiency")?;
+        self.ir_cut.as_ref().map_or(Ok(()), |cut| cut.check_fraction("the IR-cut filter"))?;
         if let Some(kernel) = &self.crosstalk {
             let sum: f64 = kernel.iter().flatten().sum();
             let negative = kernel.iter().flatten().any(|&k| !(0.0..=1.0).contains(&k));
@@ -162,17 +153,8 @@ impl Sensor {
         }
     }
 
-    /// Electrons per photon, per channel: filter × quantum efficiency × IR-cut, on the grid of the filters.
-    ///
-    /// # Errors
-    /// When quantum efficiency or IR-cut filter do not cover that grid.
-    pub fn spectral_responsivity(&self) -> Result<Vec<Spectrum>, SensorError> {
-        let grid =
-            self.cfa.channels().first().map_or(self.quantum_efficiency.grid(), |c| c.transmittance.grid());
-        self.spectral_responsivity_on(grid)
-    }
-
-    /// Like [`Sensor::spectral_responsivity`], on a given grid, with linear interpolation of each curve.
+    /// Electrons per photon, per channel, on a grid: filter × quantum efficiency × IR-cut, with linear interpolation of
+    /// each curve.
     ///
     /// # Errors
     /// When a curve does not cover the grid.
@@ -199,6 +181,14 @@ impl Sensor {
         }
     }
 
+    /// Number of captures that share the exposure time.
+    pub(crate) fn captures(&self) -> f64 {
+        match self.architecture {
+            ColorArchitecture::FieldSequential => self.cfa.channels().len() as f64,
+            ColorArchitecture::Mosaic | ColorArchitecture::Prism => 1.0,
+        }
+    }
+
     /// Dark signal at the sensor's temperature, V/s.
     ///
     /// # Errors
@@ -219,16 +209,5 @@ impl Sensor {
 
 /// A curve on a grid that it must cover.
 fn on_grid(what: &str, curve: &Spectrum, grid: WavelengthGrid) -> Result<Spectrum, SensorError> {
-    curve.resampled(grid, Extrapolation::Error).map_err(|e| match e {
-        SpectrumError::Coverage { have_start_nm, have_end_nm, need_start_nm, need_end_nm } => {
-            SensorError::Coverage {
-                what: what.into(),
-                have_start_nm,
-                have_end_nm,
-                need_start_nm,
-                need_end_nm,
-            }
-        }
-        other => other.into(),
-    })
+    Ok(curve.resampled(grid, Extrapolation::Error).map_err(|e| e.of(what))?)
 }

@@ -1,6 +1,7 @@
 //! Exposure: integration time and analog gain.
 
 use super::SensorError;
+use crate::numeric::{OutOfRange, require};
 
 /// How a frame is taken.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -26,15 +27,15 @@ impl Exposure {
     /// # Errors
     /// The first field that is out of range.
     pub fn validate(&self) -> Result<(), SensorError> {
-        if !(0.0..=1e9).contains(&self.time_s) {
-            return Err(SensorError::ExposureTime { value: self.time_s });
-        }
-        if !(1e-6..=1e6).contains(&self.analog_gain) {
-            return Err(SensorError::AnalogGain { value: self.analog_gain });
-        }
-        if !(-1e3..=1e3).contains(&self.analog_offset_v) {
-            return Err(SensorError::AnalogOffset { value: self.analog_offset_v });
-        }
-        Ok(())
+        let (time_s, gain) = (self.time_s, self.analog_gain);
+        require((0.0..=1e9).contains(&time_s), "time_s", time_s, "0 (a bias frame) to 1e9 s")?;
+        require((1e-6..=1e6).contains(&gain), "analog_gain", gain, "1e-6 to 1e6")?;
+        Ok(self.require_offset((-1e3..=1e3).contains(&self.analog_offset_v))?)
+    }
+
+    /// An error that names the analog offset unless `good`.
+    pub(super) fn require_offset(&self, good: bool) -> Result<(), OutOfRange> {
+        let expected = "−1e3 to 1e3 V that leave the swing some signal";
+        require(good, "analog_offset_v", self.analog_offset_v, expected)
     }
 }

@@ -3,7 +3,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{ColorArchitecture, Exposure, Sensor, SensorError};
+use super::{Exposure, Sensor, SensorError};
 
 /// Variance at the converter, V², term by term, for a pixel far below saturation, without defects.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -77,12 +77,6 @@ impl SignalNoise {
     pub fn own(&self, mean: f64, mean_square: f64) -> f64 {
         self.constant + self.per_signal * mean.max(0.0) + self.per_signal_squared * mean_square
     }
-
-    /// Whether there is no noise.
-    #[must_use]
-    pub fn is_none(&self) -> bool {
-        *self == Self::default()
-    }
 }
 
 impl Sensor {
@@ -118,10 +112,7 @@ impl Sensor {
         exposure: &Exposure,
     ) -> Result<NoiseVariance, SensorError> {
         exposure.validate()?;
-        let time_s = match self.architecture {
-            ColorArchitecture::FieldSequential => exposure.time_s / self.cfa.channels().len() as f64,
-            ColorArchitecture::Mosaic | ColorArchitecture::Prism => exposure.time_s,
-        };
+        let time_s = exposure.time_s / self.captures();
         let (pixel, non) = (&self.pixel, &self.nonuniformity);
         let dark_e = self.dark_voltage_v_per_s()? * time_s / pixel.conversion_gain_v_per_e;
         let out = exposure.analog_gain * exposure.analog_gain;

@@ -1,6 +1,7 @@
 //! Non-uniformity of pixels, and row and column noise.
 
 use super::SensorError;
+use crate::numeric::require;
 
 /// Non-uniformity of a device. Everything except row noise is fixed-pattern noise: it depends on the serial
 /// number of the device and on the absolute position of the pixel, and is equal in every exposure and window.
@@ -53,10 +54,7 @@ impl NonUniformity {
             ("hot_pixel_dark_voltage_v_per_s", self.hot_pixel_dark_voltage_v_per_s),
         ];
         for (field, value) in deviations {
-            if !(0.0..=1e3).contains(&value) {
-                let expected = "0 to 1e3";
-                return Err(SensorError::NonUniformity { field, value, expected });
-            }
+            require((0.0..=1e3).contains(&value), field, value, "0 to 1e3")?;
         }
         let fractions = [
             ("prnu_fraction", self.prnu_fraction),
@@ -65,9 +63,7 @@ impl NonUniformity {
             ("dead and hot pixel fraction together", self.dead_pixel_fraction + self.hot_pixel_fraction),
         ];
         for (field, value) in fractions {
-            if !(0.0..=1.0).contains(&value) {
-                return Err(SensorError::NonUniformity { field, value, expected: "0 to 1" });
-            }
+            require((0.0..=1.0).contains(&value), field, value, "0 to 1")?;
         }
         Ok(())
     }

@@ -1,6 +1,7 @@
 //! The pixel: geometry, well, conversion to volts, dark current, read noise.
 
 use super::SensorError;
+use crate::numeric::require;
 use crate::spectrum::units::{BOLTZMANN_J_PER_K, ELECTRON_C};
 
 /// One pixel, equal over the sensor.
@@ -30,29 +31,17 @@ impl Pixel {
     /// The first field that is out of range.
     pub fn validate(&self) -> Result<(), SensorError> {
         // The bounds are far outside real devices; they prevent overflow of single precision.
-        let (p, within) = (self, |v: f64, low: f64, high: f64| (low..=high).contains(&v));
-        if !within(p.pitch_m, 1e-9, 1e-2) {
-            return Err(SensorError::Pitch { value: p.pitch_m });
-        }
-        if !(p.fill_factor > 0.0 && p.fill_factor <= 1.0) {
-            return Err(SensorError::FillFactor { value: p.fill_factor });
-        }
-        if !within(p.conversion_gain_v_per_e, 1e-12, 1.0) {
-            return Err(SensorError::ConversionGain { value: p.conversion_gain_v_per_e });
-        }
-        if !within(p.voltage_swing_v, 1e-6, 1e3) {
-            return Err(SensorError::VoltageSwing { value: p.voltage_swing_v });
-        }
-        if !within(p.full_well_e, 1.0, 1e12) {
-            return Err(SensorError::FullWell { value: p.full_well_e });
-        }
-        if !within(p.dark_voltage_v_per_s, 0.0, 1e3) {
-            return Err(SensorError::DarkVoltage { value: p.dark_voltage_v_per_s });
-        }
-        if !within(p.read_noise_v, 0.0, 1e3) {
-            return Err(SensorError::ReadNoise { value: p.read_noise_v });
-        }
-        Ok(())
+        let within = |name: &str, value: f64, low: f64, high: f64, expected| {
+            require((low..=high).contains(&value), name, value, expected)
+        };
+        let fill_factor_ok = self.fill_factor > 0.0 && self.fill_factor <= 1.0;
+        within("pitch_m", self.pitch_m, 1e-9, 1e-2, "1e-9 to 1e-2 m")?;
+        require(fill_factor_ok, "fill_factor", self.fill_factor, "more than 0 and at most 1")?;
+        within("conversion_gain_v_per_e", self.conversion_gain_v_per_e, 1e-12, 1.0, "1e-12 to 1 V")?;
+        within("voltage_swing_v", self.voltage_swing_v, 1e-6, 1e3, "1e-6 to 1e3 V")?;
+        within("full_well_e", self.full_well_e, 1.0, 1e12, "1 to 1e12 electrons")?;
+        within("dark_voltage_v_per_s", self.dark_voltage_v_per_s, 0.0, 1e3, "0 to 1e3 V/s")?;
+        Ok(within("read_noise_v", self.read_noise_v, 0.0, 1e3, "0 to 1e3 V")?)
     }
 
     /// Area of the photodetector, m².
@@ -97,12 +86,8 @@ impl DarkCurrentTemperature {
     /// When a temperature is not within 1–1000 K, an energy not within 0–5 eV, or an interval not above 0.1
     /// K.
     pub fn factor(&self) -> Result<f64, SensorError> {
-        let check = |field, value: f64, low: f64, high: f64, expected| {
-            if value >= low && value <= high {
-                Ok(value)
-            } else {
-                Err(SensorError::Temperature { field, value, expected })
-            }
+        let check = |field: &str, value: f64, low: f64, high: f64, expected| {
+            require((low..=high).contains(&value), field, value, expected).map(|()| value)
         };
         let kelvin = |field, value| check(field, value, 1.0, 1000.0, "1 to 1000 K");
         let factor = match *self {
@@ -117,7 +102,7 @@ impl DarkCurrentTemperature {
             }
         };
         // A reference near absolute zero would make the dark current unbounded.
-        check("dark current relative to the reference", factor, 0.0, 1e12, "at most 1e12")
+        Ok(check("dark current relative to the reference", factor, 0.0, 1e12, "at most 1e12")?)
     }
 }
 
@@ -141,7 +126,7 @@ mod tests {
         for t in [0.0, -3.0, f64::NAN, f64::INFINITY] {
             let law =
                 DarkCurrentTemperature::Doubling { temperature_k: t, reference_k: 300.0, interval_k: 8.0 };
-            assert!(matches!(law.factor(), Err(SensorError::Temperature { field: "temperature_k", .. })));
+            assert!(matches!(law.factor(), Err(SensorError::Parameter(e)) if e.name == "temperature_k"));
         }
         let cold =
             DarkCurrentTemperature::Activation { temperature_k: 300.0, reference_k: 1.0, energy_ev: 1.1 };

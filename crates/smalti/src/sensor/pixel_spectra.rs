@@ -43,19 +43,12 @@ impl PixelSpectra {
     /// When the sensor is invalid, or pixels times wavelengths exceed [`MAX_SAMPLES`].
     pub fn new(sensor: &Sensor, image: &OpticalImage) -> Result<Self, SensorError> {
         sensor.validate()?;
-        let (window, cube) = (sensor.read_window(), image.irradiance());
-        let (grid, border) = (cube.grid(), usize::from(sensor.crosstalk.is_some()));
-        let (height, width) = (window.rows + 2 * border, window.cols + 2 * border);
-        let stride = width.next_multiple_of(STEP);
-        let line = stride * grid.len();
-        let Some(count) = line.checked_mul(height).filter(|&n| n <= MAX_SAMPLES) else {
-            let (rows, cols) = (window.rows, window.cols);
-            return Err(SensorError::TooLarge { rows, cols, planes: grid.len(), limit: MAX_SAMPLES });
-        };
+        let cube = image.irradiance();
+        let mut spectra = Self::dark(sensor, cube.grid())?;
+        let (width, stride) = (spectra.window.cols + 2 * spectra.border, spectra.stride);
         let (rows, cols) = sensor.taps(image);
         let area = sensor.pixel.photodetector_area_m2() as f32;
-        let mut photons = vec![0.0; count];
-        photons.par_chunks_exact_mut(line.max(1)).enumerate().for_each(|(r, out)| {
+        spectra.rows_mut().for_each(|(r, out)| {
             let mut gathered = vec![0.0; cols.used.len()];
             for (plane, out) in cube.planes().planes().zip(out.chunks_exact_mut(stride)) {
                 gathered.fill(0.0);
@@ -71,7 +64,25 @@ impl PixelSpectra {
                 }
             }
         });
-        Ok(Self { grid, pixels: [sensor.rows, sensor.cols], window, border, stride, photons })
+        Ok(spectra)
+    }
+
+    /// No light on any pixel of the window and its border.
+    fn dark(sensor: &Sensor, grid: WavelengthGrid) -> Result<Self, SensorError> {
+        let (window, border) = (sensor.read_window(), usize::from(sensor.crosstalk.is_some()));
+        let (height, width) = (window.rows + 2 * border, window.cols + 2 * border);
+        let stride = width.next_multiple_of(STEP);
+        let Some(count) = (stride * grid.len()).checked_mul(height).filter(|&n| n <= MAX_SAMPLES) else {
+            let (rows, cols) = (window.rows, window.cols);
+            return Err(SensorError::TooLarge { rows, cols, planes: grid.len(), limit: MAX_SAMPLES });
+        };
+        let (pixels, photons) = ([sensor.rows, sensor.cols], vec![0.0; count]);
+        Ok(Self { grid, pixels, window, border, stride, photons })
+    }
+
+    /// The rows with the border: wavelength, column.
+    fn rows_mut(&mut self) -> impl IndexedParallelIterator<Item = (usize, &mut [f32])> {
+        self.photons.par_chunks_exact_mut(self.stride * self.grid.len()).enumerate()
     }
 
     /// The sum of planes times their spectra, plane₀ · spectrum₀ + plane₁ · spectrum₁ + …, photons s⁻¹ nm⁻¹, clipped at 0. The
@@ -86,7 +97,7 @@ impl PixelSpectra {
         spectra: &[Spectrum],
     ) -> Result<Self, SensorError> {
         sensor.validate()?;
-        let (rows, cols, border) = (sensor.rows, sensor.cols, usize::from(sensor.crosstalk.is_some()));
+        let (rows, cols) = (sensor.rows, sensor.cols);
         let (window, gathered) =
             (sensor.read_window(), Rect { row: 0, col: 0, rows: planes.rows(), cols: planes.cols() });
         let grid = spectra.first().map(Spectrum::grid).ok_or(SensorError::NoLight)?;
@@ -95,20 +106,16 @@ impl PixelSpectra {
         if !like || [rows, cols] != [planes.rows(), planes.cols()] {
             return Err(SensorError::OtherPixels { window, gathered });
         }
-        let stride = (cols + 2 * border).next_multiple_of(STEP);
-        let line = stride * grid.len();
-        let Some(count) = line.checked_mul(rows + 2 * border).filter(|&n| n <= MAX_SAMPLES) else {
-            return Err(SensorError::TooLarge { rows, cols, planes: grid.len(), limit: MAX_SAMPLES });
-        };
-        let mut photons = vec![0.0f32; count];
-        photons.par_chunks_exact_mut(line.max(1)).enumerate().for_each(|(r, out)| {
+        let mut light = Self::dark(sensor, grid)?;
+        let (border, stride) = (light.border, light.stride);
+        light.rows_mut().for_each(|(r, out)| {
             let row = r.saturating_sub(border).min(rows - 1);
             for (i, out) in out.chunks_exact_mut(stride).enumerate() {
                 let inner = &mut out[border..border + cols];
                 for (plane, spectrum) in planes.planes().zip(spectra) {
                     let weight = spectrum.values().get(i).map_or(0.0, |&v| v as f32);
-                    let light = &plane[row * cols..(row + 1) * cols];
-                    inner.iter_mut().zip(light).for_each(|(o, l)| *o += weight * l);
+                    let line = &plane[row * cols..(row + 1) * cols];
+                    inner.iter_mut().zip(line).for_each(|(o, l)| *o += weight * l);
                 }
                 inner.iter_mut().for_each(|o| *o = o.max(0.0));
                 if border > 0 {
@@ -116,7 +123,7 @@ impl PixelSpectra {
                 }
             }
         });
-        Ok(Self { grid, pixels: [rows, cols], window, border, stride, photons })
+        Ok(light)
     }
 
     /// The window.

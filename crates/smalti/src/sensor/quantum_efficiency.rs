@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::numeric::{OutOfRange, require};
 use crate::spectrum::{Extrapolation, Spectrum, SpectrumError, WavelengthGrid};
 
 /// Electrons collected per photon at the photodiode's aperture, 0 to 1, as a function of wavelength.
@@ -46,8 +47,8 @@ impl QuantumEfficiency {
                 Ok(Spectrum::constant(grid, value))
             }
             Self::Silicon { depth_m, dead_layer_m, transmission } => {
-                length("depth_m", depth_m, depth_m > 0.0, "a depth above 0 m")?;
-                length("dead_layer_m", dead_layer_m, dead_layer_m >= 0.0, "a depth of 0 m or more")?;
+                require(depth_m > 0.0, "depth_m", depth_m, "a depth above 0 m")?;
+                require(dead_layer_m >= 0.0, "dead_layer_m", dead_layer_m, "a depth of 0 m or more")?;
                 fraction("transmission", transmission)?;
                 let collected = |alpha: f64| {
                     libm::exp(-alpha * dead_layer_m) * -libm::expm1(-alpha * depth_m) * transmission
@@ -66,25 +67,15 @@ impl QuantumEfficiency {
 pub fn silicon_absorption_per_m(grid: WavelengthGrid) -> Result<Spectrum, SpectrumError> {
     let own = WavelengthGrid::new(EXTINCTION_START_NM, EXTINCTION_STEP_NM, EXTINCTION.len())?;
     if grid.start_nm() < own.start_nm() {
-        return Err(SpectrumError::Coverage {
-            have_start_nm: own.start_nm(),
-            have_end_nm: own.end_nm(),
-            need_start_nm: grid.start_nm(),
-            need_end_nm: grid.end_nm(),
-        });
+        return Err(SpectrumError::coverage(own, grid.start_nm(), grid.end_nm()));
     }
     let alpha =
         Spectrum::new(own, EXTINCTION.to_vec())?.map(|nm, k| 4.0 * std::f64::consts::PI * k / (nm * 1e-9));
     alpha.resampled(grid, Extrapolation::Zero)
 }
 
-fn fraction(name: &'static str, value: f64) -> Result<(), SpectrumError> {
-    let valid = (0.0..=1.0).contains(&value);
-    if valid { Ok(()) } else { Err(SpectrumError::Parameter { name, value, expected: "0 to 1" }) }
-}
-
-fn length(name: &'static str, value: f64, valid: bool, expected: &'static str) -> Result<(), SpectrumError> {
-    if valid && value.is_finite() { Ok(()) } else { Err(SpectrumError::Parameter { name, value, expected }) }
+fn fraction(name: &str, value: f64) -> Result<(), OutOfRange> {
+    require((0.0..=1.0).contains(&value), name, value, "0 to 1")
 }
 
 const EXTINCTION_START_NM: f64 = 300.0;

@@ -36,11 +36,8 @@ impl Sensor {
                 white_v: self.adc.volts(white, swing),
             }
         };
-        if levels.white > levels.black {
-            Ok(levels)
-        } else {
-            Err(SensorError::AnalogOffset { value: exposure.analog_offset_v })
-        }
+        exposure.require_offset(levels.white > levels.black)?;
+        Ok(levels)
     }
 
     /// A noise-free capture by an ideal converter with the same levels: volts at the [`RawLevels`] of this

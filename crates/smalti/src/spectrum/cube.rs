@@ -22,14 +22,8 @@ impl SpectralCube {
             return Err(SpectrumError::Length { expected: grid.len(), got: planes.count() });
         }
         if planes.plane_len() == 0 {
-            return Err(ShapeError {
-                count: planes.count(),
-                rows: planes.rows(),
-                cols: planes.cols(),
-                expected: 1,
-                got: 0,
-            }
-            .into());
+            let (count, rows, cols) = (planes.count(), planes.rows(), planes.cols());
+            return Err(ShapeError { count, rows, cols, expected: 1, got: 0 }.into());
         }
         let bands = planes.data().par_chunks(planes.plane_len()).enumerate();
         let bad = bands.find_map_first(|(i, plane)| {

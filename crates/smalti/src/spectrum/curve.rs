@@ -38,15 +38,29 @@ impl Spectrum {
         if values.len() != grid.len() {
             return Err(SpectrumError::Length { expected: grid.len(), got: values.len() });
         }
-        if let Some(i) = values.iter().position(|v| !v.is_finite()) {
-            return Err(SpectrumError::Value {
-                quantity: "the spectrum",
-                wavelength_nm: grid.wavelength_nm(i),
-                value: values[i],
-                expected: "a finite number was expected",
-            });
+        let spectrum = Self { grid, values };
+        spectrum.check("the spectrum", f64::is_finite, "a finite number was expected")?;
+        Ok(spectrum)
+    }
+
+    /// Checks that every value is 0 to 1. A thousandth beyond is accepted, for rounding in measured curves.
+    pub(crate) fn check_fraction(&self, quantity: &'static str) -> Result<(), SpectrumError> {
+        self.check(quantity, |v| (-1e-3..=1.001).contains(&v), "expected 0 to 1")
+    }
+
+    /// Checks every value.
+    pub(crate) fn check(
+        &self,
+        quantity: &'static str,
+        good: impl Fn(f64) -> bool,
+        expected: &'static str,
+    ) -> Result<(), SpectrumError> {
+        match self.grid.wavelengths_nm().zip(&self.values).find(|(_, v)| !good(**v)) {
+            Some((wavelength_nm, &value)) => {
+                Err(SpectrumError::Value { quantity, wavelength_nm, value, expected })
+            }
+            None => Ok(()),
         }
-        Ok(Self { grid, values })
     }
 
     /// The function `f(wavelength_nm)` sampled on a grid. Values that are not finite become zero.
@@ -112,12 +126,9 @@ impl Spectrum {
                 (None, Extrapolation::Zero) => Ok(0.0),
                 (None, Extrapolation::Hold) if nm < self.grid.start_nm() => Ok(self.values[0]),
                 (None, Extrapolation::Hold) => Ok(self.values[self.values.len() - 1]),
-                (None, Extrapolation::Error) => Err(SpectrumError::Coverage {
-                    have_start_nm: self.grid.start_nm(),
-                    have_end_nm: self.grid.end_nm(),
-                    need_start_nm: grid.start_nm(),
-                    need_end_nm: grid.end_nm(),
-                }),
+                (None, Extrapolation::Error) => {
+                    Err(SpectrumError::coverage(self.grid, grid.start_nm(), grid.end_nm()))
+                }
             })
             .collect::<Result<_, _>>()?;
         Ok(Self { grid, values })

@@ -5,7 +5,7 @@ use serde::Serialize;
 use thiserror::Error;
 
 use crate::names::did_you_mean;
-use crate::numeric::ShapeError;
+use crate::numeric::{OutOfRange, ShapeError};
 
 /// What can be wrong with spectral input.
 #[derive(Debug, Clone, PartialEq, Error)]
@@ -66,15 +66,8 @@ pub enum SpectrumError {
         expected: &'static str,
     },
     /// A parameter of a formula is out of its range.
-    #[error("{name} is {value}; expected {expected}")]
-    Parameter {
-        /// Its name.
-        name: &'static str,
-        /// Its value.
-        value: f64,
-        /// The range.
-        expected: &'static str,
-    },
+    #[error(transparent)]
+    Parameter(#[from] OutOfRange),
     /// No data set has this name.
     #[error("unknown {what} '{name}'{}; expected one of {expected}", did_you_mean(*suggestion))]
     UnknownName {
@@ -98,6 +91,23 @@ pub enum SpectrumError {
     /// The shape of a cube does not match its data.
     #[error(transparent)]
     Shape(#[from] ShapeError),
+}
+
+impl SpectrumError {
+    /// Data on the grid `have` do not cover the wavelengths from `need_start_nm` to `need_end_nm`.
+    pub(crate) fn coverage(have: WavelengthGrid, need_start_nm: f64, need_end_nm: f64) -> Self {
+        Self::Coverage {
+            have_start_nm: have.start_nm,
+            have_end_nm: have.end_nm(),
+            need_start_nm,
+            need_end_nm,
+        }
+    }
+
+    /// The error with what it is about.
+    pub(crate) fn of(self, what: impl Into<String>) -> Self {
+        Self::Of { what: what.into(), problem: Box::new(self) }
+    }
 }
 
 /// Wavelengths `start_nm + i * step_nm`, `i` in `0..count`, in nanometres.

@@ -6,6 +6,7 @@ use super::generated::{DAYLIGHT_BASIS, F2, F11, LED_B3};
 use super::units::{BOLTZMANN_J_PER_K, LIGHT_M_PER_S, PLANCK_J_S, photons_per_joule};
 use super::{Extrapolation, Spectrum, SpectrumError, WavelengthGrid};
 use crate::names::nearest;
+use crate::numeric::{OutOfRange, require};
 
 /// The CIE named its D illuminants with c₂ = 1.4380e-2 m K; c₂ is 1.4388e-2 since 1968, which moves them up.
 const C2_SINCE_1968: f64 = 1.4388 / 1.4380;
@@ -165,21 +166,13 @@ impl Illuminant {
     }
 
     /// Whether the temperature is one the formula is defined for.
-    fn check(&self) -> Result<(), SpectrumError> {
+    fn check(&self) -> Result<(), OutOfRange> {
         match *self {
-            Self::Daylight { cct_k } if !(4000.0..=25000.0).contains(&cct_k) => {
-                Err(SpectrumError::Parameter {
-                    name: "cct_k",
-                    value: cct_k,
-                    expected: "4000 to 25000 K for CIE daylight",
-                })
+            Self::Daylight { cct_k: t } => {
+                require((4000.0..=25000.0).contains(&t), "cct_k", t, "4000 to 25000 K for CIE daylight")
             }
-            Self::Blackbody { temperature_k } if !(100.0..=1e9).contains(&temperature_k) => {
-                Err(SpectrumError::Parameter {
-                    name: "temperature_k",
-                    value: temperature_k,
-                    expected: "100 to 1e9 K",
-                })
+            Self::Blackbody { temperature_k: t } => {
+                require((100.0..=1e9).contains(&t), "temperature_k", t, "100 to 1e9 K")
             }
             _ => Ok(()),
         }
@@ -203,10 +196,7 @@ impl Illuminant {
             }
             Self::Measured { power, .. } => power.resampled(grid, Extrapolation::Error),
         };
-        power.map_err(|problem| SpectrumError::Of {
-            what: format!("the illuminant {}", self.name()),
-            problem: Box::new(problem),
-        })
+        power.map_err(|problem| problem.of(format!("the illuminant {}", self.name())))
     }
 
     /// Relative photons per nm: [`Illuminant::energy`] times wavelength, up to a constant.

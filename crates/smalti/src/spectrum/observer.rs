@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use super::generated::{CIE_1931_2DEG, CIE_1964_10DEG, CIE_2015_2DEG, Table};
-use super::{Extrapolation, Spectrum, SpectrumError, WavelengthGrid};
+use super::{Extrapolation, SpectralCube, Spectrum, SpectrumError, WavelengthGrid};
 use crate::numeric::Planes;
 use crate::spectrum::units::{EFFICACY_LM_PER_W, photons_per_joule};
 
@@ -77,26 +77,36 @@ impl Observer {
     ///
     /// # Errors
     /// As [`Observer::matching_functions`].
-    pub fn xyz_planes_from_photons(self, cube: &super::SpectralCube) -> Result<Planes, SpectrumError> {
+    pub fn xyz_planes_from_photons(self, cube: &SpectralCube) -> Result<Planes, SpectrumError> {
         let weights = self.photon_weights(cube.grid())?;
         let mut out = Planes::zeros(cube.rows(), cube.cols(), 3);
         let n = out.plane_len();
-        if n == 0 {
-            return Ok(out);
-        }
-        out.data_mut().par_chunks_mut(n).zip(&weights).for_each(|(sum, w)| {
-            sum.par_chunks_mut(CHUNK).enumerate().for_each(|(chunk, sum)| {
-                for (plane, &k) in cube.planes().planes().zip(w.values()) {
-                    // Photon counts near 1e16 times weights near 1e-14 stay within the range of f32.
-                    let k = k as f32;
-                    for (s, &v) in sum.iter_mut().zip(&plane[chunk * CHUNK..]) {
-                        *s += k * v;
-                    }
-                }
-            });
-        });
+        out.data_mut().par_chunks_mut(n).zip(&weights).for_each(|(sum, w)| add_weighted(cube, w, sum));
         Ok(out)
     }
+
+    /// The plane Y of [`Observer::xyz_planes_from_photons`].
+    ///
+    /// # Errors
+    /// As [`Observer::matching_functions`].
+    pub fn luminance_from_photons(self, cube: &SpectralCube) -> Result<Vec<f32>, SpectrumError> {
+        let mut out = vec![0.0; cube.planes().plane_len()];
+        add_weighted(cube, &self.photon_weights(cube.grid())?[1], &mut out);
+        Ok(out)
+    }
+}
+
+/// Adds the planes of a cube, each times its weight.
+fn add_weighted(cube: &SpectralCube, weights: &Spectrum, sum: &mut [f32]) {
+    sum.par_chunks_mut(CHUNK).enumerate().for_each(|(chunk, sum)| {
+        for (plane, &k) in cube.planes().planes().zip(weights.values()) {
+            // Photon counts near 1e16 times weights near 1e-14 stay within the range of f32.
+            let k = k as f32;
+            for (s, &v) in sum.iter_mut().zip(&plane[chunk * CHUNK..]) {
+                *s += k * v;
+            }
+        }
+    });
 }
 
 #[cfg(test)]

@@ -1,13 +1,14 @@
 //! Laws of comparisons: the reference has the scale of the picture, equal cameras are equal, light and time are one.
 #![allow(missing_docs, clippy::unwrap_used)]
 
-use smalti::camera::description::{ArchitectureName, FalloffName, PatternDescription, WhiteBalanceName};
+use smalti::camera::description::{ArchitectureName, PatternDescription};
 use smalti::camera::{
     Camera, CameraAndIsp, CameraDescription, EvaluationSettings, LightGain, LightGainSettings, ScoreSettings,
     Setup, compare_on, evaluate, evaluate_with, light_gains, score_picture, test_scenes,
 };
 use smalti::isp::{Isp, WhiteBalance};
 use smalti::numeric::Planes;
+use smalti::optics::Falloff;
 use smalti::scene::{Setting, uniform};
 use smalti::sensor::{Channel, Filter, NoiseMode};
 use smalti::spectrum::{Observer, Spectrum, WavelengthGrid};
@@ -22,7 +23,7 @@ fn camera(change: impl FnOnce(&mut CameraDescription)) -> Camera {
     d.exposure.analog_gain = 0.125;
     d.sensor.pixel.full_well_e = 70_000.0;
     d.sensor.adc_bits = 14;
-    d.isp.white_balance = WhiteBalanceName::None;
+    d.isp.white_balance = WhiteBalance::None;
     change(&mut d);
     Camera::new(d, GRID).unwrap()
 }
@@ -57,7 +58,7 @@ fn the_reference_of_white_is_its_picture() {
             d.isp.preserve_white = true;
             d.exposure.analog_gain = 0.5;
             d.sensor.adc_bits = 16;
-            d.optics.falloff = FalloffName::None;
+            d.optics.falloff = Falloff::None;
             change(d);
         });
         let setting = Setting { horizontal_fov_deg: 20.0, luminance_cd_m2: 120.0, ..Setting::default() };

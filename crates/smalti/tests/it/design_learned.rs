@@ -67,7 +67,7 @@ fn learned_processing_beats_classic_at_every_number_of_colours() {
         assert!(noise < 0.6 * by_classic[2], "{both}");
 
         let setup = setup.before(&camera).unwrap().unwrap();
-        let isp = camera.isp(targets.light(), WhiteBalance::None).unwrap();
+        let isp = camera.isp(&setup.light, WhiteBalance::None).unwrap();
         let on = |isp| compare_on(&setup, isp, 1, &ScoreSettings::default()).unwrap().scores;
         let (learned, classic) = (on(&pipeline), on(&isp));
         let both = format!(

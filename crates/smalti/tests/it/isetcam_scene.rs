@@ -51,8 +51,7 @@ fn macbeth_under_d65() {
         assert_close("light", scene.illuminant().values(), &white, tolerance);
         let luminance = scene.luminance_cd_m2().unwrap();
         for i in 0..24 {
-            let rect = macbeth::patch_rect(by_row(i), 32).unwrap();
-            let (row, col) = (rect.row + rect.rows / 2, rect.col + rect.cols / 2);
+            let (row, col) = (by_row(i) / macbeth::COLS * 32 + 16, by_row(i) % macbeth::COLS * 32 + 16);
             let pixel = scene.radiance().pixel(row, col).unwrap();
             assert_close(&format!("photons of patch {i}"), pixel.values(), &photons[i], tolerance);
             let xyz = Observer::Cie1931.xyz_from_photons(&pixel).unwrap();
@@ -99,8 +98,13 @@ fn zone_plate_and_frequency_orientation() {
     assert_close("row 1", &row(&scene, 0), &numbers(&plate["row_1_550"]), TOLERANCE);
     // What the file calls the centre is row 128, counted from 1: a third of the height.
     assert_close("row 128", &row(&scene, 127), &numbers(&plate["row_center_550"]), TOLERANCE);
-    let target =
-        FrequencyOrientation { sampling: PatternSampling::Isetcam, ..FrequencyOrientation::default() };
+    let target = FrequencyOrientation {
+        sampling: PatternSampling::Isetcam,
+        block_px: 32,
+        frequencies: 8,
+        angles: 8,
+        contrast: 1.0,
+    };
     let scene = frequency_orientation(&target, &setting).unwrap();
     let gratings = &json["freq_orient"];
     assert_close("row 16", &row(&scene, 15), &numbers(&gratings["row_16_550"]), TOLERANCE);

@@ -153,8 +153,13 @@ fn zone_plate_as_in_isetcam() {
 
 #[test]
 fn frequency_orientation_as_in_isetcam() {
-    let target =
-        FrequencyOrientation { sampling: PatternSampling::Isetcam, ..FrequencyOrientation::default() };
+    let target = FrequencyOrientation {
+        sampling: PatternSampling::Isetcam,
+        block_px: 32,
+        frequencies: 8,
+        angles: 8,
+        contrast: 1.0,
+    };
     let scene = frequency_orientation(&target, &equal_photons()).unwrap();
     let row_16: Vec<f64> = row(&scene, 15, 15).into_iter().step_by(32).collect();
     let expected = [
@@ -193,15 +198,27 @@ fn mean_luminance_is_what_was_asked() {
         slanted_bar(&SlantedBar { size: 64, ..SlantedBar::default() }, s),
         zone_plate(&ZonePlate { size: 64, ..ZonePlate::default() }, s),
         uniform(4, 5, s),
-        grey_steps(&GreySteps { rows: 8, ..GreySteps::default() }, s),
-        frequency_sweep(&FrequencySweep { rows: 16, cols: 64, ..FrequencySweep::default() }, s),
-        frequency_orientation(&FrequencyOrientation { block_px: 8, ..FrequencyOrientation::default() }, s),
-        siemens_star(&SiemensStar { size: 64, ..SiemensStar::default() }, s),
-        point_grid(&PointGrid { points: 2, ..PointGrid::default() }, s),
-        checkerboard(&Checkerboard { squares: 4, square_px: 4, ..Checkerboard::default() }, s),
-        resolution_chart(&ResolutionChart { rows: 96, ..ResolutionChart::default() }, s),
+        grey_steps(&GreySteps { rows: 8, steps: 20, step_px: 32, density: 3.0 }, s),
+        frequency_sweep(
+            &FrequencySweep { rows: 16, cols: 64, lowest: 1.0 / 256.0, highest: 0.5, least_contrast: 0.01 },
+            s,
+        ),
+        frequency_orientation(
+            &FrequencyOrientation {
+                block_px: 8,
+                frequencies: 8,
+                angles: 8,
+                contrast: 1.0,
+                sampling: PatternSampling::Area,
+            },
+            s,
+        ),
+        siemens_star(&SiemensStar { size: 64, cycles: 72, contrast_ratio: 1e3 }, s),
+        point_grid(&PointGrid { points: 2, spacing_px: 32, diameter_px: 2.0 }, s),
+        checkerboard(&Checkerboard { squares: 4, square_px: 4, contrast_ratio: 1e3 }, s),
+        resolution_chart(&ResolutionChart { rows: 96, contrast_ratio: 40.0 }, s),
         dead_leaves(
-            &DeadLeaves { rows: 40, cols: 60, ..DeadLeaves::default() },
+            &DeadLeaves { rows: 40, cols: 60, least_radius_px: 1.5, largest_radius_px: 200.0, seed: 1 },
             &macbeth::reflectances(GRID).unwrap(),
             s,
         ),
@@ -325,14 +342,13 @@ fn patches_lie_row_by_row() {
     let scene = macbeth::chart(5, &setting(100.0)).unwrap();
     let list = macbeth::reflectances(GRID).unwrap();
     for (i, reflectance) in list.iter().enumerate() {
-        let rect = macbeth::patch_rect(i, 5).unwrap();
-        for (row, col) in [(rect.row, rect.col), (rect.row + rect.rows - 1, rect.col + rect.cols - 1)] {
+        let (row, col) = (i / macbeth::COLS * 5, i % macbeth::COLS * 5);
+        for (row, col) in [(row, col), (row + 4, col + 4)] {
             let got = scene.radiance().pixel(row, col).unwrap();
             let expected = reflectance.times(scene.illuminant()).unwrap();
             assert_close("patch", got.values(), expected.values(), 1e-6);
         }
     }
-    assert_eq!(macbeth::patch_rect(24, 5), None);
 }
 
 #[test]
@@ -397,11 +413,12 @@ fn dead_leaves_are_the_same_for_any_number_of_threads() {
     let list = macbeth::reflectances(GRID).unwrap();
     let draw = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        let leaves = DeadLeaves { rows: 100, cols: 70, ..DeadLeaves::default() };
+        let leaves =
+            DeadLeaves { rows: 100, cols: 70, least_radius_px: 1.5, largest_radius_px: 200.0, seed: 1 };
         pool.install(|| dead_leaves(&leaves, &list, &setting(10.0)).unwrap())
     };
     assert_eq!(draw(1), draw(5));
-    let leaves = DeadLeaves { rows: 100, cols: 70, seed: 2, ..DeadLeaves::default() };
+    let leaves = DeadLeaves { rows: 100, cols: 70, seed: 2, least_radius_px: 1.5, largest_radius_px: 200.0 };
     assert_ne!(draw(1), dead_leaves(&leaves, &list, &setting(10.0)).unwrap());
     assert!(dead_leaves(&leaves, &[], &setting(10.0)).is_err());
     let negative = [Spectrum::constant(GRID, -0.1)];
@@ -444,7 +461,8 @@ fn color_patches_are_even_and_of_several_sizes() {
 #[test]
 fn gradients_are_smooth() {
     let list = macbeth::reflectances(GRID).unwrap();
-    let pattern = Gradients { rows: 96, cols: 96, cell_px: 32, contrast_ratio: 10.0, ..Gradients::default() };
+    let pattern =
+        Gradients { rows: 96, cols: 96, cell_px: 32, contrast_ratio: 10.0, neutral: false, seed: 1 };
     let luminance = gradients(&pattern, &list, &setting(10.0)).unwrap().luminance_cd_m2().unwrap();
     // The reflectances span 30:1, the light 10:1, over 32 pixels.
     let steepest = (0..96 * 95).map(|i| (luminance[i + 96] / luminance[i]).ln().abs()).fold(0.0, f32::max);
@@ -460,7 +478,7 @@ fn gradients_are_smooth() {
 #[test]
 fn glossy_balls_have_white_highlights_and_deep_shade() {
     let list = macbeth::reflectances(GRID).unwrap();
-    let pattern = GlossyBalls { rows: 160, cols: 160, ..GlossyBalls::default() };
+    let pattern = GlossyBalls { rows: 160, cols: 160, shade: 1000.0, seed: 1 };
     let scene = glossy_balls(&pattern, &list, &setting(10.0)).unwrap();
     let luminance = scene.luminance_cd_m2().unwrap();
     let (brightest, most) = luminance.iter().enumerate().max_by(|a, b| a.1.total_cmp(b.1)).unwrap();

@@ -5,10 +5,10 @@ use proptest::prelude::*;
 use smalti::scene::catalog::{build, common_parameters, names};
 use smalti::scene::{
     Checkerboard, ColorPatches, DeadLeaves, FrequencyOrientation, FrequencySweep, GlossyBalls, Gradients,
-    GreySteps, PointGrid, ResolutionChart, SceneError, Setting, SiemensStar, SlantedBar, ZonePlate,
-    checkerboard, color_patches, dead_leaves, frequency_orientation, frequency_sweep, glossy_balls,
-    gradients, grey_steps, hdr, macbeth, point_grid, resolution_chart, siemens_star, slanted_bar, uniform,
-    zone_plate, zone_plate_isetcam,
+    GreySteps, PatternSampling, PointGrid, ResolutionChart, SceneError, Setting, SiemensStar, SlantedBar,
+    ZonePlate, checkerboard, color_patches, dead_leaves, frequency_orientation, frequency_sweep,
+    glossy_balls, gradients, grey_steps, hdr, macbeth, point_grid, resolution_chart, siemens_star,
+    slanted_bar, uniform, zone_plate, zone_plate_isetcam,
 };
 use smalti::spectrum::{Illuminant, Spectrum, WavelengthGrid};
 
@@ -27,18 +27,73 @@ fn defaults_are_those_of_the_functions() {
         ("zone-plate", zone_plate(&ZonePlate::default(), s)),
         ("zone-plate?sampling=isetcam", zone_plate_isetcam(s)),
         ("uniform", uniform(64, 64, s)),
-        ("grey-steps", grey_steps(&GreySteps::default(), s)),
-        ("frequency-sweep", frequency_sweep(&FrequencySweep::default(), s)),
-        ("frequency-orientation", frequency_orientation(&FrequencyOrientation::default(), s)),
-        ("siemens-star", siemens_star(&SiemensStar::default(), s)),
-        ("point-grid", point_grid(&PointGrid::default(), s)),
-        ("checkerboard", checkerboard(&Checkerboard::default(), s)),
-        ("resolution-chart", resolution_chart(&ResolutionChart::default(), s)),
+        ("grey-steps", grey_steps(&GreySteps { steps: 20, step_px: 32, rows: 160, density: 3.0 }, s)),
+        (
+            "frequency-sweep",
+            frequency_sweep(
+                &FrequencySweep {
+                    rows: 384,
+                    cols: 768,
+                    lowest: 1.0 / 256.0,
+                    highest: 0.5,
+                    least_contrast: 0.01,
+                },
+                s,
+            ),
+        ),
+        (
+            "frequency-orientation",
+            frequency_orientation(
+                &FrequencyOrientation {
+                    block_px: 32,
+                    frequencies: 8,
+                    angles: 8,
+                    contrast: 1.0,
+                    sampling: PatternSampling::Area,
+                },
+                s,
+            ),
+        ),
+        ("siemens-star", siemens_star(&SiemensStar { size: 512, cycles: 72, contrast_ratio: 1e3 }, s)),
+        ("point-grid", point_grid(&PointGrid { points: 15, spacing_px: 32, diameter_px: 2.0 }, s)),
+        ("checkerboard", checkerboard(&Checkerboard { squares: 16, square_px: 32, contrast_ratio: 1e3 }, s)),
+        ("resolution-chart", resolution_chart(&ResolutionChart { rows: 1080, contrast_ratio: 40.0 }, s)),
         ("hdr?rows=40", hdr(40, s)),
-        ("dead-leaves", dead_leaves(&DeadLeaves::default(), &list, s)),
-        ("color-patches", color_patches(&ColorPatches::default(), &list, s)),
-        ("gradients", gradients(&Gradients::default(), &list, s)),
-        ("glossy-balls", glossy_balls(&GlossyBalls::default(), &list, s)),
+        (
+            "dead-leaves",
+            dead_leaves(
+                &DeadLeaves { rows: 512, cols: 512, least_radius_px: 1.5, largest_radius_px: 200.0, seed: 1 },
+                &list,
+                s,
+            ),
+        ),
+        (
+            "color-patches",
+            color_patches(
+                &ColorPatches { rows: 512, cols: 512, least_px: 8, doublings: 4, seed: 1 },
+                &list,
+                s,
+            ),
+        ),
+        (
+            "gradients",
+            gradients(
+                &Gradients {
+                    rows: 512,
+                    cols: 512,
+                    cell_px: 64,
+                    contrast_ratio: 100.0,
+                    neutral: false,
+                    seed: 1,
+                },
+                &list,
+                s,
+            ),
+        ),
+        (
+            "glossy-balls",
+            glossy_balls(&GlossyBalls { rows: 512, cols: 512, shade: 1000.0, seed: 1 }, &list, s),
+        ),
     ];
     for (spec, expected) in scenes {
         assert_eq!(build(spec, s, &[]).unwrap(), expected.unwrap(), "{spec}");

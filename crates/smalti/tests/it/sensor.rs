@@ -21,7 +21,8 @@ fn a_flat_field_stays_flat_and_collects_irradiance_times_area_times_time() {
             let volts = s.expected_volts(&image, &Exposure::new(0.01)).unwrap();
             for (i, v) in volts.plane(0).iter().enumerate() {
                 let channel = s.cfa.mosaic().channel_at(i / 30, i % 30);
-                let responsivity = s.spectral_responsivity().unwrap()[channel].integral();
+                let responsivity =
+                    s.spectral_responsivity_on(WavelengthGrid::VISIBLE).unwrap()[channel].integral();
                 let expected = 1e14 * responsivity * fill * 2.8e-6 * 2.8e-6 * 0.01 * 1e-4;
                 // Single precision sums over 31 wavelengths and the photodetector.
                 assert!((f64::from(*v) / expected - 1.0).abs() < 3e-6, "{v} for {expected}");
@@ -203,14 +204,20 @@ fn wavelengths_that_the_filters_do_not_cover_are_an_error_with_both_ranges() {
     // An IR-cut filter of another grid is brought to the filters' own, or refused.
     let mut s = sensor(4, 4);
     s.ir_cut = Some(Spectrum::constant(WavelengthGrid::new(400.0, 5.0, 40).unwrap(), 1.0));
-    assert!(matches!(s.spectral_responsivity(), Err(SensorError::Coverage { .. })));
+    assert!(matches!(
+        s.spectral_responsivity_on(WavelengthGrid::VISIBLE),
+        Err(SensorError::Spectrum(SpectrumError::Of { .. }))
+    ));
     s.ir_cut = Some(Spectrum::constant(WavelengthGrid::new(350.0, 5.0, 90).unwrap(), 0.5));
-    let halved = s.spectral_responsivity().unwrap()[0].integral();
+    let halved = s.spectral_responsivity_on(WavelengthGrid::VISIBLE).unwrap()[0].integral();
     s.ir_cut = None;
-    assert!((s.spectral_responsivity().unwrap()[0].integral() / halved - 2.0).abs() < 1e-12);
+    assert!(
+        (s.spectral_responsivity_on(WavelengthGrid::VISIBLE).unwrap()[0].integral() / halved - 2.0).abs()
+            < 1e-12
+    );
     let wrong: Result<Spectrum, SpectrumError> = Spectrum::new(WavelengthGrid::VISIBLE, vec![1.5; 31]);
     s.quantum_efficiency = wrong.unwrap();
-    assert!(matches!(s.validate(), Err(SensorError::Fraction { .. })));
+    assert!(matches!(s.validate(), Err(SensorError::Spectrum(SpectrumError::Value { .. }))));
 }
 
 #[test]

@@ -2,51 +2,34 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::isp::Demosaic;
+use crate::isp::{Demosaic, WhiteBalance};
 
 /// Which image pipeline.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum PipelineName {
     /// Demosaic, white balance, colour matrix.
-    #[default]
     Classic,
 }
 
-/// White balance.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(rename_all = "kebab-case")]
-pub enum WhiteBalanceName {
-    /// None: colours as they are under the scene's light.
-    None,
-    /// The mean of the picture is made grey.
-    GrayWorld,
-    /// The scene's illuminant is made white.
-    #[default]
-    Illuminant,
-}
-
 /// The surfaces a colour matrix is fitted to.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum ColorCorrectionName {
     /// The 24 patches of the ColorChecker.
-    #[default]
     Macbeth,
     /// The natural reflectances.
     Natural,
 }
 
 /// Colour space of the pictures written.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum OutputName {
     /// sRGB (IEC 61966-2-1).
-    #[default]
     Srgb,
     /// Display P3.
     DisplayP3,
@@ -62,7 +45,7 @@ pub struct IspDescription {
     /// How missing channels are filled in.
     pub demosaic: Demosaic,
     /// White balance.
-    pub white_balance: WhiteBalanceName,
+    pub white_balance: WhiteBalance,
     /// The surfaces the colour matrix is fitted to by least squares, under the scene's illuminant.
     pub color_correction: ColorCorrectionName,
     /// Whether the matrix is constrained to render the illuminant's white exactly.
@@ -78,7 +61,7 @@ impl Default for IspDescription {
         Self {
             pipeline: PipelineName::Classic,
             demosaic: Demosaic::Bilinear,
-            white_balance: WhiteBalanceName::Illuminant,
+            white_balance: WhiteBalance::Illuminant,
             color_correction: ColorCorrectionName::Macbeth,
             preserve_white: false,
             color_noise_percent: 0.3,

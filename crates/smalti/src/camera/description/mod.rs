@@ -8,10 +8,8 @@ mod optics;
 mod sensor;
 
 pub use exposure::{AutoExposureName, ExposureDescription};
-pub use isp::{ColorCorrectionName, IspDescription, OutputName, PipelineName, WhiteBalanceName};
-pub use optics::{
-    FalloffName, OpticsDescription, OpticsModelName, PsfDescription, SurroundName, ZernikeOrdering,
-};
+pub use isp::{ColorCorrectionName, IspDescription, OutputName, PipelineName};
+pub use optics::{OpticsDescription, OpticsModelName, PsfDescription};
 pub use sensor::{ArchitectureName, CfaDescription, PatternDescription, PixelDescription, SensorDescription};
 
 use serde::{Deserialize, Serialize};

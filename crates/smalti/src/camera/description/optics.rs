@@ -5,60 +5,22 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 
 use crate::numeric::Planes;
+use crate::optics::{Boundary, Falloff, ZernikeIndex};
 use crate::sensor::Filter;
 
 /// How the lens forms the image.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum OpticsModelName {
     /// No blur, for tests.
     Pinhole,
     /// Limited by diffraction alone, with defocus if stated.
-    #[default]
     Diffraction,
     /// Wavefront aberrations by Zernike coefficients.
     Zernike,
     /// A point spread function from a file.
     Psf,
-}
-
-/// Fall-off of illumination towards the edge of the field.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(rename_all = "kebab-case")]
-pub enum FalloffName {
-    /// None.
-    None,
-    /// Fourth power of the cosine of the field angle.
-    #[default]
-    Cos4,
-}
-
-/// What lies beyond the border of the scene.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(rename_all = "kebab-case")]
-pub enum SurroundName {
-    /// Nothing, as in ISETCam: the border of the picture darkens.
-    Dark,
-    /// The outermost samples go on.
-    Edge,
-    /// The scene mirrored at its border.
-    #[default]
-    Mirror,
-}
-
-/// Order of the Zernike polynomials.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(rename_all = "kebab-case")]
-pub enum ZernikeOrdering {
-    /// Noll 1976, counted from 1 (piston).
-    #[default]
-    Noll,
-    /// OSA/ANSI Z80.28, counted from 0 (piston).
-    Osa,
 }
 
 /// `[optics]`.
@@ -73,9 +35,9 @@ pub struct OpticsDescription {
     /// Focal length, mm.
     pub focal_length_mm: f64,
     /// Fall-off towards the edge.
-    pub falloff: FalloffName,
+    pub falloff: Falloff,
     /// What the lens sees beyond the border of the scene.
-    pub surround: SurroundName,
+    pub surround: Boundary,
     /// Transmittance of the lens.
     pub transmittance: Filter,
     /// Infrared-cut filter in front of the sensor; absent: none.
@@ -93,7 +55,7 @@ pub struct OpticsDescription {
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     pub zernike_um: BTreeMap<String, f64>,
     /// What the indices of `zernike_um` mean.
-    pub zernike_ordering: ZernikeOrdering,
+    pub zernike_ordering: ZernikeIndex,
     /// Point spread function, a `.npy` of shape (wavelengths, rows, cols) (`model = "psf"`).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub psf: Option<PsfDescription>,
@@ -105,8 +67,8 @@ impl Default for OpticsDescription {
             model: OpticsModelName::Diffraction,
             f_number: 4.0,
             focal_length_mm: 3.863,
-            falloff: FalloffName::Cos4,
-            surround: SurroundName::Mirror,
+            falloff: Falloff::Cos4,
+            surround: Boundary::Mirror,
             transmittance: Filter::Flat(1.0),
             ir_cut: None,
             low_pass_separation_um: 0.0,
@@ -114,7 +76,7 @@ impl Default for OpticsDescription {
             chromatic_reference_nm: 550.0,
             chromatic_dioptres_per_um: 0.0,
             zernike_um: BTreeMap::new(),
-            zernike_ordering: ZernikeOrdering::Noll,
+            zernike_ordering: ZernikeIndex::Noll,
             psf: None,
         }
     }

@@ -7,12 +7,11 @@ use serde::{Deserialize, Serialize};
 use crate::sensor::Filter;
 
 /// How a sensor sees colour.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum ArchitectureName {
     /// A colour filter array.
-    #[default]
     Mosaic,
     /// A prism with one sensor per channel.
     Prism,
@@ -127,41 +126,14 @@ impl Default for PixelDescription {
 }
 
 /// The tile: the name of a built-in, or its lines in letters.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(untagged)]
+#[serde(untagged, expecting = "expected the name of a CFA, or its lines such as [\"RG\", \"GB\"]")]
 pub enum PatternDescription {
     /// A built-in (`smalti list cfas`).
     Name(String),
     /// One string per row, one letter per cell.
     Letters(Vec<String>),
-}
-
-// By hand: the derived error of an untagged enum does not say what was expected.
-impl<'de> Deserialize<'de> for PatternDescription {
-    fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        struct Visitor;
-        impl<'de> serde::de::Visitor<'de> for Visitor {
-            type Value = PatternDescription;
-
-            fn expecting(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-                f.write_str("the name of a CFA, or its lines such as [\"RG\", \"GB\"]")
-            }
-
-            fn visit_str<E: serde::de::Error>(self, name: &str) -> Result<Self::Value, E> {
-                Ok(PatternDescription::Name(name.into()))
-            }
-
-            fn visit_seq<A: serde::de::SeqAccess<'de>>(self, mut seq: A) -> Result<Self::Value, A::Error> {
-                let mut lines = Vec::new();
-                while let Some(line) = seq.next_element()? {
-                    lines.push(line);
-                }
-                Ok(PatternDescription::Letters(lines))
-            }
-        }
-        deserializer.deserialize_any(Visitor)
-    }
 }
 
 /// `[sensor.cfa]`.

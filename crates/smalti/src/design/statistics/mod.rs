@@ -28,7 +28,7 @@ mod summary;
 pub use objective::Objective;
 pub use pareto::{ParetoFront, pareto_front};
 pub use ranking::{Rule, best_per_group};
-pub use summary::{Estimate, Moments, Summary, quantile_of_sorted, summarize, summarize_groups};
+pub use summary::{Estimate, Summary, quantile_of_sorted, summarize, summarize_groups};
 
 use thiserror::Error;
 

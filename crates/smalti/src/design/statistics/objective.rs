@@ -22,12 +22,6 @@ impl<'a> Objective<'a> {
         Self { values, higher: true }
     }
 
-    /// The column.
-    #[must_use]
-    pub fn values(&self) -> &'a [f64] {
-        self.values
-    }
-
     /// The value, negated where larger is better, so that smaller is better; `None` for NaN and beyond the last row.
     pub(super) fn cost(&self, row: usize) -> Option<f64> {
         let value = self.values.get(row).copied().filter(|v| !v.is_nan())?;

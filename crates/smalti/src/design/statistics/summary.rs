@@ -65,11 +65,10 @@ pub fn summarize(values: &[f64], confidence: f64) -> Result<Summary, StatisticsE
     let mut sorted: Vec<f64> = values.iter().copied().filter(|v| v.is_finite()).collect();
     sorted.sort_unstable_by(f64::total_cmp);
     let count = sorted.len();
-    let moments: Moments = sorted.iter().copied().collect();
-    let mean = moments.mean();
+    let (mean, deviation) = moments(&sorted);
     let half = match count {
         0 | 1 => f64::INFINITY,
-        _ => student_t(confidence, count) * moments.standard_deviation() / (count as f64).sqrt(),
+        _ => student_t(confidence, count) * deviation / (count as f64).sqrt(),
     };
     let quantile = |probability: f64| {
         let (lower, upper) = quantile_ranks(count, probability, confidence);
@@ -88,7 +87,7 @@ pub fn summarize(values: &[f64], confidence: f64) -> Result<Summary, StatisticsE
         } else {
             Estimate { value: mean, low: mean - half, high: mean + half }
         },
-        standard_deviation: standard_deviation(&sorted, &moments, confidence),
+        standard_deviation: standard_deviation(&sorted, deviation, confidence),
         median: quantile(0.5),
         p05: quantile(0.05),
         p95: quantile(0.95),
@@ -144,8 +143,7 @@ pub fn quantile_of_sorted(sorted: &[f64], probability: f64) -> f64 {
 
 /// Bonett's interval: the logarithm of the variance is nearly normal, with a standard error that depends on the kurtosis. The
 /// kurtosis is taken about a trimmed mean, which is robust against long tails.
-fn standard_deviation(sorted: &[f64], moments: &Moments, confidence: f64) -> Estimate {
-    let value = moments.standard_deviation();
+fn standard_deviation(sorted: &[f64], value: f64, confidence: f64) -> Estimate {
     let n = sorted.len() as f64;
     let z = normal_z(confidence);
     if n < 5.0 || n <= z || value <= 0.0 {
@@ -153,7 +151,7 @@ fn standard_deviation(sorted: &[f64], moments: &Moments, confidence: f64) -> Est
     }
     let trim = (n * 0.5 / (n - 4.0).sqrt()) as usize;
     let kept = sorted.get(trim..sorted.len() - trim).filter(|k| !k.is_empty()).unwrap_or(sorted);
-    let center = kept.iter().copied().collect::<Moments>().mean();
+    let center = moments(kept).0;
     let fourth: f64 = sorted.iter().map(|x| ((x - center) / value).powi(4)).sum();
     let kurtosis = n * fourth / ((n - 1.0) * (n - 1.0));
     let c = n / (n - z);
@@ -162,71 +160,18 @@ fn standard_deviation(sorted: &[f64], moments: &Moments, confidence: f64) -> Est
     Estimate { value, low: end(-1.0), high: end(1.0) }
 }
 
-/// Running count, mean and variance, which can be merged ([chan1983]).
-///
-/// Merged parts equal one pass up to rounding. For equal bits, merge the same parts in the same order.
+/// The mean, NaN without values, and the standard deviation with divisor n − 1, NaN for fewer than two values, in one pass
+/// ([chan1983], updating).
 ///
 /// [chan1983]: https://doi.org/10.1080/00031305.1983.10483115
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct Moments {
-    count: u64,
-    mean: f64,
-    squares: f64,
-}
-
-impl Moments {
-    /// Adds a value.
-    pub fn push(&mut self, value: f64) {
-        self.count += 1;
-        let before = value - self.mean;
-        self.mean += before / self.count as f64;
-        self.squares += before * (value - self.mean);
+fn moments(values: &[f64]) -> (f64, f64) {
+    let (mut mean, mut squares, mut count) = (0.0, 0.0, 0.0);
+    for value in values {
+        count += 1.0;
+        let before = value - mean;
+        mean += before / count;
+        squares += before * (value - mean);
     }
-
-    /// The moments of both parts together.
-    #[must_use]
-    pub fn merge(self, other: Self) -> Self {
-        if self.count == 0 || other.count == 0 {
-            return if self.count == 0 { other } else { self };
-        }
-        let (a, b) = (self.count as f64, other.count as f64);
-        let apart = other.mean - self.mean;
-        Self {
-            count: self.count + other.count,
-            mean: self.mean + apart * (b / (a + b)),
-            squares: self.squares + other.squares + apart * apart * (a * b / (a + b)),
-        }
-    }
-
-    /// Number of values.
-    #[must_use]
-    pub fn count(&self) -> u64 {
-        self.count
-    }
-
-    /// Mean; NaN without values.
-    #[must_use]
-    pub fn mean(&self) -> f64 {
-        if self.count == 0 { f64::NAN } else { self.mean }
-    }
-
-    /// Variance with divisor n − 1; NaN for fewer than two values.
-    #[must_use]
-    pub fn variance(&self) -> f64 {
-        if self.count < 2 { f64::NAN } else { self.squares / (self.count - 1) as f64 }
-    }
-
-    /// Square root of the variance.
-    #[must_use]
-    pub fn standard_deviation(&self) -> f64 {
-        self.variance().sqrt()
-    }
-}
-
-impl FromIterator<f64> for Moments {
-    fn from_iter<I: IntoIterator<Item = f64>>(values: I) -> Self {
-        let mut moments = Self::default();
-        values.into_iter().for_each(|v| moments.push(v));
-        moments
-    }
+    let or_nan = |least: f64, value: f64| if count < least { f64::NAN } else { value };
+    (or_nan(1.0, mean), or_nan(2.0, squares / (count - 1.0)).sqrt())
 }

@@ -7,7 +7,7 @@ mod params;
 use std::borrow::Cow;
 
 pub use self::params::ParamInfo;
-use self::params::{Args, COMMON, Kind, number, whole};
+use self::params::{Args, COMMON, Kind, choice, number, whole};
 use super::{
     Checkerboard, ColorPatches, DeadLeaves, FrequencyOrientation, FrequencySweep, GlossyBalls, Gradients,
     GreySteps, PatternSampling, PointGrid, ResolutionChart, Scene, SceneError, Setting, SiemensStar,
@@ -81,20 +81,10 @@ pub fn build(spec: &str, setting: &Setting, natural: &[Spectrum]) -> Result<Scen
     (info.build)(&args, &setting, natural)
 }
 
-/// Point samples as in ISETCam, or the mean over each pixel.
 const SEED: ParamInfo = whole!("seed", 1, 0..=18446744073709551615, "seed of the random numbers");
 
-macro_rules! sampling {
-    ($default:literal) => {
-        ParamInfo {
-            name: "sampling",
-            default: $default,
-            expected: "isetcam or area",
-            doc: "point samples with ISETCam's rules, or the mean over each pixel",
-            kind: Kind::Choice(&["isetcam", "area"]),
-        }
-    };
-}
+/// The meaning of `sampling` where point samples follow ISETCam's rules.
+const SAMPLING: &str = "point samples with ISETCam's rules, or the mean over each pixel";
 
 fn sampling(args: &Args<'_>) -> PatternSampling {
     if args.choice("sampling") == "isetcam" { PatternSampling::Isetcam } else { PatternSampling::Area }
@@ -128,7 +118,7 @@ static SCENES: [SceneInfo; 16] = [
                 "angle of the edge from the vertical, degrees; instead of slope"
             ),
             number!("contrast", "1e6", 1.001..=1e9, "ratio of bright to dark luminance; 4 in ISO 12233:2017"),
-            sampling!("isetcam"),
+            choice!("sampling", "isetcam", "isetcam" or "area", SAMPLING),
         ],
         build: |a, s, _| {
             let slope = a.number_if("angle").map_or_else(|| a.number("slope"), SlantedBar::slope_of_angle);
@@ -143,13 +133,12 @@ static SCENES: [SceneInfo; 16] = [
             whole!("size", 384, 2..=16384, "rows and columns, pixels"),
             number!("frequency", "0.5", 1e-3..=2.0, "frequency at the sides, cycles per pixel"),
             number!("contrast", "1", 1e-3..=1.0, "contrast (Michelson)"),
-            ParamInfo {
-                name: "sampling",
-                default: "area",
-                expected: "isetcam or area",
-                doc: "ISETCam's plate (always 384 pixels, clipped), or the mean over each pixel",
-                kind: Kind::Choice(&["isetcam", "area"]),
-            },
+            choice!(
+                "sampling",
+                "area",
+                "isetcam" or "area",
+                "ISETCam's plate (always 384 pixels, clipped), or the mean over each pixel"
+            ),
         ],
         build: |a, s, _| match sampling(a) {
             PatternSampling::Isetcam => zone_plate_isetcam(s),
@@ -204,7 +193,7 @@ static SCENES: [SceneInfo; 16] = [
             whole!("frequencies", 8, 1..=64, "gratings from left to right, 1, 2, … cycles each"),
             whole!("angles", 8, 1..=64, "gratings from top to bottom, 0 to 90°"),
             number!("contrast", "1", 1e-3..=1.0, "contrast (Michelson)"),
-            sampling!("area"),
+            choice!("sampling", "area", "isetcam" or "area", SAMPLING),
         ],
         build: |a, s, _| {
             let target = FrequencyOrientation {
@@ -306,13 +295,12 @@ static SCENES: [SceneInfo; 16] = [
             whole!("cols", 512, 1..=16384, "columns, pixels"),
             whole!("cell", 64, 2..=16384, "distance from one colour to the next, pixels"),
             number!("contrast", "100", 1.0..=1e8, "ratio of the brightest to the darkest illumination"),
-            ParamInfo {
-                name: "paint",
-                default: "colors",
-                expected: "colors or white",
-                doc: "reflectances of the nodes: natural ones, or white only",
-                kind: Kind::Choice(&["colors", "white"]),
-            },
+            choice!(
+                "paint",
+                "colors",
+                "colors" or "white",
+                "reflectances of the nodes: natural ones, or white only"
+            ),
             SEED,
         ],
         build: |a, s, natural| {

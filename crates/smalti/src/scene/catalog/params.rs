@@ -54,7 +54,20 @@ macro_rules! number {
     };
 }
 
-pub(super) use {number, whole};
+/// One of two keywords.
+macro_rules! choice {
+    ($name:literal, $default:literal, $one:literal or $other:literal, $doc:expr) => {
+        ParamInfo {
+            name: $name,
+            default: $default,
+            expected: concat!($one, " or ", $other),
+            doc: $doc,
+            kind: Kind::Choice(&[$one, $other]),
+        }
+    };
+}
+
+pub(super) use {choice, number, whole};
 
 /// Parameters of every scene, which override the setting.
 pub(super) static COMMON: [ParamInfo; 4] = [
@@ -128,14 +141,14 @@ impl<'a> Args<'a> {
     }
 
     /// The text given, or the default; empty if there is neither.
-    fn text_or_default(&self, name: &str) -> &str {
+    pub(super) fn choice(&self, name: &str) -> &str {
         let default = || self.all().find(|p| p.name == name).map_or("", |p| p.default);
         self.text(name).unwrap_or_else(default)
     }
 
     /// A whole number. Zero for a name that the scene does not have; a test excludes that case.
     pub(super) fn whole(&self, name: &str) -> u64 {
-        parse_whole(self.text_or_default(name)).unwrap_or(0)
+        parse_whole(self.choice(name)).unwrap_or(0)
     }
 
     /// A whole number of pixels or objects.
@@ -145,17 +158,12 @@ impl<'a> Args<'a> {
 
     /// A number, if it was given or has a default.
     pub(super) fn number_if(&self, name: &str) -> Option<f64> {
-        parse_number(self.text_or_default(name))
+        parse_number(self.choice(name))
     }
 
     /// A number with a default.
     pub(super) fn number(&self, name: &str) -> f64 {
         self.number_if(name).unwrap_or(0.0)
-    }
-
-    /// One of several keywords.
-    pub(super) fn choice(&self, name: &str) -> &str {
-        self.text_or_default(name)
     }
 
     /// The illuminant, if it was given.

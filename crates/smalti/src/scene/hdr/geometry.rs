@@ -39,16 +39,7 @@ impl Shape {
     pub(super) fn hit(&self, origin: Vec3, direction: Vec3) -> Option<(f64, Vec3)> {
         match *self {
             Self::Block(low, high) => {
-                let (mut enter, mut leave, mut axis) = (f64::NEG_INFINITY, f64::INFINITY, 0);
-                for i in 0..3 {
-                    let inverse = 1.0 / direction[i];
-                    let (a, b) = ((low[i] - origin[i]) * inverse, (high[i] - origin[i]) * inverse);
-                    let (near, far) = (a.min(b), a.max(b));
-                    if near > enter {
-                        (enter, axis) = (near, i);
-                    }
-                    leave = leave.min(far);
-                }
+                let (enter, leave, axis) = crossing(low, high, origin, direction);
                 let mut normal = [0.0; 3];
                 normal[axis] = -direction[axis].signum();
                 (enter > NEAR && enter <= leave).then_some((enter, normal))
@@ -67,12 +58,21 @@ impl Shape {
 
 /// Whether a viewing ray intersects a block, or starts inside it.
 pub(super) fn meets(low: Vec3, high: Vec3, origin: Vec3, direction: Vec3) -> bool {
-    let (mut enter, mut leave) = (0.0f64, f64::INFINITY);
+    let (enter, leave, _) = crossing(low, high, origin, direction);
+    enter.max(0.0) <= leave
+}
+
+/// Where a ray enters and leaves a block, in lengths of `direction`, and the axis across which it enters.
+fn crossing(low: Vec3, high: Vec3, origin: Vec3, direction: Vec3) -> (f64, f64, usize) {
+    let (mut enter, mut leave, mut axis) = (f64::NEG_INFINITY, f64::INFINITY, 0);
     for i in 0..3 {
         let inverse = 1.0 / direction[i];
         let (a, b) = ((low[i] - origin[i]) * inverse, (high[i] - origin[i]) * inverse);
-        enter = enter.max(a.min(b));
-        leave = leave.min(a.max(b));
+        let (near, far) = (a.min(b), a.max(b));
+        if near > enter {
+            (enter, axis) = (near, i);
+        }
+        leave = leave.min(far);
     }
-    enter <= leave
+    (enter, leave, axis)
 }

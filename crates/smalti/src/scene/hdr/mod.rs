@@ -14,8 +14,8 @@ use rayon::prelude::*;
 use self::geometry::unit;
 use self::room::{GREYS, Room};
 use super::compose::{Fragment, check_size, fragments, lit};
-use super::error::require;
 use super::{Scene, SceneError, Setting, macbeth};
+use crate::numeric::require;
 use crate::spectrum::{Illuminant, Observer, Spectrum};
 
 /// Samples per pixel in each direction.

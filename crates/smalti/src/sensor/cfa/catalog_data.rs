@@ -23,6 +23,13 @@ const fn entry(
     CfaInfo { name, aliases, summary, source, filters, layout: Layout::Letters(lines) }
 }
 
+/// The filters `band-k-of-n`.
+macro_rules! bands {
+    ($n:literal: $($letter:literal $k:literal),*) => {
+        &[$(($letter, concat!("band-", $k, "-of-", $n))),*]
+    };
+}
+
 const BAYER: &str = "[bayer1976] B. E. Bayer, Color imaging array, US 3,971,065 (1976).";
 const LUKAC: &str = "[lukac2005] R. Lukac, K. N. Plataniotis, Color filter arrays: design and performance analysis, IEEE Trans. \
     Consum. Electron. 51(4), 1260 (2005); as in isetL3.";
@@ -303,17 +310,7 @@ pub(super) static CATALOG: &[CfaInfo] = &[
         "multispectral-3x3",
         &["ms9", "multispectral-9"],
         &["AFH", "EGC", "IBD"],
-        &[
-            ('A', "band-1-of-9"),
-            ('B', "band-2-of-9"),
-            ('C', "band-3-of-9"),
-            ('D', "band-4-of-9"),
-            ('E', "band-5-of-9"),
-            ('F', "band-6-of-9"),
-            ('G', "band-7-of-9"),
-            ('H', "band-8-of-9"),
-            ('I', "band-9-of-9"),
-        ],
+        bands!(9: 'A' 1, 'B' 2, 'C' 3, 'D' 4, 'E' 5, 'F' 6, 'G' 7, 'H' 8, 'I' 9),
         "Nine bands; every row and column has one of each third of the spectrum.",
         OWN,
     ),
@@ -321,24 +318,10 @@ pub(super) static CATALOG: &[CfaInfo] = &[
         "multispectral-4x4",
         &["ms16", "multispectral-16", "binary-tree-16"],
         &["AICK", "MEOG", "DLBJ", "PHNF"],
-        &[
-            ('A', "band-1-of-16"),
-            ('B', "band-2-of-16"),
-            ('C', "band-3-of-16"),
-            ('D', "band-4-of-16"),
-            ('E', "band-5-of-16"),
-            ('F', "band-6-of-16"),
-            ('G', "band-7-of-16"),
-            ('H', "band-8-of-16"),
-            ('I', "band-9-of-16"),
-            ('J', "band-10-of-16"),
-            ('K', "band-11-of-16"),
-            ('L', "band-12-of-16"),
-            ('M', "band-13-of-16"),
-            ('N', "band-14-of-16"),
-            ('O', "band-15-of-16"),
-            ('P', "band-16-of-16"),
-        ],
+        bands!(
+            16: 'A' 1, 'B' 2, 'C' 3, 'D' 4, 'E' 5, 'F' 6, 'G' 7, 'H' 8, 'I' 9, 'J' 10, 'K' 11, 'L' 12, 'M' 13,
+            'N' 14, 'O' 15, 'P' 16
+        ),
         "Sixteen bands, checkerboards split into checkerboards.",
         "[miao2006] L. Miao, H. Qi, The design and evaluation of a generic method for generating mosaicked multispectral filter \
          arrays, IEEE Trans. Image Process. 15(9), 2780 (2006), for the method (binary tree, equal probabilities); which band \
@@ -348,33 +331,10 @@ pub(super) static CATALOG: &[CfaInfo] = &[
         "multispectral-5x5",
         &["ms25", "multispectral-25"],
         &["ALWIT", "HSEKV", "OUGRD", "QCNYF", "XJPBM"],
-        &[
-            ('A', "band-1-of-25"),
-            ('B', "band-2-of-25"),
-            ('C', "band-3-of-25"),
-            ('D', "band-4-of-25"),
-            ('E', "band-5-of-25"),
-            ('F', "band-6-of-25"),
-            ('G', "band-7-of-25"),
-            ('H', "band-8-of-25"),
-            ('I', "band-9-of-25"),
-            ('J', "band-10-of-25"),
-            ('K', "band-11-of-25"),
-            ('L', "band-12-of-25"),
-            ('M', "band-13-of-25"),
-            ('N', "band-14-of-25"),
-            ('O', "band-15-of-25"),
-            ('P', "band-16-of-25"),
-            ('Q', "band-17-of-25"),
-            ('R', "band-18-of-25"),
-            ('S', "band-19-of-25"),
-            ('T', "band-20-of-25"),
-            ('U', "band-21-of-25"),
-            ('V', "band-22-of-25"),
-            ('W', "band-23-of-25"),
-            ('X', "band-24-of-25"),
-            ('Y', "band-25-of-25"),
-        ],
+        bands!(
+            25: 'A' 1, 'B' 2, 'C' 3, 'D' 4, 'E' 5, 'F' 6, 'G' 7, 'H' 8, 'I' 9, 'J' 10, 'K' 11, 'L' 12, 'M' 13,
+            'N' 14, 'O' 15, 'P' 16, 'Q' 17, 'R' 18, 'S' 19, 'T' 20, 'U' 21, 'V' 22, 'W' 23, 'X' 24, 'Y' 25
+        ),
         "Twenty-five bands; every row and column has one of each fifth of the spectrum.",
         OWN,
     ),

@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::shapes::{gaussian, logistic};
 use super::{CfaError, named};
+use crate::numeric::{OutOfRange, require};
 use crate::spectrum::{Extrapolation, Spectrum, WavelengthGrid};
 
 /// The shape of a filter's transmittance. Wavelengths are in nanometres; `peak` is the maximum transmittance,
@@ -161,9 +162,7 @@ impl Filter {
             Self::Box { low_nm, high_nm, peak } => {
                 wavelength("low_nm", low_nm)?;
                 wavelength("high_nm", high_nm)?;
-                if high_nm <= low_nm {
-                    return Err(parameter("high_nm", high_nm, "a wavelength above low_nm"));
-                }
+                require(high_nm > low_nm, "high_nm", high_nm, "a wavelength above low_nm")?;
                 within("peak", peak, 0.0, 1.0, "0 to 1")?;
                 let half = grid.step_nm() / 2.0;
                 sampled(&|nm| {
@@ -214,27 +213,17 @@ impl Filter {
     }
 }
 
-fn parameter(name: &str, value: f64, expected: &'static str) -> CfaError {
-    CfaError::Parameter { name: name.into(), value, expected }
+fn within(name: &str, value: f64, low: f64, high: f64, expected: &'static str) -> Result<(), OutOfRange> {
+    require((low..=high).contains(&value), name, value, expected)
 }
 
-fn within(name: &str, value: f64, low: f64, high: f64, expected: &'static str) -> Result<(), CfaError> {
-    if (low..=high).contains(&value) { Ok(()) } else { Err(parameter(name, value, expected)) }
-}
-
-fn wavelength(name: &str, nm: f64) -> Result<(), CfaError> {
+fn wavelength(name: &str, nm: f64) -> Result<(), OutOfRange> {
     // The range of photodiodes. A value of 0.61 is probably a wavelength in µm.
-    if (100.0..=1e5).contains(&nm) {
-        Ok(())
-    } else {
-        Err(parameter(name, nm, "a wavelength in nm, 100 to 100000"))
-    }
+    within(name, nm, 100.0, 1e5, "a wavelength in nm, 100 to 100000")
 }
 
-fn band(center_nm: f64, width: &str, width_nm: f64, peak: f64) -> Result<(), CfaError> {
+fn band(center_nm: f64, width: &str, width_nm: f64, peak: f64) -> Result<(), OutOfRange> {
     wavelength("the wavelength of the filter", center_nm)?;
-    if !(width_nm.is_finite() && width_nm > 0.0) {
-        return Err(parameter(width, width_nm, "a width above 0 nm"));
-    }
+    require(width_nm > 0.0, width, width_nm, "a width above 0 nm")?;
     within("peak", peak, 0.0, 1.0, "0 to 1")
 }

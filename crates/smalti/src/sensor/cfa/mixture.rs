@@ -1,6 +1,7 @@
 //! Mosaics whose cells are weighted mixtures of a few primaries, and those built from carriers.
 
 use super::{Cfa, CfaError, Channel, Mosaic};
+use crate::numeric::require;
 use crate::spectrum::{Spectrum, SpectrumError};
 
 /// A tile whose cells transmit a fraction of every primary: the transmittance of a cell is the weighted sum
@@ -39,19 +40,12 @@ impl WeightedMosaic {
         if count == 0 || count.checked_mul(primaries) != Some(weights.len()) || primaries == 0 {
             return Err(CfaError::Tile { rows, cols, cells: weights.len() / primaries.max(1) });
         }
-        match weights.iter().position(|w| !(0.0..=1.0).contains(w)) {
-            Some(at) => Err(CfaError::Parameter {
-                name: format!(
-                    "the weight of primary {} in cell ({}, {})",
-                    at % primaries,
-                    at / primaries / cols,
-                    at / primaries % cols
-                ),
-                value: weights[at],
-                expected: "0 to 1",
-            }),
-            None => Ok(Self { rows, cols, primaries, weights }),
+        if let Some(at) = weights.iter().position(|w| !(0.0..=1.0).contains(w)) {
+            let (primary, cell) = (at % primaries, at / primaries);
+            let name = format!("the weight of primary {primary} in cell ({}, {})", cell / cols, cell % cols);
+            require(false, name, weights[at], "0 to 1")?;
         }
+        Ok(Self { rows, cols, primaries, weights })
     }
 
     /// A tile in which each primary modulates one carrier, the representation of Hirakawa and Wolfe (2008)
@@ -82,25 +76,6 @@ impl WeightedMosaic {
         Self::new(rows, cols, primaries.len(), weights.collect())
     }
 
-    /// Rows of the tile.
-    #[must_use]
-    pub fn rows(&self) -> usize {
-        self.rows
-    }
-
-    /// Columns of the tile.
-    #[must_use]
-    pub fn cols(&self) -> usize {
-        self.cols
-    }
-
-    /// The weights of the primaries in the cell of any pixel of the sensor.
-    #[must_use]
-    pub fn weights_at(&self, row: usize, col: usize) -> &[f64] {
-        let cell = row % self.rows * self.cols + col % self.cols;
-        &self.weights[cell * self.primaries..][..self.primaries]
-    }
-
     /// The distinct mixtures in order of first appearance, and the mosaic of their indices.
     ///
     /// # Errors
@@ -113,11 +88,8 @@ impl WeightedMosaic {
                 mixtures.push(weights.to_vec());
                 mixtures.len() - 1
             });
-            cells.push(u8::try_from(index).map_err(|_| CfaError::Parameter {
-                name: "the number of distinct mixtures".into(),
-                value: mixtures.len() as f64,
-                expected: "at most 256",
-            })?);
+            require(index < 256, "the number of distinct mixtures", mixtures.len() as f64, "at most 256")?;
+            cells.push(index as u8);
         }
         Ok((Mosaic::new(self.rows, self.cols, cells)?, mixtures))
     }
@@ -130,14 +102,10 @@ impl WeightedMosaic {
     /// # Errors
     /// When the number of primaries is not that of the weights, their grids differ, or as for [`Cfa::new`].
     pub fn cfa(&self, name: impl Into<String>, primaries: &[Channel]) -> Result<Cfa, CfaError> {
-        let Some(first) = primaries.first().filter(|_| primaries.len() == self.primaries) else {
-            return Err(CfaError::Parameter {
-                name: "the number of primaries".into(),
-                value: primaries.len() as f64,
-                expected: "one per weight of a cell",
-            });
-        };
-        let grid = first.transmittance.grid();
+        let (count, expected) = (primaries.len(), "one per weight of a cell");
+        require(count == self.primaries, "the number of primaries", count as f64, expected)?;
+        // A tile has at least one primary.
+        let grid = primaries[0].transmittance.grid();
         if let Some(p) = primaries.iter().find(|p| p.transmittance.grid() != grid) {
             return Err(SpectrumError::GridMismatch { left: grid, right: p.transmittance.grid() }.into());
         }

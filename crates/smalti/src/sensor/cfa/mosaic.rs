@@ -4,6 +4,7 @@ use serde::Serialize;
 use thiserror::Error;
 
 use crate::names::did_you_mean;
+use crate::numeric::OutOfRange;
 use crate::spectrum::{Extrapolation, Spectrum, SpectrumError, WavelengthGrid};
 
 /// An error of a colour filter array.
@@ -69,15 +70,8 @@ pub enum CfaError {
         name: String,
     },
     /// A parameter is out of its range.
-    #[error("{name} is {value}; expected {expected}")]
-    Parameter {
-        /// Its name.
-        name: String,
-        /// Its value.
-        value: f64,
-        /// The range.
-        expected: &'static str,
-    },
+    #[error(transparent)]
+    Parameter(#[from] OutOfRange),
     /// A parameter written as text cannot be read.
     #[error("{name} is '{value}'; expected {expected}")]
     ParameterText {
@@ -186,9 +180,8 @@ impl Cfa {
     /// When a filter does not reach as far as the grid; the message names it.
     pub fn on_grid(&self, grid: WavelengthGrid) -> Result<Self, CfaError> {
         let channel = |c: &Channel| {
-            let named = |e| SpectrumError::Of { what: c.name.clone(), problem: Box::new(e) };
-            let transmittance = c.transmittance.resampled(grid, Extrapolation::Error).map_err(named)?;
-            Ok(Channel { name: c.name.clone(), transmittance })
+            let resampled = c.transmittance.resampled(grid, Extrapolation::Error);
+            Ok(Channel { name: c.name.clone(), transmittance: resampled.map_err(|e| e.of(&c.name))? })
         };
         let channels = self.channels.iter().map(channel).collect::<Result<_, SpectrumError>>()?;
         Self::new(self.name.clone(), self.mosaic.clone(), channels)
@@ -217,16 +210,7 @@ impl Cfa {
             if c.transmittance.grid() != grid {
                 return Err(SpectrumError::GridMismatch { left: grid, right: c.transmittance.grid() }.into());
             }
-            // Measured curves overshoot 1 by rounding; a thousandth is forgiven.
-            if let Some(i) = c.transmittance.values().iter().position(|v| !(-1e-3..=1.001).contains(v)) {
-                return Err(SpectrumError::Value {
-                    quantity: "the transmittance of a filter",
-                    wavelength_nm: grid.wavelength_nm(i),
-                    value: c.transmittance.values()[i],
-                    expected: "0 to 1 was expected",
-                }
-                .into());
-            }
+            c.transmittance.check_fraction("the transmittance of a filter")?;
         }
         Ok(Self { name: name.into(), mosaic, channels })
     }

@@ -3,6 +3,7 @@
 
 use super::{CfaError, Mosaic};
 use crate::numeric::philox::Stream;
+use crate::numeric::require;
 
 /// Separates these random numbers from other uses of the seed.
 const PURPOSE: u32 = 0x4346_4101;
@@ -21,20 +22,11 @@ const MAX_SWEEPS: usize = 30;
 /// When the number of channels is not within 2–26, the tile has fewer cells than channels, or it has more
 /// than 4096 cells.
 pub fn blue_noise(channels: usize, rows: usize, cols: usize, seed: u64) -> Result<Mosaic, CfaError> {
-    let parameter = |name: &str, value: usize, expected| {
-        Err(CfaError::Parameter { name: name.into(), value: value as f64, expected })
-    };
-    if !(2..=26).contains(&channels) {
-        return parameter("the number of channels of a random mosaic", channels, "2 to 26");
-    }
+    let name = "the number of channels of a random mosaic";
+    require((2..=26).contains(&channels), name, channels as f64, "2 to 26")?;
     let count = rows.saturating_mul(cols);
-    if count < channels || count > 4096 {
-        return parameter(
-            "the number of cells of a random tile",
-            count,
-            "at least one per channel, at most 4096",
-        );
-    }
+    let (name, expected) = ("the number of cells of a random tile", "at least one per channel, at most 4096");
+    require((channels..=4096).contains(&count), name, count as f64, expected)?;
     let mut random = Stream::new(seed, PURPOSE, 0);
     let mut cells: Vec<u8> = (0..count).map(|i| (i % channels) as u8).collect();
     for last in (1..count).rev() {
