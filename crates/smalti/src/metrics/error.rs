@@ -137,3 +137,26 @@ pub enum MetricError {
     #[error(transparent)]
     Scielab(#[from] ScielabError),
 }
+
+/// Checks that there are as many items as a measurement needs.
+pub(super) fn at_least(what: &'static str, minimum: usize, got: usize) -> Result<(), MetricError> {
+    if got >= minimum { Ok(()) } else { Err(MetricError::TooFew { what, minimum, got }) }
+}
+
+/// Checks that no value is NaN or infinite.
+pub(super) fn finite(
+    what: &'static str,
+    values: impl IntoIterator<Item = impl Into<f64>>,
+) -> Result<(), MetricError> {
+    match values.into_iter().position(|v| !v.into().is_finite()) {
+        Some(index) => Err(MetricError::NotFinite { what, index }),
+        None => Ok(()),
+    }
+}
+
+/// Checks that a parameter is a finite number not below 0.
+pub(super) fn not_negative(name: &'static str, value: f64) -> Result<(), MetricError> {
+    let expected = "a finite number not below 0";
+    let fits = value >= 0.0 && value.is_finite();
+    if fits { Ok(()) } else { Err(MetricError::Parameter { name, value, expected }) }
+}

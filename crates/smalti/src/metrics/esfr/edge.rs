@@ -3,6 +3,7 @@
 use std::f64::consts::PI;
 
 use super::options::{CentroidWindow, EdgeOrientation};
+use crate::metrics::error::at_least;
 use crate::metrics::{MetricError, Rect};
 
 /// Least number of pixels of a region in each direction, for two plateaus and an edge.
@@ -28,11 +29,7 @@ pub(super) fn gather(
     rect: Rect,
     value: impl Fn(usize, usize) -> Option<f64>,
 ) -> Result<(EdgeOrientation, Lines), MetricError> {
-    let shorter = rect.rows.min(rect.cols);
-    if shorter < MINIMUM_SIDE {
-        let what = "pixels along the shorter side of the edge region";
-        return Err(MetricError::TooFew { what, minimum: MINIMUM_SIDE, got: shorter });
-    }
+    at_least("pixels along the shorter side of the edge region", MINIMUM_SIDE, rect.rows.min(rect.cols))?;
     // Sums and counts of the outer thirds: left, right, top, bottom. Their larger difference gives the direction across the
     // edge.
     let mut outer = [(0.0, 0usize); 4];

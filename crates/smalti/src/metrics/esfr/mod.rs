@@ -19,7 +19,7 @@ pub use options::{CentroidWindow, EdgeOrientation, EsfrOptions, FrequencyAxis};
 pub use region::find_edge_region;
 pub use response::EdgeSfr;
 
-use super::patch::check_region;
+use super::patch::{check_plane, check_region};
 use super::{MetricError, Rect};
 use crate::numeric::Planes;
 use crate::sensor::{RawImage, RawSamples, Sampling};
@@ -48,9 +48,7 @@ pub fn edge_sfr(
     rect: Rect,
     options: &EsfrOptions,
 ) -> Result<EdgeSfr, MetricError> {
-    if plane >= planes.count() {
-        return Err(MetricError::Plane { index: plane, count: planes.count() });
-    }
+    check_plane(planes, plane)?;
     let (data, cols) = (planes.plane(plane), planes.cols());
     check_region(rect, planes.rows(), cols)?;
     measure(rect, options, |row, col| data.get(row * cols + col).map(|&v| f64::from(v)))

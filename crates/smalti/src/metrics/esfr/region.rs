@@ -1,7 +1,8 @@
 //! Finding the slanted edge in a picture.
 
-use super::check_region;
 use super::{EsfrOptions, MetricError, Rect, edge_sfr};
+use super::{check_plane, check_region};
+use crate::metrics::error::{at_least, finite};
 use crate::numeric::Planes;
 
 /// Pixels of the border that are ignored, because demosaicking is least accurate there.
@@ -22,19 +23,10 @@ const TOLERANCE_PX: f64 = 2.0;
 ///
 /// [theil1950]: https://doi.org/10.1007/978-94-011-2546-8_20
 pub fn find_edge_region(planes: &Planes, plane: usize) -> Result<Rect, MetricError> {
-    if plane >= planes.count() {
-        return Err(MetricError::Plane { index: plane, count: planes.count() });
-    }
+    check_plane(planes, plane)?;
     let (rows, cols, data) = (planes.rows(), planes.cols(), planes.plane(plane));
-    let shorter = rows.min(cols);
-    let minimum = 2 * BORDER + 16;
-    if shorter < minimum {
-        let what = "pixels along the shorter side of the picture";
-        return Err(MetricError::TooFew { what, minimum, got: shorter });
-    }
-    if let Some(index) = data.iter().position(|v| !v.is_finite()) {
-        return Err(MetricError::NotFinite { what: "the picture", index });
-    }
+    at_least("pixels along the shorter side of the picture", 2 * BORDER + 16, rows.min(cols))?;
+    finite("the picture", data.iter().copied())?;
     let at = |row: usize, col: usize| f64::from(data[row * cols + col]);
     let (mut across, mut along) = (0.0, 0.0);
     for row in BORDER..rows - BORDER {
