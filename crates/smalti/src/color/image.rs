@@ -51,16 +51,12 @@ pub enum ImageError {
         value: f32,
     },
     /// Two images that are compared differ in size.
-    #[error("the images differ in size: {left_rows} × {left_cols} and {right_rows} × {right_cols}")]
+    #[error("the images differ in size: {} × {} and {} × {}", left.0, left.1, right.0, right.1)]
     Size {
-        /// Rows of the first.
-        left_rows: usize,
-        /// Columns of the first.
-        left_cols: usize,
-        /// Rows of the second.
-        right_rows: usize,
-        /// Columns of the second.
-        right_cols: usize,
+        /// Rows and columns of the first.
+        left: (usize, usize),
+        /// Rows and columns of the second.
+        right: (usize, usize),
     },
     /// A picture cannot be adapted from this white.
     #[error(
@@ -87,6 +83,12 @@ impl Image {
         } else {
             Err(ImageError::Planes { got: planes.count() })
         }
+    }
+
+    /// Checks that the image is in a colour space.
+    pub(super) fn check_space(&self, expected: ColorSpace) -> Result<(), ImageError> {
+        let got = self.space;
+        if got == expected { Ok(()) } else { Err(ImageError::Space { expected, got }) }
     }
 
     /// Checks that every value is finite.

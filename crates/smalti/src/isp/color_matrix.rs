@@ -68,13 +68,13 @@ impl ColorMatrix {
         &self.xyz_from_camera
     }
 
-    /// The channels of a perfect white diffuser; [`color_matrix`] scales the largest to 1.
+    /// The channels of a perfect white diffuser; [`ColorFit::matrix`] scales the largest to 1.
     #[must_use]
     pub fn camera_white(&self) -> &[f64] {
         &self.camera_white
     }
 
-    /// X, Y, Z of a perfect white diffuser under the illuminant; [`color_matrix`] scales Y to 1.
+    /// X, Y, Z of a perfect white diffuser under the illuminant; [`ColorFit::matrix`] scales Y to 1.
     #[must_use]
     pub fn xyz_white(&self) -> [f64; 3] {
         self.xyz_white
@@ -211,21 +211,6 @@ fn responses(reflectances: &[Spectrum], curves: &[Spectrum], scale: f64) -> Resu
     Ok(rows)
 }
 
-/// [`ColorFit::new`] and [`ColorFit::matrix`] in one call.
-///
-/// # Errors
-/// As these.
-pub fn color_matrix(
-    responsivities: &[Spectrum],
-    reflectances: &[Spectrum],
-    illuminant_photons: &Spectrum,
-    observer: Observer,
-    constraint: ColorConstraint,
-    noise: f64,
-) -> Result<ColorMatrix, IspError> {
-    ColorFit::new(reflectances, illuminant_photons, observer)?.matrix(responsivities, constraint, noise)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -245,7 +230,8 @@ mod tests {
 
     fn matrix(channels: &[Spectrum], constraint: ColorConstraint) -> ColorMatrix {
         let light = Illuminant::D65.photons(GRID).unwrap();
-        color_matrix(channels, &chart(), &light, Observer::Cie1931, constraint, 0.0).unwrap()
+        let fit = ColorFit::new(&chart(), &light, Observer::Cie1931).unwrap();
+        fit.matrix(channels, constraint, 0.0).unwrap()
     }
 
     /// The fit is exact for a camera that meets the Luther condition.
@@ -306,7 +292,7 @@ mod tests {
         let light = Illuminant::D65.photons(GRID).unwrap();
         let dark = [Spectrum::constant(GRID, 0.0)];
         let fit = |c: &[Spectrum], r: &[Spectrum]| {
-            color_matrix(c, r, &light, Observer::Cie1931, ColorConstraint::None, 0.0)
+            ColorFit::new(r, &light, Observer::Cie1931)?.matrix(c, ColorConstraint::None, 0.0)
         };
         assert!(matches!(fit(&dark, &chart()), Err(IspError::NoResponse { .. })));
         assert!(matches!(fit(&dark, &[]), Err(IspError::Empty { what: "reflectances" })));
@@ -323,10 +309,8 @@ mod tests {
             Spectrum::from_fn(GRID, |nm| bands.iter().filter_map(|b| b.at(nm)).sum::<f64>() * 0.7 + 0.01);
         let channels = [&bands[..], &[sum]].concat();
         let light = Illuminant::D65.photons(GRID).unwrap();
-        let fit = |noise| {
-            let none = ColorConstraint::None;
-            color_matrix(&channels, &chart(), &light, Observer::Cie1931, none, noise).unwrap()
-        };
+        let fit = ColorFit::new(&chart(), &light, Observer::Cie1931).unwrap();
+        let fit = |noise| fit.matrix(&channels, ColorConstraint::None, noise).unwrap();
         let gain = |m: &ColorMatrix| m.xyz_from_camera().iter().map(|c| c[1] * c[1]).sum::<f64>().sqrt();
         let (plain, noisy) = (fit(0.0), fit(0.01));
         assert!(gain(&noisy) < 0.5 * gain(&plain), "{} {}", gain(&noisy), gain(&plain));

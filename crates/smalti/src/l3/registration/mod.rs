@@ -116,20 +116,11 @@ impl Aligned {
 
 impl Registration {
     /// Registers an image with the raw image of the same shot. `luminance` is one plane in linear light; each
-    /// of its pixels spans `scale` pixels of the raw image. The scale follows from the sizes, or from a
-    /// search ([`Registration::best`]).
+    /// of its pixels spans as many pixels of the raw image as the best of `scales`.
     ///
     /// # Errors
-    /// When an image is too small, the scale is out of range, the raw image cannot be interpolated, or no
-    /// position matches.
-    pub fn find(raw: &RawImage, luminance: &Planes, scale: f64) -> Result<Self, RegistrationError> {
-        Self::best(raw, luminance, &[scale])
-    }
-
-    /// Like [`Registration::find`], with the best of several scales.
-    ///
-    /// # Errors
-    /// As for [`Registration::find`], when none of the scales succeeds.
+    /// When an image is too small, the raw image cannot be interpolated, or all scales are out of range or
+    /// match at no position.
     pub fn best(raw: &RawImage, luminance: &Planes, scales: &[f64]) -> Result<Self, RegistrationError> {
         let fixed = Plane::new(raw.rows(), raw.cols(), raw_luminance(raw)?);
         let moving = Plane::new(luminance.rows(), luminance.cols(), even_noise(luminance.plane(0)));
