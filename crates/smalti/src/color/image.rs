@@ -24,12 +24,9 @@ pub enum ColorSpace {
 #[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]
 pub enum ImageError {
-    /// The number of planes is not three.
-    #[error("an image has 3 planes, got {got}")]
-    Planes {
-        /// Planes that were given.
-        got: usize,
-    },
+    /// The number of planes, this one, is not three.
+    #[error("an image has 3 planes, got {0}")]
+    Planes(usize),
     /// The operation is defined in another colour space.
     #[error("expected an image in {expected:?}, got {got:?}")]
     Space {
@@ -78,11 +75,7 @@ impl Image {
     /// # Errors
     /// When the number of planes is not three.
     pub fn new(space: ColorSpace, planes: Planes) -> Result<Self, ImageError> {
-        if planes.count() == 3 {
-            Ok(Self { space, planes })
-        } else {
-            Err(ImageError::Planes { got: planes.count() })
-        }
+        if planes.count() == 3 { Ok(Self { space, planes }) } else { Err(ImageError::Planes(planes.count())) }
     }
 
     /// Checks that the image is in a colour space.

@@ -84,13 +84,10 @@ impl Uplift {
         let weights: Vec<[f64; 3]> =
             (0..grid.len()).map(|i| [&x, &y, &z].map(|m| m.values()[i] * d65.values()[i])).collect();
         let white = [0, 1, 2].map(|c| weights.iter().map(|w| w[c]).sum::<f64>());
-        if let Some(&none) = white.iter().find(|&&w| w.is_nan() || w <= 0.0) {
-            return Err(SpectrumError::Parameter {
-                name: "the observer's response to D65 on the wavelength grid",
-                value: none,
-                expected: "a grid that covers the visible range",
-            }
-            .into());
+        if let Some(&value) = white.iter().find(|&&w| w.is_nan() || w <= 0.0) {
+            let name = "the observer's response to D65 on the wavelength grid";
+            let expected = "a grid that covers the visible range";
+            return Err(SpectrumError::Parameter { name, value, expected }.into());
         }
         let mut blocks = vec![Block::default(); grid.len().div_ceil(LANES)];
         for (i, (nm, w)) in grid.wavelengths_nm().zip(&weights).enumerate() {

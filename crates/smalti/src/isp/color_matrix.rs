@@ -43,7 +43,7 @@ impl ColorMatrix {
     ) -> Result<Self, IspError> {
         let expected = xyz_from_camera.len();
         if expected == 0 {
-            return Err(IspError::Empty { what: "camera channels" });
+            return Err(IspError::Empty("camera channels"));
         }
         if camera_white.len() != expected {
             return Err(IspError::Channels { what: "the camera's white", expected, got: camera_white.len() });
@@ -113,13 +113,13 @@ impl ColorFit {
         observer: Observer,
     ) -> Result<Self, IspError> {
         if reflectances.is_empty() {
-            return Err(IspError::Empty { what: "reflectances" });
+            return Err(IspError::Empty("reflectances"));
         }
         let eye = under(illuminant_photons, &observer.photon_weights(illuminant_photons.grid())?)?;
         let white: Vec<f64> = eye.iter().map(Spectrum::integral).collect();
-        let [x, y, z] = white[..] else { return Err(IspError::NoResponse { what: "the observer" }) };
+        let [x, y, z] = white[..] else { return Err(IspError::NoResponse("the observer")) };
         if y <= 0.0 {
-            return Err(IspError::NoResponse { what: "the observer" });
+            return Err(IspError::NoResponse("the observer"));
         }
         Ok(Self {
             light: illuminant_photons.clone(),
@@ -157,13 +157,13 @@ impl ColorFit {
             return Err(IspError::Parameter { name: "noise", value: noise, expected });
         }
         if responsivities.is_empty() {
-            return Err(IspError::Empty { what: "camera channels" });
+            return Err(IspError::Empty("camera channels"));
         }
         let camera = under(&self.light, responsivities)?;
         let camera_white: Vec<f64> = camera.iter().map(Spectrum::integral).collect();
         let brightest = camera_white.iter().copied().fold(0.0, f64::max);
         if brightest <= 0.0 {
-            return Err(IspError::NoResponse { what: "the camera" });
+            return Err(IspError::NoResponse("the camera"));
         }
         let sees = |(c, &white): (Spectrum, &f64)| if white < BLIND * brightest { c.scaled(0.0) } else { c };
         let seeing: Vec<Spectrum> = camera.into_iter().zip(&camera_white).map(sees).collect();
@@ -294,9 +294,9 @@ mod tests {
         let fit = |c: &[Spectrum], r: &[Spectrum]| {
             ColorFit::new(r, &light, Observer::Cie1931)?.matrix(c, ColorConstraint::None, 0.0)
         };
-        assert!(matches!(fit(&dark, &chart()), Err(IspError::NoResponse { .. })));
-        assert!(matches!(fit(&dark, &[]), Err(IspError::Empty { what: "reflectances" })));
-        assert!(matches!(fit(&[], &chart()), Err(IspError::Empty { .. })));
+        assert!(matches!(fit(&dark, &chart()), Err(IspError::NoResponse(_))));
+        assert!(matches!(fit(&dark, &[]), Err(IspError::Empty("reflectances"))));
+        assert!(matches!(fit(&[], &chart()), Err(IspError::Empty(_))));
         let other = Spectrum::constant(WavelengthGrid::new(400.0, 5.0, 61).unwrap(), 1.0);
         assert!(matches!(fit(&[other], &chart()), Err(IspError::Spectrum(_))));
     }

@@ -52,9 +52,7 @@ impl TileFilter {
         let rows = raw.len() / cols.max(1);
         let side = 2 * self.reach + 1;
         if rows < side || cols < side {
-            return Err(IspError::Empty {
-                what: "pixels with all the samples around them that a pipeline needs",
-            });
+            return Err(IspError::Empty("pixels with all the samples around them that a pipeline needs"));
         }
         let mut out = vec![0.0; raw.len()];
         dispatch(Rows { filter: self, raw, cols, out: &mut out });

@@ -22,24 +22,15 @@ pub enum L3Error {
     /// Processing with a learned pipeline lacks the pipeline.
     #[error("there is no learned pipeline for the camera")]
     NoPipeline,
-    /// An axis of classes has no members.
-    #[error("the class axis '{axis}' has no members; at least one is needed")]
-    EmptyAxis {
-        /// Which axis.
-        axis: &'static str,
-    },
-    /// The cut points of the levels do not fit.
-    #[error("cut points of levels: {reason}")]
-    Levels {
-        /// What is wrong with them.
-        reason: String,
-    },
-    /// No patch has been seen.
-    #[error("there is nothing to learn from: no patch of {side} × {side} pixels has been seen")]
-    Empty {
-        /// Side of the patch.
-        side: usize,
-    },
+    /// This axis of classes has no members.
+    #[error("the class axis '{0}' has no members; at least one is needed")]
+    EmptyAxis(&'static str),
+    /// The cut points of the levels do not fit, for this reason.
+    #[error("cut points of levels: {0}")]
+    Levels(String),
+    /// No patch of this side, pixels, has been seen.
+    #[error("there is nothing to learn from: no patch of {0} × {0} pixels has been seen")]
+    Empty(usize),
     /// A scene to learn from gives no response, however long the exposure.
     #[error("the scene is dark to the sensor: no exposure gives a response to learn from")]
     Dark,
@@ -114,30 +105,18 @@ pub enum L3Error {
         /// The value.
         value: f32,
     },
-    /// Statistics or tables that were made with different axes, outputs or noise.
-    #[error("the two do not belong together: {what} differ")]
-    Mismatch {
-        /// What differs.
-        what: &'static str,
-    },
-    /// The parts of a table do not fit each other.
-    #[error("the learned table is inconsistent: {reason}")]
-    Table {
-        /// What does not fit.
-        reason: String,
-    },
-    /// A class has no positive definite system, even after regularisation.
-    #[error("the normal equations of class {class} cannot be solved")]
-    Singular {
-        /// Its index.
-        class: usize,
-    },
-    /// A pipeline renders pictures only with three outputs.
-    #[error("the pipeline has {got} outputs; a picture has three: use `render_raw`")]
-    NotAPicture {
-        /// Its outputs.
-        got: usize,
-    },
+    /// Statistics or tables that differ in this: axes, outputs or noise.
+    #[error("the two do not belong together: {0} differ")]
+    Mismatch(&'static str),
+    /// The parts of a table do not fit each other, for this reason.
+    #[error("the learned table is inconsistent: {0}")]
+    Table(String),
+    /// The class of this index has no positive definite system, even after regularisation.
+    #[error("the normal equations of class {0} cannot be solved")]
+    Singular(usize),
+    /// A pipeline renders pictures only with three outputs, not with this number.
+    #[error("the pipeline has {0} outputs; a picture has three: use `render_raw`")]
+    NotAPicture(usize),
     /// A buffer does not match its shape.
     #[error(transparent)]
     Shape(#[from] ShapeError),

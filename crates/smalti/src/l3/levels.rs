@@ -21,7 +21,7 @@ impl Levels {
     /// # Errors
     /// When a cut is not finite, the cuts do not ascend, or there are more than 255.
     pub fn new(cuts: Vec<f32>) -> Result<Self, L3Error> {
-        let wrong = |reason: String| Err(L3Error::Levels { reason });
+        let wrong = |reason: String| Err(L3Error::Levels(reason));
         if cuts.len() >= MAX_LEVELS {
             return wrong(format!("{} of them; at most {} are possible", cuts.len(), MAX_LEVELS - 1));
         }
@@ -62,7 +62,7 @@ impl Levels {
         check_count(count)?;
         within("the highest cut between levels", most, 1e-6..=1e3, "1e-6 to 1000")?;
         if noise.variance(0.0) <= 0.0 {
-            return Err(L3Error::Levels { reason: "equal steps of noise need noise in the dark".into() });
+            return Err(L3Error::Levels("equal steps of noise need noise in the dark".into()));
         }
         // Midpoint rule on a grid that is fine near zero.
         const STEPS: usize = 4096;

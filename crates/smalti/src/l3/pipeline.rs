@@ -110,7 +110,7 @@ impl Pipeline {
     /// [`L3Error::Table`], which names the inconsistency.
     pub fn from_parts(parts: PipelineParts) -> Result<Self, L3Error> {
         let PipelineParts { axes, saturations, outputs, channel_names, trained, kernels, .. } = &parts;
-        let wrong = |reason: String| Err(L3Error::Table { reason });
+        let wrong = |reason: String| Err(L3Error::Table(reason));
         if saturations.first() != Some(&0) || saturations.windows(2).any(|w| w[0] >= w[1]) {
             return wrong("the saturation axis must ascend from 0".into());
         }

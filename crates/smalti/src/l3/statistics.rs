@@ -28,7 +28,7 @@ impl Statistics {
     /// When there is no output.
     pub fn new(axes: Axes, outputs: Vec<String>, noisy: bool) -> Result<Self, L3Error> {
         if outputs.is_empty() {
-            return Err(L3Error::EmptyAxis { axis: "output" });
+            return Err(L3Error::EmptyAxis("output"));
         }
         let trained = vec![[f32::INFINITY, f32::NEG_INFINITY]; axes.positions()];
         let channel_names = (0..axes.mosaic().channels()).map(|c| c.to_string()).collect();
@@ -61,7 +61,7 @@ impl Statistics {
         let empty = Self::new(axes, outputs, noisy)?;
         let size = 1 + empty.axes.taps() + empty.outputs.len();
         let channels = empty.axes.mosaic().channels();
-        let wrong = |reason: &str| Err(L3Error::Table { reason: reason.into() });
+        let wrong = |reason: &str| Err(L3Error::Table(reason.into()));
         if classes.values().any(|m| m.size() != size) {
             return wrong("moments of another size than patch and outputs");
         }
@@ -149,7 +149,7 @@ impl Statistics {
     /// # Errors
     /// When axes, outputs, levels or noise differ.
     pub fn merge(&mut self, other: &Self) -> Result<(), L3Error> {
-        let differ = |what| Err(L3Error::Mismatch { what });
+        let differ = |what| Err(L3Error::Mismatch(what));
         if self.axes != other.axes {
             return differ("mosaic, patch, levels or noise");
         }
@@ -207,18 +207,14 @@ impl Statistics {
         let channels = self.axes.mosaic().channels();
         if samples.len() != channels || samples.iter().any(|v| !v.is_finite()) {
             let reason = format!("an even field needs {channels} finite samples, one for each channel");
-            return Err(L3Error::Table { reason });
+            return Err(L3Error::Table(reason));
         }
         if target.len() != self.outputs.len() {
             return Err(L3Error::Outputs { expected: self.outputs.len(), got: target.len() });
         }
         if let Some(&value) = target.iter().find(|v| !v.is_finite()) {
-            return Err(L3Error::Value {
-                what: "the target of an even field".into(),
-                row: 0,
-                col: 0,
-                value: value as f32,
-            });
+            let what = "the target of an even field".into();
+            return Err(L3Error::Value { what, row: 0, col: 0, value: value as f32 });
         }
         if times == 0 || samples.iter().any(|&v| v >= self.axes.clip()) {
             return Ok(());
@@ -257,7 +253,7 @@ impl Statistics {
         if let Some(seen) = pair.seen {
             same_size("the image it is classified by", [seen.rows(), seen.cols()])?;
             if seen.sampling() != raw.sampling() {
-                return Err(L3Error::Mismatch { what: "the mosaics of the two raw images" });
+                return Err(L3Error::Mismatch("the mosaics of the two raw images"));
             }
         }
         if pair.target.count() != self.outputs.len() {

@@ -186,7 +186,7 @@ pub const CATALOG: &[MetricInfo] = &[
 /// [`MetricError::UnknownMetric`] when no metric has this name.
 pub fn metric_info(name: &str) -> Result<&'static MetricInfo, MetricError> {
     let found = CATALOG.iter().find(|m| m.name == name);
-    found.ok_or_else(|| MetricError::UnknownMetric { name: name.to_owned() })
+    found.ok_or_else(|| MetricError::UnknownMetric(name.to_owned()))
 }
 
 #[cfg(test)]
@@ -200,6 +200,6 @@ mod tests {
             assert!(!m.name.is_empty() && !m.unit.is_empty() && m.doc.ends_with('.') && !m.source.is_empty());
             assert_eq!(metric_info(m.name), Ok(m));
         }
-        assert_eq!(metric_info("psnr"), Err(MetricError::UnknownMetric { name: "psnr".into() }));
+        assert_eq!(metric_info("psnr"), Err(MetricError::UnknownMetric("psnr".into())));
     }
 }

@@ -12,11 +12,8 @@ use crate::numeric::ShapeError;
 #[non_exhaustive]
 pub enum MetricError {
     /// No metric has this name.
-    #[error("no metric is called '{name}'")]
-    UnknownMetric {
-        /// The name.
-        name: String,
-    },
+    #[error("no metric is called '{0}'")]
+    UnknownMetric(String),
     /// A region is empty or extends beyond the image.
     #[error(
         "the region of {} × {} pixels at row {}, column {} must have pixels and lie within the image of {rows} × {cols}",
@@ -84,12 +81,9 @@ pub enum MetricError {
         /// Rows, columns and planes of the second.
         right: (usize, usize, usize),
     },
-    /// No straight edge crosses the region.
-    #[error("no edge crosses the region: {reason}")]
-    NoEdge {
-        /// The missing property.
-        reason: &'static str,
-    },
+    /// No straight edge crosses the region: the missing property.
+    #[error("no edge crosses the region: {0}")]
+    NoEdge(&'static str),
     /// The contrast of the edge is too low.
     #[error("the contrast of the edge (Michelson) is {contrast:.3}; at least {minimum:.3} is needed")]
     LowContrast {

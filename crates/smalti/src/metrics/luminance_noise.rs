@@ -37,7 +37,7 @@ pub(super) fn plane_statistics(
     plane: usize,
     patches: &[Rect],
 ) -> Result<Vec<(f64, f64)>, MetricError> {
-    check_plane(planes, plane)?;
+    check_plane(planes.count(), plane)?;
     at_least("patches", 1, patches.len())?;
     let statistics = |rect: &Rect| {
         check_region(*rect, planes.rows(), planes.cols())?;
@@ -48,10 +48,8 @@ pub(super) fn plane_statistics(
         if mean > 0.0 {
             Ok((mean, variance.sqrt()))
         } else {
-            Err(MetricError::Undefined {
-                quantity: "noise relative to the mean",
-                reason: "the mean is not above 0",
-            })
+            let (quantity, reason) = ("noise relative to the mean", "the mean is not above 0");
+            Err(MetricError::Undefined { quantity, reason })
         }
     };
     patches.iter().map(statistics).collect()

@@ -11,9 +11,8 @@ pub(super) fn check_region(rect: Rect, rows: usize, cols: usize) -> Result<(), M
     if rect.fits(rows, cols) { Ok(()) } else { Err(MetricError::Region { rect, rows, cols }) }
 }
 
-/// Checks that a plane exists.
-pub(super) fn check_plane(planes: &Planes, index: usize) -> Result<(), MetricError> {
-    let count = planes.count();
+/// Checks that one of `count` planes exists.
+pub(super) fn check_plane(count: usize, index: usize) -> Result<(), MetricError> {
     if index < count { Ok(()) } else { Err(MetricError::Plane { index, count }) }
 }
 

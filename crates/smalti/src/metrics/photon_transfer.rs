@@ -185,10 +185,8 @@ fn check_frame(frame: &[f32], size: usize) -> Result<(), MetricError> {
 /// The point of largest temporal variance.
 fn saturation(curve: &[TransferPoint]) -> Result<TransferPoint, MetricError> {
     let largest = curve.iter().copied().reduce(|a, b| if b.variance_dn2 > a.variance_dn2 { b } else { a });
-    largest.filter(|p| p.signal_dn > 0.0).ok_or(MetricError::Undefined {
-        quantity: "saturation",
-        reason: "the frame of largest variance is not above the dark",
-    })
+    let (quantity, reason) = ("saturation", "the frame of largest variance is not above the dark");
+    largest.filter(|p| p.signal_dn > 0.0).ok_or(MetricError::Undefined { quantity, reason })
 }
 
 /// Slope of the least-squares line through the origin.

@@ -27,11 +27,8 @@ pub fn psnr(image: &Planes, reference: &Planes, region: Rect, peak: f64) -> Resu
     same_size(image, reference)?;
     check_region(region, image.rows(), image.cols())?;
     if !(peak > 0.0 && peak.is_finite()) {
-        return Err(MetricError::Parameter {
-            name: "peak",
-            value: peak,
-            expected: "a finite number above 0",
-        });
+        let (name, expected) = ("peak", "a finite number above 0");
+        return Err(MetricError::Parameter { name, value: peak, expected });
     }
     let mse = |p: usize| {
         let cols = image.cols();

@@ -25,12 +25,9 @@ pub enum LeastSquaresError {
         /// Values that were given.
         got: usize,
     },
-    /// A matrix holds NaN or infinity.
-    #[error("{matrix} holds a value that is not finite")]
-    NotFinite {
-        /// Which matrix.
-        matrix: &'static str,
-    },
+    /// This matrix holds NaN or infinity.
+    #[error("{0} holds a value that is not finite")]
+    NotFinite(&'static str),
     /// The singular value decomposition did not converge.
     #[error("the singular value decomposition of a {rows} × {cols} matrix did not converge")]
     NoConvergence {
@@ -62,7 +59,7 @@ impl<'a> Matrix<'a> {
             return Err(LeastSquaresError::Shape { matrix, rows, cols, expected, got });
         }
         if self.values.iter().any(|v| !v.is_finite()) {
-            return Err(LeastSquaresError::NotFinite { matrix });
+            return Err(LeastSquaresError::NotFinite(matrix));
         }
         Ok(Dense { rows, cols, values: self.values.to_vec() })
     }
@@ -305,10 +302,7 @@ mod tests {
             lstsq(m(1, 1, one), m(2, 1, &[1.0, 1.0])),
             Err(LeastSquaresError::Shape { matrix: "B", .. })
         ));
-        assert!(matches!(
-            lstsq(m(1, 1, &[f64::NAN]), m(1, 1, one)),
-            Err(LeastSquaresError::NotFinite { matrix: "A" })
-        ));
+        assert!(matches!(lstsq(m(1, 1, &[f64::NAN]), m(1, 1, one)), Err(LeastSquaresError::NotFinite("A"))));
         assert!(matches!(
             lstsq_constrained(m(1, 1, one), m(1, 1, one), m(1, 2, &[1.0, 1.0]), m(1, 1, one)),
             Err(LeastSquaresError::Shape { matrix: "C", .. })

@@ -22,7 +22,7 @@ const STRIP: usize = 512;
 /// A pipeline with everything precomputed that does not depend on the image.
 #[derive(Debug, Clone)]
 pub(super) struct Engine<'a, S: Rendering> {
-    pipeline: &'a Pipeline,
+    pub(super) pipeline: &'a Pipeline,
     classifier: Classifier,
     index: Index,
     table: Table<S>,
@@ -53,7 +53,7 @@ impl<'a> Engine<'a, i16> {
         let (table, places) = Table::new(&kernels.weights, offsets, side, outputs, kernels.scale);
         let entry = |(&place, &shift)| Entry::new(place, shift).map(|entry| entry.0);
         let entries = places.iter().zip(&kernels.shifts).map(entry).collect::<Option<_>>();
-        let too_many = || L3Error::Table { reason: "too many kernels for fixed point".into() };
+        let too_many = || L3Error::Table("too many kernels for fixed point".into());
         Ok(Self::new(pipeline, table, entries.ok_or_else(too_many)?))
     }
 }
@@ -71,10 +71,6 @@ impl<'a, S: Rendering> Engine<'a, S> {
             index: Index::new(pipeline, kernels),
             table,
         }
-    }
-
-    pub(super) fn pipeline(&self) -> &'a Pipeline {
-        self.pipeline
     }
 
     /// Renders an image into planes; the caller has checked both. `phase` is the position of the first pixel

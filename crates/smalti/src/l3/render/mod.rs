@@ -52,7 +52,7 @@ impl Renderer<'_> {
     /// # Errors
     /// When its mosaic, size or levels do not match the pipeline.
     pub fn render(&self, raw: &RawImage) -> Result<Rendered, L3Error> {
-        rendered(self.0.pipeline(), raw, |planes| self.render_into(raw, planes))
+        rendered(self.0.pipeline, raw, |planes| self.render_into(raw, planes))
     }
 
     /// Like [`Renderer::render`], into existing planes.
@@ -60,7 +60,7 @@ impl Renderer<'_> {
     /// # Errors
     /// As for [`Renderer::render`], and when there is not one plane of the image's size per output.
     pub fn render_into(&self, raw: &RawImage, planes: &mut Planes) -> Result<OutsideCounts, L3Error> {
-        let phase = check(self.0.pipeline(), raw, planes)?;
+        let phase = check(self.0.pipeline, raw, planes)?;
         Ok(self.0.render(raw, &(), phase, planes))
     }
 }
@@ -74,19 +74,13 @@ pub struct FixedRenderer<'a> {
 }
 
 impl FixedRenderer<'_> {
-    /// The fixed-point kernels.
-    #[must_use]
-    pub fn kernels(&self) -> &FixedKernels {
-        &self.kernels
-    }
-
     /// Renders a raw image.
     ///
     /// # Errors
     /// [`L3Error::NotDigital`] when its samples are volts; otherwise when its mosaic, size or levels do not
     /// match.
     pub fn render(&self, raw: &RawImage) -> Result<Rendered, L3Error> {
-        rendered(self.engine.pipeline(), raw, |planes| self.render_into(raw, planes))
+        rendered(self.engine.pipeline, raw, |planes| self.render_into(raw, planes))
     }
 
     /// Like [`FixedRenderer::render`], into existing planes.
@@ -95,7 +89,7 @@ impl FixedRenderer<'_> {
     /// As for [`FixedRenderer::render`], and when there is not one plane of the image's size per output.
     pub fn render_into(&self, raw: &RawImage, planes: &mut Planes) -> Result<OutsideCounts, L3Error> {
         let RawSamples::Digital(samples) = raw.samples() else { return Err(L3Error::NotDigital) };
-        let phase = check(self.engine.pipeline(), raw, planes)?;
+        let phase = check(self.engine.pipeline, raw, planes)?;
         let (expected, got) = (self.levels, [raw.black_level(), raw.white_level()]);
         if got != expected {
             return Err(L3Error::RawLevels { expected, got });
@@ -178,11 +172,11 @@ impl Isp for Renderer<'_> {
     fn render(&self, raw: &RawImage) -> Result<Image, IspError> {
         let learned = |error: L3Error| match error {
             L3Error::Isp(error) => error,
-            other => IspError::Learned { reason: other.to_string() },
+            other => IspError::Learned(other.to_string()),
         };
-        let outputs = self.0.pipeline().outputs().len();
+        let outputs = self.0.pipeline.outputs().len();
         if outputs != 3 {
-            return Err(learned(L3Error::NotAPicture { got: outputs }));
+            return Err(learned(L3Error::NotAPicture(outputs)));
         }
         Ok(Image::new(ColorSpace::Xyz, self.render(raw).map_err(learned)?.planes)?)
     }

@@ -21,6 +21,26 @@ macro_rules! for_side {
     };
 }
 
+/// `$all::<P>(run, planes)` calls `$group` for the outputs in groups of three, then the rest; a loaded patch serves a whole group.
+macro_rules! in_groups {
+    ($all:ident, $group:ident, $number:ty) => {
+        #[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl")]
+        fn $all<const P: usize>(run: &Run<'_, $number>, planes: &mut [&mut [f32]]) {
+            for (group, planes) in planes.chunks_mut(3).enumerate() {
+                match planes {
+                    [a, b, c] => $group::<P, 3>(run, 3 * group, [a, b, c]),
+                    [a, b] => $group::<P, 2>(run, 3 * group, [a, b]),
+                    [a] => $group::<P, 1>(run, 3 * group, [a]),
+                    _ => {}
+                }
+            }
+        }
+    };
+}
+
+in_groups!(all_f32, group_f32, f32);
+in_groups!(all_i16, group_i16, i16);
+
 /// Proof that the processor has AVX-512 with 16-bit instructions. Only [`Avx512::detect`] constructs it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Avx512(());
@@ -122,31 +142,6 @@ fn interleave_i16<const P: usize>(lines: &[&[i16]], columns: usize, out: &mut Ve
             }
             // SAFETY: `out` has 32 P elements.
             unsafe { _mm512_storeu_si512(out.as_mut_ptr().add(32 * o).cast(), v) };
-        }
-    }
-}
-
-/// Processes outputs in groups of three, then the rest; a loaded patch serves a whole group.
-#[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl")]
-fn all_f32<const P: usize>(run: &Run<'_, f32>, planes: &mut [&mut [f32]]) {
-    for (group, planes) in planes.chunks_mut(3).enumerate() {
-        match planes {
-            [a, b, c] => group_f32::<P, 3>(run, 3 * group, [a, b, c]),
-            [a, b] => group_f32::<P, 2>(run, 3 * group, [a, b]),
-            [a] => group_f32::<P, 1>(run, 3 * group, [a]),
-            _ => {}
-        }
-    }
-}
-
-#[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl")]
-fn all_i16<const P: usize>(run: &Run<'_, i16>, planes: &mut [&mut [f32]]) {
-    for (group, planes) in planes.chunks_mut(3).enumerate() {
-        match planes {
-            [a, b, c] => group_i16::<P, 3>(run, 3 * group, [a, b, c]),
-            [a, b] => group_i16::<P, 2>(run, 3 * group, [a, b]),
-            [a] => group_i16::<P, 1>(run, 3 * group, [a]),
-            _ => {}
         }
     }
 }

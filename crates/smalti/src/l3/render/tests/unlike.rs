@@ -29,7 +29,7 @@ fn small_kernels_keep_their_precision_beside_large_ones() {
     let reference = Reference::new(&p, &raw, [0, 0]);
     let renderer = p.fixed_renderer(BLACK, WHITE).unwrap();
     let float = p.render_raw(&raw).unwrap();
-    let expected = reference.fixed(renderer.kernels());
+    let expected = reference.fixed(&renderer.kernels);
     for set in PATHS {
         let got = with_widest(set, || renderer.render(&raw)).unwrap();
         assert_same(&got, &expected, &format!("{set:?}"));
@@ -127,9 +127,9 @@ fn the_worst_samples_overflow_no_sum() {
     let samples: Vec<u16> = signs.iter().map(|s| if *s > 0.0 { u16::MAX } else { 0 }).collect();
     let raw = raw_of(&bayer(), 5, 5, RawSamples::Digital(samples), levels);
     let renderer = p.fixed_renderer(levels[0], levels[1]).unwrap();
-    let expected = Reference::new(&p, &raw, [0, 0]).fixed(renderer.kernels());
+    let expected = Reference::new(&p, &raw, [0, 0]).fixed(&renderer.kernels);
     // The pixel in the middle.
-    let sum = f64::from(expected.planes.data()[12]) / f64::from(renderer.kernels().scale_of(0).unwrap());
+    let sum = f64::from(expected.planes.data()[12]) / f64::from(renderer.kernels.scale_of(0).unwrap());
     assert!(sum > 0.99 * f64::from(i32::MAX), "{sum}");
     for set in PATHS {
         let got = with_widest(set, || renderer.render(&raw)).unwrap();
