@@ -1,8 +1,8 @@
 //! Finding the slanted edge in a picture.
 
 use super::{EsfrOptions, MetricError, Rect, edge_sfr};
-use super::{check_plane, check_region};
 use crate::metrics::error::{at_least, finite};
+use crate::metrics::patch::{check_plane, check_region};
 use crate::numeric::Planes;
 
 /// Pixels of the border that are ignored, because demosaicking is least accurate there.
