@@ -11,9 +11,10 @@ use serde::Serialize;
 use super::chart::{self, LUMINANCE};
 use super::target::{EDGE_REGION, Target, edge_mtf50};
 use super::{Camera, CameraError};
+use crate::color::adaptation::bradford;
 use crate::color::display::{D65_XYZ, Matrices};
 use crate::color::matrix::product;
-use crate::color::{Adaptation, Image, ImageError};
+use crate::color::{Image, ImageError};
 use crate::isp::{Isp, WhiteBalance};
 use crate::metrics::MetricError;
 use crate::metrics::aliasing::{Aliasing, aliasing};
@@ -294,7 +295,7 @@ pub(crate) fn zone_plate_aliasing(
 
 /// A picture in XYZ as linear sRGB, with its white adapted to D65, times a gain.
 fn linear_srgb(picture: &Image, white: [f64; 3], gain: f64) -> Result<Planes, ImageError> {
-    let adapted = Adaptation::Bradford.matrix(D65_XYZ, white).ok_or(ImageError::White(white))?;
+    let adapted = bradford(D65_XYZ, white).ok_or(ImageError::White(white))?;
     let rgb_from_xyz = product(&Matrices::SRGB.rgb_from_xyz, &adapted);
     let xyz = picture.planes();
     let mut rgb = Planes::zeros(xyz.rows(), xyz.cols(), 3);

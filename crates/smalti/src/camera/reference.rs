@@ -128,7 +128,7 @@ impl Camera {
         let seen = white(&sensitivity.resampled(self.grid(), Extrapolation::Zero)?)?;
         for (what, response) in [("the camera", brightest), ("the target", seen)] {
             if response <= 0.0 {
-                return Err(IspError::NoResponse { what }.into());
+                return Err(IspError::NoResponse(what).into());
             }
         }
         let (sensor, pixel) = (&self.sensor, &self.sensor.pixel);
@@ -148,7 +148,7 @@ impl Camera {
         largest: f64,
     ) -> Result<(Planes, f64), CameraError> {
         if largest <= 0.0 {
-            return Err(IspError::NoResponse { what: "the target" }.into());
+            return Err(IspError::NoResponse("the target").into());
         }
         let scaled = |c: &Channel| Channel {
             name: c.name.clone(),

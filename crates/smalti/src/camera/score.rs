@@ -7,7 +7,6 @@ use super::chart::LUMINANCE;
 use crate::color::scielab::Scielab;
 use crate::color::{DeltaE, DifferenceMap, Image, difference};
 use crate::metrics::psnr::psnr;
-use crate::metrics::visual_snr::scielab_score;
 use crate::metrics::{MetricError, Rect};
 use crate::numeric::Planes;
 
@@ -77,17 +76,17 @@ pub fn score_picture(
     let (picture, reference) = (clipped_at_white(picture, white_y)?, clipped_at_white(reference, white_y)?);
     let white = white.map(|v| v / white[LUMINANCE] * white_y);
     let scielab = Scielab::new(settings.samples_per_degree, DeltaE::Cie1976);
-    let scielab = scielab_score(&picture, &reference, white, &scielab)?;
+    let scielab = scielab.compare(&reference, &picture, white).map_err(MetricError::from)?;
     let pixels = difference::delta_e_map(&reference, &picture, white, DeltaE::Ciede2000)?;
     let region = Rect::whole(picture.rows(), picture.cols());
     Ok(PictureScores {
         cpsnr_db: psnr(picture.planes(), reference.planes(), region, white_y)?.cpsnr_db,
         pixel_delta_e_2000_mean: pixels.mean(),
         pixel_delta_e_2000_p95: f64::from(at_share(&mut pixels.values.clone(), 0.95)),
-        scielab_mean: scielab.mean,
+        scielab_mean: scielab.mean(),
         white_y,
         delta_e_2000_map: one_plane(pixels)?,
-        scielab_map: one_plane(scielab.map)?,
+        scielab_map: one_plane(scielab)?,
     })
 }
 

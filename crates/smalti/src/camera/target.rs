@@ -66,6 +66,6 @@ impl Target {
 /// Spatial frequency at which the edge response of the luminance plane falls to one half (MTF50), cycles per pixel.
 pub(crate) fn edge_mtf50(picture: &Planes, luminance: usize, region: Rect) -> Result<f64, CameraError> {
     let sfr = edge_sfr(picture, luminance, region, &EsfrOptions::default())?;
-    let missing = MetricError::NoEdge { reason: "the response does not fall to one half" };
+    let missing = MetricError::NoEdge("the response does not fall to one half");
     Ok(sfr.mtf50_cy_per_px.ok_or(missing)?)
 }

@@ -265,12 +265,12 @@ impl Camera {
         for channel in channels {
             // The largest response to white has the smallest factor; channels without response are skipped.
             match self.exposure_scale(exposure, light, &channel.transmittance) {
-                Err(CameraError::Isp(IspError::NoResponse { what: "the target" })) => {}
+                Err(CameraError::Isp(IspError::NoResponse("the target"))) => {}
                 found => scale = scale.min(found?),
             }
         }
         if !scale.is_finite() {
-            return Err(IspError::NoResponse { what: "the target" }.into());
+            return Err(IspError::NoResponse("the target").into());
         }
         scaled(&planes, scale)
     }

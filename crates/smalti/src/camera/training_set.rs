@@ -97,7 +97,7 @@ pub fn training_reflectances(grid: WavelengthGrid) -> Result<Vec<Spectrum>, Came
     for r in ENDS {
         for g in ENDS {
             for b in ENDS {
-                all.push(uplift.reflectance(uplift.coefficients([r, g, b])));
+                all.push(uplift.reflectance([r, g, b]));
             }
         }
     }

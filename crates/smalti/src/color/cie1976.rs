@@ -1,4 +1,4 @@
-//! Chromaticity coordinates, CIELAB and CIELUV (CIE 15:2018; ISO/CIE 11664-4 and -5).
+//! Chromaticity coordinates and CIELAB (CIE 15:2018; ISO/CIE 11664-4).
 //!
 //! X, Y, Z and the white share a scale, which is arbitrary: only their ratios matter.
 
@@ -6,12 +6,6 @@
 const EPSILON: f64 = 216.0 / 24389.0;
 /// (29/3)³: 100 times the slope of that line in L*.
 const KAPPA: f64 = 24389.0 / 27.0;
-
-/// x, y of tristimulus values; `None` for black.
-#[must_use]
-pub fn xy_from_xyz(xyz: [f64; 3]) -> Option<[f64; 2]> {
-    ratio(xyz[0], xyz[1], xyz[0] + xyz[1] + xyz[2])
-}
 
 /// Tristimulus values of a chromaticity at luminance `y_luminance`; `None` for y = 0.
 #[must_use]
@@ -59,17 +53,6 @@ pub fn xyz_from_lab(lab: [f64; 3], white: [f64; 3]) -> [f64; 3] {
     [white[0] * inverse(fy + lab[1] / 500.0), white[1] * inverse(fy), white[2] * inverse(fy - lab[2] / 200.0)]
 }
 
-/// CIELUV L*, u*, v* relative to a white. Black is the origin.
-#[must_use]
-pub fn luv_from_xyz(xyz: [f64; 3], white: [f64; 3]) -> [f64; 3] {
-    let t = xyz[1] / white[1];
-    let l = if t > EPSILON { 116.0 * t.cbrt() - 16.0 } else { KAPPA * t };
-    match (upvp_from_xyz(xyz), upvp_from_xyz(white)) {
-        (Some([u, v]), Some([un, vn])) => [l, 13.0 * l * (u - un), 13.0 * l * (v - vn)],
-        _ => [l, 0.0, 0.0],
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -84,9 +67,7 @@ mod tests {
     fn white_and_black_lie_on_the_axis() {
         close(&lab_from_xyz(D65, D65), &[100.0, 0.0, 0.0], 1e-12);
         close(&lab_from_xyz([0.0; 3], D65), &[0.0, 0.0, 0.0], 1e-12);
-        close(&luv_from_xyz(D65, D65), &[100.0, 0.0, 0.0], 1e-12);
-        assert_eq!(luv_from_xyz([0.0; 3], D65), [0.0; 3]);
-        assert_eq!(xy_from_xyz([0.0; 3]), None);
+        assert_eq!(upvp_from_xyz([0.0; 3]), None);
     }
 
     #[test]
@@ -102,14 +83,12 @@ mod tests {
         }
     }
 
-    /// Expected values: colour-science 0.4.7 (`XYZ_to_Lab`, `XYZ_to_Luv`, `XYZ_to_xy`, `Luv_to_uv`), which uses the
+    /// Expected values: colour-science 0.4.7 (`XYZ_to_Lab`, `Luv_to_uv`), which uses the
     /// same CIE 15 constants, so agreement is to the rounding of the digits printed here.
     #[test]
     fn agrees_with_colour_science() {
         let xyz = [20.654008, 12.197225, 5.136952];
         close(&lab_from_xyz(xyz, D65), &[41.5278752944, 52.6370994192, 26.9181411649], 1e-8);
-        close(&luv_from_xyz(xyz, D65), &[41.5278752944, 96.8309600794, 17.7432974136], 1e-8);
-        close(&xy_from_xyz(xyz).unwrap(), &[0.5436955727, 0.3210794356], 1e-9);
         close(&upvp_from_xyz(xyz).unwrap(), &[0.3772021288, 0.5012026372], 1e-9);
     }
 }

@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use super::difference::three;
-use super::display::{ENCODED_KNEE, LINEAR_KNEE, Matrices, Primaries, decode_srgb};
+use super::display::{ENCODED_KNEE, LINEAR_KNEE, Matrices, decode_srgb};
 use super::matrix::{IDENTITY, Matrix3, product};
 use super::{ColorSpace, Image, ImageError};
 use crate::numeric::Planes;
@@ -12,16 +12,6 @@ use crate::numeric::Planes;
 const CHUNK: usize = 16_384;
 
 impl ColorSpace {
-    /// The primaries of a display space.
-    #[must_use]
-    pub fn primaries(self) -> Option<Primaries> {
-        match self {
-            Self::Xyz => None,
-            Self::LinearSrgb | Self::Srgb => Some(Primaries::SRGB),
-            Self::LinearDisplayP3 | Self::DisplayP3 => Some(Primaries::DISPLAY_P3),
-        }
-    }
-
     /// To and from XYZ; for XYZ itself the identity.
     fn matrices(self) -> Matrices {
         match self {
@@ -32,8 +22,7 @@ impl ColorSpace {
     }
 
     /// Whether values are encoded by the sRGB curve.
-    #[must_use]
-    pub fn is_encoded(self) -> bool {
+    fn is_encoded(self) -> bool {
         matches!(self, Self::Srgb | Self::DisplayP3)
     }
 }
@@ -84,10 +73,8 @@ impl Image {
 
 /// The matrix from linear values of `from` to linear values of `to`.
 fn between(to: ColorSpace, from: ColorSpace) -> Matrix3 {
-    if to.primaries() == from.primaries() {
-        return IDENTITY;
-    }
-    product(&to.matrices().rgb_from_xyz, &from.matrices().xyz_from_rgb)
+    let (to, from) = (to.matrices(), from.matrices());
+    if to == from { IDENTITY } else { product(&to.rgb_from_xyz, &from.xyz_from_rgb) }
 }
 
 /// The sRGB decoding curve above its linear segment, interpolated between samples evenly spaced in encoded

@@ -70,6 +70,7 @@ impl Primaries {
 }
 
 /// XYZ from linear RGB and its inverse, white at Y = 1, for the built-in spaces.
+#[derive(PartialEq)]
 pub(crate) struct Matrices {
     pub(crate) xyz_from_rgb: Matrix3,
     pub(crate) rgb_from_xyz: Matrix3,

@@ -24,12 +24,9 @@ pub enum ColorSpace {
 #[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]
 pub enum ImageError {
-    /// The number of planes is not three.
-    #[error("an image has 3 planes, got {got}")]
-    Planes {
-        /// Planes that were given.
-        got: usize,
-    },
+    /// The number of planes, this one, is not three.
+    #[error("an image has 3 planes, got {0}")]
+    Planes(usize),
     /// The operation is defined in another colour space.
     #[error("expected an image in {expected:?}, got {got:?}")]
     Space {
@@ -51,16 +48,12 @@ pub enum ImageError {
         value: f32,
     },
     /// Two images that are compared differ in size.
-    #[error("the images differ in size: {left_rows} × {left_cols} and {right_rows} × {right_cols}")]
+    #[error("the images differ in size: {} × {} and {} × {}", left.0, left.1, right.0, right.1)]
     Size {
-        /// Rows of the first.
-        left_rows: usize,
-        /// Columns of the first.
-        left_cols: usize,
-        /// Rows of the second.
-        right_rows: usize,
-        /// Columns of the second.
-        right_cols: usize,
+        /// Rows and columns of the first.
+        left: (usize, usize),
+        /// Rows and columns of the second.
+        right: (usize, usize),
     },
     /// A picture cannot be adapted from this white.
     #[error(
@@ -82,11 +75,13 @@ impl Image {
     /// # Errors
     /// When the number of planes is not three.
     pub fn new(space: ColorSpace, planes: Planes) -> Result<Self, ImageError> {
-        if planes.count() == 3 {
-            Ok(Self { space, planes })
-        } else {
-            Err(ImageError::Planes { got: planes.count() })
-        }
+        if planes.count() == 3 { Ok(Self { space, planes }) } else { Err(ImageError::Planes(planes.count())) }
+    }
+
+    /// Checks that the image is in a colour space.
+    pub(super) fn check_space(&self, expected: ColorSpace) -> Result<(), ImageError> {
+        let got = self.space;
+        if got == expected { Ok(()) } else { Err(ImageError::Space { expected, got }) }
     }
 
     /// Checks that every value is finite.

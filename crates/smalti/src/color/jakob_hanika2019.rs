@@ -110,24 +110,13 @@ impl Uplift {
         Ok(uplift)
     }
 
-    /// The wavelength grid of the spectra.
+    /// The reflectance, 0 to 1, of a linear sRGB colour: ½ + x / (2 √(1 + x²)) with x = a p² + b p + c and
+    /// p = (λ − 550 nm) / 150 nm. Channels are clipped to 0–1; NaN counts as 0.
     #[must_use]
-    pub fn grid(&self) -> WavelengthGrid {
-        self.grid
-    }
-
-    /// Coefficients a, b, c of the reflectance of a linear sRGB colour: ½ + x / (2 √(1 + x²)) with x = a p² +
-    /// b p + c and p = (λ − 550 nm) / 150 nm. Channels are clipped to 0–1; NaN counts as 0.
-    #[must_use]
-    pub fn coefficients(&self, rgb: [f64; 3]) -> [f64; 3] {
+    pub fn reflectance(&self, rgb: [f64; 3]) -> Spectrum {
         let cell = Cell::of(rgb);
         let start = cell.interpolate(&self.table);
-        self.solved(self.target(&cell.rgb), start, TOLERANCE)
-    }
-
-    /// The reflectance of a set of coefficients, 0 to 1.
-    #[must_use]
-    pub fn reflectance(&self, coefficients: [f64; 3]) -> Spectrum {
+        let coefficients = self.solved(self.target(&cell.rgb), start, TOLERANCE);
         Spectrum::from_fn(self.grid, |nm| sigmoid(polynomial(coefficients, position(nm))))
     }
 
@@ -139,9 +128,7 @@ impl Uplift {
     /// # Errors
     /// When the image is in another colour space, or contains a value that is not finite.
     pub fn uplift_image(&self, image: &Image) -> Result<SpectralCube, UpliftError> {
-        if image.space() != ColorSpace::LinearSrgb {
-            return Err(ImageError::Space { expected: ColorSpace::LinearSrgb, got: image.space() }.into());
-        }
+        image.check_space(ColorSpace::LinearSrgb)?;
         image.check_finite()?;
         let n = image.planes().plane_len();
         let source = three(image.planes());
@@ -268,10 +255,8 @@ impl Uplift {
                 let ratio = |i: usize| i as f64 / (RATIOS - 1) as f64;
                 let solve = |value: usize, start| {
                     let v = value_of_node(value);
-                    let mut rgb = [0.0; 3];
-                    rgb[channel] = v;
-                    rgb[(channel + 1) % 3] = v * ratio(second);
-                    rgb[(channel + 2) % 3] = v * ratio(third);
+                    let mut rgb = [v, v * ratio(second), v * ratio(third)];
+                    rgb.rotate_right(channel);
                     self.solved(self.target(&rgb), start, TOLERANCE)
                 };
                 // Start at middle grey and continue from node to neighbouring node: a fixed start is too far
@@ -349,10 +334,8 @@ impl Cell {
             }
         }
         let (a, b) = (value_of_node(low), value_of_node(high));
-        let mut limited = [0.0; 3];
-        limited[channel] = value;
-        limited[(channel + 1) % 3] = value * second;
-        limited[(channel + 2) % 3] = value * third;
+        let mut limited = [value, value * second, value * third];
+        limited.rotate_right(channel);
         Self {
             rgb: limited,
             corner: ((channel * VALUES + low) * RATIOS + i) * RATIOS + j,

@@ -15,10 +15,7 @@ pub mod matrix;
 pub mod scielab;
 mod viewing;
 
-pub use adaptation::Adaptation;
-pub use cie1976::{
-    lab_from_xyz, luv_from_xyz, upvp_from_xyz, uv_from_xyz, xy_from_xyz, xyz_from_lab, xyz_from_xy,
-};
+pub use cie1976::{lab_from_xyz, upvp_from_xyz, uv_from_xyz, xyz_from_lab, xyz_from_xy};
 pub use difference::{DeltaE, DifferenceMap};
 pub use image::{ColorSpace, Image, ImageError};
 pub use viewing::SRGB_WHITE;

@@ -1,7 +1,8 @@
 //! Conversion of relative XYZ images for viewing on a display.
 
-use super::matrix::{IDENTITY, Matrix3};
-use super::{Adaptation, ColorSpace, Image, ImageError};
+use super::adaptation::bradford;
+use super::matrix::IDENTITY;
+use super::{ColorSpace, Image, ImageError};
 use crate::numeric::Planes;
 
 /// White point of sRGB as rounded in IEC 61966-2-1: X, Y, Z with Y = 1.
@@ -9,11 +10,6 @@ pub const SRGB_WHITE: [f64; 3] = [0.95047, 1.0, 1.08883];
 
 /// The fraction of pixels that may exceed display white with [`Image::brightness_gain`].
 const BRIGHT_SHARE: f64 = 0.005;
-
-/// The matrix that adapts X, Y, Z from a white to that of sRGB (Bradford); the identity without a white.
-fn adapted(white: Option<[f64; 3]>) -> Result<Matrix3, ImageError> {
-    white.map_or(Ok(IDENTITY), |w| Adaptation::Bradford.matrix(SRGB_WHITE, w).ok_or(ImageError::White(w)))
-}
 
 impl Image {
     /// The gain that brings all but the brightest half percent of the pixels of an XYZ image within the range
@@ -50,11 +46,10 @@ impl Image {
     /// # Errors
     /// [`ImageError::Space`] when the picture is not in XYZ; [`ImageError::White`] when the white cannot be adapted.
     pub fn shown(&self, white: Option<[f64; 3]>, gain: f64) -> Result<Self, ImageError> {
-        if self.space() != ColorSpace::Xyz {
-            return Err(ImageError::Space { expected: ColorSpace::Xyz, got: self.space() });
-        }
+        self.check_space(ColorSpace::Xyz)?;
         let (planes, mut out) = (self.planes(), Planes::zeros(self.rows(), self.cols(), 3));
-        for (i, row) in adapted(white)?.iter().enumerate() {
+        let adapted = white.map_or(Ok(IDENTITY), |w| bradford(SRGB_WHITE, w).ok_or(ImageError::White(w)))?;
+        for (i, row) in adapted.iter().enumerate() {
             let [a, b, c] = row.map(|v| (v * gain) as f32);
             let xyz = planes.plane(0).iter().zip(planes.plane(1)).zip(planes.plane(2));
             out.plane_mut(i).iter_mut().zip(xyz).for_each(|(o, ((x, y), z))| *o = a * x + b * y + c * z);

@@ -4,7 +4,7 @@
 //! not clip is an integral of the light on its pixel over wavelength. The weighted sum can therefore be taken of the light
 //! itself, and the colours of a design need one integral for each patch and channel.
 
-use crate::isp::demosaic::Interpolation;
+use crate::isp::demosaic::Plan;
 use crate::metrics::Rect;
 use crate::numeric::simd::{Kernel, dispatch};
 use crate::sensor::{Mosaic, PixelSpectra};
@@ -12,7 +12,7 @@ use crate::sensor::{Mosaic, PixelSpectra};
 /// The interpolation of a mosaic and the weighted light of every patch.
 #[derive(Debug)]
 pub(super) struct PatchLight {
-    pub(super) interpolation: Interpolation,
+    pub(super) interpolation: Plan,
     patches: Vec<Vec<ChannelLight>>,
 }
 
@@ -26,25 +26,17 @@ struct ChannelLight {
 }
 
 impl PatchLight {
-    pub(super) fn new(
-        interpolation: Interpolation,
-        mosaic: &Mosaic,
-        chart: &PixelSpectra,
-        patches: &[Rect],
-    ) -> Self {
+    pub(super) fn new(interpolation: Plan, mosaic: &Mosaic, chart: &PixelSpectra, patches: &[Rect]) -> Self {
         let channels: Vec<usize> = (0..mosaic.channels()).collect();
         // When every channel is interpolated from its own samples alone, one sweep over the light serves all channels.
         let apart = channels.iter().all(|&channel| {
-            let mut own = true;
-            for (row, col) in cells(mosaic) {
-                interpolation.each_weight(row, col, channel, |[dr, dc], _| {
-                    let at =
-                        |i: usize, d: i32, n: usize| (i as i64 + i64::from(d)).rem_euclid(n as i64) as usize;
-                    let (r, c) = (at(row, dr, mosaic.rows()), at(col, dc, mosaic.cols()));
-                    own &= mosaic.channel_at(r, c) == channel;
-                });
-            }
-            own
+            let at = |i: usize, d: i32, n: usize| (i as i64 + i64::from(d)).rem_euclid(n as i64) as usize;
+            cells(mosaic).all(|(row, col)| {
+                interpolation.taps(row, col, channel).iter().all(|t| {
+                    let (r, c) = (at(row, t.row, mosaic.rows()), at(col, t.col, mosaic.cols()));
+                    mosaic.channel_at(r, c) == channel
+                })
+            })
         });
         let sweeps: Vec<&[usize]> = if apart { vec![&channels] } else { channels.chunks(1).collect() };
         let of_patch = |patch: &Rect| {
@@ -87,7 +79,7 @@ struct PatchWeights<'a> {
 }
 
 impl<'a> PatchWeights<'a> {
-    fn new(interpolation: &Interpolation, mosaic: &'a Mosaic, patch: Rect, channels: &'a [usize]) -> Self {
+    fn new(interpolation: &Plan, mosaic: &'a Mosaic, patch: Rect, channels: &'a [usize]) -> Self {
         let reach = interpolation.reach();
         let around = Rect {
             row: patch.row - reach.min(patch.row),
@@ -104,17 +96,17 @@ impl<'a> PatchWeights<'a> {
                 (start..count).step_by(period)
             };
             for &channel in channels {
-                interpolation.each_weight(row, col, channel, |[dr, dc], weight| {
+                for t in interpolation.taps(row, col, channel) {
                     for r in places(patch.row, patch.rows, row, mosaic.rows()) {
-                        let line = (r + reach).wrapping_add_signed(dr as isize) * around.cols;
+                        let line = (r + reach).wrapping_add_signed(t.row as isize) * around.cols;
                         for c in places(patch.col, patch.cols, col, mosaic.cols()) {
-                            let at = line + (c + reach).wrapping_add_signed(dc as isize);
+                            let at = line + (c + reach).wrapping_add_signed(t.col as isize);
                             if let Some(sum) = weights.get_mut(at) {
-                                *sum += share * weight;
+                                *sum += share * t.weight;
                             }
                         }
                     }
-                });
+                }
             }
         }
         Self { mosaic, channels, around, weights }

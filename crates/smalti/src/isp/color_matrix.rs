@@ -43,7 +43,7 @@ impl ColorMatrix {
     ) -> Result<Self, IspError> {
         let expected = xyz_from_camera.len();
         if expected == 0 {
-            return Err(IspError::Empty { what: "camera channels" });
+            return Err(IspError::Empty("camera channels"));
         }
         if camera_white.len() != expected {
             return Err(IspError::Channels { what: "the camera's white", expected, got: camera_white.len() });
@@ -68,13 +68,13 @@ impl ColorMatrix {
         &self.xyz_from_camera
     }
 
-    /// The channels of a perfect white diffuser; [`color_matrix`] scales the largest to 1.
+    /// The channels of a perfect white diffuser; [`ColorFit::matrix`] scales the largest to 1.
     #[must_use]
     pub fn camera_white(&self) -> &[f64] {
         &self.camera_white
     }
 
-    /// X, Y, Z of a perfect white diffuser under the illuminant; [`color_matrix`] scales Y to 1.
+    /// X, Y, Z of a perfect white diffuser under the illuminant; [`ColorFit::matrix`] scales Y to 1.
     #[must_use]
     pub fn xyz_white(&self) -> [f64; 3] {
         self.xyz_white
@@ -113,13 +113,13 @@ impl ColorFit {
         observer: Observer,
     ) -> Result<Self, IspError> {
         if reflectances.is_empty() {
-            return Err(IspError::Empty { what: "reflectances" });
+            return Err(IspError::Empty("reflectances"));
         }
         let eye = under(illuminant_photons, &observer.photon_weights(illuminant_photons.grid())?)?;
         let white: Vec<f64> = eye.iter().map(Spectrum::integral).collect();
-        let [x, y, z] = white[..] else { return Err(IspError::NoResponse { what: "the observer" }) };
+        let [x, y, z] = white[..] else { return Err(IspError::NoResponse("the observer")) };
         if y <= 0.0 {
-            return Err(IspError::NoResponse { what: "the observer" });
+            return Err(IspError::NoResponse("the observer"));
         }
         Ok(Self {
             light: illuminant_photons.clone(),
@@ -157,13 +157,13 @@ impl ColorFit {
             return Err(IspError::Parameter { name: "noise", value: noise, expected });
         }
         if responsivities.is_empty() {
-            return Err(IspError::Empty { what: "camera channels" });
+            return Err(IspError::Empty("camera channels"));
         }
         let camera = under(&self.light, responsivities)?;
         let camera_white: Vec<f64> = camera.iter().map(Spectrum::integral).collect();
         let brightest = camera_white.iter().copied().fold(0.0, f64::max);
         if brightest <= 0.0 {
-            return Err(IspError::NoResponse { what: "the camera" });
+            return Err(IspError::NoResponse("the camera"));
         }
         let sees = |(c, &white): (Spectrum, &f64)| if white < BLIND * brightest { c.scaled(0.0) } else { c };
         let seeing: Vec<Spectrum> = camera.into_iter().zip(&camera_white).map(sees).collect();
@@ -211,21 +211,6 @@ fn responses(reflectances: &[Spectrum], curves: &[Spectrum], scale: f64) -> Resu
     Ok(rows)
 }
 
-/// [`ColorFit::new`] and [`ColorFit::matrix`] in one call.
-///
-/// # Errors
-/// As these.
-pub fn color_matrix(
-    responsivities: &[Spectrum],
-    reflectances: &[Spectrum],
-    illuminant_photons: &Spectrum,
-    observer: Observer,
-    constraint: ColorConstraint,
-    noise: f64,
-) -> Result<ColorMatrix, IspError> {
-    ColorFit::new(reflectances, illuminant_photons, observer)?.matrix(responsivities, constraint, noise)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -245,7 +230,8 @@ mod tests {
 
     fn matrix(channels: &[Spectrum], constraint: ColorConstraint) -> ColorMatrix {
         let light = Illuminant::D65.photons(GRID).unwrap();
-        color_matrix(channels, &chart(), &light, Observer::Cie1931, constraint, 0.0).unwrap()
+        let fit = ColorFit::new(&chart(), &light, Observer::Cie1931).unwrap();
+        fit.matrix(channels, constraint, 0.0).unwrap()
     }
 
     /// The fit is exact for a camera that meets the Luther condition.
@@ -306,11 +292,11 @@ mod tests {
         let light = Illuminant::D65.photons(GRID).unwrap();
         let dark = [Spectrum::constant(GRID, 0.0)];
         let fit = |c: &[Spectrum], r: &[Spectrum]| {
-            color_matrix(c, r, &light, Observer::Cie1931, ColorConstraint::None, 0.0)
+            ColorFit::new(r, &light, Observer::Cie1931)?.matrix(c, ColorConstraint::None, 0.0)
         };
-        assert!(matches!(fit(&dark, &chart()), Err(IspError::NoResponse { .. })));
-        assert!(matches!(fit(&dark, &[]), Err(IspError::Empty { what: "reflectances" })));
-        assert!(matches!(fit(&[], &chart()), Err(IspError::Empty { .. })));
+        assert!(matches!(fit(&dark, &chart()), Err(IspError::NoResponse(_))));
+        assert!(matches!(fit(&dark, &[]), Err(IspError::Empty("reflectances"))));
+        assert!(matches!(fit(&[], &chart()), Err(IspError::Empty(_))));
         let other = Spectrum::constant(WavelengthGrid::new(400.0, 5.0, 61).unwrap(), 1.0);
         assert!(matches!(fit(&[other], &chart()), Err(IspError::Spectrum(_))));
     }
@@ -323,10 +309,8 @@ mod tests {
             Spectrum::from_fn(GRID, |nm| bands.iter().filter_map(|b| b.at(nm)).sum::<f64>() * 0.7 + 0.01);
         let channels = [&bands[..], &[sum]].concat();
         let light = Illuminant::D65.photons(GRID).unwrap();
-        let fit = |noise| {
-            let none = ColorConstraint::None;
-            color_matrix(&channels, &chart(), &light, Observer::Cie1931, none, noise).unwrap()
-        };
+        let fit = ColorFit::new(&chart(), &light, Observer::Cie1931).unwrap();
+        let fit = |noise| fit.matrix(&channels, ColorConstraint::None, noise).unwrap();
         let gain = |m: &ColorMatrix| m.xyz_from_camera().iter().map(|c| c[1] * c[1]).sum::<f64>().sqrt();
         let (plain, noisy) = (fit(0.0), fit(0.01));
         assert!(gain(&noisy) < 0.5 * gain(&plain), "{} {}", gain(&noisy), gain(&plain));

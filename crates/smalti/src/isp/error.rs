@@ -65,18 +65,12 @@ pub enum IspError {
     /// The caller stopped the pipeline.
     #[error("stopped")]
     Stopped,
-    /// A list for the fit of a colour matrix is empty.
-    #[error("a colour matrix needs at least one of {what}")]
-    Empty {
-        /// The list.
-        what: &'static str,
-    },
+    /// This list for the fit of a colour matrix is empty.
+    #[error("a colour matrix needs at least one of {0}")]
+    Empty(&'static str),
     /// The camera or the observer does not respond to the illuminant.
-    #[error("{what} does not respond to the illuminant, so white has no place")]
-    NoResponse {
-        /// The camera or the observer.
-        what: &'static str,
-    },
+    #[error("{0} does not respond to the illuminant, so white has no place")]
+    NoResponse(&'static str),
     /// A parameter is out of its range.
     #[error("{name} is {value}; expected {expected}")]
     Parameter {
@@ -87,12 +81,9 @@ pub enum IspError {
         /// The range.
         expected: &'static str,
     },
-    /// A learned pipeline does not match the raw image, or does not render pictures.
-    #[error("{reason}")]
-    Learned {
-        /// The message of its error.
-        reason: String,
-    },
+    /// A learned pipeline does not match the raw image, or does not render pictures: the message of its error.
+    #[error("{0}")]
+    Learned(String),
     /// A buffer does not match its shape.
     #[error(transparent)]
     Shape(#[from] ShapeError),

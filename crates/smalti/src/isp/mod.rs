@@ -1,6 +1,6 @@
 //! Processing from raw image to picture.
 //!
-//! The stages are black level, [demosaicking](Demosaic), [colour matrix](color_matrix()) and [white balance](WhiteBalance);
+//! The stages are black level, [demosaicking](Demosaic), [colour matrix](ColorFit) and [white balance](WhiteBalance);
 //! [`Classic`] combines them. Simulated raw images and those of camera files are processed alike.
 
 mod camera_from_xyz;
@@ -14,7 +14,7 @@ mod white_balance;
 
 pub use camera_from_xyz::camera_from_xyz;
 pub use classic::Classic;
-pub use color_matrix::{ColorConstraint, ColorFit, ColorMatrix, color_matrix};
+pub use color_matrix::{ColorConstraint, ColorFit, ColorMatrix};
 pub use demosaic::Demosaic;
 pub use error::IspError;
 pub use white_balance::WhiteBalance;

@@ -1,7 +1,7 @@
 //! A linear pipeline for one mosaic: demosaicking and one output of the colour matrix as one filter per cell of the tile.
 
 use super::IspError;
-use super::demosaic::Interpolation;
+use super::demosaic::Plan;
 use crate::numeric::simd::{Kernel, dispatch};
 use crate::sensor::Mosaic;
 
@@ -22,7 +22,7 @@ pub(crate) struct TileFilter {
 
 impl TileFilter {
     /// The sum of the interpolated channels of a mosaic, each multiplied by its factor.
-    pub(crate) fn new(interpolation: &Interpolation, mosaic: &Mosaic, factors: &[f32]) -> Self {
+    pub(crate) fn new(interpolation: &Plan, mosaic: &Mosaic, factors: &[f32]) -> Self {
         let (reach, rows, period) = (interpolation.reach(), mosaic.rows(), mosaic.cols());
         let side = 2 * reach + 1;
         let mut weights = vec![[0.0; LANES]; rows * side * side * period];
@@ -30,12 +30,10 @@ impl TileFilter {
             for col in 0..period {
                 let mut cell = vec![0.0f32; side * side];
                 for (channel, factor) in factors.iter().enumerate() {
-                    interpolation.each_weight(row, col, channel, |[dr, dc], weight| {
-                        let at = (reach as i32 + dr) as usize * side + (reach as i32 + dc) as usize;
-                        if let Some(sum) = cell.get_mut(at) {
-                            *sum += factor * weight;
-                        }
-                    });
+                    for t in interpolation.taps(row, col, channel) {
+                        let at = (reach as i32 + t.row) as usize * side + (reach as i32 + t.col) as usize;
+                        cell[at] += factor * t.weight;
+                    }
                 }
                 for (tap, vectors) in of_row.chunks_exact_mut(period).enumerate() {
                     let lanes = vectors.as_flattened_mut().iter_mut().skip(col).step_by(period);
@@ -54,9 +52,7 @@ impl TileFilter {
         let rows = raw.len() / cols.max(1);
         let side = 2 * self.reach + 1;
         if rows < side || cols < side {
-            return Err(IspError::Empty {
-                what: "pixels with all the samples around them that a pipeline needs",
-            });
+            return Err(IspError::Empty("pixels with all the samples around them that a pipeline needs"));
         }
         let mut out = vec![0.0; raw.len()];
         dispatch(Rows { filter: self, raw, cols, out: &mut out });

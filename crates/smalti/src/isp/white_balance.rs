@@ -3,9 +3,10 @@
 use serde::{Deserialize, Serialize};
 
 use super::ColorMatrix;
+use crate::color::ImageError;
+use crate::color::adaptation::bradford;
 use crate::color::display::D65_XYZ;
 use crate::color::matrix::{Matrix3, apply};
-use crate::color::{Adaptation, ImageError};
 
 /// The white balance of a picture.
 ///
@@ -68,7 +69,7 @@ fn gray_world_gains(colors: &ColorMatrix, means: &[f64]) -> Vec<f64> {
 /// Bradford adaptation of a white to D65 of the same Y.
 fn adaptation_to_d65(white: [f64; 3]) -> Result<Matrix3, ImageError> {
     let white = white.map(|v| v / white[1]);
-    Adaptation::Bradford.matrix(D65_XYZ, white).ok_or(ImageError::White(white))
+    bradford(D65_XYZ, white).ok_or(ImageError::White(white))
 }
 
 #[cfg(test)]

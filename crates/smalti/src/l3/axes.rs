@@ -126,7 +126,7 @@ impl Axes {
     pub fn with_levels_by_position(self, white: &[f64]) -> Result<Self, L3Error> {
         if white.len() != self.mosaic.channels() || white.iter().any(|w| !(*w > 0.0 && w.is_finite())) {
             let reason = format!("expected {} positive responses to white", self.mosaic.channels());
-            return Err(L3Error::Levels { reason });
+            return Err(L3Error::Levels(reason));
         }
         let cells = self.mosaic.cells();
         let tile = cells.iter().map(|&c| white[usize::from(c)]).sum::<f64>() / cells.len() as f64;
@@ -174,13 +174,13 @@ impl Axes {
     /// When there is neither one set nor one per position, or the sets differ in length.
     pub fn with_levels(self, levels: Vec<Levels>) -> Result<Self, L3Error> {
         let positions = self.positions();
-        let Some(first) = levels.first() else { return Err(L3Error::EmptyAxis { axis: "level" }) };
+        let Some(first) = levels.first() else { return Err(L3Error::EmptyAxis("level")) };
         if levels.len() != 1 && levels.len() != positions {
             let reason = format!("{} sets; 1 or {positions} expected, one for each position", levels.len());
-            return Err(L3Error::Levels { reason });
+            return Err(L3Error::Levels(reason));
         }
         if levels.iter().any(|l| l.count() != first.count()) {
-            return Err(L3Error::Levels { reason: "every position needs as many".into() });
+            return Err(L3Error::Levels("every position needs as many".into()));
         }
         Ok(Self { levels, ..self })
     }

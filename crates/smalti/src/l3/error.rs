@@ -2,7 +2,6 @@
 
 use thiserror::Error;
 
-use crate::color::ImageError;
 use crate::isp::IspError;
 use crate::numeric::ShapeError;
 
@@ -23,24 +22,15 @@ pub enum L3Error {
     /// Processing with a learned pipeline lacks the pipeline.
     #[error("there is no learned pipeline for the camera")]
     NoPipeline,
-    /// An axis of classes has no members.
-    #[error("the class axis '{axis}' has no members; at least one is needed")]
-    EmptyAxis {
-        /// Which axis.
-        axis: &'static str,
-    },
-    /// The cut points of the levels do not fit.
-    #[error("cut points of levels: {reason}")]
-    Levels {
-        /// What is wrong with them.
-        reason: String,
-    },
-    /// No patch has been seen.
-    #[error("there is nothing to learn from: no patch of {side} × {side} pixels has been seen")]
-    Empty {
-        /// Side of the patch.
-        side: usize,
-    },
+    /// This axis of classes has no members.
+    #[error("the class axis '{0}' has no members; at least one is needed")]
+    EmptyAxis(&'static str),
+    /// The cut points of the levels do not fit, for this reason.
+    #[error("cut points of levels: {0}")]
+    Levels(String),
+    /// No patch of this side, pixels, has been seen.
+    #[error("there is nothing to learn from: no patch of {0} × {0} pixels has been seen")]
+    Empty(usize),
     /// A scene to learn from gives no response, however long the exposure.
     #[error("the scene is dark to the sensor: no exposure gives a response to learn from")]
     Dark,
@@ -56,67 +46,44 @@ pub enum L3Error {
     #[error("the raw image has every channel at every pixel; learned pipelines are for mosaics")]
     NoMosaic,
     /// The raw image has another mosaic than the pipeline was learned for.
-    #[error(
-        "the raw image has a mosaic of {got_rows} × {got_cols} with channels {got}, the pipeline is for {rows} × {cols} with channels {expected}"
-    )]
+    #[error("the raw image has a mosaic of {got}, the pipeline is for {expected}")]
     Mosaic {
-        /// Rows of the pipeline's tile.
-        rows: usize,
-        /// Columns of the pipeline's tile.
-        cols: usize,
-        /// Its channels, as its tile lists them.
+        /// Size and channels of the pipeline's tile.
         expected: String,
-        /// Rows of the image's tile.
-        got_rows: usize,
-        /// Columns of the image's tile.
-        got_cols: usize,
-        /// Its channels.
+        /// Size and channels of the image's tile.
         got: String,
     },
     /// The raw image is smaller than the patch or the tile.
-    #[error(
-        "the image is {rows} × {cols} pixels; at least {need_rows} × {need_cols} are needed (patch and tile)"
-    )]
+    #[error("the image is {} × {} pixels; at least {} × {} are needed (patch and tile)", size[0], size[1], least[0], least[1])]
     Size {
-        /// Its rows.
-        rows: usize,
-        /// Its columns.
-        cols: usize,
-        /// Rows needed.
-        need_rows: usize,
-        /// Columns needed.
-        need_cols: usize,
+        /// Its rows and columns.
+        size: [usize; 2],
+        /// Rows and columns needed.
+        least: [usize; 2],
     },
     /// Black or white level are not those that the pipeline was learned for.
     #[error(
-        "the raw image has black level {got_black} and white level {got_white}; the pipeline was learned for {black} and {white}"
+        "the raw image has black level {} and white level {}; the pipeline was learned for {} and {}",
+        got[0], got[1], expected[0], expected[1]
     )]
     RawLevels {
-        /// Black level of the pipeline.
-        black: f64,
-        /// White level of the pipeline.
-        white: f64,
-        /// Black level of the image.
-        got_black: f64,
-        /// White level of the image.
-        got_white: f64,
+        /// Black and white level of the pipeline.
+        expected: [f64; 2],
+        /// Black and white level of the image.
+        got: [f64; 2],
     },
     /// The fixed-point path reads digital numbers.
     #[error("the fixed-point path needs digital numbers; this raw image is in volts")]
     NotDigital,
     /// Two images of a pair differ in size.
-    #[error("the raw image is {rows} × {cols} pixels, {what} {got_rows} × {got_cols}")]
+    #[error("the raw image is {} × {} pixels, {what} {} × {}", size[0], size[1], got[0], got[1])]
     PairSize {
         /// The other image.
         what: &'static str,
-        /// Rows of the raw image.
-        rows: usize,
-        /// Columns of the raw image.
-        cols: usize,
-        /// Rows of the other.
-        got_rows: usize,
-        /// Columns of the other.
-        got_cols: usize,
+        /// Rows and columns of the raw image.
+        size: [usize; 2],
+        /// Rows and columns of the other.
+        got: [usize; 2],
     },
     /// The number of planes of the target is not that of the outputs.
     #[error("the target has {got} planes; {expected} outputs are learned")]
@@ -138,36 +105,21 @@ pub enum L3Error {
         /// The value.
         value: f32,
     },
-    /// Statistics or tables that were made with different axes, outputs or noise.
-    #[error("the two do not belong together: {what} differ")]
-    Mismatch {
-        /// What differs.
-        what: &'static str,
-    },
-    /// The parts of a table do not fit each other.
-    #[error("the learned table is inconsistent: {reason}")]
-    Table {
-        /// What does not fit.
-        reason: String,
-    },
-    /// A class has no positive definite system, even after regularisation.
-    #[error("the normal equations of class {class} cannot be solved")]
-    Singular {
-        /// Its index.
-        class: usize,
-    },
-    /// A pipeline renders pictures only with three outputs.
-    #[error("the pipeline has {got} outputs; a picture has three: use `render_raw`")]
-    NotAPicture {
-        /// Its outputs.
-        got: usize,
-    },
+    /// Statistics or tables that differ in this: axes, outputs or noise.
+    #[error("the two do not belong together: {0} differ")]
+    Mismatch(&'static str),
+    /// The parts of a table do not fit each other, for this reason.
+    #[error("the learned table is inconsistent: {0}")]
+    Table(String),
+    /// The class of this index has no positive definite system, even after regularisation.
+    #[error("the normal equations of class {0} cannot be solved")]
+    Singular(usize),
+    /// A pipeline renders pictures only with three outputs, not with this number.
+    #[error("the pipeline has {0} outputs; a picture has three: use `render_raw`")]
+    NotAPicture(usize),
     /// A buffer does not match its shape.
     #[error(transparent)]
     Shape(#[from] ShapeError),
-    /// The picture could not be made.
-    #[error(transparent)]
-    Image(#[from] ImageError),
     /// The raw image cannot be processed.
     #[error(transparent)]
     Isp(#[from] IspError),

@@ -21,7 +21,7 @@ impl Levels {
     /// # Errors
     /// When a cut is not finite, the cuts do not ascend, or there are more than 255.
     pub fn new(cuts: Vec<f32>) -> Result<Self, L3Error> {
-        let wrong = |reason: String| Err(L3Error::Levels { reason });
+        let wrong = |reason: String| Err(L3Error::Levels(reason));
         if cuts.len() >= MAX_LEVELS {
             return wrong(format!("{} of them; at most {} are possible", cuts.len(), MAX_LEVELS - 1));
         }
@@ -40,10 +40,7 @@ impl Levels {
     /// # Errors
     /// When the number is zero or too large, or the range is empty.
     pub fn logarithmic(count: usize, least: f64, most: f64) -> Result<Self, L3Error> {
-        if count == 0 {
-            return Err(L3Error::EmptyAxis { axis: "level" });
-        }
-        within("levels", count as f64, 1.0..=MAX_LEVELS as f64, "1 to 256")?;
+        check_count(count)?;
         within(
             "the lowest cut between levels",
             least,
@@ -62,13 +59,10 @@ impl Levels {
     /// # Errors
     /// As for [`Levels::logarithmic`], and when the noise has no variance.
     pub fn noise_steps(count: usize, noise: &SignalNoise, most: f64) -> Result<Self, L3Error> {
-        if count == 0 {
-            return Err(L3Error::EmptyAxis { axis: "level" });
-        }
-        within("levels", count as f64, 1.0..=MAX_LEVELS as f64, "1 to 256")?;
+        check_count(count)?;
         within("the highest cut between levels", most, 1e-6..=1e3, "1e-6 to 1000")?;
         if noise.variance(0.0) <= 0.0 {
-            return Err(L3Error::Levels { reason: "equal steps of noise need noise in the dark".into() });
+            return Err(L3Error::Levels("equal steps of noise need noise in the dark".into()));
         }
         // Midpoint rule on a grid that is fine near zero.
         const STEPS: usize = 4096;
@@ -122,6 +116,10 @@ impl Levels {
             (None, None) => 0.5,
         }
     }
+}
+
+fn check_count(count: usize) -> Result<(), L3Error> {
+    within("levels", count as f64, 1.0..=MAX_LEVELS as f64, "1 to 256").map(|_| ())
 }
 
 impl TryFrom<Vec<f32>> for Levels {

@@ -73,16 +73,7 @@ pub struct Kernels {
 /// A learned pipeline.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Pipeline {
-    axes: Axes,
-    saturations: Vec<u32>,
-    outputs: Vec<String>,
-    channel_names: Vec<String>,
-    black_level: f64,
-    white_level: f64,
-    trained: Vec<[f32; 2]>,
-    classes: Vec<Class>,
-    kernels: Kernels,
-    provenance: String,
+    parts: PipelineParts,
     white: Option<[f64; 3]>,
 }
 
@@ -118,19 +109,8 @@ impl Pipeline {
     /// # Errors
     /// [`L3Error::Table`], which names the inconsistency.
     pub fn from_parts(parts: PipelineParts) -> Result<Self, L3Error> {
-        let PipelineParts {
-            axes,
-            saturations,
-            outputs,
-            channel_names,
-            black_level,
-            white_level,
-            trained,
-            classes,
-            kernels,
-            provenance,
-        } = parts;
-        let wrong = |reason: String| Err(L3Error::Table { reason });
+        let PipelineParts { axes, saturations, outputs, channel_names, trained, kernels, .. } = &parts;
+        let wrong = |reason: String| Err(L3Error::Table(reason));
         if saturations.first() != Some(&0) || saturations.windows(2).any(|w| w[0] >= w[1]) {
             return wrong("the saturation axis must ascend from 0".into());
         }
@@ -143,13 +123,10 @@ impl Pipeline {
         if outputs.is_empty() || outputs.len() > 64 {
             return wrong(format!("{} outputs; 1 to 64 expected", outputs.len()));
         }
-        if channel_names.len() != axes.mosaic().channels() {
-            return wrong(format!(
-                "{} channel names for {} channels",
-                channel_names.len(),
-                axes.mosaic().channels()
-            ));
+        if channel_names.len() != channels {
+            return wrong(format!("{} channel names for {channels} channels", channel_names.len()));
         }
+        let (black_level, white_level) = (parts.black_level, parts.white_level);
         if !(black_level.is_finite() && white_level.is_finite() && white_level > black_level) {
             return wrong(format!("white level {white_level} must lie above black level {black_level}"));
         }
@@ -158,7 +135,7 @@ impl Pipeline {
         }
         let count = axes.positions() * saturations.len() * axes.level_count() * axes.textures().count();
         let sizes = [
-            ("classes", classes.len(), count),
+            ("classes", parts.classes.len(), count),
             ("weights", kernels.weights.len(), count * outputs.len() * axes.taps()),
             ("offsets", kernels.offsets.len(), count * outputs.len()),
         ];
@@ -170,61 +147,49 @@ impl Pipeline {
         if kernels.weights.iter().chain(&kernels.offsets).any(|v| !v.is_finite()) {
             return wrong("a kernel holds a value that is not finite".into());
         }
-        Ok(Self {
-            axes,
-            saturations,
-            outputs,
-            channel_names,
-            black_level,
-            white_level,
-            trained,
-            classes,
-            kernels,
-            provenance,
-            white: None,
-        })
+        Ok(Self { parts, white: None })
     }
 
     /// The class axes.
     #[must_use]
     pub fn axes(&self) -> &Axes {
-        &self.axes
+        &self.parts.axes
     }
 
     /// Combinations of saturated channels on the saturation axis, ascending from 0.
     #[must_use]
     pub fn saturations(&self) -> &[u32] {
-        &self.saturations
+        &self.parts.saturations
     }
 
     /// Names of the outputs.
     #[must_use]
     pub fn outputs(&self) -> &[String] {
-        &self.outputs
+        &self.parts.outputs
     }
 
     /// Names of the mosaic's channels.
     #[must_use]
     pub fn channel_names(&self) -> &[String] {
-        &self.channel_names
+        &self.parts.channel_names
     }
 
     /// Black level of the raw images, digital numbers.
     #[must_use]
     pub fn black_level(&self) -> f64 {
-        self.black_level
+        self.parts.black_level
     }
 
     /// White level of the raw images, digital numbers.
     #[must_use]
     pub fn white_level(&self) -> f64 {
-        self.white_level
+        self.parts.white_level
     }
 
     /// Smallest and largest mean response in the training data, for each position.
     #[must_use]
     pub fn trained(&self) -> &[[f32; 2]] {
-        &self.trained
+        &self.parts.trained
     }
 
     /// The pipeline with the white point of its output: X, Y, Z, Y = 1, of a perfect diffuser under the
@@ -243,47 +208,48 @@ impl Pipeline {
     /// Description of the training, as JSON.
     #[must_use]
     pub fn provenance(&self) -> &str {
-        &self.provenance
+        &self.parts.provenance
     }
 
     /// The classes; the indices vary from position (slowest) through saturation and level to texture
     /// (fastest).
     #[must_use]
     pub fn classes(&self) -> &[Class] {
-        &self.classes
+        &self.parts.classes
     }
 
     /// The kernels of all classes.
     #[must_use]
     pub fn kernels(&self) -> &Kernels {
-        &self.kernels
+        &self.parts.kernels
     }
 
     /// The weights of a class for an output, in the row order of the patch. Empty when there is no such class
     /// or output.
     #[must_use]
     pub fn weights(&self, class: usize, output: usize) -> &[f32] {
-        let taps = self.axes.taps();
-        let at = (class * self.outputs.len() + output) * taps;
-        self.kernels.weights.get(at..at + taps).unwrap_or(&[])
+        let taps = self.parts.axes.taps();
+        let at = (class * self.parts.outputs.len() + output) * taps;
+        self.parts.kernels.weights.get(at..at + taps).unwrap_or(&[])
     }
 
     /// The index of a class from its coordinates on the axes.
     #[must_use]
     pub fn index(&self, position: usize, saturation: usize, level: usize, texture: usize) -> usize {
-        let textures = self.axes.textures().count();
-        ((position * self.saturations.len() + saturation) * self.axes.level_count() + level) * textures
+        let textures = self.parts.axes.textures().count();
+        ((position * self.parts.saturations.len() + saturation) * self.parts.axes.level_count() + level)
+            * textures
             + texture
     }
 
     /// The class with an index.
     #[must_use]
     pub fn key(&self, index: usize) -> ClassKey {
-        let (textures, levels) = (self.axes.textures().count(), self.axes.level_count());
-        let saturation = index / (textures * levels) % self.saturations.len();
+        let (textures, levels) = (self.parts.axes.textures().count(), self.parts.axes.level_count());
+        let saturation = index / (textures * levels) % self.parts.saturations.len();
         ClassKey {
-            position: (index / (textures * levels * self.saturations.len())) as u32,
-            saturation: self.saturations[saturation],
+            position: (index / (textures * levels * self.parts.saturations.len())) as u32,
+            saturation: self.parts.saturations[saturation],
             level: (index / textures % levels) as u16,
             texture: (index % textures) as u16,
         }
@@ -294,7 +260,7 @@ impl Pipeline {
     /// most channels clipped.
     #[must_use]
     pub fn saturation_place(&self, clipped: u32) -> usize {
-        nearest_saturation(&self.saturations, clipped)
+        nearest_saturation(&self.parts.saturations, clipped)
     }
 }
 

@@ -28,7 +28,7 @@ impl Statistics {
     /// When there is no output.
     pub fn new(axes: Axes, outputs: Vec<String>, noisy: bool) -> Result<Self, L3Error> {
         if outputs.is_empty() {
-            return Err(L3Error::EmptyAxis { axis: "output" });
+            return Err(L3Error::EmptyAxis("output"));
         }
         let trained = vec![[f32::INFINITY, f32::NEG_INFINITY]; axes.positions()];
         let channel_names = (0..axes.mosaic().channels()).map(|c| c.to_string()).collect();
@@ -61,7 +61,7 @@ impl Statistics {
         let empty = Self::new(axes, outputs, noisy)?;
         let size = 1 + empty.axes.taps() + empty.outputs.len();
         let channels = empty.axes.mosaic().channels();
-        let wrong = |reason: &str| Err(L3Error::Table { reason: reason.into() });
+        let wrong = |reason: &str| Err(L3Error::Table(reason.into()));
         if classes.values().any(|m| m.size() != size) {
             return wrong("moments of another size than patch and outputs");
         }
@@ -149,7 +149,7 @@ impl Statistics {
     /// # Errors
     /// When axes, outputs, levels or noise differ.
     pub fn merge(&mut self, other: &Self) -> Result<(), L3Error> {
-        let differ = |what| Err(L3Error::Mismatch { what });
+        let differ = |what| Err(L3Error::Mismatch(what));
         if self.axes != other.axes {
             return differ("mosaic, patch, levels or noise");
         }
@@ -207,18 +207,14 @@ impl Statistics {
         let channels = self.axes.mosaic().channels();
         if samples.len() != channels || samples.iter().any(|v| !v.is_finite()) {
             let reason = format!("an even field needs {channels} finite samples, one for each channel");
-            return Err(L3Error::Table { reason });
+            return Err(L3Error::Table(reason));
         }
         if target.len() != self.outputs.len() {
             return Err(L3Error::Outputs { expected: self.outputs.len(), got: target.len() });
         }
         if let Some(&value) = target.iter().find(|v| !v.is_finite()) {
-            return Err(L3Error::Value {
-                what: "the target of an even field".into(),
-                row: 0,
-                col: 0,
-                value: value as f32,
-            });
+            let what = "the target of an even field".into();
+            return Err(L3Error::Value { what, row: 0, col: 0, value: value as f32 });
         }
         if times == 0 || samples.iter().any(|&v| v >= self.axes.clip()) {
             return Ok(());
@@ -246,18 +242,18 @@ impl Statistics {
         let phase = phase_in(self.axes.mosaic(), &self.channel_names, raw)?;
         let (rows, cols) = (raw.rows(), raw.cols());
         check_size(&self.axes, rows, cols)?;
-        let size = |what, got_rows, got_cols| {
-            let same = (rows, cols) == (got_rows, got_cols);
-            if same { Ok(()) } else { Err(L3Error::PairSize { what, rows, cols, got_rows, got_cols }) }
+        let same_size = |what, got| {
+            let size = [rows, cols];
+            if size == got { Ok(()) } else { Err(L3Error::PairSize { what, size, got }) }
         };
-        size("the target", pair.target.rows(), pair.target.cols())?;
+        same_size("the target", [pair.target.rows(), pair.target.cols()])?;
         // Images to render later have the levels of the classified image; the training image may be in volts.
         let as_seen = pair.seen.unwrap_or(raw);
         let levels = [as_seen.black_level(), as_seen.white_level()];
         if let Some(seen) = pair.seen {
-            size("the image it is classified by", seen.rows(), seen.cols())?;
+            same_size("the image it is classified by", [seen.rows(), seen.cols()])?;
             if seen.sampling() != raw.sampling() {
-                return Err(L3Error::Mismatch { what: "the mosaics of the two raw images" });
+                return Err(L3Error::Mismatch("the mosaics of the two raw images"));
             }
         }
         if pair.target.count() != self.outputs.len() {
@@ -276,9 +272,7 @@ impl Statistics {
             }
         }
         match self.levels {
-            Some([black, white]) if [black, white] != levels => {
-                Err(L3Error::RawLevels { black, white, got_black: levels[0], got_white: levels[1] })
-            }
+            Some(expected) if expected != levels => Err(L3Error::RawLevels { expected, got: levels }),
             _ => {
                 self.levels = Some(levels);
                 self.channel_names = raw.channel_names().to_vec();
@@ -295,31 +289,26 @@ pub(super) fn phase_in(mosaic: &Mosaic, names: &[String], raw: &RawImage) -> Res
     let cells = (0..mosaic.rows()).flat_map(|r| (0..mosaic.cols()).map(move |c| [r, c]));
     let mut shifts = cells.filter(|&[r, c]| mosaic.shifted(r, c) == *got);
     shifts.next().ok_or_else(|| L3Error::Mosaic {
-        rows: mosaic.rows(),
-        cols: mosaic.cols(),
         expected: listed(mosaic, names),
-        got_rows: got.rows(),
-        got_cols: got.cols(),
         got: listed(got, raw.channel_names()),
     })
 }
 
-/// The cells of a tile, abbreviated.
+/// Size and cells of a tile, abbreviated.
 fn listed(mosaic: &Mosaic, names: &[String]) -> String {
     let cells = mosaic.cells();
     let name = |&c: &u8| names.get(usize::from(c)).cloned().unwrap_or_else(|| c.to_string());
     let shown: Vec<String> = cells.iter().take(16).map(name).collect();
-    shown.join(" ") + if cells.len() > 16 { " …" } else { "" }
+    let rest = if cells.len() > 16 { " …" } else { "" };
+    format!("{} × {} with channels {}{rest}", mosaic.rows(), mosaic.cols(), shown.join(" "))
 }
 
 /// An image must contain a patch and every phase of the tile.
 pub(super) fn check_size(axes: &Axes, rows: usize, cols: usize) -> Result<(), L3Error> {
-    let (need_rows, need_cols) =
-        (axes.side().max(axes.mosaic().rows()), axes.side().max(axes.mosaic().cols()));
-    if rows < need_rows || cols < need_cols {
-        return Err(L3Error::Size { rows, cols, need_rows, need_cols });
-    }
-    Ok(())
+    let (size, least) =
+        ([rows, cols], [axes.mosaic().rows(), axes.mosaic().cols()].map(|n| n.max(axes.side())));
+    let fits = rows >= least[0] && cols >= least[1];
+    if fits { Ok(()) } else { Err(L3Error::Size { size, least }) }
 }
 
 #[cfg(test)]

@@ -24,10 +24,10 @@ impl Training {
         self.validate()?;
         let axes = statistics.axes();
         if statistics.count() == 0 {
-            return Err(L3Error::Empty { side: axes.side() });
+            return Err(L3Error::Empty(axes.side()));
         }
         let Some([black_level, white_level]) = statistics.raw_levels() else {
-            return Err(L3Error::Table { reason: "the statistics have no black and white level".into() });
+            return Err(L3Error::Table("the statistics have no black and white level".into()));
         };
         let saturations = kept_saturations(statistics, self.saturation_share);
         let symmetry = if self.symmetry { Symmetry::of(axes) } else { Symmetry::none(axes) };

@@ -12,6 +12,7 @@
 use rayon::prelude::*;
 
 use super::MetricError;
+use super::error::{at_least, finite};
 use super::psnr::same_size;
 use crate::numeric::Planes;
 
@@ -53,15 +54,9 @@ pub fn aliasing(
 ) -> Result<Aliasing, MetricError> {
     same_size(picture, reference)?;
     let (rows, cols) = (picture.rows(), picture.cols());
-    if rows.min(cols) < BLOCK {
-        let what = "pixels along the shorter side of the picture";
-        return Err(MetricError::TooFew { what, minimum: BLOCK, got: rows.min(cols) });
-    }
-    for (what, planes) in [("the picture", picture), ("the reference", reference)] {
-        if let Some(index) = planes.data().iter().position(|v| !v.is_finite()) {
-            return Err(MetricError::NotFinite { what, index });
-        }
-    }
+    at_least("pixels along the shorter side of the picture", BLOCK, rows.min(cols))?;
+    finite("the picture", picture.data().iter().copied())?;
+    finite("the reference", reference.data().iter().copied())?;
     let weights = shares(luminance_weights, picture.count())?;
 
     let bands: Vec<Vec<Residual>> = spans(rows)

@@ -39,6 +39,9 @@ const fn metric(
 use super::MetricError;
 use Better::{Higher, Lower, Neither};
 
+const EMVA_1288: &str = "EMVA 1288 release 4.0 Linear";
+const OWN_ALIASING: &str = "defined by smalti, see metrics::aliasing";
+
 /// All metrics, in the order colour, resolution, noise, differences from a reference, sensor.
 pub const CATALOG: &[MetricInfo] = &[
     metric(
@@ -95,15 +98,9 @@ pub const CATALOG: &[MetricInfo] = &[
         "%",
         Lower,
         "Energy of a picture that no linear transfer of an alias-free reference explains, luminance plus colour, over that of the reference; false colour can take it beyond 100.",
-        "defined by smalti, see metrics::aliasing",
+        OWN_ALIASING,
     ),
-    metric(
-        "color_aliasing_percent",
-        "%",
-        Lower,
-        "The part of it that is colour.",
-        "defined by smalti, see metrics::aliasing",
-    ),
+    metric("color_aliasing_percent", "%", Lower, "The part of it that is colour.", OWN_ALIASING),
     metric(
         "luminance_noise_percent",
         "%",
@@ -155,61 +152,31 @@ pub const CATALOG: &[MetricInfo] = &[
         "How much more light a camera needs to equal another by one of the metrics, in powers of two.",
         "defined by smalti, see camera::light_gains",
     ),
-    metric(
-        "dynamic_range_db",
-        "dB",
-        Higher,
-        "Saturation over the signal that equals its noise.",
-        "EMVA 1288 release 4.0 Linear",
-    ),
-    metric(
-        "dynamic_range_stops",
-        "stops",
-        Higher,
-        "The same in powers of two.",
-        "EMVA 1288 release 4.0 Linear",
-    ),
+    metric("dynamic_range_db", "dB", Higher, "Saturation over the signal that equals its noise.", EMVA_1288),
+    metric("dynamic_range_stops", "stops", Higher, "The same in powers of two.", EMVA_1288),
     metric(
         "gain_dn_per_e",
         "DN/e⁻",
         Neither,
         "System gain, the slope of temporal variance over mean.",
-        "EMVA 1288 release 4.0 Linear",
+        EMVA_1288,
     ),
     metric(
         "dark_noise_e",
         "e⁻",
         Lower,
         "Temporal noise in the dark without that of quantisation.",
-        "EMVA 1288 release 4.0 Linear",
+        EMVA_1288,
     ),
-    metric(
-        "saturation_e",
-        "e⁻",
-        Higher,
-        "Signal at the largest temporal variance.",
-        "EMVA 1288 release 4.0 Linear",
-    ),
-    metric(
-        "prnu_percent",
-        "%",
-        Lower,
-        "Spatial standard deviation of the photoresponse.",
-        "EMVA 1288 release 4.0 Linear",
-    ),
-    metric(
-        "dsnu_e",
-        "e⁻",
-        Lower,
-        "Spatial standard deviation of the dark signal.",
-        "EMVA 1288 release 4.0 Linear",
-    ),
+    metric("saturation_e", "e⁻", Higher, "Signal at the largest temporal variance.", EMVA_1288),
+    metric("prnu_percent", "%", Lower, "Spatial standard deviation of the photoresponse.", EMVA_1288),
+    metric("dsnu_e", "e⁻", Lower, "Spatial standard deviation of the dark signal.", EMVA_1288),
     metric(
         "linearity_error_percent",
         "%",
         Lower,
         "Mean deviation of the signal from a straight line over exposure.",
-        "EMVA 1288 release 4.0 Linear",
+        EMVA_1288,
     ),
 ];
 
@@ -219,7 +186,7 @@ pub const CATALOG: &[MetricInfo] = &[
 /// [`MetricError::UnknownMetric`] when no metric has this name.
 pub fn metric_info(name: &str) -> Result<&'static MetricInfo, MetricError> {
     let found = CATALOG.iter().find(|m| m.name == name);
-    found.ok_or_else(|| MetricError::UnknownMetric { name: name.to_owned() })
+    found.ok_or_else(|| MetricError::UnknownMetric(name.to_owned()))
 }
 
 #[cfg(test)]
@@ -233,6 +200,6 @@ mod tests {
             assert!(!m.name.is_empty() && !m.unit.is_empty() && m.doc.ends_with('.') && !m.source.is_empty());
             assert_eq!(metric_info(m.name), Ok(m));
         }
-        assert_eq!(metric_info("psnr"), Err(MetricError::UnknownMetric { name: "psnr".into() }));
+        assert_eq!(metric_info("psnr"), Err(MetricError::UnknownMetric("psnr".into())));
     }
 }

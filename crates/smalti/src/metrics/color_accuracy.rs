@@ -1,6 +1,7 @@
 //! Colour accuracy on a chart: ΔE 1976, 1994 and 2000 per patch.
 
 use super::MetricError;
+use super::error::finite;
 use crate::color::{DeltaE, lab_from_xyz};
 
 /// The white that CIELAB refers to.
@@ -85,9 +86,7 @@ fn scaled(
     patches: &[[f64; 3]],
     white_patch: usize,
 ) -> Result<(Vec<[f64; 3]>, [f64; 3]), MetricError> {
-    if let Some(index) = patches.iter().flatten().position(|v| !v.is_finite()) {
-        return Err(MetricError::NotFinite { what, index });
-    }
+    finite(what, patches.iter().flatten().copied())?;
     let Some(&white) = patches.get(white_patch) else {
         return Err(MetricError::TooFew { what, minimum: white_patch.saturating_add(1), got: patches.len() });
     };

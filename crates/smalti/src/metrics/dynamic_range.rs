@@ -1,6 +1,7 @@
 //! Dynamic range of a sensor: the ratio of saturation to the signal whose signal-to-noise ratio is 1.
 
 use super::MetricError;
+use super::error::not_negative;
 use super::snr::decibels;
 
 /// The range between saturation and the signal whose signal-to-noise ratio is 1.
@@ -26,12 +27,9 @@ pub struct DynamicRange {
 /// # Errors
 /// When a value is negative or not finite, or saturation is not above the smallest signal.
 pub fn dynamic_range(saturation_e: f64, dark_noise_e: f64, step_e: f64) -> Result<DynamicRange, MetricError> {
-    for (name, value) in [("saturation_e", saturation_e), ("dark_noise_e", dark_noise_e), ("step_e", step_e)]
-    {
-        if !(value >= 0.0 && value.is_finite()) {
-            return Err(MetricError::Parameter { name, value, expected: "a finite number not below 0" });
-        }
-    }
+    not_negative("saturation_e", saturation_e)?;
+    not_negative("dark_noise_e", dark_noise_e)?;
+    not_negative("step_e", step_e)?;
     let noise_squared = dark_noise_e * dark_noise_e + step_e * step_e / 12.0;
     let minimum_e = 0.5 + (0.25 + noise_squared).sqrt();
     if saturation_e <= minimum_e {

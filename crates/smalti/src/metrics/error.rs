@@ -12,11 +12,8 @@ use crate::numeric::ShapeError;
 #[non_exhaustive]
 pub enum MetricError {
     /// No metric has this name.
-    #[error("no metric is called '{name}'")]
-    UnknownMetric {
-        /// The name.
-        name: String,
-    },
+    #[error("no metric is called '{0}'")]
+    UnknownMetric(String),
     /// A region is empty or extends beyond the image.
     #[error(
         "the region of {} × {} pixels at row {}, column {} must have pixels and lie within the image of {rows} × {cols}",
@@ -84,12 +81,9 @@ pub enum MetricError {
         /// Rows, columns and planes of the second.
         right: (usize, usize, usize),
     },
-    /// No straight edge crosses the region.
-    #[error("no edge crosses the region: {reason}")]
-    NoEdge {
-        /// The missing property.
-        reason: &'static str,
-    },
+    /// No straight edge crosses the region: the missing property.
+    #[error("no edge crosses the region: {0}")]
+    NoEdge(&'static str),
     /// The contrast of the edge is too low.
     #[error("the contrast of the edge (Michelson) is {contrast:.3}; at least {minimum:.3} is needed")]
     LowContrast {
@@ -136,4 +130,27 @@ pub enum MetricError {
     /// S-CIELAB cannot be computed.
     #[error(transparent)]
     Scielab(#[from] ScielabError),
+}
+
+/// Checks that there are as many items as a measurement needs.
+pub(super) fn at_least(what: &'static str, minimum: usize, got: usize) -> Result<(), MetricError> {
+    if got >= minimum { Ok(()) } else { Err(MetricError::TooFew { what, minimum, got }) }
+}
+
+/// Checks that no value is NaN or infinite.
+pub(super) fn finite(
+    what: &'static str,
+    values: impl IntoIterator<Item = impl Into<f64>>,
+) -> Result<(), MetricError> {
+    match values.into_iter().position(|v| !v.into().is_finite()) {
+        Some(index) => Err(MetricError::NotFinite { what, index }),
+        None => Ok(()),
+    }
+}
+
+/// Checks that a parameter is a finite number not below 0.
+pub(super) fn not_negative(name: &'static str, value: f64) -> Result<(), MetricError> {
+    let expected = "a finite number not below 0";
+    let fits = value >= 0.0 && value.is_finite();
+    if fits { Ok(()) } else { Err(MetricError::Parameter { name, value, expected }) }
 }

@@ -1,7 +1,7 @@
 //! Luminance noise on grey patches.
 
-use super::patch::check_region;
-use super::patch::mean_and_variance;
+use super::error::{at_least, finite};
+use super::patch::{check_plane, check_region, mean_and_variance};
 use super::{MetricError, Rect};
 use crate::numeric::Planes;
 
@@ -37,29 +37,19 @@ pub(super) fn plane_statistics(
     plane: usize,
     patches: &[Rect],
 ) -> Result<Vec<(f64, f64)>, MetricError> {
-    if plane >= planes.count() {
-        return Err(MetricError::Plane { index: plane, count: planes.count() });
-    }
-    if patches.is_empty() {
-        return Err(MetricError::TooFew { what: "patches", minimum: 1, got: 0 });
-    }
+    check_plane(planes.count(), plane)?;
+    at_least("patches", 1, patches.len())?;
     let statistics = |rect: &Rect| {
         check_region(*rect, planes.rows(), planes.cols())?;
-        if rect.len() < 2 {
-            return Err(MetricError::TooFew { what: "pixels in a patch", minimum: 2, got: rect.len() });
-        }
+        at_least("pixels in a patch", 2, rect.len())?;
         let values = || rect.values(planes.plane(plane), planes.cols());
-        if let Some(index) = values().position(|v| !v.is_finite()) {
-            return Err(MetricError::NotFinite { what: "a patch", index });
-        }
+        finite("a patch", values())?;
         let (mean, variance) = mean_and_variance(values);
         if mean > 0.0 {
             Ok((mean, variance.sqrt()))
         } else {
-            Err(MetricError::Undefined {
-                quantity: "noise relative to the mean",
-                reason: "the mean is not above 0",
-            })
+            let (quantity, reason) = ("noise relative to the mean", "the mean is not above 0");
+            Err(MetricError::Undefined { quantity, reason })
         }
     };
     patches.iter().map(statistics).collect()

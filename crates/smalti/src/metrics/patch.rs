@@ -11,6 +11,11 @@ pub(super) fn check_region(rect: Rect, rows: usize, cols: usize) -> Result<(), M
     if rect.fits(rows, cols) { Ok(()) } else { Err(MetricError::Region { rect, rows, cols }) }
 }
 
+/// Checks that one of `count` planes exists.
+pub(super) fn check_plane(count: usize, index: usize) -> Result<(), MetricError> {
+    if index < count { Ok(()) } else { Err(MetricError::Plane { index, count }) }
+}
+
 /// The mean of every plane over every rectangle: one inner vector per rectangle, one value per plane.
 ///
 /// # Errors

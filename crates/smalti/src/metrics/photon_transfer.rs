@@ -7,6 +7,7 @@
 
 use super::MetricError;
 use super::dynamic_range::{DynamicRange, dynamic_range};
+use super::error::{at_least, finite, not_negative};
 
 /// Fraction of saturation up to which the gain is fitted.
 const GAIN_FIT_TOP: f64 = 0.7;
@@ -100,10 +101,7 @@ pub fn photon_transfer(
     stacks: Option<&FrameStacks<'_>>,
     step_dn: f64,
 ) -> Result<PhotonTransfer, MetricError> {
-    if !(step_dn >= 0.0 && step_dn.is_finite()) {
-        let expected = "a finite number not below 0";
-        return Err(MetricError::Parameter { name: "step_dn", value: step_dn, expected });
-    }
+    not_negative("step_dn", step_dn)?;
     let curve = curve(levels)?;
     let saturated = saturation(&curve)?;
     let signal_top = saturated.signal_dn;
@@ -112,10 +110,7 @@ pub fn photon_transfer(
         .iter()
         .filter(|p| p.exposure <= saturated.exposure && p.signal_dn <= GAIN_FIT_TOP * signal_top)
         .collect();
-    if fitted.len() < 3 {
-        let what = "exposures below 70 % of saturation";
-        return Err(MetricError::TooFew { what, minimum: 3, got: fitted.len() });
-    }
+    at_least("exposures below 70 % of saturation", 3, fitted.len())?;
     // Both lines pass through the dark point, which has neither signal nor shot noise.
     let gain = slope(fitted.iter().map(|p| (p.signal_dn, p.variance_dn2 - p.dark_variance_dn2)));
     let responsivity = slope(fitted.iter().map(|p| (p.exposure, p.signal_dn)));
@@ -152,21 +147,16 @@ pub fn photon_transfer(
 
 /// Means and temporal variances of all pairs, in ascending order of exposure.
 fn curve(levels: &[FlatPair<'_>]) -> Result<Vec<TransferPoint>, MetricError> {
-    if levels.len() < 4 {
-        return Err(MetricError::TooFew { what: "exposures", minimum: 4, got: levels.len() });
-    }
+    at_least("exposures", 4, levels.len())?;
     let size = levels[0].bright[0].len();
     let point = |level: &FlatPair<'_>| {
         let exposure = level.exposure;
-        if !(exposure >= 0.0 && exposure.is_finite()) {
-            let expected = "a finite number not below 0";
-            return Err(MetricError::Parameter { name: "exposure", value: exposure, expected });
-        }
+        not_negative("exposure", exposure)?;
         let (mean, variance_dn2) = pair_statistics(level.bright, size)?;
         let (dark_mean, dark_variance_dn2) = pair_statistics(level.dark, size)?;
         Ok(TransferPoint { exposure, signal_dn: mean - dark_mean, variance_dn2, dark_variance_dn2 })
     };
-    let mut points: Vec<TransferPoint> = levels.iter().map(point).collect::<Result<_, _>>()?;
+    let mut points: Vec<TransferPoint> = levels.iter().map(point).collect::<Result<_, MetricError>>()?;
     points.sort_by(|a, b| a.exposure.total_cmp(&b.exposure));
     Ok(points)
 }
@@ -188,22 +178,15 @@ fn check_frame(frame: &[f32], size: usize) -> Result<(), MetricError> {
     if frame.len() != size {
         return Err(MetricError::Count { what: "values in a frame", expected: size, got: frame.len() });
     }
-    if size < 2 {
-        return Err(MetricError::TooFew { what: "values in a frame", minimum: 2, got: size });
-    }
-    match frame.iter().position(|v| !v.is_finite()) {
-        Some(index) => Err(MetricError::NotFinite { what: "a frame", index }),
-        None => Ok(()),
-    }
+    at_least("values in a frame", 2, size)?;
+    finite("a frame", frame.iter().copied())
 }
 
 /// The point of largest temporal variance.
 fn saturation(curve: &[TransferPoint]) -> Result<TransferPoint, MetricError> {
     let largest = curve.iter().copied().reduce(|a, b| if b.variance_dn2 > a.variance_dn2 { b } else { a });
-    largest.filter(|p| p.signal_dn > 0.0).ok_or(MetricError::Undefined {
-        quantity: "saturation",
-        reason: "the frame of largest variance is not above the dark",
-    })
+    let (quantity, reason) = ("saturation", "the frame of largest variance is not above the dark");
+    largest.filter(|p| p.signal_dn > 0.0).ok_or(MetricError::Undefined { quantity, reason })
 }
 
 /// Slope of the least-squares line through the origin.
@@ -218,10 +201,7 @@ fn linearity_error_percent(curve: &[TransferPoint], saturated: TransferPoint) ->
         p.exposure <= saturated.exposure && LINEAR_RANGE.contains(&(p.signal_dn / saturated.signal_dn))
     };
     let points: Vec<(f64, f64)> = curve.iter().filter(within).map(|p| (p.exposure, p.signal_dn)).collect();
-    if points.len() < 3 {
-        let what = "exposures within 5–95 % of saturation";
-        return Err(MetricError::TooFew { what, minimum: 3, got: points.len() });
-    }
+    at_least("exposures within 5–95 % of saturation", 3, points.len())?;
     let weighted = |f: fn(f64, f64) -> f64| points.iter().map(|&(x, y)| f(x, y) / (y * y)).sum::<f64>();
     let (w, wx, wy) = (weighted(|_, _| 1.0), weighted(|x, _| x), weighted(|_, y| y));
     let (wxx, wxy) = (weighted(|x, _| x * x), weighted(|x, y| x * y));
@@ -261,9 +241,7 @@ fn fixed_pattern(stacks: &FrameStacks<'_>) -> Result<FixedPattern, MetricError> 
 
 /// Mean of a stack, and the spatial variance of the pixel means without the contribution of temporal noise.
 fn spatial_statistics(frames: &[&[f32]], size: usize) -> Result<(f64, f64), MetricError> {
-    if frames.len() < 2 {
-        return Err(MetricError::TooFew { what: "frames in a stack", minimum: 2, got: frames.len() });
-    }
+    at_least("frames in a stack", 2, frames.len())?;
     for frame in frames {
         check_frame(frame, size)?;
     }

@@ -1,5 +1,6 @@
 //! Mean squared error and peak signal-to-noise ratio against a reference.
 
+use super::error::{at_least, finite};
 use super::patch::check_region;
 use super::{MetricError, Rect};
 use crate::numeric::Planes;
@@ -26,11 +27,8 @@ pub fn psnr(image: &Planes, reference: &Planes, region: Rect, peak: f64) -> Resu
     same_size(image, reference)?;
     check_region(region, image.rows(), image.cols())?;
     if !(peak > 0.0 && peak.is_finite()) {
-        return Err(MetricError::Parameter {
-            name: "peak",
-            value: peak,
-            expected: "a finite number above 0",
-        });
+        let (name, expected) = ("peak", "a finite number above 0");
+        return Err(MetricError::Parameter { name, value: peak, expected });
     }
     let mse = |p: usize| {
         let cols = image.cols();
@@ -38,9 +36,7 @@ pub fn psnr(image: &Planes, reference: &Planes, region: Rect, peak: f64) -> Resu
         pairs.map(|(a, b)| (a - b) * (a - b)).sum::<f64>() / region.len() as f64
     };
     let mse: Vec<f64> = (0..image.count()).map(mse).collect();
-    if let Some(index) = mse.iter().position(|v| !v.is_finite()) {
-        return Err(MetricError::NotFinite { what: "the mean squared error of the planes", index });
-    }
+    finite("the mean squared error of the planes", mse.iter().copied())?;
     let decibels = |mse: f64| 10.0 * (peak * peak / mse).log10();
     let cmse = mse.iter().sum::<f64>() / mse.len() as f64;
     Ok(Psnr { psnr_db: mse.iter().map(|&v| decibels(v)).collect(), cpsnr_db: decibels(cmse), mse, cmse })
@@ -52,10 +48,7 @@ pub(super) fn same_size(left: &Planes, right: &Planes) -> Result<(), MetricError
     if size(left) != size(right) {
         return Err(MetricError::Size { left: size(left), right: size(right) });
     }
-    if left.data().is_empty() {
-        return Err(MetricError::TooFew { what: "values in the image", minimum: 1, got: 0 });
-    }
-    Ok(())
+    at_least("values in the image", 1, left.data().len())
 }
 
 #[cfg(test)]

@@ -1,41 +1,16 @@
-//! Visual SNR and S-CIELAB: visibility of noise and differences at a viewing distance.
+//! Visual SNR: visibility of noise at a viewing distance.
 
+use super::error::{at_least, finite};
 use super::patch::check_region;
 use super::{MetricError, Rect};
 use crate::color::scielab::Scielab;
-use crate::color::{DeltaE, DifferenceMap, Image};
+use crate::color::{DeltaE, Image};
 use crate::numeric::Planes;
 
 /// Pixels per degree of visual angle of a picture with `pixels_per_inch` at a viewing distance of `distance_m`.
 #[must_use]
 pub fn samples_per_degree(pixels_per_inch: f64, distance_m: f64) -> f64 {
     pixels_per_inch / 0.0254 * distance_m * 2.0 * 0.5f64.to_radians().tan()
-}
-
-/// The S-CIELAB difference of two pictures and its mean.
-#[derive(Debug, Clone, PartialEq)]
-pub struct ScielabScore {
-    /// ΔE at every pixel.
-    pub map: DifferenceMap,
-    /// Mean over all pixels.
-    pub mean: f64,
-}
-
-/// S-CIELAB of a picture against a reference, both in XYZ, with a white in the same scale.
-///
-/// # Errors
-/// When the pictures are not in XYZ or empty, their sizes differ, or the resolution is out of range.
-pub fn scielab_score(
-    picture: &Image,
-    reference: &Image,
-    white: [f64; 3],
-    settings: &Scielab,
-) -> Result<ScielabScore, MetricError> {
-    if picture.planes().data().is_empty() {
-        return Err(MetricError::TooFew { what: "pixels in the picture", minimum: 1, got: 0 });
-    }
-    let map = settings.compare(reference, picture, white)?;
-    Ok(ScielabScore { mean: map.mean(), map })
 }
 
 /// Visual signal-to-noise ratio of a uniform region of a picture in XYZ ([farrell2010]): the reciprocal of the standard
@@ -56,14 +31,10 @@ pub fn visual_snr(
     samples_per_degree: f64,
 ) -> Result<f64, MetricError> {
     check_region(region, picture.rows(), picture.cols())?;
-    if region.len() < 2 {
-        return Err(MetricError::TooFew { what: "pixels in the region", minimum: 2, got: region.len() });
-    }
+    at_least("pixels in the region", 2, region.len())?;
     let planes = picture.planes();
     let cut: Vec<f64> = planes.planes().flat_map(|p| region.values(p, planes.cols())).collect();
-    if let Some(index) = cut.iter().position(|v| !v.is_finite()) {
-        return Err(MetricError::NotFinite { what: "the region", index });
-    }
+    finite("the region", cut.iter().copied())?;
     let means: Vec<f64> = cut.chunks(region.len()).map(|p| p.iter().sum::<f64>() / p.len() as f64).collect();
     let uniform = means.iter().flat_map(|&m| std::iter::repeat_n(m as f32, region.len())).collect();
     let image = |data: Vec<f32>| -> Result<Image, MetricError> {
@@ -103,32 +74,9 @@ mod tests {
     }
 
     #[test]
-    fn a_uniform_shift_scores_its_own_difference() {
-        let (a, b) = (grey(0.0), grey(0.0));
-        let score = scielab_score(&a, &b, WHITE, &Scielab::new(40.0, DeltaE::Ciede2000)).unwrap();
-        assert_eq!((score.mean, score.map.values.len()), (0.0, 6400));
-    }
-
-    #[test]
     fn resolution_of_a_display() {
         // ISETCam's default display: 41 samples per degree at 120 dots per inch and half a metre.
         assert!((samples_per_degree(120.0, 0.5) - 41.0).abs() < 0.5);
-    }
-
-    #[test]
-    fn pictures_that_cannot_be_scored_are_refused() {
-        let score = |picture: &Image, reference: &Image, samples_per_degree| {
-            let settings = Scielab::new(samples_per_degree, DeltaE::Ciede2000);
-            scielab_score(picture, reference, WHITE, &settings).unwrap_err()
-        };
-        let planes = |space, rows| Image::new(space, Planes::zeros(rows, rows, 3)).unwrap();
-        let (picture, empty) = (planes(ColorSpace::Xyz, 4), planes(ColorSpace::Xyz, 0));
-        assert!(matches!(score(&empty, &empty, 40.0), MetricError::TooFew { minimum: 1, got: 0, .. }));
-        assert!(matches!(score(&picture, &planes(ColorSpace::Xyz, 5), 40.0), MetricError::Scielab(_)));
-        assert!(matches!(score(&picture, &planes(ColorSpace::Srgb, 4), 40.0), MetricError::Scielab(_)));
-        for samples_per_degree in [0.5, 2001.0, f64::NAN] {
-            assert!(matches!(score(&picture, &picture, samples_per_degree), MetricError::Scielab(_)));
-        }
     }
 
     #[test]

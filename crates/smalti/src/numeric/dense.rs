@@ -71,12 +71,12 @@ impl Eigen {
         self.values.iter().copied().zip(vectors).filter(move |&(d, _)| d > bound)
     }
 
-    /// The minimum-norm solution x of min ‖A x − b‖, in place of `b`. Eigenvalues up to `bound` count as
+    /// The minimum-norm solution x of min ‖A x − b‖² + λ ‖x‖², in place of `b`. Eigenvalues up to `bound` count as
     /// zero.
-    pub(crate) fn solve(&self, bound: f64, b: &mut [f64]) {
+    pub(crate) fn solve(&self, bound: f64, lambda: f64, b: &mut [f64]) {
         let mut x = vec![0.0; b.len()];
         for (d, v) in self.above(bound) {
-            let along = dot(v, b) / d;
+            let along = dot(v, b) / (d + lambda);
             x.iter_mut().zip(v).for_each(|(x, v)| *x += along * v);
         }
         b.copy_from_slice(&x);
@@ -219,7 +219,7 @@ mod tests {
             assert!(cholesky(&mut u, size, 0.0));
             let (mut x, mut y) = (b.clone(), b.clone());
             substitute(&u, size, &mut x);
-            Eigen::of(&a, size).unwrap().solve(0.0, &mut y);
+            Eigen::of(&a, size).unwrap().solve(0.0, 0.0, &mut y);
             for i in 0..size {
                 // The condition of these matrices is below 10⁵.
                 let back = dot(&a[i * size..(i + 1) * size], &x);
@@ -259,7 +259,7 @@ mod tests {
         assert!(!cholesky(&mut a.clone(), 8, 1e-12));
         let eigen = Eigen::of(&a, 8).unwrap();
         assert_eq!(eigen.above(1e-12).count(), 3);
-        eigen.solve(1e-12, &mut b);
+        eigen.solve(1e-12, 0.0, &mut b);
         // x has no component in the null space.
         for v in eigen.vectors.chunks_exact(8).take(5) {
             assert!(dot(v, &b).abs() < 1e-9);

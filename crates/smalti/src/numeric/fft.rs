@@ -98,14 +98,6 @@ pub struct Workspace {
     tasks: Vec<TaskScratch>,
 }
 
-impl Workspace {
-    /// The spectrum, in the order that the module documentation describes.
-    #[must_use]
-    pub fn spectrum(&self) -> &[Complex32] {
-        &self.by_col
-    }
-}
-
 struct TaskScratch {
     real: Vec<f32>,
     tile: Vec<Complex32>,

@@ -25,12 +25,9 @@ pub enum LeastSquaresError {
         /// Values that were given.
         got: usize,
     },
-    /// A matrix holds NaN or infinity.
-    #[error("{matrix} holds a value that is not finite")]
-    NotFinite {
-        /// Which matrix.
-        matrix: &'static str,
-    },
+    /// This matrix holds NaN or infinity.
+    #[error("{0} holds a value that is not finite")]
+    NotFinite(&'static str),
     /// The singular value decomposition did not converge.
     #[error("the singular value decomposition of a {rows} × {cols} matrix did not converge")]
     NoConvergence {
@@ -56,16 +53,15 @@ impl<'a> Matrix<'a> {
         Self { rows, cols, values }
     }
 
-    fn checked(self, matrix: &'static str, rows: usize) -> Result<Dense, LeastSquaresError> {
-        let expected = rows.saturating_mul(self.cols);
-        if self.rows != rows || self.values.len() != expected {
-            let got = self.values.len();
-            return Err(LeastSquaresError::Shape { matrix, rows, cols: self.cols, expected, got });
+    fn checked(self, matrix: &'static str, rows: usize, cols: usize) -> Result<Dense, LeastSquaresError> {
+        let (expected, got) = (rows.saturating_mul(cols), self.values.len());
+        if (self.rows, self.cols, got) != (rows, cols, expected) {
+            return Err(LeastSquaresError::Shape { matrix, rows, cols, expected, got });
         }
         if self.values.iter().any(|v| !v.is_finite()) {
-            return Err(LeastSquaresError::NotFinite { matrix });
+            return Err(LeastSquaresError::NotFinite(matrix));
         }
-        Ok(Dense { rows, cols: self.cols, values: self.values.to_vec() })
+        Ok(Dense { rows, cols, values: self.values.to_vec() })
     }
 }
 
@@ -79,7 +75,7 @@ impl<'a> Matrix<'a> {
 /// # Errors
 /// When shapes and values do not match, or a value is not finite.
 pub fn lstsq(a: Matrix<'_>, b: Matrix<'_>) -> Result<Vec<f64>, LeastSquaresError> {
-    let (a, b) = (a.checked("A", a.rows)?, b.checked("B", a.rows)?);
+    let (a, b) = (a.checked("A", a.rows, a.cols)?, b.checked("B", a.rows, b.cols)?);
     Ok(pseudo_inverse(&a, 0.0)?.times(&b).values)
 }
 
@@ -95,29 +91,9 @@ pub fn lstsq_constrained(
     c: Matrix<'_>,
     d: Matrix<'_>,
 ) -> Result<Vec<f64>, LeastSquaresError> {
-    let unknowns = a.cols;
-    if c.cols != unknowns {
-        let expected = c.rows.saturating_mul(unknowns);
-        return Err(LeastSquaresError::Shape {
-            matrix: "C",
-            rows: c.rows,
-            cols: unknowns,
-            expected,
-            got: c.values.len(),
-        });
-    }
-    if d.cols != b.cols {
-        let expected = d.rows.saturating_mul(b.cols);
-        return Err(LeastSquaresError::Shape {
-            matrix: "D",
-            rows: d.rows,
-            cols: b.cols,
-            expected,
-            got: d.values.len(),
-        });
-    }
-    let (a, b) = (a.checked("A", a.rows)?, b.checked("B", a.rows)?);
-    let (c, d) = (c.checked("C", c.rows)?, d.checked("D", c.rows)?);
+    let (unknowns, columns) = (a.cols, b.cols);
+    let (a, b) = (a.checked("A", a.rows, unknowns)?, b.checked("B", a.rows, columns)?);
+    let (c, d) = (c.checked("C", c.rows, unknowns)?, d.checked("D", c.rows, columns)?);
     let c_inverse = pseudo_inverse(&c, 0.0)?;
     let fixed = c_inverse.times(&d);
     // The conditions leave the null space of C free, where A decides. Rounding in the projection leaves
@@ -326,10 +302,7 @@ mod tests {
             lstsq(m(1, 1, one), m(2, 1, &[1.0, 1.0])),
             Err(LeastSquaresError::Shape { matrix: "B", .. })
         ));
-        assert!(matches!(
-            lstsq(m(1, 1, &[f64::NAN]), m(1, 1, one)),
-            Err(LeastSquaresError::NotFinite { matrix: "A" })
-        ));
+        assert!(matches!(lstsq(m(1, 1, &[f64::NAN]), m(1, 1, one)), Err(LeastSquaresError::NotFinite("A"))));
         assert!(matches!(
             lstsq_constrained(m(1, 1, one), m(1, 1, one), m(1, 2, &[1.0, 1.0]), m(1, 1, one)),
             Err(LeastSquaresError::Shape { matrix: "C", .. })

@@ -147,7 +147,7 @@ fn ptrs_lanes(
     means: &[f64; LANES],
     counts: &mut [f64; LANES],
 ) {
-    let mut open = Trials::default();
+    let mut open = Trials { lane: [0; LANES], mean: [PTRS_FROM; LANES], u: [0; LANES], v: [0; LANES] };
     let mut accepted = [0u8; LANES];
     for i in 0..LANES {
         let t = Trial::new(means[i].max(PTRS_FROM), words[0][i], words[1][i]);
@@ -216,13 +216,6 @@ struct Trials {
     mean: [f64; LANES],
     u: [u32; LANES],
     v: [u32; LANES],
-}
-
-impl Default for Trials {
-    #[inline(always)]
-    fn default() -> Self {
-        Self { lane: [0; LANES], mean: [PTRS_FROM; LANES], u: [0; LANES], v: [0; LANES] }
-    }
 }
 
 impl Trials {

@@ -18,18 +18,24 @@ pub(crate) trait Kernel {
 pub(crate) fn dispatch<K: Kernel>(kernel: K) -> K::Output {
     #[cfg(target_arch = "x86_64")]
     {
-        use std::arch::is_x86_feature_detected as has;
-        if allowed(Set::Avx512) && has!("avx512f") && has!("avx512bw") && has!("avx512dq") && has!("avx512vl")
-        {
-            // SAFETY: the required features were detected above.
+        if has_avx512() {
+            // SAFETY: the required features were detected.
             return unsafe { avx512(kernel) };
         }
-        if allowed(Set::Avx2) && has!("avx2") {
+        if allowed(Set::Avx2) && is_x86_feature_detected!("avx2") {
             // SAFETY: as above.
             return unsafe { avx2(kernel) };
         }
     }
     kernel.run()
+}
+
+/// Whether the processor has AVX-512 with its instructions for 16-bit and short vectors.
+#[cfg(target_arch = "x86_64")]
+#[inline]
+pub(crate) fn has_avx512() -> bool {
+    use std::arch::is_x86_feature_detected as has;
+    allowed(Set::Avx512) && has!("avx512f") && has!("avx512bw") && has!("avx512dq") && has!("avx512vl")
 }
 
 /// The choices of [`dispatch`], from the narrowest to the widest.

@@ -219,7 +219,7 @@ fn what_cannot_be_trained_for_is_refused() {
         assert!(matches!(refused, Err(CameraError::L3(_))), "{wrong:?}: {refused:?}");
     }
     let refused = camera.training_axes(&settings(), &light.scaled(0.0));
-    assert!(matches!(refused, Err(CameraError::L3(L3Error::Levels { .. }))), "{refused:?}");
+    assert!(matches!(refused, Err(CameraError::L3(L3Error::Levels(_)))), "{refused:?}");
 
     let scene = leaves(&camera, 1, &Illuminant::D65);
     let train = |settings: &TrainingSettings| {
@@ -231,7 +231,7 @@ fn what_cannot_be_trained_for_is_refused() {
     for sensitivity in [0.0, -1.0] {
         let band = Channel { name: "band".into(), transmittance: Spectrum::constant(GRID, sensitivity) };
         let refused = train(&TrainingSettings { target: TrainingTarget::Channels(vec![band]), ..settings() });
-        assert!(matches!(refused, CameraError::Isp(IspError::NoResponse { .. })), "{refused:?}");
+        assert!(matches!(refused, CameraError::Isp(IspError::NoResponse(_))), "{refused:?}");
     }
     for exposure in [-1.0, f64::NAN, f64::INFINITY] {
         let refused = train(&TrainingSettings { exposures: vec![exposure], ..settings() });

@@ -13,7 +13,7 @@ use smalti::color::difference::delta_e_76;
 use smalti::color::display::Primaries;
 use smalti::color::lab_from_xyz;
 use smalti::color::matrix::apply;
-use smalti::isp::{Classic, ColorConstraint, Demosaic, Isp, WhiteBalance, color_matrix};
+use smalti::isp::{Classic, ColorConstraint, ColorFit, Demosaic, Isp, WhiteBalance};
 use smalti::metrics::esfr::{EsfrOptions, ISETCAM_LUMINANCE_WEIGHTS, picture_sfr};
 use smalti::metrics::luminance_noise::luminance_noise;
 use smalti::metrics::{Rect, patch_means};
@@ -32,9 +32,8 @@ fn pipeline(case: &Case) -> Classic {
     let reflectances = reference_csv("macbeth_reflectance_400_10_700.csv");
     let reflectances: Vec<Spectrum> = reflectances.into_iter().map(spectrum).collect();
     let responses: Vec<Spectrum> = case.cfa.channels().iter().map(|c| c.transmittance.clone()).collect();
-    let matrix =
-        color_matrix(&responses, &reflectances, &light, Observer::Cie1931, ColorConstraint::None, 0.0)
-            .unwrap();
+    let fit = ColorFit::new(&reflectances, &light, Observer::Cie1931).unwrap();
+    let matrix = fit.matrix(&responses, ColorConstraint::None, 0.0).unwrap();
     Classic { white_balance: WhiteBalance::None, ..Classic::new(matrix) }
 }
 

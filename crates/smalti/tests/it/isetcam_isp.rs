@@ -7,7 +7,7 @@ use crate::common;
 use common::isetcam::mosaic;
 use common::{assert_close, numbers, reference_csv, reference_json};
 use serde_json::Value;
-use smalti::isp::{Classic, ColorConstraint, ColorMatrix, Demosaic, Isp, WhiteBalance, color_matrix};
+use smalti::isp::{Classic, ColorConstraint, ColorFit, ColorMatrix, Demosaic, Isp, WhiteBalance};
 use smalti::numeric::Planes;
 use smalti::sensor::{Mosaic, RawImage, RawSamples, Sampling};
 use smalti::spectrum::{Observer, Spectrum, WavelengthGrid};
@@ -99,8 +99,8 @@ fn color_matrix_is_isetcams() {
         let filters = rows_of(&case["filters_31xN"]);
         let channel = |c: usize| spectrum(filters.iter().map(|row| row[c]).collect());
         let channels: Vec<_> = (0..filters[0].len()).map(channel).collect();
-        let m =
-            color_matrix(&channels, &chart, &light, Observer::Cie1931, ColorConstraint::None, 0.0).unwrap();
+        let fit = ColorFit::new(&chart, &light, Observer::Cie1931).unwrap();
+        let m = fit.matrix(&channels, ColorConstraint::None, 0.0).unwrap();
         let (ours, theirs) = (m.xyz_from_camera().concat(), numbers(&case["T_sensor2xyz"]));
         let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
         let scale = dot(&ours, &theirs) / dot(&ours, &ours);

@@ -118,7 +118,7 @@ fn what_cannot_be_learned_is_said() {
     let axes = Axes::new(bayer(), 3, levels(&[0.5]), NONE).unwrap();
     let empty = Statistics::new(axes.clone(), names(&["Y"]), false).unwrap();
     let solve = |training: Training, s: &Statistics| training.solve(s, String::new());
-    assert_eq!(solve(Training::default(), &empty), Err(L3Error::Empty { side: 3 }));
+    assert_eq!(solve(Training::default(), &empty), Err(L3Error::Empty(3)));
     let seen = |positions: &[u32]| {
         let at = |&position: &u32| (ClassKey { position, ..key(0, 0, 0) }, multiple(1.0, 300, 1));
         statistics_of(&axes, &["Y"], false, positions.iter().map(at).collect())

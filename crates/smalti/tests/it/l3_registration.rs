@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used)]
 
 use smalti::l3::{
-    Axes, GOOD_RESIDUAL_PX, MIN_SIDE, Pair, Pipeline, Registration, RegistrationError, Statistics, Training,
+    Axes, GOOD_RESIDUAL_PX, Pair, Pipeline, Registration, RegistrationError, Statistics, Training,
     peak_ratio_db,
 };
 use smalti::numeric::Planes;
@@ -95,7 +95,7 @@ fn shifts_and_crops_are_found_to_a_tenth_of_a_pixel() {
             ([21.5, 13.25], 150, 160),
         ] {
             let picture = luminance(&scene.picture(rows, cols, shift, 1.0));
-            let found = Registration::find(&raw, &picture, 1.0).unwrap();
+            let found = Registration::best(&raw, &picture, &[1.0]).unwrap();
             let off = [found.row_shift_px - shift[0], found.col_shift_px - shift[1]];
             worst = worst.max(off[0].abs()).max(off[1].abs());
             assert!(found.correlation > 0.9, "{found:?}");
@@ -127,7 +127,7 @@ fn distortion_shows_in_the_quadrants() {
     let (step, middle) = (1.0 / 1.01, (SIDE as f64 - 1.0) / 2.0);
     let first = middle - middle * step;
     let picture = luminance(&scene.picture(SIDE, SIDE, [first, first], step));
-    let found = Registration::find(&raw, &picture, 1.0).unwrap();
+    let found = Registration::best(&raw, &picture, &[1.0]).unwrap();
     let [upper_left, _, _, lower_right] = found.residuals_px.map(Option::unwrap);
     assert!(upper_left.iter().all(|v| *v > 0.2) && lower_right.iter().all(|v| *v < -0.2), "{found:?}");
     assert!(found.largest_residual_px() > GOOD_RESIDUAL_PX);
@@ -139,14 +139,14 @@ fn what_does_not_match_is_refused() {
     let other = luminance(&Scene::new(5, SIDE as f64).picture(SIDE, SIDE, [0.0; 2], 1.0));
     let flat = Planes::new(SIDE, SIDE, 1, vec![0.5; SIDE * SIDE]).unwrap();
     for picture in [&other, &flat] {
-        let error = Registration::find(&raw, picture, 1.0).unwrap_err();
-        assert!(matches!(error, RegistrationError::NoMatch { .. }), "{error}");
+        let error = Registration::best(&raw, picture, &[1.0]).unwrap_err();
+        assert!(matches!(error, RegistrationError::NoMatch(_)), "{error}");
     }
     let small = Planes::new(8, 80, 1, vec![0.5; 640]).unwrap();
-    let error = Registration::find(&raw, &small, 1.0).unwrap_err();
-    assert_eq!(error, RegistrationError::TooSmall { rows: 8, cols: 80, least: MIN_SIDE });
+    let error = Registration::best(&raw, &small, &[1.0]).unwrap_err();
+    assert_eq!(error, RegistrationError::TooSmall { rows: 8, cols: 80 });
     for scale in [0.0, -1.0, f64::NAN, 1e9] {
-        assert!(matches!(Registration::find(&raw, &other, scale), Err(RegistrationError::Scale { .. })));
+        assert!(matches!(Registration::best(&raw, &other, &[scale]), Err(RegistrationError::Scale(_))));
     }
 }
 
@@ -163,7 +163,7 @@ fn learning_from_an_aligned_pair_is_as_from_the_exact_one() {
     let raw = scene.raw(SIDE, &bayer(), 0.02, 7);
     let exact = scene.picture(SIDE, SIDE, [0.0; 2], 1.0);
     let shifted = scene.picture(SIDE, SIDE, [1.6, -2.3], 1.0);
-    let found = Registration::find(&raw, &luminance(&shifted), 1.0).unwrap();
+    let found = Registration::best(&raw, &luminance(&shifted), &[1.0]).unwrap();
     let aligned = found.apply(&raw, &shifted).unwrap();
     assert_eq!((aligned.row % 2, aligned.col % 2), (0, 0));
     assert_eq!((aligned.raw.rows(), aligned.raw.cols()), (aligned.target.rows(), aligned.target.cols()));

@@ -200,14 +200,14 @@ fn a_bad_edge_says_why() {
         fails(&edge(60, 80, 0.5f64.atan().to_degrees(), 0.7)),
         MetricError::EdgeSampling { .. }
     ));
-    assert!(matches!(fails(&Planes::zeros(60, 60, 1)), MetricError::NoEdge { .. }));
+    assert!(matches!(fails(&Planes::zeros(60, 60, 1)), MetricError::NoEdge(_)));
     let mut flat = Stream::new(3, 0, 0);
     let noise = (0..3600).map(|_| 0.5 + 0.01 * normal(&mut flat) as f32).collect();
     let noise = fails(&Planes::new(60, 60, 1, noise).unwrap());
     eprintln!("{noise}");
     assert!(matches!(
         noise,
-        MetricError::NoEdge { .. } | MetricError::LowContrast { .. } | MetricError::EdgeAngle { .. }
+        MetricError::NoEdge(_) | MetricError::LowContrast { .. } | MetricError::EdgeAngle { .. }
     ));
     let faint = edge(80, 60, 5.0, 0.7).data().iter().map(|v| 10.0 + v).collect();
     assert!(matches!(fails(&Planes::new(80, 60, 1, faint).unwrap()), MetricError::LowContrast { .. }));

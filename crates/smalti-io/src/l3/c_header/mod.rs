@@ -71,7 +71,7 @@ fn first_clipped(pipeline: &Pipeline) -> Result<u32, L3Error> {
     let Ok(mosaic) = mosaic else { return Err(L3Error::NoMosaic) };
     let (black, white) = (pipeline.black_level(), pipeline.white_level());
     let raw = RawImage::new(256, 256, samples, Sampling::Mosaic(mosaic), names, black, white)
-        .map_err(|e| L3Error::Table { reason: e.to_string() })?;
+        .map_err(|e| L3Error::Table(e.to_string()))?;
     let clip = pipeline.axes().clip() as f32;
     Ok(raw.normalized().partition_point(|&v| v < clip) as u32)
 }

@@ -85,20 +85,10 @@ pub fn delta_e_map(
 
 /// Checks that two images can be compared.
 pub(super) fn check_pair(reference: &Image, test: &Image) -> Result<(), ImageError> {
-    for image in [reference, test] {
-        if image.space() != ColorSpace::Xyz {
-            return Err(ImageError::Space { expected: ColorSpace::Xyz, got: image.space() });
-        }
-    }
-    if (reference.rows(), reference.cols()) != (test.rows(), test.cols()) {
-        return Err(ImageError::Size {
-            left_rows: reference.rows(),
-            left_cols: reference.cols(),
-            right_rows: test.rows(),
-            right_cols: test.cols(),
-        });
-    }
-    Ok(())
+    reference.check_space(ColorSpace::Xyz)?;
+    test.check_space(ColorSpace::Xyz)?;
+    let (left, right) = ((reference.rows(), reference.cols()), (test.rows(), test.cols()));
+    if left == right { Ok(()) } else { Err(ImageError::Size { left, right }) }
 }
 
 /// The planes of an image.

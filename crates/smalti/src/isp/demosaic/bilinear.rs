@@ -7,7 +7,8 @@ use super::super::source::Source;
 use super::bayer::Bayer;
 use super::delaunay;
 use super::plan::{BAND_ROWS, Border, Plan, Tap, bands};
-use super::simd::{BayerLines, Simd, bayer_row};
+use super::simd::{BayerLines, BayerRow};
+use crate::numeric::simd::dispatch;
 use crate::numeric::{Planes, ShapeError};
 use crate::sensor::{Mosaic, RawImage, Sampling};
 
@@ -31,7 +32,7 @@ use crate::sensor::{Mosaic, RawImage, Sampling};
 pub struct Bilinear {
     mosaic: Mosaic,
     bayer: Option<Bayer>,
-    plan: Plan,
+    pub(super) plan: Plan,
 }
 
 impl Bilinear {
@@ -74,7 +75,7 @@ impl Bilinear {
             let got = out.data().len();
             return Err(ShapeError { count: self.mosaic.channels(), rows, cols, expected, got }.into());
         }
-        self.plan.apply(Source::of(raw), Simd::best(), out.data_mut())
+        self.plan.apply(Source::of(raw), out.data_mut())
     }
 
     /// Writes 16-bit planes of `rows` × `cols` samples to `out`, in the order of the channels. Values are rounded to the nearest
@@ -90,17 +91,6 @@ impl Bilinear {
         cols: usize,
         out: &mut [u16],
     ) -> Result<(), IspError> {
-        self.apply_u16_with(Simd::best(), samples, rows, cols, out)
-    }
-
-    pub(super) fn apply_u16_with(
-        &self,
-        simd: Simd,
-        samples: &[u16],
-        rows: usize,
-        cols: usize,
-        out: &mut [u16],
-    ) -> Result<(), IspError> {
         let expected = rows.saturating_mul(cols);
         let count = self.mosaic.channels();
         for (count, got) in [(1, samples.len()), (count, out.len())] {
@@ -110,23 +100,15 @@ impl Bilinear {
             }
         }
         match self.bayer {
-            Some(bayer) if rows >= 2 && cols >= 2 => bayer_u16(simd, bayer, samples, rows, cols, out),
-            _ => self.plan.apply(Source::digital(samples, rows, cols), simd, out)?,
+            Some(bayer) if rows >= 2 && cols >= 2 => bayer_u16(bayer, samples, rows, cols, out),
+            _ => self.plan.apply(Source::digital(samples, rows, cols), out)?,
         }
         Ok(())
-    }
-
-    pub(super) fn plan(&self) -> &Plan {
-        &self.plan
-    }
-
-    pub(super) fn into_plan(self) -> Plan {
-        self.plan
     }
 }
 
 /// The integer version for Bayer mosaics; the caller has checked the sizes.
-fn bayer_u16(simd: Simd, bayer: Bayer, samples: &[u16], rows: usize, cols: usize, out: &mut [u16]) {
+fn bayer_u16(bayer: Bayer, samples: &[u16], rows: usize, cols: usize, out: &mut [u16]) {
     bands(out, rows, cols).into_par_iter().enumerate().for_each(|(i, mut band)| {
         let line = |row: usize| &samples[row * cols..(row + 1) * cols];
         let height = band.first().map_or(0, |b| b.len() / cols);
@@ -142,7 +124,7 @@ fn bayer_u16(simd: Simd, bayer: Bayer, samples: &[u16], rows: usize, cols: usize
             let other = 3 - green - own;
             let Ok([g, own, other]) = planes.get_disjoint_mut([green, own, other]) else { continue };
             let lines = BayerLines { above, here: line(row), below, green_first: bayer.is_green(row, 0) };
-            bayer_row(simd, lines, g, own, other);
+            dispatch(BayerRow { lines, green: g, own, other });
             for col in [0, cols - 1] {
                 (g[col], own[col], other[col]) = border_pixel(&lines, col, row == 0 || row + 1 == rows);
             }

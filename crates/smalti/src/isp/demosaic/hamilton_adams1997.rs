@@ -8,7 +8,6 @@ use super::super::source::Source;
 use super::bayer::Bayer;
 use super::bilinear::Bilinear;
 use super::plan::BAND_ROWS;
-use super::simd::Simd;
 use crate::numeric::mirror::about_outermost;
 use crate::sensor::Mosaic;
 
@@ -17,12 +16,7 @@ pub(super) const REACH: usize = 3;
 
 /// Writes one plane per channel of a Bayer mosaic to `out`. At the border, the image is mirrored for green, and differences are
 /// averaged over the available pixels.
-pub(super) fn apply(
-    mosaic: &Mosaic,
-    source: Source<'_>,
-    simd: Simd,
-    out: &mut [f32],
-) -> Result<(), IspError> {
+pub(super) fn apply(mosaic: &Mosaic, source: Source<'_>, out: &mut [f32]) -> Result<(), IspError> {
     let bayer = Bayer::required(mosaic, "hamilton-adams1997")?;
     let (rows, cols) = (source.rows(), source.cols());
     let mut green = vec![0.0f32; rows * cols];
@@ -35,7 +29,7 @@ pub(super) fn apply(
     }
     // Colour differences vary more slowly than the channels, because most edges are edges of luminance.
     let differences: Vec<f32> = own.iter().zip(&green).map(|(v, g)| v - g).collect();
-    Bilinear::new(mosaic)?.plan().apply(Source::normalized(&differences, rows, cols), simd, out)?;
+    Bilinear::new(mosaic)?.plan.apply(Source::normalized(&differences, rows, cols), out)?;
     for (channel, plane) in out.chunks_mut(rows * cols).enumerate() {
         if channel == bayer.green {
             plane.copy_from_slice(&green);

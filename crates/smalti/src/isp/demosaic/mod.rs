@@ -15,8 +15,7 @@ use super::source::Source;
 use crate::numeric::Planes;
 use crate::sensor::{Mosaic, RawImage, Sampling};
 pub use bilinear::Bilinear;
-pub(crate) use plan::{BAND_ROWS, bands};
-use simd::Simd;
+pub(crate) use plan::{BAND_ROWS, Plan, bands};
 
 /// A demosaicking method.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
@@ -65,7 +64,20 @@ impl Demosaic {
     /// [`IspError::UnsupportedCfa`] when the method is not defined for the mosaic; [`IspError::ChannelNotSeen`] when the image is
     /// so small that it has no sample of a channel; [`IspError::SparseChannel`] when samples of a channel are too far apart.
     pub fn apply(self, raw: &RawImage) -> Result<Planes, IspError> {
-        self.apply_with(Simd::best(), raw)
+        let mosaic = match raw.sampling() {
+            Sampling::Full { channels } => {
+                return Ok(Planes::new(raw.rows(), raw.cols(), *channels, raw.normalized())?);
+            }
+            Sampling::Mosaic(m) => m,
+        };
+        let mut out = Planes::zeros(raw.rows(), raw.cols(), mosaic.channels());
+        let (source, planes) = (Source::of(raw), out.data_mut());
+        match self {
+            Self::Bilinear => Bilinear::new(mosaic)?.plan.apply(source, planes)?,
+            Self::Malvar2004 => malvar2004::plan(mosaic)?.apply(source, planes)?,
+            Self::HamiltonAdams1997 => hamilton_adams1997::apply(mosaic, source, planes)?,
+        }
+        Ok(out)
     }
 
     /// The reach of the method: a pixel depends on samples at most that many rows or columns away.
@@ -77,52 +89,12 @@ impl Demosaic {
     }
 
     /// The weights of the method for a mosaic; `None` when the method is not linear.
-    pub(crate) fn interpolation(self, mosaic: &Mosaic) -> Result<Option<Interpolation>, IspError> {
+    pub(crate) fn interpolation(self, mosaic: &Mosaic) -> Result<Option<Plan>, IspError> {
         Ok(match self {
-            Self::Bilinear => Some(Interpolation(Bilinear::new(mosaic)?.into_plan())),
-            Self::Malvar2004 => Some(Interpolation(malvar2004::plan(mosaic)?)),
+            Self::Bilinear => Some(Bilinear::new(mosaic)?.plan),
+            Self::Malvar2004 => Some(malvar2004::plan(mosaic)?),
             Self::HamiltonAdams1997 => None,
         })
-    }
-
-    fn apply_with(self, simd: Simd, raw: &RawImage) -> Result<Planes, IspError> {
-        let mosaic = match raw.sampling() {
-            Sampling::Full { channels } => {
-                return Ok(Planes::new(raw.rows(), raw.cols(), *channels, raw.normalized())?);
-            }
-            Sampling::Mosaic(m) => m,
-        };
-        let mut out = Planes::zeros(raw.rows(), raw.cols(), mosaic.channels());
-        let (source, planes) = (Source::of(raw), out.data_mut());
-        match self {
-            Self::Bilinear => Bilinear::new(mosaic)?.plan().apply(source, simd, planes)?,
-            Self::Malvar2004 => malvar2004::plan(mosaic)?.apply(source, simd, planes)?,
-            Self::HamiltonAdams1997 => hamilton_adams1997::apply(mosaic, source, simd, planes)?,
-        }
-        Ok(out)
-    }
-}
-
-/// The weights of a linear demosaicking method for one mosaic.
-#[derive(Debug, Clone)]
-pub(crate) struct Interpolation(plan::Plan);
-
-impl Interpolation {
-    /// The reach of the weights, in rows or columns, whichever is larger.
-    pub(crate) fn reach(&self) -> usize {
-        self.0.reach()
-    }
-
-    /// Calls `each` with the offset (rows, columns) and the weight of every sample that contributes to a channel at a pixel of the
-    /// tile.
-    pub(crate) fn each_weight(
-        &self,
-        row: usize,
-        col: usize,
-        channel: usize,
-        mut each: impl FnMut([i32; 2], f32),
-    ) {
-        self.0.taps(row, col, channel).iter().for_each(|t| each([t.row, t.col], t.weight));
     }
 }
 
@@ -130,6 +102,7 @@ impl Interpolation {
 mod tests {
     use super::*;
     use crate::numeric::philox::Stream;
+    use crate::numeric::simd::{Set, with_widest};
     use crate::sensor::RawSamples;
 
     fn raw(mosaic: &Mosaic, rows: usize, cols: usize) -> RawImage {
@@ -169,17 +142,18 @@ mod tests {
         {
             let raw = raw(mosaic, rows, cols);
             let plan = Bilinear::new(mosaic).unwrap();
-            let one_by_one = plan.plan().pixel_by_pixel(Source::of(&raw));
+            let one_by_one = plan.plan.pixel_by_pixel(Source::of(&raw));
             let RawSamples::Digital(samples) = raw.samples() else { unreachable!() };
-            let integers = |simd| {
+            let integers = || {
                 let mut out = vec![0; one_by_one.len()];
-                plan.apply_u16_with(simd, samples, rows, cols, &mut out).unwrap();
+                plan.apply_u16(samples, rows, cols, &mut out).unwrap();
                 out
             };
-            for simd in Simd::all() {
-                let planes = Demosaic::Bilinear.apply_with(simd, &raw).unwrap();
-                assert_eq!(planes.data(), one_by_one, "{simd:?} {mosaic:?} {rows} × {cols}");
-                assert_eq!(integers(simd), integers(Simd::all()[0]), "{simd:?} {mosaic:?}");
+            let plain = with_widest(Set::Plain, integers);
+            for set in [Set::Plain, Set::Avx2, Set::Avx512] {
+                let planes = with_widest(set, || Demosaic::Bilinear.apply(&raw)).unwrap();
+                assert_eq!(planes.data(), one_by_one, "{set:?} {mosaic:?} {rows} × {cols}");
+                assert_eq!(with_widest(set, integers), plain, "{set:?} {mosaic:?}");
             }
         }
     }

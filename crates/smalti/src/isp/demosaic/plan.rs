@@ -9,9 +9,10 @@ use rayon::prelude::*;
 
 use super::super::IspError;
 use super::super::source::Source;
-use super::simd::{LANES, LaneTap, Sample, Simd};
+use super::simd::{LANES, LaneTap, Sample, WeightedRow};
 use crate::numeric::ShapeError;
 use crate::numeric::mirror::about_outermost;
+use crate::numeric::simd::dispatch;
 use crate::sensor::Mosaic;
 
 /// Rows per task, fixed so that results do not depend on the number of threads.
@@ -21,10 +22,10 @@ const MAX_VECTORS: usize = 1 << 15;
 
 /// A weighted sample, by its offset from the interpolated pixel.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Tap {
-    pub(super) row: i32,
-    pub(super) col: i32,
-    pub(super) weight: f32,
+pub(crate) struct Tap {
+    pub(crate) row: i32,
+    pub(crate) col: i32,
+    pub(crate) weight: f32,
 }
 
 /// The treatment of samples beyond the border of the image.
@@ -39,7 +40,7 @@ pub(super) enum Border {
 
 /// The weights of a linear demosaicking method for one mosaic.
 #[derive(Debug, Clone)]
-pub(super) struct Plan {
+pub(crate) struct Plan {
     mosaic: Mosaic,
     border: Border,
     /// Taps by cell, then channel, in row order of the samples.
@@ -71,23 +72,18 @@ impl Plan {
     }
 
     /// The reach of the taps, in rows or columns, whichever is larger.
-    pub(super) fn reach(&self) -> usize {
+    pub(crate) fn reach(&self) -> usize {
         self.reach_rows.max(self.reach_cols)
     }
 
     /// The taps of a channel at a pixel of the tile.
-    pub(super) fn taps(&self, row: usize, col: usize, channel: usize) -> &[Tap] {
+    pub(crate) fn taps(&self, row: usize, col: usize, channel: usize) -> &[Tap] {
         let cell = (row % self.mosaic.rows()) * self.mosaic.cols() + col % self.mosaic.cols();
         &self.taps[cell * self.mosaic.channels() + channel]
     }
 
     /// Writes one plane per channel to `out`, one after another.
-    pub(super) fn apply<T: Sample>(
-        &self,
-        source: Source<'_>,
-        simd: Simd,
-        out: &mut [T],
-    ) -> Result<(), IspError> {
+    pub(super) fn apply<T: Sample>(&self, source: Source<'_>, out: &mut [T]) -> Result<(), IspError> {
         let (rows, cols, count) = (source.rows(), source.cols(), self.mosaic.channels());
         let expected = rows.saturating_mul(cols).saturating_mul(count);
         if out.len() != expected {
@@ -101,7 +97,7 @@ impl Plan {
             |buffer, (i, mut band)| {
                 let first = i * BAND_ROWS;
                 match (&layout, &vectors) {
-                    (Some(l), Some(v)) => self.vector_band(source, simd, l, v, first, &mut band, buffer),
+                    (Some(l), Some(v)) => self.vector_band(source, l, v, first, &mut band, buffer),
                     _ => self.pixel_band(source, first, &mut band),
                 }
             },
@@ -184,7 +180,6 @@ impl Plan {
     fn vector_band<T: Sample>(
         &self,
         source: Source<'_>,
-        simd: Simd,
         layout: &Layout,
         vectors: &[RowVectors],
         first: usize,
@@ -208,7 +203,8 @@ impl Plan {
                 let out = &mut plane[i * cols..(i + 1) * cols];
                 let edges = if inside {
                     let v = &vectors[(row % self.mosaic.rows()) * channels + channel];
-                    T::weighted_row(simd, &v.taps, &v.spans, &buffer[i * layout.stride..], out);
+                    let window = &buffer[i * layout.stride..];
+                    dispatch(WeightedRow { taps: &v.taps, spans: &v.spans, window, out });
                     (0..side).chain(cols - side..cols)
                 } else {
                     (0..cols).chain(0..0)

@@ -1,80 +1,12 @@
-//! The inner loops of demosaicking, compiled for each instruction set and chosen at run time.
+//! The inner loops of demosaicking.
 //!
 //! Each loop is written once on arrays of lanes. Products and sums are rounded separately everywhere, so that every
 //! instruction set gives the same bits.
 
+use crate::numeric::simd::Kernel;
+
 /// Lanes per vector: one AVX-512 register of `f32`, or two of AVX2.
 pub(super) const LANES: usize = 16;
-
-/// An instruction set of this machine. Only [`Simd::all`] constructs one.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Simd(Set);
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Set {
-    Portable,
-    #[cfg(target_arch = "x86_64")]
-    Avx2,
-    #[cfg(target_arch = "x86_64")]
-    Avx512,
-}
-
-impl Simd {
-    /// The instruction sets of this machine, the widest last.
-    pub(super) fn all() -> Vec<Self> {
-        let mut sets = vec![Self(Set::Portable)];
-        #[cfg(target_arch = "x86_64")]
-        {
-            if is_x86_feature_detected!("avx2") {
-                sets.push(Self(Set::Avx2));
-            }
-            if is_x86_feature_detected!("avx512f")
-                && is_x86_feature_detected!("avx512bw")
-                && is_x86_feature_detected!("avx512vl")
-            {
-                sets.push(Self(Set::Avx512));
-            }
-        }
-        sets
-    }
-
-    /// The widest instruction set.
-    pub(super) fn best() -> Self {
-        Self::all().pop().unwrap_or(Self(Set::Portable))
-    }
-}
-
-/// `$name(simd, args…)` runs `$body(args…)`, compiled for the instruction set.
-macro_rules! dispatched {
-    ($(#[$doc:meta])* $name:ident => $body:ident($($arg:ident: $type:ty),* $(,)?)) => {
-        $(#[$doc])*
-        pub(super) fn $name(simd: Simd, $($arg: $type),*) {
-            #[cfg(target_arch = "x86_64")]
-            {
-                #[target_feature(enable = "avx2")]
-                fn avx2($($arg: $type),*) {
-                    $body($($arg),*);
-                }
-                #[target_feature(enable = "avx512f,avx512bw,avx512vl")]
-                fn avx512($($arg: $type),*) {
-                    $body($($arg),*);
-                }
-                match simd.0 {
-                    Set::Portable => $body($($arg),*),
-                    // SAFETY: a `Simd` of this kind exists only where the processor was found to have it.
-                    Set::Avx2 => unsafe { avx2($($arg),*) },
-                    // SAFETY: as above.
-                    Set::Avx512 => unsafe { avx512($($arg),*) },
-                }
-            }
-            #[cfg(not(target_arch = "x86_64"))]
-            {
-                let _ = simd;
-                $body($($arg),*);
-            }
-        }
-    };
-}
 
 /// One sample of a vector of pixels: its position and its weight in each lane.
 #[derive(Debug, Clone)]
@@ -87,24 +19,12 @@ pub(super) struct LaneTap {
 /// An output sample of a plan.
 pub(super) trait Sample: Copy + Default + Send + Sync {
     fn from_f32(value: f32) -> Self;
-    /// [`weighted_row_f32`] or its equivalent for the type.
-    fn weighted_row(simd: Simd, taps: &[LaneTap], spans: &[(usize, usize)], window: &[f32], out: &mut [Self]);
 }
 
 impl Sample for f32 {
     #[inline(always)]
     fn from_f32(value: f32) -> Self {
         value
-    }
-
-    fn weighted_row(
-        simd: Simd,
-        taps: &[LaneTap],
-        spans: &[(usize, usize)],
-        window: &[f32],
-        out: &mut [Self],
-    ) {
-        weighted_row_f32(simd, taps, spans, window, out);
     }
 }
 
@@ -115,45 +35,38 @@ impl Sample for u16 {
     fn from_f32(value: f32) -> Self {
         (value + 8_388_608.0).to_bits() as u16
     }
-
-    fn weighted_row(
-        simd: Simd,
-        taps: &[LaneTap],
-        spans: &[(usize, usize)],
-        window: &[f32],
-        out: &mut [Self],
-    ) {
-        weighted_row_u16(simd, taps, spans, window, out);
-    }
 }
 
-dispatched! {
-    /// One row of one channel: `out[x] = Σ weight · window[x + offset]`, where the taps of the vector at `x` are
-    /// `spans[(x / LANES) % spans.len()]`. `window` reaches a vector beyond the last offset of the row.
-    weighted_row_f32 => weighted_row_body(taps: &[LaneTap], spans: &[(usize, usize)], window: &[f32], out: &mut [f32])
-}
-
-dispatched! {
-    /// As [`weighted_row_f32`], rounded.
-    weighted_row_u16 => weighted_row_body(taps: &[LaneTap], spans: &[(usize, usize)], window: &[f32], out: &mut [u16])
+/// One row of one channel: `out[x] = Σ weight · window[x + offset]`, where the taps of the vector at `x` are
+/// `spans[(x / LANES) % spans.len()]`. `window` reaches a vector beyond the last offset of the row.
+pub(super) struct WeightedRow<'a, T> {
+    pub(super) taps: &'a [LaneTap],
+    pub(super) spans: &'a [(usize, usize)],
+    pub(super) window: &'a [f32],
+    pub(super) out: &'a mut [T],
 }
 
 /// Vectors that share one load of the weights.
 const BLOCK: usize = 8;
 
-#[inline(always)]
-fn weighted_row_body<T: Sample>(taps: &[LaneTap], spans: &[(usize, usize)], window: &[f32], out: &mut [T]) {
-    let step = spans.len() * LANES;
-    for (vector, &(from, to)) in spans.iter().enumerate() {
-        let taps = taps.get(from..to).unwrap_or(&[]);
-        let mut at = vector * LANES;
-        while at + (BLOCK - 1) * step + LANES <= out.len() {
-            weighted_block::<T, BLOCK>(taps, step, &window[at..], &mut out[at..]);
-            at += BLOCK * step;
-        }
-        while at < out.len() {
-            weighted_block::<T, 1>(taps, step, &window[at..], &mut out[at..]);
-            at += step;
+impl<T: Sample> Kernel for WeightedRow<'_, T> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { taps, spans, window, out } = self;
+        let step = spans.len() * LANES;
+        for (vector, &(from, to)) in spans.iter().enumerate() {
+            let taps = taps.get(from..to).unwrap_or(&[]);
+            let mut at = vector * LANES;
+            while at + (BLOCK - 1) * step + LANES <= out.len() {
+                weighted_block::<T, BLOCK>(taps, step, &window[at..], &mut out[at..]);
+                at += BLOCK * step;
+            }
+            while at < out.len() {
+                weighted_block::<T, 1>(taps, step, &window[at..], &mut out[at..]);
+                at += step;
+            }
         }
     }
 }
@@ -206,27 +119,35 @@ pub(super) struct BayerLines<'a> {
     pub(super) green_first: bool,
 }
 
-dispatched! {
-    /// Bilinear interpolation of the middle row: green, the other channel of the row, and the channel that the row lacks. The
-    /// first and last pixels are not written.
-    bayer_row => bayer_row_body(lines: BayerLines<'_>, green: &mut [u16], own: &mut [u16], other: &mut [u16])
+/// Bilinear interpolation of the middle row: green, the other channel of the row, and the channel that the row lacks. The
+/// first and last pixels are not written.
+pub(super) struct BayerRow<'a> {
+    pub(super) lines: BayerLines<'a>,
+    pub(super) green: &'a mut [u16],
+    pub(super) own: &'a mut [u16],
+    pub(super) other: &'a mut [u16],
 }
 
 /// Pixels per vector: 32 of 16 bits fill an AVX-512 register.
 const WIDE: usize = 2 * LANES;
 
-#[inline(always)]
-fn bayer_row_body(lines: BayerLines<'_>, green: &mut [u16], own: &mut [u16], other: &mut [u16]) {
-    let n = lines.here.len();
-    // The first pixel has no left neighbour, so vectors start at odd columns.
-    let mut col = 1;
-    while col + WIDE < n {
-        bayer_vector::<WIDE>(&lines, col, green, own, other);
-        col += WIDE;
-    }
-    while col + 1 < n {
-        bayer_vector::<1>(&lines, col, green, own, other);
-        col += 1;
+impl Kernel for BayerRow<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { lines, green, own, other } = self;
+        let n = lines.here.len();
+        // The first pixel has no left neighbour, so vectors start at odd columns.
+        let mut col = 1;
+        while col + WIDE < n {
+            bayer_vector::<WIDE>(&lines, col, green, own, other);
+            col += WIDE;
+        }
+        while col + 1 < n {
+            bayer_vector::<1>(&lines, col, green, own, other);
+            col += 1;
+        }
     }
 }
 

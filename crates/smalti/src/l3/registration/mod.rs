@@ -36,31 +36,22 @@ pub enum RegistrationError {
     #[error(transparent)]
     Raw(#[from] RawError),
     /// One of the images is too small.
-    #[error("{rows} × {cols} pixels are too few to align by; at least {least} × {least} are needed")]
+    #[error("{rows} × {cols} pixels are too few to align by; at least {least} × {least} are needed", least = MIN_SIDE)]
     TooSmall {
         /// Rows.
         rows: usize,
         /// Columns.
         cols: usize,
-        /// Pixels needed along each side.
-        least: usize,
     },
-    /// The scale is out of range.
-    #[error("a pixel of the image spans {value} pixels of the raw image; expected 0.25 to 8")]
-    Scale {
-        /// Pixels of the raw image per pixel of the picture.
-        value: f64,
-    },
-    /// The image does not match the raw image at any position.
+    /// The scale, pixels of the raw image per pixel of the picture, is out of range.
+    #[error("a pixel of the image spans {0} pixels of the raw image; expected 0.25 to 8")]
+    Scale(f64),
+    /// The image does not match the raw image at any position: the best correlation found.
     #[error(
-        "the image does not match the raw image: their correlation is {correlation:.2}, expected at least {least}"
+        "the image does not match the raw image: their correlation is {0:.2}, expected at least {least}",
+        least = MIN_CORRELATION
     )]
-    NoMatch {
-        /// The best correlation found.
-        correlation: f64,
-        /// The minimum correlation of a match.
-        least: f64,
-    },
+    NoMatch(f64),
 }
 
 /// Minimum side of an image, pixels.
@@ -116,30 +107,20 @@ impl Aligned {
 
 impl Registration {
     /// Registers an image with the raw image of the same shot. `luminance` is one plane in linear light; each
-    /// of its pixels spans `scale` pixels of the raw image. The scale follows from the sizes, or from a
-    /// search ([`Registration::best`]).
+    /// of its pixels spans as many pixels of the raw image as the best of `scales`.
     ///
     /// # Errors
-    /// When an image is too small, the scale is out of range, the raw image cannot be interpolated, or no
-    /// position matches.
-    pub fn find(raw: &RawImage, luminance: &Planes, scale: f64) -> Result<Self, RegistrationError> {
-        Self::best(raw, luminance, &[scale])
-    }
-
-    /// Like [`Registration::find`], with the best of several scales.
-    ///
-    /// # Errors
-    /// As for [`Registration::find`], when none of the scales succeeds.
+    /// When an image is too small, the raw image cannot be interpolated, or all scales are out of range or
+    /// match at no position.
     pub fn best(raw: &RawImage, luminance: &Planes, scales: &[f64]) -> Result<Self, RegistrationError> {
         let fixed = Plane::new(raw.rows(), raw.cols(), raw_luminance(raw)?);
         let moving = Plane::new(luminance.rows(), luminance.cols(), even_noise(luminance.plane(0)));
         for p in [&fixed, &moving] {
             if p.rows.min(p.cols) < MIN_SIDE {
-                return Err(RegistrationError::TooSmall { rows: p.rows, cols: p.cols, least: MIN_SIDE });
+                return Err(RegistrationError::TooSmall { rows: p.rows, cols: p.cols });
             }
         }
-        let mut best: Result<Self, RegistrationError> =
-            Err(RegistrationError::NoMatch { correlation: 0.0, least: MIN_CORRELATION });
+        let mut best: Result<Self, RegistrationError> = Err(RegistrationError::NoMatch(0.0));
         for &scale in scales {
             let found = at_scale(&fixed, &moving, scale);
             let better = match (&found, &best) {
@@ -186,7 +167,7 @@ impl Registration {
         let (row, height) = rows.covered(raw.rows(), tile.0);
         let (col, width) = cols.covered(raw.cols(), tile.1);
         if height.min(width) < MIN_SIDE {
-            return Err(RegistrationError::TooSmall { rows: height, cols: width, least: MIN_SIDE });
+            return Err(RegistrationError::TooSmall { rows: height, cols: width });
         }
         let planes: Vec<f32> = target
             .planes()
@@ -236,7 +217,7 @@ fn even_noise(values: &[f32]) -> Vec<f32> {
 
 fn at_scale(fixed: &Plane, moving: &Plane, scale: f64) -> Result<Registration, RegistrationError> {
     if !(0.25..=8.0).contains(&scale) {
-        return Err(RegistrationError::Scale { value: scale });
+        return Err(RegistrationError::Scale(scale));
     }
     let mut shift = correlate::coarse(fixed, moving, scale);
     // A shift of a patch relative to its window is slightly underestimated; the iteration finds the
@@ -249,7 +230,7 @@ fn at_scale(fixed: &Plane, moving: &Plane, scale: f64) -> Result<Registration, R
     let placed = placed(moving, shift, scale, fixed);
     let correlation = correlate::pearson(fixed, &placed);
     if correlation < MIN_CORRELATION {
-        return Err(RegistrationError::NoMatch { correlation, least: MIN_CORRELATION });
+        return Err(RegistrationError::NoMatch(correlation));
     }
     let last = correlate::patches(fixed, &placed);
     Ok(Registration {

@@ -8,7 +8,7 @@ use super::super::{L3Error, MAX_SIDE, Pipeline};
 use super::fixed::{Entry, FixedKernels};
 use super::index::{Index, OutsideCounts};
 use super::portable::PIXELS;
-use super::simd::{Rendering, Simd};
+use super::simd::Rendering;
 use super::table::{Place, Run, Table};
 use crate::isp::demosaic::{BAND_ROWS, bands};
 use crate::isp::source::Source;
@@ -22,11 +22,10 @@ const STRIP: usize = 512;
 /// A pipeline with everything precomputed that does not depend on the image.
 #[derive(Debug, Clone)]
 pub(super) struct Engine<'a, S: Rendering> {
-    pipeline: &'a Pipeline,
+    pub(super) pipeline: &'a Pipeline,
     classifier: Classifier,
     index: Index,
     table: Table<S>,
-    pub(super) simd: Simd,
 }
 
 /// Memory that a thread reuses.
@@ -54,9 +53,8 @@ impl<'a> Engine<'a, i16> {
         let (table, places) = Table::new(&kernels.weights, offsets, side, outputs, kernels.scale);
         let entry = |(&place, &shift)| Entry::new(place, shift).map(|entry| entry.0);
         let entries = places.iter().zip(&kernels.shifts).map(entry).collect::<Option<_>>();
-        let reason = || "too many kernels for fixed point".into();
-        let entries = entries.ok_or_else(|| L3Error::Table { reason: reason() })?;
-        Ok(Self::new(pipeline, table, entries))
+        let too_many = || L3Error::Table("too many kernels for fixed point".into());
+        Ok(Self::new(pipeline, table, entries.ok_or_else(too_many)?))
     }
 }
 
@@ -72,12 +70,7 @@ impl<'a, S: Rendering> Engine<'a, S> {
             classifier: Classifier::new(pipeline.axes()),
             index: Index::new(pipeline, kernels),
             table,
-            simd: Simd::best(),
         }
-    }
-
-    pub(super) fn pipeline(&self) -> &'a Pipeline {
-        self.pipeline
     }
 
     /// Renders an image into planes; the caller has checked both. `phase` is the position of the first pixel
@@ -134,9 +127,9 @@ impl<'a, S: Rendering> Engine<'a, S> {
                     let from = samples.margin[1] - half + first;
                     *line = &samples.line((row + r) as isize - half as isize)[from..];
                 }
-                S::interleave(self.simd, &lines[..side], kernels.len() + 2 * half, patches);
+                S::interleave(&lines[..side], kernels.len() + 2 * half, patches);
                 let run = Run { table: &self.table, patches, kernels, at: row * cols + first, count };
-                S::products(self.simd, &run, planes);
+                S::products(&run, planes);
             }
         }
         outside

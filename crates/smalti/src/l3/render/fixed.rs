@@ -40,7 +40,7 @@ pub struct FixedKernels {
 
 impl FixedKernels {
     pub(super) fn new(pipeline: &Pipeline, black: f64, white: f64) -> Result<Self, L3Error> {
-        let wrong = |reason: String| L3Error::Table { reason };
+        let wrong = |reason: String| L3Error::Table(reason);
         if !(black.is_finite() && white.is_finite() && white > black) {
             return Err(wrong(format!("white level {white} must lie above black level {black}")));
         }

@@ -48,7 +48,8 @@ pub(super) struct Index {
     tile: [usize; 2],
     /// Classes per combination of clipped channels at a position.
     per_saturation: usize,
-    saturations: Saturations,
+    /// The index on the saturation axis of every combination of clipped channels, if there are few channels.
+    listed: Vec<u32>,
 }
 
 #[derive(Debug, Clone, Default)]
@@ -56,14 +57,6 @@ struct Columns {
     base: Vec<u32>,
     least: Vec<f32>,
     most: Vec<f32>,
-}
-
-/// Indices on the saturation axis.
-#[derive(Debug, Clone)]
-struct Saturations {
-    /// The index of every combination of clipped channels, if there are few channels.
-    listed: Vec<u32>,
-    axis: Vec<u32>,
 }
 
 impl Index {
@@ -95,10 +88,7 @@ impl Index {
             run,
             tile,
             per_saturation: axes.level_count() * axes.textures().count(),
-            saturations: Saturations {
-                listed: (0..listed).map(|mask| pipeline.saturation_place(mask) as u32).collect(),
-                axis: pipeline.saturations().to_vec(),
-            },
+            listed: (0..listed).map(|mask| pipeline.saturation_place(mask) as u32).collect(),
         }
     }
 
@@ -135,9 +125,9 @@ impl Index {
             // Neighbouring pixels mostly have the same clipped channels.
             if mask != last {
                 last = mask;
-                let listed = self.saturations.listed.get(mask as usize);
+                let listed = self.listed.get(mask as usize);
                 place = listed.map_or_else(|| pipeline.saturation_place(mask) as u32, |&place| place);
-                known = self.saturations.axis.get(place as usize) == Some(&mask);
+                known = pipeline.saturations().get(place as usize) == Some(&mask);
             }
             *class += place * self.per_saturation as u32;
             missing += u64::from(!known);

@@ -52,19 +52,7 @@ impl Renderer<'_> {
     /// # Errors
     /// When its mosaic, size or levels do not match the pipeline.
     pub fn render(&self, raw: &RawImage) -> Result<Rendered, L3Error> {
-        rendered(self.0.pipeline(), raw, |planes| self.render_into(raw, planes))
-    }
-
-    fn picture(&self, raw: &RawImage) -> Result<Image, IspError> {
-        let learned = |error: L3Error| match error {
-            L3Error::Isp(error) => error,
-            other => IspError::Learned { reason: other.to_string() },
-        };
-        let outputs = self.0.pipeline().outputs().len();
-        if outputs != 3 {
-            return Err(learned(L3Error::NotAPicture { got: outputs }));
-        }
-        Ok(Image::new(ColorSpace::Xyz, self.render(raw).map_err(learned)?.planes)?)
+        rendered(self.0.pipeline, raw, |planes| self.render_into(raw, planes))
     }
 
     /// Like [`Renderer::render`], into existing planes.
@@ -72,7 +60,7 @@ impl Renderer<'_> {
     /// # Errors
     /// As for [`Renderer::render`], and when there is not one plane of the image's size per output.
     pub fn render_into(&self, raw: &RawImage, planes: &mut Planes) -> Result<OutsideCounts, L3Error> {
-        let phase = check(self.0.pipeline(), raw, planes)?;
+        let phase = check(self.0.pipeline, raw, planes)?;
         Ok(self.0.render(raw, &(), phase, planes))
     }
 }
@@ -86,19 +74,13 @@ pub struct FixedRenderer<'a> {
 }
 
 impl FixedRenderer<'_> {
-    /// The fixed-point kernels.
-    #[must_use]
-    pub fn kernels(&self) -> &FixedKernels {
-        &self.kernels
-    }
-
     /// Renders a raw image.
     ///
     /// # Errors
     /// [`L3Error::NotDigital`] when its samples are volts; otherwise when its mosaic, size or levels do not
     /// match.
     pub fn render(&self, raw: &RawImage) -> Result<Rendered, L3Error> {
-        rendered(self.engine.pipeline(), raw, |planes| self.render_into(raw, planes))
+        rendered(self.engine.pipeline, raw, |planes| self.render_into(raw, planes))
     }
 
     /// Like [`FixedRenderer::render`], into existing planes.
@@ -107,11 +89,10 @@ impl FixedRenderer<'_> {
     /// As for [`FixedRenderer::render`], and when there is not one plane of the image's size per output.
     pub fn render_into(&self, raw: &RawImage, planes: &mut Planes) -> Result<OutsideCounts, L3Error> {
         let RawSamples::Digital(samples) = raw.samples() else { return Err(L3Error::NotDigital) };
-        let phase = check(self.engine.pipeline(), raw, planes)?;
-        let [black, white] = self.levels;
-        if [raw.black_level(), raw.white_level()] != self.levels {
-            let (got_black, got_white) = (raw.black_level(), raw.white_level());
-            return Err(L3Error::RawLevels { black, white, got_black, got_white });
+        let phase = check(self.engine.pipeline, raw, planes)?;
+        let (expected, got) = (self.levels, [raw.black_level(), raw.white_level()]);
+        if got != expected {
+            return Err(L3Error::RawLevels { expected, got });
         }
         let digital = Digital::new(samples, raw.cols(), &self.kernels);
         Ok(self.engine.render(raw, &digital, phase, planes))
@@ -182,14 +163,22 @@ impl Pipeline {
 impl Isp for Pipeline {
     /// Renders CIE XYZ with a pipeline of three outputs.
     fn render(&self, raw: &RawImage) -> Result<Image, IspError> {
-        self.renderer().picture(raw)
+        Isp::render(&self.renderer(), raw)
     }
 }
 
 impl Isp for Renderer<'_> {
     /// Renders CIE XYZ with a pipeline of three outputs.
     fn render(&self, raw: &RawImage) -> Result<Image, IspError> {
-        self.picture(raw)
+        let learned = |error: L3Error| match error {
+            L3Error::Isp(error) => error,
+            other => IspError::Learned(other.to_string()),
+        };
+        let outputs = self.0.pipeline.outputs().len();
+        if outputs != 3 {
+            return Err(learned(L3Error::NotAPicture(outputs)));
+        }
+        Ok(Image::new(ColorSpace::Xyz, self.render(raw).map_err(learned)?.planes)?)
     }
 }
 
@@ -239,11 +228,10 @@ fn check_image(pipeline: &Pipeline, raw: &RawImage) -> Result<[usize; 2], L3Erro
     check_size(pipeline.axes(), raw.rows(), raw.cols())?;
     // Volts have their own levels; after normalisation they are equivalent.
     if matches!(raw.samples(), RawSamples::Digital(_)) {
-        let (black, white) = (pipeline.black_level(), pipeline.white_level());
-        let (got_black, got_white) = (raw.black_level(), raw.white_level());
-        let far = |a: f64, b: f64| (a - b).abs() > LEVEL_TOLERANCE_DN;
-        if far(black, got_black) || far(white, got_white) {
-            return Err(L3Error::RawLevels { black, white, got_black, got_white });
+        let expected = [pipeline.black_level(), pipeline.white_level()];
+        let got = [raw.black_level(), raw.white_level()];
+        if expected.iter().zip(got).any(|(a, b)| (a - b).abs() > LEVEL_TOLERANCE_DN) {
+            return Err(L3Error::RawLevels { expected, got });
         }
     }
     Ok(phase)

@@ -27,13 +27,6 @@ fn tree(p: &[f32; 16]) -> f32 {
     (four(0) + four(4)) + (four(8) + four(12))
 }
 
-impl Float<'_, '_, '_, '_> {
-    #[cfg(test)]
-    pub(super) fn plain(self) {
-        self.run();
-    }
-}
-
 impl Kernel for Float<'_, '_, '_, '_> {
     type Output = ();
 
@@ -69,13 +62,6 @@ impl Kernel for Float<'_, '_, '_, '_> {
 
 /// Products of a run in fixed point.
 pub(super) struct Fixed<'r, 'a, 'p, 'q>(pub(super) &'r Run<'a, i16>, pub(super) &'p mut [&'q mut [f32]]);
-
-impl Fixed<'_, '_, '_, '_> {
-    #[cfg(test)]
-    pub(super) fn plain(self) {
-        self.run();
-    }
-}
 
 impl Kernel for Fixed<'_, '_, '_, '_> {
     type Output = ();

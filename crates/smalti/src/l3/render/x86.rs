@@ -2,9 +2,44 @@
 
 use std::arch::x86_64::*;
 
+use super::super::MAX_SIDE;
 use super::fixed::Entry;
 use super::portable::{self, PIXELS};
 use super::table::{Run, Sample, registers_of};
+use crate::numeric::simd::has_avx512;
+
+/// Calls a function that is compiled for each side of a patch.
+macro_rules! for_side {
+    ($side:expr, $function:ident($($arg:expr),*)) => {
+        match $side {
+            3 => $function::<3>($($arg),*),
+            5 => $function::<5>($($arg),*),
+            7 => $function::<7>($($arg),*),
+            9 => $function::<9>($($arg),*),
+            _ => $function::<{ MAX_SIDE }>($($arg),*),
+        }
+    };
+}
+
+/// `$all::<P>(run, planes)` calls `$group` for the outputs in groups of three, then the rest; a loaded patch serves a whole group.
+macro_rules! in_groups {
+    ($all:ident, $group:ident, $number:ty) => {
+        #[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl")]
+        fn $all<const P: usize>(run: &Run<'_, $number>, planes: &mut [&mut [f32]]) {
+            for (group, planes) in planes.chunks_mut(3).enumerate() {
+                match planes {
+                    [a, b, c] => $group::<P, 3>(run, 3 * group, [a, b, c]),
+                    [a, b] => $group::<P, 2>(run, 3 * group, [a, b]),
+                    [a] => $group::<P, 1>(run, 3 * group, [a]),
+                    _ => {}
+                }
+            }
+        }
+    };
+}
+
+in_groups!(all_f32, group_f32, f32);
+in_groups!(all_i16, group_i16, i16);
 
 /// Proof that the processor has AVX-512 with 16-bit instructions. Only [`Avx512::detect`] constructs it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -12,79 +47,35 @@ pub(super) struct Avx512(());
 
 impl Avx512 {
     pub(super) fn detect() -> Option<Self> {
-        use std::arch::is_x86_feature_detected as has;
-        (has!("avx512f") && has!("avx512bw") && has!("avx512dq") && has!("avx512vl")).then_some(Self(()))
+        has_avx512().then_some(Self(()))
     }
 
     pub(super) fn interleave_f32(self, lines: &[&[f32]], columns: usize, out: &mut Vec<f32>) {
         // SAFETY: a value of this type proves that the processor has the features.
-        unsafe {
-            match lines.len() {
-                3 => interleave_f32::<3>(lines, columns, out),
-                5 => interleave_f32::<5>(lines, columns, out),
-                7 => interleave_f32::<7>(lines, columns, out),
-                9 => interleave_f32::<9>(lines, columns, out),
-                11 => interleave_f32::<11>(lines, columns, out),
-                _ => portable::interleave(lines, columns, out),
-            }
-        }
+        unsafe { for_side!(lines.len(), interleave_f32(lines, columns, out)) }
     }
 
     pub(super) fn interleave_i16(self, lines: &[&[i16]], columns: usize, out: &mut Vec<i16>) {
         // SAFETY: as above.
-        unsafe {
-            match lines.len() {
-                3 => interleave_i16::<3>(lines, columns, out),
-                5 => interleave_i16::<5>(lines, columns, out),
-                7 => interleave_i16::<7>(lines, columns, out),
-                9 => interleave_i16::<9>(lines, columns, out),
-                11 => interleave_i16::<11>(lines, columns, out),
-                _ => portable::interleave(lines, columns, out),
-            }
-        }
+        unsafe { for_side!(lines.len(), interleave_i16(lines, columns, out)) }
     }
 
     pub(super) fn products_f32(self, run: &Run<'_, f32>, planes: &mut [&mut [f32]]) {
         // SAFETY: as above.
-        unsafe {
-            match run.table.side {
-                3 => all_f32::<3>(run, planes),
-                5 => all_f32::<5>(run, planes),
-                7 => all_f32::<7>(run, planes),
-                9 => all_f32::<9>(run, planes),
-                _ => all_f32::<11>(run, planes),
-            }
-        }
+        unsafe { for_side!(run.table.side, all_f32(run, planes)) }
     }
 
     pub(super) fn products_i16(self, run: &Run<'_, i16>, planes: &mut [&mut [f32]]) {
         // SAFETY: as above.
-        unsafe {
-            match run.table.side {
-                3 => all_i16::<3>(run, planes),
-                5 => all_i16::<5>(run, planes),
-                7 => all_i16::<7>(run, planes),
-                9 => all_i16::<9>(run, planes),
-                _ => all_i16::<11>(run, planes),
-            }
-        }
+        unsafe { for_side!(run.table.side, all_i16(run, planes)) }
     }
 }
 
 /// Register `o` of the interleaved lines contains in lane `l` column `(o L + l) / P` of line `(o L + l) % P`.
-const fn columns_f32<const P: usize>() -> [[i32; 16]; P] {
-    let (mut table, mut i) = ([[0; 16]; P], 0);
-    while i < 16 * P {
-        table[i / 16][i % 16] = (i / P) as i32;
-        i += 1;
-    }
-    table
-}
-
-const fn columns_i16<const P: usize>() -> [[i16; 32]; P] {
-    let (mut table, mut i) = ([[0; 32]; P], 0);
-    while i < 32 * P {
-        table[i / 32][i % 32] = (i / P) as i16;
+const fn columns_of<const P: usize, const L: usize>() -> [[i16; L]; P] {
+    let (mut table, mut i) = ([[0; L]; P], 0);
+    while i < L * P {
+        table[i / L][i % L] = (i / P) as i16;
         i += 1;
     }
     table
@@ -107,9 +98,10 @@ fn interleave_f32<const P: usize>(lines: &[&[f32]], columns: usize, out: &mut Ve
         return portable::interleave(lines, columns, out);
     };
     out.resize(blocks * 16 * P, 0.0);
-    let (places, masks) = const { (columns_f32::<P>(), lanes_of::<P>(16)) };
-    // SAFETY: arrays of 16 numbers of 32 bits.
-    let places = places.each_ref().map(|p| unsafe { _mm512_loadu_si512(p.as_ptr().cast()) });
+    let (places, masks) = const { (columns_of::<P, 16>(), lanes_of::<P>(16)) };
+    // SAFETY: arrays of 16 numbers of 16 bits.
+    let places =
+        places.each_ref().map(|p| unsafe { _mm512_cvtepi16_epi32(_mm256_loadu_si256(p.as_ptr().cast())) });
     let mut from = [_mm512_setzero_ps(); P];
     for (block, out) in out.chunks_exact_mut(16 * P).enumerate() {
         for i in 0..P {
@@ -134,7 +126,7 @@ fn interleave_i16<const P: usize>(lines: &[&[i16]], columns: usize, out: &mut Ve
         return portable::interleave(lines, columns, out);
     };
     out.resize(blocks * 32 * P, 0);
-    let (places, masks) = const { (columns_i16::<P>(), lanes_of::<P>(32)) };
+    let (places, masks) = const { (columns_of::<P, 32>(), lanes_of::<P>(32)) };
     // SAFETY: arrays of 32 numbers of 16 bits.
     let places = places.each_ref().map(|p| unsafe { _mm512_loadu_si512(p.as_ptr().cast()) });
     let mut from = [_mm512_setzero_si512(); P];
@@ -150,31 +142,6 @@ fn interleave_i16<const P: usize>(lines: &[&[i16]], columns: usize, out: &mut Ve
             }
             // SAFETY: `out` has 32 P elements.
             unsafe { _mm512_storeu_si512(out.as_mut_ptr().add(32 * o).cast(), v) };
-        }
-    }
-}
-
-/// Processes outputs in groups of three, then the rest; a loaded patch serves a whole group.
-#[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl")]
-fn all_f32<const P: usize>(run: &Run<'_, f32>, planes: &mut [&mut [f32]]) {
-    for (group, planes) in planes.chunks_mut(3).enumerate() {
-        match planes {
-            [a, b, c] => group_f32::<P, 3>(run, 3 * group, [a, b, c]),
-            [a, b] => group_f32::<P, 2>(run, 3 * group, [a, b]),
-            [a] => group_f32::<P, 1>(run, 3 * group, [a]),
-            _ => {}
-        }
-    }
-}
-
-#[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl")]
-fn all_i16<const P: usize>(run: &Run<'_, i16>, planes: &mut [&mut [f32]]) {
-    for (group, planes) in planes.chunks_mut(3).enumerate() {
-        match planes {
-            [a, b, c] => group_i16::<P, 3>(run, 3 * group, [a, b, c]),
-            [a, b] => group_i16::<P, 2>(run, 3 * group, [a, b]),
-            [a] => group_i16::<P, 1>(run, 3 * group, [a]),
-            _ => {}
         }
     }
 }

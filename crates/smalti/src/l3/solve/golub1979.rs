@@ -70,15 +70,4 @@ impl Ridge<'_> {
         }
         libm::exp(best.1)
     }
-
-    /// (C + λ)⁻¹ c, in place of c.
-    pub(super) fn solve(&self, cross: &mut [f64]) {
-        let lambda = self.lambda(cross);
-        let mut x = vec![0.0; cross.len()];
-        for (d, v) in self.eigen.above(self.cut) {
-            let along = dot(v, cross) / (d + lambda);
-            x.iter_mut().zip(v).for_each(|(x, v)| *x += along * v);
-        }
-        cross.copy_from_slice(&x);
-    }
 }

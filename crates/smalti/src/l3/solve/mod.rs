@@ -92,7 +92,7 @@ impl<'a> ClassSolver<'a> {
         let mut weights = normal.cross.clone();
         self.weights(&normal, moments, flat, &mut weights)
             .filter(|()| weights.iter().all(|w| w.is_finite()))
-            .ok_or(L3Error::Singular { class })?;
+            .ok_or(L3Error::Singular(class))?;
         Ok(normal.solution(weights))
     }
 
@@ -102,14 +102,15 @@ impl<'a> ClassSolver<'a> {
         match self.solver {
             Solver::LeastSquares => {
                 let eigen = Eigen::of(&normal.gram, taps)?;
-                rows.chunks_exact_mut(taps).for_each(|row| eigen.solve(normal.cut, row));
+                rows.chunks_exact_mut(taps).for_each(|row| eigen.solve(normal.cut, 0.0, row));
             }
             Solver::Ridge => {
                 let eigen = Eigen::of(&normal.gram, taps)?;
                 let (cut, count) = (normal.cut, normal.count);
                 let offset = f64::from(u8::from(self.form == KernelForm::Affine));
                 for (row, &power) in rows.chunks_exact_mut(taps).zip(&normal.power) {
-                    Ridge { eigen: &eigen, cut, count, offset, power }.solve(row);
+                    let lambda = Ridge { eigen: &eigen, cut, count, offset, power }.lambda(row);
+                    eigen.solve(cut, lambda, row);
                 }
             }
             Solver::Wiener => self.loaded(normal, moments, 1.0)?.solve_rows(rows),
@@ -205,7 +206,7 @@ impl System {
         match self {
             Self::Factored(u, size) => rows.chunks_exact_mut(*size).for_each(|row| substitute(u, *size, row)),
             Self::Spectral(eigen, cut) => {
-                rows.chunks_exact_mut(eigen.values.len()).for_each(|row| eigen.solve(*cut, row));
+                rows.chunks_exact_mut(eigen.values.len()).for_each(|row| eigen.solve(*cut, 0.0, row));
             }
         }
     }

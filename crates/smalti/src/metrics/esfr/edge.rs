@@ -3,6 +3,7 @@
 use std::f64::consts::PI;
 
 use super::options::{CentroidWindow, EdgeOrientation};
+use crate::metrics::error::at_least;
 use crate::metrics::{MetricError, Rect};
 
 /// Least number of pixels of a region in each direction, for two plateaus and an edge.
@@ -28,11 +29,7 @@ pub(super) fn gather(
     rect: Rect,
     value: impl Fn(usize, usize) -> Option<f64>,
 ) -> Result<(EdgeOrientation, Lines), MetricError> {
-    let shorter = rect.rows.min(rect.cols);
-    if shorter < MINIMUM_SIDE {
-        let what = "pixels along the shorter side of the edge region";
-        return Err(MetricError::TooFew { what, minimum: MINIMUM_SIDE, got: shorter });
-    }
+    at_least("pixels along the shorter side of the edge region", MINIMUM_SIDE, rect.rows.min(rect.cols))?;
     // Sums and counts of the outer thirds: left, right, top, bottom. Their larger difference gives the direction across the
     // edge.
     let mut outer = [(0.0, 0usize); 4];
@@ -79,10 +76,10 @@ pub(super) fn fit(lines: &Lines, windows: CentroidWindow) -> Result<EdgeLine, Me
     let fit = fit_once(lines, windows, |y| first.intercept + first.slope * (y + ahead) + shift)?;
     let at_middle = fit.intercept + fit.slope * (lines.lines.len() - 1) as f64 / 2.0;
     if !(0.0..=(lines.width - 1) as f64).contains(&at_middle) {
-        return Err(MetricError::NoEdge { reason: "the fitted line misses the middle of the region" });
+        return Err(MetricError::NoEdge("the fitted line misses the middle of the region"));
     }
     if fit.residual_rms > lines.width as f64 / 8.0 {
-        return Err(MetricError::NoEdge { reason: "its lines do not agree on a straight edge" });
+        return Err(MetricError::NoEdge("its lines do not agree on a straight edge"));
     }
     Ok(fit)
 }
@@ -104,7 +101,7 @@ fn fit_once(
         .collect();
     let with_samples = lines.lines.iter().filter(|l| !l.is_empty()).count();
     if located.len() < 4 || 2 * located.len() < with_samples {
-        return Err(MetricError::NoEdge { reason: "most lines show no step" });
+        return Err(MetricError::NoEdge("most lines show no step"));
     }
     let n = located.len() as f64;
     let (mean_y, mean_x) = located.iter().fold((0.0, 0.0), |m, p| (m.0 + p.0 / n, m.1 + p.1 / n));

@@ -19,7 +19,7 @@ pub use options::{CentroidWindow, EdgeOrientation, EsfrOptions, FrequencyAxis};
 pub use region::find_edge_region;
 pub use response::EdgeSfr;
 
-use super::patch::check_region;
+use super::patch::{check_plane, check_region};
 use super::{MetricError, Rect};
 use crate::numeric::Planes;
 use crate::sensor::{RawImage, RawSamples, Sampling};
@@ -48,9 +48,7 @@ pub fn edge_sfr(
     rect: Rect,
     options: &EsfrOptions,
 ) -> Result<EdgeSfr, MetricError> {
-    if plane >= planes.count() {
-        return Err(MetricError::Plane { index: plane, count: planes.count() });
-    }
+    check_plane(planes.count(), plane)?;
     let (data, cols) = (planes.plane(plane), planes.cols());
     check_region(rect, planes.rows(), cols)?;
     measure(rect, options, |row, col| data.get(row * cols + col).map(|&v| f64::from(v)))
@@ -90,20 +88,15 @@ pub fn raw_channel_sfr(
     rect: Rect,
     options: &EsfrOptions,
 ) -> Result<EdgeSfr, MetricError> {
-    let count = raw.sampling().channels();
-    if channel >= count {
-        return Err(MetricError::Plane { index: channel, count });
-    }
+    check_plane(raw.sampling().channels(), channel)?;
     check_region(rect, raw.rows(), raw.cols())?;
-    let plane = match raw.sampling() {
-        Sampling::Mosaic(_) => 0,
-        Sampling::Full { .. } => channel,
-    };
+    let plane = if raw.sampling().planes() == 1 { 0 } else { channel };
     let (first, black) = (plane * raw.rows() * raw.cols(), raw.black_level());
     measure(rect, options, |row, col| {
-        match raw.sampling() {
-            Sampling::Mosaic(m) if m.channel_at(row, col) != channel => return None,
-            _ => {}
+        if let Sampling::Mosaic(m) = raw.sampling()
+            && m.channel_at(row, col) != channel
+        {
+            return None;
         }
         let at = first + row * raw.cols() + col;
         let value = match raw.samples() {
@@ -114,20 +107,18 @@ pub fn raw_channel_sfr(
     })
 }
 
-/// Locates the edge in the samples from `value` and computes the response.
+/// Locates the edge in the samples and computes the response.
 fn measure(
     rect: Rect,
     options: &EsfrOptions,
-    value: impl Fn(usize, usize) -> Option<f64>,
+    sample: impl Fn(usize, usize) -> Option<f64>,
 ) -> Result<EdgeSfr, MetricError> {
-    if !(options.minimum_contrast > 0.0 && options.minimum_contrast < 1.0) {
-        return Err(MetricError::Parameter {
-            name: "minimum_contrast",
-            value: options.minimum_contrast,
-            expected: "above 0 and below 1",
-        });
+    let value = options.minimum_contrast;
+    if !(value > 0.0 && value < 1.0) {
+        let (name, expected) = ("minimum_contrast", "above 0 and below 1");
+        return Err(MetricError::Parameter { name, value, expected });
     }
-    let (orientation, lines) = edge::gather(rect, value)?;
+    let (orientation, lines) = edge::gather(rect, sample)?;
     let fit = edge::fit(&lines, options.centroid_window)?;
     spectrum::respond(&lines, &fit, orientation, options)
 }

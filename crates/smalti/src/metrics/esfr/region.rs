@@ -1,7 +1,8 @@
 //! Finding the slanted edge in a picture.
 
-use super::check_region;
 use super::{EsfrOptions, MetricError, Rect, edge_sfr};
+use crate::metrics::error::{at_least, finite};
+use crate::metrics::patch::{check_plane, check_region};
 use crate::numeric::Planes;
 
 /// Pixels of the border that are ignored, because demosaicking is least accurate there.
@@ -22,19 +23,10 @@ const TOLERANCE_PX: f64 = 2.0;
 ///
 /// [theil1950]: https://doi.org/10.1007/978-94-011-2546-8_20
 pub fn find_edge_region(planes: &Planes, plane: usize) -> Result<Rect, MetricError> {
-    if plane >= planes.count() {
-        return Err(MetricError::Plane { index: plane, count: planes.count() });
-    }
+    check_plane(planes.count(), plane)?;
     let (rows, cols, data) = (planes.rows(), planes.cols(), planes.plane(plane));
-    let shorter = rows.min(cols);
-    let minimum = 2 * BORDER + 16;
-    if shorter < minimum {
-        let what = "pixels along the shorter side of the picture";
-        return Err(MetricError::TooFew { what, minimum, got: shorter });
-    }
-    if let Some(index) = data.iter().position(|v| !v.is_finite()) {
-        return Err(MetricError::NotFinite { what: "the picture", index });
-    }
+    at_least("pixels along the shorter side of the picture", 2 * BORDER + 16, rows.min(cols))?;
+    finite("the picture", data.iter().copied())?;
     let at = |row: usize, col: usize| f64::from(data[row * cols + col]);
     let (mut across, mut along) = (0.0, 0.0);
     for row in BORDER..rows - BORDER {
@@ -56,7 +48,7 @@ pub fn find_edge_region(planes: &Planes, plane: usize) -> Result<Rect, MetricErr
     // The edge may span the width without the plateaus; a strongly slanted edge makes the region short.
     let run = (2.0 * (room - plateau) / edge.slope.abs()).min(y1 - y0);
     if room < plateau || run.is_nan() || run < 8.0 {
-        return Err(MetricError::NoEdge { reason: "the longest edge is too close to the border" });
+        return Err(MetricError::NoEdge("the longest edge is too close to the border"));
     }
     let half_width = (0.5 * edge.slope.abs() * run + plateau).min(room);
     let rect_along = ((middle_y - run / 2.0).ceil() as usize, run as usize);
@@ -106,7 +98,7 @@ fn locate(
         (Some(first), Some(last)) if largest > 0.0 && 4 * agreeing > all.len() && slope.abs() <= 1.0 => {
             Ok(LocatedEdge { intercept, slope, first: first.0 as usize, last: last.0 as usize })
         }
-        _ => Err(MetricError::NoEdge { reason: "the steepest places do not lie on one straight line" }),
+        _ => Err(MetricError::NoEdge("the steepest places do not lie on one straight line")),
     }
 }
 

@@ -43,7 +43,7 @@ pub(super) fn respond(
     let mut sfr = windowed_transform(&esf, edge_at, lines.width);
     let at_zero = sfr.first().copied().unwrap_or(0.0);
     if at_zero.is_nan() || at_zero <= 0.0 {
-        return Err(MetricError::NoEdge { reason: "the profile has no net step" });
+        return Err(MetricError::NoEdge("the profile has no net step"));
     }
     // One step of the transform of 4 · width quarter pixels is 1 / width cycles per pixel along the lines.
     let along_lines = |k: usize| k as f64 / lines.width as f64;

@@ -27,13 +27,12 @@ fn small_kernels_keep_their_precision_beside_large_ones() {
     let p = scaled(&pipeline(&bayer(), 5, 3), |class| 2.0 / (1 << octave(class)) as f32);
     let raw = raw(&bayer(), 120, 150);
     let reference = Reference::new(&p, &raw, [0, 0]);
-    let mut renderer = p.fixed_renderer(BLACK, WHITE).unwrap();
+    let renderer = p.fixed_renderer(BLACK, WHITE).unwrap();
     let float = p.render_raw(&raw).unwrap();
-    let expected = reference.fixed(renderer.kernels());
-    for (simd, set) in paths() {
-        renderer.engine.simd = simd;
+    let expected = reference.fixed(&renderer.kernels);
+    for set in PATHS {
         let got = with_widest(set, || renderer.render(&raw)).unwrap();
-        assert_same(&got, &expected, &format!("{simd:?}, {set:?}"));
+        assert_same(&got, &expected, &format!("{set:?}"));
     }
     let octaves: Vec<usize> = (0..raw.rows() * raw.cols())
         .map(|i| octave(reference.class(i / raw.cols(), i % raw.cols(), &mut OutsideCounts::default())))
@@ -127,15 +126,14 @@ fn the_worst_samples_overflow_no_sum() {
     assert_bounds(&p, levels);
     let samples: Vec<u16> = signs.iter().map(|s| if *s > 0.0 { u16::MAX } else { 0 }).collect();
     let raw = raw_of(&bayer(), 5, 5, RawSamples::Digital(samples), levels);
-    let mut renderer = p.fixed_renderer(levels[0], levels[1]).unwrap();
-    let expected = Reference::new(&p, &raw, [0, 0]).fixed(renderer.kernels());
+    let renderer = p.fixed_renderer(levels[0], levels[1]).unwrap();
+    let expected = Reference::new(&p, &raw, [0, 0]).fixed(&renderer.kernels);
     // The pixel in the middle.
-    let sum = f64::from(expected.planes.data()[12]) / f64::from(renderer.kernels().scale_of(0).unwrap());
+    let sum = f64::from(expected.planes.data()[12]) / f64::from(renderer.kernels.scale_of(0).unwrap());
     assert!(sum > 0.99 * f64::from(i32::MAX), "{sum}");
-    for (simd, set) in paths() {
-        renderer.engine.simd = simd;
+    for set in PATHS {
         let got = with_widest(set, || renderer.render(&raw)).unwrap();
-        assert_same(&got, &expected, &format!("{simd:?}, {set:?}"));
+        assert_same(&got, &expected, &format!("{set:?}"));
     }
 }
 
