@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use numpy::IntoPyArray;
 use numpy::PyArrayMethods;
+use pyo3::exceptions::PyOSError;
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyDict, PyString};
 use smalti::camera::{Camera, ScoreSettings};
@@ -15,7 +16,7 @@ use smalti_io::dng::DngInfo;
 use smalti_io::{Override, TomlSource, cameras};
 
 use crate::cfa::PyCfa;
-use crate::error::{OrRaise, SmaltiError, not_found, one_of, short, wrong};
+use crate::error::{OrRaise, one_of, short, wrong};
 use crate::image::PyImage;
 use crate::json::dict_of;
 use crate::photograph::PyPhotograph;
@@ -347,10 +348,11 @@ fn noise_mode(name: &str) -> PyResult<NoiseMode> {
 /// The exception for a camera or study that cannot be loaded; a missing file is a FileNotFoundError.
 pub(crate) fn diagnosed(name: &str, text: &str) -> PyErr {
     let is_toml = Path::new(name).extension().is_some_and(|e| e.eq_ignore_ascii_case("toml"));
+    const ENOENT: i32 = 2;
     if is_toml && !Path::new(name).exists() {
-        not_found(text.into())
+        PyOSError::new_err((ENOENT, text.to_owned()))
     } else {
-        SmaltiError::new_err(text.to_owned())
+        wrong(text)
     }
 }
 

@@ -65,12 +65,6 @@ fn raised(error: &(dyn Error + 'static), text: String) -> PyErr {
     SmaltiError::new_err(text)
 }
 
-/// The exception for a missing file, where the library reports only a message.
-pub(crate) fn not_found(text: String) -> PyErr {
-    const ENOENT: i32 = 2;
-    PyOSError::new_err((ENOENT, text))
-}
-
 /// A number with four significant digits.
 pub(crate) fn short(value: f64) -> String {
     const DIGITS: i32 = 4;

@@ -33,10 +33,6 @@ def _told(progress: Progress, total: int | None, what: str, unit: str) -> Iterat
         yield progress
 
 
-def _after(told: Callable[[int], object], before: int, done: int) -> None:
-    told(before + done)
-
-
 def _gather(
     camera: Camera,
     scenes: Sequence[Scene] | None,
@@ -182,7 +178,8 @@ def compare(
     labels = _smalti.camera_labels(list(cameras))
     with _told(progress, len(cameras) * len(of) * len(luminances_cd_m2), "comparing", "picture") as told:
         for camera, label, pipeline in zip(cameras, labels, each, strict=True):
-            step = partial(_after, told, len(records)) if told is not None else None
+            before = len(records)
+            step = None if told is None else lambda done: told(before + done)
             scored = _smalti.score_scenes(
                 camera,
                 scenes=of,
