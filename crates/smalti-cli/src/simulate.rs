@@ -83,13 +83,19 @@ pub(crate) fn run(args: &Simulate, common: &Common) -> anyhow::Result<()> {
     let camera = resolve::camera(&args.camera, &args.camera_options, None)?;
     let scene = resolve::scene_for(&args.scene, &args.scene_options, &camera)?;
     let mut camera = resolve::camera(&args.camera, &args.camera_options, Some(scene.radiance().grid()))?;
-    let scene = fitted(scene, args, &camera)?;
+    let keeps_fov = args.scene_options.states_fov(&args.scene);
+    let scene = if keeps_fov { scene } else { camera.fitted(scene, resolve::is_file(&args.scene))? };
     progress.done();
     if !args.full_frame {
         camera.sensor.window = Some(camera.window_on(&scene)?);
     }
     ensure_memory(&camera)?;
-    let facts = scene_facts(args, &scene)?;
+    let facts = json!({
+        "name": args.scene,
+        "mean_luminance_cd_m2": scene.mean_luminance_cd_m2()?,
+        "distance_m": scene.distance_m(),
+        "horizontal_fov_deg": scene.horizontal_fov_deg(),
+    });
     let light = scene.illuminant().clone();
     let kept = args.stages.then(|| scene.clone());
     let settings = SimulationSettings {
@@ -140,23 +146,6 @@ fn ensure_memory(camera: &Camera) -> anyhow::Result<()> {
         available >> 20,
     );
     Ok(())
-}
-
-/// The scene with a field of view that fits the sensor, unless the command line states one.
-fn fitted(scene: Scene, args: &Simulate, camera: &Camera) -> anyhow::Result<Scene> {
-    if args.scene_options.states_fov(&args.scene) {
-        return Ok(scene);
-    }
-    Ok(camera.fitted(scene, resolve::is_file(&args.scene))?)
-}
-
-fn scene_facts(args: &Simulate, scene: &Scene) -> anyhow::Result<serde_json::Value> {
-    Ok(json!({
-        "name": args.scene,
-        "mean_luminance_cd_m2": scene.mean_luminance_cd_m2()?,
-        "distance_m": scene.distance_m(),
-        "horizontal_fov_deg": scene.horizontal_fov_deg(),
-    }))
 }
 
 fn metrics(

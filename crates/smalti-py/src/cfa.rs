@@ -75,13 +75,10 @@ impl PyCfa {
         let curves = arrays::array::<f64>(transmittances, "transmittances")?;
         arrays::expect_axes(curves.shape(), "transmittances", &["channels", "wavelengths"])?;
         let count = curves.shape().first().copied().unwrap_or(0);
-        let names = match channel_names {
-            Some(names) if names.len() == count => names,
-            Some(names) => {
-                return Err(wrong(format!("channel_names: {} names for {count} channels", names.len())));
-            }
-            None => (0..count).map(default_name).collect(),
-        };
+        let names = channel_names.unwrap_or_else(|| (0..count).map(default_name).collect());
+        if names.len() != count {
+            return Err(wrong(format!("channel_names: {} names for {count} channels", names.len())));
+        }
         let channel = |(name, values): (String, numpy::ndarray::ArrayViewD<'_, f64>)| {
             let transmittance =
                 Spectrum::new(grid, values.iter().copied().collect()).or_raise_about(&name)?;

@@ -151,6 +151,15 @@ pub(crate) fn evaluate(
 #[pyclass(name = "SceneScores", module = "smalti", frozen)]
 #[derive(Debug, Clone)]
 pub(crate) struct PySceneScores {
+    /// Ratio of white to the RMS difference over X, Y and Z, dB.
+    #[pyo3(get)]
+    cpsnr_db: f64,
+    /// Mean CIEDE2000 of the pixels.
+    #[pyo3(get)]
+    pixel_delta_e_2000_mean: f64,
+    /// Mean S-CIELAB difference (ΔE 1976 after the spatial filtering of the eye).
+    #[pyo3(get)]
+    scielab_mean: f64,
     scores: smalti::camera::SceneScores,
     processing: &'static str,
     scene: String,
@@ -169,24 +178,6 @@ impl PySceneScores {
         Ok(dict)
     }
 
-    /// Ratio of white to the RMS difference over X, Y and Z, dB.
-    #[getter]
-    fn cpsnr_db(&self) -> f64 {
-        self.scores.scores.cpsnr_db
-    }
-
-    /// Mean CIEDE2000 of the pixels.
-    #[getter]
-    fn pixel_delta_e_2000_mean(&self) -> f64 {
-        self.scores.scores.pixel_delta_e_2000_mean
-    }
-
-    /// Mean S-CIELAB difference (ΔE 1976 after the spatial filtering of the eye).
-    #[getter]
-    fn scielab_mean(&self) -> f64 {
-        self.scores.scores.scielab_mean
-    }
-
     /// The picture in XYZ under the illuminant of the scene.
     #[getter]
     fn picture(&self) -> PyImage {
@@ -200,10 +191,9 @@ impl PySceneScores {
     }
 
     fn __repr__(&self) -> String {
-        let s = &self.scores.scores;
         format!(
             "<smalti.SceneScores of '{}' at {} cd/m²: {:.2} dB, ΔE2000 {:.2}, S-CIELAB {:.2}>",
-            self.scene, self.luminance_cd_m2, s.cpsnr_db, s.pixel_delta_e_2000_mean, s.scielab_mean
+            self.scene, self.luminance_cd_m2, self.cpsnr_db, self.pixel_delta_e_2000_mean, self.scielab_mean
         )
     }
 }
@@ -250,6 +240,9 @@ pub(crate) fn score_scenes(
                 let scored = score_scene(&contender, &setup, luminance_cd_m2, seed, &score, watch);
                 let (scores, _) = scored.or_raise_about(scene.name())?;
                 all.push(PySceneScores {
+                    cpsnr_db: scores.scores.cpsnr_db,
+                    pixel_delta_e_2000_mean: scores.scores.pixel_delta_e_2000_mean,
+                    scielab_mean: scores.scores.scielab_mean,
                     scores,
                     processing: contender.processing.name(),
                     scene: scene.name().to_owned(),
