@@ -1,7 +1,20 @@
-//! Options that several commands share.
+//! Options that several commands share, and options whose words mean values of the library.
 
 use clap::Args;
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use smalti_io::Override;
+
+/// A word of an option, its help and the value that it means.
+pub(crate) type Choice<T> = (&'static str, &'static str, T);
+
+/// Parses one of several words.
+pub(crate) fn choice<T: Copy + Send + Sync + 'static>(
+    known: &'static [Choice<T>],
+) -> impl TypedValueParser<Value = T> {
+    let words = known.iter().map(|(word, help, _)| PossibleValue::new(*word).help(*help));
+    let value = |typed: &str| known.iter().find(|(word, ..)| *word == typed).map(|(_, _, value)| *value);
+    PossibleValuesParser::new(words).try_map(move |typed| value(&typed).ok_or("unknown word"))
+}
 
 /// Options of every command.
 #[derive(Debug, Clone, Args)]

@@ -40,9 +40,6 @@ const RESULTS: &str = "results.json";
     cameras in the order of the table) and one of error maps (ΔE2000, S-CIELAB); CAMERA.l3 (for smalti render); CAMERA-kernels.png; \
     and results.json, which is removed first and written last, so a folder that contains it is complete.")]
 pub(crate) struct Compare {
-    /// The command line, for the page
-    #[arg(skip)]
-    pub(crate) words: Vec<String>,
     /// Built-in cameras (smalti list cameras) or TOML files
     #[arg(required = true)]
     pub(crate) cameras: Vec<String>,
@@ -105,7 +102,8 @@ fn processing() -> impl TypedValueParser<Value = Processing> {
     })
 }
 
-pub(crate) fn run(args: &Compare, common: &Common) -> anyhow::Result<()> {
+/// `words` are the command line, for the page.
+pub(crate) fn run(args: &Compare, words: &[String], common: &Common) -> anyhow::Result<()> {
     let illuminant = resolve::illuminant(&args.illuminant)?;
     let cameras = resolve::cameras(&args.cameras, &args.camera_options)?;
     if args.processing.contains(&Processing::L3) {
@@ -173,7 +171,7 @@ pub(crate) fn run(args: &Compare, common: &Common) -> anyhow::Result<()> {
     }
     let scene_labels: Vec<String> = settings.scenes.iter().map(|s| scene_label(s.name())).collect();
     let report = Comparison {
-        command: &resolve::command_line(&args.words, &args.cameras),
+        command: &resolve::command_line(words, &args.cameras),
         cameras: &cameras,
         labels: &labels,
         contenders: &contenders,

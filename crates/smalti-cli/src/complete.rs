@@ -18,17 +18,6 @@ use crate::resolve::has_extension;
 const VARIABLE: &str = "SMALTI_COMPLETE";
 /// Extensions of scene files.
 const SCENES: &[&str] = &smalti_io::scene_file::EXTENSIONS;
-/// Extensions of the files that `show` draws.
-const SHOWN: &[&str] = &{
-    let mut all = ["toml"; SCENES.len() + 2];
-    all[1] = "csv";
-    let mut i = 0;
-    while i < SCENES.len() {
-        all[i + 2] = SCENES[i];
-        i += 1;
-    }
-    all
-};
 
 /// Completes for a shell, if one requests it.
 pub(crate) fn answer(command: fn() -> Command, args: &[OsString]) -> bool {
@@ -60,35 +49,35 @@ fn with_names(command: Command) -> Command {
         "camera" | "cameras" => with(arg, camera_names, &["toml"]),
         "target" => with(arg, target_names, &["toml"]),
         "scene" | "scenes" => {
-            let or_file = NameOrFile { names: scene_names, extensions: SCENES };
+            let or_file = NameOrFile { names: scene_names, extensions: SCENES.to_vec() };
             arg.add(ArgValueCompleter::new(SceneOrFile(or_file)))
         }
         "overrides" => arg.add(ArgValueCompleter::new(camera_keys)),
         "illuminant" | "illuminants" | "target_illuminant" => with(arg, light_names, &["csv"]),
         "study" => with(arg, study_names, &["toml"]),
         // The argument of `show`, which accepts every kind.
-        "name" => with(arg, all_names, SHOWN),
+        "name" => with(arg, all_names, &[&["toml", "csv"], SCENES].concat()),
         _ => arg,
     });
     command.mut_subcommands(with_names)
 }
 
 /// Completes an argument with names and files.
-fn with(arg: Arg, names: fn() -> Vec<CompletionCandidate>, extensions: &'static [&'static str]) -> Arg {
-    arg.add(ArgValueCompleter::new(NameOrFile { names, extensions }))
+fn with(arg: Arg, names: fn() -> Vec<CompletionCandidate>, extensions: &[&'static str]) -> Arg {
+    arg.add(ArgValueCompleter::new(NameOrFile { names, extensions: extensions.to_vec() }))
 }
 
 struct NameOrFile {
     names: fn() -> Vec<CompletionCandidate>,
-    extensions: &'static [&'static str],
+    extensions: Vec<&'static str>,
 }
 
 impl ValueCompleter for NameOrFile {
     fn complete(&self, current: &OsStr) -> Vec<CompletionCandidate> {
         let typed = current.to_string_lossy();
         let begins = |c: &CompletionCandidate| c.get_value().to_string_lossy().starts_with(typed.as_ref());
-        let extensions = self.extensions;
-        let fits = move |path: &Path| path.is_file() && has_extension(path, extensions);
+        let extensions = self.extensions.clone();
+        let fits = move |path: &Path| path.is_file() && has_extension(path, &extensions);
         let files = PathCompleter::any().filter(fits).complete(current);
         (self.names)().into_iter().filter(begins).chain(files).collect()
     }
@@ -219,7 +208,7 @@ mod tests {
 
     #[test]
     fn parameters_of_scenes_are_completed_one_after_another() {
-        let of = SceneOrFile(NameOrFile { names: scene_names, extensions: SCENES });
+        let of = SceneOrFile(NameOrFile { names: scene_names, extensions: SCENES.to_vec() });
         let offered = |typed: &str| values(&of.complete(OsStr::new(typed)));
         for typed in ["zone-plate?freq", "'zone-plate?freq", "\"zone-plate?freq", "zone-plate\\?freq"] {
             assert_eq!(offered(typed), ["zone-plate?frequency="]);

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, ensure};
-use clap::{Args, ValueEnum};
+use clap::Args;
 use smalti::color::{ColorSpace, Image};
 use smalti::scene::Scene;
 use smalti_io::envi::Interleave;
@@ -11,7 +11,7 @@ use smalti_io::picture::{self, Depth};
 use smalti_io::scene_file::{self, Cropped, Format, Photons, Restated, Tiles, Whole, WriteOptions};
 use smalti_io::{SpectralFile, exr, matlab, spectral_tiff};
 
-use crate::args::Common;
+use crate::args::{Choice, Common, choice};
 use crate::progress::Progress;
 use crate::resolve::{self, has_extension};
 use crate::scene_args::SceneOptions;
@@ -40,45 +40,42 @@ pub(crate) struct Convert {
     pub(crate) output: PathBuf,
     /// Arrangement of bands: fichet2021 or pbrt for EXR, pages or samples for TIFF; version of a MAT-file: v5 or v7.3
     /// [default: fichet2021; a picture; v5]
-    #[arg(long, value_enum)]
+    #[arg(long, value_parser = choice(&LAYOUTS))]
     pub(crate) layout: Option<Layout>,
     /// Order of the samples of ENVI [default: that of the extension, else bsq]
-    #[arg(long, value_enum)]
-    pub(crate) interleave: Option<EnviInterleave>,
+    #[arg(long, value_parser = choice(&INTERLEAVES))]
+    pub(crate) interleave: Option<Interleave>,
     /// Compress a spectral TIFF without loss
     #[arg(long)]
     pub(crate) compress: bool,
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+/// The layout of a format.
+#[derive(Debug, Clone, Copy)]
 pub(crate) enum Layout {
-    /// `S0.400,0nm` channels with units (Fichet et al. 2021)
-    #[value(name = "fichet2021")]
-    Fichet2021,
-    /// `Radiance.C01` channels
-    #[value(name = "pbrt")]
-    Pbrt,
-    /// An image for each band
-    Pages,
-    /// A sample of each pixel for each band
-    Samples,
-    /// MATLAB level 5, up to 2 GiB
-    #[value(name = "v5")]
-    MatlabV5,
-    /// MATLAB 7.3, which is HDF5
-    #[value(name = "v7.3")]
-    MatlabV73,
+    Exr(exr::Layout),
+    Tiff(spectral_tiff::Layout),
+    Matlab(matlab::Version),
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(crate) enum EnviInterleave {
-    /// Band, row, column
-    Bsq,
-    /// Row, band, column
-    Bil,
-    /// Row, column, band
-    Bip,
-}
+const LAYOUTS: [Choice<Layout>; 6] = [
+    (
+        "fichet2021",
+        "`S0.400,0nm` channels with units (Fichet et al. 2021)",
+        Layout::Exr(exr::Layout::Fichet2021),
+    ),
+    ("pbrt", "`Radiance.C01` channels", Layout::Exr(exr::Layout::Pbrt)),
+    ("pages", "An image for each band", Layout::Tiff(spectral_tiff::Layout::Pages)),
+    ("samples", "A sample of each pixel for each band", Layout::Tiff(spectral_tiff::Layout::Samples)),
+    ("v5", "MATLAB level 5, up to 2 GiB", Layout::Matlab(matlab::Version::V5)),
+    ("v7.3", "MATLAB 7.3, which is HDF5", Layout::Matlab(matlab::Version::V73)),
+];
+
+const INTERLEAVES: [Choice<Interleave>; 3] = [
+    ("bsq", "Band, row, column", Interleave::Bsq),
+    ("bil", "Row, band, column", Interleave::Bil),
+    ("bip", "Row, column, band", Interleave::Bip),
+];
 
 pub(crate) fn run(args: &Convert, common: &Common) -> anyhow::Result<()> {
     let progress = Progress::new(1, common.quiet);
@@ -112,21 +109,9 @@ fn scene(args: &Convert) -> anyhow::Result<Scene> {
 /// The options of writing a spectral file; `None` for a picture.
 fn write_options(args: &Convert) -> anyhow::Result<Option<WriteOptions>> {
     let path = &args.output;
-    let tiff = match args.layout {
-        Some(Layout::Pages) => Some(spectral_tiff::Layout::Pages),
-        Some(Layout::Samples) => Some(spectral_tiff::Layout::Samples),
-        _ => None,
-    };
-    let exr = match args.layout {
-        Some(Layout::Fichet2021) => Some(exr::Layout::Fichet2021),
-        Some(Layout::Pbrt) => Some(exr::Layout::Pbrt),
-        _ => None,
-    };
-    let matlab = match args.layout {
-        Some(Layout::MatlabV5) => Some(matlab::Version::V5),
-        Some(Layout::MatlabV73) => Some(matlab::Version::V73),
-        _ => None,
-    };
+    let tiff = if let Some(Layout::Tiff(layout)) = args.layout { Some(layout) } else { None };
+    let exr = if let Some(Layout::Exr(layout)) = args.layout { Some(layout) } else { None };
+    let matlab = if let Some(Layout::Matlab(version)) = args.layout { Some(version) } else { None };
     let format = Format::of(path);
     let picture = has_extension(path, &["png"]) || (format == Some(Format::Tiff) && tiff.is_none());
     ensure!(
@@ -139,13 +124,8 @@ fn write_options(args: &Convert) -> anyhow::Result<Option<WriteOptions>> {
     ensure!(tiff.is_none() || format == Some(Format::Tiff), "--layout pages and samples apply to .tif");
     ensure!(args.interleave.is_none() || format == Some(Format::Envi), "--interleave applies to ENVI (.hdr)");
     ensure!(!args.compress || tiff.is_some(), "--compress applies to .tif with --layout pages or samples");
-    let interleave = args.interleave.map(|i| match i {
-        EnviInterleave::Bsq => Interleave::Bsq,
-        EnviInterleave::Bil => Interleave::Bil,
-        EnviInterleave::Bip => Interleave::Bip,
-    });
     let tiff = spectral_tiff::WriteOptions { layout: tiff.unwrap_or_default(), deflate: args.compress };
-    Ok((!picture).then_some(WriteOptions { interleave, exr, matlab, tiff }))
+    Ok((!picture).then_some(WriteOptions { interleave: args.interleave, exr, matlab, tiff }))
 }
 
 /// The unchanged spectral file, unless it must become a scene. It is read while the new file is written.

@@ -27,9 +27,6 @@ use crate::{resolve, table};
     smalti list metrics explains the columns of the table, with their units and sources.\n\
     results.json is removed first and written last, so a folder that contains it is complete.")]
 pub(crate) struct Evaluate {
-    /// The command line, for the page
-    #[arg(skip)]
-    pub(crate) words: Vec<String>,
     /// Built-in cameras (smalti list cameras) or TOML files
     #[arg(required = true)]
     pub(crate) cameras: Vec<String>,
@@ -52,7 +49,8 @@ pub(crate) struct Evaluate {
     pub(crate) output: Option<PathBuf>,
 }
 
-pub(crate) fn run(args: &Evaluate, common: &Common) -> anyhow::Result<()> {
+/// `words` are the command line, for the page.
+pub(crate) fn run(args: &Evaluate, words: &[String], common: &Common) -> anyhow::Result<()> {
     let illuminant = resolve::illuminant(&args.illuminant)?;
     let cameras = resolve::cameras(&args.cameras, &args.camera_options)?;
     if let Some(dir) = &args.output {
@@ -86,7 +84,7 @@ pub(crate) fn run(args: &Evaluate, common: &Common) -> anyhow::Result<()> {
         write::begin_folder(dir, &["results.json"])?;
         let white = Observer::Cie1931.white(&illuminant.photons(WavelengthGrid::VISIBLE)?)?;
         let page = evaluation_page(&Evaluations {
-            command: &resolve::command_line(&args.words, &args.cameras),
+            command: &resolve::command_line(words, &args.cameras),
             cameras: &cameras,
             labels: &names::numbered(cameras.iter().map(|c| c.description().name.clone()).collect()),
             luminances_cd_m2: &args.luminance,

@@ -4,6 +4,7 @@ use clap::{Args, ValueEnum};
 use smalti::camera::{LevelRule, TrainingSettings};
 use smalti::l3::{Alpha, KernelForm, PerceptualWeights, Solver, Textures, Training};
 
+use crate::args::{Choice, choice};
 use crate::numbers::share;
 
 /// Options of learning.
@@ -17,11 +18,11 @@ pub(crate) struct LearningOptions {
     #[arg(long, value_name = "N", default_value_t = TrainingSettings::default().levels, value_parser = levels, allow_negative_numbers = true)]
     pub(crate) levels: usize,
     /// Spacing of the response levels
-    #[arg(long, value_enum, default_value_t = LevelCuts::Logarithmic)]
-    pub(crate) level_rule: LevelCuts,
+    #[arg(long, default_value = "logarithmic", value_parser = choice(&LEVEL_RULES))]
+    pub(crate) level_rule: LevelRule,
     /// Texture classes of patches
-    #[arg(long, value_enum, default_value_t = Structure::Oriented)]
-    pub(crate) textures: Structure,
+    #[arg(long, default_value = "oriented", value_parser = choice(&TEXTURES))]
+    pub(crate) textures: Textures,
     /// Solver of the kernels
     #[arg(long, value_enum, default_value_t = SolverName::Wiener)]
     pub(crate) solver: SolverName,
@@ -45,23 +46,16 @@ pub(crate) struct LearningOptions {
     pub(crate) sharp: bool,
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(crate) enum LevelCuts {
-    /// Equal ratios
-    Logarithmic,
-    /// Equal multiples of the noise
-    NoiseSteps,
-}
+const LEVEL_RULES: [Choice<LevelRule>; 2] = [
+    ("logarithmic", "Equal ratios", LevelRule::Logarithmic),
+    ("noise-steps", "Equal multiples of the noise", LevelRule::NoiseSteps),
+];
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(crate) enum Structure {
-    /// One class for each level
-    None,
-    /// Flat and texture
-    FlatTexture,
-    /// Flat, texture and edges of four directions
-    Oriented,
-}
+const TEXTURES: [Choice<Textures>; 3] = [
+    ("none", "One class for each level", Textures::None),
+    ("flat-texture", "Flat and texture", Textures::FlatTexture),
+    ("oriented", "Flat, texture and edges of four directions", Textures::Oriented),
+];
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum SolverName {
@@ -99,15 +93,8 @@ impl LearningOptions {
         TrainingSettings {
             side: self.patch.parse().unwrap_or(5),
             levels: self.levels,
-            level_rule: match self.level_rule {
-                LevelCuts::Logarithmic => LevelRule::Logarithmic,
-                LevelCuts::NoiseSteps => LevelRule::NoiseSteps,
-            },
-            textures: match self.textures {
-                Structure::None => Textures::None,
-                Structure::FlatTexture => Textures::FlatTexture,
-                Structure::Oriented => Textures::Oriented,
-            },
+            level_rule: self.level_rule,
+            textures: self.textures,
             sharp: self.sharp,
             seed,
             ..TrainingSettings::default()

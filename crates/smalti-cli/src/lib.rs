@@ -31,8 +31,6 @@ use std::ffi::OsString;
 
 use clap::{CommandFactory, Parser};
 use cli::{Cli, Command};
-use compare::Compare;
-use evaluate::Evaluate;
 use output::print;
 use smalti_report::in_one_line;
 
@@ -47,9 +45,9 @@ pub fn command(args: impl IntoIterator<Item = OsString>) -> u8 {
     if !args.is_empty() && complete::answer(Cli::command, &args) {
         return DONE;
     }
-    let words = args.iter().skip(1).map(|a| a.to_string_lossy().into_owned()).collect();
+    let words: Vec<String> = args.iter().skip(1).map(|a| a.to_string_lossy().into_owned()).collect();
     let done = match Cli::try_parse_from(args) {
-        Ok(cli) => run(cli, words),
+        Ok(cli) => run(cli, &words),
         Err(e) => {
             // Nothing can be done about a closed standard error.
             let _ = e.print();
@@ -66,16 +64,16 @@ pub fn command(args: impl IntoIterator<Item = OsString>) -> u8 {
     }
 }
 
-fn run(cli: Cli, words: Vec<String>) -> anyhow::Result<()> {
+fn run(cli: Cli, words: &[String]) -> anyhow::Result<()> {
     if let Some(threads) = cli.common.threads {
         rayon::ThreadPoolBuilder::new().num_threads(usize::from(threads)).build_global()?;
     }
     match cli.command {
-        Command::Compare(a) => compare::run(&Compare { words, ..*a }, &cli.common),
+        Command::Compare(a) => compare::run(&a, words, &cli.common),
         Command::Train(a) => train::run(&a, &cli.common),
         Command::Render(a) => render::run(&a, &cli.common),
         Command::Simulate(a) => simulate::run(&a, &cli.common),
-        Command::Evaluate(a) => evaluate::run(&Evaluate { words, ..a }, &cli.common),
+        Command::Evaluate(a) => evaluate::run(&a, words, &cli.common),
         Command::Sweep(a) => sweep::run(&a, &cli.common),
         Command::Report(a) => report::run(&a, &cli.common),
         Command::List(a) => list::run(&a),

@@ -46,24 +46,12 @@ pub(crate) fn scene_for(name: &str, options: &SceneOptions, camera: &Camera) -> 
     scene_on(name, options, given.or(stated))
 }
 
-/// The request for a scene from its options.
-fn request(options: &SceneOptions, grid: Option<WavelengthGrid>) -> anyhow::Result<SceneRequest> {
-    Ok(SceneRequest {
-        luminance_cd_m2: options.luminance,
-        distance_m: options.distance,
-        horizontal_fov_deg: options.fov,
-        illuminant: options.illuminant.as_deref().map(illuminant).transpose()?,
-        grid,
-        read: read_options(options)?,
-    })
-}
-
 /// The options of reading a file.
 pub(crate) fn read_options(options: &SceneOptions) -> anyhow::Result<ReadOptions> {
     Ok(ReadOptions {
         clamp_negative: options.clamp_negative,
         grid: options.wavelengths.as_deref().map(wavelengths).transpose()?,
-        quantity: options.quantity.map(Into::into),
+        quantity: options.quantity,
         variable: options.variable.clone(),
         crop: options.crop,
         ..ReadOptions::default()
@@ -80,7 +68,15 @@ fn scene_on(name: &str, options: &SceneOptions, grid: Option<WavelengthGrid>) ->
     if let Some(option) = options.of_files().filter(|_| !is_file(name)) {
         bail!("{name}: {option} applies to files, and this is a built-in scene");
     }
-    Ok(scenes::load(name, &request(options, grid)?)?)
+    let request = SceneRequest {
+        luminance_cd_m2: options.luminance,
+        distance_m: options.distance,
+        horizontal_fov_deg: options.fov,
+        illuminant: options.illuminant.as_deref().map(illuminant).transpose()?,
+        grid,
+        read: read_options(options)?,
+    };
+    Ok(scenes::load(name, &request)?)
 }
 
 pub(crate) fn has_extension(path: &Path, known: &[&str]) -> bool {

@@ -1,9 +1,10 @@
 //! Options of scenes.
 
-use clap::{Args, ValueEnum};
+use clap::Args;
 use smalti_io::Quantity;
 use smalti_io::scene_file::Crop;
 
+use crate::args::{Choice, choice};
 use crate::numbers::number;
 
 /// Properties of a scene that its file or name does not state.
@@ -25,8 +26,8 @@ pub(crate) struct SceneOptions {
     #[arg(long, value_name = "START:STEP:END")]
     pub(crate) wavelengths: Option<String>,
     /// Quantity of the values of a file that does not state it
-    #[arg(long, value_enum)]
-    pub(crate) quantity: Option<FileQuantity>,
+    #[arg(long, value_parser = choice(&QUANTITIES))]
+    pub(crate) quantity: Option<Quantity>,
     /// Variable, array or dataset of a file that holds the spectral cube
     #[arg(long, value_name = "NAME")]
     pub(crate) variable: Option<String>,
@@ -57,26 +58,9 @@ impl SceneOptions {
     }
 }
 
-/// The quantity of the values of a spectral file.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(crate) enum FileQuantity {
-    /// Radiance, photons s⁻¹ m⁻² sr⁻¹ nm⁻¹
-    Photons,
-    /// Radiance, W m⁻² sr⁻¹ nm⁻¹
-    Energy,
-    /// Radiance in energy units, up to a constant factor
-    Relative,
-    /// Reflectance, 0 to 1
-    Reflectance,
-}
-
-impl From<FileQuantity> for Quantity {
-    fn from(quantity: FileQuantity) -> Self {
-        match quantity {
-            FileQuantity::Photons => Self::Photons,
-            FileQuantity::Energy => Self::Energy,
-            FileQuantity::Relative => Self::RelativeEnergy,
-            FileQuantity::Reflectance => Self::Reflectance,
-        }
-    }
-}
+const QUANTITIES: [Choice<Quantity>; 4] = [
+    ("photons", "Radiance, photons s⁻¹ m⁻² sr⁻¹ nm⁻¹", Quantity::Photons),
+    ("energy", "Radiance, W m⁻² sr⁻¹ nm⁻¹", Quantity::Energy),
+    ("relative", "Radiance in energy units, up to a constant factor", Quantity::RelativeEnergy),
+    ("reflectance", "Reflectance, 0 to 1", Quantity::Reflectance),
+];

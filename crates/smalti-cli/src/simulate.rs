@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use clap::{Args, ValueEnum};
+use clap::Args;
 use serde_json::json;
 use smalti::camera::{Camera, Photograph, ScoreSettings};
 use smalti::experiment::{Progress as _, ScoredWindow, Simulation, SimulationSettings, simulate};
@@ -14,7 +14,7 @@ use smalti_io::picture::{self, Depth};
 use smalti_io::stages::{self, write_stage};
 use smalti_io::{memory, write};
 
-use crate::args::{CameraOptions, Common};
+use crate::args::{CameraOptions, Choice, Common, choice};
 use crate::progress::Progress;
 use crate::resolve;
 use crate::scene_args::SceneOptions;
@@ -38,8 +38,8 @@ pub(crate) struct Simulate {
     #[command(flatten)]
     pub(crate) camera_options: CameraOptions,
     /// Noise to simulate
-    #[arg(long, value_enum, default_value_t = Noise::All)]
-    pub(crate) noise: Noise,
+    #[arg(long, default_value = "all", value_parser = choice(&NOISES))]
+    pub(crate) noise: NoiseMode,
     /// Read out the whole sensor, also where the scene does not cover it
     #[arg(long)]
     pub(crate) full_frame: bool,
@@ -50,8 +50,8 @@ pub(crate) struct Simulate {
     #[arg(long, default_value = "8", value_parser = ["8", "16"])]
     pub(crate) bits: String,
     /// Format of the picture: rendered.png or rendered.tif
-    #[arg(long, value_enum, default_value_t = PictureFormat::Png)]
-    pub(crate) format: PictureFormat,
+    #[arg(long, default_value = "png", value_parser = choice(&PICTURES))]
+    pub(crate) format: &'static str,
     /// Print metrics.json to standard output as well
     #[arg(long)]
     pub(crate) json: bool,
@@ -60,42 +60,15 @@ pub(crate) struct Simulate {
     pub(crate) output: PathBuf,
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(crate) enum PictureFormat {
-    /// PNG
-    Png,
-    /// TIFF
-    Tif,
-}
+/// Names of the picture.
+const PICTURES: [Choice<&str>; 2] = [("png", "PNG", "rendered.png"), ("tif", "TIFF", "rendered.tif")];
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(crate) enum Noise {
-    /// No noise: expected values
-    None,
-    /// Photon noise only
-    Shot,
-    /// All noise
-    All,
-}
-
-impl Noise {
-    fn mode(self) -> NoiseMode {
-        match self {
-            Self::None => NoiseMode::None,
-            Self::Shot => NoiseMode::PhotonOnly,
-            Self::All => NoiseMode::All,
-        }
-    }
-
-    /// The name in metrics.json.
-    fn name(self) -> &'static str {
-        match self {
-            Self::None => "none",
-            Self::Shot => "shot",
-            Self::All => "all",
-        }
-    }
-}
+/// Noise, by its names here and in metrics.json.
+const NOISES: [Choice<NoiseMode>; 3] = [
+    ("none", "No noise: expected values", NoiseMode::None),
+    ("shot", "Photon noise only", NoiseMode::PhotonOnly),
+    ("all", "All noise", NoiseMode::All),
+];
 
 /// Peak memory of a capture, measured on mosaics: raw samples, and pictures in XYZ during their comparison.
 const BYTES_PER_PIXEL: u64 = 120;
@@ -110,17 +83,23 @@ pub(crate) fn run(args: &Simulate, common: &Common) -> anyhow::Result<()> {
     let camera = resolve::camera(&args.camera, &args.camera_options, None)?;
     let scene = resolve::scene_for(&args.scene, &args.scene_options, &camera)?;
     let mut camera = resolve::camera(&args.camera, &args.camera_options, Some(scene.radiance().grid()))?;
-    let scene = fitted(scene, args, &camera)?;
+    let keeps_fov = args.scene_options.states_fov(&args.scene);
+    let scene = if keeps_fov { scene } else { camera.fitted(scene, resolve::is_file(&args.scene))? };
     progress.done();
     if !args.full_frame {
         camera.sensor.window = Some(camera.window_on(&scene)?);
     }
     ensure_memory(&camera)?;
-    let facts = scene_facts(args, &scene)?;
+    let facts = json!({
+        "name": args.scene,
+        "mean_luminance_cd_m2": scene.mean_luminance_cd_m2()?,
+        "distance_m": scene.distance_m(),
+        "horizontal_fov_deg": scene.horizontal_fov_deg(),
+    });
     let light = scene.illuminant().clone();
     let kept = args.stages.then(|| scene.clone());
     let settings = SimulationSettings {
-        noise: args.noise.mode(),
+        noise: args.noise,
         seed: args.camera_options.seed,
         score: ScoreSettings::default(),
     };
@@ -134,10 +113,7 @@ pub(crate) fn run(args: &Simulate, common: &Common) -> anyhow::Result<()> {
     let text = serde_json::to_string_pretty(&metrics)? + "\n";
     let dir = &args.output;
     let depth = if args.bits == "16" { Depth::Sixteen } else { Depth::Eight };
-    let rendered = dir.join(match args.format {
-        PictureFormat::Png => "rendered.png",
-        PictureFormat::Tif => "rendered.tif",
-    });
+    let rendered = dir.join(args.format);
     // metrics.json marks a complete folder: it is removed first and written last.
     let earlier = STAGES.map(|stage| format!("{stage}.npy"));
     let earlier = earlier.iter().map(String::as_str).chain(["metrics.json", stages::INDEX]);
@@ -172,23 +148,6 @@ fn ensure_memory(camera: &Camera) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// The scene with a field of view that fits the sensor, unless the command line states one.
-fn fitted(scene: Scene, args: &Simulate, camera: &Camera) -> anyhow::Result<Scene> {
-    if args.scene_options.states_fov(&args.scene) {
-        return Ok(scene);
-    }
-    Ok(camera.fitted(scene, resolve::is_file(&args.scene))?)
-}
-
-fn scene_facts(args: &Simulate, scene: &Scene) -> anyhow::Result<serde_json::Value> {
-    Ok(json!({
-        "name": args.scene,
-        "mean_luminance_cd_m2": scene.mean_luminance_cd_m2()?,
-        "distance_m": scene.distance_m(),
-        "horizontal_fov_deg": scene.horizontal_fov_deg(),
-    }))
-}
-
 fn metrics(
     args: &Simulate,
     camera: &Camera,
@@ -198,7 +157,7 @@ fn metrics(
     score: Option<ScoredWindow>,
     settings: &ScoreSettings,
 ) -> anyhow::Result<serde_json::Value> {
-    let mean = |v: &mut dyn Iterator<Item = f64>, n: usize| v.sum::<f64>() / n as f64;
+    let mean = |values: &[f32]| values.iter().map(|&v| f64::from(v)).sum::<f64>() / values.len() as f64;
     let lux = photo.optical_image.illuminance_lux()?;
     let levels = photo.raw.normalized();
     let scored = |s: &ScoredWindow| json!({"row": s.window.row, "col": s.window.col, "rows": s.window.rows, "cols": s.window.cols});
@@ -207,13 +166,13 @@ fn metrics(
         "camera": camera.description().name,
         "scene": scene,
         "seed": args.camera_options.seed,
-        "noise": args.noise.name(),
+        "noise": NOISES.iter().find(|(_, _, mode)| *mode == args.noise).map(|(name, ..)| name),
         "exposure_time_s": photo.exposure.time_s,
-        "mean_illuminance_lux": mean(&mut lux.iter().map(|&v| f64::from(v)), lux.len()),
+        "mean_illuminance_lux": mean(&lux),
         "raw": {
             "rows": photo.raw.rows(),
             "cols": photo.raw.cols(),
-            "mean_percent_of_saturation": 100.0 * mean(&mut levels.iter().map(|&v| f64::from(v)), levels.len()),
+            "mean_percent_of_saturation": 100.0 * mean(&levels),
             "saturated_percent": photo.raw.saturated_percent(),
         },
         "picture": {

@@ -88,9 +88,7 @@ impl Screen {
     /// Text on a coloured ground, in black or white.
     pub(crate) fn on_color(&self, color: Rgb, text: &str) -> String {
         match self.depth {
-            Some(depth) => {
-                format!("\x1b[38;{};48;{}m{text}\x1b[0m", code(depth, color.ink()), code(depth, color))
-            }
+            Some(_) => format!("{}{text}\x1b[0m", self.colors(color.ink(), Some(color))),
             None => text.to_owned(),
         }
     }

@@ -153,7 +153,7 @@ pub(crate) fn run(args: &Train, common: &Common) -> anyhow::Result<()> {
         l3::write_npz(file, &pipeline)?;
     }
     if let Some(file) = &args.c_header {
-        l3::write_c_header(file, &pipeline, &prefix(file))?;
+        l3::write_c_header(file, &pipeline, &l3::c_prefix(file))?;
     }
     progress.finish();
     let text = if args.json {
@@ -168,13 +168,6 @@ pub(crate) fn run(args: &Train, common: &Common) -> anyhow::Result<()> {
 /// The folder of a file, if it does not exist.
 fn folder_to_make(file: &Path) -> Option<&Path> {
     file.parent().filter(|folder| !folder.as_os_str().is_empty() && !folder.exists())
-}
-
-/// The prefix of names in a C header: the name of its file.
-fn prefix(file: &Path) -> String {
-    let stem = file.file_stem().map(|s| s.to_string_lossy().into_owned()).unwrap_or_default();
-    let plain: String = stem.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '_' }).collect();
-    if plain.starts_with(|c: char| c.is_ascii_alphabetic()) { plain } else { format!("l3_{plain}") }
 }
 
 /// The training scenes; `None` when only pairs or saved statistics are given.
@@ -232,8 +225,7 @@ fn summary(pipeline: &Pipeline, file: &Path) -> String {
         ]
     };
     let rows: Vec<Vec<String>> = s.positions.iter().map(row).collect();
-    let names = pipeline.channel_names();
-    let clipped: Vec<String> = pipeline.saturations().iter().map(|&m| channels_of(m, names)).collect();
+    let clipped: Vec<String> = pipeline.saturations().iter().map(|&m| pipeline.clipped_names(m)).collect();
     format!(
         "{}\nA class is a combination of position in the mosaic, response level, texture and clipped channels. An occupied class has patches.\n\
          Its kernels are learned from its patches, interpolated between levels, pooled with similar classes, or those of the nearest level.\n\
@@ -251,39 +243,14 @@ fn summary(pipeline: &Pipeline, file: &Path) -> String {
     )
 }
 
-/// The names of the channels in a mask.
-fn channels_of(mask: u32, names: &[String]) -> String {
-    if mask == 0 {
-        return "none".into();
-    }
-    let set = names.iter().enumerate().filter(|(c, _)| mask >> c & 1 == 1);
-    set.map(|(_, n)| n.as_str()).collect::<Vec<_>>().join("")
-}
-
 fn json_summary(pipeline: &Pipeline, pairs: &[pairs::Report]) -> anyhow::Result<String> {
     let s = pipeline.summary();
-    let classes: Vec<serde_json::Value> = pipeline
-        .classes()
-        .iter()
-        .enumerate()
-        .map(|(i, class)| {
-            let key = pipeline.key(i);
-            json!({
-                "position": key.position,
-                "clipped": channels_of(key.saturation, pipeline.channel_names()),
-                "level": key.level,
-                "texture": pipeline.axes().textures().names()[usize::from(key.texture)],
-                "patches": class.count,
-                "origin": class.origin.name(),
-            })
-        })
-        .collect();
     let document = json!({
         "classes_that_occur": s.occupied,
         "operators": s.operators,
         "patches": s.patches,
         "pairs": pairs.iter().map(pairs::Report::json).collect::<Vec<_>>(),
-        "classes": classes,
+        "classes": pipeline.class_records(),
     });
     Ok(serde_json::to_string_pretty(&document)? + "\n")
 }

@@ -1,7 +1,7 @@
 //! NumPy arrays as arguments and results. Results are read-only views of the memory of an object, which they keep alive. Arguments are
 //! copied once, since the library owns its memory.
 
-use numpy::ndarray::{ArrayView, Dimension, IxDyn, ShapeBuilder};
+use numpy::ndarray::{ArrayView, Axis, Dimension, Ix3, IxDyn, ShapeBuilder};
 use numpy::{
     Element, PyArray, PyArrayDescr, PyArrayDyn, PyArrayMethods, PyReadonlyArrayDyn, PyUntypedArrayMethods,
 };
@@ -9,7 +9,7 @@ use pyo3::prelude::*;
 use smalti::numeric::Planes;
 use smalti::spectrum::WavelengthGrid;
 
-use crate::error::wrong;
+use crate::error::{OrRaise, wrong};
 
 /// Tolerance of a wavelength on an even grid, as a share of the step.
 const EVEN: f64 = 1e-3;
@@ -38,23 +38,12 @@ pub(crate) fn numbers(value: &Bound<'_, PyAny>, what: &str) -> PyResult<Vec<f64>
 pub(crate) fn planes(value: &Bound<'_, PyAny>, what: &str, last: &str) -> PyResult<Planes> {
     let array = array::<f32>(value, what)?;
     let view = array.as_array();
-    let (rows, cols, count) = match *view.shape() {
-        [rows, cols] => (rows, cols, 1),
-        [rows, cols, count] => (rows, cols, count),
-        _ => return Err(expected(what, &["rows", "columns", last], view.shape())),
-    };
-    let view = view
-        .into_shape_with_order((rows, cols, count))
-        .or_else(|_| array.as_array().into_dimensionality::<numpy::Ix3>());
+    let view = if view.ndim() == 2 { view.insert_axis(Axis(2)) } else { view };
+    let view = view.into_dimensionality::<Ix3>();
     let view = view.map_err(|_| expected(what, &["rows", "columns", last], array.shape()))?;
-    let mut planes = Planes::zeros(rows, cols, count);
-    let length = (rows * cols).max(1);
-    for (plane, from) in
-        planes.data_mut().chunks_exact_mut(length).zip(view.axis_iter(numpy::ndarray::Axis(2)))
-    {
-        plane.iter_mut().zip(from.iter()).for_each(|(to, v)| *to = *v);
-    }
-    Ok(planes)
+    let (rows, cols, count) = view.dim();
+    let samples = view.permuted_axes([2, 0, 1]).iter().copied().collect();
+    Planes::new(rows, cols, count, samples).or_raise()
 }
 
 /// Checks the number of axes of an array.
@@ -62,7 +51,8 @@ pub(crate) fn expect_axes(shape: &[usize], what: &str, axes: &[&str]) -> PyResul
     if shape.len() == axes.len() { Ok(()) } else { Err(expected(what, axes, shape)) }
 }
 
-fn expected(what: &str, axes: &[&str], shape: &[usize]) -> PyErr {
+/// The exception for an array of other axes.
+pub(crate) fn expected(what: &str, axes: &[&str], shape: &[usize]) -> PyErr {
     wrong(format!("{what}: expected an array [{}]; got shape {shape:?}", axes.join(", ")))
 }
 

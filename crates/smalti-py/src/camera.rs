@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use numpy::IntoPyArray;
 use numpy::PyArrayMethods;
+use pyo3::exceptions::PyOSError;
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyDict, PyString};
 use smalti::camera::{Camera, ScoreSettings};
@@ -15,7 +16,7 @@ use smalti_io::dng::DngInfo;
 use smalti_io::{Override, TomlSource, cameras};
 
 use crate::cfa::PyCfa;
-use crate::error::{OrRaise, SmaltiError, not_found, short, wrong};
+use crate::error::{OrRaise, one_of, short, wrong};
 use crate::image::PyImage;
 use crate::json::dict_of;
 use crate::photograph::PyPhotograph;
@@ -143,7 +144,8 @@ impl PyCamera {
 
     /// The scene with a field of view that fits the sensor. Scenes from files and arrays do not cover more pixels than they have samples.
     fn fitted(&self, scene: &PyScene) -> PyResult<PyScene> {
-        self.on_sensor(scene)
+        let fitted = self.camera.fitted(scene.scene.clone(), scene.is_file).or_raise()?;
+        Ok(PyScene { scene: fitted, fov_stated: true, ..scene.clone() })
     }
 
     /// The irradiance of a scene on the sensor. Scenes whose field of view was not stated are `fitted`.
@@ -154,7 +156,7 @@ impl PyCamera {
 
     /// The integration time for an optical image, s: stated in the description, or determined by its exposure rule.
     fn exposure_time_s(&self, py: Python<'_>, optical_image: &PyOpticalImage) -> PyResult<f64> {
-        let camera = self.on(optical_image.0.irradiance().grid())?;
+        let camera = self.camera.on_grid(optical_image.0.irradiance().grid()).or_raise()?;
         py.detach(|| camera.exposure(&optical_image.0)).or_raise().map(|e| e.time_s)
     }
 
@@ -175,7 +177,7 @@ impl PyCamera {
         time_s: Option<f64>,
     ) -> PyResult<PyRawImage> {
         let noise = noise_mode(noise)?;
-        let camera = self.on(optical_image.0.irradiance().grid())?;
+        let camera = self.camera.on_grid(optical_image.0.irradiance().grid()).or_raise()?;
         let raw = watched(py, None, |_| {
             let exposure = exposure(&camera, optical_image, time_s)?;
             camera.sensor.capture(&optical_image.0, &exposure, noise, seed).or_raise()
@@ -198,12 +200,9 @@ impl PyCamera {
         white_balance: &str,
     ) -> PyResult<PyImage> {
         let (light, white) = self.light(illuminant)?;
-        let camera = self.on(light.grid())?;
-        let (balance, white) = match white_balance {
-            "none" => (WhiteBalance::None, Some(white)),
-            "camera" => (camera.white_balance(), None),
-            other => return Err(wrong(format!("white_balance is '{other}'; expected none or camera"))),
-        };
+        let camera = self.camera.on_grid(light.grid()).or_raise()?;
+        let known = [("none", (WhiteBalance::None, Some(white))), ("camera", (camera.white_balance(), None))];
+        let (balance, white) = one_of("white_balance", white_balance, &known)?;
         watched(py, None, |_| {
             let image =
                 smalti::isp::Isp::render(&camera.isp(&light, balance).or_raise()?, &raw.raw).or_raise()?;
@@ -226,7 +225,7 @@ impl PyCamera {
         time_s: Option<f64>,
     ) -> PyResult<PyImage> {
         let (light, white) = self.light(illuminant)?;
-        let camera = self.on(light.grid())?;
+        let camera = self.camera.on_grid(light.grid()).or_raise()?;
         watched(py, None, |_| {
             let exposure = exposure(&camera, optical_image, time_s)?;
             let image = camera.reference_as_exposed(&optical_image.0, &exposure, &light).or_raise()?;
@@ -305,24 +304,10 @@ impl PyCamera {
         Ok(Self { camera: cameras::from_source(&source, overrides, grid).or_raise()? })
     }
 
-    /// The camera on the wavelengths of a scene.
-    pub(crate) fn on(&self, grid: WavelengthGrid) -> PyResult<Camera> {
-        self.camera.on_grid(grid).or_raise()
-    }
-
-    /// The scene with a field of view that fits the sensor.
-    pub(crate) fn on_sensor(&self, scene: &PyScene) -> PyResult<PyScene> {
-        Ok(PyScene {
-            scene: self.camera.fitted(scene.scene.clone(), scene.is_file).or_raise()?,
-            fov_stated: true,
-            ..scene.clone()
-        })
-    }
-
     /// Camera and scene on one wavelength grid, with the scene fitted to the sensor.
     fn before(&self, scene: &PyScene) -> PyResult<(Camera, PyScene)> {
-        let scene = if scene.fov_stated { scene.clone() } else { self.on_sensor(scene)? };
-        Ok((self.on(scene.scene.radiance().grid())?, scene))
+        let scene = if scene.fov_stated { scene.clone() } else { self.fitted(scene)? };
+        Ok((self.camera.on_grid(scene.scene.radiance().grid()).or_raise()?, scene))
     }
 
     /// The spectrum of an illuminant in photons, and its white point.
@@ -356,21 +341,18 @@ fn exposure(camera: &Camera, image: &PyOpticalImage, time_s: Option<f64>) -> PyR
 }
 
 fn noise_mode(name: &str) -> PyResult<NoiseMode> {
-    match name {
-        "all" => Ok(NoiseMode::All),
-        "shot" => Ok(NoiseMode::PhotonOnly),
-        "none" => Ok(NoiseMode::None),
-        other => Err(wrong(format!("noise is '{other}'; expected all, shot or none"))),
-    }
+    let known = [("all", NoiseMode::All), ("shot", NoiseMode::PhotonOnly), ("none", NoiseMode::None)];
+    one_of("noise", name, &known)
 }
 
 /// The exception for a camera or study that cannot be loaded; a missing file is a FileNotFoundError.
 pub(crate) fn diagnosed(name: &str, text: &str) -> PyErr {
     let is_toml = Path::new(name).extension().is_some_and(|e| e.eq_ignore_ascii_case("toml"));
+    const ENOENT: i32 = 2;
     if is_toml && !Path::new(name).exists() {
-        not_found(text.into())
+        PyOSError::new_err((ENOENT, text.to_owned()))
     } else {
-        SmaltiError::new_err(text.to_owned())
+        wrong(text)
     }
 }
 

@@ -2,7 +2,7 @@
 
 use numpy::PyUntypedArrayMethods;
 use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyString};
+use pyo3::types::{IntoPyDict, PyDict, PyString};
 use smalti::sensor::cfa;
 use smalti::sensor::{Cfa, Channel, Mosaic};
 use smalti::spectrum::{Extrapolation, Spectrum, WavelengthGrid};
@@ -75,13 +75,10 @@ impl PyCfa {
         let curves = arrays::array::<f64>(transmittances, "transmittances")?;
         arrays::expect_axes(curves.shape(), "transmittances", &["channels", "wavelengths"])?;
         let count = curves.shape().first().copied().unwrap_or(0);
-        let names = match channel_names {
-            Some(names) if names.len() == count => names,
-            Some(names) => {
-                return Err(wrong(format!("channel_names: {} names for {count} channels", names.len())));
-            }
-            None => (0..count).map(default_name).collect(),
-        };
+        let names = channel_names.unwrap_or_else(|| (0..count).map(default_name).collect());
+        if names.len() != count {
+            return Err(wrong(format!("channel_names: {} names for {count} channels", names.len())));
+        }
         let channel = |(name, values): (String, numpy::ndarray::ArrayViewD<'_, f64>)| {
             let transmittance =
                 Spectrum::new(grid, values.iter().copied().collect()).or_raise_about(&name)?;
@@ -116,18 +113,14 @@ impl PyCfa {
 
     /// Names of the channels, in the order of their numbers in `tile`.
     #[getter]
-    fn channel_names(&self) -> Vec<String> {
+    pub(crate) fn channel_names(&self) -> Vec<String> {
         self.0.channels().iter().map(|c| c.name.clone()).collect()
     }
 
     /// The transmittance of each channel, 0 to 1, by its name.
     #[getter]
     fn channels<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let channels = PyDict::new(py);
-        for c in self.0.channels() {
-            channels.set_item(&c.name, Bound::new(py, PySpectrum(c.transmittance.clone()))?)?;
-        }
-        Ok(channels)
+        self.0.channels().iter().map(|c| (&c.name, PySpectrum(c.transmittance.clone()))).into_py_dict(py)
     }
 
     /// The sampling wavelengths of the filters, nm, float64 [wavelengths].

@@ -3,14 +3,16 @@
 use numpy::ndarray::ArrayViewD;
 use numpy::{IntoPyArray, PyArrayMethods, PyUntypedArrayMethods};
 use pyo3::prelude::*;
-use smalti::color::difference::{delta_e_76, delta_e_94, delta_e_2000};
 use smalti::color::scielab::scielab;
 use smalti::color::{DeltaE, lab_from_xyz, xyz_from_lab};
 
 use crate::arrays;
-use crate::error::{OrRaise, wrong};
+use crate::error::{OrRaise, one_of, wrong};
 use crate::image::PyImage;
 use crate::work::{detached, watched};
+
+const FORMULAS: [(&str, DeltaE); 3] =
+    [("2000", DeltaE::Ciede2000), ("1994", DeltaE::Cie1994), ("1976", DeltaE::Cie1976)];
 
 /// The colour difference ΔE*ab or ΔE00.
 ///
@@ -29,12 +31,7 @@ pub(crate) fn delta_e<'py>(
     lab2: &Bound<'py, PyAny>,
     method: &str,
 ) -> PyResult<Bound<'py, PyAny>> {
-    let formula: fn([f64; 3], [f64; 3]) -> f64 = match method {
-        "2000" => delta_e_2000,
-        "1994" => delta_e_94,
-        "1976" => delta_e_76,
-        other => return Err(wrong(format!("method is '{other}'; expected 2000, 1994 or 1976"))),
-    };
+    let formula = one_of("method", method, &FORMULAS)?;
     let (a, b) = (arrays::array::<f64>(lab1, "lab1")?, arrays::array::<f64>(lab2, "lab2")?);
     if a.shape() != b.shape() {
         return Err(wrong(format!(
@@ -45,7 +42,8 @@ pub(crate) fn delta_e<'py>(
     }
     let (x, y) = (triples(&a.as_array(), "lab1")?, triples(&b.as_array(), "lab2")?);
     let shape = a.shape()[..a.shape().len() - 1].to_vec();
-    let values = detached(py, || Ok(x.iter().zip(&y).map(|(&a, &b)| formula(a, b)).collect::<Vec<f64>>()))?;
+    let values =
+        detached(py, || Ok(x.iter().zip(&y).map(|(&a, &b)| formula.between(a, b)).collect::<Vec<f64>>()))?;
     Ok(values.into_pyarray(py).reshape(shape)?.into_any())
 }
 
@@ -94,12 +92,7 @@ pub(crate) fn scielab_map<'py>(
     samples_per_degree: f64,
     method: &str,
 ) -> PyResult<Bound<'py, PyAny>> {
-    let formula = match method {
-        "1976" => DeltaE::Cie1976,
-        "1994" => DeltaE::Cie1994,
-        "2000" => DeltaE::Ciede2000,
-        other => return Err(wrong(format!("method is '{other}'; expected 1976, 1994 or 2000"))),
-    };
+    let formula = one_of("method", method, &FORMULAS)?;
     let map = watched(py, None, |_| {
         scielab(&reference.image, &picture.image, white, samples_per_degree, formula).or_raise()
     })?;

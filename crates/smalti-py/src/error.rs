@@ -40,6 +40,16 @@ pub(crate) fn wrong(message: impl Into<String>) -> PyErr {
     SmaltiError::new_err(message.into())
 }
 
+/// The value of a name; the exception for another name lists the known ones.
+pub(crate) fn one_of<T: Copy>(what: &str, name: &str, known: &[(&str, T)]) -> PyResult<T> {
+    if let Some((_, value)) = known.iter().find(|(n, _)| *n == name) {
+        return Ok(*value);
+    }
+    let names: Vec<&str> = known.iter().map(|(n, _)| *n).collect();
+    let (last, others) = names.split_last().unwrap_or((&"", &[]));
+    Err(wrong(format!("{what} is '{name}'; expected {} or {last}", others.join(", "))))
+}
+
 /// The exception for an error: an OSError with its number for errors of the operating system, else a SmaltiError.
 fn raised(error: &(dyn Error + 'static), text: String) -> PyErr {
     let mut cause = Some(error);
@@ -53,12 +63,6 @@ fn raised(error: &(dyn Error + 'static), text: String) -> PyErr {
         cause = e.source();
     }
     SmaltiError::new_err(text)
-}
-
-/// The exception for a missing file, where the library reports only a message.
-pub(crate) fn not_found(text: String) -> PyErr {
-    const ENOENT: i32 = 2;
-    PyOSError::new_err((ENOENT, text))
 }
 
 /// A number with four significant digits.

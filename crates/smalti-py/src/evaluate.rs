@@ -1,7 +1,7 @@
 //! Scores of cameras on built-in targets and on scenes.
 
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
+use pyo3::types::{IntoPyDict, PyDict};
 use smalti::camera::{
     Evaluation, EvaluationSettings, LightGainSettings, ScoreSettings, score_picture, test_scenes,
 };
@@ -30,6 +30,33 @@ pub(crate) fn cache(keep: bool) -> Cache {
 #[pyclass(name = "Evaluation", module = "smalti", frozen)]
 #[derive(Debug, Clone)]
 pub(crate) struct PyEvaluation {
+    /// Mean CIEDE2000 between the patches of the picture and the ColorChecker, with the white patch at Y = 100.
+    #[pyo3(get)]
+    delta_e_2000: f64,
+    /// The same with ΔE*ab of 1976.
+    #[pyo3(get)]
+    delta_e_76: f64,
+    /// Frequency at which the SFR of a slanted edge falls to one half, cycles per mm on the sensor.
+    #[pyo3(get)]
+    mtf50_cy_per_mm: f64,
+    /// The same in cycles per pixel.
+    #[pyo3(get)]
+    mtf50_cy_per_px: f64,
+    /// Mean over the grey patches of 100 · std(Y) / mean(Y), percent.
+    #[pyo3(get)]
+    luminance_noise_percent: f64,
+    /// Median over the grey patches of the reciprocal of the visible noise.
+    #[pyo3(get)]
+    visual_snr: f64,
+    /// Energy in the picture of the zone plate that the zone plate does not contain, percent.
+    #[pyo3(get)]
+    aliasing_percent: f64,
+    /// Share of saturated raw samples of the chart, percent.
+    #[pyo3(get)]
+    saturated_percent: f64,
+    /// Dynamic range from the dark noise to saturation, dB (EMVA 1288).
+    #[pyo3(get)]
+    dynamic_range_db: f64,
     scores: Evaluation,
     camera: String,
     pictures: [(&'static str, PyImage); 3],
@@ -38,60 +65,6 @@ pub(crate) struct PyEvaluation {
 
 #[pymethods]
 impl PyEvaluation {
-    /// Mean CIEDE2000 between the patches of the picture and the ColorChecker, with the white patch at Y = 100.
-    #[getter]
-    fn delta_e_2000(&self) -> f64 {
-        self.scores.delta_e_2000.mean
-    }
-
-    /// The same with ΔE*ab of 1976.
-    #[getter]
-    fn delta_e_76(&self) -> f64 {
-        self.scores.delta_e_76.mean
-    }
-
-    /// Frequency at which the SFR of a slanted edge falls to one half, cycles per mm on the sensor.
-    #[getter]
-    fn mtf50_cy_per_mm(&self) -> f64 {
-        self.scores.mtf50_cy_per_mm
-    }
-
-    /// The same in cycles per pixel.
-    #[getter]
-    fn mtf50_cy_per_px(&self) -> f64 {
-        self.scores.mtf50_cy_per_px
-    }
-
-    /// Mean over the grey patches of 100 · std(Y) / mean(Y), percent.
-    #[getter]
-    fn luminance_noise_percent(&self) -> f64 {
-        self.scores.luminance_noise_percent.mean
-    }
-
-    /// Median over the grey patches of the reciprocal of the visible noise.
-    #[getter]
-    fn visual_snr(&self) -> f64 {
-        self.scores.visual_snr.median
-    }
-
-    /// Energy in the picture of the zone plate that the zone plate does not contain, percent.
-    #[getter]
-    fn aliasing_percent(&self) -> f64 {
-        self.scores.aliasing_percent
-    }
-
-    /// Share of saturated raw samples of the chart, percent.
-    #[getter]
-    fn saturated_percent(&self) -> f64 {
-        self.scores.saturated_percent
-    }
-
-    /// Dynamic range from the dark noise to saturation, dB (EMVA 1288).
-    #[getter]
-    fn dynamic_range_db(&self) -> f64 {
-        self.scores.dynamic_range_db
-    }
-
     /// All scores, also for each patch, with the names of `smalti evaluate --json`.
     fn to_dict<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         dict_of(py, &self.scores)
@@ -100,11 +73,7 @@ impl PyEvaluation {
     /// The pictures of the targets in XYZ: "macbeth" with all noise, "edge" and "zone-plate" without.
     #[getter]
     fn pictures<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let pictures = PyDict::new(py);
-        for (name, picture) in &self.pictures {
-            pictures.set_item(name, Bound::new(py, picture.clone())?)?;
-        }
-        Ok(pictures)
+        self.pictures.clone().into_py_dict(py)
     }
 
     /// The difference of the picture of the zone plate from the zone plate, linear sRGB, float32 [rows, columns, 3]: a view.
@@ -158,6 +127,15 @@ pub(crate) fn evaluate(
     })?;
     let shown = |image| PyImage::new(image, Some(white));
     Ok(PyEvaluation {
+        delta_e_2000: scores.delta_e_2000.mean,
+        delta_e_76: scores.delta_e_76.mean,
+        mtf50_cy_per_mm: scores.mtf50_cy_per_mm,
+        mtf50_cy_per_px: scores.mtf50_cy_per_px,
+        luminance_noise_percent: scores.luminance_noise_percent.mean,
+        visual_snr: scores.visual_snr.median,
+        aliasing_percent: scores.aliasing_percent,
+        saturated_percent: scores.saturated_percent,
+        dynamic_range_db: scores.dynamic_range_db,
         scores,
         camera: name.clone(),
         pictures: [
@@ -173,6 +151,15 @@ pub(crate) fn evaluate(
 #[pyclass(name = "SceneScores", module = "smalti", frozen)]
 #[derive(Debug, Clone)]
 pub(crate) struct PySceneScores {
+    /// Ratio of white to the RMS difference over X, Y and Z, dB.
+    #[pyo3(get)]
+    cpsnr_db: f64,
+    /// Mean CIEDE2000 of the pixels.
+    #[pyo3(get)]
+    pixel_delta_e_2000_mean: f64,
+    /// Mean S-CIELAB difference (ΔE 1976 after the spatial filtering of the eye).
+    #[pyo3(get)]
+    scielab_mean: f64,
     scores: smalti::camera::SceneScores,
     processing: &'static str,
     scene: String,
@@ -191,24 +178,6 @@ impl PySceneScores {
         Ok(dict)
     }
 
-    /// Ratio of white to the RMS difference over X, Y and Z, dB.
-    #[getter]
-    fn cpsnr_db(&self) -> f64 {
-        self.scores.scores.cpsnr_db
-    }
-
-    /// Mean CIEDE2000 of the pixels.
-    #[getter]
-    fn pixel_delta_e_2000_mean(&self) -> f64 {
-        self.scores.scores.pixel_delta_e_2000_mean
-    }
-
-    /// Mean S-CIELAB difference (ΔE 1976 after the spatial filtering of the eye).
-    #[getter]
-    fn scielab_mean(&self) -> f64 {
-        self.scores.scores.scielab_mean
-    }
-
     /// The picture in XYZ under the illuminant of the scene.
     #[getter]
     fn picture(&self) -> PyImage {
@@ -222,10 +191,9 @@ impl PySceneScores {
     }
 
     fn __repr__(&self) -> String {
-        let s = &self.scores.scores;
         format!(
             "<smalti.SceneScores of '{}' at {} cd/m²: {:.2} dB, ΔE2000 {:.2}, S-CIELAB {:.2}>",
-            self.scene, self.luminance_cd_m2, s.cpsnr_db, s.pixel_delta_e_2000_mean, s.scielab_mean
+            self.scene, self.luminance_cd_m2, self.cpsnr_db, self.pixel_delta_e_2000_mean, self.scielab_mean
         )
     }
 }
@@ -272,6 +240,9 @@ pub(crate) fn score_scenes(
                 let scored = score_scene(&contender, &setup, luminance_cd_m2, seed, &score, watch);
                 let (scores, _) = scored.or_raise_about(scene.name())?;
                 all.push(PySceneScores {
+                    cpsnr_db: scores.scores.cpsnr_db,
+                    pixel_delta_e_2000_mean: scores.scores.pixel_delta_e_2000_mean,
+                    scielab_mean: scores.scores.scielab_mean,
                     scores,
                     processing: contender.processing.name(),
                     scene: scene.name().to_owned(),
@@ -333,10 +304,8 @@ pub(crate) fn light_gain<'py>(
         score: default.score,
     };
     let (of, than) = (pipelines.0.as_deref().map(|p| &p.0), pipelines.1.as_deref().map(|p| &p.0));
-    let name = |camera: &PyCamera| camera.camera.description().name.clone();
-    let (first, second) = (name(camera), name(other));
-    let a = Contender::with_pipeline(&camera.camera, &first, of);
-    let b = Contender::with_pipeline(&other.camera, &second, than);
+    let a = Contender::with_pipeline(&camera.camera, &camera.camera.description().name, of);
+    let b = Contender::with_pipeline(&other.camera, &other.camera.description().name, than);
     let gains = watched(py, progress, |watch| light_gain_between(&a, &b, &settings, watch).or_raise())?;
     dict_of(py, &gains)
 }

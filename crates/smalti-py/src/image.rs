@@ -31,7 +31,8 @@ const SPACES: [(&str, ColorSpace); 5] = [
 #[derive(Debug, Clone)]
 pub(crate) struct PyImage {
     pub(crate) image: Image,
-    /// White point of the illuminant, Y = 1.
+    /// X, Y, Z of the illuminant, Y = 1; None where it is unknown.
+    #[pyo3(get)]
     pub(crate) white: Option<[f64; 3]>,
 }
 
@@ -113,12 +114,6 @@ impl PyImage {
         (self.image.rows(), self.image.cols(), 3)
     }
 
-    /// X, Y, Z of the illuminant, Y = 1; None where it is unknown.
-    #[getter]
-    fn white(&self) -> Option<[f64; 3]> {
-        self.white
-    }
-
     /// The picture in another colour space, without chromatic adaptation.
     fn converted(&self, py: Python<'_>, space: &str) -> PyResult<Self> {
         let space = space_of(space)?;
@@ -192,10 +187,7 @@ impl PyImage {
 
     /// In sRGB, three bytes per pixel, row by row.
     fn bytes(&self) -> PyResult<Vec<u8>> {
-        let shown = self.encoded()?.converted(ColorSpace::Srgb).or_raise()?;
-        let [r, g, b] = [0, 1, 2].map(|c| shown.planes().plane(c));
-        let byte = |v: f32| (v.clamp(0.0, 1.0) * 255.0).round() as u8;
-        Ok(r.iter().zip(g).zip(b).flat_map(|((&r, &g), &b)| [r, g, b].map(byte)).collect())
+        Ok(self.encoded()?.converted(ColorSpace::Srgb).or_raise()?.rgb8())
     }
 }
 

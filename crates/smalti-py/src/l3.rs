@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use numpy::IntoPyArray;
 use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyString};
+use pyo3::types::{IntoPyDict, PyDict, PyString};
 use smalti::camera::{LevelRule, TrainingSettings, TrainingTarget, training_scenes};
 use smalti::color::{ColorSpace, Image};
 use smalti::experiment::{
@@ -19,13 +19,18 @@ use smalti_io::{l3, memory};
 
 use crate::arrays;
 use crate::camera::PyCamera;
-use crate::error::{OrRaise, wrong};
+use crate::error::{OrRaise, one_of, wrong};
 use crate::image::PyImage;
-use crate::json::loads;
+use crate::json::{dict_of, loads};
 use crate::raw::PyRawImage;
 use crate::scene::PyScene;
 use crate::spectrum::light;
 use crate::work::watched;
+
+const LEVEL_RULES: [(&str, LevelRule); 2] =
+    [("logarithmic", LevelRule::Logarithmic), ("noise-steps", LevelRule::NoiseSteps)];
+const TEXTURES: [(&str, Textures); 3] =
+    [("none", Textures::None), ("flat-texture", Textures::FlatTexture), ("oriented", Textures::Oriented)];
 
 /// A learned pipeline: a table of linear operators, one for each class of patches. `train` makes one.
 #[pyclass(name = "Pipeline", module = "smalti", frozen)]
@@ -47,14 +52,7 @@ impl PyPipeline {
         watched(py, None, |_| match extension.as_str() {
             "l3" => l3::write_table(&path, &self.0).or_raise(),
             "npz" => l3::write_npz(&path, &self.0).or_raise(),
-            "h" => {
-                let stem = path.file_stem().map(|s| s.to_string_lossy().into_owned()).unwrap_or_default();
-                let plain: String =
-                    stem.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '_' }).collect();
-                let letter = plain.starts_with(|c: char| c.is_ascii_alphabetic());
-                let prefix = if letter { plain } else { format!("l3_{plain}") };
-                l3::write_c_header(&path, &self.0, &prefix).or_raise()
-            }
+            "h" => l3::write_c_header(&path, &self.0, &l3::c_prefix(&path)).or_raise(),
             _ => Err(wrong(format!("{}: expected a name that ends in .l3, .npz or .h", path.display()))),
         })
     }
@@ -89,14 +87,12 @@ impl PyPipeline {
         fixed_point: bool,
     ) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyDict>)> {
         let Rendered { planes, outside } = self.rendered(py, raw, fixed_point)?;
-        let unlike = PyDict::new(py);
-        unlike.set_item("darker", outside.darker)?;
-        unlike.set_item("brighter", outside.brighter)?;
-        unlike.set_item("saturation", outside.saturation)?;
+        let unlike =
+            [("darker", outside.darker), ("brighter", outside.brighter), ("saturation", outside.saturation)];
         let (rows, cols, count) = (planes.rows(), planes.cols(), planes.count());
         let flat = planes.into_data().into_pyarray(py);
         let array = flat.call_method1("reshape", ((count, rows, cols),))?;
-        Ok((array.call_method1("transpose", (1, 2, 0))?, unlike))
+        Ok((array.call_method1("transpose", (1, 2, 0))?, unlike.into_py_dict(py)?))
     }
 
     /// Names of the outputs, X, Y, Z for pictures.
@@ -120,33 +116,15 @@ impl PyPipeline {
     /// The kernels, float32 [positions, saturations, levels, textures, outputs, side, side]: a view, not writeable.
     #[getter]
     fn weights<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
-        let p = &slf.get().0;
-        let axes = p.axes();
-        let shape = [
-            axes.positions(),
-            p.saturations().len(),
-            axes.level_count(),
-            axes.textures().count(),
-            p.outputs().len(),
-            axes.side(),
-            axes.side(),
-        ];
+        let (p, side) = (&slf.get().0, slf.get().0.axes().side());
+        let shape = [&slf.get().shape()[..], &[side, side]].concat();
         arrays::slice_view(slf.as_any().clone(), &shape, &p.kernels().weights)
     }
 
     /// The offsets, float32 [positions, saturations, levels, textures, outputs]: a view, not writeable.
     #[getter]
     fn offsets<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
-        let p = &slf.get().0;
-        let axes = p.axes();
-        let shape = [
-            axes.positions(),
-            p.saturations().len(),
-            axes.level_count(),
-            axes.textures().count(),
-            p.outputs().len(),
-        ];
-        arrays::slice_view(slf.as_any().clone(), &shape, &p.kernels().offsets)
+        arrays::slice_view(slf.as_any().clone(), &slf.get().shape(), &slf.get().0.kernels().offsets)
     }
 
     /// Names of the texture classes.
@@ -162,19 +140,8 @@ impl PyPipeline {
     }
 
     /// A record for each class, ready for a data frame: position, clipped channels, level, texture, patches, origin of its kernel.
-    fn classes<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyDict>>> {
-        let names = self.0.axes().textures().names();
-        let record = |(i, class): (usize, &smalti::l3::Class)| {
-            let (key, record) = (self.0.key(i), PyDict::new(py));
-            record.set_item("position", key.position)?;
-            record.set_item("clipped", clipped(key.saturation, self.0.channel_names()))?;
-            record.set_item("level", key.level)?;
-            record.set_item("texture", names.get(usize::from(key.texture)))?;
-            record.set_item("patches", class.count)?;
-            record.set_item("origin", class.origin.name())?;
-            Ok(record)
-        };
-        self.0.classes().iter().enumerate().map(record).collect()
+    fn classes<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        dict_of(py, &self.0.class_records())
     }
 
     fn __repr__(&self) -> String {
@@ -193,6 +160,13 @@ impl PyPipeline {
 }
 
 impl PyPipeline {
+    /// Numbers of positions, saturations, levels, textures and outputs.
+    fn shape(&self) -> [usize; 5] {
+        let (p, axes) = (&self.0, self.0.axes());
+        let saturations = p.saturations().len();
+        [axes.positions(), saturations, axes.level_count(), axes.textures().count(), p.outputs().len()]
+    }
+
     fn rendered(&self, py: Python<'_>, raw: &PyRawImage, fixed_point: bool) -> PyResult<Rendered> {
         watched(py, None, |_| {
             let raw = raw.raw.clone().with_channels(self.0.channel_names());
@@ -253,9 +227,9 @@ impl PyStatistics {
 }
 
 /// The camera, settings and sources of statistics, for the provenance of pipelines.
-#[pyclass(name = "TrainingStory", module = "smalti._smalti", frozen)]
+#[pyclass(name = "TrainingRecord", module = "smalti._smalti", frozen)]
 #[derive(Debug)]
-pub(crate) struct PyTrainingStory(TrainingRecord);
+pub(crate) struct PyTrainingRecord(TrainingRecord);
 
 /// Gathers statistics; see `smalti.gather`.
 #[pyfunction]
@@ -277,26 +251,14 @@ pub(crate) fn gather_statistics(
     sharp: bool,
     seed: u64,
     progress: Option<&Bound<'_, PyAny>>,
-) -> PyResult<(PyStatistics, PyTrainingStory)> {
+) -> PyResult<(PyStatistics, PyTrainingRecord)> {
     let own = &camera.camera;
     ensure_mosaic(own).or_raise()?;
     let settings = TrainingSettings {
         side: patch,
         levels,
-        level_rule: one_of(
-            "level_rule",
-            level_rule,
-            &[("logarithmic", LevelRule::Logarithmic), ("noise-steps", LevelRule::NoiseSteps)],
-        )?,
-        textures: one_of(
-            "textures",
-            textures,
-            &[
-                ("none", Textures::None),
-                ("flat-texture", Textures::FlatTexture),
-                ("oriented", Textures::Oriented),
-            ],
-        )?,
+        level_rule: one_of("level_rule", level_rule, &LEVEL_RULES)?,
+        textures: one_of("textures", textures, &TEXTURES)?,
         target: target_of(target)?,
         target_light: target_illuminant.map(light).transpose()?,
         sharp,
@@ -347,7 +309,7 @@ pub(crate) fn gather_statistics(
         Ok((statistics, sources))
     })?;
     let story = TrainingRecord { camera: own.description().clone(), settings, sources };
-    Ok((PyStatistics(statistics), PyTrainingStory(story)))
+    Ok((PyStatistics(statistics), PyTrainingRecord(story)))
 }
 
 /// Number of scenes of the default training set.
@@ -363,7 +325,7 @@ pub(crate) fn training_set_len() -> usize {
 pub(crate) fn solve_statistics(
     py: Python<'_>,
     statistics: &PyStatistics,
-    story: Option<&PyTrainingStory>,
+    story: Option<&PyTrainingRecord>,
     solver: &str,
     alpha_flat: Option<(f64, f64)>,
     alpha_texture: Option<(f64, f64)>,
@@ -405,19 +367,4 @@ fn target_of(value: &Bound<'_, PyAny>) -> PyResult<TrainingTarget> {
         Ok("xyz") => Ok(TrainingTarget::Xyz),
         _ => Err(wrong("target: expected \"xyz\" or a Camera")),
     }
-}
-
-fn one_of<T: Clone>(what: &str, name: &str, known: &[(&str, T)]) -> PyResult<T> {
-    let found = known.iter().find(|(n, _)| *n == name).map(|(_, v)| v.clone());
-    let names = || known.iter().map(|(n, _)| *n).collect::<Vec<_>>().join(", ");
-    found.ok_or_else(|| wrong(format!("{what} is '{name}'; expected one of {}", names())))
-}
-
-/// The names of the channels in a mask.
-fn clipped(mask: u32, names: &[String]) -> String {
-    if mask == 0 {
-        return "none".into();
-    }
-    let set = names.iter().enumerate().filter(|(c, _)| mask >> c & 1 == 1);
-    set.map(|(_, n)| n.as_str()).collect::<Vec<_>>().join("")
 }

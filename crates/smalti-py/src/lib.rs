@@ -30,45 +30,31 @@ use pyo3::prelude::*;
 /// The implementation of the package `smalti`, which documents it.
 #[pymodule]
 mod _smalti {
-    #[pymodule_export]
-    use crate::camera::{PyCamera, camera_labels, camera_names};
-    #[pymodule_export]
-    use crate::cfa::{PyCfa, cfas, filters};
-    #[pymodule_export]
-    use crate::cluster::{PyPartMaker, PySharedFolder, PySharedPlace, scenes_in_files};
-    #[pymodule_export]
-    use crate::color::{delta_e, lab, scielab_map, xyz};
     #[cfg(feature = "command")]
     #[pymodule_export]
     use crate::command::run_command;
     #[pymodule_export]
-    use crate::error::SmaltiError;
-    #[pymodule_export]
-    use crate::evaluate::{
-        PyEvaluation, PySceneScores, evaluate, light_gain, score_pictures, score_scenes, test_scene_names,
+    use crate::{
+        camera::{PyCamera, camera_labels, camera_names},
+        cfa::{PyCfa, cfas, filters},
+        cluster::{PyPartMaker, PySharedFolder, PySharedPlace, scenes_in_files},
+        color::{delta_e, lab, scielab_map, xyz},
+        error::SmaltiError,
+        evaluate::{
+            PyEvaluation, PySceneScores, evaluate, light_gain, score_pictures, score_scenes, test_scene_names,
+        },
+        image::PyImage,
+        l3::{
+            PyPipeline, PyStatistics, PyTrainingRecord, gather_statistics, solve_statistics, training_set_len,
+        },
+        metrics::{PyEdge, aliasing, cpsnr_db, edge_sfr, luminance_noise_percent, metrics, visual_snr},
+        photograph::PyPhotograph,
+        raw::PyRawImage,
+        report::write_report,
+        scene::{PyOpticalImage, PyScene, scenes},
+        spectrum::{PySpectrum, illuminant, illuminants},
+        study::{PyResults, PyStudy, designs_missing, merge, parse_shard, run_sweep, study_names},
     };
-    #[pymodule_export]
-    use crate::image::PyImage;
-    #[pymodule_export]
-    use crate::l3::{
-        PyPipeline, PyStatistics, PyTrainingStory, gather_statistics, solve_statistics, training_set_len,
-    };
-    #[pymodule_export]
-    use crate::metrics::{
-        PyEdge, aliasing, cpsnr_db, edge_sfr, luminance_noise_percent, metrics, visual_snr,
-    };
-    #[pymodule_export]
-    use crate::photograph::PyPhotograph;
-    #[pymodule_export]
-    use crate::raw::PyRawImage;
-    #[pymodule_export]
-    use crate::report::write_report;
-    #[pymodule_export]
-    use crate::scene::{PyOpticalImage, PyScene, scenes};
-    #[pymodule_export]
-    use crate::spectrum::{PySpectrum, illuminant, illuminants};
-    #[pymodule_export]
-    use crate::study::{PyResults, PyStudy, merge, parse_shard, run_sweep, study_names, trials_missing};
 
     /// The version of the package and of the command.
     #[pymodule_export]

@@ -2,13 +2,13 @@
 
 use numpy::IntoPyArray;
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
+use pyo3::types::{IntoPyDict, PyDict};
 use smalti::metrics::aliasing::aliasing as measure_aliasing;
 use smalti::metrics::esfr::{EdgeSfr, EsfrOptions, edge_sfr as measure_edge, raw_channel_sfr};
 use smalti::metrics::luminance_noise::luminance_noise as measure_noise;
 use smalti::metrics::psnr::psnr as measure_psnr;
 use smalti::metrics::visual_snr::visual_snr as measure_visual_snr;
-use smalti::metrics::{Better, CATALOG, Rect};
+use smalti::metrics::{Better, CATALOG, MetricInfo, Rect};
 use smalti::numeric::Planes;
 
 use crate::arrays;
@@ -218,21 +218,15 @@ pub(crate) fn visual_snr(
 /// All metrics: name, unit, better direction ("lower", "higher" or None), meaning, source.
 #[pyfunction]
 pub(crate) fn metrics(py: Python<'_>) -> PyResult<Vec<Bound<'_, PyDict>>> {
-    let record = |m: &smalti::metrics::MetricInfo| {
-        let record = PyDict::new(py);
-        record.set_item("name", m.name)?;
-        record.set_item("unit", m.unit)?;
-        record.set_item(
-            "better",
-            match m.better {
-                Better::Lower => Some("lower"),
-                Better::Higher => Some("higher"),
-                Better::Neither => None,
-            },
-        )?;
-        record.set_item("doc", m.doc)?;
-        record.set_item("source", m.source)?;
-        Ok(record)
+    let record = |m: &MetricInfo| {
+        let better = match m.better {
+            Better::Lower => Some("lower"),
+            Better::Higher => Some("higher"),
+            Better::Neither => None,
+        };
+        let [name, unit, doc, source] = [m.name, m.unit, m.doc, m.source].map(Some);
+        [("name", name), ("unit", unit), ("better", better), ("doc", doc), ("source", source)]
+            .into_py_dict(py)
     };
     CATALOG.iter().map(record).collect()
 }

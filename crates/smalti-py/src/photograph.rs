@@ -17,8 +17,14 @@ use crate::work::watched;
 #[pyclass(name = "Photograph", module = "smalti", frozen)]
 #[derive(Debug, Clone)]
 pub(crate) struct PyPhotograph {
+    /// Irradiance on the sensor.
+    #[pyo3(get)]
     pub(crate) optical_image: PyOpticalImage,
+    /// The raw image.
+    #[pyo3(get)]
     pub(crate) raw: PyRawImage,
+    /// The picture in XYZ, with the white balance of the camera's description.
+    #[pyo3(get)]
     pub(crate) picture: PyImage,
     pub(crate) exposure: Exposure,
     pub(crate) light: Spectrum,
@@ -30,24 +36,6 @@ pub(crate) struct PyPhotograph {
 
 #[pymethods]
 impl PyPhotograph {
-    /// Irradiance on the sensor.
-    #[getter]
-    fn optical_image(&self) -> PyOpticalImage {
-        self.optical_image.clone()
-    }
-
-    /// The raw image.
-    #[getter]
-    fn raw(&self) -> PyRawImage {
-        self.raw.clone()
-    }
-
-    /// The picture in XYZ, with the white balance of the camera's description.
-    #[getter]
-    fn picture(&self) -> PyImage {
-        self.picture.clone()
-    }
-
     /// Integration time, s.
     #[getter]
     fn exposure_time_s(&self) -> f64 {

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use numpy::{IntoPyArray, PyArrayMethods, PyUntypedArrayMethods};
+use numpy::{IntoPyArray, PyArrayMethods};
 use pyo3::prelude::*;
 use smalti::sensor::{RawImage, RawSamples, Sampling};
 use smalti_io::Limits;
@@ -27,7 +27,8 @@ use crate::work::watched;
 #[derive(Debug, Clone)]
 pub(crate) struct PyRawImage {
     pub(crate) raw: RawImage,
-    /// Notes of the reader of its file.
+    /// Notes on what the reader simplified or ignored.
+    #[pyo3(get)]
     pub(crate) notes: Vec<String>,
     /// The metadata of a DNG.
     pub(crate) info: Option<DngInfo>,
@@ -50,11 +51,7 @@ impl PyRawImage {
         let (rows, cols, planes) = match (shape.as_slice(), tile.is_some()) {
             (&[rows, cols], true) => (rows, cols, 1),
             (&[rows, cols, channels], false) => (rows, cols, channels),
-            (_, true) => {
-                return Err(wrong(format!(
-                    "samples: expected an array [rows, columns]; got shape {shape:?}"
-                )));
-            }
+            (_, true) => return Err(arrays::expected("samples", &["rows", "columns"], &shape)),
             (_, false) => {
                 return Err(wrong(format!(
                     "samples: expected an array [rows, columns, channels], or a tile of channels; got shape {shape:?}"
@@ -62,24 +59,18 @@ impl PyRawImage {
             }
         };
         let samples = if kind == "f" {
-            RawSamples::Analog(planar(&as_array, planes)?)
+            RawSamples::Analog(planar(&as_array)?)
         } else {
             let whole = arrays::array::<i64>(&as_array, "samples")?;
             if let Some(v) = whole.as_array().iter().find(|v| u16::try_from(**v).is_err()) {
                 return Err(wrong(format!("samples: {v} is out of range; expected 0 to 65535")));
             }
-            RawSamples::Digital(planar(&as_array, planes)?)
+            RawSamples::Digital(planar(&as_array)?)
         };
         let (sampling, names) = match tile {
             None => (Sampling::Full { channels: planes }, None),
             Some(tile) => match tile.cast::<PyCfa>() {
-                Ok(cfa) => {
-                    let cfa = &cfa.get().0;
-                    (
-                        Sampling::Mosaic(cfa.mosaic().clone()),
-                        Some(cfa.channels().iter().map(|c| c.name.clone()).collect()),
-                    )
-                }
+                Ok(cfa) => (Sampling::Mosaic(cfa.get().0.mosaic().clone()), Some(cfa.get().channel_names())),
                 Err(_) => (Sampling::Mosaic(mosaic(tile)?), None),
             },
         };
@@ -180,12 +171,6 @@ impl PyRawImage {
         self.raw.saturated_percent()
     }
 
-    /// Notes on what the reader simplified or ignored.
-    #[getter]
-    fn notes(&self) -> Vec<String> {
-        self.notes.clone()
-    }
-
     /// The same image with its channels in the order of these names; unchanged where the names differ from its own.
     fn with_channels(&self, names: Vec<String>) -> Self {
         Self { raw: self.raw.clone().with_channels(&names), ..self.clone() }
@@ -206,15 +191,9 @@ impl PyRawImage {
 }
 
 /// Samples in the order plane, row, column.
-fn planar<T: numpy::Element + Copy>(array: &Bound<'_, PyAny>, planes: usize) -> PyResult<Vec<T>> {
+fn planar<T: numpy::Element + Copy>(array: &Bound<'_, PyAny>) -> PyResult<Vec<T>> {
     let array = arrays::array::<T>(array, "samples")?;
     let view = array.as_array();
-    if view.ndim() == 2 {
-        return Ok(view.iter().copied().collect());
-    }
-    let mut out = Vec::with_capacity(array.len());
-    for plane in view.axis_iter(numpy::ndarray::Axis(2)).take(planes) {
-        out.extend(plane.iter().copied());
-    }
-    Ok(out)
+    let view = if view.ndim() == 2 { view } else { view.permuted_axes(vec![2, 0, 1]) };
+    Ok(view.iter().copied().collect())
 }

@@ -12,10 +12,18 @@ use smalti_io::scene_file::{self, Crop, Format, Quantity, ReadOptions, SpectralF
 use smalti_io::{SceneRequest, exr, matlab, spectral_tiff};
 
 use crate::arrays;
-use crate::error::{OrRaise, short, wrong};
+use crate::error::{OrRaise, one_of, short, wrong};
 use crate::image::PyImage;
 use crate::spectrum::{PySpectrum, grid_of, grid_or_visible, light, wavelengths};
 use crate::work::watched;
+
+/// What values can be; radiance first.
+const QUANTITIES: [(&str, Quantity); 4] = [
+    ("photons", Quantity::Photons),
+    ("energy", Quantity::Energy),
+    ("relative-energy", Quantity::RelativeEnergy),
+    ("reflectance", Quantity::Reflectance),
+];
 
 /// A flat scene of spectral radiance in front of the camera.
 ///
@@ -84,7 +92,7 @@ impl PyScene {
             read: ReadOptions {
                 clamp_negative,
                 grid,
-                quantity: quantity.map(quantity_of).transpose()?,
+                quantity: quantity.map(|q| one_of("quantity", q, &QUANTITIES)).transpose()?,
                 variable,
                 crop: crop.map(|(row, col, rows, cols)| Crop { row, col, rows, cols }),
                 ..ReadOptions::default()
@@ -120,14 +128,7 @@ impl PyScene {
         fov_deg: Option<f64>,
         name: &str,
     ) -> PyResult<Self> {
-        let quantity = match unit {
-            "photons" => Quantity::Photons,
-            "energy" => Quantity::Energy,
-            "relative-energy" => Quantity::RelativeEnergy,
-            other => {
-                return Err(wrong(format!("unit is '{other}'; expected photons, energy or relative-energy")));
-            }
-        };
+        let quantity = one_of("unit", unit, &QUANTITIES[..3])?;
         let cube = cube(radiance, "radiance", wavelengths_nm)?;
         Self::from_cube(cube, quantity, illuminant, luminance_cd_m2, distance_m, fov_deg, name)
     }
@@ -447,18 +448,4 @@ impl PyOpticalImage {
             cube.grid(),
         )
     }
-}
-
-/// What values are, by its name here.
-fn quantity_of(name: &str) -> PyResult<Quantity> {
-    Ok(match name {
-        "photons" => Quantity::Photons,
-        "energy" => Quantity::Energy,
-        "relative-energy" => Quantity::RelativeEnergy,
-        "reflectance" => Quantity::Reflectance,
-        other => {
-            let expected = "photons, energy, relative-energy or reflectance";
-            return Err(wrong(format!("quantity is '{other}'; expected {expected}")));
-        }
-    })
 }

@@ -8,7 +8,7 @@ use smalti::spectrum::{Extrapolation, Illuminant, Spectrum, WavelengthGrid};
 use smalti_io::{lights, spectrum_csv};
 
 use crate::arrays;
-use crate::error::{OrRaise, short, wrong};
+use crate::error::{OrRaise, one_of, short, wrong};
 
 /// Values at evenly spaced wavelengths, such as a transmittance, a reflectance or an illuminant.
 ///
@@ -70,12 +70,9 @@ impl PySpectrum {
     ///     outside: the value outside the spectrum: "error", "zero" or "hold" (the value at the end).
     #[pyo3(signature = (wavelengths_nm, outside="error"))]
     fn resampled(&self, wavelengths_nm: &Bound<'_, PyAny>, outside: &str) -> PyResult<Self> {
-        let outside = match outside {
-            "error" => Extrapolation::Error,
-            "zero" => Extrapolation::Zero,
-            "hold" => Extrapolation::Hold,
-            other => return Err(wrong(format!("outside is '{other}'; expected error, zero or hold"))),
-        };
+        let known =
+            [("error", Extrapolation::Error), ("zero", Extrapolation::Zero), ("hold", Extrapolation::Hold)];
+        let outside = one_of("outside", outside, &known)?;
         let grid = arrays::grid(&arrays::numbers(wavelengths_nm, "wavelengths_nm")?)?;
         Ok(Self(self.0.resampled(grid, outside).or_raise()?))
     }

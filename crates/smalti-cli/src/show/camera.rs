@@ -14,6 +14,8 @@ use super::{cfa, study};
 
 /// Sections of the description, in the direction of light.
 const SECTIONS: [&str; 4] = ["optics", "sensor", "exposure", "isp"];
+/// Keys that are tables of their own in the file; curves are written in one line.
+const TABLES: [&str; 4] = ["pixel", "cfa", "psf", "zernike_um"];
 /// Longer lists are shown by their length only.
 const SHORT_LIST: usize = 8;
 /// The wavelength of the diffraction limit.
@@ -41,7 +43,10 @@ pub(super) fn datasheet(name: &str, overrides: &[Override]) -> anyhow::Result<Da
             lines += &table(&format!("[{section}]"), section, keys);
         }
     }
-    lines += &rows("derived", &derived);
+    let row = |(name, value, unit): &(&str, f64, &str)| {
+        [(*name).to_owned(), four_digits(*value), (*unit).to_owned()]
+    };
+    lines += &aligned("derived", &derived.iter().map(row).collect::<Vec<_>>());
     let entry = |(e, c): (&tile::Entry, &Channel)| {
         let values = c.transmittance.values();
         json!({"letter": e.letter.to_string(), "effective_sensitivity": values})
@@ -112,12 +117,10 @@ fn table(heading: &str, path: &str, keys: &Map<String, Value>) -> String {
     if path == "sensor.cfa" {
         return String::new();
     }
-    let inner = |v: &Value, key: &str| is_table(key) && v.is_object();
-    let lines: Vec<[String; 3]> = keys
-        .iter()
-        .filter(|(key, v)| !inner(v, key))
-        .map(|(key, v)| [key.clone(), value(v), unit(key, v).to_owned()])
-        .collect();
+    let inner = |v: &Value, key: &str| TABLES.contains(&key) && v.is_object();
+    let unit = |v: &Value, key: &str| if v.is_number() || v.is_array() { names::unit(key) } else { "" };
+    let line = |(key, v): (&String, &Value)| [key.clone(), value(v), unit(v, key).to_owned()];
+    let lines: Vec<_> = keys.iter().filter(|(key, v)| !inner(v, key)).map(line).collect();
     let mut out = aligned(heading, &lines);
     for (key, v) in keys.iter().filter(|(key, v)| inner(v, key)) {
         if let Value::Object(keys) = v {
@@ -126,25 +129,6 @@ fn table(heading: &str, path: &str, keys: &Map<String, Value>) -> String {
         }
     }
     out
-}
-
-/// Whether a key is a table of its own in the file; curves are written in one line.
-fn is_table(key: &str) -> bool {
-    ["pixel", "cfa", "psf", "zernike_um"].contains(&key)
-}
-
-fn unit(key: &str, v: &Value) -> &'static str {
-    if !v.is_number() && !v.is_array() {
-        return "";
-    }
-    names::unit(key)
-}
-
-fn rows(heading: &str, rows: &[(&str, f64, &str)]) -> String {
-    let line = |(name, value, unit): &(&str, f64, &str)| {
-        [(*name).to_owned(), four_digits(*value), (*unit).to_owned()]
-    };
-    aligned(heading, &rows.iter().map(line).collect::<Vec<_>>())
 }
 
 /// A heading with names, values and units in columns below it.

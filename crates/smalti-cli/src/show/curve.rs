@@ -4,7 +4,7 @@ use std::path::Path;
 
 use serde_json::json;
 use smalti::sensor::{Filter, cfa as filters};
-use smalti::spectrum::{Observer, Spectrum, WavelengthGrid};
+use smalti::spectrum::{Extrapolation, Observer, Spectrum, WavelengthGrid};
 use smalti_io::spectrum_csv;
 use smalti_report::Rgb;
 
@@ -17,24 +17,19 @@ use crate::scene_args::SceneOptions;
 /// The last wavelength of curves that may extend beyond the visible.
 const END_NM: f64 = 1000.0;
 
-fn is_csv(name: &str) -> bool {
+/// Whether a name is that of a CSV file, which may end in `#` and a column.
+pub(super) fn is_csv(name: &str) -> bool {
     has_extension(Path::new(name.split('#').next().unwrap_or(name)), &["csv"])
 }
 
 /// A filter by name or file; a file keeps its own wavelengths.
 pub(super) fn filter(name: &str, options: &SceneOptions) -> anyhow::Result<Datasheet> {
-    let asked = options.wavelengths.is_some();
-    let curve = match (is_csv(name), asked) {
-        (true, false) => spectrum_csv::read_spectrum(name)?,
-        (true, true) => {
-            let curve = spectrum_csv::read_spectrum(name)?;
-            curve.resampled(cfa::grid(options, END_NM)?, smalti::spectrum::Extrapolation::Error)?
-        }
-        (false, _) => {
-            let infrared = name.contains("infrared") || name == "silicon";
-            let end_nm = if infrared { END_NM } else { 700.0 };
-            Filter::Builtin(name.to_owned()).spectrum(cfa::grid(options, end_nm)?)?
-        }
+    let infrared = name.contains("infrared") || name == "silicon";
+    let grid = cfa::grid(options, if infrared { END_NM } else { 700.0 })?;
+    let curve = match (is_csv(name), &options.wavelengths) {
+        (true, None) => spectrum_csv::read_spectrum(name)?,
+        (true, Some(_)) => spectrum_csv::read_spectrum(name)?.resampled(grid, Extrapolation::Error)?,
+        (false, _) => Filter::Builtin(name.to_owned()).spectrum(grid)?,
     };
     let info = filters::builtin_filters().iter().find(|f| f.name == name);
     let (nm, peak) = tile::peak(&curve);

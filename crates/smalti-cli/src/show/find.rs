@@ -10,6 +10,7 @@ use smalti::sensor::{Filter, cfa};
 use smalti::spectrum::{Illuminant, WavelengthGrid};
 use smalti_io::{cameras, studies, text};
 
+use super::curve::is_csv;
 use crate::resolve::has_extension;
 
 /// The kinds of items, in the order of precedence for a name with several meanings.
@@ -102,8 +103,7 @@ fn of_file(name: &str) -> anyhow::Result<Vec<Kind>> {
         let text = text::read_to_string(path)?;
         return Ok(vec![if is_study(&text) { Kind::Study } else { Kind::Camera }]);
     }
-    // The name of a CSV file may end in `#` and a column.
-    if has_extension(Path::new(name.split('#').next().unwrap_or(name)), &["csv"]) {
+    if is_csv(name) {
         return Ok(vec![Kind::Filter, Kind::Illuminant]);
     }
     Ok(if crate::resolve::is_file(name) { vec![Kind::Scene] } else { Vec::new() })

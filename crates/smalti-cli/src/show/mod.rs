@@ -133,28 +133,21 @@ fn refuse_unused_options(args: &Show, kind: Kind) -> anyhow::Result<()> {
 
 /// Writes the first picture of a datasheet.
 fn save(sheet: &Datasheet, kind: Kind, path: &Path) -> anyhow::Result<()> {
-    let drawing = sheet.parts.iter().find_map(|part| match part {
-        Part::Lines(_) => None,
-        Part::Tile(tile) => Some(tile.figure().map(Drawing::Figure)),
-        Part::Plot(plot) => Some(plot.figure().map(Drawing::Figure)),
-        Part::Picture(pixels) => Some(Ok(Drawing::Picture(pixels))),
-    });
-    let Some(drawing) = drawing else { bail!("{} has no picture", kind.with_article()) };
-    let bytes = match drawing? {
-        Drawing::Figure(figure) if has_extension(path, &["svg"]) => figure.svg().as_bytes().to_vec(),
-        Drawing::Figure(figure) if has_extension(path, &["png"]) => figure.png(1.0)?,
-        Drawing::Picture(picture) if has_extension(path, &["png"]) => picture.png()?,
-        Drawing::Figure(_) => bail!("{}: expected a name that ends in .svg or .png", path.display()),
-        Drawing::Picture(_) => bail!("{}: expected a name that ends in .png", path.display()),
+    let [svg, png] = ["svg", "png"].map(|extension| has_extension(path, &[extension]));
+    let encoded = |figure: Figure| match (svg, png) {
+        (true, _) => Ok(figure.svg().as_bytes().to_vec()),
+        (_, true) => Ok(figure.png(1.0)?),
+        _ => bail!("{}: expected a name that ends in .svg or .png", path.display()),
+    };
+    let bytes = match sheet.parts.iter().find(|part| !matches!(part, Part::Lines(_))) {
+        Some(Part::Tile(tile)) => encoded(tile.figure()?)?,
+        Some(Part::Plot(plot)) => encoded(plot.figure()?)?,
+        Some(Part::Picture(picture)) if png => picture.png()?,
+        Some(Part::Picture(_)) => bail!("{}: expected a name that ends in .png", path.display()),
+        _ => bail!("{} has no picture", kind.with_article()),
     };
     write::bytes(path, &bytes)?;
     crate::print(&format!("{}\n", path.display()))
-}
-
-/// A drawing that can be written to a file.
-enum Drawing<'a> {
-    Figure(Figure),
-    Picture(&'a Pixels),
 }
 
 fn draw(sheet: &Datasheet, screen: &Screen) -> anyhow::Result<String> {

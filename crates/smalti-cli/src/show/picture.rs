@@ -43,10 +43,7 @@ impl Pixels {
         let mut out = Vec::new();
         let mut encoder = png::Encoder::new(&mut out, self.width as u32, self.height as u32);
         encoder.set_color(png::ColorType::Rgb);
-        encoder.set_depth(png::BitDepth::Eight);
-        let mut writer = encoder.write_header()?;
-        writer.write_image_data(self.rgb.as_flattened())?;
-        writer.finish()?;
+        encoder.write_header()?.write_image_data(self.rgb.as_flattened())?;
         Ok(out)
     }
 

@@ -20,7 +20,7 @@ mod npz;
 mod statistics;
 mod table;
 
-pub use c_header::{Operations, operations, write_c_header};
+pub use c_header::{Operations, c_prefix, operations, write_c_header};
 pub use npz::write_npz;
 pub use statistics::{read_statistics, statistics_from_bytes, write_statistics};
 pub use table::{read_table, table_from_bytes, write_table};

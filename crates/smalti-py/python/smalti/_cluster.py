@@ -9,7 +9,7 @@ import threading
 import time
 from collections.abc import Callable, Iterator
 from itertools import islice
-from typing import Any, Protocol
+from typing import Any
 
 import distributed
 from fsspec.core import url_to_fs  # type: ignore[import-untyped]
@@ -30,36 +30,10 @@ Open = Callable[[int], Any]
 """Opens the progress of a number of trials."""
 
 
-class _Place(Protocol):
-    target: Target
-
-    def missing(self) -> list[int]: ...
-    def manifest(self) -> str: ...
-    def trials_of(self, part: int) -> int: ...
-    def adopt(self, part: int) -> None: ...
-    def finish(self, timings: str) -> None: ...
-    def close(self) -> None: ...
-
-
-class _Folder:
-    """A folder, which is locked against a second run."""
-
-    def __init__(self, study: Study, out: str, part_size: int | None) -> None:
-        self.target: Target = os.path.abspath(out)
-        self._folder = SharedFolder(study, out, part_size)
-        self.missing = self._folder.missing
-        self.manifest = self._folder.manifest
-        self.trials_of = self._folder.trials_of
-        self.adopt = self._folder.adopt
-        self.finish = self._folder.finish
-        self.close = self._folder.close
-
-
 class _RemoteDataset:
     """Another file system of fsspec."""
 
     def __init__(self, study: Study, fs: Any, root: str, part_size: int | None) -> None:
-        self.target: Target = (fs, root)
         self._fs, self._root, self._parts = fs, root, 0
         fs.invalidate_cache()
         names = self._names(root)
@@ -109,19 +83,21 @@ def _put(fs: Any, path: str, data: bytes) -> None:
         raise
 
 
-def _place(study: Study, out: str | os.PathLike[str] | tuple[Any, str], part_size: int | None) -> _Place:
+_Place = SharedFolder | _RemoteDataset
+
+
+def _place(study: Study, out: str | os.PathLike[str] | tuple[Any, str], part_size: int | None) -> tuple[_Place, Target]:
     if isinstance(out, tuple):
         fs, root = out
-    elif "://" in os.fspath(out):
-        fs, root = url_to_fs(os.fspath(out))
     else:
-        return _Folder(study, os.fspath(out), part_size)
-    if isinstance(fs, LocalFileSystem):
-        return _Folder(study, str(root), part_size)
+        root = os.fspath(out)
+        fs, root = url_to_fs(root) if "://" in root else (None, root)
+    if fs is None or isinstance(fs, LocalFileSystem):
+        return SharedFolder(study, str(root), part_size), os.path.abspath(root)
     root = root.rstrip("/")
     if any(mark in root for mark in "*?["):
         raise SmaltiError(f"out is {root!r}; expected a path without *, ? and [, which file systems treat as patterns")
-    return _RemoteDataset(study, fs, root, part_size)
+    return _RemoteDataset(study, fs, root, part_size), (fs, root)
 
 
 _ready: dict[tuple[str, bool], PartMaker] = {}
@@ -160,7 +136,9 @@ def _threads(client: distributed.Client) -> int:
     return sum(client.nthreads().values())
 
 
-def _compute(client: distributed.Client, study: Study, place: _Place, cache: bool, done: Callable[[int], None]) -> None:
+def _compute(
+    client: distributed.Client, study: Study, place: _Place, target: Target, cache: bool, done: Callable[[int], None]
+) -> None:
     token = secrets.token_hex(8)
     # These are results of tasks, which Dask computes again when the worker that holds them dies.
     manifest = client.submit(str, place.manifest(), key=f"smalti-study-{token}", pure=False)
@@ -170,7 +148,7 @@ def _compute(client: distributed.Client, study: Study, place: _Place, cache: boo
     def send(number: int) -> Iterator[distributed.Future[Any]]:
         for part in islice(waiting, max(number, 0)):
             key = f"smalti-part-{token}-{part}"
-            yield client.submit(_make, manifest, scenes, part, place.target, cache, key=key, pure=False, retries=RETRIES)
+            yield client.submit(_make, manifest, scenes, part, target, cache, key=key, pure=False, retries=RETRIES)
 
     wanted, asked = AHEAD * max(_threads(client), 1), time.monotonic()
     sent = set(send(wanted))
@@ -207,7 +185,7 @@ def sweep(
         raise SmaltiError(f"client is {type(client).__name__}; expected a dask.distributed.Client")
     if client.asynchronous:
         raise SmaltiError("the client is asynchronous; expected asynchronous=False")
-    place = _place(study, out, part_size)
+    place, target = _place(study, out, part_size)
     try:
         missing = place.missing()
         total = sum(map(place.trials_of, missing))
@@ -220,9 +198,9 @@ def sweep(
                 if report is not None:
                     report(count)
 
-            _compute(client, study, place, cache, done)
+            _compute(client, study, place, target, cache, done)
         timings = {"seconds": time.monotonic() - start, "trials": total, "threads": _threads(client)}
         place.finish(json.dumps(timings))
     finally:
         place.close()
-    return place.target if isinstance(place.target, str) else None
+    return target if isinstance(target, str) else None

@@ -33,23 +33,19 @@ def _told(progress: Progress, total: int | None, what: str, unit: str) -> Iterat
         yield progress
 
 
-def _after(told: Callable[[int], object], before: int, done: int) -> None:
-    told(before + done)
-
-
 def _gather(
     camera: Camera,
     scenes: Sequence[Scene] | None,
     pairs: Sequence[tuple[RawImage, Image]] | None,
     progress: Progress,
     *settings: Any,
-) -> tuple[Statistics, _smalti.TrainingStory]:
+) -> tuple[Statistics, _smalti.TrainingRecord]:
     given = len(scenes or ()) + len(pairs or ())
     total = given if scenes is not None or pairs is not None else _smalti.training_set_len()
     of_scenes = None if scenes is None else list(scenes)
     of_pairs = None if pairs is None else list(pairs)
     with _told(progress, total, f"training {camera.name}", "scene") as told:
-        gathered: Callable[..., tuple[Statistics, _smalti.TrainingStory]] = _smalti.gather_statistics
+        gathered: Callable[..., tuple[Statistics, _smalti.TrainingRecord]] = _smalti.gather_statistics
         return gathered(camera, of_scenes, of_pairs, *settings, progress=told)
 
 
@@ -182,7 +178,8 @@ def compare(
     labels = _smalti.camera_labels(list(cameras))
     with _told(progress, len(cameras) * len(of) * len(luminances_cd_m2), "comparing", "picture") as told:
         for camera, label, pipeline in zip(cameras, labels, each, strict=True):
-            step = partial(_after, told, len(records)) if told is not None else None
+            before = len(records)
+            step = None if told is None else lambda done: told(before + done)
             scored = _smalti.score_scenes(
                 camera,
                 scenes=of,

@@ -1,6 +1,8 @@
 //! Statistics of the learned table, for reports.
 
-use super::{Origin, Pipeline};
+use serde_json::{Value, json};
+
+use super::{Class, Origin, Pipeline};
 
 /// Size and occupancy of a pipeline.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -40,7 +42,7 @@ impl Pipeline {
     pub fn summary(&self) -> Summary {
         let mosaic = self.axes().mosaic();
         let each = self.classes().len() / self.axes().positions();
-        let position = |(position, classes): (usize, &[super::Class])| {
+        let position = |(position, classes): (usize, &[Class])| {
             let (row, col) = (position / mosaic.cols(), position % mosaic.cols());
             let channel = self.channel_names().get(mosaic.channel_at(row, col)).cloned().unwrap_or_default();
             let mut by_origin = [0; Origin::ALL.len()];
@@ -59,5 +61,30 @@ impl Pipeline {
             patches: positions.iter().map(|p| p.patches).sum(),
             positions,
         }
+    }
+
+    /// The names of the channels in a combination of clipped channels, one after the other, or `none`.
+    #[must_use]
+    pub fn clipped_names(&self, saturation: u32) -> String {
+        let clipped = self.channel_names().iter().enumerate().filter(|(c, _)| saturation >> c & 1 == 1);
+        if saturation == 0 { "none".into() } else { clipped.map(|(_, name)| name.as_str()).collect() }
+    }
+
+    /// A record for each class: position, clipped channels, level, texture, patches, origin of its kernels.
+    #[must_use]
+    pub fn class_records(&self) -> Vec<Value> {
+        let textures = self.axes().textures().names();
+        let record = |(i, class): (usize, &Class)| {
+            let key = self.key(i);
+            json!({
+                "position": key.position,
+                "clipped": self.clipped_names(key.saturation),
+                "level": key.level,
+                "texture": textures[usize::from(key.texture)],
+                "patches": class.count,
+                "origin": class.origin.name(),
+            })
+        };
+        self.classes().iter().enumerate().map(record).collect()
     }
 }

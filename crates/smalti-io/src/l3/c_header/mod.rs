@@ -33,6 +33,14 @@ pub fn write_c_header(path: &Path, pipeline: &Pipeline, prefix: &str) -> Result<
     write::bytes(path, text(path, pipeline, prefix)?.as_bytes())
 }
 
+/// The prefix of names in a header: the name of its file.
+#[must_use]
+pub fn c_prefix(path: &Path) -> String {
+    let stem = path.file_stem().map(|s| s.to_string_lossy().into_owned()).unwrap_or_default();
+    let plain: String = stem.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '_' }).collect();
+    if plain.starts_with(|c: char| c.is_ascii_alphabetic()) { plain } else { format!("l3_{plain}") }
+}
+
 fn text(path: &Path, pipeline: &Pipeline, prefix: &str) -> Result<String, IoError> {
     let letters = prefix.bytes().all(|b| b.is_ascii_lowercase() || b.is_ascii_digit() || b == b'_');
     if !letters || !prefix.starts_with(|c: char| c.is_ascii_lowercase()) || prefix.len() > 40 {
