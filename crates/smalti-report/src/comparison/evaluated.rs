@@ -5,10 +5,11 @@ use smalti::color::{ColorSpace, Image};
 use smalti::numeric::Planes;
 use smalti::spectrum::{WavelengthGrid, reflectance};
 
+use super::columns::{EVALUATE, headings};
 use super::figures::{self, Scored};
 use super::gallery::{self, Group, Map, Maps, Shot};
 use super::results::CommandLine;
-use super::{again, columns, tables};
+use super::{again, tables};
 use crate::ReportError;
 use crate::page::{COMPARE, Markup, Page, Table, el, foot};
 use crate::pictures::Pixels;
@@ -153,41 +154,15 @@ fn seen(picture: &Image, white: [f64; 3]) -> Result<Image, ReportError> {
     Ok(picture.shown(Some(white), 0.92 / f64::from(bright))?)
 }
 
-/// A column: its digits, whether higher is better, and its value.
-type Measure = (usize, bool, fn(&Evaluation) -> f64);
-
-/// In the order of [`columns::EVALUATE`].
-const MEASURES: [Measure; 8] = [
-    (2, false, |e| e.delta_e_76.mean),
-    (2, false, |e| e.delta_e_2000.mean),
-    (1, true, |e| e.mtf50_cy_per_mm),
-    (3, true, |e| e.mtf50_cy_per_px),
-    (2, false, |e| e.luminance_noise_percent.mean),
-    (1, false, |e| e.aliasing_percent),
-    (1, false, |e| e.saturated_percent),
-    (1, true, |e| e.dynamic_range_db),
-];
-
 fn scores(shots: &Evaluations<'_>) -> Markup {
-    let mut table = Table::new("Scores").text("Camera").number("Luminance, cd/m²");
-    for heading in columns::headings(&columns::EVALUATE) {
-        table = table.number(heading);
-    }
-    table = table.number("Exposure, ms");
+    let table = Table::new("Scores").text("Camera").number("Luminance, cd/m²");
+    let mut table = headings(&EVALUATE).fold(table, Table::number).number("Exposure, ms");
     for (light, luminance) in shots.luminances_cd_m2.iter().enumerate() {
-        let all: Vec<_> = shots.in_light(light).collect();
-        let columns: Vec<Vec<Markup>> = MEASURES
-            .iter()
-            .map(|(digits, higher, of)| {
-                tables::marked(&all.iter().map(|a| of(a.2)).collect::<Vec<_>>(), *digits, *higher)
-            })
-            .collect();
-        for (i, (label, _, e, _)) in all.iter().enumerate() {
-            let mut cells: Vec<Markup> = vec![(*label).into(), luminance.to_string().into()];
-            cells.extend(columns.iter().filter_map(|c| c.get(i).cloned()));
-            cells.push(format!("{:.2}", e.exposure.macbeth_s * 1e3).into());
-            table = table.row(cells, false);
-        }
+        let rows = shots.in_light(light).map(|(label, _, e, _)| {
+            let exposure_ms = format!("{:.2}", e.exposure.macbeth_s * 1e3);
+            (vec![label.clone(), luminance.to_string()], e, vec![exposure_ms])
+        });
+        table = tables::scored(table, &EVALUATE, &rows.collect::<Vec<_>>());
     }
     Markup::from(table).and(
         el("p").class("help").child(
@@ -200,17 +175,12 @@ fn scores(shots: &Evaluations<'_>) -> Markup {
 fn colors(scored: &[Vec<Scored<'_>>]) -> Markup {
     // This grid is valid, so there is no error.
     let patches = reflectance::colorchecker(WavelengthGrid::VISIBLE).unwrap_or_default();
-    let table = |of_light: &Vec<Scored<'_>>| {
-        let first = of_light.first()?;
-        let columns: Vec<(String, Vec<f64>)> =
-            of_light.iter().map(|s| (s.name.clone(), s.evaluation.delta_e_2000.per_patch.clone())).collect();
-        // The name without the density of the patch.
-        let name = |(i, (name, _)): (usize, &(&str, _))| {
-            format!("{} {}", i + 1, name.split(" (").next().unwrap_or(name))
-        };
-        let names: Vec<String> = patches.iter().enumerate().map(name).collect();
-        let caption = format!("ΔE2000 of each patch at {} cd/m²", first.luminance_cd_m2);
-        Some(tables::patches(caption, "Patch", &names, &columns, 2))
+    // The name without the density of the patch.
+    let name = |(i, (name, _)): (usize, &(&str, _))| {
+        format!("{} {}", i + 1, name.split(" (").next().unwrap_or(name))
     };
-    el("div").class("beside").children(scored.iter().filter_map(table)).into()
+    let names: Vec<String> = patches.iter().enumerate().map(name).collect();
+    let caption = |cd_m2| format!("ΔE2000 of each patch at {cd_m2} cd/m²");
+    let tables = tables::patches(scored, caption, &names, |e| &e.delta_e_2000.per_patch);
+    el("div").class("beside").child(tables).into()
 }

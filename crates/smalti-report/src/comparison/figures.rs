@@ -38,10 +38,14 @@ fn series(plot: Plot, name: &str, i: usize, x: &[f64], y: &[f64]) -> Plot {
         .points(Points::new(name, x, y).color(color).symbol(symbol).radius(5.0).marks())
 }
 
+/// What stands in the place of a figure.
+fn none(why: impl Into<Markup>) -> Markup {
+    el("p").class("none").child(why).into()
+}
+
 /// A figure, or the reason why it cannot be drawn.
 fn drawn(plot: &Plot) -> Markup {
-    plot.draw()
-        .map_or_else(|e| el("p").class("none").child(format!("No figure: {e}.")).into(), |f| figure(&f))
+    plot.draw().map_or_else(|e| none(format!("No figure: {e}.")), |f| figure(&f))
 }
 
 fn beside(figures: impl IntoIterator<Item = Markup>) -> Markup {
@@ -92,7 +96,7 @@ pub(super) fn edges(scored: &[Vec<Scored<'_>>]) -> Markup {
         if end > 0.0 {
             plot = plot.line(Line::new("", &[0.0, end], &[0.5, 0.5]).color(Rgb(150, 150, 150)).width(1.0));
         }
-        Some(if end > 0.0 { drawn(&plot) } else { el("p").class("none").child("No edge was found in the pictures.").into() })
+        Some(if end > 0.0 { drawn(&plot) } else { none("No edge was found in the pictures.") })
     }))
 }
 
@@ -145,15 +149,13 @@ pub(super) fn filters(camera: &Camera, label: &str) -> Markup {
             };
             let cells: Vec<Cell> = mosaic.cells().iter().map(cell).collect();
             let caption = format!("{} × {} cells", mosaic.rows(), mosaic.cols());
-            let drawn = Mosaics::new().columns(1).mosaic(caption, mosaic.cols(), &cells).draw();
-            drawn
-                .map_or_else(|e| el("p").class("none").child(format!("No tile: {e}.")).into(), |f| figure(&f))
+            let drawn = Mosaics::new().mosaic(caption, mosaic.cols(), &cells).draw();
+            drawn.map_or_else(|e| none(format!("No tile: {e}.")), |f| figure(&f))
         }
         ColorArchitecture::Mosaic => {
-            let size = format!("A tile of {} × {} cells is too large to draw.", mosaic.rows(), mosaic.cols());
-            el("p").class("none").child(size).into()
+            none(format!("A tile of {} × {} cells is too large to draw.", mosaic.rows(), mosaic.cols()))
         }
-        _ => el("p").class("none").child("No mosaic: every pixel sees every channel.").into(),
+        _ => none("No mosaic: every pixel sees every channel."),
     };
     let mut plot = Plot::spectra("Transmittance").y_range(0.0, 1.05).size(SIZE.0, 380.0);
     for (channel, color) in cfa.channels().iter().zip(&colors) {

@@ -16,7 +16,7 @@ const MAX_CLIPPED_LEVELS: usize = 8;
 const STEPS: f64 = 127.0;
 
 /// Tables of the positions, and the places for the kernels, which the script draws.
-pub(super) fn section(learned: &[(&Contender<'_>, &Pipeline)]) -> Markup {
+pub(super) fn section(learned: &[(&Contender<'_>, &Pipeline, String)]) -> Markup {
     let mut out: Markup = el("p")
         .child(
             "A learned pipeline is a table of linear filters. Each patch of raw samples belongs to a class, defined by the position of its centre in the \
@@ -24,7 +24,7 @@ pub(super) fn section(learned: &[(&Contender<'_>, &Pipeline)]) -> Markup {
              and Z. Classes with too few training patches use the kernels of other classes; they are marked.",
         )
         .into();
-    for (number, (contender, pipeline)) in learned.iter().enumerate() {
+    for (number, (contender, pipeline, _)) in learned.iter().enumerate() {
         let summary = pipeline.summary();
         let mut table =
             Table::new(format!("Positions of {} and the origin of their kernels", contender.label))

@@ -21,7 +21,7 @@ use crate::{ReportError, Sheet, names};
 /// When a picture cannot be converted, or a camera cannot be written as text.
 pub fn page(report: &Comparison<'_>) -> Result<String, ReportError> {
     let names: Vec<String> = report.contenders.iter().map(Contender::name).collect();
-    let learned = report.learned_contenders();
+    let learned = report.learned();
     let scored = scored(report);
     let kinds = DIFFERENCES.each_ref().map(|d| &d.maps);
     let mut page = Page::new(format!("{} compared", listed(&names)))
@@ -40,7 +40,7 @@ pub fn page(report: &Comparison<'_>) -> Result<String, ReportError> {
         page = page.section("kernels", "Learned pipelines", learned::section(&learned));
     }
     let data: Vec<_> =
-        learned.par_iter().map(|(contender, pipeline)| learned::data(contender, pipeline)).collect();
+        learned.par_iter().map(|(contender, pipeline, _)| learned::data(contender, pipeline)).collect();
     let facts = [
         ("Smalti", env!("CARGO_PKG_VERSION").to_owned()),
         ("seed", report.seed.to_string()),
@@ -74,29 +74,28 @@ fn lead(report: &Comparison<'_>) -> Markup {
 }
 
 /// The maps of all contenders for a scene and luminance, with their common scale.
-pub(super) fn maps_sheet<'a>(report: &'a Comparison<'a>, title: String, light: usize, scene: usize) -> Sheet {
-    let of = |(contender, outcomes): (&Contender<'_>, &'a Vec<Outcome>)| {
-        Some((contender.name(), &outcomes.get(light)?.scenes.get(scene)?.1))
-    };
-    maps::sheet(title, &report.contenders.iter().zip(report.outcomes).filter_map(of).collect::<Vec<_>>())
+pub(super) fn maps_sheet(report: &Comparison<'_>, title: String, light: usize, scene: usize) -> Sheet {
+    let scored = report.of_scene(light, scene).map(|(contender, scores)| (contender.name(), scores));
+    maps::sheet(title, &scored.collect::<Vec<_>>())
 }
 
 /// The pictures of each scene at each luminance, the reference first.
 fn groups(report: &Comparison<'_>) -> Result<Vec<Group>, ReportError> {
     let mut groups = Vec::new();
+    // Scenes of equal names are numbered in the chooser as in the names of files.
+    let scenes = names::numbered(report.scene_labels.to_vec());
     for scene in 0..report.scene_count() {
         for light in 0..report.light_count() {
-            let here = |o: &Outcome| o.scenes.get(scene).cloned();
-            let all: Vec<_> = report.outcomes.iter().filter_map(|o| here(o.get(light)?)).collect();
+            let all: Vec<_> = report.of_scene(light, scene).collect();
             let Some((_, first)) = all.first() else { continue };
-            let tops = DIFFERENCES.each_ref().map(|d| d.top(all.iter().map(|(_, s)| s)));
+            let tops = DIFFERENCES.each_ref().map(|d| d.top(all.iter().map(|(_, s)| *s)));
             let mut shots = vec![Shot {
                 name: "reference".into(),
                 caption: "as the standard observer sees the scene".into(),
                 picture: Pixels::of(&report.as_seen(first, &first.reference)?),
                 maps: Vec::new(),
             }];
-            for (contender, (_, s)) in report.contenders.iter().zip(&all) {
+            for (contender, s) in &all {
                 let scores = &s.scores;
                 shots.push(Shot {
                     name: contender.name(),
@@ -108,17 +107,15 @@ fn groups(report: &Comparison<'_>) -> Result<Vec<Group>, ReportError> {
                     maps: DIFFERENCES.iter().zip(tops).map(|(d, top)| d.map(scores, top)).collect(),
                 });
             }
-            let (scene, luminance_cd_m2) = (report.scene_label(scene).to_owned(), report.luminance(light));
-            groups.push(Group { scene, luminance_cd_m2, shots, tops: tops.to_vec() });
+            let scene = scenes.get(scene).cloned().unwrap_or_default();
+            groups.push(Group {
+                scene,
+                luminance_cd_m2: report.luminance(light),
+                shots,
+                tops: tops.to_vec(),
+            });
         }
     }
-    // Scenes of equal names are numbered in the chooser as in the names of files.
-    let numbered = names::numbered(report.scene_labels.to_vec());
-    let lights = report.light_count().max(1);
-    groups
-        .iter_mut()
-        .enumerate()
-        .for_each(|(i, g)| g.scene = numbered.get(i / lights).unwrap_or(&g.scene).clone());
     Ok(groups)
 }
 
@@ -182,17 +179,14 @@ fn gain_figures(report: &Comparison<'_>, luminances: &[f64]) -> Markup {
 /// For each luminance the scores of the targets.
 fn scored<'a>(report: &'a Comparison<'_>) -> Vec<Vec<Scored<'a>>> {
     let of_light = |light: usize| {
-        let one = |(contender, outcomes): (&Contender<'_>, &'a Vec<Outcome>)| {
-            let outcome = outcomes.get(light)?;
-            Some(Scored {
-                name: contender.name(),
-                luminance_cd_m2: outcome.luminance_cd_m2,
-                evaluation: &outcome.targets,
-                edge: outcome.edge.as_ref(),
-                pitch_m: contender.camera.sensor.pixel.pitch_m,
-            })
+        let one = |(contender, outcome): (&Contender<'_>, &'a Outcome)| Scored {
+            name: contender.name(),
+            luminance_cd_m2: outcome.luminance_cd_m2,
+            evaluation: &outcome.targets,
+            edge: outcome.edge.as_ref(),
+            pitch_m: contender.camera.sensor.pixel.pitch_m,
         };
-        report.contenders.iter().zip(report.outcomes).filter_map(one).collect()
+        report.in_light(light).map(one).collect()
     };
     (0..report.light_count()).map(of_light).collect()
 }
