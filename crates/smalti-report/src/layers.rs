@@ -2,6 +2,7 @@
 
 use crate::FigureError;
 use crate::color::Rgb;
+use crate::figure::setters;
 
 /// The symbol of a point.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -83,53 +84,21 @@ impl Points {
         }
     }
 
-    /// Colours each point by its value, with viridis and a colour bar; see [`crate::Plot::values`].
-    #[must_use]
-    pub fn values(mut self, values: &[f64]) -> Self {
-        self.values = Some(values.to_vec());
-        self
-    }
-
-    /// Sets one colour for all points, instead of the next colour of the palette.
-    #[must_use]
-    pub fn color(mut self, color: Rgb) -> Self {
-        self.color = Some(color);
-        self
-    }
-
-    /// The symbol of all points.
-    #[must_use]
-    pub fn symbol(mut self, symbol: Symbol) -> Self {
-        self.symbol = symbol;
-        self
-    }
-
-    /// Sets the radius in pixels; by default it decreases with the number of points.
-    #[must_use]
-    pub fn radius(mut self, radius: f64) -> Self {
-        self.radius = Some(radius);
-        self
-    }
-
-    /// Draws large marks with a white edge above clouds and lines, such as means or selected designs.
-    #[must_use]
-    pub fn marks(mut self) -> Self {
-        self.marks = true;
-        self
-    }
-
-    /// Adds an interval (low, high) of x to each point, which is drawn as a bar; the points become marks.
-    #[must_use]
-    pub fn x_intervals(mut self, intervals: &[(f64, f64)]) -> Self {
-        self.x_intervals = Some(intervals.to_vec());
-        self.marks()
-    }
-
-    /// Adds an interval (low, high) of y to each point, which is drawn as a bar; the points become marks.
-    #[must_use]
-    pub fn y_intervals(mut self, intervals: &[(f64, f64)]) -> Self {
-        self.y_intervals = Some(intervals.to_vec());
-        self.marks()
+    setters! {
+        /// Colours each point by its value, with viridis and a colour bar; see [`crate::Plot::values`].
+        values(values: &[f64]) { values = Some(values.to_vec()) }
+        /// Sets one colour for all points, instead of the next colour of the palette.
+        color(color: Rgb) { color = Some(color) }
+        /// The symbol of all points.
+        symbol(symbol: Symbol) { symbol = symbol }
+        /// Sets the radius in pixels; by default it decreases with the number of points.
+        radius(radius: f64) { radius = Some(radius) }
+        /// Draws large marks with a white edge above clouds and lines, such as means or selected designs.
+        marks() { marks = true }
+        /// Adds an interval (low, high) of x to each point, which is drawn as a bar; the points become marks.
+        x_intervals(intervals: &[(f64, f64)]) { x_intervals = Some(intervals.to_vec()); marks = true }
+        /// Adds an interval (low, high) of y to each point, which is drawn as a bar; the points become marks.
+        y_intervals(intervals: &[(f64, f64)]) { y_intervals = Some(intervals.to_vec()); marks = true }
     }
 
     pub(crate) fn check(&self) -> Result<(), FigureError> {
@@ -149,10 +118,8 @@ pub enum Corner {
     /// A straight line.
     #[default]
     Straight,
-    /// First along x, then along y: the boundary of the region that a front of two lower-is-better metrics dominates, with points by
-    /// rising x.
-    XFirst,
-    /// First along y, then along x: the same where x is higher-is-better and y lower-is-better.
+    /// First along y, then along x: the boundary of the region that a front dominates, where x is higher-is-better and y
+    /// lower-is-better, with points by rising x.
     YFirst,
 }
 
@@ -185,39 +152,17 @@ impl Line {
         }
     }
 
-    /// Sets the colour, instead of the next colour of the palette.
-    #[must_use]
-    pub fn color(mut self, color: Rgb) -> Self {
-        self.color = Some(color);
-        self
-    }
-
-    /// Sets the width in pixels.
-    #[must_use]
-    pub fn width(mut self, width: f64) -> Self {
-        self.width = width;
-        self
-    }
-
-    /// Draws a dashed line.
-    #[must_use]
-    pub fn dashed(mut self) -> Self {
-        self.dashed = true;
-        self
-    }
-
-    /// Sets the connection between points.
-    #[must_use]
-    pub fn corner(mut self, corner: Corner) -> Self {
-        self.corner = corner;
-        self
-    }
-
-    /// Fills the area between the line and the bottom of the plot with a tint.
-    #[must_use]
-    pub fn filled(mut self) -> Self {
-        self.filled = true;
-        self
+    setters! {
+        /// Sets the colour, instead of the next colour of the palette.
+        color(color: Rgb) { color = Some(color) }
+        /// Sets the width in pixels.
+        width(width: f64) { width = width }
+        /// Draws a dashed line.
+        dashed() { dashed = true }
+        /// Sets the connection between points.
+        corner(corner: Corner) { corner = corner }
+        /// Fills the area between the line and the bottom of the plot with a tint.
+        filled() { filled = true }
     }
 
     pub(crate) fn check(&self) -> Result<(), FigureError> {
@@ -241,18 +186,11 @@ impl Histogram {
         Self { name: name.into(), values: values.to_vec(), color: None, interval: None }
     }
 
-    /// Sets the colour, instead of the next colour of the palette.
-    #[must_use]
-    pub fn color(mut self, color: Rgb) -> Self {
-        self.color = Some(color);
-        self
-    }
-
-    /// Marks an interval and a centre above the bars, such as the 5th and 95th percentile and the mean.
-    #[must_use]
-    pub fn interval(mut self, low: f64, center: f64, high: f64) -> Self {
-        self.interval = Some((low, center, high));
-        self
+    setters! {
+        /// Sets the colour, instead of the next colour of the palette.
+        color(color: Rgb) { color = Some(color) }
+        /// Marks an interval and a centre above the bars, such as the 5th and 95th percentile and the mean.
+        interval(low: f64, center: f64, high: f64) { interval = Some((low, center, high)) }
     }
 }
 

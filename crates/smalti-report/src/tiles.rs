@@ -1,11 +1,13 @@
 //! Mosaics as coloured tiles, side by side.
 
 use crate::color::Rgb;
-use crate::figure::check_size;
+use crate::figure::{check_size, setters};
 use crate::svg::{Anchor, Area, INK, Paint, SOFT, Svg};
 use crate::text::{Font, bold, clean, plain, wrap};
 use crate::{Figure, FigureError};
 
+/// Mosaics per row.
+const COLUMNS: usize = 5;
 /// The most cells of one mosaic; more cells would be too small to distinguish.
 const CELLS_LIMIT: usize = 64 * 64;
 const MARGIN: f64 = 20.0;
@@ -46,7 +48,6 @@ struct Tile {
 pub struct Mosaics {
     title: String,
     note: String,
-    columns: usize,
     side: f64,
     tiles: Vec<Tile>,
 }
@@ -61,35 +62,16 @@ impl Mosaics {
     /// A figure without mosaics, with five mosaics per row, each 220 pixels wide.
     #[must_use]
     pub fn new() -> Self {
-        Self { title: String::new(), note: String::new(), columns: 5, side: 220.0, tiles: Vec::new() }
+        Self { title: String::new(), note: String::new(), side: 220.0, tiles: Vec::new() }
     }
 
-    /// Sets the title above all mosaics.
-    #[must_use]
-    pub fn title(mut self, title: impl Into<String>) -> Self {
-        self.title = title.into();
-        self
-    }
-
-    /// Sets a note in small print below.
-    #[must_use]
-    pub fn note(mut self, note: impl Into<String>) -> Self {
-        self.note = note.into();
-        self
-    }
-
-    /// Sets the number of mosaics per row.
-    #[must_use]
-    pub fn columns(mut self, columns: usize) -> Self {
-        self.columns = columns.max(1);
-        self
-    }
-
-    /// Sets the width of each mosaic in pixels.
-    #[must_use]
-    pub fn side(mut self, side: f64) -> Self {
-        self.side = side;
-        self
+    setters! {
+        /// Sets the title above all mosaics.
+        title(title: impl Into<String>) { title = title.into() }
+        /// Sets a note in small print below.
+        note(note: impl Into<String>) { note = note.into() }
+        /// Sets the width of each mosaic in pixels.
+        side(side: f64) { side = side }
     }
 
     /// Adds a mosaic from the cells of one tile by rows, with `cols` cells per row.
@@ -115,7 +97,7 @@ impl Mosaics {
                 return Err(FigureError::Mosaic { caption, cells, cols: tile.cols, limit: CELLS_LIMIT });
             }
         }
-        let columns = self.columns.min(self.tiles.len());
+        let columns = COLUMNS.min(self.tiles.len());
         check_size(self.side, self.side)?;
         let width = 2.0 * MARGIN + columns as f64 * (self.side + GAP) - GAP;
         let captions: Vec<Vec<String>> =
