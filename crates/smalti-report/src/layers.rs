@@ -23,8 +23,8 @@ pub enum Symbol {
 }
 
 impl Symbol {
-    /// The corners around the origin, for about the area of a disc of this radius; `None` for the disc.
-    pub(crate) fn outline(self, radius: f64) -> Option<Vec<(f64, f64)>> {
+    /// The corners around a place, for about the area of a disc of this radius; `None` for the disc.
+    pub(crate) fn outline(self, (x, y): (f64, f64), radius: f64) -> Option<Vec<(f64, f64)>> {
         // Corners of the regular pentagon, from the top clockwise, y down.
         const PENTAGON: [(f64, f64); 5] = [
             (0.0, -1.0),
@@ -41,17 +41,16 @@ impl Symbol {
             Self::TriangleDown => (vec![(0.0, 1.1), (1.0, -0.65), (-1.0, -0.65)], 1.3),
             Self::Star => {
                 // The inner corners lie opposite the outer ones.
-                let inner = |i: usize| PENTAGON.get((i + 3) % 5).map(|p| (-0.5 * p.0, -0.5 * p.1));
-                let corners = PENTAGON.iter().enumerate().flat_map(|(i, p)| [Some(*p), inner(i)]);
-                (corners.flatten().collect(), 1.5)
+                let inner = PENTAGON.iter().cycle().skip(3).map(|p| (-0.5 * p.0, -0.5 * p.1));
+                (PENTAGON.into_iter().zip(inner).flat_map(|(outer, inner)| [outer, inner]).collect(), 1.5)
             }
         };
-        Some(points.into_iter().map(|(x, y)| (x * size * radius, y * size * radius)).collect())
+        Some(points.into_iter().map(|(dx, dy)| (x + dx * size * radius, y + dy * size * radius)).collect())
     }
 }
 
 /// A series of points: a cloud of dots, or a few emphasised marks above it.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct Points {
     pub(crate) name: String,
     pub(crate) x: Vec<f64>,
@@ -70,18 +69,7 @@ impl Points {
     /// below the plot.
     #[must_use]
     pub fn new(name: impl Into<String>, x: &[f64], y: &[f64]) -> Self {
-        Self {
-            name: name.into(),
-            x: x.to_vec(),
-            y: y.to_vec(),
-            values: None,
-            color: None,
-            symbol: Symbol::Circle,
-            radius: None,
-            marks: false,
-            x_intervals: None,
-            y_intervals: None,
-        }
+        Self { name: name.into(), x: x.to_vec(), y: y.to_vec(), ..Self::default() }
     }
 
     setters! {
@@ -108,7 +96,7 @@ impl Points {
             ("intervals of x", self.x_intervals.as_ref().map(Vec::len)),
             ("intervals of y", self.y_intervals.as_ref().map(Vec::len)),
         ];
-        columns.into_iter().try_for_each(|(what, got)| same_length(&self.name, what, self.x.len(), got))
+        same_length(&self.name, self.x.len(), &columns)
     }
 }
 
@@ -166,7 +154,7 @@ impl Line {
     }
 
     pub(crate) fn check(&self) -> Result<(), FigureError> {
-        same_length(&self.name, "values of y", self.x.len(), Some(self.y.len()))
+        same_length(&self.name, self.x.len(), &[("values of y", Some(self.y.len()))])
     }
 }
 
@@ -194,16 +182,13 @@ impl Histogram {
     }
 }
 
+/// Refuses a series with a column, where there is one, of another length than that of x.
 fn same_length(
     series: &str,
-    what: &'static str,
     expected: usize,
-    got: Option<usize>,
+    columns: &[(&'static str, Option<usize>)],
 ) -> Result<(), FigureError> {
-    match got {
-        Some(got) if got != expected => {
-            Err(FigureError::Lengths { series: crate::text::clean(series), what, expected, got })
-        }
-        _ => Ok(()),
-    }
+    let wrong = columns.iter().find_map(|(what, got)| Some((*what, got.filter(|got| *got != expected)?)));
+    let Some((what, got)) = wrong else { return Ok(()) };
+    Err(FigureError::Lengths { series: crate::text::clean(series), what, expected, got })
 }

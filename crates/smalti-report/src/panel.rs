@@ -36,12 +36,9 @@ pub(crate) fn draw_symbol(
     edge: bool,
 ) {
     let paint = Paint { stroke: edge.then_some((WHITE, 1.6)), ..Paint::fill(color, 1.0) };
-    match symbol.outline(radius) {
+    match symbol.outline(at, radius) {
         None => svg.circle(at, radius, &paint.attributes()),
-        Some(corners) => {
-            let corners: Vec<(f64, f64)> = corners.into_iter().map(|(x, y)| (at.0 + x, at.1 + y)).collect();
-            svg.path(&path_of(&corners, true), paint);
-        }
+        Some(corners) => svg.path(&path_of(&corners, true), paint),
     }
 }
 

@@ -100,23 +100,15 @@ pub(crate) fn shared(first: &Plot, panels: &[Plot]) -> Result<Shared, FigureErro
     let mut values = Extent::new(first.values.scale);
     let mut air = 0.0;
     for layer in layers() {
-        match layer {
+        let (all_x, all_y) = match layer {
             Layer::Points(p) => {
                 air = 0.04;
-                for (px, py) in p.x.iter().zip(&p.y).filter(|(a, b)| a.is_finite() && b.is_finite()) {
-                    x.add(*px);
-                    y.add(*py);
-                }
                 p.values.iter().flatten().for_each(|v| values.add(*v));
                 p.x_intervals.iter().flatten().for_each(|(a, b)| [*a, *b].into_iter().for_each(|v| x.add(v)));
                 p.y_intervals.iter().flatten().for_each(|(a, b)| [*a, *b].into_iter().for_each(|v| y.add(v)));
+                (&p.x, &p.y)
             }
-            Layer::Line(l) => {
-                for (px, py) in l.x.iter().zip(&l.y).filter(|(a, b)| a.is_finite() && b.is_finite()) {
-                    x.add(*px);
-                    y.add(*py);
-                }
-            }
+            Layer::Line(l) => (&l.x, &l.y),
             Layer::Histogram(h) => {
                 air = 0.03;
                 let Some((start, width)) = bin else { continue };
@@ -126,7 +118,12 @@ pub(crate) fn shared(first: &Plot, panels: &[Plot]) -> Result<Shared, FigureErro
                 x.add(start + width * counts.len() as f64);
                 y.add(0.0);
                 y.add(top);
+                continue;
             }
+        };
+        for (px, py) in all_x.iter().zip(all_y).filter(|(a, b)| a.is_finite() && b.is_finite()) {
+            x.add(*px);
+            y.add(*py);
         }
     }
     let empty = x.is_empty() || y.is_empty();

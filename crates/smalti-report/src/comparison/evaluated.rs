@@ -11,7 +11,7 @@ use super::gallery::{self, Group, Map, Maps, Shot};
 use super::results::CommandLine;
 use super::{again, tables};
 use crate::ReportError;
-use crate::page::{COMPARE, Markup, Page, Table, el, foot};
+use crate::page::{COMPARE, Markup, Page, Table, el, foot, paragraph};
 use crate::pictures::Pixels;
 use crate::words::listed;
 
@@ -77,7 +77,6 @@ pub fn page(shots: &Evaluations<'_>) -> Result<String, ReportError> {
             shots.in_light(light).enumerate().map(one).collect()
         })
         .collect();
-    let filters = shots.cameras.iter().zip(shots.labels).map(|(c, label)| figures::filters(c, label));
     let lights: Vec<String> = shots.luminances_cd_m2.iter().map(f64::to_string).collect();
     let lead = format!(
         "ColorChecker, slanted edge and zone plate at {} cd/m², light {}, seed {}. All pictures are scaled to the same brightness.",
@@ -85,12 +84,8 @@ pub fn page(shots: &Evaluations<'_>) -> Result<String, ReportError> {
         shots.illuminant,
         shots.seed
     );
-    let facts = [
-        ("Smalti", env!("CARGO_PKG_VERSION").to_owned()),
-        ("seed", shots.seed.to_string()),
-        ("light", shots.illuminant.to_owned()),
-    ];
-    let cameras: Vec<_> = shots.labels.iter().cloned().zip(shots.cameras).collect();
+    let cameras = (shots.cameras, shots.labels);
+    let again = again::section(shots.command, (shots.seed, shots.illuminant), None, cameras)?;
     Ok(Page::new(format!("{} evaluated", listed(shots.labels)))
         .with(COMPARE)
         .lead(el("p").child(lead))
@@ -99,8 +94,8 @@ pub fn page(shots: &Evaluations<'_>) -> Result<String, ReportError> {
         .section("colours", "Colours", colors(&scored))
         .section("noise", "Noise", figures::noise(&scored).and(tables::noise(&scored)))
         .section("edges", "Sharpness", figures::edges(&scored))
-        .section("filters", "Filters", el("div").class("cameras").children(filters))
-        .section("again", "Reproduction", again::section(shots.command, &facts, &cameras)?)
+        .section("filters", "Filters", figures::all_filters(shots.cameras, shots.labels))
+        .section("again", "Reproduction", again)
         .foot(foot())
         .html())
 }
@@ -164,11 +159,10 @@ fn scores(shots: &Evaluations<'_>) -> Markup {
         });
         table = tables::scored(table, &EVALUATE, &rows.collect::<Vec<_>>());
     }
-    Markup::from(table).and(
-        el("p").class("help").child(
-            "★ marks the best value in this light. Higher is better for MTF50 and dynamic range, lower for the other columns.",
-        ),
-    )
+    Markup::from(table).and(paragraph(
+        "help",
+        "★ marks the best value in this light. Higher is better for MTF50 and dynamic range, lower for the other columns.",
+    ))
 }
 
 /// Colour differences of each patch, a table for each light.

@@ -17,7 +17,9 @@ const FRAME_PX: usize = 3;
 pub(super) fn sheet(camera: &Camera, name: &str, pipeline: &Pipeline) -> Result<Sheet, ReportError> {
     let (axes, outputs) = (pipeline.axes(), pipeline.outputs());
     let side = axes.side();
-    let colors = filter_colors(camera)?;
+    // The colours of daylight behind the filters.
+    let colors = camera.sensor.cfa.channels().iter().map(|c| filter_color(&c.transmittance));
+    let colors: Vec<[f32; 3]> = colors.collect::<Result<_, _>>()?;
     let mut sheet = Sheet::new(outputs.len()).title(format!("Learned kernels of {name}"));
     for class in dark_and_bright(pipeline) {
         let key = pipeline.key(class);
@@ -64,11 +66,6 @@ fn diverging(value: f32) -> [f32; 3] {
     let end = if value < 0.0 { [0.13, 0.40, 0.67] } else { [0.90, 0.38, 0.0] };
     let share = value.abs().min(1.0);
     end.map(|e| 1.0 + share * (e - 1.0))
-}
-
-/// The colours of daylight behind the filters.
-fn filter_colors(camera: &Camera) -> Result<Vec<[f32; 3]>, ReportError> {
-    camera.sensor.cfa.channels().iter().map(|c| filter_color(&c.transmittance)).collect()
 }
 
 /// Fills a square.

@@ -10,7 +10,7 @@ use super::gallery::{self, Group, Shot};
 use super::maps::{self, DIFFERENCES};
 use super::results::{Comparison, mean};
 use super::{again, learned, tables};
-use crate::page::{COMPARE, Markup, Page, el, foot};
+use crate::page::{COMPARE, Markup, Page, el, foot, paragraph};
 use crate::pictures::Pixels;
 use crate::words::listed;
 use crate::{ReportError, Sheet, names};
@@ -29,11 +29,8 @@ pub fn page(report: &Comparison<'_>) -> Result<String, ReportError> {
         .lead(lead(report))
         .section("pictures", "Pictures", gallery::gallery(&groups(report)?, &kinds))
         .section("scores", "Scores", tables::scores(report).and(tables::scenes(report)))
-        .section("light", "Quality against light", light(report));
-    let filters =
-        report.cameras.iter().zip(report.labels).map(|(camera, label)| figures::filters(camera, label));
-    page = page
-        .section("filters", "Filters", el("div").class("cameras").children(filters))
+        .section("light", "Quality against light", light(report))
+        .section("filters", "Filters", figures::all_filters(report.cameras, report.labels))
         .section("edges", "Sharpness", figures::edges(&scored))
         .section("noise", "Noise", figures::noise(&scored).and(tables::noise(&scored)));
     if !learned.is_empty() {
@@ -41,22 +38,17 @@ pub fn page(report: &Comparison<'_>) -> Result<String, ReportError> {
     }
     let data: Vec<_> =
         learned.par_iter().map(|(contender, pipeline, _)| learned::data(contender, pipeline)).collect();
-    let facts = [
-        ("Smalti", env!("CARGO_PKG_VERSION").to_owned()),
-        ("seed", report.seed.to_string()),
-        ("light", report.illuminant.to_owned()),
-        ("scenes", report.scene_names().join(", ")),
-    ];
-    let cameras: Vec<_> = report.labels.iter().cloned().zip(report.cameras).collect();
+    let (scenes, cameras) = (Some(report.scene_names()), (report.cameras, report.labels));
+    let again = again::section(report.command, (report.seed, report.illuminant), scenes, cameras)?;
     Ok(page
-        .section("again", "Reproduction", again::section(report.command, &facts, &cameras)?)
+        .section("again", "Reproduction", again)
         .data("compare", json!({"learned": data}))
         .foot(foot())
         .html())
 }
 
 fn lead(report: &Comparison<'_>) -> Markup {
-    let lights: Vec<String> = (0..report.light_count()).map(|l| report.luminance(l).to_string()).collect();
+    let lights: Vec<String> = report.luminances().iter().map(f64::to_string).collect();
     let text = format!(
         "{} at {} cd/m², light {}, seed {}, all noise.",
         listed(report.scene_labels),
@@ -85,7 +77,7 @@ fn groups(report: &Comparison<'_>) -> Result<Vec<Group>, ReportError> {
     // Scenes of equal names are numbered in the chooser as in the names of files.
     let scenes = names::numbered(report.scene_labels.to_vec());
     for scene in 0..report.scene_count() {
-        for light in 0..report.light_count() {
+        for (light, luminance_cd_m2) in report.luminances().into_iter().enumerate() {
             let all: Vec<_> = report.of_scene(light, scene).collect();
             let Some((_, first)) = all.first() else { continue };
             let tops = DIFFERENCES.each_ref().map(|d| d.top(all.iter().map(|(_, s)| *s)));
@@ -108,19 +100,14 @@ fn groups(report: &Comparison<'_>) -> Result<Vec<Group>, ReportError> {
                 });
             }
             let scene = scenes.get(scene).cloned().unwrap_or_default();
-            groups.push(Group {
-                scene,
-                luminance_cd_m2: report.luminance(light),
-                shots,
-                tops: tops.to_vec(),
-            });
+            groups.push(Group { scene, luminance_cd_m2, shots, tops: tops.to_vec() });
         }
     }
     Ok(groups)
 }
 
 fn light(report: &Comparison<'_>) -> Markup {
-    let luminances: Vec<f64> = (0..report.light_count()).map(|l| report.luminance(l)).collect();
+    let luminances = report.luminances();
     let of = |f: fn(&Outcome) -> f64| -> Named {
         let named = |(contender, outcomes): (&Contender<'_>, &Vec<Outcome>)| {
             (contender.name(), outcomes.iter().map(f).collect())
@@ -136,13 +123,14 @@ fn light(report: &Comparison<'_>) -> Markup {
             ],
         )
     } else {
-        el("p")
-            .class("none")
-            .child("One luminance was compared. With several, such as --luminance 1,10,80, curves are drawn here.")
-            .into()
+        paragraph(
+            "none",
+            "One luminance was compared. With several, such as --luminance 1,10,80, curves are drawn here.",
+        )
     };
     if report.gains.is_empty() {
-        return out.and(el("p").class("help").child(
+        return out.and(paragraph(
+            "help",
             "The same command with --light-gain finds how much more light the first camera needs to equal the others.",
         ));
     }
@@ -150,7 +138,8 @@ fn light(report: &Comparison<'_>) -> Markup {
         out = out.and(gain_figures(report, &luminances));
     }
     out = out.and(tables::gains(report.gains));
-    out.and(el("p").class("help").child(
+    out.and(paragraph(
+        "help",
         "Where the gain is below 0, the first camera needs less light. Gains are computed from separate pictures: up to two scenes, and four \
          captures of the ColorChecker.",
     ))

@@ -89,14 +89,15 @@ impl<'a> Comparison<'a> {
         self.lights().len()
     }
 
-    /// One of them, cd/m².
-    pub(super) fn luminance(&self, light: usize) -> f64 {
-        self.lights().get(light).map_or(f64::NAN, |o| o.luminance_cd_m2)
+    /// These luminances, cd/m².
+    pub(super) fn luminances(&self) -> Vec<f64> {
+        self.lights().iter().map(|o| o.luminance_cd_m2).collect()
     }
 
     /// The scenes, as [`scene::catalog`](smalti::scene::catalog) takes them, or files.
-    pub(super) fn scene_names(&self) -> Vec<String> {
-        self.lights().first().into_iter().flat_map(|o| &o.scenes).map(|(name, _)| name.clone()).collect()
+    pub(super) fn scene_names(&self) -> String {
+        let scenes = self.lights().first().into_iter().flat_map(|o| &o.scenes);
+        scenes.map(|(name, _)| name.as_str()).collect::<Vec<_>>().join(", ")
     }
 
     /// Scenes that were compared on.

@@ -6,7 +6,7 @@ use smalti::experiment::PairwiseLightGain;
 use super::columns::{COMPARE, Column, SCENES};
 use super::figures::Scored;
 use super::results::{Comparison, of_contender};
-use crate::page::{Markup, Table, el};
+use crate::page::{Markup, Table, el, paragraph};
 
 /// The headings of [`COMPARE`] on the page.
 const HEADINGS: [&str; 6] = [
@@ -73,7 +73,8 @@ pub(super) fn scores(report: &Comparison<'_>) -> Markup {
         let rows = rows.map(|(c, o)| (of_contender(c, o.luminance_cd_m2).to_vec(), o, Vec::new()));
         table = scored(table, &COMPARE, &rows.collect::<Vec<_>>());
     }
-    Markup::from(table).and(el("p").class("help").child(
+    Markup::from(table).and(paragraph(
+        "help",
         "★ marks the best value in this light. Higher is better for CPSNR, MTF50 and visual SNR, lower for the other columns. CPSNR, ΔE and \
          S-CIELAB compare whole pictures with the scene as the standard observer sees it. MTF50 is that of a slanted edge; visual SNR and \
          noise are those of the grey patches of a ColorChecker.",
@@ -90,10 +91,10 @@ pub(super) fn scenes(report: &Comparison<'_>) -> Markup {
     let table = HEADINGS.into_iter().take(SCENES.len()).fold(table, Table::number);
     let mut table = table.number("Clipped, %").number("Exposure, ms");
     for scene in 0..report.scene_count() {
-        for light in 0..report.light_count() {
+        for (light, luminance_cd_m2) in report.luminances().into_iter().enumerate() {
             let rows = report.of_scene(light, scene).map(|(contender, s)| {
                 let mut before = vec![report.scene_label(scene).to_owned()];
-                before.extend(of_contender(contender, report.luminance(light)));
+                before.extend(of_contender(contender, luminance_cd_m2));
                 let exposure_ms = s.exposure_time_s * 1e3;
                 (before, s, vec![format!("{:.1}", s.saturated_percent), format!("{exposure_ms:.2}")])
             });

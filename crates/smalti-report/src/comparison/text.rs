@@ -27,12 +27,11 @@ impl Comparison<'_> {
     #[must_use]
     pub fn fixed_point_line(&self) -> String {
         let all = self.outcomes.iter().flatten().flat_map(|o| o.fixed_point_psnr_db.iter().flatten());
-        match all.copied().reduce(f64::min) {
-            Some(db) => format!(
+        all.copied().reduce(f64::min).map_or_else(String::new, |db| {
+            format!(
                 "fixed point (16-bit samples and kernels) is within {db:.1} dB PSNR of single precision\n"
-            ),
-            None => String::new(),
-        }
+            )
+        })
     }
 
     /// A table for each camera to be equalled at each luminance.

@@ -47,22 +47,10 @@ impl Markup {
     }
 }
 
-impl From<&str> for Markup {
+impl<T: AsRef<str>> From<T> for Markup {
     /// Escaped. Controls, and marks that turn the direction of what follows, become `�`.
-    fn from(text: &str) -> Self {
-        Self(escape(text))
-    }
-}
-
-impl From<String> for Markup {
-    fn from(text: String) -> Self {
-        text.as_str().into()
-    }
-}
-
-impl From<&String> for Markup {
-    fn from(text: &String) -> Self {
-        text.as_str().into()
+    fn from(text: T) -> Self {
+        Self(escape(text.as_ref()))
     }
 }
 
