@@ -112,7 +112,7 @@ pub enum Corner {
 }
 
 /// A line through points in the given order, such as a spectrum or a Pareto front.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct Line {
     pub(crate) name: String,
     pub(crate) x: Vec<f64>,
@@ -128,16 +128,7 @@ impl Line {
     /// A line through (x, y). A name that is not empty appears in the legend. The line is interrupted where a point is not finite.
     #[must_use]
     pub fn new(name: impl Into<String>, x: &[f64], y: &[f64]) -> Self {
-        Self {
-            name: name.into(),
-            x: x.to_vec(),
-            y: y.to_vec(),
-            color: None,
-            width: 2.4,
-            dashed: false,
-            corner: Corner::Straight,
-            filled: false,
-        }
+        Self { name: name.into(), x: x.to_vec(), y: y.to_vec(), width: 2.4, ..Self::default() }
     }
 
     setters! {

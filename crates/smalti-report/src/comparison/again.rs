@@ -18,10 +18,8 @@ pub(super) fn section(
     let facts = [("Smalti", version), ("seed", seed.to_string()), ("light", light.to_owned())];
     let facts = facts.into_iter().chain(scenes.map(|names| ("scenes", names)));
     let facts = facts.map(|(k, v)| Markup::from(el("dt").child(k)).and(el("dd").child(v)));
-    let mut out: Markup = el("p")
-        .child("The same version of Smalti gives the same figures bit for bit, on any number of threads. The command first writes the files of cameras. Other files that it names must be unchanged.")
-        .into();
-    out = out
+    let about = el("p").child("The same version of Smalti gives the same figures bit for bit, on any number of threads. The command first writes the files of cameras. Other files that it names must be unchanged.");
+    let mut out = Markup::from(about)
         .and(el("dl").class("facts").children(facts))
         .and(copyable(&with_files(command, cameras)?, "command"))
         .and(el("p").child("The descriptions of the cameras contain every key with its value. Saved as a TOML file, a description is a camera for any command."));

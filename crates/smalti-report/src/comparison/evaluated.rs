@@ -110,14 +110,12 @@ fn groups(shots: &Evaluations<'_>) -> Result<Vec<Group>, ReportError> {
             let mut group =
                 Group { scene: scene.into(), luminance_cd_m2, shots: Vec::new(), tops: Vec::new() };
             for (label, _, e, pictures) in shots.in_light(light) {
-                let (caption, maps) = match scene {
-                    "ColorChecker" => (format!("ΔE2000 {:.2}", e.delta_e_2000.mean), Vec::new()),
-                    "edge" => (format!("MTF50 {:.1} cy/mm", e.mtf50_cy_per_mm), Vec::new()),
-                    _ => {
-                        let caption = format!("aliasing {:.1} %", e.aliasing_percent);
-                        (caption, vec![Map::Picture(Pixels::of(&aliasing_picture(pictures)?))])
-                    }
+                let (caption, aliasing) = match scene {
+                    "ColorChecker" => (format!("ΔE2000 {:.2}", e.delta_e_2000.mean), None),
+                    "edge" => (format!("MTF50 {:.1} cy/mm", e.mtf50_cy_per_mm), None),
+                    _ => (format!("aliasing {:.1} %", e.aliasing_percent), Some(aliasing_picture(pictures)?)),
                 };
+                let maps = aliasing.iter().map(|image| Map::Picture(Pixels::of(image))).collect();
                 let picture = Pixels::of(&seen(of(pictures), shots.white)?);
                 group.shots.push(Shot { name: label.clone(), caption, picture, maps });
             }

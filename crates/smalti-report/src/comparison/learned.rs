@@ -31,9 +31,7 @@ pub(super) fn section(learned: &[(&Contender<'_>, &Pipeline, String)]) -> Markup
                 .text("Position: row, column")
                 .text("Channel")
                 .number("Patches seen");
-        for origin in Origin::ALL {
-            table = table.number(origin.name());
-        }
+        table = Origin::ALL.iter().fold(table, |table, origin| table.number(origin.name()));
         for p in &summary.positions {
             let mut cells =
                 vec![format!("{}, {}", p.row + 1, p.col + 1), p.channel.clone(), grouped(p.patches)];

@@ -7,13 +7,13 @@ use smalti::experiment::{Contender, Outcome, PairwiseLightGain};
 
 use super::figures::{self, Named, Scored};
 use super::gallery::{self, Group, Shot};
-use super::maps::{self, DIFFERENCES};
+use super::maps::DIFFERENCES;
 use super::results::{Comparison, mean};
 use super::{again, learned, tables};
 use crate::page::{COMPARE, Markup, Page, el, foot, paragraph};
 use crate::pictures::Pixels;
 use crate::words::listed;
-use crate::{ReportError, Sheet, names};
+use crate::{ReportError, names};
 
 /// The page of a comparison as HTML.
 ///
@@ -56,19 +56,13 @@ fn lead(report: &Comparison<'_>) -> Markup {
         report.illuminant,
         report.seed
     );
-    let mut out: Markup = el("p").child(text).into();
-    if !report.left_out.is_empty() {
-        let text =
-            format!("Left out, since they are defined for Bayer mosaics only: {}.", listed(report.left_out));
-        out = out.and(el("p").class("warning").attr("role", "note").child(text));
+    let lead = Markup::from(el("p").child(text));
+    if report.left_out.is_empty() {
+        return lead;
     }
-    out
-}
-
-/// The maps of all contenders for a scene and luminance, with their common scale.
-pub(super) fn maps_sheet(report: &Comparison<'_>, title: String, light: usize, scene: usize) -> Sheet {
-    let scored = report.of_scene(light, scene).map(|(contender, scores)| (contender.name(), scores));
-    maps::sheet(title, &scored.collect::<Vec<_>>())
+    let text =
+        format!("Left out, since they are defined for Bayer mosaics only: {}.", listed(report.left_out));
+    lead.and(el("p").class("warning").attr("role", "note").child(text))
 }
 
 /// The pictures of each scene at each luminance, the reference first.

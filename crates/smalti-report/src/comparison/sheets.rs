@@ -2,9 +2,9 @@
 
 use smalti::experiment::Outcome;
 
-use super::kernels;
-use super::page::{maps_sheet, page};
+use super::page::page;
 use super::results::Comparison;
+use super::{kernels, maps};
 use crate::pictures::add;
 use crate::{ReportError, Sheet, Store, names};
 
@@ -42,7 +42,9 @@ impl Comparison<'_> {
             for (s, name) in names.iter().enumerate() {
                 let title = format!("{}, {} cd/m²", self.scene_label(s), light.luminance_cd_m2);
                 save(format!("{SIDE_BY_SIDE}/{name}.png"), self.side_by_side(&title, l, s)?)?;
-                save(format!("{SIDE_BY_SIDE}/{name}{MAPS}.png"), maps_sheet(self, title, l, s))?;
+                let scored = self.of_scene(l, s).map(|(contender, scores)| (contender.name(), scores));
+                let maps = maps::sheet(title, &scored.collect::<Vec<_>>());
+                save(format!("{SIDE_BY_SIDE}/{name}{MAPS}.png"), maps)?;
             }
         }
         for (contender, pipeline, file) in self.learned() {

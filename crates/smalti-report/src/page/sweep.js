@@ -2,10 +2,9 @@
 
 function startSweep(data) {
   const designs = readDesigns(data);
-  const named = (name) => designs.columns.find((c) => c.name === name);
   const isVaried = (values) => { const [low, high] = extent(values); return low < high; };
   const varied = designs.columns.filter((c) => c.parameter || c.name === "colors" || isVaried(c.values));
-  const first = (...names) => names.map(named).find((c) => c && varied.includes(c));
+  const first = (...names) => names.map((name) => varied.find((c) => c.name === name)).find(Boolean);
   const some = varied.filter((c) => !c.parameter && c.name !== "colors");
   const ways = [
     { label: "Number of colours", column: null, words: null },

@@ -52,14 +52,11 @@ fn filled(cell: Element, numeric: bool, content: impl Into<Markup>) -> Element {
 
 impl From<Table> for Markup {
     fn from(Table { caption, head, rows }: Table) -> Self {
-        let head: Self = head
-            .into_iter()
-            .map(|(heading, numeric)| filled(el("th").attr("scope", "col"), numeric, heading))
-            .collect();
+        let heading = |(heading, numeric)| filled(el("th").attr("scope", "col"), numeric, heading);
         let table = el("table")
             .attr("data-sortable", "")
             .child(el("caption").child(caption))
-            .child(el("thead").child(el("tr").child(head)))
+            .child(el("thead").child(el("tr").children(head.into_iter().map(heading))))
             .child(el("tbody").children(rows));
         // Wide tables scroll by themselves; what scrolls must be reachable by keys.
         el("div")
