@@ -40,25 +40,27 @@ class Filters {
   }
 
   addNumbersOfColors() {
+    const { colors } = this.designs;
     const counts = new Map();
-    this.designs.colors.forEach((n) => counts.set(n, (counts.get(n) || 0) + 1));
+    colors.forEach((n) => counts.set(n, (counts.get(n) || 0) + 1));
     const entries = [...counts].sort(([a], [b]) => a - b).map(([code, many]) => ({ code, many, words: `${code} colours`, color: () => css(colorOfCount(code)) }));
-    if (entries.length > 1) this.addBoxes("Number of colours", entries, true, (off) => (i) => !off.has(this.designs.colors[i]));
+    if (entries.length > 1) this.addBoxes("Number of colours", entries, true, (off) => (i) => !off.has(colors[i]));
   }
 
   addWords(column) {
+    const { codes } = column;
     const counts = new Array(column.words.length).fill(0);
-    column.codes.forEach((code) => { counts[code] += 1; });
+    codes.forEach((code) => { counts[code] += 1; });
     const entries = column.words.map((words, code) => ({ code, words: words || "(none)", many: counts[code] }));
     if (entries.length <= MAX_BOXES) {
-      this.addBoxes(column.label, entries, true, (off) => (i) => !off.has(column.codes[i]));
+      this.addBoxes(column.label, entries, true, (off) => (i) => !off.has(codes[i]));
       return;
     }
     let wanted = -1;
     const select = make("select", { "aria-label": column.label, change: () => { wanted = Number(select.value); this.update(); } },
       make("option", { value: "-1" }, `all ${entries.length}`), ...entries.map((e) => make("option", { value: e.code }, e.words)));
     this.element.append(make("fieldset", {}, make("legend", {}, column.label), select));
-    this.groups.push({ passes: (i) => wanted < 0 || column.codes[i] === wanted, idle: () => wanted < 0, reset: () => { wanted = -1; select.value = "-1"; } });
+    this.groups.push({ passes: (i) => wanted < 0 || codes[i] === wanted, idle: () => wanted < 0, reset: () => { wanted = -1; select.value = "-1"; } });
   }
 
   addMarks() {
