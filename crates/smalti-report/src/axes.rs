@@ -22,10 +22,8 @@ pub(crate) fn draw_axes(svg: &mut Svg, area: Area, x: &Axis, y: &Axis, edges: Ed
     let rows: Vec<(f64, String)> = placed(y, y_ticks, bottom, -area.height);
     columns.iter().for_each(|(at, _)| svg.line((*at, top), (*at, bottom), GRID, 1.0));
     rows.iter().for_each(|(at, _)| svg.line((left, *at), (right, *at), GRID, 1.0));
-    svg.raw_path(
-        &path_of(&[(left, top), (left, bottom), (right, bottom)], false),
-        &Svg::paint(Paint::stroke(FRAME, 1.4)),
-    );
+    let corner = path_of(&[(left, top), (left, bottom), (right, bottom)], false);
+    svg.raw_path(&corner, &Paint::stroke(FRAME, 1.4).attributes());
     let mark = if wavelengths { 10.0 } else { 5.0 };
     for (at, label) in columns {
         svg.line((at, bottom), (at, bottom + mark), FRAME, 1.4);

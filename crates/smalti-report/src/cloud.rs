@@ -44,13 +44,9 @@ pub(crate) fn draw_cloud(
     svg.open(&format!(" fill-opacity=\"{}\"", number(opacity)), "");
     for dot in &dots {
         let fill = format!(" fill=\"{}\"", dot.color);
-        match dot.symbol.outline(dot.radius) {
+        match dot.symbol.outline((dot.x, dot.y), dot.radius) {
             None => svg.circle((dot.x, dot.y), dot.radius, &fill),
-            Some(corners) => {
-                let corners: Vec<(f64, f64)> =
-                    corners.into_iter().map(|(x, y)| (dot.x + x, dot.y + y)).collect();
-                svg.raw_path(&path_of(&corners, true), &fill);
-            }
+            Some(corners) => svg.raw_path(&path_of(&corners, true), &fill),
         }
     }
     svg.close();
@@ -94,16 +90,16 @@ fn picture(area: Area, dots: &[Dot], opacity: f64, scale: f64) -> Result<Vec<u8>
     let mut paint = Paint { anti_alias: true, ..Paint::default() };
     for dot in dots {
         paint.set_color_rgba8(dot.color.0, dot.color.1, dot.color.2, (opacity * 255.0).round() as u8);
-        let at =
-            |x: f64, y: f64| (((dot.x - area.x + x) * scale) as f32, ((dot.y - area.y + y) * scale) as f32);
+        let scaled = |(x, y): (f64, f64)| ((x * scale) as f32, (y * scale) as f32);
+        let center = (dot.x - area.x, dot.y - area.y);
         let mut path = PathBuilder::new();
-        match dot.symbol.outline(dot.radius) {
+        match dot.symbol.outline(center, dot.radius) {
             None => {
-                let (x, y) = at(0.0, 0.0);
+                let (x, y) = scaled(center);
                 path.push_circle(x, y, (dot.radius * scale) as f32);
             }
             Some(corners) => {
-                for (i, (x, y)) in corners.into_iter().map(|(x, y)| at(x, y)).enumerate() {
+                for (i, (x, y)) in corners.into_iter().map(scaled).enumerate() {
                     if i == 0 { path.move_to(x, y) } else { path.line_to(x, y) }
                 }
                 path.close();

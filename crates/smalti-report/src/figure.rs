@@ -13,6 +13,19 @@ pub const SIDE_LIMIT: f64 = 16_384.0;
 /// The most pixels of a PNG.
 const PIXEL_LIMIT: f64 = 1e8;
 
+/// Methods that set fields of a value and return it.
+macro_rules! setters {
+    ($($(#[$doc:meta])* $name:ident($($arg:ident: $of:ty),*) { $($($field:ident).+ = $value:expr);+ })+) => {$(
+        $(#[$doc])*
+        #[must_use]
+        pub fn $name(mut self, $($arg: $of),*) -> Self {
+            $(self.$($field).+ = $value;)+
+            self
+        }
+    )+};
+}
+pub(crate) use setters;
+
 /// A finished figure as an SVG document, which can be rendered as PNG. Equal inputs give equal bytes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Figure {
@@ -81,15 +94,11 @@ impl Figure {
 
 /// Refuses sizes that cannot be drawn.
 pub(crate) fn check_size(width: f64, height: f64) -> Result<(), FigureError> {
-    let fits = |side: f64| (1.0..=SIDE_LIMIT).contains(&side);
-    if fits(width) && fits(height) {
+    if [width, height].iter().all(|side| (1.0..=SIDE_LIMIT).contains(side)) {
         return Ok(());
     }
-    Err(FigureError::Size {
-        width,
-        height,
-        reason: format!("sides must lie between 1 and {SIDE_LIMIT} pixels"),
-    })
+    let reason = format!("sides must lie between 1 and {SIDE_LIMIT} pixels");
+    Err(FigureError::Size { width, height, reason })
 }
 
 /// Encodes pixels as PNG.

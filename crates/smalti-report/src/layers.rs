@@ -2,6 +2,7 @@
 
 use crate::FigureError;
 use crate::color::Rgb;
+use crate::figure::setters;
 
 /// The symbol of a point.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -22,8 +23,8 @@ pub enum Symbol {
 }
 
 impl Symbol {
-    /// The corners around the origin, for about the area of a disc of this radius; `None` for the disc.
-    pub(crate) fn outline(self, radius: f64) -> Option<Vec<(f64, f64)>> {
+    /// The corners around a place, for about the area of a disc of this radius; `None` for the disc.
+    pub(crate) fn outline(self, (x, y): (f64, f64), radius: f64) -> Option<Vec<(f64, f64)>> {
         // Corners of the regular pentagon, from the top clockwise, y down.
         const PENTAGON: [(f64, f64); 5] = [
             (0.0, -1.0),
@@ -40,17 +41,16 @@ impl Symbol {
             Self::TriangleDown => (vec![(0.0, 1.1), (1.0, -0.65), (-1.0, -0.65)], 1.3),
             Self::Star => {
                 // The inner corners lie opposite the outer ones.
-                let inner = |i: usize| PENTAGON.get((i + 3) % 5).map(|p| (-0.5 * p.0, -0.5 * p.1));
-                let corners = PENTAGON.iter().enumerate().flat_map(|(i, p)| [Some(*p), inner(i)]);
-                (corners.flatten().collect(), 1.5)
+                let inner = PENTAGON.iter().cycle().skip(3).map(|p| (-0.5 * p.0, -0.5 * p.1));
+                (PENTAGON.into_iter().zip(inner).flat_map(|(outer, inner)| [outer, inner]).collect(), 1.5)
             }
         };
-        Some(points.into_iter().map(|(x, y)| (x * size * radius, y * size * radius)).collect())
+        Some(points.into_iter().map(|(dx, dy)| (x + dx * size * radius, y + dy * size * radius)).collect())
     }
 }
 
 /// A series of points: a cloud of dots, or a few emphasised marks above it.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct Points {
     pub(crate) name: String,
     pub(crate) x: Vec<f64>,
@@ -69,67 +69,24 @@ impl Points {
     /// below the plot.
     #[must_use]
     pub fn new(name: impl Into<String>, x: &[f64], y: &[f64]) -> Self {
-        Self {
-            name: name.into(),
-            x: x.to_vec(),
-            y: y.to_vec(),
-            values: None,
-            color: None,
-            symbol: Symbol::Circle,
-            radius: None,
-            marks: false,
-            x_intervals: None,
-            y_intervals: None,
-        }
+        Self { name: name.into(), x: x.to_vec(), y: y.to_vec(), ..Self::default() }
     }
 
-    /// Colours each point by its value, with viridis and a colour bar; see [`crate::Plot::values`].
-    #[must_use]
-    pub fn values(mut self, values: &[f64]) -> Self {
-        self.values = Some(values.to_vec());
-        self
-    }
-
-    /// Sets one colour for all points, instead of the next colour of the palette.
-    #[must_use]
-    pub fn color(mut self, color: Rgb) -> Self {
-        self.color = Some(color);
-        self
-    }
-
-    /// The symbol of all points.
-    #[must_use]
-    pub fn symbol(mut self, symbol: Symbol) -> Self {
-        self.symbol = symbol;
-        self
-    }
-
-    /// Sets the radius in pixels; by default it decreases with the number of points.
-    #[must_use]
-    pub fn radius(mut self, radius: f64) -> Self {
-        self.radius = Some(radius);
-        self
-    }
-
-    /// Draws large marks with a white edge above clouds and lines, such as means or selected designs.
-    #[must_use]
-    pub fn marks(mut self) -> Self {
-        self.marks = true;
-        self
-    }
-
-    /// Adds an interval (low, high) of x to each point, which is drawn as a bar; the points become marks.
-    #[must_use]
-    pub fn x_intervals(mut self, intervals: &[(f64, f64)]) -> Self {
-        self.x_intervals = Some(intervals.to_vec());
-        self.marks()
-    }
-
-    /// Adds an interval (low, high) of y to each point, which is drawn as a bar; the points become marks.
-    #[must_use]
-    pub fn y_intervals(mut self, intervals: &[(f64, f64)]) -> Self {
-        self.y_intervals = Some(intervals.to_vec());
-        self.marks()
+    setters! {
+        /// Colours each point by its value, with viridis and a colour bar; see [`crate::Plot::values`].
+        values(values: &[f64]) { values = Some(values.to_vec()) }
+        /// Sets one colour for all points, instead of the next colour of the palette.
+        color(color: Rgb) { color = Some(color) }
+        /// The symbol of all points.
+        symbol(symbol: Symbol) { symbol = symbol }
+        /// Sets the radius in pixels; by default it decreases with the number of points.
+        radius(radius: f64) { radius = Some(radius) }
+        /// Draws large marks with a white edge above clouds and lines, such as means or selected designs.
+        marks() { marks = true }
+        /// Adds an interval (low, high) of x to each point, which is drawn as a bar; the points become marks.
+        x_intervals(intervals: &[(f64, f64)]) { x_intervals = Some(intervals.to_vec()); marks = true }
+        /// Adds an interval (low, high) of y to each point, which is drawn as a bar; the points become marks.
+        y_intervals(intervals: &[(f64, f64)]) { y_intervals = Some(intervals.to_vec()); marks = true }
     }
 
     pub(crate) fn check(&self) -> Result<(), FigureError> {
@@ -139,7 +96,7 @@ impl Points {
             ("intervals of x", self.x_intervals.as_ref().map(Vec::len)),
             ("intervals of y", self.y_intervals.as_ref().map(Vec::len)),
         ];
-        columns.into_iter().try_for_each(|(what, got)| same_length(&self.name, what, self.x.len(), got))
+        same_length(&self.name, self.x.len(), &columns)
     }
 }
 
@@ -149,15 +106,13 @@ pub enum Corner {
     /// A straight line.
     #[default]
     Straight,
-    /// First along x, then along y: the boundary of the region that a front of two lower-is-better metrics dominates, with points by
-    /// rising x.
-    XFirst,
-    /// First along y, then along x: the same where x is higher-is-better and y lower-is-better.
+    /// First along y, then along x: the boundary of the region that a front dominates, where x is higher-is-better and y
+    /// lower-is-better, with points by rising x.
     YFirst,
 }
 
 /// A line through points in the given order, such as a spectrum or a Pareto front.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct Line {
     pub(crate) name: String,
     pub(crate) x: Vec<f64>,
@@ -173,55 +128,24 @@ impl Line {
     /// A line through (x, y). A name that is not empty appears in the legend. The line is interrupted where a point is not finite.
     #[must_use]
     pub fn new(name: impl Into<String>, x: &[f64], y: &[f64]) -> Self {
-        Self {
-            name: name.into(),
-            x: x.to_vec(),
-            y: y.to_vec(),
-            color: None,
-            width: 2.4,
-            dashed: false,
-            corner: Corner::Straight,
-            filled: false,
-        }
+        Self { name: name.into(), x: x.to_vec(), y: y.to_vec(), width: 2.4, ..Self::default() }
     }
 
-    /// Sets the colour, instead of the next colour of the palette.
-    #[must_use]
-    pub fn color(mut self, color: Rgb) -> Self {
-        self.color = Some(color);
-        self
-    }
-
-    /// Sets the width in pixels.
-    #[must_use]
-    pub fn width(mut self, width: f64) -> Self {
-        self.width = width;
-        self
-    }
-
-    /// Draws a dashed line.
-    #[must_use]
-    pub fn dashed(mut self) -> Self {
-        self.dashed = true;
-        self
-    }
-
-    /// Sets the connection between points.
-    #[must_use]
-    pub fn corner(mut self, corner: Corner) -> Self {
-        self.corner = corner;
-        self
-    }
-
-    /// Fills the area between the line and the bottom of the plot with a tint.
-    #[must_use]
-    pub fn filled(mut self) -> Self {
-        self.filled = true;
-        self
+    setters! {
+        /// Sets the colour, instead of the next colour of the palette.
+        color(color: Rgb) { color = Some(color) }
+        /// Sets the width in pixels.
+        width(width: f64) { width = width }
+        /// Draws a dashed line.
+        dashed() { dashed = true }
+        /// Sets the connection between points.
+        corner(corner: Corner) { corner = corner }
+        /// Fills the area between the line and the bottom of the plot with a tint.
+        filled() { filled = true }
     }
 
     pub(crate) fn check(&self) -> Result<(), FigureError> {
-        same_length(&self.name, "values of y", self.x.len(), Some(self.y.len()))
+        same_length(&self.name, self.x.len(), &[("values of y", Some(self.y.len()))])
     }
 }
 
@@ -241,31 +165,21 @@ impl Histogram {
         Self { name: name.into(), values: values.to_vec(), color: None, interval: None }
     }
 
-    /// Sets the colour, instead of the next colour of the palette.
-    #[must_use]
-    pub fn color(mut self, color: Rgb) -> Self {
-        self.color = Some(color);
-        self
-    }
-
-    /// Marks an interval and a centre above the bars, such as the 5th and 95th percentile and the mean.
-    #[must_use]
-    pub fn interval(mut self, low: f64, center: f64, high: f64) -> Self {
-        self.interval = Some((low, center, high));
-        self
+    setters! {
+        /// Sets the colour, instead of the next colour of the palette.
+        color(color: Rgb) { color = Some(color) }
+        /// Marks an interval and a centre above the bars, such as the 5th and 95th percentile and the mean.
+        interval(low: f64, center: f64, high: f64) { interval = Some((low, center, high)) }
     }
 }
 
+/// Refuses a series with a column, where there is one, of another length than that of x.
 fn same_length(
     series: &str,
-    what: &'static str,
     expected: usize,
-    got: Option<usize>,
+    columns: &[(&'static str, Option<usize>)],
 ) -> Result<(), FigureError> {
-    match got {
-        Some(got) if got != expected => {
-            Err(FigureError::Lengths { series: crate::text::clean(series), what, expected, got })
-        }
-        _ => Ok(()),
-    }
+    let wrong = columns.iter().find_map(|(what, got)| Some((*what, got.filter(|got| *got != expected)?)));
+    let Some((what, got)) = wrong else { return Ok(()) };
+    Err(FigureError::Lengths { series: crate::text::clean(series), what, expected, got })
 }

@@ -2,7 +2,7 @@
 
 use crate::axes::Edges;
 use crate::figure::check_size;
-use crate::legend::{Entry, draw_entries, entries, rows};
+use crate::legend::{draw_entries, entries, rows};
 use crate::panel::Panel;
 use crate::plot::{Frame, Layer, Panels, Plot};
 use crate::scale::Axis;
@@ -65,7 +65,11 @@ impl Layout<'_> {
         }
         let legend = if self.frame.legend { entries(self.panels, &shared) } else { Vec::new() };
         if !legend.is_empty() {
-            top = draw_legend(&mut svg, &legend, top + 4.0, inner);
+            top += 4.0;
+        }
+        for row in rows(&legend, inner) {
+            top += 26.0;
+            draw_entries(&mut svg, row, (MARGIN, top - 7.0), inner);
         }
         top += 12.0;
 
@@ -173,13 +177,9 @@ impl Layout<'_> {
                 Layer::Line(_) => {}
             }
         }
-        let mut missing = Vec::new();
-        if holes > 0 {
-            missing.push(format!("{holes} of {all} {noun} have no place on the axes"));
-        }
-        if beyond > 0 {
-            missing.push(format!("{beyond} of {all} {noun} lie beyond the axes"));
-        }
+        let missing = [(holes, "have no place on the axes"), (beyond, "lie beyond the axes")];
+        let missing = missing.iter().filter(|(count, _)| *count > 0);
+        let missing: Vec<_> = missing.map(|(count, why)| format!("{count} of {all} {noun} {why}")).collect();
         if !missing.is_empty() {
             notes.push(format!("Not drawn: {}.", missing.join("; ")));
         }
@@ -188,21 +188,16 @@ impl Layout<'_> {
 
     /// The figure in words.
     fn description(&self, first: &Plot, drawn_as_picture: bool, notes: &[String]) -> String {
-        let mut sentences = Vec::new();
-        if self.frame.description.is_empty() {
-            sentences.push(format!("{} against {}.", first.y.label, first.x.label));
-            for plot in self.panels {
-                let series: Vec<String> = plot.layers.iter().map(described).collect();
-                let series = if series.is_empty() { "empty".to_owned() } else { series.join(", ") };
-                let name = &plot.frame.title;
-                sentences.push(if self.named_panels { format!("{name}: {series}.") } else { series + "." });
-            }
-            let mut layers = self.panels.iter().flat_map(|p| &p.layers);
-            if layers.any(|l| matches!(l, Layer::Points(p) if p.values.is_some())) {
-                sentences.push(format!("Colour shows {}.", first.values.label));
-            }
-        } else {
-            sentences.push(self.frame.description.clone());
+        let mut sentences = vec![format!("{} against {}.", first.y.label, first.x.label)];
+        for plot in self.panels {
+            let series: Vec<String> = plot.layers.iter().map(described).collect();
+            let series = if series.is_empty() { "empty".to_owned() } else { series.join(", ") };
+            let name = &plot.frame.title;
+            sentences.push(if self.named_panels { format!("{name}: {series}.") } else { series + "." });
+        }
+        let mut layers = self.panels.iter().flat_map(|p| &p.layers);
+        if layers.any(|l| matches!(l, Layer::Points(p) if p.values.is_some())) {
+            sentences.push(format!("Colour shows {}.", first.values.label));
         }
         if drawn_as_picture {
             sentences.push("The points are drawn as a picture.".to_owned());
@@ -219,15 +214,6 @@ fn described(layer: &Layer) -> String {
         Layer::Line(l) => format!("{} (line)", l.name),
         Layer::Histogram(h) => format!("{} (histogram of {} values)", h.name, h.values.len()),
     }
-}
-
-/// The legend, in rows from the left; returns where it ends.
-fn draw_legend(svg: &mut Svg, legend: &[Entry], mut top: f64, inner: f64) -> f64 {
-    for row in rows(legend, inner) {
-        top += 26.0;
-        draw_entries(svg, row, (MARGIN, top - 7.0), inner);
-    }
-    top
 }
 
 fn draw_values(svg: &mut Svg, bar: Area, axis: &Axis, beyond: (bool, bool), label: &str, right: f64) {

@@ -48,15 +48,13 @@ pub(crate) fn entries(panels: &[Plot], shared: &Shared) -> Vec<Entry> {
             Layer::Line(l) => Sign::Line(series_color(shared, &l.name, l.color), l.width, l.dashed),
             Layer::Histogram(h) => Sign::Area(series_color(shared, &h.name, h.color)),
         };
-        match entries.iter_mut().find(|e| e.name == name) {
-            None => entries.push(Entry { name, sign }),
+        match (entries.iter_mut().find(|e| e.name == name).map(|e| &mut e.sign), sign) {
+            (None, sign) => entries.push(Entry { name, sign }),
             // A name that occurs in several colours is shown by its symbol in grey.
-            Some(Entry { sign: Sign::Dot(symbol, color, _), .. }) => {
-                if matches!(sign, Sign::Dot(s, c, _) if s == *symbol && c != *color) {
-                    *color = FRAME;
-                }
+            (Some(Sign::Dot(symbol, color, _)), Sign::Dot(s, c, _)) if s == *symbol && c != *color => {
+                *color = FRAME;
             }
-            Some(_) => {}
+            _ => {}
         }
     }
     entries

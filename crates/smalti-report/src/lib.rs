@@ -43,7 +43,6 @@ mod report_error;
 mod scale;
 mod shared;
 mod sheet;
-mod store;
 pub mod study;
 mod svg;
 mod text;
@@ -59,6 +58,9 @@ pub use plot::{Panels, Plot};
 pub use report_error::{ReportError, in_one_line};
 pub use scale::Scale;
 pub use sheet::Sheet;
-pub use store::Store;
 pub use tiles::{Cell, Mosaics};
 pub use words::TextTable;
+
+/// Stores a file of a report, since this crate opens none: its path relative to the folder of the report, with `/` between folders,
+/// and its content.
+pub type Store<'a> = dyn FnMut(&str, &[u8]) -> Result<(), Box<dyn std::error::Error + Send + Sync>> + 'a;

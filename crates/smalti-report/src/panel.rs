@@ -36,12 +36,9 @@ pub(crate) fn draw_symbol(
     edge: bool,
 ) {
     let paint = Paint { stroke: edge.then_some((WHITE, 1.6)), ..Paint::fill(color, 1.0) };
-    match symbol.outline(radius) {
-        None => svg.circle(at, radius, &Svg::paint(paint)),
-        Some(corners) => {
-            let corners: Vec<(f64, f64)> = corners.into_iter().map(|(x, y)| (at.0 + x, at.1 + y)).collect();
-            svg.path(&path_of(&corners, true), paint);
-        }
+    match symbol.outline(at, radius) {
+        None => svg.circle(at, radius, &paint.attributes()),
+        Some(corners) => svg.path(&path_of(&corners, true), paint),
     }
 }
 
@@ -115,7 +112,7 @@ impl Panel<'_> {
                 steps.extend([(x, steps.last().map_or(floor, |p| p.1)), (x, top)]);
             } else if let Some(last) = steps.last().copied() {
                 steps.extend([(x, last.1), (x, floor)]);
-                svg.raw_path(&path_of(&steps, true), &Svg::paint(Paint::fill(color, 0.22)));
+                svg.raw_path(&path_of(&steps, true), &Paint::fill(color, 0.22).attributes());
                 svg.path(&path_of(&steps, false), Paint::stroke(color, 1.8));
                 steps.clear();
             }
@@ -184,10 +181,8 @@ impl Panel<'_> {
                 self.draw_run(svg, line, color, std::mem::take(&mut run));
                 continue;
             };
-            match (line.corner, run.last().copied()) {
-                (Corner::XFirst, Some(last)) => run.push((at.0, last.1)),
-                (Corner::YFirst, Some(last)) => run.push((last.0, at.1)),
-                _ => {}
+            if let (Corner::YFirst, Some(last)) = (line.corner, run.last()) {
+                run.push((last.0, at.1));
             }
             run.push(at);
         }
@@ -200,7 +195,7 @@ impl Panel<'_> {
         if line.filled {
             let floor = self.area.y + self.area.height;
             run.extend([(last.0, floor), (first.0, floor)]);
-            svg.raw_path(&path_of(&run, true), &Svg::paint(Paint::fill(color, 0.16)));
+            svg.raw_path(&path_of(&run, true), &Paint::fill(color, 0.16).attributes());
         }
         let width = line.width.clamp(0.2, 30.0);
         svg.path(&outline, Paint { dashed: line.dashed, ..Paint::stroke(color, width) });

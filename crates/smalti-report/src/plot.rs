@@ -1,5 +1,6 @@
 //! A plot: axes and layers.
 
+use crate::figure::setters;
 use crate::layers::{Histogram, Line, Points};
 use crate::scale::Scale;
 
@@ -17,7 +18,6 @@ pub(crate) struct AxisRequest {
 pub(crate) struct Frame {
     pub(crate) title: String,
     pub(crate) note: String,
-    pub(crate) description: String,
     pub(crate) legend: bool,
     /// Width and height in pixels.
     pub(crate) size: (f64, f64),
@@ -25,8 +25,7 @@ pub(crate) struct Frame {
 
 impl Frame {
     fn of_size(width: f64, height: f64) -> Self {
-        let [title, note, description] = [const { String::new() }; 3];
-        Self { title, note, description, legend: true, size: (width, height) }
+        Self { title: String::new(), note: String::new(), legend: true, size: (width, height) }
     }
 }
 
@@ -74,7 +73,6 @@ pub struct Plot {
     pub(crate) values: AxisRequest,
     pub(crate) layers: Vec<Layer>,
     pub(crate) wavelengths: bool,
-    pub(crate) bin_width: Option<f64>,
 }
 
 impl Plot {
@@ -89,7 +87,6 @@ impl Plot {
             values: axis(String::new()),
             layers: Vec::new(),
             wavelengths: false,
-            bin_width: None,
         }
     }
 
@@ -102,89 +99,26 @@ impl Plot {
         plot
     }
 
-    /// Sets the title above the plot.
-    #[must_use]
-    pub fn title(mut self, title: impl Into<String>) -> Self {
-        self.frame.title = title.into();
-        self
-    }
-
-    /// Sets a note in small print below.
-    #[must_use]
-    pub fn note(mut self, note: impl Into<String>) -> Self {
-        self.frame.note = note.into();
-        self
-    }
-
-    /// Sets the description for screen readers; by default it lists the axes and series.
-    #[must_use]
-    pub fn description(mut self, description: impl Into<String>) -> Self {
-        self.frame.description = description.into();
-        self
-    }
-
-    /// Sets width and height in pixels.
-    #[must_use]
-    pub fn size(mut self, width: f64, height: f64) -> Self {
-        self.frame.size = (width, height);
-        self
-    }
-
-    /// Sets the range of x, instead of that of the data. Points outside are counted below the plot.
-    #[must_use]
-    pub fn x_range(mut self, low: f64, high: f64) -> Self {
-        self.x.range = Some((low, high));
-        self
-    }
-
-    /// Sets the range of y, instead of that of the data. Points outside are counted below the plot.
-    #[must_use]
-    pub fn y_range(mut self, low: f64, high: f64) -> Self {
-        self.y.range = Some((low, high));
-        self
-    }
-
-    /// Sets the scale of x.
-    #[must_use]
-    pub fn x_scale(mut self, scale: Scale) -> Self {
-        self.x.scale = scale;
-        self
-    }
-
-    /// Sets the scale of y.
-    #[must_use]
-    pub fn y_scale(mut self, scale: Scale) -> Self {
-        self.y.scale = scale;
-        self
-    }
-
-    /// Sets the label of the colour bar of [`Points::values`].
-    #[must_use]
-    pub fn values(mut self, label: impl Into<String>) -> Self {
-        self.values.label = label.into();
-        self
-    }
-
-    /// Sets the range of the colour bar, instead of that of the data. Values outside have the colour of the nearer end, whose label
-    /// shows ≤ or ≥.
-    #[must_use]
-    pub fn value_range(mut self, low: f64, high: f64) -> Self {
-        self.values.range = Some((low, high));
-        self
-    }
-
-    /// Sets the width of bins, at least a 400th of the range; by default a round number that gives about 40 bins.
-    #[must_use]
-    pub fn bin_width(mut self, width: f64) -> Self {
-        self.bin_width = Some(width);
-        self
-    }
-
-    /// Omits the legend.
-    #[must_use]
-    pub fn without_legend(mut self) -> Self {
-        self.frame.legend = false;
-        self
+    setters! {
+        /// Sets the title above the plot.
+        title(title: impl Into<String>) { frame.title = title.into() }
+        /// Sets a note in small print below.
+        note(note: impl Into<String>) { frame.note = note.into() }
+        /// Sets width and height in pixels.
+        size(width: f64, height: f64) { frame.size = (width, height) }
+        /// Sets the range of x, instead of that of the data. Points outside are counted below the plot.
+        x_range(low: f64, high: f64) { x.range = Some((low, high)) }
+        /// Sets the range of y, instead of that of the data. Points outside are counted below the plot.
+        y_range(low: f64, high: f64) { y.range = Some((low, high)) }
+        /// Sets the scale of x.
+        x_scale(scale: Scale) { x.scale = scale }
+        /// Sets the scale of y.
+        y_scale(scale: Scale) { y.scale = scale }
+        /// Sets the label of the colour bar of [`Points::values`].
+        values(label: impl Into<String>) { values.label = label.into() }
+        /// Sets the range of the colour bar, instead of that of the data. Values outside have the colour of the nearer end, whose label
+        /// shows ≤ or ≥.
+        value_range(low: f64, high: f64) { values.range = Some((low, high)) }
     }
 
     /// Adds points.
@@ -238,39 +172,13 @@ impl Panels {
         Self { frame: Frame::of_size(1200.0, 800.0), columns: columns.max(1), panels: Vec::new() }
     }
 
-    /// Sets the title above all panels.
-    #[must_use]
-    pub fn title(mut self, title: impl Into<String>) -> Self {
-        self.frame.title = title.into();
-        self
-    }
-
-    /// Sets a note in small print below.
-    #[must_use]
-    pub fn note(mut self, note: impl Into<String>) -> Self {
-        self.frame.note = note.into();
-        self
-    }
-
-    /// Sets the description for screen readers; by default it lists the axes and series.
-    #[must_use]
-    pub fn description(mut self, description: impl Into<String>) -> Self {
-        self.frame.description = description.into();
-        self
-    }
-
-    /// Sets width and height in pixels.
-    #[must_use]
-    pub fn size(mut self, width: f64, height: f64) -> Self {
-        self.frame.size = (width, height);
-        self
-    }
-
-    /// Omits the legend.
-    #[must_use]
-    pub fn without_legend(mut self) -> Self {
-        self.frame.legend = false;
-        self
+    setters! {
+        /// Sets the title above all panels.
+        title(title: impl Into<String>) { frame.title = title.into() }
+        /// Sets a note in small print below.
+        note(note: impl Into<String>) { frame.note = note.into() }
+        /// Omits the legend.
+        without_legend() { frame.legend = false }
     }
 
     /// Adds a panel.

@@ -9,7 +9,7 @@ use crate::scale::{Axis, Scale, round_step};
 const SHAPES_LIMIT: usize = 6000;
 /// The most bytes of all pictures of a figure; base64 in the SVG adds a third.
 const PICTURES_LIMIT: usize = 690_000;
-const BINS_LIMIT: f64 = 400.0;
+const BINS_LIMIT: f64 = 800.0;
 
 /// Height of the marks of intervals above histograms, as a share of the axis.
 pub(crate) const INTERVAL_SHARE: f64 = 0.075;
@@ -95,28 +95,20 @@ pub(crate) fn shared(first: &Plot, panels: &[Plot]) -> Result<Shared, FigureErro
             Layer::Histogram(_) => {}
         }
     }
-    let bin = bins(first, panels);
+    let bin = bins(panels);
     let (mut x, mut y) = (Extent::new(first.x.scale), Extent::new(first.y.scale));
     let mut values = Extent::new(first.values.scale);
     let mut air = 0.0;
     for layer in layers() {
-        match layer {
+        let (all_x, all_y) = match layer {
             Layer::Points(p) => {
                 air = 0.04;
-                for (px, py) in p.x.iter().zip(&p.y).filter(|(a, b)| a.is_finite() && b.is_finite()) {
-                    x.add(*px);
-                    y.add(*py);
-                }
                 p.values.iter().flatten().for_each(|v| values.add(*v));
                 p.x_intervals.iter().flatten().for_each(|(a, b)| [*a, *b].into_iter().for_each(|v| x.add(v)));
                 p.y_intervals.iter().flatten().for_each(|(a, b)| [*a, *b].into_iter().for_each(|v| y.add(v)));
+                (&p.x, &p.y)
             }
-            Layer::Line(l) => {
-                for (px, py) in l.x.iter().zip(&l.y).filter(|(a, b)| a.is_finite() && b.is_finite()) {
-                    x.add(*px);
-                    y.add(*py);
-                }
-            }
+            Layer::Line(l) => (&l.x, &l.y),
             Layer::Histogram(h) => {
                 air = 0.03;
                 let Some((start, width)) = bin else { continue };
@@ -126,7 +118,12 @@ pub(crate) fn shared(first: &Plot, panels: &[Plot]) -> Result<Shared, FigureErro
                 x.add(start + width * counts.len() as f64);
                 y.add(0.0);
                 y.add(top);
+                continue;
             }
+        };
+        for (px, py) in all_x.iter().zip(all_y).filter(|(a, b)| a.is_finite() && b.is_finite()) {
+            x.add(*px);
+            y.add(*py);
         }
     }
     let empty = x.is_empty() || y.is_empty();
@@ -166,7 +163,6 @@ pub(crate) fn shared(first: &Plot, panels: &[Plot]) -> Result<Shared, FigureErro
 /// The colour of each name, the same in all panels.
 fn colors<'a>(layers: impl Iterator<Item = &'a Layer>) -> Vec<(String, Rgb)> {
     let mut colors: Vec<(String, Rgb)> = Vec::new();
-    let mut next = 0;
     for layer in layers {
         let (own, valued) = match layer {
             Layer::Points(p) => (p.color, p.values.is_some()),
@@ -176,16 +172,13 @@ fn colors<'a>(layers: impl Iterator<Item = &'a Layer>) -> Vec<(String, Rgb)> {
         if valued || own.is_some() || colors.iter().any(|(name, _)| name == layer.name()) {
             continue;
         }
-        if let Some(color) = OKABE_ITO.get(next % OKABE_ITO.len()) {
-            colors.push((layer.name().to_owned(), *color));
-        }
-        next += 1;
+        colors.push((layer.name().to_owned(), OKABE_ITO[colors.len() % OKABE_ITO.len()]));
     }
     colors
 }
 
 /// The first edge and the width of bins.
-fn bins(first: &Plot, panels: &[Plot]) -> Option<(f64, f64)> {
+fn bins(panels: &[Plot]) -> Option<(f64, f64)> {
     let mut extent = Extent::new(Scale::Linear);
     for layer in panels.iter().flat_map(|p| &p.layers) {
         if let Layer::Histogram(h) = layer {
@@ -196,8 +189,7 @@ fn bins(first: &Plot, panels: &[Plot]) -> Option<(f64, f64)> {
         return None;
     }
     let span = (extent.high - extent.low).max(1e-9 * extent.high.abs()).max(f64::MIN_POSITIVE * 1e16);
-    let requested = first.bin_width.filter(|w| w.is_finite() && *w > 0.0);
-    let width = requested.map_or_else(|| round_step(span, 40), |w| w.max(span / BINS_LIMIT));
+    let width = round_step(span, 40);
     Some((libm::floor(extent.low / width) * width, width))
 }
 
@@ -205,7 +197,7 @@ fn bins(first: &Plot, panels: &[Plot]) -> Option<(f64, f64)> {
 pub(crate) fn counts(values: &[f64], start: f64, width: f64) -> Vec<usize> {
     let mut counts: Vec<usize> = Vec::new();
     for value in values.iter().filter(|v| v.is_finite()) {
-        let index = ((value - start) / width).clamp(0.0, 2.0 * BINS_LIMIT) as usize;
+        let index = ((value - start) / width).clamp(0.0, BINS_LIMIT) as usize;
         if counts.len() <= index {
             counts.resize(index + 1, 0);
         }

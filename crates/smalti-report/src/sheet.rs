@@ -1,6 +1,6 @@
 //! Pictures side by side.
 
-use crate::figure::{SIDE_LIMIT, check_size, encode};
+use crate::figure::{SIDE_LIMIT, check_size, encode, setters};
 use crate::svg::{Anchor, Area, GRID, INK, Paint, SOFT, Svg};
 use crate::text::{Font, bold, clean, plain, wrap};
 use crate::{Figure, FigureError};
@@ -52,25 +52,13 @@ impl Sheet {
         }
     }
 
-    /// Sets the title above all pictures.
-    #[must_use]
-    pub fn title(mut self, title: impl Into<String>) -> Self {
-        self.title = title.into();
-        self
-    }
-
-    /// Sets a note in small print below.
-    #[must_use]
-    pub fn note(mut self, note: impl Into<String>) -> Self {
-        self.note = note.into();
-        self
-    }
-
-    /// Draws each pixel as a square of `times` × `times` pixels.
-    #[must_use]
-    pub fn enlarge(mut self, times: u32) -> Self {
-        self.enlarge = times.max(1);
-        self
+    setters! {
+        /// Sets the title above all pictures.
+        title(title: impl Into<String>) { title = title.into() }
+        /// Sets a note in small print below.
+        note(note: impl Into<String>) { note = note.into() }
+        /// Draws each pixel as a square of `times` × `times` pixels.
+        enlarge(times: u32) { enlarge = times.max(1) }
     }
 
     /// Adds a picture in 8-bit sRGB by rows, with three bytes per pixel.

@@ -46,7 +46,7 @@ impl Paint {
         Self { fill: None, stroke: Some((color, width)), dashed: false }
     }
 
-    fn attributes(&self) -> String {
+    pub(crate) fn attributes(&self) -> String {
         let mut out = match self.fill {
             None => " fill=\"none\"".to_owned(),
             Some((color, opacity)) if opacity < 1.0 => {
@@ -84,6 +84,12 @@ pub(crate) fn path_of(points: &[(f64, f64)], closed: bool) -> String {
     out
 }
 
+/// The attributes of a rectangle.
+fn placed(area: Area) -> String {
+    let [x, y, width, height] = [area.x, area.y, area.width, area.height].map(number);
+    format!("x=\"{x}\" y=\"{y}\" width=\"{width}\" height=\"{height}\"")
+}
+
 /// The elements of a drawing. Later elements cover earlier ones.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Svg {
@@ -97,49 +103,28 @@ impl Svg {
     }
 
     pub(crate) fn line(&mut self, from: (f64, f64), to: (f64, f64), color: Rgb, width: f64) {
+        let [x1, y1, x2, y2, width] = [from.0, from.1, to.0, to.1, width].map(number);
         self.push(&format!(
-            "<line x1=\"{}\" y1=\"{}\" x2=\"{}\" y2=\"{}\" stroke=\"{color}\" stroke-width=\"{}\"/>",
-            number(from.0),
-            number(from.1),
-            number(to.0),
-            number(to.1),
-            number(width)
+            "<line x1=\"{x1}\" y1=\"{y1}\" x2=\"{x2}\" y2=\"{y2}\" stroke=\"{color}\" stroke-width=\"{width}\"/>"
         ));
     }
 
     pub(crate) fn rect(&mut self, area: Area, paint: Paint) {
-        self.push(&format!(
-            "<rect x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\"{}/>",
-            number(area.x),
-            number(area.y),
-            number(area.width),
-            number(area.height),
-            paint.attributes()
-        ));
+        self.push(&format!("<rect {}{}/>", placed(area), paint.attributes()));
     }
 
     pub(crate) fn circle(&mut self, center: (f64, f64), radius: f64, paint: &str) {
-        self.push(&format!(
-            "<circle cx=\"{}\" cy=\"{}\" r=\"{}\"{paint}/>",
-            number(center.0),
-            number(center.1),
-            number(radius)
-        ));
+        let [x, y, radius] = [center.0, center.1, radius].map(number);
+        self.push(&format!("<circle cx=\"{x}\" cy=\"{y}\" r=\"{radius}\"{paint}/>"));
     }
 
     pub(crate) fn path(&mut self, data: &str, paint: Paint) {
-        self.raw_path(
-            data,
-            &format!("{} stroke-linejoin=\"round\" stroke-linecap=\"round\"", paint.attributes()),
-        );
+        let round = " stroke-linejoin=\"round\" stroke-linecap=\"round\"";
+        self.raw_path(data, &(paint.attributes() + round));
     }
 
     pub(crate) fn raw_path(&mut self, data: &str, attributes: &str) {
         self.push(&format!("<path d=\"{data}\"{attributes}/>"));
-    }
-
-    pub(crate) fn paint(paint: Paint) -> String {
-        paint.attributes()
     }
 
     pub(crate) fn text(&mut self, at: (f64, f64), anchor: Anchor, font: Font, color: Rgb, text: &str) {
@@ -173,12 +158,8 @@ impl Svg {
         let rendering =
             if sharp { " image-rendering=\"optimizeSpeed\" style=\"image-rendering:pixelated\"" } else { "" };
         self.push(&format!(
-            "<image x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\" preserveAspectRatio=\"none\"{rendering} \
-             href=\"data:image/png;base64,{data}\"/>",
-            number(area.x),
-            number(area.y),
-            number(area.width),
-            number(area.height)
+            "<image {} preserveAspectRatio=\"none\"{rendering} href=\"data:image/png;base64,{data}\"/>",
+            placed(area)
         ));
     }
 
@@ -197,9 +178,7 @@ impl Svg {
     /// Opens a clipping window. It needs no id, so that a page can contain several figures.
     pub(crate) fn open_window(&mut self, area: Area) {
         let [x, y, w, h] = [area.x, area.y, area.width, area.height].map(number);
-        self.push(&format!(
-            "<svg x=\"{x}\" y=\"{y}\" width=\"{w}\" height=\"{h}\" viewBox=\"{x} {y} {w} {h}\" overflow=\"hidden\">"
-        ));
+        self.push(&format!("<svg {} viewBox=\"{x} {y} {w} {h}\" overflow=\"hidden\">", placed(area)));
     }
 
     pub(crate) fn close_window(&mut self) {
@@ -215,13 +194,7 @@ impl Svg {
             self.push(&format!("<stop offset=\"{t:.4}\" stop-color=\"{}\"/>", Rgb::viridis(t)));
         }
         self.push("</linearGradient>");
-        self.push(&format!(
-            "<rect x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\" fill=\"url(#smalti-viridis)\"/>",
-            number(area.x),
-            number(area.y),
-            number(area.width),
-            number(area.height)
-        ));
+        self.push(&format!("<rect {} fill=\"url(#smalti-viridis)\"/>", placed(area)));
     }
 
     /// The document, with a white background.

@@ -1,11 +1,15 @@
 //! Mosaics as coloured tiles, side by side.
 
 use crate::color::Rgb;
-use crate::figure::check_size;
+use crate::figure::{check_size, setters};
 use crate::svg::{Anchor, Area, INK, Paint, SOFT, Svg};
 use crate::text::{Font, bold, clean, plain, wrap};
 use crate::{Figure, FigureError};
 
+/// Mosaics per row.
+const COLUMNS: usize = 5;
+/// The width of a mosaic in pixels.
+const SIDE: f64 = 220.0;
 /// The most cells of one mosaic; more cells would be too small to distinguish.
 const CELLS_LIMIT: usize = 64 * 64;
 const MARGIN: f64 = 20.0;
@@ -42,54 +46,28 @@ struct Tile {
 /// assert!(figure.svg().contains("Bayer"));
 /// # Ok::<(), smalti_report::FigureError>(())
 /// ```
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct Mosaics {
     title: String,
     note: String,
-    columns: usize,
-    side: f64,
+    side: Option<f64>,
     tiles: Vec<Tile>,
-}
-
-impl Default for Mosaics {
-    fn default() -> Self {
-        Self::new()
-    }
 }
 
 impl Mosaics {
     /// A figure without mosaics, with five mosaics per row, each 220 pixels wide.
     #[must_use]
     pub fn new() -> Self {
-        Self { title: String::new(), note: String::new(), columns: 5, side: 220.0, tiles: Vec::new() }
+        Self::default()
     }
 
-    /// Sets the title above all mosaics.
-    #[must_use]
-    pub fn title(mut self, title: impl Into<String>) -> Self {
-        self.title = title.into();
-        self
-    }
-
-    /// Sets a note in small print below.
-    #[must_use]
-    pub fn note(mut self, note: impl Into<String>) -> Self {
-        self.note = note.into();
-        self
-    }
-
-    /// Sets the number of mosaics per row.
-    #[must_use]
-    pub fn columns(mut self, columns: usize) -> Self {
-        self.columns = columns.max(1);
-        self
-    }
-
-    /// Sets the width of each mosaic in pixels.
-    #[must_use]
-    pub fn side(mut self, side: f64) -> Self {
-        self.side = side;
-        self
+    setters! {
+        /// Sets the title above all mosaics.
+        title(title: impl Into<String>) { title = title.into() }
+        /// Sets a note in small print below.
+        note(note: impl Into<String>) { note = note.into() }
+        /// Sets the width of each mosaic in pixels.
+        side(side: f64) { side = Some(side) }
     }
 
     /// Adds a mosaic from the cells of one tile by rows, with `cols` cells per row.
@@ -115,11 +93,12 @@ impl Mosaics {
                 return Err(FigureError::Mosaic { caption, cells, cols: tile.cols, limit: CELLS_LIMIT });
             }
         }
-        let columns = self.columns.min(self.tiles.len());
-        check_size(self.side, self.side)?;
-        let width = 2.0 * MARGIN + columns as f64 * (self.side + GAP) - GAP;
+        let columns = COLUMNS.min(self.tiles.len());
+        let side = self.side.unwrap_or(SIDE);
+        check_size(side, side)?;
+        let width = 2.0 * MARGIN + columns as f64 * (side + GAP) - GAP;
         let captions: Vec<Vec<String>> =
-            self.tiles.iter().map(|t| wrap(&t.caption, CAPTION, self.side, 3)).collect();
+            self.tiles.iter().map(|t| wrap(&t.caption, CAPTION, side, 3)).collect();
         let caption_height =
             captions.iter().map(Vec::len).max().unwrap_or(0) as f64 * CAPTION.size * 1.25 + 12.0;
         let mut svg = Svg::default();
@@ -132,18 +111,17 @@ impl Mosaics {
             top += 12.0;
         }
         for ((row, tiles), captions) in self.tiles.chunks(columns).enumerate().zip(captions.chunks(columns)) {
-            let y = top + row as f64 * (self.side + caption_height + 16.0);
+            let y = top + row as f64 * (side + caption_height + 16.0);
             for ((column, tile), caption) in tiles.iter().enumerate().zip(captions) {
-                let x = MARGIN + column as f64 * (self.side + GAP);
-                draw_tile(&mut svg, tile, Area { x, y, width: self.side, height: self.side });
+                let x = MARGIN + column as f64 * (side + GAP);
+                draw_tile(&mut svg, tile, Area { x, y, width: side, height: side });
                 for (i, line) in caption.iter().enumerate() {
-                    let base = y + self.side + 24.0 + i as f64 * CAPTION.size * 1.25;
-                    svg.text((x + 0.5 * self.side, base), Anchor::Middle, CAPTION, INK, line);
+                    let base = y + side + 24.0 + i as f64 * CAPTION.size * 1.25;
+                    svg.text((x + 0.5 * side, base), Anchor::Middle, CAPTION, INK, line);
                 }
             }
         }
-        let mut bottom =
-            top + self.tiles.chunks(columns).count() as f64 * (self.side + caption_height + 16.0);
+        let mut bottom = top + self.tiles.chunks(columns).count() as f64 * (side + caption_height + 16.0);
         for line in wrap(&self.note, NOTE, width - 2.0 * MARGIN, 4) {
             bottom += NOTE.size * 1.3;
             svg.text((MARGIN, bottom - 4.0), Anchor::Start, NOTE, SOFT, &line);

@@ -9,14 +9,8 @@ pub(crate) fn grouped(number: u64) -> String {
     if digits.len() < 5 {
         return digits;
     }
-    let mut out = String::new();
-    for (i, digit) in digits.chars().enumerate() {
-        if i > 0 && (digits.len() - i).is_multiple_of(3) {
-            out.push('\u{202f}');
-        }
-        out.push(digit);
-    }
-    out
+    let groups: Vec<_> = digits.as_bytes().rchunks(3).rev().map(String::from_utf8_lossy).collect();
+    groups.join("\u{202f}")
 }
 
 /// Names as a list in a sentence: `a, b and c`.

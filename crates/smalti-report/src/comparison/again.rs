@@ -10,18 +10,20 @@ use crate::words::quoted;
 /// The facts, one command that computes the results again, and the description of every camera.
 pub(super) fn section(
     command: &CommandLine,
-    facts: &[(&str, String)],
-    cameras: &[(String, &Camera)],
+    (seed, light): (u64, &str),
+    scenes: Option<String>,
+    (cameras, labels): (&[Camera], &[String]),
 ) -> Result<Markup, ReportError> {
-    let facts = facts.iter().map(|(k, v)| Markup::from(el("dt").child(*k)).and(el("dd").child(v)));
-    let mut out: Markup = el("p")
-        .child("The same version of Smalti gives the same figures bit for bit, on any number of threads. The command first writes the files of cameras. Other files that it names must be unchanged.")
-        .into();
-    out = out
+    let version = env!("CARGO_PKG_VERSION").to_owned();
+    let facts = [("Smalti", version), ("seed", seed.to_string()), ("light", light.to_owned())];
+    let facts = facts.into_iter().chain(scenes.map(|names| ("scenes", names)));
+    let facts = facts.map(|(k, v)| Markup::from(el("dt").child(k)).and(el("dd").child(v)));
+    let about = el("p").child("The same version of Smalti gives the same figures bit for bit, on any number of threads. The command first writes the files of cameras. Other files that it names must be unchanged.");
+    let mut out = Markup::from(about)
         .and(el("dl").class("facts").children(facts))
         .and(copyable(&with_files(command, cameras)?, "command"))
         .and(el("p").child("The descriptions of the cameras contain every key with its value. Saved as a TOML file, a description is a camera for any command."));
-    for (label, camera) in cameras {
+    for (label, camera) in labels.iter().zip(cameras) {
         let text = toml::to_string(camera.description())?;
         let summary = el("summary").child(format!("{label}: the whole description"));
         out = out.and(el("details").child(summary).child(copyable(&text, "description")));
@@ -30,10 +32,10 @@ pub(super) fn section(
 }
 
 /// The command for a shell, after commands that write each camera that is not built in to a file of its own.
-fn with_files(line: &CommandLine, cameras: &[(String, &Camera)]) -> Result<String, ReportError> {
+fn with_files(line: &CommandLine, cameras: &[Camera]) -> Result<String, ReportError> {
     let (mut words, mut files) = (line.words.clone(), String::new());
     let of_files = line.cameras.iter().zip(cameras).filter(|(argument, _)| !argument.is_built_in);
-    for (i, (argument, (_, camera))) in of_files.enumerate() {
+    for (i, (argument, camera)) in of_files.enumerate() {
         let file = format!("again-{}.toml", i + 1);
         let text = toml::to_string(camera.description())?;
         let mut end = "EOF".to_owned();

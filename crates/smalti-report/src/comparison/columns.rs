@@ -1,56 +1,89 @@
 //! Columns of the tables, with the metric of each: one list for the tables and for `smalti list metrics`.
 
-/// A column: its heading, and the name of its metric in results and in the list of metrics.
-pub type Column = (&'static str, &'static str);
+use smalti::camera::{Evaluation, SceneScores};
+use smalti::experiment::Outcome;
+use smalti::metrics::{Better, CATALOG};
+
+use super::results::mean;
+
+/// A column of scores of a kind.
+pub struct Column<T: 'static> {
+    heading: &'static str,
+    /// The name of its metric in results and in the list of metrics.
+    pub(super) metric: &'static str,
+    /// Digits behind the point.
+    pub(super) digits: usize,
+    pub(super) of: fn(&T) -> f64,
+}
+
+impl<T> Column<T> {
+    pub(super) fn is_higher_better(&self) -> bool {
+        CATALOG.iter().any(|m| m.name == self.metric && m.better == Better::Higher)
+    }
+}
+
+const fn column<T>(
+    heading: &'static str,
+    metric: &'static str,
+    digits: usize,
+    of: fn(&T) -> f64,
+) -> Column<T> {
+    Column { heading, metric, digits, of }
+}
 
 /// The scores of a comparison.
-pub const COMPARE: [Column; 6] = [
-    ("CPSNR dB", "cpsnr_db"),
-    ("ΔE2000", "pixel_delta_e_2000_mean"),
-    ("S-CIELAB", "scielab_mean"),
-    ("MTF50 cy/mm", "mtf50_cy_per_mm"),
-    ("visual SNR", "visual_snr"),
-    ("noise %", "luminance_noise_percent"),
+pub const COMPARE: [Column<Outcome>; 6] = [
+    column("CPSNR dB", "cpsnr_db", 2, |o| mean(o, SCENES[0].of)),
+    column("ΔE2000", "pixel_delta_e_2000_mean", 2, |o| mean(o, SCENES[1].of)),
+    column("S-CIELAB", "scielab_mean", 2, |o| mean(o, SCENES[2].of)),
+    column("MTF50 cy/mm", "mtf50_cy_per_mm", 1, |o| o.targets.mtf50_cy_per_mm),
+    column("visual SNR", "visual_snr", 3, |o| o.targets.visual_snr.median),
+    column("noise %", "luminance_noise_percent", 1, |o| o.targets.luminance_noise_percent.mean),
+];
+
+/// Those that single scenes have as well.
+pub(super) const SCENES: [Column<SceneScores>; 3] = [
+    column("CPSNR dB", "cpsnr_db", 2, |s| s.scores.cpsnr_db),
+    column("ΔE2000", "pixel_delta_e_2000_mean", 2, |s| s.scores.pixel_delta_e_2000_mean),
+    column("S-CIELAB", "scielab_mean", 2, |s| s.scores.scielab_mean),
 ];
 
 /// The scores of an evaluation.
-pub const EVALUATE: [Column; 8] = [
-    ("ΔE76", "delta_e_76"),
-    ("ΔE2000", "delta_e_2000"),
-    ("MTF50 cy/mm", "mtf50_cy_per_mm"),
-    ("MTF50 cy/px", "mtf50_cy_per_px"),
-    ("noise %", "luminance_noise_percent"),
-    ("aliasing %", "aliasing_percent"),
-    ("clipped %", "saturated_percent"),
-    ("range dB", "dynamic_range_db"),
+pub const EVALUATE: [Column<Evaluation>; 8] = [
+    column("ΔE76", "delta_e_76", 2, |e| e.delta_e_76.mean),
+    column("ΔE2000", "delta_e_2000", 2, |e| e.delta_e_2000.mean),
+    column("MTF50 cy/mm", "mtf50_cy_per_mm", 1, |e| e.mtf50_cy_per_mm),
+    column("MTF50 cy/px", "mtf50_cy_per_px", 3, |e| e.mtf50_cy_per_px),
+    column("noise %", "luminance_noise_percent", 2, |e| e.luminance_noise_percent.mean),
+    column("aliasing %", "aliasing_percent", 1, |e| e.aliasing_percent),
+    column("clipped %", "saturated_percent", 1, |e| e.saturated_percent),
+    column("range dB", "dynamic_range_db", 1, |e| e.dynamic_range_db),
 ];
 
 /// The headings of columns.
-pub fn headings(columns: &[Column]) -> impl Iterator<Item = &'static str> {
-    columns.iter().map(|(heading, _)| *heading)
+pub fn headings<T>(columns: &[Column<T>]) -> impl Iterator<Item = &'static str> {
+    columns.iter().map(|c| c.heading)
 }
 
 /// The columns in which a metric is shown, in words; `None` for a metric without a column.
 #[must_use]
 pub fn where_shown(metric: &str) -> Option<String> {
-    let tables = [("smalti compare", &COMPARE[..]), ("smalti evaluate", &EVALUATE[..])];
-    let shown = tables.iter().flat_map(|(command, columns)| {
-        let here = columns.iter().filter(|(_, name)| *name == metric);
-        here.map(move |(heading, _)| format!("'{heading}' in {command}"))
-    });
-    let shown: Vec<String> = shown.collect();
+    let compare = COMPARE.map(|c| (c.metric, c.heading, "smalti compare"));
+    let evaluate = EVALUATE.map(|c| (c.metric, c.heading, "smalti evaluate"));
+    let here = compare.iter().chain(&evaluate).filter(|(name, ..)| *name == metric);
+    let shown: Vec<String> = here.map(|(_, heading, command)| format!("'{heading}' in {command}")).collect();
     (!shown.is_empty()).then(|| format!("column {}", shown.join(", ")))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use smalti::metrics::CATALOG;
 
     #[test]
     fn every_column_is_a_metric_of_the_list() {
-        for (heading, name) in COMPARE.iter().chain(&EVALUATE) {
-            let found = CATALOG.iter().find(|m| m.name == *name);
+        let columns = COMPARE.map(|c| (c.heading, c.metric)).into_iter();
+        for (heading, name) in columns.chain(EVALUATE.map(|c| (c.heading, c.metric))) {
+            let found = CATALOG.iter().find(|m| m.name == name);
             assert!(found.is_some_and(|m| !m.unit.is_empty() && !m.source.is_empty()), "{heading}: {name}");
         }
     }

@@ -5,12 +5,13 @@ use smalti::color::{ColorSpace, Image};
 use smalti::numeric::Planes;
 use smalti::spectrum::{WavelengthGrid, reflectance};
 
+use super::columns::{EVALUATE, headings};
 use super::figures::{self, Scored};
 use super::gallery::{self, Group, Map, Maps, Shot};
 use super::results::CommandLine;
-use super::{again, columns, tables};
+use super::{again, tables};
 use crate::ReportError;
-use crate::page::{COMPARE, Markup, Page, Table, el, foot};
+use crate::page::{COMPARE, Markup, Page, Table, el, foot, paragraph};
 use crate::pictures::Pixels;
 use crate::words::listed;
 
@@ -76,7 +77,6 @@ pub fn page(shots: &Evaluations<'_>) -> Result<String, ReportError> {
             shots.in_light(light).enumerate().map(one).collect()
         })
         .collect();
-    let filters = shots.cameras.iter().zip(shots.labels).map(|(c, label)| figures::filters(c, label));
     let lights: Vec<String> = shots.luminances_cd_m2.iter().map(f64::to_string).collect();
     let lead = format!(
         "ColorChecker, slanted edge and zone plate at {} cd/m², light {}, seed {}. All pictures are scaled to the same brightness.",
@@ -84,12 +84,8 @@ pub fn page(shots: &Evaluations<'_>) -> Result<String, ReportError> {
         shots.illuminant,
         shots.seed
     );
-    let facts = [
-        ("Smalti", env!("CARGO_PKG_VERSION").to_owned()),
-        ("seed", shots.seed.to_string()),
-        ("light", shots.illuminant.to_owned()),
-    ];
-    let cameras: Vec<_> = shots.labels.iter().cloned().zip(shots.cameras).collect();
+    let cameras = (shots.cameras, shots.labels);
+    let again = again::section(shots.command, (shots.seed, shots.illuminant), None, cameras)?;
     Ok(Page::new(format!("{} evaluated", listed(shots.labels)))
         .with(COMPARE)
         .lead(el("p").child(lead))
@@ -98,8 +94,8 @@ pub fn page(shots: &Evaluations<'_>) -> Result<String, ReportError> {
         .section("colours", "Colours", colors(&scored))
         .section("noise", "Noise", figures::noise(&scored).and(tables::noise(&scored)))
         .section("edges", "Sharpness", figures::edges(&scored))
-        .section("filters", "Filters", el("div").class("cameras").children(filters))
-        .section("again", "Reproduction", again::section(shots.command, &facts, &cameras)?)
+        .section("filters", "Filters", figures::all_filters(shots.cameras, shots.labels))
+        .section("again", "Reproduction", again)
         .foot(foot())
         .html())
 }
@@ -114,14 +110,12 @@ fn groups(shots: &Evaluations<'_>) -> Result<Vec<Group>, ReportError> {
             let mut group =
                 Group { scene: scene.into(), luminance_cd_m2, shots: Vec::new(), tops: Vec::new() };
             for (label, _, e, pictures) in shots.in_light(light) {
-                let (caption, maps) = match scene {
-                    "ColorChecker" => (format!("ΔE2000 {:.2}", e.delta_e_2000.mean), Vec::new()),
-                    "edge" => (format!("MTF50 {:.1} cy/mm", e.mtf50_cy_per_mm), Vec::new()),
-                    _ => {
-                        let caption = format!("aliasing {:.1} %", e.aliasing_percent);
-                        (caption, vec![Map::Picture(Pixels::of(&aliasing_picture(pictures)?))])
-                    }
+                let (caption, aliasing) = match scene {
+                    "ColorChecker" => (format!("ΔE2000 {:.2}", e.delta_e_2000.mean), None),
+                    "edge" => (format!("MTF50 {:.1} cy/mm", e.mtf50_cy_per_mm), None),
+                    _ => (format!("aliasing {:.1} %", e.aliasing_percent), Some(aliasing_picture(pictures)?)),
                 };
+                let maps = aliasing.iter().map(|image| Map::Picture(Pixels::of(image))).collect();
                 let picture = Pixels::of(&seen(of(pictures), shots.white)?);
                 group.shots.push(Shot { name: label.clone(), caption, picture, maps });
             }
@@ -153,64 +147,32 @@ fn seen(picture: &Image, white: [f64; 3]) -> Result<Image, ReportError> {
     Ok(picture.shown(Some(white), 0.92 / f64::from(bright))?)
 }
 
-/// A column: its digits, whether higher is better, and its value.
-type Measure = (usize, bool, fn(&Evaluation) -> f64);
-
-/// In the order of [`columns::EVALUATE`].
-const MEASURES: [Measure; 8] = [
-    (2, false, |e| e.delta_e_76.mean),
-    (2, false, |e| e.delta_e_2000.mean),
-    (1, true, |e| e.mtf50_cy_per_mm),
-    (3, true, |e| e.mtf50_cy_per_px),
-    (2, false, |e| e.luminance_noise_percent.mean),
-    (1, false, |e| e.aliasing_percent),
-    (1, false, |e| e.saturated_percent),
-    (1, true, |e| e.dynamic_range_db),
-];
-
 fn scores(shots: &Evaluations<'_>) -> Markup {
-    let mut table = Table::new("Scores").text("Camera").number("Luminance, cd/m²");
-    for heading in columns::headings(&columns::EVALUATE) {
-        table = table.number(heading);
-    }
-    table = table.number("Exposure, ms");
+    let table = Table::new("Scores").text("Camera").number("Luminance, cd/m²");
+    let mut table = headings(&EVALUATE).fold(table, Table::number).number("Exposure, ms");
     for (light, luminance) in shots.luminances_cd_m2.iter().enumerate() {
-        let all: Vec<_> = shots.in_light(light).collect();
-        let columns: Vec<Vec<Markup>> = MEASURES
-            .iter()
-            .map(|(digits, higher, of)| {
-                tables::marked(&all.iter().map(|a| of(a.2)).collect::<Vec<_>>(), *digits, *higher)
-            })
-            .collect();
-        for (i, (label, _, e, _)) in all.iter().enumerate() {
-            let mut cells: Vec<Markup> = vec![(*label).into(), luminance.to_string().into()];
-            cells.extend(columns.iter().filter_map(|c| c.get(i).cloned()));
-            cells.push(format!("{:.2}", e.exposure.macbeth_s * 1e3).into());
-            table = table.row(cells, false);
-        }
+        let rows = shots.in_light(light).map(|(label, _, e, _)| {
+            let exposure_ms = format!("{:.2}", e.exposure.macbeth_s * 1e3);
+            (vec![label.clone(), luminance.to_string()], e, vec![exposure_ms])
+        });
+        table = tables::scored(table, &EVALUATE, &rows.collect::<Vec<_>>());
     }
-    Markup::from(table).and(
-        el("p").class("help").child(
-            "★ marks the best value in this light. Higher is better for MTF50 and dynamic range, lower for the other columns.",
-        ),
-    )
+    Markup::from(table).and(paragraph(
+        "help",
+        "★ marks the best value in this light. Higher is better for MTF50 and dynamic range, lower for the other columns.",
+    ))
 }
 
 /// Colour differences of each patch, a table for each light.
 fn colors(scored: &[Vec<Scored<'_>>]) -> Markup {
     // This grid is valid, so there is no error.
     let patches = reflectance::colorchecker(WavelengthGrid::VISIBLE).unwrap_or_default();
-    let table = |of_light: &Vec<Scored<'_>>| {
-        let first = of_light.first()?;
-        let columns: Vec<(String, Vec<f64>)> =
-            of_light.iter().map(|s| (s.name.clone(), s.evaluation.delta_e_2000.per_patch.clone())).collect();
-        // The name without the density of the patch.
-        let name = |(i, (name, _)): (usize, &(&str, _))| {
-            format!("{} {}", i + 1, name.split(" (").next().unwrap_or(name))
-        };
-        let names: Vec<String> = patches.iter().enumerate().map(name).collect();
-        let caption = format!("ΔE2000 of each patch at {} cd/m²", first.luminance_cd_m2);
-        Some(tables::patches(caption, "Patch", &names, &columns, 2))
+    // The name without the density of the patch.
+    let name = |(i, (name, _)): (usize, &(&str, _))| {
+        format!("{} {}", i + 1, name.split(" (").next().unwrap_or(name))
     };
-    el("div").class("beside").children(scored.iter().filter_map(table)).into()
+    let names: Vec<String> = patches.iter().enumerate().map(name).collect();
+    let caption = |cd_m2| format!("ΔE2000 of each patch at {cd_m2} cd/m²");
+    let tables = tables::patches(scored, caption, &names, |e| &e.delta_e_2000.per_patch);
+    el("div").class("beside").child(tables).into()
 }

@@ -4,7 +4,7 @@ use smalti::camera::{Camera, Evaluation};
 use smalti::metrics::esfr::EdgeSfr;
 use smalti::sensor::ColorArchitecture;
 
-use crate::page::{Markup, el, figure};
+use crate::page::{Markup, el, figure, paragraph};
 use crate::{Cell, Line, Mosaics, OKABE_ITO, Plot, Points, Rgb, Scale, Symbol};
 
 const SYMBOLS: [Symbol; 5] =
@@ -40,8 +40,7 @@ fn series(plot: Plot, name: &str, i: usize, x: &[f64], y: &[f64]) -> Plot {
 
 /// A figure, or the reason why it cannot be drawn.
 fn drawn(plot: &Plot) -> Markup {
-    plot.draw()
-        .map_or_else(|e| el("p").class("none").child(format!("No figure: {e}.")).into(), |f| figure(&f))
+    plot.draw().map_or_else(|e| paragraph("none", format!("No figure: {e}.")), |f| figure(&f))
 }
 
 fn beside(figures: impl IntoIterator<Item = Markup>) -> Markup {
@@ -92,7 +91,7 @@ pub(super) fn edges(scored: &[Vec<Scored<'_>>]) -> Markup {
         if end > 0.0 {
             plot = plot.line(Line::new("", &[0.0, end], &[0.5, 0.5]).color(Rgb(150, 150, 150)).width(1.0));
         }
-        Some(if end > 0.0 { drawn(&plot) } else { el("p").class("none").child("No edge was found in the pictures.").into() })
+        Some(if end > 0.0 { drawn(&plot) } else { paragraph("none", "No edge was found in the pictures.") })
     }))
 }
 
@@ -130,8 +129,14 @@ pub(super) fn filter_colors(camera: &Camera) -> Vec<Rgb> {
     camera.sensor.cfa.channels().iter().map(color).collect()
 }
 
+/// Tiles and spectra of all cameras.
+pub(super) fn all_filters(cameras: &[Camera], labels: &[String]) -> Markup {
+    let each = cameras.iter().zip(labels).map(|(camera, label)| filters(camera, label));
+    el("div").class("cameras").children(each).into()
+}
+
 /// Tiles and spectra of a camera.
-pub(super) fn filters(camera: &Camera, label: &str) -> Markup {
+fn filters(camera: &Camera, label: &str) -> Markup {
     let (cfa, colors) = (&camera.sensor.cfa, filter_colors(camera));
     let mosaic = cfa.mosaic();
     let tiles = match camera.sensor.architecture {
@@ -145,15 +150,14 @@ pub(super) fn filters(camera: &Camera, label: &str) -> Markup {
             };
             let cells: Vec<Cell> = mosaic.cells().iter().map(cell).collect();
             let caption = format!("{} × {} cells", mosaic.rows(), mosaic.cols());
-            let drawn = Mosaics::new().columns(1).mosaic(caption, mosaic.cols(), &cells).draw();
-            drawn
-                .map_or_else(|e| el("p").class("none").child(format!("No tile: {e}.")).into(), |f| figure(&f))
+            let drawn = Mosaics::new().mosaic(caption, mosaic.cols(), &cells).draw();
+            drawn.map_or_else(|e| paragraph("none", format!("No tile: {e}.")), |f| figure(&f))
         }
-        ColorArchitecture::Mosaic => {
-            let size = format!("A tile of {} × {} cells is too large to draw.", mosaic.rows(), mosaic.cols());
-            el("p").class("none").child(size).into()
-        }
-        _ => el("p").class("none").child("No mosaic: every pixel sees every channel.").into(),
+        ColorArchitecture::Mosaic => paragraph(
+            "none",
+            format!("A tile of {} × {} cells is too large to draw.", mosaic.rows(), mosaic.cols()),
+        ),
+        _ => paragraph("none", "No mosaic: every pixel sees every channel."),
     };
     let mut plot = Plot::spectra("Transmittance").y_range(0.0, 1.05).size(SIZE.0, 380.0);
     for (channel, color) in cfa.channels().iter().zip(&colors) {
@@ -170,7 +174,7 @@ pub(super) fn filters(camera: &Camera, label: &str) -> Markup {
     el("div")
         .class("camera")
         .child(el("h3").child(label))
-        .child(el("p").class("help").child(about))
+        .child(paragraph("help", about))
         .child(el("div").class("filters-of").child(tiles).child(drawn(&plot)))
         .into()
 }

@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use rayon::prelude::*;
 use serde_json::json;
 
-use crate::page::{DataUri, Markup, el};
+use crate::page::{DataUri, Markup, el, paragraph};
 use crate::pictures::Pixels;
 
 /// How pictures are compressed.
@@ -97,7 +97,7 @@ pub(super) fn gallery(groups: &[Group], maps: &[&Maps]) -> Markup {
     el("div")
         .id("viewer")
         .child(el("div").class("gallery").attr("data-maps", json!(kinds).to_string()).child(rows))
-        .child(el("p").class("help").child(format!(
+        .child(paragraph("help", format!(
             "The pictures are JPEG of quality {}, {}. The PNG files in the folder of this page are lossless.",
             quality.picture,
             match (quality.halved, quality.coarse) {
@@ -152,7 +152,7 @@ fn encode(groups: &[Group], quality: Quality, most_bytes: usize) -> Option<Vec<V
 /// Means of two by two pixels of `each` values, and of fewer pixels in an odd last row or column.
 fn coarse(width: usize, height: usize, each: usize, steps: &[u8]) -> (usize, usize, Vec<u8>) {
     let (wide, high) = (width.div_ceil(2), height.div_ceil(2));
-    let mean = |row: usize, col: usize, value: usize| {
+    let mean = |(row, col, value): (usize, usize, usize)| {
         let rows = (2 * row..height.min(2 * row + 2)).map(|r| r * width);
         let places =
             rows.flat_map(|at| (2 * col..width.min(2 * col + 2)).map(move |c| (at + c) * each + value));
@@ -160,19 +160,15 @@ fn coarse(width: usize, height: usize, each: usize, steps: &[u8]) -> (usize, usi
         let count = of.len().max(1) as u16;
         ((of.iter().sum::<u16>() + count / 2) / count) as u8
     };
-    let mut means = Vec::with_capacity(wide * high * each);
-    for row in 0..high {
-        means.extend(
-            (0..wide).flat_map(|col| (0..each).map(move |value| (col, value))).map(|(c, v)| mean(row, c, v)),
-        );
-    }
-    (wide, high, means)
+    let pixels = (0..high).flat_map(|row| (0..wide).map(move |col| (row, col)));
+    let values = pixels.flat_map(|(row, col)| (0..each).map(move |value| (row, col, value)));
+    (wide, high, values.map(mean).collect())
 }
 
 fn figure(group: &Group, shot: &Shot, encoded: &Encoded, kinds: &[&Maps], fits: bool) -> Markup {
     let Pixels { width, height, .. } = shot.picture;
     let what = format!("{} at {} cd/m², {}", group.scene, group.luminance_cd_m2, shot.name);
-    let none = |why: &str| Markup::from(el("p").class("none").child(format!("No picture: {why}.")));
+    let none = |why: &str| paragraph("none", format!("No picture: {why}."));
     let picture = match &encoded.picture {
         Ok(uri) if fits => uri.image(width, height, &what).class("shot").into(),
         Ok(_) => none("the page would be too large; the folder of this page has the picture"),

@@ -17,7 +17,9 @@ const FRAME_PX: usize = 3;
 pub(super) fn sheet(camera: &Camera, name: &str, pipeline: &Pipeline) -> Result<Sheet, ReportError> {
     let (axes, outputs) = (pipeline.axes(), pipeline.outputs());
     let side = axes.side();
-    let colors = filter_colors(camera)?;
+    // The colours of daylight behind the filters.
+    let colors = camera.sensor.cfa.channels().iter().map(|c| filter_color(&c.transmittance));
+    let colors: Vec<[f32; 3]> = colors.collect::<Result<_, _>>()?;
     let mut sheet = Sheet::new(outputs.len()).title(format!("Learned kernels of {name}"));
     for class in dark_and_bright(pipeline) {
         let key = pipeline.key(class);
@@ -25,16 +27,12 @@ pub(super) fn sheet(camera: &Camera, name: &str, pipeline: &Pipeline) -> Result<
         for (output, output_name) in outputs.iter().enumerate() {
             let weights = pipeline.weights(class, output);
             let largest = weights.iter().fold(f32::MIN_POSITIVE, |m, w| m.max(w.abs()));
-            let mut canvas = Canvas::new(side * TAP_PX, side * TAP_PX);
+            let mut canvas = Planes::zeros(side * TAP_PX, side * TAP_PX, 3);
             for (tap, &weight) in weights.iter().enumerate() {
                 let (row, col) = (tap / side * TAP_PX, tap % side * TAP_PX);
-                canvas.fill(row, col, TAP_PX, colors[axes.channel_of(position, tap)]);
-                canvas.fill(
-                    row + FRAME_PX,
-                    col + FRAME_PX,
-                    TAP_PX - 2 * FRAME_PX,
-                    diverging(weight / largest),
-                );
+                fill(&mut canvas, row, col, TAP_PX, colors[axes.channel_of(position, tap)]);
+                let (row, col) = (row + FRAME_PX, col + FRAME_PX);
+                fill(&mut canvas, row, col, TAP_PX - 2 * FRAME_PX, diverging(weight / largest));
             }
             let caption = format!(
                 "{output_name} at {}, level {} of {}, {}",
@@ -43,7 +41,7 @@ pub(super) fn sheet(camera: &Camera, name: &str, pipeline: &Pipeline) -> Result<
                 axes.level_count(),
                 axes.textures().names()[usize::from(key.texture)],
             );
-            sheet = add(sheet, caption, &canvas.image()?);
+            sheet = add(sheet, caption, &Image::new(ColorSpace::Srgb, canvas)?);
         }
     }
     Ok(sheet.note("Orange: positive weights. Blue: negative weights. Both are relative to the largest weight. Frames: colours of the filters."))
@@ -70,29 +68,13 @@ fn diverging(value: f32) -> [f32; 3] {
     end.map(|e| 1.0 + share * (e - 1.0))
 }
 
-/// The colours of daylight behind the filters.
-fn filter_colors(camera: &Camera) -> Result<Vec<[f32; 3]>, ReportError> {
-    camera.sensor.cfa.channels().iter().map(|c| filter_color(&c.transmittance)).collect()
-}
-
-struct Canvas(Planes);
-
-impl Canvas {
-    fn new(rows: usize, cols: usize) -> Self {
-        Self(Planes::zeros(rows, cols, 3))
-    }
-
-    fn fill(&mut self, row: usize, col: usize, size: usize, color: [f32; 3]) {
-        let cols = self.0.cols();
-        for (c, value) in color.into_iter().enumerate() {
-            let plane = self.0.plane_mut(c);
-            for r in row..row + size {
-                plane[r * cols + col..r * cols + col + size].fill(value);
-            }
+/// Fills a square.
+fn fill(canvas: &mut Planes, row: usize, col: usize, size: usize, color: [f32; 3]) {
+    let cols = canvas.cols();
+    for (c, value) in color.into_iter().enumerate() {
+        let plane = canvas.plane_mut(c);
+        for r in row..row + size {
+            plane[r * cols + col..r * cols + col + size].fill(value);
         }
-    }
-
-    fn image(self) -> Result<Image, ReportError> {
-        Ok(Image::new(ColorSpace::Srgb, self.0)?)
     }
 }

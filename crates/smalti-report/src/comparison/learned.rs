@@ -16,7 +16,7 @@ const MAX_CLIPPED_LEVELS: usize = 8;
 const STEPS: f64 = 127.0;
 
 /// Tables of the positions, and the places for the kernels, which the script draws.
-pub(super) fn section(learned: &[(&Contender<'_>, &Pipeline)]) -> Markup {
+pub(super) fn section(learned: &[(&Contender<'_>, &Pipeline, String)]) -> Markup {
     let mut out: Markup = el("p")
         .child(
             "A learned pipeline is a table of linear filters. Each patch of raw samples belongs to a class, defined by the position of its centre in the \
@@ -24,16 +24,14 @@ pub(super) fn section(learned: &[(&Contender<'_>, &Pipeline)]) -> Markup {
              and Z. Classes with too few training patches use the kernels of other classes; they are marked.",
         )
         .into();
-    for (number, (contender, pipeline)) in learned.iter().enumerate() {
+    for (number, (contender, pipeline, _)) in learned.iter().enumerate() {
         let summary = pipeline.summary();
         let mut table =
             Table::new(format!("Positions of {} and the origin of their kernels", contender.label))
                 .text("Position: row, column")
                 .text("Channel")
                 .number("Patches seen");
-        for origin in Origin::ALL {
-            table = table.number(origin.name());
-        }
+        table = Origin::ALL.iter().fold(table, |table, origin| table.number(origin.name()));
         for p in &summary.positions {
             let mut cells =
                 vec![format!("{}, {}", p.row + 1, p.col + 1), p.channel.clone(), grouped(p.patches)];

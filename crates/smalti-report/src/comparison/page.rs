@@ -7,13 +7,13 @@ use smalti::experiment::{Contender, Outcome, PairwiseLightGain};
 
 use super::figures::{self, Named, Scored};
 use super::gallery::{self, Group, Shot};
-use super::maps::{self, DIFFERENCES};
+use super::maps::DIFFERENCES;
 use super::results::{Comparison, mean};
 use super::{again, learned, tables};
-use crate::page::{COMPARE, Markup, Page, el, foot};
+use crate::page::{COMPARE, Markup, Page, el, foot, paragraph};
 use crate::pictures::Pixels;
 use crate::words::listed;
-use crate::{ReportError, Sheet, names};
+use crate::{ReportError, names};
 
 /// The page of a comparison as HTML.
 ///
@@ -21,7 +21,7 @@ use crate::{ReportError, Sheet, names};
 /// When a picture cannot be converted, or a camera cannot be written as text.
 pub fn page(report: &Comparison<'_>) -> Result<String, ReportError> {
     let names: Vec<String> = report.contenders.iter().map(Contender::name).collect();
-    let learned = report.learned_contenders();
+    let learned = report.learned();
     let scored = scored(report);
     let kinds = DIFFERENCES.each_ref().map(|d| &d.maps);
     let mut page = Page::new(format!("{} compared", listed(&names)))
@@ -29,34 +29,26 @@ pub fn page(report: &Comparison<'_>) -> Result<String, ReportError> {
         .lead(lead(report))
         .section("pictures", "Pictures", gallery::gallery(&groups(report)?, &kinds))
         .section("scores", "Scores", tables::scores(report).and(tables::scenes(report)))
-        .section("light", "Quality against light", light(report));
-    let filters =
-        report.cameras.iter().zip(report.labels).map(|(camera, label)| figures::filters(camera, label));
-    page = page
-        .section("filters", "Filters", el("div").class("cameras").children(filters))
+        .section("light", "Quality against light", light(report))
+        .section("filters", "Filters", figures::all_filters(report.cameras, report.labels))
         .section("edges", "Sharpness", figures::edges(&scored))
         .section("noise", "Noise", figures::noise(&scored).and(tables::noise(&scored)));
     if !learned.is_empty() {
         page = page.section("kernels", "Learned pipelines", learned::section(&learned));
     }
     let data: Vec<_> =
-        learned.par_iter().map(|(contender, pipeline)| learned::data(contender, pipeline)).collect();
-    let facts = [
-        ("Smalti", env!("CARGO_PKG_VERSION").to_owned()),
-        ("seed", report.seed.to_string()),
-        ("light", report.illuminant.to_owned()),
-        ("scenes", report.scene_names().join(", ")),
-    ];
-    let cameras: Vec<_> = report.labels.iter().cloned().zip(report.cameras).collect();
+        learned.par_iter().map(|(contender, pipeline, _)| learned::data(contender, pipeline)).collect();
+    let (scenes, cameras) = (Some(report.scene_names()), (report.cameras, report.labels));
+    let again = again::section(report.command, (report.seed, report.illuminant), scenes, cameras)?;
     Ok(page
-        .section("again", "Reproduction", again::section(report.command, &facts, &cameras)?)
+        .section("again", "Reproduction", again)
         .data("compare", json!({"learned": data}))
         .foot(foot())
         .html())
 }
 
 fn lead(report: &Comparison<'_>) -> Markup {
-    let lights: Vec<String> = (0..report.light_count()).map(|l| report.luminance(l).to_string()).collect();
+    let lights: Vec<String> = report.luminances().iter().map(f64::to_string).collect();
     let text = format!(
         "{} at {} cd/m², light {}, seed {}, all noise.",
         listed(report.scene_labels),
@@ -64,39 +56,32 @@ fn lead(report: &Comparison<'_>) -> Markup {
         report.illuminant,
         report.seed
     );
-    let mut out: Markup = el("p").child(text).into();
-    if !report.left_out.is_empty() {
-        let text =
-            format!("Left out, since they are defined for Bayer mosaics only: {}.", listed(report.left_out));
-        out = out.and(el("p").class("warning").attr("role", "note").child(text));
+    let lead = Markup::from(el("p").child(text));
+    if report.left_out.is_empty() {
+        return lead;
     }
-    out
-}
-
-/// The maps of all contenders for a scene and luminance, with their common scale.
-pub(super) fn maps_sheet<'a>(report: &'a Comparison<'a>, title: String, light: usize, scene: usize) -> Sheet {
-    let of = |(contender, outcomes): (&Contender<'_>, &'a Vec<Outcome>)| {
-        Some((contender.name(), &outcomes.get(light)?.scenes.get(scene)?.1))
-    };
-    maps::sheet(title, &report.contenders.iter().zip(report.outcomes).filter_map(of).collect::<Vec<_>>())
+    let text =
+        format!("Left out, since they are defined for Bayer mosaics only: {}.", listed(report.left_out));
+    lead.and(el("p").class("warning").attr("role", "note").child(text))
 }
 
 /// The pictures of each scene at each luminance, the reference first.
 fn groups(report: &Comparison<'_>) -> Result<Vec<Group>, ReportError> {
     let mut groups = Vec::new();
+    // Scenes of equal names are numbered in the chooser as in the names of files.
+    let scenes = names::numbered(report.scene_labels.to_vec());
     for scene in 0..report.scene_count() {
-        for light in 0..report.light_count() {
-            let here = |o: &Outcome| o.scenes.get(scene).cloned();
-            let all: Vec<_> = report.outcomes.iter().filter_map(|o| here(o.get(light)?)).collect();
+        for (light, luminance_cd_m2) in report.luminances().into_iter().enumerate() {
+            let all: Vec<_> = report.of_scene(light, scene).collect();
             let Some((_, first)) = all.first() else { continue };
-            let tops = DIFFERENCES.each_ref().map(|d| d.top(all.iter().map(|(_, s)| s)));
+            let tops = DIFFERENCES.each_ref().map(|d| d.top(all.iter().map(|(_, s)| *s)));
             let mut shots = vec![Shot {
                 name: "reference".into(),
                 caption: "as the standard observer sees the scene".into(),
                 picture: Pixels::of(&report.as_seen(first, &first.reference)?),
                 maps: Vec::new(),
             }];
-            for (contender, (_, s)) in report.contenders.iter().zip(&all) {
+            for (contender, s) in &all {
                 let scores = &s.scores;
                 shots.push(Shot {
                     name: contender.name(),
@@ -108,22 +93,15 @@ fn groups(report: &Comparison<'_>) -> Result<Vec<Group>, ReportError> {
                     maps: DIFFERENCES.iter().zip(tops).map(|(d, top)| d.map(scores, top)).collect(),
                 });
             }
-            let (scene, luminance_cd_m2) = (report.scene_label(scene).to_owned(), report.luminance(light));
+            let scene = scenes.get(scene).cloned().unwrap_or_default();
             groups.push(Group { scene, luminance_cd_m2, shots, tops: tops.to_vec() });
         }
     }
-    // Scenes of equal names are numbered in the chooser as in the names of files.
-    let numbered = names::numbered(report.scene_labels.to_vec());
-    let lights = report.light_count().max(1);
-    groups
-        .iter_mut()
-        .enumerate()
-        .for_each(|(i, g)| g.scene = numbered.get(i / lights).unwrap_or(&g.scene).clone());
     Ok(groups)
 }
 
 fn light(report: &Comparison<'_>) -> Markup {
-    let luminances: Vec<f64> = (0..report.light_count()).map(|l| report.luminance(l)).collect();
+    let luminances = report.luminances();
     let of = |f: fn(&Outcome) -> f64| -> Named {
         let named = |(contender, outcomes): (&Contender<'_>, &Vec<Outcome>)| {
             (contender.name(), outcomes.iter().map(f).collect())
@@ -139,13 +117,14 @@ fn light(report: &Comparison<'_>) -> Markup {
             ],
         )
     } else {
-        el("p")
-            .class("none")
-            .child("One luminance was compared. With several, such as --luminance 1,10,80, curves are drawn here.")
-            .into()
+        paragraph(
+            "none",
+            "One luminance was compared. With several, such as --luminance 1,10,80, curves are drawn here.",
+        )
     };
     if report.gains.is_empty() {
-        return out.and(el("p").class("help").child(
+        return out.and(paragraph(
+            "help",
             "The same command with --light-gain finds how much more light the first camera needs to equal the others.",
         ));
     }
@@ -153,7 +132,8 @@ fn light(report: &Comparison<'_>) -> Markup {
         out = out.and(gain_figures(report, &luminances));
     }
     out = out.and(tables::gains(report.gains));
-    out.and(el("p").class("help").child(
+    out.and(paragraph(
+        "help",
         "Where the gain is below 0, the first camera needs less light. Gains are computed from separate pictures: up to two scenes, and four \
          captures of the ColorChecker.",
     ))
@@ -182,17 +162,14 @@ fn gain_figures(report: &Comparison<'_>, luminances: &[f64]) -> Markup {
 /// For each luminance the scores of the targets.
 fn scored<'a>(report: &'a Comparison<'_>) -> Vec<Vec<Scored<'a>>> {
     let of_light = |light: usize| {
-        let one = |(contender, outcomes): (&Contender<'_>, &'a Vec<Outcome>)| {
-            let outcome = outcomes.get(light)?;
-            Some(Scored {
-                name: contender.name(),
-                luminance_cd_m2: outcome.luminance_cd_m2,
-                evaluation: &outcome.targets,
-                edge: outcome.edge.as_ref(),
-                pitch_m: contender.camera.sensor.pixel.pitch_m,
-            })
+        let one = |(contender, outcome): (&Contender<'_>, &'a Outcome)| Scored {
+            name: contender.name(),
+            luminance_cd_m2: outcome.luminance_cd_m2,
+            evaluation: &outcome.targets,
+            edge: outcome.edge.as_ref(),
+            pitch_m: contender.camera.sensor.pixel.pitch_m,
         };
-        report.contenders.iter().zip(report.outcomes).filter_map(one).collect()
+        report.in_light(light).map(one).collect()
     };
     (0..report.light_count()).map(of_light).collect()
 }

@@ -52,6 +52,12 @@ pub struct Comparison<'a> {
     pub seed: u64,
 }
 
+/// The cells that name a contender and a luminance.
+pub(super) fn of_contender(contender: &Contender<'_>, luminance_cd_m2: f64) -> [String; 3] {
+    let processing = contender.processing.name().to_owned();
+    [contender.label.to_owned(), processing, luminance_cd_m2.to_string()]
+}
+
 /// The mean of a score over the scenes.
 pub(super) fn mean(outcome: &Outcome, of: impl Fn(&SceneScores) -> f64) -> f64 {
     outcome.scenes.iter().map(|(_, s)| of(s)).sum::<f64>() / outcome.scenes.len().max(1) as f64
@@ -63,29 +69,40 @@ impl<'a> Comparison<'a> {
         self.outcomes.first().map_or(&[], Vec::as_slice)
     }
 
+    /// Each contender with its outcome in one light.
+    pub(super) fn in_light(&self, light: usize) -> impl Iterator<Item = (&'a Contender<'a>, &'a Outcome)> {
+        let of = move |(contender, outcomes): (_, &'a Vec<Outcome>)| Some((contender, outcomes.get(light)?));
+        self.contenders.iter().zip(self.outcomes).filter_map(of)
+    }
+
+    /// Each contender with its scores of a scene in one light.
+    pub(super) fn of_scene(
+        &self,
+        light: usize,
+        scene: usize,
+    ) -> impl Iterator<Item = (&'a Contender<'a>, &'a SceneScores)> {
+        self.in_light(light).filter_map(move |(contender, o)| Some((contender, &o.scenes.get(scene)?.1)))
+    }
+
     /// Luminances that were compared.
     pub(super) fn light_count(&self) -> usize {
         self.lights().len()
     }
 
-    /// One of them, cd/m².
-    pub(super) fn luminance(&self, light: usize) -> f64 {
-        self.lights().get(light).map_or(f64::NAN, |o| o.luminance_cd_m2)
+    /// These luminances, cd/m².
+    pub(super) fn luminances(&self) -> Vec<f64> {
+        self.lights().iter().map(|o| o.luminance_cd_m2).collect()
     }
 
     /// The scenes, as [`scene::catalog`](smalti::scene::catalog) takes them, or files.
-    pub(super) fn scene_names(&self) -> Vec<String> {
-        self.lights().first().into_iter().flat_map(|o| &o.scenes).map(|(name, _)| name.clone()).collect()
+    pub(super) fn scene_names(&self) -> String {
+        let scenes = self.lights().first().into_iter().flat_map(|o| &o.scenes);
+        scenes.map(|(name, _)| name.as_str()).collect::<Vec<_>>().join(", ")
     }
 
     /// Scenes that were compared on.
     pub(super) fn scene_count(&self) -> usize {
         self.lights().first().map_or(0, |o| o.scenes.len())
-    }
-
-    /// The learned ways.
-    pub(super) fn learned_contenders(&self) -> Vec<(&'a Contender<'a>, &'a Pipeline)> {
-        self.learned().into_iter().map(|(contender, pipeline, _)| (contender, pipeline)).collect()
     }
 
     /// The learned ways with the names of their files, without extension.

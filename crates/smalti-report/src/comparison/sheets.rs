@@ -2,9 +2,9 @@
 
 use smalti::experiment::Outcome;
 
-use super::kernels;
-use super::page::{maps_sheet, page};
+use super::page::page;
 use super::results::Comparison;
+use super::{kernels, maps};
 use crate::pictures::add;
 use crate::{ReportError, Sheet, Store, names};
 
@@ -35,20 +35,21 @@ impl Comparison<'_> {
     /// When a picture cannot be drawn or stored.
     pub fn draw(&self, store: &mut Store<'_>) -> Result<(), ReportError> {
         let page = page(self)?;
+        let mut save = |name: String, sheet: Sheet| -> Result<(), ReportError> {
+            store(&name, &sheet.draw()?.png(1.0)?).map_err(ReportError::Store)
+        };
         for (l, (light, names)) in self.lights().iter().zip(self.picture_names()).enumerate() {
             for (s, name) in names.iter().enumerate() {
                 let title = format!("{}, {} cd/m²", self.scene_label(s), light.luminance_cd_m2);
-                let sheet = self.side_by_side(&title, l, s)?;
-                store(&format!("{SIDE_BY_SIDE}/{name}.png"), &sheet.draw()?.png(1.0)?)
-                    .map_err(ReportError::Store)?;
-                let maps = maps_sheet(self, title, l, s);
-                store(&format!("{SIDE_BY_SIDE}/{name}{MAPS}.png"), &maps.draw()?.png(1.0)?)
-                    .map_err(ReportError::Store)?;
+                save(format!("{SIDE_BY_SIDE}/{name}.png"), self.side_by_side(&title, l, s)?)?;
+                let scored = self.of_scene(l, s).map(|(contender, scores)| (contender.name(), scores));
+                let maps = maps::sheet(title, &scored.collect::<Vec<_>>());
+                save(format!("{SIDE_BY_SIDE}/{name}{MAPS}.png"), maps)?;
             }
         }
         for (contender, pipeline, file) in self.learned() {
             let sheet = kernels::sheet(contender.camera, contender.label, pipeline)?;
-            store(&format!("{file}-kernels.png"), &sheet.draw()?.png(1.0)?).map_err(ReportError::Store)?;
+            save(format!("{file}-kernels.png"), sheet)?;
         }
         store(PAGE, page.as_bytes()).map_err(ReportError::Store)
     }
@@ -56,8 +57,7 @@ impl Comparison<'_> {
     /// The reference of a scene in one light and the pictures of all contenders beside it.
     fn side_by_side(&self, title: &str, light: usize, scene: usize) -> Result<Sheet, ReportError> {
         let mut sheet = Sheet::new(ACROSS).title(title);
-        for (i, (contender, outcomes)) in self.contenders.iter().zip(self.outcomes).enumerate() {
-            let Some((_, scored)) = outcomes.get(light).and_then(|o| o.scenes.get(scene)) else { continue };
+        for (i, (contender, scored)) in self.of_scene(light, scene).enumerate() {
             if i == 0 {
                 sheet = add(sheet, "reference", &self.as_seen(scored, &scored.reference)?);
             }

@@ -4,7 +4,7 @@ use smalti::camera::MetricGain;
 use smalti::experiment::PairwiseLightGain;
 
 use super::columns::{self, headings};
-use super::results::{Comparison, mean};
+use super::results::{Comparison, of_contender};
 use crate::TextTable;
 
 impl Comparison<'_> {
@@ -15,19 +15,9 @@ impl Comparison<'_> {
             ["camera", "pipeline", "cd/m²"].into_iter().chain(headings(&columns::COMPARE)).collect();
         let mut rows = Vec::new();
         for light in 0..self.light_count() {
-            for (contender, outcomes) in self.contenders.iter().zip(self.outcomes) {
-                let Some(o) = outcomes.get(light) else { continue };
-                rows.push(vec![
-                    contender.label.to_owned(),
-                    contender.processing.name().to_owned(),
-                    o.luminance_cd_m2.to_string(),
-                    format!("{:.2}", mean(o, |s| s.scores.cpsnr_db)),
-                    format!("{:.2}", mean(o, |s| s.scores.pixel_delta_e_2000_mean)),
-                    format!("{:.2}", mean(o, |s| s.scores.scielab_mean)),
-                    format!("{:.1}", o.targets.mtf50_cy_per_mm),
-                    format!("{:.3}", o.targets.visual_snr.median),
-                    format!("{:.1}", o.targets.luminance_noise_percent.mean),
-                ]);
+            for (contender, o) in self.in_light(light) {
+                let values = columns::COMPARE.map(|c| format!("{:.*}", c.digits, (c.of)(o)));
+                rows.push(of_contender(contender, o.luminance_cd_m2).into_iter().chain(values).collect());
             }
         }
         table(&header, &rows)
@@ -37,12 +27,11 @@ impl Comparison<'_> {
     #[must_use]
     pub fn fixed_point_line(&self) -> String {
         let all = self.outcomes.iter().flatten().flat_map(|o| o.fixed_point_psnr_db.iter().flatten());
-        match all.copied().reduce(f64::min) {
-            Some(db) => format!(
+        all.copied().reduce(f64::min).map_or_else(String::new, |db| {
+            format!(
                 "fixed point (16-bit samples and kernels) is within {db:.1} dB PSNR of single precision\n"
-            ),
-            None => String::new(),
-        }
+            )
+        })
     }
 
     /// A table for each camera to be equalled at each luminance.

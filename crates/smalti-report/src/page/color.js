@@ -41,9 +41,6 @@ function encoded(linear) {
   const v = Math.min(1, Math.max(0, linear));
   return Math.round(255 * (v <= 0.0031308 ? 12.92 * v : 1.055 * v ** (1 / 2.4) - 0.055));
 }
-function luma([r, g, b]) {
-  return Math.max(1, 0.299 * r + 0.587 * g + 0.114 * b);
-}
 // About the colour of a filter under equal-energy light: hue as seen, brightness such that it stands out.
 function colorOfFilter(nm, transmittance) {
   const xyz = [0, 0, 0];
@@ -52,7 +49,8 @@ function colorOfFilter(nm, transmittance) {
     if (t > 0) matching(wavelength).forEach((m, c) => { xyz[c] += m * t; });
   });
   const full = display(xyz, 0.75).map((v) => v + (128 - v) * 0.1);
-  const dark = Math.min(1, 145 / luma(full));
+  const [r, g, b] = full;
+  const dark = Math.min(1, 145 / Math.max(1, 0.299 * r + 0.587 * g + 0.114 * b));
   return full.map((v) => Math.round(v * dark));
 }
 function colorOfWavelength(nm) {

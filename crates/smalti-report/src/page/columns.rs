@@ -31,23 +31,21 @@ pub fn packed(values: &[f64]) -> Value {
         }
         // A table that is longer than half of the column saves next to nothing.
         if table.len() == DISTINCT || table.len() > 256 && table.len() > values.len() / 2 {
-            let bytes: Vec<u8> = values.iter().flat_map(|v| (*v as f32).to_le_bytes()).collect();
-            return json!({"n": values.len(), "f32": STANDARD.encode(bytes)});
+            let bytes = values.iter().flat_map(|v| (*v as f32).to_le_bytes());
+            return json!({"n": values.len(), "f32": base64(bytes)});
         }
     }
-    let words: Vec<u8> = table.iter().flat_map(|v| v.to_le_bytes()).collect();
-    let table_text = STANDARD.encode(words);
+    let mut packed = json!({"n": values.len(), "table": base64(table.iter().flat_map(|v| v.to_le_bytes()))});
     match table.len() {
-        0 | 1 => json!({"n": values.len(), "table": table_text}),
-        2..=256 => {
-            let bytes: Vec<u8> = codes.iter().map(|c| *c as u8).collect();
-            json!({"n": values.len(), "table": table_text, "u8": STANDARD.encode(bytes)})
-        }
-        _ => {
-            let bytes: Vec<u8> = codes.iter().flat_map(|c| c.to_le_bytes()).collect();
-            json!({"n": values.len(), "table": table_text, "u16": STANDARD.encode(bytes)})
-        }
+        0 | 1 => {}
+        2..=256 => packed["u8"] = base64(codes.iter().map(|c| *c as u8)),
+        _ => packed["u16"] = base64(codes.iter().flat_map(|c| c.to_le_bytes())),
     }
+    packed
+}
+
+fn base64(bytes: impl Iterator<Item = u8>) -> Value {
+    STANDARD.encode(bytes.collect::<Vec<u8>>()).into()
 }
 
 /// A column of whole numbers that may be beyond single precision, as runs of consecutive ones: `[first, length, …]`.

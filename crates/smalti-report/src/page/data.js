@@ -93,7 +93,7 @@ function readDesigns(data) {
     designs.words.unshift({ name: "section", label: "Study and condition", doc: "", words: names, codes: designs.section });
   }
   designs.columns = [
-    lazyColumn({ name: "colors", label: "Number of colours", whole: true }, () => colors),
+    lazyColumn({ name: "colors", label: "Number of colours" }, () => colors),
     ...data.columns.map((c) => lazyColumn(c, () => unpack(c.values))),
     ...ofFilters(designs),
   ];

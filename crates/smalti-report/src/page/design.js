@@ -30,17 +30,14 @@ function filtersOf(designs, row) {
   }
   return filters;
 }
-function filterWords(f) {
-  return `${f.letter} at ${shown(f.center)} nm, ${shown(f.fwhm)} nm wide, peak ${shown(f.peak)}`;
-}
 
 function spectraOf(filters) {
   const [left, bottom, width, height] = [30, 150, 340, 132];
   const x = (nm) => left + ((nm - 380) / 340) * width;
   const top = Math.max(1, ...filters.map((f) => f.peak || 0));
   const y = (t) => bottom - (t / top) * height;
-  const svg = draw("svg", { viewBox: "0 0 380 188", role: "img" },
-    draw("title", {}, "Spectra of the filters"), draw("desc", {}, filters.map(filterWords).join("; ")));
+  const words = filters.map((f) => `${f.letter} at ${shown(f.center)} nm, ${shown(f.fwhm)} nm wide, peak ${shown(f.peak)}`);
+  const svg = draw("svg", { viewBox: "0 0 380 188", role: "img" }, draw("title", {}, "Spectra of the filters"), draw("desc", {}, words.join("; ")));
   for (const t of [0, 0.5, 1]) {
     svg.append(draw("path", { class: "axis", d: `M${left} ${y(t)}h${width}` }), draw("text", { class: "tick", x: left - 5, y: y(t) + 4, "text-anchor": "end" }, String(t)));
   }

@@ -17,70 +17,57 @@ class Filters {
     this.addRanges();
   }
 
-  box(words, color, many, change) {
-    const input = make("input", { type: "checkbox", change });
-    const chip = color ? make("i") : null;
-    const paint = () => { if (chip) chip.style.background = color(); };
-    paint();
-    themeListeners.push(paint);
-    return [input, make("label", { class: "box" }, input, chip, make("span", {}, words), many === null ? null : make("span", { class: "many" }, many.toLocaleString("en")))];
-  }
-
-  addBoxes(legend, entries, codes) {
-    const off = new Set();
-    const boxes = entries.map(({ code, words, color, many }) => {
-      const [input, label] = this.box(words, color, many, () => {
-        if (input.checked) off.delete(code);
-        else off.add(code);
+  // Boxes, at first all checked or none. From the set of the codes of boxes that were changed, `passes` makes the test of a row.
+  addBoxes(legend, entries, checked, passes) {
+    const changed = new Set();
+    const inputs = [];
+    const labels = entries.map(({ code, words, color, many }) => {
+      const input = make("input", { type: "checkbox", change: () => {
+        if (input.checked === checked) changed.delete(code);
+        else changed.add(code);
         this.update();
-      });
-      input.checked = true;
-      return [input, label];
+      } });
+      input.checked = checked;
+      inputs.push(input);
+      const chip = color ? make("i") : null;
+      const paint = () => { if (chip) chip.style.background = color(); };
+      paint();
+      themeListeners.push(paint);
+      return make("label", { class: "box" }, input, chip, make("span", {}, words), many === undefined ? null : make("span", { class: "many" }, many.toLocaleString("en")));
     });
-    this.element.append(make("fieldset", {}, make("legend", {}, legend), ...boxes.map(([, label]) => label)));
-    this.groups.push({ passes: (i) => !off.has(codes[i]), idle: () => off.size === 0, reset: () => { off.clear(); boxes.forEach(([input]) => { input.checked = true; }); } });
+    this.element.append(make("fieldset", {}, make("legend", {}, legend), ...labels));
+    this.groups.push({ passes: passes(changed), idle: () => changed.size === 0, reset: () => { changed.clear(); inputs.forEach((input) => { input.checked = checked; }); } });
   }
 
   addNumbersOfColors() {
+    const { colors } = this.designs;
     const counts = new Map();
-    this.designs.colors.forEach((n) => counts.set(n, (counts.get(n) || 0) + 1));
+    colors.forEach((n) => counts.set(n, (counts.get(n) || 0) + 1));
     const entries = [...counts].sort(([a], [b]) => a - b).map(([code, many]) => ({ code, many, words: `${code} colours`, color: () => css(colorOfCount(code)) }));
-    if (entries.length > 1) this.addBoxes("Number of colours", entries, this.designs.colors);
+    if (entries.length > 1) this.addBoxes("Number of colours", entries, true, (off) => (i) => !off.has(colors[i]));
   }
 
   addWords(column) {
+    const { codes } = column;
     const counts = new Array(column.words.length).fill(0);
-    column.codes.forEach((code) => { counts[code] += 1; });
+    codes.forEach((code) => { counts[code] += 1; });
     const entries = column.words.map((words, code) => ({ code, words: words || "(none)", many: counts[code] }));
     if (entries.length <= MAX_BOXES) {
-      this.addBoxes(column.label, entries, column.codes);
+      this.addBoxes(column.label, entries, true, (off) => (i) => !off.has(codes[i]));
       return;
     }
     let wanted = -1;
     const select = make("select", { "aria-label": column.label, change: () => { wanted = Number(select.value); this.update(); } },
       make("option", { value: "-1" }, `all ${entries.length}`), ...entries.map((e) => make("option", { value: e.code }, e.words)));
     this.element.append(make("fieldset", {}, make("legend", {}, column.label), select));
-    this.groups.push({ passes: (i) => wanted < 0 || column.codes[i] === wanted, idle: () => wanted < 0, reset: () => { wanted = -1; select.value = "-1"; } });
+    this.groups.push({ passes: (i) => wanted < 0 || codes[i] === wanted, idle: () => wanted < 0, reset: () => { wanted = -1; select.value = "-1"; } });
   }
 
   addMarks() {
     const { front, pictures } = this.designs;
-    const marks = [["on the Pareto front of ΔE, MTF50 and noise", (i) => front[i] === 1]];
-    if (pictures.size) marks.push(["with pictures by the simulator itself", (i) => pictures.has(i)]);
-    const wanted = new Set();
-    const boxes = marks.map(([words, passes]) => {
-      const [input, label] = this.box(words, null, null, () => {
-        if (input.checked) wanted.add(passes);
-        else wanted.delete(passes);
-        this.update();
-      });
-      return [input, label];
-    });
-    this.element.append(make("fieldset", {}, make("legend", {}, "Only"), ...boxes.map(([, label]) => label)));
-    this.groups.push({
-      passes: (i) => { for (const f of wanted) if (!f(i)) return false; return true; },
-      idle: () => wanted.size === 0, reset: () => { wanted.clear(); boxes.forEach(([input]) => { input.checked = false; }); },
-    });
+    const marks = [{ words: "on the Pareto front of ΔE, MTF50 and noise", code: (i) => front[i] === 1 }];
+    if (pictures.size) marks.push({ words: "with pictures by the simulator itself", code: (i) => pictures.has(i) });
+    this.addBoxes("Only", marks, false, (wanted) => (i) => { for (const passes of wanted) if (!passes(i)) return false; return true; });
   }
 
   addRanges() {
@@ -90,20 +77,17 @@ class Filters {
         make("button", { type: "button", click: () => this.reset() }, "Reset filters"))));
   }
 
-  addRange(column = this.designs.columns[1] || this.designs.columns[0], low = "", high = "") {
-    const range = { column, low, high };
-    const select = columnSelect(this.designs.columns, column, "Column of the range", () => {
+  addRange() {
+    const range = { column: this.designs.columns[1] || this.designs.columns[0], low: "", high: "" };
+    const select = columnSelect(this.designs.columns, range.column, "Column of the range", () => {
       range.column = this.designs.columns[Number(select.value)];
       hint();
       this.update();
     });
-    const ends = ["low", "high"].map((end) => {
-      const input = make("input", { type: "number", step: "any", "aria-label": end === "low" ? "At least" : "At most", value: range[end], input: () => {
-        range[end] = input.value;
-        this.update();
-      } });
-      return input;
-    });
+    const ends = ["low", "high"].map((end) => make("input", { type: "number", step: "any", "aria-label": end === "low" ? "At least" : "At most", value: "", input: ({ target }) => {
+      range[end] = target.value;
+      this.update();
+    } }));
     const hint = () => {
       const found = extent(range.column.values);
       ends.forEach((input, i) => { input.placeholder = Number.isFinite(found[i]) ? shown(found[i]) : ""; });

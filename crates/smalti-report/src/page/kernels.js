@@ -35,7 +35,7 @@ function showKernels(place, of) {
   const texture = make("select", { change: () => set({ texture: Number(texture.value) }) }, of.textures.map((t, i) => make("option", { value: i }, t)));
   const clips = (c) => (c.channels.length ? c.channels.join(", ") : "none");
   const clipped = make("select", { change: () => { state.clipped = Number(clipped.value); set({ level: middle() }); } }, of.clipped.map((c, i) => make("option", { value: i }, clips(c))));
-  const level = make("input", { type: "range", min: 0, input: () => set({ level: Number(level.value) }) });
+  const level = make("input", { type: "range", min: 0, "aria-label": "Level", input: () => set({ level: Number(level.value) }) });
   const levelName = make("span");
   const about = make("p", { class: "about-class", "aria-live": "polite" });
   const drawings = make("div", { class: "drawings" });
@@ -85,7 +85,6 @@ function showKernels(place, of) {
     level.value = state.level;
     const here = `level ${part().levels[state.level]} of ${of.level_count}`;
     level.setAttribute("aria-valuetext", here);
-    level.setAttribute("aria-label", "Level");
     const bright = Number(Number(part().middles[state.position][state.level]).toPrecision(2));
     levelName.textContent = `Level ${part().levels[state.level]} of ${of.level_count}, about ${bright} % of white`;
     const from = columns().origin[index];
@@ -101,9 +100,7 @@ function showKernels(place, of) {
     }
     rows.push(make("tr", {}, make("th", { scope: "row" }, "offset"), ...kernels.map((k) => make("td", { class: "number" }, shown(k.offset)))));
     numbers.replaceChildren(make("div", { class: "scrolls", tabindex: 0, role: "region", "aria-label": "Weights" },
-      make("table", {}, make("caption", {}, `Weights at ${named(p)}, ${here}, ${of.textures[state.texture]}`),
-        make("thead", {}, make("tr", {}, make("th", { scope: "col" }, "Row, column"), ...kernels.map((k) => make("th", { scope: "col", class: "number" }, k.name)))),
-        make("tbody", {}, ...rows))));
+      tableOf(`Weights at ${named(p)}, ${here}, ${of.textures[state.texture]}`, ["Row, column"], kernels.map((k) => k.name), rows)));
     showCounts(p);
   }
 
@@ -124,9 +121,7 @@ function showKernels(place, of) {
     const rows = levels.map((l, i) => make("tr", {}, make("th", { scope: "row" }, String(l)), ...of.textures.map((_, t) => cell(i, t))));
     const scroll = counts.scrollTop;
     counts.replaceChildren(
-      make("table", {}, make("caption", {}, `Patches of each class at ${named(p)}`),
-        make("thead", {}, make("tr", {}, make("th", { scope: "col" }, "Level"), ...of.textures.map((t) => make("th", { scope: "col", class: "number" }, t)))),
-        make("tbody", {}, ...rows)),
+      tableOf(`Patches of each class at ${named(p)}`, ["Level"], of.textures, rows),
       make("p", { class: "help" },
         used.size ? `Fallbacks: ${[...used].sort().map((o) => `${ORIGIN_MARKS[o]} ${of.origins[o]}`).join(", ")}. ` : "All kernels are learned. ",
         "A click shows a class.",

@@ -1,5 +1,7 @@
 //! HTML that cannot hold unescaped text: [`Markup`] is made of elements and of text, and text is escaped on its way in.
 
+use serde_json::Value;
+
 use crate::Figure;
 use crate::text::{clean, escape};
 
@@ -45,22 +47,10 @@ impl Markup {
     }
 }
 
-impl From<&str> for Markup {
+impl<T: AsRef<str>> From<T> for Markup {
     /// Escaped. Controls, and marks that turn the direction of what follows, become `�`.
-    fn from(text: &str) -> Self {
-        Self(escape(text))
-    }
-}
-
-impl From<String> for Markup {
-    fn from(text: String) -> Self {
-        text.as_str().into()
-    }
-}
-
-impl From<&String> for Markup {
-    fn from(text: &String) -> Self {
-        text.as_str().into()
+    fn from(text: T) -> Self {
+        Self(escape(text.as_ref()))
     }
 }
 
@@ -149,59 +139,25 @@ impl From<Element> for Markup {
 /// JSON as the content of a `script` element that is no program. `<` and `&` and the two line ends that JSON allows and old
 /// scripts do not are written as `\u` escapes, so that no value ends the element; in texts, what [`clean`] takes from
 /// labels is taken here too.
-pub(super) fn json(value: &serde_json::Value) -> String {
-    let mut out = String::new();
-    write_json(value, &mut out);
-    out
-}
-
-fn write_json(value: &serde_json::Value, out: &mut String) {
-    use serde_json::Value;
+pub(super) fn json(value: &Value) -> String {
+    let joined = |parts: Vec<String>| parts.join(",");
     match value {
-        Value::String(text) => json_text(text, out),
-        Value::Array(values) => {
-            out.push('[');
-            for (i, value) in values.iter().enumerate() {
-                if i > 0 {
-                    out.push(',');
-                }
-                write_json(value, out);
-            }
-            out.push(']');
-        }
+        Value::String(text) => json_text(text),
+        Value::Array(values) => format!("[{}]", joined(values.iter().map(json).collect())),
         Value::Object(map) => {
-            out.push('{');
-            for (i, (key, value)) in map.iter().enumerate() {
-                if i > 0 {
-                    out.push(',');
-                }
-                json_text(key, out);
-                out.push(':');
-                write_json(value, out);
-            }
-            out.push('}');
+            let pair = |(key, value): (&String, &Value)| format!("{}:{}", json_text(key), json(value));
+            format!("{{{}}}", joined(map.iter().map(pair).collect()))
         }
-        other => out.push_str(&other.to_string()),
+        other => other.to_string(),
     }
 }
 
-fn json_text(text: &str, out: &mut String) {
-    out.push('"');
+fn json_text(text: &str) -> String {
     // Line ends stay: a text may be a command of several lines.
-    for (i, line) in text.split('\n').enumerate() {
-        if i > 0 {
-            out.push_str("\\n");
-        }
-        for c in clean(line).chars() {
-            match c {
-                '"' => out.push_str("\\\""),
-                '\\' => out.push_str("\\\\"),
-                '<' | '>' | '&' | '\u{2028}' | '\u{2029}' => {
-                    out.push_str(&format!("\\u{:04x}", u32::from(c)))
-                }
-                c => out.push(c),
-            }
-        }
+    let lines: Vec<String> = text.split('\n').map(clean).collect();
+    let mut json = Value::from(lines.join("\n")).to_string();
+    for c in ['<', '>', '&', '\u{2028}', '\u{2029}'] {
+        json = json.replace(c, &format!("\\u{:04x}", u32::from(c)));
     }
-    out.push('"');
+    json
 }

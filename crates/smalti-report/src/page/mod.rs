@@ -106,6 +106,11 @@ pub fn figure(drawing: &Figure) -> Markup {
     el("figure").class("drawing").child(drawing).into()
 }
 
+/// A paragraph of a class.
+pub(crate) fn paragraph(class: &str, text: impl Into<Markup>) -> Markup {
+    el("p").class(class).child(text).into()
+}
+
 /// The foot of a page: the version that made it.
 pub(crate) fn foot() -> Markup {
     let version = env!("CARGO_PKG_VERSION");

@@ -17,6 +17,13 @@ function fill(element, attributes, content) {
   return element;
 }
 
+// A table with headings of words first, then of numbers.
+function tableOf(caption, words, numbers, rows) {
+  const head = (text, attributes) => make("th", { scope: "col", ...attributes }, text);
+  return make("table", {}, make("caption", {}, caption),
+    make("thead", {}, make("tr", {}, ...words.map((t) => head(t)), ...numbers.map((t) => head(t, { class: "number" })))), make("tbody", {}, ...rows));
+}
+
 const darkWished = matchMedia("(prefers-color-scheme: dark)");
 const themeListeners = [];
 const root = document.documentElement;

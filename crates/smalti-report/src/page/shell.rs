@@ -9,7 +9,7 @@ use super::markup::{Markup, el, json};
 use super::{Piece, SHELL, SIMULATOR};
 
 /// A page in the making.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct Page {
     title: String,
     lead: Markup,
@@ -24,15 +24,7 @@ impl Page {
     /// An empty page. The title is its heading and that of the window.
     #[must_use]
     pub fn new(title: impl Into<String>) -> Self {
-        Self {
-            title: title.into(),
-            lead: Markup::new(),
-            sections: Vec::new(),
-            pieces: Vec::new(),
-            data: Vec::new(),
-            foot: Markup::new(),
-            simulates: false,
-        }
+        Self { title: title.into(), ..Self::default() }
     }
 
     /// What stands below the heading.
@@ -91,16 +83,13 @@ impl Page {
             source(&js),
             source(&css)
         );
+        let meta = |name: &str, content: &str| el("meta").attr("name", name).attr("content", content);
         let head = el("head")
             .child(el("meta").attr("charset", "utf-8"))
             .child(el("meta").attr("http-equiv", "Content-Security-Policy").attr("content", policy))
-            .child(el("meta").attr("name", "viewport").attr("content", "width=device-width, initial-scale=1"))
-            .child(el("meta").attr("name", "referrer").attr("content", "no-referrer"))
-            .child(
-                el("meta")
-                    .attr("name", "generator")
-                    .attr("content", concat!("Smalti ", env!("CARGO_PKG_VERSION"))),
-            )
+            .child(meta("viewport", "width=device-width, initial-scale=1"))
+            .child(meta("referrer", "no-referrer"))
+            .child(meta("generator", concat!("Smalti ", env!("CARGO_PKG_VERSION"))))
             .child(el("title").child(&self.title))
             .child(el("style").child(Markup::trusted(css)));
         let links = self

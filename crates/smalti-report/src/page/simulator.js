@@ -58,7 +58,7 @@ class Simulator {
       this.worker ??= await Simulator.started();
       const section = this.designs.section[row];
       if (section !== this.section) await this.enter(section);
-      return this.ask({ task: "draw", number: this.designs.number[row], scene, isNoisy });
+      return Simulator.asked(this.worker, { task: "draw", number: this.designs.number[row], scene, isNoisy });
     });
     this.last = picture.catch(() => {});
     return picture;
@@ -88,18 +88,14 @@ class Simulator {
     });
   }
 
-  ask(message) {
-    return Simulator.asked(this.worker, message);
-  }
-
   async enter(section) {
     this.section = null;
     const { study, drawn } = this.designs.data.sections[section];
     const { light, condition, is_learned: isLearned, stage } = drawn;
-    if (!this.studies.has(study)) this.studies.set(study, await this.ask({ task: "study", study: this.designs.data.studies[study].study }));
+    if (!this.studies.has(study)) this.studies.set(study, await Simulator.asked(this.worker, { task: "study", study: this.designs.data.studies[study].study }));
     const count = light.scenes.length + (light.lessons ? 3 : 0);
     const planes = await Promise.all(this.designs.stages[stage].planes.slice(0, count).map(unpackPictures));
-    await this.ask({ task: "setup", study: this.studies.get(study), condition, isLearned, light, planes });
+    await Simulator.asked(this.worker, { task: "setup", study: this.studies.get(study), condition, isLearned, light, planes });
     this.section = section;
   }
 }

@@ -2,22 +2,20 @@
 
 function startSweep(data) {
   const designs = readDesigns(data);
-  const named = (name) => designs.columns.find((c) => c.name === name);
+  const isVaried = (values) => { const [low, high] = extent(values); return low < high; };
   const varied = designs.columns.filter((c) => c.parameter || c.name === "colors" || isVaried(c.values));
-  const first = (...names) => names.map(named).find((c) => c && varied.includes(c));
+  const first = (...names) => names.map((name) => varied.find((c) => c.name === name)).find(Boolean);
   const some = varied.filter((c) => !c.parameter && c.name !== "colors");
-  const view = {
-    x: first("mtf50_cy_per_mm") || some[0] || designs.columns[0],
-    y: first("delta_e_76") || some[1] || some[0] || designs.columns[0],
-    color: null, whole: false, zoom: null, front: true, log: {},
-  };
-
   const ways = [
     { label: "Number of colours", column: null, words: null },
     ...designs.words.filter((w) => w.words.length > 1 && w.words.length <= MAX_BOXES).map((w) => ({ label: w.label, words: w })),
     ...varied.filter((c) => c.name !== "colors").map((c) => ({ label: withUnit(c), column: c })),
   ];
-  view.color = ways[0];
+  const view = {
+    x: first("mtf50_cy_per_mm") || some[0] || designs.columns[0],
+    y: first("delta_e_76") || some[1] || some[0] || designs.columns[0],
+    color: ways[0], whole: false, zoom: null, front: true, log: {},
+  };
 
   const selected = new Uint8Array(designs.count);
   const panel = make("section", { class: "design", tabindex: "-1", "aria-label": "Design" });
@@ -233,12 +231,11 @@ function startSweep(data) {
     }
     const columns = [...new Set([view.x, view.y, ...histograms.map((h) => h.column)])].filter((c) => c.name !== "colors");
     const cell = (v) => make("td", { class: "number" }, v);
-    bestShown.replaceChildren(make("div", { class: "scrolls", tabindex: "0", role: "region", "aria-label": "Best of the selection" }, make("table", {},
-      make("caption", {}, `${scatter.box ? "Best of the selection" : "Best of those shown"}, by ${by.label}`),
-      make("thead", {}, make("tr", {}, make("th", { scope: "col" }, "Mosaic"), ...["Trial", "Colours", ...columns.map(withUnit)].map((t) => make("th", { scope: "col", class: "number" }, t)))),
-      make("tbody", {}, ...rows.map((row) => make("tr", {}, make("td", {}, smallTile(designs, row)),
+    bestShown.replaceChildren(make("div", { class: "scrolls", tabindex: "0", role: "region", "aria-label": "Best of the selection" }, tableOf(
+      `${scatter.box ? "Best of the selection" : "Best of those shown"}, by ${by.label}`, ["Mosaic"], ["Trial", "Colours", ...columns.map(withUnit)],
+      rows.map((row) => make("tr", {}, make("td", {}, smallTile(designs, row)),
         make("th", { scope: "row", class: "number" }, make("button", { class: "design", type: "button", "data-row": row }, String(designs.number[row]))),
-        cell(designs.colors[row]), ...columns.map((c) => cell(shown(c.values[row])))))))));
+        cell(designs.colors[row]), ...columns.map((c) => cell(shown(c.values[row]))))))));
   }
   function onPoint(row, how) {
     if (how === "choose") choose(row);
@@ -249,11 +246,6 @@ function startSweep(data) {
     showDesign(designs, row, panel);
     panel.setAttribute("aria-label", `Trial ${designs.number[row]}`);
   }
-}
-
-function isVaried(values) {
-  const [low, high] = extent(values);
-  return low < high;
 }
 
 // Text of a table as programs read it; what a spreadsheet would take for a formula is not.

@@ -1,6 +1,6 @@
 //! Tables that a click or a key on a heading sorts.
 
-use super::markup::{Markup, el};
+use super::markup::{Element, Markup, el};
 
 /// A table in the making.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
@@ -37,8 +37,7 @@ impl Table {
         let numeric = self.head.iter().map(|(_, n)| *n).chain(std::iter::repeat(false));
         let cell = |(i, (content, numeric)): (usize, (T, bool))| {
             let cell = if i == 0 { el("th").attr("scope", "row") } else { el("td") };
-            let cell = if numeric { cell.class("number") } else { cell };
-            Markup::from(cell.child(content))
+            filled(cell, numeric, content)
         };
         let cells: Markup = cells.into_iter().zip(numeric).enumerate().map(cell).collect();
         let row = if marked { el("tr").class("marked") } else { el("tr") };
@@ -47,20 +46,17 @@ impl Table {
     }
 }
 
+fn filled(cell: Element, numeric: bool, content: impl Into<Markup>) -> Element {
+    if numeric { cell.class("number") } else { cell }.child(content)
+}
+
 impl From<Table> for Markup {
     fn from(Table { caption, head, rows }: Table) -> Self {
-        let head: Self = head
-            .into_iter()
-            .map(|(heading, numeric)| {
-                let cell = el("th").attr("scope", "col");
-                let cell = if numeric { cell.class("number") } else { cell };
-                Self::from(cell.child(heading))
-            })
-            .collect();
+        let heading = |(heading, numeric)| filled(el("th").attr("scope", "col"), numeric, heading);
         let table = el("table")
             .attr("data-sortable", "")
             .child(el("caption").child(caption))
-            .child(el("thead").child(el("tr").child(head)))
+            .child(el("thead").child(el("tr").children(head.into_iter().map(heading))))
             .child(el("tbody").children(rows));
         // Wide tables scroll by themselves; what scrolls must be reachable by keys.
         el("div")
