@@ -120,7 +120,7 @@ def test_a_second_run_at_once_is_refused(client: Client, study: smalti.Study, tm
     said: list[str] = []
 
     def begin_another(done: int) -> None:
-        with pytest.raises(smalti.SmaltiError, match="another run is at work") as refused:
+        with pytest.raises(smalti.SmaltiError, match="another run is using") as refused:
             smalti.sweep(study, tmp_path, client=client, part_size=SIZE * 8, progress=False)
         said.append(str(refused.value))
 
@@ -155,7 +155,7 @@ def test_any_file_system_holds_the_same_bytes(study: smalti.Study, expected: dic
         with pytest.raises(smalti.SmaltiError, match="another study"):
             smalti.sweep("aliasing", url, client=client, progress=False)
         fs.pipe_file(f"{root}/trials/mine.txt", b"")
-        with pytest.raises(smalti.SmaltiError, match="mine.txt is no part"):
+        with pytest.raises(smalti.SmaltiError, match="mine.txt is not a part"):
             smalti.sweep(study, url, client=client, progress=False)
         fs.pipe_file(f"{root}/other/mine.txt", b"")
         with pytest.raises(smalti.SmaltiError, match="holds mine.txt but no manifest.json"):

@@ -359,7 +359,7 @@ fn what_cannot_be_reported_is_refused() {
     let part = "out/trials/part-000000.parquet";
     let whole = place.read(part);
     place.write(part, &whole[..whole.len() / 2]);
-    assert!(refused(&["out"]).contains("part-000000.parquet is cut short"));
+    assert!(refused(&["out"]).contains("part-000000.parquet is truncated"));
     std::fs::remove_file(place.path(part)).unwrap();
     assert!(refused(&["out"]).contains("holds no trial yet"));
     place.write(part, &whole);

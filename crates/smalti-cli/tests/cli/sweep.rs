@@ -229,7 +229,7 @@ fn studies_that_cannot_be_are_refused_where_they_say_so() {
         ("[filters.gaussian_grid]", "[filters.gaussian_grid]\nsigmas_nm = [10, 60]"),
         &["study.toml:9", "found 2 numbers", "[first, step, last]"],
     );
-    fails(("[sample]", "[sensor]\nadc_bits = 10\n[sample]"), &["study.toml:5", "the file of a camera"]);
+    fails(("[sample]", "[sensor]\nadc_bits = 10\n[sample]"), &["study.toml:5", "this is a camera file"]);
     fails(("luminance_cd_m2 = [20, 75]", "\"optics.f_numbr\" = [2, 4]"), &["f_numbr", "f_number"]);
     fails(
         ("luminance_cd_m2 = [20, 75]", "luminance = [20, 75]"),

@@ -167,9 +167,9 @@ fn metrics_and_scenes_that_cannot_be_are_refused_where_they_say_so() {
     let metrics = "\"mtf50_cy_per_mm\", \"cpsnr_db\", \"aliasing_percent\"";
     fails("aliasing_percent", "aliasing_procent", &["study.toml:4", "did you mean `aliasing_percent`?"]);
     fails(metrics, "", &["study.toml:4", "at least one metric"]);
-    fails(metrics, "\"cpsnr_db\", \"cpsnr_db\"", &["study.toml:4", "cpsnr_db stands there twice"]);
-    fails(metrics, "\"delta_e_76\"", &["study.toml:5", "no metric looks at them", "cpsnr_db"]);
-    fails("scenes = [", "scenes = [] # [", &["study.toml:4", "cpsnr_db is of scenes"]);
+    fails(metrics, "\"cpsnr_db\", \"cpsnr_db\"", &["study.toml:4", "cpsnr_db is listed twice"]);
+    fails(metrics, "\"delta_e_76\"", &["study.toml:5", "no metric uses them", "cpsnr_db"]);
+    fails("scenes = [", "scenes = [] # [", &["study.toml:4", "cpsnr_db needs scenes"]);
     fails("&seed=2", "", &["study.toml:5", "twice"]);
     fails("&seed=2", "&sed=2", &["study.toml:5:42", "did you mean 'seed'"]);
     fails("dead-leaves?rows=64&cols=64&seed=2", "none.exr", &["study.toml:5:42", "none.exr"]);

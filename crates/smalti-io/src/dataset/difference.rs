@@ -1,36 +1,36 @@
-//! Where two JSON values differ, for people to read.
+//! Differences between two JSON values, for error messages.
 
 use std::fmt;
 
 use serde_json::Value;
 
-/// Lines shown of a list of differences.
+/// Maximum number of listed differences.
 const SHOWN: usize = 20;
-/// Characters shown of a value.
+/// Maximum length of a shown value, characters.
 const WIDTH: usize = 60;
 
-/// One key that differs; values as JSON, cut to a line.
+/// A key whose values differ. The values are JSON text, truncated to 60 characters.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Difference {
-    /// Path of the key: `axes[0].from_um`.
+    /// Path of the key, such as `axes[0].from_um`.
     pub key: String,
-    /// Value it had, if any.
+    /// The old value, if any.
     pub was: Option<String>,
-    /// Value it has, if any.
+    /// The new value, if any.
     pub now: Option<String>,
 }
 
-/// Keys that differ: the first twenty, and how many more there are.
+/// Keys whose values differ: the first twenty, and the number of others.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Differences {
-    /// The first ones, in the order of the older value.
+    /// The first differences, in the order of the old value.
     pub shown: Vec<Difference>,
-    /// How many more.
+    /// Number of differences that are not listed.
     pub more: usize,
 }
 
 impl Differences {
-    /// Those of two values.
+    /// Compares an old value with a new one.
     #[must_use]
     pub fn of(was: &Value, now: &Value) -> Self {
         let mut out = Self::default();
@@ -38,7 +38,7 @@ impl Differences {
         out
     }
 
-    /// Whether there are none.
+    /// Whether the values are equal.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.shown.is_empty()
@@ -67,7 +67,7 @@ impl Differences {
     }
 }
 
-/// A value as JSON, not longer than a line.
+/// A value as JSON, truncated to [`WIDTH`].
 fn line(value: &Value) -> String {
     let text = value.to_string();
     match text.char_indices().nth(WIDTH) {

@@ -1,4 +1,4 @@
-//! What can go wrong with a folder of results.
+//! Errors in writing, resuming, reading and merging results.
 
 use std::io;
 use std::path::{Path, PathBuf};
@@ -9,53 +9,53 @@ use super::difference::Differences;
 use super::shard::Shard;
 use crate::IoError;
 
-/// Results that cannot be written, continued, read or merged. Every message names the file or folder.
+/// An error in writing, resuming, reading or merging results.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum DatasetError {
-    /// A file cannot be read or written, or the manifest is not one.
+    /// A file cannot be read or written, or the manifest is invalid.
     #[error(transparent)]
     Io(#[from] IoError),
-    /// A file cannot be written for want of space or of the right to. What was written before is kept.
+    /// A file cannot be written because of missing space or permission. Finished parts are kept.
     #[error(
-        "cannot write {}: {source}; what is finished is kept: once it can be written, the same command continues",
+        "cannot write {}: {source}; finished parts are kept; when it can be written, the same command resumes",
         path.display()
     )]
     NoSpace {
         /// The file.
         path: PathBuf,
-        /// Why.
+        /// The cause.
         source: io::Error,
     },
-    /// A plan that cannot be carried out.
+    /// A plan has an invalid value.
     #[error("{what} is {found}; expected {expected}")]
     Plan {
-        /// What is wrong: `trials`, `chunk`, a column.
+        /// Name of the value.
         what: String,
-        /// What it is.
+        /// The value.
         found: String,
-        /// What it should be.
+        /// Description of valid values.
         expected: String,
     },
-    /// A folder that holds other things and no results.
+    /// The folder holds other files and no manifest.
     #[error(
-        "{} holds {found} but no manifest.json; expected a new or empty folder, or results to be continued",
+        "{} holds {found} but no manifest.json; expected a new or empty folder, or results to resume",
         dir.display()
     )]
     NotResults {
         /// The folder.
         dir: PathBuf,
-        /// One of the things in it.
+        /// The first of the other files by name.
         found: String,
     },
-    /// A folder without results.
+    /// The folder has no manifest.
     #[error("{} holds no results: it has no manifest.json", dir.display())]
     NoResults {
         /// The folder.
         dir: PathBuf,
     },
-    /// A file among the parts that is not a part; readers of the whole folder would take it for one.
-    #[error("{} is no part of these results; move it elsewhere", path.display())]
+    /// An unknown file is among the parts. Programs that read the whole folder would read it as a part.
+    #[error("{} is not a part of these results; move it out of the folder", path.display())]
     Stray {
         /// The file.
         path: PathBuf,
@@ -68,38 +68,38 @@ pub enum DatasetError {
     OtherStudy {
         /// The folder.
         dir: PathBuf,
-        /// What differs.
+        /// The differences.
         differences: Differences,
     },
-    /// Another run is at work in the folder.
-    #[error("another run is at work in {} ({by}); wait for it, or choose another folder", dir.display())]
+    /// Another run has locked the folder.
+    #[error("another run is using {} ({by}); wait until it ends, or choose another folder", dir.display())]
     Busy {
         /// The folder.
         dir: PathBuf,
-        /// Who is at work.
+        /// Process of the other run, and its shard if any.
         by: String,
     },
-    /// The file system cannot lock files, so that two runs in one folder could not be told.
+    /// A file cannot be locked, so that a second run in the folder would not be noticed.
     #[error(
-        "cannot lock {}: {source}; write to a folder on a local disk (shards: one each, then merge them)",
+        "cannot lock {}: {source}; write to a local disk (with shards, one folder each, and merge them)",
         path.display()
     )]
     Lock {
         /// The lock file.
         path: PathBuf,
-        /// Why.
+        /// The cause.
         source: io::Error,
     },
-    /// A part that cannot be used.
-    #[error("{} {problem}; delete it and run the sweep again: its trials are computed anew", path.display())]
+    /// A part is invalid.
+    #[error("{} {problem}; delete it and run the sweep again to recompute its trials", path.display())]
     Part {
         /// The file.
         path: PathBuf,
-        /// What is wrong with it.
+        /// Why it is invalid.
         problem: PartProblem,
     },
-    /// A chunk that is not there or belongs to another shard.
-    #[error("part {chunk} is not one of this run: there are {chunks}, shard {shard}", shard = shard.map_or_else(|| "none".to_owned(), |s| s.to_string()))]
+    /// The chunk does not exist or belongs to another shard.
+    #[error("part {chunk} does not belong to this run (parts: {chunks}, shard: {shard})", shard = shard.map_or_else(|| "none".to_owned(), |s| s.to_string()))]
     NotOwn {
         /// The chunk.
         chunk: u64,
@@ -108,83 +108,83 @@ pub enum DatasetError {
         /// The shard of the run.
         shard: Option<Shard>,
     },
-    /// Columns to be written are not those of the plan.
+    /// The columns to be written do not match the plan.
     #[error("part {chunk}: {what} is {found}; expected {expected}")]
     Columns {
         /// The chunk.
         chunk: u64,
-        /// What is wrong.
+        /// The property that does not match.
         what: String,
-        /// What it is.
+        /// Its value.
         found: String,
-        /// What it should be.
+        /// The expected value.
         expected: String,
     },
-    /// The Parquet library refuses to encode.
+    /// The Parquet library cannot encode a part.
     #[error("part {chunk} cannot be encoded: {message}")]
     Encode {
         /// The chunk.
         chunk: u64,
-        /// What the library says.
+        /// Message of the library.
         message: String,
     },
-    /// A column is asked for that is not in the results.
-    #[error("{}: no column is called {name:?}; there are {known}", dir.display())]
+    /// A requested column does not exist.
+    #[error("{}: unknown column {name:?}; the columns are {known}", dir.display())]
     UnknownColumn {
         /// The folder.
         dir: PathBuf,
-        /// The name.
+        /// The requested name.
         name: String,
-        /// The names that are known.
+        /// The existing names.
         known: String,
     },
-    /// Nothing to merge.
-    #[error("no folders to merge are named")]
+    /// There is no folder to merge.
+    #[error("expected at least one folder to merge")]
     NothingToMerge,
-    /// Shards that do not make a whole.
+    /// The folders to merge lack parts.
     #[error(
-        "{missing} of {chunks} parts are in none of the folders, the first of them {first}; finish their shards first"
+        "{missing} of {chunks} parts are in none of the folders, the first being part {first}; finish their shards first"
     )]
     Incomplete {
-        /// Chunks that are missing.
+        /// Number of missing chunks.
         missing: u64,
-        /// Chunks there should be.
+        /// Number of chunks in the plan.
         chunks: u64,
-        /// The first that is missing.
+        /// The first missing chunk.
         first: u64,
     },
-    /// Two folders hold the same chunk with other values.
-    #[error("{} and {} hold the same trials with other values", first.display(), second.display())]
+    /// Two folders hold different values for the same trials.
+    #[error("{} and {} hold different values for the same trials", first.display(), second.display())]
     Conflict {
         /// One file.
         first: PathBuf,
-        /// The other.
+        /// The other file.
         second: PathBuf,
     },
 }
 
-/// What is wrong with a part.
+/// Why a part is invalid.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 #[non_exhaustive]
 pub enum PartProblem {
-    /// It lacks the mark at its begin or end.
-    #[error("is cut short or no Parquet file ({bytes} bytes)")]
+    /// The Parquet magic number is missing at the start or the end.
+    #[error("is truncated or not a Parquet file ({bytes} bytes)")]
     Truncated {
-        /// Bytes there are.
+        /// Length of the file, bytes.
         bytes: u64,
     },
-    /// It does not carry the marks of a part.
+    /// The metadata of a part are missing.
     #[error("is a Parquet file that Smalti did not write: it has no {key}")]
     NotOurs {
-        /// The key that is missing.
+        /// The missing key.
         key: &'static str,
     },
-    /// Its content has another hash than it states.
+    /// The hash of the content differs from the stated hash.
     #[error("is damaged: its content has the hash {found}, but {stated} is stated")]
     Damaged {
         /// Hash of the content, hexadecimal.
         found: String,
-        /// Hash that is stated.
+        /// The stated hash.
         stated: String,
     },
     /// It belongs to other results.
@@ -192,15 +192,15 @@ pub enum PartProblem {
     Foreign {
         /// The key that differs.
         key: &'static str,
-        /// What it is.
+        /// Its value.
         found: String,
-        /// What it should be.
+        /// Its value in these results.
         expected: String,
     },
-    /// The Parquet library cannot read it.
+    /// Its Parquet content is invalid.
     #[error("is malformed: {message}")]
     Malformed {
-        /// What is wrong.
+        /// The cause.
         message: String,
     },
 }
@@ -215,7 +215,7 @@ impl PartProblem {
     }
 }
 
-/// A failure to write, classified by whether a later attempt can succeed.
+/// Converts a write error. Those that the user can remedy become [`DatasetError::NoSpace`], which explains how to resume.
 pub(super) fn writing(error: IoError) -> DatasetError {
     use io::ErrorKind::{FileTooLarge, PermissionDenied, QuotaExceeded, ReadOnlyFilesystem, StorageFull};
     match error {

@@ -1,4 +1,4 @@
-//! The files in a folder of results.
+//! Names and listing of the files in a folder of results.
 
 use std::fs;
 use std::io;
@@ -24,41 +24,41 @@ fn name(chunk: u64) -> String {
     format!("part-{chunk:06}.parquet")
 }
 
-/// The chunk of a part's name.
+/// The chunk in the file name of a part.
 pub(super) fn chunk_of(file: &str) -> Option<u64> {
     let chunk = file.strip_prefix("part-")?.strip_suffix(".parquet")?.parse().ok()?;
-    // One name for each chunk: neither `part-1.parquet` nor `part-+00001.parquet`.
+    // Refuses other spellings of the number, such as `part-1.parquet` and `part-+00001.parquet`.
     (name(chunk) == file).then_some(chunk)
 }
 
-/// The path of a part in its folder: `trials/part-000012.parquet`.
+/// The path of a part relative to the folder of results, such as `trials/part-000012.parquet`.
 #[must_use]
 pub fn part_name(chunk: u64) -> String {
     part(Path::new(""), chunk).to_string_lossy().replace('\\', "/")
 }
 
-/// Puts the bytes of a part into a folder that a [`Run`](super::Run), perhaps of another machine, has opened: whole or not at all, on the
-/// disk when this returns.
+/// Writes the bytes of a part into a folder that a [`Run`](super::Run) has opened, possibly on another machine. The write is atomic, and
+/// the part is on disk on return.
 ///
 /// # Errors
-/// When it cannot be written.
+/// When the file cannot be written.
 pub fn write_part(dir: &Path, chunk: u64, bytes: &[u8]) -> Result<(), DatasetError> {
     crate::write::durable(&part(dir, chunk), bytes).map_err(super::error::writing)
 }
 
-/// The numbers below `chunks` that are not in an ascending list.
+/// The numbers below `chunks` that are not in the ascending list `there`.
 pub(super) fn missing(chunks: u64, there: &[u64]) -> impl Iterator<Item = u64> {
     let mut there = there.iter().copied().peekable();
     (0..chunks).filter(move |chunk| there.next_if_eq(chunk).is_none())
 }
 
-/// The file whose temporary one this is, as [`crate::write::atomic`] names them.
+/// The final name of a temporary file of [`crate::write::atomic`]; `None` for other files.
 fn temporary(file: &str) -> Option<&str> {
     let (of, number) = file.strip_prefix('.')?.strip_suffix(".tmp")?.rsplit_once('.')?;
     number.bytes().all(|b| b.is_ascii_digit() || b == b'-').then_some(of)
 }
 
-/// Refuses a folder that holds things but no results. An absent one is fine.
+/// Refuses a folder that holds files but no results. A folder that does not exist is accepted.
 pub(super) fn check_ours(dir: &Path) -> Result<(), DatasetError> {
     let listing = match fs::read_dir(dir) {
         Ok(listing) => listing,
@@ -71,7 +71,7 @@ pub(super) fn check_ours(dir: &Path) -> Result<(), DatasetError> {
     check_names(dir, names.into_iter())
 }
 
-/// The same for the names of the files in a place.
+/// As [`check_ours`], for the names of the files in a folder.
 pub(super) fn check_names(dir: &Path, names: impl Iterator<Item = String>) -> Result<(), DatasetError> {
     let mut foreign = None;
     for name in names {
@@ -79,7 +79,7 @@ pub(super) fn check_names(dir: &Path, names: impl Iterator<Item = String>) -> Re
             return Ok(());
         }
         let own = super::lock::is_lock(&name) || temporary(&name) == Some(manifest::FILE);
-        // The least, since the order of a listing is that of the file system.
+        // The first by name, so that the message does not depend on the order of the listing.
         if !own && foreign.as_ref().is_none_or(|f| name < *f) {
             foreign = Some(name);
         }
@@ -90,7 +90,7 @@ pub(super) fn check_names(dir: &Path, names: impl Iterator<Item = String>) -> Re
     }
 }
 
-/// Removes the temporary manifest of a run that was killed. Call it under the lock of the manifest.
+/// Removes temporary manifests of killed runs. The caller holds the lock of the manifest.
 pub(super) fn sweep_manifest(dir: &Path) -> Result<(), DatasetError> {
     for entry in fs::read_dir(dir).map_err(IoError::reading(dir))? {
         let entry = entry.map_err(IoError::reading(dir))?;
@@ -101,8 +101,8 @@ pub(super) fn sweep_manifest(dir: &Path) -> Result<(), DatasetError> {
     Ok(())
 }
 
-/// The chunks that are there, ascending. With `sweep`, temporary files of killed runs are removed: of all chunks, or of those of
-/// a shard, since other shards may be at work on theirs.
+/// The existing chunks, ascending. With `sweep`, removes the temporary files of killed runs, either all or those of one shard. Those of
+/// other shards may be in use.
 pub(super) fn list(dir: &Path, chunks: u64, sweep: Option<Option<Shard>>) -> Result<Vec<u64>, DatasetError> {
     let parts = parts_dir(dir);
     let listing = match fs::read_dir(&parts) {
@@ -122,7 +122,7 @@ pub(super) fn list(dir: &Path, chunks: u64, sweep: Option<Option<Shard>>) -> Res
                 remove(&entry.path())?;
             }
         } else if !name.starts_with(['.', '_']) {
-            // Arrow and Spark read all but such names.
+            // Arrow and Spark ignore names that start with a dot or an underscore, but would read this file.
             return Err(DatasetError::Stray { path: entry.path() });
         }
     }
@@ -139,9 +139,9 @@ fn remove(path: &Path) -> Result<(), DatasetError> {
     }
 }
 
-/// Forces the names in a folder to the disk, where the system can.
+/// Flushes the directory entries of a folder to disk, where the system supports it.
 pub(super) fn sync(dir: &Path) {
-    // A part whose name is lost is computed again, so that a failure does no harm.
+    // Errors are ignored, since a part whose entry is lost is computed again.
     if let Ok(folder) = fs::File::open(dir) {
         let _ = folder.sync_all();
     }

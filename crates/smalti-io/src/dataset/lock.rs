@@ -1,7 +1,7 @@
-//! Locks that end with their process, however it ends.
+//! File locks, which the operating system releases when their process ends.
 //!
-//! A run of the whole locks `.lock` for itself. Shards share that lock, and each locks `.lock-shard-I-of-N` for itself. Who
-//! holds a lock is written into its file, for the message of those who come later; a file alone locks nothing.
+//! A run without shards locks `.lock` exclusively. Shards share this lock, and each locks `.lock-shard-I-of-N` exclusively. The lock
+//! file contains the process that holds the lock, for error messages. The file itself does not lock anything.
 
 use std::fs::{self, File, TryLockError};
 use std::io::{self, Read, Seek, Write};
@@ -16,7 +16,7 @@ const WHOLE: &str = ".lock";
 const MANIFEST: &str = ".lock-manifest";
 const SHARD: &str = ".lock-shard-";
 
-/// Locks that are held.
+/// Held locks. Dropping the value releases them.
 #[derive(Debug)]
 pub(super) struct Locks {
     _files: Vec<File>,
@@ -26,7 +26,7 @@ pub(super) fn is_lock(name: &str) -> bool {
     name == WHOLE || name == MANIFEST || name.starts_with(SHARD)
 }
 
-/// Locks a folder for a run of the whole or of a shard, at once or not at all.
+/// Locks a folder for a whole run or a shard. Returns [`DatasetError::Busy`] if another run holds the lock.
 pub(super) fn acquire(dir: &Path, shard: Option<Shard>) -> Result<Locks, DatasetError> {
     let busy = |by: String| DatasetError::Busy { dir: dir.to_owned(), by };
     let path = dir.join(WHOLE);
@@ -36,7 +36,7 @@ pub(super) fn acquire(dir: &Path, shard: Option<Shard>) -> Result<Locks, Dataset
             return Err(busy(holders(dir)));
         }
         sign(&mut whole);
-        // Nobody holds one: shards share `.lock` first.
+        // No shard holds its lock now, since shards also share `.lock`.
         shard_locks(dir).for_each(|(path, _)| drop(fs::remove_file(path)));
         return Ok(Locks { _files: vec![whole] });
     };
@@ -49,7 +49,7 @@ pub(super) fn acquire(dir: &Path, shard: Option<Shard>) -> Result<Locks, Dataset
         return Err(busy(format!("shard {shard}, {}", signature(&path))));
     }
     sign(&mut own);
-    // Shards of another number of shards have the same chunks.
+    // Shards of another division would write the same chunks.
     for (path, other) in shard_locks(dir).filter(|(_, other)| other.of() != shard.of()) {
         if is_held(&path) {
             return Err(busy(format!("shard {other}, {}", signature(&path))));
@@ -58,7 +58,7 @@ pub(super) fn acquire(dir: &Path, shard: Option<Shard>) -> Result<Locks, Dataset
     Ok(Locks { _files: vec![own, whole] })
 }
 
-/// Waits for the lock of the manifest, which nobody holds for long.
+/// Waits for the lock of the manifest, which is held only briefly.
 pub(super) fn manifest(dir: &Path) -> Result<Locks, DatasetError> {
     let path = dir.join(MANIFEST);
     let file = open(&path)?;
@@ -76,7 +76,7 @@ fn open(path: &Path) -> Result<File, DatasetError> {
         .map_err(|e| writing(IoError::writing(path)(e)))
 }
 
-/// Whether a lock was had. Others look at locks for a moment to see whether they are held, so once is not enough.
+/// Tries to take a lock and returns whether it succeeded. Retries, since [`is_held`] in another process takes the lock for a moment.
 fn attempt(path: &Path, lock: impl Fn() -> Result<(), TryLockError>) -> Result<bool, DatasetError> {
     for wait_ms in [0, 10, 20, 40] {
         std::thread::sleep(Duration::from_millis(wait_ms));
@@ -104,7 +104,7 @@ fn shard_locks(dir: &Path) -> impl Iterator<Item = (PathBuf, Shard)> {
     })
 }
 
-/// Writes who we are; that it fails is no reason not to work.
+/// Writes the process and the host into a lock file. Errors are ignored, since the text is only for messages.
 fn sign(file: &mut File) {
     let host = fs::read_to_string("/proc/sys/kernel/hostname").unwrap_or_default();
     let (pid, host) = (std::process::id(), host.trim());
@@ -118,10 +118,10 @@ fn signature(path: &Path) -> String {
         File::open(path)?.take(256).read_to_string(&mut text)?;
         Ok(text)
     };
-    read().ok().filter(|text| !text.is_empty()).unwrap_or_else(|| "process unknown".to_owned())
+    read().ok().filter(|text| !text.is_empty()).unwrap_or_else(|| "unknown process".to_owned())
 }
 
-/// Who keeps a run of the whole from beginning.
+/// Describes the runs whose locks block a whole run.
 fn holders(dir: &Path) -> String {
     let mut shards: Vec<(Shard, PathBuf)> =
         shard_locks(dir).filter(|(path, _)| is_held(path)).map(|(path, shard)| (shard, path)).collect();

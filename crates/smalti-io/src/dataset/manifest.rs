@@ -1,4 +1,4 @@
-//! What a dataset is: the plan, its hash, and what the runs took.
+//! The plan and the manifest of a dataset.
 
 use std::ops::Range;
 use std::path::Path;
@@ -15,19 +15,19 @@ use crate::{IoError, file, write};
 /// Name of the manifest in its folder.
 pub(super) const FILE: &str = "manifest.json";
 const FORMAT: &str = "smalti-results";
-/// Largest manifest, bytes. Its JSON takes some sixteen times as much memory at worst.
+/// Maximum size of a manifest, bytes. Its decoded JSON may take about 16 times as much memory.
 const LIMIT: u64 = 64 << 20;
 
-/// What is to be computed, and how it is laid out. Two runs of equal plans write equal files.
+/// The study, the columns and the division into chunks. Runs with equal plans write identical parts.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Plan {
     /// The resolved study. The order of its keys does not matter.
     pub study: Value,
     /// The columns.
     pub schema: Vec<ColumnSpec>,
-    /// Number of trials, from 1.
+    /// Number of trials, at least 1.
     pub trials: u64,
-    /// Trials in a part, from 1 to [`MAX_CHUNK`]; the last part has what is left. At most [`MAX_PARTS`] parts.
+    /// Trials per chunk, 1 to [`MAX_CHUNK`]. The last chunk has the remainder. A plan has at most [`MAX_PARTS`] chunks.
     pub chunk: u64,
 }
 
@@ -38,14 +38,14 @@ impl Plan {
         self.trials.div_ceil(self.chunk.max(1))
     }
 
-    /// The trials of a chunk; none where there is no such chunk.
+    /// The trials of a chunk; an empty range if the chunk does not exist.
     #[must_use]
     pub fn trials_of(&self, chunk: u64) -> Range<u64> {
         let at = |c: u64| c.saturating_mul(self.chunk).min(self.trials);
         at(chunk)..at(chunk.saturating_add(1))
     }
 
-    /// Number of trials of a chunk.
+    /// Number of trials in a chunk.
     pub(super) fn rows(&self, chunk: u64) -> usize {
         let Range { start, end } = self.trials_of(chunk);
         usize::try_from(end - start).unwrap_or(usize::MAX)
@@ -69,31 +69,31 @@ impl Plan {
     }
 }
 
-/// What one run did.
+/// The record of a finished run.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RunRecord {
-    /// Its shard, as `3/16`; `None` for a run of the whole.
+    /// The shard, such as `3/16`; `None` for a whole run.
     pub shard: Option<String>,
-    /// Parts it wrote.
+    /// Number of parts that it wrote.
     pub parts: u64,
-    /// What it took, as the caller gave it.
+    /// Timings, in the form that the caller chose.
     pub timings: Value,
 }
 
-/// A manifest: a plan, who carries it out, and what the runs took.
+/// A manifest: a plan, the version that computes it, and the finished runs.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Manifest {
-    /// Version of Smalti that computes.
+    /// Version of Smalti that computes the results.
     pub smalti: String,
-    /// What is computed.
+    /// The plan.
     pub plan: Plan,
-    /// The runs that were finished, in the order of their ends. Alone of all that is written it is not the same in every run.
+    /// The finished runs, in the order of their ends. This is the only content that differs between runs of equal plans.
     pub runs: Vec<RunRecord>,
     hash: String,
 }
 
-/// The manifest as it is written.
+/// The JSON object of the file.
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Raw {
@@ -109,7 +109,7 @@ struct Raw {
 }
 
 impl Manifest {
-    /// That of a plan which this version of Smalti is to carry out.
+    /// The manifest, without runs, of a plan that this version of Smalti computes.
     ///
     /// # Errors
     /// [`DatasetError::Plan`].
@@ -121,7 +121,7 @@ impl Manifest {
         plan.check()?;
         let mut text = String::new();
         canonical(&described(&smalti, &plan), &mut text);
-        // As it is written, with line breaks and indents, it may be twice as long; what could not be read is not begun.
+        // With line breaks and indents, the file may be twice as long as this text. It must not be too large to read back.
         if text.len() as u64 > LIMIT / 2 {
             let (found, expected) = (format!("{} bytes", text.len()), format!("at most {} bytes", LIMIT / 2));
             return Err(DatasetError::Plan { what: "the resolved study".into(), found, expected });
@@ -130,13 +130,13 @@ impl Manifest {
         Ok(Self { smalti, plan, runs, hash })
     }
 
-    /// BLAKE3 hash, hexadecimal, of all but the runs. Every part carries it.
+    /// BLAKE3 hash of the manifest without runs, hexadecimal. Every part states it.
     #[must_use]
     pub fn hash(&self) -> &str {
         &self.hash
     }
 
-    /// Reads the manifest in a folder; `None` where there is none.
+    /// Reads the manifest of a folder; `None` if there is none.
     pub(super) fn read(dir: &Path) -> Result<Option<Self>, DatasetError> {
         let path = dir.join(FILE);
         match file::read(&path, LIMIT) {
@@ -146,10 +146,10 @@ impl Manifest {
         }
     }
 
-    /// Reads a manifest from memory; `path` is only named in errors.
+    /// Decodes a manifest. `path` is used in error messages.
     ///
     /// # Errors
-    /// When it is not JSON of this form, is of another revision, states a hash that is not its own, or has a plan that cannot be.
+    /// When the bytes are not the JSON of a manifest, the revision is another one, the stated hash is wrong, or the plan is invalid.
     pub fn from_bytes(bytes: &[u8], path: &Path) -> Result<Self, DatasetError> {
         let decode = |message: String| IoError::decode(path, "manifest", message);
         let value: Value = serde_json::from_slice(bytes).map_err(|e| decode(e.to_string()))?;
@@ -163,8 +163,8 @@ impl Manifest {
         }
         let raw: Raw = serde_json::from_value(value).map_err(|e| decode(e.to_string()))?;
         let plan = Plan { study: raw.study, schema: raw.schema, trials: raw.trials, chunk: raw.chunk };
-        let manifest =
-            Self::with(raw.smalti, plan, raw.runs).map_err(|e| decode(format!("its plan cannot be: {e}")))?;
+        let manifest = Self::with(raw.smalti, plan, raw.runs)
+            .map_err(|e| decode(format!("its plan is invalid: {e}")))?;
         if manifest.hash != raw.plan_blake3 {
             let (found, stated) = (manifest.hash, raw.plan_blake3);
             return Err(IoError::Damaged { path: path.to_owned(), found, stated }.into());
@@ -175,7 +175,7 @@ impl Manifest {
     /// The text of the file.
     ///
     /// # Errors
-    /// None that is known: what it holds can be stated as JSON.
+    /// When a value cannot be converted to JSON, which is not known to occur.
     pub fn to_json(&self) -> Result<String, serde_json::Error> {
         let raw = Raw {
             format: FORMAT.into(),
@@ -197,7 +197,7 @@ impl Manifest {
         write::durable(&path, text.as_bytes())
     }
 
-    /// Refuses to continue, in a place that has this manifest, with another plan.
+    /// Refuses another plan than that of this manifest, which is stored in `dir`.
     pub(super) fn check_same(&self, now: &Self, dir: &Path) -> Result<(), DatasetError> {
         if self.hash == now.hash {
             return Ok(());
@@ -205,12 +205,12 @@ impl Manifest {
         Err(DatasetError::OtherStudy { dir: dir.to_owned(), differences: self.differences(now) })
     }
 
-    /// Where the plan differs from another; keys of the study first, by their names alone.
+    /// Differences between this plan and another. Keys of the study come first; all other keys are in parentheses.
     #[must_use]
     pub fn differences(&self, now: &Self) -> Differences {
         let all = |m: &Self| {
             let mut all = json!({});
-            // A study is a table; whatever else it may be has one name.
+            // A study that is not a JSON object is compared as a single value.
             match &m.plan.study {
                 Value::Object(study) => all = Value::Object(study.clone()),
                 other => all["study"] = other.clone(),
@@ -226,7 +226,7 @@ impl Manifest {
     }
 }
 
-/// All that decides what the parts hold.
+/// The content that the hash covers. It determines the parts.
 fn described(smalti: &str, plan: &Plan) -> Value {
     let schema: Vec<Value> = plan
         .schema
@@ -243,7 +243,7 @@ fn described(smalti: &str, plan: &Plan) -> Value {
     })
 }
 
-/// JSON with the keys of every object in order, so that their order in a file does not matter.
+/// Writes JSON with sorted keys, so that their order in a file does not affect the hash.
 fn canonical(value: &Value, out: &mut String) {
     match value {
         Value::Object(map) => {

@@ -1,4 +1,4 @@
-//! The folders of shards to one.
+//! Merging of the folders of shards.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -9,12 +9,12 @@ use super::run::Run;
 use super::{folder, part};
 use crate::IoError;
 
-/// Puts the parts of several folders of one study into one folder, which is then as a run of the whole would have left it, but
-/// for what the runs took. A merge that was interrupted is continued; `into` may be one of the folders.
+/// Merges the folders of one plan into the folder `into`. The result equals that of a whole run, except for the runs in the manifest. An
+/// interrupted merge can be resumed, and `into` may be one of the folders.
 ///
 /// # Errors
-/// When the folders are of different studies (with the differences), lack a chunk, or hold one with different values; when a
-/// part is damaged; when `into` cannot be opened as by [`Run::open`].
+/// When the folders have different plans, lack a chunk or hold different values for one; when a part to be copied is damaged; when
+/// `into` cannot be opened, as for [`Run::open`].
 pub fn merge(from: &[PathBuf], into: &Path) -> Result<(), DatasetError> {
     let sources = from.iter().map(|dir| Dataset::open(dir)).collect::<Result<Vec<_>, _>>()?;
     let Some((first, others)) = sources.split_first() else { return Err(DatasetError::NothingToMerge) };
@@ -27,7 +27,7 @@ pub fn merge(from: &[PathBuf], into: &Path) -> Result<(), DatasetError> {
     }
     let chunks = manifest.plan.chunks();
     let holds = |dataset: &Dataset, chunk: u64| dataset.chunks().binary_search(&chunk).is_ok();
-    // Before anything is written.
+    // Checked before anything is written.
     let mut absent = (0..chunks).filter(|c| !sources.iter().any(|s| holds(s, *c)));
     if let Some(first) = absent.next() {
         return Err(DatasetError::Incomplete { missing: 1 + absent.count() as u64, chunks, first });
@@ -62,14 +62,14 @@ pub fn merge(from: &[PathBuf], into: &Path) -> Result<(), DatasetError> {
     run.finish_with(records).map(drop)
 }
 
-/// The bytes of a part, checked.
+/// Reads the bytes of a part and checks them.
 fn read(path: &Path, manifest: &super::Manifest, chunk: u64) -> Result<Vec<u8>, DatasetError> {
     let bytes = fs::read(path).map_err(IoError::reading(path))?;
     part::part_from_bytes(bytes.clone(), path, manifest, chunk, &[])?;
     Ok(bytes)
 }
 
-/// The first file that states another hash.
+/// The first file that states a hash other than `hash`.
 fn find_other(
     paths: impl Iterator<Item = PathBuf>,
     hash: &str,

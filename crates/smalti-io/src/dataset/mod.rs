@@ -1,18 +1,18 @@
-//! The results of a sweep: a folder of Parquet files, one row a trial, and a manifest. `docs/formats-dataset.md` describes it.
+//! Results of a sweep: a folder of Parquet files with one row per trial, and a manifest. `docs/formats-dataset.md` has the format.
 //!
 //! ```text
-//! DIR/manifest.json                   what was computed (the plan), its hash, how long each run took
+//! DIR/manifest.json                  the plan, its hash and the timings of the runs
 //! DIR/trials/part-000000.parquet     one file per chunk of consecutive trials
 //! ```
 //!
-//! [`Run::open`] makes or continues such a folder, [`Dataset::open`] reads one, [`merge`] puts those of shards together. Nothing
-//! here knows what the columns mean: a [`Plan`] names them, and rows come as [`Column`]s of plain values.
+//! [`Run::open`] creates or resumes such a folder, [`Dataset::open`] reads one, and [`merge`] combines the folders of shards. The
+//! meaning of the columns is not known here: a [`Plan`] names them, and their values are plain [`Column`]s.
 //!
-//! The bytes of a part follow from the plan and its values alone. Whoever writes it, in whatever order, with whatever threads,
-//! shards or interruptions: the files are the same. Only the timings in the manifest differ.
+//! The bytes of a part depend only on the plan and the values. They do not depend on the order of writing, the number of threads and
+//! shards, or interruptions. Only the runs in the manifest differ.
 //!
-//! Every part is written whole under a temporary name, forced to the disk and renamed. A part that is there is complete, also
-//! after a loss of power; a run that is killed loses only the chunks it was at.
+//! Each part is written under a temporary name, flushed to disk and then renamed. A part that exists is therefore complete, even
+//! after a power failure. A killed run loses only its current chunks.
 
 mod difference;
 mod error;
@@ -39,13 +39,13 @@ pub use run::Run;
 pub use schema::{Column, ColumnKind, ColumnSpec};
 pub use shard::{Shard, ShardError};
 
-/// Revision of the layout of folder, manifest and parts. Another one is refused.
+/// Revision of the format of folder, manifest and parts. Other revisions are refused.
 pub const REVISION: u64 = 2;
-/// Most trials of a chunk: a part is held in memory.
+/// Maximum number of trials in a chunk, since a part is held in memory.
 pub const MAX_CHUNK: u64 = 1 << 20;
-/// Most chunks of a dataset: part numbers have six digits, so that files sort by name.
+/// Maximum number of chunks in a dataset. Part numbers have six digits, so that files sort by name.
 pub const MAX_PARTS: u64 = 1_000_000;
-/// Most values in the lists of one column of one part.
+/// Maximum number of values in the lists of one column of a part.
 pub const MAX_LIST_VALUES: usize = 1 << 24;
-/// Most bytes of text in one column of one part.
+/// Maximum length of the text in one column of a part, bytes.
 pub const MAX_TEXT_BYTES: usize = 1 << 28;

@@ -10,7 +10,7 @@ use super::run::read_manifest;
 use super::schema::Column;
 use super::{folder, part};
 
-/// A folder of results, complete or not. Reading takes no lock: the parts of a run that is still at work are whole.
+/// A folder of results, complete or not. Reading takes no lock, since the parts of an active run are complete.
 #[derive(Debug, Clone)]
 pub struct Dataset {
     dir: PathBuf,
@@ -21,11 +21,11 @@ pub struct Dataset {
 /// Some columns of a part.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Part {
-    /// Its chunk.
+    /// The number of the chunk.
     pub chunk: u64,
-    /// Its trials; row `i` is trial `trials.start + i`.
+    /// The trials of the chunk. Row `i` is trial `trials.start + i`.
     pub trials: Range<u64>,
-    /// The columns, in the order they were asked for.
+    /// The columns in the requested order.
     pub columns: Vec<Column>,
 }
 
@@ -33,8 +33,8 @@ impl Dataset {
     /// Opens a folder: reads the manifest and lists the parts.
     ///
     /// # Errors
-    /// When the folder cannot be read, has no manifest or one that is damaged or of another revision, or has a file among the
-    /// parts that is none.
+    /// When the folder cannot be read, has no manifest, has a manifest that is damaged or of another revision, or has an unknown file
+    /// among the parts.
     pub fn open(dir: &Path) -> Result<Self, DatasetError> {
         let manifest = read_manifest(dir)?;
         let chunks = folder::list(dir, manifest.plan.chunks(), None)?;
@@ -53,31 +53,31 @@ impl Dataset {
         &self.dir
     }
 
-    /// The chunks that are there, ascending.
+    /// The existing chunks, ascending.
     #[must_use]
     pub fn chunks(&self) -> &[u64] {
         &self.chunks
     }
 
-    /// The chunks that are not there, ascending.
+    /// The missing chunks, ascending.
     pub fn missing(&self) -> impl Iterator<Item = u64> {
         missing(self.manifest.plan.chunks(), &self.chunks)
     }
 
-    /// Whether every part is there.
+    /// Whether all parts exist.
     #[must_use]
     pub fn is_complete(&self) -> bool {
         self.chunks.len() as u64 == self.manifest.plan.chunks()
     }
 
-    /// Number of trials that are there.
+    /// Number of trials in the existing parts.
     #[must_use]
     pub fn trials(&self) -> u64 {
         let count = |&c: &u64| self.manifest.plan.trials_of(c);
         self.chunks.iter().map(count).map(|r| r.end - r.start).sum()
     }
 
-    /// The rows of some columns, part by part.
+    /// Iterates over the parts and reads the columns with these names.
     ///
     /// # Errors
     /// [`DatasetError::UnknownColumn`].
@@ -94,10 +94,10 @@ impl Dataset {
         Ok(Rows { dataset: self, indices, next: 0 })
     }
 
-    /// Reads every part that is there and checks its hash.
+    /// Reads every existing part and checks its hash.
     ///
     /// # Errors
-    /// The first part that is damaged or of other results.
+    /// For the first part that cannot be read, is damaged or belongs to other results.
     pub fn verify(&self) -> Result<(), DatasetError> {
         self.columns(&[])?.try_for_each(|part| part.map(drop))
     }
@@ -107,7 +107,7 @@ impl Dataset {
     }
 }
 
-/// The parts of a dataset, read one at a time. Each is checked against its hash.
+/// Iterator over the parts of a dataset. It reads one part at a time and checks its hash.
 #[derive(Debug, Clone)]
 pub struct Rows<'a> {
     dataset: &'a Dataset,

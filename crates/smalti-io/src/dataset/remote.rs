@@ -1,4 +1,4 @@
-//! Results in a place that this crate cannot open, such as an object store: the caller lists, reads and writes, the rules are here.
+//! Results in a location that only the caller can access, such as an object store. The caller lists, reads and writes the files.
 
 use std::path::{Path, PathBuf};
 
@@ -6,7 +6,7 @@ use super::error::DatasetError;
 use super::folder;
 use super::manifest::{Manifest, Plan, RunRecord};
 
-/// A place of results that the caller fills. It is not locked: two runs of one plan write equal parts, one after the other.
+/// Results in a location that the caller fills. There is no lock, but concurrent runs of one plan write identical parts.
 #[derive(Debug, Clone)]
 pub struct RemoteDataset {
     place: PathBuf,
@@ -14,11 +14,11 @@ pub struct RemoteDataset {
 }
 
 impl RemoteDataset {
-    /// A plan that is to be carried out in a place, new or with results of the same plan. `place` is only named in errors; `names`
-    /// are those of the files in it, `manifest` is the content of its `manifest.json`.
+    /// Prepares a location for the results of a plan. It is empty or holds results of the same plan. `place` is used in error messages,
+    /// `names` are the names of the files there, and `manifest` is the content of `manifest.json`, if it exists.
     ///
     /// # Errors
-    /// When the plan cannot be carried out, the manifest is malformed, or the place has other files or the results of another plan.
+    /// When the plan or the manifest is invalid, or the location holds other files or the results of another plan.
     pub fn open(
         place: &Path,
         plan: &Plan,
@@ -41,7 +41,7 @@ impl RemoteDataset {
         &self.manifest
     }
 
-    /// The missing chunks, ascending, by the names of the files among the parts.
+    /// The missing chunks, ascending. `names` are the names of the files among the parts.
     ///
     /// # Errors
     /// [`DatasetError::Stray`].
@@ -60,10 +60,10 @@ impl RemoteDataset {
         Ok(folder::missing(chunks, &there).collect())
     }
 
-    /// The manifest that is there, with one more run.
+    /// Decodes the stored manifest and adds a run.
     ///
     /// # Errors
-    /// When it is none, or that of another plan.
+    /// When the manifest is invalid or belongs to another plan.
     pub fn with_run(&self, manifest: &[u8], record: RunRecord) -> Result<Manifest, DatasetError> {
         let mut there = Manifest::from_bytes(manifest, &self.place.join(super::manifest::FILE))?;
         there.check_same(&self.manifest, &self.place)?;

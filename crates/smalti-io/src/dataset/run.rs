@@ -1,4 +1,4 @@
-//! Writing results: a folder that is locked, and the chunks that are still to do.
+//! Writing results into a locked folder.
 
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -13,8 +13,8 @@ use super::shard::Shard;
 use super::{folder, part};
 use crate::write;
 
-/// A folder of results that is being filled, by this run alone or by this shard and others. The folder is free again when the
-/// value is dropped or its process ends, however it ends.
+/// A locked folder of results, which this run fills alone or as one of several shards. The lock is released when the value is dropped or
+/// the process ends.
 #[derive(Debug)]
 pub struct Run {
     dir: PathBuf,
@@ -26,19 +26,17 @@ pub struct Run {
 }
 
 impl Run {
-    /// Makes a folder of results, or continues one that an earlier run of the same plan left, whole or for one shard. Of the parts
-    /// that are there the last bytes are looked at: that each is whole and of this plan. Temporary files of runs that were
-    /// killed are removed.
+    /// Creates a folder of results, or resumes one of the same plan, as a whole run or as a shard. Checks the last bytes of the existing
+    /// parts, which show whether a part is complete and belongs to the plan. Removes the temporary files of killed runs.
     ///
     /// # Errors
-    /// When the plan cannot be carried out; when the folder holds other things, other results (with the differences), a part
-    /// that is cut short, or a file among the parts that is none; when another run is at work in it; when it cannot be read,
-    /// locked or written.
+    /// When the plan is invalid; when the folder holds other files, other results (the error lists the differences), a truncated part or
+    /// an unknown file among the parts; when another run has locked it; when it cannot be read, locked or written.
     pub fn open(dir: &Path, plan: &Plan, shard: Option<Shard>) -> Result<Self, DatasetError> {
         Self::open_as(dir, Manifest::new(plan)?, shard)
     }
 
-    /// As [`Run::open`], for a manifest that may be of another version of Smalti.
+    /// As [`Run::open`], for a manifest that may come from another version of Smalti.
     pub(super) fn open_as(
         dir: &Path,
         manifest: Manifest,
@@ -60,40 +58,40 @@ impl Run {
         Ok(Self { dir: dir.to_owned(), manifest, shard, missing, written: AtomicU64::new(0), _locks: locks })
     }
 
-    /// The chunks of this run that were not there when it was opened, ascending.
+    /// The chunks of this run that were missing when it was opened, ascending.
     #[must_use]
     pub fn missing(&self) -> &[u64] {
         &self.missing
     }
 
-    /// The manifest, as it is carried out.
+    /// The manifest of the plan, without runs.
     #[must_use]
     pub fn manifest(&self) -> &Manifest {
         &self.manifest
     }
 
-    /// Writes a chunk: a value in each column for each trial, in order. To be called from any thread, in any order; nothing is
-    /// kept in memory. The part is on the disk when this returns.
+    /// Writes a chunk, given one value per trial in each column, in the order of the trials. Chunks may be written in any order and from
+    /// any thread. The part is on disk on return.
     ///
     /// # Errors
-    /// When the chunk is not one of this run, the columns are not those of the plan, or the file cannot be written.
+    /// When the chunk does not belong to this run, the columns do not match the plan, or the file cannot be written.
     pub fn write(&self, chunk: u64, columns: &[Column]) -> Result<(), DatasetError> {
         self.check_own(chunk)?;
         self.put(chunk, &part::encode(&self.manifest, chunk, columns)?)
     }
 
-    /// Writes the bytes of a part.
+    /// Writes the bytes of a part and counts it.
     pub(super) fn put(&self, chunk: u64, bytes: &[u8]) -> Result<(), DatasetError> {
         folder::write_part(&self.dir, chunk, bytes)?;
         self.written.fetch_add(1, Ordering::Relaxed);
         Ok(())
     }
 
-    /// Counts a part that another process has put there by [`write_part`](super::write_part). It is not looked at: a file system that
-    /// machines share may show it late.
+    /// Counts a part that another process has written with [`write_part`](super::write_part). The file is not checked, since a shared file
+    /// system may show it late.
     ///
     /// # Errors
-    /// When the chunk is not one of this run.
+    /// When the chunk does not belong to this run.
     pub fn adopt(&self, chunk: u64) -> Result<(), DatasetError> {
         self.check_own(chunk)?;
         self.written.fetch_add(1, Ordering::Relaxed);
@@ -109,8 +107,8 @@ impl Run {
         }
     }
 
-    /// Ends the run and notes in the manifest what it took, if it wrote anything. Returns how many chunks the folder still lacks,
-    /// those of other shards included.
+    /// Ends the run and, if it wrote any part, records it in the manifest. Returns the number of missing chunks, including those of other
+    /// shards.
     ///
     /// # Errors
     /// When the folder cannot be read or the manifest cannot be written.
@@ -120,7 +118,7 @@ impl Run {
         self.finish_with(if parts > 0 { vec![record] } else { Vec::new() })
     }
 
-    /// Ends the run with the records of others.
+    /// Ends the run and adds `records` to the manifest.
     pub(super) fn finish_with(self, records: Vec<RunRecord>) -> Result<u64, DatasetError> {
         folder::sync(&folder::parts_dir(&self.dir));
         if !records.is_empty() {
@@ -138,9 +136,9 @@ pub(super) fn read_manifest(dir: &Path) -> Result<Manifest, DatasetError> {
     Manifest::read(dir)?.ok_or_else(|| DatasetError::NoResults { dir: dir.to_owned() })
 }
 
-/// Writes the manifest into a new folder, or compares it with the one that is there.
+/// Writes the manifest into a new folder, or compares it with the existing one.
 fn settle_manifest(dir: &Path, manifest: &Manifest) -> Result<(), DatasetError> {
-    // Two shards may begin at once.
+    // Two shards may start at the same time.
     let _lock = lock::manifest(dir)?;
     folder::sweep_manifest(dir)?;
     match Manifest::read(dir)? {

@@ -1,4 +1,4 @@
-//! Columns: what they are called, hold and mean, and their values.
+//! Columns: names, types and values.
 
 use std::collections::HashSet;
 use std::sync::Arc;
@@ -10,20 +10,20 @@ use serde::{Deserialize, Serialize};
 
 use super::error::DatasetError;
 
-/// Longest name of a column, bytes.
+/// Maximum length of a column name, bytes.
 const MAX_NAME: usize = 128;
 
-/// What a column holds.
+/// Type of a column.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum ColumnKind {
-    /// Integers of 64 bits (`INT64`).
+    /// 64-bit integers (`INT64`).
     Int,
-    /// Numbers of 64 bits (`DOUBLE`); NaN is null.
+    /// 64-bit floating-point numbers (`DOUBLE`). NaN is stored as null.
     Float,
-    /// Text (`STRING`), dictionary-coded.
+    /// Text (`STRING`), stored with a dictionary.
     Text,
-    /// Lists of numbers (`LIST` of `DOUBLE`), of any length in each row; NaN is null.
+    /// Lists of 64-bit floating-point numbers (`LIST` of `DOUBLE`), of any length in each row. NaN is stored as null.
     Floats,
 }
 
@@ -38,22 +38,22 @@ impl ColumnKind {
     }
 }
 
-/// A column of the results.
+/// Description of a column.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ColumnSpec {
-    /// ASCII letters, digits and underscores, not beginning with a digit; unique whatever the case of the letters, since SQL
-    /// does not tell it.
+    /// Name: 1 to 128 ASCII letters, digits and underscores, not beginning with a digit. Names that differ only in case are refused, since
+    /// SQL ignores case.
     pub name: String,
-    /// What it holds.
+    /// Type of the values.
     pub kind: ColumnKind,
     /// Unit; empty for none.
     pub unit: String,
-    /// What it means.
+    /// Meaning of the values.
     pub doc: String,
 }
 
-/// The values of a column, one a row.
+/// The values of a column, one per row.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Column {
     /// [`ColumnKind::Int`].
@@ -67,7 +67,7 @@ pub enum Column {
 }
 
 impl Column {
-    /// Rows.
+    /// Number of rows.
     #[must_use]
     pub fn len(&self) -> usize {
         match self {
@@ -78,13 +78,13 @@ impl Column {
         }
     }
 
-    /// Whether it has no rows.
+    /// Whether there are no rows.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// What it holds.
+    /// Type of the values.
     #[must_use]
     pub fn kind(&self) -> ColumnKind {
         match self {
@@ -96,7 +96,7 @@ impl Column {
     }
 }
 
-/// Refuses names that cannot be distinguished or need quotes in some program.
+/// Refuses column names that differ only in case, or that need quotes in some program.
 pub(super) fn check(schema: &[ColumnSpec]) -> Result<(), DatasetError> {
     let error = |what: String, found: String, expected: &str| {
         Err(DatasetError::Plan { what, found, expected: expected.to_owned() })
@@ -114,14 +114,14 @@ pub(super) fn check(schema: &[ColumnSpec]) -> Result<(), DatasetError> {
             return error(format!("the name of column {i}"), format!("{name:?}"), expected);
         }
         if !seen.insert(name.to_ascii_lowercase()) {
-            let expected = "a name no other column has, whatever the case of its letters";
+            let expected = "a name that no other column has, ignoring case";
             return error(format!("the name of column {i}"), format!("{name:?}"), expected);
         }
     }
     Ok(())
 }
 
-/// Refuses columns that are not those of the schema, or not of `rows` rows.
+/// Refuses columns that do not match the schema or the number of rows, or that exceed a limit.
 pub(super) fn check_columns(
     schema: &[ColumnSpec],
     rows: usize,
@@ -146,7 +146,7 @@ pub(super) fn check_columns(
         }
         let (amount, limit, what) = match column {
             Column::Text(v) => (v.iter().map(String::len).sum(), super::MAX_TEXT_BYTES, "bytes"),
-            // Nulls and empty lists take a level each.
+            // Parquet stores one level for an empty list, as for a value.
             Column::Floats(v) => {
                 (v.iter().map(|list| list.len().max(1)).sum(), super::MAX_LIST_VALUES, "values")
             }
@@ -160,7 +160,7 @@ pub(super) fn check_columns(
     Ok(())
 }
 
-/// The schema as Parquet has it.
+/// The schema in the form of the Parquet library.
 pub(super) fn parquet(schema: &[ColumnSpec]) -> Result<SchemaDescPtr, ParquetError> {
     let fields = schema.iter().map(field).collect::<Result<_, _>>()?;
     let root = Type::group_type_builder("schema").with_fields(fields).build()?;

@@ -1,39 +1,39 @@
-//! One of several runs that share a study.
+//! Shards, which divide a study among several runs.
 
 use std::fmt;
 use std::str::FromStr;
 
 use thiserror::Error;
 
-/// Shard `index` of `of`: it owns the chunks `c` with `c mod of = index − 1`. Written `3/16`.
+/// Shard `index` of `of`, written as `3/16`. It owns the chunks `c` with `c mod of = index − 1`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct Shard {
     index: u32,
     of: u32,
 }
 
-/// What is wrong with a shard.
+/// An invalid shard.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 #[non_exhaustive]
 pub enum ShardError {
-    /// Not two numbers with a slash between them.
+    /// The text is not two numbers separated by a slash.
     #[error("shard is {text:?}; expected INDEX/COUNT, such as 3/16")]
     Format {
-        /// What was given.
+        /// The text.
         text: String,
     },
-    /// Shards are counted from 1 to their number.
+    /// The index is not between 1 and the number of shards.
     #[error("shard is {index}/{of}; expected 1/{last} to {last}/{last}", last = (*.of).max(1))]
     Range {
-        /// Index that was given.
+        /// The index.
         index: u32,
-        /// Number of shards that was given.
+        /// The number of shards.
         of: u32,
     },
 }
 
 impl Shard {
-    /// Shard `index`, from 1, of `of`.
+    /// Shard `index` of `of`, with `index` from 1 to `of`.
     ///
     /// # Errors
     /// [`ShardError::Range`].
@@ -53,7 +53,7 @@ impl Shard {
         self.of
     }
 
-    /// Whether a chunk is its own.
+    /// Whether a chunk belongs to this shard.
     #[must_use]
     pub fn owns(self, chunk: u64) -> bool {
         chunk % u64::from(self.of) == u64::from(self.index - 1)
@@ -64,7 +64,7 @@ impl FromStr for Shard {
     type Err = ShardError;
 
     fn from_str(text: &str) -> Result<Self, ShardError> {
-        // `parse` alone would take a plus sign.
+        // `parse` alone would accept a plus sign.
         let number = |s: &str| s.parse().ok().filter(|_: &u32| s.bytes().all(|b| b.is_ascii_digit()));
         let numbers = text.split_once('/').and_then(|(i, n)| Some((number(i)?, number(n)?)));
         let (index, of) = numbers.ok_or_else(|| ShardError::Format { text: text.to_owned() })?;

@@ -1,4 +1,4 @@
-//! What the designs of a study are seen under.
+//! The conditions of a study.
 
 use std::path::Path;
 
@@ -12,10 +12,10 @@ use crate::diagnostic::Diagnostic;
 use crate::toml_source::{TomlSource, beside, is_toml};
 use crate::{cameras, lights};
 
-/// What a condition may say beside keys of the camera.
+/// Keys of a condition that are not keys of the camera.
 const OF_STUDY: [&str; 2] = ["luminance_cd_m2", "illuminant"];
 
-/// The conditions: of a grid in the order of its keys by name, of which the last changes fastest; or of the list.
+/// The conditions of the list, or those of the grid. Keys of a grid are sorted by name, and the last key changes fastest.
 pub(super) fn conditions(file: &StudyFile, source: &TomlSource) -> Result<Vec<Condition>, Box<Diagnostic>> {
     let wrong = |key: &str, message: &str| Box::new(source.about_key(key, message));
     let mut points: Vec<Vec<(String, toml::Value)>> = vec![Vec::new()];
@@ -43,7 +43,7 @@ pub(super) fn conditions(file: &StudyFile, source: &TomlSource) -> Result<Vec<Co
             points = list.iter().map(|point| point.clone().into_iter().collect()).collect();
             let keys = |p: &Vec<(String, toml::Value)>| p.iter().map(|(k, _)| k.clone()).collect::<Vec<_>>();
             if let Some(other) = points.iter().position(|p| keys(p) != keys(&points[0])) {
-                let message = "it names other keys than the first of the list";
+                let message = "its keys differ from those of the first entry";
                 return Err(wrong(&format!("conditions.list[{other}]"), message));
             }
         }
@@ -53,12 +53,12 @@ pub(super) fn conditions(file: &StudyFile, source: &TomlSource) -> Result<Vec<Co
     points.into_iter().enumerate().map(|(i, point)| condition(file, source, &place(i), point)).collect()
 }
 
-/// A TOML value as `--set` takes it.
+/// A TOML value in the form of the option `--set`.
 fn as_override(key: &str, value: &toml::Value) -> Override {
     Override { key: key.into(), value: value.to_string() }
 }
 
-/// `place` is where the values of the point stand.
+/// Builds a condition. `place` is the path of its keys in the file.
 fn condition(
     file: &StudyFile,
     source: &TomlSource,
@@ -66,7 +66,7 @@ fn condition(
     point: Vec<(String, toml::Value)>,
 ) -> Result<Condition, Box<Diagnostic>> {
     let wrong = |key: &str, message: &str| Box::new(source.about_key(key, message));
-    // A condition replaces a key of the study: errors are shown where the value in use is stated.
+    // A condition overrides keys of the study. Errors point to the value that is used.
     let at = |key: &str| match point.iter().any(|(k, _)| k == key) {
         true => format!("{place}.{key}"),
         false => key.to_owned(),
@@ -103,7 +103,7 @@ fn condition(
     };
     let camera =
         cameras::load(&camera, &overrides, None).map_err(|e| match e.origin.strip_prefix("--set ") {
-            // In a study it is a key of the file.
+            // Overrides come from keys of the study file.
             Some(set) => {
                 let key = set.split('=').next().unwrap_or(set);
                 let place = if point.iter().any(|(k, _)| k == key) { place } else { "set" };
@@ -111,11 +111,11 @@ fn condition(
                 let shown = source.about_key(&format!("{place}.{key}"), message);
                 Box::new(Diagnostic { help: e.help.clone().or(shown.help.clone()), ..shown })
             }
-            // A file of its own says where in it.
             None if !is_toml(Path::new(&file.camera)) => {
                 let shown = source.about_key("camera", &format!("{}: {}", file.camera, e.message));
                 Box::new(Diagnostic { help: e.help.clone().or(shown.help.clone()), ..shown })
             }
+            // Errors in a camera file already point into that file.
             None => e,
         })?;
     let illuminant =

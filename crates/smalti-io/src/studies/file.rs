@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use serde::Deserialize;
 use smalti::design::{FilterFamily, LearningSettings, Metric, MosaicFamily, Processing};
 
-/// Most conditions of a study: a grid of axes grows fast.
+/// Maximum number of conditions, since a grid with several axes grows fast.
 pub(super) const MAX_CONDITIONS: usize = 5_000;
 
 /// A study file.
@@ -13,48 +13,48 @@ pub(super) const MAX_CONDITIONS: usize = 5_000;
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub(super) struct StudyFile {
-    /// What the study is called.
+    /// Name of the study. The default is the file name without its extension.
     pub(super) name: Option<String>,
-    /// What it asks, in a sentence.
+    /// Purpose of the study, in one sentence.
     #[serde(default)]
     pub(super) about: String,
-    /// The camera whose filters are searched: a name or a file.
+    /// Name or file of the camera. Each design replaces its colour filter array.
     pub(super) camera: String,
-    /// Keys of the camera that differ, such as `"optics.f_number" = 2.8`.
+    /// Changed keys of the camera, such as `"optics.f_number" = 2.8`.
     #[serde(default)]
     #[cfg_attr(feature = "schema", schemars(with = "BTreeMap<String, serde_json::Value>"))]
     pub(super) set: BTreeMap<String, toml::Value>,
     /// Mean luminance of the targets, cd/m².
     #[serde(default = "default_luminance")]
     pub(super) luminance_cd_m2: f64,
-    /// The light of the targets.
+    /// Illuminant of the targets: a name or a CSV file.
     #[serde(default = "default_light")]
     pub(super) illuminant: String,
-    /// Decides which designs are drawn, and the noise.
+    /// Seed of the random designs and of the noise.
     #[serde(default = "default_seed")]
     pub(super) seed: u64,
     /// Numbers of colours.
     pub(super) colors: Vec<usize>,
-    /// What makes pictures of raw samples: one or several.
+    /// Processing of the raw samples: one kind or a list.
     #[serde(default)]
     pub(super) processing: OneOrMore<Processing>,
-    /// What designs are scored by; where nothing is said the usual ones, with scenes those of scenes too.
+    /// Metrics of the study. The default is the first five, and with `scenes` also the last three.
     pub(super) metrics: Option<Vec<Metric>>,
-    /// Scenes that designs are scored on beside the targets, for some ten milliseconds a design and scene: names with
-    /// parameters, or files.
+    /// Scenes that designs are scored on in addition to the targets: names with parameters, or files. Each takes about ten milliseconds per
+    /// design.
     #[serde(default)]
     pub(super) scenes: Vec<String>,
-    /// How pipelines of designs are learned where `processing` has `"l3"`.
+    /// Training settings for the processing `"l3"`.
     #[serde(default)]
     pub(super) l3: LearningSettings,
-    /// How many of each family.
+    /// Numbers of filter sets and mosaics.
     #[serde(default)]
     pub(super) sample: Sample,
     /// The filters.
     pub(super) filters: FilterFamily,
     /// The mosaics.
     pub(super) mosaics: MosaicFamily,
-    /// What designs are seen under.
+    /// Conditions under which designs are scored.
     pub(super) conditions: Option<Conditions>,
 }
 
@@ -93,14 +93,14 @@ impl Default for OneOrMore<Processing> {
     }
 }
 
-/// How many designs of the families are taken.
+/// Numbers of filter sets and mosaics that are drawn from the families.
 #[derive(Debug, Clone, Default, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default, deny_unknown_fields)]
 pub(super) struct Sample {
-    /// Sets of filters for each number of colours.
+    /// Number of filter sets for each number of colours. The default is all.
     pub(super) filters: Count,
-    /// Mosaics for each number of colours.
+    /// Number of mosaics for each number of colours. The default is all.
     pub(super) mosaics: Count,
 }
 
@@ -131,14 +131,14 @@ impl Count {
     }
 }
 
-/// `[conditions.grid]`: every combination of the axes; `[[conditions.list]]`: one by one.
+/// The conditions: `[conditions.grid]` for all combinations of axes, or `[[conditions.list]]` for a list.
 #[derive(Debug, Clone, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub(super) enum Conditions {
-    /// Every combination of the axes; an axis is a list of values or `{ from, to, steps, scale }`.
+    /// All combinations of the axes. An axis is a list of values or `{ from, to, steps, scale }`.
     Grid(BTreeMap<String, Axis>),
-    /// One by one; every entry names the same keys.
+    /// A list of conditions. All entries have the same keys.
     List(
         #[cfg_attr(feature = "schema", schemars(with = "Vec<BTreeMap<String, serde_json::Value>>"))]
         Vec<BTreeMap<String, toml::Value>>,
@@ -200,7 +200,7 @@ impl Axis {
                 AxisScale::Log => from * libm::pow(to / from, t),
             }
         };
-        // Free of the digits that arithmetic leaves: twelve are more than any condition means.
+        // 13 significant digits are enough for any condition and hide rounding errors.
         let rounded = |v: f64| format!("{v:.12e}").parse().unwrap_or(v);
         Ok((0..steps).map(|i| toml::Value::Float(rounded(at(i)))).collect())
     }

@@ -1,4 +1,4 @@
-//! Studies by name or file: described in TOML, checked, resolved.
+//! Reading of built-in studies and study files.
 
 mod conditions;
 mod file;
@@ -47,19 +47,18 @@ pub fn names() -> &'static [BuiltinFile] {
     STUDIES
 }
 
-/// What a study file may hold, as JSON Schema.
+/// JSON Schema of a study file.
 #[cfg(feature = "schema")]
 #[must_use]
 pub fn schema() -> schemars::Schema {
     schemars::schema_for!(StudyFile)
 }
 
-/// A study by name or file, resolved, with what it is about: cameras, lights, filters and scenes that it names are read. A `.json`
-/// file is a study that was resolved before, or the manifest of its results.
+/// Reads a study by name or file, with the cameras, illuminants, filters and scenes that it refers to. Returns its trials and its
+/// description (`about`). A `.json` file is a resolved study or the manifest of results.
 ///
 /// # Errors
-/// When there is none of that name, or a key, a value or a file does not fit, with the line where there is one; when the study
-/// has no design.
+/// When the name is unknown, a key, a value or a file is invalid, or the study has no design. The error names the line, if there is one.
 pub fn load(name: &str) -> Result<(Trials, String), Box<Diagnostic>> {
     if Path::new(name).extension().is_some_and(|e| e.eq_ignore_ascii_case("json")) {
         let text = text::read_to_string(Path::new(name));
@@ -68,23 +67,23 @@ pub fn load(name: &str) -> Result<(Trials, String), Box<Diagnostic>> {
     from_source(&TomlSource::find("study", STUDIES, name)?)
 }
 
-/// A study that was resolved before, or the manifest of its results, from its text, and what [`scenes_as_bytes`] made of its scenes in
-/// files; `name` is only told in errors.
+/// Reads a resolved study, or the manifest of results, from its JSON text. `scenes` are the scenes from files, as returned by
+/// [`scenes_as_bytes`], and `name` is used in error messages.
 ///
 /// # Errors
-/// When it is none, names the file of a scene that is not among `scenes`, or has no design.
+/// When the text is not a resolved study, `scenes` lacks a scene from a file, or the study has no design.
 pub fn from_json(name: &str, text: &str, scenes: &[u8]) -> Result<(Trials, String), Box<Diagnostic>> {
     let wrong = |message: String| Box::new(Diagnostic::new(name, message));
     let value: Value = serde_json::from_str(text).map_err(|e| wrong(e.to_string()))?;
     let study = value.get("study").unwrap_or(&value);
     let about = study.get("about").and_then(Value::as_str).unwrap_or_default().to_owned();
-    let mut study = Study::deserialize(study).map_err(|e| wrong(format!("it is no resolved study: {e}")))?;
+    let mut study = Study::deserialize(study).map_err(|e| wrong(format!("not a resolved study: {e}")))?;
     if !scenes.is_empty() {
         parcel::put_scenes(&mut study, scenes).map_err(wrong)?;
     }
     if let Some(scene) = study.scenes.iter().find(|s| s.hash.is_some() && s.scene.is_none()) {
         let name = &scene.name;
-        return Err(wrong(format!("it lacks the file of the scene {name}; give the TOML file of the study")));
+        return Err(wrong(format!("it does not hold the scene {name}; give the TOML file of the study")));
     }
     if study.processing.contains(&Processing::L3) {
         study.l3.validate().map_err(|e| wrong(e.to_string()))?;
@@ -92,12 +91,12 @@ pub fn from_json(name: &str, text: &str, scenes: &[u8]) -> Result<(Trials, Strin
     Ok((Trials::new(study).map_err(|e| wrong(e.to_string()))?, about))
 }
 
-/// A study from the text of its file.
+/// Reads a study from the text of its TOML file.
 ///
 /// # Errors
 /// As [`load`].
 pub fn from_source(source: &TomlSource) -> Result<(Trials, String), Box<Diagnostic>> {
-    let camera = || format!("this is the file of a camera; a study names it: camera = \"{}\"", source.name);
+    let camera = || format!("this is a camera file; a study refers to it by camera = \"{}\"", source.name);
     let file: StudyFile = source.parse_or_tell(&["optics", "sensor", "exposure", "isp"], camera)?;
     let wrong = |key: &str, message: &str| Box::new(source.about_key(key, message));
     let mut filters = file.filters.clone();
@@ -120,7 +119,7 @@ pub fn from_source(source: &TomlSource) -> Result<(Trials, String), Box<Diagnost
         scenes: scenes(&file, source)?,
     };
     let once = |key, again: Option<String>| match again {
-        Some(twice) => Err(wrong(key, &format!("{twice} stands there twice"))),
+        Some(twice) => Err(wrong(key, &format!("{twice} is listed twice"))),
         None => Ok(()),
     };
     once("colors", twice(&study.colors).map(ToString::to_string))?;
@@ -131,7 +130,7 @@ pub fn from_source(source: &TomlSource) -> Result<(Trials, String), Box<Diagnost
         study.l3.validate().map_err(|e| wrong("l3", &e.to_string()))?;
         let other = |c: &Condition| c.camera.sensor.architecture != ArchitectureName::Mosaic;
         if study.conditions.iter().any(other) {
-            let message = "\"l3\" learns for mosaics; expected a camera with architecture = \"mosaic\"";
+            let message = "\"l3\" requires a mosaic; expected a camera with architecture = \"mosaic\"";
             return Err(wrong("processing", message));
         }
     }
@@ -167,7 +166,7 @@ fn twice<T: Ord>(all: &[T]) -> Option<&T> {
     all.iter().find(|v| !seen.insert(*v))
 }
 
-/// What designs are scored by.
+/// The metrics of the file, or the default ones. Metrics of scenes and scenes require each other.
 fn metrics(file: &StudyFile, source: &TomlSource) -> Result<Vec<Metric>, Box<Diagnostic>> {
     let wrong = |key: &str, message: &str| Box::new(source.about_key(key, message));
     let Some(stated) = &file.metrics else {
@@ -178,18 +177,18 @@ fn metrics(file: &StudyFile, source: &TomlSource) -> Result<Vec<Metric>, Box<Dia
     match of_scenes {
         _ if stated.is_empty() => Err(wrong("metrics", "expected at least one metric")),
         Some(metric) if file.scenes.is_empty() => {
-            let message = format!("{} is of scenes; expected scenes = [\"dead-leaves\", …]", metric.name());
+            let message = format!("{} needs scenes; expected scenes = [\"dead-leaves\", …]", metric.name());
             Err(wrong("metrics", &message))
         }
         None if !file.scenes.is_empty() => {
             let names = Metric::OF_SCENES.map(Metric::name).join(", ");
-            Err(wrong("scenes", &format!("no metric looks at them; expected one of {names} in `metrics`")))
+            Err(wrong("scenes", &format!("no metric uses them; expected one of {names} in `metrics`")))
         }
         _ => Ok(stated.clone()),
     }
 }
 
-/// The scenes: built-in ones tried, files read.
+/// The scenes. Files are read; the parameters of built-in scenes are checked.
 fn scenes(file: &StudyFile, source: &TomlSource) -> Result<Vec<StudyScene>, Box<Diagnostic>> {
     let scene = |(i, name): (usize, &String)| {
         let wrong = |message: String| Box::new(source.about_key(&format!("scenes[{i}]"), &message));
@@ -203,7 +202,7 @@ fn scenes(file: &StudyFile, source: &TomlSource) -> Result<Vec<StudyScene>, Box<
                 scene: Some(Arc::new(scene)),
             });
         }
-        // At one wavelength, to see whether it can be.
+        // Building the scene at one wavelength checks its parameters.
         let try_it = || -> Result<Scene, Box<dyn std::error::Error>> {
             let grid = WavelengthGrid::new(550.0, 10.0, 1)?;
             Ok(catalog::build_natural(name, &Setting { grid, ..Setting::default() })?)

@@ -1,4 +1,4 @@
-//! The scenes in files of a study as bytes, for another machine that runs the same version.
+//! Scenes from files as bytes, for other machines that run the same version.
 
 use std::sync::Arc;
 
@@ -7,11 +7,11 @@ use smalti::numeric::Planes;
 use smalti::scene::Scene;
 use smalti::spectrum::{SpectralCube, Spectrum, WavelengthGrid};
 
-/// Rows, columns, bands; first wavelength, step, distance, field of view.
+/// Values before the spectra: rows, columns, bands, first wavelength (nm), step (nm), distance (m) and horizontal field of view (°).
 const HEAD_NUMBERS: usize = 7;
 
-/// The scenes of a study that come from files, one after the other, in little endian; empty where there is none. A study as JSON holds the
-/// rest: see [`super::from_json`].
+/// The scenes of a study that come from files, one after the other, in little-endian bytes; empty if there are none. The JSON of the study
+/// holds the rest: see [`super::from_json`].
 #[must_use]
 pub fn scenes_as_bytes(study: &Study) -> Vec<u8> {
     let mut out = Vec::new();
@@ -21,7 +21,7 @@ pub fn scenes_as_bytes(study: &Study) -> Vec<u8> {
     out
 }
 
-/// Of all that a scene is.
+/// BLAKE3 hash of the bytes of a scene, hexadecimal.
 pub(super) fn hash(scene: &Scene) -> String {
     let mut hasher = blake3::Hasher::new();
     bytes_of(scene, |bytes| {
@@ -43,22 +43,22 @@ fn bytes_of(scene: &Scene, mut write: impl FnMut(&[u8])) {
     }
 }
 
-/// Puts the scenes that were sent into a study that came without them.
+/// Puts the scenes from [`scenes_as_bytes`] into a study that was read from JSON.
 ///
 /// # Errors
-/// In words, when they are not those of the study.
+/// A message when their hashes are not those in the study, or when there are too many.
 pub(super) fn put_scenes(study: &mut Study, mut bytes: &[u8]) -> Result<(), String> {
     for of in study.scenes.iter_mut().filter(|s| s.hash.is_some()) {
         let scene = next(&of.name, &mut bytes).filter(|scene| of.hash.as_ref() == Some(&hash(scene)));
         let Some(scene) = scene else {
-            return Err(format!("the scene {} is not the one that the study was made with", of.name));
+            return Err(format!("the scene {} is not the one that the study was resolved with", of.name));
         };
         of.scene = Some(Arc::new(scene));
     }
     if bytes.is_empty() { Ok(()) } else { Err("more scenes than the study has".into()) }
 }
 
-/// Takes a scene off the front.
+/// Decodes the first scene and removes it from `bytes`; `None` if it is invalid.
 fn next(name: &str, bytes: &mut &[u8]) -> Option<Scene> {
     let mut take = |count: usize, size: usize| bytes.split_off(..count.checked_mul(size)?);
     let doubles =
@@ -114,7 +114,7 @@ mod tests {
         for cut in [0, 7, 56, bytes.len() / 2, bytes.len() - 1] {
             assert!(arrived(&bytes[..cut]).unwrap_err().contains("not the one"), "{cut}");
         }
-        // The last bit of a sample, and the number of rows.
+        // The least significant bit of a sample, and the exponent of the number of rows.
         for (at, flip) in [(bytes.len() - 4, 1), (7, 0x7f)] {
             let mut wrong = bytes.clone();
             wrong[at] ^= flip;

@@ -1,4 +1,4 @@
-//! The columns of a sweep's results: a row for each trial.
+//! Columns of the results of a sweep, with one row per trial.
 
 use smalti::design::{
     ConditionValue, DesignError, FilterFamily, FilterFigures, Metric, MetricTarget, ScoredTrial, Scores,
@@ -8,12 +8,12 @@ use smalti::metrics::{CATALOG, MetricInfo};
 
 use crate::dataset::{Column, ColumnKind, ColumnSpec};
 
-/// A key of a condition as the name of a column: `optics.f_number` becomes `optics_f_number`.
+/// The column name for the key of a condition or the name of a scene: `optics.f_number` becomes `optics_f_number`.
 fn condition_column(key: &str) -> String {
     key.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '_' }).collect()
 }
 
-/// The metrics of a study in the order of the columns, of scenes once for each, with the name of the column and the scene.
+/// Column name, metric and index of the scene for each column of metrics, in order. Metrics of scenes have a column for each scene.
 fn metrics(study: &Study) -> Vec<(String, Metric, usize)> {
     let mut all = Vec::new();
     for &metric in &study.metrics {
@@ -24,7 +24,7 @@ fn metrics(study: &Study) -> Vec<(String, Metric, usize)> {
         for (i, scene) in study.scenes.iter().enumerate() {
             let name = |scene: &StudyScene| condition_column(scene.short_name());
             let own = name(scene);
-            // Scenes of the same name are numbered by their place.
+            // Scenes with the same name are numbered by their position in the study.
             let alike = study.scenes.iter().filter(|s| name(s) == own).count();
             let place = if alike > 1 { format!("_{}", i + 1) } else { String::new() };
             all.push((format!("{}_{own}{place}", metric.name()), metric, i));
@@ -33,17 +33,17 @@ fn metrics(study: &Study) -> Vec<(String, Metric, usize)> {
     all
 }
 
-/// Whether a study has a metric of the edge, so that it is exposed.
+/// Whether a metric of the study is measured on the edge target, which is then exposed.
 fn looks_at_edge(study: &Study) -> bool {
     study.metrics.iter().any(|m| m.target() == MetricTarget::Edge)
 }
 
-/// Whether sets of filters have names that say more than their figures.
+/// Whether the names of filter sets add to the filter columns. A Gaussian grid names its sets by centre and width alone.
 fn named(study: &Study) -> bool {
     !matches!(study.filters, FilterFamily::GaussianGrid(_))
 }
 
-/// Whether a condition is a number wherever it is stated.
+/// Whether the key of this index has a number in every condition.
 fn all_numbers(study: &Study, condition: usize) -> bool {
     let value = |c: &smalti::design::Condition| {
         matches!(c.values.get(condition), Some((_, ConditionValue::Number(_))))
@@ -51,7 +51,7 @@ fn all_numbers(study: &Study, condition: usize) -> bool {
     study.conditions.iter().all(value)
 }
 
-/// The columns of a study.
+/// The columns of the results of a study.
 #[must_use]
 pub fn schema(study: &Study) -> Vec<ColumnSpec> {
     use ColumnKind::{Float, Floats, Int, Text};
@@ -104,7 +104,7 @@ pub fn schema(study: &Study) -> Vec<ColumnSpec> {
     all
 }
 
-/// The rows of trials, column by column, in the order of the schema.
+/// The values of the columns of [`schema`] for these trials, one row per trial.
 ///
 /// # Errors
 /// When a filter cannot be sampled.

@@ -1,6 +1,6 @@
-//! Sweeps as folders of results: the parts and columns of a study, the scoring of its trials, and the reading of its results.
+//! Sweeps: the plan and the columns of a study, scoring of its trials, and reading of its results.
 //!
-//! The command and the Python package write the same bytes, since both write here.
+//! The command and the Python package both use this module, so that they write identical files.
 
 mod columns;
 mod results;
@@ -20,37 +20,37 @@ use thiserror::Error;
 
 use crate::dataset::{self, Column, Dataset, DatasetError, MAX_CHUNK, MAX_PARTS, Manifest, Plan, Run};
 
-/// Parts that a large study is cut into, about.
+/// Approximate number of parts of a large study.
 const PARTS: u64 = 256;
-/// Fewest and most trials of a part. A run that is killed loses at most two: one that is computed, one that is written.
+/// Minimum and maximum number of trials in a part. A killed run loses at most two parts: one being computed and one being written.
 const CHUNK: std::ops::RangeInclusive<u64> = 512..=1 << 14;
-/// Trials that a part of slow ones has fewer, by this factor.
+/// Factor by which parts of slow trials are smaller.
 const SLOWER: u64 = 8;
-/// How long trials are scored before `go_on` is asked again.
+/// Target time between two calls of `go_on`.
 const PATIENCE: Duration = Duration::from_millis(200);
-/// Trials of a thread in the first such time.
+/// Trials per thread before the second call of `go_on`.
 const FIRST: u64 = 4;
 
-/// A sweep that ended before its end.
+/// Why a sweep did not finish.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum SweepError {
-    /// A condition cannot be prepared, or a trial cannot be made.
+    /// A condition cannot be prepared, or a trial cannot be constructed.
     #[error(transparent)]
     Design(#[from] DesignError),
     /// The results cannot be written.
     #[error(transparent)]
     Dataset(#[from] DatasetError),
-    /// It was asked to stop. The finished parts are kept, and the next run continues with the others.
-    #[error("stopped; what is finished is kept, and the next run goes on from there")]
+    /// `go_on` returned false. The finished parts are kept, and the next run computes the others.
+    #[error("stopped; finished parts are kept, and the next run computes the others")]
     Stopped,
-    /// The study cannot be stated as JSON.
-    #[error("the study: {0}")]
+    /// The study cannot be converted to JSON.
+    #[error("cannot convert the study to JSON: {0}")]
     Study(#[from] serde_json::Error),
 }
 
-/// What the results of a study in a folder will be, and how they are cut: in parts of `part_size` trials, else in those that results
-/// in the folder have, else by the number and the speed of the trials.
+/// The plan for the results of a study in the folder `dir`. `about` is the description of the study. The chunk size is `part_size`, else
+/// that of existing results in the folder, else a value for the number and the speed of the trials.
 ///
 /// # Errors
 /// [`SweepError::Study`].
@@ -58,7 +58,7 @@ pub fn plan(trials: &Trials, about: String, part_size: Option<u64>, dir: &Path) 
     plan_after(trials, about, part_size, || Some(Dataset::open(dir).ok()?.manifest().plan.clone()))
 }
 
-/// As [`plan`], where what is begun is known otherwise.
+/// As [`plan`], but `there` returns the plan of existing results.
 ///
 /// # Errors
 /// [`SweepError::Study`].
@@ -74,7 +74,6 @@ pub fn plan_after(
     let learned = |p: &Processing| *p != Processing::Classic;
     let slow = study.metrics.iter().any(pictures) || study.processing.iter().any(learned);
     let even = (trials.len() / PARTS).next_power_of_two().clamp(*CHUNK.start(), *CHUNK.end());
-    // A million parts at most.
     let least = trials.len().div_ceil(MAX_PARTS);
     let by_size = if slow { even / SLOWER } else { even };
     let chunk = part_size.or_else(begun).unwrap_or(by_size).max(least).min(MAX_CHUNK);
@@ -86,11 +85,11 @@ pub fn plan_after(
     Ok(Plan { study: resolved, schema: schema(study), trials: trials.len(), chunk })
 }
 
-/// Scores the trials of a run's missing parts and writes them, one part while the next is computed. Calls `done` after each
-/// trial, from any thread, and asks `go_on` a few times a second.
+/// Scores the trials of the missing parts of a run, and writes each part while the next is computed. Calls `done` after each trial, from
+/// any thread, and `go_on` a few times per second.
 ///
 /// # Errors
-/// When a condition cannot be prepared, a part cannot be written, or `go_on` says no.
+/// When a condition cannot be prepared, a part cannot be written, or `go_on` returns false.
 pub fn score_and_write(
     sweep: &Sweep<'_>,
     trials: &Trials,
@@ -110,7 +109,7 @@ pub fn score_and_write(
             let part = score(sweep, plan.trials_of(chunk), &mut pace, done, go_on)
                 .and_then(|rows| Ok(columns(trials, &rows)?));
             match part {
-                // The result of the writer below says why it ended.
+                // If sending fails, the writer has ended with an error, which is returned below.
                 Ok(columns) => {
                     if sender.send((chunk, columns)).is_err() {
                         break;
@@ -129,11 +128,11 @@ pub fn score_and_write(
     })
 }
 
-/// The bytes of one part, the same whoever computes them: for machines that share the parts of a study. `manifest` is that of the
-/// trials of `sweep`. Asks `go_on` a few times a second.
+/// Scores and encodes one part, for machines that share the parts of a study. The bytes are the same on every machine. `manifest` is that
+/// of the trials of `sweep`. Calls `go_on` a few times per second.
 ///
 /// # Errors
-/// When a condition cannot be prepared, there is no such part, or `go_on` says no.
+/// When a condition cannot be prepared, the part does not exist, or `go_on` returns false.
 pub fn encode_part(
     sweep: &Sweep<'_>,
     manifest: &Manifest,
@@ -149,7 +148,7 @@ pub fn encode_part(
     Ok(dataset::encode(manifest, chunk, &columns(sweep.trials(), &rows)?)?)
 }
 
-/// Scores a range some trials at a time: the rows are the same however many.
+/// Scores a range of trials in batches of about [`PATIENCE`]. The rows do not depend on the sizes of the batches.
 fn score(
     sweep: &Sweep<'_>,
     range: std::ops::Range<u64>,

@@ -1,4 +1,4 @@
-//! Reading a folder of results as plain data.
+//! Reading of the results of a study as plain data.
 
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
@@ -12,55 +12,55 @@ use thiserror::Error;
 use crate::dataset::{Column, ColumnKind, ColumnSpec, Dataset, DatasetError};
 use crate::studies;
 
-/// The column that repeats the number of each row.
+/// The column of the trial numbers, which results hold separately.
 const NUMBER: &str = "trial";
 
-/// Results that cannot be read as those of a study.
+/// Why the results of a study cannot be read.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum ResultsError {
     /// The folder cannot be read.
     #[error(transparent)]
     Dataset(#[from] DatasetError),
-    /// The manifest holds a study that this version cannot read.
-    #[error("{}: manifest.json: `study` is not one of this version", dir.display())]
+    /// This version cannot read the study in the manifest.
+    #[error("{}: manifest.json: this version of Smalti cannot read `study`", dir.display())]
     Study {
         /// The folder.
         dir: PathBuf,
-        /// Why.
+        /// The cause.
         source: serde_json::Error,
     },
-    /// The study in the manifest has impossible values.
-    #[error("{}: manifest.json: `study`", dir.display())]
+    /// The study in the manifest has invalid values.
+    #[error("{}: manifest.json: `study` is invalid", dir.display())]
     Trials {
         /// The folder.
         dir: PathBuf,
-        /// Why.
+        /// The cause.
         source: Box<DesignError>,
     },
-    /// The study has another number of trials in this version.
+    /// In this version, the study has another number of trials than the manifest states.
     #[error(
-        "{}: manifest.json: its study has {here} trials in this version, {stated} are stated; report it with Smalti {smalti}",
+        "{}: manifest.json states {stated} trials, but its study has {here} in this version; read it with Smalti {smalti}",
         dir.display()
     )]
     Count {
         /// The folder.
         dir: PathBuf,
-        /// Trials in this version.
+        /// Number of trials in this version.
         here: u64,
-        /// Trials in the manifest.
+        /// Number of trials in the manifest.
         stated: u64,
         /// The version that wrote the manifest.
         smalti: String,
     },
-    /// No trial has been scored.
-    #[error("{} holds no trial yet: run `smalti sweep` until some are scored", dir.display())]
+    /// The folder has no part.
+    #[error("{} holds no trial yet; run `smalti sweep` until it has written a part", dir.display())]
     Empty {
         /// The folder.
         dir: PathBuf,
     },
-    /// The values of a column are of another kind than the manifest states.
-    #[error("{}: its column {column} holds other values than a sweep writes", dir.display())]
+    /// The values of a column have another type than the manifest states.
+    #[error("{}: the values of column {column} have another type than manifest.json states", dir.display())]
     Column {
         /// The folder.
         dir: PathBuf,
@@ -69,7 +69,7 @@ pub enum ResultsError {
     },
 }
 
-/// The trials of the study that a folder of results states.
+/// The trials of the study in the manifest of a folder of results.
 ///
 /// # Errors
 /// [`ResultsError::Study`], [`ResultsError::Trials`] and [`ResultsError::Count`].
@@ -85,10 +85,10 @@ pub fn read_trials(dataset: &Dataset) -> Result<Trials, ResultsError> {
     Ok(trials)
 }
 
-/// Reads a folder of results, complete or not, and checks every part against its hash. Columns of lists are left out.
+/// Reads a folder of results, complete or not, and checks the hash of every part. Columns of lists are omitted.
 ///
 /// # Errors
-/// When the folder cannot be read, holds no scored trial, or holds the results of a study that this version cannot read.
+/// When the folder cannot be read, has no part, or holds the results of a study that this version cannot read.
 pub fn read_results(dir: &Path) -> Result<StudyResults, ResultsError> {
     let dataset = Dataset::open(dir)?;
     let trials = read_trials(&dataset)?;
@@ -126,7 +126,7 @@ pub fn read_results(dir: &Path) -> Result<StudyResults, ResultsError> {
     Ok(results)
 }
 
-/// A column without rows; `None` for those that are left out.
+/// A column without rows; `None` for columns that are omitted.
 fn empty(spec: &ColumnSpec) -> Option<ResultColumn> {
     let values = match spec.kind {
         ColumnKind::Int if spec.name != NUMBER => ColumnValues::Integers(Vec::new()),
@@ -137,7 +137,7 @@ fn empty(spec: &ColumnSpec) -> Option<ResultColumn> {
     Some(ResultColumn { name: spec.name.clone(), unit: spec.unit.clone(), doc: spec.doc.clone(), values })
 }
 
-/// Appends the rows of a part; `None` where they are of another kind.
+/// Appends the rows of a part; `None` if their type differs.
 fn append(whole: &mut ColumnValues, more: Column, known: &mut HashSet<Arc<str>>) -> Option<()> {
     match (whole, more) {
         (ColumnValues::Integers(whole), Column::Int(more)) => whole.extend(more),

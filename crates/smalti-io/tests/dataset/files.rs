@@ -1,4 +1,4 @@
-//! What is written is read back; the same plan makes the same bytes.
+//! Values are read back as written, and equal plans give identical files.
 
 use std::fs;
 
@@ -28,14 +28,14 @@ fn every_kind_of_column_is_read_back_bit_for_bit() {
         }
     }
     assert_eq!(seen, 103);
-    // Some columns, in another order, and one twice.
+    // A subset of the columns in another order, one of them twice.
     let part = dataset.columns(&["mosaic", "trial", "mosaic"]).unwrap().last().unwrap().unwrap();
     let written = columns(&plan, 10);
     assert_eq!(part.columns, [written[3].clone(), written[0].clone(), written[3].clone()]);
     let error = dataset.columns(&["mosaics"]).unwrap_err().to_string();
     assert!(
         error.ends_with(
-            r#"no column is called "mosaics"; there are trial, seed, delta_e, mosaic, centers_nm"#
+            r#"unknown column "mosaics"; the columns are trial, seed, delta_e, mosaic, centers_nm"#
         )
     );
 }
@@ -50,7 +50,7 @@ fn columns_of_many_pages_are_read_back() {
         spec("number", ColumnKind::Float, ""),
     ];
     let plan = Plan { schema, ..plan(rows, rows) };
-    // Texts that differ: the dictionary outgrows its page, and the rest is plain.
+    // Distinct texts exceed the limit of the dictionary, so that the rest is stored as plain text.
     let columns = [
         Column::Text((0..rows).map(|i| format!("a text of its own, number {i}")).collect()),
         Column::Floats((0..rows).map(|i| vec![i as f64 * 0.1; (i % 4) as usize]).collect()),
@@ -75,14 +75,14 @@ fn files_are_the_same_whatever_the_order_and_the_threads() {
     run.missing().par_iter().rev().for_each(|&c| run.write(c, &columns(&plan, c)).unwrap());
     run.finish(json!({"seconds": 2})).unwrap();
     assert_same(one.path(), two.path());
-    // In shards, all at once in one folder.
+    // Three shards at the same time in one folder.
     let runs: Vec<Run> =
         (1..=3).map(|i| Run::open(three.path(), &plan, Some(Shard::new(i, 3).unwrap())).unwrap()).collect();
     runs.par_iter().for_each(fill);
     let left: Vec<u64> = runs.into_iter().map(|r| r.finish(json!({})).unwrap()).collect();
     assert_eq!(left, [0, 0, 0]);
     assert_same(one.path(), three.path());
-    // The order of a study's keys is no difference.
+    // The order of the keys of a study does not matter.
     let study = json!({"seed": 7, "camera": plan.study["camera"].clone(), "name": "test"});
     let run = Run::open(three.path(), &Plan { study, ..plan }, None).unwrap();
     assert!(run.missing().is_empty());
@@ -97,7 +97,7 @@ fn a_run_continues_where_parts_are_missing() {
     for chunk in [0, 4, 9] {
         fs::remove_file(two.path().join(format!("trials/part-{chunk:06}.parquet"))).unwrap();
     }
-    // Left by a run that was killed.
+    // Temporary files of a killed run.
     for name in ["trials/.part-000004.parquet.77-0.tmp", ".manifest.json.77-1.tmp"] {
         fs::write(two.path().join(name), b"half").unwrap();
     }
@@ -113,7 +113,7 @@ fn a_run_continues_where_parts_are_missing() {
     let runs = &Dataset::open(two.path()).unwrap().manifest().runs.clone();
     let seen: Vec<_> = runs.iter().map(|r| (r.parts, r.timings["seconds"].as_u64())).collect();
     assert_eq!(seen, [(10, Some(1)), (3, Some(3))]);
-    // Nothing left to do, nothing noted.
+    // A run that writes no part is not recorded.
     Run::open(two.path(), &plan, None).unwrap().finish(json!({"seconds": 4})).unwrap();
     assert_eq!(Dataset::open(two.path()).unwrap().manifest().runs, *runs);
 }

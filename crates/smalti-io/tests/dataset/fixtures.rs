@@ -1,4 +1,4 @@
-//! A plan with a column of every kind, and values for it.
+//! A plan with a column of every type, and values for it.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -26,14 +26,14 @@ pub(crate) fn plan(trials: u64, chunk: u64) -> Plan {
     }
 }
 
-/// Numbers that look random, the same for the same trial.
+/// A pseudo-random number that depends only on the trial.
 fn mixed(trial: u64) -> u64 {
     let mut x = trial.wrapping_add(1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
     x ^= x >> 29;
     x.wrapping_mul(0xbf58_476d_1ce4_e5b9)
 }
 
-/// All values of a chunk, extremes among them: NaN, infinity, minus zero, empty texts and lists.
+/// The values of a chunk, including NaN, infinity, negative zero, and empty texts and lists.
 pub(crate) fn columns(plan: &Plan, chunk: u64) -> Vec<Column> {
     let trials: Vec<u64> = plan.trials_of(chunk).collect();
     let float = |d: u64| match d % 7 {
@@ -51,7 +51,7 @@ pub(crate) fn columns(plan: &Plan, chunk: u64) -> Vec<Column> {
     ]
 }
 
-/// The bits of a column: NaN is equal to NaN, zero is not equal to minus zero.
+/// The bits of a column. NaN equals NaN, and zero differs from negative zero.
 pub(crate) fn bits(column: &Column) -> Vec<Vec<u64>> {
     let float = |v: &f64| if v.is_nan() { u64::MAX } else { v.to_bits() };
     match column {
@@ -62,21 +62,21 @@ pub(crate) fn bits(column: &Column) -> Vec<Vec<u64>> {
     }
 }
 
-/// Writes what a run lacks, in order.
+/// Writes the missing chunks of a run in order.
 pub(crate) fn fill(run: &Run) {
     for &chunk in run.missing() {
         run.write(chunk, &columns(&run.manifest().plan, chunk)).unwrap();
     }
 }
 
-/// A whole run in a new folder.
+/// Completes a whole run in a new folder.
 pub(crate) fn whole(dir: &Path, plan: &Plan) {
     let run = Run::open(dir, plan, None).unwrap();
     fill(&run);
     assert_eq!(run.finish(json!({"seconds": 1})).unwrap(), 0);
 }
 
-/// The parts by name, and the manifest without what the runs took.
+/// The parts by name, and the manifest without its runs.
 pub(crate) fn content(dir: &Path) -> (BTreeMap<String, Vec<u8>>, String) {
     let parts = fs::read_dir(dir.join("trials")).unwrap().map(|e| {
         let path = e.unwrap().path();

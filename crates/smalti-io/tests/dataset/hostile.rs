@@ -1,4 +1,4 @@
-//! Parts that are damaged, and parts that are made to do harm: their hash is right.
+//! Damaged parts, and malicious parts with a correct hash.
 
 use std::fs;
 use std::path::Path;
@@ -17,7 +17,7 @@ fn sample() -> (Vec<u8>, Manifest) {
     (bytes, Dataset::open(dir.path()).unwrap().manifest().clone())
 }
 
-/// Puts the right hash in.
+/// Writes the correct hash into a part.
 fn seal(bytes: &mut [u8]) {
     let Some(at) = bytes.windows(HASH.len()).rposition(|w| w == HASH) else { return };
     let at = at + HASH.len();
@@ -62,7 +62,7 @@ fn huge_counts_in_the_footer_take_no_memory() {
     let (good, manifest) = sample();
     let length = u32::from_le_bytes(good[good.len() - 8..good.len() - 4].try_into().unwrap()) as usize;
     let footer = good.len() - 8 - length;
-    // Wherever a list of structures begins: one of two thousand million, in Thrift's compact protocol.
+    // Replaces the head of each list of structures by one that declares 2³¹ − 1 elements in Thrift's compact protocol.
     let mut tried = 0;
     for i in footer..good.len() - 13 {
         if good[i] == 0x19 && good[i + 1] & 0x0f == 0x0c {
@@ -74,7 +74,7 @@ fn huge_counts_in_the_footer_take_no_memory() {
         }
     }
     assert!(tried >= 3, "{tried}");
-    // The footer is longer than the file.
+    // The footer declares more bytes than the file has.
     let mut bytes = good;
     let end = bytes.len();
     bytes[end - 8..end - 4].fill(0xff);
@@ -89,7 +89,7 @@ proptest! {
         changes in prop::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 1..4),
     ) {
         thread_local!(static SAMPLE: (Vec<u8>, Manifest) = {
-            // What the Parquet library says when it panics is of no use here.
+            // Hides the messages of panics in the Parquet library, which the reader catches.
             std::panic::set_hook(Box::new(|_| {}));
             sample()
         });
@@ -100,7 +100,7 @@ proptest! {
                 bytes[at] = value;
             }
             seal(&mut bytes);
-            // Whether it can be read or not: it returns.
+            // Reading may fail, but must return.
             let _ = read(bytes, manifest);
         });
     }

@@ -1,4 +1,4 @@
-//! What other programs see in the folder.
+//! Other programs read the parts in a folder of results.
 
 use std::path::Path;
 
@@ -8,7 +8,7 @@ use smalti_io::dataset::{Column, Run};
 use crate::fixtures::{assert_same, columns, plan};
 use crate::python::python;
 
-/// What a program sees of a dataset, in the words of `check_dataset.py`, is what was written.
+/// Checks that a program, run by `check_dataset.py`, reads the values that were written.
 fn judged_by(program: &str, packages: &str) {
     let dir = tempfile::tempdir().unwrap();
     let plan = plan(43, 10);
@@ -29,12 +29,12 @@ fn judged_by(program: &str, packages: &str) {
     for (seen, row) in seen[1..].iter().zip(&rows) {
         assert_eq!(seen, row);
     }
-    // Reading changes nothing and leaves nothing.
+    // Reading must leave the folder readable.
     assert_same(dir.path(), dir.path());
 }
 
 fn value(column: &Column, row: usize) -> Value {
-    // Infinity is no JSON; a null is one.
+    // JSON has no infinity, so that infinities are compared as text and NaN as null.
     let float = |v: f64| if v.is_infinite() { json!(v.to_string()) } else { json!(v) };
     match column {
         Column::Int(v) => json!(v[row]),

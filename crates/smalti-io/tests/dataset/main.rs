@@ -1,4 +1,4 @@
-//! Folders of results: what they hold, whoever wrote them, in whatever order and after whatever interruption.
+//! Folders of results: content, independence from the order of writing, interruptions and invalid input.
 #![allow(clippy::unwrap_used)]
 
 #[path = "../support/python.rs"]

@@ -1,4 +1,4 @@
-//! Folders of shards put together.
+//! Merging of the folders of shards.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -8,7 +8,7 @@ use smalti_io::dataset::{Column, Dataset, DatasetError, PartProblem, Plan, Run, 
 
 use crate::fixtures::{assert_same, columns, fill, plan, whole};
 
-/// Folders of a study's shards.
+/// Completes each shard of a plan in its own folder.
 fn shards(dir: &Path, plan: &Plan, of: u32) -> Vec<PathBuf> {
     let one = |index| {
         let folder = dir.join(format!("{index}-of-{of}"));
@@ -33,12 +33,12 @@ fn merged_shards_are_a_whole_run() {
     let manifest = Dataset::open(&into).unwrap().manifest().clone();
     let runs: Vec<_> = manifest.runs.iter().map(|r| (r.shard.clone().unwrap(), r.parts)).collect();
     assert_eq!(runs, [("1/3".to_owned(), 4), ("2/3".into(), 3), ("3/3".into(), 3)]);
-    // Again, after a merge that was cut off; and nothing is noted twice.
+    // An interrupted merge is resumed, and no run is recorded twice.
     fs::remove_file(into.join("trials/part-000004.parquet")).unwrap();
     merge(&from, &into).unwrap();
     assert_same(&into, &expected);
     assert_eq!(*Dataset::open(&into).unwrap().manifest(), manifest);
-    // Into one of the folders, some chunks being in two of them.
+    // The target is one of the folders, and some chunks are in two of them.
     merge(&[from.clone(), vec![into]].concat(), &from[0]).unwrap();
     assert_same(&from[0], &expected);
 }

@@ -1,4 +1,4 @@
-//! Runs that other processes are at, and runs that are killed. The test program starts itself as those processes.
+//! Concurrent and killed runs. The test program starts itself as the other process.
 
 use std::fs;
 use std::io::{BufRead, BufReader};
@@ -14,7 +14,7 @@ use crate::fixtures::{assert_same, columns, fill, plan, whole};
 const DIR: &str = "SMALTI_TEST_DIR";
 const DESIGNS: u64 = 400;
 
-/// The other process: works at a folder until it is done or killed.
+/// The other process, which fills a folder until it has finished or is killed.
 #[test]
 #[ignore = "started by the other tests"]
 fn worker() {
@@ -32,7 +32,7 @@ fn worker() {
     println!("\ndone");
 }
 
-/// Starts the worker by a shell command in which `"$@"` is it, and waits until it has the folder.
+/// Starts the worker with a shell command in which `"$@"` is the worker, and waits until it has locked the folder.
 fn start(dir: &Path, command: &str) -> (Child, std::io::Lines<BufReader<ChildStdout>>) {
     let mut child = Command::new("bash")
         .args(["-c", command, "worker"])
@@ -64,10 +64,10 @@ fn a_lock_ends_with_its_process_and_killed_runs_are_continued() {
         child.kill().unwrap();
         child.wait().unwrap();
         drop(lines);
-        // What is there is whole.
+        // All existing parts are complete.
         Dataset::open(&results).unwrap().verify().unwrap();
     }
-    // Whether or not a kill has hit a file being written.
+    // Adds a temporary file, in case no kill has interrupted a write.
     fs::write(results.join("trials/.part-000003.parquet.1-0.tmp"), b"PAR1").unwrap();
     let run = Run::open(&results, &plan, None).unwrap();
     fill(&run);
@@ -81,7 +81,7 @@ fn a_file_that_cannot_grow_is_named_and_the_run_is_continued() {
     let (results, expected) = (dir.path().join("results"), dir.path().join("expected"));
     let plan = plan(DESIGNS, 2);
     whole(&expected, &plan);
-    // The manifest is shorter than a part: it can be written, and no part can.
+    // The manifest is shorter than the limit, and every part is longer.
     let limit = fs::metadata(expected.join("manifest.json")).unwrap().len().div_ceil(1024);
     let smallest = fs::metadata(expected.join("trials/part-000000.parquet")).unwrap().len();
     assert!(smallest > limit * 1024, "{smallest} {limit}");
@@ -91,8 +91,8 @@ fn a_file_that_cannot_grow_is_named_and_the_run_is_continued() {
     let path = results.join("trials/part-000000.parquet");
     let [said] = &said[..] else { panic!("{said:?}") };
     assert!(said.starts_with(&format!("cannot write {}: File too large", path.display())), "{said}");
-    assert!(said.ends_with("what is finished is kept: once it can be written, the same command continues"));
-    // Nothing half written stays.
+    assert!(said.ends_with("finished parts are kept; when it can be written, the same command resumes"));
+    // No incomplete file remains.
     assert_eq!(fs::read_dir(results.join("trials")).unwrap().count(), 0);
     let run = Run::open(&results, &plan, None).unwrap();
     fill(&run);

@@ -1,4 +1,4 @@
-//! Folders and plans that are not to be filled.
+//! Folders, parts and plans that are refused.
 
 use std::fs;
 use std::path::Path;
@@ -52,7 +52,7 @@ fn another_revision_and_a_damaged_manifest_are_refused() {
         ),
         (r#""smalti-results""#, r#""x""#, r#"format is "x"; expected "smalti-results""#),
         (r#""seed": 7"#, r#""seed": 8"#, "it is damaged: its content has the hash"),
-        (r#""chunk": 2"#, r#""chunk": 0"#, "its plan cannot be: the number of trials in a chunk is 0"),
+        (r#""chunk": 2"#, r#""chunk": 0"#, "its plan is invalid: the number of trials in a chunk is 0"),
         ("{", "[", "not a valid manifest file"),
     ] {
         let dir = tempfile::tempdir().unwrap();
@@ -120,14 +120,14 @@ fn a_part_cut_short_is_found_when_a_run_continues_and_when_it_is_read() {
                 "{text}"
             );
             let expected = format!(
-                "{} is cut short or no Parquet file ({length} bytes); delete it and run the sweep again: its trials are \
-                 computed anew",
+                "{} is truncated or not a Parquet file ({length} bytes); delete it and run the sweep again to recompute \
+                 its trials",
                 path.display()
             );
             assert_eq!(text, expected);
         }
     }
-    // As the message says.
+    // The advice of the message works.
     fs::remove_file(&path).unwrap();
     let run = Run::open(dir.path(), &plan, None).unwrap();
     run.write(1, &columns(&plan, 1)).unwrap();
@@ -176,7 +176,7 @@ fn one_run_at_a_time_and_one_of_each_shard() {
         (Some("1/2"), format!("shard 1/3, {own}")),
         (None, format!("shard 1/3, {own}")),
     ] {
-        // In the order of the folder's listing, either of the two.
+        // The message names either of the two shards, depending on the order of the listing.
         assert!(busy(shard).replace("2/3", "1/3").starts_with(&by.replace("2/3", "1/3")), "{}", busy(shard));
     }
     assert!(busy(None).ends_with(", and 1 more"));

@@ -1,8 +1,7 @@
-//! The bytes of a Parquet file to columns.
+//! Decoding of columns from a Parquet file.
 //!
-//! Damage is found by the hash. Against files made with ill intent, which have a right one, nothing is taken from the file that
-//! decides how much memory is used without a bound: the schema is that of the plan, and pages are measured before and after they
-//! are decompressed.
+//! The hash reveals damage, but a malicious file can state a correct hash. Memory is therefore bounded independently of the file: the
+//! schema comes from the plan, and pages are measured before and after decompression.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -26,12 +25,12 @@ use super::super::{MAX_LIST_VALUES, MAX_TEXT_BYTES};
 use super::marks;
 use crate::file;
 
-/// Largest part that is read, bytes.
+/// Maximum size of a part, bytes.
 const LIMIT: u64 = 4 << 30;
-/// Snappy's copies: three bytes stand for at most 64.
+/// Maximum expansion by Snappy, whose copies of three bytes yield at most 64.
 const EXPANSION: u64 = 22;
 
-/// Reads columns, by their indices, of a part.
+/// Reads the columns with these indices from a part.
 pub(in super::super) fn read(
     path: &Path,
     manifest: &Manifest,
@@ -41,10 +40,10 @@ pub(in super::super) fn read(
     part_from_bytes(file::read(path, LIMIT)?, path, manifest, chunk, columns)
 }
 
-/// Reads columns, by their indices in the plan, of a part in memory; `path` is only named in errors.
+/// Decodes the columns with these indices in the plan from the bytes of a part. `path` is used in error messages.
 ///
 /// # Errors
-/// [`DatasetError::Part`] when the bytes are cut short, damaged, malformed, or not of that chunk of that plan.
+/// [`DatasetError::Part`] when the bytes are truncated, damaged or malformed, or belong to another chunk or plan.
 pub fn part_from_bytes(
     bytes: Vec<u8>,
     path: &Path,
@@ -54,7 +53,7 @@ pub fn part_from_bytes(
 ) -> Result<Vec<Column>, DatasetError> {
     marks::check_seal(&bytes).map_err(|p| p.at(path))?;
     std::panic::catch_unwind(|| decode(Bytes::from(bytes), manifest, chunk, columns))
-        .unwrap_or_else(|_| Err(PartProblem::malformed("the Parquet library failed on it")))
+        .unwrap_or_else(|_| Err(PartProblem::malformed("the Parquet library cannot decode it")))
         .map_err(|p| p.at(path))
 }
 
@@ -70,7 +69,7 @@ fn decode(
     let pairs = metadata.file_metadata().key_value_metadata();
     marks::check(manifest, chunk, |key| pairs?.iter().find(|p| p.key == key)?.value.clone())?;
     let [group] = metadata.row_groups() else {
-        return Err(PartProblem::malformed(format!("{} row groups", metadata.num_row_groups())));
+        return Err(PartProblem::malformed(format!("{} row groups; expected 1", metadata.num_row_groups())));
     };
     if usize::try_from(group.num_rows()) != Ok(rows) || group.num_columns() != specs.len() {
         let what = format!("{} rows of {} columns", group.num_rows(), group.num_columns());
@@ -83,7 +82,7 @@ fn decode(
             let spec = specs.get(i).ok_or_else(|| PartProblem::malformed(format!("no column {i}")))?;
             let meta = group.column(i);
             if meta.compression() != Compression::SNAPPY {
-                return Err(PartProblem::malformed(format!("column {} is not in Snappy", spec.name)));
+                return Err(PartProblem::malformed(format!("column {} does not use Snappy", spec.name)));
             }
             let pages = SerializedPageReader::new(Arc::clone(&source), meta, rows, None)
                 .map_err(PartProblem::malformed)?;
@@ -97,7 +96,7 @@ fn decode(
 
 fn metadata(bytes: &Bytes, manifest: &Manifest) -> Result<ParquetMetaData, PartProblem> {
     let schema = schema::parquet(&manifest.plan.schema).map_err(PartProblem::malformed)?;
-    // With the schema given, that of the file is not read: nested deeply enough it would exhaust the stack.
+    // Given a schema, the library does not parse that of the file, whose nesting could exhaust the stack.
     let options = ParquetMetaDataOptions::new().with_schema(schema);
     ParquetMetaDataReader::new()
         .with_page_index_policy(PageIndexPolicy::Skip)
@@ -123,7 +122,7 @@ fn column(kind: ColumnKind, rows: usize, descr: Descriptor, pages: Pages) -> Res
     }
 }
 
-/// Values that are there, and the levels that say where.
+/// Values other than null, and the definition and repetition levels that locate them.
 struct Read<T> {
     values: Vec<T>,
     levels: Vec<i16>,
@@ -134,7 +133,7 @@ fn values<T: DataType>(rows: usize, descr: Descriptor, pages: Pages) -> Result<R
     let nullable = descr.max_def_level() > 0;
     let mut reader = ColumnReaderImpl::<T>::new(descr, pages);
     let mut out = Read { values: Vec::new(), levels: Vec::new(), repeats: Vec::new() };
-    // The library skips the levels that a column has not.
+    // The library ignores `repeats` for columns without lists.
     let (records, ..) = reader.read_records(
         rows,
         nullable.then_some(&mut out.levels),
@@ -145,10 +144,10 @@ fn values<T: DataType>(rows: usize, descr: Descriptor, pages: Pages) -> Result<R
 }
 
 pub(super) fn texts(values: Vec<ByteArray>) -> Result<Vec<String>, ParquetError> {
-    // Coded by a dictionary, a short file may hold one long text many times.
+    // With a dictionary, a small file can repeat a long text many times.
     let total = values.iter().fold(0usize, |sum, v| sum.saturating_add(v.len()));
     if total > MAX_TEXT_BYTES {
-        return Err(general(format!("{total} bytes of text; at most {MAX_TEXT_BYTES} are read")));
+        return Err(general(format!("{total} bytes of text; expected at most {MAX_TEXT_BYTES}")));
     }
     values.iter().map(|v| v.as_utf8().map(str::to_owned)).collect()
 }
@@ -174,7 +173,7 @@ fn general(message: String) -> ParquetError {
     ParquetError::General(message)
 }
 
-/// The file, which looks at the header of a page before the library believes its size.
+/// The bytes of a file. Checks the size that a page declares before the library allocates it.
 pub(super) struct Source(pub(super) Bytes);
 
 impl Length for Source {
@@ -186,14 +185,14 @@ impl Length for Source {
 impl ChunkReader for Source {
     type T = <Bytes as ChunkReader>::T;
 
-    /// The library asks for pages here.
+    /// The library calls this to read a page.
     fn get_read(&self, start: u64) -> Result<Self::T, ParquetError> {
         let header = usize::try_from(start).ok().and_then(|s| self.0.get(s..)).unwrap_or_default();
-        let size = uncompressed_size(header)
-            .ok_or_else(|| general(format!("no header of a page at byte {start}")))?;
+        let size =
+            uncompressed_size(header).ok_or_else(|| general(format!("no page header at byte {start}")))?;
         let most = self.len().saturating_mul(EXPANSION);
         if size > most {
-            return Err(general(format!("a page declares {size} bytes; the file can hold {most}")));
+            return Err(general(format!("a page declares {size} bytes; expected at most {most}")));
         }
         self.0.get_read(start)
     }
@@ -203,8 +202,8 @@ impl ChunkReader for Source {
     }
 }
 
-/// The second field of a page's header, in Thrift's compact protocol: each of the two first is a byte 0x15 (the next field, a
-/// number of 32 bits) and a zigzag number in groups of seven bits. `None` also where it is negative.
+/// Uncompressed size of a page, bytes, from the second field of its header; `None` if malformed or negative. In Thrift's compact protocol,
+/// each of the first two fields is a byte 0x15 (next field, 32-bit integer) and a zigzag number in groups of seven bits.
 pub(super) fn uncompressed_size(header: &[u8]) -> Option<u64> {
     let mut bytes = header.iter().copied();
     let mut field = || -> Option<u64> {
@@ -223,11 +222,11 @@ pub(super) fn uncompressed_size(header: &[u8]) -> Option<u64> {
     field()
 }
 
-/// Pages of at most so many values: a run of equal levels takes a few bytes, however long it is.
+/// Limits the total number of values in pages, since a run of equal levels of any length takes only a few bytes.
 struct Measured {
     pages: SerializedPageReader<Source>,
     left: usize,
-    /// A page that was looked at. The reader within is never asked to look ahead: it would come back for the content alone, where
+    /// A page that was peeked at. `pages` is never peeked at, since it would then read the content of the page separately, where
     /// [`Source`] expects a header.
     ahead: Option<Page>,
 }
@@ -243,7 +242,7 @@ impl PageReader for Measured {
             self.left = self
                 .left
                 .checked_sub(values)
-                .ok_or_else(|| general(format!("a page of {values} values is more than there can be")))?;
+                .ok_or_else(|| general(format!("a page of {values} values exceeds the limit")))?;
         }
         Ok(page)
     }

@@ -1,4 +1,4 @@
-//! Columns to the bytes of a Parquet file.
+//! Encoding of columns as a Parquet file.
 
 use std::sync::Arc;
 
@@ -15,15 +15,15 @@ use super::super::manifest::Manifest;
 use super::super::schema::{self, Column, ColumnKind, ColumnSpec};
 use super::marks;
 
-/// Definition levels of an element of a list: no element, null, a value.
+/// Parquet definition levels of a list element: empty list, null, and value.
 const EMPTY: i16 = 0;
 const NULL: i16 = 1;
 const VALUE: i16 = 2;
 
-/// The bytes of a part: the same for the same manifest, chunk and values, whoever computes them.
+/// Encodes a part. The bytes depend only on the manifest, the chunk and the values.
 ///
 /// # Errors
-/// When the columns are not those of the plan, or not of as many rows as the chunk has trials.
+/// When the columns do not match the plan or the number of trials in the chunk, or exceed a limit.
 pub fn encode(manifest: &Manifest, chunk: u64, columns: &[Column]) -> Result<Vec<u8>, DatasetError> {
     schema::check_columns(&manifest.plan.schema, manifest.plan.rows(chunk), chunk, columns)?;
     let failed = |message: String| DatasetError::Encode { chunk, message };
@@ -32,7 +32,7 @@ pub fn encode(manifest: &Manifest, chunk: u64, columns: &[Column]) -> Result<Vec
     Ok(bytes)
 }
 
-/// As [`encode`], without the checks and the hash.
+/// As [`encode`], but without checks, and with zeros in place of the hash.
 pub(super) fn file(manifest: &Manifest, chunk: u64, columns: &[Column]) -> Result<Vec<u8>, ParquetError> {
     let schema = schema::parquet(&manifest.plan.schema)?;
     let properties = properties(&manifest.plan.schema, manifest, chunk);
@@ -47,7 +47,7 @@ pub(super) fn file(manifest: &Manifest, chunk: u64, columns: &[Column]) -> Resul
     writer.into_inner()
 }
 
-/// Everything that decides the bytes is stated, so that another default of the library does not change them.
+/// Sets every property that affects the bytes, so that a changed default of the library does not alter them.
 fn properties(specs: &[ColumnSpec], manifest: &Manifest, chunk: u64) -> WriterProperties {
     let mut builder = WriterProperties::builder()
         .set_created_by(concat!("smalti version ", env!("CARGO_PKG_VERSION")).to_owned())
@@ -62,14 +62,14 @@ fn properties(specs: &[ColumnSpec], manifest: &Manifest, chunk: u64) -> WriterPr
         .set_write_batch_size(1024)
         .set_max_row_group_row_count(None)
         .set_max_row_group_bytes(None)
-        // Least and greatest of each part: who looks for a few trials skips the other parts.
+        // With the minimum and maximum of each part, readers of a few trials can skip the other parts.
         .set_statistics_enabled(EnabledStatistics::Chunk)
         .set_statistics_truncate_length(Some(64))
         .set_offset_index_disabled(true);
     for spec in specs {
         let path = ColumnPath::from(spec.name.as_str());
         builder = match spec.kind {
-            // Numbers of trials follow one another: of eight bytes hardly any stay.
+            // Trial numbers are consecutive, so that their differences take hardly any space.
             ColumnKind::Int => builder.set_column_encoding(path, Encoding::DELTA_BINARY_PACKED),
             ColumnKind::Text => builder.set_column_dictionary_enabled(path, true),
             ColumnKind::Float | ColumnKind::Floats => builder,
@@ -105,7 +105,7 @@ fn write(column: &Column, target: &mut SerializedColumnWriter<'_>) -> Result<(),
             let values: Vec<f64> = lists.iter().flatten().copied().filter(|v| !v.is_nan()).collect();
             out.write_batch(&values, Some(&levels), Some(&repeats))
         }
-        _ => Err(ParquetError::General("a column has another type than the schema".into())),
+        _ => Err(ParquetError::General("the type of a column differs from the schema".into())),
     }
     .map(drop)
 }

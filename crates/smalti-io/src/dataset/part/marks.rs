@@ -1,7 +1,7 @@
-//! What a part says of itself in the key-value pairs of its footer, and its hash.
+//! Key-value pairs in the footer of a part, which identify it and contain its hash.
 //!
-//! The last pair is the BLAKE3 hash of the whole file with the hash itself replaced by zeros. Whatever happens to a part is found
-//! before the Parquet library sees it.
+//! The last pair is the BLAKE3 hash of the whole file with the hash itself replaced by zeros. It reveals damage before the Parquet
+//! library reads the file.
 
 use std::fs::File;
 use std::io::{Read, Seek, SeekFrom};
@@ -22,8 +22,8 @@ const ROWS: &str = "smalti.trials";
 const SCHEMA: &str = "smalti.schema";
 /// Hexadecimal digits of a hash.
 const DIGITS: usize = 64;
-/// The end of a file where its marks stand: but for the hash of the file they are short, and only the order of each column's
-/// values, three bytes, and the name of the writer follow.
+/// Length of the end of a file that contains all pairs except the schema, bytes. After the pairs come only the name of the writer and the
+/// sort order of each column, for which [`tail`] adds eight bytes per column.
 const TAIL: u64 = 4096;
 
 /// The pairs of a part, with zeros in place of the hash.
@@ -32,7 +32,7 @@ pub(super) fn pairs(manifest: &Manifest, chunk: u64) -> Vec<KeyValue> {
     let pair = |key: &str, value: String| KeyValue::new(key.to_owned(), value);
     let schema = serde_json::to_string(&plan.schema).unwrap_or_default();
     vec![
-        // First, so that all others stand near the end of the file.
+        // The schema can be long. It comes first, so that the other pairs are near the end of the file.
         pair(SCHEMA, schema),
         pair(ROWS, plan.rows(chunk).to_string()),
         pair(FIRST, plan.trials_of(chunk).start.to_string()),
@@ -42,7 +42,7 @@ pub(super) fn pairs(manifest: &Manifest, chunk: u64) -> Vec<KeyValue> {
     ]
 }
 
-/// Checks the pairs, but for hash and schema: what the plan's hash covers is not compared again.
+/// Checks all pairs except the hash of the file and the schema, which the hash of the plan covers.
 pub(super) fn check(
     manifest: &Manifest,
     chunk: u64,
@@ -63,15 +63,15 @@ pub(super) fn check(
     Ok(())
 }
 
-/// The place of the value of a pair: Thrift's compact protocol writes a text as its length and its bytes, after one byte for the
-/// field. The last place is the pair; statistics of a text column, before, might hold the same bytes.
+/// The byte range of the value of a pair. Thrift's compact protocol writes a text as one byte for the field, the length and the bytes. The
+/// last match is taken, since the statistics of a text column may contain the same bytes earlier in the file.
 fn find(bytes: &[u8], key: &str) -> Option<std::ops::Range<usize>> {
     let length = u8::try_from(key.len()).ok()?;
     let mut mark = vec![0x18, length];
     mark.extend(key.as_bytes());
     mark.push(0x18);
     let at = bytes.windows(mark.len()).rposition(|w| w == mark)? + mark.len();
-    // Longer values than 127 bytes have lengths of several bytes; none of those looked for here does.
+    // A length above 127 takes several bytes, but no value that is searched for here is so long.
     let length = usize::from(*bytes.get(at).filter(|n| **n < 128)?);
     let value = at + 1..at + 1 + length;
     (value.end <= bytes.len()).then_some(value)
@@ -85,7 +85,7 @@ fn digits(bytes: &[u8]) -> Result<std::ops::Range<usize>, PartProblem> {
     find(bytes, HASH).filter(|r| r.len() == DIGITS).ok_or(PartProblem::NotOurs { key: HASH })
 }
 
-/// The hash of a file whose digits stand at a place.
+/// The hash of a file with zeros in place of the digits at `at`.
 fn hash(bytes: &[u8], at: &std::ops::Range<usize>) -> String {
     let mut hasher = blake3::Hasher::new();
     hasher.update(bytes.get(..at.start).unwrap_or_default());
@@ -94,7 +94,7 @@ fn hash(bytes: &[u8], at: &std::ops::Range<usize>) -> String {
     hasher.finalize().to_hex().to_string()
 }
 
-/// Puts the hash into a part that has zeros.
+/// Replaces the zeros in an encoded part by its hash.
 pub(super) fn seal(bytes: &mut [u8]) -> Result<(), PartProblem> {
     let at = digits(bytes)?;
     let hash = hash(bytes, &at);
@@ -104,7 +104,7 @@ pub(super) fn seal(bytes: &mut [u8]) -> Result<(), PartProblem> {
     Ok(())
 }
 
-/// Compares the hash with the content.
+/// Checks that the stated hash is that of the content.
 pub(super) fn check_seal(bytes: &[u8]) -> Result<(), PartProblem> {
     if bytes.len() < 3 * MAGIC.len() || !bytes.starts_with(MAGIC) || !bytes.ends_with(MAGIC) {
         return Err(PartProblem::Truncated { bytes: bytes.len() as u64 });
@@ -115,7 +115,7 @@ pub(super) fn check_seal(bytes: &[u8]) -> Result<(), PartProblem> {
     if found == stated { Ok(()) } else { Err(PartProblem::Damaged { found, stated }) }
 }
 
-/// Checks that a part is whole and of this chunk of this plan by its last bytes, without reading its content.
+/// Checks that a part is complete and belongs to this chunk and plan. Reads only its last bytes.
 pub(in super::super) fn quick_check(
     path: &Path,
     manifest: &Manifest,

@@ -1,4 +1,4 @@
-//! One Parquet file: encoding, marks, decoding.
+//! A part as a Parquet file: encoding, metadata and decoding.
 
 mod decode;
 mod encode;
