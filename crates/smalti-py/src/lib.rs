@@ -53,7 +53,7 @@ mod _smalti {
         report::write_report,
         scene::{PyOpticalImage, PyScene, scenes},
         spectrum::{PySpectrum, illuminant, illuminants},
-        study::{PyResults, PyStudy, trials_missing, merge, parse_shard, run_sweep, study_names},
+        study::{PyResults, PyStudy, merge, parse_shard, run_sweep, study_names, trials_missing},
     };
 
     /// The version of the package and of the command.

@@ -8,7 +8,7 @@ use hdf5_pure::{
     Layout as Stored, Object,
 };
 
-use super::octave;
+use super::octave::{self, Variable};
 use crate::raster::{Filter, Kind, Place, Shared};
 use crate::variables::{Array, Attribute, Chunks, Fields, Layout, Numbers, Value};
 use crate::{IoError, Limits};
@@ -77,7 +77,14 @@ impl Fields for Members {
             let attributes = group.attrs().map_err(|e| context.decode(e))?;
             let members = context.members(group)?;
             if attributes.contains_key(octave::MARK) {
-                return octave::value(&members).map(Some);
+                let variable = Variable {
+                    group: &members.group,
+                    fields: &members,
+                    path: &context.path,
+                    limits: context.limits,
+                    decode: &|e| context.decode(e),
+                };
+                return octave::value(&variable).map(Some);
             }
             return Ok(Some(Value::Fields(Box::new(members))));
         }

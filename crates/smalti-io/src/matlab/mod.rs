@@ -9,13 +9,12 @@ mod v73;
 use std::path::Path;
 use std::sync::Arc;
 
+use self::v5::read::{FORMAT, is_level_5};
 use crate::file::at_most;
 use crate::raster::{FileSource, Shared, bytes_at};
 use crate::scene_file::tiles::{Tiles, load};
 use crate::variables::{self, Reading};
 use crate::{IoError, ReadOptions, SpectralFile, hdf5, write as whole};
-
-const FORMAT: &str = "MATLAB";
 
 /// A version of the format.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -54,7 +53,7 @@ fn from_source(source: Shared<'static>, of: Reading<'_>) -> Result<Box<dyn Tiles
     if start.get(512..) == Some(HDF5) || start.starts_with(HDF5) {
         return hdf5::from_source(source, of);
     }
-    if let Some(big_endian) = v5::read::is_level_5(&start) {
+    if let Some(big_endian) = is_level_5(&start) {
         return variables::open(&v5::read::open(source, big_endian, path, of.options.limits)?, of);
     }
     // Files of level 4 begin with a small number, whose bytes include a zero; text does not.

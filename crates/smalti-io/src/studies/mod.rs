@@ -37,8 +37,8 @@ static STUDIES: &[BuiltinFile] = &[
         "The same with a pipeline learned for each design in place of bilinear demosaicking"
     ),
     builtin!("studies", "theory", "Filters by rule: uniform, height-scaled, all-scaled, 3 to 7 colours"),
-    builtin!("studies", "mosaics", "Where to put the filters: 1000 placements for each of 3 to 7 colours"),
-    builtin!("studies", "aliasing", "Published mosaics and the aliasing of each"),
+    builtin!("studies", "mosaics", "Where to place the filters: 1000 placements for each of 3 to 7 colours"),
+    builtin!("studies", "aliasing", "The aliasing of each published mosaic"),
 ];
 
 /// The built-in studies.

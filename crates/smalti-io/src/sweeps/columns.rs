@@ -64,7 +64,7 @@ pub fn schema(study: &Study) -> Vec<ColumnSpec> {
     let mut all = vec![
         column("trial", Int, "", "Number of the trial in the study, from 0."),
         column("colors", Int, "", "Number of colours."),
-        column("processing", Text, "", "What makes the picture of the raw samples."),
+        column("processing", Text, "", "The processing of the raw images: classic or l3."),
     ];
     for (at, (key, _)) in study.conditions.first().map_or(&[][..], |c| &c.values).iter().enumerate() {
         let kind = if all_numbers(study, at) { Float } else { Text };
@@ -72,22 +72,22 @@ pub fn schema(study: &Study) -> Vec<ColumnSpec> {
             &condition_column(key),
             kind,
             "",
-            &format!("The condition `{key}`, in the unit of its key."),
+            &format!("Value of the condition `{key}`, in the unit of that key."),
         ));
     }
     if named(study) {
-        all.push(column("filters", Text, "", "What the family calls the set of filters."));
+        all.push(column("filters", Text, "", "Name of the set of filters in its family."));
     }
     all.extend([
-        column("tile", Text, "", "The mosaic, rows apart by /; a is the filter of the shortest wavelengths."),
+        column("tile", Text, "", "The mosaic, one letter per pixel, rows separated by /; a is the filter of the shortest wavelengths."),
         column(
             "center_nm",
             Floats,
             "nm",
-            "Middle of each filter: where it is formed by one, else its mean wavelength.",
+            "Centre of each filter if its shape has one, otherwise its mean wavelength.",
         ),
-        column("fwhm_nm", Floats, "nm", "Width in which each filter passes at least half of its peak."),
-        column("peak", Floats, "", "Largest transmittance of each filter."),
+        column("fwhm_nm", Floats, "nm", "Full width of each filter at half of its peak."),
+        column("peak", Floats, "", "Maximum transmittance of each filter."),
     ]);
     for (name, metric, scene) in metrics(study) {
         let info = CATALOG.iter().find(|m| m.name == metric.name());
@@ -100,7 +100,7 @@ pub fn schema(study: &Study) -> Vec<ColumnSpec> {
     if looks_at_edge(study) {
         all.push(column("edge_time_s", Float, "s", "Exposure time of the edge."));
     }
-    all.push(column("problem", Text, "", "Why a trial lacks scores; empty where it has all."));
+    all.push(column("problem", Text, "", "Reason for missing scores; empty if the trial has all."));
     all
 }
 

@@ -2,12 +2,18 @@
 
 use std::path::Path;
 
-use super::Reading;
 use super::array::{Array, Axes, FORMAT};
 use crate::scene_file::cube_file::CubeFile;
 use crate::scene_file::facts::Facts;
 use crate::scene_file::stated::Bands;
-use crate::{IoError, Limits, Quantity};
+use crate::{IoError, Limits, Quantity, ReadOptions};
+
+/// The file that is read, and how.
+#[derive(Clone, Copy)]
+pub(crate) struct Reading<'a> {
+    pub(crate) path: &'a Path,
+    pub(crate) options: &'a ReadOptions,
+}
 
 /// What a file or a struct holds, by name.
 pub(crate) trait Fields {

@@ -7,22 +7,13 @@ mod fields;
 mod isetcam;
 mod wavelengths;
 
-use std::path::Path;
-
 pub(crate) use array::{Array, Axes, Chunks, Layout};
 
-pub(crate) use fields::{Attribute, Fields, Numbers, Value};
+pub(crate) use fields::{Attribute, Fields, Numbers, Reading, Value};
 use fields::{at, bands, numbers_at, placed, text_at};
 
+use crate::IoError;
 use crate::scene_file::tiles::Tiles;
-use crate::{IoError, ReadOptions};
-
-/// The file that is read, and how.
-#[derive(Clone, Copy)]
-pub(crate) struct Reading<'a> {
-    pub(crate) path: &'a Path,
-    pub(crate) options: &'a ReadOptions,
-}
 
 /// A spectral image among the variables of a file: a scene of ISETCam, the cube of a known data set, or the only cube
 /// there is. Its samples are read as they are needed.

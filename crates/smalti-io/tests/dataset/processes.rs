@@ -12,14 +12,14 @@ use smalti_io::dataset::{Dataset, DatasetError, Run};
 use crate::fixtures::{assert_same, columns, fill, plan, whole};
 
 const DIR: &str = "SMALTI_TEST_DIR";
-const DESIGNS: u64 = 400;
+const TRIALS: u64 = 400;
 
 /// The other process, which fills a folder until it has finished or is killed.
 #[test]
 #[ignore = "started by the other tests"]
 fn worker() {
     let dir = std::env::var_os(DIR).unwrap();
-    let run = Run::open(Path::new(&dir), &plan(DESIGNS, 2), None).unwrap();
+    let run = Run::open(Path::new(&dir), &plan(TRIALS, 2), None).unwrap();
     println!("\nbegun");
     for &chunk in run.missing() {
         let result = run.write(chunk, &columns(&run.manifest().plan, chunk));
@@ -51,7 +51,7 @@ fn start(dir: &Path, command: &str) -> (Child, std::io::Lines<BufReader<ChildStd
 fn a_lock_ends_with_its_process_and_killed_runs_are_continued() {
     let dir = tempfile::tempdir().unwrap();
     let (results, expected) = (dir.path().join("results"), dir.path().join("expected"));
-    let plan = plan(DESIGNS, 2);
+    let plan = plan(TRIALS, 2);
     whole(&expected, &plan);
     for round in 0..8 {
         let (mut child, lines) = start(&results, r#"exec "$@""#);
@@ -79,7 +79,7 @@ fn a_lock_ends_with_its_process_and_killed_runs_are_continued() {
 fn a_file_that_cannot_grow_is_named_and_the_run_is_continued() {
     let dir = tempfile::tempdir().unwrap();
     let (results, expected) = (dir.path().join("results"), dir.path().join("expected"));
-    let plan = plan(DESIGNS, 2);
+    let plan = plan(TRIALS, 2);
     whole(&expected, &plan);
     // The manifest is shorter than the limit, and every part is longer.
     let limit = fs::metadata(expected.join("manifest.json")).unwrap().len().div_ceil(1024);

@@ -44,7 +44,7 @@ else:
     import duckdb
 
     files = f"{folder}/*.parquet"
-    relation = duckdb.sql(f"SELECT * FROM '{files}' ORDER BY design")
+    relation = duckdb.sql(f"SELECT * FROM '{files}' ORDER BY trial")
     assert [str(t) for t in relation.types] == ["BIGINT", "BIGINT", "DOUBLE", "VARCHAR", "DOUBLE[]"], relation.types
     names, rows = relation.columns, relation.fetchall()
     pairs = duckdb.sql(f"SELECT DISTINCT key, value FROM parquet_kv_metadata('{files}')").fetchall()

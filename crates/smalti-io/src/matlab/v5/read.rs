@@ -6,7 +6,6 @@ use std::sync::Arc;
 use flate2::{Decompress, FlushDecompress, Status};
 
 use super::{HEADER_BYTES, class, flag, tag};
-use crate::matlab::FORMAT;
 use crate::raster::{Kind, Shared, bytes_at};
 use crate::text::utf16;
 use crate::variables::{Array, Fields, Layout, Numbers, Value};
@@ -18,6 +17,9 @@ const MAX_DIMS: u64 = 32;
 const MAX_FIELDS: u64 = 1 << 16;
 // More than the header of an array with the longest name.
 const PEEK_BYTES: usize = 4096;
+
+/// The name of the format in messages.
+pub(in crate::matlab) const FORMAT: &str = "MATLAB";
 
 /// The variables of a file, or the fields of a struct.
 pub(in crate::matlab) struct Members {
