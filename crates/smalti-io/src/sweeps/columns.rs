@@ -86,7 +86,7 @@ pub fn schema(study: &Study) -> Vec<ColumnSpec> {
             "nm",
             "Centre of each filter if its shape has one, otherwise its mean wavelength.",
         ),
-        column("fwhm_nm", Floats, "nm", "Full width of each filter at half of its peak."),
+        column("fwhm_nm", Floats, "nm", "Width over which each filter passes at least half of its peak."),
         column("peak", Floats, "", "Maximum transmittance of each filter."),
     ]);
     for (name, metric, scene) in metrics(study) {
