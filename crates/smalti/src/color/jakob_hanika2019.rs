@@ -13,6 +13,7 @@ use super::difference::three;
 use super::display::Matrices;
 use super::matrix::{Matrix3, apply, inverse};
 use super::{ColorSpace, Image, ImageError};
+use crate::numeric::simd::{Kernel, dispatch};
 use crate::numeric::{Planes, require};
 use crate::spectrum::{
     Extrapolation, Illuminant, Observer, SpectralCube, Spectrum, SpectrumError, WavelengthGrid,
@@ -53,6 +54,38 @@ struct Block {
 }
 
 const LANES: usize = 4;
+
+/// The integrals of XYZ over all blocks, in lanes, and their derivatives by the coefficients.
+struct Integrals<'a> {
+    blocks: &'a [Block],
+    coefficients: [f64; 3],
+}
+
+impl Kernel for Integrals<'_> {
+    type Output = ([[f64; LANES]; 3], [[[f64; LANES]; 3]; 3]);
+
+    #[inline(always)]
+    fn run(self) -> Self::Output {
+        let mut sums = [[0.0; LANES]; 3];
+        let mut slopes = [[[0.0; LANES]; 3]; 3];
+        for block in self.blocks {
+            for l in 0..LANES {
+                let p = block.position[l];
+                let x = polynomial(self.coefficients, p);
+                let root = 1.0 / (1.0 + x * x).sqrt();
+                let (s, ds) = (0.5 + 0.5 * x * root, 0.5 * root * root * root);
+                for ((sum, slope), w) in sums.iter_mut().zip(&mut slopes).zip(&block.weights) {
+                    sum[l] += w[l] * s;
+                    let k = w[l] * ds;
+                    slope[0][l] += k * p * p;
+                    slope[1][l] += k * p;
+                    slope[2][l] += k;
+                }
+            }
+        }
+        (sums, slopes)
+    }
+}
 
 /// Table nodes along each ratio, evenly spaced.
 const RATIOS: usize = 24;
@@ -190,23 +223,7 @@ impl Uplift {
 
     /// CIELAB of the reflectance under D65, and its Jacobian with one row each for L*, a*, b*.
     fn lab_and_jacobian(&self, coefficients: [f64; 3]) -> ([f64; 3], Matrix3) {
-        let mut sums = [[0.0; LANES]; 3];
-        let mut slopes = [[[0.0; LANES]; 3]; 3];
-        for block in &self.blocks {
-            for l in 0..LANES {
-                let p = block.position[l];
-                let x = polynomial(coefficients, p);
-                let root = 1.0 / (1.0 + x * x).sqrt();
-                let (s, ds) = (0.5 + 0.5 * x * root, 0.5 * root * root * root);
-                for ((sum, slope), w) in sums.iter_mut().zip(&mut slopes).zip(&block.weights) {
-                    sum[l] += w[l] * s;
-                    let k = w[l] * ds;
-                    slope[0][l] += k * p * p;
-                    slope[1][l] += k * p;
-                    slope[2][l] += k;
-                }
-            }
-        }
+        let (sums, slopes) = dispatch(Integrals { blocks: &self.blocks, coefficients });
         let xyz: [f64; 3] = sums.map(|s| s.iter().sum());
         let slope: Matrix3 = slopes.map(|s| s.map(|s| s.iter().sum()));
         let lab = lab_from_xyz(xyz, [1.0; 3]);
@@ -364,6 +381,7 @@ fn position(wavelength_nm: f64) -> f64 {
     (wavelength_nm - 550.0) / 150.0
 }
 
+#[inline(always)]
 fn polynomial([a, b, c]: [f64; 3], p: f64) -> f64 {
     (a * p + b) * p + c
 }

@@ -1,5 +1,7 @@
 //! Dense symmetric systems of a few hundred unknowns at most, as row-major slices.
 
+use super::simd::{Kernel, dispatch};
+
 /// Cholesky factorisation A = Uᵀ U in place, on the upper triangle. Returns false when a pivot is not above
 /// `least`, that is, when the matrix is singular to the precision of its entries.
 pub(crate) fn cholesky(a: &mut [f64], size: usize, least: f64) -> bool {
@@ -54,8 +56,7 @@ impl Eigen {
         if size == 0 || a.len() != size * size || a.iter().any(|v| !v.is_finite()) {
             return None;
         }
-        let (mut values, mut off, mut vectors) = tridiagonal(a.to_vec(), size);
-        diagonalise(&mut values, &mut off, &mut vectors)?;
+        let (mut values, vectors) = dispatch(Diagonalisation { a, size })?;
         let mut order: Vec<usize> = (0..size).collect();
         order.sort_by(|&i, &j| values[i].total_cmp(&values[j]));
         let sorted = order.iter().flat_map(|&i| vectors[i * size..(i + 1) * size].iter().copied()).collect();
@@ -83,7 +84,25 @@ impl Eigen {
     }
 }
 
+/// Eigenvalues and eigenvectors, not sorted.
+struct Diagonalisation<'a> {
+    a: &'a [f64],
+    size: usize,
+}
+
+impl Kernel for Diagonalisation<'_> {
+    type Output = Option<(Vec<f64>, Vec<f64>)>;
+
+    #[inline(always)]
+    fn run(self) -> Self::Output {
+        let (mut values, mut off, mut vectors) = tridiagonal(self.a.to_vec(), self.size);
+        diagonalise(&mut values, &mut off, &mut vectors)?;
+        Some((values, vectors))
+    }
+}
+
 /// Diagonal, off-diagonal and Qᵀ of Qᵀ A Q = T.
+#[inline(always)]
 fn tridiagonal(mut a: Vec<f64>, size: usize) -> (Vec<f64>, Vec<f64>, Vec<f64>) {
     let mut off = vec![0.0; size];
     // Of each reflection I − β v vᵀ: β, and v in the row of the matrix that it made zero.
@@ -141,6 +160,7 @@ fn tridiagonal(mut a: Vec<f64>, size: usize) -> (Vec<f64>, Vec<f64>, Vec<f64>) {
 const MAX_TURNS: usize = 60;
 
 /// Makes a tridiagonal matrix diagonal, and turns the rows of `vectors` with it.
+#[inline(always)]
 fn diagonalise(diagonal: &mut [f64], off: &mut [f64], vectors: &mut [f64]) -> Option<()> {
     let size = diagonal.len();
     for first in 0..size {
@@ -193,6 +213,7 @@ fn diagonalise(diagonal: &mut [f64], off: &mut [f64], vectors: &mut [f64]) -> Op
     Some(())
 }
 
+#[inline(always)]
 pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
