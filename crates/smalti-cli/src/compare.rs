@@ -7,8 +7,8 @@ use clap::Args;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use smalti::camera::ScoreSettings;
 use smalti::experiment::{
-    ComparisonSettings, Contender, Processing, Progress as _, Resources, TestScene, compare, ensure_mosaic,
-    learn_default, light_gains_to_first,
+    ComparisonSettings, Processing, Progress as _, Resources, TestScene, compare, contenders,
+    light_gains_to_first, pipelines,
 };
 use smalti::isp::Demosaic;
 use smalti::l3::Pipeline;
@@ -106,9 +106,6 @@ fn processing() -> impl TypedValueParser<Value = Processing> {
 pub(crate) fn run(args: &Compare, words: &[String], common: &Common) -> anyhow::Result<()> {
     let illuminant = resolve::illuminant(&args.illuminant)?;
     let cameras = resolve::cameras(&args.cameras, &args.camera_options)?;
-    if args.processing.contains(&Processing::L3) {
-        cameras.iter().try_for_each(ensure_mosaic)?;
-    }
     ensure!(!args.light_gain || cameras.len() > 1, "--light-gain compares cameras; expected two or more");
     write::ensure_can_fill(&args.output)?;
     let seed = args.camera_options.seed;
@@ -119,40 +116,13 @@ pub(crate) fn run(args: &Compare, words: &[String], common: &Common) -> anyhow::
     let progress = Progress::new(steps as u64, common.quiet);
     let resources = Resources { store: &cache, progress: &progress, memory_bytes: memory::available_bytes() };
     let labels = names::numbered(cameras.iter().map(|c| c.description().name.clone()).collect());
-    let given = given_pipelines(args)?;
-    let mut pipelines = Vec::new();
-    for (number, (camera, label)) in cameras.iter().zip(&labels).enumerate() {
-        progress.begin(&format!("{label}: pipeline"));
-        let learned = if let Some(pipeline) = given.get(number) {
-            Some(pipeline.clone())
-        } else if args.processing.contains(&Processing::L3) {
-            let learned = learn_default(camera, &settings, &training, &illuminant, resources);
-            Some(learned.with_context(|| label.clone())?)
-        } else {
-            None
-        };
-        pipelines.push(learned);
-        progress.done();
+    let learning = (&settings, &training);
+    let pipelines =
+        pipelines(&cameras, given_pipelines(args)?, &args.processing, learning, &illuminant, resources)?;
+    let (contenders, left_out) = contenders(&cameras, &labels, &pipelines, &args.processing)?;
+    for name in &left_out {
+        progress.note(&format!("{name} is left out, since the method is defined for Bayer mosaics only"));
     }
-    let (mut contenders, mut left_out) = (Vec::new(), Vec::new());
-    for ((camera, label), pipeline) in cameras.iter().zip(&labels).zip(&pipelines) {
-        for (i, &processing) in args.processing.iter().enumerate() {
-            let contender = Contender { camera, label, processing, pipeline: pipeline.as_ref() };
-            if !contender.is_defined() {
-                progress.note(&format!(
-                    "{} is left out, since the method is defined for Bayer mosaics only",
-                    contender.name()
-                ));
-                left_out.push(contender.name());
-            } else if !args.processing[..i].contains(&processing) {
-                contenders.push(contender);
-            }
-        }
-    }
-    ensure!(
-        !contenders.is_empty(),
-        "nothing is left to compare: no method of --processing supports these mosaics"
-    );
     let settings = ComparisonSettings {
         luminances_cd_m2: args.luminance.clone(),
         illuminant,
@@ -241,7 +211,7 @@ fn scene_label(scene: &str) -> String {
 }
 
 /// The given pipelines, one for each camera; empty when all are to be learned.
-fn given_pipelines(args: &Compare) -> anyhow::Result<Vec<Pipeline>> {
+fn given_pipelines(args: &Compare) -> anyhow::Result<Vec<Option<Pipeline>>> {
     let (given, cameras) = (args.pipelines.len(), args.cameras.len());
     if given != 0 && given != cameras {
         bail!("--pipeline: {given} given for {cameras} cameras; expected one for each, in their order");
@@ -257,7 +227,7 @@ fn given_pipelines(args: &Compare) -> anyhow::Result<Vec<Pipeline>> {
                     pipeline.outputs().join(", ")
                 );
             }
-            Ok(pipeline)
+            Ok(Some(pipeline))
         })
         .collect()
 }

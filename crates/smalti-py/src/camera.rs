@@ -8,7 +8,7 @@ use pyo3::exceptions::PyOSError;
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyDict, PyString};
 use smalti::camera::{Camera, ScoreSettings};
-use smalti::experiment::{SimulationSettings, capture, numbered};
+use smalti::experiment::{SimulationSettings, capture};
 use smalti::isp::WhiteBalance;
 use smalti::sensor::{Exposure, NoiseMode};
 use smalti::spectrum::{Observer, Spectrum, WavelengthGrid};
@@ -325,12 +325,6 @@ impl PyCamera {
 #[pyfunction(name = "cameras")]
 pub(crate) fn camera_names() -> std::collections::BTreeMap<&'static str, &'static str> {
     cameras::names().iter().map(|c| (c.name, c.summary)).collect()
-}
-
-/// The labels of cameras in results: their names, numbered where two are equal.
-#[pyfunction]
-pub(crate) fn camera_labels(cameras: Vec<PyRef<'_, PyCamera>>) -> Vec<String> {
-    numbered(cameras.iter().map(|c| c.camera.description().name.clone()).collect())
 }
 
 fn exposure(camera: &Camera, image: &PyOpticalImage, time_s: Option<f64>) -> PyResult<Exposure> {

@@ -3,17 +3,22 @@
 use pyo3::prelude::*;
 use pyo3::types::{IntoPyDict, PyDict};
 use smalti::camera::{
-    Evaluation, EvaluationSettings, LightGainSettings, ScoreSettings, score_picture, test_scenes,
+    Camera, Evaluation, EvaluationSettings, LightGainSettings, ScoreSettings, TrainingSettings,
+    score_picture, test_scenes,
 };
-use smalti::experiment::{Contender, Resources, TestScene, light_gain_between, score_scene};
+use smalti::experiment::{
+    self, ComparisonSettings, Contender, Processing, Resources, TestScene, light_gain_between, numbered,
+    score_scene,
+};
+use smalti::l3::Training;
 use smalti::numeric::Planes;
 use smalti::spectrum::{Illuminant, Observer};
-use smalti_io::SceneRequest;
 use smalti_io::cache::Cache;
+use smalti_io::{SceneRequest, memory};
 
 use crate::arrays;
 use crate::camera::PyCamera;
-use crate::error::{OrRaise, wrong};
+use crate::error::{OrRaise, one_of, wrong};
 use crate::image::PyImage;
 use crate::json::dict_of;
 use crate::l3::PyPipeline;
@@ -253,6 +258,66 @@ pub(crate) fn score_scenes(
         }
         Ok(all)
     })
+}
+
+/// The comparison; see `smalti.compare`.
+#[pyfunction]
+#[allow(clippy::too_many_arguments)]
+pub(crate) fn compare<'py>(
+    py: Python<'py>,
+    cameras: Vec<PyRef<'py, PyCamera>>,
+    pipelines: Vec<Option<PyRef<'py, PyPipeline>>>,
+    processing: Vec<String>,
+    scenes: Option<Vec<NameOrScene>>,
+    luminances_cd_m2: Vec<f64>,
+    illuminant: Option<&Bound<'py, PyAny>>,
+    seed: u64,
+    cache: bool,
+    progress: Option<&Bound<'py, PyAny>>,
+) -> PyResult<Vec<Bound<'py, PyAny>>> {
+    let illuminant = illuminant.map_or(Ok(Illuminant::D65), light)?;
+    let known: Vec<_> = Processing::all().into_iter().map(|p| (p.name(), p)).collect();
+    let processing: Vec<Processing> =
+        processing.iter().map(|name| one_of("processing", name, &known)).collect::<PyResult<_>>()?;
+    let given = pipelines.iter().map(|p| p.as_ref().map(|p| p.0.clone())).collect();
+    let cameras: Vec<Camera> = cameras.iter().map(|c| c.camera.clone()).collect();
+    let labels = numbered(cameras.iter().map(|c| c.description().name.clone()).collect());
+    let scenes = match scenes {
+        None => TestScene::default_set(),
+        Some(scenes) => scenes.iter().map(|s| s.test_scene(Some(&illuminant))).collect::<PyResult<_>>()?,
+    };
+    let settings =
+        ComparisonSettings { luminances_cd_m2, illuminant, scenes, seed, score: ScoreSettings::default() };
+    let training = TrainingSettings { seed, ..TrainingSettings::default() };
+    let (names, outcomes) = watched(py, progress, |watch| {
+        let store = self::cache(cache);
+        let resources = Resources { store: &store, progress: watch, memory_bytes: memory::available_bytes() };
+        let learning = (&training, &Training::default());
+        let learned =
+            experiment::pipelines(&cameras, given, &processing, learning, &settings.illuminant, resources);
+        let learned = learned.or_raise()?;
+        let (contenders, _) = experiment::contenders(&cameras, &labels, &learned, &processing).or_raise()?;
+        let outcomes = experiment::compare(&contenders, &settings, resources).or_raise()?;
+        let names: Vec<_> = contenders.iter().map(|c| (c.label.to_owned(), c.processing.name())).collect();
+        Ok((names, outcomes))
+    })?;
+    let mut records = Vec::new();
+    for ((camera, processing), outcomes) in names.iter().zip(&outcomes) {
+        for outcome in outcomes {
+            for (scene, scores) in &outcome.scenes {
+                let record = dict_of(py, scores)?;
+                record.set_item("camera", camera)?;
+                record.set_item("processing", processing)?;
+                record.set_item("scene", scene)?;
+                record.set_item("luminance_cd_m2", outcome.luminance_cd_m2)?;
+                record.set_item("mtf50_cy_per_mm", outcome.targets.mtf50_cy_per_mm)?;
+                record.set_item("visual_snr", outcome.targets.visual_snr.median)?;
+                record.set_item("luminance_noise_percent", outcome.targets.luminance_noise_percent.mean)?;
+                records.push(record);
+            }
+        }
+    }
+    Ok(records)
 }
 
 /// A built-in scene by name, or a `Scene`.

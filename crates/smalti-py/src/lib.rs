@@ -35,13 +35,14 @@ mod _smalti {
     use crate::command::run_command;
     #[pymodule_export]
     use crate::{
-        camera::{PyCamera, camera_labels, camera_names},
+        camera::{PyCamera, camera_names},
         cfa::{PyCfa, cfas, filters},
         cluster::{PyPartMaker, PySharedFolder, PySharedPlace, scenes_in_files},
         color::{delta_e, lab, scielab_map, xyz},
         error::SmaltiError,
         evaluate::{
-            PyEvaluation, PySceneScores, evaluate, light_gain, score_pictures, score_scenes, test_scene_names,
+            PyEvaluation, PySceneScores, compare, evaluate, light_gain, score_pictures, score_scenes,
+            test_scene_names,
         },
         image::PyImage,
         l3::{

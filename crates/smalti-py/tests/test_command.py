@@ -159,11 +159,11 @@ def test_training_gives_the_bytes_of_train(command: Command, tmp_path: Path) -> 
 
 def test_comparisons_are_those_of_compare(command: Command, tmp_path: Path) -> None:
     listed = [word for scene in SCENES for word in ("--scene", scene)]
-    words = ["--processing", "bilinear", *listed, "--luminance", "1,20", *SET, "-o", tmp_path / "o", "--json"]
+    words = ["--processing", "bilinear", *listed, *SET, "-o", tmp_path / "o", "--json"]
     results = json.loads(command("compare", "bayer", "rgbw", *words))["results"]
     found = [(r["camera"], r["luminance_cd_m2"], s["scene"], s["scores"]) for r in results for s in r["scenes"]]
     cameras = [smalti.Camera(name, set=SIZE) for name in ("bayer", "rgbw")]
-    records = smalti.compare(cameras, scenes=SCENES, luminances_cd_m2=[1.0, 20.0], progress=False)
+    records = smalti.compare(cameras, processing=["bilinear"], scenes=SCENES, progress=False)
     assert len(found) == len(records) == 8
     own = {(r["camera"], r["luminance_cd_m2"], r["scene"]): r for r in records}
     for camera, luminance, scene, scores in found:
@@ -173,7 +173,7 @@ def test_comparisons_are_those_of_compare(command: Command, tmp_path: Path) -> N
 
 def test_a_name_alone_is_that_of_the_test_set(command: Command, tmp_path: Path) -> None:
     whole = next(s for s in smalti.test_scenes() if s.split("?")[0] == "macbeth")
-    (record,) = smalti.compare([smalti.Camera("bayer")], scenes=["macbeth"], progress=False)
+    (record,) = smalti.compare([smalti.Camera("bayer")], processing=["bilinear"], scenes=["macbeth"], luminances_cd_m2=[75.0], progress=False)
     assert record["scene"] == whole
 
 

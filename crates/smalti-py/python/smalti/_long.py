@@ -150,47 +150,45 @@ def train(
 def compare(
     cameras: Sequence[Camera],
     *,
+    processing: Sequence[str] = ("l3",),
     pipelines: Sequence[Pipeline | None] | None = None,
     scenes: Sequence[str | Scene] | None = None,
-    luminances_cd_m2: Sequence[float] = (75.0,),
+    luminances_cd_m2: Sequence[float] = (1.0, 80.0),
     illuminant: Light | None = None,
     seed: int = 1,
+    cache: bool = True,
     progress: Progress = True,
 ) -> list[dict[str, Any]]:
-    """Scores cameras on the same scenes, as `smalti compare` does: a record for each camera, scene and luminance, ready for a data frame.
+    """Compares cameras on the same scenes, as `smalti compare` does with the same defaults.
 
     Cameras of equal names are numbered: "1-bayer", "2-bayer".
 
     Args:
         cameras: one or more cameras.
-        pipelines: a learned pipeline for each camera, or None for the camera's own processing.
-        scenes: built-in scenes with their parameters, or `Scene` objects; default `test_scenes()`, which are not used for training.
+        processing: kinds of processing: "l3" (a pipeline learned for each camera under the illuminant), "bilinear", "malvar2004",
+            "hamilton-adams1997". Cameras whose mosaic a kind is not defined for are left out.
+        pipelines: a learned pipeline for each camera to use in place of learning one; None learns.
+        scenes: built-in scenes with their parameters, or `Scene` objects, which are relit; default `test_scenes()`, which are not used
+            for training.
         luminances_cd_m2: mean luminances of the scenes, cd/m².
-        illuminant: illuminant of the scenes; default D65 for built-in scenes, and their own for others.
-        seed: seed of the noise.
+        illuminant: illuminant of the scenes and of the training; default D65.
+        seed: seed of the noise and of the training.
+        cache: keep optical images and statistics between runs, in the cache of the command.
         progress: see `Progress`.
+
+    Returns:
+        A record for each camera, kind of processing, luminance and scene, ready for a data frame: the scores on the scene, and
+        MTF50, visual SNR and noise on the built-in targets.
     """
-    each = list(pipelines) if pipelines is not None else [None] * len(cameras)
+    each: list[Pipeline | None] = list(pipelines) if pipelines is not None else [None] * len(cameras)
     if len(each) != len(cameras):
         raise _smalti.SmaltiError(f"pipelines: {len(each)} given for {len(cameras)} cameras; expected one for each")
-    of: list[str | Scene] = list(scenes) if scenes is not None else list(_smalti.test_scenes())
-    records: list[dict[str, Any]] = []
-    labels = _smalti.camera_labels(list(cameras))
-    with _told(progress, len(cameras) * len(of) * len(luminances_cd_m2), "comparing", "picture") as told:
-        for camera, label, pipeline in zip(cameras, labels, each, strict=True):
-            before = len(records)
-            step = None if told is None else lambda done: told(before + done)
-            scored = _smalti.score_scenes(
-                camera,
-                scenes=of,
-                luminances_cd_m2=list(luminances_cd_m2),
-                illuminant=illuminant,
-                pipeline=pipeline,
-                seed=seed,
-                progress=step,
-            )
-            records += [{"camera": label, **scores.to_dict()} for scores in scored]
-    return records
+    steps = len(cameras) * (1 + len(processing) * len(luminances_cd_m2))
+    with _told(progress, steps, "comparing", "step") as told:
+        return _smalti.compare(
+            list(cameras), each, list(processing), None if scenes is None else list(scenes), list(luminances_cd_m2),
+            illuminant, seed, cache, told,
+        )  # fmt: skip
 
 
 def light_gain(

@@ -397,7 +397,17 @@ def light_gain(
     seed: int,
     progress: _Told,
 ) -> dict[str, Any]: ...
-def camera_labels(cameras: list[Camera]) -> list[str]: ...
+def compare(
+    cameras: list[Camera],
+    pipelines: list[Pipeline | None],
+    processing: list[str],
+    scenes: list[str | Scene] | None,
+    luminances_cd_m2: list[float],
+    illuminant: _Light | None,
+    seed: int,
+    cache: bool,
+    progress: _Told,
+) -> list[dict[str, Any]]: ...
 def training_set_len() -> int: ...
 @final
 class TrainingRecord: ...

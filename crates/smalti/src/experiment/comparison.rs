@@ -1,14 +1,16 @@
 //! Comparisons of cameras, each with its processing, on the same scenes.
 
 use super::error::StageContext;
+use super::learning::{ensure_mosaic, learn_default};
 use super::progress::{Stoppable, ensure_running};
 use super::{ExperimentError, Processing, Progress, Resources};
 use crate::camera::{
     Camera, CameraAndIsp, CameraError, Evaluation, EvaluationPictures, EvaluationSettings, LightGainSettings,
-    LightGains, SceneScores, ScoreSettings, Setup, compare_on, evaluate_with, light_gains, test_scenes,
+    LightGains, SceneScores, ScoreSettings, Setup, TrainingSettings, compare_on, evaluate_with, light_gains,
+    test_scenes,
 };
 use crate::isp::{Classic, Isp, WhiteBalance};
-use crate::l3::{Pipeline, peak_ratio_db};
+use crate::l3::{Pipeline, Training, peak_ratio_db};
 use crate::metrics::esfr::EdgeSfr;
 use crate::scene::{Scene, Setting};
 use crate::sensor::NoiseMode;
@@ -182,6 +184,58 @@ impl<'a> Contender<'a> {
             ExperimentError::stage(format!("{} at {} cd/m²{hint}", self.label, settings.luminance_cd_m2), e)
         })
     }
+}
+
+/// The pipeline of each camera of a comparison: the given one; or one learned under the illuminant, if [`Processing::L3`] is
+/// compared; or none. Each is one step of progress.
+///
+/// # Errors
+/// As [`learn_default`].
+pub fn pipelines(
+    cameras: &[Camera],
+    given: Vec<Option<Pipeline>>,
+    processing: &[Processing],
+    learning: (&TrainingSettings, &Training),
+    illuminant: &Illuminant,
+    resources: Resources<'_>,
+) -> Result<Vec<Option<Pipeline>>, ExperimentError> {
+    let learns = processing.contains(&Processing::L3);
+    if learns {
+        cameras.iter().try_for_each(ensure_mosaic)?;
+    }
+    let mut given = given.into_iter();
+    let own = |camera: &Camera| {
+        resources.progress.begin(&format!("{}: pipeline", camera.description().name));
+        let pipeline = match given.next().flatten() {
+            None if learns => Some(learn_default(camera, learning.0, learning.1, illuminant, resources)?),
+            given => given,
+        };
+        resources.progress.done();
+        Ok(pipeline)
+    };
+    cameras.iter().map(own).collect()
+}
+
+/// Every camera with every kind of processing, each once, and the names of those that are left out because the processing is not
+/// defined for the mosaic.
+///
+/// # Errors
+/// [`ExperimentError::NothingToCompare`].
+pub fn contenders<'a>(
+    cameras: &'a [Camera],
+    labels: &'a [String],
+    pipelines: &'a [Option<Pipeline>],
+    processing: &[Processing],
+) -> Result<(Vec<Contender<'a>>, Vec<String>), ExperimentError> {
+    let (mut defined, mut left_out) = (Vec::new(), Vec::new());
+    for ((camera, label), pipeline) in cameras.iter().zip(labels).zip(pipelines) {
+        let unique = |(i, kind): &(usize, &Processing)| !processing[..*i].contains(kind);
+        for (_, &kind) in processing.iter().enumerate().filter(unique) {
+            let contender = Contender { camera, label, processing: kind, pipeline: pipeline.as_ref() };
+            if contender.is_defined() { defined.push(contender) } else { left_out.push(contender.name()) }
+        }
+    }
+    if defined.is_empty() { Err(ExperimentError::NothingToCompare) } else { Ok((defined, left_out)) }
 }
 
 /// Captures a scene at a mean luminance with the exposure of the camera's description, renders the raw image and scores the

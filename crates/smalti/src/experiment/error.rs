@@ -37,6 +37,9 @@ pub enum ExperimentError {
         /// The camera's name.
         camera: String,
     },
+    /// No kind of processing of a comparison is defined for the mosaic of any camera.
+    #[error("nothing is left to compare: the processing is not defined for these mosaics")]
+    NothingToCompare,
     /// There is no training scene.
     #[error("there is no scene to learn from")]
     NoScene,

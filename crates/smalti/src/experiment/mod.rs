@@ -15,8 +15,8 @@ mod simulation;
 mod store;
 
 pub use comparison::{
-    ComparisonSettings, Contender, Outcome, PairwiseLightGain, TestScene, compare, light_gain_between,
-    light_gains_to_first, score_scene,
+    ComparisonSettings, Contender, Outcome, PairwiseLightGain, TestScene, compare, contenders,
+    light_gain_between, light_gains_to_first, pipelines, score_scene,
 };
 pub use error::ExperimentError;
 pub use labels::numbered;
