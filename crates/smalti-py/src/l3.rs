@@ -233,13 +233,14 @@ pub(crate) struct PyTrainingRecord(TrainingRecord);
 
 /// Gathers statistics; see `smalti.gather`.
 #[pyfunction]
-#[pyo3(signature = (camera, scenes, pairs, illuminants, target, target_illuminant, exposures, patch, levels, level_rule, textures, sharp, seed, progress))]
+#[pyo3(signature = (camera, scenes, pairs, align, illuminants, target, target_illuminant, exposures, patch, levels, level_rule, textures, sharp, seed, progress))]
 #[allow(clippy::too_many_arguments)]
 pub(crate) fn gather_statistics(
     py: Python<'_>,
     camera: &PyCamera,
     scenes: Option<Vec<Bound<'_, PyScene>>>,
     pairs: Option<Vec<(Bound<'_, PyRawImage>, Bound<'_, PyImage>)>>,
+    align: bool,
     illuminants: Vec<Bound<'_, PyAny>>,
     target: &Bound<'_, PyAny>,
     target_illuminant: Option<&Bound<'_, PyAny>>,
@@ -270,6 +271,9 @@ pub(crate) fn gather_statistics(
     if !pairs.is_empty() && scenes.as_ref().is_some_and(|s| !s.is_empty()) {
         return Err(wrong("raw files contain noise and scenes do not: give either pairs or scenes"));
     }
+    if !pairs.is_empty() && (settings.target != TrainingTarget::Xyz || settings.target_light.is_some()) {
+        return Err(wrong("target, target_illuminant: the targets of pairs are their pictures"));
+    }
     let scene = |s: Bound<'_, PyScene>| {
         let PyScene { scene, source, fov_stated, is_file } = s.get().clone();
         NamedScene::for_camera(own, source, scene, is_file, fov_stated).or_raise()
@@ -298,7 +302,7 @@ pub(crate) fn gather_statistics(
             let name = format!("pair {i}");
             let (raw, picture) = (&raw.raw, &picture.image);
             let pair = RawAndPicture { name: &name, raw, default_crop: None, picture };
-            add_pair(&mut statistics, own, pair, false, watch).or_raise()?;
+            add_pair(&mut statistics, own, pair, align, watch).or_raise()?;
             sources.push(name);
             watch.step();
         }

@@ -59,9 +59,11 @@ def test_pairs_are_fitted_as_numpy_fits_them() -> None:
     raw = smalti.RawImage(samples, camera.cfa, black_level=0, white_level=16383)
     target = smalti.Image(rng.random((64, 96, 3)), "xyz", white=(0.95, 1.0, 1.09))
     pipeline = smalti.train(
-        camera, pairs=[(raw, target)], patch=3, levels=1, textures="none", solver="least-squares", symmetry=False,
+        camera, pairs=[(raw, target)], align=False, patch=3, levels=1, textures="none", solver="least-squares", symmetry=False,
         progress=False,
     )  # fmt: skip
+    with pytest.raises(smalti.SmaltiError, match="the targets of pairs are their pictures"):
+        smalti.train(camera, pairs=[(raw, target)], target_illuminant="A", progress=False)
     values = raw.normalized()
     # Patches at even rows and columns within the borders: red cells.
     at = [(r, c) for r in range(2, 62, 2) for c in range(2, 94, 2)]

@@ -54,6 +54,7 @@ def gather(
     scenes: Sequence[Scene] | None = None,
     *,
     pairs: Sequence[tuple[RawImage, Image]] | None = None,
+    align: bool = True,
     illuminants: Sequence[Light] = ("D65", "A", "LED"),
     target: Literal["xyz"] | Camera = "xyz",
     target_illuminant: Light | None = None,
@@ -71,7 +72,7 @@ def gather(
     Statistics of several runs can be merged (`Statistics.merged`) and solved with different settings (`solve`).
     """
     return _gather(
-        camera, scenes, pairs, progress, list(illuminants), target, target_illuminant, list(exposures), patch, levels,
+        camera, scenes, pairs, progress, align, list(illuminants), target, target_illuminant, list(exposures), patch, levels,
         level_rule, textures, sharp, seed,
     )[0]  # fmt: skip
 
@@ -95,6 +96,7 @@ def train(
     scenes: Sequence[Scene] | None = None,
     *,
     pairs: Sequence[tuple[RawImage, Image]] | None = None,
+    align: bool = True,
     illuminants: Sequence[Light] = ("D65", "A", "LED"),
     target: Literal["xyz"] | Camera = "xyz",
     target_illuminant: Light | None = None,
@@ -118,7 +120,9 @@ def train(
     Args:
         camera: the camera, whose mosaic, noise and spectral sensitivities determine the pipeline.
         scenes: training scenes; default a built-in set, which is not used for evaluation.
-        pairs: raw images with their target pictures, aligned pixel by pixel, instead of scenes.
+        pairs: raw images with their target pictures, instead of scenes. The targets are those of the pictures: `target` and
+            `target_illuminant` cannot be given.
+        align: align the pictures with the raw images, from which they may be shifted or scaled; otherwise they must match pixel by pixel.
         illuminants: illuminants of the built-in set, which its scenes use in turn.
         target: "xyz", or a camera whose channels are estimated.
         target_illuminant: illuminant of the targets; default that of the scenes.
@@ -141,7 +145,7 @@ def train(
         SmaltiError: when a setting is impossible for the camera, or a position of the mosaic has no patches.
     """
     statistics, story = _gather(
-        camera, scenes, pairs, progress, list(illuminants), target, target_illuminant, list(exposures), patch, levels,
+        camera, scenes, pairs, progress, align, list(illuminants), target, target_illuminant, list(exposures), patch, levels,
         level_rule, textures, sharp, seed,
     )  # fmt: skip
     return _smalti.solve_statistics(statistics, story, solver, alpha_flat, alpha_texture, linear, symmetry, smoothing)

@@ -416,6 +416,7 @@ def gather_statistics(
     camera: Camera,
     scenes: list[Scene] | None,
     pairs: list[tuple[RawImage, Image]] | None,
+    align: bool,
     illuminants: list[_Light],
     target: Literal["xyz"] | Camera,
     target_illuminant: _Light | None,
