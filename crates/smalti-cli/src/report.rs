@@ -75,7 +75,7 @@ pub(crate) fn run(args: &ReportArgs, common: &Common) -> anyhow::Result<()> {
     }
     let settings = ReportSettings {
         pictures: usize::from(args.pictures),
-        wanted: args.picture.clone(),
+        requested: args.picture.clone(),
         draw: args.draw.clone(),
     };
     let mut report = Report::new(&studies, &settings)?;

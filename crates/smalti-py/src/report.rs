@@ -21,7 +21,7 @@ pub(crate) fn write_report<'py>(
     draw: Vec<String>,
     progress: Option<&Bound<'py, PyAny>>,
 ) -> PyResult<Bound<'py, PyAny>> {
-    let settings = ReportSettings { pictures: usize::from(pictures), wanted: picture, draw };
+    let settings = ReportSettings { pictures: usize::from(pictures), requested: picture, draw };
     let Some(first) = results.first() else {
         return Err(wrong("which results? Name a folder that a sweep wrote"));
     };

@@ -93,7 +93,7 @@ class Simulator {
     const { study, drawn } = this.designs.data.sections[section];
     const { light, condition, is_learned: isLearned, stage } = drawn;
     if (!this.studies.has(study)) this.studies.set(study, await Simulator.asked(this.worker, { task: "study", study: this.designs.data.studies[study].study }));
-    const count = light.scenes.length + (light.lessons ? 3 : 0);
+    const count = light.scenes.length + (light.training ? 3 : 0);
     const planes = await Promise.all(this.designs.stages[stage].planes.slice(0, count).map(unpackPictures));
     await Simulator.asked(this.worker, { task: "setup", study: this.studies.get(study), condition, isLearned, light, planes });
     this.section = section;

@@ -22,7 +22,7 @@ pub(super) struct Studio<'a> {
     camera: Camera,
     setting: Setting,
     /// Training data, where pipelines are learned.
-    lessons: Option<PipelineTrainer>,
+    trainer: Option<PipelineTrainer>,
 }
 
 /// A scene before the camera, for any design.
@@ -60,8 +60,8 @@ impl<'a> Studio<'a> {
             let targets = Targets::new(&camera, &evaluation, &[], &[], &|_, make| make())?;
             PipelineTrainer::new(&targets, &section.results.study().l3, &|_, make| make())
         };
-        let lessons = (processing == Processing::L3).then(learn).transpose()?;
-        Ok(Self { section, camera, setting, lessons })
+        let trainer = (processing == Processing::L3).then(learn).transpose()?;
+        Ok(Self { section, camera, setting, trainer })
     }
 
     pub(super) fn stage(&self, scene: &str, noise: NoiseMode) -> Result<Stage<'_>, ReportError> {
@@ -73,7 +73,7 @@ impl<'a> Studio<'a> {
 impl Stage<'_> {
     /// The picture by the trial of a row.
     pub(super) fn picture(&self, row: usize) -> Result<Pixels, ReportError> {
-        let Studio { section, camera, lessons, .. } = self.studio;
+        let Studio { section, camera, trainer, .. } = self.studio;
         let design = section.results.trial(row)?.design;
         let camera = camera.with_cfa(design.cfa(camera.grid())?);
         // The lens is the same, and so is the optical image.
@@ -82,8 +82,8 @@ impl Stage<'_> {
         let Setup { camera, image, light, exposure } = &setup;
         let raw = camera.sensor.capture(image, exposure, self.noise, section.results.study().seed);
         let raw = raw.map_err(CameraError::from)?;
-        let isp: Box<dyn Isp> = match lessons {
-            Some(lessons) => Box::new(lessons.pipeline(&camera.sensor.cfa)?.0),
+        let isp: Box<dyn Isp> = match trainer {
+            Some(trainer) => Box::new(trainer.pipeline(&camera.sensor.cfa)?.0),
             None => Box::new(camera.isp(light, WhiteBalance::None)?),
         };
         let picture = isp.render(&raw).map_err(CameraError::from)?;

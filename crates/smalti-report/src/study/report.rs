@@ -21,7 +21,7 @@ pub struct ReportSettings {
     /// How many trials with learned pipelines have embedded pictures in the page.
     pub pictures: usize,
     /// Trials of the first study, by their numbers, with embedded pictures in the page.
-    pub wanted: Vec<u64>,
+    pub requested: Vec<u64>,
     /// Texts of which one must be in the name of a condition that has figures of its own. Empty: the first conditions have.
     pub draw: Vec<String>,
 }
@@ -64,7 +64,7 @@ impl<'a> Report<'a> {
         let sources = Sources {
             all: &self.all,
             pictures: self.settings.pictures,
-            wanted: &self.settings.wanted,
+            requested: &self.settings.requested,
             progress,
         };
         let (html, notes) = page::page(&sources)?;

@@ -78,7 +78,7 @@ impl Opponent {
 
 /// Extension of the images beyond their borders.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Boundary {
+pub enum Extension {
     /// Reflection, with the border pixel repeated.
     #[default]
     Mirror,
@@ -98,7 +98,7 @@ pub struct Scielab {
     /// The matrix to opponent colours.
     pub opponent: Opponent,
     /// Extension of the images beyond their borders.
-    pub boundary: Boundary,
+    pub extension: Extension,
 }
 
 /// S-CIELAB of two images in XYZ (CIE 1931) relative to a white in the same scale. The kernels are those of
@@ -125,7 +125,7 @@ impl Scielab {
             formula,
             kernels: KernelWidth::default(),
             opponent: Opponent::default(),
-            boundary: Boundary::default(),
+            extension: Extension::default(),
         }
     }
 
@@ -158,7 +158,7 @@ impl Scielab {
         let xyz_from_opponent = self.opponent.inverse_matrix();
         let opponent = transformed(&opponent_from_xyz, three(image.planes()));
         let shape = (image.rows(), image.cols());
-        let blurred = [0, 1, 2].map(|c| blur(&opponent[c], shape, &kernels[c], self.boundary));
+        let blurred = [0, 1, 2].map(|c| blur(&opponent[c], shape, &kernels[c], self.extension));
         Ok(transformed(&xyz_from_opponent, blurred.each_ref().map(Vec::as_slice)))
     }
 
@@ -237,7 +237,7 @@ const CHUNK: usize = 16_384;
 const ROWS: usize = 16;
 
 /// The weighted sum of separable blurs of a plane.
-fn blur(plane: &[f32], (rows, cols): (usize, usize), kernel: &[Gaussian], boundary: Boundary) -> Vec<f32> {
+fn blur(plane: &[f32], (rows, cols): (usize, usize), kernel: &[Gaussian], extension: Extension) -> Vec<f32> {
     let mut out = vec![0.0f32; plane.len()];
     if plane.is_empty() {
         return out;
@@ -249,7 +249,7 @@ fn blur(plane: &[f32], (rows, cols): (usize, usize), kernel: &[Gaussian], bounda
             let mut padded = vec![0.0; cols + 2 * radius];
             for (out, row) in out.chunks_exact_mut(cols).zip(rows.chunks_exact(cols)) {
                 for (i, p) in padded.iter_mut().enumerate() {
-                    *p = row[outside(i as isize - radius as isize, cols, boundary)];
+                    *p = row[outside(i as isize - radius as isize, cols, extension)];
                 }
                 for (o, &v) in out.iter_mut().zip(&padded[radius..]) {
                     *o = gaussian.half[0] * v;
@@ -267,7 +267,7 @@ fn blur(plane: &[f32], (rows, cols): (usize, usize), kernel: &[Gaussian], bounda
             for (r, out) in out.chunks_exact_mut(cols).enumerate() {
                 let row = (block * ROWS + r) as isize;
                 let source = |offset: isize| {
-                    let r = outside(row + offset, rows, boundary);
+                    let r = outside(row + offset, rows, extension);
                     &across[r * cols..(r + 1) * cols]
                 };
                 for (s, &v) in sum.iter_mut().zip(source(0)) {
@@ -288,10 +288,10 @@ fn blur(plane: &[f32], (rows, cols): (usize, usize), kernel: &[Gaussian], bounda
 }
 
 /// The index inside 0..n that replaces one outside.
-fn outside(i: isize, n: usize, boundary: Boundary) -> usize {
-    match boundary {
-        Boundary::Periodic => i.rem_euclid(n as isize) as usize,
-        Boundary::Mirror => about_border(i, n),
+fn outside(i: isize, n: usize, extension: Extension) -> usize {
+    match extension {
+        Extension::Periodic => i.rem_euclid(n as isize) as usize,
+        Extension::Mirror => about_border(i, n),
     }
 }
 

@@ -116,7 +116,7 @@ impl PipelineTrainer {
         let camera = targets.chart.camera.with_size(size, size);
         let horizontal_fov_deg = camera.field_of_view_deg(size, setting.distance_m)?;
         let wide = Setting { horizontal_fov_deg, ..setting.clone() };
-        let key = stable_text(&("lessons", size, &wide, &camera.optics))?;
+        let key = stable_text(&("training", size, &wide, &camera.optics))?;
         let image = images(&key, &|| {
             Ok(camera.optics.image(&training_scene::scene(&camera, size, &light, &wide)?)?)
         })?;

@@ -126,8 +126,7 @@ pub struct PreviewLight {
     pub factor: f64,
     /// The scenes.
     pub scenes: Vec<PreviewScene>,
-    /// For designs with learned pipelines. Embedded pages know the key by its former name.
-    #[serde(rename = "lessons")]
+    /// For designs with learned pipelines.
     pub training: Option<PreviewTraining>,
 }
 

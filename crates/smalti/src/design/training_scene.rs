@@ -44,7 +44,7 @@ pub(super) fn scene(
         }
     }
     let cube = SpectralCube::new(setting.grid, planes)?;
-    Ok(Scene::new("lessons", cube, white.clone(), setting.distance_m, setting.horizontal_fov_deg)?)
+    Ok(Scene::new("training", cube, white.clone(), setting.distance_m, setting.horizontal_fov_deg)?)
 }
 
 /// The scene of one picture: dead leaves or a test pattern.

@@ -147,10 +147,10 @@ fn ptrs_lanes(
     means: &[f64; LANES],
     counts: &mut [f64; LANES],
 ) {
-    let mut open = Trials { lane: [0; LANES], mean: [PTRS_FROM; LANES], u: [0; LANES], v: [0; LANES] };
+    let mut open = Candidates { lane: [0; LANES], mean: [PTRS_FROM; LANES], u: [0; LANES], v: [0; LANES] };
     let mut accepted = [0u8; LANES];
     for i in 0..LANES {
-        let t = Trial::new(means[i].max(PTRS_FROM), words[0][i], words[1][i]);
+        let t = Candidate::new(means[i].max(PTRS_FROM), words[0][i], words[1][i]);
         counts[i] = t.k;
         accepted[i] = u8::from(t.quick | (means[i] < PTRS_FROM));
     }
@@ -180,7 +180,7 @@ fn ptrs_lanes(
 }
 
 /// One trial of PTRS.
-struct Trial {
+struct Candidate {
     /// The proposed count.
     k: f64,
     /// Whether the squeeze (quick test) accepts it.
@@ -193,7 +193,7 @@ struct Trial {
     inverse_alpha: f64,
 }
 
-impl Trial {
+impl Candidate {
     /// Hörmann 1993, algorithm PTRS, steps 0 and 1. `mean` is at least 10.
     #[inline(always)]
     fn new(mean: f64, word_u: u32, word_v: u32) -> Self {
@@ -210,15 +210,15 @@ impl Trial {
     }
 }
 
-/// Trials of the lanes that the quick test left undecided.
-struct Trials {
+/// Candidates of the lanes that the quick test left undecided.
+struct Candidates {
     lane: [u32; LANES],
     mean: [f64; LANES],
     u: [u32; LANES],
     v: [u32; LANES],
 }
 
-impl Trials {
+impl Candidates {
     /// Tests the first `n` trials, writes the counts of accepted ones, packs the rejected ones to the front
     /// and returns their number.
     #[inline(always)]
@@ -228,14 +228,14 @@ impl Trials {
         let mut accepted = [0u8; LANES];
         let padded = n.next_multiple_of(8).min(LANES);
         for j in 0..padded {
-            k[j] = Trial::new(self.mean[j].max(PTRS_FROM), self.u[j], self.v[j]).k;
+            k[j] = Candidate::new(self.mean[j].max(PTRS_FROM), self.u[j], self.v[j]).k;
         }
         for j in 0..padded {
             ln_factorial[j] = LN_FACTORIAL[k[j].clamp(0.0, 15.0) as usize];
         }
         for j in 0..padded {
             let mean = self.mean[j].max(PTRS_FROM);
-            let t = Trial::new(mean, self.u[j], self.v[j]);
+            let t = Candidate::new(mean, self.u[j], self.v[j]);
             // Log-probability of k: k ln(λ/k) + k − λ − Stirling's series, which avoids the cancellation of
             // large terms. The series is inexact below 16, where a table of factorials replaces it.
             let small = t.k < 16.0;

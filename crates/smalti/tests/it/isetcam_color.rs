@@ -7,7 +7,7 @@ use common::{assert_close, numbers, reference_csv, reference_json};
 use smalti::color::difference::{delta_e_76, delta_e_94, delta_e_2000, delta_e_map};
 use smalti::color::display::{Primaries, decode_srgb, encode_srgb};
 use smalti::color::matrix::apply;
-use smalti::color::scielab::{Boundary, KernelWidth, Opponent, Scielab};
+use smalti::color::scielab::{Extension, KernelWidth, Opponent, Scielab};
 use smalti::color::{ColorSpace, DeltaE, Image, lab_from_xyz};
 use smalti::numeric::Planes;
 use smalti::spectrum::reflectance::colorchecker;
@@ -76,7 +76,7 @@ fn isetcam(formula: DeltaE) -> Scielab {
     Scielab {
         kernels: KernelWidth::Isetcam,
         opponent: Opponent::Degrees10,
-        boundary: Boundary::Periodic,
+        extension: Extension::Periodic,
         ..Scielab::new(60.0, formula)
     }
 }

@@ -36,7 +36,7 @@ impl Choice {
     /// At most about `most` designs, apart from the marked ones.
     pub(super) fn among(sources: &Sources<'_>, most: usize) -> Result<Self, ReportError> {
         if let Some((results, _)) = sources.all.first() {
-            for number in sources.wanted {
+            for number in sources.requested {
                 if results.data.numbers.binary_search(number).is_err() {
                     return Err(ReportError::NoSuchPicture { number: *number, study: results.name() });
                 }
@@ -56,10 +56,10 @@ impl Choice {
                     .flat_map(|g| g.best.iter().copied().chain(g.worst))
                     .chain(front.iter().copied().take(most / 10))
                     .collect();
-                let wanted = |n: &u64| study == 0 && sources.wanted.contains(n);
+                let requested = |n: &u64| study == 0 && sources.requested.contains(n);
                 for row in section.rows.clone() {
                     let Some(number) = results.data.numbers.get(row) else { continue };
-                    if row % step == 0 || named.contains(&row) || wanted(number) {
+                    if row % step == 0 || named.contains(&row) || requested(number) {
                         let front = front.contains(&row);
                         rows.push(Row { study, row, number: *number, section: index, front });
                     }

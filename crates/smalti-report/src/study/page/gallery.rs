@@ -25,13 +25,13 @@ pub(super) struct Gallery {
     pub(super) notes: Vec<String>,
 }
 
-/// A design whose pictures are to be embedded.
-struct Wish {
+/// A trial whose pictures are to be embedded.
+struct EmbeddedPicture {
     study: usize,
     section: usize,
     row: usize,
-    /// Whether the caller asked for it: then no limit applies, and the pictures are lossless.
-    wanted: bool,
+    /// Whether the caller requested it. Requested pictures are lossless and have no limit.
+    requested: bool,
 }
 
 pub(super) fn gallery(
@@ -41,10 +41,10 @@ pub(super) fn gallery(
 ) -> Result<Gallery, ReportError> {
     let sections: Vec<(usize, &Section<'_>)> =
         sources.all.iter().enumerate().flat_map(|(i, (_, s))| s.iter().map(move |s| (i, s))).collect();
-    let wishes = wishes(sources, &sections, stages);
+    let embedded = embedded(sources, &sections, stages);
     let (mut pictures, mut notes, mut bytes, mut left_out) = (Vec::new(), Vec::new(), stages.bytes, 0);
     for (index, (_, section)) in sections.iter().enumerate() {
-        let here: Vec<&Wish> = wishes.iter().filter(|w| w.section == index).collect();
+        let here: Vec<&EmbeddedPicture> = embedded.iter().filter(|w| w.section == index).collect();
         if here.is_empty() {
             continue;
         }
@@ -63,10 +63,10 @@ pub(super) fn gallery(
                 continue;
             }
         };
-        for (wish, [zone, leaves]) in here.iter().zip(drawn) {
-            let Some(place) = choice.place(wish.study, wish.row) else { continue };
+        for (picture, [zone, leaves]) in here.iter().zip(drawn) {
+            let Some(place) = choice.place(picture.study, picture.row) else { continue };
             let size = zone.0.as_str().len() + leaves.0.as_str().len();
-            if bytes + size > MAX_BYTES && !wish.wanted {
+            if bytes + size > MAX_BYTES && !picture.requested {
                 left_out += 1;
                 continue;
             }
@@ -77,7 +77,7 @@ pub(super) fn gallery(
     }
     if left_out > 0 {
         notes.push(format!(
-            "the pictures of {left_out} designs were left out, since the page would be too large"
+            "the pictures of {left_out} trials were left out, since the page would be too large"
         ));
     }
     Ok(Gallery { data: pictures.into(), notes })
@@ -85,20 +85,20 @@ pub(super) fn gallery(
 
 type Encoded = (DataUri, usize, usize);
 
-/// For each design the zone plate without noise and the scene with noise.
+/// For each trial the zone plate without noise and the scene with noise.
 fn draw(
     section: &Section<'_>,
-    wishes: &[&Wish],
+    embedded: &[&EmbeddedPicture],
     preview: &dyn Fn() -> Result<Preview, ReportError>,
     progress: &dyn Progress,
 ) -> Result<Vec<[Encoded; 2]>, ReportError> {
     let preview = preview()?;
-    let one = |wish: &&Wish| {
-        let design = preview.design(&section.results.trial(wish.row)?.design)?;
+    let one = |of: &&EmbeddedPicture| {
+        let design = preview.design(&section.results.trial(of.row)?.design)?;
         let picture = |(scene, noise): (usize, NoiseMode)| {
             ensure_running(progress)?;
             let Pixels { width, height, rgb } = Pixels::of(&preview.picture(&design, scene, noise)?);
-            let made = match wish.wanted {
+            let made = match of.requested {
                 true => DataUri::png(width, height, &rgb),
                 false => DataUri::jpeg(width, height, &rgb, QUALITY),
             }?;
@@ -107,22 +107,26 @@ fn draw(
         };
         Ok([picture((0, NoiseMode::None))?, picture((1, NoiseMode::All))?])
     };
-    wishes.par_iter().map(one).collect()
+    embedded.par_iter().map(one).collect()
 }
 
-/// The designs that the caller asks for. Then, for each section, the best and the worst design of each number of colours, designs of
+/// The trials that the caller requested. Then, for each section, the best and the worst trial of each number of colours, trials of
 /// the front at even distances, and the second and third best.
-fn wishes(sources: &Sources<'_>, sections: &[(usize, &Section<'_>)], stages: &Stages) -> Vec<Wish> {
-    let mut wishes: Vec<Wish> = Vec::new();
-    let mut add = |section: usize, row: usize, wanted: bool| {
+fn embedded(
+    sources: &Sources<'_>,
+    sections: &[(usize, &Section<'_>)],
+    stages: &Stages,
+) -> Vec<EmbeddedPicture> {
+    let mut embedded: Vec<EmbeddedPicture> = Vec::new();
+    let mut add = |section: usize, row: usize, requested: bool| {
         let Some((study, _)) = sections.get(section) else { return };
-        let there = wishes.iter().any(|w| (w.section, w.row) == (section, row));
-        if !there && (wanted || wishes.len() < sources.pictures + sources.wanted.len()) {
-            wishes.push(Wish { study: *study, section, row, wanted });
+        let there = embedded.iter().any(|w| (w.section, w.row) == (section, row));
+        if !there && (requested || embedded.len() < sources.pictures + sources.requested.len()) {
+            embedded.push(EmbeddedPicture { study: *study, section, row, requested });
         }
     };
     if let Some((results, _)) = sources.all.first() {
-        for number in sources.wanted {
+        for number in sources.requested {
             let Ok(row) = results.data.numbers.binary_search(number) else { continue };
             let section = sections.iter().position(|(study, s)| *study == 0 && s.rows.contains(&row));
             if let Some(section) = section.filter(|s| !stages.has_failed(*s)) {
@@ -147,5 +151,5 @@ fn wishes(sources: &Sources<'_>, sections: &[(usize, &Section<'_>)], stages: &St
             .take(each.min(sources.pictures))
             .for_each(|row| add(index, row, false));
     }
-    wishes
+    embedded
 }

@@ -15,7 +15,7 @@ pub(in crate::study) struct Sources<'a> {
     /// How many trials with learned pipelines have embedded pictures.
     pub(in crate::study) pictures: usize,
     /// Trials of the first study that have embedded pictures in any case.
-    pub(in crate::study) wanted: &'a [u64],
+    pub(in crate::study) requested: &'a [u64],
     pub(in crate::study) progress: &'a dyn Progress,
 }
 

@@ -30,7 +30,7 @@ pub(super) const MAX_BYTES: usize = 2_800_000;
 /// daylight to a few thousandths.
 const COMPONENTS: [usize; 2] = [3, 8];
 /// Spectral components of training scenes.
-const LESSON_COMPONENTS: usize = 8;
+const TRAINING_COMPONENTS: usize = 8;
 
 /// One lens and pixel geometry under one light. They determine the light on the pixels up to a factor.
 struct Stage {
@@ -38,7 +38,7 @@ struct Stage {
     illuminant: Illuminant,
     luminance_cd_m2: f64,
     /// Side of the training scenes, where pipelines are learned.
-    lessons_px: Option<usize>,
+    training_px: Option<usize>,
 }
 
 impl Stage {
@@ -48,12 +48,12 @@ impl Stage {
         // Any exposure: the cameras that share the stage have their own rules, of which some may fail.
         let exposure = ExposureDescription { time_ms: Some(1.0), ..ExposureDescription::default() };
         let description = CameraDescription { exposure, ..condition.camera.clone() };
-        let lessons_px = (processing == Processing::L3).then_some(section.results.study().l3.size_px);
+        let training_px = (processing == Processing::L3).then_some(section.results.study().l3.size_px);
         Ok(Self {
             camera: Camera::new(description, camera.grid())?,
             illuminant: condition.illuminant.clone(),
             luminance_cd_m2: condition.luminance_cd_m2,
-            lessons_px,
+            training_px,
         })
     }
 
@@ -68,7 +68,7 @@ impl Stage {
             && own.aperture == other.aperture
             && own.quantum_efficiency == other.quantum_efficiency
             && own.ir_cut == other.ir_cut
-            && self.lessons_px.zip(stage.lessons_px).is_none_or(|(own, other)| own == other)
+            && self.training_px.zip(stage.training_px).is_none_or(|(own, other)| own == other)
     }
 
     /// Both scenes before its camera.
@@ -99,15 +99,15 @@ impl Stage {
     /// The light of both scenes and of the training scenes.
     fn light(&self, setups: &[Setup]) -> Result<PreviewLight, ReportError> {
         let scenes = setups.iter().zip(COMPONENTS).map(|(setup, n)| PreviewScene::new(setup, n));
-        let lessons = |size_px| -> Result<PreviewTraining, ReportError> {
+        let training = |size_px| -> Result<PreviewTraining, ReportError> {
             let settings = LearningSettings { size_px, ..LearningSettings::default() };
-            let lessons = PipelineTrainer::new(&self.targets(&self.camera)?, &settings, &|_, make| make())?;
-            Ok(PreviewTraining::new(&lessons, LESSON_COMPONENTS)?)
+            let trainer = PipelineTrainer::new(&self.targets(&self.camera)?, &settings, &|_, make| make())?;
+            Ok(PreviewTraining::new(&trainer, TRAINING_COMPONENTS)?)
         };
         Ok(PreviewLight {
             factor: 1.0,
             scenes: scenes.collect::<Result<_, _>>()?,
-            training: self.lessons_px.map(lessons).transpose()?,
+            training: self.training_px.map(training).transpose()?,
         })
     }
 
@@ -129,8 +129,8 @@ impl Stage {
         if processing != Processing::L3 {
             light.training = None;
         }
-        if let Some(lessons) = &mut light.training {
-            lessons.chart.metered = self.targets(&camera)?.metered().map(|s| s.values().to_vec());
+        if let Some(training) = &mut light.training {
+            training.chart.metered = self.targets(&camera)?.metered().map(|s| s.values().to_vec());
         }
         Ok(light)
     }
@@ -155,13 +155,13 @@ struct Drawn {
 
 /// Why a section draws no pictures.
 #[derive(Clone)]
-enum Undrawn {
+enum NoPicture {
     /// The page would be too large. A page of fewer sections has the pictures.
     NoRoom,
     Failed(String),
 }
 
-impl Undrawn {
+impl NoPicture {
     fn words(&self) -> &str {
         match self {
             Self::NoRoom => "it would be too large; report fewer studies or conditions at a time",
@@ -170,7 +170,7 @@ impl Undrawn {
     }
 }
 
-impl From<ReportError> for Undrawn {
+impl From<ReportError> for NoPicture {
     fn from(error: ReportError) -> Self {
         Self::Failed(plain(&in_one_line(&error)))
     }
@@ -179,7 +179,7 @@ impl From<ReportError> for Undrawn {
 /// The data from which pictures of designs are drawn.
 pub(super) struct Stages {
     stages: Vec<Value>,
-    sections: Vec<Result<Drawn, Undrawn>>,
+    sections: Vec<Result<Drawn, NoPicture>>,
     /// Bytes of all stages and of the simulator.
     pub(super) bytes: usize,
     pub(super) notes: Vec<String>,
@@ -190,22 +190,22 @@ impl Stages {
         let sections: Vec<&Section<'_>> = sources.sections().collect();
         let mut stages: Vec<Stage> = Vec::new();
         // The camera may need a file that is not part of the study.
-        let places: Vec<Result<usize, Undrawn>> =
+        let places: Vec<Result<usize, NoPicture>> =
             sections.iter().map(|s| Ok(place(Stage::new(s)?, &mut stages))).collect();
-        let learned = stages.iter().filter(|s| s.lessons_px.is_some()).count();
+        let learned = stages.iter().filter(|s| s.training_px.is_some()).count();
         let mut bytes = if stages.is_empty() { 0 } else { SIMULATOR_BYTES };
         let wanted = bytes + (stages.len() + learned) * STAGE_BYTES;
         let specs = if wanted < MAX_BYTES + STAGE_BYTES { [ZONE_PLATE, LEAVES] } else { SMALL };
-        let mut drawn: Vec<Result<Drawn, Undrawn>> = Vec::new();
-        drawn.resize_with(sections.len(), || Err(Undrawn::NoRoom));
+        let mut drawn: Vec<Result<Drawn, NoPicture>> = Vec::new();
+        drawn.resize_with(sections.len(), || Err(NoPicture::NoRoom));
         let mut data = Vec::new();
         for (index, stage) in stages.iter().enumerate() {
-            let make = || -> Result<(PreviewLight, Vec<Setup>), Undrawn> {
+            let make = || -> Result<(PreviewLight, Vec<Setup>), NoPicture> {
                 if bytes >= MAX_BYTES {
-                    return Err(Undrawn::NoRoom);
+                    return Err(NoPicture::NoRoom);
                 }
                 let setups = stage.setups(specs, sources.progress)?;
-                Ok((stage.light(&setups).map_err(Undrawn::from)?, setups))
+                Ok((stage.light(&setups).map_err(NoPicture::from)?, setups))
             };
             let mut made = make();
             // A stop is no reason that a section could state.
@@ -216,7 +216,7 @@ impl Stages {
                         Ok((light, setups)) => stage
                             .light_of(section, setups, light)
                             .map(|light| Drawn { stage: index, light })
-                            .map_err(Undrawn::from),
+                            .map_err(NoPicture::from),
                         Err(why) => Err(why.clone()),
                     };
                 }
@@ -231,7 +231,7 @@ impl Stages {
                 *drawn = Err(why);
             }
         }
-        let note = |(section, drawn): (&&Section<'_>, &Result<Drawn, Undrawn>)| {
+        let note = |(section, drawn): (&&Section<'_>, &Result<Drawn, NoPicture>)| {
             let why = drawn.as_ref().err()?;
             Some(format!("{}: the page draws no pictures: {}", section.title(), why.words()))
         };
@@ -246,7 +246,7 @@ impl Stages {
 
     /// Whether a section cannot have pictures, which a note states.
     pub(super) fn has_failed(&self, section: usize) -> bool {
-        matches!(self.sections.get(section), Some(Err(Undrawn::Failed(_))))
+        matches!(self.sections.get(section), Some(Err(NoPicture::Failed(_))))
     }
 
     /// Whether the page draws anything.
@@ -279,7 +279,7 @@ impl Stages {
     /// The stages, and the part of each section.
     pub(super) fn data(&self, sections: &[&Section<'_>]) -> Result<(Value, Vec<Value>), ReportError> {
         let said =
-            |(drawn, section): (&Result<Drawn, Undrawn>, &&Section<'_>)| -> Result<Value, ReportError> {
+            |(drawn, section): (&Result<Drawn, NoPicture>, &&Section<'_>)| -> Result<Value, ReportError> {
                 match drawn {
                     Ok(Drawn { stage, light }) => {
                         let (condition, processing) = section
@@ -292,7 +292,7 @@ impl Stages {
                         )
                     }
                     Err(why) => {
-                        Ok(json!({"none": why.words(), "is_elsewhere": matches!(why, Undrawn::NoRoom)}))
+                        Ok(json!({"none": why.words(), "is_elsewhere": matches!(why, NoPicture::NoRoom)}))
                     }
                 }
             };
@@ -306,7 +306,7 @@ fn place(stage: Stage, stages: &mut Vec<Stage>) -> usize {
     let found = stages.iter().position(|s| s.serves(&stage));
     let place = found.unwrap_or(stages.len());
     match stages.get_mut(place) {
-        Some(there) => there.lessons_px = there.lessons_px.or(stage.lessons_px),
+        Some(there) => there.training_px = there.training_px.or(stage.training_px),
         None => stages.push(stage),
     }
     place

@@ -56,7 +56,7 @@ fn of_more_designs_than_a_page_holds_all_marked_ones_are_there() {
     let few =
         results("few", "[filters.rule]\nrules = [\"uniform\", \"height-scaled\"]\ntargets = [\"cones\"]\n");
     let all = [(&cloud, Section::all(&cloud).unwrap()), (&few, Section::all(&few).unwrap())];
-    let sources = Sources { all: &all, pictures: 0, wanted: &[], progress: &Silent };
+    let sources = Sources { all: &all, pictures: 0, requested: &[], progress: &Silent };
     assert_eq!(Choice::of(&sources).unwrap().of, None);
     let choice = Choice::among(&sources, 20).unwrap();
     let designs = few.data.numbers.len();
