@@ -321,8 +321,8 @@ def report(
         results: a folder of results, or several folders for a common report.
         out: a folder for report.html, figures (SVG, PNG) and report.json, created if needed; or FILE.html for the page only; default the
             folder `report` in the first of the results.
-        pictures: number of trials, 0 to 1000, whose pictures are embedded in the page for processing that the page cannot compute
-            (learned pipelines, demosaicking other than bilinear): the best, the worst, then those of the Pareto front.
+        pictures: number of trials with learned pipelines, 0 to 1000, whose pictures are embedded in the page: the best, the worst, then those
+            of the Pareto front. The page draws the pictures of every trial itself; embedded ones are for browsers without WebAssembly.
         trials: further trials of the first results, by number, whose pictures are embedded in the page.
         draw: draw figures of the conditions and processing methods whose name contains one of these texts; default the first 8.
         progress: see `Progress`; steps are pictures and figures.
