@@ -207,9 +207,9 @@ fn malvar_impulses() {
     assert_eq!([green(0, 9, 10), green(2, 9, 10)], [-1.0, -1.0]);
 }
 
-/// A step along the sensor's axes leaves no zipper in green with the adaptive method, while bilinear has one.
+/// A step along the sensor's axes leaves no zipper in green with hamilton-adams1997, while bilinear has one.
 #[test]
-fn adaptive_follows_edges() {
+fn hamilton_adams1997_follows_edges() {
     let step = |_: usize, c: usize| if c < 20 { 0.2 } else { 0.8 };
     let raw = raw_of(&bayer(0, 0), 40, 40, step);
     let error = |m: Demosaic| {
