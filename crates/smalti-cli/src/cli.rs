@@ -52,7 +52,7 @@ pub(crate) enum Command {
     Simulate(Simulate),
     /// Score cameras on built-in targets: colour, resolution, noise, aliasing
     Evaluate(Evaluate),
-    /// Score all designs of a study; resumes an interrupted run
+    /// Score all trials of a study; resumes an interrupted run
     Sweep(SweepArgs),
     /// Report the results of a study: tables, best designs, figures
     Report(ReportArgs),

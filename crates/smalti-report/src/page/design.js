@@ -99,7 +99,7 @@ function isBeyondNyquist(designs, row) {
   return designs.columns.some((column) => isBeyond(designs, column, row));
 }
 
-// How many in a hundred of the designs with as many colours are worse.
+// How many in a hundred of the trials with as many colours are worse.
 function rankOf(designs, column, row) {
   if (!column.better || !Number.isFinite(column.values[row])) return "";
   let [worse, all] = [0, 0];
@@ -113,9 +113,9 @@ function rankOf(designs, column, row) {
   return all > 1 ? `${Math.floor((100 * worse) / (all - 1))} %` : "";
 }
 function figuresOf(designs, row) {
-  const table = make("table", {}, make("caption", { class: "hidden-text" }, "Figures of the design"),
+  const table = make("table", {}, make("caption", { class: "hidden-text" }, "Figures of the trial"),
     make("thead", {}, make("tr", {}, make("th", { scope: "col" }, "Figure"), make("th", { scope: "col", class: "number" }, "Value"),
-      make("th", { scope: "col", class: "number", title: "of the designs with as many colours" }, "Better than"))));
+      make("th", { scope: "col", class: "number", title: "of the trials with as many colours" }, "Better than"))));
   const body = make("tbody");
   for (const column of designs.columns.filter((c) => !c.parameter && c.name !== "colors" && Number.isFinite(c.values[row]))) {
     body.append(make("tr", { title: column.doc }, make("th", { scope: "row" }, column.label,
@@ -182,11 +182,11 @@ function picturesOf(designs, row, number) {
   const own = designs.pictures.get(row);
   if (own) return [both((which, words) => embedded([own.zone_plate, own.scene][which], words))];
   const drawn = drawnOf(designs, row);
-  if (drawn.none) return [say(`The page has no pictures of this design: ${drawn.none}.${drawn.is_elsewhere ? " This command makes a page with them:" : ""}`), drawn.is_elsewhere ? command() : null];
+  if (drawn.none) return [say(`The page has no pictures of this trial: ${drawn.none}.${drawn.is_elsewhere ? " This command makes a page with them:" : ""}`), drawn.is_elsewhere ? command() : null];
   const place = make("div");
   const failed = (error) => place.replaceChildren(say(`The page could not draw its pictures: ${error.message}. This command makes a page with them:`), command());
   const about = "Drawn by this page with the simulator itself: the same pixels as by the command.";
-  const state = make("p", { class: "none", role: "status" }, drawn.is_learned ? "Learning the pipeline of this design …" : "Drawing …");
+  const state = make("p", { class: "none", role: "status" }, drawn.is_learned ? "Learning the pipeline of this trial …" : "Drawing …");
   const done = () => { state.textContent = about; };
   place.append(both((which, words) => drawnHere(designs, row, which, words, done, failed)), state);
   return [place];

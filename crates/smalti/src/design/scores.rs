@@ -1,4 +1,4 @@
-//! The metrics of a study and the scores of its designs.
+//! The metrics of a study and the scores of its trials.
 
 use serde::{Deserialize, Serialize};
 
@@ -139,7 +139,7 @@ pub struct SceneFigures {
 /// The scores on one target, or the error of the measurement; `None` when no metric of the study needs the target.
 pub type MetricResult<T> = Option<Result<T, CameraError>>;
 
-/// The scores of a design. A failure on one target, such as an edge without contrast, does not affect the others.
+/// The scores of a trial. A failure on one target, such as an edge without contrast, does not affect the others.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Scores {
     /// The colour patches of the ColorChecker.

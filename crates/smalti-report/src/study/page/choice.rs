@@ -1,14 +1,14 @@
-//! The designs that a page shows.
+//! The trials that a page shows.
 
 use std::collections::BTreeSet;
 
 use super::sources::Sources;
 use crate::ReportError;
 
-/// The largest number of designs of a page. More would load slowly and could not be distinguished.
+/// The largest number of trials on a page. More would load slowly and could not be distinguished.
 pub(super) const MOST: usize = 100_000;
 
-/// A design of the page.
+/// A trial on the page.
 pub(super) struct Row {
     /// Index of the study, and row of its results.
     pub(super) study: usize,
@@ -21,10 +21,10 @@ pub(super) struct Row {
     pub(super) front: bool,
 }
 
-/// The designs of a page.
+/// The trials on a page.
 pub(super) struct Choice {
     pub(super) rows: Vec<Row>,
-    /// The number of all designs, where the page shows some of them.
+    /// The number of all trials, where the page shows some of them.
     pub(super) of: Option<usize>,
 }
 

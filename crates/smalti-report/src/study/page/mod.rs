@@ -31,7 +31,7 @@ pub(super) fn page(sources: &Sources<'_>) -> Result<(String, Vec<String>), Repor
         page = page.simulator();
     }
     page = page
-        .section("designs", "Designs", words::explorer())
+        .section("designs", "Trials", words::explorer())
         .section("means", "Means by number of colours", means(sources)?)
         .section("best", "Best designs", words::best(sources, &choice)?)
         .section("again", "Reproduction", again::section(sources))

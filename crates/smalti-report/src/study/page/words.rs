@@ -16,10 +16,10 @@ pub(super) fn warning(text: String) -> Markup {
     el("p").class("warning").attr("role", "note").child(text).into()
 }
 
-/// The place of the designs, which a script draws.
+/// The place of the trials, which a script draws.
 pub(super) fn explorer() -> Markup {
     let without = el("p").class("warning").child(
-        "A script draws the designs, and this reader does not run scripts. The tables and figures below need none. report.json and the \
+        "A script draws the trials, and this reader does not run scripts. The tables and figures below need none. report.json and the \
          Parquet files of the results hold every number.",
     );
     el("div").id("explorer").child(without).into()
