@@ -100,7 +100,7 @@ pub(crate) fn run(args: &SweepArgs, common: &Common) -> anyhow::Result<()> {
         tell_when_stopped(args)?;
     }
     let start = Instant::now();
-    sweeps::score_and_write(&sweep, &trials, &run, &|| progress.done(), &|| true)?;
+    sweeps::score_and_write(&sweep, &run, &progress)?;
     progress.finish();
     let seconds = start.elapsed().as_secs_f64();
     let timings = json!({"seconds": seconds, "trials": to_do, "threads": rayon::current_num_threads()});
@@ -140,14 +140,14 @@ fn tell_when_stopped(args: &SweepArgs) -> anyhow::Result<()> {
 fn rate(trials: &Trials, sweep: &Sweep<'_>, time: Duration) -> anyhow::Result<(u64, f64)> {
     // The preparation of a study is not part of the rate.
     let of_first = trials.end_of_condition(0).min(trials.len());
-    sweep.score(0..1, &|| ())?;
+    sweep.score(0..1, &|| true)?;
     let (start, mut done, mut size) = (Instant::now(), 0, 32);
     loop {
         let part = size.min(of_first);
         // Trials are ordered by number of colours: equal steps sample all of them.
         let stride = (of_first / part).max(1);
         let numbers: Vec<u64> = (0..part).map(|i| (i * stride + done % stride).min(of_first - 1)).collect();
-        sweep.score_numbers(&numbers, &|| ())?;
+        sweep.score_numbers(&numbers, &|| true)?;
         done += part;
         let elapsed = start.elapsed();
         if elapsed >= time {

@@ -3,7 +3,6 @@
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
-use pyo3::exceptions::PyKeyboardInterrupt;
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 use smalti::camera::CameraError;
@@ -11,7 +10,7 @@ use smalti::design::Sweep;
 use smalti::optics::OpticalImage;
 use smalti_io::dataset::{self, Manifest, RemoteDataset, Run, RunRecord};
 use smalti_io::studies;
-use smalti_io::sweeps::{self, SweepError};
+use smalti_io::sweeps;
 
 use crate::error::{OrRaise, wrong};
 use crate::evaluate::cache;
@@ -84,13 +83,7 @@ impl PyPartMaker {
     fn bytes(&self, py: Python<'_>, part: u64) -> PyResult<Vec<u8>> {
         watched(py, None, |watch| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().or_raise()?;
-            pool.install(|| {
-                let go_on = || watch.check().is_ok();
-                match sweeps::encode_part(&self.sweep, &self.manifest, part, &go_on) {
-                    Err(SweepError::Stopped) => Err(PyKeyboardInterrupt::new_err(())),
-                    made => made.or_raise(),
-                }
-            })
+            pool.install(|| sweeps::encode_part(&self.sweep, &self.manifest, part, watch)).or_raise()
         })
     }
 }

@@ -10,7 +10,7 @@ use pyo3::types::{PyDict, PyList};
 use serde_json::json;
 use smalti::design::{Sweep, Trials};
 use smalti_io::dataset::{self, Column, Dataset, Manifest, Run, Shard};
-use smalti_io::sweeps::{self, SweepError};
+use smalti_io::sweeps;
 use smalti_io::{TomlSource, studies};
 use smalti_report::study::camera_toml;
 
@@ -132,12 +132,7 @@ pub(crate) fn run_sweep(
         let run = Run::open(&out, &plan, shard).or_raise()?;
         let to_do: u64 = run.missing().iter().map(|&c| plan.trials_of(c)).map(|r| r.end - r.start).sum();
         let start = Instant::now();
-        let go_on = || watch.check().is_ok();
-        match sweeps::score_and_write(&sweep, trials, &run, &|| watch.step(), &go_on) {
-            Ok(()) => {}
-            Err(SweepError::Stopped) => return Err(pyo3::exceptions::PyKeyboardInterrupt::new_err(())),
-            Err(e) => return Err(e).or_raise(),
-        }
+        sweeps::score_and_write(&sweep, &run, watch).or_raise()?;
         let seconds = start.elapsed().as_secs_f64();
         let timings = json!({"seconds": seconds, "trials": to_do, "threads": rayon::current_num_threads()});
         Ok((to_do, seconds, run.finish(timings).or_raise()?))

@@ -8,14 +8,13 @@ mod results;
 pub use columns::{columns, schema};
 pub use results::{ResultsError, read_results, read_trials};
 
+use std::ops::Range;
 use std::path::Path;
 use std::sync::mpsc::sync_channel;
 use std::thread;
-use std::time::{Duration, Instant};
 
-use smalti::design::{
-    DesignError, Metric, MetricTarget, Processing, SCORES_REVISION, ScoredTrial, Sweep, Trials,
-};
+use smalti::design::{Metric, MetricTarget, Processing, SCORES_REVISION, Sweep, Trials};
+use smalti::experiment::{self, ExperimentError, Progress};
 use thiserror::Error;
 
 use crate::dataset::{self, Column, Dataset, DatasetError, MAX_CHUNK, MAX_PARTS, Manifest, Plan, Run};
@@ -26,10 +25,6 @@ const PARTS: u64 = 256;
 const CHUNK: std::ops::RangeInclusive<u64> = 512..=1 << 14;
 /// Factor by which parts of slow trials are smaller.
 const SLOWER: u64 = 8;
-/// Target time between two calls of `go_on`.
-const PATIENCE: Duration = Duration::from_millis(200);
-/// Trials per thread before the second call of `go_on`.
-const FIRST: u64 = 4;
 
 /// Why a sweep did not finish.
 #[derive(Debug, Error)]
@@ -37,16 +32,25 @@ const FIRST: u64 = 4;
 pub enum SweepError {
     /// A condition cannot be prepared, or a trial cannot be constructed.
     #[error(transparent)]
-    Design(#[from] DesignError),
+    Experiment(ExperimentError),
     /// The results cannot be written.
     #[error(transparent)]
     Dataset(#[from] DatasetError),
-    /// `go_on` returned false. The finished parts are kept, and the next run computes the others.
+    /// The caller stopped the work. The finished parts are kept, and the next run computes the others.
     #[error("stopped; finished parts are kept, and the next run computes the others")]
     Stopped,
     /// The study cannot be converted to JSON.
     #[error("cannot convert the study to JSON: {0}")]
     Study(#[from] serde_json::Error),
+}
+
+impl From<ExperimentError> for SweepError {
+    fn from(source: ExperimentError) -> Self {
+        match source {
+            ExperimentError::Stopped => Self::Stopped,
+            source => Self::Experiment(source),
+        }
+    }
 }
 
 /// The plan for the results of a study in the folder `dir`. `about` is the description of the study. The chunk size is `part_size`, else
@@ -85,30 +89,20 @@ pub fn plan_after(
     Ok(Plan { study: resolved, schema: schema(study), trials: trials.len(), chunk })
 }
 
-/// Scores the trials of the missing parts of a run, and writes each part while the next is computed. Calls `done` after each trial, from
-/// any thread, and `go_on` a few times per second.
+/// Scores the trials of the missing parts of a run, and writes each part while the next is computed. Each trial is one step of progress.
 ///
 /// # Errors
-/// When a condition cannot be prepared, a part cannot be written, or `go_on` returns false.
-pub fn score_and_write(
-    sweep: &Sweep<'_>,
-    trials: &Trials,
-    run: &Run,
-    done: &(dyn Fn() + Sync),
-    go_on: &dyn Fn() -> bool,
-) -> Result<(), SweepError> {
+/// When a condition cannot be prepared, a part cannot be written, or the work is stopped.
+pub fn score_and_write(sweep: &Sweep<'_>, run: &Run, progress: &dyn Progress) -> Result<(), SweepError> {
     let plan = &run.manifest().plan;
     thread::scope(|scope| {
         let (sender, receiver) = sync_channel(0);
         let writer = scope.spawn(move || {
             receiver.iter().try_for_each(|(chunk, columns): (u64, Vec<Column>)| run.write(chunk, &columns))
         });
-        let mut pace = FIRST * rayon::current_num_threads() as u64;
         let mut scored = Ok(());
         for &chunk in run.missing() {
-            let part = score(sweep, plan.trials_of(chunk), &mut pace, done, go_on)
-                .and_then(|rows| Ok(columns(trials, &rows)?));
-            match part {
+            match score(sweep, plan.trials_of(chunk), progress) {
                 // If sending fails, the writer has ended with an error, which is returned below.
                 Ok(columns) => {
                     if sender.send((chunk, columns)).is_err() {
@@ -129,46 +123,25 @@ pub fn score_and_write(
 }
 
 /// Scores and encodes one part, for machines that share the parts of a study. The bytes are the same on every machine. `manifest` is that
-/// of the trials of `sweep`. Calls `go_on` a few times per second.
+/// of the trials of `sweep`. Each trial is one step of progress.
 ///
 /// # Errors
-/// When a condition cannot be prepared, the part does not exist, or `go_on` returns false.
+/// When a condition cannot be prepared, the part does not exist, or the work is stopped.
 pub fn encode_part(
     sweep: &Sweep<'_>,
     manifest: &Manifest,
     chunk: u64,
-    go_on: &dyn Fn() -> bool,
+    progress: &dyn Progress,
 ) -> Result<Vec<u8>, SweepError> {
     let chunks = manifest.plan.chunks();
     if chunk >= chunks {
         return Err(DatasetError::NotOwn { chunk, chunks, shard: None }.into());
     }
-    let mut pace = FIRST * rayon::current_num_threads() as u64;
-    let rows = score(sweep, manifest.plan.trials_of(chunk), &mut pace, &|| {}, go_on)?;
-    Ok(dataset::encode(manifest, chunk, &columns(sweep.trials(), &rows)?)?)
+    Ok(dataset::encode(manifest, chunk, &score(sweep, manifest.plan.trials_of(chunk), progress)?)?)
 }
 
-/// Scores a range of trials in batches of about [`PATIENCE`]. The rows do not depend on the sizes of the batches.
-fn score(
-    sweep: &Sweep<'_>,
-    range: std::ops::Range<u64>,
-    pace: &mut u64,
-    done: &(dyn Fn() + Sync),
-    go_on: &dyn Fn() -> bool,
-) -> Result<Vec<ScoredTrial>, SweepError> {
-    let (mut rows, mut at) = (Vec::new(), range.start);
-    while at < range.end {
-        if !go_on() {
-            return Err(SweepError::Stopped);
-        }
-        let (start, end) = (Instant::now(), at.saturating_add(*pace).min(range.end));
-        rows.extend(sweep.score(at..end, done)?);
-        match start.elapsed() {
-            short if short < PATIENCE / 2 => *pace = pace.saturating_mul(2).min(MAX_CHUNK),
-            long if long > PATIENCE * 2 => *pace = (*pace / 2).max(1),
-            _ => {}
-        }
-        at = end;
-    }
-    Ok(rows)
+/// The columns of a range of trials.
+fn score(sweep: &Sweep<'_>, range: Range<u64>, progress: &dyn Progress) -> Result<Vec<Column>, SweepError> {
+    let rows = experiment::sweep(sweep, range, progress)?;
+    Ok(columns(sweep.trials(), &rows).map_err(ExperimentError::from)?)
 }

@@ -3,6 +3,7 @@
 use thiserror::Error;
 
 use crate::camera::CameraError;
+use crate::design::DesignError;
 use crate::isp::IspError;
 use crate::l3::{L3Error, RegistrationError};
 
@@ -21,6 +22,9 @@ pub enum ExperimentError {
     /// The caller stopped the work.
     #[error("stopped")]
     Stopped,
+    /// A condition of a study cannot be prepared, or a trial cannot be constructed.
+    #[error(transparent)]
+    Design(DesignError),
     /// Pipelines can be learned for mosaics only.
     #[error(
         "{camera}: `sensor.architecture` is {architecture}: every pixel sees every channel; learned pipelines are for mosaics"
@@ -120,6 +124,15 @@ pub(super) fn ensure_memory(
             available_mib: available >> 20,
         }),
         _ => Ok(()),
+    }
+}
+
+impl From<DesignError> for ExperimentError {
+    fn from(source: DesignError) -> Self {
+        match source {
+            DesignError::Stopped => Self::Stopped,
+            source => Self::Design(source),
+        }
     }
 }
 
