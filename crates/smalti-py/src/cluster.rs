@@ -100,9 +100,6 @@ pub(crate) struct PySharedFolder {
 impl PySharedFolder {
     #[new]
     fn py_new(py: Python<'_>, study: &PyStudy, out: PathBuf, part_size: Option<u64>) -> PyResult<Self> {
-        if out.is_file() {
-            return Err(wrong(format!("{} is a file; expected a folder for the results", out.display())));
-        }
         detached(py, || {
             let plan = sweeps::plan(&study.trials, study.about.clone(), part_size, &out).or_raise()?;
             let run = Run::open(&out, &plan, None).or_raise()?;
@@ -123,7 +120,7 @@ impl PySharedFolder {
 
     /// Number of trials of a part.
     fn trials_of(&self, part: u64) -> u64 {
-        count(&self.manifest, part)
+        self.manifest.plan.trials_in([part])
     }
 
     /// Counts a part that a worker has written.
@@ -177,7 +174,7 @@ impl PySharedPlace {
 
     /// Number of trials of a part.
     fn trials_of(&self, part: u64) -> u64 {
-        count(self.0.manifest(), part)
+        self.0.manifest().plan.trials_in([part])
     }
 
     /// The existing manifest with one more run.
@@ -185,9 +182,4 @@ impl PySharedPlace {
         let record = RunRecord { shard: None, parts, timings: serde_json::from_str(timings).or_raise()? };
         self.0.with_run(manifest, record).or_raise()?.to_json().or_raise()
     }
-}
-
-fn count(manifest: &Manifest, part: u64) -> u64 {
-    let trials = manifest.plan.trials_of(part);
-    trials.end - trials.start
 }

@@ -12,12 +12,14 @@ use std::ops::Range;
 use std::path::Path;
 use std::sync::mpsc::sync_channel;
 use std::thread;
+use std::time::Instant;
 
+use serde_json::json;
 use smalti::design::{Metric, MetricTarget, Processing, SCORES_REVISION, Sweep, Trials};
 use smalti::experiment::{self, ExperimentError, Progress};
 use thiserror::Error;
 
-use crate::dataset::{self, Column, Dataset, DatasetError, MAX_CHUNK, MAX_PARTS, Manifest, Plan, Run};
+use crate::dataset::{self, Column, Dataset, DatasetError, MAX_CHUNK, MAX_PARTS, Manifest, Plan, Run, Shard};
 
 /// Approximate number of parts of a large study.
 const PARTS: u64 = 256;
@@ -32,7 +34,7 @@ const SLOWER: u64 = 8;
 pub enum SweepError {
     /// A condition cannot be prepared, or a trial cannot be constructed.
     #[error(transparent)]
-    Experiment(ExperimentError),
+    Experiment(Box<ExperimentError>),
     /// The results cannot be written.
     #[error(transparent)]
     Dataset(#[from] DatasetError),
@@ -48,7 +50,7 @@ impl From<ExperimentError> for SweepError {
     fn from(source: ExperimentError) -> Self {
         match source {
             ExperimentError::Stopped => Self::Stopped,
-            source => Self::Experiment(source),
+            source => Self::Experiment(source.into()),
         }
     }
 }
@@ -57,7 +59,7 @@ impl From<ExperimentError> for SweepError {
 /// that of existing results in the folder, else a value for the number and the speed of the trials.
 ///
 /// # Errors
-/// [`SweepError::Study`].
+/// [`SweepError::Study`]; when the plan is invalid.
 pub fn plan(trials: &Trials, about: String, part_size: Option<u64>, dir: &Path) -> Result<Plan, SweepError> {
     plan_after(trials, about, part_size, || Some(Dataset::open(dir).ok()?.manifest().plan.clone()))
 }
@@ -65,7 +67,7 @@ pub fn plan(trials: &Trials, about: String, part_size: Option<u64>, dir: &Path) 
 /// As [`plan`], but `there` returns the plan of existing results.
 ///
 /// # Errors
-/// [`SweepError::Study`].
+/// [`SweepError::Study`]; when the plan is invalid.
 pub fn plan_after(
     trials: &Trials,
     about: String,
@@ -86,14 +88,65 @@ pub fn plan_after(
         into.insert("about".into(), about.into());
         into.insert("scores_revision".into(), SCORES_REVISION.into());
     }
-    Ok(Plan { study: resolved, schema: schema(study), trials: trials.len(), chunk })
+    let plan = Plan { study: resolved, schema: schema(study), trials: trials.len(), chunk };
+    // An impossible study is refused before the first trial is scored.
+    Manifest::new(&plan)?;
+    Ok(plan)
 }
 
-/// Scores the trials of the missing parts of a run, and writes each part while the next is computed. Each trial is one step of progress.
-///
-/// # Errors
-/// When a condition cannot be prepared, a part cannot be written, or the work is stopped.
-pub fn score_and_write(sweep: &Sweep<'_>, run: &Run, progress: &dyn Progress) -> Result<(), SweepError> {
+/// What a [`SweepRun`] did.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SweepSummary {
+    /// Number of trials that it scored.
+    pub scored: u64,
+    /// Time for scoring and writing, s.
+    pub seconds: f64,
+    /// Number of parts that the folder still lacks: those of other shards.
+    pub parts_missing: u64,
+}
+
+/// A sweep with the locked folder that takes its results.
+pub struct SweepRun<'a> {
+    sweep: &'a Sweep<'a>,
+    run: Run,
+}
+
+impl<'a> SweepRun<'a> {
+    /// Creates or resumes the folder `dir`, for all trials or for a shard. `plan` is that of the trials of `sweep`.
+    ///
+    /// # Errors
+    /// As [`Run::open`].
+    pub fn open(
+        sweep: &'a Sweep<'a>,
+        plan: &Plan,
+        dir: &Path,
+        shard: Option<Shard>,
+    ) -> Result<Self, DatasetError> {
+        Ok(Self { sweep, run: Run::open(dir, plan, shard)? })
+    }
+
+    /// Number of trials in the parts that this run lacks.
+    #[must_use]
+    pub fn trials(&self) -> u64 {
+        self.run.manifest().plan.trials_in(self.run.missing().iter().copied())
+    }
+
+    /// Scores the trials of the missing parts, writes each part while the next is computed, and records the run with its timings in the
+    /// manifest. Each trial is one step of progress.
+    ///
+    /// # Errors
+    /// When a condition cannot be prepared, a file cannot be written, or the work is stopped.
+    pub fn run(self, progress: &dyn Progress) -> Result<SweepSummary, SweepError> {
+        let (start, scored) = (Instant::now(), self.trials());
+        score_and_write(self.sweep, &self.run, progress)?;
+        let seconds = start.elapsed().as_secs_f64();
+        let timings = json!({"seconds": seconds, "trials": scored, "threads": rayon::current_num_threads()});
+        Ok(SweepSummary { scored, seconds, parts_missing: self.run.finish(timings)? })
+    }
+}
+
+/// Scores the missing parts of a run, and writes each part while the next is computed.
+fn score_and_write(sweep: &Sweep<'_>, run: &Run, progress: &dyn Progress) -> Result<(), SweepError> {
     let plan = &run.manifest().plan;
     thread::scope(|scope| {
         let (sender, receiver) = sync_channel(0);
