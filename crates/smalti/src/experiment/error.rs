@@ -47,7 +47,7 @@ pub enum ExperimentError {
     /// The table of classes would not fit into memory.
     #[error(
         "a table of {positions} positions × {levels} levels × {textures} textures with patches of {side} × {side} takes {need_mib} MiB of memory \
-         to learn; {available_mib} are available: a smaller --patch, fewer --levels or --textures none take less"
+         to learn; {available_mib} are available: a smaller patch, fewer levels or fewer texture classes take less"
     )]
     Memory {
         /// Positions of the tile.
