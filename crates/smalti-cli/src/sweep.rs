@@ -8,9 +8,9 @@ use clap::Args;
 use serde_json::json;
 use smalti::design::{Sweep, Trials};
 use smalti_io::cache::Cache;
-use smalti_io::dataset::{self, ColumnKind, Manifest, Plan, Run, Shard};
+use smalti_io::dataset::{self, ColumnKind, Plan, Shard};
 use smalti_io::studies;
-use smalti_io::sweeps;
+use smalti_io::sweeps::{self, SweepRun, SweepSummary};
 
 use crate::args::Common;
 use crate::progress::Progress;
@@ -72,8 +72,6 @@ pub(crate) fn run(args: &SweepArgs, common: &Common) -> anyhow::Result<()> {
     };
     let (trials, about) = studies::load(name).map_err(|e| anyhow::anyhow!("{e}"))?;
     let plan = sweeps::plan(&trials, about, args.part_size, &args.output)?;
-    // An impossible study is refused before the first trial is scored.
-    Manifest::new(&plan)?;
     let cache = if args.no_cache { Cache::disabled() } else { Cache::open(None) };
     let images = |key: &str, make: &dyn Fn() -> _| cache.optical_image(key, make);
     let sweep = Sweep::new(&trials, &images);
@@ -83,11 +81,8 @@ pub(crate) fn run(args: &SweepArgs, common: &Common) -> anyhow::Result<()> {
     if args.benchmark {
         return benchmark(args, &trials, &sweep);
     }
-    if args.output.is_file() {
-        bail!("{} is a file; expected a folder for the results", args.output.display());
-    }
-    let run = Run::open(&args.output, &plan, args.shard)?;
-    let to_do: u64 = run.missing().iter().map(|&c| plan.trials_of(c)).map(|r| r.end - r.start).sum();
+    let run = SweepRun::open(&sweep, &plan, &args.output, args.shard)?;
+    let to_do = run.trials();
     let progress = Progress::new(to_do, common.quiet);
     progress.begin(&trials.study().name);
     if to_do < trials.len() && args.shard.is_none() {
@@ -99,29 +94,25 @@ pub(crate) fn run(args: &SweepArgs, common: &Common) -> anyhow::Result<()> {
     if !common.quiet {
         tell_when_stopped(args)?;
     }
-    let start = Instant::now();
-    sweeps::score_and_write(&sweep, &trials, &run, &|| progress.done(), &|| true)?;
+    let SweepSummary { scored, seconds, parts_missing } = run.run(&progress)?;
     progress.finish();
-    let seconds = start.elapsed().as_secs_f64();
-    let timings = json!({"seconds": seconds, "trials": to_do, "threads": rayon::current_num_threads()});
-    let lacking = run.finish(timings)?;
-    let rate = if seconds > 0.0 { to_do as f64 / seconds } else { 0.0 };
-    let done = match to_do {
+    let rate = if seconds > 0.0 { scored as f64 / seconds } else { 0.0 };
+    let done = match scored {
         0 => "nothing was left to do".to_owned(),
         n => format!("{n} trials in {seconds:.1} s ({rate:.0} per second)"),
     };
     let dir = args.output.display();
     if args.json {
         let document = json!({
-            "study": trials.study().name, "output": args.output, "trials": trials.len(), "scored": to_do,
-            "seconds": seconds, "trials_per_s": rate, "parts_missing": lacking,
+            "study": trials.study().name, "output": args.output, "trials": trials.len(), "scored": scored,
+            "seconds": seconds, "trials_per_s": rate, "parts_missing": parts_missing,
         });
         return crate::output::print_json(&document);
     }
-    let next = if lacking == 0 {
+    let next = if parts_missing == 0 {
         format!("{dir} is complete; `smalti report {dir}` reports it")
     } else {
-        format!("{dir} lacks {lacking} parts of other shards")
+        format!("{dir} lacks {parts_missing} parts of other shards")
     };
     crate::print(&format!("{done}; {next}\n"))
 }
@@ -140,14 +131,14 @@ fn tell_when_stopped(args: &SweepArgs) -> anyhow::Result<()> {
 fn rate(trials: &Trials, sweep: &Sweep<'_>, time: Duration) -> anyhow::Result<(u64, f64)> {
     // The preparation of a study is not part of the rate.
     let of_first = trials.end_of_condition(0).min(trials.len());
-    sweep.score(0..1, &|| ())?;
+    sweep.score(0..1, &|| true)?;
     let (start, mut done, mut size) = (Instant::now(), 0, 32);
     loop {
         let part = size.min(of_first);
         // Trials are ordered by number of colours: equal steps sample all of them.
         let stride = (of_first / part).max(1);
         let numbers: Vec<u64> = (0..part).map(|i| (i * stride + done % stride).min(of_first - 1)).collect();
-        sweep.score_numbers(&numbers, &|| ())?;
+        sweep.score_numbers(&numbers, &|| true)?;
         done += part;
         let elapsed = start.elapsed();
         if elapsed >= time {
@@ -161,7 +152,7 @@ fn dry_run(args: &SweepArgs, trials: &Trials, plan: &Plan, sweep: &Sweep<'_>) ->
     let (_, per_s) = rate(trials, sweep, Duration::from_secs(1)).context("scoring some trials")?;
     let study = trials.study();
     let own = (0..plan.chunks()).filter(|&c| args.shard.is_none_or(|s| s.owns(c)));
-    let to_do: u64 = own.map(|c| plan.trials_of(c)).map(|r| r.end - r.start).sum();
+    let to_do = plan.trials_in(own);
     let (colors, count) = trials.groups().fold((0, 0), |(c, n), (colors, sets, mosaics)| {
         let here = sets * mosaics as u64;
         (c + colors as u64 * here, n + here)

@@ -3,7 +3,6 @@
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
-use pyo3::exceptions::PyKeyboardInterrupt;
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 use smalti::camera::CameraError;
@@ -11,7 +10,7 @@ use smalti::design::Sweep;
 use smalti::optics::OpticalImage;
 use smalti_io::dataset::{self, Manifest, RemoteDataset, Run, RunRecord};
 use smalti_io::studies;
-use smalti_io::sweeps::{self, SweepError};
+use smalti_io::sweeps;
 
 use crate::error::{OrRaise, wrong};
 use crate::evaluate::cache;
@@ -84,13 +83,7 @@ impl PyPartMaker {
     fn bytes(&self, py: Python<'_>, part: u64) -> PyResult<Vec<u8>> {
         watched(py, None, |watch| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().or_raise()?;
-            pool.install(|| {
-                let go_on = || watch.check().is_ok();
-                match sweeps::encode_part(&self.sweep, &self.manifest, part, &go_on) {
-                    Err(SweepError::Stopped) => Err(PyKeyboardInterrupt::new_err(())),
-                    made => made.or_raise(),
-                }
-            })
+            pool.install(|| sweeps::encode_part(&self.sweep, &self.manifest, part, watch)).or_raise()
         })
     }
 }
@@ -107,9 +100,6 @@ pub(crate) struct PySharedFolder {
 impl PySharedFolder {
     #[new]
     fn py_new(py: Python<'_>, study: &PyStudy, out: PathBuf, part_size: Option<u64>) -> PyResult<Self> {
-        if out.is_file() {
-            return Err(wrong(format!("{} is a file; expected a folder for the results", out.display())));
-        }
         detached(py, || {
             let plan = sweeps::plan(&study.trials, study.about.clone(), part_size, &out).or_raise()?;
             let run = Run::open(&out, &plan, None).or_raise()?;
@@ -130,7 +120,7 @@ impl PySharedFolder {
 
     /// Number of trials of a part.
     fn trials_of(&self, part: u64) -> u64 {
-        count(&self.manifest, part)
+        self.manifest.plan.trials_in([part])
     }
 
     /// Counts a part that a worker has written.
@@ -184,7 +174,7 @@ impl PySharedPlace {
 
     /// Number of trials of a part.
     fn trials_of(&self, part: u64) -> u64 {
-        count(self.0.manifest(), part)
+        self.0.manifest().plan.trials_in([part])
     }
 
     /// The existing manifest with one more run.
@@ -192,9 +182,4 @@ impl PySharedPlace {
         let record = RunRecord { shard: None, parts, timings: serde_json::from_str(timings).or_raise()? };
         self.0.with_run(manifest, record).or_raise()?.to_json().or_raise()
     }
-}
-
-fn count(manifest: &Manifest, part: u64) -> u64 {
-    let trials = manifest.plan.trials_of(part);
-    trials.end - trials.start
 }

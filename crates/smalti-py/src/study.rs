@@ -2,21 +2,19 @@
 
 use std::path::PathBuf;
 use std::str::FromStr;
-use std::time::Instant;
 
 use numpy::IntoPyArray;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
-use serde_json::json;
 use smalti::design::{Sweep, Trials};
-use smalti_io::dataset::{self, Column, Dataset, Manifest, Run, Shard};
-use smalti_io::sweeps::{self, SweepError};
+use smalti_io::dataset::{self, Column, Dataset, Shard};
+use smalti_io::sweeps::{self, SweepRun};
 use smalti_io::{TomlSource, studies};
 use smalti_report::study::camera_toml;
 
 use crate::camera::{PyCamera, diagnosed};
 use crate::cfa::PyCfa;
-use crate::error::{OrRaise, wrong};
+use crate::error::OrRaise;
 use crate::evaluate::cache;
 use crate::json::dict_of;
 use crate::work::watched;
@@ -118,29 +116,14 @@ pub(crate) fn run_sweep(
     progress: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<(u64, f64, u64)> {
     let shard = shard.map(|(index, of)| Shard::new(index, of)).transpose().or_raise()?;
-    if out.is_file() {
-        return Err(wrong(format!("{} is a file; expected a folder for the results", out.display())));
-    }
-    let trials = &study.trials;
     watched(py, progress, |watch| {
-        let plan = sweeps::plan(trials, study.about.clone(), part_size, &out).or_raise()?;
-        // An impossible study is refused before the first trial is scored.
-        Manifest::new(&plan).or_raise()?;
+        let plan = sweeps::plan(&study.trials, study.about.clone(), part_size, &out).or_raise()?;
         let cache = self::cache(cache);
         let images = |key: &str, make: &dyn Fn() -> _| cache.optical_image(key, make);
-        let sweep = Sweep::new(trials, &images);
-        let run = Run::open(&out, &plan, shard).or_raise()?;
-        let to_do: u64 = run.missing().iter().map(|&c| plan.trials_of(c)).map(|r| r.end - r.start).sum();
-        let start = Instant::now();
-        let go_on = || watch.check().is_ok();
-        match sweeps::score_and_write(&sweep, trials, &run, &|| watch.step(), &go_on) {
-            Ok(()) => {}
-            Err(SweepError::Stopped) => return Err(pyo3::exceptions::PyKeyboardInterrupt::new_err(())),
-            Err(e) => return Err(e).or_raise(),
-        }
-        let seconds = start.elapsed().as_secs_f64();
-        let timings = json!({"seconds": seconds, "trials": to_do, "threads": rayon::current_num_threads()});
-        Ok((to_do, seconds, run.finish(timings).or_raise()?))
+        let sweep = Sweep::new(&study.trials, &images);
+        let run = SweepRun::open(&sweep, &plan, &out, shard).or_raise()?;
+        let done = run.run(watch).or_raise()?;
+        Ok((done.scored, done.seconds, done.parts_missing))
     })
 }
 
@@ -158,7 +141,7 @@ pub(crate) fn trials_missing(
     let there = Dataset::open(&out).map(|d| d.chunks().to_vec()).unwrap_or_default();
     let own =
         (0..plan.chunks()).filter(|&c| shard.is_none_or(|s| s.owns(c)) && there.binary_search(&c).is_err());
-    Ok(own.map(|c| plan.trials_of(c)).map(|r| r.end - r.start).sum())
+    Ok(plan.trials_in(own))
 }
 
 /// Merges the results of shards into one folder, which is then identical to that of a single run.

@@ -87,7 +87,7 @@ fn mosaics_that_are_too_much() {
         &place,
         "train large.toml --scene uniform?size=64 --patch 11 --levels 256 -o a.l3",
         1,
-        &["4096 positions × 256 levels × 6 textures", "11 × 11", "of memory to learn", "a smaller --patch"],
+        &["4096 positions × 256 levels × 6 textures", "11 × 11", "of memory to learn", "a smaller patch"],
     );
 }
 
@@ -100,10 +100,10 @@ fn statistics_of_something_else() {
         (format!("train rgbw {OTHER} {common} --continue a.st"), "a.st: statistics of another mosaic"),
         (
             "train bayer --patch 7 --continue a.st".into(),
-            "a.st: statistics of patches of 5 × 5; --patch is 7",
+            "a.st: statistics of patches of 5 × 5; 7 × 7 was asked for",
         ),
-        ("train bayer --levels 4 --continue a.st".into(), "a.st: statistics of 10 levels; --levels is 4"),
-        ("train bayer --textures none --continue a.st".into(), "--textures asks for any"),
+        ("train bayer --levels 4 --continue a.st".into(), "a.st: statistics of 10 levels; 4 were asked for"),
+        ("train bayer --textures none --continue a.st".into(), "; any were asked for"),
         (
             "train bayer --set sensor.pixel.read_noise_mv=5 --continue a.st".into(),
             "a.st: statistics of a camera with other noise",

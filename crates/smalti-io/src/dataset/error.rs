@@ -37,6 +37,9 @@ pub enum DatasetError {
         /// Description of valid values.
         expected: String,
     },
+    /// The folder is a file.
+    #[error("{} is a file; expected a folder for the results", .0.display())]
+    NotFolder(PathBuf),
     /// The folder holds other files and no manifest.
     #[error(
         "{} holds {found} but no manifest.json; expected a new or empty folder, or results to resume",

@@ -45,6 +45,12 @@ impl Plan {
         at(chunk)..at(chunk.saturating_add(1))
     }
 
+    /// Number of trials in several chunks.
+    #[must_use]
+    pub fn trials_in(&self, chunks: impl IntoIterator<Item = u64>) -> u64 {
+        chunks.into_iter().map(|c| self.trials_of(c)).map(|r| r.end - r.start).sum()
+    }
+
     /// Number of trials in a chunk.
     pub(super) fn rows(&self, chunk: u64) -> usize {
         let Range { start, end } = self.trials_of(chunk);

@@ -30,10 +30,14 @@ impl Run {
     /// parts, which show whether a part is complete and belongs to the plan. Removes the temporary files of killed runs.
     ///
     /// # Errors
-    /// When the plan is invalid; when the folder holds other files, other results (the error lists the differences), a truncated part or
-    /// an unknown file among the parts; when another run has locked it; when it cannot be read, locked or written.
+    /// When the plan is invalid; when `dir` is a file; when the folder holds other files, other results (the error lists the differences), a
+    /// truncated part or an unknown file among the parts; when another run has locked it; when it cannot be read, locked or written.
     pub fn open(dir: &Path, plan: &Plan, shard: Option<Shard>) -> Result<Self, DatasetError> {
-        Self::open_as(dir, Manifest::new(plan)?, shard)
+        let manifest = Manifest::new(plan)?;
+        if dir.is_file() {
+            return Err(DatasetError::NotFolder(dir.to_owned()));
+        }
+        Self::open_as(dir, manifest, shard)
     }
 
     /// As [`Run::open`], for a manifest that may come from another version of Smalti.

@@ -8,17 +8,18 @@ mod results;
 pub use columns::{columns, schema};
 pub use results::{ResultsError, read_results, read_trials};
 
+use std::ops::Range;
 use std::path::Path;
 use std::sync::mpsc::sync_channel;
 use std::thread;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
-use smalti::design::{
-    DesignError, Metric, MetricTarget, Processing, SCORES_REVISION, ScoredTrial, Sweep, Trials,
-};
+use serde_json::json;
+use smalti::design::{Metric, MetricTarget, Processing, SCORES_REVISION, Sweep, Trials};
+use smalti::experiment::{self, ExperimentError, Progress};
 use thiserror::Error;
 
-use crate::dataset::{self, Column, Dataset, DatasetError, MAX_CHUNK, MAX_PARTS, Manifest, Plan, Run};
+use crate::dataset::{self, Column, Dataset, DatasetError, MAX_CHUNK, MAX_PARTS, Manifest, Plan, Run, Shard};
 
 /// Approximate number of parts of a large study.
 const PARTS: u64 = 256;
@@ -26,10 +27,6 @@ const PARTS: u64 = 256;
 const CHUNK: std::ops::RangeInclusive<u64> = 512..=1 << 14;
 /// Factor by which parts of slow trials are smaller.
 const SLOWER: u64 = 8;
-/// Target time between two calls of `go_on`.
-const PATIENCE: Duration = Duration::from_millis(200);
-/// Trials per thread before the second call of `go_on`.
-const FIRST: u64 = 4;
 
 /// Why a sweep did not finish.
 #[derive(Debug, Error)]
@@ -37,11 +34,11 @@ const FIRST: u64 = 4;
 pub enum SweepError {
     /// A condition cannot be prepared, or a trial cannot be constructed.
     #[error(transparent)]
-    Design(#[from] DesignError),
+    Experiment(Box<ExperimentError>),
     /// The results cannot be written.
     #[error(transparent)]
     Dataset(#[from] DatasetError),
-    /// `go_on` returned false. The finished parts are kept, and the next run computes the others.
+    /// The caller stopped the work. The finished parts are kept, and the next run computes the others.
     #[error("stopped; finished parts are kept, and the next run computes the others")]
     Stopped,
     /// The study cannot be converted to JSON.
@@ -49,11 +46,20 @@ pub enum SweepError {
     Study(#[from] serde_json::Error),
 }
 
+impl From<ExperimentError> for SweepError {
+    fn from(source: ExperimentError) -> Self {
+        match source {
+            ExperimentError::Stopped => Self::Stopped,
+            source => Self::Experiment(source.into()),
+        }
+    }
+}
+
 /// The plan for the results of a study in the folder `dir`. `about` is the description of the study. The chunk size is `part_size`, else
 /// that of existing results in the folder, else a value for the number and the speed of the trials.
 ///
 /// # Errors
-/// [`SweepError::Study`].
+/// [`SweepError::Study`]; when the plan is invalid.
 pub fn plan(trials: &Trials, about: String, part_size: Option<u64>, dir: &Path) -> Result<Plan, SweepError> {
     plan_after(trials, about, part_size, || Some(Dataset::open(dir).ok()?.manifest().plan.clone()))
 }
@@ -61,7 +67,7 @@ pub fn plan(trials: &Trials, about: String, part_size: Option<u64>, dir: &Path) 
 /// As [`plan`], but `there` returns the plan of existing results.
 ///
 /// # Errors
-/// [`SweepError::Study`].
+/// [`SweepError::Study`]; when the plan is invalid.
 pub fn plan_after(
     trials: &Trials,
     about: String,
@@ -82,33 +88,74 @@ pub fn plan_after(
         into.insert("about".into(), about.into());
         into.insert("scores_revision".into(), SCORES_REVISION.into());
     }
-    Ok(Plan { study: resolved, schema: schema(study), trials: trials.len(), chunk })
+    let plan = Plan { study: resolved, schema: schema(study), trials: trials.len(), chunk };
+    // An impossible study is refused before the first trial is scored.
+    Manifest::new(&plan)?;
+    Ok(plan)
 }
 
-/// Scores the trials of the missing parts of a run, and writes each part while the next is computed. Calls `done` after each trial, from
-/// any thread, and `go_on` a few times per second.
-///
-/// # Errors
-/// When a condition cannot be prepared, a part cannot be written, or `go_on` returns false.
-pub fn score_and_write(
-    sweep: &Sweep<'_>,
-    trials: &Trials,
-    run: &Run,
-    done: &(dyn Fn() + Sync),
-    go_on: &dyn Fn() -> bool,
-) -> Result<(), SweepError> {
+/// What a [`SweepRun`] did.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SweepSummary {
+    /// Number of trials that it scored.
+    pub scored: u64,
+    /// Time for scoring and writing, s.
+    pub seconds: f64,
+    /// Number of parts that the folder still lacks: those of other shards.
+    pub parts_missing: u64,
+}
+
+/// A sweep with the locked folder that takes its results.
+pub struct SweepRun<'a> {
+    sweep: &'a Sweep<'a>,
+    run: Run,
+}
+
+impl<'a> SweepRun<'a> {
+    /// Creates or resumes the folder `dir`, for all trials or for a shard. `plan` is that of the trials of `sweep`.
+    ///
+    /// # Errors
+    /// As [`Run::open`].
+    pub fn open(
+        sweep: &'a Sweep<'a>,
+        plan: &Plan,
+        dir: &Path,
+        shard: Option<Shard>,
+    ) -> Result<Self, DatasetError> {
+        Ok(Self { sweep, run: Run::open(dir, plan, shard)? })
+    }
+
+    /// Number of trials in the parts that this run lacks.
+    #[must_use]
+    pub fn trials(&self) -> u64 {
+        self.run.manifest().plan.trials_in(self.run.missing().iter().copied())
+    }
+
+    /// Scores the trials of the missing parts, writes each part while the next is computed, and records the run with its timings in the
+    /// manifest. Each trial is one step of progress.
+    ///
+    /// # Errors
+    /// When a condition cannot be prepared, a file cannot be written, or the work is stopped.
+    pub fn run(self, progress: &dyn Progress) -> Result<SweepSummary, SweepError> {
+        let (start, scored) = (Instant::now(), self.trials());
+        score_and_write(self.sweep, &self.run, progress)?;
+        let seconds = start.elapsed().as_secs_f64();
+        let timings = json!({"seconds": seconds, "trials": scored, "threads": rayon::current_num_threads()});
+        Ok(SweepSummary { scored, seconds, parts_missing: self.run.finish(timings)? })
+    }
+}
+
+/// Scores the missing parts of a run, and writes each part while the next is computed.
+fn score_and_write(sweep: &Sweep<'_>, run: &Run, progress: &dyn Progress) -> Result<(), SweepError> {
     let plan = &run.manifest().plan;
     thread::scope(|scope| {
         let (sender, receiver) = sync_channel(0);
         let writer = scope.spawn(move || {
             receiver.iter().try_for_each(|(chunk, columns): (u64, Vec<Column>)| run.write(chunk, &columns))
         });
-        let mut pace = FIRST * rayon::current_num_threads() as u64;
         let mut scored = Ok(());
         for &chunk in run.missing() {
-            let part = score(sweep, plan.trials_of(chunk), &mut pace, done, go_on)
-                .and_then(|rows| Ok(columns(trials, &rows)?));
-            match part {
+            match score(sweep, plan.trials_of(chunk), progress) {
                 // If sending fails, the writer has ended with an error, which is returned below.
                 Ok(columns) => {
                     if sender.send((chunk, columns)).is_err() {
@@ -129,46 +176,25 @@ pub fn score_and_write(
 }
 
 /// Scores and encodes one part, for machines that share the parts of a study. The bytes are the same on every machine. `manifest` is that
-/// of the trials of `sweep`. Calls `go_on` a few times per second.
+/// of the trials of `sweep`. Each trial is one step of progress.
 ///
 /// # Errors
-/// When a condition cannot be prepared, the part does not exist, or `go_on` returns false.
+/// When a condition cannot be prepared, the part does not exist, or the work is stopped.
 pub fn encode_part(
     sweep: &Sweep<'_>,
     manifest: &Manifest,
     chunk: u64,
-    go_on: &dyn Fn() -> bool,
+    progress: &dyn Progress,
 ) -> Result<Vec<u8>, SweepError> {
     let chunks = manifest.plan.chunks();
     if chunk >= chunks {
         return Err(DatasetError::NotOwn { chunk, chunks, shard: None }.into());
     }
-    let mut pace = FIRST * rayon::current_num_threads() as u64;
-    let rows = score(sweep, manifest.plan.trials_of(chunk), &mut pace, &|| {}, go_on)?;
-    Ok(dataset::encode(manifest, chunk, &columns(sweep.trials(), &rows)?)?)
+    Ok(dataset::encode(manifest, chunk, &score(sweep, manifest.plan.trials_of(chunk), progress)?)?)
 }
 
-/// Scores a range of trials in batches of about [`PATIENCE`]. The rows do not depend on the sizes of the batches.
-fn score(
-    sweep: &Sweep<'_>,
-    range: std::ops::Range<u64>,
-    pace: &mut u64,
-    done: &(dyn Fn() + Sync),
-    go_on: &dyn Fn() -> bool,
-) -> Result<Vec<ScoredTrial>, SweepError> {
-    let (mut rows, mut at) = (Vec::new(), range.start);
-    while at < range.end {
-        if !go_on() {
-            return Err(SweepError::Stopped);
-        }
-        let (start, end) = (Instant::now(), at.saturating_add(*pace).min(range.end));
-        rows.extend(sweep.score(at..end, done)?);
-        match start.elapsed() {
-            short if short < PATIENCE / 2 => *pace = pace.saturating_mul(2).min(MAX_CHUNK),
-            long if long > PATIENCE * 2 => *pace = (*pace / 2).max(1),
-            _ => {}
-        }
-        at = end;
-    }
-    Ok(rows)
+/// The columns of a range of trials.
+fn score(sweep: &Sweep<'_>, range: Range<u64>, progress: &dyn Progress) -> Result<Vec<Column>, SweepError> {
+    let rows = experiment::sweep(sweep, range, progress)?;
+    Ok(columns(sweep.trials(), &rows).map_err(ExperimentError::from)?)
 }

@@ -129,6 +129,9 @@ pub enum DesignError {
         /// The requested index.
         index: usize,
     },
+    /// The caller stopped the scoring of trials.
+    #[error("stopped")]
+    Stopped,
     /// A camera is invalid, or its targets cannot be imaged.
     #[error(transparent)]
     Camera(#[from] CameraError),

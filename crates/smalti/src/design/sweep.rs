@@ -85,14 +85,15 @@ impl<'a> Sweep<'a> {
         &self.trials
     }
 
-    /// Scores the trials of a range, in their order. Calls `done` after each, from any thread.
+    /// Scores the trials of a range, in their order. Calls `done` after each, from any thread, and stops once it returns false.
     ///
     /// # Errors
-    /// When a condition cannot be prepared or a design cannot be built. A trial without scores is not an error.
+    /// When a condition cannot be prepared or a design cannot be built; [`DesignError::Stopped`]. A trial without scores is not an
+    /// error.
     pub fn score(
         &self,
         range: Range<u64>,
-        done: &(dyn Fn() + Sync),
+        done: &(dyn Fn() -> bool + Sync),
     ) -> Result<Vec<ScoredTrial>, DesignError> {
         let mut rows = Vec::new();
         let mut at = range.start;
@@ -111,7 +112,7 @@ impl<'a> Sweep<'a> {
     pub fn score_numbers(
         &self,
         numbers: &[u64],
-        done: &(dyn Fn() + Sync),
+        done: &(dyn Fn() -> bool + Sync),
     ) -> Result<Vec<ScoredTrial>, DesignError> {
         let Some(&first) = numbers.first() else { return Ok(Vec::new()) };
         self.score_under(self.trials.condition_of(first), numbers.par_iter().copied(), done)
@@ -121,13 +122,12 @@ impl<'a> Sweep<'a> {
         &self,
         condition: usize,
         numbers: impl ParallelIterator<Item = u64>,
-        done: &(dyn Fn() + Sync),
+        done: &(dyn Fn() -> bool + Sync),
     ) -> Result<Vec<ScoredTrial>, DesignError> {
         let prepared = self.condition(condition)?;
         let score = |number: u64| {
             let scored = prepared.score(self.trials.trial(number)?);
-            done();
-            Ok(scored)
+            if done() { Ok(scored) } else { Err(DesignError::Stopped) }
         };
         numbers.map(score).collect()
     }

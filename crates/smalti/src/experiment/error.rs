@@ -3,6 +3,7 @@
 use thiserror::Error;
 
 use crate::camera::CameraError;
+use crate::design::DesignError;
 use crate::isp::IspError;
 use crate::l3::{L3Error, RegistrationError};
 
@@ -21,6 +22,9 @@ pub enum ExperimentError {
     /// The caller stopped the work.
     #[error("stopped")]
     Stopped,
+    /// A condition of a study cannot be prepared, or a trial cannot be constructed.
+    #[error(transparent)]
+    Design(DesignError),
     /// Pipelines can be learned for mosaics only.
     #[error(
         "{camera}: `sensor.architecture` is {architecture}: every pixel sees every channel; learned pipelines are for mosaics"
@@ -46,7 +50,7 @@ pub enum ExperimentError {
     /// The table of classes would not fit into memory.
     #[error(
         "a table of {positions} positions × {levels} levels × {textures} textures with patches of {side} × {side} takes {need_mib} MiB of memory \
-         to learn; {available_mib} are available: a smaller --patch, fewer --levels or --textures none take less"
+         to learn; {available_mib} are available: a smaller patch, fewer levels or fewer texture classes take less"
     )]
     Memory {
         /// Positions of the tile.
@@ -123,6 +127,15 @@ pub(super) fn ensure_memory(
             available_mib: available >> 20,
         }),
         _ => Ok(()),
+    }
+}
+
+impl From<DesignError> for ExperimentError {
+    fn from(source: DesignError) -> Self {
+        match source {
+            DesignError::Stopped => Self::Stopped,
+            source => Self::Design(source),
+        }
     }
 }
 

@@ -303,16 +303,16 @@ pub fn continue_statistics(
     }
     if its.side() != own.side() {
         let (its, own) = (its.side(), own.side());
-        return Err(refused(format!("statistics of patches of {its} × {its}; --patch is {own}")));
+        return Err(refused(format!("statistics of patches of {its} × {its}; {own} × {own} was asked for")));
     }
     if its.level_count() != own.level_count() {
         let (its, own) = (its.level_count(), own.level_count());
-        return Err(refused(format!("statistics of {its} levels; --levels is {own}")));
+        return Err(refused(format!("statistics of {its} levels; {own} were asked for")));
     }
     if its.textures() != own.textures() {
         let names = |a: &Axes| a.textures().names().join(", ");
         let (its, own) = (names(its), names(own));
-        return Err(refused(format!("statistics of the textures {its}; --textures asks for {own}")));
+        return Err(refused(format!("statistics of the textures {its}; {own} were asked for")));
     }
     if its.noise() != own.noise() {
         return Err(refused("statistics of a camera with other noise (or of another exposure)".into()));

@@ -1,4 +1,4 @@
-//! Experiments as functions of plain values: simulate, train, evaluate, compare, light gain.
+//! Experiments as functions of plain values: simulate, train, evaluate, compare, light gain, sweep.
 //!
 //! The command and the Python package only call these functions, so that both give the same results for the same settings. No
 //! function opens a file: the caller passes scenes, raw images and pipelines. A [`Store`] caches slow results, and a
@@ -13,6 +13,7 @@ mod processing;
 mod progress;
 mod simulation;
 mod store;
+mod sweep;
 
 pub use comparison::{
     ComparisonSettings, Contender, Outcome, PairwiseLightGain, TestScene, compare, contenders,
@@ -29,3 +30,4 @@ pub use processing::Processing;
 pub use progress::{Progress, Silent};
 pub use simulation::{ScoredWindow, Simulation, SimulationSettings, capture, score_capture, simulate};
 pub use store::{NoStore, Resources, Store};
+pub use sweep::sweep;
