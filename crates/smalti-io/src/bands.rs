@@ -123,7 +123,7 @@ fn chosen(path: &Path, names: &[String]) -> Result<(Vec<usize>, Vec<f64>, bool),
             Ok((which, numbers, wavelengths))
         }
         (None, _) => {
-            Err(IoError::field(path, "the bands", "not told by the names of the pictures", expected))
+            Err(IoError::field(path, "the bands", "not stated by the names of the pictures", expected))
         }
         (Some((a, _)), Some((b, _))) => {
             let found = format!("of two series, '{a}…' and '{b}…'");

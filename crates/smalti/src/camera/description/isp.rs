@@ -42,7 +42,7 @@ pub enum OutputName {
 pub struct IspDescription {
     /// Which pipeline.
     pub pipeline: PipelineName,
-    /// How missing channels are filled in.
+    /// Demosaicking method.
     pub demosaic: Demosaic,
     /// White balance.
     pub white_balance: WhiteBalance,
