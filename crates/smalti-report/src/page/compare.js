@@ -124,7 +124,7 @@ function startViewer(root) {
     ...(hasMaps ? [about] : []),
     ...(hasValues ? [told] : []),
     make("p", { class: "help", id: "viewer-help" },
-      `Wheel, pinch or + and − enlarge, dragging or the arrows move, 0 shows the whole. All pictures move together.${hasValues ? " Where the pointer is, maps tell their values." : ""}`));
+      `Wheel, pinch or + and − enlarge, dragging or the arrows move, 0 shows the whole. All pictures move together.${hasValues ? " The values of all maps under the cursor are shown below the pictures." : ""}`));
 
   let frames = [];
   function current() {
