@@ -20,7 +20,7 @@ use smalti::experiment::Progress as _;
 #[derive(Debug, Clone, Args)]
 #[command(after_help = "Examples:\n  \
     smalti convert macbeth -o macbeth.exr\n  \
-    smalti convert photo.png --illuminant A -o lifted.exr\n  \
+    smalti convert photo.png --illuminant A -o upsampled.exr\n  \
     smalti convert dead-leaves?seed=7 --wavelengths 400:5:700 -o photons.npy\n  \
     smalti convert flight.hdr --crop 1000,0,512,512 -o part.npz\n  \
     smalti convert macbeth -o macbeth.mat                 for ISETCam\n  \
