@@ -62,7 +62,7 @@ pub const CATALOG: &[MetricInfo] = &[
         "delta_e_2000",
         "ΔE00",
         Lower,
-        "Colour difference of chart patches as large as it is seen.",
+        "Mean CIEDE2000 colour difference of the chart patches.",
         "ISO/CIE 11664-6:2014",
     ),
     metric(
@@ -83,7 +83,7 @@ pub const CATALOG: &[MetricInfo] = &[
         "mtf50_cy_per_mm",
         "cycles/mm",
         Higher,
-        "The same on the sensor, with its pixel pitch.",
+        "The same frequency on the sensor, from its pixel pitch.",
         "ISO 12233 e-SFR",
     ),
     metric(
@@ -100,7 +100,7 @@ pub const CATALOG: &[MetricInfo] = &[
         "Energy of a picture that no linear transfer of an alias-free reference explains, luminance plus colour, over that of the reference; false colour can take it beyond 100.",
         OWN_ALIASING,
     ),
-    metric("color_aliasing_percent", "%", Lower, "The part of it that is colour.", OWN_ALIASING),
+    metric("color_aliasing_percent", "%", Lower, "Chromatic part of `aliasing_percent`.", OWN_ALIASING),
     metric(
         "luminance_noise_percent",
         "%",
@@ -135,14 +135,14 @@ pub const CATALOG: &[MetricInfo] = &[
         "pixel_delta_e_2000_p95",
         "ΔE00",
         Lower,
-        "CIEDE2000 from a reference that 95 % of the pixels of a picture do not exceed.",
+        "95th percentile of CIEDE2000 over the pixels, against a reference.",
         "ISO/CIE 11664-6:2014",
     ),
     metric(
         "saturated_percent",
         "%",
         Lower,
-        "Samples of a raw image at its white level.",
+        "Percentage of raw samples at the white level.",
         "defined by smalti, see sensor::RawImage::saturated_percent",
     ),
     metric(
