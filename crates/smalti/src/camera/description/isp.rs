@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::isp::{Demosaic, WhiteBalance};
 
-/// Which image pipeline.
+/// Image pipeline.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
@@ -40,9 +40,9 @@ pub enum OutputName {
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default, deny_unknown_fields)]
 pub struct IspDescription {
-    /// Which pipeline.
+    /// Image pipeline.
     pub pipeline: PipelineName,
-    /// How missing channels are filled in.
+    /// Demosaicking method.
     pub demosaic: Demosaic,
     /// White balance.
     pub white_balance: WhiteBalance,

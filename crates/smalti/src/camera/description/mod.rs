@@ -19,9 +19,9 @@ use serde::{Deserialize, Serialize};
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default, deny_unknown_fields)]
 pub struct CameraDescription {
-    /// What the camera is called.
+    /// Name of the camera.
     pub name: String,
-    /// First, step and last of the wavelengths it is simulated on, nm, where scenes do not say; absent: 400, 10, 700.
+    /// Wavelength grid if the scene states none: first, step and last, nm. Default: 400, 10, 700.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub wavelengths_nm: Option<[f64; 3]>,
     /// The lens.

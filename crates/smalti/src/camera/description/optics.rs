@@ -54,7 +54,7 @@ pub struct OpticsDescription {
     /// Wavefront coefficients, µm RMS, by index (`model = "zernike"`).
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     pub zernike_um: BTreeMap<String, f64>,
-    /// What the indices of `zernike_um` mean.
+    /// Numbering of the Zernike modes in `zernike_um`.
     pub zernike_ordering: ZernikeIndex,
     /// Point spread function, a `.npy` of shape (wavelengths, rows, cols) (`model = "psf"`).
     #[serde(skip_serializing_if = "Option::is_none")]

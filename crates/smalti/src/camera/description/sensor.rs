@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::sensor::Filter;
 
-/// How a sensor sees colour.
+/// Colour architecture of a sensor.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
@@ -28,7 +28,7 @@ pub struct SensorDescription {
     pub rows: usize,
     /// Columns of pixels.
     pub cols: usize,
-    /// How it sees colour.
+    /// Colour architecture: mosaic, prism or field-sequential capture.
     pub architecture: ArchitectureName,
     /// Bits of the converter; 0: no quantisation, the raw samples are volts.
     pub adc_bits: u32,
@@ -48,7 +48,7 @@ pub struct SensorDescription {
     pub hot_pixels_ppm: f64,
     /// Dark signal of a hot pixel, V/s.
     pub hot_pixel_dark_voltage_v_per_s: f64,
-    /// Which device: pixels differ from device to device, not from capture to capture.
+    /// Serial number of the device. It seeds the fixed-pattern noise, which is the same in every capture.
     pub serial: u64,
     /// Electrons per photon that reaches the photodetector.
     pub quantum_efficiency: Filter,
