@@ -14,7 +14,7 @@ use crate::numeric::{OutOfRange, require};
 pub enum Boundary {
     /// Nothing, as in ISETCam: the border of the picture darkens.
     Dark,
-    /// The outermost samples go on.
+    /// The outermost samples are repeated.
     Edge,
     /// The scene mirrored at its border.
     Mirror,
