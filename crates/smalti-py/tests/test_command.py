@@ -127,7 +127,7 @@ def test_reports_are_those_of_the_command(command: Command, tmp_path: Path) -> N
     assert (tmp_path / "out/report/report.html").read_bytes() == (tmp_path / "other/report.html").read_bytes()
     smalti.report([tmp_path / "out"], tmp_path / "alone.html", pictures=0)
     assert (tmp_path / "alone.html").read_bytes().startswith(b"<!doctype html>")
-    with pytest.raises(smalti.SmaltiError, match="sepia is in the name of no condition"):
+    with pytest.raises(smalti.SmaltiError, match="no condition has 'sepia' in its name"):
         smalti.report(results, tmp_path / "drawn", draw=["sepia"])
     with pytest.raises(smalti.SmaltiError, match="none holds no results"):
         smalti.report(tmp_path / "none")

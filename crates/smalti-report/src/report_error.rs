@@ -58,7 +58,7 @@ pub enum ReportError {
         study: String,
     },
     /// Figures are asked for of a condition that no study has.
-    #[error("{text} is in the name of no condition to draw: {known}")]
+    #[error("no condition has '{text}' in its name; the conditions are {known}")]
     NoSuchCondition {
         /// What was asked for.
         text: String,
