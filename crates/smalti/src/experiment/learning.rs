@@ -118,7 +118,7 @@ pub fn gather(
     let mut learn = |item: u64, name: &str, scene: &dyn Fn() -> Result<Scene, CameraError>| {
         ensure_running(progress)?;
         let short = name.split('?').next().unwrap_or(name);
-        progress.begin(&format!("{} learns from {short}", camera.description().name));
+        progress.begin(&format!("training {}: {short}", camera.description().name));
         let added = scene().and_then(|scene| camera.train_on(statistics, &scene, settings, item));
         added.in_context(|| format!("scene {name}"))?;
         progress.done();
@@ -326,7 +326,7 @@ pub fn continue_statistics(
     if add_more {
         if statistics.noisy() != fresh.noisy() {
             return Err(refused(
-                "raw files hold their noise and scenes do not: statistics of the one cannot be continued with the other".into(),
+                "statistics from raw files include noise and statistics from scenes do not; they cannot be combined".into(),
             ));
         }
         let what = || format!("{name}, gathered in another light or with other settings");
