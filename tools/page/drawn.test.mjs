@@ -179,7 +179,7 @@ test("a browser without WebAssembly shows what the page embeds, and says why it 
   await page.reload();
   const choose = (number) => page.locator("#best tbody button").filter({ hasText: new RegExp(`^${number}$`) }).first().dispatchEvent("click");
   await choose(0);
-  await panel(page).getByText("The page could not draw its pictures: this browser bars WebAssembly").waitFor();
+  await panel(page).getByText("The page could not draw its pictures: this browser does not allow WebAssembly").waitFor();
   assert.match(await panel(page).textContent(), /smalti report barred --picture 0 -o/);
   assert.equal(await panel(page).locator("canvas").count(), 0);
   await choose(1);

@@ -65,7 +65,7 @@ class Simulator {
   }
 
   static async started() {
-    if (typeof WebAssembly !== "object") throw new Error("this browser bars WebAssembly");
+    if (typeof WebAssembly !== "object") throw new Error("this browser does not allow WebAssembly");
     const url = URL.createObjectURL(new Blob([`(${simulate})()`], { type: "text/javascript" }));
     const worker = new Worker(url);
     try {
@@ -83,7 +83,7 @@ class Simulator {
   static asked(worker, message) {
     return new Promise((resolve, reject) => {
       worker.onmessage = ({ data }) => (data.error === undefined ? resolve(data.result) : reject(new Error(data.error)));
-      worker.onerror = () => reject(new Error("this browser bars workers"));
+      worker.onerror = () => reject(new Error("this browser does not allow Web Workers"));
       worker.postMessage(message);
     });
   }
