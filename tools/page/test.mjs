@@ -158,7 +158,7 @@ test("a click shows a design with its pictures", () => withPage({}, async (page)
   await page.getByRole("button", { name: "Close" }).click();
   await page.locator("dialog").waitFor({ state: "detached" });
   // That of the simulator itself, which was asked for.
-  await page.getByLabel("with pictures by the simulator itself").check();
+  await page.getByLabel("with embedded pictures").check();
   assert.equal(number(await count(page).textContent()), 1);
   await plot(page).focus();
   await page.keyboard.press("ArrowRight");

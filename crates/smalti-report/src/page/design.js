@@ -185,7 +185,7 @@ function picturesOf(designs, row, number) {
   if (drawn.none) return [say(`The page has no pictures of this trial: ${drawn.none}.${drawn.is_elsewhere ? " This command makes a page with them:" : ""}`), drawn.is_elsewhere ? command() : null];
   const place = make("div");
   const failed = (error) => place.replaceChildren(say(`The page could not draw its pictures: ${error.message}. This command makes a page with them:`), command());
-  const about = "Drawn by this page with the simulator itself: the same pixels as by the command.";
+  const about = "Computed in this page; identical to the picture of `smalti report --picture`.";
   const state = make("p", { class: "none", role: "status" }, drawn.is_learned ? "Learning the pipeline of this trial …" : "Drawing …");
   const done = () => { state.textContent = about; };
   place.append(both((which, words) => drawnHere(designs, row, which, words, done, failed)), state);

@@ -66,7 +66,7 @@ class Filters {
   addMarks() {
     const { front, pictures } = this.designs;
     const marks = [{ words: "on the Pareto front of ΔE, MTF50 and noise", code: (i) => front[i] === 1 }];
-    if (pictures.size) marks.push({ words: "with pictures by the simulator itself", code: (i) => pictures.has(i) });
+    if (pictures.size) marks.push({ words: "with embedded pictures", code: (i) => pictures.has(i) });
     this.addBoxes("Only", marks, false, (wanted) => (i) => { for (const passes of wanted) if (!passes(i)) return false; return true; });
   }
 
