@@ -125,7 +125,7 @@ function showKernels(place, of) {
       make("p", { class: "help" },
         used.size ? `Fallbacks: ${[...used].sort().map((o) => `${ORIGIN_MARKS[o]} ${of.origins[o]}`).join(", ")}. ` : "All kernels are learned. ",
         "A click shows a class.",
-        state.clipped > 0 ? " Where channels clip, levels that training met are shown." : "",
+        state.clipped > 0 ? " For clipped channels, only levels with training data are shown." : "",
         levels.length < part().met ? ` ${levels.length} of ${part().met} levels are on this page.` : ""));
     counts.scrollTop = scroll;
   }
