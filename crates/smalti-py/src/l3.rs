@@ -351,7 +351,7 @@ pub(crate) fn solve_statistics(
     ];
     let stated = alpha_flat.is_some() || alpha_texture.is_some();
     let training = Training {
-        // Weights that were given are meant.
+        // Given weights imply the perceptual solver.
         solver: if stated { Solver::Perceptual(weights) } else { one_of("solver", solver, &solvers)? },
         kernel: if linear { KernelForm::Linear } else { KernelForm::Affine },
         symmetry,
@@ -362,7 +362,7 @@ pub(crate) fn solve_statistics(
     watched(py, None, |_| Ok(PyPipeline(solve(&statistics.0, &training, story).or_raise()?)))
 }
 
-/// What should come out: XYZ, or what another camera sees.
+/// The training target: XYZ, or the channels of another camera.
 fn target_of(value: &Bound<'_, PyAny>) -> PyResult<TrainingTarget> {
     if let Ok(camera) = value.cast::<PyCamera>() {
         return TrainingTarget::channels_of(&camera.get().camera).or_raise();
