@@ -17,7 +17,7 @@ use crate::numeric::fft::{Complex32, RealFft2, bin_frequency};
 use crate::numeric::require;
 use crate::spectrum::{Extrapolation, Spectrum, WavelengthGrid};
 
-/// Steepest wavefront that the integral of a defocused lens is worth its time for, waves per pupil radius.
+/// Largest wavefront slope for which the defocus integral is evaluated, waves per pupil radius.
 const STEEPEST_DEFOCUS: f64 = 200.0;
 
 /// A lens and the filters before the sensor.
