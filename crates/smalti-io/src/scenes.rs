@@ -27,7 +27,7 @@ pub struct SceneRequest {
 }
 
 impl SceneRequest {
-    /// A scene made to be what is asked for, whatever it was.
+    /// Applies the requested properties to a scene.
     ///
     /// # Errors
     /// When the scene cannot be so: it is dark, has no light at a wavelength, or a number is out of range.
