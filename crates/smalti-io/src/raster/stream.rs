@@ -1,4 +1,4 @@
-//! Bytes that can only be had one after another: what a compressed stream unpacks to.
+//! Sequential reading of a decompressed stream.
 
 use std::io::{self, Read};
 use std::sync::{Mutex, PoisonError};
