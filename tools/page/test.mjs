@@ -199,7 +199,7 @@ test("filters by colours, conditions and ranges", () => withPage({}, async (page
   await page.getByRole("button", { name: "Reset filters" }).click();
   assert.equal(number(await count(page).textContent()), 240);
   await page.getByLabel("Colour by").selectOption({ label: "Luminance noise, %" });
-  await page.getByLabel("Up").selectOption({ label: "Mean width (FWHM), nm" });
+  await page.getByLabel("Vertical axis").selectOption({ label: "Mean width (FWHM), nm" });
   assert.equal(number(await count(page).textContent()), 240);
 }));
 
@@ -395,9 +395,9 @@ test("axes say that they are logarithmic; what lies beyond Nyquist is marked and
   await writeFile(coarse, html.replaceAll(`"nyquist_cy_per_mm":${finest}`, "\"nyquist_cy_per_mm\":70"));
   await withPage({}, async (page) => {
     assert.match(await plot(page).getAttribute("aria-label"), /^Colour error ΔE76, ΔE\*ab \(logarithmic\) against Resolution MTF50, cycles\/mm\. /);
-    await page.getByLabel("Across").selectOption({ label: "Luminance noise, %" });
+    await page.getByLabel("Horizontal axis").selectOption({ label: "Luminance noise, %" });
     assert.match(await plot(page).getAttribute("aria-label"), / against Luminance noise, % \(logarithmic\)\. /);
-    await page.getByLabel("Across").selectOption({ label: "Resolution MTF50, cycles/mm" });
+    await page.getByLabel("Horizontal axis").selectOption({ label: "Resolution MTF50, cycles/mm" });
     const [, some, all] = (await page.locator(".legend .beyond").textContent()).match(/Nyquist frequency, .*: (\d+) of (\d+) on the front/).map(Number);
     assert.ok(some > 0 && some < all, `${some} of ${all}`);
     await plot(page).focus();

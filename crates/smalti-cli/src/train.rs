@@ -32,7 +32,7 @@ use crate::{pairs, resolve, table};
     Without --scene, --pair or --continue, the training data are the default set: dead leaves, patch charts, gradients, edges, \
     stars, gratings, steps and scenes of high dynamic range, in natural and saturated colours, under daylight, tungsten and LED. \
     --exposures determines the exposure of all scenes, and their luminance has no effect. The printed table states for each \
-    position of the mosaic how many classes occur, and the origin of the kernels of classes with too few patches.")]
+    position of the mosaic how many classes had training data, and the origin of the kernels of classes with too few patches.")]
 pub(crate) struct Train {
     /// A built-in camera (smalti list cameras) or a TOML file
     pub(crate) camera: String,
@@ -229,13 +229,13 @@ fn summary(pipeline: &Pipeline, file: &Path) -> String {
     format!(
         "{}\nA class is a combination of position in the mosaic, response level, texture and clipped channels. An occupied class has patches.\n\
          Its kernels are learned from its patches, interpolated between levels, pooled with similar classes, or those of the nearest level.\n\
-         {} classes occur, with {} operators, learned from {} patches; the other classes of the {} in the table use fallbacks\n\
+         {} of {} classes had training data ({} patches, {} operators); the others use the kernels of similar classes\n\
          levels: {}; textures: {}; clipped channels: {}\n\n{}\n",
         table::render(&header, &rows),
         s.occupied,
-        s.operators,
-        s.patches,
         s.classes,
+        s.patches,
+        s.operators,
         pipeline.axes().level_count(),
         pipeline.axes().textures().names().join(", "),
         clipped.join(", "),

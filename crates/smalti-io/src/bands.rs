@@ -117,17 +117,17 @@ fn chosen(path: &Path, names: &[String]) -> Result<(Vec<usize>, Vec<f64>, bool),
             let gap = members.iter().enumerate().find(|(i, m)| m.1 != first + *i as f64);
             if let (false, Some((i, m))) = (wavelengths, gap) {
                 let found = format!("number {} after {}", m.1, first + i as f64 - 1.0);
-                return Err(IoError::field(path, "the bands", found, "numbers without gaps, each once"));
+                return Err(IoError::field(path, "a band", found, "numbers without gaps, each once"));
             }
             let (which, numbers) = members.into_iter().unzip();
             Ok((which, numbers, wavelengths))
         }
         (None, _) => {
-            Err(IoError::field(path, "the bands", "not stated by the names of the pictures", expected))
+            Err(IoError::field(path, "the order of the bands", "not stated by the file names", expected))
         }
         (Some((a, _)), Some((b, _))) => {
             let found = format!("of two series, '{a}…' and '{b}…'");
-            Err(IoError::field(path, "the bands", found, "one series in a folder"))
+            Err(IoError::field(path, "the set of pictures", found, "one series in a folder"))
         }
     }
 }
@@ -240,8 +240,8 @@ mod tests {
             (&["a_1.png", "a_3.png"][..], "number 3 after 1; expected numbers without gaps"),
             (&["a_1.png", "a_01.png"], "number 1 after 1"),
             (&["a_1.png", "a_2.png", "b_1.png", "b_2.png"], "of two series, 'a_…' and 'b_…'"),
-            (&["a.png", "b.png"], "not told by the names"),
-            (&["a_1.png", "b_1.png"], "not told by the names"),
+            (&["a.png", "b.png"], "the order of the bands is not stated by the file names"),
+            (&["a_1.png", "b_1.png"], "the order of the bands is not stated by the file names"),
         ] {
             let error = names(of).unwrap_err();
             assert!(error.contains(expected), "{error}");

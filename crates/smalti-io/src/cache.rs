@@ -103,7 +103,7 @@ impl Cache {
         self.dir.as_ref().map(|d| d.join(format!("{key}.{extension}")))
     }
 
-    /// The optical image of a description, made where it is not kept. Those that another version of Smalti made are not taken.
+    /// Returns the cached optical image, or computes and caches it. Entries of other versions are ignored.
     ///
     /// # Errors
     /// Those of `make`. A cache that cannot be written costs time, not the result.

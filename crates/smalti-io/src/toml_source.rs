@@ -78,7 +78,7 @@ impl TomlSource {
         toml::from_str(&self.text).map_err(|e| Box::new(self.at(e.span(), e.message())))
     }
 
-    /// As [`TomlSource::parse`]; where one of these keys stands at the top, which files of another kind have, errors tell of it.
+    /// As [`TomlSource::parse`]. If the file has a top-level key of another kind of file, the error says so.
     pub(crate) fn parse_or_tell<T: DeserializeOwned>(
         &self,
         others: &[&str],

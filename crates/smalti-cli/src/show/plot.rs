@@ -9,7 +9,7 @@ use crate::terminal::Screen;
 pub(super) const COLUMNS: usize = 72;
 const ROWS: usize = 11;
 /// Smaller values are not drawn, because curves would hide each other at zero.
-const LEAST: f64 = 0.01;
+const MIN_VALUE: f64 = 0.01;
 /// Columns left of the field, for numbers and the axis.
 pub(super) const MARGIN: usize = 5;
 /// Dots of a character: columns, rows.
@@ -57,7 +57,7 @@ impl Plot {
             for x in 0..width {
                 let nm = low + (high - low) * x as f64 / (width - 1).max(1) as f64;
                 let Some(value) = curve.values.at(nm) else { continue };
-                if value < LEAST {
+                if value < MIN_VALUE {
                     before = None;
                     continue;
                 }

@@ -217,7 +217,7 @@ fn overrides_and_settings_arrive() {
 }
 
 #[test]
-fn a_photograph_is_lifted_and_photographed() {
+fn a_photograph_is_upsampled_and_photographed() {
     let place = Place::new();
     // The chart as a picture; its colours must survive picture → spectra → camera → picture.
     place.ok("convert macbeth?patch=8 -o chart.png");

@@ -55,7 +55,7 @@ pub(super) fn decode(
     if shape.coding == Coding::JpegXl {
         let at_once = rayon::current_num_threads().min(chunks.list.len()) as u64;
         let memory = jxl::memory(chunks.size(shape)).saturating_mul(at_once);
-        let have = believed(shape.coding, bytes.len() as u64);
+        let have = assumed_len(shape.coding, bytes.len() as u64);
         limits.check(path, "the strips or tiles that are unpacked at once", memory, have)?;
     }
     // Enough for all threads, and few in memory.
@@ -138,12 +138,12 @@ fn check_size(bytes: &[u8], shape: Shape, limits: Limits, path: &Path) -> Result
         return Err(IoError::truncated(path, WHAT, need, have));
     }
     let memory = samples.saturating_mul(if shape.float { 4 } else { 2 });
-    limits.check(path, WHAT, memory, believed(shape.coding, have))
+    limits.check(path, WHAT, memory, assumed_len(shape.coding, have))
 }
 
-/// The length of a file as its limits see it. An even picture of any size is a few bytes of JPEG XL: so much is believed of any
-/// file.
-fn believed(coding: Coding, file_len: u64) -> u64 {
+/// The length of a file as its limits see it. A uniform JPEG XL image of any size takes a few bytes, so a minimum file
+/// length is assumed.
+fn assumed_len(coding: Coding, file_len: u64) -> u64 {
     const JPEG_XL_BYTES: u64 = 256 << 20;
     if coding == Coding::JpegXl { file_len.max(JPEG_XL_BYTES / LARGEST_EXPANSION) } else { file_len }
 }

@@ -125,7 +125,7 @@ fn opened<'a>(source: Shared<'a>, path: &Path, options: &ReadOptions) -> Result<
             let known = stated_grid.or(options.grid).or((count == PBRT_GRID.len()).then_some(PBRT_GRID));
             let grid = known.filter(|g| g.len() == count).ok_or_else(|| {
                 let found = format!("not stated for {count} bands");
-                let expected = "31 bands (400–700 nm), or a grid given by hand";
+                let expected = "31 bands (400–700 nm), or the option --wavelengths";
                 IoError::field(path, "the wavelengths", found, expected)
             })?;
             (grid.wavelengths_nm().collect::<Vec<_>>(), order, grid, Quantity::RelativeEnergy)

@@ -14,7 +14,7 @@ use crate::{IoError, Limits};
 pub(super) const MARK: &str = "OCTAVE_NEW_FORMAT";
 
 // Ranges are short here: wavelengths.
-const LONGEST_RANGE: u64 = 1 << 16;
+const MAX_RANGE_COUNT: u64 = 1 << 16;
 
 /// The group of a variable.
 pub(super) struct Variable<'a> {
@@ -54,7 +54,7 @@ fn range(variable: &Variable<'_>) -> Result<Value, IoError> {
     let dataset = variable.group.dataset("value").map_err(|e| (variable.decode)(&e))?;
     let attributes = dataset.attrs().map_err(|e| (variable.decode)(&e))?;
     let count = attributes.get("OCTAVE_RANGE_NELEM").and_then(AttrValue::as_u64);
-    let count = count.filter(|&n| n <= LONGEST_RANGE).ok_or_else(wrong)?;
+    let count = count.filter(|&n| n <= MAX_RANGE_COUNT).ok_or_else(wrong)?;
     if dataset.shape().map_err(|e| (variable.decode)(&e))?.iter().any(|&d| d != 1) {
         return Err(wrong());
     }

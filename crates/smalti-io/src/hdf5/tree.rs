@@ -20,7 +20,7 @@ pub(crate) const FORMAT: &str = "HDF5";
 const DEFLATE: u16 = 1;
 const SHUFFLE: u16 = 2;
 // Longer ones are no names of things.
-const LONGEST_TEXT: u64 = 1 << 20;
+const MAX_TEXT_BYTES: u64 = 1 << 20;
 
 /// What is read, and how.
 #[derive(Clone)]
@@ -125,7 +125,7 @@ impl Context {
                 };
             }
             Datatype::Reference { .. } => return Ok(Value::Other("a cell array")),
-            Datatype::String { size, .. } if u64::from(size) <= LONGEST_TEXT && one => {
+            Datatype::String { size, .. } if u64::from(size) <= MAX_TEXT_BYTES && one => {
                 return self.string(dataset);
             }
             Datatype::VariableLength { is_string: true, .. } if one => return self.string(dataset),
@@ -167,7 +167,7 @@ impl Context {
 
     /// A text of MATLAB: UTF-16.
     fn characters(&self, array: &Array) -> Result<String, IoError> {
-        if array.bytes() > LONGEST_TEXT {
+        if array.bytes() > MAX_TEXT_BYTES {
             return Err(self.decode(format!("a text of {} bytes", array.bytes())));
         }
         let units = array.numbers(&self.path, self.limits)?;
@@ -220,9 +220,9 @@ impl Context {
     /// Refuses more chunks than the file has room to list: every one of them would take memory.
     fn refuse_too_many(&self, dims: &[usize], chunk_shape: &[u64]) -> Result<(), IoError> {
         // Where a chunk is, and at least a byte of it.
-        const LEAST: u64 = 8;
+        const MIN_CHUNK_BYTES: u64 = 8;
         let along = dims.iter().rev().zip(chunk_shape).map(|(&d, &c)| (d as u64).div_ceil(c.max(1)));
-        let need = along.fold(LEAST, u64::saturating_mul);
+        let need = along.fold(MIN_CHUNK_BYTES, u64::saturating_mul);
         let have = self.source.len();
         if need > have {
             return Err(IoError::truncated(&self.path, "the list of chunks", need, have));

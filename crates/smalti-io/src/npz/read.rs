@@ -47,7 +47,7 @@ fn single<'a>(source: Shared<'a>, path: &Path, options: &ReadOptions) -> Result<
     let start = |n: usize| part(&*source, 0, n.min(usize::try_from(source.len()).unwrap_or(n))).map_err(io);
     let array = Array::parse("", path, start)?;
     let given = options.grid.map(|g| g.len()).ok_or_else(|| {
-        let expected = "them given by hand (--wavelengths), or an .npz with an array `wavelengths_nm`";
+        let expected = "the option --wavelengths, or an .npz with an array `wavelengths_nm`";
         IoError::field(path, "the wavelengths", "not stated: a single array", expected)
     })?;
     let axes = axes(path, &array.shape, given)?;
@@ -88,7 +88,7 @@ fn archive<'a>(source: Shared<'a>, path: &Path, options: &ReadOptions) -> Result
         None => match given {
             Some(count) => axes(path, &cube.shape, count)?,
             None => {
-                let expected = "an array `wavelengths_nm`, or them given by hand (--wavelengths)";
+                let expected = "an array `wavelengths_nm`, or the option --wavelengths";
                 return Err(IoError::field(path, "the wavelengths", "absent", expected));
             }
         },

@@ -1,4 +1,4 @@
-//! Which part of a cube is read, and why it may not be had.
+//! A part of a cube, and the errors of reading it.
 
 use std::io;
 use std::ops::Range;

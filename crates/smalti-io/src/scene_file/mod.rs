@@ -122,7 +122,7 @@ pub fn read_spectral(path: &Path, options: &ReadOptions) -> Result<Option<Spectr
     open(path, options)?.map(|tiles| load(&tiles, path, options)).transpose()
 }
 
-/// A file as a scene on its own wavelengths: spectra as they are, a picture lifted to spectra on the wavelengths of the setting.
+/// A file as a scene on its own wavelengths: spectra as they are, a picture spectrally upsampled on the wavelengths of the setting.
 /// Facts that the file does not state are those of the setting, except for the light: without one, daylight (D65) is assumed.
 ///
 /// # Errors
@@ -132,13 +132,13 @@ pub fn read(path: &Path, setting: &Setting, options: &ReadOptions) -> Result<Sce
     let name = path.display().to_string();
     let file = match read_spectral(path, options)? {
         Some(spectral) => SpectralFile { name, ..spectral },
-        None => lifted(path, name, setting, options)?,
+        None => upsampled(path, name, setting, options)?,
     };
     file.into_scene(&Setting { illuminant: Illuminant::D65, ..setting.clone() })
 }
 
 /// A picture as reflectances.
-fn lifted(
+fn upsampled(
     path: &Path,
     name: String,
     setting: &Setting,

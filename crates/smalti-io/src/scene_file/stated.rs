@@ -53,12 +53,12 @@ impl Bands {
         Ok(Self { order, wavelengths_nm, grid })
     }
 
-    /// The wavelengths that were given by hand, for a file that states none.
+    /// The wavelengths of the option, for a file that states none.
     ///
     /// # Errors
     /// When none were given, or not as many as there are bands.
     pub(crate) fn given(path: &Path, count: usize, options: &ReadOptions) -> Result<Self, IoError> {
-        let expected = "them in the file, or given by hand (--wavelengths)";
+        let expected = "wavelengths in the file, or the option --wavelengths";
         let Some(grid) = options.grid else {
             let found = format!("not stated for {count} bands");
             return Err(IoError::field(path, "the wavelengths", found, expected));

@@ -123,7 +123,7 @@ pub fn from_source(source: &TomlSource) -> Result<(Trials, String), Box<Diagnost
         None => Ok(()),
     };
     once("colors", twice(&study.colors).map(ToString::to_string))?;
-    once("processing", twice(&study.processing).map(|p| format!("{p:?}")))?;
+    once("processing", twice(&study.processing).map(|p| p.name().to_owned()))?;
     once("metrics", twice(&study.metrics).map(|m| m.name().to_owned()))?;
     once("scenes", twice(&file.scenes).cloned())?;
     if study.processing.contains(&Processing::L3) {

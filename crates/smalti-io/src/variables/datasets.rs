@@ -204,7 +204,7 @@ fn axes(
                 _ => {
                     let found = format!("{} without wavelengths", numbers.shape());
                     let names = wavelengths::NAMES.join(", ");
-                    return error(found, &format!("one of {names} beside it, or wavelengths given by hand"));
+                    return error(found, &format!("one of {names} beside it, or the option --wavelengths"));
                 }
             }
         }

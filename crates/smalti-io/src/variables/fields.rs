@@ -52,10 +52,15 @@ pub(crate) enum Attribute {
 impl Numbers {
     /// Its elements, if it is a list of at most so many as wavelengths can be.
     pub(crate) fn list(&self, name: &str, path: &Path, limits: Limits) -> Result<Vec<f64>, IoError> {
-        const MOST: u64 = 1 << 16;
+        const MAX_WAVELENGTHS: u64 = 1 << 16;
         let count = self.array.count();
-        if count > MOST {
-            return Err(IoError::field(path, name, format!("{count} numbers"), format!("at most {MOST}")));
+        if count > MAX_WAVELENGTHS {
+            return Err(IoError::field(
+                path,
+                name,
+                format!("{count} numbers"),
+                format!("at most {MAX_WAVELENGTHS}"),
+            ));
         }
         self.array.numbers(path, limits)
     }

@@ -174,7 +174,7 @@ class Cloud {
     c.setLineDash([]);
   }
 
-  // Steps between the points of the front: what it beats lies behind them. Crossed out is what no sensor resolves.
+  // Staircase of the Pareto front; dominated trials lie behind it. Trials beyond the Nyquist frequency are crossed out.
   paintFront(c, ink) {
     const { x, y, front, beyond } = this.state;
     const [atX, atY] = [this.at("x"), this.at("y")];

@@ -48,7 +48,7 @@ function startSweep(data) {
     make("div", { class: "plot" }, scatter.element,
       make("div", { class: "selection no-print" }, count, zoom, clear, save),
       make("p", { class: "help", id: "scatter-help" },
-        "Drag to select; click a point to see its design. By keyboard: arrows walk from point to point, Home and End go to the ends of the front, Enter shows the design, Escape clears the selection.")),
+        "Drag to select; click a point to see its trial. Keyboard: the arrow keys move between points; Home and End select the ends of the Pareto front; Enter shows the trial; Escape clears the selection.")),
     panel,
     make("div", { class: "below" }, make("div", { class: "histograms" }, ...histograms.map((h) => h.element)), bestShown));
 
@@ -88,9 +88,9 @@ function startSweep(data) {
       input.checked = value;
       return make("label", { class: "check" }, input, words);
     };
-    return make("div", { class: "controls no-print" }, axis("x", "Across"), axis("y", "Up"), color,
+    return make("div", { class: "controls no-print" }, axis("x", "Horizontal axis"), axis("y", "Vertical axis"), color,
       check("Pareto front", true, (on) => { view.front = on; show(); }),
-      check("Outliers too", false, (on) => { view.whole = on; view.zoom = null; show(); }));
+      check("Show outliers", false, (on) => { view.whole = on; view.zoom = null; show(); }));
   }
 
   // Filters and axes decide what is shown, the box what of it is selected.

@@ -20,6 +20,20 @@ pub enum ColorSpace {
     DisplayP3,
 }
 
+impl ColorSpace {
+    /// Its name in messages.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Xyz => "XYZ",
+            Self::LinearSrgb => "linear sRGB",
+            Self::Srgb => "sRGB",
+            Self::LinearDisplayP3 => "linear Display P3",
+            Self::DisplayP3 => "Display P3",
+        }
+    }
+}
+
 /// Errors of an image.
 #[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]
@@ -28,7 +42,7 @@ pub enum ImageError {
     #[error("an image has 3 planes, got {0}")]
     Planes(usize),
     /// The operation is defined in another colour space.
-    #[error("expected an image in {expected:?}, got {got:?}")]
+    #[error("expected an image in {}, got {}", expected.name(), got.name())]
     Space {
         /// The space it is defined in.
         expected: ColorSpace,

@@ -106,8 +106,11 @@ pub enum L3Error {
         value: f32,
     },
     /// Statistics or tables that differ in this: axes, outputs or noise.
-    #[error("the two do not belong together: {0} differ")]
+    #[error("the statistics cannot be combined: their {0} differ")]
     Mismatch(&'static str),
+    /// The raw image and the one it is classified by have different mosaics.
+    #[error("the raw image and the image it is classified by differ in their mosaics")]
+    Mosaics,
     /// The parts of a table do not fit each other, for this reason.
     #[error("the learned table is inconsistent: {0}")]
     Table(String),

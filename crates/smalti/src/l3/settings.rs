@@ -16,8 +16,8 @@ pub struct Training {
     pub solver: Solver,
     /// Whether kernels have an offset.
     pub kernel: KernelForm,
-    /// Classes that are equivalent under rotations and reflections of the mosaic share their patches. Looked for in tiles of up to
-    /// 4096 cells.
+    /// Classes that are equivalent under rotations and reflections of the mosaic share their patches. Symmetries are sought in
+    /// tiles of up to 4096 cells.
     pub symmetry: bool,
     /// Patches that a class needs to have kernels of its own. `None`: ten for each tap of the patch.
     pub least_patches: Option<u64>,

@@ -157,10 +157,10 @@ impl Statistics {
             return differ("outputs");
         }
         if self.noisy != other.noisy {
-            return differ("whether raw images hold noise");
+            return differ("raw images (with and without noise)");
         }
         if self.white != other.white {
-            return differ("the white of the targets");
+            return differ("target whites");
         }
         if self.levels.is_some() && other.levels.is_some() && self.levels != other.levels {
             return differ("black and white levels");
@@ -253,7 +253,7 @@ impl Statistics {
         if let Some(seen) = pair.seen {
             same_size("the image it is classified by", [seen.rows(), seen.cols()])?;
             if seen.sampling() != raw.sampling() {
-                return Err(L3Error::Mismatch("the mosaics of the two raw images"));
+                return Err(L3Error::Mosaics);
             }
         }
         if pair.target.count() != self.outputs.len() {

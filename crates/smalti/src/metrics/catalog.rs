@@ -83,7 +83,7 @@ pub const CATALOG: &[MetricInfo] = &[
         "mtf50_cy_per_mm",
         "cycles/mm",
         Higher,
-        "The same on the sensor, with its pixel pitch.",
+        "The same frequency on the sensor, from its pixel pitch.",
         "ISO 12233 e-SFR",
     ),
     metric(

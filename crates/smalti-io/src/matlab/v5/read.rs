@@ -12,7 +12,7 @@ use crate::variables::{Array, Fields, Layout, Numbers, Value};
 use crate::{IoError, Limits};
 
 // What MATLAB itself holds names to; a longer one is no name.
-const LONGEST_NAME: u64 = 1024;
+const MAX_NAME_BYTES: u64 = 1024;
 const MAX_DIMS: u64 = 32;
 const MAX_FIELDS: u64 = 1 << 16;
 // More than the header of an array with the longest name.
@@ -174,7 +174,7 @@ impl File {
             .map(|d| usize::try_from(self.number(d) as i32))
             .collect::<Result<_, _>>()
             .map_err(|_| self.decode(format!("a negative dimension of the array at {offset}")))?;
-        let (name, body) = self.part(at, tag::INT8, LONGEST_NAME, "the name of an array")?;
+        let (name, body) = self.part(at, tag::INT8, MAX_NAME_BYTES, "the name of an array")?;
         let name = String::from_utf8_lossy(&name).into_owned();
         let [class, flags, ..] = word.to_le_bytes();
         Ok(Some(Header { class, flags, dims, name, body, end: offset + bytes }))
@@ -246,9 +246,9 @@ impl File {
     }
 
     fn text(&self, header: &Header) -> Result<String, IoError> {
-        const LONGEST: u64 = 1 << 20;
+        const MAX_TEXT_BYTES: u64 = 1 << 20;
         let tag = self.tag(header.body)?;
-        if tag.bytes > LONGEST {
+        if tag.bytes > MAX_TEXT_BYTES {
             return Err(self.decode(format!("the text {} of {} bytes", header.name, tag.bytes)));
         }
         let bytes = self.bytes(tag.data, tag.bytes, "a text")?;
@@ -296,10 +296,10 @@ impl File {
     fn fields(&self, header: &Header) -> Result<Members, IoError> {
         let mut at = header.body;
         if header.class == class::OBJECT {
-            at = self.part(at, tag::INT8, LONGEST_NAME, "the class of an object")?.1;
+            at = self.part(at, tag::INT8, MAX_NAME_BYTES, "the class of an object")?.1;
         }
         let (longest, at) = self.part(at, tag::INT32, 4, "the length of field names")?;
-        let longest = u64::from(self.number(&longest)).clamp(1, LONGEST_NAME);
+        let longest = u64::from(self.number(&longest)).clamp(1, MAX_NAME_BYTES);
         let (names, mut at) = self.part(at, tag::INT8, MAX_FIELDS * longest, "the names of fields")?;
         let mut members = Vec::new();
         for name in names.chunks_exact(longest as usize) {

@@ -6,7 +6,7 @@ use crate::study::results::Results;
 use crate::words::plain;
 
 /// The largest study in a command, bytes.
-const MOST: usize = 200_000;
+const MAX_COMMAND_BYTES: usize = 200_000;
 
 /// A section with a command for each study.
 pub(super) fn section(sources: &Sources<'_>) -> Markup {
@@ -49,7 +49,7 @@ fn command(results: &Results) -> Option<String> {
     let command = format!(
         "cat > study.json <<'EOF'\n{study}\nEOF\nsmalti sweep study.json -o again && smalti report again"
     );
-    (command.len() <= MOST).then_some(command)
+    (command.len() <= MAX_COMMAND_BYTES).then_some(command)
 }
 
 /// JSON of ASCII characters alone, so that a copy does not depend on how a page or terminal treats other characters.

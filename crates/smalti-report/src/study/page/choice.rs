@@ -6,7 +6,7 @@ use super::sources::Sources;
 use crate::ReportError;
 
 /// The largest number of trials on a page. More would load slowly and could not be distinguished.
-pub(super) const MOST: usize = 100_000;
+const MAX_TRIALS: usize = 100_000;
 
 /// A trial on the page.
 pub(super) struct Row {
@@ -30,7 +30,7 @@ pub(super) struct Choice {
 
 impl Choice {
     pub(super) fn of(sources: &Sources<'_>) -> Result<Self, ReportError> {
-        Self::among(sources, MOST)
+        Self::among(sources, MAX_TRIALS)
     }
 
     /// At most about `most` designs, apart from the marked ones.

@@ -59,7 +59,7 @@ pub(super) fn gallery(
             Err(error) => {
                 ensure_running(sources.progress)?;
                 let why = plain(&in_one_line(&error));
-                notes.push(format!("{}: no pictures by the simulator: {why}", section.title()));
+                notes.push(format!("{}: no embedded pictures: {why}", section.title()));
                 continue;
             }
         };

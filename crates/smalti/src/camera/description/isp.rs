@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::isp::{Demosaic, WhiteBalance};
 
-/// Which image pipeline.
+/// Image pipeline.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
@@ -40,7 +40,7 @@ pub enum OutputName {
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(default, deny_unknown_fields)]
 pub struct IspDescription {
-    /// Which pipeline.
+    /// Image pipeline.
     pub pipeline: PipelineName,
     /// Demosaicking method.
     pub demosaic: Demosaic,

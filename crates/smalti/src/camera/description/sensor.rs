@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::sensor::Filter;
 
-/// How a sensor sees colour.
+/// Colour architecture of a sensor.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
