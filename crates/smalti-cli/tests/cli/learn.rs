@@ -38,7 +38,10 @@ fn what_is_trained_renders_what_is_simulated() {
     let place = Place::new();
     let text = place.ok(&format!("train bayer {LEAVES} {SMALL} {EXPOSURES} -o a.l3"));
     assert!(text.lines().next().unwrap().starts_with("position  channel"), "{text}");
-    assert!(text.contains("operators, learned from 16928 patches") && text.ends_with("a.l3\n"), "{text}");
+    assert!(
+        text.contains("classes had training data (16928 patches, ") && text.ends_with("a.l3\n"),
+        "{text}"
+    );
     place.ok(&format!("simulate bayer {OTHER} {SMALL} -o s"));
 
     // What the table gives, in numbers.
