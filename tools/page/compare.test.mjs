@@ -277,7 +277,7 @@ test("classes and kernels follow position, texture and level", () => withPage({}
   const unclipped = await label();
   await clipped.selectOption({ index: 1 });
   assert.notEqual(await label(), unclipped);
-  assert.match(await box.locator(".counts .help").textContent(), /levels that training met/);
+  assert.match(await box.locator(".counts .help").textContent(), /levels with training data/);
   assert.match(await about.textContent(), /patches in training/);
 }));
 
