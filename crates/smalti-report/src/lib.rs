@@ -63,4 +63,4 @@ pub use words::TextTable;
 
 /// Stores a file of a report, since this crate opens none: its path relative to the folder of the report, with `/` between folders,
 /// and its content.
-pub type Store<'a> = dyn FnMut(&str, &[u8]) -> Result<(), Box<dyn std::error::Error + Send + Sync>> + 'a;
+pub type FileSink<'a> = dyn FnMut(&str, &[u8]) -> Result<(), Box<dyn std::error::Error + Send + Sync>> + 'a;

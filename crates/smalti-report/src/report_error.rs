@@ -102,7 +102,7 @@ pub enum ReportError {
     Toml(#[from] toml::ser::Error),
     /// The caller could not store a file of the report.
     #[error(transparent)]
-    Store(Box<dyn Error + Send + Sync>),
+    Sink(Box<dyn Error + Send + Sync>),
 }
 
 /// An error with its causes as one line. A cause whose text the error already ends with is left out, and so is an error whose text its

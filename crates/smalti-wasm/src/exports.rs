@@ -2,7 +2,7 @@
 
 use std::cell::RefCell;
 
-use smalti::design::Processing;
+use smalti::design::TrialProcessing;
 use smalti::sensor::NoiseMode;
 
 use crate::studio::{Studio, StudioError};
@@ -52,7 +52,7 @@ extern "C" fn setup(study: usize, condition: usize, is_learned: u32, text_bytes:
     run(|module| {
         let input = std::mem::take(&mut module.input);
         let (light, codes) = input.split_at_checked(text_bytes).ok_or(StudioError::Planes)?;
-        let processing = if is_learned == 0 { Processing::Classic } else { Processing::L3 };
+        let processing = if is_learned == 0 { TrialProcessing::Classic } else { TrialProcessing::L3 };
         module.studio.setup(study, condition, processing, light, codes)?;
         Ok(0)
     })

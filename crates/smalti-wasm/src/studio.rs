@@ -4,7 +4,7 @@ use std::fmt;
 use std::sync::Arc;
 
 use smalti::camera::CameraError;
-use smalti::design::{DesignError, Preview, PreviewDesign, PreviewLight, Processing, Study, Trials};
+use smalti::design::{DesignError, Preview, PreviewDesign, PreviewLight, Study, TrialProcessing, Trials};
 use smalti::sensor::NoiseMode;
 
 /// Why there is no picture.
@@ -86,7 +86,7 @@ impl Studio {
         &mut self,
         study: usize,
         condition: usize,
-        processing: Processing,
+        processing: TrialProcessing,
         light: &[u8],
         codes: &[u8],
     ) -> Result<(), StudioError> {

@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used)]
 
 use smalti::camera::{Camera, CameraDescription, Setup};
-use smalti::design::{Condition, Preview, PreviewLight, PreviewScene, Processing, Study, Trials};
+use smalti::design::{Condition, Preview, PreviewLight, PreviewScene, Study, TrialProcessing, Trials};
 use smalti::scene::Setting;
 use smalti::sensor::NoiseMode;
 use smalti::spectrum::{Illuminant, WavelengthGrid};
@@ -41,11 +41,11 @@ fn codes(light: &mut PreviewLight) -> Vec<u8> {
 fn text_and_numbers_give_the_pictures_of_the_library() {
     let (study, mut light) = (study(), light());
     let trials = Trials::new(study.clone()).unwrap();
-    let preview = Preview::new(&study, 0, Processing::Classic, &light).unwrap();
+    let preview = Preview::new(&study, 0, TrialProcessing::Classic, &light).unwrap();
     let mut studio = Studio::default();
     let index = studio.study(&serde_json::to_vec(&study).unwrap()).unwrap();
     let text = serde_json::to_vec(&light).unwrap();
-    studio.setup(index, 0, Processing::Classic, &text, &codes(&mut light)).unwrap();
+    studio.setup(index, 0, TrialProcessing::Classic, &text, &codes(&mut light)).unwrap();
     for number in [0, 3] {
         let design = preview.design(&trials.trial(number).unwrap().design).unwrap();
         for noise in [NoiseMode::None, NoiseMode::All] {
@@ -67,7 +67,7 @@ fn what_is_wrong_is_told() {
     let mut light = light();
     let (codes, text) = (codes(&mut light), serde_json::to_vec(&light).unwrap());
     let mut refused = |study, condition, text: &[u8], codes: &[u8]| {
-        studio.setup(study, condition, Processing::Classic, text, codes).unwrap_err().to_string()
+        studio.setup(study, condition, TrialProcessing::Classic, text, codes).unwrap_err().to_string()
     };
     assert!(refused(1, 0, &text, &codes).contains("no study 1"));
     assert!(refused(0, 1, &text, &codes).contains("condition"));
@@ -75,7 +75,7 @@ fn what_is_wrong_is_told() {
     for wrong in [&codes[4..], &codes[1..], &[&codes[..], &[0; 4]].concat()] {
         assert!(refused(0, 0, &text, wrong).contains("more or fewer samples"));
     }
-    studio.setup(0, 0, Processing::Classic, &text, &codes).unwrap();
+    studio.setup(0, 0, TrialProcessing::Classic, &text, &codes).unwrap();
     assert!(studio.draw(99, 0, NoiseMode::None).is_err() && studio.draw(0, 1, NoiseMode::None).is_err());
     assert!(studio.draw(0, 0, NoiseMode::None).is_ok());
 }

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use serde::Deserialize;
-use smalti::design::{FilterFamily, LearningSettings, Metric, MosaicFamily, Processing};
+use smalti::design::{FilterFamily, LearningSettings, Metric, MosaicFamily, TrialProcessing};
 
 /// Maximum number of conditions, since a grid with several axes grows fast.
 pub(super) const MAX_CONDITIONS: usize = 5_000;
@@ -37,7 +37,7 @@ pub(super) struct StudyFile {
     pub(super) colors: Vec<usize>,
     /// Processing of the raw samples: one kind or a list.
     #[serde(default)]
-    pub(super) processing: OneOrMore<Processing>,
+    pub(super) processing: OneOrMore<TrialProcessing>,
     /// Metrics of the study. The default is the first five, and with `scenes` also the last three.
     pub(super) metrics: Option<Vec<Metric>>,
     /// Scenes that designs are scored on in addition to the targets: names with parameters, or files. Each takes about ten milliseconds per
@@ -78,8 +78,8 @@ pub(super) enum OneOrMore<T> {
     More(Vec<T>),
 }
 
-impl OneOrMore<Processing> {
-    pub(super) fn list(&self) -> Vec<Processing> {
+impl OneOrMore<TrialProcessing> {
+    pub(super) fn list(&self) -> Vec<TrialProcessing> {
         match self {
             Self::One(p) => vec![*p],
             Self::More(list) => list.clone(),
@@ -87,9 +87,9 @@ impl OneOrMore<Processing> {
     }
 }
 
-impl Default for OneOrMore<Processing> {
+impl Default for OneOrMore<TrialProcessing> {
     fn default() -> Self {
-        Self::One(Processing::Classic)
+        Self::One(TrialProcessing::Classic)
     }
 }
 

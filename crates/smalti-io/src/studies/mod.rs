@@ -11,7 +11,9 @@ use std::sync::Arc;
 use serde::Deserialize;
 use serde_json::Value;
 use smalti::camera::description::ArchitectureName;
-use smalti::design::{Condition, DesignError, Metric, MetricTarget, Processing, Study, StudyScene, Trials};
+use smalti::design::{
+    Condition, DesignError, Metric, MetricTarget, Study, StudyScene, TrialProcessing, Trials,
+};
 use smalti::scene::{Scene, Setting, catalog};
 use smalti::spectrum::WavelengthGrid;
 
@@ -85,7 +87,7 @@ pub fn from_json(name: &str, text: &str, scenes: &[u8]) -> Result<(Trials, Strin
         let name = &scene.name;
         return Err(wrong(format!("it does not hold the scene {name}; give the TOML file of the study")));
     }
-    if study.processing.contains(&Processing::L3) {
+    if study.processing.contains(&TrialProcessing::L3) {
         study.l3.validate().map_err(|e| wrong(e.to_string()))?;
     }
     Ok((Trials::new(study).map_err(|e| wrong(e.to_string()))?, about))
@@ -126,7 +128,7 @@ pub fn from_source(source: &TomlSource) -> Result<(Trials, String), Box<Diagnost
     once("processing", twice(&study.processing).map(|p| p.name().to_owned()))?;
     once("metrics", twice(&study.metrics).map(|m| m.name().to_owned()))?;
     once("scenes", twice(&file.scenes).cloned())?;
-    if study.processing.contains(&Processing::L3) {
+    if study.processing.contains(&TrialProcessing::L3) {
         study.l3.validate().map_err(|e| wrong("l3", &e.to_string()))?;
         let other = |c: &Condition| c.camera.sensor.architecture != ArchitectureName::Mosaic;
         if study.conditions.iter().any(other) {

@@ -15,7 +15,7 @@ use std::thread;
 use std::time::Instant;
 
 use serde_json::json;
-use smalti::design::{Metric, MetricTarget, Processing, SCORES_REVISION, Sweep, Trials};
+use smalti::design::{Metric, MetricTarget, SCORES_REVISION, Sweep, TrialProcessing, Trials};
 use smalti::experiment::{self, ExperimentError, Progress};
 use thiserror::Error;
 
@@ -77,7 +77,7 @@ pub fn plan_after(
     let study = trials.study();
     let begun = || there().filter(|p| p.trials == trials.len()).map(|p| p.chunk);
     let pictures = |m: &Metric| matches!(m.target(), MetricTarget::ZonePlate | MetricTarget::Scenes);
-    let learned = |p: &Processing| *p != Processing::Classic;
+    let learned = |p: &TrialProcessing| *p != TrialProcessing::Classic;
     let slow = study.metrics.iter().any(pictures) || study.processing.iter().any(learned);
     let even = (trials.len() / PARTS).next_power_of_two().clamp(*CHUNK.start(), *CHUNK.end());
     let least = trials.len().div_ceil(MAX_PARTS);

@@ -6,7 +6,7 @@ use super::page::page;
 use super::results::Comparison;
 use super::{kernels, maps};
 use crate::pictures::add;
-use crate::{ReportError, Sheet, Store, names};
+use crate::{FileSink, ReportError, Sheet, names};
 
 /// The page of a comparison or an evaluation, in its folder.
 pub const PAGE: &str = "report.html";
@@ -33,10 +33,10 @@ impl Comparison<'_> {
     ///
     /// # Errors
     /// When a picture cannot be drawn or stored.
-    pub fn draw(&self, store: &mut Store<'_>) -> Result<(), ReportError> {
+    pub fn draw(&self, store: &mut FileSink<'_>) -> Result<(), ReportError> {
         let page = page(self)?;
         let mut save = |name: String, sheet: Sheet| -> Result<(), ReportError> {
-            store(&name, &sheet.draw()?.png(1.0)?).map_err(ReportError::Store)
+            store(&name, &sheet.draw()?.png(1.0)?).map_err(ReportError::Sink)
         };
         for (l, (light, names)) in self.lights().iter().zip(self.picture_names()).enumerate() {
             for (s, name) in names.iter().enumerate() {
@@ -51,7 +51,7 @@ impl Comparison<'_> {
             let sheet = kernels::sheet(contender.camera, contender.label, pipeline)?;
             save(format!("{file}-kernels.png"), sheet)?;
         }
-        store(PAGE, page.as_bytes()).map_err(ReportError::Store)
+        store(PAGE, page.as_bytes()).map_err(ReportError::Sink)
     }
 
     /// The reference of a scene in one light and the pictures of all contenders beside it.

@@ -36,7 +36,7 @@ function tickText(v) {
   return String(Number(v.toPrecision(6))).replace("-", "−");
 }
 
-// The ends of an axis: all but few designs that would press the others together, unless those are near or among the best.
+// The ends of an axis: all but few trials that would press the others together, unless those are near or among the best.
 function endsOf(values, keep, whole, best) {
   const [first, last] = extent(values, keep);
   if (!(first <= last)) return [0, 1];

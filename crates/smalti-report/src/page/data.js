@@ -1,4 +1,4 @@
-// Columns as Rust packs them (columns.rs), and the designs made of them.
+// Columns as Rust packs them (columns.rs), and the trials made of them.
 
 function bytesOf(text) {
   if (Uint8Array.fromBase64) return Uint8Array.fromBase64(text);
@@ -67,12 +67,12 @@ function lazyColumn(about, values) {
   };
 }
 
-function readDesigns(data) {
+function readTrials(data) {
   const count = data.rows;
   const colors = unpack(data.colors);
   const start = new Uint32Array(count + 1);
   for (let i = 0; i < count; i += 1) start[i + 1] = start[i] + colors[i];
-  const designs = {
+  const trials = {
     data, count, colors, start,
     number: unrun(data.number, count),
     section: unpack(data.section),
@@ -85,24 +85,24 @@ function readDesigns(data) {
     curves: { ...data.filters.curves, most: unpack(data.filters.curves.most), values: unpack(data.filters.curves.values) },
     words: data.words.map((w) => ({ ...w, words: w.values.words, codes: unpack(w.values.codes) })),
     pictures: new Map(data.pictures.map((p) => [p.row, p])),
-    stages: data.stages,
+    opticalSetups: data.optical_setups,
   };
-  designs.tile = designs.words.find((w) => w.name === "tile");
+  trials.tile = trials.words.find((w) => w.name === "tile");
   if (data.sections.length > 1) {
     const names = data.sections.map((s) => s.name);
-    designs.words.unshift({ name: "section", label: "Study and condition", doc: "", words: names, codes: designs.section });
+    trials.words.unshift({ name: "section", label: "Study and condition", doc: "", words: names, codes: trials.section });
   }
-  designs.columns = [
+  trials.columns = [
     lazyColumn({ name: "colors", label: "Number of colours" }, () => colors),
     ...data.columns.map((c) => lazyColumn(c, () => unpack(c.values))),
-    ...ofFilters(designs),
+    ...ofFilters(trials),
   ];
-  return designs;
+  return trials;
 }
 
 // Parameters: what the filters of each design have in common, and those of each filter.
-function ofFilters(designs) {
-  const { count, colors, start, center, fwhm } = designs;
+function ofFilters(trials) {
+  const { count, colors, start, center, fwhm } = trials;
   const each = (f) => () => {
     const out = new Float32Array(count);
     for (let i = 0; i < count; i += 1) out[i] = f(start[i], start[i + 1]);

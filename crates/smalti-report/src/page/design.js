@@ -3,14 +3,14 @@
 const NM = Array.from({ length: 171 }, (_, i) => 380 + 2 * i);
 
 // Transmittance of a filter at NM; null where the page does not hold it.
-function curveOf(designs, at) {
-  const code = designs.curve[at];
+function curveOf(trials, at) {
+  const code = trials.curve[at];
   if (code === -1) {
-    const [center, sigma, peak] = [designs.center[at], designs.fwhm[at] / 2.354820045, designs.peak[at]];
+    const [center, sigma, peak] = [trials.center[at], trials.fwhm[at] / 2.354820045, trials.peak[at]];
     return NM.map((nm) => peak * Math.exp(-0.5 * ((nm - center) / sigma) ** 2));
   }
   if (code < 0) return null;
-  const { first_nm: first, step_nm: step, count, most, values } = designs.curves;
+  const { first_nm: first, step_nm: step, count, most, values } = trials.curves;
   return NM.map((nm) => {
     const place = Math.min(count - 1, Math.max(0, (nm - first) / step));
     const low = Math.min(count - 2, Math.floor(place));
@@ -18,13 +18,13 @@ function curveOf(designs, at) {
     return most[code] * (a + (b - a) * (place - low));
   });
 }
-function filtersOf(designs, row) {
+function filtersOf(trials, row) {
   const filters = [];
-  for (let at = designs.start[row]; at < designs.start[row + 1]; at += 1) {
-    const curve = curveOf(designs, at);
+  for (let at = trials.start[row]; at < trials.start[row + 1]; at += 1) {
+    const curve = curveOf(trials, at);
     const color = curve ? colorOfFilter(NM, curve) : [128, 128, 128];
     filters.push({
-      letter: letter(at - designs.start[row]), center: designs.center[at], fwhm: designs.fwhm[at], peak: designs.peak[at], curve,
+      letter: letter(at - trials.start[row]), center: trials.center[at], fwhm: trials.fwhm[at], peak: trials.peak[at], curve,
       color: css(color), line: css(isDark() ? color.map((v) => Math.round(v + (255 - v) * 0.35)) : color),
     });
   }
@@ -78,33 +78,33 @@ function tileOf(tile, filters) {
 }
 
 // One period without letters, for tables.
-function smallTile(designs, row) {
-  const tile = designs.tile ? designs.tile.words[designs.tile.codes[row]] : "";
+function smallTile(trials, row) {
+  const tile = trials.tile ? trials.tile.words[trials.tile.codes[row]] : "";
   if (!tile) return null;
   const rows = tile.split("/");
-  const colors = filtersOf(designs, row).map((f) => f.color);
+  const colors = filtersOf(trials, row).map((f) => f.color);
   return draw("svg", { class: "tile", viewBox: `0 0 ${rows[0].length} ${rows.length}`, "aria-hidden": "true", "shape-rendering": "crispEdges" },
     ...rows.flatMap((cells, y) => [...cells].map((c, x) => draw("rect", { x, y, width: 1, height: 1, fill: colors[c.charCodeAt(0) - 97] || "#808080" }))));
 }
 
 // The frequency beyond which the sensor of a section samples nothing, in the unit of a column of resolution; none of others.
-function nyquistOf(designs, column, section) {
+function nyquistOf(trials, column, section) {
   if (column.name === "mtf50_cy_per_px") return 0.5;
-  return column.name === "mtf50_cy_per_mm" ? designs.data.sections[section].nyquist_cy_per_mm : null;
+  return column.name === "mtf50_cy_per_mm" ? trials.data.sections[section].nyquist_cy_per_mm : null;
 }
-function isBeyond(designs, column, row) {
-  return column.values[row] > (nyquistOf(designs, column, designs.section[row]) ?? Infinity);
+function isBeyond(trials, column, row) {
+  return column.values[row] > (nyquistOf(trials, column, trials.section[row]) ?? Infinity);
 }
-function isBeyondNyquist(designs, row) {
-  return designs.columns.some((column) => isBeyond(designs, column, row));
+function isBeyondNyquist(trials, row) {
+  return trials.columns.some((column) => isBeyond(trials, column, row));
 }
 
 // How many in a hundred of the trials with as many colours are worse.
-function rankOf(designs, column, row) {
+function rankOf(trials, column, row) {
   if (!column.better || !Number.isFinite(column.values[row])) return "";
   let [worse, all] = [0, 0];
-  for (let i = 0; i < designs.count; i += 1) {
-    if (designs.colors[i] !== designs.colors[row] || designs.section[i] !== designs.section[row] || !Number.isFinite(column.values[i])) continue;
+  for (let i = 0; i < trials.count; i += 1) {
+    if (trials.colors[i] !== trials.colors[row] || trials.section[i] !== trials.section[row] || !Number.isFinite(column.values[i])) continue;
     all += 1;
     // What no reader tells apart is equal.
     const ahead = (column.better === "higher" ? 1 : -1) * (column.values[row] - column.values[i]);
@@ -112,16 +112,16 @@ function rankOf(designs, column, row) {
   }
   return all > 1 ? `${Math.floor((100 * worse) / (all - 1))} %` : "";
 }
-function figuresOf(designs, row) {
+function figuresOf(trials, row) {
   const table = make("table", {}, make("caption", { class: "hidden-text" }, "Figures of the trial"),
     make("thead", {}, make("tr", {}, make("th", { scope: "col" }, "Figure"), make("th", { scope: "col", class: "number" }, "Value"),
       make("th", { scope: "col", class: "number", title: "of the trials with as many colours" }, "Better than"))));
   const body = make("tbody");
-  for (const column of designs.columns.filter((c) => !c.parameter && c.name !== "colors" && Number.isFinite(c.values[row]))) {
+  for (const column of trials.columns.filter((c) => !c.parameter && c.name !== "colors" && Number.isFinite(c.values[row]))) {
     body.append(make("tr", { title: column.doc }, make("th", { scope: "row" }, column.label,
-        isBeyond(designs, column, row) ? make("span", { class: "beyond" }, " beyond Nyquist") : null),
+        isBeyond(trials, column, row) ? make("span", { class: "beyond" }, " beyond Nyquist") : null),
       make("td", { class: "number" }, shown(column.values[row]), make("span", { class: "unit" }, column.unit.replace("cycles", "cy").replace("pixel", "px"))),
-      make("td", { class: "number" }, rankOf(designs, column, row))));
+      make("td", { class: "number" }, rankOf(trials, column, row))));
   }
   table.append(body);
   return table;
@@ -153,12 +153,12 @@ function embedded({ src, width, height }, words) {
   return enlargeable(image(words), words, () => image(""));
 }
 // A canvas that is drawn a little later; `done` is told when it is, `failed` why it cannot be.
-function drawnHere(designs, row, which, words, done, failed) {
-  const { rows, cols } = drawnOf(designs, row).light.scenes[which].light.planes;
+function drawnHere(trials, row, which, words, done, failed) {
+  const { rows, cols } = drawnOf(trials, row).light.scenes[which].light.planes;
   const canvas = () => make("canvas", { width: cols, height: rows, role: "img", "aria-label": words });
   const shown = canvas();
-  designs.simulator ??= new Simulator(designs);
-  designs.simulator.draw(row, which, PICTURES[which].isNoisy, () => shown.isConnected).then((picture) => {
+  trials.simulator ??= new Simulator(trials);
+  trials.simulator.draw(row, which, PICTURES[which].isNoisy, () => shown.isConnected).then((picture) => {
     if (!picture) return;
     shown.getContext("2d").putImageData(new ImageData(new Uint8ClampedArray(picture.rgba.buffer), cols, rows), 0, 0);
     shown.dataset.drawn = picture.ms.toFixed(1);
@@ -174,47 +174,47 @@ const PICTURES = [
   { words: "Zone plate, pixel for pixel, without noise", name: "exact", isNoisy: false },
   { words: "Dead leaves, with all noise", name: "", isNoisy: true },
 ];
-function picturesOf(designs, row, number) {
+function picturesOf(trials, row, number) {
   const both = (picture) => make("div", { class: "pictures" }, PICTURES.map(({ words, name }, which) =>
     make("figure", { class: name }, picture(which, `${words}, trial ${number}`), make("figcaption", {}, words))));
   const say = (words) => make("p", { class: "none" }, words);
-  const command = () => commandOf(designs, row, `--picture ${number} -o trial-${number}.html`);
-  const own = designs.pictures.get(row);
+  const command = () => commandOf(trials, row, `--picture ${number} -o trial-${number}.html`);
+  const own = trials.pictures.get(row);
   if (own) return [both((which, words) => embedded([own.zone_plate, own.scene][which], words))];
-  const drawn = drawnOf(designs, row);
+  const drawn = drawnOf(trials, row);
   if (drawn.none) return [say(`The page has no pictures of this trial: ${drawn.none}.${drawn.is_elsewhere ? " This command makes a page with them:" : ""}`), drawn.is_elsewhere ? command() : null];
   const place = make("div");
   const failed = (error) => place.replaceChildren(say(`The page could not draw its pictures: ${error.message}. This command makes a page with them:`), command());
   const about = "Computed in this page; identical to the picture of `smalti report --picture`.";
   const state = make("p", { class: "none", role: "status" }, drawn.is_learned ? "Learning the pipeline of this trial …" : "Drawing …");
   const done = () => { state.textContent = about; };
-  place.append(both((which, words) => drawnHere(designs, row, which, words, done, failed)), state);
+  place.append(both((which, words) => drawnHere(trials, row, which, words, done, failed)), state);
   return [place];
 }
-function drawnOf(designs, row) {
-  return designs.data.sections[designs.section[row]].drawn;
+function drawnOf(trials, row) {
+  return trials.data.sections[trials.section[row]].drawn;
 }
-function commandOf(designs, row, options) {
-  const study = designs.data.studies[designs.data.sections[designs.section[row]].study];
+function commandOf(trials, row, options) {
+  const study = trials.data.studies[trials.data.sections[trials.section[row]].study];
   return make("div", { class: "copyable" }, make("pre", { tabindex: "0" }, `smalti report ${study.dir} ${options}`),
     make("button", { type: "button", "data-copy": true }, "Copy command"));
 }
 
-function showDesign(designs, row, panel) {
-  const filters = filtersOf(designs, row);
-  const number = designs.number[row];
-  const words = designs.words.filter((w) => w !== designs.tile && w.words[w.codes[row]]).map((w) => w.words[w.codes[row]]);
-  const tile = designs.tile ? designs.tile.words[designs.tile.codes[row]] : "";
+function showTrial(trials, row, panel) {
+  const filters = filtersOf(trials, row);
+  const number = trials.number[row];
+  const words = trials.words.filter((w) => w !== trials.tile && w.words[w.codes[row]]).map((w) => w.words[w.codes[row]]);
+  const tile = trials.tile ? trials.tile.words[trials.tile.codes[row]] : "";
   panel.replaceChildren(
     make("h3", {}, `Trial ${number}`),
-    make("p", { class: "sub" }, [`${designs.colors[row]} colours`, ...words, designs.front[row] ? "on the Pareto front" : null].filter(Boolean).join(" · ")),
+    make("p", { class: "sub" }, [`${trials.colors[row]} colours`, ...words, trials.front[row] ? "on the Pareto front" : null].filter(Boolean).join(" · ")),
     spectraOf(filters),
     make("div", { class: "halves" },
       make("div", {}, make("h4", {}, "Mosaic"), tile ? tileOf(tile, filters) : null),
       make("div", {}, make("h4", {}, "Filters"), filterTable(filters))),
-    make("h4", {}, "Figures"), figuresOf(designs, row),
-    make("h4", {}, "Pictures"), ...picturesOf(designs, row, number).filter(Boolean),
-    make("h4", {}, "As a camera for other commands"), commandOf(designs, row, `--camera ${number} > trial-${number}.toml`),
+    make("h4", {}, "Figures"), figuresOf(trials, row),
+    make("h4", {}, "Pictures"), ...picturesOf(trials, row, number).filter(Boolean),
+    make("h4", {}, "As a camera for other commands"), commandOf(trials, row, `--camera ${number} > trial-${number}.toml`),
   );
   if (filters.some((f) => !f.curve)) panel.append(make("p", { class: "none" }, "The spectra of some filters are not in this page: it would have become too large."));
 }

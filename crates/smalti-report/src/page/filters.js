@@ -1,18 +1,18 @@
-// Which designs are shown: by number of colours, words (processing, conditions, mosaic), marks, and ranges of any number.
+// Which trials are shown: by number of colours, words (processing, conditions, mosaic), marks, and ranges of any number.
 
 // Words of a column that get a box each; of more there is a list.
 const MAX_BOXES = 8;
 
 class Filters {
-  constructor(designs, changed) {
-    this.designs = designs;
+  constructor(trials, changed) {
+    this.trials = trials;
     this.changed = changed;
-    this.keep = new Uint8Array(designs.count).fill(1);
+    this.keep = new Uint8Array(trials.count).fill(1);
     this.groups = [];
     this.ranges = [];
     this.element = make("details", { class: "filters no-print", open: !matchMedia("(max-width: 1100px)").matches }, make("summary", {}, "Filter"));
     this.addNumbersOfColors();
-    designs.words.filter((w) => w.words.length > 1).forEach((w) => this.addWords(w));
+    trials.words.filter((w) => w.words.length > 1).forEach((w) => this.addWords(w));
     this.addMarks();
     this.addRanges();
   }
@@ -40,7 +40,7 @@ class Filters {
   }
 
   addNumbersOfColors() {
-    const { colors } = this.designs;
+    const { colors } = this.trials;
     const counts = new Map();
     colors.forEach((n) => counts.set(n, (counts.get(n) || 0) + 1));
     const entries = [...counts].sort(([a], [b]) => a - b).map(([code, many]) => ({ code, many, words: `${code} colours`, color: () => css(colorOfCount(code)) }));
@@ -64,7 +64,7 @@ class Filters {
   }
 
   addMarks() {
-    const { front, pictures } = this.designs;
+    const { front, pictures } = this.trials;
     const marks = [{ words: "on the Pareto front of ΔE, MTF50 and noise", code: (i) => front[i] === 1 }];
     if (pictures.size) marks.push({ words: "with embedded pictures", code: (i) => pictures.has(i) });
     this.addBoxes("Only", marks, false, (wanted) => (i) => { for (const passes of wanted) if (!passes(i)) return false; return true; });
@@ -78,9 +78,9 @@ class Filters {
   }
 
   addRange() {
-    const range = { column: this.designs.columns[1] || this.designs.columns[0], low: "", high: "" };
-    const select = columnSelect(this.designs.columns, range.column, "Column of the range", () => {
-      range.column = this.designs.columns[Number(select.value)];
+    const range = { column: this.trials.columns[1] || this.trials.columns[0], low: "", high: "" };
+    const select = columnSelect(this.trials.columns, range.column, "Column of the range", () => {
+      range.column = this.trials.columns[Number(select.value)];
       hint();
       this.update();
     });

@@ -44,8 +44,8 @@ function simulate() {
 
 // One at a time, in turn. Studies and setups are handed over when first needed.
 class Simulator {
-  constructor(designs) {
-    this.designs = designs;
+  constructor(trials) {
+    this.trials = trials;
     this.last = Promise.resolve();
     this.studies = new Map();
     this.section = null;
@@ -56,9 +56,9 @@ class Simulator {
     const picture = this.last.then(async () => {
       if (!isWanted()) return null;
       this.worker ??= await Simulator.started();
-      const section = this.designs.section[row];
+      const section = this.trials.section[row];
       if (section !== this.section) await this.enter(section);
-      return Simulator.asked(this.worker, { task: "draw", number: this.designs.number[row], scene, isNoisy });
+      return Simulator.asked(this.worker, { task: "draw", number: this.trials.number[row], scene, isNoisy });
     });
     this.last = picture.catch(() => {});
     return picture;
@@ -90,11 +90,11 @@ class Simulator {
 
   async enter(section) {
     this.section = null;
-    const { study, drawn } = this.designs.data.sections[section];
-    const { light, condition, is_learned: isLearned, stage } = drawn;
-    if (!this.studies.has(study)) this.studies.set(study, await Simulator.asked(this.worker, { task: "study", study: this.designs.data.studies[study].study }));
+    const { study, drawn } = this.trials.data.sections[section];
+    const { light, condition, is_learned: isLearned, optical_setup: opticalSetup } = drawn;
+    if (!this.studies.has(study)) this.studies.set(study, await Simulator.asked(this.worker, { task: "study", study: this.trials.data.studies[study].study }));
     const count = light.scenes.length + (light.training ? 3 : 0);
-    const planes = await Promise.all(this.designs.stages[stage].planes.slice(0, count).map(unpackPictures));
+    const planes = await Promise.all(this.trials.opticalSetups[opticalSetup].planes.slice(0, count).map(unpackPictures));
     await Simulator.asked(this.worker, { task: "setup", study: this.studies.get(study), condition, isLearned, light, planes });
     this.section = section;
   }

@@ -1,27 +1,27 @@
 // The page of a study: puts scatter, filters, histograms, design and selection together.
 
 function startSweep(data) {
-  const designs = readDesigns(data);
+  const trials = readTrials(data);
   const isVaried = (values) => { const [low, high] = extent(values); return low < high; };
-  const varied = designs.columns.filter((c) => c.parameter || c.name === "colors" || isVaried(c.values));
+  const varied = trials.columns.filter((c) => c.parameter || c.name === "colors" || isVaried(c.values));
   const first = (...names) => names.map((name) => varied.find((c) => c.name === name)).find(Boolean);
   const some = varied.filter((c) => !c.parameter && c.name !== "colors");
   const ways = [
     { label: "Number of colours", column: null, words: null },
-    ...designs.words.filter((w) => w.words.length > 1 && w.words.length <= MAX_BOXES).map((w) => ({ label: w.label, words: w })),
+    ...trials.words.filter((w) => w.words.length > 1 && w.words.length <= MAX_BOXES).map((w) => ({ label: w.label, words: w })),
     ...varied.filter((c) => c.name !== "colors").map((c) => ({ label: withUnit(c), column: c })),
   ];
   const view = {
-    x: first("mtf50_cy_per_mm") || some[0] || designs.columns[0],
-    y: first("delta_e_76") || some[1] || some[0] || designs.columns[0],
+    x: first("mtf50_cy_per_mm") || some[0] || trials.columns[0],
+    y: first("delta_e_76") || some[1] || some[0] || trials.columns[0],
     color: ways[0], whole: false, zoom: null, front: true, log: {},
   };
 
-  const selected = new Uint8Array(designs.count);
+  const selected = new Uint8Array(trials.count);
   const panel = make("section", { class: "design", tabindex: "-1", "aria-label": "Design" });
   const count = make("output", { "aria-live": "polite" });
   const scatter = new Scatter({ brush: onBrush, point: onPoint });
-  const filters = new Filters(designs, onFilters);
+  const filters = new Filters(trials, onFilters);
   const histograms = [first("delta_e_76"), first("mtf50_cy_per_mm"), first("luminance_noise_percent"), first("aliasing_percent") || first("mean_fwhm_nm")]
     .filter(Boolean).map((c) => new Histogram(c));
   const clear = make("button", { type: "button", click: () => scatter.setBox(null) }, "Clear selection");
@@ -30,13 +30,13 @@ function startSweep(data) {
     if (view.zoom) scatter.setBox(null);
     else show();
   } }, "Zoom to selection");
-  const save = make("button", { type: "button", class: "primary", click: () => saveCsv(designs, selected) }, "Download CSV");
+  const save = make("button", { type: "button", class: "primary", click: () => saveCsv(trials, selected) }, "Download CSV");
   const bestShown = make("div");
-  // The best designs of the table are to be seen, wherever they are.
+  // The best trials of the table are to be seen, wherever they are.
   const best = Array.from(document.querySelectorAll("#best tr.marked button[data-row]"), (button) => Number(button.dataset.row));
   // So are those with marks.
   const markOf = new Map();
-  for (const mark of designs.marks) {
+  for (const mark of trials.marks) {
     for (const row of mark.rows) {
       best.push(row);
       markOf.set(row, [mark.study, mark.name].filter(Boolean).join(": "));
@@ -62,7 +62,7 @@ function startSweep(data) {
 
   // The tables of the page get mosaics in colour.
   for (const button of document.querySelectorAll("#best button[data-row]")) {
-    const tile = smallTile(designs, Number(button.dataset.row));
+    const tile = smallTile(trials, Number(button.dataset.row));
     if (tile) button.closest("tr").querySelector("code")?.before(tile);
   }
   onFilters();
@@ -70,7 +70,7 @@ function startSweep(data) {
     show();
     if (scatter.pinned >= 0) choose(scatter.pinned);
   });
-  const start = [...designs.pictures.keys()][0] ?? scatter.state.front[0] ?? 0;
+  const start = [...trials.pictures.keys()][0] ?? scatter.state.front[0] ?? 0;
   choose(start);
 
   function controls() {
@@ -132,23 +132,23 @@ function startSweep(data) {
     const front = view.front ? frontOf(view.x, view.y, filters.keep) : [];
     scatter.show({
       x: view.x, y: view.y, log, ends: padded, shown: filters.keep, selected, count: many,
-      color: colorsOf(), front, marks: designs.marks, words: tipOf, beyond: (row) => isBeyondNyquist(designs, row), nyquist: nyquistIn(padded),
+      color: colorsOf(), front, marks: trials.marks, words: tipOf, beyond: (row) => isBeyondNyquist(trials, row), nyquist: nyquistIn(padded),
     });
     scatter.legend.append(...legendOfMarks(), ...legendOfNyquist(front));
     tellSelection();
   }
   function tipOf(row) {
-    const lines = [`Trial ${designs.number[row]}, ${designs.colors[row]} colours`];
+    const lines = [`Trial ${trials.number[row]}, ${trials.colors[row]} colours`];
     if (markOf.has(row)) lines.push(markOf.get(row));
     for (const c of [view.x, view.y]) lines.push(`${c.label} ${shown(c.values[row])}`);
     if (view.color.column) lines.push(`${view.color.column.label} ${shown(view.color.column.values[row])}`);
-    if (isBeyondNyquist(designs, row)) lines.push("MTF50 beyond Nyquist");
+    if (isBeyondNyquist(trials, row)) lines.push("MTF50 beyond Nyquist");
     return lines.join("\n");
   }
   function colorsOf() {
     const { column, words } = view.color;
     if (!column) {
-      const codes = words ? words.codes : designs.colors;
+      const codes = words ? words.codes : trials.colors;
       const present = new Set();
       for (let i = 0; i < codes.length; i += 1) if (filters.keep[i]) present.add(codes[i]);
       const table = Array.from({ length: 256 }, (_, i) => (words ? category(i) : colorOfCount(i)));
@@ -168,9 +168,9 @@ function startSweep(data) {
     scatter.legend.replaceChildren(make("span", {}, withUnit(column)), make("span", {}, shown(low)), bar, make("span", {}, shown(high)));
     return { codes, table };
   }
-  // The symbols of the designs that are marked, by study.
+  // The symbols of the trials that are marked, by study.
   function legendOfMarks() {
-    const entries = designs.marks.map((mark, i) => [mark, i]).filter(([mark]) => mark.rows.some((row) => filters.keep[row]));
+    const entries = trials.marks.map((mark, i) => [mark, i]).filter(([mark]) => mark.rows.some((row) => filters.keep[row]));
     return [...new Set(entries.map(([mark]) => mark.study))].map((study) => make("span", { class: "marks" },
       ...entries.filter(([mark]) => mark.study === study).flatMap(([mark, i], k) => {
         const symbol = draw("svg", { viewBox: "-9 -9 18 18", "aria-hidden": "true" }, draw("path", { d: symbolOf(i) }));
@@ -178,17 +178,17 @@ function startSweep(data) {
       })));
   }
 
-  // Where the axes pass what the sensor samples, if all designs have the same sensor.
+  // Where the axes pass what the sensor samples, if all trials have the same sensor.
   function nyquistIn(ends) {
     const within = (axis) => {
-      const limits = new Set(data.sections.map((_, section) => nyquistOf(designs, view[axis], section)));
+      const limits = new Set(data.sections.map((_, section) => nyquistOf(trials, view[axis], section)));
       const [limit] = limits;
       return limits.size === 1 && limit > ends[axis][0] && limit < ends[axis][1] ? limit : null;
     };
     return { x: within("x"), y: within("y") };
   }
   function legendOfNyquist(front) {
-    const beyond = front.filter((row) => isBeyondNyquist(designs, row));
+    const beyond = front.filter((row) => isBeyondNyquist(trials, row));
     if (beyond.length === 0) return [];
     const unseen = beyond.filter((row) => scatter.px?.[row] === OUT).length;
     const symbol = draw("svg", { viewBox: "-9 -9 18 18", "aria-hidden": "true" }, draw("path", { d: "M-7 -7L7 7M-7 7L7 -7" }));
@@ -233,9 +233,9 @@ function startSweep(data) {
     const cell = (v) => make("td", { class: "number" }, v);
     bestShown.replaceChildren(make("div", { class: "scrolls", tabindex: "0", role: "region", "aria-label": "Best of the selection" }, tableOf(
       `${scatter.box ? "Best of the selection" : "Best of those shown"}, by ${by.label}`, ["Mosaic"], ["Trial", "Colours", ...columns.map(withUnit)],
-      rows.map((row) => make("tr", {}, make("td", {}, smallTile(designs, row)),
-        make("th", { scope: "row", class: "number" }, make("button", { class: "design", type: "button", "data-row": row }, String(designs.number[row]))),
-        cell(designs.colors[row]), ...columns.map((c) => cell(shown(c.values[row]))))))));
+      rows.map((row) => make("tr", {}, make("td", {}, smallTile(trials, row)),
+        make("th", { scope: "row", class: "number" }, make("button", { class: "design", type: "button", "data-row": row }, String(trials.number[row]))),
+        cell(trials.colors[row]), ...columns.map((c) => cell(shown(c.values[row]))))))));
   }
   function onPoint(row, how) {
     if (how === "choose") choose(row);
@@ -243,8 +243,8 @@ function startSweep(data) {
   }
   function choose(row) {
     scatter.setPinned(row);
-    showDesign(designs, row, panel);
-    panel.setAttribute("aria-label", `Trial ${designs.number[row]}`);
+    showTrial(trials, row, panel);
+    panel.setAttribute("aria-label", `Trial ${trials.number[row]}`);
   }
 }
 
@@ -253,24 +253,24 @@ function csvText(text) {
   const safe = /^[=+\-@\t\r]/.test(text) ? `'${text}` : text;
   return /[",\n\r]/.test(safe) ? `"${safe.replaceAll('"', '""')}"` : safe;
 }
-function csvOf(designs, selected) {
-  const numbers = designs.columns.filter((c) => !c.parameter && c.name !== "colors");
-  const head = ["study", "trial", "colors", ...designs.words.map((w) => w.name), ...numbers.map((c) => c.name), "center_nm", "fwhm_nm", "peak"];
+function csvOf(trials, selected) {
+  const numbers = trials.columns.filter((c) => !c.parameter && c.name !== "colors");
+  const head = ["study", "trial", "colors", ...trials.words.map((w) => w.name), ...numbers.map((c) => c.name), "center_nm", "fwhm_nm", "peak"];
   const number = (v) => (Number.isFinite(v) ? String(Number(v.toPrecision(7))) : Number.isNaN(v) ? "" : String(v));
   const lines = [head.map(csvText).join(",")];
-  for (let i = 0; i < designs.count; i += 1) {
+  for (let i = 0; i < trials.count; i += 1) {
     if (!selected[i]) continue;
-    const list = (values) => Array.from(values.subarray(designs.start[i], designs.start[i + 1]), number).join(" ");
+    const list = (values) => Array.from(values.subarray(trials.start[i], trials.start[i + 1]), number).join(" ");
     lines.push([
-      csvText(designs.data.studies[designs.data.sections[designs.section[i]].study].name), designs.number[i], designs.colors[i],
-      ...designs.words.map((w) => csvText(w.words[w.codes[i]])), ...numbers.map((c) => number(c.values[i])),
-      list(designs.center), list(designs.fwhm), list(designs.peak),
+      csvText(trials.data.studies[trials.data.sections[trials.section[i]].study].name), trials.number[i], trials.colors[i],
+      ...trials.words.map((w) => csvText(w.words[w.codes[i]])), ...numbers.map((c) => number(c.values[i])),
+      list(trials.center), list(trials.fwhm), list(trials.peak),
     ].join(","));
   }
   return `${lines.join("\n")}\n`;
 }
-function saveCsv(designs, selected) {
-  const url = URL.createObjectURL(new Blob([csvOf(designs, selected)], { type: "text/csv" }));
+function saveCsv(trials, selected) {
+  const url = URL.createObjectURL(new Blob([csvOf(trials, selected)], { type: "text/csv" }));
   make("a", { href: url, download: "trials.csv" }).click();
   setTimeout(() => URL.revokeObjectURL(url), 10000);
 }

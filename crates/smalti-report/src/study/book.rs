@@ -4,7 +4,7 @@ use smalti::experiment::Progress;
 
 use super::sections::Section;
 use crate::words::plain;
-use crate::{Figure, ReportError, Store, in_one_line};
+use crate::{Figure, FileSink, ReportError, in_one_line};
 
 /// Conditions and processings that have figures and pictures of their own.
 pub(super) const DRAWN: usize = 8;
@@ -16,7 +16,7 @@ const LARGE_SCALE: f64 = 1.5;
 /// The figures that have been stored, and notes about those that could not be drawn.
 pub(super) struct Book<'a> {
     progress: &'a dyn Progress,
-    store: &'a mut Store<'a>,
+    store: &'a mut FileSink<'a>,
     /// Folder of the figures that follow, with a `/` at its end; empty for the folder of the report.
     part: String,
     pub(super) files: Vec<String>,
@@ -24,7 +24,7 @@ pub(super) struct Book<'a> {
 }
 
 impl<'a> Book<'a> {
-    pub(super) fn new(store: &'a mut Store<'a>, progress: &'a dyn Progress) -> Self {
+    pub(super) fn new(store: &'a mut FileSink<'a>, progress: &'a dyn Progress) -> Self {
         Self { progress, store, part: String::new(), files: Vec::new(), notes: Vec::new() }
     }
 
@@ -45,7 +45,7 @@ impl<'a> Book<'a> {
         }
         for (extension, bytes) in [("svg", figure.svg().as_bytes()), ("png", &png)] {
             let file = format!("{}{name}.{extension}", self.part);
-            (self.store)(&file, bytes).map_err(ReportError::Store)?;
+            (self.store)(&file, bytes).map_err(ReportError::Sink)?;
             self.files.push(file);
         }
         self.progress.picture();

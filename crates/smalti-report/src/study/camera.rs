@@ -1,6 +1,6 @@
 //! The design of a trial as the file of a camera, for all other commands.
 
-use smalti::design::{Processing, Trials};
+use smalti::design::{TrialProcessing, Trials};
 
 use crate::ReportError;
 use crate::words::{plain, quoted};
@@ -24,7 +24,7 @@ pub fn camera_toml(trials: &Trials, number: u64) -> Result<String, ReportError> 
     let luminance = condition.luminance_cd_m2;
     let scored = format!("--luminance {luminance} --illuminant {}", quoted(&condition.illuminant.name()));
     let again = match trial.processing {
-        Processing::Classic => format!("smalti evaluate {file} {scored} --seed {}", study.seed),
+        TrialProcessing::Classic => format!("smalti evaluate {file} {scored} --seed {}", study.seed),
         // The pipelines of a study are learned from fewer scenes.
         _ => format!("smalti compare {file} {scored}"),
     };

@@ -6,7 +6,7 @@ use smalti::sensor::NoiseMode;
 use smalti::spectrum::WavelengthGrid;
 
 use super::book::Book;
-use super::pictures::{LEAVES, Stage, Studio, ZONE_PLATE};
+use super::pictures::{LEAVES, SceneSetup, SectionSetup, ZONE_PLATE};
 use super::results::MAIN;
 use super::sections::{ALIASING, Group, Section};
 use crate::ReportError;
@@ -26,15 +26,15 @@ pub(super) fn of_section(section: &Section<'_>, book: &mut Book<'_>) -> Result<(
     spectra(section, "filters-worst", "Filters of the designs of largest colour error", |g| g.worst, book)?;
     mosaics(section, book)?;
     // The camera may need a file that is not part of the study.
-    let studio = Studio::new(section);
+    let setup = SectionSetup::new(section);
     let draws = [
-        ("zone plates", zone_plates as fn(&Studio<'_>, &Section<'_>, &mut Book<'_>) -> _),
+        ("zone plates", zone_plates as fn(&SectionSetup<'_>, &Section<'_>, &mut Book<'_>) -> _),
         ("scene", leaves),
     ];
     for (what, draw) in draws {
-        match &studio {
-            Ok(studio) => {
-                if let Err(error) = draw(studio, section, book) {
+        match &setup {
+            Ok(setup) => {
+                if let Err(error) = draw(setup, section, book) {
                     book.note(section, what, &error)?;
                 }
             }
@@ -119,7 +119,11 @@ fn mosaics(section: &Section<'_>, book: &mut Book<'_>) -> Result<(), ReportError
 }
 
 /// Pictures of the zone plate by the best designs of fewest and of most colours, and by the design with most aliasing.
-fn zone_plates(studio: &Studio<'_>, section: &Section<'_>, book: &mut Book<'_>) -> Result<(), ReportError> {
+fn zone_plates(
+    setup: &SectionSetup<'_>,
+    section: &Section<'_>,
+    book: &mut Book<'_>,
+) -> Result<(), ReportError> {
     let best = |g: &Group| Some((g.colors, *g.best.first()?));
     let few = section.groups.iter().find_map(best);
     let many = section.groups.iter().rev().find_map(best).filter(|m| Some(*m) != few);
@@ -137,15 +141,15 @@ fn zone_plates(studio: &Studio<'_>, section: &Section<'_>, book: &mut Book<'_>) 
     let mut shown: Vec<(usize, String)> =
         [few, many].into_iter().flatten().map(|(n, row)| (row, format!("best of {n} colours"))).collect();
     shown.extend(last);
-    let stage = studio.stage(ZONE_PLATE, NoiseMode::None)?;
+    let scene = setup.scene(ZONE_PLATE, NoiseMode::None)?;
     let sheet = Sheet::new(ACROSS)
         .title(format!("Zone plates, {}", section.title()))
         .note("The frequency of the rings rises outwards, to half a cycle per pixel in the middle of each side. Rings around other points, and colours, are aliasing. Without noise.");
-    add(sheet, &stage, section, &shown, "zone-plates", book)
+    add(sheet, &scene, section, &shown, "zone-plates", book)
 }
 
 /// Pictures of a scene with natural colours by the best and by the worst design.
-fn leaves(studio: &Studio<'_>, section: &Section<'_>, book: &mut Book<'_>) -> Result<(), ReportError> {
+fn leaves(setup: &SectionSetup<'_>, section: &Section<'_>, book: &mut Book<'_>) -> Result<(), ReportError> {
     let delta_e = |r: &usize| match section.results.measure(MAIN[0]).or(section.results.measures.first()) {
         Some(m) if m.better == Better::Higher => -m.at(*r),
         Some(m) => m.at(*r),
@@ -159,16 +163,16 @@ fn leaves(studio: &Studio<'_>, section: &Section<'_>, book: &mut Book<'_>) -> Re
         .into_iter()
         .filter_map(|(row, what)| Some((row?, what.to_owned())))
         .collect();
-    let stage = studio.stage(LEAVES, NoiseMode::All)?;
+    let scene = setup.scene(LEAVES, NoiseMode::All)?;
     let sheet = Sheet::new(2).title(format!("A scene with natural colours, {}", section.title())).note(
         "The best and the worst design, by colour error where it is scored. With all noise; the brightness is adjusted for display.",
     );
-    add(sheet, &stage, section, &shown, "scene", book)
+    add(sheet, &scene, section, &shown, "scene", book)
 }
 
 fn add(
     mut sheet: Sheet,
-    stage: &Stage<'_>,
+    scene: &SceneSetup<'_>,
     section: &Section<'_>,
     shown: &[(usize, String)],
     name: &str,
@@ -178,7 +182,7 @@ fn add(
         return Ok(());
     }
     for (row, what) in shown {
-        let Pixels { width, height, rgb } = stage.picture(*row)?;
+        let Pixels { width, height, rgb } = scene.picture(*row)?;
         let colors = section.results.colors.get(*row).copied().unwrap_or_default();
         let number = section.results.data.numbers.get(*row).copied().unwrap_or_default();
         let caption =

@@ -1,7 +1,7 @@
 //! Pictures of scenes by chosen designs.
 
 use smalti::camera::{Camera, CameraError, EvaluationSettings, Setup};
-use smalti::design::{Condition, PipelineTrainer, Processing, Targets};
+use smalti::design::{Condition, PipelineTrainer, Targets, TrialProcessing};
 use smalti::isp::{Isp, WhiteBalance};
 use smalti::scene::Setting;
 use smalti::sensor::NoiseMode;
@@ -17,7 +17,7 @@ pub(super) const ZONE_PLATE: &str = "zone-plate?size=512&frequency=0.25";
 pub(super) const LEAVES: &str = "dead-leaves?rows=576&cols=768&least=2&largest=150&seed=1001";
 
 /// The camera of a section and the training data of its pipelines, which all scenes share.
-pub(super) struct Studio<'a> {
+pub(super) struct SectionSetup<'a> {
     section: &'a Section<'a>,
     camera: Camera,
     setting: Setting,
@@ -26,8 +26,8 @@ pub(super) struct Studio<'a> {
 }
 
 /// A scene before the camera, for any design.
-pub(super) struct Stage<'a> {
-    studio: &'a Studio<'a>,
+pub(super) struct SceneSetup<'a> {
+    section: &'a SectionSetup<'a>,
     setup: Setup,
     noise: NoiseMode,
 }
@@ -35,14 +35,14 @@ pub(super) struct Stage<'a> {
 /// Condition and processing of a section, and its camera.
 pub(super) fn camera_of<'a>(
     section: &Section<'a>,
-) -> Result<(&'a Condition, Processing, Camera), ReportError> {
+) -> Result<(&'a Condition, TrialProcessing, Camera), ReportError> {
     let (condition, processing) =
         section.results.setup(section.setup).ok_or(ReportError::Missing { what: "condition" })?;
     let camera = Camera::new(condition.camera.clone(), condition.camera.grid()?)?;
     Ok((condition, processing, camera))
 }
 
-impl<'a> Studio<'a> {
+impl<'a> SectionSetup<'a> {
     pub(super) fn new(section: &'a Section<'a>) -> Result<Self, ReportError> {
         let (condition, processing, camera) = camera_of(section)?;
         let setting = Setting {
@@ -60,20 +60,20 @@ impl<'a> Studio<'a> {
             let targets = Targets::new(&camera, &evaluation, &[], &[], &|_, make| make())?;
             PipelineTrainer::new(&targets, &section.results.study().l3, &|_, make| make())
         };
-        let trainer = (processing == Processing::L3).then(learn).transpose()?;
+        let trainer = (processing == TrialProcessing::L3).then(learn).transpose()?;
         Ok(Self { section, camera, setting, trainer })
     }
 
-    pub(super) fn stage(&self, scene: &str, noise: NoiseMode) -> Result<Stage<'_>, ReportError> {
+    pub(super) fn scene(&self, scene: &str, noise: NoiseMode) -> Result<SceneSetup<'_>, ReportError> {
         let setup = Setup::of_test_scene(&self.camera, scene, &self.setting)?;
-        Ok(Stage { studio: self, setup, noise })
+        Ok(SceneSetup { section: self, setup, noise })
     }
 }
 
-impl Stage<'_> {
+impl SceneSetup<'_> {
     /// The picture by the trial of a row.
     pub(super) fn picture(&self, row: usize) -> Result<Pixels, ReportError> {
-        let Studio { section, camera, trainer, .. } = self.studio;
+        let SectionSetup { section, camera, trainer, .. } = self.section;
         let design = section.results.trial(row)?.design;
         let camera = camera.with_cfa(design.cfa(camera.grid())?);
         // The lens is the same, and so is the optical image.

@@ -8,7 +8,7 @@ use super::results::Results;
 use super::sections::Section;
 use super::{document, figures, text};
 use crate::words::TextTable;
-use crate::{ReportError, Store, names};
+use crate::{FileSink, ReportError, names};
 
 /// The file of the document. A report writes it last, so that its presence shows that a folder is complete.
 pub const DOCUMENT: &str = "report.json";
@@ -79,7 +79,7 @@ impl<'a> Report<'a> {
     /// drawn are notes instead.
     fn figures<'s>(
         &mut self,
-        store: &'s mut Store<'s>,
+        store: &'s mut FileSink<'s>,
         progress: &'s dyn Progress,
     ) -> Result<(), ReportError> {
         let mut book = Book::new(store, progress);
@@ -97,13 +97,13 @@ impl<'a> Report<'a> {
     pub fn store(
         &mut self,
         page: &str,
-        store: &mut Store<'_>,
+        store: &mut FileSink<'_>,
         progress: &dyn Progress,
     ) -> Result<String, ReportError> {
         self.figures(&mut |name, bytes| store(name, bytes), progress)?;
-        store(PAGE, page.as_bytes()).map_err(ReportError::Store)?;
+        store(PAGE, page.as_bytes()).map_err(ReportError::Sink)?;
         let document = self.document()?;
-        store(DOCUMENT, document.as_bytes()).map_err(ReportError::Store)?;
+        store(DOCUMENT, document.as_bytes()).map_err(ReportError::Sink)?;
         Ok(document)
     }
 

@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 
 use smalti::design::statistics::Objective;
 use smalti::design::{
-    ColumnValues, Condition, ConditionValue, Design, FilterFamily, MosaicFamily, Processing, ResultColumn,
-    Study, StudyResults, Trial, published,
+    ColumnValues, Condition, ConditionValue, Design, FilterFamily, MosaicFamily, ResultColumn, Study,
+    StudyResults, Trial, TrialProcessing, published,
 };
 use smalti::metrics::{Better, CATALOG, MetricInfo};
 
@@ -170,12 +170,12 @@ impl Results {
     }
 
     /// Index of the condition, and processing, of a setup.
-    pub(super) fn condition(&self, setup: u64) -> Option<(usize, Processing)> {
+    pub(super) fn condition(&self, setup: u64) -> Option<(usize, TrialProcessing)> {
         self.data.trials.setup(setup)
     }
 
     /// Condition and processing of a setup.
-    pub(super) fn setup(&self, setup: u64) -> Option<(&Condition, Processing)> {
+    pub(super) fn setup(&self, setup: u64) -> Option<(&Condition, TrialProcessing)> {
         let (condition, processing) = self.data.trials.setup(setup)?;
         Some((self.study().conditions.get(condition)?, processing))
     }

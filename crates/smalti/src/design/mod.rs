@@ -40,6 +40,6 @@ pub use scenes::StudyScene;
 pub use scores::{
     AliasingScores, ColorScores, EdgeScores, Metric, MetricResult, MetricTarget, SceneFigures, Scores,
 };
-pub use study::{Condition, ConditionValue, Design, Processing, Study, Trial, Trials};
+pub use study::{Condition, ConditionValue, Design, Study, Trial, TrialProcessing, Trials};
 pub use sweep::{SCORES_REVISION, ScoredTrial, Sweep};
 pub use targets::Targets;

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use super::imaged_scene::ImagedScene;
 use super::pipeline_trainer::{PipelineTrainer, TrainingLight};
 use super::pixel_light::{PixelLight, QuantizedLight, QuantizedPlanes};
-use super::study::{Design, Processing, Study};
+use super::study::{Design, Study, TrialProcessing};
 use crate::camera::description::OpticsModelName;
 use crate::camera::{Camera, CameraDescription, CameraError, Setup};
 use crate::color::Image;
@@ -163,7 +163,7 @@ impl Preview {
     pub fn new(
         study: &Study,
         condition: usize,
-        processing: Processing,
+        processing: TrialProcessing,
         light: &PreviewLight,
     ) -> Result<Self, CameraError> {
         let key = |key: &str, message: &str| CameraError::Key { key: key.into(), message: message.into() };
@@ -179,9 +179,9 @@ impl Preview {
         let camera = Camera::new(description, grid)?;
         let photons = condition.illuminant.photons(grid)?;
         let trainer = match (processing, &light.training) {
-            (Processing::Classic, _) => None,
-            (Processing::L3, Some(training)) => Some(training.trainer(&camera, light.factor, study)?),
-            (Processing::L3, None) => {
+            (TrialProcessing::Classic, _) => None,
+            (TrialProcessing::L3, Some(training)) => Some(training.trainer(&camera, light.factor, study)?),
+            (TrialProcessing::L3, None) => {
                 return Err(key("training", "there is no training data for learned pipelines"));
             }
         };

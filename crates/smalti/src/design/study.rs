@@ -27,14 +27,14 @@ const MAX_CACHED_SETS: u64 = 64;
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 #[non_exhaustive]
-pub enum Processing {
+pub enum TrialProcessing {
     /// The processing of the camera description: demosaicking and a colour matrix.
     Classic,
     /// An L³ pipeline trained for the design.
     L3,
 }
 
-impl Processing {
+impl TrialProcessing {
     /// Its name in study files and results.
     #[must_use]
     pub fn name(self) -> &'static str {
@@ -100,7 +100,7 @@ pub struct Study {
     /// The conditions. Every design is scored under each.
     pub conditions: Vec<Condition>,
     /// The kinds of processing. Every design is scored with each.
-    pub processing: Vec<Processing>,
+    pub processing: Vec<TrialProcessing>,
     /// Training settings for learned pipelines.
     pub l3: LearningSettings,
     /// The metrics, in the order of the results.
@@ -127,7 +127,7 @@ pub struct Trial {
     /// Index of the condition.
     pub condition: usize,
     /// The processing.
-    pub processing: Processing,
+    pub processing: TrialProcessing,
     /// The design.
     pub design: Design,
 }
@@ -302,7 +302,7 @@ impl Trials {
 
     /// Condition index and processing of a setup; `None` beyond the last setup.
     #[must_use]
-    pub fn setup(&self, setup: u64) -> Option<(usize, Processing)> {
+    pub fn setup(&self, setup: u64) -> Option<(usize, TrialProcessing)> {
         let kinds = self.study.processing.len() as u64;
         let condition = usize::try_from(setup / kinds).ok().filter(|&c| c < self.study.conditions.len())?;
         Some((condition, *self.study.processing.get((setup % kinds) as usize)?))

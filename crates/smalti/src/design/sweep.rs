@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use super::error::DesignError;
 use super::pipeline_trainer::PipelineTrainer;
 use super::scores::{Metric, Scores};
-use super::study::{Processing, Trial, Trials};
+use super::study::{Trial, TrialProcessing, Trials};
 use super::targets::Targets;
 use crate::camera::{Camera, CameraError, EvaluationSettings, OpticalImages};
 
@@ -155,7 +155,7 @@ impl<'a> Sweep<'a> {
             seed: study.seed,
         };
         let targets = Targets::new(&camera, &settings, &study.metrics, &study.scenes, self.images)?;
-        let learns = study.processing.contains(&Processing::L3);
+        let learns = study.processing.contains(&TrialProcessing::L3);
         let trainer = learns.then(|| PipelineTrainer::new(&targets, &study.l3, self.images)).transpose()?;
         Ok(PreparedCondition { camera, targets, trainer })
     }
@@ -166,7 +166,7 @@ impl PreparedCondition {
         let score = || {
             let cfa = trial.design.cfa(self.camera.grid())?;
             match &self.trainer {
-                Some(trainer) if trial.processing == Processing::L3 => {
+                Some(trainer) if trial.processing == TrialProcessing::L3 => {
                     let (pipeline, reach) = trainer.pipeline(&cfa)?;
                     // One renderer serves all pictures of the trial.
                     self.targets.score_with(&cfa, &pipeline.renderer(), reach)

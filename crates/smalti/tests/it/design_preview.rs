@@ -5,8 +5,8 @@ use smalti::camera::description::{ArchitectureName, AutoExposureName};
 use smalti::camera::{Camera, CameraDescription, EvaluationSettings, Setup};
 use smalti::color::Image;
 use smalti::design::{
-    Condition, PipelineTrainer, PixelLight, Preview, PreviewLight, PreviewScene, PreviewTraining, Processing,
-    Study, Targets, Trials,
+    Condition, PipelineTrainer, PixelLight, Preview, PreviewLight, PreviewScene, PreviewTraining, Study,
+    Targets, TrialProcessing, Trials,
 };
 use smalti::isp::{Isp, WhiteBalance};
 use smalti::scene::Setting;
@@ -98,7 +98,7 @@ fn a_fine_grid_loses_no_more() {
     assert!(fine < 1.5 * coarse, "{fine}, {coarse}");
 }
 
-fn study(camera: CameraDescription, processing: Processing) -> Study {
+fn study(camera: CameraDescription, processing: TrialProcessing) -> Study {
     let text = r#"{
         "name": "preview", "seed": 5, "colors": [3], "filter_sets": 4, "mosaic_count": null,
         "filters": {"gaussian_grid": {"centers_nm": [430, 10, 660], "sigmas_nm": [20, 5, 55], "min_spacing_nm": 20}},
@@ -120,13 +120,13 @@ fn study(camera: CameraDescription, processing: Processing) -> Study {
 /// A study of one condition, its light with all components, and the scene that it is of.
 fn previewed(
     change: impl Fn(&mut CameraDescription),
-    processing: Processing,
+    processing: TrialProcessing,
 ) -> (Trials, PreviewLight, Setup, Option<PipelineTrainer>) {
     let mut description = CameraDescription::default();
     change(&mut description);
     let study = study(description, processing);
     let setup = setup(&change, LEAVES);
-    let trainer = (processing == Processing::L3).then(|| {
+    let trainer = (processing == TrialProcessing::L3).then(|| {
         let camera = Camera::new(study.conditions[0].camera.clone(), GRID).unwrap();
         let settings =
             EvaluationSettings { luminance_cd_m2: LUMINANCE_CD_M2, illuminant: Illuminant::D65, seed: SEED };
@@ -175,8 +175,8 @@ fn a_preview_is_the_picture_of_every_kind_of_camera() {
         |d| d.exposure.time_ms = Some(30.0),
     ];
     for (i, change) in changes.into_iter().enumerate() {
-        let (trials, light, setup, _) = previewed(change, Processing::Classic);
-        let preview = Preview::new(trials.study(), 0, Processing::Classic, &light).unwrap();
+        let (trials, light, setup, _) = previewed(change, TrialProcessing::Classic);
+        let preview = Preview::new(trials.study(), 0, TrialProcessing::Classic, &light).unwrap();
         for number in [0, 3] {
             let design = preview.design(&trials.trial(number).unwrap().design).unwrap();
             let picture = preview.picture(&design, 0, NoiseMode::None).unwrap();
@@ -192,8 +192,8 @@ fn a_preview_is_the_picture_of_every_kind_of_camera() {
 
 #[test]
 fn a_learned_pipeline_is_that_of_the_study() {
-    let (trials, light, setup, trainer) = previewed(|_| {}, Processing::L3);
-    let preview = Preview::new(trials.study(), 0, Processing::L3, &light).unwrap();
+    let (trials, light, setup, trainer) = previewed(|_| {}, TrialProcessing::L3);
+    let preview = Preview::new(trials.study(), 0, TrialProcessing::L3, &light).unwrap();
     let design = preview.design(&trials.trial(2).unwrap().design).unwrap();
     let picture = preview.picture(&design, 0, NoiseMode::None).unwrap();
     let found = difference(&picture, &direct(&setup, &trials, 2, trainer.as_ref()));
@@ -207,9 +207,9 @@ fn a_learned_pipeline_is_that_of_the_study() {
 fn the_factor_scales_the_light() {
     let bright = |factor: f64, time_ms: f64| {
         let change = move |d: &mut CameraDescription| d.exposure.time_ms = Some(time_ms);
-        let (trials, light, ..) = previewed(change, Processing::Classic);
+        let (trials, light, ..) = previewed(change, TrialProcessing::Classic);
         let light = PreviewLight { factor, ..light };
-        let preview = Preview::new(trials.study(), 0, Processing::Classic, &light).unwrap();
+        let preview = Preview::new(trials.study(), 0, TrialProcessing::Classic, &light).unwrap();
         let design = preview.design(&trials.trial(0).unwrap().design).unwrap();
         preview.picture(&design, 0, NoiseMode::None).unwrap()
     };
@@ -223,8 +223,8 @@ fn any_number_of_threads_gives_the_same_bits() {
     let with = |threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| {
-            let (trials, light, ..) = previewed(|d| d.sensor.crosstalk_percent = 5.0, Processing::L3);
-            let preview = Preview::new(trials.study(), 0, Processing::L3, &light).unwrap();
+            let (trials, light, ..) = previewed(|d| d.sensor.crosstalk_percent = 5.0, TrialProcessing::L3);
+            let preview = Preview::new(trials.study(), 0, TrialProcessing::L3, &light).unwrap();
             let design = preview.design(&trials.trial(1).unwrap().design).unwrap();
             (preview.picture(&design, 0, NoiseMode::All).unwrap(), light)
         })
@@ -235,20 +235,20 @@ fn any_number_of_threads_gives_the_same_bits() {
 
 #[test]
 fn what_does_not_fit_is_refused() {
-    let (trials, light, ..) = previewed(|_| {}, Processing::Classic);
+    let (trials, light, ..) = previewed(|_| {}, TrialProcessing::Classic);
     let refused = |light: &PreviewLight, condition, processing| {
         Preview::new(trials.study(), condition, processing, light).unwrap_err().to_string()
     };
-    assert!(refused(&light, 1, Processing::Classic).contains("condition"));
-    assert!(refused(&light, 0, Processing::L3).contains("training"));
+    assert!(refused(&light, 1, TrialProcessing::Classic).contains("condition"));
+    assert!(refused(&light, 0, TrialProcessing::L3).contains("training"));
     let mut short = light.clone();
     short.planes_mut().for_each(|p| p.rows += 1);
     assert!(
-        refused(&short, 0, Processing::Classic).contains("values"),
+        refused(&short, 0, TrialProcessing::Classic).contains("values"),
         "{}",
-        refused(&short, 0, Processing::Classic)
+        refused(&short, 0, TrialProcessing::Classic)
     );
-    let preview = Preview::new(trials.study(), 0, Processing::Classic, &light).unwrap();
+    let preview = Preview::new(trials.study(), 0, TrialProcessing::Classic, &light).unwrap();
     let design = preview.design(&trials.trial(0).unwrap().design).unwrap();
     assert!(preview.picture(&design, 1, NoiseMode::None).is_err());
 }

@@ -8,8 +8,8 @@ use smalti::experiment::Progress;
 use smalti::sensor::NoiseMode;
 
 use super::choice::Choice;
+use super::optical_setups::{MAX_BYTES, OpticalSetups};
 use super::sources::Sources;
-use super::stages::{MAX_BYTES, Stages};
 use crate::page::DataUri;
 use crate::pictures::Pixels;
 use crate::study::book::{DRAWN, ensure_running};
@@ -37,12 +37,13 @@ struct EmbeddedPicture {
 pub(super) fn gallery(
     sources: &Sources<'_>,
     choice: &Choice,
-    stages: &Stages,
+    optical_setups: &OpticalSetups,
 ) -> Result<Gallery, ReportError> {
     let sections: Vec<(usize, &Section<'_>)> =
         sources.all.iter().enumerate().flat_map(|(i, (_, s))| s.iter().map(move |s| (i, s))).collect();
-    let embedded = embedded(sources, &sections, stages);
-    let (mut pictures, mut notes, mut bytes, mut left_out) = (Vec::new(), Vec::new(), stages.bytes, 0);
+    let embedded = embedded(sources, &sections, optical_setups);
+    let (mut pictures, mut notes, mut bytes, mut left_out) =
+        (Vec::new(), Vec::new(), optical_setups.bytes, 0);
     for (index, (_, section)) in sections.iter().enumerate() {
         let here: Vec<&EmbeddedPicture> = embedded.iter().filter(|w| w.section == index).collect();
         if here.is_empty() {
@@ -52,7 +53,7 @@ pub(super) fn gallery(
         let drawn = match draw(
             section,
             &here,
-            &|| stages.preview(index, section, sources.progress),
+            &|| optical_setups.preview(index, section, sources.progress),
             sources.progress,
         ) {
             Ok(drawn) => drawn,
@@ -115,7 +116,7 @@ fn draw(
 fn embedded(
     sources: &Sources<'_>,
     sections: &[(usize, &Section<'_>)],
-    stages: &Stages,
+    optical_setups: &OpticalSetups,
 ) -> Vec<EmbeddedPicture> {
     let mut embedded: Vec<EmbeddedPicture> = Vec::new();
     let mut add = |section: usize, row: usize, requested: bool| {
@@ -129,13 +130,13 @@ fn embedded(
         for number in sources.requested {
             let Ok(row) = results.data.numbers.binary_search(number) else { continue };
             let section = sections.iter().position(|(study, s)| *study == 0 && s.rows.contains(&row));
-            if let Some(section) = section.filter(|s| !stages.has_failed(*s)) {
+            if let Some(section) = section.filter(|s| !optical_setups.has_failed(*s)) {
                 add(section, row, true);
             }
         }
     }
     let undrawn =
-        || sections.iter().enumerate().filter(|(index, _)| stages.wants_pictures(*index)).take(DRAWN);
+        || sections.iter().enumerate().filter(|(index, _)| optical_setups.wants_pictures(*index)).take(DRAWN);
     let each = (sources.pictures / undrawn().count().max(1)).max(1);
     for (index, (_, section)) in undrawn() {
         let groups = &section.groups;

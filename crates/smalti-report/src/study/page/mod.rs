@@ -5,8 +5,8 @@ mod choice;
 mod columns;
 mod gallery;
 mod marks;
+mod optical_setups;
 mod sources;
-mod stages;
 #[cfg(test)]
 mod tests;
 mod words;
@@ -18,16 +18,16 @@ use crate::ReportError;
 use crate::page::{Markup, Page, SWEEP, el, figure, foot, packed, runs};
 use crate::words::{grouped, plain, quoted};
 use choice::Choice;
+use optical_setups::OpticalSetups;
 pub(super) use sources::Sources;
-use stages::Stages;
 
 /// The page as HTML, and notes about what could not be shown.
 pub(super) fn page(sources: &Sources<'_>) -> Result<(String, Vec<String>), ReportError> {
     let choice = Choice::of(sources)?;
-    let stages = Stages::new(sources)?;
-    let gallery = gallery::gallery(sources, &choice, &stages)?;
+    let optical_setups = OpticalSetups::new(sources)?;
+    let gallery = gallery::gallery(sources, &choice, &optical_setups)?;
     let mut page = Page::new(title(sources)).with(SWEEP).lead(lead(sources, &choice));
-    if stages.draws() {
+    if optical_setups.draws() {
         page = page.simulator();
     }
     page = page
@@ -35,9 +35,9 @@ pub(super) fn page(sources: &Sources<'_>) -> Result<(String, Vec<String>), Repor
         .section("means", "Means by number of colours", means(sources)?)
         .section("best", "Best designs", words::best(sources, &choice)?)
         .section("again", "Reproduction", again::section(sources))
-        .data("sweep", data(sources, &choice, &stages, gallery.data)?)
+        .data("sweep", data(sources, &choice, &optical_setups, gallery.data)?)
         .foot(foot());
-    Ok((page.html(), [stages.notes, gallery.notes].concat()))
+    Ok((page.html(), [optical_setups.notes, gallery.notes].concat()))
 }
 
 fn title(sources: &Sources<'_>) -> String {
@@ -103,10 +103,10 @@ fn means(sources: &Sources<'_>) -> Result<Markup, ReportError> {
 fn data(
     sources: &Sources<'_>,
     choice: &Choice,
-    stages: &Stages,
+    optical_setups: &OpticalSetups,
     pictures: Value,
 ) -> Result<Value, ReportError> {
-    let draws = stages.draws();
+    let draws = optical_setups.draws();
     let studies: Vec<Value> = sources
         .all
         .iter()
@@ -122,7 +122,7 @@ fn data(
         })
         .collect::<Result<_, ReportError>>()?;
     let all: Vec<&Section<'_>> = sources.sections().collect();
-    let (stages, drawn) = stages.data(&all)?;
+    let (optical_setups, drawn) = optical_setups.data(&all)?;
     let sections: Vec<Value> = sources
         .all
         .iter()
@@ -155,7 +155,7 @@ fn data(
         "columns": columns.numbers,
         "words": columns.words,
         "filters": columns.filters,
-        "stages": stages,
+        "optical_setups": optical_setups,
         "pictures": pictures,
     }))
 }

@@ -4,8 +4,8 @@ use serde_json::{Value, json};
 use smalti::camera::description::ExposureDescription;
 use smalti::camera::{Camera, CameraDescription, EvaluationSettings, Setup};
 use smalti::design::{
-    LearningSettings, PipelineTrainer, Preview, PreviewLight, PreviewScene, PreviewTraining, Processing,
-    QuantizedPlanes, Targets, metered,
+    LearningSettings, PipelineTrainer, Preview, PreviewLight, PreviewScene, PreviewTraining, QuantizedPlanes,
+    Targets, TrialProcessing, metered,
 };
 use smalti::experiment::Progress;
 use smalti::scene::Setting;
@@ -19,12 +19,12 @@ use crate::study::sections::Section;
 use crate::words::plain;
 use crate::{ReportError, in_one_line};
 
-/// The scenes at a quarter of the pixels, for a page of many stages.
+/// The scenes at a quarter of the pixels, for a page of many optical setups.
 const SMALL: [&str; 2] =
     ["zone-plate?size=256&frequency=0.25", "dead-leaves?rows=288&cols=384&least=2&largest=75&seed=1001"];
-/// The approximate bytes of a stage at full size, and of training data.
-const STAGE_BYTES: usize = 850_000;
-/// The largest number of bytes of the simulator, stages and pictures: a page of 5000 designs then stays below 4 MB.
+/// The approximate bytes of a optical setup at full size, and of training data.
+const OPTICAL_SETUP_BYTES: usize = 850_000;
+/// The largest number of bytes of the simulator, optical setups and pictures: a page of 5000 designs then stays below 4 MB.
 pub(super) const MAX_BYTES: usize = 2_800_000;
 /// Spectral components of each scene. Grey rings differ in the blur of the lens alone. Eight components describe natural surfaces in
 /// daylight to a few thousandths.
@@ -33,7 +33,7 @@ const COMPONENTS: [usize; 2] = [3, 8];
 const TRAINING_COMPONENTS: usize = 8;
 
 /// One lens and pixel geometry under one light. They determine the light on the pixels up to a factor.
-struct Stage {
+struct OpticalSetup {
     camera: Camera,
     illuminant: Illuminant,
     luminance_cd_m2: f64,
@@ -41,14 +41,14 @@ struct Stage {
     training_px: Option<usize>,
 }
 
-impl Stage {
-    /// The stage of a section alone.
+impl OpticalSetup {
+    /// The optical setup of a section alone.
     fn new(section: &Section<'_>) -> Result<Self, ReportError> {
         let (condition, processing, camera) = camera_of(section)?;
-        // Any exposure: the cameras that share the stage have their own rules, of which some may fail.
+        // Any exposure: the cameras that share the optical_setup have their own rules, of which some may fail.
         let exposure = ExposureDescription { time_ms: Some(1.0), ..ExposureDescription::default() };
         let description = CameraDescription { exposure, ..condition.camera.clone() };
-        let training_px = (processing == Processing::L3).then_some(section.results.study().l3.size_px);
+        let training_px = (processing == TrialProcessing::L3).then_some(section.results.study().l3.size_px);
         Ok(Self {
             camera: Camera::new(description, camera.grid())?,
             illuminant: condition.illuminant.clone(),
@@ -57,18 +57,18 @@ impl Stage {
         })
     }
 
-    /// Whether the light on the pixels is that of another stage up to a factor.
-    fn serves(&self, stage: &Self) -> bool {
-        let (own, other) = (&self.camera.sensor, &stage.camera.sensor);
-        self.illuminant == stage.illuminant
-            && self.camera.optics == stage.camera.optics
-            && self.camera.grid() == stage.camera.grid()
+    /// Whether the light on the pixels is that of another optical setup up to a factor.
+    fn serves(&self, optical_setup: &Self) -> bool {
+        let (own, other) = (&self.camera.sensor, &optical_setup.camera.sensor);
+        self.illuminant == optical_setup.illuminant
+            && self.camera.optics == optical_setup.camera.optics
+            && self.camera.grid() == optical_setup.camera.grid()
             && own.pixel.pitch_m == other.pixel.pitch_m
             && own.pixel.fill_factor == other.pixel.fill_factor
             && own.aperture == other.aperture
             && own.quantum_efficiency == other.quantum_efficiency
             && own.ir_cut == other.ir_cut
-            && self.training_px.zip(stage.training_px).is_none_or(|(own, other)| own == other)
+            && self.training_px.zip(optical_setup.training_px).is_none_or(|(own, other)| own == other)
     }
 
     /// Both scenes before its camera.
@@ -126,7 +126,7 @@ impl Stage {
                 &setup.before(&camera)?.ok_or(ReportError::Missing { what: "image before another lens" })?,
             )?;
         }
-        if processing != Processing::L3 {
+        if processing != TrialProcessing::L3 {
             light.training = None;
         }
         if let Some(training) = &mut light.training {
@@ -136,7 +136,7 @@ impl Stage {
     }
 }
 
-/// The planes of a stage for the page.
+/// The planes of a optical setup for the page.
 fn packed(light: &mut PreviewLight) -> Value {
     let plane = |planes: &mut QuantizedPlanes| {
         let QuantizedPlanes { rows, cols, codes, .. } = planes;
@@ -149,7 +149,7 @@ fn packed(light: &mut PreviewLight) -> Value {
 
 /// How a section draws its designs.
 struct Drawn {
-    stage: usize,
+    optical_setup: usize,
     light: PreviewLight,
 }
 
@@ -177,53 +177,53 @@ impl From<ReportError> for NoPicture {
 }
 
 /// The data from which pictures of designs are drawn.
-pub(super) struct Stages {
-    stages: Vec<Value>,
+pub(super) struct OpticalSetups {
+    optical_setups: Vec<Value>,
     sections: Vec<Result<Drawn, NoPicture>>,
-    /// Bytes of all stages and of the simulator.
+    /// Bytes of all optical setups and of the simulator.
     pub(super) bytes: usize,
     pub(super) notes: Vec<String>,
 }
 
-impl Stages {
+impl OpticalSetups {
     pub(super) fn new(sources: &Sources<'_>) -> Result<Self, ReportError> {
         let sections: Vec<&Section<'_>> = sources.sections().collect();
-        let mut stages: Vec<Stage> = Vec::new();
+        let mut optical_setups: Vec<OpticalSetup> = Vec::new();
         // The camera may need a file that is not part of the study.
         let places: Vec<Result<usize, NoPicture>> =
-            sections.iter().map(|s| Ok(place(Stage::new(s)?, &mut stages))).collect();
-        let learned = stages.iter().filter(|s| s.training_px.is_some()).count();
-        let mut bytes = if stages.is_empty() { 0 } else { SIMULATOR_BYTES };
-        let wanted = bytes + (stages.len() + learned) * STAGE_BYTES;
-        let specs = if wanted < MAX_BYTES + STAGE_BYTES { [ZONE_PLATE, LEAVES] } else { SMALL };
+            sections.iter().map(|s| Ok(place(OpticalSetup::new(s)?, &mut optical_setups))).collect();
+        let learned = optical_setups.iter().filter(|s| s.training_px.is_some()).count();
+        let mut bytes = if optical_setups.is_empty() { 0 } else { SIMULATOR_BYTES };
+        let wanted = bytes + (optical_setups.len() + learned) * OPTICAL_SETUP_BYTES;
+        let specs = if wanted < MAX_BYTES + OPTICAL_SETUP_BYTES { [ZONE_PLATE, LEAVES] } else { SMALL };
         let mut drawn: Vec<Result<Drawn, NoPicture>> = Vec::new();
         drawn.resize_with(sections.len(), || Err(NoPicture::NoRoom));
         let mut data = Vec::new();
-        for (index, stage) in stages.iter().enumerate() {
+        for (index, optical_setup) in optical_setups.iter().enumerate() {
             let make = || -> Result<(PreviewLight, Vec<Setup>), NoPicture> {
                 if bytes >= MAX_BYTES {
                     return Err(NoPicture::NoRoom);
                 }
-                let setups = stage.setups(specs, sources.progress)?;
-                Ok((stage.light(&setups).map_err(NoPicture::from)?, setups))
+                let setups = optical_setup.setups(specs, sources.progress)?;
+                Ok((optical_setup.light(&setups).map_err(NoPicture::from)?, setups))
             };
             let mut made = make();
             // A stop is no reason that a section could state.
             ensure_running(sources.progress)?;
             for ((section, place), drawn) in sections.iter().zip(&places).zip(&mut drawn) {
-                if place.as_ref().is_ok_and(|stage| *stage == index) {
+                if place.as_ref().is_ok_and(|optical_setup| *optical_setup == index) {
                     *drawn = match &made {
-                        Ok((light, setups)) => stage
+                        Ok((light, setups)) => optical_setup
                             .light_of(section, setups, light)
-                            .map(|light| Drawn { stage: index, light })
+                            .map(|light| Drawn { optical_setup: index, light })
                             .map_err(NoPicture::from),
                         Err(why) => Err(why.clone()),
                     };
                 }
             }
-            let stage = made.as_mut().map_or(Value::Null, |(light, _)| packed(light));
-            bytes += stage.to_string().len();
-            data.push(stage);
+            let optical_setup = made.as_mut().map_or(Value::Null, |(light, _)| packed(light));
+            bytes += optical_setup.to_string().len();
+            data.push(optical_setup);
             sources.progress.picture();
         }
         for (drawn, place) in drawn.iter_mut().zip(places) {
@@ -236,7 +236,7 @@ impl Stages {
             Some(format!("{}: the page draws no pictures: {}", section.title(), why.words()))
         };
         let notes = sections.iter().zip(&drawn).filter_map(note).collect();
-        Ok(Self { stages: data, sections: drawn, bytes, notes })
+        Ok(Self { optical_setups: data, sections: drawn, bytes, notes })
     }
 
     /// Whether pictures of a section are embedded although the page can draw them: learning a pipeline takes long.
@@ -265,9 +265,9 @@ impl Stages {
         let light = match self.sections.get(index) {
             Some(Ok(drawn)) => &drawn.light,
             _ => {
-                let stage = Stage::new(section)?;
-                let setups = stage.setups([ZONE_PLATE, LEAVES], progress)?;
-                alone = stage.light_of(section, &setups, &stage.light(&setups)?)?;
+                let optical_setup = OpticalSetup::new(section)?;
+                let setups = optical_setup.setups([ZONE_PLATE, LEAVES], progress)?;
+                alone = optical_setup.light_of(section, &setups, &optical_setup.light(&setups)?)?;
                 &alone
             }
         };
@@ -276,19 +276,19 @@ impl Stages {
         Ok(Preview::new(section.results.study(), condition, processing, light)?)
     }
 
-    /// The stages, and the part of each section.
+    /// The optical setups, and the part of each section.
     pub(super) fn data(&self, sections: &[&Section<'_>]) -> Result<(Value, Vec<Value>), ReportError> {
         let said =
             |(drawn, section): (&Result<Drawn, NoPicture>, &&Section<'_>)| -> Result<Value, ReportError> {
                 match drawn {
-                    Ok(Drawn { stage, light }) => {
+                    Ok(Drawn { optical_setup, light }) => {
                         let (condition, processing) = section
                             .results
                             .condition(section.setup)
                             .ok_or(ReportError::Missing { what: "condition" })?;
-                        let is_learned = processing == Processing::L3;
+                        let is_learned = processing == TrialProcessing::L3;
                         Ok(
-                            json!({"stage": stage, "light": light, "condition": condition, "is_learned": is_learned}),
+                            json!({"optical_setup": optical_setup, "light": light, "condition": condition, "is_learned": is_learned}),
                         )
                     }
                     Err(why) => {
@@ -297,17 +297,17 @@ impl Stages {
                 }
             };
         let drawn = self.sections.iter().zip(sections).map(said).collect::<Result<_, ReportError>>()?;
-        Ok((json!(self.stages), drawn))
+        Ok((json!(self.optical_setups), drawn))
     }
 }
 
-/// The index of a stage among known stages. It is added where none of them serves.
-fn place(stage: Stage, stages: &mut Vec<Stage>) -> usize {
-    let found = stages.iter().position(|s| s.serves(&stage));
-    let place = found.unwrap_or(stages.len());
-    match stages.get_mut(place) {
-        Some(there) => there.training_px = there.training_px.or(stage.training_px),
-        None => stages.push(stage),
+/// The index of a optical setup among known optical setups. It is added where none of them serves.
+fn place(optical_setup: OpticalSetup, optical_setups: &mut Vec<OpticalSetup>) -> usize {
+    let found = optical_setups.iter().position(|s| s.serves(&optical_setup));
+    let place = found.unwrap_or(optical_setups.len());
+    match optical_setups.get_mut(place) {
+        Some(there) => there.training_px = there.training_px.or(optical_setup.training_px),
+        None => optical_setups.push(optical_setup),
     }
     place
 }
