@@ -5,10 +5,10 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, bail, ensure};
 use clap::Args;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
-use smalti::camera::ScoreSettings;
+use smalti::camera::{Camera, ScoreSettings};
 use smalti::experiment::{
-    ComparisonSettings, Processing, Progress as _, Resources, TestScene, compare, contenders,
-    light_gains_to_first, pipelines,
+    ComparisonSettings, Processing, Progress as _, Resources, TestScene, camera_differences, compare,
+    contenders, light_gains_to_first, pipelines,
 };
 use smalti::isp::Demosaic;
 use smalti::l3::Pipeline;
@@ -19,6 +19,7 @@ use smalti_report::comparison::{Comparison, PAGE, SIDE_BY_SIDE};
 use smalti_report::names;
 
 use crate::args::{CameraOptions, Common};
+use crate::exposure_args::ExposureOptions;
 use crate::learning_args::LearningOptions;
 use crate::numbers::positive;
 use crate::progress::Progress;
@@ -63,6 +64,8 @@ pub(crate) struct Compare {
     /// A learned table (smalti train) to use instead of training; one for each camera, in their order
     #[arg(long = "pipeline", value_name = "FILE.l3")]
     pub(crate) pipelines: Vec<PathBuf>,
+    #[command(flatten)]
+    pub(crate) exposure: ExposureOptions,
     #[command(flatten)]
     pub(crate) camera_options: CameraOptions,
     /// Do not use the cache of optical images and pipelines ($SMALTI_CACHE_DIR, else the user's cache folder)
@@ -129,8 +132,9 @@ pub(crate) fn run(args: &Compare, words: &[String], common: &Common) -> anyhow::
         scenes: scenes(args)?,
         seed,
         score: ScoreSettings::default(),
+        exposure: args.exposure.policy(),
     };
-    let outcomes = compare(&contenders, &settings, resources)?;
+    let compared = compare(&contenders, &settings, resources)?;
     let gains =
         if args.light_gain { light_gains_to_first(&contenders, &settings, &progress)? } else { Vec::new() };
     if let Some(gain) = gains.first()
@@ -146,7 +150,9 @@ pub(crate) fn run(args: &Compare, words: &[String], common: &Common) -> anyhow::
         labels: &labels,
         contenders: &contenders,
         left_out: &left_out,
-        outcomes: &outcomes,
+        outcomes: &compared.outcomes,
+        exposure: compared.exposure.applied(),
+        differences: &camera_differences(cameras.iter().map(Camera::description))?,
         gains: &gains,
         scene_labels: &scene_labels,
         illuminant: &args.illuminant,
@@ -165,7 +171,9 @@ pub(crate) fn run(args: &Compare, words: &[String], common: &Common) -> anyhow::
         n => format!("means over {n} scenes"),
     };
     crate::print(&format!(
-        "{}{}{}\n{over}; see {}; all results are in {}\n",
+        "{}{}\n{}{}{}\n{over}; see {}; all results are in {}\n",
+        report.differences_table(&table::render),
+        report.exposure_line(),
         report.scores_table(&table::render),
         report.fixed_point_line(),
         report.gains_table(&table::render),

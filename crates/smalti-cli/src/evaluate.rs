@@ -65,7 +65,8 @@ pub(crate) fn run(args: &Evaluate, words: &[String], common: &Common) -> anyhow:
             let name = &camera.description().name;
             progress.begin(&format!("{name} at {luminance_cd_m2} cd/m²"));
             let seed = args.camera_options.seed;
-            let settings = EvaluationSettings { luminance_cd_m2, illuminant: illuminant.clone(), seed };
+            let settings =
+                EvaluationSettings { luminance_cd_m2, illuminant: illuminant.clone(), seed, exposure: None };
             let (scores, pictures) = Contender::as_described(camera, name).evaluate(&settings, resources)?;
             shots.extend(args.output.is_some().then_some(pictures));
             results.push((camera, scores));

@@ -8,6 +8,7 @@ mod compare;
 mod complete;
 mod convert;
 mod evaluate;
+mod exposure_args;
 mod keys;
 mod learning_args;
 mod list;

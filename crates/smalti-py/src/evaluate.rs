@@ -7,8 +7,8 @@ use smalti::camera::{
     score_picture, test_scenes,
 };
 use smalti::experiment::{
-    self, ComparisonSettings, Contender, Processing, Resources, TestScene, light_gain_between, numbered,
-    score_scene,
+    self, ComparisonSettings, Contender, EqualExposure, ExposurePolicy, Processing, Resources, TestScene,
+    light_gain_between, numbered, score_scene,
 };
 use smalti::l3::Training;
 use smalti::numeric::Planes;
@@ -122,7 +122,7 @@ pub(crate) fn evaluate(
 ) -> PyResult<PyEvaluation> {
     let illuminant = illuminant.map_or(Ok(Illuminant::D65), light)?;
     let white = Observer::Cie1931.white(&illuminant.photons(camera.camera.grid()).or_raise()?).or_raise()?;
-    let settings = EvaluationSettings { luminance_cd_m2, illuminant, seed };
+    let settings = EvaluationSettings { luminance_cd_m2, illuminant, seed, exposure: None };
     let name = camera.camera.description().name.clone();
     let contender = Contender::with_pipeline(&camera.camera, &name, pipeline.map(|p| &p.0));
     let (scores, pictures) = watched(py, None, |watch| {
@@ -242,7 +242,7 @@ pub(crate) fn score_scenes(
             let setup = scene.before(contender.camera, &illuminant).or_raise()?;
             let white = Observer::Cie1931.white(&setup.light).or_raise_about(scene.name())?;
             for &luminance_cd_m2 in &luminances_cd_m2 {
-                let scored = score_scene(&contender, &setup, luminance_cd_m2, seed, &score, watch);
+                let scored = score_scene(&contender, &setup, (luminance_cd_m2, None), seed, &score, watch);
                 let (scores, _) = scored.or_raise_about(scene.name())?;
                 all.push(PySceneScores {
                     cpsnr_db: scores.scores.cpsnr_db,
@@ -271,11 +271,14 @@ pub(crate) fn compare<'py>(
     scenes: Option<Vec<NameOrScene>>,
     luminances_cd_m2: Vec<f64>,
     illuminant: Option<&Bound<'py, PyAny>>,
+    exposure: (TimeOrPolicy, f64, f64),
     seed: u64,
     cache: bool,
     progress: Option<&Bound<'py, PyAny>>,
 ) -> PyResult<Vec<Bound<'py, PyAny>>> {
     let illuminant = illuminant.map_or(Ok(Illuminant::D65), light)?;
+    let (exposure, saturated_share, longest_s) = exposure;
+    let exposure = exposure.policy(EqualExposure { saturated_share, longest_s })?;
     let known: Vec<_> = Processing::all().into_iter().map(|p| (p.name(), p)).collect();
     let processing: Vec<Processing> =
         processing.iter().map(|name| one_of("processing", name, &known)).collect::<PyResult<_>>()?;
@@ -286,8 +289,14 @@ pub(crate) fn compare<'py>(
         None => TestScene::default_set(),
         Some(scenes) => scenes.iter().map(|s| s.test_scene(Some(&illuminant))).collect::<PyResult<_>>()?,
     };
-    let settings =
-        ComparisonSettings { luminances_cd_m2, illuminant, scenes, seed, score: ScoreSettings::default() };
+    let settings = ComparisonSettings {
+        luminances_cd_m2,
+        illuminant,
+        scenes,
+        seed,
+        score: ScoreSettings::default(),
+        exposure,
+    };
     let training = TrainingSettings { seed, ..TrainingSettings::default() };
     let (names, outcomes) = watched(py, progress, |watch| {
         let store = self::cache(cache);
@@ -297,7 +306,7 @@ pub(crate) fn compare<'py>(
             experiment::pipelines(&cameras, given, &processing, learning, &settings.illuminant, resources);
         let learned = learned.or_raise()?;
         let (contenders, _) = experiment::contenders(&cameras, &labels, &learned, &processing).or_raise()?;
-        let outcomes = experiment::compare(&contenders, &settings, resources).or_raise()?;
+        let outcomes = experiment::compare(&contenders, &settings, resources).or_raise()?.outcomes;
         let names: Vec<_> = contenders.iter().map(|c| (c.label.to_owned(), c.processing.name())).collect();
         Ok((names, outcomes))
     })?;
@@ -318,6 +327,30 @@ pub(crate) fn compare<'py>(
         }
     }
     Ok(records)
+}
+
+/// An exposure time, s, or the name of an exposure policy.
+#[derive(FromPyObject)]
+pub(crate) enum TimeOrPolicy {
+    Time(f64),
+    Policy(String),
+}
+
+impl TimeOrPolicy {
+    fn policy(&self, limits: EqualExposure) -> PyResult<ExposurePolicy> {
+        match self {
+            Self::Time(time_s) => Ok(ExposurePolicy::Time(*time_s)),
+            Self::Policy(name) => one_of(
+                "exposure",
+                name,
+                &[
+                    ("own", ExposurePolicy::Own),
+                    ("equal", ExposurePolicy::Equal(limits)),
+                    ("auto-equal", ExposurePolicy::AutoEqual(limits)),
+                ],
+            ),
+        }
+    }
 }
 
 /// A built-in scene by name, or a `Scene`.

@@ -5,8 +5,9 @@ use serde::Serialize;
 use serde_json::Value;
 use smalti::camera::{Camera, EvaluationSettings, ScoreSettings, TrainingSettings};
 use smalti::experiment::{
-    ComparisonSettings, Contender, NamedScene, Processing, Resources, Silent, SimulationSettings, TestScene,
-    TrainingMaterial, TrainingRecord, compare, fresh_statistics, gather, simulate, solve,
+    ComparisonSettings, Contender, ExposurePolicy, NamedScene, Processing, Resources, Silent,
+    SimulationSettings, TestScene, TrainingMaterial, TrainingRecord, compare, fresh_statistics, gather,
+    simulate, solve,
 };
 use smalti::isp::Demosaic;
 use smalti::l3::{Textures, Training};
@@ -38,7 +39,8 @@ fn json(text: &str) -> Value {
 #[test]
 fn evaluate_gives_what_the_library_gives() {
     let found = json(&Place::new().ok(&format!("evaluate rgbw --luminance 20 --seed 3 --json {SET}")));
-    let settings = EvaluationSettings { luminance_cd_m2: 20.0, illuminant: Illuminant::D65, seed: 3 };
+    let settings =
+        EvaluationSettings { luminance_cd_m2: 20.0, illuminant: Illuminant::D65, seed: 3, exposure: None };
     let rgbw = camera("rgbw");
     let (scores, _) =
         Contender::as_described(&rgbw, "rgbw").evaluate(&settings, Resources::default()).unwrap();
@@ -64,8 +66,9 @@ fn compare_gives_what_the_library_gives() {
         scenes: [LEAVES, MACBETH].map(TestScene::built_in).into(),
         seed: 1,
         score: ScoreSettings::default(),
+        exposure: ExposurePolicy::default(),
     };
-    let outcomes = compare(&contenders, &settings, Resources::default()).unwrap();
+    let outcomes = compare(&contenders, &settings, Resources::default()).unwrap().outcomes;
     let mut entries = found["results"].as_array().unwrap().iter();
     for outcome in outcomes.iter().flatten() {
         let entry = entries.next().unwrap();

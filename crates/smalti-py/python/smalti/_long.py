@@ -159,6 +159,9 @@ def compare(
     scenes: Sequence[str | Scene] | None = None,
     luminances_cd_m2: Sequence[float] = (1.0, 80.0),
     illuminant: Light | None = None,
+    exposure: float | Literal["own", "equal", "auto-equal"] = "auto-equal",
+    max_saturated_percent: float = 0.5,
+    max_exposure_s: float = 0.033,
     seed: int = 1,
     cache: bool = True,
     progress: Progress = True,
@@ -176,6 +179,11 @@ def compare(
             for training.
         luminances_cd_m2: mean luminances of the scenes, cd/m².
         illuminant: illuminant of the scenes and of the training; default D65.
+        exposure: a time in seconds for all pictures; "own", the time or the rule of each camera; "equal", for each scene the longest
+            time at which no camera saturates more than `max_saturated_percent` of its samples, at most `max_exposure_s`; or
+            "auto-equal", own times if they are the same for all cameras, otherwise equal times.
+        max_saturated_percent: equal exposure: the largest share of saturated samples, percent.
+        max_exposure_s: equal exposure: the longest time, s.
         seed: seed of the noise and of the training.
         cache: keep optical images and statistics between runs, in the cache of the command.
         progress: see `Progress`.
@@ -191,7 +199,7 @@ def compare(
     with _told(progress, steps, "comparing", "step") as told:
         return _smalti.compare(
             list(cameras), each, list(processing), None if scenes is None else list(scenes), list(luminances_cd_m2),
-            illuminant, seed, cache, told,
+            illuminant, (exposure, max_saturated_percent / 100, max_exposure_s), seed, cache, told,
         )  # fmt: skip
 
 

@@ -404,6 +404,7 @@ def compare(
     scenes: list[str | Scene] | None,
     luminances_cd_m2: list[float],
     illuminant: _Light | None,
+    exposure: tuple[float | str, float, float],
     seed: int,
     cache: bool,
     progress: _Told,

@@ -3,6 +3,7 @@
 use serde_json::{Map, Value, json};
 use smalti::l3::Pipeline;
 
+use super::conditions::exposure_as_json;
 use super::kernels::dark_and_bright;
 use super::results::{Comparison, mean};
 use crate::ReportError;
@@ -42,6 +43,11 @@ impl Comparison<'_> {
             "smalti_version": env!("CARGO_PKG_VERSION"),
             "illuminant": self.illuminant,
             "seed": self.seed,
+            "exposure": exposure_as_json(self.exposure),
+            "differences": self.differences.iter().map(|d| json!({
+                "key": d.key,
+                "values": d.values,
+            })).collect::<Vec<_>>(),
             "left_out": self.left_out,
             "files": self.files(),
             "results": entries,

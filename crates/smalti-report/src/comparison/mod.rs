@@ -4,6 +4,7 @@
 
 mod again;
 pub mod columns;
+mod conditions;
 mod document;
 mod evaluated;
 mod figures;

@@ -2,7 +2,9 @@
 
 use smalti::camera::{Camera, SceneScores};
 use smalti::color::Image;
-use smalti::experiment::{Contender, Outcome, PairwiseLightGain, Processing};
+use smalti::experiment::{
+    CameraDifference, Contender, ExposurePolicy, Outcome, PairwiseLightGain, Processing,
+};
 use smalti::l3::Pipeline;
 
 use crate::{ReportError, names};
@@ -40,6 +42,10 @@ pub struct Comparison<'a> {
     pub left_out: &'a [String],
     /// For each contender one outcome per luminance.
     pub outcomes: &'a [Vec<Outcome>],
+    /// The choice of the exposure times that was applied.
+    pub exposure: ExposurePolicy,
+    /// What differs between the cameras besides the colour filter array.
+    pub differences: &'a [CameraDifference],
     /// How much more light the first camera needs to equal each other camera. Empty where it was not asked for.
     pub gains: &'a [PairwiseLightGain],
     /// The label of each scene.

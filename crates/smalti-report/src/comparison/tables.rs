@@ -4,6 +4,7 @@ use smalti::camera::Evaluation;
 use smalti::experiment::PairwiseLightGain;
 
 use super::columns::{COMPARE, Column, SCENES};
+use super::conditions::exposure_cells;
 use super::figures::Scored;
 use super::results::{Comparison, of_contender};
 use crate::page::{Markup, Table, el, paragraph};
@@ -67,13 +68,14 @@ pub(super) fn scores(report: &Comparison<'_>) -> Markup {
     let over = if scenes == 1 { "one scene".into() } else { format!("means over {scenes} scenes") };
     let table =
         Table::new(format!("Scores, {over}")).text("Camera").text("Processing").number("Luminance, cd/m²");
-    let mut table = HEADINGS.into_iter().fold(table, Table::number);
+    let mut table = HEADINGS.into_iter().chain(["Exposure, ms", "Saturated, %"]).fold(table, Table::number);
     for light in 0..report.light_count() {
         let rows = report.in_light(light);
-        let rows = rows.map(|(c, o)| (of_contender(c, o.luminance_cd_m2).to_vec(), o, Vec::new()));
+        let rows =
+            rows.map(|(c, o)| (of_contender(c, o.luminance_cd_m2).to_vec(), o, exposure_cells(o).to_vec()));
         table = scored(table, &COMPARE, &rows.collect::<Vec<_>>());
     }
-    Markup::from(table).and(paragraph(
+    report.conditions().and(Markup::from(table)).and(paragraph(
         "help",
         "★ marks the best value in this light. Higher is better for CPSNR, MTF50 and visual SNR, lower for the other columns. CPSNR, ΔE and \
          S-CIELAB compare whole pictures with the scene as the standard observer sees it. MTF50 is that of a slanted edge; visual SNR and \
@@ -89,7 +91,7 @@ pub(super) fn scenes(report: &Comparison<'_>) -> Markup {
         .text("Processing")
         .number("Luminance, cd/m²");
     let table = HEADINGS.into_iter().take(SCENES.len()).fold(table, Table::number);
-    let mut table = table.number("Clipped, %").number("Exposure, ms");
+    let mut table = table.number("Saturated, %").number("Exposure, ms");
     for scene in 0..report.scene_count() {
         for (light, luminance_cd_m2) in report.luminances().into_iter().enumerate() {
             let rows = report.of_scene(light, scene).map(|(contender, s)| {

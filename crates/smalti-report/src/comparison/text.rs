@@ -4,6 +4,7 @@ use smalti::camera::MetricGain;
 use smalti::experiment::PairwiseLightGain;
 
 use super::columns::{self, headings};
+use super::conditions::{EXPOSURE_HEADINGS, exposure_cells};
 use super::results::{Comparison, of_contender};
 use crate::TextTable;
 
@@ -11,13 +12,17 @@ impl Comparison<'_> {
     /// The scores, a row for each luminance and contender.
     #[must_use]
     pub fn scores_table(&self, table: &TextTable<'_>) -> String {
-        let header: Vec<&str> =
-            ["camera", "pipeline", "cd/m²"].into_iter().chain(headings(&columns::COMPARE)).collect();
+        let header: Vec<&str> = ["camera", "pipeline", "cd/m²"]
+            .into_iter()
+            .chain(headings(&columns::COMPARE))
+            .chain(EXPOSURE_HEADINGS)
+            .collect();
         let mut rows = Vec::new();
         for light in 0..self.light_count() {
             for (contender, o) in self.in_light(light) {
                 let values = columns::COMPARE.map(|c| format!("{:.*}", c.digits, (c.of)(o)));
-                rows.push(of_contender(contender, o.luminance_cd_m2).into_iter().chain(values).collect());
+                let cells = of_contender(contender, o.luminance_cd_m2).into_iter().chain(values);
+                rows.push(cells.chain(exposure_cells(o)).collect());
             }
         }
         table(&header, &rows)

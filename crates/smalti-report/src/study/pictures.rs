@@ -55,6 +55,7 @@ impl<'a> SectionSetup<'a> {
             luminance_cd_m2: condition.luminance_cd_m2,
             illuminant: condition.illuminant.clone(),
             seed: section.results.study().seed,
+            ..EvaluationSettings::default()
         };
         let learn = || {
             let targets = Targets::new(&camera, &evaluation, &[], &[], &|_, make| make())?;

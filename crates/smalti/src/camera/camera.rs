@@ -155,6 +155,52 @@ impl Camera {
         self.exposure_by(|rule, exposure| rule.exposure_time(&self.sensor, image, exposure))
     }
 
+    /// The exposure with a given time, s, or with that of the description.
+    ///
+    /// # Errors
+    /// When no time is given and the rule finds no light.
+    pub fn exposure_or(&self, time_s: Option<f64>, image: &OpticalImage) -> Result<Exposure, CameraError> {
+        match time_s {
+            Some(time_s) => Ok(Exposure { time_s, ..self.gain_and_offset() }),
+            None => self.exposure(image),
+        }
+    }
+
+    /// The exposure time that the description states, s; `None` when a rule determines it.
+    #[must_use]
+    pub fn stated_time_s(&self) -> Option<f64> {
+        match self.exposure_time {
+            ExposureTime::Fixed(time_s) => Some(time_s),
+            ExposureTime::Auto(_) => None,
+        }
+    }
+
+    /// The exposure time of the description, s, for an optical image at several multiples of its light.
+    ///
+    /// # Errors
+    /// When the rule finds no light.
+    pub fn times_in_light(&self, image: &OpticalImage, factors: &[f64]) -> Result<Vec<f64>, CameraError> {
+        match self.exposure_time {
+            ExposureTime::Fixed(time_s) => Ok(vec![time_s; factors.len()]),
+            ExposureTime::Auto(rule) => self.times_by(rule, image, factors),
+        }
+    }
+
+    /// The exposure time of a rule, s, for an optical image at several multiples of its light.
+    ///
+    /// # Errors
+    /// When the rule is invalid or finds no light.
+    pub fn times_by(
+        &self,
+        rule: AutoExposure,
+        image: &OpticalImage,
+        factors: &[f64],
+    ) -> Result<Vec<f64>, CameraError> {
+        let (rate, exposure) = (rule.rate(&self.sensor, image)?, self.gain_and_offset());
+        let time = |factor: &f64| Ok(rule.time_for_rate(&self.sensor, rate * factor, &exposure)?);
+        factors.iter().map(time).collect()
+    }
+
     /// The exposure with the stated time or that of the exposure rule.
     fn exposure_by(
         &self,
@@ -188,12 +234,12 @@ impl Camera {
         self.exposure_by(|rule, exposure| rule.time_for_metered(&self.sensor, irradiance, exposure))
     }
 
-    /// The exposure for light that was gathered on the pixels, with the stated time or that of the mean rule.
+    /// The exposure for light that was gathered on the pixels, with the stated time or that of a rule that meters all samples.
     ///
     /// # Errors
     /// When the rule finds no light, or meters a point and needs [`Camera::exposure_metered`].
     pub fn exposure_gathered(&self, pixels: &PixelSpectra) -> Result<Exposure, CameraError> {
-        self.exposure_by(|rule, exposure| rule.time_for_mean(&self.sensor, pixels, exposure))
+        self.exposure_by(|rule, exposure| rule.time_for_samples(&self.sensor, pixels, exposure))
     }
 
     /// The processing for scenes under a light (photons): demosaicking, white balance, colour matrix.

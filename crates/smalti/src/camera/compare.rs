@@ -106,12 +106,12 @@ impl Setup {
         Ok(Self { image: Arc::new(image), light: self.light.scaled(factor), ..self.clone() })
     }
 
-    /// The same scene with the exposure that the camera's description gives for it.
+    /// The same scene with an exposure time, s; with `None`, that of the camera's description.
     ///
     /// # Errors
     /// When no exposure is found.
-    pub fn exposed(&self) -> Result<Self, CameraError> {
-        Ok(Self { exposure: self.camera.exposure(&self.image)?, ..self.clone() })
+    pub fn exposed(&self, time_s: Option<f64>) -> Result<Self, CameraError> {
+        Ok(Self { exposure: self.camera.exposure_or(time_s, &self.image)?, ..self.clone() })
     }
 }
 

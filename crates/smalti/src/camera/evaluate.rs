@@ -38,6 +38,8 @@ pub struct EvaluationSettings {
     pub illuminant: Illuminant,
     /// Seed of the noise.
     pub seed: u64,
+    /// Exposure times of the targets; `None` for those of the camera's description.
+    pub exposure: Option<ExposureTimes>,
 }
 
 impl EvaluationSettings {
@@ -55,7 +57,7 @@ impl EvaluationSettings {
 impl Default for EvaluationSettings {
     /// 75 cd/m² of D65.
     fn default() -> Self {
-        Self { luminance_cd_m2: 75.0, illuminant: Illuminant::D65, seed: 1 }
+        Self { luminance_cd_m2: 75.0, illuminant: Illuminant::D65, seed: 1, exposure: None }
     }
 }
 
@@ -207,8 +209,14 @@ pub fn evaluate_with(
     let edge = Target::edge(camera, &setting)?;
     let zone = Target::zone_plate(camera, &setting)?;
     let ((chart, edge), zone) = rayon::join(
-        || rayon::join(|| chart.capture(settings, images, isp), || edge.capture(settings, images, isp)),
-        || zone.capture(settings, images, isp),
+        || {
+            let time = |of: fn(ExposureTimes) -> f64| settings.exposure.map(of);
+            rayon::join(
+                || chart.capture(settings, time(|t| t.macbeth_s), images, isp),
+                || edge.capture(settings, time(|t| t.edge_s), images, isp),
+            )
+        },
+        || zone.capture(settings, settings.exposure.map(|t| t.zone_plate_s), images, isp),
     );
     let (chart, edge, zone) = (chart?, edge?, zone?);
     let (noisy, reference) = rayon::join(
@@ -264,6 +272,7 @@ impl Target {
     fn capture<'i>(
         &self,
         settings: &EvaluationSettings,
+        time_s: Option<f64>,
         images: OpticalImages<'_>,
         isp: IspFor<'i>,
     ) -> Result<TargetCapture<'_, 'i>, CameraError> {
@@ -272,7 +281,7 @@ impl Target {
         let image = images(&self.key, &make)?;
         let light = settings.illuminant.photons(camera.grid())?;
         let isp = isp(&light)?;
-        let exposure = camera.exposure(&image)?;
+        let exposure = camera.exposure_or(time_s, &image)?;
         // Without converter, because quantisation errors are only negligible together with noise (dithering).
         let clean = isp.render(&camera.sensor.capture_ideal(&image, &exposure)?)?;
         Ok(TargetCapture { camera, image, exposure, isp, clean })

@@ -153,6 +153,7 @@ impl<'a> Sweep<'a> {
             luminance_cd_m2: condition.luminance_cd_m2,
             illuminant: condition.illuminant.clone(),
             seed: study.seed,
+            ..EvaluationSettings::default()
         };
         let targets = Targets::new(&camera, &settings, &study.metrics, &study.scenes, self.images)?;
         let learns = study.processing.contains(&TrialProcessing::L3);

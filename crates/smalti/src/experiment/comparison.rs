@@ -3,7 +3,7 @@
 use super::error::StageContext;
 use super::learning::{ensure_mosaic, learn_default};
 use super::progress::{Stoppable, ensure_running};
-use super::{ExperimentError, Processing, Progress, Resources};
+use super::{ExperimentError, ExposurePlan, ExposurePolicy, Processing, Progress, Resources};
 use crate::camera::{
     Camera, CameraAndIsp, CameraError, Evaluation, EvaluationPictures, EvaluationSettings, LightGainSettings,
     LightGains, SceneScores, ScoreSettings, Setup, TrainingSettings, compare_on, evaluate_with, light_gains,
@@ -101,6 +101,16 @@ pub struct ComparisonSettings {
     pub seed: u64,
     /// Viewing conditions of the scores.
     pub score: ScoreSettings,
+    /// The choice of the exposure times.
+    pub exposure: ExposurePolicy,
+}
+
+/// The results of a comparison.
+pub struct Compared {
+    /// For each contender an outcome per luminance.
+    pub outcomes: Vec<Vec<Outcome>>,
+    /// The exposure times.
+    pub exposure: ExposurePlan,
 }
 
 /// The scores of a contender at one luminance.
@@ -238,22 +248,22 @@ pub fn contenders<'a>(
     if defined.is_empty() { Err(ExperimentError::NothingToCompare) } else { Ok((defined, left_out)) }
 }
 
-/// Captures a scene at a mean luminance with the exposure of the camera's description, renders the raw image and scores the
-/// picture. `setup` is the scene at 1 cd/m².
+/// Captures a scene at a mean luminance, renders the raw image and scores the picture. `setup` is the scene at 1 cd/m². The exposure
+/// time is `time_s`, s, or that of the camera's description.
 ///
 /// # Errors
 /// When a stage fails, the scene is dark, or the work is stopped.
 pub fn score_scene(
     contender: &Contender<'_>,
     setup: &Setup,
-    luminance_cd_m2: f64,
+    (luminance_cd_m2, time_s): (f64, Option<f64>),
     seed: u64,
     score: &ScoreSettings,
     progress: &dyn Progress,
 ) -> Result<(SceneScores, Option<f64>), ExperimentError> {
     ensure_running(progress)?;
     let scored = || -> Result<_, CameraError> {
-        let lit = setup.in_light(luminance_cd_m2)?.exposed()?;
+        let lit = setup.in_light(luminance_cd_m2)?.exposed(time_s)?;
         let isp = contender.isp(&lit.light, progress)?;
         let scores = compare_on(&lit, &*isp, seed, score)?;
         let fixed_point_db = fixed_point_psnr_db(contender, &lit, &scores, seed)?;
@@ -287,7 +297,8 @@ pub fn compare(
     contenders: &[Contender<'_>],
     settings: &ComparisonSettings,
     resources: Resources<'_>,
-) -> Result<Vec<Vec<Outcome>>, ExperimentError> {
+) -> Result<Compared, ExperimentError> {
+    let exposure = ExposurePlan::new(contenders, settings, resources)?;
     let mut outcomes = Vec::with_capacity(contenders.len());
     let mut setups: Vec<Setup> = Vec::new();
     for contender in contenders {
@@ -304,27 +315,34 @@ pub fn compare(
             });
         }
         setups = own;
-        let at = |&luminance: &f64| outcome(contender, luminance, &setups, settings, resources);
-        outcomes.push(settings.luminances_cd_m2.iter().map(at).collect::<Result<_, _>>()?);
+        let at = |light: usize| outcome(contender, light, &setups, settings, &exposure, resources);
+        outcomes.push((0..settings.luminances_cd_m2.len()).map(at).collect::<Result<_, _>>()?);
     }
-    Ok(outcomes)
+    Ok(Compared { outcomes, exposure })
 }
 
 fn outcome(
     contender: &Contender<'_>,
-    luminance_cd_m2: f64,
+    light: usize,
     setups: &[Setup],
     settings: &ComparisonSettings,
+    exposure: &ExposurePlan,
     resources: Resources<'_>,
 ) -> Result<Outcome, ExperimentError> {
-    let progress = resources.progress;
+    let (progress, luminance_cd_m2) = (resources.progress, settings.luminances_cd_m2[light]);
     progress.begin(&format!("{} at {luminance_cd_m2} cd/m²", contender.name()));
     let illuminant = settings.illuminant.clone();
-    let targets = EvaluationSettings { luminance_cd_m2, illuminant, seed: settings.seed };
+    let targets = EvaluationSettings {
+        luminance_cd_m2,
+        illuminant,
+        seed: settings.seed,
+        exposure: exposure.targets(light),
+    };
     let (targets, pictures) = contender.evaluate(&targets, resources)?;
     let (mut scenes, mut fixed_point) = (Vec::new(), Vec::new());
-    for (scene, setup) in settings.scenes.iter().zip(setups) {
-        let scored = score_scene(contender, setup, luminance_cd_m2, settings.seed, &settings.score, progress);
+    for (i, (scene, setup)) in settings.scenes.iter().zip(setups).enumerate() {
+        let light = (luminance_cd_m2, exposure.scene_s(i, light));
+        let scored = score_scene(contender, setup, light, settings.seed, &settings.score, progress);
         let (scores, fixed_point_db) = scored.map_err(|e| match e {
             ExperimentError::Stage { context, source } => {
                 ExperimentError::Stage { context: format!("{context}, {}", scene.name()), source }

@@ -44,6 +44,16 @@ pub enum ExperimentError {
     /// No kind of processing of a comparison is defined for the mosaic of any camera.
     #[error("nothing is left to compare: the processing is not defined for these mosaics")]
     NothingToCompare,
+    /// A setting is out of range.
+    #[error("{name} is {value}; expected {expected}")]
+    Setting {
+        /// The setting, with its unit.
+        name: &'static str,
+        /// Its value.
+        value: f64,
+        /// The allowed range.
+        expected: &'static str,
+    },
     /// There is no training scene.
     #[error("there is no scene to learn from")]
     NoScene,

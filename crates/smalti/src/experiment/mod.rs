@@ -5,7 +5,9 @@
 //! [`Progress`] receives the steps and can stop the work.
 
 mod comparison;
+mod differences;
 mod error;
+mod exposure;
 mod labels;
 mod learning;
 mod pairs;
@@ -16,10 +18,12 @@ mod store;
 mod sweep;
 
 pub use comparison::{
-    ComparisonSettings, Contender, Outcome, PairwiseLightGain, TestScene, compare, contenders,
+    Compared, ComparisonSettings, Contender, Outcome, PairwiseLightGain, TestScene, compare, contenders,
     light_gain_between, light_gains_to_first, pipelines, score_scene,
 };
+pub use differences::{CameraDifference, camera_differences};
 pub use error::ExperimentError;
+pub use exposure::{EqualExposure, ExposurePlan, ExposurePolicy};
 pub use labels::numbered;
 pub use learning::{
     NamedScene, TrainingMaterial, TrainingRecord, continue_statistics, ensure_mosaic, fresh_statistics,

@@ -29,6 +29,11 @@ pub enum AutoExposure {
         /// Fraction of saturation, above 0, at most 1.
         target: f64,
     },
+    /// At most this share of the samples, with their filters, saturates.
+    SaturatedShare {
+        /// Share of the samples, 0 to below 1.
+        share: f64,
+    },
 }
 
 impl AutoExposure {
@@ -43,41 +48,66 @@ impl AutoExposure {
         image: &OpticalImage,
         exposure: &Exposure,
     ) -> Result<f64, SensorError> {
+        let rate = self.rate(sensor, image)?;
+        self.time_for_rate(sensor, rate, exposure)
+    }
+
+    /// The metered signal of an optical image, photoelectrons per second. It is proportional to the light.
+    ///
+    /// # Errors
+    /// When sensor or rule are invalid, or the image lies outside the sensor's window.
+    pub fn rate(&self, sensor: &Sensor, image: &OpticalImage) -> Result<f64, SensorError> {
         sensor.validate()?;
         match self.metered(sensor, image)? {
-            Some(spectrum) => self.time_for_metered(sensor, &spectrum, exposure),
-            None => self.time_for_mean(sensor, image, exposure),
+            Some(spectrum) => Self::rate_of_metered(sensor, &spectrum),
+            None => self.rate_of_samples(sensor, image),
         }
     }
 
-    /// The exposure time, s, at which the mean over all pixels is the target of [`AutoExposure::Mean`].
+    /// The exposure time, s, for light on the pixels, by a rule that meters all samples.
     ///
     /// # Errors
-    /// As [`AutoExposure::exposure_time`]; and [`SensorError::NoLight`] where the rule meters a point, which the light on the
-    /// pixels does not tell.
-    pub fn time_for_mean<'a>(
+    /// As [`AutoExposure::exposure_time`]; and [`SensorError::NoLight`] for a rule that meters a point, which the light on the pixels
+    /// does not contain.
+    pub fn time_for_samples<'a>(
         &self,
         sensor: &Sensor,
         light: impl Into<Light<'a>>,
         exposure: &Exposure,
     ) -> Result<f64, SensorError> {
-        if !matches!(self, Self::Mean { .. }) {
-            return Err(SensorError::NoLight);
-        }
-        // Full exposure of every plane; divided among them below.
-        let electrons = sensor.electrons(light.into(), 1.0)?;
-        let sum: f64 = electrons.data().iter().map(|&e| f64::from(e)).sum();
-        self.time_for_rate(sensor, sum / electrons.data().len() as f64, exposure)
+        let rate = self.rate_of_samples(sensor, light)?;
+        self.time_for_rate(sensor, rate, exposure)
     }
 
-    /// The irradiance, photons s⁻¹ m⁻² nm⁻¹, of the point that the rule meters; `None` for the mean, which
-    /// uses all points. It depends only on the image and on the part of it within the sensor's window.
+    /// The metered signal over all samples, photoelectrons per second, each plane with the full exposure time.
+    fn rate_of_samples<'a>(&self, sensor: &Sensor, light: impl Into<Light<'a>>) -> Result<f64, SensorError> {
+        let share = match *self {
+            Self::Mean { .. } => None,
+            Self::SaturatedShare { share } => {
+                require((0.0..1.0).contains(&share), "share", share, "0 to less than 1")?;
+                Some(share)
+            }
+            Self::Specular { .. } | Self::LuminancePercentile { .. } => return Err(SensorError::NoLight),
+        };
+        let mut electrons = sensor.electrons(light.into(), 1.0)?.into_data();
+        let count = electrons.len();
+        let Some(share) = share else {
+            return Ok(electrons.iter().map(|&e| f64::from(e)).sum::<f64>() / count as f64);
+        };
+        // The brightest samples that may saturate are those above this rank.
+        let above = (share * count as f64) as usize;
+        let Some(rank) = count.checked_sub(1 + above) else { return Err(SensorError::NoLight) };
+        Ok(f64::from(*electrons.select_nth_unstable_by(rank, f32::total_cmp).1))
+    }
+
+    /// The irradiance, photons s⁻¹ m⁻² nm⁻¹, of the point that the rule meters; `None` for rules that
+    /// meter all samples. It depends only on the image and on the part of it within the sensor's window.
     ///
     /// # Errors
     /// When the percentile is out of range, or the image lies outside the sensor's window.
     pub fn metered(&self, sensor: &Sensor, image: &OpticalImage) -> Result<Option<Spectrum>, SensorError> {
         let percentile = match *self {
-            Self::Mean { .. } => return Ok(None),
+            Self::Mean { .. } | Self::SaturatedShare { .. } => return Ok(None),
             Self::Specular { .. } => 100.0,
             Self::LuminancePercentile { percentile, .. } => percentile,
         };
@@ -98,16 +128,25 @@ impl AutoExposure {
         irradiance: &Spectrum,
         exposure: &Exposure,
     ) -> Result<f64, SensorError> {
+        let rate = Self::rate_of_metered(sensor, irradiance)?;
+        self.time_for_rate(sensor, rate, exposure)
+    }
+
+    fn rate_of_metered(sensor: &Sensor, irradiance: &Spectrum) -> Result<f64, SensorError> {
         let grid = irradiance.grid();
         let area = sensor.pixel.photodetector_area_m2();
         let rates = sensor.spectral_responsivity_on(grid)?.into_iter().map(|channel| {
             let sum: f64 = channel.values().iter().zip(irradiance.values()).map(|(r, e)| r * e).sum();
             sum * grid.step_nm() * area
         });
-        self.time_for_rate(sensor, rates.fold(0.0, f64::max), exposure)
+        Ok(rates.fold(0.0, f64::max))
     }
 
-    fn time_for_rate(
+    /// The exposure time, s, for a [rate](Self::rate) of the metered signal, at the gain and offset of `exposure`.
+    ///
+    /// # Errors
+    /// When the exposure or the rule is invalid, or there is no light.
+    pub fn time_for_rate(
         &self,
         sensor: &Sensor,
         electrons_per_s: f64,
@@ -129,6 +168,7 @@ impl AutoExposure {
         let (field, fraction) = match *self {
             Self::Specular { fraction } => ("fraction", fraction),
             Self::Mean { target } | Self::LuminancePercentile { target, .. } => ("target", target),
+            Self::SaturatedShare { .. } => ("share", 1.0),
         };
         require(fraction > 0.0 && fraction <= 1.0, field, fraction, "more than 0 and at most 1")?;
         let saturation_v = sensor.saturation_v(exposure) / exposure.analog_gain - exposure.analog_offset_v;

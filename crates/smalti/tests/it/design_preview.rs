@@ -128,8 +128,12 @@ fn previewed(
     let setup = setup(&change, LEAVES);
     let trainer = (processing == TrialProcessing::L3).then(|| {
         let camera = Camera::new(study.conditions[0].camera.clone(), GRID).unwrap();
-        let settings =
-            EvaluationSettings { luminance_cd_m2: LUMINANCE_CD_M2, illuminant: Illuminant::D65, seed: SEED };
+        let settings = EvaluationSettings {
+            luminance_cd_m2: LUMINANCE_CD_M2,
+            illuminant: Illuminant::D65,
+            seed: SEED,
+            exposure: None,
+        };
         let targets = Targets::new(&camera, &settings, &[], &[], &|_, make| make()).unwrap();
         PipelineTrainer::new(&targets, &study.l3, &|_, make| make()).unwrap()
     });

@@ -77,6 +77,22 @@ fn automatic_exposure_reaches_its_targets() {
         assert!((mean / (1.0 - 0.02) - 0.18).abs() < 1e-4, "{mean}");
     }
     s.architecture = ColorArchitecture::Mosaic;
+    // At the time of the rule a tenth of the samples saturates, and after a little longer more than a tenth.
+    let rule = AutoExposure::SaturatedShare { share: 0.1 };
+    let longest_s = rule.exposure_time(&s, &image, &base).unwrap();
+    let saturated = |time_s: f64| {
+        let volts = s.expected_volts(&image, &Exposure { time_s, ..base }).unwrap();
+        volts.data().iter().filter(|v| f64::from(**v) >= s.saturation_v(&base) - 1e-6).count() as f64
+            / volts.data().len() as f64
+    };
+    assert!(saturated(0.999 * longest_s) <= 0.1, "{}", saturated(0.999 * longest_s));
+    assert!(saturated(1.01 * longest_s) > 0.1, "{}", saturated(1.01 * longest_s));
+    let none = AutoExposure::SaturatedShare { share: 0.0 }.exposure_time(&s, &image, &base).unwrap();
+    assert!(saturated(0.999 * none) == 0.0 && none < longest_s);
+    let dark = rule.exposure_time(&s, &wide(0.0), &base);
+    assert_eq!(dark, Err(SensorError::NoLight));
+    let wrong = AutoExposure::SaturatedShare { share: 1.0 }.exposure_time(&s, &image, &base);
+    assert!(matches!(wrong, Err(SensorError::Parameter(e)) if e.name == "share"));
     let at = |percentile| {
         AutoExposure::LuminancePercentile { percentile, target: 0.95 }
             .exposure_time(&s, &image, &base)

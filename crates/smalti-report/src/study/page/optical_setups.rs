@@ -92,6 +92,7 @@ impl OpticalSetup {
             luminance_cd_m2: self.luminance_cd_m2,
             illuminant: self.illuminant.clone(),
             seed: 0,
+            ..EvaluationSettings::default()
         };
         Ok(Targets::new(camera, &settings, &[], &[], &|_, make| make())?)
     }

@@ -1,0 +1,231 @@
+//! Exposure times of a comparison. A camera that exposes longer collects more light, so scores at different times compare
+//! exposure rules rather than cameras.
+
+use super::comparison::{ComparisonSettings, Contender};
+use super::error::StageContext;
+use super::progress::ensure_running;
+use super::{ExperimentError, Resources};
+use crate::camera::target::Target;
+use crate::camera::{Camera, CameraError, EvaluationSettings, ExposureTimes, Setup};
+use crate::optics::OpticalImage;
+use crate::scene::Setting;
+use crate::sensor::{AutoExposure, SensorError};
+
+/// Relative difference up to which exposure times count as equal.
+const SAME_TIME: f64 = 1e-6;
+
+/// The longest exposure time that suits every camera of a comparison.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct EqualExposure {
+    /// The share of the samples of any camera that may saturate, 0 to below 1. Noise does not count.
+    pub saturated_share: f64,
+    /// The longest time, s.
+    pub longest_s: f64,
+}
+
+impl Default for EqualExposure {
+    /// Half a percent of the samples, which [`ScoreSettings`](crate::camera::ScoreSettings) lets exceed white; at most 33 ms, a
+    /// frame of video.
+    fn default() -> Self {
+        Self { saturated_share: 0.005, longest_s: 0.033 }
+    }
+}
+
+/// The choice of the exposure times of a comparison.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum ExposurePolicy {
+    /// The time or the rule of each camera's description.
+    Own,
+    /// One time for every picture, s.
+    Time(f64),
+    /// For each picture, the longest time at which no camera saturates more than a share of its samples.
+    Equal(EqualExposure),
+    /// [`ExposurePolicy::Own`] if these times are the same for all cameras, otherwise [`ExposurePolicy::Equal`].
+    AutoEqual(EqualExposure),
+}
+
+impl Default for ExposurePolicy {
+    fn default() -> Self {
+        Self::AutoEqual(EqualExposure::default())
+    }
+}
+
+/// The exposure times of a comparison.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ExposurePlan {
+    /// The policy that was applied, never [`ExposurePolicy::AutoEqual`].
+    applied: ExposurePolicy,
+    /// For equal times: for each scene, then for the chart, the edge and the zone plate, the time in each light, s.
+    times_s: Vec<Vec<f64>>,
+}
+
+/// Makes a target for a camera.
+type TargetOf = fn(&Camera, &Setting) -> Result<Target, CameraError>;
+
+/// The targets in the order of [`ExposureTimes`], with their names.
+const TARGETS: [(&str, TargetOf); 3] =
+    [("ColorChecker", Target::chart), ("slanted edge", Target::edge), ("zone plate", Target::zone_plate)];
+
+/// A picture before one camera.
+struct Metered {
+    /// The camera's own times in each light, s.
+    own: Vec<f64>,
+    /// The longest times that the saturated share allows, s.
+    longest: Vec<f64>,
+}
+
+impl ExposurePlan {
+    /// The times for contenders on the scenes and targets of a comparison. Scenes are imaged only if the times depend on them.
+    ///
+    /// # Errors
+    /// When a setting is out of range, a stage fails, a camera saturates without light, or the work is stopped.
+    pub fn new(
+        contenders: &[Contender<'_>],
+        settings: &ComparisonSettings,
+        resources: Resources<'_>,
+    ) -> Result<Self, ExperimentError> {
+        let policy = settings.exposure;
+        let own = Self { applied: ExposurePolicy::Own, times_s: Vec::new() };
+        let mut cameras: Vec<&Contender<'_>> = Vec::new();
+        for contender in contenders {
+            if !cameras.iter().any(|c| std::ptr::eq(c.camera, contender.camera)) {
+                cameras.push(contender);
+            }
+        }
+        let limits = match policy {
+            ExposurePolicy::Own => return Ok(own),
+            ExposurePolicy::Time(time_s) => {
+                out_of_range(
+                    "the exposure time, s",
+                    time_s,
+                    time_s > 0.0 && time_s <= 1e6,
+                    "more than 0 to 1e6",
+                )?;
+                return Ok(Self { applied: policy, ..own });
+            }
+            ExposurePolicy::Equal(limits) => limits,
+            ExposurePolicy::AutoEqual(limits) => {
+                let first = cameras.first().and_then(|c| c.camera.stated_time_s());
+                let is_first = |c: &&Contender<'_>| first.is_some() && c.camera.stated_time_s() == first;
+                if cameras.len() < 2 || cameras.iter().all(is_first) {
+                    return Ok(own);
+                }
+                limits
+            }
+        };
+        let EqualExposure { saturated_share: share, longest_s } = limits;
+        out_of_range("the saturated share", share, (0.0..1.0).contains(&share), "0 to less than 1")?;
+        out_of_range(
+            "the longest time, s",
+            longest_s,
+            longest_s > 0.0 && longest_s <= 1e6,
+            "more than 0 to 1e6",
+        )?;
+        let pictures = metered(&cameras, settings, share, resources)?;
+        if matches!(policy, ExposurePolicy::AutoEqual(_)) && pictures.iter().all(|p| have_same_times(p)) {
+            return Ok(own);
+        }
+        let common = |cameras: &Vec<Metered>| -> Vec<f64> {
+            let of_light = |light| cameras.iter().filter_map(move |m| m.longest.get(light).copied());
+            (0..settings.luminances_cd_m2.len())
+                .map(|light| of_light(light).fold(longest_s, f64::min))
+                .collect()
+        };
+        Ok(Self { applied: ExposurePolicy::Equal(limits), times_s: pictures.iter().map(common).collect() })
+    }
+
+    /// The policy that was applied: own times, one time, or equal times.
+    #[must_use]
+    pub fn applied(&self) -> ExposurePolicy {
+        self.applied
+    }
+
+    /// The common time of a scene in a light of the settings, s; `None` for the own times of the cameras.
+    #[must_use]
+    pub fn scene_s(&self, scene: usize, light: usize) -> Option<f64> {
+        match self.applied {
+            ExposurePolicy::Time(time_s) => Some(time_s),
+            _ => self.times_s.get(scene)?.get(light).copied(),
+        }
+    }
+
+    /// The common times of the targets in a light of the settings; `None` for the own times of the cameras.
+    #[must_use]
+    pub fn targets(&self, light: usize) -> Option<ExposureTimes> {
+        let first = self.times_s.len().saturating_sub(TARGETS.len());
+        let [macbeth_s, edge_s, zone_plate_s] = [0, 1, 2].map(|target| self.scene_s(first + target, light));
+        Some(ExposureTimes { macbeth_s: macbeth_s?, edge_s: edge_s?, zone_plate_s: zone_plate_s? })
+    }
+}
+
+/// For each scene, then for each target, the times of each camera.
+fn metered(
+    cameras: &[&Contender<'_>],
+    settings: &ComparisonSettings,
+    share: f64,
+    resources: Resources<'_>,
+) -> Result<Vec<Vec<Metered>>, ExperimentError> {
+    let (lights, mut pictures) = (&settings.luminances_cd_m2, Vec::new());
+    for scene in &settings.scenes {
+        let (mut metered, mut last): (Vec<Metered>, Option<Setup>) = (Vec::new(), None);
+        for contender in cameras {
+            ensure_running(resources.progress)?;
+            let context = || format!("{}, {}", contender.label, scene.name());
+            let shared = last.as_ref().map(|s| s.before(contender.camera)).transpose();
+            let setup = match shared.in_context(context)?.flatten() {
+                Some(setup) => setup,
+                None => scene.before(contender.camera, &settings.illuminant)?,
+            };
+            metered.push(Metered::new(&setup.camera, &setup.image, share, lights).in_context(context)?);
+            last = Some(setup);
+        }
+        pictures.push(metered);
+    }
+    let Some(&luminance_cd_m2) = lights.first() else { return Ok(pictures) };
+    let illuminant = settings.illuminant.clone();
+    let targets = EvaluationSettings { luminance_cd_m2, illuminant, ..EvaluationSettings::default() };
+    let factors: Vec<f64> = lights.iter().map(|cd_m2| cd_m2 / luminance_cd_m2).collect();
+    for (name, target_of) in TARGETS {
+        let mut metered = Vec::new();
+        for contender in cameras {
+            ensure_running(resources.progress)?;
+            let on_target = || -> Result<Metered, CameraError> {
+                let setting = targets.setting(contender.camera.grid());
+                let target = target_of(contender.camera, &setting)?;
+                let image = resources.store.optical_image(&target.key, &|| target.image())?;
+                Metered::new(&target.camera, &image, share, &factors)
+            };
+            metered.push(on_target().in_context(|| format!("{}, {}", contender.label, name))?);
+        }
+        pictures.push(metered);
+    }
+    Ok(pictures)
+}
+
+impl Metered {
+    /// The times of a camera for an optical image at multiples of its light.
+    fn new(camera: &Camera, image: &OpticalImage, share: f64, factors: &[f64]) -> Result<Self, CameraError> {
+        let longest = match camera.times_by(AutoExposure::SaturatedShare { share }, image, factors) {
+            // A picture without light never saturates.
+            Err(CameraError::Sensor(SensorError::NoLight)) => vec![f64::INFINITY; factors.len()],
+            times => times?,
+        };
+        Ok(Self { own: camera.times_in_light(image, factors)?, longest })
+    }
+}
+
+/// Whether the cameras have the same own times.
+fn have_same_times(metered: &[Metered]) -> bool {
+    let Some((first, rest)) = metered.split_first() else { return true };
+    let same = |(a, b): (&f64, &f64)| (a - b).abs() <= SAME_TIME * a.abs();
+    rest.iter().all(|m| first.own.iter().zip(&m.own).all(same))
+}
+
+fn out_of_range(
+    name: &'static str,
+    value: f64,
+    good: bool,
+    expected: &'static str,
+) -> Result<(), ExperimentError> {
+    if good { Ok(()) } else { Err(ExperimentError::Setting { name, value, expected }) }
+}
