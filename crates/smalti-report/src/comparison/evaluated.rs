@@ -63,7 +63,7 @@ impl Evaluations<'_> {
 /// # Errors
 /// When a picture cannot be converted, or a camera cannot be written as text.
 pub fn page(shots: &Evaluations<'_>) -> Result<String, ReportError> {
-    let edges: Vec<_> = shots.pictures.iter().map(|p| p.edge_sfr().ok()).collect();
+    let edges = shots.pictures.iter().map(EvaluationPictures::edge_sfr).collect::<Result<Vec<_>, _>>()?;
     let each = shots.luminances_cd_m2.len();
     let scored: Vec<Vec<Scored<'_>>> = (0..each)
         .map(|light| {

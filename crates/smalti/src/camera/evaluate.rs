@@ -161,12 +161,17 @@ pub struct EvaluationPictures {
 }
 
 impl EvaluationPictures {
-    /// The edge response of the luminance plane, whose MTF50 is that of [`Evaluation`].
+    /// The edge response of the luminance plane, whose MTF50 is that of [`Evaluation`]; `None` when the picture shows
+    /// no edge, or an edge of too little contrast.
     ///
     /// # Errors
-    /// When there is no edge in the picture.
-    pub fn edge_sfr(&self) -> Result<EdgeSfr, CameraError> {
-        Ok(edge_sfr(self.edge.planes(), LUMINANCE, EDGE_REGION, &EsfrOptions::default())?)
+    /// When the edge cannot be measured for another reason.
+    pub fn edge_sfr(&self) -> Result<Option<EdgeSfr>, CameraError> {
+        match edge_sfr(self.edge.planes(), LUMINANCE, EDGE_REGION, &EsfrOptions::default()) {
+            Ok(sfr) => Ok(Some(sfr)),
+            Err(MetricError::NoEdge(_) | MetricError::LowContrast { .. }) => Ok(None),
+            Err(error) => Err(error.into()),
+        }
     }
 }
 
@@ -332,6 +337,20 @@ mod tests {
         assert_eq!(PatchScores::new(vec![1.0, 2.0, 6.0]).unwrap().mean, 3.0);
         assert_eq!(GreyScores::new(vec![6.0, 1.0, 2.0]).unwrap().median, 2.0);
         assert_eq!(GreyScores::new(vec![6.0, 1.0, 2.0, 3.0]).unwrap().median, 2.5);
+    }
+
+    #[test]
+    fn only_a_picture_without_an_edge_has_no_edge_response() {
+        let of = |side: usize, value: f32| {
+            let planes = Planes::new(side, side, 3, vec![value; 3 * side * side]).unwrap();
+            let image = Image::new(ColorSpace::Xyz, planes).unwrap();
+            let (edge, zone_plate) = (image.clone(), image.clone());
+            EvaluationPictures { macbeth: image, edge, zone_plate, aliasing: Planes::zeros(1, 1, 3) }
+                .edge_sfr()
+        };
+        assert_eq!(of(120, 0.5), Ok(None));
+        assert!(matches!(of(20, 0.5), Err(CameraError::Metric(MetricError::Region { .. }))));
+        assert!(matches!(of(120, f32::NAN), Err(CameraError::Metric(MetricError::NotFinite { .. }))));
     }
 
     #[test]

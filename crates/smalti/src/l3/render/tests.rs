@@ -366,6 +366,8 @@ fn kernels_too_large_for_16_bits_are_refused() {
     kernels.weights[4] = 1e6;
     let p = pipeline_with(&p, [BLACK, WHITE], kernels);
     let error = p.render_fixed(&raw(&bayer(), 9, 9)).unwrap_err();
+    assert!(matches!(error, L3Error::NoFixedPoint(_)), "{error}");
+    let error = p.fixed_kernels(WHITE, BLACK).unwrap_err();
     assert!(matches!(error, L3Error::Table(_)), "{error}");
 }
 
