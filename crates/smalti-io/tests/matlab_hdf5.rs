@@ -157,7 +157,7 @@ fn ours(quantity: Quantity) -> SpectralFile {
         name: "ours, ä".into(),
         cube: SpectralCube::new(grid, Planes::new(5, 4, 7, data).unwrap()).unwrap(),
         quantity,
-        illuminant: Some(Spectrum::from_fn(grid, |nm| nm * 1.1e13)),
+        illuminant: Some(Spectrum::from_fn(grid, |nm| nm * 1.1e13).unwrap()),
         distance_m: Some(1.3),
         horizontal_fov_deg: None,
     }
@@ -192,7 +192,7 @@ fn a_part_is_the_part_of_the_whole() {
     let planes = Planes::new(rows, cols, 7, data.clone()).unwrap();
     let file = SpectralFile {
         cube: SpectralCube::new(grid, planes).unwrap(),
-        illuminant: Some(Spectrum::constant(grid, 2.0)),
+        illuminant: Some(Spectrum::constant(grid, 2.0).unwrap()),
         ..ours(Quantity::Photons)
     };
     matlab::write(&dir.path().join("v5.mat"), &file, Version::V5).unwrap();

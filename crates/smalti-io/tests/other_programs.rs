@@ -232,7 +232,7 @@ fn the_openexr_library_reads_our_spectra() {
         name: "ours".into(),
         cube: SpectralCube::new(grid, Planes::new(2, 3, 7, data.clone()).unwrap()).unwrap(),
         quantity: Quantity::Energy,
-        illuminant: Some(Spectrum::constant(grid, 2.0)),
+        illuminant: Some(Spectrum::constant(grid, 2.0).unwrap()),
         distance_m: Some(1.5),
         horizontal_fov_deg: Some(20.0),
     };

@@ -13,7 +13,7 @@ fn file(quantity: Quantity, samples: Vec<f32>) -> SpectralFile {
         name: "small".into(),
         cube: SpectralCube::new(grid, Planes::new(2, 3, grid.len(), samples).unwrap()).unwrap(),
         quantity,
-        illuminant: Some(Spectrum::constant(grid, 0.5)),
+        illuminant: Some(Spectrum::constant(grid, 0.5).unwrap()),
         distance_m: Some(1.0),
         horizontal_fov_deg: Some(2.0),
     }

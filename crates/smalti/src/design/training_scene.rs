@@ -66,5 +66,6 @@ fn spec(i: usize, n: usize) -> String {
 pub(super) fn surfaces(camera: &Camera, white: &Spectrum) -> Result<Vec<Spectrum>, CameraError> {
     let all = camera.surfaces()?;
     let lit = all.iter().map(|s| Ok(s.times(white)?)).collect::<Result<Vec<_>, CameraError>>()?;
-    Ok(SHADES.iter().flat_map(|&light| lit.iter().map(move |s| s.scaled(light))).collect())
+    let shaded = SHADES.iter().flat_map(|&light| lit.iter().map(move |s| Ok(s.scaled(light)?)));
+    shaded.collect()
 }

@@ -109,7 +109,7 @@ impl Scene {
         require_luminance(cd_m2)?;
         let factor = cd_m2 / self.some_luminance(self.mean_luminance_cd_m2()?)?;
         let factors = vec![factor; self.radiance.grid().len()];
-        let illuminant = self.illuminant.scaled(factor);
+        let illuminant = self.illuminant.scaled(factor)?;
         self.multiplied(&factors, illuminant)
     }
 
@@ -142,7 +142,7 @@ impl Scene {
         let before = luminance(&vec![1.0; grid.len()]);
         let scale = before / self.some_luminance(luminance(&factors))?;
         factors.iter_mut().for_each(|f| *f *= scale);
-        self.multiplied(&factors, new.scaled(scale))
+        self.multiplied(&factors, new.scaled(scale)?)
     }
 
     /// The scene on another wavelength grid; radiance and illuminant are interpolated linearly.

@@ -173,7 +173,7 @@ fn edge_mtf50(case: &Case, bar: &OpticalImage) -> [f64; 2] {
     let sensor = case.sensor("bar");
     let mut wide = sensor.clone();
     wide.pixel.fill_factor = 1.0;
-    wide.quantum_efficiency = Spectrum::constant(GRID, 0.5);
+    wide.quantum_efficiency = Spectrum::constant(GRID, 0.5).unwrap();
     [&sensor, &wide].map(|sensor| mtf50_shown(case, &raw(case, sensor, bar, "bar")))
 }
 

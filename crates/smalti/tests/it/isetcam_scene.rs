@@ -34,7 +34,7 @@ fn macbeth_under_d65() {
     let json = reference_json("scene_macbeth_d65.json");
     let reflectance = reference_csv("macbeth_reflectance_400_10_700.csv");
     let photons = reference_csv("scene_macbeth_d65_photons.csv");
-    let mut list = vec![Spectrum::constant(GRID, 0.0); 24];
+    let mut list = vec![Spectrum::constant(GRID, 0.0).unwrap(); 24];
     for (i, r) in reflectance.into_iter().enumerate() {
         list[by_row(i)] = Spectrum::new(GRID, r).unwrap();
     }

@@ -17,7 +17,7 @@ fn filters(name: &str) -> [Spectrum; 3] {
 }
 
 fn reference_sensor(rows: usize, cols: usize, cfa: Cfa) -> Sensor {
-    Sensor::new(rows, cols, isetcam::pixel(), cfa, Spectrum::constant(GRID, 1.0))
+    Sensor::new(rows, cols, isetcam::pixel(), cfa, Spectrum::constant(GRID, 1.0).unwrap())
 }
 
 #[test]

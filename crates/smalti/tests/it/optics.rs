@@ -23,7 +23,7 @@ fn scene(rows: usize, cols: usize, spacing_m: f64, radiance: impl Fn(usize, usiz
     let data = (0..3).flat_map(|b| plane.iter().map(move |v| v * (b + 1) as f32)).collect();
     let cube = SpectralCube::new(grid(), Planes::new(rows, cols, 3, data).unwrap()).unwrap();
     let fov_deg = 2.0 * (cols as f64 * spacing_m / 2.0 / 4e-3).atan().to_degrees();
-    Scene::new("test", cube, Spectrum::constant(grid(), 1.0), 10.0, fov_deg).unwrap()
+    Scene::new("test", cube, Spectrum::constant(grid(), 1.0).unwrap(), 10.0, fov_deg).unwrap()
 }
 
 fn perfect() -> Optics {
@@ -325,7 +325,7 @@ fn filters_multiply() {
     let half = Optics {
         model: OpticsModel::Pinhole,
         transmittance: Transmittance::Constant(0.5),
-        ir_cut: Some(builtin::ir_cut(grid())),
+        ir_cut: Some(builtin::ir_cut(grid()).unwrap()),
         ..perfect()
     };
     let pixel = half.image(&flat).unwrap().irradiance().pixel(4, 4).unwrap();
@@ -372,7 +372,7 @@ fn bad_input_is_an_error() {
     for margin in [-0.1, 5.0, f64::NAN] {
         assert!(parameter(Optics { padding: Padding { margin, ..Padding::default() }, ..perfect() }));
     }
-    let visible_only = Some(Spectrum::constant(WavelengthGrid::new(500.0, 10.0, 5).unwrap(), 1.0));
+    let visible_only = Some(Spectrum::constant(WavelengthGrid::new(500.0, 10.0, 5).unwrap(), 1.0).unwrap());
     let short = Optics { ir_cut: visible_only, ..perfect() };
     assert!(matches!(short.image(&flat), Err(OpticsError::Spectrum(_))));
     let near = Optics { focal_length_m: 20.0, ..perfect() };

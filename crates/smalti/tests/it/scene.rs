@@ -23,7 +23,7 @@ fn setting(luminance_cd_m2: f64) -> Setting {
 
 /// Equal photons at every wavelength, the light of some of ISETCam's targets.
 fn equal_photons() -> Setting {
-    let power = Spectrum::from_fn(GRID, |nm| 560.0 / nm);
+    let power = Spectrum::from_fn(GRID, |nm| 560.0 / nm).unwrap();
     Setting { illuminant: Illuminant::Measured { name: "equal photons".into(), power }, ..Setting::default() }
 }
 
@@ -254,7 +254,7 @@ fn relighting_there_and_back_is_the_identity() {
 
 #[test]
 fn what_was_not_lit_cannot_be_relit() {
-    let power = Spectrum::from_fn(GRID, |nm| if nm < 450.0 { 0.0 } else { 1.0 });
+    let power = Spectrum::from_fn(GRID, |nm| if nm < 450.0 { 0.0 } else { 1.0 }).unwrap();
     let amber = Illuminant::Measured { name: "amber".into(), power };
     let scene = macbeth::chart(1, &Setting { illuminant: amber.clone(), ..Setting::default() }).unwrap();
     let error = scene.clone().relit(&Illuminant::D65).unwrap_err();
@@ -390,7 +390,8 @@ fn dead_leaves_have_the_spectrum_of_photographs() {
     // exponents of 1.8 (Ruderman 1994) to 1.9 (van der Schaaf and van Hateren 1996) were measured.
     let n = 256;
     let grid = WavelengthGrid::new(550.0, 10.0, 1).unwrap();
-    let greys: Vec<Spectrum> = (0..11).map(|i| Spectrum::constant(grid, f64::from(i) / 10.0)).collect();
+    let greys: Vec<Spectrum> =
+        (0..11).map(|i| Spectrum::constant(grid, f64::from(i) / 10.0).unwrap()).collect();
     let mut power = vec![0.0; n / 2];
     for seed in 0..24 {
         let leaves = DeadLeaves { rows: n, cols: n, least_radius_px: 0.5, largest_radius_px: 5000.0, seed };
@@ -421,7 +422,7 @@ fn dead_leaves_are_the_same_for_any_number_of_threads() {
     let leaves = DeadLeaves { rows: 100, cols: 70, seed: 2, least_radius_px: 1.5, largest_radius_px: 200.0 };
     assert_ne!(draw(1), dead_leaves(&leaves, &list, &setting(10.0)).unwrap());
     assert!(dead_leaves(&leaves, &[], &setting(10.0)).is_err());
-    let negative = [Spectrum::constant(GRID, -0.1)];
+    let negative = [Spectrum::constant(GRID, -0.1).unwrap()];
     assert!(dead_leaves(&leaves, &negative, &setting(10.0)).is_err());
 }
 

@@ -203,12 +203,12 @@ fn wavelengths_that_the_filters_do_not_cover_are_an_error_with_both_ranges() {
     assert!(e.contains("quantum efficiency") && e.contains("400–700") && e.contains("380–770"), "{e}");
     // An IR-cut filter of another grid is brought to the filters' own, or refused.
     let mut s = sensor(4, 4);
-    s.ir_cut = Some(Spectrum::constant(WavelengthGrid::new(400.0, 5.0, 40).unwrap(), 1.0));
+    s.ir_cut = Some(Spectrum::constant(WavelengthGrid::new(400.0, 5.0, 40).unwrap(), 1.0).unwrap());
     assert!(matches!(
         s.spectral_responsivity_on(WavelengthGrid::VISIBLE),
         Err(SensorError::Spectrum(SpectrumError::Of { .. }))
     ));
-    s.ir_cut = Some(Spectrum::constant(WavelengthGrid::new(350.0, 5.0, 90).unwrap(), 0.5));
+    s.ir_cut = Some(Spectrum::constant(WavelengthGrid::new(350.0, 5.0, 90).unwrap(), 0.5).unwrap());
     let halved = s.spectral_responsivity_on(WavelengthGrid::VISIBLE).unwrap()[0].integral();
     s.ir_cut = None;
     assert!(

@@ -39,7 +39,7 @@ pub fn scene(rows: usize, cols: usize, fov_deg: f64, photons: impl Fn(usize, usi
         }
     }
     let cube = SpectralCube::new(GRID, planes).unwrap();
-    Scene::new("reference", cube, Spectrum::constant(GRID, 1.0), 1.2, fov_deg).unwrap()
+    Scene::new("reference", cube, Spectrum::constant(GRID, 1.0).unwrap(), 1.2, fov_deg).unwrap()
 }
 
 /// The ColorChecker. ISETCam counts patches column by column.
@@ -108,7 +108,7 @@ impl Case {
     /// The sensor for a target, `mac` or `bar`.
     pub fn sensor(&self, target: &str) -> Sensor {
         let size = numbers(&self.json[format!("{target}_size")]);
-        let quantum_efficiency = Spectrum::constant(GRID, 1.0);
+        let quantum_efficiency = Spectrum::constant(GRID, 1.0).unwrap();
         Sensor::new(size[0] as usize, size[1] as usize, pixel(), self.cfa.clone(), quantum_efficiency)
     }
 
