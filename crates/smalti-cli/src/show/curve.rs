@@ -81,7 +81,7 @@ fn color_of(xyz: [f64; 3]) -> anyhow::Result<Rgb> {
     use smalti::numeric::Planes;
     let linear = Image::new(ColorSpace::Xyz, Planes::new(1, 1, 3, xyz.map(|v| v as f32).to_vec())?)?;
     let linear = linear.converted(ColorSpace::LinearSrgb)?;
-    let rgb = [0, 1, 2].map(|c| f64::from(linear.planes().plane(c)[0].max(0.0)));
+    let rgb = linear.channels().map(|c| f64::from(c[0].max(0.0)));
     let top = rgb.into_iter().fold(f64::MIN_POSITIVE, f64::max);
     let [r, g, b] = rgb.map(|v| (smalti::color::display::encode_srgb(v / top) * 255.0).round() as u8);
     Ok(Rgb(r, g, b))

@@ -108,7 +108,7 @@ fn scaled(cube: SpectralCube, factor: impl Fn(f64) -> f64, path: &Path) -> Resul
     let mut planes: Planes = cube.into_planes();
     for (i, nm) in grid.wavelengths_nm().enumerate() {
         let factor = factor(nm);
-        for v in planes.plane_mut(i) {
+        for v in planes.plane_mut(i).at(path)? {
             *v = (f64::from(*v) * factor) as f32;
         }
     }
@@ -124,7 +124,7 @@ fn mean_luminance(photons: &SpectralCube, path: &Path) -> Result<f64, IoError> {
 
 fn percentile_luminance(photons: &SpectralCube, path: &Path) -> Result<f64, IoError> {
     let xyz = Observer::Cie1931.xyz_planes_from_photons(photons).at(path)?;
-    let mut y = xyz.plane(1).to_vec();
+    let mut y = xyz.plane(1).at(path)?.to_vec();
     let rank = ((y.len().saturating_sub(1)) as f64 * WHITE_PERCENTILE) as usize;
     if y.is_empty() {
         return Ok(0.0);

@@ -139,8 +139,7 @@ pub fn aliasing_picture(pictures: &EvaluationPictures) -> Result<Image, ReportEr
 /// A picture for display: the light is white, and the 99th percentile of the luminance is just below white, since targets in little
 /// light are dark as exposed.
 fn seen(picture: &Image, white: [f64; 3]) -> Result<Image, ReportError> {
-    let mut luminance: Vec<f32> =
-        picture.planes().plane(1).iter().copied().filter(|v| v.is_finite()).collect();
+    let mut luminance: Vec<f32> = picture.channels()[1].iter().copied().filter(|v| v.is_finite()).collect();
     let place = luminance.len().saturating_sub(1) * 99 / 100;
     luminance.sort_unstable_by(f32::total_cmp);
     let bright = luminance.get(place).copied().filter(|v| *v > 0.0).unwrap_or(1.0);

@@ -71,8 +71,7 @@ fn diverging(value: f32) -> [f32; 3] {
 /// Fills a square.
 fn fill(canvas: &mut Planes, row: usize, col: usize, size: usize, color: [f32; 3]) {
     let cols = canvas.cols();
-    for (c, value) in color.into_iter().enumerate() {
-        let plane = canvas.plane_mut(c);
+    for (plane, value) in canvas.planes_mut().zip(color) {
         for r in row..row + size {
             plane[r * cols + col..r * cols + col + size].fill(value);
         }

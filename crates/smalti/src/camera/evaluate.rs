@@ -292,7 +292,7 @@ pub(crate) fn zone_plate_aliasing(
 ) -> Result<Aliasing, CameraError> {
     let white = Observer::Cie1931.xyz_from_photons(&setting.illuminant.photons(setting.grid)?)?;
     // The scale of the picture depends on the exposure; the reference is scaled to the same mean luminance.
-    let mean = |picture: &Image| picture.planes().plane(LUMINANCE).iter().map(|&v| f64::from(v)).sum::<f64>();
+    let mean = |picture: &Image| picture.channels()[LUMINANCE].iter().map(|&v| f64::from(v)).sum::<f64>();
     let gain = mean(picture) / mean(reference);
     let (picture, reference) = (linear_srgb(picture, white, 1.0)?, linear_srgb(reference, white, gain)?);
     Ok(aliasing(&picture, &reference, &SRGB_LUMINANCE)?)
@@ -302,14 +302,12 @@ pub(crate) fn zone_plate_aliasing(
 fn linear_srgb(picture: &Image, white: [f64; 3], gain: f64) -> Result<Planes, ImageError> {
     let adapted = bradford(D65_XYZ, white).ok_or(ImageError::White(white))?;
     let rgb_from_xyz = product(&Matrices::SRGB.rgb_from_xyz, &adapted);
-    let xyz = picture.planes();
-    let mut rgb = Planes::zeros(xyz.rows(), xyz.cols(), 3);
-    for (c, row) in rgb_from_xyz.iter().enumerate() {
-        let [x, y, z] = row.map(|v| (v * gain) as f32);
-        let of = xyz.plane(0).iter().zip(xyz.plane(1)).zip(xyz.plane(2));
-        for (out, ((a, b), c)) in rgb.plane_mut(c).iter_mut().zip(of) {
-            *out = x * a + y * b + z * c;
-        }
+    let [x, y, z] = picture.channels();
+    let mut rgb = Planes::zeros(picture.rows(), picture.cols(), 3);
+    for (out, row) in rgb.planes_mut().zip(&rgb_from_xyz) {
+        let [a, b, c] = row.map(|v| (v * gain) as f32);
+        let of = x.iter().zip(y).zip(z);
+        out.iter_mut().zip(of).for_each(|(o, ((x, y), z))| *o = a * x + b * y + c * z);
     }
     Ok(rgb)
 }

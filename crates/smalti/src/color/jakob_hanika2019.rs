@@ -9,7 +9,6 @@ use rayon::prelude::*;
 use thiserror::Error;
 
 use super::cie1976::lab_from_xyz;
-use super::difference::three;
 use super::display::Matrices;
 use super::matrix::{Matrix3, apply, inverse};
 use super::{ColorSpace, Image, ImageError};
@@ -172,7 +171,7 @@ impl Uplift {
         image.check_space(ColorSpace::LinearSrgb)?;
         image.check_finite()?;
         let n = image.planes().plane_len();
-        let source = three(image.planes());
+        let source = image.channels();
         // a, b, c and the scale of each pixel, chunk by chunk.
         let fitted: Vec<[Vec<f32>; 4]> = (0..n.div_ceil(CHUNK))
             .into_par_iter()

@@ -37,7 +37,7 @@ pub(super) fn scene(
         let (rows, cols) = (piece.min(n - row), piece.min(n - col));
         let from = part.radiance();
         for (band, source) in from.planes().planes().enumerate() {
-            let to = planes.plane_mut(band).chunks_exact_mut(n).skip(row).take(rows);
+            let to = planes.plane_mut(band)?.chunks_exact_mut(n).skip(row).take(rows);
             for (to, source) in to.zip(source.chunks_exact(from.cols())) {
                 to[col..].iter_mut().zip(&source[..cols]).for_each(|(t, s)| *t = s * light);
             }

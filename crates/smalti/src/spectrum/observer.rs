@@ -175,7 +175,7 @@ mod tests {
                 let expected = observer.xyz_from_photons(&pixel).unwrap();
                 for (c, e) in expected.into_iter().enumerate() {
                     // Sums of 31 single-precision products.
-                    assert!((f64::from(planes.plane(c)[at]) / e - 1.0).abs() < 1e-5);
+                    assert!((f64::from(planes.plane(c).unwrap()[at]) / e - 1.0).abs() < 1e-5);
                 }
             }
         }

@@ -91,7 +91,7 @@ fn zone_plate_and_frequency_orientation() {
     let scene = zone_plate_isetcam(&setting).unwrap();
     let row = |scene: &smalti::scene::Scene, r: usize| -> Vec<f64> {
         let cols = scene.radiance().cols();
-        let plane = scene.radiance().planes().plane(band);
+        let plane = scene.radiance().planes().plane(band).unwrap();
         plane[r * cols..(r + 1) * cols].iter().map(|&v| f64::from(v)).collect()
     };
     let plate = &json["zone_plate"];

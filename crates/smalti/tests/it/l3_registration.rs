@@ -52,7 +52,7 @@ impl Scene {
         let picture = self.picture(side, side, [0.0; 2], 1.0);
         let mut s = Stream::new(seed, 8, 0);
         let mut sample = |i: usize| {
-            let of = |c: usize| f64::from(picture.plane(c)[i]);
+            let of = |c: usize| f64::from(picture.plane(c).unwrap()[i]);
             let signal = match mosaic.channel_at(i / side, i % side) {
                 3 => (of(0) + of(1) + of(2)) / 3.0,
                 c => of(c),
@@ -74,7 +74,7 @@ fn rgbw() -> Mosaic {
 
 /// What a camera's picture has of the scene: a tone curve, undone but for a remainder.
 fn luminance(rgb: &Planes) -> Planes {
-    let (r, g, b) = (rgb.plane(0), rgb.plane(1), rgb.plane(2));
+    let (r, g, b) = (rgb.plane(0).unwrap(), rgb.plane(1).unwrap(), rgb.plane(2).unwrap());
     let tone = |v: f32| v.powf(0.8);
     let y = (0..rgb.plane_len()).map(|i| tone(0.21 * r[i] + 0.72 * g[i] + 0.07 * b[i])).collect();
     Planes::new(rgb.rows(), rgb.cols(), 1, y).unwrap()

@@ -168,7 +168,7 @@ impl<'a> Reference<'a> {
                 })
                 .collect();
             for output in 0..self.pipeline.outputs().len() {
-                planes.plane_mut(output)[row * cols + col] = value(class, output, &taps);
+                planes.plane_mut(output).unwrap()[row * cols + col] = value(class, output, &taps);
             }
         }
         Rendered { planes, outside }

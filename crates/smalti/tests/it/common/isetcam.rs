@@ -34,7 +34,7 @@ pub fn pixel() -> Pixel {
 pub fn scene(rows: usize, cols: usize, fov_deg: f64, photons: impl Fn(usize, usize, usize) -> f64) -> Scene {
     let mut planes = Planes::zeros(rows, cols, GRID.len());
     for band in 0..GRID.len() {
-        for (i, v) in planes.plane_mut(band).iter_mut().enumerate() {
+        for (i, v) in planes.plane_mut(band).unwrap().iter_mut().enumerate() {
             *v = photons(band, i / cols, i % cols) as f32;
         }
     }
