@@ -195,6 +195,21 @@ fn crosstalk_that_makes_light_is_refused() {
 }
 
 #[test]
+fn light_of_components_that_is_not_finite_is_an_error() {
+    let spectra = [Spectrum::from_fn(GRID, |nm| nm - 410.0).unwrap()];
+    let light = |value: f32| {
+        let planes = Planes::new(2, 3, 1, [vec![1.0; 5], vec![value]].concat()).unwrap();
+        PixelSpectra::of_components(&sensor(2, 3), &planes, &spectra)
+    };
+    // Rounding below 0 is clipped.
+    assert_eq!(light(-1.0).unwrap().spectrum(1, 2).unwrap().values()[..3], [10.0, 0.0, 0.0]);
+    for bad in [f32::NAN, f32::INFINITY] {
+        let error = light(bad).unwrap_err();
+        assert!(matches!(error, SensorError::Spectrum(SpectrumError::Value { .. })), "{error}");
+    }
+}
+
+#[test]
 fn wavelengths_that_the_filters_do_not_cover_are_an_error_with_both_ranges() {
     let grid = WavelengthGrid::new(380.0, 10.0, 40).unwrap();
     let cube = SpectralCube::new(grid, Planes::zeros(2, 2, 40)).unwrap();
