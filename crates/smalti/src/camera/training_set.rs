@@ -24,7 +24,7 @@ pub struct TrainingScene {
     pub light: Illuminant,
 }
 
-/// The default training set. The scenes take the illuminants in turn:
+/// The default training set. The scenes take the illuminants in turn, or D65 if there is none:
 ///
 /// - dead leaves and charts of uniform patches at several scales, in natural and in saturated colours;
 /// - gradients between colours and between light and shade, and shading on white paper, because clipped areas in pictures are
