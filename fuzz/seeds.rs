@@ -31,7 +31,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 
     let dir = folder("spectrum_csv")?;
     let grid = WavelengthGrid::new(400.0, 50.0, 7)?;
-    let flat = Spectrum::constant(grid, 0.5);
+    let flat = Spectrum::constant(grid, 0.5)?;
     spectrum_csv::write(&dir.join("two.csv"), &[("R", &flat), ("G", &flat)])?;
     fs::write(dir.join("unequal.csv"), "# comment\nnm,v\n400,1\n405,2\n420,3\n")?;
 
@@ -111,7 +111,7 @@ fn seeds_of_cubes(
         name: "seed".into(),
         cube: SpectralCube::new(grid, Planes::new(3, 4, 3, data)?)?,
         quantity: Quantity::Reflectance,
-        illuminant: Some(Spectrum::constant(grid, 0.5)),
+        illuminant: Some(Spectrum::constant(grid, 0.5)?),
         distance_m: Some(1.0),
         horizontal_fov_deg: Some(10.0),
     };

@@ -58,7 +58,7 @@ fn sample_file(rows: usize, cols: usize, grid: WavelengthGrid) -> SpectralFile {
         name: "a µ \"name\"".into(),
         cube: SpectralCube::new(grid, Planes::new(rows, cols, grid.len(), data).unwrap()).unwrap(),
         quantity: Quantity::Photons,
-        illuminant: Some(Spectrum::from_fn(grid, |nm| nm * 1e13 / 3.0)),
+        illuminant: Some(Spectrum::from_fn(grid, |nm| nm * 1e13 / 3.0).unwrap()),
         distance_m: Some(1.0 / 3.0),
         horizontal_fov_deg: Some(12.5),
     }

@@ -135,8 +135,8 @@ fn files_of_scipy_and_h5py_are_read() {
         }
     }
     let part = file("in_part.h5");
-    assert_eq!(part.cube.planes().plane(0)[..5], [5.0, 5.0, 5.0, 3.0, 5.0]);
-    assert!(part.cube.planes().plane(4).iter().all(|&v| v == 3.0));
+    assert_eq!(part.cube.planes().plane(0).unwrap()[..5], [5.0, 5.0, 5.0, 3.0, 5.0]);
+    assert!(part.cube.planes().plane(4).unwrap().iter().all(|&v| v == 3.0));
 
     assert!(error("level4.mat").contains("version 4 of the MATLAB format"));
     assert!(error("complex.mat").contains("cube (complex numbers)"), "{}", error("complex.mat"));
@@ -157,7 +157,7 @@ fn ours(quantity: Quantity) -> SpectralFile {
         name: "ours, ä".into(),
         cube: SpectralCube::new(grid, Planes::new(5, 4, 7, data).unwrap()).unwrap(),
         quantity,
-        illuminant: Some(Spectrum::from_fn(grid, |nm| nm * 1.1e13)),
+        illuminant: Some(Spectrum::from_fn(grid, |nm| nm * 1.1e13).unwrap()),
         distance_m: Some(1.3),
         horizontal_fov_deg: None,
     }
@@ -192,7 +192,7 @@ fn a_part_is_the_part_of_the_whole() {
     let planes = Planes::new(rows, cols, 7, data.clone()).unwrap();
     let file = SpectralFile {
         cube: SpectralCube::new(grid, planes).unwrap(),
-        illuminant: Some(Spectrum::constant(grid, 2.0)),
+        illuminant: Some(Spectrum::constant(grid, 2.0).unwrap()),
         ..ours(Quantity::Photons)
     };
     matlab::write(&dir.path().join("v5.mat"), &file, Version::V5).unwrap();
@@ -316,7 +316,7 @@ fn files_of_octave_are_read_and_ours_by_it() {
     let seen = octave(program, dir.path()).unwrap();
     let mut lines = seen.lines();
     assert_eq!(lines.next(), Some("scene single double 5 4 7"));
-    let value = file.cube.planes().plane(3)[4 + 2];
+    let value = file.cube.planes().plane(3).unwrap()[4 + 2];
     assert_eq!(lines.next().unwrap(), format!("{value:.0} 1.3 10"), "{seen}");
     let columns: Vec<f64> = lines.next().unwrap().split_whitespace().map(|v| v.parse().unwrap()).collect();
     let light = file.illuminant.as_ref().unwrap();

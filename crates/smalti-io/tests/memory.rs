@@ -200,7 +200,7 @@ fn a_part_takes_the_memory_of_the_part() {
             "n" => value / 65535.0,
             _ => value,
         };
-        assert_eq!(planes.plane(11)[199], value, "{name}");
+        assert_eq!(planes.plane(11).unwrap()[199], value, "{name}");
         println!("{name}: {} KiB", bytes / 1024);
         // The part itself is 600 KiB; every thread holds some blocks of at most a mebibyte.
         let threads = rayon::current_num_threads().max(1);

@@ -37,5 +37,5 @@ pub fn filter_color(filter: &Spectrum) -> Result<[f32; 3], ReportError> {
     let white = Observer::Cie1931.xyz_from_photons(&light)?[1].max(f64::MIN_POSITIVE);
     let planes = Planes::new(1, 1, 3, xyz.map(|v| (v / white) as f32).to_vec())?;
     let rgb = Image::new(ColorSpace::Xyz, planes)?.converted(ColorSpace::Srgb)?;
-    Ok([0, 1, 2].map(|c| rgb.planes().plane(c)[0].clamp(0.25, 1.0)))
+    Ok(rgb.channels().map(|c| c[0].clamp(0.25, 1.0)))
 }

@@ -24,7 +24,7 @@ fn scene() -> Scene {
     let planes = Planes::new(SIDE, SIDE, grid.len(), values.collect()).unwrap();
     let radiance = SpectralCube::new(grid, planes).unwrap();
     // At f/4 and 4 mm this is a sample every 1.1 µm: the whole pass band of the lens is at work.
-    Scene::new("noise", radiance, Spectrum::constant(grid, 1e15), 1.2, 17.0).unwrap()
+    Scene::new("noise", radiance, Spectrum::constant(grid, 1e15).unwrap(), 1.2, 17.0).unwrap()
 }
 
 /// The transforms that the image needs, with memory set up beforehand.

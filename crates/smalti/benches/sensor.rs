@@ -17,7 +17,7 @@ fn sensor() -> Sensor {
     let grid = WavelengthGrid::VISIBLE;
     let filter = |name: &str, centre: f64| Channel {
         name: name.into(),
-        transmittance: Spectrum::from_fn(grid, |nm| (-((nm - centre) / 40.0).powi(2) / 2.0).exp()),
+        transmittance: Spectrum::from_fn(grid, |nm| (-((nm - centre) / 40.0).powi(2) / 2.0).exp()).unwrap(),
     };
     let channels = vec![filter("R", 610.0), filter("G", 540.0), filter("B", 460.0)];
     let mosaic = Mosaic::new(2, 2, vec![1, 0, 2, 1]).unwrap();
@@ -30,7 +30,7 @@ fn sensor() -> Sensor {
         dark_voltage_v_per_s: 1e-3,
         read_noise_v: 1e-3,
     };
-    let qe = Spectrum::constant(grid, 0.8);
+    let qe = Spectrum::constant(grid, 0.8).unwrap();
     let mut sensor = Sensor::new(ROWS, COLS, pixel, Cfa::new("Bayer", mosaic, channels).unwrap(), qe);
     sensor.adc = Adc { bits: 12, black_level_dn: 64.0 };
     sensor.nonuniformity = NonUniformity {

@@ -35,7 +35,7 @@ pub(super) fn filter(name: &str, options: &SceneOptions) -> anyhow::Result<Datas
     let (nm, peak) = tile::peak(&curve);
     let about = info.map(|f| vec![f.summary.to_owned(), f.source.to_owned()]).unwrap_or_default();
     let title = format!("{name}: a transmittance curve, peak {peak:.2} at {nm:.0} nm");
-    let color = tile::looks(&curve.map(|_, v| v.clamp(0.0, 1.0)))?;
+    let color = tile::looks(&curve.map(|_, v| v.clamp(0.0, 1.0))?)?;
     let parts = vec![Part::Plot(plot("Transmittance", "Transmittance", name, color, curve.clone()))];
     let json = json!({
         "kind": "filter", "name": name, "summary": info.map(|f| f.summary), "source": info.map(|f| f.source),
@@ -50,7 +50,7 @@ pub(super) fn illuminant(name: &str, options: &SceneOptions) -> anyhow::Result<D
     let grid = cfa::grid(options, 700.0)?;
     let energy = light.energy(grid)?;
     let highest = energy.max();
-    let energy = if highest > 0.0 { energy.scaled(1.0 / highest) } else { energy };
+    let energy = if highest > 0.0 { energy.scaled(1.0 / highest)? } else { energy };
     let fine = WavelengthGrid::VISIBLE;
     let xyz = Observer::Cie1931.xyz_from_photons(&light.photons(fine).or_else(|_| light.photons(grid))?)?;
     let sum: f64 = xyz.iter().sum();
@@ -81,7 +81,7 @@ fn color_of(xyz: [f64; 3]) -> anyhow::Result<Rgb> {
     use smalti::numeric::Planes;
     let linear = Image::new(ColorSpace::Xyz, Planes::new(1, 1, 3, xyz.map(|v| v as f32).to_vec())?)?;
     let linear = linear.converted(ColorSpace::LinearSrgb)?;
-    let rgb = [0, 1, 2].map(|c| f64::from(linear.planes().plane(c)[0].max(0.0)));
+    let rgb = linear.channels().map(|c| f64::from(c[0].max(0.0)));
     let top = rgb.into_iter().fold(f64::MIN_POSITIVE, f64::max);
     let [r, g, b] = rgb.map(|v| (smalti::color::display::encode_srgb(v / top) * 255.0).round() as u8);
     Ok(Rgb(r, g, b))

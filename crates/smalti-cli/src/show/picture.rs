@@ -134,9 +134,8 @@ pub(super) fn reduced(image: &Image, most: usize) -> anyhow::Result<Image> {
     let step = image.cols().div_ceil(most).max(1);
     let (rows, cols) = (image.rows().div_ceil(step), image.cols().div_ceil(step));
     let mut out = Planes::zeros(rows, cols, 3);
-    for c in 0..3 {
-        let plane = image.planes().plane(c);
-        for (y, line) in out.plane_mut(c).chunks_exact_mut(cols).enumerate() {
+    for (plane, out) in image.channels().into_iter().zip(out.planes_mut()) {
+        for (y, line) in out.chunks_exact_mut(cols).enumerate() {
             for (x, value) in line.iter_mut().enumerate() {
                 let block = plane.chunks_exact(image.cols()).skip(y * step).take(step);
                 let block = block.flat_map(|row| row.iter().skip(x * step).take(step));

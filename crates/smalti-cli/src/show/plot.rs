@@ -163,10 +163,10 @@ mod tests {
     fn values_stand_at_their_height() {
         let grid = WavelengthGrid::VISIBLE;
         let text = plot(vec![
-            ('T', Spectrum::constant(grid, 1.0)),
-            ('B', Spectrum::constant(grid, 0.02)),
-            ('Z', Spectrum::constant(grid, 0.0)),
-            ('M', Spectrum::constant(grid, 0.5)),
+            ('T', Spectrum::constant(grid, 1.0).unwrap()),
+            ('B', Spectrum::constant(grid, 0.02).unwrap()),
+            ('Z', Spectrum::constant(grid, 0.0).unwrap()),
+            ('M', Spectrum::constant(grid, 0.5).unwrap()),
         ])
         .lines(&screen(80, None));
         let lines: Vec<&str> = text.lines().collect();
@@ -175,13 +175,14 @@ mod tests {
         assert_eq!(lines[ROWS], format!("0.0 ┤{}", "B".repeat(COLUMNS)));
         assert!(lines[ROWS + 2].contains("400") && lines[ROWS + 2].contains("700"), "{text}");
         // Beyond 0 to 1 a curve runs along the edge.
-        let text = plot(vec![('T', Spectrum::constant(grid, 7.0))]).lines(&screen(80, None));
+        let text = plot(vec![('T', Spectrum::constant(grid, 7.0).unwrap())]).lines(&screen(80, None));
         assert!(text.lines().nth(1).unwrap().ends_with("TTT"), "{text}");
     }
 
     #[test]
     fn an_edge_is_drawn_without_gaps() {
-        let step = Spectrum::from_fn(WavelengthGrid::VISIBLE, |nm| if nm < 550.0 { 0.02 } else { 1.0 });
+        let step =
+            Spectrum::from_fn(WavelengthGrid::VISIBLE, |nm| if nm < 550.0 { 0.02 } else { 1.0 }).unwrap();
         let text = plot(vec![('S', step)]).lines(&screen(80, None));
         assert!(text.lines().skip(1).take(ROWS).all(|l| l.contains('S')), "{text}");
     }
@@ -193,8 +194,8 @@ mod tests {
             let grid = WavelengthGrid::new(start, step, count).unwrap();
             for columns in [20, 21, 40, 80, 200] {
                 for depth in [None, Some(Depth::True)] {
-                    let text =
-                        plot(vec![('a', Spectrum::constant(grid, 0.3))]).lines(&screen(columns, depth));
+                    let text = plot(vec![('a', Spectrum::constant(grid, 0.3).unwrap())])
+                        .lines(&screen(columns, depth));
                     assert_eq!(text.lines().count(), ROWS + 3, "{text}");
                     assert!(
                         text.contains(if depth.is_some() { "\x1b[38;2;200;0;0m" } else { "a" }),

@@ -71,13 +71,14 @@ pub(super) fn datasheet(name: &str, options: &SceneOptions) -> anyhow::Result<Da
 
 /// The name of the built-in illuminant with this spectrum; a scene keeps only the spectrum.
 fn name_of(light: &Spectrum) -> Option<&'static str> {
-    let relative = |s: &Spectrum| s.scaled(1.0 / s.max().max(f64::MIN_POSITIVE));
+    let relative = |s: &Spectrum| -> Vec<f64> {
+        let peak = s.max().max(f64::MIN_POSITIVE);
+        s.values().iter().map(|v| v / peak).collect()
+    };
     let own = relative(light);
     let same = |name: &&&str| {
         let other = Illuminant::from_name(name).ok().and_then(|l| l.photons(light.grid()).ok());
-        other.is_some_and(|other| {
-            own.values().iter().zip(relative(&other).values()).all(|(a, b)| (a - b).abs() < 1e-4)
-        })
+        other.is_some_and(|other| own.iter().zip(relative(&other)).all(|(a, b)| (a - b).abs() < 1e-4))
     };
     // All illuminants are equal at one or two wavelengths.
     Illuminant::names().iter().find(same).copied().filter(|_| light.grid().len() > 2)

@@ -228,7 +228,7 @@ fn a_photograph_is_upsampled_and_photographed() {
     assert_eq!((shown.image.rows(), shown.image.cols()), (drawn.image.rows(), drawn.image.cols()));
     let middle = |p: &picture::Picture, patch: usize| -> [f32; 3] {
         let (row, col) = (patch / 6 * 8 + 4, patch % 6 * 8 + 4);
-        std::array::from_fn(|c| p.image.planes().plane(c)[row * p.image.cols() + col])
+        std::array::from_fn(|c| p.image.planes().plane(c).unwrap()[row * p.image.cols() + col])
     };
     // The darkest half percent clips to white: grey patches relate to the white one.
     let (white, grey) = (middle(&drawn, 18)[1], middle(&drawn, 21)[1]);

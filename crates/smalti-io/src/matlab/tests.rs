@@ -13,7 +13,7 @@ fn file(quantity: Quantity, samples: Vec<f32>) -> SpectralFile {
         name: "small".into(),
         cube: SpectralCube::new(grid, Planes::new(2, 3, grid.len(), samples).unwrap()).unwrap(),
         quantity,
-        illuminant: Some(Spectrum::constant(grid, 0.5)),
+        illuminant: Some(Spectrum::constant(grid, 0.5).unwrap()),
         distance_m: Some(1.0),
         horizontal_fov_deg: Some(2.0),
     }
@@ -98,10 +98,10 @@ fn samples_that_are_no_radiance_are_named() {
     assert_eq!(error(&with(f32::NAN)), format!("a.mat: {place} NaN; expected a finite number"));
     let clamping = ReadOptions { clamp_negative: true, ..ReadOptions::default() };
     let clamped = |v| from_bytes(&with(v), Path::new("a.mat"), &clamping);
-    assert_eq!(clamped(-2.0).unwrap().cube.planes().plane(2)[1], 0.0);
+    assert_eq!(clamped(-2.0).unwrap().cube.planes().plane(2).unwrap()[1], 0.0);
     assert!(clamped(f32::NAN).is_err());
     // Minus zero is zero, to the bit.
-    assert_eq!(read(&with(-0.0)).unwrap().cube.planes().plane(2)[1].to_bits(), 0);
+    assert_eq!(read(&with(-0.0)).unwrap().cube.planes().plane(2).unwrap()[1].to_bits(), 0);
 }
 
 #[test]

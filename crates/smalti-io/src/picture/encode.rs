@@ -110,8 +110,7 @@ fn quantised(
     if !matches!(image.space(), ColorSpace::Srgb | ColorSpace::DisplayP3) {
         return Err(ImageError::Space { expected: ColorSpace::Srgb, got: image.space() }).at(path);
     }
-    let planes = image.planes();
-    let (r, g, b) = (planes.plane(0), planes.plane(1), planes.plane(2));
+    let [r, g, b] = image.channels();
     for (name, plane) in [("R", r), ("G", g), ("B", b)] {
         if let Some(i) = plane.iter().position(|v| v.is_nan()) {
             let place = [i / image.cols(), i % image.cols()];

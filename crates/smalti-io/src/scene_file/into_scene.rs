@@ -67,7 +67,7 @@ impl SpectralFile {
             Quantity::Reflectance => {
                 let light = self.illuminant.map_or_else(default_light, Ok)?;
                 // Photon radiances near 1e15 leave f32 no room for the illuminant's arbitrary scale.
-                let light = light.scaled(1.0 / light.max().max(f64::MIN_POSITIVE));
+                let light = light.scaled(1.0 / light.max().max(f64::MIN_POSITIVE)).at(&path)?;
                 let at = |nm: f64| light.at(nm).unwrap_or(0.0);
                 (scaled(self.cube, at, &path)?, Some(light.clone()))
             }
@@ -85,7 +85,7 @@ impl SpectralFile {
             }
             let factor = luminance / mean;
             radiance = scaled(radiance, |_| factor, &path)?;
-            light = light.map(|l| l.scaled(factor));
+            light = light.map(|l| l.scaled(factor)).transpose().at(&path)?;
         }
         let light = match light {
             Some(light) => light,
@@ -93,7 +93,7 @@ impl SpectralFile {
                 let light = default_light()?;
                 let white = Observer::Cie1931.xyz_from_photons(&light).at(&path)?[1];
                 let target = percentile_luminance(&radiance, &path)?;
-                light.scaled(if white > 0.0 { target / white } else { 0.0 })
+                light.scaled(if white > 0.0 { target / white } else { 0.0 }).at(&path)?
             }
         };
         let distance_m = self.distance_m.unwrap_or(defaults.distance_m);
@@ -108,7 +108,7 @@ fn scaled(cube: SpectralCube, factor: impl Fn(f64) -> f64, path: &Path) -> Resul
     let mut planes: Planes = cube.into_planes();
     for (i, nm) in grid.wavelengths_nm().enumerate() {
         let factor = factor(nm);
-        for v in planes.plane_mut(i) {
+        for v in planes.plane_mut(i).at(path)? {
             *v = (f64::from(*v) * factor) as f32;
         }
     }
@@ -124,7 +124,7 @@ fn mean_luminance(photons: &SpectralCube, path: &Path) -> Result<f64, IoError> {
 
 fn percentile_luminance(photons: &SpectralCube, path: &Path) -> Result<f64, IoError> {
     let xyz = Observer::Cie1931.xyz_planes_from_photons(photons).at(path)?;
-    let mut y = xyz.plane(1).to_vec();
+    let mut y = xyz.plane(1).at(path)?.to_vec();
     let rank = ((y.len().saturating_sub(1)) as f64 * WHITE_PERCENTILE) as usize;
     if y.is_empty() {
         return Ok(0.0);

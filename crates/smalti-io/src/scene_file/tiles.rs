@@ -228,9 +228,9 @@ fn load_whole(tiles: &dyn Tiles, path: &Path, options: &ReadOptions) -> Result<S
 pub(crate) fn resampled(planes: &Planes, places: &[Between], path: &Path) -> Result<Planes, IoError> {
     let mut data = Vec::with_capacity(places.len() * planes.plane_len());
     for place in places {
-        let (below, above) = (planes.plane(place.index), planes.plane(place.index + 1));
-        if place.weight > 0.0 && !above.is_empty() {
-            let t = place.weight as f32;
+        let below = planes.plane(place.index).at(path)?;
+        if place.weight > 0.0 {
+            let (above, t) = (planes.plane(place.index + 1).at(path)?, place.weight as f32);
             data.extend(below.iter().zip(above).map(|(a, b)| a * (1.0 - t) + b * t));
         } else {
             data.extend_from_slice(below);

@@ -141,7 +141,8 @@ pub(crate) fn definition(
         }
         let class = p.index(position, p.saturation_place(clipped), level, texture);
         let output = |o: usize| {
-            let sum: f64 = p.weights(class, o).iter().zip(&patch).map(|(&w, x)| f64::from(w) * x).sum();
+            let sum: f64 =
+                p.weights(class, o).unwrap().iter().zip(&patch).map(|(&w, x)| f64::from(w) * x).sum();
             f64::from(p.kernels().offsets[class * p.outputs().len() + o]) + sum
         };
         (class, (0..p.outputs().len()).map(output).collect())

@@ -4,7 +4,7 @@ use serde_json::{Map, Value, json};
 use smalti::l3::Pipeline;
 
 use super::conditions::exposure_as_json;
-use super::kernels::dark_and_bright;
+use super::kernels::{dark_and_bright, weights};
 use super::results::{Comparison, mean};
 use crate::ReportError;
 
@@ -57,39 +57,39 @@ impl Comparison<'_> {
                 "scenes": g.scenes,
                 "gains": serde_json::to_value(&g.gains)?,
             }))).collect::<Result<Vec<Value>, ReportError>>()?,
-            "learned": learned.iter().map(|(c, p, _)| kernels_as_json(c.label, p)).collect::<Vec<_>>(),
+            "learned": learned.iter().map(|(c, p, _)| kernels_as_json(c.label, p)).collect::<Result<Vec<_>, _>>()?,
             "cameras": self.cameras.iter().map(|c| serde_json::to_value(c.description())).collect::<Result<Vec<_>, _>>()?,
         }))
     }
 }
 
 /// The number of classes of a pipeline, and the kernels that are drawn.
-fn kernels_as_json(camera: &str, pipeline: &Pipeline) -> Value {
+fn kernels_as_json(camera: &str, pipeline: &Pipeline) -> Result<Value, ReportError> {
     let summary = pipeline.summary();
-    let drawn: Vec<Value> = dark_and_bright(pipeline)
+    let drawn = dark_and_bright(pipeline)
         .into_iter()
         .map(|class| {
             let key = pipeline.key(class);
-            let outputs: Map<String, Value> = pipeline
+            let outputs = pipeline
                 .outputs()
                 .iter()
                 .enumerate()
-                .map(|(o, name)| (name.clone(), json!(pipeline.weights(class, o))))
-                .collect();
-            json!({
+                .map(|(o, name)| Ok((name.clone(), json!(weights(pipeline, class, o)?))))
+                .collect::<Result<Map<String, Value>, ReportError>>()?;
+            Ok(json!({
                 "position": key.position,
                 "level": key.level,
                 "texture": pipeline.axes().textures().names()[usize::from(key.texture)],
                 "weights": outputs,
-            })
+            }))
         })
-        .collect();
-    json!({
+        .collect::<Result<Vec<Value>, ReportError>>()?;
+    Ok(json!({
         "camera": camera,
         "classes": summary.classes,
         "classes_that_occur": summary.occupied,
         "operators": summary.operators,
         "patches": summary.patches,
         "kernels": drawn,
-    })
+    }))
 }

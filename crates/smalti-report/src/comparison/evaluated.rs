@@ -63,7 +63,7 @@ impl Evaluations<'_> {
 /// # Errors
 /// When a picture cannot be converted, or a camera cannot be written as text.
 pub fn page(shots: &Evaluations<'_>) -> Result<String, ReportError> {
-    let edges: Vec<_> = shots.pictures.iter().map(|p| p.edge_sfr().ok()).collect();
+    let edges = shots.pictures.iter().map(EvaluationPictures::edge_sfr).collect::<Result<Vec<_>, _>>()?;
     let each = shots.luminances_cd_m2.len();
     let scored: Vec<Vec<Scored<'_>>> = (0..each)
         .map(|light| {
@@ -139,8 +139,7 @@ pub fn aliasing_picture(pictures: &EvaluationPictures) -> Result<Image, ReportEr
 /// A picture for display: the light is white, and the 99th percentile of the luminance is just below white, since targets in little
 /// light are dark as exposed.
 fn seen(picture: &Image, white: [f64; 3]) -> Result<Image, ReportError> {
-    let mut luminance: Vec<f32> =
-        picture.planes().plane(1).iter().copied().filter(|v| v.is_finite()).collect();
+    let mut luminance: Vec<f32> = picture.channels()[1].iter().copied().filter(|v| v.is_finite()).collect();
     let place = luminance.len().saturating_sub(1) * 99 / 100;
     luminance.sort_unstable_by(f32::total_cmp);
     let bright = luminance.get(place).copied().filter(|v| *v > 0.0).unwrap_or(1.0);

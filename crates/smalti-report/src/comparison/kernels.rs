@@ -25,7 +25,7 @@ pub(super) fn sheet(camera: &Camera, name: &str, pipeline: &Pipeline) -> Result<
         let key = pipeline.key(class);
         let position = key.position as usize;
         for (output, output_name) in outputs.iter().enumerate() {
-            let weights = pipeline.weights(class, output);
+            let weights = weights(pipeline, class, output)?;
             let largest = weights.iter().fold(f32::MIN_POSITIVE, |m, w| m.max(w.abs()));
             let mut canvas = Planes::zeros(side * TAP_PX, side * TAP_PX, 3);
             for (tap, &weight) in weights.iter().enumerate() {
@@ -45,6 +45,11 @@ pub(super) fn sheet(camera: &Camera, name: &str, pipeline: &Pipeline) -> Result<
         }
     }
     Ok(sheet.note("Orange: positive weights. Blue: negative weights. Both are relative to the largest weight. Frames: colours of the filters."))
+}
+
+/// The weights of a class for an output.
+pub(super) fn weights(pipeline: &Pipeline, class: usize, output: usize) -> Result<&[f32], ReportError> {
+    pipeline.weights(class, output).ok_or(ReportError::Missing { what: "class of the pipeline" })
 }
 
 /// A dark flat and a bright textured class at the first cell of the first channel. Learned classes are preferred.
@@ -71,8 +76,7 @@ fn diverging(value: f32) -> [f32; 3] {
 /// Fills a square.
 fn fill(canvas: &mut Planes, row: usize, col: usize, size: usize, color: [f32; 3]) {
     let cols = canvas.cols();
-    for (c, value) in color.into_iter().enumerate() {
-        let plane = canvas.plane_mut(c);
+    for (plane, value) in canvas.planes_mut().zip(color) {
         for r in row..row + size {
             plane[r * cols + col..r * cols + col + size].fill(value);
         }

@@ -5,6 +5,8 @@ use smalti::experiment::Contender;
 use smalti::l3::{Origin, Pipeline};
 
 use super::figures::filter_colors;
+use super::kernels::weights as weights_of;
+use crate::ReportError;
 use crate::page::{Markup, Table, el, packed};
 use crate::words::grouped;
 
@@ -56,7 +58,7 @@ pub(super) fn section(learned: &[(&Contender<'_>, &Pipeline, String)]) -> Markup
 }
 
 /// All kernels by combination of clipped channels. Weights are in steps of 1/127 of the largest weight of their kernel.
-pub(super) fn data(contender: &Contender<'_>, pipeline: &Pipeline) -> Value {
+pub(super) fn data(contender: &Contender<'_>, pipeline: &Pipeline) -> Result<Value, ReportError> {
     let axes = pipeline.axes();
     let (side, outputs) = (axes.side(), pipeline.outputs());
     let mosaic = axes.mosaic();
@@ -70,8 +72,9 @@ pub(super) fn data(contender: &Contender<'_>, pipeline: &Pipeline) -> Value {
     let each_level = axes.positions() * axes.textures().count() * outputs.len() * axes.taps();
     let most_levels = (MAX_WEIGHTS / each_level.max(1)).max(1);
     let clipped = (0..pipeline.saturations().len()).map(|s| of_saturation(pipeline, s, most_levels));
+    let clipped = clipped.collect::<Result<Vec<_>, _>>()?;
     let colors: Vec<String> = filter_colors(contender.camera).iter().map(ToString::to_string).collect();
-    json!({
+    Ok(json!({
         "camera": contender.label,
         "side": side,
         "cols": mosaic.cols(),
@@ -83,12 +86,16 @@ pub(super) fn data(contender: &Contender<'_>, pipeline: &Pipeline) -> Value {
         "positions": positions,
         "origins": Origin::ALL.map(Origin::name),
         "steps": STEPS,
-        "clipped": clipped.flatten().collect::<Vec<_>>(),
-    })
+        "clipped": clipped.into_iter().flatten().collect::<Vec<_>>(),
+    }))
 }
 
 /// The classes of one combination of clipped channels. Where channels clip, only a few levels that occurred in training.
-fn of_saturation(pipeline: &Pipeline, saturation: usize, most_levels: usize) -> Option<Value> {
+fn of_saturation(
+    pipeline: &Pipeline,
+    saturation: usize,
+    most_levels: usize,
+) -> Result<Option<Value>, ReportError> {
     let axes = pipeline.axes();
     let outputs = pipeline.outputs().len();
     let textures = axes.textures().count();
@@ -103,7 +110,7 @@ fn of_saturation(pipeline: &Pipeline, saturation: usize, most_levels: usize) -> 
     };
     let levels: Vec<usize> = met.iter().copied().step_by(met.len().div_ceil(most).max(1)).collect();
     if levels.is_empty() {
-        return None;
+        return Ok(None);
     }
     let (mut counts, mut origins, mut scales, mut weights, mut offsets) =
         (vec![], vec![], vec![], vec![], vec![]);
@@ -114,7 +121,7 @@ fn of_saturation(pipeline: &Pipeline, saturation: usize, most_levels: usize) -> 
             counts.push(class.map_or(0.0, |c| c.count as f64));
             origins.push(class.map_or(f64::NAN, |c| f64::from(c.origin as u8)));
             for output in 0..outputs {
-                let kernel = pipeline.weights(index, output);
+                let kernel = weights_of(pipeline, index, output)?;
                 let largest = kernel.iter().fold(0.0f64, |m, w| m.max(f64::from(w.abs())));
                 let per_step = if largest > 0.0 { STEPS / largest } else { 0.0 };
                 scales.push(largest);
@@ -131,7 +138,7 @@ fn of_saturation(pipeline: &Pipeline, saturation: usize, most_levels: usize) -> 
     let bits = pipeline.saturations().get(saturation).copied().unwrap_or_default();
     let names = pipeline.channel_names().iter().enumerate();
     let clipping: Vec<&String> = names.filter(|(c, _)| bits >> c & 1 == 1).map(|(_, name)| name).collect();
-    Some(json!({
+    Ok(Some(json!({
         "channels": clipping,
         "levels": levels.iter().map(|l| l + 1).collect::<Vec<_>>(),
         "met": met.len(),
@@ -141,5 +148,5 @@ fn of_saturation(pipeline: &Pipeline, saturation: usize, most_levels: usize) -> 
         "scale": packed(&scales),
         "weight": packed(&weights),
         "offset": packed(&offsets),
-    }))
+    })))
 }

@@ -36,8 +36,10 @@ pub fn page(report: &Comparison<'_>) -> Result<String, ReportError> {
     if !learned.is_empty() {
         page = page.section("kernels", "Learned pipelines", learned::section(&learned));
     }
-    let data: Vec<_> =
-        learned.par_iter().map(|(contender, pipeline, _)| learned::data(contender, pipeline)).collect();
+    let data: Vec<_> = learned
+        .par_iter()
+        .map(|(contender, pipeline, _)| learned::data(contender, pipeline))
+        .collect::<Result<_, _>>()?;
     let (scenes, cameras) = (Some(report.scene_names()), (report.cameras, report.labels));
     let again = again::section(report.command, (report.seed, report.illuminant), scenes, cameras)?;
     Ok(page

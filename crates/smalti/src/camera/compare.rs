@@ -103,7 +103,7 @@ impl Setup {
     /// When the factor is negative or not finite.
     pub fn in_light(&self, factor: f64) -> Result<Self, CameraError> {
         let image = self.image.scaled(factor)?;
-        Ok(Self { image: Arc::new(image), light: self.light.scaled(factor), ..self.clone() })
+        Ok(Self { image: Arc::new(image), light: self.light.scaled(factor)?, ..self.clone() })
     }
 
     /// The same scene with an exposure time, s; with `None`, that of the camera's description.

@@ -7,6 +7,7 @@ use crate::color::jakob_hanika2019::UpliftError;
 use crate::isp::IspError;
 use crate::l3::L3Error;
 use crate::metrics::MetricError;
+use crate::numeric::ShapeError;
 use crate::optics::OpticsError;
 use crate::scene::SceneError;
 use crate::sensor::{CfaError, RawError, SensorError};
@@ -60,6 +61,9 @@ pub enum CameraError {
     /// A picture is invalid.
     #[error(transparent)]
     Image(#[from] ImageError),
+    /// The number of values does not match the shape of an image, or a plane does not exist.
+    #[error(transparent)]
+    Shape(#[from] ShapeError),
     /// Spectral data are invalid.
     #[error(transparent)]
     Spectrum(#[from] SpectrumError),

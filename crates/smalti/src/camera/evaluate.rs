@@ -163,12 +163,17 @@ pub struct EvaluationPictures {
 }
 
 impl EvaluationPictures {
-    /// The edge response of the luminance plane, whose MTF50 is that of [`Evaluation`].
+    /// The edge response of the luminance plane, whose MTF50 is that of [`Evaluation`]; `None` when the picture shows
+    /// no edge, or an edge of too little contrast.
     ///
     /// # Errors
-    /// When there is no edge in the picture.
-    pub fn edge_sfr(&self) -> Result<EdgeSfr, CameraError> {
-        Ok(edge_sfr(self.edge.planes(), LUMINANCE, EDGE_REGION, &EsfrOptions::default())?)
+    /// When the edge cannot be measured for another reason.
+    pub fn edge_sfr(&self) -> Result<Option<EdgeSfr>, CameraError> {
+        match edge_sfr(self.edge.planes(), LUMINANCE, EDGE_REGION, &EsfrOptions::default()) {
+            Ok(sfr) => Ok(Some(sfr)),
+            Err(MetricError::NoEdge(_) | MetricError::LowContrast { .. }) => Ok(None),
+            Err(error) => Err(error.into()),
+        }
     }
 }
 
@@ -296,7 +301,7 @@ pub(crate) fn zone_plate_aliasing(
 ) -> Result<Aliasing, CameraError> {
     let white = Observer::Cie1931.xyz_from_photons(&setting.illuminant.photons(setting.grid)?)?;
     // The scale of the picture depends on the exposure; the reference is scaled to the same mean luminance.
-    let mean = |picture: &Image| picture.planes().plane(LUMINANCE).iter().map(|&v| f64::from(v)).sum::<f64>();
+    let mean = |picture: &Image| picture.channels()[LUMINANCE].iter().map(|&v| f64::from(v)).sum::<f64>();
     let gain = mean(picture) / mean(reference);
     let (picture, reference) = (linear_srgb(picture, white, 1.0)?, linear_srgb(reference, white, gain)?);
     Ok(aliasing(&picture, &reference, &SRGB_LUMINANCE)?)
@@ -306,14 +311,12 @@ pub(crate) fn zone_plate_aliasing(
 fn linear_srgb(picture: &Image, white: [f64; 3], gain: f64) -> Result<Planes, ImageError> {
     let adapted = bradford(D65_XYZ, white).ok_or(ImageError::White(white))?;
     let rgb_from_xyz = product(&Matrices::SRGB.rgb_from_xyz, &adapted);
-    let xyz = picture.planes();
-    let mut rgb = Planes::zeros(xyz.rows(), xyz.cols(), 3);
-    for (c, row) in rgb_from_xyz.iter().enumerate() {
-        let [x, y, z] = row.map(|v| (v * gain) as f32);
-        let of = xyz.plane(0).iter().zip(xyz.plane(1)).zip(xyz.plane(2));
-        for (out, ((a, b), c)) in rgb.plane_mut(c).iter_mut().zip(of) {
-            *out = x * a + y * b + z * c;
-        }
+    let [x, y, z] = picture.channels();
+    let mut rgb = Planes::zeros(picture.rows(), picture.cols(), 3);
+    for (out, row) in rgb.planes_mut().zip(&rgb_from_xyz) {
+        let [a, b, c] = row.map(|v| (v * gain) as f32);
+        let of = x.iter().zip(y).zip(z);
+        out.iter_mut().zip(of).for_each(|(o, ((x, y), z))| *o = a * x + b * y + c * z);
     }
     Ok(rgb)
 }
@@ -341,6 +344,20 @@ mod tests {
         assert_eq!(PatchScores::new(vec![1.0, 2.0, 6.0]).unwrap().mean, 3.0);
         assert_eq!(GreyScores::new(vec![6.0, 1.0, 2.0]).unwrap().median, 2.0);
         assert_eq!(GreyScores::new(vec![6.0, 1.0, 2.0, 3.0]).unwrap().median, 2.5);
+    }
+
+    #[test]
+    fn only_a_picture_without_an_edge_has_no_edge_response() {
+        let of = |side: usize, value: f32| {
+            let planes = Planes::new(side, side, 3, vec![value; 3 * side * side]).unwrap();
+            let image = Image::new(ColorSpace::Xyz, planes).unwrap();
+            let (edge, zone_plate) = (image.clone(), image.clone());
+            EvaluationPictures { macbeth: image, edge, zone_plate, aliasing: Planes::zeros(1, 1, 3) }
+                .edge_sfr()
+        };
+        assert_eq!(of(120, 0.5), Ok(None));
+        assert!(matches!(of(20, 0.5), Err(CameraError::Metric(MetricError::Region { .. }))));
+        assert!(matches!(of(120, f32::NAN), Err(CameraError::Metric(MetricError::NotFinite { .. }))));
     }
 
     #[test]

@@ -95,7 +95,7 @@ impl Camera {
             let undone = on_grid.map(|_, v| match passes.next() {
                 Some(&t) if t >= OPAQUE => v / t,
                 _ => 0.0,
-            });
+            })?;
             Ok(Channel { name: c.name.clone(), transmittance: undone })
         };
         let targets = targets.iter().map(before).collect::<Result<Vec<_>, CameraError>>()?;
@@ -150,16 +150,15 @@ impl Camera {
         if largest <= 0.0 {
             return Err(IspError::NoResponse("the target").into());
         }
-        let scaled = |c: &Channel| Channel {
-            name: c.name.clone(),
-            transmittance: c.transmittance.scaled(1.0 / largest),
+        let scaled = |c: &Channel| -> Result<Channel, CameraError> {
+            Ok(Channel { name: c.name.clone(), transmittance: c.transmittance.scaled(1.0 / largest)? })
         };
-        let channels: Vec<Channel> = targets.iter().map(scaled).collect();
+        let channels = targets.iter().map(scaled).collect::<Result<Vec<_>, _>>()?;
         let cells = (0..targets.len()).map(|c| c.min(usize::from(u8::MAX)) as u8).collect();
         let sensor = Sensor {
             cfa: Cfa::new("observer", Mosaic::new(1, targets.len(), cells)?, channels)?,
             architecture: ColorArchitecture::Prism,
-            quantum_efficiency: Spectrum::constant(self.grid(), 1.0),
+            quantum_efficiency: Spectrum::constant(self.grid(), 1.0)?,
             ir_cut: None,
             crosstalk: None,
             nonuniformity: NonUniformity::default(),

@@ -45,7 +45,7 @@ fn positive(name: &str, value: f64, high: f64) -> Result<f64, CameraError> {
 fn curve(name: &str, filter: &Filter, grid: WavelengthGrid) -> Result<Spectrum, CameraError> {
     let spectrum = filter.spectrum(grid).map_err(|e| key(name, e))?;
     match spectrum.values().iter().position(|v| !(-1e-3..=1.001).contains(v)) {
-        None => Ok(spectrum.map(|_, v| v.clamp(0.0, 1.0))),
+        None => Ok(spectrum.map(|_, v| v.clamp(0.0, 1.0))?),
         Some(i) => {
             let (value, nm) = (spectrum.values()[i], grid.wavelength_nm(i));
             Err(key(name, format_args!("{value} at {nm} nm; expected 0 to 1")))

@@ -111,7 +111,7 @@ fn check(white: [f64; 3], settings: &ScoreSettings) -> Result<(), MetricError> {
 
 /// The Y that all but a fraction of the pixels do not exceed.
 fn white_level(reference: &Image, highlight_share: f64) -> f64 {
-    let mut luminance = reference.planes().plane(LUMINANCE).to_vec();
+    let mut luminance = reference.channels()[LUMINANCE].to_vec();
     f64::from(at_share(&mut luminance, 1.0 - highlight_share))
 }
 
@@ -125,16 +125,15 @@ fn at_share(values: &mut [f32], share: f64) -> f32 {
 /// A picture clipped at white: Y is limited to `white_y` and the chromaticity kept.
 fn clipped_at_white(picture: &Image, white_y: f64) -> Result<Image, CameraError> {
     let mut planes = picture.planes().clone();
-    limit_brightness(&mut planes, white_y as f32, |planes, i| planes.plane(LUMINANCE)[i]);
+    limit_brightness(&mut planes, white_y as f32, picture.channels()[LUMINANCE]);
     Ok(Image::new(picture.space(), planes)?)
 }
 
 /// Scales the planes at every pixel whose brightness exceeds `limit` down to it, which keeps their ratios.
-pub(super) fn limit_brightness(planes: &mut Planes, limit: f32, brightness: impl Fn(&Planes, usize) -> f32) {
-    let all = (0..planes.plane_len()).map(|i| (i, brightness(planes, i)));
-    let factors: Vec<(usize, f32)> = all.filter(|(_, b)| *b > limit).map(|(i, b)| (i, limit / b)).collect();
-    for p in 0..planes.count() {
-        let plane = planes.plane_mut(p);
+pub(super) fn limit_brightness(planes: &mut Planes, limit: f32, brightness: &[f32]) {
+    let bright = brightness.iter().enumerate().filter(|(_, b)| **b > limit);
+    let factors: Vec<(usize, f32)> = bright.map(|(i, b)| (i, limit / b)).collect();
+    for plane in planes.planes_mut() {
         factors.iter().for_each(|&(i, factor)| plane[i] *= factor);
     }
 }
@@ -165,7 +164,7 @@ mod tests {
         assert!(
             matches!(one_plane(map(vec![1.0; 5])), Err(MetricError::Shape(e)) if (e.expected, e.got) == (6, 5))
         );
-        assert_eq!(one_plane(map(vec![1.0; 6])).unwrap().plane(0), [1.0; 6]);
+        assert_eq!(one_plane(map(vec![1.0; 6])).unwrap().data(), [1.0; 6]);
     }
 
     #[test]
@@ -184,12 +183,12 @@ mod tests {
     fn the_maps_show_where_pictures_differ() {
         let spoiled = |i: usize| ramp(i) * if (10..20).contains(&(i / 50)) { 0.8 } else { 1.0 };
         let s = score(&picture(spoiled), &picture(ramp));
-        let rows: Vec<&[f32]> = s.delta_e_2000_map.plane(0).chunks(50).collect();
+        let rows: Vec<&[f32]> = s.delta_e_2000_map.data().chunks(50).collect();
         for (r, row) in rows.iter().enumerate() {
             assert!(row.iter().all(|v| (*v > 1.0) == (10..20).contains(&r)), "row {r}: {row:?}");
             assert!((10..20).contains(&r) || row.iter().all(|v| *v == 0.0), "row {r}: {row:?}");
         }
-        assert!(s.scielab_map.plane(0)[9 * 50 + 40] > 0.1, "blurred over the border");
+        assert!(s.scielab_map.data()[9 * 50 + 40] > 0.1, "blurred over the border");
         let mut sorted = s.delta_e_2000_map.data().to_vec();
         sorted.sort_by(f32::total_cmp);
         let mean = sorted.iter().map(|v| f64::from(*v)).sum::<f64>() / 2000.0;

@@ -193,7 +193,7 @@ impl Camera {
             let ideal = camera.sensor.capture_ideal(&lit, &exposure)?;
             let seed = settings.seed.wrapping_add((item << 16) + i as u64);
             let seen = camera.sensor.capture(&lit, &exposure, NoiseMode::All, seed)?;
-            let target = bounded(scaled(&target, factor)?, &settings.target, most);
+            let target = bounded(scaled(&target, factor)?, &settings.target, most)?;
             statistics.add(&Pair { raw: &ideal, seen: Some(&seen), target: &target })?;
         }
         Ok(())
@@ -318,12 +318,19 @@ fn default_exposures(knowable: f64, least: f64) -> Vec<f64> {
 
 /// The targets with their brightness (Y, or the largest of other outputs) limited to `most` and their ratios kept. Targets that
 /// the raw image cannot determine would distort the kernels of their classes.
-fn bounded(mut target: Planes, kind: &TrainingTarget, most: f64) -> Planes {
-    limit_brightness(&mut target, most as f32, |target, i| match kind {
-        TrainingTarget::Xyz => target.plane(LUMINANCE)[i],
-        TrainingTarget::Channels(_) => target.planes().map(|p| p[i]).fold(0.0, f32::max),
-    });
-    target
+fn bounded(mut target: Planes, kind: &TrainingTarget, most: f64) -> Result<Planes, CameraError> {
+    let brightness = match kind {
+        TrainingTarget::Xyz => target.plane(LUMINANCE)?.to_vec(),
+        TrainingTarget::Channels(_) => {
+            let mut largest = vec![0.0f32; target.plane_len()];
+            for plane in target.planes() {
+                largest.iter_mut().zip(plane).for_each(|(l, v)| *l = l.max(*v));
+            }
+            largest
+        }
+    };
+    limit_brightness(&mut target, most as f32, &brightness);
+    Ok(target)
 }
 
 #[cfg(test)]
@@ -344,10 +351,10 @@ mod tests {
     #[test]
     fn what_cannot_be_known_is_not_a_target() {
         let planes = || Planes::new(1, 3, 3, vec![0.5, 4.0, 0.0, 1.0, 2.0, 0.0, 0.2, 1.0, 0.0]).unwrap();
-        let xyz = bounded(planes(), &TrainingTarget::Xyz, 1.5);
+        let xyz = bounded(planes(), &TrainingTarget::Xyz, 1.5).unwrap();
         assert_eq!(xyz.data(), [0.5, 3.0, 0.0, 1.0, 1.5, 0.0, 0.2, 0.75, 0.0]);
         // For other outputs, the largest one is limited.
-        let bands = bounded(planes(), &TrainingTarget::Channels(Vec::new()), 1.0);
+        let bands = bounded(planes(), &TrainingTarget::Channels(Vec::new()), 1.0).unwrap();
         assert_eq!(bands.data(), [0.5, 1.0, 0.0, 1.0, 0.5, 0.0, 0.2, 0.25, 0.0]);
     }
 }

@@ -24,7 +24,7 @@ pub struct TrainingScene {
     pub light: Illuminant,
 }
 
-/// The default training set. The scenes take the illuminants in turn:
+/// The default training set. The scenes take the illuminants in turn, or D65 if there is none:
 ///
 /// - dead leaves and charts of uniform patches at several scales, in natural and in saturated colours;
 /// - gradients between colours and between light and shade, and shading on white paper, because clipped areas in pictures are
@@ -91,13 +91,15 @@ impl TrainingScene {
 /// When reflectances cannot be computed from RGB on the grid.
 pub fn training_reflectances(grid: WavelengthGrid) -> Result<Vec<Spectrum>, CameraError> {
     let mut all: Vec<Spectrum> = reflectance::natural(grid)?.into_iter().map(|(_, s)| s).collect();
-    all.extend((1..=GREYS).map(|i| Spectrum::constant(grid, (i as f64 / GREYS as f64).powi(2) * 0.95)));
+    for i in 1..=GREYS {
+        all.push(Spectrum::constant(grid, (i as f64 / GREYS as f64).powi(2) * 0.95)?);
+    }
     let uplift = Uplift::new(grid, Observer::Cie1931)?;
     const ENDS: [f64; 2] = [0.1, 0.6];
     for r in ENDS {
         for g in ENDS {
             for b in ENDS {
-                all.push(uplift.reflectance([r, g, b]));
+                all.push(uplift.reflectance([r, g, b])?);
             }
         }
     }

@@ -2,7 +2,6 @@
 
 use rayon::prelude::*;
 
-use super::difference::three;
 use super::display::{ENCODED_KNEE, LINEAR_KNEE, Matrices, decode_srgb};
 use super::matrix::{IDENTITY, Matrix3, product};
 use super::{ColorSpace, Image, ImageError};
@@ -44,7 +43,7 @@ impl Image {
         let matrix = between(to, self.space());
         let decode = self.space().is_encoded().then(DecodeTable::new);
         let encode = to.is_encoded().then(EncodeTable::new);
-        let source = three(self.planes());
+        let source = self.channels();
         let mut planes = Planes::zeros(self.rows(), self.cols(), 3);
         let n = planes.plane_len();
         let (x, rest) = planes.data_mut().split_at_mut(n);
@@ -206,9 +205,9 @@ mod tests {
         let green = Planes::new(1, 1, 3, vec![0.0, 1.0, 0.0]).unwrap();
         let green = Image::new(ColorSpace::LinearDisplayP3, green).unwrap();
         let linear = green.converted(ColorSpace::LinearSrgb).unwrap();
-        assert!(linear.planes().plane(0)[0] < -0.2 && linear.planes().plane(1)[0] > 1.0);
+        assert!(linear.channels()[0][0] < -0.2 && linear.channels()[1][0] > 1.0);
         let srgb = green.converted(ColorSpace::Srgb).unwrap();
-        assert_eq!((srgb.planes().plane(0)[0], srgb.planes().plane(1)[0]), (0.0, 1.0));
+        assert_eq!((srgb.channels()[0][0], srgb.channels()[1][0]), (0.0, 1.0));
     }
 
     #[test]
@@ -217,7 +216,7 @@ mod tests {
         let xyz = white.converted(ColorSpace::Xyz).unwrap();
         for (c, expected) in [0.3127 / 0.3290, 1.0, (1.0 - 0.3127 - 0.3290) / 0.3290].into_iter().enumerate()
         {
-            assert!((f64::from(xyz.planes().plane(c)[0]) - expected).abs() < 1e-6);
+            assert!((f64::from(xyz.channels()[c][0]) - expected).abs() < 1e-6);
         }
     }
 }

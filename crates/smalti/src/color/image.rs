@@ -137,6 +137,15 @@ impl Image {
         &self.planes
     }
 
+    /// The values of the three planes, each in row order.
+    #[must_use]
+    pub fn channels(&self) -> [&[f32]; 3] {
+        // `Image::new` has counted the planes.
+        let (first, rest) = self.planes.data().split_at(self.planes.plane_len());
+        let (second, third) = rest.split_at(self.planes.plane_len());
+        [first, second, third]
+    }
+
     pub(super) fn planes_mut(&mut self) -> &mut Planes {
         &mut self.planes
     }

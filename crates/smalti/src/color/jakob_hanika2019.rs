@@ -9,7 +9,6 @@ use rayon::prelude::*;
 use thiserror::Error;
 
 use super::cie1976::lab_from_xyz;
-use super::difference::three;
 use super::display::Matrices;
 use super::matrix::{Matrix3, apply, inverse};
 use super::{ColorSpace, Image, ImageError};
@@ -26,7 +25,10 @@ pub enum UpliftError {
     /// The image is not suitable.
     #[error(transparent)]
     Image(#[from] ImageError),
-    /// The wavelength grid does not cover the observer's sensitivity.
+    /// A channel of this colour is NaN.
+    #[error("the linear sRGB colour {0:?} has a channel that is not a number")]
+    Color([f64; 3]),
+    /// The wavelength grid does not cover the observer's sensitivity, or a reflectance is not finite.
     #[error(transparent)]
     Spectrum(#[from] SpectrumError),
 }
@@ -144,13 +146,18 @@ impl Uplift {
     }
 
     /// The reflectance, 0 to 1, of a linear sRGB colour: ½ + x / (2 √(1 + x²)) with x = a p² + b p + c and
-    /// p = (λ − 550 nm) / 150 nm. Channels are clipped to 0–1; NaN counts as 0.
-    #[must_use]
-    pub fn reflectance(&self, rgb: [f64; 3]) -> Spectrum {
+    /// p = (λ − 550 nm) / 150 nm. Channels are clipped to 0–1.
+    ///
+    /// # Errors
+    /// When a channel is NaN.
+    pub fn reflectance(&self, rgb: [f64; 3]) -> Result<Spectrum, UpliftError> {
+        if rgb.iter().any(|v| v.is_nan()) {
+            return Err(UpliftError::Color(rgb));
+        }
         let cell = Cell::of(rgb);
         let start = cell.interpolate(&self.table);
         let coefficients = self.solved(self.target(&cell.rgb), start, TOLERANCE);
-        Spectrum::from_fn(self.grid, |nm| sigmoid(polynomial(coefficients, position(nm))))
+        Ok(Spectrum::from_fn(self.grid, |nm| sigmoid(polynomial(coefficients, position(nm))))?)
     }
 
     /// The reflectances of an image in [`ColorSpace::LinearSrgb`]. Under D65 they reproduce the colours of
@@ -164,7 +171,7 @@ impl Uplift {
         image.check_space(ColorSpace::LinearSrgb)?;
         image.check_finite()?;
         let n = image.planes().plane_len();
-        let source = three(image.planes());
+        let source = image.channels();
         // a, b, c and the scale of each pixel, chunk by chunk.
         let fitted: Vec<[Vec<f32>; 4]> = (0..n.div_ceil(CHUNK))
             .into_par_iter()

@@ -7,7 +7,7 @@
 use rayon::prelude::*;
 use thiserror::Error;
 
-use super::difference::{DeltaE, DifferenceMap, check_pair, map_of_planes, three};
+use super::difference::{DeltaE, DifferenceMap, check_pair, map_of_planes};
 use super::matrix::{Matrix3, inverse, known};
 use super::{Image, ImageError};
 use crate::numeric::mirror::about_border;
@@ -156,7 +156,7 @@ impl Scielab {
         let kernels = self.kernels()?;
         let opponent_from_xyz = self.opponent.matrix();
         let xyz_from_opponent = self.opponent.inverse_matrix();
-        let opponent = transformed(&opponent_from_xyz, three(image.planes()));
+        let opponent = transformed(&opponent_from_xyz, image.channels());
         let shape = (image.rows(), image.cols());
         let blurred = [0, 1, 2].map(|c| blur(&opponent[c], shape, &kernels[c], self.extension));
         Ok(transformed(&xyz_from_opponent, blurred.each_ref().map(Vec::as_slice)))

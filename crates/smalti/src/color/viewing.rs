@@ -16,7 +16,7 @@ impl Image {
     /// of the display. It is 1 for a dark image.
     #[must_use]
     pub fn brightness_gain(&self) -> f64 {
-        let mut luminance: Vec<f32> = self.planes().plane(1).to_vec();
+        let mut luminance: Vec<f32> = self.channels()[1].to_vec();
         let at = (luminance.len().saturating_sub(1) as f64 * (1.0 - BRIGHT_SHARE)) as usize;
         if luminance.is_empty() {
             return 1.0;
@@ -32,10 +32,10 @@ impl Image {
         self
     }
 
-    /// The first three planes as 8-bit red, green and blue, pixel by pixel; 0 is black and 1 full.
+    /// The planes as 8-bit red, green and blue, pixel by pixel; 0 is black and 1 full.
     #[must_use]
     pub fn rgb8(&self) -> Vec<u8> {
-        let [r, g, b] = [0, 1, 2].map(|c| self.planes().plane(c));
+        let [r, g, b] = self.channels();
         let byte = |v: f32| (v.clamp(0.0, 1.0) * 255.0).round() as u8;
         r.iter().zip(g).zip(b).flat_map(|((&r, &g), &b)| [r, g, b].map(byte)).collect()
     }
@@ -47,12 +47,12 @@ impl Image {
     /// [`ImageError::Space`] when the picture is not in XYZ; [`ImageError::White`] when the white cannot be adapted.
     pub fn shown(&self, white: Option<[f64; 3]>, gain: f64) -> Result<Self, ImageError> {
         self.check_space(ColorSpace::Xyz)?;
-        let (planes, mut out) = (self.planes(), Planes::zeros(self.rows(), self.cols(), 3));
+        let ([x, y, z], mut out) = (self.channels(), Planes::zeros(self.rows(), self.cols(), 3));
         let adapted = white.map_or(Ok(IDENTITY), |w| bradford(SRGB_WHITE, w).ok_or(ImageError::White(w)))?;
-        for (i, row) in adapted.iter().enumerate() {
+        for (out, row) in out.planes_mut().zip(&adapted) {
             let [a, b, c] = row.map(|v| (v * gain) as f32);
-            let xyz = planes.plane(0).iter().zip(planes.plane(1)).zip(planes.plane(2));
-            out.plane_mut(i).iter_mut().zip(xyz).for_each(|(o, ((x, y), z))| *o = a * x + b * y + c * z);
+            let xyz = x.iter().zip(y).zip(z);
+            out.iter_mut().zip(xyz).for_each(|(o, ((x, y), z))| *o = a * x + b * y + c * z);
         }
         Self::new(ColorSpace::Xyz, out)?.converted(ColorSpace::Srgb)
     }
@@ -91,8 +91,8 @@ mod tests {
     #[test]
     fn half_a_percent_may_be_brighter_than_white() {
         let mut planes = Planes::zeros(20, 50, 3);
-        planes.plane_mut(1).fill(0.5);
-        planes.plane_mut(1)[..5].fill(100.0);
+        planes.plane_mut(1).unwrap().fill(0.5);
+        planes.plane_mut(1).unwrap()[..5].fill(100.0);
         let picture = Image::new(ColorSpace::Xyz, planes).unwrap();
         assert_eq!(picture.brightness_gain(), 2.0);
     }

@@ -127,7 +127,7 @@ impl PipelineTrainer {
         let light = TrainingLight {
             pixels: PixelSpectra::new(&camera.sensor, &image)?,
             seen: camera.seen_by_observer(&image)?,
-            white_y: white.plane(LUMINANCE).iter().map(|&y| f64::from(y)).sum(),
+            white_y: white.plane(LUMINANCE)?.iter().map(|&y| f64::from(y)).sum(),
             light,
         };
         Self::from_light(camera, settings, targets.chart.clone(), light, targets.seed)

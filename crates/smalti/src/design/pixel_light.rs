@@ -84,7 +84,7 @@ impl PixelLight {
         let mut planes = Planes::zeros(window.rows, window.cols, vectors.len());
         for (r, values) in rows.iter().enumerate() {
             for (k, line) in values.chunks_exact(window.cols).enumerate() {
-                planes.plane_mut(k)[r * window.cols..][..window.cols].copy_from_slice(line);
+                planes.plane_mut(k)?[r * window.cols..][..window.cols].copy_from_slice(line);
             }
         }
         let spectra = vectors.iter().map(|v| Spectrum::new(grid, v.to_vec())).collect::<Result<_, _>>()?;

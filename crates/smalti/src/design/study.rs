@@ -195,7 +195,11 @@ impl Group {
             return Ok(set.clone());
         }
         let index = u128::from(index);
-        family.set(self.colors, self.order.as_ref().and_then(|o| o.at(index)).unwrap_or(index))
+        match &self.order {
+            // The family refuses a number beyond the order, which is beyond its own sets too.
+            Some(order) => family.set(self.colors, order.at(index).unwrap_or(index)),
+            None => family.set(self.colors, index),
+        }
     }
 }
 
@@ -332,7 +336,7 @@ impl Trials {
         let (condition, processing) = self.setup(self.setup_of(number)).ok_or_else(beyond)?;
         let mut rest = number % self.per_setup;
         for group in &self.groups {
-            let here = group.len().unwrap_or(0);
+            let here = group.len().ok_or_else(beyond)?;
             if rest >= here {
                 rest -= here;
                 continue;

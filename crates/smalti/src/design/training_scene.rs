@@ -37,7 +37,7 @@ pub(super) fn scene(
         let (rows, cols) = (piece.min(n - row), piece.min(n - col));
         let from = part.radiance();
         for (band, source) in from.planes().planes().enumerate() {
-            let to = planes.plane_mut(band).chunks_exact_mut(n).skip(row).take(rows);
+            let to = planes.plane_mut(band)?.chunks_exact_mut(n).skip(row).take(rows);
             for (to, source) in to.zip(source.chunks_exact(from.cols())) {
                 to[col..].iter_mut().zip(&source[..cols]).for_each(|(t, s)| *t = s * light);
             }
@@ -66,5 +66,6 @@ fn spec(i: usize, n: usize) -> String {
 pub(super) fn surfaces(camera: &Camera, white: &Spectrum) -> Result<Vec<Spectrum>, CameraError> {
     let all = camera.surfaces()?;
     let lit = all.iter().map(|s| Ok(s.times(white)?)).collect::<Result<Vec<_>, CameraError>>()?;
-    Ok(SHADES.iter().flat_map(|&light| lit.iter().map(move |s| s.scaled(light))).collect())
+    let shaded = SHADES.iter().flat_map(|&light| lit.iter().map(move |s| Ok(s.scaled(light)?)));
+    shaded.collect()
 }

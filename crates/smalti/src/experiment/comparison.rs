@@ -10,7 +10,7 @@ use crate::camera::{
     test_scenes,
 };
 use crate::isp::{Classic, Isp, WhiteBalance};
-use crate::l3::{Pipeline, Training, peak_ratio_db};
+use crate::l3::{L3Error, Pipeline, Training, peak_ratio_db};
 use crate::metrics::esfr::EdgeSfr;
 use crate::scene::{Scene, Setting};
 use crate::sensor::NoiseMode;
@@ -283,9 +283,13 @@ fn fixed_point_psnr_db(
         return Ok(None);
     };
     let raw = setup.camera.sensor.capture(&setup.image, &setup.exposure, NoiseMode::All, seed)?;
-    // Raw images in volts, and kernels beyond 16 bits, have no fixed-point form.
-    let fixed = pipeline.render_fixed(&raw).ok();
-    Ok(fixed.and_then(|f| peak_ratio_db(scored.picture.planes(), &f.planes)).filter(|v| v.is_finite()))
+    let fixed = match pipeline.render_fixed(&raw) {
+        Ok(fixed) => fixed,
+        // Raw images in volts, and kernels beyond 16 bits, have no fixed-point form.
+        Err(L3Error::NotDigital | L3Error::NoFixedPoint(_)) => return Ok(None),
+        Err(error) => return Err(error.into()),
+    };
+    Ok(peak_ratio_db(scored.picture.planes(), &fixed.planes).filter(|v| v.is_finite()))
 }
 
 /// Compares contenders on scenes. The result holds an outcome for each contender and luminance; each is one step of progress.
@@ -356,7 +360,7 @@ fn outcome(
     Ok(Outcome {
         luminance_cd_m2,
         targets,
-        edge: pictures.edge_sfr().ok(),
+        edge: pictures.edge_sfr().in_context(|| contender.name())?,
         scenes,
         fixed_point_psnr_db: fixed_point,
     })
@@ -428,4 +432,69 @@ pub fn light_gains_to_first(
         }
     }
     Ok(gains)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::camera::CameraDescription;
+    use crate::l3::{Axes, Class, Kernels, Levels, Origin, PipelineParts};
+    use crate::scene::uniform;
+    use crate::sensor::{RawImage, Sampling, SignalNoise};
+    use crate::spectrum::WavelengthGrid;
+
+    /// A pipeline of three equal outputs for this raw image, with these weights.
+    fn pipeline(raw: &RawImage, white_level: f64, weight: f32) -> Pipeline {
+        let Sampling::Mosaic(mosaic) = raw.sampling() else { panic!("the default camera has a mosaic") };
+        let (constant, per_signal) = (1e-6, 1e-4);
+        let noise = SignalNoise { constant, per_signal, per_signal_squared: 0.0, row: 0.0, column: 0.0 };
+        let levels = Levels::logarithmic(2, 0.05, 0.8).unwrap();
+        let axes = Axes::new(mosaic.clone(), 3, levels, noise).unwrap();
+        let count = axes.positions() * axes.level_count() * axes.textures().count();
+        let parts = PipelineParts {
+            saturations: vec![0],
+            outputs: ["X", "Y", "Z"].map(String::from).to_vec(),
+            channel_names: raw.channel_names().to_vec(),
+            black_level: raw.black_level(),
+            white_level,
+            trained: vec![[0.0, 1.0]; axes.positions()],
+            classes: vec![Class { count: 1, origin: Origin::Learned }; count],
+            kernels: Kernels {
+                weights: vec![weight; count * 3 * axes.taps()],
+                offsets: vec![0.0; count * 3],
+            },
+            provenance: String::new(),
+            axes,
+        };
+        Pipeline::from_parts(parts).unwrap()
+    }
+
+    #[test]
+    fn only_a_pipeline_without_a_fixed_point_form_has_no_ratio() {
+        let setup_with = |adc_bits| {
+            let mut description = CameraDescription::default();
+            description.sensor.adc_bits = adc_bits;
+            let camera = Camera::new(description, WavelengthGrid::VISIBLE).unwrap();
+            Setup::new(&camera, uniform(48, 48, &Setting::default()).unwrap(), 1).unwrap()
+        };
+        let setup = setup_with(12);
+        let isp = setup.camera.isp(&setup.light, WhiteBalance::None).unwrap();
+        let scores = compare_on(&setup, &isp, 1, &ScoreSettings::default()).unwrap();
+        let ratio = |setup: &Setup, pipeline: &Pipeline| {
+            let contender = Contender::with_pipeline(&setup.camera, "a", Some(pipeline));
+            fixed_point_psnr_db(&contender, setup, &scores, 1)
+        };
+        let raw = |setup: &Setup| {
+            setup.camera.sensor.capture(&setup.image, &setup.exposure, NoiseMode::All, 1).unwrap()
+        };
+        let digital = raw(&setup);
+        let white = digital.white_level();
+        assert!(ratio(&setup, &pipeline(&digital, white, 0.1)).unwrap().is_some());
+        assert_eq!(ratio(&setup, &pipeline(&digital, white, 1e6)), Ok(None));
+        let volts = setup_with(0);
+        let analog = raw(&volts);
+        assert_eq!(ratio(&volts, &pipeline(&analog, analog.white_level(), 0.1)), Ok(None));
+        let other = ratio(&setup, &pipeline(&digital, white - 1.0, 0.1));
+        assert!(matches!(other, Err(CameraError::L3(L3Error::RawLevels { .. }))), "{other:?}");
+    }
 }

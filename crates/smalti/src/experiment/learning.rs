@@ -50,7 +50,7 @@ impl NamedScene {
 /// The training scenes of a pipeline.
 #[derive(Debug, Clone)]
 pub enum TrainingMaterial {
-    /// The default set, with its scenes under these illuminants in turn.
+    /// The default set, with its scenes under these illuminants in turn; under D65 if there is none.
     DefaultSet(Vec<Illuminant>),
     /// Given scenes.
     Scenes(Vec<NamedScene>),

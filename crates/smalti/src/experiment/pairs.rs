@@ -46,8 +46,8 @@ pub fn add_pair(
 ) -> Result<PairAlignment, ExperimentError> {
     let about = || pair.name.to_owned();
     let names: Vec<String> = camera.sensor.cfa.channels().iter().map(|c| c.name.clone()).collect();
-    let target = pair.picture.converted(ColorSpace::Xyz).in_context(about)?;
-    let target = target.planes();
+    let picture = pair.picture.converted(ColorSpace::Xyz).in_context(about)?;
+    let target = picture.planes();
     let raw = pair.raw.clone().with_channels(&names);
     if !align {
         statistics
@@ -57,7 +57,7 @@ pub fn add_pair(
         return Ok(PairAlignment { registration: None, rows: raw.rows(), cols: raw.cols() });
     }
     let refused = |source| ExperimentError::Registration { pair: about(), source };
-    let luminance = Planes::new(target.rows(), target.cols(), 1, target.plane(1).to_vec())
+    let luminance = Planes::new(target.rows(), target.cols(), 1, picture.channels()[1].to_vec())
         .map_err(crate::l3::L3Error::from)?;
     let scales = scales(&raw, pair.default_crop, target);
     let found = Registration::best(&raw, &luminance, &scales).map_err(refused)?;

@@ -165,8 +165,9 @@ impl ColorFit {
         if brightest <= 0.0 {
             return Err(IspError::NoResponse("the camera"));
         }
-        let sees = |(c, &white): (Spectrum, &f64)| if white < BLIND * brightest { c.scaled(0.0) } else { c };
-        let seeing: Vec<Spectrum> = camera.into_iter().zip(&camera_white).map(sees).collect();
+        let sees =
+            |(c, &white): (Spectrum, &f64)| if white < BLIND * brightest { c.scaled(0.0) } else { Ok(c) };
+        let seeing = camera.into_iter().zip(&camera_white).map(sees).collect::<Result<Vec<_>, _>>()?;
         let (channels, samples) = (responsivities.len(), self.reflectances.len());
         let (mut a, mut b) = (responses(&self.reflectances, &seeing, brightest)?, self.xyz.clone());
         // Noise adds its variance to the diagonal of the normal equations, that is one row per channel.
@@ -221,7 +222,7 @@ mod tests {
     const GRID: WavelengthGrid = WavelengthGrid::VISIBLE;
 
     fn gaussian(center_nm: f64, sigma_nm: f64) -> Spectrum {
-        Spectrum::from_fn(GRID, |nm| (-0.5 * ((nm - center_nm) / sigma_nm).powi(2)).exp())
+        Spectrum::from_fn(GRID, |nm| (-0.5 * ((nm - center_nm) / sigma_nm).powi(2)).exp()).unwrap()
     }
 
     fn chart() -> Vec<Spectrum> {
@@ -290,14 +291,14 @@ mod tests {
     #[test]
     fn a_blind_camera_is_refused() {
         let light = Illuminant::D65.photons(GRID).unwrap();
-        let dark = [Spectrum::constant(GRID, 0.0)];
+        let dark = [Spectrum::constant(GRID, 0.0).unwrap()];
         let fit = |c: &[Spectrum], r: &[Spectrum]| {
             ColorFit::new(r, &light, Observer::Cie1931)?.matrix(c, ColorConstraint::None, 0.0)
         };
         assert!(matches!(fit(&dark, &chart()), Err(IspError::NoResponse(_))));
         assert!(matches!(fit(&dark, &[]), Err(IspError::Empty("reflectances"))));
         assert!(matches!(fit(&[], &chart()), Err(IspError::Empty(_))));
-        let other = Spectrum::constant(WavelengthGrid::new(400.0, 5.0, 61).unwrap(), 1.0);
+        let other = Spectrum::constant(WavelengthGrid::new(400.0, 5.0, 61).unwrap(), 1.0).unwrap();
         assert!(matches!(fit(&[other], &chart()), Err(IspError::Spectrum(_))));
     }
 
@@ -306,7 +307,8 @@ mod tests {
     fn noise_keeps_the_factors_small_at_hardly_any_cost_in_colour() {
         let bands = [gaussian(610.0, 40.0), gaussian(540.0, 40.0), gaussian(460.0, 40.0)];
         let sum =
-            Spectrum::from_fn(GRID, |nm| bands.iter().filter_map(|b| b.at(nm)).sum::<f64>() * 0.7 + 0.01);
+            Spectrum::from_fn(GRID, |nm| bands.iter().filter_map(|b| b.at(nm)).sum::<f64>() * 0.7 + 0.01)
+                .unwrap();
         let channels = [&bands[..], &[sum]].concat();
         let light = Illuminant::D65.photons(GRID).unwrap();
         let fit = ColorFit::new(&chart(), &light, Observer::Cie1931).unwrap();

@@ -75,6 +75,9 @@ pub enum L3Error {
     /// The fixed-point path reads digital numbers.
     #[error("the fixed-point path needs digital numbers; this raw image is in volts")]
     NotDigital,
+    /// The pipeline has no fixed-point form, for this reason.
+    #[error("the pipeline has no fixed-point form: {0}")]
+    NoFixedPoint(&'static str),
     /// Two images of a pair differ in size.
     #[error("the raw image is {} × {} pixels, {what} {} × {}", size[0], size[1], got[0], got[1])]
     PairSize {

@@ -224,13 +224,16 @@ impl Pipeline {
         &self.parts.kernels
     }
 
-    /// The weights of a class for an output, in the row order of the patch. Empty when there is no such class
+    /// The weights of a class for an output, in the row order of the patch; `None` when there is no such class
     /// or output.
     #[must_use]
-    pub fn weights(&self, class: usize, output: usize) -> &[f32] {
-        let taps = self.parts.axes.taps();
-        let at = (class * self.parts.outputs.len() + output) * taps;
-        self.parts.kernels.weights.get(at..at + taps).unwrap_or(&[])
+    pub fn weights(&self, class: usize, output: usize) -> Option<&[f32]> {
+        let (taps, outputs) = (self.parts.axes.taps(), self.parts.outputs.len());
+        if class >= self.parts.classes.len() || output >= outputs {
+            return None;
+        }
+        let at = (class * outputs + output) * taps;
+        self.parts.kernels.weights.get(at..at + taps)
     }
 
     /// The index of a class from its coordinates on the axes.

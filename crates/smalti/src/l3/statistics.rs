@@ -351,7 +351,8 @@ mod tests {
         for r in 2..148 {
             for c in 2..39 {
                 // The top left sample of the patch times the second target.
-                expected += f64::from(x[(r - 2) * 41 + c - 2]) * f64::from(target.plane(1)[r * 41 + c]);
+                expected +=
+                    f64::from(x[(r - 2) * 41 + c - 2]) * f64::from(target.plane(1).unwrap()[r * 41 + c]);
             }
         }
         assert!((total.get(1, 27) - expected).abs() < 1e-9 * expected);

@@ -44,7 +44,7 @@ impl Pipeline {
         let each = self.classes().len() / self.axes().positions();
         let position = |(position, classes): (usize, &[Class])| {
             let (row, col) = (position / mosaic.cols(), position % mosaic.cols());
-            let channel = self.channel_names().get(mosaic.channel_at(row, col)).cloned().unwrap_or_default();
+            let channel = self.channel_names()[mosaic.channel_at(row, col)].clone();
             let mut by_origin = [0; Origin::ALL.len()];
             classes.iter().for_each(|class| by_origin[class.origin as usize] += 1);
             let patches = classes.iter().map(|c| c.count).sum();

@@ -40,7 +40,7 @@ impl Training {
             Ok((*position, table.filled(self.smoothing)?))
         });
         let tables: Vec<(usize, Filled)> = tables.collect::<Result<_, L3Error>>()?;
-        let (classes, kernels) = expanded(statistics, &pools, &symmetry, &tables, saturations.len());
+        let (classes, kernels) = expanded(statistics, &pools, &symmetry, &tables, saturations.len())?;
         let pipeline = Pipeline::from_parts(PipelineParts {
             axes: axes.clone(),
             saturations,
@@ -64,7 +64,7 @@ fn expanded(
     symmetry: &Symmetry,
     tables: &[(usize, Filled)],
     saturations: usize,
-) -> (Vec<Class>, Kernels) {
+) -> Result<(Vec<Class>, Kernels), L3Error> {
     let axes = statistics.axes();
     let (taps, outputs) = (axes.taps(), statistics.outputs().len());
     let (levels, textures) = (axes.level_count(), axes.textures().count());
@@ -73,7 +73,8 @@ fn expanded(
     let mut weights = vec![0.0; axes.positions() * count * outputs * taps];
     let mut offsets = vec![0.0; axes.positions() * count * outputs];
     for (position, own) in symmetry.represented.iter().enumerate() {
-        let Ok(found) = tables.binary_search_by_key(&own.position, |t| t.0) else { continue };
+        let missing = |_| L3Error::Table(format!("position {} has no kernels", own.position));
+        let found = tables.binary_search_by_key(&own.position, |t| t.0).map_err(missing)?;
         let to = own.isometry.taps(axes.side());
         for (place, (solution, origin)) in tables[found].1.iter().enumerate() {
             let texture = own.isometry.texture(axes.textures(), place % textures);
@@ -90,5 +91,5 @@ fn expanded(
             classes[position * count + class].count += seen.moments.count();
         }
     }
-    (classes, Kernels { weights, offsets })
+    Ok((classes, Kernels { weights, offsets }))
 }

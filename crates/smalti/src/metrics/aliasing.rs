@@ -70,7 +70,7 @@ pub fn aliasing(
     let (mut luminance, mut color) = (0.0, 0.0);
     for Residual { block, planes } in bands.iter().flatten() {
         for (p, (values, _)) in planes.iter().enumerate() {
-            let out = difference.plane_mut(p);
+            let out = difference.plane_mut(p)?;
             for (r, line) in values.chunks(block.width).enumerate() {
                 let at = (block.top + r) * cols + block.left;
                 for (o, v) in out.iter_mut().skip(at).zip(line) {
@@ -138,10 +138,9 @@ struct Residual {
 }
 
 fn residual(picture: &Planes, reference: &Planes, block: Block) -> Residual {
-    let plane = |p: usize| {
+    let plane = |(target, reference_plane): (&[f32], &[f32])| {
         let n = (block.height * block.width) as f64;
-        let taps = taps(reference.plane(p), (reference.rows(), reference.cols()), block);
-        let target = picture.plane(p);
+        let taps = taps(reference_plane, (reference.rows(), reference.cols()), block);
         let at = |i: usize| (block.top + i / block.width) * picture.cols() + block.left + i % block.width;
         let values: Vec<f64> = (0..taps.len()).map(|i| f64::from(target[at(i)])).collect();
         let (weights, rank) = least_squares(&taps, &values);
@@ -149,7 +148,7 @@ fn residual(picture: &Planes, reference: &Planes, block: Block) -> Residual {
         let left = taps.iter().zip(&values).map(|(t, v)| v - fitted(t)).collect();
         (left, (n / (n - rank as f64)).sqrt())
     };
-    Residual { block, planes: (0..picture.count()).map(plane).collect() }
+    Residual { block, planes: picture.planes().zip(reference.planes()).map(plane).collect() }
 }
 
 /// For every pixel of a block: 1 and the 3 × 3 pixels of the reference around it, with border pixels repeated outside. The mean

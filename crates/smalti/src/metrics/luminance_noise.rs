@@ -39,10 +39,11 @@ pub(super) fn plane_statistics(
 ) -> Result<Vec<(f64, f64)>, MetricError> {
     check_plane(planes.count(), plane)?;
     at_least("patches", 1, patches.len())?;
+    let data = planes.plane(plane)?;
     let statistics = |rect: &Rect| {
         check_region(*rect, planes.rows(), planes.cols())?;
         at_least("pixels in a patch", 2, rect.len())?;
-        let values = || rect.values(planes.plane(plane), planes.cols());
+        let values = || rect.values(data, planes.cols());
         finite("a patch", values())?;
         let (mean, variance) = mean_and_variance(values);
         if mean > 0.0 {

@@ -21,14 +21,13 @@ pub(super) fn check_plane(count: usize, index: usize) -> Result<(), MetricError>
 /// # Errors
 /// When a rectangle extends beyond the image or is empty.
 pub fn patch_means(planes: &Planes, rects: &[Rect]) -> Result<Vec<Vec<f64>>, MetricError> {
-    let mean = |plane: usize, rect: &Rect| {
-        rect.values(planes.plane(plane), planes.cols()).sum::<f64>() / rect.len() as f64
-    };
+    let mean =
+        |plane: &[f32], rect: &Rect| rect.values(plane, planes.cols()).sum::<f64>() / rect.len() as f64;
     rects
         .iter()
         .map(|rect| {
             check_region(*rect, planes.rows(), planes.cols())?;
-            Ok((0..planes.count()).map(|p| mean(p, rect)).collect())
+            Ok(planes.planes().map(|p| mean(p, rect)).collect())
         })
         .collect()
 }

@@ -30,12 +30,12 @@ pub fn psnr(image: &Planes, reference: &Planes, region: Rect, peak: f64) -> Resu
         let (name, expected) = ("peak", "a finite number above 0");
         return Err(MetricError::Parameter { name, value: peak, expected });
     }
-    let mse = |p: usize| {
+    let mse = |(image_plane, reference_plane): (&[f32], &[f32])| {
         let cols = image.cols();
-        let pairs = region.values(image.plane(p), cols).zip(region.values(reference.plane(p), cols));
+        let pairs = region.values(image_plane, cols).zip(region.values(reference_plane, cols));
         pairs.map(|(a, b)| (a - b) * (a - b)).sum::<f64>() / region.len() as f64
     };
-    let mse: Vec<f64> = (0..image.count()).map(mse).collect();
+    let mse: Vec<f64> = image.planes().zip(reference.planes()).map(mse).collect();
     finite("the mean squared error of the planes", mse.iter().copied())?;
     let decibels = |mse: f64| 10.0 * (peak * peak / mse).log10();
     let cmse = mse.iter().sum::<f64>() / mse.len() as f64;

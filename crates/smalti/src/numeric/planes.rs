@@ -1,7 +1,8 @@
 //! A stack of image planes of equal size.
 
-use serde::Serialize;
+use std::ops::Range;
 
+use serde::Serialize;
 use thiserror::Error;
 
 /// The size of a buffer does not match the shape it should have.
@@ -72,23 +73,41 @@ impl Planes {
         self.rows * self.cols
     }
 
-    /// One plane, in row order. Empty when `index` is not below [`Planes::count`].
-    #[must_use]
-    pub fn plane(&self, index: usize) -> &[f32] {
-        let n = self.plane_len();
-        self.data.get(index * n..(index + 1) * n).unwrap_or(&[])
+    /// One plane, in row order.
+    ///
+    /// # Errors
+    /// When `index` is not below [`Planes::count`]; the error states the values that so many planes would have.
+    pub fn plane(&self, index: usize) -> Result<&[f32], ShapeError> {
+        Ok(&self.data[self.place(index)?])
     }
 
-    /// One plane to write to. Empty when `index` is not below [`Planes::count`].
-    #[must_use]
-    pub fn plane_mut(&mut self, index: usize) -> &mut [f32] {
+    /// One plane to write to, in row order.
+    ///
+    /// # Errors
+    /// As [`Planes::plane`].
+    pub fn plane_mut(&mut self, index: usize) -> Result<&mut [f32], ShapeError> {
+        let place = self.place(index)?;
+        Ok(&mut self.data[place])
+    }
+
+    fn place(&self, index: usize) -> Result<Range<usize>, ShapeError> {
         let n = self.plane_len();
-        self.data.get_mut(index * n..(index + 1) * n).unwrap_or(&mut [])
+        if index < self.count {
+            return Ok(index * n..(index + 1) * n);
+        }
+        let (rows, cols, count) = (self.rows, self.cols, index.saturating_add(1));
+        Err(ShapeError { count, rows, cols, expected: count.saturating_mul(n), got: self.data.len() })
     }
 
     /// The planes in order.
     pub fn planes(&self) -> impl ExactSizeIterator<Item = &[f32]> {
         self.data.chunks_exact(self.plane_len().max(1))
+    }
+
+    /// The planes in order, to write to.
+    pub fn planes_mut(&mut self) -> impl ExactSizeIterator<Item = &mut [f32]> {
+        let n = self.plane_len().max(1);
+        self.data.chunks_exact_mut(n)
     }
 
     /// All values, ordered plane, row, column.
@@ -122,9 +141,19 @@ mod tests {
 
     #[test]
     fn planes_lie_one_after_another() {
-        let p = Planes::new(1, 2, 2, vec![1.0, 2.0, 3.0, 4.0]).unwrap();
-        assert_eq!(p.plane(1), &[3.0, 4.0]);
-        assert!(p.plane(2).is_empty());
+        let mut p = Planes::new(1, 2, 2, vec![1.0, 2.0, 3.0, 4.0]).unwrap();
+        assert_eq!(p.plane(1).unwrap(), &[3.0, 4.0]);
         assert_eq!(p.planes().len(), 2);
+        p.planes_mut().for_each(|plane| plane[0] = 0.0);
+        assert_eq!(p.data(), [0.0, 2.0, 0.0, 4.0]);
+    }
+
+    #[test]
+    fn a_plane_beyond_the_last_is_an_error() {
+        let mut p = Planes::zeros(1, 2, 2);
+        let missing = ShapeError { count: 3, rows: 1, cols: 2, expected: 6, got: 4 };
+        assert_eq!(p.plane(2), Err(missing.clone()));
+        assert_eq!(p.plane_mut(2), Err(missing));
+        assert!(p.plane(usize::MAX).is_err());
     }
 }

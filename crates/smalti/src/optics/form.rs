@@ -41,17 +41,18 @@ impl Optics {
         let wavelengths: Vec<f64> = grid.wavelengths_nm().collect();
         let blur = Blur::new(self, &geometry, &wavelengths)?;
 
-        let band = |b: usize| Band {
-            radiance: radiance.planes().plane(b),
-            gain: (transmittance.values()[b] * geometry.irradiance_per_radiance_sr()) as f32,
+        let band = |(radiance, transmittance): (_, &f64)| {
+            let gain = (transmittance * geometry.irradiance_per_radiance_sr()) as f32;
+            Band { radiance, gain }
         };
+        let bands: Vec<Band<'_>> = radiance.planes().planes().zip(transmittance.values()).map(band).collect();
         let falloff = FalloffMap::new(self.falloff, &geometry, radiance, spacing_m);
         let planes = if blur.is_none() {
             let cols = radiance.cols();
             let mut planes = Planes::zeros(radiance.rows(), cols, grid.len());
             let rows = planes.data_mut().par_chunks_mut(cols);
             rows.enumerate().for_each(|(i, out)| {
-                band(i / radiance.rows()).row(i % radiance.rows(), &falloff, out);
+                bands[i / radiance.rows()].row(i % radiance.rows(), &falloff, out);
             });
             planes
         } else {
@@ -66,7 +67,7 @@ impl Optics {
                 for (i, out) in group.chunks_exact_mut(plane_len).enumerate() {
                     let b = g * per_group + i;
                     let otf = blur.otf(grid.wavelength_nm(b))?;
-                    frame.blur(&mut work, &band(b), &falloff, &otf, out)?;
+                    frame.blur(&mut work, &bands[b], &falloff, &otf, out)?;
                 }
                 Ok::<_, OpticsError>(())
             })?;

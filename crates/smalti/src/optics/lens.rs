@@ -129,7 +129,7 @@ impl Optics {
         let lens = match &self.transmittance {
             Transmittance::Constant(t) => {
                 require((0.0..=1.0).contains(t), "transmittance", *t, "0 to 1")?;
-                Spectrum::constant(grid, *t)
+                Spectrum::constant(grid, *t)?
             }
             Transmittance::Spectral(t) => fraction("transmittance", t, grid)?,
         };

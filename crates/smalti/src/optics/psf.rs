@@ -65,7 +65,7 @@ impl PsfStack {
             if !(sides.contains(&planes.rows()) && sides.contains(&planes.cols())) {
                 return Err(OpticsError::Psf { index, problem: "its sides should be 1 to 2048 samples" });
             }
-            let plane = planes.plane_mut(index);
+            let plane = planes.plane_mut(index)?;
             if plane.iter().any(|&v| !(0.0..=f32::MAX).contains(&v)) {
                 return Err(OpticsError::Psf {
                     index,
@@ -108,7 +108,7 @@ impl PsfStack {
             if weight == 0.0 {
                 continue;
             }
-            for (r, row) in self.planes.plane(plane).chunks_exact(cols).enumerate() {
+            for (r, row) in self.planes.plane(plane)?.chunks_exact(cols).enumerate() {
                 let line = (r + side - rows / 2) % side * side;
                 for (c, v) in row.iter().enumerate() {
                     square[line + (c + side - cols / 2) % side] += v * weight;

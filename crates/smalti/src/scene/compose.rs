@@ -55,7 +55,7 @@ pub(super) fn grey(
     let light = setting.light()?;
     let mean = reflectance.iter().map(|&v| f64::from(v)).sum::<f64>() / reflectance.len().max(1) as f64;
     let scale = scale_to(setting, &light, mean)?;
-    let light = light.scaled(scale);
+    let light = light.scaled(scale)?;
     fill(name, rows, cols, light.clone(), setting, |row, band, out| {
         // One rounding per pixel: radiance is exactly proportional to the illuminant where reflectances are
         // equal.
@@ -88,7 +88,7 @@ pub(super) fn fragments(
     let by_band: Vec<Vec<f32>> = (0..setting.grid.len())
         .map(|band| radiance.iter().map(|s| (s.values()[band] * scale) as f32).collect())
         .collect();
-    fill(name, rows.len(), cols, light.scaled(scale), setting, |row, band, out| {
+    fill(name, rows.len(), cols, light.scaled(scale)?, setting, |row, band, out| {
         let spectra = &by_band[band];
         for f in &rows[row] {
             out[f.col as usize] += f.weight * spectra[f.spectrum as usize];

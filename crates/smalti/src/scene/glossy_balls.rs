@@ -172,9 +172,8 @@ impl Shades {
             (at as usize, at.fract())
         };
         let ((down, v), (right, u)) = (place(y, self.cell[0]), place(x, self.cell[1]));
-        let node = |d: usize, r: usize| {
-            self.nodes.get((down + d) * (Self::CELLS + 1) + right + r).copied().unwrap_or(0.0)
-        };
+        // `place` is below CELLS, and there is one more node than cells in each direction.
+        let node = |d: usize, r: usize| self.nodes[(down + d) * (Self::CELLS + 1) + right + r];
         let across = |d: usize| (1.0 - u) * node(d, 0) + u * node(d, 1);
         ((1.0 - v) * across(0) + v * across(1)).exp()
     }

@@ -109,7 +109,7 @@ impl Scene {
         require_luminance(cd_m2)?;
         let factor = cd_m2 / self.some_luminance(self.mean_luminance_cd_m2()?)?;
         let factors = vec![factor; self.radiance.grid().len()];
-        let illuminant = self.illuminant.scaled(factor);
+        let illuminant = self.illuminant.scaled(factor)?;
         self.multiplied(&factors, illuminant)
     }
 
@@ -142,7 +142,7 @@ impl Scene {
         let before = luminance(&vec![1.0; grid.len()]);
         let scale = before / self.some_luminance(luminance(&factors))?;
         factors.iter_mut().for_each(|f| *f *= scale);
-        self.multiplied(&factors, new.scaled(scale))
+        self.multiplied(&factors, new.scaled(scale)?)
     }
 
     /// The scene on another wavelength grid; radiance and illuminant are interpolated linearly.
@@ -152,15 +152,16 @@ impl Scene {
     pub fn resampled(self, grid: WavelengthGrid) -> Result<Self, SceneError> {
         let illuminant = self.illuminant.resampled(grid, Extrapolation::Error)?;
         let own = self.radiance.grid();
-        let planes = self.radiance.planes();
-        let mut out = Planes::zeros(planes.rows(), planes.cols(), grid.len());
-        for (i, nm) in grid.wavelengths_nm().enumerate() {
+        let (rows, cols) = (self.radiance.rows(), self.radiance.cols());
+        let planes: Vec<&[f32]> = self.radiance.planes().planes().collect();
+        let mut out = Vec::with_capacity(rows * cols * grid.len());
+        for nm in grid.wavelengths_nm() {
             let at = ((nm - own.start_nm()) / own.step_nm()).clamp(0.0, (own.len() - 1) as f64);
             let (low, share) = (at.floor() as usize, at.fract() as f32);
-            let (below, above) = (planes.plane(low), planes.plane((low + 1).min(own.len() - 1)));
-            let between = below.iter().zip(above).map(|(a, b)| a + share * (b - a));
-            out.plane_mut(i).iter_mut().zip(between).for_each(|(o, v)| *o = v);
+            let (below, above) = (planes[low], planes[(low + 1).min(own.len() - 1)]);
+            out.extend(below.iter().zip(above).map(|(a, b)| a + share * (b - a)));
         }
+        let out = Planes::new(rows, cols, grid.len(), out).map_err(SpectrumError::from)?;
         Ok(Self { radiance: SpectralCube::new(grid, out)?, illuminant, ..self })
     }
 

@@ -58,8 +58,8 @@ impl Sensor {
         let planes = self.sampling().planes();
         let mut out = Planes::zeros(w.rows, w.cols, planes);
         let time = time_s as f32;
-        for plane in 0..planes {
-            let bands = out.plane_mut(plane).par_chunks_mut(BAND * w.cols).enumerate();
+        for (plane, values) in out.planes_mut().enumerate() {
+            let bands = values.par_chunks_mut(BAND * w.cols).enumerate();
             bands.for_each(|(b, rows)| {
                 dispatch(LightBand { sensor: self, rates, plane, first_row: b * BAND, out: rows });
                 rows.iter_mut().for_each(|e| *e *= time);

@@ -163,7 +163,7 @@ impl Sensor {
         let channel = |c: &super::Channel| {
             let filter = on_grid(&format!("the filter '{}'", c.name), &c.transmittance, grid)?;
             // Negative rounding errors of measured curves must not subtract light.
-            Ok(filter.times(&common)?.map(|_, v| v.max(0.0)))
+            Ok(filter.times(&common)?.map(|_, v| v.max(0.0))?)
         };
         self.cfa.channels().iter().map(channel).collect()
     }

@@ -11,7 +11,7 @@ use super::collect::{LARGEST_RATE, Rates};
 use super::{ColorArchitecture, MAX_SAMPLES, Sensor, SensorError};
 use crate::numeric::{Planes, Rect};
 use crate::optics::OpticalImage;
-use crate::spectrum::{Spectrum, WavelengthGrid};
+use crate::spectrum::{Spectrum, SpectrumError, WavelengthGrid};
 
 /// Lanes of a pixel vector. Several vectors are summed in parallel to hide the latency of additions.
 const LANES: usize = 16;
@@ -89,8 +89,8 @@ impl PixelSpectra {
     /// planes have the size of the sensor. The pixels around it receive the light of its outermost pixels.
     ///
     /// # Errors
-    /// When the sensor is invalid or has a window, the sizes of planes and spectra do not match it or each other, or
-    /// pixels times wavelengths exceed [`MAX_SAMPLES`].
+    /// When the sensor is invalid or has a window, the sizes of planes and spectra do not match it or each other,
+    /// pixels times wavelengths exceed [`MAX_SAMPLES`], or the light on a pixel is NaN or infinite.
     pub fn of_components(
         sensor: &Sensor,
         planes: &Planes,
@@ -108,21 +108,30 @@ impl PixelSpectra {
         }
         let mut light = Self::dark(sensor, grid)?;
         let (border, stride) = (light.border, light.stride);
-        light.rows_mut().for_each(|(r, out)| {
+        light.rows_mut().try_for_each(|(r, out)| {
             let row = r.saturating_sub(border).min(rows - 1);
             for (i, out) in out.chunks_exact_mut(stride).enumerate() {
                 let inner = &mut out[border..border + cols];
                 for (plane, spectrum) in planes.planes().zip(spectra) {
-                    let weight = spectrum.values().get(i).map_or(0.0, |&v| v as f32);
+                    let weight = spectrum.values()[i] as f32;
                     let line = &plane[row * cols..(row + 1) * cols];
                     inner.iter_mut().zip(line).for_each(|(o, l)| *o += weight * l);
+                }
+                if let Some(&bad) = inner.iter().find(|o| !o.is_finite()) {
+                    return Err(SpectrumError::Value {
+                        quantity: "the light on a pixel",
+                        wavelength_nm: grid.wavelength_nm(i),
+                        value: bad.into(),
+                        expected: "a finite number was expected",
+                    });
                 }
                 inner.iter_mut().for_each(|o| *o = o.max(0.0));
                 if border > 0 {
                     (out[0], out[cols + 1]) = (out[1], out[cols]);
                 }
             }
-        });
+            Ok(())
+        })?;
         Ok(light)
     }
 
@@ -146,6 +155,7 @@ impl PixelSpectra {
             return None;
         }
         let values = (0..self.grid.len()).map(|i| self.line(row, i).get(c).map_or(0.0, |&v| f64::from(v)));
+        // The light on the pixels is finite, whether it comes from an image or from components.
         Spectrum::new(self.grid, values.collect()).ok()
     }
 }

@@ -41,10 +41,10 @@ impl QuantumEfficiency {
     /// more than one electron.
     pub fn spectrum(&self, grid: WavelengthGrid) -> Result<Spectrum, SpectrumError> {
         match *self {
-            Self::Ideal => Ok(Spectrum::constant(grid, 1.0)),
+            Self::Ideal => Spectrum::constant(grid, 1.0),
             Self::Flat(value) => {
                 fraction("the quantum efficiency", value)?;
-                Ok(Spectrum::constant(grid, value))
+                Spectrum::constant(grid, value)
             }
             Self::Silicon { depth_m, dead_layer_m, transmission } => {
                 require(depth_m > 0.0, "depth_m", depth_m, "a depth above 0 m")?;
@@ -53,7 +53,7 @@ impl QuantumEfficiency {
                 let collected = |alpha: f64| {
                     libm::exp(-alpha * dead_layer_m) * -libm::expm1(-alpha * depth_m) * transmission
                 };
-                Ok(silicon_absorption_per_m(grid)?.map(|_, alpha| collected(alpha)))
+                silicon_absorption_per_m(grid)?.map(|_, alpha| collected(alpha))
             }
         }
     }
@@ -70,7 +70,7 @@ pub fn silicon_absorption_per_m(grid: WavelengthGrid) -> Result<Spectrum, Spectr
         return Err(SpectrumError::coverage(own, grid.start_nm(), grid.end_nm()));
     }
     let alpha =
-        Spectrum::new(own, EXTINCTION.to_vec())?.map(|nm, k| 4.0 * std::f64::consts::PI * k / (nm * 1e-9));
+        Spectrum::new(own, EXTINCTION.to_vec())?.map(|nm, k| 4.0 * std::f64::consts::PI * k / (nm * 1e-9))?;
     alpha.resampled(grid, Extrapolation::Zero)
 }
 

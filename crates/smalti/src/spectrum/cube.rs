@@ -82,6 +82,7 @@ impl SpectralCube {
         }
         let at = row * self.cols() + col;
         let values = self.planes.planes().map(|p| f64::from(p[at])).collect();
+        // `SpectralCube::new` has checked that the values are finite.
         Spectrum::new(self.grid, values).ok()
     }
 }

@@ -63,17 +63,19 @@ impl Spectrum {
         }
     }
 
-    /// The function `f(wavelength_nm)` sampled on a grid. Values that are not finite become zero.
-    #[must_use]
-    pub fn from_fn(grid: WavelengthGrid, mut f: impl FnMut(f64) -> f64) -> Self {
-        let finite = |v: f64| if v.is_finite() { v } else { 0.0 };
-        let values = grid.wavelengths_nm().map(|nm| finite(f(nm))).collect();
-        Self { grid, values }
+    /// The function `f(wavelength_nm)` sampled on a grid.
+    ///
+    /// # Errors
+    /// When a value is NaN or infinite; the error names the wavelength.
+    pub fn from_fn(grid: WavelengthGrid, f: impl FnMut(f64) -> f64) -> Result<Self, SpectrumError> {
+        Self::new(grid, grid.wavelengths_nm().map(f).collect())
     }
 
     /// The same value at every wavelength.
-    #[must_use]
-    pub fn constant(grid: WavelengthGrid, value: f64) -> Self {
+    ///
+    /// # Errors
+    /// When the value is NaN or infinite.
+    pub fn constant(grid: WavelengthGrid, value: f64) -> Result<Self, SpectrumError> {
         Self::from_fn(grid, |_| value)
     }
 
@@ -134,16 +136,20 @@ impl Spectrum {
         Ok(Self { grid, values })
     }
 
-    /// Every value changed by `f(wavelength_nm, value)`. Values that are not finite become zero.
-    #[must_use]
-    pub fn map(&self, mut f: impl FnMut(f64, f64) -> f64) -> Self {
-        let mut values = self.values.iter();
-        Self::from_fn(self.grid, |nm| values.next().map_or(0.0, |&v| f(nm, v)))
+    /// Every value changed by `f(wavelength_nm, value)`.
+    ///
+    /// # Errors
+    /// When a changed value is NaN or infinite; the error names the wavelength.
+    pub fn map(&self, mut f: impl FnMut(f64, f64) -> f64) -> Result<Self, SpectrumError> {
+        let values = self.grid.wavelengths_nm().zip(&self.values).map(|(nm, &v)| f(nm, v)).collect();
+        Self::new(self.grid, values)
     }
 
     /// Every value times a factor.
-    #[must_use]
-    pub fn scaled(&self, factor: f64) -> Self {
+    ///
+    /// # Errors
+    /// When a product is NaN or infinite; the error names the wavelength.
+    pub fn scaled(&self, factor: f64) -> Result<Self, SpectrumError> {
         self.map(|_, v| v * factor)
     }
 
@@ -169,5 +175,33 @@ impl Spectrum {
     #[must_use]
     pub fn max(&self) -> f64 {
         self.values.iter().copied().fold(f64::NEG_INFINITY, f64::max)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const GRID: WavelengthGrid = WavelengthGrid::VISIBLE;
+
+    fn refused(made: Result<Spectrum, SpectrumError>, at_nm: f64) -> bool {
+        matches!(made, Err(SpectrumError::Value { wavelength_nm, value, .. })
+            if wavelength_nm == at_nm && !value.is_finite())
+    }
+
+    #[test]
+    fn a_value_that_is_not_finite_is_an_error_with_its_wavelength() {
+        for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+            assert!(refused(Spectrum::new(GRID, [vec![0.0; 30], vec![bad]].concat()), 700.0));
+            assert!(refused(Spectrum::constant(GRID, bad), 400.0));
+            assert!(refused(Spectrum::from_fn(GRID, |nm| if nm == 550.0 { bad } else { 1.0 }), 550.0));
+        }
+        let ramp = Spectrum::from_fn(GRID, |nm| nm - 550.0).unwrap();
+        assert!(refused(ramp.map(|_, v| 1.0 / v), 550.0));
+        assert!(refused(ramp.scaled(f64::NAN), 400.0));
+        // Products overflow beyond 1.8e308.
+        assert_eq!(ramp.scaled(1e306).unwrap().values()[30], 1.5e308);
+        assert!(refused(ramp.scaled(2e306), 400.0));
+        assert_eq!(ramp.map(|nm, v| nm - v).unwrap(), Spectrum::constant(GRID, 550.0).unwrap());
     }
 }

@@ -65,6 +65,14 @@ pub enum SpectrumError {
         /// What was expected.
         expected: &'static str,
     },
+    /// A table has no such column.
+    #[error("a table of {count} functions has no column {column} (counted from 0)")]
+    NoColumn {
+        /// The column.
+        column: usize,
+        /// Columns of the table.
+        count: usize,
+    },
     /// A parameter of a formula is out of its range.
     #[error(transparent)]
     Parameter(#[from] OutOfRange),

@@ -185,14 +185,14 @@ impl Illuminant {
     pub fn energy(&self, grid: WavelengthGrid) -> Result<Spectrum, SpectrumError> {
         self.check()?;
         let power = match self {
-            Self::A => Ok(planck_relative(grid, 2848.0, 1.435e-2)),
-            Self::E => Ok(Spectrum::constant(grid, 100.0)),
+            Self::A => planck_relative(grid, 2848.0, 1.435e-2),
+            Self::E => Spectrum::constant(grid, 100.0),
             Self::Daylight { cct_k } => daylight(grid, *cct_k),
             Self::F2 => F2.spectrum(0, grid, Extrapolation::Error),
             Self::F11 => F11.spectrum(0, grid, Extrapolation::Error),
             Self::Led => LED_B3.spectrum(0, grid, Extrapolation::Error),
             Self::Blackbody { temperature_k } => {
-                Ok(planck_relative(grid, *temperature_k, PLANCK_J_S * LIGHT_M_PER_S / BOLTZMANN_J_PER_K))
+                planck_relative(grid, *temperature_k, PLANCK_J_S * LIGHT_M_PER_S / BOLTZMANN_J_PER_K)
             }
             Self::Measured { power, .. } => power.resampled(grid, Extrapolation::Error),
         };
@@ -204,12 +204,12 @@ impl Illuminant {
     /// # Errors
     /// As [`Illuminant::energy`].
     pub fn photons(&self, grid: WavelengthGrid) -> Result<Spectrum, SpectrumError> {
-        Ok(self.energy(grid)?.map(|nm, v| v * photons_per_joule(nm)))
+        self.energy(grid)?.map(|nm, v| v * photons_per_joule(nm))
     }
 }
 
 /// Planck's law scaled to 100 at 560 nm.
-fn planck_relative(grid: WavelengthGrid, temperature_k: f64, c2_m_k: f64) -> Spectrum {
+fn planck_relative(grid: WavelengthGrid, temperature_k: f64, c2_m_k: f64) -> Result<Spectrum, SpectrumError> {
     let exponent = |nm: f64| c2_m_k / (nm * 1e-9 * temperature_k);
     let at_560 = libm::expm1(exponent(560.0));
     Spectrum::from_fn(grid, |nm| 100.0 * (560.0 / nm).powi(5) * (at_560 / libm::expm1(exponent(nm))))

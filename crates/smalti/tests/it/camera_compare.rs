@@ -109,7 +109,7 @@ fn through_its_own_sensitivities_a_camera_sees_its_raw_values() {
     // Twice the unit of the targets is twice what is seen and half the scale.
     let twice: Vec<Channel> = channels
         .iter()
-        .map(|c| Channel { transmittance: c.transmittance.scaled(2.0), name: c.name.clone() })
+        .map(|c| Channel { transmittance: c.transmittance.scaled(2.0).unwrap(), name: c.name.clone() })
         .collect();
     let double = camera.seen_by(&setup.image, &twice).unwrap();
     assert!(double.data().iter().zip(got.data()).all(|(d, g)| (d / g - 2.0).abs() < 1e-4));
@@ -119,14 +119,18 @@ fn through_its_own_sensitivities_a_camera_sees_its_raw_values() {
 fn impossible_targets_are_refused() {
     let camera = camera(|_| {});
     let setup = Setup::of_test_scene(&camera, "uniform?size=16", &Setting::default()).unwrap();
-    let flat = |v| Channel { name: "x".into(), transmittance: Spectrum::constant(GRID, v) };
+    let flat = |v| Channel { name: "x".into(), transmittance: Spectrum::constant(GRID, v).unwrap() };
     let seen = |targets: &[Channel]| setup.camera.seen_by(&setup.image, targets);
     assert!(seen(&[]).is_err() && seen(&[flat(0.0)]).is_err() && seen(&[flat(1.0), flat(-1.0)]).is_err());
     assert!(seen(&[flat(1.0)]).is_ok());
     let (exposure, light) = (&setup.exposure, &setup.light);
-    let scale = |l: &Spectrum, s: f64| setup.camera.exposure_scale(exposure, l, &Spectrum::constant(GRID, s));
+    let scale = |l: &Spectrum, s: f64| {
+        setup.camera.exposure_scale(exposure, l, &Spectrum::constant(GRID, s).unwrap())
+    };
     assert!(
-        scale(&light.scaled(0.0), 1.0).is_err() && scale(light, 0.0).is_err() && scale(light, 1.0).is_ok()
+        scale(&light.scaled(0.0).unwrap(), 1.0).is_err()
+            && scale(light, 0.0).is_err()
+            && scale(light, 1.0).is_ok()
     );
 }
 

@@ -117,7 +117,9 @@ fn other_sensitivities_are_learned() {
     let band = |name: &str, nm: f64, peak: f64| Channel {
         name: name.into(),
         transmittance: Spectrum::constant(GRID, peak)
-            .map(|at, v| v * (-0.5 * ((at - nm) / 30.0).powi(2)).exp()),
+            .unwrap()
+            .map(|at, v| v * (-0.5 * ((at - nm) / 30.0).powi(2)).exp())
+            .unwrap(),
     };
     let bands = vec![band("short", 450.0, 1.0), band("long", 600.0, 0.5)];
     let target = TrainingSettings { target: TrainingTarget::Channels(bands.clone()), ..settings() };
@@ -218,7 +220,7 @@ fn what_cannot_be_trained_for_is_refused() {
         let refused = camera.training_statistics(&wrong, &light);
         assert!(matches!(refused, Err(CameraError::L3(_))), "{wrong:?}: {refused:?}");
     }
-    let refused = camera.training_axes(&settings(), &light.scaled(0.0));
+    let refused = camera.training_axes(&settings(), &light.scaled(0.0).unwrap());
     assert!(matches!(refused, Err(CameraError::L3(L3Error::Levels(_)))), "{refused:?}");
 
     let scene = leaves(&camera, 1, &Illuminant::D65);
@@ -229,7 +231,8 @@ fn what_cannot_be_trained_for_is_refused() {
         refused
     };
     for sensitivity in [0.0, -1.0] {
-        let band = Channel { name: "band".into(), transmittance: Spectrum::constant(GRID, sensitivity) };
+        let band =
+            Channel { name: "band".into(), transmittance: Spectrum::constant(GRID, sensitivity).unwrap() };
         let refused = train(&TrainingSettings { target: TrainingTarget::Channels(vec![band]), ..settings() });
         assert!(matches!(refused, CameraError::Isp(IspError::NoResponse(_))), "{refused:?}");
     }

@@ -13,7 +13,7 @@ fn tile(lines: &[&str]) -> Mosaic {
 }
 
 fn flat(value: f64) -> Spectrum {
-    Spectrum::constant(GRID, value)
+    Spectrum::constant(GRID, value).unwrap()
 }
 
 #[test]

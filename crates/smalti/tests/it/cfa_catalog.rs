@@ -177,7 +177,7 @@ fn weighted_arrays_put_chrominance_on_one_carrier() {
     for (name, rows, cols, channels) in [("hirakawa2008", 2, 4, 4), ("condat2011", 2, 3, 6)] {
         let unit = |nm: f64| {
             let at = |x: f64| f64::from(u8::from((x - nm).abs() < 1.0));
-            Spectrum::from_fn(WavelengthGrid::VISIBLE, at)
+            Spectrum::from_fn(WavelengthGrid::VISIBLE, at).unwrap()
         };
         // With primaries of one wavelength each, the transmittance there is the weight.
         let primaries = [('R', unit(600.0)), ('G', unit(550.0)), ('B', unit(450.0))];
@@ -233,16 +233,16 @@ fn wrong_names_and_parameters_are_explained() {
     assert!(message("random?rows=99999999999999999999").contains("whole number"));
     assert!(message("random?rows=18446744073709551615").contains("4096"));
     assert!(message("random?channels=1").contains("2 to 26"));
-    let flat = Spectrum::constant(WavelengthGrid::VISIBLE, 0.5);
+    let flat = Spectrum::constant(WavelengthGrid::VISIBLE, 0.5).unwrap();
     let error = cfa::builtin_with("bayer", WavelengthGrid::VISIBLE, &[('W', flat)]).unwrap_err();
     assert!(matches!(error, CfaError::UnknownName { .. }), "{error}");
-    let infrared = Spectrum::constant(near_infrared(), 0.5);
+    let infrared = Spectrum::constant(near_infrared(), 0.5).unwrap();
     assert!(cfa::builtin_with("bayer", WavelengthGrid::VISIBLE, &[('R', infrared)]).is_err());
 }
 
 #[test]
 fn filters_can_be_replaced() {
-    let flat = Spectrum::constant(WavelengthGrid::VISIBLE, 0.5);
+    let flat = Spectrum::constant(WavelengthGrid::VISIBLE, 0.5).unwrap();
     let built = cfa::builtin_with("rgbw", WavelengthGrid::VISIBLE, &[('W', flat.clone())]).unwrap();
     let default = cfa::builtin("RGBW", WavelengthGrid::VISIBLE).unwrap();
     for (new, old) in built.channels().iter().zip(default.channels()) {

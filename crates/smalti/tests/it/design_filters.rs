@@ -289,7 +289,7 @@ fn a_library_gives_every_combination_sorted_by_wavelength() {
             Filter::Samples { .. } => return 430.0,
             f => f.spectrum(WavelengthGrid::VISIBLE).unwrap(),
         };
-        s.map(|nm, v| nm * v).integral() / s.integral()
+        s.map(|nm, v| nm * v).unwrap().integral() / s.integral()
     };
     let mut labels = BTreeSet::new();
     for i in 0..family.count(2).unwrap() {
@@ -347,7 +347,7 @@ proptest! {
                 Filter::Gaussian { center_nm, .. } => center_nm,
                 ref f => {
                     let s = f.spectrum(WavelengthGrid::VISIBLE).unwrap();
-                    s.map(|nm, v| nm * v).integral() / s.integral()
+                    s.map(|nm, v| nm * v).unwrap().integral() / s.integral()
                 }
             };
             prop_assert!(set.filters.windows(2).all(|w| place(&w[0]) <= place(&w[1])), "{}", set.label);

@@ -117,7 +117,11 @@ fn blind_channels() {
     let whole = cfa(SETS[1]);
     let blind = |which: &dyn Fn(usize) -> bool| {
         let channel = |(i, c): (usize, &Channel)| Channel {
-            transmittance: if which(i) { Spectrum::constant(GRID, 0.0) } else { c.transmittance.clone() },
+            transmittance: if which(i) {
+                Spectrum::constant(GRID, 0.0).unwrap()
+            } else {
+                c.transmittance.clone()
+            },
             ..c.clone()
         };
         let channels = whole.channels().iter().enumerate().map(channel).collect();

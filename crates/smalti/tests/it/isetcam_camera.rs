@@ -110,8 +110,8 @@ fn mtf50_shown(case: &Case, raw: &RawImage) -> f64 {
     let planes = picture.planes();
     let mut shown = Planes::zeros(planes.rows(), planes.cols(), 3);
     for i in 0..planes.plane_len() {
-        let rgb = times(std::array::from_fn(|k| f64::from(planes.plane(k)[i])), &to_display);
-        (0..3).for_each(|k| shown.plane_mut(k)[i] = rgb[k].max(0.0) as f32);
+        let rgb = times(std::array::from_fn(|k| f64::from(planes.plane(k).unwrap()[i])), &to_display);
+        (0..3).for_each(|k| shown.plane_mut(k).unwrap()[i] = rgb[k].max(0.0) as f32);
     }
     mtf50_of(case, &shown)
 }
@@ -173,7 +173,7 @@ fn edge_mtf50(case: &Case, bar: &OpticalImage) -> [f64; 2] {
     let sensor = case.sensor("bar");
     let mut wide = sensor.clone();
     wide.pixel.fill_factor = 1.0;
-    wide.quantum_efficiency = Spectrum::constant(GRID, 0.5);
+    wide.quantum_efficiency = Spectrum::constant(GRID, 0.5).unwrap();
     [&sensor, &wide].map(|sensor| mtf50_shown(case, &raw(case, sensor, bar, "bar")))
 }
 
@@ -282,10 +282,10 @@ fn white_balance_gains_of_isetcam_follow_from_our_picture() {
     let image = image_of(&isetcam::chart());
     let picture = pipeline(&case).render(&raw(&case, &case.sensor("mac"), &image, "mac")).unwrap();
     let planes = picture.planes();
-    let brightest = planes.plane(1).iter().copied().fold(0.0f32, f32::max);
+    let brightest = planes.plane(1).unwrap().iter().copied().fold(0.0f32, f32::max);
     for (name, above) in [("gray_world", -1.0), ("white_world", 0.7 * brightest)] {
         let mean: [f64; 3] = std::array::from_fn(|k| {
-            let of = planes.plane(k).iter().zip(planes.plane(1));
+            let of = planes.plane(k).unwrap().iter().zip(planes.plane(1).unwrap());
             of.filter(|(_, y)| **y > above).map(|(v, _)| f64::from(*v)).sum()
         });
         let gains: Vec<f64> = (0..3).map(|k| mean[0] / mean[k] * white[k] / white[0]).collect();

@@ -34,7 +34,7 @@ fn macbeth_under_d65() {
     let json = reference_json("scene_macbeth_d65.json");
     let reflectance = reference_csv("macbeth_reflectance_400_10_700.csv");
     let photons = reference_csv("scene_macbeth_d65_photons.csv");
-    let mut list = vec![Spectrum::constant(GRID, 0.0); 24];
+    let mut list = vec![Spectrum::constant(GRID, 0.0).unwrap(); 24];
     for (i, r) in reflectance.into_iter().enumerate() {
         list[by_row(i)] = Spectrum::new(GRID, r).unwrap();
     }
@@ -91,7 +91,7 @@ fn zone_plate_and_frequency_orientation() {
     let scene = zone_plate_isetcam(&setting).unwrap();
     let row = |scene: &smalti::scene::Scene, r: usize| -> Vec<f64> {
         let cols = scene.radiance().cols();
-        let plane = scene.radiance().planes().plane(band);
+        let plane = scene.radiance().planes().plane(band).unwrap();
         plane[r * cols..(r + 1) * cols].iter().map(|&v| f64::from(v)).collect()
     };
     let plate = &json["zone_plate"];

@@ -17,7 +17,7 @@ fn filters(name: &str) -> [Spectrum; 3] {
 }
 
 fn reference_sensor(rows: usize, cols: usize, cfa: Cfa) -> Sensor {
-    Sensor::new(rows, cols, isetcam::pixel(), cfa, Spectrum::constant(GRID, 1.0))
+    Sensor::new(rows, cols, isetcam::pixel(), cfa, Spectrum::constant(GRID, 1.0).unwrap())
 }
 
 #[test]
@@ -153,7 +153,7 @@ fn blurred(image: &OpticalImage, radius: usize, sigma: f64) -> OpticalImage {
     // Along rows, then along columns: the samples of a line lie `step` apart.
     for (step, len, across, lines) in [(1, cols, cols, rows), (cols, rows, 1, cols)] {
         for band in 0..planes.count() {
-            let plane = planes.plane_mut(band);
+            let plane = planes.plane_mut(band).unwrap();
             for line in 0..lines {
                 let start = line * across;
                 let source: Vec<f32> = (0..len).map(|i| plane[start + i * step]).collect();

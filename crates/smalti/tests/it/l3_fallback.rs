@@ -36,7 +36,7 @@ fn missing_classes_fall_back_in_order() {
     let training = Training { least_patches: Some(50), saturation_share: 0.0, ..with(Solver::LeastSquares) };
     let class = |p: &Pipeline, s: usize, l: usize, t: usize| {
         let at = p.index(0, s, l, t);
-        (p.classes()[at].origin, f64::from(p.weights(at, 0)[4]))
+        (p.classes()[at].origin, f64::from(p.weights(at, 0).unwrap()[4]))
     };
     let near = |got: (Origin, f64), origin: Origin, factor: f64| {
         assert!(got.0 == origin && (got.1 - factor).abs() < 1e-5, "{got:?}, expected {origin:?} {factor}");
@@ -86,7 +86,7 @@ fn neighbouring_levels_are_mixed_by_their_patches() {
         (100.0 * 2.0 + 300.0 * 4.0) / 400.0,
     ];
     for (level, want) in expected.into_iter().enumerate() {
-        let got = f64::from(p.weights(level, 0)[4]);
+        let got = f64::from(p.weights(level, 0).unwrap()[4]);
         assert!((got - want).abs() < 1e-5, "level {level}: {got}, expected {want}");
     }
 }

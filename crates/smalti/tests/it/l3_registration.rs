@@ -52,7 +52,7 @@ impl Scene {
         let picture = self.picture(side, side, [0.0; 2], 1.0);
         let mut s = Stream::new(seed, 8, 0);
         let mut sample = |i: usize| {
-            let of = |c: usize| f64::from(picture.plane(c)[i]);
+            let of = |c: usize| f64::from(picture.plane(c).unwrap()[i]);
             let signal = match mosaic.channel_at(i / side, i % side) {
                 3 => (of(0) + of(1) + of(2)) / 3.0,
                 c => of(c),
@@ -74,7 +74,7 @@ fn rgbw() -> Mosaic {
 
 /// What a camera's picture has of the scene: a tone curve, undone but for a remainder.
 fn luminance(rgb: &Planes) -> Planes {
-    let (r, g, b) = (rgb.plane(0), rgb.plane(1), rgb.plane(2));
+    let (r, g, b) = (rgb.plane(0).unwrap(), rgb.plane(1).unwrap(), rgb.plane(2).unwrap());
     let tone = |v: f32| v.powf(0.8);
     let y = (0..rgb.plane_len()).map(|i| tone(0.21 * r[i] + 0.72 * g[i] + 0.07 * b[i])).collect();
     Planes::new(rgb.rows(), rgb.cols(), 1, y).unwrap()
@@ -137,16 +137,30 @@ fn distortion_shows_in_the_quadrants() {
 fn what_does_not_match_is_refused() {
     let raw = Scene::new(4, SIDE as f64).raw(SIDE, &bayer(), 0.03, 6);
     let other = luminance(&Scene::new(5, SIDE as f64).picture(SIDE, SIDE, [0.0; 2], 1.0));
+    let refused = |picture: &Planes, scales: &[f64]| Registration::best(&raw, picture, scales).unwrap_err();
+    assert!(matches!(refused(&other, &[1.0]), RegistrationError::NoMatch(_)));
+    assert_eq!(refused(&other, &[]), RegistrationError::NoScale);
     let flat = Planes::new(SIDE, SIDE, 1, vec![0.5; SIDE * SIDE]).unwrap();
-    for picture in [&other, &flat] {
-        let error = Registration::best(&raw, picture, &[1.0]).unwrap_err();
-        assert!(matches!(error, RegistrationError::NoMatch(_)), "{error}");
+    assert_eq!(refused(&flat, &[1.0]), RegistrationError::Uniform("the image"));
+    let three = Planes::zeros(SIDE, SIDE, 3);
+    assert!(matches!(refused(&three, &[1.0]), RegistrationError::Shape(_)));
+    for value in [f32::NAN, f32::INFINITY] {
+        let mut broken = other.clone();
+        broken.data_mut()[2 * SIDE + 5] = value;
+        let error = refused(&broken, &[1.0]);
+        assert!(matches!(error, RegistrationError::Value { row: 2, col: 5, .. }), "{error}");
     }
+    // A tall raw image and a wide picture have no common part of half their size.
+    let wide = luminance(&Scene::new(5, SIDE as f64).picture(32, 2 * SIDE, [0.0; 2], 1.0));
+    let samples = RawSamples::Digital((0..64 * SIDE).map(|i| (i * i % 4096) as u16).collect());
+    let (sampling, channels) = (Sampling::Mosaic(bayer()), names(&["R", "G", "B"]));
+    let tall = RawImage::new(2 * SIDE, 32, samples, sampling, channels, 64.0, 4095.0).unwrap();
+    assert_eq!(Registration::best(&tall, &wide, &[1.0]), Err(RegistrationError::NoOverlap));
     let small = Planes::new(8, 80, 1, vec![0.5; 640]).unwrap();
     let error = Registration::best(&raw, &small, &[1.0]).unwrap_err();
-    assert_eq!(error, RegistrationError::TooSmall { rows: 8, cols: 80 });
+    assert_eq!(error, RegistrationError::TooSmall { rows: 8, cols: 80, least: 32 });
     for scale in [0.0, -1.0, f64::NAN, 1e9] {
-        assert!(matches!(Registration::best(&raw, &other, &[scale]), Err(RegistrationError::Scale(_))));
+        assert!(matches!(refused(&other, &[1.0, scale]), RegistrationError::Scale(_)));
     }
 }
 

@@ -60,7 +60,7 @@ fn a_linear_transfer_is_no_aliasing() {
 fn an_added_pattern_counts_with_its_energy() {
     let r = reference();
     let variance = |p: &Planes| {
-        let d = p.plane(0);
+        let d = p.plane(0).unwrap();
         let mean = d.iter().map(|&v| f64::from(v)).sum::<f64>() / d.len() as f64;
         d.iter().map(|&v| (f64::from(v) - mean).powi(2)).sum::<f64>() / d.len() as f64
     };
@@ -92,7 +92,7 @@ fn bilinear(r: &Planes) -> Planes {
             for (dx, wx) in [1.0, 2.0, 1.0].into_iter().enumerate() {
                 let (y, x) = ((y + dy).wrapping_sub(1), (x + dx).wrapping_sub(1));
                 if y < SIZE && x < SIZE && seen(y, x) == plane {
-                    sum += wy * wx * r.plane(plane)[y * SIZE + x];
+                    sum += wy * wx * r.plane(plane).unwrap()[y * SIZE + x];
                     weight += wy * wx;
                 }
             }
@@ -111,7 +111,8 @@ fn a_mosaic_shows_false_colour_and_its_picture() {
     let energy = |side: usize| {
         let from = (SIZE - side) / 2;
         let pixels = (from..from + side).flat_map(|y| (from..from + side).map(move |x| (y, x)));
-        pixels.map(|(y, x)| s.difference.plane(0)[y * SIZE + x].powi(2)).sum::<f32>() / (side * side) as f32
+        pixels.map(|(y, x)| s.difference.plane(0).unwrap()[y * SIZE + x].powi(2)).sum::<f32>()
+            / (side * side) as f32
     };
     assert!(energy(16) < 0.01 * energy(SIZE), "{} {}", energy(16), energy(SIZE));
     // Frequencies well below the limit of red and blue fold by what bilinear interpolation lets through alone.

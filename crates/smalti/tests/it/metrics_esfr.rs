@@ -29,7 +29,7 @@ fn edge(rows: usize, cols: usize, angle_deg: f64, sigma_px: f64) -> Planes {
 }
 
 fn transposed(p: &Planes) -> Planes {
-    let (rows, cols, data) = (p.rows(), p.cols(), p.plane(0));
+    let (rows, cols, data) = (p.rows(), p.cols(), p.plane(0).unwrap());
     Planes::new(cols, rows, 1, (0..rows * cols).map(|i| data[(i % rows) * cols + i / rows]).collect())
         .unwrap()
 }

@@ -19,7 +19,7 @@ const DSNU_E: f64 = 3.0;
 const SWING_V: f64 = 0.9;
 
 fn sensor() -> Sensor {
-    let clear = Channel { name: "W".into(), transmittance: Spectrum::constant(GRID, 1.0) };
+    let clear = Channel { name: "W".into(), transmittance: Spectrum::constant(GRID, 1.0).unwrap() };
     let cfa = Cfa::new("mono", Mosaic::new(1, 1, vec![0]).unwrap(), vec![clear]).unwrap();
     let pixel = Pixel {
         pitch_m: 3e-6,
@@ -38,7 +38,7 @@ fn sensor() -> Sensor {
             ..NonUniformity::default()
         },
         adc: Adc { bits: 14, black_level_dn: 256.0 },
-        ..Sensor::new(SIDE, SIDE, pixel, cfa, Spectrum::constant(GRID, 1.0))
+        ..Sensor::new(SIDE, SIDE, pixel, cfa, Spectrum::constant(GRID, 1.0).unwrap())
     }
 }
 

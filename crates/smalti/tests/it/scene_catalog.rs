@@ -131,7 +131,8 @@ fn parameters_reach_the_scene() {
     assert_eq!(scene.illuminant(), a.illuminant());
     let bar = build("slanted-bar?size=64&angle=5&contrast=4&sampling=area", &s, &[]).unwrap();
     assert_eq!(bar.radiance().cols(), 65);
-    let black_and_white = [Spectrum::constant(s.grid, 0.0), Spectrum::constant(s.grid, 1.0)];
+    let black_and_white =
+        [Spectrum::constant(s.grid, 0.0).unwrap(), Spectrum::constant(s.grid, 1.0).unwrap()];
     let leaves = build("dead-leaves?rows=32&cols=48&largest=20", &s, &black_and_white).unwrap();
     assert_eq!((leaves.radiance().rows(), leaves.radiance().cols()), (32, 48));
     assert!(leaves.radiance().planes().data().contains(&0.0));

@@ -19,7 +19,7 @@ fn a_flat_field_stays_flat_and_collects_irradiance_times_area_times_time() {
             let n = (40.0 * 2.8e-6 / spacing) as usize + 2;
             let image = flat(n, n + 3, spacing, 1e14);
             let volts = s.expected_volts(&image, &Exposure::new(0.01)).unwrap();
-            for (i, v) in volts.plane(0).iter().enumerate() {
+            for (i, v) in volts.plane(0).unwrap().iter().enumerate() {
                 let channel = s.cfa.mosaic().channel_at(i / 30, i % 30);
                 let responsivity =
                     s.spectral_responsivity_on(WavelengthGrid::VISIBLE).unwrap()[channel].integral();
@@ -42,7 +42,7 @@ fn pixels_lose_no_light() {
         s.pixel.voltage_swing_v = 100.0;
         let image = speckle(24, 20, spacing);
         let volts = s.expected_volts(&image, &Exposure::new(0.01)).unwrap();
-        let got: f64 = volts.plane(0).iter().map(|&v| f64::from(v)).sum();
+        let got: f64 = volts.plane(0).unwrap().iter().map(|&v| f64::from(v)).sum();
         let photons: f64 = image.irradiance().planes().data().iter().map(|&v| f64::from(v)).sum();
         let expected = photons * 10.0 * spacing * spacing * 0.01 * 1e-4;
         assert!((got / expected - 1.0).abs() < 1e-5, "{got} for {expected}");
@@ -67,7 +67,7 @@ fn crosstalk_keeps_a_flat_field_and_moves_light_the_way_it_says() {
     let total: f32 = volts.data().iter().sum();
     for (i, row) in kernel.iter().enumerate() {
         for (j, k) in row.iter().enumerate() {
-            let share = volts.plane(0)[(1 + i) * 5 + 1 + j] / total;
+            let share = volts.plane(0).unwrap()[(1 + i) * 5 + 1 + j] / total;
             assert!((f64::from(share) - k).abs() < 1e-6, "({i}, {j}): {share} for {k}");
         }
     }
@@ -77,8 +77,8 @@ fn crosstalk_keeps_a_flat_field_and_moves_light_the_way_it_says() {
 fn pixels_beyond_the_image_are_dark() {
     let s = sensor(30, 30);
     let volts = s.expected_volts(&flat(4, 4, 2.8e-6, 1e14), &Exposure::new(0.01)).unwrap();
-    assert_eq!(volts.plane(0)[0], 0.0);
-    assert!(volts.plane(0)[15 * 30 + 15] > 0.0);
+    assert_eq!(volts.plane(0).unwrap()[0], 0.0);
+    assert!(volts.plane(0).unwrap()[15 * 30 + 15] > 0.0);
 }
 
 #[test]
@@ -195,6 +195,21 @@ fn crosstalk_that_makes_light_is_refused() {
 }
 
 #[test]
+fn light_of_components_that_is_not_finite_is_an_error() {
+    let spectra = [Spectrum::from_fn(GRID, |nm| nm - 410.0).unwrap()];
+    let light = |value: f32| {
+        let planes = Planes::new(2, 3, 1, [vec![1.0; 5], vec![value]].concat()).unwrap();
+        PixelSpectra::of_components(&sensor(2, 3), &planes, &spectra)
+    };
+    // Rounding below 0 is clipped.
+    assert_eq!(light(-1.0).unwrap().spectrum(1, 2).unwrap().values()[..3], [10.0, 0.0, 0.0]);
+    for bad in [f32::NAN, f32::INFINITY] {
+        let error = light(bad).unwrap_err();
+        assert!(matches!(error, SensorError::Spectrum(SpectrumError::Value { .. })), "{error}");
+    }
+}
+
+#[test]
 fn wavelengths_that_the_filters_do_not_cover_are_an_error_with_both_ranges() {
     let grid = WavelengthGrid::new(380.0, 10.0, 40).unwrap();
     let cube = SpectralCube::new(grid, Planes::zeros(2, 2, 40)).unwrap();
@@ -203,12 +218,12 @@ fn wavelengths_that_the_filters_do_not_cover_are_an_error_with_both_ranges() {
     assert!(e.contains("quantum efficiency") && e.contains("400–700") && e.contains("380–770"), "{e}");
     // An IR-cut filter of another grid is brought to the filters' own, or refused.
     let mut s = sensor(4, 4);
-    s.ir_cut = Some(Spectrum::constant(WavelengthGrid::new(400.0, 5.0, 40).unwrap(), 1.0));
+    s.ir_cut = Some(Spectrum::constant(WavelengthGrid::new(400.0, 5.0, 40).unwrap(), 1.0).unwrap());
     assert!(matches!(
         s.spectral_responsivity_on(WavelengthGrid::VISIBLE),
         Err(SensorError::Spectrum(SpectrumError::Of { .. }))
     ));
-    s.ir_cut = Some(Spectrum::constant(WavelengthGrid::new(350.0, 5.0, 90).unwrap(), 0.5));
+    s.ir_cut = Some(Spectrum::constant(WavelengthGrid::new(350.0, 5.0, 90).unwrap(), 0.5).unwrap());
     let halved = s.spectral_responsivity_on(WavelengthGrid::VISIBLE).unwrap()[0].integral();
     s.ir_cut = None;
     assert!(
@@ -241,8 +256,8 @@ fn the_three_architectures_share_light_as_they_should() {
     s.architecture = ColorArchitecture::FieldSequential;
     let sequential = s.expected_volts(&image, &e).unwrap();
     assert_eq!((mosaic.count(), prism.count(), sequential.count()), (1, 3, 3));
-    for (i, v) in mosaic.plane(0).iter().enumerate() {
-        assert_eq!(*v, prism.plane(s.cfa.mosaic().channel_at(i / 8, i % 8))[i]);
+    for (i, v) in mosaic.plane(0).unwrap().iter().enumerate() {
+        assert_eq!(*v, prism.plane(s.cfa.mosaic().channel_at(i / 8, i % 8)).unwrap()[i]);
     }
     let third = prism.data().iter().zip(sequential.data()).all(|(p, q)| (p / q / 3.0 - 1.0).abs() < 1e-6);
     assert!(third);

@@ -16,7 +16,7 @@ fn reference_sensor(rows: usize, cols: usize) -> Sensor {
         cols,
         pixel(),
         bayer([filter(0), filter(1), filter(2)]),
-        Spectrum::constant(GRID, 1.0),
+        Spectrum::constant(GRID, 1.0).unwrap(),
     );
     (s.pixel.dark_voltage_v_per_s, s.pixel.read_noise_v) = (1e-3, 1e-3);
     s

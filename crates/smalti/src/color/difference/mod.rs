@@ -12,7 +12,6 @@ pub use ciede2000::delta_e_2000;
 
 use super::cie1976::lab_from_xyz;
 use super::{ColorSpace, Image, ImageError};
-use crate::numeric::Planes;
 
 /// Pixels per task, fixed so that results do not depend on the number of threads.
 const CHUNK: usize = 4096;
@@ -80,7 +79,7 @@ pub fn delta_e_map(
 ) -> Result<DifferenceMap, ImageError> {
     check_pair(reference, test)?;
     let size = (reference.rows(), reference.cols());
-    Ok(map_of_planes(size, three(reference.planes()), three(test.planes()), white, formula))
+    Ok(map_of_planes(size, reference.channels(), test.channels(), white, formula))
 }
 
 /// Checks that two images can be compared.
@@ -89,11 +88,6 @@ pub(super) fn check_pair(reference: &Image, test: &Image) -> Result<(), ImageErr
     test.check_space(ColorSpace::Xyz)?;
     let (left, right) = ((reference.rows(), reference.cols()), (test.rows(), test.cols()));
     if left == right { Ok(()) } else { Err(ImageError::Size { left, right }) }
-}
-
-/// The planes of an image.
-pub(super) fn three(planes: &Planes) -> [&[f32]; 3] {
-    [planes.plane(0), planes.plane(1), planes.plane(2)]
 }
 
 /// ΔE of planes whose lengths have been checked.
@@ -118,6 +112,7 @@ pub(super) fn map_of_planes(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::numeric::Planes;
 
     /// XYZ of ISETCam's reference pairs against (95.047, 100, 108.883), and its ΔE 76, 94, 2000.
     const PAIRS: [([f64; 3], [f64; 3], [f64; 3]); 3] = [

@@ -32,7 +32,7 @@ fn every_colour_of_srgb_comes_back() {
     for (i, &v) in rgb.iter().enumerate() {
         let target = uplift.target(&v);
         let from_image = delta_e_2000(target, lab_of(&uplift, cube.pixel(0, i).unwrap().values()));
-        let exact = uplift.reflectance(v);
+        let exact = uplift.reflectance(v).unwrap();
         let single = delta_e_2000(target, lab_of(&uplift, exact.values()));
         if from_image > worst_image.0 {
             worst_image = (from_image, v);
@@ -55,7 +55,7 @@ fn other_grids_and_observers_come_back_too() {
     ] {
         let uplift = Uplift::new(WavelengthGrid::new(start, step, count).unwrap(), observer).unwrap();
         for rgb in colours(85) {
-            let spectrum = uplift.reflectance(rgb);
+            let spectrum = uplift.reflectance(rgb).unwrap();
             assert!(spectrum.values().iter().all(|r| (0.0..=1.0).contains(r)));
             let de = delta_e_2000(uplift.target(&rgb), lab_of(&uplift, spectrum.values()));
             assert!(de < 0.06, "{observer:?} {start}:{step}: {rgb:?} gives {de}");
@@ -66,11 +66,11 @@ fn other_grids_and_observers_come_back_too() {
 #[test]
 fn spectra_are_smooth_and_grey_is_flat() {
     let uplift = Uplift::new(WavelengthGrid::VISIBLE, Observer::Cie1931).unwrap();
-    let grey = uplift.reflectance([0.2; 3]);
+    let grey = uplift.reflectance([0.2; 3]).unwrap();
     assert!(grey.values().iter().all(|r| (r - 0.2).abs() < 1e-4));
     for rgb in colours(51) {
         // A sigmoid of a parabola has at most one extremum.
-        let spectrum = uplift.reflectance(rgb);
+        let spectrum = uplift.reflectance(rgb).unwrap();
         let rises: Vec<bool> = spectrum
             .values()
             .windows(2)
@@ -88,13 +88,15 @@ fn pictures_keep_highlights_and_bad_ones_are_refused() {
         |space, data: Vec<f32>| Image::new(space, Planes::new(1, data.len() / 3, 3, data).unwrap()).unwrap();
     let cube =
         uplift.uplift_image(&picture(ColorSpace::LinearSrgb, vec![4.0, -1.0, 2.0, 0.5, 1.0, 0.5])).unwrap();
-    let unit = uplift.reflectance([1.0, 0.5, 0.25]);
+    let unit = uplift.reflectance([1.0, 0.5, 0.25]).unwrap();
     for (got, want) in cube.pixel(0, 0).unwrap().values().iter().zip(unit.values()) {
         assert!((got - 4.0 * want).abs() < 0.02, "{got} is not four times {want}");
     }
     assert!(uplift.uplift_image(&picture(ColorSpace::Srgb, vec![0.0; 3])).is_err());
     let e = uplift.uplift_image(&picture(ColorSpace::LinearSrgb, vec![0.0, 0.0, 0.0, f32::NAN, 0.0, 0.0]));
     assert!(matches!(e, Err(UpliftError::Image(ImageError::Value { plane: 1, row: 0, col: 1, .. }))));
+    let color = uplift.reflectance([0.5, f64::NAN, 0.5]);
+    assert!(matches!(color, Err(UpliftError::Color(_))), "{color:?}");
     let infrared = WavelengthGrid::new(900.0, 10.0, 11).unwrap();
     assert!(matches!(Uplift::new(infrared, Observer::Cie1931), Err(UpliftError::Spectrum(_))));
 }

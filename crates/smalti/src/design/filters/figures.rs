@@ -53,5 +53,5 @@ pub(in crate::design) fn mean_wavelength_nm(filter: &Filter) -> Result<f64, CfaE
         other => other.spectrum(grid)?,
     };
     let sum = curve.integral();
-    Ok(if sum > 0.0 { curve.map(|nm, v| nm * v).integral() / sum } else { f64::INFINITY })
+    Ok(if sum > 0.0 { curve.map(|nm, v| nm * v)?.integral() / sum } else { f64::INFINITY })
 }

@@ -2,7 +2,9 @@
 
 use rayon::prelude::*;
 
-use crate::numeric::fft::{Complex32, RealFft2, bin_frequency, fast_len};
+use super::error::RegistrationError;
+use crate::numeric::ShapeError;
+use crate::numeric::fft::{Complex32, FftError, RealFft2, bin_frequency, fast_len};
 
 /// Maximum side of the plane in the exhaustive search.
 const COARSE_SIDE: usize = 512;
@@ -16,6 +18,8 @@ const BAND: f64 = 0.12;
 const MIN_AGREEMENT: f64 = 0.1;
 /// Finest step of the peak search, pixels.
 const FINEST: f64 = 0.005;
+/// Side of the squares over which the planes are averaged before they are correlated, pixels.
+const SMOOTHED: usize = 4;
 
 /// A plane of values, row by row.
 #[derive(Debug, Clone)]
@@ -49,16 +53,26 @@ pub(super) struct PatchShift {
 }
 
 impl Plane {
-    pub(super) fn new(rows: usize, cols: usize, values: Vec<f32>) -> Self {
-        Self { rows, cols, values }
+    pub(super) fn new(rows: usize, cols: usize, values: Vec<f32>) -> Result<Self, ShapeError> {
+        if values.len() != rows * cols {
+            return Err(ShapeError { count: 1, rows, cols, expected: rows * cols, got: values.len() });
+        }
+        Ok(Self { rows, cols, values })
     }
 
-    fn row(&self, r: usize) -> &[f32] {
-        self.values.get(r * self.cols..(r + 1) * self.cols).unwrap_or_default()
+    /// Whether all values are equal.
+    pub(super) fn is_uniform(&self) -> bool {
+        self.values.windows(2).all(|w| w[0] == w[1])
+    }
+
+    /// Rows and columns (first, number) of the plane.
+    fn part(&self, (row, high): (usize, usize), (col, wide): (usize, usize)) -> Result<Self, ShapeError> {
+        let rows = self.values.chunks_exact(self.cols.max(1)).skip(row).take(high);
+        Self::new(high, wide, rows.flat_map(|r| r.iter().skip(col).take(wide).copied()).collect())
     }
 
     /// Means over squares of `step` × `step` pixels of another plane, whose pixels span `scale` pixels of
-    /// this one.
+    /// this one. `step` is at least 1, so that every square contains a pixel.
     fn reduced(&self, step: f64) -> Self {
         let (rows, cols) = ((self.rows as f64 / step) as usize, (self.cols as f64 / step) as usize);
         let range = |i: usize, len: usize| {
@@ -71,15 +85,14 @@ impl Plane {
                 let span = range(c, self.cols);
                 let (mut sum, mut n) = (0f64, 0usize);
                 for y in range(r, self.rows) {
-                    for x in self.row(y).get(span.clone()).unwrap_or_default() {
-                        sum += f64::from(*x);
-                        n += 1;
-                    }
+                    let line = &self.values[y * self.cols..][span.clone()];
+                    line.iter().for_each(|x| sum += f64::from(*x));
+                    n += line.len();
                 }
-                *v = (sum / n.max(1) as f64) as f32;
+                *v = (sum / n as f64) as f32;
             }
         });
-        Self::new(rows, cols, values)
+        Self { rows, cols, values }
     }
 
     /// A window without its mean, tapered to zero at its edges (Hann) and placed in the corner of a plane of
@@ -89,20 +102,21 @@ impl Plane {
         (row, high): (usize, usize),
         (col, wide): (usize, usize),
         size: (usize, usize),
-    ) -> Vec<f32> {
-        let part = || (row..row + high).map(|r| self.row(r).iter().skip(col).take(wide));
-        let mean = part().flatten().map(|v| f64::from(*v)).sum::<f64>() / (high * wide).max(1) as f64;
+    ) -> Result<Vec<f32>, ShapeError> {
+        let part = self.part((row, high), (col, wide))?;
+        let mean = part.values.iter().map(|v| f64::from(*v)).sum::<f64>() / part.values.len().max(1) as f64;
         let hann =
             |i: usize, n: usize| 0.5 - 0.5 * libm::cos(std::f64::consts::TAU * (i as f64 + 0.5) / n as f64);
         let across: Vec<f64> = (0..wide).map(|c| hann(c, wide)).collect();
         let mut out = vec![0f32; size.0 * size.1];
-        for (r, (values, out)) in part().zip(out.chunks_mut(size.1.max(1))).enumerate() {
+        let lines = part.values.chunks_exact(wide.max(1)).zip(out.chunks_mut(size.1.max(1)));
+        for (r, (values, out)) in lines.enumerate() {
             let down = hann(r, high);
-            for ((v, w), out) in values.zip(&across).zip(out) {
+            for ((v, w), out) in values.iter().zip(&across).zip(out) {
                 *out = ((f64::from(*v) - mean) * w * down) as f32;
             }
         }
-        out
+        Ok(out)
     }
 }
 
@@ -115,11 +129,9 @@ struct CrossPower {
 }
 
 impl CrossPower {
-    fn of(fft: &RealFft2, a: &[f32], b: &[f32]) -> Self {
+    fn of(fft: &RealFft2, a: &[f32], b: &[f32]) -> Result<Self, FftError> {
         let rows = fft.rows();
-        let (Ok(a), Ok(b)) = (fft.forward(a), fft.forward(b)) else {
-            return Self { rows, terms: Vec::new() };
-        };
+        let (a, b) = (fft.forward(a)?, fft.forward(b)?);
         let term = |(i, (a, b)): (usize, (&Complex32, &Complex32))| {
             let (fx, fy) = (bin_frequency(i / rows, fft.cols()), bin_frequency(i % rows, rows));
             let weight = libm::exp(-(fx * fx + fy * fy) / (2.0 * BAND * BAND));
@@ -130,7 +142,7 @@ impl CrossPower {
             let weight = if i / rows == 0 { weight } else { 2.0 * weight } / size.sqrt();
             (size > 0.0 && weight.is_finite()).then_some((i % rows, fx, re * weight, im * weight))
         };
-        Self { rows, terms: a.iter().zip(&b).enumerate().filter_map(term).collect() }
+        Ok(Self { rows, terms: a.iter().zip(&b).enumerate().filter_map(term).collect() })
     }
 
     /// The correlation at given rows and columns.
@@ -142,11 +154,11 @@ impl CrossPower {
             .collect();
         let mut out = vec![0.0; rows.len() * cols.len()];
         for column in self.terms.chunk_by(|a, b| a.1 == b.1) {
-            let fx = column.first().map_or(0.0, |t| t.1);
+            let fx = column[0].1;
             for (phases, out) in phases.iter().zip(out.chunks_mut(cols.len().max(1))) {
                 let (mut re, mut im) = (0.0, 0.0);
                 for &(k, _, tr, ti) in column {
-                    let (s, c) = phases.get(k).copied().unwrap_or_default();
+                    let (s, c) = phases[k];
                     re += tr * c - ti * s;
                     im += tr * s + ti * c;
                 }
@@ -160,37 +172,52 @@ impl CrossPower {
     }
 
     /// The position of the peak near `at`, refined from this step on, and the fraction (0 to 1) of the
-    /// spectrum that agrees with it.
-    fn peak(&self, mut at: Shift, mut step: f64) -> (Shift, f64) {
+    /// spectrum that agrees with it. `None` when the planes have no frequency in common.
+    fn peak(&self, mut at: Shift, mut step: f64) -> Option<(Shift, f64)> {
         let total: f64 = self.terms.iter().map(|t| t.2.hypot(t.3)).sum();
+        if total <= 0.0 {
+            return None;
+        }
         let mut agrees = 0.0;
         while step >= FINEST {
             let along =
-                |middle: f64| -> Vec<f64> { (-4..=4).map(|k| middle + f64::from(k) * step).collect() };
+                |middle: f64| -> [f64; 9] { std::array::from_fn(|i| middle + (i as f64 - 4.0) * step) };
             let (rows, cols) = (along(at.row), along(at.col));
+            let places = rows.iter().flat_map(|&row| cols.map(|col| Shift { row, col }));
             let values = self.at(&rows, &cols);
-            let best = values.iter().enumerate().max_by(|a, b| a.1.total_cmp(b.1)).map_or(0, |(i, _)| i);
-            agrees = values.get(best).copied().unwrap_or(0.0) / total;
-            at = Shift {
-                row: rows.get(best / 9).copied().unwrap_or(at.row),
-                col: cols.get(best % 9).copied().unwrap_or(at.col),
-            };
+            let (best, value) = places.zip(values).max_by(|a, b| a.1.total_cmp(&b.1))?;
+            (at, agrees) = (best, value / total);
             step /= 4.0;
         }
-        (at, agrees)
+        Some((at, agrees))
     }
 }
 
+/// The sum of the squares.
+fn energy(values: &[f32]) -> f64 {
+    values.iter().map(|x| f64::from(*x).powi(2)).sum()
+}
+
 /// Position of the moving plane's corner on the fixed plane, to about a pixel.
-pub(super) fn coarse(fixed: &Plane, moving: &Plane, scale: f64) -> Shift {
+pub(super) fn coarse(fixed: &Plane, moving: &Plane, scale: f64) -> Result<Shift, RegistrationError> {
     let largest = fixed.rows.max(fixed.cols) as f64;
     let step = (largest / COARSE_SIDE as f64).max(1.0).max(scale);
-    let (a, b) = (fixed.reduced(step), moving.reduced(step / scale));
+    let reduced = |p: &Plane, step: f64| {
+        let small = p.reduced(step);
+        if small.values.is_empty() {
+            return Err(RegistrationError::too_small(p.rows, p.cols, step.ceil() as usize));
+        }
+        Ok(small)
+    };
+    let (a, b) = (reduced(fixed, step)?, reduced(moving, step / scale)?);
     let size = (fast_len(a.rows + b.rows), fast_len(a.cols + b.cols));
-    let Ok(fft) = RealFft2::new(size.0, size.1) else { return Shift { row: 0.0, col: 0.0 } };
-    let window = |p: &Plane| p.window((0, p.rows), (0, p.cols), size);
-    let (wa, wb) = (window(&a), window(&b));
-    let power = CrossPower::of(&fft, &wa, &wb);
+    let fft = RealFft2::new(size.0, size.1)?;
+    let window = |p: &Plane, what| {
+        let window = p.window((0, p.rows), (0, p.cols), size)?;
+        if energy(&window) > 0.0 { Ok(window) } else { Err(RegistrationError::Uniform(what)) }
+    };
+    let (wa, wb) = (window(&a, "the raw image")?, window(&b, "the image")?);
+    let power = CrossPower::of(&fft, &wa, &wb)?;
     let mut spectrum = vec![Complex32::default(); size.0 * fft.half_cols()];
     for &(k, fx, re, im) in &power.terms {
         let bin = (fx * size.1 as f64).round() as usize;
@@ -200,7 +227,7 @@ pub(super) fn coarse(fixed: &Plane, moving: &Plane, scale: f64) -> Shift {
             *s = Complex32::new((re * half) as f32, (im * half) as f32);
         }
     }
-    let Ok(correlation) = fft.inverse(&spectrum) else { return Shift { row: 0.0, col: 0.0 } };
+    let correlation = fft.inverse(&spectrum)?;
     // Indices beyond the extent of the fixed plane represent negative shifts.
     let signed = |i: usize, n: usize, limit: usize| if i > limit { i as f64 - n as f64 } else { i as f64 };
     let place =
@@ -213,22 +240,23 @@ pub(super) fn coarse(fixed: &Plane, moving: &Plane, scale: f64) -> Shift {
     };
     let least = (a.values.len().min(b.values.len())) as f64 / 2.0;
     let candidates = correlation.iter().enumerate().filter(|(i, _)| common(place(*i)) >= least);
-    let best = candidates.max_by(|a, b| a.1.total_cmp(b.1)).map_or(0, |(i, _)| i);
-    let at = place(best);
-    let (at, _) = power.peak(at, 0.25);
-    Shift { row: at.row * step, col: at.col * step }
+    let (best, _) = candidates.max_by(|a, b| a.1.total_cmp(b.1)).ok_or(RegistrationError::NoOverlap)?;
+    // Planes without a common frequency have a correlation of 0 at every shift.
+    let (at, _) = power.peak(place(best), 0.25).ok_or(RegistrationError::NoMatch(0.0))?;
+    Ok(Shift { row: at.row * step, col: at.col * step })
 }
 
-/// The residual shift of each patch of the placed plane.
-pub(super) fn patches(fixed: &Plane, placed: &Placed) -> Vec<PatchShift> {
+/// The residual shift of each patch of the placed plane that has enough structure. A plane too small for patches
+/// has none.
+pub(super) fn patches(fixed: &Plane, placed: &Placed) -> Result<Vec<PatchShift>, RegistrationError> {
     let p = &placed.plane;
     // At least two patches along a side, so that every quadrant contains one.
     let side = |len: usize| PATCH_SIDE.min(len / 2) & !1;
     let (high, wide) = (side(p.rows), side(p.cols));
     if high.min(wide) < 12 {
-        return Vec::new();
+        return Ok(Vec::new());
     }
-    let Ok(fft) = RealFft2::new(high, wide) else { return Vec::new() };
+    let fft = RealFft2::new(high, wide)?;
     let starts = |len: usize, side: usize| -> Vec<usize> {
         let n = (len / side).clamp(2, MAX_PATCHES);
         (0..n).map(|i| i * (len - side) / (n - 1)).collect()
@@ -237,17 +265,14 @@ pub(super) fn patches(fixed: &Plane, placed: &Placed) -> Vec<PatchShift> {
         .into_iter()
         .flat_map(|r| starts(p.cols, wide).into_iter().map(move |c| (r, c)))
         .collect();
-    let one = |&(row, col): &(usize, usize)| {
-        let a = fixed.window((placed.row + row, high), (placed.col + col, wide), (high, wide));
-        let b = p.window((row, high), (col, wide), (high, wide));
-        let energy = |v: &[f32]| v.iter().map(|x| f64::from(*x).powi(2)).sum::<f64>();
-        if energy(&a) <= 0.0 || energy(&b) <= 0.0 {
-            return None;
-        }
-        let (shift, agrees) = CrossPower::of(&fft, &a, &b).peak(Shift { row: 0.0, col: 0.0 }, 2.0);
-        (agrees >= MIN_AGREEMENT).then_some(PatchShift { row: row + high / 2, col: col + wide / 2, shift })
+    let one = |&(row, col): &(usize, usize)| -> Result<Option<PatchShift>, RegistrationError> {
+        let a = fixed.window((placed.row + row, high), (placed.col + col, wide), (high, wide))?;
+        let b = p.window((row, high), (col, wide), (high, wide))?;
+        let peak = CrossPower::of(&fft, &a, &b)?.peak(Shift { row: 0.0, col: 0.0 }, 2.0);
+        let found = peak.filter(|(_, agrees)| *agrees >= MIN_AGREEMENT);
+        Ok(found.map(|(shift, _)| PatchShift { row: row + high / 2, col: col + wide / 2, shift }))
     };
-    places.par_iter().filter_map(one).collect()
+    places.par_iter().filter_map(|place| one(place).transpose()).collect()
 }
 
 /// The median shift of the patches, along rows and columns.
@@ -272,11 +297,13 @@ pub(super) fn quadrants(placed: &Placed, patches: &[PatchShift]) -> [Option<[f64
 }
 
 /// Pearson correlation of the placed plane and the fixed plane below it, after smoothing over 4 × 4 pixels.
-pub(super) fn pearson(fixed: &Plane, placed: &Placed) -> f64 {
+pub(super) fn pearson(fixed: &Plane, placed: &Placed) -> Result<f64, RegistrationError> {
     let p = &placed.plane;
-    let rows = placed.row..placed.row + p.rows;
-    let under = rows.flat_map(|r| fixed.row(r).iter().skip(placed.col).take(p.cols).copied()).collect();
-    let (a, b) = (Plane::new(p.rows, p.cols, under).reduced(4.0), p.reduced(4.0));
+    let under = fixed.part((placed.row, p.rows), (placed.col, p.cols))?;
+    let (a, b) = (under.reduced(SMOOTHED as f64), p.reduced(SMOOTHED as f64));
+    if b.values.is_empty() {
+        return Err(RegistrationError::too_small(p.rows, p.cols, SMOOTHED));
+    }
     let mean = |v: &[f32]| v.iter().map(|x| f64::from(*x)).sum::<f64>() / v.len() as f64;
     let (ma, mb) = (mean(&a.values), mean(&b.values));
     let (mut ab, mut aa, mut bb) = (0.0, 0.0, 0.0);
@@ -284,7 +311,58 @@ pub(super) fn pearson(fixed: &Plane, placed: &Placed) -> f64 {
         let (x, y) = (f64::from(*x) - ma, f64::from(*y) - mb);
         (ab, aa, bb) = (ab + x * y, aa + x * x, bb + y * y);
     }
-    let correlation = ab / (aa * bb).sqrt();
-    // Uniform planes have no correlation.
-    if correlation.is_finite() { correlation } else { 0.0 }
+    for (variance, what) in [(aa, "the common part of the raw image"), (bb, "the common part of the image")] {
+        if variance <= 0.0 {
+            return Err(RegistrationError::Uniform(what));
+        }
+    }
+    Ok(ab / (aa * bb).sqrt())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A plane of pseudorandom values.
+    fn noise(rows: usize, cols: usize) -> Plane {
+        let mut stream = crate::numeric::philox::Stream::new(1, 2, 3);
+        Plane::new(rows, cols, (0..rows * cols).map(|_| stream.uniform() as f32).collect()).unwrap()
+    }
+
+    #[test]
+    fn a_failed_transform_is_an_error() {
+        let fft = RealFft2::new(8, 8).unwrap();
+        let error = CrossPower::of(&fft, &[0.0; 64], &[0.0; 63]).err();
+        assert!(matches!(error, Some(FftError::Length { .. })), "{error:?}");
+    }
+
+    #[test]
+    fn planes_that_cross_have_no_overlap() {
+        let found = coarse(&noise(32, 320), &noise(320, 32), 1.0);
+        assert_eq!(found, Err(RegistrationError::NoOverlap));
+    }
+
+    #[test]
+    fn a_uniform_plane_has_no_position() {
+        let (flat, structured) = (Plane::new(40, 40, vec![0.3; 1600]).unwrap(), noise(40, 40));
+        assert!(flat.is_uniform() && !structured.is_uniform());
+        assert_eq!(coarse(&flat, &structured, 1.0), Err(RegistrationError::Uniform("the raw image")));
+        assert_eq!(coarse(&structured, &flat, 1.0), Err(RegistrationError::Uniform("the image")));
+        let placed = Placed { plane: flat, row: 0, col: 0 };
+        let expected = Err(RegistrationError::Uniform("the common part of the image"));
+        assert_eq!(pearson(&structured, &placed), expected);
+    }
+
+    #[test]
+    fn a_part_beyond_the_plane_is_an_error() {
+        let placed = Placed { plane: noise(40, 40), row: 1, col: 0 };
+        assert!(matches!(pearson(&noise(40, 40), &placed), Err(RegistrationError::Shape(_))));
+        assert!(matches!(patches(&noise(40, 40), &placed), Err(RegistrationError::Shape(_))));
+    }
+
+    #[test]
+    fn a_plane_narrower_than_a_step_of_the_search_is_an_error() {
+        let found = coarse(&noise(2, 2048), &noise(2, 2048), 1.0);
+        assert_eq!(found, Err(RegistrationError::TooSmall { rows: 2, cols: 2048, least: 4 }));
+    }
 }

@@ -12,52 +12,19 @@
 //! [guizarsicairos2008]: https://doi.org/10.1364/OL.33.000156
 
 mod correlate;
+mod error;
 mod resample;
 
-use thiserror::Error;
+pub use error::{MIN_CORRELATION, RegistrationError};
 
 use super::Pair;
 use crate::isp::{Demosaic, IspError};
-use crate::numeric::{Planes, ShapeError};
+use crate::numeric::Planes;
 use crate::sensor::{RawError, RawImage, RawSamples, Sampling};
 use correlate::{Plane, Shift};
 
-/// Errors of registration.
-#[derive(Debug, Clone, PartialEq, Error)]
-#[non_exhaustive]
-pub enum RegistrationError {
-    /// The raw image cannot be interpolated.
-    #[error(transparent)]
-    Isp(#[from] IspError),
-    /// The shape of an image is invalid.
-    #[error(transparent)]
-    Shape(#[from] ShapeError),
-    /// The common part is not a valid raw image.
-    #[error(transparent)]
-    Raw(#[from] RawError),
-    /// One of the images is too small.
-    #[error("{rows} × {cols} pixels are too few to align by; at least {least} × {least} are needed", least = MIN_SIDE)]
-    TooSmall {
-        /// Rows.
-        rows: usize,
-        /// Columns.
-        cols: usize,
-    },
-    /// The scale, pixels of the raw image per pixel of the picture, is out of range.
-    #[error("a pixel of the image spans {0} pixels of the raw image; expected 0.25 to 8")]
-    Scale(f64),
-    /// The image does not match the raw image at any position: the best correlation found.
-    #[error(
-        "the image does not match the raw image: their correlation is {0:.2}, expected at least {least}",
-        least = MIN_CORRELATION
-    )]
-    NoMatch(f64),
-}
-
 /// Minimum side of an image, pixels.
 pub const MIN_SIDE: usize = 32;
-/// Minimum correlation of a match.
-pub const MIN_CORRELATION: f64 = 0.5;
 /// Below this correlation, raw image and target differ by more than tone curve and noise: other processing,
 /// motion, or little structure.
 pub const GOOD_CORRELATION: f64 = 0.9;
@@ -110,24 +77,34 @@ impl Registration {
     /// of its pixels spans as many pixels of the raw image as the best of `scales`.
     ///
     /// # Errors
-    /// When an image is too small, the raw image cannot be interpolated, or all scales are out of range or
-    /// match at no position.
+    /// When an image is too small, is uniform or contains NaN or infinity, the raw image cannot be interpolated,
+    /// a scale is out of range, or no scale matches at any position.
     pub fn best(raw: &RawImage, luminance: &Planes, scales: &[f64]) -> Result<Self, RegistrationError> {
-        let fixed = Plane::new(raw.rows(), raw.cols(), raw_luminance(raw)?);
-        let moving = Plane::new(luminance.rows(), luminance.cols(), even_noise(luminance.plane(0)));
-        for p in [&fixed, &moving] {
+        ensure_finite(raw, luminance)?;
+        let fixed = Plane::new(raw.rows(), raw.cols(), raw_luminance(raw)?)?;
+        let moving = Plane::new(luminance.rows(), luminance.cols(), even_noise(luminance.data()))?;
+        for (what, p) in [("the raw image", &fixed), ("the image", &moving)] {
             if p.rows.min(p.cols) < MIN_SIDE {
-                return Err(RegistrationError::TooSmall { rows: p.rows, cols: p.cols });
+                return Err(RegistrationError::too_small(p.rows, p.cols, MIN_SIDE));
+            }
+            if p.is_uniform() {
+                return Err(RegistrationError::Uniform(what));
             }
         }
-        let mut best: Result<Self, RegistrationError> = Err(RegistrationError::NoMatch(0.0));
+        let correlation = |found: &Result<Self, RegistrationError>| match found {
+            Ok(found) => found.correlation,
+            Err(RegistrationError::NoMatch(correlation)) => *correlation,
+            Err(_) => f64::NEG_INFINITY,
+        };
+        let mut best = Err(RegistrationError::NoScale);
         for &scale in scales {
             let found = at_scale(&fixed, &moving, scale);
-            let better = match (&found, &best) {
-                (Ok(a), Ok(b)) => a.correlation > b.correlation,
-                (found, best) => found.is_ok() || best.is_err(),
-            };
-            if better {
+            if let Err(error) = &found
+                && !error.is_of_this_scale()
+            {
+                return found;
+            }
+            if best == Err(RegistrationError::NoScale) || correlation(&found) > correlation(&best) {
                 best = found;
             }
         }
@@ -167,7 +144,7 @@ impl Registration {
         let (row, height) = rows.covered(raw.rows(), tile.0);
         let (col, width) = cols.covered(raw.cols(), tile.1);
         if height.min(width) < MIN_SIDE {
-            return Err(RegistrationError::TooSmall { rows: height, cols: width });
+            return Err(RegistrationError::too_small(height, width, MIN_SIDE));
         }
         let planes: Vec<f32> = target
             .planes()
@@ -200,6 +177,24 @@ fn cropped(
     RawImage::new(rows, cols, samples, sampling, names, raw.black_level(), raw.white_level())
 }
 
+/// Checks that raw image and luminance are finite, because the steps that follow would take NaN as darkness.
+fn ensure_finite(raw: &RawImage, luminance: &Planes) -> Result<(), RegistrationError> {
+    let analog: &[f32] = match raw.samples() {
+        RawSamples::Analog(v) => v,
+        RawSamples::Digital(_) => &[],
+    };
+    for (what, values, rows, cols) in [
+        ("the raw image", analog, raw.rows(), raw.cols()),
+        ("the luminance of the image", luminance.data(), luminance.rows(), luminance.cols()),
+    ] {
+        if let Some(at) = values.iter().position(|v| !v.is_finite()) {
+            let (row, col, value) = (at / cols % rows, at % cols, values[at]);
+            return Err(RegistrationError::Value { what, row, col, value });
+        }
+    }
+    Ok(())
+}
+
 /// Mean of the bilinearly interpolated channels. Other methods follow edges and could shift them.
 fn raw_luminance(raw: &RawImage) -> Result<Vec<f32>, IspError> {
     let planes = Demosaic::Bilinear.apply(raw)?;
@@ -219,20 +214,20 @@ fn at_scale(fixed: &Plane, moving: &Plane, scale: f64) -> Result<Registration, R
     if !(0.25..=8.0).contains(&scale) {
         return Err(RegistrationError::Scale(scale));
     }
-    let mut shift = correlate::coarse(fixed, moving, scale);
+    let mut shift = correlate::coarse(fixed, moving, scale)?;
     // A shift of a patch relative to its window is slightly underestimated; the iteration finds the
     // remainder.
     for _ in 0..3 {
-        let placed = placed(moving, shift, scale, fixed);
-        let Some(step) = correlate::middle(&correlate::patches(fixed, &placed)) else { break };
+        let placed = placed(moving, shift, scale, fixed)?;
+        let Some(step) = correlate::middle(&correlate::patches(fixed, &placed)?) else { break };
         shift = Shift { row: shift.row + step.row, col: shift.col + step.col };
     }
-    let placed = placed(moving, shift, scale, fixed);
-    let correlation = correlate::pearson(fixed, &placed);
+    let placed = placed(moving, shift, scale, fixed)?;
+    let correlation = correlate::pearson(fixed, &placed)?;
     if correlation < MIN_CORRELATION {
         return Err(RegistrationError::NoMatch(correlation));
     }
-    let last = correlate::patches(fixed, &placed);
+    let last = correlate::patches(fixed, &placed)?;
     Ok(Registration {
         row_shift_px: shift.row,
         col_shift_px: shift.col,
@@ -243,12 +238,20 @@ fn at_scale(fixed: &Plane, moving: &Plane, scale: f64) -> Result<Registration, R
 }
 
 /// The luminance of the image on the grid of the raw image, and the part that it covers.
-fn placed(moving: &Plane, shift: Shift, scale: f64, fixed: &Plane) -> correlate::Placed {
+fn placed(
+    moving: &Plane,
+    shift: Shift,
+    scale: f64,
+    fixed: &Plane,
+) -> Result<correlate::Placed, RegistrationError> {
     let rows = resample::Axis::new(shift.row, scale, moving.rows);
     let cols = resample::Axis::new(shift.col, scale, moving.cols);
     let (row, col) = (rows.covered(fixed.rows, 1), cols.covered(fixed.cols, 1));
-    let plane = Plane::new(row.1, col.1, resample::plane(&moving.values, &rows, &cols, row, col));
-    correlate::Placed { plane, row: row.0, col: col.0 }
+    if row.1 == 0 || col.1 == 0 {
+        return Err(RegistrationError::NoOverlap);
+    }
+    let plane = Plane::new(row.1, col.1, resample::plane(&moving.values, &rows, &cols, row, col))?;
+    Ok(correlate::Placed { plane, row: row.0, col: col.0 })
 }
 
 #[cfg(test)]

@@ -53,8 +53,8 @@ impl<'a> Engine<'a, i16> {
         let (table, places) = Table::new(&kernels.weights, offsets, side, outputs, kernels.scale);
         let entry = |(&place, &shift)| Entry::new(place, shift).map(|entry| entry.0);
         let entries = places.iter().zip(&kernels.shifts).map(entry).collect::<Option<_>>();
-        let too_many = || L3Error::Table("too many kernels for fixed point".into());
-        Ok(Self::new(pipeline, table, entries.ok_or_else(too_many)?))
+        let too_many = L3Error::NoFixedPoint("it has too many kernels");
+        Ok(Self::new(pipeline, table, entries.ok_or(too_many)?))
     }
 }
 

@@ -75,7 +75,7 @@ impl FixedKernels {
             let (shift, (weights, offsets)) = (0..=most_shift(weights, taps))
                 .rev()
                 .find_map(|shift| Some((shift, quantized(weights, offsets, taps, shift)?)))
-                .ok_or_else(|| wrong("weights too large for 16 bits".into()))?;
+                .ok_or(L3Error::NoFixedPoint("its weights are too large for 16 bits"))?;
             fixed.weights.extend(weights);
             fixed.offsets.extend(offsets);
             fixed.shifts.push(shift);

@@ -154,7 +154,8 @@ impl Pipeline {
     /// The 16-bit kernels for raw images with these levels, digital numbers.
     ///
     /// # Errors
-    /// When the white level is not above the black level, or the kernels are too large.
+    /// When the white level is not above the black level, and [`L3Error::NoFixedPoint`] when the kernels are too
+    /// large.
     pub fn fixed_kernels(&self, black_level: f64, white_level: f64) -> Result<FixedKernels, L3Error> {
         FixedKernels::new(self, black_level, white_level)
     }

@@ -168,7 +168,7 @@ impl<'a> Reference<'a> {
                 })
                 .collect();
             for output in 0..self.pipeline.outputs().len() {
-                planes.plane_mut(output)[row * cols + col] = value(class, output, &taps);
+                planes.plane_mut(output).unwrap()[row * cols + col] = value(class, output, &taps);
             }
         }
         Rendered { planes, outside }
@@ -178,7 +178,7 @@ impl<'a> Reference<'a> {
     fn float(&self) -> Rendered {
         let (side, outputs) = (self.pipeline.axes().side(), self.pipeline.outputs().len());
         self.each(|class, output, taps| {
-            let weights = self.pipeline.weights(class, output);
+            let weights = self.pipeline.weights(class, output).unwrap();
             let columns = (0..side).flat_map(|c| (0..side).map(move |r| r * side + c));
             let mut products: Vec<f32> = columns.map(|t| self.normalized[taps[t]] * weights[t]).collect();
             products.push(self.pipeline.kernels().offsets[class * outputs + output]);
@@ -352,6 +352,9 @@ fn what_does_not_fit_is_refused() {
     let mut planes = Planes::zeros(5, 5, 3);
     let wrong = pipeline.renderer().render_into(&image(5, 5, levels), &mut planes);
     assert!(matches!(wrong, Err(L3Error::Shape(_))));
+    let classes = pipeline.classes().len();
+    assert_eq!(pipeline.weights(classes - 1, 1).map(<[f32]>::len), Some(25));
+    assert_eq!((pipeline.weights(classes, 0), pipeline.weights(0, 2)), (None, None));
     // Two outputs make no picture.
     let error = Isp::render(&pipeline, &image(5, 5, levels)).unwrap_err();
     assert!(error.to_string().contains("2 outputs"), "{error}");
@@ -366,6 +369,8 @@ fn kernels_too_large_for_16_bits_are_refused() {
     kernels.weights[4] = 1e6;
     let p = pipeline_with(&p, [BLACK, WHITE], kernels);
     let error = p.render_fixed(&raw(&bayer(), 9, 9)).unwrap_err();
+    assert!(matches!(error, L3Error::NoFixedPoint(_)), "{error}");
+    let error = p.fixed_kernels(WHITE, BLACK).unwrap_err();
     assert!(matches!(error, L3Error::Table(_)), "{error}");
 }
 

@@ -94,8 +94,9 @@ fn the_same_as_a_dense_solution() {
             (false, false) => 0.0,
         };
         let a: Vec<f64> = (0..rows * cols).map(|i| entry(i / cols, i % cols)).collect();
-        let wanted =
-            |i: usize, o: usize| patches.get(i).map_or(0.0, |&(r, c)| f64::from(target.plane(o)[r * 34 + c]));
+        let wanted = |i: usize, o: usize| {
+            patches.get(i).map_or(0.0, |&(r, c)| f64::from(target.plane(o).unwrap()[r * 34 + c]))
+        };
         let b: Vec<f64> = (0..rows * 2).map(|i| wanted(i / 2, i % 2)).collect();
         let expected = lstsq(Matrix::new(rows, cols, &a), Matrix::new(rows, 2, &b)).unwrap();
         let got = solved(&s, solver, form);

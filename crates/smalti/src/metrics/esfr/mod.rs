@@ -49,7 +49,7 @@ pub fn edge_sfr(
     options: &EsfrOptions,
 ) -> Result<EdgeSfr, MetricError> {
     check_plane(planes.count(), plane)?;
-    let (data, cols) = (planes.plane(plane), planes.cols());
+    let (data, cols) = (planes.plane(plane)?, planes.cols());
     check_region(rect, planes.rows(), cols)?;
     measure(rect, options, |row, col| data.get(row * cols + col).map(|&v| f64::from(v)))
 }

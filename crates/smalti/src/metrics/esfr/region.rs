@@ -24,7 +24,7 @@ const TOLERANCE_PX: f64 = 2.0;
 /// [theil1950]: https://doi.org/10.1007/978-94-011-2546-8_20
 pub fn find_edge_region(planes: &Planes, plane: usize) -> Result<Rect, MetricError> {
     check_plane(planes.count(), plane)?;
-    let (rows, cols, data) = (planes.rows(), planes.cols(), planes.plane(plane));
+    let (rows, cols, data) = (planes.rows(), planes.cols(), planes.plane(plane)?);
     at_least("pixels along the shorter side of the picture", 2 * BORDER + 16, rows.min(cols))?;
     finite("the picture", data.iter().copied())?;
     let at = |row: usize, col: usize| f64::from(data[row * cols + col]);

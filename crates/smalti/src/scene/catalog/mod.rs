@@ -71,10 +71,10 @@ pub fn build(spec: &str, setting: &Setting, natural: &[Spectrum]) -> Result<Scen
     };
     let args = Args::parse(info.name, info.parameters, parameters)?;
     let setting = Setting {
-        luminance_cd_m2: args.number_if("luminance").unwrap_or(setting.luminance_cd_m2),
-        distance_m: args.number_if("distance").unwrap_or(setting.distance_m),
-        horizontal_fov_deg: args.number_if("fov").unwrap_or(setting.horizontal_fov_deg),
-        illuminant: args.light().unwrap_or_else(|| setting.illuminant.clone()),
+        luminance_cd_m2: args.number_if("luminance")?.unwrap_or(setting.luminance_cd_m2),
+        distance_m: args.number_if("distance")?.unwrap_or(setting.distance_m),
+        horizontal_fov_deg: args.number_if("fov")?.unwrap_or(setting.horizontal_fov_deg),
+        illuminant: args.light()?.unwrap_or_else(|| setting.illuminant.clone()),
         grid: setting.grid,
     };
     setting.check()?;
@@ -86,8 +86,9 @@ const SEED: ParamInfo = whole!("seed", 1, 0..=18446744073709551615, "seed of the
 /// The meaning of `sampling` where point samples follow ISETCam's rules.
 const SAMPLING: &str = "point samples with ISETCam's rules, or the mean over each pixel";
 
-fn sampling(args: &Args<'_>) -> PatternSampling {
-    if args.choice("sampling") == "isetcam" { PatternSampling::Isetcam } else { PatternSampling::Area }
+fn sampling(args: &Args<'_>) -> Result<PatternSampling, SceneError> {
+    let point = args.is_first_of("sampling", ["isetcam", "area"])?;
+    Ok(if point { PatternSampling::Isetcam } else { PatternSampling::Area })
 }
 
 /// The reflectances for patterns of natural materials: those given, or those of the ColorChecker.
@@ -103,7 +104,7 @@ static SCENES: [SceneInfo; 16] = [
         name: "macbeth",
         summary: "ColorChecker, 24 patches in 4 rows of 6",
         parameters: &[whole!("patch", 32, 1..=4096, "rows and columns of a patch, pixels")],
-        build: |a, s, _| macbeth::chart(a.count("patch"), s),
+        build: |a, s, _| macbeth::chart(a.count("patch")?, s),
     },
     SceneInfo {
         name: "slanted-bar",
@@ -121,9 +122,12 @@ static SCENES: [SceneInfo; 16] = [
             choice!("sampling", "isetcam", "isetcam" or "area", SAMPLING),
         ],
         build: |a, s, _| {
-            let slope = a.number_if("angle").map_or_else(|| a.number("slope"), SlantedBar::slope_of_angle);
-            let (size, contrast_ratio) = (a.count("size"), a.number("contrast"));
-            slanted_bar(&SlantedBar { size, slope, contrast_ratio, sampling: sampling(a) }, s)
+            let slope = match a.number_if("angle")? {
+                Some(angle) => SlantedBar::slope_of_angle(angle),
+                None => a.number("slope")?,
+            };
+            let (size, contrast_ratio) = (a.count("size")?, a.number("contrast")?);
+            slanted_bar(&SlantedBar { size, slope, contrast_ratio, sampling: sampling(a)? }, s)
         },
     },
     SceneInfo {
@@ -140,11 +144,11 @@ static SCENES: [SceneInfo; 16] = [
                 "ISETCam's plate (always 384 pixels, clipped), or the mean over each pixel"
             ),
         ],
-        build: |a, s, _| match sampling(a) {
+        build: |a, s, _| match sampling(a)? {
             PatternSampling::Isetcam => zone_plate_isetcam(s),
             PatternSampling::Area => {
-                let (frequency, contrast) = (a.number("frequency"), a.number("contrast"));
-                zone_plate(&ZonePlate { size: a.count("size"), frequency, contrast }, s)
+                let (frequency, contrast) = (a.number("frequency")?, a.number("contrast")?);
+                zone_plate(&ZonePlate { size: a.count("size")?, frequency, contrast }, s)
             }
         },
     },
@@ -152,7 +156,7 @@ static SCENES: [SceneInfo; 16] = [
         name: "uniform",
         summary: "uniform white field",
         parameters: &[whole!("size", 64, 1..=16384, "rows and columns, pixels")],
-        build: |a, s, _| uniform(a.count("size"), a.count("size"), s),
+        build: |a, s, _| uniform(a.count("size")?, a.count("size")?, s),
     },
     SceneInfo {
         name: "grey-steps",
@@ -164,8 +168,8 @@ static SCENES: [SceneInfo; 16] = [
             number!("density", "3", 0.01..=8.0, "density of the darkest bar"),
         ],
         build: |a, s, _| {
-            let (steps, step_px, rows) = (a.count("steps"), a.count("step"), a.count("rows"));
-            grey_steps(&GreySteps { steps, step_px, rows, density: a.number("density") }, s)
+            let (steps, step_px, rows) = (a.count("steps")?, a.count("step")?, a.count("rows")?);
+            grey_steps(&GreySteps { steps, step_px, rows, density: a.number("density")? }, s)
         },
     },
     SceneInfo {
@@ -179,9 +183,9 @@ static SCENES: [SceneInfo; 16] = [
             number!("contrast", "0.01", 1e-6..=1.0, "contrast (Michelson) at the top; 1 at the bottom"),
         ],
         build: |a, s, _| {
-            let (rows, cols) = (a.count("rows"), a.count("cols"));
-            let (lowest, highest) = (a.number("lowest"), a.number("highest"));
-            let least_contrast = a.number("contrast");
+            let (rows, cols) = (a.count("rows")?, a.count("cols")?);
+            let (lowest, highest) = (a.number("lowest")?, a.number("highest")?);
+            let least_contrast = a.number("contrast")?;
             frequency_sweep(&FrequencySweep { rows, cols, lowest, highest, least_contrast }, s)
         },
     },
@@ -197,11 +201,11 @@ static SCENES: [SceneInfo; 16] = [
         ],
         build: |a, s, _| {
             let target = FrequencyOrientation {
-                block_px: a.count("block"),
-                frequencies: a.count("frequencies"),
-                angles: a.count("angles"),
-                contrast: a.number("contrast"),
-                sampling: sampling(a),
+                block_px: a.count("block")?,
+                frequencies: a.count("frequencies")?,
+                angles: a.count("angles")?,
+                contrast: a.number("contrast")?,
+                sampling: sampling(a)?,
             };
             frequency_orientation(&target, s)
         },
@@ -215,8 +219,8 @@ static SCENES: [SceneInfo; 16] = [
             number!("contrast", "1000", 1.001..=1e9, "ratio of bright to dark luminance"),
         ],
         build: |a, s, _| {
-            let (size, cycles) = (a.count("size"), a.count("cycles"));
-            siemens_star(&SiemensStar { size, cycles, contrast_ratio: a.number("contrast") }, s)
+            let (size, cycles) = (a.count("size")?, a.count("cycles")?);
+            siemens_star(&SiemensStar { size, cycles, contrast_ratio: a.number("contrast")? }, s)
         },
     },
     SceneInfo {
@@ -228,8 +232,8 @@ static SCENES: [SceneInfo; 16] = [
             number!("diameter", "2", 0.1..=4096.0, "diameter of a point, pixels; less than spacing"),
         ],
         build: |a, s, _| {
-            let (points, spacing_px) = (a.count("points"), a.count("spacing"));
-            point_grid(&PointGrid { points, spacing_px, diameter_px: a.number("diameter") }, s)
+            let (points, spacing_px) = (a.count("points")?, a.count("spacing")?);
+            point_grid(&PointGrid { points, spacing_px, diameter_px: a.number("diameter")? }, s)
         },
     },
     SceneInfo {
@@ -241,8 +245,8 @@ static SCENES: [SceneInfo; 16] = [
             number!("contrast", "1000", 1.001..=1e9, "ratio of bright to dark luminance"),
         ],
         build: |a, s, _| {
-            let (squares, square_px) = (a.count("squares"), a.count("square"));
-            checkerboard(&Checkerboard { squares, square_px, contrast_ratio: a.number("contrast") }, s)
+            let (squares, square_px) = (a.count("squares")?, a.count("square")?);
+            checkerboard(&Checkerboard { squares, square_px, contrast_ratio: a.number("contrast")? }, s)
         },
     },
     SceneInfo {
@@ -257,11 +261,11 @@ static SCENES: [SceneInfo; 16] = [
         ],
         build: |a, s, natural| {
             let leaves = DeadLeaves {
-                rows: a.count("rows"),
-                cols: a.count("cols"),
-                least_radius_px: a.number("least"),
-                largest_radius_px: a.number("largest"),
-                seed: a.whole("seed"),
+                rows: a.count("rows")?,
+                cols: a.count("cols")?,
+                least_radius_px: a.number("least")?,
+                largest_radius_px: a.number("largest")?,
+                seed: a.whole("seed")?,
             };
             dead_leaves(&leaves, &painted_with(natural, s)?, s)
         },
@@ -278,11 +282,11 @@ static SCENES: [SceneInfo; 16] = [
         ],
         build: |a, s, natural| {
             let chart = ColorPatches {
-                rows: a.count("rows"),
-                cols: a.count("cols"),
-                least_px: a.count("least"),
-                doublings: a.count("doublings") as u32,
-                seed: a.whole("seed"),
+                rows: a.count("rows")?,
+                cols: a.count("cols")?,
+                least_px: a.count("least")?,
+                doublings: a.count("doublings")? as u32,
+                seed: a.whole("seed")?,
             };
             color_patches(&chart, &painted_with(natural, s)?, s)
         },
@@ -305,12 +309,12 @@ static SCENES: [SceneInfo; 16] = [
         ],
         build: |a, s, natural| {
             let pattern = Gradients {
-                rows: a.count("rows"),
-                cols: a.count("cols"),
-                cell_px: a.count("cell"),
-                contrast_ratio: a.number("contrast"),
-                neutral: a.choice("paint") == "white",
-                seed: a.whole("seed"),
+                rows: a.count("rows")?,
+                cols: a.count("cols")?,
+                cell_px: a.count("cell")?,
+                contrast_ratio: a.number("contrast")?,
+                neutral: a.is_first_of("paint", ["white", "colors"])?,
+                seed: a.whole("seed")?,
             };
             gradients(&pattern, &painted_with(natural, s)?, s)
         },
@@ -325,8 +329,8 @@ static SCENES: [SceneInfo; 16] = [
             SEED,
         ],
         build: |a, s, natural| {
-            let (rows, cols) = (a.count("rows"), a.count("cols"));
-            let pattern = GlossyBalls { rows, cols, shade: a.number("shade"), seed: a.whole("seed") };
+            let (rows, cols) = (a.count("rows")?, a.count("cols")?);
+            let pattern = GlossyBalls { rows, cols, shade: a.number("shade")?, seed: a.whole("seed")? };
             glossy_balls(&pattern, &painted_with(natural, s)?, s)
         },
     },
@@ -334,7 +338,7 @@ static SCENES: [SceneInfo; 16] = [
         name: "hdr",
         summary: "room with sunlit floor, window, bare bulb and dark corridor: more than 5 decades",
         parameters: &[whole!("rows", 384, 8..=16384, "rows, pixels; 3/2 as many columns")],
-        build: |a, s, _| hdr(a.count("rows"), s),
+        build: |a, s, _| hdr(a.count("rows")?, s),
     },
     SceneInfo {
         name: "resolution-chart",
@@ -344,7 +348,7 @@ static SCENES: [SceneInfo; 16] = [
             number!("contrast", "40", 1.001..=1e9, "ratio of white to black luminance"),
         ],
         build: |a, s, _| {
-            let chart = ResolutionChart { rows: a.count("rows"), contrast_ratio: a.number("contrast") };
+            let chart = ResolutionChart { rows: a.count("rows")?, contrast_ratio: a.number("contrast")? };
             resolution_chart(&chart, s)
         },
     },

@@ -108,10 +108,10 @@ impl<'a> Args<'a> {
             if args.given.iter().any(|(p, _)| p.name == name) {
                 return Err(syntax("each parameter once"));
             }
-            args.given.push((info, value));
             if !info.kind.accepts(value) {
-                return Err(args.bad(info));
+                return Err(args.bad(info.name, value, info.expected));
             }
+            args.given.push((info, value));
         }
         Ok(args)
     }
@@ -130,45 +130,59 @@ impl<'a> Args<'a> {
         }
     }
 
-    fn bad(&self, info: &'static ParamInfo) -> SceneError {
-        let value = self.text(info.name).unwrap_or_default().to_owned();
-        SceneError::BadValue { scene: self.scene, name: info.name, value, expected: info.expected }
+    fn bad(&self, name: &'static str, value: &str, expected: &'static str) -> SceneError {
+        SceneError::BadValue { scene: self.scene, name, value: value.to_owned(), expected }
     }
 
     /// The text given for a parameter.
-    fn text(&self, name: &str) -> Option<&'a str> {
+    fn given(&self, name: &str) -> Option<&'a str> {
         self.given.iter().find(|(p, _)| p.name == name).map(|(_, value)| *value)
     }
 
-    /// The text given, or the default; empty if there is neither.
-    pub(super) fn choice(&self, name: &str) -> &str {
-        let default = || self.all().find(|p| p.name == name).map_or("", |p| p.default);
-        self.text(name).unwrap_or_else(default)
+    /// The text given, or the default; empty where the setting decides.
+    fn text(&self, name: &'static str) -> Result<&'a str, SceneError> {
+        let info = self.all().find(|p| p.name == name).ok_or_else(|| self.unknown(name))?;
+        Ok(self.given(name).unwrap_or(info.default))
     }
 
-    /// A whole number. Zero for a name that the scene does not have; a test excludes that case.
-    pub(super) fn whole(&self, name: &str) -> u64 {
-        parse_whole(self.choice(name)).unwrap_or(0)
+    /// Whether the parameter is the first of two words, and not the second.
+    pub(super) fn is_first_of(&self, name: &'static str, words: [&str; 2]) -> Result<bool, SceneError> {
+        let text = self.text(name)?;
+        match words.iter().position(|w| *w == text) {
+            Some(place) => Ok(place == 0),
+            None => Err(self.bad(name, text, "one of its words")),
+        }
+    }
+
+    /// A whole number.
+    pub(super) fn whole(&self, name: &'static str) -> Result<u64, SceneError> {
+        let text = self.text(name)?;
+        parse_whole(text).ok_or_else(|| self.bad(name, text, "a whole number"))
     }
 
     /// A whole number of pixels or objects.
-    pub(super) fn count(&self, name: &str) -> usize {
-        usize::try_from(self.whole(name)).unwrap_or(usize::MAX)
+    pub(super) fn count(&self, name: &'static str) -> Result<usize, SceneError> {
+        let whole = self.whole(name)?;
+        usize::try_from(whole).map_err(|_| self.bad(name, &whole.to_string(), "a number of objects"))
     }
 
     /// A number, if it was given or has a default.
-    pub(super) fn number_if(&self, name: &str) -> Option<f64> {
-        parse_number(self.choice(name))
+    pub(super) fn number_if(&self, name: &'static str) -> Result<Option<f64>, SceneError> {
+        let text = self.text(name)?;
+        if text.is_empty() {
+            return Ok(None);
+        }
+        parse_number(text).map(Some).ok_or_else(|| self.bad(name, text, "a number"))
     }
 
     /// A number with a default.
-    pub(super) fn number(&self, name: &str) -> f64 {
-        self.number_if(name).unwrap_or(0.0)
+    pub(super) fn number(&self, name: &'static str) -> Result<f64, SceneError> {
+        self.number_if(name)?.ok_or_else(|| self.bad(name, "", "a number"))
     }
 
     /// The illuminant, if it was given.
-    pub(super) fn light(&self) -> Option<Illuminant> {
-        self.text("illuminant").and_then(|t| Illuminant::from_name(t).ok())
+    pub(super) fn light(&self) -> Result<Option<Illuminant>, SceneError> {
+        Ok(self.given("illuminant").map(Illuminant::from_name).transpose()?)
     }
 }
 
@@ -202,6 +216,26 @@ fn parse_number(text: &str) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    static OWN: [ParamInfo; 3] = [
+        whole!("size", 64, 1..=128, "size"),
+        number!("slope", "2.5", 0.0..=9.0, "slope"),
+        number!("angle", "", 0.0..=9.0, "angle"),
+    ];
+
+    #[test]
+    fn a_parameter_that_is_not_declared_or_of_another_type_is_an_error() {
+        let args = Args::parse("test", &OWN, "size=7").unwrap();
+        assert_eq!((args.count("size"), args.number("slope")), (Ok(7), Ok(2.5)));
+        assert_eq!((args.number_if("angle"), args.number_if("fov")), (Ok(None), Ok(None)));
+        assert_eq!(args.light(), Ok(None));
+        let unknown = |e: Option<SceneError>| matches!(e, Some(SceneError::UnknownParameter { .. }));
+        assert!(unknown(args.count("rows").err()) && unknown(args.number_if("rows").err()));
+        assert!(unknown(args.is_first_of("rows", ["a", "b"]).err()));
+        let bad = |e: Option<SceneError>| matches!(e, Some(SceneError::BadValue { .. }));
+        assert!(bad(args.whole("slope").err()) && bad(args.number("angle").err()));
+        assert!(bad(args.is_first_of("size", ["a", "b"]).err()));
+    }
 
     #[test]
     fn numbers_are_read() {

@@ -32,7 +32,9 @@ pub fn hdr(rows: usize, setting: &Setting) -> Result<Scene, SceneError> {
     let cols = rows * 3 / 2;
     check_size(rows, cols, setting.grid)?;
     let mut reflectances = macbeth::reflectances(setting.grid)?;
-    reflectances.extend(GREYS.map(|v| Spectrum::constant(setting.grid, v)));
+    for v in GREYS {
+        reflectances.push(Spectrum::constant(setting.grid, v)?);
+    }
     let daylight = of_unit_luminance(setting.light()?)?;
     let lamplight = of_unit_luminance(Illuminant::A.photons(setting.grid)?)?;
     let mut radiance = lit(&reflectances, &daylight)?;
@@ -47,7 +49,7 @@ pub fn hdr(rows: usize, setting: &Setting) -> Result<Scene, SceneError> {
 fn of_unit_luminance(light: Spectrum) -> Result<Spectrum, SceneError> {
     let luminance = Observer::Cie1931.xyz_from_photons(&light)?[1];
     // An illuminant without luminance stays unchanged; the check of the mean luminance rejects it later.
-    Ok(if luminance > 0.0 { light.scaled(1.0 / luminance) } else { light })
+    Ok(if luminance > 0.0 { light.scaled(1.0 / luminance)? } else { light })
 }
 
 fn paint_row(room: &Room, row: usize, rows: usize, cols: usize, kinds: usize) -> Vec<Fragment> {

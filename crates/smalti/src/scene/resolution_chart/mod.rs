@@ -280,7 +280,7 @@ mod tests {
         let chart = ResolutionChart { rows: 1000, contrast_ratio: 50.0 };
         let grid = crate::spectrum::WavelengthGrid::new(550.0, 10.0, 1).unwrap();
         let scene = resolution_chart(&chart, &Setting { grid, ..Setting::default() }).unwrap();
-        let plane = scene.radiance().planes().plane(0);
+        let plane = scene.radiance().planes().plane(0).unwrap();
         let white = scene.illuminant().values()[0] as f32;
         assert!(plane.iter().all(|&v| v <= white * 1.000_001 && v >= white / 50.000_1));
         // The vertical burst of 200 LW/PH has dark lines of five pixels with a period of ten.

@@ -149,11 +149,11 @@ impl Filter {
     /// When a parameter is out of range or not finite, no built-in filter has the name, or a measured curve
     /// does not cover the grid and cannot be taken as zero outside it.
     pub fn spectrum(&self, grid: WavelengthGrid) -> Result<Spectrum, CfaError> {
-        let sampled = |f: &dyn Fn(f64) -> f64| Ok(Spectrum::from_fn(grid, f));
+        let sampled = |f: &dyn Fn(f64) -> f64| Ok(Spectrum::from_fn(grid, f)?);
         match *self {
             Self::Flat(value) => {
                 within("the transmittance of a flat filter", value, 0.0, 1.0, "0 to 1")?;
-                Ok(Spectrum::constant(grid, value))
+                Ok(Spectrum::constant(grid, value)?)
             }
             Self::Gaussian { center_nm, sigma_nm, peak } => {
                 band(center_nm, "sigma_nm", sigma_nm, peak)?;

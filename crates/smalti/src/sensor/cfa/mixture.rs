@@ -125,8 +125,8 @@ impl WeightedMosaic {
         let channels = mixtures
             .iter()
             .zip(&spectra)
-            .map(|(m, s)| Channel { name: named(m), transmittance: s.scaled(1.0 / largest) })
-            .collect();
+            .map(|(m, s)| Ok(Channel { name: named(m), transmittance: s.scaled(1.0 / largest)? }))
+            .collect::<Result<_, SpectrumError>>()?;
         Cfa::new(name, mosaic, channels)
     }
 }

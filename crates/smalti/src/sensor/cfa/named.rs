@@ -91,7 +91,7 @@ pub(super) fn spectrum(name: &str, grid: WavelengthGrid) -> Result<Spectrum, Cfa
     let infrared = |nm: f64| logistic((nm - INFRARED_NM) / EDGE_NM);
     // The infrared leak transmits a share of the light that the dye absorbs, so the sum stays below the peak.
     let opening = |dye: f64, nm: f64| dye + (1.0 - dye) * infrared(nm);
-    let formula = |f: &dyn Fn(f64) -> f64| Ok(Spectrum::from_fn(grid, |nm| PEAK * f(nm)));
+    let formula = |f: &dyn Fn(f64) -> f64| Ok(Spectrum::from_fn(grid, |nm| PEAK * f(nm))?);
     let gaussian = |center_nm, sigma_nm| formula(&|nm| shapes::gaussian(nm, center_nm, sigma_nm));
     match name {
         "red" => formula(&red),
@@ -104,7 +104,7 @@ pub(super) fn spectrum(name: &str, grid: WavelengthGrid) -> Result<Spectrum, Cfa
         "red+infrared" => formula(&|nm| opening(red(nm), nm)),
         "green+infrared" => formula(&|nm| opening(green(nm), nm)),
         "blue+infrared" => formula(&|nm| opening(blue(nm), nm)),
-        "white" | "clear" => Ok(Spectrum::constant(grid, 0.95)),
+        "white" | "clear" => Ok(Spectrum::constant(grid, 0.95)?),
         "emerald" => gaussian(500.0, 25.0),
         "five-band/B" => gaussian(450.0, 20.0),
         "five-band/C" => gaussian(500.0, 20.0),
@@ -113,7 +113,7 @@ pub(super) fn spectrum(name: &str, grid: WavelengthGrid) -> Result<Spectrum, Cfa
         "five-band/R" => gaussian(650.0, 20.0),
         "narrow" => gaussian(540.0, 10.0),
         "silicon" => Ok(QuantumEfficiency::SILICON.spectrum(grid)?),
-        "ir-cut" => Ok(crate::optics::builtin::ir_cut(grid)),
+        "ir-cut" => Ok(crate::optics::builtin::ir_cut(grid)?),
         "nikon-d5100/R" => Ok(NIKON_D5100.spectrum(0, grid, Extrapolation::Zero)?),
         "nikon-d5100/G" => Ok(NIKON_D5100.spectrum(1, grid, Extrapolation::Zero)?),
         "nikon-d5100/B" => Ok(NIKON_D5100.spectrum(2, grid, Extrapolation::Zero)?),

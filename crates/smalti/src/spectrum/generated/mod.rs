@@ -30,15 +30,32 @@ impl<const N: usize> Table<N> {
     /// Column `column` on another grid, interpolated linearly.
     ///
     /// # Errors
-    /// When the grid reaches beyond the table and `extrapolation` is [`Extrapolation::Error`].
+    /// When there is no such column, or the grid reaches beyond the table and `extrapolation` is
+    /// [`Extrapolation::Error`].
     pub fn spectrum(
         &self,
         column: usize,
         grid: WavelengthGrid,
         extrapolation: Extrapolation,
     ) -> Result<Spectrum, SpectrumError> {
+        if column >= N {
+            return Err(SpectrumError::NoColumn { column, count: N });
+        }
         let own = WavelengthGrid::new(self.start_nm, self.step_nm, self.rows.len())?;
-        let values = self.rows.iter().map(|r| r.get(column).copied().unwrap_or(0.0)).collect();
+        let values = self.rows.iter().map(|r| r[column]).collect();
         Spectrum::new(own, values)?.resampled(grid, extrapolation)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_column_beyond_the_last_is_an_error() {
+        let grid = WavelengthGrid::VISIBLE;
+        assert!(DAYLIGHT_BASIS.spectrum(2, grid, Extrapolation::Error).is_ok());
+        let beyond = DAYLIGHT_BASIS.spectrum(3, grid, Extrapolation::Error);
+        assert_eq!(beyond, Err(SpectrumError::NoColumn { column: 3, count: 3 }));
     }
 }

@@ -34,12 +34,12 @@ pub fn pixel() -> Pixel {
 pub fn scene(rows: usize, cols: usize, fov_deg: f64, photons: impl Fn(usize, usize, usize) -> f64) -> Scene {
     let mut planes = Planes::zeros(rows, cols, GRID.len());
     for band in 0..GRID.len() {
-        for (i, v) in planes.plane_mut(band).iter_mut().enumerate() {
+        for (i, v) in planes.plane_mut(band).unwrap().iter_mut().enumerate() {
             *v = photons(band, i / cols, i % cols) as f32;
         }
     }
     let cube = SpectralCube::new(GRID, planes).unwrap();
-    Scene::new("reference", cube, Spectrum::constant(GRID, 1.0), 1.2, fov_deg).unwrap()
+    Scene::new("reference", cube, Spectrum::constant(GRID, 1.0).unwrap(), 1.2, fov_deg).unwrap()
 }
 
 /// The ColorChecker. ISETCam counts patches column by column.
@@ -108,7 +108,7 @@ impl Case {
     /// The sensor for a target, `mac` or `bar`.
     pub fn sensor(&self, target: &str) -> Sensor {
         let size = numbers(&self.json[format!("{target}_size")]);
-        let quantum_efficiency = Spectrum::constant(GRID, 1.0);
+        let quantum_efficiency = Spectrum::constant(GRID, 1.0).unwrap();
         Sensor::new(size[0] as usize, size[1] as usize, pixel(), self.cfa.clone(), quantum_efficiency)
     }
 

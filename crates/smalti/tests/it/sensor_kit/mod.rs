@@ -32,15 +32,16 @@ pub fn bayer(filters: [Spectrum; 3]) -> Cfa {
 }
 
 pub fn mono() -> Cfa {
-    let channel = Channel { name: "W".into(), transmittance: Spectrum::constant(GRID, 1.0) };
+    let channel = Channel { name: "W".into(), transmittance: Spectrum::constant(GRID, 1.0).unwrap() };
     Cfa::new("mono", Mosaic::new(1, 1, vec![0]).unwrap(), vec![channel]).unwrap()
 }
 
 /// Gaussian filters, no noise.
 pub fn sensor(rows: usize, cols: usize) -> Sensor {
-    let gaussian = |centre: f64| Spectrum::from_fn(GRID, |nm| (-((nm - centre) / 40.0).powi(2) / 2.0).exp());
+    let gaussian =
+        |centre: f64| Spectrum::from_fn(GRID, |nm| (-((nm - centre) / 40.0).powi(2) / 2.0).exp()).unwrap();
     let cfa = bayer([gaussian(610.0), gaussian(540.0), gaussian(460.0)]);
-    Sensor::new(rows, cols, pixel(), cfa, Spectrum::constant(GRID, 1.0))
+    Sensor::new(rows, cols, pixel(), cfa, Spectrum::constant(GRID, 1.0).unwrap())
 }
 
 /// Every kind of noise, crosstalk and defects.

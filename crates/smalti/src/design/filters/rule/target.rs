@@ -94,9 +94,10 @@ fn fundamentals() -> Result<[Spectrum; 3], SpectrumError> {
 fn cones() -> Result<Spectrum, SpectrumError> {
     // The energy of a photon is proportional to 1/λ. Rounding in the table leaves negative values where the cones are blind.
     let [l, m, s] = fundamentals()?.map(|f| {
-        let per_photon = f.map(|nm, v| v.max(0.0) / nm);
+        let per_photon = f.map(|nm, v| v.max(0.0) / nm)?;
         per_photon.scaled(1.0 / per_photon.max())
     });
+    let (l, m, s) = (l?, m?, s?);
     let others = m.values().iter().zip(s.values()).map(|(m, s)| m + s);
     let values = l.values().iter().zip(others).map(|(l, sum)| l + sum).collect();
     Spectrum::new(l.grid(), values)
