@@ -117,8 +117,9 @@ pub(crate) fn run(args: &Compare, words: &[String], common: &Common) -> anyhow::
     let resources = Resources { store: &cache, progress: &progress, memory_bytes: memory::available_bytes() };
     let labels = names::numbered(cameras.iter().map(|c| c.description().name.clone()).collect());
     let learning = (&settings, &training);
+    let given = given_pipelines(args)?;
     let pipelines =
-        pipelines(&cameras, given_pipelines(args)?, &args.processing, learning, &illuminant, resources)?;
+        pipelines(&cameras, &labels, given, &args.processing, learning, &illuminant, resources)?;
     let (contenders, left_out) = contenders(&cameras, &labels, &pipelines, &args.processing)?;
     for name in &left_out {
         progress.note(&format!("{name} is left out, since the method is defined for Bayer mosaics only"));

@@ -101,7 +101,7 @@ pub(crate) fn run(args: &Train, common: &Common) -> anyhow::Result<()> {
     let training = args.learning.training();
     let lights =
         args.illuminants.iter().map(|n| resolve::illuminant(n)).collect::<anyhow::Result<Vec<_>>>()?;
-    ensure_mosaic(&camera)?;
+    ensure_mosaic(&camera, &camera.description().name)?;
     let files = [Some(&args.output), args.statistics.as_ref(), args.npz.as_ref(), args.c_header.as_ref()];
     for file in files.into_iter().flatten() {
         match folder_to_make(file) {
@@ -135,7 +135,7 @@ pub(crate) fn run(args: &Train, common: &Common) -> anyhow::Result<()> {
         progress.done();
     }
     if let Some(material) = &material {
-        gather(&camera, &settings, material, &mut statistics, &progress)?;
+        gather(&camera, &camera.description().name, &settings, material, &mut statistics, &progress)?;
         sources.extend(material.names());
     }
     progress.begin("solving");

@@ -293,9 +293,10 @@ pub(crate) fn compare<'py>(
         let store = self::cache(cache);
         let resources = Resources { store: &store, progress: watch, memory_bytes: memory::available_bytes() };
         let learning = (&training, &Training::default());
+        let light = &settings.illuminant;
         let learned =
-            experiment::pipelines(&cameras, given, &processing, learning, &settings.illuminant, resources);
-        let learned = learned.or_raise()?;
+            experiment::pipelines(&cameras, &labels, given, &processing, learning, light, resources)
+                .or_raise()?;
         let (contenders, _) = experiment::contenders(&cameras, &labels, &learned, &processing).or_raise()?;
         let outcomes = experiment::compare(&contenders, &settings, resources).or_raise()?;
         let names: Vec<_> = contenders.iter().map(|c| (c.label.to_owned(), c.processing.name())).collect();

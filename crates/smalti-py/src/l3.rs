@@ -254,7 +254,7 @@ pub(crate) fn gather_statistics(
     progress: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<(PyStatistics, PyTrainingRecord)> {
     let own = &camera.camera;
-    ensure_mosaic(own).or_raise()?;
+    ensure_mosaic(own, &own.description().name).or_raise()?;
     let settings = TrainingSettings {
         side: patch,
         levels,
@@ -307,7 +307,7 @@ pub(crate) fn gather_statistics(
             watch.step();
         }
         if let Some(material) = &material {
-            gather(own, &settings, material, &mut statistics, watch).or_raise()?;
+            gather(own, &own.description().name, &settings, material, &mut statistics, watch).or_raise()?;
             sources.extend(material.names());
         }
         Ok((statistics, sources))

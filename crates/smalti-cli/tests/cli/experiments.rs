@@ -116,7 +116,7 @@ fn train_learns_what_the_library_learns() {
     let material = TrainingMaterial::Scenes(vec![named(LEAVES), named(MACBETH)]);
     let light = material.light(&bayer).unwrap();
     let mut statistics = fresh_statistics(&bayer, &settings, &light, None).unwrap();
-    gather(&bayer, &settings, &material, &mut statistics, &Silent).unwrap();
+    gather(&bayer, "bayer", &settings, &material, &mut statistics, &Silent).unwrap();
     let story = TrainingRecord { camera: bayer.description().clone(), settings, sources: material.names() };
     let own = solve(&statistics, &Training::default(), Some(&story)).unwrap();
     assert_eq!(learned.kernels(), own.kernels());

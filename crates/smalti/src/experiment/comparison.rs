@@ -187,12 +187,13 @@ impl<'a> Contender<'a> {
 }
 
 /// The pipeline of each camera of a comparison: the given one; or one learned under the illuminant, if [`Processing::L3`] is
-/// compared; or none. Each is one step of progress.
+/// compared; or none. Each is one step of progress. `labels` are the unique names of the cameras in progress and errors.
 ///
 /// # Errors
-/// As [`learn_default`].
+/// As [`learn_default`], with the label of the camera.
 pub fn pipelines(
     cameras: &[Camera],
+    labels: &[String],
     given: Vec<Option<Pipeline>>,
     processing: &[Processing],
     learning: (&TrainingSettings, &Training),
@@ -200,20 +201,24 @@ pub fn pipelines(
     resources: Resources<'_>,
 ) -> Result<Vec<Option<Pipeline>>, ExperimentError> {
     let learns = processing.contains(&Processing::L3);
+    let labelled = || cameras.iter().zip(labels);
     if learns {
-        cameras.iter().try_for_each(ensure_mosaic)?;
+        labelled().try_for_each(|(camera, label)| ensure_mosaic(camera, label))?;
     }
     let mut given = given.into_iter();
-    let own = |camera: &Camera| {
-        resources.progress.begin(&format!("{}: pipeline", camera.description().name));
+    let own = |(camera, label): (&Camera, &String)| {
+        resources.progress.begin(&format!("{label}: pipeline"));
         let pipeline = match given.next().flatten() {
-            None if learns => Some(learn_default(camera, learning.0, learning.1, illuminant, resources)?),
+            None if learns => {
+                let learned = learn_default(camera, label, learning, illuminant, resources);
+                Some(learned.map_err(|e| e.of_camera(label))?)
+            }
             given => given,
         };
         resources.progress.done();
         Ok(pipeline)
     };
-    cameras.iter().map(own).collect()
+    labelled().map(own).collect()
 }
 
 /// Every camera with every kind of processing, each once, and the names of those that are left out because the processing is not

@@ -19,6 +19,14 @@ pub enum ExperimentError {
         /// The error of the stage.
         source: CameraError,
     },
+    /// The pipeline of a camera of a comparison cannot be learned.
+    #[error("{label}: {source}")]
+    Learning {
+        /// The label of the camera.
+        label: String,
+        /// The reason.
+        source: Box<ExperimentError>,
+    },
     /// The caller stopped the work.
     #[error("stopped")]
     Stopped,
@@ -90,6 +98,14 @@ impl ExperimentError {
         match source.into() {
             CameraError::Isp(IspError::Stopped) => Self::Stopped,
             source => Self::Stage { context: context.into(), source },
+        }
+    }
+
+    /// The error with the label of the camera whose pipeline was to be learned. [`ExperimentError::Stopped`] stays.
+    pub(super) fn of_camera(self, label: &str) -> Self {
+        match self {
+            Self::Stopped => Self::Stopped,
+            source => Self::Learning { label: label.to_owned(), source: Box::new(source) },
         }
     }
 }

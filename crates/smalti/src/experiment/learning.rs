@@ -101,7 +101,7 @@ impl TrainingMaterial {
     }
 }
 
-/// Adds every scene to the statistics. Each scene is one step of progress.
+/// Adds every scene to the statistics. Each scene is one step of progress, which names the camera by its label.
 ///
 /// The noise of a scene is keyed by its number in the default set, or by its name otherwise, and does not depend on the other
 /// scenes. Several scenes of one name have different noise.
@@ -110,6 +110,7 @@ impl TrainingMaterial {
 /// When a scene cannot be built or imaged, or the work is stopped.
 pub fn gather(
     camera: &Camera,
+    label: &str,
     settings: &TrainingSettings,
     material: &TrainingMaterial,
     statistics: &mut Statistics,
@@ -118,7 +119,7 @@ pub fn gather(
     let mut learn = |item: u64, name: &str, scene: &dyn Fn() -> Result<Scene, CameraError>| {
         ensure_running(progress)?;
         let short = name.split('?').next().unwrap_or(name);
-        progress.begin(&format!("training {}: {short}", camera.description().name));
+        progress.begin(&format!("training {label}: {short}"));
         let added = scene().and_then(|scene| camera.train_on(statistics, &scene, settings, item));
         added.in_context(|| format!("scene {name}"))?;
         progress.done();
@@ -142,17 +143,17 @@ fn item_of(name: &str, before: usize) -> u64 {
     hash.wrapping_add(before as u64) & 0xffff_ffff
 }
 
-/// Checks that a camera has a mosaic.
+/// Checks that a camera has a mosaic. `label` is its name in the error.
 ///
 /// # Errors
 /// [`ExperimentError::NotMosaic`].
-pub fn ensure_mosaic(camera: &Camera) -> Result<(), ExperimentError> {
+pub fn ensure_mosaic(camera: &Camera, label: &str) -> Result<(), ExperimentError> {
     let architecture = match camera.sensor.architecture {
         ColorArchitecture::Mosaic => return Ok(()),
         ColorArchitecture::Prism => "prism",
         ColorArchitecture::FieldSequential => "field-sequential",
     };
-    Err(ExperimentError::NotMosaic { camera: camera.description().name.clone(), architecture })
+    Err(ExperimentError::NotMosaic { camera: label.to_owned(), architecture })
 }
 
 /// Empty statistics for pairs of raw files and pictures: the raw images are noisy, and the pictures have the white of sRGB.
@@ -223,17 +224,18 @@ struct StatisticsKey<'a> {
 }
 
 /// Trains the pipeline for a camera on the default set under an illuminant. Statistics come from the store if it has them.
+/// `label` is the name of the camera in progress.
 ///
 /// # Errors
 /// When the camera has no mosaic, a setting is invalid, memory does not suffice, or the work is stopped.
 pub fn learn_default(
     camera: &Camera,
-    settings: &TrainingSettings,
-    training: &Training,
+    label: &str,
+    (settings, training): (&TrainingSettings, &Training),
     light: &Illuminant,
     resources: Resources<'_>,
 ) -> Result<Pipeline, ExperimentError> {
-    ensure_mosaic(camera)?;
+    ensure_mosaic(camera, label)?;
     let material = TrainingMaterial::DefaultSet(vec![light.clone()]);
     let spectrum = material.light(camera)?;
     let cfa = &camera.sensor.cfa;
@@ -248,13 +250,13 @@ pub fn learn_default(
         light: &spectrum,
         settings,
     })
-    .in_context(|| camera.description().name.clone())?;
+    .in_context(|| "learning".into())?;
     let statistics = match resources.store.statistics(&key) {
         Some(statistics) => statistics,
         None => {
             let mut statistics = fresh_statistics(camera, settings, &spectrum, resources.memory_bytes)?;
             resources.progress.expect(material.len() as u64);
-            gather(camera, settings, &material, &mut statistics, resources.progress)?;
+            gather(camera, label, settings, &material, &mut statistics, resources.progress)?;
             resources.store.keep_statistics(&key, &statistics);
             statistics
         }
@@ -277,9 +279,8 @@ pub fn fresh_statistics(
     light: &Spectrum,
     memory_bytes: Option<u64>,
 ) -> Result<Statistics, ExperimentError> {
-    ensure_mosaic(camera)?;
-    let statistics =
-        camera.training_statistics(settings, light).in_context(|| camera.description().name.clone())?;
+    ensure_mosaic(camera, &camera.description().name)?;
+    let statistics = camera.training_statistics(settings, light).in_context(|| "learning".into())?;
     ensure_memory(statistics.axes(), statistics.outputs().len(), memory_bytes)?;
     Ok(statistics)
 }
