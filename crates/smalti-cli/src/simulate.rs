@@ -77,7 +77,8 @@ const BYTES_PER_PIXEL: u64 = 120;
 const STAGES: [&str; 4] = ["1-scene-radiance", "2-optical-image-irradiance", "3-raw", "4-picture-xyz"];
 
 pub(crate) fn run(args: &Simulate, common: &Common) -> anyhow::Result<()> {
-    let progress = Progress::new(4, common.quiet);
+    // The steps of this function: reading the scene, and writing.
+    let progress = Progress::new(2, common.quiet);
     progress.begin("scene");
     write::ensure_can_fill(&args.output)?;
     let camera = resolve::camera(&args.camera, &args.camera_options, None)?;

@@ -83,7 +83,7 @@ pub(crate) fn run(args: &SweepArgs, common: &Common) -> anyhow::Result<()> {
     }
     let run = SweepRun::open(&sweep, &plan, &args.output, args.shard)?;
     let to_do = run.trials();
-    let progress = Progress::new(to_do, common.quiet);
+    let progress = Progress::new(0, common.quiet);
     progress.begin(&trials.study().name);
     if to_do < trials.len() && args.shard.is_none() {
         progress.note(&format!("{} of {} trials are already scored", trials.len() - to_do, trials.len()));

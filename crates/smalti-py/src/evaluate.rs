@@ -24,7 +24,7 @@ use crate::json::dict_of;
 use crate::l3::PyPipeline;
 use crate::scene::PyScene;
 use crate::spectrum::light;
-use crate::work::watched;
+use crate::work::{Told, watched};
 
 pub(crate) fn cache(keep: bool) -> Cache {
     if keep { Cache::open(None) } else { Cache::disabled() }
@@ -234,7 +234,7 @@ pub(crate) fn score_scenes(
     let name = &camera.camera.description().name;
     let contender = Contender::with_pipeline(&camera.camera, name, pipeline.map(|p| &p.0));
     let score = ScoreSettings::default();
-    watched(py, progress, |watch| {
+    watched(py, progress.map(Told::Pictures), |watch| {
         let mut all = Vec::new();
         for scene in &scenes {
             watch.check()?;
@@ -289,7 +289,7 @@ pub(crate) fn compare<'py>(
     let settings =
         ComparisonSettings { luminances_cd_m2, illuminant, scenes, seed, score: ScoreSettings::default() };
     let training = TrainingSettings { seed, ..TrainingSettings::default() };
-    let (names, outcomes) = watched(py, progress, |watch| {
+    let (names, outcomes) = watched(py, progress.map(Told::Steps), |watch| {
         let store = self::cache(cache);
         let resources = Resources { store: &store, progress: watch, memory_bytes: memory::available_bytes() };
         let learning = (&training, &Training::default());
@@ -372,7 +372,9 @@ pub(crate) fn light_gain<'py>(
     let (of, than) = (pipelines.0.as_deref().map(|p| &p.0), pipelines.1.as_deref().map(|p| &p.0));
     let a = Contender::with_pipeline(&camera.camera, &camera.camera.description().name, of);
     let b = Contender::with_pipeline(&other.camera, &other.camera.description().name, than);
-    let gains = watched(py, progress, |watch| light_gain_between(&a, &b, &settings, watch).or_raise())?;
+    let gains = watched(py, progress.map(Told::Pictures), |watch| {
+        light_gain_between(&a, &b, &settings, watch).or_raise()
+    })?;
     dict_of(py, &gains)
 }
 

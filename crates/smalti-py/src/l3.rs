@@ -5,11 +5,11 @@ use std::path::PathBuf;
 use numpy::IntoPyArray;
 use pyo3::prelude::*;
 use pyo3::types::{IntoPyDict, PyDict, PyString};
-use smalti::camera::{LevelRule, TrainingSettings, TrainingTarget, training_scenes};
+use smalti::camera::{LevelRule, TrainingSettings, TrainingTarget};
 use smalti::color::{ColorSpace, Image};
 use smalti::experiment::{
-    NamedScene, RawAndPicture, TrainingMaterial, TrainingRecord, add_pair, ensure_mosaic, fresh_statistics,
-    gather, pair_statistics, solve,
+    NamedScene, Progress as _, RawAndPicture, TrainingMaterial, TrainingRecord, add_pair, ensure_mosaic,
+    fresh_statistics, gather, pair_statistics, solve,
 };
 use smalti::l3::{
     Alpha, KernelForm, Origin, PerceptualWeights, Pipeline, Rendered, Solver, Statistics, Textures, Training,
@@ -25,7 +25,7 @@ use crate::json::{dict_of, loads};
 use crate::raw::PyRawImage;
 use crate::scene::PyScene;
 use crate::spectrum::light;
-use crate::work::watched;
+use crate::work::{Told, watched};
 
 const LEVEL_RULES: [(&str, LevelRule); 2] =
     [("logarithmic", LevelRule::Logarithmic), ("noise-steps", LevelRule::NoiseSteps)];
@@ -286,7 +286,8 @@ pub(crate) fn gather_statistics(
     };
     let pairs: Vec<(PyRawImage, PyImage)> =
         pairs.iter().map(|(r, i)| (r.get().clone(), i.get().clone())).collect();
-    let (statistics, sources) = watched(py, progress, |watch| {
+    let (statistics, sources) = watched(py, progress.map(Told::Steps), |watch| {
+        watch.expect((pairs.len() + material.as_ref().map_or(0, TrainingMaterial::len)) as u64);
         let first = match &material {
             Some(material) if !material.is_empty() => material.light(own).or_raise()?,
             _ => lights.first().unwrap_or(&Illuminant::D65).photons(own.grid()).or_raise()?,
@@ -304,7 +305,7 @@ pub(crate) fn gather_statistics(
             let pair = RawAndPicture { name: &name, raw, default_crop: None, picture };
             add_pair(&mut statistics, own, pair, align, watch).or_raise()?;
             sources.push(name);
-            watch.step();
+            watch.done();
         }
         if let Some(material) = &material {
             gather(own, &own.description().name, &settings, material, &mut statistics, watch).or_raise()?;
@@ -314,12 +315,6 @@ pub(crate) fn gather_statistics(
     })?;
     let story = TrainingRecord { camera: own.description().clone(), settings, sources };
     Ok((PyStatistics(statistics), PyTrainingRecord(story)))
-}
-
-/// Number of scenes of the default training set.
-#[pyfunction]
-pub(crate) fn training_set_len() -> usize {
-    training_scenes(&[]).len()
 }
 
 /// Solves statistics; see `smalti.solve`.

@@ -138,6 +138,7 @@ impl<'a> SweepRun<'a> {
     /// When a condition cannot be prepared, a file cannot be written, or the work is stopped.
     pub fn run(self, progress: &dyn Progress) -> Result<SweepSummary, SweepError> {
         let (start, scored) = (Instant::now(), self.trials());
+        progress.expect(scored);
         score_and_write(self.sweep, &self.run, progress)?;
         let seconds = start.elapsed().as_secs_f64();
         let timings = json!({"seconds": seconds, "trials": scored, "threads": rayon::current_num_threads()});

@@ -26,8 +26,8 @@ PATIENCE = 1.0
 
 Target = str | tuple[Any, str]
 """A folder that every worker can access, or a file system of fsspec and a path in it."""
-Open = Callable[[int], Any]
-"""Opens the progress of a number of trials."""
+Open = Callable[[], Any]
+"""Opens the progress of trials."""
 
 
 class _RemoteDataset:
@@ -190,13 +190,13 @@ def sweep(
         missing = place.missing()
         total = sum(map(place.trials_of, missing))
         start, count = time.monotonic(), 0
-        with open_progress(total) as report:
+        with open_progress() as report:
 
             def done(part: int) -> None:
                 nonlocal count
                 count += place.trials_of(part)
                 if report is not None:
-                    report(count)
+                    report(count, total)
 
             _compute(client, study, place, target, cache, done)
         timings = {"seconds": time.monotonic() - start, "trials": total, "threads": _threads(client)}

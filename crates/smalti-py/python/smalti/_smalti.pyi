@@ -13,6 +13,7 @@ _Region = tuple[int, int, int, int]
 _Noise = Literal["all", "shot", "none"]
 _Space = Literal["xyz", "linear-srgb", "srgb", "linear-display-p3", "display-p3"]
 _Told = Callable[[int], object] | None
+_ToldOfSteps = Callable[[int, int], object] | None
 
 __version__: str
 
@@ -406,9 +407,8 @@ def compare(
     illuminant: _Light | None,
     seed: int,
     cache: bool,
-    progress: _Told,
+    progress: _ToldOfSteps,
 ) -> list[dict[str, Any]]: ...
-def training_set_len() -> int: ...
 @final
 class TrainingRecord: ...
 
@@ -427,7 +427,7 @@ def gather_statistics(
     textures: str,
     sharp: bool,
     seed: int,
-    progress: _Told,
+    progress: _ToldOfSteps,
 ) -> tuple[Statistics, TrainingRecord]: ...
 def solve_statistics(
     statistics: Statistics,
@@ -468,9 +468,6 @@ class SharedPlace:
     def with_run(self, manifest: bytes, parts: int, timings: str) -> str: ...
 
 def run_sweep(
-    study: Study, out: _Path, shard: tuple[int, int] | None, part_size: int | None, cache: bool, progress: _Told
+    study: Study, out: _Path, shard: tuple[int, int] | None, part_size: int | None, cache: bool, progress: _ToldOfSteps
 ) -> tuple[int, float, int]: ...
-def trials_missing(
-    study: Study, out: _Path, shard: tuple[int, int] | None, part_size: int | None
-) -> int: ...
 def parse_shard(text: str) -> tuple[int, int]: ...

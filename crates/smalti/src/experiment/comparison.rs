@@ -205,6 +205,7 @@ pub fn pipelines(
     if learns {
         labelled().try_for_each(|(camera, label)| ensure_mosaic(camera, label))?;
     }
+    resources.progress.expect(cameras.len() as u64);
     let mut given = given.into_iter();
     let own = |(camera, label): (&Camera, &String)| {
         resources.progress.begin(&format!("{label}: pipeline"));
@@ -293,6 +294,7 @@ pub fn compare(
     settings: &ComparisonSettings,
     resources: Resources<'_>,
 ) -> Result<Vec<Vec<Outcome>>, ExperimentError> {
+    resources.progress.expect((contenders.len() * settings.luminances_cd_m2.len()) as u64);
     let mut outcomes = Vec::with_capacity(contenders.len());
     let mut setups: Vec<Setup> = Vec::new();
     for contender in contenders {
@@ -397,8 +399,10 @@ pub fn light_gains_to_first(
     if scenes.is_empty() {
         scenes = LightGainSettings::default().scenes;
     }
+    let others: Vec<_> = rest.iter().filter(|c| c.processing == first.processing).collect();
+    progress.expect((others.len() * settings.luminances_cd_m2.len()) as u64);
     let mut gains = Vec::new();
-    for other in rest.iter().filter(|c| c.processing == first.processing) {
+    for other in others {
         for &luminance_cd_m2 in &settings.luminances_cd_m2 {
             progress.begin(&format!("light gain of {} at {luminance_cd_m2} cd/m²", other.name()));
             let light = LightGainSettings {

@@ -70,6 +70,7 @@ pub fn capture(
     progress: &dyn Progress,
 ) -> Result<Photograph, ExperimentError> {
     let about = || camera.description().name.clone();
+    progress.expect(2);
     progress.begin("optics");
     let image = camera.optics.image(&scene).map_err(CameraError::from).in_context(about)?;
     let light = scene.illuminant().clone();
