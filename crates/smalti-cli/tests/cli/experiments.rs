@@ -5,8 +5,8 @@ use serde::Serialize;
 use serde_json::Value;
 use smalti::camera::{Camera, EvaluationSettings, ScoreSettings, TrainingSettings};
 use smalti::experiment::{
-    ComparisonSettings, Contender, NamedScene, Processing, Resources, Silent, SimulationSettings, TestScene,
-    TrainingMaterial, TrainingRecord, compare, fresh_statistics, gather, simulate, solve,
+    ComparisonSettings, Contender, ExperimentError, Learned, NamedScene, Processing, Resources, Silent,
+    SimulationSettings, TestScene, TrainingSources, compare, learn, simulate,
 };
 use smalti::isp::Demosaic;
 use smalti::l3::{Textures, Training};
@@ -113,12 +113,14 @@ fn train_learns_what_the_library_learns() {
         let scene = scenes::load(name, &request).unwrap();
         NamedScene::for_camera(&bayer, name.into(), scene, false, false).unwrap()
     };
-    let material = TrainingMaterial::Scenes(vec![named(LEAVES), named(MACBETH)]);
-    let light = material.light(&bayer).unwrap();
-    let mut statistics = fresh_statistics(&bayer, &settings, &light, None).unwrap();
-    gather(&bayer, "bayer", &settings, &material, &mut statistics, &Silent).unwrap();
-    let story = TrainingRecord { camera: bayer.description().clone(), settings, sources: material.names() };
-    let own = solve(&statistics, &Training::default(), Some(&story)).unwrap();
+    let sources = TrainingSources::<ExperimentError> {
+        scenes: Some(vec![named(LEAVES), named(MACBETH)]),
+        illuminants: Vec::new(),
+        pairs: Vec::new(),
+        saved: Vec::new(),
+    };
+    let Learned { statistics, pipeline: own, .. } =
+        learn(&bayer, &settings, &Training::default(), sources, &Silent, None).unwrap();
     assert_eq!(learned.kernels(), own.kernels());
     assert_eq!(learned.provenance(), own.provenance());
     // Provenance is structured.

@@ -32,4 +32,6 @@ pub use light_gain::{
 pub use photograph::Photograph;
 pub use score::{PictureScores, ScoreSettings, score_picture};
 pub use training::{LevelRule, TrainingSettings, TrainingTarget};
-pub use training_set::{TRAINING_SET_REVISION, TrainingScene, training_reflectances, training_scenes};
+pub use training_set::{
+    DEFAULT_TRAINING_LIGHT, TRAINING_SET_REVISION, TrainingScene, training_reflectances, training_scenes,
+};

@@ -1,8 +1,9 @@
 //! Comparisons of cameras, each with its processing, on the same scenes.
 
 use super::error::StageContext;
-use super::learning::{ensure_mosaic, learn_default};
+use super::learning::learn_default;
 use super::progress::{Stoppable, ensure_running};
+use super::training_statistics::ensure_mosaic;
 use super::{ExperimentError, Processing, Progress, Resources};
 use crate::camera::{
     Camera, CameraAndIsp, CameraError, Evaluation, EvaluationPictures, EvaluationSettings, LightGainSettings,

@@ -55,6 +55,14 @@ pub enum ExperimentError {
     /// There is no training scene.
     #[error("there is no scene to learn from")]
     NoScene,
+    /// Raw files and scenes are given together.
+    #[error("raw files contain noise and scenes do not: give either pairs or scenes")]
+    PairsAndScenes,
+    /// A target is stated for pairs.
+    #[error(
+        "the targets of pairs are their pictures: neither another target nor its illuminant can be stated"
+    )]
+    TargetOfPairs,
     /// The table of classes would not fit into memory.
     #[error(
         "a table of {positions} positions × {levels} levels × {textures} textures with patches of {side} × {side} takes {need_mib} MiB of memory \
