@@ -26,6 +26,7 @@ pub use evaluate::{
     Evaluation, EvaluationPictures, EvaluationSettings, ExposureTimes, GreyScores, IspFor, OpticalImages,
     PatchScores, evaluate, evaluate_with,
 };
+pub(crate) use light_gain::LIGHT_GAIN_SCENES;
 pub use light_gain::{
     CameraAndIsp, LightGain, LightGainSettings, LightGains, MetricGain, light_gain, light_gains,
 };

@@ -6,7 +6,7 @@ use super::progress::{Stoppable, ensure_running};
 use super::training_statistics::ensure_mosaic;
 use super::{ExperimentError, Processing, Progress, Resources};
 use crate::camera::{
-    Camera, CameraAndIsp, CameraError, Evaluation, EvaluationPictures, EvaluationSettings, LightGainSettings,
+    Camera, CameraAndIsp, CameraError, Evaluation, EvaluationPictures, EvaluationSettings, LIGHT_GAIN_SCENES, LightGainSettings,
     LightGains, SceneScores, ScoreSettings, Setup, TrainingSettings, compare_on, evaluate_with, light_gains,
     test_scenes,
 };
@@ -16,9 +16,6 @@ use crate::metrics::esfr::EdgeSfr;
 use crate::scene::{Scene, Setting};
 use crate::sensor::NoiseMode;
 use crate::spectrum::{Illuminant, Spectrum};
-
-/// Maximum number of scenes of a light gain, because each scene is captured some twenty times.
-const LIGHT_GAIN_SCENES: usize = 2;
 
 /// A camera with its processing.
 #[derive(Clone, Copy)]

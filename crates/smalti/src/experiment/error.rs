@@ -63,6 +63,20 @@ pub enum ExperimentError {
         "the targets of pairs are their pictures: neither another target nor its illuminant can be stated"
     )]
     TargetOfPairs,
+    /// A capture would not fit into memory.
+    #[error(
+        "`sensor.rows` × `sensor.cols`: a picture of {rows} × {cols} pixels needs {need_mib} MiB of memory; {available_mib} MiB are available"
+    )]
+    CaptureMemory {
+        /// Rows that are read out.
+        rows: usize,
+        /// Columns that are read out.
+        cols: usize,
+        /// Required memory, MiB.
+        need_mib: u64,
+        /// Available memory, MiB.
+        available_mib: u64,
+    },
     /// The table of classes would not fit into memory.
     #[error(
         "a table of {positions} positions × {levels} levels × {textures} textures with patches of {side} × {side} takes {need_mib} MiB of memory \

@@ -1,11 +1,16 @@
-//! Experiments on several cameras: progress and errors tell cameras of equal names apart.
+//! Experiments: progress and errors tell cameras of equal names apart, and memory is checked.
 #![allow(missing_docs, clippy::unwrap_used)]
 
 use std::sync::Mutex;
 
-use smalti::camera::{Camera, CameraDescription, TrainingSettings};
-use smalti::experiment::{ExperimentError, NoStore, Processing, Progress, Resources, numbered, pipelines};
+use smalti::camera::{Camera, CameraDescription, ScoreSettings, TrainingSettings};
+use smalti::experiment::{
+    ExperimentError, NoStore, Processing, Progress, Resources, Silent, SimulationSettings, capture, numbered,
+    pipelines,
+};
 use smalti::l3::Training;
+use smalti::scene::{Setting, uniform};
+use smalti::sensor::NoiseMode;
 use smalti::spectrum::{Illuminant, WavelengthGrid};
 
 /// Records the names of the steps.
@@ -50,4 +55,20 @@ fn an_error_of_learning_states_the_label_of_the_camera() {
 fn stopped_learning_is_no_error_of_a_camera() {
     let recorder = Recorder { stops: true, ..Recorder::default() };
     assert!(matches!(refused(&recorder, None), ExperimentError::Stopped));
+}
+
+/// 64 × 96 pixels of 120 bytes take 720 KiB.
+#[test]
+fn a_capture_larger_than_memory_is_refused() {
+    let mut description = CameraDescription::default();
+    (description.sensor.rows, description.sensor.cols) = (64, 96);
+    let camera = Camera::new(description, WavelengthGrid::VISIBLE).unwrap();
+    let settings = SimulationSettings { noise: NoiseMode::All, seed: 1, score: ScoreSettings::default() };
+    let captured = |memory_bytes| {
+        let scene = camera.fitted(uniform(64, 96, &Setting::default()).unwrap(), false).unwrap();
+        capture(&camera, scene, &settings, &Silent, memory_bytes)
+    };
+    let error = captured(Some(700 << 10)).unwrap_err().to_string();
+    assert!(error.contains("64 × 96 pixels") && error.contains("memory"), "{error}");
+    assert!(captured(Some(720 << 10)).is_ok() && captured(None).is_ok());
 }
