@@ -258,7 +258,8 @@ impl PyCamera {
                 camera.sensor.window = Some(camera.window_on(&scene.scene).or_raise()?);
             }
             let light = scene.scene.illuminant().clone();
-            let photo = capture(&camera, scene.scene, &settings, watch, memory::available_bytes()).or_raise()?;
+            let photo =
+                capture(&camera, scene.scene, &settings, watch, memory::available_bytes()).or_raise()?;
             let info = DngInfo::of_camera(&camera, &light).or_raise()?;
             let balanced = camera.white_balance() != WhiteBalance::None;
             Ok(PyPhotograph {

@@ -117,12 +117,11 @@ pub(crate) fn run_sweep(
 ) -> PyResult<(u64, f64, u64)> {
     let shard = shard.map(|(index, of)| Shard::new(index, of)).transpose().or_raise()?;
     watched(py, progress.map(Told::Steps), |watch| {
-        let plan = sweeps::plan(&study.trials, study.about.clone(), part_size, &out).or_raise()?;
+        let run = SweepRun::open(&study.trials, study.about.clone(), part_size, &out, shard).or_raise()?;
         let cache = self::cache(cache);
         let images = |key: &str, make: &dyn Fn() -> _| cache.optical_image(key, make);
         let sweep = Sweep::new(&study.trials, &images);
-        let run = SweepRun::open(&sweep, &plan, &out, shard).or_raise()?;
-        let done = run.run(watch).or_raise()?;
+        let done = run.run(&sweep, watch).or_raise()?;
         Ok((done.scored, done.seconds, done.parts_missing))
     })
 }

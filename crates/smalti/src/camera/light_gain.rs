@@ -6,7 +6,9 @@ use std::fmt;
 use serde::Serialize;
 
 use super::chart::{self, PATCH_SAMPLES};
-use super::{Camera, CameraError, GreyScores, IspFor, PatchScores, ScoreSettings, Setup, compare_on, test_scenes};
+use super::{
+    Camera, CameraError, GreyScores, IspFor, PatchScores, ScoreSettings, Setup, compare_on, test_scenes,
+};
 use crate::isp::Isp;
 use crate::metrics::{Better, MetricError, metric_info};
 use crate::scene::{Setting, macbeth};

@@ -6,9 +6,9 @@ use super::progress::{Stoppable, ensure_running};
 use super::training_statistics::ensure_mosaic;
 use super::{ExperimentError, Processing, Progress, Resources};
 use crate::camera::{
-    Camera, CameraAndIsp, CameraError, Evaluation, EvaluationPictures, EvaluationSettings, LIGHT_GAIN_SCENES, LightGainSettings,
-    LightGains, SceneScores, ScoreSettings, Setup, TrainingSettings, compare_on, evaluate_with, light_gains,
-    test_scenes,
+    Camera, CameraAndIsp, CameraError, Evaluation, EvaluationPictures, EvaluationSettings, LIGHT_GAIN_SCENES,
+    LightGainSettings, LightGains, SceneScores, ScoreSettings, Setup, TrainingSettings, compare_on,
+    evaluate_with, light_gains, test_scenes,
 };
 use crate::isp::{Classic, Isp, WhiteBalance};
 use crate::l3::{Pipeline, Training, peak_ratio_db};
