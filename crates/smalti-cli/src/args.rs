@@ -16,6 +16,11 @@ pub(crate) fn choice<T: Copy + Send + Sync + 'static>(
     PossibleValuesParser::new(words).try_map(move |typed| value(&typed).ok_or("unknown word"))
 }
 
+/// The word of a value.
+pub(crate) fn word_of<T: PartialEq>(known: &[Choice<T>], value: &T) -> Option<&'static str> {
+    known.iter().find(|(.., known)| known == value).map(|(word, ..)| *word)
+}
+
 /// Options of every command.
 #[derive(Debug, Clone, Args)]
 pub(crate) struct Common {

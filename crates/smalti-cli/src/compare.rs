@@ -114,14 +114,12 @@ pub(crate) fn run(args: &Compare, words: &[String], common: &Common) -> anyhow::
     let seed = args.camera_options.seed;
     let cache = if args.no_cache { Cache::disabled() } else { Cache::open(None) };
     let (settings, training) = (args.learning.settings(seed), args.learning.training());
-    let gains = if args.light_gain { args.luminance.len() * (cameras.len() - 1) } else { 0 };
-    let steps = cameras.len() * (1 + args.processing.len() * args.luminance.len()) + gains;
-    let progress = Progress::new(steps as u64, common.quiet);
+    let progress = Progress::new(0, common.quiet);
     let resources = Resources { store: &cache, progress: &progress, memory_bytes: memory::available_bytes() };
     let labels = names::numbered(cameras.iter().map(|c| c.description().name.clone()).collect());
     let learning = (&settings, &training);
-    let pipelines =
-        pipelines(&cameras, given_pipelines(args)?, &args.processing, learning, &illuminant, resources)?;
+    let given = given_pipelines(args)?;
+    let pipelines = pipelines(&cameras, &labels, given, &args.processing, learning, &illuminant, resources)?;
     let (contenders, left_out) = contenders(&cameras, &labels, &pipelines, &args.processing)?;
     for name in &left_out {
         progress.note(&format!("{name} is left out, since the method is defined for Bayer mosaics only"));

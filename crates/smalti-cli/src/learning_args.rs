@@ -1,10 +1,11 @@
 //! Options of learning.
 
+use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, ValueEnum};
 use smalti::camera::{LevelRule, TrainingSettings};
 use smalti::l3::{Alpha, KernelForm, PerceptualWeights, Solver, Textures, Training};
 
-use crate::args::{Choice, choice};
+use crate::args::{Choice, choice, word_of};
 use crate::numbers::share;
 
 /// Options of learning.
@@ -12,16 +13,16 @@ use crate::numbers::share;
 #[command(next_help_heading = "Learning")]
 pub(crate) struct LearningOptions {
     /// Side of the patch from which the colour of its central pixel is computed
-    #[arg(long, value_name = "PX", default_value = "5", value_parser = ["3", "5", "7", "9", "11"])]
-    pub(crate) patch: String,
+    #[arg(long, value_name = "PX", default_value_t = TrainingSettings::default().side, value_parser = sides())]
+    pub(crate) patch: usize,
     /// Number of response levels from dark to bright, 1 to 256
     #[arg(long, value_name = "N", default_value_t = TrainingSettings::default().levels, value_parser = levels, allow_negative_numbers = true)]
     pub(crate) levels: usize,
     /// Spacing of the response levels
-    #[arg(long, default_value = "logarithmic", value_parser = choice(&LEVEL_RULES))]
+    #[arg(long, default_value = word_of(&LEVEL_RULES, &TrainingSettings::default().level_rule), value_parser = choice(&LEVEL_RULES))]
     pub(crate) level_rule: LevelRule,
     /// Texture classes of patches
-    #[arg(long, default_value = "oriented", value_parser = choice(&TEXTURES))]
+    #[arg(long, default_value = word_of(&TEXTURES, &TrainingSettings::default().textures), value_parser = choice(&TEXTURES))]
     pub(crate) textures: Textures,
     /// Solver of the kernels
     #[arg(long, value_enum, default_value_t = SolverName::Wiener)]
@@ -39,7 +40,7 @@ pub(crate) struct LearningOptions {
     #[arg(long)]
     pub(crate) no_symmetry: bool,
     /// Share of the neighbouring levels in each kernel, from 0 (none) to 1
-    #[arg(long, value_name = "SHARE", default_value_t = 0.0, value_parser = share, allow_negative_numbers = true)]
+    #[arg(long, value_name = "SHARE", default_value_t = Training::default().smoothing, value_parser = share, allow_negative_numbers = true)]
     pub(crate) smoothing: f64,
     /// Also learn to correct the blur of the lens
     #[arg(long)]
@@ -69,6 +70,11 @@ pub(crate) enum SolverName {
     LeastSquares,
 }
 
+/// Parses the side of a patch.
+fn sides() -> impl TypedValueParser<Value = usize> {
+    PossibleValuesParser::new(["3", "5", "7", "9", "11"]).try_map(|side| side.parse::<usize>())
+}
+
 /// Parses a number of levels.
 fn levels(text: &str) -> Result<usize, String> {
     let number: Option<usize> = text.trim().parse().ok();
@@ -91,7 +97,7 @@ impl LearningOptions {
     /// The settings of classes and training pairs.
     pub(crate) fn settings(&self, seed: u64) -> TrainingSettings {
         TrainingSettings {
-            side: self.patch.parse().unwrap_or(5),
+            side: self.patch,
             levels: self.levels,
             level_rule: self.level_rule,
             textures: self.textures,

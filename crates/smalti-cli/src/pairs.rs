@@ -1,47 +1,49 @@
 //! Pairs of a raw file and its target picture.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use serde_json::json;
-use smalti::camera::Camera;
-use smalti::experiment::{PairAlignment, Progress, RawAndPicture, add_pair};
-use smalti::l3::Statistics;
+use smalti::experiment::{PairAlignment, Progress, RawAndPicture, TrainingPair};
 use smalti_io::{Limits, ReadOptions, dng, picture};
 
-/// The alignment of a pair that was added to the statistics.
-pub(crate) struct Report {
-    raw: String,
-    picture: String,
-    alignment: PairAlignment,
+/// The alignment of a pair.
+pub(crate) struct Report<'a> {
+    raw: &'a Path,
+    picture: &'a Path,
+    alignment: &'a PairAlignment,
 }
 
-/// Adds a pair of files to the statistics; see [`add_pair`].
-pub(crate) fn add(
-    statistics: &mut Statistics,
-    camera: &Camera,
-    [raw, target]: [&Path; 2],
+/// A pair of files, which are read when its turn comes.
+pub(crate) fn pair<'a>(
+    raw: &'a Path,
+    target: &'a Path,
     align: bool,
-    progress: &dyn Progress,
-) -> anyhow::Result<Report> {
-    let dng = dng::read(raw, Limits::default())?;
-    for note in &dng.notes {
-        progress.note(&format!("{}: {note}", raw.display()));
-    }
-    let picture = picture::read(target, &ReadOptions::default())?.image;
-    let pair = RawAndPicture {
-        name: &format!("{} with {}", raw.display(), target.display()),
-        raw: &dng.raw,
-        default_crop: dng.default_crop.map(|c| (c.rows, c.cols)),
-        picture: &picture,
+    progress: &'a dyn Progress,
+) -> TrainingPair<'a, anyhow::Error> {
+    let read = move || {
+        let dng = dng::read(raw, Limits::default())?;
+        for note in &dng.notes {
+            progress.note(&format!("{}: {note}", raw.display()));
+        }
+        let picture = picture::read(target, &ReadOptions::default())?.image;
+        let default_crop = dng.default_crop.map(|c| (c.rows, c.cols));
+        Ok(RawAndPicture { raw: dng.raw, default_crop, picture })
     };
-    let alignment = add_pair(statistics, camera, pair, align, progress)?;
-    Ok(Report { raw: raw.display().to_string(), picture: target.display().to_string(), alignment })
+    let name = format!("{} and {}", raw.display(), target.display());
+    TrainingPair { name, align, read: Box::new(read) }
 }
 
-impl Report {
+impl<'a> From<(&'a [PathBuf], &'a PairAlignment)> for Report<'a> {
+    fn from((files, alignment): (&'a [PathBuf], &'a PairAlignment)) -> Self {
+        Self { raw: &files[0], picture: &files[1], alignment }
+    }
+}
+
+impl Report<'_> {
     /// A line of the summary.
     pub(crate) fn line(&self) -> String {
-        let Self { raw, picture, alignment: PairAlignment { registration, rows, cols } } = self;
+        let (raw, picture) = (self.raw.display(), self.picture.display());
+        let PairAlignment { registration, rows, cols } = self.alignment;
         let Some(r) = registration else {
             return format!("{raw} and {picture}: {rows} × {cols} pixels, not aligned\n");
         };
@@ -69,8 +71,8 @@ impl Report {
             })
         });
         json!({
-            "raw": self.raw,
-            "picture": self.picture,
+            "raw": self.raw.display().to_string(),
+            "picture": self.picture.display().to_string(),
             "rows": self.alignment.rows,
             "cols": self.alignment.cols,
             "alignment": alignment,

@@ -7,13 +7,14 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 
 const TEMPLATE: &str = "{bar:24} {human_pos}/{human_len}{rate}  {msg}  {elapsed}, about {eta} left";
 
-/// A known number of steps, with the name of the current one.
+/// The number of steps, with the name of the current one.
 pub(crate) struct Progress {
     bar: ProgressBar,
     quiet: bool,
 }
 
 impl Progress {
+    /// `steps` are those of the command itself. Experiments announce theirs.
     pub(crate) fn new(steps: u64, quiet: bool) -> Self {
         // A dumb terminal would print every state of the bar.
         let dumb = std::env::var_os("TERM").is_some_and(|t| t == "dumb");

@@ -70,14 +70,12 @@ const NOISES: [Choice<NoiseMode>; 3] = [
     ("all", "All noise", NoiseMode::All),
 ];
 
-/// Peak memory of a capture, measured on mosaics: raw samples, and pictures in XYZ during their comparison.
-const BYTES_PER_PIXEL: u64 = 120;
-
 /// Names of the files of `--stages`, in the order of the light path.
 const STAGES: [&str; 4] = ["1-scene-radiance", "2-optical-image-irradiance", "3-raw", "4-picture-xyz"];
 
 pub(crate) fn run(args: &Simulate, common: &Common) -> anyhow::Result<()> {
-    let progress = Progress::new(4, common.quiet);
+    // The steps of this function: reading the scene, and writing.
+    let progress = Progress::new(2, common.quiet);
     progress.begin("scene");
     write::ensure_can_fill(&args.output)?;
     let camera = resolve::camera(&args.camera, &args.camera_options, None)?;
@@ -89,7 +87,6 @@ pub(crate) fn run(args: &Simulate, common: &Common) -> anyhow::Result<()> {
     if !args.full_frame {
         camera.sensor.window = Some(camera.window_on(&scene)?);
     }
-    ensure_memory(&camera)?;
     let facts = json!({
         "name": args.scene,
         "mean_luminance_cd_m2": scene.mean_luminance_cd_m2()?,
@@ -103,7 +100,8 @@ pub(crate) fn run(args: &Simulate, common: &Common) -> anyhow::Result<()> {
         seed: args.camera_options.seed,
         score: ScoreSettings::default(),
     };
-    let Simulation { photograph: photo, score } = simulate(&camera, scene, &settings, &progress)?;
+    let Simulation { photograph: photo, score } =
+        simulate(&camera, scene, &settings, &progress, memory::available_bytes())?;
     progress.begin("writing");
     // All results are computed before the first file is written.
     let gain = photo.picture.brightness_gain();
@@ -131,21 +129,6 @@ pub(crate) fn run(args: &Simulate, common: &Common) -> anyhow::Result<()> {
     }
     let others = if args.stages { "raw.dng, metrics.json, stages.json" } else { "raw.dng, metrics.json" };
     crate::print(&format!("{}  ({others} in the same folder)\n", rendered.display()))
-}
-
-/// Refuses a capture that exceeds the available memory, since the system would kill the program.
-fn ensure_memory(camera: &Camera) -> anyhow::Result<()> {
-    let sensor = &camera.sensor;
-    let (rows, cols) = sensor.window.map_or((sensor.rows, sensor.cols), |w| (w.rows, w.cols));
-    let need = (rows as u64).saturating_mul(cols as u64).saturating_mul(BYTES_PER_PIXEL);
-    let Some(available) = memory::available_bytes() else { return Ok(()) };
-    anyhow::ensure!(
-        need <= available,
-        "`sensor.rows` × `sensor.cols`: a picture of {rows} × {cols} pixels needs {} MiB of memory; {} MiB are available",
-        need >> 20,
-        available >> 20,
-    );
-    Ok(())
 }
 
 fn metrics(

@@ -71,19 +71,19 @@ pub(crate) fn run(args: &SweepArgs, common: &Common) -> anyhow::Result<()> {
         bail!("expected a built-in study (smalti list studies) or a TOML file")
     };
     let (trials, about) = studies::load(name).map_err(|e| anyhow::anyhow!("{e}"))?;
-    let plan = sweeps::plan(&trials, about, args.part_size, &args.output)?;
     let cache = if args.no_cache { Cache::disabled() } else { Cache::open(None) };
     let images = |key: &str, make: &dyn Fn() -> _| cache.optical_image(key, make);
     let sweep = Sweep::new(&trials, &images);
     if args.dry_run {
+        let plan = sweeps::plan(&trials, about, args.part_size, &args.output)?;
         return dry_run(args, &trials, &plan, &sweep);
     }
     if args.benchmark {
         return benchmark(args, &trials, &sweep);
     }
-    let run = SweepRun::open(&sweep, &plan, &args.output, args.shard)?;
+    let run = SweepRun::open(&trials, about, args.part_size, &args.output, args.shard)?;
     let to_do = run.trials();
-    let progress = Progress::new(to_do, common.quiet);
+    let progress = Progress::new(0, common.quiet);
     progress.begin(&trials.study().name);
     if to_do < trials.len() && args.shard.is_none() {
         progress.note(&format!("{} of {} trials are already scored", trials.len() - to_do, trials.len()));
@@ -94,7 +94,7 @@ pub(crate) fn run(args: &SweepArgs, common: &Common) -> anyhow::Result<()> {
     if !common.quiet {
         tell_when_stopped(args)?;
     }
-    let SweepSummary { scored, seconds, parts_missing } = run.run(&progress)?;
+    let SweepSummary { scored, seconds, parts_missing } = run.run(&sweep, &progress)?;
     progress.finish();
     let rate = if seconds > 0.0 { scored as f64 / seconds } else { 0.0 };
     let done = match scored {

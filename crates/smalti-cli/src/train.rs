@@ -6,12 +6,8 @@ use anyhow::{Context, bail};
 use clap::Args;
 use serde_json::json;
 use smalti::camera::{Camera, TrainingTarget};
-use smalti::experiment::{
-    NamedScene, Progress as _, TrainingMaterial, TrainingRecord, continue_statistics, ensure_mosaic,
-    fresh_statistics, gather, pair_statistics, solve,
-};
+use smalti::experiment::{Learned, NamedScene, TrainingSources, learn};
 use smalti::l3::{Origin, Pipeline, PositionSummary};
-use smalti::spectrum::Illuminant;
 use smalti_io::{l3, memory, write};
 
 use crate::args::{CameraOptions, Common};
@@ -101,7 +97,6 @@ pub(crate) fn run(args: &Train, common: &Common) -> anyhow::Result<()> {
     let training = args.learning.training();
     let lights =
         args.illuminants.iter().map(|n| resolve::illuminant(n)).collect::<anyhow::Result<Vec<_>>>()?;
-    ensure_mosaic(&camera)?;
     let files = [Some(&args.output), args.statistics.as_ref(), args.npz.as_ref(), args.c_header.as_ref()];
     for file in files.into_iter().flatten() {
         match folder_to_make(file) {
@@ -109,38 +104,17 @@ pub(crate) fn run(args: &Train, common: &Common) -> anyhow::Result<()> {
             None => write::ensure_can_write(file)?,
         }
     }
-    let material = material(args, &camera, &lights)?;
-    let light = match &material {
-        Some(m) => m.light(&camera)?,
-        None => lights.first().unwrap_or(&Illuminant::D65).photons(camera.grid())?,
+    let saved = |file: &PathBuf| anyhow::Ok((file.display().to_string(), l3::read_statistics(file)?));
+    let progress = Progress::new(0, common.quiet);
+    let pairs = args.pairs.chunks_exact(2);
+    let sources = TrainingSources {
+        scenes: scenes(args, &camera)?,
+        illuminants: lights,
+        pairs: pairs.map(|pair| pairs::pair(&pair[0], &pair[1], !args.no_align, &progress)).collect(),
+        saved: args.continue_from.iter().map(saved).collect::<anyhow::Result<_>>()?,
     };
-    let mut statistics = fresh_statistics(&camera, &settings, &light, memory::available_bytes())?;
-    if !args.pairs.is_empty() {
-        statistics = pair_statistics(&statistics)?;
-    }
-    let (mut sources, mut reports) = (Vec::new(), Vec::new());
-    if !args.continue_from.is_empty() {
-        let saved = |file: &PathBuf| anyhow::Ok((file.display().to_string(), l3::read_statistics(file)?));
-        let saved = args.continue_from.iter().map(saved).collect::<anyhow::Result<_>>()?;
-        statistics = continue_statistics(saved, &statistics, material.is_some() || !args.pairs.is_empty())?;
-        sources.extend(args.continue_from.iter().map(|f| format!("statistics {}", f.display())));
-    }
-    let steps = material.as_ref().map_or(0, TrainingMaterial::len) + args.pairs.len() / 2;
-    let progress = Progress::new(steps as u64 + 1, common.quiet);
-    for pair in args.pairs.chunks_exact(2) {
-        progress.begin(&format!("{} and {}", pair[0].display(), pair[1].display()));
-        let files: [&Path; 2] = [&pair[0], &pair[1]];
-        reports.push(pairs::add(&mut statistics, &camera, files, !args.no_align, &progress)?);
-        sources.push(format!("{} and {}", pair[0].display(), pair[1].display()));
-        progress.done();
-    }
-    if let Some(material) = &material {
-        gather(&camera, &settings, material, &mut statistics, &progress)?;
-        sources.extend(material.names());
-    }
-    progress.begin("solving");
-    let story = TrainingRecord { camera: camera.description().clone(), settings, sources };
-    let pipeline = solve(&statistics, &training, Some(&story))?;
+    let Learned { statistics, pipeline, alignments } =
+        learn(&camera, &settings, &training, sources, &progress, memory::available_bytes())?;
     // All results are computed before the first file is written.
     for folder in files.into_iter().flatten().filter_map(|f| folder_to_make(f)) {
         write::begin_folder(folder, &[])?;
@@ -156,6 +130,8 @@ pub(crate) fn run(args: &Train, common: &Common) -> anyhow::Result<()> {
         l3::write_c_header(file, &pipeline, &l3::c_prefix(file))?;
     }
     progress.finish();
+    let reports: Vec<pairs::Report<'_>> =
+        args.pairs.chunks_exact(2).zip(&alignments).map(Into::into).collect();
     let text = if args.json {
         json_summary(&pipeline, &reports)?
     } else {
@@ -170,20 +146,15 @@ fn folder_to_make(file: &Path) -> Option<&Path> {
     file.parent().filter(|folder| !folder.as_os_str().is_empty() && !folder.exists())
 }
 
-/// The training scenes; `None` when only pairs or saved statistics are given.
-fn material(
-    args: &Train,
-    camera: &Camera,
-    lights: &[Illuminant],
-) -> anyhow::Result<Option<TrainingMaterial>> {
+/// The scenes of the command line.
+fn scenes(args: &Train, camera: &Camera) -> anyhow::Result<Option<Vec<NamedScene>>> {
     if !args.scenes.is_empty() {
         let scene = |name: &String| {
             let scene = resolve::scene_for(name, &args.scene_options, camera)?;
             let keeps_fov = args.scene_options.states_fov(name);
             Ok(NamedScene::for_camera(camera, name.clone(), scene, resolve::is_file(name), keeps_fov)?)
         };
-        let scenes = args.scenes.iter().map(scene).collect::<anyhow::Result<_>>()?;
-        return Ok(Some(TrainingMaterial::Scenes(scenes)));
+        return args.scenes.iter().map(scene).collect::<anyhow::Result<_>>().map(Some);
     }
     if args.scene_options != SceneOptions::default() {
         bail!(
@@ -191,8 +162,7 @@ fn material(
              --exposures for the default set"
         );
     }
-    let others = !args.pairs.is_empty() || !args.continue_from.is_empty();
-    Ok((!others).then(|| TrainingMaterial::DefaultSet(lights.to_vec())))
+    Ok(None)
 }
 
 /// The target: XYZ, or the channels of another camera.
@@ -243,7 +213,7 @@ fn summary(pipeline: &Pipeline, file: &Path) -> String {
     )
 }
 
-fn json_summary(pipeline: &Pipeline, pairs: &[pairs::Report]) -> anyhow::Result<String> {
+fn json_summary(pipeline: &Pipeline, pairs: &[pairs::Report<'_>]) -> anyhow::Result<String> {
     let s = pipeline.summary();
     let document = json!({
         "classes_that_occur": s.occupied,

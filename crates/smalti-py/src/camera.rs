@@ -13,7 +13,7 @@ use smalti::isp::WhiteBalance;
 use smalti::sensor::{Exposure, NoiseMode};
 use smalti::spectrum::{Observer, Spectrum, WavelengthGrid};
 use smalti_io::dng::DngInfo;
-use smalti_io::{Override, TomlSource, cameras};
+use smalti_io::{Override, TomlSource, cameras, memory};
 
 use crate::cfa::PyCfa;
 use crate::error::{OrRaise, one_of, short, wrong};
@@ -258,7 +258,8 @@ impl PyCamera {
                 camera.sensor.window = Some(camera.window_on(&scene.scene).or_raise()?);
             }
             let light = scene.scene.illuminant().clone();
-            let photo = capture(&camera, scene.scene, &settings, watch).or_raise()?;
+            let photo =
+                capture(&camera, scene.scene, &settings, watch, memory::available_bytes()).or_raise()?;
             let info = DngInfo::of_camera(&camera, &light).or_raise()?;
             let balanced = camera.white_balance() != WhiteBalance::None;
             Ok(PyPhotograph {

@@ -8,9 +8,9 @@ use pyo3::types::PyBytes;
 use smalti::camera::CameraError;
 use smalti::design::Sweep;
 use smalti::optics::OpticalImage;
-use smalti_io::dataset::{self, Manifest, RemoteDataset, Run, RunRecord};
+use smalti_io::dataset::{self, Manifest, RemoteDataset, RunRecord};
 use smalti_io::studies;
-use smalti_io::sweeps;
+use smalti_io::sweeps::{self, SweepRun};
 
 use crate::error::{OrRaise, wrong};
 use crate::evaluate::cache;
@@ -91,7 +91,7 @@ impl PyPartMaker {
 /// A folder that workers fill. It is locked until `finish` or `close`.
 #[pyclass(name = "SharedFolder", module = "smalti._smalti", frozen)]
 pub(crate) struct PySharedFolder {
-    run: Mutex<Option<Run>>,
+    run: Mutex<Option<SweepRun>>,
     manifest: Manifest,
     missing: Vec<u64>,
 }
@@ -101,8 +101,7 @@ impl PySharedFolder {
     #[new]
     fn py_new(py: Python<'_>, study: &PyStudy, out: PathBuf, part_size: Option<u64>) -> PyResult<Self> {
         detached(py, || {
-            let plan = sweeps::plan(&study.trials, study.about.clone(), part_size, &out).or_raise()?;
-            let run = Run::open(&out, &plan, None).or_raise()?;
+            let run = SweepRun::open(&study.trials, study.about.clone(), part_size, &out, None).or_raise()?;
             let missing = run.missing().to_vec();
             Ok(Self { manifest: run.manifest().clone(), missing, run: Mutex::new(Some(run)) })
         })
@@ -130,10 +129,9 @@ impl PySharedFolder {
     }
 
     /// Records the run in the manifest and unlocks the folder.
-    fn finish(&self, py: Python<'_>, timings: &str) -> PyResult<()> {
-        let timings = serde_json::from_str(timings).or_raise()?;
+    fn finish(&self, py: Python<'_>, seconds: f64, threads: usize) -> PyResult<()> {
         let run = self.run.lock().unwrap_or_else(PoisonError::into_inner).take();
-        detached(py, || run.map_or(Ok(()), |r| r.finish(timings).or_raise().map(drop)))
+        detached(py, || run.map_or(Ok(()), |r| r.finish(seconds, threads).or_raise().map(drop)))
     }
 
     /// Unlocks the folder.
@@ -178,8 +176,15 @@ impl PySharedPlace {
     }
 
     /// The existing manifest with one more run.
-    fn with_run(&self, manifest: &[u8], parts: u64, timings: &str) -> PyResult<String> {
-        let record = RunRecord { shard: None, parts, timings: serde_json::from_str(timings).or_raise()? };
+    fn with_run(
+        &self,
+        manifest: &[u8],
+        parts: u64,
+        trials: u64,
+        seconds: f64,
+        threads: usize,
+    ) -> PyResult<String> {
+        let record = RunRecord { shard: None, parts, timings: sweeps::timings(seconds, trials, threads) };
         self.0.with_run(manifest, record).or_raise()?.to_json().or_raise()
     }
 }

@@ -24,7 +24,7 @@ use crate::json::dict_of;
 use crate::l3::PyPipeline;
 use crate::scene::PyScene;
 use crate::spectrum::light;
-use crate::work::watched;
+use crate::work::{Told, watched};
 
 pub(crate) fn cache(keep: bool) -> Cache {
     if keep { Cache::open(None) } else { Cache::disabled() }
@@ -234,7 +234,7 @@ pub(crate) fn score_scenes(
     let name = &camera.camera.description().name;
     let contender = Contender::with_pipeline(&camera.camera, name, pipeline.map(|p| &p.0));
     let score = ScoreSettings::default();
-    watched(py, progress, |watch| {
+    watched(py, progress.map(Told::Pictures), |watch| {
         let mut all = Vec::new();
         for scene in &scenes {
             watch.check()?;
@@ -298,13 +298,14 @@ pub(crate) fn compare<'py>(
         exposure,
     };
     let training = TrainingSettings { seed, ..TrainingSettings::default() };
-    let (names, outcomes) = watched(py, progress, |watch| {
+    let (names, outcomes) = watched(py, progress.map(Told::Steps), |watch| {
         let store = self::cache(cache);
         let resources = Resources { store: &store, progress: watch, memory_bytes: memory::available_bytes() };
         let learning = (&training, &Training::default());
+        let light = &settings.illuminant;
         let learned =
-            experiment::pipelines(&cameras, given, &processing, learning, &settings.illuminant, resources);
-        let learned = learned.or_raise()?;
+            experiment::pipelines(&cameras, &labels, given, &processing, learning, light, resources)
+                .or_raise()?;
         let (contenders, _) = experiment::contenders(&cameras, &labels, &learned, &processing).or_raise()?;
         let outcomes = experiment::compare(&contenders, &settings, resources).or_raise()?.outcomes;
         let names: Vec<_> = contenders.iter().map(|c| (c.label.to_owned(), c.processing.name())).collect();
@@ -404,7 +405,9 @@ pub(crate) fn light_gain<'py>(
     let (of, than) = (pipelines.0.as_deref().map(|p| &p.0), pipelines.1.as_deref().map(|p| &p.0));
     let a = Contender::with_pipeline(&camera.camera, &camera.camera.description().name, of);
     let b = Contender::with_pipeline(&other.camera, &other.camera.description().name, than);
-    let gains = watched(py, progress, |watch| light_gain_between(&a, &b, &settings, watch).or_raise())?;
+    let gains = watched(py, progress.map(Told::Pictures), |watch| {
+        light_gain_between(&a, &b, &settings, watch).or_raise()
+    })?;
     dict_of(py, &gains)
 }
 

@@ -5,16 +5,15 @@ use std::path::PathBuf;
 use numpy::IntoPyArray;
 use pyo3::prelude::*;
 use pyo3::types::{IntoPyDict, PyDict, PyString};
-use smalti::camera::{LevelRule, TrainingSettings, TrainingTarget, training_scenes};
+use smalti::camera::{LevelRule, TrainingSettings, TrainingTarget};
 use smalti::color::{ColorSpace, Image};
 use smalti::experiment::{
-    NamedScene, RawAndPicture, TrainingMaterial, TrainingRecord, add_pair, ensure_mosaic, fresh_statistics,
-    gather, pair_statistics, solve,
+    ExperimentError, Gathered, NamedScene, RawAndPicture, TrainingPair, TrainingRecord, TrainingSources,
+    gather, solve,
 };
 use smalti::l3::{
     Alpha, KernelForm, Origin, PerceptualWeights, Pipeline, Rendered, Solver, Statistics, Textures, Training,
 };
-use smalti::spectrum::Illuminant;
 use smalti_io::{l3, memory};
 
 use crate::arrays;
@@ -25,7 +24,7 @@ use crate::json::{dict_of, loads};
 use crate::raw::PyRawImage;
 use crate::scene::PyScene;
 use crate::spectrum::light;
-use crate::work::watched;
+use crate::work::{Told, watched};
 
 const LEVEL_RULES: [(&str, LevelRule); 2] =
     [("logarithmic", LevelRule::Logarithmic), ("noise-steps", LevelRule::NoiseSteps)];
@@ -254,7 +253,6 @@ pub(crate) fn gather_statistics(
     progress: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<(PyStatistics, PyTrainingRecord)> {
     let own = &camera.camera;
-    ensure_mosaic(own).or_raise()?;
     let settings = TrainingSettings {
         side: patch,
         levels,
@@ -266,60 +264,25 @@ pub(crate) fn gather_statistics(
         exposures,
         seed,
     };
-    let lights = illuminants.iter().map(light).collect::<PyResult<Vec<Illuminant>>>()?;
-    let pairs = pairs.unwrap_or_default();
-    if !pairs.is_empty() && scenes.as_ref().is_some_and(|s| !s.is_empty()) {
-        return Err(wrong("raw files contain noise and scenes do not: give either pairs or scenes"));
-    }
-    if !pairs.is_empty() && (settings.target != TrainingTarget::Xyz || settings.target_light.is_some()) {
-        return Err(wrong("target, target_illuminant: the targets of pairs are their pictures"));
-    }
     let scene = |s: Bound<'_, PyScene>| {
         let PyScene { scene, source, fov_stated, is_file } = s.get().clone();
         NamedScene::for_camera(own, source, scene, is_file, fov_stated).or_raise()
     };
-    let material = match scenes {
-        Some(scenes) => {
-            Some(TrainingMaterial::Scenes(scenes.into_iter().map(scene).collect::<PyResult<_>>()?))
-        }
-        None => pairs.is_empty().then(|| TrainingMaterial::DefaultSet(lights.clone())),
+    let pair = |(i, (raw, picture)): (usize, (Bound<'_, PyRawImage>, Bound<'_, PyImage>))| {
+        let (raw, picture) = (raw.get().raw.clone(), picture.get().image.clone());
+        let read = || Ok(RawAndPicture { raw, default_crop: None, picture });
+        TrainingPair { name: format!("pair {i}"), align, read: Box::new(read) }
     };
-    let pairs: Vec<(PyRawImage, PyImage)> =
-        pairs.iter().map(|(r, i)| (r.get().clone(), i.get().clone())).collect();
-    let (statistics, sources) = watched(py, progress, |watch| {
-        let first = match &material {
-            Some(material) if !material.is_empty() => material.light(own).or_raise()?,
-            _ => lights.first().unwrap_or(&Illuminant::D65).photons(own.grid()).or_raise()?,
-        };
-        let mut statistics =
-            fresh_statistics(own, &settings, &first, memory::available_bytes()).or_raise()?;
-        if !pairs.is_empty() {
-            statistics = pair_statistics(&statistics).or_raise()?;
-        }
-        let mut sources = Vec::new();
-        for (i, (raw, picture)) in pairs.iter().enumerate() {
-            watch.check()?;
-            let name = format!("pair {i}");
-            let (raw, picture) = (&raw.raw, &picture.image);
-            let pair = RawAndPicture { name: &name, raw, default_crop: None, picture };
-            add_pair(&mut statistics, own, pair, align, watch).or_raise()?;
-            sources.push(name);
-            watch.step();
-        }
-        if let Some(material) = &material {
-            gather(own, &settings, material, &mut statistics, watch).or_raise()?;
-            sources.extend(material.names());
-        }
-        Ok((statistics, sources))
+    let sources = TrainingSources::<ExperimentError> {
+        scenes: scenes.map(|all| all.into_iter().map(scene).collect::<PyResult<_>>()).transpose()?,
+        illuminants: illuminants.iter().map(light).collect::<PyResult<_>>()?,
+        pairs: pairs.unwrap_or_default().into_iter().enumerate().map(pair).collect(),
+        saved: Vec::new(),
+    };
+    let Gathered { statistics, record, .. } = watched(py, progress.map(Told::Steps), |watch| {
+        gather(own, &settings, sources, watch, memory::available_bytes()).or_raise()
     })?;
-    let story = TrainingRecord { camera: own.description().clone(), settings, sources };
-    Ok((PyStatistics(statistics), PyTrainingRecord(story)))
-}
-
-/// Number of scenes of the default training set.
-#[pyfunction]
-pub(crate) fn training_set_len() -> usize {
-    training_scenes(&[]).len()
+    Ok((PyStatistics(statistics), PyTrainingRecord(record)))
 }
 
 /// Solves statistics; see `smalti.solve`.

@@ -45,16 +45,14 @@ mod _smalti {
             test_scene_names,
         },
         image::PyImage,
-        l3::{
-            PyPipeline, PyStatistics, PyTrainingRecord, gather_statistics, solve_statistics, training_set_len,
-        },
+        l3::{PyPipeline, PyStatistics, PyTrainingRecord, gather_statistics, solve_statistics},
         metrics::{PyEdge, aliasing, cpsnr_db, edge_sfr, luminance_noise_percent, metrics, visual_snr},
         photograph::PyPhotograph,
         raw::PyRawImage,
         report::write_report,
         scene::{PyOpticalImage, PyScene, scenes},
         spectrum::{PySpectrum, illuminant, illuminants},
-        study::{PyResults, PyStudy, merge, parse_shard, run_sweep, study_names, trials_missing},
+        study::{PyResults, PyStudy, merge, parse_shard, run_sweep, study_names},
     };
 
     /// The version of the package and of the command.

@@ -9,7 +9,7 @@ use smalti_report::study::{DOCUMENT, PAGE, Report, ReportSettings, Results, figu
 
 use crate::error::{OrRaise, wrong};
 use crate::json::loads;
-use crate::work::watched;
+use crate::work::{Told, watched};
 
 #[pyfunction]
 pub(crate) fn write_report<'py>(
@@ -26,7 +26,7 @@ pub(crate) fn write_report<'py>(
         return Err(wrong("which results? Name a folder that a sweep wrote"));
     };
     let folder = output.unwrap_or_else(|| first.join("report"));
-    let document = watched(py, progress, |watch| {
+    let document = watched(py, progress.map(Told::Pictures), |watch| {
         let read = |dir: &PathBuf| {
             watch.check()?;
             Results::new(read_results(dir).or_raise()?).or_raise()

@@ -17,7 +17,7 @@ use crate::cfa::PyCfa;
 use crate::error::OrRaise;
 use crate::evaluate::cache;
 use crate::json::dict_of;
-use crate::work::watched;
+use crate::work::{Told, watched};
 
 /// A study: families of filters and mosaics, conditions, metrics.
 ///
@@ -116,32 +116,14 @@ pub(crate) fn run_sweep(
     progress: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<(u64, f64, u64)> {
     let shard = shard.map(|(index, of)| Shard::new(index, of)).transpose().or_raise()?;
-    watched(py, progress, |watch| {
-        let plan = sweeps::plan(&study.trials, study.about.clone(), part_size, &out).or_raise()?;
+    watched(py, progress.map(Told::Steps), |watch| {
+        let run = SweepRun::open(&study.trials, study.about.clone(), part_size, &out, shard).or_raise()?;
         let cache = self::cache(cache);
         let images = |key: &str, make: &dyn Fn() -> _| cache.optical_image(key, make);
         let sweep = Sweep::new(&study.trials, &images);
-        let run = SweepRun::open(&sweep, &plan, &out, shard).or_raise()?;
-        let done = run.run(watch).or_raise()?;
+        let done = run.run(&sweep, watch).or_raise()?;
         Ok((done.scored, done.seconds, done.parts_missing))
     })
-}
-
-/// Number of trials of a study or of a shard that a folder lacks. The folder is neither created nor locked.
-#[pyfunction]
-#[pyo3(signature = (study, out, shard, part_size))]
-pub(crate) fn trials_missing(
-    study: &PyStudy,
-    out: PathBuf,
-    shard: Option<(u32, u32)>,
-    part_size: Option<u64>,
-) -> PyResult<u64> {
-    let shard = shard.map(|(index, of)| Shard::new(index, of)).transpose().or_raise()?;
-    let plan = sweeps::plan(&study.trials, study.about.clone(), part_size, &out).or_raise()?;
-    let there = Dataset::open(&out).map(|d| d.chunks().to_vec()).unwrap_or_default();
-    let own =
-        (0..plan.chunks()).filter(|&c| shard.is_none_or(|s| s.owns(c)) && there.binary_search(&c).is_err());
-    Ok(plan.trials_in(own))
 }
 
 /// Merges the results of shards into one folder, which is then identical to that of a single run.

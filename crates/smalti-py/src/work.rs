@@ -12,11 +12,22 @@ use smalti::experiment::Progress;
 /// The interval at which signals are checked and progress is reported.
 const TICK: Duration = Duration::from_millis(50);
 
+/// A Python function that is told of the progress.
+#[derive(Clone, Copy)]
+pub(crate) enum Told<'a, 'py> {
+    /// It is called with the numbers of finished and of expected steps.
+    Steps(&'a Bound<'py, PyAny>),
+    /// It is called with the number of rendered pictures.
+    Pictures(&'a Bound<'py, PyAny>),
+}
+
 /// State shared by long work and the thread that waits for it.
 #[derive(Debug, Default)]
 pub(crate) struct Watch {
     stop: AtomicBool,
+    expected: AtomicU64,
     done: AtomicU64,
+    pictures: AtomicU64,
 }
 
 impl Watch {
@@ -24,20 +35,19 @@ impl Watch {
     pub(crate) fn check(&self) -> PyResult<()> {
         if self.stop.load(Ordering::Relaxed) { Err(PyKeyboardInterrupt::new_err(())) } else { Ok(()) }
     }
-
-    /// Counts a finished step.
-    pub(crate) fn step(&self) {
-        self.done.fetch_add(1, Ordering::Relaxed);
-    }
 }
 
 impl Progress for Watch {
+    fn expect(&self, steps: u64) {
+        self.expected.fetch_add(steps, Ordering::Relaxed);
+    }
+
     fn done(&self) {
-        self.step();
+        self.done.fetch_add(1, Ordering::Relaxed);
     }
 
     fn picture(&self) {
-        self.step();
+        self.pictures.fetch_add(1, Ordering::Relaxed);
     }
 
     fn is_stopped(&self) -> bool {
@@ -45,14 +55,14 @@ impl Progress for Watch {
     }
 }
 
-/// Runs long work on another thread. This thread, without the lock, checks signals and calls `progress` with the number of finished
-/// steps. After Ctrl-C, or when `progress` raises, it requests the work to end and waits for it, since the work borrows from here.
+/// Runs long work on another thread. This thread, without the lock, checks signals and calls `progress` when its numbers have
+/// changed. After Ctrl-C, or when `progress` raises, it requests the work to end and waits for it, since the work borrows from here.
 ///
 /// # Errors
 /// Errors of the work, exceptions of Ctrl-C and `progress`, and RuntimeError for a fault of the library.
 pub(crate) fn watched<T: Send>(
     py: Python<'_>,
-    progress: Option<&Bound<'_, PyAny>>,
+    progress: Option<Told<'_, '_>>,
     work: impl FnOnce(&Watch) -> PyResult<T> + Send,
 ) -> PyResult<T> {
     let watch = Watch::default();
@@ -65,7 +75,7 @@ pub(crate) fn watched<T: Send>(
             let _ = sender.send(result);
         });
         let mut raised: Option<PyErr> = None;
-        let mut reported = 0;
+        let mut reported = (0, 0);
         loop {
             let next = py.detach(|| match receiver.lock() {
                 Ok(receiver) => receiver.recv_timeout(TICK),
@@ -73,10 +83,21 @@ pub(crate) fn watched<T: Send>(
             });
             let poll = || -> PyResult<()> {
                 py.check_signals()?;
-                let done = watch.done.load(Ordering::Relaxed);
-                if let Some(progress) = progress.filter(|_| done != reported) {
-                    reported = done;
-                    progress.call1((done,))?;
+                let now = |count: &AtomicU64| count.load(Ordering::Relaxed);
+                match progress {
+                    Some(Told::Steps(call)) => {
+                        let numbers = (now(&watch.done), now(&watch.expected));
+                        if std::mem::replace(&mut reported, numbers) != numbers {
+                            call.call1(numbers)?;
+                        }
+                    }
+                    Some(Told::Pictures(call)) => {
+                        let numbers = (now(&watch.pictures), 0);
+                        if std::mem::replace(&mut reported, numbers) != numbers {
+                            call.call1((numbers.0,))?;
+                        }
+                    }
+                    None => {}
                 }
                 Ok(())
             };

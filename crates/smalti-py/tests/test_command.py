@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import smalti
+from smalti import _smalti
 from numpy.typing import NDArray
 
 import conftest
@@ -169,6 +170,16 @@ def test_comparisons_are_those_of_compare(command: Command, tmp_path: Path) -> N
     for camera, luminance, scene, scores in found:
         record = own[camera, luminance, scene]
         assert scores == {key: record[key] for key in scores}
+
+
+def test_the_steps_of_a_comparison_are_announced_and_counted() -> None:
+    camera = smalti.Camera("bayer", set=SIZE)
+    told: list[tuple[int, int]] = []
+    both = ["l3", "bilinear"]
+    pipeline = smalti.train(camera, [smalti.Scene(s) for s in SCENES], patch=3, levels=3, textures="none", progress=False)
+    _smalti.compare([camera], [pipeline], both, SCENES, [40.0, 80.0], None, 1, False, lambda *numbers: told.append(numbers))
+    # The pipeline, then each kind of processing at each luminance. A picture is no step.
+    assert told[-1] == (5, 5) and all(done <= expected for done, expected in told)
 
 
 def test_a_name_alone_is_that_of_the_test_set(command: Command, tmp_path: Path) -> None:

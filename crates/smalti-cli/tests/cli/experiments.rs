@@ -5,9 +5,8 @@ use serde::Serialize;
 use serde_json::Value;
 use smalti::camera::{Camera, EvaluationSettings, ScoreSettings, TrainingSettings};
 use smalti::experiment::{
-    ComparisonSettings, Contender, ExposurePolicy, NamedScene, Processing, Resources, Silent,
-    SimulationSettings, TestScene, TrainingMaterial, TrainingRecord, compare, fresh_statistics, gather,
-    simulate, solve,
+    ComparisonSettings, Contender, ExperimentError, ExposurePolicy, Learned, NamedScene, Processing,
+    Resources, Silent, SimulationSettings, TestScene, TrainingSources, compare, learn, simulate,
 };
 use smalti::isp::Demosaic;
 use smalti::l3::{Textures, Training};
@@ -91,7 +90,7 @@ fn simulate_gives_what_the_library_gives_and_scores_as_compare_does() {
     let scene = bayer.fitted(scenes::load(MACBETH, &request).unwrap(), false).unwrap();
     bayer.sensor.window = Some(bayer.window_on(&scene).unwrap());
     let settings = SimulationSettings { noise: NoiseMode::All, seed: 1, score: ScoreSettings::default() };
-    let simulation = simulate(&bayer, scene, &settings, &Silent).unwrap();
+    let simulation = simulate(&bayer, scene, &settings, &Silent, None).unwrap();
     let scores = as_read(&simulation.score.unwrap().scores);
     for key in ["cpsnr_db", "pixel_delta_e_2000_mean", "pixel_delta_e_2000_p95", "scielab_mean"] {
         assert!(scores[key].is_number());
@@ -116,12 +115,14 @@ fn train_learns_what_the_library_learns() {
         let scene = scenes::load(name, &request).unwrap();
         NamedScene::for_camera(&bayer, name.into(), scene, false, false).unwrap()
     };
-    let material = TrainingMaterial::Scenes(vec![named(LEAVES), named(MACBETH)]);
-    let light = material.light(&bayer).unwrap();
-    let mut statistics = fresh_statistics(&bayer, &settings, &light, None).unwrap();
-    gather(&bayer, &settings, &material, &mut statistics, &Silent).unwrap();
-    let story = TrainingRecord { camera: bayer.description().clone(), settings, sources: material.names() };
-    let own = solve(&statistics, &Training::default(), Some(&story)).unwrap();
+    let sources = TrainingSources::<ExperimentError> {
+        scenes: Some(vec![named(LEAVES), named(MACBETH)]),
+        illuminants: Vec::new(),
+        pairs: Vec::new(),
+        saved: Vec::new(),
+    };
+    let Learned { statistics, pipeline: own, .. } =
+        learn(&bayer, &settings, &Training::default(), sources, &Silent, None).unwrap();
     assert_eq!(learned.kernels(), own.kernels());
     assert_eq!(learned.provenance(), own.provenance());
     // Provenance is structured.

@@ -142,25 +142,25 @@ fn pairs_that_do_not_fit() {
     };
     pair(
         "--no-align --pair s/raw.dng small.png",
-        &["s/raw.dng with small.png", "96 × 96", "the target 30 × 30"],
+        &["s/raw.dng and small.png", "96 × 96", "the target 30 × 30"],
     );
     pair(
         "--pair s/raw.dng small.png",
-        &["s/raw.dng with small.png", "30 × 30 pixels are too few to align by"],
+        &["s/raw.dng and small.png", "30 × 30 pixels are too few to align by"],
     );
-    pair("--pair s/raw.dng flat.png", &["s/raw.dng with flat.png", "does not match the raw image"]);
+    pair("--pair s/raw.dng flat.png", &["s/raw.dng and flat.png", "does not match the raw image"]);
     pair("--pair s/raw.dng no.png", &["cannot read no.png"]);
     pair("--pair no.dng s/rendered.png", &["cannot read no.dng"]);
     pair("--pair s/rendered.png s/rendered.png", &["s/rendered.png"]);
     pair(
         "--pair s/raw.dng s/rendered.png --pair ten/raw.dng ten/rendered.png",
-        &["ten/raw.dng with", "white level 1023", "16383"],
+        &["ten/raw.dng and", "white level 1023", "16383"],
     );
     refused(
         &place,
         "train rgbw --pair s/raw.dng s/rendered.png -o a.l3",
         1,
-        &["s/raw.dng with s/rendered.png", "R G G B"],
+        &["s/raw.dng and s/rendered.png", "R G G B"],
     );
 }
 

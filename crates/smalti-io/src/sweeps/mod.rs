@@ -105,44 +105,81 @@ pub struct SweepSummary {
     pub parts_missing: u64,
 }
 
-/// A sweep with the locked folder that takes its results.
-pub struct SweepRun<'a> {
-    sweep: &'a Sweep<'a>,
+/// A sweep into a folder, which stays locked. The parts are computed by [`run`](SweepRun::run), or by other processes that write them with
+/// [`dataset::write_part`] and are counted by [`adopt`](SweepRun::adopt).
+pub struct SweepRun {
     run: Run,
 }
 
-impl<'a> SweepRun<'a> {
-    /// Creates or resumes the folder `dir`, for all trials or for a shard. `plan` is that of the trials of `sweep`.
+impl SweepRun {
+    /// Creates or resumes the folder `dir` with the [`plan`] of the trials, for all of them or for a shard.
     ///
     /// # Errors
-    /// As [`Run::open`].
+    /// As [`plan`] and [`Run::open`].
     pub fn open(
-        sweep: &'a Sweep<'a>,
-        plan: &Plan,
+        trials: &Trials,
+        about: String,
+        part_size: Option<u64>,
         dir: &Path,
         shard: Option<Shard>,
-    ) -> Result<Self, DatasetError> {
-        Ok(Self { sweep, run: Run::open(dir, plan, shard)? })
+    ) -> Result<Self, SweepError> {
+        let plan = plan(trials, about, part_size, dir)?;
+        Ok(Self { run: Run::open(dir, &plan, shard)? })
     }
 
-    /// Number of trials in the parts that this run lacks.
+    /// The manifest of the plan, without runs.
+    #[must_use]
+    pub fn manifest(&self) -> &Manifest {
+        self.run.manifest()
+    }
+
+    /// The parts that were missing when the folder was opened, ascending.
+    #[must_use]
+    pub fn missing(&self) -> &[u64] {
+        self.run.missing()
+    }
+
+    /// Number of trials in the missing parts.
     #[must_use]
     pub fn trials(&self) -> u64 {
-        self.run.manifest().plan.trials_in(self.run.missing().iter().copied())
+        self.manifest().plan.trials_in(self.missing().iter().copied())
     }
 
     /// Scores the trials of the missing parts, writes each part while the next is computed, and records the run with its timings in the
-    /// manifest. Each trial is one step of progress.
+    /// manifest. Each trial is one step of progress. `sweep` has the trials that the folder was opened for.
     ///
     /// # Errors
     /// When a condition cannot be prepared, a file cannot be written, or the work is stopped.
-    pub fn run(self, progress: &dyn Progress) -> Result<SweepSummary, SweepError> {
-        let (start, scored) = (Instant::now(), self.trials());
-        score_and_write(self.sweep, &self.run, progress)?;
-        let seconds = start.elapsed().as_secs_f64();
-        let timings = json!({"seconds": seconds, "trials": scored, "threads": rayon::current_num_threads()});
-        Ok(SweepSummary { scored, seconds, parts_missing: self.run.finish(timings)? })
+    pub fn run(self, sweep: &Sweep<'_>, progress: &dyn Progress) -> Result<SweepSummary, SweepError> {
+        let start = Instant::now();
+        progress.expect(self.trials());
+        score_and_write(sweep, &self.run, progress)?;
+        Ok(self.finish(start.elapsed().as_secs_f64(), rayon::current_num_threads())?)
     }
+
+    /// Counts a part that another process has written; see [`Run::adopt`].
+    ///
+    /// # Errors
+    /// When the part does not belong to this run.
+    pub fn adopt(&self, part: u64) -> Result<(), DatasetError> {
+        self.run.adopt(part)
+    }
+
+    /// Records the run with its timings in the manifest and unlocks the folder.
+    ///
+    /// # Errors
+    /// When the folder cannot be read or the manifest cannot be written.
+    pub fn finish(self, seconds: f64, threads: usize) -> Result<SweepSummary, DatasetError> {
+        let scored = self.trials();
+        let parts_missing = self.run.finish(timings(seconds, scored, threads))?;
+        Ok(SweepSummary { scored, seconds, parts_missing })
+    }
+}
+
+/// The timings of a run in the manifest.
+#[must_use]
+pub fn timings(seconds: f64, trials: u64, threads: usize) -> serde_json::Value {
+    json!({"seconds": seconds, "trials": trials, "threads": threads})
 }
 
 /// Scores the missing parts of a run, and writes each part while the next is computed.

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 import secrets
 import threading
@@ -26,8 +25,8 @@ PATIENCE = 1.0
 
 Target = str | tuple[Any, str]
 """A folder that every worker can access, or a file system of fsspec and a path in it."""
-Open = Callable[[int], Any]
-"""Opens the progress of a number of trials."""
+Open = Callable[[], Any]
+"""Opens the progress of trials."""
 
 
 class _RemoteDataset:
@@ -61,10 +60,12 @@ class _RemoteDataset:
     def adopt(self, part: int) -> None:
         self._parts += 1
 
-    def finish(self, timings: str) -> None:
+    def finish(self, seconds: float, threads: int) -> None:
         if self._parts > 0:
             path = f"{self._root}/manifest.json"
-            _put(self._fs, path, self._place.with_run(self._fs.cat_file(path), self._parts, timings).encode())
+            trials = sum(map(self.trials_of, self._missing))
+            manifest = self._place.with_run(self._fs.cat_file(path), self._parts, trials, seconds, threads)
+            _put(self._fs, path, manifest.encode())
 
     def close(self) -> None:
         pass
@@ -190,17 +191,16 @@ def sweep(
         missing = place.missing()
         total = sum(map(place.trials_of, missing))
         start, count = time.monotonic(), 0
-        with open_progress(total) as report:
+        with open_progress() as report:
 
             def done(part: int) -> None:
                 nonlocal count
                 count += place.trials_of(part)
                 if report is not None:
-                    report(count)
+                    report(count, total)
 
             _compute(client, study, place, target, cache, done)
-        timings = {"seconds": time.monotonic() - start, "trials": total, "threads": _threads(client)}
-        place.finish(json.dumps(timings))
+        place.finish(time.monotonic() - start, _threads(client))
     finally:
         place.close()
     return target if isinstance(target, str) else None

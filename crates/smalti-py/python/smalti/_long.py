@@ -6,7 +6,7 @@ import os
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from functools import partial
-from typing import Any, Literal, overload
+from typing import Any, Literal, Protocol, overload
 
 from tqdm.auto import tqdm
 
@@ -21,16 +21,40 @@ Progress = bool | Callable[[int], object]
 """True: a progress bar on a terminal or in a notebook; False: none; or a function that is called with the number of finished steps."""
 
 
+class _Told(Protocol):
+    """Is called with the numbers of finished and, where it can be known, of expected steps."""
+
+    def __call__(self, done: int, expected: int | None = None) -> object: ...
+
+
 @contextmanager
-def _told(progress: Progress, total: int | None, what: str, unit: str) -> Iterator[Callable[[int], object] | None]:
+def _told(progress: Progress, what: str, unit: str) -> Iterator[_Told | None]:
     if progress is False:
         yield None
     elif progress is True:
         # `disable=None`: no bar where standard error is not a terminal.
-        with tqdm(total=total, desc=what, unit=unit, disable=None) as bar:
-            yield lambda done: bar.update(done - bar.n)
+        with tqdm(desc=what, unit=unit, disable=None) as bar:
+
+            def draw(done: int, expected: int | None = None) -> None:
+                if expected != bar.total and not bar.disable:
+                    # Notebooks show a new total after `reset` only, which also forgets the finished steps and the start.
+                    start = bar.start_t
+                    bar.reset(expected)
+                    bar.start_t, bar.n, bar.last_print_n = start, done, done
+                    bar.refresh()
+                bar.update(done - bar.n)
+
+            yield draw
     else:
-        yield progress
+        reported = 0
+
+        def call(done: int, expected: int | None = None) -> None:
+            nonlocal reported
+            if done != reported:
+                reported = done
+                progress(done)
+
+        yield call
 
 
 def _gather(
@@ -40,11 +64,9 @@ def _gather(
     progress: Progress,
     *settings: Any,
 ) -> tuple[Statistics, _smalti.TrainingRecord]:
-    given = len(scenes or ()) + len(pairs or ())
-    total = given if scenes is not None or pairs is not None else _smalti.training_set_len()
     of_scenes = None if scenes is None else list(scenes)
     of_pairs = None if pairs is None else list(pairs)
-    with _told(progress, total, f"training {camera.name}", "scene") as told:
+    with _told(progress, f"training {camera.name}", "scene") as told:
         gathered: Callable[..., tuple[Statistics, _smalti.TrainingRecord]] = _smalti.gather_statistics
         return gathered(camera, of_scenes, of_pairs, *settings, progress=told)
 
@@ -195,8 +217,7 @@ def compare(
     each: list[Pipeline | None] = list(pipelines) if pipelines is not None else [None] * len(cameras)
     if len(each) != len(cameras):
         raise _smalti.SmaltiError(f"pipelines: {len(each)} given for {len(cameras)} cameras; expected one for each")
-    steps = len(cameras) * (1 + len(processing) * len(luminances_cd_m2))
-    with _told(progress, steps, "comparing", "step") as told:
+    with _told(progress, "comparing", "step") as told:
         return _smalti.compare(
             list(cameras), each, list(processing), None if scenes is None else list(scenes), list(luminances_cd_m2),
             illuminant, (exposure, max_saturated_percent / 100, max_exposure_s), seed, cache, told,
@@ -220,8 +241,8 @@ def light_gain(
         camera: the camera whose light is varied.
         other: the reference camera.
         pipelines: the learned pipelines of both, or None for the camera's own processing.
-        scenes: built-in scenes with their parameters for the scores of whole pictures; default dead leaves and the ColorChecker. Each is
-            captured about twenty times.
+        scenes: built-in scenes with their parameters for the scores of whole pictures; default the first two of
+            `test_scenes()`, dead leaves and the ColorChecker. Each is captured about twenty times.
         luminance_cd_m2: mean luminance of the scenes for `other`, cd/m².
         illuminant: illuminant of the scenes; default D65.
         seed: seed of the noise.
@@ -232,7 +253,7 @@ def light_gain(
         {"less_than": v} beyond four stops), and the scores of both cameras in equal light (`own`, `target`).
     """
     of = None if scenes is None else list(scenes)
-    with _told(progress, None, f"{camera.name} against {other.name}", "picture") as told:
+    with _told(progress, f"{camera.name} against {other.name}", "picture") as told:
         return _smalti.light_gain(camera, other, pipelines, of, luminance_cd_m2, illuminant, seed, told)
 
 
@@ -308,8 +329,7 @@ def sweep(
     if isinstance(out, tuple):
         raise _smalti.SmaltiError("out is a file system and a path; expected a folder, or also a client")
     share = _smalti.parse_shard(shard) if isinstance(shard, str) else shard
-    missing = _smalti.trials_missing(known, out, share, part_size)
-    with _told(progress, missing, known.name, "trial") as told:
+    with _told(progress, known.name, "trial") as told:
         _smalti.run_sweep(known, out, share, part_size, cache, told)
     return Results(out)
 
@@ -344,5 +364,5 @@ def report(
     """
     several = [results] if isinstance(results, Results | str | os.PathLike) else list(results)
     folders = [r.dir if isinstance(r, Results) else r for r in several]
-    with _told(progress, None, "report", "figure") as told:
+    with _told(progress, "report", "figure") as told:
         return _smalti.write_report(folders, out, pictures, list(trials), list(draw), told)

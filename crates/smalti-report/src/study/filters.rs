@@ -1,16 +1,16 @@
 //! Filters, mosaics and pictures of chosen designs.
 
-use smalti::design::Design;
+use smalti::design::{Design, TrialPhotographer, TrialScene};
 use smalti::metrics::Better;
 use smalti::sensor::NoiseMode;
 use smalti::spectrum::WavelengthGrid;
 
 use super::book::Book;
-use super::pictures::{LEAVES, SceneSetup, SectionSetup, ZONE_PLATE};
+use super::pictures::{LEAVES, ZONE_PLATE, photographer_of};
 use super::results::MAIN;
 use super::sections::{ALIASING, Group, Section};
 use crate::ReportError;
-use crate::pictures::Pixels;
+use crate::pictures;
 use crate::{Cell, Line, Mosaics, Panels, Plot, Rgb, Sheet};
 
 /// Panels or pictures in a row.
@@ -26,15 +26,15 @@ pub(super) fn of_section(section: &Section<'_>, book: &mut Book<'_>) -> Result<(
     spectra(section, "filters-worst", "Filters of the designs of largest colour error", |g| g.worst, book)?;
     mosaics(section, book)?;
     // The camera may need a file that is not part of the study.
-    let setup = SectionSetup::new(section);
+    let photographer = photographer_of(section);
     let draws = [
-        ("zone plates", zone_plates as fn(&SectionSetup<'_>, &Section<'_>, &mut Book<'_>) -> _),
+        ("zone plates", zone_plates as fn(&TrialPhotographer, &Section<'_>, &mut Book<'_>) -> _),
         ("scene", leaves),
     ];
     for (what, draw) in draws {
-        match &setup {
-            Ok(setup) => {
-                if let Err(error) = draw(setup, section, book) {
+        match &photographer {
+            Ok(photographer) => {
+                if let Err(error) = draw(photographer, section, book) {
                     book.note(section, what, &error)?;
                 }
             }
@@ -120,7 +120,7 @@ fn mosaics(section: &Section<'_>, book: &mut Book<'_>) -> Result<(), ReportError
 
 /// Pictures of the zone plate by the best designs of fewest and of most colours, and by the design with most aliasing.
 fn zone_plates(
-    setup: &SectionSetup<'_>,
+    photographer: &TrialPhotographer,
     section: &Section<'_>,
     book: &mut Book<'_>,
 ) -> Result<(), ReportError> {
@@ -141,7 +141,7 @@ fn zone_plates(
     let mut shown: Vec<(usize, String)> =
         [few, many].into_iter().flatten().map(|(n, row)| (row, format!("best of {n} colours"))).collect();
     shown.extend(last);
-    let scene = setup.scene(ZONE_PLATE, NoiseMode::None)?;
+    let scene = photographer.scene(ZONE_PLATE, NoiseMode::None)?;
     let sheet = Sheet::new(ACROSS)
         .title(format!("Zone plates, {}", section.title()))
         .note("The frequency of the rings rises outwards, to half a cycle per pixel in the middle of each side. Rings around other points, and colours, are aliasing. Without noise.");
@@ -149,7 +149,11 @@ fn zone_plates(
 }
 
 /// Pictures of a scene with natural colours by the best and by the worst design.
-fn leaves(setup: &SectionSetup<'_>, section: &Section<'_>, book: &mut Book<'_>) -> Result<(), ReportError> {
+fn leaves(
+    photographer: &TrialPhotographer,
+    section: &Section<'_>,
+    book: &mut Book<'_>,
+) -> Result<(), ReportError> {
     let delta_e = |r: &usize| match section.results.measure(MAIN[0]).or(section.results.measures.first()) {
         Some(m) if m.better == Better::Higher => -m.at(*r),
         Some(m) => m.at(*r),
@@ -163,7 +167,7 @@ fn leaves(setup: &SectionSetup<'_>, section: &Section<'_>, book: &mut Book<'_>) 
         .into_iter()
         .filter_map(|(row, what)| Some((row?, what.to_owned())))
         .collect();
-    let scene = setup.scene(LEAVES, NoiseMode::All)?;
+    let scene = photographer.scene(LEAVES, NoiseMode::All)?;
     let sheet = Sheet::new(2).title(format!("A scene with natural colours, {}", section.title())).note(
         "The best and the worst design, by colour error where it is scored. With all noise; the brightness is adjusted for display.",
     );
@@ -172,7 +176,7 @@ fn leaves(setup: &SectionSetup<'_>, section: &Section<'_>, book: &mut Book<'_>) 
 
 fn add(
     mut sheet: Sheet,
-    scene: &SceneSetup<'_>,
+    scene: &TrialScene<'_>,
     section: &Section<'_>,
     shown: &[(usize, String)],
     name: &str,
@@ -182,12 +186,12 @@ fn add(
         return Ok(());
     }
     for (row, what) in shown {
-        let Pixels { width, height, rgb } = scene.picture(*row)?;
+        let picture = scene.picture(&section.results.trial(*row)?.design)?;
         let colors = section.results.colors.get(*row).copied().unwrap_or_default();
         let number = section.results.data.numbers.get(*row).copied().unwrap_or_default();
         let caption =
             format!("{what}\n{}; trial {number}", caption(section, colors, *row).replace('\n', ", "));
-        sheet = sheet.picture(caption, width, height, &rgb);
+        sheet = pictures::add(sheet, caption, &picture);
     }
     book.save(name, &sheet.enlarge(2).draw()?, 1.0)
 }

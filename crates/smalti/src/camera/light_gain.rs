@@ -6,7 +6,9 @@ use std::fmt;
 use serde::Serialize;
 
 use super::chart::{self, PATCH_SAMPLES};
-use super::{Camera, CameraError, GreyScores, IspFor, PatchScores, ScoreSettings, Setup, compare_on};
+use super::{
+    Camera, CameraError, GreyScores, IspFor, PatchScores, ScoreSettings, Setup, compare_on, test_scenes,
+};
 use crate::isp::Isp;
 use crate::metrics::{Better, MetricError, metric_info};
 use crate::scene::{Setting, macbeth};
@@ -18,9 +20,8 @@ const REACH_STOPS: i32 = 4;
 /// Bisections of the stop that contains the crossing; the remaining interval is interpolated.
 const HALVINGS: u32 = 3;
 
-/// Default scenes for the scores of whole pictures: smaller versions of two [`test_scenes`](super::test_scenes), because each is
-/// captured some twenty times. Another seed changes the gain by a hundredth of a stop, and by a few hundredths for S-CIELAB.
-const SCENES: [&str; 2] = ["dead-leaves?rows=384&cols=512&least=2&largest=100&seed=1001", "macbeth?patch=64"];
+/// Number of scenes for the scores of whole pictures, because each is captured some twenty times.
+pub(crate) const LIGHT_GAIN_SCENES: usize = 2;
 
 /// Number of captures of the ColorChecker over which noise is averaged. Its patches are small: the gain is uncertain by a tenth
 /// of a stop with one capture and by half of that with four.
@@ -131,13 +132,13 @@ pub struct LightGainSettings {
 }
 
 impl Default for LightGainSettings {
-    /// 1 cd/m² of D65, dead leaves and the ColorChecker.
+    /// 1 cd/m² of D65, and the first two [`test_scenes`]: dead leaves and the ColorChecker.
     fn default() -> Self {
         Self {
             luminance_cd_m2: 1.0,
             illuminant: Illuminant::D65,
             seed: 1,
-            scenes: SCENES.map(str::to_owned).to_vec(),
+            scenes: test_scenes().iter().take(LIGHT_GAIN_SCENES).map(|&s| s.to_owned()).collect(),
             score: ScoreSettings::default(),
         }
     }

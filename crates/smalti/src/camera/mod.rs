@@ -26,10 +26,13 @@ pub use evaluate::{
     Evaluation, EvaluationPictures, EvaluationSettings, ExposureTimes, GreyScores, IspFor, OpticalImages,
     PatchScores, evaluate, evaluate_with,
 };
+pub(crate) use light_gain::LIGHT_GAIN_SCENES;
 pub use light_gain::{
     CameraAndIsp, LightGain, LightGainSettings, LightGains, MetricGain, light_gain, light_gains,
 };
 pub use photograph::Photograph;
 pub use score::{PictureScores, ScoreSettings, score_picture};
 pub use training::{LevelRule, TrainingSettings, TrainingTarget};
-pub use training_set::{TRAINING_SET_REVISION, TrainingScene, training_reflectances, training_scenes};
+pub use training_set::{
+    DEFAULT_TRAINING_LIGHT, TRAINING_SET_REVISION, TrainingScene, training_reflectances, training_scenes,
+};

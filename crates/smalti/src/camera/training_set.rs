@@ -8,6 +8,9 @@ use crate::spectrum::{Illuminant, Observer, Spectrum, WavelengthGrid, reflectanc
 /// Revision of the default training set. It increases when the scenes change, so that cached statistics are not reused.
 pub const TRAINING_SET_REVISION: u32 = 1;
 
+/// The illuminant of training where none is given.
+pub const DEFAULT_TRAINING_LIGHT: Illuminant = Illuminant::D65;
+
 /// Side of a default training scene, pixels of the sensor.
 const SCENE_PX: usize = 256;
 /// Samples per pixel: two, so that detail beyond the sensor's Nyquist frequency can alias.
@@ -56,7 +59,7 @@ pub fn training_scenes(lights: &[Illuminant]) -> Vec<TrainingScene> {
         format!("frequency-sweep?rows={n}&cols={n}&contrast=0.05"),
         format!("grey-steps?steps=16&step={}&rows={n}&density=2", n / 16),
     ]);
-    let lights = if lights.is_empty() { &[Illuminant::D65][..] } else { lights };
+    let lights = if lights.is_empty() { &[DEFAULT_TRAINING_LIGHT][..] } else { lights };
     // Every illuminant occurs with every scale of leaves.
     let light = |i: usize| lights[(i + i / 4) % lights.len()].clone();
     specs.into_iter().enumerate().map(|(i, spec)| TrainingScene { spec, light: light(i) }).collect()

@@ -23,6 +23,7 @@ mod study;
 mod sweep;
 mod targets;
 mod training_scene;
+mod trial_picture;
 
 pub use combinations::{binomial, combination};
 pub use error::DesignError;
@@ -43,3 +44,4 @@ pub use scores::{
 pub use study::{Condition, ConditionValue, Design, Study, Trial, TrialProcessing, Trials};
 pub use sweep::{SCORES_REVISION, ScoredTrial, Sweep};
 pub use targets::Targets;
+pub use trial_picture::{TrialPhotographer, TrialScene};

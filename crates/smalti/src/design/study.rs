@@ -12,7 +12,7 @@ use super::pipeline_trainer::LearningSettings;
 use super::scenes::StudyScene;
 use super::scores::Metric;
 use crate::camera::description::{CfaDescription, PatternDescription};
-use crate::camera::{CameraDescription, CameraError};
+use crate::camera::{Camera, CameraDescription, CameraError};
 use crate::sensor::{Cfa, Channel, Filter, Mosaic};
 use crate::spectrum::{Illuminant, WavelengthGrid};
 
@@ -75,6 +75,16 @@ pub struct Condition {
     pub illuminant: Illuminant,
     /// The camera. The colour filter array of each design replaces its own.
     pub camera: CameraDescription,
+}
+
+impl Condition {
+    /// The camera on its own wavelengths.
+    ///
+    /// # Errors
+    /// When its description is invalid.
+    pub fn camera(&self) -> Result<Camera, CameraError> {
+        Camera::new(self.camera.clone(), self.camera.grid()?)
+    }
 }
 
 /// A resolved study, which defines every trial.

@@ -147,8 +147,7 @@ impl<'a> Sweep<'a> {
     fn prepare(&self, index: usize) -> Result<PreparedCondition, DesignError> {
         let study = self.trials.study();
         let condition = study.conditions.get(index).ok_or(DesignError::NoSuchCondition { index })?;
-        let grid = condition.camera.grid()?;
-        let camera = Camera::new(condition.camera.clone(), grid)?;
+        let camera = condition.camera()?;
         let settings = EvaluationSettings {
             luminance_cd_m2: condition.luminance_cd_m2,
             illuminant: condition.illuminant.clone(),

@@ -1,13 +1,14 @@
 //! Comparisons of cameras, each with its processing, on the same scenes.
 
 use super::error::StageContext;
-use super::learning::{ensure_mosaic, learn_default};
+use super::learning::learn_default;
 use super::progress::{Stoppable, ensure_running};
+use super::training_statistics::ensure_mosaic;
 use super::{ExperimentError, ExposurePlan, ExposurePolicy, Processing, Progress, Resources};
 use crate::camera::{
-    Camera, CameraAndIsp, CameraError, Evaluation, EvaluationPictures, EvaluationSettings, LightGainSettings,
-    LightGains, SceneScores, ScoreSettings, Setup, TrainingSettings, compare_on, evaluate_with, light_gains,
-    test_scenes,
+    Camera, CameraAndIsp, CameraError, Evaluation, EvaluationPictures, EvaluationSettings, LIGHT_GAIN_SCENES,
+    LightGainSettings, LightGains, SceneScores, ScoreSettings, Setup, TrainingSettings, compare_on,
+    evaluate_with, light_gains, test_scenes,
 };
 use crate::isp::{Classic, Isp, WhiteBalance};
 use crate::l3::{L3Error, Pipeline, Training, peak_ratio_db};
@@ -15,9 +16,6 @@ use crate::metrics::esfr::EdgeSfr;
 use crate::scene::{Scene, Setting};
 use crate::sensor::NoiseMode;
 use crate::spectrum::{Illuminant, Spectrum};
-
-/// Maximum number of scenes of a light gain, because each scene is captured some twenty times.
-const LIGHT_GAIN_SCENES: usize = 2;
 
 /// A camera with its processing.
 #[derive(Clone, Copy)]
@@ -197,12 +195,13 @@ impl<'a> Contender<'a> {
 }
 
 /// The pipeline of each camera of a comparison: the given one; or one learned under the illuminant, if [`Processing::L3`] is
-/// compared; or none. Each is one step of progress.
+/// compared; or none. Each is one step of progress. `labels` are the unique names of the cameras in progress and errors.
 ///
 /// # Errors
-/// As [`learn_default`].
+/// As [`learn_default`], with the label of the camera.
 pub fn pipelines(
     cameras: &[Camera],
+    labels: &[String],
     given: Vec<Option<Pipeline>>,
     processing: &[Processing],
     learning: (&TrainingSettings, &Training),
@@ -210,20 +209,25 @@ pub fn pipelines(
     resources: Resources<'_>,
 ) -> Result<Vec<Option<Pipeline>>, ExperimentError> {
     let learns = processing.contains(&Processing::L3);
+    let labelled = || cameras.iter().zip(labels);
     if learns {
-        cameras.iter().try_for_each(ensure_mosaic)?;
+        labelled().try_for_each(|(camera, label)| ensure_mosaic(camera, label))?;
     }
+    resources.progress.expect(cameras.len() as u64);
     let mut given = given.into_iter();
-    let own = |camera: &Camera| {
-        resources.progress.begin(&format!("{}: pipeline", camera.description().name));
+    let own = |(camera, label): (&Camera, &String)| {
+        resources.progress.begin(&format!("{label}: pipeline"));
         let pipeline = match given.next().flatten() {
-            None if learns => Some(learn_default(camera, learning.0, learning.1, illuminant, resources)?),
+            None if learns => {
+                let learned = learn_default(camera, label, learning, illuminant, resources);
+                Some(learned.map_err(|e| e.of_camera(label))?)
+            }
             given => given,
         };
         resources.progress.done();
         Ok(pipeline)
     };
-    cameras.iter().map(own).collect()
+    labelled().map(own).collect()
 }
 
 /// Every camera with every kind of processing, each once, and the names of those that are left out because the processing is not
@@ -302,6 +306,7 @@ pub fn compare(
     settings: &ComparisonSettings,
     resources: Resources<'_>,
 ) -> Result<Compared, ExperimentError> {
+    resources.progress.expect((contenders.len() * settings.luminances_cd_m2.len()) as u64);
     let exposure = ExposurePlan::new(contenders, settings, resources)?;
     let mut outcomes = Vec::with_capacity(contenders.len());
     let mut setups: Vec<Setup> = Vec::new();
@@ -414,8 +419,10 @@ pub fn light_gains_to_first(
     if scenes.is_empty() {
         scenes = LightGainSettings::default().scenes;
     }
+    let others: Vec<_> = rest.iter().filter(|c| c.processing == first.processing).collect();
+    progress.expect((others.len() * settings.luminances_cd_m2.len()) as u64);
     let mut gains = Vec::new();
-    for other in rest.iter().filter(|c| c.processing == first.processing) {
+    for other in others {
         for &luminance_cd_m2 in &settings.luminances_cd_m2 {
             progress.begin(&format!("light gain of {} at {luminance_cd_m2} cd/m²", other.name()));
             let light = LightGainSettings {

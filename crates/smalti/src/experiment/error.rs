@@ -19,6 +19,14 @@ pub enum ExperimentError {
         /// The error of the stage.
         source: CameraError,
     },
+    /// The pipeline of a camera of a comparison cannot be learned.
+    #[error("{label}: {source}")]
+    Learning {
+        /// The label of the camera.
+        label: String,
+        /// The reason.
+        source: Box<ExperimentError>,
+    },
     /// The caller stopped the work.
     #[error("stopped")]
     Stopped,
@@ -57,6 +65,28 @@ pub enum ExperimentError {
     /// There is no training scene.
     #[error("there is no scene to learn from")]
     NoScene,
+    /// Raw files and scenes are given together.
+    #[error("raw files contain noise and scenes do not: give either pairs or scenes")]
+    PairsAndScenes,
+    /// A target is stated for pairs.
+    #[error(
+        "the targets of pairs are their pictures: neither another target nor its illuminant can be stated"
+    )]
+    TargetOfPairs,
+    /// A capture would not fit into memory.
+    #[error(
+        "`sensor.rows` × `sensor.cols`: a picture of {rows} × {cols} pixels needs {need_mib} MiB of memory; {available_mib} MiB are available"
+    )]
+    CaptureMemory {
+        /// Rows that are read out.
+        rows: usize,
+        /// Columns that are read out.
+        cols: usize,
+        /// Required memory, MiB.
+        need_mib: u64,
+        /// Available memory, MiB.
+        available_mib: u64,
+    },
     /// The table of classes would not fit into memory.
     #[error(
         "a table of {positions} positions × {levels} levels × {textures} textures with patches of {side} × {side} takes {need_mib} MiB of memory \
@@ -100,6 +130,14 @@ impl ExperimentError {
         match source.into() {
             CameraError::Isp(IspError::Stopped) => Self::Stopped,
             source => Self::Stage { context: context.into(), source },
+        }
+    }
+
+    /// The error with the label of the camera whose pipeline was to be learned. [`ExperimentError::Stopped`] stays.
+    pub(super) fn of_camera(self, label: &str) -> Self {
+        match self {
+            Self::Stopped => Self::Stopped,
+            source => Self::Learning { label: label.to_owned(), source: Box::new(source) },
         }
     }
 }

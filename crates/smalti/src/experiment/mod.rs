@@ -10,12 +10,14 @@ mod error;
 mod exposure;
 mod labels;
 mod learning;
+mod material;
 mod pairs;
 mod processing;
 mod progress;
 mod simulation;
 mod store;
 mod sweep;
+mod training_statistics;
 
 pub use comparison::{
     Compared, ComparisonSettings, Contender, Outcome, PairwiseLightGain, TestScene, compare, contenders,
@@ -26,10 +28,10 @@ pub use error::ExperimentError;
 pub use exposure::{EqualExposure, ExposurePlan, ExposurePolicy};
 pub use labels::numbered;
 pub use learning::{
-    NamedScene, TrainingMaterial, TrainingRecord, continue_statistics, ensure_mosaic, fresh_statistics,
-    gather, learn_default, pair_statistics, solve,
+    Gathered, Learned, TrainingPair, TrainingRecord, TrainingSources, gather, learn, learn_default, solve,
 };
-pub use pairs::{PairAlignment, RawAndPicture, add_pair};
+pub use material::NamedScene;
+pub use pairs::{PairAlignment, RawAndPicture};
 pub use processing::Processing;
 pub use progress::{Progress, Silent};
 pub use simulation::{ScoredWindow, Simulation, SimulationSettings, capture, score_capture, simulate};

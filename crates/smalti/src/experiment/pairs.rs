@@ -9,16 +9,14 @@ use crate::numeric::Planes;
 use crate::sensor::RawImage;
 
 /// A raw image and its target picture.
-#[derive(Debug, Clone, Copy)]
-pub struct RawAndPicture<'a> {
-    /// The name of the pair in messages.
-    pub name: &'a str,
+#[derive(Debug, Clone)]
+pub struct RawAndPicture {
     /// The raw image. The order of its channels may differ from that of the camera.
-    pub raw: &'a RawImage,
+    pub raw: RawImage,
     /// Rows and columns of the default crop, if the raw file states it.
     pub default_crop: Option<(usize, usize)>,
     /// The picture.
-    pub picture: &'a Image,
+    pub picture: Image,
 }
 
 /// The alignment of a picture with its raw image.
@@ -33,22 +31,23 @@ pub struct PairAlignment {
 }
 
 /// Adds a pair to the statistics. With `align`, the picture may be a crop of the raw image, shifted by fractions of a pixel or
-/// scaled. Otherwise picture and raw image must match pixel by pixel.
+/// scaled. Otherwise picture and raw image must match pixel by pixel. `name` is that of the pair in messages.
 ///
 /// # Errors
 /// When the picture cannot be aligned, or the pair does not match the statistics.
-pub fn add_pair(
+pub(super) fn add_pair(
     statistics: &mut Statistics,
     camera: &Camera,
-    pair: RawAndPicture<'_>,
+    name: &str,
+    pair: RawAndPicture,
     align: bool,
     progress: &dyn Progress,
 ) -> Result<PairAlignment, ExperimentError> {
-    let about = || pair.name.to_owned();
+    let about = || name.to_owned();
     let names: Vec<String> = camera.sensor.cfa.channels().iter().map(|c| c.name.clone()).collect();
     let picture = pair.picture.converted(ColorSpace::Xyz).in_context(about)?;
     let target = picture.planes();
-    let raw = pair.raw.clone().with_channels(&names);
+    let raw = pair.raw.with_channels(&names);
     if !align {
         statistics
             .add(&Pair { raw: &raw, seen: None, target })
@@ -62,13 +61,13 @@ pub fn add_pair(
     let scales = scales(&raw, pair.default_crop, target);
     let found = Registration::best(&raw, &luminance, &scales).map_err(refused)?;
     if found.correlation < GOOD_CORRELATION {
-        let (name, correlation) = (pair.name, found.correlation);
+        let correlation = found.correlation;
         progress.note(&format!(
             "{name}: their correlation is only {correlation:.2}; check that both are of the same shot"
         ));
     }
     if found.largest_residual_px() > GOOD_RESIDUAL_PX {
-        let (name, px) = (pair.name, found.largest_residual_px());
+        let px = found.largest_residual_px();
         progress.note(&format!(
             "{name}: quadrants are off by up to {px:.2} pixels; is the picture's distortion corrected?"
         ));

@@ -7,7 +7,7 @@ use crate::sensor::RawImage;
 
 /// Receives the steps of an experiment, from any thread, and can stop it.
 pub trait Progress: Sync {
-    /// Announces further steps of the work.
+    /// Announces further steps of the work. Steps are announced before the first of them begins.
     fn expect(&self, _steps: u64) {}
 
     /// A step with this name begins.
@@ -16,7 +16,7 @@ pub trait Progress: Sync {
     /// A step is done.
     fn done(&self) {}
 
-    /// A picture was rendered. A step may have several pictures.
+    /// A picture was rendered. A step may have several pictures; pictures are not steps.
     fn picture(&self) {}
 
     /// A note for the user that is not an error.

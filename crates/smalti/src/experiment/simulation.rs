@@ -13,6 +13,9 @@ use crate::spectrum::Spectrum;
 /// Maximum number of rows and of columns that are scored.
 const MAX_SCORED_PX: usize = 2048;
 
+/// Peak memory of a capture, measured on mosaics: raw samples, and pictures in XYZ during their comparison.
+const BYTES_PER_PIXEL: u64 = 120;
+
 /// Settings of a simulation.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SimulationSettings {
@@ -43,18 +46,19 @@ pub struct ScoredWindow {
 }
 
 /// Captures a scene, renders the raw image and scores the picture, in two steps of progress. The scene is dropped as soon as its
-/// optical image is formed.
+/// optical image is formed. `memory_bytes` is the memory limit, if there is one.
 ///
 /// # Errors
-/// When a stage fails, or the work is stopped.
+/// When memory does not suffice, a stage fails, or the work is stopped.
 pub fn simulate(
     camera: &Camera,
     scene: Scene,
     settings: &SimulationSettings,
     progress: &dyn Progress,
+    memory_bytes: Option<u64>,
 ) -> Result<Simulation, ExperimentError> {
     let light = scene.illuminant().clone();
-    let photograph = capture(camera, scene, settings, progress)?;
+    let photograph = capture(camera, scene, settings, progress, memory_bytes)?;
     let score = score_capture(camera, &light, &photograph.optical_image, &photograph.exposure, settings)?;
     Ok(Simulation { photograph, score })
 }
@@ -62,14 +66,17 @@ pub fn simulate(
 /// [`simulate`] without the scores.
 ///
 /// # Errors
-/// When a stage fails, or the work is stopped.
+/// As [`simulate`].
 pub fn capture(
     camera: &Camera,
     scene: Scene,
     settings: &SimulationSettings,
     progress: &dyn Progress,
+    memory_bytes: Option<u64>,
 ) -> Result<Photograph, ExperimentError> {
+    ensure_memory(camera, memory_bytes)?;
     let about = || camera.description().name.clone();
+    progress.expect(2);
     progress.begin("optics");
     let image = camera.optics.image(&scene).map_err(CameraError::from).in_context(about)?;
     let light = scene.illuminant().clone();
@@ -80,6 +87,21 @@ pub fn capture(
     let photograph = camera.photograph(image, &light, settings.noise, settings.seed).in_context(about)?;
     progress.done();
     Ok(photograph)
+}
+
+/// Refuses a capture that exceeds the available memory, since the system would kill the program.
+fn ensure_memory(camera: &Camera, memory_bytes: Option<u64>) -> Result<(), ExperimentError> {
+    let Window { rows, cols, .. } = camera.sensor.read_window();
+    let need = (rows as u64).saturating_mul(cols as u64).saturating_mul(BYTES_PER_PIXEL);
+    match memory_bytes {
+        Some(available) if need > available => Err(ExperimentError::CaptureMemory {
+            rows,
+            cols,
+            need_mib: need >> 20,
+            available_mib: available >> 20,
+        }),
+        _ => Ok(()),
+    }
 }
 
 /// Captures an optical image under an illuminant (photons) and scores the centre of the picture, at most 2048 pixels high and

@@ -18,6 +18,7 @@ mod design_statistics;
 mod design_targets;
 mod design_toml;
 mod documentation;
+mod experiment;
 mod experiment_exposure;
 mod isetcam_camera;
 mod isetcam_cfa;

@@ -1,0 +1,134 @@
+//! Training scenes, and adding them to statistics.
+
+use super::error::StageContext;
+use super::progress::ensure_running;
+use super::{ExperimentError, Progress};
+use crate::camera::{
+    Camera, CameraError, DEFAULT_TRAINING_LIGHT, TrainingScene, TrainingSettings, training_scenes,
+};
+use crate::l3::Statistics;
+use crate::scene::Scene;
+use crate::spectrum::{Illuminant, Spectrum};
+
+/// A scene with its name for messages and provenance.
+#[derive(Debug, Clone)]
+pub struct NamedScene {
+    /// Its name: a catalogue name with parameters, or a file.
+    pub name: String,
+    /// The scene on the wavelength grid of the camera, with its field of view.
+    pub scene: Scene,
+}
+
+impl NamedScene {
+    /// A scene on the wavelength grid of the camera. Unless `keeps_fov`, its field of view is fitted to the sensor by
+    /// [`Camera::fitted`], which `is_file` is passed to.
+    ///
+    /// # Errors
+    /// When the scene does not cover the camera's wavelengths, or is not beyond the focal length.
+    pub fn for_camera(
+        camera: &Camera,
+        name: String,
+        scene: Scene,
+        is_file: bool,
+        keeps_fov: bool,
+    ) -> Result<Self, ExperimentError> {
+        let fitted = || -> Result<Scene, CameraError> {
+            let same = scene.radiance().grid() == camera.grid();
+            let scene = if same { scene } else { scene.resampled(camera.grid())? };
+            if keeps_fov { Ok(scene) } else { camera.fitted(scene, is_file) }
+        };
+        Ok(Self { scene: fitted().in_context(|| name.clone())?, name })
+    }
+}
+
+/// The training scenes of a pipeline.
+pub(super) enum TrainingMaterial {
+    /// The default set, with its scenes under these illuminants in turn.
+    DefaultSet(Vec<Illuminant>),
+    /// Given scenes.
+    Scenes(Vec<NamedScene>),
+}
+
+impl TrainingMaterial {
+    /// Number of scenes.
+    pub(super) fn len(&self) -> usize {
+        match self {
+            Self::DefaultSet(lights) => training_scenes(lights).len(),
+            Self::Scenes(scenes) => scenes.len(),
+        }
+    }
+
+    /// Names of the scenes, with their illuminants for the default set.
+    pub(super) fn names(&self) -> Vec<String> {
+        match self {
+            Self::DefaultSet(lights) => {
+                let name = |s: &TrainingScene| format!("{} under {}", s.spec, s.light.name());
+                training_scenes(lights).iter().map(name).collect()
+            }
+            Self::Scenes(scenes) => scenes.iter().map(|s| s.name.clone()).collect(),
+        }
+    }
+}
+
+/// The first illuminant (photons), or [`DEFAULT_TRAINING_LIGHT`] without any.
+pub(super) fn first_light(lights: &[Illuminant], camera: &Camera) -> Result<Spectrum, ExperimentError> {
+    let light = lights.first().unwrap_or(&DEFAULT_TRAINING_LIGHT);
+    light.photons(camera.grid()).in_context(|| light.name())
+}
+
+/// Adds every scene to the statistics. Each scene is one step of progress, which names the camera by its label.
+///
+/// The noise of a scene is keyed by its number in the default set, or by its name otherwise, and does not depend on the other
+/// scenes. Several scenes of one name have different noise.
+///
+/// # Errors
+/// When a scene cannot be built or imaged, or the work is stopped.
+pub(super) fn add_scenes(
+    camera: &Camera,
+    label: &str,
+    settings: &TrainingSettings,
+    material: &TrainingMaterial,
+    statistics: &mut Statistics,
+    progress: &dyn Progress,
+) -> Result<(), ExperimentError> {
+    let mut learn = |item: u64, name: &str, scene: &dyn Fn() -> Result<Scene, CameraError>| {
+        ensure_running(progress)?;
+        let short = name.split('?').next().unwrap_or(name);
+        progress.begin(&format!("training {label}: {short}"));
+        let added = scene().and_then(|scene| camera.train_on(statistics, &scene, settings, item));
+        added.in_context(|| format!("scene {name}"))?;
+        progress.done();
+        Ok(())
+    };
+    match material {
+        TrainingMaterial::DefaultSet(lights) => {
+            let scenes = training_scenes(lights);
+            scenes.iter().zip(0..).try_for_each(|(s, item)| learn(item, &s.spec, &|| s.build(camera)))
+        }
+        TrainingMaterial::Scenes(scenes) => scenes.iter().enumerate().try_for_each(|(place, s)| {
+            let before = scenes.iter().take(place).filter(|other| other.name == s.name).count();
+            learn(item_of(&s.name, before), &s.name, &|| Ok(s.scene.clone()))
+        }),
+    }
+}
+
+/// The key of a scene's noise: the 32-bit FNV-1a hash of its name plus the number of earlier scenes of that name.
+fn item_of(name: &str, before: usize) -> u64 {
+    let hash = name.bytes().fold(0x811c_9dc5, |h: u64, b| ((h ^ u64::from(b)) * 0x0100_0193) & 0xffff_ffff);
+    hash.wrapping_add(before as u64) & 0xffff_ffff
+}
+
+#[cfg(test)]
+mod tests {
+    use super::item_of;
+
+    #[test]
+    fn the_number_of_a_scene_depends_on_its_name_alone() {
+        // FNV-1a test vectors (Fowler, Noll, Vo), 32 bits.
+        assert_eq!(
+            [item_of("", 0), item_of("a", 0), item_of("foobar", 0)],
+            [0x811c_9dc5, 0xe40c_292c, 0xbf9c_f968]
+        );
+        assert_eq!(item_of("a", 1), item_of("a", 0) + 1);
+    }
+}
