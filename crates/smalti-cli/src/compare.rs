@@ -5,10 +5,10 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, bail, ensure};
 use clap::Args;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
-use smalti::camera::{Camera, ScoreSettings};
+use smalti::camera::{Camera, ScoreSettings, TestScene};
 use smalti::experiment::{
-    ComparisonSettings, Processing, Progress as _, Resources, TestScene, camera_differences, compare,
-    contenders, light_gains_to_first, pipelines,
+    ComparisonSettings, Processing, Progress as _, Resources, camera_differences, compare, contenders,
+    light_gains_to_first, pipelines,
 };
 use smalti::isp::Demosaic;
 use smalti::l3::Pipeline;
@@ -133,14 +133,11 @@ pub(crate) fn run(args: &Compare, words: &[String], common: &Common) -> anyhow::
         exposure: args.exposure.policy(),
     };
     let compared = compare(&contenders, &settings, resources)?;
-    let gains =
-        if args.light_gain { light_gains_to_first(&contenders, &settings, &progress)? } else { Vec::new() };
-    if let Some(gain) = gains.first()
-        && !args.scenes.is_empty()
-        && !gain.scenes.iter().eq(settings.scenes.iter().map(TestScene::name))
-    {
-        progress.note(&format!("light gains are measured on {}", gain.scenes.join(" and ")));
-    }
+    let gains = if args.light_gain {
+        light_gains_to_first(&contenders, &settings, &compared.exposure, &progress)?
+    } else {
+        Vec::new()
+    };
     let scene_labels: Vec<String> = settings.scenes.iter().map(|s| scene_label(s.name())).collect();
     let report = Comparison {
         command: &resolve::command_line(words, &args.cameras),

@@ -3,11 +3,11 @@
 use pyo3::prelude::*;
 use pyo3::types::{IntoPyDict, PyDict};
 use smalti::camera::{
-    Camera, Evaluation, EvaluationSettings, LightGainSettings, ScoreSettings, TrainingSettings,
+    Camera, Evaluation, EvaluationSettings, LightGainSettings, ScoreSettings, TestScene, TrainingSettings,
     score_picture, test_scenes,
 };
 use smalti::experiment::{
-    self, ComparisonSettings, Contender, EqualExposure, ExposurePolicy, Processing, Resources, TestScene,
+    self, ComparisonSettings, Contender, EqualExposure, ExposurePolicy, Processing, Resources,
     light_gain_between, numbered, score_scene,
 };
 use smalti::l3::Training;
@@ -399,8 +399,8 @@ pub(crate) fn light_gain<'py>(
         luminance_cd_m2,
         illuminant: illuminant.map_or(Ok(Illuminant::D65), light)?,
         seed,
-        scenes: scenes.unwrap_or(default.scenes),
-        score: default.score,
+        scenes: scenes.map_or(default.scenes, |names| names.into_iter().map(TestScene::BuiltIn).collect()),
+        ..LightGainSettings::default()
     };
     let (of, than) = (pipelines.0.as_deref().map(|p| &p.0), pipelines.1.as_deref().map(|p| &p.0));
     let a = Contender::with_pipeline(&camera.camera, &camera.camera.description().name, of);

@@ -3,10 +3,10 @@
 
 use serde::Serialize;
 use serde_json::Value;
-use smalti::camera::{Camera, EvaluationSettings, ScoreSettings, TrainingSettings};
+use smalti::camera::{Camera, EvaluationSettings, ScoreSettings, TestScene, TrainingSettings};
 use smalti::experiment::{
     ComparisonSettings, Contender, ExperimentError, ExposurePolicy, Learned, NamedScene, Processing,
-    Resources, Silent, SimulationSettings, TestScene, TrainingSources, compare, learn, simulate,
+    Resources, Silent, SimulationSettings, TrainingSources, compare, learn, simulate,
 };
 use smalti::isp::Demosaic;
 use smalti::l3::{Textures, Training};

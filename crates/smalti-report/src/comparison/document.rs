@@ -54,7 +54,6 @@ impl Comparison<'_> {
             "light_gains": self.gains.iter().map(|g| Ok(json!({
                 "needs_more_light": g.first,
                 "to_equal": g.other,
-                "scenes": g.scenes,
                 "gains": serde_json::to_value(&g.gains)?,
             }))).collect::<Result<Vec<Value>, ReportError>>()?,
             "learned": learned.iter().map(|(c, p, _)| kernels_as_json(c.label, p)).collect::<Result<Vec<_>, _>>()?,

@@ -136,8 +136,8 @@ fn light(report: &Comparison<'_>) -> Markup {
     out = out.and(tables::gains(report.gains));
     out.and(paragraph(
         "help",
-        "Where the gain is below 0, the first camera needs less light. Gains are computed from separate pictures: up to two scenes, and four \
-         captures of the ColorChecker.",
+        "Where the gain is below 0, the first camera needs less light. Scenes and exposure times are those of the scores; noise is the mean \
+         over four captures of the ColorChecker.",
     ))
 }
 

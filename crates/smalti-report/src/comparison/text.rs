@@ -43,7 +43,7 @@ impl Comparison<'_> {
     #[must_use]
     pub fn gains_table(&self, table: &TextTable<'_>) -> String {
         let mut out = String::new();
-        for PairwiseLightGain { first, other, gains, scenes } in self.gains {
+        for PairwiseLightGain { first, other, gains } in self.gains {
             let header = ["metric", first.as_str(), other.as_str(), "light gain"];
             let row = |g: &MetricGain| {
                 vec![
@@ -55,11 +55,10 @@ impl Comparison<'_> {
             };
             let rows: Vec<Vec<String>> = gains.metrics.iter().map(row).collect();
             out += &format!(
-                "\nmore light that {first} needs to equal {other} at {} cd/m²\n{}These values are of {} and of four captures of the chart, \
-                 not of the pictures of the first table.\n",
+                "\nmore light that {first} needs to equal {other} at {} cd/m²\n{}Scores of whole pictures are means over the scenes of the first table; noise is the mean over four \
+                 captures of the chart.\n",
                 gains.luminance_cd_m2,
                 table(&header, &rows),
-                scenes.join(" and "),
             );
         }
         out

@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use super::chart::{self, PATCH_SAMPLES};
 use super::{
-    Camera, CameraError, GreyScores, IspFor, PatchScores, ScoreSettings, Setup, compare_on, test_scenes,
+    Camera, CameraError, GreyScores, IspFor, PatchScores, ScoreSettings, Setup, TestScene, compare_on,
 };
 use crate::isp::Isp;
 use crate::metrics::{Better, MetricError, metric_info};
@@ -19,9 +19,6 @@ use crate::spectrum::Illuminant;
 const REACH_STOPS: i32 = 4;
 /// Bisections of the stop that contains the crossing; the remaining interval is interpolated.
 const HALVINGS: u32 = 3;
-
-/// Number of scenes for the scores of whole pictures, because each is captured some twenty times.
-pub(crate) const LIGHT_GAIN_SCENES: usize = 2;
 
 /// Number of captures of the ColorChecker over which noise is averaged. Its patches are small: the gain is uncertain by a tenth
 /// of a stop with one capture and by half of that with four.
@@ -125,20 +122,26 @@ pub struct LightGainSettings {
     pub illuminant: Illuminant,
     /// Seed of the noise. It is the same at every luminance, so that scores change smoothly with light.
     pub seed: u64,
-    /// Built-in scenes for the scores of whole pictures, in the form of [`Setup::of_test_scene`].
-    pub scenes: Vec<String>,
+    /// The scenes for the scores of whole pictures. Each is captured some twenty times.
+    pub scenes: Vec<TestScene>,
+    /// The exposure time of each scene, s; that of the camera's description where it is absent.
+    pub times_s: Vec<Option<f64>>,
+    /// The exposure time of the ColorChecker, s; `None` for that of the camera's description.
+    pub chart_s: Option<f64>,
     /// Viewing conditions of the scores.
     pub score: ScoreSettings,
 }
 
 impl Default for LightGainSettings {
-    /// 1 cd/m² of D65, and the first two [`test_scenes`]: dead leaves and the ColorChecker.
+    /// 1 cd/m² of D65, the scenes of [`TestScene::default_set`], and the cameras' own exposure times.
     fn default() -> Self {
         Self {
             luminance_cd_m2: 1.0,
             illuminant: Illuminant::D65,
             seed: 1,
-            scenes: test_scenes().iter().take(LIGHT_GAIN_SCENES).map(|&s| s.to_owned()).collect(),
+            scenes: TestScene::default_set(),
+            times_s: Vec::new(),
+            chart_s: None,
             score: ScoreSettings::default(),
         }
     }
@@ -232,12 +235,12 @@ impl<'a> CameraUnderTest<'a> {
             let isp = isp(&setup.light)?;
             Ok::<_, CameraError>((setup, isp))
         };
-        let scene = |(i, spec): (usize, &String)| {
+        let scene = |(i, scene): (usize, &TestScene)| {
             let setup = match lent(other.and_then(|o| o.scenes.get(i)).map(|s| &s.0))? {
                 Some(setup) => setup,
-                None => Setup::of_test_scene(camera, spec, &setting)?,
+                None => scene.before(camera, &settings.illuminant)?.in_light(settings.luminance_cd_m2)?,
             };
-            with_isp(setup)
+            with_isp(setup.exposed(settings.times_s.get(i).copied().flatten())?)
         };
         let chart = match lent(other.map(|o| &o.chart.0))? {
             Some(setup) => setup,
@@ -248,7 +251,7 @@ impl<'a> CameraUnderTest<'a> {
         };
         Ok(Self {
             scenes: settings.scenes.iter().enumerate().map(scene).collect::<Result<_, _>>()?,
-            chart: with_isp(chart)?,
+            chart: with_isp(chart.exposed(settings.chart_s)?)?,
         })
     }
 

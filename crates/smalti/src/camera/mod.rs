@@ -15,6 +15,7 @@ mod resolve;
 mod score;
 pub(crate) mod stable_text;
 pub(crate) mod target;
+mod test_scene;
 mod training;
 pub(crate) mod training_set;
 
@@ -26,12 +27,12 @@ pub use evaluate::{
     Evaluation, EvaluationPictures, EvaluationSettings, ExposureTimes, GreyScores, IspFor, OpticalImages,
     PatchScores, evaluate, evaluate_with,
 };
-pub(crate) use light_gain::LIGHT_GAIN_SCENES;
 pub use light_gain::{
     CameraAndIsp, LightGain, LightGainSettings, LightGains, MetricGain, light_gain, light_gains,
 };
 pub use photograph::Photograph;
 pub use score::{PictureScores, ScoreSettings, score_picture};
+pub use test_scene::TestScene;
 pub use training::{LevelRule, TrainingSettings, TrainingTarget};
 pub use training_set::{
     DEFAULT_TRAINING_LIGHT, TRAINING_SET_REVISION, TrainingScene, training_reflectances, training_scenes,

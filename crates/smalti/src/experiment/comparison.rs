@@ -6,14 +6,13 @@ use super::progress::{Stoppable, ensure_running};
 use super::training_statistics::ensure_mosaic;
 use super::{ExperimentError, ExposurePlan, ExposurePolicy, Processing, Progress, Resources};
 use crate::camera::{
-    Camera, CameraAndIsp, CameraError, Evaluation, EvaluationPictures, EvaluationSettings, LIGHT_GAIN_SCENES,
-    LightGainSettings, LightGains, SceneScores, ScoreSettings, Setup, TrainingSettings, compare_on,
-    evaluate_with, light_gains, test_scenes,
+    Camera, CameraAndIsp, CameraError, Evaluation, EvaluationPictures, EvaluationSettings, LightGainSettings,
+    LightGains, SceneScores, ScoreSettings, Setup, TestScene, TrainingSettings, compare_on, evaluate_with,
+    light_gains,
 };
 use crate::isp::{Classic, Isp, WhiteBalance};
 use crate::l3::{L3Error, Pipeline, Training, peak_ratio_db};
 use crate::metrics::esfr::EdgeSfr;
-use crate::scene::{Scene, Setting};
 use crate::sensor::NoiseMode;
 use crate::spectrum::{Illuminant, Spectrum};
 
@@ -28,62 +27,6 @@ pub struct Contender<'a> {
     pub processing: Processing,
     /// The learned pipeline for [`Processing::L3`].
     pub pipeline: Option<&'a Pipeline>,
-}
-
-/// A scene of a comparison.
-#[derive(Debug, Clone)]
-pub enum TestScene {
-    /// A scene of the catalogue, by its name and parameters, with two samples per pixel in each direction.
-    BuiltIn(String),
-    /// A given scene with one sample per pixel.
-    Given {
-        /// Its name.
-        name: String,
-        /// The scene; its mean luminance is 1 cd/m².
-        scene: Scene,
-    },
-}
-
-impl TestScene {
-    /// A built-in scene by its name and parameters. A name without parameters selects the scene of that name among
-    /// [`test_scenes`], which is larger than that of the catalogue.
-    #[must_use]
-    pub fn built_in(name: &str) -> Self {
-        let of_test_set = test_scenes().iter().find(|s| s.split('?').next() == Some(name.trim()));
-        Self::BuiltIn((*of_test_set.unwrap_or(&name)).to_owned())
-    }
-
-    /// The default scenes of a comparison, [`test_scenes`].
-    #[must_use]
-    pub fn default_set() -> Vec<Self> {
-        test_scenes().iter().map(|name| Self::built_in(name)).collect()
-    }
-
-    /// The name of the scene.
-    #[must_use]
-    pub fn name(&self) -> &str {
-        match self {
-            Self::BuiltIn(name) | Self::Given { name, .. } => name,
-        }
-    }
-
-    /// Images the scene on a camera at a mean luminance of 1 cd/m². A given scene keeps its wavelength grid.
-    ///
-    /// # Errors
-    /// When the scene does not exist or a stage fails.
-    pub fn before(&self, camera: &Camera, illuminant: &Illuminant) -> Result<Setup, ExperimentError> {
-        let setup = match self {
-            Self::BuiltIn(name) => {
-                let illuminant = illuminant.clone();
-                let setting = Setting { luminance_cd_m2: 1.0, illuminant, ..Setting::default() };
-                Setup::of_test_scene(camera, name, &setting)
-            }
-            Self::Given { scene, .. } => camera
-                .on_grid(scene.radiance().grid())
-                .and_then(|camera| Setup::new(&camera, scene.clone(), 1)),
-        };
-        setup.in_context(|| self.name().to_owned())
-    }
 }
 
 /// Settings of a comparison.
@@ -320,7 +263,10 @@ pub fn compare(
             let shared = setups.get(i).map(|s| s.before(contender.camera)).transpose();
             own.push(match shared.in_context(|| scene.name().to_owned())?.flatten() {
                 Some(setup) => setup,
-                None => scene.before(contender.camera, &settings.illuminant)?,
+                None => {
+                    let setup = scene.before(contender.camera, &settings.illuminant);
+                    setup.in_context(|| scene.name().to_owned())?
+                }
             });
         }
         setups = own;
@@ -377,8 +323,6 @@ pub struct PairwiseLightGain {
     pub first: String,
     /// The contender that it is to equal.
     pub other: String,
-    /// The scenes for the scores of whole pictures.
-    pub scenes: Vec<String>,
     /// The gains by each metric.
     pub gains: LightGains,
 }
@@ -401,40 +345,32 @@ pub fn light_gain_between(
 }
 
 /// The light gains of the first contender against every other contender with the same processing, at each luminance. Each is one
-/// step of progress. Only built-in scenes can be used: the first two of the settings, or the default ones.
+/// step of progress. Scenes and exposure times are those of the comparison.
 ///
 /// # Errors
 /// When a stage fails, or the work is stopped.
 pub fn light_gains_to_first(
     contenders: &[Contender<'_>],
     settings: &ComparisonSettings,
+    exposure: &ExposurePlan,
     progress: &dyn Progress,
 ) -> Result<Vec<PairwiseLightGain>, ExperimentError> {
     let Some((first, rest)) = contenders.split_first() else { return Ok(Vec::new()) };
-    let built_in = settings.scenes.iter().filter_map(|s| match s {
-        TestScene::BuiltIn(name) => Some(name.clone()),
-        TestScene::Given { .. } => None,
-    });
-    let mut scenes: Vec<String> = built_in.take(LIGHT_GAIN_SCENES).collect();
-    if scenes.is_empty() {
-        scenes = LightGainSettings::default().scenes;
-    }
-    let others: Vec<_> = rest.iter().filter(|c| c.processing == first.processing).collect();
-    progress.expect((others.len() * settings.luminances_cd_m2.len()) as u64);
     let mut gains = Vec::new();
-    for other in others {
-        for &luminance_cd_m2 in &settings.luminances_cd_m2 {
+    for other in rest.iter().filter(|c| c.processing == first.processing) {
+        for (light, &luminance_cd_m2) in settings.luminances_cd_m2.iter().enumerate() {
             progress.begin(&format!("light gain of {} at {luminance_cd_m2} cd/m²", other.name()));
-            let light = LightGainSettings {
+            let settings = LightGainSettings {
                 luminance_cd_m2,
                 illuminant: settings.illuminant.clone(),
                 seed: settings.seed,
-                scenes: scenes.clone(),
+                scenes: settings.scenes.clone(),
+                times_s: (0..settings.scenes.len()).map(|scene| exposure.scene_s(scene, light)).collect(),
+                chart_s: exposure.targets(light).map(|t| t.macbeth_s),
                 score: settings.score,
             };
-            let found = light_gain_between(first, other, &light, progress)?;
-            let (first, other) = (first.name(), other.name());
-            gains.push(PairwiseLightGain { first, other, scenes: scenes.clone(), gains: found });
+            let found = light_gain_between(first, other, &settings, progress)?;
+            gains.push(PairwiseLightGain { first: first.name(), other: other.name(), gains: found });
             progress.done();
         }
     }
@@ -446,7 +382,7 @@ mod tests {
     use super::*;
     use crate::camera::CameraDescription;
     use crate::l3::{Axes, Class, Kernels, Levels, Origin, PipelineParts};
-    use crate::scene::uniform;
+    use crate::scene::{Setting, uniform};
     use crate::sensor::{RawImage, Sampling, SignalNoise};
     use crate::spectrum::WavelengthGrid;
 

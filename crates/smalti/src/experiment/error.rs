@@ -17,7 +17,7 @@ pub enum ExperimentError {
         /// The camera, scene and luminance.
         context: String,
         /// The error of the stage.
-        source: CameraError,
+        source: Box<CameraError>,
     },
     /// The pipeline of a camera of a comparison cannot be learned.
     #[error("{label}: {source}")]
@@ -129,7 +129,7 @@ impl ExperimentError {
     pub(super) fn stage(context: impl Into<String>, source: impl Into<CameraError>) -> Self {
         match source.into() {
             CameraError::Isp(IspError::Stopped) => Self::Stopped,
-            source => Self::Stage { context: context.into(), source },
+            source => Self::Stage { context: context.into(), source: Box::new(source) },
         }
     }
 

@@ -174,7 +174,7 @@ fn metered(
             let shared = last.as_ref().map(|s| s.before(contender.camera)).transpose();
             let setup = match shared.in_context(context)?.flatten() {
                 Some(setup) => setup,
-                None => scene.before(contender.camera, &settings.illuminant)?,
+                None => scene.before(contender.camera, &settings.illuminant).in_context(context)?,
             };
             metered.push(Metered::new(&setup.camera, &setup.image, share, lights).in_context(context)?);
             last = Some(setup);

@@ -20,7 +20,7 @@ mod sweep;
 mod training_statistics;
 
 pub use comparison::{
-    Compared, ComparisonSettings, Contender, Outcome, PairwiseLightGain, TestScene, compare, contenders,
+    Compared, ComparisonSettings, Contender, Outcome, PairwiseLightGain, compare, contenders,
     light_gain_between, light_gains_to_first, pipelines, score_scene,
 };
 pub use differences::{CameraDifference, camera_differences};

@@ -4,7 +4,7 @@
 use smalti::camera::description::{ArchitectureName, PatternDescription};
 use smalti::camera::{
     Camera, CameraAndIsp, CameraDescription, EvaluationSettings, LightGain, LightGainSettings, ScoreSettings,
-    Setup, compare_on, evaluate, evaluate_with, light_gains, score_picture, test_scenes,
+    Setup, TestScene, compare_on, evaluate, evaluate_with, light_gains, score_picture, test_scenes,
 };
 use smalti::isp::{Isp, WhiteBalance};
 use smalti::numeric::Planes;
@@ -236,7 +236,7 @@ fn gains(a: &Camera, b: &Camera) -> Vec<(&'static str, LightGain)> {
         |light: &Spectrum| isp(b, light).map(|i| Box::new(i) as Box<dyn Isp>),
     );
     let settings = LightGainSettings {
-        scenes: vec!["dead-leaves?rows=192&cols=256&least=2&largest=60&seed=1001".into()],
+        scenes: vec![TestScene::BuiltIn("dead-leaves?rows=192&cols=256&least=2&largest=60&seed=1001".into())],
         ..LightGainSettings::default()
     };
     let (a, b) = (CameraAndIsp { camera: a, isp: &isp_a }, CameraAndIsp { camera: b, isp: &isp_b });

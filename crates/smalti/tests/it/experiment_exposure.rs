@@ -1,10 +1,11 @@
 //! Exposure times of comparisons.
+#![allow(missing_docs, clippy::unwrap_used, clippy::panic)]
 
 use smalti::camera::description::AutoExposureName;
-use smalti::camera::{Camera, CameraDescription, ScoreSettings};
+use smalti::camera::{Camera, CameraDescription, ScoreSettings, TestScene};
 use smalti::experiment::{
     ComparisonSettings, Contender, EqualExposure, ExperimentError, ExposurePlan, ExposurePolicy, Resources,
-    TestScene, compare,
+    compare,
 };
 use smalti::spectrum::{Illuminant, WavelengthGrid};
 
