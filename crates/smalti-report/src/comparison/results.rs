@@ -40,7 +40,7 @@ pub struct Comparison<'a> {
     pub left_out: &'a [String],
     /// For each contender one outcome per luminance.
     pub outcomes: &'a [Vec<Outcome>],
-    /// How much more light the first camera needs to equal each other camera. Empty where it was not asked for.
+    /// How much more light the first camera needs to equal each other camera. Empty if it was not requested.
     pub gains: &'a [PairwiseLightGain],
     /// The label of each scene.
     pub scene_labels: &'a [String],

@@ -301,7 +301,7 @@ impl OpticalSetups {
     }
 }
 
-/// The index of an optical setup among known optical setups. It is added where none of them serves.
+/// The index of an optical setup among known optical setups. It is added if none of them fits.
 fn place(optical_setup: OpticalSetup, optical_setups: &mut Vec<OpticalSetup>) -> usize {
     let found = optical_setups.iter().position(|s| s.serves(&optical_setup));
     let place = found.unwrap_or(optical_setups.len());

@@ -36,7 +36,7 @@ pub enum RegistrationError {
     #[error(transparent)]
     Raw(#[from] RawError),
     /// One of the images is too small.
-    #[error("{rows} × {cols} pixels are too few to align by; at least {least} × {least} are needed", least = MIN_SIDE)]
+    #[error("{rows} × {cols} pixels are too few for alignment; at least {least} × {least} are needed", least = MIN_SIDE)]
     TooSmall {
         /// Rows.
         rows: usize,
