@@ -246,7 +246,7 @@ test("maps that are pictures have no values", () => withPage({}, async (page) =>
   assert.equal(await page.locator(".stage img[alt^='Aliasing']").count(), 2);
   await page.locator(".frame").last().hover();
   assert.equal(await page.locator(".values").count(), 0);
-  assert.match(await page.locator(".about-map").textContent(), /grey where there is none/);
+  assert.match(await page.locator(".about-map").textContent(), /Grey means no difference/);
 }, evaluated));
 
 test("classes and kernels follow position, texture and level", () => withPage({}, async (page) => {

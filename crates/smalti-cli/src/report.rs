@@ -55,7 +55,8 @@ pub(crate) struct ReportArgs {
 }
 
 pub(crate) fn run(args: &ReportArgs, common: &Common) -> anyhow::Result<()> {
-    let first = args.results.first().context("which results? Name a folder that `smalti sweep` wrote")?;
+    let first =
+        args.results.first().context("no results are given; expected a folder that `smalti sweep` wrote")?;
     if let Some(number) = args.camera {
         return crate::print(&camera(first, number)?);
     }

@@ -38,7 +38,7 @@ pub fn schema() -> schemars::Schema {
     schemars::schema_for!(CameraDescription)
 }
 
-/// A camera by name or file, overrides applied, the files that it names read; on the wavelengths given, else on its own.
+/// A camera by name or file, with overrides applied and the files that it names read; on the given wavelengths, else on its own.
 ///
 /// # Errors
 /// When there is none of that name, or a key, a value or a file does not fit; with the line where there is one.

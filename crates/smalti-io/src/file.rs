@@ -104,7 +104,7 @@ pub(crate) enum Negative {
     Keep,
 }
 
-/// Checks a sample; an error says what was expected.
+/// Checks a sample; an error states the expected value.
 pub(crate) fn sample(value: f32, negative: Negative) -> Result<f32, &'static str> {
     match negative {
         _ if !value.is_finite() => Err("a finite number"),

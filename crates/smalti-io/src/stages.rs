@@ -1,4 +1,4 @@
-//! The stages of a simulation as `.npy` files, and a `stages.json` that says what they are.
+//! The stages of a simulation as `.npy` files, and a `stages.json` that describes them.
 
 use std::collections::BTreeMap;
 use std::path::Path;

@@ -11,7 +11,7 @@ use toml::de::{DeTable, DeValue};
 use crate::diagnostic::Diagnostic;
 use crate::text;
 
-/// A file as text, before anything is made of it.
+/// A file as text, before it is parsed.
 #[derive(Debug, Clone)]
 pub struct TomlSource {
     /// What to call it in messages.
@@ -46,7 +46,7 @@ macro_rules! builtin {
 pub(crate) use builtin;
 
 impl TomlSource {
-    /// A built-in file by its name, else one on disk. `what` says in messages what it describes.
+    /// A built-in file by its name, else one on disk. `what` names the subject of the file in messages.
     ///
     /// # Errors
     /// When there is none of that name, with the nearest one, or the file cannot be read.
@@ -70,7 +70,7 @@ impl TomlSource {
         Ok(Self { name: name.into(), folder, text })
     }
 
-    /// What the file says.
+    /// The content of the file.
     ///
     /// # Errors
     /// On the first key or value that does not fit: its line, what was expected, the nearest valid key.
@@ -78,7 +78,7 @@ impl TomlSource {
         toml::from_str(&self.text).map_err(|e| Box::new(self.at(e.span(), e.message())))
     }
 
-    /// As [`TomlSource::parse`]. If the file has a top-level key of another kind of file, the error says so.
+    /// As [`TomlSource::parse`]. If the file has a top-level key of another kind of file, the error states this.
     pub(crate) fn parse_or_tell<T: DeserializeOwned>(
         &self,
         others: &[&str],

@@ -96,7 +96,7 @@ fn not_a_folder() -> io::Error {
     io::Error::new(io::ErrorKind::NotADirectory, "it is a file; expected a folder")
 }
 
-/// Makes a folder where it is absent and removes from it the files that say what is in it. Their new versions are to be
+/// Makes a folder where it is absent and removes from it the files that list its content. Their new versions are to be
 /// written last: as long as they are absent, the other files may come from two runs.
 ///
 /// # Errors

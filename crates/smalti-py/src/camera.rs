@@ -31,7 +31,7 @@ use crate::work::watched;
 ///     source: a built-in camera ("bayer", "rgbw", "phone", …; see `smalti.cameras()`) or a TOML file.
 ///     set: keys of the description to replace, such as {"sensor.pixel.pitch_um": 1.4}; `smalti list camera-keys` prints all keys.
 ///     wavelengths_nm: sampling wavelengths of its curves, nm, even steps; default those that it states, else 400, 410, … 700. A
-///         scene on other wavelengths is simulated on its own.
+///         scene on other wavelengths is simulated on the wavelengths of the scene.
 ///
 /// Raises:
 ///     FileNotFoundError: when there is no such file.

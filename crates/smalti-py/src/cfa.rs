@@ -15,7 +15,7 @@ use crate::spectrum::{PySpectrum, filter, grid_or_visible, wavelengths};
 /// A colour filter array: a tile of cells, repeated over the sensor, and the transmittance of each channel.
 ///
 /// Args:
-///     pattern: the name of a built-in one ("bayer", "random?channels=4&seed=1", …; see `smalti.cfas()`), or the rows of a tile in
+///     pattern: the name of a built-in array ("bayer", "random?channels=4&seed=1", …; see `smalti.cfas()`), or the rows of a tile in
 ///         letters, such as ["RG", "GB"].
 ///     filters: filter of each letter: a `Spectrum`, the name of a built-in filter (`smalti.filters()`) or a CSV file, a number
 ///         (the same at every wavelength), or a formula as in camera files, such as
@@ -105,7 +105,7 @@ impl PyCfa {
         arrays::slice_view(slf.as_any().clone(), &[mosaic.rows(), mosaic.cols()], mosaic.cells())
     }
 
-    /// The rows of the tile as letters; None where the names of channels are longer than a letter.
+    /// The rows of the tile as letters; None if the name of a channel is longer than one letter.
     #[getter]
     fn letters(&self) -> Option<Vec<String>> {
         self.0.letters()
@@ -117,7 +117,7 @@ impl PyCfa {
         self.0.channels().iter().map(|c| c.name.clone()).collect()
     }
 
-    /// The transmittance of each channel, 0 to 1, by its name.
+    /// The transmittance of each channel, 0 to 1, by the name of the channel.
     #[getter]
     fn channels<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         self.0.channels().iter().map(|c| (&c.name, PySpectrum(c.transmittance.clone()))).into_py_dict(py)

@@ -31,7 +31,7 @@ const SPACES: [(&str, ColorSpace); 5] = [
 #[derive(Debug, Clone)]
 pub(crate) struct PyImage {
     pub(crate) image: Image,
-    /// X, Y, Z of the illuminant, Y = 1; None where it is unknown.
+    /// X, Y, Z of the illuminant, Y = 1; None if it is unknown.
     #[pyo3(get)]
     pub(crate) white: Option<[f64; 3]>,
 }
@@ -127,7 +127,7 @@ impl PyImage {
         Ok(xyz.brightness_gain())
     }
 
-    /// The picture in sRGB for display, with its illuminant, where known, adapted to the white of the display (Bradford).
+    /// The picture in sRGB for display. If its illuminant is known, it is adapted to the white of the display (Bradford).
     ///
     /// Args:
     ///     gain: factor of the luminance; default `brightness_gain()`.

@@ -49,18 +49,18 @@ impl PyEdge {
         arrays::slice_view(slf.as_any().clone(), &[values.len()], values)
     }
 
-    /// The first frequency at which the response is one half, cycles per pixel; None when it stays above.
+    /// The first frequency at which the response is one half, cycles per pixel; None if the response stays above.
     #[getter]
     fn mtf50_cy_per_px(&self) -> Option<f64> {
         self.0.mtf50_cy_per_px
     }
 
-    /// The same in cycles per mm on a sensor of this pixel pitch in m.
+    /// MTF50 in cycles per mm on a sensor with this pixel pitch in m.
     fn mtf50_cy_per_mm(&self, pitch_m: f64) -> Option<f64> {
         self.0.mtf50_cy_per_mm(pitch_m)
     }
 
-    /// The first frequency at which the response falls to `level`, cycles per pixel; None when it stays above.
+    /// The first frequency at which the response falls to `level`, cycles per pixel; None if the response stays above.
     fn frequency_at(&self, level: f64) -> Option<f64> {
         self.0.frequency_at(level)
     }

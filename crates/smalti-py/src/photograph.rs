@@ -51,7 +51,7 @@ impl PyPhotograph {
         Ok(PyImage::new(reference, Some(self.white)))
     }
 
-    /// The difference of the centre of the picture from `reference`, for the camera's own processing without white balance, as `smalti
+    /// The difference between the centre of the picture and `reference`, for the camera's own processing without white balance, as `smalti
     /// simulate` scores it: cpsnr_db, pixel_delta_e_2000_mean, pixel_delta_e_2000_p95, scielab_mean and others; None without light.
     fn scores<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
         let (image, exposure) = (&self.optical_image.0, &self.exposure);

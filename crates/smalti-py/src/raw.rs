@@ -16,12 +16,12 @@ use crate::work::watched;
 /// Raw samples with their mosaic and levels.
 ///
 /// Args:
-///     samples: [rows, columns] of a mosaic, or [rows, columns, channels] where every pixel has every channel. Integers are digital
+///     samples: [rows, columns] of a mosaic, or [rows, columns, channels] if every pixel has every channel. Integers are digital
 ///         numbers of at most 16 bits; floating-point values are volts.
-///     tile: the channel of each cell of the mosaic's tile, whole numbers from 0 [rows, columns], or a `Cfa`; None where every pixel
+///     tile: the channel of each cell of the mosaic's tile, whole numbers from 0 [rows, columns], or a `Cfa`; None if every pixel
 ///         has every channel.
-///     black_level: the sample without light, in the unit of the samples.
-///     white_level: the sample at saturation.
+///     black_level: the value of a sample without light, in the unit of the samples.
+///     white_level: the value of a sample at saturation.
 ///     channel_names: default those of the `Cfa`, else A, B, C, …; learned pipelines match channels by name.
 #[pyclass(name = "RawImage", module = "smalti", frozen)]
 #[derive(Debug, Clone)]
@@ -121,7 +121,7 @@ impl PyRawImage {
         }
     }
 
-    /// The channel of each cell of the tile, uint8 [rows, columns]; None where every pixel has every channel.
+    /// The channel of each cell of the tile, uint8 [rows, columns]; None if every pixel has every channel.
     #[getter]
     fn tile<'py>(slf: &Bound<'py, Self>) -> PyResult<Option<Bound<'py, PyAny>>> {
         match slf.get().raw.sampling() {
@@ -144,13 +144,13 @@ impl PyRawImage {
         self.raw.channel_names().to_vec()
     }
 
-    /// The sample without light, in the unit of the samples.
+    /// The value of a sample without light, in the unit of the samples.
     #[getter]
     fn black_level(&self) -> f64 {
         self.raw.black_level()
     }
 
-    /// The sample at saturation.
+    /// The value of a sample at saturation.
     #[getter]
     fn white_level(&self) -> f64 {
         self.raw.white_level()
@@ -171,7 +171,7 @@ impl PyRawImage {
         self.raw.saturated_percent()
     }
 
-    /// The same image with its channels in the order of these names; unchanged where the names differ from its own.
+    /// The same image with its channels in the order of these names; unchanged if the names differ from its own.
     fn with_channels(&self, names: Vec<String>) -> Self {
         Self { raw: self.raw.clone().with_channels(&names), ..self.clone() }
     }

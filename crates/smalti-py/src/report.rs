@@ -23,7 +23,7 @@ pub(crate) fn write_report<'py>(
 ) -> PyResult<Bound<'py, PyAny>> {
     let settings = ReportSettings { pictures: usize::from(pictures), requested: picture, draw };
     let Some(first) = results.first() else {
-        return Err(wrong("which results? Name a folder that a sweep wrote"));
+        return Err(wrong("no results are given; expected a folder that a sweep wrote"));
     };
     let folder = output.unwrap_or_else(|| first.join("report"));
     let document = watched(py, progress.map(Told::Pictures), |watch| {

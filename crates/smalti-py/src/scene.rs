@@ -354,7 +354,7 @@ impl PyScene {
     }
 }
 
-/// Names of the built-in scenes, each with what it is; parameters are listed by `smalti list scenes`.
+/// Names of the built-in scenes with their summaries; `smalti list scenes` lists their parameters.
 #[pyfunction]
 pub(crate) fn scenes() -> std::collections::BTreeMap<&'static str, &'static str> {
     catalog::names().iter().map(|s| (s.name, s.summary)).collect()
@@ -378,7 +378,7 @@ fn cube(
     SpectralCube::new(grid, planes).or_raise_about(what)
 }
 
-/// Spectral irradiance on the sensor: what the lens makes of a scene.
+/// Spectral irradiance on the sensor: the image of a scene that the lens forms.
 ///
 /// Args:
 ///     irradiance: photons s⁻¹ m⁻² nm⁻¹ [rows, columns, wavelengths], finite and not negative, centred on the optical axis.
@@ -426,7 +426,7 @@ impl PyOpticalImage {
         (cube.rows(), cube.cols(), cube.grid().len())
     }
 
-    /// The same image with so many times the light.
+    /// The same image with its irradiance multiplied by a factor.
     fn scaled(&self, factor: f64) -> PyResult<Self> {
         Ok(Self(self.0.scaled(factor).or_raise()?))
     }

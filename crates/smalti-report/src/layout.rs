@@ -18,7 +18,7 @@ const MARGIN: f64 = 18.0;
 const BAR: f64 = 18.0;
 
 impl Plot {
-    /// The figure. A plot without a finite point is drawn empty, and says so.
+    /// The figure. A plot without a finite point is drawn empty, with a note that states this.
     ///
     /// # Errors
     /// [`FigureError`] for columns of different length, bad ranges, and sizes without room for the labels.

@@ -12,15 +12,15 @@ use thiserror::Error;
 
 use crate::FigureError;
 
-/// A report that cannot be made of what was given.
+/// A report that cannot be made from the given data.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum ReportError {
     /// The caller asked to stop.
     #[error("stopped")]
     Stopped,
-    /// A column that every study has is absent, or holds other values than it should.
-    #[error("{origin}: its column {column} is absent or holds other values than a sweep writes")]
+    /// A column that every study has is absent, or holds values of another kind.
+    #[error("{origin}: its column {column} is absent or holds values that a sweep does not write")]
     Column {
         /// Where the results were read.
         origin: String,
@@ -35,21 +35,21 @@ pub enum ReportError {
         /// The number.
         colors: i64,
     },
-    /// A row, setup or condition is asked for by a number beyond the last.
+    /// The number of a row, setup or condition is beyond the last.
     #[error("no such {what}")]
     Missing {
-        /// What was asked for.
+        /// What was requested.
         what: &'static str,
     },
-    /// A trial is asked for by a number beyond the last.
+    /// The number of a trial is beyond the last.
     #[error("it has trials 0 to {last}, not {number}")]
     NoSuchTrial {
-        /// The number asked for.
+        /// The requested number.
         number: u64,
         /// The largest number.
         last: u64,
     },
-    /// Pictures are asked for of a trial that the results do not hold.
+    /// Pictures of a trial are requested that the results do not hold.
     #[error("the pictures of trial {number} cannot be embedded: {study} holds no such trial")]
     NoSuchPicture {
         /// The number of the trial.
@@ -57,10 +57,10 @@ pub enum ReportError {
         /// The study.
         study: String,
     },
-    /// Figures are asked for of a condition that no study has.
+    /// Figures of a condition are requested that no study has.
     #[error("no condition has '{text}' in its name; the conditions are {known}")]
     NoSuchCondition {
-        /// What was asked for.
+        /// What was requested.
         text: String,
         /// The names of the conditions.
         known: String,

@@ -31,7 +31,7 @@ fn run(work: impl FnOnce(&mut Module) -> Result<i32, StudioError>) -> i32 {
     })
 }
 
-/// Makes room for an input; returns where it is to be written.
+/// Makes room for an input; returns the address for it.
 #[unsafe(no_mangle)]
 extern "C" fn reserve(bytes: usize) -> *mut u8 {
     MODULE.with_borrow_mut(|module| {

@@ -8,7 +8,7 @@
 //!
 //! | function | input | gives |
 //! |---|---|---|
-//! | `reserve(bytes)` | | where the input is to be written |
+//! | `reserve(bytes)` | | the address for the input |
 //! | `study()` | a study, resolved, as JSON | its index |
 //! | `setup(study, condition, is_learned, text_bytes)` | the light as JSON, then the numbers of its planes, 32 bits each | 0 |
 //! | `draw(number, scene, is_noisy)` | | 0; the output is RGBA, four bytes a pixel |

@@ -13,7 +13,7 @@ use smalti::sensor::NoiseMode;
 pub enum StudioError {
     /// The input cannot be read.
     Input(serde_json::Error),
-    /// The numbers of the planes are more or fewer than their text says.
+    /// The number of values of the planes is not that which their text states.
     Planes,
     /// There is no such study.
     NoStudy(usize),

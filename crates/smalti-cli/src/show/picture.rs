@@ -33,7 +33,7 @@ impl Pixels {
     /// From the PNG of a figure.
     pub(super) fn from_png(png: &[u8]) -> anyhow::Result<Self> {
         let mut reader = png::Decoder::new(std::io::Cursor::new(png)).read_info()?;
-        let mut bytes = vec![0; reader.output_buffer_size().context("a figure of no size")?];
+        let mut bytes = vec![0; reader.output_buffer_size().context("the figure has no size")?];
         let info = reader.next_frame(&mut bytes)?;
         let rgb = bytes.as_chunks::<3>().0.to_vec();
         Ok(Self { width: info.width as usize, height: info.height as usize, rgb })

@@ -138,7 +138,10 @@ fn the_table_the_files_and_the_figures_agree() {
         let db = entry.pointer("/scenes/0/fixed_point_psnr_db").unwrap().as_f64().unwrap();
         assert!(db > 60.0, "{db}");
     }
-    assert!(text.contains("\nfixed point (16-bit samples and kernels) is within "), "{text}");
+    assert!(
+        text.contains("\nPSNR of fixed point (16-bit samples and kernels) against single precision: "),
+        "{text}"
+    );
     assert_eq!(table(&place, "o/rgbw.l3").channel_names(), ["R", "G", "W", "B"]);
 
     // From the cache or not, on any number of threads: the same bits.

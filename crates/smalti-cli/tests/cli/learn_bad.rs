@@ -146,7 +146,7 @@ fn pairs_that_do_not_fit() {
     );
     pair(
         "--pair s/raw.dng small.png",
-        &["s/raw.dng and small.png", "30 × 30 pixels are too few to align by"],
+        &["s/raw.dng and small.png", "30 × 30 pixels are too few for alignment"],
     );
     pair("--pair s/raw.dng flat.png", &["s/raw.dng and flat.png", "does not match the raw image"]);
     pair("--pair s/raw.dng no.png", &["cannot read no.png"]);

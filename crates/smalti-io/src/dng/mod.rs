@@ -32,7 +32,7 @@ pub struct ColorMatrix {
     pub light_source: u16,
 }
 
-/// What a DNG says beside the raw image.
+/// The metadata of a DNG.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct DngInfo {
     /// Maker of the camera; not written when empty.
@@ -46,13 +46,13 @@ pub struct DngInfo {
 }
 
 impl DngInfo {
-    /// Exif's code of a light that it has no name for.
+    /// Exif's code of a light without a name.
     const OTHER_LIGHT: u16 = 255;
 
-    /// What a simulated camera says of its pictures under a light, in photons.
+    /// The metadata of a simulated camera for pictures under a light, in photons.
     ///
     /// # Errors
-    /// When the camera, or the eye, does not see the light.
+    /// When the camera or the standard observer has no response to the light.
     pub fn of_camera(camera: &Camera, light: &Spectrum) -> Result<Self, CameraError> {
         let isp = camera.isp(light, WhiteBalance::None)?;
         let camera_from_xyz = camera.camera_from_xyz(light)?;

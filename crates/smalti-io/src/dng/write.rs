@@ -233,7 +233,7 @@ fn fraction(v: f64, most: f64) -> [f64; 2] {
     [(v * denominator).round(), denominator]
 }
 
-/// TIFF knows ASCII only.
+/// TIFF supports ASCII only.
 fn ascii(text: &str) -> String {
     text.chars().map(|c| if c.is_ascii_graphic() || c == ' ' { c } else { '?' }).collect()
 }

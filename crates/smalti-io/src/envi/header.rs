@@ -42,7 +42,7 @@ impl<'a> Fields<'a> {
                 }
             }
             if fields.insert(key.clone(), value).is_some() {
-                return Err(wrong(number, format!("'{key}' once more"), "each key once"));
+                return Err(wrong(number, format!("'{key}' a second time"), "each key once"));
             }
         }
         Ok(Self { path, fields })

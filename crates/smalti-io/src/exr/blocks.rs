@@ -145,7 +145,8 @@ impl Unpack for Layer {
         })?;
         let unpacked = unpacked.map_err(|e| e.to_string())?;
         let header = self.meta.headers.get(self.layer).ok_or("a layer is absent")?;
-        self.copy(header, block, &unpacked, out).ok_or_else(|| format!("block {block} is another one"))
+        self.copy(header, block, &unpacked, out)
+            .ok_or_else(|| format!("the header of block {block} is that of another block"))
     }
 }
 

@@ -1,6 +1,6 @@
 //! OpenEXR: spectral images (two layouts) and RGB pictures.
 //!
-//! A spectral file seldom says everything a scene needs. [`open`] returns what the file does say, unchanged;
+//! A spectral file seldom states everything that a scene needs. [`open`] returns the stated properties unchanged;
 //! [`SpectralFile::into_scene`](crate::SpectralFile::into_scene) adds the rest.
 
 mod blocks;

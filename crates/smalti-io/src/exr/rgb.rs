@@ -1,4 +1,4 @@
-//! RGB pictures in OpenEXR: linear light, sRGB primaries unless the file says otherwise.
+//! RGB pictures in OpenEXR: linear light, sRGB primaries unless the file states others.
 
 use std::io::Cursor;
 use std::path::Path;

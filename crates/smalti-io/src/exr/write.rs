@@ -18,7 +18,7 @@ use crate::{IoError, Quantity, SpectralFile, write};
 /// equal value. Equal values make equal bytes.
 ///
 /// # Errors
-/// When a reflectance is to be written in PBRT's layout, or the file cannot be written.
+/// When a reflectance should be written in PBRT's layout, or the file cannot be written.
 pub fn write(path: &Path, file: &SpectralFile, layout: Layout) -> Result<(), IoError> {
     let grid = file.cube.grid();
     let kind = match (layout, file.quantity) {
@@ -71,7 +71,7 @@ fn attribute(name: &str, value: Option<&str>) -> HashMap<Text, AttributeValue> {
     value.map(|v| (Text::from(name), AttributeValue::Text(Text::from(v)))).into_iter().collect()
 }
 
-/// In the words of the layout's authors, who leave "per nm" unsaid.
+/// In the words of the layout's authors, who omit "per nm".
 fn units(quantity: Quantity) -> Option<&'static str> {
     match quantity {
         Quantity::Photons => Some("photons.s^-1.m^-2.sr^-1"),

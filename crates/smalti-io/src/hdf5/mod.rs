@@ -61,7 +61,7 @@ pub fn write(path: &Path, file: &SpectralFile) -> Result<(), IoError> {
     whole::atomic(path, |out| builder.finish_to(out).map_err(|e| unwritten(path, e)))
 }
 
-/// What the encoder says, as an error of writing.
+/// The message of the encoder, as an error of writing.
 pub(crate) fn unwritten(path: &Path, error: impl std::error::Error + Send + Sync + 'static) -> IoError {
     IoError::writing(path)(std::io::Error::other(error))
 }

@@ -45,7 +45,7 @@ pub(crate) fn open(source: Shared<'static>, path: &Path, limits: Limits) -> Resu
     context.members(file.root())
 }
 
-/// The source as the crate wants it.
+/// The source behind the interface that the crate requires.
 struct Positioned(Shared<'static>);
 
 impl hdf5_pure::Source for Positioned {

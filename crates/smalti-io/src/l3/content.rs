@@ -229,7 +229,7 @@ impl<'a> Opened<'a> {
 
     pub(super) fn json<T: DeserializeOwned>(&self, key: &str) -> Result<T, IoError> {
         serde_json::from_str(self.text(key)?)
-            .map_err(|e| self.wrong(key, format!("not what it should be ({e})"), "JSON as documented"))
+            .map_err(|e| self.wrong(key, format!("invalid ({e})"), "JSON as documented"))
     }
 
     /// The elements of an array of any shape of so many axes.

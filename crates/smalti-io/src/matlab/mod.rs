@@ -66,7 +66,7 @@ fn from_source(source: Shared<'static>, of: Reading<'_>) -> Result<Box<dyn Tiles
 }
 
 /// Writes photons as a struct `scene` that ISETCam loads (`sceneFromFile`, `load`), other quantities as `cube` (single
-/// precision) and `bands` (nm). Where the distance or the field of view is not known, those of ISETCam stand in the scene
+/// precision) and `bands` (nm). Where the distance or the field of view is not known, those of ISETCam are written to the scene
 /// (1.2 m, 10°). The variable `comment` has as JSON what else is known, so that a file reads back as it was.
 ///
 /// # Errors

@@ -150,7 +150,7 @@ fn on_grid(values: &[f64], bands: &Bands) -> Result<Spectrum, smalti::spectrum::
 }
 
 impl Arrays<'_, '_> {
-    /// The cube: the one that was asked for, else `cube`, else the only one of three axes.
+    /// The cube: the one that was requested, else `cube`, else the only one of three axes.
     fn cube(&self, options: &ReadOptions) -> Result<&(Array, Member), IoError> {
         let path = self.archive.path;
         let named = |name: &str| self.arrays.iter().find(|(a, _)| a.name == name);
@@ -202,7 +202,7 @@ impl Arrays<'_, '_> {
         let numbers = array.numbers(&self.elements(array, member)?);
         if numbers.len() != count {
             let found = format!("{} numbers", numbers.len());
-            return Err(IoError::field(path, name, found, format!("{count}, as its shape says")));
+            return Err(IoError::field(path, name, found, format!("{count}, as its shape states")));
         }
         Ok(Some((name, numbers)))
     }

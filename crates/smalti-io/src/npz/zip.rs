@@ -32,7 +32,7 @@ pub(crate) struct Member {
     pub(crate) name: String,
     deflated: bool,
     crc: u32,
-    /// Where its bytes stand in the archive.
+    /// The place of its bytes in the archive.
     pub(crate) at: u64,
     compressed: u64,
     /// Length of its content, bytes.
@@ -226,7 +226,7 @@ fn entry(list: &mut Bytes<'_>, source: &dyn Source) -> Result<Member, String> {
     let outside = || format!("{name} is not within the file");
     let local = part(source, member.at, 30).map_err(|_| outside())?;
     let Some(local) = local.strip_prefix(LOCAL_ENTRY) else {
-        return Err(format!("{name} is not where the list says"));
+        return Err(format!("{name} is not at the place that the directory of the archive states"));
     };
     // The name and the extra field before the content may have other lengths than in the list.
     let mut local = Bytes(local);

@@ -48,7 +48,7 @@ pub(crate) trait Unpack: std::fmt::Debug + Send + Sync {
 pub(crate) struct Place {
     pub(crate) offset: u64,
     pub(crate) bytes: u64,
-    /// Bit `i` says that the filter `i` was not used.
+    /// Bit `i` is set if the filter `i` was not used.
     pub(crate) skipped: u32,
 }
 
@@ -96,7 +96,7 @@ impl Blocks {
         Raster { bands, rows, cols, ..*cube }
     }
 
-    /// Reads a part, whose bands are in the same blocks, to where it belongs. Where `shared` says so, all threads unpack.
+    /// Reads a part, whose bands are in the same blocks, to its place. If `shared` is true, all threads unpack.
     pub(super) fn read_into<S: Sample>(
         &self,
         cube: &Raster,
@@ -208,7 +208,7 @@ impl Blocks {
     fn check_head(&self, block: usize, head: &[u8]) -> Result<(), Bad> {
         match self.heads.get(block * head.len()..).is_some_and(|heads| heads.starts_with(head)) {
             true => Ok(()),
-            false => Err(Bad::Block(format!("block {block} is another one"))),
+            false => Err(Bad::Block(format!("the header of block {block} is that of another block"))),
         }
     }
 

@@ -11,7 +11,7 @@ pub(crate) struct Strides {
     pub(crate) col: usize,
 }
 
-/// Parts of planes that are written: for each band rows of `width` samples, of which those from `col` on are filled.
+/// Parts of planes that are written: for each band, rows of `width` samples that are filled from `col` on.
 pub(crate) struct Target<'a, 'b, S> {
     pub(crate) bands: &'a mut [&'b mut [S]],
     pub(crate) width: usize,

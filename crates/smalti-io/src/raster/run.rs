@@ -8,7 +8,7 @@ use super::kind::{Kind, Sample};
 use super::source::Source;
 use super::{Axis, Bad, Part};
 
-/// A cube of samples that lie one after another: of which type, how many, in which order.
+/// A cube of contiguous samples: their type, number and order.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct Raster {
     pub(crate) kind: Kind,

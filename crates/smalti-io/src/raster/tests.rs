@@ -231,7 +231,9 @@ fn lines_at_equal_distances_are_read_together() {
             blocks.heads = blocks.heads.iter().rev().copied().collect();
         }
         let done: Result<Vec<f32>, Bad> = read(&[cube], bands, (5..7, 0..6), |_, _, _| Ok(()));
-        assert!(matches!(done, Err(Bad::Block(message)) if message == "block 5 is another one"));
+        assert!(
+            matches!(done, Err(Bad::Block(message)) if message == "the header of block 5 is that of another block")
+        );
     }
     let cube = |equal| in_lines(Raster { rows: 3, ..raster }, 8, equal, &Arc::default());
     let whole = |equal| read_plain(&[cube(equal)], &[(0, 0), (0, 1), (0, 2)], (0..3, 0..6));

@@ -17,7 +17,7 @@ pub(crate) struct Comment {
     pub(crate) smalti: Facts,
 }
 
-/// What [`SpectralFile`] says beside its samples.
+/// The properties of a [`SpectralFile`] beside its samples.
 #[derive(Debug, Default, Serialize, Deserialize)]
 pub(crate) struct Facts {
     name: String,

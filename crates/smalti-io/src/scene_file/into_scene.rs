@@ -46,10 +46,10 @@ impl SpectralFile {
     ///
     /// - Absolute radiance is kept, converted to photons.
     /// - Relative radiance is scaled to the mean luminance of the defaults.
-    /// - A reflectance is multiplied by the light (the file's or the default) and scaled likewise.
+    /// - A reflectance is multiplied by the light (that of the file or the default) and scaled in the same way.
     ///
-    /// Where a radiance comes without its light, the default illuminant is scaled to the 99th percentile of the
-    /// scene's luminance: that is what a white surface in it is taken to be.
+    /// If the light of a radiance is unknown, the default illuminant is scaled to the 99th percentile of the
+    /// scene's luminance, which is assumed to be that of a white surface.
     ///
     /// # Errors
     /// When the image is black throughout but must be scaled, a default is out of range, or the illuminant does

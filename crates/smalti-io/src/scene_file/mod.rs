@@ -46,7 +46,7 @@ pub enum Format {
 }
 
 impl Format {
-    /// The one that the end of a file's name tells.
+    /// The format that the extension of a file determines.
     #[must_use]
     pub fn of(path: &Path) -> Option<Self> {
         Some(match extension(path)?.as_str() {
@@ -82,7 +82,7 @@ pub const EXTENSIONS: [&str; 18] = [
 /// Extensions of pictures, which hold no spectra; a TIFF may.
 const PICTURES: [&str; 5] = ["png", "tif", "tiff", "jpg", "jpeg"];
 
-/// Whether a scene is meant as a file: it is one, or its name ends as one, or it is a folder of bands.
+/// Whether the name of a scene is that of a file: the file exists, or the name has the extension of one, or it is a folder of bands.
 #[must_use]
 pub fn is_meant(name: &str) -> bool {
     let path = Path::new(name);

@@ -97,8 +97,8 @@ pub trait Tiles: Send + Sync {
     /// When the part reaches beyond the image, the file cannot be read, or a sample is not valid (with its band and place).
     fn read(&self, part: Crop) -> Result<Planes, IoError>;
 
-    /// Rows that are best read together, counted from the first: those that are unpacked at once, whichever of them are asked for.
-    /// 1 where each is read for itself.
+    /// Number of rows, counted from the first, that are best read together because they are unpacked together. 1 if each is read
+    /// on its own.
     fn rows_at_once(&self) -> usize {
         1
     }

@@ -17,7 +17,7 @@ use crate::{IoError, Limits, envi, exr, hdf5, matlab, npz, spectral_tiff};
 /// Choices that formats leave.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct WriteOptions {
-    /// Order of the samples of ENVI; otherwise that of the file's extension, BSQ where it tells none.
+    /// Order of the samples of ENVI; otherwise that of the file's extension, BSQ if the extension determines none.
     pub interleave: Option<Interleave>,
     /// Channels of OpenEXR; otherwise those of Fichet et al.
     pub exr: Option<exr::Layout>,
@@ -27,13 +27,13 @@ pub struct WriteOptions {
     pub tiff: spectral_tiff::WriteOptions,
 }
 
-/// Writes a spectral image in the format that the end of the file's name tells: OpenEXR, MATLAB, HDF5, ENVI, NumPy or TIFF. The last
+/// Writes a spectral image in the format that the extension of the file determines: OpenEXR, MATLAB, HDF5, ENVI, NumPy or TIFF. The last
 /// three are written by rows, so that the image need not fit into memory.
 ///
 /// Returns notes on the facts that the file does not hold.
 ///
 /// # Errors
-/// When the name tells no format that is written, the image cannot be read, or the file not be written.
+/// When the extension names no format that can be written, the image cannot be read, or the file cannot be written.
 pub fn write(path: &Path, image: &dyn Tiles, options: &WriteOptions) -> Result<Vec<String>, IoError> {
     let header = image.header();
     let mut notes = Vec::new();

@@ -186,7 +186,7 @@ fn refuse_hidden(first: &Directory, count: usize, path: &Path) -> Result<(), IoE
     match images {
         Some(images) if images > count => {
             let expected =
-                format!("{images}, as its description says; ImageJ writes them for stacks below 4 GiB");
+                format!("{images}, as its description states; ImageJ writes them for stacks below 4 GiB");
             Err(IoError::field(path, "the images of the stack", count.to_string(), expected))
         }
         _ => Ok(()),

@@ -1,4 +1,4 @@
-//! Cubes of data sets and of anybody: an array of three axes, one of which is that of the wavelengths.
+//! Cubes of known data sets and of any other origin: an array of three axes, one of which is that of the wavelengths.
 
 use std::path::Path;
 
@@ -85,7 +85,7 @@ fn is_cube(numbers: &Numbers) -> bool {
     dims.len() >= 3 && dims.iter().filter(|&&d| d > 1).count() == 3 && dims.iter().skip(3).all(|&d| d == 1)
 }
 
-/// What was asked for.
+/// The requested cube.
 fn chosen(fields: &dyn Fields, place: &str, path: &Path) -> Result<Numbers, IoError> {
     let wrong = |found: &str| Err(IoError::field(path, place, found, "an array of three axes"));
     match at(fields, place)? {

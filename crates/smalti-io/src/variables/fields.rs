@@ -1,4 +1,4 @@
-//! Named arrays, texts and structs, and what is said about them.
+//! Named arrays, texts and structs, and their attributes.
 
 use std::path::Path;
 
@@ -33,7 +33,7 @@ pub(crate) enum Value {
     Other(&'static str),
 }
 
-/// An array and what is said about it.
+/// An array and its attributes.
 #[derive(Clone)]
 pub(crate) struct Numbers {
     pub(crate) array: Array,
@@ -42,7 +42,7 @@ pub(crate) struct Numbers {
     pub(crate) attributes: Vec<(String, Attribute)>,
 }
 
-/// What is said about an array.
+/// The attributes of an array.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum Attribute {
     Text(String),
@@ -105,8 +105,7 @@ pub(crate) fn text_at(fields: &dyn Fields, place: &str) -> Result<Option<String>
     })
 }
 
-/// An array of which it is known what its axes are and which wavelengths its bands have. The grid is that which was written
-/// where the facts of the file tell it.
+/// An array whose axes and wavelengths are known. If the facts of the file state the grid that was written, it has that grid.
 pub(super) fn placed(
     array: &Array,
     axes: Axes,

@@ -200,7 +200,7 @@ fn illuminant(
     for at in grid.wavelengths_nm() {
         let value = interpolated(&nm, &values, at).ok_or_else(|| {
             let (first, last) = (nm.first().copied().unwrap_or(0.0), nm.last().copied().unwrap_or(0.0));
-            let expected = format!("all wavelengths of the scene, {} nm among them", at);
+            let expected = format!("all wavelengths of the scene, including {} nm", at);
             IoError::field(path, "the illuminant", format!("known from {first} to {last} nm"), expected)
         })?;
         photons.push(if is_energy { value * photons_per_joule(at) } else { value });

@@ -21,7 +21,7 @@ pub(super) const NAMES: [&str; 9] = [
 // Cameras see from the ultraviolet to the thermal infrared; a list outside is not of nanometres.
 const PLAUSIBLE_NM: std::ops::RangeInclusive<f64> = 100.0..=30_000.0;
 
-/// The wavelengths beside a cube, nm, and what they are called.
+/// The wavelengths beside a cube, nm, and their name.
 pub(super) fn beside(fields: &dyn Fields, of: Reading<'_>) -> Result<Option<(Vec<f64>, String)>, IoError> {
     for name in NAMES {
         if let Some(numbers) = numbers_at(fields, name)? {

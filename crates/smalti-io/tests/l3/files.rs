@@ -171,9 +171,9 @@ fn what_does_not_fit_is_refused_behind_a_right_hash() {
             "white level 0.23 must lie above black level 64",
         ),
         (r#""white_level":"1023""#, r#""white_level":"inf ""#, "white_level is 'inf '; expected a number"),
-        (r#"[\"X\",\"Y\","#, r#"[\"X\",\"Y\";"#, "outputs is not what it should be"),
+        (r#"[\"X\",\"Y\","#, r#"[\"X\",\"Y\";"#, "outputs is invalid"),
         (r#"[\"C0\",\"C1\",\"C2\"]"#, r#"[\"C0\",\"C1,    C2\"]"#, "2 channel names for 3 channels"),
-        (r#"\"constant\":3"#, r#"\"constamt\":3"#, "noise is not what it should be"),
+        (r#"\"constant\":3"#, r#"\"constamt\":3"#, "noise is invalid"),
         (
             r#""saturations":{"dtype":"U32","shape":[4]"#,
             r#""saturations":{"dtype":"F32","shape":[4]"#,

@@ -195,8 +195,8 @@ def compare(
     Args:
         cameras: one or more cameras.
         processing: kinds of processing: "l3" (a pipeline learned for each camera under the illuminant), "bilinear", "malvar2004",
-            "hamilton-adams1997". Cameras whose mosaic a kind is not defined for are left out.
-        pipelines: a learned pipeline for each camera to use in place of learning one; None learns.
+            "hamilton-adams1997". A camera is left out of a kind that is not defined for its mosaic.
+        pipelines: a learned pipeline for each camera; None: a pipeline is learned.
         scenes: built-in scenes with their parameters, or `Scene` objects, which are relit; default `test_scenes()`, which are not used
             for training.
         luminances_cd_m2: mean luminances of the scenes, cd/m².

@@ -18,7 +18,7 @@ use crate::words::listed;
 const ALIASING: Maps = Maps {
     name: "Aliasing",
     unit: "",
-    about: "The part of the picture that is not in the zone plate: grey where there is none.",
+    about: "The part of the picture that the zone plate does not contain. Grey means no difference.",
 };
 
 /// The evaluations of cameras at one or several luminances.

@@ -31,7 +31,7 @@ pub(super) const DIFFERENCES: [Difference; 2] = [
         maps: Maps {
             name: "S-CIELAB difference",
             unit: "ΔE*ab",
-            about: "The difference after the blur of the eye. Detail that is too fine to be seen, noise above all, counts little.",
+            about: "The difference after the spatial blur of the eye. Detail that is too fine to see, above all noise, has little weight.",
         },
         of: |s| &s.scielab_map,
         mean: |s| s.scielab_mean,

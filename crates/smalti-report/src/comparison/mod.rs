@@ -1,6 +1,6 @@
 //! The report of a comparison or an evaluation of cameras: pages, tables, pictures and one JSON document.
 //!
-//! All is made of plain data, [`Comparison`] and [`Evaluations`]. The caller stores what is made.
+//! Everything is made from plain data, [`Comparison`] and [`Evaluations`]. The caller stores the files.
 
 mod again;
 pub mod columns;

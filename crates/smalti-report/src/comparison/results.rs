@@ -46,7 +46,7 @@ pub struct Comparison<'a> {
     pub exposure: ExposurePolicy,
     /// What differs between the cameras besides the colour filter array.
     pub differences: &'a [CameraDifference],
-    /// How much more light the first camera needs to equal each other camera. Empty where it was not asked for.
+    /// How much more light the first camera needs to equal each other camera. Empty if it was not requested.
     pub gains: &'a [PairwiseLightGain],
     /// The label of each scene.
     pub scene_labels: &'a [String],

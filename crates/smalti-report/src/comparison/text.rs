@@ -33,9 +33,7 @@ impl Comparison<'_> {
     pub fn fixed_point_line(&self) -> String {
         let all = self.outcomes.iter().flatten().flat_map(|o| o.fixed_point_psnr_db.iter().flatten());
         all.copied().reduce(f64::min).map_or_else(String::new, |db| {
-            format!(
-                "fixed point (16-bit samples and kernels) is within {db:.1} dB PSNR of single precision\n"
-            )
+            format!("PSNR of fixed point (16-bit samples and kernels) against single precision: {db:.1} dB\n")
         })
     }
 

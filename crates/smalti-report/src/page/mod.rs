@@ -21,7 +21,7 @@
 //! | programs and styles of a kind of page | [`Piece`]: [`SWEEP`], [`COMPARE`] |
 //!
 //! A page states a content security policy: no network, no frames, no forms, and only the very scripts and styles written here,
-//! by their hashes. Scripts put text into the page as text, never as HTML. What the page does without scripts stands in its
+//! by their hashes. Scripts put text into the page as text, never as HTML. Text for a page without scripts is in its
 //! HTML: sections, tables, figures.
 
 mod columns;
@@ -45,7 +45,7 @@ use crate::Figure;
 pub struct Piece {
     css: &'static str,
     js: &'static str,
-    /// Whose work it is, where it is not ours: the page says so at its end.
+    /// Credit for work that is not our own, printed at the end of the page.
     credit: &'static str,
 }
 
@@ -55,7 +55,7 @@ impl Piece {
     }
 }
 
-/// The plots of a page: uPlot's release as it is on npm, behind its licence. vendor/uplot/README.md tells of its origin.
+/// The plots of a page: uPlot's release as it is on npm, behind its licence. vendor/uplot/README.md states its origin.
 const UPLOT: Piece = Piece {
     css: include_str!("../../vendor/uplot/uPlot.min.css"),
     js: concat!(

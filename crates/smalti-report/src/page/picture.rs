@@ -47,7 +47,7 @@ impl DataUri {
         &self.0
     }
 
-    /// The picture in a page; `alternative` says what is on it.
+    /// The picture in a page; `alternative` describes it.
     #[must_use]
     pub fn image(&self, width: usize, height: usize, alternative: &str) -> Element {
         el("img")

@@ -62,7 +62,7 @@ impl Page {
         self.data("simulator", STANDARD.encode(SIMULATOR).into())
     }
 
-    /// What stands at the end.
+    /// The end of the page.
     #[must_use]
     pub fn foot(mut self, content: impl Into<Markup>) -> Self {
         self.foot = self.foot.and(content);

@@ -130,7 +130,7 @@ pub(super) fn of_section(section: &Section<'_>, book: &mut Book<'_>) -> Result<(
 
     let mut panels = Panels::new(3)
         .title(format!("Colour against resolution by number of colours, {title}"))
-        .note(format!("Squares are means, bars hold 90 % of the designs. {BEST_WHERE}"))
+        .note(format!("Squares are means; bars contain 90 % of the designs. {BEST_WHERE}"))
         .without_legend();
     for group in &section.groups {
         let [x, y, _] = columns(section, section.rows_of(group.colors));
@@ -218,7 +218,7 @@ fn histograms(
     };
     let mut panels = Panels::new(3)
         .title(format!("{title}, {}", section.title()))
-        .note("Above the bars: the mean, and the interval that holds 90 % of the designs.")
+        .note("Above the bars: the mean, and the interval that contains 90 % of the designs.")
         .without_legend();
     let range = ends(&values(&mut section.rows.clone()), HISTOGRAM).map(|range| {
         let bounds = section.groups.iter().flat_map(|g| [summary(g).p05.value, summary(g).p95.value]);
@@ -256,7 +256,7 @@ pub(super) fn means(sections: &[&Section<'_>]) -> Option<Plot> {
     let several = sections.len() > 1;
     let symbols = [Symbol::Square].into_iter().chain(SYMBOLS);
     let first = sections.first()?;
-    let mut note = format!("Bars hold 90 % of the designs. {BEST_WHERE}");
+    let mut note = format!("Bars contain 90 % of the designs. {BEST_WHERE}");
     if several {
         note = format!("Squares: {}. {note}", first.title());
     }

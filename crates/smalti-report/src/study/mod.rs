@@ -1,6 +1,6 @@
 //! The report of studies: the best designs, means and fronts of many designs as tables, a page, figures and one JSON document.
 //!
-//! All is made of plain data, [`StudyResults`](smalti::design::StudyResults). The caller reads them, and stores what is made.
+//! Everything is made from plain data, [`StudyResults`](smalti::design::StudyResults). The caller reads the results and stores the files.
 
 mod book;
 mod camera;

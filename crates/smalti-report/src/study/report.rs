@@ -22,7 +22,7 @@ pub struct ReportSettings {
     pub pictures: usize,
     /// Trials of the first study, by their numbers, with embedded pictures in the page.
     pub requested: Vec<u64>,
-    /// Texts of which one must be in the name of a condition that has figures of its own. Empty: the first conditions have.
+    /// A condition has its own figures if its name contains one of these texts. If empty, the first conditions have them.
     pub draw: Vec<String>,
 }
 

@@ -61,7 +61,7 @@ fn head(results: &Results) -> String {
     }
     if there < all {
         out += &format!(
-            "Incomplete: {} of {} parts are missing, {} trials. This report is of the {there} scored trials.\n",
+            "Incomplete: {} of {} parts are missing, {} trials. This report covers the {there} scored trials.\n",
             data.parts_missing,
             data.parts,
             all - there

@@ -45,7 +45,7 @@ pub enum DesignError {
         count: u128,
     },
     /// More mosaics are requested than the family has.
-    #[error("{wanted} different mosaics of {colors} colours are asked for, but {what} has only {available}")]
+    #[error("{wanted} different mosaics of {colors} colours are requested, but {what} has only {available}")]
     TooFew {
         /// The family.
         what: &'static str,
@@ -58,7 +58,7 @@ pub enum DesignError {
     },
     /// More mosaics are requested than can be listed.
     #[error(
-        "{wanted} mosaics of {colors} colours of {what} are too many to list; ask for at most {limit} of them"
+        "{wanted} mosaics of {colors} colours of {what} are too many to list; request at most {limit} of them"
     )]
     TooMany {
         /// The family.
@@ -72,7 +72,7 @@ pub enum DesignError {
     },
     /// More mosaics of all numbers of colours together are requested than one study can list.
     #[error(
-        "{wanted} mosaics are too many to list; ask for at most {limit} of all numbers of colours together"
+        "{wanted} mosaics are too many to list; request at most {limit} of all numbers of colours together"
     )]
     TooManyMosaics {
         /// Requested number.
@@ -81,7 +81,7 @@ pub enum DesignError {
         limit: u64,
     },
     /// More sets of filters are requested than the family has.
-    #[error("{wanted} different sets of {colors} filters are asked for, but the family has only {available}")]
+    #[error("{wanted} different sets of {colors} filters are requested, but the family has only {available}")]
     TooFewSets {
         /// Colours.
         colors: usize,
@@ -91,7 +91,7 @@ pub enum DesignError {
         available: u128,
     },
     /// All sets of filters are requested, and there are more than 2⁶⁴ − 1.
-    #[error("the family has {available} sets of {colors} filters; ask for a number of them in place of all")]
+    #[error("the family has {available} sets of {colors} filters; request a number of them instead of all")]
     TooManySets {
         /// Colours.
         colors: usize,
@@ -99,7 +99,7 @@ pub enum DesignError {
         available: u128,
     },
     /// Sets of filters times mosaics times conditions are more than 2⁶⁴ − 1.
-    #[error("sets of filters times mosaics times conditions are more than 2^64 trials")]
+    #[error("the filter sets, mosaics and conditions give more than 2^64 trials")]
     TooManyTrials,
     /// A study has no design.
     #[error(

@@ -50,7 +50,7 @@ pub enum IspError {
         cols: usize,
     },
     /// The demosaicker is for another mosaic than that of the image.
-    #[error("the image has another mosaic than the demosaicker was made for")]
+    #[error("the mosaic of the image is not the one for which the demosaicker was made")]
     Mosaic,
     /// A number of channels is wrong.
     #[error("{what} has {got} channels, expected {expected}")]

@@ -29,13 +29,13 @@ pub enum L3Error {
     #[error("cut points of levels: {0}")]
     Levels(String),
     /// No patch of this side, pixels, has been seen.
-    #[error("there is nothing to learn from: no patch of {0} × {0} pixels has been seen")]
+    #[error("there is nothing to learn from: the training data contain no patch of {0} × {0} pixels")]
     Empty(usize),
     /// A scene to learn from gives no response, however long the exposure.
-    #[error("the scene is dark to the sensor: no exposure gives a response to learn from")]
+    #[error("the scene is dark to the sensor: no exposure time gives a response from which to learn")]
     Dark,
     /// A position of the mosaic has not been seen, not even by symmetry.
-    #[error("no patch around cell ({row}, {col}) of the mosaic has been seen")]
+    #[error("the training data contain no patch around cell ({row}, {col}) of the mosaic")]
     UnseenPosition {
         /// Row of the cell.
         row: usize,
@@ -111,8 +111,8 @@ pub enum L3Error {
     /// Statistics or tables that differ in this: axes, outputs or noise.
     #[error("the statistics cannot be combined: their {0} differ")]
     Mismatch(&'static str),
-    /// The raw image and the one it is classified by have different mosaics.
-    #[error("the raw image and the image it is classified by differ in their mosaics")]
+    /// The raw image and the image that determines its classes have different mosaics.
+    #[error("the raw image and the image that determines its classes have different mosaics")]
     Mosaics,
     /// The parts of a table do not fit each other, for this reason.
     #[error("the learned table is inconsistent: {0}")]

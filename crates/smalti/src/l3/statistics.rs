@@ -251,7 +251,7 @@ impl Statistics {
         let as_seen = pair.seen.unwrap_or(raw);
         let levels = [as_seen.black_level(), as_seen.white_level()];
         if let Some(seen) = pair.seen {
-            same_size("the image it is classified by", [seen.rows(), seen.cols()])?;
+            same_size("the image that determines its classes", [seen.rows(), seen.cols()])?;
             if seen.sampling() != raw.sampling() {
                 return Err(L3Error::Mosaics);
             }

@@ -28,7 +28,7 @@ pub enum MetricError {
         cols: usize,
     },
     /// A plane or channel does not exist.
-    #[error("plane {index} was asked for, but there are {count} (counted from 0)")]
+    #[error("there is no plane {index}; the image has {count} (counted from 0)")]
     Plane {
         /// Its index.
         index: usize,
@@ -93,7 +93,7 @@ pub enum MetricError {
         minimum: f64,
     },
     /// The angle of the edge is too small or too large for subpixel sampling.
-    #[error("the edge stands at {angle_deg:.2}° to the pixel grid; expected {expected}")]
+    #[error("the angle of the edge to the pixel grid is {angle_deg:.2}°; expected {expected}")]
     EdgeAngle {
         /// Its angle to the nearer axis of the grid.
         angle_deg: f64,

@@ -42,7 +42,7 @@ pub struct FrameStacks<'a> {
 pub struct PhotonTransfer {
     /// System gain, digital numbers per electron.
     pub gain_dn_per_e: f64,
-    /// Temporal noise in the dark without that of quantisation, electrons; with short integration the read noise.
+    /// Temporal noise in the dark, without quantisation noise, electrons; for short integration it is the read noise.
     pub dark_noise_e: f64,
     /// Whether quantisation hides the dark noise, so that `dark_noise_e` is an upper limit.
     pub dark_noise_is_limit: bool,

@@ -15,7 +15,7 @@ pub enum OpticsError {
     Parameter(#[from] OutOfRange),
     /// The scene is within the focal length, so there is no real image.
     #[error(
-        "the scene is {distance_m} m from the lens; a focal length of {focal_length_m} m needs more than that"
+        "the scene is {distance_m} m from the lens; expected more than the focal length of {focal_length_m} m"
     )]
     SceneTooNear {
         /// Distance of the scene.
@@ -33,7 +33,7 @@ pub enum OpticsError {
     },
     /// The wavefront is too steep for a sampled pupil; such a blur is geometrical, not wave-optical.
     #[error(
-        "the wavefront error changes by {waves_per_radius:.1} waves per pupil radius; up to {limit} can be sampled"
+        "the wavefront error changes by {waves_per_radius:.1} waves per pupil radius; expected at most {limit}, which can be sampled"
     )]
     WavefrontTooSteep {
         /// Largest slope.
@@ -43,7 +43,7 @@ pub enum OpticsError {
     },
     /// The blur is far wider than the image.
     #[error(
-        "the blur reaches {radius_m:.3e} m, the image is {image_m:.3e} m wide; up to four times that is possible"
+        "the radius of the blur is {radius_m:.3e} m, and the image is {image_m:.3e} m wide; expected a radius of at most four times the width"
     )]
     BlurTooWide {
         /// Radius of the blur on the sensor.
@@ -60,7 +60,7 @@ pub enum OpticsError {
         problem: &'static str,
     },
     /// The number of point spread functions differs from the number of wavelengths.
-    #[error("{wavelengths} wavelengths for {planes} point spread functions; expected as many")]
+    #[error("{wavelengths} wavelengths for {planes} point spread functions; expected one for each")]
     PsfCount {
         /// Wavelengths given.
         wavelengths: usize,

@@ -14,7 +14,7 @@ pub enum Defocus {
     /// In focus.
     #[default]
     None,
-    /// Error of the lens' power, 1/m: W₂₀ = D a² / 2 with a the pupil's radius, f / (2N).
+    /// Error of the lens power, 1/m: W₂₀ = D a² / 2 with a the pupil's radius, f / (2N).
     Dioptres(f64),
     /// Zernike coefficient of defocus (Noll 4, the RMS wavefront error), µm: W₂₀ = 2√3 c.
     ZernikeUm(f64),

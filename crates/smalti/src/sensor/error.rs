@@ -12,7 +12,7 @@ use crate::spectrum::SpectrumError;
 pub enum SensorError {
     /// The spectra belong to other pixels than the window.
     #[error(
-        "{} × {} pixels from ({}, {}) are read, but light is known for {} × {} from ({}, {}); expected rows among them, \
+        "{} × {} pixels from ({}, {}) are read, but light is known for {} × {} from ({}, {}); expected rows within these, \
          the same columns, and a sensor of the same size and crosstalk",
         window.rows, window.cols, window.row, window.col, gathered.rows, gathered.cols, gathered.row, gathered.col
     )]
@@ -80,7 +80,9 @@ pub enum SensorError {
         sum: f64,
     },
     /// There is no light to determine an exposure time.
-    #[error("no exposure time can be chosen: the sensor sees no light where the rule looks for it")]
+    #[error(
+        "no exposure time can be chosen: the part of the image that the rule measures is dark to the sensor"
+    )]
     NoLight,
     /// Spectral data are invalid.
     #[error(transparent)]

@@ -1,8 +1,9 @@
 //! End to end against ISETCam: same scenes, lens, pattern, filters, exposure times and scoring; every stage is ours.
 //!
 //! Deliberate differences, each below the tolerance (docs/validation.md has the figures): light is integrated over the
-//! photodetector (ISETCam blurs with a Gaussian over the whole pixel), the working f-number includes the magnification, and
-//! for more than three channels missing samples are interpolated on the exact lattice (ISETCam jitters it at random).
+//! photodetector (ISETCam blurs with a Gaussian over the whole pixel), the working f-number includes the magnification,
+//! negative X, Y, Z are kept (ISETCam sets them to zero), and for more than three channels missing samples are interpolated on
+//! the exact lattice (ISETCam jitters it at random).
 #![allow(missing_docs, clippy::unwrap_used)]
 
 use crate::common;
@@ -19,7 +20,7 @@ use smalti::metrics::luminance_noise::luminance_noise;
 use smalti::metrics::{Rect, patch_means};
 use smalti::numeric::Planes;
 use smalti::optics::OpticalImage;
-use smalti::sensor::{AutoExposure, Exposure, NoiseMode, RawImage, Sensor};
+use smalti::sensor::{Aperture, AutoExposure, Exposure, NoiseMode, RawImage, Sensor};
 use smalti::spectrum::{Observer, Spectrum};
 
 const CASES: [&str; 7] = ["nikonD100", "isetRGB", "g3a", "g4a", "g5a", "g6a", "g7a"];
@@ -62,15 +63,7 @@ fn colour_of_the_chart_within_five_percent() {
         let case = Case::new(id);
         let raw = raw(&case, &case.sensor("mac"), &chart, "mac");
         let picture = pipeline(&case).render(&raw).unwrap();
-        let centers = numbers(&case.json["mac_noisefree"]["patch_centers_rc"]);
-        let rects: Vec<Rect> = (0..24)
-            .map(|i| Rect {
-                row: centers[i] as usize - 13,
-                col: centers[24 + i] as usize - 13,
-                rows: 25,
-                cols: 25,
-            })
-            .collect();
+        let rects = patches(&case);
         let measured: Vec<[f64; 3]> =
             patch_means(picture.planes(), &rects).unwrap().iter().map(|m| [m[0], m[1], m[2]]).collect();
         let to_display = numbers(&case.json["M_xyz2display"]);
@@ -90,6 +83,18 @@ fn colour_of_the_chart_within_five_percent() {
     }
 }
 
+/// The patches of the ColorChecker where ISETCam measures them, in its order: column by column.
+fn patches(case: &Case) -> Vec<Rect> {
+    let centers = numbers(&case.json["mac_noisefree"]["patch_centers_rc"]);
+    let patch = |i: usize| Rect {
+        row: centers[i] as usize - 13,
+        col: centers[24 + i] as usize - 13,
+        rows: 25,
+        cols: 25,
+    };
+    (0..24).map(patch).collect()
+}
+
 /// MTF50 in cycles/mm of three planes in ISETCam's region.
 fn mtf50_of(case: &Case, planes: &Planes) -> f64 {
     let rect = numbers(&case.json["mtf"]["rect"]);
@@ -103,14 +108,15 @@ fn mtf50_of(case: &Case, planes: &Planes) -> f64 {
     sfr.luminance.mtf50_cy_per_mm(2.8e-6).unwrap()
 }
 
-/// MTF50 of a raw image as ISETCam's display shows it.
-fn mtf50_shown(case: &Case, raw: &RawImage) -> f64 {
+/// MTF50 of a raw image as ISETCam's display shows it. X, Y, Z below `least_xyz` take that value first.
+fn mtf50_shown(case: &Case, raw: &RawImage, least_xyz: f64) -> f64 {
     let picture = pipeline(case).render(raw).unwrap();
     let to_display = numbers(&case.json["M_xyz2display"]);
     let planes = picture.planes();
     let mut shown = Planes::zeros(planes.rows(), planes.cols(), 3);
     for i in 0..planes.plane_len() {
-        let rgb = times(std::array::from_fn(|k| f64::from(planes.plane(k).unwrap()[i])), &to_display);
+        let xyz = std::array::from_fn(|k| f64::from(planes.plane(k).unwrap()[i]).max(least_xyz));
+        let rgb = times(xyz, &to_display);
         (0..3).for_each(|k| shown.plane_mut(k).unwrap()[i] = rgb[k].max(0.0) as f32);
     }
     mtf50_of(case, &shown)
@@ -126,7 +132,8 @@ fn resolution_with_noise_and_on_the_raw_channels() {
         let case = Case::new(id);
         let capture =
             |noise, seed| case.sensor("bar").capture(&bar, &case.exposure("bar"), noise, seed).unwrap();
-        let got = (1..=3).map(|seed| mtf50_shown(&case, &capture(NoiseMode::All, seed))).sum::<f64>() / 3.0;
+        let shown = |seed| mtf50_shown(&case, &capture(NoiseMode::All, seed), f64::NEG_INFINITY);
+        let got = (1..=3).map(shown).sum::<f64>() / 3.0;
         let theirs = numbers(&case.json["mtf_noise2"]);
         let expected = theirs.iter().sum::<f64>() / 3.0;
         let spread = theirs.iter().fold(0.0f64, |m, v| m.max((v - expected).abs()));
@@ -167,30 +174,43 @@ fn reading_one_display_as_another_has_a_floor() {
     common::assert_close("ideal linear sRGB", &linear, &theirs, 5e-4);
 }
 
-/// MTF50 of the edge without noise in cycles/mm, with the pixel's own aperture and with one as wide as ISETCam's blur at the same
-/// light. The difference of the second from ISETCam is not the aperture.
-fn edge_mtf50(case: &Case, bar: &OpticalImage) -> [f64; 2] {
-    let sensor = case.sensor("bar");
-    let mut wide = sensor.clone();
-    wide.pixel.fill_factor = 1.0;
-    wide.quantum_efficiency = Spectrum::constant(GRID, 0.5).unwrap();
-    [&sensor, &wide].map(|sensor| mtf50_shown(case, &raw(case, sensor, bar, "bar")))
+/// The edge behind the lens, and the same under ISETCam's aperture.
+fn edge_images() -> [OpticalImage; 2] {
+    let bar = image_of(&isetcam::bar());
+    let blurred = isetcam::blurred_for_the_edge(&bar);
+    [bar, blurred]
 }
 
+/// MTF50 of the edge without noise in cycles/mm, with the pixel's own aperture; and with ISETCam's, and negative X, Y, Z set to zero as
+/// in ISETCam.
+fn edge_mtf50(case: &Case, [bar, blurred]: &[OpticalImage; 2]) -> [f64; 2] {
+    let sensor = case.sensor("bar");
+    let mut point = sensor.clone();
+    point.aperture = Aperture::Point;
+    let of =
+        |sensor: &Sensor, image, least_xyz| mtf50_shown(case, &raw(case, sensor, image, "bar"), least_xyz);
+    [of(&sensor, bar, f64::NEG_INFINITY), of(&point, blurred, 0.0)]
+}
+
+/// 3 % for the aperture. Three colours have no random choice: with ISETCam's aperture and clipping 1e-3 is left for differences 2
+/// and 3 of docs/validation.md in the lens (2.5e-4 reached).
 #[test]
 fn resolution_of_the_edge_within_three_percent() {
     let jitter = reference_json("mtf50_multichannel_jitter.json");
-    let bar = image_of(&isetcam::bar());
+    let images = edge_images();
     for id in CASES {
         let case = Case::new(id);
-        let [got, wide] = edge_mtf50(&case, &bar);
+        let [got, isetcam] = edge_mtf50(&case, &images);
         let (expected, spread) = match jitter.get(id) {
             Some(j) => (j["mean"].as_f64().unwrap(), j["std"].as_f64().unwrap()),
             None => (case.number("/mtf/mtf50_exact"), 0.0),
         };
         eprintln!(
-            "{id}: MTF50 {got:.2} cy/mm ({wide:.2} with the whole pixel as aperture); ISETCam {expected:.2} ± {spread:.2}"
+            "{id}: MTF50 {got:.2} cy/mm ({isetcam:.2} with ISETCam's aperture and clipping); ISETCam {expected:.2} ± {spread:.2}"
         );
+        if spread == 0.0 {
+            assert!((isetcam / expected - 1.0).abs() < 1e-3, "{id}: {isetcam:.3}, ISETCam {expected:.3}");
+        }
         assert!(
             (got - expected).abs() < 0.03 * expected + spread,
             "{id}: MTF50 {got:.2}, ISETCam {expected:.2} ± {spread:.2}"
@@ -199,20 +219,25 @@ fn resolution_of_the_edge_within_three_percent() {
 }
 
 /// ISETCam demosaicks more than three colours with one random triangulation per picture. Ours is the mean over triangulations, so
-/// that the MTF50 of the mean of ISETCam's pictures is its counterpart, without an allowance for the spread of the draws.
+/// that the MTF50 of the mean of ISETCam's pictures is its counterpart, without an allowance for the spread of the draws. The
+/// triangulation of `t5-irregular` is unique: with ISETCam's aperture and clipping 1e-3 is left, as with three colours (4e-4 reached).
 #[test]
 fn resolution_of_tiles_4x4_within_three_percent() {
-    let bar = image_of(&isetcam::bar());
+    let images = edge_images();
     for case in Case::tiles_4x4() {
-        let [got, wide] = edge_mtf50(&case, &bar);
+        let [got, isetcam] = edge_mtf50(&case, &images);
         let id = case.cfa.name();
         let [expected, draw, spread] =
             ["mtf50_of_mean_picture", "mean", "std"].map(|key| case.number(&format!("/mtf/{key}")));
         eprintln!(
-            "{id}: MTF50 {got:.2} cy/mm ({wide:.2} with the whole pixel as aperture); ISETCam {expected:.2} (one draw {draw:.2} ± {spread:.2})"
+            "{id}: MTF50 {got:.2} cy/mm ({isetcam:.2} with ISETCam's aperture and clipping); ISETCam {expected:.2} (one draw {draw:.2} ± {spread:.2})"
         );
-        for mtf50 in [got, wide] {
+        for mtf50 in [got, isetcam] {
             assert!((mtf50 / expected - 1.0).abs() < 0.03, "{id}: MTF50 {mtf50:.2}, ISETCam {expected:.2}");
+        }
+        assert_eq!(spread < 1e-5 * draw, id == "t5-irregular", "{id}: ± {spread}");
+        if id == "t5-irregular" {
+            assert!((isetcam / expected - 1.0).abs() < 1e-3, "{id}: {isetcam:.3}, ISETCam {expected:.3}");
         }
     }
 }
@@ -245,16 +270,7 @@ fn luminance_noise_as_isetcams() {
     for id in CASES {
         let case = Case::new(id);
         let isp = pipeline(&case);
-        let centers = numbers(&case.json["mac_noisefree"]["patch_centers_rc"]);
-        let greys: Vec<Rect> = (3..24)
-            .step_by(4)
-            .map(|i| Rect {
-                row: centers[i] as usize - 13,
-                col: centers[24 + i] as usize - 13,
-                rows: 25,
-                cols: 25,
-            })
-            .collect();
+        let greys: Vec<Rect> = patches(&case).into_iter().skip(3).step_by(4).collect();
         let percent = |seed| {
             let raw =
                 case.sensor("mac").capture(&image, &case.exposure("mac"), NoiseMode::All, seed).unwrap();

@@ -4,7 +4,7 @@ use super::bits::BitReader;
 use super::huffman::Decoder;
 use super::{MAX_COMPONENTS, predict};
 
-/// What the header of a frame says.
+/// The content of the header of a frame.
 #[derive(Debug, Clone, PartialEq, Eq)]
 struct Frame {
     precision: u32,
@@ -78,7 +78,10 @@ pub(in crate::dng) fn decode(
             }
             0xc0..=0xc2 => return Err("it is lossy JPEG; expected lossless (SOF3)".into()),
             0xc5..=0xc7 | 0xc9..=0xcf => {
-                return Err(format!("its coding process (SOF{}) is not read; expected SOF3", marker - 0xc0));
+                return Err(format!(
+                    "its coding process (SOF{}) is not supported; expected SOF3",
+                    marker - 0xc0
+                ));
             }
             // Application data and comments.
             0xe0..=0xef | 0xfe => {}

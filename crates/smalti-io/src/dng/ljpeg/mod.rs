@@ -15,7 +15,7 @@ pub(super) use encode::encode;
 const MAX_COMPONENTS: usize = 4;
 
 /// Predicted value of sample `i` of a row of pixels of `n` components, from its neighbours: left, above, above left (T.81, table H.1).
-/// The first row, which has a `middle`, knows only its left neighbours, the first column only those above.
+/// The first row, which has a `middle`, is predicted from left neighbours only, the first column from those above only.
 #[inline]
 fn predict(selection: u8, (row, above): (&[u16], &[u16]), i: usize, n: usize, middle: Option<i32>) -> i32 {
     let of = |line: &[u16], i: usize| i32::from(line.get(i).copied().unwrap_or(0));

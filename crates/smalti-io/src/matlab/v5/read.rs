@@ -1,4 +1,4 @@
-//! Reading MAT-files of level 5. Nothing is read but the beginnings of arrays, until an array is asked for.
+//! Reading MAT-files of level 5. Only the beginnings of arrays are read until an array is requested.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -44,7 +44,7 @@ struct Place {
     compressed: bool,
 }
 
-/// Whether a file says that it is of level 5: its byte order, big-endian or not.
+/// The byte order of a file that states level 5: big-endian or not.
 pub(in crate::matlab) fn is_level_5(header: &[u8]) -> Option<bool> {
     match header.get(124..128)? {
         [0, 1, b'I', b'M'] => Some(false),

@@ -83,7 +83,7 @@ fn lead(sources: &Sources<'_>, choice: &Choice) -> Markup {
     }
     if let Some(all) = choice.of {
         out = out.and(words::warning(format!(
-            "This page shows {} of {} trials: the fronts, the best, the worst and a regular sample of the others. The tables are of all trials.",
+            "This page shows {} of {} trials: the fronts, the best, the worst and a regular sample of the others. The tables cover all trials.",
             grouped(choice.rows.len() as u64),
             grouped(all as u64)
         )));

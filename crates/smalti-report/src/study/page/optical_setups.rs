@@ -22,7 +22,7 @@ use crate::{ReportError, in_one_line};
 /// The scenes at a quarter of the pixels, for a page of many optical setups.
 const SMALL: [&str; 2] =
     ["zone-plate?size=256&frequency=0.25", "dead-leaves?rows=288&cols=384&least=2&largest=75&seed=1001"];
-/// The approximate bytes of a optical setup at full size, and of training data.
+/// The approximate bytes of an optical setup at full size, and of training data.
 const OPTICAL_SETUP_BYTES: usize = 850_000;
 /// The largest number of bytes of the simulator, optical setups and pictures: a page of 5000 designs then stays below 4 MB.
 pub(super) const MAX_BYTES: usize = 2_800_000;
@@ -45,7 +45,7 @@ impl OpticalSetup {
     /// The optical setup of a section alone.
     fn new(section: &Section<'_>) -> Result<Self, ReportError> {
         let (condition, processing, camera) = camera_of(section)?;
-        // Any exposure: the cameras that share the optical_setup have their own rules, of which some may fail.
+        // Any exposure: the cameras that share the optical setup have their own rules, some of which may fail.
         let exposure = ExposureDescription { time_ms: Some(1.0), ..ExposureDescription::default() };
         let description = CameraDescription { exposure, ..condition.camera.clone() };
         let training_px = (processing == TrialProcessing::L3).then_some(section.results.study().l3.size_px);
@@ -137,7 +137,7 @@ impl OpticalSetup {
     }
 }
 
-/// The planes of a optical setup for the page.
+/// The planes of an optical setup for the page.
 fn packed(light: &mut PreviewLight) -> Value {
     let plane = |planes: &mut QuantizedPlanes| {
         let QuantizedPlanes { rows, cols, codes, .. } = planes;
@@ -302,7 +302,7 @@ impl OpticalSetups {
     }
 }
 
-/// The index of a optical setup among known optical setups. It is added where none of them serves.
+/// The index of an optical setup among known optical setups. It is added if none of them fits.
 fn place(optical_setup: OpticalSetup, optical_setups: &mut Vec<OpticalSetup>) -> usize {
     let found = optical_setups.iter().position(|s| s.serves(&optical_setup));
     let place = found.unwrap_or(optical_setups.len());

@@ -23,7 +23,7 @@ pub struct ExposureDescription {
     /// Exposure time, ms; absent: `auto`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub time_ms: Option<f64>,
-    /// How the time is found where `time_ms` is absent (then `specular` by default).
+    /// Rule that finds the time if `time_ms` is absent (then `specular` by default).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub auto: Option<AutoExposureName>,
     /// Share of saturation to reach; absent: 0.95 for specular and luminance, 0.18 for mean.

@@ -46,7 +46,7 @@ pub struct IspDescription {
     pub demosaic: Demosaic,
     /// White balance.
     pub white_balance: WhiteBalance,
-    /// The surfaces the colour matrix is fitted to by least squares, under the scene's illuminant.
+    /// The surfaces to which the colour matrix is fitted by least squares, under the scene's illuminant.
     pub color_correction: ColorCorrectionName,
     /// Whether the matrix is constrained to render the illuminant's white exactly.
     pub preserve_white: bool,

@@ -45,7 +45,7 @@ pub struct OpticsDescription {
     pub ir_cut: Option<Filter>,
     /// Separation of the four spots of a birefringent low-pass filter on the sensor, µm in both directions; 0: none.
     pub low_pass_separation_um: f64,
-    /// Error of the lens' power, dioptres.
+    /// Error of the lens power, dioptres.
     pub defocus_dioptres: f64,
     /// Wavelength at which the lens is in focus, nm; only with `chromatic_dioptres_per_um`.
     pub chromatic_reference_nm: f64,
@@ -98,10 +98,10 @@ pub struct PsfDescription {
     /// Step between the planes, nm.
     #[serde(default = "step_nm")]
     pub step_nm: f64,
-    /// What is in the file: filled in when it is read.
+    /// The content of the file, once it has been read.
     #[serde(skip)]
     pub planes: Option<Planes>,
-    /// BLAKE3 hash of the file, so that a resolved description names its data: filled in when it is read.
+    /// BLAKE3 hash of the file, which identifies the data of a resolved description. Smalti adds it when it reads the file.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub hash: String,
 }

@@ -97,7 +97,7 @@ pub struct PixelDescription {
     pub conversion_gain_uv_per_e: f64,
     /// Largest output, V.
     pub voltage_swing_v: f64,
-    /// Electrons a pixel holds.
+    /// Largest number of electrons that a pixel holds.
     pub full_well_e: f64,
     /// Dark signal at 25 °C, V/s.
     pub dark_voltage_v_per_s: f64,
@@ -143,7 +143,7 @@ pub enum PatternDescription {
 pub struct CfaDescription {
     /// The tile.
     pub pattern: PatternDescription,
-    /// One filter per letter; with the name of a built-in, those named here replace its own.
+    /// One filter per letter. If `pattern` is the name of a built-in array, they replace the filters of that array.
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     pub filters: BTreeMap<String, Filter>,
     /// Letters that stand for weighted sums of filters: `a = { R = 0.5, G = 0.5 }`.

@@ -27,7 +27,7 @@ pub struct GaussianGrid {
     /// Standard deviations: first, step and last, nm.
     #[serde(deserialize_with = "super::steps::first_step_last")]
     pub sigmas_nm: [f64; 3],
-    /// Smallest distance of two centres, nm; 0: filters may share a centre and differ in width.
+    /// Smallest distance between two centres, nm; 0: filters may share a centre and differ in width.
     pub min_spacing_nm: f64,
 }
 
@@ -41,7 +41,7 @@ impl Default for GaussianGrid {
 struct Grid {
     centers: Steps,
     sigmas: Steps,
-    /// Smallest distance of centres in steps; `None` when centres may coincide.
+    /// Smallest distance between centres in steps; `None` when centres may coincide.
     apart: Option<u64>,
 }
 

@@ -24,7 +24,7 @@ pub enum RegistrationError {
     #[error(transparent)]
     Raw(#[from] RawError),
     /// One of the images, or their common part, is too small.
-    #[error("{rows} × {cols} pixels are too few to align by; at least {least} × {least} are needed")]
+    #[error("{rows} × {cols} pixels are too few for alignment; at least {least} × {least} are needed")]
     TooSmall {
         /// Rows.
         rows: usize,
@@ -46,7 +46,7 @@ pub enum RegistrationError {
         value: f32,
     },
     /// One of the images, or its part in common with the other, has the same value everywhere.
-    #[error("{0} is uniform; there is nothing to align by")]
+    #[error("{0} is uniform; an alignment needs structure")]
     Uniform(&'static str),
     /// Too little of the image lies on the raw image at any position.
     #[error("the image and the raw image do not overlap enough to be aligned")]
@@ -55,7 +55,7 @@ pub enum RegistrationError {
     #[error(transparent)]
     Fft(#[from] FftError),
     /// No scale was given.
-    #[error("no scale was given to align by")]
+    #[error("no scale was given for the alignment")]
     NoScale,
     /// The scale, pixels of the raw image per pixel of the picture, is out of range.
     #[error("a pixel of the image spans {0} pixels of the raw image; expected 0.25 to 8")]

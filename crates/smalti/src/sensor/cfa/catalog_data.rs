@@ -1,4 +1,4 @@
-//! The entries of the catalogue. Patterns are facts of their publications; "as in isetL3" says that the pattern was
+//! The entries of the catalogue. Patterns are facts of their publications; "as in isetL3" means that the pattern was
 //! read from the table that Stanford's group published with its L³ work (`s_makeCFAs.m`), not from the original.
 
 use super::Modulation;
@@ -81,7 +81,7 @@ pub(super) static CATALOG: &[CfaInfo] = &[
         &[],
         &["GRGB", "GBGR"],
         RGB,
-        "Green in every other column, red and blue alternating between.",
+        "Green in every other column; red and blue alternate in the columns between.",
         "[yamanaka1977] S. Yamanaka, Solid state color camera, US 4,054,906 (1977); as in isetL3.",
     ),
     entry(
@@ -97,7 +97,7 @@ pub(super) static CATALOG: &[CfaInfo] = &[
         &[],
         &["RGBG", "GRGB", "BGRG", "GBGR"],
         RGB,
-        "Green checkerboard, red and blue on diagonals between.",
+        "Green checkerboard, red and blue on the diagonals between.",
         LUKAC,
     ),
     entry("stripe-vertical", &["stripes", "vertical-stripes"], &["RGB"], RGB, "Vertical stripes.", HIRAKAWA),
@@ -147,7 +147,7 @@ pub(super) static CATALOG: &[CfaInfo] = &[
         &["rgbw-kodak-c"],
         &["GWRW", "BWGW"],
         RGBW,
-        "Kodak, white columns, colours in Bayer's arrangement between.",
+        "Kodak, white columns, colours in Bayer's arrangement in the columns between.",
         KIJIMA,
     ),
     entry(
@@ -155,7 +155,7 @@ pub(super) static CATALOG: &[CfaInfo] = &[
         &["sony", "sony-rgbw"],
         &["WBWG", "RWGW", "WGWB", "GWRW"],
         RGBW,
-        "Sony: white checkerboard, green on every other diagonal between.",
+        "Sony: white checkerboard, green on every other of the diagonals between.",
         "[sony2012] Sony, stacked CMOS image sensor with RGBW coding, press release 12-010E of 23 January 2012; as in isetL3.",
     ),
     entry(
@@ -163,7 +163,7 @@ pub(super) static CATALOG: &[CfaInfo] = &[
         &["yamagami"],
         &["WGWG", "RWBW", "WGWG", "BWRW"],
         RGBW,
-        "White checkerboard, green rows and red-blue rows between.",
+        "White checkerboard; the other cells of a row are green, or alternate red and blue.",
         YAMAGAMI,
     ),
     entry(
@@ -171,7 +171,7 @@ pub(super) static CATALOG: &[CfaInfo] = &[
         &[],
         &["WGWRWB", "RWBWGW"],
         RGBW,
-        "White checkerboard, equal numbers of red, green and blue between.",
+        "White checkerboard, with equal numbers of red, green and blue in the other cells.",
         YAMAGAMI,
     ),
     entry(
@@ -179,7 +179,7 @@ pub(super) static CATALOG: &[CfaInfo] = &[
         &["susanu"],
         &["RWBWGW", "WBWGWR", "BWGWRW", "WGWRWB", "GWRWBW", "WRWBWG"],
         RGBW,
-        "White checkerboard, red, green and blue on diagonals between.",
+        "White checkerboard, red, green and blue on the diagonals between.",
         "[susanu2009] G. Susanu et al., RGBW sensor array, US 2009/0167893 (2009); as in isetL3.",
     ),
     entry(

@@ -23,7 +23,7 @@ pub struct CfaInfo {
     pub aliases: &'static [&'static str],
     /// A short description.
     pub summary: &'static str,
-    /// The publication of the pattern; the text says so where the pattern could not be checked against it.
+    /// The publication of the pattern. If the pattern could not be checked against it, the text states this.
     pub source: &'static str,
     /// The default filter of each letter (of each primary, where cells are mixtures), by its name among the
     /// [`builtin_filters`](super::builtin_filters). These filters are generic; the publications use their

@@ -22,9 +22,9 @@ const FORMULA: &str = "Formula of this library, in the manner of pigment filters
 const DARRODI: &str = "Measured at NPL: Darrodi, Finlayson, Goodman, Mackiewicz, J. Opt. Soc. Am. A 32(3), 381 (2015), \
     doi:10.1364/JOSAA.32.000381; numbers read from colour-science 0.4.7 (BSD-3-Clause).";
 const D5100: &str = "Nikon D5100: spectral sensitivity of the whole camera (filter, quantum efficiency, infrared cut), each \
-    channel relative to its own maximum; zero outside 380–780 nm. To be used with an ideal photodiode.";
+    channel relative to its own maximum; zero outside 380–780 nm. Use it with an ideal photodiode.";
 const MERRILL: &str = "Sigma SD Merrill (layered sensor): spectral sensitivity of the whole camera (layer, quantum efficiency, \
-    infrared cut), each channel relative to its own maximum; zero outside 400–680 nm. To be used with an ideal photodiode.";
+    infrared cut), each channel relative to its own maximum; zero outside 400–680 nm. Use it with an ideal photodiode.";
 
 const fn info(name: &'static str, summary: &'static str, source: &'static str) -> FilterInfo {
     FilterInfo { name, summary, source }
@@ -32,7 +32,7 @@ const fn info(name: &'static str, summary: &'static str, source: &'static str) -
 
 static INFOS: &[FilterInfo] = &[
     info("red", "Pass above 580 nm, infrared blocked from 680 nm; peak 0.9.", FORMULA),
-    info("green", "Pass between 495 and 580 nm; peak 0.9 of the edges' product.", FORMULA),
+    info("green", "Pass between 495 and 580 nm: 0.9 times the product of both edges.", FORMULA),
     info("blue", "Pass below 495 nm; peak 0.9.", FORMULA),
     info("cyan", "The sum of green and blue.", FORMULA),
     info("magenta", "The sum of red and blue.", FORMULA),
@@ -56,8 +56,8 @@ static INFOS: &[FilterInfo] = &[
     info("narrow", "Gaussian at 540 nm, sigma 10 nm, peak 0.9: the absorption of haemoglobin.", FORMULA),
     info(
         "band-1-of-9",
-        "Band k of n (1 ≤ k ≤ n ≤ 64, any numbers): Gaussians side by side over 400–700 nm, each as wide at half \
-         maximum as they are apart; peak 0.9.",
+        "Band k of n (1 ≤ k ≤ n ≤ 64, any numbers): evenly spaced Gaussians over 400–700 nm, whose full width at \
+         half maximum equals their spacing; peak 0.9.",
         FORMULA,
     ),
     info(

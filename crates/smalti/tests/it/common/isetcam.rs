@@ -67,6 +67,34 @@ pub fn image_of(scene: &Scene) -> OpticalImage {
     lens().image(scene).unwrap()
 }
 
+/// ISETCam's aperture for the edge, together with `Aperture::Point`: a Gaussian with σ of ⌈2.8 µm / 0.66 µm⌉/4 = 5/4 samples, cut
+/// off at 5 × 5 samples and scaled to sum 1; dark beyond the border.
+pub fn blurred_for_the_edge(image: &OpticalImage) -> OpticalImage {
+    const RADIUS: usize = 2;
+    const SIGMA: f64 = 1.25;
+    let cube = image.irradiance();
+    let mut planes = cube.planes().clone();
+    let bell = |i: usize| (-(i as f64 - RADIUS as f64).powi(2) / (2.0 * SIGMA * SIGMA)).exp() as f32;
+    let kernel: Vec<f32> = (0..=2 * RADIUS).map(bell).collect();
+    let sum: f32 = kernel.iter().sum();
+    let (rows, cols) = (cube.rows(), cube.cols());
+    // Along rows, then along columns: the samples of a line lie `step` apart.
+    for (step, len, across, lines) in [(1, cols, cols, rows), (cols, rows, 1, cols)] {
+        for band in 0..planes.count() {
+            let plane = planes.plane_mut(band).unwrap();
+            for line in 0..lines {
+                let start = line * across;
+                let source: Vec<f32> = (0..len).map(|i| plane[start + i * step]).collect();
+                let padded = [vec![0.0; RADIUS], source, vec![0.0; RADIUS]].concat();
+                for (i, w) in padded.windows(kernel.len()).enumerate() {
+                    plane[start + i * step] = w.iter().zip(&kernel).map(|(v, k)| v * k).sum::<f32>() / sum;
+                }
+            }
+        }
+    }
+    OpticalImage::new(SpectralCube::new(GRID, planes).unwrap(), image.sample_spacing_m()).unwrap()
+}
+
 /// The mosaic of a pattern of channel numbers from 1.
 pub fn mosaic(pattern: &Value) -> Mosaic {
     let rows = pattern.as_array().unwrap().len();

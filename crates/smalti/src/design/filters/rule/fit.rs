@@ -24,7 +24,7 @@ pub(super) struct Gaussian {
 pub(super) struct Bounds {
     pub center: [f64; 2],
     pub sigma: [f64; 2],
-    /// Smallest distance of neighbouring centres.
+    /// Smallest distance between neighbouring centres.
     pub spacing: f64,
     /// Smallest height as a fraction of the largest.
     pub height: f64,

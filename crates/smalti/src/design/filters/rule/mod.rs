@@ -57,7 +57,7 @@ pub struct Rule {
     /// Largest standard deviation, nm. The default is the width of the range.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub max_sigma_nm: Option<f64>,
-    /// Smallest distance of neighbouring centres, nm.
+    /// Smallest distance between neighbouring centres, nm.
     pub min_spacing_nm: f64,
     /// Smallest height as a fraction of the largest, 0 to 1.
     pub min_height: f64,
