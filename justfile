@@ -44,6 +44,7 @@ check-fuzz:
 tables:
     python3 tools/generate_tables.py
     python3 tools/generate_cameras.py
+    python3 tools/generate_curves.py
     cargo fmt --all
 
 # Makes the pictures of the documentation with the commands that it names. This takes some minutes.

@@ -292,3 +292,70 @@ fn impossible_photodiodes_are_refused() {
         assert!(matches!(qe.spectrum(VISIBLE), Err(SpectrumError::Parameter { .. })), "{qe:?}");
     }
 }
+
+#[test]
+fn published_curves_are_those_published() {
+    let fine = WavelengthGrid::new(380.0, 5.0, 125).unwrap();
+    for (name, nm, value, tolerance) in [
+        // The traces in percent, relative to their largest value.
+        ("imx219/R", 595.0, 97.078_233 / 99.457_3, 1e-4),
+        ("imx219/G", 550.0, 88.047_229 / 99.457_3, 1e-4),
+        ("imx219/B", 480.0, 72.044_536 / 99.457_3, 1e-4),
+        ("ov5647/R", 605.0, 83.021_33 / 100.031_8, 1e-4),
+        ("ov5647/B", 460.0, 96.525_58 / 100.031_8, 1e-4),
+        // rawtoaces-data.
+        ("sony-ilce-7rm2/R", 590.0, 0.581_007_79, 1e-4),
+        ("sony-ilce-7rm2/B", 465.0, 0.854_527_37, 1e-4),
+        ("canon-eos-5d-mark-ii/R", 600.0, 0.5136, 1e-9),
+        ("canon-eos-5d-mark-ii/B", 460.0, 0.8515, 1e-9),
+        // The figure of the datasheet, to its line width.
+        ("cmv12000/mono", 555.0, 0.465, 0.0035),
+        ("cmv12000/R", 605.0, 0.392, 0.0035),
+        ("cmv12000/B", 460.0, 0.390, 0.0035),
+        // Extrema that the report prints as absorbances.
+        ("hot-mirror", 405.0, 10f64.powf(-7.0373e-2), 0.005),
+        ("hot-mirror", 500.0, 10f64.powf(-2.6536e-2), 0.005),
+        ("hot-mirror", 555.0, 10f64.powf(-4.2524e-3), 0.005),
+        ("hot-mirror", 785.0, 10f64.powf(-3.0391), 1e-4),
+    ] {
+        close(builtin(name, fine).at(nm).unwrap(), value, tolerance);
+    }
+    for camera in ["imx219", "ov5647", "sony-ilce-7rm2", "canon-eos-5d-mark-ii"] {
+        let curves = ["R", "G", "B"].map(|c| builtin(&format!("{camera}/{c}"), fine));
+        assert_eq!(curves[1].max(), 1.0, "{camera}");
+        assert!(curves.iter().all(|c| c.at(900.0) == Some(0.0)), "{camera}");
+    }
+}
+
+#[test]
+fn pigments_on_the_monochrome_device_give_the_colour_device() {
+    let mono = builtin("cmv12000/mono", VISIBLE);
+    for channel in ["R", "G", "B"] {
+        let pigment = builtin(&format!("pigment/{channel}"), VISIBLE);
+        let color = builtin(&format!("cmv12000/{channel}"), VISIBLE);
+        // Interference fringes of the two devices remain; without pigments the curves differ by 0.45.
+        for ((nm, t), (m, c)) in
+            VISIBLE.wavelengths_nm().zip(pigment.values()).zip(mono.values().iter().zip(color.values()))
+        {
+            assert!((t * m - c).abs() < 0.03, "{channel} at {nm} nm: {} and {c}", t * m);
+        }
+    }
+    // Half transmission: blue to green near 500 nm, green to red near 580 nm, as in the cameras' curves.
+    let [r, g, b] = ["R", "G", "B"].map(|c| builtin(&format!("pigment/{c}"), VISIBLE));
+    assert!(g.at(490.0) < b.at(490.0) && g.at(510.0) > b.at(510.0));
+    assert!(r.at(570.0) < g.at(570.0) && r.at(600.0) > g.at(600.0));
+}
+
+#[test]
+fn a_hot_mirror_cuts_what_silicon_would_see() {
+    let grid = WavelengthGrid::new(380.0, 1.0, 621).unwrap();
+    let mirror = builtin("hot-mirror", grid);
+    let half = |from: f64, rises: bool| {
+        let at = |nm: &f64| (mirror.at(*nm).unwrap() >= 0.5) == rises;
+        (0..250).map(|i| from + f64::from(i)).find(at).unwrap()
+    };
+    close(half(380.0, true), 392.0, 1.5);
+    close(half(500.0, false), 644.0, 1.5);
+    assert!((420..=620).all(|nm| mirror.at(f64::from(nm)).unwrap() > 0.91));
+    assert!((680..=1000).all(|nm| mirror.at(f64::from(nm)).unwrap() < 0.02));
+}

@@ -6,6 +6,7 @@
 mod catalog;
 mod catalog_data;
 mod catalog_entry;
+mod curves;
 mod filters;
 mod generated;
 mod mixture;

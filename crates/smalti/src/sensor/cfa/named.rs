@@ -1,11 +1,11 @@
-//! The built-in filters: formulas for every kind of cell in the catalogue, and measured cameras.
+//! The built-in filters: formulas for every kind of cell in the catalogue, and published curves.
 
 use super::CfaError;
-use super::generated::{NIKON_D5100, SIGMA_SD_MERRILL};
+use super::curves;
 use super::shapes::{self, logistic};
 use crate::names::nearest;
 use crate::sensor::QuantumEfficiency;
-use crate::spectrum::{Extrapolation, Spectrum, WavelengthGrid};
+use crate::spectrum::{Spectrum, WavelengthGrid};
 
 /// A built-in filter.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -25,6 +25,26 @@ const D5100: &str = "Nikon D5100: spectral sensitivity of the whole camera (filt
     channel relative to its own maximum; zero outside 380–780 nm. Use it with an ideal photodiode.";
 const MERRILL: &str = "Sigma SD Merrill (layered sensor): spectral sensitivity of the whole camera (layer, quantum efficiency, \
     infrared cut), each channel relative to its own maximum; zero outside 400–680 nm. Use it with an ideal photodiode.";
+
+const HUFKENS: &str = "Traced by Koen Hufkens from the maker's figure; numbers from scivision/raspicam-spectra, commit 94d386d \
+    (MIT, © 2015 Michael Hirsch).";
+const IMX219: &str = "Sony IMX219 (Raspberry Pi camera 2): filter and photodiode without infrared cut, relative to the largest value \
+    of the three; zero outside 400–700 nm.";
+const OV5647: &str = "OmniVision OV5647 (Raspberry Pi camera 1): filter and photodiode without infrared cut, relative to the largest \
+    value of the three; zero outside 400–700 nm.";
+const ACADEMY: &str = "Academy of Motion Picture Arts and Sciences (2017): AcademySoftwareFoundation/rawtoaces-data, commit f5f6cf2 \
+    (Apache-2.0).";
+const SONY_7RM2: &str = "Sony ILCE-7RM2 (A7R II): whole camera, infrared cut included, relative to the largest value of the three; zero \
+    outside 380–700 nm.";
+const CANON_5D2: &str = "Canon EOS 5D Mark II: whole camera, infrared cut included, relative to the largest value of the three; zero \
+    outside 380–700 nm.";
+const CMV12000: &str = "ams CMV12000: absolute quantum efficiency of filter and photodiode, without infrared cut. To be used with an \
+    ideal photodiode.";
+const DATASHEET: &str = "Digitised from figure 8 of the datasheet: ams, CMV12000, DS000603, v5-00 (2022).";
+const PIGMENT: &str = "Pigment of the CMV12000: the quantum efficiency of the colour device divided by that of the monochrome device, \
+    smoothed; 400–1000 nm, constant outside. It transmits infrared.";
+const APERTUS: &str =
+    "Spectrophotometer of the apertus° AXIOM team, 2019: plot of absorbance, curve \"UQG\", digitised.";
 
 const fn info(name: &'static str, summary: &'static str, source: &'static str) -> FilterInfo {
     FilterInfo { name, summary, source }
@@ -72,6 +92,35 @@ static INFOS: &[FilterInfo] = &[
     info("sigma-sd-merrill/R", MERRILL, DARRODI),
     info("sigma-sd-merrill/G", MERRILL, DARRODI),
     info("sigma-sd-merrill/B", MERRILL, DARRODI),
+    info("imx219/R", IMX219, HUFKENS),
+    info("imx219/G", IMX219, HUFKENS),
+    info("imx219/B", IMX219, HUFKENS),
+    info("ov5647/R", OV5647, HUFKENS),
+    info("ov5647/G", OV5647, HUFKENS),
+    info("ov5647/B", OV5647, HUFKENS),
+    info("sony-ilce-7rm2/R", SONY_7RM2, ACADEMY),
+    info("sony-ilce-7rm2/G", SONY_7RM2, ACADEMY),
+    info("sony-ilce-7rm2/B", SONY_7RM2, ACADEMY),
+    info("canon-eos-5d-mark-ii/R", CANON_5D2, ACADEMY),
+    info("canon-eos-5d-mark-ii/G", CANON_5D2, ACADEMY),
+    info("canon-eos-5d-mark-ii/B", CANON_5D2, ACADEMY),
+    info("cmv12000/R", CMV12000, DATASHEET),
+    info("cmv12000/G", CMV12000, DATASHEET),
+    info("cmv12000/B", CMV12000, DATASHEET),
+    info(
+        "cmv12000/mono",
+        "ams CMV12000, monochrome device: absolute quantum efficiency, without infrared cut.",
+        DATASHEET,
+    ),
+    info("pigment/R", PIGMENT, DATASHEET),
+    info("pigment/G", PIGMENT, DATASHEET),
+    info("pigment/B", PIGMENT, DATASHEET),
+    info(
+        "hot-mirror",
+        "Infrared-cut filter of a camera, ultraviolet cut included (UQG Optics): half transmission at 392 and 643 nm; 380–1000 nm, \
+         constant outside.",
+        APERTUS,
+    ),
 ];
 
 /// The filters of [`Filter::Builtin`](super::Filter::Builtin). The formulas supply a filter for each letter of the catalogue's
@@ -114,24 +163,18 @@ pub(super) fn spectrum(name: &str, grid: WavelengthGrid) -> Result<Spectrum, Cfa
         "narrow" => gaussian(540.0, 10.0),
         "silicon" => Ok(QuantumEfficiency::SILICON.spectrum(grid)?),
         "ir-cut" => Ok(crate::optics::builtin::ir_cut(grid)?),
-        "nikon-d5100/R" => Ok(NIKON_D5100.spectrum(0, grid, Extrapolation::Zero)?),
-        "nikon-d5100/G" => Ok(NIKON_D5100.spectrum(1, grid, Extrapolation::Zero)?),
-        "nikon-d5100/B" => Ok(NIKON_D5100.spectrum(2, grid, Extrapolation::Zero)?),
-        "sigma-sd-merrill/R" => Ok(SIGMA_SD_MERRILL.spectrum(0, grid, Extrapolation::Zero)?),
-        "sigma-sd-merrill/G" => Ok(SIGMA_SD_MERRILL.spectrum(1, grid, Extrapolation::Zero)?),
-        "sigma-sd-merrill/B" => Ok(SIGMA_SD_MERRILL.spectrum(2, grid, Extrapolation::Zero)?),
-        _ => match band(name) {
-            Some((k, n)) => {
+        _ => {
+            if let Some((k, n)) = band(name) {
                 let spacing = 300.0 / n;
                 // The full width at half maximum of a Gaussian is 2.3548 standard deviations.
-                gaussian(400.0 + spacing * (k - 0.5), spacing / 2.354_820_045)
+                return gaussian(400.0 + spacing * (k - 0.5), spacing / 2.354_820_045);
             }
-            None => Err(CfaError::UnknownName {
+            curves::spectrum(name, grid)?.ok_or_else(|| CfaError::UnknownName {
                 what: "filter",
                 name: name.into(),
                 suggestion: nearest(name, INFOS.iter().map(|i| i.name)).map(str::to_owned),
-            }),
-        },
+            })
+        }
     }
 }
 
