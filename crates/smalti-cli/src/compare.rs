@@ -15,7 +15,7 @@ use smalti::l3::Pipeline;
 use smalti::spectrum::{Observer, WavelengthGrid};
 use smalti_io::cache::Cache;
 use smalti_io::{l3, memory, write};
-use smalti_report::comparison::{Comparison, PAGE, SIDE_BY_SIDE};
+use smalti_report::comparison::{Comparison, Conditions, PAGE, SIDE_BY_SIDE};
 use smalti_report::names;
 
 use crate::args::{CameraOptions, Common};
@@ -139,6 +139,11 @@ pub(crate) fn run(args: &Compare, words: &[String], common: &Common) -> anyhow::
         Vec::new()
     };
     let scene_labels: Vec<String> = settings.scenes.iter().map(|s| scene_label(s.name())).collect();
+    let conditions = Conditions {
+        exposure: compared.exposure.applied(),
+        differences: &camera_differences(cameras.iter().map(Camera::description))?,
+        labels: &labels,
+    };
     let report = Comparison {
         command: &resolve::command_line(words, &args.cameras),
         cameras: &cameras,
@@ -146,8 +151,7 @@ pub(crate) fn run(args: &Compare, words: &[String], common: &Common) -> anyhow::
         contenders: &contenders,
         left_out: &left_out,
         outcomes: &compared.outcomes,
-        exposure: compared.exposure.applied(),
-        differences: &camera_differences(cameras.iter().map(Camera::description))?,
+        conditions,
         gains: &gains,
         scene_labels: &scene_labels,
         illuminant: &args.illuminant,
@@ -166,9 +170,8 @@ pub(crate) fn run(args: &Compare, words: &[String], common: &Common) -> anyhow::
         n => format!("means over {n} scenes"),
     };
     crate::print(&format!(
-        "{}{}\n{}{}{}\n{over}; see {}; all results are in {}\n",
-        report.differences_table(&table::render),
-        report.exposure_line(),
+        "{}\n{}{}{}\n{over}; see {}; all results are in {}\n",
+        conditions.text(&table::render),
         report.scores_table(&table::render),
         report.fixed_point_line(),
         report.gains_table(&table::render),

@@ -4,17 +4,20 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use serde_json::json;
-use smalti::camera::{Camera, Evaluation, EvaluationPictures, EvaluationSettings};
+use smalti::camera::{Camera, Evaluation, EvaluationPictures, EvaluationSettings, ScoreSettings};
 use smalti::color::ColorSpace;
-use smalti::experiment::{Contender, Progress as _, Resources};
+use smalti::experiment::{
+    ComparisonSettings, Contender, ExposurePlan, Progress as _, Resources, camera_differences,
+};
 use smalti::spectrum::{Observer, WavelengthGrid};
 use smalti_io::cache::Cache;
 use smalti_io::picture::{self, Depth};
 use smalti_io::write;
-use smalti_report::comparison::{Evaluations, PAGE, aliasing_picture, columns, evaluation_page};
+use smalti_report::comparison::{Conditions, Evaluations, PAGE, aliasing_picture, columns, evaluation_page};
 use smalti_report::names;
 
 use crate::args::{CameraOptions, Common};
+use crate::exposure_args::ExposureOptions;
 use crate::numbers::number;
 use crate::progress::Progress;
 use crate::{resolve, table};
@@ -36,6 +39,8 @@ pub(crate) struct Evaluate {
     /// Illuminant of the targets: a name (smalti list illuminants) or a CSV of wavelength_nm and relative power
     #[arg(long, default_value = "D65", value_name = "NAME")]
     pub(crate) illuminant: String,
+    #[command(flatten)]
+    pub(crate) exposure: ExposureOptions,
     #[command(flatten)]
     pub(crate) camera_options: CameraOptions,
     /// Do not use the cache of optical images ($SMALTI_CACHE_DIR, else the user's cache folder)
@@ -59,24 +64,45 @@ pub(crate) fn run(args: &Evaluate, words: &[String], common: &Common) -> anyhow:
     let cache = if args.no_cache { Cache::disabled() } else { Cache::open(None) };
     let progress = Progress::new((cameras.len() * args.luminance.len()) as u64, common.quiet);
     let resources = Resources { store: &cache, progress: &progress, memory_bytes: None };
+    let labels = names::numbered(cameras.iter().map(|c| c.description().name.clone()).collect());
+    let contenders: Vec<_> =
+        cameras.iter().zip(&labels).map(|(c, label)| Contender::as_described(c, label)).collect();
+    let settings = ComparisonSettings {
+        luminances_cd_m2: args.luminance.clone(),
+        illuminant: illuminant.clone(),
+        scenes: Vec::new(),
+        seed: args.camera_options.seed,
+        score: ScoreSettings::default(),
+        exposure: args.exposure.policy(),
+    };
+    let exposure = ExposurePlan::new(&contenders, &settings, resources)?;
     let (mut results, mut shots) = (Vec::new(), Vec::new());
-    for camera in &cameras {
-        for &luminance_cd_m2 in &args.luminance {
-            let name = &camera.description().name;
-            progress.begin(&format!("{name} at {luminance_cd_m2} cd/m²"));
-            let seed = args.camera_options.seed;
-            let settings =
-                EvaluationSettings { luminance_cd_m2, illuminant: illuminant.clone(), seed, exposure: None };
-            let (scores, pictures) = Contender::as_described(camera, name).evaluate(&settings, resources)?;
+    for contender in &contenders {
+        for (light, &luminance_cd_m2) in args.luminance.iter().enumerate() {
+            progress.begin(&format!("{} at {luminance_cd_m2} cd/m²", contender.label));
+            let settings = EvaluationSettings {
+                luminance_cd_m2,
+                illuminant: illuminant.clone(),
+                seed: settings.seed,
+                exposure: exposure.targets(light),
+            };
+            let (scores, pictures) = contender.evaluate(&settings, resources)?;
             shots.extend(args.output.is_some().then_some(pictures));
-            results.push((camera, scores));
+            results.push((contender.camera, scores));
             progress.done();
         }
     }
     progress.finish();
+    let conditions = Conditions {
+        exposure: exposure.applied(),
+        differences: &camera_differences(cameras.iter().map(Camera::description))?,
+        labels: &labels,
+    };
     let document = json!({
         "smalti_version": env!("CARGO_PKG_VERSION"),
         "illuminant": args.illuminant,
+        "exposure": conditions.exposure_as_json(),
+        "differences": conditions.differences_as_json(),
         "cameras": results.iter().map(|(c, s)| entry(c, s)).collect::<anyhow::Result<Vec<_>>>()?,
     });
     let text = serde_json::to_string_pretty(&document)? + "\n";
@@ -87,7 +113,8 @@ pub(crate) fn run(args: &Evaluate, words: &[String], common: &Common) -> anyhow:
         let page = evaluation_page(&Evaluations {
             command: &resolve::command_line(words, &args.cameras),
             cameras: &cameras,
-            labels: &names::numbered(cameras.iter().map(|c| c.description().name.clone()).collect()),
+            labels: &labels,
+            conditions,
             luminances_cd_m2: &args.luminance,
             illuminant: &args.illuminant,
             white,
@@ -103,7 +130,12 @@ pub(crate) fn run(args: &Evaluate, words: &[String], common: &Common) -> anyhow:
         write::bytes(&dir.join(PAGE), page.as_bytes())?;
         write::bytes(&dir.join("results.json"), text.as_bytes())?;
     }
-    crate::print(&if args.json { text } else { scores_table(&results) })
+    let names = labels.iter().flat_map(|label| args.luminance.iter().map(move |_| label));
+    crate::print(&if args.json {
+        text
+    } else {
+        conditions.text(&table::render) + "\n" + &scores_table(names.zip(&results))
+    })
 }
 
 fn entry(camera: &Camera, scores: &Evaluation) -> anyhow::Result<serde_json::Value> {
@@ -117,15 +149,15 @@ fn entry(camera: &Camera, scores: &Evaluation) -> anyhow::Result<serde_json::Val
     Ok(entry)
 }
 
-fn scores_table(results: &[(&Camera, Evaluation)]) -> String {
+fn scores_table<'a>(results: impl Iterator<Item = (&'a String, &'a (&'a Camera, Evaluation))>) -> String {
     let header: Vec<&str> = ["camera", "cd/m²"]
         .into_iter()
         .chain(columns::headings(&columns::EVALUATE))
         .chain(["exposure ms"])
         .collect();
-    let row = |(camera, s): &(&Camera, Evaluation)| {
+    let row = |(label, (_, s)): (&String, &(&Camera, Evaluation))| {
         vec![
-            camera.description().name.clone(),
+            label.clone(),
             format!("{}", s.luminance_cd_m2),
             format!("{:.2}", s.delta_e_76.mean),
             format!("{:.2}", s.delta_e_2000.mean),
@@ -138,7 +170,7 @@ fn scores_table(results: &[(&Camera, Evaluation)]) -> String {
             format!("{:.1}", s.exposure.macbeth_s * 1e3),
         ]
     };
-    table::render(&header, &results.iter().map(row).collect::<Vec<_>>())
+    table::render(&header, &results.map(row).collect::<Vec<_>>())
 }
 
 fn write_pictures(dir: &Path, pictures: &EvaluationPictures) -> anyhow::Result<()> {

@@ -1,7 +1,7 @@
 //! Camera files: TOML read strictly, errors shown at their line.
 
 use serde::Deserialize;
-use smalti::camera::description::CameraDescription;
+use smalti::camera::description::{CameraDescription, TWIN_KEYS};
 
 use crate::diagnostic::Diagnostic;
 use crate::toml_source::{TomlSource, explain};
@@ -52,13 +52,12 @@ impl Override {
             let toml::Value::Table(inner) = entry else { return };
             (table, rest) = (inner, after);
         }
-        // The two ways to expose exclude each other: the later one holds.
-        let other = match self.key.as_str() {
-            "exposure.auto" => "time_ms",
-            "exposure.time_ms" => "auto",
-            _ => "",
-        };
-        table.remove(other);
+        // Of keys that exclude each other, the later one holds.
+        let twins = TWIN_KEYS.iter().chain(&[["exposure.auto", "exposure.time_ms"]]);
+        let others = twins.flat_map(|[a, b]| [(a, b), (b, a)]).filter(|(key, _)| **key == self.key);
+        for (_, other) in others.filter_map(|(_, other)| other.rsplit_once('.')) {
+            table.remove(other);
+        }
         table.insert(rest.into(), self.toml_value());
     }
 }
@@ -71,10 +70,16 @@ impl TomlSource {
     pub fn describe(&self, overrides: &[Override]) -> Result<CameraDescription, Box<Diagnostic>> {
         let study = || "this is the file of a study: smalti sweep takes those".to_owned();
         let description: CameraDescription = self.parse_or_tell(&["colors", "mosaics"], study)?;
+        let mut document: toml::Table = self.parse()?;
+        if let Some([volts, electrons]) =
+            TWIN_KEYS.iter().find(|twins| twins.iter().all(|key| has(&document, key)))
+        {
+            let message = format!("{volts} and {electrons} are one quantity; expected one of them");
+            return Err(Box::new(Diagnostic::new(&self.name, message)));
+        }
         if overrides.is_empty() {
             return Ok(description);
         }
-        let mut document: toml::Table = self.parse()?;
         // All are applied before the result counts: one may need another, as a table's two required keys do. Of a
         // document that is wrong in the end, the override is blamed after which it never was right again.
         let mut result = Ok(description);
@@ -94,6 +99,13 @@ impl TomlSource {
     }
 }
 
+/// Whether a document has a dotted key.
+fn has(document: &toml::Table, key: &str) -> bool {
+    let mut parts = key.split('.');
+    let first = parts.next().and_then(|part| document.get(part));
+    parts.fold(first, |value, part| value?.get(part)).is_some()
+}
+
 #[cfg(test)]
 mod tests {
     use std::path::PathBuf;
@@ -111,6 +123,25 @@ mod tests {
             e.contains("camera.toml:2") && e.contains("pich_um") && e.contains("did you mean `pitch_um`?"),
             "{e}"
         );
+    }
+
+    #[test]
+    fn a_quantity_is_given_in_volts_or_in_electrons() {
+        let both = source("[sensor.pixel]\nread_noise_mv = 0.1\nread_noise_e = 2.0\n");
+        let e = both.describe(&[]).unwrap_err().to_string();
+        assert!(
+            e.contains("camera.toml")
+                && e.contains("sensor.pixel.read_noise_mv and sensor.pixel.read_noise_e"),
+            "{e}"
+        );
+        // An override replaces the quantity in either unit.
+        let set = |s: &str| s.parse::<Override>().unwrap();
+        let in_volts = source("[sensor.pixel]\nread_noise_mv = 0.1\n");
+        let d = in_volts.describe(&[set("sensor.pixel.read_noise_e=2")]).unwrap();
+        assert_eq!(d.sensor.pixel.read_noise_e, Some(2.0));
+        let in_electrons = source("[sensor]\ndsnu_e = 3.0\n");
+        let d = in_electrons.describe(&[set("sensor.dsnu_mv=0.5")]).unwrap();
+        assert_eq!((d.sensor.dsnu_e, d.sensor.dsnu_mv), (None, 0.5));
     }
 
     #[test]

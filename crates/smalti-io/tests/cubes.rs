@@ -325,7 +325,7 @@ fn headers_of_envi_that_cannot_be_are_refused() {
         ("bip", "bipp", "interleave is 'bipp'"),
         ("400, 500, 600", "400, 500", "wavelength is a list of 2; expected one for each of the 3 bands"),
         ("400, 500, 600", "400, x, 600", "wavelength is 'x' in band 2; expected a finite number"),
-        ("400, 500, 600", "0.4, 0.5, 0.6", "of an unknown unit, including 0.4"),
+        ("400, 500, 600", "0.4, 0.5, 0.6", "of an unknown unit and includes 0.4"),
         ("400, 500, 600", "400, 400, 600", "400 nm in the bands 1 and 2; expected each wavelength once"),
         ("600}\n", "600\n", "line 7: found 'wavelength = {'; expected a closing brace"),
         ("ENVI\n", "ENVI\nwavelength units = GHz\n", "wavelength units is 'GHz'"),

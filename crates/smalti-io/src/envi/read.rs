@@ -155,7 +155,7 @@ fn bands(
             Some(scale) => scale,
             None if unit.eq_ignore_ascii_case("unknown") => {
                 if let Some(v) = values.iter().find(|v| !SURELY_NM.contains(v)) {
-                    let found = format!("of an unknown unit, including {v}");
+                    let found = format!("of an unknown unit and includes {v}");
                     let expected =
                         "'wavelength units' of Nanometers or Micrometers, or values of 200 to 20000 (nm)";
                     return Err(IoError::field(path, "wavelength", found, expected));

@@ -3,7 +3,6 @@
 use serde_json::{Map, Value, json};
 use smalti::l3::Pipeline;
 
-use super::conditions::exposure_as_json;
 use super::kernels::{dark_and_bright, weights};
 use super::results::{Comparison, mean};
 use crate::ReportError;
@@ -43,11 +42,8 @@ impl Comparison<'_> {
             "smalti_version": env!("CARGO_PKG_VERSION"),
             "illuminant": self.illuminant,
             "seed": self.seed,
-            "exposure": exposure_as_json(self.exposure),
-            "differences": self.differences.iter().map(|d| json!({
-                "key": d.key,
-                "values": d.values,
-            })).collect::<Vec<_>>(),
+            "exposure": self.conditions.exposure_as_json(),
+            "differences": self.conditions.differences_as_json(),
             "left_out": self.left_out,
             "files": self.files(),
             "results": entries,

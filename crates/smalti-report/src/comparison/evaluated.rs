@@ -6,6 +6,7 @@ use smalti::numeric::Planes;
 use smalti::spectrum::{WavelengthGrid, reflectance};
 
 use super::columns::{EVALUATE, headings};
+use super::conditions::Conditions;
 use super::figures::{self, Scored};
 use super::gallery::{self, Group, Map, Maps, Shot};
 use super::results::CommandLine;
@@ -38,6 +39,8 @@ pub struct Evaluations<'a> {
     pub white: [f64; 3],
     /// The seed of the noise.
     pub seed: u64,
+    /// The conditions of the scores.
+    pub conditions: Conditions<'a>,
     /// For each camera one per luminance.
     pub results: &'a [(&'a Camera, Evaluation)],
     /// In the same order.
@@ -90,7 +93,7 @@ pub fn page(shots: &Evaluations<'_>) -> Result<String, ReportError> {
         .with(COMPARE)
         .lead(el("p").child(lead))
         .section("pictures", "Pictures", gallery::gallery(&groups(shots)?, &[&ALIASING]))
-        .section("scores", "Scores", scores(shots))
+        .section("scores", "Scores", shots.conditions.markup().and(scores(shots)))
         .section("colours", "Colours", colors(&scored))
         .section("noise", "Noise", figures::noise(&scored).and(tables::noise(&scored)))
         .section("edges", "Sharpness", figures::edges(&scored))

@@ -18,6 +18,7 @@ mod sheets;
 mod tables;
 mod text;
 
+pub use conditions::Conditions;
 pub use evaluated::{Evaluations, aliasing_picture, page as evaluation_page};
 pub use page::page;
 pub use results::{CameraArgument, CommandLine, Comparison};

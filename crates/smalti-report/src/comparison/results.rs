@@ -2,11 +2,10 @@
 
 use smalti::camera::{Camera, SceneScores};
 use smalti::color::Image;
-use smalti::experiment::{
-    CameraDifference, Contender, ExposurePolicy, Outcome, PairwiseLightGain, Processing,
-};
+use smalti::experiment::{Contender, Outcome, PairwiseLightGain, Processing};
 use smalti::l3::Pipeline;
 
+use super::conditions::Conditions;
 use crate::{ReportError, names};
 
 /// The command that made results, for their page.
@@ -42,10 +41,8 @@ pub struct Comparison<'a> {
     pub left_out: &'a [String],
     /// For each contender one outcome per luminance.
     pub outcomes: &'a [Vec<Outcome>],
-    /// The choice of the exposure times that was applied.
-    pub exposure: ExposurePolicy,
-    /// What differs between the cameras besides the colour filter array.
-    pub differences: &'a [CameraDifference],
+    /// The conditions of the scores.
+    pub conditions: Conditions<'a>,
     /// How much more light the first camera needs to equal each other camera. Empty if it was not requested.
     pub gains: &'a [PairwiseLightGain],
     /// The label of each scene.

@@ -75,7 +75,7 @@ pub(super) fn scores(report: &Comparison<'_>) -> Markup {
             rows.map(|(c, o)| (of_contender(c, o.luminance_cd_m2).to_vec(), o, exposure_cells(o).to_vec()));
         table = scored(table, &COMPARE, &rows.collect::<Vec<_>>());
     }
-    report.conditions().and(Markup::from(table)).and(paragraph(
+    report.conditions.markup().and(Markup::from(table)).and(paragraph(
         "help",
         "★ marks the best value in this light. Higher is better for CPSNR, MTF50 and visual SNR, lower for the other columns. CPSNR, ΔE and \
          S-CIELAB compare whole pictures with the scene as the standard observer sees it. MTF50 is that of a slanted edge; visual SNR and \

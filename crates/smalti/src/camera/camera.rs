@@ -28,11 +28,13 @@ pub struct Camera {
 }
 
 impl Camera {
-    /// A camera from its description, its curves sampled on a wavelength grid.
+    /// A camera from its description, its curves sampled on a wavelength grid. The description of the camera states quantities that
+    /// were given in electrons in volts.
     ///
     /// # Errors
     /// For the first invalid key, with its name, its value and the expected range.
-    pub fn new(description: CameraDescription, grid: WavelengthGrid) -> Result<Self, CameraError> {
+    pub fn new(mut description: CameraDescription, grid: WavelengthGrid) -> Result<Self, CameraError> {
+        resolve::electrons_to_volts(&mut description.sensor)?;
         let (exposure_time, analog_gain, analog_offset_v) = resolve::exposure(&description)?;
         Ok(Self {
             optics: resolve::optics(&description.optics, grid)?,
@@ -351,6 +353,29 @@ mod tests {
             "sensor.cfa.pattern"
         );
         assert_eq!(key(|d| d.isp.color_noise_percent = -1.0), "isp.color_noise_percent");
+    }
+
+    /// Electrons and volts are two units of one quantity: read noise of 2 e⁻ at 50 µV/e⁻ is 0.1 mV.
+    #[test]
+    fn electrons_are_volts_times_the_conversion_gain() {
+        let in_electrons = camera(|d| {
+            let p = &mut d.sensor.pixel;
+            p.conversion_gain_uv_per_e = 50.0;
+            (p.read_noise_e, p.dark_current_e_per_s) = (Some(2.0), Some(4.0));
+            d.sensor.dsnu_e = Some(6.0);
+        });
+        let pixel = &in_electrons.sensor.pixel;
+        assert!((pixel.read_noise_v - 1e-4).abs() < 1e-16);
+        assert!((pixel.dark_voltage_v_per_s - 2e-4).abs() < 1e-16);
+        assert!((in_electrons.sensor.nonuniformity.dsnu_v - 3e-4).abs() < 1e-16);
+        let stated = in_electrons.description();
+        assert_eq!(stated.sensor.pixel.read_noise_e, None);
+        assert!((stated.sensor.pixel.read_noise_mv - 0.1).abs() < 1e-15);
+        // The description of the camera gives the same camera.
+        let again = Camera::new(stated.clone(), WavelengthGrid::VISIBLE).unwrap();
+        assert_eq!((again.sensor, again.description()), (in_electrons.sensor.clone(), stated));
+        assert_eq!(key(|d| d.sensor.pixel.read_noise_e = Some(-1.0)), "sensor.pixel.read_noise_e");
+        assert_eq!(key(|d| d.sensor.dsnu_e = Some(f64::NAN)), "sensor.dsnu_e");
     }
 
     /// A grey field is rendered neutral and uniform in every architecture.

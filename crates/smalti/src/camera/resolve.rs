@@ -125,6 +125,31 @@ fn psf(d: &OpticsDescription) -> Result<PsfStack, CameraError> {
     made.map_err(|e| key("optics.psf.file", e))
 }
 
+/// Converts quantities in electrons to volts at the pixel, so that equal cameras have equal descriptions.
+///
+/// # Errors
+/// When a quantity or the conversion gain is out of range.
+pub(super) fn electrons_to_volts(d: &mut SensorDescription) -> Result<(), CameraError> {
+    let p = &mut d.pixel;
+    let quantities = [
+        ("sensor.dsnu_e", d.dsnu_e.take(), &mut d.dsnu_mv, 1e-3),
+        (
+            "sensor.pixel.dark_current_e_per_s",
+            p.dark_current_e_per_s.take(),
+            &mut p.dark_voltage_v_per_s,
+            1e-6,
+        ),
+        ("sensor.pixel.read_noise_e", p.read_noise_e.take(), &mut p.read_noise_mv, 1e-3),
+    ];
+    for (name, electrons, volts, per_microvolt) in quantities {
+        if let Some(electrons) = electrons {
+            let gain_uv = positive("sensor.pixel.conversion_gain_uv_per_e", p.conversion_gain_uv_per_e, 1e6)?;
+            *volts = within(name, electrons, 0.0, 1e6)? * gain_uv * per_microvolt;
+        }
+    }
+    Ok(())
+}
+
 /// The sensor of a description, its curves on a wavelength grid.
 pub(super) fn sensor(d: &SensorDescription, grid: WavelengthGrid) -> Result<Sensor, CameraError> {
     let p = &d.pixel;

@@ -10,7 +10,9 @@ mod sensor;
 pub use exposure::{AutoExposureName, ExposureDescription};
 pub use isp::{ColorCorrectionName, IspDescription, OutputName, PipelineName};
 pub use optics::{OpticsDescription, OpticsModelName, PsfDescription};
-pub use sensor::{ArchitectureName, CfaDescription, PatternDescription, PixelDescription, SensorDescription};
+pub use sensor::{
+    ArchitectureName, CfaDescription, PatternDescription, PixelDescription, SensorDescription, TWIN_KEYS,
+};
 
 use serde::{Deserialize, Serialize};
 

@@ -38,6 +38,9 @@ pub struct SensorDescription {
     pub prnu_percent: f64,
     /// Offset differences between pixels, standard deviation in mV.
     pub dsnu_mv: f64,
+    /// Offset differences between pixels, standard deviation in electrons, in place of `dsnu_mv`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub dsnu_e: Option<f64>,
     /// Noise common to a row, drawn anew for each capture, mV.
     pub row_noise_mv: f64,
     /// Offset common to a column, fixed for the device, standard deviation in mV.
@@ -70,6 +73,7 @@ impl Default for SensorDescription {
             black_level_dn: 0.0,
             prnu_percent: 0.0,
             dsnu_mv: 0.0,
+            dsnu_e: None,
             row_noise_mv: 0.0,
             column_noise_mv: 0.0,
             dead_pixels_ppm: 0.0,
@@ -101,12 +105,18 @@ pub struct PixelDescription {
     pub full_well_e: f64,
     /// Dark signal at 25 °C, V/s.
     pub dark_voltage_v_per_s: f64,
+    /// Dark current at 25 °C, electrons per second, in place of `dark_voltage_v_per_s`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub dark_current_e_per_s: Option<f64>,
     /// Temperature of the sensor, °C; the dark signal doubles with every `dark_doubling_c` above 25.
     pub temperature_c: f64,
     /// Temperature step that doubles the dark signal, °C.
     pub dark_doubling_c: f64,
     /// Noise of one reading, mV RMS.
     pub read_noise_mv: f64,
+    /// Noise of one reading, electrons RMS, in place of `read_noise_mv`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub read_noise_e: Option<f64>,
 }
 
 impl Default for PixelDescription {
@@ -118,12 +128,21 @@ impl Default for PixelDescription {
             voltage_swing_v: 1.8,
             full_well_e: 9000.0,
             dark_voltage_v_per_s: 1e-5,
+            dark_current_e_per_s: None,
             temperature_c: 25.0,
             dark_doubling_c: 6.0,
             read_noise_mv: 1.34,
+            read_noise_e: None,
         }
     }
 }
+
+/// Keys of one quantity in volts and in electrons, of which a file gives one.
+pub const TWIN_KEYS: [[&str; 2]; 3] = [
+    ["sensor.dsnu_mv", "sensor.dsnu_e"],
+    ["sensor.pixel.dark_voltage_v_per_s", "sensor.pixel.dark_current_e_per_s"],
+    ["sensor.pixel.read_noise_mv", "sensor.pixel.read_noise_e"],
+];
 
 /// The tile: the name of a built-in, or its lines in letters.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
