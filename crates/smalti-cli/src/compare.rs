@@ -14,7 +14,8 @@ use smalti::isp::Demosaic;
 use smalti::l3::Pipeline;
 use smalti::spectrum::{Observer, WavelengthGrid};
 use smalti_io::cache::Cache;
-use smalti_io::{l3, memory, write};
+use smalti_io::comparisons::{self, ComparisonFiles, RESULTS};
+use smalti_io::{memory, write};
 use smalti_report::comparison::{Comparison, Conditions, PAGE, SIDE_BY_SIDE};
 use smalti_report::names;
 
@@ -24,9 +25,6 @@ use crate::learning_args::LearningOptions;
 use crate::numbers::positive;
 use crate::progress::Progress;
 use crate::{resolve, table};
-
-/// The file whose presence shows that a folder is complete.
-const RESULTS: &str = "results.json";
 
 #[derive(Debug, Clone, Args)]
 #[command(after_help = "Examples:\n  \
@@ -180,34 +178,21 @@ pub(crate) fn run(args: &Compare, words: &[String], common: &Common) -> anyhow::
     ))
 }
 
-/// Writes everything; `document` is the content of results.json, which is removed first and written last.
+/// Writes everything; `document` is the content of results.json.
 fn write_files(report: &Comparison<'_>, dir: &Path, document: &str) -> anyhow::Result<()> {
-    let new = report.files();
-    for file in earlier_files(dir).iter().filter(|file| !new.contains(file)) {
-        // A file that is gone, or that cannot be removed, must not lose the new results.
-        let _ = std::fs::remove_file(dir.join(file));
-    }
-    let mut files = write::Files::new(dir, &[RESULTS], &[]);
-    report.draw(&mut |name, content| Ok(files.write(name, content)?))?;
-    for (_, pipeline, name) in report.learned() {
-        l3::write_table(&dir.join(format!("{name}.l3")), pipeline)?;
-    }
-    Ok(files.write(RESULTS, document.as_bytes())?)
-}
-
-/// The files that an earlier comparison lists in its results.json, as far as their names are those of a comparison.
-fn earlier_files(dir: &Path) -> Vec<String> {
-    let text = std::fs::read(dir.join(RESULTS)).ok();
-    let results = text.and_then(|text| serde_json::from_slice::<serde_json::Value>(&text).ok());
-    let listed = results.as_ref().and_then(|r| r.get("files")?.as_array());
-    let is_own = |file: &&str| {
-        // A name that leads elsewhere is not one that a comparison gives.
-        let name = file.strip_prefix(SIDE_BY_SIDE).and_then(|f| f.strip_prefix('/')).unwrap_or(file);
-        (name.ends_with(".png") || name.ends_with(".l3") || *file == PAGE)
-            && Path::new(name).file_name().is_some_and(|n| n == name)
+    let table = |(_, pipeline, name): (_, _, String)| (format!("{name}.l3"), pipeline);
+    let content = ComparisonFiles {
+        page: PAGE,
+        pictures: SIDE_BY_SIDE,
+        files: &report.files(),
+        tables: &report.learned().into_iter().map(table).collect::<Vec<_>>(),
+        document,
     };
-    let files = listed.into_iter().flatten().filter_map(serde_json::Value::as_str);
-    files.filter(is_own).map(str::to_owned).collect()
+    comparisons::write(
+        dir,
+        &content,
+        |store| Ok(report.draw(&mut |name, content| Ok(store(name, content)?))?),
+    )
 }
 
 /// The name of a scene without its folder, parameters and extension.

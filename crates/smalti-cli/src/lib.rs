@@ -33,6 +33,7 @@ use std::ffi::OsString;
 use clap::{CommandFactory, Parser};
 use cli::{Cli, Command};
 use output::print;
+use smalti_io::{IoError, UnstatedProperty};
 use smalti_report::in_one_line;
 
 const DONE: u8 = 0;
@@ -58,7 +59,8 @@ pub fn command(args: impl IntoIterator<Item = OsString>) -> u8 {
     match done {
         // A closed pipe, as in `smalti list cfas | head`, is no failure.
         Err(e) if !is_broken_pipe(&e) => {
-            eprintln!("error: {}", in_one_line(e.as_ref()));
+            let hint = option_for(&e).map_or_else(String::new, |option| format!(" ({option})"));
+            eprintln!("error: {}{hint}", in_one_line(e.as_ref()));
             FAILED
         }
         _ => DONE,
@@ -82,6 +84,16 @@ fn run(cli: Cli, words: &[String]) -> anyhow::Result<()> {
         Command::Convert(a) => convert::run(&a, &cli.common),
         Command::Completions { shell } => print(&complete::script(shell)?),
         Command::Man { dir } => print(&man::write_pages(Cli::command(), &dir)?),
+    }
+}
+
+/// The option that states what a file does not.
+fn option_for(error: &anyhow::Error) -> Option<&'static str> {
+    match error.chain().find_map(|e| e.downcast_ref::<IoError>())? {
+        IoError::Unstated { property: UnstatedProperty::Wavelengths, .. } => Some("--wavelengths"),
+        IoError::Unstated { property: UnstatedProperty::Quantity, .. } => Some("--quantity"),
+        IoError::Unstated { property: UnstatedProperty::Variable, .. } => Some("--variable"),
+        _ => None,
     }
 }
 

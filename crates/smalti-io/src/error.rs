@@ -1,7 +1,7 @@
 //! What can go wrong with a file.
 
-use std::io;
 use std::path::{Path, PathBuf};
+use std::{fmt, io};
 
 use smalti::color::ImageError;
 use smalti::color::jakob_hanika2019::UpliftError;
@@ -44,6 +44,9 @@ pub enum IoError {
     /// A field (tag, attribute, channel, key) is missing, unsupported or out of range.
     #[error("{}: {field} is {found}; expected {expected}", path.display())]
     Field { path: PathBuf, field: String, found: String, expected: String },
+    /// The file does not state a property that [`ReadOptions`](crate::ReadOptions) can state in its place.
+    #[error("{}: {field} is {found}; expected {expected}, or {property} given with the file", path.display())]
+    Unstated { path: PathBuf, field: String, found: String, expected: String, property: UnstatedProperty },
     /// A sample is NaN, infinite, or negative where that has no meaning. Rows and columns count from 0.
     #[error("{}: channel {channel}, row {row}, column {col} is {value}; expected {expected}", path.display())]
     Pixel { path: PathBuf, channel: String, row: usize, col: usize, value: f64, expected: &'static str },
@@ -62,6 +65,28 @@ pub enum IoError {
     /// The content has another hash (hexadecimal) than the file states.
     #[error("{}: it is damaged: its content has the hash {found}, but {stated} is stated", path.display())]
     Damaged { path: PathBuf, found: String, stated: String },
+}
+
+/// A property of a file that the options of reading can state.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum UnstatedProperty {
+    /// [`ReadOptions::grid`](crate::ReadOptions::grid).
+    Wavelengths,
+    /// [`ReadOptions::quantity`](crate::ReadOptions::quantity).
+    Quantity,
+    /// [`ReadOptions::variable`](crate::ReadOptions::variable).
+    Variable,
+}
+
+impl fmt::Display for UnstatedProperty {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Wavelengths => "the wavelengths",
+            Self::Quantity => "the quantity",
+            Self::Variable => "the name of the array",
+        })
+    }
 }
 
 /// Why the content of a file makes no value of the library.
@@ -160,5 +185,15 @@ impl IoError {
     ) -> Self {
         let (path, field) = (path.to_owned(), field.into());
         Self::Field { path, field, found: found.into(), expected: expected.into() }
+    }
+
+    /// The error of a field, whose property the options of reading can state.
+    pub(crate) fn or_given(self, property: UnstatedProperty) -> Self {
+        match self {
+            Self::Field { path, field, found, expected } => {
+                Self::Unstated { path, field, found, expected, property }
+            }
+            other => other,
+        }
     }
 }

@@ -19,6 +19,7 @@
 //! | [`cameras`] | TOML | [`smalti::camera::Camera`] |
 //! | [`studies`] | TOML | [`smalti::design::Trials`] |
 //! | [`sweeps`] | a study and its folder of results | [`dataset::Plan`], [`dataset::Run`] |
+//! | [`comparisons`] | the folder of a comparison | [`comparisons::ComparisonFiles`] |
 //! | [`lights`] | a name, or CSV | [`smalti::spectrum::Illuminant`] |
 //! | [`scene_file`] | whatever holds a scene | [`smalti::scene::Scene`] |
 //! | [`scenes`] | a name, or a scene file | [`smalti::scene::Scene`] |
@@ -35,6 +36,7 @@ pub mod bands;
 pub mod cache;
 mod camera_toml;
 pub mod cameras;
+pub mod comparisons;
 pub mod dataset;
 mod diagnostic;
 pub mod dng;
@@ -68,7 +70,7 @@ pub mod write;
 
 pub use camera_toml::Override;
 pub use diagnostic::Diagnostic;
-pub use error::{ContentError, IoError};
+pub use error::{ContentError, IoError, UnstatedProperty};
 pub use file::Limits;
 pub use scene_file::{Quantity, ReadOptions, SpectralFile};
 pub use scenes::SceneRequest;

@@ -273,7 +273,7 @@ pub(crate) fn gather_statistics(
         let read = || Ok(RawAndPicture { raw, default_crop: None, picture });
         TrainingPair { name: format!("pair {i}"), align, read: Box::new(read) }
     };
-    let sources = TrainingSources::<ExperimentError> {
+    let sources = TrainingSources::<Box<ExperimentError>> {
         scenes: scenes.map(|all| all.into_iter().map(scene).collect::<PyResult<_>>()).transpose()?,
         illuminants: illuminants.iter().map(light).collect::<PyResult<_>>()?,
         pairs: pairs.unwrap_or_default().into_iter().enumerate().map(pair).collect(),

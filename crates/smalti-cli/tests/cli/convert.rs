@@ -135,7 +135,11 @@ fn what_a_file_does_not_say_can_be_given() {
     let place = Place::new();
     npy::write(&place.path("a.npy"), &[2, 3, 4], &(1..25).map(f64::from).collect::<Vec<_>>()).unwrap();
     let run = place.run(&["convert", "a.npy", "-o", "b.hdr"]);
-    assert!(run.code == 1 && run.err.contains("the option --wavelengths"), "{}", run.err);
+    assert!(
+        run.code == 1 && run.err.contains("the wavelengths given with the file (--wavelengths)"),
+        "{}",
+        run.err
+    );
     place.ok("convert a.npy --wavelengths 500:10:530 --quantity reflectance -o b.hdr");
     let header = String::from_utf8(place.read("b.hdr")).unwrap();
     assert!(header.contains("reflectance scale factor = 1") && header.contains("samples = 3"), "{header}");

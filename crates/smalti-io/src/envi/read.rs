@@ -10,7 +10,7 @@ use crate::scene_file::cube_file::CubeFile;
 use crate::scene_file::facts::{Comment, Facts};
 use crate::scene_file::stated::{Bands, nm_per_unit, quantity_in, scaled, wavelength_in};
 use crate::scene_file::tiles::{Tiles, load};
-use crate::{IoError, Quantity, ReadOptions, SpectralFile};
+use crate::{IoError, Quantity, ReadOptions, SpectralFile, UnstatedProperty};
 
 /// Headers of thousands of bands take a hundred kilobytes.
 const HEADER_LIMIT: u64 = 16 << 20;
@@ -202,8 +202,8 @@ fn quantity(
             (Some(known), _) => Ok(known),
             (None, Some(quantity)) => Ok((quantity, 1.0)),
             (None, None) => {
-                let expected = "reflectance, a unit of spectral radiance such as W m^-2 sr^-1 nm^-1, or the quantity given (--quantity)";
-                Err(fields.error(key, expected))
+                let expected = "reflectance, a unit of spectral radiance such as W m^-2 sr^-1 nm^-1";
+                Err(fields.error(key, expected).or_given(UnstatedProperty::Quantity))
             }
         },
         None => Ok((options.quantity.unwrap_or(Quantity::RelativeEnergy), 1.0)),

@@ -18,7 +18,7 @@ use crate::scene_file::facts::{Comment, Facts};
 use crate::scene_file::stated::Bands;
 use crate::scene_file::tiles::{Tiles, load};
 use crate::wavelengths::uniform_grid;
-use crate::{IoError, Quantity, ReadOptions, SpectralFile};
+use crate::{IoError, Quantity, ReadOptions, SpectralFile, UnstatedProperty};
 
 // A file in PBRT's layout that states no wavelengths has 31 bands by convention, 400 to 700 nm.
 const PBRT_GRID: WavelengthGrid = WavelengthGrid::VISIBLE;
@@ -125,8 +125,9 @@ fn opened<'a>(source: Shared<'a>, path: &Path, options: &ReadOptions) -> Result<
             let known = stated_grid.or(options.grid).or((count == PBRT_GRID.len()).then_some(PBRT_GRID));
             let grid = known.filter(|g| g.len() == count).ok_or_else(|| {
                 let found = format!("not stated for {count} bands");
-                let expected = "31 bands (400–700 nm), or the option --wavelengths";
+                let expected = "31 bands (400–700 nm)";
                 IoError::field(path, "the wavelengths", found, expected)
+                    .or_given(UnstatedProperty::Wavelengths)
             })?;
             (grid.wavelengths_nm().collect::<Vec<_>>(), order, grid, Quantity::RelativeEnergy)
         }

@@ -14,7 +14,7 @@ use crate::scene_file::cube_file::CubeFile;
 use crate::scene_file::stated::{Bands, known_quantity};
 use crate::scene_file::tiles::{Tiles, load};
 use crate::wavelengths::places;
-use crate::{IoError, Quantity, ReadOptions, SpectralFile};
+use crate::{IoError, Quantity, ReadOptions, SpectralFile, UnstatedProperty};
 
 /// Elements of an array that is not the cube, bytes.
 const LIST_LIMIT: u64 = 64 << 20;
@@ -47,8 +47,9 @@ fn single<'a>(source: Shared<'a>, path: &Path, options: &ReadOptions) -> Result<
     let start = |n: usize| part(&*source, 0, n.min(usize::try_from(source.len()).unwrap_or(n))).map_err(io);
     let array = Array::parse("", path, start)?;
     let given = options.grid.map(|g| g.len()).ok_or_else(|| {
-        let expected = "the option --wavelengths, or an .npz with an array `wavelengths_nm`";
+        let expected = "an .npz with an array `wavelengths_nm`";
         IoError::field(path, "the wavelengths", "not stated: a single array", expected)
+            .or_given(UnstatedProperty::Wavelengths)
     })?;
     let axes = axes(path, &array.shape, given)?;
     let bands = Bands::given(path, given, options)?;
@@ -88,8 +89,9 @@ fn archive<'a>(source: Shared<'a>, path: &Path, options: &ReadOptions) -> Result
         None => match given {
             Some(count) => axes(path, &cube.shape, count)?,
             None => {
-                let expected = "an array `wavelengths_nm`, or the option --wavelengths";
-                return Err(IoError::field(path, "the wavelengths", "absent", expected));
+                let expected = "an array `wavelengths_nm`";
+                let error = IoError::field(path, "the wavelengths", "absent", expected);
+                return Err(error.or_given(UnstatedProperty::Wavelengths));
             }
         },
     };
@@ -173,8 +175,9 @@ impl Arrays<'_, '_> {
             (None, [only]) => Ok(only),
             (None, []) => Err(IoError::field(path, "the cube", "absent", "an array of three axes")),
             (None, several) => {
-                let expected = "one called `cube`, or the name given (--variable)";
-                Err(IoError::field(path, "the cube", format!("one of {}", names(several)), expected))
+                let found = format!("one of {}", names(several));
+                let error = IoError::field(path, "the cube", found, "one called `cube`");
+                Err(error.or_given(UnstatedProperty::Variable))
             }
         }
     }

@@ -5,9 +5,9 @@ use std::path::Path;
 use smalti::spectrum::WavelengthGrid;
 
 use super::spectral::{Quantity, ReadOptions};
-use crate::IoError;
 use crate::error::At;
 use crate::wavelengths::uniform_grid;
+use crate::{IoError, UnstatedProperty};
 
 /// No spectral camera sees beyond: from the extreme ultraviolet to thermal infrared.
 const PLAUSIBLE_NM: std::ops::RangeInclusive<f64> = 100.0..=100_000.0;
@@ -58,10 +58,10 @@ impl Bands {
     /// # Errors
     /// When none were given, or not as many as there are bands.
     pub(crate) fn given(path: &Path, count: usize, options: &ReadOptions) -> Result<Self, IoError> {
-        let expected = "wavelengths in the file, or the option --wavelengths";
         let Some(grid) = options.grid else {
             let found = format!("not stated for {count} bands");
-            return Err(IoError::field(path, "the wavelengths", found, expected));
+            let error = IoError::field(path, "the wavelengths", found, "wavelengths in the file");
+            return Err(error.or_given(UnstatedProperty::Wavelengths));
         };
         if grid.len() != count {
             let found = format!("not stated for {count} bands, and {} were given", grid.len());

@@ -8,7 +8,7 @@ use super::{Attribute, Axes, Fields, Numbers, Reading, Value, at, placed, text_a
 use crate::file::stem;
 use crate::scene_file::facts::{Comment, Facts};
 use crate::scene_file::tiles::Tiles;
-use crate::{IoError, Quantity};
+use crate::{IoError, Quantity, UnstatedProperty};
 
 /// What is known of the cube of a data set by its name.
 struct Known {
@@ -204,7 +204,8 @@ fn axes(
                 _ => {
                     let found = format!("{} without wavelengths", numbers.shape());
                     let names = wavelengths::NAMES.join(", ");
-                    return error(found, &format!("one of {names} beside it, or the option --wavelengths"));
+                    return error(found, &format!("one of {names} beside it"))
+                        .map_err(|e| e.or_given(UnstatedProperty::Wavelengths));
                 }
             }
         }
