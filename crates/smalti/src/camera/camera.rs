@@ -373,7 +373,7 @@ mod tests {
         assert!((stated.sensor.pixel.read_noise_mv - 0.1).abs() < 1e-15);
         // The description of the camera gives the same camera.
         let again = Camera::new(stated.clone(), WavelengthGrid::VISIBLE).unwrap();
-        assert_eq!((again.sensor, again.description()), (in_electrons.sensor.clone(), stated));
+        assert_eq!((&again.sensor, again.description()), (&in_electrons.sensor, stated));
         assert_eq!(key(|d| d.sensor.pixel.read_noise_e = Some(-1.0)), "sensor.pixel.read_noise_e");
         assert_eq!(key(|d| d.sensor.dsnu_e = Some(f64::NAN)), "sensor.dsnu_e");
     }
