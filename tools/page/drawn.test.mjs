@@ -146,9 +146,12 @@ test("every demosaicking, and pipelines that are learned", async () => {
   await compare("ridge", learned("ridge"), 8);
 });
 
-test("a picture of 256 × 256 pixels takes a twentieth of a second", async () => {
-  const times = await compare("times", `camera = "table1"\ncolors = [4]\nmosaics = { given = [["ab", "cd"]] }\n[sample]\nfilters = 4\n${FILTERS}`, 2);
-  assert.ok(Math.min(...times) <= 50, times.join(", "));
+test("a picture of 256 × 256 pixels takes a twentieth of a second, in the median of ten", async () => {
+  const times = await compare("times", `camera = "table1"\ncolors = [3, 4, 5, 6, 7]
+mosaics = { given = [["bc", "ab"], ["ab", "cd"], ["abc", "deb", "cad"], ["abc", "def", "bcd"], ["abc", "def", "gce"]] }\n[sample]\nfilters = 4\n${FILTERS}`, 10);
+  const median = times.sort((a, b) => a - b).slice(4, 6).reduce((a, b) => a + b) / 2;
+  console.log(`# zone plates of ten designs: ${median.toFixed(0)} ms in the median, ${times[0].toFixed(0)} to ${times[9].toFixed(0)} ms`);
+  assert.ok(median <= 50, times.join(", "));
 });
 
 test("why there are no pictures is said", async () => {
@@ -167,6 +170,7 @@ test("why there are no pictures is said", async () => {
   await panel(page).getByText("The page could not draw its pictures").waitFor();
   assert.equal(await panel(page).locator("canvas").count(), 0);
   assert.match(await panel(page).textContent(), /smalti report unexposed --picture \d+ -o/);
+  assert.match(await panel(page).textContent(), /This browser cannot decompress the spectra of the filters/);
   await close();
 });
 
@@ -188,26 +192,49 @@ test("a browser without WebAssembly shows what the page embeds, and says why it 
   await close();
 });
 
-test("a page of many lenses draws smaller pictures, and says where it can draw none", async () => {
-  await writeFile(join(dir, "lenses.toml"), `name = "lenses"\ncamera = "table1"\nmetrics = ["delta_e_76"]\ncolors = [3]\nmosaics = { given = [["bc", "ab"]] }\n[sample]\nfilters = 2
-${FILTERS}[conditions.grid]\n"optics.f_number" = [1.8, 2, 2.4, 2.8, 3.2, 4, 4.5, 5.6, 6.3, 7.1, 8, 9, 10, 11, 12.7, 14]`);
+const LENSES = (numbers) => `camera = "table1"\nmetrics = ["delta_e_76"]\ncolors = [3]\nmosaics = { given = [["bc", "ab"]] }\n[sample]\nfilters = 2
+${FILTERS}[conditions.grid]\n"optics.f_number" = [${numbers}]\n`;
+
+test("a page of many lenses draws smaller pictures of all of them", async () => {
+  await writeFile(join(dir, "lenses.toml"), `name = "lenses"\n${LENSES("1.8, 2, 2.4, 2.8, 3.2, 4, 4.5, 5.6, 6.3, 7.1, 8, 9, 10, 11, 12.7, 14")}`);
   run("sweep", "lenses.toml", "-o", "lenses", "--no-cache");
   const file = join(dir, "lenses.html");
-  run("report", "lenses", "-o", file, "--pictures", "0");
+  const { notes } = JSON.parse(run("report", "lenses", "-o", file, "--pictures", "0", "--json"));
+  assert.deepEqual(notes, []);
+  assert.ok((await stat(file)).size < 4_000_000);
+  await work(browser, file, {}, plot, async (page) => {
+    const buttons = await page.locator("#best tbody tr:first-child button").all();
+    assert.equal(buttons.length, 16);
+    for (const button of buttons) {
+      await button.dispatchEvent("click");
+      const drawn = panel(page).locator(".pictures canvas[data-drawn]");
+      await drawn.nth(1).waitFor();
+      const [width, height] = await drawn.first().evaluate((canvas) => [canvas.width, canvas.height]);
+      assert.ok(width === height && width > 64 && width < 128, `${width} × ${height}`);
+    }
+  });
+});
+
+test("a page of more pipelines than it can hold the light for says where it draws none", async () => {
+  // The light of a training scene cannot become smaller: another scene would give another pipeline.
+  await writeFile(join(dir, "trained.toml"), `name = "trained"\nprocessing = "l3"\n${LENSES("2, 2.8, 4, 5.6, 8")}[l3]\nside = 3\nlevels = 1\n`);
+  run("sweep", "trained.toml", "-o", "trained", "--no-cache");
+  const file = join(dir, "trained.html");
+  const { notes } = JSON.parse(run("report", "trained", "-o", file, "--pictures", "0", "--json"));
   assert.ok((await stat(file)).size < 4_000_000);
   await work(browser, file, {}, plot, async (page) => {
     const seen = { drawn: 0, none: 0 };
     for (const button of await page.locator("#best tbody tr:first-child button").all()) {
       await button.dispatchEvent("click");
-      const canvases = panel(page).locator(".pictures canvas");
-      if (await canvases.count()) {
+      if (await panel(page).locator(".pictures canvas").count()) {
         seen.drawn += 1;
-        assert.equal(await canvases.first().getAttribute("width"), "128");
-      } else {
-        seen.none += 1;
-        assert.match(await panel(page).textContent(), /would be too large; report fewer/);
+        continue;
       }
+      seen.none += 1;
+      assert.match(await panel(page).textContent(), /The page has no pictures of this trial: the page would be too large with the light of this condition; report fewer/);
+      assert.match(await panel(page).textContent(), /smalti report trained --picture \d+ -o/);
     }
-    assert.ok(seen.drawn > 5 && seen.drawn + seen.none === 16, JSON.stringify(seen));
+    assert.ok(seen.drawn > 0 && seen.none > 0 && seen.drawn + seen.none === 5, JSON.stringify(seen));
+    assert.equal(notes.filter((note) => /would be too large with the light/.test(note)).length, seen.none, notes.join("\n"));
   });
 });

@@ -21,7 +21,11 @@ export function withDesigns(html, count, marked = 0) {
     colors: constant(3),
     columns: data.columns.filter((c) => ranges[c.name]).map((c) => ({ ...c, values: packed(() => ranges[c.name][0] + (ranges[c.name][1] - ranges[c.name][0]) * random() * random()) })),
     words: data.words.map((w) => ({ ...w, values: { words: [w.name === "tile" ? "bc/ab" : w.values.words[0]], codes: constant(0) } })),
-    filters: { center: each((i) => 450 + 70 * (i % 3)), fwhm: each(() => 60 + 40 * random()), peak: { n: filters, table: constant(1).table }, curve: { n: filters, table: constant(-1).table }, curves: data.filters.curves },
+    // Every filter is another one; those beyond the blocks of the page have no curve.
+    filters: {
+      ...data.filters, used: each((i) => i), center: each((i) => 450 + 70 * (i % 3)), fwhm: each(() => 60 + 40 * random()),
+      peak: { n: filters, table: constant(1).table }, color: { n: filters, table: constant(0x808080).table },
+    },
     marks: marked > 0 ? [{ study: "few", name: "", rows: { n: marked, f32: Buffer.from(Float32Array.from({ length: marked }, (_, i) => count - marked + i).buffer).toString("base64") } }] : [],
     pictures: [],
   });

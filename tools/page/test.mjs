@@ -169,6 +169,31 @@ test("a click shows a design with its pictures", () => withPage({}, async (page)
   assert.equal(await page.locator("dialog img").count(), 1);
 }));
 
+test("curves are those of the filters, cells and swatches have one colour", () => withPage({}, async (page) => {
+  const design = page.locator("section.design");
+  for (const button of await page.locator("#best tbody button").all()) {
+    await button.dispatchEvent("click");
+    const rows = await design.getByRole("table", { name: "Filters of the design" }).locator("tbody tr").evaluateAll((all) => all.map((row) => ({
+      letter: row.cells[0].textContent, color: row.querySelector(".swatch").style.background, figures: [...row.cells].slice(1).map((c) => Number(c.textContent)),
+    })));
+    const curves = await design.locator("svg path.filter[fill=none]").evaluateAll((all) => all.map((path) => path.getAttribute("d").slice(1).split("L").map((at) => at.split(" ").map(Number))));
+    assert.equal(curves.length, rows.length);
+    rows.forEach(({ figures: [center, fwhm, peak] }, i) => {
+      assert.equal(curves[i].length, 171);
+      for (const [x, y] of curves[i]) {
+        // 30 to 370 are 380 to 720 nm, 150 to 18 are 0 to 1.
+        const off = ((x - 30 + 380 - center) / fwhm) * 2.3548;
+        assert.ok(Math.abs((150 - y) / 132 - peak * Math.exp(-0.5 * off * off)) < 4e-3, `${center} nm at ${x - 30 + 380} nm`);
+      }
+    });
+    const cells = await design.locator("svg text", { hasText: /^[A-Z]$/ }).evaluateAll((all) => all
+      .filter((text) => text.previousElementSibling?.classList.contains("cell")).map((text) => [text.textContent, text.previousElementSibling.getAttribute("fill")]));
+    assert.ok(cells.length >= rows.length);
+    const channels = (color) => color.match(/\d+/g).join();
+    for (const [letter, fill] of cells) assert.equal(channels(fill), channels(rows.find((row) => row.letter === letter).color));
+  }
+}));
+
 test("the keyboard walks from point to point", () => withPage({}, async (page) => {
   const panel = page.locator("section.design h3");
   await plot(page).focus();

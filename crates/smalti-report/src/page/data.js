@@ -55,6 +55,15 @@ async function unpackPictures({ rows, cols, count, deflated }) {
   return pictures;
 }
 
+// Curves of filters, as filters.rs packs them; none in a browser that cannot inflate.
+async function unpackCurves({ blocks }) {
+  return Promise.all(blocks.map(unpackPictures)).catch(() => []);
+}
+// A colour that is one number, as [r, g, b].
+function rgbOf(number) {
+  return [number >> 16, (number >> 8) & 255, number & 255];
+}
+
 // A column of numbers whose values are made when they are first asked for.
 function lazyColumn(about, values) {
   let made;
@@ -67,22 +76,28 @@ function lazyColumn(about, values) {
   };
 }
 
-function readTrials(data) {
+function readTrials(data, curves) {
   const count = data.rows;
   const colors = unpack(data.colors);
   const start = new Uint32Array(count + 1);
   for (let i = 0; i < count; i += 1) start[i + 1] = start[i] + colors[i];
+  const used = unpack(data.filters.used);
+  const ofUsed = (column) => {
+    const values = unpack(column);
+    return Float32Array.from(used, (filter) => values[filter]);
+  };
   const trials = {
     data, count, colors, start,
     number: unrun(data.number, count),
     section: unpack(data.section),
     front: unpack(data.front),
     marks: data.marks.map((m) => ({ ...m, rows: unpack(m.rows) })),
-    center: unpack(data.filters.center),
-    fwhm: unpack(data.filters.fwhm),
-    peak: unpack(data.filters.peak),
-    curve: unpack(data.filters.curve),
-    curves: { ...data.filters.curves, most: unpack(data.filters.curves.most), values: unpack(data.filters.curves.values) },
+    center: ofUsed(data.filters.center),
+    fwhm: ofUsed(data.filters.fwhm),
+    peak: ofUsed(data.filters.peak),
+    used, filterColors: unpack(data.filters.color),
+    curves: { ...data.filters.curves, blocks: curves },
+    scale: { ...data.filters.scale, colors: unpack(data.filters.scale.color) },
     words: data.words.map((w) => ({ ...w, words: w.values.words, codes: unpack(w.values.codes) })),
     pictures: new Map(data.pictures.map((p) => [p.row, p])),
     opticalSetups: data.optical_setups,

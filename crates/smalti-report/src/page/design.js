@@ -1,37 +1,28 @@
 // One design: its spectra, its mosaic, its figures, its pictures.
 
-const NM = Array.from({ length: 171 }, (_, i) => 380 + 2 * i);
-
-// Transmittance of a filter at NM; null where the page does not hold it.
-function curveOf(trials, at) {
-  const code = trials.curve[at];
-  if (code === -1) {
-    const [center, sigma, peak] = [trials.center[at], trials.fwhm[at] / 2.354820045, trials.peak[at]];
-    return NM.map((nm) => peak * Math.exp(-0.5 * ((nm - center) / sigma) ** 2));
-  }
-  if (code < 0) return null;
-  const { first_nm: first, step_nm: step, count, most, values } = trials.curves;
-  return NM.map((nm) => {
-    const place = Math.min(count - 1, Math.max(0, (nm - first) / step));
-    const low = Math.min(count - 2, Math.floor(place));
-    const [a, b] = [values[code * count + low], values[code * count + low + 1]];
-    return most[code] * (a + (b - a) * (place - low));
-  });
+// Transmittance of a filter, in wavelengths from `first_nm` in steps of `step_nm`; null where the page does not hold it.
+function curveOf({ curves, used }, at) {
+  const block = curves.blocks[Math.floor(used[at] / curves.in_block)];
+  if (!block) return null;
+  const row = used[at] % curves.in_block;
+  return Array.from(block.subarray(row * curves.count, (row + 1) * curves.count), (code) => code / curves.steps);
+}
+function colorOf({ filterColors, used }, at) {
+  return rgbOf(filterColors[used[at]]);
 }
 function filtersOf(trials, row) {
   const filters = [];
   for (let at = trials.start[row]; at < trials.start[row + 1]; at += 1) {
-    const curve = curveOf(trials, at);
-    const color = curve ? colorOfFilter(NM, curve) : [128, 128, 128];
+    const color = colorOf(trials, at);
     filters.push({
-      letter: letter(at - trials.start[row]), center: trials.center[at], fwhm: trials.fwhm[at], peak: trials.peak[at], curve,
+      letter: letter(at - trials.start[row]), center: trials.center[at], fwhm: trials.fwhm[at], peak: trials.peak[at], curve: curveOf(trials, at),
       color: css(color), line: css(isDark() ? color.map((v) => Math.round(v + (255 - v) * 0.35)) : color),
     });
   }
   return filters;
 }
 
-function spectraOf(filters) {
+function spectraOf({ curves, scale }, filters) {
   const [left, bottom, width, height] = [30, 150, 340, 132];
   const x = (nm) => left + ((nm - 380) / 340) * width;
   const top = Math.max(1, ...filters.map((f) => f.peak || 0));
@@ -42,16 +33,17 @@ function spectraOf(filters) {
     svg.append(draw("path", { class: "axis", d: `M${left} ${y(t)}h${width}` }), draw("text", { class: "tick", x: left - 5, y: y(t) + 4, "text-anchor": "end" }, String(t)));
   }
   // The colours of the wavelengths below, so that one sees where a filter lies.
-  for (let nm = 380; nm < 720; nm += 4) {
-    svg.append(draw("rect", { x: x(nm), y: bottom + 1, width: width / 85 + 0.4, height: 5, fill: css(colorOfWavelength(nm + 2)) }));
-  }
+  scale.colors.forEach((color, i) => {
+    svg.append(draw("rect", { x: x(scale.first_nm + i * scale.step_nm), y: bottom + 1, width: width / scale.colors.length + 0.4, height: 5, fill: css(rgbOf(color)) }));
+  });
   for (let nm = 400; nm <= 700; nm += 50) svg.append(draw("text", { class: "tick", x: x(nm), y: bottom + 20, "text-anchor": "middle" }, String(nm)));
   svg.append(draw("text", { class: "tick", x: left + width / 2, y: bottom + 33, "text-anchor": "middle" }, "Wavelength, nm"));
+  const at = (i) => x(curves.first_nm + i * curves.step_nm);
   for (const f of filters.filter((one) => one.curve)) {
-    const path = f.curve.map((t, i) => `${i ? "L" : "M"}${x(NM[i]).toFixed(1)} ${y(t).toFixed(1)}`).join("");
+    const path = f.curve.map((t, i) => `${i ? "L" : "M"}${at(i).toFixed(1)} ${y(t).toFixed(1)}`).join("");
     svg.append(draw("path", { class: "filter", d: `${path}V${bottom}H${left}Z`, fill: f.color, stroke: "none" }), draw("path", { class: "filter", d: path, fill: "none", stroke: f.line }));
     const peak = f.curve.indexOf(Math.max(...f.curve));
-    svg.append(draw("text", { class: "letter", x: x(NM[peak]), y: Math.max(11, y(f.curve[peak]) - 4), fill: f.line, "text-anchor": "middle" }, f.letter));
+    svg.append(draw("text", { class: "letter", x: at(peak), y: Math.max(11, y(f.curve[peak]) - 4), fill: f.line, "text-anchor": "middle" }, f.letter));
   }
   return svg;
 }
@@ -82,9 +74,8 @@ function smallTile(trials, row) {
   const tile = trials.tile ? trials.tile.words[trials.tile.codes[row]] : "";
   if (!tile) return null;
   const rows = tile.split("/");
-  const colors = filtersOf(trials, row).map((f) => f.color);
   return draw("svg", { class: "tile", viewBox: `0 0 ${rows[0].length} ${rows.length}`, "aria-hidden": "true", "shape-rendering": "crispEdges" },
-    ...rows.flatMap((cells, y) => [...cells].map((c, x) => draw("rect", { x, y, width: 1, height: 1, fill: colors[c.charCodeAt(0) - 97] || "#808080" }))));
+    ...rows.flatMap((cells, y) => [...cells].map((c, x) => draw("rect", { x, y, width: 1, height: 1, fill: css(colorOf(trials, trials.start[row] + c.charCodeAt(0) - 97)) }))));
 }
 
 // The frequency beyond which the sensor of a section samples nothing, in the unit of a column of resolution; none of others.
@@ -208,7 +199,7 @@ function showTrial(trials, row, panel) {
   panel.replaceChildren(
     make("h3", {}, `Trial ${number}`),
     make("p", { class: "sub" }, [`${trials.colors[row]} colours`, ...words, trials.front[row] ? "on the Pareto front" : null].filter(Boolean).join(" · ")),
-    spectraOf(filters),
+    spectraOf(trials, filters),
     make("div", { class: "halves" },
       make("div", {}, make("h4", {}, "Mosaic"), tile ? tileOf(tile, filters) : null),
       make("div", {}, make("h4", {}, "Filters"), filterTable(filters))),
@@ -216,5 +207,8 @@ function showTrial(trials, row, panel) {
     make("h4", {}, "Pictures"), ...picturesOf(trials, row, number).filter(Boolean),
     make("h4", {}, "As a camera for other commands"), commandOf(trials, row, `--camera ${number} > trial-${number}.toml`),
   );
-  if (filters.some((f) => !f.curve)) panel.append(make("p", { class: "none" }, "The spectra of some filters are not in this page: it would have become too large."));
+  if (filters.some((f) => !f.curve)) {
+    const why = trials.curves.blocks.length ? "The page has no spectra of some filters: it would be too large." : "This browser cannot decompress the spectra of the filters.";
+    panel.append(make("p", { class: "none" }, why));
+  }
 }

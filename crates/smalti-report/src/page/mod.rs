@@ -30,7 +30,7 @@ mod picture;
 mod shell;
 mod table;
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;
 
 pub use columns::{packed, runs, whole_pictures, words};
 pub use markup::{Element, Markup, el};

@@ -1,7 +1,7 @@
 // The page of a study: puts scatter, filters, histograms, design and selection together.
 
-function startSweep(data) {
-  const trials = readTrials(data);
+async function startSweep(data) {
+  const trials = readTrials(data, await unpackCurves(data.filters.curves));
   const isVaried = (values) => { const [low, high] = extent(values); return low < high; };
   const varied = trials.columns.filter((c) => c.parameter || c.name === "colors" || isVaried(c.values));
   const first = (...names) => names.map((name) => varied.find((c) => c.name === name)).find(Boolean);

@@ -116,7 +116,7 @@ fn columns_take_the_fewest_bytes() {
 }
 
 /// What `data.js` does.
-fn unpacked(column: &Value) -> Vec<f32> {
+pub(crate) fn unpacked(column: &Value) -> Vec<f32> {
     let bytes = |key: &str| column.get(key).map(|t| STANDARD.decode(t.as_str().unwrap()).unwrap());
     let floats =
         |b: Vec<u8>| b.chunks(4).map(|c| f32::from_le_bytes(c.try_into().unwrap())).collect::<Vec<_>>();
@@ -135,7 +135,7 @@ fn unpacked(column: &Value) -> Vec<f32> {
 }
 
 /// What `data.js` does.
-fn whole(packed: &Value, rows: usize, cols: usize) -> Vec<Vec<i32>> {
+pub(crate) fn whole(packed: &Value, rows: usize, cols: usize) -> Vec<Vec<i32>> {
     let deflated = STANDARD.decode(packed["deflated"].as_str().unwrap()).unwrap();
     let mut bytes = Vec::new();
     flate2::read::DeflateDecoder::new(&deflated[..]).read_to_end(&mut bytes).unwrap();

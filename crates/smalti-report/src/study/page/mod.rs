@@ -3,6 +3,7 @@
 mod again;
 mod choice;
 mod columns;
+mod filters;
 mod gallery;
 mod marks;
 mod optical_setups;
@@ -141,7 +142,7 @@ fn data(
     let numbers: Vec<u64> = choice.rows.iter().map(|r| r.number).collect();
     let section: Vec<f64> = choice.rows.iter().map(|r| r.section as f64).collect();
     let front: Vec<f64> = choice.rows.iter().map(|r| f64::from(u8::from(r.front))).collect();
-    let columns = columns::columns(sources, choice)?;
+    let columns = columns::columns(sources, choice);
     Ok(json!({
         "version": env!("CARGO_PKG_VERSION"),
         "rows": choice.rows.len(),
@@ -154,7 +155,7 @@ fn data(
         "colors": columns.colors,
         "columns": columns.numbers,
         "words": columns.words,
-        "filters": columns.filters,
+        "filters": filters::filters(sources, choice)?,
         "optical_setups": optical_setups,
         "pictures": pictures,
     }))

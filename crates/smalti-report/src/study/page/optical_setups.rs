@@ -19,11 +19,10 @@ use crate::study::sections::Section;
 use crate::words::plain;
 use crate::{ReportError, in_one_line};
 
-/// The scenes at a quarter of the pixels, for a page of many optical setups.
-const SMALL: [&str; 2] =
-    ["zone-plate?size=256&frequency=0.25", "dead-leaves?rows=288&cols=384&least=2&largest=75&seed=1001"];
 /// The approximate bytes of an optical setup at full size, and of training data.
 const OPTICAL_SETUP_BYTES: usize = 850_000;
+/// The least scale of the scenes on a page of many optical setups: a zone plate of 64 × 64 pixels.
+const LEAST_SCALE: f64 = 0.25;
 /// The largest number of bytes of the simulator, optical setups and pictures: a page of 5000 designs then stays below 4 MB.
 pub(super) const MAX_BYTES: usize = 2_800_000;
 /// Spectral components of each scene. Grey rings differ in the blur of the lens alone. Eight components describe natural surfaces in
@@ -72,18 +71,18 @@ impl OpticalSetup {
     }
 
     /// Both scenes before its camera.
-    fn setups(&self, specs: [&str; 2], progress: &dyn Progress) -> Result<Vec<Setup>, ReportError> {
+    fn setups(&self, specs: &[String], progress: &dyn Progress) -> Result<Vec<Setup>, ReportError> {
         let setting = Setting {
             luminance_cd_m2: self.luminance_cd_m2,
             illuminant: self.illuminant.clone(),
             grid: self.camera.grid(),
             ..Setting::default()
         };
-        let setup = |spec| {
+        let setup = |spec: &String| {
             ensure_running(progress)?;
             Ok(Setup::of_test_scene(&self.camera, spec, &setting)?)
         };
-        specs.into_iter().map(setup).collect()
+        specs.iter().map(setup).collect()
     }
 
     /// The chart before a camera.
@@ -137,6 +136,31 @@ impl OpticalSetup {
     }
 }
 
+/// The scale of the scenes at which a number of optical setups, some of them with training data, fit into the page.
+fn scale(optical_setups: usize, learned: usize) -> f64 {
+    let all = (optical_setups + learned) * OPTICAL_SETUP_BYTES;
+    if SIMULATOR_BYTES + all < MAX_BYTES + OPTICAL_SETUP_BYTES {
+        return 1.0;
+    }
+    let room = MAX_BYTES.saturating_sub(SIMULATOR_BYTES + learned * OPTICAL_SETUP_BYTES);
+    let share = room as f64 / (optical_setups * OPTICAL_SETUP_BYTES) as f64;
+    // Small pictures take some more bytes per pixel.
+    (0.95 * share.sqrt()).clamp(LEAST_SCALE, 1.0)
+}
+
+/// The zone plate and the leaves at a scale.
+fn scenes(scale: f64) -> [String; 2] {
+    if scale >= 1.0 {
+        return [ZONE_PLATE.into(), LEAVES.into()];
+    }
+    let even = |full: f64| 2 * (full * scale / 2.0).round() as usize;
+    let (size, rows, cols, largest) = (even(512.0), even(576.0), even(768.0), (150.0 * scale).round());
+    [
+        format!("zone-plate?size={size}&frequency=0.25"),
+        format!("dead-leaves?rows={rows}&cols={cols}&least=2&largest={largest}&seed=1001"),
+    ]
+}
+
 /// The planes of an optical setup for the page.
 fn packed(light: &mut PreviewLight) -> Value {
     let plane = |planes: &mut QuantizedPlanes| {
@@ -165,7 +189,9 @@ enum NoPicture {
 impl NoPicture {
     fn words(&self) -> &str {
         match self {
-            Self::NoRoom => "it would be too large; report fewer studies or conditions at a time",
+            Self::NoRoom => {
+                "the page would be too large with the light of this condition; report fewer studies or conditions at a time"
+            }
             Self::Failed(why) => why,
         }
     }
@@ -195,8 +221,7 @@ impl OpticalSetups {
             sections.iter().map(|s| Ok(place(OpticalSetup::new(s)?, &mut optical_setups))).collect();
         let learned = optical_setups.iter().filter(|s| s.training_px.is_some()).count();
         let mut bytes = if optical_setups.is_empty() { 0 } else { SIMULATOR_BYTES };
-        let wanted = bytes + (optical_setups.len() + learned) * OPTICAL_SETUP_BYTES;
-        let specs = if wanted < MAX_BYTES + OPTICAL_SETUP_BYTES { [ZONE_PLATE, LEAVES] } else { SMALL };
+        let specs = scenes(scale(optical_setups.len(), learned));
         let mut drawn: Vec<Result<Drawn, NoPicture>> = Vec::new();
         drawn.resize_with(sections.len(), || Err(NoPicture::NoRoom));
         let mut data = Vec::new();
@@ -205,7 +230,7 @@ impl OpticalSetups {
                 if bytes >= MAX_BYTES {
                     return Err(NoPicture::NoRoom);
                 }
-                let setups = optical_setup.setups(specs, sources.progress)?;
+                let setups = optical_setup.setups(&specs, sources.progress)?;
                 Ok((optical_setup.light(&setups).map_err(NoPicture::from)?, setups))
             };
             let mut made = make();
@@ -267,7 +292,7 @@ impl OpticalSetups {
             Some(Ok(drawn)) => &drawn.light,
             _ => {
                 let optical_setup = OpticalSetup::new(section)?;
-                let setups = optical_setup.setups([ZONE_PLATE, LEAVES], progress)?;
+                let setups = optical_setup.setups(&scenes(1.0), progress)?;
                 alone = optical_setup.light_of(section, &setups, &optical_setup.light(&setups)?)?;
                 &alone
             }
