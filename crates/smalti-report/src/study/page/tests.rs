@@ -14,7 +14,7 @@ use super::sources::Sources;
 use crate::Rgb;
 use crate::page::tests::{unpacked, whole};
 use crate::pictures::Pixels;
-use crate::study::pictures::{LEAVES, SectionSetup, ZONE_PLATE};
+use crate::study::pictures::{LEAVES, ZONE_PLATE, photographer_of};
 use crate::study::results::Results;
 use crate::study::sections::Section;
 
@@ -148,7 +148,7 @@ fn figures_and_the_page_show_the_same_pictures() {
         let all = [(&study, Section::all(&study).unwrap())];
         let sources = Sources { all: &all, pictures: 0, requested: &[], progress: &Silent };
         let section = &all[0].1[0];
-        let figures = SectionSetup::new(section).unwrap();
+        let figures = photographer_of(section).unwrap();
         let page = OpticalSetups::new(&sources).unwrap().preview(0, section, &Silent).unwrap();
         for (scene, (spec, limit)) in [(ZONE_PLATE, 1.0), (LEAVES, 1.5)].into_iter().enumerate() {
             for noise in [NoiseMode::None, NoiseMode::All] {
@@ -158,7 +158,7 @@ fn figures_and_the_page_show_the_same_pictures() {
                     Pixels::of(&page.picture(&design, scene, noise).unwrap())
                 };
                 for row in 0..4 {
-                    let in_figure = figure.picture(row).unwrap();
+                    let in_figure = Pixels::of(&figure.picture(&study.trial(row).unwrap().design).unwrap());
                     let found = difference(&in_figure, &on_page(row));
                     assert!(found < limit, "{spec}, {noise:?}, trial {row}: {found}");
                     // Pictures of different trials differ far more.
