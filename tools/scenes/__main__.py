@@ -1,4 +1,4 @@
-"""python -m scenes render NAME [--scale S] [--spp N] [--out FOLDER] | check | collect …"""
+"""python -m scenes render NAME … | store NAME | sheet | check | collect …"""
 import argparse
 import importlib
 import json
@@ -97,18 +97,26 @@ def main() -> None:
     for key in ("usgs", "skin", "veg"):
         c.add_argument(f"--{key}", type=pathlib.Path, required=True)
     sub.add_parser("check")
+    sub.add_parser("sheet")
     args = p.parse_args()
     if args.verb == "render":
         render_scene(args.name, args.scale, args.spp, args.out, args.seed, not args.raw)
     elif args.verb == "store":
+        variant()
         from . import store
 
         print(json.dumps(store.store(args.name, args.out, STORE), indent=1))
+    elif args.verb == "sheet":
+        variant()
+        from . import sheet
+
+        sheet.write(NAMES, STORE)
     elif args.verb == "collect":
         from . import collect
 
         collect.collect(args.usgs, args.skin, args.veg)
     else:
+        variant()
         from . import check
 
         sys.exit(check.main())

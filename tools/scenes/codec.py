@@ -30,20 +30,59 @@ def _predict(q: np.ndarray) -> np.ndarray:
     return np.where(c >= np.maximum(a, b), np.minimum(a, b), np.where(c <= np.minimum(a, b), np.maximum(a, b), a + b - c))
 
 
-def _pack(planes: np.ndarray) -> bytes:
-    raw = bytearray()
-    for q in planes:
-        r = q - _predict(q)
-        z = np.where(r >= 0, 2 * r, -2 * r - 1)
-        if z.max() > 0xFFFF:
-            raise ValueError("a residual does not fit 16 bits")
-        raw += (z & 255).astype(np.uint8).tobytes() + (z >> 8).astype(np.uint8).tobytes()
-    return zlib.compress(bytes(raw), 9)
+def _residuals(q: np.ndarray) -> np.ndarray:
+    """Residuals of the prediction as numbers from 0: even ones are positive residuals."""
+    r = q - _predict(q)
+    return np.where(r >= 0, 2 * r, -2 * r - 1)
+
+
+def _escapes(z: np.ndarray, limit: int) -> bytes:
+    rest = z.ravel()[z.ravel() >= limit] - limit
+    if rest.size and rest.max() > 0xFFFF:
+        raise ValueError("a residual does not fit")
+    return rest.astype("<u2").tobytes()
+
+
+def level_bytes(q: np.ndarray) -> bytes:
+    """A byte per sample, 255 for an escape, then the escapes."""
+    z = _residuals(q)
+    return np.minimum(z, 255).astype(np.uint8).tobytes() + _escapes(z, 255)
+
+
+def coefficient_bytes(q: np.ndarray) -> bytes:
+    """A byte for two samples of neighbouring rows, nibble 15 for an escape, then the escapes in the order of the rows."""
+    z = _residuals(q)
+    n = np.minimum(z, 15).astype(np.uint8)
+    if len(n) % 2:
+        n = np.concatenate([n, np.zeros_like(n[:1])])
+    return (n[0::2] | n[1::2] << 4).tobytes() + _escapes(z, 15)
+
+
+def deflate(raw: bytes) -> bytes:
+    """A zlib stream; the strategy suits residuals, any decoder reads it."""
+    c = zlib.compressobj(9, zlib.DEFLATED, 15, 9, zlib.Z_FILTERED)
+    return c.compress(raw) + c.flush()
 
 
 def _unpack(raw: bytes, count: int, rows: int, cols: int) -> np.ndarray:
-    data = np.frombuffer(raw, np.uint8).reshape(count, 2, rows, cols).astype(np.int64)
-    z = data[:, 0] | data[:, 1] << 8
+    z = np.empty((count, rows, cols), np.int64)
+    at = 0
+    for p in range(count):
+        half = rows if p == 0 else (rows + 1) // 2
+        data = np.frombuffer(raw, np.uint8, half * cols, at).reshape(half, cols).astype(np.int64)
+        at += half * cols
+        limit = 255 if p == 0 else 15
+        if p == 0:
+            z[p] = data
+        else:
+            z[p, 0::2] = data & 15
+            z[p, 1::2] = (data >> 4)[: rows // 2]
+        escaped = z[p] == limit
+        rest = np.frombuffer(raw, "<u2", int(escaped.sum()), at)
+        at += rest.nbytes
+        z[p][escaped] += rest
+    if at != len(raw):
+        raise ValueError("the stream is too long")
     r = np.where(z & 1, -(z + 1) // 2, z // 2)
     q = np.zeros((count, rows + 1, cols + 1), np.int64)
     # The planes advance together, one sample after another, as a decoder of one plane would.
@@ -70,7 +109,7 @@ def encode(radiance: np.ndarray, light: np.ndarray, about: dict[str, object], co
     mean, basis = mean.astype("<f4"), basis.astype("<f4")
     coefficients = (flat - mean) @ basis.T.astype(np.float64)
     q = np.rint(coefficients / np.float32(step)).astype(np.int64).reshape(rows, cols, components)
-    payload = _pack(np.concatenate([q0[None], np.moveaxis(q, 2, 0)]))
+    payload = deflate(level_bytes(q0) + b"".join(coefficient_bytes(q[:, :, k]) for k in range(components)))
     text = json.dumps(about, ensure_ascii=False).encode()
     head = struct.pack(HEAD, MAGIC, VERSION, rows, cols, bands, components, start_nm, step_nm, log_step, step, len(text))
     return head + struct.pack("<f", floor) + text + mean.tobytes() + basis.tobytes() + light.astype("<f4").tobytes() + payload

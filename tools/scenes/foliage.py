@@ -1,7 +1,6 @@
 """A garden in sunshine: a tree, a hedge, flowers, grass, a fence, a brick house, sky."""
 from typing import Any
 
-import mitsuba as mi
 import numpy as np
 
 from . import material as m
@@ -183,7 +182,6 @@ def build() -> tuple[dict[str, Any], dict[str, Any]]:
     tone = texture.mix(np.tile(rng.random(64)[None] * 0.8, (64, 1)), 0.6 * tip * np.tile(rng.random(64)[None] ** 2, (64, 1)), 0.5 * lawn[:, :, 0])
     near = blades(230000, rng, (-3.4, -1.6), (4.0, 5.2), 0.10)
     far = blades(200000, rng, (-10, 5.2), (12, 24), 0.16)
-    far.vertices[:, 2] *= 1.0
     scene["grass"] = mesh.shape(mesh.merge([near, far]), m.diffuse(tone, GRASS))
     tubes: list[Mesh] = []
     tips: list[np.ndarray] = []
@@ -242,14 +240,8 @@ def build() -> tuple[dict[str, Any], dict[str, Any]]:
     return scene, {"origin": [0.1, -2.6, 1.28], "target": [0.15, 5.0, 1.42], "fov": 58.0, "aperture": 0.008, "focus": 5.2}
 
 
-def light(scene: Any) -> None:
-    """The light is that of the sky and the sun on a white card towards the sun."""
-
-
 NAME = "foliage"
 TITLE = "Garden in sunshine"
 WHITE: Any = "probe"
 SUN = [-0.62, -0.58, 0.62]
-LUMINANCE = 3500.0
 DEPTH = 7
-_ = mi

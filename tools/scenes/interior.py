@@ -223,7 +223,7 @@ def build() -> tuple[dict[str, Any], dict[str, Any]]:
     foot = mesh.lathe(np.array([[0, 0.03], [0.13, 0.02], [0.14, 0.0], [0, 0.0]]), 64).move((1.05, -0.35, 0.014))
     scene["stand"] = mesh.shape(mesh.merge([stand, foot]), m.metal("Cu", 0.12))
     shade = mesh.lathe(np.stack([np.linspace(0.21, 0.12, 20), np.linspace(1.36, 1.64, 20)], 1), 120).move((1.05, -0.35, 0))
-    scene["shade"] = mesh.shape(shade, {"type": "diffuse", "reflectance": m.texture(None, ["TCS 24"])}, emitter={"type": "area", "radiance": m.spectrum(spectra.radiance("A", 2600.0))})
+    scene["shade"] = mesh.shape(shade, {"type": "diffuse", "reflectance": m.texture(None, ["TCS 24"])}, emitter={"type": "area", "radiance": m.spectrum(spectra.radiance("A", 2600.0)), "sampling_weight": 0.6})
     # Outside: ground, trees, house; the sky is a far surface of daylight, the sun a distant lamp.
     scene["lawn"] = mesh.shape(mesh.quad((-25, 2.6, -0.6), (50, 0, 0), (0, 60, 0), (0, 0, 1, 1)), m.diffuse(texture.mix(texture.ramp(texture.noise(512, 512, 18, 0.9, 20), -1, 1)), ["Lawn grass GDS91", "TCS 42"]), False)
     g = blades(26000, rng, (-6, 4), (5, 16), 0.10)
@@ -239,17 +239,16 @@ def build() -> tuple[dict[str, Any], dict[str, Any]]:
         trunks.append(mesh.tube(np.array([[x, y, -0.6], [x + 0.05, y, 0.4], [x, y, h * 0.5]]), np.array([0.16, 0.13, 0.08]), 12))
     scene["crowns"] = mesh.shape(mesh.merge(crowns), m.diffuse(leaf_atlas(9), ["Lawn grass GDS91", "TCS 37", "TCS 43", "TCS 42", "TCS 35", "TCS 34"]), False)
     scene["trunks"] = mesh.shape(mesh.merge(trunks), m.diffuse(None, ["Natural umber GDS809 (raw)"]))
-    scene["sky"] = mesh.shape(mesh.quad((-45, 45, -8), (90, 0, 0), (0, 0, 44)), {"type": "diffuse"}, False, emitter=m.lamp("D65", 6500.0))
-    scene["front"] = mesh.shape(mesh.quad((-30, 18, 32), (60, 0, 0), (0, 11, 0)), {"type": "diffuse"}, False, emitter=m.lamp("D65", 8000.0))
+    scene["sky"] = mesh.shape(mesh.quad((-45, 45, -8), (90, 0, 0), (0, 0, 44)), {"type": "diffuse"}, False, emitter={**m.lamp("D65", 5000.0), "sampling_weight": 2.0})
+    scene["front"] = mesh.shape(mesh.quad((-30, 18, 32), (60, 0, 0), (0, 11, 0)), {"type": "diffuse"}, False, emitter={**m.lamp("D65", 6000.0), "sampling_weight": 0.7})
     # A second window, outside the picture, at the right of the camera.
-    scene["window"] = mesh.shape(mesh.quad((2.385, -2.7, 0.8), (0, 0, 1.5), (0, 1.5, 0)), {"type": "diffuse"}, False, emitter=m.lamp("D65", 4500.0))
-    scene["sun"] = {"type": "directional", "direction": [-0.30, -0.66, -0.62], "irradiance": m.spectrum(spectra.irradiance("D50", 60000.0))}
+    scene["window"] = mesh.shape(mesh.quad((2.385, -2.7, 0.8), (0, 0, 1.5), (0, 1.5, 0)), {"type": "diffuse"}, False, emitter={**m.lamp("D65", 4500.0), "sampling_weight": 2.0})
+    scene["sun"] = {"type": "directional", "direction": [-0.30, -0.66, -0.62], "irradiance": m.spectrum(spectra.irradiance("D50", 25000.0)), "sampling_weight": 1.5}
     return scene, {"origin": [0.42, -3.0, 1.32], "target": [-0.10, 1.2, 0.98], "fov": 66.0, "aperture": 0.003, "focus": 3.2}
 
 
 NAME = "interior"
 TITLE = "Living room with a window"
 WHITE: Any = "D65"
-LUMINANCE = 150.0
 DEPTH = 7
 PERCENTILE = 90.0

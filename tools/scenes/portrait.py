@@ -111,7 +111,7 @@ def skin() -> tuple[np.ndarray, np.ndarray, list[str]]:
         return np.exp(-((a - cx) / rx) ** 2 - ((z - cz) / rz) ** 2)
 
     flush = 0.75 * spot(0.040, -0.035, 0.022, 0.018) + 0.75 * spot(0.0, -0.034, 0.014, 0.012) + 0.35 * spot(0, -0.1, 0.02, 0.015) + 0.5 * spot(0.080, 0, 0.015, 0.03)
-    flush = np.clip(flush + 0.16 * texture.noise(n, n, 1, 1.5, 6) + 0.10 * texture.noise(n, n, 2, 0.8, 60, 500), 0, 1)
+    flush = np.clip(flush + 0.10 + 0.17 * texture.noise(n, n, 1, 1.5, 6) + 0.12 * texture.noise(n, n, 2, 0.8, 60, 500), 0, 1)
     dark = 0.45 * spot(0.031, -0.010, 0.014, 0.007) + 0.25 * spot(0.031, 0.012, 0.016, 0.006) + 0.10 * texture.ramp(texture.noise(n, n, 3, 1.3, 8), 0, 2)
     rng = np.random.default_rng(7)
     freckle = np.zeros((n, n))
@@ -129,9 +129,11 @@ def skin() -> tuple[np.ndarray, np.ndarray, list[str]]:
     lips = np.clip(upper + lower, 0, 1) * texture.ramp(0.0238 - a, 0, 0.003)
     crack = texture.ramp(np.abs(texture.noise(n, n, 9, 0.9, 40, 400)), 0.0, 0.5)
     pores = texture.ramp(texture.noise(n, n, 4, 0.15, 90, 260), 1.2, 2.6)
-    shares = texture.mix(0.85 * flush, np.clip(dark, 0, 1), freckle, 0.25 * pores, 0.85 * lips, 0.30 * lips * (1 - crack))
+    # Fine lines cross the skin at the scale of a sample and less.
+    lines = 0.13 * texture.ramp(0.25 - np.abs(texture.noise(n, n, 11, 0.7, 70, 420)), 0, 0.25) + 0.10 * texture.ramp(texture.noise(n, n, 12, 0.3, 60, 300), 0.3, 2.2)
+    shares = texture.mix(0.80 * flush, np.clip(dark, 0, 1), freckle, np.clip(0.35 * pores + lines, 0, 1), 0.45 * lips, 0.45 * lips * (1 - crack))
     relief = 0.00022 * texture.noise(n, n, 5, 0.55, 60, 420) - 0.0004 * pores + 0.0003 * lips * (np.sin(x * 2600 + 2 * texture.noise(n, n, 6, 1.6, 5)) - 0.4)
-    return shares, relief, ["Skin 36", "Skin 5", "Skin 61", "Skin 24", "Skin 61", "TCS 4", "TCS 7"]
+    return shares, relief, ["Skin 36", "Skin 97", "Skin 3", "Skin 61", "Skin 17", "TCS 11", "TCS 7"]
 
 
 def on_head(p: np.ndarray, offset: np.ndarray) -> np.ndarray:
@@ -198,10 +200,10 @@ def strands(paths: list[np.ndarray], radius: float, bsdf: dict[str, Any]) -> dic
 def brows_and_lashes(rng: np.random.Generator) -> list[np.ndarray]:
     out = []
     for s in (-1, 1):
-        for _ in range(520):
+        for _ in range(900):
             t = rng.random()
             x = 0.012 + 0.036 * t
-            z = 0.0245 + 0.0045 * np.sin(np.pi * min(t * 1.15, 1)) - 0.004 * t ** 3 + rng.normal(0, 0.0016 * (1 - 0.6 * t))
+            z = 0.0215 + 0.0065 * np.sin(np.pi * min(0.10 + t * 0.80, 1)) - 0.001 * t ** 3 + rng.normal(0, 0.0017 * (1 - 0.65 * t))
             p = np.array([s * x, -0.12, z])
             for _k in range(24):
                 p = p + np.array([0, 0.9, 0]) * max(float(head(p[None].astype(np.float32))[0]), -0.002)
@@ -332,5 +334,4 @@ def build() -> tuple[dict[str, Any], dict[str, Any]]:
 NAME = "portrait"
 TITLE = "Portrait under LED and tungsten lamps"
 WHITE: Any = "LED-B4"
-LUMINANCE = 200.0
 DEPTH = 6

@@ -224,5 +224,4 @@ def build() -> tuple[dict[str, Any], dict[str, Any]]:
 NAME = "shelf"
 TITLE = "Shop shelf with packaging under LED panels"
 WHITE: Any = "LED-B4"
-LUMINANCE = 200.0
 DEPTH = 7

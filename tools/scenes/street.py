@@ -268,6 +268,5 @@ def build() -> tuple[dict[str, Any], dict[str, Any]]:
 NAME = "street"
 TITLE = "Street at night with sodium, LED, fluorescent and neon lamps"
 WHITE: Any = "LED-B3"
-LUMINANCE = 3.0
 DEPTH = 6
 PERCENTILE = 97.5

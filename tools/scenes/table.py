@@ -222,5 +222,4 @@ def build() -> tuple[dict[str, Any], dict[str, Any]]:
 NAME = "table"
 TITLE = "Fabrics and food on a table under LED light"
 WHITE: Any = "LED-B2"
-LUMINANCE = 120.0
 DEPTH = 7
