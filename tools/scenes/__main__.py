@@ -1,4 +1,5 @@
 """python -m scenes render NAME … | store NAME | sheet | check | collect …"""
+
 import argparse
 import importlib
 import json
@@ -37,8 +38,15 @@ def white_of(module: object, scene_dict: dict) -> np.ndarray:  # type: ignore[ty
         return spectra.radiance(name, 100.0)
     t = mi.ScalarTransform4f()
     sun = list(module.SUN)  # type: ignore[attr-defined]
-    card = {"type": "scene", "sky": scene_dict["sky"], "card": {"type": "disk", "to_world": t.look_at([0, 0, 0], sun, [0.1, 0.2, 1]),
-            "bsdf": {"type": "diffuse", "reflectance": {"type": "uniform", "value": 1.0}}}}
+    card = {
+        "type": "scene",
+        "sky": scene_dict["sky"],
+        "card": {
+            "type": "disk",
+            "to_world": t.look_at([0, 0, 0], sun, [0.1, 0.2, 1]),
+            "bsdf": {"type": "diffuse", "reflectance": {"type": "uniform", "value": 1.0}},
+        },
+    }
     p = np.array(sun) / np.linalg.norm(sun)
     sensor = mi.load_dict({"type": "perspective", "fov": 5.0, "to_world": t.look_at([float(v) for v in 3 * p], [0, 0, 0], [0.1, 0.2, 1])})
     return render.render(mi.load_dict(card), sensor, 8, 8, 4096, 5, 2).radiance.mean(axis=(0, 1))
@@ -49,10 +57,18 @@ def camera(c: dict) -> object:  # type: ignore[type-arg]
     import mitsuba as mi
 
     focus = c.get("focus", float(np.linalg.norm(np.array(c["target"]) - np.array(c["origin"]))))
-    return mi.load_dict({"type": "thinlens", "fov": c["fov"], "aperture_radius": c.get("aperture", 0.001), "focus_distance": focus,
-                         "near_clip": 0.01, "far_clip": 1000.0,
-                         "to_world": mi.ScalarTransform4f().look_at(c["origin"], c["target"], c.get("up", [0, 0, 1])),
-                         "film": {"type": "hdrfilm", "width": COLS, "height": ROWS}})
+    return mi.load_dict(
+        {
+            "type": "thinlens",
+            "fov": c["fov"],
+            "aperture_radius": c.get("aperture", 0.001),
+            "focus_distance": focus,
+            "near_clip": 0.01,
+            "far_clip": 1000.0,
+            "to_world": mi.ScalarTransform4f().look_at(c["origin"], c["target"], c.get("up", [0, 0, 1])),
+            "film": {"type": "hdrfilm", "width": COLS, "height": ROWS},
+        }
+    )
 
 
 def render_scene(name: str, scale: int, spp: int, out: pathlib.Path, seeds: list[int], clean: bool) -> None:
@@ -73,8 +89,11 @@ def render_scene(name: str, scale: int, spp: int, out: pathlib.Path, seeds: list
         r = render.render(scene, camera(view), ROWS // scale, COLS // scale, spp, seed, module.DEPTH)
         start = time.time()
         image = render.denoise(r) if clean else r.radiance
-        print(f"{name}: {spp} samples {r.seconds:.0f} s, denoised {time.time() - start:.0f} s; "
-              f"luminance {np.percentile(spectra.luminance(image), [1, 50, 99]).round(3)}", flush=True)
+        print(
+            f"{name}: {spp} samples {r.seconds:.0f} s, denoised {time.time() - start:.0f} s; "
+            f"luminance {np.percentile(spectra.luminance(image), [1, 50, 99]).round(3)}",
+            flush=True,
+        )
         picture.save(out / f"{name}-{seed}.png", image, white, getattr(module, "PERCENTILE", 99.0))
         if scale == 1:
             np.savez(out / f"{name}-{seed}.npz", raw=r.radiance, clean=image, white=white, spp=spp, seconds=r.seconds)

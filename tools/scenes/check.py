@@ -1,4 +1,5 @@
 """python -m scenes check: does a rendering give back the reflectance of a known card, and are the test spectra not those of training?"""
+
 import csv
 import pathlib
 
@@ -18,9 +19,17 @@ def recovered() -> float:
     angle = np.radians(40.0)
     irradiance = spectra.irradiance("LED-B3", 1000.0)
     for name in CARDS:
-        scene = mi.load_dict({"type": "scene", "sun": {"type": "directional", "direction": [float(np.sin(angle)), 0.0, -float(np.cos(angle))],
-                                                       "irradiance": material.spectrum(irradiance)},
-                              "card": {"type": "rectangle", "bsdf": material.diffuse(None, [name])}})
+        scene = mi.load_dict(
+            {
+                "type": "scene",
+                "sun": {
+                    "type": "directional",
+                    "direction": [float(np.sin(angle)), 0.0, -float(np.cos(angle))],
+                    "irradiance": material.spectrum(irradiance),
+                },
+                "card": {"type": "rectangle", "bsdf": material.diffuse(None, [name])},
+            }
+        )
         sensor = mi.load_dict({"type": "perspective", "fov": 20.0, "to_world": t.look_at([0, 0, 3], [0, 0, 0], [0, 1, 0])})
         picture = render.render(scene, sensor, 12, 16, 16, 1).radiance
         stored = codec.decode(codec.encode(picture, irradiance / np.pi, {}, 3)).radiance
@@ -35,7 +44,13 @@ def recovered() -> float:
 def interreflection() -> float:
     """Relative error of the radiance in a closed box of grey walls that shine: L = Lₑ / (1 − ρ), by a path of 60 bounces."""
     lamp = spectra.radiance("HP1", 100.0)
-    wall = {"type": "sphere", "radius": 1.0, "flip_normals": True, "bsdf": material.diffuse(None, ["TCS 45"]), "emitter": {"type": "area", "radiance": material.spectrum(lamp)}}
+    wall = {
+        "type": "sphere",
+        "radius": 1.0,
+        "flip_normals": True,
+        "bsdf": material.diffuse(None, ["TCS 45"]),
+        "emitter": {"type": "area", "radiance": material.spectrum(lamp)},
+    }
     sensor = mi.load_dict({"type": "perspective", "fov": 40.0, "to_world": mi.ScalarTransform4f().look_at([0, 0, 0], [1, 0, 0], [0, 0, 1])})
     got = render.render(mi.load_dict({"type": "scene", "wall": wall}), sensor, 16, 16, 256, 3, 60).radiance.mean(axis=(0, 1))
     truth = lamp / (1 - spectra.reflectances()["TCS 45"])

@@ -1,4 +1,5 @@
 """Spectral pictures as principal components (`.spc`). README.md specifies the format."""
+
 import dataclasses
 import json
 import struct
@@ -94,8 +95,16 @@ def _unpack(raw: bytes, count: int, rows: int, cols: int) -> np.ndarray:
     return q[:, 1:, 1:]
 
 
-def encode(radiance: np.ndarray, light: np.ndarray, about: dict[str, object], components: int, log_step: float = 0.005,
-           step: float = 0.01, start_nm: float = 400.0, step_nm: float = 10.0) -> bytes:
+def encode(
+    radiance: np.ndarray,
+    light: np.ndarray,
+    about: dict[str, object],
+    components: int,
+    log_step: float = 0.005,
+    step: float = 0.01,
+    start_nm: float = 400.0,
+    step_nm: float = 10.0,
+) -> bytes:
     """Stores the mean over the bands as a logarithm and the shape of the spectrum as components."""
     rows, cols, bands = radiance.shape
     level = radiance.mean(axis=2)
@@ -123,7 +132,7 @@ def decode(data: bytes) -> Stored:
     at = struct.calcsize(HEAD)
     (floor,) = struct.unpack_from("<f", data, at)
     at += 4
-    about = json.loads(data[at:at + text])
+    about = json.loads(data[at : at + text])
     at += text
     numbers = np.frombuffer(data, "<f4", bands * (components + 2), at).astype(np.float64)
     at += 4 * bands * (components + 2)

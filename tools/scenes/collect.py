@@ -4,6 +4,7 @@
 
 Needs colour-science. Everything becomes means over 31 bands of 10 nm, 400 to 700 nm.
 """
+
 import csv
 import json
 import pathlib
@@ -34,12 +35,59 @@ Terra Pozzuoli GDS806|Terrycloth Fabric GDS537 Yel|Titanium dioxide GDS798 TiO2|
 Venetian red GDS783|Vermillion GDS779|Viridian GDS800|Wood Beam GDS363 Nw Pine 2X4|Yellow ochre GDS794 Germany"""
 VEGETATION = ["Grass_dry.8+.2green", "Grass_dry.9+.1green", "Sagebrush", "Willow", "P.australis"]
 # USGS splib07a record 21373, Lawn_Grass GDS91 green (Beckman), 400 to 700 nm.
-LAWN = [0.025, 0.0283, 0.0298, 0.031, 0.0312, 0.0355, 0.0365, 0.0366, 0.0365, 0.0367, 0.0391, 0.0457, 0.0619, 0.0832,
-        0.0939, 0.0969, 0.0949, 0.0855, 0.0729, 0.0668, 0.0638, 0.0608, 0.0558, 0.0531, 0.0501, 0.0452, 0.0427, 0.0391,
-        0.0382, 0.049, 0.0914]
+LAWN = [
+    0.025,
+    0.0283,
+    0.0298,
+    0.031,
+    0.0312,
+    0.0355,
+    0.0365,
+    0.0366,
+    0.0365,
+    0.0367,
+    0.0391,
+    0.0457,
+    0.0619,
+    0.0832,
+    0.0939,
+    0.0969,
+    0.0949,
+    0.0855,
+    0.0729,
+    0.0668,
+    0.0638,
+    0.0608,
+    0.0558,
+    0.0531,
+    0.0501,
+    0.0452,
+    0.0427,
+    0.0391,
+    0.0382,
+    0.049,
+    0.0914,
+]
 SKIN_SUBJECTS = [3, 5, 12, 17, 24, 36, 48, 55, 61, 74, 83, 97]
-LIGHTS = ["D65", "D50", "A", "LED-B1", "LED-B2", "LED-B3", "LED-B4", "LED-B5", "LED-BH1", "LED-RGB1", "LED-V1", "HP1", "HP2",
-          "HP5", "FL3.12", "FL3.14", "FL11"]
+LIGHTS = [
+    "D65",
+    "D50",
+    "A",
+    "LED-B1",
+    "LED-B2",
+    "LED-B3",
+    "LED-B4",
+    "LED-B5",
+    "LED-BH1",
+    "LED-RGB1",
+    "LED-V1",
+    "HP1",
+    "HP2",
+    "HP5",
+    "FL3.12",
+    "FL3.14",
+    "FL11",
+]
 LAMPS = ["Mercury", "Metal Halide", "C100S54 (HPS)", "MHC100/U/MP/4K", "H38JA-100/DX (Mercury DX)"]
 
 
@@ -51,11 +99,32 @@ def band_means(wavelength_nm: np.ndarray, values: np.ndarray) -> np.ndarray:
 
 
 # Lines 2p → 1s of Ne I: wavelength (nm), statistical weight and energy (eV) of the upper level, transition probability (10⁶ s⁻¹).
-NEON = [(540.056, 1, 18.966, 0.90), (585.249, 1, 18.966, 68.2), (588.190, 3, 18.726, 11.5), (594.483, 5, 18.704, 11.3), (597.553, 3, 18.693, 3.51),
-        (603.000, 3, 18.726, 5.61), (607.434, 1, 18.711, 60.3), (609.616, 5, 18.704, 18.1), (614.306, 5, 18.637, 28.2), (616.359, 3, 18.726, 14.6),
-        (621.728, 3, 18.613, 6.37), (626.650, 3, 18.693, 24.9), (630.479, 5, 18.637, 4.16), (633.443, 5, 18.576, 16.1), (638.299, 3, 18.613, 32.1),
-        (640.225, 7, 18.555, 51.4), (650.653, 5, 18.576, 30.0), (653.288, 3, 18.613, 10.8), (659.895, 3, 18.726, 23.2), (667.828, 5, 18.704, 23.3),
-        (671.704, 3, 18.693, 21.7), (692.947, 5, 18.637, 17.4), (702.405, 3, 18.613, 1.89), (703.241, 3, 18.382, 25.3)]
+NEON = [
+    (540.056, 1, 18.966, 0.90),
+    (585.249, 1, 18.966, 68.2),
+    (588.190, 3, 18.726, 11.5),
+    (594.483, 5, 18.704, 11.3),
+    (597.553, 3, 18.693, 3.51),
+    (603.000, 3, 18.726, 5.61),
+    (607.434, 1, 18.711, 60.3),
+    (609.616, 5, 18.704, 18.1),
+    (614.306, 5, 18.637, 28.2),
+    (616.359, 3, 18.726, 14.6),
+    (621.728, 3, 18.613, 6.37),
+    (626.650, 3, 18.693, 24.9),
+    (630.479, 5, 18.637, 4.16),
+    (633.443, 5, 18.576, 16.1),
+    (638.299, 3, 18.613, 32.1),
+    (640.225, 7, 18.555, 51.4),
+    (650.653, 5, 18.576, 30.0),
+    (653.288, 3, 18.613, 10.8),
+    (659.895, 3, 18.726, 23.2),
+    (667.828, 5, 18.704, 23.3),
+    (671.704, 3, 18.693, 21.7),
+    (692.947, 5, 18.637, 17.4),
+    (702.405, 3, 18.613, 1.89),
+    (703.241, 3, 18.382, 25.3),
+]
 
 
 def neon() -> np.ndarray:
@@ -95,7 +164,7 @@ def collect(usgs: pathlib.Path, skin: pathlib.Path, veg: pathlib.Path) -> None:
         rows.append((name, "usgs", table[i, :31]))
     lines = list(csv.reader(skin.open(encoding="latin-1")))
     start = next(i for i, line in enumerate(lines) if line and line[0] == "250")
-    values = np.array([[float(v) for v in line[:401]] for line in lines[start:start + 751] if line and line[0]])
+    values = np.array([[float(v) for v in line[:401]] for line in lines[start : start + 751] if line and line[0]])
     for s in SKIN_SUBJECTS:
         rows.append((f"Skin {s}", "nist", band_means(values[:, 0], values[:, 4 * s])))
     tcs = load_TCS_CIE2017(colour.SpectralShape(380, 780, 5))
@@ -110,8 +179,14 @@ def collect(usgs: pathlib.Path, skin: pathlib.Path, veg: pathlib.Path) -> None:
         s = colour.SDS_LIGHT_SOURCES[name]
         lights.append((name, "lamp", band_means(s.wavelengths, s.values)))
     lights.append(("Neon", "nist-asd", neon()))
-    write(DATA / "lights.csv", "Relative spectral power in bands of 10 nm, largest 1. Sources: see README.md.",
-          [(n, s, v / v.max()) for n, s, v in lights])
+    write(
+        DATA / "lights.csv",
+        "Relative spectral power in bands of 10 nm, largest 1. Sources: see README.md.",
+        [(n, s, v / v.max()) for n, s, v in lights],
+    )
     observer = colour.MSDS_CMFS["CIE 1931 2 Degree Standard Observer"]
-    write(DATA / "observer.csv", "Means of the CIE 1931 2° colour matching functions over the bands.",
-          [(n, "cie", band_means(observer.wavelengths, observer.values[:, i])) for i, n in enumerate("XYZ")])
+    write(
+        DATA / "observer.csv",
+        "Means of the CIE 1931 2° colour matching functions over the bands.",
+        [(n, "cie", band_means(observer.wavelengths, observer.values[:, i])) for i, n in enumerate("XYZ")],
+    )

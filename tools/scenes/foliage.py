@@ -1,4 +1,5 @@
 """A garden in sunshine: a tree, a hedge, flowers, grass, a fence, a brick house, sky."""
+
 from typing import Any
 
 import numpy as np
@@ -18,8 +19,8 @@ def leaf_atlas(seed: int, cells: int = 8, size: int = 96) -> np.ndarray:
     out = []
     for c in range(cells):
         v, u = np.meshgrid(np.linspace(0, 1, size), np.linspace(-1, 1, size), indexing="ij")
-        rib = np.exp(-(u / 0.06) ** 2)
-        side = 0.6 * np.exp(-((np.abs(((v - 0.6 * np.abs(u)) * 9) % 1 - 0.5)) / 0.09) ** 2)
+        rib = np.exp(-((u / 0.06) ** 2))
+        side = 0.6 * np.exp(-(((np.abs(((v - 0.6 * np.abs(u)) * 9) % 1 - 0.5)) / 0.09) ** 2))
         vein = np.clip(rib + side, 0, 1) * 0.55
         blotch = texture.ramp(texture.noise(size, size, seed * 100 + c, 1.2, 2), 0.4, 1.6)
         young = np.full(v.shape, rng.beta(1.0, 3.0))
@@ -60,8 +61,16 @@ def leaves(centres: np.ndarray, length: np.ndarray, rng: np.random.Generator, ce
     return Mesh(np.stack(verts, 1).reshape(-1, 3), order.reshape(-1, 3), np.stack(uvs, 1).reshape(-1, 2))
 
 
-def branch(start: np.ndarray, direction: np.ndarray, length: float, radius: float, level: int, rng: np.random.Generator,
-           tubes: list[Mesh], tips: list[np.ndarray]) -> None:
+def branch(
+    start: np.ndarray,
+    direction: np.ndarray,
+    length: float,
+    radius: float,
+    level: int,
+    rng: np.random.Generator,
+    tubes: list[Mesh],
+    tips: list[np.ndarray],
+) -> None:
     """Branches that bend, thin and fork; tips collects points that carry leaves."""
     steps = 9
     points = [start]
@@ -98,7 +107,7 @@ def blades(count: int, rng: np.random.Generator, low: tuple[float, float], high:
     tint = rng.random(count)
     for t, f in ((0.0, 1.0), (0.4, 0.9), (0.75, 0.6), (1.0, 0.0)):
         p = base + (t * h)[:, None] * np.array([0, 0, 1.0]) + (lean * h * t * t)[:, None] * out
-        for s in ((-0.5, 0.5) if f > 0 else (0.0,)):
+        for s in (-0.5, 0.5) if f > 0 else (0.0,):
             verts.append(p + (s * f * w)[:, None] * side)
             uvs.append(np.stack([tint, np.full(count, t * 0.95 + 0.02)], 1))
     faces = np.array([[0, 1, 3], [0, 3, 2], [2, 3, 5], [2, 5, 4], [4, 5, 6]])
@@ -116,8 +125,8 @@ def flowers(count: int, rng: np.random.Generator, low: tuple[float, float], high
         petals = int(rng.integers(6, 14))
         for p in range(petals):
             r = np.linspace(0.1, 1, 6)[:, None]
-            w = (np.sin(np.pi * r ** 0.8 * 0.93) * 0.30 + 0.02) * np.linspace(-1, 1, 5)[None]
-            z = 0.35 * r ** 2 * (p % 2 + 0.6) - 0.5 * w ** 2 + 0.04 * np.sin(9 * r)
+            w = (np.sin(np.pi * r**0.8 * 0.93) * 0.30 + 0.02) * np.linspace(-1, 1, 5)[None]
+            z = 0.35 * r**2 * (p % 2 + 0.6) - 0.5 * w**2 + 0.04 * np.sin(9 * r)
             g = mesh.grid(np.stack([np.broadcast_to(r, w.shape), w, z + 0 * w], 2))
             g = g.turn(tilt @ mesh.rotation_z(2 * np.pi * p / petals + rng.normal(0, 0.06)))
             g.uv[:, 0] = (colour + 0.1 + 0.8 * g.uv[:, 0]) / 8
@@ -141,7 +150,7 @@ def petal_atlas(size: int = 48) -> np.ndarray:
         shares[:, cell, c] = 1 - vein
         shares[:, cell, 2 if c != 2 else 6] += vein
     grain = texture.ramp(texture.noise(size, size, 3, 0.5, 4), -1, 1)
-    shares[:, 7 * size:, 6], shares[:, 7 * size:, 1] = grain, 1 - grain
+    shares[:, 7 * size :, 6], shares[:, 7 * size :, 1] = grain, 1 - grain
     return shares
 
 
@@ -172,11 +181,12 @@ def build() -> tuple[dict[str, Any], dict[str, Any]]:
     """The scene and its camera."""
     rng = np.random.default_rng(11)
     scene: dict[str, Any] = {"type": "scene"}
-    scene["sky"] = {"type": "sunsky", "sun_direction": [-0.62, -0.58, 0.62], "turbidity": 3.2, "sun_scale": 1.0, "sky_scale": 1.0,
-                    "albedo": 0.15}
+    scene["sky"] = {"type": "sunsky", "sun_direction": [-0.62, -0.58, 0.62], "turbidity": 3.2, "sun_scale": 1.0, "sky_scale": 1.0, "albedo": 0.15}
     soil = texture.mix(texture.ramp(texture.noise(1024, 1024, 1, 1.1, 4), -1, 1), 0.7 * texture.ramp(texture.noise(1024, 1024, 2, 1.3, 3), -0.2, 1.4))
-    scene["ground"] = mesh.shape(mesh.quad((-60, -10, 0), (120, 0, 0), (0, 140, 0)),
-                                 m.diffuse(soil, ["Natural umber GDS809 (raw)", "Grass_dry.8+.2green", "Lawn grass GDS91"], 45.0))
+    scene["ground"] = mesh.shape(
+        mesh.quad((-60, -10, 0), (120, 0, 0), (0, 140, 0)),
+        m.diffuse(soil, ["Natural umber GDS809 (raw)", "Grass_dry.8+.2green", "Lawn grass GDS91"], 45.0),
+    )
     lawn = np.stack([np.tile(np.linspace(0, 1, 64)[None], (64, 1)) ** 2 * k for k in (1, 1)], 2)
     tip = np.linspace(0, 1, 64)[:, None] ** 3 * np.ones((1, 64))
     tone = texture.mix(np.tile(rng.random(64)[None] * 0.8, (64, 1)), 0.6 * tip * np.tile(rng.random(64)[None] ** 2, (64, 1)), 0.5 * lawn[:, :, 0])
@@ -186,7 +196,9 @@ def build() -> tuple[dict[str, Any], dict[str, Any]]:
     tubes: list[Mesh] = []
     tips: list[np.ndarray] = []
     branch(np.array([2.9, 6.2, 0.0]), np.array([-0.05, 0.0, 1.0]), 2.0, 0.17, 0, rng, tubes, tips)
-    bark = texture.mix(texture.ramp(texture.stretched(512, 256, 7, 0.15, 1.0, 3), -0.6, 0.8), 0.5 * texture.ramp(texture.noise(512, 256, 8, 1.2, 3), 0.6, 1.6))
+    bark = texture.mix(
+        texture.ramp(texture.stretched(512, 256, 7, 0.15, 1.0, 3), -0.6, 0.8), 0.5 * texture.ramp(texture.noise(512, 256, 8, 1.2, 3), 0.6, 1.6)
+    )
     scene["branches"] = mesh.shape(mesh.merge(tubes), m.diffuse(bark, ["Natural umber GDS809 (raw)", "Cedar Shake GDS361 HiWeather", "TCS 35"]))
     at = np.array(tips)
     at = at[rng.integers(0, len(at), 62000)] + rng.normal(0, 0.055, (62000, 3))
@@ -199,11 +211,19 @@ def build() -> tuple[dict[str, Any], dict[str, Any]]:
     lump = 1 + 0.10 * np.sin(5 * a + 4 * h) + 0.07 * np.sin(11 * a - 7 * h)
     r = np.sqrt(np.clip(1 - np.maximum(h, 0) ** 2, 0, 1)) * lump * rng.uniform(0.82, 1.03, n)
     bush = np.stack([-2.55 + 0.75 * r * np.cos(a), 1.9 + 0.55 * r * np.sin(a), 0.12 + 0.85 * np.maximum(h, 0) * lump], 1)
-    scene["bush"] = mesh.shape(leaves(bush, rng.gamma(14, 0.055 / 14, n), rng, up=1.0), m.plastic(leaf_atlas(2), [LEAF[1], LEAF[0], "TCS 34", LEAF[2], "TCS 28", "TCS 32"], 0.25), False)
+    scene["bush"] = mesh.shape(
+        leaves(bush, rng.gamma(14, 0.055 / 14, n), rng, up=1.0),
+        m.plastic(leaf_atlas(2), [LEAF[1], LEAF[0], "TCS 34", LEAF[2], "TCS 28", "TCS 32"], 0.25),
+        False,
+    )
     n = 90000
     x, y, z = rng.uniform(0.6, 14, n), 11.0 + rng.uniform(-0.5, 0.1, n), 1.5 * rng.random(n) ** 0.7
     y += 0.18 * np.sin(x * 2.2 + 3 * z)
-    scene["hedge"] = mesh.shape(leaves(np.stack([x, y, z], 1), rng.gamma(12, 0.075 / 12, n), rng), m.diffuse(leaf_atlas(3), ["TCS 35", LEAF[0], "TCS 37", "TCS 28", LEAF[4], LEAF[2]]), False)
+    scene["hedge"] = mesh.shape(
+        leaves(np.stack([x, y, z], 1), rng.gamma(12, 0.075 / 12, n), rng),
+        m.diffuse(leaf_atlas(3), ["TCS 35", LEAF[0], "TCS 37", "TCS 28", LEAF[4], LEAF[2]]),
+        False,
+    )
     parts = []
     for k in range(26):
         cx, cy, w, tall = rng.uniform(-40, 45), rng.uniform(38, 75), rng.uniform(2.5, 5), rng.uniform(5, 10)
@@ -218,22 +238,42 @@ def build() -> tuple[dict[str, Any], dict[str, Any]]:
     scene["stems"] = mesh.shape(stems, m.diffuse(None, ["TCS 42"]))
     low = np.stack([rng.uniform(-1.9, 3.3, 16000), rng.uniform(1.4, 3.4, 16000), rng.uniform(0.02, 0.3, 16000)], 1)
     scene["bed"] = mesh.shape(leaves(low, rng.gamma(10, 0.06 / 10, 16000), rng, droop=-0.2), green, False)
-    scene["fence"] = mesh.shape(fence(rng), m.diffuse(wood(5), ["Cedar Shake GDS359 MedWeathr", "Cedar Shake GDS361 HiWeather", "Wood Beam GDS363 Nw Pine 2X4", "Cedar Shake GDS360 H Weamoss"]), False)
+    scene["fence"] = mesh.shape(
+        fence(rng),
+        m.diffuse(
+            wood(5), ["Cedar Shake GDS359 MedWeathr", "Cedar Shake GDS361 HiWeather", "Wood Beam GDS363 Nw Pine 2X4", "Cedar Shake GDS360 H Weamoss"]
+        ),
+        False,
+    )
     joint, each = texture.bricks(1024, 1024, 12, 30, 0.11, 9)
     wall = texture.mix(each, 0.7 * texture.ramp(texture.noise(1024, 1024, 10, 1.0, 6), 0, 1.6), joint)
-    brick = m.diffuse(wall, ["Brick GDS349 Paving Red", "Brick GDS350 Dk Red Building", "Brick GDS353 Building MedRed", "Cinder Block GDS356 Lg Grey"])
+    brick = m.diffuse(
+        wall, ["Brick GDS349 Paving Red", "Brick GDS350 Dk Red Building", "Brick GDS353 Building MedRed", "Cinder Block GDS356 Lg Grey"]
+    )
     house = mesh.box((-9.5, 12.0, 0), (-3.0, 18.0, 3.4), [(0, 0, 2.7, 1.4), (0, 0, 2.5, 1.4)] + [(0, 0, 2, 1)] * 4)
     scene["house"] = mesh.shape(house, brick, False)
-    roof = mesh.merge([mesh.quad((-9.9, 11.6, 3.35), (7.3, 0, 0), (0, 3.4, 2.2), (0, 0, 3, 1)), mesh.quad((-9.9, 18.4, 3.35), (7.3, 0, 0), (0, -3.4, 2.2), (0, 0, 3, 1)),
-                       Mesh(np.array([[-3.0, 12.0, 3.4], [-3.0, 18.0, 3.4], [-3.0, 15.0, 5.35]]), np.array([[0, 1, 2]]), np.array([[0, 0], [1, 0], [0.5, 1]]))])
+    roof = mesh.merge(
+        [
+            mesh.quad((-9.9, 11.6, 3.35), (7.3, 0, 0), (0, 3.4, 2.2), (0, 0, 3, 1)),
+            mesh.quad((-9.9, 18.4, 3.35), (7.3, 0, 0), (0, -3.4, 2.2), (0, 0, 3, 1)),
+            Mesh(np.array([[-3.0, 12.0, 3.4], [-3.0, 18.0, 3.4], [-3.0, 15.0, 5.35]]), np.array([[0, 1, 2]]), np.array([[0, 0], [1, 0], [0.5, 1]])),
+        ]
+    )
     joint, each = texture.bricks(512, 512, 14, 12, 0.10, 12)
-    scene["roof"] = mesh.shape(roof, m.diffuse(texture.mix(each, 0.75 * joint), ["Terra Pozzuoli GDS806", "Venetian red GDS783", "Natural umber GDS809 (raw)"]), False)
+    scene["roof"] = mesh.shape(
+        roof, m.diffuse(texture.mix(each, 0.75 * joint), ["Terra Pozzuoli GDS806", "Venetian red GDS783", "Natural umber GDS809 (raw)"]), False
+    )
     white = m.plastic(None, ["Plastic Vinyl GDS372 White"], 0.2)
     frames, panes = [], []
     for x0 in (-7.9, -5.2):
-        frames += [mesh.box((x0 - 0.08, 11.93, 1.0), (x0 + 1.18, 12.02, 1.08)), mesh.box((x0 - 0.08, 11.93, 2.5), (x0 + 1.18, 12.02, 2.58)),
-                   mesh.box((x0 - 0.08, 11.93, 1.0), (x0, 12.02, 2.58)), mesh.box((x0 + 1.1, 11.93, 1.0), (x0 + 1.18, 12.02, 2.58)),
-                   mesh.box((x0 + 0.53, 11.94, 1.0), (x0 + 0.57, 12.02, 2.58)), mesh.box((x0, 11.94, 1.9), (x0 + 1.1, 12.02, 1.94))]
+        frames += [
+            mesh.box((x0 - 0.08, 11.93, 1.0), (x0 + 1.18, 12.02, 1.08)),
+            mesh.box((x0 - 0.08, 11.93, 2.5), (x0 + 1.18, 12.02, 2.58)),
+            mesh.box((x0 - 0.08, 11.93, 1.0), (x0, 12.02, 2.58)),
+            mesh.box((x0 + 1.1, 11.93, 1.0), (x0 + 1.18, 12.02, 2.58)),
+            mesh.box((x0 + 0.53, 11.94, 1.0), (x0 + 0.57, 12.02, 2.58)),
+            mesh.box((x0, 11.94, 1.9), (x0 + 1.1, 12.02, 1.94)),
+        ]
         panes.append(mesh.quad((x0, 11.985, 1.08), (1.1, 0, 0), (0, 0, 1.42)))
     scene["frames"] = mesh.shape(mesh.merge(frames), white, False)
     scene["panes"] = mesh.shape(mesh.merge(panes), m.plastic(None, ["Plastic HDPE GDS351 BlkSheet"], 0.02), False)

@@ -1,4 +1,5 @@
 """Materials: mixtures of measured reflectances whose shares come from a texture."""
+
 from typing import Any
 
 import drjit as dr
@@ -62,8 +63,16 @@ def diffuse(shares: np.ndarray | None, names: list[str], scale: float = 1.0, gai
 
 def plastic(shares: np.ndarray | None, names: list[str], alpha: float, scale: float = 1.0, gain: float = 1.0) -> dict[str, Any]:
     """A coloured base below a clear surface of refractive index 1.5 and a GGX roughness."""
-    return {"type": "twosided", "bsdf": {"type": "roughplastic", "distribution": "ggx", "alpha": alpha, "int_ior": 1.5,
-                                         "diffuse_reflectance": texture(shares, names, scale, gain)}}
+    return {
+        "type": "twosided",
+        "bsdf": {
+            "type": "roughplastic",
+            "distribution": "ggx",
+            "alpha": alpha,
+            "int_ior": 1.5,
+            "diffuse_reflectance": texture(shares, names, scale, gain),
+        },
+    }
 
 
 def metal(kind: str, alpha: float) -> dict[str, Any]:

@@ -1,4 +1,5 @@
 """Meshes made of arrays, written as PLY for the renderer."""
+
 import dataclasses
 import pathlib
 import tempfile
@@ -41,9 +42,11 @@ def rotation_x(angle: float) -> np.ndarray:
 def merge(meshes: list[Mesh]) -> Mesh:
     """One mesh of several."""
     offsets = np.cumsum([0] + [len(m.vertices) for m in meshes])
-    return Mesh(np.concatenate([m.vertices for m in meshes]),
-                np.concatenate([m.faces + o for m, o in zip(meshes, offsets)]),
-                np.concatenate([m.uv for m in meshes]))
+    return Mesh(
+        np.concatenate([m.vertices for m in meshes]),
+        np.concatenate([m.faces + o for m, o in zip(meshes, offsets)]),
+        np.concatenate([m.uv for m in meshes]),
+    )
 
 
 def grid(points: np.ndarray, uv_scale: tuple[float, float] = (1.0, 1.0)) -> Mesh:
@@ -52,16 +55,14 @@ def grid(points: np.ndarray, uv_scale: tuple[float, float] = (1.0, 1.0)) -> Mesh
     i = np.arange(rows * cols).reshape(rows, cols)
     a, b, c, d = i[:-1, :-1].ravel(), i[:-1, 1:].ravel(), i[1:, 1:].ravel(), i[1:, :-1].ravel()
     v, u = np.meshgrid(np.linspace(0, uv_scale[1], rows), np.linspace(0, uv_scale[0], cols), indexing="ij")
-    return Mesh(points.reshape(-1, 3), np.concatenate([np.stack([a, b, c], 1), np.stack([a, c, d], 1)]),
-                np.stack([u.ravel(), v.ravel()], 1))
+    return Mesh(points.reshape(-1, 3), np.concatenate([np.stack([a, b, c], 1), np.stack([a, c, d], 1)]), np.stack([u.ravel(), v.ravel()], 1))
 
 
 def quad(origin: Any, edge_u: Any, edge_v: Any, uv: tuple[float, float, float, float] = (0, 0, 1, 1)) -> Mesh:
     """A parallelogram; uv is (u0, v0, u1, v1)."""
     o, a, b = (np.asarray(x, float) for x in (origin, edge_u, edge_v))
     u0, v0, u1, v1 = uv
-    return Mesh(np.array([o, o + a, o + a + b, o + b]), np.array([[0, 1, 2], [0, 2, 3]]),
-                np.array([[u0, v0], [u1, v0], [u1, v1], [u0, v1]]))
+    return Mesh(np.array([o, o + a, o + a + b, o + b]), np.array([[0, 1, 2], [0, 2, 3]]), np.array([[u0, v0], [u1, v0], [u1, v1], [u0, v1]]))
 
 
 def box(low: Any, high: Any, cells: list[tuple[float, float, float, float]] | None = None) -> Mesh:
@@ -69,9 +70,16 @@ def box(low: Any, high: Any, cells: list[tuple[float, float, float, float]] | No
     (x0, y0, z0), (x1, y1, z1) = low, high
     w, d, h = x1 - x0, y1 - y0, z1 - z0
     c = cells or [(0, 0, 1, 1)] * 6
-    return merge([quad((x0, y0, z0), (w, 0, 0), (0, 0, h), c[0]), quad((x1, y0, z0), (0, d, 0), (0, 0, h), c[1]),
-                  quad((x1, y1, z0), (-w, 0, 0), (0, 0, h), c[2]), quad((x0, y1, z0), (0, -d, 0), (0, 0, h), c[3]),
-                  quad((x0, y0, z1), (w, 0, 0), (0, d, 0), c[4]), quad((x0, y1, z0), (w, 0, 0), (0, -d, 0), c[5])])
+    return merge(
+        [
+            quad((x0, y0, z0), (w, 0, 0), (0, 0, h), c[0]),
+            quad((x1, y0, z0), (0, d, 0), (0, 0, h), c[1]),
+            quad((x1, y1, z0), (-w, 0, 0), (0, 0, h), c[2]),
+            quad((x0, y1, z0), (0, -d, 0), (0, 0, h), c[3]),
+            quad((x0, y0, z1), (w, 0, 0), (0, d, 0), c[4]),
+            quad((x0, y1, z0), (w, 0, 0), (0, -d, 0), c[5]),
+        ]
+    )
 
 
 def lathe(profile: np.ndarray, sides: int = 96) -> Mesh:

@@ -1,4 +1,5 @@
 """Renditions in sRGB, to look at."""
+
 import pathlib
 
 import numpy as np

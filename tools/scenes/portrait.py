@@ -1,4 +1,5 @@
 """A portrait: a head with measured skin, strands of hair, knitted and woven clothes, studio lamps."""
+
 from typing import Any
 
 import mitsuba as mi
@@ -108,11 +109,18 @@ def skin() -> tuple[np.ndarray, np.ndarray, list[str]]:
     a = np.abs(x)
 
     def spot(cx: float, cz: float, rx: float, rz: float) -> np.ndarray:
-        return np.exp(-((a - cx) / rx) ** 2 - ((z - cz) / rz) ** 2)
+        return np.exp(-(((a - cx) / rx) ** 2) - ((z - cz) / rz) ** 2)
 
-    flush = 0.75 * spot(0.040, -0.035, 0.022, 0.018) + 0.75 * spot(0.0, -0.034, 0.014, 0.012) + 0.35 * spot(0, -0.1, 0.02, 0.015) + 0.5 * spot(0.080, 0, 0.015, 0.03)
+    flush = (
+        0.75 * spot(0.040, -0.035, 0.022, 0.018)
+        + 0.75 * spot(0.0, -0.034, 0.014, 0.012)
+        + 0.35 * spot(0, -0.1, 0.02, 0.015)
+        + 0.5 * spot(0.080, 0, 0.015, 0.03)
+    )
     flush = np.clip(flush + 0.10 + 0.17 * texture.noise(n, n, 1, 1.5, 6) + 0.12 * texture.noise(n, n, 2, 0.8, 60, 500), 0, 1)
-    dark = 0.45 * spot(0.031, -0.010, 0.014, 0.007) + 0.25 * spot(0.031, 0.012, 0.016, 0.006) + 0.10 * texture.ramp(texture.noise(n, n, 3, 1.3, 8), 0, 2)
+    dark = (
+        0.45 * spot(0.031, -0.010, 0.014, 0.007) + 0.25 * spot(0.031, 0.012, 0.016, 0.006) + 0.10 * texture.ramp(texture.noise(n, n, 3, 1.3, 8), 0, 2)
+    )
     rng = np.random.default_rng(7)
     freckle = np.zeros((n, n))
     for _ in range(420):
@@ -122,17 +130,23 @@ def skin() -> tuple[np.ndarray, np.ndarray, list[str]]:
         w = 14
         if w < i0 < n - w and w < j0 < n - w:
             ii, jj = slice(i0 - w, i0 + w), slice(j0 - w, j0 + w)
-            freckle[ii, jj] = np.maximum(freckle[ii, jj], rng.uniform(0.15, 0.6) * np.exp(-((x[ii, jj] - fx) ** 2 + (z[ii, jj] - fz) ** 2) / r ** 2))
-    bow = 0.0018 * np.exp(-(a / 0.004) ** 2)
+            freckle[ii, jj] = np.maximum(freckle[ii, jj], rng.uniform(0.15, 0.6) * np.exp(-((x[ii, jj] - fx) ** 2 + (z[ii, jj] - fz) ** 2) / r**2))
+    bow = 0.0018 * np.exp(-((a / 0.004) ** 2))
     upper = texture.ramp(-0.0560 - 0.0035 * (a / 0.022) ** 2 - bow - z, 0, 0.0012) * texture.ramp(z + 0.0672, -0.001, 0.0005)
     lower = texture.ramp(z + 0.0795 - 0.008 * (a / 0.022) ** 2, 0, 0.0015) * texture.ramp(-0.0660 - z, -0.0005, 0.0005)
     lips = np.clip(upper + lower, 0, 1) * texture.ramp(0.0238 - a, 0, 0.003)
     crack = texture.ramp(np.abs(texture.noise(n, n, 9, 0.9, 40, 400)), 0.0, 0.5)
     pores = texture.ramp(texture.noise(n, n, 4, 0.15, 90, 260), 1.2, 2.6)
     # Fine lines cross the skin at the scale of a sample and less.
-    lines = 0.13 * texture.ramp(0.25 - np.abs(texture.noise(n, n, 11, 0.7, 70, 420)), 0, 0.25) + 0.10 * texture.ramp(texture.noise(n, n, 12, 0.3, 60, 300), 0.3, 2.2)
+    lines = 0.13 * texture.ramp(0.25 - np.abs(texture.noise(n, n, 11, 0.7, 70, 420)), 0, 0.25) + 0.10 * texture.ramp(
+        texture.noise(n, n, 12, 0.3, 60, 300), 0.3, 2.2
+    )
     shares = texture.mix(0.80 * flush, np.clip(dark, 0, 1), freckle, np.clip(0.35 * pores + lines, 0, 1), 0.45 * lips, 0.45 * lips * (1 - crack))
-    relief = 0.00022 * texture.noise(n, n, 5, 0.55, 60, 420) - 0.0004 * pores + 0.0003 * lips * (np.sin(x * 2600 + 2 * texture.noise(n, n, 6, 1.6, 5)) - 0.4)
+    relief = (
+        0.00022 * texture.noise(n, n, 5, 0.55, 60, 420)
+        - 0.0004 * pores
+        + 0.0003 * lips * (np.sin(x * 2600 + 2 * texture.noise(n, n, 6, 1.6, 5)) - 0.4)
+    )
     return shares, relief, ["Skin 36", "Skin 97", "Skin 3", "Skin 61", "Skin 17", "TCS 11", "TCS 7"]
 
 
@@ -172,7 +186,12 @@ def hair(count: int, rng: np.random.Generator) -> list[np.ndarray]:
     points = [p.copy()]
     for k in range(steps):
         fall = min(1.0, 0.10 + k / 9)
-        velocity = 0.80 * velocity + fall * np.array([0, 0.02, -0.34]) + 0.022 * np.stack([np.sin(wave_phase + k * 0.8), np.cos(wave_phase * 1.3 + k * 0.7), 0 * wave_phase], 1) + 0.010 * rng.normal(size=(n, 3))
+        velocity = (
+            0.80 * velocity
+            + fall * np.array([0, 0.02, -0.34])
+            + 0.022 * np.stack([np.sin(wave_phase + k * 0.8), np.cos(wave_phase * 1.3 + k * 0.7), 0 * wave_phase], 1)
+            + 0.010 * rng.normal(size=(n, 3))
+        )
         velocity /= np.linalg.norm(velocity, axis=1, keepdims=True)
         p = p + velocity * (length / steps)[:, None]
         # The face stays free: hair in front of the ears is carried back.
@@ -189,7 +208,7 @@ def strands(paths: list[np.ndarray], radius: float, bsdf: dict[str, Any]) -> dic
     lines = []
     for path in paths:
         t = np.linspace(0, 1, len(path))
-        r = radius * (1 - 0.6 * t ** 3)
+        r = radius * (1 - 0.6 * t**3)
         lines.append("\n".join(f"{a:.6f} {b:.6f} {c:.6f} {w:.6f}" for (a, b, c), w in zip(path, r)))
     mesh._COUNT[0] += 1
     file = mesh._FOLDER / f"{mesh._COUNT[0]}.txt"
@@ -203,7 +222,7 @@ def brows_and_lashes(rng: np.random.Generator) -> list[np.ndarray]:
         for _ in range(900):
             t = rng.random()
             x = 0.012 + 0.036 * t
-            z = 0.0215 + 0.0065 * np.sin(np.pi * min(0.10 + t * 0.80, 1)) - 0.001 * t ** 3 + rng.normal(0, 0.0017 * (1 - 0.65 * t))
+            z = 0.0215 + 0.0065 * np.sin(np.pi * min(0.10 + t * 0.80, 1)) - 0.001 * t**3 + rng.normal(0, 0.0017 * (1 - 0.65 * t))
             p = np.array([s * x, -0.12, z])
             for _k in range(24):
                 p = p + np.array([0, 0.9, 0]) * max(float(head(p[None].astype(np.float32))[0]), -0.002)
@@ -220,7 +239,7 @@ def brows_and_lashes(rng: np.random.Generator) -> list[np.ndarray]:
             up = 0.75 if upper else -0.6
             length = (0.0065 if upper else 0.004) * rng.uniform(0.7, 1.1)
             k = np.linspace(0, 1, 6)[:, None]
-            path = p + length * np.concatenate([0.5 * t * k, -0.9 * k + 0.25 * k ** 2, up * k ** 2 - 0.12 * k * (1 if upper else 0)], 1)
+            path = p + length * np.concatenate([0.5 * t * k, -0.9 * k + 0.25 * k**2, up * k**2 - 0.12 * k * (1 if upper else 0)], 1)
             out.append(path * [s, 1, 1])
     return out
 
@@ -235,7 +254,14 @@ def eye_texture() -> np.ndarray:
     iris = texture.ramp(0.52 - r, 0, 0.02)
     limbus = iris * texture.ramp(r, 0.43, 0.52)
     pupil = texture.ramp(0.17 - r, 0, 0.015)
-    return texture.mix(veins, iris, np.clip(iris * texture.ramp(fibre, -0.2, 1.6) * 0.8, 0, 1), np.clip(0.8 * limbus, 0, 1), iris * np.exp(-((r - 0.2) / 0.05) ** 2) * 0.6, pupil)
+    return texture.mix(
+        veins,
+        iris,
+        np.clip(iris * texture.ramp(fibre, -0.2, 1.6) * 0.8, 0, 1),
+        np.clip(0.8 * limbus, 0, 1),
+        iris * np.exp(-(((r - 0.2) / 0.05) ** 2)) * 0.6,
+        pupil,
+    )
 
 
 def knit(n: int, across: int, seed: int) -> tuple[np.ndarray, np.ndarray]:
@@ -258,7 +284,12 @@ def build() -> tuple[dict[str, Any], dict[str, Any]]:
     shares, relief, tones = skin()
     face = surface(head, (-0.10, -0.125, -0.215), (0.10, 0.125, 0.14), 0.0014)
     flesh = {"type": "roughplastic", "alpha": 0.30, "int_ior": 1.40, "distribution": "ggx", "diffuse_reflectance": m.texture(shares, tones)}
-    bumped = {"type": "bumpmap", "scale": 1.0, "arbitrary": {"type": "bitmap", "raw": True, "bitmap": mi.Bitmap(relief[:, :, None].astype(np.float32))}, "bsdf": flesh}
+    bumped = {
+        "type": "bumpmap",
+        "scale": 1.0,
+        "arbitrary": {"type": "bitmap", "raw": True, "bitmap": mi.Bitmap(relief[:, :, None].astype(np.float32))},
+        "bsdf": flesh,
+    }
     scene["head"] = mesh.shape(turned(face), {"type": "twosided", "bsdf": bumped})
     ball = mesh.sphere(90, 180)
     ball.uv = np.stack([ball.vertices[:, 0] / 2 + 0.5, ball.vertices[:, 2] / 2 + 0.5], 1)
@@ -268,27 +299,53 @@ def build() -> tuple[dict[str, Any], dict[str, Any]]:
         b = Mesh(ball.vertices @ look.T, ball.faces, ball.uv)
         cornea = np.exp(-((np.hypot(ball.vertices[:, 0], ball.vertices[:, 2]) / 0.42) ** 4)) * (ball.vertices[:, 1] < 0)
         balls.append(b.move((0, 0, 0), EYE_RADIUS * (1 + 0.045 * cornea)[:, None]).move(c))
-    scene["eyes"] = mesh.shape(turned(mesh.merge(balls)), m.plastic(eye_texture(), ["Lead White GDS796", "TCS 4", "TCS 65", "TCS 68", "TCS 44", "TCS 30", "Bone black GDS808"], 0.015))
+    scene["eyes"] = mesh.shape(
+        turned(mesh.merge(balls)),
+        m.plastic(eye_texture(), ["Lead White GDS796", "TCS 4", "TCS 65", "TCS 68", "TCS 44", "TCS 30", "Bone black GDS808"], 0.015),
+    )
     locks = hair(20000, rng)
     turn = mesh.rotation_z(TURN).T
     order = rng.permutation(len(locks))
-    for k, (name, gain, share) in enumerate((("Natural umber GDS809 (raw)", 0.55, 0.5), ("Burnt umber GDS811", 0.7, 0.3), ("Italian nat sienna GDS805", 0.55, 0.2))):
+    for k, (name, gain, share) in enumerate(
+        (("Natural umber GDS809 (raw)", 0.55, 0.5), ("Burnt umber GDS811", 0.7, 0.3), ("Italian nat sienna GDS805", 0.55, 0.2))
+    ):
         first = int(sum((0.5, 0.3, 0.2)[:k]) * len(locks))
-        chosen = [locks[i] @ turn for i in order[first:first + int(share * len(locks))]]
-        scene[f"hair{k}"] = strands(chosen, 0.00036, {"type": "roughplastic", "alpha": 0.22, "int_ior": 1.55, "diffuse_reflectance": m.texture(None, [name], gain=gain)})
+        chosen = [locks[i] @ turn for i in order[first : first + int(share * len(locks))]]
+        scene[f"hair{k}"] = strands(
+            chosen, 0.00036, {"type": "roughplastic", "alpha": 0.22, "int_ior": 1.55, "diffuse_reflectance": m.texture(None, [name], gain=gain)}
+        )
     scalp = mesh.sphere(120, 240).move((0, 0.016, 0.034), (0.0755, 0.097, 0.0885))
     high = scalp.vertices[scalp.faces].mean(1)
     top = np.where(high[:, 1] < -0.018, high[:, 2] > 0.083 - 0.20 * np.abs(high[:, 0]) + 0.006, high[:, 2] > -0.03)
     top &= ~((np.abs(high[:, 0]) > 0.053) & (high[:, 1] < 0.008) & (high[:, 2] < 0.046))
     cap = Mesh(scalp.vertices, scalp.faces[top], scalp.uv)
     scene["scalp"] = mesh.shape(turned(cap), m.diffuse(None, ["Natural umber GDS809 (raw)"], gain=0.4))
-    scene["brows"] = strands([q @ turn for q in brows_and_lashes(rng)], 0.00016, {"type": "roughplastic", "alpha": 0.3, "diffuse_reflectance": m.texture(None, ["Natural umber GDS809 (raw)"], gain=0.45)})
+    scene["brows"] = strands(
+        [q @ turn for q in brows_and_lashes(rng)],
+        0.00016,
+        {"type": "roughplastic", "alpha": 0.3, "diffuse_reflectance": m.texture(None, ["Natural umber GDS809 (raw)"], gain=0.45)},
+    )
     # Pullover and scarf.
     depth, fuzz = knit(1024, 30, 40)
     wool = m.diffuse(texture.mix(np.clip(0.85 * depth + 0.08 * fuzz, 0, 1), 0.25 * texture.ramp(fuzz, 0.6, 2)), ["TCS 64", "TCS 65", "TCS 61"], 3.0)
     pull = surface(body, (-0.26, -0.11, -0.46), (0.26, 0.21, -0.13), 0.003)
-    scene["pullover"] = mesh.shape(pull, {"type": "twosided", "bsdf": {"type": "bumpmap", "scale": 1.0, "arbitrary": {"type": "bitmap", "raw": True, "to_uv": mi.ScalarTransform4f().scale([3, 3, 1]),
-                                   "bitmap": mi.Bitmap((-0.004 * depth + 0.0004 * fuzz)[:, :, None].astype(np.float32))}, "bsdf": wool["bsdf"]}})
+    scene["pullover"] = mesh.shape(
+        pull,
+        {
+            "type": "twosided",
+            "bsdf": {
+                "type": "bumpmap",
+                "scale": 1.0,
+                "arbitrary": {
+                    "type": "bitmap",
+                    "raw": True,
+                    "to_uv": mi.ScalarTransform4f().scale([3, 3, 1]),
+                    "bitmap": mi.Bitmap((-0.004 * depth + 0.0004 * fuzz)[:, :, None].astype(np.float32)),
+                },
+                "bsdf": wool["bsdf"],
+            },
+        },
+    )
     over, height = texture.weave(1024, 1024, 72, 50)
     v, u = np.meshgrid(np.arange(1024) / 1024, np.arange(1024) / 1024, indexing="ij")
     stripe_u, stripe_v = ((u * 4) % 1 < 0.35), ((v * 4) % 1 < 0.35)
@@ -309,12 +366,23 @@ def build() -> tuple[dict[str, Any], dict[str, Any]]:
     # Canvas and studio.
     n1 = texture.noise(1024, 1024, 60, 1.6, 2)
     n2 = texture.noise(1024, 1024, 61, 0.7, 20)
-    canvas = texture.mix(texture.ramp(n1 + 0.3 * n2, -1.2, 1.4), 0.6 * texture.ramp(texture.noise(1024, 1024, 62, 1.4, 3), 0, 2), 0.2 * texture.ramp(n2, 0, 2))
-    scene["canvas"] = mesh.shape(mesh.quad((-1.6, 1.15, -1.2), (3.2, 0, 0), (0, 0, 2.6)), m.diffuse(canvas, ["TCS 39", "TCS 69", "TCS 30", "TCS 63"]), False)
-    room = [mesh.quad((-2.5, 1.6, -1.4), (0, -5, 0), (0, 0, 3.6)), mesh.quad((2.5, -3.4, -1.4), (0, 5, 0), (0, 0, 3.6)), mesh.quad((-2.5, -3.4, -1.4), (5, 0, 0), (0, 0, 3.6)), mesh.quad((-2.5, -3.4, 2.2), (5, 0, 0), (0, 5, 0)),
-            mesh.quad((-2.5, -3.4, -1.4), (0, 5, 0), (5, 0, 0))]
+    canvas = texture.mix(
+        texture.ramp(n1 + 0.3 * n2, -1.2, 1.4), 0.6 * texture.ramp(texture.noise(1024, 1024, 62, 1.4, 3), 0, 2), 0.2 * texture.ramp(n2, 0, 2)
+    )
+    scene["canvas"] = mesh.shape(
+        mesh.quad((-1.6, 1.15, -1.2), (3.2, 0, 0), (0, 0, 2.6)), m.diffuse(canvas, ["TCS 39", "TCS 69", "TCS 30", "TCS 63"]), False
+    )
+    room = [
+        mesh.quad((-2.5, 1.6, -1.4), (0, -5, 0), (0, 0, 3.6)),
+        mesh.quad((2.5, -3.4, -1.4), (0, 5, 0), (0, 0, 3.6)),
+        mesh.quad((-2.5, -3.4, -1.4), (5, 0, 0), (0, 0, 3.6)),
+        mesh.quad((-2.5, -3.4, 2.2), (5, 0, 0), (0, 5, 0)),
+        mesh.quad((-2.5, -3.4, -1.4), (0, 5, 0), (5, 0, 0)),
+    ]
     scene["room"] = mesh.shape(mesh.merge(room), m.diffuse(None, ["TCS 61"], gain=0.6), False)
-    scene["reflector"] = mesh.shape(mesh.quad((0.75, -0.75, -0.7), (0, 0.9, 0), (0, 0, 1.1)), m.diffuse(None, ["Titanium dioxide GDS798 TiO2"], gain=0.95), False)
+    scene["reflector"] = mesh.shape(
+        mesh.quad((0.75, -0.75, -0.7), (0, 0.9, 0), (0, 0, 1.1)), m.diffuse(None, ["Titanium dioxide GDS798 TiO2"], gain=0.95), False
+    )
 
     def softbox(at: Any, to: Any, w_: float, h_: float) -> Mesh:
         at, to = np.asarray(at, float), np.asarray(to, float)

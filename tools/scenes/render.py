@@ -1,4 +1,5 @@
 """Spectral path tracing: eight passes of four fixed wavelengths with the same random numbers, so that bands do not get noise of their own."""
+
 import dataclasses
 import math
 import time
@@ -81,7 +82,12 @@ def denoise(r: Rendering) -> np.ndarray:
     out = np.empty_like(r.radiance)
     for bands in triplets:
         pick = list(bands)
-        clean = oidn.denoise(np.ascontiguousarray(r.radiance[:, :, pick]), np.ascontiguousarray(np.clip(r.albedo[:, :, pick], 0, 1)),
-                             np.ascontiguousarray(r.normal), hdr=True, clean_aux=True)
+        clean = oidn.denoise(
+            np.ascontiguousarray(r.radiance[:, :, pick]),
+            np.ascontiguousarray(np.clip(r.albedo[:, :, pick], 0, 1)),
+            np.ascontiguousarray(r.normal),
+            hdr=True,
+            clean_aux=True,
+        )
         out[:, :, pick] = np.maximum(clean, 0.0)
     return out

@@ -1,4 +1,5 @@
 """Contact sheet of the stored scenes: docs/images/natural-scenes.png."""
+
 import importlib
 import pathlib
 
@@ -18,6 +19,6 @@ def write(names: list[str], store: pathlib.Path) -> None:
         module = importlib.import_module(f"scenes.{name}")
         rgb = picture.srgb(scene.radiance, scene.light, getattr(module, "PERCENTILE", 99.0))
         tiles.append(np.asarray(Image.fromarray(rgb).resize((288, 216), Image.Resampling.LANCZOS)))
-    rows = [np.concatenate(tiles[i:i + 3], axis=1) for i in range(0, len(tiles), 3)]
+    rows = [np.concatenate(tiles[i : i + 3], axis=1) for i in range(0, len(tiles), 3)]
     sheet = Image.fromarray(np.concatenate(rows, axis=0)).quantize(256, Image.Quantize.MEDIANCUT, dither=Image.Dither.FLOYDSTEINBERG)
     sheet.save(ROOT / "docs/images/natural-scenes.png", optimize=True)

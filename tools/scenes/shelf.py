@@ -1,4 +1,5 @@
 """A shop shelf: boxes, tins, jars and bottles with saturated inks and fine print under LED panels."""
+
 from typing import Any
 
 import numpy as np
@@ -8,17 +9,84 @@ from . import mesh, texture
 from .mesh import Mesh
 
 # Inks of packaging: measured plastics, printed and coloured materials.
-INKS = ["TCS 5", "TCS 8", "Plastic Vinyl GDS398 Red Toy", "TCS 20", "Cadmium orange 0 GDS786", "TCS 29", "TCS 32", "Brilliant(Hansa)yellowGDS785",
-        "TCS 45", "TCS 53", "Phthalocyaninie blue GDS799", "TCS 57", "TCS 64", "TCS 67", "TCS 73", "TCS 78", "TCS 76", "TCS 81", "TCS 90", "TCS 97",
-        "TCS 98", "TCS 10", "Plastic HDPE GDS386 Yelopaqu", "Viridian GDS800", "Vermillion GDS779", "Ultramarine GDS791 sy vdark"]
+INKS = [
+    "TCS 5",
+    "TCS 8",
+    "Plastic Vinyl GDS398 Red Toy",
+    "TCS 20",
+    "Cadmium orange 0 GDS786",
+    "TCS 29",
+    "TCS 32",
+    "Brilliant(Hansa)yellowGDS785",
+    "TCS 45",
+    "TCS 53",
+    "Phthalocyaninie blue GDS799",
+    "TCS 57",
+    "TCS 64",
+    "TCS 67",
+    "TCS 73",
+    "TCS 78",
+    "TCS 76",
+    "TCS 81",
+    "TCS 90",
+    "TCS 97",
+    "TCS 98",
+    "TCS 10",
+    "Plastic HDPE GDS386 Yelopaqu",
+    "Viridian GDS800",
+    "Vermillion GDS779",
+    "Ultramarine GDS791 sy vdark",
+]
 PALE = ["TCS 24", "TCS 33", "TCS 41", "TCS 60", "TCS 82", "TCS 1", "TCS 59", "Paper Cotton Bond PAPR1 100%"]
 BLACK, PAPER = "TCS 44", "Plastic HDPE GDS384 Wht Opaq"
-BRANDS = ["ALPINA", "Solmar", "KORVA", "Brio", "Nordic", "FERNO", "Lumo", "Tarantella", "MIRABO", "Onda", "Pilar", "Quinto", "RUBIN", "Zefir", "Bergtal", "Celesta",
-          "DORO", "Estrel", "Vivo", "Kaskad"]
-GOODS = ["Whole Oats", "Corn Flakes", "Cocoa Puffs", "Green Tea", "Rye Crisp", "Tomatoes", "Chick Peas", "Soup of Leek", "Peach Halves", "Muesli", "Wheat Biscuits",
-         "Rice 1 kg", "Coffee Dark", "Almond Bars", "Lemon Curd", "Dish Soap", "Detergent", "Berry Jam", "Lentils", "Pasta No 5"]
-FINE = ("INGREDIENTS wheat flour 62 %, sugar, palm oil, cocoa 8 %, barley malt extract, salt, niacin, iron, vitamin B6, riboflavin, folic acid. May contain traces of "
-        "nuts, milk and soya. Store in a cool and dry place. Best before end: see lid. Net weight 500 g e. Packed in a protective atmosphere. ")
+BRANDS = [
+    "ALPINA",
+    "Solmar",
+    "KORVA",
+    "Brio",
+    "Nordic",
+    "FERNO",
+    "Lumo",
+    "Tarantella",
+    "MIRABO",
+    "Onda",
+    "Pilar",
+    "Quinto",
+    "RUBIN",
+    "Zefir",
+    "Bergtal",
+    "Celesta",
+    "DORO",
+    "Estrel",
+    "Vivo",
+    "Kaskad",
+]
+GOODS = [
+    "Whole Oats",
+    "Corn Flakes",
+    "Cocoa Puffs",
+    "Green Tea",
+    "Rye Crisp",
+    "Tomatoes",
+    "Chick Peas",
+    "Soup of Leek",
+    "Peach Halves",
+    "Muesli",
+    "Wheat Biscuits",
+    "Rice 1 kg",
+    "Coffee Dark",
+    "Almond Bars",
+    "Lemon Curd",
+    "Dish Soap",
+    "Detergent",
+    "Berry Jam",
+    "Lentils",
+    "Pasta No 5",
+]
+FINE = (
+    "INGREDIENTS wheat flour 62 %, sugar, palm oil, cocoa 8 %, barley malt extract, salt, niacin, iron, vitamin B6, riboflavin, folic acid. May contain traces of "
+    "nuts, milk and soya. Store in a cool and dry place. Best before end: see lid. Net weight 500 g e. Packed in a protective atmosphere. "
+)
 
 
 def label(seed: int, rows: int, cols: int, number: int) -> tuple[np.ndarray, list[str]]:
@@ -44,7 +112,15 @@ def label(seed: int, rows: int, cols: int, number: int) -> tuple[np.ndarray, lis
         p.halftone((dots < 0.15 + 0.28 * v).astype(float), 1)
     p.rectangle(0, 0.055, 1, 0.27, int(rng.choice([2, 3, 1, 4])))
     dark = rng.random() < 0.5
-    p.text(0.5, 0.09, BRANDS[number % len(BRANDS)], int(21 * unit * min(1.0, 5.2 / len(BRANDS[number % len(BRANDS)]))), 0 if dark else 3, True, anchor="ma")
+    p.text(
+        0.5,
+        0.09,
+        BRANDS[number % len(BRANDS)],
+        int(21 * unit * min(1.0, 5.2 / len(BRANDS[number % len(BRANDS)]))),
+        0 if dark else 3,
+        True,
+        anchor="ma",
+    )
     p.text(0.5, 0.29, GOODS[(number * 7 + 3) % len(GOODS)], int(9.5 * unit), 4 if dark else 3, True, anchor="ma")
     p.text(0.5, 0.375, "since 1924 · extra quality · 100 % natural", int(3.6 * unit), 4, anchor="ma")
     kind = int(rng.integers(4))
@@ -57,7 +133,9 @@ def label(seed: int, rows: int, cols: int, number: int) -> tuple[np.ndarray, lis
     elif kind == 1:
         p.ellipse(0.2, 0.46, 0.8, 0.46 + 0.6 * cols / rows, 3)
         p.ellipse(0.24, 0.46 + 0.04 * cols / rows, 0.76, 0.46 + 0.56 * cols / rows, 2)
-        texture_tone = np.clip(0.5 + 0.35 * texture.noise(rows, cols, seed, 1.2, 5), 0, 1) * (np.hypot((u - 0.5), (v - 0.46 - 0.3 * cols / rows) * rows / cols) < 0.22)
+        texture_tone = np.clip(0.5 + 0.35 * texture.noise(rows, cols, seed, 1.2, 5), 0, 1) * (
+            np.hypot((u - 0.5), (v - 0.46 - 0.3 * cols / rows) * rows / cols) < 0.22
+        )
         p.halftone(texture_tone, 5)
     elif kind == 2:
         for k in range(6):
@@ -71,7 +149,7 @@ def label(seed: int, rows: int, cols: int, number: int) -> tuple[np.ndarray, lis
     size = max(4, int(2.5 * unit))
     at, line = int(rng.integers(0, 60)), 0
     while 0.845 + line * size * 1.15 / rows < 0.955:
-        p.text(0.055, 0.845 + line * size * 1.15 / rows, (FINE * 3)[at:at + 36], size, 4)
+        p.text(0.055, 0.845 + line * size * 1.15 / rows, (FINE * 3)[at : at + 36], size, 4)
         at, line = at + 36, line + 1
     p.text(0.055, 0.806, "Nutrition per 100 g   kJ 1547", max(4, int(2.8 * unit)), 3, True)
     p.rectangle(0.62, 0.86, 0.96, 0.975, 3)
@@ -92,21 +170,33 @@ def tin(radius: float, height: float) -> tuple[Mesh, Mesh]:
     angle = np.linspace(np.pi, 3 * np.pi, 97)
     z = np.linspace(0.06, 0.94, 24) * height
     ring = radius * (1 - 0.004 * (np.cos(z / height * 60) > 0.6))
-    side = mesh.grid(np.stack([np.cos(angle)[None] * ring[:, None], np.sin(angle)[None] * ring[:, None], np.broadcast_to(z[:, None], (24, 97))], 2), (2.0, 1.0))
+    side = mesh.grid(
+        np.stack([np.cos(angle)[None] * ring[:, None], np.sin(angle)[None] * ring[:, None], np.broadcast_to(z[:, None], (24, 97))], 2), (2.0, 1.0)
+    )
     rim = np.array([[0.0, 0.0], [1.0, 0.0], [1.02, 0.01], [1.02, 0.03], [0.985, 0.05], [0.985, 0.06]]) * [radius, height]
-    top = np.array([[0.985, 0.94], [0.985, 0.955], [1.02, 0.97], [1.02, 0.995], [0.97, 1.0], [0.96, 0.98], [0.6, 0.975], [0.55, 0.985], [0.0, 0.985]]) * [radius, height]
+    top = np.array(
+        [[0.985, 0.94], [0.985, 0.955], [1.02, 0.97], [1.02, 0.995], [0.97, 1.0], [0.96, 0.98], [0.6, 0.975], [0.55, 0.985], [0.0, 0.985]]
+    ) * [radius, height]
     return side, mesh.merge([mesh.lathe(rim, 64), mesh.lathe(top, 64)])
 
 
 def bottle(radius: float, height: float) -> tuple[Mesh, Mesh, Mesh]:
     """Body, label and cap of a bottle."""
-    body = np.array([[0, 0], [0.96, 0], [1.0, 0.015], [1.0, 0.60], [0.96, 0.66], [0.78, 0.74], [0.50, 0.81], [0.36, 0.86], [0.34, 0.90]]) * [radius, height]
+    body = np.array([[0, 0], [0.96, 0], [1.0, 0.015], [1.0, 0.60], [0.96, 0.66], [0.78, 0.74], [0.50, 0.81], [0.36, 0.86], [0.34, 0.90]]) * [
+        radius,
+        height,
+    ]
     fine = np.stack([np.interp(np.linspace(0, 1, 60), np.linspace(0, 1, 9), body[:, k]) for k in (0, 1)], 1)
     cap = np.array([[0.40, 0.89], [0.40, 0.995], [0.37, 1.0], [0.0, 1.0]]) * [radius, height]
     angle = np.linspace(np.pi, 3 * np.pi, 97)
     z = np.linspace(0.10, 0.56, 12) * height
     r = radius * 1.006
-    sheet = mesh.grid(np.stack([np.broadcast_to(np.cos(angle) * r, (12, 97)), np.broadcast_to(np.sin(angle) * r, (12, 97)), np.broadcast_to(z[:, None], (12, 97))], 2), (2.0, 1.0))
+    sheet = mesh.grid(
+        np.stack(
+            [np.broadcast_to(np.cos(angle) * r, (12, 97)), np.broadcast_to(np.sin(angle) * r, (12, 97)), np.broadcast_to(z[:, None], (12, 97))], 2
+        ),
+        (2.0, 1.0),
+    )
     ribs = mesh.lathe(cap, 96)
     edge = np.hypot(ribs.vertices[:, 0], ribs.vertices[:, 1]) > 0.39 * radius
     ribs.vertices[edge, :2] *= (1 + 0.03 * np.sign(np.sin(48 * np.arctan2(ribs.vertices[edge, 1], ribs.vertices[edge, 0]))))[:, None]
@@ -203,11 +293,18 @@ def build() -> tuple[dict[str, Any], dict[str, Any]]:
             if rng.random() < 0.55:
                 tags.rectangle(u + 0.003 + b * 0.0007, 0.72, u + 0.003 + b * 0.0007 + 0.0004, 0.88, 3)
     names = ["TCS 49", PAPER, "TCS 29", BLACK]
-    rails = [mesh.quad((-1.2, -0.335, z - 0.036), (2.4, 0, 0), (0, -0.012, 0.042), (0.07 * k, 0, 1 + 0.07 * k, 1)) for k, z in enumerate((*levels, 1.03))]
+    rails = [
+        mesh.quad((-1.2, -0.335, z - 0.036), (2.4, 0, 0), (0, -0.012, 0.042), (0.07 * k, 0, 1 + 0.07 * k, 1)) for k, z in enumerate((*levels, 1.03))
+    ]
     add("rails", mesh.shape(mesh.merge(rails), m.plastic(tags.shares(), names, 0.15), False))
     v, u = np.meshgrid(np.arange(256) / 256, np.arange(256) / 256, indexing="ij")
     holes = texture.ramp(0.24 - np.hypot((u * 8) % 1 - 0.5, (v * 8) % 1 - 0.5), -0.03, 0.03)
-    add("back", mesh.shape(mesh.quad((-1.2, 0.19, -0.3), (2.4, 0, 0), (0, 0, 1.6), (0, 0, 12, 8)), m.plastic(texture.mix(holes), ["TCS 72", "TCS 63"], 0.3), False))
+    add(
+        "back",
+        mesh.shape(
+            mesh.quad((-1.2, 0.19, -0.3), (2.4, 0, 0), (0, 0, 1.6), (0, 0, 12, 8)), m.plastic(texture.mix(holes), ["TCS 72", "TCS 63"], 0.3), False
+        ),
+    )
     add("rims", mesh.shape(mesh.merge(metal_parts), steel))
     tone = texture.mix(texture.ramp(texture.noise(512, 512, 5, 0.8, 10), -1, 1.5))
     add("floor", mesh.shape(mesh.quad((-4, -5, -0.9), (8, 0, 0), (0, 6, 0), (0, 0, 8, 8)), m.plastic(tone, ["TCS 14", "TCS 36"], 0.15), False))
@@ -215,9 +312,15 @@ def build() -> tuple[dict[str, Any], dict[str, Any]]:
     far = np.repeat(np.repeat(far, 8, 0), 8, 1)
     add("opposite", mesh.shape(mesh.quad((4, -2.4, -0.9), (-8, 0, 0), (0, 0, 2.2)), m.diffuse(far, INKS[:4] + INKS[8:12]), False))
     add("ceiling", mesh.shape(mesh.quad((-4, 1, 2.2), (8, 0, 0), (0, -6, 0)), m.diffuse(None, [PAPER]), False))
-    scene["panels"] = mesh.shape(mesh.merge([mesh.quad((x0, -1.25, 2.15), (0, 0.3, 0), (1.3, 0, 0)) for x0 in (-2.3, -0.65, 1.0)]), {"type": "diffuse"}, False,
-                                 emitter=m.lamp("LED-B4", 9000.0))
-    scene["strip"] = mesh.shape(mesh.quad((-1.1, -0.52, 1.33), (0, 0.03, 0), (2.2, 0, 0)), {"type": "diffuse"}, False, emitter=m.lamp("LED-B3", 22000.0))
+    scene["panels"] = mesh.shape(
+        mesh.merge([mesh.quad((x0, -1.25, 2.15), (0, 0.3, 0), (1.3, 0, 0)) for x0 in (-2.3, -0.65, 1.0)]),
+        {"type": "diffuse"},
+        False,
+        emitter=m.lamp("LED-B4", 9000.0),
+    )
+    scene["strip"] = mesh.shape(
+        mesh.quad((-1.1, -0.52, 1.33), (0, 0.03, 0), (2.2, 0, 0)), {"type": "diffuse"}, False, emitter=m.lamp("LED-B3", 22000.0)
+    )
     return scene, {"origin": [0.10, -1.48, 0.62], "target": [-0.01, 0.0, 0.475], "fov": 49.0, "aperture": 0.002, "focus": 1.2}
 
 

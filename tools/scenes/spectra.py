@@ -1,4 +1,5 @@
 """Measured reflectances and light spectra in 31 bands of 10 nm."""
+
 import csv
 import functools
 import pathlib

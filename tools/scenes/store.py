@@ -1,4 +1,5 @@
 """Joins renderings of a scene, measures what noise is left, and stores the scene as components."""
+
 import importlib
 import pathlib
 
@@ -41,7 +42,7 @@ def choose(image: np.ndarray) -> tuple[int, float]:
                 break
             if k < 5:
                 continue
-            shape = np.maximum(mean + q[:, :k + 1] * step @ vectors[:, ::-1][:, :k + 1].T, 0)
+            shape = np.maximum(mean + q[:, : k + 1] * step @ vectors[:, ::-1][:, : k + 1].T, 0)
             error = np.linalg.norm(shape - flat, axis=1) / np.linalg.norm(flat, axis=1)
             best = min(best, (float(np.median(error) + np.percentile(error, 95)), k + 1, step))
     return best[1], best[2]
@@ -63,21 +64,36 @@ def store(name: str, folder: pathlib.Path, out: pathlib.Path) -> dict[str, objec
         scatter = sum(w * (c - image) ** 2 for w, c in zip(weights, clean)) * (weights**2).sum() / (1 - (weights**2).sum())
         spectral = np.sqrt(scatter.sum(axis=2)) / np.maximum(np.linalg.norm(image, axis=2), 1e-30)
         smooth = smooth_and_lit(level)
-        noise = {"smooth_lit_share": round(float(smooth.mean()), 3),
-                 "smooth_lit_rms": round(float(np.sqrt((spectral[smooth] ** 2).mean())), 4),
-                 "lit_median": round(float(np.median(spectral[level > 0.1 * np.median(level)])), 4)}
+        noise = {
+            "smooth_lit_share": round(float(smooth.mean()), 3),
+            "smooth_lit_rms": round(float(np.sqrt((spectral[smooth] ** 2).mean())), 4),
+            "lit_median": round(float(np.median(spectral[level > 0.1 * np.median(level)])), 4),
+        }
     light = parts[0]["white"].astype(np.float64)
     if module.WHITE != "probe":
         light = light * (np.percentile(spectra.luminance(image), 99) / spectra.luminance(light))
     components, step = choose(image)
-    about: dict[str, object] = {"name": name, "title": module.TITLE, "quantity": "radiance", "unit": "W m^-2 sr^-1 nm^-1",
-                                "samples_per_pixel": int(sum(float(p["spp"]) for p in parts)), "licence": "see tools/scenes/README.md"}
+    about: dict[str, object] = {
+        "name": name,
+        "title": module.TITLE,
+        "quantity": "radiance",
+        "unit": "W m^-2 sr^-1 nm^-1",
+        "samples_per_pixel": int(sum(float(p["spp"]) for p in parts)),
+        "licence": "see tools/scenes/README.md",
+    }
     data = codec.encode(image, light, about, components, LOG_STEP, step)
     (out / f"{name}.spc").write_bytes(data)
     error = shares_of_error(codec.decode(data).radiance, image)
     luminance = spectra.luminance(image)
-    return {**about, "bytes": len(data), "components": components, "step": step,
-            "error_median": round(float(np.median(error)), 4), "error_95": round(float(np.percentile(error, 95)), 4),
-            "error_rms": round(float(np.sqrt((error**2).mean())), 4), "noise": noise,
-            "seconds": round(sum(float(p["seconds"]) for p in parts)),
-            "luminance_percentiles_1_50_99": [round(float(v), 3) for v in np.percentile(luminance, [1, 50, 99])]}
+    return {
+        **about,
+        "bytes": len(data),
+        "components": components,
+        "step": step,
+        "error_median": round(float(np.median(error)), 4),
+        "error_95": round(float(np.percentile(error, 95)), 4),
+        "error_rms": round(float(np.sqrt((error**2).mean())), 4),
+        "noise": noise,
+        "seconds": round(sum(float(p["seconds"]) for p in parts)),
+        "luminance_percentiles_1_50_99": [round(float(v), 3) for v in np.percentile(luminance, [1, 50, 99])],
+    }

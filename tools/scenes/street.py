@@ -1,4 +1,5 @@
 """A street at night: sodium lamps, an LED lamp, neon signs, a lit shop window, wet asphalt, deep shade."""
+
 from typing import Any
 
 import mitsuba as mi
@@ -71,8 +72,18 @@ def facade(x: float, y0: float, y1: float, height: float, sign_x: float, rng: np
             lit = rng.random()
             kind = "lit" if lit < 0.14 else "glass"
             if lit < 0.30:
-                out["curtain"].append(mesh.grid(np.stack(np.broadcast_arrays(g + sign_x * (0.10 + 0.03 * np.sin(np.linspace(0, 40, 60)))[None], np.linspace(ya, ya + 0.4 * width, 60)[None],
-                                                                             np.linspace(z0, z1, 3)[:, None]), 2)))
+                out["curtain"].append(
+                    mesh.grid(
+                        np.stack(
+                            np.broadcast_arrays(
+                                g + sign_x * (0.10 + 0.03 * np.sin(np.linspace(0, 40, 60)))[None],
+                                np.linspace(ya, ya + 0.4 * width, 60)[None],
+                                np.linspace(z0, z1, 3)[:, None],
+                            ),
+                            2,
+                        )
+                    )
+                )
             out[kind].append(mesh.quad((g + (sign_x * 0.22 if kind == "lit" else 0), ya, z0), (0, width, 0), (0, 0, tall)))
             for c in (ya, (ya + yb) / 2 - 0.025, yb - 0.05):
                 out["frame"].append(mesh.box((g - 0.03, c, z0), (g + 0.03, c + 0.05, z1)))
@@ -99,7 +110,7 @@ def car() -> dict[str, Mesh]:
     for k in range(len(t)):
         y = 4.3 * t[k]
         z = 0.22 + (belt[k] - 0.22) * s
-        w = half[k] * (1 - 0.10 * (1 - s) ** 3 + 0.03 * np.sin(np.pi * s)) * (1 - 0.03 * s ** 6)
+        w = half[k] * (1 - 0.10 * (1 - s) ** 3 + 0.03 * np.sin(np.pi * s)) * (1 - 0.03 * s**6)
         left = np.stack([-w, np.full(25, y), z], 1)
         lower.append(np.concatenate([left, left[::-1] * [-1, 1, 1]]))
         zz = belt[k] + (roof[k] - belt[k]) * np.sin(np.linspace(0, np.pi / 2, 20))
@@ -147,18 +158,46 @@ def build() -> tuple[dict[str, Any], dict[str, Any]]:
     crack = 1 - texture.ramp(np.abs(texture.noise(2048, 2048, 3, 1.6, 3)), 0.004, 0.02)
     line = (np.abs(u - 0.5) < 0.012) * ((v * 4) % 1 < 0.55) * texture.ramp(texture.noise(2048, 2048, 4, 0.7, 30), -1.6, -0.3)
     asphalt = texture.mix(0.5 * grain, 0.4 * worn, crack * 0.8, line)
-    road_inks = ["Asphalt Tar GDS346 Blck Roof", "Concrete GDS375 Lt Gry Road", "Asphalt GDS376 Blck Road old", "Roofing Felt GDS377 Black", "Titanium dioxide GDS798 TiO2"]
+    road_inks = [
+        "Asphalt Tar GDS346 Blck Roof",
+        "Concrete GDS375 Lt Gry Road",
+        "Asphalt GDS376 Blck Road old",
+        "Roofing Felt GDS377 Black",
+        "Titanium dioxide GDS798 TiO2",
+    ]
     puddle = texture.ramp(texture.noise(1024, 1024, 6, 1.7, 3) + 0.12 * texture.noise(1024, 1024, 7, 0.9, 40), 0.15, 0.75)
-    road = {"type": "twosided", "bsdf": {"type": "blendbsdf", "weight": {"type": "bitmap", "raw": True, "bitmap": mi.Bitmap(puddle[:, :, None].astype(np.float32))},
-            "dry": {"type": "roughplastic", "alpha": 0.28, "int_ior": 1.33, "distribution": "ggx", "diffuse_reflectance": m.texture(asphalt, road_inks)},
-            "wet": {"type": "roughplastic", "alpha": 0.035, "int_ior": 1.33, "distribution": "ggx", "diffuse_reflectance": m.texture(asphalt, road_inks, 1.0, 0.5)}}}
+    road = {
+        "type": "twosided",
+        "bsdf": {
+            "type": "blendbsdf",
+            "weight": {"type": "bitmap", "raw": True, "bitmap": mi.Bitmap(puddle[:, :, None].astype(np.float32))},
+            "dry": {
+                "type": "roughplastic",
+                "alpha": 0.28,
+                "int_ior": 1.33,
+                "distribution": "ggx",
+                "diffuse_reflectance": m.texture(asphalt, road_inks),
+            },
+            "wet": {
+                "type": "roughplastic",
+                "alpha": 0.035,
+                "int_ior": 1.33,
+                "distribution": "ggx",
+                "diffuse_reflectance": m.texture(asphalt, road_inks, 1.0, 0.5),
+            },
+        },
+    }
     n = 260
     gx, gy = np.meshgrid(np.linspace(-3.2, 3.2, n), np.linspace(-4, 46, 2 * n))
     wave = np.random.default_rng(2)
-    z = 0.003 * np.sin(gx * 9 + wave.normal(0, 1)) * np.cos(gy * 3.1) - 0.01 * gx ** 2 / 3
+    z = 0.003 * np.sin(gx * 9 + wave.normal(0, 1)) * np.cos(gy * 3.1) - 0.01 * gx**2 / 3
     scene["road"] = mesh.shape(mesh.grid(np.stack([gx, gy, z], 2), (1.0, 5.0)), road)
     joint, each = texture.bricks(1024, 1024, 8, 16, 0.06, 3)
-    flags = m.plastic(texture.mix(each, 0.5 * texture.ramp(texture.noise(1024, 1024, 5, 0.9, 8), 0, 1.5), joint), ["Concrete WTC01-37A", "Cinder Block GDS356 Lg Grey", "Brick GDS355 Paving Dk Gry", "Asphalt GDS376 Blck Road old"], 0.2)
+    flags = m.plastic(
+        texture.mix(each, 0.5 * texture.ramp(texture.noise(1024, 1024, 5, 0.9, 8), 0, 1.5), joint),
+        ["Concrete WTC01-37A", "Cinder Block GDS356 Lg Grey", "Brick GDS355 Paving Dk Gry", "Asphalt GDS376 Blck Road old"],
+        0.2,
+    )
     walk = []
     for s in (-1, 1):
         x0, x1 = (-5.2, -3.2) if s < 0 else (3.2, 5.2)
@@ -168,11 +207,26 @@ def build() -> tuple[dict[str, Any], dict[str, Any]]:
     scene["walk"] = mesh.shape(mesh.merge(walk), flags, False)
     joint, each = texture.bricks(1024, 1024, 12, 36, 0.11, 21)
     dirt = texture.ramp(texture.noise(1024, 1024, 22, 1.2, 3), -0.2, 1.8)
-    brick = m.diffuse(texture.mix(each, 0.55 * dirt, joint), ["Brick GDS349 Paving Red", "Brick GDS350 Dk Red Building", "Brick GDS348 Pave DkBrwngrey", "Concrete GDS375 Lt Gry Road"])
-    render_ = m.diffuse(texture.mix(0.6 * dirt, 0.5 * texture.ramp(texture.noise(1024, 1024, 23, 0.6, 30), 0, 2)), ["TCS 30", "Concrete WTC01-37A", "Italian nat sienna GDS805"])
-    pink = m.diffuse(texture.mix(0.6 * dirt, 0.4 * texture.ramp(texture.noise(1024, 1024, 24, 0.6, 30), 0, 2)), ["TCS 15", "Brick GDS354 Building Lt Gry", "Terra Pozzuoli GDS806"])
-    blocks = [(-5.2, -4, 7.5, 11.5, -1, brick, 3.6), (-5.2, 7.5, 19, 10.0, -1, render_, 0.9), (-5.2, 19, 46, 12.5, -1, brick, 1.0),
-              (5.2, -4, 9.5, 10.5, 1, pink, 3.6), (5.2, 9.5, 23, 12.0, 1, brick, 1.0), (5.2, 23, 46, 9.5, 1, render_, 1.0)]
+    brick = m.diffuse(
+        texture.mix(each, 0.55 * dirt, joint),
+        ["Brick GDS349 Paving Red", "Brick GDS350 Dk Red Building", "Brick GDS348 Pave DkBrwngrey", "Concrete GDS375 Lt Gry Road"],
+    )
+    render_ = m.diffuse(
+        texture.mix(0.6 * dirt, 0.5 * texture.ramp(texture.noise(1024, 1024, 23, 0.6, 30), 0, 2)),
+        ["TCS 30", "Concrete WTC01-37A", "Italian nat sienna GDS805"],
+    )
+    pink = m.diffuse(
+        texture.mix(0.6 * dirt, 0.4 * texture.ramp(texture.noise(1024, 1024, 24, 0.6, 30), 0, 2)),
+        ["TCS 15", "Brick GDS354 Building Lt Gry", "Terra Pozzuoli GDS806"],
+    )
+    blocks = [
+        (-5.2, -4, 7.5, 11.5, -1, brick, 3.6),
+        (-5.2, 7.5, 19, 10.0, -1, render_, 0.9),
+        (-5.2, 19, 46, 12.5, -1, brick, 1.0),
+        (5.2, -4, 9.5, 10.5, 1, pink, 3.6),
+        (5.2, 9.5, 23, 12.0, 1, brick, 1.0),
+        (5.2, 23, 46, 9.5, 1, render_, 1.0),
+    ]
     common: dict[str, list[Mesh]] = {}
     for k, (x, y0, y1, h, s, bsdf, first) in enumerate(blocks):
         parts = facade(x, y0, y1, h, s, rng, first)
@@ -197,18 +251,33 @@ def build() -> tuple[dict[str, Any], dict[str, Any]]:
     atlas = np.repeat(np.eye(8, dtype=np.float32)[None], 32, 0)
     atlas = np.repeat(atlas, 8, 1)
     scene["goods"] = mesh.shape(mesh.merge(goods), m.plastic(atlas, shop_inks, 0.2), False)
-    boards = [mesh.box((-6.3, 1.0, z - 0.03), (-5.7, 6.9, z)) for z in (0.55, 1.05, 1.55, 2.05)] + [mesh.quad((-6.35, 1.0, 0.3), (0, 6.0, 0), (0, 0, 2.9)), mesh.box((-6.4, 0.9, 3.05), (-5.2, 7.0, 3.2)),
-             mesh.box((-6.4, 0.85, 0.1), (-5.2, 1.0, 3.2)), mesh.box((-6.4, 6.9, 0.1), (-5.2, 7.05, 3.2)), mesh.box((-5.35, 0.9, 0.1), (-5.2, 7.0, 0.5))]
+    boards = [mesh.box((-6.3, 1.0, z - 0.03), (-5.7, 6.9, z)) for z in (0.55, 1.05, 1.55, 2.05)] + [
+        mesh.quad((-6.35, 1.0, 0.3), (0, 6.0, 0), (0, 0, 2.9)),
+        mesh.box((-6.4, 0.9, 3.05), (-5.2, 7.0, 3.2)),
+        mesh.box((-6.4, 0.85, 0.1), (-5.2, 1.0, 3.2)),
+        mesh.box((-6.4, 6.9, 0.1), (-5.2, 7.05, 3.2)),
+        mesh.box((-5.35, 0.9, 0.1), (-5.2, 7.0, 0.5)),
+    ]
     scene["shop"] = mesh.shape(mesh.merge(boards), m.diffuse(None, ["Plywood GDS365 Fresh Pine"]), False)
-    scene["tubes"] = mesh.shape(mesh.merge([mesh.tube(np.stack([np.full(20, -5.5), np.linspace(1.3, 6.6, 20), np.full(20, 2.98)], 1), np.full(20, 0.02), 8)]), {"type": "diffuse"},
-                                emitter=m.lamp("FL3.12", 5000.0))
-    front = [mesh.box((-5.24, y, 0.1), (-5.16, y + 0.07, 3.1)) for y in (0.95, 2.9, 4.9, 6.85)] + [mesh.box((-5.3, -4, 0.1), (-5.2, 0.9, 3.2)), mesh.box((-5.3, 7.0, 0.1), (-5.2, 7.5, 3.2))]
+    scene["tubes"] = mesh.shape(
+        mesh.merge([mesh.tube(np.stack([np.full(20, -5.5), np.linspace(1.3, 6.6, 20), np.full(20, 2.98)], 1), np.full(20, 0.02), 8)]),
+        {"type": "diffuse"},
+        emitter=m.lamp("FL3.12", 5000.0),
+    )
+    front = [mesh.box((-5.24, y, 0.1), (-5.16, y + 0.07, 3.1)) for y in (0.95, 2.9, 4.9, 6.85)] + [
+        mesh.box((-5.3, -4, 0.1), (-5.2, 0.9, 3.2)),
+        mesh.box((-5.3, 7.0, 0.1), (-5.2, 7.5, 3.2)),
+    ]
     scene["front"] = mesh.shape(mesh.merge(front), m.plastic(None, ["Polyester Pile GDS435 DkGrn"], 0.1), False)
     board = texture.Print(192, 1536, 4, 0)
     board.text(0.5, 0.10, "BAKERY · FRUIT · NEWS", 128, 1, True, anchor="ma")
     board.rectangle(0.01, 0.04, 0.99, 0.08, 2)
     board.rectangle(0.01, 0.92, 0.99, 0.96, 2)
-    scene["board"] = mesh.shape(mesh.quad((-5.13, 0.8, 3.2), (0, 6.4, 0), (0, 0, 0.55)), m.plastic(board.shares(), ["Prussian blue GDS802", "TCS 24", "Naples yellow GDS787", "TCS 44"], 0.15), False)
+    scene["board"] = mesh.shape(
+        mesh.quad((-5.13, 0.8, 3.2), (0, 6.4, 0), (0, 0, 0.55)),
+        m.plastic(board.shares(), ["Prussian blue GDS802", "TCS 24", "Naples yellow GDS787", "TCS 44"], 0.15),
+        False,
+    )
     up, along = np.array([0, 0, 1.0]), np.array([0, -1.0, 0])
     scene["neon"] = mesh.shape(sign("BAR", np.array([4.98, 6.9, 3.35]), along, up, 0.62, 0.016), {"type": "diffuse"}, emitter=m.lamp("Neon", 1500.0))
     hotel = sign("HOTEL", np.array([4.05, 12.4, 7.1]), np.array([1.0, 0, 0]), up, 0.55, 0.02, step=np.array([0, 0, -0.75]))
@@ -219,13 +288,25 @@ def build() -> tuple[dict[str, Any], dict[str, Any]]:
     ring = np.linspace(0, 2 * np.pi, 60)
     loop = mesh.tube(np.stack([np.full(60, 4.98), 5.95 + 1.35 * np.cos(ring), 3.66 + 0.55 * np.sin(ring)], 1), np.full(60, 0.014), 8)
     scene["loop"] = mesh.shape(loop, {"type": "diffuse"}, emitter=m.lamp("LED-RGB1", 260.0))
-    door = [mesh.box((5.12, 5.2, 0.13), (5.2, 6.2, 2.5)), mesh.box((5.1, 4.9, 0.13), (5.25, 5.0, 2.9)), mesh.box((5.1, 6.4, 0.13), (5.25, 6.5, 2.9)), mesh.box((5.1, 1.0, 0.1), (5.2, 4.9, 0.9)),
-            mesh.box((5.1, 1.0, 2.7), (5.2, 9.5, 3.2)), mesh.box((5.1, 6.5, 0.1), (5.2, 9.5, 2.9)), mesh.box((5.1, -4, 0.1), (5.2, 1.0, 3.2))]
+    door = [
+        mesh.box((5.12, 5.2, 0.13), (5.2, 6.2, 2.5)),
+        mesh.box((5.1, 4.9, 0.13), (5.25, 5.0, 2.9)),
+        mesh.box((5.1, 6.4, 0.13), (5.25, 6.5, 2.9)),
+        mesh.box((5.1, 1.0, 0.1), (5.2, 4.9, 0.9)),
+        mesh.box((5.1, 1.0, 2.7), (5.2, 9.5, 3.2)),
+        mesh.box((5.1, 6.5, 0.1), (5.2, 9.5, 2.9)),
+        mesh.box((5.1, -4, 0.1), (5.2, 1.0, 3.2)),
+    ]
     scene["bar"] = mesh.shape(mesh.merge(door), m.plastic(None, ["TCS 7"], 0.12), False)
     scene["barglass"] = mesh.shape(mesh.quad((5.16, 1.0, 0.9), (0, 3.9, 0), (0, 0, 1.8)), {"type": "diffuse"}, False, emitter=m.lamp("LED-B1", 14.0))
     bars = [mesh.box((5.10, y, 0.9), (5.17, y + 0.05, 2.7)) for y in np.linspace(1.0, 4.85, 5)] + [mesh.box((5.10, 1.0, 2.1), (5.17, 4.9, 2.16))]
     scene["bars"] = mesh.shape(mesh.merge(bars), m.plastic(None, ["TCS 7"], 0.12), False)
-    for k, (y, words) in enumerate([(7.0, [("JAZZ", 0.5, 0.08, 120, 4), ("QUARTET", 0.5, 0.3, 60, 1), ("12 MAY", 0.5, 0.6, 80, 3)]), (8.1, [("CIRCUS", 0.5, 0.1, 88, 2), ("GRAND OPENING", 0.5, 0.4, 40, 4)])]):
+    for k, (y, words) in enumerate(
+        [
+            (7.0, [("JAZZ", 0.5, 0.08, 120, 4), ("QUARTET", 0.5, 0.3, 60, 1), ("12 MAY", 0.5, 0.6, 80, 3)]),
+            (8.1, [("CIRCUS", 0.5, 0.1, 88, 2), ("GRAND OPENING", 0.5, 0.4, 40, 4)]),
+        ]
+    ):
         inks = [["TCS 29", "TCS 5", "TCS 76", "TCS 8", "TCS 44"], ["TCS 64", "TCS 20", "TCS 24", "TCS 97", "TCS 44"]][k]
         scene[f"poster{k}"] = mesh.shape(mesh.quad((5.085, y + 0.85, 1.0), (0, -0.85, 0), (0, 0, 1.25)), m.diffuse(poster(k, words), inks), False)
     # Lamp posts.
@@ -233,13 +314,22 @@ def build() -> tuple[dict[str, Any], dict[str, Any]]:
     for x, y in ((-3.6, 9.0), (3.6, 18.0), (-3.6, 27.0), (3.6, 36.0)):
         s = np.sign(-x)
         t = np.linspace(0, 1, 30)
-        bow = np.stack([x + s * 1.3 * np.clip((t - 0.75) / 0.25, 0, 1) ** 1.6, np.full(30, y), 0.1 + 5.6 * np.minimum(t / 0.8, 1) + 0.5 * np.sin(np.clip((t - 0.75) / 0.25, 0, 1) * np.pi / 2)], 1)
+        bow = np.stack(
+            [
+                x + s * 1.3 * np.clip((t - 0.75) / 0.25, 0, 1) ** 1.6,
+                np.full(30, y),
+                0.1 + 5.6 * np.minimum(t / 0.8, 1) + 0.5 * np.sin(np.clip((t - 0.75) / 0.25, 0, 1) * np.pi / 2),
+            ],
+            1,
+        )
         posts.append(mesh.tube(bow, np.linspace(0.08, 0.04, 30), 12))
         posts.append(mesh.box((x + s * 1.2 - 0.02 - 0.2, y - 0.12, 6.17), (x + s * 1.2 + 0.45, y + 0.12, 6.27)))
         heads_hps.append(mesh.quad((x + s * 1.2 - 0.15, y - 0.09, 6.165), (0, 0.18, 0), (0.5, 0, 0)))
     scene["posts"] = mesh.shape(mesh.merge(posts), m.plastic(None, ["Painted Aluminum GDS333 LgGr"], 0.3))
     scene["sodium"] = mesh.shape(mesh.merge(heads_hps), {"type": "diffuse"}, False, emitter=m.lamp("HP1", 60000.0))
-    scene["ledlamp"] = mesh.shape(mesh.quad((4.85, 0.2, 3.05), (0, 0.5, 0), (0.12, 0, 0)), {"type": "diffuse"}, False, emitter=m.lamp("LED-B5", 9000.0))
+    scene["ledlamp"] = mesh.shape(
+        mesh.quad((4.85, 0.2, 3.05), (0, 0.5, 0), (0.12, 0, 0)), {"type": "diffuse"}, False, emitter=m.lamp("LED-B5", 9000.0)
+    )
     parts = car()
     paint = m.plastic(None, ["Plastic Pipe GDS344 Blue"], 0.03)
     place: dict[str, Any] = {"offset": (2.25, 3.4, 0.0)}
@@ -251,11 +341,17 @@ def build() -> tuple[dict[str, Any], dict[str, Any]]:
     scene["carbumper"] = mesh.shape(parts["bumper"].move(**place), m.plastic(None, ["Plastic HDPE GDS351 BlkSheet"], 0.3), False)
     tag = texture.Print(96, 448, 3, 0)
     tag.text(0.5, 0.12, "KR · 4721 B", 66, 1, True, anchor="ma")
-    scene["carplate"] = mesh.shape(parts["plate"].move((2.25, 3.365, 0.02)), m.plastic(tag.shares(), [("Plastic HDPE GDS384 Wht Opaq"), "TCS 44", "TCS 76"], 0.2), False)
-    bins = [mesh.lathe(np.array([[0, 0], [0.24, 0], [0.29, 0.75], [0.31, 0.76], [0.31, 0.82], [0.25, 0.9], [0, 0.93]]), 40).move((-4.6, 7.6, 0.13)),
-            mesh.lathe(np.array([[0, 0], [0.24, 0], [0.29, 0.75], [0.31, 0.76], [0.31, 0.82], [0.25, 0.9], [0, 0.93]]), 40).move((-4.62, 8.3, 0.13))]
+    scene["carplate"] = mesh.shape(
+        parts["plate"].move((2.25, 3.365, 0.02)), m.plastic(tag.shares(), [("Plastic HDPE GDS384 Wht Opaq"), "TCS 44", "TCS 76"], 0.2), False
+    )
+    bins = [
+        mesh.lathe(np.array([[0, 0], [0.24, 0], [0.29, 0.75], [0.31, 0.76], [0.31, 0.82], [0.25, 0.9], [0, 0.93]]), 40).move((-4.6, 7.6, 0.13)),
+        mesh.lathe(np.array([[0, 0], [0.24, 0], [0.29, 0.75], [0.31, 0.76], [0.31, 0.82], [0.25, 0.9], [0, 0.93]]), 40).move((-4.62, 8.3, 0.13)),
+    ]
     scene["bins"] = mesh.shape(mesh.merge(bins), m.plastic(None, ["Plastic Tarp GDS339 Green"], 0.2))
-    crates = mesh.merge([mesh.box((-4.9, 2.0 + 0.62 * k, 0.13 + 0.3 * j), (-4.5, 2.55 + 0.62 * k, 0.40 + 0.3 * j)) for k in range(3) for j in range(2)])
+    crates = mesh.merge(
+        [mesh.box((-4.9, 2.0 + 0.62 * k, 0.13 + 0.3 * j), (-4.5, 2.55 + 0.62 * k, 0.40 + 0.3 * j)) for k in range(3) for j in range(2)]
+    )
     grainw = texture.mix(texture.ramp(texture.stretched(256, 256, 31, 0.04, 1.0), -1, 1))
     scene["crates"] = mesh.shape(crates, m.diffuse(grainw, ["Plywood GDS365 Fresh Pine", "Cedar Shake GDS359 MedWeathr"]), False)
     fruit = []

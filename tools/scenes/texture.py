@@ -1,4 +1,5 @@
 """Textures: shares of materials over a square, from noise, weaves and print."""
+
 import pathlib
 
 import numpy as np
