@@ -1,0 +1,80 @@
+"""python -m scenes check: does a rendering give back the reflectance of a known card, and are the test spectra not those of training?"""
+
+import csv
+import pathlib
+
+import mitsuba as mi
+import numpy as np
+
+from . import codec, material, render, spectra
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+CARDS = ["TCS 5", "TCS 32", "TCS 76", "Skin 36", "Cotton Fabric GDS437 White"]
+
+
+def recovered() -> float:
+    """Largest relative error of the mean reflectance of cards under an LED lamp at 40°, rendered, stored and decoded."""
+    worst = 0.0
+    t = mi.ScalarTransform4f()
+    angle = np.radians(40.0)
+    irradiance = spectra.irradiance("LED-B3", 1000.0)
+    for name in CARDS:
+        scene = mi.load_dict(
+            {
+                "type": "scene",
+                "sun": {
+                    "type": "directional",
+                    "direction": [float(np.sin(angle)), 0.0, -float(np.cos(angle))],
+                    "irradiance": material.spectrum(irradiance),
+                },
+                "card": {"type": "rectangle", "bsdf": material.diffuse(None, [name])},
+            }
+        )
+        sensor = mi.load_dict({"type": "perspective", "fov": 20.0, "to_world": t.look_at([0, 0, 3], [0, 0, 0], [0, 1, 0])})
+        picture = render.render(scene, sensor, 12, 16, 16, 1).radiance
+        stored = codec.decode(codec.encode(picture, irradiance / np.pi, {}, 3)).radiance
+        reflectance = stored.mean(axis=(0, 1)) * np.pi / (irradiance * np.cos(angle))
+        truth = spectra.reflectances()[name]
+        error = float(np.abs(reflectance / truth - 1).max())
+        print(f"{name}: largest error of a band {100 * error:.2f} %")
+        worst = max(worst, error)
+    return worst
+
+
+def interreflection() -> float:
+    """Relative error of the radiance in a closed box of grey walls that shine: L = Lₑ / (1 − ρ), by a path of 60 bounces."""
+    lamp = spectra.radiance("HP1", 100.0)
+    wall = {
+        "type": "sphere",
+        "radius": 1.0,
+        "flip_normals": True,
+        "bsdf": material.diffuse(None, ["TCS 45"]),
+        "emitter": {"type": "area", "radiance": material.spectrum(lamp)},
+    }
+    sensor = mi.load_dict({"type": "perspective", "fov": 40.0, "to_world": mi.ScalarTransform4f().look_at([0, 0, 0], [1, 0, 0], [0, 0, 1])})
+    got = render.render(mi.load_dict({"type": "scene", "wall": wall}), sensor, 16, 16, 256, 3, 60).radiance.mean(axis=(0, 1))
+    truth = lamp / (1 - spectra.reflectances()["TCS 45"])
+    error = float(np.abs(got / truth - 1).max())
+    print(f"closed box: largest error of a band {100 * error:.2f} %")
+    return error
+
+
+def nearest_to_training() -> float:
+    """Smallest rms distance between a reflectance of the test scenes and one of the training set."""
+    rows = [r for r in csv.reader(line for line in (ROOT / "tools/data/natural_reflectances.csv").open() if not line.startswith("#"))]
+    training = np.array([[float(v) / 1e5 for v in r[1:]] for r in rows])[:, 2:33]
+    best = (1.0, "", "")
+    for name, values in spectra.reflectances().items():
+        d = np.sqrt(((training - values) ** 2).mean(axis=1))
+        best = min(best, (float(d.min()), name, rows[int(d.argmin())][0]))
+    print(f"nearest pair of test and training: {best[1]} and {best[2]}, rms distance {best[0]:.4f}")
+    return best[0]
+
+
+def main() -> int:
+    """0 if every check holds."""
+    ok = recovered() < 0.02
+    ok &= interreflection() < 0.02
+    ok &= nearest_to_training() > 0.001
+    print("passed" if ok else "FAILED")
+    return 0 if ok else 1
