@@ -12,7 +12,7 @@ import numpy as np
 
 NAMES = ["portrait", "foliage", "table", "street", "shelf", "interior"]
 ROWS, COLS = 576, 768
-STORE = pathlib.Path(__file__).resolve().parents[2] / "crates/smalti/scenes"
+STORE = pathlib.Path(__file__).resolve().parents[2] / "crates/smalti-io/scenes"
 
 
 def variant() -> None:

@@ -15,7 +15,7 @@ use smalti::l3::Pipeline;
 use smalti::spectrum::{Observer, WavelengthGrid};
 use smalti_io::cache::Cache;
 use smalti_io::comparisons::{self, ComparisonFiles, RESULTS};
-use smalti_io::{memory, write};
+use smalti_io::{memory, rendered, write};
 use smalti_report::comparison::{Comparison, Conditions, PAGE, SIDE_BY_SIDE};
 use smalti_report::names;
 
@@ -229,6 +229,12 @@ fn scenes(args: &Compare) -> anyhow::Result<Vec<TestScene>> {
         return Ok(TestScene::default_set());
     }
     let scene = |name: &String| {
+        if rendered::find(name).is_some() {
+            bail!(
+                "{name}: a comparison relights its scenes, and the lamps of a rendered scene cannot be replaced; \
+                 smalti simulate takes pictures of it"
+            );
+        }
         if !resolve::is_file(name) {
             return Ok(TestScene::built_in(name));
         }

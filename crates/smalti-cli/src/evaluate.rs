@@ -4,10 +4,10 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use serde_json::json;
-use smalti::camera::{Camera, Evaluation, EvaluationPictures, EvaluationSettings, ScoreSettings};
+use smalti::camera::{Camera, Evaluation, EvaluationPictures, EvaluationSettings};
 use smalti::color::ColorSpace;
 use smalti::experiment::{
-    ComparisonSettings, Contender, ExposurePlan, Progress as _, Resources, camera_differences,
+    ComparedPictures, Contender, ExposurePlan, Progress as _, Resources, camera_differences,
 };
 use smalti::spectrum::{Observer, WavelengthGrid};
 use smalti_io::cache::Cache;
@@ -67,15 +67,10 @@ pub(crate) fn run(args: &Evaluate, words: &[String], common: &Common) -> anyhow:
     let labels = names::numbered(cameras.iter().map(|c| c.description().name.clone()).collect());
     let contenders: Vec<_> =
         cameras.iter().zip(&labels).map(|(c, label)| Contender::as_described(c, label)).collect();
-    let settings = ComparisonSettings {
-        luminances_cd_m2: args.luminance.clone(),
-        illuminant: illuminant.clone(),
-        scenes: Vec::new(),
-        seed: args.camera_options.seed,
-        score: ScoreSettings::default(),
-        exposure: args.exposure.policy(),
-    };
-    let exposure = ExposurePlan::new(&contenders, &settings, resources)?;
+    let pictures =
+        ComparedPictures { scenes: &[], luminances_cd_m2: &args.luminance, illuminant: &illuminant };
+    let labelled: Vec<(&str, &Camera)> = contenders.iter().map(|c| (c.label, c.camera)).collect();
+    let exposure = ExposurePlan::new(args.exposure.policy(), &labelled, pictures, resources)?;
     let (mut results, mut shots) = (Vec::new(), Vec::new());
     for contender in &contenders {
         for (light, &luminance_cd_m2) in args.luminance.iter().enumerate() {
@@ -83,7 +78,7 @@ pub(crate) fn run(args: &Evaluate, words: &[String], common: &Common) -> anyhow:
             let settings = EvaluationSettings {
                 luminance_cd_m2,
                 illuminant: illuminant.clone(),
-                seed: settings.seed,
+                seed: args.camera_options.seed,
                 exposure: exposure.targets(light),
             };
             let (scores, pictures) = contender.evaluate(&settings, resources)?;

@@ -7,6 +7,7 @@ use smalti::metrics;
 use smalti::scene::catalog;
 use smalti::sensor::cfa;
 use smalti::spectrum::Illuminant;
+use smalti_io::rendered::{self, RenderedScene};
 use smalti_io::{BuiltinFile, cameras, studies};
 use smalti_report::comparison::columns::where_shown;
 
@@ -149,7 +150,13 @@ fn scenes() -> Vec<Entry> {
             }),
         }
     };
-    catalog::names().iter().map(entry).collect()
+    let rendered = |s: &RenderedScene| Entry {
+        name: s.name.into(),
+        summary: s.summary.into(),
+        details: Vec::new(),
+        json: json!({"name": s.name, "summary": s.summary, "parameters": []}),
+    };
+    catalog::names().iter().map(entry).chain(rendered::names().iter().map(rendered)).collect()
 }
 
 fn cfas() -> Result<Vec<Entry>, cfa::CfaError> {

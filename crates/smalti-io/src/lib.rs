@@ -23,6 +23,7 @@
 //! | [`lights`] | a name, or CSV | [`smalti::spectrum::Illuminant`] |
 //! | [`scene_file`] | whatever holds a scene | [`smalti::scene::Scene`] |
 //! | [`scenes`] | a name, or a scene file | [`smalti::scene::Scene`] |
+//! | [`rendered`] | the built-in path-traced scenes | [`smalti::scene::Scene`] |
 //! | [`text`] | UTF-8 | `String` |
 //! | [`memory`] | `/proc/meminfo` | bytes |
 //!
@@ -54,6 +55,7 @@ pub mod npy;
 pub mod npz;
 pub mod picture;
 mod raster;
+pub mod rendered;
 pub mod scene_file;
 pub mod scenes;
 pub mod spectral_tiff;

@@ -7,7 +7,7 @@ use smalti::spectrum::{Illuminant, WavelengthGrid};
 
 use crate::error::At;
 use crate::scene_file::{self, is_meant};
-use crate::{IoError, ReadOptions};
+use crate::{IoError, ReadOptions, rendered};
 
 /// Properties that a scene is required to have. Those that are not stated here are taken from its file, else from [`Setting`].
 #[derive(Debug, Clone, Default)]
@@ -62,13 +62,16 @@ impl SceneRequest {
     }
 }
 
-/// A built-in scene by its name and parameters (`zone-plate?frequency=0.4`), painted with natural reflectances, or a file of any
-/// format that [`scene_file`] reads.
+/// A built-in scene by its name and parameters (`zone-plate?frequency=0.4`), painted with natural reflectances, a [rendered] scene in
+/// its own light, or a file of any format that [`scene_file`] reads.
 ///
 /// # Errors
 /// When there is no such scene, a parameter is out of range, the file holds no scene, or it cannot be as asked.
 pub fn load(name: &str, request: &SceneRequest) -> Result<Scene, IoError> {
     let setting = request.setting();
+    if let Some(scene) = rendered::find(name) {
+        return request.applied_to(scene.load()?).at(Path::new(name));
+    }
     if !is_meant(name) {
         return catalog::build_natural(name, &setting)
             .map_err(|source| IoError::Catalog { name: name.to_owned(), source });

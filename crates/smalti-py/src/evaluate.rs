@@ -14,7 +14,7 @@ use smalti::l3::Training;
 use smalti::numeric::Planes;
 use smalti::spectrum::{Illuminant, Observer};
 use smalti_io::cache::Cache;
-use smalti_io::{SceneRequest, memory};
+use smalti_io::{SceneRequest, memory, rendered};
 
 use crate::arrays;
 use crate::camera::PyCamera;
@@ -365,6 +365,9 @@ impl NameOrScene {
     /// The scene at a mean luminance of 1 cd/m², relit if an illuminant is given.
     fn test_scene(&self, illuminant: Option<&Illuminant>) -> PyResult<TestScene> {
         match self {
+            Self::Name(name) if rendered::find(name).is_some() => Err(wrong(format!(
+                "{name}: a comparison relights its scenes, and the lamps of a rendered scene cannot be replaced"
+            ))),
             Self::Name(name) => Ok(TestScene::built_in(name)),
             Self::Scene(scene) => {
                 let PyScene { scene, source: name, .. } = scene.get();

@@ -357,7 +357,8 @@ impl PyScene {
 /// Names of the built-in scenes with their summaries; `smalti list scenes` lists their parameters.
 #[pyfunction]
 pub(crate) fn scenes() -> std::collections::BTreeMap<&'static str, &'static str> {
-    catalog::names().iter().map(|s| (s.name, s.summary)).collect()
+    let rendered = smalti_io::rendered::names().iter().map(|s| (s.name, s.summary));
+    catalog::names().iter().map(|s| (s.name, s.summary)).chain(rendered).collect()
 }
 
 /// An array \[rows, columns, wavelengths\] on its wavelengths.

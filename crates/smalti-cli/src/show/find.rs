@@ -8,7 +8,7 @@ use smalti::names::nearest;
 use smalti::scene::catalog;
 use smalti::sensor::{Filter, cfa};
 use smalti::spectrum::{Illuminant, WavelengthGrid};
-use smalti_io::{cameras, studies, text};
+use smalti_io::{cameras, rendered, studies, text};
 
 use super::curve::is_csv;
 use crate::resolve::has_extension;
@@ -58,7 +58,10 @@ impl Kind {
                 .iter()
                 .flat_map(|c| [c.name].into_iter().chain(c.aliases.iter().copied()))
                 .collect(),
-            Self::Scene => catalog::names().iter().map(|s| s.name).collect(),
+            Self::Scene => {
+                let rendered = rendered::names().iter().map(|s| s.name);
+                catalog::names().iter().map(|s| s.name).chain(rendered).collect()
+            }
             Self::Study => studies::names().iter().map(|f| f.name).collect(),
             Self::Illuminant => Illuminant::names().to_vec(),
             Self::Filter => cfa::builtin_filters().iter().map(|f| f.name).collect(),

@@ -71,6 +71,11 @@ fn pictures_and_spectra_that_are_broken() {
     scene(&place, "huge.png", &["huge.png"]);
     scene(&place, "a.npy", &["a.npy", "the wavelengths is not stated: a single array"]);
     scene(&place, "absent.exr", &["cannot read absent.exr"]);
+    fails(
+        &place,
+        &["compare", "bayer", "--scene", "natural-table", "-o", "out"],
+        &["natural-table: a comparison relights its scenes"],
+    );
     std::fs::create_dir(place.path("folder.png")).unwrap();
     scene(&place, "folder.png", &["cannot read folder.png"]);
 }
@@ -355,7 +360,7 @@ fn scenes_and_settings_that_cannot_be() {
         ("--luminance", "0", "luminance_cd_m2 is 0; expected more than 0"),
         ("--fov", "190", "horizontal_fov_deg is 190; expected between 0 and 180"),
         ("--distance", "0", "distance_m is 0; expected more than 0"),
-        ("--distance", "0.001", "0.001 m from the lens; a focal length of 0.003863 m needs more"),
+        ("--distance", "0.001", "0.001 m from the lens; expected more than the focal length of 0.003863 m"),
         ("--illuminant", "D66", "did you mean 'D65'?"),
         ("--illuminant", "D:100", "100"),
     ] {

@@ -51,8 +51,9 @@ fn the_table_the_files_and_the_figures_agree() {
     let words = format!("compare bayer rgbw --scene {LEAVES} --luminance 5,80 -o o");
     let text = ok(&place, &words);
     let lines: Vec<&str> = text.lines().collect();
-    assert_eq!(lines[0].split("  ").filter(|c| !c.is_empty()).count(), 9, "{text}");
-    let rows: Vec<[&str; 3]> = lines[2..6]
+    assert_eq!(lines[0], "Exposure: the time or the rule of each camera.");
+    assert_eq!(lines[2].split("  ").filter(|c| !c.is_empty()).count(), 11, "{text}");
+    let rows: Vec<[&str; 3]> = lines[4..8]
         .iter()
         .map(|l| l.split_whitespace().take(3).collect::<Vec<_>>().try_into().unwrap())
         .collect();
@@ -167,7 +168,7 @@ fn ways_of_processing_stand_beside_each_other_where_they_are_defined() {
     let ways: Vec<String> = got
         .out
         .lines()
-        .skip(2)
+        .skip(4)
         .take(4)
         .map(|l| l.split_whitespace().take(2).collect::<Vec<_>>().join(" "))
         .collect();
@@ -236,6 +237,34 @@ fn a_name_alone_is_the_scene_of_the_built_in_set() {
     assert_eq!(results.pointer("/results/0/scenes/0/scene").unwrap(), "macbeth?patch=128");
 }
 
+/// Cameras with automatic exposure would take different times; the table states the common time and what else differs.
+#[test]
+fn cameras_with_rules_of_their_own_are_compared_at_equal_times() {
+    let place = Place::new();
+    let words = format!("compare phone table1 --scene {LEAVES} --luminance 5 --processing bilinear -o o");
+    let text = ok(&place, &words);
+    assert!(text.starts_with("The cameras differ in more than the colour filter array:\nkey "), "{text}");
+    assert!(text.contains("\noptics.f_number ") && !text.contains("\nexposure.auto"), "{text}");
+    assert!(text.contains("none saturates more than 0.5 % of its samples, at most 33 ms."), "{text}");
+    let results = place.json("o/results.json");
+    assert_eq!(results["exposure"]["policy"], "equal");
+    let time = |camera: usize| results["results"][camera]["scenes"][0]["scores"]["exposure_time_s"].clone();
+    assert_eq!((time(0), time(1)), (0.033.into(), 0.033.into()));
+    let page = std::fs::read_to_string(place.path("o/report.html")).unwrap();
+    assert!(page.contains("Differences between the cameras besides the colour filter array"));
+    let own = ok(&place, &format!("{words} --exposure own"));
+    assert!(own.contains("Exposure: the time or the rule of each camera."), "{own}");
+    let results = place.json("o/results.json");
+    let time = |camera: usize| results["results"][camera]["scenes"][0]["scores"]["exposure_time_s"].as_f64();
+    assert!(time(0) != time(1) && time(1) > Some(0.033));
+    let fixed = run(&place, &format!("{words} --exposure 0.004 --json"));
+    assert!(fixed.out.contains("\"exposure_time_s\": 0.004"), "{}", fixed.out);
+    let refused = run(&place, &format!("{words} --exposure long"));
+    assert!(refused.code == 2 && refused.err.contains("own, equal, auto-equal or a time in seconds"));
+    let refused = run(&place, &format!("{words} --max-saturated 100"));
+    assert!(refused.code == 1 && refused.err.contains("the saturated share is 1; expected 0 to less than 1"));
+}
+
 #[test]
 fn the_light_gain_is_a_table_and_json() {
     let place = Place::new();
@@ -249,16 +278,23 @@ fn the_light_gain_is_a_table_and_json() {
     );
     assert!(text.contains(" stops"), "{text}");
     assert!(
-        text.contains(&format!("\nThese values are of {scene} and of four captures of the chart")),
+        text.contains("\nScores of whole pictures are means over the scenes of the first table"),
         "{text}"
     );
     let results = place.json("o/results.json");
     let gain = &results["light_gains"][0];
     assert_eq!(gain["needs_more_light"], "bayer bilinear");
     assert_eq!(gain["to_equal"], "rgbw bilinear");
-    assert_eq!(gain["scenes"], serde_json::json!([scene]));
     let metrics = gain.pointer("/gains/metrics").unwrap().as_array().unwrap();
     assert_eq!(metrics.len(), 5);
+    // Table and gain are of the same pictures.
+    for (metric, name) in metrics.iter().zip(["cpsnr_db", "pixel_delta_e_2000_mean", "scielab_mean"]) {
+        assert_eq!(metric["metric"], name);
+        assert_eq!(
+            (&metric["own"], &metric["target"]),
+            (&results["results"][0][name], &results["results"][1][name])
+        );
+    }
     for m in metrics {
         assert!(text.lines().any(|l| l.starts_with(m["metric"].as_str().unwrap())), "{m}");
         assert!(m["own"].is_number() && m["target"].is_number() && m["gain"].is_object(), "{m}");

@@ -148,7 +148,10 @@ fn pairs_that_do_not_fit() {
         "--pair s/raw.dng small.png",
         &["s/raw.dng and small.png", "30 × 30 pixels are too few for alignment"],
     );
-    pair("--pair s/raw.dng flat.png", &["s/raw.dng and flat.png", "does not match the raw image"]);
+    pair(
+        "--pair s/raw.dng flat.png",
+        &["s/raw.dng and flat.png", "the image is uniform; an alignment needs structure"],
+    );
     pair("--pair s/raw.dng no.png", &["cannot read no.png"]);
     pair("--pair no.dng s/rendered.png", &["cannot read no.dng"]);
     pair("--pair s/rendered.png s/rendered.png", &["s/rendered.png"]);

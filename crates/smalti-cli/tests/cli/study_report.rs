@@ -213,7 +213,7 @@ fn a_page_holds_the_designs() {
     assert!(pictures[0]["scene"]["src"].as_str().unwrap().starts_with("data:image/png;base64,iVBOR"));
     // What it draws them from.
     assert_eq!(
-        (data["stages"].as_array().unwrap().len(), &data["sections"][0]["drawn"]["stage"]),
+        (data["optical_setups"].as_array().unwrap().len(), &data["sections"][0]["drawn"]["optical_setup"]),
         (1, &0.into())
     );
     assert_eq!(data["studies"][0]["study"]["seed"], 1);
@@ -442,7 +442,7 @@ fn incomplete_results_are_reported_as_such() {
     let text = place.ok("report out");
     assert!(
         text.contains(
-            "Incomplete: 1 of 2 parts are missing, 88 trials. This report is of the 512 scored trials."
+            "Incomplete: 1 of 2 parts are missing, 88 trials. This report covers the 512 scored trials."
         ),
         "{text}"
     );

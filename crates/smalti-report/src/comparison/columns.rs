@@ -4,8 +4,6 @@ use smalti::camera::{Evaluation, SceneScores};
 use smalti::experiment::Outcome;
 use smalti::metrics::{Better, CATALOG};
 
-use super::results::mean;
-
 /// A column of scores of a kind.
 pub struct Column<T: 'static> {
     heading: &'static str,
@@ -29,6 +27,11 @@ const fn column<T>(
     of: fn(&T) -> f64,
 ) -> Column<T> {
     Column { heading, metric, digits, of }
+}
+
+/// The mean of a score over the scenes.
+pub(super) fn mean(outcome: &Outcome, of: impl Fn(&SceneScores) -> f64) -> f64 {
+    outcome.scenes.iter().map(|(_, s)| of(s)).sum::<f64>() / outcome.scenes.len().max(1) as f64
 }
 
 /// The scores of a comparison.

@@ -3,7 +3,7 @@
 use serde_json::{Value, json};
 use smalti::experiment::{CameraDifference, EqualExposure, ExposurePolicy, Outcome};
 
-use super::results::mean;
+use super::columns::mean;
 use crate::TextTable;
 use crate::page::{Markup, Table, paragraph};
 

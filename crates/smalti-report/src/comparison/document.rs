@@ -3,8 +3,9 @@
 use serde_json::{Map, Value, json};
 use smalti::l3::Pipeline;
 
+use super::columns::mean;
 use super::kernels::{dark_and_bright, weights};
-use super::results::{Comparison, mean};
+use super::results::Comparison;
 use crate::ReportError;
 
 impl Comparison<'_> {

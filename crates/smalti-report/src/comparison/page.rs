@@ -5,10 +5,11 @@ use serde_json::json;
 use smalti::camera::LightGain;
 use smalti::experiment::{Contender, Outcome, PairwiseLightGain};
 
+use super::columns::mean;
 use super::figures::{self, Named, Scored};
 use super::gallery::{self, Group, Shot};
 use super::maps::DIFFERENCES;
-use super::results::{Comparison, mean};
+use super::results::Comparison;
 use super::{again, learned, tables};
 use crate::page::{COMPARE, Markup, Page, el, foot, paragraph};
 use crate::pictures::Pixels;

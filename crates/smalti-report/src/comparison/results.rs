@@ -61,11 +61,6 @@ pub(super) fn of_contender(contender: &Contender<'_>, luminance_cd_m2: f64) -> [
     [contender.label.to_owned(), processing, luminance_cd_m2.to_string()]
 }
 
-/// The mean of a score over the scenes.
-pub(super) fn mean(outcome: &Outcome, of: impl Fn(&SceneScores) -> f64) -> f64 {
-    outcome.scenes.iter().map(|(_, s)| of(s)).sum::<f64>() / outcome.scenes.len().max(1) as f64
-}
-
 impl<'a> Comparison<'a> {
     /// The outcomes of the first contender, one per luminance. Every contender has the same luminances and scenes.
     pub(super) fn lights(&self) -> &'a [Outcome] {

@@ -4,7 +4,9 @@ use super::error::StageContext;
 use super::learning::learn_default;
 use super::progress::{Stoppable, ensure_running};
 use super::training_statistics::ensure_mosaic;
-use super::{ExperimentError, ExposurePlan, ExposurePolicy, Processing, Progress, Resources};
+use super::{
+    ComparedPictures, ExperimentError, ExposurePlan, ExposurePolicy, Processing, Progress, Resources,
+};
 use crate::camera::{
     Camera, CameraAndIsp, CameraError, Evaluation, EvaluationPictures, EvaluationSettings, LightGainSettings,
     LightGains, SceneScores, ScoreSettings, Setup, TestScene, TrainingSettings, compare_on, evaluate_with,
@@ -250,7 +252,13 @@ pub fn compare(
     resources: Resources<'_>,
 ) -> Result<Compared, ExperimentError> {
     resources.progress.expect((contenders.len() * settings.luminances_cd_m2.len()) as u64);
-    let exposure = ExposurePlan::new(contenders, settings, resources)?;
+    let cameras: Vec<(&str, &Camera)> = contenders.iter().map(|c| (c.label, c.camera)).collect();
+    let pictures = ComparedPictures {
+        scenes: &settings.scenes,
+        luminances_cd_m2: &settings.luminances_cd_m2,
+        illuminant: &settings.illuminant,
+    };
+    let exposure = ExposurePlan::new(settings.exposure, &cameras, pictures, resources)?;
     let mut outcomes = Vec::with_capacity(contenders.len());
     let mut setups: Vec<Setup> = Vec::new();
     for contender in contenders {

@@ -1,15 +1,15 @@
 //! Exposure times of a comparison. A camera that exposes longer collects more light, so scores at different times compare
 //! exposure rules rather than cameras.
 
-use super::comparison::{ComparisonSettings, Contender};
 use super::error::StageContext;
 use super::progress::ensure_running;
 use super::{ExperimentError, Resources};
 use crate::camera::target::Target;
-use crate::camera::{Camera, CameraError, EvaluationSettings, ExposureTimes, Setup};
+use crate::camera::{Camera, CameraError, EvaluationSettings, ExposureTimes, Setup, TestScene};
 use crate::optics::OpticalImage;
 use crate::scene::Setting;
 use crate::sensor::{AutoExposure, SensorError};
+use crate::spectrum::Illuminant;
 
 /// Relative difference up to which exposure times count as equal.
 const SAME_TIME: f64 = 1e-6;
@@ -74,24 +74,37 @@ struct Metered {
     longest: Vec<f64>,
 }
 
+/// The pictures of a comparison.
+#[derive(Debug, Clone, Copy)]
+pub struct ComparedPictures<'a> {
+    /// The scenes.
+    pub scenes: &'a [TestScene],
+    /// Their mean luminances, cd/m².
+    pub luminances_cd_m2: &'a [f64],
+    /// Their illuminant.
+    pub illuminant: &'a Illuminant,
+}
+
 impl ExposurePlan {
-    /// The times for contenders on the scenes and targets of a comparison. Scenes are imaged only if the times depend on them.
+    /// The times for labelled cameras on scenes and on the targets of an evaluation. Scenes are imaged only if the times depend on
+    /// them.
     ///
     /// # Errors
     /// When a setting is out of range, a stage fails, a camera saturates without light, or the work is stopped.
     pub fn new(
-        contenders: &[Contender<'_>],
-        settings: &ComparisonSettings,
+        policy: ExposurePolicy,
+        cameras: &[(&str, &Camera)],
+        pictures: ComparedPictures<'_>,
         resources: Resources<'_>,
     ) -> Result<Self, ExperimentError> {
-        let policy = settings.exposure;
         let own = Self { applied: ExposurePolicy::Own, times_s: Vec::new() };
-        let mut cameras: Vec<&Contender<'_>> = Vec::new();
-        for contender in contenders {
-            if !cameras.iter().any(|c| std::ptr::eq(c.camera, contender.camera)) {
-                cameras.push(contender);
+        let mut distinct: Vec<(&str, &Camera)> = Vec::new();
+        for &(label, camera) in cameras {
+            if !distinct.iter().any(|(_, known)| std::ptr::eq(*known, camera)) {
+                distinct.push((label, camera));
             }
         }
+        let cameras = distinct;
         let limits = match policy {
             ExposurePolicy::Own => return Ok(own),
             ExposurePolicy::Time(time_s) => {
@@ -105,8 +118,8 @@ impl ExposurePlan {
             }
             ExposurePolicy::Equal(limits) => limits,
             ExposurePolicy::AutoEqual(limits) => {
-                let first = cameras.first().and_then(|c| c.camera.stated_time_s());
-                let is_first = |c: &&Contender<'_>| first.is_some() && c.camera.stated_time_s() == first;
+                let first = cameras.first().and_then(|(_, camera)| camera.stated_time_s());
+                let is_first = |c: &(&str, &Camera)| first.is_some() && c.1.stated_time_s() == first;
                 if cameras.len() < 2 || cameras.iter().all(is_first) {
                     return Ok(own);
                 }
@@ -121,17 +134,17 @@ impl ExposurePlan {
             longest_s > 0.0 && longest_s <= 1e6,
             "more than 0 to 1e6",
         )?;
-        let pictures = metered(&cameras, settings, share, resources)?;
-        if matches!(policy, ExposurePolicy::AutoEqual(_)) && pictures.iter().all(|p| have_same_times(p)) {
+        let metered = metered(&cameras, pictures, share, resources)?;
+        if matches!(policy, ExposurePolicy::AutoEqual(_)) && metered.iter().all(|p| have_same_times(p)) {
             return Ok(own);
         }
         let common = |cameras: &Vec<Metered>| -> Vec<f64> {
             let of_light = |light| cameras.iter().filter_map(move |m| m.longest.get(light).copied());
-            (0..settings.luminances_cd_m2.len())
+            (0..pictures.luminances_cd_m2.len())
                 .map(|light| of_light(light).fold(longest_s, f64::min))
                 .collect()
         };
-        Ok(Self { applied: ExposurePolicy::Equal(limits), times_s: pictures.iter().map(common).collect() })
+        Ok(Self { applied: ExposurePolicy::Equal(limits), times_s: metered.iter().map(common).collect() })
     }
 
     /// The policy that was applied: own times, one time, or equal times.
@@ -160,46 +173,46 @@ impl ExposurePlan {
 
 /// For each scene, then for each target, the times of each camera.
 fn metered(
-    cameras: &[&Contender<'_>],
-    settings: &ComparisonSettings,
+    cameras: &[(&str, &Camera)],
+    pictures: ComparedPictures<'_>,
     share: f64,
     resources: Resources<'_>,
 ) -> Result<Vec<Vec<Metered>>, ExperimentError> {
-    let (lights, mut pictures) = (&settings.luminances_cd_m2, Vec::new());
-    for scene in &settings.scenes {
+    let (lights, mut all) = (pictures.luminances_cd_m2, Vec::new());
+    for scene in pictures.scenes {
         let (mut metered, mut last): (Vec<Metered>, Option<Setup>) = (Vec::new(), None);
-        for contender in cameras {
+        for &(label, camera) in cameras {
             ensure_running(resources.progress)?;
-            let context = || format!("{}, {}", contender.label, scene.name());
-            let shared = last.as_ref().map(|s| s.before(contender.camera)).transpose();
+            let context = || format!("{label}, {}", scene.name());
+            let shared = last.as_ref().map(|s| s.before(camera)).transpose();
             let setup = match shared.in_context(context)?.flatten() {
                 Some(setup) => setup,
-                None => scene.before(contender.camera, &settings.illuminant).in_context(context)?,
+                None => scene.before(camera, pictures.illuminant).in_context(context)?,
             };
             metered.push(Metered::new(&setup.camera, &setup.image, share, lights).in_context(context)?);
             last = Some(setup);
         }
-        pictures.push(metered);
+        all.push(metered);
     }
-    let Some(&luminance_cd_m2) = lights.first() else { return Ok(pictures) };
-    let illuminant = settings.illuminant.clone();
+    let Some(&luminance_cd_m2) = lights.first() else { return Ok(all) };
+    let illuminant = pictures.illuminant.clone();
     let targets = EvaluationSettings { luminance_cd_m2, illuminant, ..EvaluationSettings::default() };
     let factors: Vec<f64> = lights.iter().map(|cd_m2| cd_m2 / luminance_cd_m2).collect();
     for (name, target_of) in TARGETS {
         let mut metered = Vec::new();
-        for contender in cameras {
+        for &(label, camera) in cameras {
             ensure_running(resources.progress)?;
             let on_target = || -> Result<Metered, CameraError> {
-                let setting = targets.setting(contender.camera.grid());
-                let target = target_of(contender.camera, &setting)?;
+                let setting = targets.setting(camera.grid());
+                let target = target_of(camera, &setting)?;
                 let image = resources.store.optical_image(&target.key, &|| target.image())?;
                 Metered::new(&target.camera, &image, share, &factors)
             };
-            metered.push(on_target().in_context(|| format!("{}, {}", contender.label, name))?);
+            metered.push(on_target().in_context(|| format!("{label}, {name}"))?);
         }
-        pictures.push(metered);
+        all.push(metered);
     }
-    Ok(pictures)
+    Ok(all)
 }
 
 impl Metered {

@@ -25,7 +25,7 @@ pub use comparison::{
 };
 pub use differences::{CameraDifference, camera_differences};
 pub use error::ExperimentError;
-pub use exposure::{EqualExposure, ExposurePlan, ExposurePolicy};
+pub use exposure::{ComparedPictures, EqualExposure, ExposurePlan, ExposurePolicy};
 pub use labels::numbered;
 pub use learning::{
     Gathered, Learned, TrainingPair, TrainingRecord, TrainingSources, gather, learn, learn_default, solve,

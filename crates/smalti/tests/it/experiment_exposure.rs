@@ -4,8 +4,8 @@
 use smalti::camera::description::AutoExposureName;
 use smalti::camera::{Camera, CameraDescription, ScoreSettings, TestScene};
 use smalti::experiment::{
-    ComparisonSettings, Contender, EqualExposure, ExperimentError, ExposurePlan, ExposurePolicy, Resources,
-    compare,
+    ComparedPictures, ComparisonSettings, Contender, EqualExposure, ExperimentError, ExposurePlan,
+    ExposurePolicy, Resources, compare,
 };
 use smalti::spectrum::{Illuminant, WavelengthGrid};
 
@@ -38,6 +38,17 @@ fn pair() -> [Camera; 2] {
         d.sensor.cfa.pattern = smalti::camera::description::PatternDescription::Name("rgbw".into());
     });
     [camera(|d| d.exposure.auto = Some(AutoExposureName::Luminance)), mean]
+}
+
+fn plan(cameras: &[Camera], policy: ExposurePolicy) -> Result<ExposurePlan, ExperimentError> {
+    let settings = settings(policy);
+    let pictures = ComparedPictures {
+        scenes: &settings.scenes,
+        luminances_cd_m2: &settings.luminances_cd_m2,
+        illuminant: &settings.illuminant,
+    };
+    let labelled: Vec<(&str, &Camera)> = ["a", "b", "c"].into_iter().zip(cameras).collect();
+    ExposurePlan::new(policy, &labelled, pictures, Resources::default())
 }
 
 fn contenders(cameras: &[Camera]) -> Vec<Contender<'_>> {
@@ -73,9 +84,7 @@ fn cameras_that_expose_differently_are_compared_at_equal_times() {
 
 #[test]
 fn equal_own_times_are_kept() {
-    let plan = |cameras: &[Camera], policy| {
-        ExposurePlan::new(&contenders(cameras), &settings(policy), Resources::default()).unwrap()
-    };
+    let plan = |cameras: &[Camera], policy| plan(cameras, policy).unwrap();
     let automatic = ExposurePolicy::default();
     let fixed = |ms| camera(|d| d.exposure.time_ms = Some(ms));
     assert_eq!(plan(&[fixed(10.0), fixed(10.0)], automatic).applied(), ExposurePolicy::Own);
@@ -97,11 +106,10 @@ fn equal_own_times_are_kept() {
 
 #[test]
 fn impossible_exposures_name_the_setting() {
-    let refused =
-        |policy| match ExposurePlan::new(&contenders(&pair()), &settings(policy), Resources::default()) {
-            Err(ExperimentError::Setting { name, .. }) => name,
-            other => panic!("{other:?}"),
-        };
+    let refused = |policy| match plan(&pair(), policy) {
+        Err(ExperimentError::Setting { name, .. }) => name,
+        other => panic!("{other:?}"),
+    };
     assert_eq!(refused(ExposurePolicy::Time(0.0)), "the exposure time, s");
     let limits =
         |saturated_share, longest_s| ExposurePolicy::Equal(EqualExposure { saturated_share, longest_s });
@@ -111,7 +119,7 @@ fn impossible_exposures_name_the_setting() {
     let saturated = camera(|d| d.exposure.analog_offset_mv = 2000.0);
     let cameras = [camera(|_| {}), saturated];
     let limits = limits(0.1, 0.1);
-    let error = ExposurePlan::new(&contenders(&cameras), &settings(limits), Resources::default());
+    let error = plan(&cameras, limits);
     let error = error.unwrap_err().to_string();
     assert!(error.starts_with("b, dead-leaves"), "{error}");
 }

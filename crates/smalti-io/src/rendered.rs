@@ -1,0 +1,270 @@
+//! Built-in scenes that a spectral path tracer rendered from measured reflectances and lamps. They are stored as principal
+//! components of the spectra; `tools/scenes/README.md` specifies the format and states the sources and errors.
+
+use std::io::Read;
+use std::path::PathBuf;
+
+use flate2::read::ZlibDecoder;
+use smalti::numeric::Planes;
+use smalti::scene::{Scene, Setting};
+use smalti::spectrum::units::photons_per_joule;
+use smalti::spectrum::{SpectralCube, Spectrum, WavelengthGrid};
+
+use crate::IoError;
+use crate::error::At;
+
+const MAGIC: &[u8; 8] = b"SMALTSPC";
+const VERSION: u32 = 1;
+/// The largest number of samples of all planes.
+const MAX_SAMPLES: usize = 1 << 27;
+const FORMAT: &str = "spectral picture";
+
+/// A rendered scene.
+#[derive(Debug, Clone, Copy)]
+pub struct RenderedScene {
+    /// Its name.
+    pub name: &'static str,
+    /// Its content and light, in one line.
+    pub summary: &'static str,
+    bytes: &'static [u8],
+}
+
+macro_rules! rendered {
+    ($($name:literal: $file:literal, $summary:literal;)*) => {
+        [$(RenderedScene {
+            name: $name,
+            summary: $summary,
+            bytes: include_bytes!(concat!("../scenes/", $file)),
+        }),*]
+    };
+}
+
+static SCENES: [RenderedScene; 6] = rendered! {
+    "natural-portrait": "portrait.spc", "Path traced: a head with measured skin, hair and fabrics under LED and tungsten lamps.";
+    "natural-foliage": "foliage.spc", "Path traced: a garden with leaves, grass, flowers and brick under sun and sky.";
+    "natural-table": "table.spc", "Path traced: fabrics and food on a table under LED light.";
+    "natural-street": "street.spc", "Path traced: a street at night with sodium, LED, fluorescent and neon lamps.";
+    "natural-shelf": "shelf.spc", "Path traced: a shop shelf with packaging and fine print under LED panels.";
+    "natural-interior": "interior.spc", "Path traced: a living room with daylight through a window and a tungsten lamp.";
+};
+
+/// The rendered scenes. Each has 576 × 768 samples and 31 bands from 400 to 700 nm.
+#[must_use]
+pub fn names() -> &'static [RenderedScene] {
+    &SCENES
+}
+
+/// The rendered scene of a name.
+#[must_use]
+pub fn find(name: &str) -> Option<&'static RenderedScene> {
+    SCENES.iter().find(|scene| scene.name == name)
+}
+
+impl RenderedScene {
+    /// The scene in its own light, at the distance and with the field of view of [`Setting::default`].
+    ///
+    /// # Errors
+    /// When the stored picture is damaged.
+    pub fn load(&self) -> Result<Scene, IoError> {
+        decode(self.name, self.bytes)
+    }
+}
+
+/// Reads numbers from the beginning of a picture.
+struct Reader<'a> {
+    path: PathBuf,
+    bytes: &'a [u8],
+}
+
+impl<'a> Reader<'a> {
+    fn wrong(&self, message: impl ToString) -> IoError {
+        IoError::decode(&self.path, FORMAT, message)
+    }
+
+    fn take(&mut self, count: usize) -> Result<&'a [u8], IoError> {
+        let (head, rest) = self.bytes.split_at_checked(count).ok_or_else(|| self.wrong("it is cut short"))?;
+        self.bytes = rest;
+        Ok(head)
+    }
+
+    fn u32(&mut self) -> Result<u32, IoError> {
+        let bytes = self.take(4)?.first_chunk().copied().unwrap_or_default();
+        Ok(u32::from_le_bytes(bytes))
+    }
+
+    fn f32(&mut self) -> Result<f64, IoError> {
+        let value = f32::from_bits(self.u32()?);
+        if value.is_finite() { Ok(value.into()) } else { Err(self.wrong("a number is not finite")) }
+    }
+
+    fn numbers(&mut self, count: usize) -> Result<Vec<f64>, IoError> {
+        (0..count).map(|_| self.f32()).collect()
+    }
+}
+
+/// Decodes a picture into a scene.
+fn decode(name: &str, bytes: &[u8]) -> Result<Scene, IoError> {
+    let mut file = Reader { path: PathBuf::from(name), bytes };
+    if file.take(MAGIC.len())? != MAGIC {
+        return Err(file.wrong("it does not begin with SMALTSPC"));
+    }
+    let version = file.u32()?;
+    if version != VERSION {
+        return Err(file.wrong(format_args!("version {version} is not version {VERSION}")));
+    }
+    let [rows, cols, bands, components] =
+        [file.u32()?, file.u32()?, file.u32()?, file.u32()?].map(|n| n as usize);
+    let [start_nm, step_nm, log_step, step] = [file.f32()?, file.f32()?, file.f32()?, file.f32()?];
+    let text = file.u32()? as usize;
+    let floor = file.f32()?;
+    let samples =
+        rows.checked_mul(cols).and_then(|n| n.checked_mul(components + 1)).filter(|&n| n <= MAX_SAMPLES);
+    if rows == 0 || cols == 0 || samples.is_none() || components >= bands || bands > 1000 {
+        return Err(
+            file.wrong(format_args!("{rows} × {cols} samples, {bands} bands, {components} components"))
+        );
+    }
+    if std::str::from_utf8(file.take(text)?).is_err() {
+        return Err(file.wrong("its text is not UTF-8"));
+    }
+    let (mean, basis) = (file.numbers(bands)?, file.numbers(bands * components)?);
+    let light = file.numbers(bands)?;
+    let planes = planes(&file, rows, cols, components)?;
+    let path = file.path.as_path();
+    let grid = WavelengthGrid::new(start_nm, step_nm, bands).at(path)?;
+    let photons: Vec<f64> = grid.wavelengths_nm().map(photons_per_joule).collect();
+    let mut cube = Planes::zeros(rows, cols, bands);
+    let area = rows * cols;
+    let data = cube.data_mut();
+    let (level, coefficients) = planes.split_at(area);
+    let mut shape = vec![0.0; bands];
+    for (pixel, &logarithm) in level.iter().enumerate() {
+        if logarithm == 0 {
+            continue;
+        }
+        let level = floor * libm::exp(log_step * f64::from(logarithm));
+        shape.copy_from_slice(&mean);
+        for (plane, basis) in coefficients.chunks_exact(area).zip(basis.chunks_exact(bands)) {
+            let coefficient = step * f64::from(plane[pixel]);
+            shape.iter_mut().zip(basis).for_each(|(s, b)| *s += coefficient * b);
+        }
+        for (band, (shape, photons)) in shape.iter().zip(&photons).enumerate() {
+            data[band * area + pixel] = (shape.max(0.0) * level * photons) as f32;
+        }
+    }
+    let light = light.iter().zip(&photons).map(|(l, p)| l * p).collect();
+    let (light, cube) = (Spectrum::new(grid, light).at(path)?, SpectralCube::new(grid, cube).at(path)?);
+    let Setting { distance_m, horizontal_fov_deg, .. } = Setting::default();
+    Scene::new(name, cube, light, distance_m, horizontal_fov_deg).at(path)
+}
+
+/// The quantised planes: the logarithm of the level, then the coefficients.
+fn planes(file: &Reader<'_>, rows: usize, cols: usize, components: usize) -> Result<Vec<i32>, IoError> {
+    let mut stream = Vec::new();
+    // No plane takes more than a byte and an escape for each sample.
+    let most = 3 * (rows * cols * (components + 1)) as u64;
+    let read = ZlibDecoder::new(file.bytes).take(most + 1).read_to_end(&mut stream);
+    read.map_err(|e| file.wrong(e))?;
+    let mut stream = Reader { path: file.path.clone(), bytes: &stream };
+    let mut planes = Vec::with_capacity(rows * cols * (components + 1));
+    let mut codes = vec![0u32; rows * cols];
+    for plane in 0..=components {
+        let escape = if plane == 0 {
+            let bytes = stream.take(rows * cols)?;
+            codes.iter_mut().zip(bytes).for_each(|(code, &byte)| *code = byte.into());
+            255
+        } else {
+            let bytes = stream.take(rows.div_ceil(2) * cols)?;
+            for (pair, bytes) in codes.chunks_mut(2 * cols).zip(bytes.chunks_exact(cols)) {
+                let (low, high) = pair.split_at_mut(cols);
+                low.iter_mut().zip(bytes).for_each(|(code, byte)| *code = u32::from(byte & 15));
+                high.iter_mut().zip(bytes).for_each(|(code, byte)| *code = u32::from(byte >> 4));
+            }
+            15
+        };
+        for code in codes.iter_mut().filter(|code| **code == escape) {
+            let rest = stream.take(2)?.first_chunk().copied().unwrap_or_default();
+            *code += u32::from(u16::from_le_bytes(rest));
+        }
+        let first = planes.len();
+        for (i, &code) in codes.iter().enumerate() {
+            let half = (code >> 1).cast_signed();
+            let residual = if code & 1 == 0 { half } else { -half - 1 };
+            let (row, col) = (i / cols, i % cols);
+            let at = |behind: usize, inside: bool| if inside { planes[first + i - behind] } else { 0 };
+            let (left, above) = (at(1, col > 0), at(cols, row > 0));
+            let corner = at(cols + 1, row > 0 && col > 0);
+            let predicted: i32 = if corner >= left.max(above) {
+                left.min(above)
+            } else if corner <= left.min(above) {
+                left.max(above)
+            } else {
+                left + above - corner
+            };
+            // Codes have 17 bits, so that a damaged plane can only overflow over very many samples.
+            planes.push(predicted.wrapping_add(residual));
+        }
+    }
+    if !stream.bytes.is_empty() {
+        return Err(file.wrong("it has more samples than declared"));
+    }
+    Ok(planes)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Means over the picture in the bands at 400, 550 and 700 nm, and the radiance at row 301, column 402, 520 nm, in
+    /// W m⁻² sr⁻¹ nm⁻¹, by the decoder of `tools/scenes/codec.py`.
+    const DECODED: [(&str, [f64; 3], f64); 6] = [
+        ("natural-portrait", [6.983_884_524e-06, 4.282_880_437e-04, 2.755_624_245e-04], 3.491_649_986e-04),
+        ("natural-foliage", [4.673_430_263e-02, 4.752_030_455e-02, 3.117_817_283e-02], 3.252_157_569e-02),
+        ("natural-table", [1.109_614_761e-05, 7.330_734_605e-04, 4.608_812_700e-04], 1.545_594_423e-04),
+        ("natural-street", [2.363_417_920e-05, 9.542_740_812e-05, 4.314_464_267e-04], 8.302_137_644e-07),
+        ("natural-shelf", [2.634_555_465e-06, 9.008_242_123e-04, 2.632_548_563e-04], 2.279_242_908e-04),
+        ("natural-interior", [2.012_730_491e-03, 4.855_382_087e-03, 5.715_447_613e-03], 2.023_844_281e-03),
+    ];
+
+    #[test]
+    fn scenes_are_those_of_the_encoder() {
+        for (scene, (name, means, one)) in names().iter().zip(DECODED) {
+            assert_eq!(scene.name, name);
+            let decoded = find(name).unwrap().load().unwrap();
+            let cube = decoded.radiance();
+            assert_eq!((cube.rows(), cube.cols(), cube.grid()), (576, 768, WavelengthGrid::VISIBLE));
+            let joule = |band: usize| 1.0 / photons_per_joule(400.0 + 10.0 * band as f64);
+            for (band, expected) in [0, 15, 30].into_iter().zip(means) {
+                let plane = cube.planes().plane(band).unwrap();
+                let mean =
+                    plane.iter().map(|&v| f64::from(v)).sum::<f64>() / plane.len() as f64 * joule(band);
+                assert!((mean / expected - 1.0).abs() < 1e-6, "{name}, band {band}: {mean}");
+            }
+            let found = f64::from(cube.planes().plane(12).unwrap()[301 * 768 + 402]) * joule(12);
+            assert!((found / one - 1.0).abs() < 1e-6, "{name}: {found}");
+            assert!(decoded.mean_luminance_cd_m2().unwrap() > 1.0);
+        }
+    }
+
+    #[test]
+    fn a_damaged_picture_is_refused() {
+        let good = SCENES[3].bytes;
+        let error = |bytes: &[u8]| decode("x.spc", bytes).unwrap_err().to_string();
+        for length in [0, 7, 20, 51, 60, 1000, good.len() / 2, good.len() - 1] {
+            let message = error(&good[..length]);
+            assert!(message.starts_with("x.spc: not a valid spectral picture file: "), "{length}: {message}");
+        }
+        let changed = |at: usize, value: u8| {
+            let mut bytes = good.to_vec();
+            bytes[at] = value;
+            error(&bytes)
+        };
+        assert!(changed(0, b'X').contains("SMALTSPC"));
+        assert!(changed(8, 2).contains("version 2"));
+        assert!(changed(15, 255).contains("samples"));
+        assert!(changed(24, 200).contains("components"));
+        assert!(changed(31, 0x7f).contains("finite") || changed(31, 0x7f).contains("nm"));
+        // The checksum of the stream.
+        changed(good.len() - 2, good[good.len() - 2] ^ 1);
+    }
+}
