@@ -241,8 +241,8 @@ def light_gain(
         camera: the camera whose light is varied.
         other: the reference camera.
         pipelines: the learned pipelines of both, or None for the camera's own processing.
-        scenes: built-in scenes with their parameters for the scores of whole pictures; default the first two of
-            `test_scenes()`, dead leaves and the ColorChecker. Each is captured about twenty times.
+        scenes: built-in scenes with their parameters for the scores of whole pictures; default `test_scenes()`. Each is captured about
+            twenty times.
         luminance_cd_m2: mean luminance of the scenes for `other`, cd/m².
         illuminant: illuminant of the scenes; default D65.
         seed: seed of the noise.
