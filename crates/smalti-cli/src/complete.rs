@@ -9,7 +9,7 @@ use clap_complete::env::{CompleteEnv, EnvCompleter, Shells};
 use smalti::scene::catalog::{self, ParamInfo};
 use smalti::sensor::cfa;
 use smalti::spectrum::Illuminant;
-use smalti_io::{cameras, rendered, studies};
+use smalti_io::{cameras, scenes, studies};
 
 use crate::keys::keys;
 use crate::resolve::has_extension;
@@ -133,8 +133,7 @@ fn study_names() -> Vec<CompletionCandidate> {
 }
 
 fn scene_names() -> Vec<CompletionCandidate> {
-    let rendered = rendered::names().iter().map(|s| named(s.name, s.summary));
-    catalog::names().iter().map(|s| named(s.name, s.summary)).chain(rendered).collect()
+    scenes::names().map(|(name, summary)| named(name, summary)).collect()
 }
 
 fn light_names() -> Vec<CompletionCandidate> {

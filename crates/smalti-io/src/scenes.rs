@@ -62,6 +62,12 @@ impl SceneRequest {
     }
 }
 
+/// Names and summaries of the built-in scenes, the rendered ones last.
+pub fn names() -> impl Iterator<Item = (&'static str, &'static str)> {
+    let rendered = rendered::names().iter().map(|s| (s.name, s.summary));
+    catalog::names().iter().map(|s| (s.name, s.summary)).chain(rendered)
+}
+
 /// A built-in scene by its name and parameters (`zone-plate?frequency=0.4`), painted with natural reflectances, a [rendered] scene in
 /// its own light, or a file of any format that [`scene_file`] reads.
 ///

@@ -6,7 +6,7 @@ use numpy::IntoPyArray;
 use pyo3::prelude::*;
 use smalti::color::{ColorSpace, Image};
 use smalti::optics::OpticalImage;
-use smalti::scene::{Scene, Setting, catalog};
+use smalti::scene::{Scene, Setting};
 use smalti::spectrum::{Observer, SpectralCube, WavelengthGrid};
 use smalti_io::scene_file::{self, Crop, Format, Quantity, ReadOptions, SpectralFile, Whole, WriteOptions};
 use smalti_io::{SceneRequest, exr, matlab, spectral_tiff};
@@ -357,8 +357,7 @@ impl PyScene {
 /// Names of the built-in scenes with their summaries; `smalti list scenes` lists their parameters.
 #[pyfunction]
 pub(crate) fn scenes() -> std::collections::BTreeMap<&'static str, &'static str> {
-    let rendered = smalti_io::rendered::names().iter().map(|s| (s.name, s.summary));
-    catalog::names().iter().map(|s| (s.name, s.summary)).chain(rendered).collect()
+    smalti_io::scenes::names().collect()
 }
 
 /// An array \[rows, columns, wavelengths\] on its wavelengths.

@@ -5,10 +5,9 @@ use std::path::Path;
 use anyhow::bail;
 use clap::ValueEnum;
 use smalti::names::nearest;
-use smalti::scene::catalog;
 use smalti::sensor::{Filter, cfa};
 use smalti::spectrum::{Illuminant, WavelengthGrid};
-use smalti_io::{cameras, rendered, studies, text};
+use smalti_io::{cameras, scenes, studies, text};
 
 use super::curve::is_csv;
 use crate::resolve::has_extension;
@@ -58,10 +57,7 @@ impl Kind {
                 .iter()
                 .flat_map(|c| [c.name].into_iter().chain(c.aliases.iter().copied()))
                 .collect(),
-            Self::Scene => {
-                let rendered = rendered::names().iter().map(|s| s.name);
-                catalog::names().iter().map(|s| s.name).chain(rendered).collect()
-            }
+            Self::Scene => scenes::names().map(|(name, _)| name).collect(),
             Self::Study => studies::names().iter().map(|f| f.name).collect(),
             Self::Illuminant => Illuminant::names().to_vec(),
             Self::Filter => cfa::builtin_filters().iter().map(|f| f.name).collect(),
