@@ -90,18 +90,17 @@ pub fn gather<E: From<ExperimentError>>(
     memory_bytes: Option<u64>,
 ) -> Result<Gathered, E> {
     let TrainingSources { scenes, illuminants, pairs, saved } = sources;
-    let has_scenes = scenes.as_ref().is_some_and(|s| !s.is_empty());
-    if !pairs.is_empty() && has_scenes {
+    let first = scenes.as_ref().and_then(|scenes| scenes.first());
+    if !pairs.is_empty() && first.is_some() {
         return Err(ExperimentError::PairsAndScenes.into());
     }
     if !pairs.is_empty() && (settings.target != TrainingTarget::Xyz || settings.target_light.is_some()) {
         return Err(ExperimentError::TargetOfPairs.into());
     }
-    let light = match &scenes {
-        Some(scenes) if has_scenes => scenes.first().map(|s| s.scene.illuminant().clone()),
-        _ => None,
+    let light = match first {
+        Some(first) => first.scene.illuminant().clone(),
+        None => first_light(&illuminants, camera)?,
     };
-    let light = light.map_or_else(|| first_light(&illuminants, camera), Ok)?;
     let material = match scenes {
         Some(scenes) => Some(TrainingMaterial::Scenes(scenes)),
         None if pairs.is_empty() && saved.is_empty() => Some(TrainingMaterial::DefaultSet(illuminants)),
