@@ -5,15 +5,6 @@ use smalti::experiment::{EqualExposure, ExposurePolicy};
 
 use crate::numbers::positive;
 
-/// `--exposure` without the limits of equal times.
-#[derive(Debug, Clone, Copy, PartialEq)]
-enum Exposure {
-    Own,
-    Equal,
-    AutoEqual,
-    Time(f64),
-}
-
 /// Options of the exposure times.
 #[derive(Debug, Clone, Args)]
 pub(crate) struct ExposureOptions {
@@ -21,7 +12,7 @@ pub(crate) struct ExposureOptions {
     /// saturates more than --max-saturated of its samples, at most --max-exposure), a time in seconds, or auto-equal (own if it
     /// is the same time for all cameras, otherwise equal)
     #[arg(long, default_value = "auto-equal", value_name = "own|equal|auto-equal|SECONDS", value_parser = exposure)]
-    exposure: Exposure,
+    exposure: ExposurePolicy,
     /// Equal exposure: the largest share of saturated samples, percent
     #[arg(long, default_value_t = 100.0 * EqualExposure::default().saturated_share, value_name = "PERCENT")]
     max_saturated: f64,
@@ -30,13 +21,13 @@ pub(crate) struct ExposureOptions {
     max_exposure: f64,
 }
 
-fn exposure(text: &str) -> Result<Exposure, String> {
-    match text {
-        "own" => Ok(Exposure::Own),
-        "equal" => Ok(Exposure::Equal),
-        "auto-equal" => Ok(Exposure::AutoEqual),
-        time => positive(time)
-            .map(Exposure::Time)
+/// Parses a policy, with default limits of equal times.
+fn exposure(text: &str) -> Result<ExposurePolicy, String> {
+    let named = ExposurePolicy::named(EqualExposure::default());
+    match named.into_iter().find(|(name, _)| *name == text) {
+        Some((_, policy)) => Ok(policy),
+        None => positive(text)
+            .map(ExposurePolicy::Time)
             .map_err(|_| "expected own, equal, auto-equal or a time in seconds".into()),
     }
 }
@@ -44,13 +35,7 @@ fn exposure(text: &str) -> Result<Exposure, String> {
 impl ExposureOptions {
     /// The choice of the exposure times.
     pub(crate) fn policy(&self) -> ExposurePolicy {
-        let limits =
-            EqualExposure { saturated_share: self.max_saturated / 100.0, longest_s: self.max_exposure };
-        match self.exposure {
-            Exposure::Own => ExposurePolicy::Own,
-            Exposure::Time(time_s) => ExposurePolicy::Time(time_s),
-            Exposure::Equal => ExposurePolicy::Equal(limits),
-            Exposure::AutoEqual => ExposurePolicy::AutoEqual(limits),
-        }
+        let (saturated_share, longest_s) = (self.max_saturated / 100.0, self.max_exposure);
+        self.exposure.with_limits(EqualExposure { saturated_share, longest_s })
     }
 }

@@ -341,15 +341,7 @@ impl TimeOrPolicy {
     fn policy(&self, limits: EqualExposure) -> PyResult<ExposurePolicy> {
         match self {
             Self::Time(time_s) => Ok(ExposurePolicy::Time(*time_s)),
-            Self::Policy(name) => one_of(
-                "exposure",
-                name,
-                &[
-                    ("own", ExposurePolicy::Own),
-                    ("equal", ExposurePolicy::Equal(limits)),
-                    ("auto-equal", ExposurePolicy::AutoEqual(limits)),
-                ],
-            ),
+            Self::Policy(name) => one_of("exposure", name, &ExposurePolicy::named(limits)),
         }
     }
 }

@@ -6,6 +6,7 @@ use crate::camera::CameraError;
 use crate::design::DesignError;
 use crate::isp::IspError;
 use crate::l3::{L3Error, RegistrationError};
+use crate::numeric::OutOfRange;
 
 /// The reason why an experiment has no result.
 #[derive(Debug, Error)]
@@ -53,15 +54,8 @@ pub enum ExperimentError {
     #[error("nothing is left to compare: the processing is not defined for these mosaics")]
     NothingToCompare,
     /// A setting is out of range.
-    #[error("{name} is {value}; expected {expected}")]
-    Setting {
-        /// The setting, with its unit.
-        name: &'static str,
-        /// Its value.
-        value: f64,
-        /// The allowed range.
-        expected: &'static str,
-    },
+    #[error(transparent)]
+    Setting(#[from] OutOfRange),
     /// There is no training scene.
     #[error("there is no scene to learn from")]
     NoScene,

@@ -6,6 +6,7 @@ use super::progress::ensure_running;
 use super::{ExperimentError, Resources};
 use crate::camera::target::Target;
 use crate::camera::{Camera, CameraError, EvaluationSettings, ExposureTimes, Setup, TestScene};
+use crate::numeric::require;
 use crate::optics::OpticalImage;
 use crate::scene::Setting;
 use crate::sensor::{AutoExposure, SensorError};
@@ -42,6 +43,24 @@ pub enum ExposurePolicy {
     Equal(EqualExposure),
     /// [`ExposurePolicy::Own`] if these times are the same for all cameras, otherwise [`ExposurePolicy::Equal`].
     AutoEqual(EqualExposure),
+}
+
+impl ExposurePolicy {
+    /// The policies that have a name on the command line and in Python, with the limits of equal times.
+    #[must_use]
+    pub fn named(limits: EqualExposure) -> [(&'static str, Self); 3] {
+        [("own", Self::Own), ("equal", Self::Equal(limits)), ("auto-equal", Self::AutoEqual(limits))]
+    }
+
+    /// The policy with other limits of equal times.
+    #[must_use]
+    pub fn with_limits(self, limits: EqualExposure) -> Self {
+        match self {
+            Self::Equal(_) => Self::Equal(limits),
+            Self::AutoEqual(_) => Self::AutoEqual(limits),
+            Self::Own | Self::Time(_) => self,
+        }
+    }
 }
 
 impl Default for ExposurePolicy {
@@ -108,12 +127,7 @@ impl ExposurePlan {
         let limits = match policy {
             ExposurePolicy::Own => return Ok(own),
             ExposurePolicy::Time(time_s) => {
-                out_of_range(
-                    "the exposure time, s",
-                    time_s,
-                    time_s > 0.0 && time_s <= 1e6,
-                    "more than 0 to 1e6",
-                )?;
+                require(time_s > 0.0 && time_s <= 1e6, "the exposure time, s", time_s, "more than 0 to 1e6")?;
                 return Ok(Self { applied: policy, ..own });
             }
             ExposurePolicy::Equal(limits) => limits,
@@ -127,13 +141,8 @@ impl ExposurePlan {
             }
         };
         let EqualExposure { saturated_share: share, longest_s } = limits;
-        out_of_range("the saturated share", share, (0.0..1.0).contains(&share), "0 to less than 1")?;
-        out_of_range(
-            "the longest time, s",
-            longest_s,
-            longest_s > 0.0 && longest_s <= 1e6,
-            "more than 0 to 1e6",
-        )?;
+        require((0.0..1.0).contains(&share), "the saturated share", share, "0 to less than 1")?;
+        require(longest_s > 0.0 && longest_s <= 1e6, "the longest time, s", longest_s, "more than 0 to 1e6")?;
         let metered = metered(&cameras, pictures, share, resources)?;
         if matches!(policy, ExposurePolicy::AutoEqual(_)) && metered.iter().all(|p| have_same_times(p)) {
             return Ok(own);
@@ -232,13 +241,4 @@ fn have_same_times(metered: &[Metered]) -> bool {
     let Some((first, rest)) = metered.split_first() else { return true };
     let same = |(a, b): (&f64, &f64)| (a - b).abs() <= SAME_TIME * a.abs();
     rest.iter().all(|m| first.own.iter().zip(&m.own).all(same))
-}
-
-fn out_of_range(
-    name: &'static str,
-    value: f64,
-    good: bool,
-    expected: &'static str,
-) -> Result<(), ExperimentError> {
-    if good { Ok(()) } else { Err(ExperimentError::Setting { name, value, expected }) }
 }

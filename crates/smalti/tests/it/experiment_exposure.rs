@@ -107,7 +107,7 @@ fn equal_own_times_are_kept() {
 #[test]
 fn impossible_exposures_name_the_setting() {
     let refused = |policy| match plan(&pair(), policy) {
-        Err(ExperimentError::Setting { name, .. }) => name,
+        Err(ExperimentError::Setting(setting)) => setting.name,
         other => panic!("{other:?}"),
     };
     assert_eq!(refused(ExposurePolicy::Time(0.0)), "the exposure time, s");
