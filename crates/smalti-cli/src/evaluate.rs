@@ -67,8 +67,12 @@ pub(crate) fn run(args: &Evaluate, words: &[String], common: &Common) -> anyhow:
     let labels = names::numbered(cameras.iter().map(|c| c.description().name.clone()).collect());
     let contenders: Vec<_> =
         cameras.iter().zip(&labels).map(|(c, label)| Contender::as_described(c, label)).collect();
-    let pictures =
-        ComparedPictures { scenes: &[], luminances_cd_m2: &args.luminance, illuminant: &illuminant };
+    let pictures = ComparedPictures {
+        scenes: &[],
+        luminances_cd_m2: &args.luminance,
+        illuminant: &illuminant,
+        setups: &[],
+    };
     let labelled: Vec<(&str, &Camera)> = contenders.iter().map(|c| (c.label, c.camera)).collect();
     let exposure = ExposurePlan::new(args.exposure.policy(), &labelled, pictures, resources)?;
     let (mut results, mut shots) = (Vec::new(), Vec::new());

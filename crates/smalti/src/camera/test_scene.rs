@@ -41,6 +41,22 @@ impl TestScene {
         }
     }
 
+    /// [`TestScene::before`] with the optical image of this scene on another camera, if lens, pixel pitch and wavelengths are the same.
+    ///
+    /// # Errors
+    /// As [`TestScene::before`].
+    pub fn before_sharing(
+        &self,
+        camera: &Camera,
+        illuminant: &Illuminant,
+        other: Option<&Setup>,
+    ) -> Result<Setup, CameraError> {
+        match other.map(|setup| setup.before(camera)).transpose()?.flatten() {
+            Some(setup) => Ok(setup),
+            None => self.before(camera, illuminant),
+        }
+    }
+
     /// Images the scene on a camera at a mean luminance of 1 cd/m². A given scene keeps its wavelength grid.
     ///
     /// # Errors

@@ -253,35 +253,42 @@ pub fn compare(
 ) -> Result<Compared, ExperimentError> {
     resources.progress.expect((contenders.len() * settings.luminances_cd_m2.len()) as u64);
     let cameras: Vec<(&str, &Camera)> = contenders.iter().map(|c| (c.label, c.camera)).collect();
+    // The first camera's images serve the exposure times as well.
+    let mut setups = contenders.first().map_or(Ok(Vec::new()), |c| imaged(c, settings, &[], resources))?;
     let pictures = ComparedPictures {
         scenes: &settings.scenes,
         luminances_cd_m2: &settings.luminances_cd_m2,
         illuminant: &settings.illuminant,
+        setups: &setups,
     };
     let exposure = ExposurePlan::new(settings.exposure, &cameras, pictures, resources)?;
     let mut outcomes = Vec::with_capacity(contenders.len());
-    let mut setups: Vec<Setup> = Vec::new();
-    for contender in contenders {
+    for (i, contender) in contenders.iter().enumerate() {
         if contender.processing == Processing::L3 && contender.pipeline.is_none() {
             return Err(ExperimentError::NoPipeline { camera: contender.label.to_owned() });
         }
-        let mut own = Vec::with_capacity(settings.scenes.len());
-        for (i, scene) in settings.scenes.iter().enumerate() {
-            ensure_running(resources.progress)?;
-            let shared = setups.get(i).map(|s| s.before(contender.camera)).transpose();
-            own.push(match shared.in_context(|| scene.name().to_owned())?.flatten() {
-                Some(setup) => setup,
-                None => {
-                    let setup = scene.before(contender.camera, &settings.illuminant);
-                    setup.in_context(|| scene.name().to_owned())?
-                }
-            });
+        if i > 0 {
+            setups = imaged(contender, settings, &setups, resources)?;
         }
-        setups = own;
         let at = |light: usize| outcome(contender, light, &setups, settings, &exposure, resources);
         outcomes.push((0..settings.luminances_cd_m2.len()).map(at).collect::<Result<_, _>>()?);
     }
     Ok(Compared { outcomes, exposure })
+}
+
+/// The scenes on the camera of a contender, with the optical images of another camera where possible.
+fn imaged(
+    contender: &Contender<'_>,
+    settings: &ComparisonSettings,
+    others: &[Setup],
+    resources: Resources<'_>,
+) -> Result<Vec<Setup>, ExperimentError> {
+    let on_camera = |(i, scene): (usize, &TestScene)| {
+        ensure_running(resources.progress)?;
+        let setup = scene.before_sharing(contender.camera, &settings.illuminant, others.get(i));
+        setup.in_context(|| scene.name().to_owned())
+    };
+    settings.scenes.iter().enumerate().map(on_camera).collect()
 }
 
 fn outcome(

@@ -102,6 +102,8 @@ pub struct ComparedPictures<'a> {
     pub luminances_cd_m2: &'a [f64],
     /// Their illuminant.
     pub illuminant: &'a Illuminant,
+    /// The scenes imaged on one of the cameras, in the same order; may be empty.
+    pub setups: &'a [Setup],
 }
 
 impl ExposurePlan {
@@ -188,16 +190,13 @@ fn metered(
     resources: Resources<'_>,
 ) -> Result<Vec<Vec<Metered>>, ExperimentError> {
     let (lights, mut all) = (pictures.luminances_cd_m2, Vec::new());
-    for scene in pictures.scenes {
-        let (mut metered, mut last): (Vec<Metered>, Option<Setup>) = (Vec::new(), None);
+    for (i, scene) in pictures.scenes.iter().enumerate() {
+        let (mut metered, mut last) = (Vec::new(), pictures.setups.get(i).cloned());
         for &(label, camera) in cameras {
             ensure_running(resources.progress)?;
             let context = || format!("{label}, {}", scene.name());
-            let shared = last.as_ref().map(|s| s.before(camera)).transpose();
-            let setup = match shared.in_context(context)?.flatten() {
-                Some(setup) => setup,
-                None => scene.before(camera, pictures.illuminant).in_context(context)?,
-            };
+            let setup =
+                scene.before_sharing(camera, pictures.illuminant, last.as_ref()).in_context(context)?;
             metered.push(Metered::new(&setup.camera, &setup.image, share, lights).in_context(context)?);
             last = Some(setup);
         }

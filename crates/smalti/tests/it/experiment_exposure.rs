@@ -46,6 +46,7 @@ fn plan(cameras: &[Camera], policy: ExposurePolicy) -> Result<ExposurePlan, Expe
         scenes: &settings.scenes,
         luminances_cd_m2: &settings.luminances_cd_m2,
         illuminant: &settings.illuminant,
+        setups: &[],
     };
     let labelled: Vec<(&str, &Camera)> = ["a", "b", "c"].into_iter().zip(cameras).collect();
     ExposurePlan::new(policy, &labelled, pictures, Resources::default())
