@@ -10,8 +10,8 @@ use smalti::scene::{Scene, Setting};
 use smalti::spectrum::units::photons_per_joule;
 use smalti::spectrum::{SpectralCube, Spectrum, WavelengthGrid};
 
-use crate::IoError;
 use crate::error::At;
+use crate::{IoError, Quantity, SpectralFile};
 
 const MAGIC: &[u8; 8] = b"SMALTSPC";
 const VERSION: u32 = 1;
@@ -66,7 +66,7 @@ impl RenderedScene {
     /// # Errors
     /// When the stored picture is damaged.
     pub fn load(&self) -> Result<Scene, IoError> {
-        decode(self.name, self.bytes)
+        decode(self.name, self.bytes)?.into_scene(&Setting::default())
     }
 }
 
@@ -102,8 +102,8 @@ impl<'a> Reader<'a> {
     }
 }
 
-/// Decodes a picture into a scene.
-fn decode(name: &str, bytes: &[u8]) -> Result<Scene, IoError> {
+/// Decodes a picture.
+fn decode(name: &str, bytes: &[u8]) -> Result<SpectralFile, IoError> {
     let mut file = Reader { path: PathBuf::from(name), bytes };
     if file.take(MAGIC.len())? != MAGIC {
         return Err(file.wrong("it does not begin with SMALTSPC"));
@@ -132,7 +132,6 @@ fn decode(name: &str, bytes: &[u8]) -> Result<Scene, IoError> {
     let planes = planes(&file, rows, cols, components)?;
     let path = file.path.as_path();
     let grid = WavelengthGrid::new(start_nm, step_nm, bands).at(path)?;
-    let photons: Vec<f64> = grid.wavelengths_nm().map(photons_per_joule).collect();
     let mut cube = Planes::zeros(rows, cols, bands);
     let area = rows * cols;
     let data = cube.data_mut();
@@ -148,14 +147,19 @@ fn decode(name: &str, bytes: &[u8]) -> Result<Scene, IoError> {
             let coefficient = step * f64::from(plane[pixel]);
             shape.iter_mut().zip(basis).for_each(|(s, b)| *s += coefficient * b);
         }
-        for (band, (shape, photons)) in shape.iter().zip(&photons).enumerate() {
-            data[band * area + pixel] = (shape.max(0.0) * level * photons) as f32;
+        for (band, shape) in shape.iter().enumerate() {
+            data[band * area + pixel] = (shape.max(0.0) * level) as f32;
         }
     }
-    let light = light.iter().zip(&photons).map(|(l, p)| l * p).collect();
-    let (light, cube) = (Spectrum::new(grid, light).at(path)?, SpectralCube::new(grid, cube).at(path)?);
-    let Setting { distance_m, horizontal_fov_deg, .. } = Setting::default();
-    Scene::new(name, cube, light, distance_m, horizontal_fov_deg).at(path)
+    let light = Spectrum::new(grid, light).and_then(|light| light.map(|nm, v| v * photons_per_joule(nm)));
+    Ok(SpectralFile {
+        name: name.to_owned(),
+        cube: SpectralCube::new(grid, cube).at(path)?,
+        quantity: Quantity::Energy,
+        illuminant: Some(light.at(path)?),
+        distance_m: None,
+        horizontal_fov_deg: None,
+    })
 }
 
 /// The quantised planes: the logarithm of the level, then the coefficients.
