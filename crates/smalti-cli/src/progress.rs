@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 
-const TEMPLATE: &str = "{bar:24} {human_pos}/{human_len}{rate}  {msg}  {elapsed}, about {eta} left";
+const TEMPLATE: &str = "{prefix}{bar:24} {human_pos}/{human_len}{rate}  {msg}  {elapsed}, about {eta} left";
 
 /// The number of steps, with the name of the current one.
 pub(crate) struct Progress {
@@ -50,6 +50,11 @@ impl smalti::experiment::Progress for Progress {
 
     fn done(&self) {
         self.bar.inc(1);
+    }
+
+    /// Shows preliminary results above the bar; they disappear with it.
+    fn preliminary(&self, text: &str) {
+        self.bar.set_prefix(format!("{}{text}\n", self.bar.prefix()));
     }
 
     /// Prints a note above the bar, unless quiet.

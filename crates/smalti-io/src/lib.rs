@@ -63,6 +63,7 @@ pub mod spectrum_csv;
 pub mod stages;
 pub mod studies;
 pub mod sweeps;
+pub mod test_scenes;
 pub mod text;
 mod tiff;
 mod toml_source;

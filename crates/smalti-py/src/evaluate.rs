@@ -3,18 +3,19 @@
 use pyo3::prelude::*;
 use pyo3::types::{IntoPyDict, PyDict};
 use smalti::camera::{
-    Camera, Evaluation, EvaluationSettings, LightGainSettings, ScoreSettings, TestScene, TrainingSettings,
-    score_picture, test_scenes,
+    Camera, Evaluation, EvaluationSettings, LightGainSettings, PICTURE_METRICS, ScoreSettings, TestScene,
+    TrainingSettings, score_picture, test_scenes,
 };
 use smalti::experiment::{
-    self, ComparisonSettings, Contender, EqualExposure, ExposurePolicy, Processing, Resources,
-    light_gain_between, numbered, score_scene,
+    self, ComparisonSettings, Contender, EqualExposure, ExposurePolicy, PipelineSet, Processing, Resources,
+    light_gain_between, numbered, scene_lights, score_scene,
 };
 use smalti::l3::Training;
 use smalti::numeric::Planes;
 use smalti::spectrum::{Illuminant, Observer};
 use smalti_io::cache::Cache;
-use smalti_io::{SceneRequest, memory, rendered};
+use smalti_io::test_scenes::{TestSet, test_scene};
+use smalti_io::{SceneRequest, memory};
 
 use crate::arrays;
 use crate::camera::PyCamera;
@@ -124,7 +125,8 @@ pub(crate) fn evaluate(
     let white = Observer::Cie1931.white(&illuminant.photons(camera.camera.grid()).or_raise()?).or_raise()?;
     let settings = EvaluationSettings { luminance_cd_m2, illuminant, seed, exposure: None };
     let name = camera.camera.description().name.clone();
-    let contender = Contender::with_pipeline(&camera.camera, &name, pipeline.map(|p| &p.0));
+    let pipelines = pipeline.map(|p| PipelineSet::single(settings.illuminant.clone(), p.0.clone()));
+    let contender = Contender::with_pipelines(&camera.camera, &name, pipelines.as_ref());
     let (scores, pictures) = watched(py, None, |watch| {
         let store = self::cache(cache);
         let resources = Resources { store: &store, progress: watch, memory_bytes: None };
@@ -169,7 +171,6 @@ pub(crate) struct PySceneScores {
     processing: &'static str,
     scene: String,
     luminance_cd_m2: f64,
-    white: [f64; 3],
 }
 
 #[pymethods]
@@ -186,13 +187,13 @@ impl PySceneScores {
     /// The picture in XYZ under the illuminant of the scene.
     #[getter]
     fn picture(&self) -> PyImage {
-        PyImage::new(self.scores.picture.clone(), Some(self.white))
+        PyImage::new(self.scores.picture.clone(), Some(self.scores.white))
     }
 
     /// The picture of the standard observer, on the scale of the picture.
     #[getter]
     fn reference(&self) -> PyImage {
-        PyImage::new(self.scores.reference.clone(), Some(self.white))
+        PyImage::new(self.scores.reference.clone(), Some(self.scores.white))
     }
 
     fn __repr__(&self) -> String {
@@ -232,7 +233,8 @@ pub(crate) fn score_scenes(
     let built_in = || test_scenes().iter().map(|s| NameOrScene::Name((*s).to_owned())).collect();
     let scenes = scenes.unwrap_or_else(built_in);
     let name = &camera.camera.description().name;
-    let contender = Contender::with_pipeline(&camera.camera, name, pipeline.map(|p| &p.0));
+    let pipelines = pipeline.map(|p| PipelineSet::single(illuminant.clone(), p.0.clone()));
+    let contender = Contender::with_pipelines(&camera.camera, name, pipelines.as_ref());
     let score = ScoreSettings::default();
     watched(py, progress.map(Told::Pictures), |watch| {
         let mut all = Vec::new();
@@ -240,10 +242,11 @@ pub(crate) fn score_scenes(
             watch.check()?;
             let scene = scene.test_scene(relit.as_ref())?;
             let setup = scene.before(contender.camera, &illuminant).or_raise()?;
-            let white = Observer::Cie1931.white(&setup.light).or_raise_about(scene.name())?;
             for &luminance_cd_m2 in &luminances_cd_m2 {
-                let scored = score_scene(&contender, &setup, (luminance_cd_m2, None), seed, &score, watch);
-                let (scores, _) = scored.or_raise_about(scene.name())?;
+                let light = (luminance_cd_m2, None);
+                let scored =
+                    score_scene(&contender, &setup, light, seed..seed.saturating_add(1), &score, watch);
+                let scores = scored.or_raise_about(scene.name())?.scores;
                 all.push(PySceneScores {
                     cpsnr_db: scores.scores.cpsnr_db,
                     pixel_delta_e_2000_mean: scores.scores.pixel_delta_e_2000_mean,
@@ -252,7 +255,6 @@ pub(crate) fn score_scenes(
                     processing: contender.processing.name(),
                     scene: scene.name().to_owned(),
                     luminance_cd_m2,
-                    white,
                 });
             }
         }
@@ -268,16 +270,17 @@ pub(crate) fn compare<'py>(
     cameras: Vec<PyRef<'py, PyCamera>>,
     pipelines: Vec<Option<PyRef<'py, PyPipeline>>>,
     processing: Vec<String>,
-    scenes: Option<Vec<NameOrScene>>,
+    scenes: SetOrScenes,
     luminances_cd_m2: Vec<f64>,
     illuminant: Option<&Bound<'py, PyAny>>,
     exposure: (TimeOrPolicy, f64, f64),
-    seed: u64,
+    seeds: (u64, u64),
     cache: bool,
     progress: Option<&Bound<'py, PyAny>>,
-) -> PyResult<Vec<Bound<'py, PyAny>>> {
+) -> PyResult<(Vec<Bound<'py, PyAny>>, Bound<'py, PyAny>)> {
     let illuminant = illuminant.map_or(Ok(Illuminant::D65), light)?;
     let (exposure, saturated_share, longest_s) = exposure;
+    let (seed, seed_count) = seeds;
     let exposure = exposure.policy(EqualExposure { saturated_share, longest_s })?;
     let known: Vec<_> = Processing::all().into_iter().map(|p| (p.name(), p)).collect();
     let processing: Vec<Processing> =
@@ -286,36 +289,43 @@ pub(crate) fn compare<'py>(
     let cameras: Vec<Camera> = cameras.iter().map(|c| c.camera.clone()).collect();
     let labels = numbered(cameras.iter().map(|c| c.description().name.clone()).collect());
     let scenes = match scenes {
-        None => TestScene::default_set(),
-        Some(scenes) => scenes.iter().map(|s| s.test_scene(Some(&illuminant))).collect::<PyResult<_>>()?,
+        SetOrScenes::Set(name) => one_of("scenes", &name, &sets())?.scenes().or_raise()?,
+        SetOrScenes::Scenes(scenes) => {
+            scenes.iter().map(|s| s.test_scene(Some(&illuminant))).collect::<PyResult<_>>()?
+        }
     };
     let settings = ComparisonSettings {
         luminances_cd_m2,
         illuminant,
         scenes,
         seed,
+        seed_count,
         score: ScoreSettings::default(),
         exposure,
     };
     let training = TrainingSettings { seed, ..TrainingSettings::default() };
-    let (names, outcomes) = watched(py, progress.map(Told::Steps), |watch| {
+    let lights = scene_lights(&settings.illuminant, &settings.scenes).or_raise()?;
+    let (names, compared) = watched(py, progress.map(Told::Steps), |watch| {
         let store = self::cache(cache);
         let resources = Resources { store: &store, progress: watch, memory_bytes: memory::available_bytes() };
         let learning = (&training, &Training::default());
-        let light = &settings.illuminant;
         let learned =
-            experiment::pipelines(&cameras, &labels, given, &processing, learning, light, resources)
+            experiment::pipelines(&cameras, &labels, given, &processing, learning, &lights, resources)
                 .or_raise()?;
         let (contenders, _) = experiment::contenders(&cameras, &labels, &learned, &processing).or_raise()?;
-        let outcomes = experiment::compare(&contenders, &settings, resources).or_raise()?.outcomes;
+        let compared = experiment::compare(&contenders, &settings, resources).or_raise()?;
         let names: Vec<_> = contenders.iter().map(|c| (c.label.to_owned(), c.processing.name())).collect();
-        Ok((names, outcomes))
+        Ok((names, compared))
     })?;
     let mut records = Vec::new();
-    for ((camera, processing), outcomes) in names.iter().zip(&outcomes) {
+    for ((camera, processing), outcomes) in names.iter().zip(&compared.outcomes) {
         for outcome in outcomes {
-            for (scene, scores) in &outcome.scenes {
-                let record = dict_of(py, scores)?;
+            for (scene, scored) in &outcome.scenes {
+                let record = dict_of(py, &scored.scores)?;
+                for (metric, mean) in PICTURE_METRICS.iter().zip(scored.means()) {
+                    record.set_item(metric, mean)?;
+                }
+                record.set_item("seeds", scored.by_seed.len())?;
                 record.set_item("camera", camera)?;
                 record.set_item("processing", processing)?;
                 record.set_item("scene", scene)?;
@@ -327,7 +337,22 @@ pub(crate) fn compare<'py>(
             }
         }
     }
-    Ok(records)
+    let verdict = dict_of(py, &compared.verdict)?;
+    let contenders: Vec<String> = names.iter().map(|(camera, kind)| format!("{camera} {kind}")).collect();
+    verdict.set_item("contenders", contenders)?;
+    Ok((records, verdict))
+}
+
+/// The sets of test scenes by name.
+fn sets() -> Vec<(&'static str, TestSet)> {
+    TestSet::NAMED.iter().map(|(name, _, set)| (*name, *set)).collect()
+}
+
+/// The name of a set of test scenes, or scenes.
+#[derive(FromPyObject)]
+pub(crate) enum SetOrScenes {
+    Set(String),
+    Scenes(Vec<NameOrScene>),
 }
 
 /// An exposure time, s, or the name of an exposure policy.
@@ -357,10 +382,7 @@ impl NameOrScene {
     /// The scene at a mean luminance of 1 cd/m², relit if an illuminant is given.
     fn test_scene(&self, illuminant: Option<&Illuminant>) -> PyResult<TestScene> {
         match self {
-            Self::Name(name) if rendered::find(name).is_some() => Err(wrong(format!(
-                "{name}: a comparison relights its scenes, and the lamps of a rendered scene cannot be replaced"
-            ))),
-            Self::Name(name) => Ok(TestScene::built_in(name)),
+            Self::Name(name) => test_scene(name, illuminant.unwrap_or(&Illuminant::D65)).or_raise_about(name),
             Self::Scene(scene) => {
                 let PyScene { scene, source: name, .. } = scene.get();
                 let request = SceneRequest {
@@ -369,7 +391,7 @@ impl NameOrScene {
                     ..Default::default()
                 };
                 let scene = request.applied_to(scene.clone()).or_raise_about(name)?;
-                Ok(TestScene::Given { name: name.clone(), scene })
+                Ok(TestScene::relit(name.clone(), scene))
             }
         }
     }
@@ -397,9 +419,12 @@ pub(crate) fn light_gain<'py>(
         scenes: scenes.map_or(default.scenes, |names| names.into_iter().map(TestScene::BuiltIn).collect()),
         ..LightGainSettings::default()
     };
-    let (of, than) = (pipelines.0.as_deref().map(|p| &p.0), pipelines.1.as_deref().map(|p| &p.0));
-    let a = Contender::with_pipeline(&camera.camera, &camera.camera.description().name, of);
-    let b = Contender::with_pipeline(&other.camera, &other.camera.description().name, than);
+    let set = |pipeline: Option<PyRef<'py, PyPipeline>>| {
+        pipeline.map(|p| PipelineSet::single(settings.illuminant.clone(), p.0.clone()))
+    };
+    let (of, than) = (set(pipelines.0), set(pipelines.1));
+    let a = Contender::with_pipelines(&camera.camera, &camera.camera.description().name, of.as_ref());
+    let b = Contender::with_pipelines(&other.camera, &other.camera.description().name, than.as_ref());
     let gains = watched(py, progress.map(Told::Pictures), |watch| {
         light_gain_between(&a, &b, &settings, watch).or_raise()
     })?;

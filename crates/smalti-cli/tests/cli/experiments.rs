@@ -57,12 +57,13 @@ fn compare_gives_what_the_library_gives() {
     let found = json(&Place::new().ok(&words));
     let cameras = [camera("bayer"), camera("rgbw")];
     let processing = Processing::Classic(Demosaic::Bilinear);
-    let contender = |camera, label| Contender { camera, label, processing, pipeline: None };
+    let contender = |camera, label| Contender { camera, label, processing, pipelines: None };
     let contenders = [contender(&cameras[0], "bayer"), contender(&cameras[1], "rgbw")];
     let settings = ComparisonSettings {
         luminances_cd_m2: vec![1.0, 20.0],
         illuminant: Illuminant::D65,
         scenes: [LEAVES, MACBETH].map(TestScene::built_in).into(),
+        seed_count: 3,
         seed: 1,
         score: ScoreSettings::default(),
         exposure: ExposurePolicy::default(),
@@ -74,7 +75,7 @@ fn compare_gives_what_the_library_gives() {
         assert_eq!(entry["targets"], as_read(&outcome.targets));
         for (i, (name, scores)) in outcome.scenes.iter().enumerate() {
             assert_eq!(entry["scenes"][i]["scene"], name.as_str());
-            assert_eq!(entry["scenes"][i]["scores"], as_read(scores), "{name}");
+            assert_eq!(entry["scenes"][i]["scores"], as_read(&scores.scores), "{name}");
         }
     }
     assert!(entries.next().is_none());

@@ -11,7 +11,7 @@ with the message of the `smalti` command.
 """
 
 from ._command import command
-from ._long import Light, Path, Progress, compare, gather, light_gain, report, solve, sweep, train
+from ._long import Comparison, Light, Path, Progress, compare, gather, light_gain, report, solve, sweep, train
 from ._raws import read_camera_raw
 from ._smalti import (
     Camera,
@@ -58,6 +58,7 @@ from ._smalti import (
 __all__ = [
     "Camera",
     "Cfa",
+    "Comparison",
     "EdgeResponse",
     "Evaluation",
     "Image",

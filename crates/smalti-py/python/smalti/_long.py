@@ -173,21 +173,36 @@ def train(
     return _smalti.solve_statistics(statistics, story, solver, alpha_flat, alpha_texture, linear, symmetry, smoothing)
 
 
+class Comparison(list[dict[str, Any]]):
+    """The records of `compare`.
+
+    Attributes:
+        verdict: for each luminance ("lights") and metric the number of the best of "contenders" and its leads over the others, in the
+            unit of the metric and for CPSNR also in stops of light, with 95 % intervals; and "crossovers", the luminances at which a
+            lead changes.
+    """
+
+    def __init__(self, records: list[dict[str, Any]], verdict: dict[str, Any]) -> None:
+        super().__init__(records)
+        self.verdict = verdict
+
+
 def compare(
     cameras: Sequence[Camera],
     *,
     processing: Sequence[str] = ("l3",),
     pipelines: Sequence[Pipeline | None] | None = None,
-    scenes: Sequence[str | Scene] | None = None,
+    scenes: Literal["charts", "natural", "all"] | Sequence[str | Scene] = "natural",
     luminances_cd_m2: Sequence[float] = (1.0, 80.0),
     illuminant: Light | None = None,
     exposure: float | Literal["own", "equal", "auto-equal"] = "auto-equal",
     max_saturated_percent: float = 0.5,
     max_exposure_s: float = 0.033,
     seed: int = 1,
+    seeds: int = 3,
     cache: bool = True,
     progress: Progress = True,
-) -> list[dict[str, Any]]:
+) -> Comparison:
     """Compares cameras on the same scenes, as `smalti compare` does with the same defaults.
 
     Cameras of equal names are numbered: "1-bayer", "2-bayer".
@@ -197,31 +212,34 @@ def compare(
         processing: kinds of processing: "l3" (a pipeline learned for each camera under the illuminant), "bilinear", "malvar2004",
             "hamilton-adams1997". A camera is left out of a kind that is not defined for its mosaic.
         pipelines: a learned pipeline for each camera; None: a pipeline is learned.
-        scenes: built-in scenes with their parameters, or `Scene` objects, which are relit; default `test_scenes()`, which are not used
-            for training.
+        scenes: a set of test scenes, none of which is used for training: "charts", "natural" or "all"; or built-in scenes with their
+            parameters, files, and `Scene` objects. Natural scenes keep their own light; the others are relit.
         luminances_cd_m2: mean luminances of the scenes, cd/m².
-        illuminant: illuminant of the scenes and of the training; default D65.
+        illuminant: illuminant of charts, files and targets, and of the training for them; default D65.
         exposure: a time in seconds for all pictures; "own", the time or the rule of each camera; "equal", for each scene the longest
             time at which no camera saturates more than `max_saturated_percent` of its samples, at most `max_exposure_s`; or
             "auto-equal", own times if they are the same for all cameras, otherwise equal times.
         max_saturated_percent: equal exposure: the largest share of saturated samples, percent.
         max_exposure_s: equal exposure: the longest time, s.
         seed: seed of the noise and of the training.
+        seeds: number of seeds of the noise for each scene, from `seed` on.
         cache: keep optical images and statistics between runs, in the cache of the command.
         progress: see `Progress`.
 
     Returns:
-        A record for each camera, kind of processing, luminance and scene, ready for a data frame: the scores on the scene, and
-        MTF50, visual SNR and noise on the built-in targets.
+        A list with a record for each camera, kind of processing, luminance and scene, ready for a data frame: the scores on the scene,
+        of which CPSNR, ΔE2000 and S-CIELAB are means over the seeds, and MTF50, visual SNR and noise on the built-in targets. Its
+        attribute `verdict` states who is better at which luminance, with 95 % intervals.
     """
     each: list[Pipeline | None] = list(pipelines) if pipelines is not None else [None] * len(cameras)
     if len(each) != len(cameras):
         raise _smalti.SmaltiError(f"pipelines: {len(each)} given for {len(cameras)} cameras; expected one for each")
     with _told(progress, "comparing", "step") as told:
-        return _smalti.compare(
-            list(cameras), each, list(processing), None if scenes is None else list(scenes), list(luminances_cd_m2),
-            illuminant, (exposure, max_saturated_percent / 100, max_exposure_s), seed, cache, told,
+        records, verdict = _smalti.compare(
+            list(cameras), each, list(processing), scenes if isinstance(scenes, str) else list(scenes), list(luminances_cd_m2),
+            illuminant, (exposure, max_saturated_percent / 100, max_exposure_s), (seed, seeds), cache, told,
         )  # fmt: skip
+    return Comparison(records, verdict)
 
 
 def light_gain(

@@ -402,14 +402,14 @@ def compare(
     cameras: list[Camera],
     pipelines: list[Pipeline | None],
     processing: list[str],
-    scenes: list[str | Scene] | None,
+    scenes: str | list[str | Scene],
     luminances_cd_m2: list[float],
     illuminant: _Light | None,
     exposure: tuple[float | str, float, float],
-    seed: int,
+    seeds: tuple[int, int],
     cache: bool,
     progress: _ToldOfSteps,
-) -> list[dict[str, Any]]: ...
+) -> tuple[list[dict[str, Any]], dict[str, Any]]: ...
 @final
 class TrainingRecord: ...
 

@@ -1,7 +1,7 @@
 //! Columns of the tables, with the metric of each: one list for the tables and for `smalti list metrics`.
 
 use smalti::camera::{Evaluation, SceneScores};
-use smalti::experiment::Outcome;
+use smalti::experiment::{Outcome, ScoredScene};
 use smalti::metrics::{Better, CATALOG};
 
 /// A column of scores of a kind.
@@ -29,26 +29,26 @@ const fn column<T>(
     Column { heading, metric, digits, of }
 }
 
-/// The mean of a score over the scenes.
+/// The mean of a property of single pictures over the scenes.
 pub(super) fn mean(outcome: &Outcome, of: impl Fn(&SceneScores) -> f64) -> f64 {
-    outcome.scenes.iter().map(|(_, s)| of(s)).sum::<f64>() / outcome.scenes.len().max(1) as f64
+    outcome.scenes.iter().map(|(_, s)| of(&s.scores)).sum::<f64>() / outcome.scenes.len().max(1) as f64
 }
 
 /// The scores of a comparison.
 pub const COMPARE: [Column<Outcome>; 6] = [
-    column("CPSNR dB", "cpsnr_db", 2, |o| mean(o, SCENES[0].of)),
-    column("ΔE2000", "pixel_delta_e_2000_mean", 2, |o| mean(o, SCENES[1].of)),
-    column("S-CIELAB", "scielab_mean", 2, |o| mean(o, SCENES[2].of)),
+    column("CPSNR dB", "cpsnr_db", 2, |o| o.means()[0]),
+    column("ΔE2000", "pixel_delta_e_2000_mean", 2, |o| o.means()[1]),
+    column("S-CIELAB", "scielab_mean", 2, |o| o.means()[2]),
     column("MTF50 cy/mm", "mtf50_cy_per_mm", 1, |o| o.targets.mtf50_cy_per_mm),
     column("visual SNR", "visual_snr", 3, |o| o.targets.visual_snr.median),
     column("noise %", "luminance_noise_percent", 1, |o| o.targets.luminance_noise_percent.mean),
 ];
 
 /// Those that single scenes have as well.
-pub(super) const SCENES: [Column<SceneScores>; 3] = [
-    column("CPSNR dB", "cpsnr_db", 2, |s| s.scores.cpsnr_db),
-    column("ΔE2000", "pixel_delta_e_2000_mean", 2, |s| s.scores.pixel_delta_e_2000_mean),
-    column("S-CIELAB", "scielab_mean", 2, |s| s.scores.scielab_mean),
+pub(super) const SCENES: [Column<ScoredScene>; 3] = [
+    column("CPSNR dB", "cpsnr_db", 2, |s| s.means()[0]),
+    column("ΔE2000", "pixel_delta_e_2000_mean", 2, |s| s.means()[1]),
+    column("S-CIELAB", "scielab_mean", 2, |s| s.means()[2]),
 ];
 
 /// The scores of an evaluation.

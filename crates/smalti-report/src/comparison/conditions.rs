@@ -12,7 +12,7 @@ pub(super) const EXPOSURE_HEADINGS: [&str; 2] = ["exposure ms", "saturated %"];
 
 /// The range of the exposure times over the scenes, ms, and the mean share of saturated samples, percent.
 pub(super) fn exposure_cells(outcome: &Outcome) -> [String; 2] {
-    let times = outcome.scenes.iter().map(|(_, s)| s.exposure_time_s * 1e3);
+    let times = outcome.scenes.iter().map(|(_, s)| s.scores.exposure_time_s * 1e3);
     let (least, most) = times.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), ms| (a.min(ms), b.max(ms)));
     let text = |ms: f64| if ms < 10.0 { format!("{ms:.2}") } else { format!("{ms:.1}") };
     let (least, most) = (text(least), text(most));

@@ -1,9 +1,10 @@
 //! A comparison as one JSON document.
 
 use serde_json::{Map, Value, json};
+use smalti::camera::PICTURE_METRICS;
+use smalti::experiment::Contender;
 use smalti::l3::Pipeline;
 
-use super::columns::mean;
 use super::kernels::{dark_and_bright, weights};
 use super::results::Comparison;
 use crate::ReportError;
@@ -20,19 +21,24 @@ impl Comparison<'_> {
                 let scenes: Vec<Value> = o
                     .scenes
                     .iter()
-                    .zip(&o.fixed_point_psnr_db)
-                    .map(|((name, s), fixed)| {
-                        let scores = serde_json::to_value(s)?;
-                        Ok(json!({"scene": name, "scores": scores, "fixed_point_psnr_db": fixed}))
+                    .map(|(name, s)| {
+                        let by_seed = s.by_seed.iter().zip(self.seed..).map(by_metric);
+                        Ok(json!({
+                            "scene": name,
+                            "scores": serde_json::to_value(&s.scores)?,
+                            "by_seed": by_seed.collect::<Vec<_>>(),
+                            "fixed_point_psnr_db": s.fixed_point_psnr_db,
+                        }))
                     })
                     .collect::<Result<_, ReportError>>()?;
+                let [cpsnr_db, delta_e, scielab] = o.means();
                 entries.push(json!({
                     "camera": contender.label,
                     "pipeline": contender.processing.name(),
                     "luminance_cd_m2": o.luminance_cd_m2,
-                    "cpsnr_db": mean(o, |s| s.scores.cpsnr_db),
-                    "pixel_delta_e_2000_mean": mean(o, |s| s.scores.pixel_delta_e_2000_mean),
-                    "scielab_mean": mean(o, |s| s.scores.scielab_mean),
+                    "cpsnr_db": cpsnr_db,
+                    "pixel_delta_e_2000_mean": delta_e,
+                    "scielab_mean": scielab,
                     "targets": serde_json::to_value(&o.targets)?,
                     "scenes": scenes,
                 }));
@@ -43,6 +49,9 @@ impl Comparison<'_> {
             "smalti_version": env!("CARGO_PKG_VERSION"),
             "illuminant": self.illuminant,
             "seed": self.seed,
+            "seeds": self.verdict.seeds,
+            "contenders": self.contenders.iter().map(Contender::name).collect::<Vec<_>>(),
+            "verdict": serde_json::to_value(self.verdict)?,
             "exposure": self.conditions.exposure_as_json(),
             "differences": self.conditions.differences_as_json(),
             "left_out": self.left_out,
@@ -57,6 +66,12 @@ impl Comparison<'_> {
             "cameras": self.cameras.iter().map(|c| serde_json::to_value(c.description())).collect::<Result<Vec<_>, _>>()?,
         }))
     }
+}
+
+/// The figures of a picture for a seed.
+fn by_metric((figures, seed): (&[f64; PICTURE_METRICS.len()], u64)) -> Value {
+    let named = PICTURE_METRICS.iter().zip(figures).map(|(name, v)| ((*name).to_owned(), json!(v)));
+    Value::Object(std::iter::once(("seed".to_owned(), json!(seed))).chain(named).collect())
 }
 
 /// The number of classes of a pipeline, and the kernels that are drawn.

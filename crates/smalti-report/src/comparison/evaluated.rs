@@ -157,11 +157,11 @@ fn scores(shots: &Evaluations<'_>) -> Markup {
             let exposure_ms = format!("{:.2}", e.exposure.macbeth_s * 1e3);
             (vec![label.clone(), luminance.to_string()], e, vec![exposure_ms])
         });
-        table = tables::scored(table, &EVALUATE, &rows.collect::<Vec<_>>());
+        table = tables::scored(table, &EVALUATE, &rows.collect::<Vec<_>>(), None);
     }
     Markup::from(table).and(paragraph(
         "help",
-        "★ marks the best value in this light. Higher is better for MTF50 and dynamic range, lower for the other columns.",
+        "★ marks the best value in this light and those within 1 % of it. Higher is better for MTF50 and dynamic range, lower for the other columns.",
     ))
 }
 

@@ -17,6 +17,7 @@ mod results;
 mod sheets;
 mod tables;
 mod text;
+mod verdict;
 
 pub use conditions::Conditions;
 pub use evaluated::{Evaluations, aliasing_picture, page as evaluation_page};

@@ -5,13 +5,12 @@ use serde_json::json;
 use smalti::camera::LightGain;
 use smalti::experiment::{Contender, Outcome, PairwiseLightGain};
 
-use super::columns::mean;
 use super::figures::{self, Named, Scored};
 use super::gallery::{self, Group, Shot};
 use super::maps::DIFFERENCES;
 use super::results::Comparison;
 use super::{again, learned, tables};
-use crate::page::{COMPARE, Markup, Page, el, foot, paragraph};
+use crate::page::{COMPARE, Markup, Page, Table, el, foot, paragraph};
 use crate::pictures::Pixels;
 use crate::words::listed;
 use crate::{ReportError, names};
@@ -28,6 +27,7 @@ pub fn page(report: &Comparison<'_>) -> Result<String, ReportError> {
     let mut page = Page::new(format!("{} compared", listed(&names)))
         .with(COMPARE)
         .lead(lead(report))
+        .section("verdict", "Verdict", verdict(report))
         .section("pictures", "Pictures", gallery::gallery(&groups(report)?, &kinds))
         .section("scores", "Scores", tables::scores(report).and(tables::scenes(report)))
         .section("light", "Quality against light", light(report))
@@ -48,6 +48,25 @@ pub fn page(report: &Comparison<'_>) -> Result<String, ReportError> {
         .data("compare", json!({"learned": data}))
         .foot(foot())
         .html())
+}
+
+/// Who is better at which light.
+fn verdict(report: &Comparison<'_>) -> Markup {
+    if report.contenders.len() < 2 {
+        return paragraph("none", "One camera was scored; a verdict needs two.");
+    }
+    let mut table = Table::new("Verdict").number("Luminance, cd/m²").text("Metric").text("Verdict");
+    for light in report.verdict_words() {
+        for (name, words) in light.metrics {
+            table = table.row([light.luminance_cd_m2.to_string(), name.to_owned(), words], false);
+        }
+        if !light.cost.is_empty() {
+            table = table.row([light.luminance_cd_m2.to_string(), "Cost".into(), light.cost], false);
+        }
+    }
+    let crossovers: Markup =
+        report.crossover_words().into_iter().map(|words| paragraph("help", words)).collect();
+    Markup::from(table).and(crossovers).and(paragraph("help", report.verdict_basis()))
 }
 
 fn lead(report: &Comparison<'_>) -> Markup {
@@ -77,14 +96,15 @@ fn groups(report: &Comparison<'_>) -> Result<Vec<Group>, ReportError> {
         for (light, luminance_cd_m2) in report.luminances().into_iter().enumerate() {
             let all: Vec<_> = report.of_scene(light, scene).collect();
             let Some((_, first)) = all.first() else { continue };
-            let tops = DIFFERENCES.each_ref().map(|d| d.top(all.iter().map(|(_, s)| *s)));
+            let tops = DIFFERENCES.each_ref().map(|d| d.top(all.iter().map(|(_, s)| &s.scores)));
             let mut shots = vec![Shot {
                 name: "reference".into(),
                 caption: "as the standard observer sees the scene".into(),
-                picture: Pixels::of(&report.as_seen(first, &first.reference)?),
+                picture: Pixels::of(&report.as_seen(&first.scores, &first.scores.reference)?),
                 maps: Vec::new(),
             }];
             for (contender, s) in &all {
+                let s = &s.scores;
                 let scores = &s.scores;
                 shots.push(Shot {
                     name: contender.name(),
@@ -114,10 +134,7 @@ fn light(report: &Comparison<'_>) -> Markup {
     let mut out = if luminances.len() > 1 {
         figures::against_light(
             &luminances,
-            &[
-                ("CPSNR (dB)", of(|o| mean(o, |s| s.scores.cpsnr_db))),
-                ("S-CIELAB difference (ΔE*ab)", of(|o| mean(o, |s| s.scores.scielab_mean))),
-            ],
+            &[("CPSNR (dB)", of(|o| o.means()[0])), ("S-CIELAB difference (ΔE*ab)", of(|o| o.means()[2]))],
         )
     } else {
         paragraph(

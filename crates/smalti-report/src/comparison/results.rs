@@ -2,7 +2,9 @@
 
 use smalti::camera::{Camera, SceneScores};
 use smalti::color::Image;
-use smalti::experiment::{Contender, Outcome, PairwiseLightGain, Processing};
+use smalti::experiment::{
+    Contender, Outcome, PairwiseLightGain, PipelineSet, Processing, ScoredScene, Verdict,
+};
 use smalti::l3::Pipeline;
 
 use super::conditions::Conditions;
@@ -49,10 +51,10 @@ pub struct Comparison<'a> {
     pub scene_labels: &'a [String],
     /// The light of the scenes, as the command names it.
     pub illuminant: &'a str,
-    /// X, Y, Z of that light, Y = 1.
-    pub white: [f64; 3],
-    /// The seed of the noise.
+    /// The first seed of the noise.
     pub seed: u64,
+    /// Who is better at which light.
+    pub verdict: &'a Verdict,
 }
 
 /// The cells that name a contender and a luminance.
@@ -78,7 +80,7 @@ impl<'a> Comparison<'a> {
         &self,
         light: usize,
         scene: usize,
-    ) -> impl Iterator<Item = (&'a Contender<'a>, &'a SceneScores)> {
+    ) -> impl Iterator<Item = (&'a Contender<'a>, &'a ScoredScene)> {
         self.in_light(light).filter_map(move |(contender, o)| Some((contender, &o.scenes.get(scene)?.1)))
     }
 
@@ -103,13 +105,38 @@ impl<'a> Comparison<'a> {
         self.lights().first().map_or(0, |o| o.scenes.len())
     }
 
-    /// The learned ways with the names of their files, without extension.
+    /// All learned tables with the names of their files. A table for a light other than that of the comparison is named after it.
+    #[must_use]
+    pub fn tables(&self) -> Vec<(String, &'a Pipeline)> {
+        let of_camera = |(contender, _, _): (&'a Contender<'a>, _, _)| {
+            let all = contender.pipelines.into_iter().flat_map(PipelineSet::iter);
+            all.enumerate().map(move |(i, (illuminant, pipeline))| match i {
+                0 => (contender.label.to_owned(), pipeline),
+                _ => (format!("{}-{}", contender.label, illuminant.name()), pipeline),
+            })
+        };
+        let (wanted, tables): (Vec<String>, Vec<_>) = self.learned().into_iter().flat_map(of_camera).unzip();
+        let files = names::file_names(wanted.iter().map(String::as_str));
+        files.into_iter().map(|file| format!("{file}.l3")).zip(tables).collect()
+    }
+
+    /// The learned ways with their pipelines for the light of the comparison and the names of their files, without extension.
     #[must_use]
     pub fn learned(&self) -> Vec<(&'a Contender<'a>, &'a Pipeline, String)> {
         let learned: Vec<&'a Contender<'a>> =
             self.contenders.iter().filter(|c| c.processing == Processing::L3).collect();
         let files = names::file_names(learned.iter().map(|c| c.label));
-        learned.into_iter().zip(files).filter_map(|(c, file)| Some((c, c.pipeline?, file))).collect()
+        learned.into_iter().zip(files).filter_map(|(c, file)| Some((c, c.pipelines?.main(), file))).collect()
+    }
+
+    /// What the scores are means over, in words.
+    #[must_use]
+    pub fn over(&self) -> String {
+        let count = |n: usize, one: &str| if n == 1 { format!("one {one}") } else { format!("{n} {one}s") };
+        match (self.verdict.scenes, self.verdict.seeds) {
+            (1, 1) => "scores of one scene".into(),
+            (scenes, seeds) => format!("means over {} and {}", count(scenes, "scene"), count(seeds, "seed")),
+        }
     }
 
     /// The label of a scene.
@@ -119,6 +146,6 @@ impl<'a> Comparison<'a> {
 
     /// A picture of a scored scene as shown on a screen: white is that of the reference.
     pub(super) fn as_seen(&self, scores: &SceneScores, picture: &Image) -> Result<Image, ReportError> {
-        Ok(picture.shown(Some(self.white), 1.0 / scores.scores.white_y)?)
+        Ok(picture.shown(Some(scores.white), 1.0 / scores.scores.white_y)?)
     }
 }

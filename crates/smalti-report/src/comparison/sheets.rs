@@ -24,9 +24,9 @@ impl Comparison<'_> {
     pub fn files(&self) -> Vec<String> {
         let pictures = self.picture_names().into_iter().flatten();
         let pictures = pictures.flat_map(|p| ["", MAPS].map(|what| format!("{SIDE_BY_SIDE}/{p}{what}.png")));
-        let tables = self.learned().into_iter();
-        let tables = tables.flat_map(|(_, _, f)| [format!("{f}-kernels.png"), format!("{f}.l3")]);
-        pictures.chain(tables).chain([PAGE.to_owned()]).collect()
+        let kernels = self.learned().into_iter().map(|(_, _, file)| format!("{file}-kernels.png"));
+        let tables = self.tables().into_iter().map(|(file, _)| file);
+        pictures.chain(kernels).chain(tables).chain([PAGE.to_owned()]).collect()
     }
 
     /// Makes the page and the pictures and stores them, the page last.
@@ -42,7 +42,7 @@ impl Comparison<'_> {
             for (s, name) in names.iter().enumerate() {
                 let title = format!("{}, {} cd/m²", self.scene_label(s), light.luminance_cd_m2);
                 save(format!("{SIDE_BY_SIDE}/{name}.png"), self.side_by_side(&title, l, s)?)?;
-                let scored = self.of_scene(l, s).map(|(contender, scores)| (contender.name(), scores));
+                let scored = self.of_scene(l, s).map(|(contender, s)| (contender.name(), &s.scores));
                 let maps = maps::sheet(title, &scored.collect::<Vec<_>>());
                 save(format!("{SIDE_BY_SIDE}/{name}{MAPS}.png"), maps)?;
             }
@@ -58,6 +58,7 @@ impl Comparison<'_> {
     fn side_by_side(&self, title: &str, light: usize, scene: usize) -> Result<Sheet, ReportError> {
         let mut sheet = Sheet::new(ACROSS).title(title);
         for (i, (contender, scored)) in self.of_scene(light, scene).enumerate() {
+            let scored = &scored.scores;
             if i == 0 {
                 sheet = add(sheet, "reference", &self.as_seen(scored, &scored.reference)?);
             }

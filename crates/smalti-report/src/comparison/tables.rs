@@ -1,7 +1,7 @@
 //! Tables of a comparison.
 
 use smalti::camera::Evaluation;
-use smalti::experiment::PairwiseLightGain;
+use smalti::experiment::{LightVerdict, MetricVerdict, PairwiseLightGain};
 
 use super::columns::{COMPARE, Column, SCENES};
 use super::conditions::exposure_cells;
@@ -23,17 +23,26 @@ fn text(value: f64, digits: usize) -> String {
     if value.is_finite() { format!("{value:.digits$}") } else { "–".to_owned() }
 }
 
-/// Values as text, the best with a mark. Values with the same text as the best are marked as well. A single value has no mark.
-fn marked<T>(column: &Column<T>, of: &[&T]) -> Vec<Markup> {
+/// Values up to this ratio from the best are marked as well, where no interval tells which ones differ.
+const SAME: f64 = 1.01;
+
+/// Values as text, the best with a mark. Values that do not differ from the best are marked as well: by the verdict of the metric,
+/// else those within 1 %. A single value has no mark.
+fn marked<T>(column: &Column<T>, of: &[&T], verdict: Option<&MetricVerdict>) -> Vec<Markup> {
     let values: Vec<f64> = of.iter().map(|of| (column.of)(of)).collect();
     let sign = if column.is_higher_better() { 1.0 } else { -1.0 };
     let text = |v: f64| text(v, column.digits);
     let best =
         values.iter().copied().filter(|v| v.is_finite()).max_by(|a, b| (sign * a).total_cmp(&(sign * b)));
-    let best = best.filter(|_| values.len() > 1).map(text);
-    let one = |&v: &f64| {
+    let best = best.filter(|_| values.len() > 1);
+    let is_best = |row: usize, v: f64| match (verdict, best) {
+        (_, None) => false,
+        (Some(verdict), _) => verdict.is_among_best(row),
+        (None, Some(best)) => v == best || (v > 0.0 && best > 0.0 && v.max(best) / v.min(best) <= SAME),
+    };
+    let one = |(row, &v): (usize, &f64)| {
         let text = text(v);
-        if best.as_ref() != Some(&text) {
+        if !is_best(row, v) {
             return text.into();
         }
         let star = el("span").attr("aria-hidden", "true").class("star").child("★");
@@ -44,17 +53,20 @@ fn marked<T>(column: &Column<T>, of: &[&T]) -> Vec<Markup> {
             .child(el("span").class("hidden-text").child(" best"))
             .into()
     };
-    values.iter().map(one).collect()
+    values.iter().enumerate().map(one).collect()
 }
 
-/// Adds a row for each of what is scored in one light, with cells before and after its scores. The best of each score are marked.
+/// Adds a row for each of what is scored in one light, with cells before and after its scores. The best of each score are marked;
+/// `verdict` is that of the same rows, if there is one.
 pub(super) fn scored<T>(
     table: Table,
     columns: &[Column<T>],
     rows: &[(Vec<String>, &T, Vec<String>)],
+    verdict: Option<&LightVerdict>,
 ) -> Table {
     let all: Vec<&T> = rows.iter().map(|(_, of, _)| *of).collect();
-    let columns: Vec<Vec<Markup>> = columns.iter().map(|c| marked(c, &all)).collect();
+    let of_metric = |name: &str| verdict?.metrics.iter().find(|m| m.metric == name);
+    let columns: Vec<Vec<Markup>> = columns.iter().map(|c| marked(c, &all, of_metric(c.metric))).collect();
     rows.iter().enumerate().fold(table, |table, (i, (before, _, after))| {
         let scores = columns.iter().filter_map(|c| c.get(i).cloned());
         let cells = before.iter().map(Markup::from).chain(scores).chain(after.iter().map(Markup::from));
@@ -64,20 +76,20 @@ pub(super) fn scored<T>(
 
 /// The means over the scenes. The best at each luminance are marked.
 pub(super) fn scores(report: &Comparison<'_>) -> Markup {
-    let scenes = report.scene_count();
-    let over = if scenes == 1 { "one scene".into() } else { format!("means over {scenes} scenes") };
+    let over = report.over();
     let table =
-        Table::new(format!("Scores, {over}")).text("Camera").text("Processing").number("Luminance, cd/m²");
+        Table::new(format!("Scores: {over}")).text("Camera").text("Processing").number("Luminance, cd/m²");
     let mut table = HEADINGS.into_iter().chain(["Exposure, ms", "Saturated, %"]).fold(table, Table::number);
     for light in 0..report.light_count() {
         let rows = report.in_light(light);
         let rows =
             rows.map(|(c, o)| (of_contender(c, o.luminance_cd_m2).to_vec(), o, exposure_cells(o).to_vec()));
-        table = scored(table, &COMPARE, &rows.collect::<Vec<_>>());
+        table = scored(table, &COMPARE, &rows.collect::<Vec<_>>(), report.verdict.lights.get(light));
     }
     report.conditions.markup().and(Markup::from(table)).and(paragraph(
         "help",
-        "★ marks the best value in this light. Higher is better for CPSNR, MTF50 and visual SNR, lower for the other columns. CPSNR, ΔE and \
+        "★ marks the best value in this light and those that do not differ from it: where the verdict finds no difference, and within 1 % for \
+         MTF50, visual SNR and noise. Higher is better for CPSNR, MTF50 and visual SNR, lower for the other columns. CPSNR, ΔE and \
          S-CIELAB compare whole pictures with the scene as the standard observer sees it. MTF50 is that of a slanted edge; visual SNR and \
          noise are those of the grey patches of a ColorChecker.",
     ))
@@ -97,10 +109,10 @@ pub(super) fn scenes(report: &Comparison<'_>) -> Markup {
             let rows = report.of_scene(light, scene).map(|(contender, s)| {
                 let mut before = vec![report.scene_label(scene).to_owned()];
                 before.extend(of_contender(contender, luminance_cd_m2));
-                let exposure_ms = s.exposure_time_s * 1e3;
-                (before, s, vec![format!("{:.1}", s.saturated_percent), format!("{exposure_ms:.2}")])
+                let exposure_ms = s.scores.exposure_time_s * 1e3;
+                (before, s, vec![format!("{:.1}", s.scores.saturated_percent), format!("{exposure_ms:.2}")])
             });
-            table = scored(table, &SCENES, &rows.collect::<Vec<_>>());
+            table = scored(table, &SCENES, &rows.collect::<Vec<_>>(), None);
         }
     }
     table.into()

@@ -31,8 +31,9 @@ impl Comparison<'_> {
     /// The largest difference between fixed point and single precision, as a line. Empty where none was computed.
     #[must_use]
     pub fn fixed_point_line(&self) -> String {
-        let all = self.outcomes.iter().flatten().flat_map(|o| o.fixed_point_psnr_db.iter().flatten());
-        all.copied().reduce(f64::min).map_or_else(String::new, |db| {
+        let all = self.outcomes.iter().flatten().flat_map(|o| &o.scenes);
+        let all = all.filter_map(|(_, s)| s.fixed_point_psnr_db);
+        all.reduce(f64::min).map_or_else(String::new, |db| {
             format!("PSNR of fixed point (16-bit samples and kernels) against single precision: {db:.1} dB\n")
         })
     }

@@ -133,13 +133,13 @@ pub struct LightGainSettings {
 }
 
 impl Default for LightGainSettings {
-    /// 1 cd/m² of D65, the scenes of [`TestScene::default_set`], and the cameras' own exposure times.
+    /// 1 cd/m² of D65, the scenes of [`TestScene::charts`], and the cameras' own exposure times.
     fn default() -> Self {
         Self {
             luminance_cd_m2: 1.0,
             illuminant: Illuminant::D65,
             seed: 1,
-            scenes: TestScene::default_set(),
+            scenes: TestScene::charts(),
             times_s: Vec::new(),
             chart_s: None,
             score: ScoreSettings::default(),

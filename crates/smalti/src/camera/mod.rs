@@ -31,7 +31,7 @@ pub use light_gain::{
     CameraAndIsp, LightGain, LightGainSettings, LightGains, MetricGain, light_gain, light_gains,
 };
 pub use photograph::Photograph;
-pub use score::{PictureScores, ScoreSettings, score_picture};
+pub use score::{PICTURE_METRICS, PictureScores, ScoreSettings, score_picture};
 pub use test_scene::TestScene;
 pub use training::{LevelRule, TrainingSettings, TrainingTarget};
 pub use training_set::{

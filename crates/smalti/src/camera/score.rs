@@ -27,6 +27,9 @@ impl Default for ScoreSettings {
     }
 }
 
+/// The metrics of [`PictureScores::figures`], by their names in the catalogue.
+pub const PICTURE_METRICS: [&str; 3] = ["cpsnr_db", "pixel_delta_e_2000_mean", "scielab_mean"];
+
 /// The differences of a picture from its reference. The fields have the names of the catalogue of metrics.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct PictureScores {
@@ -48,6 +51,14 @@ pub struct PictureScores {
     pub scielab_map: Planes,
 }
 
+impl PictureScores {
+    /// The values of [`PICTURE_METRICS`].
+    #[must_use]
+    pub fn figures(&self) -> [f64; PICTURE_METRICS.len()] {
+        [self.cpsnr_db, self.pixel_delta_e_2000_mean, self.scielab_mean]
+    }
+}
+
 /// Scores a picture against a reference on the same scale, both in X, Y, Z under the illuminant of the scene (not adapted), such
 /// as that of [`Camera::reference_as_exposed`](super::Camera::reference_as_exposed). `white` is X, Y, Z of the illuminant with
 /// Y = 1.
@@ -66,21 +77,13 @@ pub fn score_picture(
     settings: &ScoreSettings,
 ) -> Result<PictureScores, CameraError> {
     check(white, settings)?;
-    picture.check_finite()?;
-    reference.check_finite()?;
-    let white_y = white_level(reference, settings.highlight_share);
-    if white_y <= 0.0 {
-        let (quantity, reason) = ("the distance from the reference", "the reference is dark");
-        return Err(MetricError::Undefined { quantity, reason }.into());
-    }
-    let (picture, reference) = (clipped_at_white(picture, white_y)?, clipped_at_white(reference, white_y)?);
+    let Clipped { picture, reference, white_y } = Clipped::new(picture, reference, settings)?;
     let white = white.map(|v| v / white[LUMINANCE] * white_y);
     let scielab = Scielab::new(settings.samples_per_degree, DeltaE::Cie1976);
     let scielab = scielab.compare(&reference, &picture, white).map_err(MetricError::from)?;
     let pixels = difference::delta_e_map(&reference, &picture, white, DeltaE::Ciede2000)?;
-    let region = Rect::whole(picture.rows(), picture.cols());
     Ok(PictureScores {
-        cpsnr_db: psnr(picture.planes(), reference.planes(), region, white_y)?.cpsnr_db,
+        cpsnr_db: cpsnr_db(&picture, &reference, white_y)?,
         pixel_delta_e_2000_mean: pixels.mean(),
         pixel_delta_e_2000_p95: f64::from(at_share(&mut pixels.values.clone(), 0.95)),
         scielab_mean: scielab.mean(),
@@ -88,6 +91,47 @@ pub fn score_picture(
         delta_e_2000_map: one_plane(pixels)?,
         scielab_map: one_plane(scielab)?,
     })
+}
+
+/// The CPSNR of [`score_picture`] alone, dB, in a fraction of the time.
+///
+/// # Errors
+/// As [`score_picture`].
+pub(crate) fn picture_cpsnr_db(
+    picture: &Image,
+    reference: &Image,
+    settings: &ScoreSettings,
+) -> Result<f64, CameraError> {
+    let Clipped { picture, reference, white_y } = Clipped::new(picture, reference, settings)?;
+    cpsnr_db(&picture, &reference, white_y)
+}
+
+/// A picture and its reference, clipped at white.
+struct Clipped {
+    picture: Image,
+    reference: Image,
+    /// The Y of white.
+    white_y: f64,
+}
+
+impl Clipped {
+    fn new(picture: &Image, reference: &Image, settings: &ScoreSettings) -> Result<Self, CameraError> {
+        picture.check_finite()?;
+        reference.check_finite()?;
+        let white_y = white_level(reference, settings.highlight_share);
+        if white_y <= 0.0 {
+            let (quantity, reason) = ("the distance from the reference", "the reference is dark");
+            return Err(MetricError::Undefined { quantity, reason }.into());
+        }
+        let (picture, reference) =
+            (clipped_at_white(picture, white_y)?, clipped_at_white(reference, white_y)?);
+        Ok(Self { picture, reference, white_y })
+    }
+}
+
+fn cpsnr_db(picture: &Image, reference: &Image, white_y: f64) -> Result<f64, CameraError> {
+    let region = Rect::whole(picture.rows(), picture.cols());
+    Ok(psnr(picture.planes(), reference.planes(), region, white_y)?.cpsnr_db)
 }
 
 /// A map as a plane.

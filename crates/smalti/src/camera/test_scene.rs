@@ -1,20 +1,27 @@
 //! Scenes of comparisons.
 
-use super::{Camera, CameraError, Setup, test_scenes};
-use crate::scene::{Scene, Setting};
-use crate::spectrum::Illuminant;
+use std::sync::Arc;
+
+use super::{Camera, CameraError, Setup, TEST_SAMPLES_PER_PX, test_scenes};
+use crate::scene::{Scene, SceneError, Setting};
+use crate::spectrum::{Illuminant, SpectrumError};
 
 /// A scene on which cameras are compared.
 #[derive(Debug, Clone, PartialEq)]
 pub enum TestScene {
-    /// A scene of the catalogue, by its name and parameters, with two samples per pixel in each direction.
+    /// A scene of the catalogue, by its name and parameters, with [`TEST_SAMPLES_PER_PX`] samples per pixel in each direction,
+    /// under the illuminant of the comparison.
     BuiltIn(String),
-    /// A given scene with one sample per pixel.
+    /// A given scene.
     Given {
         /// Its name.
         name: String,
         /// The scene; its mean luminance is 1 cd/m².
-        scene: Scene,
+        scene: Arc<Scene>,
+        /// Samples per pixel in each direction, at least 1.
+        samples_per_px: usize,
+        /// Whether the scene keeps its own light. Otherwise the caller has relit it under the illuminant of the comparison.
+        keeps_light: bool,
     },
 }
 
@@ -27,10 +34,40 @@ impl TestScene {
         Self::BuiltIn((*of_test_set.unwrap_or(&name)).to_owned())
     }
 
-    /// The default scenes of a comparison, [`test_scenes`].
+    /// The scenes of the set `charts`, [`test_scenes`].
     #[must_use]
-    pub fn default_set() -> Vec<Self> {
+    pub fn charts() -> Vec<Self> {
         test_scenes().iter().map(|name| Self::built_in(name)).collect()
+    }
+
+    /// A given scene under the illuminant of the comparison, with one sample per pixel. Its mean luminance is 1 cd/m².
+    #[must_use]
+    pub fn relit(name: impl Into<String>, scene: Scene) -> Self {
+        Self::Given { name: name.into(), scene: Arc::new(scene), samples_per_px: 1, keeps_light: false }
+    }
+
+    /// A given scene in its own light, at a mean luminance of 1 cd/m² and with [`TEST_SAMPLES_PER_PX`] samples per pixel in each
+    /// direction.
+    ///
+    /// # Errors
+    /// When the scene is dark.
+    pub fn in_own_light(name: impl Into<String>, scene: Scene) -> Result<Self, SceneError> {
+        let scene = Arc::new(scene.with_mean_luminance(1.0)?);
+        Ok(Self::Given { name: name.into(), scene, samples_per_px: TEST_SAMPLES_PER_PX, keeps_light: true })
+    }
+
+    /// The light of a scene that keeps it, on the wavelengths of the scene and with the scene's name; `None` for scenes under
+    /// the illuminant of the comparison.
+    ///
+    /// # Errors
+    /// Never for a valid scene.
+    pub fn own_light(&self) -> Result<Option<Illuminant>, SpectrumError> {
+        match self {
+            Self::Given { name, scene, keeps_light: true, .. } => {
+                Ok(Some(Illuminant::of_photons(name, scene.illuminant())?))
+            }
+            _ => Ok(None),
+        }
     }
 
     /// The name of the scene.
@@ -51,9 +88,13 @@ impl TestScene {
         illuminant: &Illuminant,
         other: Option<&Setup>,
     ) -> Result<Setup, CameraError> {
-        match other.map(|setup| setup.before(camera)).transpose()?.flatten() {
+        let on_its_grid = match self {
+            Self::Given { scene, .. } => camera.on_grid(scene.radiance().grid())?,
+            Self::BuiltIn(_) => camera.clone(),
+        };
+        match other.map(|setup| setup.before(&on_its_grid)).transpose()?.flatten() {
             Some(setup) => Ok(setup),
-            None => self.before(camera, illuminant),
+            None => self.before(&on_its_grid, illuminant),
         }
     }
 
@@ -68,9 +109,9 @@ impl TestScene {
                 let setting = Setting { luminance_cd_m2: 1.0, illuminant, ..Setting::default() };
                 Setup::of_test_scene(camera, name, &setting)
             }
-            Self::Given { scene, .. } => camera
+            Self::Given { scene, samples_per_px, .. } => camera
                 .on_grid(scene.radiance().grid())
-                .and_then(|camera| Setup::new(&camera, scene.clone(), 1)),
+                .and_then(|camera| Setup::new(&camera, Scene::clone(scene), *samples_per_px)),
         }
     }
 }

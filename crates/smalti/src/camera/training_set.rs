@@ -73,14 +73,15 @@ pub(crate) fn dead_leaves(i: usize, n: usize) -> String {
 }
 
 impl TrainingScene {
-    /// Builds the scene with the field of view that it needs on a camera.
+    /// Builds the scene with the field of view that it needs on a camera. `reflectances` are those of [`training_reflectances`] on
+    /// the wavelengths of the camera.
     ///
     /// # Errors
-    /// When the catalogue has no such scene.
-    pub fn build(&self, camera: &Camera) -> Result<Scene, CameraError> {
+    /// When the catalogue has no such scene, or the wavelengths differ.
+    pub fn build(&self, camera: &Camera, reflectances: &[Spectrum]) -> Result<Scene, CameraError> {
         let grid = camera.grid();
         let setting = Setting { illuminant: self.light.clone(), grid, ..Setting::default() };
-        let scene = catalog::build(&self.spec, &setting, &training_reflectances(grid)?)?;
+        let scene = catalog::build(&self.spec, &setting, reflectances)?;
         let px = scene.radiance().cols() / SAMPLES_PER_PX;
         let deg = camera.field_of_view_deg(px.max(1), setting.distance_m)?;
         Ok(scene.with_fov(deg)?)

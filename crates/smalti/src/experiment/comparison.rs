@@ -1,35 +1,16 @@
 //! Comparisons of cameras, each with its processing, on the same scenes.
 
-use super::error::StageContext;
-use super::learning::learn_default;
-use super::progress::{Stoppable, ensure_running};
-use super::training_statistics::ensure_mosaic;
-use super::{
-    ComparedPictures, ExperimentError, ExposurePlan, ExposurePolicy, Processing, Progress, Resources,
-};
-use crate::camera::{
-    Camera, CameraAndIsp, CameraError, Evaluation, EvaluationPictures, EvaluationSettings, LightGainSettings,
-    LightGains, SceneScores, ScoreSettings, Setup, TestScene, TrainingSettings, compare_on, evaluate_with,
-    light_gains,
-};
-use crate::isp::{Classic, Isp, WhiteBalance};
-use crate::l3::{L3Error, Pipeline, Training, peak_ratio_db};
-use crate::metrics::esfr::EdgeSfr;
-use crate::sensor::NoiseMode;
-use crate::spectrum::{Illuminant, Spectrum};
+use std::ops::Range;
 
-/// A camera with its processing.
-#[derive(Clone, Copy)]
-pub struct Contender<'a> {
-    /// The camera.
-    pub camera: &'a Camera,
-    /// The unique name of the camera in results.
-    pub label: &'a str,
-    /// Its processing.
-    pub processing: Processing,
-    /// The learned pipeline for [`Processing::L3`].
-    pub pipeline: Option<&'a Pipeline>,
-}
+use super::contender::{Contender, ScoredScene, score_scene};
+use super::error::StageContext;
+use super::outcome::Outcome;
+use super::progress::ensure_running;
+use super::verdict::{QualityAtMoreLight, Scores, Verdict};
+use super::{ComparedPictures, ExperimentError, ExposurePlan, ExposurePolicy, Processing, Resources};
+use crate::camera::compare::cpsnr_on;
+use crate::camera::{Camera, EvaluationSettings, ScoreSettings, Setup, TestScene};
+use crate::spectrum::Illuminant;
 
 /// Settings of a comparison.
 #[derive(Debug, Clone)]
@@ -40,8 +21,10 @@ pub struct ComparisonSettings {
     pub illuminant: Illuminant,
     /// The scenes.
     pub scenes: Vec<TestScene>,
-    /// Seed of the noise.
+    /// Seed of the noise: that of the targets and the first of the scenes.
     pub seed: u64,
+    /// The number of seeds for each scene, at least 1.
+    pub seed_count: u64,
     /// Viewing conditions of the scores.
     pub score: ScoreSettings,
     /// The choice of the exposure times.
@@ -54,195 +37,20 @@ pub struct Compared {
     pub outcomes: Vec<Vec<Outcome>>,
     /// The exposure times.
     pub exposure: ExposurePlan,
+    /// Who is better at which light, by how much, and how certainly.
+    pub verdict: Verdict,
 }
 
-/// The scores of a contender at one luminance.
-pub struct Outcome {
-    /// Mean luminance of the scenes, cd/m².
-    pub luminance_cd_m2: f64,
-    /// The scores on the targets of [`evaluate`](crate::camera::evaluate()).
-    pub targets: Evaluation,
-    /// The edge response; `None` when the picture shows no edge.
-    pub edge: Option<EdgeSfr>,
-    /// The scores on each scene, with its name.
-    pub scenes: Vec<(String, SceneScores)>,
-    /// For each scene, the PSNR of the fixed-point picture of the learned pipeline against single precision, dB; `None` for classic
-    /// processing, and when the table has no fixed-point form for the camera.
-    pub fixed_point_psnr_db: Vec<Option<f64>>,
-}
-
-impl<'a> Contender<'a> {
-    /// A camera with the processing of its description.
+impl ComparisonSettings {
+    /// The seeds of each scene.
     #[must_use]
-    pub fn as_described(camera: &'a Camera, label: &'a str) -> Self {
-        let processing = Processing::Classic(camera.description().isp.demosaic);
-        Self { camera, label, processing, pipeline: None }
-    }
-
-    /// A camera with a learned pipeline if there is one, otherwise with the processing of its description.
-    #[must_use]
-    pub fn with_pipeline(camera: &'a Camera, label: &'a str, pipeline: Option<&'a Pipeline>) -> Self {
-        let own = Self::as_described(camera, label);
-        if pipeline.is_some() { Self { processing: Processing::L3, pipeline, ..own } } else { own }
-    }
-
-    /// The camera's label and the name of the processing.
-    #[must_use]
-    pub fn name(&self) -> String {
-        format!("{} {}", self.label, self.processing.name())
-    }
-
-    /// Whether the processing is defined for the camera's mosaic.
-    #[must_use]
-    pub fn is_defined(&self) -> bool {
-        self.processing.is_defined_for(self.camera.sensor.cfa.mosaic())
-    }
-
-    /// The processing for scenes under an illuminant (photons). It fails once the caller stops the work.
-    fn isp<'b>(&self, light: &Spectrum, progress: &'b dyn Progress) -> Result<Box<dyn Isp + 'b>, CameraError>
-    where
-        'a: 'b,
-    {
-        let isp: Box<dyn Isp + 'b> = match (self.processing, self.pipeline) {
-            (Processing::L3, Some(pipeline)) => Box::new(pipeline),
-            (Processing::L3, None) => return Err(crate::l3::L3Error::NoPipeline.into()),
-            (Processing::Classic(demosaic), _) => {
-                let camera = self.camera.on_grid(light.grid())?;
-                Box::new(Classic { demosaic, ..camera.isp(light, WhiteBalance::None)? })
-            }
-        };
-        Ok(Box::new(Stoppable { isp, progress }))
-    }
-
-    /// Scores the camera on the built-in targets; see [`evaluate_with`].
-    ///
-    /// # Errors
-    /// When a stage fails, a metric cannot be computed, or the work is stopped.
-    pub fn evaluate(
-        &self,
-        settings: &EvaluationSettings,
-        resources: Resources<'_>,
-    ) -> Result<(Evaluation, EvaluationPictures), ExperimentError> {
-        let images =
-            |key: &str, make: &dyn Fn() -> Result<_, CameraError>| resources.store.optical_image(key, make);
-        let isp = |light: &Spectrum| self.isp(light, resources.progress);
-        evaluate_with(self.camera, settings, &images, &isp).map_err(|e| {
-            let fixed = self.camera.description().exposure.time_ms.is_some();
-            let hint = match &e {
-                CameraError::Metric(_) if fixed => {
-                    ": the camera's exposure is fixed; the scenes may be too bright or too dark for it"
-                }
-                _ => "",
-            };
-            ExperimentError::stage(format!("{} at {} cd/m²{hint}", self.label, settings.luminance_cd_m2), e)
-        })
+    pub fn seeds(&self) -> Range<u64> {
+        self.seed..self.seed.saturating_add(self.seed_count.max(1))
     }
 }
 
-/// The pipeline of each camera of a comparison: the given one; or one learned under the illuminant, if [`Processing::L3`] is
-/// compared; or none. Each is one step of progress. `labels` are the unique names of the cameras in progress and errors.
-///
-/// # Errors
-/// As [`learn_default`], with the label of the camera.
-pub fn pipelines(
-    cameras: &[Camera],
-    labels: &[String],
-    given: Vec<Option<Pipeline>>,
-    processing: &[Processing],
-    learning: (&TrainingSettings, &Training),
-    illuminant: &Illuminant,
-    resources: Resources<'_>,
-) -> Result<Vec<Option<Pipeline>>, ExperimentError> {
-    let learns = processing.contains(&Processing::L3);
-    let labelled = || cameras.iter().zip(labels);
-    if learns {
-        labelled().try_for_each(|(camera, label)| ensure_mosaic(camera, label))?;
-    }
-    resources.progress.expect(cameras.len() as u64);
-    let mut given = given.into_iter();
-    let own = |(camera, label): (&Camera, &String)| {
-        resources.progress.begin(&format!("{label}: pipeline"));
-        let pipeline = match given.next().flatten() {
-            None if learns => {
-                let learned = learn_default(camera, label, learning, illuminant, resources);
-                Some(learned.map_err(|e| e.of_camera(label))?)
-            }
-            given => given,
-        };
-        resources.progress.done();
-        Ok(pipeline)
-    };
-    labelled().map(own).collect()
-}
-
-/// Every camera with every kind of processing, each once, and the names of those that are left out because the processing is not
-/// defined for the mosaic.
-///
-/// # Errors
-/// [`ExperimentError::NothingToCompare`].
-pub fn contenders<'a>(
-    cameras: &'a [Camera],
-    labels: &'a [String],
-    pipelines: &'a [Option<Pipeline>],
-    processing: &[Processing],
-) -> Result<(Vec<Contender<'a>>, Vec<String>), ExperimentError> {
-    let (mut defined, mut left_out) = (Vec::new(), Vec::new());
-    for ((camera, label), pipeline) in cameras.iter().zip(labels).zip(pipelines) {
-        let unique = |(i, kind): &(usize, &Processing)| !processing[..*i].contains(kind);
-        for (_, &kind) in processing.iter().enumerate().filter(unique) {
-            let contender = Contender { camera, label, processing: kind, pipeline: pipeline.as_ref() };
-            if contender.is_defined() { defined.push(contender) } else { left_out.push(contender.name()) }
-        }
-    }
-    if defined.is_empty() { Err(ExperimentError::NothingToCompare) } else { Ok((defined, left_out)) }
-}
-
-/// Captures a scene at a mean luminance, renders the raw image and scores the picture. `setup` is the scene at 1 cd/m². The exposure
-/// time is `time_s`, s, or that of the camera's description.
-///
-/// # Errors
-/// When a stage fails, the scene is dark, or the work is stopped.
-pub fn score_scene(
-    contender: &Contender<'_>,
-    setup: &Setup,
-    (luminance_cd_m2, time_s): (f64, Option<f64>),
-    seed: u64,
-    score: &ScoreSettings,
-    progress: &dyn Progress,
-) -> Result<(SceneScores, Option<f64>), ExperimentError> {
-    ensure_running(progress)?;
-    let scored = || -> Result<_, CameraError> {
-        let lit = setup.in_light(luminance_cd_m2)?.exposed(time_s)?;
-        let isp = contender.isp(&lit.light, progress)?;
-        let scores = compare_on(&lit, &*isp, seed, score)?;
-        let fixed_point_db = fixed_point_psnr_db(contender, &lit, &scores, seed)?;
-        Ok((scores, fixed_point_db))
-    };
-    scored().in_context(|| format!("{} at {luminance_cd_m2} cd/m²", contender.name()))
-}
-
-/// PSNR of the fixed-point picture of a scene against the picture that was scored, dB.
-fn fixed_point_psnr_db(
-    contender: &Contender<'_>,
-    setup: &Setup,
-    scored: &SceneScores,
-    seed: u64,
-) -> Result<Option<f64>, CameraError> {
-    let (Processing::L3, Some(pipeline)) = (contender.processing, contender.pipeline) else {
-        return Ok(None);
-    };
-    let raw = setup.camera.sensor.capture(&setup.image, &setup.exposure, NoiseMode::All, seed)?;
-    let fixed = match pipeline.render_fixed(&raw) {
-        Ok(fixed) => fixed,
-        // Raw images in volts, and kernels beyond 16 bits, have no fixed-point form.
-        Err(L3Error::NotDigital | L3Error::NoFixedPoint(_)) => return Ok(None),
-        Err(error) => return Err(error.into()),
-    };
-    Ok(peak_ratio_db(scored.picture.planes(), &fixed.planes).filter(|v| v.is_finite()))
-}
-
-/// Compares contenders on scenes. The result holds an outcome for each contender and luminance; each is one step of progress.
-/// Cameras with the same lens and pixel pitch share the optical images.
+/// Compares contenders on scenes. The result holds an outcome for each contender and luminance, each one step of progress, and a
+/// verdict. Cameras with the same lens and pixel pitch share the optical images.
 ///
 /// # Errors
 /// When a contender lacks its pipeline, a stage fails, or the work is stopped.
@@ -264,7 +72,7 @@ pub fn compare(
     let exposure = ExposurePlan::new(settings.exposure, &cameras, pictures, resources)?;
     let mut outcomes = Vec::with_capacity(contenders.len());
     for (i, contender) in contenders.iter().enumerate() {
-        if contender.processing == Processing::L3 && contender.pipeline.is_none() {
+        if contender.processing == Processing::L3 && contender.pipelines.is_none() {
             return Err(ExperimentError::NoPipeline { camera: contender.label.to_owned() });
         }
         if i > 0 {
@@ -273,7 +81,47 @@ pub fn compare(
         let at = |light: usize| outcome(contender, light, &setups, settings, &exposure, resources);
         outcomes.push((0..settings.luminances_cd_m2.len()).map(at).collect::<Result<_, _>>()?);
     }
-    Ok(Compared { outcomes, exposure })
+    let verdict = verdict(contenders, settings, &exposure, (&outcomes, setups), resources)?;
+    Ok(Compared { outcomes, exposure, verdict })
+}
+
+/// The verdict of a comparison. `last` are the scenes on the last contender's camera.
+fn verdict(
+    contenders: &[Contender<'_>],
+    settings: &ComparisonSettings,
+    exposure: &ExposurePlan,
+    (outcomes, last): (&[Vec<Outcome>], Vec<Setup>),
+    resources: Resources<'_>,
+) -> Result<Verdict, ExperimentError> {
+    let mut imaged_on = (contenders.len().wrapping_sub(1), last);
+    let cpsnr_db = |contender: usize, light: usize| -> Vec<f64> {
+        let outcome = outcomes.get(contender).and_then(|o| o.get(light));
+        let first = |(_, s): &(String, ScoredScene)| s.scores.scores.cpsnr_db;
+        outcome.map_or_else(Vec::new, |o| o.scenes.iter().map(first).collect())
+    };
+    let more_light = |number: usize, best: usize, light: usize| -> Result<_, ExperimentError> {
+        let contender = &contenders[number];
+        let luminance_cd_m2 = settings.luminances_cd_m2[light];
+        resources.progress.begin(&format!("{} at more than {luminance_cd_m2} cd/m²", contender.name()));
+        if imaged_on.0 != number {
+            imaged_on = (number, imaged(contender, settings, &imaged_on.1, resources)?);
+        }
+        let quality = |factor: f64| -> Result<Vec<f64>, ExperimentError> {
+            let on_scene = |(i, setup): (usize, &Setup)| {
+                ensure_running(resources.progress)?;
+                let scored = || {
+                    let exposed = setup.in_light(luminance_cd_m2)?.exposed(exposure.scene_s(i, light))?;
+                    let lit = exposed.in_light(factor)?;
+                    let isp = contender.isp(&lit.light, resources.progress)?;
+                    cpsnr_on(&lit, &*isp, settings.seed, &settings.score)
+                };
+                scored().in_context(|| contender.name())
+            };
+            imaged_on.1.iter().enumerate().map(on_scene).collect()
+        };
+        QualityAtMoreLight::measure(cpsnr_db(number, light), cpsnr_db(best, light), quality)
+    };
+    Scores::new(outcomes, settings.seed).verdict(&settings.luminances_cd_m2, more_light)
 }
 
 /// The scenes on the camera of a contender, with the optical images of another camera where possible.
@@ -309,150 +157,25 @@ fn outcome(
         exposure: exposure.targets(light),
     };
     let (targets, pictures) = contender.evaluate(&targets, resources)?;
-    let (mut scenes, mut fixed_point) = (Vec::new(), Vec::new());
+    let mut scenes = Vec::with_capacity(setups.len());
     for (i, (scene, setup)) in settings.scenes.iter().zip(setups).enumerate() {
         let light = (luminance_cd_m2, exposure.scene_s(i, light));
-        let scored = score_scene(contender, setup, light, settings.seed, &settings.score, progress);
-        let (scores, fixed_point_db) = scored.map_err(|e| match e {
+        let scored = score_scene(contender, setup, light, settings.seeds(), &settings.score, progress);
+        let scored = scored.map_err(|e| match e {
             ExperimentError::Stage { context, source } => {
                 ExperimentError::Stage { context: format!("{context}, {}", scene.name()), source }
             }
             other => other,
         })?;
-        fixed_point.push(fixed_point_db);
-        scenes.push((scene.name().to_owned(), scores));
+        scenes.push((scene.name().to_owned(), scored));
     }
+    let edge = pictures.edge_sfr().in_context(|| contender.name())?;
+    let outcome = Outcome { luminance_cd_m2, targets, edge, scenes };
+    let [cpsnr_db, delta_e, scielab] = outcome.means();
+    progress.preliminary(&format!(
+        "{} at {luminance_cd_m2} cd/m²: CPSNR {cpsnr_db:.2} dB, ΔE2000 {delta_e:.2}, S-CIELAB {scielab:.2}",
+        contender.name()
+    ));
     progress.done();
-    Ok(Outcome {
-        luminance_cd_m2,
-        targets,
-        edge: pictures.edge_sfr().in_context(|| contender.name())?,
-        scenes,
-        fixed_point_psnr_db: fixed_point,
-    })
-}
-
-/// The light gain of a pair of contenders.
-pub struct PairwiseLightGain {
-    /// The contender whose light changes.
-    pub first: String,
-    /// The contender that it is to equal.
-    pub other: String,
-    /// The gains by each metric.
-    pub gains: LightGains,
-}
-
-/// How much more light contender `a` needs to equal contender `b`, by every metric.
-///
-/// # Errors
-/// When a stage fails, or the work is stopped.
-pub fn light_gain_between(
-    a: &Contender<'_>,
-    b: &Contender<'_>,
-    settings: &LightGainSettings,
-    progress: &dyn Progress,
-) -> Result<LightGains, ExperimentError> {
-    let isp_a = |light: &Spectrum| a.isp(light, progress);
-    let isp_b = |light: &Spectrum| b.isp(light, progress);
-    let (a, b) =
-        (CameraAndIsp { camera: a.camera, isp: &isp_a }, CameraAndIsp { camera: b.camera, isp: &isp_b });
-    light_gains(a, b, settings).in_context(|| format!("light gain at {} cd/m²", settings.luminance_cd_m2))
-}
-
-/// The light gains of the first contender against every other contender with the same processing, at each luminance. Each is one
-/// step of progress. Scenes and exposure times are those of the comparison.
-///
-/// # Errors
-/// When a stage fails, or the work is stopped.
-pub fn light_gains_to_first(
-    contenders: &[Contender<'_>],
-    settings: &ComparisonSettings,
-    exposure: &ExposurePlan,
-    progress: &dyn Progress,
-) -> Result<Vec<PairwiseLightGain>, ExperimentError> {
-    let Some((first, rest)) = contenders.split_first() else { return Ok(Vec::new()) };
-    let mut gains = Vec::new();
-    for other in rest.iter().filter(|c| c.processing == first.processing) {
-        for (light, &luminance_cd_m2) in settings.luminances_cd_m2.iter().enumerate() {
-            progress.begin(&format!("light gain of {} at {luminance_cd_m2} cd/m²", other.name()));
-            let settings = LightGainSettings {
-                luminance_cd_m2,
-                illuminant: settings.illuminant.clone(),
-                seed: settings.seed,
-                scenes: settings.scenes.clone(),
-                times_s: (0..settings.scenes.len()).map(|scene| exposure.scene_s(scene, light)).collect(),
-                chart_s: exposure.targets(light).map(|t| t.macbeth_s),
-                score: settings.score,
-            };
-            let found = light_gain_between(first, other, &settings, progress)?;
-            gains.push(PairwiseLightGain { first: first.name(), other: other.name(), gains: found });
-            progress.done();
-        }
-    }
-    Ok(gains)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::camera::CameraDescription;
-    use crate::l3::{Axes, Class, Kernels, Levels, Origin, PipelineParts};
-    use crate::scene::{Setting, uniform};
-    use crate::sensor::{RawImage, Sampling, SignalNoise};
-    use crate::spectrum::WavelengthGrid;
-
-    /// A pipeline of three equal outputs for this raw image, with these weights.
-    fn pipeline(raw: &RawImage, white_level: f64, weight: f32) -> Pipeline {
-        let Sampling::Mosaic(mosaic) = raw.sampling() else { panic!("the default camera has a mosaic") };
-        let (constant, per_signal) = (1e-6, 1e-4);
-        let noise = SignalNoise { constant, per_signal, per_signal_squared: 0.0, row: 0.0, column: 0.0 };
-        let levels = Levels::logarithmic(2, 0.05, 0.8).unwrap();
-        let axes = Axes::new(mosaic.clone(), 3, levels, noise).unwrap();
-        let count = axes.positions() * axes.level_count() * axes.textures().count();
-        let parts = PipelineParts {
-            saturations: vec![0],
-            outputs: ["X", "Y", "Z"].map(String::from).to_vec(),
-            channel_names: raw.channel_names().to_vec(),
-            black_level: raw.black_level(),
-            white_level,
-            trained: vec![[0.0, 1.0]; axes.positions()],
-            classes: vec![Class { count: 1, origin: Origin::Learned }; count],
-            kernels: Kernels {
-                weights: vec![weight; count * 3 * axes.taps()],
-                offsets: vec![0.0; count * 3],
-            },
-            provenance: String::new(),
-            axes,
-        };
-        Pipeline::from_parts(parts).unwrap()
-    }
-
-    #[test]
-    fn only_a_pipeline_without_a_fixed_point_form_has_no_ratio() {
-        let setup_with = |adc_bits| {
-            let mut description = CameraDescription::default();
-            description.sensor.adc_bits = adc_bits;
-            let camera = Camera::new(description, WavelengthGrid::VISIBLE).unwrap();
-            Setup::new(&camera, uniform(48, 48, &Setting::default()).unwrap(), 1).unwrap()
-        };
-        let setup = setup_with(12);
-        let isp = setup.camera.isp(&setup.light, WhiteBalance::None).unwrap();
-        let scores = compare_on(&setup, &isp, 1, &ScoreSettings::default()).unwrap();
-        let ratio = |setup: &Setup, pipeline: &Pipeline| {
-            let contender = Contender::with_pipeline(&setup.camera, "a", Some(pipeline));
-            fixed_point_psnr_db(&contender, setup, &scores, 1)
-        };
-        let raw = |setup: &Setup| {
-            setup.camera.sensor.capture(&setup.image, &setup.exposure, NoiseMode::All, 1).unwrap()
-        };
-        let digital = raw(&setup);
-        let white = digital.white_level();
-        assert!(ratio(&setup, &pipeline(&digital, white, 0.1)).unwrap().is_some());
-        assert_eq!(ratio(&setup, &pipeline(&digital, white, 1e6)), Ok(None));
-        let volts = setup_with(0);
-        let analog = raw(&volts);
-        assert_eq!(ratio(&volts, &pipeline(&analog, analog.white_level(), 0.1)), Ok(None));
-        let other = ratio(&setup, &pipeline(&digital, white - 1.0, 0.1));
-        assert!(matches!(other, Err(CameraError::L3(L3Error::RawLevels { .. }))), "{other:?}");
-    }
+    Ok(outcome)
 }

@@ -4,7 +4,8 @@ use super::error::StageContext;
 use super::progress::ensure_running;
 use super::{ExperimentError, Progress};
 use crate::camera::{
-    Camera, CameraError, DEFAULT_TRAINING_LIGHT, TrainingScene, TrainingSettings, training_scenes,
+    Camera, CameraError, DEFAULT_TRAINING_LIGHT, TrainingScene, TrainingSettings, training_reflectances,
+    training_scenes,
 };
 use crate::l3::Statistics;
 use crate::scene::Scene;
@@ -103,7 +104,9 @@ pub(super) fn add_scenes(
     match material {
         TrainingMaterial::DefaultSet(lights) => {
             let scenes = training_scenes(lights);
-            scenes.iter().zip(0..).try_for_each(|(s, item)| learn(item, &s.spec, &|| s.build(camera)))
+            let reflectances = training_reflectances(camera.grid()).in_context(|| label.to_owned())?;
+            let built = |s: &TrainingScene| s.build(camera, &reflectances);
+            scenes.iter().zip(0..).try_for_each(|(s, item)| learn(item, &s.spec, &|| built(s)))
         }
         TrainingMaterial::Scenes(scenes) => scenes.iter().enumerate().try_for_each(|(place, s)| {
             let before = scenes.iter().take(place).filter(|other| other.name == s.name).count();

@@ -5,12 +5,16 @@
 //! [`Progress`] receives the steps and can stop the work.
 
 mod comparison;
+mod contender;
 mod differences;
 mod error;
 mod exposure;
 mod labels;
 mod learning;
+mod light_gain;
+mod lights;
 mod material;
+mod outcome;
 mod pairs;
 mod processing;
 mod progress;
@@ -18,11 +22,10 @@ mod simulation;
 mod store;
 mod sweep;
 mod training_statistics;
+mod verdict;
 
-pub use comparison::{
-    Compared, ComparisonSettings, Contender, Outcome, PairwiseLightGain, compare, contenders,
-    light_gain_between, light_gains_to_first, pipelines, score_scene,
-};
+pub use comparison::{Compared, ComparisonSettings, compare};
+pub use contender::{Contender, ScoredScene, contenders, pipelines, score_scene};
 pub use differences::{CameraDifference, camera_differences};
 pub use error::ExperimentError;
 pub use exposure::{ComparedPictures, EqualExposure, ExposurePlan, ExposurePolicy};
@@ -30,10 +33,14 @@ pub use labels::numbered;
 pub use learning::{
     Gathered, Learned, TrainingPair, TrainingRecord, TrainingSources, gather, learn, learn_default, solve,
 };
+pub use light_gain::{PairwiseLightGain, light_gain_between, light_gains_to_first};
+pub use lights::{PipelineSet, SceneLight, scene_lights};
 pub use material::NamedScene;
+pub use outcome::Outcome;
 pub use pairs::{PairAlignment, RawAndPicture};
 pub use processing::Processing;
 pub use progress::{Progress, Silent};
 pub use simulation::{ScoredWindow, Simulation, SimulationSettings, capture, score_capture, simulate};
 pub use store::{NoStore, Resources, Store};
 pub use sweep::sweep;
+pub use verdict::{Crossover, Estimate, Lead, LightVerdict, MetricVerdict, MoreLight, Verdict};

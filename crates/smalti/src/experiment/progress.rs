@@ -22,6 +22,9 @@ pub trait Progress: Sync {
     /// A note for the user that is not an error.
     fn note(&self, _text: &str) {}
 
+    /// A result in words, before the whole result is complete.
+    fn preliminary(&self, _text: &str) {}
+
     /// Whether the work should stop. The experiment checks this between steps and pictures, and then ends with
     /// [`ExperimentError::Stopped`].
     fn is_stopped(&self) -> bool {

@@ -1,5 +1,6 @@
 //! Arithmetic without optics: image planes and rectangles, random numbers, Fourier transforms, least squares.
 
+pub mod bootstrap;
 pub(crate) mod dense;
 pub mod elementary;
 pub mod fft;

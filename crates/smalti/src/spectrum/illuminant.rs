@@ -145,6 +145,16 @@ impl Illuminant {
         })
     }
 
+    /// A light of a name from its photons; its largest power is 1.
+    ///
+    /// # Errors
+    /// When a value is not finite, or none is above 0.
+    pub fn of_photons(name: &str, photons: &Spectrum) -> Result<Self, SpectrumError> {
+        let power = photons.map(|nm, v| v / photons_per_joule(nm))?;
+        let power = power.scaled(1.0 / power.max())?;
+        Ok(Self::Measured { name: name.to_owned(), power })
+    }
+
     /// Its name, in the form that [`Illuminant::from_name`] takes; a measured one has the name it was given.
     #[must_use]
     pub fn name(&self) -> String {

@@ -6,7 +6,7 @@ use std::sync::Mutex;
 use smalti::camera::{Camera, CameraDescription, ScoreSettings, TrainingSettings};
 use smalti::experiment::{
     ExperimentError, NoStore, Processing, Progress, Resources, Silent, SimulationSettings, capture, numbered,
-    pipelines,
+    pipelines, scene_lights,
 };
 use smalti::l3::Training;
 use smalti::scene::{Setting, uniform};
@@ -38,8 +38,9 @@ fn refused(progress: &Recorder, memory_bytes: Option<u64>) -> ExperimentError {
     let learning = (&TrainingSettings::default(), &Training::default());
     let resources = Resources { store: &NoStore, progress, memory_bytes };
     let labels = numbered(vec![name.clone(), name]);
+    let lights = scene_lights(&Illuminant::D65, &[]).unwrap();
     let given = Vec::new();
-    pipelines(&cameras, &labels, given, &[Processing::L3], learning, &Illuminant::D65, resources).unwrap_err()
+    pipelines(&cameras, &labels, given, &[Processing::L3], learning, &lights, resources).unwrap_err()
 }
 
 #[test]
@@ -48,7 +49,7 @@ fn an_error_of_learning_states_the_label_of_the_camera() {
     let name = CameraDescription::default().name;
     let error = refused(&recorder, Some(1));
     assert!(error.to_string().starts_with(&format!("1-{name}: a table of ")), "{error}");
-    assert_eq!(*recorder.begun.lock().unwrap(), [format!("1-{name}: pipeline")]);
+    assert_eq!(*recorder.begun.lock().unwrap(), [format!("1-{name}: pipeline under D65")]);
 }
 
 #[test]

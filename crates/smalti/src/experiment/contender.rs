@@ -1,0 +1,313 @@
+//! Contenders of a comparison: cameras with their processing and learned pipelines.
+
+use std::ops::Range;
+
+use super::error::StageContext;
+use super::learning::learn_default;
+use super::lights::{PipelineSet, SceneLight};
+use super::progress::{Stoppable, ensure_running};
+use super::training_statistics::ensure_mosaic;
+use super::{ExperimentError, Processing, Progress, Resources};
+use crate::camera::{
+    Camera, CameraError, Evaluation, EvaluationPictures, EvaluationSettings, PICTURE_METRICS, SceneScores,
+    ScoreSettings, Setup, TrainingSettings, compare_on, evaluate_with,
+};
+use crate::isp::{Classic, Isp, WhiteBalance};
+use crate::l3::{L3Error, Pipeline, Training, peak_ratio_db};
+use crate::sensor::NoiseMode;
+use crate::spectrum::Spectrum;
+
+/// A camera with its processing.
+#[derive(Clone, Copy)]
+pub struct Contender<'a> {
+    /// The camera.
+    pub camera: &'a Camera,
+    /// The unique name of the camera in results.
+    pub label: &'a str,
+    /// Its processing.
+    pub processing: Processing,
+    /// The learned pipelines for [`Processing::L3`].
+    pub pipelines: Option<&'a PipelineSet>,
+}
+
+impl<'a> Contender<'a> {
+    /// A camera with the processing of its description.
+    #[must_use]
+    pub fn as_described(camera: &'a Camera, label: &'a str) -> Self {
+        let processing = Processing::Classic(camera.description().isp.demosaic);
+        Self { camera, label, processing, pipelines: None }
+    }
+
+    /// A camera with learned pipelines if there are any, otherwise with the processing of its description.
+    #[must_use]
+    pub fn with_pipelines(camera: &'a Camera, label: &'a str, pipelines: Option<&'a PipelineSet>) -> Self {
+        let own = Self::as_described(camera, label);
+        if pipelines.is_some() { Self { processing: Processing::L3, pipelines, ..own } } else { own }
+    }
+
+    /// The camera's label and the name of the processing.
+    #[must_use]
+    pub fn name(&self) -> String {
+        format!("{} {}", self.label, self.processing.name())
+    }
+
+    /// Whether the processing is defined for the camera's mosaic.
+    #[must_use]
+    pub fn is_defined(&self) -> bool {
+        self.processing.is_defined_for(self.camera.sensor.cfa.mosaic())
+    }
+
+    /// The processing for scenes under an illuminant (photons). It fails once the caller stops the work.
+    pub(super) fn isp<'b>(
+        &self,
+        light: &Spectrum,
+        progress: &'b dyn Progress,
+    ) -> Result<Box<dyn Isp + 'b>, CameraError>
+    where
+        'a: 'b,
+    {
+        let isp: Box<dyn Isp + 'b> = match (self.processing, self.pipelines) {
+            (Processing::L3, Some(pipelines)) => Box::new(pipelines.for_light(light)),
+            (Processing::L3, None) => return Err(L3Error::NoPipeline.into()),
+            (Processing::Classic(demosaic), _) => {
+                let camera = self.camera.on_grid(light.grid())?;
+                Box::new(Classic { demosaic, ..camera.isp(light, WhiteBalance::None)? })
+            }
+        };
+        Ok(Box::new(Stoppable { isp, progress }))
+    }
+
+    /// Scores the camera on the built-in targets; see [`evaluate_with`].
+    ///
+    /// # Errors
+    /// When a stage fails, a metric cannot be computed, or the work is stopped.
+    pub fn evaluate(
+        &self,
+        settings: &EvaluationSettings,
+        resources: Resources<'_>,
+    ) -> Result<(Evaluation, EvaluationPictures), ExperimentError> {
+        let images =
+            |key: &str, make: &dyn Fn() -> Result<_, CameraError>| resources.store.optical_image(key, make);
+        let isp = |light: &Spectrum| self.isp(light, resources.progress);
+        evaluate_with(self.camera, settings, &images, &isp).map_err(|e| {
+            let fixed = self.camera.description().exposure.time_ms.is_some();
+            let hint = match &e {
+                CameraError::Metric(_) if fixed => {
+                    ": the camera's exposure is fixed; the scenes may be too bright or too dark for it"
+                }
+                _ => "",
+            };
+            ExperimentError::stage(format!("{} at {} cd/m²{hint}", self.label, settings.luminance_cd_m2), e)
+        })
+    }
+}
+
+/// The pipelines of each camera of a comparison: the given one, for every light; or one learned under each light, if
+/// [`Processing::L3`] is compared; or none. Each learned one is a step of progress. `labels` are the unique names of the cameras
+/// in progress and errors. Of the lights, as [`scene_lights`](super::scene_lights) returns them, the first is that of given pipelines.
+///
+/// # Errors
+/// As [`learn_default`], with the label of the camera; [`ExperimentError::NoScene`] without lights.
+pub fn pipelines(
+    cameras: &[Camera],
+    labels: &[String],
+    given: Vec<Option<Pipeline>>,
+    processing: &[Processing],
+    learning: (&TrainingSettings, &Training),
+    lights: &[SceneLight],
+    resources: Resources<'_>,
+) -> Result<Vec<Option<PipelineSet>>, ExperimentError> {
+    let (first, others) = lights.split_first().ok_or(ExperimentError::NoScene)?;
+    let learns = processing.contains(&Processing::L3);
+    let labelled = || cameras.iter().zip(labels);
+    if learns {
+        labelled().try_for_each(|(camera, label)| ensure_mosaic(camera, label))?;
+    }
+    let mut given = given.into_iter().chain(std::iter::repeat(None));
+    let of_camera: Vec<_> = labelled().map(|of| (of, given.next().flatten())).collect();
+    let to_learn = of_camera.iter().filter(|(_, given)| learns && given.is_none()).count();
+    resources.progress.expect((to_learn * lights.len()) as u64);
+    let learned = |camera: &Camera, label: &str, light: &SceneLight| -> Result<Pipeline, ExperimentError> {
+        resources.progress.begin(&format!("{label}: pipeline under {}", light.illuminant.name()));
+        let own_grid = || light.grid.map(|grid| camera.on_grid(grid)).transpose();
+        let other = own_grid().in_context(|| label.to_owned())?;
+        let camera = other.as_ref().unwrap_or(camera);
+        let pipeline = learn_default(camera, label, learning, &light.illuminant, resources);
+        let pipeline = pipeline.map_err(|e| e.of_camera(label))?;
+        resources.progress.done();
+        Ok(pipeline)
+    };
+    let own = |((camera, label), given): ((&Camera, &String), Option<Pipeline>)| {
+        let illuminant = first.illuminant.clone();
+        Ok(match given {
+            Some(given) => Some(PipelineSet::single(illuminant, given)),
+            None if learns => {
+                let mut set = PipelineSet::single(illuminant, learned(camera, label, first)?);
+                for light in others {
+                    set = set.with(light.illuminant.clone(), learned(camera, label, light)?);
+                }
+                Some(set)
+            }
+            None => None,
+        })
+    };
+    of_camera.into_iter().map(own).collect()
+}
+
+/// Every camera with every kind of processing, each once, and the names of those that are left out because the processing is not
+/// defined for the mosaic.
+///
+/// # Errors
+/// [`ExperimentError::NothingToCompare`].
+pub fn contenders<'a>(
+    cameras: &'a [Camera],
+    labels: &'a [String],
+    pipelines: &'a [Option<PipelineSet>],
+    processing: &[Processing],
+) -> Result<(Vec<Contender<'a>>, Vec<String>), ExperimentError> {
+    let (mut defined, mut left_out) = (Vec::new(), Vec::new());
+    for ((camera, label), pipelines) in cameras.iter().zip(labels).zip(pipelines) {
+        let unique = |(i, kind): &(usize, &Processing)| !processing[..*i].contains(kind);
+        for (_, &kind) in processing.iter().enumerate().filter(unique) {
+            let contender = Contender { camera, label, processing: kind, pipelines: pipelines.as_ref() };
+            if contender.is_defined() { defined.push(contender) } else { left_out.push(contender.name()) }
+        }
+    }
+    if defined.is_empty() { Err(ExperimentError::NothingToCompare) } else { Ok((defined, left_out)) }
+}
+
+/// Captures a scene at a mean luminance, renders the raw image and scores the picture, for the first seed; then the figures of
+/// the pictures for every seed. `setup` is the scene at 1 cd/m². The exposure time is `time_s`, s, or that of the camera's
+/// description.
+///
+/// # Errors
+/// When a stage fails, the scene is dark, there is no seed, or the work is stopped.
+pub fn score_scene(
+    contender: &Contender<'_>,
+    setup: &Setup,
+    (luminance_cd_m2, time_s): (f64, Option<f64>),
+    seeds: Range<u64>,
+    score: &ScoreSettings,
+    progress: &dyn Progress,
+) -> Result<ScoredScene, ExperimentError> {
+    ensure_running(progress)?;
+    let scored = || -> Result<_, CameraError> {
+        let lit = setup.in_light(luminance_cd_m2)?.exposed(time_s)?;
+        let isp = contender.isp(&lit.light, progress)?;
+        let first = compare_on(&lit, &*isp, seeds.start, score)?;
+        let fixed_point_psnr_db = fixed_point_psnr_db(contender, &lit, &first, seeds.start)?;
+        let mut by_seed = vec![first.scores.figures()];
+        for seed in seeds.start + 1..seeds.end {
+            by_seed.push(compare_on(&lit, &*isp, seed, score)?.scores.figures());
+        }
+        Ok(ScoredScene { scores: first, by_seed, fixed_point_psnr_db })
+    };
+    scored().in_context(|| format!("{} at {luminance_cd_m2} cd/m²", contender.name()))
+}
+
+/// The scores of a contender on a scene at one luminance.
+#[derive(Debug, Clone)]
+pub struct ScoredScene {
+    /// The scores for the first seed, with the picture.
+    pub scores: SceneScores,
+    /// The values of [`PICTURE_METRICS`] for every seed.
+    pub by_seed: Vec<[f64; PICTURE_METRICS.len()]>,
+    /// The PSNR of the fixed-point picture of the learned pipeline against single precision, dB; `None` for classic processing, and
+    /// when the table has no fixed-point form for the camera.
+    pub fixed_point_psnr_db: Option<f64>,
+}
+
+impl ScoredScene {
+    /// Means of [`PICTURE_METRICS`] over the seeds.
+    #[must_use]
+    pub fn means(&self) -> [f64; PICTURE_METRICS.len()] {
+        let count = self.by_seed.len().max(1) as f64;
+        std::array::from_fn(|metric| self.by_seed.iter().map(|f| f[metric]).sum::<f64>() / count)
+    }
+}
+
+/// PSNR of the fixed-point picture of a scene against the picture that was scored, dB.
+fn fixed_point_psnr_db(
+    contender: &Contender<'_>,
+    setup: &Setup,
+    scored: &SceneScores,
+    seed: u64,
+) -> Result<Option<f64>, CameraError> {
+    let (Processing::L3, Some(pipelines)) = (contender.processing, contender.pipelines) else {
+        return Ok(None);
+    };
+    let raw = setup.camera.sensor.capture(&setup.image, &setup.exposure, NoiseMode::All, seed)?;
+    let fixed = match pipelines.for_light(&setup.light).render_fixed(&raw) {
+        Ok(fixed) => fixed,
+        // Raw images in volts, and kernels beyond 16 bits, have no fixed-point form.
+        Err(L3Error::NotDigital | L3Error::NoFixedPoint(_)) => return Ok(None),
+        Err(error) => return Err(error.into()),
+    };
+    Ok(peak_ratio_db(scored.picture.planes(), &fixed.planes).filter(|v| v.is_finite()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::camera::CameraDescription;
+    use crate::l3::{Axes, Class, Kernels, Levels, Origin, PipelineParts};
+    use crate::scene::{Setting, uniform};
+    use crate::sensor::{RawImage, Sampling, SignalNoise};
+    use crate::spectrum::{Illuminant, WavelengthGrid};
+
+    /// A pipeline of three equal outputs for this raw image, with these weights.
+    fn pipeline(raw: &RawImage, white_level: f64, weight: f32) -> Pipeline {
+        let Sampling::Mosaic(mosaic) = raw.sampling() else { panic!("the default camera has a mosaic") };
+        let (constant, per_signal) = (1e-6, 1e-4);
+        let noise = SignalNoise { constant, per_signal, per_signal_squared: 0.0, row: 0.0, column: 0.0 };
+        let levels = Levels::logarithmic(2, 0.05, 0.8).unwrap();
+        let axes = Axes::new(mosaic.clone(), 3, levels, noise).unwrap();
+        let count = axes.positions() * axes.level_count() * axes.textures().count();
+        let parts = PipelineParts {
+            saturations: vec![0],
+            outputs: ["X", "Y", "Z"].map(String::from).to_vec(),
+            channel_names: raw.channel_names().to_vec(),
+            black_level: raw.black_level(),
+            white_level,
+            trained: vec![[0.0, 1.0]; axes.positions()],
+            classes: vec![Class { count: 1, origin: Origin::Learned }; count],
+            kernels: Kernels {
+                weights: vec![weight; count * 3 * axes.taps()],
+                offsets: vec![0.0; count * 3],
+            },
+            provenance: String::new(),
+            axes,
+        };
+        Pipeline::from_parts(parts).unwrap()
+    }
+
+    #[test]
+    fn only_a_pipeline_without_a_fixed_point_form_has_no_ratio() {
+        let setup_with = |adc_bits| {
+            let mut description = CameraDescription::default();
+            description.sensor.adc_bits = adc_bits;
+            let camera = Camera::new(description, WavelengthGrid::VISIBLE).unwrap();
+            Setup::new(&camera, uniform(48, 48, &Setting::default()).unwrap(), 1).unwrap()
+        };
+        let setup = setup_with(12);
+        let isp = setup.camera.isp(&setup.light, WhiteBalance::None).unwrap();
+        let scores = compare_on(&setup, &isp, 1, &ScoreSettings::default()).unwrap();
+        let ratio = |setup: &Setup, pipeline: &Pipeline| {
+            let set = PipelineSet::single(Illuminant::D65, pipeline.clone());
+            let contender = Contender::with_pipelines(&setup.camera, "a", Some(&set));
+            fixed_point_psnr_db(&contender, setup, &scores, 1)
+        };
+        let raw = |setup: &Setup| {
+            setup.camera.sensor.capture(&setup.image, &setup.exposure, NoiseMode::All, 1).unwrap()
+        };
+        let digital = raw(&setup);
+        let white = digital.white_level();
+        assert!(ratio(&setup, &pipeline(&digital, white, 0.1)).unwrap().is_some());
+        assert_eq!(ratio(&setup, &pipeline(&digital, white, 1e6)), Ok(None));
+        let volts = setup_with(0);
+        let analog = raw(&volts);
+        assert_eq!(ratio(&volts, &pipeline(&analog, analog.white_level(), 0.1)), Ok(None));
+        let other = ratio(&setup, &pipeline(&digital, white - 1.0, 0.1));
+        assert!(matches!(other, Err(CameraError::L3(L3Error::RawLevels { .. }))), "{other:?}");
+    }
+}

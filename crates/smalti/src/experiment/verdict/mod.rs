@@ -1,0 +1,174 @@
+//! The verdict of a comparison: which camera is better at which light, by how much, and how certainly.
+//!
+//! Scores are means over scenes and seeds of the noise. A difference of means has a 95 % interval from the paired bootstrap
+//! ([`crate::numeric::bootstrap`]): scenes are drawn with replacement, and seeds within each scene, the same ones for all cameras.
+//! The interval describes other scenes of the same kind. Where it contains 0, these scenes show no difference. Intervals of several
+//! comparisons are not corrected for their number.
+
+mod crossover;
+mod equal_quality;
+
+use serde::Serialize;
+
+pub use crossover::Crossover;
+pub use equal_quality::MoreLight;
+pub(super) use equal_quality::QualityAtMoreLight;
+
+use super::outcome::Outcome;
+use crate::camera::PICTURE_METRICS;
+use crate::metrics::{Better, metric_info};
+use crate::numeric::bootstrap::{Interval, Resamples, weighted};
+
+/// The metric whose differences are also stated as light.
+pub(super) const LIGHT_METRIC: usize = 0;
+
+/// A quantity with its interval.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Estimate {
+    /// The quantity.
+    pub value: f64,
+    /// Its 95 % interval; `None` where it rests on one picture, or is not defined for most resamples.
+    pub interval: Option<Interval>,
+}
+
+/// The verdict of a comparison.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Verdict {
+    /// Number of scenes.
+    pub scenes: usize,
+    /// Number of seeds of the noise for each scene.
+    pub seeds: usize,
+    /// For each luminance, in the order of the settings.
+    pub lights: Vec<LightVerdict>,
+    /// Luminances at which a lead changes, for each metric.
+    pub crossovers: Vec<Crossover>,
+}
+
+/// The verdict at one luminance.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct LightVerdict {
+    /// Mean luminance of the scenes, cd/m².
+    pub luminance_cd_m2: f64,
+    /// For each of [`PICTURE_METRICS`].
+    pub metrics: Vec<MetricVerdict>,
+}
+
+/// The verdict by one metric.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct MetricVerdict {
+    /// Its name in the catalogue.
+    pub metric: &'static str,
+    /// The number of the contender with the best mean.
+    pub best: usize,
+    /// By how much the best contender is better than each contender; 0 for itself.
+    pub leads: Vec<Lead>,
+}
+
+/// The lead of the best contender over another one.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Lead {
+    /// The difference of the means, in the unit of the metric; not negative.
+    pub by: Estimate,
+    /// How much more light the other contender needs for the same mean, for CPSNR where the lead is significant.
+    pub light: Option<MoreLight>,
+}
+
+impl Lead {
+    /// Whether the scenes show no difference. `None` where there is no interval.
+    #[must_use]
+    pub fn is_tie(&self) -> Option<bool> {
+        if self.by.value == 0.0 { Some(true) } else { self.by.interval.map(|i| i.contains(0.0)) }
+    }
+}
+
+impl MetricVerdict {
+    /// Whether a contender is the best one, or these scenes show no difference from it.
+    #[must_use]
+    pub fn is_among_best(&self, contender: usize) -> bool {
+        contender == self.best || self.leads.get(contender).is_some_and(|l| l.is_tie() == Some(true))
+    }
+}
+
+/// Means and their resamples for all contenders in all lights.
+pub(super) struct Scores<'a> {
+    outcomes: &'a [Vec<Outcome>],
+    resamples: Option<Resamples>,
+    seed: u64,
+}
+
+impl<'a> Scores<'a> {
+    /// `outcomes` are those of each contender, one per luminance, all with the same scenes and seeds.
+    pub(super) fn new(outcomes: &'a [Vec<Outcome>], seed: u64) -> Self {
+        let mut scores = Self { outcomes, resamples: None, seed };
+        let (scenes, seeds) = scores.size();
+        // A single picture has no interval.
+        scores.resamples = (scenes * seeds > 1).then(|| Resamples::new(scenes, seeds, seed));
+        scores
+    }
+
+    /// Numbers of scenes and seeds.
+    fn size(&self) -> (usize, usize) {
+        let scenes = self.outcomes.first().and_then(|o| o.first()).map_or(&[][..], |o| &o.scenes);
+        (scenes.len(), scenes.first().map_or(0, |(_, s)| s.by_seed.len()))
+    }
+
+    /// The figures of a contender, better ones larger.
+    fn figures(&self, contender: usize, light: usize, metric: usize) -> Vec<f64> {
+        let sign = sign(metric);
+        let outcome = self.outcomes.get(contender).and_then(|o| o.get(light));
+        outcome.map_or_else(Vec::new, |o| o.figures(metric).iter().map(|v| sign * v).collect())
+    }
+
+    /// The verdict by a metric in one light, without leads in light.
+    pub(super) fn by_metric(&self, light: usize, metric: usize) -> MetricVerdict {
+        let all: Vec<Vec<f64>> =
+            (0..self.outcomes.len()).map(|contender| self.figures(contender, light, metric)).collect();
+        let mean = |values: &Vec<f64>| values.iter().sum::<f64>() / values.len().max(1) as f64;
+        let means: Vec<f64> = all.iter().map(mean).collect();
+        let best = (0..all.len()).max_by(|a, b| means[*a].total_cmp(&means[*b]).then(b.cmp(a))).unwrap_or(0);
+        let lead = |contender: usize| {
+            if contender == best {
+                return Lead { by: Estimate { value: 0.0, interval: None }, light: None };
+            }
+            let differences: Vec<f64> = all[best].iter().zip(&all[contender]).map(|(a, b)| a - b).collect();
+            let resampled = |r: &Resamples| r.interval(|weights| weighted(weights, &differences));
+            let interval = self.resamples.as_ref().and_then(resampled);
+            Lead { by: Estimate { value: mean(&differences), interval }, light: None }
+        };
+        MetricVerdict { metric: PICTURE_METRICS[metric], best, leads: (0..all.len()).map(lead).collect() }
+    }
+
+    /// The whole verdict. `more_light` finds the light that a contender (first) needs in a light (third) to equal another one
+    /// (second) in [`LIGHT_METRIC`], from the luminance factors and CPSNR figures that it measures.
+    ///
+    /// # Errors
+    /// Those of `more_light`.
+    pub(super) fn verdict<E>(
+        &self,
+        luminances_cd_m2: &[f64],
+        mut more_light: impl FnMut(usize, usize, usize) -> Result<QualityAtMoreLight, E>,
+    ) -> Result<Verdict, E> {
+        let (scenes, seeds) = self.size();
+        let mut lights = Vec::with_capacity(luminances_cd_m2.len());
+        for (light, &luminance_cd_m2) in luminances_cd_m2.iter().enumerate() {
+            let mut metrics: Vec<MetricVerdict> =
+                (0..PICTURE_METRICS.len()).map(|metric| self.by_metric(light, metric)).collect();
+            let by_light = &mut metrics[LIGHT_METRIC];
+            let best = by_light.best;
+            for (contender, lead) in by_light.leads.iter_mut().enumerate() {
+                if lead.is_tie() == Some(false) {
+                    lead.light = Some(more_light(contender, best, light)?.more_light(self.seed));
+                }
+            }
+            lights.push(LightVerdict { luminance_cd_m2, metrics });
+        }
+        let crossovers = crossover::crossovers(self, &lights);
+        Ok(Verdict { scenes, seeds, lights, crossovers })
+    }
+}
+
+/// 1 for a metric where higher is better, −1 for the others.
+fn sign(metric: usize) -> f64 {
+    let info = PICTURE_METRICS.get(metric).and_then(|name| metric_info(name).ok());
+    if info.is_some_and(|m| m.better == Better::Higher) { 1.0 } else { -1.0 }
+}
