@@ -10,7 +10,7 @@ use crate::l3::{Axes, L3Error, Levels, Pair, Statistics, Textures};
 use crate::numeric::Planes;
 use crate::optics::{OpticalImage, Optics, OpticsModel};
 use crate::scene::{self, Scene, Setting};
-use crate::sensor::{Channel, Exposure, NoiseMode};
+use crate::sensor::{Channel, ElectronRates, Exposure, NoiseMode};
 use crate::spectrum::{Illuminant, Observer, Spectrum};
 
 /// The quantile of the response that defines an exposure.
@@ -174,12 +174,25 @@ impl Camera {
         settings: &TrainingSettings,
         item: u64,
     ) -> Result<(), CameraError> {
+        let image = self.optics.image(scene)?;
+        self.train_on_image(statistics, scene, &image, settings, item)
+    }
+
+    /// [`Camera::train_on`] with the optical image of the scene on this camera.
+    pub(crate) fn train_on_image(
+        &self,
+        statistics: &mut Statistics,
+        scene: &Scene,
+        image: &OpticalImage,
+        settings: &TrainingSettings,
+        item: u64,
+    ) -> Result<(), CameraError> {
         let mut camera = self.with_scene_size(scene)?;
         camera.sensor.window = None;
         let exposure = camera.nominal_exposure()?;
-        let image = camera.optics.image(scene)?;
-        let target = camera.training_target(scene, &image, settings, &exposure)?;
-        let (base, bright) = camera.bright_response(&image, &exposure)?;
+        let target = camera.training_target(scene, image, settings, &exposure)?;
+        let rates = ElectronRates::new(&camera.sensor, image)?;
+        let (base, bright) = camera.bright_response(&rates, &exposure)?;
         let most = camera.knowable_luminance(scene.illuminant())?;
         let exposures = if settings.exposures.is_empty() {
             let dark = statistics.axes().noise().variance(0.0).sqrt().max(1e-4);
@@ -189,10 +202,9 @@ impl Camera {
         };
         for (i, response) in exposures.into_iter().enumerate() {
             let factor = base * response / bright;
-            let lit = image.scaled(factor)?;
-            let ideal = camera.sensor.capture_ideal(&lit, &exposure)?;
+            let ideal = camera.sensor.capture_ideal((&rates, factor), &exposure)?;
             let seed = settings.seed.wrapping_add((item << 16) + i as u64);
-            let seen = camera.sensor.capture(&lit, &exposure, NoiseMode::All, seed)?;
+            let seen = camera.sensor.capture((&rates, factor), &exposure, NoiseMode::All, seed)?;
             let target = bounded(scaled(&target, factor)?, &settings.target, most)?;
             statistics.add(&Pair { raw: &ideal, seen: Some(&seen), target: &target })?;
         }
@@ -276,10 +288,10 @@ impl Camera {
     }
 
     /// A factor on the light at which few pixels clip, and the bright quantile of the response at this light.
-    fn bright_response(&self, image: &OpticalImage, exposure: &Exposure) -> Result<(f64, f64), CameraError> {
+    fn bright_response(&self, rates: &ElectronRates, exposure: &Exposure) -> Result<(f64, f64), CameraError> {
         let mut factor = 1.0;
         for _ in 0..12 {
-            let raw = self.sensor.capture_ideal(&image.scaled(factor)?, exposure)?;
+            let raw = self.sensor.capture_ideal((rates, factor), exposure)?;
             let mut values = raw.normalized();
             let at = ((values.len() - 1) as f64 * BRIGHT) as usize;
             let (_, &mut bright, _) = values.select_nth_unstable_by(at, f32::total_cmp);

@@ -1,9 +1,10 @@
 //! Contenders of a comparison: cameras with their processing and learned pipelines.
 
+use std::borrow::Cow;
 use std::ops::Range;
 
+use super::default_training::{DefaultTraining, learn_default};
 use super::error::StageContext;
-use super::learning::learn_default;
 use super::lights::{PipelineSet, SceneLight};
 use super::progress::{Stoppable, ensure_running};
 use super::training_statistics::ensure_mosaic;
@@ -103,7 +104,7 @@ impl<'a> Contender<'a> {
 }
 
 /// The pipelines of each camera of a comparison: the given one, for every light; or one learned under each light, if
-/// [`Processing::L3`] is compared; or none. Each learned one is a step of progress. `labels` are the unique names of the cameras
+/// [`Processing::L3`] is compared; or none. Each training scene is a step of progress. `labels` are the unique names of the cameras
 /// in progress and errors. Of the lights, as [`scene_lights`](super::scene_lights) returns them, the first is that of given pipelines.
 ///
 /// # Errors
@@ -117,41 +118,43 @@ pub fn pipelines(
     lights: &[SceneLight],
     resources: Resources<'_>,
 ) -> Result<Vec<Option<PipelineSet>>, ExperimentError> {
-    let (first, others) = lights.split_first().ok_or(ExperimentError::NoScene)?;
+    let first = lights.first().ok_or(ExperimentError::NoScene)?;
     let learns = processing.contains(&Processing::L3);
     let labelled = || cameras.iter().zip(labels);
     if learns {
         labelled().try_for_each(|(camera, label)| ensure_mosaic(camera, label))?;
     }
     let mut given = given.into_iter().chain(std::iter::repeat(None));
-    let of_camera: Vec<_> = labelled().map(|of| (of, given.next().flatten())).collect();
-    let to_learn = of_camera.iter().filter(|(_, given)| learns && given.is_none()).count();
-    resources.progress.expect((to_learn * lights.len()) as u64);
-    let learned = |camera: &Camera, label: &str, light: &SceneLight| -> Result<Pipeline, ExperimentError> {
-        resources.progress.begin(&format!("{label}: pipeline under {}", light.illuminant.name()));
-        let own_grid = || light.grid.map(|grid| camera.on_grid(grid)).transpose();
-        let other = own_grid().in_context(|| label.to_owned())?;
-        let camera = other.as_ref().unwrap_or(camera);
-        let pipeline = learn_default(camera, label, learning, &light.illuminant, resources);
-        let pipeline = pipeline.map_err(|e| e.of_camera(label))?;
-        resources.progress.done();
-        Ok(pipeline)
-    };
-    let own = |((camera, label), given): ((&Camera, &String), Option<Pipeline>)| {
-        let illuminant = first.illuminant.clone();
-        Ok(match given {
-            Some(given) => Some(PipelineSet::single(illuminant, given)),
-            None if learns => {
-                let mut set = PipelineSet::single(illuminant, learned(camera, label, first)?);
-                for light in others {
-                    set = set.with(light.illuminant.clone(), learned(camera, label, light)?);
-                }
-                Some(set)
+    let mut sets: Vec<Option<PipelineSet>> = Vec::with_capacity(cameras.len());
+    // Cameras on the wavelengths of scenes that keep their light.
+    let mut on_grids: Vec<(usize, &SceneLight, Cow<'_, Camera>)> = Vec::new();
+    for (number, (camera, label)) in labelled().enumerate() {
+        let given = given.next().flatten();
+        if learns && given.is_none() {
+            for light in lights {
+                let on_grid = match light.grid {
+                    Some(grid) => Cow::Owned(camera.on_grid(grid).in_context(|| label.to_owned())?),
+                    None => Cow::Borrowed(camera),
+                };
+                on_grids.push((number, light, on_grid));
             }
-            None => None,
-        })
-    };
-    of_camera.into_iter().map(own).collect()
+        }
+        sets.push(given.map(|given| PipelineSet::single(first.illuminant.clone(), given)));
+    }
+    let mut trainings = Vec::with_capacity(on_grids.len());
+    for (number, light, camera) in &on_grids {
+        let label = labels.get(*number).map_or("", String::as_str);
+        trainings.push(DefaultTraining { camera, label, light: &light.illuminant });
+    }
+    let learned = learn_default(&trainings, learning, resources)?;
+    for ((number, light, _), pipeline) in on_grids.iter().zip(learned) {
+        let illuminant = light.illuminant.clone();
+        sets[*number] = Some(match sets[*number].take() {
+            None => PipelineSet::single(illuminant, pipeline),
+            Some(set) => set.with(illuminant, pipeline),
+        });
+    }
+    Ok(sets)
 }
 
 /// Every camera with every kind of processing, each once, and the names of those that are left out because the processing is not

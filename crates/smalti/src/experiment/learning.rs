@@ -6,13 +6,12 @@ use super::error::StageContext;
 use super::material::{NamedScene, TrainingMaterial, add_scenes, first_light};
 use super::pairs::{PairAlignment, RawAndPicture, add_pair};
 use super::progress::ensure_running;
-use super::training_statistics::{continue_statistics, ensure_mosaic, fresh_statistics, pair_statistics};
-use super::{ExperimentError, Progress, Resources};
+use super::training_statistics::{continue_statistics, fresh_statistics, pair_statistics};
+use super::{ExperimentError, Progress};
 use crate::camera::stable_text::stable_text;
-use crate::camera::{Camera, CameraDescription, TRAINING_SET_REVISION, TrainingSettings, TrainingTarget};
-use crate::l3::{self, Pipeline, Statistics, Training};
-use crate::sensor::Channel;
-use crate::spectrum::{Illuminant, Spectrum};
+use crate::camera::{Camera, CameraDescription, TrainingSettings, TrainingTarget};
+use crate::l3::{Pipeline, Statistics, Training};
+use crate::spectrum::Illuminant;
 
 /// Camera, settings and sources of training statistics, for the provenance of a pipeline.
 #[derive(Debug, Clone)]
@@ -26,7 +25,7 @@ pub struct TrainingRecord {
 }
 
 impl TrainingRecord {
-    fn new(camera: &Camera, settings: &TrainingSettings, sources: Vec<String>) -> Self {
+    pub(super) fn new(camera: &Camera, settings: &TrainingSettings, sources: Vec<String>) -> Self {
         Self { camera: camera.description().clone(), settings: settings.clone(), sources }
     }
 }
@@ -184,60 +183,4 @@ pub fn solve(
     })
     .in_context(|| "provenance".into())?;
     Ok(training.solve(statistics, provenance)?)
-}
-
-/// All inputs of training statistics, for the cache key.
-#[derive(Serialize)]
-struct StatisticsKey<'a> {
-    smalti_version: &'a str,
-    l3_revision: u32,
-    training_set_revision: u32,
-    camera: &'a CameraDescription,
-    /// Tile and filters of a colour filter array that differs from the description.
-    other_cfa: Option<(usize, &'a [u8], &'a [Channel])>,
-    light: &'a Spectrum,
-    settings: &'a TrainingSettings,
-}
-
-/// Trains the pipeline for a camera on the default set under an illuminant. Statistics come from the store if it has them.
-/// `label` is the name of the camera in progress.
-///
-/// # Errors
-/// When the camera has no mosaic, a setting is invalid, memory does not suffice, or the work is stopped.
-pub fn learn_default(
-    camera: &Camera,
-    label: &str,
-    (settings, training): (&TrainingSettings, &Training),
-    light: &Illuminant,
-    resources: Resources<'_>,
-) -> Result<Pipeline, ExperimentError> {
-    ensure_mosaic(camera, label)?;
-    let lights = vec![light.clone()];
-    let spectrum = first_light(&lights, camera)?;
-    let material = TrainingMaterial::DefaultSet(lights);
-    let cfa = &camera.sensor.cfa;
-    let other_cfa =
-        camera.has_other_cfa().then(|| (cfa.mosaic().cols(), cfa.mosaic().cells(), cfa.channels()));
-    let key = stable_text(&StatisticsKey {
-        smalti_version: env!("CARGO_PKG_VERSION"),
-        l3_revision: l3::REVISION,
-        training_set_revision: TRAINING_SET_REVISION,
-        camera: camera.description(),
-        other_cfa,
-        light: &spectrum,
-        settings,
-    })
-    .in_context(|| "learning".into())?;
-    let statistics = match resources.store.statistics(&key) {
-        Some(statistics) => statistics,
-        None => {
-            let mut statistics = fresh_statistics(camera, settings, &spectrum, resources.memory_bytes)?;
-            resources.progress.expect(material.len() as u64);
-            add_scenes(camera, label, settings, &material, &mut statistics, resources.progress)?;
-            resources.store.keep_statistics(&key, &statistics);
-            statistics
-        }
-    };
-    let record = TrainingRecord::new(camera, settings, material.names());
-    solve(&statistics, training, Some(&record))
 }

@@ -6,6 +6,7 @@
 
 mod comparison;
 mod contender;
+mod default_training;
 mod differences;
 mod error;
 mod exposure;
@@ -26,13 +27,12 @@ mod verdict;
 
 pub use comparison::{Compared, ComparisonSettings, compare};
 pub use contender::{Contender, ScoredScene, contenders, pipelines, score_scene};
+pub use default_training::{DefaultTraining, learn_default};
 pub use differences::{CameraDifference, camera_differences};
 pub use error::ExperimentError;
 pub use exposure::{ComparedPictures, EqualExposure, ExposurePlan, ExposurePolicy};
 pub use labels::numbered;
-pub use learning::{
-    Gathered, Learned, TrainingPair, TrainingRecord, TrainingSources, gather, learn, learn_default, solve,
-};
+pub use learning::{Gathered, Learned, TrainingPair, TrainingRecord, TrainingSources, gather, learn, solve};
 pub use light_gain::{PairwiseLightGain, light_gain_between, light_gains_to_first};
 pub use lights::{PipelineSet, SceneLight, scene_lights};
 pub use material::NamedScene;

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use rayon::prelude::*;
 
 use super::collect::{Collector, Rates};
+use super::electron_rates::ElectronRates;
 use super::pixel_spectra::{FilteredLight, PixelSpectra};
 use super::readout::Readout;
 use super::{Exposure, NoiseMode, RawImage, RawSamples, Sensor, SensorError};
@@ -20,6 +21,8 @@ pub enum Light<'a> {
     Image(&'a OpticalImage),
     /// Photons on the photodetectors, to be integrated over wavelength.
     Pixels(&'a PixelSpectra),
+    /// Photoelectrons per second, to be multiplied by a factor.
+    Electrons(&'a ElectronRates, f64),
 }
 
 impl<'a> From<&'a OpticalImage> for Light<'a> {
@@ -40,6 +43,12 @@ impl<'a> From<&'a PixelSpectra> for Light<'a> {
     }
 }
 
+impl<'a> From<(&'a ElectronRates, f64)> for Light<'a> {
+    fn from((rates, factor): (&'a ElectronRates, f64)) -> Self {
+        Self::Electrons(rates, factor)
+    }
+}
+
 /// Rows per task. Results do not depend on it, but each band has its own scratch memory.
 const BAND: usize = 16;
 
@@ -50,6 +59,15 @@ impl Sensor {
         match light {
             Light::Image(image) => Ok(self.electrons_from(&Collector::new(self, image)?, time_s)),
             Light::Pixels(pixels) => Ok(self.electrons_from(&FilteredLight::new(self, pixels)?, time_s)),
+            Light::Electrons(rates, factor) => {
+                rates.ensure_of(self)?;
+                let w = self.read_window();
+                let mut out = Planes::zeros(w.rows, w.cols, self.sampling().planes());
+                for (plane, values) in out.planes_mut().enumerate() {
+                    rates.band(plane, 0, (factor * time_s) as f32, values);
+                }
+                Ok(out)
+            }
         }
     }
 
@@ -124,16 +142,31 @@ impl Sensor {
         self.validate()?;
         exposure.validate()?;
         match light {
-            Light::Image(image) => self.read_out_from(&Collector::new(self, image)?, exposure, noise, seed),
+            Light::Image(image) => {
+                let rates = Collector::new(self, image)?;
+                self.read_out_from(self.light_bands(&rates), exposure, noise, seed)
+            }
             Light::Pixels(pixels) => {
-                self.read_out_from(&FilteredLight::new(self, pixels)?, exposure, noise, seed)
+                let rates = FilteredLight::new(self, pixels)?;
+                self.read_out_from(self.light_bands(&rates), exposure, noise, seed)
+            }
+            Light::Electrons(rates, factor) => {
+                rates.ensure_of(self)?;
+                let band =
+                    |plane, first_row, out: &mut [f32]| rates.band(plane, first_row, factor as f32, out);
+                self.read_out_from(band, exposure, noise, seed)
             }
         }
     }
 
+    /// Fills a band of rows of a plane with photoelectrons per second, after crosstalk.
+    fn light_bands<'a>(&'a self, rates: &'a impl Rates) -> impl Fn(usize, usize, &mut [f32]) + Sync + 'a {
+        move |plane, first_row, out| dispatch(LightBand { sensor: self, rates, plane, first_row, out })
+    }
+
     fn read_out_from<S: Sample>(
         &self,
-        rates: &impl Rates,
+        light_band: impl Fn(usize, usize, &mut [f32]) + Sync,
         exposure: &Exposure,
         noise: NoiseMode,
         seed: u64,
@@ -154,7 +187,7 @@ impl Sensor {
             samples.par_chunks_mut(BAND * w.cols).enumerate().for_each(|(b, rows)| {
                 let mut light = vec![0.0; rows.len()];
                 let first_row = b * BAND;
-                dispatch(LightBand { sensor: self, rates, plane, first_row, out: &mut light });
+                light_band(plane, first_row, &mut light);
                 dispatch(Band {
                     readout: &readout,
                     to_sample: &to_sample,

@@ -49,7 +49,7 @@ fn an_error_of_learning_states_the_label_of_the_camera() {
     let name = CameraDescription::default().name;
     let error = refused(&recorder, Some(1));
     assert!(error.to_string().starts_with(&format!("1-{name}: a table of ")), "{error}");
-    assert_eq!(*recorder.begun.lock().unwrap(), [format!("1-{name}: pipeline under D65")]);
+    assert!(recorder.begun.lock().unwrap().is_empty());
 }
 
 #[test]

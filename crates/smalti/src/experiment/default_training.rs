@@ -1,0 +1,224 @@
+//! Learning from the default set for several cameras and lights together, which share the scenes and their optical images.
+
+use rayon::prelude::*;
+use serde::Serialize;
+
+use super::error::StageContext;
+use super::learning::{TrainingRecord, solve};
+use super::material::{TrainingMaterial, first_light};
+use super::progress::ensure_running;
+use super::training_statistics::{ensure_mosaic, fresh_statistics};
+use super::{ExperimentError, Resources};
+use crate::camera::stable_text::stable_text;
+use crate::camera::{
+    Camera, CameraDescription, CameraError, TRAINING_SET_REVISION, TrainingScene, TrainingSettings,
+    training_reflectances, training_scenes,
+};
+use crate::l3::{self, Pipeline, Statistics, Training};
+use crate::optics::OpticalImage;
+use crate::scene::Scene;
+use crate::sensor::Channel;
+use crate::spectrum::{Illuminant, Spectrum};
+
+/// All inputs of training statistics, for the cache key.
+#[derive(Serialize)]
+struct StatisticsKey<'a> {
+    smalti_version: &'a str,
+    l3_revision: u32,
+    training_set_revision: u32,
+    camera: &'a CameraDescription,
+    /// Tile and filters of a colour filter array that differs from the description.
+    other_cfa: Option<(usize, &'a [u8], &'a [Channel])>,
+    light: &'a Spectrum,
+    settings: &'a TrainingSettings,
+}
+
+/// A camera and the illuminant that its pipeline is learned under.
+#[derive(Debug, Clone, Copy)]
+pub struct DefaultTraining<'a> {
+    /// The camera.
+    pub camera: &'a Camera,
+    /// Its name in progress and errors.
+    pub label: &'a str,
+    /// The illuminant of the training scenes.
+    pub light: &'a Illuminant,
+}
+
+impl DefaultTraining<'_> {
+    /// Whether a scene has the same optical image on both cameras, except for its light.
+    fn shares_images_with(&self, other: &Self) -> bool {
+        let (a, b) = (self.camera, other.camera);
+        a.optics == b.optics && a.sensor.pixel.pitch_m == b.sensor.pixel.pitch_m && a.grid() == b.grid()
+    }
+
+    fn key(&self, settings: &TrainingSettings, light: &Spectrum) -> Result<String, ExperimentError> {
+        let cfa = &self.camera.sensor.cfa;
+        let other_cfa =
+            self.camera.has_other_cfa().then(|| (cfa.mosaic().cols(), cfa.mosaic().cells(), cfa.channels()));
+        stable_text(&StatisticsKey {
+            smalti_version: env!("CARGO_PKG_VERSION"),
+            l3_revision: l3::REVISION,
+            training_set_revision: TRAINING_SET_REVISION,
+            camera: self.camera.description(),
+            other_cfa,
+            light,
+            settings,
+        })
+        .in_context(|| "learning".into())
+    }
+}
+
+/// Trains pipelines on the default set, each for a camera and an illuminant. Statistics come from the store if it has them. Each
+/// scene is one step of progress.
+///
+/// # Errors
+/// When a camera has no mosaic, a setting is invalid, memory does not suffice, or the work is stopped; with the label of the camera.
+pub fn learn_default(
+    trainings: &[DefaultTraining<'_>],
+    (settings, training): (&TrainingSettings, &Training),
+    resources: Resources<'_>,
+) -> Result<Vec<Pipeline>, ExperimentError> {
+    let mut gathered = Vec::with_capacity(trainings.len());
+    for of in trainings {
+        let start = || -> Result<Gathering<'_>, ExperimentError> {
+            ensure_mosaic(of.camera, of.label)?;
+            let light = first_light(std::slice::from_ref(of.light), of.camera)?;
+            let key = of.key(settings, &light)?;
+            let (statistics, is_new) = match resources.store.statistics(&key) {
+                Some(stored) => (stored, false),
+                None => (fresh_statistics(of.camera, settings, &light, resources.memory_bytes)?, true),
+            };
+            Ok(Gathering { of: *of, key, statistics, is_new })
+        };
+        gathered.push(start().map_err(|e| e.of_camera(of.label))?);
+    }
+    let mut new: Vec<&mut Gathering<'_>> = gathered.iter_mut().filter(|g| g.is_new).collect();
+    add_default_set(&mut new, settings, resources)?;
+    new.iter().for_each(|g| resources.store.keep_statistics(&g.key, &g.statistics));
+    let solved = |Gathering { of, statistics, .. }: Gathering<'_>| {
+        let names = TrainingMaterial::DefaultSet(vec![of.light.clone()]).names();
+        let record = TrainingRecord::new(of.camera, settings, names);
+        solve(&statistics, training, Some(&record)).map_err(|e| e.of_camera(of.label))
+    };
+    gathered.into_iter().map(solved).collect()
+}
+
+/// Statistics of a training.
+struct Gathering<'a> {
+    of: DefaultTraining<'a>,
+    key: String,
+    statistics: Statistics,
+    /// Whether they are still to be gathered.
+    is_new: bool,
+}
+
+/// Adds the default set to the statistics of all trainings.
+fn add_default_set(
+    trainings: &mut [&mut Gathering<'_>],
+    settings: &TrainingSettings,
+    resources: Resources<'_>,
+) -> Result<(), ExperimentError> {
+    let mut groups: Vec<Vec<&mut Gathering<'_>>> = Vec::new();
+    for training in trainings.iter_mut() {
+        let shared =
+            groups.iter_mut().find(|g| g.first().is_some_and(|f| f.of.shares_images_with(&training.of)));
+        match shared {
+            Some(group) => group.push(training),
+            None => groups.push(vec![training]),
+        }
+    }
+    let progress = resources.progress;
+    for group in &mut groups {
+        let Some(first) = group.first().map(|g| g.of) else { continue };
+        let (scenes, count) = (training_scenes(std::slice::from_ref(first.light)), group.len());
+        progress.expect(scenes.len() as u64);
+        let reflectances =
+            training_reflectances(first.camera.grid()).in_context(|| first.label.to_owned())?;
+        for (item, scene) in (0..).zip(&scenes) {
+            ensure_running(progress)?;
+            let short = scene.spec.split('?').next().unwrap_or(&scene.spec);
+            let of = if count == 1 { first.label.to_owned() } else { format!("{count} pipelines") };
+            progress.begin(&format!("training {of}: {short}"));
+            let imaged = || -> Result<_, CameraError> {
+                let built = scene.build(first.camera, &reflectances)?;
+                Ok((first.camera.optics.image(&built)?, built))
+            };
+            let context = || format!("scene {}", scene.spec);
+            let (image, built) = imaged().in_context(context).map_err(|e| e.of_camera(first.label))?;
+            group.par_iter_mut().try_for_each(|g| {
+                let added = g.add((&built, &image), (scene, settings, item));
+                added.in_context(context).map_err(|e| e.of_camera(g.of.label))
+            })?;
+            progress.done();
+        }
+    }
+    Ok(())
+}
+
+impl Gathering<'_> {
+    /// Adds a scene that was built and imaged under the light of the set's scene.
+    fn add(
+        &mut self,
+        (built, image): (&Scene, &OpticalImage),
+        (scene, settings, item): (&TrainingScene, &TrainingSettings, u64),
+    ) -> Result<(), CameraError> {
+        let DefaultTraining { camera, light, .. } = self.of;
+        if *light == scene.light {
+            return camera.train_on_image(&mut self.statistics, built, image, settings, item);
+        }
+        let relit = built.clone().relit(light)?;
+        let before = built.illuminant().values();
+        let ratios = relit.illuminant().values().iter().zip(before).map(|(new, old)| new / old).collect();
+        let image = image.filtered(&Spectrum::new(camera.grid(), ratios)?)?;
+        camera.train_on_image(&mut self.statistics, &relit, &image, settings, item)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::spectrum::WavelengthGrid;
+
+    fn gathering<'a>(
+        camera: &'a Camera,
+        light: &'a Illuminant,
+        settings: &TrainingSettings,
+    ) -> Gathering<'a> {
+        let spectrum = light.photons(camera.grid()).unwrap();
+        let statistics = camera.training_statistics(settings, &spectrum).unwrap();
+        let of = DefaultTraining { camera, label: "a", light };
+        Gathering { of, key: String::new(), statistics, is_new: true }
+    }
+
+    /// Statistics of a scene that is relit from another light are those of the scene built under the light, up to rounding: noise
+    /// changes the class of some patches.
+    #[test]
+    fn a_relit_scene_gives_the_statistics_of_its_light() {
+        let camera = Camera::new(CameraDescription::default(), WavelengthGrid::VISIBLE).unwrap();
+        let settings = TrainingSettings { exposures: vec![1.0, 0.1], ..TrainingSettings::default() };
+        let reflectances = training_reflectances(camera.grid()).unwrap();
+        let spec = "dead-leaves?rows=96&cols=96&seed=3&least=2&largest=40".to_owned();
+        let under = |light: &Illuminant| TrainingScene { spec: spec.clone(), light: light.clone() };
+        let (d65, a) = (under(&Illuminant::D65), under(&Illuminant::A));
+        let statistics = |scene: &TrainingScene| {
+            let built = scene.build(&camera, &reflectances).unwrap();
+            let image = camera.optics.image(&built).unwrap();
+            let mut gathering = gathering(&camera, &Illuminant::A, &settings);
+            gathering.add((&built, &image), (scene, &settings, 7)).unwrap();
+            gathering.statistics
+        };
+        let (direct, relit) = (statistics(&a), statistics(&d65));
+        assert_eq!(direct.count(), relit.count());
+        let mean = |s: &Statistics, of: usize| {
+            let all = s.classes().values();
+            all.map(|m| m.get(0, of)).sum::<f64>() / s.count() as f64
+        };
+        // 1, the patch of 25 samples, then X, Y, Z.
+        for of in [1, 13, 25, 26, 27, 28] {
+            let (direct, relit) = (mean(&direct, of), mean(&relit, of));
+            assert!((direct / relit - 1.0).abs() < 1e-5, "{of}: {direct} and {relit}");
+        }
+        let white = |s: &Statistics| s.white();
+        assert_eq!(white(&direct), white(&relit));
+    }
+}

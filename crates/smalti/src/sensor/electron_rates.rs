@@ -1,0 +1,42 @@
+//! Photoelectrons per second of every pixel: light that is integrated over wavelength and photodetectors once, for captures in
+//! several amounts of it.
+
+use super::{Sensor, SensorError};
+use crate::numeric::{Planes, Rect};
+use crate::optics::OpticalImage;
+
+/// Mean photoelectrons per second of every sample of a sensor's window, from light alone: after crosstalk, without saturation.
+///
+/// They depend on the optical image, the filters, the quantum efficiency, and the geometry of the pixels. Noise, well and converter
+/// can vary between captures ([`Sensor::capture`]).
+#[derive(Debug, Clone, PartialEq)]
+pub struct ElectronRates {
+    window: Rect,
+    per_s: Planes,
+}
+
+impl ElectronRates {
+    /// The rates of an image on a sensor.
+    ///
+    /// # Errors
+    /// When the sensor is invalid, or a curve does not cover the wavelengths of the image.
+    pub fn new(sensor: &Sensor, image: &OpticalImage) -> Result<Self, SensorError> {
+        sensor.validate()?;
+        Ok(Self { window: sensor.read_window(), per_s: sensor.electrons(image.into(), 1.0)? })
+    }
+
+    /// An error unless these are rates of the window of a sensor.
+    pub(super) fn ensure_of(&self, sensor: &Sensor) -> Result<(), SensorError> {
+        let (window, gathered) = (sensor.read_window(), self.window);
+        let same = window == gathered && sensor.sampling().planes() == self.per_s.count();
+        if same { Ok(()) } else { Err(SensorError::OtherPixels { window, gathered }) }
+    }
+
+    /// The rates of a band of rows of a plane times a factor.
+    pub(super) fn band(&self, plane: usize, first_row: usize, factor: f32, out: &mut [f32]) {
+        let start = (plane * self.window.rows + first_row) * self.window.cols;
+        for (o, rate) in out.iter_mut().zip(self.per_s.data().get(start..).unwrap_or(&[])) {
+            *o = rate * factor;
+        }
+    }
+}
