@@ -1,10 +1,11 @@
 //! Captures, renders and scores one scene with one camera, the unit of all comparisons.
 
+use std::ops::Range;
 use std::sync::Arc;
 
 use serde::Serialize;
 
-use super::score::{picture_cpsnr_db, score_picture};
+use super::score::{PICTURE_METRICS, ReferenceToScore, picture_cpsnr_db};
 use super::{Camera, CameraError, PictureScores, ScoreSettings};
 use crate::color::Image;
 use crate::isp::Isp;
@@ -160,19 +161,44 @@ pub fn compare_on(
     seed: u64,
     settings: &ScoreSettings,
 ) -> Result<SceneScores, CameraError> {
-    let (exposure_time_s, saturated_percent, picture, reference) = photographed(setup, isp, seed)?;
-    let white = Observer::Cie1931.white(&setup.light)?;
-    let scores = score_picture(&picture, &reference, white, settings)?;
-    Ok(SceneScores { scores, exposure_time_s, saturated_percent, seed, white, picture, reference })
+    let (scores, _) = compare_seeds(setup, isp, seed..seed.saturating_add(1), settings)?;
+    Ok(scores)
 }
 
-/// Captures a scene with all noise and renders it: exposure time, s; saturated samples, percent; the picture; and its reference.
-fn photographed(setup: &Setup, isp: &dyn Isp, seed: u64) -> Result<(f64, f64, Image, Image), CameraError> {
+/// [`compare_on`] for the first of several seeds, and the figures of the pictures ([`PictureScores::figures`]) for all of them, at
+/// least one.
+///
+/// # Errors
+/// As [`compare_on`].
+pub(crate) fn compare_seeds(
+    setup: &Setup,
+    isp: &dyn Isp,
+    seeds: Range<u64>,
+    settings: &ScoreSettings,
+) -> Result<(SceneScores, Vec<[f64; PICTURE_METRICS.len()]>), CameraError> {
     let Setup { camera, image, light, exposure } = setup;
-    let raw = camera.sensor.capture(image, exposure, NoiseMode::All, seed)?;
-    let (picture, reference) =
-        rayon::join(|| isp.render(&raw), || camera.reference_as_exposed(image, exposure, light));
-    Ok((exposure.time_s, raw.saturated_percent(), picture?, reference?))
+    let seed = seeds.start;
+    let (first, reference) = rayon::join(
+        || photographed(setup, isp, seed),
+        || camera.reference_as_exposed(image, exposure, light),
+    );
+    let ((picture, saturated_percent), reference) = (first?, reference?);
+    let white = Observer::Cie1931.white(light)?;
+    let to_score = ReferenceToScore::new(&reference, white, settings)?;
+    let scores = to_score.score(&picture)?;
+    let mut figures = vec![scores.figures()];
+    for seed in seed.saturating_add(1)..seeds.end {
+        figures.push(to_score.score(&photographed(setup, isp, seed)?.0)?.figures());
+    }
+    let exposure_time_s = exposure.time_s;
+    let scores = SceneScores { scores, exposure_time_s, saturated_percent, seed, white, picture, reference };
+    Ok((scores, figures))
+}
+
+/// Captures a scene with all noise and renders it: the picture, and the saturated samples, percent.
+fn photographed(setup: &Setup, isp: &dyn Isp, seed: u64) -> Result<(Image, f64), CameraError> {
+    let raw = setup.camera.sensor.capture(&setup.image, &setup.exposure, NoiseMode::All, seed)?;
+    Ok((isp.render(&raw)?, raw.saturated_percent()))
 }
 
 /// The CPSNR of [`compare_on`] alone, dB, in a fraction of the time.
@@ -185,6 +211,7 @@ pub(crate) fn cpsnr_on(
     seed: u64,
     settings: &ScoreSettings,
 ) -> Result<f64, CameraError> {
-    let (_, _, picture, reference) = photographed(setup, isp, seed)?;
-    picture_cpsnr_db(&picture, &reference, settings)
+    let Setup { camera, image, light, exposure } = setup;
+    let (picture, _) = photographed(setup, isp, seed)?;
+    picture_cpsnr_db(&picture, &camera.reference_as_exposed(image, exposure, light)?, settings)
 }

@@ -4,6 +4,7 @@ use serde::Serialize;
 
 use super::CameraError;
 use super::chart::LUMINANCE;
+use crate::color::difference::LabReference;
 use crate::color::scielab::Scielab;
 use crate::color::{DeltaE, DifferenceMap, Image, difference};
 use crate::metrics::psnr::psnr;
@@ -76,21 +77,60 @@ pub fn score_picture(
     white: [f64; 3],
     settings: &ScoreSettings,
 ) -> Result<PictureScores, CameraError> {
-    check(white, settings)?;
-    let Clipped { picture, reference, white_y } = Clipped::new(picture, reference, settings)?;
-    let white = white.map(|v| v / white[LUMINANCE] * white_y);
-    let scielab = Scielab::new(settings.samples_per_degree, DeltaE::Cie1976);
-    let scielab = scielab.compare(&reference, &picture, white).map_err(MetricError::from)?;
-    let pixels = difference::delta_e_map(&reference, &picture, white, DeltaE::Ciede2000)?;
-    Ok(PictureScores {
-        cpsnr_db: cpsnr_db(&picture, &reference, white_y)?,
-        pixel_delta_e_2000_mean: pixels.mean(),
-        pixel_delta_e_2000_p95: f64::from(at_share(&mut pixels.values.clone(), 0.95)),
-        scielab_mean: scielab.mean(),
-        white_y,
-        delta_e_2000_map: one_plane(pixels)?,
-        scielab_map: one_plane(scielab)?,
-    })
+    ReferenceToScore::new(reference, white, settings)?.score(picture)
+}
+
+/// A reference to which several pictures are compared by [`score_picture`].
+pub(crate) struct ReferenceToScore {
+    /// Clipped at white.
+    reference: Image,
+    /// The Y of white.
+    white_y: f64,
+    lab: LabReference,
+    scielab: Scielab,
+    blurred: LabReference,
+}
+
+impl ReferenceToScore {
+    /// As for [`score_picture`].
+    ///
+    /// # Errors
+    /// As for [`score_picture`].
+    pub(crate) fn new(
+        reference: &Image,
+        white: [f64; 3],
+        settings: &ScoreSettings,
+    ) -> Result<Self, CameraError> {
+        check(white, settings)?;
+        difference::check_pair(reference, reference)?;
+        let (reference, white_y) = clipped_reference(reference, settings)?;
+        let white = white.map(|v| v / white[LUMINANCE] * white_y);
+        let scielab = Scielab::new(settings.samples_per_degree, DeltaE::Cie1976);
+        let blurred = scielab.reference(&reference, white).map_err(MetricError::from)?;
+        let lab = LabReference::new((reference.rows(), reference.cols()), reference.channels(), white);
+        Ok(Self { reference, white_y, lab, scielab, blurred })
+    }
+
+    /// The scores of a picture.
+    ///
+    /// # Errors
+    /// As for [`score_picture`].
+    pub(crate) fn score(&self, picture: &Image) -> Result<PictureScores, CameraError> {
+        picture.check_finite()?;
+        difference::check_pair(&self.reference, picture)?;
+        let picture = clipped_at_white(picture, self.white_y)?;
+        let scielab = self.scielab.difference_from(&self.blurred, &picture).map_err(MetricError::from)?;
+        let pixels = self.lab.map(picture.channels(), DeltaE::Ciede2000);
+        Ok(PictureScores {
+            cpsnr_db: cpsnr_db(&picture, &self.reference, self.white_y)?,
+            pixel_delta_e_2000_mean: pixels.mean(),
+            pixel_delta_e_2000_p95: f64::from(at_share(&mut pixels.values.clone(), 0.95)),
+            scielab_mean: scielab.mean(),
+            white_y: self.white_y,
+            delta_e_2000_map: one_plane(pixels)?,
+            scielab_map: one_plane(scielab)?,
+        })
+    }
 }
 
 /// The CPSNR of [`score_picture`] alone, dB, in a fraction of the time.
@@ -102,31 +142,20 @@ pub(crate) fn picture_cpsnr_db(
     reference: &Image,
     settings: &ScoreSettings,
 ) -> Result<f64, CameraError> {
-    let Clipped { picture, reference, white_y } = Clipped::new(picture, reference, settings)?;
-    cpsnr_db(&picture, &reference, white_y)
+    picture.check_finite()?;
+    let (reference, white_y) = clipped_reference(reference, settings)?;
+    cpsnr_db(&clipped_at_white(picture, white_y)?, &reference, white_y)
 }
 
-/// A picture and its reference, clipped at white.
-struct Clipped {
-    picture: Image,
-    reference: Image,
-    /// The Y of white.
-    white_y: f64,
-}
-
-impl Clipped {
-    fn new(picture: &Image, reference: &Image, settings: &ScoreSettings) -> Result<Self, CameraError> {
-        picture.check_finite()?;
-        reference.check_finite()?;
-        let white_y = white_level(reference, settings.highlight_share);
-        if white_y <= 0.0 {
-            let (quantity, reason) = ("the distance from the reference", "the reference is dark");
-            return Err(MetricError::Undefined { quantity, reason }.into());
-        }
-        let (picture, reference) =
-            (clipped_at_white(picture, white_y)?, clipped_at_white(reference, white_y)?);
-        Ok(Self { picture, reference, white_y })
+/// A reference clipped at white, and the Y of white.
+fn clipped_reference(reference: &Image, settings: &ScoreSettings) -> Result<(Image, f64), CameraError> {
+    reference.check_finite()?;
+    let white_y = white_level(reference, settings.highlight_share);
+    if white_y <= 0.0 {
+        let (quantity, reason) = ("the distance from the reference", "the reference is dark");
+        return Err(MetricError::Undefined { quantity, reason }.into());
     }
+    Ok((clipped_at_white(reference, white_y)?, white_y))
 }
 
 fn cpsnr_db(picture: &Image, reference: &Image, white_y: f64) -> Result<f64, CameraError> {

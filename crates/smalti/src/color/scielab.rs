@@ -7,7 +7,7 @@
 use rayon::prelude::*;
 use thiserror::Error;
 
-use super::difference::{DeltaE, DifferenceMap, check_pair, map_of_planes};
+use super::difference::{DeltaE, DifferenceMap, LabReference, check_pair};
 use super::matrix::{Matrix3, inverse, known};
 use super::{Image, ImageError};
 use crate::numeric::mirror::about_border;
@@ -140,15 +140,23 @@ impl Scielab {
         white: [f64; 3],
     ) -> Result<DifferenceMap, ScielabError> {
         check_pair(reference, test)?;
-        let (a, b) = (self.filtered(reference)?, self.filtered(test)?);
+        self.difference_from(&self.reference(reference, white)?, test)
+    }
+
+    /// A reference after the blur of the eye, to which several images of its size are compared.
+    pub(crate) fn reference(&self, reference: &Image, white: [f64; 3]) -> Result<LabReference, ScielabError> {
+        let filtered = self.filtered(reference)?;
         let size = (reference.rows(), reference.cols());
-        Ok(map_of_planes(
-            size,
-            a.each_ref().map(Vec::as_slice),
-            b.each_ref().map(Vec::as_slice),
-            white,
-            self.formula,
-        ))
+        Ok(LabReference::new(size, filtered.each_ref().map(Vec::as_slice), white))
+    }
+
+    /// The difference of an image from a reference of its size.
+    pub(crate) fn difference_from(
+        &self,
+        reference: &LabReference,
+        test: &Image,
+    ) -> Result<DifferenceMap, ScielabError> {
+        Ok(reference.map(self.filtered(test)?.each_ref().map(Vec::as_slice), self.formula))
     }
 
     /// The X, Y, Z planes of an image after the blur of the eye.

@@ -9,9 +9,10 @@ use super::lights::{PipelineSet, SceneLight};
 use super::progress::{Stoppable, ensure_running};
 use super::training_statistics::ensure_mosaic;
 use super::{ExperimentError, Processing, Progress, Resources};
+use crate::camera::compare::compare_seeds;
 use crate::camera::{
     Camera, CameraError, Evaluation, EvaluationPictures, EvaluationSettings, PICTURE_METRICS, SceneScores,
-    ScoreSettings, Setup, TrainingSettings, compare_on, evaluate_with,
+    ScoreSettings, Setup, TrainingSettings, evaluate_with,
 };
 use crate::isp::{Classic, Isp, WhiteBalance};
 use crate::l3::{L3Error, Pipeline, Training, peak_ratio_db};
@@ -197,12 +198,8 @@ pub fn score_scene(
     let scored = || -> Result<_, CameraError> {
         let lit = setup.in_light(luminance_cd_m2)?.exposed(time_s)?;
         let isp = contender.isp(&lit.light, progress)?;
-        let first = compare_on(&lit, &*isp, seeds.start, score)?;
+        let (first, by_seed) = compare_seeds(&lit, &*isp, seeds.clone(), score)?;
         let fixed_point_psnr_db = fixed_point_psnr_db(contender, &lit, &first, seeds.start)?;
-        let mut by_seed = vec![first.scores.figures()];
-        for seed in seeds.start + 1..seeds.end {
-            by_seed.push(compare_on(&lit, &*isp, seed, score)?.scores.figures());
-        }
         Ok(ScoredScene { scores: first, by_seed, fixed_point_psnr_db })
     };
     scored().in_context(|| format!("{} at {luminance_cd_m2} cd/m²", contender.name()))
@@ -252,7 +249,7 @@ fn fixed_point_psnr_db(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::camera::CameraDescription;
+    use crate::camera::{CameraDescription, compare_on};
     use crate::l3::{Axes, Class, Kernels, Levels, Origin, PipelineParts};
     use crate::scene::{Setting, uniform};
     use crate::sensor::{RawImage, Sampling, SignalNoise};

@@ -43,6 +43,15 @@ impl Interval {
     }
 }
 
+/// A quantity with its interval.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+pub struct Estimate {
+    /// The quantity.
+    pub value: f64,
+    /// Its interval; `None` where it rests on one value, or is not defined for most resamples.
+    pub interval: Option<Interval>,
+}
+
 /// The resamples of groups of members, as the weights of the members in each; the weights of a resample sum to 1.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Resamples {

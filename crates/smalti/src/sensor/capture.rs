@@ -60,7 +60,7 @@ impl Sensor {
             Light::Image(image) => Ok(self.electrons_from(&Collector::new(self, image)?, time_s)),
             Light::Pixels(pixels) => Ok(self.electrons_from(&FilteredLight::new(self, pixels)?, time_s)),
             Light::Electrons(rates, factor) => {
-                rates.ensure_of(self)?;
+                rates.ensure_of(self, factor)?;
                 let w = self.read_window();
                 let mut out = Planes::zeros(w.rows, w.cols, self.sampling().planes());
                 for (plane, values) in out.planes_mut().enumerate() {
@@ -151,7 +151,7 @@ impl Sensor {
                 self.read_out_from(self.light_bands(&rates), exposure, noise, seed)
             }
             Light::Electrons(rates, factor) => {
-                rates.ensure_of(self)?;
+                rates.ensure_of(self, factor)?;
                 let band =
                     |plane, first_row, out: &mut [f32]| rates.band(plane, first_row, factor as f32, out);
                 self.read_out_from(band, exposure, noise, seed)

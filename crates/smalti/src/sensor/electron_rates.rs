@@ -2,7 +2,7 @@
 //! several amounts of it.
 
 use super::{Sensor, SensorError};
-use crate::numeric::{Planes, Rect};
+use crate::numeric::{Planes, Rect, require};
 use crate::optics::OpticalImage;
 
 /// Mean photoelectrons per second of every sample of a sensor's window, from light alone: after crosstalk, without saturation.
@@ -25,8 +25,9 @@ impl ElectronRates {
         Ok(Self { window: sensor.read_window(), per_s: sensor.electrons(image.into(), 1.0)? })
     }
 
-    /// An error unless these are rates of the window of a sensor.
-    pub(super) fn ensure_of(&self, sensor: &Sensor) -> Result<(), SensorError> {
+    /// An error unless these are rates of the window of a sensor, and the factor is one of light.
+    pub(super) fn ensure_of(&self, sensor: &Sensor, factor: f64) -> Result<(), SensorError> {
+        require(factor >= 0.0, "factor", factor, "0 or more, finite")?;
         let (window, gathered) = (sensor.read_window(), self.window);
         let same = window == gathered && sensor.sampling().planes() == self.per_s.count();
         if same { Ok(()) } else { Err(SensorError::OtherPixels { window, gathered }) }

@@ -11,7 +11,7 @@ use smalti::isp::{IspError, WhiteBalance};
 use smalti::l3::{L3Error, Pipeline, Training};
 use smalti::numeric::Planes;
 use smalti::scene::{Scene, Setting, catalog, macbeth, uniform};
-use smalti::sensor::{Channel, NoiseMode};
+use smalti::sensor::{Channel, NoiseMode, SensorError};
 use smalti::spectrum::{Extrapolation, Illuminant, Observer, SpectralCube, Spectrum, WavelengthGrid};
 
 const GRID: WavelengthGrid = WavelengthGrid::VISIBLE;
@@ -238,7 +238,7 @@ fn what_cannot_be_trained_for_is_refused() {
     }
     for exposure in [-1.0, f64::NAN, f64::INFINITY] {
         let refused = train(&TrainingSettings { exposures: vec![exposure], ..settings() });
-        assert!(matches!(refused, CameraError::Spectrum(_)), "{refused:?}");
+        assert!(matches!(refused, CameraError::Sensor(SensorError::Parameter(_))), "{refused:?}");
     }
 }
 

@@ -274,3 +274,40 @@ fn the_three_architectures_share_light_as_they_should() {
     let p = pattern(&s);
     assert_ne!(p[0], p[1]);
 }
+
+/// Captures from photoelectron rates times a factor are those of the image with its light multiplied, up to rounding of the means:
+/// samples differ by at most one digital number, crosstalk, noise and architectures included.
+#[test]
+fn rates_times_a_factor_are_the_image_in_more_light() {
+    let mut s = sensor(24, 32);
+    s.adc.bits = 12;
+    s.crosstalk = Some([[0.0, 0.02, 0.0], [0.03, 0.9, 0.05], [0.0, 0.0, 0.0]]);
+    let image = speckle(40, 50, 2.1e-6);
+    let exposure = Exposure::new(0.01);
+    for architecture in [ColorArchitecture::Mosaic, ColorArchitecture::Prism] {
+        s.architecture = architecture;
+        let rates = ElectronRates::new(&s, &image).unwrap();
+        for factor in [0.0, 0.3, 1.0, 7.5] {
+            let direct =
+                s.capture(&image.scaled(factor).unwrap(), &exposure, NoiseMode::All, 3).unwrap().normalized();
+            let from_rates = s.capture((&rates, factor), &exposure, NoiseMode::All, 3).unwrap().normalized();
+            let step = 1.0 / f64::from(1u32 << 12) + 1e-6;
+            // A mean that rounds to the other side of a threshold changes a Poisson deviate by one.
+            let differ = direct.iter().zip(&from_rates).filter(|(a, b)| a != b).count();
+            assert!(differ * 1000 <= direct.len() * 5, "{differ} of {} at {factor}", direct.len());
+            let largest =
+                direct.iter().zip(&from_rates).map(|(a, b)| f64::from((a - b).abs())).fold(0.0, f64::max);
+            assert!(largest <= 4.0 * step, "{largest} at {factor}");
+        }
+        assert!(matches!(
+            s.capture((&rates, -1.0), &exposure, NoiseMode::All, 3),
+            Err(SensorError::Parameter(_))
+        ));
+    }
+    let other = sensor(24, 30);
+    let rates = ElectronRates::new(&other, &image).unwrap();
+    assert!(matches!(
+        s.capture((&rates, 1.0), &exposure, NoiseMode::All, 3),
+        Err(SensorError::OtherPixels { .. })
+    ));
+}

@@ -79,34 +79,54 @@ pub fn delta_e_map(
 ) -> Result<DifferenceMap, ImageError> {
     check_pair(reference, test)?;
     let size = (reference.rows(), reference.cols());
-    Ok(map_of_planes(size, reference.channels(), test.channels(), white, formula))
+    Ok(LabReference::new(size, reference.channels(), white).map(test.channels(), formula))
 }
 
 /// Checks that two images can be compared.
-pub(super) fn check_pair(reference: &Image, test: &Image) -> Result<(), ImageError> {
+pub(crate) fn check_pair(reference: &Image, test: &Image) -> Result<(), ImageError> {
     reference.check_space(ColorSpace::Xyz)?;
     test.check_space(ColorSpace::Xyz)?;
     let (left, right) = ((reference.rows(), reference.cols()), (test.rows(), test.cols()));
     if left == right { Ok(()) } else { Err(ImageError::Size { left, right }) }
 }
 
-/// ΔE of planes whose lengths have been checked.
-pub(super) fn map_of_planes(
-    (rows, cols): (usize, usize),
-    reference: [&[f32]; 3],
-    test: [&[f32]; 3],
+/// A reference in CIELAB, to which several images are compared.
+#[derive(Debug, Clone)]
+pub(crate) struct LabReference {
+    size: (usize, usize),
     white: [f64; 3],
-    formula: DeltaE,
-) -> DifferenceMap {
-    let mut values = vec![0.0f32; rows * cols];
-    values.par_chunks_mut(CHUNK).enumerate().for_each(|(chunk, out)| {
-        for (i, value) in out.iter_mut().enumerate() {
-            let at = chunk * CHUNK + i;
-            let lab = |p: [&[f32]; 3]| lab_from_xyz([0, 1, 2].map(|c| f64::from(p[c][at])), white);
-            *value = formula.between(lab(reference), lab(test)) as f32;
-        }
-    });
-    DifferenceMap { rows, cols, values }
+    lab: Vec<[f64; 3]>,
+}
+
+impl LabReference {
+    /// Converts planes of X, Y, Z of `size` rows and columns, whose lengths have been checked.
+    pub(crate) fn new(size: (usize, usize), xyz: [&[f32]; 3], white: [f64; 3]) -> Self {
+        let mut lab = vec![[0.0; 3]; size.0 * size.1];
+        lab.par_chunks_mut(CHUNK).enumerate().for_each(|(chunk, out)| {
+            for (i, lab) in out.iter_mut().enumerate() {
+                *lab = lab_at(xyz, chunk * CHUNK + i, white);
+            }
+        });
+        Self { size, white, lab }
+    }
+
+    /// ΔE of planes of X, Y, Z, whose lengths have been checked.
+    pub(crate) fn map(&self, test: [&[f32]; 3], formula: DeltaE) -> DifferenceMap {
+        let (rows, cols) = self.size;
+        let mut values = vec![0.0f32; rows * cols];
+        let references = self.lab.par_chunks(CHUNK);
+        values.par_chunks_mut(CHUNK).zip(references).enumerate().for_each(|(chunk, (out, reference))| {
+            for (i, (value, reference)) in out.iter_mut().zip(reference).enumerate() {
+                *value = formula.between(*reference, lab_at(test, chunk * CHUNK + i, self.white)) as f32;
+            }
+        });
+        DifferenceMap { rows, cols, values }
+    }
+}
+
+/// CIELAB of a pixel.
+fn lab_at(xyz: [&[f32]; 3], at: usize, white: [f64; 3]) -> [f64; 3] {
+    lab_from_xyz([0, 1, 2].map(|c| f64::from(xyz[c][at])), white)
 }
 
 #[cfg(test)]

@@ -2,9 +2,7 @@
 
 use serde::Serialize;
 
-use super::{Estimate, LightVerdict, Scores};
-use crate::camera::PICTURE_METRICS;
-use crate::numeric::bootstrap::{Resamples, weighted};
+use crate::numeric::bootstrap::{Estimate, Resamples, weighted};
 
 /// Two contenders, each significantly better than the other at one of two adjacent luminances.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -21,39 +19,13 @@ pub struct Crossover {
     pub between_cd_m2: [f64; 2],
 }
 
-/// All crossovers of the contenders that are the best at adjacent luminances.
-pub(super) fn crossovers(scores: &Scores<'_>, lights: &[LightVerdict]) -> Vec<Crossover> {
-    let mut order: Vec<usize> = (0..lights.len()).collect();
-    order.sort_by(|a, b| lights[*a].luminance_cd_m2.total_cmp(&lights[*b].luminance_cd_m2));
-    let mut found = Vec::new();
-    for metric in 0..PICTURE_METRICS.len() {
-        for pair in order.windows(2) {
-            let &[dim, bright] = pair else { continue };
-            let [low, high] = [dim, bright].map(|light| &lights[light].metrics[metric]);
-            let (below, above) = (low.best, high.best);
-            if !low.is_among_best(above) && !high.is_among_best(below) {
-                let between = [dim, bright].map(|light| lights[light].luminance_cd_m2);
-                let luminance_cd_m2 = equal_at(scores, [below, above], [dim, bright], metric, between);
-                let metric = PICTURE_METRICS[metric];
-                found.push(Crossover { metric, below, above, luminance_cd_m2, between_cd_m2: between });
-            }
-        }
-    }
-    found
-}
-
-/// The luminance at which two contenders are equal, between two luminances.
-fn equal_at(
-    scores: &Scores<'_>,
-    [below, above]: [usize; 2],
-    lights: [usize; 2],
-    metric: usize,
+/// The luminance at which two contenders are equal, between two luminances. `leads` are the leads of the first over the second in
+/// each picture at these luminances.
+pub(super) fn equal_at(
+    leads: &[Vec<f64>; 2],
     [dim, bright]: [f64; 2],
+    resamples: Option<&Resamples>,
 ) -> Estimate {
-    let leads = lights.map(|light| -> Vec<f64> {
-        let [a, b] = [below, above].map(|contender| scores.figures(contender, light, metric));
-        a.iter().zip(&b).map(|(a, b)| a - b).collect()
-    });
     let equal = |weights: &[f64]| {
         let [low, high] = leads.each_ref().map(|lead| weighted(weights, lead));
         // Resamples without a change of the lead end at one of the luminances.
@@ -61,5 +33,5 @@ fn equal_at(
     };
     let count = leads[0].len();
     let value = equal(&vec![1.0 / count.max(1) as f64; count]);
-    Estimate { value, interval: scores.resamples.as_ref().and_then(|r: &Resamples| r.interval(equal)) }
+    Estimate { value, interval: resamples.and_then(|r| r.interval(equal)) }
 }

@@ -2,9 +2,8 @@
 
 use serde::Serialize;
 
-use super::Estimate;
 use crate::camera::LightGain;
-use crate::numeric::bootstrap::{Resamples, weighted};
+use crate::numeric::bootstrap::{Estimate, Resamples, weighted};
 
 /// The largest number of stops that is tried.
 const REACH_STOPS: usize = 4;

@@ -17,19 +17,12 @@ pub(super) use equal_quality::QualityAtMoreLight;
 use super::outcome::Outcome;
 use crate::camera::PICTURE_METRICS;
 use crate::metrics::{Better, metric_info};
-use crate::numeric::bootstrap::{Interval, Resamples, weighted};
+pub use crate::numeric::bootstrap::Estimate;
+use crate::numeric::bootstrap::{Resamples, weighted};
+use crossover::equal_at;
 
 /// The metric whose differences are also stated as light.
 pub(super) const LIGHT_METRIC: usize = 0;
-
-/// A quantity with its interval.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Estimate {
-    /// The quantity.
-    pub value: f64,
-    /// Its 95 % interval; `None` where it rests on one picture, or is not defined for most resamples.
-    pub interval: Option<Interval>,
-}
 
 /// The verdict of a comparison.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -162,8 +155,35 @@ impl<'a> Scores<'a> {
             }
             lights.push(LightVerdict { luminance_cd_m2, metrics });
         }
-        let crossovers = crossover::crossovers(self, &lights);
+        let crossovers = self.crossovers(&lights);
         Ok(Verdict { scenes, seeds, lights, crossovers })
+    }
+}
+
+impl Scores<'_> {
+    /// All crossovers of the contenders that are the best at adjacent luminances.
+    fn crossovers(&self, lights: &[LightVerdict]) -> Vec<Crossover> {
+        let mut order: Vec<usize> = (0..lights.len()).collect();
+        order.sort_by(|a, b| lights[*a].luminance_cd_m2.total_cmp(&lights[*b].luminance_cd_m2));
+        let mut found = Vec::new();
+        for (metric, name) in PICTURE_METRICS.into_iter().enumerate() {
+            for pair in order.windows(2) {
+                let &[dim, bright] = pair else { continue };
+                let [low, high] = [dim, bright].map(|light| &lights[light].metrics[metric]);
+                let (below, above) = (low.best, high.best);
+                if low.is_among_best(above) || high.is_among_best(below) {
+                    continue;
+                }
+                let between_cd_m2 = [dim, bright].map(|light| lights[light].luminance_cd_m2);
+                let leads = [dim, bright].map(|light| -> Vec<f64> {
+                    let [a, b] = [below, above].map(|contender| self.figures(contender, light, metric));
+                    a.iter().zip(&b).map(|(a, b)| a - b).collect()
+                });
+                let luminance_cd_m2 = equal_at(&leads, between_cd_m2, self.resamples.as_ref());
+                found.push(Crossover { metric: name, below, above, luminance_cd_m2, between_cd_m2 });
+            }
+        }
+        found
     }
 }
 
