@@ -1,11 +1,13 @@
 //! Tables of a comparison.
 
 use smalti::camera::Evaluation;
-use smalti::experiment::PairwiseLightGain;
+use smalti::experiment::{Outcome, PairwiseLightGain};
+use smalti::metrics::esfr::Mtf50Reliability;
 
-use super::columns::{COMPARE, Column, SCENES};
+use super::columns::{COMPARE, Column, SCENES, reliabilities};
 use super::conditions::exposure_cells;
 use super::figures::Scored;
+use super::reliability::meanings;
 use super::results::{Comparison, of_contender};
 use crate::page::{Markup, Table, el, paragraph};
 
@@ -23,16 +25,16 @@ fn text(value: f64, digits: usize) -> String {
     if value.is_finite() { format!("{value:.digits$}") } else { "–".to_owned() }
 }
 
-/// Values as text, the best with a mark. Values with the same text as the best are marked as well. A single value has no mark.
+/// Values as text, the best with a mark. Values with the same text as the best are marked as well. A single value has no mark, nor has
+/// one that cannot be trusted.
 fn marked<T>(column: &Column<T>, of: &[&T]) -> Vec<Markup> {
-    let values: Vec<f64> = of.iter().map(|of| (column.of)(of)).collect();
     let sign = if column.is_higher_better() { 1.0 } else { -1.0 };
-    let text = |v: f64| text(v, column.digits);
-    let best =
-        values.iter().copied().filter(|v| v.is_finite()).max_by(|a, b| (sign * a).total_cmp(&(sign * b)));
-    let best = best.filter(|_| values.len() > 1).map(text);
-    let one = |&v: &f64| {
-        let text = text(v);
+    let reliable = of.iter().filter(|of| column.reliability(of) == Mtf50Reliability::Reliable);
+    let finite = reliable.filter(|of| (column.of)(of).is_finite());
+    let best = finite.max_by(|a, b| (sign * (column.of)(a)).total_cmp(&(sign * (column.of)(b))));
+    let best = best.filter(|_| of.len() > 1).map(|of| column.text(of));
+    let one = |of: &&T| {
+        let text = column.text(of);
         if best.as_ref() != Some(&text) {
             return text.into();
         }
@@ -44,7 +46,12 @@ fn marked<T>(column: &Column<T>, of: &[&T]) -> Vec<Markup> {
             .child(el("span").class("hidden-text").child(" best"))
             .into()
     };
-    values.iter().map(one).collect()
+    of.iter().map(one).collect()
+}
+
+/// The meaning of the marks at the values of these columns, a paragraph each.
+pub(super) fn meanings_of<T>(columns: &[Column<T>], of: &[&T]) -> Markup {
+    meanings(reliabilities(columns, of)).into_iter().map(|text| paragraph("help", text)).collect()
 }
 
 /// Adds a row for each of what is scored in one light, with cells before and after its scores. The best of each score are marked.
@@ -75,10 +82,12 @@ pub(super) fn scores(report: &Comparison<'_>) -> Markup {
             rows.map(|(c, o)| (of_contender(c, o.luminance_cd_m2).to_vec(), o, exposure_cells(o).to_vec()));
         table = scored(table, &COMPARE, &rows.collect::<Vec<_>>());
     }
-    report.conditions.markup().and(Markup::from(table)).and(paragraph(
+    let all: Vec<&Outcome> = report.outcomes.iter().flatten().collect();
+    let meanings = meanings_of(&COMPARE, &all);
+    report.conditions.markup().and(Markup::from(table)).and(meanings).and(paragraph(
         "help",
         "★ marks the best value in this light. Higher is better for CPSNR, MTF50 and visual SNR, lower for the other columns. CPSNR, ΔE and \
-         S-CIELAB compare whole pictures with the scene as the standard observer sees it. MTF50 is that of a slanted edge; visual SNR and \
+         S-CIELAB compare whole pictures with the scene as the standard observer sees it. MTF50 is that of a slanted edge without noise; visual SNR and \
          noise are those of the grey patches of a ColorChecker.",
     ))
 }
