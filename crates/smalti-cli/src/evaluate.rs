@@ -13,7 +13,9 @@ use smalti::spectrum::{Observer, WavelengthGrid};
 use smalti_io::cache::Cache;
 use smalti_io::picture::{self, Depth};
 use smalti_io::write;
-use smalti_report::comparison::{Conditions, Evaluations, PAGE, aliasing_picture, columns, evaluation_page};
+use smalti_report::comparison::{
+    Conditions, Evaluations, PAGE, aliasing_picture, evaluation_page, evaluation_text,
+};
 use smalti_report::names;
 
 use crate::args::{CameraOptions, Common};
@@ -129,12 +131,13 @@ pub(crate) fn run(args: &Evaluate, words: &[String], common: &Common) -> anyhow:
         write::bytes(&dir.join(PAGE), page.as_bytes())?;
         write::bytes(&dir.join("results.json"), text.as_bytes())?;
     }
-    let names = labels.iter().flat_map(|label| args.luminance.iter().map(move |_| label));
-    crate::print(&if args.json {
-        text
-    } else {
-        conditions.text(&table::render) + "\n" + &scores_table(names.zip(&results))
-    })
+    if args.json {
+        return crate::print(&text);
+    }
+    let names = labels.iter().flat_map(|label| args.luminance.iter().map(move |_| label.as_str()));
+    let scores: Vec<_> = names.zip(results.iter().map(|(_, scores)| scores)).collect();
+    let scores = evaluation_text(&scores, &args.illuminant, &table::render);
+    crate::print(&(conditions.text(&table::render) + "\n" + &scores))
 }
 
 fn entry(camera: &Camera, scores: &Evaluation) -> anyhow::Result<serde_json::Value> {
@@ -146,30 +149,6 @@ fn entry(camera: &Camera, scores: &Evaluation) -> anyhow::Result<serde_json::Val
         into.insert("description".into(), serde_json::to_value(camera.description())?);
     }
     Ok(entry)
-}
-
-fn scores_table<'a>(results: impl Iterator<Item = (&'a String, &'a (&'a Camera, Evaluation))>) -> String {
-    let header: Vec<&str> = ["camera", "cd/m²"]
-        .into_iter()
-        .chain(columns::headings(&columns::EVALUATE))
-        .chain(["exposure ms"])
-        .collect();
-    let row = |(label, (_, s)): (&String, &(&Camera, Evaluation))| {
-        vec![
-            label.clone(),
-            format!("{}", s.luminance_cd_m2),
-            format!("{:.2}", s.delta_e_76.mean),
-            format!("{:.2}", s.delta_e_2000.mean),
-            format!("{:.1}", s.mtf50_cy_per_mm),
-            format!("{:.3}", s.mtf50_cy_per_px),
-            format!("{:.2}", s.luminance_noise_percent.mean),
-            format!("{:.1}", s.aliasing_percent),
-            format!("{:.1}", s.saturated_percent),
-            format!("{:.1}", s.dynamic_range_db),
-            format!("{:.1}", s.exposure.macbeth_s * 1e3),
-        ]
-    };
-    table::render(&header, &results.map(row).collect::<Vec<_>>())
 }
 
 fn write_pictures(dir: &Path, pictures: &EvaluationPictures) -> anyhow::Result<()> {

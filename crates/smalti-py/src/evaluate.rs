@@ -48,13 +48,28 @@ pub(crate) struct PyEvaluation {
     /// The same in cycles per pixel.
     #[pyo3(get)]
     mtf50_cy_per_px: f64,
+    /// Whether this MTF50 can be trusted as a resolution: "reliable", "beyond-nyquist" or "plateau".
+    #[pyo3(get)]
+    mtf50_reliability: &'static str,
+    /// MTF50 of an edge of contrast 4:1, cycles per mm on the sensor.
+    #[pyo3(get)]
+    mtf50_low_contrast_cy_per_mm: f64,
+    /// Share of the space of the colour matching functions that the spectral sensitivities span, 0 to 1.
+    #[pyo3(get)]
+    vora_value: f64,
+    /// Sensitivity metamerism index (ISO 17321-1) under the illuminant, at most 100.
+    #[pyo3(get)]
+    sensitivity_metamerism_index: f64,
+    /// Range of X, Y, Z of the reflectances that the sensor cannot tell from a mid grey, percent of the range of all objects.
+    #[pyo3(get)]
+    metamer_mismatch_percent: f64,
     /// Mean over the grey patches of 100 · std(Y) / mean(Y), percent.
     #[pyo3(get)]
     luminance_noise_percent: f64,
     /// Median over the grey patches of the reciprocal of the visible noise.
     #[pyo3(get)]
     visual_snr: f64,
-    /// Energy in the picture of the zone plate that the zone plate does not contain, percent.
+    /// Share of the energy in the picture of the zone plate that the zone plate does not contain, percent.
     #[pyo3(get)]
     aliasing_percent: f64,
     /// Share of saturated raw samples of the chart, percent.
@@ -138,6 +153,11 @@ pub(crate) fn evaluate(
         delta_e_76: scores.delta_e_76.mean,
         mtf50_cy_per_mm: scores.mtf50_cy_per_mm,
         mtf50_cy_per_px: scores.mtf50_cy_per_px,
+        mtf50_reliability: scores.mtf50_reliability.name(),
+        mtf50_low_contrast_cy_per_mm: scores.mtf50_low_contrast_cy_per_mm,
+        vora_value: scores.sensor.vora_value,
+        sensitivity_metamerism_index: scores.sensor.sensitivity_metamerism_index,
+        metamer_mismatch_percent: scores.sensor.metamer_mismatch_percent,
         luminance_noise_percent: scores.luminance_noise_percent.mean,
         visual_snr: scores.visual_snr.median,
         aliasing_percent: scores.aliasing_percent,
@@ -331,6 +351,9 @@ pub(crate) fn compare<'py>(
                 record.set_item("scene", scene)?;
                 record.set_item("luminance_cd_m2", outcome.luminance_cd_m2)?;
                 record.set_item("mtf50_cy_per_mm", outcome.targets.mtf50_cy_per_mm)?;
+                record.set_item("mtf50_reliability", outcome.targets.mtf50_reliability.name())?;
+                let low_contrast = outcome.targets.mtf50_low_contrast_cy_per_mm;
+                record.set_item("mtf50_low_contrast_cy_per_mm", low_contrast)?;
                 record.set_item("visual_snr", outcome.targets.visual_snr.median)?;
                 record.set_item("luminance_noise_percent", outcome.targets.luminance_noise_percent.mean)?;
                 records.push(record);

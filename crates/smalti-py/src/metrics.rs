@@ -4,7 +4,9 @@ use numpy::IntoPyArray;
 use pyo3::prelude::*;
 use pyo3::types::{IntoPyDict, PyDict};
 use smalti::metrics::aliasing::aliasing as measure_aliasing;
-use smalti::metrics::esfr::{EdgeSfr, EsfrOptions, edge_sfr as measure_edge, raw_channel_sfr};
+use smalti::metrics::esfr::{
+    EdgeSfr, EsfrOptions, Mtf50Reliability, NYQUIST_CY_PER_PX, edge_sfr as measure_edge, raw_channel_sfr,
+};
 use smalti::metrics::luminance_noise::luminance_noise as measure_noise;
 use smalti::metrics::psnr::psnr as measure_psnr;
 use smalti::metrics::visual_snr::visual_snr as measure_visual_snr;
@@ -53,6 +55,12 @@ impl PyEdge {
     #[getter]
     fn mtf50_cy_per_px(&self) -> Option<f64> {
         self.0.mtf50_cy_per_px
+    }
+
+    /// Whether MTF50 can be trusted as a resolution: "reliable", "beyond-nyquist" (of the pixel grid) or "plateau"; None without MTF50.
+    #[getter]
+    fn mtf50_reliability(&self) -> Option<&'static str> {
+        self.0.mtf50_reliability(NYQUIST_CY_PER_PX).map(Mtf50Reliability::name)
     }
 
     /// MTF50 in cycles per mm on a sensor with this pixel pitch in m.
@@ -168,7 +176,8 @@ pub(crate) fn cpsnr_db(
     py.detach(|| measure_psnr(&image, &reference, region, peak)).or_raise().map(|p| p.cpsnr_db)
 }
 
-/// The energy of a picture that its reference, the same scene without a mosaic, does not contain. Both are linear and without noise.
+/// The share of the energy of a picture that its reference, the same scene without a mosaic, does not contain. Both are linear and without
+/// noise.
 ///
 /// Args:
 ///     picture: [rows, columns, planes], at least 16 × 16 pixels, or an `Image`.
@@ -176,7 +185,7 @@ pub(crate) fn cpsnr_db(
 ///     luminance_weights: Y of the primary of each plane; default linear sRGB.
 ///
 /// Returns:
-///     luminance_percent, color_percent, total_percent: energy relative to that of the reference.
+///     luminance_percent, color_percent, total_percent: percent of the energy of the picture, 0 to 100.
 #[pyfunction]
 #[pyo3(signature = (picture, reference, luminance_weights=vec![0.2126, 0.7152, 0.0722]))]
 pub(crate) fn aliasing<'py>(

@@ -1,12 +1,15 @@
-//! Time of the metrics that look at whole pictures, and of the edge that every evaluation measures.
+//! Time of the metrics that look at whole pictures, of the edge that every evaluation measures, and of the colorimetry of sensors.
 #![allow(missing_docs, clippy::unwrap_used)]
 
 use criterion::{Criterion, criterion_group, criterion_main};
+use smalti::camera::{Camera, CameraDescription, ColorimetricObserver};
 use smalti::metrics::Rect;
 use smalti::metrics::aliasing::aliasing;
 use smalti::metrics::esfr::{EsfrOptions, find_edge_region, picture_sfr};
 use smalti::metrics::psnr::psnr;
 use smalti::numeric::Planes;
+use smalti::sensor::{Cfa, Channel, Filter, Mosaic};
+use smalti::spectrum::{Illuminant, WavelengthGrid};
 
 /// A neutral edge, slope 1:10, a little blurred.
 fn edge(rows: usize, cols: usize) -> Planes {
@@ -27,7 +30,27 @@ fn zone_plate(size: usize, top: f64) -> Planes {
     Planes::new(size, size, 3, (0..3 * size * size).map(value).collect()).unwrap()
 }
 
+/// A camera of evenly spaced Gaussian filters.
+fn camera(colors: u8) -> Camera {
+    let grid = WavelengthGrid::VISIBLE;
+    let channel = |i: u8| {
+        let center_nm = 430.0 + 200.0 * f64::from(i) / f64::from(colors - 1);
+        let filter = Filter::Gaussian { center_nm, sigma_nm: 30.0, peak: 1.0 };
+        Channel { name: i.to_string(), transmittance: filter.spectrum(grid).unwrap() }
+    };
+    let mosaic = Mosaic::new(1, usize::from(colors), (0..colors).collect()).unwrap();
+    let cfa = Cfa::new("even", mosaic, (0..colors).map(channel).collect()).unwrap();
+    Camera::new(CameraDescription::default(), grid).unwrap().with_cfa(cfa)
+}
+
 fn benches(c: &mut Criterion) {
+    let light = Illuminant::D65.photons(WavelengthGrid::VISIBLE).unwrap();
+    let observer = ColorimetricObserver::new(&light).unwrap();
+    for colors in [3, 4, 6] {
+        let camera = camera(colors);
+        let name = format!("colorimetry of a sensor of {colors} colours");
+        c.bench_function(&name, |b| b.iter(|| observer.colorimetry(&camera)));
+    }
     let small = edge(66, 44);
     let options = EsfrOptions::default();
     let weights = [0.2126, 0.7152, 0.0722];

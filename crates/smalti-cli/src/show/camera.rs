@@ -1,10 +1,11 @@
 //! A camera: every key of its description with its unit, derived quantities, the mosaic and the spectra.
 
 use serde_json::{Map, Value, json};
-use smalti::camera::Camera;
 use smalti::camera::description::PatternDescription;
+use smalti::camera::{Camera, ColorimetricObserver};
 use smalti::sensor::Channel;
 use smalti::sensor::cfa::info;
+use smalti::spectrum::Illuminant;
 use smalti_io::{Override, cameras};
 use smalti_report::names;
 
@@ -104,6 +105,11 @@ fn derived(camera: &Camera) -> anyhow::Result<Vec<(&'static str, f64, &'static s
         ("diffraction cut-off at 550 nm", 1e-3 / (MIDDLE_NM * 1e-9 * camera.optics.f_number), "cy/mm"),
         ("saturation", saturation_e, "e⁻"),
     ];
+    let light = Illuminant::D65.photons(camera.grid())?;
+    let sensor = ColorimetricObserver::new(&light)?.colorimetry(camera)?;
+    out.push(("Vora value", sensor.vora_value, ""));
+    out.push(("sensitivity metamerism, D65", sensor.sensitivity_metamerism_index, "SMI"));
+    out.push(("metamer mismatch, D65", sensor.metamer_mismatch_percent, "%"));
     if read_e > 0.0 {
         out.push(("read noise", read_e, "e⁻"));
         out.push(("saturation over read noise", 20.0 * (saturation_e / read_e).log10(), "dB"));

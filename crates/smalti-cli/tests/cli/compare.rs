@@ -93,7 +93,13 @@ fn the_table_the_files_and_the_figures_agree() {
         assert_eq!(row[3], shown("cpsnr_db", 2));
         assert_eq!(row[4], shown("pixel_delta_e_2000_mean", 2));
         assert_eq!(row[5], shown("scielab_mean", 2));
-        for pointer in ["/targets/mtf50_cy_per_mm", "/targets/visual_snr/median", "/scenes/0/scores"] {
+        for pointer in [
+            "/targets/mtf50_cy_per_mm",
+            "/targets/mtf50_reliability",
+            "/targets/mtf50_low_contrast_cy_per_mm",
+            "/targets/visual_snr/median",
+            "/scenes/0/scores",
+        ] {
             assert!(entry.pointer(pointer).is_some(), "{pointer}");
         }
     }

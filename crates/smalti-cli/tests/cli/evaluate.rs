@@ -15,7 +15,7 @@ fn number(v: &Value, pointer: &str) -> f64 {
 
 const NOISE: &str = "/luminance_noise_percent/mean";
 const MTF: &str = "/mtf50_cy_per_mm";
-const FIGURES: [&str; 9] = [
+const FIGURES: [&str; 13] = [
     "/delta_e_76/mean",
     "/delta_e_2000/mean",
     MTF,
@@ -25,6 +25,10 @@ const FIGURES: [&str; 9] = [
     "/aliasing_percent",
     "/color_aliasing_percent",
     "/dynamic_range_db",
+    "/mtf50_low_contrast_cy_per_px",
+    "/vora_value",
+    "/sensitivity_metamerism_index",
+    "/metamer_mismatch_percent",
 ];
 
 #[test]
@@ -63,10 +67,34 @@ fn scores_have_all_their_keys_with_and_without_cache() {
     assert!(number(&all[1], NOISE) > 2.0 * number(&all[0], NOISE), "less light, more noise");
     let table = own.ok("evaluate bayer --luminance 75 --seed 9");
     let lines: Vec<&str> = table.lines().collect();
-    assert_eq!(lines.len(), 5);
+    assert_eq!(lines.len(), 11, "{table}");
     assert_eq!(lines[0], "Exposure: the time or the rule of each camera.");
     assert!(lines[2].contains("ΔE2000") && lines[2].contains("MTF50 cy/mm") && lines[4].starts_with("bayer"));
     assert!(lines[4].contains(&format!("{:.2}", number(&all[0], "/delta_e_2000/mean"))), "{table}");
+    // Resolution is read beside the noise, and the colorimetry of the sensor does not depend on the luminance.
+    assert!(lines[5].contains("MTF50") && lines[5].contains("without noise"), "{table}");
+    assert_eq!(lines[7], "Colorimetry of the sensor under D65:");
+    assert!(lines[8].contains("Vora value") && lines[8].contains("SMI") && lines[10].starts_with("bayer"));
+    assert!(lines[10].contains(&format!("{:.3}", number(&all[0], "/vora_value"))), "{table}");
+    assert_eq!(all[0]["sensitivity_metamerism_index"], all[1]["sensitivity_metamerism_index"]);
+}
+
+/// A mark says that an MTF50 is no resolution, and is explained where it occurs only.
+#[test]
+fn an_mtf50_that_is_no_resolution_is_marked() {
+    let place = Place::new();
+    // All colours in every pixel through a sharp lens.
+    place.write("sharp.toml", "name = \"sharp\"\n[optics]\nf_number = 1.4\n[sensor]\narchitecture = \"prism\"\n[sensor.pixel]\nfill_factor = 0.3\n");
+    let [sharp, bayer] = &cameras(&place, "sharp.toml bayer --exposure own -o o")[..] else { panic!() };
+    assert!(number(sharp, "/mtf50_cy_per_px") > 0.5, "{sharp}");
+    assert_eq!(sharp["mtf50_reliability"], "beyond-nyquist");
+    assert_eq!(bayer["mtf50_reliability"], "reliable");
+    let shown = format!("{:.3} *", number(sharp, "/mtf50_cy_per_px"));
+    let table = place.ok("evaluate sharp.toml bayer --exposure own");
+    assert!(table.contains(&shown) && table.contains("\n* MTF50 lies beyond"), "{table}");
+    assert!(!place.ok("evaluate bayer").contains('*'));
+    let page = String::from_utf8(place.read("o/report.html")).unwrap();
+    assert!(page.contains(&shown) && page.contains("* MTF50 lies beyond"), "the page has no mark");
 }
 
 #[test]

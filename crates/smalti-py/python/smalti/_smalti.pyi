@@ -263,6 +263,11 @@ class Evaluation:
     delta_e_76: Final[float]
     mtf50_cy_per_mm: Final[float]
     mtf50_cy_per_px: Final[float]
+    mtf50_reliability: Final[Literal["reliable", "beyond-nyquist", "plateau"]]
+    mtf50_low_contrast_cy_per_mm: Final[float]
+    vora_value: Final[float]
+    sensitivity_metamerism_index: Final[float]
+    metamer_mismatch_percent: Final[float]
     luminance_noise_percent: Final[float]
     visual_snr: Final[float]
     aliasing_percent: Final[float]
@@ -286,6 +291,7 @@ class EdgeResponse:
     frequency_cy_per_px: Final[NDArray[np.float64]]
     sfr: Final[NDArray[np.float64]]
     mtf50_cy_per_px: Final[float | None]
+    mtf50_reliability: Final[Literal["reliable", "beyond-nyquist", "plateau"] | None]
     def mtf50_cy_per_mm(self, pitch_m: float) -> float | None: ...
     def frequency_at(self, level: float) -> float | None: ...
     aliasing_percent: Final[float]

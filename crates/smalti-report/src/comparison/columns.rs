@@ -1,8 +1,11 @@
 //! Columns of the tables, with the metric of each: one list for the tables and for `smalti list metrics`.
 
-use smalti::camera::{Evaluation, SceneScores};
+use smalti::camera::{Evaluation, SceneScores, SensorColorimetry};
 use smalti::experiment::{Outcome, ScoredScene};
+use smalti::metrics::esfr::Mtf50Reliability;
 use smalti::metrics::{Better, CATALOG};
+
+use super::reliability::mark;
 
 /// A column of scores of a kind.
 pub struct Column<T: 'static> {
@@ -12,12 +15,36 @@ pub struct Column<T: 'static> {
     /// Digits behind the point.
     pub(super) digits: usize,
     pub(super) of: fn(&T) -> f64,
+    /// Whether the value can be trusted, where that varies.
+    reliability: Option<fn(&T) -> Mtf50Reliability>,
 }
 
 impl<T> Column<T> {
     pub(super) fn is_higher_better(&self) -> bool {
         CATALOG.iter().any(|m| m.name == self.metric && m.better == Better::Higher)
     }
+
+    /// Whether the value of one that is scored can be trusted.
+    pub(super) fn reliability(&self, of: &T) -> Mtf50Reliability {
+        self.reliability.map_or(Mtf50Reliability::Reliable, |reliability| reliability(of))
+    }
+
+    /// The value as text, with a mark where it cannot be trusted.
+    pub(super) fn text(&self, of: &T) -> String {
+        let value = (self.of)(of);
+        if !value.is_finite() {
+            return "–".to_owned();
+        }
+        format!("{value:.*}{}", self.digits, mark(self.reliability(of)))
+    }
+}
+
+/// The reliabilities of all values in the columns.
+pub(super) fn reliabilities<'a, T>(
+    columns: &'a [Column<T>],
+    of: &'a [&'a T],
+) -> impl Iterator<Item = Mtf50Reliability> + 'a {
+    columns.iter().flat_map(move |c| of.iter().map(move |of| c.reliability(of)))
 }
 
 const fn column<T>(
@@ -26,7 +53,17 @@ const fn column<T>(
     digits: usize,
     of: fn(&T) -> f64,
 ) -> Column<T> {
-    Column { heading, metric, digits, of }
+    Column { heading, metric, digits, of, reliability: None }
+}
+
+const fn mtf50<T>(
+    heading: &'static str,
+    metric: &'static str,
+    digits: usize,
+    of: fn(&T) -> f64,
+    reliability: fn(&T) -> Mtf50Reliability,
+) -> Column<T> {
+    Column { heading, metric, digits, of, reliability: Some(reliability) }
 }
 
 /// The mean of a property of single pictures over the scenes.
@@ -39,7 +76,13 @@ pub const COMPARE: [Column<Outcome>; 6] = [
     column("CPSNR dB", "cpsnr_db", 2, |o| o.means()[0]),
     column("ΔE2000", "pixel_delta_e_2000_mean", 2, |o| o.means()[1]),
     column("S-CIELAB", "scielab_mean", 2, |o| o.means()[2]),
-    column("MTF50 cy/mm", "mtf50_cy_per_mm", 1, |o| o.targets.mtf50_cy_per_mm),
+    mtf50(
+        "MTF50 cy/mm",
+        "mtf50_cy_per_mm",
+        1,
+        |o| o.targets.mtf50_cy_per_mm,
+        |o| o.targets.mtf50_reliability,
+    ),
     column("visual SNR", "visual_snr", 3, |o| o.targets.visual_snr.median),
     column("noise %", "luminance_noise_percent", 1, |o| o.targets.luminance_noise_percent.mean),
 ];
@@ -52,15 +95,29 @@ pub(super) const SCENES: [Column<ScoredScene>; 3] = [
 ];
 
 /// The scores of an evaluation.
-pub const EVALUATE: [Column<Evaluation>; 8] = [
+pub const EVALUATE: [Column<Evaluation>; 9] = [
     column("ΔE76", "delta_e_76", 2, |e| e.delta_e_76.mean),
     column("ΔE2000", "delta_e_2000", 2, |e| e.delta_e_2000.mean),
-    column("MTF50 cy/mm", "mtf50_cy_per_mm", 1, |e| e.mtf50_cy_per_mm),
-    column("MTF50 cy/px", "mtf50_cy_per_px", 3, |e| e.mtf50_cy_per_px),
+    mtf50("MTF50 cy/mm", "mtf50_cy_per_mm", 1, |e| e.mtf50_cy_per_mm, |e| e.mtf50_reliability),
+    mtf50("MTF50 cy/px", "mtf50_cy_per_px", 3, |e| e.mtf50_cy_per_px, |e| e.mtf50_reliability),
+    mtf50(
+        "MTF50 4:1 cy/px",
+        "mtf50_low_contrast_cy_per_px",
+        3,
+        |e| e.mtf50_low_contrast_cy_per_px,
+        |e| e.mtf50_low_contrast_reliability,
+    ),
     column("noise %", "luminance_noise_percent", 2, |e| e.luminance_noise_percent.mean),
     column("aliasing %", "aliasing_percent", 1, |e| e.aliasing_percent),
     column("clipped %", "saturated_percent", 1, |e| e.saturated_percent),
     column("range dB", "dynamic_range_db", 1, |e| e.dynamic_range_db),
+];
+
+/// The colorimetry of a sensor.
+pub const SENSOR: [Column<SensorColorimetry>; 3] = [
+    column("Vora value", "vora_value", 3, |s| s.vora_value),
+    column("SMI", "sensitivity_metamerism_index", 1, |s| s.sensitivity_metamerism_index),
+    column("metamer mismatch %", "metamer_mismatch_percent", 1, |s| s.metamer_mismatch_percent),
 ];
 
 /// The headings of columns.
@@ -73,7 +130,8 @@ pub fn headings<T>(columns: &[Column<T>]) -> impl Iterator<Item = &'static str> 
 pub fn where_shown(metric: &str) -> Option<String> {
     let compare = COMPARE.map(|c| (c.metric, c.heading, "smalti compare"));
     let evaluate = EVALUATE.map(|c| (c.metric, c.heading, "smalti evaluate"));
-    let here = compare.iter().chain(&evaluate).filter(|(name, ..)| *name == metric);
+    let sensor = SENSOR.map(|c| (c.metric, c.heading, "smalti evaluate"));
+    let here = compare.iter().chain(&evaluate).chain(&sensor).filter(|(name, ..)| *name == metric);
     let shown: Vec<String> = here.map(|(_, heading, command)| format!("'{heading}' in {command}")).collect();
     (!shown.is_empty()).then(|| format!("column {}", shown.join(", ")))
 }
@@ -85,7 +143,8 @@ mod tests {
     #[test]
     fn every_column_is_a_metric_of_the_list() {
         let columns = COMPARE.map(|c| (c.heading, c.metric)).into_iter();
-        for (heading, name) in columns.chain(EVALUATE.map(|c| (c.heading, c.metric))) {
+        let sensor = SENSOR.map(|c| (c.heading, c.metric));
+        for (heading, name) in columns.chain(EVALUATE.map(|c| (c.heading, c.metric))).chain(sensor) {
             let found = CATALOG.iter().find(|m| m.name == name);
             assert!(found.is_some_and(|m| !m.unit.is_empty() && !m.source.is_empty()), "{heading}: {name}");
         }

@@ -5,10 +5,12 @@ use smalti::color::{ColorSpace, Image};
 use smalti::numeric::Planes;
 use smalti::spectrum::{WavelengthGrid, reflectance};
 
-use super::columns::{EVALUATE, headings};
+use super::columns::{EVALUATE, SENSOR, headings};
 use super::conditions::Conditions;
+use super::evaluated_text::WITHOUT_NOISE;
 use super::figures::{self, Scored};
 use super::gallery::{self, Group, Map, Maps, Shot};
+use super::reliability::mark;
 use super::results::CommandLine;
 use super::{again, tables};
 use crate::ReportError;
@@ -82,7 +84,7 @@ pub fn page(shots: &Evaluations<'_>) -> Result<String, ReportError> {
         .collect();
     let lights: Vec<String> = shots.luminances_cd_m2.iter().map(f64::to_string).collect();
     let lead = format!(
-        "ColorChecker, slanted edge and zone plate at {} cd/m², light {}, seed {}. All pictures are scaled to the same brightness.",
+        "ColorChecker, slanted edge of high contrast and zone plate at {} cd/m², light {}, seed {}. All pictures are scaled to the same brightness.",
         listed(&lights),
         shots.illuminant,
         shots.seed
@@ -115,7 +117,10 @@ fn groups(shots: &Evaluations<'_>) -> Result<Vec<Group>, ReportError> {
             for (label, _, e, pictures) in shots.in_light(light) {
                 let (caption, aliasing) = match scene {
                     "ColorChecker" => (format!("ΔE2000 {:.2}", e.delta_e_2000.mean), None),
-                    "edge" => (format!("MTF50 {:.1} cy/mm", e.mtf50_cy_per_mm), None),
+                    "edge" => {
+                        let mark = mark(e.mtf50_reliability);
+                        (format!("MTF50 {:.1} cy/mm{mark}", e.mtf50_cy_per_mm), None)
+                    }
                     _ => (format!("aliasing {:.1} %", e.aliasing_percent), Some(aliasing_picture(pictures)?)),
                 };
                 let maps = aliasing.iter().map(|image| Map::Picture(Pixels::of(image))).collect();
@@ -159,9 +164,27 @@ fn scores(shots: &Evaluations<'_>) -> Markup {
         });
         table = tables::scored(table, &EVALUATE, &rows.collect::<Vec<_>>(), None);
     }
-    Markup::from(table).and(paragraph(
+    let all: Vec<&Evaluation> = shots.results.iter().map(|(_, e)| e).collect();
+    Markup::from(table)
+        .and(tables::meanings_of(&EVALUATE, &all))
+        .and(paragraph("help", WITHOUT_NOISE))
+        .and(paragraph(
+            "help",
+            "MTF50 4:1 is that of an edge of low contrast. It differs from the other MTF50 where processing depends on contrast. ★ marks the \
+             best value in this light. Higher is better for MTF50 and dynamic range, lower for the other columns.",
+        ))
+        .and(sensors(shots))
+}
+
+/// The colorimetry of the sensor of each camera.
+fn sensors(shots: &Evaluations<'_>) -> Markup {
+    let caption = format!("Colorimetry of the sensor under {}", shots.illuminant);
+    let table = headings(&SENSOR).fold(Table::new(caption).text("Camera"), Table::number);
+    let rows = shots.in_light(0).map(|(label, _, e, _)| (vec![label.clone()], &e.sensor, Vec::new()));
+    Markup::from(tables::scored(table, &SENSOR, &rows.collect::<Vec<_>>(), None)).and(paragraph(
         "help",
-        "★ marks the best value in this light and those within 1 % of it. Higher is better for MTF50 and dynamic range, lower for the other columns.",
+        "How well the spectral sensitivities tell colours apart as the CIE 1931 observer does, without noise. Vora value 1, sensitivity \
+         metamerism index (SMI) 100 and metamer mismatch 0 mean that a colour matrix makes every colour exact.",
     ))
 }
 

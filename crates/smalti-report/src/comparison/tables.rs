@@ -1,11 +1,13 @@
 //! Tables of a comparison.
 
 use smalti::camera::Evaluation;
-use smalti::experiment::{LightVerdict, MetricVerdict, PairwiseLightGain};
+use smalti::experiment::{LightVerdict, MetricVerdict, Outcome, PairwiseLightGain};
+use smalti::metrics::esfr::Mtf50Reliability;
 
-use super::columns::{COMPARE, Column, SCENES};
+use super::columns::{COMPARE, Column, SCENES, reliabilities};
 use super::conditions::exposure_cells;
 use super::figures::Scored;
+use super::reliability::meanings;
 use super::results::{Comparison, of_contender};
 use crate::page::{Markup, Table, el, paragraph};
 
@@ -27,22 +29,24 @@ fn text(value: f64, digits: usize) -> String {
 const SAME: f64 = 1.01;
 
 /// Values as text, the best with a mark. Values that do not differ from the best are marked as well: by the verdict of the metric,
-/// else those within 1 %. A single value has no mark.
+/// else those within 1 %. A single value has no mark, nor has one that cannot be trusted.
 fn marked<T>(column: &Column<T>, of: &[&T], verdict: Option<&MetricVerdict>) -> Vec<Markup> {
-    let values: Vec<f64> = of.iter().map(|of| (column.of)(of)).collect();
     let sign = if column.is_higher_better() { 1.0 } else { -1.0 };
-    let text = |v: f64| text(v, column.digits);
-    let best =
-        values.iter().copied().filter(|v| v.is_finite()).max_by(|a, b| (sign * a).total_cmp(&(sign * b)));
-    let best = best.filter(|_| values.len() > 1);
-    let is_best = |row: usize, v: f64| match (verdict, best) {
+    let is_reliable = |of: &T| column.reliability(of) == Mtf50Reliability::Reliable;
+    let reliable = of.iter().filter(|of| is_reliable(of)).map(|of| (column.of)(of));
+    let best = reliable.filter(|v| v.is_finite()).max_by(|a, b| (sign * a).total_cmp(&(sign * b)));
+    let best = best.filter(|_| of.len() > 1);
+    let is_best = |row: usize, of: &T| match (verdict, best) {
         (_, None) => false,
         (Some(verdict), _) => verdict.is_among_best(row),
-        (None, Some(best)) => v == best || (v > 0.0 && best > 0.0 && v.max(best) / v.min(best) <= SAME),
+        (None, Some(best)) => {
+            let v = (column.of)(of);
+            is_reliable(of) && (v == best || (v > 0.0 && best > 0.0 && v.max(best) / v.min(best) <= SAME))
+        }
     };
-    let one = |(row, &v): (usize, &f64)| {
-        let text = text(v);
-        if !is_best(row, v) {
+    let one = |(row, of): (usize, &&T)| {
+        let text = column.text(of);
+        if !is_best(row, of) {
             return text.into();
         }
         let star = el("span").attr("aria-hidden", "true").class("star").child("★");
@@ -53,7 +57,12 @@ fn marked<T>(column: &Column<T>, of: &[&T], verdict: Option<&MetricVerdict>) -> 
             .child(el("span").class("hidden-text").child(" best"))
             .into()
     };
-    values.iter().enumerate().map(one).collect()
+    of.iter().enumerate().map(one).collect()
+}
+
+/// The meaning of the marks at the values of these columns, a paragraph each.
+pub(super) fn meanings_of<T>(columns: &[Column<T>], of: &[&T]) -> Markup {
+    meanings(reliabilities(columns, of)).into_iter().map(|text| paragraph("help", text)).collect()
 }
 
 /// Adds a row for each of what is scored in one light, with cells before and after its scores. The best of each score are marked;
@@ -86,11 +95,13 @@ pub(super) fn scores(report: &Comparison<'_>) -> Markup {
             rows.map(|(c, o)| (of_contender(c, o.luminance_cd_m2).to_vec(), o, exposure_cells(o).to_vec()));
         table = scored(table, &COMPARE, &rows.collect::<Vec<_>>(), report.verdict.lights.get(light));
     }
-    report.conditions.markup().and(Markup::from(table)).and(paragraph(
+    let all: Vec<&Outcome> = report.outcomes.iter().flatten().collect();
+    let meanings = meanings_of(&COMPARE, &all);
+    report.conditions.markup().and(Markup::from(table)).and(meanings).and(paragraph(
         "help",
         "★ marks the best value in this light and those that do not differ from it: where the verdict finds no difference, and within 1 % for \
          MTF50, visual SNR and noise. Higher is better for CPSNR, MTF50 and visual SNR, lower for the other columns. CPSNR, ΔE and \
-         S-CIELAB compare whole pictures with the scene as the standard observer sees it. MTF50 is that of a slanted edge; visual SNR and \
+         S-CIELAB compare whole pictures with the scene as the standard observer sees it. MTF50 is that of a slanted edge without noise; visual SNR and \
          noise are those of the grey patches of a ColorChecker.",
     ))
 }

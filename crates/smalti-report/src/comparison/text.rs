@@ -1,15 +1,16 @@
 //! A comparison in words and tables.
 
 use smalti::camera::MetricGain;
-use smalti::experiment::PairwiseLightGain;
+use smalti::experiment::{Outcome, PairwiseLightGain};
 
-use super::columns::{self, headings};
+use super::columns::{self, headings, reliabilities};
 use super::conditions::{EXPOSURE_HEADINGS, exposure_cells};
+use super::reliability::meanings;
 use super::results::{Comparison, of_contender};
 use crate::TextTable;
 
 impl Comparison<'_> {
-    /// The scores, a row for each luminance and contender.
+    /// The scores, a row for each luminance and contender, and the meaning of marks at values.
     #[must_use]
     pub fn scores_table(&self, table: &TextTable<'_>) -> String {
         let header: Vec<&str> = ["camera", "pipeline", "cd/m²"]
@@ -20,12 +21,14 @@ impl Comparison<'_> {
         let mut rows = Vec::new();
         for light in 0..self.light_count() {
             for (contender, o) in self.in_light(light) {
-                let values = columns::COMPARE.map(|c| format!("{:.*}", c.digits, (c.of)(o)));
+                let values = columns::COMPARE.map(|c| c.text(o));
                 let cells = of_contender(contender, o.luminance_cd_m2).into_iter().chain(values);
                 rows.push(cells.chain(exposure_cells(o)).collect());
             }
         }
-        table(&header, &rows)
+        let all: Vec<&Outcome> = self.outcomes.iter().flatten().collect();
+        let meanings = meanings(reliabilities(&columns::COMPARE, &all));
+        meanings.into_iter().fold(table(&header, &rows), |out, meaning| out + &meaning + "\n")
     }
 
     /// The largest difference between fixed point and single precision, as a line. Empty where none was computed.

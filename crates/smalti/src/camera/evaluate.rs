@@ -1,14 +1,15 @@
-//! The scores of a camera on three targets: colour and noise on the ColorChecker, resolution on a slanted edge,
-//! and aliasing on a zone plate.
+//! The scores of a camera on its targets: colour and noise on the ColorChecker, resolution on slanted edges of high and low contrast,
+//! and aliasing on a zone plate; and the colorimetry of its sensor, for which nothing is rendered.
 //!
 //! Each target covers the same number of pixels on every camera, so that scores rest on equally many samples. Colour and
 //! resolution are measured without noise, because they are properties of the design rather than of one capture. Noise is
 //! measured on one capture with all noise. Both use the actual exposure, because a learned pipeline processes dark and bright
-//! signals differently.
+//! signals differently. In little light, MTF50 therefore counts detail that noise hides, and must be read beside the noise.
 
 use serde::Serialize;
 
 use super::chart::{self, LUMINANCE};
+use super::colorimetry::{ColorimetricObserver, SensorColorimetry};
 use super::target::{EDGE_REGION, Target, edge_mtf50};
 use super::{Camera, CameraError};
 use crate::color::adaptation::bradford;
@@ -19,7 +20,7 @@ use crate::isp::{Isp, WhiteBalance};
 use crate::metrics::MetricError;
 use crate::metrics::aliasing::{Aliasing, aliasing};
 use crate::metrics::dynamic_range::dynamic_range;
-use crate::metrics::esfr::{EdgeSfr, EsfrOptions, edge_sfr};
+use crate::metrics::esfr::{EdgeSfr, EsfrOptions, Mtf50Reliability, edge_sfr};
 use crate::numeric::Planes;
 use crate::optics::OpticalImage;
 use crate::scene::Setting;
@@ -111,7 +112,7 @@ impl GreyScores {
 pub struct ExposureTimes {
     /// The ColorChecker, s.
     pub macbeth_s: f64,
-    /// The slanted edge, s.
+    /// The slanted edges of high and low contrast, s.
     pub edge_s: f64,
     /// The zone plate, s.
     pub zone_plate_s: f64,
@@ -130,6 +131,15 @@ pub struct Evaluation {
     pub mtf50_cy_per_mm: f64,
     /// MTF50 in cycles per pixel.
     pub mtf50_cy_per_px: f64,
+    /// Whether this MTF50 can be trusted.
+    pub mtf50_reliability: Mtf50Reliability,
+    /// MTF50 of an edge with a luminance ratio of 4:1 (ISO 12233:2017), with the exposure time of the other edge, cycles per mm. It
+    /// differs from `mtf50_cy_per_mm` where processing depends on contrast.
+    pub mtf50_low_contrast_cy_per_mm: f64,
+    /// The same in cycles per pixel.
+    pub mtf50_low_contrast_cy_per_px: f64,
+    /// Whether this MTF50 can be trusted.
+    pub mtf50_low_contrast_reliability: Mtf50Reliability,
     /// `100 · std(Y) / mean(Y)` on the grey series, percent.
     pub luminance_noise_percent: PatchScores,
     /// Visual signal-to-noise ratio of the grey series: reciprocal noise in ΔE 1976, white patch at L* = 100, 60 pixels per
@@ -137,12 +147,15 @@ pub struct Evaluation {
     pub visual_snr: GreyScores,
     /// Saturated raw samples of the chart, percent. Clipping falsifies colours.
     pub saturated_percent: f64,
-    /// Aliased energy in the picture of the zone plate, percent of the energy of the zone plate.
+    /// Aliased energy in the picture of the zone plate, percent of the energy of the picture, 0 to 100.
     pub aliasing_percent: f64,
     /// The chromatic part of the aliased energy, percent.
     pub color_aliasing_percent: f64,
     /// Ratio of saturation to the signal whose signal-to-noise ratio is 1 (EMVA 1288), dB.
     pub dynamic_range_db: f64,
+    /// Vora value, sensitivity metamerism index and metamer mismatch under the illuminant.
+    #[serde(flatten)]
+    pub sensor: SensorColorimetry,
     /// Exposure times.
     pub exposure: ExposureTimes,
     /// Seed of the noise.
@@ -154,7 +167,7 @@ pub struct Evaluation {
 pub struct EvaluationPictures {
     /// The chart, with all noise.
     pub macbeth: Image,
-    /// The edge, without noise.
+    /// The edge of high contrast, without noise.
     pub edge: Image,
     /// The zone plate, without noise.
     pub zone_plate: Image,
@@ -212,18 +225,24 @@ pub fn evaluate_with(
     let setting = settings.setting(camera.grid());
     let chart = Target::chart(camera, &setting)?;
     let edge = Target::edge(camera, &setting)?;
+    let low_contrast = Target::low_contrast_edge(camera, &setting)?;
     let zone = Target::zone_plate(camera, &setting)?;
     let ((chart, edge), zone) = rayon::join(
         || {
             let time = |of: fn(ExposureTimes) -> f64| settings.exposure.map(of);
             rayon::join(
                 || chart.capture(settings, time(|t| t.macbeth_s), images, isp),
-                || edge.capture(settings, time(|t| t.edge_s), images, isp),
+                || {
+                    let edge = edge.capture(settings, time(|t| t.edge_s), images, isp)?;
+                    let low_contrast =
+                        low_contrast.capture(settings, Some(edge.exposure.time_s), images, isp)?;
+                    Ok::<_, CameraError>((edge, low_contrast))
+                },
             )
         },
         || zone.capture(settings, settings.exposure.map(|t| t.zone_plate_s), images, isp),
     );
-    let (chart, edge, zone) = (chart?, edge?, zone?);
+    let (chart, (edge, low_contrast), zone) = (chart?, edge?, zone?);
     let (noisy, reference) = rayon::join(
         || chart.camera.sensor.capture(&chart.image, &chart.exposure, NoiseMode::All, settings.seed),
         || zone.camera.reference(&zone.image),
@@ -234,20 +253,26 @@ pub fn evaluate_with(
     let light = setting.illuminant.photons(camera.grid())?;
     let colors = chart::colors(&chart.clean, &light)?;
     let noise = chart::noise(&noisy, &light)?;
-    let mtf50_cy_per_px = edge_mtf50(edge.clean.planes(), LUMINANCE, EDGE_REGION)?;
+    let mtf50 = edge_mtf50(edge.clean.planes(), LUMINANCE, EDGE_REGION)?;
+    let low_contrast = edge_mtf50(low_contrast.clean.planes(), LUMINANCE, EDGE_REGION)?;
     let aliasing = zone_plate_aliasing(&zone.clean, &reference, &setting)?;
     let evaluation = Evaluation {
         luminance_cd_m2: settings.luminance_cd_m2,
         delta_e_76: PatchScores::new(colors.delta_e_76.per_patch)?,
         delta_e_2000: PatchScores::new(colors.delta_e_2000.per_patch)?,
-        mtf50_cy_per_mm: mtf50_cy_per_px / (camera.sensor.pixel.pitch_m * 1e3),
-        mtf50_cy_per_px,
+        mtf50_cy_per_mm: mtf50.cy_per_mm(camera),
+        mtf50_cy_per_px: mtf50.cy_per_px,
+        mtf50_reliability: mtf50.reliability,
+        mtf50_low_contrast_cy_per_mm: low_contrast.cy_per_mm(camera),
+        mtf50_low_contrast_cy_per_px: low_contrast.cy_per_px,
+        mtf50_low_contrast_reliability: low_contrast.reliability,
         luminance_noise_percent: PatchScores::new(noise.luminance_noise_percent)?,
         visual_snr: GreyScores::new(noise.visual_snr)?,
         saturated_percent,
         aliasing_percent: aliasing.total_percent,
         color_aliasing_percent: aliasing.color_percent,
         dynamic_range_db: pixel_dynamic_range_db(camera)?,
+        sensor: ColorimetricObserver::new(&light)?.colorimetry(camera)?,
         exposure: ExposureTimes {
             macbeth_s: chart.exposure.time_s,
             edge_s: edge.exposure.time_s,

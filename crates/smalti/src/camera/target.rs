@@ -3,7 +3,7 @@
 use super::chart::{self, PATCH_SAMPLES};
 use super::stable_text::stable_text;
 use super::{Camera, CameraError};
-use crate::metrics::esfr::{EsfrOptions, edge_sfr};
+use crate::metrics::esfr::{EsfrOptions, Mtf50Reliability, NYQUIST_CY_PER_PX, edge_sfr};
 use crate::metrics::{MetricError, Rect};
 use crate::numeric::Planes;
 use crate::optics::OpticalImage;
@@ -13,6 +13,8 @@ use crate::scene::{self, Scene, Setting, SlantedBar, ZonePlate, macbeth};
 const EDGE_PX: usize = 120;
 /// The region of the edge that is measured, as in ISETCam for this scene.
 pub(crate) const EDGE_REGION: Rect = Rect { row: 27, col: 37, rows: 66, cols: 44 };
+/// Luminance ratio of the edge of low contrast, as ISO 12233:2017 states it.
+const LOW_CONTRAST_RATIO: f64 = 4.0;
 /// Pixels of the sensor that the zone plate spans.
 const ZONE_PX: usize = 256;
 /// Samples of the zone plate per pixel of the sensor.
@@ -46,8 +48,18 @@ impl Target {
     }
 
     pub(crate) fn edge(camera: &Camera, setting: &Setting) -> Result<Self, CameraError> {
-        let bar = SlantedBar { sampling: scene::PatternSampling::Area, ..SlantedBar::default() };
-        Self::new(camera, EDGE_PX, EDGE_PX, setting, "edge", move |s| Ok(scene::slanted_bar(&bar, s)?))
+        Self::bar(camera, setting, "edge", SlantedBar::default())
+    }
+
+    /// The edge with a contrast of 4:1, which processing that adapts to contrast renders as it renders most detail.
+    pub(crate) fn low_contrast_edge(camera: &Camera, setting: &Setting) -> Result<Self, CameraError> {
+        let bar = SlantedBar { contrast_ratio: LOW_CONTRAST_RATIO, ..SlantedBar::default() };
+        Self::bar(camera, setting, "edge-4-1", bar)
+    }
+
+    fn bar(camera: &Camera, setting: &Setting, name: &str, bar: SlantedBar) -> Result<Self, CameraError> {
+        let bar = SlantedBar { sampling: scene::PatternSampling::Area, ..bar };
+        Self::new(camera, EDGE_PX, EDGE_PX, setting, name, move |s| Ok(scene::slanted_bar(&bar, s)?))
     }
 
     pub(crate) fn zone_plate(camera: &Camera, setting: &Setting) -> Result<Self, CameraError> {
@@ -63,9 +75,22 @@ impl Target {
     }
 }
 
-/// Spatial frequency at which the edge response of the luminance plane falls to one half (MTF50), cycles per pixel.
-pub(crate) fn edge_mtf50(picture: &Planes, luminance: usize, region: Rect) -> Result<f64, CameraError> {
+/// Spatial frequency at which the edge response of the luminance plane falls to one half (MTF50).
+pub(crate) struct EdgeMtf50 {
+    pub(crate) cy_per_px: f64,
+    pub(crate) reliability: Mtf50Reliability,
+}
+
+impl EdgeMtf50 {
+    pub(crate) fn cy_per_mm(&self, camera: &Camera) -> f64 {
+        self.cy_per_px / (camera.sensor.pixel.pitch_m * 1e3)
+    }
+}
+
+pub(crate) fn edge_mtf50(picture: &Planes, luminance: usize, region: Rect) -> Result<EdgeMtf50, CameraError> {
     let sfr = edge_sfr(picture, luminance, region, &EsfrOptions::default())?;
+    let found = sfr.mtf50_cy_per_px.zip(sfr.mtf50_reliability(NYQUIST_CY_PER_PX));
     let missing = MetricError::NoEdge("the response does not fall to one half");
-    Ok(sfr.mtf50_cy_per_px.ok_or(missing)?)
+    let (cy_per_px, reliability) = found.ok_or(missing)?;
+    Ok(EdgeMtf50 { cy_per_px, reliability })
 }

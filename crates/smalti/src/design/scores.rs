@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::camera::CameraError;
+use crate::camera::{CameraError, SensorColorimetry};
 
 /// A metric of a study, by its name in the [list of metrics](crate::metrics::CATALOG).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
@@ -24,7 +24,16 @@ pub enum Metric {
     /// `100 · std(Y) / mean(Y)`, mean over the grey series of the ColorChecker, percent.
     #[serde(rename = "luminance_noise_percent")]
     LuminanceNoise,
-    /// Aliased energy in the picture of a zone plate, percent of the energy of the zone plate.
+    /// Vora value: share of the space of the CIE 1931 colour matching functions that the spectral sensitivities span, 0 to 1.
+    #[serde(rename = "vora_value")]
+    VoraValue,
+    /// Sensitivity metamerism index of ISO 17321-1 under the illuminant, at most 100.
+    #[serde(rename = "sensitivity_metamerism_index")]
+    SensitivityMetamerismIndex,
+    /// Range of X, Y, Z of the reflectances that the sensor cannot tell from a mid grey, percent of the range of all objects.
+    #[serde(rename = "metamer_mismatch_percent")]
+    MetamerMismatch,
+    /// Aliased energy in the picture of a zone plate, percent of the energy of the picture.
     #[serde(rename = "aliasing_percent")]
     Aliasing,
     /// The chromatic part of the aliased energy, percent.
@@ -45,6 +54,8 @@ pub enum Metric {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum MetricTarget {
+    /// The spectral sensitivities of the sensor: nothing is rendered.
+    Sensitivities,
     /// The ColorChecker without noise.
     ColorPatches,
     /// The grey series of the ColorChecker with all noise.
@@ -62,6 +73,10 @@ impl Metric {
     pub const USUAL: [Self; 5] =
         [Self::DeltaE76, Self::DeltaE2000, Self::Mtf50CyPerMm, Self::Mtf50CyPerPx, Self::LuminanceNoise];
 
+    /// The metrics of the spectral sensitivities.
+    pub const OF_SENSITIVITIES: [Self; 3] =
+        [Self::VoraValue, Self::SensitivityMetamerismIndex, Self::MetamerMismatch];
+
     /// The metrics that are measured on scenes.
     pub const OF_SCENES: [Self; 3] = [Self::Cpsnr, Self::PixelDeltaE2000, Self::Scielab];
 
@@ -69,6 +84,9 @@ impl Metric {
     #[must_use]
     pub fn target(self) -> MetricTarget {
         match self {
+            Self::VoraValue | Self::SensitivityMetamerismIndex | Self::MetamerMismatch => {
+                MetricTarget::Sensitivities
+            }
             Self::DeltaE76 | Self::DeltaE2000 => MetricTarget::ColorPatches,
             Self::LuminanceNoise => MetricTarget::GreyPatches,
             Self::Mtf50CyPerMm | Self::Mtf50CyPerPx => MetricTarget::Edge,
@@ -86,6 +104,9 @@ impl Metric {
             Self::Mtf50CyPerMm => "mtf50_cy_per_mm",
             Self::Mtf50CyPerPx => "mtf50_cy_per_px",
             Self::LuminanceNoise => "luminance_noise_percent",
+            Self::VoraValue => "vora_value",
+            Self::SensitivityMetamerismIndex => "sensitivity_metamerism_index",
+            Self::MetamerMismatch => "metamer_mismatch_percent",
             Self::Aliasing => "aliasing_percent",
             Self::ColorAliasing => "color_aliasing_percent",
             Self::Cpsnr => "cpsnr_db",
@@ -142,6 +163,8 @@ pub type MetricResult<T> = Option<Result<T, CameraError>>;
 /// The scores of a trial. A failure on one target, such as an edge without contrast, does not affect the others.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Scores {
+    /// The spectral sensitivities.
+    pub sensor: MetricResult<SensorColorimetry>,
     /// The colour patches of the ColorChecker.
     pub colors: MetricResult<ColorScores>,
     /// [`Metric::LuminanceNoise`].
@@ -166,6 +189,9 @@ impl Scores {
         }
         let scene = || self.scenes.get(scene)?.as_ref().ok();
         Some(match metric {
+            Metric::VoraValue => of(&self.sensor)?.vora_value,
+            Metric::SensitivityMetamerismIndex => of(&self.sensor)?.sensitivity_metamerism_index,
+            Metric::MetamerMismatch => of(&self.sensor)?.metamer_mismatch_percent,
             Metric::DeltaE76 => of(&self.colors)?.delta_e_76,
             Metric::DeltaE2000 => of(&self.colors)?.delta_e_2000,
             Metric::Mtf50CyPerMm => of(&self.edge)?.mtf50_cy_per_mm,
@@ -185,6 +211,7 @@ impl Scores {
             found.as_ref()?.as_ref().err()
         }
         let targets = [
+            ("sensitivities", of(&self.sensor)),
             ("colours", of(&self.colors)),
             ("noise", of(&self.luminance_noise_percent)),
             ("edge", of(&self.edge)),
@@ -202,8 +229,8 @@ mod tests {
 
     #[test]
     fn metrics_have_the_names_of_the_list() {
-        let scenes = Metric::OF_SCENES.into_iter();
-        for metric in Metric::USUAL.into_iter().chain([Metric::Aliasing, Metric::ColorAliasing]).chain(scenes)
+        let others = Metric::OF_SCENES.into_iter().chain(Metric::OF_SENSITIVITIES);
+        for metric in Metric::USUAL.into_iter().chain([Metric::Aliasing, Metric::ColorAliasing]).chain(others)
         {
             assert!(CATALOG.iter().any(|m| m.name == metric.name()), "{}", metric.name());
             assert_eq!(serde_json::to_value(metric).unwrap(), metric.name());

@@ -14,7 +14,7 @@ use super::scenes::{SceneTarget, StudyScene};
 use super::scores::{AliasingScores, ColorScores, EdgeScores, Metric, MetricResult, MetricTarget, Scores};
 use crate::camera::evaluate::zone_plate_aliasing;
 use crate::camera::target::{EDGE_REGION, Target, edge_mtf50};
-use crate::camera::{Camera, CameraError, EvaluationSettings, OpticalImages, chart};
+use crate::camera::{Camera, CameraError, ColorimetricObserver, EvaluationSettings, OpticalImages, chart};
 use crate::color::Image;
 use crate::isp::tile_filter::TileFilter;
 use crate::isp::{Classic, ColorFit, Demosaic, Isp, IspError, WhiteBalance};
@@ -35,6 +35,8 @@ pub struct Targets {
     measured: Vec<MetricTarget>,
     edge: Option<ImagedScene>,
     fit: ColorFit,
+    /// `None` when no metric is one of the spectral sensitivities alone.
+    observer: Option<ColorimetricObserver>,
     /// X, Y, Z of the reference patches.
     expected: Vec<[f64; 3]>,
     /// Maximum over the pixels of the chart at each wavelength, photons s⁻¹ nm⁻¹.
@@ -135,6 +137,9 @@ impl Targets {
             zone_plate: needs(MetricTarget::ZonePlate).then(zone_plate).transpose()?,
             scenes: scenes.iter().map(scene_target).collect::<Result<_, _>>()?,
             fit: camera.color_fit(&light)?,
+            observer: needs(MetricTarget::Sensitivities)
+                .then(|| ColorimetricObserver::new(&light))
+                .transpose()?,
             expected: chart::expected(&light)?,
             measured,
             setting,
@@ -161,7 +166,7 @@ impl Targets {
             None => None,
         };
         match linear {
-            Some(charts) => Ok(self.with_pictures(charts, cfa, &isp, exposure.time_s)),
+            Some(charts) => Ok(self.with_pictures(charts, &camera, &isp, exposure.time_s)),
             None => self.score_with(cfa, &isp, isp.demosaic.reach(cfa.mosaic())?),
         }
     }
@@ -191,7 +196,7 @@ impl Targets {
             self.edge(&edge, isp.render(&edge.raw)?.planes(), chart::LUMINANCE)
         };
         let charts = self.charts(&colors, &noise, &edge);
-        Ok(self.with_pictures(charts, cfa, isp, exposure.time_s))
+        Ok(self.with_pictures(charts, &camera, isp, exposure.time_s))
     }
 
     /// Measures the chart and the edge where the metrics need them.
@@ -208,9 +213,11 @@ impl Targets {
         }
     }
 
-    /// Adds the scores on the zone plate and the scenes, which need whole pictures.
-    fn with_pictures(&self, charts: Charts, cfa: &Cfa, isp: &dyn Isp, macbeth_time_s: f64) -> Scores {
+    /// Adds the scores of the sensor, and those on the zone plate and the scenes, which need whole pictures.
+    fn with_pictures(&self, charts: Charts, camera: &Camera, isp: &dyn Isp, macbeth_time_s: f64) -> Scores {
+        let cfa = &camera.sensor.cfa;
         Scores {
+            sensor: self.observer.as_ref().map(|observer| observer.colorimetry(camera)),
             colors: charts.colors,
             luminance_noise_percent: charts.noise,
             edge: charts.edge,
@@ -344,8 +351,11 @@ impl Targets {
         picture: &Planes,
         luminance: usize,
     ) -> Result<EdgeScores, CameraError> {
-        let mtf50_cy_per_px = edge_mtf50(picture, luminance, edge.region)?;
-        let mtf50_cy_per_mm = mtf50_cy_per_px / (self.chart.camera.sensor.pixel.pitch_m * 1e3);
-        Ok(EdgeScores { mtf50_cy_per_mm, mtf50_cy_per_px, time_s: edge.time_s })
+        let mtf50 = edge_mtf50(picture, luminance, edge.region)?;
+        Ok(EdgeScores {
+            mtf50_cy_per_mm: mtf50.cy_per_mm(&self.chart.camera),
+            mtf50_cy_per_px: mtf50.cy_per_px,
+            time_s: edge.time_s,
+        })
     }
 }

@@ -7,7 +7,7 @@ use crate::spectrum::{Observer, Spectrum, SpectrumError};
 /// Relative response to white below which a channel is excluded. At saturation of the brightest channel, about ten thousand
 /// electrons, it would hold ten electrons, mostly noise, which least squares would amplify a thousandfold. An example is an
 /// infrared pixel behind an infrared-cut filter.
-const BLIND: f64 = 1e-3;
+pub(crate) const BLIND: f64 = 1e-3;
 
 /// A constraint on the fit of a colour matrix.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

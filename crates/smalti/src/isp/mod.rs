@@ -14,6 +14,7 @@ mod white_balance;
 
 pub use camera_from_xyz::camera_from_xyz;
 pub use classic::Classic;
+pub(crate) use color_matrix::BLIND;
 pub use color_matrix::{ColorConstraint, ColorFit, ColorMatrix};
 pub use demosaic::Demosaic;
 pub use error::IspError;

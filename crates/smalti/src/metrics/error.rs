@@ -6,6 +6,7 @@ use super::Rect;
 use crate::color::ImageError;
 use crate::color::scielab::ScielabError;
 use crate::numeric::ShapeError;
+use crate::spectrum::SpectrumError;
 
 /// The reason why a metric cannot be computed.
 #[derive(Debug, Clone, PartialEq, Error)]
@@ -127,6 +128,9 @@ pub enum MetricError {
     /// The number of values of a map does not match its size.
     #[error(transparent)]
     Shape(#[from] ShapeError),
+    /// Spectral curves do not fit each other.
+    #[error(transparent)]
+    Spectrum(#[from] SpectrumError),
     /// S-CIELAB cannot be computed.
     #[error(transparent)]
     Scielab(#[from] ScielabError),

@@ -1,5 +1,6 @@
 //! Arithmetic without optics: image planes and rectangles, random numbers, Fourier transforms, least squares.
 
+pub(crate) mod bloomfield_steiger1980;
 pub mod bootstrap;
 pub(crate) mod dense;
 pub mod elementary;
@@ -7,6 +8,7 @@ pub mod fft;
 pub mod least_squares;
 pub(crate) mod mirror;
 pub mod normal;
+pub(crate) mod orthonormal;
 mod out_of_range;
 pub mod philox;
 mod planes;

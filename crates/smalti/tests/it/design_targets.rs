@@ -38,7 +38,8 @@ const ALIASING: [Metric; 2] = [Metric::Aliasing, Metric::ColorAliasing];
 
 /// Targets for metrics of all kinds.
 fn all_targets(camera: &Camera) -> Targets {
-    let metrics: Vec<Metric> = [&Metric::USUAL[..], &ALIASING, &Metric::OF_SCENES].concat();
+    let metrics: Vec<Metric> =
+        [&Metric::USUAL[..], &ALIASING, &Metric::OF_SCENES, &Metric::OF_SENSITIVITIES].concat();
     let scenes = [StudyScene { name: SCENE.into(), hash: None, scene: None }];
     Targets::new(camera, &EvaluationSettings::default(), &metrics, &scenes, &|_, make| make()).unwrap()
 }
@@ -68,8 +69,13 @@ fn check(camera: &Camera, cfa: &Cfa, scores: &Scores) {
         (Metric::LuminanceNoise, e.luminance_noise_percent.mean),
         (Metric::Aliasing, e.aliasing_percent),
         (Metric::ColorAliasing, e.color_aliasing_percent),
+        (Metric::VoraValue, e.sensor.vora_value),
+        (Metric::SensitivityMetamerismIndex, e.sensor.sensitivity_metamerism_index),
+        (Metric::MetamerMismatch, e.sensor.metamer_mismatch_percent),
     ] {
-        if ALIASING.contains(&metric) && scores.zone_plate.is_none() {
+        if ALIASING.contains(&metric) && scores.zone_plate.is_none()
+            || Metric::OF_SENSITIVITIES.contains(&metric) && scores.sensor.is_none()
+        {
             continue;
         }
         let got = scores.value(metric, 0).unwrap();

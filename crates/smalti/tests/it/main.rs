@@ -34,6 +34,7 @@ mod l3_fallback;
 mod l3_registration;
 mod l3_training;
 mod metrics_aliasing;
+mod metrics_colorimetry;
 mod metrics_esfr;
 mod metrics_photon_transfer;
 mod optics;

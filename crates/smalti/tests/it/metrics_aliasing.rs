@@ -50,12 +50,14 @@ fn a_linear_transfer_is_no_aliasing() {
     // Each plane its own blur, and a shift of 0.3 pixels along the radius.
     let blurred = zone_plate(0.45, |f, p| ((-2.0 * (PI * (0.6 + 0.2 * p as f64) * f).powi(2)).exp(), 0.0));
     let blurred = score(&blurred, &r);
-    let shifted = score(&zone_plate(0.45, |f, _| (0.8, 2.0 * PI * 0.3 * f)), &r);
+    let gain = 0.8;
+    let shifted = score(&zone_plate(0.45, |f, _| (gain, 2.0 * PI * 0.3 * f)), &r);
     eprintln!("blurred {} %, shifted {} %", blurred.total_percent, shifted.total_percent);
-    assert!(blurred.total_percent < 0.1 && shifted.total_percent < 0.1);
+    // A tenth of a percent of the energy of the reference, of which the picture has the square of its gain.
+    assert!(blurred.total_percent < 0.1 && shifted.total_percent < 0.1 / (gain * gain));
 }
 
-/// A pattern that the reference does not have counts with its energy, in the part it belongs to.
+/// A pattern that the reference does not have counts with its share of the energy, in the part it belongs to.
 #[test]
 fn an_added_pattern_counts_with_its_energy() {
     let r = reference();
@@ -66,7 +68,8 @@ fn an_added_pattern_counts_with_its_energy() {
     };
     let mut s = Stream::new(9, 0, 0);
     let noise: Vec<f32> = (0..SIZE * SIZE).map(|_| 0.1 * (s.uniform() as f32 - 0.5)).collect();
-    let expected = 100.0 * 0.01 / 12.0 / variance(&r);
+    let energy = 0.01 / 12.0;
+    let expected = 100.0 * energy / (energy + variance(&r));
     let grey = score(&changed(&r, |_, y, x, v| v + noise[y * SIZE + x]), &r);
     assert!((grey.luminance_percent / expected - 1.0).abs() < 0.03, "{} {expected}", grey.luminance_percent);
     assert!(grey.color_percent < 1e-6 * expected);
@@ -75,8 +78,27 @@ fn an_added_pattern_counts_with_its_energy() {
     let colored = score(&changed(&r, |p, y, x, v| v + sign[p] * noise[y * SIZE + x]), &r);
     let weight = WEIGHTS[0] + WEIGHTS[2] * (WEIGHTS[0] / WEIGHTS[2]).powi(2);
     assert!(colored.luminance_percent < 1e-6 * expected);
-    assert!((colored.color_percent / (weight * expected) - 1.0).abs() < 0.03);
+    let expected = 100.0 * weight * energy / (weight * energy + variance(&r));
+    assert!((colored.color_percent / expected - 1.0).abs() < 0.03, "{} {expected}", colored.color_percent);
     assert_eq!(colored.total_percent, colored.luminance_percent + colored.color_percent);
+}
+
+/// False colour of many times the contrast of the reference is nearly all of the picture, and never more than all of it.
+#[test]
+fn aliasing_is_a_share() {
+    let r = reference();
+    let mut s = Stream::new(4, 0, 0);
+    let noise: Vec<f32> = (0..SIZE * SIZE).map(|_| s.uniform() as f32 - 0.5).collect();
+    let mut last = 0.0;
+    for gain in [0.1, 1.0, 10.0, 1000.0] {
+        let wild = changed(&r, |p, y, x, v| v + gain * (p as f32 - 1.0) * noise[y * SIZE + x]);
+        let total = score(&wild, &r).total_percent;
+        assert!(total > last && total <= 100.0, "{gain}: {total} after {last}");
+        last = total;
+    }
+    assert!(last > 99.9, "{last}");
+    // A picture without structure has none that is false.
+    assert_eq!(score(&changed(&r, |_, _, _, _| 0.25), &r).total_percent, 0.0);
 }
 
 /// Bilinear demosaicking of a Bayer mosaic of a neutral picture, written out plainly.

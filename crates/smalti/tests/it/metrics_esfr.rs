@@ -8,8 +8,8 @@ use std::f64::consts::PI;
 use common::normal;
 use proptest::prelude::*;
 use smalti::metrics::esfr::{
-    EdgeOrientation, EdgeSfr, EsfrOptions, ISETCAM_LUMINANCE_WEIGHTS, edge_sfr, find_edge_region,
-    picture_sfr, raw_channel_sfr,
+    EdgeOrientation, EdgeSfr, EsfrOptions, ISETCAM_LUMINANCE_WEIGHTS, Mtf50Reliability, NYQUIST_CY_PER_PX,
+    edge_sfr, find_edge_region, picture_sfr, raw_channel_sfr,
 };
 use smalti::metrics::{MetricError, Rect};
 use smalti::numeric::{Planes, philox::Stream};
@@ -257,4 +257,58 @@ proptest! {
         }
         let _ = find_edge_region(&p, 0);
     }
+}
+
+fn reliability(sfr: &EdgeSfr) -> Option<Mtf50Reliability> {
+    sfr.mtf50_reliability(NYQUIST_CY_PER_PX)
+}
+
+/// The MTF50 of a Gaussian is √(ln 2 / 2) / (π σ) = 0.187 / σ.
+#[test]
+fn an_mtf50_beyond_the_sampling_limit_is_no_resolution() {
+    let soft = measured(&edge(100, 100, 5.0, 0.6));
+    assert_eq!(reliability(&soft), Some(Mtf50Reliability::Reliable));
+    let sharp = measured(&edge(100, 100, 5.0, 0.3));
+    assert!(sharp.mtf50_cy_per_px.unwrap() > 0.5);
+    assert_eq!(reliability(&sharp), Some(Mtf50Reliability::BeyondNyquist));
+    // A channel on every second pixel has half the limit.
+    assert_eq!(soft.mtf50_reliability(0.25), Some(Mtf50Reliability::BeyondNyquist));
+}
+
+/// A sharp edge on a wide slope: the response falls to the share of the sharp part and stays there.
+#[test]
+fn an_mtf50_on_a_plateau_is_marked() {
+    let (rows, cols) = (120, 160);
+    let both = |share: f32| {
+        let (sharp, wide) = (edge(rows, cols, 5.0, 0.45), edge(rows, cols, 5.0, 6.0));
+        let pixels = sharp.data().iter().zip(wide.data()).map(|(s, w)| share * s + (1.0 - share) * w);
+        measured(&Planes::new(rows, cols, 1, pixels.collect()).unwrap())
+    };
+    let plateau = both(0.53);
+    assert!(plateau.mtf50_cy_per_px.is_some_and(|f| f < 0.5), "{:?}", plateau.mtf50_cy_per_px);
+    assert_eq!(reliability(&plateau), Some(Mtf50Reliability::Plateau));
+    assert_eq!(reliability(&both(0.1)), Some(Mtf50Reliability::Reliable));
+    assert_eq!(reliability(&both(0.95)), Some(Mtf50Reliability::Reliable));
+    let mut never = both(0.95);
+    never.mtf50_cy_per_px = None;
+    assert_eq!(reliability(&never), None);
+}
+
+/// A response that rises above one half again has several frequencies of one half.
+#[test]
+fn a_response_that_rises_again_is_marked() {
+    let frequency_cy_per_px: Vec<f64> = (0..=100).map(|k| f64::from(k) / 100.0).collect();
+    let of = |response: &dyn Fn(f64) -> f64| EdgeSfr {
+        sfr: frequency_cy_per_px.iter().map(|f| response(*f)).collect(),
+        frequency_cy_per_px: frequency_cy_per_px.clone(),
+        mtf50_cy_per_px: Some(0.2),
+        ..measured(&edge(60, 60, 5.0, 0.6))
+    };
+    let falls = |f: f64| (1.0 - 2.5 * f).max(0.0);
+    assert_eq!(reliability(&of(&falls)), Some(Mtf50Reliability::Reliable));
+    let rises = |f: f64| if (0.3..0.4).contains(&f) { 0.6 } else { falls(f) };
+    assert_eq!(reliability(&of(&rises)), Some(Mtf50Reliability::Plateau));
+    // Beyond the limit, a rise is the transform's.
+    let rises_later = |f: f64| if f > 0.6 { 0.6 } else { falls(f) };
+    assert_eq!(reliability(&of(&rises_later)), Some(Mtf50Reliability::Reliable));
 }

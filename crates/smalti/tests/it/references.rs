@@ -34,7 +34,7 @@ fn keys(text: &str) -> Vec<String> {
 }
 
 fn is_key(key: &str) -> bool {
-    const WITHOUT_YEAR: [&str; 13] = [
+    const WITHOUT_YEAR: [&str; 14] = [
         "aptina",
         "isetcam",
         "cie15",
@@ -43,6 +43,7 @@ fn is_key(key: &str) -> bool {
         "iec61966",
         "iso12233",
         "iso15739",
+        "iso17321",
         "emva1288",
         "ansiz8028",
         "cfaresolution",

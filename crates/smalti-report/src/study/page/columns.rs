@@ -70,6 +70,8 @@ fn label(name: &str) -> String {
         "luminance_noise_percent" => "Luminance noise".into(),
         "aliasing_percent" => "Aliasing".into(),
         "color_aliasing_percent" => "Colour aliasing".into(),
+        "sensitivity_metamerism_index" => "Sensitivity metamerism index".into(),
+        "metamer_mismatch_percent" => "Metamer mismatch".into(),
         "macbeth_time_s" => "Exposure of the chart".into(),
         "edge_time_s" => "Exposure of the edge".into(),
         "tile" => "Mosaic".into(),
