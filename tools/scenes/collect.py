@@ -33,7 +33,7 @@ Plastic Vinyl GDS372 White|Plastic Vinyl GDS398 Red Toy|Plywood GDS365 Fresh Pin
 Polyester Pile GDS435 DkGrn|Prussian blue GDS802|Roofing Felt GDS377 Black|Rusted Tin Can GDS378 MV99-6
 Terra Pozzuoli GDS806|Terrycloth Fabric GDS537 Yel|Titanium dioxide GDS798 TiO2|Ultramarine GDS791 sy vdark
 Venetian red GDS783|Vermillion GDS779|Viridian GDS800|Wood Beam GDS363 Nw Pine 2X4|Yellow ochre GDS794 Germany"""
-VEGETATION = ["Grass_dry.8+.2green", "Grass_dry.9+.1green", "Sagebrush", "Willow", "P.australis"]
+VEGETATION = ["Grass_dry.8+.2green", "Grass_dry.9+.1green", "Sagebrush", "Willow"]
 # USGS splib07a record 21373, Lawn_Grass GDS91 green (Beckman), 400 to 700 nm.
 LAWN = [
     0.025,
