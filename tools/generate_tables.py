@@ -5,14 +5,17 @@
     python3 tools/generate_tables.py && cargo fmt
 
 Each table names its primary source. The numbers were read from the package (BSD-3-Clause), except for the
-natural reflectances, which are in tools/data with their source and licence.
+natural reflectances, which are in tools/data with their source and licence, and those of surfaces, which are in
+tools/scenes/data.
 """
+import csv
 import pathlib
 import warnings
 
 warnings.simplefilter("ignore")
 import colour  # noqa: E402
 
+SCENES = pathlib.Path(__file__).resolve().parent / "scenes/data"
 DATA = pathlib.Path(__file__).resolve().parent / "data"
 OUT = pathlib.Path(__file__).resolve().parent.parent / "crates/smalti/src/spectrum/generated"
 
@@ -74,6 +77,15 @@ def main():
         "/// Names of the patches, in the order of the columns.\npub static COLORCHECKER_NAMES: [&str; 24] = [\n"
         + "".join(f'    "{n}",\n' for n in names) + "];\n\n",
         table("COLORCHECKER", "Average of 30 charts (D. Pascale, BabelColor, 2012).", sh.start, sh.interval, rows),
+    ])
+    with (SCENES / "reflectances.csv").open() as file:
+        head, *surfaces = csv.reader(line for line in file if not line.startswith("#"))
+    rows = list(zip(*[[float(v) for v in s[2:]] for s in surfaces]))
+    n = len(surfaces)
+    write("surfaces.rs", "Reflectances of materials, coatings, textiles, plants and skin.", [
+        f"/// What they are, in the order of the columns.\npub static SURFACE_NAMES: [&str; {n}] = [\n"
+        + "".join(f'    "{s[0]}",\n' for s in surfaces) + "];\n\n",
+        table("SURFACES", "Means over bands of 10 nm. The sources are in tools/scenes/README.md.", float(head[2]), 10, rows),
     ])
     lines = (DATA / "natural_reflectances.csv").read_text().splitlines()
     objects = [line.split(",") for line in lines if not line.startswith("#")]

@@ -1,4 +1,4 @@
-"""python -m scenes render NAME … | store NAME | sheet | check | collect …"""
+"""python -m scenes render NAME … | store NAME | sheet | photos SMALTI | check | collect …"""
 
 import argparse
 import importlib
@@ -117,6 +117,8 @@ def main() -> None:
         c.add_argument(f"--{key}", type=pathlib.Path, required=True)
     sub.add_parser("check")
     sub.add_parser("sheet")
+    d = sub.add_parser("photos")
+    d.add_argument("smalti", help="the command")
     args = p.parse_args()
     if args.verb == "render":
         render_scene(args.name, args.scale, args.spp, args.out, args.seed, not args.raw)
@@ -130,6 +132,10 @@ def main() -> None:
         from . import sheet
 
         sheet.write(NAMES, STORE)
+    elif args.verb == "photos":
+        from . import photos
+
+        photos.main(args.smalti)
     elif args.verb == "collect":
         from . import collect
 

@@ -33,7 +33,7 @@ Plastic Vinyl GDS372 White|Plastic Vinyl GDS398 Red Toy|Plywood GDS365 Fresh Pin
 Polyester Pile GDS435 DkGrn|Prussian blue GDS802|Roofing Felt GDS377 Black|Rusted Tin Can GDS378 MV99-6
 Terra Pozzuoli GDS806|Terrycloth Fabric GDS537 Yel|Titanium dioxide GDS798 TiO2|Ultramarine GDS791 sy vdark
 Venetian red GDS783|Vermillion GDS779|Viridian GDS800|Wood Beam GDS363 Nw Pine 2X4|Yellow ochre GDS794 Germany"""
-VEGETATION = ["Grass_dry.8+.2green", "Grass_dry.9+.1green", "Sagebrush", "Willow", "P.australis"]
+VEGETATION = ["Grass_dry.8+.2green", "Grass_dry.9+.1green", "Sagebrush", "Willow"]
 # USGS splib07a record 21373, Lawn_Grass GDS91 green (Beckman), 400 to 700 nm.
 LAWN = [
     0.025,
@@ -101,7 +101,7 @@ def band_means(wavelength_nm: np.ndarray, values: np.ndarray) -> np.ndarray:
 # Lines 2p → 1s of Ne I: wavelength (nm), statistical weight and energy (eV) of the upper level, transition probability (10⁶ s⁻¹).
 NEON = [
     (540.056, 1, 18.966, 0.90),
-    (585.249, 1, 18.966, 68.2),
+    (585.249, 1, 18.966, 61.5),
     (588.190, 3, 18.726, 11.5),
     (594.483, 5, 18.704, 11.3),
     (597.553, 3, 18.693, 3.51),
@@ -115,7 +115,7 @@ NEON = [
     (630.479, 5, 18.637, 4.16),
     (633.443, 5, 18.576, 16.1),
     (638.299, 3, 18.613, 32.1),
-    (640.225, 7, 18.555, 51.4),
+    (640.225, 7, 18.555, 51.5),
     (650.653, 5, 18.576, 30.0),
     (653.288, 3, 18.613, 10.8),
     (659.895, 3, 18.726, 23.2),
@@ -123,7 +123,7 @@ NEON = [
     (671.704, 3, 18.693, 21.7),
     (692.947, 5, 18.637, 17.4),
     (702.405, 3, 18.613, 1.89),
-    (703.241, 3, 18.382, 25.3),
+    (703.241, 3, 18.382, 26.6),
 ]
 
 

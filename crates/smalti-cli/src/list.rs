@@ -7,7 +7,7 @@ use smalti::metrics;
 use smalti::scene::catalog;
 use smalti::sensor::cfa;
 use smalti::spectrum::Illuminant;
-use smalti_io::rendered::{self, RenderedScene};
+use smalti_io::rendered::{self, StoredScene};
 use smalti_io::{BuiltinFile, cameras, studies};
 use smalti_report::comparison::columns::where_shown;
 
@@ -150,7 +150,7 @@ fn scenes() -> Vec<Entry> {
             }),
         }
     };
-    let rendered = |s: &RenderedScene| Entry {
+    let rendered = |s: &StoredScene| Entry {
         name: s.name.into(),
         summary: s.summary.into(),
         details: Vec::new(),

@@ -54,6 +54,7 @@ pub(crate) fn read_options(options: &SceneOptions) -> anyhow::Result<ReadOptions
         quantity: options.quantity,
         variable: options.variable.clone(),
         crop: options.crop,
+        upsampling: options.upsampling,
         ..ReadOptions::default()
     })
 }

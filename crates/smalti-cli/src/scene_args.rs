@@ -2,7 +2,7 @@
 
 use clap::Args;
 use smalti_io::Quantity;
-use smalti_io::scene_file::Crop;
+use smalti_io::scene_file::{Crop, Upsampling};
 
 use crate::args::{Choice, choice};
 use crate::numbers::number;
@@ -37,6 +37,9 @@ pub(crate) struct SceneOptions {
     /// Replace negative values of a spectral file and its no-data values by 0
     #[arg(long)]
     pub(crate) clamp_negative: bool,
+    /// Spectra of a picture [default: smooth]
+    #[arg(long, value_parser = choice(&UPSAMPLINGS))]
+    pub(crate) upsampling: Option<Upsampling>,
 }
 
 impl SceneOptions {
@@ -52,11 +55,25 @@ impl SceneOptions {
             (self.variable.is_some(), "--variable"),
             (self.crop.is_some(), "--crop"),
             (self.clamp_negative, "--clamp-negative"),
+            (self.upsampling.is_some(), "--upsampling"),
         ]
         .into_iter()
         .find_map(|(given, name)| given.then_some(name))
     }
 }
+
+const UPSAMPLINGS: [Choice<Upsampling>; 2] = [
+    (
+        "smooth",
+        "Smooth reflectances of three coefficients, by the colour of the pixel alone",
+        Upsampling::Smooth,
+    ),
+    (
+        "measured",
+        "Mixtures of measured reflectances that are near in colour within a segment",
+        Upsampling::Measured,
+    ),
+];
 
 const QUANTITIES: [Choice<Quantity>; 4] = [
     ("photons", "Radiance, photons s⁻¹ m⁻² sr⁻¹ nm⁻¹", Quantity::Photons),

@@ -23,7 +23,7 @@
 //! | [`lights`] | a name, or CSV | [`smalti::spectrum::Illuminant`] |
 //! | [`scene_file`] | whatever holds a scene | [`smalti::scene::Scene`] |
 //! | [`scenes`] | a name, or a scene file | [`smalti::scene::Scene`] |
-//! | [`rendered`] | the built-in path-traced scenes | [`smalti::scene::Scene`] |
+//! | [`rendered`] | the built-in path-traced scenes and photographs | [`smalti::scene::Scene`] |
 //! | [`text`] | UTF-8 | `String` |
 //! | [`memory`] | `/proc/meminfo` | bytes |
 //!

@@ -62,14 +62,14 @@ impl SceneRequest {
     }
 }
 
-/// Names and summaries of the built-in scenes, the rendered ones last.
+/// Names and summaries of the built-in scenes, those that come from files last.
 pub fn names() -> impl Iterator<Item = (&'static str, &'static str)> {
     let rendered = rendered::names().iter().map(|s| (s.name, s.summary));
     catalog::names().iter().map(|s| (s.name, s.summary)).chain(rendered)
 }
 
-/// A built-in scene by its name and parameters (`zone-plate?frequency=0.4`), painted with natural reflectances, a [rendered] scene in
-/// its own light, or a file of any format that [`scene_file`] reads.
+/// A built-in scene by its name and parameters (`zone-plate?frequency=0.4`), painted with natural reflectances, one that comes
+/// from a built-in file ([rendered]), or a file of any format that [`scene_file`] reads.
 ///
 /// # Errors
 /// When there is no such scene, a parameter is out of range, the file holds no scene, or it cannot be as asked.
@@ -120,6 +120,7 @@ mod tests {
     #[test]
     fn a_name_and_a_file_are_as_asked() {
         check(&load("macbeth?patch=4", &asked()).unwrap());
+        check(&load("photo-dahlia", &asked()).unwrap());
         let dir = tempfile::tempdir().unwrap();
         let path = dir.path().join("a.exr");
         let grid = WavelengthGrid::VISIBLE;

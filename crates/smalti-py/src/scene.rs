@@ -8,7 +8,9 @@ use smalti::color::{ColorSpace, Image};
 use smalti::optics::OpticalImage;
 use smalti::scene::{Scene, Setting};
 use smalti::spectrum::{Observer, SpectralCube, WavelengthGrid};
-use smalti_io::scene_file::{self, Crop, Format, Quantity, ReadOptions, SpectralFile, Whole, WriteOptions};
+use smalti_io::scene_file::{
+    self, Crop, Format, Quantity, ReadOptions, SpectralFile, Upsampling, Whole, WriteOptions,
+};
 use smalti_io::{SceneRequest, exr, matlab, spectral_tiff};
 
 use crate::arrays;
@@ -25,6 +27,9 @@ const QUANTITIES: [(&str, Quantity); 4] = [
     ("reflectance", Quantity::Reflectance),
 ];
 
+const UPSAMPLINGS: [(&str, Upsampling); 2] =
+    [("smooth", Upsampling::Smooth), ("measured", Upsampling::Measured)];
+
 /// A flat scene of spectral radiance in front of the camera.
 ///
 /// Args:
@@ -40,6 +45,8 @@ const QUANTITIES: [(&str, Quantity); 4] = [
 ///     variable: variable, array or dataset of a file that holds the spectral cube.
 ///     crop: part of a file to read: (row, column, rows, columns).
 ///     clamp_negative: replace negative samples of a file by zero; otherwise they are an error.
+///     upsampling: spectra of a picture: "smooth" (reflectances of three coefficients, by the colour of the pixel alone; the default) or
+///         "measured" (mixtures of measured reflectances that are near in colour within a segment).
 ///
 /// Raises:
 ///     OSError: when a file cannot be read.
@@ -60,7 +67,7 @@ pub(crate) struct PyScene {
 impl PyScene {
     #[new]
     #[pyo3(signature = (source, *, luminance_cd_m2=None, illuminant=None, distance_m=None, fov_deg=None, wavelengths_nm=None,
-        quantity=None, variable=None, crop=None, clamp_negative=false))]
+        quantity=None, variable=None, crop=None, clamp_negative=false, upsampling=None))]
     #[expect(clippy::too_many_arguments, reason = "keywords in Python")]
     fn new(
         py: Python<'_>,
@@ -74,13 +81,19 @@ impl PyScene {
         variable: Option<String>,
         crop: Option<(usize, usize, usize, usize)>,
         clamp_negative: bool,
+        upsampling: Option<&str>,
     ) -> PyResult<Self> {
         let name = source.to_string_lossy().into_owned();
         let grid = grid_of(wavelengths_nm)?;
         let fov_stated = fov_deg.is_some() || name.contains("fov=");
         let is_file = scene_file::is_meant(&name);
-        if !is_file && (quantity.is_some() || variable.is_some() || crop.is_some() || clamp_negative) {
-            let options = "quantity, variable, crop and clamp_negative";
+        let of_files = quantity.is_some()
+            || variable.is_some()
+            || crop.is_some()
+            || clamp_negative
+            || upsampling.is_some();
+        if !is_file && of_files {
+            let options = "quantity, variable, crop, clamp_negative and upsampling";
             return Err(wrong(format!("{name}: {options} apply to files, and this is a built-in scene")));
         }
         let request = SceneRequest {
@@ -95,6 +108,7 @@ impl PyScene {
                 quantity: quantity.map(|q| one_of("quantity", q, &QUANTITIES)).transpose()?,
                 variable,
                 crop: crop.map(|(row, col, rows, cols)| Crop { row, col, rows, cols }),
+                upsampling: upsampling.map(|u| one_of("upsampling", u, &UPSAMPLINGS)).transpose()?,
                 ..ReadOptions::default()
             },
         };

@@ -4,6 +4,7 @@
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use smalti::color::difference::delta_e_map;
 use smalti::color::jakob_hanika2019::Uplift;
+use smalti::color::repaint::Repaint;
 use smalti::color::scielab::scielab;
 use smalti::color::{ColorSpace, DeltaE, Image};
 use smalti::numeric::Planes;
@@ -40,6 +41,10 @@ fn color(c: &mut Criterion) {
     });
     let uplift = Uplift::new(WavelengthGrid::VISIBLE, Observer::Cie1931).unwrap();
     g.bench_function("uplift_1mp_31_bands", |t| t.iter(|| uplift.uplift_image(&rgb).unwrap()));
+    g.throughput(Throughput::Elements(576 * 768));
+    let photograph = picture(576, 768, 0.0);
+    let repaint = Repaint::new(WavelengthGrid::VISIBLE, Observer::Cie1931).unwrap();
+    g.bench_function("repaint_576_768_31_bands", |t| t.iter(|| repaint.repaint_image(&photograph).unwrap()));
     let large = picture(4000, 6000, 0.0);
     g.throughput(Throughput::Elements(24_000_000));
     g.bench_function("srgb_encode_24mp", |t| t.iter(|| large.converted(ColorSpace::Srgb).unwrap()));

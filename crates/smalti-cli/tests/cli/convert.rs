@@ -85,6 +85,10 @@ fn what_cannot_be_written_leaves_nothing() {
         ("convert uniform?size=4 -o a.png --layout pages", "--layout pages and samples apply to .tif"),
         ("convert uniform?size=4 -o a.tif --compress", "--compress applies to .tif with --layout"),
         ("convert uniform?size=4 -o a.hdr --crop 0,0,1,1", "uniform?size=4: --crop applies to files"),
+        (
+            "convert uniform?size=4 -o a.hdr --upsampling measured",
+            "uniform?size=4: --upsampling applies to files",
+        ),
         ("convert no.hdr -o a.npz", "no.hdr: the file of samples is absent"),
     ] {
         let run = place.run(&words.split(' ').collect::<Vec<_>>());
@@ -101,6 +105,8 @@ fn formats_in_a_row_keep_the_scene_to_the_last_bit() {
     let place = Place::new();
     place.ok("convert macbeth?patch=4 -o direct.npy");
     place.ok("convert macbeth?patch=4 -o a.hdr");
+    let run = place.run(&["convert", "a.hdr", "-o", "a.npz", "--upsampling", "measured"]);
+    assert!(run.code == 1 && run.err.contains("a picture: this file holds spectra"), "{}", run.err);
     for words in [
         "a.hdr -o b.npz",
         "b.npz -o c.tif --layout pages",

@@ -60,8 +60,9 @@ fn every_scene_becomes_a_picture() {
     };
     for scene in &scenes {
         let name = scene["name"].as_str().unwrap();
-        // Rendered scenes have one size.
-        let form = if name.starts_with("natural-") { name } else { small(name) };
+        // Scenes from built-in files have one size.
+        let is_stored = smalti_io::rendered::find(name).is_some();
+        let form = if is_stored { name } else { small(name) };
         let out = place.ok(&format!("simulate bayer --scene {form} -o {name} {SMALL}"));
         assert!(out.contains("rendered.png"), "{out}");
         assert_eq!(place.names(name), ["metrics.json", "raw.dng", "rendered.png"], "{name}");
@@ -226,9 +227,16 @@ fn a_photograph_is_upsampled_and_photographed() {
     let place = Place::new();
     // The chart as a picture; its colours must survive picture → spectra → camera → picture.
     place.ok("convert macbeth?patch=8 -o chart.png");
-    place.ok("simulate bayer --scene chart.png -o o --noise none --set optics.falloff=none");
+    for upsampling in ["smooth", "measured"] {
+        let options = format!("--upsampling {upsampling} -o o --noise none --set optics.falloff=none");
+        place.ok(&format!("simulate bayer --scene chart.png {options}"));
+        assert_the_chart_comes_back(&place);
+    }
+}
+
+fn assert_the_chart_comes_back(place: &Place) {
     let (drawn, shown) =
-        (picture::read(&place.path("chart.png"), &ReadOptions::default()).unwrap(), picture_of(&place, "o"));
+        (picture::read(&place.path("chart.png"), &ReadOptions::default()).unwrap(), picture_of(place, "o"));
     // A file is not spread over more pixels than it has.
     assert_eq!((shown.image.rows(), shown.image.cols()), (drawn.image.rows(), drawn.image.cols()));
     let middle = |p: &picture::Picture, patch: usize| -> [f32; 3] {

@@ -8,14 +8,14 @@ mod into_scene;
 mod spectral;
 pub(crate) mod stated;
 pub(crate) mod tiles;
+mod upsampling;
 mod write;
 
 use std::path::Path;
 
-use smalti::color::jakob_hanika2019::Uplift;
 use smalti::color::{ColorSpace, Image};
 use smalti::scene::{Scene, Setting};
-use smalti::spectrum::{Illuminant, Observer};
+use smalti::spectrum::Illuminant;
 
 use crate::error::At;
 use crate::{IoError, bands, envi, exr, hdf5, matlab, npz, picture, spectral_tiff};
@@ -23,6 +23,7 @@ use crate::{IoError, bands, envi, exr, hdf5, matlab, npz, picture, spectral_tiff
 pub use crop::Crop;
 pub use spectral::{Quantity, ReadOptions, SpectralFile};
 pub use tiles::{Cropped, Header, Tiles, Whole, load};
+pub use upsampling::Upsampling;
 pub use write::{Photons, Restated, WriteOptions, write};
 
 /// A format of spectral images.
@@ -98,8 +99,21 @@ fn extension(path: &Path) -> Option<String> {
 /// looked at.
 ///
 /// # Errors
-/// When the header cannot be read or is not valid.
+/// When the header cannot be read or is not valid, or the options state how a picture is upsampled and the file holds spectra.
 pub fn open(path: &Path, options: &ReadOptions) -> Result<Option<Box<dyn Tiles>>, IoError> {
+    let tiles = spectral_tiles(path, options)?;
+    match options.upsampling {
+        Some(upsampling) if tiles.is_some() => Err(IoError::field(
+            path,
+            "upsampling",
+            upsampling.name().to_owned(),
+            "a picture: this file holds spectra",
+        )),
+        _ => Ok(tiles),
+    }
+}
+
+fn spectral_tiles(path: &Path, options: &ReadOptions) -> Result<Option<Box<dyn Tiles>>, IoError> {
     match Format::find(path) {
         Some(Format::Envi) => envi::open(path, options).map(Some),
         Some(Format::Numpy) => npz::open(path, options).map(Some),
@@ -152,7 +166,7 @@ fn upsampled(
         }
         None => image,
     };
-    let cube = Uplift::new(setting.grid, Observer::Cie1931).and_then(|u| u.uplift_image(&image)).at(path)?;
+    let cube = options.upsampling.unwrap_or_default().spectra(&image, setting.grid).at(path)?;
     Ok(SpectralFile {
         name,
         cube,

@@ -5,6 +5,7 @@ use std::str::FromStr;
 use smalti::spectrum::{SpectralCube, Spectrum, WavelengthGrid};
 
 use super::crop::Crop;
+use super::upsampling::Upsampling;
 use crate::Limits;
 use crate::file::Negative;
 
@@ -24,6 +25,8 @@ pub struct ReadOptions {
     pub variable: Option<String>,
     /// The part of the image that is wanted; formats that can read no more than it.
     pub crop: Option<Crop>,
+    /// How a picture becomes spectra; smooth if not stated.
+    pub upsampling: Option<Upsampling>,
 }
 
 impl ReadOptions {

@@ -77,6 +77,7 @@ class Scene:
         variable: str | None = None,
         crop: tuple[int, int, int, int] | None = None,
         clamp_negative: bool = False,
+        upsampling: Literal["smooth", "measured"] | None = None,
     ) -> Scene: ...
     @staticmethod
     def from_radiance(

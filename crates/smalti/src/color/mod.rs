@@ -12,7 +12,9 @@ pub mod display;
 mod image;
 pub mod jakob_hanika2019;
 pub mod matrix;
+pub mod repaint;
 pub mod scielab;
+mod sigmoid;
 mod viewing;
 
 pub use cie1976::{lab_from_xyz, upvp_from_xyz, uv_from_xyz, xyz_from_lab, xyz_from_xy};
@@ -24,6 +26,7 @@ pub use viewing::SRGB_WHITE;
 mod tests {
     use super::*;
     use crate::color::jakob_hanika2019::Uplift;
+    use crate::color::repaint::Repaint;
     use crate::numeric::Planes;
     use crate::spectrum::{Observer, WavelengthGrid};
 
@@ -39,7 +42,9 @@ mod tests {
                 let [x, y] = [&a, &b].map(|i| i.converted(ColorSpace::Xyz).unwrap());
                 let map = scielab::scielab(&x, &y, [0.95047, 1.0, 1.08883], 40.0, DeltaE::Ciede2000).unwrap();
                 let uplift = Uplift::new(WavelengthGrid::VISIBLE, Observer::Cie1931).unwrap();
-                (map, a.converted(ColorSpace::DisplayP3).unwrap(), uplift.uplift_image(&a).unwrap())
+                let repaint = Repaint::new(WavelengthGrid::VISIBLE, Observer::Cie1931).unwrap();
+                let spectra = (uplift.uplift_image(&a).unwrap(), repaint.repaint_image(&a).unwrap());
+                (map, a.converted(ColorSpace::DisplayP3).unwrap(), spectra)
             })
         };
         assert!(run(1) == run(3));

@@ -1,6 +1,8 @@
-//! Measured reflectances: a colour chart and natural objects.
+//! Measured reflectances: a colour chart, natural objects, and surfaces of all kinds.
 
-use super::generated::{COLORCHECKER, COLORCHECKER_NAMES, NATURAL, NATURAL_NAMES, Table};
+use super::generated::{
+    COLORCHECKER, COLORCHECKER_NAMES, NATURAL, NATURAL_NAMES, SURFACE_NAMES, SURFACES, Table,
+};
 use super::{Extrapolation, Spectrum, SpectrumError, WavelengthGrid};
 
 /// Reflectances (0 to 1) of the 24 patches of the ColorChecker with their names, row by row from dark skin,
@@ -23,6 +25,17 @@ pub fn colorchecker(grid: WavelengthGrid) -> Result<Vec<(&'static str, Spectrum)
 /// Never for a valid grid.
 pub fn natural(grid: WavelengthGrid) -> Result<Vec<(&'static str, Spectrum)>, SpectrumError> {
     named(&NATURAL, &NATURAL_NAMES, grid)
+}
+
+/// Reflectances (0 to 1) of surfaces with their names: minerals, building materials, pigments, fabrics and plants of the
+/// USGS Spectral Library (Kokaly et al. 2017), human skin (Cooksey, Allen and Tsai 2017, NIST), and the test colour
+/// samples of CIE 224:2017 (`TCS`). Means over bands of 10 nm from 400 to 700 nm, held constant beyond. The path-traced
+/// test scenes are made of them, and photographs are repainted with them. `tools/scenes/README.md` states the licences.
+///
+/// # Errors
+/// Never for a valid grid.
+pub fn surfaces(grid: WavelengthGrid) -> Result<Vec<(&'static str, Spectrum)>, SpectrumError> {
+    named(&SURFACES, &SURFACE_NAMES, grid)
 }
 
 fn named<const N: usize>(

@@ -40,6 +40,7 @@ mod metrics_photon_transfer;
 mod optics;
 mod photon_transfer;
 mod references;
+mod reflectance_sets;
 mod scene;
 mod scene_catalog;
 mod sensor;

@@ -1,10 +1,9 @@
 use super::*;
+use crate::color::cie1976::lab_from_xyz;
 use crate::color::difference::delta_e_2000;
 
 fn lab_of(uplift: &Uplift, reflectance: &[f64]) -> [f64; 3] {
-    let weight = |c: usize, i: usize| uplift.blocks[i / LANES].weights[c][i % LANES];
-    let xyz = [0, 1, 2].map(|c| reflectance.iter().enumerate().map(|(i, r)| weight(c, i) * r).sum());
-    lab_from_xyz(xyz, [1.0; 3])
+    lab_from_xyz(uplift.fit.xyz_of(reflectance), [1.0; 3])
 }
 
 /// All combinations of encoded values 0 to 255 in even steps, as linear light, plus very dark colours.
@@ -30,7 +29,7 @@ fn every_colour_of_srgb_comes_back() {
     let cube = uplift.uplift_image(&image).unwrap();
     let (mut worst_image, mut worst) = ((0.0, [0.0; 3]), (0.0, [0.0; 3]));
     for (i, &v) in rgb.iter().enumerate() {
-        let target = uplift.target(&v);
+        let target = uplift.fit.target(&v);
         let from_image = delta_e_2000(target, lab_of(&uplift, cube.pixel(0, i).unwrap().values()));
         let exact = uplift.reflectance(v).unwrap();
         let single = delta_e_2000(target, lab_of(&uplift, exact.values()));
@@ -57,7 +56,7 @@ fn other_grids_and_observers_come_back_too() {
         for rgb in colours(85) {
             let spectrum = uplift.reflectance(rgb).unwrap();
             assert!(spectrum.values().iter().all(|r| (0.0..=1.0).contains(r)));
-            let de = delta_e_2000(uplift.target(&rgb), lab_of(&uplift, spectrum.values()));
+            let de = delta_e_2000(uplift.fit.target(&rgb), lab_of(&uplift, spectrum.values()));
             assert!(de < 0.06, "{observer:?} {start}:{step}: {rgb:?} gives {de}");
         }
     }

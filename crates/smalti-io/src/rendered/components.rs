@@ -1,12 +1,11 @@
-//! Built-in scenes that a spectral path tracer rendered from measured reflectances and lamps. They are stored as principal
-//! components of the spectra; `tools/scenes/README.md` specifies the format and states the sources and errors.
+//! Spectral pictures that are stored as principal components of their spectra, with the light of the scene;
+//! `tools/scenes/README.md` specifies the format.
 
 use std::io::Read;
 use std::path::PathBuf;
 
 use flate2::read::ZlibDecoder;
 use smalti::numeric::Planes;
-use smalti::scene::{Scene, Setting};
 use smalti::spectrum::units::photons_per_joule;
 use smalti::spectrum::{SpectralCube, Spectrum, WavelengthGrid};
 
@@ -18,57 +17,6 @@ const VERSION: u32 = 1;
 /// The largest number of samples of all planes.
 const MAX_SAMPLES: usize = 1 << 27;
 const FORMAT: &str = "spectral picture";
-
-/// A rendered scene.
-#[derive(Debug, Clone, Copy)]
-pub struct RenderedScene {
-    /// Its name.
-    pub name: &'static str,
-    /// Its content and light, in one line.
-    pub summary: &'static str,
-    bytes: &'static [u8],
-}
-
-macro_rules! rendered {
-    ($($name:literal: $file:literal, $summary:literal;)*) => {
-        [$(RenderedScene {
-            name: $name,
-            summary: $summary,
-            bytes: include_bytes!(concat!("../scenes/", $file)),
-        }),*]
-    };
-}
-
-static SCENES: [RenderedScene; 6] = rendered! {
-    "natural-portrait": "portrait.spc", "Path traced: a head with measured skin, hair and fabrics under LED and tungsten lamps.";
-    "natural-foliage": "foliage.spc", "Path traced: a garden with leaves, grass, flowers and brick under sun and sky.";
-    "natural-table": "table.spc", "Path traced: fabrics and food on a table under LED light.";
-    "natural-street": "street.spc", "Path traced: a street at night with sodium, LED, fluorescent and neon lamps.";
-    "natural-shelf": "shelf.spc", "Path traced: a shop shelf with packaging and fine print under LED panels.";
-    "natural-interior": "interior.spc", "Path traced: a living room with daylight through a window and a tungsten lamp.";
-};
-
-/// The rendered scenes. Each has 576 × 768 samples and 31 bands from 400 to 700 nm.
-#[must_use]
-pub fn names() -> &'static [RenderedScene] {
-    &SCENES
-}
-
-/// The rendered scene of a name.
-#[must_use]
-pub fn find(name: &str) -> Option<&'static RenderedScene> {
-    SCENES.iter().find(|scene| scene.name == name)
-}
-
-impl RenderedScene {
-    /// The scene in its own light, at the distance and with the field of view of [`Setting::default`].
-    ///
-    /// # Errors
-    /// When the stored picture is damaged.
-    pub fn load(&self) -> Result<Scene, IoError> {
-        decode(self.name, self.bytes)?.into_scene(&Setting::default())
-    }
-}
 
 /// Reads numbers from the beginning of a picture.
 struct Reader<'a> {
@@ -103,7 +51,7 @@ impl<'a> Reader<'a> {
 }
 
 /// Decodes a picture.
-fn decode(name: &str, bytes: &[u8]) -> Result<SpectralFile, IoError> {
+pub(super) fn decode(name: &str, bytes: &[u8]) -> Result<SpectralFile, IoError> {
     let mut file = Reader { path: PathBuf::from(name), bytes };
     if file.take(MAGIC.len())? != MAGIC {
         return Err(file.wrong("it does not begin with SMALTSPC"));
@@ -219,40 +167,9 @@ fn planes(file: &Reader<'_>, rows: usize, cols: usize, components: usize) -> Res
 mod tests {
     use super::*;
 
-    /// Means over the picture in the bands at 400, 550 and 700 nm, and the radiance at row 301, column 402, 520 nm, in
-    /// W m⁻² sr⁻¹ nm⁻¹, by the decoder of `tools/scenes/codec.py`.
-    const DECODED: [(&str, [f64; 3], f64); 6] = [
-        ("natural-portrait", [6.983_884_524e-06, 4.282_880_437e-04, 2.755_624_245e-04], 3.491_649_986e-04),
-        ("natural-foliage", [4.673_430_263e-02, 4.752_030_455e-02, 3.117_817_283e-02], 3.252_157_569e-02),
-        ("natural-table", [1.109_614_761e-05, 7.330_734_605e-04, 4.608_812_700e-04], 1.545_594_423e-04),
-        ("natural-street", [2.363_417_920e-05, 9.542_740_812e-05, 4.314_464_267e-04], 8.302_137_644e-07),
-        ("natural-shelf", [2.634_555_465e-06, 9.008_242_123e-04, 2.632_548_563e-04], 2.279_242_908e-04),
-        ("natural-interior", [2.012_730_491e-03, 4.855_382_087e-03, 5.715_447_613e-03], 2.023_844_281e-03),
-    ];
-
-    #[test]
-    fn scenes_are_those_of_the_encoder() {
-        for (scene, (name, means, one)) in names().iter().zip(DECODED) {
-            assert_eq!(scene.name, name);
-            let decoded = find(name).unwrap().load().unwrap();
-            let cube = decoded.radiance();
-            assert_eq!((cube.rows(), cube.cols(), cube.grid()), (576, 768, WavelengthGrid::VISIBLE));
-            let joule = |band: usize| 1.0 / photons_per_joule(400.0 + 10.0 * band as f64);
-            for (band, expected) in [0, 15, 30].into_iter().zip(means) {
-                let plane = cube.planes().plane(band).unwrap();
-                let mean =
-                    plane.iter().map(|&v| f64::from(v)).sum::<f64>() / plane.len() as f64 * joule(band);
-                assert!((mean / expected - 1.0).abs() < 1e-6, "{name}, band {band}: {mean}");
-            }
-            let found = f64::from(cube.planes().plane(12).unwrap()[301 * 768 + 402]) * joule(12);
-            assert!((found / one - 1.0).abs() < 1e-6, "{name}: {found}");
-            assert!(decoded.mean_luminance_cd_m2().unwrap() > 1.0);
-        }
-    }
-
     #[test]
     fn a_damaged_picture_is_refused() {
-        let good = SCENES[3].bytes;
+        let good = include_bytes!("../../scenes/street.spc").as_slice();
         let error = |bytes: &[u8]| decode("x.spc", bytes).unwrap_err().to_string();
         for length in [0, 7, 20, 51, 60, 1000, good.len() / 2, good.len() - 1] {
             let message = error(&good[..length]);

@@ -1,0 +1,162 @@
+//! Built-in scenes that come from files: those that a spectral path tracer rendered from measured reflectances and lamps, in
+//! their own light, and photographs whose pixels were given measured reflectances, in daylight.
+//!
+//! `tools/scenes/README.md` states sources, licences and errors.
+
+mod components;
+
+use std::path::Path;
+
+use smalti::color::ColorSpace;
+use smalti::scene::{Scene, Setting};
+use smalti::spectrum::{Illuminant, WavelengthGrid};
+
+use crate::error::At;
+use crate::scene_file::Upsampling;
+use crate::{IoError, Quantity, ReadOptions, SpectralFile, picture};
+
+/// A scene from a built-in file.
+#[derive(Debug, Clone, Copy)]
+pub struct StoredScene {
+    /// Its name.
+    pub name: &'static str,
+    /// Its content and light, in one line.
+    pub summary: &'static str,
+    content: Content,
+}
+
+#[derive(Debug, Clone, Copy)]
+enum Content {
+    /// Components of spectral radiance.
+    Rendered(&'static [u8]),
+    /// A photograph in a format of [`picture`].
+    Photograph(&'static [u8]),
+}
+
+macro_rules! stored {
+    ($($name:literal: $kind:ident($file:literal), $summary:literal;)*) => {
+        [$(StoredScene {
+            name: $name,
+            summary: $summary,
+            content: Content::$kind(include_bytes!(concat!("../../scenes/", $file))),
+        }),*]
+    };
+}
+
+static SCENES: [StoredScene; 14] = stored! {
+    "natural-portrait": Rendered("portrait.spc"), "Path traced: a head with measured skin, hair and fabrics under LED and tungsten lamps.";
+    "natural-foliage": Rendered("foliage.spc"), "Path traced: a garden with leaves, grass, flowers and brick under sun and sky.";
+    "natural-table": Rendered("table.spc"), "Path traced: fabrics and food on a table under LED light.";
+    "natural-street": Rendered("street.spc"), "Path traced: a street at night with sodium, LED, fluorescent and neon lamps.";
+    "natural-shelf": Rendered("shelf.spc"), "Path traced: a shop shelf with packaging and fine print under LED panels.";
+    "natural-interior": Rendered("interior.spc"), "Path traced: a living room with daylight through a window and a tungsten lamp.";
+    "photo-astronaut": Photograph("photo-astronaut.jpg"), "Photograph with measured reflectances: an astronaut in an orange suit before a flag (NASA).";
+    "photo-brushes": Photograph("photo-brushes.jpg"), "Photograph with measured reflectances: paint brushes of saturated colours (Trevor \"Freespace\").";
+    "photo-dahlia": Photograph("photo-dahlia.jpg"), "Photograph with measured reflectances: a dahlia before dark foliage (vultilion).";
+    "photo-fig": Photograph("photo-fig.jpg"), "Photograph with measured reflectances: a fig in a red bowl on concrete (Trevor \"Freespace\").";
+    "photo-pagoda": Photograph("photo-pagoda.jpg"), "Photograph with measured reflectances: a painted pagoda by a lake (danielbuechele).";
+    "photo-raccoon": Photograph("photo-raccoon.jpg"), "Photograph with measured reflectances: a raccoon among palm leaves (public-domain-image.com).";
+    "photo-spices": Photograph("photo-spices.jpg"), "Photograph with measured reflectances: spices and seeds on a market (Clyde Robinson).";
+    "photo-stream": Photograph("photo-stream.jpg"), "Photograph with measured reflectances: a stream between rocks in a wood (Aitzol Berasategi).";
+};
+
+/// The scenes. The rendered ones have 576 × 768 samples, photographs at most as many; all have 31 bands from 400 to 700 nm.
+#[must_use]
+pub fn names() -> &'static [StoredScene] {
+    &SCENES
+}
+
+/// The scene of a name.
+#[must_use]
+pub fn find(name: &str) -> Option<&'static StoredScene> {
+    SCENES.iter().find(|scene| scene.name == name)
+}
+
+impl StoredScene {
+    /// Whether one light illuminates the whole scene, so that another can replace it. The lamps of a rendered scene cannot be
+    /// replaced: each has its own spectrum, and surfaces reflect light on others.
+    #[must_use]
+    pub fn has_one_light(&self) -> bool {
+        matches!(self.content, Content::Photograph(_))
+    }
+
+    /// The scene at the distance and with the field of view of [`Setting::default`]: a rendered one in its own light, a photograph
+    /// in daylight (D65) at the mean luminance of [`Setting::default`].
+    ///
+    /// # Errors
+    /// When the stored file is damaged.
+    pub fn load(&self) -> Result<Scene, IoError> {
+        let file = match self.content {
+            Content::Rendered(bytes) => components::decode(self.name, bytes)?,
+            Content::Photograph(bytes) => repainted(self.name, bytes)?,
+        };
+        file.into_scene(&Setting { illuminant: Illuminant::D65, ..Setting::default() })
+    }
+}
+
+fn repainted(name: &str, bytes: &[u8]) -> Result<SpectralFile, IoError> {
+    let path = Path::new(name);
+    let image = picture::from_bytes(bytes, path, &ReadOptions::default())?.image;
+    let image = image.converted(ColorSpace::LinearSrgb).at(path)?;
+    Ok(SpectralFile {
+        name: name.to_owned(),
+        cube: Upsampling::Measured.spectra(&image, WavelengthGrid::VISIBLE).at(path)?,
+        quantity: Quantity::Reflectance,
+        illuminant: None,
+        distance_m: None,
+        horizontal_fov_deg: None,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use smalti::spectrum::units::photons_per_joule;
+
+    use super::*;
+
+    /// Means over the picture in the bands at 400, 550 and 700 nm, and the radiance at row 301, column 402, 520 nm, in
+    /// W m⁻² sr⁻¹ nm⁻¹, by the decoder of `tools/scenes/codec.py`.
+    const DECODED: [(&str, [f64; 3], f64); 6] = [
+        ("natural-portrait", [6.995_186_379e-06, 4.235_402_118e-04, 2.746_194_033e-04], 3.475_745_325e-04),
+        ("natural-foliage", [4.673_430_263e-02, 4.752_030_455e-02, 3.117_817_283e-02], 3.252_157_569e-02),
+        ("natural-table", [1.108_380_407e-05, 7.323_748_271e-04, 4.611_047_376e-04], 1.382_187_183e-04),
+        ("natural-street", [2.394_059_463e-05, 9.345_183_909e-05, 1.622_502_862e-04], 7.288_307_415e-07),
+        ("natural-shelf", [3.125_815_234e-06, 9.018_162_682e-04, 2.638_284_952e-04], 2.121_420_839e-04),
+        ("natural-interior", [1.533_011_689e-03, 3.395_632_382e-03, 3.880_847_442e-03], 1.364_395_022e-03),
+    ];
+
+    #[test]
+    fn scenes_are_those_of_the_encoder() {
+        for (scene, (name, means, one)) in names().iter().filter(|s| !s.has_one_light()).zip(DECODED) {
+            assert_eq!(scene.name, name);
+            let decoded = find(name).unwrap().load().unwrap();
+            let cube = decoded.radiance();
+            assert_eq!((cube.rows(), cube.cols(), cube.grid()), (576, 768, WavelengthGrid::VISIBLE));
+            let joule = |band: usize| 1.0 / photons_per_joule(400.0 + 10.0 * band as f64);
+            for (band, expected) in [0, 15, 30].into_iter().zip(means) {
+                let plane = cube.planes().plane(band).unwrap();
+                let mean =
+                    plane.iter().map(|&v| f64::from(v)).sum::<f64>() / plane.len() as f64 * joule(band);
+                assert!((mean / expected - 1.0).abs() < 1e-6, "{name}, band {band}: {mean}");
+            }
+            let found = f64::from(cube.planes().plane(12).unwrap()[301 * 768 + 402]) * joule(12);
+            assert!((found / one - 1.0).abs() < 1e-6, "{name}: {found}");
+            assert!(decoded.mean_luminance_cd_m2().unwrap() > 1.0);
+        }
+    }
+
+    #[test]
+    fn photographs_are_scenes_in_daylight() {
+        for scene in names().iter().filter(|s| s.has_one_light()) {
+            let loaded = scene.load().unwrap();
+            let (rows, cols) = (loaded.radiance().rows(), loaded.radiance().cols());
+            assert!(
+                rows <= 576 && cols <= 768 && rows * cols >= 400 * 500,
+                "{}: {rows} × {cols}",
+                scene.name
+            );
+            assert!((loaded.mean_luminance_cd_m2().unwrap() / 100.0 - 1.0).abs() < 1e-4, "{}", scene.name);
+            assert!(scene.summary.starts_with("Photograph"), "{}", scene.name);
+        }
+    }
+}

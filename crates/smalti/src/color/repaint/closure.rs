@@ -1,0 +1,133 @@
+//! The smooth correction that gives a pixel its colour.
+
+use crate::color::sigmoid::Fit;
+use crate::numeric::simd::{Kernel, dispatch};
+
+/// Pixels that are computed together.
+pub(super) const LANES: usize = 16;
+/// Values of each of the pixels.
+pub(super) type Lanes = [f32; LANES];
+
+/// Steps of Newton's method. Two suffice for most pixels.
+const STEPS: usize = 3;
+/// Where a correction starts to be limited: one of this size turns grey into a saturated colour.
+const LONGEST: f32 = 3.0;
+
+/// One wavelength, in single precision.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Wavelength {
+    /// Normalised: −1 at 400 nm, 1 at 700 nm.
+    pub(super) position: f32,
+    /// Weights in X, Y and Z under D65, relative to white.
+    pub(super) weights: [f32; 3],
+}
+
+impl Wavelength {
+    /// The wavelengths of a fit whose grid has so many.
+    pub(super) fn all(fit: &Fit, count: usize) -> Vec<Self> {
+        let lanes = fit.blocks.iter().flat_map(|b| {
+            (0..b.position.len()).map(|l| Self {
+                position: b.position[l] as f32,
+                weights: [0, 1, 2].map(|c| b.weights[c][l] as f32),
+            })
+        });
+        lanes.take(count).collect()
+    }
+}
+
+/// Newton's method for the coefficients a, b, c with which σ(β + a p² + b p + c) has the XYZ of a target. `base` holds
+/// the reflectances σ(β) on entry and the corrected ones afterwards; the coefficients and the largest relative error of
+/// a component are returned.
+pub(super) struct Closure<'a> {
+    pub(super) wavelengths: &'a [Wavelength],
+    pub(super) base: &'a mut [Lanes],
+    pub(super) target: [Lanes; 3],
+}
+
+/// Bounds of base reflectances, beyond which their β would be lost in single precision.
+pub(super) const DARKEST: f32 = 2e-5;
+pub(super) const LIGHTEST: f32 = 0.999;
+
+impl Kernel for Closure<'_> {
+    type Output = Lanes;
+
+    #[inline(always)]
+    fn run(self) -> Lanes {
+        for lanes in self.base.iter_mut() {
+            for r in lanes.iter_mut() {
+                let v = r.clamp(DARKEST, LIGHTEST);
+                *r = (v - 0.5) / (v * (1.0 - v)).sqrt();
+            }
+        }
+        let mut coefficients = [[0.0f32; LANES]; 3];
+        for _ in 0..STEPS {
+            let mut sums = [[0.0f32; LANES]; 3];
+            let mut slopes = [[[0.0f32; LANES]; 3]; 3];
+            for (w, base) in self.wavelengths.iter().zip(self.base.iter()) {
+                let p = w.position;
+                for l in 0..LANES {
+                    let x = base[l] + (coefficients[0][l] * p + coefficients[1][l]) * p + coefficients[2][l];
+                    let root = 1.0 / (1.0 + x * x).sqrt();
+                    let (s, ds) = (0.5 + 0.5 * x * root, 0.5 * root * root * root);
+                    for c in 0..3 {
+                        sums[c][l] += w.weights[c] * s;
+                        let k = w.weights[c] * ds;
+                        slopes[c][0][l] += k * p * p;
+                        slopes[c][1][l] += k * p;
+                        slopes[c][2][l] += k;
+                    }
+                }
+            }
+            for l in 0..LANES {
+                let m = [0, 1, 2].map(|c| [0, 1, 2].map(|i| slopes[c][i][l]));
+                let r = [0, 1, 2].map(|c| self.target[c][l] - sums[c][l]);
+                let step = solved(m, r);
+                let length = (step[0].abs() + step[1].abs() + step[2].abs()).max(LONGEST);
+                for i in 0..3 {
+                    coefficients[i][l] += step[i] * (LONGEST / length);
+                }
+            }
+        }
+        let mut sums = [[0.0f32; LANES]; 3];
+        for (w, base) in self.wavelengths.iter().zip(self.base.iter_mut()) {
+            let p = w.position;
+            for l in 0..LANES {
+                let x = base[l] + (coefficients[0][l] * p + coefficients[1][l]) * p + coefficients[2][l];
+                let s = 0.5 + 0.5 * x / (1.0 + x * x).sqrt();
+                base[l] = s;
+                for (sum, weight) in sums.iter_mut().zip(w.weights) {
+                    sum[l] += weight * s;
+                }
+            }
+        }
+        let mut error = [0.0f32; LANES];
+        for l in 0..LANES {
+            for (sum, target) in sums.iter().zip(&self.target) {
+                let e = (sum[l] - target[l]).abs() / (target[l] + 0.02);
+                // A step into infinity leaves NaN, which must not count as a small error.
+                error[l] = if e < f32::MAX { error[l].max(e) } else { f32::MAX };
+            }
+        }
+        error
+    }
+}
+
+/// The solution of three equations, by Cramer's rule.
+#[inline(always)]
+fn solved(m: [[f32; 3]; 3], r: [f32; 3]) -> [f32; 3] {
+    let cross = |a: [f32; 3], b: [f32; 3]| {
+        [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+    };
+    let dot = |a: [f32; 3], b: [f32; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+    let column = |i: usize| [m[0][i], m[1][i], m[2][i]];
+    let (a, b, c) = (column(0), column(1), column(2));
+    let bc = cross(b, c);
+    let determinant = dot(a, bc);
+    let scale = if determinant == 0.0 { 0.0 } else { 1.0 / determinant };
+    [dot(r, bc) * scale, dot(a, cross(r, c)) * scale, dot(a, cross(b, r)) * scale]
+}
+
+/// Corrects pixels, as many as there are lanes.
+pub(super) fn close(wavelengths: &[Wavelength], base: &mut [Lanes], target: [Lanes; 3]) -> Lanes {
+    dispatch(Closure { wavelengths, base, target })
+}

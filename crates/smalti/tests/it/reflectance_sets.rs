@@ -1,0 +1,37 @@
+//! Reflectances that are learned from and those that scenes are tested with are different measurements.
+#![allow(missing_docs, clippy::unwrap_used)]
+
+use smalti::camera::training_reflectances;
+use smalti::spectrum::reflectance::{colorchecker, natural, surfaces};
+use smalti::spectrum::{Spectrum, WavelengthGrid};
+
+type Named = (&'static str, Spectrum);
+
+/// Root mean square of the difference over the wavelengths.
+fn distance(a: &Spectrum, b: &Spectrum) -> f64 {
+    let squares: f64 = a.values().iter().zip(b.values()).map(|(a, b)| (a - b) * (a - b)).sum();
+    (squares / a.values().len() as f64).sqrt()
+}
+
+fn nearest<'a>(a: &'a [Named], b: &'a [Named]) -> (f64, &'static str, &'static str) {
+    let pairs = a.iter().flat_map(|(x, r)| b.iter().map(move |(y, s)| (distance(r, s), *x, *y)));
+    pairs.min_by(|a, b| a.0.total_cmp(&b.0)).unwrap()
+}
+
+/// Training paints its scenes with natural objects (Morimoto et al. 2022), greys, computed colours and the ColorChecker. The rendered scenes and the
+/// photographs are made of other surfaces (USGS, NIST, CIE 224). Two spectra of one measurement would differ by rounding, below
+/// 0.0001; the nearest pair, two blacks, differs by 0.0024.
+#[test]
+fn reflectances_of_training_and_of_tests_are_disjoint() {
+    let grid = WavelengthGrid::VISIBLE;
+    let tests = surfaces(grid).unwrap();
+    let all = training_reflectances(grid).unwrap().into_iter().map(|r| ("a reflectance of training", r));
+    for training in [natural(grid).unwrap(), colorchecker(grid).unwrap(), all.collect()] {
+        let (distance, test, trained) = nearest(&tests, &training);
+        println!("nearest pair: {test} and {trained}, {distance:.4} rms");
+        assert!(distance > 0.001, "{test} and {trained}: {distance}");
+    }
+    // The measure finds a spectrum that stands in both sets.
+    let copied = [("a copy", natural(grid).unwrap()[3].1.clone())];
+    assert!(nearest(&copied, &natural(grid).unwrap()).0 < 1e-9);
+}
