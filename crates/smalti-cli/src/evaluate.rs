@@ -26,11 +26,12 @@ use crate::{resolve, table};
 #[command(after_help = "Examples:\n  \
     smalti evaluate bayer rgbw\n  \
     smalti evaluate bayer my.toml --luminance 1,10,100 --illuminant A --json\n  \
-    smalti evaluate bayer --set sensor.cfa.pattern=quad-bayer -o quad\n\n\
+    smalti evaluate bayer bayer@quad-bayer -o quad\n  \
+    smalti evaluate rgbw --pipeline rgbw.l3\n\n\
     smalti list metrics explains the columns of the table, with their units and sources.\n\
     results.json is removed first and written last, so a folder that contains it is complete.")]
 pub(crate) struct Evaluate {
-    /// Built-in cameras (smalti list cameras) or TOML files
+    /// Built-in cameras (smalti list cameras) or TOML files; CAMERA@MOSAIC has another mosaic (smalti list cfas)
     #[arg(required = true)]
     pub(crate) cameras: Vec<String>,
     /// Mean luminance of the targets, cd/m²; one or several, separated by commas
@@ -39,6 +40,10 @@ pub(crate) struct Evaluate {
     /// Illuminant of the targets: a name (smalti list illuminants) or a CSV of wavelength_nm and relative power
     #[arg(long, default_value = "D65", value_name = "NAME")]
     pub(crate) illuminant: String,
+    /// A learned table (smalti train) that renders the pictures, instead of the camera's own processing; one for each camera, in
+    /// their order
+    #[arg(long = "pipeline", value_name = "FILE.l3")]
+    pub(crate) pipelines: Vec<PathBuf>,
     #[command(flatten)]
     pub(crate) exposure: ExposureOptions,
     #[command(flatten)]
@@ -57,7 +62,9 @@ pub(crate) struct Evaluate {
 /// `words` are the command line, for the page.
 pub(crate) fn run(args: &Evaluate, words: &[String], common: &Common) -> anyhow::Result<()> {
     let illuminant = resolve::illuminant(&args.illuminant)?;
-    let cameras = resolve::cameras(&args.cameras, &args.camera_options)?;
+    let cameras = resolve::cameras(&args.cameras, &args.camera_options, &illuminant, common)?;
+    let tables = resolve::pipelines(&args.pipelines, cameras.len())?;
+    resolve::ensure_tables_fit(&args.pipelines, cameras.iter().zip(&tables))?;
     if let Some(dir) = &args.output {
         write::ensure_can_fill(dir)?;
     }
@@ -65,8 +72,10 @@ pub(crate) fn run(args: &Evaluate, words: &[String], common: &Common) -> anyhow:
     let progress = Progress::new((cameras.len() * args.luminance.len()) as u64, common.quiet);
     let resources = Resources { store: &cache, progress: &progress, memory_bytes: None };
     let labels = names::numbered(cameras.iter().map(|c| c.description().name.clone()).collect());
+    let tables = tables.iter().map(Option::as_ref).chain(std::iter::repeat(None));
+    let labelled = cameras.iter().zip(&labels).zip(tables);
     let contenders: Vec<_> =
-        cameras.iter().zip(&labels).map(|(c, label)| Contender::as_described(c, label)).collect();
+        labelled.map(|((c, label), table)| Contender::with_pipeline(c, label, table)).collect();
     let pictures = ComparedPictures {
         scenes: &[],
         luminances_cd_m2: &args.luminance,

@@ -104,7 +104,10 @@ impl<'a> Contender<'a> {
         'a: 'b,
     {
         let isp: Box<dyn Isp + 'b> = match (self.processing, self.pipeline) {
-            (Processing::L3, Some(pipeline)) => Box::new(pipeline),
+            (Processing::L3, Some(pipeline)) => {
+                pipeline.ensure_renders(&self.camera.sensor.cfa)?;
+                Box::new(pipeline)
+            }
             (Processing::L3, None) => return Err(crate::l3::L3Error::NoPipeline.into()),
             (Processing::Classic(demosaic), _) => {
                 let camera = self.camera.on_grid(light.grid())?;
