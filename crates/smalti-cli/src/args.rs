@@ -38,6 +38,10 @@ pub(crate) struct CameraOptions {
     /// Replace a key of every camera; its name contains the unit. May be given more than once
     #[arg(long = "set", value_name = "KEY=VALUE")]
     pub(crate) overrides: Vec<Override>,
+    /// Another mosaic for every camera, with the filters of the camera: a name (smalti list cfas) or a TOML file with [sensor.cfa].
+    /// CAMERA@MOSAIC is the same for one camera
+    #[arg(long, value_name = "MOSAIC")]
+    pub(crate) cfa: Option<String>,
     /// Seed of the noise that varies between captures
     #[arg(long, default_value_t = 1)]
     pub(crate) seed: u64,

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use anyhow::{bail, ensure};
+use anyhow::ensure;
 use clap::Args;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use smalti::camera::{Camera, ScoreSettings, TestScene};
@@ -11,7 +11,6 @@ use smalti::experiment::{
     light_gains_to_first, pipelines, scene_lights,
 };
 use smalti::isp::Demosaic;
-use smalti::l3::Pipeline;
 use smalti::spectrum::Illuminant;
 use smalti_io::cache::Cache;
 use smalti_io::comparisons::{self, ComparisonFiles, RESULTS};
@@ -31,6 +30,7 @@ use crate::{resolve, table};
 #[command(after_help = "Examples:\n  \
     smalti compare bayer rgbw --luminance 1,80\n  \
     smalti compare bayer rgbw --luminance 1 --light-gain\n  \
+    smalti compare bayer@quad-bayer bayer@rgbw-sony --luminance 1\n  \
     smalti compare bayer --processing l3,bilinear,malvar2004,hamilton-adams1997 --luminance 1,10,80\n  \
     smalti compare bayer rgbw clarity kodak wang --luminance 1 --scene photo.png -o slides\n\n\
     The verdict states who is better at which light, with intervals of 95 % from the scatter between scenes and seeds, and how much more \
@@ -42,7 +42,7 @@ use crate::{resolve, table};
     cameras in the order of the table) and one of error maps (ΔE2000, S-CIELAB); CAMERA.l3 (for smalti render); CAMERA-kernels.png; \
     and results.json, which is removed first and written last, so a folder that contains it is complete.")]
 pub(crate) struct Compare {
-    /// Built-in cameras (smalti list cameras) or TOML files
+    /// Built-in cameras (smalti list cameras) or TOML files; CAMERA@MOSAIC has another mosaic (smalti list cfas)
     #[arg(required = true)]
     pub(crate) cameras: Vec<String>,
     /// Mean luminance of the scenes, cd/m²; one or several, separated by commas
@@ -116,7 +116,7 @@ fn processing() -> impl TypedValueParser<Value = Processing> {
 /// `words` are the command line, for the page.
 pub(crate) fn run(args: &Compare, words: &[String], common: &Common) -> anyhow::Result<()> {
     let illuminant = resolve::illuminant(&args.illuminant)?;
-    let cameras = resolve::cameras(&args.cameras, &args.camera_options)?;
+    let cameras = resolve::cameras(&args.cameras, &args.camera_options, &illuminant, common)?;
     ensure!(!args.light_gain || cameras.len() > 1, "--light-gain compares cameras; expected two or more");
     write::ensure_can_fill(&args.output)?;
     let seed = args.camera_options.seed;
@@ -126,7 +126,8 @@ pub(crate) fn run(args: &Compare, words: &[String], common: &Common) -> anyhow::
     let resources = Resources { store: &cache, progress: &progress, memory_bytes: memory::available_bytes() };
     let labels = names::numbered(cameras.iter().map(|c| c.description().name.clone()).collect());
     let learning = (&settings, &training);
-    let given = given_pipelines(args)?;
+    let given = resolve::pipelines(&args.pipelines, cameras.len())?;
+    resolve::ensure_tables_fit(&args.pipelines, cameras.iter().zip(&given))?;
     let scenes = scenes(args, &illuminant)?;
     let lights = scene_lights(&illuminant, &scenes)?;
     let pipelines = pipelines(&cameras, &labels, given, &args.processing, learning, &lights, resources)?;
@@ -214,32 +215,10 @@ fn scene_label(scene: &str) -> String {
     Path::new(name).file_stem().map_or_else(|| scene.to_owned(), |s| s.to_string_lossy().into_owned())
 }
 
-/// The given pipelines, one for each camera; empty when all are to be learned.
-fn given_pipelines(args: &Compare) -> anyhow::Result<Vec<Option<Pipeline>>> {
-    let (given, cameras) = (args.pipelines.len(), args.cameras.len());
-    if given != 0 && given != cameras {
-        bail!("--pipeline: {given} given for {cameras} cameras; expected one for each, in their order");
-    }
-    args.pipelines
-        .iter()
-        .map(|file| {
-            let pipeline = smalti_io::l3::read_table(file)?;
-            if pipeline.outputs() != ["X", "Y", "Z"] {
-                bail!(
-                    "{}: the outputs are {}; expected X, Y, Z",
-                    file.display(),
-                    pipeline.outputs().join(", ")
-                );
-            }
-            Ok(Some(pipeline))
-        })
-        .collect()
-}
-
 /// The scenes of the command line, else those of the set.
 fn scenes(args: &Compare, illuminant: &Illuminant) -> anyhow::Result<Vec<TestScene>> {
     if args.scenes.is_empty() {
-        return Ok(args.set.scenes()?);
+        return Ok(args.set.scenes(illuminant)?);
     }
     Ok(args.scenes.iter().map(|name| test_scene(name, illuminant)).collect::<Result<_, _>>()?)
 }

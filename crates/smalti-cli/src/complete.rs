@@ -46,7 +46,8 @@ pub(crate) fn script(shell: clap_complete::Shell) -> anyhow::Result<String> {
 /// Adds completers to all arguments by their names, in all commands.
 fn with_names(command: Command) -> Command {
     let command = command.mut_args(|arg| match arg.get_id().as_str() {
-        "camera" | "cameras" => with(arg, camera_names, &["toml"]),
+        "camera" | "cameras" => arg.add(ArgValueCompleter::new(CameraOrFile)),
+        "cfa" => with(arg, mosaic_names, &["toml"]),
         "target" => with(arg, target_names, &["toml"]),
         "scene" | "scenes" => {
             let or_file = NameOrFile { names: scene_names, extensions: SCENES.to_vec() };
@@ -80,6 +81,20 @@ impl ValueCompleter for NameOrFile {
         let fits = move |path: &Path| path.is_file() && has_extension(path, &extensions);
         let files = PathCompleter::any().filter(fits).complete(current);
         (self.names)().into_iter().filter(begins).chain(files).collect()
+    }
+}
+
+/// Completes cameras, and mosaics after the `@` of a camera.
+struct CameraOrFile;
+
+impl ValueCompleter for CameraOrFile {
+    fn complete(&self, current: &OsStr) -> Vec<CompletionCandidate> {
+        let typed = current.to_string_lossy();
+        let Some((camera, begun)) = typed.split_once('@') else {
+            return NameOrFile { names: camera_names, extensions: vec!["toml"] }.complete(current);
+        };
+        let mosaics = cfa::names().iter().filter(|c| c.name.starts_with(begun));
+        mosaics.map(|c| named(&format!("{camera}@{}", c.name), c.summary)).collect()
     }
 }
 
@@ -124,6 +139,10 @@ fn camera_names() -> Vec<CompletionCandidate> {
     cameras::names().iter().map(|f| named(f.name, f.summary)).collect()
 }
 
+fn mosaic_names() -> Vec<CompletionCandidate> {
+    cfa::names().iter().map(|c| named(c.name, c.summary)).collect()
+}
+
 fn target_names() -> Vec<CompletionCandidate> {
     std::iter::once(named("xyz", "CIE 1931 X, Y, Z")).chain(camera_names()).collect()
 }
@@ -142,10 +161,15 @@ fn light_names() -> Vec<CompletionCandidate> {
 
 /// Every name once; a name of several kinds has the help of the first.
 fn all_names() -> Vec<CompletionCandidate> {
-    let arrays = cfa::names().iter().map(|c| named(c.name, c.summary));
     let filters = cfa::builtin_filters().iter().map(|f| named(f.name, f.summary));
     let mut all: Vec<CompletionCandidate> = camera_names();
-    for candidate in arrays.chain(scene_names()).chain(study_names()).chain(light_names()).chain(filters) {
+    for candidate in mosaic_names()
+        .into_iter()
+        .chain(scene_names())
+        .chain(study_names())
+        .chain(light_names())
+        .chain(filters)
+    {
         if !all.iter().any(|c| c.get_value() == candidate.get_value()) {
             all.push(candidate);
         }
@@ -186,6 +210,8 @@ mod tests {
             "convert scene",
             "show name",
             "show illuminant",
+            "simulate cfa",
+            "compare cfa",
             "simulate overrides",
             "compare overrides",
         ] {
@@ -218,6 +244,15 @@ mod tests {
         assert!(!second.is_empty() && !second.iter().any(|v| v.ends_with("&frequency=")));
         assert!(offered("no-such-scene?").is_empty());
         assert!(offered("zone-p").contains(&"zone-plate".to_owned()));
+    }
+
+    #[test]
+    fn mosaics_are_completed_after_a_camera() {
+        let offered = |typed: &str| values(&CameraOrFile.complete(OsStr::new(typed)));
+        assert_eq!(offered("phone@quad"), ["phone@quad-bayer"]);
+        assert_eq!(offered("own.toml@rgbw-so"), ["own.toml@rgbw-sony"]);
+        assert_eq!(offered("bayer@").len(), cfa::names().len());
+        assert!(offered("medic").contains(&"medical".to_owned()));
     }
 
     #[test]

@@ -7,7 +7,7 @@ use serde_json::json;
 use smalti::camera::{Camera, Evaluation, EvaluationPictures, EvaluationSettings};
 use smalti::color::ColorSpace;
 use smalti::experiment::{
-    ComparedPictures, Contender, ExposurePlan, Progress as _, Resources, camera_differences,
+    ComparedPictures, Contender, ExposurePlan, PipelineSet, Progress as _, Resources, camera_differences,
 };
 use smalti::spectrum::{Observer, WavelengthGrid};
 use smalti_io::cache::Cache;
@@ -28,11 +28,12 @@ use crate::{resolve, table};
 #[command(after_help = "Examples:\n  \
     smalti evaluate bayer rgbw\n  \
     smalti evaluate bayer my.toml --luminance 1,10,100 --illuminant A --json\n  \
-    smalti evaluate bayer --set sensor.cfa.pattern=quad-bayer -o quad\n\n\
+    smalti evaluate bayer bayer@quad-bayer -o quad\n  \
+    smalti evaluate rgbw --pipeline rgbw.l3\n\n\
     smalti list metrics explains the columns of the table, with their units and sources.\n\
     results.json is removed first and written last, so a folder that contains it is complete.")]
 pub(crate) struct Evaluate {
-    /// Built-in cameras (smalti list cameras) or TOML files
+    /// Built-in cameras (smalti list cameras) or TOML files; CAMERA@MOSAIC has another mosaic (smalti list cfas)
     #[arg(required = true)]
     pub(crate) cameras: Vec<String>,
     /// Mean luminance of the targets, cd/m²; one or several, separated by commas
@@ -41,6 +42,10 @@ pub(crate) struct Evaluate {
     /// Illuminant of the targets: a name (smalti list illuminants) or a CSV of wavelength_nm and relative power
     #[arg(long, default_value = "D65", value_name = "NAME")]
     pub(crate) illuminant: String,
+    /// A learned table (smalti train) that renders the pictures, instead of the camera's own processing; one for each camera, in
+    /// their order
+    #[arg(long = "pipeline", value_name = "FILE.l3")]
+    pub(crate) pipelines: Vec<PathBuf>,
     #[command(flatten)]
     pub(crate) exposure: ExposureOptions,
     #[command(flatten)]
@@ -59,7 +64,9 @@ pub(crate) struct Evaluate {
 /// `words` are the command line, for the page.
 pub(crate) fn run(args: &Evaluate, words: &[String], common: &Common) -> anyhow::Result<()> {
     let illuminant = resolve::illuminant(&args.illuminant)?;
-    let cameras = resolve::cameras(&args.cameras, &args.camera_options)?;
+    let cameras = resolve::cameras(&args.cameras, &args.camera_options, &illuminant, common)?;
+    let tables = resolve::pipelines(&args.pipelines, cameras.len())?;
+    resolve::ensure_tables_fit(&args.pipelines, cameras.iter().zip(&tables))?;
     if let Some(dir) = &args.output {
         write::ensure_can_fill(dir)?;
     }
@@ -67,8 +74,14 @@ pub(crate) fn run(args: &Evaluate, words: &[String], common: &Common) -> anyhow:
     let progress = Progress::new((cameras.len() * args.luminance.len()) as u64, common.quiet);
     let resources = Resources { store: &cache, progress: &progress, memory_bytes: None };
     let labels = names::numbered(cameras.iter().map(|c| c.description().name.clone()).collect());
+    let tables = tables.into_iter().chain(std::iter::repeat_with(|| None));
+    let set = |(camera, table): (&Camera, Option<_>)| {
+        table.map(|pipeline| PipelineSet::of_any_light(&illuminant, camera, pipeline))
+    };
+    let sets: Vec<Option<PipelineSet>> = cameras.iter().zip(tables).map(set).collect();
+    let labelled = cameras.iter().zip(&labels).zip(&sets);
     let contenders: Vec<_> =
-        cameras.iter().zip(&labels).map(|(c, label)| Contender::as_described(c, label)).collect();
+        labelled.map(|((c, label), set)| Contender::with_pipelines(c, label, set.as_ref())).collect();
     let pictures = ComparedPictures {
         scenes: &[],
         luminances_cd_m2: &args.luminance,

@@ -80,7 +80,7 @@ fn run(cli: Cli, words: &[String]) -> anyhow::Result<()> {
         Command::Sweep(a) => sweep::run(&a, &cli.common),
         Command::Report(a) => report::run(&a, &cli.common),
         Command::List(a) => list::run(&a),
-        Command::Show(a) => show::run(&a),
+        Command::Show(a) => show::run(&a, &cli.common),
         Command::Convert(a) => convert::run(&a, &cli.common),
         Command::Completions { shell } => print(&complete::script(shell)?),
         Command::Man { dir } => print(&man::write_pages(Cli::command(), &dir)?),

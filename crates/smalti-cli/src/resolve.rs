@@ -1,37 +1,119 @@
 //! Resolves names and options of the command line to objects of the library.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use anyhow::{Context, bail};
-use smalti::camera::Camera;
+use smalti::camera::{Camera, NOTABLE_UNSHARED_SHARE, UnsharedLight};
+use smalti::l3::Pipeline;
 use smalti::scene::Scene;
-use smalti::spectrum::{Illuminant, WavelengthGrid};
+use smalti::spectrum::{Illuminant, Spectrum, WavelengthGrid};
+use smalti_io::cameras::LoadedCamera;
 pub(crate) use smalti_io::scene_file::is_meant as is_file;
 use smalti_io::{ReadOptions, SceneRequest, cameras, lights, scenes};
 use smalti_report::comparison::{CameraArgument, CommandLine};
 
-use crate::args::CameraOptions;
+use crate::args::{CameraOptions, Common};
+use crate::output::note;
 use crate::scene_args::SceneOptions;
 
-/// A camera by name or file with the overrides of the command line, on a wavelength grid or, with `None`, on its own.
-pub(crate) fn camera(
-    name: &str,
-    options: &CameraOptions,
-    grid: Option<WavelengthGrid>,
-) -> anyhow::Result<Camera> {
-    cameras::load(name, &options.overrides, grid).map_err(|e| anyhow::anyhow!("{e}"))
+/// A camera by name or file with the mosaic and the overrides of the command line, on its own wavelengths.
+pub(crate) fn camera(name: &str, options: &CameraOptions) -> anyhow::Result<LoadedCamera> {
+    let name = with_cfa(name, options.cfa.as_deref())?;
+    cameras::load_with_notes(&name, &options.overrides, None).map_err(|e| anyhow::anyhow!("{e}"))
+}
+
+/// The name of a camera with the mosaic of `--cfa`.
+pub(crate) fn with_cfa(name: &str, cfa: Option<&str>) -> anyhow::Result<String> {
+    match cfa {
+        Some(cfa) if cameras::has_mosaic(name) => {
+            bail!("{name}: the mosaic is given twice, here and as --cfa {cfa}; expected one of them")
+        }
+        Some(cfa) => Ok(format!("{name}@{cfa}")),
+        None => Ok(name.to_owned()),
+    }
+}
+
+/// What a clear channel of a camera sees and the colour channels do not, under an illuminant (photons), in words with what would mend
+/// it; empty when that is little. The name of the camera is not in them.
+pub(crate) fn clear_channel_warnings(camera: &Camera, light: &Spectrum) -> anyhow::Result<Vec<String>> {
+    let notable = |u: &UnsharedLight| u.share >= NOTABLE_UNSHARED_SHARE;
+    let words = |u: UnsharedLight| {
+        let [first, last] = u.seen_nm;
+        let (range, mend) = if u.share_above >= u.share / 2.0 {
+            let set = "--set 'optics.ir_cut={ builtin = \"hot-mirror\" }'";
+            (format!("above {last:.0} nm"), format!("An infrared-cut filter mends it: {set}"))
+        } else {
+            (
+                format!("below {first:.0} nm"),
+                "A filter in optics.ir_cut that blocks this range mends it".into(),
+            )
+        };
+        format!(
+            "{:.0} % of what the clear channel {} sees is light {range}, which no colour channel sees, so that colours are wrong by \
+             more than noise. {mend}",
+            100.0 * u.share,
+            u.channel,
+        )
+    };
+    Ok(camera.unshared_light(light)?.into_iter().filter(notable).map(words).collect())
 }
 
 /// The words of the command line for pages, with the cameras among them.
 pub(crate) fn command_line(words: &[String], cameras: &[String]) -> CommandLine {
-    let is_built_in = |word: &String| cameras::names().iter().any(|c| c.name == *word);
-    let argument = |word: &String| CameraArgument { word: word.clone(), is_built_in: is_built_in(word) };
+    let argument =
+        |word: &String| CameraArgument { word: word.clone(), is_built_in: cameras::is_built_in(word) };
     CommandLine { words: words.to_vec(), cameras: cameras.iter().map(argument).collect() }
 }
 
-/// Cameras by name or file, on their own wavelengths.
-pub(crate) fn cameras(names: &[String], options: &CameraOptions) -> anyhow::Result<Vec<Camera>> {
-    names.iter().map(|name| camera(name, options, None)).collect()
+/// Cameras by name or file, on their own wavelengths, for pictures under an illuminant. Prints what is to be told about them.
+pub(crate) fn cameras(
+    names: &[String],
+    options: &CameraOptions,
+    illuminant: &Illuminant,
+    common: &Common,
+) -> anyhow::Result<Vec<Camera>> {
+    let (mut notes, mut warnings) = (Vec::<String>::new(), Vec::<(String, Vec<String>)>::new());
+    let one = |name: &String| {
+        let LoadedCamera { camera, notes: told, .. } = camera(name, options)?;
+        notes.extend(told.into_iter().filter(|note| !notes.contains(note)).collect::<Vec<_>>());
+        // One note for all cameras that it applies to.
+        for text in clear_channel_warnings(&camera, &illuminant.photons(camera.grid())?)? {
+            let name = camera.description().name.clone();
+            match warnings.iter_mut().find(|(known, _)| *known == text) {
+                Some((_, names)) => names.push(name),
+                None => warnings.push((text, vec![name])),
+            }
+        }
+        Ok(camera)
+    };
+    let cameras = names.iter().map(one).collect::<anyhow::Result<_>>()?;
+    let warnings = warnings.iter().map(|(text, names)| format!("{}: {text}", names.join(", ")));
+    notes.into_iter().chain(warnings).for_each(|text| note(&text, common));
+    Ok(cameras)
+}
+
+/// The learned tables of `--pipeline`, one for each camera; empty when none is given.
+pub(crate) fn pipelines(files: &[PathBuf], cameras: usize) -> anyhow::Result<Vec<Option<Pipeline>>> {
+    if !files.is_empty() && files.len() != cameras {
+        bail!(
+            "--pipeline: {} given for {cameras} cameras; expected one for each, in their order",
+            files.len()
+        );
+    }
+    files.iter().map(|file| Ok(Some(smalti_io::l3::read_table(file)?))).collect()
+}
+
+/// Checks that learned tables render pictures of their cameras.
+pub(crate) fn ensure_tables_fit<'a>(
+    files: &[PathBuf],
+    pairs: impl Iterator<Item = (&'a Camera, &'a Option<Pipeline>)>,
+) -> anyhow::Result<()> {
+    for (file, (camera, pipeline)) in files.iter().zip(pairs) {
+        let about = || format!("{} for {}", file.display(), camera.description().name);
+        let fits = pipeline.as_ref().map_or(Ok(()), |p| p.ensure_renders(&camera.sensor.cfa));
+        fits.with_context(about)?;
+    }
+    Ok(())
 }
 
 /// An illuminant by name or from a CSV file; `file.csv#column` selects a column.

@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use anyhow::Context;
 use clap::Args;
 use serde_json::json;
 use smalti::camera::{Camera, Photograph, ScoreSettings};
@@ -9,7 +10,9 @@ use smalti::experiment::{Progress as _, ScoredWindow, Simulation, SimulationSett
 use smalti::scene::Scene;
 use smalti::sensor::{NoiseMode, RawImage, RawSamples};
 use smalti::spectrum::SpectralCube;
+use smalti_io::cameras::LoadedCamera;
 use smalti_io::dng::{self, DngInfo};
+use smalti_io::l3;
 use smalti_io::picture::{self, Depth};
 use smalti_io::stages::{self, write_stage};
 use smalti_io::{memory, write};
@@ -24,10 +27,12 @@ use crate::scene_args::SceneOptions;
     smalti simulate bayer -o out\n  \
     smalti simulate rgbw --scene macbeth --luminance 5 --illuminant A -o dim\n  \
     smalti simulate my.toml --scene rendered.exr --set sensor.pixel.pitch_um=1.4 --set exposure.time_ms=20\n  \
-    smalti simulate bayer --scene photo.png --noise none --stages\n\n\
+    smalti simulate bayer --scene photo.png --noise none --stages\n  \
+    smalti simulate bayer@quad-bayer -o quad\n  \
+    smalti simulate rgbw --pipeline rgbw.l3 --luminance 1 -o learned\n\n\
     metrics.json is removed first and written last, so a folder that contains it is complete.")]
 pub(crate) struct Simulate {
-    /// A built-in camera (smalti list cameras) or a TOML file
+    /// A built-in camera (smalti list cameras) or a TOML file; CAMERA@MOSAIC has another mosaic (smalti list cfas)
     pub(crate) camera: String,
     /// A built-in scene, with parameters as in `zone-plate?frequency=0.4` (smalti list scenes), or a file: spectral or
     /// RGB EXR, ENVI, NumPy, TIFF, PNG, JPEG, or a folder of bands
@@ -37,6 +42,9 @@ pub(crate) struct Simulate {
     pub(crate) scene_options: SceneOptions,
     #[command(flatten)]
     pub(crate) camera_options: CameraOptions,
+    /// A learned table (smalti train) that renders the picture, instead of the camera's own processing
+    #[arg(long, value_name = "FILE.l3")]
+    pub(crate) pipeline: Option<PathBuf>,
     /// Noise to simulate
     #[arg(long, default_value = "all", value_parser = choice(&NOISES))]
     pub(crate) noise: NoiseMode,
@@ -78,9 +86,14 @@ pub(crate) fn run(args: &Simulate, common: &Common) -> anyhow::Result<()> {
     let progress = Progress::new(2, common.quiet);
     progress.begin("scene");
     write::ensure_can_fill(&args.output)?;
-    let camera = resolve::camera(&args.camera, &args.camera_options, None)?;
+    let LoadedCamera { camera, notes, .. } = resolve::camera(&args.camera, &args.camera_options)?;
+    notes.iter().for_each(|note| progress.note(note));
+    let pipeline = args.pipeline.as_ref().map(|file| l3::read_table(file)).transpose()?;
     let scene = resolve::scene_for(&args.scene, &args.scene_options, &camera)?;
-    let mut camera = resolve::camera(&args.camera, &args.camera_options, Some(scene.radiance().grid()))?;
+    let mut camera = camera.on_grid(scene.radiance().grid())?;
+    for text in resolve::clear_channel_warnings(&camera, scene.illuminant())? {
+        progress.note(&format!("{}: {text}", camera.description().name));
+    }
     let keeps_fov = args.scene_options.states_fov(&args.scene);
     let scene = if keeps_fov { scene } else { camera.fitted(scene, resolve::is_file(&args.scene))? };
     progress.done();
@@ -100,8 +113,13 @@ pub(crate) fn run(args: &Simulate, common: &Common) -> anyhow::Result<()> {
         seed: args.camera_options.seed,
         score: ScoreSettings::default(),
     };
+    let about_table = || match &args.pipeline {
+        Some(file) => format!("{} with {}", args.camera, file.display()),
+        None => args.camera.clone(),
+    };
     let Simulation { photograph: photo, score } =
-        simulate(&camera, scene, &settings, &progress, memory::available_bytes())?;
+        simulate((&camera, pipeline.as_ref()), scene, &settings, &progress, memory::available_bytes())
+            .with_context(about_table)?;
     progress.begin("writing");
     // All results are computed before the first file is written.
     let gain = photo.picture.brightness_gain();
@@ -149,6 +167,7 @@ fn metrics(
         "camera": camera.description().name,
         "scene": scene,
         "seed": args.camera_options.seed,
+        "pipeline": args.pipeline.as_ref().map(|file| file.display().to_string()),
         "noise": NOISES.iter().find(|(_, _, mode)| *mode == args.noise).map(|(name, ..)| name),
         "exposure_time_s": photo.exposure.time_s,
         "mean_illuminance_lux": mean(&lux),

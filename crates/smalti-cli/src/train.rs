@@ -8,11 +8,13 @@ use serde_json::json;
 use smalti::camera::{Camera, TrainingTarget};
 use smalti::experiment::{Learned, NamedScene, TrainingSources, learn};
 use smalti::l3::{Origin, Pipeline, PositionSummary};
+use smalti_io::cameras::LoadedCamera;
 use smalti_io::{l3, memory, write};
 
 use crate::args::{CameraOptions, Common};
 use crate::learning_args::LearningOptions;
 use crate::numbers::positive;
+use crate::output::note;
 use crate::progress::Progress;
 use crate::scene_args::SceneOptions;
 use crate::{pairs, resolve, table};
@@ -30,7 +32,7 @@ use crate::{pairs, resolve, table};
     --exposures determines the exposure of all scenes, and their luminance has no effect. The printed table states for each \
     position of the mosaic how many classes had training data, and the origin of the kernels of classes with too few patches.")]
 pub(crate) struct Train {
-    /// A built-in camera (smalti list cameras) or a TOML file
+    /// A built-in camera (smalti list cameras) or a TOML file; CAMERA@MOSAIC has another mosaic (smalti list cfas)
     pub(crate) camera: String,
     /// A scene to learn from instead of the default set, built in or a file; may be given more than once
     #[arg(long = "scene", value_name = "SCENE")]
@@ -89,7 +91,8 @@ pub(crate) struct Train {
 }
 
 pub(crate) fn run(args: &Train, common: &Common) -> anyhow::Result<()> {
-    let camera = resolve::camera(&args.camera, &args.camera_options, None)?;
+    let LoadedCamera { camera, notes, .. } = resolve::camera(&args.camera, &args.camera_options)?;
+    notes.iter().for_each(|text| note(text, common));
     let mut settings = args.learning.settings(args.camera_options.seed);
     settings.target = target(args)?;
     settings.target_light = args.target_illuminant.as_deref().map(resolve::illuminant).transpose()?;
@@ -171,9 +174,10 @@ fn target(args: &Train) -> anyhow::Result<TrainingTarget> {
     if name.eq_ignore_ascii_case("xyz") {
         return Ok(TrainingTarget::Xyz);
     }
-    let other = resolve::camera(name, &CameraOptions { overrides: Vec::new(), seed: 1 }, None)
+    let options = CameraOptions { overrides: Vec::new(), cfa: None, seed: 1 };
+    let other = resolve::camera(name, &options)
         .with_context(|| format!("--target {name}: expected xyz, a built-in camera or a TOML file"))?;
-    Ok(TrainingTarget::channels_of(&other)?)
+    Ok(TrainingTarget::channels_of(&other.camera)?)
 }
 
 /// The table of classes and the origins of their kernels.

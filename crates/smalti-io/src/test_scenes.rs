@@ -2,12 +2,13 @@
 
 use std::path::Path;
 
-use smalti::camera::TestScene;
+use smalti::camera::{TEST_SAMPLES_PER_PX, TestScene};
 use smalti::spectrum::Illuminant;
 
 use crate::error::At;
+use crate::rendered::StoredScene;
 use crate::scene_file::is_meant;
-use crate::{IoError, ReadOptions, SceneRequest, rendered, scenes};
+use crate::{IoError, SceneRequest, rendered, scenes};
 
 /// A set of test scenes. None of them is a training scene.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -15,7 +16,8 @@ pub enum TestSet {
     /// Test patterns: dead leaves, ColorChecker, resolution charts and a room of high dynamic range, under the illuminant of the
     /// comparison.
     Charts,
-    /// Scenes of measured reflectances, each in its own light.
+    /// Scenes of measured reflectances: path-traced ones, each in its own light, and photographs under the illuminant of the
+    /// comparison.
     #[default]
     Natural,
     /// Both.
@@ -26,19 +28,23 @@ impl TestSet {
     /// All sets with their names and summaries.
     pub const NAMED: [(&'static str, &'static str, Self); 3] = [
         ("charts", "Test patterns and charts", Self::Charts),
-        ("natural", "Natural scenes in their own light", Self::Natural),
+        (
+            "natural",
+            "Path-traced scenes in their own light, and photographs with measured reflectances",
+            Self::Natural,
+        ),
         ("all", "Both sets", Self::All),
     ];
 
-    /// The scenes of the set.
+    /// The scenes of the set under an illuminant.
     ///
     /// # Errors
-    /// When a stored scene is damaged.
-    pub fn scenes(self) -> Result<Vec<TestScene>, IoError> {
+    /// When a stored scene is damaged, or the illuminant does not cover its wavelengths.
+    pub fn scenes(self, illuminant: &Illuminant) -> Result<Vec<TestScene>, IoError> {
         let mut scenes = Vec::new();
         if matches!(self, Self::Natural | Self::All) {
             for scene in rendered::names() {
-                scenes.push(stored(scene.name)?);
+                scenes.push(stored(scene, illuminant)?);
             }
         }
         if matches!(self, Self::Charts | Self::All) {
@@ -54,23 +60,29 @@ impl TestSet {
 /// # Errors
 /// When a file cannot be read or relit, or a stored scene is damaged.
 pub fn test_scene(name: &str, illuminant: &Illuminant) -> Result<TestScene, IoError> {
-    if rendered::find(name).is_some() {
-        return stored(name);
+    if let Some(scene) = rendered::find(name) {
+        return stored(scene, illuminant);
     }
     if !is_meant(name) {
         return Ok(TestScene::built_in(name));
     }
-    let request = SceneRequest {
-        luminance_cd_m2: Some(1.0),
-        illuminant: Some(illuminant.clone()),
-        read: ReadOptions::default(),
-        ..SceneRequest::default()
-    };
-    Ok(TestScene::relit(name, scenes::load(name, &request)?))
+    Ok(TestScene::relit(name, scenes::load(name, &under(illuminant))?, 1))
 }
 
-/// A stored scene in its own light.
-fn stored(name: &str) -> Result<TestScene, IoError> {
-    let scene = scenes::load(name, &SceneRequest::default())?;
-    TestScene::in_own_light(name, scene).at(Path::new(name))
+/// A scene at 1 cd/m² under an illuminant.
+fn under(illuminant: &Illuminant) -> SceneRequest {
+    SceneRequest {
+        luminance_cd_m2: Some(1.0),
+        illuminant: Some(illuminant.clone()),
+        ..SceneRequest::default()
+    }
+}
+
+/// A stored scene, under the illuminant if it can be relit.
+fn stored(scene: &StoredScene, illuminant: &Illuminant) -> Result<TestScene, IoError> {
+    let name = scene.name;
+    if scene.has_one_light() {
+        return Ok(TestScene::relit(name, scenes::load(name, &under(illuminant))?, TEST_SAMPLES_PER_PX));
+    }
+    TestScene::in_own_light(name, scene.load()?).at(Path::new(name))
 }

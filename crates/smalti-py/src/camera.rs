@@ -19,6 +19,7 @@ use crate::cfa::PyCfa;
 use crate::error::{OrRaise, one_of, short, wrong};
 use crate::image::PyImage;
 use crate::json::dict_of;
+use crate::l3::PyPipeline;
 use crate::photograph::PyPhotograph;
 use crate::raw::PyRawImage;
 use crate::scene::{PyOpticalImage, PyScene};
@@ -28,7 +29,8 @@ use crate::work::watched;
 /// A camera: lens, sensor and processing.
 ///
 /// Args:
-///     source: a built-in camera ("bayer", "rgbw", "phone", …; see `smalti.cameras()`) or a TOML file.
+///     source: a built-in camera ("bayer", "rgbw", "phone", …; see `smalti.cameras()`) or a TOML file. "bayer@quad-bayer" has another
+///         mosaic, of the catalogue (`smalti.cfas()`) or of a TOML file, with the filters of the camera.
 ///     set: keys of the description to replace, such as {"sensor.pixel.pitch_um": 1.4}; `smalti list camera-keys` prints all keys.
 ///     wavelengths_nm: sampling wavelengths of its curves, nm, even steps; default those that it states, else 400, 410, … 700. A
 ///         scene on other wavelengths is simulated on the wavelengths of the scene.
@@ -40,6 +42,9 @@ use crate::work::watched;
 #[derive(Debug, Clone)]
 pub(crate) struct PyCamera {
     pub(crate) camera: Camera,
+    /// What was recognised or supplied while the camera was read, list[str]: percent in a CSV file, a filter of the catalogue, and others.
+    #[pyo3(get)]
+    notes: Vec<String>,
 }
 
 #[pymethods]
@@ -53,8 +58,9 @@ impl PyCamera {
     ) -> PyResult<Self> {
         let (overrides, grid) = (overrides(set)?, grid_of(wavelengths_nm)?);
         let name = source.to_string_lossy();
-        let camera = cameras::load(&name, &overrides, grid).map_err(|e| diagnosed(&name, &e.to_string()))?;
-        Ok(Self { camera })
+        let loaded = cameras::load_with_notes(&name, &overrides, grid);
+        let loaded = loaded.map_err(|e| diagnosed(&name, &e.to_string()))?;
+        Ok(Self { camera: loaded.camera, notes: loaded.notes })
     }
 
     /// A camera from the text of a TOML file.
@@ -132,14 +138,14 @@ impl PyCamera {
     /// The same camera with another colour filter array. Its description does not change.
     fn with_cfa(&self, cfa: &PyCfa) -> PyResult<Self> {
         let cfa = cfa.0.on_grid(self.camera.grid()).or_raise()?;
-        Ok(Self { camera: self.camera.with_cfa(cfa) })
+        Ok(Self { camera: self.camera.with_cfa(cfa), notes: self.notes.clone() })
     }
 
     /// The same camera with another number of pixels.
     fn with_size(&self, rows: usize, cols: usize) -> PyResult<Self> {
         let camera = self.camera.with_size(rows, cols);
         camera.sensor.validate().or_raise()?;
-        Ok(Self { camera })
+        Ok(Self { camera, notes: self.notes.clone() })
     }
 
     /// The scene with a field of view that fits the sensor. Scenes from files and arrays do not cover more pixels than they have samples.
@@ -240,7 +246,8 @@ impl PyCamera {
     ///     noise: "all", "shot" (photon noise only) or "none".
     ///     seed: seed of the noise of this capture.
     ///     full_frame: read out all pixels, not only those that the scene covers.
-    #[pyo3(signature = (scene, *, noise="all", seed=1, full_frame=false))]
+    ///     pipeline: a learned pipeline that renders the picture; default the camera's own processing.
+    #[pyo3(signature = (scene, *, noise="all", seed=1, full_frame=false, pipeline=None))]
     fn photograph(
         &self,
         py: Python<'_>,
@@ -248,7 +255,9 @@ impl PyCamera {
         noise: &str,
         seed: u64,
         full_frame: bool,
+        pipeline: Option<&PyPipeline>,
     ) -> PyResult<PyPhotograph> {
+        let pipeline = pipeline.map(|p| &p.0);
         let settings =
             SimulationSettings { noise: noise_mode(noise)?, seed, score: ScoreSettings::default() };
         let (mut camera, scene) = self.before(scene)?;
@@ -259,7 +268,8 @@ impl PyCamera {
             }
             let light = scene.scene.illuminant().clone();
             let photo =
-                capture(&camera, scene.scene, &settings, watch, memory::available_bytes()).or_raise()?;
+                capture((&camera, pipeline), scene.scene, &settings, watch, memory::available_bytes())
+                    .or_raise()?;
             let info = DngInfo::of_camera(&camera, &light).or_raise()?;
             let balanced = camera.white_balance() != WhiteBalance::None;
             Ok(PyPhotograph {
@@ -271,6 +281,7 @@ impl PyCamera {
                 white,
                 settings,
                 camera,
+                pipeline: pipeline.cloned(),
             })
         })
     }
@@ -302,7 +313,8 @@ impl PyCamera {
         grid: Option<WavelengthGrid>,
     ) -> PyResult<Self> {
         let source = TomlSource { name: "camera".into(), folder, text };
-        Ok(Self { camera: cameras::from_source(&source, overrides, grid).or_raise()? })
+        let loaded = cameras::from_source_with_notes(&source, overrides, grid).or_raise()?;
+        Ok(Self { camera: loaded.camera, notes: loaded.notes })
     }
 
     /// Camera and scene on one wavelength grid, with the scene fitted to the sensor.

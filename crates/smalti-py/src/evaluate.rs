@@ -140,7 +140,8 @@ pub(crate) fn evaluate(
     let white = Observer::Cie1931.white(&illuminant.photons(camera.camera.grid()).or_raise()?).or_raise()?;
     let settings = EvaluationSettings { luminance_cd_m2, illuminant, seed, exposure: None };
     let name = camera.camera.description().name.clone();
-    let pipelines = pipeline.map(|p| PipelineSet::single(settings.illuminant.clone(), p.0.clone()));
+    let pipelines =
+        pipeline.map(|p| PipelineSet::of_any_light(&settings.illuminant, &camera.camera, p.0.clone()));
     let contender = Contender::with_pipelines(&camera.camera, &name, pipelines.as_ref());
     let (scores, pictures) = watched(py, None, |watch| {
         let store = self::cache(cache);
@@ -253,7 +254,7 @@ pub(crate) fn score_scenes(
     let built_in = || test_scenes().iter().map(|s| NameOrScene::Name((*s).to_owned())).collect();
     let scenes = scenes.unwrap_or_else(built_in);
     let name = &camera.camera.description().name;
-    let pipelines = pipeline.map(|p| PipelineSet::single(illuminant.clone(), p.0.clone()));
+    let pipelines = pipeline.map(|p| PipelineSet::of_any_light(&illuminant, &camera.camera, p.0.clone()));
     let contender = Contender::with_pipelines(&camera.camera, name, pipelines.as_ref());
     let score = ScoreSettings::default();
     watched(py, progress.map(Told::Pictures), |watch| {
@@ -309,7 +310,7 @@ pub(crate) fn compare<'py>(
     let cameras: Vec<Camera> = cameras.iter().map(|c| c.camera.clone()).collect();
     let labels = numbered(cameras.iter().map(|c| c.description().name.clone()).collect());
     let scenes = match scenes {
-        SetOrScenes::Set(name) => one_of("scenes", &name, &sets())?.scenes().or_raise()?,
+        SetOrScenes::Set(name) => one_of("scenes", &name, &sets())?.scenes(&illuminant).or_raise()?,
         SetOrScenes::Scenes(scenes) => {
             scenes.iter().map(|s| s.test_scene(Some(&illuminant))).collect::<PyResult<_>>()?
         }
@@ -414,7 +415,7 @@ impl NameOrScene {
                     ..Default::default()
                 };
                 let scene = request.applied_to(scene.clone()).or_raise_about(name)?;
-                Ok(TestScene::relit(name.clone(), scene))
+                Ok(TestScene::relit(name.clone(), scene, 1))
             }
         }
     }
@@ -443,7 +444,7 @@ pub(crate) fn light_gain<'py>(
         ..LightGainSettings::default()
     };
     let set = |pipeline: Option<PyRef<'py, PyPipeline>>| {
-        pipeline.map(|p| PipelineSet::single(settings.illuminant.clone(), p.0.clone()))
+        pipeline.map(|p| PipelineSet::of_any_light(&settings.illuminant, &camera.camera, p.0.clone()))
     };
     let (of, than) = (set(pipelines.0), set(pipelines.1));
     let a = Contender::with_pipelines(&camera.camera, &camera.camera.description().name, of.as_ref());

@@ -3,6 +3,7 @@
 use pyo3::prelude::*;
 use smalti::camera::Camera;
 use smalti::experiment::{SimulationSettings, score_capture};
+use smalti::l3::Pipeline;
 use smalti::sensor::Exposure;
 use smalti::spectrum::Spectrum;
 
@@ -32,6 +33,8 @@ pub(crate) struct PyPhotograph {
     pub(crate) settings: SimulationSettings,
     /// With the window that was read out.
     pub(crate) camera: Camera,
+    /// What rendered the picture, if it was learned.
+    pub(crate) pipeline: Option<Pipeline>,
 }
 
 #[pymethods]
@@ -51,12 +54,12 @@ impl PyPhotograph {
         Ok(PyImage::new(reference, Some(self.white)))
     }
 
-    /// The difference between the centre of the picture and `reference`, for the camera's own processing without white balance, as `smalti
-    /// simulate` scores it: cpsnr_db, pixel_delta_e_2000_mean, pixel_delta_e_2000_p95, scielab_mean and others; None without light.
+    /// The difference between the centre of the picture, without white balance, and `reference`, as `smalti simulate` scores it: cpsnr_db, pixel_delta_e_2000_mean, pixel_delta_e_2000_p95, scielab_mean and others; None without light.
     fn scores<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
         let (image, exposure) = (&self.optical_image.0, &self.exposure);
+        let processed = (&self.camera, self.pipeline.as_ref());
         let scored = watched(py, None, |_| {
-            score_capture(&self.camera, &self.light, image, exposure, &self.settings).or_raise()
+            score_capture(processed, &self.light, image, exposure, &self.settings).or_raise()
         })?;
         scored.map(|s| dict_of(py, &s.scores)).transpose()
     }

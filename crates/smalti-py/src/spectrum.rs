@@ -144,7 +144,10 @@ pub(crate) fn filter(value: &Bound<'_, PyAny>, what: &str, grid: WavelengthGrid)
     let filter = if let Ok(name) = value.cast::<PyString>() {
         let name = name.to_str()?;
         if name.to_ascii_lowercase().ends_with(".csv") || name.contains(".csv#") {
-            let read = spectrum_csv::read_spectrum(name).or_raise_about(what)?;
+            let (read, note) = spectrum_csv::read_transmittance(name).or_raise_about(what)?;
+            if let Some(note) = note {
+                value.py().import("warnings")?.call_method1("warn", (note,))?;
+            }
             return read.resampled(grid, Extrapolation::Error).or_raise_about(what);
         }
         Filter::Builtin(name.to_owned())

@@ -90,6 +90,28 @@ def test_ones_own_mosaic() -> None:
     np.testing.assert_allclose(ratio, np.broadcast_to(ratio[0], ratio.shape), rtol=1e-9)
 
 
+def test_a_camera_has_another_mosaic_and_tells_what_it_took() -> None:
+    quad = smalti.Camera("bayer@quad-bayer")
+    assert (quad.name, quad.cfa.name, quad.notes) == ("bayer@quad-bayer", "quad-bayer", [])
+    np.testing.assert_array_equal(quad.spectral_responsivity(), smalti.Camera("bayer").spectral_responsivity())
+    white = smalti.Camera("bayer@rgbw-sony")
+    assert white.notes == ["bayer@rgbw-sony: the camera has no filter for W (white); that of the catalogue is taken"]
+    # As a camera file, it stays what it is.
+    assert smalti.Camera.from_toml(white.to_toml()).description == white.description
+
+
+def test_filters_of_all_letters_come_from_one_file(tmp_path: Path) -> None:
+    file = tmp_path / "filters.csv"
+    file.write_text("nm;R;G;B\n400;0,1;0,2;0,9\n700;0,9;0,1;0,0\n")
+    camera = smalti.Camera("bayer", set={"sensor.cfa.filters": {"file": str(file)}})
+    assert camera.cfa.channels["R"].values[0] == pytest.approx(0.1)
+    assert camera.notes == [f"{file}: columns separated by semicolons, decimal commas"]
+    file.write_text("nm;R;G;B\n400;10;20;90\n700;90;10;0\n")
+    with pytest.warns(UserWarning, match="values in percent"):
+        cfa = smalti.Cfa("bayer", {letter: f"{file}#{letter}" for letter in "RGB"})
+    assert cfa.channels["B"].values[0] == pytest.approx(0.9)
+
+
 def test_every_stage_takes_arrays() -> None:
     camera = smalti.Camera("bayer", set={"sensor.rows": 32, "sensor.cols": 48, "exposure.time_ms": 20})
     light = smalti.illuminant("D65")

@@ -14,6 +14,8 @@ from conftest import Command
 BAD: list[tuple[Any, type[Exception], str]] = [
     (lambda: smalti.Camera("bayr"), smalti.SmaltiError, "did you mean 'bayer'"),
     (lambda: smalti.Camera("none.toml"), FileNotFoundError, "none.toml"),
+    (lambda: smalti.Camera("quad-bayer"), smalti.SmaltiError, "bayer@quad-bayer"),
+    (lambda: smalti.Camera("machine-vision@rgbw"), smalti.SmaltiError, "sensor.cfa.filters.W"),
     (lambda: smalti.Camera("bayer", set={"sensor.pixel.pitch_um": -1}), smalti.SmaltiError, "sensor.pixel.pitch_um"),
     (lambda: smalti.Camera("bayer", set={"sensor.pixel.pich_um": 1}), smalti.SmaltiError, "pitch_um"),
     (lambda: smalti.Camera("bayer", set={"sensor.rows": object()}), smalti.SmaltiError, "sensor.rows"),

@@ -78,6 +78,19 @@ def test_pairs_are_fitted_as_numpy_fits_them() -> None:
     assert np.abs(rendered - fitted).mean() < 0.1 * np.abs(fitted - fitted.mean(axis=0)).mean() + 0.02
 
 
+def test_a_learned_pipeline_renders_a_photograph() -> None:
+    camera = smalti.Camera("bayer", set=SMALL)
+    scene = smalti.Scene("dead-leaves?rows=64&cols=96&largest=40")
+    pipeline = smalti.train(camera, [scene], patch=3, levels=3, textures="none", progress=False)
+    own = camera.photograph(scene, noise="none")
+    learned = camera.photograph(scene, noise="none", pipeline=pipeline)
+    np.testing.assert_array_equal(own.raw.samples, learned.raw.samples)
+    scores, classic = learned.scores(), own.scores()
+    assert scores is not None and classic is not None and scores["cpsnr_db"] > classic["cpsnr_db"]
+    with pytest.raises(smalti.SmaltiError, match="the pipeline is for 2 × 2"):
+        smalti.Camera("rgbw", set=SMALL).photograph(scene, pipeline=pipeline)
+
+
 def test_a_pipeline_refuses_another_mosaic() -> None:
     pipeline = smalti.train(smalti.Camera("bayer", set=SMALL), scenes()[:1], patch=3, levels=1, progress=False)
     other = smalti.Camera("kodak", set=SMALL).photograph(smalti.Scene("macbeth"))

@@ -6,12 +6,16 @@ use smalti::camera::{Camera, ColorimetricObserver};
 use smalti::sensor::Channel;
 use smalti::sensor::cfa::info;
 use smalti::spectrum::Illuminant;
+use smalti_io::cameras::LoadedCamera;
 use smalti_io::{Override, cameras};
 use smalti_report::names;
 
 use super::datasheet::{Datasheet, Part, four_digits};
 use super::tile::{self, Tile};
 use super::{cfa, study};
+use crate::args::Common;
+use crate::output::note;
+use crate::resolve;
 
 /// Sections of the description, in the direction of light.
 const SECTIONS: [&str; 4] = ["optics", "sensor", "exposure", "isp"];
@@ -22,11 +26,23 @@ const SHORT_LIST: usize = 8;
 /// The wavelength of the diffraction limit.
 const MIDDLE_NM: f64 = 550.0;
 
-pub(super) fn datasheet(name: &str, overrides: &[Override]) -> anyhow::Result<Datasheet> {
-    let camera = cameras::load(name, overrides, None).map_err(|e| anyhow::anyhow!("{e}"))?;
-    let (summary, toml) = study::file(name, cameras::names())?;
+pub(super) fn datasheet(name: &str, overrides: &[Override], common: &Common) -> anyhow::Result<Datasheet> {
+    let loaded = cameras::load_with_notes(name, overrides, None).map_err(|e| anyhow::anyhow!("{e}"))?;
+    let own_toml = loaded.stated_toml().map_err(|e| anyhow::anyhow!("{e}"))?;
+    let LoadedCamera { camera, stated, mut notes } = loaded;
+    let warnings = resolve::clear_channel_warnings(&camera, &Illuminant::D65.photons(camera.grid())?)?;
+    notes.extend(warnings.iter().map(|text| format!("{}: {text}", stated.name)));
+    notes.iter().for_each(|text| note(text, common));
+    let (summary, toml) = if cameras::has_mosaic(name) {
+        // No file has this text.
+        (String::new(), format!("# {name}\n{own_toml}"))
+    } else {
+        study::file(name, cameras::names())?
+    };
     let description = serde_json::to_value(camera.description())?;
-    let array = &camera.description().sensor.cfa;
+    // Curves of files are shown by the names of the files.
+    let shown = serde_json::to_value(&stated)?;
+    let array = &stated.sensor.cfa;
     let built_in = match &array.pattern {
         PatternDescription::Name(name) => info(name).ok(),
         PatternDescription::Letters(_) => None,
@@ -40,7 +56,7 @@ pub(super) fn datasheet(name: &str, overrides: &[Override]) -> anyhow::Result<Da
     let derived = derived(&camera)?;
     let mut lines = String::new();
     for section in SECTIONS {
-        if let Some(Value::Object(keys)) = description.get(section) {
+        if let Some(Value::Object(keys)) = shown.get(section) {
             lines += &table(&format!("[{section}]"), section, keys);
         }
     }
@@ -54,6 +70,7 @@ pub(super) fn datasheet(name: &str, overrides: &[Override]) -> anyhow::Result<Da
     };
     let json = json!({
         "kind": "camera", "name": camera.description().name, "summary": summary, "description": description,
+        "notes": notes,
         "derived": derived.iter().map(|(k, v, u)| json!({"name": k, "value": v, "unit": u})).collect::<Vec<_>>(),
         "wavelengths_nm": camera.grid().wavelengths_nm().collect::<Vec<_>>(),
         "cfa": tile.json(),
@@ -73,7 +90,7 @@ pub(super) fn datasheet(name: &str, overrides: &[Override]) -> anyhow::Result<Da
     );
     Ok(Datasheet {
         title,
-        about: Some(summary).filter(|s| !s.is_empty()).into_iter().collect(),
+        about: Some(summary).filter(|s| !s.is_empty()).into_iter().chain(notes).collect(),
         // The drawings come last, since they remain visible when the text scrolls.
         parts: vec![Part::Lines(lines), Part::Tile(tile), Part::Plot(plot)],
         json,

@@ -26,14 +26,16 @@ pub(super) fn is_csv(name: &str) -> bool {
 pub(super) fn filter(name: &str, options: &SceneOptions) -> anyhow::Result<Datasheet> {
     let infrared = name.contains("infrared") || name == "silicon";
     let grid = cfa::grid(options, if infrared { END_NM } else { 700.0 })?;
-    let curve = match (is_csv(name), &options.wavelengths) {
-        (true, None) => spectrum_csv::read_spectrum(name)?,
-        (true, Some(_)) => spectrum_csv::read_spectrum(name)?.resampled(grid, Extrapolation::Error)?,
-        (false, _) => Filter::Builtin(name.to_owned()).spectrum(grid)?,
+    let (curve, told) = if is_csv(name) {
+        let (read, told) = spectrum_csv::read_transmittance(name)?;
+        (if options.wavelengths.is_some() { read.resampled(grid, Extrapolation::Error)? } else { read }, told)
+    } else {
+        (Filter::Builtin(name.to_owned()).spectrum(grid)?, None)
     };
     let info = filters::builtin_filters().iter().find(|f| f.name == name);
     let (nm, peak) = tile::peak(&curve);
     let about = info.map(|f| vec![f.summary.to_owned(), f.source.to_owned()]).unwrap_or_default();
+    let about = about.into_iter().chain(told).collect();
     let title = format!("{name}: a transmittance curve, peak {peak:.2} at {nm:.0} nm");
     let color = tile::looks(&curve.map(|_, v| v.clamp(0.0, 1.0))?)?;
     let parts = vec![Part::Plot(plot("Transmittance", "Transmittance", name, color, curve.clone()))];

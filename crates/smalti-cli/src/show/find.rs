@@ -85,6 +85,9 @@ pub(super) fn kind(name: &str, asked: Option<Kind>) -> anyhow::Result<(Kind, Vec
     if let Some(kind) = asked {
         return Ok((kind, Vec::new()));
     }
+    if cameras::has_mosaic(name) {
+        return Ok((Kind::Camera, Vec::new()));
+    }
     let mut kinds: Vec<Kind> = Kind::value_variants().iter().copied().filter(|k| k.has(name)).collect();
     if kinds.is_empty() {
         kinds = of_file(name)?;
@@ -144,6 +147,7 @@ mod tests {
             }
         }
         assert_eq!(kind("zone-plate?frequency=0.4", None).unwrap(), (Kind::Scene, vec![]));
+        assert_eq!(kind("bayer@quad-bayer", None).unwrap(), (Kind::Camera, vec![]));
         assert_eq!(kind("bayer", Some(Kind::Scene)).unwrap(), (Kind::Scene, vec![]));
     }
 

@@ -24,7 +24,8 @@ use smalti_report::Figure;
 use self::datasheet::{Datasheet, Part};
 use self::find::Kind;
 use self::picture::Pixels;
-use crate::resolve::has_extension;
+use crate::args::Common;
+use crate::resolve::{self, has_extension};
 use crate::scene_args::SceneOptions;
 use crate::table::wrap;
 use crate::terminal::{ColorChoice, GraphicsChoice, Protocol, Screen};
@@ -40,7 +41,7 @@ const TEXT_COLUMNS: usize = 100;
     smalti show phone --toml > mine.toml             a camera file to start your own from\n  \
     smalti show zone-plate?frequency=0.3             a scene\n  \
     smalti show macbeth --illuminant A\n  \
-    smalti show mine.toml --set sensor.cfa.pattern=xtrans\n  \
+    smalti show mine.toml@xtrans                     a camera with another mosaic\n  \
     smalti show silicon                              a curve; smalti show LED draws an illuminant\n  \
     smalti show xtrans -o xtrans.svg                 its mosaic as a picture file\n\n\
     Pictures are drawn with the best graphics that the terminal is known to support, and as letters when piped. NO_COLOR is respected.")]
@@ -69,17 +70,22 @@ pub(crate) struct Show {
     /// Replace a key of the camera, whose name contains the unit; may be given more than once
     #[arg(long = "set", value_name = "KEY=VALUE")]
     overrides: Vec<Override>,
+    /// Another mosaic for the camera: a name (smalti list cfas) or a TOML file; CAMERA@MOSAIC is the same
+    #[arg(long, value_name = "MOSAIC")]
+    cfa: Option<String>,
     // Last: the heading would apply to all arguments after it.
     #[command(flatten, next_help_heading = "Scenes, and wavelengths of every drawing")]
     scene_options: SceneOptions,
 }
 
-pub(crate) fn run(args: &Show) -> anyhow::Result<()> {
+pub(crate) fn run(args: &Show, common: &Common) -> anyhow::Result<()> {
     let (kind, others) = find::kind(&args.name, args.kind)?;
     refuse_unused_options(args, kind)?;
     let options = &args.scene_options;
     let mut sheet = match kind {
-        Kind::Camera => camera::datasheet(&args.name, &args.overrides)?,
+        Kind::Camera => {
+            camera::datasheet(&resolve::with_cfa(&args.name, args.cfa.as_deref())?, &args.overrides, common)?
+        }
         Kind::Cfa => cfa::datasheet(&args.name, options)?,
         Kind::Scene => scene::datasheet(&args.name, options)?,
         Kind::Study => study::datasheet(&args.name)?,
@@ -115,6 +121,7 @@ fn refuse_unused_options(args: &Show, kind: Kind) -> anyhow::Result<()> {
     let of_light = [Kind::Scene, Kind::Cfa, Kind::Illuminant, Kind::Filter];
     for (option, given, kinds) in [
         ("--set", !args.overrides.is_empty(), &[Kind::Camera][..]),
+        ("--cfa", args.cfa.is_some(), &[Kind::Camera]),
         ("--luminance", options.luminance.is_some(), &scene),
         ("--distance", options.distance.is_some(), &scene),
         ("--fov", options.fov.is_some(), &scene),

@@ -164,7 +164,10 @@ fn filters_that_do_not_fit() {
         ("400,0.1\n550,abc\n700,0.9\n", "f.csv: line 2: found 'abc'; expected a finite number"),
         ("400,0.1\n390,0.9\n", "f.csv: line 2: found wavelength 390 after 400; expected ascending"),
         ("", "f.csv: the file is empty; expected lines wavelength_nm,value"),
-        ("400,2\n700,2\n", "2 at 400 nm; expected 0 to 1"),
+        (
+            "400,2\n700,2\n",
+            "f.csv: line 1: found 2 in column '1'; expected a transmittance from 0 to 1, or percent",
+        ),
         ("400,-1\n700,0\n", "-1 at 400 nm; expected 0 to 1"),
         ("400,nan\n700,0\n", "line 1: found 'nan'; expected a finite number"),
         ("400\n700\n", "line 1: found one column"),

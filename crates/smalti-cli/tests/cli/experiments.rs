@@ -91,7 +91,7 @@ fn simulate_gives_what_the_library_gives_and_scores_as_compare_does() {
     let scene = bayer.fitted(scenes::load(MACBETH, &request).unwrap(), false).unwrap();
     bayer.sensor.window = Some(bayer.window_on(&scene).unwrap());
     let settings = SimulationSettings { noise: NoiseMode::All, seed: 1, score: ScoreSettings::default() };
-    let simulation = simulate(&bayer, scene, &settings, &Silent, None).unwrap();
+    let simulation = simulate((&bayer, None), scene, &settings, &Silent, None).unwrap();
     let scores = as_read(&simulation.score.unwrap().scores);
     for key in ["cpsnr_db", "pixel_delta_e_2000_mean", "pixel_delta_e_2000_p95", "scielab_mean"] {
         assert!(scores[key].is_number());

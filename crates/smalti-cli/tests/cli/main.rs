@@ -12,6 +12,7 @@ mod experiments;
 mod gaussian_sets;
 mod learn;
 mod learn_bad;
+mod mosaics;
 mod reference;
 mod shell;
 mod show;

@@ -9,7 +9,7 @@ use smalti::names::nearest;
 use super::file::{Conditions, MAX_CONDITIONS, StudyFile};
 use crate::camera_toml::Override;
 use crate::diagnostic::Diagnostic;
-use crate::toml_source::{TomlSource, beside, is_toml};
+use crate::toml_source::{TomlSource, is_toml};
 use crate::{cameras, lights};
 
 /// Keys of a condition that are not keys of the camera.
@@ -97,10 +97,7 @@ fn condition(
         let message = format!("{luminance_cd_m2}; expected a number above 0");
         return Err(wrong(&at("luminance_cd_m2"), &message));
     }
-    let camera = match is_toml(Path::new(&file.camera)) {
-        true => beside(&source.folder, &file.camera).to_string_lossy().into_owned(),
-        false => file.camera.clone(),
-    };
+    let camera = cameras::name_beside(&source.folder, &file.camera);
     let camera =
         cameras::load(&camera, &overrides, None).map_err(|e| match e.origin.strip_prefix("--set ") {
             // Overrides come from keys of the study file.

@@ -196,6 +196,7 @@ class Camera:
     ) -> Camera: ...
     name: Final[str]
     description: Final[dict[str, Any]]
+    notes: Final[list[str]]
     def to_toml(self) -> str: ...
     cfa: Final[Cfa]
     shape: Final[tuple[int, int]]
@@ -217,7 +218,13 @@ class Camera:
         self, optical_image: OpticalImage, illuminant: Scene | _Light, *, time_s: float | None = None
     ) -> Image: ...
     def photograph(
-        self, scene: Scene, *, noise: _Noise = "all", seed: int = 1, full_frame: bool = False
+        self,
+        scene: Scene,
+        *,
+        noise: _Noise = "all",
+        seed: int = 1,
+        full_frame: bool = False,
+        pipeline: Pipeline | None = None,
     ) -> Photograph: ...
     def _repr_svg_(self) -> str: ...
 

@@ -110,9 +110,9 @@ impl<'a> Comparison<'a> {
     pub fn tables(&self) -> Vec<(String, &'a Pipeline)> {
         let of_camera = |(contender, _, _): (&'a Contender<'a>, _, _)| {
             let all = contender.pipelines.into_iter().flat_map(PipelineSet::iter);
-            all.enumerate().map(move |(i, (illuminant, pipeline))| match i {
-                0 => (contender.label.to_owned(), pipeline),
-                _ => (format!("{}-{}", contender.label, illuminant.name()), pipeline),
+            all.enumerate().map(move |(i, lit)| match i {
+                0 => (contender.label.to_owned(), &lit.pipeline),
+                _ => (format!("{}-{}", contender.label, lit.illuminant.name()), &lit.pipeline),
             })
         };
         let (wanted, tables): (Vec<String>, Vec<_>) = self.learned().into_iter().flat_map(of_camera).unzip();

@@ -4,6 +4,7 @@
 #[allow(clippy::module_inception)]
 mod camera;
 pub(crate) mod chart;
+mod clear_channel;
 mod colorimetry;
 pub(crate) mod compare;
 pub mod description;
@@ -21,6 +22,7 @@ mod training;
 pub(crate) mod training_set;
 
 pub use camera::Camera;
+pub use clear_channel::{NOTABLE_UNSHARED_SHARE, UnsharedLight};
 pub use colorimetry::{ColorimetricObserver, SensorColorimetry};
 pub use compare::{SceneScores, Setup, TEST_SAMPLES_PER_PX, compare_on, test_scenes};
 pub use description::CameraDescription;

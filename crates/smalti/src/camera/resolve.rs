@@ -2,7 +2,7 @@
 
 use super::CameraError;
 use super::description::{
-    ArchitectureName, AutoExposureName, CameraDescription, OpticsDescription, OpticsModelName,
+    ArchitectureName, AutoExposureName, CameraDescription, FILTER_TABLE, OpticsDescription, OpticsModelName,
     PatternDescription, SensorDescription,
 };
 use crate::optics::{
@@ -231,6 +231,9 @@ fn color_filter_array(d: &SensorDescription, grid: WavelengthGrid) -> Result<Cfa
     let mut filters = Vec::new();
     for (letter, filter) in &d.cfa.filters {
         let name = format!("sensor.cfa.filters.{letter}");
+        if let (FILTER_TABLE, Filter::File(file)) = (letter.as_str(), filter) {
+            return Err(key(&name, format_args!("'{file}' has not been read")));
+        }
         filters.push((single_letter(&name, letter)?, curve(&name, filter, grid)?));
     }
     match &d.cfa.pattern {

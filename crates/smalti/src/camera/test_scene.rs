@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::{Camera, CameraError, Setup, TEST_SAMPLES_PER_PX, test_scenes};
 use crate::scene::{Scene, SceneError, Setting};
-use crate::spectrum::{Illuminant, SpectrumError};
+use crate::spectrum::Illuminant;
 
 /// A scene on which cameras are compared.
 #[derive(Debug, Clone, PartialEq)]
@@ -40,10 +40,11 @@ impl TestScene {
         test_scenes().iter().map(|name| Self::built_in(name)).collect()
     }
 
-    /// A given scene under the illuminant of the comparison, with one sample per pixel. Its mean luminance is 1 cd/m².
+    /// A given scene under the illuminant of the comparison, with a number of samples per pixel in each direction. Its mean luminance
+    /// is 1 cd/m².
     #[must_use]
-    pub fn relit(name: impl Into<String>, scene: Scene) -> Self {
-        Self::Given { name: name.into(), scene: Arc::new(scene), samples_per_px: 1, keeps_light: false }
+    pub fn relit(name: impl Into<String>, scene: Scene, samples_per_px: usize) -> Self {
+        Self::Given { name: name.into(), scene: Arc::new(scene), samples_per_px, keeps_light: false }
     }
 
     /// A given scene in its own light, at a mean luminance of 1 cd/m² and with [`TEST_SAMPLES_PER_PX`] samples per pixel in each
@@ -54,20 +55,6 @@ impl TestScene {
     pub fn in_own_light(name: impl Into<String>, scene: Scene) -> Result<Self, SceneError> {
         let scene = Arc::new(scene.with_mean_luminance(1.0)?);
         Ok(Self::Given { name: name.into(), scene, samples_per_px: TEST_SAMPLES_PER_PX, keeps_light: true })
-    }
-
-    /// The light of a scene that keeps it, on the wavelengths of the scene and with the scene's name; `None` for scenes under
-    /// the illuminant of the comparison.
-    ///
-    /// # Errors
-    /// Never for a valid scene.
-    pub fn own_light(&self) -> Result<Option<Illuminant>, SpectrumError> {
-        match self {
-            Self::Given { name, scene, keeps_light: true, .. } => {
-                Ok(Some(Illuminant::of_photons(name, scene.illuminant())?))
-            }
-            _ => Ok(None),
-        }
     }
 
     /// The name of the scene.

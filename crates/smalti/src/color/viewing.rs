@@ -1,7 +1,7 @@
 //! Conversion of relative XYZ images for viewing on a display.
 
 use super::adaptation::bradford;
-use super::matrix::IDENTITY;
+use super::matrix::{IDENTITY, Matrix3};
 use super::{ColorSpace, Image, ImageError};
 use crate::numeric::Planes;
 
@@ -46,15 +46,28 @@ impl Image {
     /// # Errors
     /// [`ImageError::Space`] when the picture is not in XYZ; [`ImageError::White`] when the white cannot be adapted.
     pub fn shown(&self, white: Option<[f64; 3]>, gain: f64) -> Result<Self, ImageError> {
+        let adapted = white.map_or(Ok(IDENTITY), |w| bradford(SRGB_WHITE, w).ok_or(ImageError::White(w)))?;
+        self.transformed(&adapted, gain)?.converted(ColorSpace::Srgb)
+    }
+
+    /// A picture in XYZ with its white (X, Y, Z with Y = 1) adapted to another (Bradford).
+    ///
+    /// # Errors
+    /// [`ImageError::Space`] when the picture is not in XYZ; [`ImageError::White`] when the white cannot be adapted.
+    pub fn adapted(&self, white_to: [f64; 3], white_from: [f64; 3]) -> Result<Self, ImageError> {
+        self.transformed(&bradford(white_to, white_from).ok_or(ImageError::White(white_from))?, 1.0)
+    }
+
+    /// A picture in XYZ, multiplied by a matrix and a factor.
+    fn transformed(&self, matrix: &Matrix3, gain: f64) -> Result<Self, ImageError> {
         self.check_space(ColorSpace::Xyz)?;
         let ([x, y, z], mut out) = (self.channels(), Planes::zeros(self.rows(), self.cols(), 3));
-        let adapted = white.map_or(Ok(IDENTITY), |w| bradford(SRGB_WHITE, w).ok_or(ImageError::White(w)))?;
-        for (out, row) in out.planes_mut().zip(&adapted) {
+        for (out, row) in out.planes_mut().zip(matrix) {
             let [a, b, c] = row.map(|v| (v * gain) as f32);
             let xyz = x.iter().zip(y).zip(z);
             out.iter_mut().zip(xyz).for_each(|(o, ((x, y), z))| *o = a * x + b * y + c * z);
         }
-        Self::new(ColorSpace::Xyz, out)?.converted(ColorSpace::Srgb)
+        Self::new(ColorSpace::Xyz, out)
     }
 }
 

@@ -5,7 +5,7 @@ use std::ops::Range;
 
 use super::default_training::{DefaultTraining, learn_default};
 use super::error::StageContext;
-use super::lights::{PipelineSet, SceneLight};
+use super::lights::{LitPipeline, PipelineSet, SceneLight};
 use super::progress::{Stoppable, ensure_running};
 use super::training_statistics::ensure_mosaic;
 use super::{ExperimentError, Processing, Progress, Resources};
@@ -17,7 +17,7 @@ use crate::camera::{
 use crate::isp::{Classic, Isp, WhiteBalance};
 use crate::l3::{L3Error, Pipeline, Training, peak_ratio_db};
 use crate::sensor::NoiseMode;
-use crate::spectrum::Spectrum;
+use crate::spectrum::{Illuminant, Spectrum};
 
 /// A camera with its processing.
 #[derive(Clone, Copy)]
@@ -69,7 +69,11 @@ impl<'a> Contender<'a> {
         'a: 'b,
     {
         let isp: Box<dyn Isp + 'b> = match (self.processing, self.pipelines) {
-            (Processing::L3, Some(pipelines)) => Box::new(pipelines.for_light(light)),
+            (Processing::L3, Some(pipelines)) => {
+                let pipeline = pipelines.for_light(light);
+                pipeline.ensure_renders(&self.camera.sensor.cfa)?;
+                Box::new(pipeline)
+            }
             (Processing::L3, None) => return Err(L3Error::NoPipeline.into()),
             (Processing::Classic(demosaic), _) => {
                 let camera = self.camera.on_grid(light.grid())?;
@@ -127,32 +131,37 @@ pub fn pipelines(
     }
     let mut given = given.into_iter().chain(std::iter::repeat(None));
     let mut sets: Vec<Option<PipelineSet>> = Vec::with_capacity(cameras.len());
-    // Cameras on the wavelengths of scenes that keep their light.
-    let mut on_grids: Vec<(usize, &SceneLight, Cow<'_, Camera>)> = Vec::new();
+    // Each camera on the wavelengths of each light.
+    let mut on_grids: Vec<(usize, &Illuminant, Cow<'_, Camera>)> = Vec::new();
     for (number, (camera, label)) in labelled().enumerate() {
         let given = given.next().flatten();
         if learns && given.is_none() {
-            for light in lights {
-                let on_grid = match light.grid {
+            for SceneLight { illuminant, grid } in lights {
+                let on_grid = match grid.filter(|grid| *grid != camera.grid()) {
                     Some(grid) => Cow::Owned(camera.on_grid(grid).in_context(|| label.to_owned())?),
                     None => Cow::Borrowed(camera),
                 };
-                on_grids.push((number, light, on_grid));
+                let is_same = |(other, light, on): &(usize, &Illuminant, Cow<'_, Camera>)| {
+                    (*other, *light, on.grid()) == (number, illuminant, on_grid.grid())
+                };
+                if !on_grids.iter().any(is_same) {
+                    on_grids.push((number, illuminant, on_grid));
+                }
             }
         }
-        sets.push(given.map(|given| PipelineSet::single(first.illuminant.clone(), given)));
+        sets.push(given.map(|given| PipelineSet::of_any_light(&first.illuminant, camera, given)));
     }
     let mut trainings = Vec::with_capacity(on_grids.len());
     for (number, light, camera) in &on_grids {
         let label = labels.get(*number).map_or("", String::as_str);
-        trainings.push(DefaultTraining { camera, label, light: &light.illuminant });
+        trainings.push(DefaultTraining { camera, label, light });
     }
     let learned = learn_default(&trainings, learning, resources)?;
-    for ((number, light, _), pipeline) in on_grids.iter().zip(learned) {
-        let illuminant = light.illuminant.clone();
+    for ((number, light, camera), pipeline) in on_grids.iter().zip(learned) {
+        let lit = LitPipeline { illuminant: (*light).clone(), grid: camera.grid(), pipeline };
         sets[*number] = Some(match sets[*number].take() {
-            None => PipelineSet::single(illuminant, pipeline),
-            Some(set) => set.with(illuminant, pipeline),
+            None => PipelineSet::single(lit),
+            Some(set) => set.with(lit),
         });
     }
     Ok(sets)
@@ -253,7 +262,7 @@ mod tests {
     use crate::l3::{Axes, Class, Kernels, Levels, Origin, PipelineParts};
     use crate::scene::{Setting, uniform};
     use crate::sensor::{RawImage, Sampling, SignalNoise};
-    use crate::spectrum::{Illuminant, WavelengthGrid};
+    use crate::spectrum::WavelengthGrid;
 
     /// A pipeline of three equal outputs for this raw image, with these weights.
     fn pipeline(raw: &RawImage, white_level: f64, weight: f32) -> Pipeline {
@@ -293,7 +302,7 @@ mod tests {
         let isp = setup.camera.isp(&setup.light, WhiteBalance::None).unwrap();
         let scores = compare_on(&setup, &isp, 1, &ScoreSettings::default()).unwrap();
         let ratio = |setup: &Setup, pipeline: &Pipeline| {
-            let set = PipelineSet::single(Illuminant::D65, pipeline.clone());
+            let set = PipelineSet::of_any_light(&Illuminant::D65, &setup.camera, pipeline.clone());
             let contender = Contender::with_pipelines(&setup.camera, "a", Some(&set));
             fixed_point_psnr_db(&contender, setup, &scores, 1)
         };

@@ -6,9 +6,9 @@
 
 use super::ExperimentError;
 use super::error::StageContext;
-use crate::camera::TestScene;
+use crate::camera::{Camera, TestScene};
 use crate::l3::Pipeline;
-use crate::spectrum::{Illuminant, Spectrum, SpectrumError, WavelengthGrid};
+use crate::spectrum::{Illuminant, Spectrum, WavelengthGrid};
 
 /// Largest difference of two lights, relative to their maxima, up to which scenes share a pipeline. One lamp differs by up to 2 %
 /// between scenes, whose spectra are means over bands or samples.
@@ -19,11 +19,11 @@ const SAME_LIGHT: f64 = 0.03;
 pub struct SceneLight {
     /// The illuminant.
     pub illuminant: Illuminant,
-    /// The wavelengths of scenes that keep their light; `None` for those of each camera.
+    /// The wavelengths of the scenes; `None` for those of each camera.
     pub grid: Option<WavelengthGrid>,
 }
 
-/// The illuminants of a comparison: first that of its targets and of scenes that are relit, then the others, each once.
+/// The illuminants of a comparison: first that of its targets, then those of given scenes, each once for its wavelengths.
 ///
 /// # Errors
 /// Never for valid scenes.
@@ -33,19 +33,18 @@ pub fn scene_lights(
 ) -> Result<Vec<SceneLight>, ExperimentError> {
     let mut lights = vec![SceneLight { illuminant: illuminant.clone(), grid: None }];
     for scene in scenes {
-        let own = || -> Result<_, SpectrumError> {
-            let TestScene::Given { scene: given, keeps_light: true, .. } = scene else { return Ok(None) };
-            let (light, grid) = (given.illuminant(), given.radiance().grid());
-            let is_known = |known: &SceneLight| distance(&known.illuminant, light) <= SAME_LIGHT;
-            if lights.iter().any(is_known) {
-                return Ok(None);
-            }
-            Ok(Some(SceneLight {
-                illuminant: Illuminant::of_photons(scene.name(), light)?,
-                grid: Some(grid),
-            }))
+        let TestScene::Given { name, scene, keeps_light, .. } = scene else { continue };
+        let (light, grid) = (scene.illuminant(), scene.radiance().grid());
+        let is_known =
+            |known: &SceneLight| known.grid == Some(grid) && distance(&known.illuminant, light) <= SAME_LIGHT;
+        if lights.iter().any(is_known) {
+            continue;
+        }
+        let illuminant = match distance(illuminant, light) <= SAME_LIGHT || !keeps_light {
+            true => illuminant.clone(),
+            false => Illuminant::of_photons(name, light).in_context(|| name.clone())?,
         };
-        lights.extend(own().in_context(|| scene.name().to_owned())?);
+        lights.push(SceneLight { illuminant, grid: Some(grid) });
     }
     Ok(lights)
 }
@@ -59,48 +58,69 @@ fn distance(illuminant: &Illuminant, light: &Spectrum) -> f64 {
     differences.fold(0.0, f64::max)
 }
 
+/// A pipeline and the light that it was learned for.
+#[derive(Debug, Clone)]
+pub struct LitPipeline {
+    /// The illuminant.
+    pub illuminant: Illuminant,
+    /// The wavelengths of the training scenes.
+    pub grid: WavelengthGrid,
+    /// The pipeline.
+    pub pipeline: Pipeline,
+}
+
 /// The pipelines of a camera, each for a light; at least one.
 #[derive(Debug, Clone)]
 pub struct PipelineSet {
-    first: (Illuminant, Pipeline),
-    others: Vec<(Illuminant, Pipeline)>,
+    first: LitPipeline,
+    others: Vec<LitPipeline>,
 }
 
 impl PipelineSet {
-    /// One pipeline for every light, which was learned under this illuminant.
+    /// One pipeline that renders raw images of a camera in every light. It was learned under the illuminant.
     #[must_use]
-    pub fn single(illuminant: Illuminant, pipeline: Pipeline) -> Self {
-        Self { first: (illuminant, pipeline), others: Vec::new() }
+    pub fn of_any_light(illuminant: &Illuminant, camera: &Camera, pipeline: Pipeline) -> Self {
+        Self::single(LitPipeline { illuminant: illuminant.clone(), grid: camera.grid(), pipeline })
+    }
+
+    /// One pipeline.
+    #[must_use]
+    pub fn single(first: LitPipeline) -> Self {
+        Self { first, others: Vec::new() }
     }
 
     /// The set with a further pipeline.
     #[must_use]
-    pub fn with(mut self, illuminant: Illuminant, pipeline: Pipeline) -> Self {
-        self.others.push((illuminant, pipeline));
+    pub fn with(mut self, other: LitPipeline) -> Self {
+        self.others.push(other);
         self
     }
 
     /// The pipeline for the illuminant of the comparison.
     #[must_use]
     pub fn main(&self) -> &Pipeline {
-        &self.first.1
+        &self.first.pipeline
     }
 
-    /// All pipelines with their illuminants, that of the comparison first.
-    pub fn iter(&self) -> impl Iterator<Item = &(Illuminant, Pipeline)> {
+    /// All pipelines, that for the illuminant of the comparison first.
+    pub fn iter(&self) -> impl Iterator<Item = &LitPipeline> {
         std::iter::once(&self.first).chain(&self.others)
     }
 
-    /// The pipeline whose illuminant is the nearest to a light (photons).
+    /// The pipeline for the wavelengths of a light (photons) whose illuminant is the nearest to it.
     #[must_use]
     pub fn for_light(&self, light: &Spectrum) -> &Pipeline {
-        let mut nearest = (distance(&self.first.0, light), &self.first.1);
-        for (illuminant, pipeline) in &self.others {
-            let distance = distance(illuminant, light);
+        // Lights differ by at most 1, so that a pipeline for the same wavelengths always precedes the others.
+        let distance = |of: &LitPipeline| {
+            distance(&of.illuminant, light) + if of.grid == light.grid() { 0.0 } else { 2.0 }
+        };
+        let mut nearest = (distance(&self.first), &self.first);
+        for other in &self.others {
+            let distance = distance(other);
             if distance < nearest.0 {
-                nearest = (distance, pipeline);
+                nearest = (distance, other);
             }
         }
-        nearest.1
+        &nearest.1.pipeline
     }
 }

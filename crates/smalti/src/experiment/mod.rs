@@ -34,7 +34,7 @@ pub use exposure::{ComparedPictures, EqualExposure, ExposurePlan, ExposurePolicy
 pub use labels::numbered;
 pub use learning::{Gathered, Learned, TrainingPair, TrainingRecord, TrainingSources, gather, learn, solve};
 pub use light_gain::{PairwiseLightGain, light_gain_between, light_gains_to_first};
-pub use lights::{PipelineSet, SceneLight, scene_lights};
+pub use lights::{LitPipeline, PipelineSet, SceneLight, scene_lights};
 pub use material::NamedScene;
 pub use outcome::Outcome;
 pub use pairs::{PairAlignment, RawAndPicture};

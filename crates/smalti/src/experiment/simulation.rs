@@ -4,11 +4,12 @@ use super::error::StageContext;
 use super::{ExperimentError, Progress};
 use crate::camera::{Camera, CameraError, Photograph, PictureScores, ScoreSettings, score_picture};
 use crate::isp::{Isp, WhiteBalance};
+use crate::l3::Pipeline;
 use crate::metrics::MetricError;
 use crate::optics::OpticalImage;
 use crate::scene::Scene;
 use crate::sensor::{Exposure, NoiseMode, Window};
-use crate::spectrum::Spectrum;
+use crate::spectrum::{Observer, Spectrum};
 
 /// Maximum number of rows and of columns that are scored.
 const MAX_SCORED_PX: usize = 2048;
@@ -46,20 +47,22 @@ pub struct ScoredWindow {
 }
 
 /// Captures a scene, renders the raw image and scores the picture, in two steps of progress. The scene is dropped as soon as its
-/// optical image is formed. `memory_bytes` is the memory limit, if there is one.
+/// optical image is formed. A learned `pipeline`, if there is one, renders the raw image instead of the camera's own processing.
+/// `memory_bytes` is the memory limit, if there is one.
 ///
 /// # Errors
 /// When memory does not suffice, a stage fails, or the work is stopped.
 pub fn simulate(
-    camera: &Camera,
+    (camera, pipeline): (&Camera, Option<&Pipeline>),
     scene: Scene,
     settings: &SimulationSettings,
     progress: &dyn Progress,
     memory_bytes: Option<u64>,
 ) -> Result<Simulation, ExperimentError> {
     let light = scene.illuminant().clone();
-    let photograph = capture(camera, scene, settings, progress, memory_bytes)?;
-    let score = score_capture(camera, &light, &photograph.optical_image, &photograph.exposure, settings)?;
+    let photograph = capture((camera, pipeline), scene, settings, progress, memory_bytes)?;
+    let (image, exposure) = (&photograph.optical_image, &photograph.exposure);
+    let score = score_capture((camera, pipeline), &light, image, exposure, settings)?;
     Ok(Simulation { photograph, score })
 }
 
@@ -68,7 +71,7 @@ pub fn simulate(
 /// # Errors
 /// As [`simulate`].
 pub fn capture(
-    camera: &Camera,
+    (camera, pipeline): (&Camera, Option<&Pipeline>),
     scene: Scene,
     settings: &SimulationSettings,
     progress: &dyn Progress,
@@ -76,6 +79,10 @@ pub fn capture(
 ) -> Result<Photograph, ExperimentError> {
     ensure_memory(camera, memory_bytes)?;
     let about = || camera.description().name.clone();
+    // Before the slow part of the work.
+    if let Some(pipeline) = pipeline {
+        pipeline.ensure_renders(&camera.sensor.cfa).in_context(about)?;
+    }
     progress.expect(2);
     progress.begin("optics");
     let image = camera.optics.image(&scene).map_err(CameraError::from).in_context(about)?;
@@ -84,7 +91,11 @@ pub fn capture(
     progress.done();
     super::progress::ensure_running(progress)?;
     progress.begin("sensor and processing");
-    let photograph = camera.photograph(image, &light, settings.noise, settings.seed).in_context(about)?;
+    let photograph = match pipeline {
+        Some(pipeline) => camera.photograph_learned(pipeline, image, &light, (settings.noise, settings.seed)),
+        None => camera.photograph(image, &light, settings.noise, settings.seed),
+    };
+    let photograph = photograph.in_context(about)?;
     progress.done();
     Ok(photograph)
 }
@@ -110,7 +121,7 @@ fn ensure_memory(camera: &Camera, memory_bytes: Option<u64>) -> Result<(), Exper
 /// # Errors
 /// When a stage fails.
 pub fn score_capture(
-    camera: &Camera,
+    (camera, pipeline): (&Camera, Option<&Pipeline>),
     light: &Spectrum,
     image: &OpticalImage,
     exposure: &Exposure,
@@ -132,10 +143,15 @@ pub fn score_capture(
     // A windowed capture has the same bits as that part of the full capture.
     let score = || -> Result<_, CameraError> {
         let raw = camera.sensor.capture(image, exposure, settings.noise, settings.seed)?;
-        let isp = camera.isp(light, WhiteBalance::None)?;
-        let picture = isp.render(&raw)?;
+        let (picture, white) = match pipeline {
+            Some(pipeline) => (pipeline.render(&raw)?, Observer::Cie1931.white(light)?),
+            None => {
+                let isp = camera.isp(light, WhiteBalance::None)?;
+                (isp.render(&raw)?, isp.color_matrix.xyz_white())
+            }
+        };
         let reference = camera.reference_as_exposed(image, exposure, light)?;
-        match score_picture(&picture, &reference, isp.color_matrix.xyz_white(), &settings.score) {
+        match score_picture(&picture, &reference, white, &settings.score) {
             Ok(scores) => Ok(Some(ScoredWindow { scores, window })),
             Err(CameraError::Metric(MetricError::Undefined { .. })) => Ok(None),
             Err(e) => Err(e),

@@ -120,6 +120,9 @@ pub enum L3Error {
     /// The class of this index has no positive definite system, even after regularisation.
     #[error("the normal equations of class {0} cannot be solved")]
     Singular(usize),
+    /// A pipeline renders pictures only with the outputs X, Y, Z, not with these.
+    #[error("the outputs of the pipeline are {0}; a picture needs X, Y, Z")]
+    NoPicture(String),
     /// A pipeline renders pictures only with three outputs, not with this number.
     #[error("the pipeline has {0} outputs; a picture has three: use `render_raw`")]
     NotAPicture(usize),

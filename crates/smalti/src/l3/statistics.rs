@@ -295,7 +295,7 @@ pub(super) fn phase_in(mosaic: &Mosaic, names: &[String], raw: &RawImage) -> Res
 }
 
 /// Size and cells of a tile, abbreviated.
-fn listed(mosaic: &Mosaic, names: &[String]) -> String {
+pub(super) fn listed(mosaic: &Mosaic, names: &[String]) -> String {
     let cells = mosaic.cells();
     let name = |&c: &u8| names.get(usize::from(c)).cloned().unwrap_or_else(|| c.to_string());
     let shown: Vec<String> = cells.iter().take(16).map(name).collect();

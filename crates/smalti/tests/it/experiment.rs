@@ -67,7 +67,7 @@ fn a_capture_larger_than_memory_is_refused() {
     let settings = SimulationSettings { noise: NoiseMode::All, seed: 1, score: ScoreSettings::default() };
     let captured = |memory_bytes| {
         let scene = camera.fitted(uniform(64, 96, &Setting::default()).unwrap(), false).unwrap();
-        capture(&camera, scene, &settings, &Silent, memory_bytes).map(drop).map_err(|e| e.to_string())
+        capture((&camera, None), scene, &settings, &Silent, memory_bytes).map(drop).map_err(|e| e.to_string())
     };
     let error = captured(Some(700 << 10)).unwrap_err();
     assert!(error.contains("64 × 96 pixels") && error.contains("memory"), "{error}");

@@ -2,16 +2,19 @@
 //!
 //! Every key has a default, so that a file names only what differs; the resolved description names all.
 
+mod exchange;
 mod exposure;
 mod isp;
 mod optics;
 mod sensor;
 
+pub use exchange::{ExchangeError, ExchangedMosaic};
 pub use exposure::{AutoExposureName, ExposureDescription};
 pub use isp::{ColorCorrectionName, IspDescription, OutputName, PipelineName};
 pub use optics::{OpticsDescription, OpticsModelName, PsfDescription};
 pub use sensor::{
-    ArchitectureName, CfaDescription, PatternDescription, PixelDescription, SensorDescription, TWIN_KEYS,
+    ArchitectureName, CfaDescription, FILTER_TABLE, PatternDescription, PixelDescription, SensorDescription,
+    TWIN_KEYS,
 };
 
 use serde::{Deserialize, Serialize};

@@ -1,8 +1,11 @@
 //! The lens: `[optics]`.
 
 use std::collections::BTreeMap;
+use std::fmt;
 
-use serde::{Deserialize, Serialize};
+use serde::de::value::MapAccessDeserializer;
+use serde::de::{self, MapAccess, Unexpected, Visitor};
+use serde::{Deserialize, Deserializer, Serialize};
 
 use crate::numeric::Planes;
 use crate::optics::{Boundary, Falloff, ZernikeIndex};
@@ -40,8 +43,9 @@ pub struct OpticsDescription {
     pub surround: Boundary,
     /// Transmittance of the lens.
     pub transmittance: Filter,
-    /// Infrared-cut filter in front of the sensor; absent: none.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    /// Infrared-cut filter in front of the sensor; absent or `"none"`: none.
+    #[serde(skip_serializing_if = "Option::is_none", deserialize_with = "filter_or_none")]
+    #[cfg_attr(feature = "schema", schemars(schema_with = "filter_or_none_schema"))]
     pub ir_cut: Option<Filter>,
     /// Separation of the four spots of a birefringent low-pass filter on the sensor, µm in both directions; 0: none.
     pub low_pass_separation_um: f64,
@@ -112,4 +116,45 @@ fn first_nm() -> f64 {
 
 fn step_nm() -> f64 {
     10.0
+}
+
+/// A filter, or the word `none`.
+fn filter_or_none<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<Filter>, D::Error> {
+    deserializer.deserialize_any(FilterOrNone)
+}
+
+struct FilterOrNone;
+
+impl<'de> Visitor<'de> for FilterOrNone {
+    type Value = Option<Filter>;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("a filter such as { builtin = \"hot-mirror\" }, or \"none\"")
+    }
+
+    fn visit_str<E: de::Error>(self, text: &str) -> Result<Self::Value, E> {
+        if text == "none" { Ok(None) } else { Err(E::invalid_value(Unexpected::Str(text), &self)) }
+    }
+
+    fn visit_unit<E: de::Error>(self) -> Result<Self::Value, E> {
+        Ok(None)
+    }
+
+    fn visit_none<E: de::Error>(self) -> Result<Self::Value, E> {
+        Ok(None)
+    }
+
+    fn visit_some<D: Deserializer<'de>>(self, deserializer: D) -> Result<Self::Value, D::Error> {
+        deserializer.deserialize_any(self)
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<Self::Value, A::Error> {
+        Filter::deserialize(MapAccessDeserializer::new(map)).map(Some)
+    }
+}
+
+#[cfg(feature = "schema")]
+fn filter_or_none_schema(generator: &mut schemars::SchemaGenerator) -> schemars::Schema {
+    let filter = generator.subschema_for::<Filter>();
+    schemars::json_schema!({ "anyOf": [filter, { "type": "null" }, { "const": "none" }] })
 }

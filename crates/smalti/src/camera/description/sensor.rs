@@ -1,8 +1,10 @@
 //! The image sensor: `[sensor]`, its pixel and its colour filter array.
 
 use std::collections::BTreeMap;
+use std::fmt;
 
-use serde::{Deserialize, Serialize};
+use serde::de::{MapAccess, Visitor};
+use serde::{Deserialize, Deserializer, Serialize};
 
 use crate::sensor::Filter;
 
@@ -163,7 +165,9 @@ pub struct CfaDescription {
     /// The tile.
     pub pattern: PatternDescription,
     /// One filter per letter. If `pattern` is the name of a built-in array, they replace the filters of that array.
-    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    /// `file = "filters.csv"` takes those of all letters from the columns of a file.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty", deserialize_with = "filter_table")]
+    #[cfg_attr(feature = "schema", schemars(schema_with = "filter_table_schema"))]
     pub filters: BTreeMap<String, Filter>,
     /// Letters that stand for weighted sums of filters: `a = { R = 0.5, G = 0.5 }`.
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
@@ -178,4 +182,44 @@ impl Default for CfaDescription {
             mixtures: BTreeMap::new(),
         }
     }
+}
+
+/// The key of `sensor.cfa.filters` that names a file with a column for each letter. Its entry is a [`Filter::File`], which the reader
+/// of the file replaces by the filters of the columns.
+pub const FILTER_TABLE: &str = "file";
+
+/// Filters by letter. The value of [`FILTER_TABLE`] is the name of a file.
+fn filter_table<'de, D: Deserializer<'de>>(deserializer: D) -> Result<BTreeMap<String, Filter>, D::Error> {
+    deserializer.deserialize_map(FilterTable)
+}
+
+struct FilterTable;
+
+impl<'de> Visitor<'de> for FilterTable {
+    type Value = BTreeMap<String, Filter>;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(
+            "a table of filters, such as { R = { file = \"red.csv\" } } or { file = \"filters.csv\" }",
+        )
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Self::Value, A::Error> {
+        let mut filters = BTreeMap::new();
+        while let Some(key) = map.next_key::<String>()? {
+            let filter =
+                if key == FILTER_TABLE { Filter::File(map.next_value()?) } else { map.next_value()? };
+            filters.insert(key, filter);
+        }
+        Ok(filters)
+    }
+}
+
+#[cfg(feature = "schema")]
+fn filter_table_schema(generator: &mut schemars::SchemaGenerator) -> schemars::Schema {
+    let filter = generator.subschema_for::<Filter>();
+    schemars::json_schema!({
+        "type": "object",
+        "additionalProperties": { "anyOf": [filter, { "type": "string" }] },
+    })
 }

@@ -20,12 +20,12 @@ pub use fixed::FixedKernels;
 pub use index::OutsideCounts;
 
 use super::classify::Classifier;
-use super::statistics::{check_size, phase_in};
+use super::statistics::{check_size, listed, phase_in};
 use super::{L3Error, Pipeline};
 use crate::color::{ColorSpace, Image};
 use crate::isp::{Isp, IspError};
 use crate::numeric::{Planes, ShapeError};
-use crate::sensor::{RawImage, RawSamples};
+use crate::sensor::{Cfa, RawImage, RawSamples};
 use engine::Engine;
 use fixed::Digital;
 
@@ -126,6 +126,24 @@ impl Pipeline {
         }
         check_image(self, raw)?;
         self.fixed_renderer(raw.black_level(), raw.white_level())?.render(raw)
+    }
+
+    /// Checks that the pipeline renders pictures (X, Y, Z) of captures with a colour filter array: the mosaic, at any phase, and the
+    /// channels by their names.
+    ///
+    /// # Errors
+    /// [`L3Error::Mosaic`] or [`L3Error::NoPicture`].
+    pub fn ensure_renders(&self, cfa: &Cfa) -> Result<(), L3Error> {
+        if self.outputs() != ["X", "Y", "Z"] {
+            return Err(L3Error::NoPicture(self.outputs().join(", ")));
+        }
+        let names: Vec<String> = cfa.channels().iter().map(|c| c.name.clone()).collect();
+        let (own, got) = (self.axes().mosaic(), cfa.mosaic());
+        let mut shifts = (0..own.rows()).flat_map(|r| (0..own.cols()).map(move |c| own.shifted(r, c)));
+        if names == self.channel_names() && shifts.any(|shifted| shifted == *got) {
+            return Ok(());
+        }
+        Err(L3Error::Mosaic { expected: listed(own, self.channel_names()), got: listed(got, &names) })
     }
 
     /// Distance in rows of the farthest sample on which an output pixel depends, including the samples that

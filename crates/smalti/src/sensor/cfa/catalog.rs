@@ -43,6 +43,23 @@ pub fn pattern(name: &str) -> Result<Vec<String>, CfaError> {
     }
 }
 
+/// The default filter of each letter of a name (of each primary, where cells are mixtures): [`CfaInfo::filters`] with the parameters
+/// in the name.
+///
+/// # Errors
+/// When no entry has that name, or a parameter is invalid.
+pub fn default_filters(name: &str) -> Result<Vec<(char, String)>, CfaError> {
+    let entry = info(name)?;
+    Ok(filters_of(entry, parameters(name, entry)?.as_ref()))
+}
+
+fn filters_of(entry: &CfaInfo, random: Option<&RandomTile>) -> Vec<(char, String)> {
+    match random {
+        Some(tile) => tile.filters(),
+        None => entry.filters.iter().map(|&(letter, filter)| (letter, filter.to_owned())).collect(),
+    }
+}
+
 /// A colour filter array of the catalogue with its default filters on a grid. The random mosaic accepts
 /// optional parameters: `random?channels=4&rows=8&cols=8&seed=1`.
 ///
@@ -60,10 +77,7 @@ pub fn builtin(name: &str, grid: WavelengthGrid) -> Result<Cfa, CfaError> {
 pub fn builtin_with(name: &str, grid: WavelengthGrid, filters: &[(char, Spectrum)]) -> Result<Cfa, CfaError> {
     let entry = info(name)?;
     let random = parameters(name, entry)?;
-    let defaults: Vec<(char, String)> = match &random {
-        Some(r) => r.filters(),
-        None => entry.filters.iter().map(|&(l, f)| (l, f.to_owned())).collect(),
-    };
+    let defaults = filters_of(entry, random.as_ref());
     if let Some((letter, _)) = filters.iter().find(|(l, _)| !defaults.iter().any(|(d, _)| d == l)) {
         let known: Vec<String> = defaults.iter().map(|(l, _)| l.to_string()).collect();
         return Err(CfaError::UnknownName {

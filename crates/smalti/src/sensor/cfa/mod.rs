@@ -16,7 +16,7 @@ mod pattern;
 mod random;
 mod shapes;
 
-pub use catalog::{builtin, builtin_with, info, names, pattern};
+pub use catalog::{builtin, builtin_with, default_filters, info, names, pattern};
 pub use catalog_entry::CfaInfo;
 pub use filters::{AbsorptionBand, Filter};
 pub use mixture::{Modulation, WeightedMosaic};
