@@ -26,7 +26,7 @@ pub(super) fn crossovers(scores: &Scores<'_>, lights: &[LightVerdict]) -> Vec<Cr
     let mut order: Vec<usize> = (0..lights.len()).collect();
     order.sort_by(|a, b| lights[*a].luminance_cd_m2.total_cmp(&lights[*b].luminance_cd_m2));
     let mut found = Vec::new();
-    for metric in 0..PICTURE_METRICS.len() {
+    for (metric, &name) in PICTURE_METRICS.iter().enumerate() {
         for pair in order.windows(2) {
             let &[dim, bright] = pair else { continue };
             let [low, high] = [dim, bright].map(|light| &lights[light].metrics[metric]);
@@ -34,8 +34,7 @@ pub(super) fn crossovers(scores: &Scores<'_>, lights: &[LightVerdict]) -> Vec<Cr
             if !low.is_among_best(above) && !high.is_among_best(below) {
                 let between = [dim, bright].map(|light| lights[light].luminance_cd_m2);
                 let luminance_cd_m2 = equal_at(scores, [below, above], [dim, bright], metric, between);
-                let metric = PICTURE_METRICS[metric];
-                found.push(Crossover { metric, below, above, luminance_cd_m2, between_cd_m2: between });
+                found.push(Crossover { metric: name, below, above, luminance_cd_m2, between_cd_m2: between });
             }
         }
     }
