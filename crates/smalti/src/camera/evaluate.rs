@@ -107,6 +107,16 @@ impl GreyScores {
     }
 }
 
+/// The colours of the patches of the chart in CIELAB, row by row from dark skin. White is the white patch of the reference, and the
+/// white patch of each has Y = 100, so that exposure does not count.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct PatchColors {
+    /// As the camera renders them without noise.
+    pub rendered_lab: Vec<[f64; 3]>,
+    /// As the standard observer sees them.
+    pub reference_lab: Vec<[f64; 3]>,
+}
+
 /// Exposure times of the targets.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct ExposureTimes {
@@ -127,6 +137,8 @@ pub struct Evaluation {
     pub delta_e_76: PatchScores,
     /// CIEDE2000 from the reference chart, white patch at Y = 100.
     pub delta_e_2000: PatchScores,
+    /// The colours that these differences compare.
+    pub patch_colors: PatchColors,
     /// Spatial frequency at which the edge response falls to one half (MTF50), cycles per mm on the sensor.
     pub mtf50_cy_per_mm: f64,
     /// MTF50 in cycles per pixel.
@@ -260,6 +272,7 @@ pub fn evaluate_with(
         luminance_cd_m2: settings.luminance_cd_m2,
         delta_e_76: PatchScores::new(colors.delta_e_76.per_patch)?,
         delta_e_2000: PatchScores::new(colors.delta_e_2000.per_patch)?,
+        patch_colors: PatchColors { rendered_lab: colors.measured_lab, reference_lab: colors.reference_lab },
         mtf50_cy_per_mm: mtf50.cy_per_mm(camera),
         mtf50_cy_per_px: mtf50.cy_per_px,
         mtf50_reliability: mtf50.reliability,

@@ -29,7 +29,7 @@ pub use description::CameraDescription;
 pub use error::CameraError;
 pub use evaluate::{
     Evaluation, EvaluationPictures, EvaluationSettings, ExposureTimes, GreyScores, IspFor, OpticalImages,
-    PatchScores, evaluate, evaluate_with,
+    PatchColors, PatchScores, evaluate, evaluate_with,
 };
 pub use light_gain::{
     CameraAndIsp, LightGain, LightGainSettings, LightGains, MetricGain, light_gain, light_gains,

@@ -20,7 +20,7 @@ mod viewing;
 pub use cie1976::{lab_from_xyz, upvp_from_xyz, uv_from_xyz, xyz_from_lab, xyz_from_xy};
 pub use difference::{DeltaE, DifferenceMap};
 pub use image::{ColorSpace, Image, ImageError};
-pub use viewing::SRGB_WHITE;
+pub use viewing::{SRGB_WHITE, srgb8_from_lab};
 
 #[cfg(test)]
 mod tests {

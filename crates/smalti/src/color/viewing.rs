@@ -1,8 +1,9 @@
 //! Conversion of relative XYZ images for viewing on a display.
 
 use super::adaptation::bradford;
-use super::matrix::{IDENTITY, Matrix3};
-use super::{ColorSpace, Image, ImageError};
+use super::display::{Matrices, encode_srgb};
+use super::matrix::{IDENTITY, Matrix3, apply};
+use super::{ColorSpace, Image, ImageError, xyz_from_lab};
 use crate::numeric::Planes;
 
 /// White point of sRGB as rounded in IEC 61966-2-1: X, Y, Z with Y = 1.
@@ -71,9 +72,34 @@ impl Image {
     }
 }
 
+/// CIELAB as 8-bit sRGB. The white of CIELAB becomes that of the display, and what the display cannot show is clipped.
+#[must_use]
+pub fn srgb8_from_lab(lab: [f64; 3]) -> [u8; 3] {
+    let linear = apply(&Matrices::SRGB.rgb_from_xyz, xyz_from_lab(lab, SRGB_WHITE));
+    linear.map(|v| (encode_srgb(v) * 255.0).round() as u8)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Greys from the definitions of L* (CIE 15) and of the curve (IEC 61966-2-1); the primaries' CIELAB under D65 from Lindbloom.
+    #[test]
+    fn colours_of_cielab_on_a_display() {
+        for (lab, rgb) in [
+            ([100.0, 0.0, 0.0], [255; 3]),
+            ([0.0; 3], [0; 3]),
+            ([53.585, 0.0, 0.0], [128; 3]),
+            ([53.24, 80.09, 67.20], [255, 0, 0]),
+            ([87.73, -86.18, 83.18], [0, 255, 0]),
+        ] {
+            let got = srgb8_from_lab(lab);
+            assert!(
+                got.iter().zip(rgb).all(|(a, b): (&u8, u8)| a.abs_diff(b) <= 1),
+                "{lab:?}: {got:?}, not {rgb:?}"
+            );
+        }
+    }
 
     #[test]
     fn white_under_any_light_is_shown_as_white() {

@@ -52,6 +52,22 @@ pub struct Estimate {
     pub interval: Option<Interval>,
 }
 
+impl Estimate {
+    /// The mean difference of values of the same members, `a − b`.
+    #[must_use]
+    pub fn of_difference(a: &[f64], b: &[f64], resamples: Option<&Resamples>) -> Self {
+        let differences: Vec<f64> = a.iter().zip(b).map(|(a, b)| a - b).collect();
+        let interval = resamples.and_then(|r| r.interval(|weights| weighted(weights, &differences)));
+        Self { value: mean(&differences), interval }
+    }
+}
+
+/// The mean of values; 0 without any.
+#[must_use]
+pub fn mean(values: &[f64]) -> f64 {
+    values.iter().sum::<f64>() / values.len().max(1) as f64
+}
+
 /// The resamples of groups of members, as the weights of the members in each; the weights of a resample sum to 1.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Resamples {

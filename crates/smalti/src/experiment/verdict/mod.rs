@@ -18,11 +18,14 @@ use super::outcome::Outcome;
 use crate::camera::PICTURE_METRICS;
 use crate::metrics::{Better, metric_info};
 pub use crate::numeric::bootstrap::Estimate;
-use crate::numeric::bootstrap::{Resamples, weighted};
+use crate::numeric::bootstrap::{Resamples, mean};
 use crossover::equal_at;
 
 /// The metric whose differences are also stated as light.
 pub(super) const LIGHT_METRIC: usize = 0;
+
+/// The difference of a contender from itself.
+const NO_DIFFERENCE: Estimate = Estimate { value: 0.0, interval: None };
 
 /// The verdict of a comparison.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -55,6 +58,9 @@ pub struct MetricVerdict {
     pub best: usize,
     /// By how much the best contender is better than each contender; 0 for itself.
     pub leads: Vec<Lead>,
+    /// The mean of each contender minus that of the first one, in the unit of the metric, so that a difference below 0 is better
+    /// where lower figures are; 0 for the first.
+    pub from_first: Vec<Estimate>,
 }
 
 /// The lead of the best contender over another one.
@@ -116,19 +122,29 @@ impl<'a> Scores<'a> {
     pub(super) fn by_metric(&self, light: usize, metric: usize) -> MetricVerdict {
         let all: Vec<Vec<f64>> =
             (0..self.outcomes.len()).map(|contender| self.figures(contender, light, metric)).collect();
-        let mean = |values: &Vec<f64>| values.iter().sum::<f64>() / values.len().max(1) as f64;
-        let means: Vec<f64> = all.iter().map(mean).collect();
+        let means: Vec<f64> = all.iter().map(|figures| mean(figures)).collect();
         let best = (0..all.len()).max_by(|a, b| means[*a].total_cmp(&means[*b]).then(b.cmp(a))).unwrap_or(0);
-        let lead = |contender: usize| {
-            if contender == best {
-                return Lead { by: Estimate { value: 0.0, interval: None }, light: None };
-            }
-            let differences: Vec<f64> = all[best].iter().zip(&all[contender]).map(|(a, b)| a - b).collect();
-            let resampled = |r: &Resamples| r.interval(|weights| weighted(weights, &differences));
-            let interval = self.resamples.as_ref().and_then(resampled);
-            Lead { by: Estimate { value: mean(&differences), interval }, light: None }
+        let resamples = self.resamples.as_ref();
+        let lead = |contender: usize| Lead {
+            by: if contender == best {
+                NO_DIFFERENCE
+            } else {
+                Estimate::of_difference(&all[best], &all[contender], resamples)
+            },
+            light: None,
         };
-        MetricVerdict { metric: PICTURE_METRICS[metric], best, leads: (0..all.len()).map(lead).collect() }
+        // Figures are better where they are larger; differences keep the sign of the metric.
+        let plain = |contender: usize| match (contender, sign(metric) > 0.0) {
+            (0, _) => NO_DIFFERENCE,
+            (_, true) => Estimate::of_difference(&all[contender], &all[0], resamples),
+            (_, false) => Estimate::of_difference(&all[0], &all[contender], resamples),
+        };
+        MetricVerdict {
+            metric: PICTURE_METRICS[metric],
+            best,
+            leads: (0..all.len()).map(lead).collect(),
+            from_first: (0..all.len()).map(plain).collect(),
+        }
     }
 
     /// The whole verdict. `more_light` finds the light that a contender (first) needs in a light (third) to equal another one
@@ -191,4 +207,26 @@ impl Scores<'_> {
 fn sign(metric: usize) -> f64 {
     let info = PICTURE_METRICS.get(metric).and_then(|name| metric_info(name).ok());
     if info.is_some_and(|m| m.better == Better::Higher) { 1.0 } else { -1.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Scenes that differ by 40 dB, of which a second camera sees each 1 dB better, but for ±0.2 dB of noise.
+    #[test]
+    fn a_difference_is_paired_and_has_a_sign() {
+        let first: Vec<f64> = (0..18).map(|i| 20.0 + 8.0 * f64::from(i / 3)).collect();
+        let other: Vec<f64> =
+            (0u32..18).map(|i| first[i as usize] + 1.0 + 0.2 * (f64::from(i * 7 % 5) - 2.0) / 2.0).collect();
+        let resamples = Resamples::new(6, 3, 1);
+        let ahead = Estimate::of_difference(&other, &first, Some(&resamples));
+        let behind = Estimate::of_difference(&first, &other, Some(&resamples));
+        let (up, down) = (ahead.interval.unwrap(), behind.interval.unwrap());
+        assert!((ahead.value - mean(&other) + mean(&first)).abs() < 1e-12);
+        assert!(up.contains(ahead.value) && up.low > 0.8 && up.high < 1.2, "{up:?}");
+        assert!((ahead.value + behind.value).abs() < 1e-12);
+        assert!((up.low + down.high).abs() < 1e-12 && (up.high + down.low).abs() < 1e-12);
+        assert_eq!(Estimate::of_difference(&first, &other, None).interval, None);
+    }
 }
