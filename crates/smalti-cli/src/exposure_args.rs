@@ -9,15 +9,15 @@ use crate::numbers::positive;
 #[derive(Debug, Clone, Args)]
 pub(crate) struct ExposureOptions {
     /// Exposure times: own (the time or the rule of each camera), equal (for each scene the longest time at which no camera
-    /// saturates more than --max-saturated of its samples, at most --max-exposure), a time in seconds, or auto-equal (own if it
-    /// is the same time for all cameras, otherwise equal)
-    #[arg(long, default_value = "auto-equal", value_name = "own|equal|auto-equal|SECONDS", value_parser = exposure)]
+    /// saturates more than --max-saturated of its samples, at most --max-exposure), a time in seconds or with its unit (0.03,
+    /// 30ms), or auto-equal (own if it is the same time for all cameras, otherwise equal)
+    #[arg(long, default_value = "auto-equal", value_name = "own|equal|auto-equal|TIME", value_parser = exposure)]
     exposure: ExposurePolicy,
     /// Equal exposure: the largest share of saturated samples, percent
     #[arg(long, default_value_t = 100.0 * EqualExposure::default().saturated_share, value_name = "PERCENT")]
     max_saturated: f64,
-    /// Equal exposure: the longest time, s
-    #[arg(long, default_value_t = EqualExposure::default().longest_s, value_name = "SECONDS")]
+    /// Equal exposure: the longest time, in seconds or with its unit
+    #[arg(long, default_value_t = EqualExposure::default().longest_s, value_name = "TIME", value_parser = seconds)]
     max_exposure: f64,
 }
 
@@ -26,10 +26,19 @@ fn exposure(text: &str) -> Result<ExposurePolicy, String> {
     let named = ExposurePolicy::named(EqualExposure::default());
     match named.into_iter().find(|(name, _)| *name == text) {
         Some((_, policy)) => Ok(policy),
-        None => positive(text)
+        None => seconds(text)
             .map(ExposurePolicy::Time)
-            .map_err(|_| "expected own, equal, auto-equal or a time in seconds".into()),
+            .map_err(|_| "expected own, equal, auto-equal or a time such as 0.03 (seconds) or 30ms".into()),
     }
+}
+
+/// Parses a time in seconds, or with the unit s, ms or us.
+fn seconds(text: &str) -> Result<f64, String> {
+    let units = [("ms", 1e-3), ("us", 1e-6), ("µs", 1e-6), ("s", 1.0)];
+    let with_unit = units.iter().find_map(|(unit, factor)| Some((text.trim().strip_suffix(unit)?, factor)));
+    let (number, factor) = with_unit.unwrap_or((text, &1.0));
+    let time = positive(number).map(|value| value * factor);
+    time.map_err(|_| "expected a time above 0, such as 0.03 (seconds) or 30ms".into())
 }
 
 impl ExposureOptions {
@@ -37,5 +46,22 @@ impl ExposureOptions {
     pub(crate) fn policy(&self) -> ExposurePolicy {
         let (saturated_share, longest_s) = (self.max_saturated / 100.0, self.max_exposure);
         self.exposure.with_limits(EqualExposure { saturated_share, longest_s })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn times_are_in_seconds_unless_they_state_a_unit() {
+        for (text, expected) in
+            [("0.03", 0.03), ("30ms", 0.03), (" 30 ms", 0.03), ("33000us", 0.033), ("2s", 2.0)]
+        {
+            assert!((seconds(text).unwrap() / expected - 1.0).abs() < 1e-12, "{text}");
+        }
+        for wrong in ["", "ms", "0ms", "-1", "1m", "nan", "infs"] {
+            assert!(seconds(wrong).is_err(), "{wrong}");
+        }
     }
 }

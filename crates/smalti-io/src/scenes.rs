@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use smalti::names::nearest;
 use smalti::scene::{Scene, SceneError, Setting, catalog};
 use smalti::spectrum::{Illuminant, WavelengthGrid};
 
@@ -80,10 +81,25 @@ pub fn load(name: &str, request: &SceneRequest) -> Result<Scene, IoError> {
     }
     if !is_meant(name) {
         return catalog::build_natural(name, &setting)
-            .map_err(|source| IoError::Catalog { name: name.to_owned(), source });
+            .map_err(|source| IoError::Catalog { name: name.to_owned(), source: among_all(source) });
     }
     let path = Path::new(name);
     request.applied_to(scene_file::read(path, &setting, &request.read)?).at(path)
+}
+
+/// An unknown scene with all built-in scenes, those of files too, as known ones.
+fn among_all(error: SceneError) -> SceneError {
+    match error {
+        SceneError::UnknownScene { name, .. } => {
+            let known: Vec<&'static str> = names().map(|(name, _)| name).collect();
+            let suggestion = nearest(&name, known.iter().copied());
+            // The part after the hyphen suffices for scenes from files.
+            let of_set =
+                || known.iter().copied().find(|known| known.split_once('-').is_some_and(|(_, k)| k == name));
+            SceneError::UnknownScene { suggestion: suggestion.or_else(of_set), name, known: known.join(", ") }
+        }
+        other => other,
+    }
 }
 
 #[cfg(test)]
@@ -150,6 +166,10 @@ mod tests {
         let default = SceneRequest::default();
         let unknown = error("macbeht", &default);
         assert!(unknown.starts_with("there is no scene named 'macbeht'"), "{unknown}");
+        for (typed, meant) in [("natural-portrat", "natural-portrait"), ("portrait", "natural-portrait")] {
+            let unknown = error(typed, &default);
+            assert!(unknown.contains(&format!("did you mean '{meant}'?")), "{unknown}");
+        }
         assert!(error("absent.exr", &default).starts_with("cannot read absent.exr"));
     }
 }
