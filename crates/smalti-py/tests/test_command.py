@@ -23,8 +23,11 @@ def test_scores_are_those_of_evaluate(command: Command) -> None:
     assert mine == {key: found[key] for key in mine}
     assert scores.delta_e_2000 == found["delta_e_2000"]["mean"] == pytest.approx(np.mean(mine["delta_e_2000"]["per_patch"]))
     assert set(scores.pictures) == {"macbeth", "edge", "zone-plate"}
+    for name in ("vora_value", "sensitivity_metamerism_index", "metamer_mismatch_percent", "mtf50_low_contrast_cy_per_mm"):
+        assert getattr(scores, name) == found[name]
     # The figures are those of the pictures.
     edge = smalti.edge_sfr(scores.pictures["edge"])
+    assert edge.mtf50_reliability == scores.mtf50_reliability == "reliable"
     assert edge.mtf50_cy_per_px == pytest.approx(scores.mtf50_cy_per_px, rel=0.05)
 
 

@@ -46,6 +46,8 @@ def test_an_edge_of_known_response() -> None:
     assert abs(found.edge_angle_deg) == pytest.approx(np.degrees(angle), abs=0.05)
     assert found.mtf50_cy_per_px == pytest.approx(f[np.argmax(expected < 0.5)], rel=0.03)
     assert found.contrast == pytest.approx(0.8, rel=0.01)
+    # The response of square pixels falls to one half at 0.6 cycles per pixel.
+    assert found.mtf50_reliability == "beyond-nyquist"
 
 
 def test_noise_and_psnr_are_those_of_numpy() -> None:

@@ -28,7 +28,8 @@ const PATCHES: usize = 18;
 const SLOPE: f64 = 5.5;
 /// ΔE*ab below which the weights of patches no longer grow.
 const LEAST_DIFFERENCE: f64 = 1e-3;
-/// The search ends when a step lowers the mean ΔE*ab by less than this share, or no step lowers it.
+/// The search ends when a step lowers the mean ΔE*ab by less than this share, or no step lowers it: the index is then within 0.01 of its
+/// largest value.
 const TOLERANCE: f64 = 1e-6;
 const MAX_STEPS: usize = 300;
 const DAMPING: [f64; 3] = [1e-12, 1e-4, 1e8];
@@ -142,7 +143,7 @@ impl MetamerismIndex {
         mean
     }
 
-    /// JᵀWJ and JᵀWr, with r the differences in CIELAB, J their derivatives by the matrix, and W = 1 / ΔE*ab.
+    /// The upper triangle of JᵀWJ, and JᵀWr, with r the differences in CIELAB, J their derivatives by the matrix, and W = 1 / ΔE*ab.
     fn normal_equations(&self, camera: &[f64], count: usize, matrix: &[f64]) -> (Vec<f64>, Vec<f64>) {
         let size = 3 * count;
         let (mut normal, mut slope) = (vec![0.0; size * size], vec![0.0; size]);
@@ -156,7 +157,8 @@ impl MetamerismIndex {
             for j in 0..3 {
                 let along = weight * dot(&column(j), &r);
                 (0..count).for_each(|k| slope[j * count + k] += along * c[k]);
-                for l in 0..3 {
+                // The solver reads the upper triangle.
+                for l in j..3 {
                     let product = weight * dot(&column(j), &column(l));
                     for k in 0..count {
                         let row = &mut normal[(j * count + k) * size + l * count..][..count];
