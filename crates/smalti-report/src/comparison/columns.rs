@@ -32,10 +32,8 @@ impl<T> Column<T> {
     /// The value as text, with a mark where it cannot be trusted.
     pub(super) fn text(&self, of: &T) -> String {
         let value = (self.of)(of);
-        if !value.is_finite() {
-            return "–".to_owned();
-        }
-        format!("{value:.*}{}", self.digits, mark(self.reliability(of)))
+        let mark = mark(self.reliability(of));
+        if value.is_finite() { format!("{value:.*}{mark}", self.digits) } else { format!("–{mark}") }
     }
 }
 

@@ -8,17 +8,19 @@ pub(super) fn mark(reliability: Mtf50Reliability) -> &'static str {
         Mtf50Reliability::Reliable => "",
         Mtf50Reliability::BeyondNyquist => " *",
         Mtf50Reliability::Plateau => " †",
+        Mtf50Reliability::NoEdge => " ‡",
     }
 }
 
 /// The meaning of each mark that occurs, as sentences.
 pub(super) fn meanings(all: impl IntoIterator<Item = Mtf50Reliability>) -> Vec<String> {
-    let mut found = [false; 2];
+    let mut found = [false; 3];
     for reliability in all {
         match reliability {
             Mtf50Reliability::Reliable => {}
             Mtf50Reliability::BeyondNyquist => found[0] = true,
             Mtf50Reliability::Plateau => found[1] = true,
+            Mtf50Reliability::NoEdge => found[2] = true,
         }
     }
     let meaning = |reliability: Mtf50Reliability, text: &str| format!("{} {text}", mark(reliability).trim());
@@ -30,6 +32,10 @@ pub(super) fn meanings(all: impl IntoIterator<Item = Mtf50Reliability>) -> Vec<S
         meaning(
             Mtf50Reliability::Plateau,
             "The edge response stays near one half over a wide range of frequencies or rises again, so that a small change moves MTF50 far.",
+        ),
+        meaning(
+            Mtf50Reliability::NoEdge,
+            "The picture shows no straight edge, as after strong interpolation errors, and there is no MTF50.",
         ),
     ];
     texts.into_iter().zip(found).filter_map(|(text, found)| found.then_some(text)).collect()

@@ -10,7 +10,7 @@ use serde::Serialize;
 
 use super::chart::{self, LUMINANCE};
 use super::colorimetry::{ColorimetricObserver, SensorColorimetry};
-use super::target::{EDGE_REGION, Target, edge_mtf50};
+use super::target::{EDGE_REGION, EdgeMtf50, Target, edge_mtf50};
 use super::{Camera, CameraError};
 use crate::color::adaptation::bradford;
 use crate::color::display::{D65_XYZ, Matrices};
@@ -266,7 +266,12 @@ pub fn evaluate_with(
     let colors = chart::colors(&chart.clean, &light)?;
     let noise = chart::noise(&noisy, &light)?;
     let mtf50 = edge_mtf50(edge.clean.planes(), LUMINANCE, EDGE_REGION)?;
-    let low_contrast = edge_mtf50(low_contrast.clean.planes(), LUMINANCE, EDGE_REGION)?;
+    let low_contrast = match edge_mtf50(low_contrast.clean.planes(), LUMINANCE, EDGE_REGION) {
+        Err(CameraError::Metric(MetricError::NoEdge(_) | MetricError::LowContrast { .. })) => {
+            EdgeMtf50 { cy_per_px: f64::NAN, reliability: Mtf50Reliability::NoEdge }
+        }
+        found => found?,
+    };
     let aliasing = zone_plate_aliasing(&zone.clean, &reference, &setting)?;
     let evaluation = Evaluation {
         luminance_cd_m2: settings.luminance_cd_m2,

@@ -23,6 +23,8 @@ pub enum Mtf50Reliability {
     /// The response stays near one half over a wide range of frequencies or rises above it again, as after sharpening or strong interpolation
     /// errors. A small change of the response moves MTF50 far.
     Plateau,
+    /// The picture shows no straight edge, as after strong interpolation errors, so that MTF50 is not a number.
+    NoEdge,
 }
 
 impl Mtf50Reliability {
@@ -33,6 +35,7 @@ impl Mtf50Reliability {
             Self::Reliable => "reliable",
             Self::BeyondNyquist => "beyond-nyquist",
             Self::Plateau => "plateau",
+            Self::NoEdge => "no-edge",
         }
     }
 }
