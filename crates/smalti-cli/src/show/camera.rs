@@ -64,6 +64,10 @@ pub(super) fn datasheet(name: &str, overrides: &[Override], common: &Common) -> 
         [(*name).to_owned(), four_digits(*value), (*unit).to_owned()]
     };
     lines += &aligned("derived", &derived.iter().map(row).collect::<Vec<_>>());
+    let ideal = camera.description().ideal_quantities();
+    if !ideal.is_empty() {
+        lines += &format!("ideal, unlike a real camera\n  {}\n", ideal.join(", "));
+    }
     let entry = |(e, c): (&tile::Entry, &Channel)| {
         let values = c.transmittance.values();
         json!({"letter": e.letter.to_string(), "effective_sensitivity": values})
@@ -71,6 +75,7 @@ pub(super) fn datasheet(name: &str, overrides: &[Override], common: &Common) -> 
     let json = json!({
         "kind": "camera", "name": camera.description().name, "summary": summary, "description": description,
         "notes": notes,
+        "ideal": ideal,
         "derived": derived.iter().map(|(k, v, u)| json!({"name": k, "value": v, "unit": u})).collect::<Vec<_>>(),
         "wavelengths_nm": camera.grid().wavelengths_nm().collect::<Vec<_>>(),
         "cfa": tile.json(),

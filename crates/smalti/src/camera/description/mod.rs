@@ -4,6 +4,7 @@
 
 mod exchange;
 mod exposure;
+mod ideal;
 mod isp;
 mod optics;
 mod sensor;
