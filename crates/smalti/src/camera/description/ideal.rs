@@ -44,7 +44,9 @@ mod tests {
     fn only_quantities_with_ideal_values_are_named() {
         let mut d = CameraDescription::default();
         let named = d.ideal_quantities();
-        for ideal in ["no aberrations", "lens of transmittance 1", "quantum efficiency 1", "no PRNU", "no DSNU"] {
+        for ideal in
+            ["no aberrations", "lens of transmittance 1", "quantum efficiency 1", "no PRNU", "no DSNU"]
+        {
             assert!(named.contains(&ideal), "{ideal}: {named:?}");
         }
         assert!(!named.contains(&"no read noise") && !named.contains(&"fill factor 1"), "{named:?}");
