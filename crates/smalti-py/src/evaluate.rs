@@ -22,7 +22,7 @@ use crate::camera::PyCamera;
 use crate::error::{OrRaise, one_of, wrong};
 use crate::image::PyImage;
 use crate::json::dict_of;
-use crate::l3::PyPipeline;
+use crate::pipeline::PyPipeline;
 use crate::scene::PyScene;
 use crate::spectrum::light;
 use crate::work::{Told, watched};

@@ -18,6 +18,7 @@ mod json;
 mod l3;
 mod metrics;
 mod photograph;
+mod pipeline;
 mod raw;
 mod report;
 mod scene;
@@ -45,9 +46,10 @@ mod _smalti {
             test_scene_names,
         },
         image::PyImage,
-        l3::{PyPipeline, PyStatistics, PyTrainingRecord, gather_statistics, solve_statistics},
+        l3::{PyStatistics, PyTrainingRecord, gather_statistics, solve_statistics},
         metrics::{PyEdge, aliasing, cpsnr_db, edge_sfr, luminance_noise_percent, metrics, visual_snr},
         photograph::PyPhotograph,
+        pipeline::PyPipeline,
         raw::PyRawImage,
         report::write_report,
         scene::{PyOpticalImage, PyScene, scenes},

@@ -71,11 +71,6 @@ fn pictures_and_spectra_that_are_broken() {
     scene(&place, "huge.png", &["huge.png"]);
     scene(&place, "a.npy", &["a.npy", "the wavelengths is not stated: a single array"]);
     scene(&place, "absent.exr", &["cannot read absent.exr"]);
-    fails(
-        &place,
-        &["compare", "bayer", "--scene", "natural-table", "-o", "out"],
-        &["natural-table: a comparison relights its scenes"],
-    );
     std::fs::create_dir(place.path("folder.png")).unwrap();
     scene(&place, "folder.png", &["cannot read folder.png"]);
 }

@@ -46,7 +46,13 @@ fn a_comparison_has_a_small_page_and_names_are_text() {
     let means = |name: &str| html.matches(name).count();
     assert_eq!(means("ΔE2000 difference: dead-leaves"), means("S-CIELAB difference: dead-leaves"));
     // The best of two is marked in each light and column of means.
-    let scores = html.split("<caption>Scores, one scene").nth(1).unwrap().split("</table>").next().unwrap();
+    let scores = html
+        .split("<caption>Scores: means over one scene and 3 seeds")
+        .nth(1)
+        .unwrap()
+        .split("</table>")
+        .next()
+        .unwrap();
     assert!(scores.matches("class=\"best\"").count() >= 12, "{scores}");
     assert!(!html.contains("id=\"kernels\""), "nothing was learned");
     assert!(

@@ -197,7 +197,9 @@ fn a_seed_gives_the_same_bits_on_any_number_of_threads() {
 fn overrides_and_settings_arrive() {
     let place = Place::new();
     let run = |more: &str| {
-        place.ok(&format!("simulate bayer --scene uniform?size=16 -o o --noise none {SMALL} {more}"));
+        place.ok(&format!(
+            "simulate bayer --scene uniform?size=16 -o o --noise none --set sensor.adc_bits=16 {SMALL} {more}"
+        ));
         let m = place.json("o/metrics.json");
         let f = |v: &serde_json::Value| v.as_f64().unwrap();
         (f(&m["mean_illuminance_lux"]), f(&m["exposure_time_s"]), f(&m["raw"]["mean_percent_of_saturation"]))
@@ -206,7 +208,7 @@ fn overrides_and_settings_arrive() {
     let close = |a: f64, b: f64, rel: f64| assert!((a / b - 1.0).abs() < rel, "{a} {b}");
     let (double, _, brighter) = run("--luminance 200");
     close(double / lux, 2.0, 1e-4);
-    // Half a step of the converter on a level of thousands.
+    // Half a step of the converter on a level of hundreds or more.
     close(brighter / level, 2.0, 1e-3);
     let (_, short, darker) = run("--set exposure.time_ms=50");
     close(short / time, 0.5, 1e-12);

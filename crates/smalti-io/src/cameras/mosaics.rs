@@ -7,7 +7,7 @@ use smalti::camera::CameraDescription;
 use smalti::camera::description::{CfaDescription, ExchangeError, PatternDescription};
 use smalti::sensor::{CfaError, Filter, cfa};
 
-use super::CAMERAS;
+use super::built_in::CAMERAS;
 use super::files::{filters_of_table, fit_table, listed};
 use crate::camera_toml::Override;
 use crate::diagnostic::Diagnostic;

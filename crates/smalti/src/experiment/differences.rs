@@ -75,6 +75,9 @@ fn stated<'a>(values: &[&'a Value]) -> Vec<String> {
         Value::Object(curve) if curve.len() == 1 && curve.contains_key("builtin") => {
             curve["builtin"].as_str().unwrap_or_default().to_owned()
         }
+        Value::Object(curve) if curve.len() == 1 && curve.contains_key("flat") => {
+            format!("flat {}", curve["flat"])
+        }
         other => {
             let text = other.to_string();
             if text.chars().count() <= MAX_STATED {
