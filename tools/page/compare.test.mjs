@@ -31,10 +31,19 @@ after(async () => {
   await rm(dir, { recursive: true, force: true });
 });
 
-const withPage = (options, doing, path = compared) => work(browser, path, options, (page) => page.locator(".stage img").first(), doing);
+const withPage = (options, doing, path = compared) => work(browser, path, options, (page) => page.locator(".stage img").first(), async (page) => {
+  await page.locator("#viewer").evaluate((viewer) => viewer.scrollIntoView());
+  await doing(page);
+});
 const stage = (page) => page.getByRole("application");
 const placed = (page) => page.locator(".stage img").evaluateAll((all) => all.map((i) => getComputedStyle(i).transform));
 const sources = (page) => page.locator(".stage img").evaluateAll((all) => all.map((i) => i.src));
+const lightOf = (page) => page.getByRole("slider", { name: "Luminance" });
+async function setLight(page, place) {
+  await lightOf(page).focus();
+  await page.keyboard.press("Home");
+  for (let i = 0; i < place; i += 1) await page.keyboard.press("ArrowRight");
+}
 const whole = "matrix(1, 0, 0, 1, 0, 0)";
 // All are placed alike; this is how.
 async function placeOf(page) {
@@ -87,10 +96,153 @@ test("pictures are enlarged and moved together, by wheel, mouse, keys and button
   await page.getByRole("button", { name: "Whole picture" }).click();
   assert.equal(await placeOf(page), whole);
   // The whole cannot become smaller: the page scrolls.
+  const top = await page.evaluate(() => scrollY);
   await page.mouse.wheel(0, 300);
-  await page.waitForFunction(() => scrollY > 100);
+  await page.waitForFunction((y) => scrollY > y + 100, top);
   assert.equal(await placeOf(page), whole);
 }));
+
+test("the page opens with the verdict, its figure and its differences", () => withPage({}, async (page) => {
+  assert.equal(await page.locator("main section").first().getAttribute("id"), "verdict");
+  const verdict = page.locator("#verdict");
+  const results = JSON.parse(await readFile(join(dir, "out/results.json"), "utf8"));
+  assert.match(await verdict.locator(".headline").textContent(), /^At 5(.* and 80)? cd\/m² /);
+  assert.deepEqual(await verdict.locator(".verdict h3").allTextContents(), ["5 cd/m²", "80 cd/m²"]);
+  for (const [i, light] of results.verdict.lights.entries()) {
+    const words = await verdict.locator(".verdict").nth(i).locator("dd").first().textContent();
+    const by = light.metrics[0].leads.find((_, k) => k !== light.metrics[0].best).by;
+    assert.ok(words.includes(`${by.value.toFixed(2)} dB [${by.interval.low.toFixed(2)}, ${by.interval.high.toFixed(2)}]`), words);
+    // The difference from the first is that of the means of both, and lies in its interval.
+    for (const [k, metric] of light.metrics.entries()) {
+      const of = (contender) => results.results[2 * contender + i][metric.metric];
+      const { value, interval } = metric.from_first[1];
+      assert.ok(Math.abs(value - (of(1) - of(0))) < 1e-9 && interval.low <= value && value <= interval.high, `${k}: ${value}`);
+      assert.deepEqual(metric.from_first[0], { value: 0, interval: null });
+    }
+  }
+  // Names stand at the lines, and every difference has a bar: a white one below a coloured one, with two caps each.
+  const figure = verdict.locator(".drawing > svg").first();
+  assert.match(await figure.getAttribute("role"), /img/);
+  for (const name of results.contenders) assert.ok((await figure.locator("text").allTextContents()).some((t) => t.length > 3 && name.startsWith(t.replace("…", ""))), name);
+  assert.equal(await figure.locator("g line").count(), 2 * 6);
+  await verdict.locator("summary").click();
+  assert.equal(await verdict.locator("details tbody tr").count(), 2);
+}));
+
+test("each scene has the crop in which the cameras differ most", () => withPage({}, async (page) => {
+  const crops = page.locator(".telling");
+  assert.equal(await crops.count(), 2);
+  for (let scene = 0; scene < 2; scene += 1) {
+    const crop = crops.nth(scene);
+    assert.equal(await crop.locator("img.crop").count(), 3);
+    assert.equal(await crop.locator("img.overview").count(), 1);
+    const [top, bottom, left, right] = (await crop.locator(".where .help").textContent())
+      .match(/^Rows (\d+) to (\d+), columns (\d+) to (\d+) of \d+ × \d+ pixels\.$/).slice(1).map(Number);
+    const [wide, high] = await crop.locator("img.crop").first().evaluate((i) => [i.naturalWidth, i.naturalHeight]);
+    assert.deepEqual([wide, high], [right - left + 1, bottom - top + 1]);
+    // By the maps in the page, JPEG of 256 steps, no other window of either light differs more.
+    const means = await page.locator(".gallery .shots").evaluateAll((all, [name, wide, high]) => all.filter((g) => g.dataset.scene === name).map((group) => {
+      const scale = JSON.parse(group.dataset.tops)[1] / 255;
+      const maps = Array.from(group.querySelectorAll('img.map[data-map="1"]'), (map) => {
+        const context = Object.assign(document.createElement("canvas"), { width: map.naturalWidth, height: map.naturalHeight }).getContext("2d");
+        context.drawImage(map, 0, 0);
+        return context.getImageData(0, 0, map.naturalWidth, map.naturalHeight);
+      });
+      const { width, height } = maps[0];
+      const value = (i) => scale * Math.abs(maps[0].data[4 * i] - maps[1].data[4 * i]);
+      const found = {};
+      for (let row = 0; row + high <= height; row += 1) {
+        for (let col = 0; col + wide <= width; col += 1) {
+          let sum = 0;
+          for (let r = 0; r < high; r += 4) for (let c = 0; c < wide; c += 4) sum += value((row + r) * width + col + c);
+          found[`${row},${col}`] = sum / (Math.ceil(high / 4) * Math.ceil(wide / 4));
+        }
+      }
+      return { light: group.dataset.light, found };
+    }), [await crop.getAttribute("data-scene"), wide, high]);
+    const light = await crop.getAttribute("data-light");
+    const mine = means.find((m) => m.light === light).found[`${top},${left}`];
+    const best = Math.max(...means.flatMap((m) => Object.values(m.found)));
+    assert.ok(mine > 0.93 * best, `${mine} of ${best}`);
+  }
+  // A button shows it in the viewer.
+  await page.getByRole("button", { name: "Show in the viewer: macbeth" }).click();
+  assert.equal(await page.getByRole("combobox", { name: "Scene" }).evaluate((s) => s.selectedOptions[0].text), "macbeth");
+  assert.equal(await lightOf(page).getAttribute("aria-valuetext"), `${await crops.nth(1).getAttribute("data-light")} cd/m²`);
+}));
+
+test("a slider changes the light of all pictures, by keys and for screen readers", () => withPage({}, async (page) => {
+  const slider = lightOf(page);
+  const lights = () => page.locator(".stage img").evaluateAll((all) => all.map((i) => i.alt.match(/at ([\d.]+) cd/)[1]));
+  await slider.focus();
+  await page.keyboard.press("Home");
+  assert.deepEqual([await slider.getAttribute("aria-valuetext"), await lights()], ["5 cd/m²", ["5", "5", "5"]]);
+  await page.keyboard.press("ArrowRight");
+  assert.deepEqual([await slider.getAttribute("aria-valuetext"), await lights()], ["80 cd/m²", ["80", "80", "80"]]);
+  assert.equal(await page.locator(".light output").textContent(), "80 cd/m²");
+  assert.deepEqual(await page.locator(".light-names span").allTextContents(), ["5", "80"]);
+  // What was enlarged stays so.
+  await stage(page).focus();
+  await page.keyboard.press("+");
+  const near = await placeOf(page);
+  await slider.focus();
+  await page.keyboard.press("ArrowLeft");
+  assert.equal(await placeOf(page), near);
+  assert.deepEqual(await lights(), ["5", "5", "5"]);
+}));
+
+for (const [width, scrolls] of [[360, true], [1280, false], [3840, false]]) {
+  test(`candidates stay beside the reference at ${width} pixels`, () => withPage({ viewport: { width, height: 900 } }, async (page) => {
+    const lefts = () => page.locator(".stage figure").evaluateAll((all) => all.map((f) => Math.round(f.getBoundingClientRect().left)));
+    const before = await lefts();
+    const top = await page.locator(".stage figure").evaluateAll((all) => new Set(all.map((f) => Math.round(f.getBoundingClientRect().top))).size);
+    assert.equal(top, 1, "all in one row");
+    const next = page.getByRole("button", { name: "Next camera" });
+    assert.equal(await next.isVisible(), scrolls);
+    if (!scrolls) return;
+    const ends = async () => (await page.locator(".stage figure").last().boundingBox()).x + (await page.locator(".stage figure").last().boundingBox()).width;
+    assert.ok(await ends() > width);
+    await stage(page).focus();
+    await page.keyboard.press("Shift+ArrowRight");
+    await page.waitForFunction(() => document.querySelector(".stage").scrollLeft > 0);
+    await page.keyboard.press("Shift+ArrowRight");
+    await page.waitForFunction(() => document.querySelector("[aria-label='Next camera']").disabled);
+    const after = await lefts();
+    assert.equal(after[0], before[0], "the reference stays");
+    assert.ok(after[2] < before[2] && await ends() <= width, `${before} ${after}`);
+    // Another light keeps the place.
+    await setLight(page, 1);
+    assert.deepEqual(await lefts(), after);
+  }));
+}
+
+test("the ColorChecker shows reference and rendering, and where they lie in a*b*", () => withPage({}, async (page) => {
+  const results = JSON.parse(await readFile(join(dir, "scores/results.json"), "utf8"));
+  const svgs = page.locator("#colours .drawing > svg");
+  assert.equal(await svgs.count(), 4, "two cameras, two drawings each");
+  for (const [i, camera] of results.cameras.entries()) {
+    const patches = await svgs.nth(i).locator("g > title").allTextContents();
+    assert.deepEqual(patches.map((t) => t.match(/: ([\d.]+)$/)[1]), camera.delta_e_2000.per_patch.map((d) => d.toFixed(1)));
+    assert.match(patches[0], /^1 dark skin/);
+    // White: CIELAB is that of the display's white, above; the difference from it below.
+    const white = await svgs.nth(i).locator("g").nth(18).locator("rect").first().getAttribute("fill");
+    assert.equal(white, "#ffffff");
+    const { reference_lab: reference, rendered_lab: rendered } = camera.patch_colors;
+    // Arrows begin and end at the places of CIELAB, in the same scale along both axes.
+    const arrows = await svgs.nth(2 + i).locator("path[stroke='#262626']").evaluateAll((all) => all.map((p) => p.getAttribute("d").match(/-?[\d.]+/g).map(Number)));
+    assert.equal(arrows.length, 24);
+    const slope = (px, lab) => {
+      const [a, b] = [15, 12];
+      return (px(arrows[a]) - px(arrows[b])) / (lab(a) - lab(b));
+    };
+    const [across, up] = [slope((p) => p[0], (k) => reference[k][1]), slope((p) => p[1], (k) => reference[k][2])];
+    assert.ok(Math.abs(across / -up - 1) < 0.03, `${across} ${up}`);
+    for (const [k, [x0, y0, x1, y1]] of arrows.entries()) {
+      assert.ok(Math.abs(x1 - x0 - across * (rendered[k][1] - reference[k][1])) < 0.1, `patch ${k}`);
+      assert.ok(Math.abs(y1 - y0 - up * (rendered[k][2] - reference[k][2])) < 0.1, `patch ${k}`);
+    }
+  }
+}, evaluated));
 
 test("the slider between two pictures moves by keyboard and mouse", () => withPage({}, async (page) => {
   await page.getByLabel("View").selectOption("Before and after");
@@ -126,7 +278,9 @@ test("choosers switch scene, light and maps", () => withPage({}, async (page) =>
     assert.ok(!seen.has(now), `${label} shows what was there`);
     seen.add(now);
   };
-  await next("Luminance", 1);
+  await setLight(page, 1);
+  assert.ok(!seen.has((await sources(page)).join()));
+  seen.add((await sources(page)).join());
   await next("Scene", 1);
   for (const [option, name, unit] of [[1, "ΔE2000 difference", "ΔE00"], [2, "S-CIELAB difference", "ΔE*ab"]]) {
     await next("Show", option);
@@ -137,7 +291,7 @@ test("choosers switch scene, light and maps", () => withPage({}, async (page) =>
     // Without a map, the reference is shown, and that is said.
     assert.match(await page.locator(".stage figcaption").first().textContent(), new RegExp(`no ${name}: the picture`));
   }
-  await next("Luminance", 0);
+  await setLight(page, 0);
   await page.getByRole("combobox", { name: "Show" }).selectOption("Pictures");
   assert.equal(await page.locator(".legend").textContent() + await page.locator(".about-map").textContent(), "");
 }));
@@ -310,7 +464,7 @@ for (const [name, path] of [["compare", () => compared], ["evaluate", () => eval
     await page.locator(".frame").last().hover();
     assert.equal(await page.evaluate(() => document.documentElement.scrollWidth), 390);
     const wide = await page.evaluate(() => [...document.querySelectorAll("main *")]
-      .filter((e) => e.getBoundingClientRect().right > 391 && !e.closest(".scrolls, pre, svg, .hidden-text"))
+      .filter((e) => e.getBoundingClientRect().right > 391 && !e.closest(".scrolls, .stage, .across, pre, svg, .hidden-text"))
       .map((e) => e.outerHTML.slice(0, 120)));
     assert.deepEqual(wide, []);
   }, path()));

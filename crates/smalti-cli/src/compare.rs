@@ -152,6 +152,7 @@ pub(crate) fn run(args: &Compare, words: &[String], common: &Common) -> anyhow::
     let scene_labels: Vec<String> = settings.scenes.iter().map(|s| scene_label(s.name())).collect();
     let conditions = Conditions {
         exposure: compared.exposure.applied(),
+        cameras: &cameras,
         differences: &camera_differences(cameras.iter().map(Camera::description))?,
         labels: &labels,
     };

@@ -94,6 +94,7 @@ pub(crate) fn run(args: &Evaluate, words: &[String], common: &Common) -> anyhow:
     progress.finish();
     let conditions = Conditions {
         exposure: exposure.applied(),
+        cameras: &cameras,
         differences: &camera_differences(cameras.iter().map(Camera::description))?,
         labels: &labels,
     };

@@ -14,10 +14,18 @@ pub(crate) struct Edges {
     pub(crate) bottom: bool,
 }
 
-/// Draws the grid, the two axes, their ticks and labels. `wavelengths` leaves room for the spectrum below the axis.
-pub(crate) fn draw_axes(svg: &mut Svg, area: Area, x: &Axis, y: &Axis, edges: Edges, wavelengths: bool) {
+/// Draws the grid, the two axes, their ticks and labels. `own_ticks` are those of x instead of round values; `wavelengths` leaves room
+/// for the spectrum below the axis.
+pub(crate) fn draw_axes(
+    svg: &mut Svg,
+    area: Area,
+    (x, own_ticks): (&Axis, &[f64]),
+    y: &Axis,
+    edges: Edges,
+    wavelengths: bool,
+) {
     let (left, right, top, bottom) = (area.x, area.x + area.width, area.y, area.y + area.height);
-    let columns: Vec<(f64, String)> = placed(x, x_ticks(x, area.width), left, area.width);
+    let columns: Vec<(f64, String)> = placed(x, x_ticks(x, own_ticks, area.width), left, area.width);
     let y_ticks = y.ticks(tick_count(area.height, 62.0));
     let rows: Vec<(f64, String)> = placed(y, y_ticks, bottom, -area.height);
     columns.iter().for_each(|(at, _)| svg.line((*at, top), (*at, bottom), GRID, 1.0));
@@ -52,13 +60,34 @@ fn tick_count(length: f64, spacing: f64) -> usize {
     ((length / spacing) as usize).clamp(2, 12)
 }
 
-/// Ticks of the horizontal axis; about half as many where their labels would touch.
-fn x_ticks(axis: &Axis, length: f64) -> Vec<Tick> {
+/// Ticks of the horizontal axis; about half as many round ones where their labels would touch.
+fn x_ticks(axis: &Axis, own: &[f64], length: f64) -> Vec<Tick> {
+    if !own.is_empty() {
+        return own_ticks(axis, own, length);
+    }
     let count = tick_count(length, 95.0);
     let ticks = axis.ticks(count);
     let widest = ticks.iter().map(|(_, label)| width(label, TICK)).fold(0.0, f64::max);
     let touching = ticks.len() as f64 * (widest + 14.0) > length + widest;
     if touching { axis.ticks(count / 2) } else { ticks }
+}
+
+/// Ticks at given values within the axis, from the left, as far as their labels do not touch the one before.
+fn own_ticks(axis: &Axis, values: &[f64], length: f64) -> Vec<Tick> {
+    let mut sorted: Vec<f64> = values.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    let mut free = f64::NEG_INFINITY;
+    let mut ticks = Vec::new();
+    for value in sorted {
+        let Some(place) = axis.place(value).filter(|t| (0.0..=1.0).contains(t)) else { continue };
+        let label = value.to_string();
+        let half = 0.5 * width(&label, TICK);
+        if place * length - half > free {
+            free = place * length + half + 8.0;
+            ticks.push((value, label));
+        }
+    }
+    ticks
 }
 
 /// The visible spectrum as a strip below the axis of wavelengths.
@@ -72,4 +101,19 @@ pub(crate) fn draw_spectrum(svg: &mut Svg, area: Area, axis: &Axis) -> Result<()
     let png = encode(&row.repeat(2), columns as u32, 2, png::ColorType::Rgb)?;
     svg.image(strip, &png, true);
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scale::Scale;
+
+    #[test]
+    fn ticks_of_ones_own_are_those_values_unless_their_labels_touch() {
+        let axis = Axis { scale: Scale::Log, low: 0.9, high: 90.0 };
+        let labels =
+            |values: &[f64]| own_ticks(&axis, values, 400.0).into_iter().map(|t| t.1).collect::<Vec<_>>();
+        assert_eq!(labels(&[80.0, 1.0, 10.0]), ["1", "10", "80"]);
+        assert_eq!(labels(&[1.0, 1.01, 10.0, 100.0]), ["1", "10"]);
+    }
 }

@@ -122,6 +122,7 @@ pub struct Line {
     pub(crate) dashed: bool,
     pub(crate) corner: Corner,
     pub(crate) filled: bool,
+    pub(crate) arrow: bool,
 }
 
 impl Line {
@@ -142,6 +143,8 @@ impl Line {
         corner(corner: Corner) { corner = corner }
         /// Fills the area between the line and the bottom of the plot with a tint.
         filled() { filled = true }
+        /// Draws an arrowhead at the last point, and the line above all marks.
+        arrow() { arrow = true }
     }
 
     pub(crate) fn check(&self) -> Result<(), FigureError> {

@@ -1,6 +1,7 @@
 //! The layout of a figure: title, legend, panels, colour bar, labels and notes.
 
 use crate::axes::Edges;
+use crate::end_labels::EndLabels;
 use crate::figure::check_size;
 use crate::legend::{draw_entries, entries, rows};
 use crate::panel::Panel;
@@ -100,6 +101,8 @@ impl Layout<'_> {
             Some(axis) => 22.0 + BAR + 8.0 + widest(axis, 10) + 14.0 + LABEL.size * 1.35 + MARGIN - 6.0,
             None => MARGIN.max(0.5 * widest(&shared.x, 10) + 4.0),
         };
+        let labels = if self.frame.end_labels { EndLabels::of(first, &shared) } else { EndLabels::default() };
+        let right = right.max(labels.width().min(0.45 * full_width));
         let head = if self.named_panels { NAME.size * 1.55 } else { 0.0 };
         let (gap_x, gap_y) = (24.0, 16.0);
         let panel_width =
@@ -125,6 +128,7 @@ impl Layout<'_> {
             let edges = Edges { left: i % columns == 0, bottom: i + columns >= self.panels.len() };
             Panel { plot, area, shared: &shared, edges }.draw(&mut svg)?;
         }
+        labels.draw(&mut svg, area_of(0), right);
         let last = area_of((row_count.max(1) - 1) * columns);
         let middle_x = left + 0.5 * (full_width - left - right);
         let (span, end) = (full_width - left - right, last.y + last.height);

@@ -7,6 +7,7 @@
 //! | curves over wavelength | [`Plot::spectra`] |
 //! | several plots with shared axes | [`Panels`] |
 //! | mosaics as coloured tiles | [`Mosaics`] |
+//! | the patches of a colour chart, reference above rendering | [`SplitPatches`] |
 //! | pictures side by side | [`Sheet`] |
 //! | a self-contained HTML page | [`page::Page`] |
 //! | the report of studies | [`study::Report`] |
@@ -26,9 +27,11 @@
 //! [smith2015]: https://bids.github.io/colormap/
 
 mod axes;
+mod chart_colors;
 mod cloud;
 mod color;
 pub mod comparison;
+mod end_labels;
 mod error;
 mod figure;
 mod layers;
@@ -49,6 +52,7 @@ mod text;
 mod tiles;
 mod words;
 
+pub use chart_colors::SplitPatches;
 pub use color::{OKABE_ITO, Rgb};
 pub use error::FigureError;
 pub use figure::{Figure, SIDE_LIMIT};

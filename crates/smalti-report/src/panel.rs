@@ -50,6 +50,20 @@ fn draw_bar(svg: &mut Svg, ends: [(f64, f64); 2], cap: (f64, f64), color: Rgb, w
     }
 }
 
+/// The head of an arrow at the end of a line, no longer than its last segment.
+fn draw_arrowhead(svg: &mut Svg, run: &[(f64, f64)], color: Rgb, width: f64) {
+    let [.., (x0, y0), (x1, y1)] = *run else { return };
+    let (dx, dy) = (x1 - x0, y1 - y0);
+    let length = dx.hypot(dy);
+    if length < 1.0 {
+        return;
+    }
+    let long = (4.0 * width).min(length);
+    let (ux, uy) = (dx / length * long, dy / length * long);
+    let corner = |side: f64| (x1 - ux - 0.45 * side * uy, y1 - uy + 0.45 * side * ux);
+    svg.path(&path_of(&[(x1, y1), corner(1.0), corner(-1.0)], true), Paint::fill(color, 1.0));
+}
+
 impl Panel<'_> {
     pub(crate) fn draw(&self, svg: &mut Svg) -> Result<(), FigureError> {
         let Area { x, y, width, height } = self.area;
@@ -59,7 +73,8 @@ impl Panel<'_> {
             return Ok(());
         }
         let wavelengths = self.plot.wavelengths;
-        draw_axes(svg, self.area, &self.shared.x, &self.shared.y, self.edges, wavelengths);
+        let across = (&self.shared.x, &self.plot.x_ticks[..]);
+        draw_axes(svg, self.area, across, &self.shared.y, self.edges, wavelengths);
         svg.open_window(Area { x: x - 1.0, y: y - 1.0, width: width + 2.0, height: height + 2.0 });
         let mut interval_row = 0;
         for layer in &self.plot.layers {
@@ -68,11 +83,7 @@ impl Panel<'_> {
             }
         }
         self.draw_clouds(svg)?;
-        for layer in &self.plot.layers {
-            if let Layer::Line(line) = layer {
-                self.draw_line(svg, line);
-            }
-        }
+        self.draw_lines(svg, |line| !line.arrow);
         for layer in &self.plot.layers {
             if let Layer::Points(points) = layer
                 && points.marks
@@ -80,6 +91,8 @@ impl Panel<'_> {
                 self.draw_marks(svg, points);
             }
         }
+        // Arrows may be shorter than the marks that they begin at.
+        self.draw_lines(svg, |line| line.arrow);
         svg.close_window();
         if wavelengths {
             draw_spectrum(svg, self.area, &self.shared.x)?;
@@ -170,6 +183,16 @@ impl Panel<'_> {
         Some(Rgb::viridis(axis.place(value).unwrap_or(if value > axis.high { 1.0 } else { 0.0 })))
     }
 
+    fn draw_lines(&self, svg: &mut Svg, which: impl Fn(&Line) -> bool) {
+        for layer in &self.plot.layers {
+            if let Layer::Line(line) = layer
+                && which(line)
+            {
+                self.draw_line(svg, line);
+            }
+        }
+    }
+
     fn draw_line(&self, svg: &mut Svg, line: &Line) {
         let color = series_color(self.shared, &line.name, line.color);
         svg.open("", &line.name);
@@ -192,6 +215,7 @@ impl Panel<'_> {
     fn draw_run(&self, svg: &mut Svg, line: &Line, color: Rgb, mut run: Vec<(f64, f64)>) {
         let (Some(first), Some(last)) = (run.first().copied(), run.last().copied()) else { return };
         let outline = path_of(&run, false);
+        let end = run.len();
         if line.filled {
             let floor = self.area.y + self.area.height;
             run.extend([(last.0, floor), (first.0, floor)]);
@@ -199,6 +223,9 @@ impl Panel<'_> {
         }
         let width = line.width.clamp(0.2, 30.0);
         svg.path(&outline, Paint { dashed: line.dashed, ..Paint::stroke(color, width) });
+        if line.arrow {
+            draw_arrowhead(svg, run.get(..end).unwrap_or_default(), color, width);
+        }
     }
 
     fn draw_marks(&self, svg: &mut Svg, points: &Points) {

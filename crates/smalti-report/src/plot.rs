@@ -19,13 +19,21 @@ pub(crate) struct Frame {
     pub(crate) title: String,
     pub(crate) note: String,
     pub(crate) legend: bool,
+    /// Whether names stand beside the right ends of the series instead of in a legend.
+    pub(crate) end_labels: bool,
     /// Width and height in pixels.
     pub(crate) size: (f64, f64),
 }
 
 impl Frame {
     fn of_size(width: f64, height: f64) -> Self {
-        Self { title: String::new(), note: String::new(), legend: true, size: (width, height) }
+        Self {
+            title: String::new(),
+            note: String::new(),
+            legend: true,
+            end_labels: false,
+            size: (width, height),
+        }
     }
 }
 
@@ -49,7 +57,7 @@ impl Layer {
 /// A plot, alone or as one of several [`crate::Panels`].
 ///
 /// The layers are drawn from back to front: histograms, clouds of points (shuffled, so that no series hides another), lines,
-/// marks. More than 6000 points are drawn as a picture within the SVG, with two pixels per pixel, so that files remain small; the
+/// marks, arrows. More than 6000 points are drawn as a picture within the SVG, with two pixels per pixel, so that files remain small; the
 /// description states this.
 ///
 /// ```
@@ -73,6 +81,8 @@ pub struct Plot {
     pub(crate) values: AxisRequest,
     pub(crate) layers: Vec<Layer>,
     pub(crate) wavelengths: bool,
+    /// Ticks of the x axis; empty for round values.
+    pub(crate) x_ticks: Vec<f64>,
 }
 
 impl Plot {
@@ -87,6 +97,7 @@ impl Plot {
             values: axis(String::new()),
             layers: Vec::new(),
             wavelengths: false,
+            x_ticks: Vec::new(),
         }
     }
 
@@ -106,10 +117,15 @@ impl Plot {
         note(note: impl Into<String>) { frame.note = note.into() }
         /// Sets width and height in pixels.
         size(width: f64, height: f64) { frame.size = (width, height) }
+        /// Writes the name of each series beside its last point, instead of a legend above the plot.
+        direct_labels() { frame.legend = false; frame.end_labels = true }
         /// Sets the range of x, instead of that of the data. Points outside are counted below the plot.
         x_range(low: f64, high: f64) { x.range = Some((low, high)) }
         /// Sets the range of y, instead of that of the data. Points outside are counted below the plot.
         y_range(low: f64, high: f64) { y.range = Some((low, high)) }
+        /// Sets ticks of x at these values, such as all that were measured, instead of at round ones. Of labels that would touch, the
+        /// first is shown.
+        x_ticks(values: &[f64]) { x_ticks = values.to_vec() }
         /// Sets the scale of x.
         x_scale(scale: Scale) { x.scale = scale }
         /// Sets the scale of y.

@@ -51,7 +51,7 @@ fn the_table_the_files_and_the_figures_agree() {
     let words = format!("compare bayer rgbw --scene {LEAVES} --luminance 5,80 -o o");
     let text = ok(&place, &words);
     let lines: Vec<&str> = text.lines().collect();
-    assert_eq!(lines[0], "Exposure: the time or the rule of each camera.");
+    assert_eq!(lines[0], "Exposure: 100 ms, the setting of each camera.");
     assert_eq!(lines[2].split("  ").filter(|c| !c.is_empty()).count(), 11, "{text}");
     let rows: Vec<[&str; 3]> = lines[4..8]
         .iter()
@@ -253,7 +253,10 @@ fn cameras_with_rules_of_their_own_are_compared_at_equal_times() {
     let page = std::fs::read_to_string(place.path("o/report.html")).unwrap();
     assert!(page.contains("Differences between the cameras besides the colour filter array"));
     let own = ok(&place, &format!("{words} --exposure own"));
-    assert!(own.contains("Exposure: the time or the rule of each camera."), "{own}");
+    assert!(
+        own.contains("Exposure: automatic, by the rule of each camera; the tables state the times."),
+        "{own}"
+    );
     let results = place.json("o/results.json");
     let time = |camera: usize| results["results"][camera]["scenes"][0]["scores"]["exposure_time_s"].as_f64();
     assert!(time(0) != time(1) && time(1) > Some(0.033));

@@ -1,6 +1,7 @@
 //! The conditions of a comparison: exposure times, and what differs between the cameras besides the colour filter array.
 
 use serde_json::{Value, json};
+use smalti::camera::Camera;
 use smalti::experiment::{CameraDifference, EqualExposure, ExposurePolicy, Outcome};
 
 use super::columns::mean;
@@ -20,11 +21,45 @@ pub(super) fn exposure_cells(outcome: &Outcome) -> [String; 2] {
     [times, format!("{:.2}", mean(outcome, |s| s.saturated_percent))]
 }
 
+/// The exposure time of a camera's description, ms; `None` for an automatic one.
+fn own_time_ms(camera: &Camera) -> Option<f64> {
+    camera.description().exposure.time_ms
+}
+
+/// A time without the digits that binary fractions add: 33, not 33.00000000000001.
+fn milliseconds(time_ms: f64) -> String {
+    format!("{time_ms:.3}").trim_end_matches('0').trim_end_matches('.').to_owned()
+}
+
+/// The exposure by the settings of the cameras in words, from the time of each one that has a fixed time, ms.
+fn own_exposure(times_ms: &[Option<f64>]) -> String {
+    let fixed: Vec<f64> = times_ms.iter().flatten().copied().collect();
+    let (least, most) =
+        fixed.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), t| (a.min(*t), b.max(*t)));
+    let each = if times_ms.len() == 1 { "the camera" } else { "each camera" };
+    if fixed.is_empty() {
+        return format!("automatic, by the rule of {each}; the tables state the times");
+    }
+    let [least, most] = [least, most].map(milliseconds);
+    let range = if least == most { format!("{most} ms") } else { format!("{least} to {most} ms") };
+    if fixed.len() < times_ms.len() {
+        format!(
+            "the setting of each camera, fixed ({range}) for some and automatic for others; the tables state the times"
+        )
+    } else if least == most {
+        format!("{range}, the setting of {each}")
+    } else {
+        format!("the setting of each camera, {range}; the tables state the times")
+    }
+}
+
 /// The conditions under which cameras were scored.
 #[derive(Debug, Clone, Copy)]
 pub struct Conditions<'a> {
     /// The choice of the exposure times that was applied.
     pub exposure: ExposurePolicy,
+    /// The cameras.
+    pub cameras: &'a [Camera],
     /// What differs between the cameras besides the colour filter array.
     pub differences: &'a [CameraDifference],
     /// The label of each camera.
@@ -36,14 +71,14 @@ impl<'a> Conditions<'a> {
     #[must_use]
     pub fn exposure_line(&self) -> String {
         let words = match self.exposure {
-            ExposurePolicy::Own => "the time or the rule of each camera".into(),
-            ExposurePolicy::Time(time_s) => format!("{} ms for all pictures", time_s * 1e3),
+            ExposurePolicy::Own => own_exposure(&self.cameras.iter().map(own_time_ms).collect::<Vec<_>>()),
+            ExposurePolicy::Time(time_s) => format!("{} ms for all pictures", milliseconds(time_s * 1e3)),
             ExposurePolicy::Equal(EqualExposure { saturated_share, longest_s })
             | ExposurePolicy::AutoEqual(EqualExposure { saturated_share, longest_s }) => format!(
                 "equal for all cameras; for each scene the longest time at which none saturates more than {} % of its samples, at most \
                  {} ms",
                 saturated_share * 100.0,
-                longest_s * 1e3
+                milliseconds(longest_s * 1e3)
             ),
         };
         format!("Exposure: {words}.")
@@ -105,5 +140,23 @@ impl<'a> Conditions<'a> {
         let table = self.labels.iter().fold(table, |table, label| table.text(label.as_str()));
         let table = rows.into_iter().fold(table, |table, row| table.row(row, false));
         exposure.and(Markup::from(table))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_exposure_of_the_cameras_is_said() {
+        assert_eq!(own_exposure(&[Some(100.0)]), "100 ms, the setting of the camera");
+        assert_eq!(own_exposure(&[Some(100.0); 2]), "100 ms, the setting of each camera");
+        let differ = own_exposure(&[Some(100.0), Some(12.5)]);
+        assert_eq!(differ, "the setting of each camera, 12.5 to 100 ms; the tables state the times");
+        assert!(own_exposure(&[None, None]).starts_with("automatic, by the rule of each camera"));
+        assert!(
+            own_exposure(&[None, Some(0.25)]).contains("fixed (0.25 ms) for some and automatic for others")
+        );
+        assert_eq!(milliseconds(0.033 * 1e3), "33");
     }
 }

@@ -3,14 +3,13 @@
 use smalti::camera::{Camera, Evaluation, EvaluationPictures};
 use smalti::color::{ColorSpace, Image};
 use smalti::numeric::Planes;
-use smalti::spectrum::{WavelengthGrid, reflectance};
 
 use super::columns::{EVALUATE, headings};
 use super::conditions::Conditions;
 use super::figures::{self, Scored};
 use super::gallery::{self, Group, Map, Maps, Shot};
 use super::results::CommandLine;
-use super::{again, tables};
+use super::{again, chart, tables};
 use crate::ReportError;
 use crate::page::{COMPARE, Markup, Page, Table, el, foot, paragraph};
 use crate::pictures::Pixels;
@@ -87,14 +86,19 @@ pub fn page(shots: &Evaluations<'_>) -> Result<String, ReportError> {
         shots.illuminant,
         shots.seed
     );
+    let charts = chart::charts(&scored);
     let cameras = (shots.cameras, shots.labels);
     let again = again::section(shots.command, (shots.seed, shots.illuminant), None, cameras)?;
     Ok(Page::new(format!("{} evaluated", listed(shots.labels)))
         .with(COMPARE)
         .lead(el("p").child(lead))
-        .section("pictures", "Pictures", gallery::gallery(&groups(shots)?, &[&ALIASING]))
+        .section(
+            "pictures",
+            "Pictures",
+            gallery::gallery(&groups(shots)?, &[&ALIASING], charts.as_str().len()),
+        )
         .section("scores", "Scores", shots.conditions.markup().and(scores(shots)))
-        .section("colours", "Colours", colors(&scored))
+        .section("colours", "Colours", charts.and(colors(&scored)))
         .section("noise", "Noise", figures::noise(&scored).and(tables::noise(&scored)))
         .section("edges", "Sharpness", figures::edges(&scored))
         .section("filters", "Filters", figures::all_filters(shots.cameras, shots.labels))
@@ -120,7 +124,7 @@ fn groups(shots: &Evaluations<'_>) -> Result<Vec<Group>, ReportError> {
                 };
                 let maps = aliasing.iter().map(|image| Map::Picture(Pixels::of(image))).collect();
                 let picture = Pixels::of(&seen(of(pictures), shots.white)?);
-                group.shots.push(Shot { name: label.clone(), caption, picture, maps });
+                group.shots.push(Shot { name: label.clone(), is_reference: false, caption, picture, maps });
             }
             groups.push(group);
         }
@@ -165,16 +169,12 @@ fn scores(shots: &Evaluations<'_>) -> Markup {
     ))
 }
 
-/// Colour differences of each patch, a table for each light.
+/// Colour differences of each patch, a table for each light, folded.
 fn colors(scored: &[Vec<Scored<'_>>]) -> Markup {
-    // This grid is valid, so there is no error.
-    let patches = reflectance::colorchecker(WavelengthGrid::VISIBLE).unwrap_or_default();
-    // The name without the density of the patch.
-    let name = |(i, (name, _)): (usize, &(&str, _))| {
-        format!("{} {}", i + 1, name.split(" (").next().unwrap_or(name))
-    };
-    let names: Vec<String> = patches.iter().enumerate().map(name).collect();
     let caption = |cd_m2| format!("ΔE2000 of each patch at {cd_m2} cd/m²");
-    let tables = tables::patches(scored, caption, &names, |e| &e.delta_e_2000.per_patch);
-    el("div").class("beside").child(tables).into()
+    let tables = tables::patches(scored, caption, &chart::names(), |e| &e.delta_e_2000.per_patch);
+    el("details")
+        .child(el("summary").child("The values"))
+        .child(el("div").class("beside").child(tables))
+        .into()
 }

@@ -10,6 +10,8 @@ use crate::{Cell, Line, Mosaics, OKABE_ITO, Plot, Points, Rgb, Scale, Symbol};
 const SYMBOLS: [Symbol; 5] =
     [Symbol::Circle, Symbol::Square, Symbol::TriangleUp, Symbol::Diamond, Symbol::Star];
 const SIZE: (f64, f64) = (640.0, 440.0);
+/// Of figures against light, which also phones shall show legibly.
+pub(super) const LIGHT_SIZE: (f64, f64) = (540.0, 420.0);
 /// The largest number of cells of a tile with readable letters.
 const MAX_CELLS: usize = 32 * 32;
 
@@ -26,7 +28,7 @@ pub(super) struct Scored<'a> {
 pub(super) type Named = Vec<(String, Vec<f64>)>;
 
 /// The colour and symbol of a place in a list.
-fn look(i: usize) -> (Rgb, Symbol) {
+pub(super) fn look(i: usize) -> (Rgb, Symbol) {
     let colors = &OKABE_ITO[..7];
     (colors[i % colors.len()], SYMBOLS[i % SYMBOLS.len()])
 }
@@ -39,30 +41,36 @@ fn series(plot: Plot, name: &str, i: usize, x: &[f64], y: &[f64]) -> Plot {
 }
 
 /// A figure, or the reason why it cannot be drawn.
-fn drawn(plot: &Plot) -> Markup {
+pub(super) fn drawn(plot: &Plot) -> Markup {
     plot.draw().map_or_else(|e| paragraph("none", format!("No figure: {e}.")), |f| figure(&f))
 }
 
-fn beside(figures: impl IntoIterator<Item = Markup>) -> Markup {
+pub(super) fn beside(figures: impl IntoIterator<Item = Markup>) -> Markup {
     el("div").class("beside").children(figures).into()
 }
 
-/// Quality against luminance: for each quantity its label and for each name its values.
-pub(super) fn against_light(luminances: &[f64], quantities: &[(&str, Named)]) -> Markup {
-    beside(quantities.iter().map(|(label, ways)| {
-        let mut plot = Plot::new("Luminance (cd/m²)", *label)
-            .title(label.split(" (").next().unwrap_or(label))
-            .x_scale(Scale::Log)
-            .size(SIZE.0, SIZE.1);
-        for (i, (name, values)) in ways.iter().enumerate() {
-            let mut points: Vec<(f64, f64)> =
-                luminances.iter().copied().zip(values.iter().copied()).collect();
-            points.sort_by(|a, b| a.0.total_cmp(&b.0));
-            let (x, y): (Vec<f64>, Vec<f64>) = points.into_iter().unzip();
-            plot = series(plot, name, i, &x, &y);
-        }
-        drawn(&plot)
-    }))
+/// A quantity against luminance: its label, and for each name its values.
+pub(super) fn against_light(luminances: &[f64], label: &str, ways: &Named) -> Markup {
+    let mut plot = Plot::new("Luminance (cd/m²)", label)
+        .title(label.split(" (").next().unwrap_or(label))
+        .x_scale(Scale::Log)
+        .x_ticks(luminances)
+        .size(LIGHT_SIZE.0, height(ways.len()))
+        .direct_labels();
+    for (i, (name, values)) in ways.iter().enumerate() {
+        let mut points: Vec<(f64, f64)> = luminances.iter().copied().zip(values.iter().copied()).collect();
+        points.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let (x, y): (Vec<f64>, Vec<f64>) = points.into_iter().unzip();
+        plot = series(plot, name, i, &x, &y);
+    }
+    drawn(&plot)
+}
+
+/// The height of a figure with names beside its lines, pixels.
+pub(super) fn height(names: usize) -> f64 {
+    const EACH: f64 = 22.0;
+    const REST: f64 = 170.0;
+    LIGHT_SIZE.1.max(REST + EACH * names as f64)
 }
 
 /// The response to the slanted edge, a figure for each luminance.

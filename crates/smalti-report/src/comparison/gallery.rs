@@ -36,6 +36,8 @@ const MAX_BYTES: usize = 5_000_000;
 /// The picture of a scene by one camera with its processing.
 pub(super) struct Shot {
     pub(super) name: String,
+    /// Whether it is what the others are compared with, which stays in view beside them.
+    pub(super) is_reference: bool,
     /// Its scores, in words.
     pub(super) caption: String,
     pub(super) picture: Pixels,
@@ -69,13 +71,14 @@ pub(super) struct Maps {
     pub(super) about: &'static str,
 }
 
-/// The viewer and all pictures.
-pub(super) fn gallery(groups: &[Group], maps: &[&Maps]) -> Markup {
+/// The viewer and all pictures. Other parts of the page take `used` bytes of those that pictures may take.
+pub(super) fn gallery(groups: &[Group], maps: &[&Maps], used: usize) -> Markup {
     let last = QUALITIES[QUALITIES.len() - 1];
-    let fitting = QUALITIES.iter().find_map(|of| Some((*of, encode(groups, *of, MAX_BYTES)?)));
+    let most = MAX_BYTES.saturating_sub(used);
+    let fitting = QUALITIES.iter().find_map(|of| Some((*of, encode(groups, *of, most)?)));
     let (quality, encoded) =
         fitting.unwrap_or_else(|| (last, encode(groups, last, usize::MAX).unwrap_or_default()));
-    let mut left = MAX_BYTES;
+    let mut left = most;
     let rows = groups.iter().zip(&encoded).map(|(group, shots)| {
         let figures = group.shots.iter().zip(shots).map(|(shot, encoded)| {
             let fits = encoded.bytes() <= left;
@@ -180,7 +183,9 @@ fn figure(group: &Group, shot: &Shot, encoded: &Encoded, kinds: &[&Maps], fits: 
         Some(uri.image(width, height, &what).class("map").attr("data-map", i.to_string()))
     });
     let caption = el("figcaption").child(el("b").child(&shot.name)).child(format!(" {}", shot.caption));
-    el("figure").attr("data-name", &shot.name).child(picture).children(maps).child(caption).into()
+    let figure = el("figure").attr("data-name", &shot.name);
+    let figure = if shot.is_reference { figure.class("reference") } else { figure };
+    figure.child(picture).children(maps).child(caption).into()
 }
 
 #[cfg(test)]
@@ -210,6 +215,7 @@ mod tests {
         };
         let shot = |i: u32| Shot {
             name: format!("camera {i}"),
+            is_reference: false,
             caption: String::new(),
             picture: Pixels { width, height, rgb: noise(3, i) },
             maps: (1..3).map(|m| Map::Values { width, height, steps: noise(1, 100 * m + i) }).collect(),
@@ -221,12 +227,15 @@ mod tests {
             tops: vec![5.0, 2.0],
         };
         const KIND: Maps = Maps { name: "map", unit: "ΔE", about: "" };
-        let html = gallery(&[group(33)], &[&KIND, &KIND]);
+        let html = gallery(&[group(33)], &[&KIND, &KIND], 0);
         assert_eq!(html.as_str().matches("class=\"map\"").count(), 66);
         assert!(html.as_str().contains("one pixel of a map for four"));
         assert!(html.as_str().len() < 5_100_000, "{} bytes", html.as_str().len());
+        // Other pictures of the page take their share.
+        let html = gallery(&[group(33)], &[&KIND, &KIND], 3_500_000);
+        assert!(html.as_str().len() < 1_600_000, "{} bytes", html.as_str().len());
         // Too many: pictures become coarse, and some are replaced by a message.
-        let html = gallery(&[group(320)], &[&KIND, &KIND]);
+        let html = gallery(&[group(320)], &[&KIND, &KIND], 0);
         assert!(
             html.as_str().contains("one pixel of a picture for four") && html.as_str().contains("No picture")
         );

@@ -3,8 +3,10 @@
 //! Everything is made from plain data, [`Comparison`] and [`Evaluations`]. The caller stores the files.
 
 mod again;
+mod chart;
 pub mod columns;
 mod conditions;
+mod crops;
 mod document;
 mod evaluated;
 mod figures;
@@ -15,6 +17,7 @@ mod maps;
 mod page;
 mod results;
 mod sheets;
+mod summary;
 mod tables;
 mod text;
 mod verdict;

@@ -5,12 +5,12 @@ use serde_json::json;
 use smalti::camera::LightGain;
 use smalti::experiment::{Contender, Outcome, PairwiseLightGain};
 
-use super::figures::{self, Named, Scored};
+use super::figures::{self, Scored};
 use super::gallery::{self, Group, Shot};
 use super::maps::DIFFERENCES;
 use super::results::Comparison;
-use super::{again, learned, tables};
-use crate::page::{COMPARE, Markup, Page, Table, el, foot, paragraph};
+use super::{again, chart, crops, learned, summary, tables};
+use crate::page::{COMPARE, Markup, Page, el, foot, paragraph};
 use crate::pictures::Pixels;
 use crate::words::listed;
 use crate::{ReportError, names};
@@ -20,17 +20,24 @@ use crate::{ReportError, names};
 /// # Errors
 /// When a picture cannot be converted, or a camera cannot be written as text.
 pub fn page(report: &Comparison<'_>) -> Result<String, ReportError> {
-    let names: Vec<String> = report.contenders.iter().map(Contender::name).collect();
+    let title: Vec<String> = report.contenders.iter().map(Contender::name).collect();
     let learned = report.learned();
     let scored = scored(report);
+    // Scenes of equal names are numbered in the chooser as in the names of files.
+    let scenes = names::numbered(report.scene_labels.to_vec());
+    let groups = groups(report, &scenes)?;
+    let (crops, used) = crops::crops(report, &groups, &scenes);
+    let charts = chart::charts(&scored);
     let kinds = DIFFERENCES.each_ref().map(|d| &d.maps);
-    let mut page = Page::new(format!("{} compared", listed(&names)))
+    let mut page = Page::new(format!("{} compared", listed(&title)))
         .with(COMPARE)
         .lead(lead(report))
-        .section("verdict", "Verdict", verdict(report))
-        .section("pictures", "Pictures", gallery::gallery(&groups(report)?, &kinds))
+        .section("verdict", "Verdict", summary::summary(report))
+        .section("crops", "Most telling crops", crops)
+        .section("pictures", "Pictures", gallery::gallery(&groups, &kinds, used + charts.as_str().len()))
         .section("scores", "Scores", tables::scores(report).and(tables::scenes(report)))
         .section("light", "Quality against light", light(report))
+        .section("colours", "Colours", charts)
         .section("filters", "Filters", figures::all_filters(report.cameras, report.labels))
         .section("edges", "Sharpness", figures::edges(&scored))
         .section("noise", "Noise", figures::noise(&scored).and(tables::noise(&scored)));
@@ -48,25 +55,6 @@ pub fn page(report: &Comparison<'_>) -> Result<String, ReportError> {
         .data("compare", json!({"learned": data}))
         .foot(foot())
         .html())
-}
-
-/// Who is better at which light.
-fn verdict(report: &Comparison<'_>) -> Markup {
-    if report.contenders.len() < 2 {
-        return paragraph("none", "One camera was scored; a verdict needs two.");
-    }
-    let mut table = Table::new("Verdict").number("Luminance, cd/m²").text("Metric").text("Verdict");
-    for light in report.verdict_words() {
-        for (name, words) in light.metrics {
-            table = table.row([light.luminance_cd_m2.to_string(), name.to_owned(), words], false);
-        }
-        if !light.cost.is_empty() {
-            table = table.row([light.luminance_cd_m2.to_string(), "Cost".into(), light.cost], false);
-        }
-    }
-    let crossovers: Markup =
-        report.crossover_words().into_iter().map(|words| paragraph("help", words)).collect();
-    Markup::from(table).and(crossovers).and(paragraph("help", report.verdict_basis()))
 }
 
 fn lead(report: &Comparison<'_>) -> Markup {
@@ -88,10 +76,8 @@ fn lead(report: &Comparison<'_>) -> Markup {
 }
 
 /// The pictures of each scene at each luminance, the reference first.
-fn groups(report: &Comparison<'_>) -> Result<Vec<Group>, ReportError> {
+fn groups(report: &Comparison<'_>, scenes: &[String]) -> Result<Vec<Group>, ReportError> {
     let mut groups = Vec::new();
-    // Scenes of equal names are numbered in the chooser as in the names of files.
-    let scenes = names::numbered(report.scene_labels.to_vec());
     for scene in 0..report.scene_count() {
         for (light, luminance_cd_m2) in report.luminances().into_iter().enumerate() {
             let all: Vec<_> = report.of_scene(light, scene).collect();
@@ -99,6 +85,7 @@ fn groups(report: &Comparison<'_>) -> Result<Vec<Group>, ReportError> {
             let tops = DIFFERENCES.each_ref().map(|d| d.top(all.iter().map(|(_, s)| &s.scores)));
             let mut shots = vec![Shot {
                 name: "reference".into(),
+                is_reference: true,
                 caption: "as the standard observer sees the scene".into(),
                 picture: Pixels::of(&report.as_seen(&first.scores, &first.scores.reference)?),
                 maps: Vec::new(),
@@ -108,6 +95,7 @@ fn groups(report: &Comparison<'_>) -> Result<Vec<Group>, ReportError> {
                 let scores = &s.scores;
                 shots.push(Shot {
                     name: contender.name(),
+                    is_reference: false,
                     caption: format!(
                         "CPSNR {:.1} dB, ΔE2000 {:.2}, S-CIELAB {:.2}",
                         scores.cpsnr_db, scores.pixel_delta_e_2000_mean, scores.scielab_mean
@@ -125,17 +113,19 @@ fn groups(report: &Comparison<'_>) -> Result<Vec<Group>, ReportError> {
 
 fn light(report: &Comparison<'_>) -> Markup {
     let luminances = report.luminances();
-    let of = |f: fn(&Outcome) -> f64| -> Named {
-        let named = |(contender, outcomes): (&Contender<'_>, &Vec<Outcome>)| {
-            (contender.name(), outcomes.iter().map(f).collect())
+    let of = |label: &str, f: fn(&Outcome) -> f64| {
+        let values = |(number, outcomes): (usize, &Vec<Outcome>)| {
+            (report.contender_name(number), outcomes.iter().map(f).collect())
         };
-        report.contenders.iter().zip(report.outcomes).map(named).collect()
+        figures::against_light(&luminances, label, &report.outcomes.iter().enumerate().map(values).collect())
     };
     let mut out = if luminances.len() > 1 {
-        figures::against_light(
-            &luminances,
-            &[("CPSNR (dB)", of(|o| o.means()[0])), ("S-CIELAB difference (ΔE*ab)", of(|o| o.means()[2]))],
-        )
+        figures::beside([
+            of("ΔE2000", |o| o.means()[1]),
+            of("S-CIELAB difference (ΔE*ab)", |o| o.means()[2]),
+            of("MTF50 (cy/mm)", |o| o.targets.mtf50_cy_per_mm),
+            of("Luminance noise (%)", |o| o.targets.luminance_noise_percent.mean),
+        ])
     } else {
         paragraph(
             "none",
@@ -174,9 +164,9 @@ fn gain_figures(report: &Comparison<'_>, luminances: &[f64]) -> Markup {
             (tables::metric_name(m.metric).to_owned(), gains.iter().map(value).collect())
         });
         let label = format!("Light gain of {other} (stops)");
-        figures::against_light(luminances, &[(label.as_str(), series.collect())])
+        figures::against_light(luminances, &label, &series.collect())
     });
-    figures.collect()
+    figures::beside(figures)
 }
 
 /// For each luminance the scores of the targets.

@@ -8,7 +8,7 @@ use super::results::Comparison;
 use crate::words::listed;
 
 /// How a metric is written in sentences: its name, its unit, and digits behind the point.
-const WORDS: [(&str, &str, usize); PICTURE_METRICS.len()] =
+pub(super) const WORDS: [(&str, &str, usize); PICTURE_METRICS.len()] =
     [("CPSNR", " dB", 2), ("ΔE2000", "", 2), ("S-CIELAB", "", 2)];
 /// A ratio of scores of one chart or edge from which the worse one counts as a cost.
 const COSTLY: f64 = 1.02;
@@ -17,6 +17,8 @@ const COSTLY: f64 = 1.02;
 pub(super) struct LightWords {
     /// Mean luminance of the scenes, cd/m².
     pub(super) luminance_cd_m2: f64,
+    /// The contenders with the best CPSNR between which these scenes show no difference.
+    pub(super) leaders: Vec<String>,
     /// For each metric its name and the verdict.
     pub(super) metrics: Vec<(&'static str, String)>,
     /// What the camera that leads in CPSNR loses elsewhere. Empty if nothing.
@@ -45,6 +47,7 @@ impl Comparison<'_> {
     pub(super) fn verdict_words(&self) -> Vec<LightWords> {
         let of_light = |(light, verdict): (usize, &LightVerdict)| LightWords {
             luminance_cd_m2: verdict.luminance_cd_m2,
+            leaders: self.leaders(verdict),
             metrics: verdict
                 .metrics
                 .iter()
@@ -84,7 +87,7 @@ impl Comparison<'_> {
             return String::new();
         }
         let mut out = format!("Verdict. {}\n", self.verdict_basis());
-        for LightWords { luminance_cd_m2, metrics, cost } in self.verdict_words() {
+        for LightWords { luminance_cd_m2, metrics, cost, .. } in self.verdict_words() {
             out += &format!("  {luminance_cd_m2} cd/m²\n");
             for (name, words) in metrics {
                 out += &format!("    {name:<9} {words}\n");
@@ -99,12 +102,20 @@ impl Comparison<'_> {
         out
     }
 
-    fn contender_name(&self, number: usize) -> String {
+    /// The label of a contender, with its processing where the camera has several.
+    pub(super) fn contender_name(&self, number: usize) -> String {
         let name = |c: &smalti::experiment::Contender<'_>| {
             let alone = self.contenders.iter().filter(|other| other.label == c.label).count() == 1;
             if alone { c.label.to_owned() } else { c.name() }
         };
         self.contenders.get(number).map(name).unwrap_or_default()
+    }
+
+    /// The contenders that are the best in CPSNR, or not distinguishable from the best.
+    fn leaders(&self, verdict: &LightVerdict) -> Vec<String> {
+        let Some(metric) = verdict.metrics.first() else { return Vec::new() };
+        let among = (0..metric.leads.len()).filter(|number| metric.is_among_best(*number));
+        among.map(|number| self.contender_name(number)).collect()
     }
 
     /// Who is the best by a metric, and by how much.
@@ -187,10 +198,10 @@ impl Comparison<'_> {
 }
 
 /// A difference with its interval: `1.12 dB [0.71, 1.50]`.
-fn amount(by: &Estimate, unit: &str, digits: usize) -> String {
+pub(super) fn amount(by: &Estimate, unit: &str, digits: usize) -> String {
     let interval =
         by.interval.map_or_else(String::new, |i| format!(" [{:.digits$}, {:.digits$}]", i.low, i.high));
-    format!("{:.digits$}{unit}{interval}", by.value)
+    format!("{:.digits$}{unit}{interval}", by.value).replace('-', "−")
 }
 
 /// A lead as light.

@@ -9,6 +9,7 @@ function readShots(gallery, kinds) {
     tops: JSON.parse(group.dataset.tops),
     shots: Array.from(group.querySelectorAll("figure"), (figure) => ({
       name: figure.dataset.name,
+      reference: figure.classList.contains("reference"),
       picture: figure.querySelector(".shot"),
       maps: kinds.map((_, i) => figure.querySelector(`.map[data-map="${i}"]`)),
       missing: figure.querySelector(".none")?.textContent,
@@ -83,6 +84,30 @@ function choice(label, options, changed, chosen = 0) {
   return { select, element: make("label", {}, label, select), value: () => Number(select.value) };
 }
 
+// A slider over the luminances, from dim to bright, with a name below each place.
+function lightSlider(lights, changed) {
+  const text = (i) => `${lights[i]} cd/m²`;
+  const input = make("input", { type: "range", min: 0, max: lights.length - 1, step: 1, value: 0, "aria-label": "Luminance", input: () => { tell(); changed(); } });
+  // As many names as can be read; the output tells the others.
+  const each = Math.ceil(lights.length / 7);
+  const names = lights.map((light, i) => make("span", {}, i % each === 0 || i === lights.length - 1 ? light : ""));
+  const reading = make("output", {});
+  function tell() {
+    input.setAttribute("aria-valuetext", text(input.value));
+    reading.textContent = text(input.value);
+  }
+  tell();
+  return {
+    element: make("div", { class: "light" }, make("span", { class: "light-head" }, "Luminance ", reading), input,
+      make("div", { class: "light-names", "aria-hidden": "true" }, ...names)),
+    value: () => Number(input.value),
+    set(i) {
+      input.value = i;
+      tell();
+    },
+  };
+}
+
 function startViewer(root) {
   const gallery = root.querySelector(".gallery");
   const kinds = JSON.parse(gallery.dataset.maps);
@@ -90,13 +115,13 @@ function startViewer(root) {
   if (groups.length === 0) return;
   const unique = (values) => [...new Set(values)];
   const scenes = unique(groups.map((g) => g.scene));
-  const lights = unique(groups.map((g) => g.light));
+  const lights = unique(groups.map((g) => g.light)).sort((a, b) => a - b);
   const names = groups[0].shots.map((s) => s.name);
   const hasMaps = groups.some((g) => g.shots.some((s) => s.maps.some(Boolean)));
   const hasValues = hasMaps && kinds.some((k) => k.unit);
 
   const scene = choice("Scene", scenes, show);
-  const light = choice("Luminance", lights.map((l) => `${l} cd/m²`), show);
+  const light = lightSlider(lights, show);
   const what = choice("Show", ["Pictures", ...kinds.map((k) => k.name)], show);
   const mode = choice("View", ["Side by side", "Before and after"], show);
   const last = names.length - 1;
@@ -113,18 +138,36 @@ function startViewer(root) {
   const view = new View(place);
   const button = (text, name, click) => make("button", { type: "button", "aria-label": name, click }, text);
 
+  // With more cameras than fit, the reference stays and the others scroll below it, one at a time.
+  function turn(by) {
+    const figure = stage.querySelector("figure:last-of-type");
+    if (figure) stage.scrollBy({ left: by * (figure.offsetWidth + parseFloat(getComputedStyle(stage).columnGap)) });
+  }
+  const previous = button("‹", "Previous camera", () => turn(-1));
+  const next = button("›", "Next camera", () => turn(1));
+  function scrolled() {
+    const over = stage.scrollWidth - stage.clientWidth;
+    previous.hidden = over <= 1;
+    next.hidden = over <= 1;
+    previous.disabled = stage.scrollLeft <= 1;
+    next.disabled = stage.scrollLeft >= over - 1;
+    stage.classList.toggle("turned", stage.scrollLeft > 1);
+  }
+  stage.addEventListener("scroll", scrolled);
+  new ResizeObserver(scrolled).observe(stage);
+
   gallery.classList.add("taken");
   gallery.before(
-    make("div", { class: "choices" }, scene.element, light.element, hasMaps ? what.element : null, names.length > 1 ? mode.element : null, before.element, after.element),
+    make("div", { class: "choices" }, scene.element, hasMaps ? what.element : null, names.length > 1 ? mode.element : null, before.element, after.element, lights.length > 1 ? light.element : null),
     stage,
     slider,
-    make("div", { class: "zooms" },
+    make("div", { class: "zooms" }, previous, next,
       button("−", "Smaller", () => view.enlarge(0.5)), button("+", "Larger", () => view.enlarge(2)), button("Whole", "Whole picture", () => view.set(0, 0, 1)),
       reading, legend),
     ...(hasMaps ? [about] : []),
     ...(hasValues ? [told] : []),
     make("p", { class: "help", id: "viewer-help" },
-      `Wheel, pinch or + and − enlarge, dragging or the arrows move, 0 shows the whole. All pictures move together.${hasValues ? " The values of all maps under the cursor are shown below the pictures." : ""}`));
+      `Wheel, pinch or + and − enlarge, dragging or the arrows move, 0 shows the whole. All pictures move together. Shift with an arrow, or the buttons ‹ and ›, show cameras further along.${hasValues ? " The values of all maps under the cursor are shown below the pictures." : ""}`));
 
   let frames = [];
   function current() {
@@ -161,10 +204,11 @@ function startViewer(root) {
         make("span", {}, ...captionOf(a, kind)), make("span", {}, ...captionOf(b, kind)))));
     } else {
       frames = group.shots.map((s) => make("div", { class: "frame" }, imageOf(s, kind)));
-      stage.replaceChildren(...group.shots.map((s, i) => make("figure", {}, frames[i], make("figcaption", {}, ...captionOf(s, kind)))));
+      const left = stage.scrollLeft;
+      stage.replaceChildren(...group.shots.map((s, i) => make("figure", { class: s.reference ? "reference" : null }, frames[i], make("figcaption", {}, ...captionOf(s, kind)))));
+      stage.scrollLeft = left;
     }
-    const count = two ? 1 : frames.length;
-    stage.style.setProperty("--across", count <= 4 ? count : count <= 6 ? 3 : 4);
+    stage.style.setProperty("--count", two ? 1 : Math.max(1, frames.length));
     const mapped = kind >= 0 && group?.shots.some((s) => s.maps[kind]);
     about.textContent = mapped ? kinds[kind].about : "";
     legend.replaceChildren(...(mapped && kinds[kind].unit
@@ -174,6 +218,7 @@ function startViewer(root) {
     if (size) root.style.setProperty("--ratio", size.getAttribute("width") / size.getAttribute("height"));
     split();
     place();
+    scrolled();
   }
   function split() {
     const frame = frames[0];
@@ -220,7 +265,8 @@ function startViewer(root) {
   stage.addEventListener("wheel", (event) => {
     const at = placeIn(event);
     // The whole picture cannot become smaller: the page scrolls on.
-    if (!at || (view.zoom === 1 && event.deltaY > 0 && !event.ctrlKey)) return;
+    const along = event.shiftKey || Math.abs(event.deltaX) > Math.abs(event.deltaY);
+    if (!at || along || (view.zoom === 1 && event.deltaY > 0 && !event.ctrlKey)) return;
     event.preventDefault();
     view.enlarge(Math.exp(-event.deltaY * (event.deltaMode === 1 ? 0.06 : 0.002)), at.x, at.y);
   }, { passive: false });
@@ -228,6 +274,11 @@ function startViewer(root) {
   stage.addEventListener("keydown", (event) => {
     const step = { ArrowLeft: [-0.1, 0], ArrowRight: [0.1, 0], ArrowUp: [0, -0.1], ArrowDown: [0, 0.1] }[event.key];
     if (event.ctrlKey || event.altKey || event.metaKey) return;
+    if (event.shiftKey && step && step[0] !== 0) {
+      turn(Math.sign(step[0]));
+      event.preventDefault();
+      return;
+    }
     if (event.key === "+" || event.key === "=") view.enlarge(1.5);
     else if (event.key === "-") view.enlarge(1 / 1.5);
     else if (event.key === "0") view.set(0, 0, 1);
@@ -268,7 +319,27 @@ function startViewer(root) {
   for (const end of ["pointerup", "pointercancel"]) stage.addEventListener(end, (event) => held.delete(event.pointerId));
 
   show();
+  // Shows a crop in the viewer: its scene and light, enlarged around its middle.
+  return function look({ scene: wantedScene, light: wantedLight, x, y, width }) {
+    scene.select.value = Math.max(0, scenes.indexOf(wantedScene));
+    light.set(Math.max(0, lights.indexOf(wantedLight)));
+    show();
+    const zoom = Math.min(MAX_ZOOM, Math.max(1, 0.7 / width));
+    view.set(x - 0.5 / zoom, y - 0.5 / zoom, zoom);
+    root.scrollIntoView({ block: "start" });
+    stage.focus({ preventScroll: true });
+  };
 }
 
-startViewer(document.getElementById("viewer"));
+function startCrops(look) {
+  for (const row of document.querySelectorAll(".across")) row.addEventListener("scroll", () => row.classList.toggle("turned", row.scrollLeft > 1));
+  for (const crop of document.querySelectorAll(".telling")) {
+    const { scene, light, x, y, width } = crop.dataset;
+    const click = () => look({ scene, light, x: Number(x), y: Number(y), width: Number(width) });
+    crop.querySelector(".where > div").append(make("button", { type: "button", click }, "Show in the viewer", make("span", { class: "hidden-text" }, `: ${scene}`)));
+  }
+}
+
+const look = startViewer(document.getElementById("viewer"));
+if (look) startCrops(look);
 startKernels(document.getElementById("compare"));

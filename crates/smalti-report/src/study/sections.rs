@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 use std::ops::Range;
 
-use smalti::design::Design;
 use smalti::design::statistics::{Objective, Rule, Summary, best_per_group, pareto_front, summarize_groups};
+use smalti::design::{ColumnValues, Design};
 use smalti::metrics::Better;
 
 use super::results::{MAIN, Measure, Results};
@@ -97,6 +97,33 @@ impl Group {
 }
 
 impl<'a> Section<'a> {
+    /// The exposure times of the targets, which automatic exposure chooses for each design, as a sentence; `None` where the results
+    /// have none.
+    pub(super) fn exposure_in_words(&self) -> Option<String> {
+        let range = |(column, target): (&str, &str)| {
+            let ColumnValues::Numbers(times_s) = &self.results.data.column(column)?.values else {
+                return None;
+            };
+            let times = times_s.get(self.rows.clone())?.iter().filter(|t| t.is_finite()).map(|t| t * 1e3);
+            let (least, most) =
+                times.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), t| (a.min(t), b.max(t)));
+            if least > most {
+                return None;
+            }
+            let [least, most] = [least, most].map(|ms| format!("{ms:.*}", if ms < 10.0 { 2 } else { 1 }));
+            Some(if least == most {
+                format!("{target} {most} ms")
+            } else {
+                format!("{target} {least} to {most} ms")
+            })
+        };
+        let times: Vec<String> = [("macbeth_time_s", "ColorChecker"), ("edge_time_s", "edge")]
+            .into_iter()
+            .filter_map(range)
+            .collect();
+        (!times.is_empty()).then(|| format!("Exposure: {}.", times.join(", ")))
+    }
+
     /// All sections of the results of a study.
     pub(super) fn all(results: &'a Results) -> Result<Vec<Self>, ReportError> {
         let mut sections = Vec::new();

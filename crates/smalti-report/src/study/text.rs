@@ -31,6 +31,7 @@ pub(super) fn text(
                 out += &format!("\n── {} ──\n", section.name);
             }
             out += &format!("\n{}", means(section, table));
+            out += &section.exposure_in_words().map_or_else(String::new, |words| words + "\n");
             if !section.labels.is_empty() && results.has_plane() {
                 let cloud = all.iter().filter(|(r, _)| !r.is_named()).find_map(|(_, s)| s.first());
                 out += &format!("\n{}", by_label(section, cloud, table));

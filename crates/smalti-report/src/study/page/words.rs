@@ -65,7 +65,8 @@ pub(super) fn intervals(sections: &[&Section<'_>]) -> Markup {
             }
             table = table.row(cells, false);
         }
-        out = out.and(table);
+        let exposure = section.exposure_in_words().map(|words| el("p").child(words));
+        out = out.and(table).and(exposure.into_iter().collect::<Markup>());
     }
     if sections.len() > SECTIONS {
         out = out.and(el("p").child(format!(

@@ -1,0 +1,323 @@
+//! The most telling crop of each scene: where the errors of the cameras differ most.
+
+use smalti::camera::SceneScores;
+use smalti::metrics::patch_means;
+use smalti::numeric::{Planes, Rect};
+
+use super::gallery::{Group, Shot};
+use super::results::Comparison;
+use crate::page::{DataUri, Element, Markup, el, paragraph};
+use crate::pictures::Pixels;
+
+/// The side of a crop, pixels.
+const SIDE: usize = 96;
+/// The largest number of bytes of all crops. Beyond it they are JPEG.
+const MAX_BYTES: usize = 1_200_000;
+/// JPEG qualities; `None` is PNG. The first that fits is used.
+const QUALITIES: [Option<u8>; 3] = [None, Some(92), Some(75)];
+/// The largest width of the small picture that shows where a crop lies, pixels.
+const OVERVIEW_WIDTH: usize = 220;
+
+/// A window of a scene at one luminance.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Window {
+    light: usize,
+    rect: Rect,
+    /// The mean over the window of what the cameras differ in.
+    difference: f64,
+}
+
+/// The crops of all scenes, and the number of bytes that their pictures take. `groups` are all pictures.
+pub(super) fn crops(report: &Comparison<'_>, groups: &[Group], scenes: &[String]) -> (Markup, usize) {
+    let rows: Vec<Row<'_>> =
+        scenes.iter().enumerate().filter_map(|(scene, name)| Row::of(report, groups, scene, name)).collect();
+    let encoded = |quality| -> Vec<Vec<Result<DataUri, String>>> {
+        rows.iter().map(|row| row.pictures.iter().map(|p| encode(p, quality)).collect()).collect()
+    };
+    let bytes_of =
+        |uris: &[Result<DataUri, String>]| uris.iter().flatten().map(|u| u.as_str().len()).sum::<usize>();
+    let total = |all: &[Vec<Result<DataUri, String>>]| all.iter().map(|uris| bytes_of(uris)).sum::<usize>();
+    let mut all = Vec::new();
+    for quality in QUALITIES {
+        all = encoded(quality);
+        if total(&all) <= MAX_BYTES {
+            break;
+        }
+    }
+    let (mut used, mut left_out) = (0, 0);
+    let mut out = Markup::new();
+    for (row, uris) in rows.iter().zip(&all) {
+        // With very many cameras not even the smallest crops of all scenes fit.
+        if used > 0 && used + bytes_of(uris) > MAX_BYTES {
+            left_out += 1;
+            continue;
+        }
+        used += bytes_of(uris);
+        out = out.and(row.markup(uris));
+    }
+    if left_out > 0 {
+        let words = format!("The crops of {left_out} more scenes are left out: the page would be too large.");
+        out = out.and(paragraph("none", words));
+    }
+    let several = report.contenders.len() > 1;
+    let about = if several {
+        "For each scene, the window and the luminance at which the errors of the cameras differ most: the mean over the window of the \
+         range of their S-CIELAB differences from the reference. Found automatically; the pixels are enlarged."
+    } else {
+        "For each scene, the window and the luminance of the largest mean S-CIELAB difference from the reference. Found automatically; \
+         the pixels are enlarged."
+    };
+    (paragraph("help", about).and(out), used)
+}
+
+fn encode(pixels: &Pixels, quality: Option<u8>) -> Result<DataUri, String> {
+    let Pixels { width, height, rgb } = pixels;
+    match quality {
+        None => DataUri::png(*width, *height, rgb),
+        Some(quality) => DataUri::jpeg(*width, *height, rgb, quality),
+    }
+    .map_err(|e| e.to_string())
+}
+
+/// The crop of a scene: an overview, the reference and the picture of each contender.
+struct Row<'a> {
+    group: &'a Group,
+    window: Window,
+    /// The overview, then a crop of each picture of the group.
+    pictures: Vec<Pixels>,
+    /// For each contender the means of ΔE2000 and S-CIELAB over the window.
+    means: Vec<[f64; 2]>,
+}
+
+impl<'a> Row<'a> {
+    /// `None` without a picture, or where the pictures of the cameras differ in size.
+    fn of(report: &Comparison<'_>, groups: &'a [Group], scene: usize, name: &str) -> Option<Self> {
+        let luminances = report.luminances();
+        let scored = |light: usize| -> Vec<&SceneScores> {
+            report.of_scene(light, scene).map(|(_, s)| &s.scores).collect()
+        };
+        let window = |light: usize| {
+            let (differences, rows, cols) = disagreement(&scored(light))?;
+            let (rect, difference) = window_of_largest_mean(&differences, (rows, cols), SIDE)?;
+            Some(Window { light, rect, difference })
+        };
+        // Of equal windows the first.
+        let window = (0..luminances.len())
+            .filter_map(window)
+            .reduce(|best, w| if w.difference > best.difference { w } else { best })?;
+        let luminance = luminances.get(window.light)?;
+        let group = groups.iter().find(|g| g.scene == name && g.luminance_cd_m2 == *luminance)?;
+        let overview = overview(&group.shots.first()?.picture, window.rect);
+        let cut = group.shots.iter().map(|shot| cut(&shot.picture, window.rect));
+        let means = scored(window.light).into_iter().map(|s| {
+            [&s.scores.delta_e_2000_map, &s.scores.scielab_map].map(|map| mean_within(map, window.rect))
+        });
+        let means = means.collect();
+        Some(Self { group, window, pictures: std::iter::once(overview).chain(cut).collect(), means })
+    }
+
+    fn markup(&self, uris: &[Result<DataUri, String>]) -> Markup {
+        let (Group { scene, luminance_cd_m2, shots, .. }, Rect { row, col, rows, cols }) =
+            (self.group, self.window.rect);
+        let Some(whole) = shots.first().map(|s| &s.picture) else { return Markup::new() };
+        let place = format!(
+            "Rows {row} to {}, columns {col} to {} of {} × {} pixels.",
+            row + rows - 1,
+            col + cols - 1,
+            whole.height,
+            whole.width
+        );
+        let picture = |i: usize, class: &str, alternative: &str| -> Markup {
+            match (uris.get(i), self.pictures.get(i)) {
+                (Some(Ok(uri)), Some(p)) => uri.image(p.width, p.height, alternative).class(class).into(),
+                (Some(Err(why)), _) => paragraph("none", format!("No picture: {why}.")),
+                _ => Markup::new(),
+            }
+        };
+        let figure = |(i, shot): (usize, &Shot)| -> Element {
+            let alternative = format!("Crop of {scene} at {luminance_cd_m2} cd/m², {}", shot.name);
+            let mut caption = el("figcaption").child(el("b").child(&shot.name));
+            if let Some([delta_e, scielab]) = i.checked_sub(1).and_then(|contender| self.means.get(contender))
+            {
+                let here = format!("Here: ΔE2000 {delta_e:.2}, S-CIELAB {scielab:.2}.");
+                let whole = format!("Whole picture: {}.", shot.caption);
+                caption = caption.child(el("br")).child(here).child(el("br")).child(whole);
+            }
+            let figure = el("figure").child(picture(i + 1, "crop", &alternative)).child(caption);
+            if shot.is_reference { figure.class("reference") } else { figure }
+        };
+        let text = el("div")
+            .child(el("h3").child(format!("{scene}, {luminance_cd_m2} cd/m²")))
+            .child(paragraph("help", place));
+        let overview = picture(0, "overview", &format!("Where the crop lies in {scene}"));
+        let share = |at: usize, size: usize, all: usize| {
+            format!("{:.4}", (at as f64 + 0.5 * size as f64) / all.max(1) as f64)
+        };
+        el("section")
+            .class("telling")
+            .attr("data-scene", scene)
+            .attr("data-light", luminance_cd_m2.to_string())
+            .attr("data-x", share(col, cols, whole.width))
+            .attr("data-y", share(row, rows, whole.height))
+            .attr("data-width", format!("{:.4}", cols as f64 / whole.width.max(1) as f64))
+            .child(el("div").class("where").child(overview).child(text))
+            .child(
+                el("div")
+                    .class("across")
+                    .attr("tabindex", "0")
+                    .attr("role", "group")
+                    .attr("aria-label", format!("Crops of {scene}"))
+                    .children(shots.iter().enumerate().map(figure)),
+            )
+            .into()
+    }
+}
+
+/// The range of the S-CIELAB differences of the contenders from the reference at every pixel, with rows and columns; with one
+/// contender, its differences. `None` without a contender, and where the pictures differ in size.
+fn disagreement(scored: &[&SceneScores]) -> Option<(Vec<f32>, usize, usize)> {
+    let maps: Vec<&Planes> = scored.iter().map(|s| &s.scores.scielab_map).collect();
+    let (first, others) = maps.split_first()?;
+    let (rows, cols) = (first.rows(), first.cols());
+    if others.iter().any(|m| (m.rows(), m.cols()) != (rows, cols)) {
+        return None;
+    }
+    let mut high = first.data().to_vec();
+    let mut low = if others.is_empty() { vec![0.0; high.len()] } else { high.clone() };
+    for map in others {
+        for ((v, high), low) in map.data().iter().zip(&mut high).zip(&mut low) {
+            (*high, *low) = (high.max(*v), low.min(*v));
+        }
+    }
+    Some((high.iter().zip(&low).map(|(h, l)| h - l).collect(), rows, cols))
+}
+
+/// The square window of `side` pixels with the largest mean, and that mean; of equal ones the first by rows. Windows are as large as
+/// a smaller picture. Values that are not finite count as 0. `None` for an empty picture.
+fn window_of_largest_mean(values: &[f32], (rows, cols): (usize, usize), side: usize) -> Option<(Rect, f64)> {
+    let (high, wide) = (side.min(rows), side.min(cols));
+    if high == 0 || wide == 0 || values.len() != rows * cols {
+        return None;
+    }
+    // Sums over all pixels above and left of a corner.
+    let mut sums = vec![0.0f64; (rows + 1) * (cols + 1)];
+    for row in 0..rows {
+        let mut along = 0.0;
+        for col in 0..cols {
+            let value = f64::from(values[row * cols + col]);
+            along += if value.is_finite() { value } else { 0.0 };
+            sums[(row + 1) * (cols + 1) + col + 1] = sums[row * (cols + 1) + col + 1] + along;
+        }
+    }
+    let at = |row: usize, col: usize| sums[row * (cols + 1) + col];
+    let mut best = (Rect { row: 0, col: 0, rows: high, cols: wide }, f64::NEG_INFINITY);
+    for row in 0..=rows - high {
+        for col in 0..=cols - wide {
+            let sum = at(row + high, col + wide) - at(row, col + wide) - at(row + high, col) + at(row, col);
+            // Differences by rounding alone do not move the window.
+            if sum > best.1 + 1e-9 * sum.abs() {
+                best = (Rect { row, col, rows: high, cols: wide }, sum);
+            }
+        }
+    }
+    Some((best.0, best.1 / (high * wide) as f64))
+}
+
+/// The mean of a map over a window.
+fn mean_within(map: &Planes, window: Rect) -> f64 {
+    // The window lies within the map, which has one plane.
+    patch_means(map, &[window]).ok().and_then(|means| means.concat().first().copied()).unwrap_or(f64::NAN)
+}
+
+/// The part of a picture within a window.
+fn cut(picture: &Pixels, window: Rect) -> Pixels {
+    let row = |row: usize| {
+        let first = 3 * (row * picture.width + window.col);
+        picture.rgb.get(first..first + 3 * window.cols).unwrap_or_default()
+    };
+    let rgb = (window.row..window.row + window.rows).flat_map(row).copied().collect();
+    Pixels { width: window.cols, height: window.rows, rgb }
+}
+
+/// A small copy of a picture with a frame around a window.
+fn overview(picture: &Pixels, window: Rect) -> Pixels {
+    let by = picture.width.div_ceil(OVERVIEW_WIDTH).max(1);
+    let (width, height) = (picture.width.div_ceil(by), picture.height.div_ceil(by));
+    let mut rgb = Vec::with_capacity(3 * width * height);
+    for (row, col) in (0..height).flat_map(|row| (0..width).map(move |col| (row, col))) {
+        for channel in 0..3 {
+            let rows = (by * row)..picture.height.min(by * (row + 1));
+            let places =
+                rows.flat_map(|r| (by * col..picture.width.min(by * (col + 1))).map(move |c| (r, c)));
+            let (sum, count) = places.fold((0usize, 0usize), |(sum, count), (r, c)| {
+                (sum + usize::from(picture.rgb[3 * (r * picture.width + c) + channel]), count + 1)
+            });
+            rgb.push((sum / count.max(1)) as u8);
+        }
+    }
+    // White within black, visible on any picture.
+    for (inset, value) in [(0, 0), (1, 255), (2, 0)] {
+        let ends = |first: usize, size: usize, all: usize| {
+            (first / by + inset, ((first + size).div_ceil(by).min(all)).saturating_sub(1 + inset))
+        };
+        let (top, bottom) = ends(window.row, window.rows, height);
+        let (left, right) = ends(window.col, window.cols, width);
+        let mut paint = |row: usize, col: usize| rgb[3 * (row * width + col)..][..3].fill(value);
+        if top < bottom && left < right {
+            (left..=right).for_each(|col| [top, bottom].into_iter().for_each(|row| paint(row, col)));
+            (top..=bottom).for_each(|row| [left, right].into_iter().for_each(|col| paint(row, col)));
+        }
+    }
+    Pixels { width, height, rgb }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A patch of large differences on a slope of small ones, and a single very bright pixel elsewhere.
+    #[test]
+    fn the_window_holds_the_largest_differences() {
+        let (rows, cols) = (150, 200);
+        let value = |row: usize, col: usize| match (row, col) {
+            (3, 3) => 500.0,
+            (40..72, 110..142) => 2.0,
+            _ => 0.001 * col as f32 / cols as f32,
+        };
+        let mut values: Vec<f32> = (0..rows).flat_map(|r| (0..cols).map(move |c| value(r, c))).collect();
+        let (rect, mean) = window_of_largest_mean(&values, (rows, cols), 32).unwrap();
+        assert_eq!(rect, Rect { row: 40, col: 110, rows: 32, cols: 32 });
+        assert!((mean - 2.0).abs() < 1e-6, "{mean}");
+        // What is not finite counts as nothing.
+        values[10 * cols + 10] = f32::INFINITY;
+        values[20 * cols + 20] = f32::NAN;
+        assert_eq!(window_of_largest_mean(&values, (rows, cols), 32).unwrap().0, rect);
+    }
+
+    #[test]
+    fn windows_of_equal_means_are_the_first_and_those_of_small_pictures_the_whole() {
+        let (rect, mean) = window_of_largest_mean(&[0.3; 7 * 9], (7, 9), 4).unwrap();
+        assert_eq!((rect, (mean - 0.3).abs() < 1e-6), (Rect { row: 0, col: 0, rows: 4, cols: 4 }, true));
+        assert_eq!(window_of_largest_mean(&[1.0; 6], (2, 3), 96).unwrap().0, Rect::whole(2, 3));
+        assert_eq!(window_of_largest_mean(&[], (0, 0), 96), None);
+    }
+
+    #[test]
+    fn a_cut_has_the_pixels_of_the_window_and_the_overview_its_frame() {
+        let picture = Pixels {
+            width: 500,
+            height: 300,
+            rgb: (0..500 * 300).flat_map(|i| [(i % 500 / 2) as u8, 90, 90]).collect(),
+        };
+        let window = Rect { row: 100, col: 200, rows: 96, cols: 96 };
+        let part = cut(&picture, window);
+        assert_eq!((part.width, part.height, part.rgb.len()), (96, 96, 3 * 96 * 96));
+        assert_eq!((part.rgb[0], part.rgb[3 * 95]), (100, 147));
+        let small = overview(&picture, window);
+        assert_eq!((small.width, small.height), (167, 100));
+        let at = |row: usize, col: usize| small.rgb[3 * (row * small.width + col)];
+        // A third of the size: black, white, black from the corner of the window inwards.
+        assert_eq!([at(33, 66), at(34, 67), at(35, 68)], [0, 255, 0]);
+        assert_eq!(at(50, 80), 120);
+    }
+}
