@@ -4,13 +4,13 @@ use smalti::camera::Evaluation;
 use smalti::scene::macbeth;
 use smalti::spectrum::{WavelengthGrid, reflectance};
 
-use super::figures::{Scored, beside, drawn};
+use super::figures::{Scored, drawn};
 use crate::page::{Markup, el, figure, paragraph};
 use crate::svg::{FRAME, INK};
 use crate::{Line, Plot, Points, Rgb, SplitPatches};
 
 /// Width and height of the plot, pixels, for a square panel.
-const SIZE: (f64, f64) = (560.0, 607.0);
+const SIZE: (f64, f64) = (560.0, 629.0);
 /// Share of the range of the colours that is left free around them.
 const AIR: f64 = 0.07;
 
@@ -26,13 +26,13 @@ pub(super) fn names() -> Vec<String> {
 }
 
 /// The drawings for every luminance, those of the highest unfolded.
-pub(super) fn charts(lights: &[Vec<Scored<'_>>]) -> Markup {
+pub(super) fn colors(lights: &[Vec<Scored<'_>>]) -> Markup {
     let luminance = |light: &Vec<Scored<'_>>| light.first().map_or(f64::NAN, |s| s.luminance_cd_m2);
     let mut order: Vec<&Vec<Scored<'_>>> = lights.iter().collect();
     order.sort_by(|a, b| luminance(b).total_cmp(&luminance(a)));
     let names = names();
     let of_light = |light: &[Scored<'_>]| -> Markup {
-        beside(light.iter().map(|scored| patches(scored, &names))).and(beside(light.iter().map(plane)))
+        charts(light.iter().map(|scored| patches(scored, &names))).and(charts(light.iter().map(plane)))
     };
     let about = "Patches of the ColorChecker without noise. The upper half of each patch is the reference, the lower half what the camera \
                  renders, with their ΔE2000. White is the white patch of the reference, shown as the white of the display.";
@@ -42,6 +42,11 @@ pub(super) fn charts(lights: &[Vec<Scored<'_>>]) -> Markup {
     });
     let first: Markup = order.first().map(|light| of_light(light)).into_iter().collect();
     paragraph("help", about).and(first).and(folded.collect::<Markup>())
+}
+
+/// Drawings side by side, narrower than other figures.
+fn charts(drawings: impl IntoIterator<Item = Markup>) -> Markup {
+    el("div").class("beside charts").children(drawings).into()
 }
 
 fn of_patches(evaluation: &Evaluation) -> impl Iterator<Item = ([f64; 3], [f64; 3], f64)> {
@@ -88,7 +93,7 @@ fn plane(scored: &Scored<'_>) -> Markup {
         plot = plot.line(Line::new("", &x, &y).color(INK).width(1.8).arrow());
     }
     // A ring around each circle, since patches may have the colour of the background.
-    for (radius, ring) in [(6.0, true), (4.4, false)] {
+    for (radius, ring) in [(7.0, true), (5.2, false)] {
         for (reference, _, _) in &all {
             let color = if ring { FRAME } else { Rgb::of_lab(*reference) };
             plot = plot.points(

@@ -88,7 +88,7 @@ pub fn page(shots: &Evaluations<'_>) -> Result<String, ReportError> {
         shots.illuminant,
         shots.seed
     );
-    let charts = chart::charts(&scored);
+    let charts = chart::colors(&scored);
     let cameras = (shots.cameras, shots.labels);
     let again = again::section(shots.command, (shots.seed, shots.illuminant), None, cameras)?;
     Ok(Page::new(format!("{} evaluated", listed(shots.labels)))

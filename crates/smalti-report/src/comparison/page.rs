@@ -27,7 +27,7 @@ pub fn page(report: &Comparison<'_>) -> Result<String, ReportError> {
     let scenes = names::numbered(report.scene_labels.to_vec());
     let groups = groups(report, &scenes)?;
     let (crops, used) = crops::crops(report, &groups, &scenes);
-    let charts = chart::charts(&scored);
+    let charts = chart::colors(&scored);
     let kinds = DIFFERENCES.each_ref().map(|d| &d.maps);
     let mut page = Page::new(format!("{} compared", listed(&title)))
         .with(COMPARE)

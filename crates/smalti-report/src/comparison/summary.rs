@@ -10,8 +10,8 @@ use crate::page::{Markup, Table, el, paragraph};
 use crate::words::listed;
 use crate::{Line, Plot, Points, Scale};
 
-/// The ratio of the luminances at which intervals of adjacent contenders are drawn, so that they do not cover each other.
-const APART: f64 = 1.035;
+/// The distance of the intervals of adjacent contenders, as a share of the luminance axis, so that they do not cover each other.
+const APART: f64 = 0.022;
 
 /// The verdict and the summary of all scores.
 pub(super) fn summary(report: &Comparison<'_>) -> Markup {
@@ -91,18 +91,19 @@ fn difference_figure(report: &Comparison<'_>) -> Markup {
     let luminances = report.luminances();
     let order = ascending(&luminances);
     let (first, count) = (report.contender_name(0), report.contenders.len());
-    let mut plot = Plot::new("Luminance (cd/m²)", format!("CPSNR minus that of {first} (dB)"))
-        .title(format!("Difference from {first}"))
+    let mut plot = Plot::new("Luminance (cd/m²)", "CPSNR difference (dB)")
+        .title(format!("CPSNR: difference from {first}"))
         .note("Bars are 95 % intervals of the paired difference. Where a bar crosses the line of the first camera, these scenes show no difference.")
         .x_scale(Scale::Log)
         .x_ticks(&luminances)
         .size(LIGHT_SIZE.0, height(count))
         .direct_labels();
-    let dodge = |contender: usize| APART.powf(contender as f64 - 0.5 * count as f64);
     let mut zero: Vec<f64> = order.iter().map(|&light| luminances[light]).collect();
     if let [only] = zero[..] {
         zero = vec![only / 1.5, only * 1.5];
     }
+    let range = zero.last().zip(zero.first()).map_or(1.0, |(high, low)| high / low);
+    let dodge = |contender: usize| range.powf(APART * (contender as f64 - 0.5 * count as f64));
     plot = plot.line(Line::new(first, &zero, &vec![0.0; zero.len()]).color(look(0).0).width(2.0).dashed());
     for contender in 1..count {
         let of = |light: usize| {

@@ -206,8 +206,8 @@ pub(super) fn amount(by: &Estimate, unit: &str, digits: usize) -> String {
 fn light(lead: &Lead) -> String {
     match &lead.light {
         None => String::new(),
-        Some(MoreLight::Stops(stops)) => format!(", worth {} of light", amount(stops, " stops", 2)),
-        Some(MoreLight::MoreThan(stops)) => format!(", worth more than {stops} stops of light"),
+        Some(MoreLight::Stops(stops)) => format!(" (worth {} of light)", amount(stops, " stops", 2)),
+        Some(MoreLight::MoreThan(stops)) => format!(" (worth more than {stops} stops of light)"),
     }
 }
 

@@ -336,7 +336,7 @@ function startCrops(look) {
   for (const crop of document.querySelectorAll(".telling")) {
     const { scene, light, x, y, width } = crop.dataset;
     const click = () => look({ scene, light, x: Number(x), y: Number(y), width: Number(width) });
-    crop.querySelector(".where > div").append(make("button", { type: "button", click }, "Show in the viewer", make("span", { class: "hidden-text" }, `: ${scene}`)));
+    crop.querySelector(".where > div").append(make("button", { type: "button", click }, "Show in the viewer", make("span", { class: "hidden-text" }, ` (${scene})`)));
   }
 }
 
