@@ -10,7 +10,9 @@ use crate::svg::{FRAME, INK};
 use crate::{Line, Plot, Points, Rgb, SplitPatches};
 
 /// Width and height of the plot, pixels, for a square panel.
-const SIZE: (f64, f64) = (560.0, 629.0);
+const SIZE: (f64, f64) = (560.0, 607.0);
+/// The largest number of characters of a name in the title of the plot. A title of two lines would make the panel lower than wide.
+const MAX_NAME: usize = 32;
 /// Share of the range of the colours that is left free around them.
 const AIR: f64 = 0.07;
 
@@ -81,7 +83,7 @@ fn plane(scored: &Scored<'_>) -> Markup {
     let (a, b) = (around(a), around(b));
     let axis = |x: [f64; 2], y: [f64; 2]| Line::new("", &x, &y).color(FRAME).width(1.0);
     let mut plot = Plot::new("a* (green to red)", "b* (blue to yellow)")
-        .title(format!("{}, {} cd/m²", scored.name, scored.luminance_cd_m2))
+        .title(format!("{}, {} cd/m²", shortened(&scored.name), scored.luminance_cd_m2))
         .note("Circles are the reference, arrows lead to what the camera renders.")
         .x_range(a.0, a.1)
         .y_range(b.0, b.1)
@@ -102,4 +104,12 @@ fn plane(scored: &Scored<'_>) -> Markup {
         }
     }
     drawn(&plot)
+}
+
+/// A name with an ellipsis in place of what exceeds [`MAX_NAME`].
+fn shortened(name: &str) -> String {
+    if name.chars().count() <= MAX_NAME {
+        return name.to_owned();
+    }
+    name.chars().take(MAX_NAME - 1).chain(['…']).collect()
 }
