@@ -188,10 +188,9 @@ impl Comparison<'_> {
             }
         }
         if lost.is_empty() {
-            lost.concat()
-        } else {
-            format!("of {}: {}", self.contender_name(best), lost.join("; "))
+            return String::new();
         }
+        format!("of {}: {}", self.contender_name(best), lost.join("; "))
     }
 }
 

@@ -265,7 +265,7 @@ impl<'a> CameraUnderTest<'a> {
         for (setup, isp) in &self.scenes {
             let s =
                 compare_on(&setup.in_light(stops.exp2())?, &**isp, settings.seed, &settings.score)?.scores;
-            for (mean, v) in means.iter_mut().zip([s.cpsnr_db, s.pixel_delta_e_2000_mean, s.scielab_mean]) {
+            for (mean, v) in means.iter_mut().zip(s.figures()) {
                 *mean += v / self.scenes.len() as f64;
             }
         }

@@ -2,7 +2,6 @@
 
 use serde::Serialize;
 
-use crate::camera::LightGain;
 use crate::numeric::bootstrap::{Estimate, Resamples, weighted};
 
 /// The largest number of stops that is tried.
@@ -73,15 +72,6 @@ impl QualityAtMoreLight {
         match at.get(segment.saturating_sub(1)).zip(at.get(segment)) {
             Some((low, high)) if high > low => (segment - 1) as f64 + (target - low) / (high - low),
             _ => f64::INFINITY,
-        }
-    }
-}
-
-impl From<MoreLight> for LightGain {
-    fn from(light: MoreLight) -> Self {
-        match light {
-            MoreLight::Stops(stops) => Self::Stops(stops.value),
-            MoreLight::MoreThan(stops) => Self::MoreThan(stops),
         }
     }
 }
