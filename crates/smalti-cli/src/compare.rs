@@ -14,6 +14,7 @@ use smalti::isp::Demosaic;
 use smalti::spectrum::Illuminant;
 use smalti_io::cache::Cache;
 use smalti_io::comparisons::{self, ComparisonFiles, RESULTS};
+use smalti_io::rendered::BuiltInTrainingScenes;
 use smalti_io::test_scenes::{TestSet, test_scene};
 use smalti_io::{memory, write};
 use smalti_report::comparison::{Comparison, Conditions, PAGE, SIDE_BY_SIDE};
@@ -123,7 +124,12 @@ pub(crate) fn run(args: &Compare, words: &[String], common: &Common) -> anyhow::
     let cache = if args.no_cache { Cache::disabled() } else { Cache::open(None) };
     let (settings, training) = (args.learning.settings(seed), args.learning.training());
     let progress = Progress::new(0, common.quiet);
-    let resources = Resources { store: &cache, progress: &progress, memory_bytes: memory::available_bytes() };
+    let resources = Resources {
+        store: &cache,
+        training_scenes: &BuiltInTrainingScenes,
+        progress: &progress,
+        memory_bytes: memory::available_bytes(),
+    };
     let labels = names::numbered(cameras.iter().map(|c| c.description().name.clone()).collect());
     let learning = (&settings, &training);
     let given = resolve::pipelines(&args.pipelines, cameras.len())?;

@@ -72,7 +72,7 @@ pub(crate) fn run(args: &Evaluate, words: &[String], common: &Common) -> anyhow:
     }
     let cache = if args.no_cache { Cache::disabled() } else { Cache::open(None) };
     let progress = Progress::new((cameras.len() * args.luminance.len()) as u64, common.quiet);
-    let resources = Resources { store: &cache, progress: &progress, memory_bytes: None };
+    let resources = Resources { store: &cache, progress: &progress, ..Resources::default() };
     let labels = names::numbered(cameras.iter().map(|c| c.description().name.clone()).collect());
     let tables = tables.into_iter().chain(std::iter::repeat_with(|| None));
     let set = |(camera, table): (&Camera, Option<_>)| {

@@ -9,6 +9,7 @@ use smalti::camera::{Camera, TrainingTarget};
 use smalti::experiment::{Learned, NamedScene, TrainingSources, learn};
 use smalti::l3::{Origin, Pipeline, PositionSummary};
 use smalti_io::cameras::LoadedCamera;
+use smalti_io::rendered::BuiltInTrainingScenes;
 use smalti_io::{l3, memory, write};
 
 use crate::args::{CameraOptions, Common};
@@ -113,6 +114,7 @@ pub(crate) fn run(args: &Train, common: &Common) -> anyhow::Result<()> {
     let sources = TrainingSources {
         scenes: scenes(args, &camera)?,
         illuminants: lights,
+        stored_scenes: &BuiltInTrainingScenes,
         pairs: pairs.map(|pair| pairs::pair(&pair[0], &pair[1], !args.no_align, &progress)).collect(),
         saved: args.continue_from.iter().map(saved).collect::<anyhow::Result<_>>()?,
     };

@@ -14,6 +14,7 @@ use smalti::l3::Training;
 use smalti::numeric::Planes;
 use smalti::spectrum::{Illuminant, Observer};
 use smalti_io::cache::Cache;
+use smalti_io::rendered::BuiltInTrainingScenes;
 use smalti_io::test_scenes::{TestSet, test_scene};
 use smalti_io::{SceneRequest, memory};
 
@@ -145,7 +146,7 @@ pub(crate) fn evaluate(
     let contender = Contender::with_pipelines(&camera.camera, &name, pipelines.as_ref());
     let (scores, pictures) = watched(py, None, |watch| {
         let store = self::cache(cache);
-        let resources = Resources { store: &store, progress: watch, memory_bytes: None };
+        let resources = Resources { store: &store, progress: watch, ..Resources::default() };
         contender.evaluate(&settings, resources).or_raise()
     })?;
     let shown = |image| PyImage::new(image, Some(white));
@@ -328,7 +329,12 @@ pub(crate) fn compare<'py>(
     let lights = scene_lights(&settings.illuminant, &settings.scenes).or_raise()?;
     let (names, compared) = watched(py, progress.map(Told::Steps), |watch| {
         let store = self::cache(cache);
-        let resources = Resources { store: &store, progress: watch, memory_bytes: memory::available_bytes() };
+        let resources = Resources {
+            store: &store,
+            training_scenes: &BuiltInTrainingScenes,
+            progress: watch,
+            memory_bytes: memory::available_bytes(),
+        };
         let learning = (&training, &Training::default());
         let learned =
             experiment::pipelines(&cameras, &labels, given, &processing, learning, &lights, resources)

@@ -10,6 +10,7 @@ use smalti::experiment::{
     gather, solve,
 };
 use smalti::l3::{Alpha, KernelForm, PerceptualWeights, Solver, Statistics, Textures, Training};
+use smalti_io::rendered::BuiltInTrainingScenes;
 use smalti_io::{l3, memory};
 
 use crate::camera::PyCamera;
@@ -124,6 +125,7 @@ pub(crate) fn gather_statistics(
     let sources = TrainingSources::<Box<ExperimentError>> {
         scenes: scenes.map(|all| all.into_iter().map(scene).collect::<PyResult<_>>()).transpose()?,
         illuminants: illuminants.iter().map(light).collect::<PyResult<_>>()?,
+        stored_scenes: &BuiltInTrainingScenes,
         pairs: pairs.unwrap_or_default().into_iter().enumerate().map(pair).collect(),
         saved: Vec::new(),
     };

@@ -12,6 +12,7 @@ use smalti::isp::Demosaic;
 use smalti::l3::{Textures, Training};
 use smalti::sensor::NoiseMode;
 use smalti::spectrum::Illuminant;
+use smalti_io::rendered::BuiltInTrainingScenes;
 use smalti_io::{Override, SceneRequest, cameras, l3, scenes};
 
 use crate::Place;
@@ -119,6 +120,7 @@ fn train_learns_what_the_library_learns() {
     let sources = TrainingSources::<ExperimentError> {
         scenes: Some(vec![named(LEAVES), named(MACBETH)]),
         illuminants: Vec::new(),
+        stored_scenes: &BuiltInTrainingScenes,
         pairs: Vec::new(),
         saved: Vec::new(),
     };

@@ -4,16 +4,19 @@
 //! `tools/scenes/README.md` states sources, licences and errors.
 
 mod components;
+mod photograph;
+mod training;
 
 use std::path::Path;
 
-use smalti::color::ColorSpace;
 use smalti::scene::{Scene, Setting};
 use smalti::spectrum::{Illuminant, WavelengthGrid};
 
+use self::photograph::{decode, reflectances};
+pub use self::training::BuiltInTrainingScenes;
 use crate::error::At;
 use crate::scene_file::Upsampling;
-use crate::{IoError, Quantity, ReadOptions, SpectralFile, picture};
+use crate::{IoError, SpectralFile};
 
 /// A scene from a built-in file.
 #[derive(Debug, Clone, Copy)]
@@ -95,17 +98,8 @@ impl StoredScene {
 }
 
 fn repainted(name: &str, bytes: &[u8]) -> Result<SpectralFile, IoError> {
-    let path = Path::new(name);
-    let image = picture::from_bytes(bytes, path, &ReadOptions::default())?.image;
-    let image = image.converted(ColorSpace::LinearSrgb).at(path)?;
-    Ok(SpectralFile {
-        name: name.to_owned(),
-        cube: Upsampling::Measured.spectra(&image, WavelengthGrid::VISIBLE).at(path)?,
-        quantity: Quantity::Reflectance,
-        illuminant: None,
-        distance_m: None,
-        horizontal_fov_deg: None,
-    })
+    let cube = Upsampling::Measured.spectra(&decode(name, bytes)?, WavelengthGrid::VISIBLE);
+    Ok(reflectances(name, cube.at(Path::new(name))?))
 }
 
 #[cfg(test)]

@@ -31,6 +31,14 @@ pub enum CameraError {
         /// Why.
         message: String,
     },
+    /// A training scene from a file cannot be loaded.
+    #[error("training scene {name}: {reason}")]
+    StoredScene {
+        /// Its name.
+        name: String,
+        /// Why.
+        reason: String,
+    },
     /// An error of the optics.
     #[error(transparent)]
     Optics(#[from] OpticsError),

@@ -39,5 +39,6 @@ pub use score::{PICTURE_METRICS, PictureScores, ScoreSettings, score_picture};
 pub use test_scene::TestScene;
 pub use training::{LevelRule, TrainingSettings, TrainingTarget};
 pub use training_set::{
-    DEFAULT_TRAINING_LIGHT, TRAINING_SET_REVISION, TrainingScene, training_reflectances, training_scenes,
+    DEFAULT_TRAINING_LIGHT, NoStoredScenes, StoredTrainingScenes, TRAINING_SET_REVISION, TrainingContent,
+    TrainingScene, training_reflectances, training_scenes,
 };

@@ -1,12 +1,14 @@
 //! The default training scenes and their reflectances.
 
+use std::fmt;
+
 use super::{Camera, CameraError};
 use crate::color::jakob_hanika2019::Uplift;
 use crate::scene::{Scene, Setting, catalog};
 use crate::spectrum::{Illuminant, Observer, Spectrum, WavelengthGrid, reflectance};
 
 /// Revision of the default training set. It increases when the scenes change, so that cached statistics are not reused.
-pub const TRAINING_SET_REVISION: u32 = 1;
+pub const TRAINING_SET_REVISION: u32 = 2;
 
 /// The illuminant of training where none is given.
 pub const DEFAULT_TRAINING_LIGHT: Illuminant = Illuminant::D65;
@@ -15,16 +17,54 @@ pub const DEFAULT_TRAINING_LIGHT: Illuminant = Illuminant::D65;
 const SCENE_PX: usize = 256;
 /// Samples per pixel: two, so that detail beyond the sensor's Nyquist frequency can alias.
 pub(crate) const SAMPLES_PER_PX: usize = 2;
+/// Number of scenes of dead leaves.
+const LEAVES: usize = 12;
 /// Number of grey reflectances.
 const GREYS: usize = 16;
 
 /// A scene of the default training set.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TrainingScene {
-    /// The scene's name in the catalogue, with its parameters.
-    pub spec: String,
+    /// Its content.
+    pub content: TrainingContent,
     /// Its illuminant.
     pub light: Illuminant,
+}
+
+/// The content of a training scene.
+#[derive(Debug, Clone, PartialEq)]
+pub enum TrainingContent {
+    /// A scene of the catalogue, by its name with parameters.
+    Catalog(String),
+    /// A scene of [`StoredTrainingScenes`], by its name.
+    Stored(&'static str),
+}
+
+/// Training scenes that come from files. The library opens no file, so the caller provides them.
+pub trait StoredTrainingScenes: Sync {
+    /// Their names.
+    fn names(&self) -> Vec<&'static str>;
+
+    /// The scene of a name on a wavelength grid, under any one illuminant that is nowhere 0, with two samples per pixel. Its surfaces
+    /// have the `reflectances`, which are on the grid.
+    ///
+    /// # Errors
+    /// Why the scene cannot be loaded.
+    fn load(&self, name: &str, grid: WavelengthGrid, reflectances: &[Spectrum]) -> Result<Scene, String>;
+}
+
+/// No stored training scenes.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct NoStoredScenes;
+
+impl StoredTrainingScenes for NoStoredScenes {
+    fn names(&self) -> Vec<&'static str> {
+        Vec::new()
+    }
+
+    fn load(&self, name: &str, _: WavelengthGrid, _: &[Spectrum]) -> Result<Scene, String> {
+        Err(format!("there is no stored training scene {name}"))
+    }
 }
 
 /// The default training set. The scenes take the illuminants in turn, or D65 if there is none:
@@ -33,14 +73,15 @@ pub struct TrainingScene {
 /// - gradients between colours and between light and shade, and shading on white paper, because clipped areas in pictures are
 ///   mostly white;
 /// - glossy balls with highlights, lamps and deep shade, of high dynamic range;
-/// - edges, Siemens stars, gratings and a grey ramp.
+/// - edges, Siemens stars, gratings and a grey ramp;
+/// - the `stored` scenes: photographs and path-traced scenes.
 ///
 /// It contains none of the [`test_scenes`](super::test_scenes), none of the targets of [`evaluate`](super::evaluate()), and no
 /// reflectance of the ColorChecker.
 #[must_use]
-pub fn training_scenes(lights: &[Illuminant]) -> Vec<TrainingScene> {
+pub fn training_scenes(lights: &[Illuminant], stored: &dyn StoredTrainingScenes) -> Vec<TrainingScene> {
     let n = SCENE_PX * SAMPLES_PER_PX;
-    let mut specs: Vec<String> = (0..12).map(|i| dead_leaves(i, n)).collect();
+    let mut specs: Vec<String> = (0..LEAVES).map(|i| dead_leaves(i, n)).collect();
     let patches =
         |(i, least): (usize, u32)| format!("color-patches?rows={n}&cols={n}&seed={}&least={least}", i + 1);
     specs.extend([3, 8, 5].into_iter().enumerate().map(patches));
@@ -59,10 +100,32 @@ pub fn training_scenes(lights: &[Illuminant]) -> Vec<TrainingScene> {
         format!("frequency-sweep?rows={n}&cols={n}&contrast=0.05"),
         format!("grey-steps?steps=16&step={}&rows={n}&density=2", n / 16),
     ]);
+    let stored = stored.names().into_iter().map(TrainingContent::Stored);
+    let contents = specs.into_iter().map(TrainingContent::Catalog).chain(stored);
     let lights = if lights.is_empty() { &[DEFAULT_TRAINING_LIGHT][..] } else { lights };
     // Every illuminant occurs with every scale of leaves.
     let light = |i: usize| lights[(i + i / 4) % lights.len()].clone();
-    specs.into_iter().enumerate().map(|(i, spec)| TrainingScene { spec, light: light(i) }).collect()
+    contents.enumerate().map(|(i, content)| TrainingScene { content, light: light(i) }).collect()
+}
+
+impl fmt::Display for TrainingContent {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Catalog(spec) => f.write_str(spec),
+            Self::Stored(name) => f.write_str(name),
+        }
+    }
+}
+
+impl TrainingContent {
+    /// The name without parameters.
+    #[must_use]
+    pub fn name(&self) -> &str {
+        match self {
+            Self::Catalog(spec) => spec.split('?').next().unwrap_or(spec),
+            Self::Stored(name) => name,
+        }
+    }
 }
 
 /// Dead leaves number `i` of `n` × `n` samples, at four scales in turn, with seeds below those of the test scenes.
@@ -74,14 +137,27 @@ pub(crate) fn dead_leaves(i: usize, n: usize) -> String {
 
 impl TrainingScene {
     /// Builds the scene with the field of view that it needs on a camera. `reflectances` are those of [`training_reflectances`] on
-    /// the wavelengths of the camera.
+    /// the wavelengths of the camera; `stored` are the scenes that were given to [`training_scenes`].
     ///
     /// # Errors
-    /// When the catalogue has no such scene, or the wavelengths differ.
-    pub fn build(&self, camera: &Camera, reflectances: &[Spectrum]) -> Result<Scene, CameraError> {
+    /// When there is no such scene, it cannot be loaded, or the wavelengths differ.
+    pub fn build(
+        &self,
+        camera: &Camera,
+        reflectances: &[Spectrum],
+        stored: &dyn StoredTrainingScenes,
+    ) -> Result<Scene, CameraError> {
         let grid = camera.grid();
         let setting = Setting { illuminant: self.light.clone(), grid, ..Setting::default() };
-        let scene = catalog::build(&self.spec, &setting, reflectances)?;
+        let scene = match &self.content {
+            TrainingContent::Catalog(spec) => catalog::build(spec, &setting, reflectances)?,
+            TrainingContent::Stored(name) => {
+                let loaded = stored.load(name, grid, reflectances);
+                let named = |reason| CameraError::StoredScene { name: (*name).into(), reason };
+                let lit = loaded.map_err(named)?.relit(&self.light)?;
+                lit.with_distance(setting.distance_m)?.with_mean_luminance(setting.luminance_cd_m2)?
+            }
+        };
         let px = scene.radiance().cols() / SAMPLES_PER_PX;
         let deg = camera.field_of_view_deg(px.max(1), setting.distance_m)?;
         Ok(scene.with_fov(deg)?)

@@ -11,8 +11,8 @@ use super::training_statistics::{ensure_mosaic, fresh_statistics};
 use super::{ExperimentError, Resources};
 use crate::camera::stable_text::stable_text;
 use crate::camera::{
-    Camera, CameraDescription, CameraError, TRAINING_SET_REVISION, TrainingScene, TrainingSettings,
-    training_reflectances, training_scenes,
+    Camera, CameraDescription, CameraError, StoredTrainingScenes, TRAINING_SET_REVISION, TrainingScene,
+    TrainingSettings, training_reflectances, training_scenes,
 };
 use crate::l3::{self, Pipeline, Statistics, Training};
 use crate::optics::OpticalImage;
@@ -26,6 +26,7 @@ struct StatisticsKey<'a> {
     smalti_version: &'a str,
     l3_revision: u32,
     training_set_revision: u32,
+    stored_scenes: Vec<&'a str>,
     camera: &'a CameraDescription,
     /// Tile and filters of a colour filter array that differs from the description.
     other_cfa: Option<(usize, &'a [u8], &'a [Channel])>,
@@ -51,7 +52,12 @@ impl DefaultTraining<'_> {
         a.optics == b.optics && a.sensor.pixel.pitch_m == b.sensor.pixel.pitch_m && a.grid() == b.grid()
     }
 
-    fn key(&self, settings: &TrainingSettings, light: &Spectrum) -> Result<String, ExperimentError> {
+    fn key(
+        &self,
+        settings: &TrainingSettings,
+        light: &Spectrum,
+        stored: &dyn StoredTrainingScenes,
+    ) -> Result<String, ExperimentError> {
         let cfa = &self.camera.sensor.cfa;
         let other_cfa =
             self.camera.has_other_cfa().then(|| (cfa.mosaic().cols(), cfa.mosaic().cells(), cfa.channels()));
@@ -59,6 +65,7 @@ impl DefaultTraining<'_> {
             smalti_version: env!("CARGO_PKG_VERSION"),
             l3_revision: l3::REVISION,
             training_set_revision: TRAINING_SET_REVISION,
+            stored_scenes: stored.names(),
             camera: self.camera.description(),
             other_cfa,
             light,
@@ -83,7 +90,7 @@ pub fn learn_default(
         let start = || -> Result<Gathering<'_>, ExperimentError> {
             ensure_mosaic(of.camera, of.label)?;
             let light = first_light(std::slice::from_ref(of.light), of.camera)?;
-            let key = of.key(settings, &light)?;
+            let key = of.key(settings, &light, resources.training_scenes)?;
             let (statistics, is_new) = match resources.store.statistics(&key) {
                 Some(stored) => (stored, false),
                 None => (fresh_statistics(of.camera, settings, &light, resources.memory_bytes)?, true),
@@ -96,7 +103,7 @@ pub fn learn_default(
     add_default_set(&mut new, settings, resources)?;
     new.iter().for_each(|g| resources.store.keep_statistics(&g.key, &g.statistics));
     let solved = |Gathering { of, statistics, .. }: Gathering<'_>| {
-        let names = TrainingMaterial::DefaultSet(vec![of.light.clone()]).names();
+        let names = TrainingMaterial::DefaultSet(vec![of.light.clone()], resources.training_scenes).names();
         let record = TrainingRecord::new(of.camera, settings, names);
         solve(&statistics, training, Some(&record)).map_err(|e| e.of_camera(of.label))
     };
@@ -127,23 +134,22 @@ fn add_default_set(
             None => groups.push(vec![training]),
         }
     }
-    let progress = resources.progress;
+    let (progress, stored) = (resources.progress, resources.training_scenes);
     for group in &mut groups {
         let Some(first) = group.first().map(|g| g.of) else { continue };
-        let (scenes, count) = (training_scenes(std::slice::from_ref(first.light)), group.len());
+        let (scenes, count) = (training_scenes(std::slice::from_ref(first.light), stored), group.len());
         progress.expect(scenes.len() as u64);
         let reflectances =
             training_reflectances(first.camera.grid()).in_context(|| first.label.to_owned())?;
         for (item, scene) in (0..).zip(&scenes) {
             ensure_running(progress)?;
-            let short = scene.spec.split('?').next().unwrap_or(&scene.spec);
             let of = if count == 1 { first.label.to_owned() } else { format!("{count} pipelines") };
-            progress.begin(&format!("training {of}: {short}"));
+            progress.begin(&format!("training {of}: {}", scene.content.name()));
             let imaged = || -> Result<_, CameraError> {
-                let built = scene.build(first.camera, &reflectances)?;
+                let built = scene.build(first.camera, &reflectances, stored)?;
                 Ok((first.camera.optics.image(&built)?, built))
             };
-            let context = || format!("scene {}", scene.spec);
+            let context = || format!("scene {}", scene.content);
             let (image, built) = imaged().in_context(context).map_err(|e| e.of_camera(first.label))?;
             group.par_iter_mut().try_for_each(|g| {
                 let added = g.add((&built, &image), (scene, settings, item));
@@ -177,6 +183,7 @@ impl Gathering<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::camera::{NoStoredScenes, TrainingContent};
     use crate::spectrum::WavelengthGrid;
 
     fn gathering<'a>(
@@ -197,11 +204,12 @@ mod tests {
         let camera = Camera::new(CameraDescription::default(), WavelengthGrid::VISIBLE).unwrap();
         let settings = TrainingSettings { exposures: vec![1.0, 0.1], ..TrainingSettings::default() };
         let reflectances = training_reflectances(camera.grid()).unwrap();
-        let spec = "dead-leaves?rows=96&cols=96&seed=3&least=2&largest=40".to_owned();
-        let under = |light: &Illuminant| TrainingScene { spec: spec.clone(), light: light.clone() };
+        let spec = "dead-leaves?rows=96&cols=96&seed=3&least=2&largest=40";
+        let spec = TrainingContent::Catalog(spec.into());
+        let under = |light: &Illuminant| TrainingScene { content: spec.clone(), light: light.clone() };
         let (d65, a) = (under(&Illuminant::D65), under(&Illuminant::A));
         let statistics = |scene: &TrainingScene| {
-            let built = scene.build(&camera, &reflectances).unwrap();
+            let built = scene.build(&camera, &reflectances, &NoStoredScenes).unwrap();
             let image = camera.optics.image(&built).unwrap();
             let mut gathering = gathering(&camera, &Illuminant::A, &settings);
             gathering.add((&built, &image), (scene, &settings, 7)).unwrap();

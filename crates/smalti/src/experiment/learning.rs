@@ -9,7 +9,7 @@ use super::progress::ensure_running;
 use super::training_statistics::{continue_statistics, fresh_statistics, pair_statistics};
 use super::{ExperimentError, Progress};
 use crate::camera::stable_text::stable_text;
-use crate::camera::{Camera, CameraDescription, TrainingSettings, TrainingTarget};
+use crate::camera::{Camera, CameraDescription, StoredTrainingScenes, TrainingSettings, TrainingTarget};
 use crate::l3::{Pipeline, Statistics, Training};
 use crate::spectrum::Illuminant;
 
@@ -37,6 +37,8 @@ pub struct TrainingSources<'a, E> {
     /// Illuminants of the default set, which its scenes use in turn. The first one also determines the levels where no scene does.
     /// Without any, it is [`DEFAULT_TRAINING_LIGHT`](crate::camera::DEFAULT_TRAINING_LIGHT).
     pub illuminants: Vec<Illuminant>,
+    /// Scenes of the default set that come from files.
+    pub stored_scenes: &'a dyn StoredTrainingScenes,
     /// Pairs of raw images and pictures.
     pub pairs: Vec<TrainingPair<'a, E>>,
     /// Saved statistics to continue from, with their names.
@@ -88,7 +90,7 @@ pub fn gather<E: From<ExperimentError>>(
     progress: &dyn Progress,
     memory_bytes: Option<u64>,
 ) -> Result<Gathered, E> {
-    let TrainingSources { scenes, illuminants, pairs, saved } = sources;
+    let TrainingSources { scenes, illuminants, stored_scenes, pairs, saved } = sources;
     let first = scenes.as_ref().and_then(|scenes| scenes.first());
     if !pairs.is_empty() && first.is_some() {
         return Err(ExperimentError::PairsAndScenes.into());
@@ -102,7 +104,9 @@ pub fn gather<E: From<ExperimentError>>(
     };
     let material = match scenes {
         Some(scenes) => Some(TrainingMaterial::Scenes(scenes)),
-        None if pairs.is_empty() && saved.is_empty() => Some(TrainingMaterial::DefaultSet(illuminants)),
+        None if pairs.is_empty() && saved.is_empty() => {
+            Some(TrainingMaterial::DefaultSet(illuminants, stored_scenes))
+        },
         None => None,
     };
     let label = &camera.description().name;

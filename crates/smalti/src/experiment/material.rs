@@ -4,7 +4,7 @@ use super::error::StageContext;
 use super::progress::ensure_running;
 use super::{ExperimentError, Progress};
 use crate::camera::{
-    Camera, CameraError, DEFAULT_TRAINING_LIGHT, TrainingScene, TrainingSettings, training_reflectances,
+    Camera, CameraError, DEFAULT_TRAINING_LIGHT, StoredTrainingScenes, TrainingScene, TrainingSettings, training_reflectances,
     training_scenes,
 };
 use crate::l3::Statistics;
@@ -43,18 +43,18 @@ impl NamedScene {
 }
 
 /// The training scenes of a pipeline.
-pub(super) enum TrainingMaterial {
-    /// The default set, with its scenes under these illuminants in turn.
-    DefaultSet(Vec<Illuminant>),
+pub(super) enum TrainingMaterial<'a> {
+    /// The default set, with its scenes under these illuminants in turn, and those of its scenes that come from files.
+    DefaultSet(Vec<Illuminant>, &'a dyn StoredTrainingScenes),
     /// Given scenes.
     Scenes(Vec<NamedScene>),
 }
 
-impl TrainingMaterial {
+impl TrainingMaterial<'_> {
     /// Number of scenes.
     pub(super) fn len(&self) -> usize {
         match self {
-            Self::DefaultSet(lights) => training_scenes(lights).len(),
+            Self::DefaultSet(lights, stored) => training_scenes(lights, *stored).len(),
             Self::Scenes(scenes) => scenes.len(),
         }
     }
@@ -62,9 +62,9 @@ impl TrainingMaterial {
     /// Names of the scenes, with their illuminants for the default set.
     pub(super) fn names(&self) -> Vec<String> {
         match self {
-            Self::DefaultSet(lights) => {
-                let name = |s: &TrainingScene| format!("{} under {}", s.spec, s.light.name());
-                training_scenes(lights).iter().map(name).collect()
+            Self::DefaultSet(lights, stored) => {
+                let name = |s: &TrainingScene| format!("{} under {}", s.content, s.light.name());
+                training_scenes(lights, *stored).iter().map(name).collect()
             }
             Self::Scenes(scenes) => scenes.iter().map(|s| s.name.clone()).collect(),
         }
@@ -88,7 +88,7 @@ pub(super) fn add_scenes(
     camera: &Camera,
     label: &str,
     settings: &TrainingSettings,
-    material: &TrainingMaterial,
+    material: &TrainingMaterial<'_>,
     statistics: &mut Statistics,
     progress: &dyn Progress,
 ) -> Result<(), ExperimentError> {
@@ -102,11 +102,12 @@ pub(super) fn add_scenes(
         Ok(())
     };
     match material {
-        TrainingMaterial::DefaultSet(lights) => {
-            let scenes = training_scenes(lights);
+        TrainingMaterial::DefaultSet(lights, stored) => {
+            let scenes = training_scenes(lights, *stored);
             let reflectances = training_reflectances(camera.grid()).in_context(|| label.to_owned())?;
-            let built = |s: &TrainingScene| s.build(camera, &reflectances);
-            scenes.iter().zip(0..).try_for_each(|(s, item)| learn(item, &s.spec, &|| built(s)))
+            let built = |s: &TrainingScene| s.build(camera, &reflectances, *stored);
+            let mut scenes = scenes.iter().zip(0..);
+            scenes.try_for_each(|(s, item)| learn(item, &s.content.to_string(), &|| built(s)))
         }
         TrainingMaterial::Scenes(scenes) => scenes.iter().enumerate().try_for_each(|(place, s)| {
             let before = scenes.iter().take(place).filter(|other| other.name == s.name).count();

@@ -1,7 +1,7 @@
 //! The cache of experiments, and the resources that they may use.
 
 use super::{Progress, Silent};
-use crate::camera::CameraError;
+use crate::camera::{CameraError, NoStoredScenes, StoredTrainingScenes};
 use crate::l3::Statistics;
 use crate::optics::OpticalImage;
 
@@ -49,6 +49,8 @@ impl Store for NoStore {
 pub struct Resources<'a> {
     /// The cache.
     pub store: &'a dyn Store,
+    /// Scenes of the default training set that come from files.
+    pub training_scenes: &'a dyn StoredTrainingScenes,
     /// The receiver of progress.
     pub progress: &'a dyn Progress,
     /// Memory limit of training, bytes; `None` for no limit.
@@ -56,8 +58,8 @@ pub struct Resources<'a> {
 }
 
 impl Default for Resources<'_> {
-    /// No cache, no progress reports, no memory limit.
+    /// No cache, no training scenes from files, no progress reports, no memory limit.
     fn default() -> Self {
-        Self { store: &NoStore, progress: &Silent, memory_bytes: None }
+        Self { store: &NoStore, training_scenes: &NoStoredScenes, progress: &Silent, memory_bytes: None }
     }
 }

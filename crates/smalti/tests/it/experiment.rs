@@ -36,7 +36,7 @@ fn refused(progress: &Recorder, memory_bytes: Option<u64>) -> ExperimentError {
     let name = camera.description().name.clone();
     let cameras = [camera.clone(), camera];
     let learning = (&TrainingSettings::default(), &Training::default());
-    let resources = Resources { store: &NoStore, progress, memory_bytes };
+    let resources = Resources { progress, memory_bytes, ..Resources::default() };
     let labels = numbered(vec![name.clone(), name]);
     let lights = scene_lights(&Illuminant::D65, &[]).unwrap();
     let given = Vec::new();
