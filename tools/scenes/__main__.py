@@ -11,6 +11,8 @@ import time
 import numpy as np
 
 NAMES = ["portrait", "foliage", "table", "street", "shelf", "interior"]
+# Training scenes: a script and its seed.
+TRAINING = ["clutter-1", "clutter-2"]
 ROWS, COLS = 576, 768
 STORE = pathlib.Path(__file__).resolve().parents[2] / "crates/smalti-io/scenes"
 
@@ -52,7 +54,12 @@ def white_of(module: object, scene_dict: dict) -> np.ndarray:  # type: ignore[ty
     return render.render(mi.load_dict(card), sensor, 8, 8, 4096, 5, 2).radiance.mean(axis=(0, 1))
 
 
-def camera(c: dict) -> object:  # type: ignore[type-arg]
+def script(name: str) -> object:
+    """The module of a scene, whose name may end in a seed."""
+    return importlib.import_module(f"scenes.{name.partition('-')[0]}")
+
+
+def camera(c: dict, rows: int, cols: int) -> object:  # type: ignore[type-arg]
     """A thin-lens camera."""
     import mitsuba as mi
 
@@ -66,7 +73,7 @@ def camera(c: dict) -> object:  # type: ignore[type-arg]
             "near_clip": 0.01,
             "far_clip": 1000.0,
             "to_world": mi.ScalarTransform4f().look_at(c["origin"], c["target"], c.get("up", [0, 0, 1])),
-            "film": {"type": "hdrfilm", "width": COLS, "height": ROWS},
+            "film": {"type": "hdrfilm", "width": cols, "height": rows},
         }
     )
 
@@ -78,15 +85,17 @@ def render_scene(name: str, scale: int, spp: int, out: pathlib.Path, seeds: list
 
     from . import picture, render, spectra
 
-    module = importlib.import_module(f"scenes.{name}")
+    module = script(name)
+    rows, cols = getattr(module, "SIZE", (ROWS, COLS))
     start = time.time()
-    scene_dict, view = module.build()
+    number = name.partition("-")[2]
+    scene_dict, view = module.build(int(number)) if number else module.build()
     scene = mi.load_dict(scene_dict)
     print(f"{name}: geometry {time.time() - start:.0f} s", flush=True)
     white = white_of(module, scene_dict)
     out.mkdir(parents=True, exist_ok=True)
     for seed in seeds:
-        r = render.render(scene, camera(view), ROWS // scale, COLS // scale, spp, seed, module.DEPTH)
+        r = render.render(scene, camera(view, rows, cols), rows // scale, cols // scale, spp, seed, module.DEPTH)
         start = time.time()
         image = render.denoise(r) if clean else r.radiance
         print(
@@ -103,14 +112,14 @@ def main() -> None:
     p = argparse.ArgumentParser()
     sub = p.add_subparsers(dest="verb", required=True)
     a = sub.add_parser("render")
-    a.add_argument("name", choices=NAMES)
+    a.add_argument("name", choices=NAMES + TRAINING)
     a.add_argument("--scale", type=int, default=1)
     a.add_argument("--spp", type=int, default=32)
     a.add_argument("--seed", type=int, nargs="+", default=[1])
     a.add_argument("--out", type=pathlib.Path, default=pathlib.Path("out"))
     a.add_argument("--raw", action="store_true")
     b = sub.add_parser("store")
-    b.add_argument("name", choices=NAMES)
+    b.add_argument("name", choices=NAMES + TRAINING)
     b.add_argument("--out", type=pathlib.Path, default=pathlib.Path("out"))
     c = sub.add_parser("collect")
     for key in ("usgs", "skin", "veg"):

@@ -1,14 +1,10 @@
 """python -m scenes check: does a rendering give back the reflectance of a known card, and are the test spectra not those of training?"""
 
-import csv
-import pathlib
-
 import mitsuba as mi
 import numpy as np
 
 from . import codec, material, render, spectra
 
-ROOT = pathlib.Path(__file__).resolve().parents[2]
 CARDS = ["TCS 5", "TCS 32", "TCS 76", "Skin 36", "Cotton Fabric GDS437 White"]
 
 
@@ -61,12 +57,11 @@ def interreflection() -> float:
 
 def nearest_to_training() -> float:
     """Smallest rms distance between a reflectance of the test scenes and one of the training set."""
-    rows = [r for r in csv.reader(line for line in (ROOT / "tools/data/natural_reflectances.csv").open() if not line.startswith("#"))]
-    training = np.array([[float(v) / 1e5 for v in r[1:]] for r in rows])[:, 2:33]
+    names, training = list(spectra.training()), np.array(list(spectra.training().values()))
     best = (1.0, "", "")
     for name, values in spectra.reflectances().items():
         d = np.sqrt(((training - values) ** 2).mean(axis=1))
-        best = min(best, (float(d.min()), name, rows[int(d.argmin())][0]))
+        best = min(best, (float(d.min()), name, names[int(d.argmin())]))
     print(f"nearest pair of test and training: {best[1]} and {best[2]}, rms distance {best[0]:.4f}")
     return best[0]
 

@@ -7,6 +7,7 @@ import pathlib
 import numpy as np
 
 DATA = pathlib.Path(__file__).resolve().parent / "data"
+TRAINING = pathlib.Path(__file__).resolve().parents[1] / "data/natural_reflectances.csv"
 BANDS_NM = np.arange(400.0, 701.0, 10.0)
 STEP_NM = 10.0
 
@@ -24,9 +25,18 @@ def reflectances() -> dict[str, np.ndarray]:
 
 
 @functools.cache
+def training() -> dict[str, np.ndarray]:
+    """Reflectances (0 to 1) of the training set by name. No test scene has one of them."""
+    with TRAINING.open() as f:
+        rows = list(csv.reader(line for line in f if not line.startswith("#")))
+    # From 380 nm on, in units of 0.00001.
+    return {r[0]: np.array([float(v) / 1e5 for v in r[1:]])[2:33] for r in rows}
+
+
+@functools.cache
 def lights() -> dict[str, np.ndarray]:
-    """Relative spectral power by name."""
-    return _read("lights.csv")
+    """Relative spectral power by name. E is the equal-energy spectrum."""
+    return {**_read("lights.csv"), "E": np.ones(len(BANDS_NM))}
 
 
 @functools.cache
@@ -37,8 +47,9 @@ def observer() -> np.ndarray:
 
 
 def table(names: list[str]) -> np.ndarray:
-    """Reflectances of several materials, bands × materials."""
-    return np.stack([reflectances()[n] for n in names], axis=1)
+    """Reflectances of several materials, of tests or of training, bands × materials."""
+    known = {**training(), **reflectances()}
+    return np.stack([known[n] for n in names], axis=1)
 
 
 def luminance(radiance: np.ndarray) -> np.ndarray:

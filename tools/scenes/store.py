@@ -23,7 +23,7 @@ def smooth_and_lit(level: np.ndarray) -> np.ndarray:
     return np.pad(vary < 0.02, 2) & (level > 0.1 * np.median(level))
 
 
-def choose(image: np.ndarray) -> tuple[int, float]:
+def choose(image: np.ndarray, limit: int) -> tuple[int, float]:
     """Number of components and step of least error within the size limit."""
     level = image.mean(axis=2)
     floor = max(float(level.max()) * 1e-7, 1e-30)
@@ -38,7 +38,7 @@ def choose(image: np.ndarray) -> tuple[int, float]:
         size = size_level
         for k in range(16):
             size += len(codec.deflate(codec.coefficient_bytes(q[:, k].astype(np.int64).reshape(level.shape))))
-            if size > LIMIT - 6000:
+            if size > limit - 6000:
                 break
             if k < 5:
                 continue
@@ -50,7 +50,7 @@ def choose(image: np.ndarray) -> tuple[int, float]:
 
 def store(name: str, folder: pathlib.Path, out: pathlib.Path) -> dict[str, object]:
     """Writes out/NAME.spc; the parts in `folder` are independent estimates of the same picture."""
-    module = importlib.import_module(f"scenes.{name}")
+    module = importlib.import_module(f"scenes.{name.partition('-')[0]}")
     files = sorted(folder.glob(f"{name}-*.npz"))
     parts = [np.load(f) for f in files]
     weights = np.array([float(p["spp"]) for p in parts])
@@ -72,7 +72,7 @@ def store(name: str, folder: pathlib.Path, out: pathlib.Path) -> dict[str, objec
     light = parts[0]["white"].astype(np.float64)
     if module.WHITE != "probe":
         light = light * (np.percentile(spectra.luminance(image), 99) / spectra.luminance(light))
-    components, step = choose(image)
+    components, step = choose(image, getattr(module, "LIMIT", LIMIT))
     about: dict[str, object] = {
         "name": name,
         "title": module.TITLE,

@@ -1,49 +1,126 @@
-//! Stored scenes of the default training set: photographs that are painted with the reflectances of training.
+//! Stored scenes of the default training set: photographs that are painted with the reflectances of training, and path-traced scenes
+//! that were made of them.
 
 use std::fmt::Display;
 
 use smalti::camera::StoredTrainingScenes;
 use smalti::color::repaint::Repaint;
+use smalti::numeric::Planes;
 use smalti::scene::{Scene, Setting};
-use smalti::spectrum::{Illuminant, Observer, Spectrum, WavelengthGrid};
+use smalti::spectrum::{Illuminant, Observer, SpectralCube, Spectrum, SpectrumError, WavelengthGrid};
 
+use super::components;
 use super::photograph::{decode, reflectances};
 
 /// The training scenes that are stored in this crate. None of them is a test scene, nor shows what one shows.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct BuiltInTrainingScenes;
 
-macro_rules! photographs {
-    ($($name:literal),*) => {
-        [$(($name, include_bytes!(concat!("../../scenes/", $name, ".jpg")))),*]
+enum Content {
+    /// A photograph as JPEG.
+    Photograph(&'static [u8]),
+    /// Components of spectral radiance under lamps of one spectrum.
+    Rendered(&'static [u8]),
+}
+
+macro_rules! stored {
+    ($($name:literal: $kind:ident($file:literal);)*) => {
+        [$(($name, Content::$kind(include_bytes!(concat!("../../scenes/", $file))))),*]
     };
 }
 
-/// Photographs as JPEG, by their names.
-static PHOTOGRAPHS: [(&str, &[u8]); 5] = photographs![
-    "training-coffee",
-    "training-dandelion",
-    "training-drum",
-    "training-mountain",
-    "training-spaniels"
-];
+static SCENES: [(&str, Content); 7] = stored! {
+    "training-clutter-1": Rendered("clutter-1.spc");
+    "training-clutter-2": Rendered("clutter-2.spc");
+    "training-coffee": Photograph("training-coffee.jpg");
+    "training-dandelion": Photograph("training-dandelion.jpg");
+    "training-drum": Photograph("training-drum.jpg");
+    "training-mountain": Photograph("training-mountain.jpg");
+    "training-spaniels": Photograph("training-spaniels.jpg");
+};
 
 impl StoredTrainingScenes for BuiltInTrainingScenes {
     fn names(&self) -> Vec<&'static str> {
-        PHOTOGRAPHS.iter().map(|(name, _)| *name).collect()
+        SCENES.iter().map(|(name, _)| *name).collect()
     }
 
     fn load(&self, name: &str, grid: WavelengthGrid, painted_with: &[Spectrum]) -> Result<Scene, String> {
-        let stored = PHOTOGRAPHS.iter().find(|(known, _)| *known == name);
-        let (_, bytes) = stored.ok_or_else(|| format!("there is no training scene {name}"))?;
-        let image = decode(name, bytes).map_err(text)?;
-        let repaint = Repaint::with(grid, Observer::Cie1931, painted_with.iter().cloned()).map_err(text)?;
-        let cube = repaint.repaint_image(&image).map_err(text)?;
+        let stored = SCENES.iter().find(|(known, _)| *known == name);
+        let (_, content) = stored.ok_or_else(|| format!("there is no training scene {name}"))?;
+        let cube = match content {
+            Content::Photograph(bytes) => {
+                let image = decode(name, bytes).map_err(text)?;
+                let paint = painted_with.iter().cloned();
+                let repaint = Repaint::with(grid, Observer::Cie1931, paint).map_err(text)?;
+                repaint.repaint_image(&image).map_err(text)?
+            }
+            Content::Rendered(bytes) => {
+                let scene = components::decode(name, bytes).and_then(|f| f.into_scene(&Setting::default()));
+                relative_to_light(&scene.map_err(text)?, grid).map_err(text)?
+            }
+        };
         let setting = Setting { illuminant: Illuminant::E, grid, ..Setting::default() };
         reflectances(name, cube).into_scene(&setting).map_err(text)
     }
 }
 
+/// Radiance relative to that of a white in the scene's light, interpolated to a grid and held constant beyond the wavelengths of the
+/// scene.
+fn relative_to_light(scene: &Scene, grid: WavelengthGrid) -> Result<SpectralCube, SpectrumError> {
+    let (from, light) = (scene.radiance(), scene.illuminant().values());
+    let bands = from.grid();
+    let mut planes = Planes::zeros(from.rows(), from.cols(), grid.len());
+    for (k, plane) in planes.planes_mut().enumerate() {
+        let at = (grid.wavelength_nm(k) - bands.start_nm()) / bands.step_nm();
+        let at = at.clamp(0.0, (bands.len() - 1) as f64);
+        let (low, share) = (at as usize, at.fract());
+        let high = (low + 1).min(bands.len() - 1);
+        let weights = [(1.0 - share) / light[low], share / light[high]].map(|w| w as f32);
+        let (low, high) = (from.planes().plane(low)?, from.planes().plane(high)?);
+        for ((to, a), b) in plane.iter_mut().zip(low).zip(high) {
+            *to = weights[0] * a + weights[1] * b;
+        }
+    }
+    SpectralCube::new(grid, planes)
+}
+
 fn text(error: impl Display) -> String {
     error.to_string()
+}
+
+#[cfg(test)]
+mod tests {
+    use smalti::camera::training_reflectances;
+
+    use super::*;
+
+    /// On wavelengths beyond those of the stored scenes, as a camera for near infrared has them.
+    #[test]
+    fn scenes_load_on_any_wavelengths() {
+        let grid = WavelengthGrid::new(380.0, 124.0, 6).unwrap();
+        let reflectances = training_reflectances(grid).unwrap();
+        for name in BuiltInTrainingScenes.names() {
+            let scene = BuiltInTrainingScenes.load(name, grid, &reflectances).unwrap();
+            assert_eq!(scene.radiance().grid(), grid, "{name}");
+            assert!(scene.illuminant().values().iter().all(|&v| v > 0.0), "{name}");
+            let relit = scene.relit(&Illuminant::A).unwrap();
+            assert!(relit.radiance().planes().data().iter().all(|v| v.is_finite()), "{name}");
+        }
+        let unknown = BuiltInTrainingScenes.load("training-tea", grid, &reflectances);
+        assert_eq!(unknown.unwrap_err(), "there is no training scene training-tea");
+    }
+
+    /// A path-traced scene on its own wavelengths, relit with an equal-energy illuminant, is the stored scene up to its luminance.
+    #[test]
+    fn an_equal_energy_illuminant_leaves_the_colours_of_a_rendered_scene() {
+        let loaded = BuiltInTrainingScenes.load("training-clutter-1", WavelengthGrid::VISIBLE, &[]).unwrap();
+        let Some((name, Content::Rendered(bytes))) = SCENES.iter().find(|(name, _)| *name == loaded.name())
+        else {
+            panic!("{} is stored", loaded.name());
+        };
+        let stored = components::decode(name, bytes).unwrap().into_scene(&Setting::default()).unwrap();
+        let (a, b) = (loaded.radiance().pixel(300, 200).unwrap(), stored.radiance().pixel(300, 200).unwrap());
+        let ratios: Vec<f64> = a.values().iter().zip(b.values()).map(|(a, b)| a / b).collect();
+        assert!(ratios.iter().all(|r| (r / ratios[0] - 1.0).abs() < 1e-5), "{ratios:?}");
+    }
 }

@@ -18,7 +18,7 @@ const SCENE_PX: usize = 256;
 /// Samples per pixel: two, so that detail beyond the sensor's Nyquist frequency can alias.
 pub(crate) const SAMPLES_PER_PX: usize = 2;
 /// Number of scenes of dead leaves.
-const LEAVES: usize = 12;
+const LEAVES: usize = 8;
 /// Number of grey reflectances.
 const GREYS: usize = 16;
 

@@ -106,7 +106,7 @@ pub fn gather<E: From<ExperimentError>>(
         Some(scenes) => Some(TrainingMaterial::Scenes(scenes)),
         None if pairs.is_empty() && saved.is_empty() => {
             Some(TrainingMaterial::DefaultSet(illuminants, stored_scenes))
-        },
+        }
         None => None,
     };
     let label = &camera.description().name;

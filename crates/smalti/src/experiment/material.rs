@@ -4,8 +4,8 @@ use super::error::StageContext;
 use super::progress::ensure_running;
 use super::{ExperimentError, Progress};
 use crate::camera::{
-    Camera, CameraError, DEFAULT_TRAINING_LIGHT, StoredTrainingScenes, TrainingScene, TrainingSettings, training_reflectances,
-    training_scenes,
+    Camera, CameraError, DEFAULT_TRAINING_LIGHT, StoredTrainingScenes, TrainingScene, TrainingSettings,
+    training_reflectances, training_scenes,
 };
 use crate::l3::Statistics;
 use crate::scene::Scene;

@@ -4,8 +4,8 @@
 
 use smalti::camera::description::PatternDescription;
 use smalti::camera::{
-    Camera, CameraDescription, CameraError, ScoreSettings, Setup, TrainingSettings, TrainingTarget,
-    compare_on, training_reflectances, training_scenes,
+    Camera, CameraDescription, CameraError, NoStoredScenes, ScoreSettings, Setup, TrainingSettings,
+    TrainingTarget, compare_on, training_reflectances, training_scenes,
 };
 use smalti::isp::{IspError, WhiteBalance};
 use smalti::l3::{L3Error, Pipeline, Training};
@@ -139,7 +139,7 @@ fn other_sensitivities_are_learned() {
 #[test]
 fn the_default_set_meets_every_light() {
     let lights = [Illuminant::D65, Illuminant::A, Illuminant::Led];
-    let set = training_scenes(&lights);
+    let set = training_scenes(&lights, &NoStoredScenes);
     for light in &lights {
         assert!(set.iter().filter(|s| s.light == *light).count() >= set.len() / 4);
     }
@@ -172,9 +172,9 @@ fn nothing_of_the_test_scenes_is_learned_from() {
     let coarse: Vec<Spectrum> =
         natural.iter().map(|r| r.resampled(setting.grid, Extrapolation::Hold).unwrap()).collect();
     let build = |spec: &str| catalog::build(spec, &setting, &coarse).unwrap();
-    let trained: Vec<(String, Vec<f64>)> = training_scenes(&[Illuminant::D65])
+    let trained: Vec<(String, Vec<f64>)> = training_scenes(&[Illuminant::D65], &NoStoredScenes)
         .into_iter()
-        .map(|s| (s.spec.clone(), thumbnail(&build(&s.spec))))
+        .map(|s| (s.content.to_string(), thumbnail(&build(&s.content.to_string()))))
         .collect();
     let alike = |spec: &str| {
         let own = thumbnail(&build(spec));
