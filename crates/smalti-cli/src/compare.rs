@@ -14,7 +14,6 @@ use smalti::isp::Demosaic;
 use smalti::spectrum::Illuminant;
 use smalti_io::cache::Cache;
 use smalti_io::comparisons::{self, ComparisonFiles, RESULTS};
-use smalti_io::rendered::BuiltInTrainingScenes;
 use smalti_io::test_scenes::{TestSet, test_scene};
 use smalti_io::{memory, write};
 use smalti_report::comparison::{Comparison, Conditions, PAGE, SIDE_BY_SIDE};
@@ -126,7 +125,7 @@ pub(crate) fn run(args: &Compare, words: &[String], common: &Common) -> anyhow::
     let progress = Progress::new(0, common.quiet);
     let resources = Resources {
         store: &cache,
-        training_scenes: &BuiltInTrainingScenes,
+        training_scenes: args.learning.training_set.stored(),
         progress: &progress,
         memory_bytes: memory::available_bytes(),
     };

@@ -4,6 +4,7 @@ use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, ValueEnum};
 use smalti::camera::{LevelRule, TrainingSettings};
 use smalti::l3::{Alpha, KernelForm, PerceptualWeights, Solver, Textures, Training};
+use smalti_io::rendered::TrainingSet;
 
 use crate::args::{Choice, choice, word_of};
 use crate::numbers::share;
@@ -12,6 +13,9 @@ use crate::numbers::share;
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Learning")]
 pub(crate) struct LearningOptions {
+    /// Built-in scenes to learn from
+    #[arg(long, default_value = word_of(&TrainingSet::NAMED, &TrainingSet::default()), value_parser = choice(&TrainingSet::NAMED))]
+    pub(crate) training_set: TrainingSet,
     /// Side of the patch from which the colour of its central pixel is computed
     #[arg(long, value_name = "PX", default_value_t = TrainingSettings::default().side, value_parser = sides())]
     pub(crate) patch: usize,

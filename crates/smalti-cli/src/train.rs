@@ -9,7 +9,6 @@ use smalti::camera::{Camera, TrainingTarget};
 use smalti::experiment::{Learned, NamedScene, TrainingSources, learn};
 use smalti::l3::{Origin, Pipeline, PositionSummary};
 use smalti_io::cameras::LoadedCamera;
-use smalti_io::rendered::BuiltInTrainingScenes;
 use smalti_io::{l3, memory, write};
 
 use crate::args::{CameraOptions, Common};
@@ -29,8 +28,8 @@ use crate::{pairs, resolve, table};
     smalti train nikon.toml --pair shot.dng shot.jpg --pair b.dng b.jpg -o nikon.l3\n  \
     smalti train rgbw -o rgbw.l3 --c-header rgbw_isp.h --npz rgbw.npz\n\n\
     Without --scene, --pair or --continue, the training data are the default set: dead leaves, patch charts, gradients, edges, \
-    stars, gratings, steps and scenes of high dynamic range, in natural and saturated colours, under daylight, tungsten and LED. \
-    --exposures determines the exposure of all scenes, and their luminance has no effect. The printed table states for each \
+    stars, gratings, steps, scenes of high dynamic range, photographs and path-traced scenes, in natural and saturated colours, \
+    under daylight, tungsten and LED.     --exposures determines the exposure of all scenes, and their luminance has no effect. The printed table states for each \
     position of the mosaic how many classes had training data, and the origin of the kernels of classes with too few patches.")]
 pub(crate) struct Train {
     /// A built-in camera (smalti list cameras) or a TOML file; CAMERA@MOSAIC has another mosaic (smalti list cfas)
@@ -114,7 +113,7 @@ pub(crate) fn run(args: &Train, common: &Common) -> anyhow::Result<()> {
     let sources = TrainingSources {
         scenes: scenes(args, &camera)?,
         illuminants: lights,
-        stored_scenes: &BuiltInTrainingScenes,
+        stored_scenes: args.learning.training_set.stored(),
         pairs: pairs.map(|pair| pairs::pair(&pair[0], &pair[1], !args.no_align, &progress)).collect(),
         saved: args.continue_from.iter().map(saved).collect::<anyhow::Result<_>>()?,
     };

@@ -14,7 +14,6 @@ use smalti::l3::Training;
 use smalti::numeric::Planes;
 use smalti::spectrum::{Illuminant, Observer};
 use smalti_io::cache::Cache;
-use smalti_io::rendered::BuiltInTrainingScenes;
 use smalti_io::test_scenes::{TestSet, test_scene};
 use smalti_io::{SceneRequest, memory};
 
@@ -23,6 +22,7 @@ use crate::camera::PyCamera;
 use crate::error::{OrRaise, one_of, wrong};
 use crate::image::PyImage;
 use crate::json::dict_of;
+use crate::l3::training_sets;
 use crate::pipeline::PyPipeline;
 use crate::scene::PyScene;
 use crate::spectrum::light;
@@ -296,6 +296,7 @@ pub(crate) fn compare<'py>(
     luminances_cd_m2: Vec<f64>,
     illuminant: Option<&Bound<'py, PyAny>>,
     exposure: (TimeOrPolicy, f64, f64),
+    training_set: &str,
     seeds: (u64, u64),
     cache: bool,
     progress: Option<&Bound<'py, PyAny>>,
@@ -325,13 +326,14 @@ pub(crate) fn compare<'py>(
         score: ScoreSettings::default(),
         exposure,
     };
+    let training_set = one_of("training_set", training_set, &training_sets())?;
     let training = TrainingSettings { seed, ..TrainingSettings::default() };
     let lights = scene_lights(&settings.illuminant, &settings.scenes).or_raise()?;
     let (names, compared) = watched(py, progress.map(Told::Steps), |watch| {
         let store = self::cache(cache);
         let resources = Resources {
             store: &store,
-            training_scenes: &BuiltInTrainingScenes,
+            training_scenes: training_set.stored(),
             progress: watch,
             memory_bytes: memory::available_bytes(),
         };

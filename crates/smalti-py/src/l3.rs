@@ -10,7 +10,7 @@ use smalti::experiment::{
     gather, solve,
 };
 use smalti::l3::{Alpha, KernelForm, PerceptualWeights, Solver, Statistics, Textures, Training};
-use smalti_io::rendered::BuiltInTrainingScenes;
+use smalti_io::rendered::TrainingSet;
 use smalti_io::{l3, memory};
 
 use crate::camera::PyCamera;
@@ -26,6 +26,11 @@ const LEVEL_RULES: [(&str, LevelRule); 2] =
     [("logarithmic", LevelRule::Logarithmic), ("noise-steps", LevelRule::NoiseSteps)];
 const TEXTURES: [(&str, Textures); 3] =
     [("none", Textures::None), ("flat-texture", Textures::FlatTexture), ("oriented", Textures::Oriented)];
+
+/// The built-in training sets by name.
+pub(crate) fn training_sets() -> Vec<(&'static str, TrainingSet)> {
+    TrainingSet::NAMED.iter().map(|(name, _, set)| (*name, *set)).collect()
+}
 
 /// The statistics that pipelines are solved from: moments of patches and targets for each class. Statistics can be merged.
 #[pyclass(name = "Statistics", module = "smalti", frozen)]
@@ -81,7 +86,7 @@ pub(crate) struct PyTrainingRecord(TrainingRecord);
 
 /// Gathers statistics; see `smalti.gather`.
 #[pyfunction]
-#[pyo3(signature = (camera, scenes, pairs, align, illuminants, target, target_illuminant, exposures, patch, levels, level_rule, textures, sharp, seed, progress))]
+#[pyo3(signature = (camera, scenes, pairs, align, illuminants, target, target_illuminant, exposures, patch, levels, level_rule, textures, sharp, training_set, seed, progress))]
 #[allow(clippy::too_many_arguments)]
 pub(crate) fn gather_statistics(
     py: Python<'_>,
@@ -98,6 +103,7 @@ pub(crate) fn gather_statistics(
     level_rule: &str,
     textures: &str,
     sharp: bool,
+    training_set: &str,
     seed: u64,
     progress: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<(PyStatistics, PyTrainingRecord)> {
@@ -125,7 +131,7 @@ pub(crate) fn gather_statistics(
     let sources = TrainingSources::<Box<ExperimentError>> {
         scenes: scenes.map(|all| all.into_iter().map(scene).collect::<PyResult<_>>()).transpose()?,
         illuminants: illuminants.iter().map(light).collect::<PyResult<_>>()?,
-        stored_scenes: &BuiltInTrainingScenes,
+        stored_scenes: one_of("training_set", training_set, &training_sets())?.stored(),
         pairs: pairs.unwrap_or_default().into_iter().enumerate().map(pair).collect(),
         saved: Vec::new(),
     };

@@ -13,7 +13,7 @@ use smalti::scene::{Scene, Setting};
 use smalti::spectrum::{Illuminant, WavelengthGrid};
 
 use self::photograph::{decode, reflectances};
-pub use self::training::BuiltInTrainingScenes;
+pub use self::training::{BuiltInTrainingScenes, TrainingSet};
 use crate::error::At;
 use crate::scene_file::Upsampling;
 use crate::{IoError, SpectralFile};

@@ -3,7 +3,7 @@
 
 use std::fmt::Display;
 
-use smalti::camera::StoredTrainingScenes;
+use smalti::camera::{NoStoredScenes, StoredTrainingScenes};
 use smalti::color::repaint::Repaint;
 use smalti::numeric::Planes;
 use smalti::scene::{Scene, Setting};
@@ -15,6 +15,33 @@ use super::photograph::{decode, reflectances};
 /// The training scenes that are stored in this crate. None of them is a test scene, nor shows what one shows.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct BuiltInTrainingScenes;
+
+/// The scenes that pipelines learn from by default.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum TrainingSet {
+    /// Scenes of the catalogue, photographs and path-traced scenes.
+    #[default]
+    All,
+    /// Scenes of the catalogue alone.
+    Catalog,
+}
+
+impl TrainingSet {
+    /// All sets with their names and summaries.
+    pub const NAMED: [(&'static str, &'static str, Self); 2] = [
+        ("all", "Scenes of the catalogue, photographs and path-traced scenes", Self::All),
+        ("catalog", "Scenes of the catalogue alone", Self::Catalog),
+    ];
+
+    /// Those of its scenes that come from files.
+    #[must_use]
+    pub fn stored(self) -> &'static dyn StoredTrainingScenes {
+        match self {
+            Self::All => &BuiltInTrainingScenes,
+            Self::Catalog => &NoStoredScenes,
+        }
+    }
+}
 
 enum Content {
     /// A photograph as JPEG.

@@ -86,6 +86,7 @@ def gather(
     level_rule: Literal["logarithmic", "noise-steps"] = "logarithmic",
     textures: Literal["none", "flat-texture", "oriented"] = "oriented",
     sharp: bool = False,
+    training_set: Literal["all", "catalog"] = "all",
     seed: int = 1,
     progress: Progress = True,
 ) -> Statistics:
@@ -95,7 +96,7 @@ def gather(
     """
     return _gather(
         camera, scenes, pairs, progress, align, list(illuminants), target, target_illuminant, list(exposures), patch, levels,
-        level_rule, textures, sharp, seed,
+        level_rule, textures, sharp, training_set, seed,
     )[0]  # fmt: skip
 
 
@@ -128,6 +129,7 @@ def train(
     level_rule: Literal["logarithmic", "noise-steps"] = "logarithmic",
     textures: Literal["none", "flat-texture", "oriented"] = "oriented",
     sharp: bool = False,
+    training_set: Literal["all", "catalog"] = "all",
     solver: Literal["wiener", "perceptual", "ridge", "least-squares"] = "wiener",
     alpha_flat: tuple[float, float] | None = None,
     alpha_texture: tuple[float, float] | None = None,
@@ -154,6 +156,7 @@ def train(
         level_rule: spacing of the response levels.
         textures: texture classes of patches.
         sharp: also learn to correct the blur of the lens.
+        training_set: the built-in set: "all", or "catalog" without photographs and path-traced scenes.
         solver: solver of the kernels.
         alpha_flat: weight of noise against blur in flat patches: luminance, chrominance (implies solver="perceptual").
         alpha_texture: the same in textured patches.
@@ -168,7 +171,7 @@ def train(
     """
     statistics, story = _gather(
         camera, scenes, pairs, progress, align, list(illuminants), target, target_illuminant, list(exposures), patch, levels,
-        level_rule, textures, sharp, seed,
+        level_rule, textures, sharp, training_set, seed,
     )  # fmt: skip
     return _smalti.solve_statistics(statistics, story, solver, alpha_flat, alpha_texture, linear, symmetry, smoothing)
 
@@ -198,6 +201,7 @@ def compare(
     exposure: float | Literal["own", "equal", "auto-equal"] = "auto-equal",
     max_saturated_percent: float = 0.5,
     max_exposure_s: float = 0.033,
+    training_set: Literal["all", "catalog"] = "all",
     seed: int = 1,
     seeds: int = 3,
     cache: bool = True,
@@ -221,6 +225,7 @@ def compare(
             "auto-equal", own times if they are the same for all cameras, otherwise equal times.
         max_saturated_percent: equal exposure: the largest share of saturated samples, percent.
         max_exposure_s: equal exposure: the longest time, s.
+        training_set: the scenes that pipelines learn from; see `train`.
         seed: seed of the noise and of the training.
         seeds: number of seeds of the noise for each scene, from `seed` on.
         cache: keep optical images and statistics between runs, in the cache of the command.
@@ -237,7 +242,7 @@ def compare(
     with _told(progress, "comparing", "step") as told:
         records, verdict = _smalti.compare(
             list(cameras), each, list(processing), scenes if isinstance(scenes, str) else list(scenes), list(luminances_cd_m2),
-            illuminant, (exposure, max_saturated_percent / 100, max_exposure_s), (seed, seeds), cache, told,
+            illuminant, (exposure, max_saturated_percent / 100, max_exposure_s), training_set, (seed, seeds), cache, told,
         )  # fmt: skip
     return Comparison(records, verdict)
 

@@ -420,6 +420,7 @@ def compare(
     luminances_cd_m2: list[float],
     illuminant: _Light | None,
     exposure: tuple[float | str, float, float],
+    training_set: str,
     seeds: tuple[int, int],
     cache: bool,
     progress: _ToldOfSteps,
@@ -441,6 +442,7 @@ def gather_statistics(
     level_rule: str,
     textures: str,
     sharp: bool,
+    training_set: str,
     seed: int,
     progress: _ToldOfSteps,
 ) -> tuple[Statistics, TrainingRecord]: ...

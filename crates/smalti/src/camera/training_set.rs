@@ -17,8 +17,8 @@ pub const DEFAULT_TRAINING_LIGHT: Illuminant = Illuminant::D65;
 const SCENE_PX: usize = 256;
 /// Samples per pixel: two, so that detail beyond the sensor's Nyquist frequency can alias.
 pub(crate) const SAMPLES_PER_PX: usize = 2;
-/// Number of scenes of dead leaves.
-const LEAVES: usize = 8;
+/// Number of scenes of dead leaves, without and with stored scenes, of which some show leaves.
+const LEAVES: [usize; 2] = [12, 8];
 /// Number of grey reflectances.
 const GREYS: usize = 16;
 
@@ -74,14 +74,16 @@ impl StoredTrainingScenes for NoStoredScenes {
 ///   mostly white;
 /// - glossy balls with highlights, lamps and deep shade, of high dynamic range;
 /// - edges, Siemens stars, gratings and a grey ramp;
-/// - the `stored` scenes: photographs and path-traced scenes.
+/// - the `stored` scenes: photographs and path-traced scenes. With them, there are fewer dead leaves.
 ///
 /// It contains none of the [`test_scenes`](super::test_scenes), none of the targets of [`evaluate`](super::evaluate()), and no
 /// reflectance of the ColorChecker.
 #[must_use]
 pub fn training_scenes(lights: &[Illuminant], stored: &dyn StoredTrainingScenes) -> Vec<TrainingScene> {
     let n = SCENE_PX * SAMPLES_PER_PX;
-    let mut specs: Vec<String> = (0..LEAVES).map(|i| dead_leaves(i, n)).collect();
+    let stored: Vec<TrainingContent> = stored.names().into_iter().map(TrainingContent::Stored).collect();
+    let leaves = LEAVES[usize::from(!stored.is_empty())];
+    let mut specs: Vec<String> = (0..leaves).map(|i| dead_leaves(i, n)).collect();
     let patches =
         |(i, least): (usize, u32)| format!("color-patches?rows={n}&cols={n}&seed={}&least={least}", i + 1);
     specs.extend([3, 8, 5].into_iter().enumerate().map(patches));
@@ -100,7 +102,6 @@ pub fn training_scenes(lights: &[Illuminant], stored: &dyn StoredTrainingScenes)
         format!("frequency-sweep?rows={n}&cols={n}&contrast=0.05"),
         format!("grey-steps?steps=16&step={}&rows={n}&density=2", n / 16),
     ]);
-    let stored = stored.names().into_iter().map(TrainingContent::Stored);
     let contents = specs.into_iter().map(TrainingContent::Catalog).chain(stored);
     let lights = if lights.is_empty() { &[DEFAULT_TRAINING_LIGHT][..] } else { lights };
     // Every illuminant occurs with every scale of leaves.

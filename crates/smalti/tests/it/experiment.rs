@@ -5,7 +5,7 @@ use std::sync::Mutex;
 
 use smalti::camera::{Camera, CameraDescription, ScoreSettings, TrainingSettings};
 use smalti::experiment::{
-    ExperimentError, NoStore, Processing, Progress, Resources, Silent, SimulationSettings, capture, numbered,
+    ExperimentError, Processing, Progress, Resources, Silent, SimulationSettings, capture, numbered,
     pipelines, scene_lights,
 };
 use smalti::l3::Training;
