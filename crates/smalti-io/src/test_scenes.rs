@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use rayon::prelude::*;
 use smalti::camera::{TEST_SAMPLES_PER_PX, TestScene};
 use smalti::spectrum::Illuminant;
 
@@ -43,9 +44,8 @@ impl TestSet {
     pub fn scenes(self, illuminant: &Illuminant) -> Result<Vec<TestScene>, IoError> {
         let mut scenes = Vec::new();
         if matches!(self, Self::Natural | Self::All) {
-            for scene in rendered::names() {
-                scenes.push(stored(scene, illuminant)?);
-            }
+            let stored = rendered::names().par_iter().map(|scene| stored(scene, illuminant));
+            scenes = stored.collect::<Result<_, _>>()?;
         }
         if matches!(self, Self::Charts | Self::All) {
             scenes.extend(TestScene::charts());

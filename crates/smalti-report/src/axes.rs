@@ -2,7 +2,7 @@
 
 use crate::FigureError;
 use crate::color::Rgb;
-use crate::figure::encode;
+use crate::figure::{Compression, encode};
 use crate::scale::{Axis, Tick};
 use crate::svg::{Anchor, Area, FRAME, GRID, INK, Paint, Svg, path_of};
 use crate::text::{TICK, width};
@@ -98,7 +98,7 @@ pub(crate) fn draw_spectrum(svg: &mut Svg, area: Area, axis: &Axis) -> Result<()
         .map(|i| Rgb::of_wavelength(axis.low + (i as f64 + 0.5) / columns as f64 * (axis.high - axis.low)))
         .flat_map(|c| [c.0, c.1, c.2])
         .collect();
-    let png = encode(&row.repeat(2), columns as u32, 2, png::ColorType::Rgb)?;
+    let png = encode(&row.repeat(2), [columns as u32, 2], png::ColorType::Rgb, Compression::Small)?;
     svg.image(strip, &png, true);
     Ok(())
 }

@@ -4,7 +4,7 @@ use resvg::tiny_skia::{Color, FillRule, Paint, PathBuilder, Pixmap, Transform};
 
 use crate::FigureError;
 use crate::color::Rgb;
-use crate::figure::encode;
+use crate::figure::{Compression, encode};
 use crate::layers::Symbol;
 use crate::svg::{Area, Svg, number, path_of};
 
@@ -115,5 +115,5 @@ fn picture(area: Area, dots: &[Dot], opacity: f64, scale: f64) -> Result<Vec<u8>
         .map(|p| p.demultiply())
         .flat_map(|p| [p.red(), p.green(), p.blue(), p.alpha()])
         .collect();
-    encode(&rgba, width as u32, height as u32, png::ColorType::Rgba)
+    encode(&rgba, [width as u32, height as u32], png::ColorType::Rgba, Compression::Small)
 }

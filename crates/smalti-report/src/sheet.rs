@@ -1,6 +1,6 @@
 //! Pictures side by side.
 
-use crate::figure::{SIDE_LIMIT, check_size, encode, setters};
+use crate::figure::{Compression, SIDE_LIMIT, check_size, encode, setters};
 use crate::svg::{Anchor, Area, GRID, INK, Paint, SOFT, Svg};
 use crate::text::{Font, bold, clean, plain, wrap};
 use crate::{Figure, FigureError};
@@ -112,8 +112,8 @@ impl Sheet {
                 // Pictures begin at whole pixels to avoid blur.
                 let area =
                     Area { x: (left + 0.5 * (cell - w)).floor(), y: y + (height - h), width: w, height: h };
-                let png =
-                    encode(&picture.rgb, picture.width as u32, picture.height as u32, png::ColorType::Rgb)?;
+                let size = [picture.width as u32, picture.height as u32];
+                let png = encode(&picture.rgb, size, png::ColorType::Rgb, Compression::Fast)?;
                 svg.open("", &picture.caption);
                 let edge = Area { x: area.x - 0.5, y: area.y - 0.5, width: w + 1.0, height: h + 1.0 };
                 svg.rect(edge, Paint::stroke(GRID, 1.0));
@@ -137,6 +137,6 @@ impl Sheet {
         let names: Vec<&str> = self.pictures.iter().map(|p| p.caption.as_str()).collect();
         let title = if self.title.is_empty() { "Pictures" } else { self.title.as_str() };
         let description = format!("{} pictures: {}. {}", names.len(), names.join("; "), self.note);
-        Figure::new(svg, width, y + MARGIN - 12.0, title, &description)
+        Ok(Figure::new(svg, width, y + MARGIN - 12.0, title, &description)?.of_pictures())
     }
 }

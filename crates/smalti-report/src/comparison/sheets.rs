@@ -1,5 +1,6 @@
 //! The files of a comparison: pictures side by side, maps of differences, kernels and the page.
 
+use rayon::prelude::*;
 use smalti::experiment::Outcome;
 
 use super::page::page;
@@ -16,6 +17,8 @@ pub const SIDE_BY_SIDE: &str = "side-by-side";
 const MAPS: &str = "-differences";
 /// Pictures in a row.
 const ACROSS: usize = 4;
+/// Scenes whose pictures are drawn at a time, which bounds the memory.
+const AT_ONCE: usize = 16;
 
 impl Comparison<'_> {
     /// All files but the document, relative to the folder. The tables of pipelines (`.l3`) are among them, which
@@ -35,21 +38,31 @@ impl Comparison<'_> {
     /// When a picture cannot be drawn or stored.
     pub fn draw(&self, store: &mut FileSink<'_>) -> Result<(), ReportError> {
         let page = page(self)?;
-        let mut save = |name: String, sheet: Sheet| -> Result<(), ReportError> {
-            store(&name, &sheet.draw()?.png(1.0)?).map_err(ReportError::Sink)
+        let png = |name: String, sheet: Sheet| -> Result<(String, Vec<u8>), ReportError> {
+            Ok((name, sheet.draw()?.png(1.0)?))
         };
-        for (l, (light, names)) in self.lights().iter().zip(self.picture_names()).enumerate() {
-            for (s, name) in names.iter().enumerate() {
-                let title = format!("{}, {} cd/m²", self.scene_label(s), light.luminance_cd_m2);
-                save(format!("{SIDE_BY_SIDE}/{name}.png"), self.side_by_side(&title, l, s)?)?;
-                let scored = self.of_scene(l, s).map(|(contender, s)| (contender.name(), &s.scores));
-                let maps = maps::sheet(title, &scored.collect::<Vec<_>>());
-                save(format!("{SIDE_BY_SIDE}/{name}{MAPS}.png"), maps)?;
+        let sheets = |l: usize, s: usize, name: &str| -> Result<_, ReportError> {
+            let luminance_cd_m2 = self.lights().get(l).map_or(0.0, |light| light.luminance_cd_m2);
+            let title = format!("{}, {luminance_cd_m2} cd/m²", self.scene_label(s));
+            let pictures = self.side_by_side(&title, l, s)?;
+            let scored = self.of_scene(l, s).map(|(contender, s)| (contender.name(), &s.scores));
+            let maps = maps::sheet(title, &scored.collect::<Vec<_>>());
+            let pictures = png(format!("{SIDE_BY_SIDE}/{name}.png"), pictures)?;
+            Ok([pictures, png(format!("{SIDE_BY_SIDE}/{name}{MAPS}.png"), maps)?])
+        };
+        let names = self.picture_names();
+        let scenes =
+            names.iter().enumerate().flat_map(|(l, n)| n.iter().enumerate().map(move |(s, n)| (l, s, n)));
+        for part in scenes.collect::<Vec<_>>().chunks(AT_ONCE) {
+            let drawn: Vec<_> = part.par_iter().map(|&(l, s, name)| sheets(l, s, name)).collect();
+            for drawn in drawn {
+                drawn?.iter().try_for_each(|(name, png)| store(name, png)).map_err(ReportError::Sink)?;
             }
         }
         for (contender, pipeline, file) in self.learned() {
             let sheet = kernels::sheet(contender.camera, contender.label, pipeline)?;
-            save(format!("{file}-kernels.png"), sheet)?;
+            let (name, png) = png(format!("{file}-kernels.png"), sheet)?;
+            store(&name, &png).map_err(ReportError::Sink)?;
         }
         store(PAGE, page.as_bytes()).map_err(ReportError::Sink)
     }

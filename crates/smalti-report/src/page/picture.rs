@@ -6,7 +6,7 @@ use jpeg_encoder::{ColorType, Encoder, SamplingFactor};
 
 use super::markup::{Element, el};
 use crate::FigureError;
-use crate::figure::encode as png;
+use crate::figure::{Compression, encode as png};
 
 /// A picture as a data URI.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -37,7 +37,7 @@ impl DataUri {
     /// As [`jpeg`](Self::jpeg).
     pub fn png(width: usize, height: usize, rgb: &[u8]) -> Result<Self, FigureError> {
         let (w, h) = checked("PNG", width, height, rgb, 3)?;
-        let file = png(rgb, w.into(), h.into(), png::ColorType::Rgb)?;
+        let file = png(rgb, [w.into(), h.into()], png::ColorType::Rgb, Compression::Small)?;
         Ok(Self(format!("data:image/png;base64,{}", STANDARD.encode(file))))
     }
 

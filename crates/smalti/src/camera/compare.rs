@@ -3,6 +3,7 @@
 use std::ops::Range;
 use std::sync::Arc;
 
+use rayon::prelude::*;
 use serde::Serialize;
 
 use super::score::{PICTURE_METRICS, ReferenceToScore, picture_cpsnr_db};
@@ -11,7 +12,7 @@ use crate::color::Image;
 use crate::isp::Isp;
 use crate::optics::OpticalImage;
 use crate::scene::{Scene, Setting, catalog};
-use crate::sensor::{Exposure, NoiseMode};
+use crate::sensor::{ElectronRates, Exposure, NoiseMode, RawImage};
 use crate::spectrum::{Observer, Spectrum};
 
 /// Samples of a test scene per pixel in each direction, so that pixels integrate over finer detail, as in real scenes.
@@ -161,12 +162,20 @@ pub fn compare_on(
     seed: u64,
     settings: &ScoreSettings,
 ) -> Result<SceneScores, CameraError> {
-    let (scores, _) = compare_seeds(setup, isp, seed..seed.saturating_add(1), settings)?;
-    Ok(scores)
+    Ok(compare_seeds(setup, isp, seed..seed.saturating_add(1), settings)?.first)
 }
 
-/// [`compare_on`] for the first of several seeds, and the figures of the pictures ([`PictureScores::figures`]) for all of them, at
-/// least one.
+/// A scene compared for several seeds.
+pub(crate) struct SeedScores {
+    /// [`compare_on`] for the first seed.
+    pub(crate) first: SceneScores,
+    /// The raw image of the first seed.
+    pub(crate) raw: RawImage,
+    /// [`PictureScores::figures`] for every seed.
+    pub(crate) figures: Vec<[f64; PICTURE_METRICS.len()]>,
+}
+
+/// [`compare_on`] for the first of several seeds, and the figures of the pictures for all of them, at least one.
 ///
 /// # Errors
 /// As [`compare_on`].
@@ -175,30 +184,37 @@ pub(crate) fn compare_seeds(
     isp: &dyn Isp,
     seeds: Range<u64>,
     settings: &ScoreSettings,
-) -> Result<(SceneScores, Vec<[f64; PICTURE_METRICS.len()]>), CameraError> {
+) -> Result<SeedScores, CameraError> {
     let Setup { camera, image, light, exposure } = setup;
-    let seed = seeds.start;
-    let (first, reference) = rayon::join(
-        || photographed(setup, isp, seed),
-        || camera.reference_as_exposed(image, exposure, light),
-    );
-    let ((picture, saturated_percent), reference) = (first?, reference?);
     let white = Observer::Cie1931.white(light)?;
-    let to_score = ReferenceToScore::new(&reference, white, settings)?;
-    let scores = to_score.score(&picture)?;
-    let mut figures = vec![scores.figures()];
-    for seed in seed.saturating_add(1)..seeds.end {
-        figures.push(to_score.score(&photographed(setup, isp, seed)?.0)?.figures());
-    }
-    let exposure_time_s = exposure.time_s;
-    let scores = SceneScores { scores, exposure_time_s, saturated_percent, seed, white, picture, reference };
-    Ok((scores, figures))
-}
-
-/// Captures a scene with all noise and renders it: the picture, and the saturated samples, percent.
-fn photographed(setup: &Setup, isp: &dyn Isp, seed: u64) -> Result<(Image, f64), CameraError> {
-    let raw = setup.camera.sensor.capture(&setup.image, &setup.exposure, NoiseMode::All, seed)?;
-    Ok((isp.render(&raw)?, raw.saturated_percent()))
+    // The seeds share the integral of the light over wavelength, and the reference.
+    let (rates, to_score) = rayon::join(
+        || ElectronRates::new(&camera.sensor, image),
+        || -> Result<_, CameraError> {
+            let reference = camera.reference_as_exposed(image, exposure, light)?;
+            Ok((ReferenceToScore::new(&reference, white, settings)?, reference))
+        },
+    );
+    let (rates, (to_score, reference)) = (rates?, to_score?);
+    let seed = seeds.start;
+    let scored = |seed: u64| -> Result<_, CameraError> {
+        let raw = camera.sensor.capture((&rates, 1.0), exposure, NoiseMode::All, seed)?;
+        let picture = isp.render(&raw)?;
+        Ok((to_score.score(&picture)?, picture, raw))
+    };
+    // Each stage has parts that use one thread.
+    let (first, others) = rayon::join(
+        || scored(seed),
+        || {
+            let others = (seed.saturating_add(1)..seeds.end).into_par_iter();
+            others.map(|seed| Ok(scored(seed)?.0.figures())).collect::<Result<Vec<_>, CameraError>>()
+        },
+    );
+    let ((scores, picture, raw), others) = (first?, others?);
+    let figures = std::iter::once(scores.figures()).chain(others).collect();
+    let (exposure_time_s, saturated_percent) = (exposure.time_s, raw.saturated_percent());
+    let first = SceneScores { scores, exposure_time_s, saturated_percent, seed, white, picture, reference };
+    Ok(SeedScores { first, raw, figures })
 }
 
 /// The CPSNR of [`compare_on`] alone, dB, in a fraction of the time.
@@ -212,6 +228,6 @@ pub(crate) fn cpsnr_on(
     settings: &ScoreSettings,
 ) -> Result<f64, CameraError> {
     let Setup { camera, image, light, exposure } = setup;
-    let (picture, _) = photographed(setup, isp, seed)?;
+    let picture = isp.render(&camera.sensor.capture(image, exposure, NoiseMode::All, seed)?)?;
     picture_cpsnr_db(&picture, &camera.reference_as_exposed(image, exposure, light)?, settings)
 }

@@ -74,7 +74,12 @@ impl Camera {
 
     /// [`Camera::seen_by`] for the standard observer: X, Y, Z.
     pub(crate) fn seen_by_observer(&self, image: &OpticalImage) -> Result<Planes, CameraError> {
-        self.seen_by(image, &xyz(&Observer::Cie1931.photon_weights(self.grid())?))
+        self.seen_by(image, &self.observer_channels()?)
+    }
+
+    /// The sensitivities of the standard observer: X, Y, Z per photon.
+    pub(super) fn observer_channels(&self) -> Result<Vec<Channel>, CameraError> {
+        Ok(xyz(&Observer::Cie1931.photon_weights(self.grid())?))
     }
 
     /// The response of other sensitivities (per photon, not negative, in any unit; zero beyond their wavelengths) behind the same

@@ -10,8 +10,8 @@ use crate::l3::{Axes, L3Error, Levels, Pair, Statistics, Textures};
 use crate::numeric::Planes;
 use crate::optics::{OpticalImage, Optics, OpticsModel};
 use crate::scene::{self, Scene, Setting};
-use crate::sensor::{Channel, ElectronRates, Exposure, NoiseMode};
-use crate::spectrum::{Illuminant, Observer, Spectrum};
+use crate::sensor::{Channel, ElectronRates, Exposure, NoiseMode, Sensor};
+use crate::spectrum::{Extrapolation, Illuminant, Observer, Spectrum};
 
 /// The quantile of the response that defines an exposure.
 const BRIGHT: f64 = 0.99;
@@ -103,6 +103,16 @@ impl Default for TrainingSettings {
     }
 }
 
+/// A scene on a camera.
+#[derive(Clone, Copy)]
+struct SeenScene<'a> {
+    rates: &'a ElectronRates,
+    /// One plane for each output, on the scale of the rates.
+    target: &'a Planes,
+    /// The illuminant, photons.
+    light: &'a Spectrum,
+}
+
 impl Camera {
     /// The nominal exposure of training: the stated one, or the automatic exposure for a white field of 100 cd/m².
     ///
@@ -187,13 +197,71 @@ impl Camera {
         settings: &TrainingSettings,
         item: u64,
     ) -> Result<(), CameraError> {
-        let mut camera = self.with_scene_size(scene)?;
-        camera.sensor.window = None;
+        let camera = self.with_scene_size(scene)?;
         let exposure = camera.nominal_exposure()?;
         let target = camera.training_target(scene, image, settings, &exposure)?;
         let rates = ElectronRates::new(&camera.sensor, image)?;
-        let (base, bright) = camera.bright_response(&rates, &exposure)?;
-        let most = camera.knowable_luminance(scene.illuminant())?;
+        let seen = SeenScene { rates: &rates, target: &target, light: scene.illuminant() };
+        camera.add_exposures(statistics, seen, &exposure, settings, item)
+    }
+
+    /// [`Camera::train_on`] with a scene and its optical image as if under another illuminant, which may differ from the relit
+    /// scene by a common factor and by rounding. Neither is copied: the ratio of the lights multiplies the sensitivities instead.
+    pub(crate) fn train_on_relit(
+        &self,
+        statistics: &mut Statistics,
+        (scene, image): (&Scene, &OpticalImage),
+        illuminant: &Illuminant,
+        settings: &TrainingSettings,
+        item: u64,
+    ) -> Result<(), CameraError> {
+        if settings.sharp || settings.target_light.is_some() {
+            // These targets have optical images of their own.
+            return self.train_on(statistics, &scene.clone().relit(illuminant)?, settings, item);
+        }
+        let light = illuminant.photons(self.grid())?;
+        let ratios = scene.ratios_to(&light)?;
+        // At most 1, so that a quantum efficiency remains one.
+        let largest = ratios.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
+        let ratios = Spectrum::new(self.grid(), ratios.iter().map(|r| r / largest).collect())?;
+        let in_light = |curve: &Spectrum, beyond| curve.resampled(self.grid(), beyond)?.times(&ratios);
+        let camera = self.with_scene_size(scene)?;
+        let exposure = camera.nominal_exposure()?;
+        let relit = |channels: &[Channel]| -> Result<Vec<Channel>, CameraError> {
+            let channel = |c: &Channel| {
+                let transmittance = in_light(&c.transmittance, Extrapolation::Zero)?;
+                Ok(Channel { name: c.name.clone(), transmittance })
+            };
+            channels.iter().map(channel).collect()
+        };
+        let target = match &settings.target {
+            TrainingTarget::Xyz => {
+                let seen = camera.seen_by(image, &relit(&camera.observer_channels()?)?)?;
+                camera.as_exposed(seen, &exposure, &light)?.into_planes()
+            }
+            TrainingTarget::Channels(channels) => {
+                let seen = camera.seen_by(image, &relit(channels)?)?;
+                camera.channels_as_exposed(&seen, channels, &exposure, &light)?
+            }
+        };
+        let quantum_efficiency = in_light(&camera.sensor.quantum_efficiency, Extrapolation::Error)?;
+        let sensor = Sensor { quantum_efficiency, ..camera.sensor.clone() };
+        let rates = ElectronRates::new(&sensor, image)?;
+        let seen = SeenScene { rates: &rates, target: &target, light: &light };
+        camera.add_exposures(statistics, seen, &exposure, settings, item)
+    }
+
+    /// Adds a scene at every exposure. This camera has as many pixels as the scene covers.
+    fn add_exposures(
+        &self,
+        statistics: &mut Statistics,
+        SeenScene { rates, target, light }: SeenScene<'_>,
+        exposure: &Exposure,
+        settings: &TrainingSettings,
+        item: u64,
+    ) -> Result<(), CameraError> {
+        let (base, bright) = self.bright_response(rates, exposure)?;
+        let most = self.knowable_luminance(light)?;
         let exposures = if settings.exposures.is_empty() {
             let dark = statistics.axes().noise().variance(0.0).sqrt().max(1e-4);
             default_exposures(most, 2.0 * dark)
@@ -202,10 +270,10 @@ impl Camera {
         };
         for (i, response) in exposures.into_iter().enumerate() {
             let factor = base * response / bright;
-            let ideal = camera.sensor.capture_ideal((&rates, factor), &exposure)?;
+            let ideal = self.sensor.capture_ideal((rates, factor), exposure)?;
             let seed = settings.seed.wrapping_add((item << 16) + i as u64);
-            let seen = camera.sensor.capture((&rates, factor), &exposure, NoiseMode::All, seed)?;
-            let target = bounded(scaled(&target, factor)?, &settings.target, most)?;
+            let seen = self.sensor.capture((rates, factor), exposure, NoiseMode::All, seed)?;
+            let target = bounded(scaled(target, factor)?, &settings.target, most)?;
             statistics.add(&Pair { raw: &ideal, seen: Some(&seen), target: &target })?;
         }
         Ok(())
@@ -227,11 +295,13 @@ impl Camera {
         Ok((most / least).clamp(1.0, 1e3))
     }
 
-    /// The camera with as many pixels as a scene covers.
+    /// The camera with as many pixels as a scene covers, all of them read.
     fn with_scene_size(&self, scene: &Scene) -> Result<Self, CameraError> {
         let large = self.with_size(1 << 14, 1 << 14);
         let window = large.window_on(scene)?;
-        Ok(self.with_size(window.rows, window.cols))
+        let mut camera = self.with_size(window.rows, window.cols);
+        camera.sensor.window = None;
+        Ok(camera)
     }
 
     /// The targets of a scene, one plane per output.
@@ -260,19 +330,20 @@ impl Camera {
         };
         match &settings.target {
             TrainingTarget::Xyz => Ok(self.reference_as_exposed(image, exposure, light)?.into_planes()),
-            TrainingTarget::Channels(channels) => self.channels_as_exposed(image, channels, exposure, light),
+            TrainingTarget::Channels(channels) => {
+                self.channels_as_exposed(&self.seen_by(image, channels)?, channels, exposure, light)
+            }
         }
     }
 
-    /// The responses of other sensitivities, scaled so that a white of Y = 1 is 1 in the largest response.
+    /// The responses `seen` by other sensitivities, scaled so that a white of Y = 1 is 1 in the largest response.
     fn channels_as_exposed(
         &self,
-        image: &OpticalImage,
+        seen: &Planes,
         channels: &[Channel],
         exposure: &Exposure,
         light: &Spectrum,
     ) -> Result<Planes, CameraError> {
-        let planes = self.seen_by(image, channels)?;
         let mut scale = f64::INFINITY;
         for channel in channels {
             // The largest response to white has the smallest factor; channels without response are skipped.
@@ -284,7 +355,7 @@ impl Camera {
         if !scale.is_finite() {
             return Err(IspError::NoResponse("the target").into());
         }
-        scaled(&planes, scale)
+        scaled(seen, scale)
     }
 
     /// A factor on the light at which few pixels clip, and the bright quantile of the response at this light.

@@ -2,6 +2,8 @@
 //!
 //! X, Y, Z and the white share a scale, which is arbitrary: only their ratios matter.
 
+use crate::numeric::elementary::cbrt_f64;
+
 /// (6/29)³: below this value a line replaces the cube root.
 const EPSILON: f64 = 216.0 / 24389.0;
 /// (29/3)³: 100 times the slope of that line in L*.
@@ -31,12 +33,15 @@ fn ratio(a: f64, b: f64, sum: f64) -> Option<[f64; 2]> {
     pair.iter().all(|v| v.is_finite()).then_some(pair)
 }
 
-/// CIELAB L*, a*, b* relative to a white.
+/// CIELAB L*, a*, b* relative to a white. Compiled into a kernel, it has the same bits for every instruction set.
+#[inline(always)]
 #[must_use]
 pub fn lab_from_xyz(xyz: [f64; 3], white: [f64; 3]) -> [f64; 3] {
     let f = |i: usize| {
         let t = xyz[i] / white[i];
-        if t > EPSILON { t.cbrt() } else { (KAPPA * t + 16.0) / 116.0 }
+        // The root of a number that has one, so that lanes compute both branches.
+        let root = cbrt_f64(if t > EPSILON { t } else { 1.0 });
+        if t > EPSILON { root } else { (KAPPA * t + 16.0) / 116.0 }
     };
     let (fx, fy, fz) = (f(0), f(1), f(2));
     [116.0 * fy - 16.0, 500.0 * (fx - fy), 200.0 * (fy - fz)]

@@ -11,6 +11,7 @@ use super::difference::{DeltaE, DifferenceMap, LabReference, check_pair};
 use super::matrix::{Matrix3, inverse, known};
 use super::{Image, ImageError};
 use crate::numeric::mirror::about_border;
+use crate::numeric::simd::{Kernel, dispatch};
 
 /// Errors of S-CIELAB.
 #[derive(Debug, Clone, PartialEq, Error)]
@@ -252,40 +253,27 @@ fn blur(plane: &[f32], (rows, cols): (usize, usize), kernel: &[Gaussian], extens
     }
     let mut across = vec![0.0f32; plane.len()];
     for gaussian in kernel {
-        let radius = gaussian.half.len() - 1;
+        let (half, radius) = (gaussian.half.as_slice(), gaussian.half.len() - 1);
         across.par_chunks_mut(cols * ROWS).zip(plane.par_chunks(cols * ROWS)).for_each(|(out, rows)| {
             let mut padded = vec![0.0; cols + 2 * radius];
             for (out, row) in out.chunks_exact_mut(cols).zip(rows.chunks_exact(cols)) {
                 for (i, p) in padded.iter_mut().enumerate() {
                     *p = row[outside(i as isize - radius as isize, cols, extension)];
                 }
-                for (o, &v) in out.iter_mut().zip(&padded[radius..]) {
-                    *o = gaussian.half[0] * v;
-                }
-                for (k, &w) in gaussian.half.iter().enumerate().skip(1) {
-                    let (left, right) = (&padded[radius - k..], &padded[radius + k..]);
-                    for ((o, &l), &r) in out.iter_mut().zip(left).zip(right) {
-                        *o += w * (l + r);
-                    }
-                }
+                let lines: Vec<&[f32]> = padded.windows(cols).collect();
+                dispatch(SymmetricSum { half, lines: &lines, out });
             }
         });
         out.par_chunks_mut(cols * ROWS).enumerate().for_each(|(block, out)| {
             let mut sum = vec![0.0; cols];
             for (r, out) in out.chunks_exact_mut(cols).enumerate() {
-                let row = (block * ROWS + r) as isize;
-                let source = |offset: isize| {
-                    let r = outside(row + offset, rows, extension);
+                let first = (block * ROWS + r) as isize - radius as isize;
+                let source = |i: usize| {
+                    let r = outside(first + i as isize, rows, extension);
                     &across[r * cols..(r + 1) * cols]
                 };
-                for (s, &v) in sum.iter_mut().zip(source(0)) {
-                    *s = gaussian.half[0] * v;
-                }
-                for (k, &w) in gaussian.half.iter().enumerate().skip(1) {
-                    for ((s, &l), &r) in sum.iter_mut().zip(source(-(k as isize))).zip(source(k as isize)) {
-                        *s += w * (l + r);
-                    }
-                }
+                let lines: Vec<&[f32]> = (0..=2 * radius).map(source).collect();
+                dispatch(SymmetricSum { half, lines: &lines, out: &mut sum });
                 for (o, &s) in out.iter_mut().zip(&sum) {
                     *o += gaussian.weight * s;
                 }
@@ -293,6 +281,60 @@ fn blur(plane: &[f32], (rows, cols): (usize, usize), kernel: &[Gaussian], extens
         });
     }
     out
+}
+
+/// Values that are summed in registers at a time: four of 16.
+const WIDE: usize = 4 * LANES;
+const LANES: usize = 16;
+
+/// The middle line times the first weight, plus the sums of the lines at equal distances from it times the other weights. All
+/// lines are as long as `out`; there is one for each weight and its mirror image.
+struct SymmetricSum<'a> {
+    half: &'a [f32],
+    lines: &'a [&'a [f32]],
+    out: &'a mut [f32],
+}
+
+impl Kernel for SymmetricSum<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let (len, middle) = (self.out.len(), self.half.len() - 1);
+        if len < WIDE {
+            for (i, out) in self.out.iter_mut().enumerate() {
+                *out = self.half[0] * self.lines[middle][i];
+                for (k, &w) in self.half.iter().enumerate().skip(1) {
+                    *out += w * (self.lines[middle - k][i] + self.lines[middle + k][i]);
+                }
+            }
+            return;
+        }
+        for at in (0..len).step_by(WIDE) {
+            // The last values may be computed twice.
+            let at = at.min(len - WIDE);
+            let part = |line: usize| self.lines[line][at..at + WIDE].as_chunks::<LANES>().0;
+            let centre = part(middle);
+            // Four variables, since compilers keep the sums of an array in memory.
+            let [mut a, mut b, mut c, mut d] = [0, 1, 2, 3].map(|r| centre[r].map(|v| self.half[0] * v));
+            for (k, &w) in self.half.iter().enumerate().skip(1) {
+                let (left, right) = (part(middle - k), part(middle + k));
+                a = plus_pair(a, w, left[0], right[0]);
+                b = plus_pair(b, w, left[1], right[1]);
+                c = plus_pair(c, w, left[2], right[2]);
+                d = plus_pair(d, w, left[3], right[3]);
+            }
+            self.out[at..at + WIDE].copy_from_slice([a, b, c, d].as_flattened());
+        }
+    }
+}
+
+#[inline(always)]
+fn plus_pair(mut sums: [f32; LANES], weight: f32, left: [f32; LANES], right: [f32; LANES]) -> [f32; LANES] {
+    for i in 0..LANES {
+        sums[i] += weight * (left[i] + right[i]);
+    }
+    sums
 }
 
 /// The index inside 0..n that replaces one outside.

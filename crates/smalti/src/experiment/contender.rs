@@ -9,14 +9,15 @@ use super::lights::{LitPipeline, PipelineSet, SceneLight};
 use super::progress::{Stoppable, ensure_running};
 use super::training_statistics::ensure_mosaic;
 use super::{ExperimentError, Processing, Progress, Resources};
-use crate::camera::compare::compare_seeds;
+use crate::camera::compare::{SeedScores, compare_seeds};
 use crate::camera::{
     Camera, CameraError, Evaluation, EvaluationPictures, EvaluationSettings, PICTURE_METRICS, SceneScores,
     ScoreSettings, Setup, TrainingSettings, evaluate_with,
 };
+use crate::color::Image;
 use crate::isp::{Classic, Isp, WhiteBalance};
 use crate::l3::{L3Error, Pipeline, Training, peak_ratio_db};
-use crate::sensor::NoiseMode;
+use crate::sensor::RawImage;
 use crate::spectrum::{Illuminant, Spectrum};
 
 /// A camera with its processing.
@@ -207,9 +208,9 @@ pub fn score_scene(
     let scored = || -> Result<_, CameraError> {
         let lit = setup.in_light(luminance_cd_m2)?.exposed(time_s)?;
         let isp = contender.isp(&lit.light, progress)?;
-        let (first, by_seed) = compare_seeds(&lit, &*isp, seeds.clone(), score)?;
-        let fixed_point_psnr_db = fixed_point_psnr_db(contender, &lit, &first, seeds.start)?;
-        Ok(ScoredScene { scores: first, by_seed, fixed_point_psnr_db })
+        let SeedScores { first, raw, figures } = compare_seeds(&lit, &*isp, seeds, score)?;
+        let fixed_point_psnr_db = fixed_point_psnr_db(contender, &lit.light, &raw, &first.picture)?;
+        Ok(ScoredScene { scores: first, by_seed: figures, fixed_point_psnr_db })
     };
     scored().in_context(|| format!("{} at {luminance_cd_m2} cd/m²", contender.name()))
 }
@@ -235,24 +236,23 @@ impl ScoredScene {
     }
 }
 
-/// PSNR of the fixed-point picture of a scene against the picture that was scored, dB.
+/// PSNR of the fixed-point picture of a raw image under a light (photons) against the picture that was scored, dB.
 fn fixed_point_psnr_db(
     contender: &Contender<'_>,
-    setup: &Setup,
-    scored: &SceneScores,
-    seed: u64,
+    light: &Spectrum,
+    raw: &RawImage,
+    picture: &Image,
 ) -> Result<Option<f64>, CameraError> {
     let (Processing::L3, Some(pipelines)) = (contender.processing, contender.pipelines) else {
         return Ok(None);
     };
-    let raw = setup.camera.sensor.capture(&setup.image, &setup.exposure, NoiseMode::All, seed)?;
-    let fixed = match pipelines.for_light(&setup.light).render_fixed(&raw) {
+    let fixed = match pipelines.for_light(light).render_fixed(raw) {
         Ok(fixed) => fixed,
         // Raw images in volts, and kernels beyond 16 bits, have no fixed-point form.
         Err(L3Error::NotDigital | L3Error::NoFixedPoint(_)) => return Ok(None),
         Err(error) => return Err(error.into()),
     };
-    Ok(peak_ratio_db(scored.picture.planes(), &fixed.planes).filter(|v| v.is_finite()))
+    Ok(peak_ratio_db(picture.planes(), &fixed.planes).filter(|v| v.is_finite()))
 }
 
 #[cfg(test)]
@@ -261,7 +261,7 @@ mod tests {
     use crate::camera::{CameraDescription, compare_on};
     use crate::l3::{Axes, Class, Kernels, Levels, Origin, PipelineParts};
     use crate::scene::{Setting, uniform};
-    use crate::sensor::{RawImage, Sampling, SignalNoise};
+    use crate::sensor::{NoiseMode, Sampling, SignalNoise};
     use crate::spectrum::WavelengthGrid;
 
     /// A pipeline of three equal outputs for this raw image, with these weights.
@@ -301,13 +301,13 @@ mod tests {
         let setup = setup_with(12);
         let isp = setup.camera.isp(&setup.light, WhiteBalance::None).unwrap();
         let scores = compare_on(&setup, &isp, 1, &ScoreSettings::default()).unwrap();
+        let raw = |setup: &Setup| {
+            setup.camera.sensor.capture(&setup.image, &setup.exposure, NoiseMode::All, 1).unwrap()
+        };
         let ratio = |setup: &Setup, pipeline: &Pipeline| {
             let set = PipelineSet::of_any_light(&Illuminant::D65, &setup.camera, pipeline.clone());
             let contender = Contender::with_pipelines(&setup.camera, "a", Some(&set));
-            fixed_point_psnr_db(&contender, setup, &scores, 1)
-        };
-        let raw = |setup: &Setup| {
-            setup.camera.sensor.capture(&setup.image, &setup.exposure, NoiseMode::All, 1).unwrap()
+            fixed_point_psnr_db(&contender, &setup.light, &raw(setup), &scores.picture)
         };
         let digital = raw(&setup);
         let white = digital.white_level();

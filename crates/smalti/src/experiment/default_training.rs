@@ -172,11 +172,7 @@ impl Gathering<'_> {
         if *light == scene.light {
             return camera.train_on_image(&mut self.statistics, built, image, settings, item);
         }
-        let relit = built.clone().relit(light)?;
-        let before = built.illuminant().values();
-        let ratios = relit.illuminant().values().iter().zip(before).map(|(new, old)| new / old).collect();
-        let image = image.filtered(&Spectrum::new(camera.grid(), ratios)?)?;
-        camera.train_on_image(&mut self.statistics, &relit, &image, settings, item)
+        camera.train_on_relit(&mut self.statistics, (built, image), light, settings, item)
     }
 }
 

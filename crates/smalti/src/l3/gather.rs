@@ -14,7 +14,6 @@ use super::classify::{Classifier, RowClasses};
 use super::window::Window;
 use super::{Axes, ClassKey, Moments, Pair};
 use crate::isp::source::Source;
-use crate::numeric::Planes;
 use crate::numeric::simd::{Kernel, dispatch};
 
 /// Rows per band.
@@ -114,10 +113,10 @@ impl<'a> Gatherer<'a> {
                 lists.next_if(|(k, _)| k == key).map(|(_, pixels)| (moments, pixels))
             })
             .collect();
+        let target = self.pair.target;
         let patches = Patches {
             window: &window,
-            target: self.pair.target,
-            first_row: band.start,
+            targets: target.planes().map(|p| p.get(band.start * target.cols()..).unwrap_or(&[])).collect(),
             side: self.axes.side(),
             outputs: self.outputs,
         };
@@ -220,9 +219,7 @@ fn sort(entries: &mut Vec<u64>, most: u64) {
 
 /// Doubles in a register.
 const LANES: usize = 8;
-/// Rows of Σ z zᵀ that are summed in registers at a time.
-const BLOCK: usize = 8;
-/// Columns of the same; z with its padding is never shorter.
+/// z with its padding is never shorter.
 const WIDTH: usize = 2 * LANES;
 
 /// Memory that a thread reuses between classes.
@@ -235,8 +232,8 @@ struct Scratch {
 /// The source of the z of a pixel.
 struct Patches<'a> {
     window: &'a Window,
-    target: &'a Planes,
-    first_row: usize,
+    /// The planes of the target, from the first row of the band.
+    targets: Vec<&'a [f32]>,
     side: usize,
     outputs: usize,
 }
@@ -264,11 +261,11 @@ impl Patches<'_> {
         }
     }
 
-    /// Gathers z of some pixels: 1, the patch row by row in registers of `W` samples, and the targets. The
+    /// Gathers z of some pixels: 1, the patch of `side` rows, each in a register of `W` samples, and the targets. The
     /// padding after z within its stride is arbitrary.
     #[inline(always)]
-    fn gather<const W: usize>(&self, pixels: &[u32], batch: &mut [f64], stride: usize) {
-        let (side, window) = (self.side, self.window);
+    fn gather<const W: usize>(&self, side: usize, pixels: &[u32], batch: &mut [f64], stride: usize) {
+        let window = self.window;
         let cols = window.cols as u32;
         let (lines, top) = (window.lines(), window.margin[0] - side / 2);
         for (k, &pixel) in pixels.iter().enumerate() {
@@ -291,9 +288,8 @@ impl Patches<'_> {
                 *out = line.map(f64::from);
                 from += window.stride;
             }
-            let at = (self.first_row + row) * self.target.cols() + col;
-            let targets = z[1 + side * side..].iter_mut().zip(self.target.planes());
-            targets.for_each(|(o, plane)| *o = f64::from(plane[at]));
+            let targets = z[1 + side * side..].iter_mut().zip(&self.targets);
+            targets.for_each(|(o, plane)| *o = f64::from(plane[pixel as usize]));
         }
     }
 }
@@ -313,45 +309,72 @@ impl Kernel for Products<'_, '_> {
     #[inline(always)]
     fn run(self) {
         let n = self.stride;
-        if self.patches.side <= LANES {
-            self.patches.gather::<LANES>(self.pixels, self.batch, n);
-        } else {
-            self.patches.gather::<{ 2 * LANES }>(self.pixels, self.batch, n);
+        let (patches, pixels) = (self.patches, self.pixels);
+        // A side that the compiler knows needs no loop.
+        match patches.side {
+            3 => patches.gather::<LANES>(3, pixels, self.batch, n),
+            5 => patches.gather::<LANES>(5, pixels, self.batch, n),
+            7 => patches.gather::<LANES>(7, pixels, self.batch, n),
+            side if side <= LANES => patches.gather::<LANES>(side, pixels, self.batch, n),
+            side => patches.gather::<{ 2 * LANES }>(side, pixels, self.batch, n),
         }
-        let batch = &self.batch[..self.pixels.len() * n];
-        for i in (0..n).step_by(BLOCK) {
-            for j in (i..n).step_by(WIDTH) {
-                block(batch, n, i, j, self.sums);
+        let batch = self.batch[..self.pixels.len() * n].as_chunks::<LANES>().0;
+        let (sums, registers) = (self.sums.as_chunks_mut::<LANES>().0, n / LANES);
+        for down in 0..registers {
+            let mut across = down;
+            while across + 3 <= registers {
+                block::<3>(batch, registers, [down, across], sums);
+                across += 3;
+            }
+            match registers - across {
+                2 => block::<2>(batch, registers, [down, across], sums),
+                1 => block::<1>(batch, registers, [down, across], sums),
+                _ => {}
             }
         }
     }
 }
 
-/// Rows `i..i + BLOCK` and the existing columns of `j..j + WIDTH`. Where fewer columns remain, the preceding
-/// ones are summed again and discarded: compilers keep the sums in registers only when the width is fixed.
+/// Adds Σ z zᵀ to `sums` for the rows of one register of z and the columns of `C` registers. z has `registers` of them, and `at`
+/// are the first ones of the block.
+///
+/// The sums of the block stay in registers: three by eight of 32 that AVX-512 has. The rows are written out, since compilers turn a
+/// loop over them into gathers, or store every sum in every step.
 #[inline(always)]
-fn block(batch: &[f64], n: usize, i: usize, j: usize, sums: &mut [f64]) {
-    let from = j.min(n.saturating_sub(WIDTH));
-    let mut acc = [[0.0f64; WIDTH]; BLOCK];
-    for z in batch.chunks_exact(n) {
-        let (Some(left), Some(right)) = (
-            z.get(i..i + BLOCK).and_then(|s| s.first_chunk::<BLOCK>()),
-            z.get(from..from + WIDTH).and_then(|s| s.first_chunk::<WIDTH>()),
-        ) else {
-            return;
-        };
-        for r in 0..BLOCK {
-            for c in 0..WIDTH {
-                acc[r][c] += left[r] * right[c];
-            }
+fn block<const C: usize>(
+    batch: &[[f64; LANES]],
+    registers: usize,
+    at: [usize; 2],
+    sums: &mut [[f64; LANES]],
+) {
+    let mut acc = [[[0.0; LANES]; C]; LANES];
+    for z in batch.chunks_exact(registers) {
+        let left = z[at[0]];
+        let mut right = [[0.0; LANES]; C];
+        right.copy_from_slice(&z[at[1]..at[1] + C]);
+        macro_rules! add_rows {
+            ($($r:literal)*) => {$(
+                for c in 0..C {
+                    acc[$r][c] = plus_product(acc[$r][c], left[$r], right[c]);
+                }
+            )*};
         }
+        add_rows!(0 1 2 3 4 5 6 7);
     }
     for (r, row) in acc.iter().enumerate() {
-        let at = (i + r) * n;
-        if let Some(out) = sums.get_mut(at + j..at + from + WIDTH) {
-            out.iter_mut().zip(&row[j - from..]).for_each(|(o, v)| *o += v);
+        let first = (at[0] * LANES + r) * registers + at[1];
+        for (sum, more) in sums[first..first + C].iter_mut().zip(row) {
+            *sum = plus_product(*sum, 1.0, *more);
         }
     }
+}
+
+#[inline(always)]
+fn plus_product(mut sum: [f64; LANES], factor: f64, values: [f64; LANES]) -> [f64; LANES] {
+    for i in 0..LANES {
+        sum[i] += factor * values[i];
+    }
+    sum
 }
 
 #[cfg(test)]

@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use crate::numeric::{Planes, require};
-use crate::spectrum::{Observer, SpectralCube, Spectrum, SpectrumError};
+use crate::spectrum::{Observer, SpectralCube, SpectrumError};
 
 /// Revision of the optical computation. Increase it with every change that alters an optical image; caches of
 /// older revisions are then invalid.
@@ -38,26 +38,6 @@ impl OpticalImage {
         let (rows, cols, count) = (planes.rows(), planes.cols(), planes.count());
         let planes = Planes::new(rows, cols, count, data).map_err(SpectrumError::from)?;
         Self::new(SpectralCube::new(self.irradiance.grid(), planes)?, self.sample_spacing_m)
-    }
-
-    /// The image with its irradiance multiplied by a factor for each wavelength, such as the ratio of two lights of its scene.
-    ///
-    /// # Errors
-    /// When the wavelengths differ, a factor is negative or not finite, or a product exceeds the range of single precision.
-    pub fn filtered(&self, factors: &Spectrum) -> Result<Self, SpectrumError> {
-        let grid = self.irradiance.grid();
-        if factors.grid() != grid {
-            return Err(SpectrumError::GridMismatch { left: grid, right: factors.grid() });
-        }
-        let mut planes = self.irradiance.planes().clone();
-        let len = planes.plane_len().max(1);
-        for &factor in factors.values() {
-            require(factor >= 0.0, "factor", factor, "0 or more, finite")?;
-        }
-        planes.data_mut().par_chunks_mut(len).zip(factors.values()).for_each(|(plane, &factor)| {
-            plane.iter_mut().for_each(|v| *v = (f64::from(*v) * factor) as f32);
-        });
-        Self::new(SpectralCube::new(grid, planes)?, self.sample_spacing_m)
     }
 
     /// Spectral irradiance, photons s⁻¹ m⁻² nm⁻¹.

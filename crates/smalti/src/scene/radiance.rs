@@ -124,9 +124,27 @@ impl Scene {
     pub fn relit(self, illuminant: &Illuminant) -> Result<Self, SceneError> {
         let grid = self.radiance.grid();
         let new = illuminant.photons(grid)?;
-        let old_max = self.illuminant.max();
+        let mut factors = self.ratios_to(&new)?;
+        let y = &Observer::Cie1931.photon_weights(grid)?[1];
+        let means = self.plane_means();
+        let luminance = |factors: &[f64]| -> f64 {
+            means.iter().zip(y.values()).zip(factors).map(|((m, w), f)| m * w * f).sum()
+        };
+        let before = luminance(&vec![1.0; grid.len()]);
+        let scale = before / self.some_luminance(luminance(&factors))?;
+        factors.iter_mut().for_each(|f| *f *= scale);
+        self.multiplied(&factors, new.scaled(scale)?)
+    }
+
+    /// The ratio of another light (photons, on the wavelengths of the scene) to the illuminant, for each wavelength; 0 where both are
+    /// dark.
+    ///
+    /// # Errors
+    /// When the illuminant has less than 10⁻⁶ of its maximum at a wavelength where the other light has power.
+    pub(crate) fn ratios_to(&self, light: &Spectrum) -> Result<Vec<f64>, SceneError> {
+        let (grid, old_max) = (self.radiance.grid(), self.illuminant.max());
         let mut factors = Vec::with_capacity(grid.len());
-        for (i, (&old, &new)) in self.illuminant.values().iter().zip(new.values()).enumerate() {
+        for (i, (&old, &new)) in self.illuminant.values().iter().zip(light.values()).enumerate() {
             let present = old > NO_LIGHT * old_max;
             if !present && new > 0.0 {
                 let fraction = if old_max > 0.0 { old / old_max } else { 0.0 };
@@ -134,15 +152,7 @@ impl Scene {
             }
             factors.push(if present { new / old } else { 0.0 });
         }
-        let y = &Observer::Cie1931.photon_weights(grid)?[1];
-        let luminance = |factors: &[f64]| -> f64 {
-            let means = self.plane_means();
-            means.iter().zip(y.values()).zip(factors).map(|((m, w), f)| m * w * f).sum()
-        };
-        let before = luminance(&vec![1.0; grid.len()]);
-        let scale = before / self.some_luminance(luminance(&factors))?;
-        factors.iter_mut().for_each(|f| *f *= scale);
-        self.multiplied(&factors, new.scaled(scale)?)
+        Ok(factors)
     }
 
     /// The scene on another wavelength grid; radiance and illuminant are interpolated linearly.

@@ -12,6 +12,7 @@ pub use ciede2000::delta_e_2000;
 
 use super::cie1976::lab_from_xyz;
 use super::{ColorSpace, Image, ImageError};
+use crate::numeric::simd::{Kernel, dispatch};
 
 /// Pixels per task, fixed so that results do not depend on the number of threads.
 const CHUNK: usize = 4096;
@@ -95,17 +96,18 @@ pub(crate) fn check_pair(reference: &Image, test: &Image) -> Result<(), ImageErr
 pub(crate) struct LabReference {
     size: (usize, usize),
     white: [f64; 3],
-    lab: Vec<[f64; 3]>,
+    /// Planes of L*, a*, b*.
+    lab: [Vec<f64>; 3],
 }
 
 impl LabReference {
     /// Converts planes of X, Y, Z of `size` rows and columns, whose lengths have been checked.
     pub(crate) fn new(size: (usize, usize), xyz: [&[f32]; 3], white: [f64; 3]) -> Self {
-        let mut lab = vec![[0.0; 3]; size.0 * size.1];
-        lab.par_chunks_mut(CHUNK).enumerate().for_each(|(chunk, out)| {
-            for (i, lab) in out.iter_mut().enumerate() {
-                *lab = lab_at(xyz, chunk * CHUNK + i, white);
-            }
+        let mut lab = [(); 3].map(|()| vec![0.0; size.0 * size.1]);
+        let [l, a, b] = &mut lab;
+        let parts = l.par_chunks_mut(CHUNK).zip(a.par_chunks_mut(CHUNK)).zip(b.par_chunks_mut(CHUNK));
+        parts.enumerate().for_each(|(chunk, ((l, a), b))| {
+            dispatch(ToLab { xyz: xyz.map(|p| &p[chunk * CHUNK..][..l.len()]), white, lab: [l, a, b] });
         });
         Self { size, white, lab }
     }
@@ -114,19 +116,67 @@ impl LabReference {
     pub(crate) fn map(&self, test: [&[f32]; 3], formula: DeltaE) -> DifferenceMap {
         let (rows, cols) = self.size;
         let mut values = vec![0.0f32; rows * cols];
-        let references = self.lab.par_chunks(CHUNK);
-        values.par_chunks_mut(CHUNK).zip(references).enumerate().for_each(|(chunk, (out, reference))| {
-            for (i, (value, reference)) in out.iter_mut().zip(reference).enumerate() {
-                *value = formula.between(*reference, lab_at(test, chunk * CHUNK + i, self.white)) as f32;
+        values.par_chunks_mut(CHUNK).enumerate().for_each(|(chunk, out)| {
+            let (at, len) = (chunk * CHUNK, out.len());
+            let (xyz, white) = (test.map(|p| &p[at..][..len]), self.white);
+            let reference = self.lab.each_ref().map(|p| &p[at..][..len]);
+            match formula {
+                DeltaE::Cie1976 => dispatch(Differences { xyz, white, reference, out, formula: delta_e_76 }),
+                DeltaE::Cie1994 => dispatch(Differences { xyz, white, reference, out, formula: delta_e_94 }),
+                DeltaE::Ciede2000 => {
+                    dispatch(Differences { xyz, white, reference, out, formula: delta_e_2000 });
+                }
             }
         });
         DifferenceMap { rows, cols, values }
     }
 }
 
-/// CIELAB of a pixel.
-fn lab_at(xyz: [&[f32]; 3], at: usize, white: [f64; 3]) -> [f64; 3] {
-    lab_from_xyz([0, 1, 2].map(|c| f64::from(xyz[c][at])), white)
+/// CIELAB of some pixels; all slices have one length.
+struct ToLab<'a> {
+    xyz: [&'a [f32]; 3],
+    white: [f64; 3],
+    lab: [&'a mut [f64]; 3],
+}
+
+impl Kernel for ToLab<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let [l, a, b] = self.lab;
+        let out = l.iter_mut().zip(a).zip(b);
+        for (((l, a), b), xyz) in out.zip(pixels(self.xyz)) {
+            [*l, *a, *b] = lab_from_xyz(xyz, self.white);
+        }
+    }
+}
+
+/// ΔE of some pixels from a reference in CIELAB; all slices have one length.
+struct Differences<'a, F> {
+    xyz: [&'a [f32]; 3],
+    white: [f64; 3],
+    reference: [&'a [f64]; 3],
+    out: &'a mut [f32],
+    formula: F,
+}
+
+impl<F: Fn([f64; 3], [f64; 3]) -> f64> Kernel for Differences<'_, F> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let [l, a, b] = self.reference;
+        let reference = l.iter().zip(a).zip(b).map(|((&l, &a), &b)| [l, a, b]);
+        for ((out, reference), xyz) in self.out.iter_mut().zip(reference).zip(pixels(self.xyz)) {
+            *out = (self.formula)(reference, lab_from_xyz(xyz, self.white)) as f32;
+        }
+    }
+}
+
+#[inline(always)]
+fn pixels<'a>([x, y, z]: [&'a [f32]; 3]) -> impl Iterator<Item = [f64; 3]> + 'a {
+    x.iter().zip(y).zip(z).map(|((&x, &y), &z)| [f64::from(x), f64::from(y), f64::from(z)])
 }
 
 #[cfg(test)]
