@@ -1,11 +1,9 @@
 //! Binning: samples that several neighbouring photodiodes behind one filter give together.
 
-use std::borrow::Cow;
-
 use serde::{Deserialize, Serialize};
 
-use super::{Sensor, SensorError};
-use crate::numeric::{Rect, require};
+use super::SensorError;
+use crate::numeric::require;
 
 /// Where the signals of binned photodiodes are combined.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -37,9 +35,9 @@ impl BinningMode {
 /// rows and columns (row and column noise) come after the sum, once per sample.
 ///
 /// With [`BinningMode::Digital`] every photodiode is a pixel of its own up to the converter, with its own read
-/// noise, offsets of row and column, clipping and quantisation. A sample is the mean of these samples, times a
-/// power of two ([`Binning::extra_bits`]) so that rounding it loses nothing that matters: 2 bits more than the
-/// converter for 2 × 2 photodiodes, where it is the exact sum, and 4 for 3 × 3, at most 16 bits in all.
+/// noise, offsets of row and column, clipping and quantisation. A sample is the mean of these samples in steps
+/// fine enough to lose nothing: their exact sum, which has 2 bits more than the converter for 2 × 2 photodiodes
+/// and 4 for 3 × 3. A sum of more than 16 bits is divided by the power of two that leaves 16, and rounded.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Binning {
     /// Photodiodes along each side of a block, 2 to [`Binning::MAX_SIDE`].
@@ -67,97 +65,31 @@ impl Binning {
         self.side * self.side
     }
 
-    /// Bits that digital binning adds to a converter of `bits` bits: the least number that holds the sum, at
-    /// most 16 bits in all. None are added to charge binning or without a converter.
+    /// Bits of a sample behind a converter of `bits` bits: those that hold the sum of the readings, at most 16;
+    /// 0 without a converter.
     #[must_use]
-    pub fn extra_bits(&self, bits: u32) -> u32 {
-        match self.mode {
-            BinningMode::Digital if bits > 0 => {
-                self.photodiodes().next_power_of_two().ilog2().min(16u32.saturating_sub(bits))
-            }
-            BinningMode::Digital | BinningMode::Charge => 0,
-        }
+    pub fn sample_bits(&self, bits: u32) -> u32 {
+        self.sum_bits(bits).min(16)
+    }
+
+    /// Bits by which the sum of the readings exceeds 16.
+    pub(super) fn dropped_bits(&self, bits: u32) -> u32 {
+        self.sum_bits(bits).saturating_sub(16)
+    }
+
+    /// Bits of the sum of the readings.
+    fn sum_bits(&self, bits: u32) -> u32 {
+        if bits == 0 { 0 } else { bits + self.readings().next_power_of_two().ilog2() }
     }
 
     /// Photodiodes of one reading.
-    fn photodiodes_per_reading(&self) -> usize {
+    pub(super) fn photodiodes_per_reading(&self) -> usize {
         if self.mode == BinningMode::Charge { self.photodiodes() } else { 1 }
     }
 
     /// Readings of one sample.
-    fn readings(&self) -> usize {
+    pub(super) fn readings(&self) -> usize {
         if self.mode == BinningMode::Digital { self.photodiodes() } else { 1 }
-    }
-}
-
-impl Sensor {
-    /// Photodiodes along each side of a sample; 1 without binning.
-    #[must_use]
-    pub fn binning_side(&self) -> usize {
-        self.binning.map_or(1, |b| b.side)
-    }
-
-    /// Photodiodes of a sample; 1 without binning.
-    #[must_use]
-    pub fn photodiodes_per_sample(&self) -> f64 {
-        self.binning.map_or(1.0, |b| b.photodiodes() as f64)
-    }
-
-    /// Photodiodes whose electrons are read together.
-    pub(super) fn photodiodes_per_reading(&self) -> f64 {
-        self.binning.map_or(1.0, |b| b.photodiodes_per_reading() as f64)
-    }
-
-    /// Readings that are averaged to a sample.
-    pub(super) fn readings_per_sample(&self) -> f64 {
-        self.binning.map_or(1.0, |b| b.readings() as f64)
-    }
-
-    /// Volts of a sample per photoelectron in any of its photodiodes, before the analog gain: the conversion
-    /// gain, for digital binning divided by the number of photodiodes, whose volts are averaged.
-    #[must_use]
-    pub fn volts_per_electron(&self) -> f64 {
-        self.pixel.conversion_gain_v_per_e / self.readings_per_sample()
-    }
-
-    /// Standard deviation of the read noise of a sample, in electrons of all its photodiodes. N readings that
-    /// are averaged have √N times the noise of one.
-    #[must_use]
-    pub fn read_noise_e(&self) -> f64 {
-        self.pixel.read_noise_v / self.pixel.conversion_gain_v_per_e * self.readings_per_sample().sqrt()
-    }
-
-    /// Bits of the samples: those of the converter, and those that digital binning adds. 0 without a
-    /// converter.
-    #[must_use]
-    pub fn sample_bits(&self) -> u32 {
-        self.adc.bits + self.extra_bits()
-    }
-
-    pub(super) fn extra_bits(&self) -> u32 {
-        self.binning.map_or(0, |b| b.extra_bits(self.adc.bits))
-    }
-
-    /// The same device without binning: each of its pixels is a photodiode. Pitch, size, window and mosaic are
-    /// those of the photodiodes; light, noise and fixed pattern of a photodiode are the same in captures of
-    /// both sensors.
-    #[must_use]
-    pub fn unbinned(&self) -> Cow<'_, Self> {
-        let Some(Binning { side, .. }) = self.binning else { return Cow::Borrowed(self) };
-        let mut pixel = self.pixel;
-        pixel.pitch_m /= side as f64;
-        let times = |n: usize| n.saturating_mul(side);
-        let fine =
-            |w: Rect| Rect { row: times(w.row), col: times(w.col), rows: times(w.rows), cols: times(w.cols) };
-        Cow::Owned(Self {
-            rows: times(self.rows),
-            cols: times(self.cols),
-            window: self.window.map(fine),
-            pixel,
-            cfa: self.cfa.with_blocks(side),
-            binning: None,
-            ..self.clone()
-        })
     }
 }
 
@@ -166,13 +98,22 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_sum_fits_into_the_added_bits() {
+    fn the_sum_fits_into_its_bits() {
         let digital = |side| Binning { side, mode: BinningMode::Digital };
-        for (side, bits, extra) in [(2, 10, 2), (2, 14, 2), (2, 15, 1), (3, 12, 4), (3, 14, 2), (8, 10, 6)] {
-            assert_eq!(digital(side).extra_bits(bits), extra, "{side}, {bits}");
+        for (side, bits, all, dropped) in
+            [(2, 10, 12, 0), (2, 14, 16, 0), (2, 15, 16, 1), (3, 12, 16, 0), (3, 14, 16, 2), (8, 16, 16, 6)]
+        {
+            let binning = digital(side);
+            assert_eq!(
+                (binning.sample_bits(bits), binning.dropped_bits(bits)),
+                (all, dropped),
+                "{side}, {bits}"
+            );
+            let largest = (side * side) as u64 * ((1 << bits) - 1) >> dropped;
+            assert!(largest < 1 << all, "{largest}");
         }
-        assert_eq!(digital(2).extra_bits(0), 0);
-        assert_eq!(Binning { side: 2, mode: BinningMode::Charge }.extra_bits(12), 0);
+        assert_eq!(digital(2).sample_bits(0), 0);
+        assert_eq!(Binning { side: 2, mode: BinningMode::Charge }.sample_bits(12), 12);
     }
 
     #[test]

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use super::collect::{Collector, Rates};
 use super::electron_rates::ElectronRates;
 use super::pixel_spectra::{FilteredLight, PixelSpectra};
-use super::read_bands::{Band, ChargeBand, Sample, SampleScale, average_blocks};
+use super::read_bands::{Band, ChargeBand, Sample, SampleScale, combine_blocks};
 use super::readout::Readout;
 use super::{Binning, BinningMode, Exposure, NoiseMode, RawImage, RawSamples, Sensor, SensorError};
 use crate::numeric::Planes;
@@ -220,7 +220,7 @@ impl Sensor {
                     Some(binning @ Binning { mode: BinningMode::Digital, .. }) => {
                         let mut samples = vec![S::default(); light.len()];
                         read(&mut samples);
-                        average_blocks(&samples, binning, self.adc.bits, w.cols, rows);
+                        combine_blocks(&samples, binning, self.adc.bits, w.cols, rows);
                     }
                     Some(Binning { side, mode: BinningMode::Charge }) => dispatch(ChargeBand {
                         readout: &readout,

@@ -5,6 +5,7 @@
 
 mod adc;
 mod auto_exposure;
+mod binned;
 mod binning;
 mod capture;
 pub mod cfa;

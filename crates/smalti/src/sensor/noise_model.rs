@@ -127,10 +127,10 @@ impl Sensor {
         let mean_e = photoelectrons + dark_e;
         let lsb_v = if self.adc.bits == 0 { 0.0 } else { pixel.voltage_swing_v / self.adc.levels() };
         let squared = |v: f64| v * v * out;
-        // A sample is read in `lines` rows and columns. The mean is rounded again unless it is the exact sum.
-        let lines = readings.sqrt();
-        let scale = f64::from(self.extra_bits()).exp2();
-        let rounded_v = if readings == 1.0 || scale == readings { 0.0 } else { lsb_v / scale };
+        // A sample is read in `lines` rows and columns. A sum of too many bits is rounded once more: from steps of
+        // `lsb_v / readings` to those of `step_v`.
+        let (lines, step_v) = (readings.sqrt(), lsb_v / self.steps_per_converter_step());
+        let rounding = step_v * step_v - lsb_v * lsb_v / (readings * readings);
         Ok(NoiseVariance {
             photon: photoelectrons * shot,
             dark: dark_e * shot,
@@ -139,7 +139,7 @@ impl Sensor {
             prnu: (mean_e * non.prnu_fraction).powi(2) * per_e / photodiodes,
             dsnu: squared(non.dsnu_v) * self.photodiodes_per_reading() / readings,
             column: squared(non.column_noise_v) / lines,
-            quantization: lsb_v * lsb_v / 12.0 / readings + rounded_v * rounded_v / 12.0,
+            quantization: lsb_v * lsb_v / 12.0 / readings + rounding / 12.0,
         })
     }
 }

@@ -29,8 +29,8 @@ impl Sensor {
             let (swing, last) = (self.pixel.voltage_swing_v, self.adc.levels() - 1.0);
             let black = self.adc.number(zero_v, swing).clamp(0.0, last);
             let white = self.adc.number(saturation_v, swing).round().min(last);
-            // Digital binning scales numbers; their volts remain those of one reading.
-            let scale = f64::from(self.extra_bits()).exp2();
+            // Digital binning adds numbers; their volts remain those of one reading.
+            let scale = self.steps_per_converter_step();
             RawLevels {
                 black: black * scale,
                 white: white * scale,

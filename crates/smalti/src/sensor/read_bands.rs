@@ -16,8 +16,8 @@ pub(super) struct SampleScale {
 pub(super) trait Sample: Copy + Default + Send + Sync {
     fn from_volts(volts: f32, to: &SampleScale) -> Self;
 
-    /// The mean of `count` samples, with `extra_bits` more bits.
-    fn mean(samples: impl Iterator<Item = Self>, count: usize, extra_bits: u32) -> Self;
+    /// The mean of `count` volts, or the sum of numbers without its last `dropped` bits.
+    fn combined(samples: impl Iterator<Item = Self>, count: usize, dropped: u32) -> Self;
 }
 
 impl Sample for f32 {
@@ -26,7 +26,7 @@ impl Sample for f32 {
         volts
     }
 
-    fn mean(samples: impl Iterator<Item = Self>, count: usize, _: u32) -> Self {
+    fn combined(samples: impl Iterator<Item = Self>, count: usize, _: u32) -> Self {
         (samples.map(f64::from).sum::<f64>() / count as f64) as f32
     }
 }
@@ -39,26 +39,26 @@ impl Sample for u16 {
         (number + 0.5) as i32 as u16
     }
 
-    fn mean(samples: impl Iterator<Item = Self>, count: usize, extra_bits: u32) -> Self {
-        let (sum, count) = (samples.map(u64::from).sum::<u64>(), count as u64);
-        (((sum << extra_bits) + count / 2) / count) as u16
+    fn combined(samples: impl Iterator<Item = Self>, _: usize, dropped: u32) -> Self {
+        let (sum, half) = (samples.map(u32::from).sum::<u32>(), (1u32 << dropped) >> 1);
+        ((sum + half) >> dropped) as u16
     }
 }
 
-/// Averages the samples of blocks of pixels, row by row.
-pub(super) fn average_blocks<S: Sample>(
+/// Combines the samples of blocks of pixels, row by row.
+pub(super) fn combine_blocks<S: Sample>(
     samples: &[S],
     binning: Binning,
     bits: u32,
     cols: usize,
     out: &mut [S],
 ) {
-    let (side, extra_bits) = (binning.side, binning.extra_bits(bits));
+    let (side, dropped) = (binning.side, binning.dropped_bits(bits));
     let width = cols * side;
     for (lines, out) in samples.chunks_exact(width * side).zip(out.chunks_exact_mut(cols)) {
         for (c, out) in out.iter_mut().enumerate() {
             let block = lines.chunks_exact(width).flat_map(|line| &line[c * side..(c + 1) * side]);
-            *out = S::mean(block.copied(), binning.photodiodes(), extra_bits);
+            *out = S::combined(block.copied(), binning.photodiodes(), dropped);
         }
     }
 }

@@ -55,7 +55,8 @@ fn drawn_variance(s: &Sensor, electrons: f64, devices: u64) -> f64 {
             &s.capture(&wide(photons_for(electrons)), &TEN_MS, NoiseMode::All, device).unwrap(),
         ));
     }
-    let volts_per_dn = s.pixel.voltage_swing_v / f64::from(s.sample_bits()).exp2();
+    let levels = s.raw_levels(&TEN_MS).unwrap();
+    let volts_per_dn = (levels.white_v - levels.black_v) / (levels.white - levels.black);
     moments(&all).1 * volts_per_dn * volts_per_dn
 }
 
@@ -75,9 +76,9 @@ fn noise_of_binned_samples_is_that_of_theory_to_one_percent() {
             let per_reading = 4e-4f64.powi(2) + lsb_v * lsb_v / 12.0;
             let theory = match mode {
                 BinningMode::Charge => n * per_photodiode + per_reading,
-                // The mean of nine has 16 bits, three more than the converter, and is rounded to them.
+                // The sum of nine numbers has 17 bits and is rounded to 16: to even numbers, with an error of 1/4.
                 BinningMode::Digital if side == 3 => {
-                    (per_photodiode + per_reading) / n + (lsb_v / 8.0).powi(2) / 12.0
+                    (per_photodiode + per_reading) / n + (lsb_v / 9.0).powi(2) / 4.0
                 }
                 BinningMode::Digital => (per_photodiode + per_reading) / n,
             };
