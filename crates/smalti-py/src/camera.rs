@@ -110,13 +110,13 @@ impl PyCamera {
         PyCfa(self.camera.sensor.cfa.clone())
     }
 
-    /// Rows and columns of pixels.
+    /// Rows and columns of pixels; with binning, of samples.
     #[getter]
     fn shape(&self) -> (usize, usize) {
         (self.camera.sensor.rows, self.camera.sensor.cols)
     }
 
-    /// Distance between the centres of neighbouring pixels, m.
+    /// Distance between the centres of neighbouring pixels, m; with binning, of samples.
     #[getter]
     fn pitch_m(&self) -> f64 {
         self.camera.sensor.pixel.pitch_m
@@ -135,13 +135,13 @@ impl PyCamera {
         Ok(values.into_pyarray(py).reshape((curves.len(), self.camera.grid().len()))?.into_any())
     }
 
-    /// The same camera with another colour filter array. Its description does not change.
+    /// The same camera with another colour filter array, with binning that of the samples. Its description does not change.
     fn with_cfa(&self, cfa: &PyCfa) -> PyResult<Self> {
         let cfa = cfa.0.on_grid(self.camera.grid()).or_raise()?;
         Ok(Self { camera: self.camera.with_cfa(cfa), notes: self.notes.clone() })
     }
 
-    /// The same camera with another number of pixels.
+    /// The same camera with another number of pixels; with binning, of samples.
     fn with_size(&self, rows: usize, cols: usize) -> PyResult<Self> {
         let camera = self.camera.with_size(rows, cols);
         camera.sensor.validate().or_raise()?;

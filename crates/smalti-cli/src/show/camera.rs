@@ -3,8 +3,8 @@
 use serde_json::{Map, Value, json};
 use smalti::camera::description::PatternDescription;
 use smalti::camera::{Camera, ColorimetricObserver};
-use smalti::sensor::Channel;
 use smalti::sensor::cfa::info;
+use smalti::sensor::{Binning, Channel};
 use smalti::spectrum::Illuminant;
 use smalti_io::cameras::LoadedCamera;
 use smalti_io::{Override, cameras};
@@ -87,12 +87,14 @@ pub(super) fn datasheet(name: &str, overrides: &[Override], common: &Common) -> 
         &tile,
     );
     plot.curves.iter_mut().zip(sensitivity).for_each(|(curve, c)| curve.values = c.transmittance);
-    let title = format!(
-        "{}: a camera, {} × {} pixels",
-        camera.description().name,
-        camera.sensor.cols,
-        camera.sensor.rows
-    );
+    let size = format!("{} × {}", camera.sensor.cols, camera.sensor.rows);
+    let of = match camera.sensor.binning {
+        None => format!("{size} pixels"),
+        Some(Binning { side, mode }) => {
+            format!("{size} samples of {side} × {side} pixels each ({} binning)", mode.name())
+        }
+    };
+    let title = format!("{}: a camera, {of}", camera.description().name);
     Ok(Datasheet {
         title,
         about: Some(summary).filter(|s| !s.is_empty()).into_iter().chain(notes).collect(),
@@ -115,10 +117,11 @@ fn sensitivity(camera: &Camera) -> anyhow::Result<Vec<Channel>> {
 /// Quantities derived from the keys: name, value, unit.
 fn derived(camera: &Camera) -> anyhow::Result<Vec<(&'static str, f64, &'static str)>> {
     let (sensor, pixel) = (&camera.sensor, &camera.sensor.pixel);
-    let saturation_e = pixel
-        .full_well_e
-        .min(pixel.voltage_swing_v / (camera.gain_and_offset().analog_gain * pixel.conversion_gain_v_per_e));
-    let read_e = pixel.read_noise_v / pixel.conversion_gain_v_per_e;
+    // With binning, of a sample: the electrons of all its photodiodes.
+    let analog_gain = camera.gain_and_offset().analog_gain;
+    let saturation_e = (sensor.photodiodes_per_sample() * pixel.full_well_e)
+        .min(pixel.voltage_swing_v / (analog_gain * sensor.volts_per_electron()));
+    let read_e = sensor.read_noise_e();
     let mut out = vec![
         ("width of the sensor", sensor.cols as f64 * pixel.pitch_m * 1e3, "mm"),
         ("height of the sensor", sensor.rows as f64 * pixel.pitch_m * 1e3, "mm"),

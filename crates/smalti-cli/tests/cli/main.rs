@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used, clippy::panic)]
 
 mod bad_input;
+mod binning;
 mod camera_text;
 mod compare;
 mod compare_page;

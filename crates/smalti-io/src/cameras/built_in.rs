@@ -19,6 +19,11 @@ pub(super) static CAMERAS: &[BuiltinFile] = &[
     builtin!("cameras", "table1", "\"Resolution in Color Filter Array Images\", table 1"),
     builtin!("cameras", "phone", "A phone of 2020: 1 µm pixels at f/1.8"),
     builtin!("cameras", "phone-quad", "A phone's main camera, type 1/1.31: quad-Bayer, 1.2 µm"),
+    builtin!(
+        "cameras",
+        "phone-quad-binned",
+        "The camera of phone-quad with the charge of 2 × 2 pixels in one sample of 2.4 µm"
+    ),
     builtin!("cameras", "automotive", "Automotive, OmniVision's 2.8 µm pixel: RCCB"),
     builtin!("cameras", "machine-vision", "Machine vision, Sony IMX250: global shutter, 3.45 µm, Bayer"),
     builtin!("cameras", "cmv12000", "Cinema and machine vision, ams CMV12000: global shutter, 5.5 µm, Bayer"),

@@ -108,9 +108,26 @@ fn phone_quad_has_the_figures_scaled_from_the_imx477() {
     within_2_percent("peak quantum efficiency", peaks(&camera)[1], 0.75);
 }
 
+/// The binned camera differs from the other in binning alone, and has one read noise for four photodiodes.
+#[test]
+fn phone_quad_binned_is_phone_quad_with_charge_binning() {
+    let (single, binned) = (camera("phone-quad"), camera("phone-quad-binned"));
+    let mut description = binned.description().clone();
+    assert!(description.sensor.binning.take().is_some());
+    description.name = "phone-quad".into();
+    assert_eq!(&description, single.description());
+    let (a, b) = (&single.sensor, &binned.sensor);
+    assert_eq!((a.rows, a.cols), (2 * b.rows, 2 * b.cols));
+    assert_eq!(a.read_noise_e(), b.read_noise_e());
+    within_2_percent("saturation of the floating diffusion", saturation_e(&binned), 4896.0);
+    assert_eq!(camera("phone-quad-binned@nona").sensor.binning_side(), 3);
+    let error = load("phone-quad-binned@bayer", &[], None).unwrap_err().to_string();
+    assert!(error.contains("sensor.binning") && error.contains("quad-bayer"), "{error}");
+}
+
 #[test]
 fn estimates_state_themselves() {
-    for name in ["phone-quad", "automotive", "machine-vision", "full-frame"] {
+    for name in ["phone-quad", "phone-quad-binned", "automotive", "machine-vision", "full-frame"] {
         let file = names().iter().find(|c| c.name == name).unwrap();
         let mut comment = file.toml.lines().take_while(|l| l.starts_with('#'));
         assert!(comment.any(|l| l.contains("stimates")), "{name}");

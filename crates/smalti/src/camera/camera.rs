@@ -61,14 +61,20 @@ impl Camera {
         self.grid
     }
 
-    /// The same camera with another number of pixels, all of them read.
+    /// The same camera with another number of pixels (with binning, of samples), all of them read.
     #[must_use]
     pub fn with_size(&self, rows: usize, cols: usize) -> Self {
         let sensor = Sensor { rows, cols, window: None, ..self.sensor.clone() };
         Self { sensor, ..self.clone() }
     }
 
-    /// The same camera with another colour filter array. Its description remains unchanged.
+    /// The same camera with as many pixels as `rows` × `cols` photodiodes give: [`Camera::with_size`] without binning.
+    pub(crate) fn with_photodiodes(&self, rows: usize, cols: usize) -> Self {
+        let side = self.sensor.binning_side();
+        self.with_size(rows / side, cols / side)
+    }
+
+    /// The same camera with another colour filter array, with binning that of the samples. Its description remains unchanged.
     #[must_use]
     pub fn with_cfa(&self, cfa: Cfa) -> Self {
         let sensor = Sensor { cfa, ..self.sensor.clone() };

@@ -19,7 +19,9 @@ use crate::color::{ColorSpace, Image};
 use crate::isp::IspError;
 use crate::numeric::Planes;
 use crate::optics::OpticalImage;
-use crate::sensor::{Cfa, Channel, ColorArchitecture, Exposure, Mosaic, NonUniformity, Pixel, Sensor};
+use crate::sensor::{
+    Binning, BinningMode, Cfa, Channel, ColorArchitecture, Exposure, Mosaic, NonUniformity, Pixel, Sensor,
+};
 use crate::spectrum::{Extrapolation, Observer, Spectrum};
 
 /// Transmittance of the lens below which the irradiance before the lens is not reconstructed.
@@ -139,7 +141,7 @@ impl Camera {
         let (sensor, pixel) = (&self.sensor, &self.sensor.pixel);
         let levels = sensor.raw_levels(exposure)?;
         let range_v = levels.white_v - levels.black_v;
-        let per_electron = pixel.conversion_gain_v_per_e * exposure.analog_gain / range_v;
+        let per_electron = sensor.volts_per_electron() * exposure.analog_gain / range_v;
         let per_photon = pixel.photodetector_area_m2() * exposure.time_s / sensor.captures() * per_electron;
         Ok(brightest * per_photon / seen)
     }
@@ -167,6 +169,8 @@ impl Camera {
             ir_cut: None,
             crosstalk: None,
             nonuniformity: NonUniformity::default(),
+            // The light on all photodiodes of a sample.
+            binning: self.sensor.binning.map(|b| Binning { mode: BinningMode::Charge, ..b }),
             ..self.sensor.clone()
         };
         // The full well and the voltage swing are so large that the reference never clips.

@@ -2,8 +2,8 @@
 
 use super::CameraError;
 use super::description::{
-    ArchitectureName, AutoExposureName, CameraDescription, FILTER_TABLE, OpticsDescription, OpticsModelName,
-    PatternDescription, SensorDescription,
+    ArchitectureName, AutoExposureName, BinningDescription, CameraDescription, FILTER_TABLE,
+    OpticsDescription, OpticsModelName, PatternDescription, SensorDescription,
 };
 use crate::optics::{
     BirefringentLowPass, ChromaticFocus, Defocus, Optics, OpticsModel, Padding, PsfStack, Transmittance,
@@ -11,8 +11,8 @@ use crate::optics::{
 };
 use crate::sensor::cfa::{self, WeightedMosaic};
 use crate::sensor::{
-    Adc, Aperture, AutoExposure, Cfa, Channel, ColorArchitecture, DarkCurrentTemperature, Filter, Mosaic,
-    NonUniformity, Pixel, Sensor, SensorError,
+    Adc, Aperture, AutoExposure, Binning, Cfa, Channel, ColorArchitecture, DarkCurrentTemperature, Filter,
+    Mosaic, NonUniformity, Pixel, Sensor, SensorError,
 };
 use crate::spectrum::{Spectrum, WavelengthGrid};
 
@@ -195,6 +195,8 @@ pub(super) fn sensor(d: &SensorDescription, grid: WavelengthGrid) -> Result<Sens
     // A quarter of the crosstalk goes to each of the four neighbours that share an edge.
     let leak = within("sensor.crosstalk_percent", d.crosstalk_percent, 0.0, 100.0)? * 1e-2;
     let side = leak / 4.0;
+    let cfa = color_filter_array(d, grid)?;
+    let binning = d.binning.map(|binning| self::binning(d, binning, &cfa)).transpose()?;
     let sensor = Sensor {
         aperture: Aperture::Area,
         crosstalk: (leak > 0.0).then_some([[0.0, side, 0.0], [side, 1.0 - leak, side], [0.0, side, 0.0]]),
@@ -214,9 +216,13 @@ pub(super) fn sensor(d: &SensorDescription, grid: WavelengthGrid) -> Result<Sens
             d.rows,
             d.cols,
             pixel,
-            color_filter_array(d, grid)?,
+            cfa,
             curve("sensor.quantum_efficiency", &d.quantum_efficiency, grid)?,
         )
+    };
+    let sensor = match binning {
+        Some(binning) => binned(sensor, binning)?,
+        None => sensor,
     };
     sensor.validate().map_err(|e| match e {
         SensorError::Empty { .. } | SensorError::TooLarge { .. } => {
@@ -225,6 +231,68 @@ pub(super) fn sensor(d: &SensorDescription, grid: WavelengthGrid) -> Result<Sens
         other => key("sensor", other),
     })?;
     Ok(sensor)
+}
+
+/// The binning of a description, with the side of its blocks.
+fn binning(d: &SensorDescription, stated: BinningDescription, cfa: &Cfa) -> Result<Binning, CameraError> {
+    let name = "sensor.binning";
+    let side = match stated {
+        BinningDescription::Blocks(blocks) if (2..=Binning::MAX_SIDE).contains(&blocks.side) => blocks.side,
+        BinningDescription::Blocks(blocks) => {
+            let expected = format!("expected 2 to {}", Binning::MAX_SIDE);
+            return Err(key("sensor.binning.side", format_args!("{} is out of range; {expected}", blocks.side)));
+        }
+        BinningDescription::Mode(mode) if d.architecture != ArchitectureName::Mosaic => {
+            let side = format!("{{ side = 2, mode = \"{}\" }}", mode.name());
+            return Err(key(name, format_args!("without a mosaic, the side is to be stated: {side}")));
+        }
+        BinningDescription::Mode(mode) => cfa.mosaic().block_side(Binning::MAX_SIDE).ok_or_else(|| {
+            key(
+                name,
+                format_args!(
+                    "the tile of `sensor.cfa.pattern` has no blocks of one filter; expected a pattern such as quad-bayer or nona, or, \
+                     for one filter over the whole sensor, {{ side = 2, mode = \"{}\" }}",
+                    mode.name()
+                ),
+            )
+        })?,
+    };
+    let mode = match stated {
+        BinningDescription::Mode(mode) => mode,
+        BinningDescription::Blocks(blocks) => blocks.mode,
+    };
+    Ok(Binning { side, mode })
+}
+
+/// A sensor of photodiodes with its samples binned.
+fn binned(sensor: Sensor, binning: Binning) -> Result<Sensor, CameraError> {
+    let side = binning.side;
+    for (name, pixels) in [("sensor.rows", sensor.rows), ("sensor.cols", sensor.cols)] {
+        if !pixels.is_multiple_of(side) {
+            let fits = (pixels / side).max(1) * side;
+            let message = format!(
+                "`sensor.binning` with a side of {side} needs a multiple of {side}, such as {fits}; got {pixels}"
+            );
+            return Err(key(name, message));
+        }
+    }
+    let cfa = match (sensor.architecture, sensor.cfa.binned(side)) {
+        (_, Some(cfa)) => cfa,
+        (ColorArchitecture::Mosaic, None) => {
+            let fitting = match sensor.cfa.mosaic().block_side(Binning::MAX_SIDE) {
+                Some(other) => format!("expected a side of {other}"),
+                None => "expected a pattern such as quad-bayer or nona".into(),
+            };
+            let message = format!(
+                "blocks of {side} × {side} pixels of the tile of `sensor.cfa.pattern` have several filters; {fitting}"
+            );
+            return Err(key("sensor.binning", message));
+        }
+        (ColorArchitecture::Prism | ColorArchitecture::FieldSequential, None) => sensor.cfa.clone(),
+    };
+    let pixel = Pixel { pitch_m: sensor.pixel.pitch_m * side as f64, ..sensor.pixel };
+    let (rows, cols) = (sensor.rows / side, sensor.cols / side);
+    Ok(Sensor { rows, cols, pixel, cfa, binning: Some(binning), ..sensor })
 }
 
 fn color_filter_array(d: &SensorDescription, grid: WavelengthGrid) -> Result<Cfa, CameraError> {

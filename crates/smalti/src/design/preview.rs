@@ -42,7 +42,7 @@ impl PreviewScene {
 
     fn imaged(&self, camera: &Camera, factor: f64) -> Result<ImagedScene, CameraError> {
         let grid = camera.grid();
-        let camera = camera.with_size(self.light.planes.rows, self.light.planes.cols);
+        let camera = camera.with_photodiodes(self.light.planes.rows, self.light.planes.cols);
         let pixels = self.light.light(grid)?.pixels(&camera.sensor, factor)?;
         let irradiance = |v: &Vec<f64>| scaled(v, factor, grid);
         Ok(ImagedScene::from_pixels(camera, pixels, self.metered.as_ref().map(irradiance).transpose()?))
@@ -106,7 +106,7 @@ impl PreviewTraining {
     fn trainer(&self, camera: &Camera, factor: f64, study: &Study) -> Result<PipelineTrainer, CameraError> {
         let grid = camera.grid();
         let chart = Arc::new(self.chart.imaged(camera, factor)?);
-        let camera = camera.with_size(self.light.planes.rows, self.light.planes.cols);
+        let camera = camera.with_photodiodes(self.light.planes.rows, self.light.planes.cols);
         let mut seen = self.seen.planes().map_err(crate::sensor::SensorError::from)?;
         seen.data_mut().iter_mut().for_each(|v| *v *= factor as f32);
         let light = TrainingLight {

@@ -244,7 +244,8 @@ impl Targets {
         mosaic: &Mosaic,
     ) -> Result<Option<Arc<PatchLight>>, CameraError> {
         let sensor = &self.chart.camera.sensor;
-        if sensor.crosstalk.is_some() || sensor.architecture != ColorArchitecture::Mosaic {
+        let is_simple = sensor.crosstalk.is_none() && sensor.binning.is_none();
+        if !is_simple || sensor.architecture != ColorArchitecture::Mosaic {
             return Ok(None);
         }
         let cache = || self.cache.lock().unwrap_or_else(PoisonError::into_inner);

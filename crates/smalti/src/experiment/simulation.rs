@@ -16,6 +16,8 @@ const MAX_SCORED_PX: usize = 2048;
 
 /// Peak memory of a capture, measured on mosaics: raw samples, and pictures in XYZ during their comparison.
 const BYTES_PER_PIXEL: u64 = 120;
+/// Memory for each further photodiode of a binned sample, whose light an exposure rule may meter.
+const BYTES_PER_PHOTODIODE: u64 = 4;
 
 /// Settings of a simulation.
 #[derive(Debug, Clone, PartialEq)]
@@ -103,7 +105,9 @@ pub fn capture(
 /// Refuses a capture that exceeds the available memory, since the system would kill the program.
 fn ensure_memory(camera: &Camera, memory_bytes: Option<u64>) -> Result<(), ExperimentError> {
     let Window { rows, cols, .. } = camera.sensor.read_window();
-    let need = (rows as u64).saturating_mul(cols as u64).saturating_mul(BYTES_PER_PIXEL);
+    let photodiodes = (camera.sensor.binning_side() as u64).pow(2);
+    let each = BYTES_PER_PIXEL + (photodiodes - 1) * BYTES_PER_PHOTODIODE;
+    let need = (rows as u64).saturating_mul(cols as u64).saturating_mul(each);
     match memory_bytes {
         Some(available) if need > available => Err(ExperimentError::CaptureMemory {
             rows,

@@ -1,7 +1,7 @@
 //! Rules for the exposure time.
 
 use super::{Exposure, Light, Sensor, SensorError};
-use crate::numeric::{OutOfRange, require};
+use crate::numeric::{OutOfRange, Planes, require};
 use crate::optics::OpticalImage;
 use crate::spectrum::Spectrum;
 
@@ -29,7 +29,8 @@ pub enum AutoExposure {
         /// Fraction of saturation, above 0, at most 1.
         target: f64,
     },
-    /// At most this share of the samples, with their filters, saturates.
+    /// At most this share of the samples, with their filters, saturates. A binned sample counts as its brightest
+    /// photodiode alone would, so that none of its photodiodes saturates either.
     SaturatedShare {
         /// Share of the samples, 0 to below 1.
         share: f64,
@@ -89,15 +90,21 @@ impl AutoExposure {
             }
             Self::Specular { .. } | Self::LuminancePercentile { .. } => return Err(SensorError::NoLight),
         };
-        let mut electrons = sensor.electrons(light.into(), 1.0)?.into_data();
-        let count = electrons.len();
+        let planes = sensor.electrons(light.into(), 1.0)?;
+        let each = sensor.photodiodes_per_sample();
         let Some(share) = share else {
-            return Ok(electrons.iter().map(|&e| f64::from(e)).sum::<f64>() / count as f64);
+            let electrons = planes.data();
+            return Ok(electrons.iter().map(|&e| f64::from(e)).sum::<f64>() / electrons.len() as f64 * each);
         };
+        let mut electrons = match sensor.binning {
+            None => planes.into_data(),
+            Some(binning) => brightest_of_blocks(&planes, binning.side),
+        };
+        let count = electrons.len();
         // The brightest samples that may saturate are those above this rank.
         let above = (share * count as f64) as usize;
         let Some(rank) = count.checked_sub(1 + above) else { return Err(SensorError::NoLight) };
-        Ok(f64::from(*electrons.select_nth_unstable_by(rank, f32::total_cmp).1))
+        Ok(f64::from(*electrons.select_nth_unstable_by(rank, f32::total_cmp).1) * each)
     }
 
     /// The irradiance, photons s⁻¹ m⁻² nm⁻¹, of the point that the rule meters; `None` for rules that
@@ -158,8 +165,8 @@ impl AutoExposure {
         if electrons_per_s <= 0.0 {
             return Err(SensorError::NoLight);
         }
-        let volts_per_s =
-            electrons_per_s * sensor.pixel.conversion_gain_v_per_e + sensor.dark_voltage_v_per_s()?;
+        let volts_per_s = electrons_per_s * sensor.volts_per_electron()
+            + sensor.dark_voltage_v_per_s()? * sensor.photodiodes_per_reading();
         Ok(target_v / volts_per_s * sensor.captures())
     }
 
@@ -177,6 +184,21 @@ impl AutoExposure {
     }
 }
 
+/// The largest value of each block of `side` × `side` values, plane after plane.
+fn brightest_of_blocks(planes: &Planes, side: usize) -> Vec<f32> {
+    let (rows, cols) = (planes.rows() / side, planes.cols() / side);
+    let mut out = vec![f32::NEG_INFINITY; rows * cols * planes.count()];
+    for (plane, out) in planes.planes().zip(out.chunks_exact_mut((rows * cols).max(1))) {
+        for (r, line) in plane.chunks_exact(planes.cols()).enumerate() {
+            let blocks = &mut out[r / side * cols..][..cols];
+            for (block, values) in blocks.iter_mut().zip(line.chunks_exact(side)) {
+                *block = values.iter().fold(*block, |most, &v| most.max(v));
+            }
+        }
+    }
+    out
+}
+
 /// The sample of the image, within the sensor's window, at a percentile of illuminance.
 fn sample_at_percentile(
     sensor: &Sensor,
@@ -185,7 +207,7 @@ fn sample_at_percentile(
 ) -> Result<usize, SensorError> {
     let lux = image.illuminance_lux()?;
     let cols = image.irradiance().cols();
-    let [rows_seen, cols_seen] = sensor.footprint(image);
+    let [rows_seen, cols_seen] = sensor.unbinned().footprint(image);
     let mut seen: Vec<(f32, usize)> = rows_seen
         .flat_map(|r| cols_seen.clone().map(move |c| r * cols + c))
         .filter_map(|at| lux.get(at).map(|&v| (v, at)))

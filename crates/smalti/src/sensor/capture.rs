@@ -7,8 +7,9 @@ use rayon::prelude::*;
 use super::collect::{Collector, Rates};
 use super::electron_rates::ElectronRates;
 use super::pixel_spectra::{FilteredLight, PixelSpectra};
+use super::read_bands::{Band, ChargeBand, Sample, SampleScale, combine_blocks};
 use super::readout::Readout;
-use super::{Exposure, NoiseMode, RawImage, RawSamples, Sensor, SensorError};
+use super::{Binning, BinningMode, Exposure, NoiseMode, RawImage, RawSamples, Sensor, SensorError};
 use crate::numeric::Planes;
 use crate::numeric::poisson::LANES;
 use crate::numeric::simd::{Kernel, dispatch};
@@ -53,16 +54,17 @@ impl<'a> From<(&'a ElectronRates, f64)> for Light<'a> {
 const BAND: usize = 16;
 
 impl Sensor {
-    /// Mean photoelectrons of every pixel from light alone: after crosstalk, without saturation of the well.
-    /// One plane for a mosaic, otherwise one per channel, each exposed for `time_s`.
+    /// Mean photoelectrons of every photodiode from light alone: after crosstalk, without saturation of the
+    /// well. One plane for a mosaic, otherwise one per channel, each exposed for `time_s`.
     pub(super) fn electrons(&self, light: Light<'_>, time_s: f64) -> Result<Planes, SensorError> {
+        let sensor = &*self.unbinned();
         match light {
-            Light::Image(image) => Ok(self.electrons_from(&Collector::new(self, image)?, time_s)),
-            Light::Pixels(pixels) => Ok(self.electrons_from(&FilteredLight::new(self, pixels)?, time_s)),
+            Light::Image(image) => Ok(sensor.electrons_from(&Collector::new(sensor, image)?, time_s)),
+            Light::Pixels(pixels) => Ok(sensor.electrons_from(&FilteredLight::new(sensor, pixels)?, time_s)),
             Light::Electrons(rates, factor) => {
-                rates.ensure_of(self, factor)?;
-                let w = self.read_window();
-                let mut out = Planes::zeros(w.rows, w.cols, self.sampling().planes());
+                rates.ensure_of(sensor, factor)?;
+                let w = sensor.read_window();
+                let mut out = Planes::zeros(w.rows, w.cols, sensor.sampling().planes());
                 for (plane, values) in out.planes_mut().enumerate() {
                     rates.band(plane, 0, (factor * time_s) as f32, values);
                 }
@@ -102,8 +104,12 @@ impl Sensor {
     /// Poisson variables is one) → full well → volts → gain (PRNU) and offset (DSNU) of the pixel → read
     /// noise → row and column noise → analog offset and gain → clipping to the swing → quantisation.
     ///
-    /// With a converter, samples are `round(v / swing · 2^bits + black level)`, clipped to 0 to 2^bits − 1.
-    /// Without one they are volts, which noise can make negative. The black level of the result is the sample
+    /// With [binning](super::Binning), light, dark current, full well, PRNU and DSNU are those of each
+    /// photodiode. Charge is summed before read noise, row and column noise, and the rest of the chain;
+    /// digital samples are averaged at its end.
+    ///
+    /// With a converter, samples are `round(v / swing · 2^bits + black level)`, clipped to 0 to 2^bits − 1;
+    /// digital binning has more bits ([`Sensor::sample_bits`]). Without one they are volts, which noise can make negative. The black level of the result is the sample
     /// without signal, the white level that at saturation (full well or swing). `seed` determines the
     /// temporal noise of this capture; fixed-pattern noise belongs to the device. Equal arguments give the
     /// same bits on any machine and for any number of threads.
@@ -141,17 +147,19 @@ impl Sensor {
     ) -> Result<Vec<S>, SensorError> {
         self.validate()?;
         exposure.validate()?;
+        // Light falls on the photodiodes; binning combines them when they are read.
+        let photodiodes = &*self.unbinned();
         match light {
             Light::Image(image) => {
-                let rates = Collector::new(self, image)?;
-                self.read_out_from(self.light_bands(&rates), exposure, noise, seed)
+                let rates = Collector::new(photodiodes, image)?;
+                self.read_out_from(photodiodes.light_bands(&rates), exposure, noise, seed)
             }
             Light::Pixels(pixels) => {
-                let rates = FilteredLight::new(self, pixels)?;
-                self.read_out_from(self.light_bands(&rates), exposure, noise, seed)
+                let rates = FilteredLight::new(photodiodes, pixels)?;
+                self.read_out_from(photodiodes.light_bands(&rates), exposure, noise, seed)
             }
             Light::Electrons(rates, factor) => {
-                rates.ensure_of(self, factor)?;
+                rates.ensure_of(photodiodes, factor)?;
                 let band =
                     |plane, first_row, out: &mut [f32]| rates.band(plane, first_row, factor as f32, out);
                 self.read_out_from(band, exposure, noise, seed)
@@ -181,22 +189,50 @@ impl Sensor {
             last: (self.adc.levels() - 1.0) as f32,
         };
         let mut out = vec![S::default(); w.rows * w.cols * planes];
-        let mut fixed_offset_v = vec![0.0; w.cols.next_multiple_of(LANES)];
+        // Rows and columns of pixels with a reading of their own, for each sample.
+        let lines = match self.binning {
+            Some(Binning { side, mode: BinningMode::Digital }) => side,
+            Some(Binning { mode: BinningMode::Charge, .. }) | None => 1,
+        };
+        let (first_col, read_cols) = (w.col * lines, w.cols * lines);
+        let mut fixed_offset_v = vec![0.0; read_cols.next_multiple_of(LANES)];
         for (plane, samples) in out.chunks_exact_mut(w.rows * w.cols).enumerate() {
-            readout.column_offsets(w.col as u32, plane as u32, &mut fixed_offset_v);
+            readout.column_offsets(first_col as u32, plane as u32, &mut fixed_offset_v);
             samples.par_chunks_mut(BAND * w.cols).enumerate().for_each(|(b, rows)| {
-                let mut light = vec![0.0; rows.len()];
+                let side = self.binning_side();
+                let mut light = vec![0.0; rows.len() * side * side];
                 let first_row = b * BAND;
-                light_band(plane, first_row, &mut light);
-                dispatch(Band {
-                    readout: &readout,
-                    to_sample: &to_sample,
-                    origin: ((w.row + first_row) as u32, w.col as u32, plane as u32),
-                    cols: w.cols,
-                    fixed_offset_v: &fixed_offset_v,
-                    light: &light,
-                    out: rows,
-                });
+                light_band(plane, first_row * side, &mut light);
+                let origin = (((w.row + first_row) * lines) as u32, first_col as u32, plane as u32);
+                let read = |out: &mut [S]| {
+                    dispatch(Band {
+                        readout: &readout,
+                        to_sample: &to_sample,
+                        origin,
+                        cols: read_cols,
+                        fixed_offset_v: &fixed_offset_v,
+                        light: &light,
+                        out,
+                    });
+                };
+                match self.binning {
+                    None => read(rows),
+                    Some(binning @ Binning { mode: BinningMode::Digital, .. }) => {
+                        let mut samples = vec![S::default(); light.len()];
+                        read(&mut samples);
+                        combine_blocks(&samples, binning, self.adc.bits, w.cols, rows);
+                    }
+                    Some(Binning { side, mode: BinningMode::Charge }) => dispatch(ChargeBand {
+                        readout: &readout,
+                        to_sample: &to_sample,
+                        origin,
+                        side,
+                        cols: w.cols,
+                        fixed_offset_v: &fixed_offset_v,
+                        light: &light,
+                        out: rows,
+                    }),
+                }
             });
         }
         Ok(out)
@@ -242,71 +278,6 @@ impl<R: Rates> Kernel for LightBand<'_, R> {
                     for (o, l) in row.iter_mut().zip(&wide[at..at + cols]) {
                         *o += weight * l;
                     }
-                }
-            }
-        }
-    }
-}
-
-/// Scale from volts to samples.
-struct SampleScale {
-    scale: f32,
-    black: f32,
-    last: f32,
-}
-
-/// The output type of a converter.
-trait Sample: Copy + Default + Send + Sync {
-    fn from_volts(volts: f32, to: &SampleScale) -> Self;
-}
-
-impl Sample for f32 {
-    #[inline(always)]
-    fn from_volts(volts: f32, _: &SampleScale) -> Self {
-        volts
-    }
-}
-
-impl Sample for u16 {
-    #[inline(always)]
-    fn from_volts(volts: f32, to: &SampleScale) -> Self {
-        // The value is not negative here, so truncation after adding a half rounds.
-        let number = (volts * to.scale + to.black).max(0.0).min(to.last);
-        (number + 0.5) as i32 as u16
-    }
-}
-
-/// Read-out of a band of rows.
-struct Band<'a, S> {
-    readout: &'a Readout,
-    to_sample: &'a SampleScale,
-    /// Row, column and plane of the first pixel.
-    origin: (u32, u32, u32),
-    cols: usize,
-    /// One value per column, padded to a whole number of blocks.
-    fixed_offset_v: &'a [f32],
-    light: &'a [f32],
-    out: &'a mut [S],
-}
-
-impl<S: Sample> Kernel for Band<'_, S> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run(self) {
-        let (row, col, plane) = self.origin;
-        let rows = self.out.chunks_exact_mut(self.cols).zip(self.light.chunks_exact(self.cols));
-        for (r, (out, light)) in rows.enumerate() {
-            let blocks =
-                out.chunks_mut(LANES).zip(light.chunks(LANES)).zip(self.fixed_offset_v.as_chunks().0);
-            for (b, ((out, light), fixed)) in blocks.enumerate() {
-                let mut lanes = [0.0; LANES];
-                lanes[..light.len()].copy_from_slice(light);
-                let mut volts = [0.0; LANES];
-                let at = (row.wrapping_add(r as u32), col.wrapping_add((b * LANES) as u32), plane);
-                self.readout.block(at, &lanes, fixed, &mut volts);
-                for (o, &v) in out.iter_mut().zip(&volts) {
-                    *o = S::from_volts(v, self.to_sample);
                 }
             }
         }

@@ -1,6 +1,8 @@
 //! The sensor as a whole.
 
-use super::{Adc, Cfa, DarkCurrentTemperature, Exposure, NonUniformity, Pixel, Sampling, SensorError};
+use super::{
+    Adc, Binning, Cfa, DarkCurrentTemperature, Exposure, NonUniformity, Pixel, Sampling, SensorError,
+};
 use crate::numeric::Rect;
 use crate::spectrum::{Extrapolation, Spectrum, WavelengthGrid};
 
@@ -41,6 +43,11 @@ pub enum Aperture {
 }
 
 /// An image sensor, centred on the optical axis.
+///
+/// With [`Binning`], "pixels" in the geometry are the samples that are read: `rows`, `cols`, `window`, the pitch
+/// of `pixel` and the mosaic of `cfa` are those of the samples, and the photodiodes are `side` times as fine
+/// ([`Sensor::unbinned`]). Fill factor, full well, dark signal, non-uniformity and crosstalk remain those of
+/// single photodiodes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Sensor {
     /// Rows of pixels.
@@ -75,6 +82,8 @@ pub struct Sensor {
     pub architecture: ColorArchitecture,
     /// Temperature dependence of the dark current; `None` for the reference temperature.
     pub dark_temperature: Option<DarkCurrentTemperature>,
+    /// Binning of photodiodes to samples; `None`: each photodiode is a sample.
+    pub binning: Option<Binning>,
 }
 
 impl Sensor {
@@ -95,6 +104,7 @@ impl Sensor {
             adc: Adc::default(),
             architecture: ColorArchitecture::Mosaic,
             dark_temperature: None,
+            binning: None,
         }
     }
 
@@ -112,10 +122,13 @@ impl Sensor {
             let (window_rows, window_cols) = (w.rows, w.cols);
             return Err(SensorError::Window { row: w.row, col: w.col, window_rows, window_cols, rows, cols });
         }
+        self.binning.map_or(Ok(()), |b| b.validate())?;
         let planes = self.sampling().planes();
-        let samples = w.rows.checked_mul(w.cols).and_then(|n| n.checked_mul(planes));
+        let side = self.binning_side();
+        let each = planes.saturating_mul(side * side);
+        let samples = w.rows.checked_mul(w.cols).and_then(|n| n.checked_mul(each));
         // Positions are counters of the random number generator: 32 bits, with room for a border.
-        let countable = rows.max(cols) < (1 << 31);
+        let countable = rows.max(cols) < (1 << 31) / side;
         if !countable || samples.is_none_or(|n| n > MAX_SAMPLES) {
             return Err(SensorError::TooLarge { rows: w.rows, cols: w.cols, planes, limit: MAX_SAMPLES });
         }
@@ -189,7 +202,7 @@ impl Sensor {
         }
     }
 
-    /// Dark signal at the sensor's temperature, V/s.
+    /// Dark signal of a photodiode at the sensor's temperature, V/s.
     ///
     /// # Errors
     /// When the temperature is out of range.
@@ -198,11 +211,12 @@ impl Sensor {
         Ok(self.pixel.dark_voltage_v_per_s * factor)
     }
 
-    /// Volts at the converter at which a pixel of mean gain and offset saturates, by full well or by the
-    /// swing.
+    /// Volts at the converter at which a pixel of mean gain and offset saturates, by full well (with charge
+    /// binning, those of all its photodiodes) or by the swing.
     #[must_use]
     pub fn saturation_v(&self, exposure: &Exposure) -> f64 {
-        let full = self.pixel.full_well_e * self.pixel.conversion_gain_v_per_e;
+        let well_e = self.pixel.full_well_e * self.photodiodes_per_reading();
+        let full = well_e * self.pixel.conversion_gain_v_per_e;
         ((full + exposure.analog_offset_v) * exposure.analog_gain).min(self.pixel.voltage_swing_v)
     }
 }

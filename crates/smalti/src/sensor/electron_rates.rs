@@ -5,7 +5,7 @@ use super::{Sensor, SensorError};
 use crate::numeric::{Planes, Rect, require};
 use crate::optics::OpticalImage;
 
-/// Mean photoelectrons per second of every sample of a sensor's window, from light alone: after crosstalk, without saturation.
+/// Mean photoelectrons per second of every photodiode of a sensor's window, from light alone: after crosstalk, without saturation.
 ///
 /// They depend on the optical image, the filters, the quantum efficiency, and the geometry of the pixels. Noise, well and converter
 /// can vary between captures ([`Sensor::capture`]).
@@ -22,10 +22,10 @@ impl ElectronRates {
     /// When the sensor is invalid, or a curve does not cover the wavelengths of the image.
     pub fn new(sensor: &Sensor, image: &OpticalImage) -> Result<Self, SensorError> {
         sensor.validate()?;
-        Ok(Self { window: sensor.read_window(), per_s: sensor.electrons(image.into(), 1.0)? })
+        Ok(Self { window: sensor.unbinned().read_window(), per_s: sensor.electrons(image.into(), 1.0)? })
     }
 
-    /// An error unless these are rates of the window of a sensor, and the factor is one of light.
+    /// An error unless these are rates of the window of a sensor without binning, and the factor is one of light.
     pub(super) fn ensure_of(&self, sensor: &Sensor, factor: f64) -> Result<(), SensorError> {
         require(factor >= 0.0, "factor", factor, "0 or more, finite")?;
         let (window, gathered) = (sensor.read_window(), self.window);

@@ -5,6 +5,8 @@
 
 mod adc;
 mod auto_exposure;
+mod binned;
+mod binning;
 mod capture;
 pub mod cfa;
 mod collect;
@@ -21,10 +23,12 @@ mod pixel_spectra;
 mod quantum_efficiency;
 mod raw;
 mod raw_levels;
+mod read_bands;
 mod readout;
 
 pub use adc::Adc;
 pub use auto_exposure::AutoExposure;
+pub use binning::{Binning, BinningMode};
 pub use capture::Light;
 pub use cfa::{Cfa, CfaError, Channel, Filter, Mosaic};
 pub use device::{Aperture, ColorArchitecture, MAX_SAMPLES, Sensor};

@@ -5,7 +5,8 @@ use serde::{Deserialize, Serialize};
 
 use super::{Exposure, Sensor, SensorError};
 
-/// Variance at the converter, V², term by term, for a pixel far below saturation, without defects.
+/// Variance at the converter, V², term by term, for a pixel far below saturation, without defects. For digital
+/// binning, volts are the mean of the readings.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct NoiseVariance {
     /// Shot noise of the light.
@@ -87,9 +88,11 @@ impl Sensor {
     pub fn signal_noise(&self, exposure: &Exposure) -> Result<SignalNoise, SensorError> {
         let levels = self.raw_levels(exposure)?;
         let range_v = levels.white_v - levels.black_v;
-        let full_e = range_v / (self.pixel.conversion_gain_v_per_e * exposure.analog_gain);
+        let full_e = range_v / (self.volts_per_electron() * exposure.analog_gain);
         let (dark, full) = (self.noise_variance(0.0, exposure)?, self.noise_variance(full_e, exposure)?);
-        let (squared, gain) = (range_v * range_v, self.nonuniformity.prnu_fraction);
+        // The gains of several photodiodes average out.
+        let gain = self.nonuniformity.prnu_fraction / self.binning_side() as f64;
+        let squared = range_v * range_v;
         // PRNU acts on light and dark signal: (e + d)² = e² + 2 e d + d², and `dark` includes d².
         let per_signal_squared = (range_v * gain).powi(2);
         let own = |v: &NoiseVariance| v.total() - v.row - v.column;
@@ -102,7 +105,8 @@ impl Sensor {
         })
     }
 
-    /// The variance of a pixel with a mean number of `photoelectrons`.
+    /// The variance of a pixel with a mean number of `photoelectrons`, with binning those of all photodiodes of
+    /// the sample, which share them equally.
     ///
     /// # Errors
     /// When the exposure or the sensor's temperature is out of range.
@@ -114,23 +118,28 @@ impl Sensor {
         exposure.validate()?;
         let time_s = exposure.time_s / self.captures();
         let (pixel, non) = (&self.pixel, &self.nonuniformity);
-        let dark_e = self.dark_voltage_v_per_s()? * time_s / pixel.conversion_gain_v_per_e;
+        let (photodiodes, readings) = (self.photodiodes_per_sample(), self.readings_per_sample());
+        let dark_e = self.dark_voltage_v_per_s()? * time_s / pixel.conversion_gain_v_per_e * photodiodes;
         let out = exposure.analog_gain * exposure.analog_gain;
-        let per_e = pixel.conversion_gain_v_per_e * pixel.conversion_gain_v_per_e * out;
+        let per_e = self.volts_per_electron() * self.volts_per_electron() * out;
         // The gain of a pixel scales its shot noise: E[(1 + p)²] = 1 + σ².
         let shot = per_e * (1.0 + non.prnu_fraction * non.prnu_fraction);
         let mean_e = photoelectrons + dark_e;
         let lsb_v = if self.adc.bits == 0 { 0.0 } else { pixel.voltage_swing_v / self.adc.levels() };
         let squared = |v: f64| v * v * out;
+        // A sample is read in `lines` rows and columns. A sum of too many bits is rounded once more: from steps of
+        // `lsb_v / readings` to those of `step_v`.
+        let (lines, step_v) = (readings.sqrt(), lsb_v / self.steps_per_converter_step());
+        let rounding = step_v * step_v - lsb_v * lsb_v / (readings * readings);
         Ok(NoiseVariance {
             photon: photoelectrons * shot,
             dark: dark_e * shot,
-            read: squared(pixel.read_noise_v),
-            row: squared(non.row_noise_v),
-            prnu: (mean_e * non.prnu_fraction).powi(2) * per_e,
-            dsnu: squared(non.dsnu_v),
-            column: squared(non.column_noise_v),
-            quantization: lsb_v * lsb_v / 12.0,
+            read: squared(pixel.read_noise_v) / readings,
+            row: squared(non.row_noise_v) / lines,
+            prnu: (mean_e * non.prnu_fraction).powi(2) * per_e / photodiodes,
+            dsnu: squared(non.dsnu_v) * self.photodiodes_per_reading() / readings,
+            column: squared(non.column_noise_v) / lines,
+            quantization: lsb_v * lsb_v / 12.0 / readings + rounding / 12.0,
         })
     }
 }

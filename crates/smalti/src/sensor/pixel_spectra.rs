@@ -18,7 +18,8 @@ const LANES: usize = 16;
 const GROUP: usize = 4;
 const STEP: usize = LANES * GROUP;
 
-/// Photons on the photodetectors of a window, per second and wavelength, before any filter.
+/// Photons on the photodetectors of a window, per second and wavelength, before any filter. With binning they are
+/// those of the single photodiodes ([`Sensor::unbinned`]).
 ///
 /// They depend on the optical image and on the parts of the sensor that collect light: number and pitch of
 /// the pixels, fill factor, aperture, crosstalk (a border of one pixel) and window. Filters, quantum
@@ -43,6 +44,7 @@ impl PixelSpectra {
     /// When the sensor is invalid, or pixels times wavelengths exceed [`MAX_SAMPLES`].
     pub fn new(sensor: &Sensor, image: &OpticalImage) -> Result<Self, SensorError> {
         sensor.validate()?;
+        let sensor = &*sensor.unbinned();
         let cube = image.irradiance();
         let mut spectra = Self::dark(sensor, cube.grid())?;
         let (width, stride) = (spectra.window.cols + 2 * spectra.border, spectra.stride);
@@ -86,7 +88,7 @@ impl PixelSpectra {
     }
 
     /// The sum of planes times their spectra, plane₀ · spectrum₀ + plane₁ · spectrum₁ + …, photons s⁻¹ nm⁻¹, clipped at 0. The
-    /// planes have the size of the sensor. The pixels around it receive the light of its outermost pixels.
+    /// planes have the size of the sensor, in photodiodes. The pixels around it receive the light of its outermost pixels.
     ///
     /// # Errors
     /// When the sensor is invalid or has a window, the sizes of planes and spectra do not match it or each other,
@@ -97,6 +99,7 @@ impl PixelSpectra {
         spectra: &[Spectrum],
     ) -> Result<Self, SensorError> {
         sensor.validate()?;
+        let sensor = &*sensor.unbinned();
         let (rows, cols) = (sensor.rows, sensor.cols);
         let (window, gathered) =
             (sensor.read_window(), Rect { row: 0, col: 0, rows: planes.rows(), cols: planes.cols() });
@@ -135,7 +138,7 @@ impl PixelSpectra {
         Ok(light)
     }
 
-    /// The window.
+    /// The window, in photodiodes.
     #[must_use]
     pub fn window(&self) -> Rect {
         self.window

@@ -29,9 +29,11 @@ impl Sensor {
             let (swing, last) = (self.pixel.voltage_swing_v, self.adc.levels() - 1.0);
             let black = self.adc.number(zero_v, swing).clamp(0.0, last);
             let white = self.adc.number(saturation_v, swing).round().min(last);
+            // Digital binning adds numbers; their volts remain those of one reading.
+            let scale = self.steps_per_converter_step();
             RawLevels {
-                black,
-                white,
+                black: black * scale,
+                white: white * scale,
                 black_v: self.adc.volts(black, swing),
                 white_v: self.adc.volts(white, swing),
             }
@@ -51,7 +53,11 @@ impl Sensor {
         exposure: &Exposure,
     ) -> Result<RawImage, SensorError> {
         let levels = self.raw_levels(exposure)?;
-        let analog = Self { adc: super::Adc::default(), ..self.clone() };
+        let mut analog = Self { adc: super::Adc::default(), ..self.clone() };
+        if self.readings_per_sample() > 1.0 {
+            // Each reading is limited before the mean is taken.
+            analog.pixel.voltage_swing_v = levels.white_v.min(analog.pixel.voltage_swing_v);
+        }
         let raw = analog.capture(light, exposure, NoiseMode::None, 0)?;
         let (rows, cols, names) = (raw.rows(), raw.cols(), raw.channel_names().to_vec());
         let (black, white) = (levels.black_v, levels.white_v);

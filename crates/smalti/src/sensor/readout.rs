@@ -17,6 +17,20 @@ mod purpose {
     pub(super) const PATTERN: u32 = 0x5345_4e03;
     /// Offset of a column, keyed by the serial number.
     pub(super) const COLUMN: u32 = 0x5345_4e04;
+    /// Read noise of a sample of several photodiodes, keyed by the seed.
+    pub(super) const SAMPLE: u32 = 0x5345_4e05;
+}
+
+/// Photodiodes after the exposure, before they are read.
+struct Exposed {
+    /// Electrons, light and dark, with shot noise; not limited by the full well.
+    electrons: [f64; LANES],
+    /// Gain of each photodiode relative to the mean.
+    response: [f32; LANES],
+    /// Offset of each photodiode, V.
+    offset: [f32; LANES],
+    /// Random words for the read noise.
+    words: [[u32; LANES]; 2],
 }
 
 /// The parameters of a block.
@@ -119,12 +133,61 @@ impl Readout {
         fixed_offset_v: &[f32; LANES],
         volts: &mut [f32; LANES],
     ) {
+        let Exposed { electrons, response, mut offset, words } = self.exposed((row, col, plane), light);
+        self.add_reading_noise((row, plane), &words, fixed_offset_v, &mut offset);
+        for i in 0..LANES {
+            let v = electrons[i].min(self.full_well_e) as f32 * self.conversion_gain;
+            let v = v * response[i] + offset[i];
+            volts[i] = ((v + self.offset_v) * self.gain).min(self.swing_v);
+        }
+    }
+
+    /// Volts that the electrons of the photodiodes from `(row, col)` cause on a floating diffusion, each limited
+    /// by its own full well, with its gain and offset, before they are read.
+    #[inline(always)]
+    pub(super) fn charge(&self, at: (u32, u32, u32), light: &[f32; LANES], volts: &mut [f32; LANES]) {
+        let Exposed { electrons, response, offset, .. } = self.exposed(at, light);
+        for i in 0..LANES {
+            let v = electrons[i].min(self.full_well_e) as f32 * self.conversion_gain;
+            volts[i] = v * response[i] + offset[i];
+        }
+    }
+
+    /// Volts at the converter of the samples from `(row, col)`, clipped to the swing, from those of the charge
+    /// on their floating diffusions.
+    #[inline(always)]
+    pub(super) fn reading(
+        &self,
+        (row, col, plane): (u32, u32, u32),
+        charge_v: &[f32; LANES],
+        fixed_offset_v: &[f32; LANES],
+        volts: &mut [f32; LANES],
+    ) {
+        let mut words = [[0; LANES]; 2];
+        if self.mode == NoiseMode::All && self.read_noise_v > 0.0 {
+            let attempt = plane << 16;
+            let counter = LaneCounter { key: self.seed, first: col, row, purpose: purpose::SAMPLE, attempt };
+            let block = counter.block();
+            words = [block[0], block[1]];
+        }
+        let mut offset = [0.0f32; LANES];
+        self.add_reading_noise((row, plane), &words, fixed_offset_v, &mut offset);
+        for i in 0..LANES {
+            let v = charge_v[i] + offset[i];
+            volts[i] = ((v + self.offset_v) * self.gain).min(self.swing_v);
+        }
+    }
+
+    /// Photodiodes from `(row, col)` after the exposure. `light` is in photoelectrons per second.
+    #[inline(always)]
+    fn exposed(&self, (row, col, plane): (u32, u32, u32), light: &[f32; LANES]) -> Exposed {
         let mut electrons = [0.0f64; LANES];
         for i in 0..LANES {
             electrons[i] = f64::from(light[i] * self.time_s);
         }
         let mut response = [1.0f32; LANES];
         let mut offset = [0.0f32; LANES];
+        let mut words = [[0; LANES]; 2];
         if self.mode == NoiseMode::All {
             self.pattern((row, col, plane), &mut electrons, &mut response, &mut offset);
         }
@@ -136,24 +199,33 @@ impl Readout {
                 purpose: purpose::PIXEL,
                 attempt: plane << 16,
             };
-            let words = counter.block();
-            poisson_lanes(&counter, [&words[0], &words[1]], &mut electrons);
-            if self.mode == NoiseMode::All && self.read_noise_v > 0.0 {
-                for i in 0..LANES {
-                    offset[i] += self.read_noise_v * normal_pair(words[2][i], words[3][i]).0;
-                }
-            }
+            let block = counter.block();
+            poisson_lanes(&counter, [&block[0], &block[1]], &mut electrons);
+            words = [block[2], block[3]];
         }
-        if self.mode == NoiseMode::All {
-            let row_offset = if self.row_noise_v > 0.0 { self.row_offset(row, plane) } else { 0.0 };
+        Exposed { electrons, response, offset, words }
+    }
+
+    /// Adds the noise of one reading: read noise from random words, row and column noise.
+    #[inline(always)]
+    fn add_reading_noise(
+        &self,
+        (row, plane): (u32, u32),
+        words: &[[u32; LANES]; 2],
+        fixed_offset_v: &[f32; LANES],
+        offset: &mut [f32; LANES],
+    ) {
+        if self.mode != NoiseMode::All {
+            return;
+        }
+        if self.read_noise_v > 0.0 {
             for i in 0..LANES {
-                offset[i] += row_offset + fixed_offset_v[i];
+                offset[i] += self.read_noise_v * normal_pair(words[0][i], words[1][i]).0;
             }
         }
+        let row_offset = if self.row_noise_v > 0.0 { self.row_offset(row, plane) } else { 0.0 };
         for i in 0..LANES {
-            let v = electrons[i].min(self.full_well_e) as f32 * self.conversion_gain;
-            let v = v * response[i] + offset[i];
-            volts[i] = ((v + self.offset_v) * self.gain).min(self.swing_v);
+            offset[i] += row_offset + fixed_offset_v[i];
         }
     }
 

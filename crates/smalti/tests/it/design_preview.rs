@@ -1,7 +1,9 @@
 //! The light of a scene as few components, and pictures of designs from it, against captures of the scene itself.
 #![allow(clippy::unwrap_used)]
 
-use smalti::camera::description::{ArchitectureName, AutoExposureName};
+use smalti::camera::description::{
+    ArchitectureName, AutoExposureName, BinningDescription, PatternDescription,
+};
 use smalti::camera::{Camera, CameraDescription, EvaluationSettings, Setup};
 use smalti::color::Image;
 use smalti::design::{
@@ -10,7 +12,7 @@ use smalti::design::{
 };
 use smalti::isp::{Isp, WhiteBalance};
 use smalti::scene::Setting;
-use smalti::sensor::{Cfa, NoiseMode, PixelSpectra};
+use smalti::sensor::{BinningMode, Cfa, NoiseMode, PixelSpectra};
 use smalti::spectrum::{Illuminant, Observer, WavelengthGrid};
 
 use crate::design_targets::{SETS, cfa};
@@ -169,7 +171,7 @@ fn direct(setup: &Setup, trials: &Trials, number: u64, trainer: Option<&Pipeline
 #[test]
 fn a_preview_is_the_picture_of_every_kind_of_camera() {
     type Change = fn(&mut CameraDescription);
-    let changes: [Change; 7] = [
+    let changes: [Change; 8] = [
         |_| {},
         |d| (d.sensor.adc_bits, d.sensor.crosstalk_percent) = (8, 12.0),
         |d| d.sensor.architecture = ArchitectureName::Prism,
@@ -177,6 +179,10 @@ fn a_preview_is_the_picture_of_every_kind_of_camera() {
         |d| d.exposure.auto = Some(AutoExposureName::Mean),
         |d| d.exposure.auto = Some(AutoExposureName::Luminance),
         |d| d.exposure.time_ms = Some(30.0),
+        |d| {
+            d.sensor.cfa.pattern = PatternDescription::Name("quad-bayer".into());
+            d.sensor.binning = Some(BinningDescription::Mode(BinningMode::Charge));
+        },
     ];
     for (i, change) in changes.into_iter().enumerate() {
         let (trials, light, setup, _) = previewed(change, TrialProcessing::Classic);

@@ -1,14 +1,14 @@
 //! Scores of designs on kept targets, against those of `evaluate`.
 #![allow(clippy::unwrap_used)]
 
-use smalti::camera::description::PatternDescription;
+use smalti::camera::description::{BinningDescription, PatternDescription};
 use smalti::camera::{
     Camera, CameraDescription, EvaluationSettings, ScoreSettings, Setup, compare_on, evaluate,
 };
 use smalti::design::{Metric, Scores, StudyScene, Targets};
 use smalti::isp::{Demosaic, WhiteBalance};
 use smalti::scene::Setting;
-use smalti::sensor::{Cfa, Channel, Filter, Mosaic};
+use smalti::sensor::{BinningMode, Cfa, Channel, Filter, Mosaic};
 use smalti::spectrum::WavelengthGrid;
 
 const GRID: WavelengthGrid = WavelengthGrid::VISIBLE;
@@ -100,6 +100,19 @@ fn kept_targets_score_as_evaluate() {
     for set in SETS {
         let cfa = cfa(set);
         check(&camera, &cfa, &targets.score(&cfa).unwrap());
+    }
+}
+
+/// The mosaic of a design is that of the binned samples.
+#[test]
+fn binned_targets_score_as_evaluate() {
+    for mode in [BinningMode::Charge, BinningMode::Digital] {
+        let mut d = description();
+        d.sensor.cfa.pattern = PatternDescription::Name("quad-bayer".into());
+        d.sensor.binning = Some(BinningDescription::Mode(mode));
+        let camera = Camera::new(d, GRID).unwrap();
+        let cfa = cfa(SETS[0]);
+        check(&camera, &cfa, &targets(&camera).score(&cfa).unwrap());
     }
 }
 

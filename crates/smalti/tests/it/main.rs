@@ -5,6 +5,7 @@ mod gaussian_sets;
 mod sensor_kit;
 
 mod architecture;
+mod binning;
 mod camera_compare;
 mod camera_training;
 mod cfa;

@@ -65,6 +65,7 @@ impl OpticalSetup {
             && own.pixel.pitch_m == other.pixel.pitch_m
             && own.pixel.fill_factor == other.pixel.fill_factor
             && own.aperture == other.aperture
+            && own.binning_side() == other.binning_side()
             && own.quantum_efficiency == other.quantum_efficiency
             && own.ir_cut == other.ir_cut
             && self.training_px.zip(optical_setup.training_px).is_none_or(|(own, other)| own == other)

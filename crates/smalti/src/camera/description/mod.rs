@@ -2,6 +2,7 @@
 //!
 //! Every key has a default, so that a file names only what differs; the resolved description names all.
 
+mod binning;
 mod exchange;
 mod exposure;
 mod ideal;
@@ -9,6 +10,7 @@ mod isp;
 mod optics;
 mod sensor;
 
+pub use binning::{BinnedBlocks, BinningDescription};
 pub use exchange::{ExchangeError, ExchangedMosaic};
 pub use exposure::{AutoExposureName, ExposureDescription};
 pub use isp::{ColorCorrectionName, IspDescription, OutputName, PipelineName};

@@ -6,6 +6,7 @@ use std::fmt;
 use serde::de::{MapAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize};
 
+use super::BinningDescription;
 use crate::sensor::Filter;
 
 /// Colour architecture of a sensor.
@@ -59,6 +60,16 @@ pub struct SensorDescription {
     pub quantum_efficiency: Filter,
     /// Share of a pixel's signal that its neighbours receive, percent in all; 0: none.
     pub crosstalk_percent: f64,
+    /// Binning of neighbouring pixels behind one filter: `"charge"` adds their electrons before one reading, `"digital"` averages
+    /// their samples after the converter; absent or `"none"`: none. The blocks are the largest of one filter that the tile consists
+    /// of, or those of `{ side = 2, mode = "charge" }`. All other keys remain those of the single pixels.
+    #[serde(
+        default,
+        skip_serializing_if = "Option::is_none",
+        deserialize_with = "super::binning::binning_or_none"
+    )]
+    #[cfg_attr(feature = "schema", schemars(schema_with = "super::binning::binning_or_none_schema"))]
+    pub binning: Option<BinningDescription>,
     /// The pixel.
     pub pixel: PixelDescription,
     /// The colour filter array.
@@ -84,6 +95,7 @@ impl Default for SensorDescription {
             serial: 1,
             quantum_efficiency: Filter::Flat(1.0),
             crosstalk_percent: 0.0,
+            binning: None,
             pixel: PixelDescription::default(),
             cfa: CfaDescription::default(),
         }

@@ -153,6 +153,53 @@ impl Mosaic {
         };
         Self { cells: (0..self.cells.len()).map(cell).collect(), ..self.clone() }
     }
+
+    /// The mosaic of blocks of `side` × `side` cells from the top left, one cell per block; `None` when a block
+    /// has several channels or the side is 0.
+    #[must_use]
+    pub fn binned(&self, side: usize) -> Option<Self> {
+        if side == 0 {
+            return None;
+        }
+        // The blocks repeat with the least common multiple of tile and side.
+        let blocks = |cells: usize| cells / gcd(cells, side);
+        let (rows, cols) = (blocks(self.rows), blocks(self.cols));
+        let mut cells = Vec::with_capacity(rows * cols);
+        for block in 0..rows * cols {
+            let (row, col) = (block / cols * side, block % cols * side);
+            let channel = self.channel_at(row, col);
+            // A block that is larger than the tile has the channels of the whole tile.
+            let (high, wide) = (side.min(self.rows), side.min(self.cols));
+            let is_uniform =
+                (0..high * wide).all(|i| self.channel_at(row + i / wide, col + i % wide) == channel);
+            if !is_uniform {
+                return None;
+            }
+            cells.push(channel as u8);
+        }
+        Some(Self { rows, cols, cells, channels: self.channels })
+    }
+
+    /// The largest side, up to `most`, of the blocks of one channel that the tile consists of, from its top
+    /// left; `None` when it has no such blocks of more than one cell.
+    #[must_use]
+    pub fn block_side(&self, most: usize) -> Option<usize> {
+        let divides = |side: &usize| self.rows.is_multiple_of(*side) && self.cols.is_multiple_of(*side);
+        (2..=most.min(self.rows)).rev().filter(divides).find(|&side| self.binned(side).is_some())
+    }
+
+    /// The mosaic with a block of `side` × `side` cells in place of each cell: the reverse of
+    /// [`Mosaic::binned`]. Its tile may have more cells than [`Mosaic::new`] allows.
+    pub(in crate::sensor) fn with_blocks(&self, side: usize) -> Self {
+        let (rows, cols) = (self.rows * side, self.cols * side);
+        let cell = |i: usize| self.cells[i / cols / side * self.cols + i % cols / side];
+        Self { rows, cols, cells: (0..rows * cols).map(cell).collect(), channels: self.channels }
+    }
+}
+
+/// The greatest common divisor of two numbers above 0.
+fn gcd(a: usize, b: usize) -> usize {
+    if b == 0 { a } else { gcd(b, a % b) }
 }
 
 /// One channel of a colour filter array.
@@ -213,6 +260,19 @@ impl Cfa {
             c.transmittance.check_fraction("the transmittance of a filter")?;
         }
         Ok(Self { name: name.into(), mosaic, channels })
+    }
+
+    /// The array of samples that are read from blocks of `side` × `side` cells; `None` when a block has several
+    /// channels. See [`Mosaic::binned`].
+    #[must_use]
+    pub fn binned(&self, side: usize) -> Option<Self> {
+        let mosaic = self.mosaic.binned(side)?;
+        Some(Self { mosaic, ..self.clone() })
+    }
+
+    /// The array with a block of cells in place of each cell.
+    pub(in crate::sensor) fn with_blocks(&self, side: usize) -> Self {
+        Self { mosaic: self.mosaic.with_blocks(side), ..self.clone() }
     }
 
     /// What it is called.

@@ -1,0 +1,114 @@
+//! Binned cameras in every command.
+
+use serde_json::Value;
+use smalti_io::{Limits, dng};
+
+use crate::Place;
+use crate::compare::{LEAVES as SCENE, QUICK};
+use crate::learn::{EXPOSURES, LEAVES, OTHER, SMALL};
+
+fn json(text: &str) -> Value {
+    serde_json::from_str(text).unwrap()
+}
+
+/// A sensor of 96 × 96 pixels is simulated, trained for, rendered and shown; its raw file has 48 × 48 samples.
+#[test]
+fn a_binned_sensor_is_simulated_learned_and_shown() {
+    let place = Place::new();
+    for (mode, white) in [("charge", 4095.0), ("digital", 16380.0)] {
+        let camera = format!("bayer@quad-bayer --set sensor.binning={mode} {SMALL}");
+        place.ok(&format!("simulate {camera} {OTHER} -o {mode}"));
+        let metrics = place.json(&format!("{mode}/metrics.json"));
+        assert_eq!((&metrics["raw"]["rows"], &metrics["raw"]["cols"]), (&48.into(), &48.into()), "{metrics}");
+        let raw = dng::read(&place.path(&format!("{mode}/raw.dng")), Limits::default()).unwrap().raw;
+        assert_eq!((raw.rows(), raw.cols(), raw.white_level()), (48, 48, white));
+        let text = place.ok(&format!("show {camera}"));
+        assert!(text.contains(&format!("48 × 48 samples of 2 × 2 pixels each ({mode} binning)")), "{text}");
+        let derived = json(&place.ok(&format!("show {camera} --json")));
+        let value = |name: &str| {
+            let all = derived["derived"].as_array().unwrap();
+            all.iter().find(|d| d["name"] == name).unwrap()["value"].as_f64().unwrap()
+        };
+        assert_eq!(derived["description"]["sensor"]["binning"], mode);
+        let single = json(&place.ok(&format!("show bayer@quad-bayer {SMALL} --json")));
+        let of_single = |name: &str| {
+            let all = single["derived"].as_array().unwrap();
+            all.iter().find(|d| d["name"] == name).unwrap()["value"].as_f64().unwrap()
+        };
+        let near = |name: &str, factor: f64| {
+            assert!((value(name) / of_single(name) / factor - 1.0).abs() < 1e-9, "{mode} {name}");
+        };
+        near("width of the sensor", 1.0);
+        near("Nyquist frequency", 0.5);
+        near("read noise", if mode == "charge" { 1.0 } else { 2.0 });
+
+        let table = format!("{mode}.l3");
+        place.ok(&format!(
+            "train {camera} {LEAVES} {EXPOSURES} --patch 3 --levels 2 --textures none -o {table}"
+        ));
+        place.ok(&format!("render {mode}/raw.dng --pipeline {table} -o {mode}/learned.png"));
+    }
+    // The resolved description gives the same camera.
+    let camera = "bayer@quad-bayer --set sensor.binning=charge";
+    place.write("camera.toml", place.ok(&format!("show {camera} {SMALL} --toml")));
+    place.ok(&format!("simulate camera.toml {OTHER} -o again"));
+    assert_eq!(place.read("again/raw.dng"), place.read("charge/raw.dng"));
+    place.ok(&format!("simulate {camera} {SMALL} --set sensor.binning=none {OTHER} -o none"));
+    assert_eq!(place.json("none/metrics.json")["raw"]["rows"], 96);
+}
+
+/// One sensor without binning, with charge and with digital binning: camera files in one comparison, at equal exposure.
+#[test]
+fn a_sensor_is_compared_with_itself() {
+    let place = Place::new();
+    let own = place.ok("show phone-quad --toml");
+    for mode in ["none", "charge", "digital"] {
+        let text = own.replace("[sensor]\n", &format!("[sensor]\nbinning = \"{mode}\"\n"));
+        place.write(&format!("{mode}.toml"), text);
+    }
+    let words = format!(
+        "compare none.toml charge.toml digital.toml --processing bilinear --scene {SCENE} --luminance 1 {QUICK} \
+         --set sensor.pixel.read_noise_mv=3 --json -o o"
+    );
+    let results = json(&place.ok(&words));
+    let text = results.to_string();
+    assert!(text.contains("sensor.binning"), "{text}");
+    let entries = results["results"].as_array().unwrap();
+    let cpsnr: Vec<f64> = entries.iter().map(|e| e["cpsnr_db"].as_f64().unwrap()).collect();
+    assert!(cpsnr.len() == 3 && cpsnr[0] < cpsnr[2] && cpsnr[2] < cpsnr[1], "{cpsnr:?}");
+    place.ok("evaluate charge.toml --luminance 5 -o e");
+}
+
+/// A study of a camera with binning: its mosaics are those of the samples.
+#[test]
+fn a_study_may_have_a_binned_camera() {
+    let place = Place::new();
+    place.write(
+        "study.toml",
+        "name = \"binned\"\ncamera = \"phone-quad-binned\"\ncolors = [3]\n[sample]\nfilters = 2\nmosaics = 2\n\
+         [filters.gaussian_grid]\n[mosaics.tile]\nrows = 2\ncols = 2\n[conditions.grid]\nluminance_cd_m2 = [5]\n\
+         \"sensor.binning\" = [\"charge\", \"digital\"]\n",
+    );
+    let text = place.ok("sweep study.toml -o study");
+    assert!(text.contains("is complete"), "{text}");
+    place.ok("report study");
+}
+
+#[test]
+fn a_mosaic_that_cannot_be_binned_is_refused() {
+    let place = Place::new();
+    for (words, expected) in [
+        ("bayer --set sensor.binning=charge", &["sensor.binning", "quad-bayer"][..]),
+        ("phone-quad --set sensor.binning=analog", &["binning", "charge"]),
+        ("phone-quad --set sensor.binning=charge --set sensor.rows=97", &["sensor.rows", "96"]),
+        (
+            "phone-quad --set sensor.binning.side=3 --set sensor.binning.mode=charge",
+            &["sensor.binning", "side of 2"],
+        ),
+    ] {
+        let args: Vec<&str> = ["show"].into_iter().chain(words.split(' ')).collect();
+        let run = place.run(&args);
+        assert_eq!(run.code, 1, "{words}: {}", run.out);
+        expected.iter().for_each(|e| assert!(run.err.contains(e), "{words}: no {e} in {}", run.err));
+    }
+}
