@@ -15,7 +15,7 @@ fn json(text: &str) -> Value {
 #[test]
 fn a_binned_sensor_is_simulated_learned_and_shown() {
     let place = Place::new();
-    for (mode, white) in [("charge", 4095.0), ("digital", 16380.0)] {
+    for (mode, white) in [("charge", 16383.0), ("digital", 65532.0)] {
         let camera = format!("bayer@quad-bayer --set sensor.binning={mode} {SMALL}");
         place.ok(&format!("simulate {camera} {OTHER} -o {mode}"));
         let metrics = place.json(&format!("{mode}/metrics.json"));

@@ -31,7 +31,8 @@ fn photons_for(electrons: f64) -> f32 {
     (electrons / (310.0 * 0.5 * 2.8e-6 * 2.8e-6 * 0.01)) as f32
 }
 
-const TEN_MS: Exposure = Exposure { time_s: 0.01, analog_gain: 1.0, analog_offset_v: 0.0 };
+const TEN_MS: Exposure =
+    Exposure { time_s: 0.01, analog_gain: 1.0, analog_offset_v: 0.0, conversion_gain: ConversionGain::High };
 
 /// Noise of every kind but that of rows and columns, whose few values do not reach one percent.
 fn noisy(side: usize, mode: BinningMode, samples: usize) -> Sensor {
@@ -89,7 +90,7 @@ fn noise_of_binned_samples_is_that_of_theory_to_one_percent() {
             // What learned pipelines take for the noise of normalised samples.
             let levels = s.raw_levels(&TEN_MS).unwrap();
             let range_v = levels.white_v - levels.black_v;
-            let signal = n * electrons * s.volts_per_electron() / range_v;
+            let signal = n * electrons * s.volts_per_electron(&TEN_MS) / range_v;
             let of_signal = s.signal_noise(&TEN_MS).unwrap().variance(signal) * range_v * range_v;
             assert!((of_signal / theory - 1.0).abs() < 2e-3, "{side} {mode:?}: {of_signal} for {theory}");
         }
@@ -104,9 +105,13 @@ fn digital_binning_has_n_squared_read_noises() {
             let mut s = binned(side, mode, 200);
             s.pixel.read_noise_v = 4e-4;
             let volts = values(&s.capture(&wide(0.0), &TEN_MS, NoiseMode::All, 1).unwrap());
-            let drawn = moments(&volts).1.sqrt() / s.volts_per_electron();
-            assert!((drawn / s.read_noise_e() - 1.0).abs() < 0.02, "{drawn} for {}", s.read_noise_e());
-            s.read_noise_e()
+            let drawn = moments(&volts).1.sqrt() / s.volts_per_electron(&TEN_MS);
+            assert!(
+                (drawn / s.read_noise_e(&TEN_MS) - 1.0).abs() < 0.02,
+                "{drawn} for {}",
+                s.read_noise_e(&TEN_MS)
+            );
+            s.read_noise_e(&TEN_MS)
         };
         assert!((read_e(CHARGE) - 4.0).abs() < 1e-9);
         assert!((read_e(DIGITAL) - 4.0 * side as f64).abs() < 1e-9);
@@ -149,7 +154,7 @@ fn quad(mode: Option<BinningMode>) -> Sensor {
 #[test]
 fn digital_binning_averages_the_capture_of_the_photodiodes() {
     let image = speckle(30, 40, 2.1e-6);
-    let exposure = Exposure { time_s: 0.01, analog_gain: 1.5, analog_offset_v: 2e-3 };
+    let exposure = Exposure { analog_gain: 1.5, analog_offset_v: 2e-3, ..TEN_MS };
     for window in [None, Some(Window { row: 3, col: 5, rows: 19, cols: 21 })] {
         let mut s = quad(Some(DIGITAL));
         s.window = window;
@@ -164,7 +169,7 @@ fn digital_binning_averages_the_capture_of_the_photodiodes() {
         }
         assert_eq!(raw.black_level(), 4.0 * single.black_level());
         assert_eq!(raw.white_level(), 4.0 * single.white_level());
-        assert_eq!(s.sample_bits(), 14);
+        assert_eq!(s.sample_bits(&TEN_MS), 14);
     }
 }
 

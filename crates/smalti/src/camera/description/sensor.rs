@@ -131,6 +131,16 @@ pub struct PixelDescription {
     /// Noise of one reading, electrons RMS, in place of `read_noise_mv`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub read_noise_e: Option<f64>,
+    /// The low conversion gain of a pixel with two, µV, below `conversion_gain_uv_per_e`, which is then the high one;
+    /// `exposure.conversion_gain` selects. Voltages of dark signal and DSNU are those at the high gain.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub low_conversion_gain_uv_per_e: Option<f64>,
+    /// Noise of one reading with the low conversion gain, mV RMS; absent: as many millivolts as with the high one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub low_gain_read_noise_mv: Option<f64>,
+    /// Noise of one reading with the low conversion gain, electrons RMS, in place of `low_gain_read_noise_mv`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub low_gain_read_noise_e: Option<f64>,
 }
 
 impl Default for PixelDescription {
@@ -147,15 +157,19 @@ impl Default for PixelDescription {
             dark_doubling_c: 6.0,
             read_noise_mv: 1.34,
             read_noise_e: None,
+            low_conversion_gain_uv_per_e: None,
+            low_gain_read_noise_mv: None,
+            low_gain_read_noise_e: None,
         }
     }
 }
 
 /// Keys of one quantity in volts and in electrons, of which a file gives one.
-pub const TWIN_KEYS: [[&str; 2]; 3] = [
+pub const TWIN_KEYS: [[&str; 2]; 4] = [
     ["sensor.dsnu_mv", "sensor.dsnu_e"],
     ["sensor.pixel.dark_voltage_v_per_s", "sensor.pixel.dark_current_e_per_s"],
     ["sensor.pixel.read_noise_mv", "sensor.pixel.read_noise_e"],
+    ["sensor.pixel.low_gain_read_noise_mv", "sensor.pixel.low_gain_read_noise_e"],
 ];
 
 /// The tile: the name of a built-in, or its lines in letters.
