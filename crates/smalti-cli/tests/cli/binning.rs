@@ -126,7 +126,10 @@ fn two_conversion_gains_are_used_by_every_command() {
     for (words, expected) in [
         (format!("train {} {LEAVES} -o no.l3", with("auto")), "expected high, low or combined"),
         (format!("simulate {combined} --set sensor.binning=digital {OTHER} -o no"), "charge binning"),
-        (format!("simulate bayer --set exposure.conversion_gain=low {OTHER} -o no"), "low_conversion_gain_uv_per_e"),
+        (
+            format!("simulate bayer --set exposure.conversion_gain=low {OTHER} -o no"),
+            "low_conversion_gain_uv_per_e",
+        ),
     ] {
         let run = place.run(&words.split_whitespace().collect::<Vec<_>>());
         assert!(run.code == 1 && run.err.contains(expected), "{words}: {}", run.err);

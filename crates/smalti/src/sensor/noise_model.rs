@@ -128,6 +128,7 @@ impl Sensor {
             ConversionGain::High | ConversionGain::Low(_) => *exposure,
         };
         let (dark, full) = (self.noise_variance(0.0, &first)?, self.noise_variance(full_e, &first)?);
+        let in_dark = self.noise_variance(0.0, exposure)?;
         // The gains of several photodiodes average out.
         let gain = self.nonuniformity.prnu_fraction / self.binning_side() as f64;
         let squared = range_v * range_v;
@@ -135,16 +136,16 @@ impl Sensor {
         let per_signal_squared = (range_v * gain).powi(2);
         let own = |v: &NoiseVariance| v.total() - v.row - v.column;
         Ok(SignalNoise {
-            constant: own(&dark) / squared,
+            constant: own(&in_dark) / squared,
             per_signal: (own(&full) - own(&dark) - per_signal_squared).max(0.0) / squared,
             per_signal_squared: per_signal_squared / squared,
-            row: dark.row / squared,
-            column: dark.column / squared,
+            row: in_dark.row / squared,
+            column: in_dark.column / squared,
             above: match exposure.conversion_gain {
                 ConversionGain::High | ConversionGain::Low(_) => None,
                 ConversionGain::Combined(low) => {
                     let bright = self.noise_of_low_gain(0.0, low, exposure)?;
-                    let constant = (bright.total() - dark.total()).max(0.0) / squared;
+                    let constant = (bright.total() - in_dark.total()).max(0.0) / squared;
                     let signal = SWITCH * self.high_range_v(exposure)? / range_v;
                     Some(NoiseAbove { signal, constant })
                 }

@@ -140,13 +140,8 @@ fn rows_and_columns_are_read_once_per_sample_or_once_per_pixel() {
     }
 }
 
-fn quad(mode: Option<BinningMode>) -> Sensor {
-    let s = noisy_sensor(24, 36);
-    let sampled = Sensor { binning: mode.map(|mode| Binning { side: 2, mode }), ..s };
-    match mode {
-        Some(_) => sampled,
-        None => panic!("a binned sensor"),
-    }
+fn quad(mode: BinningMode) -> Sensor {
+    Sensor { binning: Some(Binning { side: 2, mode }), ..noisy_sensor(24, 36) }
 }
 
 /// Digital binning is the mean of the unbinned capture of the same device, to the bit, with every kind of noise, defects and crosstalk;
@@ -156,7 +151,7 @@ fn digital_binning_averages_the_capture_of_the_photodiodes() {
     let image = speckle(30, 40, 2.1e-6);
     let exposure = Exposure { analog_gain: 1.5, analog_offset_v: 2e-3, ..TEN_MS };
     for window in [None, Some(Window { row: 3, col: 5, rows: 19, cols: 21 })] {
-        let mut s = quad(Some(DIGITAL));
+        let mut s = quad(DIGITAL);
         s.window = window;
         let raw = s.capture(&image, &exposure, NoiseMode::All, 7).unwrap();
         let single = s.unbinned().capture(&image, &exposure, NoiseMode::All, 7).unwrap();
@@ -179,7 +174,7 @@ fn digital_binning_averages_the_capture_of_the_photodiodes() {
 fn charge_binning_adds_the_electrons_of_the_photodiodes() {
     let image = speckle(30, 40, 2.1e-6);
     for noise in [NoiseMode::None, NoiseMode::PhotonOnly, NoiseMode::All] {
-        let mut s = quad(Some(CHARGE));
+        let mut s = quad(CHARGE);
         s.adc = Adc::default();
         (s.pixel.read_noise_v, s.pixel.voltage_swing_v) = (0.0, 100.0);
         (s.nonuniformity.row_noise_v, s.nonuniformity.column_noise_v) = (0.0, 0.0);
@@ -285,7 +280,7 @@ fn every_kind_of_light_gives_the_same_capture() {
         for architecture in
             [ColorArchitecture::Mosaic, ColorArchitecture::Prism, ColorArchitecture::FieldSequential]
         {
-            let mut s = quad(Some(mode));
+            let mut s = quad(mode);
             s.architecture = architecture;
             let by_image = s.capture(&image, &TEN_MS, NoiseMode::All, 3).unwrap();
             let rates = ElectronRates::new(&s, &image).unwrap();
@@ -303,7 +298,7 @@ fn every_kind_of_light_gives_the_same_capture() {
 fn threads_and_windows_do_not_change_a_bit() {
     let image = speckle(30, 40, 2.1e-6);
     for mode in [CHARGE, DIGITAL] {
-        let s = quad(Some(mode));
+        let s = quad(mode);
         let capture = |s: &Sensor| values(&s.capture(&image, &TEN_MS, NoiseMode::All, 3).unwrap());
         let pool = |n| rayon::ThreadPoolBuilder::new().num_threads(n).build().unwrap();
         let whole = pool(1).install(|| capture(&s));
@@ -360,6 +355,7 @@ fn a_description_states_single_pixels_and_gives_samples() {
     let s = &camera.sensor;
     assert_eq!((s.rows, s.cols, s.binning), (24, 32, Some(Binning { side: 2, mode: CHARGE })));
     assert!((s.pixel.pitch_m - 4.4e-6).abs() < 1e-18);
+    assert_eq!(camera.description().sensor.sample_pitch_um(), Some(4.4));
     assert_eq!((s.cfa.mosaic().rows(), s.cfa.mosaic().cols(), s.cfa.channels().len()), (2, 2, 3));
     let single = described(|d| d.sensor.binning = None).unwrap();
     let unbinned = s.unbinned();

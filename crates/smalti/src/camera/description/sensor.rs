@@ -7,7 +7,8 @@ use serde::de::{MapAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize};
 
 use super::BinningDescription;
-use crate::sensor::Filter;
+use crate::sensor::cfa::{self, Mosaic};
+use crate::sensor::{Binning, Filter};
 
 /// Colour architecture of a sensor.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -99,6 +100,26 @@ impl Default for SensorDescription {
             pixel: PixelDescription::default(),
             cfa: CfaDescription::default(),
         }
+    }
+}
+
+impl SensorDescription {
+    /// Distance between samples, µm: that of the pixels, with binning times the side of a block. `None` when the mosaic cannot be
+    /// binned.
+    #[must_use]
+    pub fn sample_pitch_um(&self) -> Option<f64> {
+        let side = match (self.binning, &self.cfa.pattern) {
+            (None, _) => 1,
+            (Some(BinningDescription::Blocks(blocks)), _) => blocks.side,
+            (Some(BinningDescription::Mode(_)), pattern) => {
+                let lines = match pattern {
+                    PatternDescription::Name(name) => cfa::pattern(name).ok()?,
+                    PatternDescription::Letters(lines) => lines.clone(),
+                };
+                Mosaic::from_letters(&lines).ok()?.0.block_side(Binning::MAX_SIDE)?
+            }
+        };
+        Some(self.pixel.pitch_um * side as f64)
     }
 }
 
