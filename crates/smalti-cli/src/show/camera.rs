@@ -118,10 +118,13 @@ fn sensitivity(camera: &Camera) -> anyhow::Result<Vec<Channel>> {
 fn derived(camera: &Camera) -> anyhow::Result<Vec<(&'static str, f64, &'static str)>> {
     let (sensor, pixel) = (&camera.sensor, &camera.sensor.pixel);
     // With binning, of a sample: the electrons of all its photodiodes.
-    let analog_gain = camera.gain_and_offset().analog_gain;
+    let exposure = camera.gain_and_offset();
+    let volts_per_e = exposure.analog_gain * sensor.volts_per_electron(&exposure);
+    let ratio = exposure.conversion_gain.low().filter(|_| exposure.conversion_gain.is_combined());
+    let ratio = ratio.map_or(1.0, |low| pixel.conversion_gain_v_per_e / low.conversion_gain_v_per_e);
     let saturation_e = (sensor.photodiodes_per_sample() * pixel.full_well_e)
-        .min(pixel.voltage_swing_v / (analog_gain * sensor.volts_per_electron()));
-    let read_e = sensor.read_noise_e();
+        .min(pixel.voltage_swing_v / volts_per_e * ratio);
+    let read_e = sensor.read_noise_e(&exposure);
     let mut out = vec![
         ("width of the sensor", sensor.cols as f64 * pixel.pitch_m * 1e3, "mm"),
         ("height of the sensor", sensor.rows as f64 * pixel.pitch_m * 1e3, "mm"),

@@ -1,4 +1,4 @@
-//! Binned cameras in every command.
+//! Binned cameras and cameras with two conversion gains in every command.
 
 use serde_json::Value;
 use smalti_io::{Limits, dng};
@@ -15,7 +15,7 @@ fn json(text: &str) -> Value {
 #[test]
 fn a_binned_sensor_is_simulated_learned_and_shown() {
     let place = Place::new();
-    for (mode, white) in [("charge", 4095.0), ("digital", 16380.0)] {
+    for (mode, white) in [("charge", 16383.0), ("digital", 65532.0)] {
         let camera = format!("bayer@quad-bayer --set sensor.binning={mode} {SMALL}");
         place.ok(&format!("simulate {camera} {OTHER} -o {mode}"));
         let metrics = place.json(&format!("{mode}/metrics.json"));
@@ -92,6 +92,48 @@ fn a_study_may_have_a_binned_camera() {
     let text = place.ok("sweep study.toml -o study");
     assert!(text.contains("is complete"), "{text}");
     place.ok("report study");
+}
+
+/// A camera with two conversion gains in every command, and with `auto` where no pipeline is learned.
+#[test]
+fn two_conversion_gains_are_used_by_every_command() {
+    let place = Place::new();
+    let gains = format!(
+        "--set sensor.pixel.low_conversion_gain_uv_per_e=50 --set sensor.pixel.low_gain_read_noise_e=6 {SMALL}"
+    );
+    let with = |gain: &str| format!("bayer@quad-bayer {gains} --set exposure.conversion_gain={gain}");
+    let white = |folder: &str| {
+        let raw = dng::read(&place.path(&format!("{folder}/raw.dng")), Limits::default()).unwrap().raw;
+        raw.white_level()
+    };
+    for gain in ["high", "low", "auto", "combined"] {
+        place.ok(&format!("simulate {} {OTHER} --luminance 500 -o {gain}", with(gain)));
+        let text = place.ok(&format!("show {}", with(gain)));
+        assert!(text.contains("conversion_gain") && text.contains("low_conversion_gain_uv_per_e"), "{text}");
+    }
+    assert_eq!(place.read("auto/raw.dng"), place.read("low/raw.dng"));
+    assert!(white("combined") > 2.0 * white("high"), "{}", white("combined"));
+    let combined = with("combined");
+    place.ok(&format!(
+        "train {combined} {LEAVES} {EXPOSURES} --patch 3 --levels 2 --textures none -o both.l3"
+    ));
+    place.ok("render combined/raw.dng --pipeline both.l3 -o both.png");
+    place.ok(&format!("simulate {combined} --set sensor.binning=charge {OTHER} -o binned"));
+    place.ok(&format!(
+        "compare {} --processing bilinear --scene {SCENE} --luminance 1,1000 {QUICK} -o c",
+        with("auto")
+    ));
+    for (words, expected) in [
+        (format!("train {} {LEAVES} -o no.l3", with("auto")), "expected high, low or combined"),
+        (format!("simulate {combined} --set sensor.binning=digital {OTHER} -o no"), "charge binning"),
+        (
+            format!("simulate bayer --set exposure.conversion_gain=low {OTHER} -o no"),
+            "low_conversion_gain_uv_per_e",
+        ),
+    ] {
+        let run = place.run(&words.split_whitespace().collect::<Vec<_>>());
+        assert!(run.code == 1 && run.err.contains(expected), "{words}: {}", run.err);
+    }
 }
 
 #[test]

@@ -118,7 +118,8 @@ fn phone_quad_binned_is_phone_quad_with_charge_binning() {
     assert_eq!(&description, single.description());
     let (a, b) = (&single.sensor, &binned.sensor);
     assert_eq!((a.rows, a.cols), (2 * b.rows, 2 * b.cols));
-    assert_eq!(a.read_noise_e(), b.read_noise_e());
+    let exposure = Exposure::new(0.01);
+    assert_eq!(a.read_noise_e(&exposure), b.read_noise_e(&exposure));
     within_2_percent("saturation of the floating diffusion", saturation_e(&binned), 4896.0);
     assert_eq!(camera("phone-quad-binned@nona").sensor.binning_side(), 3);
     let error = load("phone-quad-binned@bayer", &[], None).unwrap_err().to_string();

@@ -6,7 +6,7 @@ use smalti::l3::{
     Axes, Class, ClassKey, Kernels, Levels, Moments, Origin, Pipeline, PipelineParts, Statistics, Textures,
 };
 use smalti::numeric::philox::Stream;
-use smalti::sensor::{Mosaic, RawImage, RawSamples, Sampling, SignalNoise};
+use smalti::sensor::{Mosaic, NoiseAbove, RawImage, RawSamples, Sampling, SignalNoise};
 
 /// What a fixture is made with.
 #[derive(Debug, Clone)]
@@ -83,6 +83,7 @@ pub(crate) fn axes(r: &Recipe) -> Axes {
         per_signal_squared: 1e-7,
         row: 2e-7,
         column: 1e-300,
+        above: Some(NoiseAbove { signal: 0.3, constant: 1e-5 / 3.0 }),
     };
     let positions = mosaic.cells().len();
     let set = |i: usize| {

@@ -225,10 +225,10 @@ impl<'a> Section<'a> {
         MAIN.map(|name| self.results.measure(name).map_or(f64::NAN, |m| m.at(row)))
     }
 
-    /// The Nyquist frequency of the pixels.
+    /// The Nyquist frequency of the samples.
     pub(super) fn nyquist_cy_per_mm(&self) -> Option<f64> {
         let (condition, _) = self.results.setup(self.setup)?;
-        Some(0.5 / (condition.camera.sensor.pixel.pitch_um * 1e-3))
+        Some(0.5 / (condition.camera.sensor.sample_pitch_um()? * 1e-3))
     }
 
     /// Whether the MTF50 of a row lies beyond the Nyquist frequency: such detail is aliased, not resolved.

@@ -2,13 +2,18 @@
 
 use super::CameraError;
 use super::description::{CameraDescription, ColorCorrectionName, OutputName};
-use super::resolve::{self, ExposureTime};
+use super::resolve::{self, ExposureTime, GainChoice};
 use crate::color::ColorSpace;
 use crate::isp::{self, Classic, ColorConstraint, ColorFit, WhiteBalance};
 use crate::optics::{OpticalImage, Optics};
 use crate::scene::Scene;
-use crate::sensor::{AutoExposure, Cfa, Exposure, PixelSpectra, Sensor, SensorError, Window};
+use crate::sensor::{
+    AutoExposure, Cfa, ConversionGain, Exposure, Light, PixelSpectra, Sensor, SensorError, Window,
+};
 use crate::spectrum::{Observer, Spectrum, WavelengthGrid, reflectance};
+
+/// Share of the samples that may saturate at the high conversion gain where the gain is chosen for each exposure.
+const SATURATED_AT_HIGH_GAIN: f64 = 0.005;
 
 /// A camera, with its curves sampled on one wavelength grid.
 #[derive(Debug, Clone)]
@@ -22,6 +27,7 @@ pub struct Camera {
     exposure_time: ExposureTime,
     analog_gain: f64,
     analog_offset_v: f64,
+    gain: GainChoice,
     color_noise: f64,
     /// The colour filter array differs from the description.
     has_other_cfa: bool,
@@ -43,6 +49,7 @@ impl Camera {
             exposure_time,
             analog_gain,
             analog_offset_v,
+            gain: resolve::conversion_gain(&description)?,
             has_other_cfa: false,
             description,
             grid,
@@ -149,10 +156,46 @@ impl Camera {
         Ok(Window { row, col, rows, cols })
     }
 
-    /// Analog gain and offset of the exposure, with a time of 1 s.
+    /// Gains and offset of the exposure, with a time of 1 s. If the conversion gain is chosen for each exposure, it is the low one, with
+    /// which exposure rules find their times.
     #[must_use]
     pub fn gain_and_offset(&self) -> Exposure {
-        Exposure { time_s: 1.0, analog_gain: self.analog_gain, analog_offset_v: self.analog_offset_v }
+        Exposure {
+            time_s: 1.0,
+            analog_gain: self.analog_gain,
+            analog_offset_v: self.analog_offset_v,
+            conversion_gain: match self.gain {
+                GainChoice::Fixed(gain) => gain,
+                GainChoice::Auto(low) => ConversionGain::Low(low),
+            },
+        }
+    }
+
+    /// An exposure with the high conversion gain if the gain is chosen for each exposure and light fits the high one.
+    fn with_gain_for<'a>(
+        &self,
+        exposure: Exposure,
+        light: impl Into<Light<'a>>,
+    ) -> Result<Exposure, CameraError> {
+        let GainChoice::Auto(_) = self.gain else { return Ok(exposure) };
+        let high = Exposure { conversion_gain: ConversionGain::High, ..exposure };
+        let rule = AutoExposure::SaturatedShare { share: SATURATED_AT_HIGH_GAIN };
+        match rule.time_for_samples(&self.sensor, light, &high) {
+            Ok(longest_s) if exposure.time_s > longest_s => Ok(exposure),
+            Ok(_) | Err(SensorError::NoLight) => Ok(high),
+            Err(error) => Err(error.into()),
+        }
+    }
+
+    /// An error if the conversion gain is chosen for each exposure: a pipeline is learned for the noise of one.
+    pub(crate) fn ensure_one_gain(&self) -> Result<(), CameraError> {
+        match self.gain {
+            GainChoice::Fixed(_) => Ok(()),
+            GainChoice::Auto(_) => Err(CameraError::Key {
+                key: "exposure.conversion_gain".into(),
+                message: "auto changes the noise between exposures, and a pipeline is learned for one; expected high, low or combined".into(),
+            }),
+        }
     }
 
     /// The exposure for an optical image, with the stated time or that of the exposure rule.
@@ -160,7 +203,9 @@ impl Camera {
     /// # Errors
     /// When the rule finds no light.
     pub fn exposure(&self, image: &OpticalImage) -> Result<Exposure, CameraError> {
-        self.exposure_by(|rule, exposure| rule.exposure_time(&self.sensor, image, exposure))
+        let exposure =
+            self.exposure_by(|rule, exposure| rule.exposure_time(&self.sensor, image, exposure))?;
+        self.with_gain_for(exposure, image)
     }
 
     /// The exposure with a given time, s, or with that of the description.
@@ -169,7 +214,7 @@ impl Camera {
     /// When no time is given and the rule finds no light.
     pub fn exposure_or(&self, time_s: Option<f64>, image: &OpticalImage) -> Result<Exposure, CameraError> {
         match time_s {
-            Some(time_s) => Ok(Exposure { time_s, ..self.gain_and_offset() }),
+            Some(time_s) => self.with_gain_for(Exposure { time_s, ..self.gain_and_offset() }, image),
             None => self.exposure(image),
         }
     }
@@ -239,6 +284,10 @@ impl Camera {
     /// # Errors
     /// When the rule finds no light.
     pub fn exposure_metered(&self, irradiance: &Spectrum) -> Result<Exposure, CameraError> {
+        if let GainChoice::Auto(_) = self.gain {
+            let message = "auto needs a picture, and only the light at one point is known here; expected high, low or combined";
+            return Err(CameraError::Key { key: "exposure.conversion_gain".into(), message: message.into() });
+        }
         self.exposure_by(|rule, exposure| rule.time_for_metered(&self.sensor, irradiance, exposure))
     }
 
@@ -247,7 +296,9 @@ impl Camera {
     /// # Errors
     /// When the rule finds no light, or meters a point and needs [`Camera::exposure_metered`].
     pub fn exposure_gathered(&self, pixels: &PixelSpectra) -> Result<Exposure, CameraError> {
-        self.exposure_by(|rule, exposure| rule.time_for_samples(&self.sensor, pixels, exposure))
+        let exposure =
+            self.exposure_by(|rule, exposure| rule.time_for_samples(&self.sensor, pixels, exposure))?;
+        self.with_gain_for(exposure, pixels)
     }
 
     /// The processing for scenes under a light (photons): demosaicking, white balance, colour matrix.

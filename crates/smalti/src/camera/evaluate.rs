@@ -367,7 +367,7 @@ fn linear_srgb(picture: &Image, white: [f64; 3], gain: f64) -> Result<Planes, Im
 fn pixel_dynamic_range_db(camera: &Camera) -> Result<f64, CameraError> {
     let sensor = &camera.sensor;
     let exposure = Exposure { time_s: 0.0, ..camera.gain_and_offset() };
-    let volts_per_e = sensor.volts_per_electron() * exposure.analog_gain;
+    let volts_per_e = sensor.volts_per_electron(&exposure) * exposure.analog_gain;
     let zero_v = exposure.analog_offset_v * exposure.analog_gain;
     let step_v = match (sensor.adc.bits, sensor.binning) {
         (0, _) => 0.0,
@@ -376,7 +376,7 @@ fn pixel_dynamic_range_db(camera: &Camera) -> Result<f64, CameraError> {
         (_, Some(_)) => (12.0 * sensor.noise_variance(0.0, &exposure)?.quantization).sqrt(),
     };
     let saturation_e = (sensor.saturation_v(&exposure) - zero_v) / volts_per_e;
-    let read_e = sensor.read_noise_e();
+    let read_e = sensor.read_noise_e(&exposure);
     Ok(dynamic_range(saturation_e, read_e, step_v / volts_per_e)?.db)
 }
 

@@ -53,6 +53,7 @@ impl Camera {
         (noise, seed): (NoiseMode, u64),
     ) -> Result<Photograph, CameraError> {
         pipeline.ensure_renders(&self.sensor.cfa)?;
+        self.ensure_one_gain()?;
         let is_balanced = match self.white_balance() {
             WhiteBalance::None => false,
             WhiteBalance::Illuminant => true,

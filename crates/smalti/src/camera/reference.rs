@@ -141,7 +141,7 @@ impl Camera {
         let (sensor, pixel) = (&self.sensor, &self.sensor.pixel);
         let levels = sensor.raw_levels(exposure)?;
         let range_v = levels.white_v - levels.black_v;
-        let per_electron = sensor.volts_per_electron() * exposure.analog_gain / range_v;
+        let per_electron = sensor.volts_per_electron(exposure) * exposure.analog_gain / range_v;
         let per_photon = pixel.photodetector_area_m2() * exposure.time_s / sensor.captures() * per_electron;
         Ok(brightest * per_photon / seen)
     }

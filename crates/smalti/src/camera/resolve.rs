@@ -2,8 +2,8 @@
 
 use super::CameraError;
 use super::description::{
-    ArchitectureName, AutoExposureName, BinningDescription, CameraDescription, FILTER_TABLE,
-    OpticsDescription, OpticsModelName, PatternDescription, SensorDescription,
+    ArchitectureName, AutoExposureName, BinningDescription, CameraDescription, ConversionGainName,
+    FILTER_TABLE, OpticsDescription, OpticsModelName, PatternDescription, SensorDescription,
 };
 use crate::optics::{
     BirefringentLowPass, ChromaticFocus, Defocus, Optics, OpticsModel, Padding, PsfStack, Transmittance,
@@ -11,14 +11,17 @@ use crate::optics::{
 };
 use crate::sensor::cfa::{self, WeightedMosaic};
 use crate::sensor::{
-    Adc, Aperture, AutoExposure, Binning, Cfa, Channel, ColorArchitecture, DarkCurrentTemperature, Filter,
-    Mosaic, NonUniformity, Pixel, Sensor, SensorError,
+    Adc, Aperture, AutoExposure, Binning, BinningMode, Cfa, Channel, ColorArchitecture, ConversionGain,
+    DarkCurrentTemperature, Filter, LowGain, Mosaic, NonUniformity, Pixel, Sensor, SensorError,
 };
 use crate::spectrum::{Spectrum, WavelengthGrid};
 
 const ZERO_CELSIUS_K: f64 = 273.15;
 /// Temperature at which descriptions state the dark signal.
 const REFERENCE_C: f64 = 25.0;
+
+/// A quantity of the low gain without the gain.
+const NO_LOW_GAIN: &str = "a second gain needs `sensor.pixel.low_conversion_gain_uv_per_e`";
 
 fn key(key: &str, message: impl std::fmt::Display) -> CameraError {
     CameraError::Key { key: key.into(), message: message.to_string() }
@@ -147,6 +150,12 @@ pub(super) fn electrons_to_volts(d: &mut SensorDescription) -> Result<(), Camera
             *volts = within(name, electrons, 0.0, 1e6)? * gain_uv * per_microvolt;
         }
     }
+    if let Some(electrons) = p.low_gain_read_noise_e.take() {
+        let name = "sensor.pixel.low_gain_read_noise_e";
+        let gain_uv = p.low_conversion_gain_uv_per_e.ok_or_else(|| key(name, NO_LOW_GAIN))?;
+        let gain_uv = positive("sensor.pixel.low_conversion_gain_uv_per_e", gain_uv, 1e6)?;
+        p.low_gain_read_noise_mv = Some(within(name, electrons, 0.0, 1e6)? * gain_uv * 1e-3);
+    }
     Ok(())
 }
 
@@ -267,15 +276,6 @@ fn binning(d: &SensorDescription, stated: BinningDescription, cfa: &Cfa) -> Resu
 /// A sensor of photodiodes with its samples binned.
 fn binned(sensor: Sensor, binning: Binning) -> Result<Sensor, CameraError> {
     let side = binning.side;
-    for (name, pixels) in [("sensor.rows", sensor.rows), ("sensor.cols", sensor.cols)] {
-        if !pixels.is_multiple_of(side) {
-            let fits = (pixels / side).max(1) * side;
-            let message = format!(
-                "`sensor.binning` with a side of {side} needs a multiple of {side}, such as {fits}; got {pixels}"
-            );
-            return Err(key(name, message));
-        }
-    }
     let cfa = match (sensor.architecture, sensor.cfa.binned(side)) {
         (_, Some(cfa)) => cfa,
         (ColorArchitecture::Mosaic, None) => {
@@ -290,6 +290,15 @@ fn binned(sensor: Sensor, binning: Binning) -> Result<Sensor, CameraError> {
         }
         (ColorArchitecture::Prism | ColorArchitecture::FieldSequential, None) => sensor.cfa.clone(),
     };
+    for (name, pixels) in [("sensor.rows", sensor.rows), ("sensor.cols", sensor.cols)] {
+        if !pixels.is_multiple_of(side) {
+            let fits = (pixels / side).max(1) * side;
+            let message = format!(
+                "`sensor.binning` with a side of {side} needs a multiple of {side}, such as {fits}; got {pixels}"
+            );
+            return Err(key(name, message));
+        }
+    }
     let pixel = Pixel { pitch_m: sensor.pixel.pitch_m * side as f64, ..sensor.pixel };
     let (rows, cols) = (sensor.rows / side, sensor.cols / side);
     Ok(Sensor { rows, cols, pixel, cfa, binning: Some(binning), ..sensor })
@@ -391,6 +400,55 @@ pub(super) enum ExposureTime {
     Fixed(f64),
     /// The exposure rule.
     Auto(AutoExposure),
+}
+
+/// The conversion gain of the exposures of a camera.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum GainChoice {
+    /// The same for every exposure.
+    Fixed(ConversionGain),
+    /// The high gain for exposures that fit it, otherwise the low one.
+    Auto(LowGain),
+}
+
+/// The conversion gain of a description.
+pub(super) fn conversion_gain(d: &CameraDescription) -> Result<GainChoice, CameraError> {
+    let pixel = &d.sensor.pixel;
+    let low = match pixel.low_conversion_gain_uv_per_e {
+        None if pixel.low_gain_read_noise_mv.is_some() => {
+            return Err(key("sensor.pixel.low_gain_read_noise_mv", NO_LOW_GAIN));
+        }
+        None => None,
+        Some(uv) => {
+            let (name, high_uv) =
+                ("sensor.pixel.low_conversion_gain_uv_per_e", pixel.conversion_gain_uv_per_e);
+            positive(name, uv, 1e6)?;
+            // A ratio of 1024 is ten more bits.
+            if uv >= high_uv || uv * 1024.0 < high_uv {
+                let expected =
+                    "expected less than `sensor.pixel.conversion_gain_uv_per_e`, and at least 1/1024 of it";
+                return Err(key(name, format_args!("{uv} is out of range; {expected}")));
+            }
+            let noise_mv = pixel.low_gain_read_noise_mv.unwrap_or(pixel.read_noise_mv);
+            let noise_mv = within("sensor.pixel.low_gain_read_noise_mv", noise_mv, 0.0, 1e5)?;
+            Some(LowGain { conversion_gain_v_per_e: uv * 1e-6, read_noise_v: noise_mv * 1e-3 })
+        }
+    };
+    let name = d.exposure.conversion_gain.unwrap_or(ConversionGainName::High);
+    let low = || low.ok_or_else(|| key("exposure.conversion_gain", NO_LOW_GAIN));
+    let is_digital = |binning: &BinningDescription| match binning {
+        BinningDescription::Mode(mode) => *mode == BinningMode::Digital,
+        BinningDescription::Blocks(blocks) => blocks.mode == BinningMode::Digital,
+    };
+    Ok(match name {
+        ConversionGainName::High => GainChoice::Fixed(ConversionGain::High),
+        ConversionGainName::Low => GainChoice::Fixed(ConversionGain::Low(low()?)),
+        ConversionGainName::Auto => GainChoice::Auto(low()?),
+        ConversionGainName::Combined if d.sensor.binning.as_ref().is_some_and(is_digital) => {
+            return Err(key("exposure.conversion_gain", SensorError::CombinedBinning));
+        }
+        ConversionGainName::Combined => GainChoice::Fixed(ConversionGain::Combined(low()?)),
+    })
 }
 
 /// The exposure of a description: time or rule, analog gain, analog offset in V.

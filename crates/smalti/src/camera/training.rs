@@ -130,6 +130,7 @@ impl Camera {
     /// # Errors
     /// When a setting is invalid for the camera.
     pub fn training_axes(&self, settings: &TrainingSettings, light: &Spectrum) -> Result<Axes, CameraError> {
+        self.ensure_one_gain()?;
         let noise = self.sensor.signal_noise(&self.nominal_exposure()?)?;
         let dark = noise.variance(0.0).sqrt();
         let levels = match settings.level_rule {

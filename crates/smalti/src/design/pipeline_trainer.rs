@@ -110,6 +110,7 @@ impl PipelineTrainer {
         images: OpticalImages<'_>,
     ) -> Result<Self, CameraError> {
         settings.validate()?;
+        targets.chart.camera.ensure_one_gain()?;
         let size = settings.size_px;
         let setting = targets.setting.clone();
         let light = macbeth::chart(1, &setting)?.illuminant().clone();

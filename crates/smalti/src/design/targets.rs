@@ -283,7 +283,7 @@ impl Targets {
         let dark_v = exposure.analog_offset_v * exposure.analog_gain;
         let dark_clips = (levels.black_v - dark_v).abs() > 1e-9 * range_v;
         // Normalised samples per photoelectron per second.
-        let gain = exposure.time_s * sensor.pixel.conversion_gain_v_per_e * exposure.analog_gain / range_v;
+        let gain = exposure.time_s * sensor.volts_per_electron(exposure) * exposure.analog_gain / range_v;
         let maximum =
             |response: &Vec<f64>| response.iter().zip(&self.brightest).map(|(r, b)| r * b).sum::<f64>();
         let brightest = response.iter().map(maximum).fold(0.0, f64::max) * gain;

@@ -268,7 +268,8 @@ mod tests {
     fn pipeline(raw: &RawImage, white_level: f64, weight: f32) -> Pipeline {
         let Sampling::Mosaic(mosaic) = raw.sampling() else { panic!("the default camera has a mosaic") };
         let (constant, per_signal) = (1e-6, 1e-4);
-        let noise = SignalNoise { constant, per_signal, per_signal_squared: 0.0, row: 0.0, column: 0.0 };
+        let noise =
+            SignalNoise { constant, per_signal, per_signal_squared: 0.0, row: 0.0, column: 0.0, above: None };
         let levels = Levels::logarithmic(2, 0.05, 0.8).unwrap();
         let axes = Axes::new(mosaic.clone(), 3, levels, noise).unwrap();
         let count = axes.positions() * axes.level_count() * axes.textures().count();

@@ -99,12 +99,13 @@ impl Axes {
         }
         within("the number of channels", mosaic.channels() as f64, 1.0..=MAX_CHANNELS as f64, "1 to 32")?;
         let parts = [noise.constant, noise.per_signal, noise.per_signal_squared, noise.row, noise.column];
-        for value in parts {
+        let above = noise.above.map(|above| [above.constant, 1.0 / above.signal]);
+        for value in parts.into_iter().chain(above.into_iter().flatten()) {
             within("a variance of the noise", value, 0.0..=1e6, "0 or more, finite")?;
         }
         // Noise that is added after the full well spreads the samples of saturated pixels below the white
         // level.
-        let clip = 1.0 - (4.0 * noise.variance(0.0).sqrt()).clamp(1e-5, 0.05);
+        let clip = 1.0 - (4.0 * noise.additive_at_saturation().sqrt()).clamp(1e-5, 0.05);
         Ok(Self {
             mosaic,
             side,
@@ -265,8 +266,7 @@ impl Axes {
         let n = &self.noise;
         // The mean absolute difference of two normal deviates with variance σ² is 2σ / √π.
         let scale = self.texture_over_noise.powi(2) * 4.0 / std::f64::consts::PI;
-        let [v0, v1, v2] =
-            [n.constant + n.row + n.column, n.per_signal, n.per_signal_squared].map(|v| v * scale);
+        let [v0, v1, v2] = [n.constant + n.row + n.column, n.per_signal, n.quadratic()].map(|v| v * scale);
         [v0, v1, v2 + self.flat_fraction.powi(2)]
     }
 

@@ -222,7 +222,7 @@ impl Classifier {
         let scale = (over_noise * over_noise * 4.0 / std::f64::consts::PI) as f32 * count * count;
         let [v0, v1] =
             [noise.constant + noise.row + noise.column, noise.per_signal].map(|v| v as f32 * scale);
-        let v2 = noise.per_signal_squared as f32 * scale + (fraction * fraction) as f32 * count * count;
+        let v2 = noise.quadratic() as f32 * scale + (fraction * fraction) as f32 * count * count;
         [v0, v1, v2]
     }
 }

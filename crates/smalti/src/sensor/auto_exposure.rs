@@ -165,8 +165,10 @@ impl AutoExposure {
         if electrons_per_s <= 0.0 {
             return Err(SensorError::NoLight);
         }
-        let volts_per_s = electrons_per_s * sensor.volts_per_electron()
-            + sensor.dark_voltage_v_per_s()? * sensor.photodiodes_per_reading();
+        sensor.ensure_gain(&exposure)?;
+        let dark_v_per_s = sensor.dark_voltage_v_per_s()? * sensor.volts_per_high_volt(&exposure);
+        let volts_per_s = electrons_per_s * sensor.volts_per_electron(&exposure)
+            + dark_v_per_s * sensor.photodiodes_per_reading();
         Ok(target_v / volts_per_s * sensor.captures())
     }
 

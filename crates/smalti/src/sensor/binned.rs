@@ -28,32 +28,6 @@ impl Sensor {
         self.binning.map_or(1.0, |b| b.readings() as f64)
     }
 
-    /// Volts of a sample per photoelectron in any of its photodiodes, before the analog gain: the conversion
-    /// gain, for digital binning divided by the number of photodiodes, whose volts are averaged.
-    #[must_use]
-    pub fn volts_per_electron(&self) -> f64 {
-        self.pixel.conversion_gain_v_per_e / self.readings_per_sample()
-    }
-
-    /// Standard deviation of the read noise of a sample, in electrons of all its photodiodes. N readings that
-    /// are averaged have √N times the noise of one.
-    #[must_use]
-    pub fn read_noise_e(&self) -> f64 {
-        self.pixel.read_noise_v / self.pixel.conversion_gain_v_per_e * self.readings_per_sample().sqrt()
-    }
-
-    /// Bits of the samples: those of the converter, or of the sum of several readings. 0 without a converter.
-    #[must_use]
-    pub fn sample_bits(&self) -> u32 {
-        self.binning.map_or(self.adc.bits, |b| b.sample_bits(self.adc.bits))
-    }
-
-    /// Steps of a sample per step of the converter: the number of readings, halved for each bit that is dropped.
-    pub(super) fn steps_per_converter_step(&self) -> f64 {
-        let dropped = self.binning.map_or(0, |b| b.dropped_bits(self.adc.bits));
-        self.readings_per_sample() / f64::from(dropped).exp2()
-    }
-
     /// The same device without binning: each of its pixels is a photodiode. Pitch, size, window and mosaic are
     /// those of the photodiodes; light, noise and fixed pattern of a photodiode are the same in captures of
     /// both sensors.

@@ -109,7 +109,7 @@ mod tests {
                 (all, dropped),
                 "{side}, {bits}"
             );
-            let largest = (side * side) as u64 * ((1 << bits) - 1) >> dropped;
+            let largest = ((side * side) as u64 * ((1 << bits) - 1)) >> dropped;
             assert!(largest < 1 << all, "{largest}");
         }
         assert_eq!(digital(2).sample_bits(0), 0);

@@ -9,7 +9,9 @@ use super::electron_rates::ElectronRates;
 use super::pixel_spectra::{FilteredLight, PixelSpectra};
 use super::read_bands::{Band, ChargeBand, Sample, SampleScale, combine_blocks};
 use super::readout::Readout;
-use super::{Binning, BinningMode, Exposure, NoiseMode, RawImage, RawSamples, Sensor, SensorError};
+use super::{
+    Binning, BinningMode, ConversionGain, Exposure, NoiseMode, RawImage, RawSamples, Sensor, SensorError,
+};
 use crate::numeric::Planes;
 use crate::numeric::poisson::LANES;
 use crate::numeric::simd::{Kernel, dispatch};
@@ -147,6 +149,7 @@ impl Sensor {
     ) -> Result<Vec<S>, SensorError> {
         self.validate()?;
         exposure.validate()?;
+        self.ensure_gain(exposure)?;
         // Light falls on the photodiodes; binning combines them when they are read.
         let photodiodes = &*self.unbinned();
         match light {
@@ -181,7 +184,16 @@ impl Sensor {
     ) -> Result<Vec<S>, SensorError> {
         let w = self.read_window();
         let planes = self.sampling().planes();
-        let readout = Readout::new(self, exposure, exposure.time_s / self.captures(), noise, seed)?;
+        let high = Readout::new(self, exposure, exposure.time_s / self.captures(), noise, seed)?;
+        let share = 1.0 / self.gain_ratio(exposure);
+        let (readout, second) = match exposure.conversion_gain {
+            ConversionGain::High => (high, None),
+            ConversionGain::Low(low) => (high.at_low_gain(low, share, false), None),
+            ConversionGain::Combined(low) => {
+                let second = high.at_low_gain(low, share, true);
+                (high, self.combination(exposure).map(|both| (second, both)))
+            }
+        };
         let scale = if self.adc.bits == 0 { 1.0 } else { self.adc.levels() / self.pixel.voltage_swing_v };
         let to_sample = SampleScale {
             scale: scale as f32,
@@ -204,9 +216,9 @@ impl Sensor {
                 let first_row = b * BAND;
                 light_band(plane, first_row * side, &mut light);
                 let origin = (((w.row + first_row) * lines) as u32, first_col as u32, plane as u32);
-                let read = |out: &mut [S]| {
+                let read_pixels = |readout: &Readout, out: &mut [S]| {
                     dispatch(Band {
-                        readout: &readout,
+                        readout,
                         to_sample: &to_sample,
                         origin,
                         cols: read_cols,
@@ -215,15 +227,15 @@ impl Sensor {
                         out,
                     });
                 };
-                match self.binning {
-                    None => read(rows),
+                let read = |readout: &Readout, rows: &mut [S]| match self.binning {
+                    None => read_pixels(readout, rows),
                     Some(binning @ Binning { mode: BinningMode::Digital, .. }) => {
                         let mut samples = vec![S::default(); light.len()];
-                        read(&mut samples);
+                        read_pixels(readout, &mut samples);
                         combine_blocks(&samples, binning, self.adc.bits, w.cols, rows);
                     }
                     Some(Binning { side, mode: BinningMode::Charge }) => dispatch(ChargeBand {
-                        readout: &readout,
+                        readout,
                         to_sample: &to_sample,
                         origin,
                         side,
@@ -232,6 +244,12 @@ impl Sensor {
                         light: &light,
                         out: rows,
                     }),
+                };
+                read(&readout, rows);
+                if let Some((second, both)) = &second {
+                    let mut bright = vec![S::default(); rows.len()];
+                    read(second, &mut bright);
+                    rows.iter_mut().zip(bright).for_each(|(high, low)| *high = high.with_low(low, both));
                 }
             });
         }

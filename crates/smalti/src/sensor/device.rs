@@ -1,7 +1,8 @@
 //! The sensor as a whole.
 
 use super::{
-    Adc, Binning, Cfa, DarkCurrentTemperature, Exposure, NonUniformity, Pixel, Sampling, SensorError,
+    Adc, Binning, Cfa, ConversionGain, DarkCurrentTemperature, Exposure, NonUniformity, Pixel, Sampling,
+    SensorError,
 };
 use crate::numeric::Rect;
 use crate::spectrum::{Extrapolation, Spectrum, WavelengthGrid};
@@ -212,11 +213,17 @@ impl Sensor {
     }
 
     /// Volts at the converter at which a pixel of mean gain and offset saturates, by full well (with charge
-    /// binning, those of all its photodiodes) or by the swing.
+    /// binning, those of all its photodiodes) or by the swing. For combined gains, that of the low gain on the
+    /// scale of the high one.
     #[must_use]
     pub fn saturation_v(&self, exposure: &Exposure) -> f64 {
+        if let ConversionGain::Combined(low) = exposure.conversion_gain {
+            let low = Exposure { conversion_gain: ConversionGain::Low(low), ..*exposure };
+            let zero_v = exposure.analog_offset_v * exposure.analog_gain;
+            return zero_v + (self.saturation_v(&low) - zero_v) * self.gain_ratio(exposure);
+        }
         let well_e = self.pixel.full_well_e * self.photodiodes_per_reading();
-        let full = well_e * self.pixel.conversion_gain_v_per_e;
+        let full = well_e * self.conversion_gain_v_per_e(exposure);
         ((full + exposure.analog_offset_v) * exposure.analog_gain).min(self.pixel.voltage_swing_v)
     }
 }

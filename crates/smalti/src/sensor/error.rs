@@ -79,6 +79,11 @@ pub enum SensorError {
         /// The sum of its entries.
         sum: f64,
     },
+    /// Samples of two conversion gains cannot be averaged.
+    #[error(
+        "digital binning averages readings of one conversion gain, and two are combined; expected charge binning, or the high or the low gain alone"
+    )]
+    CombinedBinning,
     /// There is no light to determine an exposure time.
     #[error(
         "no exposure time can be chosen: the part of the image that the rule measures is dark to the sensor"

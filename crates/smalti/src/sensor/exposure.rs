@@ -1,6 +1,6 @@
 //! Exposure: integration time and analog gain.
 
-use super::SensorError;
+use super::{ConversionGain, SensorError};
 use crate::numeric::{OutOfRange, require};
 
 /// How a frame is taken.
@@ -13,13 +13,20 @@ pub struct Exposure {
     pub analog_gain: f64,
     /// Offset added before the gain, V: `v_out = (v + offset) · gain`.
     pub analog_offset_v: f64,
+    /// The conversion gain of the pixels.
+    pub conversion_gain: ConversionGain,
 }
 
 impl Exposure {
     /// An exposure of unit gain and no offset.
     #[must_use]
     pub fn new(time_s: f64) -> Self {
-        Self { time_s, analog_gain: 1.0, analog_offset_v: 0.0 }
+        Self { time_s, analog_gain: 1.0, analog_offset_v: 0.0, conversion_gain: ConversionGain::High }
+    }
+
+    /// The same exposure with the high conversion gain.
+    pub(super) fn with_high_gain(&self) -> Self {
+        Self { conversion_gain: ConversionGain::High, ..*self }
     }
 
     /// Checks every field.
@@ -30,6 +37,7 @@ impl Exposure {
         let (time_s, gain) = (self.time_s, self.analog_gain);
         require((0.0..=1e9).contains(&time_s), "time_s", time_s, "0 (a bias frame) to 1e9 s")?;
         require((1e-6..=1e6).contains(&gain), "analog_gain", gain, "1e-6 to 1e6")?;
+        self.conversion_gain.validate()?;
         Ok(self.require_offset((-1e3..=1e3).contains(&self.analog_offset_v))?)
     }
 

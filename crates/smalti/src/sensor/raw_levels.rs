@@ -1,6 +1,6 @@
 //! Black and white levels of raw samples.
 
-use super::{Exposure, Light, NoiseMode, RawImage, RawSamples, Sensor, SensorError};
+use super::{ConversionGain, Exposure, Light, NoiseMode, RawImage, RawSamples, Sensor, SensorError};
 
 /// Black and white level of a capture.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -21,6 +21,7 @@ impl Sensor {
     /// # Errors
     /// When the analog offset leaves no range between them.
     pub fn raw_levels(&self, exposure: &Exposure) -> Result<RawLevels, SensorError> {
+        self.ensure_gain(exposure)?;
         let zero_v = exposure.analog_offset_v * exposure.analog_gain;
         let saturation_v = self.saturation_v(exposure);
         let levels = if self.adc.bits == 0 {
@@ -28,9 +29,14 @@ impl Sensor {
         } else {
             let (swing, last) = (self.pixel.voltage_swing_v, self.adc.levels() - 1.0);
             let black = self.adc.number(zero_v, swing).clamp(0.0, last);
-            let white = self.adc.number(saturation_v, swing).round().min(last);
+            // For combined gains, up to the last number of the low gain on the scale of the high one.
+            let highest = match exposure.conversion_gain {
+                ConversionGain::High | ConversionGain::Low(_) => last,
+                ConversionGain::Combined(_) => black + (last - black) * self.gain_ratio(exposure),
+            };
+            let white = self.adc.number(saturation_v, swing).round().min(highest);
             // Digital binning adds numbers; their volts remain those of one reading.
-            let scale = self.steps_per_converter_step();
+            let scale = self.steps_per_converter_step(exposure);
             RawLevels {
                 black: black * scale,
                 white: white * scale,

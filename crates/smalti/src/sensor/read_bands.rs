@@ -1,6 +1,7 @@
 //! Read-out of bands of rows: from the light on the photodiodes to samples, pixel by pixel or with binning.
 
 use super::Binning;
+use super::conversion_gain::Combination;
 use super::readout::Readout;
 use crate::numeric::poisson::LANES;
 use crate::numeric::simd::Kernel;
@@ -16,6 +17,9 @@ pub(super) struct SampleScale {
 pub(super) trait Sample: Copy + Default + Send + Sync {
     fn from_volts(volts: f32, to: &SampleScale) -> Self;
 
+    /// This sample of the high conversion gain, or one of the low gain in its place.
+    fn with_low(self, low: Self, both: &Combination) -> Self;
+
     /// The mean of `count` volts, or the sum of numbers without its last `dropped` bits.
     fn combined(samples: impl Iterator<Item = Self>, count: usize, dropped: u32) -> Self;
 }
@@ -24,6 +28,10 @@ impl Sample for f32 {
     #[inline(always)]
     fn from_volts(volts: f32, _: &SampleScale) -> Self {
         volts
+    }
+
+    fn with_low(self, low: Self, both: &Combination) -> Self {
+        both.combined(self, low)
     }
 
     fn combined(samples: impl Iterator<Item = Self>, count: usize, _: u32) -> Self {
@@ -37,6 +45,10 @@ impl Sample for u16 {
         // The value is not negative here, so truncation after adding a half rounds.
         let number = (volts * to.scale + to.black).max(0.0).min(to.last);
         (number + 0.5) as i32 as u16
+    }
+
+    fn with_low(self, low: Self, both: &Combination) -> Self {
+        both.combined(f32::from(self), f32::from(low)).round().clamp(0.0, f32::from(u16::MAX)) as u16
     }
 
     fn combined(samples: impl Iterator<Item = Self>, _: usize, dropped: u32) -> Self {

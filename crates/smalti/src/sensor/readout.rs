@@ -1,7 +1,7 @@
 //! From the mean number of photoelectrons of a pixel to its voltage at the converter. Every noise term is
 //! added in the order of the signal chain, on blocks of lanes.
 
-use super::{Exposure, NoiseMode, Sensor, SensorError};
+use super::{Exposure, LowGain, NoiseMode, Sensor, SensorError};
 use crate::numeric::normal::normal_pair;
 use crate::numeric::philox::philox4x32;
 use crate::numeric::poisson::{LANES, LaneCounter, poisson_lanes};
@@ -19,6 +19,8 @@ mod purpose {
     pub(super) const COLUMN: u32 = 0x5345_4e04;
     /// Read noise of a sample of several photodiodes, keyed by the seed.
     pub(super) const SAMPLE: u32 = 0x5345_4e05;
+    /// Read noise of the second reading of a capture, keyed by the seed.
+    pub(super) const SECOND: u32 = 0x5345_4e06;
 }
 
 /// Photodiodes after the exposure, before they are read.
@@ -56,6 +58,8 @@ pub(super) struct Readout {
     gain: f32,
     offset_v: f32,
     swing_v: f32,
+    /// Whether this is the second reading of the same electrons, with noise of its own.
+    is_second: bool,
     /// Whether planes have separate patterns (the sensors of a prism) or one (sequential captures).
     separate_patterns: bool,
 }
@@ -96,8 +100,20 @@ impl Readout {
             gain: exposure.analog_gain as f32,
             offset_v: exposure.analog_offset_v as f32,
             swing_v: pixel.voltage_swing_v as f32,
+            is_second: false,
             separate_patterns: sensor.architecture == super::ColorArchitecture::Prism,
         })
+    }
+
+    /// The reading of the same electrons with a low conversion gain, which is `share` of the high one.
+    pub(super) fn at_low_gain(&self, low: LowGain, share: f64, is_second: bool) -> Self {
+        Self {
+            conversion_gain: low.conversion_gain_v_per_e as f32,
+            dsnu_v: (f64::from(self.dsnu_v) * share) as f32,
+            read_noise_v: low.read_noise_v as f32,
+            is_second,
+            ..*self
+        }
     }
 
     fn pattern_plane(&self, plane: u32) -> u32 {
@@ -119,7 +135,7 @@ impl Readout {
     /// The offset of a row in this capture, V.
     #[inline(always)]
     pub(super) fn row_offset(&self, row: u32, plane: u32) -> f32 {
-        let w = philox4x32([0, row, purpose::ROW, plane << 16], self.seed);
+        let w = philox4x32([u32::from(self.is_second), row, purpose::ROW, plane << 16], self.seed);
         self.row_noise_v * normal_pair(w[0], w[1]).0
     }
 
@@ -133,7 +149,10 @@ impl Readout {
         fixed_offset_v: &[f32; LANES],
         volts: &mut [f32; LANES],
     ) {
-        let Exposed { electrons, response, mut offset, words } = self.exposed((row, col, plane), light);
+        let Exposed { electrons, response, mut offset, mut words } = self.exposed((row, col, plane), light);
+        if self.is_second {
+            words = self.reading_words((row, col, plane));
+        }
         self.add_reading_noise((row, plane), &words, fixed_offset_v, &mut offset);
         for i in 0..LANES {
             let v = electrons[i].min(self.full_well_e) as f32 * self.conversion_gain;
@@ -163,19 +182,25 @@ impl Readout {
         fixed_offset_v: &[f32; LANES],
         volts: &mut [f32; LANES],
     ) {
-        let mut words = [[0; LANES]; 2];
-        if self.mode == NoiseMode::All && self.read_noise_v > 0.0 {
-            let attempt = plane << 16;
-            let counter = LaneCounter { key: self.seed, first: col, row, purpose: purpose::SAMPLE, attempt };
-            let block = counter.block();
-            words = [block[0], block[1]];
-        }
+        let words = self.reading_words((row, col, plane));
         let mut offset = [0.0f32; LANES];
         self.add_reading_noise((row, plane), &words, fixed_offset_v, &mut offset);
         for i in 0..LANES {
             let v = charge_v[i] + offset[i];
             volts[i] = ((v + self.offset_v) * self.gain).min(self.swing_v);
         }
+    }
+
+    /// Random words for the read noise of samples from `(row, col)` that are not those of the exposure.
+    #[inline(always)]
+    fn reading_words(&self, (row, col, plane): (u32, u32, u32)) -> [[u32; LANES]; 2] {
+        if self.mode != NoiseMode::All || self.read_noise_v == 0.0 {
+            return [[0; LANES]; 2];
+        }
+        let purpose = if self.is_second { purpose::SECOND } else { purpose::SAMPLE };
+        let counter = LaneCounter { key: self.seed, first: col, row, purpose, attempt: plane << 16 };
+        let block = counter.block();
+        [block[0], block[1]]
     }
 
     /// Photodiodes from `(row, col)` after the exposure. `light` is in photoelectrons per second.

@@ -31,7 +31,8 @@ fn photons_for(electrons: f64) -> f32 {
     (electrons / (310.0 * 0.5 * 2.8e-6 * 2.8e-6 * 0.01)) as f32
 }
 
-const TEN_MS: Exposure = Exposure { time_s: 0.01, analog_gain: 1.0, analog_offset_v: 0.0 };
+const TEN_MS: Exposure =
+    Exposure { time_s: 0.01, analog_gain: 1.0, analog_offset_v: 0.0, conversion_gain: ConversionGain::High };
 
 /// Noise of every kind but that of rows and columns, whose few values do not reach one percent.
 fn noisy(side: usize, mode: BinningMode, samples: usize) -> Sensor {
@@ -89,7 +90,7 @@ fn noise_of_binned_samples_is_that_of_theory_to_one_percent() {
             // What learned pipelines take for the noise of normalised samples.
             let levels = s.raw_levels(&TEN_MS).unwrap();
             let range_v = levels.white_v - levels.black_v;
-            let signal = n * electrons * s.volts_per_electron() / range_v;
+            let signal = n * electrons * s.volts_per_electron(&TEN_MS) / range_v;
             let of_signal = s.signal_noise(&TEN_MS).unwrap().variance(signal) * range_v * range_v;
             assert!((of_signal / theory - 1.0).abs() < 2e-3, "{side} {mode:?}: {of_signal} for {theory}");
         }
@@ -104,9 +105,13 @@ fn digital_binning_has_n_squared_read_noises() {
             let mut s = binned(side, mode, 200);
             s.pixel.read_noise_v = 4e-4;
             let volts = values(&s.capture(&wide(0.0), &TEN_MS, NoiseMode::All, 1).unwrap());
-            let drawn = moments(&volts).1.sqrt() / s.volts_per_electron();
-            assert!((drawn / s.read_noise_e() - 1.0).abs() < 0.02, "{drawn} for {}", s.read_noise_e());
-            s.read_noise_e()
+            let drawn = moments(&volts).1.sqrt() / s.volts_per_electron(&TEN_MS);
+            assert!(
+                (drawn / s.read_noise_e(&TEN_MS) - 1.0).abs() < 0.02,
+                "{drawn} for {}",
+                s.read_noise_e(&TEN_MS)
+            );
+            s.read_noise_e(&TEN_MS)
         };
         assert!((read_e(CHARGE) - 4.0).abs() < 1e-9);
         assert!((read_e(DIGITAL) - 4.0 * side as f64).abs() < 1e-9);
@@ -135,13 +140,8 @@ fn rows_and_columns_are_read_once_per_sample_or_once_per_pixel() {
     }
 }
 
-fn quad(mode: Option<BinningMode>) -> Sensor {
-    let s = noisy_sensor(24, 36);
-    let sampled = Sensor { binning: mode.map(|mode| Binning { side: 2, mode }), ..s };
-    match mode {
-        Some(_) => sampled,
-        None => panic!("a binned sensor"),
-    }
+fn quad(mode: BinningMode) -> Sensor {
+    Sensor { binning: Some(Binning { side: 2, mode }), ..noisy_sensor(24, 36) }
 }
 
 /// Digital binning is the mean of the unbinned capture of the same device, to the bit, with every kind of noise, defects and crosstalk;
@@ -149,9 +149,9 @@ fn quad(mode: Option<BinningMode>) -> Sensor {
 #[test]
 fn digital_binning_averages_the_capture_of_the_photodiodes() {
     let image = speckle(30, 40, 2.1e-6);
-    let exposure = Exposure { time_s: 0.01, analog_gain: 1.5, analog_offset_v: 2e-3 };
+    let exposure = Exposure { analog_gain: 1.5, analog_offset_v: 2e-3, ..TEN_MS };
     for window in [None, Some(Window { row: 3, col: 5, rows: 19, cols: 21 })] {
-        let mut s = quad(Some(DIGITAL));
+        let mut s = quad(DIGITAL);
         s.window = window;
         let raw = s.capture(&image, &exposure, NoiseMode::All, 7).unwrap();
         let single = s.unbinned().capture(&image, &exposure, NoiseMode::All, 7).unwrap();
@@ -164,7 +164,7 @@ fn digital_binning_averages_the_capture_of_the_photodiodes() {
         }
         assert_eq!(raw.black_level(), 4.0 * single.black_level());
         assert_eq!(raw.white_level(), 4.0 * single.white_level());
-        assert_eq!(s.sample_bits(), 14);
+        assert_eq!(s.sample_bits(&TEN_MS), 14);
     }
 }
 
@@ -174,7 +174,7 @@ fn digital_binning_averages_the_capture_of_the_photodiodes() {
 fn charge_binning_adds_the_electrons_of_the_photodiodes() {
     let image = speckle(30, 40, 2.1e-6);
     for noise in [NoiseMode::None, NoiseMode::PhotonOnly, NoiseMode::All] {
-        let mut s = quad(Some(CHARGE));
+        let mut s = quad(CHARGE);
         s.adc = Adc::default();
         (s.pixel.read_noise_v, s.pixel.voltage_swing_v) = (0.0, 100.0);
         (s.nonuniformity.row_noise_v, s.nonuniformity.column_noise_v) = (0.0, 0.0);
@@ -280,7 +280,7 @@ fn every_kind_of_light_gives_the_same_capture() {
         for architecture in
             [ColorArchitecture::Mosaic, ColorArchitecture::Prism, ColorArchitecture::FieldSequential]
         {
-            let mut s = quad(Some(mode));
+            let mut s = quad(mode);
             s.architecture = architecture;
             let by_image = s.capture(&image, &TEN_MS, NoiseMode::All, 3).unwrap();
             let rates = ElectronRates::new(&s, &image).unwrap();
@@ -298,7 +298,7 @@ fn every_kind_of_light_gives_the_same_capture() {
 fn threads_and_windows_do_not_change_a_bit() {
     let image = speckle(30, 40, 2.1e-6);
     for mode in [CHARGE, DIGITAL] {
-        let s = quad(Some(mode));
+        let s = quad(mode);
         let capture = |s: &Sensor| values(&s.capture(&image, &TEN_MS, NoiseMode::All, 3).unwrap());
         let pool = |n| rayon::ThreadPoolBuilder::new().num_threads(n).build().unwrap();
         let whole = pool(1).install(|| capture(&s));
@@ -355,6 +355,7 @@ fn a_description_states_single_pixels_and_gives_samples() {
     let s = &camera.sensor;
     assert_eq!((s.rows, s.cols, s.binning), (24, 32, Some(Binning { side: 2, mode: CHARGE })));
     assert!((s.pixel.pitch_m - 4.4e-6).abs() < 1e-18);
+    assert_eq!(camera.description().sensor.sample_pitch_um(), Some(4.4));
     assert_eq!((s.cfa.mosaic().rows(), s.cfa.mosaic().cols(), s.cfa.channels().len()), (2, 2, 3));
     let single = described(|d| d.sensor.binning = None).unwrap();
     let unbinned = s.unbinned();

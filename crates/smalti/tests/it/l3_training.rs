@@ -12,10 +12,22 @@ use smalti::numeric::least_squares::{Matrix, lstsq};
 use smalti::numeric::philox::Stream;
 use smalti::sensor::{Mosaic, RawImage, RawSamples, Sampling, SignalNoise};
 
-pub(crate) const NONE: SignalNoise =
-    SignalNoise { constant: 0.0, per_signal: 0.0, per_signal_squared: 0.0, row: 0.0, column: 0.0 };
-pub(crate) const SOME: SignalNoise =
-    SignalNoise { constant: 1e-4, per_signal: 2e-3, per_signal_squared: 1e-4, row: 4e-5, column: 3e-5 };
+pub(crate) const NONE: SignalNoise = SignalNoise {
+    constant: 0.0,
+    per_signal: 0.0,
+    per_signal_squared: 0.0,
+    row: 0.0,
+    column: 0.0,
+    above: None,
+};
+pub(crate) const SOME: SignalNoise = SignalNoise {
+    constant: 1e-4,
+    per_signal: 2e-3,
+    per_signal_squared: 1e-4,
+    row: 4e-5,
+    column: 3e-5,
+    above: None,
+};
 
 pub(crate) fn bayer() -> Mosaic {
     Mosaic::new(2, 2, vec![0, 1, 1, 2]).unwrap()

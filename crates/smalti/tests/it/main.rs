@@ -11,6 +11,7 @@ mod camera_training;
 mod cfa;
 mod cfa_catalog;
 mod cfa_filters;
+mod conversion_gain;
 mod design_filters;
 mod design_learned;
 mod design_mosaics;

@@ -68,7 +68,7 @@ fn automatic_exposure_is_isetcams_less_the_noise_in_it() {
 fn automatic_exposure_reaches_its_targets() {
     let mut s = sensor(40, 60);
     let image = speckle(30, 40, 4.2e-6);
-    let base = Exposure { time_s: 0.0, analog_gain: 2.0, analog_offset_v: 0.01 };
+    let base = Exposure { analog_gain: 2.0, analog_offset_v: 0.01, ..Exposure::new(0.0) };
     for architecture in [ColorArchitecture::Mosaic, ColorArchitecture::FieldSequential] {
         s.architecture = architecture;
         let time_s = AutoExposure::Mean { target: 0.18 }.exposure_time(&s, &image, &base).unwrap();
@@ -164,7 +164,7 @@ fn every_term_has_the_variance_it_should() {
         ..NonUniformity::default()
     };
     s.adc = Adc { bits: 10, black_level_dn: 32.0 };
-    let e = Exposure { time_s: 0.05, analog_gain: 1.7, analog_offset_v: 0.0 };
+    let e = Exposure { analog_gain: 1.7, analog_offset_v: 0.0, ..Exposure::new(0.05) };
     let image = wide(1e13);
     let electrons = f64::from(s.expected_volts(&image, &e).unwrap().data()[0]) / 1.7 / 1e-4;
     let model = s.noise_variance(electrons, &e).unwrap();
@@ -257,7 +257,7 @@ fn noise_below_zero_survives_a_black_level_and_light_saturates_at_white() {
 
     // A gain that leaves the converter unused: saturation is where the well is full.
     s.pixel.read_noise_v = 0.0;
-    let e = Exposure { time_s: 0.01, analog_gain: 0.25, analog_offset_v: 0.04 };
+    let e = Exposure { analog_gain: 0.25, analog_offset_v: 0.04, ..Exposure::new(0.01) };
     let bright = s.capture(&wide(1e18), &e, NoiseMode::All, 1).unwrap();
     assert!((bright.black_level() - 104.96).abs() < 1e-9);
     assert_eq!(bright.white_level(), 1129.0);

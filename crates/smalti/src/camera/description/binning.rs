@@ -18,7 +18,7 @@ pub enum BinningDescription {
     Blocks(BinnedBlocks),
 }
 
-/// `sensor.binning = { side = 2, mode = "charge" }`.
+/// Side of the blocks in photodiodes, 2 to 8, and the mode of their binning.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]

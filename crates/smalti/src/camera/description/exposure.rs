@@ -15,6 +15,22 @@ pub enum AutoExposureName {
     Luminance,
 }
 
+/// Which conversion gain reads the pixels.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "kebab-case")]
+pub enum ConversionGainName {
+    /// The gain `sensor.pixel.conversion_gain_uv_per_e`.
+    High,
+    /// The gain `sensor.pixel.low_conversion_gain_uv_per_e`.
+    Low,
+    /// For each exposure the high gain if at most 0.5 % of the samples saturate with it, otherwise the low gain.
+    Auto,
+    /// Both gains read the same electrons: a sample is that of the high gain up to 95 % of its saturation, otherwise that of the low
+    /// gain times the ratio of the gains.
+    Combined,
+}
+
 /// `[exposure]`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
@@ -35,6 +51,9 @@ pub struct ExposureDescription {
     pub analog_gain: f64,
     /// Added to the voltage before the gain, mV.
     pub analog_offset_mv: f64,
+    /// Conversion gain of pixels with two; absent: high.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub conversion_gain: Option<ConversionGainName>,
 }
 
 impl Default for ExposureDescription {
@@ -46,6 +65,7 @@ impl Default for ExposureDescription {
             auto_percentile: 99.0,
             analog_gain: 1.0,
             analog_offset_mv: 0.0,
+            conversion_gain: None,
         }
     }
 }

@@ -7,7 +7,8 @@ use serde::de::{MapAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize};
 
 use super::BinningDescription;
-use crate::sensor::Filter;
+use crate::sensor::cfa::{self, Mosaic};
+use crate::sensor::{Binning, Filter};
 
 /// Colour architecture of a sensor.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -102,6 +103,26 @@ impl Default for SensorDescription {
     }
 }
 
+impl SensorDescription {
+    /// Distance between samples, µm: that of the pixels, with binning times the side of a block. `None` when the mosaic cannot be
+    /// binned.
+    #[must_use]
+    pub fn sample_pitch_um(&self) -> Option<f64> {
+        let side = match (self.binning, &self.cfa.pattern) {
+            (None, _) => 1,
+            (Some(BinningDescription::Blocks(blocks)), _) => blocks.side,
+            (Some(BinningDescription::Mode(_)), pattern) => {
+                let lines = match pattern {
+                    PatternDescription::Name(name) => cfa::pattern(name).ok()?,
+                    PatternDescription::Letters(lines) => lines.clone(),
+                };
+                Mosaic::from_letters(&lines).ok()?.0.block_side(Binning::MAX_SIDE)?
+            }
+        };
+        Some(self.pixel.pitch_um * side as f64)
+    }
+}
+
 /// `[sensor.pixel]`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
@@ -131,6 +152,16 @@ pub struct PixelDescription {
     /// Noise of one reading, electrons RMS, in place of `read_noise_mv`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub read_noise_e: Option<f64>,
+    /// The low conversion gain of a pixel with two, µV, below `conversion_gain_uv_per_e`, which is then the high one;
+    /// `exposure.conversion_gain` selects. Voltages of dark signal and DSNU are those at the high gain.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub low_conversion_gain_uv_per_e: Option<f64>,
+    /// Noise of one reading with the low conversion gain, mV RMS; absent: as many millivolts as with the high one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub low_gain_read_noise_mv: Option<f64>,
+    /// Noise of one reading with the low conversion gain, electrons RMS, in place of `low_gain_read_noise_mv`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub low_gain_read_noise_e: Option<f64>,
 }
 
 impl Default for PixelDescription {
@@ -147,15 +178,19 @@ impl Default for PixelDescription {
             dark_doubling_c: 6.0,
             read_noise_mv: 1.34,
             read_noise_e: None,
+            low_conversion_gain_uv_per_e: None,
+            low_gain_read_noise_mv: None,
+            low_gain_read_noise_e: None,
         }
     }
 }
 
 /// Keys of one quantity in volts and in electrons, of which a file gives one.
-pub const TWIN_KEYS: [[&str; 2]; 3] = [
+pub const TWIN_KEYS: [[&str; 2]; 4] = [
     ["sensor.dsnu_mv", "sensor.dsnu_e"],
     ["sensor.pixel.dark_voltage_v_per_s", "sensor.pixel.dark_current_e_per_s"],
     ["sensor.pixel.read_noise_mv", "sensor.pixel.read_noise_e"],
+    ["sensor.pixel.low_gain_read_noise_mv", "sensor.pixel.low_gain_read_noise_e"],
 ];
 
 /// The tile: the name of a built-in, or its lines in letters.

@@ -23,7 +23,14 @@ fn knight() -> Mosaic {
 }
 
 fn noise() -> SignalNoise {
-    SignalNoise { constant: 1e-6, per_signal: 1e-4, per_signal_squared: 1e-6, row: 1e-8, column: 1e-8 }
+    SignalNoise {
+        constant: 1e-6,
+        per_signal: 1e-4,
+        per_signal_squared: 1e-6,
+        row: 1e-8,
+        column: 1e-8,
+        above: None,
+    }
 }
 
 fn pipeline_of(axes: Axes, saturations: Vec<u32>, outputs: usize, seed: u64) -> Pipeline {

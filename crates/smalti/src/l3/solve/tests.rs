@@ -7,8 +7,14 @@ use crate::numeric::least_squares::{Matrix, lstsq};
 use crate::numeric::philox::Stream;
 use crate::sensor::{Mosaic, RawImage, RawSamples, Sampling};
 
-const NOISE: SignalNoise =
-    SignalNoise { constant: 2e-4, per_signal: 3e-3, per_signal_squared: 1e-3, row: 5e-5, column: 2e-5 };
+const NOISE: SignalNoise = SignalNoise {
+    constant: 2e-4,
+    per_signal: 3e-3,
+    per_signal_squared: 1e-3,
+    row: 5e-5,
+    column: 2e-5,
+    above: None,
+};
 
 fn names(outputs: &[&str]) -> Vec<String> {
     outputs.iter().map(|o| (*o).to_owned()).collect()
