@@ -437,3 +437,31 @@ fn tables_that_do_not_go_with_the_cameras() {
     place.write("broken.l3", "no table");
     fails(&place, &["compare", "bayer", "--pipeline", "broken.l3", "-o", "out"], &["broken.l3"]);
 }
+
+/// Comparisons that no exposure time or illuminant makes possible say what would.
+#[test]
+fn a_comparison_without_light_says_what_to_change() {
+    let place = Place::new();
+    place.write("line.csv", "400,0\n570,0\n580,1\n590,1\n600,0\n700,0\n");
+    let small = "--scene dead-leaves?rows=32&cols=32 --luminance 5 -o o";
+    let coarse = "--set wavelengths_nm=[400,50,700]";
+    for (words, expected) in [
+        (
+            format!(
+                "compare phone table1 --exposure equal --set exposure.analog_offset_mv=1900 --processing bilinear {small}"
+            ),
+            "below the voltage swing (keys exposure.analog_offset_mv, sensor.pixel.voltage_swing_v)",
+        ),
+        (
+            format!("compare bayer rgbw --illuminant line.csv {coarse} {small}"),
+            "choose an illuminant with power at the wavelengths of the camera",
+        ),
+        (
+            format!("compare bayer rgbw --illuminant line.csv --processing bilinear {small}"),
+            "choose a broader illuminant",
+        ),
+    ] {
+        fails(&place, &words.split_whitespace().collect::<Vec<_>>(), &[expected]);
+        assert!(!place.path("o/results.json").exists());
+    }
+}

@@ -142,6 +142,9 @@ impl Camera {
         let response = |s: &Spectrum| Ok::<f64, CameraError>(s.times(light)?.integral());
         let white = self.responsivities()?.iter().map(response).collect::<Result<Vec<_>, _>>()?;
         let brightest = white.iter().copied().fold(0.0, f64::max);
+        if brightest <= 0.0 {
+            return Err(IspError::NoResponse("the camera").into());
+        }
         // A channel that does not respond to the illuminant, such as infrared under LED light, gets levels within its noise.
         let white: Vec<f64> = white.iter().map(|w| w.max(1e-3 * brightest)).collect();
         let axes = Axes::new(self.sensor.cfa.mosaic().clone(), settings.side, levels, noise)?;

@@ -71,7 +71,7 @@ pub enum ImageError {
     },
     /// A picture cannot be adapted from this white.
     #[error(
-        "the white with X, Y, Z of {0:?} cannot be adapted to D65: its cone responses (Bradford) must be finite and above 0"
+        "the white with X, Y, Z of {0:?} cannot be adapted to D65: its cone responses (Bradford) must be finite and above 0, which those of light of few wavelengths are not; choose a broader illuminant"
     )]
     White([f64; 3]),
 }

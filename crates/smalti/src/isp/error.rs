@@ -69,7 +69,9 @@ pub enum IspError {
     #[error("a colour matrix needs at least one of {0}")]
     Empty(&'static str),
     /// The camera or the observer does not respond to the illuminant.
-    #[error("{0} has no response to the illuminant, so its white point is undefined")]
+    #[error(
+        "{0} has no response to the illuminant, so its white point is undefined; choose an illuminant with power at the wavelengths of the camera"
+    )]
     NoResponse(&'static str),
     /// A parameter is out of its range.
     #[error("{name} is {value}; expected {expected}")]

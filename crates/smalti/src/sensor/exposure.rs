@@ -43,7 +43,7 @@ impl Exposure {
 
     /// An error that names the analog offset unless `good`.
     pub(super) fn require_offset(&self, good: bool) -> Result<(), OutOfRange> {
-        let expected = "−1e3 to 1e3 V that leave the swing some signal";
+        let expected = "−1e3 to 1e3 V that leave some signal below the voltage swing (keys exposure.analog_offset_mv, sensor.pixel.voltage_swing_v)";
         require(good, "analog_offset_v", self.analog_offset_v, expected)
     }
 }
