@@ -23,7 +23,8 @@ fn a_binned_sensor_is_simulated_learned_and_shown() {
         let raw = dng::read(&place.path(&format!("{mode}/raw.dng")), Limits::default()).unwrap().raw;
         assert_eq!((raw.rows(), raw.cols(), raw.white_level()), (48, 48, white));
         let text = place.ok(&format!("show {camera}"));
-        assert!(text.contains(&format!("48 × 48 samples of 2 × 2 pixels each ({mode} binning)")), "{text}");
+        let words = text.split_whitespace().collect::<Vec<_>>().join(" ");
+        assert!(words.contains(&format!("48 × 48 samples of 2 × 2 pixels each ({mode} binning)")), "{text}");
         let derived = json(&place.ok(&format!("show {camera} --json")));
         let value = |name: &str| {
             let all = derived["derived"].as_array().unwrap();
@@ -99,19 +100,19 @@ fn a_study_may_have_a_binned_camera() {
 fn two_conversion_gains_are_used_by_every_command() {
     let place = Place::new();
     let gains = format!(
-        "--set sensor.pixel.low_conversion_gain_uv_per_e=50 --set sensor.pixel.low_gain_read_noise_e=6 {SMALL}"
+        "--set sensor.pixel.low_conversion_gain_uv_per_e=50 --set sensor.pixel.low_gain_read_noise_e=6 \
+         --set sensor.pixel.full_well_e=300000 {SMALL}"
     );
     let with = |gain: &str| format!("bayer@quad-bayer {gains} --set exposure.conversion_gain={gain}");
-    let white = |folder: &str| {
-        let raw = dng::read(&place.path(&format!("{folder}/raw.dng")), Limits::default()).unwrap().raw;
-        raw.white_level()
-    };
+    let raw =
+        |folder: &str| dng::read(&place.path(&format!("{folder}/raw.dng")), Limits::default()).unwrap().raw;
+    let white = |folder: &str| raw(folder).white_level();
     for gain in ["high", "low", "auto", "combined"] {
         place.ok(&format!("simulate {} {OTHER} --luminance 500 -o {gain}", with(gain)));
         let text = place.ok(&format!("show {}", with(gain)));
         assert!(text.contains("conversion_gain") && text.contains("low_conversion_gain_uv_per_e"), "{text}");
     }
-    assert_eq!(place.read("auto/raw.dng"), place.read("low/raw.dng"));
+    assert!(raw("auto") == raw("low") && raw("auto") != raw("high"));
     assert!(white("combined") > 2.0 * white("high"), "{}", white("combined"));
     let combined = with("combined");
     place.ok(&format!(
