@@ -119,9 +119,16 @@ fn a_study_scores_what_it_names() {
     ];
     let all = names(&place, "out");
     let from = all.iter().position(|n| n == metrics[0]).unwrap();
-    assert_eq!(all[from..], [&metrics[..], &["macbeth_time_s", "edge_time_s", "problem"]].concat());
+    let saturated =
+        ["dead_leaves_1", "leaves", "dead_leaves_3"].map(|scene| format!("saturated_percent_{scene}"));
+    let saturated = saturated.each_ref().map(String::as_str);
+    let others = ["macbeth_time_s", "edge_time_s", "problem"];
+    assert_eq!(all[from..], [&metrics[..], &saturated, &others].concat());
     let found = columns(&place, "out", &metrics);
     assert!(found.iter().flatten().all(|v| v.is_finite()), "{found:?}");
+    // Automatic exposure leaves few samples at the white level.
+    let shares = columns(&place, "out", &saturated);
+    assert!(shares.iter().flatten().all(|v| (0.0..5.0).contains(v)), "{shares:?}");
     // Other leaves, other pictures.
     assert_ne!(found[1], found[3]);
 
@@ -132,6 +139,7 @@ fn a_study_scores_what_it_names() {
         "CPSNR dB leaves",
         "CPSNR dB dead leaves 1",
         "aliasing %",
+        "saturated % leaves",
         "no other design beats in MTF50, CPSNR dead leaves 1, CPSNR leaves, CPSNR dead leaves 3 and aliasing at once",
     ] {
         assert!(text.contains(words), "{words} is missing in\n{text}");
