@@ -246,3 +246,23 @@ fn the_report_of_mosaics_names_the_one_that_aliases_least() {
     assert_eq!(best[0]["aliasing_percent"].as_f64(), Some(least));
     assert!(best[0]["mosaic"].as_str().unwrap().starts_with("bayer"), "{best}");
 }
+
+/// Files of a study are told as those of cameras are.
+#[test]
+fn what_was_recognised_in_the_files_of_a_study_is_told() {
+    let place = Place::new();
+    place.write("light.csv", "nm;power\n380;0,5\n800;1\n");
+    let study = STUDY.replacen("colors", "illuminant = \"light.csv\"\ncolors", 1);
+    let study = study.replace("\"leaves.exr\", ", "");
+    place.write("study.toml", &study);
+    let told = place.run(&["sweep", "study.toml", "-o", "out", "--dry-run"]);
+    let note = "note: light.csv: columns separated by semicolons, decimal commas\n";
+    assert!(told.code == 0 && told.err.contains(note), "{}", told.err);
+    place.write("light.csv", "nm,power (%)\n380,50\n800,120\n");
+    let refused = place.run(&["sweep", "study.toml", "-o", "out", "--dry-run"]);
+    assert!(
+        refused.code == 1 && refused.err.contains("found 120 in column 'power'; expected at most 100 %"),
+        "{}",
+        refused.err
+    );
+}
