@@ -8,7 +8,7 @@ use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use smalti::camera::{Camera, ScoreSettings, TestScene};
 use smalti::experiment::{
     ComparisonSettings, Processing, Progress as _, Resources, camera_differences, compare, contenders,
-    light_gains_to_first, pipelines, scene_lights,
+    ensure_any_defined, light_gains_to_first, pipelines, scene_lights,
 };
 use smalti::isp::Demosaic;
 use smalti::spectrum::Illuminant;
@@ -115,9 +115,10 @@ fn processing() -> impl TypedValueParser<Value = Processing> {
 
 /// `words` are the command line, for the page.
 pub(crate) fn run(args: &Compare, words: &[String], common: &Common) -> anyhow::Result<()> {
-    let illuminant = resolve::illuminant(&args.illuminant)?;
+    let illuminant = resolve::illuminant(&args.illuminant, common)?;
     let cameras = resolve::cameras(&args.cameras, &args.camera_options, &illuminant, common)?;
     ensure!(!args.light_gain || cameras.len() > 1, "--light-gain compares cameras; expected two or more");
+    ensure_any_defined(&cameras, &args.processing)?;
     write::ensure_can_fill(&args.output)?;
     let seed = args.camera_options.seed;
     let cache = if args.no_cache { Cache::disabled() } else { Cache::open(None) };

@@ -63,7 +63,7 @@ pub(crate) struct Evaluate {
 
 /// `words` are the command line, for the page.
 pub(crate) fn run(args: &Evaluate, words: &[String], common: &Common) -> anyhow::Result<()> {
-    let illuminant = resolve::illuminant(&args.illuminant)?;
+    let illuminant = resolve::illuminant(&args.illuminant, common)?;
     let cameras = resolve::cameras(&args.cameras, &args.camera_options, &illuminant, common)?;
     let tables = resolve::pipelines(&args.pipelines, cameras.len())?;
     resolve::ensure_tables_fit(&args.pipelines, cameras.iter().zip(&tables))?;

@@ -116,9 +116,11 @@ pub(crate) fn ensure_tables_fit<'a>(
     Ok(())
 }
 
-/// An illuminant by name or from a CSV file; `file.csv#column` selects a column.
-pub(crate) fn illuminant(name: &str) -> anyhow::Result<Illuminant> {
-    Ok(lights::load(name, Path::new(""))?)
+/// An illuminant by name or from a CSV file; `file.csv#column` selects a column. Prints what is to be told about the file.
+pub(crate) fn illuminant(name: &str, common: &Common) -> anyhow::Result<Illuminant> {
+    let (illuminant, told) = lights::load_with_note(name, Path::new(""))?;
+    told.iter().for_each(|text| note(text, common));
+    Ok(illuminant)
 }
 
 /// A scene by name or file on the wavelengths of the command line, else on those that the camera states.
@@ -155,7 +157,11 @@ fn scene_on(name: &str, options: &SceneOptions, grid: Option<WavelengthGrid>) ->
         luminance_cd_m2: options.luminance,
         distance_m: options.distance,
         horizontal_fov_deg: options.fov,
-        illuminant: options.illuminant.as_deref().map(illuminant).transpose()?,
+        illuminant: options
+            .illuminant
+            .as_deref()
+            .map(|name| lights::load(name, Path::new("")))
+            .transpose()?,
         grid,
         read: read_options(options)?,
     };

@@ -9,10 +9,11 @@ use serde_json::json;
 use smalti::design::{Sweep, Trials};
 use smalti_io::cache::Cache;
 use smalti_io::dataset::{self, ColumnKind, Plan, Shard};
-use smalti_io::studies;
+use smalti_io::studies::{self, LoadedStudy};
 use smalti_io::sweeps::{self, SweepRun, SweepSummary};
 
 use crate::args::Common;
+use crate::output::note;
 use crate::progress::Progress;
 use crate::table;
 use smalti::experiment::Progress as _;
@@ -70,7 +71,9 @@ pub(crate) fn run(args: &SweepArgs, common: &Common) -> anyhow::Result<()> {
     let Some(name) = &args.study else {
         bail!("expected a built-in study (smalti list studies) or a TOML file")
     };
-    let (trials, about) = studies::load(name).map_err(|e| anyhow::anyhow!("{e}"))?;
+    let LoadedStudy { trials, about, notes } =
+        studies::load_with_notes(name).map_err(|e| anyhow::anyhow!("{e}"))?;
+    notes.iter().for_each(|text| note(text, common));
     let cache = if args.no_cache { Cache::disabled() } else { Cache::open(None) };
     let images = |key: &str, make: &dyn Fn() -> _| cache.optical_image(key, make);
     let sweep = Sweep::new(&trials, &images);

@@ -95,11 +95,15 @@ pub(crate) fn run(args: &Train, common: &Common) -> anyhow::Result<()> {
     notes.iter().for_each(|text| note(text, common));
     let mut settings = args.learning.settings(args.camera_options.seed);
     settings.target = target(args)?;
-    settings.target_light = args.target_illuminant.as_deref().map(resolve::illuminant).transpose()?;
+    settings.target_light =
+        args.target_illuminant.as_deref().map(|n| resolve::illuminant(n, common)).transpose()?;
     settings.exposures.clone_from(&args.exposures);
     let training = args.learning.training();
-    let lights =
-        args.illuminants.iter().map(|n| resolve::illuminant(n)).collect::<anyhow::Result<Vec<_>>>()?;
+    let lights = args
+        .illuminants
+        .iter()
+        .map(|n| resolve::illuminant(n, common))
+        .collect::<anyhow::Result<Vec<_>>>()?;
     let files = [Some(&args.output), args.statistics.as_ref(), args.npz.as_ref(), args.c_header.as_ref()];
     for file in files.into_iter().flatten() {
         match folder_to_make(file) {

@@ -310,6 +310,7 @@ pub(crate) fn compare<'py>(
         processing.iter().map(|name| one_of("processing", name, &known)).collect::<PyResult<_>>()?;
     let given = pipelines.iter().map(|p| p.as_ref().map(|p| p.0.clone())).collect();
     let cameras: Vec<Camera> = cameras.iter().map(|c| c.camera.clone()).collect();
+    experiment::ensure_any_defined(&cameras, &processing).or_raise()?;
     let labels = numbered(cameras.iter().map(|c| c.description().name.clone()).collect());
     let scenes = match scenes {
         SetOrScenes::Set(name) => one_of("scenes", &name, &sets())?.scenes(&illuminant).or_raise()?,

@@ -128,12 +128,19 @@ pub(crate) fn grid_of(wavelengths_nm: Option<&Bound<'_, PyAny>>) -> PyResult<Opt
 /// An illuminant argument: a name, a CSV file, or relative spectral power (energy).
 pub(crate) fn light(value: &Bound<'_, PyAny>) -> PyResult<Illuminant> {
     if let Ok(name) = value.cast::<PyString>() {
-        return lights::load(name.to_str()?, std::path::Path::new("")).or_raise();
+        let (light, note) = lights::load_with_note(name.to_str()?, std::path::Path::new("")).or_raise()?;
+        warn(value.py(), note)?;
+        return Ok(light);
     }
     let power = value.cast::<PySpectrum>().map_err(|_| {
         wrong("illuminant: expected a name, a CSV file or a smalti.Spectrum of relative power")
     })?;
     Ok(Illuminant::Measured { name: "given".into(), power: power.get().0.clone() })
+}
+
+/// Issues Python warnings about files.
+pub(crate) fn warn(py: Python<'_>, notes: impl IntoIterator<Item = String>) -> PyResult<()> {
+    notes.into_iter().try_for_each(|note| py.import("warnings")?.call_method1("warn", (note,)).map(drop))
 }
 
 /// A filter argument: a spectrum, the name of a built-in filter, a number (flat), or the table of a camera file.
@@ -145,9 +152,7 @@ pub(crate) fn filter(value: &Bound<'_, PyAny>, what: &str, grid: WavelengthGrid)
         let name = name.to_str()?;
         if name.to_ascii_lowercase().ends_with(".csv") || name.contains(".csv#") {
             let (read, note) = spectrum_csv::read_transmittance(name).or_raise_about(what)?;
-            if let Some(note) = note {
-                value.py().import("warnings")?.call_method1("warn", (note,))?;
-            }
+            warn(value.py(), note)?;
             return read.resampled(grid, Extrapolation::Error).or_raise_about(what);
         }
         Filter::Builtin(name.to_owned())

@@ -7,9 +7,10 @@ use numpy::IntoPyArray;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
 use smalti::design::{Sweep, Trials};
+use smalti_io::TomlSource;
 use smalti_io::dataset::{self, Column, Dataset, Shard};
+use smalti_io::studies::{self, LoadedStudy};
 use smalti_io::sweeps::{self, SweepRun};
-use smalti_io::{TomlSource, studies};
 use smalti_report::study::camera_toml;
 
 use crate::camera::{PyCamera, diagnosed};
@@ -17,6 +18,7 @@ use crate::cfa::PyCfa;
 use crate::error::OrRaise;
 use crate::evaluate::cache;
 use crate::json::dict_of;
+use crate::spectrum::warn;
 use crate::work::{Told, watched};
 
 /// A study: families of filters and mosaics, conditions, metrics.
@@ -39,8 +41,10 @@ impl PyStudy {
     #[new]
     fn py_new(py: Python<'_>, source: PathBuf) -> PyResult<Self> {
         let name = source.to_string_lossy().into_owned();
-        let (trials, about) =
-            watched(py, None, |_| studies::load(&name).map_err(|e| diagnosed(&name, &e.to_string())))?;
+        let LoadedStudy { trials, about, notes } = watched(py, None, |_| {
+            studies::load_with_notes(&name).map_err(|e| diagnosed(&name, &e.to_string()))
+        })?;
+        warn(py, notes)?;
         Ok(Self { trials, about })
     }
 
@@ -53,7 +57,9 @@ impl PyStudy {
     #[pyo3(signature = (text, folder=None))]
     fn from_toml(py: Python<'_>, text: String, folder: Option<PathBuf>) -> PyResult<Self> {
         let source = TomlSource { name: "study".into(), folder: folder.unwrap_or_default(), text };
-        let (trials, about) = watched(py, None, |_| studies::from_source(&source).or_raise())?;
+        let LoadedStudy { trials, about, notes } =
+            watched(py, None, |_| studies::from_source_with_notes(&source).or_raise())?;
+        warn(py, notes)?;
         Ok(Self { trials, about })
     }
 

@@ -5,13 +5,13 @@ use std::path::Path;
 use serde_json::json;
 use smalti::sensor::{Filter, cfa as filters};
 use smalti::spectrum::{Extrapolation, Observer, Spectrum, WavelengthGrid};
-use smalti_io::spectrum_csv;
+use smalti_io::{lights, spectrum_csv};
 use smalti_report::Rgb;
 
 use super::datasheet::{Datasheet, Part};
 use super::plot::{Curve, Plot};
 use super::{cfa, tile};
-use crate::resolve::{self, has_extension};
+use crate::resolve::has_extension;
 use crate::scene_args::SceneOptions;
 
 /// The last wavelength of curves that may extend beyond the visible.
@@ -48,7 +48,7 @@ pub(super) fn filter(name: &str, options: &SceneOptions) -> anyhow::Result<Datas
 
 /// An illuminant by name or file, as power relative to its peak.
 pub(super) fn illuminant(name: &str, options: &SceneOptions) -> anyhow::Result<Datasheet> {
-    let light = resolve::illuminant(name)?;
+    let (light, told) = lights::load_with_note(name, Path::new(""))?;
     let grid = cfa::grid(options, 700.0)?;
     let energy = light.energy(grid)?;
     let highest = energy.max();
@@ -64,7 +64,7 @@ pub(super) fn illuminant(name: &str, options: &SceneOptions) -> anyhow::Result<D
         "wavelengths_nm": grid.wavelengths_nm().collect::<Vec<_>>(), "relative_power": energy.values(),
     });
     let parts = vec![Part::Plot(plot("Power relative to the peak", "Relative power", name, color, energy))];
-    Ok(Datasheet { title, about: Vec::new(), parts, json, toml: None })
+    Ok(Datasheet { title, about: told.into_iter().collect(), parts, json, toml: None })
 }
 
 fn plot(title: &str, quantity: &'static str, name: &str, color: Rgb, values: Spectrum) -> Plot {

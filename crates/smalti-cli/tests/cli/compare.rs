@@ -375,7 +375,8 @@ fn what_cannot_be_compared_is_refused_before_work() {
             &["dead-leafs", "did you mean 'dead-leaves'?"],
         ),
         ("compare bayer --scene no.exr --luminance 80", 1, &["cannot read no.exr"]),
-        ("compare rgbw --processing malvar2004", 1, &["nothing is left to compare"]),
+        // Before any scene is read.
+        ("compare rgbw --processing malvar2004 --scene no.exr", 1, &["nothing is left to compare"]),
         ("compare bayer --set sensor.architecture=prism", 1, &["bayer", "prism", "mosaics"]),
         ("compare bayer --set sensor.architecture=field-sequential", 1, &["field-sequential", "mosaics"]),
     ] {

@@ -119,9 +119,16 @@ fn a_study_scores_what_it_names() {
     ];
     let all = names(&place, "out");
     let from = all.iter().position(|n| n == metrics[0]).unwrap();
-    assert_eq!(all[from..], [&metrics[..], &["macbeth_time_s", "edge_time_s", "problem"]].concat());
+    let saturated =
+        ["dead_leaves_1", "leaves", "dead_leaves_3"].map(|scene| format!("saturated_percent_{scene}"));
+    let saturated = saturated.each_ref().map(String::as_str);
+    let others = ["macbeth_time_s", "edge_time_s", "problem"];
+    assert_eq!(all[from..], [&metrics[..], &saturated, &others].concat());
     let found = columns(&place, "out", &metrics);
     assert!(found.iter().flatten().all(|v| v.is_finite()), "{found:?}");
+    // Automatic exposure leaves few samples at the white level.
+    let shares = columns(&place, "out", &saturated);
+    assert!(shares.iter().flatten().all(|v| (0.0..5.0).contains(v)), "{shares:?}");
     // Other leaves, other pictures.
     assert_ne!(found[1], found[3]);
 
@@ -132,6 +139,7 @@ fn a_study_scores_what_it_names() {
         "CPSNR dB leaves",
         "CPSNR dB dead leaves 1",
         "aliasing %",
+        "saturated % leaves",
         "no other design beats in MTF50, CPSNR dead leaves 1, CPSNR leaves, CPSNR dead leaves 3 and aliasing at once",
     ] {
         assert!(text.contains(words), "{words} is missing in\n{text}");
@@ -237,4 +245,24 @@ fn the_report_of_mosaics_names_the_one_that_aliases_least() {
     let least = aliasing.iter().copied().fold(f64::INFINITY, f64::min);
     assert_eq!(best[0]["aliasing_percent"].as_f64(), Some(least));
     assert!(best[0]["mosaic"].as_str().unwrap().starts_with("bayer"), "{best}");
+}
+
+/// Files of a study are told as those of cameras are.
+#[test]
+fn what_was_recognised_in_the_files_of_a_study_is_told() {
+    let place = Place::new();
+    place.write("light.csv", "nm;power\n380;0,5\n800;1\n");
+    let study = STUDY.replacen("colors", "illuminant = \"light.csv\"\ncolors", 1);
+    let study = study.replace("\"leaves.exr\", ", "");
+    place.write("study.toml", &study);
+    let told = place.run(&["sweep", "study.toml", "-o", "out", "--dry-run"]);
+    let note = "note: light.csv: columns separated by semicolons, decimal commas\n";
+    assert!(told.code == 0 && told.err.contains(note), "{}", told.err);
+    place.write("light.csv", "nm,power (%)\n380,50\n800,120\n");
+    let refused = place.run(&["sweep", "study.toml", "-o", "out", "--dry-run"]);
+    assert!(
+        refused.code == 1 && refused.err.contains("found 120 in column 'power'; expected at most 100 %"),
+        "{}",
+        refused.err
+    );
 }

@@ -86,7 +86,7 @@ pub(super) fn listed<'a>(letters: impl IntoIterator<Item = &'a char>) -> String 
 }
 
 /// Adds a note that is not there yet.
-fn tell(notes: &mut Vec<String>, note: Option<String>) {
+pub(crate) fn tell(notes: &mut Vec<String>, note: Option<String>) {
     notes.extend(note.filter(|note| !notes.contains(note)));
 }
 

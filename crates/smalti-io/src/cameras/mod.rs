@@ -17,7 +17,7 @@ use crate::camera_toml::Override;
 use crate::diagnostic::Diagnostic;
 use crate::toml_source::{BuiltinFile, TomlSource, beside, is_toml};
 
-pub(crate) use self::files::read_curve;
+pub(crate) use self::files::{read_curve, tell};
 
 /// The built-in cameras.
 #[must_use]

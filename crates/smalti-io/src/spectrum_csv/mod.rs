@@ -109,6 +109,17 @@ pub fn read_transmittance(path_and_column: &str) -> Result<(Spectrum, Option<Str
     Ok((read.columns.swap_remove(0).1, note))
 }
 
+/// As [`read_spectrum`], for relative values, such as the spectral power of a light, whose scale has no meaning. Also returns what is to
+/// be told about the file, if anything.
+///
+/// # Errors
+/// As [`read_spectrum`], and when a heading states percent and a value is above 100 %.
+pub fn read_relative(path_and_column: &str) -> Result<(Spectrum, Option<String>), IoError> {
+    let (table, column) = table_and_column(path_and_column)?;
+    let note = table.relative(column)?;
+    Ok((table.columns[column].1.clone(), note))
+}
+
 /// A file, and the number of the column that `file.csv` or `file.csv#column` names.
 fn table_and_column(path_and_column: &str) -> Result<(SpectrumTable, usize), IoError> {
     let (path, column) = match path_and_column.rsplit_once('#') {

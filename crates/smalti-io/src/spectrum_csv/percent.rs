@@ -47,10 +47,27 @@ impl SpectrumTable {
             ))
         };
         let columns = chosen.iter().map(column).collect::<Result<_, IoError>>()?;
-        let mut facts = self.recognised();
-        facts.extend(percent.is_some().then_some("values in percent, divided by 100"));
-        let note = (!facts.is_empty()).then(|| format!("{}: {}", self.path.display(), facts.join(", ")));
+        let note = self.note(percent.map(|_| "values in percent, divided by 100"));
         Ok(Transmittances { columns, note })
+    }
+
+    /// What is to be told about the file of a column of relative values, whose scale has no meaning.
+    ///
+    /// # Errors
+    /// When the heading states percent and a value is above 100 %.
+    pub(super) fn relative(&self, column: usize) -> Result<Option<String>, IoError> {
+        let is_percent = self.facts[column].is_percent;
+        if is_percent {
+            self.check(column, Some(column))?;
+        }
+        Ok(self.note(is_percent.then_some("values in percent")))
+    }
+
+    /// What was recognised about the file, with something about its values.
+    fn note(&self, values: Option<&'static str>) -> Option<String> {
+        let mut facts = self.recognised();
+        facts.extend(values);
+        (!facts.is_empty()).then(|| format!("{}: {}", self.path.display(), facts.join(", ")))
     }
 
     /// Checks the largest value of a column. `percent` is a column in percent, if there is one.

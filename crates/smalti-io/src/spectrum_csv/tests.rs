@@ -97,6 +97,25 @@ fn separators_and_decimal_marks_are_recognised_and_told() {
     assert!(error("nm;R\n400;1.000,5\n").contains("line 2: found '1.000,5'"));
 }
 
+/// The power of a light has any scale; what a heading states as percent must be that.
+#[test]
+fn relative_values_have_any_scale_and_their_file_is_told() {
+    let relative =
+        |text: &str| parse(text, Path::new("f.csv")).unwrap().relative(0).map_err(|e| e.to_string());
+    assert_eq!(relative("nm,power\n400,0.2\n410,5000\n"), Ok(None));
+    let told = |text: &str| relative(text).unwrap().unwrap();
+    assert_eq!(
+        told("nm;power\n400;0,2\n410;1,5\n"),
+        "f.csv: columns separated by semicolons, decimal commas"
+    );
+    assert_eq!(
+        told("nm\tpower (%)\n400\t20\n410\t100\n"),
+        "f.csv: columns separated by tabs, values in percent"
+    );
+    let above = relative("nm,power (%)\n400,20\n410,120\n").unwrap_err();
+    assert_eq!(above, "f.csv: line 3: found 120 in column 'power'; expected at most 100 %");
+}
+
 fn transmittances(text: &str, names: &[&str]) -> Result<Transmittances, String> {
     parse(text, Path::new("f.csv")).unwrap().transmittances(names).map_err(|e| e.to_string())
 }

@@ -8,6 +8,7 @@ use smalti::names::nearest;
 
 use super::file::{Conditions, MAX_CONDITIONS, StudyFile};
 use crate::camera_toml::Override;
+use crate::cameras::tell;
 use crate::diagnostic::Diagnostic;
 use crate::toml_source::{TomlSource, is_toml};
 use crate::{cameras, lights};
@@ -16,7 +17,12 @@ use crate::{cameras, lights};
 const OF_STUDY: [&str; 2] = ["luminance_cd_m2", "illuminant"];
 
 /// The conditions of the list, or those of the grid. Keys of a grid are sorted by name, and the last key changes fastest.
-pub(super) fn conditions(file: &StudyFile, source: &TomlSource) -> Result<Vec<Condition>, Box<Diagnostic>> {
+/// `notes` receives what is to be told about files.
+pub(super) fn conditions(
+    file: &StudyFile,
+    source: &TomlSource,
+    notes: &mut Vec<String>,
+) -> Result<Vec<Condition>, Box<Diagnostic>> {
     let wrong = |key: &str, message: &str| Box::new(source.about_key(key, message));
     let mut points: Vec<Vec<(String, toml::Value)>> = vec![Vec::new()];
     match &file.conditions {
@@ -50,7 +56,8 @@ pub(super) fn conditions(file: &StudyFile, source: &TomlSource) -> Result<Vec<Co
     }
     let listed = matches!(file.conditions, Some(Conditions::List(_)));
     let place = |i: usize| if listed { format!("conditions.list[{i}]") } else { "conditions.grid".into() };
-    points.into_iter().enumerate().map(|(i, point)| condition(file, source, &place(i), point)).collect()
+    let condition = |(i, point)| condition(file, source, &place(i), point, notes);
+    points.into_iter().enumerate().map(condition).collect()
 }
 
 /// A TOML value in the form of the option `--set`.
@@ -64,6 +71,7 @@ fn condition(
     source: &TomlSource,
     place: &str,
     point: Vec<(String, toml::Value)>,
+    notes: &mut Vec<String>,
 ) -> Result<Condition, Box<Diagnostic>> {
     let wrong = |key: &str, message: &str| Box::new(source.about_key(key, message));
     // A condition overrides keys of the study. Errors point to the value that is used.
@@ -98,8 +106,8 @@ fn condition(
         return Err(wrong(&at("luminance_cd_m2"), &message));
     }
     let camera = cameras::name_beside(&source.folder, &file.camera);
-    let camera =
-        cameras::load(&camera, &overrides, None).map_err(|e| match e.origin.strip_prefix("--set ") {
+    let camera = cameras::load_with_notes(&camera, &overrides, None).map_err(|e| {
+        match e.origin.strip_prefix("--set ") {
             // Overrides come from keys of the study file.
             Some(set) => {
                 let key = set.split('=').next().unwrap_or(set);
@@ -114,9 +122,11 @@ fn condition(
             }
             // Errors in a camera file already point into that file.
             None => e,
-        })?;
-    let illuminant =
-        lights::load(light, &source.folder).map_err(|e| wrong(&at("illuminant"), &e.to_string()))?;
-    let camera = CameraDescription::clone(camera.description());
+        }
+    })?;
+    let (illuminant, told) = lights::load_with_note(light, &source.folder)
+        .map_err(|e| wrong(&at("illuminant"), &e.to_string()))?;
+    camera.notes.into_iter().chain(told).for_each(|note| tell(notes, Some(note)));
+    let camera = CameraDescription::clone(camera.camera.description());
     Ok(Condition { values, luminance_cd_m2, illuminant, camera })
 }

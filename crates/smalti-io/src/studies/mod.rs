@@ -22,7 +22,7 @@ pub use self::parcel::scenes_as_bytes;
 use self::conditions::conditions;
 use self::file::StudyFile;
 use self::parcel::hash;
-use crate::cameras::read_curve;
+use crate::cameras::{read_curve, tell};
 use crate::diagnostic::Diagnostic;
 use crate::toml_source::{BuiltinFile, TomlSource, beside, builtin};
 use crate::{ReadOptions, scene_file, text};
@@ -62,11 +62,32 @@ pub fn schema() -> schemars::Schema {
 /// # Errors
 /// When the name is unknown, a key, a value or a file is invalid, or the study has no design. The error names the line, if there is one.
 pub fn load(name: &str) -> Result<(Trials, String), Box<Diagnostic>> {
+    load_with_notes(name).map(|LoadedStudy { trials, about, .. }| (trials, about))
+}
+
+/// A study with what is to be told about it.
+#[derive(Debug, Clone)]
+pub struct LoadedStudy {
+    /// Its trials.
+    pub trials: Trials,
+    /// Its description.
+    pub about: String,
+    /// What was recognised about the files that it refers to, such as percent and separators; each once.
+    pub notes: Vec<String>,
+}
+
+/// As [`load`], with what is to be told about the files of the study.
+///
+/// # Errors
+/// As [`load`].
+pub fn load_with_notes(name: &str) -> Result<LoadedStudy, Box<Diagnostic>> {
     if Path::new(name).extension().is_some_and(|e| e.eq_ignore_ascii_case("json")) {
         let text = text::read_to_string(Path::new(name));
-        return from_json(name, &text.map_err(|e| Box::new(Diagnostic::new(name, e.to_string())))?, &[]);
+        let text = text.map_err(|e| Box::new(Diagnostic::new(name, e.to_string())))?;
+        let (trials, about) = from_json(name, &text, &[])?;
+        return Ok(LoadedStudy { trials, about, notes: Vec::new() });
     }
-    from_source(&TomlSource::find("study", STUDIES, name)?)
+    from_source_with_notes(&TomlSource::find("study", STUDIES, name)?)
 }
 
 /// Reads a resolved study, or the manifest of results, from its JSON text. `scenes` are the scenes from files, as returned by
@@ -98,12 +119,21 @@ pub fn from_json(name: &str, text: &str, scenes: &[u8]) -> Result<(Trials, Strin
 /// # Errors
 /// As [`load`].
 pub fn from_source(source: &TomlSource) -> Result<(Trials, String), Box<Diagnostic>> {
+    from_source_with_notes(source).map(|LoadedStudy { trials, about, .. }| (trials, about))
+}
+
+/// As [`from_source`], with what is to be told about the files of the study.
+///
+/// # Errors
+/// As [`load`].
+pub fn from_source_with_notes(source: &TomlSource) -> Result<LoadedStudy, Box<Diagnostic>> {
     let camera = || format!("this is a camera file; a study refers to it by camera = \"{}\"", source.name);
     let file: StudyFile = source.parse_or_tell(&["optics", "sensor", "exposure", "isp"], camera)?;
     let wrong = |key: &str, message: &str| Box::new(source.about_key(key, message));
-    let mut filters = file.filters.clone();
+    let (mut filters, mut notes) = (file.filters.clone(), Vec::new());
     for (place, filter) in filters.filters_mut() {
-        read_curve(filter, &source.folder).map_err(|e| wrong(&format!("filters.{place}"), &e))?;
+        let note = read_curve(filter, &source.folder).map_err(|e| wrong(&format!("filters.{place}"), &e))?;
+        tell(&mut notes, note);
     }
     let stem = Path::new(&source.name).file_stem().map(|s| s.to_string_lossy().into_owned());
     let study = Study {
@@ -114,7 +144,7 @@ pub fn from_source(source: &TomlSource) -> Result<(Trials, String), Box<Diagnost
         filter_sets: file.sample.filters.number(),
         mosaics: file.mosaics.clone(),
         mosaic_count: file.sample.mosaics.number(),
-        conditions: conditions(&file, source)?,
+        conditions: conditions(&file, source, &mut notes)?,
         processing: file.processing.list(),
         l3: file.l3.clone(),
         metrics: metrics(&file, source)?,
@@ -160,7 +190,7 @@ pub fn from_source(source: &TomlSource) -> Result<(Trials, String), Box<Diagnost
         }
         _ => Box::new(Diagnostic::new(source.name.clone(), e.to_string())),
     })?;
-    Ok((trials, file.about))
+    Ok(LoadedStudy { trials, about: file.about, notes })
 }
 
 fn twice<T: Ord>(all: &[T]) -> Option<&T> {

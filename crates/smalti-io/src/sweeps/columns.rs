@@ -21,17 +21,25 @@ fn metrics(study: &Study) -> Vec<(String, Metric, usize)> {
             all.push((metric.name().to_owned(), metric, 0));
             continue;
         }
-        for (i, scene) in study.scenes.iter().enumerate() {
-            let name = |scene: &StudyScene| condition_column(scene.short_name());
-            let own = name(scene);
-            // Scenes with the same name are numbered by their position in the study.
-            let alike = study.scenes.iter().filter(|s| name(s) == own).count();
-            let place = if alike > 1 { format!("_{}", i + 1) } else { String::new() };
-            all.push((format!("{}_{own}{place}", metric.name()), metric, i));
-        }
+        let of_scenes = (0..study.scenes.len()).map(|i| (scene_column(study, metric.name(), i), metric, i));
+        all.extend(of_scenes);
     }
     all
 }
+
+/// The column name for a figure of a scene of the study.
+fn scene_column(study: &Study, figure: &str, scene: usize) -> String {
+    let name = |scene: &StudyScene| condition_column(scene.short_name());
+    let own = study.scenes.get(scene).map(name).unwrap_or_default();
+    // Scenes with the same name are numbered by their position in the study.
+    let alike = study.scenes.iter().filter(|s| name(s) == own).count();
+    let place = if alike > 1 { format!("_{}", scene + 1) } else { String::new() };
+    format!("{figure}_{own}{place}")
+}
+
+/// The share of saturated samples. Only scenes have it: the scores of targets come from a few patches and from captures without
+/// noise, and a capture of a whole target would cost as much as its scores.
+const SATURATED: &str = "saturated_percent";
 
 /// Whether a metric of the study is measured on the edge target, which is then exposed.
 fn looks_at_edge(study: &Study) -> bool {
@@ -96,6 +104,10 @@ pub fn schema(study: &Study) -> Vec<ColumnSpec> {
         let of = of.map_or_else(String::new, |s| format!(" Of the scene {}.", s.name));
         all.push(column(&name, Float, unit, &format!("{doc}{of}")));
     }
+    for (scene, of) in study.scenes.iter().enumerate() {
+        let doc = format!("Percentage of the raw samples at the white level. Of the scene {}.", of.name);
+        all.push(column(&scene_column(study, SATURATED, scene), Float, "%", &doc));
+    }
     all.push(column("macbeth_time_s", Float, "s", "Exposure time of the ColorChecker."));
     if looks_at_edge(study) {
         all.push(column("edge_time_s", Float, "s", "Exposure time of the edge."));
@@ -145,6 +157,10 @@ pub fn columns(trials: &Trials, rows: &[ScoredTrial]) -> Result<Vec<Column>, Des
     ]);
     for (_, metric, scene) in metrics(study) {
         all.push(number(&|r| r.value(metric, scene).unwrap_or(f64::NAN)));
+    }
+    for scene in 0..study.scenes.len() {
+        let saturated = |s: &Scores| Some(s.scenes.get(scene)?.as_ref().ok()?.saturated_percent);
+        all.push(number(&|r| r.scores.as_ref().ok().and_then(saturated).unwrap_or(f64::NAN)));
     }
     all.push(number(&|r| r.scores.as_ref().map_or(f64::NAN, |s| s.macbeth_time_s)));
     if looks_at_edge(study) {

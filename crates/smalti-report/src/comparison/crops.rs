@@ -8,6 +8,7 @@ use super::gallery::{Group, Shot};
 use super::results::Comparison;
 use crate::page::{DataUri, Element, Markup, el, paragraph};
 use crate::pictures::Pixels;
+use crate::words::listed;
 
 /// The side of a crop, pixels.
 const SIDE: usize = 96;
@@ -27,10 +28,21 @@ struct Window {
     difference: f64,
 }
 
-/// The crops of all scenes, and the number of bytes that their pictures take. `groups` are all pictures.
-pub(super) fn crops(report: &Comparison<'_>, groups: &[Group], scenes: &[String]) -> (Markup, usize) {
-    let rows: Vec<Row<'_>> =
-        scenes.iter().enumerate().filter_map(|(scene, name)| Row::of(report, groups, scene, name)).collect();
+/// The crops of all scenes, and the number of bytes that their pictures take, at most `most`. `groups` are all pictures.
+pub(super) fn crops(
+    report: &Comparison<'_>,
+    groups: &[Group],
+    scenes: &[String],
+    most: usize,
+) -> (Markup, usize) {
+    let most = most.min(MAX_BYTES);
+    let (mut rows, mut without) = (Vec::new(), Vec::new());
+    for (scene, name) in scenes.iter().enumerate() {
+        match Row::of(report, groups, scene, name) {
+            Some(row) => rows.push(row),
+            None => without.push(name.clone()),
+        }
+    }
     let encoded = |quality| -> Vec<Vec<Result<DataUri, String>>> {
         rows.iter().map(|row| row.pictures.iter().map(|p| encode(p, quality)).collect()).collect()
     };
@@ -40,7 +52,7 @@ pub(super) fn crops(report: &Comparison<'_>, groups: &[Group], scenes: &[String]
     let mut all = Vec::new();
     for quality in QUALITIES {
         all = encoded(quality);
-        if total(&all) <= MAX_BYTES {
+        if total(&all) <= most {
             break;
         }
     }
@@ -48,7 +60,7 @@ pub(super) fn crops(report: &Comparison<'_>, groups: &[Group], scenes: &[String]
     let mut out = Markup::new();
     for (row, uris) in rows.iter().zip(&all) {
         // With very many cameras not even the smallest crops of all scenes fit.
-        if used > 0 && used + bytes_of(uris) > MAX_BYTES {
+        if used > 0 && used + bytes_of(uris) > most {
             left_out += 1;
             continue;
         }
@@ -59,6 +71,7 @@ pub(super) fn crops(report: &Comparison<'_>, groups: &[Group], scenes: &[String]
         let words = format!("The crops of {left_out} more scenes are left out: the page would be too large.");
         out = out.and(paragraph("none", words));
     }
+    out = out.and(without_crop(&without));
     let several = report.contenders.len() > 1;
     let about = if several {
         "For each scene, the window and the luminance at which the errors of the cameras differ most: the mean over the window of the \
@@ -68,6 +81,15 @@ pub(super) fn crops(report: &Comparison<'_>, groups: &[Group], scenes: &[String]
          the pixels are enlarged."
     };
     (paragraph("help", about).and(out), used)
+}
+
+/// Names the scenes that have no crop.
+fn without_crop(scenes: &[String]) -> Markup {
+    if scenes.is_empty() {
+        return Markup::new();
+    }
+    let words = "No crops are compared of these scenes, since their pictures differ in size between the cameras or are missing";
+    paragraph("none", format!("{words}: {}.", listed(scenes)))
 }
 
 fn encode(pixels: &Pixels, quality: Option<u8>) -> Result<DataUri, String> {
@@ -292,6 +314,14 @@ mod tests {
         values[10 * cols + 10] = f32::INFINITY;
         values[20 * cols + 20] = f32::NAN;
         assert_eq!(window_of_largest_mean(&values, (rows, cols), 32).unwrap().0, rect);
+    }
+
+    #[test]
+    fn scenes_without_a_crop_are_named() {
+        assert_eq!(without_crop(&[]).as_str(), "");
+        let words = without_crop(&["leaves", "street"].map(String::from));
+        assert!(words.as_str().contains("differ in size"), "{}", words.as_str());
+        assert!(words.as_str().contains("leaves and street."), "{}", words.as_str());
     }
 
     #[test]

@@ -31,7 +31,7 @@ const QUALITIES: [Quality; 7] = [
     Quality { picture: 60, map: 50, coarse: true, halved: true },
 ];
 /// The largest number of bytes of all pictures. Pictures beyond it at the last quality are left out.
-const MAX_BYTES: usize = 5_000_000;
+pub(super) const MAX_BYTES: usize = 5_000_000;
 
 /// The picture of a scene by one camera with its processing.
 pub(super) struct Shot {

@@ -15,18 +15,48 @@ use crate::pictures::Pixels;
 use crate::words::listed;
 use crate::{ReportError, names};
 
-/// The page of a comparison as HTML.
+/// The size of a page, bytes, that its pictures may not exceed together with all else.
+const MAX_BYTES: usize = 6_000_000;
+/// Pages that are made until one fits. The first leaves room for the usual tables and kernels.
+const ATTEMPTS: usize = 3;
+
+/// The page of a comparison as HTML. It is smaller than 6 MB, unless its tables and pipelines alone are larger: pictures and crops
+/// are compressed more or left out, which the page states.
 ///
 /// # Errors
 /// When a picture cannot be converted, or a camera cannot be written as text.
 pub fn page(report: &Comparison<'_>) -> Result<String, ReportError> {
-    let title: Vec<String> = report.contenders.iter().map(Contender::name).collect();
-    let learned = report.learned();
-    let scored = scored(report);
     // Scenes of equal names are numbered in the chooser as in the names of files.
     let scenes = names::numbered(report.scene_labels.to_vec());
     let groups = groups(report, &scenes)?;
-    let (crops, used) = crops::crops(report, &groups, &scenes);
+    within(MAX_BYTES, |reserved| page_beside(report, (&groups, &scenes), reserved))
+}
+
+/// Makes a page with more and more bytes reserved for what is not a picture, until it is at most as large as `most`.
+fn within<E>(most: usize, mut make: impl FnMut(usize) -> Result<String, E>) -> Result<String, E> {
+    let mut reserved = 0;
+    let mut page = make(reserved)?;
+    for _ in 1..ATTEMPTS {
+        let excess = page.len().saturating_sub(most);
+        if excess == 0 {
+            break;
+        }
+        reserved += excess;
+        page = make(reserved)?;
+    }
+    Ok(page)
+}
+
+/// The page with `reserved` bytes of those of pictures kept free.
+fn page_beside(
+    report: &Comparison<'_>,
+    (groups, scenes): (&[Group], &[String]),
+    reserved: usize,
+) -> Result<String, ReportError> {
+    let title: Vec<String> = report.contenders.iter().map(Contender::name).collect();
+    let learned = report.learned();
+    let scored = scored(report);
+    let (crops, used) = crops::crops(report, groups, scenes, gallery::MAX_BYTES.saturating_sub(reserved));
     let charts = chart::colors(&scored);
     let kinds = DIFFERENCES.each_ref().map(|d| &d.maps);
     let mut page = Page::new(format!("{} compared", listed(&title)))
@@ -34,7 +64,11 @@ pub fn page(report: &Comparison<'_>) -> Result<String, ReportError> {
         .lead(lead(report))
         .section("verdict", "Verdict", summary::summary(report))
         .section("crops", "Most telling crops", crops)
-        .section("pictures", "Pictures", gallery::gallery(&groups, &kinds, used + charts.as_str().len()))
+        .section(
+            "pictures",
+            "Pictures",
+            gallery::gallery(groups, &kinds, reserved + used + charts.as_str().len()),
+        )
         .section("scores", "Scores", tables::scores(report).and(tables::scenes(report)))
         .section("light", "Quality against light", light(report))
         .section("colours", "Colours", charts)
@@ -182,4 +216,27 @@ fn scored<'a>(report: &'a Comparison<'_>) -> Vec<Vec<Scored<'a>>> {
         report.in_light(light).map(one).collect()
     };
     (0..report.light_count()).map(of_light).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_page_that_is_too_large_is_made_again_with_smaller_pictures() {
+        let of = |tables: usize, pictures: usize, calls: &mut Vec<usize>| -> String {
+            let make = |reserved: usize| -> Result<String, ReportError> {
+                calls.push(reserved);
+                Ok("x".repeat(tables + pictures.saturating_sub(reserved)))
+            };
+            within(100, make).unwrap()
+        };
+        let mut calls = Vec::new();
+        assert_eq!((of(40, 50, &mut calls).len(), calls.as_slice()), (90, &[0][..]));
+        calls.clear();
+        assert_eq!((of(70, 50, &mut calls).len(), calls.as_slice()), (100, &[0, 20][..]));
+        // Tables alone are larger.
+        calls.clear();
+        assert_eq!((of(120, 50, &mut calls).len(), calls.len()), (120, ATTEMPTS));
+    }
 }

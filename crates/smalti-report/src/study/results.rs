@@ -16,6 +16,8 @@ use crate::{ReportError, names};
 const MAX_PROBLEMS: usize = 100;
 /// Colour, resolution and noise: the axes of figures, where a study scores them.
 pub(super) const MAIN: [&str; 3] = ["delta_e_76", "mtf50_cy_per_mm", "luminance_noise_percent"];
+/// The share of saturated samples, which is shown but decides nothing: what it costs is in the other metrics.
+const SATURATED: &str = "saturated_percent";
 /// Metrics that are left out where the study scores the metric beside them, which measures the same.
 const VARIANTS: [(&str, &str); 2] = [("delta_e_2000", "delta_e_76"), ("mtf50_cy_per_px", "mtf50_cy_per_mm")];
 
@@ -57,6 +59,7 @@ impl Measure {
             "cpsnr_db" => ("CPSNR", " dB", 2),
             "pixel_delta_e_2000_mean" => ("ΔE2000", "", 2),
             "scielab_mean" => ("S-CIELAB", "", 2),
+            SATURATED => ("saturated", " %", 2),
             other => (other, "", 2),
         };
         Some(Self {
@@ -67,6 +70,11 @@ impl Measure {
             better: info.better,
             values: values.clone(),
         })
+    }
+
+    /// Whether designs are compared by it.
+    pub(super) fn decides(&self) -> bool {
+        !self.name.starts_with(SATURATED)
     }
 
     /// The objective of the metric over some of its values.

@@ -152,7 +152,7 @@ impl<'a> Section<'a> {
         let objectives = |measures: &[&'a Measure]| -> Vec<Objective<'a>> {
             measures.iter().map(|m| m.objective(part(m))).collect()
         };
-        let all: Vec<&Measure> = results.measures.iter().collect();
+        let all: Vec<&Measure> = results.measures.iter().filter(|m| m.decides()).collect();
         let choice = Choice::of(results);
         let rule = match choice {
             Choice::Color => {
@@ -257,7 +257,7 @@ impl<'a> Section<'a> {
 /// Colour, resolution and noise where at least two of them are scored; otherwise all metrics.
 fn compared(results: &Results) -> Vec<&Measure> {
     let main: Vec<&Measure> = MAIN.iter().filter_map(|name| results.measure(name)).collect();
-    if main.len() < 2 { results.measures.iter().collect() } else { main }
+    if main.len() < 2 { results.measures.iter().filter(|m| m.decides()).collect() } else { main }
 }
 
 /// Rows by the name of their filters, where filters have names.

@@ -114,6 +114,7 @@ impl SceneTarget {
             cpsnr_db: scores.cpsnr_db,
             pixel_delta_e_2000_mean: scores.pixel_delta_e_2000_mean,
             scielab_mean: scores.scielab_mean,
+            saturated_percent: raw.saturated_percent(),
         })
     }
 }

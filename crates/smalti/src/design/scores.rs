@@ -155,6 +155,8 @@ pub struct SceneFigures {
     pub pixel_delta_e_2000_mean: f64,
     /// [`Metric::Scielab`].
     pub scielab_mean: f64,
+    /// The share of the raw samples that saturate, percent.
+    pub saturated_percent: f64,
 }
 
 /// The scores on one target, or the error of the measurement; `None` when no metric of the study needs the target.

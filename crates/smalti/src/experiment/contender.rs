@@ -168,6 +168,15 @@ pub fn pipelines(
     Ok(sets)
 }
 
+/// Checks that a kind of processing is defined for the mosaic of a camera, before any work for the comparison.
+///
+/// # Errors
+/// [`ExperimentError::NothingToCompare`].
+pub fn ensure_any_defined(cameras: &[Camera], processing: &[Processing]) -> Result<(), ExperimentError> {
+    let is_defined = |c: &Camera| processing.iter().any(|p| p.is_defined_for(c.sensor.cfa.mosaic()));
+    if cameras.iter().any(is_defined) { Ok(()) } else { Err(ExperimentError::NothingToCompare) }
+}
+
 /// Every camera with every kind of processing, each once, and the names of those that are left out because the processing is not
 /// defined for the mosaic.
 ///

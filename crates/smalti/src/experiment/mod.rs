@@ -26,7 +26,7 @@ mod training_statistics;
 mod verdict;
 
 pub use comparison::{Compared, ComparisonSettings, compare};
-pub use contender::{Contender, ScoredScene, contenders, pipelines, score_scene};
+pub use contender::{Contender, ScoredScene, contenders, ensure_any_defined, pipelines, score_scene};
 pub use default_training::{DefaultTraining, learn_default};
 pub use differences::{CameraDifference, camera_differences};
 pub use error::ExperimentError;

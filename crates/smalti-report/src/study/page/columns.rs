@@ -1,11 +1,14 @@
 //! The columns of results as data of the page.
 
+use std::collections::BTreeSet;
+
 use serde_json::{Value, json};
 use smalti::design::{ColumnValues, ResultColumn};
 use smalti::metrics::Better;
 
 use super::choice::Choice;
 use super::sources::Sources;
+use crate::names;
 use crate::page::{packed, words};
 use crate::study::results::Results;
 
@@ -27,7 +30,9 @@ pub(super) fn columns(sources: &Sources<'_>, choice: &Choice) -> Columns {
         }
     }
     let (mut numbers, mut texts) = (Vec::new(), Vec::new());
+    let keys: BTreeSet<&str> = sources.all.iter().flat_map(|(results, _)| condition_keys(results)).collect();
     for column in shown {
+        let (label, unit) = label_and_unit(column, &keys);
         match column.values {
             ColumnValues::Numbers(_) => {
                 let values = floats(sources, choice, &column.name);
@@ -38,15 +43,13 @@ pub(super) fn columns(sources: &Sources<'_>, choice: &Choice) -> Columns {
                     _ => "",
                 };
                 numbers.push(json!({
-                    "name": column.name, "label": label(&column.name), "unit": column.unit, "doc": column.doc, "better": better,
+                    "name": column.name, "label": label, "unit": unit, "doc": column.doc, "better": better,
                     "values": packed(&values),
                 }));
             }
             ColumnValues::Texts(_) => {
                 let values = words(strings(sources, choice, &column.name).into_iter());
-                texts.push(
-                    json!({"name": column.name, "label": label(&column.name), "doc": column.doc, "values": values}),
-                );
+                texts.push(json!({"name": column.name, "label": label, "doc": column.doc, "values": values}));
             }
             ColumnValues::Integers(_) => {}
         }
@@ -58,6 +61,31 @@ pub(super) fn columns(sources: &Sources<'_>, choice: &Choice) -> Columns {
         .map(|c| f64::from(c.copied().unwrap_or_default()))
         .collect();
     Columns { colors: packed(&colors), numbers, words: texts }
+}
+
+/// The keys of the conditions of a study.
+fn condition_keys(results: &Results) -> impl Iterator<Item = &str> {
+    let first = results.study().conditions.first();
+    first.into_iter().flat_map(|condition| condition.values.iter().map(|(key, _)| key.as_str()))
+}
+
+/// The label of a column and its unit. The column of a condition has the name and the unit that its key states.
+fn label_and_unit<'a>(column: &'a ResultColumn, keys: &BTreeSet<&str>) -> (String, &'a str) {
+    let plain = |key: &str| key.replace(|c: char| !c.is_ascii_alphanumeric(), "_");
+    match keys.iter().find(|key| plain(key) == column.name) {
+        Some(key) => {
+            let (name, unit) = names::said(key, keys.iter().copied());
+            (capitalized(name), unit)
+        }
+        None => (label(&column.name), &column.unit),
+    }
+}
+
+fn capitalized(mut text: String) -> String {
+    if let Some(first) = text.get_mut(..1) {
+        first.make_ascii_uppercase();
+    }
+    text
 }
 
 /// The label of a column.
@@ -75,13 +103,7 @@ fn label(name: &str) -> String {
         "macbeth_time_s" => "Exposure of the chart".into(),
         "edge_time_s" => "Exposure of the edge".into(),
         "tile" => "Mosaic".into(),
-        other => {
-            let mut text = other.replace('_', " ");
-            if let Some(first) = text.get_mut(..1) {
-                first.make_ascii_uppercase();
-            }
-            text
-        }
+        other => capitalized(other.replace('_', " ")),
     }
 }
 
@@ -110,4 +132,29 @@ fn strings<'a>(sources: &Sources<'a>, choice: &Choice, name: &str) -> Vec<&'a st
     let rows =
         choice.rows.iter().map(|r| sources.all.get(r.study).and_then(|(results, _)| value(results, r.row)));
     rows.map(Option::unwrap_or_default).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn conditions_have_words_and_units() {
+        let column = |name: &str, unit: &str| ResultColumn {
+            name: name.into(),
+            unit: unit.into(),
+            doc: String::new(),
+            values: ColumnValues::Numbers(Vec::new()),
+        };
+        let keys = BTreeSet::from(["luminance_cd_m2", "optics.f_number", "sensor.pixel.pitch_um"]);
+        let said = |name: &str, unit: &str| {
+            let column = column(name, unit);
+            let (label, unit) = label_and_unit(&column, &keys);
+            format!("{label}|{unit}")
+        };
+        assert_eq!(said("luminance_cd_m2", ""), "Luminance|cd/m²");
+        assert_eq!(said("optics_f_number", ""), "F number|");
+        assert_eq!(said("sensor_pixel_pitch_um", ""), "Pitch|µm");
+        assert_eq!(said("mtf50_cy_per_mm", "cy/mm"), "Resolution MTF50|cy/mm");
+    }
 }

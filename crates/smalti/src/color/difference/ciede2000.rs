@@ -10,7 +10,7 @@ const POW25_7: f64 = 6_103_515_625.0;
 /// ΔE₀₀ with k_L = k_C = k_H = 1.
 ///
 /// Hues enter as unit vectors and not as angles, so that the formula needs no trigonometric function except in the narrow
-/// rotation term, and has no branches: a loop over it in a [`Kernel`](crate::numeric::simd::Kernel) becomes vector code.
+/// rotation term, and has no branches: a loop over it becomes vector code.
 #[inline(always)]
 #[must_use]
 pub fn delta_e_2000(lab1: [f64; 3], lab2: [f64; 3]) -> f64 {
