@@ -221,7 +221,7 @@ fn what_cannot_be_trained_for_is_refused() {
         assert!(matches!(refused, Err(CameraError::L3(_))), "{wrong:?}: {refused:?}");
     }
     let refused = camera.training_axes(&settings(), &light.scaled(0.0).unwrap());
-    assert!(matches!(refused, Err(CameraError::L3(L3Error::Levels(_)))), "{refused:?}");
+    assert!(matches!(refused, Err(CameraError::Isp(IspError::NoResponse("the camera")))), "{refused:?}");
 
     let scene = leaves(&camera, 1, &Illuminant::D65);
     let train = |settings: &TrainingSettings| {
