@@ -32,6 +32,10 @@ isetcam checkout out *groups:
 kills:
     cargo test --release -p smalti-cli --test cli a_hundred_kills -- --ignored
 
+# Compares rankings of cameras with learned pipelines under two infrared-cut filters.
+rankings:
+    cargo test --release -p smalti-cli --test cli another_infrared_cut -- --include-ignored
+
 # Fuzzes one parser for a minute, or all parsers in turn: `just fuzz exr`, `just fuzz all 600`.
 fuzz target="all" seconds="60":
     fuzz/run {{target}} {{seconds}}

@@ -127,7 +127,7 @@ def contact_sheet(work):
 
 def learned(work):
     """Bayer and RGBW with learned pipelines beside the reference, and the kernels of RGBW."""
-    smalti("compare", "bayer", "rgbw", "--luminance", "1,80", "-q", "-o", work / "compare")
+    smalti("compare", "bayer", "rgbw", "--luminance", "1,80", "--scenes", "charts", "-q", "-o", work / "compare")
     rows = [("resolution-chart", 1), ("macbeth", 1), ("macbeth", 80)]
     names = [f"side-by-side/{s}-{l}-cd-m2.png" for s, l in rows] + ["rgbw-kernels.png"]
     pictures = [Image.open(work / "compare" / name).convert("RGB") for name in names]
@@ -141,13 +141,13 @@ def learned(work):
 
 def low_light(work):
     """The first picture of the README: Bayer and RGBW at 1 cd/m², with bilinear demosaicking and with learned pipelines."""
-    smalti("compare", "bayer", "rgbw", "--processing", "l3,bilinear", "--luminance", 1, "-q", "-o", work / "dark")
+    smalti("compare", "bayer", "rgbw", "--processing", "l3,bilinear", "--luminance", 1, "--scenes", "all", "-q", "-o", work / "dark")
     results = json.loads((work / "dark/results.json").read_text())["results"]
     scores = {(r["camera"], r["pipeline"]): r for r in results}
     # The pictures of a scene stand four to a row, the reference first, in the order of the results.
     columns = [("Reference", None), ("Bayer, bilinear", ("bayer", "bilinear")), ("Bayer, L³", ("bayer", "l3")), ("RGBW, L³", ("rgbw", "l3"))]
     # A scene, its size in the sheet, and the part of it that is shown.
-    rows = [("macbeth", (384, 256), (0, 0, 384, 256)), ("resolution-chart", (384, 288), (42, 124, 192, 224))]
+    rows = [("natural-table", (384, 288), (0, 16, 384, 272)), ("resolution-chart", (384, 288), (42, 124, 192, 224))]
     head, foot, gap, size = 44, 76, 14, (300, 200)
     sheet = Image.new("RGB", (4 * size[0] + 3 * gap, head + 2 * size[1] + gap + foot), PAPER)
     draw = ImageDraw.Draw(sheet)
@@ -162,7 +162,7 @@ def low_light(work):
             box = (left + part[0], top + part[1], left + part[2], top + part[3])
             enlarged = Image.NEAREST if part[2] - part[0] < width else Image.LANCZOS
             sheet.paste(drawn.crop(box).resize(size, enlarged), (x, head + r * (size[1] + gap)))
-        lines = ["ColorChecker and a part of", "a resolution chart, 1 cd/m²"]
+        lines = ["A table and a part of a", "resolution chart, 1 cd/m²"]
         if key is not None:
             noise = scores[key]["targets"]["luminance_noise_percent"]["mean"]
             lines = [f"CPSNR {scores[key]['cpsnr_db']:.1f} dB", f"luminance noise {noise:.0f} %"]

@@ -29,13 +29,14 @@ if (what === "design") {
     await page.mouse.move(5, 5);
   }
 } else if (what) {
-  // The ColorChecker at the highest luminance, with the values under the cursor.
-  await page.getByLabel("Scene").selectOption("macbeth");
+  // A table at the highest luminance, with the values under the cursor.
+  await page.getByLabel("Scene").selectOption("natural-table");
   await page.getByLabel("Luminance").press("End");
   await page.getByLabel("Show").selectOption(what);
   await page.mouse.move(...at(await page.locator(".frame").last().boundingBox(), 0.4, 0.5));
   await page.waitForTimeout(300);
 }
-await (what === "design" ? page.locator("section.design") : page).screenshot({ path: picture });
+const part = what && page.locator(what === "design" ? "section.design" : "section#pictures");
+await (part || page).screenshot({ path: picture });
 await browser.close();
 if (faults.length > 0) throw new Error(faults.join("\n"));
