@@ -91,6 +91,9 @@ def main():
     text += table(
         "CANON_5D2", f"Canon EOS 5D Mark II: {rgb}, relative to the largest value.", *relative(*read("canon-eos-5d-mark-ii"))
     )
+    text += table(
+        "KODAK_DCS620X", "Kodak DCS620x: absolute quantum efficiency, cyan, magenta, yellow.", *four_digits(*read("kodak-dcs620x"))
+    )
     nm, rows = read("cmv12000")
     devices = [[row[1], (row[2] + row[3]) / 2, row[4], row[0]] for row in rows]
     text += table("CMV12000", f"ams CMV12000: absolute quantum efficiency, {rgb}, monochrome.", *four_digits(nm, devices))

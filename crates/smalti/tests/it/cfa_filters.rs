@@ -308,6 +308,10 @@ fn published_curves_are_those_published() {
         ("sony-ilce-7rm2/B", 465.0, 0.854_527_37, 1e-4),
         ("canon-eos-5d-mark-ii/R", 600.0, 0.5136, 1e-9),
         ("canon-eos-5d-mark-ii/B", 460.0, 0.8515, 1e-9),
+        // Points of the traces; those of cyan and yellow are interpolated.
+        ("kodak-dcs620x/C", 540.0, 0.2628, 0.0005),
+        ("kodak-dcs620x/M", 640.0, 0.3469, 0.001),
+        ("kodak-dcs620x/Y", 600.0, 0.3887, 0.001),
         // The figure of the datasheet, to its line width.
         ("cmv12000/mono", 555.0, 0.465, 0.0035),
         ("cmv12000/R", 605.0, 0.392, 0.0035),

@@ -1,6 +1,8 @@
 //! Published curves among the built-in filters.
 
-use super::generated::curves::{CANON_5D2, CMV12000, HOT_MIRROR, IMX219, OV5647, PIGMENTS, SONY_7RM2};
+use super::generated::curves::{
+    CANON_5D2, CMV12000, HOT_MIRROR, IMX219, KODAK_DCS620X, OV5647, PIGMENTS, SONY_7RM2,
+};
 use super::generated::{NIKON_D5100, SIGMA_SD_MERRILL};
 use crate::spectrum::{Extrapolation, Spectrum, SpectrumError, WavelengthGrid};
 
@@ -11,6 +13,10 @@ pub(super) fn spectrum(name: &str, grid: WavelengthGrid) -> Result<Option<Spectr
     }
     let Some((set, channel)) = name.split_once('/') else { return Ok(None) };
     let column = match channel {
+        "C" if set == "kodak-dcs620x" => 0,
+        "M" if set == "kodak-dcs620x" => 1,
+        "Y" if set == "kodak-dcs620x" => 2,
+        _ if set == "kodak-dcs620x" => return Ok(None),
         "R" => 0,
         "G" => 1,
         "B" => 2,
@@ -25,6 +31,7 @@ pub(super) fn spectrum(name: &str, grid: WavelengthGrid) -> Result<Option<Spectr
         "ov5647" => &OV5647,
         "sony-ilce-7rm2" => &SONY_7RM2,
         "canon-eos-5d-mark-ii" => &CANON_5D2,
+        "kodak-dcs620x" => &KODAK_DCS620X,
         "cmv12000" => return CMV12000.spectrum(column, grid, Extrapolation::Zero).map(Some),
         "pigment" => return PIGMENTS.spectrum(column, grid, Extrapolation::Hold).map(Some),
         _ => return Ok(None),

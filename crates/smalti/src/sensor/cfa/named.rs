@@ -38,6 +38,10 @@ const SONY_7RM2: &str = "Sony ILCE-7RM2 (A7R II): whole camera, infrared cut inc
     outside 380–700 nm.";
 const CANON_5D2: &str = "Canon EOS 5D Mark II: whole camera, infrared cut included, relative to the largest value of the three; zero \
     outside 380–700 nm.";
+const DCS620X: &str = "Kodak DCS620x: absolute quantum efficiency of the whole camera, infrared cut included; zero outside 400–700 nm. To be \
+    used with an ideal photodiode.";
+const LANSEL: &str = "Traced by Steven Lansel (2010) from the maker's figure: ISET/isetL3, data/sensors/KodakDCS620x Raw, commit 497c251; \
+    read every 10 nm.";
 const CMV12000: &str = "ams CMV12000: absolute quantum efficiency of filter and photodiode, without infrared cut. To be used with an \
     ideal photodiode.";
 const DATASHEET: &str = "Digitised from figure 8 of the datasheet: ams, CMV12000, DS000603, v5-00 (2022).";
@@ -104,6 +108,9 @@ static INFOS: &[FilterInfo] = &[
     info("canon-eos-5d-mark-ii/R", CANON_5D2, ACADEMY),
     info("canon-eos-5d-mark-ii/G", CANON_5D2, ACADEMY),
     info("canon-eos-5d-mark-ii/B", CANON_5D2, ACADEMY),
+    info("kodak-dcs620x/C", DCS620X, LANSEL),
+    info("kodak-dcs620x/M", DCS620X, LANSEL),
+    info("kodak-dcs620x/Y", DCS620X, LANSEL),
     info("cmv12000/R", CMV12000, DATASHEET),
     info("cmv12000/G", CMV12000, DATASHEET),
     info("cmv12000/B", CMV12000, DATASHEET),
