@@ -281,6 +281,9 @@ def main() -> None:
     p.add_argument("sections", nargs="*", metavar="SECTION", help="all if none is given")
     p.add_argument("--spectral", type=pathlib.Path, help="a spectral image for the section kinds")
     args = p.parse_args()
+    unknown = [name for name in args.sections if name not in sections]
+    if unknown:
+        p.error(f"no section is called {unknown[0]}; there are {', '.join(sections)}")
     FOLDER, SMALTI = args.folder, str(pathlib.Path(args.smalti).resolve())
     FOLDER.mkdir(parents=True, exist_ok=True)
     for name in args.sections or sections:

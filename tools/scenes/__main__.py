@@ -135,7 +135,7 @@ def main() -> None:
         variant()
         from . import store
 
-        print(json.dumps(store.store(args.name, args.out, STORE), indent=1))
+        print(json.dumps(store.store(script(args.name), args.name, args.out, STORE), indent=1))
     elif args.verb == "sheet":
         variant()
         from . import sheet

@@ -53,7 +53,9 @@ def build(seed: int) -> tuple[dict[str, Any], dict[str, Any]]:
         return [str(n) for n in rng.choice(every, count, replace=False)]
 
     def mottled(rows: int, cols: int, count: int) -> np.ndarray:
-        noise = lambda: texture.noise(rows, cols, int(rng.integers(1 << 30)), rng.uniform(0.7, 1.7), 2)  # noqa: E731
+        def noise() -> np.ndarray:
+            return texture.noise(rows, cols, int(rng.integers(1 << 30)), rng.uniform(0.7, 1.7), 2)
+
         return texture.mix(*[0.8 * texture.ramp(noise(), -0.5, 1.5) for _ in range(count - 1)])
 
     scene: dict[str, Any] = {"type": "scene"}
@@ -101,4 +103,3 @@ def build(seed: int) -> tuple[dict[str, Any], dict[str, Any]]:
         look = t.look_at(list(at), [0, 0.2, 0.3], [0.1, 0.3, 1]).scale([size, size, 1])
         scene[f"lamp{k}"] = {"type": "rectangle", "to_world": look, "emitter": m.lamp("E", cd_m2)}
     return scene, {"fov": 33.0, "origin": [rng.uniform(-0.6, 0.3), -2.9, 1.25], "target": [0.0, 0.2, 0.38], "aperture": 0.004}
-

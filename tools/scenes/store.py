@@ -1,7 +1,7 @@
 """Joins renderings of a scene, measures what noise is left, and stores the scene as components."""
 
-import importlib
 import pathlib
+from typing import Any
 
 import numpy as np
 
@@ -48,9 +48,8 @@ def choose(image: np.ndarray, limit: int) -> tuple[int, float]:
     return best[1], best[2]
 
 
-def store(name: str, folder: pathlib.Path, out: pathlib.Path) -> dict[str, object]:
-    """Writes out/NAME.spc; the parts in `folder` are independent estimates of the same picture."""
-    module = importlib.import_module(f"scenes.{name.partition('-')[0]}")
+def store(module: Any, name: str, folder: pathlib.Path, out: pathlib.Path) -> dict[str, object]:
+    """Writes out/NAME.spc of a scene of a script; the parts in `folder` are independent estimates of the same picture."""
     files = sorted(folder.glob(f"{name}-*.npz"))
     parts = [np.load(f) for f in files]
     weights = np.array([float(p["spp"]) for p in parts])

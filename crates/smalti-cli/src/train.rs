@@ -29,8 +29,8 @@ use crate::{pairs, resolve, table};
     smalti train rgbw -o rgbw.l3 --c-header rgbw_isp.h --npz rgbw.npz\n\n\
     Without --scene, --pair or --continue, the training data are the default set: dead leaves, patch charts, gradients, edges, \
     stars, gratings, steps, scenes of high dynamic range, photographs and path-traced scenes, in natural and saturated colours, \
-    under daylight, tungsten and LED.     --exposures determines the exposure of all scenes, and their luminance has no effect. The printed table states for each \
-    position of the mosaic how many classes had training data, and the origin of the kernels of classes with too few patches.")]
+    under daylight, tungsten and LED. --exposures determines the exposure of all scenes, and their luminance has no effect. The printed \
+    table states for each position of the mosaic how many classes had training data, and the origin of the kernels of classes with too few patches.")]
 pub(crate) struct Train {
     /// A built-in camera (smalti list cameras) or a TOML file; CAMERA@MOSAIC has another mosaic (smalti list cfas)
     pub(crate) camera: String,

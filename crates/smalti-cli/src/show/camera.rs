@@ -4,7 +4,7 @@ use serde_json::{Map, Value, json};
 use smalti::camera::description::PatternDescription;
 use smalti::camera::{Camera, ColorimetricObserver};
 use smalti::sensor::cfa::info;
-use smalti::sensor::{Binning, Channel};
+use smalti::sensor::{Binning, Channel, Exposure};
 use smalti::spectrum::Illuminant;
 use smalti_io::cameras::LoadedCamera;
 use smalti_io::{Override, cameras};
@@ -118,12 +118,8 @@ fn sensitivity(camera: &Camera) -> anyhow::Result<Vec<Channel>> {
 fn derived(camera: &Camera) -> anyhow::Result<Vec<(&'static str, f64, &'static str)>> {
     let (sensor, pixel) = (&camera.sensor, &camera.sensor.pixel);
     // With binning, of a sample: the electrons of all its photodiodes.
-    let exposure = camera.gain_and_offset();
-    let volts_per_e = exposure.analog_gain * sensor.volts_per_electron(&exposure);
-    let ratio = exposure.conversion_gain.low().filter(|_| exposure.conversion_gain.is_combined());
-    let ratio = ratio.map_or(1.0, |low| pixel.conversion_gain_v_per_e / low.conversion_gain_v_per_e);
-    let saturation_e = (sensor.photodiodes_per_sample() * pixel.full_well_e)
-        .min(pixel.voltage_swing_v / volts_per_e * ratio);
+    let exposure = Exposure { analog_offset_v: 0.0, ..camera.gain_and_offset() };
+    let saturation_e = sensor.saturation_e(&exposure);
     let read_e = sensor.read_noise_e(&exposure);
     let mut out = vec![
         ("width of the sensor", sensor.cols as f64 * pixel.pitch_m * 1e3, "mm"),

@@ -4,7 +4,7 @@ use serde_json::Value;
 
 use crate::Place;
 
-/// The seven slide cameras that the finding was made with: one with white, one with white in half of its pixels, yellow and Bayer.
+/// The cameras of the slides that the finding was made with: Bayer, and three with clear pixels.
 const CAMERAS: [&str; 4] = ["bayer", "kodak", "clarity", "rgbw"];
 /// A short-pass filter at 660 nm, in place of the built-in one at 650 nm.
 const AT_660_NM: &str = "optics.ir_cut={short_pass={edge_nm=660,width_nm=6.83}}";

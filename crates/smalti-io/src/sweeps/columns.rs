@@ -2,16 +2,11 @@
 
 use smalti::design::{
     ConditionValue, DesignError, FilterFamily, FilterFigures, Metric, MetricTarget, ScoredTrial, Scores,
-    Study, StudyScene, Trials,
+    Study, StudyScene, Trials, column_of_key,
 };
 use smalti::metrics::{CATALOG, MetricInfo};
 
 use crate::dataset::{Column, ColumnKind, ColumnSpec};
-
-/// The column name for the key of a condition or the name of a scene: `optics.f_number` becomes `optics_f_number`.
-fn condition_column(key: &str) -> String {
-    key.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '_' }).collect()
-}
 
 /// Column name, metric and index of the scene for each column of metrics, in order. Metrics of scenes have a column for each scene.
 fn metrics(study: &Study) -> Vec<(String, Metric, usize)> {
@@ -29,7 +24,7 @@ fn metrics(study: &Study) -> Vec<(String, Metric, usize)> {
 
 /// The column name for a figure of a scene of the study.
 fn scene_column(study: &Study, figure: &str, scene: usize) -> String {
-    let name = |scene: &StudyScene| condition_column(scene.short_name());
+    let name = |scene: &StudyScene| column_of_key(scene.short_name());
     let own = study.scenes.get(scene).map(name).unwrap_or_default();
     // Scenes with the same name are numbered by their position in the study.
     let alike = study.scenes.iter().filter(|s| name(s) == own).count();
@@ -77,7 +72,7 @@ pub fn schema(study: &Study) -> Vec<ColumnSpec> {
     for (at, (key, _)) in study.conditions.first().map_or(&[][..], |c| &c.values).iter().enumerate() {
         let kind = if all_numbers(study, at) { Float } else { Text };
         all.push(column(
-            &condition_column(key),
+            &column_of_key(key),
             kind,
             "",
             &format!("Value of the condition `{key}`, in the unit of that key."),

@@ -41,8 +41,7 @@ impl Comparison<'_> {
         let png = |name: String, sheet: Sheet| -> Result<(String, Vec<u8>), ReportError> {
             Ok((name, sheet.draw()?.png(1.0)?))
         };
-        let sheets = |l: usize, s: usize, name: &str| -> Result<_, ReportError> {
-            let luminance_cd_m2 = self.lights().get(l).map_or(0.0, |light| light.luminance_cd_m2);
+        let sheets = |(l, luminance_cd_m2): (usize, f64), s: usize, name: &str| -> Result<_, ReportError> {
             let title = format!("{}, {luminance_cd_m2} cd/m²", self.scene_label(s));
             let pictures = self.side_by_side(&title, l, s)?;
             let scored = self.of_scene(l, s).map(|(contender, s)| (contender.name(), &s.scores));
@@ -51,10 +50,10 @@ impl Comparison<'_> {
             Ok([pictures, png(format!("{SIDE_BY_SIDE}/{name}{MAPS}.png"), maps)?])
         };
         let names = self.picture_names();
-        let scenes =
-            names.iter().enumerate().flat_map(|(l, n)| n.iter().enumerate().map(move |(s, n)| (l, s, n)));
+        let lights = self.lights().iter().map(|light| light.luminance_cd_m2).enumerate().zip(&names);
+        let scenes = lights.flat_map(|(light, n)| n.iter().enumerate().map(move |(s, n)| (light, s, n)));
         for part in scenes.collect::<Vec<_>>().chunks(AT_ONCE) {
-            let drawn: Vec<_> = part.par_iter().map(|&(l, s, name)| sheets(l, s, name)).collect();
+            let drawn: Vec<_> = part.par_iter().map(|&(light, s, name)| sheets(light, s, name)).collect();
             for drawn in drawn {
                 drawn?.iter().try_for_each(|(name, png)| store(name, png)).map_err(ReportError::Sink)?;
             }

@@ -368,16 +368,14 @@ fn pixel_dynamic_range_db(camera: &Camera) -> Result<f64, CameraError> {
     let sensor = &camera.sensor;
     let exposure = Exposure { time_s: 0.0, ..camera.gain_and_offset() };
     let volts_per_e = sensor.volts_per_electron(&exposure) * exposure.analog_gain;
-    let zero_v = exposure.analog_offset_v * exposure.analog_gain;
     let step_v = match (sensor.adc.bits, sensor.binning) {
         (0, _) => 0.0,
         (_, None) => sensor.pixel.voltage_swing_v / sensor.adc.levels(),
         // The quantisation of several readings averages out, as their read noise does.
         (_, Some(_)) => (12.0 * sensor.noise_variance(0.0, &exposure)?.quantization).sqrt(),
     };
-    let saturation_e = (sensor.saturation_v(&exposure) - zero_v) / volts_per_e;
     let read_e = sensor.read_noise_e(&exposure);
-    Ok(dynamic_range(saturation_e, read_e, step_v / volts_per_e)?.db)
+    Ok(dynamic_range(sensor.saturation_e(&exposure), read_e, step_v / volts_per_e)?.db)
 }
 
 #[cfg(test)]

@@ -266,11 +266,7 @@ fn binning(d: &SensorDescription, stated: BinningDescription, cfa: &Cfa) -> Resu
             )
         })?,
     };
-    let mode = match stated {
-        BinningDescription::Mode(mode) => mode,
-        BinningDescription::Blocks(blocks) => blocks.mode,
-    };
-    Ok(Binning { side, mode })
+    Ok(Binning { side, mode: stated.mode() })
 }
 
 /// A sensor of photodiodes with its samples binned.
@@ -424,7 +420,7 @@ pub(super) fn conversion_gain(d: &CameraDescription) -> Result<GainChoice, Camer
                 ("sensor.pixel.low_conversion_gain_uv_per_e", pixel.conversion_gain_uv_per_e);
             positive(name, uv, 1e6)?;
             // A ratio of 1024 is ten more bits.
-            if uv >= high_uv || uv * 1024.0 < high_uv {
+            if uv >= high_uv || uv * LowGain::MAX_RATIO < high_uv {
                 let expected =
                     "expected less than `sensor.pixel.conversion_gain_uv_per_e`, and at least 1/1024 of it";
                 return Err(key(name, format_args!("{uv} is out of range; {expected}")));
@@ -436,15 +432,12 @@ pub(super) fn conversion_gain(d: &CameraDescription) -> Result<GainChoice, Camer
     };
     let name = d.exposure.conversion_gain.unwrap_or(ConversionGainName::High);
     let low = || low.ok_or_else(|| key("exposure.conversion_gain", NO_LOW_GAIN));
-    let is_digital = |binning: &BinningDescription| match binning {
-        BinningDescription::Mode(mode) => *mode == BinningMode::Digital,
-        BinningDescription::Blocks(blocks) => blocks.mode == BinningMode::Digital,
-    };
+    let is_digital = d.sensor.binning.is_some_and(|b| b.mode() == BinningMode::Digital);
     Ok(match name {
         ConversionGainName::High => GainChoice::Fixed(ConversionGain::High),
         ConversionGainName::Low => GainChoice::Fixed(ConversionGain::Low(low()?)),
         ConversionGainName::Auto => GainChoice::Auto(low()?),
-        ConversionGainName::Combined if d.sensor.binning.as_ref().is_some_and(is_digital) => {
+        ConversionGainName::Combined if is_digital => {
             return Err(key("exposure.conversion_gain", SensorError::CombinedBinning));
         }
         ConversionGainName::Combined => GainChoice::Fixed(ConversionGain::Combined(low()?)),

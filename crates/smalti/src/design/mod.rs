@@ -36,7 +36,7 @@ pub use permutation::Permutation;
 pub use pipeline_trainer::{LearningSettings, PipelineTrainer};
 pub use pixel_light::{PixelLight, QuantizedLight, QuantizedPlanes};
 pub use preview::{Preview, PreviewDesign, PreviewLight, PreviewScene, PreviewTraining, metered};
-pub use results::{ColumnValues, ResultColumn, StudyResults};
+pub use results::{ColumnValues, ResultColumn, StudyResults, column_of_key};
 pub use scenes::StudyScene;
 pub use scores::{
     AliasingScores, ColorScores, EdgeScores, Metric, MetricResult, MetricTarget, SceneFigures, Scores,

@@ -4,6 +4,12 @@ use std::sync::Arc;
 
 use super::study::Trials;
 
+/// The name of the column for the key of a condition or the name of a scene: `optics.f_number` becomes `optics_f_number`.
+#[must_use]
+pub fn column_of_key(key: &str) -> String {
+    key.replace(|c: char| !c.is_ascii_alphanumeric(), "_")
+}
+
 /// The results of a study, complete or not, with what is known of their origin.
 #[derive(Debug, Clone)]
 pub struct StudyResults {

@@ -280,7 +280,7 @@ impl Targets {
         let levels = sensor.raw_levels(exposure)?;
         let range_v = levels.white_v - levels.black_v;
         // An offset below the range of the converter clips the dark signal.
-        let dark_v = exposure.analog_offset_v * exposure.analog_gain;
+        let dark_v = exposure.zero_v();
         let dark_clips = (levels.black_v - dark_v).abs() > 1e-9 * range_v;
         // Normalised samples per photoelectron per second.
         let gain = exposure.time_s * sensor.volts_per_electron(exposure) * exposure.analog_gain / range_v;

@@ -19,6 +19,11 @@ pub struct LowGain {
     pub read_noise_v: f64,
 }
 
+impl LowGain {
+    /// The largest ratio of the high gain to the low one.
+    pub const MAX_RATIO: f64 = 1024.0;
+}
+
 /// The conversion gain of a capture.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum ConversionGain {

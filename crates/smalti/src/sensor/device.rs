@@ -219,7 +219,7 @@ impl Sensor {
     pub fn saturation_v(&self, exposure: &Exposure) -> f64 {
         if let ConversionGain::Combined(low) = exposure.conversion_gain {
             let low = Exposure { conversion_gain: ConversionGain::Low(low), ..*exposure };
-            let zero_v = exposure.analog_offset_v * exposure.analog_gain;
+            let zero_v = exposure.zero_v();
             return zero_v + (self.saturation_v(&low) - zero_v) * self.gain_ratio(exposure);
         }
         let well_e = self.pixel.full_well_e * self.photodiodes_per_reading();

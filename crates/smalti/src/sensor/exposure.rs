@@ -41,6 +41,11 @@ impl Exposure {
         Ok(self.require_offset((-1e3..=1e3).contains(&self.analog_offset_v))?)
     }
 
+    /// Volts at the converter without signal.
+    pub(crate) fn zero_v(&self) -> f64 {
+        self.analog_offset_v * self.analog_gain
+    }
+
     /// An error that names the analog offset unless `good`.
     pub(super) fn require_offset(&self, good: bool) -> Result<(), OutOfRange> {
         let expected = "−1e3 to 1e3 V that leave some signal below the voltage swing (keys exposure.analog_offset_mv, sensor.pixel.voltage_swing_v)";

@@ -22,7 +22,7 @@ impl Sensor {
     /// When the analog offset leaves no range between them.
     pub fn raw_levels(&self, exposure: &Exposure) -> Result<RawLevels, SensorError> {
         self.ensure_gain(exposure)?;
-        let zero_v = exposure.analog_offset_v * exposure.analog_gain;
+        let zero_v = exposure.zero_v();
         let saturation_v = self.saturation_v(exposure);
         let levels = if self.adc.bits == 0 {
             RawLevels { black: zero_v, white: saturation_v, black_v: zero_v, white_v: saturation_v }

@@ -1,11 +1,8 @@
 //! The samples of an exposure: their scale in volts and numbers, with binning and with one or two conversion gains.
 
 use super::conversion_gain::Combination;
-use super::{Binning, BinningMode, ConversionGain, Exposure, Sensor, SensorError};
+use super::{Binning, BinningMode, ConversionGain, Exposure, LowGain, Sensor, SensorError};
 use crate::numeric::require;
-
-/// Largest ratio of the conversion gains.
-const MAX_RATIO: f64 = 1024.0;
 
 impl Sensor {
     /// Volts of a sample per photoelectron in any of its photodiodes, before the analog gain: the conversion
@@ -14,6 +11,14 @@ impl Sensor {
     #[must_use]
     pub fn volts_per_electron(&self, exposure: &Exposure) -> f64 {
         self.conversion_gain_v_per_e(exposure) / self.readings_per_sample()
+    }
+
+    /// Photoelectrons of a sample at saturation, of all its photodiodes: those of the full well, or of the voltage swing that
+    /// the analog offset leaves.
+    #[must_use]
+    pub fn saturation_e(&self, exposure: &Exposure) -> f64 {
+        (self.saturation_v(exposure) - exposure.zero_v())
+            / (self.volts_per_electron(exposure) * exposure.analog_gain)
     }
 
     /// Standard deviation of the read noise of a sample in the dark, in electrons of all its photodiodes. N
@@ -84,7 +89,7 @@ impl Sensor {
     /// When the low gain is not below the high one, or digital binning would average samples of two gains.
     pub(super) fn ensure_gain(&self, exposure: &Exposure) -> Result<(), SensorError> {
         let ratio = self.gain_ratio(exposure);
-        let fits = exposure.conversion_gain.low().is_none() || (ratio > 1.0 && ratio <= MAX_RATIO);
+        let fits = exposure.conversion_gain.low().is_none() || (ratio > 1.0 && ratio <= LowGain::MAX_RATIO);
         require(fits, "the ratio of the conversion gains", ratio, "more than 1 and at most 1024")?;
         match (exposure.conversion_gain, self.binning) {
             (ConversionGain::Combined(_), Some(Binning { mode: BinningMode::Digital, .. })) => {
@@ -100,7 +105,7 @@ impl Sensor {
             return None;
         }
         let ratio = self.gain_ratio(exposure);
-        let zero_v = exposure.analog_offset_v * exposure.analog_gain;
+        let zero_v = exposure.zero_v();
         let full_v = self.saturation_v(&exposure.with_high_gain());
         let swing_v = self.pixel.voltage_swing_v;
         Some(if self.adc.bits == 0 {

@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use serde_json::{Value, json};
-use smalti::design::{ColumnValues, ResultColumn};
+use smalti::design::{ColumnValues, ResultColumn, column_of_key};
 use smalti::metrics::Better;
 
 use super::choice::Choice;
@@ -71,8 +71,7 @@ fn condition_keys(results: &Results) -> impl Iterator<Item = &str> {
 
 /// The label of a column and its unit. The column of a condition has the name and the unit that its key states.
 fn label_and_unit<'a>(column: &'a ResultColumn, keys: &BTreeSet<&str>) -> (String, &'a str) {
-    let plain = |key: &str| key.replace(|c: char| !c.is_ascii_alphanumeric(), "_");
-    match keys.iter().find(|key| plain(key) == column.name) {
+    match keys.iter().find(|key| column_of_key(key) == column.name) {
         Some(key) => {
             let (name, unit) = names::said(key, keys.iter().copied());
             (capitalized(name), unit)

@@ -18,6 +18,16 @@ pub enum BinningDescription {
     Blocks(BinnedBlocks),
 }
 
+impl BinningDescription {
+    /// The mode.
+    #[must_use]
+    pub fn mode(self) -> BinningMode {
+        match self {
+            Self::Mode(mode) | Self::Blocks(BinnedBlocks { mode, .. }) => mode,
+        }
+    }
+}
+
 /// Side of the blocks in photodiodes, 2 to 8, and the mode of their binning.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]

@@ -12,17 +12,12 @@ pub(super) fn spectrum(name: &str, grid: WavelengthGrid) -> Result<Option<Spectr
         return HOT_MIRROR.spectrum(0, grid, Extrapolation::Hold).map(Some);
     }
     let Some((set, channel)) = name.split_once('/') else { return Ok(None) };
-    let column = match channel {
-        "C" if set == "kodak-dcs620x" => 0,
-        "M" if set == "kodak-dcs620x" => 1,
-        "Y" if set == "kodak-dcs620x" => 2,
-        _ if set == "kodak-dcs620x" => return Ok(None),
-        "R" => 0,
-        "G" => 1,
-        "B" => 2,
-        "mono" if set == "cmv12000" => 3,
-        _ => return Ok(None),
+    let columns: &[&str] = match set {
+        "cmv12000" => &["R", "G", "B", "mono"],
+        "kodak-dcs620x" => &["C", "M", "Y"],
+        _ => &["R", "G", "B"],
     };
+    let Some(column) = columns.iter().position(|c| *c == channel) else { return Ok(None) };
     // A sensitivity is taken as zero where it was not measured, a transmittance as at the end of the table.
     let table = match set {
         "nikon-d5100" => &NIKON_D5100,

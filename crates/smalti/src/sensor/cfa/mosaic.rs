@@ -161,8 +161,8 @@ impl Mosaic {
         if side == 0 {
             return None;
         }
-        // The blocks repeat with the least common multiple of tile and side.
-        let blocks = |cells: usize| cells / gcd(cells, side);
+        // The fewest blocks that cover whole tiles.
+        let blocks = |cells: usize| (1..cells).find(|n| (n * side).is_multiple_of(cells)).unwrap_or(cells);
         let (rows, cols) = (blocks(self.rows), blocks(self.cols));
         let mut cells = Vec::with_capacity(rows * cols);
         for block in 0..rows * cols {
@@ -195,11 +195,6 @@ impl Mosaic {
         let cell = |i: usize| self.cells[i / cols / side * self.cols + i % cols / side];
         Self { rows, cols, cells: (0..rows * cols).map(cell).collect(), channels: self.channels }
     }
-}
-
-/// The greatest common divisor of two numbers above 0.
-fn gcd(a: usize, b: usize) -> usize {
-    if b == 0 { a } else { gcd(b, a % b) }
 }
 
 /// One channel of a colour filter array.
