@@ -40,12 +40,13 @@ pub enum TrainingTarget {
 }
 
 impl TrainingTarget {
-    /// The responses of another camera behind the same lens.
+    /// The responses of another camera: its filters and sensor, behind the transmittance and the infrared-cut filter of its own lens.
+    /// Sharpness and fall-off are those of the camera that is trained.
     ///
     /// # Errors
     /// When its curves do not match its wavelength grid.
     pub fn channels_of(camera: &Camera) -> Result<Self, CameraError> {
-        let curves = camera.sensor.spectral_responsivity_on(camera.grid())?;
+        let curves = camera.responsivities()?;
         let channels = camera.sensor.cfa.channels().iter().zip(curves);
         let channel = |(c, curve): (&Channel, _)| Channel { name: c.name.clone(), transmittance: curve };
         Ok(Self::Channels(channels.map(channel).collect()))
@@ -423,6 +424,26 @@ fn bounded(mut target: Planes, kind: &TrainingTarget, most: f64) -> Result<Plane
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::camera::CameraDescription;
+    use crate::sensor::Filter;
+    use crate::spectrum::WavelengthGrid;
+
+    #[test]
+    fn channels_of_a_camera_lie_behind_its_infrared_cut() {
+        let channels = |cut: Option<Filter>| {
+            let mut description = CameraDescription::default();
+            description.optics.ir_cut = cut;
+            let camera = Camera::new(description, WavelengthGrid::default()).unwrap();
+            match TrainingTarget::channels_of(&camera).unwrap() {
+                TrainingTarget::Channels(channels) => channels,
+                TrainingTarget::Xyz => panic!("channels"),
+            }
+        };
+        for (bare, cut) in channels(None).iter().zip(channels(Some(Filter::Flat(0.5)))) {
+            assert!(bare.transmittance.max() > 0.1, "{}", bare.name);
+            assert_eq!(bare.transmittance.scaled(0.5).unwrap().values(), cut.transmittance.values());
+        }
+    }
 
     #[test]
     fn exposures_run_from_beyond_saturation_to_the_dark_by_way_of_one() {
