@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use anyhow::ensure;
 use clap::Args;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
-use smalti::camera::{Camera, ScoreSettings, TestScene};
+use smalti::camera::{ScoreSettings, TestScene};
 use smalti::experiment::{
     ComparisonSettings, Processing, Progress as _, Resources, camera_differences, compare, contenders,
     ensure_any_defined, light_gains_to_first, pipelines, scene_lights,
@@ -160,7 +160,7 @@ pub(crate) fn run(args: &Compare, words: &[String], common: &Common) -> anyhow::
     let conditions = Conditions {
         exposure: compared.exposure.applied(),
         cameras: &cameras,
-        differences: &camera_differences(cameras.iter().map(Camera::description))?,
+        differences: &camera_differences(&cameras)?,
         labels: &labels,
     };
     let report = Comparison {

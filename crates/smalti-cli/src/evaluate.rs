@@ -110,7 +110,7 @@ pub(crate) fn run(args: &Evaluate, words: &[String], common: &Common) -> anyhow:
     let conditions = Conditions {
         exposure: exposure.applied(),
         cameras: &cameras,
-        differences: &camera_differences(cameras.iter().map(Camera::description))?,
+        differences: &camera_differences(&cameras)?,
         labels: &labels,
     };
     let document = json!({

@@ -7,6 +7,11 @@ use crate::Place;
 use crate::compare::{LEAVES as SCENE, QUICK};
 use crate::learn::{EXPOSURES, LEAVES, OTHER, SMALL};
 
+/// Numbers that are written as texts.
+fn numbers_in(texts: &Value) -> Vec<f64> {
+    texts.as_array().unwrap().iter().map(|t| t.as_str().unwrap().parse().unwrap()).collect()
+}
+
 fn json(text: &str) -> Value {
     serde_json::from_str(text).unwrap()
 }
@@ -76,6 +81,16 @@ fn a_sensor_is_compared_with_itself() {
     let results = json(&place.ok(&words));
     let text = results.to_string();
     assert!(text.contains("sensor.binning"), "{text}");
+    // Equally many samples of twice the pitch see more of the scene.
+    let difference = |key: &str| {
+        let all = results["differences"].as_array().unwrap();
+        all.iter().find(|d| d["key"] == key).unwrap()["values"].clone()
+    };
+    assert_eq!(difference("sample pitch, µm"), serde_json::json!(["1.20", "2.40", "2.40"]));
+    let views: Vec<f64> = numbers_in(&difference("field of view of 1000 samples, degrees"));
+    assert!(views[1] > 1.9 * views[0] && views[1] == views[2], "{views:?}");
+    let page = String::from_utf8(place.read("o/report.html")).unwrap();
+    assert!(page.contains("field of view of 1000 samples, degrees") && page.contains("equally many samples"));
     let entries = results["results"].as_array().unwrap();
     let cpsnr: Vec<f64> = entries.iter().map(|e| e["cpsnr_db"].as_f64().unwrap()).collect();
     assert!(cpsnr.len() == 3 && cpsnr[0] < cpsnr[2] && cpsnr[2] < cpsnr[1], "{cpsnr:?}");

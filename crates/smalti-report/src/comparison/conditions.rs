@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 use smalti::camera::Camera;
-use smalti::experiment::{CameraDifference, EqualExposure, ExposurePolicy, Outcome};
+use smalti::experiment::{CameraDifference, EqualExposure, ExposurePolicy, FIELD_OF_VIEW, Outcome};
 
 use super::columns::mean;
 use crate::TextTable;
@@ -10,6 +10,9 @@ use crate::page::{Markup, Table, paragraph};
 
 /// The headings of exposure time and saturated share in tables.
 pub(super) const EXPOSURE_HEADINGS: [&str; 2] = ["exposure ms", "saturated %"];
+
+const UNEQUAL_VIEW: &str = "Every camera images a scene onto equally many samples, whatever its field of view. A sample of larger pitch collects the light of \
+                            more area.";
 
 /// The range of the exposure times over the scenes, ms, and the mean share of saturated samples, percent.
 pub(super) fn exposure_cells(outcome: &Outcome) -> [String; 2] {
@@ -123,10 +126,16 @@ impl<'a> Conditions<'a> {
         }
         let header: Vec<&str> =
             std::iter::once("key").chain(self.labels.iter().map(String::as_str)).collect();
+        let view = self.unequal_view().map_or_else(String::new, |words| words.to_owned() + "\n");
         format!(
-            "The cameras differ in more than the colour filter array:\n{}\n{exposure}\n",
+            "The cameras differ in more than the colour filter array:\n{}{view}\n{exposure}\n",
             table(&header, &rows)
         )
+    }
+
+    /// What unequal fields of view mean for the scores, where they are unequal.
+    fn unequal_view(&self) -> Option<&'static str> {
+        self.differences.iter().any(|d| d.key == FIELD_OF_VIEW).then_some(UNEQUAL_VIEW)
     }
 
     /// The same for a page.
@@ -139,7 +148,8 @@ impl<'a> Conditions<'a> {
         let table = Table::new("Differences between the cameras besides the colour filter array").text("Key");
         let table = self.labels.iter().fold(table, |table, label| table.text(label.as_str()));
         let table = rows.into_iter().fold(table, |table, row| table.row(row, false));
-        exposure.and(Markup::from(table))
+        let view = self.unequal_view().map(|words| paragraph("help", words));
+        exposure.and(Markup::from(table)).and(view.into_iter().collect::<Markup>())
     }
 }
 

@@ -6,7 +6,10 @@ use serde_json::Value;
 
 use super::ExperimentError;
 use super::error::StageContext;
-use crate::camera::{CameraDescription, CameraError};
+use crate::camera::{Camera, CameraDescription, CameraError};
+
+/// The field of view of [`SAMPLES`] samples along a row, as the key of a difference.
+pub const FIELD_OF_VIEW: &str = "field of view of 1000 samples, degrees";
 
 /// Keys that a comparison of colour filter arrays varies, or that do not affect its scores: pictures have the size of the scene.
 const IGNORED: [&str; 6] = ["name", "wavelengths_nm", "sensor.rows", "sensor.cols", "sensor.cfa", "isp"];
@@ -18,17 +21,45 @@ const MAX_STATED: usize = 40;
 /// A key whose values differ between cameras.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct CameraDifference {
-    /// The key of the description, with its unit.
+    /// The key of the description, with its unit; or what follows from several keys, in words.
     pub key: String,
     /// The value of each camera: `none` where it is absent, and a letter for each distinct curve.
     pub values: Vec<String>,
 }
 
-/// The keys of lens, sensor and exposure that differ between cameras, without the colour filter array and the number of pixels.
+/// The samples whose field of view is stated, which are as many for every camera.
+const SAMPLES: usize = 1000;
+/// The distance of the scene at which it is stated, m: far beyond any focal length.
+const DISTANCE_M: f64 = 1000.0;
+/// The smallest ratio of two values that differ.
+const DIFFERENT: f64 = 1.0005;
+
+/// What differs between cameras besides the colour filter array and the number of pixels: keys of lens, sensor and exposure, then
+/// the spacing of their samples and the field of view of equally many samples, which follow from them.
 ///
 /// # Errors
-/// When a description cannot be represented as text.
-pub fn camera_differences<'a>(
+/// When a description cannot be represented as text, and when a camera has no image of a distant scene.
+pub fn camera_differences(cameras: &[Camera]) -> Result<Vec<CameraDifference>, ExperimentError> {
+    let mut differences = of_descriptions(cameras.iter().map(Camera::description))?;
+    let pitches_um = cameras.iter().map(|c| c.sensor.pixel.pitch_m * 1e6);
+    differences.extend(of_values("sample pitch, µm", &pitches_um.collect::<Vec<_>>()));
+    let view =
+        |c: &Camera| c.field_of_view_deg(SAMPLES, DISTANCE_M).in_context(|| c.description().name.clone());
+    let views_deg = cameras.iter().map(view).collect::<Result<Vec<_>, _>>()?;
+    differences.extend(of_values(FIELD_OF_VIEW, &views_deg));
+    Ok(differences)
+}
+
+/// A derived quantity, where it differs.
+fn of_values(name: &str, values: &[f64]) -> Option<CameraDifference> {
+    let (low, high) =
+        values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(*v), b.max(*v)));
+    let stated = || values.iter().map(|v| format!("{v:.2}")).collect();
+    (high > DIFFERENT * low).then(|| CameraDifference { key: name.to_owned(), values: stated() })
+}
+
+/// The keys of descriptions that differ.
+fn of_descriptions<'a>(
     cameras: impl IntoIterator<Item = &'a CameraDescription>,
 ) -> Result<Vec<CameraDifference>, ExperimentError> {
     let of = |description: &CameraDescription| {
@@ -97,23 +128,57 @@ fn stated<'a>(values: &[&'a Value]) -> Vec<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::sensor::Filter;
+    use crate::camera::description::{BinningDescription, PatternDescription};
+    use crate::sensor::{BinningMode, Filter};
+    use crate::spectrum::WavelengthGrid;
 
     #[test]
     fn only_what_a_filter_array_does_not_change_is_stated() {
         let mut a = CameraDescription { name: "a".into(), ..CameraDescription::default() };
         let mut b = CameraDescription { name: "b".into(), ..a.clone() };
         (b.sensor.rows, b.isp.preserve_white) = (10, !a.isp.preserve_white);
-        b.sensor.cfa.pattern = crate::camera::description::PatternDescription::Name("rgbw".into());
-        assert_eq!(camera_differences([&a, &b]).unwrap(), []);
+        b.sensor.cfa.pattern = PatternDescription::Name("rgbw".into());
+        assert_eq!(of_descriptions([&a, &b]).unwrap(), []);
         (a.exposure.time_ms, b.optics.f_number) = (Some(20.0), 1.8);
         b.sensor.pixel.pitch_um = 1.0;
         a.optics.ir_cut = Some(Filter::Flat(0.5));
-        let found = camera_differences([&a, &b, &a]).unwrap();
+        let found = of_descriptions([&a, &b, &a]).unwrap();
         let of = |key: &str| found.iter().find(|d| d.key == key).map(|d| d.values.clone()).unwrap();
         assert_eq!(found.len(), 4);
         assert_eq!(of("exposure.time_ms"), ["20.0", "none", "20.0"]);
         assert_eq!(of("sensor.pixel.pitch_um")[1], "1.0");
         assert_eq!(of("optics.ir_cut")[1], "none");
+    }
+
+    #[test]
+    fn unequal_fields_of_view_are_stated() {
+        let of = |f: &dyn Fn(&mut CameraDescription)| {
+            let mut description = CameraDescription::default();
+            f(&mut description);
+            Camera::new(description, WavelengthGrid::default()).unwrap()
+        };
+        let quad = |d: &mut CameraDescription| {
+            d.sensor.cfa.pattern = PatternDescription::Name("quad-bayer".into());
+            (d.sensor.pixel.pitch_um, d.optics.focal_length_mm) = (1.0, 5.0);
+        };
+        let full = of(&quad);
+        let binned = of(&|d| {
+            quad(d);
+            d.sensor.binning = Some(BinningDescription::Mode(BinningMode::Charge));
+        });
+        let found = camera_differences(&[full.clone(), binned]).unwrap();
+        let values = |key: &str| found.iter().find(|d| d.key == key).map(|d| d.values.clone()).unwrap();
+        assert_eq!(values("sample pitch, µm"), ["1.00", "2.00"]);
+        // 2 atan(1000 × 1 µm / 2 / 5 mm).
+        assert_eq!(values(FIELD_OF_VIEW), ["11.42", "22.62"]);
+        // The lens alone can make the difference.
+        let longer = of(&|d| {
+            quad(d);
+            d.optics.focal_length_mm = 10.0;
+        });
+        let found = camera_differences(&[full.clone(), longer]).unwrap();
+        assert_eq!(found.last().unwrap().values, ["11.42", "5.72"]);
+        assert!(found.iter().all(|d| d.key != "sample pitch, µm"));
+        assert_eq!(camera_differences(&[full.clone(), full]).unwrap(), []);
     }
 }

@@ -28,7 +28,7 @@ mod verdict;
 pub use comparison::{Compared, ComparisonSettings, compare};
 pub use contender::{Contender, ScoredScene, contenders, ensure_any_defined, pipelines, score_scene};
 pub use default_training::{DefaultTraining, learn_default};
-pub use differences::{CameraDifference, camera_differences};
+pub use differences::{CameraDifference, FIELD_OF_VIEW, camera_differences};
 pub use error::ExperimentError;
 pub use exposure::{ComparedPictures, EqualExposure, ExposurePlan, ExposurePolicy};
 pub use labels::numbered;
