@@ -213,11 +213,24 @@ test("the keyboard walks from point to point", () => withPage({}, async (page) =
   assert.equal(await panel.textContent(), second.match(/^Trial \d+/)[0]);
 }));
 
+test("trials of several conditions are told apart", () => withPage({}, async (page) => {
+  const table = page.locator(".below table");
+  assert.deepEqual((await table.locator("thead th").allTextContents()).slice(0, 4), ["Mosaic", "Condition", "Trial", "Colours"]);
+  const conditions = await table.locator("tbody tr td:nth-child(2)").allTextContents();
+  assert.equal(conditions.length, 8);
+  for (const condition of conditions) assert.match(condition, /^f-number (2\.8|4)$/);
+  // The condition is that of the trial: its panel states the same.
+  await table.locator("button.design").first().click();
+  assert.match(await page.locator("section.design .sub").textContent(), new RegExp(conditions[0].replace(".", "\\.")));
+  // A row for each condition before the tables of each.
+  assert.deepEqual(await page.locator("#means table").first().locator("tbody th").allTextContents(), ["f-number 2.8", "f-number 4"]);
+}));
+
 test("filters by colours, conditions and ranges", () => withPage({}, async (page) => {
   await page.getByLabel("3 colours").uncheck();
   assert.equal(number(await count(page).textContent()), 160);
   await page.getByRole("button", { name: "Add a range" }).click();
-  await page.getByLabel("Column of the range").selectOption({ label: "F number" });
+  await page.getByLabel("Column of the range").selectOption({ label: "f-number" });
   await page.getByLabel("At most").fill("3");
   assert.equal(number(await count(page).textContent()), 80);
   await page.getByRole("button", { name: "Remove the range" }).click();
@@ -229,7 +242,8 @@ test("filters by colours, conditions and ranges", () => withPage({}, async (page
 }));
 
 test("tables sort, commands copy, the theme changes", () => withPage({ permissions: ["clipboard-read", "clipboard-write"] }, async (page) => {
-  const table = page.locator("#means table").first();
+  // The first table has a row for each condition.
+  const table = page.locator("#means table").nth(1);
   const cells = () => table.locator("tbody td:nth-child(4)").allTextContents().then((t) => t.map(parseFloat));
   await table.getByRole("button", { name: "ΔE, mean" }).click();
   const up = await cells();

@@ -21,6 +21,7 @@ use crate::table;
     smalti report study --json > study.json               all results as one JSON document\n  \
     smalti report study -o study.html                     only the page\n  \
     smalti report study --picture 4711,17                 embed the pictures of these trials\n  \
+    smalti report study --draw 'f-number 2.8'             only the tables and figures of these conditions\n  \
     smalti report study --camera 4711 > found.toml        the design of a trial as a camera file for other commands\n\n\
     ΔE is the mean over the ColorChecker (CIELAB 1976), MTF50 that of a slanted edge in cycles/mm on the sensor, and noise that of the \
     luminance of grey patches in percent. For each number of colours, the best design has the least ΔE among the designs whose \
@@ -42,8 +43,8 @@ pub(crate) struct ReportArgs {
     /// Further trials of the first DIR, by number, whose pictures are embedded in the page
     #[arg(long, value_delimiter = ',', value_name = "TRIAL")]
     pub(crate) picture: Vec<u64>,
-    /// Draw figures of the conditions and processing methods whose name in the tables contains TEXT; may be given more than once
-    /// [default: the first 8]
+    /// Print tables and draw figures of the conditions and processing methods whose name in the tables contains TEXT; may be given
+    /// more than once [default: tables of the first 3, figures of the first 8]
     #[arg(long, value_name = "TEXT")]
     pub(crate) draw: Vec<String>,
     /// Print only the camera file of a trial of the first DIR, by its number

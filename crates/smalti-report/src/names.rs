@@ -29,6 +29,9 @@ const UNITS: [(&str, &str); 19] = [
     ("cols", "pixels"),
 ];
 
+/// Words of keys that are abbreviations.
+const ABBREVIATIONS: [&str; 8] = ["adc", "cfa", "dsnu", "ir", "isp", "prnu", "qe", "l3"];
+
 /// The unit that the end of a key states. Empty for other keys.
 #[must_use]
 pub fn unit(key: &str) -> &'static str {
@@ -43,8 +46,17 @@ pub(crate) fn said<'a>(key: &str, mut keys: impl Iterator<Item = &'a str>) -> (S
     let stated = UNITS.iter().find_map(|(end, unit)| Some((own.strip_suffix(end)?, *unit)));
     let (name, unit) = stated.filter(|(name, _)| !name.is_empty()).unwrap_or((&own, ""));
     let table = key.rsplit('.').nth(1).filter(|_| keys.any(|k| k != key && last(k) == own));
-    let name = table.map_or(name.to_owned(), |table| format!("{table} {name}"));
-    (name.replace('_', " "), unit)
+    let name = table.map_or(name.to_owned(), |table| format!("{table}_{name}"));
+    (in_words(&name), unit)
+}
+
+/// The words of a key as the trade writes them: `f-number`, and abbreviations in capitals.
+fn in_words(name: &str) -> String {
+    let words: Vec<String> = name
+        .split('_')
+        .map(|word| if ABBREVIATIONS.contains(&word) { word.to_uppercase() } else { word.to_owned() })
+        .collect();
+    words.join(" ").replace("f number", "f-number")
 }
 
 /// The names of cameras as names of files and folders; see [`file_names`].
@@ -87,7 +99,9 @@ mod tests {
         let alone = |key| said(key, [key].into_iter());
         assert_eq!(alone("luminance_cd_m2"), ("luminance".into(), "cd/m²"));
         assert_eq!(alone("sensor.pixel.pitch_um"), ("pitch".into(), "µm"));
-        assert_eq!(alone("optics.f_number"), ("f number".into(), ""));
+        assert_eq!(alone("optics.f_number"), ("f-number".into(), ""));
+        assert_eq!(alone("sensor.prnu_percent"), ("PRNU".into(), "%"));
+        assert_eq!(alone("optics.ir_cut"), ("IR cut".into(), ""));
         assert_eq!(alone("sensor.rows"), ("rows".into(), ""));
         let keys = ["optics.transmittance.long_pass.edge_nm", "optics.transmittance.short_pass.edge_nm"];
         let both = keys.map(|key| said(key, keys.into_iter()).0);

@@ -323,6 +323,36 @@ fn conditions_are_told_apart() {
     assert_whole(&place, "out/report/noisy--read-noise-30-mV", &["scene"]);
 }
 
+/// Of many conditions the means of all are printed, and tables of the first, or of those that are asked for.
+#[test]
+fn many_conditions_are_printed_in_short() {
+    let place = Place::new();
+    let conditions =
+        "[conditions.grid]\n\"optics.f_number\" = [2, 2.8, 4]\n\"sensor.prnu_percent\" = [0, 2]\n";
+    place.write("many.toml", format!("{TINY}{conditions}").replace("filters = 4", "filters = 2"));
+    place.ok("sweep many.toml -o out");
+    let text = place.ok("report out");
+    let tables = |text: &str| text.lines().filter(|l| l.starts_with("── ")).count();
+    assert_eq!(tables(&text), 3, "{text}");
+    let (_, of_all) = text.split_once("Means of all designs under each condition").unwrap();
+    let (of_all, _) = of_all.split_once("\n── ").unwrap();
+    for (f, prnu) in [("2", "0"), ("2.8", "2"), ("4", "2")] {
+        let name = format!("f-number {f}, PRNU {prnu} %");
+        assert!(of_all.lines().any(|l| l.starts_with(&name)), "no {name} in\n{of_all}");
+    }
+    assert!(of_all.contains("Tables of 3 of the 6 conditions follow. `--draw TEXT`"), "{of_all}");
+    assert_eq!(place.json("out/report/report.json")["studies"][0]["sections"].as_array().unwrap().len(), 6);
+    let run = place.run(&["report", "out", "--draw", "f-number 4", "-o", "some.html"]);
+    assert!(run.out.contains("── f-number 4, PRNU 2 % ──"), "{}", run.out);
+    assert_eq!(tables(&run.out), 2, "{}", run.out);
+    // On the page, the tables of the first conditions are open.
+    let page = String::from_utf8(place.read("some.html")).unwrap();
+    assert_eq!(page.matches("<details class=\"condition\">").count(), 6);
+    assert!(page.contains("Means of all designs under each condition"));
+    let refused = place.run(&["report", "out", "--draw", "f-number 9", "-o", "none.html"]);
+    assert!(refused.code == 1 && refused.err.contains("f-number 9"), "{}", refused.err);
+}
+
 #[test]
 fn hostile_names_are_escaped() {
     let place = Place::new();

@@ -104,8 +104,12 @@ function readTrials(data, curves) {
   };
   trials.tile = trials.words.find((w) => w.name === "tile");
   if (data.sections.length > 1) {
-    const names = data.sections.map((s) => s.name);
-    trials.words.unshift({ name: "section", label: "Study and condition", doc: "", words: names, codes: trials.section });
+    // The study is named where there are several.
+    const several = data.studies.length > 1;
+    const names = data.sections.map((s) => (several ? s.name : s.condition));
+    const label = !several ? "Condition" : data.sections.some((s) => s.condition) ? "Study and condition" : "Study";
+    trials.condition = { name: "section", label, doc: "", words: names, codes: trials.section };
+    trials.words.unshift(trials.condition);
   }
   trials.columns = [
     lazyColumn({ name: "colors", label: "Number of colours" }, () => colors),

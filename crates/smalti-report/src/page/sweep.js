@@ -140,6 +140,7 @@ async function startSweep(data) {
   function tipOf(row) {
     const lines = [`Trial ${trials.number[row]}, ${trials.colors[row]} colours`];
     if (markOf.has(row)) lines.push(markOf.get(row));
+    if (trials.condition) lines.push(trials.condition.words[trials.section[row]]);
     for (const c of [view.x, view.y]) lines.push(`${c.label} ${shown(c.values[row])}`);
     if (view.color.column) lines.push(`${view.color.column.label} ${shown(view.color.column.values[row])}`);
     if (isBeyondNyquist(trials, row)) lines.push("MTF50 beyond Nyquist");
@@ -232,8 +233,8 @@ async function startSweep(data) {
     const columns = [...new Set([view.x, view.y, ...histograms.map((h) => h.column)])].filter((c) => c.name !== "colors");
     const cell = (v) => make("td", { class: "number" }, v);
     bestShown.replaceChildren(make("div", { class: "scrolls", tabindex: "0", role: "region", "aria-label": "Best of the selection" }, tableOf(
-      `${scatter.box ? "Best of the selection" : "Best of those shown"}, by ${by.label}`, ["Mosaic"], ["Trial", "Colours", ...columns.map(withUnit)],
-      rows.map((row) => make("tr", {}, make("td", {}, smallTile(trials, row)),
+      `${scatter.box ? "Best of the selection" : "Best of those shown"}, by ${by.label}`, ["Mosaic", ...(trials.condition ? [trials.condition.label] : [])], ["Trial", "Colours", ...columns.map(withUnit)],
+      rows.map((row) => make("tr", {}, make("td", {}, smallTile(trials, row)), trials.condition ? make("td", {}, trials.condition.words[trials.section[row]]) : null,
         make("th", { scope: "row", class: "number" }, make("button", { class: "design", type: "button", "data-row": row }, String(trials.number[row]))),
         cell(trials.colors[row]), ...columns.map((c) => cell(shown(c.values[row]))))))));
   }

@@ -22,7 +22,8 @@ pub struct ReportSettings {
     pub pictures: usize,
     /// Trials of the first study, by their numbers, with embedded pictures in the page.
     pub requested: Vec<u64>,
-    /// A condition has its own figures if its name contains one of these texts. If empty, the first conditions have them.
+    /// A condition has its own tables in the text and its own figures if its name contains one of these texts. If empty, the first
+    /// conditions have them.
     pub draw: Vec<String>,
 }
 
@@ -50,9 +51,21 @@ impl<'a> Report<'a> {
     /// The report in words and tables. `table` lays out a header and rows of cells as lines.
     ///
     /// # Errors
-    /// When a design cannot be made.
+    /// [`ReportError::NoSuchCondition`]; when a design cannot be made.
     pub fn text(&self, table: &TextTable<'_>) -> Result<String, ReportError> {
-        text::text(&self.all, table)
+        let wanted = &self.settings.draw;
+        if wanted.is_empty() {
+            let first: Vec<Vec<&Section<'_>>> =
+                self.all.iter().map(|(_, sections)| sections.iter().take(text::TABLES).collect()).collect();
+            return text::text(&self.all, &first, table);
+        }
+        let sections: Vec<&Section<'_>> = self.all.iter().flat_map(|(_, s)| s).collect();
+        let named = chosen(&sections, wanted)?;
+        let of_study = |(results, _): &(&Results, _)| {
+            named.iter().copied().filter(|s| std::ptr::eq(s.results, *results)).collect()
+        };
+        let shown: Vec<Vec<&Section<'_>>> = self.all.iter().map(of_study).collect();
+        text::text(&self.all, &shown, table)
     }
 
     /// The page as HTML.

@@ -3,30 +3,34 @@
 use smalti::design::statistics::{Estimate, Summary};
 use smalti::design::{Design, FilterFamily};
 
-use super::results::{MAIN, Results};
+use super::results::{MAIN, Measure, Results};
 use super::sections::{Group, Section, label};
 use crate::ReportError;
 use crate::words::{TextTable, plain};
 
 /// Rows shown of the Pareto front.
 const FRONT: usize = 10;
-/// Sections shown. The document has all.
-const SECTIONS: usize = 20;
+/// Conditions with tables of their own, unless others are chosen. The document has all.
+pub(super) const TABLES: usize = 3;
+/// Conditions in the table of all conditions.
+const CONDITIONS: usize = 30;
 /// Problems shown of a study.
 const PROBLEMS: usize = 5;
 
 /// Marks an MTF50 beyond the Nyquist frequency.
 const BEYOND: &str = " *";
 
-/// All tables of the results of studies.
+/// All tables of the results of studies. `shown` are the conditions of each study that have tables of their own.
 pub(super) fn text(
     all: &[(&Results, Vec<Section<'_>>)],
+    shown: &[Vec<&Section<'_>>],
     table: &TextTable<'_>,
 ) -> Result<String, ReportError> {
     let mut out = String::new();
-    for (results, sections) in all {
+    for ((results, sections), shown) in all.iter().zip(shown) {
         out += &head(results);
-        for section in sections.iter().take(SECTIONS) {
+        out += &conditions(sections, shown.len(), table);
+        for section in shown {
             if !section.name.is_empty() {
                 out += &format!("\n── {} ──\n", section.name);
             }
@@ -44,13 +48,46 @@ pub(super) fn text(
             out += &front(section, table)?;
             out += &finer_than_pixels(section);
         }
-        if sections.len() > SECTIONS {
-            out += &format!("\n{} more conditions are in report.json\n", sections.len() - SECTIONS);
-        }
         out.push('\n');
     }
     out += "Intervals in parentheses contain the mean with a confidence of 95 %. The interval of 90 % of the designs reaches from the 5th to the 95th percentile.\n";
     Ok(out)
+}
+
+/// A row for each condition of a study with several: the means over all designs. `detailed` of them have tables of their own.
+fn conditions(sections: &[Section<'_>], detailed: usize, table: &TextTable<'_>) -> String {
+    let [first, _, ..] = sections else { return String::new() };
+    let measures = &first.results.measures;
+    let header: Vec<&str> = ["condition", "designs"]
+        .into_iter()
+        .chain(measures.iter().map(|measure| measure.header.as_str()))
+        .collect();
+    let rows: Vec<Vec<String>> = sections.iter().take(CONDITIONS).map(condition_row).collect();
+    let mut out = format!("\nMeans of all designs under each condition\n{}", table(&header, &rows));
+    if sections.len() > CONDITIONS {
+        out += &format!(
+            "The first {CONDITIONS} of {} conditions are listed; report.json has all.\n",
+            sections.len()
+        );
+    }
+    if detailed < sections.len() {
+        out += &format!(
+            "Tables of {detailed} of the {} conditions follow. `--draw TEXT` prints those of the conditions whose name contains TEXT instead; report.json has all.\n",
+            sections.len()
+        );
+    }
+    out
+}
+
+/// The name of a condition, the number of its designs and the mean of each metric over those that have it.
+pub(super) fn condition_row(section: &Section<'_>) -> Vec<String> {
+    let mean = |measure: &Measure| {
+        let values = section.rows.clone().map(|row| measure.at(row)).filter(|v| v.is_finite());
+        let (sum, count) = values.fold((0.0, 0usize), |(sum, count), v| (sum + v, count + 1));
+        if count == 0 { "–".into() } else { format!("{:.*}", measure.digits, sum / count as f64) }
+    };
+    let designs = section.rows.len().to_string();
+    [section.name.clone(), designs].into_iter().chain(section.results.measures.iter().map(mean)).collect()
 }
 
 fn head(results: &Results) -> String {

@@ -80,8 +80,10 @@ fn label_and_unit<'a>(column: &'a ResultColumn, keys: &BTreeSet<&str>) -> (Strin
     }
 }
 
+/// With a capital at the start. The letter of the f-number is a symbol and stays as it is.
 fn capitalized(mut text: String) -> String {
-    if let Some(first) = text.get_mut(..1) {
+    let is_symbol = text.starts_with("f-number");
+    if let Some(first) = text.get_mut(..1).filter(|_| !is_symbol) {
         first.make_ascii_uppercase();
     }
     text
@@ -152,7 +154,7 @@ mod tests {
             format!("{label}|{unit}")
         };
         assert_eq!(said("luminance_cd_m2", ""), "Luminance|cd/m²");
-        assert_eq!(said("optics_f_number", ""), "F number|");
+        assert_eq!(said("optics_f_number", ""), "f-number|");
         assert_eq!(said("sensor_pixel_pitch_um", ""), "Pitch|µm");
         assert_eq!(said("mtf50_cy_per_mm", "cy/mm"), "Resolution MTF50|cy/mm");
     }

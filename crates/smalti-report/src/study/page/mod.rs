@@ -130,7 +130,10 @@ fn data(
         .enumerate()
         .flat_map(|(study, (_, sections))| {
             sections.iter().map(move |s| {
-                json!({"study": study, "name": s.title(), "nyquist_cy_per_mm": s.nyquist_cy_per_mm()})
+                json!({
+                    "study": study, "name": s.title(), "condition": s.name,
+                    "nyquist_cy_per_mm": s.nyquist_cy_per_mm(),
+                })
             })
         })
         .zip(drawn)

@@ -7,10 +7,12 @@ use super::sources::Sources;
 use crate::ReportError;
 use crate::page::{Markup, Table, el};
 use crate::study::sections::{Group, Section};
-use crate::study::text::{figures, is_spread, spread};
+use crate::study::text::{condition_row, figures, is_spread, spread};
 
-/// Sections with tables. report.json has all.
+/// Conditions with tables. report.json has all.
 const SECTIONS: usize = 20;
+/// Conditions whose tables are open at first.
+const OPEN: usize = 3;
 
 pub(super) fn warning(text: String) -> Markup {
     el("p").class("warning").attr("role", "note").child(text).into()
@@ -38,12 +40,11 @@ fn estimate(e: &Estimate, digits: usize) -> Markup {
 
 /// The paper's table 2, with intervals, for each section.
 pub(super) fn intervals(sections: &[&Section<'_>]) -> Markup {
-    let mut out: Markup = el("p")
-        .child(
-            "Each mean is followed by its confidence interval of 95 %. The column after it gives the interval of 90 % of the designs.",
-        )
-        .into();
-    for section in sections.iter().take(SECTIONS) {
+    let mut out = conditions(sections).and(el("p").child(
+        "In the tables by number of colours, each mean is followed by its confidence interval of 95 %. The column after it gives the interval \
+         of 90 % of the designs.",
+    ));
+    for (place, section) in sections.iter().take(SECTIONS).enumerate() {
         let measures = &section.results.measures;
         let mut table = Table::new(format!("Means, {}", section.title()))
             .number("Colours")
@@ -66,15 +67,52 @@ pub(super) fn intervals(sections: &[&Section<'_>]) -> Markup {
             table = table.row(cells, false);
         }
         let exposure = section.exposure_in_words().map(|words| el("p").child(words));
-        out = out.and(table).and(exposure.into_iter().collect::<Markup>());
+        let tables = Markup::from(table).and(exposure.into_iter().collect::<Markup>());
+        out = out.and(folded(place, section, tables));
     }
-    if sections.len() > SECTIONS {
-        out = out.and(el("p").child(format!(
-            "The tables of {} more conditions are in report.json.",
-            sections.len() - SECTIONS
-        )));
+    out.and(others(sections.len()))
+}
+
+/// A row for each condition: the means over all designs. Empty where there is one condition, and where studies score other metrics.
+fn conditions(sections: &[&Section<'_>]) -> Markup {
+    let [first, rest @ ..] = sections else { return Markup::new() };
+    let headers = |s: &Section<'_>| s.results.measures.iter().map(|m| m.header.clone()).collect::<Vec<_>>();
+    let heads = headers(first);
+    if rest.is_empty() || rest.iter().any(|s| headers(s) != heads) {
+        return Markup::new();
     }
-    out
+    let several = rest.iter().any(|s| !std::ptr::eq(s.results, first.results));
+    let (caption, head) = match (several, sections.iter().any(|s| !s.name.is_empty())) {
+        (true, false) => ("Means of all designs of each study", "Study"),
+        (true, true) => ("Means of all designs under each condition", "Study and condition"),
+        (false, _) => ("Means of all designs under each condition", "Condition"),
+    };
+    let table = Table::new(caption).text(head).number("Designs");
+    let table = heads.iter().fold(table, |table, head| table.number(head));
+    let table = sections.iter().fold(table, |table, section| {
+        let mut cells = condition_row(section);
+        if let (true, Some(name)) = (several, cells.first_mut()) {
+            *name = section.title();
+        }
+        table.row(cells, false)
+    });
+    table.into()
+}
+
+/// The tables of a condition, which are closed for all but the first conditions.
+fn folded(place: usize, section: &Section<'_>, tables: Markup) -> Markup {
+    if place < OPEN {
+        return tables;
+    }
+    el("details").class("condition").child(el("summary").child(section.title())).child(tables).into()
+}
+
+/// Where the tables of further conditions are.
+fn others(sections: usize) -> Markup {
+    match sections.saturating_sub(SECTIONS) {
+        0 => Markup::new(),
+        more => el("p").child(format!("The tables of {more} more conditions are in report.json.")).into(),
+    }
 }
 
 /// The best designs of each number of colours.
@@ -87,12 +125,12 @@ pub(super) fn best(sources: &Sources<'_>, choice: &Choice) -> Result<Markup, Rep
             if shown > SECTIONS {
                 continue;
             }
-            out = out
-                .and(el("p").child(format!("Best: {}.", section.choice.words())))
-                .and(table(study, section, choice)?);
+            let rule = Markup::from(el("p").child(format!("Best: {}.", section.choice.words())));
+            let tables = rule.and(table(study, section, choice)?);
+            out = out.and(folded(shown - 1, section, tables));
         }
     }
-    Ok(out)
+    Ok(out.and(others(shown)))
 }
 
 fn table(study: usize, section: &Section<'_>, choice: &Choice) -> Result<Markup, ReportError> {
