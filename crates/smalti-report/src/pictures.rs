@@ -12,6 +12,7 @@ pub(crate) fn add(sheet: Sheet, caption: impl Into<String>, picture: &Image) -> 
 }
 
 /// A picture of 8-bit sRGB: three bytes a pixel, row by row.
+#[derive(Clone)]
 pub(crate) struct Pixels {
     pub(crate) width: usize,
     pub(crate) height: usize,

@@ -1,5 +1,7 @@
 //! The most telling crop of each scene: where the errors of the cameras differ most.
 
+use std::borrow::Cow;
+
 use smalti::camera::SceneScores;
 use smalti::metrics::patch_means;
 use smalti::numeric::{Planes, Rect};
@@ -8,7 +10,6 @@ use super::gallery::{Group, Shot};
 use super::results::Comparison;
 use crate::page::{DataUri, Element, Markup, el, paragraph};
 use crate::pictures::Pixels;
-use crate::words::listed;
 
 /// The side of a crop, pixels.
 const SIDE: usize = 96;
@@ -36,13 +37,8 @@ pub(super) fn crops(
     most: usize,
 ) -> (Markup, usize) {
     let most = most.min(MAX_BYTES);
-    let (mut rows, mut without) = (Vec::new(), Vec::new());
-    for (scene, name) in scenes.iter().enumerate() {
-        match Row::of(report, groups, scene, name) {
-            Some(row) => rows.push(row),
-            None => without.push(name.clone()),
-        }
-    }
+    let row = |(scene, name): (usize, &String)| Row::of(report, groups, scene, name);
+    let rows: Vec<Row<'_>> = scenes.iter().enumerate().filter_map(row).collect();
     let encoded = |quality| -> Vec<Vec<Result<DataUri, String>>> {
         rows.iter().map(|row| row.pictures.iter().map(|p| encode(p, quality)).collect()).collect()
     };
@@ -71,7 +67,6 @@ pub(super) fn crops(
         let words = format!("The crops of {left_out} more scenes are left out: the page would be too large.");
         out = out.and(paragraph("none", words));
     }
-    out = out.and(without_crop(&without));
     let several = report.contenders.len() > 1;
     let about = if several {
         "For each scene, the window and the luminance at which the errors of the cameras differ most: the mean over the window of the \
@@ -81,15 +76,6 @@ pub(super) fn crops(
          the pixels are enlarged."
     };
     (paragraph("help", about).and(out), used)
-}
-
-/// Names the scenes that have no crop.
-fn without_crop(scenes: &[String]) -> Markup {
-    if scenes.is_empty() {
-        return Markup::new();
-    }
-    let words = "No crops are compared of these scenes, since their pictures differ in size between the cameras or are missing";
-    paragraph("none", format!("{words}: {}.", listed(scenes)))
 }
 
 fn encode(pixels: &Pixels, quality: Option<u8>) -> Result<DataUri, String> {
@@ -105,6 +91,9 @@ fn encode(pixels: &Pixels, quality: Option<u8>) -> Result<DataUri, String> {
 struct Row<'a> {
     group: &'a Group,
     window: Window,
+    /// Rows and columns of the largest picture. Smaller ones are enlarged to this size, so that a window shows the same part of the
+    /// scene in all of them.
+    size: (usize, usize),
     /// The overview, then a crop of each picture of the group.
     pictures: Vec<Pixels>,
     /// For each contender the means of ΔE2000 and S-CIELAB over the window.
@@ -112,15 +101,21 @@ struct Row<'a> {
 }
 
 impl<'a> Row<'a> {
-    /// `None` without a picture, or where the pictures of the cameras differ in size.
+    /// `None` without a picture.
     fn of(report: &Comparison<'_>, groups: &'a [Group], scene: usize, name: &str) -> Option<Self> {
         let luminances = report.luminances();
         let scored = |light: usize| -> Vec<&SceneScores> {
             report.of_scene(light, scene).map(|(_, s)| &s.scores).collect()
         };
+        let size = scored(0).iter().fold((0, 0), |(rows, cols), s| {
+            let map = &s.scores.scielab_map;
+            (map.rows().max(rows), map.cols().max(cols))
+        });
         let window = |light: usize| {
-            let (differences, rows, cols) = disagreement(&scored(light))?;
-            let (rect, difference) = window_of_largest_mean(&differences, (rows, cols), SIDE)?;
+            let scored = scored(light);
+            let maps = scored.iter().map(|s| map_of_size(&s.scores.scielab_map, size));
+            let differences = disagreement(&maps.collect::<Option<Vec<_>>>()?)?;
+            let (rect, difference) = window_of_largest_mean(&differences, size, SIDE)?;
             Some(Window { light, rect, difference })
         };
         // Of equal windows the first.
@@ -129,26 +124,28 @@ impl<'a> Row<'a> {
             .reduce(|best, w| if w.difference > best.difference { w } else { best })?;
         let luminance = luminances.get(window.light)?;
         let group = groups.iter().find(|g| g.scene == name && g.luminance_cd_m2 == *luminance)?;
-        let overview = overview(&group.shots.first()?.picture, window.rect);
-        let cut = group.shots.iter().map(|shot| cut(&shot.picture, window.rect));
+        let overview = overview(&picture_of_size(&group.shots.first()?.picture, size), window.rect);
+        let cut = group.shots.iter().map(|shot| cut(&picture_of_size(&shot.picture, size), window.rect));
         let means = scored(window.light).into_iter().map(|s| {
-            [&s.scores.delta_e_2000_map, &s.scores.scielab_map].map(|map| mean_within(map, window.rect))
+            [&s.scores.delta_e_2000_map, &s.scores.scielab_map]
+                .map(|map| map_of_size(map, size).map_or(f64::NAN, |map| mean_within(&map, window.rect)))
         });
         let means = means.collect();
-        Some(Self { group, window, pictures: std::iter::once(overview).chain(cut).collect(), means })
+        Some(Self { group, window, size, pictures: std::iter::once(overview).chain(cut).collect(), means })
     }
 
     fn markup(&self, uris: &[Result<DataUri, String>]) -> Markup {
         let (Group { scene, luminance_cd_m2, shots, .. }, Rect { row, col, rows, cols }) =
             (self.group, self.window.rect);
-        let Some(whole) = shots.first().map(|s| &s.picture) else { return Markup::new() };
-        let place = format!(
-            "Rows {row} to {}, columns {col} to {} of {} × {} pixels.",
+        let (all_rows, all_cols) = self.size;
+        let mut place = format!(
+            "Rows {row} to {}, columns {col} to {} of {all_rows} × {all_cols} pixels, counted from 0.",
             row + rows - 1,
             col + cols - 1,
-            whole.height,
-            whole.width
         );
+        if shots.iter().any(|s| (s.picture.height, s.picture.width) != self.size) {
+            place += " Pictures with fewer pixels are enlarged to this size by repeating pixels.";
+        }
         let picture = |i: usize, class: &str, alternative: &str| -> Markup {
             match (uris.get(i), self.pictures.get(i)) {
                 (Some(Ok(uri)), Some(p)) => uri.image(p.width, p.height, alternative).class(class).into(),
@@ -179,9 +176,9 @@ impl<'a> Row<'a> {
             .class("telling")
             .attr("data-scene", scene)
             .attr("data-light", luminance_cd_m2.to_string())
-            .attr("data-x", share(col, cols, whole.width))
-            .attr("data-y", share(row, rows, whole.height))
-            .attr("data-width", format!("{:.4}", cols as f64 / whole.width.max(1) as f64))
+            .attr("data-x", share(col, cols, all_cols))
+            .attr("data-y", share(row, rows, all_rows))
+            .attr("data-width", format!("{:.4}", cols as f64 / all_cols.max(1) as f64))
             .child(el("div").class("where").child(overview).child(text))
             .child(
                 el("div")
@@ -195,15 +192,10 @@ impl<'a> Row<'a> {
     }
 }
 
-/// The range of the S-CIELAB differences of the contenders from the reference at every pixel, with rows and columns; with one
-/// contender, its differences. `None` without a contender, and where the pictures differ in size.
-fn disagreement(scored: &[&SceneScores]) -> Option<(Vec<f32>, usize, usize)> {
-    let maps: Vec<&Planes> = scored.iter().map(|s| &s.scores.scielab_map).collect();
+/// The range of the S-CIELAB differences of the contenders from the reference at every pixel; with one contender, its differences.
+/// `None` without a contender. The maps have the same size.
+fn disagreement(maps: &[Cow<'_, Planes>]) -> Option<Vec<f32>> {
     let (first, others) = maps.split_first()?;
-    let (rows, cols) = (first.rows(), first.cols());
-    if others.iter().any(|m| (m.rows(), m.cols()) != (rows, cols)) {
-        return None;
-    }
     let mut high = first.data().to_vec();
     let mut low = if others.is_empty() { vec![0.0; high.len()] } else { high.clone() };
     for map in others {
@@ -211,7 +203,37 @@ fn disagreement(scored: &[&SceneScores]) -> Option<(Vec<f32>, usize, usize)> {
             (*high, *low) = (high.max(*v), low.min(*v));
         }
     }
-    Some((high.iter().zip(&low).map(|(h, l)| h - l).collect(), rows, cols))
+    Some(high.iter().zip(&low).map(|(h, l)| h - l).collect())
+}
+
+/// The pixels of a picture of `before` rows and columns that are nearest to those of a picture of `after` rows and columns of the same
+/// scene, row by row.
+fn nearest(before: (usize, usize), after: (usize, usize)) -> impl Iterator<Item = usize> {
+    // The centre of a pixel lies half a pixel from its edge.
+    let place = |at: usize, after: usize, before: usize| (2 * at + 1) * before / (2 * after);
+    let row = move |row: usize| place(row, after.0, before.0) * before.1;
+    (0..after.0).flat_map(move |r| (0..after.1).map(move |col| row(r) + place(col, after.1, before.1)))
+}
+
+/// A map of one plane with as many rows and columns. `None` for an empty map.
+fn map_of_size(map: &Planes, size: (usize, usize)) -> Option<Cow<'_, Planes>> {
+    let before = (map.rows(), map.cols());
+    if before == size {
+        return Some(Cow::Borrowed(map));
+    }
+    let values = nearest(before, size).map(|i| map.data().get(i).copied()).collect::<Option<Vec<_>>>()?;
+    Planes::new(size.0, size.1, 1, values).ok().map(Cow::Owned)
+}
+
+/// A picture with as many rows and columns.
+fn picture_of_size(picture: &Pixels, size: (usize, usize)) -> Cow<'_, Pixels> {
+    let before = (picture.height, picture.width);
+    if before == size {
+        return Cow::Borrowed(picture);
+    }
+    let pixel = |i: usize| picture.rgb.get(3 * i..3 * i + 3).unwrap_or(&[0; 3]).to_vec();
+    let rgb = nearest(before, size).flat_map(pixel).collect();
+    Cow::Owned(Pixels { width: size.1, height: size.0, rgb })
 }
 
 /// The square window of `side` pixels with the largest mean, and that mean; of equal ones the first by rows. Windows are as large as
@@ -316,12 +338,21 @@ mod tests {
         assert_eq!(window_of_largest_mean(&values, (rows, cols), 32).unwrap().0, rect);
     }
 
+    /// Of a camera with half as many pixels in each direction, and of one with two thirds.
     #[test]
-    fn scenes_without_a_crop_are_named() {
-        assert_eq!(without_crop(&[]).as_str(), "");
-        let words = without_crop(&["leaves", "street"].map(String::from));
-        assert!(words.as_str().contains("differ in size"), "{}", words.as_str());
-        assert!(words.as_str().contains("leaves and street."), "{}", words.as_str());
+    fn pictures_and_maps_of_fewer_pixels_are_enlarged() {
+        let map = Planes::new(1, 2, 1, vec![3.0, 5.0]).unwrap();
+        assert_eq!(map_of_size(&map, (2, 4)).unwrap().data(), [3.0, 3.0, 5.0, 5.0, 3.0, 3.0, 5.0, 5.0]);
+        assert_eq!(map_of_size(&map, (1, 3)).unwrap().data(), [3.0, 5.0, 5.0]);
+        assert_eq!(map_of_size(&map, (1, 2)).unwrap().as_ref(), &map);
+        let picture = Pixels { width: 2, height: 1, rgb: vec![1, 2, 3, 4, 5, 6] };
+        let large = picture_of_size(&picture, (1, 4));
+        assert_eq!((large.height, large.width), (1, 4));
+        assert_eq!(large.rgb, [1, 2, 3, 1, 2, 3, 4, 5, 6, 4, 5, 6]);
+        // What the cameras differ in is compared at the same place of the scene.
+        let fine = Planes::new(2, 4, 1, vec![3.0, 3.0, 5.0, 9.0, 3.0, 3.0, 5.0, 5.0]).unwrap();
+        let maps = [map_of_size(&fine, (2, 4)).unwrap(), map_of_size(&map, (2, 4)).unwrap()];
+        assert_eq!(disagreement(&maps).unwrap(), [0.0, 0.0, 0.0, 4.0, 0.0, 0.0, 0.0, 0.0]);
     }
 
     #[test]
