@@ -1,6 +1,6 @@
 //! `smalti sweep`: scores the trials of a study and writes the results in parts.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use anyhow::{Context, bail};
@@ -11,6 +11,7 @@ use smalti_io::cache::Cache;
 use smalti_io::dataset::{self, ColumnKind, Plan, Shard};
 use smalti_io::studies::{self, LoadedStudy};
 use smalti_io::sweeps::{self, SweepRun, SweepSummary};
+use smalti_report::names;
 
 use crate::args::Common;
 use crate::output::note;
@@ -22,7 +23,7 @@ use smalti::experiment::Progress as _;
 #[command(after_help = "Examples:\n  \
     smalti sweep table2 -o study && smalti report study   score 5000 trials and report them\n  \
     smalti sweep my-study.toml -o mine                    your own study; repeat the command to resume\n  \
-    smalti sweep my-study.toml --dry-run                  number of trials, duration, size\n  \
+    smalti sweep my-study.toml --dry-run                  number of trials, duration, size and folder\n  \
     smalti sweep my-study.toml --shard 3/16 -o mine       one of sixteen machines with a shared folder\n  \
     smalti sweep --merge part1 part2 -o mine              merge the folders of shards\n\n\
     DIR/trials/*.parquet has a row for each trial; pandas, Polars and DuckDB read it directly.")]
@@ -30,9 +31,10 @@ pub(crate) struct SweepArgs {
     /// A built-in study (smalti list studies), a TOML file, or the manifest.json of its results
     #[arg(required_unless_present = "merge", conflicts_with = "merge")]
     pub(crate) study: Option<String>,
-    /// Folder for the results, created if needed; an incomplete study in it is resumed
-    #[arg(short, long, default_value = "study", value_name = "DIR")]
-    pub(crate) output: PathBuf,
+    /// Folder for the results, created if needed; an incomplete study in it is resumed [default: a folder here with the name of the
+    /// study]
+    #[arg(short, long, value_name = "DIR")]
+    pub(crate) output: Option<PathBuf>,
     /// Score only the I-th of N shards of the study
     #[arg(long, value_name = "I/N")]
     pub(crate) shard: Option<Shard>,
@@ -46,7 +48,7 @@ pub(crate) struct SweepArgs {
     #[arg(long, conflicts_with = "dry_run")]
     pub(crate) benchmark: bool,
     /// Merge the results of shards that ran in separate folders into the folder of -o
-    #[arg(long, value_name = "DIR", num_args = 1.., conflicts_with_all = ["shard", "dry_run", "benchmark"])]
+    #[arg(long, value_name = "DIR", num_args = 1.., requires = "output", conflicts_with_all = ["shard", "dry_run", "benchmark"])]
     pub(crate) merge: Vec<PathBuf>,
     /// Do not use the cache of optical images
     #[arg(long)]
@@ -61,10 +63,11 @@ const STOPPED: i32 = 130;
 
 pub(crate) fn run(args: &SweepArgs, common: &Common) -> anyhow::Result<()> {
     if !args.merge.is_empty() {
-        dataset::merge(&args.merge, &args.output)?;
+        let output = args.output.as_ref().context("--merge needs the folder of the result: -o DIR")?;
+        dataset::merge(&args.merge, output)?;
         return crate::print(&format!(
             "{} contains the results of {} folders\n",
-            args.output.display(),
+            output.display(),
             args.merge.len()
         ));
     }
@@ -74,20 +77,27 @@ pub(crate) fn run(args: &SweepArgs, common: &Common) -> anyhow::Result<()> {
     let LoadedStudy { trials, about, notes } =
         studies::load_with_notes(name).map_err(|e| anyhow::anyhow!("{e}"))?;
     notes.iter().for_each(|text| note(text, common));
+    let output = args.output.clone().unwrap_or_else(|| folder_of(&trials.study().name));
     let cache = if args.no_cache { Cache::disabled() } else { Cache::open(None) };
     let images = |key: &str, make: &dyn Fn() -> _| cache.optical_image(key, make);
     let sweep = Sweep::new(&trials, &images);
     if args.dry_run {
-        let plan = sweeps::plan(&trials, about, args.part_size, &args.output)?;
-        return dry_run(args, &trials, &plan, &sweep);
+        let plan = sweeps::plan(&trials, about, args.part_size, &output)?;
+        return dry_run(args, &output, &trials, &plan, &sweep);
     }
     if args.benchmark {
         return benchmark(args, &trials, &sweep);
     }
-    let run = SweepRun::open(&trials, about, args.part_size, &args.output, args.shard)?;
+    let run = SweepRun::open(&trials, about, args.part_size, &output, args.shard)?;
     let to_do = run.trials();
     let progress = Progress::new(0, common.quiet);
     progress.begin(&trials.study().name);
+    if args.output.is_none() && !common.quiet {
+        progress.note(&format!(
+            "the results are written to the folder {}; -o DIR chooses another",
+            output.display()
+        ));
+    }
     if to_do < trials.len() && args.shard.is_none() {
         progress.note(&format!("{} of {} trials are already scored", trials.len() - to_do, trials.len()));
     }
@@ -95,7 +105,7 @@ pub(crate) fn run(args: &SweepArgs, common: &Common) -> anyhow::Result<()> {
         progress.note(&format!("the study has no design of {colors} colours"));
     }
     if !common.quiet {
-        tell_when_stopped(args)?;
+        tell_when_stopped(&output)?;
     }
     let SweepSummary { scored, seconds, parts_missing } = run.run(&sweep, &progress)?;
     progress.finish();
@@ -104,10 +114,10 @@ pub(crate) fn run(args: &SweepArgs, common: &Common) -> anyhow::Result<()> {
         0 => "nothing was left to do".to_owned(),
         n => format!("{n} trials in {seconds:.1} s ({rate:.0} per second)"),
     };
-    let dir = args.output.display();
+    let dir = output.display();
     if args.json {
         let document = json!({
-            "study": trials.study().name, "output": args.output, "trials": trials.len(), "scored": scored,
+            "study": trials.study().name, "output": output, "trials": trials.len(), "scored": scored,
             "seconds": seconds, "trials_per_s": rate, "parts_missing": parts_missing,
         });
         return crate::output::print_json(&document);
@@ -120,9 +130,15 @@ pub(crate) fn run(args: &SweepArgs, common: &Common) -> anyhow::Result<()> {
     crate::print(&format!("{done}; {next}\n"))
 }
 
+/// The folder of a study's results where none is given: a folder here with the name of the study, as far as it can be a name of a file.
+fn folder_of(study: &str) -> PathBuf {
+    let name = names::file_names(std::iter::once(study)).concat();
+    PathBuf::from(if name.is_empty() { "study" } else { &name })
+}
+
 /// Reports on Ctrl-C how to resume. Every part on disk is complete, so the program can end at any moment.
-fn tell_when_stopped(args: &SweepArgs) -> anyhow::Result<()> {
-    let dir = args.output.display().to_string();
+fn tell_when_stopped(output: &Path) -> anyhow::Result<()> {
+    let dir = output.display().to_string();
     ctrlc::set_handler(move || {
         eprintln!("\nstopped; {dir} keeps the results so far, and the same command resumes the study");
         std::process::exit(STOPPED);
@@ -151,7 +167,13 @@ fn rate(trials: &Trials, sweep: &Sweep<'_>, time: Duration) -> anyhow::Result<(u
     }
 }
 
-fn dry_run(args: &SweepArgs, trials: &Trials, plan: &Plan, sweep: &Sweep<'_>) -> anyhow::Result<()> {
+fn dry_run(
+    args: &SweepArgs,
+    output: &Path,
+    trials: &Trials,
+    plan: &Plan,
+    sweep: &Sweep<'_>,
+) -> anyhow::Result<()> {
     let (_, per_s) = rate(trials, sweep, Duration::from_secs(1)).context("scoring some trials")?;
     let study = trials.study();
     let own = (0..plan.chunks()).filter(|&c| args.shard.is_none_or(|s| s.owns(c)));
@@ -194,11 +216,12 @@ fn dry_run(args: &SweepArgs, trials: &Trials, plan: &Plan, sweep: &Sweep<'_>) ->
     };
     out += &format!(
         "\n{to_do} trials to score ({conditions}), with {} processing\n\
-         {} files of at most {} trials, about {megabytes:.1} MB\n\
+         {} files of at most {} trials, about {megabytes:.1} MB, in the folder {}\n\
          about {} at {per_s:.0} trials per second (measured now)\n",
         with.join(" and "),
         plan.chunks(),
         plan.chunk,
+        output.display(),
         duration(seconds),
     );
     crate::print(&out)

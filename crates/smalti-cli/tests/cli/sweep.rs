@@ -65,6 +65,32 @@ fn threads_and_shards_do_not_change_the_results() {
     assert_eq!(parts(&place.path("merged")), expected);
 }
 
+/// Without -o the folder has the name of the study, which is told.
+#[test]
+fn results_go_to_a_folder_that_the_study_names() {
+    let place = place(STUDY);
+    let shell = |words: &str| place.run(&words.split(' ').collect::<Vec<_>>());
+    std::fs::rename(place.path("study.toml"), place.path("mine.toml")).unwrap();
+    let dry = shell("sweep mine.toml --dry-run");
+    assert!(dry.code == 0 && dry.out.contains("in the folder small\n"), "{}", dry.out);
+    assert!(!place.path("small").exists());
+    let run = shell("sweep mine.toml");
+    assert!(
+        run.code == 0 && run.err.contains("written to the folder small; -o DIR chooses another"),
+        "{}",
+        run.err
+    );
+    assert!(
+        run.out.contains("`smalti report small` reports it") && place.path("small/manifest.json").is_file()
+    );
+    assert!(
+        shell("sweep small/manifest.json -q").out.starts_with("nothing was left to do; small is complete")
+    );
+    // The folder of a merge has no study to name it.
+    let merge = shell("sweep --merge small");
+    assert!(merge.code == 2 && merge.err.contains("--output <DIR>"), "{}", merge.err);
+}
+
 /// Starts a sweep and kills it at work, again and again, then lets it end.
 ///
 /// The moment is a number of parts on disk, and then a share of the time that a part takes, so that it falls at work however slow
