@@ -315,7 +315,7 @@ function topOf(page, scene, light, kind) {
 async function told(page) {
   const lines = await page.locator(".values p").allTextContents();
   if (lines.length === 0) return null;
-  const [, row, col] = lines[0].match(/^Row (\d+), column (\d+)$/);
+  const [, row, col] = lines[0].match(/^Row (\d+), column (\d+) \(counted from 0\)$/);
   const kinds = lines.slice(1).map((l) => {
     const [, name, all] = l.match(/^(.+), about: (.+)$/);
     return { name, values: all.split(" · ").map((v) => Number(v.match(/([\d.]+)( or more)?$/)[1])) };
@@ -418,7 +418,7 @@ test("classes and kernels follow position, texture and level", () => withPage({}
   assert.notEqual(await about.textContent(), before);
   assert.notEqual(await label(), kernel);
   await box.getByLabel("Position").selectOption({ index: 2 });
-  assert.match(await box.locator(".counts caption").textContent(), /row 2, column 1: G$/);
+  assert.match(await box.locator(".counts caption").textContent(), /row 1, column 0: G$/);
   // Fallbacks are there, and marked by a letter.
   const borrowed = box.locator("td.borrowed").first();
   assert.match(await borrowed.textContent(), /[ITSNL]$/);

@@ -206,9 +206,9 @@ fn summary(pipeline: &Pipeline, file: &Path) -> String {
     let rows: Vec<Vec<String>> = s.positions.iter().map(row).collect();
     let clipped: Vec<String> = pipeline.saturations().iter().map(|&m| pipeline.clipped_names(m)).collect();
     format!(
-        "{}\nA class is a combination of position in the mosaic, response level, texture and clipped channels. An occupied class has patches.\n\
+        "{}\nA class is a combination of position in the mosaic (row, column, from 0), response level, texture and clipped channels. An occupied class has patches.\n\
          Its kernels are learned from its patches, interpolated between levels, pooled with similar classes, or those of the nearest level.\n\
-         {} of {} classes had training data ({} patches, {} operators); the others use the kernels of similar classes\n\
+         {} of {} classes had training data ({} patches, {} kernels); the others use the kernels of similar classes\n\
          levels: {}; textures: {}; clipped channels: {}\n\n{}\n",
         table::render(&header, &rows),
         s.occupied,

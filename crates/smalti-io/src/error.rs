@@ -48,7 +48,7 @@ pub enum IoError {
     #[error("{}: {field} is {found}; expected {expected}, or {property} given with the file", path.display())]
     Unstated { path: PathBuf, field: String, found: String, expected: String, property: UnstatedProperty },
     /// A sample is NaN, infinite, or negative where that has no meaning. Rows and columns count from 0.
-    #[error("{}: channel {channel}, row {row}, column {col} is {value}; expected {expected}", path.display())]
+    #[error("{}: channel {channel}, row {row}, column {col} (counted from 0) is {value}; expected {expected}", path.display())]
     Pixel { path: PathBuf, channel: String, row: usize, col: usize, value: f64, expected: &'static str },
     /// The content makes no value of the library.
     #[error("{}: {source}", path.display())]

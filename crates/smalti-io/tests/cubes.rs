@@ -296,9 +296,12 @@ fn keys_of_envi_scale_and_leave_out() {
     assert_eq!((file.quantity, file.cube.planes().data()[0]), (Quantity::Energy, 0.01));
     let error = |more: &str| read(more, false).unwrap_err().to_string();
     assert!(error("").contains(
-        "f.hdr: channel 500 nm (band 2), row 0, column 1 is -9; expected a finite number, not negative"
+        "f.hdr: channel 500 nm (band 2), row 0, column 1 (counted from 0) is -9; expected a finite number, not negative"
     ));
-    assert!(error("data ignore value = -9").contains("row 0, column 1 is -9; expected a measured value"));
+    assert!(
+        error("data ignore value = -9")
+            .contains("row 0, column 1 (counted from 0) is -9; expected a measured value")
+    );
     assert!(error("data units = counts").contains("data units is 'counts'; expected reflectance, a unit"));
     assert!(error("header offset = 2").contains("the samples needs 14 bytes, but the file has 12"));
     assert!(error("bbl = {1, 0}").contains("bbl is a list of 2; expected one for each of the 3 bands"));

@@ -16,7 +16,7 @@ use crate::json::{dict_of, loads};
 use crate::raw::PyRawImage;
 use crate::work::watched;
 
-/// A learned pipeline: a table of linear operators, one for each class of patches. `train` makes one.
+/// A learned pipeline: a table of kernels, one for each class of patches and output. `train` makes one.
 #[pyclass(name = "Pipeline", module = "smalti", frozen)]
 #[derive(Debug, Clone)]
 pub(crate) struct PyPipeline(pub(crate) Pipeline);

@@ -265,7 +265,10 @@ fn cameras_that_cannot_be() {
     }
     let filters = "filters = { R = { flat = 1 }, G = { flat = 1 }, B = { flat = 1 } }\n";
     for (pattern, words) in [
-        ("[\"RG\", \"ZB\"]", "'Z' at row 1, column 0, but no filter has that name; filters: B, G, R"),
+        (
+            "[\"RG\", \"ZB\"]",
+            "'Z' at row 1, column 0 (counted from 0), but no filter has that name; filters: B, G, R",
+        ),
         ("[\"RG\", \"B\"]", "a mosaic tile is a rectangle"),
         ("[\"\"]", "a mosaic tile is a rectangle"),
     ] {

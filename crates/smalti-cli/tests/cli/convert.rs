@@ -151,7 +151,11 @@ fn what_a_file_does_not_say_can_be_given() {
     assert!(header.contains("reflectance scale factor = 1") && header.contains("samples = 3"), "{header}");
     npy::write(&place.path("n.npy"), &[1, 2, 4], &(-3..5).map(|v| v as f32).collect::<Vec<_>>()).unwrap();
     let run = place.run(&["convert", "n.npy", "--wavelengths", "500:10:530", "-o", "c.npz"]);
-    assert!(run.err.contains("n.npy: channel 500 nm (band 1), row 0, column 0 is -3"), "{}", run.err);
+    assert!(
+        run.err.contains("n.npy: channel 500 nm (band 1), row 0, column 0 (counted from 0) is -3"),
+        "{}",
+        run.err
+    );
     place.ok("convert n.npy --wavelengths 500:10:530 --clamp-negative -o c.npz");
 }
 

@@ -253,7 +253,7 @@ fn content<'a>(
         .len
         .ok_or_else(|| IoError::field(path, "the byte counts", "too short", "one for every strip or tile"))?;
     let coded = bytes_from(len)?;
-    let place = format!("the strip or tile at row {}, column {}", chunk.row, chunk.col);
+    let place = format!("the strip or tile at row {}, column {} (counted from 0)", chunk.row, chunk.col);
     let wrong = |what: String| IoError::decode(path, "DNG", format!("{place}: {what}"));
     if shape.coding == Coding::LosslessJpeg {
         let (least, most) = (rows.checked_mul(samples), chunks.rows.checked_mul(samples));

@@ -112,9 +112,9 @@ fn what_is_not_read_is_said() {
     };
     use crate::tiff::tags;
     assert!(patched(tags::COMPRESSION, 34892).contains("Compression is 34892 (lossy JPEG); expected 1"));
-    assert!(patched(tags::COMPRESSION, 52546).contains("row 0, column 0: JPEG XL"));
+    assert!(patched(tags::COMPRESSION, 52546).contains("row 0, column 0 (counted from 0): JPEG XL"));
     assert!(patched(tags::COMPRESSION, 7).contains("lossless JPEG: it does not begin as a JPEG does"));
-    assert!(patched(tags::COMPRESSION, 8).contains("row 0, column 0: Deflate"));
+    assert!(patched(tags::COMPRESSION, 8).contains("row 0, column 0 (counted from 0): Deflate"));
     assert!(patched(tags::CFA_LAYOUT, 2).contains("CFALayout is 2; expected 1"));
     assert!(patched(tags::BITS_PER_SAMPLE, 24).contains("BitsPerSample"));
     assert!(patched(tags::IMAGE_WIDTH, 60_000).contains("the raw image needs"));

@@ -138,7 +138,7 @@ fn bad_values_name_their_band_and_pixel() {
     let error = read_bytes(&bytes).unwrap_err().to_string();
     assert_eq!(
         error,
-        "f.exr: channel S0.410,0nm, row 0, column 1 is -0.25; expected a finite number, not negative"
+        "f.exr: channel S0.410,0nm, row 0, column 1 (counted from 0) is -0.25; expected a finite number, not negative"
     );
     let clamp = ReadOptions { clamp_negative: true, ..ReadOptions::default() };
     assert_eq!(
@@ -147,7 +147,10 @@ fn bad_values_name_their_band_and_pixel() {
     );
     let nan = exr_with(&[("S0.400,0nm", [f32::NAN, 1.0]), ("S0.410,0nm", [1.0, 1.0])]);
     assert!(
-        from_bytes(&nan, Path::new("f"), &clamp).unwrap_err().to_string().contains("row 0, column 0 is NaN")
+        from_bytes(&nan, Path::new("f"), &clamp)
+            .unwrap_err()
+            .to_string()
+            .contains("row 0, column 0 (counted from 0) is NaN")
     );
 }
 

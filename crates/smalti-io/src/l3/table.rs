@@ -72,8 +72,9 @@ pub fn table_from_bytes(bytes: &[u8], path: &Path) -> Result<Pipeline, IoError> 
     let trained: Vec<f32> = opened.shaped("trained", &[classes[0], 2])?;
     let classes = counts.into_iter().zip(origins).enumerate().map(|(i, (count, code))| {
         let expected = || format!("a code from 0 to {}", Origin::ALL.len() - 1);
-        let origin = Origin::from_code(code)
-            .ok_or_else(|| opened.wrong("tensor 'origin'", format!("{code} at class {i}"), expected()))?;
+        let origin = Origin::from_code(code).ok_or_else(|| {
+            opened.wrong("tensor 'origin'", format!("{code} at class {i} (counted from 0)"), expected())
+        })?;
         Ok(Class { count, origin })
     });
     let white = opened.json("white")?;

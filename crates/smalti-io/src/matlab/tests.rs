@@ -92,7 +92,7 @@ fn exchanged(bytes: &[u8], from: &[u8], to: &[u8]) -> Vec<u8> {
 fn samples_that_are_no_radiance_are_named() {
     let good = bytes_of(&file(Quantity::Reflectance, ramp()));
     let with = |value: f32| exchanged(&good, &13f32.to_le_bytes(), &value.to_le_bytes());
-    let place = "channel 600 nm (band 3), row 0, column 1 is";
+    let place = "channel 600 nm (band 3), row 0, column 1 (counted from 0) is";
     let expected = "expected a finite number, not negative";
     assert_eq!(error(&with(-2.0)), format!("a.mat: {place} -2; {expected}"));
     assert_eq!(error(&with(f32::NAN)), format!("a.mat: {place} NaN; expected a finite number"));

@@ -21,7 +21,7 @@ const STEPS: f64 = 127.0;
 pub(super) fn section(learned: &[(&Contender<'_>, &Pipeline, String)]) -> Markup {
     let mut out: Markup = el("p")
         .child(
-            "A learned pipeline is a table of linear filters. Each patch of raw samples belongs to a class, defined by the position of its centre in the \
+            "A learned pipeline is a table of linear kernels. Each patch of raw samples belongs to a class, defined by the position of its centre in the \
              tile of the mosaic, the level of its mean response, its texture, and the channels that clip. The kernels of its class compute X, Y \
              and Z. Classes with too few training patches use the kernels of other classes; they are marked.",
         )
@@ -30,18 +30,17 @@ pub(super) fn section(learned: &[(&Contender<'_>, &Pipeline, String)]) -> Markup
         let summary = pipeline.summary();
         let mut table =
             Table::new(format!("Positions of {} and the origin of their kernels", contender.label))
-                .text("Position: row, column")
+                .text("Position: row, column, from 0")
                 .text("Channel")
                 .number("Patches seen");
         table = Origin::ALL.iter().fold(table, |table, origin| table.number(origin.name()));
         for p in &summary.positions {
-            let mut cells =
-                vec![format!("{}, {}", p.row + 1, p.col + 1), p.channel.clone(), grouped(p.patches)];
+            let mut cells = vec![format!("{}, {}", p.row, p.col), p.channel.clone(), grouped(p.patches)];
             cells.extend(p.by_origin.iter().map(usize::to_string));
             table = table.row(cells, false);
         }
         let about = format!(
-            "{} classes, {} of them seen in training, {} linear filters, {} patches, kernels of {side}\u{a0}×\u{a0}{side}.",
+            "{} classes, {} of them seen in training, {} kernels, {} patches; kernels of {side}\u{a0}×\u{a0}{side}.",
             grouped(summary.classes as u64),
             grouped(summary.occupied as u64),
             grouped(summary.operators as u64),
@@ -66,7 +65,7 @@ pub(super) fn data(contender: &Contender<'_>, pipeline: &Pipeline) -> Result<Val
         .map(|p| {
             let (row, col) = (p / mosaic.cols(), p % mosaic.cols());
             let taps: Vec<usize> = (0..side * side).map(|tap| axes.channel_of(p, tap)).collect();
-            json!({"row": row + 1, "col": col + 1, "channel": mosaic.channel_at(row, col), "taps": taps})
+            json!({"row": row, "col": col, "channel": mosaic.channel_at(row, col), "taps": taps})
         })
         .collect();
     let each_level = axes.positions() * axes.textures().count() * outputs.len() * axes.taps();

@@ -246,7 +246,7 @@ function startViewer(root) {
       const shots = unit && group ? group.shots.filter((s) => s.maps[kind]?.naturalWidth) : [];
       if (shots.length === 0) return null;
       const size = (of) => Number(shots[0].maps[kind].getAttribute(of));
-      place = `Row ${Math.floor(y * size("height"))}, column ${Math.floor(x * size("width"))}`;
+      place = `Row ${Math.floor(y * size("height"))}, column ${Math.floor(x * size("width"))} (counted from 0)`;
       const all = shots.flatMap((s, i) => [i > 0 ? " · " : " ", make("span", {}, `${s.name} `, make("b", {}, valueAt(s.maps[kind], group.tops[kind], x, y)))]);
       return make("p", { class: what.value() - 1 === kind ? "chosen" : null }, `${name} (${unit}), about:`, ...all);
     });

@@ -50,7 +50,9 @@ pub enum ImageError {
         got: ColorSpace,
     },
     /// A value is NaN or infinite.
-    #[error("plane {plane} of the image is {value} at row {row}, column {col}; a finite number was expected")]
+    #[error(
+        "plane {plane} of the image is {value} at row {row}, column {col} (all counted from 0); a finite number was expected"
+    )]
     Value {
         /// Plane, from 0.
         plane: usize,

@@ -27,7 +27,7 @@ pub enum IspError {
     },
     /// A channel has no samples near some pixel.
     #[error(
-        "channel {channel} has too few samples around cell ({row}, {col}) of the mosaic: within {reach} pixels none enclose it"
+        "channel {channel} has too few samples around cell ({row}, {col}) of the mosaic (all counted from 0): within {reach} pixels none enclose it"
     )]
     SparseChannel {
         /// The channel.
@@ -40,7 +40,7 @@ pub enum IspError {
         reach: usize,
     },
     /// The image is so small that it has no sample of a channel.
-    #[error("an image of {rows} × {cols} pixels holds no sample of channel {channel}")]
+    #[error("an image of {rows} × {cols} pixels holds no sample of channel {channel} (counted from 0)")]
     ChannelNotSeen {
         /// The channel.
         channel: usize,

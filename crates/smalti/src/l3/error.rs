@@ -35,7 +35,7 @@ pub enum L3Error {
     #[error("the scene is dark to the sensor: no exposure time gives a response from which to learn")]
     Dark,
     /// A position of the mosaic has not been seen, not even by symmetry.
-    #[error("the training data contain no patch around cell ({row}, {col}) of the mosaic")]
+    #[error("the training data contain no patch around cell ({row}, {col}) of the mosaic (counted from 0)")]
     UnseenPosition {
         /// Row of the cell.
         row: usize,
@@ -97,7 +97,7 @@ pub enum L3Error {
         got: usize,
     },
     /// A value is NaN or infinite.
-    #[error("{what} is {value} at row {row}, column {col}; a finite number was expected")]
+    #[error("{what} is {value} at row {row}, column {col} (counted from 0); a finite number was expected")]
     Value {
         /// Where it stands: the target's plane, or the raw image.
         what: String,
@@ -118,7 +118,7 @@ pub enum L3Error {
     #[error("the learned table is inconsistent: {0}")]
     Table(String),
     /// The class of this index has no positive definite system, even after regularisation.
-    #[error("the normal equations of class {0} cannot be solved")]
+    #[error("the normal equations of class {0} (counted from 0) cannot be solved")]
     Singular(usize),
     /// A pipeline renders pictures only with the outputs X, Y, Z, not with these.
     #[error("the outputs of the pipeline are {0}; a picture needs X, Y, Z")]

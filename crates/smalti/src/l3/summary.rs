@@ -13,7 +13,7 @@ pub struct Summary {
     pub classes: usize,
     /// Classes with training data.
     pub occupied: usize,
-    /// Linear operators: occupied classes times outputs.
+    /// Kernels: occupied classes times outputs.
     pub operators: usize,
     /// Training patches.
     pub patches: u64,
@@ -22,9 +22,9 @@ pub struct Summary {
 /// The classes of a position.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct PositionSummary {
-    /// Row of the cell in the tile.
+    /// Row of the cell in the tile, from 0.
     pub row: usize,
-    /// Column of the cell.
+    /// Column of the cell, from 0.
     pub col: usize,
     /// Name of its channel.
     pub channel: String,

@@ -17,7 +17,7 @@ pub enum MetricError {
     UnknownMetric(String),
     /// A region is empty or extends beyond the image.
     #[error(
-        "the region of {} × {} pixels at row {}, column {} must have pixels and lie within the image of {rows} × {cols}",
+        "the region of {} × {} pixels at row {}, column {} (counted from 0) must have pixels and lie within the image of {rows} × {cols}",
         rect.rows, rect.cols, rect.row, rect.col
     )]
     Region {
@@ -57,7 +57,7 @@ pub enum MetricError {
         got: usize,
     },
     /// A value is NaN or infinite.
-    #[error("{what}: value {index} is not finite")]
+    #[error("{what}: value {index} (counted from 0) is not finite")]
     NotFinite {
         /// The data that contain it.
         what: &'static str,

@@ -52,7 +52,7 @@ pub enum OpticsError {
         image_m: f64,
     },
     /// A point spread function cannot be used.
-    #[error("point spread function {index}: {problem}")]
+    #[error("point spread function {index} (counted from 0): {problem}")]
     Psf {
         /// Index in the stack, from 0.
         index: usize,

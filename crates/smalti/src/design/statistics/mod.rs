@@ -54,7 +54,7 @@ pub enum StatisticsError {
     #[error("no objective given")]
     NoObjective,
     /// A weight is negative or not finite.
-    #[error("the weight of objective {index} must be finite and not negative; got {value}")]
+    #[error("the weight of objective {index} (counted from 0) must be finite and not negative; got {value}")]
     Weight {
         /// Position of the objective, from 0.
         index: usize,

@@ -34,7 +34,7 @@ pub enum RegistrationError {
         least: usize,
     },
     /// A sample of the raw image, or the luminance of the image, is NaN or infinite.
-    #[error("{what} is {value} at row {row}, column {col}; a finite number was expected")]
+    #[error("{what} is {value} at row {row}, column {col} (counted from 0); a finite number was expected")]
     Value {
         /// The image.
         what: &'static str,

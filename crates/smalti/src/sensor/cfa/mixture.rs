@@ -42,7 +42,11 @@ impl WeightedMosaic {
         }
         if let Some(at) = weights.iter().position(|w| !(0.0..=1.0).contains(w)) {
             let (primary, cell) = (at % primaries, at / primaries);
-            let name = format!("the weight of primary {primary} in cell ({}, {})", cell / cols, cell % cols);
+            let name = format!(
+                "the weight of primary {primary} in cell ({}, {}), counted from 0,",
+                cell / cols,
+                cell % cols
+            );
             require(false, name, weights[at], "0 to 1")?;
         }
         Ok(Self { rows, cols, primaries, weights })

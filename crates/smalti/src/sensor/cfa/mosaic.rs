@@ -34,14 +34,14 @@ pub enum CfaError {
         channels: usize,
     },
     /// A channel appears in no cell.
-    #[error("channel {channel} appears in no cell of the mosaic")]
+    #[error("channel {channel} (counted from 0) appears in no cell of the mosaic")]
     UnusedChannel {
         /// Its index.
         channel: usize,
     },
     /// A pattern uses a letter without a filter.
     #[error(
-        "the pattern uses '{letter}' at row {row}, column {col}, but no filter has that name; filters: {known}"
+        "the pattern uses '{letter}' at row {row}, column {col} (counted from 0), but no filter has that name; filters: {known}"
     )]
     UnknownLetter {
         /// The letter.
