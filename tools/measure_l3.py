@@ -5,7 +5,7 @@
     python3 tools/measure_l3.py target/release/smalti target/l3 [SECTION …]
 
 Each section is one or more runs of the command, whose results stay in the given folder and are used again by a later run of this script. Only the
-section `kinds` needs more than the built-in scenes: --spectral FILE names a spectral image of one's own.
+section `kinds` needs more than the built-in scenes: --spectral FILE names a spectral image of one's own. The section `greys` needs NumPy.
 """
 
 import argparse
@@ -196,7 +196,7 @@ def settings(prefix: str, lights: str, choices: dict[str, str], counts: bool) ->
             scores = [" · ".join(line[key] for line in own) for key in ("cpsnr", "de", "scielab", "mtf50", "snr", "noise")]
             classes = [f"{learned['classes_that_occur']} / {learned['operators']}"] if counts else []
             body[camera].append([camera, name, *classes, *scores])
-    head = ["camera", "setting", *(["classes / operators"] if counts else []), *METRICS.values(), "MTF50 cy/mm", "visual SNR", "noise %"]
+    head = ["camera", "setting", *(["classes / kernels"] if counts else []), *METRICS.values(), "MTF50 cy/mm", "visual SNR", "noise %"]
     table(head, body["bayer"] + body["rgbw"])
 
 
@@ -252,6 +252,33 @@ def illuminants() -> None:
     table(["tested under", "cd/m²", "learned under", "CPSNR dB", "ΔE2000", "S-CIELAB"], body)
 
 
+def greys() -> None:
+    """The chromaticity of the four lightest greys of a ColorChecker under A, with and without illuminant correction."""
+    import numpy as np
+
+    tables = {"corrected to D65": "--target-illuminant D65", "not corrected": ""}
+    raw = FOLDER / "greys"
+    if not (raw / "metrics.json").exists():
+        smalti("simulate", "bayer", "--scene", "macbeth", "--illuminant", "A", "--luminance", "80", "-o", str(raw))
+    for name, words in tables.items():
+        table_file = trained(f"greys-{name.replace(' ', '-')}", f"bayer --illuminants A {words}")
+        out = FOLDER / f"greys-{name.replace(' ', '-')}.npy"
+        smalti("render", str(raw / "raw.dng"), "--pipeline", table_file, "-o", str(out))
+        picture = np.load(out).astype(float)
+        rows, cols = picture.shape[1] / 4, picture.shape[2] / 6
+        # The middle of each patch of the last row.
+        patches = [picture[:, int(3.35 * rows) : int(3.65 * rows), int((c + 0.35) * cols) : int((c + 0.65) * cols)] for c in range(4)]
+        xyz = np.array([p.reshape(3, -1).mean(1) for p in patches])
+        x, y = (xyz[:, :2] / xyz.sum(1, keepdims=True)).mean(0)
+        print(f"{name}: ({x:.4f}, {y:.4f})")
+
+
+def artefacts() -> None:
+    """The side-by-side pictures whose artefacts are described."""
+    compare("artefacts", "bayer rgbw rgbx rgbcmy medical clarity kodak wang --luminance 1,80 --scenes charts")
+    print("see", FOLDER / "artefacts" / "side-by-side")
+
+
 def fixed() -> None:
     """The lowest PSNR of fixed point over the charts."""
     r = compare("fixed", "bayer rgbw rgbx rgbcmy medical --luminance 1,80 --scenes charts")
@@ -274,7 +301,7 @@ def phone() -> None:
 
 def main() -> None:
     global FOLDER, SMALTI
-    sections = {f.__name__: f for f in (rgbw, curve, cameras, classic, textures, alpha, kinds, illuminants, fixed, phone)}
+    sections = {f.__name__: f for f in (rgbw, curve, cameras, classic, textures, alpha, kinds, illuminants, greys, fixed, phone, artefacts)}
     p = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     p.add_argument("smalti", help="the command")
     p.add_argument("folder", type=pathlib.Path, help="where the results are kept")
