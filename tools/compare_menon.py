@@ -8,7 +8,7 @@
 The script makes all data: the raw images (`smalti simulate --noise none`), the ground truth (the same camera with three sensors
 behind a prism, so that every pixel has all channels), and the learned tables (`smalti train bayer --target bayer`: camera RGB instead of
 XYZ, so that L³ performs the same task as the others). One matrix, the least-squares matrix of the camera, then maps all results from camera RGB to
-XYZ. L³ has no colour correction of its own. The scenes are the test scenes of `smalti compare`, which are not used for training. They are
+XYZ. L³ has no colour correction of its own. The other methods demosaic samples with balanced white. The scenes are the test scenes of `smalti compare`, which are not used for training. They are
 exposed so that the brightest pixel is at 0.8 of saturation. The script prints the CPSNR in XYZ against the truth, in dB, with the largest Y of the
 truth as peak.
 """
@@ -137,6 +137,9 @@ def measure(args, work):
         "Menon 2007": demosaicing_CFA_Bayer_Menon2007,
     }
     results = {name: {} for name in [*classic, *tables]}
+    # The methods of Malvar and Menon assume that detail is equal in all channels, so that they follow white balance, as in raw converters.
+    white, _ = simulate(args, "uniform", (64, 64), 1000, work / "white", **{"sensor.architecture": "prism"})
+    gains = white.mean((1, 2)).max() / white.mean((1, 2))
     for number, (spec, size) in enumerate(SCENES):
         # The brightest pixel of the truth determines the luminance that brings it to the wanted level.
         dim, _ = simulate(args, spec, size, 1, work / f"{number}-dim", **{"sensor.architecture": "prism"})
@@ -150,8 +153,9 @@ def measure(args, work):
         def to_xyz(image):
             return np.einsum("ij,jrc->irc", matrix, image)
         truth = to_xyz(rgb)
+        balance = np.tile(gains[[[0, 1], [1, 2]]], (size[0] // 2, size[1] // 2))
         for name, method in classic.items():
-            image = np.moveaxis(np.asarray(method(raw[0], "RGGB")), 2, 0)
+            image = np.moveaxis(np.asarray(method(raw[0] * balance, "RGGB")), 2, 0) / gains[:, None, None]
             results[name][spec] = cpsnr(to_xyz(image), truth, args.border)
         for name, table in tables.items():
             smalti(args, "render", folder / "raw.dng", "--pipeline", table, "-o", work / "l3.npy")

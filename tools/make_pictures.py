@@ -109,9 +109,10 @@ def stages(work):
 
 
 def contact_sheet(work):
-    """Every built-in scene as the camera `bayer` renders it."""
-    names = [entry["name"] for entry in json.loads(smalti("list", "scenes", "--json"))]
-    cols, cell, rows_px, foot, gap = 5, 216, 162, 30, 12
+    """The built-in charts and patterns as the camera `bayer` renders them. The stored scenes have contact sheets of their own (tools/scenes)."""
+    stored = ("natural-", "photo-")
+    names = [entry["name"] for entry in json.loads(smalti("list", "scenes", "--json")) if not entry["name"].startswith(stored)]
+    cols, cell, rows_px, foot, gap = 4, 216, 162, 30, 12
     lines = -(-len(names) // cols)
     sheet = Image.new("RGB", (cols * (cell + gap) - gap, lines * (rows_px + foot + gap) - gap), PAPER)
     draw = ImageDraw.Draw(sheet)

@@ -139,7 +139,7 @@ test("each scene has the crop in which the cameras differ most", () => withPage(
     assert.equal(await crop.locator("img.crop").count(), 3);
     assert.equal(await crop.locator("img.overview").count(), 1);
     const [top, bottom, left, right] = (await crop.locator(".where .help").textContent())
-      .match(/^Rows (\d+) to (\d+), columns (\d+) to (\d+) of \d+ × \d+ pixels\.$/).slice(1).map(Number);
+      .match(/^Rows (\d+) to (\d+), columns (\d+) to (\d+) of \d+ × \d+ pixels, counted from 0\.$/).slice(1).map(Number);
     const [wide, high] = await crop.locator("img.crop").first().evaluate((i) => [i.naturalWidth, i.naturalHeight]);
     assert.deepEqual([wide, high], [right - left + 1, bottom - top + 1]);
     // By the maps in the page, JPEG of 256 steps, no other window of either light differs more.

@@ -199,7 +199,7 @@ test("the keyboard walks from point to point", () => withPage({}, async (page) =
   await plot(page).focus();
   await page.keyboard.press("Home");
   const first = await count(page).textContent();
-  assert.match(first, /^Trial \d+, \d colours, Resolution MTF50/);
+  assert.match(first, /^Trial \d+, \d colours, f-number (2\.8|4), Resolution MTF50/);
   await page.keyboard.press("ArrowRight");
   const second = await count(page).textContent();
   assert.notEqual(second, first);
@@ -369,7 +369,7 @@ test("on paper the points are drawn again, in light colours", () => withPage({ c
 test("without scripts the tables and figures stand", () => withPageWithoutScripts());
 async function withPageWithoutScripts() {
   const { page, close } = await open(browser, file, { javaScriptEnabled: false });
-  assert.equal(await page.locator("#means table").count(), 2);
+  assert.equal(await page.locator("#means table").count(), 3);
   assert.equal(await page.locator("#means svg[role=img] title").first().textContent().then((t) => t.length > 0), true);
   assert.ok(await page.locator("#explorer .warning").isVisible());
   await close();
