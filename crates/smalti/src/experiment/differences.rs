@@ -35,14 +35,17 @@ const DISTANCE_M: f64 = 1000.0;
 const DIFFERENT: f64 = 1.0005;
 
 /// What differs between cameras besides the colour filter array and the number of pixels: keys of lens, sensor and exposure, then
-/// the spacing of their samples and the field of view of equally many samples, which follow from them.
+/// the spacing of binned samples and the field of view of equally many samples, which follow from them.
 ///
 /// # Errors
 /// When a description cannot be represented as text, and when a camera has no image of a distant scene.
 pub fn camera_differences(cameras: &[Camera]) -> Result<Vec<CameraDifference>, ExperimentError> {
     let mut differences = of_descriptions(cameras.iter().map(Camera::description))?;
-    let pitches_um = cameras.iter().map(|c| c.sensor.pixel.pitch_m * 1e6);
-    differences.extend(of_values("sample pitch, µm", &pitches_um.collect::<Vec<_>>()));
+    // Without binning it is the pitch of the pixels, a key of its own.
+    if cameras.iter().any(|c| c.sensor.binning.is_some()) {
+        let pitches_um = cameras.iter().map(|c| c.sensor.pixel.pitch_m * 1e6);
+        differences.extend(of_values("sample pitch, µm", &pitches_um.collect::<Vec<_>>()));
+    }
     let view =
         |c: &Camera| c.field_of_view_deg(SAMPLES, DISTANCE_M).in_context(|| c.description().name.clone());
     let views_deg = cameras.iter().map(view).collect::<Result<Vec<_>, _>>()?;
