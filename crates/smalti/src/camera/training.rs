@@ -301,7 +301,7 @@ impl Camera {
     }
 
     /// The camera with as many pixels as a scene covers, all of them read.
-    fn with_scene_size(&self, scene: &Scene) -> Result<Self, CameraError> {
+    pub(crate) fn with_scene_size(&self, scene: &Scene) -> Result<Self, CameraError> {
         let large = self.with_size(1 << 14, 1 << 14);
         let window = large.window_on(scene)?;
         let mut camera = self.with_size(window.rows, window.cols);

@@ -129,6 +129,18 @@ pub enum DesignError {
         /// The requested index.
         index: usize,
     },
+    /// Statistics of light differ in what they are of.
+    #[error("statistics of light with another {what}; statistics to merge or to use must have the same")]
+    OtherLight {
+        /// What differs.
+        what: &'static str,
+    },
+    /// The statistics cannot score colour filter arrays.
+    #[error("the statistics of light have no class of at least {least} patches; add scenes")]
+    TooFewPatches {
+        /// Least number of patches of a class.
+        least: u64,
+    },
     /// The caller stopped the scoring of trials.
     #[error("stopped")]
     Stopped,

@@ -13,6 +13,7 @@ mod exposure;
 mod labels;
 mod learning;
 mod light_gain;
+mod light_statistics;
 mod lights;
 mod material;
 mod outcome;
@@ -34,6 +35,7 @@ pub use exposure::{ComparedPictures, EqualExposure, ExposurePlan, ExposurePolicy
 pub use labels::numbered;
 pub use learning::{Gathered, Learned, TrainingPair, TrainingRecord, TrainingSources, gather, learn, solve};
 pub use light_gain::{PairwiseLightGain, light_gain_between, light_gains_to_first};
+pub use light_statistics::light_statistics;
 pub use lights::{LitPipeline, PipelineSet, SceneLight, scene_lights};
 pub use material::NamedScene;
 pub use outcome::Outcome;

@@ -97,7 +97,7 @@ impl Moments {
     }
 
     /// Adds the upper triangle of a square matrix Σ z zᵀ with a row stride of `stride`.
-    pub(super) fn add_square(&mut self, square: &[f64], stride: usize) {
+    pub(crate) fn add_square(&mut self, square: &[f64], stride: usize) {
         let mut at = 0;
         for (i, row) in square.chunks_exact(stride).take(self.size).enumerate() {
             let count = self.size - i;

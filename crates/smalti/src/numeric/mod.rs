@@ -13,6 +13,7 @@ mod out_of_range;
 pub mod philox;
 mod planes;
 pub mod poisson;
+pub(crate) mod products;
 mod rect;
 pub(crate) mod simd;
 

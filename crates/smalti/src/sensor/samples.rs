@@ -17,8 +17,10 @@ impl Sensor {
     /// the analog offset leaves.
     #[must_use]
     pub fn saturation_e(&self, exposure: &Exposure) -> f64 {
-        (self.saturation_v(exposure) - exposure.zero_v())
-            / (self.volts_per_electron(exposure) * exposure.analog_gain)
+        let volts_per_e = self.volts_per_electron(exposure) * exposure.analog_gain;
+        let well_e = self.pixel.full_well_e * self.photodiodes_per_sample();
+        // Rounding in volts does not enlarge the well.
+        ((self.saturation_v(exposure) - exposure.zero_v()) / volts_per_e).min(well_e)
     }
 
     /// Standard deviation of the read noise of a sample in the dark, in electrons of all its photodiodes. N

@@ -1,0 +1,99 @@
+//! Light and exposure that colour filter arrays are screened under.
+
+use super::{FilterResponses, sum_of_products};
+use crate::camera::{Camera, CameraError};
+use crate::design::error::DesignError;
+use crate::sensor::Exposure;
+
+/// The rule for the exposure time.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum ScreenTime {
+    /// The same for every array, s.
+    Fixed(f64),
+    /// The longest time, s, at which display white does not saturate the brightest channel, at most this.
+    UpTo(f64),
+}
+
+/// Light and exposure.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ScreenCondition {
+    /// Mean luminance of the scenes, cd/m².
+    pub luminance_cd_m2: f64,
+    /// The exposure time.
+    pub time: ScreenTime,
+}
+
+impl ScreenCondition {
+    /// The condition with the time that the camera states, or up to `longest_s` if it states none.
+    #[must_use]
+    pub fn of_camera(camera: &Camera, luminance_cd_m2: f64, longest_s: f64) -> Self {
+        let time = camera.stated_time_s().map_or(ScreenTime::UpTo(longest_s), ScreenTime::Fixed);
+        Self { luminance_cd_m2, time }
+    }
+}
+
+/// A condition on a camera: its noise in electrons.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Level {
+    luminance: f64,
+    time: ScreenTime,
+    saturation_e: f64,
+    /// Variance in the dark, e².
+    pub(super) dark_e2: f64,
+    /// Variance per electron, e.
+    pub(super) per_e: f64,
+    /// Variance per squared electron.
+    pub(super) per_e2: f64,
+}
+
+impl Level {
+    pub(super) fn new(camera: &Camera, condition: &ScreenCondition) -> Result<Self, DesignError> {
+        let ScreenCondition { luminance_cd_m2: luminance, time } = *condition;
+        if !(luminance > 0.0 && luminance.is_finite()) {
+            return Err(DesignError::key(
+                "luminance_cd_m2",
+                format!("{luminance}; expected a number above 0"),
+            ));
+        }
+        camera.ensure_one_gain()?;
+        let (ScreenTime::Fixed(time_s) | ScreenTime::UpTo(time_s)) = time;
+        let exposure = Exposure { time_s, ..camera.gain_and_offset() };
+        let sensor = &camera.sensor;
+        let noise = |e: f64| sensor.noise_variance(e, &exposure).map_err(CameraError::from);
+        let volts_per_e = sensor.volts_per_electron(&exposure) * exposure.analog_gain;
+        let squared = volts_per_e * volts_per_e;
+        let dark_e2 = noise(0.0)?.total() / squared;
+        // The variance is a polynomial of the signal: its terms from the terms at a signal within the range.
+        let probe_e = 0.1 * sensor.saturation_e(&exposure);
+        let bright = noise(probe_e)?;
+        let gains = sensor.nonuniformity.prnu_fraction;
+        let per_e2 = gains * gains / sensor.photodiodes_per_sample();
+        let per_e = (bright.photon / squared / probe_e).max(0.0);
+        Ok(Self { luminance, time, saturation_e: sensor.saturation_e(&exposure), dark_e2, per_e, per_e2 })
+    }
+
+    /// The exposure time for filters, s, and the number of the filter that limits it.
+    pub(super) fn limited_time(&self, white: &[f64], responses: &FilterResponses) -> (f64, Option<usize>) {
+        let longest = match self.time {
+            ScreenTime::Fixed(time_s) => return (time_s, None),
+            ScreenTime::UpTo(longest_s) => longest_s,
+        };
+        let rates = responses.0.iter().map(|f| sum_of_products(f, white) * self.luminance);
+        let brightest = rates.enumerate().max_by(|a, b| a.1.total_cmp(&b.1));
+        match brightest {
+            Some((channel, rate)) if rate * longest > self.saturation_e => {
+                (self.saturation_e / rate, Some(channel))
+            }
+            _ => (longest, None),
+        }
+    }
+
+    pub(super) fn time_s(&self, white: &[f64], responses: &FilterResponses) -> f64 {
+        self.limited_time(white, responses).0
+    }
+
+    /// Luminance times time: the factor from responses to electrons.
+    pub(super) fn scale(&self, time_s: f64) -> f64 {
+        self.luminance * time_s
+    }
+}
