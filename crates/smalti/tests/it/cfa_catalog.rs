@@ -110,17 +110,62 @@ fn colours_have_the_shares_of_the_publications() {
         assert_shares(name, &bayer);
     }
     assert_shares("xtrans", &[('R', 8.0 / 36.0), ('G', 20.0 / 36.0), ('B', 8.0 / 36.0)]);
-    for name in ["kodak", "kodak-b", "kodak-c", "rgbw-sony", "rgbw-yamagami"] {
+    for name in ["kodak", "kodak-b", "kodak-c", "rgbw-hamilton", "rgbw-sony", "rgbw-yamagami"] {
         assert_shares(name, &[('R', 0.125), ('G', 0.25), ('B', 0.125), ('W', 0.5)]);
     }
     let sixth = 1.0 / 6.0;
-    for name in ["rgbw-yamagami-b", "rgbw-susanu"] {
+    for name in ["rgbw-yamagami-b", "rgbw-susanu", "rgbw-kaizu"] {
         assert_shares(name, &[('R', sixth), ('G', sixth), ('B', sixth), ('W', 0.5)]);
     }
     assert_shares("wang2011", &[('R', 0.2), ('G', 0.2), ('B', 0.2), ('W', 0.4)]);
     assert_shares("five-band", &[('R', 0.125), ('O', 0.125), ('G', 0.5), ('C', 0.125), ('B', 0.125)]);
     assert_shares("rgbir-4x4", &[('R', 0.125), ('G', 0.5), ('B', 0.125), ('I', 0.25)]);
     assert_shares("rccc", &[('R', 0.25), ('C', 0.75)]);
+    // Tiles of the two repositories.
+    assert_shares("chakrabarti2016", &[('R', 0.125), ('G', 9.0 / 64.0), ('B', 0.125), ('W', 39.0 / 64.0)]);
+    for (name, cells) in [("chakrabarti2014-4x4", 16.0), ("rgbw-honda", 16.0), ("rgbw-sparse-3", 64.0)] {
+        let once = 1.0 / cells;
+        assert_shares(name, &[('R', once), ('G', 2.0 * once), ('B', once), ('W', 1.0 - 4.0 * once)]);
+    }
+    assert_shares("rgbw-luo", &[('R', 0.125), ('G', 0.125), ('B', 0.0625), ('W', 0.6875)]);
+    assert_shares("rgbw-quad", &[('R', 0.25), ('G', 0.25), ('B', 0.25), ('W', 0.25)]);
+    assert_shares("rgbw-random", &[('R', 5.0 / 64.0), ('G', 5.0 / 64.0), ('B', 6.0 / 64.0), ('W', 0.75)]);
+}
+
+/// The software writes the tile as digits, 0 to 3 for red, green, blue and white.
+#[test]
+fn chakrabarti_2016_is_the_code_of_its_software() {
+    let code = "3133033303333303132232330233131233333103303133100323133331333322";
+    let text = cfa::pattern("chakrabarti2016").unwrap().concat();
+    let digits: String = text.chars().map(|l| "RGBW".find(l).unwrap().to_string()).collect();
+    assert_eq!(digits, code);
+}
+
+/// Claim 1 of US 9,699,429: one white pixel between the coloured ones of every row and column, which are red, green and blue in turn.
+#[test]
+fn kaizu_meets_the_claim_of_the_patent() {
+    let lines: Vec<Vec<char>> =
+        cfa::pattern("kaizu").unwrap().iter().map(|line| line.chars().collect()).collect();
+    for i in 0..6 {
+        let column: Vec<char> = lines.iter().map(|line| line[i]).collect();
+        for line in [&lines[i], &column] {
+            let start = line.iter().position(|&l| l == 'R').unwrap();
+            let turned: String = (0..6).map(|k| line[(start + k) % 6]).collect();
+            assert!(["RWGWBW", "RWBWGW"].contains(&turned.as_str()), "{turned}");
+        }
+    }
+}
+
+#[test]
+fn quads_are_binned_to_their_single_cells() {
+    let lettered = |name: &str| Mosaic::from_letters(&cfa::pattern(name).unwrap()).unwrap();
+    for (quad, single, shift) in [("quad-bayer", "bayer", 0), ("rgbw-quad", "rgbw", 1)] {
+        let (mosaic, letters) = lettered(quad);
+        assert_eq!(mosaic.block_side(4), Some(2), "{quad}");
+        let binned = mosaic.binned(2).unwrap().to_letters(&letters).unwrap();
+        let (mosaic, letters) = lettered(single);
+        assert_eq!(binned, mosaic.shifted(0, shift).to_letters(&letters).unwrap(), "{quad}");
+    }
 }
 
 #[test]

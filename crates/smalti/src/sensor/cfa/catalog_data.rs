@@ -1,5 +1,6 @@
 //! The entries of the catalogue. Patterns are facts of their publications; "as in isetL3" means that the pattern was
-//! read from the table that Stanford's group published with its L³ work (`s_makeCFAs.m`), not from the original.
+//! read from the table that Stanford's group published with its L³ work (`s_makeCFAs.m`), "as in forward_model" that it was read
+//! from the software of Muller et al. (`misc/cfa_patterns.py`), not from the original.
 
 use super::Modulation;
 use super::catalog_entry::{CfaInfo, Layout};
@@ -151,6 +152,16 @@ pub(super) static CATALOG: &[CfaInfo] = &[
         KIJIMA,
     ),
     entry(
+        "rgbw-hamilton",
+        &["hamilton"],
+        &["RWRWGWGW", "WRWRWGWG", "RWRWGWGW", "WRWRWGWG", "GWGWBWBW", "WGWGWBWB", "GWGWBWBW", "WGWGWBWB"],
+        RGBW,
+        "White checkerboard; the other cells are Bayer in blocks of 4 × 4 pixels.",
+        "As in forward_model [muller2024], which gives a name only; presumably [hamilton2005] J. F. Hamilton, J. T. \
+         Compton, Processing color and panchromatic pixels, US patent application 11/191,538 (2005), which could not be \
+         read.",
+    ),
+    entry(
         "rgbw-sony",
         &["sony", "sony-rgbw"],
         &["WBWG", "RWGW", "WGWB", "GWRW"],
@@ -197,7 +208,82 @@ pub(super) static CATALOG: &[CfaInfo] = &[
         &["WWWWWW", "WWWWWW", "WWRGWW", "WWGBWW", "WWWWWW", "WWWWWW"],
         RGBW,
         "White with one 2 × 2 Bayer block in 6 × 6 pixels.",
-        "[chakrabarti2014] A. Chakrabarti, W. T. Freeman, T. Zickler, Rethinking color cameras, ICCP 2014; as in isetL3.",
+        "[chakrabarti2014] A. Chakrabarti, W. T. Freeman, T. Zickler, Rethinking color cameras, ICCP 2014; as in isetL3 and \
+         forward_model. The first author's later software has 4 × 4 pixels (chakrabarti2014-4x4).",
+    ),
+    entry(
+        "chakrabarti2014-4x4",
+        &["cfz14"],
+        &["GBWW", "RGWW", "WWWW", "WWWW"],
+        RGBW,
+        "White with one 2 × 2 Bayer block in 4 × 4 pixels: the sparse pattern (CFZ) that chakrabarti2016 is compared with.",
+        "[chakrabarti2014] as in the software of [chakrabarti2016] (CFZ14 in pylayers/sensor.py). isetL3 and forward_model \
+         have 6 × 6 pixels for the same paper (chakrabarti2014); which of the two the paper has could not be checked.",
+    ),
+    entry(
+        "chakrabarti2016",
+        &["learncfa"],
+        &["WGWWRWWW", "RWWWWWRW", "GWBBWBWW", "RBWWGWGB", "WWWWWGRW", "WRWGWWGR", "RWBWGWWW", "WGWWWWBB"],
+        RGBW,
+        "Learned together with a neural network that reconstructs the picture: 8 × 8 with 61 % white.",
+        "[chakrabarti2016] A. Chakrabarti, Learning sensor multiplexing design through back-propagation, NIPS 2016, 3081; \
+         as in its software (prototxt/flcfa50.prototxt).",
+    ),
+    entry(
+        "rgbw-kaizu",
+        &["kaizu"],
+        &["RWGWBW", "WRWGWB", "GWBWRW", "WGWBWR", "BWRWGW", "WBWRWG"],
+        RGBW,
+        "White checkerboard; red, green and blue in turn along every row and column, paired along diagonals.",
+        "[kaizu2017] Image processing apparatus, imaging device, image processing method, and program for reducing noise \
+         or false colors in an image, US 9,699,429 (2017); as in forward_model [muller2024]. The tile meets the patent's \
+         first claim.",
+    ),
+    entry(
+        "rgbw-honda",
+        &["honda"],
+        &["WWWW", "WGWR", "WWWW", "WBWG"],
+        RGBW,
+        "Bayer at every second pixel of every second row, white between: 75 % white.",
+        "As in forward_model [muller2024], which gives a name only; presumably [honda2009] H. Honda et al., A color CMOS \
+         imager with 4 × 4 white-RGB color filter array for increased low-illumination signal-to-noise ratio, IEEE Trans. \
+         Electron Devices (2009), which could not be read.",
+    ),
+    entry(
+        "rgbw-sparse-3",
+        &["sparse-3"],
+        &["RWWWGWWW", "WWWWWWWW", "WWWWWWWW", "WWWWWWWW", "GWWWBWWW", "WWWWWWWW", "WWWWWWWW", "WWWWWWWW"],
+        RGBW,
+        "Bayer at every fourth pixel of every fourth row, three white pixels between: 94 % white.",
+        "As sparse_3 in forward_model [muller2024], which names no publication.",
+    ),
+    entry(
+        "rgbw-luo",
+        &["luo"],
+        &["WGWW", "RBRW", "WGWW", "WWWW"],
+        RGBW,
+        "A cross of two green, two red and one blue pixel in 4 × 4, otherwise white (69 %).",
+        "[luo2007] G. Luo, Color filter array with neutral elements and color image formation, US 2007/0159542 (2007), \
+         for the principle (clusters of colour among a majority of neutral elements); tile as in forward_model \
+         [muller2024].",
+    ),
+    entry(
+        "rgbw-quad",
+        &["quad-rgbw", "rgbw-binning"],
+        &["GGRR", "GGRR", "BBWW", "BBWW"],
+        RGBW,
+        "Each cell of rgbw as 2 × 2 pixels, to be binned in low light.",
+        "As binning in forward_model [muller2024], which names no publication.",
+    ),
+    entry(
+        "rgbw-random",
+        &["random-rgbw"],
+        &["WWWWWWWW", "WBWGWBWR", "WWWWWWWW", "WRWRWBWG", "WWWWWWWW", "WBWGWGWR", "WWWWWWWW", "WRWBWBWG"],
+        RGBW,
+        "One pixel of every 2 × 2 is red, green or blue at random, the others are white.",
+        "As random in forward_model [muller2024], which names no publication; [oh2017] P. Oh, S. Lee, M. G. Kang, \
+         Colorization-based RGB-white color interpolation using color filter array with randomly sampled pattern, \
+         Sensors 17(7), 1523 (2017), for the principle.",
     ),
     entry(
         "rccb",
