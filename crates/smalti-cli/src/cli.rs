@@ -7,6 +7,7 @@ use clap::{Parser, Subcommand};
 use crate::args::Common;
 use crate::compare::Compare;
 use crate::convert::Convert;
+use crate::design::DesignArgs;
 use crate::evaluate::Evaluate;
 use crate::list::List;
 use crate::render::Render;
@@ -28,6 +29,7 @@ use crate::train::Train;
         smalti simulate my.toml --scene zone-plate -o out     your own camera and another scene\n  \
         smalti evaluate bayer rgbw                            scores of colour, resolution, noise and aliasing\n  \
         smalti sweep table2 -o study && smalti report study   score 5000 colour filter arrays and report them\n  \
+        smalti design pigments-4 -o best                      find the best colour filter array of four pigments\n  \
         smalti list cfas                                      the built-in colour filter arrays\n  \
         smalti show rgbw                                      a camera with its mosaic and its spectra\n\n\
         Results are written to standard output or to the path of -o, progress and messages to standard error.\n\
@@ -54,6 +56,8 @@ pub(crate) enum Command {
     Evaluate(Evaluate),
     /// Score all trials of a study; resumes an interrupted run
     Sweep(SweepArgs),
+    /// Find the best filters and mosaic for a camera and its light, without simulating pictures
+    Design(Box<DesignArgs>),
     /// Report the results of a study: tables, best designs, figures
     Report(ReportArgs),
     /// List built-in cameras, scenes, colour filter arrays, metrics and more

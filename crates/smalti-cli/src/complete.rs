@@ -9,7 +9,7 @@ use clap_complete::env::{CompleteEnv, EnvCompleter, Shells};
 use smalti::scene::catalog::{self, ParamInfo};
 use smalti::sensor::cfa;
 use smalti::spectrum::Illuminant;
-use smalti_io::{cameras, scenes, studies};
+use smalti_io::{cameras, designs, scenes, studies};
 
 use crate::keys::keys;
 use crate::resolve::has_extension;
@@ -56,6 +56,7 @@ fn with_names(command: Command) -> Command {
         "overrides" => arg.add(ArgValueCompleter::new(camera_keys)),
         "illuminant" | "illuminants" | "target_illuminant" => with(arg, light_names, &["csv"]),
         "study" => with(arg, study_names, &["toml"]),
+        "design" => with(arg, design_names, &["toml"]),
         // The argument of `show`, which accepts every kind.
         "name" => with(arg, all_names, &[&["toml", "csv"], SCENES].concat()),
         _ => arg,
@@ -149,6 +150,10 @@ fn target_names() -> Vec<CompletionCandidate> {
 
 fn study_names() -> Vec<CompletionCandidate> {
     studies::names().iter().map(|f| named(f.name, f.summary)).collect()
+}
+
+fn design_names() -> Vec<CompletionCandidate> {
+    designs::names().iter().map(|f| named(f.name, f.summary)).collect()
 }
 
 fn scene_names() -> Vec<CompletionCandidate> {

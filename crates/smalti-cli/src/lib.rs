@@ -7,6 +7,7 @@ mod cli;
 mod compare;
 mod complete;
 mod convert;
+mod design;
 mod evaluate;
 mod exposure_args;
 mod keys;
@@ -78,6 +79,7 @@ fn run(cli: Cli, words: &[String]) -> anyhow::Result<()> {
         Command::Simulate(a) => simulate::run(&a, &cli.common),
         Command::Evaluate(a) => evaluate::run(&a, words, &cli.common),
         Command::Sweep(a) => sweep::run(&a, &cli.common),
+        Command::Design(a) => design::run(&a, &cli.common),
         Command::Report(a) => report::run(&a, &cli.common),
         Command::List(a) => list::run(&a),
         Command::Show(a) => show::run(&a, &cli.common),

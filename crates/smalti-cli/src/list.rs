@@ -8,7 +8,7 @@ use smalti::scene::catalog;
 use smalti::sensor::cfa;
 use smalti::spectrum::Illuminant;
 use smalti_io::rendered::{self, StoredScene};
-use smalti_io::{BuiltinFile, cameras, studies};
+use smalti_io::{BuiltinFile, cameras, designs, studies};
 use smalti_report::comparison::columns::where_shown;
 
 use crate::keys::{Entry, keys};
@@ -51,10 +51,14 @@ pub(crate) enum Listing {
     Metrics,
     /// Studies of many designs, for `smalti sweep`
     Studies,
+    /// Searches for the best colour filter array, for `smalti design`
+    Designs,
     /// Keys of a camera file, with their defaults
     CameraKeys,
     /// Keys of a study file, with their defaults
     StudyKeys,
+    /// Keys of a design file, with their defaults
+    DesignKeys,
 }
 
 /// The least width of wrapped text.
@@ -69,14 +73,17 @@ pub(crate) fn run(args: &List) -> anyhow::Result<()> {
         Listing::Filters => filters(),
         Listing::Metrics => metric_list(),
         Listing::Studies => files(studies::names()),
+        Listing::Designs => files(designs::names()),
         Listing::CameraKeys => keys(&cameras::schema()),
         Listing::StudyKeys => keys(&studies::schema()),
+        Listing::DesignKeys => keys(&designs::schema()),
     };
     if args.schema {
         let schema = match args.what {
             Listing::CameraKeys => cameras::schema(),
             Listing::StudyKeys => studies::schema(),
-            _ => bail!("--schema applies to camera-keys and study-keys"),
+            Listing::DesignKeys => designs::schema(),
+            _ => bail!("--schema applies to camera-keys, study-keys and design-keys"),
         };
         return crate::output::print_json(&schema);
     }

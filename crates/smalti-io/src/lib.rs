@@ -39,6 +39,7 @@ mod camera_toml;
 pub mod cameras;
 pub mod comparisons;
 pub mod dataset;
+pub mod designs;
 mod diagnostic;
 pub mod dng;
 pub mod envi;

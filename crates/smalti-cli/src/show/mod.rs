@@ -18,12 +18,14 @@ use std::path::{Path, PathBuf};
 use anyhow::bail;
 use clap::Args;
 use serde_json::{Value, json};
+use smalti::sensor::Cfa;
 use smalti_io::{Override, write};
 use smalti_report::Figure;
 
 use self::datasheet::{Datasheet, Part};
 use self::find::Kind;
 use self::picture::Pixels;
+use self::tile::Tile;
 use crate::args::Common;
 use crate::resolve::{self, has_extension};
 use crate::scene_args::SceneOptions;
@@ -136,6 +138,11 @@ fn refuse_unused_options(args: &Show, kind: Kind) -> anyhow::Result<()> {
         bail!("--toml prints the unchanged file and ignores --set; --json prints the resolved description");
     }
     Ok(())
+}
+
+/// The mosaic of an array as a figure.
+pub(crate) fn mosaic_figure(array: &Cfa) -> anyhow::Result<Figure> {
+    Tile::of(array, |_| None)?.figure()
 }
 
 /// Writes the first picture of a datasheet.

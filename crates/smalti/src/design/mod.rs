@@ -20,6 +20,7 @@ mod results;
 mod scenes;
 mod scores;
 pub mod screen;
+pub mod search;
 pub mod statistics;
 mod study;
 mod sweep;

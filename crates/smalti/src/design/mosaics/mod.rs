@@ -1,6 +1,7 @@
 //! Families of mosaics. A family counts its mosaics of N colours and lists all of them or a random sample.
 
 mod group;
+mod interchange;
 mod published;
 mod request;
 mod surjection;
@@ -9,6 +10,7 @@ mod tile;
 use serde::{Deserialize, Serialize};
 
 pub use group::Symmetry;
+use interchange::distinct;
 pub use published::published;
 pub(super) use request::MosaicRequest;
 use request::{THIS_TILE, sampled};
@@ -73,6 +75,21 @@ impl MosaicFamily {
             Self::Catalogue => published(colors)?.into_iter().map(|(_, mosaic)| mosaic).collect(),
         };
         sampled(all, request.count, colors, seed)
+    }
+
+    /// The mosaics of [`MosaicFamily::pick`], without those of a tile that equal another after an exchange of filters: for filters that
+    /// are still to be found.
+    ///
+    /// # Errors
+    /// As [`MosaicFamily::pick`].
+    pub fn pick_layouts(
+        &self,
+        colors: usize,
+        count: Option<u64>,
+        seed: u64,
+    ) -> Result<Vec<Mosaic>, DesignError> {
+        let all = self.pick(colors, count, seed)?;
+        Ok(if let Self::Tile(tile) = self { distinct(all, tile.symmetry) } else { all })
     }
 
     /// Checks a request for mosaics without listing them.

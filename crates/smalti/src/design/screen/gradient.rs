@@ -32,21 +32,21 @@ pub struct ExpectedGradient {
 
 impl Screen {
     /// The expected errors of filters in a mosaic, and the derivatives of a weighted sum of their figures. `weights` has an entry for each
-    /// condition, computed from the expected errors.
+    /// condition, computed from the expected errors. Without [`Figures::All`] there is no colour difference to weigh.
     #[must_use]
     pub fn gradient(
         &self,
         mosaic: &Mosaic,
         responses: &FilterResponses,
+        figures: Figures,
         weights: impl Fn(&[ExpectedError]) -> (f64, Vec<FigureWeights>),
     ) -> ExpectedGradient {
         let layout = Layout::new(self, mosaic);
         let mut forward = Forward::new(self, &layout, responses);
         dispatch(&mut forward);
         let times: Vec<_> = self.levels.iter().map(|l| l.limited_time(&self.white, responses)).collect();
-        let figures = |level: usize| {
-            self.figures(&forward.errors[level], layout.positions(), Figures::All, times[level].0)
-        };
+        let figures =
+            |level: usize| self.figures(&forward.errors[level], layout.positions(), figures, times[level].0);
         let expected: Vec<ExpectedError> = (0..self.levels.len()).map(figures).collect();
         let (sum, weights) = weights(&expected);
         let mut backward = Backward {

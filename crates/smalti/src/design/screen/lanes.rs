@@ -190,13 +190,11 @@ fn subtract_products(sums: &mut Block, left: &Block, right: &Block) {
 fn substitute(sums: &mut Block, diagonal: &Block, inverse: &[Lanes]) {
     macro_rules! column {
         ($c:literal after $($k:literal)*) => {
-            let [mut s0, mut s1, mut s2, mut s3] = sums[$c];
+            let [s0, s1, s2, s3] = sums[$c];
             $(
-                let d = diagonal[$k][$c];
-                s0 = minus(s0, sums[$k][0], d);
-                s1 = minus(s1, sums[$k][1], d);
-                s2 = minus(s2, sums[$k][2], d);
-                s3 = minus(s3, sums[$k][3], d);
+                let (d, known) = (diagonal[$k][$c], sums[$k]);
+                let (s0, s1) = (minus(s0, known[0], d), minus(s1, known[1], d));
+                let (s2, s3) = (minus(s2, known[2], d), minus(s3, known[3], d));
             )*
             let by = inverse[$c];
             sums[$c] = [product(s0, by), product(s1, by), product(s2, by), product(s3, by)];

@@ -91,7 +91,15 @@ pub struct Screen {
 
 /// The filters of an array on a camera: photoelectrons per second for each spectral component, per cd/m² of the scene.
 #[derive(Debug, Clone, PartialEq)]
-pub struct FilterResponses(pub(super) Vec<Vec<f64>>);
+pub struct FilterResponses(Vec<Vec<f64>>);
+
+impl FilterResponses {
+    /// From the photoelectrons per second of each filter for each spectral component, per cd/m².
+    #[must_use]
+    pub fn new(responses: Vec<Vec<f64>>) -> Self {
+        Self(responses)
+    }
+}
 
 impl Screen {
     /// A screen for a camera, whose own filters do not matter, under conditions.

@@ -5,7 +5,7 @@ use super::curves;
 use super::shapes::{self, logistic};
 use crate::names::nearest;
 use crate::sensor::QuantumEfficiency;
-use crate::spectrum::{Spectrum, WavelengthGrid};
+use crate::spectrum::{Extrapolation, Spectrum, WavelengthGrid};
 
 /// A built-in filter.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -47,6 +47,9 @@ const CMV12000: &str = "ams CMV12000: absolute quantum efficiency of filter and 
 const DATASHEET: &str = "Digitised from figure 8 of the datasheet: ams, CMV12000, DS000603, v5-00 (2022).";
 const PIGMENT: &str = "Pigment of the CMV12000: the quantum efficiency of the colour device divided by that of the monochrome device, \
     smoothed; 400–1000 nm, constant outside. It transmits infrared.";
+const SUBTRACTIVE: &str = "Pigment of the Kodak DCS620x: the quantum efficiency of the whole camera behind the filter, divided by the largest of the \
+    three filters at each wavelength, 400–700 nm, constant outside. Two of the three pigments are nearly clear at every wavelength, so \
+    that this is the transmittance relative to theirs. Curves: see kodak-dcs620x/C.";
 const APERTUS: &str =
     "Spectrophotometer of the apertus° AXIOM team, 2019: plot of absorbance, curve \"UQG\", digitised.";
 
@@ -122,6 +125,9 @@ static INFOS: &[FilterInfo] = &[
     info("pigment/R", PIGMENT, DATASHEET),
     info("pigment/G", PIGMENT, DATASHEET),
     info("pigment/B", PIGMENT, DATASHEET),
+    info("pigment/C", SUBTRACTIVE, LANSEL),
+    info("pigment/M", SUBTRACTIVE, LANSEL),
+    info("pigment/Y", SUBTRACTIVE, LANSEL),
     info(
         "hot-mirror",
         "Infrared-cut filter of a camera, ultraviolet cut included (UQG Optics): half transmission at 392 and 643 nm; 380–1000 nm, \
@@ -168,6 +174,9 @@ pub(super) fn spectrum(name: &str, grid: WavelengthGrid) -> Result<Spectrum, Cfa
         "five-band/O" => gaussian(600.0, 20.0),
         "five-band/R" => gaussian(650.0, 20.0),
         "narrow" => gaussian(540.0, 10.0),
+        "pigment/C" => subtractive(0, grid),
+        "pigment/M" => subtractive(1, grid),
+        "pigment/Y" => subtractive(2, grid),
         "silicon" => Ok(QuantumEfficiency::SILICON.spectrum(grid)?),
         "ir-cut" => Ok(crate::optics::builtin::ir_cut(grid)?),
         _ => {
@@ -183,6 +192,20 @@ pub(super) fn spectrum(name: &str, grid: WavelengthGrid) -> Result<Spectrum, Cfa
             })
         }
     }
+}
+
+/// The transmittance of a pigment of the Kodak DCS620x relative to the clearest of the three.
+fn subtractive(pigment: usize, grid: WavelengthGrid) -> Result<Spectrum, CfaError> {
+    let own = WavelengthGrid::new(400.0, 10.0, 31)?;
+    let curves = ["C", "M", "Y"].map(|letter| spectrum(&format!("kodak-dcs620x/{letter}"), own));
+    let [cyan, magenta, yellow] = curves;
+    let all = [cyan?, magenta?, yellow?];
+    let of = |i: usize| {
+        let clearest = all.iter().map(|s| s.values()[i]).fold(f64::MIN_POSITIVE, f64::max);
+        all[pigment].values()[i] / clearest
+    };
+    let relative = Spectrum::new(own, (0..own.len()).map(of).collect())?;
+    Ok(relative.resampled(grid, Extrapolation::Hold)?)
 }
 
 /// Parses `band-k-of-n` into (k, n).

@@ -1,0 +1,226 @@
+//! Reading of design files: which colour filter array is wanted.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use serde::Deserialize;
+use smalti::camera::description::CameraDescription;
+use smalti::design::light::LightSettings;
+use smalti::design::screen::ScreenCondition;
+use smalti::design::search::{FilterSpace, Objective, SearchSettings};
+use smalti::design::{Design, DesignError, MosaicFamily};
+use smalti::experiment::DesignTask;
+
+use crate::camera_toml::Override;
+use crate::cameras::{read_curve, tell};
+use crate::diagnostic::Diagnostic;
+use crate::toml_source::{BuiltinFile, TomlSource, builtin};
+use crate::{cameras, lights};
+
+static DESIGNS: &[BuiltinFile] = &[
+    builtin!(
+        "designs",
+        "pigments-4",
+        "Four filters of pigments in 2 × 2, for 1 to 80 cd/m², on the camera of the L³ slides"
+    ),
+    builtin!(
+        "designs",
+        "pigments-3",
+        "Three filters of pigments in 2 × 2, for 1 to 80 cd/m², on the same camera"
+    ),
+    builtin!(
+        "designs",
+        "free-4",
+        "Four free filter curves in 2 × 2: the bound for any filters that can be made"
+    ),
+];
+
+/// The built-in design files.
+#[must_use]
+pub fn names() -> &'static [BuiltinFile] {
+    DESIGNS
+}
+
+/// JSON Schema of a design file.
+#[cfg(feature = "schema")]
+#[must_use]
+pub fn schema() -> schemars::Schema {
+    schemars::schema_for!(DesignFile)
+}
+
+/// A design file.
+#[derive(Debug, Clone, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+struct DesignFile {
+    /// Name of the design. The default is the file name without its extension.
+    name: Option<String>,
+    /// Purpose of the design, in one sentence.
+    #[serde(default)]
+    about: String,
+    /// Name or file of the camera. Its colour filter array is replaced.
+    camera: String,
+    /// Changed keys of the camera, such as `"optics.f_number" = 2.8`.
+    #[serde(default)]
+    #[cfg_attr(feature = "schema", schemars(with = "BTreeMap<String, serde_json::Value>"))]
+    set: BTreeMap<String, toml::Value>,
+    /// Illuminant of the scenes: a name or a CSV file.
+    #[serde(default = "default_light")]
+    illuminant: String,
+    /// Mean luminances of the scenes, cd/m². All count equally.
+    #[serde(default = "default_luminances")]
+    luminances_cd_m2: Vec<f64>,
+    /// Longest exposure time, ms, if the camera states none. The time is shorter where white would saturate.
+    #[serde(default = "default_longest_ms")]
+    longest_ms: f64,
+    /// Numbers of filters.
+    colors: Vec<usize>,
+    /// The filters that can be made.
+    filters: FilterSpace,
+    /// The mosaics to search.
+    mosaics: MosaicFamily,
+    /// Number of mosaics to draw for each number of filters. The default is all.
+    mosaic_count: Option<u64>,
+    /// Whether the published mosaics compete, each with the best filters of the same kind.
+    #[serde(default = "yes")]
+    rivals: bool,
+    /// What is minimised.
+    #[serde(default)]
+    objective: Objective,
+    /// The extent of the search.
+    #[serde(default)]
+    search: SearchSettings,
+    /// The statistics of the light.
+    #[serde(default)]
+    light: LightSettings,
+}
+
+fn default_light() -> String {
+    "D65".into()
+}
+
+fn default_luminances() -> Vec<f64> {
+    vec![1.0, 10.0, 80.0]
+}
+
+fn default_longest_ms() -> f64 {
+    33.0
+}
+
+fn yes() -> bool {
+    true
+}
+
+/// A design file with the cameras, illuminants and filters that it refers to.
+#[derive(Debug, Clone)]
+pub struct LoadedDesign {
+    /// The search.
+    pub task: DesignTask,
+    /// Its purpose.
+    pub about: String,
+    /// The description of its camera.
+    pub camera: CameraDescription,
+    /// What was recognised about the files that it refers to; each once.
+    pub notes: Vec<String>,
+}
+
+/// Reads a design by name or file.
+///
+/// # Errors
+/// When the name is unknown or a key, a value or a file is invalid. The error names the line, if there is one.
+pub fn load(name: &str) -> Result<LoadedDesign, Box<Diagnostic>> {
+    let source = TomlSource::find("design", DESIGNS, name)?;
+    let study = || "this is the file of a study or a camera; smalti sweep takes studies".to_owned();
+    let file: DesignFile = source.parse_or_tell(&["optics", "sensor", "sample", "metrics"], study)?;
+    let wrong = |key: &str, message: &str| Box::new(source.about_key(key, message));
+    let mut notes = Vec::new();
+    let mut filters = file.filters.clone();
+    if let FilterSpace::Pigments(pigments) = &mut filters {
+        for (at, filter) in pigments.library.iter_mut().enumerate() {
+            let key = format!("filters.pigments.library[{at}]");
+            let note = read_curve(filter, &source.folder).map_err(|e| wrong(&key, &e))?;
+            tell(&mut notes, note);
+        }
+    }
+    if file.luminances_cd_m2.is_empty() {
+        return Err(wrong("luminances_cd_m2", "expected at least one luminance"));
+    }
+    if let Some(bad) = file.luminances_cd_m2.iter().find(|v| !(**v > 0.0 && v.is_finite())) {
+        return Err(wrong("luminances_cd_m2", &format!("{bad}; expected numbers above 0")));
+    }
+    if !(file.longest_ms > 0.0 && file.longest_ms.is_finite()) {
+        return Err(wrong("longest_ms", &format!("{}; expected a number above 0", file.longest_ms)));
+    }
+    if file.colors.is_empty() {
+        return Err(wrong("colors", "expected at least one number of filters"));
+    }
+    let overrides: Vec<Override> =
+        file.set.iter().map(|(k, v)| Override { key: k.clone(), value: v.to_string() }).collect();
+    let camera_name = cameras::name_beside(&source.folder, &file.camera);
+    let loaded = cameras::load_with_notes(&camera_name, &overrides, None)?;
+    notes.extend(loaded.notes);
+    let (illuminant, note) = lights::load_with_note(&file.illuminant, &source.folder)
+        .map_err(|e| wrong("illuminant", &e.to_string()))?;
+    tell(&mut notes, note);
+    let camera = loaded.camera;
+    let condition = |&luminance: &f64| ScreenCondition::of_camera(&camera, luminance, file.longest_ms * 1e-3);
+    let stem = Path::new(&source.name).file_stem().map(|s| s.to_string_lossy().into_owned());
+    let task = DesignTask {
+        name: file.name.clone().or(stem).unwrap_or_else(|| source.name.clone()),
+        conditions: file.luminances_cd_m2.iter().map(condition).collect(),
+        illuminant,
+        colors: file.colors.clone(),
+        filters,
+        mosaics: file.mosaics.clone(),
+        mosaic_count: file.mosaic_count,
+        rivals: file.rivals,
+        objective: file.objective,
+        search: file.search,
+        light: file.light.clone(),
+        camera,
+    };
+    check(&task, &source)?;
+    let camera = task.camera.description().clone();
+    Ok(LoadedDesign { task, about: file.about, camera, notes })
+}
+
+/// The file of a camera with a design.
+///
+/// # Errors
+/// When a value cannot be written as TOML.
+pub fn camera_toml(
+    design: &Design,
+    fixed: &CameraDescription,
+    name: &str,
+) -> Result<String, Box<Diagnostic>> {
+    let camera = CameraDescription { name: name.to_owned(), ..design.camera(fixed) };
+    toml::to_string(&camera).map_err(|e| Box::new(Diagnostic::new(name, e.to_string())))
+}
+
+/// Checks what can be checked before any scene is imaged, so that errors have their lines.
+fn check(task: &DesignTask, source: &TomlSource) -> Result<(), Box<Diagnostic>> {
+    let shown = |table: &str, e: DesignError| match &e {
+        DesignError::Key { key, message } => {
+            let key = if table.is_empty() { key.clone() } else { format!("{table}.{key}") };
+            Box::new(source.about_key(&key, message))
+        }
+        _ => Box::new(source.about_key(if table.is_empty() { "colors" } else { table }, &e.to_string())),
+    };
+    task.objective.validate().map_err(|e| shown("", e))?;
+    task.light.validate().map_err(|e| shown("light", e))?;
+    task.filters.sampled(task.camera.grid()).map_err(|e| shown("filters", e))?;
+    let mut mosaics = 0;
+    for &colors in &task.colors {
+        let seed = task.search.seed;
+        mosaics += task
+            .mosaics
+            .pick_layouts(colors, task.mosaic_count, seed)
+            .map_err(|e| shown("mosaics", e))?
+            .len();
+    }
+    if mosaics == 0 {
+        let message = format!("no mosaic has {:?} filters", task.colors);
+        return Err(Box::new(source.about_key("mosaics", &message)));
+    }
+    Ok(())
+}

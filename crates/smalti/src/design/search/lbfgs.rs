@@ -1,0 +1,123 @@
+//! Minimisation of a smooth function by the limited-memory BFGS method ([nocedal1980]; [nocedal2006], algorithms 7.4 and 3.1).
+//!
+//! [nocedal1980]: https://doi.org/10.1090/S0025-5718-1980-0572855-7
+//! [nocedal2006]: https://doi.org/10.1007/978-0-387-40065-5
+
+use std::collections::VecDeque;
+
+use crate::numeric::dense::dot;
+
+/// Steps that the curvature is estimated from.
+const MEMORY: usize = 8;
+/// The decrease of an accepted step, relative to that of the tangent.
+const DECREASE: f64 = 1e-4;
+/// Halvings of a step before the search ends.
+const MAX_HALVINGS: usize = 30;
+/// The search ends when ten steps lower the value by less than this share of it.
+const TOLERANCE: f64 = 1e-7;
+const PATIENCE: usize = 10;
+
+/// A point with its value and gradient.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Point {
+    pub(super) at: Vec<f64>,
+    pub(super) value: f64,
+    gradient: Vec<f64>,
+}
+
+/// Minimises a function from a starting point; `function` gives value and gradient. Ends after `steps`, when the value no longer falls, or
+/// when `is_stopped`.
+pub(super) fn minimise(
+    start: Vec<f64>,
+    steps: usize,
+    mut function: impl FnMut(&[f64]) -> (f64, Vec<f64>),
+    is_stopped: impl Fn() -> bool,
+) -> Point {
+    let (value, gradient) = function(&start);
+    let mut best = Point { at: start, value, gradient };
+    // Steps, changes of the gradient, and the reciprocal of their product.
+    let mut memory: VecDeque<(Vec<f64>, Vec<f64>, f64)> = VecDeque::new();
+    let mut before = VecDeque::from([best.value]);
+    for _ in 0..steps {
+        if is_stopped() || !best.value.is_finite() {
+            break;
+        }
+        let mut direction = direction(&best.gradient, &memory);
+        let mut slope = dot(&direction, &best.gradient);
+        if slope >= 0.0 {
+            memory.clear();
+            direction = best.gradient.iter().map(|g| -g).collect();
+            slope = dot(&direction, &best.gradient);
+        }
+        // Without knowledge of the curvature, a step of one unit at most.
+        let length = dot(&direction, &direction).sqrt();
+        let mut step = if memory.is_empty() { 1.0 / length.max(1.0) } else { 1.0 };
+        let mut next = None;
+        for _ in 0..MAX_HALVINGS {
+            let at: Vec<f64> = best.at.iter().zip(&direction).map(|(x, d)| x + step * d).collect();
+            let (value, gradient) = function(&at);
+            if value <= best.value + DECREASE * step * slope {
+                next = Some(Point { at, value, gradient });
+                break;
+            }
+            step *= 0.5;
+        }
+        let Some(next) = next else { break };
+        let moved: Vec<f64> = next.at.iter().zip(&best.at).map(|(a, b)| a - b).collect();
+        let turned: Vec<f64> = next.gradient.iter().zip(&best.gradient).map(|(a, b)| a - b).collect();
+        let curvature = dot(&moved, &turned);
+        if curvature > 1e-12 * dot(&turned, &turned) {
+            if memory.len() == MEMORY {
+                memory.pop_front();
+            }
+            memory.push_back((moved, turned, 1.0 / curvature));
+        }
+        best = next;
+        before.push_back(best.value);
+        if before.len() > PATIENCE {
+            let earlier = before.pop_front().unwrap_or(f64::INFINITY);
+            if earlier - best.value < TOLERANCE * best.value.abs() {
+                break;
+            }
+        }
+    }
+    best
+}
+
+/// The two loops of algorithm 7.4: the inverse Hessian's estimate times the negative gradient.
+fn direction(gradient: &[f64], memory: &VecDeque<(Vec<f64>, Vec<f64>, f64)>) -> Vec<f64> {
+    let mut q: Vec<f64> = gradient.iter().map(|g| -g).collect();
+    let mut alphas = Vec::with_capacity(memory.len());
+    for (moved, turned, inverse) in memory.iter().rev() {
+        let alpha = inverse * dot(moved, &q);
+        q.iter_mut().zip(turned).for_each(|(q, y)| *q -= alpha * y);
+        alphas.push(alpha);
+    }
+    if let Some((moved, turned, _)) = memory.back() {
+        let scale = dot(moved, turned) / dot(turned, turned);
+        q.iter_mut().for_each(|q| *q *= scale);
+    }
+    for ((moved, turned, inverse), alpha) in memory.iter().zip(alphas.into_iter().rev()) {
+        let beta = inverse * dot(turned, &q);
+        q.iter_mut().zip(moved).for_each(|(q, s)| *q += (alpha - beta) * s);
+    }
+    q
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Rosenbrock's valley, whose minimum 0 is at (1, 1).
+    #[test]
+    fn the_minimum_of_a_curved_valley_is_found() {
+        let valley = |x: &[f64]| {
+            let (a, b) = (1.0 - x[0], x[1] - x[0] * x[0]);
+            (a * a + 100.0 * b * b + 1.0, vec![-2.0 * a - 400.0 * x[0] * b, 200.0 * b])
+        };
+        let found = minimise(vec![-1.2, 1.0], 200, valley, || false);
+        assert!(found.at.iter().all(|x| (x - 1.0).abs() < 1e-4), "{found:?}");
+        // A stop keeps the best point so far.
+        assert_eq!(minimise(vec![-1.2, 1.0], 200, valley, || true).at, [-1.2, 1.0]);
+    }
+}
