@@ -36,6 +36,10 @@ kills:
 rankings:
     cargo test --release -p smalti-cli --test cli another_infrared_cut -- --include-ignored
 
+# Compares the rank of 504 designs by the closed form with that by learned pipelines.
+screening:
+    cargo test --release -p smalti-io --test screening -- --ignored --nocapture
+
 # Fuzzes one parser for a minute, or all parsers in turn: `just fuzz exr`, `just fuzz all 600`.
 fuzz target="all" seconds="60":
     fuzz/run {{target}} {{seconds}}
@@ -66,7 +70,7 @@ book:
 reference:
     cargo build --locked -p smalti-cli
     mkdir -p docs/reference
-    for what in scenes cfas cameras illuminants filters metrics studies camera-keys study-keys; do \
+    for what in scenes cfas cameras illuminants filters metrics studies designs camera-keys study-keys design-keys; do \
         target/debug/smalti list $what --markdown > docs/reference/$what.md; \
     done
     mkdir -p docs/reference/cfas

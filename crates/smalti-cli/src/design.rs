@@ -8,7 +8,7 @@ use clap::Args;
 use serde_json::{Value, json};
 use smalti::design::Design;
 use smalti::design::light::{LightClasses, LightSettings, LightStatistics};
-use smalti::design::screen::{ExpectedError, Figures, FilterResponses, Screen};
+use smalti::design::screen::{ExpectedError, Figures, FilterResponses, Screen, ScreenCondition};
 use smalti::experiment::{
     DesignTask, DesignedCfa, Designs, Learned, Resources, TrainingSources, design, learn, light_statistics,
 };
@@ -144,6 +144,10 @@ fn mosaic_figure(design: &Design, task: &DesignTask) -> anyhow::Result<Figure> {
     crate::show::mosaic_figure(&cfa)
 }
 
+fn tile_size(mosaic: &Mosaic) -> String {
+    format!("{} × {}", mosaic.rows(), mosaic.cols())
+}
+
 /// The expected figures of all conditions, separated by slashes.
 fn figures(expected: &[ExpectedError]) -> [String; 3] {
     let joined =
@@ -166,15 +170,23 @@ fn summary(
         let Some(best) = design.best() else { return Vec::new() };
         let [cpsnr, delta_e, time] = figures(&best.expected);
         let colors = design.mosaic.channels().to_string();
-        let size = format!("{} × {}", design.mosaic.rows(), design.mosaic.cols());
-        vec![design.name.clone(), size, colors, format!("{:.3}", best.cost), cpsnr, delta_e, time]
+        let (name, size) = (design.name.clone(), tile_size(&design.mosaic));
+        vec![name, size, colors, format!("{:.3}", best.cost), cpsnr, delta_e, time]
     };
     let header = ["mosaic", "tile", "filters", "cost", "CPSNR, dB", "ΔE2000", "exposure, ms"];
-    let rows: Vec<Vec<String>> = found.searched.iter().take(PRINTED).map(row).collect();
+    let mut rows: Vec<Vec<String>> = found.searched.iter().take(PRINTED).map(row).collect();
+    let own = &task.camera.sensor.cfa;
+    let [cpsnr, delta_e, time] = figures(&found.own);
+    let cost = format!("{:.3}", task.objective.cost(&found.own));
+    let (size, filters) = (tile_size(own.mosaic()), own.channels().len().to_string());
+    rows.push(vec!["the camera's own".into(), size, filters, cost, cpsnr, delta_e, time]);
     let mut out = format!(
-        "{}: {} mosaics searched in {seconds:.0} s; {} at {} cd/m²\n\n{}",
+        "{}: {} searched in {seconds:.0} s; {} at {} cd/m²\n\n{}",
         task.name,
-        found.searched.len(),
+        match found.searched.len() {
+            1 => "one mosaic".to_owned(),
+            n => format!("{n} mosaics"),
+        },
         task.illuminant.name(),
         lights.join(" / "),
         table::render(&header, &rows),
@@ -200,21 +212,21 @@ fn summary(
     )
 }
 
+/// Expected errors with the luminances of their conditions.
+fn expected(expected: &[ExpectedError], task: &DesignTask) -> Vec<Value> {
+    let of = |(e, c): (&ExpectedError, &ScreenCondition)| {
+        json!({
+            "luminance_cd_m2": c.luminance_cd_m2, "cpsnr_db": e.cpsnr_db,
+            "delta_e_2000": e.delta_e_2000, "time_s": e.time_s,
+        })
+    };
+    expected.iter().zip(&task.conditions).map(of).collect()
+}
+
 fn document(task: &DesignTask, statistics: &LightStatistics, found: &Designs, seconds: f64) -> Value {
     let design = |d: &DesignedCfa| {
         let best = d.best();
-        let expected: Vec<Value> = best
-            .map(|b| b.expected.as_slice())
-            .unwrap_or_default()
-            .iter()
-            .zip(&task.conditions)
-            .map(|(e, c)| {
-                json!({
-                    "luminance_cd_m2": c.luminance_cd_m2, "cpsnr_db": e.cpsnr_db,
-                    "delta_e_2000": e.delta_e_2000, "time_s": e.time_s,
-                })
-            })
-            .collect();
+        let expected = expected(best.map_or(&[], |b| &b.expected), task);
         let arranged = d.design();
         json!({
             "name": d.name, "published": d.is_published, "tile": arranged.as_ref().map(Design::tile),
@@ -237,6 +249,7 @@ fn document(task: &DesignTask, statistics: &LightStatistics, found: &Designs, se
             "luminance_error": statistics.luminance_error(),
         },
         "seconds": seconds,
+        "own": { "cost": task.objective.cost(&found.own), "expected": expected(&found.own, task) },
         "searched": found.searched.iter().map(design).collect::<Vec<_>>(),
         "rivals": found.rivals.iter().map(design).collect::<Vec<_>>(),
     })

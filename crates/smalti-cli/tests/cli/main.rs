@@ -7,6 +7,7 @@ mod camera_text;
 mod compare;
 mod compare_page;
 mod convert;
+mod design;
 mod evaluate;
 mod experiments;
 #[path = "../../../smalti/tests/it/gaussian_sets.rs"]

@@ -67,8 +67,10 @@ fn the_pages_of_the_reference_are_current() {
         "filters",
         "metrics",
         "studies",
+        "designs",
         "camera-keys",
         "study-keys",
+        "design-keys",
     ] {
         let page = std::fs::read_to_string(docs.join(format!("{what}.md"))).unwrap_or_default();
         let made = place.ok(&format!("list {what} --markdown"));

@@ -207,6 +207,7 @@ fn check(task: &DesignTask, source: &TomlSource) -> Result<(), Box<Diagnostic>> 
         _ => Box::new(source.about_key(if table.is_empty() { "colors" } else { table }, &e.to_string())),
     };
     task.objective.validate().map_err(|e| shown("", e))?;
+    task.search.validate().map_err(|e| shown("", e))?;
     task.light.validate().map_err(|e| shown("light", e))?;
     task.filters.sampled(task.camera.grid()).map_err(|e| shown("filters", e))?;
     let mut mosaics = 0;

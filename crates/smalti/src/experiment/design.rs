@@ -7,7 +7,7 @@ use super::progress::ensure_running;
 use super::{ExperimentError, Progress};
 use crate::camera::Camera;
 use crate::design::light::{LightSettings, LightStatistics};
-use crate::design::screen::{Screen, ScreenCondition};
+use crate::design::screen::{ExpectedError, Screen, ScreenCondition};
 use crate::design::search::{FilterSearch, FilterSpace, FoundFilters, Objective, SearchSettings};
 use crate::design::{Design, FilterSet, MosaicFamily, published};
 use crate::sensor::{Filter, Mosaic};
@@ -108,6 +108,8 @@ impl DesignedCfa {
 /// The result of a search.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Designs {
+    /// The expected errors of the camera's own array, one for each condition.
+    pub own: Vec<ExpectedError>,
     /// The searched mosaics, best first.
     pub searched: Vec<DesignedCfa>,
     /// The published mosaics with filters of the same kind, best first.
@@ -147,7 +149,7 @@ pub fn design(
     }
     let searched = contest(&search, candidates, 0, progress)?;
     let rivals = contest(&search, rivals, 1 << 16, progress)?;
-    Ok(Designs { searched, rivals })
+    Ok(Designs { own: screen.expected(&task.camera.sensor.cfa)?, searched, rivals })
 }
 
 /// Searches mosaics, best first. When there are many, short searches choose those that are searched in full; the others keep the result

@@ -323,7 +323,7 @@ fn filters_that_span_the_cones_see_every_flat_colour() {
             let planes = smalti::numeric::Planes::new(16, 16, GRID.len(), planes).unwrap();
             let cube = smalti::spectrum::SpectralCube::new(GRID, planes).unwrap();
             let deg = camera.field_of_view_deg(16, 1.2).unwrap();
-            Scene::new(&name, cube, light, 1.2, deg).unwrap()
+            Scene::new(name, cube, light, 1.2, deg).unwrap()
         })
         .collect();
     let classes = LightClasses { contrast_cuts: Vec::new(), ..LightClasses::default() };

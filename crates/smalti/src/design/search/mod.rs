@@ -22,6 +22,10 @@ const PURPOSE: u32 = 0x0044_5347;
 /// Steps of the first, short search, after which the poorer half of the starts ends.
 const SHORT_STEPS: usize = 25;
 
+/// Limits of [`SearchSettings`].
+const MAX_STARTS: usize = 100_000;
+const MAX_STEPS: usize = 100_000;
+
 /// What is minimised: a weighted sum of the expected figures, averaged over the conditions.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
@@ -79,9 +83,9 @@ impl Objective {
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, default)]
 pub struct SearchSettings {
-    /// Random starts for each mosaic, at least 1.
+    /// Random starts for each mosaic, 1 to 100 000. The better half of them is searched to the end.
     pub starts: usize,
-    /// Greatest number of steps of a start.
+    /// Greatest number of steps of a start, 1 to 100 000.
     pub steps: usize,
     /// Seed of the starts.
     pub seed: u64,
@@ -90,6 +94,23 @@ pub struct SearchSettings {
 impl Default for SearchSettings {
     fn default() -> Self {
         Self { starts: 12, steps: 200, seed: 1 }
+    }
+}
+
+impl SearchSettings {
+    /// Checks that there is something to do.
+    ///
+    /// # Errors
+    /// [`DesignError::Key`] without a start or a step.
+    pub fn validate(&self) -> Result<(), DesignError> {
+        let range = |key: &str, value: usize, most: usize| {
+            if (1..=most).contains(&value) {
+                return Ok(());
+            }
+            Err(DesignError::key(format!("search.{key}"), format!("{value}; expected 1 to {most}")))
+        };
+        range("starts", self.starts, MAX_STARTS)?;
+        range("steps", self.steps, MAX_STEPS)
     }
 }
 
@@ -134,10 +155,8 @@ impl FilterSearch<'_> {
         done: &(dyn Fn(f64) -> bool + Sync),
     ) -> Result<Vec<FoundFilters>, DesignError> {
         self.objective.validate()?;
+        self.settings.validate()?;
         let SearchSettings { starts, steps, seed } = self.settings;
-        if starts == 0 || steps == 0 {
-            return Err(DesignError::key("search", "expected at least one start and one step"));
-        }
         let stopped = std::sync::atomic::AtomicBool::new(false);
         let is_stopped = || stopped.load(std::sync::atomic::Ordering::Relaxed);
         let begin = |start: usize| {

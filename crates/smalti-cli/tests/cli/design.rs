@@ -1,0 +1,64 @@
+//! `smalti design`: the search as a command, its files and its errors.
+
+use serde_json::Value;
+
+use super::Place;
+
+/// So small that it takes seconds: one mosaic, patches of 3 × 3, few starts.
+const SMALL: &str = "camera = \"bayer\"\ncolors = [3]\nluminances_cd_m2 = [10]\nrivals = false\n\
+    [filters.pigments]\n[mosaics]\ngiven = [[\"bc\", \"ab\"]]\n\
+    [search]\nstarts = 2\nsteps = 10\n[light]\nside = 3\nmax_components = 4\nstep_px = 8\n";
+
+#[test]
+fn a_design_becomes_a_camera_that_other_commands_take() {
+    let place = Place::new();
+    place.write("small.toml", SMALL);
+    let printed = place.ok("design small.toml -o best --no-pipeline --training-set catalog");
+    for word in ["small: one mosaic searched", "the camera's own", "smalti compare best/camera.toml", "bc/ab"]
+    {
+        assert!(printed.contains(word), "{word} is missing in\n{printed}");
+    }
+    let results = place.json("best/results.json");
+    let best = &results["searched"][0];
+    assert!(best["cost"].as_f64().unwrap() < results["own"]["cost"].as_f64().unwrap(), "{results}");
+    assert_eq!(best["transmittances"].as_array().unwrap().len(), 3);
+    assert!(place.read("best/filters.csv").starts_with(b"wavelength_nm,A,B,C\n"));
+    assert!(place.read("best/mosaic.svg").starts_with(b"<svg"));
+    let shown: Value = serde_json::from_str(&place.ok("show best/camera.toml --json")).unwrap();
+    assert_eq!(shown["name"], "small");
+    // The same search gives the same files.
+    place.ok("design small.toml -o again --no-pipeline --training-set catalog --threads 1");
+    for file in ["camera.toml", "filters.csv", "mosaic.svg"] {
+        assert_eq!(place.read(&format!("best/{file}")), place.read(&format!("again/{file}")), "{file}");
+    }
+}
+
+#[test]
+fn wrong_design_files_name_the_key_and_the_line() {
+    let place = Place::new();
+    for (change, with, message) in [
+        ("colors = [3]", "colors = []", "`colors`: expected at least one number of filters"),
+        ("starts = 2", "starts = 0", "`search.starts`: 0; expected 1 to 100000"),
+        ("side = 3", "side = 4", "`light.side`: 4; expected 3, 5 or 7 pixels"),
+        (
+            "luminances_cd_m2 = [10]",
+            "luminances_cd_m2 = [0]",
+            "`luminances_cd_m2`: 0; expected numbers above 0",
+        ),
+        ("[filters.pigments]", "[filters.pigments]\nmax_thickness = 0", "filters.pigments.max_thickness"),
+        ("[filters.pigments]", "[filters.pigments]\nlibrary = [{ flat = 0 }]", "it transmits no light"),
+        ("given = [[\"bc\", \"ab\"]]", "given = [[\"ab\", \"ba\"]]", "no mosaic has [3] filters"),
+        ("camera = \"bayer\"", "camera = \"phone-quad-binned\"", "without binning"),
+        ("starts = 2", "stars = 2", "did you mean `starts`?"),
+    ] {
+        assert!(SMALL.contains(change), "{change}");
+        place.write("wrong.toml", &SMALL.replace(change, with));
+        let run = place.run(&["design", "wrong.toml", "-o", "wrong", "--no-pipeline"]);
+        assert_eq!(run.code, 1, "{with}");
+        assert!(run.err.contains(message), "{with}:\n{}", run.err);
+    }
+    assert!(!place.path("wrong").exists());
+    let run = place.run(&["design", "pigments-5"]);
+    assert!(run.code == 1 && run.err.contains("did you mean 'pigments-"), "{}", run.err);
+    assert_eq!(place.run(&["design"]).code, 2);
+}
