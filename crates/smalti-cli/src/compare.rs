@@ -7,8 +7,8 @@ use clap::Args;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use smalti::camera::{Camera, ScoreSettings, TestScene};
 use smalti::experiment::{
-    ComparisonSettings, Processing, Progress as _, Resources, camera_differences, compare, contenders,
-    ensure_any_defined, light_gains_to_first, pipelines, scene_lights,
+    ComparisonSettings, IspKeys, Processing, Progress as _, Resources, camera_differences, compare,
+    contenders, ensure_any_defined, light_gains_to_first, pipelines, scene_lights,
 };
 use smalti::isp::Demosaic;
 use smalti::spectrum::Illuminant;
@@ -157,10 +157,12 @@ pub(crate) fn run(args: &Compare, words: &[String], common: &Common) -> anyhow::
         Vec::new()
     };
     let scene_labels: Vec<String> = settings.scenes.iter().map(|s| scene_label(s.name())).collect();
+    let learned_only = contenders.iter().all(|c| c.processing == Processing::L3);
+    let isp = if learned_only { IspKeys::Unused } else { IspKeys::ColorMatrix };
     let conditions = Conditions {
         exposure: compared.exposure.applied(),
         cameras: &cameras,
-        differences: &camera_differences(cameras.iter().map(Camera::description))?,
+        differences: &camera_differences(cameras.iter().map(Camera::description), isp)?,
         labels: &labels,
     };
     let report = Comparison {

@@ -7,6 +7,7 @@ pub(crate) mod chart;
 mod clear_channel;
 mod colorimetry;
 pub(crate) mod compare;
+mod dark_channel;
 pub mod description;
 mod error;
 pub(crate) mod evaluate;

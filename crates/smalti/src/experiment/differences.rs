@@ -8,12 +8,36 @@ use super::ExperimentError;
 use super::error::StageContext;
 use crate::camera::{CameraDescription, CameraError};
 
-/// Keys that a comparison of colour filter arrays varies, or that do not affect its scores: pictures have the size of the scene.
-const IGNORED: [&str; 6] = ["name", "wavelengths_nm", "sensor.rows", "sensor.cols", "sensor.cfa", "isp"];
+/// Keys that a comparison of colour filter arrays varies, or that do not affect its scores: pictures have the size of the scene, and
+/// scores are computed before white balance and output.
+const IGNORED: [&str; 7] =
+    ["name", "sensor.rows", "sensor.cols", "sensor.cfa", "isp.pipeline", "isp.white_balance", "isp.output"];
 /// Tables of a description; all other objects are values.
-const TABLES: [&str; 4] = ["optics", "sensor", "sensor.pixel", "exposure"];
+const TABLES: [&str; 5] = ["optics", "sensor", "sensor.pixel", "exposure", "isp"];
 /// The longest value that is stated in full, characters.
 const MAX_STATED: usize = 40;
+
+/// The keys of the processing, `[isp]`, that affect scores.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum IspKeys {
+    /// None: learned pipelines replace the processing.
+    Unused,
+    /// Those of the colour matrix. The demosaicking is that of the comparison.
+    ColorMatrix,
+    /// All.
+    Own,
+}
+
+impl IspKeys {
+    /// Whether a key affects scores.
+    fn contain(self, key: &str) -> bool {
+        match self {
+            Self::Unused => !key.starts_with("isp."),
+            Self::ColorMatrix => key != "isp.demosaic",
+            Self::Own => true,
+        }
+    }
+}
 
 /// A key whose values differ between cameras.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -24,12 +48,14 @@ pub struct CameraDifference {
     pub values: Vec<String>,
 }
 
-/// The keys of lens, sensor and exposure that differ between cameras, without the colour filter array and the number of pixels.
+/// The keys of lens, sensor, exposure, processing and wavelengths that differ between cameras, without the colour filter array, the
+/// number of pixels, and the processing that is not used.
 ///
 /// # Errors
 /// When a description cannot be represented as text.
 pub fn camera_differences<'a>(
     cameras: impl IntoIterator<Item = &'a CameraDescription>,
+    isp: IspKeys,
 ) -> Result<Vec<CameraDifference>, ExperimentError> {
     let of = |description: &CameraDescription| {
         let text = |e: serde_json::Error| CameraError::Text { message: e.to_string() };
@@ -40,7 +66,8 @@ pub fn camera_differences<'a>(
     };
     let cameras: Vec<BTreeMap<String, Value>> =
         cameras.into_iter().map(of).collect::<Result<_, ExperimentError>>()?;
-    let mut names: Vec<&String> = cameras.iter().flat_map(BTreeMap::keys).collect();
+    let mut names: Vec<&String> =
+        cameras.iter().flat_map(BTreeMap::keys).filter(|key| isp.contain(key)).collect();
     names.sort();
     names.dedup();
     let difference = |key: &String| {
@@ -104,14 +131,23 @@ mod tests {
         let mut a = CameraDescription { name: "a".into(), ..CameraDescription::default() };
         let mut b = CameraDescription { name: "b".into(), ..a.clone() };
         (b.sensor.rows, b.isp.preserve_white) = (10, !a.isp.preserve_white);
+        b.isp.demosaic = crate::isp::Demosaic::Malvar2004;
         b.sensor.cfa.pattern = crate::camera::description::PatternDescription::Name("rgbw".into());
-        assert_eq!(camera_differences([&a, &b]).unwrap(), []);
+        let keys = |isp| -> Vec<String> {
+            camera_differences([&a, &b], isp).unwrap().into_iter().map(|d| d.key).collect()
+        };
+        // What an evaluation and classic processing depend on is not hidden.
+        assert_eq!(keys(IspKeys::Unused), [""; 0]);
+        assert_eq!(keys(IspKeys::ColorMatrix), ["isp.preserve_white"]);
+        assert_eq!(keys(IspKeys::Own), ["isp.demosaic", "isp.preserve_white"]);
         (a.exposure.time_ms, b.optics.f_number) = (Some(20.0), 1.8);
         b.sensor.pixel.pitch_um = 1.0;
         a.optics.ir_cut = Some(Filter::Flat(0.5));
-        let found = camera_differences([&a, &b, &a]).unwrap();
+        b.wavelengths_nm = Some([400.0, 50.0, 700.0]);
+        let found = camera_differences([&a, &b, &a], IspKeys::Unused).unwrap();
         let of = |key: &str| found.iter().find(|d| d.key == key).map(|d| d.values.clone()).unwrap();
-        assert_eq!(found.len(), 4);
+        assert_eq!(found.len(), 5);
+        assert_eq!(of("wavelengths_nm"), ["none", "[400.0,50.0,700.0]", "none"]);
         assert_eq!(of("exposure.time_ms"), ["20.0", "none", "20.0"]);
         assert_eq!(of("sensor.pixel.pitch_um")[1], "1.0");
         assert_eq!(of("optics.ir_cut")[1], "none");
