@@ -21,8 +21,9 @@ pub const TEST_SAMPLES_PER_PX: usize = 2;
 /// The scenes for comparisons of cameras, in the form of [`catalog::build`]. Pictures have at most 288 × 384 pixels at
 /// [`TEST_SAMPLES_PER_PX`].
 ///
-/// They are disjoint from the training scenes: the dead leaves have other seeds (above 1000) and radii, the reflectances of the
-/// ColorChecker (used for the room as well) are not in the training set, and chart and star have edges in other directions.
+/// None is a training scene: the dead leaves have other seeds (above 1000) and radii, the reflectances of the
+/// ColorChecker (used for the room as well) are not in the training set, and chart and star have edges in other directions. The dead
+/// leaves are painted with [`reflectance::natural`](crate::spectrum::reflectance::natural), as those of training are.
 #[must_use]
 pub fn test_scenes() -> &'static [&'static str] {
     &[
