@@ -7,8 +7,8 @@ use clap::Args;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use smalti::camera::{ScoreSettings, TestScene};
 use smalti::experiment::{
-    ComparisonSettings, Processing, Progress as _, Resources, camera_differences, compare, contenders,
-    ensure_any_defined, light_gains_to_first, pipelines, scene_lights,
+    ComparisonSettings, IspKeys, Processing, Progress as _, Resources, camera_differences, compare,
+    contenders, ensure_any_defined, light_gains_to_first, pipelines, scene_lights,
 };
 use smalti::isp::Demosaic;
 use smalti::spectrum::Illuminant;
@@ -33,8 +33,8 @@ use crate::{resolve, table};
     smalti compare bayer@quad-bayer bayer@rgbw-sony --luminance 1\n  \
     smalti compare bayer --processing l3,bilinear,malvar2004,hamilton-adams1997 --luminance 1,10,80\n  \
     smalti compare bayer rgbw clarity kodak wang --luminance 1 --scene photo.png -o slides\n\n\
-    The verdict states who is better at which light, with intervals of 95 % from the scatter between scenes and seeds, and how much more \
-    light the loser needs for the same CPSNR.\n\n\
+    The verdict states which camera is better at which light, with 95 % confidence intervals from the scatter between scenes and noise \
+    realisations, and how much more light the other camera needs to reach the same CPSNR.\n\n\
     CPSNR (in XYZ), ΔE2000 and S-CIELAB are means over the pictures of all scenes. MTF50 is measured on a slanted edge, visual \
     SNR and noise on the grey patches of a chart (smalti list metrics). The cache stores the learned pipelines, so that the next \
     comparison takes seconds.\n\n\
@@ -51,11 +51,12 @@ pub(crate) struct Compare {
     /// The set of test scenes. None is used for training
     #[arg(long = "scenes", value_name = "SET", value_parser = choice(&TestSet::NAMED), default_value = word_of(&TestSet::NAMED, &TestSet::default()), conflicts_with = "scenes")]
     pub(crate) set: TestSet,
-    /// A scene to compare on instead of a set, built in or a file; may be given more than once. The name of a chart without
-    /// parameters selects it in its size in the set
+    /// A scene to compare on instead of a set, built in or a file; may be given more than once. A chart named
+    /// without parameters has the size that it has in the set `charts`
     #[arg(long = "scene", value_name = "SCENE")]
     pub(crate) scenes: Vec<String>,
-    /// Number of seeds of the noise for each scene, from --seed on. More seeds narrow the intervals of the verdict a little
+    /// Number of noise realisations of each scene, with seeds from --seed on. More of them narrow the intervals of the verdict a
+    /// little
     #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u64).range(1..=1000))]
     pub(crate) seeds: u64,
     /// Illuminant of charts, files and targets, and of the training for them: a name (smalti list illuminants) or a CSV. Natural
@@ -65,8 +66,8 @@ pub(crate) struct Compare {
     /// Processing methods, separated by commas
     #[arg(long, value_delimiter = ',', value_parser = processing(), default_value = "l3")]
     pub(crate) processing: Vec<Processing>,
-    /// Also measure the light gain of each camera over the first: how much more light, in stops, the first camera needs to reach
-    /// the same score by each metric, with the first processing method. Takes at least half a minute
+    /// Also measure for each metric the light gain: the additional light, in stops, with which the first camera matches each other
+    /// camera, with the first processing method. Takes at least half a minute
     #[arg(long)]
     pub(crate) light_gain: bool,
     /// A learned table (smalti train) to use instead of training; one for each camera, in their order
@@ -157,10 +158,12 @@ pub(crate) fn run(args: &Compare, words: &[String], common: &Common) -> anyhow::
         Vec::new()
     };
     let scene_labels: Vec<String> = settings.scenes.iter().map(|s| scene_label(s.name())).collect();
+    let learned_only = contenders.iter().all(|c| c.processing == Processing::L3);
+    let isp = if learned_only { IspKeys::Unused } else { IspKeys::ColorMatrix };
     let conditions = Conditions {
         exposure: compared.exposure.applied(),
         cameras: &cameras,
-        differences: &camera_differences(&cameras)?,
+        differences: &camera_differences(&cameras, isp)?,
         labels: &labels,
     };
     let report = Comparison {

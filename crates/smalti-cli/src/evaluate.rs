@@ -7,7 +7,8 @@ use serde_json::json;
 use smalti::camera::{Camera, Evaluation, EvaluationPictures, EvaluationSettings};
 use smalti::color::ColorSpace;
 use smalti::experiment::{
-    ComparedPictures, Contender, ExposurePlan, PipelineSet, Progress as _, Resources, camera_differences,
+    ComparedPictures, Contender, ExposurePlan, IspKeys, PipelineSet, Progress as _, Resources,
+    camera_differences,
 };
 use smalti::spectrum::{Observer, WavelengthGrid};
 use smalti_io::cache::Cache;
@@ -107,10 +108,12 @@ pub(crate) fn run(args: &Evaluate, words: &[String], common: &Common) -> anyhow:
         }
     }
     progress.finish();
+    // A learned pipeline replaces the processing of its camera.
+    let isp = if sets.iter().all(Option::is_some) { IspKeys::Unused } else { IspKeys::Own };
     let conditions = Conditions {
         exposure: exposure.applied(),
         cameras: &cameras,
-        differences: &camera_differences(&cameras)?,
+        differences: &camera_differences(&cameras, isp)?,
         labels: &labels,
     };
     let document = json!({

@@ -31,10 +31,10 @@ pub(crate) struct LearningOptions {
     /// Solver of the kernels
     #[arg(long, value_enum, default_value_t = SolverName::Wiener)]
     pub(crate) solver: SolverName,
-    /// Weight of noise against blur in flat patches: luminance,chrominance (implies --solver perceptual) [default: 16,4]
+    /// Weight of noise relative to blur in flat patches: luminance,chrominance (implies --solver perceptual) [default: 16,4]
     #[arg(long, value_name = "L,C", value_parser = pair, allow_hyphen_values = true)]
     pub(crate) alpha_flat: Option<Alpha>,
-    /// Weight of noise against blur in textured patches: luminance,chrominance (implies --solver perceptual) [default: 1,4]
+    /// Weight of noise relative to blur in textured patches: luminance,chrominance (implies --solver perceptual) [default: 1,4]
     #[arg(long, value_name = "L,C", value_parser = pair, allow_hyphen_values = true)]
     pub(crate) alpha_texture: Option<Alpha>,
     /// Learn kernels without an offset, so that the picture scales with the light

@@ -230,11 +230,26 @@ fn filters() -> Vec<Entry> {
     cfa::builtin_filters().iter().map(entry).collect()
 }
 
+/// The smallest relevant difference of a metric with its unit.
+fn relevance(metric: &metrics::MetricInfo) -> String {
+    match metrics::smallest_relevant(metric.name) {
+        share @ metrics::Relevance::Relative(_) => share.to_string(),
+        least @ metrics::Relevance::Absolute(_) if metric.unit == "dB" || metric.unit == "%" => {
+            format!("{least} {}", metric.unit)
+        }
+        least @ metrics::Relevance::Absolute(_) => least.to_string(),
+    }
+}
+
 fn metric_list() -> Vec<Entry> {
     let entry = |m: &metrics::MetricInfo| Entry {
         name: m.name.into(),
         summary: format!("[{}] {}", m.unit, m.doc),
-        details: where_shown(m.name).into_iter().chain([m.source.into()]).collect(),
+        details: where_shown(m.name)
+            .into_iter()
+            .flat_map(|shown| [shown, format!("smallest relevant difference: {}", relevance(m))])
+            .chain([m.source.into()])
+            .collect(),
         json: json!({"name": m.name, "unit": m.unit, "doc": m.doc, "source": m.source}),
     };
     metrics::CATALOG.iter().map(entry).collect()

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, bail};
-use smalti::camera::{Camera, NOTABLE_UNSHARED_SHARE, UnsharedLight};
+use smalti::camera::{Camera, NOTABLE_INFRARED_SHARE, NOTABLE_UNSHARED_SHARE, UnsharedLight};
 use smalti::l3::Pipeline;
 use smalti::scene::Scene;
 use smalti::spectrum::{Illuminant, Spectrum, WavelengthGrid};
@@ -41,21 +41,30 @@ pub(crate) fn clear_channel_warnings(camera: &Camera, light: &Spectrum) -> anyho
         let [first, last] = u.seen_nm;
         let (range, mend) = if u.share_above >= u.share / 2.0 {
             let set = "--set 'optics.ir_cut={ builtin = \"hot-mirror\" }'";
-            (format!("above {last:.0} nm"), format!("An infrared-cut filter mends it: {set}"))
+            (format!("above {last:.0} nm"), format!("Add an infrared-cut filter: {set}"))
         } else {
-            (
-                format!("below {first:.0} nm"),
-                "A filter in optics.ir_cut that blocks this range mends it".into(),
-            )
+            (format!("below {first:.0} nm"), "Add a filter in optics.ir_cut that blocks this range".into())
         };
         format!(
-            "{:.0} % of what the clear channel {} sees is light {range}, which no colour channel sees, so that colours are wrong by \
-             more than noise. {mend}",
+            "{:.0} % of the response of the clear channel {} is to light {range}, to which no colour channel responds; this causes \
+             colour errors. {mend}",
             100.0 * u.share,
             u.channel,
         )
     };
     Ok(camera.unshared_light(light)?.into_iter().filter(notable).map(words).collect())
+}
+
+/// That all channels of a camera see near infrared under an illuminant (photons); `None` for a camera for visible light.
+fn infrared_note(camera: &Camera, light: &Spectrum) -> anyhow::Result<Option<String>> {
+    let share = camera.infrared_share(light)?;
+    Ok((share >= NOTABLE_INFRARED_SHARE).then(|| {
+        format!(
+            "at least {:.0} % of the response of every channel is to light above 700 nm. The camera captures near infrared beside colour, and its \
+             colours are wrong where objects reflect infrared",
+            100.0 * share
+        )
+    }))
 }
 
 /// The words of the command line for pages, with the cameras among them.
@@ -77,7 +86,9 @@ pub(crate) fn cameras(
         let LoadedCamera { camera, notes: told, .. } = camera(name, options)?;
         notes.extend(told.into_iter().filter(|note| !notes.contains(note)).collect::<Vec<_>>());
         // One note for all cameras that it applies to.
-        for text in clear_channel_warnings(&camera, &illuminant.photons(camera.grid())?)? {
+        let light = illuminant.photons(camera.grid())?;
+        let infrared = infrared_note(&camera, &light)?;
+        for text in clear_channel_warnings(&camera, &light)?.into_iter().chain(infrared) {
             let name = camera.description().name.clone();
             match warnings.iter_mut().find(|(known, _)| *known == text) {
                 Some((_, names)) => names.push(name),

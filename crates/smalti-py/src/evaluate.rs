@@ -49,7 +49,7 @@ pub(crate) struct PyEvaluation {
     /// The same in cycles per pixel.
     #[pyo3(get)]
     mtf50_cy_per_px: f64,
-    /// Whether this MTF50 can be trusted as a resolution: "reliable", "beyond-nyquist" or "plateau".
+    /// Whether this MTF50 can be trusted as a resolution: "reliable", "beyond-nyquist", "plateau" or "no-edge".
     #[pyo3(get)]
     mtf50_reliability: &'static str,
     /// MTF50 of an edge of contrast 4:1, cycles per mm on the sensor.

@@ -41,7 +41,8 @@ pub(super) fn datasheet(name: &str, overrides: &[Override], common: &Common) -> 
     };
     let description = serde_json::to_value(camera.description())?;
     // Curves of files are shown by the names of the files.
-    let shown = serde_json::to_value(&stated)?;
+    let mut shown = serde_json::to_value(&stated)?;
+    leave_out_replaced(&mut shown);
     let array = &stated.sensor.cfa;
     let built_in = match &array.pattern {
         PatternDescription::Name(name) => info(name).ok(),
@@ -66,7 +67,7 @@ pub(super) fn datasheet(name: &str, overrides: &[Override], common: &Common) -> 
     lines += &aligned("derived", &derived.iter().map(row).collect::<Vec<_>>());
     let ideal = camera.description().ideal_quantities();
     if !ideal.is_empty() {
-        lines += &format!("ideal, unlike a real camera\n  {}\n", ideal.join(", "));
+        lines += &format!("ideal (not modelled or not stated)\n  {}\n", ideal.join(", "));
     }
     let entry = |(e, c): (&tile::Entry, &Channel)| {
         let values = c.transmittance.values();
@@ -103,6 +104,25 @@ pub(super) fn datasheet(name: &str, overrides: &[Override], common: &Common) -> 
         json,
         toml: Some(toml),
     })
+}
+
+/// Quantities that are stated in electrons, and the keys in volts whose defaults they replace; with the table of both.
+const REPLACED: [(&str, &str, &str); 4] = [
+    ("/sensor", "dsnu_e", "dsnu_mv"),
+    ("/sensor/pixel", "read_noise_e", "read_noise_mv"),
+    ("/sensor/pixel", "dark_current_e_per_s", "dark_voltage_v_per_s"),
+    ("/sensor/pixel", "low_gain_read_noise_e", "low_gain_read_noise_mv"),
+];
+
+/// Removes the values in volts that a value in electrons replaces.
+fn leave_out_replaced(description: &mut Value) {
+    for (table, electrons, volts) in REPLACED {
+        if let Some(Value::Object(keys)) = description.pointer_mut(table)
+            && keys.get(electrons).is_some_and(|v| !v.is_null())
+        {
+            keys.remove(volts);
+        }
+    }
 }
 
 /// Electrons per photon that reaches the lens, for each channel.

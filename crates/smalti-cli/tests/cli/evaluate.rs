@@ -68,7 +68,7 @@ fn scores_have_all_their_keys_with_and_without_cache() {
     let table = own.ok("evaluate bayer --luminance 75 --seed 9");
     let lines: Vec<&str> = table.lines().collect();
     assert_eq!(lines.len(), 11, "{table}");
-    assert_eq!(lines[0], "Exposure: 100 ms, the setting of the camera.");
+    assert_eq!(lines[0], "Exposure time: 100 ms, as set in the camera.");
     assert!(lines[2].contains("ΔE2000") && lines[2].contains("MTF50 cy/mm") && lines[4].starts_with("bayer"));
     assert!(lines[4].contains(&format!("{:.2}", number(&all[0], "/delta_e_2000/mean"))), "{table}");
     // Resolution is read beside the noise, and the colorimetry of the sensor does not depend on the luminance.

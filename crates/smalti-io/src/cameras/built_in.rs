@@ -18,7 +18,7 @@ pub(super) static CAMERAS: &[BuiltinFile] = &[
     builtin!("cameras", "medical", "The L³ slides' camera, RGB and a narrow band for medical imaging"),
     builtin!("cameras", "table1", "\"Resolution in Color Filter Array Images\", table 1"),
     builtin!("cameras", "phone", "A phone of 2020: 1 µm pixels at f/1.8"),
-    builtin!("cameras", "phone-quad", "A phone's main camera, type 1/1.31: quad-Bayer, 1.2 µm"),
+    builtin!("cameras", "phone-quad", "Main camera of a phone, 1/1.31-inch type: quad-Bayer, 1.2 µm"),
     builtin!(
         "cameras",
         "phone-quad-binned",

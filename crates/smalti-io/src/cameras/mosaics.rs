@@ -46,7 +46,7 @@ pub(super) fn or_mosaic(name: &str, error: Box<Diagnostic>) -> Box<Diagnostic> {
     if !is_in_catalog(name) {
         return error;
     }
-    let message = "this is a mosaic, and a camera is wanted";
+    let message = "this is a mosaic; expected a camera";
     let help =
         format!("bayer@{name} is the camera bayer with this mosaic; smalti list cameras prints all cameras");
     Box::new(Diagnostic { help: Some(help), ..Diagnostic::new(name, message) })

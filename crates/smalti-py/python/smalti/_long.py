@@ -158,7 +158,7 @@ def train(
         sharp: also learn to correct the blur of the lens.
         training_set: the built-in set: "all", or "catalog" without photographs and path-traced scenes.
         solver: solver of the kernels.
-        alpha_flat: weight of noise against blur in flat patches: luminance, chrominance (implies solver="perceptual").
+        alpha_flat: weight of noise relative to blur in flat patches: luminance, chrominance (implies solver="perceptual").
         alpha_texture: the same in textured patches.
         linear: learn kernels without an offset.
         symmetry: share data between positions that are equivalent by a symmetry of the mosaic.
@@ -181,8 +181,10 @@ class Comparison(list[dict[str, Any]]):
 
     Attributes:
         verdict: for each luminance ("lights") and metric the number of the best of "contenders" and its leads over the others, in the
-            unit of the metric and for CPSNR also in stops of light, with 95 % intervals; and "crossovers", the luminances at which a
-            lead changes.
+            unit of the metric and for CPSNR also as light, with 95 % intervals; and "crossovers", the luminances at which a lead
+            changes. The "finding" of a lead is "lead", "no_difference" (the interval contains 0) or "negligible" (below the
+            smallest relevant difference). Its "light" is "stops", "more_than" or "unreachable" (CPSNR stops rising with light,
+            after a rise of "rise_db"); the end "high" of an interval is None where no measured light suffices with certainty.
     """
 
     def __init__(self, records: list[dict[str, Any]], verdict: dict[str, Any]) -> None:

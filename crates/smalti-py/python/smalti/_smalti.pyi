@@ -271,7 +271,7 @@ class Evaluation:
     delta_e_76: Final[float]
     mtf50_cy_per_mm: Final[float]
     mtf50_cy_per_px: Final[float]
-    mtf50_reliability: Final[Literal["reliable", "beyond-nyquist", "plateau"]]
+    mtf50_reliability: Final[Literal["reliable", "beyond-nyquist", "plateau", "no-edge"]]
     mtf50_low_contrast_cy_per_mm: Final[float]
     vora_value: Final[float]
     sensitivity_metamerism_index: Final[float]

@@ -69,21 +69,35 @@ pub(super) fn mean(outcome: &Outcome, of: impl Fn(&SceneScores) -> f64) -> f64 {
     outcome.scenes.iter().map(|(_, s)| of(&s.scores)).sum::<f64>() / outcome.scenes.len().max(1) as f64
 }
 
-/// The scores of a comparison.
-pub const COMPARE: [Column<Outcome>; 6] = [
-    column("CPSNR dB", "cpsnr_db", 2, |o| o.means()[0]),
-    column("ΔE2000", "pixel_delta_e_2000_mean", 2, |o| o.means()[1]),
-    column("S-CIELAB", "scielab_mean", 2, |o| o.means()[2]),
-    mtf50(
-        "MTF50 cy/mm",
-        "mtf50_cy_per_mm",
-        1,
-        |o| o.targets.mtf50_cy_per_mm,
-        |o| o.targets.mtf50_reliability,
-    ),
-    column("visual SNR", "visual_snr", 3, |o| o.targets.visual_snr.median),
-    column("noise %", "luminance_noise_percent", 1, |o| o.targets.luminance_noise_percent.mean),
-];
+/// The scores of a comparison of cameras of equal pixel pitch.
+pub const COMPARE: [Column<Outcome>; 6] = compare(mtf50(
+    "MTF50 cy/mm",
+    "mtf50_cy_per_mm",
+    1,
+    |o| o.targets.mtf50_cy_per_mm,
+    |o| o.targets.mtf50_reliability,
+));
+
+/// The scores of a comparison of cameras of different pixel pitches. They capture the scene with equally many pixels, so that
+/// resolutions per pixel can be compared and those per millimetre cannot.
+pub const COMPARE_PER_PIXEL: [Column<Outcome>; 6] = compare(mtf50(
+    "MTF50 cy/px",
+    "mtf50_cy_per_px",
+    3,
+    |o| o.targets.mtf50_cy_per_px,
+    |o| o.targets.mtf50_reliability,
+));
+
+const fn compare(mtf50: Column<Outcome>) -> [Column<Outcome>; 6] {
+    [
+        column("CPSNR dB", "cpsnr_db", 2, |o| o.means()[0]),
+        column("ΔE2000", "pixel_delta_e_2000_mean", 2, |o| o.means()[1]),
+        column("S-CIELAB", "scielab_mean", 2, |o| o.means()[2]),
+        mtf50,
+        column("visual SNR", "visual_snr", 3, |o| o.targets.visual_snr.median),
+        column("noise %", "luminance_noise_percent", 1, |o| o.targets.luminance_noise_percent.mean),
+    ]
+}
 
 /// Those that single scenes have as well.
 pub(super) const SCENES: [Column<ScoredScene>; 3] = [
@@ -127,9 +141,16 @@ pub fn headings<T>(columns: &[Column<T>]) -> impl Iterator<Item = &'static str> 
 #[must_use]
 pub fn where_shown(metric: &str) -> Option<String> {
     let compare = COMPARE.map(|c| (c.metric, c.heading, "smalti compare"));
+    let [.., per_pixel, _, _] = COMPARE_PER_PIXEL
+        .map(|c| (c.metric, c.heading, "smalti compare of cameras of different pixel pitches"));
     let evaluate = EVALUATE.map(|c| (c.metric, c.heading, "smalti evaluate"));
     let sensor = SENSOR.map(|c| (c.metric, c.heading, "smalti evaluate"));
-    let here = compare.iter().chain(&evaluate).chain(&sensor).filter(|(name, ..)| *name == metric);
+    let here = compare
+        .iter()
+        .chain([&per_pixel])
+        .chain(&evaluate)
+        .chain(&sensor)
+        .filter(|(name, ..)| *name == metric);
     let shown: Vec<String> = here.map(|(_, heading, command)| format!("'{heading}' in {command}")).collect();
     (!shown.is_empty()).then(|| format!("column {}", shown.join(", ")))
 }

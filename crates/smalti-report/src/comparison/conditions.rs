@@ -47,12 +47,12 @@ fn own_exposure(times_ms: &[Option<f64>]) -> String {
     let range = if least == most { format!("{most} ms") } else { format!("{least} to {most} ms") };
     if fixed.len() < times_ms.len() {
         format!(
-            "the setting of each camera, fixed ({range}) for some and automatic for others; the tables state the times"
+            "as set in each camera, fixed ({range}) for some and automatic for others; the tables state the times"
         )
     } else if least == most {
-        format!("{range}, the setting of {each}")
+        format!("{range}, as set in {each}")
     } else {
-        format!("the setting of each camera, {range}; the tables state the times")
+        format!("as set in each camera, {range}; the tables state the times")
     }
 }
 
@@ -78,13 +78,13 @@ impl<'a> Conditions<'a> {
             ExposurePolicy::Time(time_s) => format!("{} ms for all pictures", milliseconds(time_s * 1e3)),
             ExposurePolicy::Equal(EqualExposure { saturated_share, longest_s })
             | ExposurePolicy::AutoEqual(EqualExposure { saturated_share, longest_s }) => format!(
-                "equal for all cameras; for each scene the longest time at which none saturates more than {} % of its samples, at most \
-                 {} ms",
+                "equal for all cameras; for each scene the longest time at which at most {} % of the samples of any camera saturate, and at \
+                 most {} ms",
                 saturated_share * 100.0,
                 milliseconds(longest_s * 1e3)
             ),
         };
-        format!("Exposure: {words}.")
+        format!("Exposure time: {words}.")
     }
 
     /// The choice of the exposure times for results.json.
@@ -159,10 +159,10 @@ mod tests {
 
     #[test]
     fn the_exposure_of_the_cameras_is_said() {
-        assert_eq!(own_exposure(&[Some(100.0)]), "100 ms, the setting of the camera");
-        assert_eq!(own_exposure(&[Some(100.0); 2]), "100 ms, the setting of each camera");
+        assert_eq!(own_exposure(&[Some(100.0)]), "100 ms, as set in the camera");
+        assert_eq!(own_exposure(&[Some(100.0); 2]), "100 ms, as set in each camera");
         let differ = own_exposure(&[Some(100.0), Some(12.5)]);
-        assert_eq!(differ, "the setting of each camera, 12.5 to 100 ms; the tables state the times");
+        assert_eq!(differ, "as set in each camera, 12.5 to 100 ms; the tables state the times");
         assert!(own_exposure(&[None, None]).starts_with("automatic, by the rule of each camera"));
         assert!(
             own_exposure(&[None, Some(0.25)]).contains("fixed (0.25 ms) for some and automatic for others")

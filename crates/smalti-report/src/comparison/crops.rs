@@ -1,4 +1,4 @@
-//! The most telling crop of each scene: where the errors of the cameras differ most.
+//! The region of each scene with the largest differences: where the errors of the cameras differ most.
 
 use std::borrow::Cow;
 

@@ -175,7 +175,7 @@ fn scores(shots: &Evaluations<'_>) -> Markup {
         .and(paragraph(
             "help",
             "MTF50 4:1 is that of an edge of low contrast. It differs from the other MTF50 where processing depends on contrast. ★ marks the \
-             best value in this light. Higher is better for MTF50 and dynamic range, lower for the other columns.",
+             best value in this light and those that do not differ from it by a relevant amount (see the list of metrics). Higher is better for MTF50 and dynamic range, lower for the other columns.",
         ))
         .and(sensors(shots))
 }

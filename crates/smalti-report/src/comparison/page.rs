@@ -63,7 +63,7 @@ fn page_beside(
         .with(COMPARE)
         .lead(lead(report))
         .section("verdict", "Verdict", summary::summary(report))
-        .section("crops", "Most telling crops", crops)
+        .section("crops", "Regions with the largest differences", crops)
         .section(
             "pictures",
             "Pictures",
@@ -157,7 +157,11 @@ fn light(report: &Comparison<'_>) -> Markup {
         figures::beside([
             of("ΔE2000", |o| o.means()[1]),
             of("S-CIELAB difference (ΔE*ab)", |o| o.means()[2]),
-            of("MTF50 (cy/mm)", |o| o.targets.mtf50_cy_per_mm),
+            if report.has_one_pitch() {
+                of("MTF50 (cy/mm)", |o| o.targets.mtf50_cy_per_mm)
+            } else {
+                of("MTF50 (cycles/pixel)", |o| o.targets.mtf50_cy_per_px)
+            },
             of("Luminance noise (%)", |o| o.targets.luminance_noise_percent.mean),
         ])
     } else {
@@ -178,8 +182,8 @@ fn light(report: &Comparison<'_>) -> Markup {
     out = out.and(tables::gains(report.gains));
     out.and(paragraph(
         "help",
-        "Where the gain is below 0, the first camera needs less light. Scenes and exposure times are those of the scores; noise is the mean \
-         over four captures of the ColorChecker.",
+        "Where the gain is below 0, the first camera needs less light. Scenes, seeds and exposure times are those of the scores; visual \
+         SNR and noise are means over four captures of the ColorChecker.",
     ))
 }
 

@@ -7,6 +7,7 @@ use smalti::experiment::{
 };
 use smalti::l3::Pipeline;
 
+use super::columns::{COMPARE, COMPARE_PER_PIXEL, Column};
 use super::conditions::Conditions;
 use crate::{ReportError, names};
 
@@ -67,6 +68,17 @@ impl<'a> Comparison<'a> {
     /// The outcomes of the first contender, one per luminance. Every contender has the same luminances and scenes.
     pub(super) fn lights(&self) -> &'a [Outcome] {
         self.outcomes.first().map_or(&[], Vec::as_slice)
+    }
+
+    /// Whether the cameras have the same pixel pitch.
+    pub(super) fn has_one_pitch(&self) -> bool {
+        let mut pitches = self.cameras.iter().map(|c| c.sensor.pixel.pitch_m);
+        pitches.next().is_none_or(|first| pitches.all(|pitch| (pitch / first - 1.0).abs() < 1e-6))
+    }
+
+    /// The columns of the scores.
+    pub(super) fn columns(&self) -> &'static [Column<Outcome>; 6] {
+        if self.has_one_pitch() { &COMPARE } else { &COMPARE_PER_PIXEL }
     }
 
     /// Each contender with its outcome in one light.

@@ -22,7 +22,14 @@ pub(super) fn summary(report: &Comparison<'_>) -> Markup {
     let mut lights = report.verdict_words();
     lights.sort_by(|a, b| a.luminance_cd_m2.total_cmp(&b.luminance_cd_m2));
     let crossovers: Markup =
-        report.crossover_words().into_iter().map(|words| paragraph("crossover", words)).collect();
+        report.crossover_words(true).into_iter().map(|words| paragraph("crossover", words)).collect();
+    let others = report.crossover_words(false);
+    let others = (!others.is_empty()).then(|| {
+        let lines: Markup = others.into_iter().map(|words| paragraph("crossover", words)).collect();
+        Markup::from(el("details").child(el("summary").child("Crossovers of the other cameras")).child(lines))
+    });
+    let has_intervals = report.verdict.scenes * report.verdict.seeds > 1;
+    let brackets = if has_intervals { "Brackets contain 95 % confidence intervals. " } else { "" };
     paragraph("headline", headline(&lights, report.contenders.len()))
         .and(
             el("div")
@@ -30,7 +37,8 @@ pub(super) fn summary(report: &Comparison<'_>) -> Markup {
                 .children(lights.iter().map(|light| card(light, report.contenders.len()))),
         )
         .and(crossovers)
-        .and(paragraph("help", format!("Numbers in brackets are intervals. {}", report.verdict_basis())))
+        .and(others.into_iter().collect::<Markup>())
+        .and(paragraph("help", format!("{brackets}{}", report.verdict_basis())))
         .and(beside([difference_figure(report)].into_iter().chain(score_figure(report))))
         .and(values(report))
 }
@@ -68,8 +76,7 @@ fn card(light: &LightWords, contenders: usize) -> Markup {
     };
     let metric =
         |(name, words): &(&str, String)| Markup::from(el("dt").child(*name)).and(el("dd").child(words));
-    // Without a leader nobody pays for the lead.
-    let cost = (light.leaders.len() == 1 && !light.cost.is_empty())
+    let cost = (!light.cost.is_empty())
         .then(|| Markup::from(el("dt").child("Cost")).and(el("dd").child(&light.cost)));
     el("article")
         .class("verdict")
@@ -93,7 +100,7 @@ fn difference_figure(report: &Comparison<'_>) -> Markup {
     let (first, count) = (report.contender_name(0), report.contenders.len());
     let mut plot = Plot::new("Luminance (cd/m²)", "CPSNR difference (dB)")
         .title(format!("CPSNR: difference from {first}"))
-        .note("Bars are 95 % intervals of the paired difference. Where a bar crosses the line of the first camera, these scenes show no difference.")
+        .note("Bars are 95 % confidence intervals of the paired difference. Where a bar crosses the line of the first camera, these scenes show no difference.")
         .x_scale(Scale::Log)
         .x_ticks(&luminances)
         .size(LIGHT_SIZE.0, height(count))

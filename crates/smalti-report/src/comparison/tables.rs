@@ -3,33 +3,32 @@
 use smalti::camera::Evaluation;
 use smalti::experiment::{LightVerdict, MetricVerdict, Outcome, PairwiseLightGain};
 use smalti::metrics::esfr::Mtf50Reliability;
+use smalti::metrics::smallest_relevant;
 
-use super::columns::{COMPARE, Column, SCENES, reliabilities};
+use super::columns::{COMPARE, COMPARE_PER_PIXEL, Column, SCENES, reliabilities};
 use super::conditions::exposure_cells;
 use super::figures::Scored;
 use super::reliability::meanings;
 use super::results::{Comparison, of_contender};
+use super::text::MTF50_AND_NOISE;
 use crate::page::{Markup, Table, el, paragraph};
 
 /// The headings of [`COMPARE`] on the page.
-const HEADINGS: [&str; 6] = [
-    "CPSNR, dB",
-    "ΔE2000, mean",
-    "S-CIELAB, ΔE*ab",
-    "MTF50, cy/mm",
-    "Visual SNR, 1/ΔE",
-    "Luminance noise, %",
-];
+const HEADINGS: [&str; 6] = headings("MTF50, cy/mm");
+/// Those of [`COMPARE_PER_PIXEL`].
+const HEADINGS_PER_PIXEL: [&str; 6] = headings("MTF50, cy/px");
+
+const fn headings(mtf50: &'static str) -> [&'static str; 6] {
+    ["CPSNR, dB", "ΔE2000, mean", "S-CIELAB, ΔE*ab", mtf50, "Visual SNR, 1/ΔE", "Luminance noise, %"]
+}
 
 fn text(value: f64, digits: usize) -> String {
     if value.is_finite() { format!("{value:.digits$}") } else { "–".to_owned() }
 }
 
-/// Values up to this ratio from the best are marked as well, where no interval tells which ones differ.
-const SAME: f64 = 1.01;
-
 /// Values as text, the best with a mark. Values that do not differ from the best are marked as well: by the verdict of the metric,
-/// else those within 1 %. A single value has no mark, nor has one that cannot be trusted.
+/// else those nearer than the [smallest relevant difference](smallest_relevant). A single value has no mark, nor has one that cannot
+/// be trusted.
 fn marked<T>(column: &Column<T>, of: &[&T], verdict: Option<&MetricVerdict>) -> Vec<Markup> {
     let sign = if column.is_higher_better() { 1.0 } else { -1.0 };
     let is_reliable = |of: &T| column.reliability(of) == Mtf50Reliability::Reliable;
@@ -40,8 +39,7 @@ fn marked<T>(column: &Column<T>, of: &[&T], verdict: Option<&MetricVerdict>) -> 
         (_, None) => false,
         (Some(verdict), _) => verdict.is_among_best(row),
         (None, Some(best)) => {
-            let v = (column.of)(of);
-            is_reliable(of) && (v == best || (v > 0.0 && best > 0.0 && v.max(best) / v.min(best) <= SAME))
+            is_reliable(of) && !smallest_relevant(column.metric).is_relevant((column.of)(of), best)
         }
     };
     let one = |(row, of): (usize, &&T)| {
@@ -88,22 +86,24 @@ pub(super) fn scores(report: &Comparison<'_>) -> Markup {
     let over = report.over();
     let table =
         Table::new(format!("Scores: {over}")).text("Camera").text("Processing").number("Luminance, cd/m²");
-    let mut table = HEADINGS.into_iter().chain(["Exposure, ms", "Saturated, %"]).fold(table, Table::number);
+    let headings = if report.has_one_pitch() { HEADINGS } else { HEADINGS_PER_PIXEL };
+    let mut table = headings.into_iter().chain(["Exposure, ms", "Saturated, %"]).fold(table, Table::number);
     for light in 0..report.light_count() {
         let rows = report.in_light(light);
         let rows =
             rows.map(|(c, o)| (of_contender(c, o.luminance_cd_m2).to_vec(), o, exposure_cells(o).to_vec()));
-        table = scored(table, &COMPARE, &rows.collect::<Vec<_>>(), report.verdict.lights.get(light));
+        table = scored(table, report.columns(), &rows.collect::<Vec<_>>(), report.verdict.lights.get(light));
     }
     let all: Vec<&Outcome> = report.outcomes.iter().flatten().collect();
-    let meanings = meanings_of(&COMPARE, &all);
+    let meanings = meanings_of(report.columns(), &all);
     report.conditions.markup().and(Markup::from(table)).and(meanings).and(paragraph(
         "help",
-        "★ marks the best value in this light and those that do not differ from it: where the verdict finds no difference, and within 1 % for \
-         MTF50, visual SNR and noise. Higher is better for CPSNR, MTF50 and visual SNR, lower for the other columns. CPSNR, ΔE and \
-         S-CIELAB compare whole pictures with the scene as the standard observer sees it. MTF50 is that of a slanted edge without noise; visual SNR and \
-         noise are those of the grey patches of a ColorChecker.",
+        "★ marks the best value in this light and those that do not differ from it: where the verdict finds no difference, and within 5 % for \
+         MTF50 and 10 % for visual SNR and noise, which are single measurements. Higher is better for CPSNR, MTF50 and visual SNR, lower for the \
+         other columns. CPSNR, ΔE and S-CIELAB compare whole pictures with the scene as the standard observer sees it. MTF50 is that of a slanted \
+         edge; visual SNR and noise are those of the grey patches of a ColorChecker.",
     ))
+    .and(paragraph("help", MTF50_AND_NOISE))
 }
 
 /// The scores of each scene.
@@ -126,24 +126,32 @@ pub(super) fn scenes(report: &Comparison<'_>) -> Markup {
             table = scored(table, &SCENES, &rows.collect::<Vec<_>>(), None);
         }
     }
-    table.into()
+    Markup::from(table).and(paragraph(
+        "help",
+        format!(
+            "★ marks the best value of each scene and those less than {} dB (CPSNR) or {} (ΔE) from it. These differences have no confidence interval.",
+            smallest_relevant("cpsnr_db"),
+            smallest_relevant("scielab_mean"),
+        ),
+    ))
 }
 
 /// The label of a metric of the light gain.
 pub(super) fn metric_name(metric: &str) -> &str {
-    COMPARE.iter().zip(HEADINGS).find(|(c, _)| c.metric == metric).map_or(metric, |(_, heading)| heading)
+    let all = COMPARE.iter().zip(HEADINGS).chain(COMPARE_PER_PIXEL.iter().zip(HEADINGS_PER_PIXEL));
+    let mut named = all.filter(|(c, _)| c.metric == metric);
+    named.next().map_or(metric, |(_, heading)| heading)
 }
 
 /// How much more light the first camera needs.
 pub(super) fn gains(gains: &[PairwiseLightGain]) -> Markup {
     let table = |PairwiseLightGain { first, other, gains, .. }: &PairwiseLightGain| {
         let light = gains.luminance_cd_m2;
-        let mut table =
-            Table::new(format!("More light that {first} needs to equal {other} at {light} cd/m²"))
-                .text("Metric")
-                .number(first)
-                .number(other)
-                .number("Light gain, stops");
+        let mut table = Table::new(format!("Additional light for {first} to match {other} at {light} cd/m²"))
+            .text("Metric")
+            .number(first)
+            .number(other)
+            .number("Light gain, stops");
         for m in &gains.metrics {
             let cells = [
                 metric_name(m.metric).to_owned(),

@@ -3,11 +3,14 @@
 use smalti::camera::MetricGain;
 use smalti::experiment::{Outcome, PairwiseLightGain};
 
-use super::columns::{self, headings, reliabilities};
+use super::columns::{headings, reliabilities};
 use super::conditions::{EXPOSURE_HEADINGS, exposure_cells};
 use super::reliability::meanings;
 use super::results::{Comparison, of_contender};
 use crate::TextTable;
+
+/// What resolution and noise of one row say together.
+pub(super) const MTF50_AND_NOISE: &str = "MTF50 is measured without noise, noise % on one capture. In little light, noise hides detail that MTF50 still counts.";
 
 impl Comparison<'_> {
     /// The scores, a row for each luminance and contender, and the meaning of marks at values.
@@ -15,20 +18,21 @@ impl Comparison<'_> {
     pub fn scores_table(&self, table: &TextTable<'_>) -> String {
         let header: Vec<&str> = ["camera", "pipeline", "cd/m²"]
             .into_iter()
-            .chain(headings(&columns::COMPARE))
+            .chain(headings(self.columns()))
             .chain(EXPOSURE_HEADINGS)
             .collect();
         let mut rows = Vec::new();
         for light in 0..self.light_count() {
             for (contender, o) in self.in_light(light) {
-                let values = columns::COMPARE.map(|c| c.text(o));
+                let values = self.columns().iter().map(|c| c.text(o));
                 let cells = of_contender(contender, o.luminance_cd_m2).into_iter().chain(values);
                 rows.push(cells.chain(exposure_cells(o)).collect());
             }
         }
         let all: Vec<&Outcome> = self.outcomes.iter().flatten().collect();
-        let meanings = meanings(reliabilities(&columns::COMPARE, &all));
-        meanings.into_iter().fold(table(&header, &rows), |out, meaning| out + &meaning + "\n")
+        let meanings = meanings(reliabilities(self.columns(), &all));
+        let table = table(&header, &rows) + MTF50_AND_NOISE + "\n";
+        meanings.into_iter().fold(table, |out, meaning| out + &meaning + "\n")
     }
 
     /// The largest difference between fixed point and single precision, as a line. Empty where none was computed.
@@ -57,8 +61,8 @@ impl Comparison<'_> {
             };
             let rows: Vec<Vec<String>> = gains.metrics.iter().map(row).collect();
             out += &format!(
-                "\nmore light that {first} needs to equal {other} at {} cd/m²\n{}Scores of whole pictures are means over the scenes of the first table; noise is the mean over four \
-                 captures of the chart.\n",
+                "\nAdditional light for {first} to match {other} at {} cd/m²\n{}Scores of whole pictures are means over the scenes and noise realisations of the first table; visual SNR and noise \
+                 are means over four captures of the chart.\n",
                 gains.luminance_cd_m2,
                 table(&header, &rows),
             );

@@ -1,8 +1,13 @@
 //! The verdict of a comparison in words.
 
 use smalti::camera::PICTURE_METRICS;
-use smalti::experiment::{Crossover, Estimate, Lead, LightVerdict, MetricVerdict, MoreLight, Verdict};
-use smalti::numeric::bootstrap::Interval;
+use smalti::experiment::{
+    Crossover, Estimate, Finding, Lead, LightStops, LightVerdict, MetricVerdict, MoreLight, Outcome,
+    StopsInterval, Verdict,
+};
+use smalti::metrics::esfr::Mtf50Reliability;
+use smalti::metrics::smallest_relevant;
+use smalti::numeric::bootstrap::{Interval, LEAST_GROUPS};
 
 use super::results::Comparison;
 use crate::words::listed;
@@ -10,8 +15,6 @@ use crate::words::listed;
 /// How a metric is written in sentences: its name, its unit, and digits behind the point.
 pub(super) const WORDS: [(&str, &str, usize); PICTURE_METRICS.len()] =
     [("CPSNR", " dB", 2), ("ΔE2000", "", 2), ("S-CIELAB", "", 2)];
-/// A ratio of scores of one chart or edge from which the worse one counts as a cost.
-const COSTLY: f64 = 1.02;
 
 /// The verdict in one light.
 pub(super) struct LightWords {
@@ -21,26 +24,30 @@ pub(super) struct LightWords {
     pub(super) leaders: Vec<String>,
     /// For each metric its name and the verdict.
     pub(super) metrics: Vec<(&'static str, String)>,
-    /// What the camera that leads in CPSNR loses elsewhere. Empty if nothing.
+    /// What the only camera that leads in CPSNR loses elsewhere. Empty if nothing.
     pub(super) cost: String,
 }
 
 impl Comparison<'_> {
-    /// What the intervals rest on, as a sentence.
+    /// What the intervals rest on, and which differences count as none, as sentences.
     pub(super) fn verdict_basis(&self) -> String {
-        let Verdict { scenes, seeds, .. } = self.verdict;
-        match (scenes, seeds) {
-            (1, 1) => "One scene, one seed of the noise: differences have no interval.".into(),
+        let Verdict { scenes, seeds, .. } = *self.verdict;
+        let realisations =
+            if seeds == 1 { "one noise realisation".into() } else { format!("{seeds} noise realisations") };
+        let method = if scenes < LEAST_GROUPS { "Student's t" } else { "paired bootstrap" };
+        let basis = match (scenes, seeds) {
+            (1, 1) => format!("One scene, {realisations}: differences have no confidence interval."),
             (1, _) => format!(
-                "One scene, {seeds} seeds of the noise: the intervals (95 %, paired bootstrap) cover the noise, not other scenes."
+                "One scene with {realisations}: the 95 % confidence intervals ({method}) cover the noise, not other scenes."
             ),
-            (_, 1) => {
-                format!("{scenes} scenes, one seed of the noise; intervals of 95 % (paired bootstrap).")
-            }
-            _ => {
-                format!("{scenes} scenes, {seeds} seeds of the noise; intervals of 95 % (paired bootstrap).")
-            }
-        }
+            (_, 1) => format!("{scenes} scenes, {realisations}; 95 % confidence intervals ({method})."),
+            _ => format!("{scenes} scenes with {realisations} each; 95 % confidence intervals ({method})."),
+        };
+        let least = |(metric, (name, unit, _)): (&&str, (&str, &str, usize))| {
+            format!("{}{unit} in {name}", smallest_relevant(metric))
+        };
+        let least: Vec<String> = PICTURE_METRICS.iter().zip(WORDS).map(least).collect();
+        format!("{basis} Differences below {} count as none.", listed(&least))
     }
 
     /// The verdict for each light.
@@ -59,8 +66,8 @@ impl Comparison<'_> {
         self.verdict.lights.iter().enumerate().map(of_light).collect()
     }
 
-    /// The luminances at which a lead changes, as sentences.
-    pub(super) fn crossover_words(&self) -> Vec<String> {
+    /// The luminances at which a lead changes, as sentences: those of the best cameras, or those of the others.
+    pub(super) fn crossover_words(&self, of_best: bool) -> Vec<String> {
         let of = |c: &Crossover| {
             let name = PICTURE_METRICS.iter().zip(WORDS).find(|(metric, _)| **metric == c.metric);
             let name = name.map_or(c.metric, |(_, (name, ..))| name);
@@ -77,7 +84,7 @@ impl Comparison<'_> {
                 self.contender_name(c.above),
             )
         };
-        self.verdict.crossovers.iter().map(of).collect()
+        self.verdict.crossovers.iter().filter(|c| c.is_of_best == of_best).map(of).collect()
     }
 
     /// The verdict as lines for a terminal. Empty when only one camera was scored.
@@ -93,13 +100,23 @@ impl Comparison<'_> {
                 out += &format!("    {name:<9} {words}\n");
             }
             if !cost.is_empty() {
-                out += &format!("    cost      {cost}\n");
+                out += &format!("    but       {cost}\n");
             }
         }
-        for line in self.crossover_words() {
+        for line in self.crossover_words(true) {
             out += &format!("  {line}\n");
         }
-        out
+        match self.crossover_words(false).len() {
+            0 => out,
+            1 => {
+                out + "  One further crossover, between cameras that are not the best, is in results.json.\n"
+            }
+            more => {
+                out + &format!(
+                    "  {more} further crossovers, between cameras that are not the best, are in results.json.\n"
+                )
+            }
+        }
     }
 
     /// The label of a contender, with its processing where the camera has several.
@@ -126,71 +143,79 @@ impl Comparison<'_> {
         if let [(other, lead)] = others[..] {
             let other = self.contender_name(other);
             let by = amount(&lead.by, unit, digits);
-            return match lead.is_tie() {
-                Some(true) => format!(
-                    "no difference that these scenes can show between {best} and {other} ({best} ahead by {by})"
-                ),
-                _ => format!("{best} leads {other} by {by}{}", light(lead)),
+            let none = match lead.finding {
+                Finding::Lead => return format!("{best} leads {other} by {by}{}", light(lead)),
+                Finding::NoDifference => "no difference that these scenes can show",
+                Finding::Negligible => "no relevant difference",
             };
+            let better =
+                if lead.by.value > 0.0 { format!(" ({best} better by {by})") } else { String::new() };
+            return format!("{none} between {best} and {other}{better}");
         }
-        let (ties, behind): (Vec<_>, Vec<_>) =
-            others.into_iter().partition(|(_, lead)| lead.is_tie() == Some(true));
-        let ties: Vec<String> = ties.into_iter().map(|(number, _)| self.contender_name(number)).collect();
-        let behind: Vec<String> = behind
-            .into_iter()
-            .map(|(number, lead)| {
-                format!(
-                    "{} by {}{}",
-                    self.contender_name(number),
-                    amount(&lead.by, unit, digits),
-                    light(lead)
-                )
-            })
-            .collect();
-        let tied = match ties.len() {
-            0 => String::new(),
-            _ => format!("; these scenes show no difference from {}", listed(&ties)),
+        let with = |finding: Finding| -> Vec<(String, &Lead)> {
+            let found = others.iter().filter(|(_, lead)| lead.finding == finding);
+            found.map(|(number, lead)| (self.contender_name(*number), *lead)).collect()
         };
-        match behind.len() {
-            0 => format!("no difference that these scenes can show ({best} has the best mean)"),
-            _ => format!("{best} leads {}{tied}", listed(&behind)),
+        let names = |found: Vec<(String, &Lead)>| -> Vec<String> { found.into_iter().map(|f| f.0).collect() };
+        let behind: Vec<String> = with(Finding::Lead)
+            .into_iter()
+            .map(|(name, lead)| format!("{name} by {}{}", amount(&lead.by, unit, digits), light(lead)))
+            .collect();
+        let (same, near) = (names(with(Finding::NoDifference)), names(with(Finding::Negligible)));
+        if behind.is_empty() {
+            let none = if same.is_empty() {
+                "no relevant difference"
+            } else {
+                "no difference that these scenes can show"
+            };
+            return format!("{none} ({best} has the best mean)");
         }
+        let mut words = format!("{best} leads {}", listed(&behind));
+        if !same.is_empty() {
+            words += &format!("; these scenes show no difference from {}", listed(&same));
+        }
+        if !near.is_empty() {
+            words += &format!("; no relevant difference from {}", listed(&near));
+        }
+        words
     }
 
-    /// What a camera that leads in CPSNR loses by the scores of the chart and the edge, which have no interval. Empty without such a
-    /// lead; the other metrics of pictures have verdicts of their own.
+    /// In which scores of the chart and the edge, which have no interval, the only leader in CPSNR is worse. Empty without such a
+    /// leader; the other metrics of pictures have verdicts of their own. An MTF50 that cannot be trusted does not count, and all are in
+    /// cycles per pixel, because the cameras capture the scene with equally many pixels.
     fn cost(&self, light: usize, verdict: &LightVerdict) -> String {
         let Some(cpsnr) = verdict.metrics.first() else { return String::new() };
         let best = cpsnr.best;
-        if (0..self.contenders.len()).all(|contender| cpsnr.is_among_best(contender)) {
+        if (0..self.contenders.len()).filter(|contender| cpsnr.is_among_best(*contender)).count() != 1 {
             return String::new();
         }
-        let mut lost = Vec::new();
-        type Score = fn(&smalti::camera::Evaluation) -> f64;
-        let single: [(&str, Score); 3] = [
-            ("MTF50", |e| e.mtf50_cy_per_mm),
-            ("visual SNR", |e| e.visual_snr.median),
-            ("noise", |e| 1.0 / e.luminance_noise_percent.mean),
+        /// The name of a score, that of its metric, whether higher is better, and its value where it can be trusted.
+        type Single = (&'static str, &'static str, bool, fn(&Outcome) -> Option<f64>);
+        let single: [Single; 3] = [
+            ("MTF50", "mtf50_cy_per_px", true, |o| {
+                let is_reliable = o.targets.mtf50_reliability == Mtf50Reliability::Reliable;
+                is_reliable.then_some(o.targets.mtf50_cy_per_px)
+            }),
+            ("visual SNR", "visual_snr", true, |o| Some(o.targets.visual_snr.median)),
+            ("noise", "luminance_noise_percent", false, |o| Some(o.targets.luminance_noise_percent.mean)),
         ];
-        for (name, of) in single {
-            let scores: Vec<f64> = self.in_light(light).map(|(_, o)| of(&o.targets)).collect();
-            let Some(&own) = scores.get(best) else { continue };
-            let ratio = |(number, score): (usize, &f64)| (number, score / own);
-            let top = scores.iter().enumerate().map(ratio).filter(|(_, r)| r.is_finite());
-            if let Some((number, ratio)) = top.max_by(|a, b| a.1.total_cmp(&b.1)).filter(|(_, r)| *r > COSTLY)
-            {
-                let percent = 100.0 * (ratio - 1.0);
-                let other = self.contender_name(number);
-                lost.push(match name {
-                    "noise" => format!("{percent:.0} % more noise on the chart than {other}"),
-                    _ => format!("{name} of {other} is {percent:.0} % higher"),
-                });
-            }
-        }
+        let lost = |(name, metric, is_higher_better, of): &Single| {
+            let scores: Vec<Option<f64>> = self.in_light(light).map(|(_, o)| of(o)).collect();
+            let own = (*scores.get(best)?)?;
+            let sign = if *is_higher_better { 1.0 } else { -1.0 };
+            let finite =
+                |(number, score): (usize, &Option<f64>)| Some((number, score.filter(|v| v.is_finite())?));
+            let scores = scores.iter().enumerate().filter_map(finite);
+            let (number, top) = scores.max_by(|a, b| (sign * a.1).total_cmp(&(sign * b.1)))?;
+            let is_worse = sign * (top - own) > 0.0 && smallest_relevant(metric).is_relevant(own, top);
+            let percent = format!("{:+.0} %", 100.0 * (top / own - 1.0)).replace('-', "−");
+            is_worse.then(|| format!("{name} ({} {percent})", self.contender_name(number)))
+        };
+        let lost: Vec<String> = single.iter().filter_map(lost).collect();
         if lost.is_empty() {
             return String::new();
         }
-        format!("of {}: {}", self.contender_name(best), lost.join("; "))
+        format!("{} is worse in {}; single measurements", self.contender_name(best), listed(&lost))
     }
 }
 
@@ -203,10 +228,25 @@ pub(super) fn amount(by: &Estimate, unit: &str, digits: usize) -> String {
 
 /// A lead as light.
 fn light(lead: &Lead) -> String {
-    match &lead.light {
+    match lead.light {
         None => String::new(),
-        Some(MoreLight::Stops(stops)) => format!(" (worth {} of light)", amount(stops, " stops", 2)),
-        Some(MoreLight::MoreThan(stops)) => format!(" (worth more than {stops} stops of light)"),
+        Some(MoreLight::Stops(LightStops { value, interval })) => {
+            let interval = match interval {
+                None => String::new(),
+                Some(StopsInterval { low, high: Some(high) }) => format!(" [{low:.2}, {high:.2}]"),
+                Some(StopsInterval { low, high: None }) => format!(", at least {low:.2}"),
+            };
+            format!(" (equivalent to {value:.2} stops more light{interval})")
+        }
+        Some(MoreLight::MoreThan(stops)) => format!(" (equivalent to more than {stops} stops more light)"),
+        Some(MoreLight::Unreachable { rise_db }) => {
+            let rise = if rise_db < 0.005 {
+                "does not raise CPSNR".into()
+            } else {
+                format!("raises CPSNR by at most {rise_db:.2} dB")
+            };
+            format!(" (more light does not compensate: at this exposure time, it {rise})")
+        }
     }
 }
 
@@ -218,10 +258,33 @@ fn significant(value: f64) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::significant;
+    use super::*;
 
     #[test]
     fn luminances_have_two_digits() {
         assert_eq!([0.123, 1.26, 9.96, 21.7, 123.4].map(significant), ["0.12", "1.3", "10.0", "22", "123"]);
+    }
+
+    #[test]
+    fn light_that_does_not_suffice_is_not_a_number_of_stops() {
+        let of = |more: MoreLight| {
+            let by = Estimate { value: 1.0, interval: None };
+            light(&Lead { by, finding: Finding::Lead, light: Some(more) })
+        };
+        let stops = |high| LightStops { value: 0.42, interval: Some(StopsInterval { low: 0.3, high }) };
+        assert_eq!(
+            of(MoreLight::Stops(stops(Some(0.55)))),
+            " (equivalent to 0.42 stops more light [0.30, 0.55])"
+        );
+        assert_eq!(
+            of(MoreLight::Stops(stops(None))),
+            " (equivalent to 0.42 stops more light, at least 0.30)"
+        );
+        assert_eq!(of(MoreLight::MoreThan(4.0)), " (equivalent to more than 4 stops more light)");
+        assert_eq!(
+            of(MoreLight::Unreachable { rise_db: 0.31 }),
+            " (more light does not compensate: at this exposure time, it raises CPSNR by at most 0.31 dB)"
+        );
+        assert!(of(MoreLight::Unreachable { rise_db: 0.0 }).contains("does not raise CPSNR"));
     }
 }

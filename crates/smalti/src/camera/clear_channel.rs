@@ -20,6 +20,13 @@ const LEAST_COLORS: usize = 2;
 /// The share of the response of a clear channel from which on it affects colour: [`Camera::unshared_light`] is worth a warning.
 pub const NOTABLE_UNSHARED_SHARE: f64 = 0.02;
 
+/// Where the near infrared begins, nm.
+const INFRARED_NM: f64 = 700.0;
+
+/// The share of the response of every channel from which on a camera is one for near infrared: [`Camera::infrared_share`] is worth a
+/// note.
+pub const NOTABLE_INFRARED_SHARE: f64 = 0.02;
+
 /// Light that a clear channel sees at wavelengths beyond those of all colour channels.
 #[derive(Debug, Clone, PartialEq)]
 pub struct UnsharedLight {
@@ -73,6 +80,23 @@ impl Camera {
             })
         };
         Ok(clear.iter().filter_map(unshared).collect())
+    }
+
+    /// The share of the response to a white object that is due to light above 700 nm, under an illuminant (photons): that of the channel
+    /// in which it is least. A camera with an infrared-cut filter has almost none.
+    ///
+    /// # Errors
+    /// When a curve does not cover the wavelengths of the illuminant.
+    pub fn infrared_share(&self, light: &Spectrum) -> Result<f64, CameraError> {
+        let (camera, grid) = (self.on_grid(light.grid())?, light.grid());
+        let share = |channel: &Spectrum| {
+            let parts = channel.values().iter().zip(light.values()).zip(grid.wavelengths_nm());
+            let (above, all) = parts.fold((0.0, 0.0), |(above, all), ((r, l), nm)| {
+                (if nm > INFRARED_NM { above + r * l } else { above }, all + r * l)
+            });
+            if all > 0.0 { above / all } else { 0.0 }
+        };
+        Ok(camera.responsivities()?.iter().map(share).reduce(f64::min).unwrap_or(0.0))
     }
 }
 

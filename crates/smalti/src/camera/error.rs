@@ -39,6 +39,28 @@ pub enum CameraError {
         /// Why.
         reason: String,
     },
+    /// A channel gets no light, and fewer than three others see it.
+    #[error(
+        "the channel {channel} gets no light: its response to white is {percent:.2} % of that of the brightest channel, and fewer than three channels \
+         remain to measure colour. Another filter (sensor.cfa.filters.{channel}) or another illuminant is needed"
+    )]
+    DarkChannel {
+        /// The name of the channel.
+        channel: String,
+        /// Its response to white, percent of that of the brightest channel.
+        percent: f64,
+    },
+    /// Colour differences are not defined under a light of one colour.
+    #[error(
+        "the light covers too little of the visible range: {primary} of its white is {percent:.2} % of the largest of X, Y and Z, so that colours \
+         cannot be compared under it. Another illuminant is needed"
+    )]
+    NarrowLight {
+        /// X, Y or Z.
+        primary: &'static str,
+        /// Its value, percent of the largest.
+        percent: f64,
+    },
     /// An error of the optics.
     #[error(transparent)]
     Optics(#[from] OpticsError),

@@ -6,8 +6,9 @@ use std::fmt;
 use serde::Serialize;
 
 use super::chart::{self, PATCH_SAMPLES};
+use super::compare::compare_seeds;
 use super::{
-    Camera, CameraError, GreyScores, IspFor, PatchScores, ScoreSettings, Setup, TestScene, compare_on,
+    Camera, CameraError, GreyScores, IspFor, PICTURE_METRICS, PatchScores, ScoreSettings, Setup, TestScene,
 };
 use crate::isp::Isp;
 use crate::metrics::{Better, MetricError, metric_info};
@@ -120,9 +121,11 @@ pub struct LightGainSettings {
     pub luminance_cd_m2: f64,
     /// The illuminant.
     pub illuminant: Illuminant,
-    /// Seed of the noise. It is the same at every luminance, so that scores change smoothly with light.
+    /// Seed of the noise, the first of several. The seeds are the same at every luminance, so that scores change smoothly with light.
     pub seed: u64,
-    /// The scenes for the scores of whole pictures. Each is captured some twenty times.
+    /// The number of seeds of the pictures of scenes, at least 1.
+    pub seed_count: u64,
+    /// The scenes for the scores of whole pictures. Each is captured some twenty times for each seed.
     pub scenes: Vec<TestScene>,
     /// The exposure time of each scene, s; that of the camera's description where it is absent.
     pub times_s: Vec<Option<f64>>,
@@ -139,6 +142,7 @@ impl Default for LightGainSettings {
             luminance_cd_m2: 1.0,
             illuminant: Illuminant::D65,
             seed: 1,
+            seed_count: 1,
             scenes: TestScene::charts(),
             times_s: Vec::new(),
             chart_s: None,
@@ -171,7 +175,7 @@ pub struct LightGains {
     pub tried: usize,
 }
 
-/// The metrics of a light gain. Those of whole pictures are means over the scenes. Of the grey patches of the ColorChecker,
+/// The metrics of a light gain. Those of whole pictures are means over the scenes and seeds. Of the grey patches of the ColorChecker,
 /// luminance noise is the mean and visual SNR the median.
 const METRICS: [&str; 5] =
     ["cpsnr_db", "pixel_delta_e_2000_mean", "scielab_mean", "visual_snr", "luminance_noise_percent"];
@@ -261,15 +265,16 @@ impl<'a> CameraUnderTest<'a> {
         stops: f64,
         settings: &LightGainSettings,
     ) -> Result<[f64; METRICS.len()], CameraError> {
-        let mut means = [0.0; 3];
+        let seeds = settings.seed..settings.seed.saturating_add(settings.seed_count.max(1));
+        let mut sums = [0.0; PICTURE_METRICS.len()];
         for (setup, isp) in &self.scenes {
-            let s =
-                compare_on(&setup.in_light(stops.exp2())?, &**isp, settings.seed, &settings.score)?.scores;
-            for (mean, v) in means.iter_mut().zip(s.figures()) {
-                *mean += v / self.scenes.len() as f64;
+            let lit = setup.in_light(stops.exp2())?;
+            let figures = compare_seeds(&lit, &**isp, seeds.clone(), &settings.score)?.figures;
+            for (metric, sum) in sums.iter_mut().enumerate() {
+                *sum += figures.iter().map(|f| f[metric]).sum::<f64>() / figures.len().max(1) as f64;
             }
         }
-        let [cpsnr, delta_e, scielab] = means;
+        let [cpsnr, delta_e, scielab] = sums.map(|sum| sum / self.scenes.len() as f64);
         let [visual, luminance] = self.grey_noise(stops, settings.seed)?;
         Ok([cpsnr, delta_e, scielab, visual, luminance])
     }

@@ -7,6 +7,7 @@ pub(crate) mod chart;
 mod clear_channel;
 mod colorimetry;
 pub(crate) mod compare;
+mod dark_channel;
 pub mod description;
 mod error;
 pub(crate) mod evaluate;
@@ -22,7 +23,7 @@ mod training;
 pub(crate) mod training_set;
 
 pub use camera::Camera;
-pub use clear_channel::{NOTABLE_UNSHARED_SHARE, UnsharedLight};
+pub use clear_channel::{NOTABLE_INFRARED_SHARE, NOTABLE_UNSHARED_SHARE, UnsharedLight};
 pub use colorimetry::{ColorimetricObserver, SensorColorimetry};
 pub use compare::{SceneScores, Setup, TEST_SAMPLES_PER_PX, compare_on, test_scenes};
 pub use description::CameraDescription;

@@ -76,8 +76,10 @@ impl StoredTrainingScenes for NoStoredScenes {
 /// - edges, Siemens stars, gratings and a grey ramp;
 /// - the `stored` scenes: photographs and path-traced scenes. With them, there are fewer dead leaves.
 ///
-/// It contains none of the [`test_scenes`](super::test_scenes), none of the targets of [`evaluate`](super::evaluate()), and no
-/// reflectance of the ColorChecker.
+/// It contains none of the [`test_scenes`](super::test_scenes), none of the targets of [`evaluate`](super::evaluate()), no
+/// reflectance of the ColorChecker, and none of the [`surfaces`](reflectance::surfaces) of which rendered test scenes and photographs
+/// are made. The dead leaves of the test scenes have other shapes but the same reflectances of natural objects, so that their scores
+/// stay comparable with those of earlier versions.
 #[must_use]
 pub fn training_scenes(lights: &[Illuminant], stored: &dyn StoredTrainingScenes) -> Vec<TrainingScene> {
     let n = SCENE_PX * SAMPLES_PER_PX;

@@ -14,7 +14,7 @@ use super::targets::Targets;
 use crate::camera::{Camera, CameraError, EvaluationSettings, OpticalImages};
 
 /// Revision of the scores. It increases whenever scores change; a table must not mix revisions.
-pub const SCORES_REVISION: u32 = 6;
+pub const SCORES_REVISION: u32 = 7;
 
 /// A trial and its scores.
 #[derive(Debug, Clone, PartialEq)]

@@ -2,13 +2,13 @@
 
 use std::ops::Range;
 
-use super::contender::{Contender, ScoredScene, score_scene};
+use super::contender::{Contender, score_scene};
 use super::error::StageContext;
 use super::outcome::Outcome;
 use super::progress::ensure_running;
-use super::verdict::{QualityAtMoreLight, Scores, Verdict};
+use super::verdict::{LIGHT_METRIC, QualityAtMoreLight, Scores, Verdict};
 use super::{ComparedPictures, ExperimentError, ExposurePlan, ExposurePolicy, Processing, Resources};
-use crate::camera::compare::cpsnr_on;
+use crate::camera::compare::cpsnr_of_seeds;
 use crate::camera::{Camera, EvaluationSettings, ScoreSettings, Setup, TestScene};
 use crate::spectrum::Illuminant;
 
@@ -94,10 +94,10 @@ fn verdict(
     resources: Resources<'_>,
 ) -> Result<Verdict, ExperimentError> {
     let mut imaged_on = (contenders.len().wrapping_sub(1), last);
+    let scores = Scores::new(outcomes, settings.seed);
     let cpsnr_db = |contender: usize, light: usize| -> Vec<f64> {
         let outcome = outcomes.get(contender).and_then(|o| o.get(light));
-        let first = |(_, s): &(String, ScoredScene)| s.scores.scores.cpsnr_db;
-        outcome.map_or_else(Vec::new, |o| o.scenes.iter().map(first).collect())
+        outcome.map_or_else(Vec::new, |o| o.figures(LIGHT_METRIC))
     };
     let more_light = |number: usize, best: usize, light: usize| -> Result<_, ExperimentError> {
         let contender = &contenders[number];
@@ -113,15 +113,16 @@ fn verdict(
                     let exposed = setup.in_light(luminance_cd_m2)?.exposed(exposure.scene_s(i, light))?;
                     let lit = exposed.in_light(factor)?;
                     let isp = contender.isp(&lit.light, resources.progress)?;
-                    cpsnr_on(&lit, &*isp, settings.seed, &settings.score)
+                    cpsnr_of_seeds(&lit, &*isp, settings.seeds(), &settings.score)
                 };
                 scored().in_context(|| contender.name())
             };
-            imaged_on.1.iter().enumerate().map(on_scene).collect()
+            Ok(imaged_on.1.iter().enumerate().map(on_scene).collect::<Result<Vec<_>, _>>()?.concat())
         };
-        QualityAtMoreLight::measure(cpsnr_db(number, light), cpsnr_db(best, light), quality)
+        let (own, target) = (cpsnr_db(number, light), cpsnr_db(best, light));
+        QualityAtMoreLight::measure(&own, &target, scores.resamples(), quality)
     };
-    Scores::new(outcomes, settings.seed).verdict(&settings.luminances_cd_m2, more_light)
+    scores.verdict(&settings.luminances_cd_m2, more_light)
 }
 
 /// The scenes on the camera of a contender, with the optical images of another camera where possible.

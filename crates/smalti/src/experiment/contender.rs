@@ -5,7 +5,7 @@ use std::ops::Range;
 
 use super::default_training::{DefaultTraining, learn_default};
 use super::error::StageContext;
-use super::lights::{LitPipeline, PipelineSet, SceneLight};
+use super::lights::{LitPipeline, PipelineSet, SceneLight, ensure_lights_suffice};
 use super::progress::{Stoppable, ensure_running};
 use super::training_statistics::ensure_mosaic;
 use super::{ExperimentError, Processing, Progress, Resources};
@@ -93,6 +93,8 @@ impl<'a> Contender<'a> {
         settings: &EvaluationSettings,
         resources: Resources<'_>,
     ) -> Result<(Evaluation, EvaluationPictures), ExperimentError> {
+        let lights = [SceneLight { illuminant: settings.illuminant.clone(), grid: None }];
+        ensure_lights_suffice([(self.label, self.camera)], &lights)?;
         let images =
             |key: &str, make: &dyn Fn() -> Result<_, CameraError>| resources.store.optical_image(key, make);
         let isp = |light: &Spectrum| self.isp(light, resources.progress);
@@ -127,6 +129,7 @@ pub fn pipelines(
     let first = lights.first().ok_or(ExperimentError::NoScene)?;
     let learns = processing.contains(&Processing::L3);
     let labelled = || cameras.iter().zip(labels);
+    ensure_lights_suffice(labelled().map(|(camera, label)| (label.as_str(), camera)), lights)?;
     if learns {
         labelled().try_for_each(|(camera, label)| ensure_mosaic(camera, label))?;
     }

@@ -11,12 +11,36 @@ use crate::camera::{Camera, CameraDescription, CameraError};
 /// The field of view of [`SAMPLES`] samples along a row, as the key of a difference.
 pub const FIELD_OF_VIEW: &str = "field of view of 1000 samples, degrees";
 
-/// Keys that a comparison of colour filter arrays varies, or that do not affect its scores: pictures have the size of the scene.
-const IGNORED: [&str; 6] = ["name", "wavelengths_nm", "sensor.rows", "sensor.cols", "sensor.cfa", "isp"];
+/// Keys that a comparison of colour filter arrays varies, or that do not affect its scores: pictures have the size of the scene, and
+/// scores are computed before white balance and output.
+const IGNORED: [&str; 7] =
+    ["name", "sensor.rows", "sensor.cols", "sensor.cfa", "isp.pipeline", "isp.white_balance", "isp.output"];
 /// Tables of a description; all other objects are values.
-const TABLES: [&str; 4] = ["optics", "sensor", "sensor.pixel", "exposure"];
+const TABLES: [&str; 5] = ["optics", "sensor", "sensor.pixel", "exposure", "isp"];
 /// The longest value that is stated in full, characters.
 const MAX_STATED: usize = 40;
+
+/// The keys of the processing, `[isp]`, that affect scores.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum IspKeys {
+    /// None: learned pipelines replace the processing.
+    Unused,
+    /// Those of the colour matrix. The demosaicking is that of the comparison.
+    ColorMatrix,
+    /// All.
+    Own,
+}
+
+impl IspKeys {
+    /// Whether a key affects scores.
+    fn contain(self, key: &str) -> bool {
+        match self {
+            Self::Unused => !key.starts_with("isp."),
+            Self::ColorMatrix => key != "isp.demosaic",
+            Self::Own => true,
+        }
+    }
+}
 
 /// A key whose values differ between cameras.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -34,13 +58,16 @@ const DISTANCE_M: f64 = 1000.0;
 /// The smallest ratio of two values that differ.
 const DIFFERENT: f64 = 1.0005;
 
-/// What differs between cameras besides the colour filter array and the number of pixels: keys of lens, sensor and exposure, then
-/// the spacing of binned samples and the field of view of equally many samples, which follow from them.
+/// What differs between cameras besides the colour filter array and the number of pixels: keys of lens, sensor, exposure, processing that is used
+/// and wavelengths, then the spacing of binned samples and the field of view of equally many samples, which follow from them.
 ///
 /// # Errors
 /// When a description cannot be represented as text, and when a camera has no image of a distant scene.
-pub fn camera_differences(cameras: &[Camera]) -> Result<Vec<CameraDifference>, ExperimentError> {
-    let mut differences = of_descriptions(cameras.iter().map(Camera::description))?;
+pub fn camera_differences(
+    cameras: &[Camera],
+    isp: IspKeys,
+) -> Result<Vec<CameraDifference>, ExperimentError> {
+    let mut differences = of_descriptions(cameras.iter().map(Camera::description), isp)?;
     // Without binning it is the pitch of the pixels, a key of its own.
     if cameras.iter().any(|c| c.sensor.binning.is_some()) {
         let pitches_um = cameras.iter().map(|c| c.sensor.pixel.pitch_m * 1e6);
@@ -64,6 +91,7 @@ fn of_values(name: &str, values: &[f64]) -> Option<CameraDifference> {
 /// The keys of descriptions that differ.
 fn of_descriptions<'a>(
     cameras: impl IntoIterator<Item = &'a CameraDescription>,
+    isp: IspKeys,
 ) -> Result<Vec<CameraDifference>, ExperimentError> {
     let of = |description: &CameraDescription| {
         let text = |e: serde_json::Error| CameraError::Text { message: e.to_string() };
@@ -74,7 +102,8 @@ fn of_descriptions<'a>(
     };
     let cameras: Vec<BTreeMap<String, Value>> =
         cameras.into_iter().map(of).collect::<Result<_, ExperimentError>>()?;
-    let mut names: Vec<&String> = cameras.iter().flat_map(BTreeMap::keys).collect();
+    let mut names: Vec<&String> =
+        cameras.iter().flat_map(BTreeMap::keys).filter(|key| isp.contain(key)).collect();
     names.sort();
     names.dedup();
     let difference = |key: &String| {
@@ -140,14 +169,23 @@ mod tests {
         let mut a = CameraDescription { name: "a".into(), ..CameraDescription::default() };
         let mut b = CameraDescription { name: "b".into(), ..a.clone() };
         (b.sensor.rows, b.isp.preserve_white) = (10, !a.isp.preserve_white);
+        b.isp.demosaic = crate::isp::Demosaic::Malvar2004;
         b.sensor.cfa.pattern = PatternDescription::Name("rgbw".into());
-        assert_eq!(of_descriptions([&a, &b]).unwrap(), []);
+        let keys = |isp| -> Vec<String> {
+            of_descriptions([&a, &b], isp).unwrap().into_iter().map(|d| d.key).collect()
+        };
+        // What an evaluation and classic processing depend on is not hidden.
+        assert_eq!(keys(IspKeys::Unused), [""; 0]);
+        assert_eq!(keys(IspKeys::ColorMatrix), ["isp.preserve_white"]);
+        assert_eq!(keys(IspKeys::Own), ["isp.demosaic", "isp.preserve_white"]);
         (a.exposure.time_ms, b.optics.f_number) = (Some(20.0), 1.8);
         b.sensor.pixel.pitch_um = 1.0;
         a.optics.ir_cut = Some(Filter::Flat(0.5));
-        let found = of_descriptions([&a, &b, &a]).unwrap();
+        b.wavelengths_nm = Some([400.0, 50.0, 700.0]);
+        let found = of_descriptions([&a, &b, &a], IspKeys::Unused).unwrap();
         let of = |key: &str| found.iter().find(|d| d.key == key).map(|d| d.values.clone()).unwrap();
-        assert_eq!(found.len(), 4);
+        assert_eq!(found.len(), 5);
+        assert_eq!(of("wavelengths_nm"), ["none", "[400.0,50.0,700.0]", "none"]);
         assert_eq!(of("exposure.time_ms"), ["20.0", "none", "20.0"]);
         assert_eq!(of("sensor.pixel.pitch_um")[1], "1.0");
         assert_eq!(of("optics.ir_cut")[1], "none");
@@ -169,7 +207,7 @@ mod tests {
             quad(d);
             d.sensor.binning = Some(BinningDescription::Mode(BinningMode::Charge));
         });
-        let found = camera_differences(&[full.clone(), binned]).unwrap();
+        let found = camera_differences(&[full.clone(), binned], IspKeys::Unused).unwrap();
         let values = |key: &str| found.iter().find(|d| d.key == key).map(|d| d.values.clone()).unwrap();
         assert_eq!(values("sample pitch, µm"), ["1.00", "2.00"]);
         // 2 atan(1000 × 1 µm / 2 / 5 mm).
@@ -179,9 +217,9 @@ mod tests {
             quad(d);
             d.optics.focal_length_mm = 10.0;
         });
-        let found = camera_differences(&[full.clone(), longer]).unwrap();
+        let found = camera_differences(&[full.clone(), longer], IspKeys::Unused).unwrap();
         assert_eq!(found.last().unwrap().values, ["11.42", "5.72"]);
         assert!(found.iter().all(|d| d.key != "sample pitch, µm"));
-        assert_eq!(camera_differences(&[full.clone(), full]).unwrap(), []);
+        assert_eq!(camera_differences(&[full.clone(), full], IspKeys::Unused).unwrap(), []);
     }
 }

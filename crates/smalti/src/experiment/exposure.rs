@@ -87,8 +87,8 @@ const TARGETS: [(&str, TargetOf); 3] =
 
 /// A picture before one camera.
 struct Metered {
-    /// The camera's own times in each light, s.
-    own: Vec<f64>,
+    /// The camera's own times in each light, s; `None` where they do not matter, or its rule finds no light.
+    own: Option<Vec<f64>>,
     /// The longest times that the saturated share allows, s.
     longest: Vec<f64>,
 }
@@ -145,8 +145,9 @@ impl ExposurePlan {
         let EqualExposure { saturated_share: share, longest_s } = limits;
         require((0.0..1.0).contains(&share), "the saturated share", share, "0 to less than 1")?;
         require(longest_s > 0.0 && longest_s <= 1e6, "the longest time, s", longest_s, "more than 0 to 1e6")?;
-        let metered = metered(&cameras, pictures, share, resources)?;
-        if matches!(policy, ExposurePolicy::AutoEqual(_)) && metered.iter().all(|p| have_same_times(p)) {
+        let depends_on_own = matches!(policy, ExposurePolicy::AutoEqual(_));
+        let metered = metered(&cameras, pictures, (share, depends_on_own), resources)?;
+        if depends_on_own && metered.iter().all(|p| have_same_times(p)) {
             return Ok(own);
         }
         let common = |cameras: &Vec<Metered>| -> Vec<f64> {
@@ -186,7 +187,7 @@ impl ExposurePlan {
 fn metered(
     cameras: &[(&str, &Camera)],
     pictures: ComparedPictures<'_>,
-    share: f64,
+    of: (f64, bool),
     resources: Resources<'_>,
 ) -> Result<Vec<Vec<Metered>>, ExperimentError> {
     let (lights, mut all) = (pictures.luminances_cd_m2, Vec::new());
@@ -197,7 +198,7 @@ fn metered(
             let context = || format!("{label}, {}", scene.name());
             let setup =
                 scene.before_sharing(camera, pictures.illuminant, last.as_ref()).in_context(context)?;
-            metered.push(Metered::new(&setup.camera, &setup.image, share, lights).in_context(context)?);
+            metered.push(Metered::new(&setup.camera, &setup.image, of, lights).in_context(context)?);
             last = Some(setup);
         }
         all.push(metered);
@@ -214,7 +215,7 @@ fn metered(
                 let setting = targets.setting(camera.grid());
                 let target = target_of(camera, &setting)?;
                 let image = resources.store.optical_image(&target.key, &|| target.image())?;
-                Metered::new(&target.camera, &image, share, &factors)
+                Metered::new(&target.camera, &image, of, &factors)
             };
             metered.push(on_target().in_context(|| format!("{label}, {name}"))?);
         }
@@ -224,14 +225,24 @@ fn metered(
 }
 
 impl Metered {
-    /// The times of a camera for an optical image at multiples of its light.
-    fn new(camera: &Camera, image: &OpticalImage, share: f64, factors: &[f64]) -> Result<Self, CameraError> {
-        let longest = match camera.times_by(AutoExposure::SaturatedShare { share }, image, factors) {
-            // A picture without light never saturates.
-            Err(CameraError::Sensor(SensorError::NoLight)) => vec![f64::INFINITY; factors.len()],
-            times => times?,
+    /// The times of a camera for an optical image at multiples of its light, with a saturated share, and with its own times if they
+    /// matter.
+    fn new(
+        camera: &Camera,
+        image: &OpticalImage,
+        (share, depends_on_own): (f64, bool),
+        factors: &[f64],
+    ) -> Result<Self, CameraError> {
+        let or_dark = |times: Result<Vec<f64>, CameraError>| match times {
+            Err(CameraError::Sensor(SensorError::NoLight)) => Ok(None),
+            times => times.map(Some),
         };
-        Ok(Self { own: camera.times_in_light(image, factors)?, longest })
+        let longest = or_dark(camera.times_by(AutoExposure::SaturatedShare { share }, image, factors))?;
+        Ok(Self {
+            own: if depends_on_own { or_dark(camera.times_in_light(image, factors))? } else { None },
+            // A picture without light never saturates.
+            longest: longest.unwrap_or_else(|| vec![f64::INFINITY; factors.len()]),
+        })
     }
 }
 
@@ -239,5 +250,6 @@ impl Metered {
 fn have_same_times(metered: &[Metered]) -> bool {
     let Some((first, rest)) = metered.split_first() else { return true };
     let same = |(a, b): (&f64, &f64)| (a - b).abs() <= SAME_TIME * a.abs();
-    rest.iter().all(|m| first.own.iter().zip(&m.own).all(same))
+    let all_same = |(a, b): (&Vec<f64>, &Vec<f64>)| a.iter().zip(b).all(same);
+    rest.iter().all(|m| first.own.as_ref().zip(m.own.as_ref()).is_some_and(all_same))
 }

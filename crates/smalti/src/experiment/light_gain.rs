@@ -35,7 +35,7 @@ pub fn light_gain_between(
 }
 
 /// The light gains of the first contender against every other contender with the same processing, at each luminance. Each is one
-/// step of progress. Scenes and exposure times are those of the comparison.
+/// step of progress. Scenes, seeds and exposure times are those of the comparison.
 ///
 /// # Errors
 /// When a stage fails, or the work is stopped.
@@ -54,6 +54,7 @@ pub fn light_gains_to_first(
                 luminance_cd_m2,
                 illuminant: settings.illuminant.clone(),
                 seed: settings.seed,
+                seed_count: settings.seed_count,
                 scenes: settings.scenes.clone(),
                 times_s: (0..settings.scenes.len()).map(|scene| exposure.scene_s(scene, light)).collect(),
                 chart_s: exposure.targets(light).map(|t| t.macbeth_s),

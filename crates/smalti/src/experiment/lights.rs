@@ -49,6 +49,24 @@ pub fn scene_lights(
     Ok(lights)
 }
 
+/// Checks that cameras measure colour under all lights of a comparison, before any work for it.
+///
+/// # Errors
+/// With the label of the camera and the illuminant; see [`Camera::ensure_measures_color`].
+pub fn ensure_lights_suffice<'a>(
+    cameras: impl IntoIterator<Item = (&'a str, &'a Camera)>,
+    lights: &[SceneLight],
+) -> Result<(), ExperimentError> {
+    for (label, camera) in cameras {
+        for SceneLight { illuminant, grid } in lights {
+            let suffices =
+                || camera.ensure_measures_color(&illuminant.photons(grid.unwrap_or(camera.grid()))?);
+            suffices().in_context(|| format!("{label} under {}", illuminant.name()))?;
+        }
+    }
+    Ok(())
+}
+
 /// The largest difference of an illuminant from a light (photons), both relative to their maxima. It is infinite if the illuminant
 /// is not defined at the wavelengths of the light.
 fn distance(illuminant: &Illuminant, light: &Spectrum) -> f64 {

@@ -31,14 +31,14 @@ pub use comparison::{Compared, ComparisonSettings, compare};
 pub use contender::{Contender, ScoredScene, contenders, ensure_any_defined, pipelines, score_scene};
 pub use default_training::{DefaultTraining, learn_default};
 pub use design::{DesignTask, DesignedCfa, Designs, design};
-pub use differences::{CameraDifference, FIELD_OF_VIEW, camera_differences};
+pub use differences::{CameraDifference, FIELD_OF_VIEW, IspKeys, camera_differences};
 pub use error::ExperimentError;
 pub use exposure::{ComparedPictures, EqualExposure, ExposurePlan, ExposurePolicy};
 pub use labels::numbered;
 pub use learning::{Gathered, Learned, TrainingPair, TrainingRecord, TrainingSources, gather, learn, solve};
 pub use light_gain::{PairwiseLightGain, light_gain_between, light_gains_to_first};
 pub use light_statistics::light_statistics;
-pub use lights::{LitPipeline, PipelineSet, SceneLight, scene_lights};
+pub use lights::{LitPipeline, PipelineSet, SceneLight, ensure_lights_suffice, scene_lights};
 pub use material::NamedScene;
 pub use outcome::Outcome;
 pub use pairs::{PairAlignment, RawAndPicture};
@@ -47,4 +47,7 @@ pub use progress::{Progress, Silent};
 pub use simulation::{ScoredWindow, Simulation, SimulationSettings, capture, score_capture, simulate};
 pub use store::{NoStore, Resources, Store};
 pub use sweep::sweep;
-pub use verdict::{Crossover, Estimate, Lead, LightVerdict, MetricVerdict, MoreLight, Verdict};
+pub use verdict::{
+    Crossover, Estimate, Finding, Lead, LightStops, LightVerdict, MetricVerdict, MoreLight, StopsInterval,
+    Verdict,
+};

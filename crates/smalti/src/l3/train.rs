@@ -10,7 +10,7 @@ use super::symmetry::Symmetry;
 use super::{Class, Kernels, L3Error, Origin, Pipeline, PipelineParts, Statistics};
 
 /// Raised when learning gives other kernels for equal pairs and settings: statistics that were kept under another revision are not used.
-pub const REVISION: u32 = 4;
+pub const REVISION: u32 = 5;
 
 /// Patches that a class needs by default, per tap. Kernels of p weights learned from n patches have an error that is larger
 /// by p/n on average than that of the best kernels: a tenth.

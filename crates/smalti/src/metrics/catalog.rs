@@ -132,7 +132,7 @@ pub const CATALOG: &[MetricInfo] = &[
         "aliasing_percent",
         "%",
         Lower,
-        "Energy of a picture that no linear transfer of an alias-free reference explains, luminance plus colour, over that of the picture, 0 to 100.",
+        "Energy of a picture that no linear transfer of an alias-free reference explains, luminance plus colour, over that of the picture, 0 to 100. In earlier results the energy of the reference was the base, without an upper limit: 971 % there is false colour of 3.1 times the contrast of the zone plate, a share of about 90 %.",
         OWN_ALIASING,
     ),
     metric("color_aliasing_percent", "%", Lower, "Chromatic part of `aliasing_percent`.", OWN_ALIASING),

@@ -26,6 +26,7 @@ pub mod luminance_noise;
 mod patch;
 pub mod photon_transfer;
 pub mod psnr;
+mod relevance;
 pub mod snr;
 pub mod visual_snr;
 pub mod vora1993;
@@ -33,5 +34,6 @@ pub mod vora1993;
 pub use catalog::{Better, CATALOG, MetricInfo, metric_info};
 pub use error::MetricError;
 pub use patch::patch_means;
+pub use relevance::{Relevance, smallest_relevant};
 
 pub use crate::numeric::Rect;

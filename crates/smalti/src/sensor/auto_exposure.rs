@@ -5,8 +5,8 @@ use crate::numeric::{OutOfRange, Planes, require};
 use crate::optics::OpticalImage;
 use crate::spectrum::Spectrum;
 
-/// A rule for the exposure time. Saturation is at the full well or the end of the swing, whichever is reached
-/// first at the given gain and offset. Light and mean dark signal count; noise does not.
+/// A rule for the exposure time. Saturation is at the full well, the end of the swing or the last number of the
+/// converter, whichever is reached first at the given gain and offset. Light and mean dark signal count; noise does not.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum AutoExposure {

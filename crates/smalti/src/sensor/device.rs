@@ -212,9 +212,9 @@ impl Sensor {
         Ok(self.pixel.dark_voltage_v_per_s * factor)
     }
 
-    /// Volts at the converter at which a pixel of mean gain and offset saturates, by full well (with charge
-    /// binning, those of all its photodiodes) or by the swing. For combined gains, that of the low gain on the
-    /// scale of the high one.
+    /// Volts at the converter at which a pixel of mean gain and offset saturates: by full well (with charge
+    /// binning, those of all its photodiodes), by the swing, or at the last number of the converter, which lies below
+    /// the swing by the black level. For combined gains, that of the low gain on the scale of the high one.
     #[must_use]
     pub fn saturation_v(&self, exposure: &Exposure) -> f64 {
         if let ConversionGain::Combined(low) = exposure.conversion_gain {
@@ -224,7 +224,10 @@ impl Sensor {
         }
         let well_e = self.pixel.full_well_e * self.photodiodes_per_reading();
         let full = well_e * self.conversion_gain_v_per_e(exposure);
-        ((full + exposure.analog_offset_v) * exposure.analog_gain).min(self.pixel.voltage_swing_v)
+        let swing_v = self.pixel.voltage_swing_v;
+        let end_v =
+            if self.adc.bits == 0 { swing_v } else { self.adc.volts(self.adc.levels() - 1.0, swing_v) };
+        ((full + exposure.analog_offset_v) * exposure.analog_gain).min(swing_v).min(end_v)
     }
 }
 

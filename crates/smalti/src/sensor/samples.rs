@@ -13,8 +13,8 @@ impl Sensor {
         self.conversion_gain_v_per_e(exposure) / self.readings_per_sample()
     }
 
-    /// Photoelectrons of a sample at saturation, of all its photodiodes: those of the full well, or of the voltage swing that
-    /// the analog offset leaves.
+    /// Photoelectrons of a sample at saturation, of all its photodiodes: those of the full well, or of the part of the
+    /// voltage swing that the analog offset and the black level leave.
     #[must_use]
     pub fn saturation_e(&self, exposure: &Exposure) -> f64 {
         let volts_per_e = self.volts_per_electron(exposure) * exposure.analog_gain;

@@ -3,7 +3,8 @@
 
 use smalti::camera::{Camera, CameraDescription, PICTURE_METRICS, ScoreSettings, TestScene};
 use smalti::experiment::{
-    Compared, ComparisonSettings, Contender, ExposurePolicy, MoreLight, Resources, compare, scene_lights,
+    Compared, ComparisonSettings, Contender, ExposurePolicy, MoreLight, Resources, Silent, compare,
+    light_gains_to_first, scene_lights,
 };
 use smalti::scene::{Setting, catalog};
 use smalti::spectrum::{Illuminant, WavelengthGrid};
@@ -48,9 +49,7 @@ fn a_camera_ties_with_itself() {
     assert_eq!((verdict.scenes, verdict.seeds), (4, 2));
     for metric in &verdict.lights[0].metrics {
         assert_eq!(metric.best, 0);
-        assert!(
-            metric.leads.iter().all(|l| l.is_tie() == Some(true) && l.by.value == 0.0 && l.light.is_none())
-        );
+        assert!(metric.leads.iter().all(|l| l.is_tie() && l.by.value == 0.0 && l.light.is_none()));
         assert!(metric.is_among_best(1));
     }
     assert!(verdict.crossovers.is_empty());
@@ -65,13 +64,15 @@ fn twice_the_time_is_worth_a_stop() {
     let cpsnr = &compared.verdict.lights[0].metrics[0];
     assert_eq!((cpsnr.metric, cpsnr.best), (PICTURE_METRICS[0], 1));
     let lead = &cpsnr.leads[0];
-    assert_eq!(lead.is_tie(), Some(false));
+    assert!(!lead.is_tie());
     let means = compared.outcomes.iter().map(|o| o[0].means()[0]).collect::<Vec<_>>();
     assert!((lead.by.value - (means[1] - means[0])).abs() < 1e-9);
     let Some(MoreLight::Stops(stops)) = lead.light else { panic!("{:?}", lead.light) };
     // The dark current is that of twice the time.
     assert!((stops.value - 1.0).abs() < 0.05, "{stops:?}");
-    assert!(stops.interval.unwrap().contains(stops.value));
+    let interval = stops.interval.unwrap();
+    assert!(interval.low > 0.0 && interval.low < stops.value, "{stops:?}");
+    assert!(interval.high.is_some_and(|high| stops.value < high && high < 1.5), "{stops:?}");
 }
 
 /// A camera of little read noise wins in the dark, and one whose pixels are equally sensitive in the light.
@@ -85,13 +86,49 @@ fn the_crossover_lies_between_the_luminances_where_the_lead_changes() {
         d.sensor.pixel.read_noise_mv = 6.0;
         d.sensor.prnu_percent = 0.0;
     });
-    let verdict = compared(&[dark, bright], &settings(&[100.0, 1.0], 2)).verdict;
+    let of = |luminances_cd_m2: &[f64]| {
+        let verdict = compared(&[dark.clone(), bright.clone()], &settings(luminances_cd_m2, 2)).verdict;
+        let found = verdict.crossovers.iter().find(|c| c.metric == PICTURE_METRICS[0]).cloned();
+        (verdict, found.unwrap())
+    };
+    let (verdict, crossover) = of(&[100.0, 1.0]);
     let best: Vec<usize> = verdict.lights.iter().map(|l| l.metrics[0].best).collect();
     assert_eq!(best, [1, 0], "{verdict:?}");
-    let crossover = verdict.crossovers.iter().find(|c| c.metric == PICTURE_METRICS[0]).unwrap();
     assert_eq!((crossover.below, crossover.above, crossover.between_cd_m2), (0, 1, [1.0, 100.0]));
+    assert!(crossover.is_of_best);
     let at = crossover.luminance_cd_m2;
     assert!(1.0 < at.value && at.value < 100.0 && at.interval.unwrap().contains(at.value), "{at:?}");
+    // A luminance near the crossover, at which the cameras tie, does not hide it.
+    let (verdict, crossover) = of(&[1.0, at.value, 100.0]);
+    assert!(verdict.lights[1].metrics[0].leads.iter().all(|l| l.is_tie()), "{verdict:?}");
+    assert_eq!((crossover.below, crossover.above, crossover.between_cd_m2), (0, 1, [1.0, 100.0]));
+}
+
+/// A camera whose quality is limited by its pixels, and not by light, does not reach another one with more light.
+#[test]
+fn light_does_not_replace_equal_pixels() {
+    let uneven = camera(|d| d.sensor.prnu_percent = 8.0);
+    let compared = compared(&[uneven, camera(|_| {})], &settings(&[100.0], 2));
+    let lead = &compared.verdict.lights[0].metrics[0].leads[0];
+    assert!(!lead.is_tie());
+    assert!(matches!(lead.light, Some(MoreLight::Unreachable { .. })), "{:?}", lead.light);
+}
+
+/// The scores of the light gain at equal light are those of the comparison, the means over its seeds.
+#[test]
+fn the_light_gain_speaks_of_the_pictures_of_the_table() {
+    let cameras = [camera(|_| {}), camera(|d| d.exposure.time_ms = Some(60.0))];
+    let contenders =
+        [("a", &cameras[0]), ("b", &cameras[1])].map(|(label, c)| Contender::as_described(c, label));
+    let mut settings = settings(&[2.0], 3);
+    settings.scenes.truncate(2);
+    let compared = compare(&contenders, &settings, Resources::default()).unwrap();
+    let gains = light_gains_to_first(&contenders, &settings, &compared.exposure, &Silent).unwrap();
+    let [own, target] = [0, 1].map(|i: usize| compared.outcomes[i][0].means());
+    for (i, gain) in gains[0].gains.metrics.iter().take(PICTURE_METRICS.len()).enumerate() {
+        assert_eq!(gain.metric, PICTURE_METRICS[i]);
+        assert!((gain.own - own[i]).abs() < 1e-9 && (gain.target - target[i]).abs() < 1e-9, "{gain:?}");
+    }
 }
 
 #[test]
@@ -101,7 +138,8 @@ fn one_picture_has_no_interval() {
     settings.scenes.truncate(1);
     let verdict = compared(&cameras, &settings).verdict;
     let lead = &verdict.lights[0].metrics[0].leads[0];
-    assert_eq!((lead.by.interval, lead.is_tie(), lead.light), (None, None, None));
+    // A lead by a relevant amount, without certainty.
+    assert_eq!((lead.by.interval, lead.is_tie(), lead.light), (None, false, None));
 }
 
 /// A scene that keeps its light is scored as under that illuminant.

@@ -71,6 +71,18 @@ fn a_sensor_that_spans_the_matching_functions_is_ideal() {
     }
 }
 
+/// A sensor with some of the matching functions, in any mixture, spans as many of their three dimensions: 1/3 and 2/3.
+#[test]
+fn each_matching_function_is_a_third_of_the_vora_value() {
+    let functions = observer();
+    for count in [1, 2] {
+        let value = vora_value(&functions[..count]).unwrap();
+        assert!((value - count as f64 / 3.0).abs() < 1e-9, "{count}: {value}");
+    }
+    let mixed = mixed(&functions, &[0.3, 0.7, 0.0]);
+    assert!((vora_value(&mixed).unwrap() - 1.0 / 3.0).abs() < 1e-9);
+}
+
 /// A channel of constant sensitivity at all wavelengths but that of a narrow line: what it says of colour is known in closed form.
 #[test]
 fn a_sensor_of_one_line_knows_one_wavelength() {

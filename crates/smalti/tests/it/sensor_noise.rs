@@ -106,6 +106,33 @@ fn automatic_exposure_reaches_its_targets() {
     assert!(matches!(wrong, Err(SensorError::Parameter(e)) if e.name == "target"));
 }
 
+/// The converter ends below the swing by its black level, where captures, exposure rules and predictions saturate alike.
+#[test]
+fn the_converter_ends_below_the_swing_by_its_black_level() {
+    let image = speckle(30, 40, 4.2e-6);
+    let exposure = Exposure::new(0.0);
+    for black in [0.0, 64.0, 200.0] {
+        let mut s = sensor(40, 60);
+        s.pixel.full_well_e = 20_000.0;
+        s.adc = Adc { bits: 10, black_level_dn: black };
+        let electrons = (1023.0 - black) / 1024.0 * 10_000.0;
+        assert!((s.saturation_e(&exposure) - electrons).abs() < 1e-6, "{}", s.saturation_e(&exposure));
+        let levels = s.raw_levels(&exposure).unwrap();
+        assert!((s.saturation_v(&exposure) - levels.white_v).abs() < 1e-9 && levels.white == 1023.0);
+        for share in [0.0, 0.1] {
+            let rule = AutoExposure::SaturatedShare { share };
+            let longest_s = rule.exposure_time(&s, &image, &exposure).unwrap();
+            let saturated = |factor: f64| {
+                let longer = Exposure::new(factor * longest_s);
+                s.capture(&image, &longer, NoiseMode::None, 0).unwrap().saturated_percent() / 100.0
+            };
+            // Numbers are rounded: half a step of 1024.
+            assert!(saturated(0.998) <= share, "black {black}, {share}: {}", saturated(0.998));
+            assert!(saturated(1.01) > share, "black {black}, {share}: {}", saturated(1.01));
+        }
+    }
+}
+
 /// Mean and variance with all noise, 8 frames as in the reference: mean within 4 standard errors, variance within
 /// 2 % of `(v + dark·t)·gain + read²` (42 632 pixels of R and B: standard error 0.7 %).
 #[test]

@@ -2,9 +2,10 @@
 
 use serde::Serialize;
 
-use crate::numeric::bootstrap::{Estimate, Resamples, weighted};
+use super::crossing::Differences;
+use crate::numeric::bootstrap::{Estimate, Interval, Resamples};
 
-/// Two contenders, each significantly better than the other at one of two adjacent luminances.
+/// Two contenders, each leading the other at one of two luminances, between which no other shows a lead of either.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Crossover {
     /// The name of the metric.
@@ -15,23 +16,52 @@ pub struct Crossover {
     pub above: usize,
     /// Where they are equal, cd/m²: the difference is interpolated linearly in the logarithm of the luminance.
     pub luminance_cd_m2: Estimate,
-    /// The two luminances that were compared, cd/m².
+    /// The nearest luminances at which they differ, cd/m².
     pub between_cd_m2: [f64; 2],
+    /// Whether each is the best of all contenders, or does not differ from the best, at the luminance where it leads.
+    pub is_of_best: bool,
 }
 
-/// The luminance at which two contenders are equal, between two luminances. `leads` are the leads of the first over the second in
-/// each picture at these luminances.
-pub(super) fn equal_at(
-    leads: &[Vec<f64>; 2],
-    [dim, bright]: [f64; 2],
-    resamples: Option<&Resamples>,
-) -> Estimate {
-    let equal = |weights: &[f64]| {
-        let [low, high] = leads.each_ref().map(|lead| weighted(weights, lead));
-        // Resamples without a change of the lead end at one of the luminances.
-        dim * (bright / dim).powf((low / (low - high)).clamp(0.0, 1.0))
-    };
-    let count = leads[0].len();
-    let value = equal(&vec![1.0 / count.max(1) as f64; count]);
-    Estimate { value, interval: resamples.and_then(|r| r.interval(equal)) }
+/// Of leads in order of light, positive for one contender and negative for the other, the pairs of places between which the lead
+/// changes. `None` is a place without a lead.
+pub(super) fn changes(leads: &[Option<f64>]) -> Vec<[usize; 2]> {
+    let shown: Vec<(usize, f64)> = leads.iter().enumerate().filter_map(|(i, l)| Some((i, (*l)?))).collect();
+    shown.windows(2).filter(|w| (w[0].1 > 0.0) != (w[1].1 > 0.0)).map(|w| [w[0].0, w[1].0]).collect()
+}
+
+/// The luminance at which two contenders are equal. `leads` are luminances in ascending order, and in each the leads of the
+/// contender that is better in more light, picture by picture.
+pub(super) fn equal_at(leads: Vec<(f64, Vec<f64>)>, resamples: Option<&Resamples>) -> Estimate {
+    let bright = leads.last().map_or(f64::NAN, |(cd_m2, _)| *cd_m2);
+    let differences = Differences::new(leads.into_iter().map(|(cd_m2, lead)| (cd_m2.ln(), lead)));
+    let interval = resamples.and_then(|r| differences.interval(r));
+    Estimate {
+        value: differences.zero().map_or(f64::NAN, f64::exp),
+        interval: interval
+            .map(|places| Interval { low: places.low.exp(), high: places.high.map_or(bright, f64::exp) }),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_lead_changes_across_lights_without_one() {
+        let (a, b) = (Some(1.0), Some(-1.0));
+        assert_eq!(changes(&[a, b]), [[0, 1]]);
+        assert_eq!(changes(&[a, None, None, b]), [[0, 3]]);
+        assert_eq!(changes(&[None, a, None, a, b, None, a]), [[3, 4], [4, 6]]);
+        assert!(changes(&[a, None, a]).is_empty() && changes(&[None, b]).is_empty());
+    }
+
+    /// The difference rises by 1 per factor of 10 and is 0 at 10 cd/m², in both scenes.
+    #[test]
+    fn the_luminance_is_interpolated_in_its_logarithm() {
+        let leads = vec![(1.0, vec![-1.0, -1.0]), (3.0, vec![-0.523, -0.523]), (100.0, vec![1.0, 1.0])];
+        let at = equal_at(leads, Some(&Resamples::new(2, 1, 1)));
+        let interval = at.interval.unwrap();
+        assert!((at.value - 10.0).abs() < 0.01, "{at:?}");
+        assert!((interval.low - at.value).abs() < 1e-3 && (interval.high - at.value).abs() < 1e-3, "{at:?}");
+    }
 }

@@ -2,77 +2,110 @@
 
 use serde::Serialize;
 
-use crate::numeric::bootstrap::{Estimate, Resamples, weighted};
+use super::crossing::{Differences, Places};
+use crate::numeric::bootstrap::{Resamples, mean};
 
 /// The largest number of stops that is tried.
 const REACH_STOPS: usize = 4;
+/// A smaller rise of the mean per stop, dB, counts as none: CPSNR has reached a plateau or falls because the sensor saturates.
+const LEAST_RISE_DB: f64 = 0.1;
 
 /// How much more light a contender needs for the mean CPSNR of the best one, at the same exposure time.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum MoreLight {
-    /// Stops, that is powers of two.
-    Stops(Estimate),
-    /// More than this number of stops.
+    /// The light at which the means are equal.
+    Stops(LightStops),
+    /// More than this number of stops. CPSNR still rises there.
     MoreThan(f64),
+    /// No light suffices: CPSNR stops rising below that of the best contender.
+    Unreachable {
+        /// The largest rise of the mean CPSNR that more light brings, dB.
+        rise_db: f64,
+    },
 }
 
-/// CPSNR of a contender with more light, scene by scene, and that of another to be equalled.
-pub(in super::super) struct QualityAtMoreLight {
-    /// The figures to be equalled.
-    target: Vec<f64>,
-    /// The figures at 0, 1, 2 … stops more light.
+/// Light in stops, that is powers of two, with its interval.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct LightStops {
+    /// The light.
+    pub value: f64,
+    /// Its interval, which excludes 0 if and only if that of the lead does; `None` for a single picture.
+    pub interval: Option<StopsInterval>,
+}
+
+/// An interval of light in stops.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct StopsInterval {
+    /// Lower end.
+    pub low: f64,
+    /// Upper end; `None` if it lies beyond the light that was measured.
+    pub high: Option<f64>,
+}
+
+/// CPSNR of a contender with more light, picture by picture, less that of another to be equalled.
+pub(in super::super) struct QualityAtMoreLight<'a> {
+    resamples: Option<&'a Resamples>,
+    /// The differences at 0, 1, 2 … stops more light.
     at_stops: Vec<Vec<f64>>,
 }
 
-impl QualityAtMoreLight {
-    /// Measures until the mean reaches that of `target`, and at most four stops. `quality` gives the CPSNR on each scene with its light
-    /// multiplied by a factor; `own` is that for the factor 1.
+impl<'a> QualityAtMoreLight<'a> {
+    /// Measures until the mean is not below that of `target` with certainty, and at most one stop more than its mean needs, four in
+    /// all, and none after CPSNR has stopped rising. `quality` gives the CPSNR of each picture with its light multiplied by a factor;
+    /// `own` is that for the factor 1. All are in the order of `resamples`.
     ///
     /// # Errors
     /// Those of `quality`.
     pub(in super::super) fn measure<E>(
-        own: Vec<f64>,
-        target: Vec<f64>,
+        own: &[f64],
+        target: &[f64],
+        resamples: Option<&'a Resamples>,
         mut quality: impl FnMut(f64) -> Result<Vec<f64>, E>,
     ) -> Result<Self, E> {
-        let sum = |values: &[f64]| values.iter().sum::<f64>();
-        let (mut at_stops, aim) = (vec![own], sum(&target));
-        while at_stops.last().is_some_and(|last| sum(last) < aim) && at_stops.len() <= REACH_STOPS {
-            at_stops.push(quality((at_stops.len() as f64).exp2())?);
+        let from = |quality: &[f64]| quality.iter().zip(target).map(|(q, t)| q - t).collect::<Vec<f64>>();
+        let mut measured = Self { resamples, at_stops: vec![from(own)] };
+        while measured.is_open() {
+            let more = quality((measured.at_stops.len() as f64).exp2())?;
+            measured.at_stops.push(from(&more));
         }
-        Ok(Self { target, at_stops })
+        Ok(measured)
     }
 
-    /// The light, with its interval over the scenes.
-    pub(super) fn more_light(&self, seed: u64) -> MoreLight {
-        let count = self.target.len();
-        let equal = vec![1.0 / count.max(1) as f64; count];
-        let value = self.stops(&equal);
-        if value.is_infinite() {
-            return MoreLight::MoreThan(REACH_STOPS as f64);
-        }
-        let interval = (count > 1)
-            .then(|| Resamples::new(count, 1, seed).interval(|weights| self.stops(weights)))
-            .flatten();
-        MoreLight::Stops(Estimate { value, interval })
+    /// Whether a further stop tells more.
+    fn is_open(&self) -> bool {
+        let stops = self.at_stops.len() - 1;
+        let reached = self.at_stops.iter().position(|d| mean(d) >= 0.0);
+        let is_certain = self.at_stops.last().is_some_and(|d| match self.resamples {
+            Some(resamples) => resamples.interval(d).is_none_or(|i| i.low > 0.0),
+            None => reached.is_some(),
+        });
+        !is_certain && stops < reached.map_or(REACH_STOPS, |r| REACH_STOPS.min(r + 1)) && self.rises()
     }
 
-    /// The light in stops at which the weighted mean equals that of the target, linear between the luminances that were measured and
-    /// continued beyond them; infinite if it does not rise.
-    fn stops(&self, weights: &[f64]) -> f64 {
-        let target = weighted(weights, &self.target);
-        let at: Vec<f64> = self.at_stops.iter().map(|figures| weighted(weights, figures)).collect();
-        let above = at.iter().position(|v| *v >= target);
-        let segment = match above {
-            Some(place) => place.max(1),
-            None if self.at_stops.len() > REACH_STOPS => return f64::INFINITY,
-            None => at.len() - 1,
+    /// Whether the mean rose in the last stop.
+    fn rises(&self) -> bool {
+        let [.., before, last] = &self.at_stops[..] else { return true };
+        mean(last) - mean(before) >= LEAST_RISE_DB
+    }
+
+    /// The light.
+    pub(super) fn more_light(&self) -> MoreLight {
+        let places = self.at_stops.iter().enumerate().map(|(stops, d)| (stops as f64, d.clone()));
+        let differences = Differences::new(places);
+        let Some(value) = differences.zero() else {
+            let means: Vec<f64> = self.at_stops.iter().map(|d| mean(d)).collect();
+            let own = means.first().copied().unwrap_or_default();
+            let rise_db = means.iter().fold(0.0, |most: f64, m| most.max(m - own));
+            return if self.rises() {
+                MoreLight::MoreThan((self.at_stops.len() - 1) as f64)
+            } else {
+                MoreLight::Unreachable { rise_db }
+            };
         };
-        match at.get(segment.saturating_sub(1)).zip(at.get(segment)) {
-            Some((low, high)) if high > low => (segment - 1) as f64 + (target - low) / (high - low),
-            _ => f64::INFINITY,
-        }
+        let interval = self.resamples.and_then(|r| differences.interval(r));
+        let interval = interval.map(|Places { low, high }| StopsInterval { low, high });
+        MoreLight::Stops(LightStops { value, interval })
     }
 }
 
@@ -80,29 +113,64 @@ impl QualityAtMoreLight {
 mod tests {
     use super::*;
 
-    /// Scenes whose CPSNR rises by 3 dB a stop, and a target some stops above.
-    fn measured(lead_stops: f64) -> QualityAtMoreLight {
-        let own: Vec<f64> = (0..8).map(|i| 20.0 + f64::from(i)).collect();
-        let target =
-            own.iter().enumerate().map(|(i, v)| v + 3.0 * lead_stops + 0.1 * (i as f64 - 3.5)).collect();
-        let at = |factor: f64| Ok::<_, ()>(own.iter().map(|v| v + 3.0 * factor.log2()).collect());
-        QualityAtMoreLight::measure(own.clone(), target, at).unwrap()
+    const SCENES: usize = 8;
+
+    /// The light for a target above scenes whose CPSNR changes with light by `rise`, and the number of lights that were measured.
+    fn light(lead_db: f64, rise: impl Fn(f64) -> f64) -> (MoreLight, usize) {
+        let own: Vec<f64> = (0..SCENES).map(|i| 20.0 + i as f64).collect();
+        let target: Vec<f64> =
+            own.iter().enumerate().map(|(i, v)| v + lead_db + 0.1 * (i as f64 - 3.5)).collect();
+        let resamples = Resamples::new(SCENES, 1, 1);
+        let at = |factor: f64| Ok::<_, ()>(own.iter().map(|v| v + rise(factor.log2())).collect());
+        let measured = QualityAtMoreLight::measure(&own, &target, Some(&resamples), at).unwrap();
+        (measured.more_light(), measured.at_stops.len())
     }
 
     #[test]
     fn the_light_of_a_linear_quality_is_exact() {
-        for expected in [0.2, 1.0, 1.7, 3.9] {
-            let MoreLight::Stops(found) = measured(expected).more_light(1) else { panic!("{expected}") };
+        for expected in [0.2, 1.0, 1.7, 3.5] {
+            let (MoreLight::Stops(found), _) = light(3.0 * expected, |stops| 3.0 * stops) else {
+                panic!("{expected}")
+            };
             assert!((found.value - expected).abs() < 1e-9, "{} is not {expected}", found.value);
-            let interval = found.interval.unwrap();
             // The scenes differ by ±0.35 dB, a ninth of a stop.
-            assert!(interval.contains(expected) && interval.high - interval.low < 0.3, "{interval:?}");
+            let StopsInterval { low, high } = found.interval.unwrap();
+            let high = high.unwrap();
+            assert!(low < expected && expected < high && high - low < 0.3, "{low} to {high}");
         }
     }
 
     #[test]
-    fn no_more_is_measured_than_needed_and_out_of_reach_is_said() {
-        assert_eq!(measured(0.2).at_stops.len(), 2);
-        assert_eq!(measured(5.0).more_light(1), MoreLight::MoreThan(4.0));
+    fn no_more_is_measured_than_needed() {
+        assert_eq!(light(0.6, |stops| 3.0 * stops).1, 2);
+        // The mean is reached after one stop, but not with certainty.
+        assert_eq!(light(2.95, |stops| 3.0 * stops).1, 3);
+    }
+
+    /// Light that suffices, light out of reach, and light that does not help are three results.
+    #[test]
+    fn a_plateau_is_not_a_long_way() {
+        assert_eq!(light(15.0, |stops| 3.0 * stops), (MoreLight::MoreThan(4.0), 5));
+        let (plateau, measured) = light(2.0, |stops| 0.8 * stops.min(1.0));
+        let MoreLight::Unreachable { rise_db } = plateau else { panic!("{plateau:?}") };
+        assert!((rise_db - 0.8).abs() < 1e-9 && measured == 3, "{rise_db} after {measured}");
+        // The sensor saturates.
+        let (falls, measured) = light(2.0, |stops| -1.5 * stops);
+        assert_eq!((falls, measured), (MoreLight::Unreachable { rise_db: 0.0 }, 2));
+    }
+
+    #[test]
+    fn a_contender_that_is_not_behind_needs_no_light() {
+        let (MoreLight::Stops(found), 1) = light(-2.0, |_| f64::NAN) else { panic!("behind") };
+        assert_eq!(found.value, 0.0);
+    }
+
+    /// The upper end of an interval that more light does not reach is open, not infinite.
+    #[test]
+    fn an_end_beyond_the_plateau_is_open() {
+        let (MoreLight::Stops(found), _) = light(1.95, |stops| (2.5 * stops).min(2.0)) else { panic!() };
+        let interval = found.interval.unwrap();
+        assert!(found.value < 1.0 && interval.low > 0.5 && interval.high.is_none(), "{found:?}");
+        assert!(serde_json::to_string(&found).unwrap().contains("\"high\":null"));
     }
 }

@@ -1,25 +1,27 @@
 //! The verdict of a comparison: which camera is better at which light, by how much, and how certainly.
 //!
-//! Scores are means over scenes and seeds of the noise. A difference of means has a 95 % interval from the paired bootstrap
-//! ([`crate::numeric::bootstrap`]): scenes are drawn with replacement, and seeds within each scene, the same ones for all cameras.
-//! The interval describes other scenes of the same kind. Where it contains 0, these scenes show no difference. Intervals of several
-//! comparisons are not corrected for their number.
+//! Scores are means over scenes and seeds of the noise. A difference of means has a 95 % interval ([`crate::numeric::bootstrap`]),
+//! from the paired bootstrap over scenes and seeds, or for fewer than five scenes from Student's distribution. The interval describes
+//! other scenes of the same kind, and with a single scene only other seeds. Where it contains 0, these scenes show no difference.
+//! A difference below [`smallest_relevant`] counts as none, with or without an interval. Intervals of several comparisons are not
+//! corrected for their number.
 
+mod crossing;
 mod crossover;
 mod equal_quality;
 
 use serde::Serialize;
 
 pub use crossover::Crossover;
-pub use equal_quality::MoreLight;
 pub(super) use equal_quality::QualityAtMoreLight;
+pub use equal_quality::{LightStops, MoreLight, StopsInterval};
 
 use super::outcome::Outcome;
 use crate::camera::PICTURE_METRICS;
-use crate::metrics::{Better, metric_info};
+use crate::metrics::{Better, metric_info, smallest_relevant};
 pub use crate::numeric::bootstrap::Estimate;
 use crate::numeric::bootstrap::{Resamples, mean};
-use crossover::equal_at;
+use crossover::{changes, equal_at};
 
 /// The metric whose differences are also stated as light.
 pub(super) const LIGHT_METRIC: usize = 0;
@@ -36,7 +38,7 @@ pub struct Verdict {
     pub seeds: usize,
     /// For each luminance, in the order of the settings.
     pub lights: Vec<LightVerdict>,
-    /// Luminances at which a lead changes, for each metric.
+    /// Luminances at which the lead of one of two contenders changes, for each metric and pair.
     pub crossovers: Vec<Crossover>,
 }
 
@@ -63,28 +65,53 @@ pub struct MetricVerdict {
     pub from_first: Vec<Estimate>,
 }
 
+/// What the difference of two means shows.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Finding {
+    /// The interval contains 0: these scenes show no difference.
+    NoDifference,
+    /// The difference is smaller than [`smallest_relevant`].
+    Negligible,
+    /// A lead, with certainty where there is an interval.
+    Lead,
+}
+
+impl Finding {
+    /// What a difference in a metric shows.
+    fn of(by: &Estimate, metric: &str) -> Self {
+        match by.interval {
+            Some(interval) if interval.contains(0.0) => Self::NoDifference,
+            _ if smallest_relevant(metric).is_relevant(by.value, 0.0) => Self::Lead,
+            _ => Self::Negligible,
+        }
+    }
+}
+
 /// The lead of the best contender over another one.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Lead {
     /// The difference of the means, in the unit of the metric; not negative.
     pub by: Estimate,
-    /// How much more light the other contender needs for the same mean, for CPSNR where the lead is significant.
+    /// What the difference shows.
+    pub finding: Finding,
+    /// How much more light the other contender needs for the same mean, for CPSNR where the lead has an interval.
     pub light: Option<MoreLight>,
 }
 
 impl Lead {
-    /// Whether the scenes show no difference. `None` where there is no interval.
+    /// Whether there is no difference, or only a negligible one.
     #[must_use]
-    pub fn is_tie(&self) -> Option<bool> {
-        if self.by.value == 0.0 { Some(true) } else { self.by.interval.map(|i| i.contains(0.0)) }
+    pub fn is_tie(&self) -> bool {
+        self.finding != Finding::Lead
     }
 }
 
 impl MetricVerdict {
-    /// Whether a contender is the best one, or these scenes show no difference from it.
+    /// Whether a contender is the best one, or does not differ from it.
     #[must_use]
     pub fn is_among_best(&self, contender: usize) -> bool {
-        contender == self.best || self.leads.get(contender).is_some_and(|l| l.is_tie() == Some(true))
+        contender == self.best || self.leads.get(contender).is_some_and(Lead::is_tie)
     }
 }
 
@@ -92,13 +119,12 @@ impl MetricVerdict {
 pub(super) struct Scores<'a> {
     outcomes: &'a [Vec<Outcome>],
     resamples: Option<Resamples>,
-    seed: u64,
 }
 
 impl<'a> Scores<'a> {
     /// `outcomes` are those of each contender, one per luminance, all with the same scenes and seeds.
     pub(super) fn new(outcomes: &'a [Vec<Outcome>], seed: u64) -> Self {
-        let mut scores = Self { outcomes, resamples: None, seed };
+        let mut scores = Self { outcomes, resamples: None };
         let (scenes, seeds) = scores.size();
         // A single picture has no interval.
         scores.resamples = (scenes * seeds > 1).then(|| Resamples::new(scenes, seeds, seed));
@@ -109,6 +135,11 @@ impl<'a> Scores<'a> {
     fn size(&self) -> (usize, usize) {
         let scenes = self.outcomes.first().and_then(|o| o.first()).map_or(&[][..], |o| &o.scenes);
         (scenes.len(), scenes.first().map_or(0, |(_, s)| s.by_seed.len()))
+    }
+
+    /// The intervals of means over the pictures; `None` for a single picture.
+    pub(super) fn resamples(&self) -> Option<&Resamples> {
+        self.resamples.as_ref()
     }
 
     /// The figures of a contender, better ones larger.
@@ -125,13 +156,17 @@ impl<'a> Scores<'a> {
         let means: Vec<f64> = all.iter().map(|figures| mean(figures)).collect();
         let best = (0..all.len()).max_by(|a, b| means[*a].total_cmp(&means[*b]).then(b.cmp(a))).unwrap_or(0);
         let resamples = self.resamples.as_ref();
-        let lead = |contender: usize| Lead {
-            by: if contender == best {
+        let lead = |contender: usize| {
+            let by = if contender == best {
                 NO_DIFFERENCE
             } else {
                 Estimate::of_difference(&all[best], &all[contender], resamples)
-            },
-            light: None,
+            };
+            let finding = match by.value {
+                0.0 => Finding::NoDifference,
+                _ => Finding::of(&by, PICTURE_METRICS[metric]),
+            };
+            Lead { by, finding, light: None }
         };
         // Figures are better where they are larger; differences keep the sign of the metric.
         let plain = |contender: usize| match (contender, sign(metric) > 0.0) {
@@ -147,15 +182,15 @@ impl<'a> Scores<'a> {
         }
     }
 
-    /// The whole verdict. `more_light` finds the light that a contender (first) needs in a light (third) to equal another one
-    /// (second) in [`LIGHT_METRIC`], from the luminance factors and CPSNR figures that it measures.
+    /// The whole verdict. `more_light` measures [`LIGHT_METRIC`] of a contender (first) with more light (third), to equal another one
+    /// (second).
     ///
     /// # Errors
     /// Those of `more_light`.
     pub(super) fn verdict<E>(
         &self,
         luminances_cd_m2: &[f64],
-        mut more_light: impl FnMut(usize, usize, usize) -> Result<QualityAtMoreLight, E>,
+        mut more_light: impl FnMut(usize, usize, usize) -> Result<QualityAtMoreLight<'a>, E>,
     ) -> Result<Verdict, E> {
         let (scenes, seeds) = self.size();
         let mut lights = Vec::with_capacity(luminances_cd_m2.len());
@@ -165,8 +200,8 @@ impl<'a> Scores<'a> {
             let by_light = &mut metrics[LIGHT_METRIC];
             let best = by_light.best;
             for (contender, lead) in by_light.leads.iter_mut().enumerate() {
-                if lead.is_tie() == Some(false) {
-                    lead.light = Some(more_light(contender, best, light)?.more_light(self.seed));
+                if !lead.is_tie() && lead.by.interval.is_some() {
+                    lead.light = Some(more_light(contender, best, light)?.more_light());
                 }
             }
             lights.push(LightVerdict { luminance_cd_m2, metrics });
@@ -177,26 +212,46 @@ impl<'a> Scores<'a> {
 }
 
 impl Scores<'_> {
-    /// All crossovers of the contenders that are the best at adjacent luminances.
+    /// The crossovers of all pairs of contenders. Lights in which neither leads lie within.
     fn crossovers(&self, lights: &[LightVerdict]) -> Vec<Crossover> {
         let mut order: Vec<usize> = (0..lights.len()).collect();
         order.sort_by(|a, b| lights[*a].luminance_cd_m2.total_cmp(&lights[*b].luminance_cd_m2));
+        let cd_m2: Vec<f64> = order.iter().map(|light| lights[*light].luminance_cd_m2).collect();
+        let contenders = self.outcomes.len();
         let mut found = Vec::new();
         for (metric, name) in PICTURE_METRICS.into_iter().enumerate() {
-            for pair in order.windows(2) {
-                let &[dim, bright] = pair else { continue };
-                let [low, high] = [dim, bright].map(|light| &lights[light].metrics[metric]);
-                let (below, above) = (low.best, high.best);
-                if low.is_among_best(above) || high.is_among_best(below) {
-                    continue;
+            // Figures of each contender, light by light.
+            let figures: Vec<Vec<Vec<f64>>> = (0..contenders)
+                .map(|contender| order.iter().map(|light| self.figures(contender, *light, metric)).collect())
+                .collect();
+            for (first, second) in (0..contenders).flat_map(|a| (a + 1..contenders).map(move |b| (a, b))) {
+                let lead = |place: usize| {
+                    let (a, b) = (&figures[first][place], &figures[second][place]);
+                    let by = Estimate::of_difference(a, b, self.resamples.as_ref());
+                    (Finding::of(&by, name) == Finding::Lead).then_some(by.value)
+                };
+                let leads: Vec<Option<f64>> = (0..order.len()).map(lead).collect();
+                for [dim, bright] in changes(&leads) {
+                    let is_first = leads[dim].is_some_and(|lead| lead > 0.0);
+                    let (below, above) = if is_first { (first, second) } else { (second, first) };
+                    let lead = |place: usize| {
+                        let (a, b) = (&figures[above][place], &figures[below][place]);
+                        (cd_m2[place], a.iter().zip(b).map(|(a, b)| a - b).collect())
+                    };
+                    let is_best =
+                        |place: usize, who: usize| lights[order[place]].metrics[metric].is_among_best(who);
+                    found.push(Crossover {
+                        metric: name,
+                        below,
+                        above,
+                        luminance_cd_m2: equal_at(
+                            (dim..=bright).map(lead).collect(),
+                            self.resamples.as_ref(),
+                        ),
+                        between_cd_m2: [dim, bright].map(|place| cd_m2[place]),
+                        is_of_best: is_best(dim, below) && is_best(bright, above),
+                    });
                 }
-                let between_cd_m2 = [dim, bright].map(|light| lights[light].luminance_cd_m2);
-                let leads = [dim, bright].map(|light| -> Vec<f64> {
-                    let [a, b] = [below, above].map(|contender| self.figures(contender, light, metric));
-                    a.iter().zip(&b).map(|(a, b)| a - b).collect()
-                });
-                let luminance_cd_m2 = equal_at(&leads, between_cd_m2, self.resamples.as_ref());
-                found.push(Crossover { metric: name, below, above, luminance_cd_m2, between_cd_m2 });
             }
         }
         found
@@ -212,6 +267,7 @@ fn sign(metric: usize) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::numeric::bootstrap::Interval;
 
     /// Scenes that differ by 40 dB, of which a second camera sees each 1 dB better, but for ±0.2 dB of noise.
     #[test]
@@ -228,5 +284,19 @@ mod tests {
         assert!((ahead.value + behind.value).abs() < 1e-12);
         assert!((up.low + down.high).abs() < 1e-12 && (up.high + down.low).abs() < 1e-12);
         assert_eq!(Estimate::of_difference(&first, &other, None).interval, None);
+    }
+
+    /// "b3 leads bayer by 0.00 dB [0.00, 0.01]" is no lead.
+    #[test]
+    fn a_certain_difference_may_be_negligible() {
+        let by = |value: f64, interval: Option<[f64; 2]>| {
+            let interval = interval.map(|[low, high]| Interval { low, high });
+            Finding::of(&Estimate { value, interval }, "cpsnr_db")
+        };
+        assert_eq!(by(0.004, Some([0.001, 0.01])), Finding::Negligible);
+        assert_eq!(by(0.4, Some([-0.1, 0.9])), Finding::NoDifference);
+        assert_eq!(by(0.4, Some([0.1, 0.7])), Finding::Lead);
+        // A single picture.
+        assert_eq!((by(0.01, None), by(0.4, None)), (Finding::Negligible, Finding::Lead));
     }
 }
