@@ -28,7 +28,8 @@ impl Comparison<'_> {
         }
         let all: Vec<&Outcome> = self.outcomes.iter().flatten().collect();
         let meanings = meanings(reliabilities(&columns::COMPARE, &all));
-        meanings.into_iter().fold(table(&header, &rows), |out, meaning| out + &meaning + "\n")
+        let lines = meanings.into_iter().chain(self.target_times());
+        lines.fold(table(&header, &rows), |out, line| out + &line + "\n")
     }
 
     /// The largest difference between fixed point and single precision, as a line. Empty where none was computed.

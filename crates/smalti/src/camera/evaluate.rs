@@ -263,9 +263,10 @@ pub fn evaluate_with(
     let saturated_percent = noisy.saturated_percent();
     let noisy = chart.isp.render(&noisy)?;
     let light = setting.illuminant.photons(camera.grid())?;
-    let colors = chart::colors(&chart.clean, &light)?;
-    let noise = chart::noise(&noisy, &light)?;
-    let mtf50 = edge_mtf50(edge.clean.planes(), LUMINANCE, EDGE_REGION)?;
+    let colors = chart::colors(&chart.clean, &light).map_err(|e| chart.explained(e, "the ColorChecker"))?;
+    let noise = chart::noise(&noisy, &light).map_err(|e| chart.explained(e, "the ColorChecker"))?;
+    let mtf50 = edge_mtf50(edge.clean.planes(), LUMINANCE, EDGE_REGION)
+        .map_err(|e| edge.explained(e, "the slanted edge"))?;
     let low_contrast = match edge_mtf50(low_contrast.clean.planes(), LUMINANCE, EDGE_REGION) {
         Err(CameraError::Metric(MetricError::NoEdge(_) | MetricError::LowContrast { .. })) => {
             EdgeMtf50 { cy_per_px: f64::NAN, reliability: Mtf50Reliability::NoEdge }
@@ -314,6 +315,13 @@ struct TargetCapture<'a, 'i> {
     exposure: Exposure,
     isp: Box<dyn Isp + 'i>,
     clean: Image,
+}
+
+impl TargetCapture<'_, '_> {
+    /// The error of a metric, or the fault of the exposure where it explains the error.
+    fn explained(&self, error: CameraError, target: &'static str) -> CameraError {
+        self.camera.explained(error, target, &self.image, &self.exposure)
+    }
 }
 
 impl Target {

@@ -10,6 +10,8 @@ pub(crate) mod compare;
 pub mod description;
 mod error;
 pub(crate) mod evaluate;
+mod exposure_fault;
+mod identity;
 mod light_gain;
 mod photograph;
 mod reference;
@@ -31,6 +33,7 @@ pub use evaluate::{
     Evaluation, EvaluationPictures, EvaluationSettings, ExposureTimes, GreyScores, IspFor, OpticalImages,
     PatchColors, PatchScores, evaluate, evaluate_with,
 };
+pub use exposure_fault::ExposureFault;
 pub use light_gain::{
     CameraAndIsp, LightGain, LightGainSettings, LightGains, MetricGain, light_gain, light_gains,
 };

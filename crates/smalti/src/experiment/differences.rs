@@ -33,7 +33,8 @@ pub fn camera_differences<'a>(
 ) -> Result<Vec<CameraDifference>, ExperimentError> {
     let of = |description: &CameraDescription| {
         let text = |e: serde_json::Error| CameraError::Text { message: e.to_string() };
-        let value = serde_json::to_value(description).map_err(text);
+        // Volts depend on the conversion gain, and are products of what the user states.
+        let value = serde_json::to_value(description.in_electrons()).map_err(text);
         let mut keys = BTreeMap::new();
         collect("", &value.in_context(|| description.name.clone())?, &mut keys);
         Ok(keys)
@@ -111,7 +112,7 @@ mod tests {
         a.optics.ir_cut = Some(Filter::Flat(0.5));
         let found = camera_differences([&a, &b, &a]).unwrap();
         let of = |key: &str| found.iter().find(|d| d.key == key).map(|d| d.values.clone()).unwrap();
-        assert_eq!(found.len(), 4);
+        assert_eq!(found.len(), 4, "{found:?}");
         assert_eq!(of("exposure.time_ms"), ["20.0", "none", "20.0"]);
         assert_eq!(of("sensor.pixel.pitch_um")[1], "1.0");
         assert_eq!(of("optics.ir_cut")[1], "none");
