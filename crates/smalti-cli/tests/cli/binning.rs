@@ -142,13 +142,13 @@ fn two_conversion_gains_are_used_by_every_command() {
 #[test]
 fn a_mosaic_that_cannot_be_binned_is_refused() {
     let place = Place::new();
-    place.ok("show phone-quad-binned@rgbw-sony --set sensor.binning=none -q");
+    place.ok("show phone-quad-binned@bayer --set sensor.binning=none");
     for (words, expected) in [
         ("bayer --set sensor.binning=charge", &["sensor.binning", "quad-bayer"][..]),
         ("phone-quad --set sensor.binning=analog", &["binning", "charge"]),
         (
-            "phone-quad-binned@rgbw",
-            &["phone-quad-binned@rgbw: `sensor.binning`", "--set sensor.binning=none"],
+            "phone-quad-binned@bayer",
+            &["phone-quad-binned@bayer: `sensor.binning`", "--set sensor.binning=none"],
         ),
         ("phone-quad --set sensor.binning=charge --set sensor.rows=97", &["sensor.rows", "96"]),
         (

@@ -238,8 +238,8 @@ fn the_cause_of_a_target_that_cannot_be_measured_is_named() {
 #[test]
 fn clipping_and_the_part_of_learned_kernels_are_told() {
     let place = Place::new();
-    let clipped = place.ok("evaluate bayer --luminance 75,800 -o o");
-    let note = "ΔE contains the errors of clipped patches: bayer at 800 cd/m². A shorter exposure";
+    let clipped = place.ok("evaluate bayer --luminance 75,1500 -o o");
+    let note = "ΔE contains the errors of clipped patches: bayer at 1500 cd/m². A shorter exposure";
     assert!(clipped.contains(note), "{clipped}");
     let page = String::from_utf8(place.read("o/report.html")).unwrap();
     assert!(page.contains(note) && !page.contains("learned kernels"), "the page has no note");

@@ -106,7 +106,7 @@ fn means_best_and_front_are_those_of_the_rows() {
             }
         }
         let e = summarize(&column(delta_e), 0.95).unwrap().mean;
-        let cell = format!("{:.2} ({:.2} to {:.2})", e.value, e.low, e.high);
+        let cell = format!("{:.2} ({:.2} to {:.2})", e.value, e.low, e.high).replace('-', "−");
         assert!(text.contains(&cell), "{cell} is not in\n{text}");
         // Of four designs two are not below the median of MTF50.
         let mut sharp = of.clone();

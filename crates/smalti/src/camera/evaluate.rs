@@ -30,6 +30,9 @@ use crate::spectrum::{Illuminant, Observer, Spectrum, WavelengthGrid};
 /// Luminance of the primaries of sRGB (IEC 61966-2-1).
 const SRGB_LUMINANCE: [f64; 3] = [0.2126, 0.7152, 0.0722];
 
+/// From this share of saturated samples on, the chart shows nothing but defects of pixels, percent.
+const WHOLLY_SATURATED_PERCENT: f64 = 99.5;
+
 /// Illumination of the targets and seed of the noise.
 #[derive(Debug, Clone, PartialEq)]
 pub struct EvaluationSettings {
@@ -261,6 +264,10 @@ pub fn evaluate_with(
     );
     let (noisy, reference) = (noisy?, reference?);
     let saturated_percent = noisy.saturated_percent();
+    if saturated_percent >= WHOLLY_SATURATED_PERCENT {
+        let nothing = MetricError::Undefined { quantity: "colour", reason: "all samples are saturated" };
+        return Err(chart.explained(nothing.into(), "the ColorChecker"));
+    }
     let noisy = chart.isp.render(&noisy)?;
     let light = setting.illuminant.photons(camera.grid())?;
     let colors = chart::colors(&chart.clean, &light).map_err(|e| chart.explained(e, "the ColorChecker"))?;

@@ -10,6 +10,7 @@ pub(crate) mod compare;
 pub mod description;
 mod error;
 pub(crate) mod evaluate;
+mod explained;
 mod exposure_fault;
 mod identity;
 mod light_gain;
