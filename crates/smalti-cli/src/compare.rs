@@ -5,10 +5,10 @@ use std::path::{Path, PathBuf};
 use anyhow::ensure;
 use clap::Args;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
-use smalti::camera::{ScoreSettings, TestScene};
+use smalti::camera::{Camera, ScoreSettings, TestScene};
 use smalti::experiment::{
-    ComparisonSettings, IspKeys, Processing, Progress as _, Resources, camera_differences, compare,
-    contenders, ensure_any_defined, light_gains_to_first, pipelines, scene_lights,
+    ComparisonSettings, Contender, IspKeys, Processing, Progress as _, Resources, camera_differences,
+    compare, contenders, ensure_any_defined, light_gains_to_first, pipelines, scene_lights,
 };
 use smalti::isp::Demosaic;
 use smalti::spectrum::Illuminant;
@@ -22,7 +22,8 @@ use smalti_report::names;
 use crate::args::{CameraOptions, Common, choice, word_of};
 use crate::exposure_args::ExposureOptions;
 use crate::learning_args::LearningOptions;
-use crate::numbers::positive;
+use crate::numbers::{ensure_distinct, positive};
+use crate::output::note;
 use crate::progress::Progress;
 use crate::{resolve, table};
 
@@ -119,7 +120,13 @@ pub(crate) fn run(args: &Compare, words: &[String], common: &Common) -> anyhow::
     let illuminant = resolve::illuminant(&args.illuminant, common)?;
     let cameras = resolve::cameras(&args.cameras, &args.camera_options, &illuminant, common)?;
     ensure!(!args.light_gain || cameras.len() > 1, "--light-gain compares cameras; expected two or more");
+    ensure_distinct("--luminance", &args.luminance)?;
+    ensure_distinct("--scene", &args.scenes)?;
     ensure_any_defined(&cameras, &args.processing)?;
+    if args.pipelines.is_empty() {
+        resolve::note_identical(&cameras, common);
+    }
+    args.exposure.note().iter().for_each(|text| note(text, common));
     write::ensure_can_fill(&args.output)?;
     let seed = args.camera_options.seed;
     let cache = if args.no_cache { Cache::disabled() } else { Cache::open(None) };
@@ -140,8 +147,15 @@ pub(crate) fn run(args: &Compare, words: &[String], common: &Common) -> anyhow::
     let pipelines = pipelines(&cameras, &labels, given, &args.processing, learning, &lights, resources)?;
     let (contenders, left_out) = contenders(&cameras, &labels, &pipelines, &args.processing)?;
     for name in &left_out {
-        progress.note(&format!("{name} is left out, since the method is defined for Bayer mosaics only"));
+        progress.note(&format!(
+            "{name} is left out, since the method is defined for Bayer mosaics only; l3 and bilinear are defined for any mosaic"
+        ));
     }
+    contenders.iter().filter_map(Contender::other_than_green).for_each(|text| progress.note(&text));
+    // The table of differences is about the cameras that are compared.
+    let is_compared = |label: &String| contenders.iter().any(|c| c.label == label);
+    let (compared_cameras, compared_labels): (Vec<Camera>, Vec<String>) =
+        cameras.iter().cloned().zip(labels.iter().cloned()).filter(|(_, label)| is_compared(label)).unzip();
     let settings = ComparisonSettings {
         luminances_cd_m2: args.luminance.clone(),
         illuminant,
@@ -162,9 +176,10 @@ pub(crate) fn run(args: &Compare, words: &[String], common: &Common) -> anyhow::
     let isp = if learned_only { IspKeys::Unused } else { IspKeys::ColorMatrix };
     let conditions = Conditions {
         exposure: compared.exposure.applied(),
-        cameras: &cameras,
-        differences: &camera_differences(&cameras, isp)?,
-        labels: &labels,
+        cameras: &compared_cameras,
+        differences: &camera_differences(&compared_cameras, isp)?,
+        limiting: compared.exposure.limiting(),
+        labels: &compared_labels,
     };
     let report = Comparison {
         command: &resolve::command_line(words, &args.cameras),

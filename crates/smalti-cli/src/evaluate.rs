@@ -21,7 +21,8 @@ use smalti_report::names;
 
 use crate::args::{CameraOptions, Common};
 use crate::exposure_args::ExposureOptions;
-use crate::numbers::number;
+use crate::numbers::{ensure_distinct, number};
+use crate::output::note;
 use crate::progress::Progress;
 use crate::{resolve, table};
 
@@ -66,6 +67,11 @@ pub(crate) struct Evaluate {
 pub(crate) fn run(args: &Evaluate, words: &[String], common: &Common) -> anyhow::Result<()> {
     let illuminant = resolve::illuminant(&args.illuminant, common)?;
     let cameras = resolve::cameras(&args.cameras, &args.camera_options, &illuminant, common)?;
+    ensure_distinct("--luminance", &args.luminance)?;
+    if args.pipelines.is_empty() {
+        resolve::note_identical(&cameras, common);
+    }
+    args.exposure.note().iter().for_each(|text| note(text, common));
     let tables = resolve::pipelines(&args.pipelines, cameras.len())?;
     resolve::ensure_tables_fit(&args.pipelines, cameras.iter().zip(&tables))?;
     if let Some(dir) = &args.output {
@@ -114,6 +120,7 @@ pub(crate) fn run(args: &Evaluate, words: &[String], common: &Common) -> anyhow:
         exposure: exposure.applied(),
         cameras: &cameras,
         differences: &camera_differences(&cameras, isp)?,
+        limiting: exposure.limiting(),
         labels: &labels,
     };
     let document = json!({
@@ -137,6 +144,7 @@ pub(crate) fn run(args: &Evaluate, words: &[String], common: &Common) -> anyhow:
             illuminant: &args.illuminant,
             white,
             seed: args.camera_options.seed,
+            learned: !args.pipelines.is_empty(),
             results: &results,
             pictures: &shots,
         })?;
@@ -153,7 +161,7 @@ pub(crate) fn run(args: &Evaluate, words: &[String], common: &Common) -> anyhow:
     }
     let names = labels.iter().flat_map(|label| args.luminance.iter().map(move |_| label.as_str()));
     let scores: Vec<_> = names.zip(results.iter().map(|(_, scores)| scores)).collect();
-    let scores = evaluation_text(&scores, &args.illuminant, &table::render);
+    let scores = evaluation_text(&scores, &args.illuminant, !args.pipelines.is_empty(), &table::render);
     crate::print(&(conditions.text(&table::render) + "\n" + &scores))
 }
 

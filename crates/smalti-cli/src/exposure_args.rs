@@ -12,7 +12,7 @@ pub(crate) struct ExposureOptions {
     /// saturates more than --max-saturated of its samples, at most --max-exposure), a time in seconds or with its unit (0.03,
     /// 30ms), or auto-equal (own if it is the same time for all cameras, otherwise equal)
     #[arg(long, default_value = "auto-equal", value_name = "own|equal|auto-equal|TIME", value_parser = exposure)]
-    exposure: ExposurePolicy,
+    exposure: Exposure,
     /// Equal exposure: the largest share of saturated samples, percent
     #[arg(long, default_value_t = 100.0 * EqualExposure::default().saturated_share, value_name = "PERCENT")]
     max_saturated: f64,
@@ -21,13 +21,21 @@ pub(crate) struct ExposureOptions {
     max_exposure: f64,
 }
 
+/// A policy as typed.
+#[derive(Debug, Clone, Copy)]
+struct Exposure {
+    policy: ExposurePolicy,
+    /// Whether it is a time without a unit.
+    is_bare: bool,
+}
+
 /// Parses a policy, with default limits of equal times.
-fn exposure(text: &str) -> Result<ExposurePolicy, String> {
+fn exposure(text: &str) -> Result<Exposure, String> {
     let named = ExposurePolicy::named(EqualExposure::default());
     match named.into_iter().find(|(name, _)| *name == text) {
-        Some((_, policy)) => Ok(policy),
+        Some((_, policy)) => Ok(Exposure { policy, is_bare: false }),
         None => seconds(text)
-            .map(ExposurePolicy::Time)
+            .map(|time_s| Exposure { policy: ExposurePolicy::Time(time_s), is_bare: positive(text).is_ok() })
             .map_err(|_| "expected own, equal, auto-equal or a time such as 0.03 (seconds) or 30ms".into()),
     }
 }
@@ -41,11 +49,26 @@ fn seconds(text: &str) -> Result<f64, String> {
     time.map_err(|_| "expected a time above 0, such as 0.03 (seconds) or 30ms".into())
 }
 
+/// Times without a unit from which on milliseconds may be meant, s.
+const LONG_S: f64 = 1.0;
+
 impl ExposureOptions {
+    /// A note about a long time without a unit, which may be meant in milliseconds.
+    pub(crate) fn note(&self) -> Option<String> {
+        match self.exposure {
+            Exposure { policy: ExposurePolicy::Time(time_s), is_bare: true } if time_s >= LONG_S => {
+                Some(format!(
+                    "--exposure {time_s} is a time of {time_s} s; {time_s}ms would be milliseconds, and {time_s}s is the same without this note"
+                ))
+            }
+            _ => None,
+        }
+    }
+
     /// The choice of the exposure times.
     pub(crate) fn policy(&self) -> ExposurePolicy {
         let (saturated_share, longest_s) = (self.max_saturated / 100.0, self.max_exposure);
-        self.exposure.with_limits(EqualExposure { saturated_share, longest_s })
+        self.exposure.policy.with_limits(EqualExposure { saturated_share, longest_s })
     }
 }
 
@@ -60,6 +83,8 @@ mod tests {
         {
             assert!((seconds(text).unwrap() / expected - 1.0).abs() < 1e-12, "{text}");
         }
+        let bare = |text: &str| exposure(text).unwrap().is_bare;
+        assert!(bare("33") && bare("0.03") && !bare("33s") && !bare("33ms") && !bare("equal"));
         for wrong in ["", "ms", "0ms", "-1", "1m", "nan", "infs"] {
             assert!(seconds(wrong).is_err(), "{wrong}");
         }

@@ -25,7 +25,7 @@ use crate::table;
     smalti report study --camera 4711 > found.toml        the design of a trial as a camera file for other commands\n\n\
     ΔE is the mean over the ColorChecker (CIELAB 1976), MTF50 that of a slanted edge in cycles/mm on the sensor, and noise that of the \
     luminance of grey patches in percent. For each number of colours, the best design has the least ΔE among the designs whose \
-    MTF50 is at least the median; where only mosaics differ, it has the largest MTF50.\n\n\
+    MTF50 is at least the median; where only mosaics differ, it has the largest MTF50. A study whose first metric is another one ranks by it.\n\n\
     report.html is a single page that works offline, with interactive plots and a filter of the trials. Figures are written as SVG \
     and PNG. report.json is removed first and written last, so a folder that contains it is complete.")]
 pub(crate) struct ReportArgs {

@@ -43,10 +43,13 @@ pub(crate) fn clear_channel_warnings(camera: &Camera, light: &Spectrum) -> anyho
             let set = "--set 'optics.ir_cut={ builtin = \"hot-mirror\" }'";
             (format!("above {last:.0} nm"), format!("Add an infrared-cut filter: {set}"))
         } else {
-            (format!("below {first:.0} nm"), "Add a filter in optics.ir_cut that blocks this range".into())
+            let mend = format!(
+                "A lens or a filter that blocks light below {first:.0} nm avoids them (optics.transmittance)"
+            );
+            (format!("below {first:.0} nm"), mend)
         };
         format!(
-            "{:.0} % of the response of the clear channel {} is to light {range}, to which no colour channel responds; this causes \
+            "{:.0} % of the response of the clear channel {} is to light {range}, to which no colour channel responds; this may cause \
              colour errors. {mend}",
             100.0 * u.share,
             u.channel,
@@ -103,12 +106,31 @@ pub(crate) fn cameras(
     Ok(cameras)
 }
 
+/// Prints which cameras of a comparison are the same but for their names.
+pub(crate) fn note_identical(cameras: &[Camera], common: &Common) {
+    let mut told: Vec<usize> = Vec::new();
+    for (i, camera) in cameras.iter().enumerate().filter(|_| !common.quiet) {
+        let same: Vec<usize> =
+            (i + 1..cameras.len()).filter(|&other| cameras[other].is_same_as(camera)).collect();
+        if same.is_empty() || told.contains(&i) {
+            continue;
+        }
+        let names: Vec<&str> = std::iter::once(i)
+            .chain(same.iter().copied())
+            .map(|c| cameras[c].description().name.as_str())
+            .collect();
+        note(&format!("{} are identical cameras: their scores do not differ", names.join(" and ")), common);
+        told.extend(same);
+    }
+}
+
 /// The learned tables of `--pipeline`, one for each camera; empty when none is given.
 pub(crate) fn pipelines(files: &[PathBuf], cameras: usize) -> anyhow::Result<Vec<Option<Pipeline>>> {
     if !files.is_empty() && files.len() != cameras {
         bail!(
-            "--pipeline: {} given for {cameras} cameras; expected one for each, in their order",
-            files.len()
+            "--pipeline: {} given for {cameras} cameras; expected one for each, in their order, with the option repeated: {}",
+            files.len(),
+            vec!["--pipeline FILE.l3"; cameras].join(" ")
         );
     }
     files.iter().map(|file| Ok(Some(smalti_io::l3::read_table(file)?))).collect()
@@ -121,8 +143,13 @@ pub(crate) fn ensure_tables_fit<'a>(
 ) -> anyhow::Result<()> {
     for (file, (camera, pipeline)) in files.iter().zip(pairs) {
         let about = || format!("{} for {}", file.display(), camera.description().name);
-        let fits = pipeline.as_ref().map_or(Ok(()), |p| p.ensure_renders(&camera.sensor.cfa));
-        fits.with_context(about)?;
+        let Some(pipeline) = pipeline else { continue };
+        pipeline.ensure_renders(&camera.sensor.cfa).with_context(about)?;
+        // Volts are equivalent after normalisation.
+        if camera.sensor.adc.bits > 0 {
+            let levels = camera.sensor.raw_levels(&camera.gain_and_offset())?;
+            pipeline.ensure_levels([levels.black, levels.white]).with_context(about)?;
+        }
     }
     Ok(())
 }

@@ -126,6 +126,12 @@ mod tests {
     }
 
     #[test]
+    fn a_quantity_without_its_unit_is_that_of_either_key() {
+        let e = source("[sensor.pixel]\nread_noise = 2\n").describe(&[]).unwrap_err().to_string();
+        assert!(e.contains("did you mean `read_noise_mv` or `read_noise_e`?"), "{e}");
+    }
+
+    #[test]
     fn a_quantity_is_given_in_volts_or_in_electrons() {
         let both = source("[sensor.pixel]\nread_noise_mv = 0.1\nread_noise_e = 2.0\n");
         let e = both.describe(&[]).unwrap_err().to_string();

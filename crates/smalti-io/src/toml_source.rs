@@ -143,7 +143,14 @@ pub(crate) fn explain(message: &str) -> (String, Option<String>) {
             let known: Vec<&str> = quoted.collect();
             let what = if message.starts_with("unknown field") { "key" } else { "value" };
             let list = known.join(", ");
+            // A name without its unit may be that of several keys.
+            let start = format!("{wrong}_");
+            let units: Vec<String> =
+                known.iter().filter(|key| key.starts_with(&start)).map(|key| format!("`{key}`")).collect();
             let help = match nearest(wrong, known.iter().copied()) {
+                Some(_) if units.len() > 1 => {
+                    format!("did you mean {}? valid here: {list}", units.join(" or "))
+                }
                 Some(near) => format!("did you mean `{near}`? valid here: {list}"),
                 None if known.contains(&"builtin") => {
                     format!("valid here: {list}; a built-in one by its name, say {{ builtin = \"silicon\" }}")

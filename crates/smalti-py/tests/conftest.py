@@ -27,6 +27,7 @@ rows = 2
 cols = 3
 [conditions.grid]
 luminance_cd_m2 = [20, 75]
+"exposure.time_ms" = [10]
 """
 
 

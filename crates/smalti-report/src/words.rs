@@ -37,9 +37,33 @@ pub(crate) fn quoted(word: &str) -> String {
     format!("'{}'", dashed.replace('\'', "'\\''"))
 }
 
+/// An exposure time, ms, with at least three significant digits.
+pub(crate) fn time_ms(ms: f64) -> String {
+    let digits = match ms {
+        ms if ms >= 10.0 || ms <= 0.0 => 1,
+        ms => (2 - ms.log10().floor() as i32).clamp(2, 9) as usize,
+    };
+    format!("{ms:.digits$}")
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn short_times_keep_their_digits() {
+        let all = [
+            (100.0, "100.0"),
+            (33.0, "33.0"),
+            (4.26, "4.26"),
+            (0.5, "0.500"),
+            (0.001_234, "0.00123"),
+            (0.0, "0.0"),
+        ];
+        for (ms, text) in all {
+            assert_eq!(time_ms(ms), text);
+        }
+    }
 
     #[test]
     fn words_of_commands_are_quoted() {

@@ -436,9 +436,34 @@ fn a_sensor_larger_than_memory() {
 fn tables_that_do_not_go_with_the_cameras() {
     let place = Place::new();
     let one = ["compare", "bayer", "rgbw", "--pipeline", "one.l3", "-o", "out"];
-    fails(&place, &one, &["--pipeline", "1 given for 2 cameras"]);
+    fails(&place, &one, &["--pipeline", "1 given for 2 cameras", "--pipeline FILE.l3 --pipeline FILE.l3"]);
     place.write("broken.l3", "no table");
     fails(&place, &["compare", "bayer", "--pipeline", "broken.l3", "-o", "out"], &["broken.l3"]);
+}
+
+/// A black picture is no scene, rather than a white one: its darkest reflectance is above 0, and a mean luminance would scale it.
+#[test]
+fn a_black_picture_is_no_scene() {
+    use smalti::color::{ColorSpace, Image};
+    use smalti_io::picture::{Depth, write_png};
+    let place = Place::new();
+    let of = |value: f32| {
+        let planes = smalti::numeric::Planes::new(40, 60, 3, vec![value; 40 * 60 * 3]).unwrap();
+        Image::new(ColorSpace::Srgb, planes).unwrap()
+    };
+    write_png(&place.path("black.png"), &of(0.0), Depth::Eight).unwrap();
+    write_png(&place.path("dark.png"), &of(1.0 / 255.0), Depth::Eight).unwrap();
+    for words in [
+        "compare bayer rgbw --scene black.png --luminance 10 --seeds 1 --processing bilinear -o out",
+        "simulate bayer --scene black.png -o out",
+        "show black.png -o out/black.png",
+        "convert black.png -o out/black.exr",
+    ] {
+        let args: Vec<&str> = words.split(' ').collect();
+        fails(&place, &args, &["black.png: every pixel of the picture is 0", "a scene without light"]);
+    }
+    // The darkest grey is light.
+    place.ok("simulate bayer --scene dark.png -o dark");
 }
 
 /// Comparisons that no exposure time or illuminant makes possible say what would.

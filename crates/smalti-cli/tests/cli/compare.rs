@@ -184,8 +184,8 @@ fn ways_of_processing_stand_beside_each_other_where_they_are_defined() {
     assert_eq!(got.code, 0);
     assert_eq!(
         got.err,
-        "note: rgbw malvar2004 is left out, since the method is defined for Bayer mosaics only\n\
-         note: rgbw hamilton-adams1997 is left out, since the method is defined for Bayer mosaics only\n"
+        "note: rgbw malvar2004 is left out, since the method is defined for Bayer mosaics only; l3 and bilinear are defined for any mosaic\n\
+         note: rgbw hamilton-adams1997 is left out, since the method is defined for Bayer mosaics only; l3 and bilinear are defined for any mosaic\n"
     );
     let ways: Vec<String> = got
         .out
@@ -211,7 +211,10 @@ fn ways_of_processing_stand_beside_each_other_where_they_are_defined() {
 fn cameras_and_scenes_of_one_name_are_numbered() {
     let place = Place::new();
     let scenes = "--scene dead-leaves?rows=48&cols=48&largest=30 --scene dead-leaves?rows=48&cols=48&largest=30&seed=9";
-    let text = ok(&place, &format!("compare bayer bayer {scenes} --luminance 80 --processing l3 -o o"));
+    let run = run(&place, &format!("compare bayer bayer {scenes} --luminance 80 --processing l3 -o o"));
+    assert_eq!(run.err, "note: bayer and bayer are identical cameras: their scores do not differ\n");
+    let text = run.out;
+    assert!(String::from_utf8(place.read("o/report.html")).unwrap().contains("The cameras are identical."));
     assert!(text.contains("\n1-bayer") && text.contains("\n2-bayer"), "{text}");
     let files = [
         "1-bayer-kernels.png",
@@ -295,6 +298,49 @@ fn cameras_with_rules_of_their_own_are_compared_at_equal_times() {
     );
     let refused = run(&place, &format!("{words} --max-saturated 100"));
     assert!(refused.code == 1 && refused.err.contains("the saturated share is 1; expected 0 to less than 1"));
+}
+
+/// One camera with a small well makes the times of all too short; short times keep their digits, and those of chart and edge are
+/// stated.
+#[test]
+fn the_camera_that_limits_equal_times_is_named() {
+    let place = Place::new();
+    let small = "name = \"tiny\"\n[sensor.pixel]\nfull_well_e = 90\n[exposure]\ntime_ms = 100\n";
+    place.write("tiny.toml", small);
+    let words = format!(
+        "compare bayer tiny.toml --scene {LEAVES} --luminance 800 --processing bilinear --set sensor.pixel.read_noise_mv=0.1 \
+         --set sensor.dsnu_mv=0 --set wavelengths_nm=[400,50,700] -o o"
+    );
+    let text = place.ok(&format!("{words} --exposure equal"));
+    assert!(text.contains("tiny saturates first and limits the times, which could be"), "{text}");
+    let results = place.json("o/results.json");
+    assert_eq!(results["exposure"]["limited_by"]["camera"], "tiny");
+    assert!(results["exposure"]["limited_by"]["factor"].as_f64().unwrap() > 10.0);
+    let time_s = &results["results"][1]["scenes"][0]["scores"]["exposure_time_s"];
+    let time_ms = 1e3 * time_s.as_f64().unwrap();
+    assert!(time_ms < 1.0, "{time_ms}");
+    let cells = text.lines().find(|l| l.starts_with("tiny ")).unwrap();
+    let digits = if time_ms < 0.1 { 4 } else { 3 };
+    assert!(cells.contains(&format!(" {time_ms:.digits$} ")), "{time_ms}: {cells}");
+    assert!(text.contains("At 800 cd/m², MTF50 is measured with an exposure of 0."), "{text}");
+    let own = place.ok(&format!("{words} --exposure 0.1ms"));
+    assert!(!own.contains("saturates first") && !own.contains("MTF50 is measured with an exposure"), "{own}");
+}
+
+/// A camera without any processing that is left is in no table of differences, and a clear channel is not green.
+#[test]
+fn cameras_that_are_left_out_are_not_compared() {
+    let place = Place::new();
+    let words = format!("--scene {LEAVES} --luminance 80 --processing malvar2004 -o o");
+    let one = run(&place, &format!("compare bayer rgbw {words} --set optics.f_number=4"));
+    assert_eq!(one.code, 0, "{}", one.err);
+    place.write("dim.toml", "name = \"dim\"\n[sensor.cfa]\npattern = \"rgbw\"\n[optics]\nf_number = 8\n[exposure]\ntime_ms = 100\n");
+    let left = run(&place, &format!("compare bayer dim.toml {words}"));
+    assert!(left.err.contains("note: dim malvar2004 is left out"), "{}", left.err);
+    assert!(!left.out.contains("differ in more") && !left.out.contains("optics.f_number"), "{}", left.out);
+    let clear = run(&place, &format!("compare bayer@rccb bayer {words}"));
+    let note = "note: bayer@rccb malvar2004: the method takes channel C for the green of a Bayer mosaic";
+    assert!(clear.err.contains(note) && !clear.err.contains("note: bayer malvar2004"), "{}", clear.err);
 }
 
 #[test]

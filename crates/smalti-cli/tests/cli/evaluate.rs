@@ -197,3 +197,91 @@ fn what_fails_writes_nothing() {
     assert_eq!(run.code, 1);
     assert!(run.err.contains("file: it is a file; expected a folder"), "{}", run.err);
 }
+
+/// A target that cannot be measured names the cause, not the property of the edge that it lacks.
+#[test]
+fn the_cause_of_a_target_that_cannot_be_measured_is_named() {
+    let place = Place::new();
+    for (words, expected) in [
+        // The white channel is nearly a sum of the others, and nothing limits the factors of the matrix.
+        (
+            "evaluate rgbw --set isp.color_noise_percent=0",
+            &["the colour matrix amplifies noise", "`isp.color_noise_percent` is 0", "such as 0.3"][..],
+        ),
+        (
+            "evaluate rgbw --luminance 1 --set isp.color_noise_percent=0",
+            &["the colour matrix amplifies noise"],
+        ),
+        (
+            "evaluate phone --luminance 10 --exposure 33",
+            &["100 % of the samples", "saturate in 33 s", "at most", " ms"],
+        ),
+        ("evaluate bayer --luminance 0.0001", &["too dark", "electrons in 100 ms", "expected more light"]),
+    ] {
+        let run = place.run(&words.split(' ').collect::<Vec<_>>());
+        assert_eq!((run.code, run.out.as_str()), (1, ""), "{words}: {}", run.err);
+        expected.iter().for_each(|e| assert!(run.err.contains(e), "{words}: no {e} in {}", run.err));
+        assert!(!run.err.contains("straight edge") || words.contains("color_noise"), "{}", run.err);
+    }
+    // The command of the README, with which the noise is several times that of the default.
+    let [plain] = &cameras(&place, "rgbw --set isp.color_noise_percent=0.01")[..] else { panic!() };
+    let [default] = &cameras(&place, "rgbw")[..] else { panic!() };
+    assert!(number(plain, NOISE) > 3.0 * number(default, NOISE));
+    assert!(number(plain, "/delta_e_2000/mean") < number(default, "/delta_e_2000/mean"));
+    // A time without a unit that may be meant in milliseconds.
+    let note = |words: &str| place.run(&words.split(' ').collect::<Vec<_>>()).err;
+    let bare = note("evaluate bayer --luminance 1 --exposure 1");
+    assert!(bare.contains("note: --exposure 1 is a time of 1 s; 1ms"), "{bare}");
+    assert_eq!(note("evaluate bayer --luminance 1 --exposure 1s"), "");
+}
+
+#[test]
+fn clipping_and_the_part_of_learned_kernels_are_told() {
+    let place = Place::new();
+    let clipped = place.ok("evaluate bayer --luminance 75,1500 -o o");
+    let note = "ΔE contains the errors of clipped patches: bayer at 1500 cd/m². A shorter exposure";
+    assert!(clipped.contains(note), "{clipped}");
+    let page = String::from_utf8(place.read("o/report.html")).unwrap();
+    assert!(page.contains(note) && !page.contains("learned kernels"), "the page has no note");
+    let text = place.ok("evaluate bayer --luminance 75");
+    assert!(!text.contains("clipped patches") && !text.contains("learned kernels"), "{text}");
+}
+
+/// Cameras that are the same but for their names, and values that are given twice.
+#[test]
+fn what_is_given_twice_is_told() {
+    let place = Place::new();
+    let err = |words: &str, code: i32| {
+        let run = place.run(&words.split(' ').collect::<Vec<_>>());
+        assert_eq!(run.code, code, "{words}: {}", run.err);
+        run.err
+    };
+    let note =
+        "note: bayer@quad-bayer and rgbw@quad-bayer are identical cameras: their scores do not differ\n";
+    assert!(err("evaluate bayer rgbw --cfa quad-bayer", 0).contains(note));
+    assert!(err("evaluate bayer bayer", 0).contains("bayer and bayer are identical cameras"));
+    assert_eq!(err("evaluate bayer bayer -q", 0), "");
+    assert_eq!(err("evaluate bayer rgbw", 0), "");
+    assert!(err("evaluate bayer --luminance 10,10", 1).contains("--luminance: 10 is given twice"));
+    assert!(err("compare bayer --luminance 1,80,1.0 -o o", 1).contains("--luminance: 1 is given twice"));
+    let scenes = "compare bayer --scene macbeth --scene macbeth -o o";
+    assert!(err(scenes, 1).contains("--scene: macbeth is given twice"));
+}
+
+/// Quantities that the user states in electrons are compared in electrons, as stated.
+#[test]
+fn differences_are_in_the_units_of_the_user() {
+    let place = Place::new();
+    let electrons = "[sensor]\ndsnu_e = 1\n[sensor.pixel]\nread_noise_e = 2\ndark_current_e_per_s = 5\nconversion_gain_uv_per_e = 70\n";
+    place.write("mine.toml", format!("name = \"mine\"\n{electrons}[exposure]\ntime_ms = 100\n"));
+    let text = place.ok("evaluate bayer mine.toml");
+    let row = |key: &str| {
+        let line = text.lines().find(|l| l.starts_with(key)).unwrap_or_else(|| panic!("no {key} in {text}"));
+        line.split_whitespace().skip(1).map(str::to_owned).collect::<Vec<_>>()
+    };
+    // Those of bayer are 1.4 mV, 1.34 mV and 10 µV/s at 200 µV per electron.
+    assert_eq!(row("sensor.dsnu_e"), ["7.0", "1.0"]);
+    assert_eq!(row("sensor.pixel.read_noise_e"), ["6.7", "2.0"]);
+    assert_eq!(row("sensor.pixel.dark_current_e_per_s"), ["0.05", "5.0"]);
+    assert!(!text.contains("_mv ") && !text.contains("voltage_v_per_s"), "{text}");
+}

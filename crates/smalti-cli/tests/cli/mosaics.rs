@@ -203,6 +203,8 @@ fn a_learned_table_renders_in_simulate_and_evaluate() {
     };
     let (own, learned) = (scores(""), scores("--pipeline a.l3"));
     assert_ne!(own["mtf50_cy_per_px"], learned["mtf50_cy_per_px"]);
+    let text = place.ok(&format!("evaluate bayer {SMALL} --pipeline a.l3"));
+    assert!(text.contains("The learned kernels of a low signal"), "{text}");
     assert_eq!(own["dynamic_range_db"], learned["dynamic_range_db"]);
 
     for (words, expected) in [
@@ -215,6 +217,10 @@ fn a_learned_table_renders_in_simulate_and_evaluate() {
             &["a.l3 for rgbw", "the pipeline is for 2 × 2 with channels R G G B"],
         ),
         ("evaluate bayer-bggr.toml --pipeline a.l3", &["bayer-bggr", "B G G R"]),
+        (
+            "evaluate bayer --set sensor.adc_bits=10 --pipeline a.l3",
+            &["a.l3 for bayer", "white level", "learned for this camera (smalti train)"],
+        ),
         ("evaluate bayer rgbw --pipeline a.l3", &["--pipeline: 1 given for 2 cameras"]),
         ("simulate bayer --pipeline none.l3 -o out", &["none.l3"]),
         (
@@ -246,6 +252,16 @@ fn a_clear_channel_that_sees_infrared_is_told() {
         }
         assert_eq!(told(&place, &format!("{words} -q")).err, "");
     }
+    assert!(
+        told(&place, &format!("show rgbw {uncut}"))
+            .err
+            .contains("this may cause colour errors. Add an infrared-cut filter")
+    );
+    // The advice suits the end of the spectrum: these colours transmit no violet.
+    let narrow =
+        "--set sensor.cfa.filters.B={box={low_nm=425,high_nm=495,peak=0.8}} --set wavelengths_nm=[380,5,680]";
+    let violet = told(&place, &format!("show rgbw {narrow}"));
+    assert!(violet.err.contains("blocks light below") && !violet.err.contains("ir_cut"), "{}", violet.err);
     // Cameras that it applies to alike share a note.
     let run = told(&place, &format!("evaluate rgbw bayer@rgbw-sony {SMALL} {uncut}"));
     assert!(run.err.contains("note: rgbw, bayer@rgbw-sony: ") && run.err.lines().count() == 2, "{}", run.err);

@@ -106,7 +106,7 @@ fn means_best_and_front_are_those_of_the_rows() {
             }
         }
         let e = summarize(&column(delta_e), 0.95).unwrap().mean;
-        let cell = format!("{:.2} ({:.2}–{:.2})", e.value, e.low, e.high);
+        let cell = format!("{:.2} ({:.2} to {:.2})", e.value, e.low, e.high).replace('-', "−");
         assert!(text.contains(&cell), "{cell} is not in\n{text}");
         // Of four designs two are not below the median of MTF50.
         let mut sharp = of.clone();
@@ -353,6 +353,33 @@ fn many_conditions_are_printed_in_short() {
     assert!(refused.code == 1 && refused.err.contains("f-number 9"), "{}", refused.err);
 }
 
+/// A study that names another metric first ranks by it, and its best and worst designs are those of that metric.
+#[test]
+fn the_first_metric_of_a_study_ranks() {
+    let place = Place::new();
+    let metrics = ["mtf50_cy_per_mm", "luminance_noise_percent", "delta_e_76"];
+    let rest = ["luminance_noise_percent", "vora_value"];
+    for (name, metrics, sign) in
+        [("sharp", &metrics[..], -1.0), ("clean", &rest[1..], -1.0), ("noise", &rest[..], 1.0)]
+    {
+        place.write("study.toml", format!("metrics = {metrics:?}\n{TINY}"));
+        place.ok(&format!("sweep study.toml -o {name}"));
+        place.ok(&format!("report {name} --pictures 0"));
+        let report = place.json(&format!("{name}/report/report.json"));
+        let section = &report["studies"][0]["sections"][0];
+        assert!(section["best_by"].as_str().unwrap().contains("first metric of the study"), "{section}");
+        let dataset = Dataset::open(&place.path(name)).unwrap();
+        let mut parts: Vec<_> =
+            dataset.columns(&["colors", metrics[0]]).unwrap().map(Result::unwrap).collect();
+        let [Column::Int(colors), Column::Float(scores)] = &parts.remove(0).columns[..] else { panic!() };
+        let of_three = colors.iter().zip(scores).filter(|(c, _)| **c == 3).map(|(_, s)| sign * s);
+        let best = sign * of_three.fold(f64::INFINITY, f64::min);
+        let stated = &section["colors"][0]["best"][0];
+        let value = stated[metrics[0]].as_f64().unwrap_or_else(|| panic!("no {} in {stated}", metrics[0]));
+        assert_eq!(value, best, "{name}");
+    }
+}
+
 #[test]
 fn hostile_names_are_escaped() {
     let place = Place::new();
@@ -382,6 +409,11 @@ fn what_cannot_be_reported_is_refused() {
     assert!(refused(&["nowhere"]).contains("nowhere"));
     std::fs::create_dir(place.path("empty")).unwrap();
     assert!(refused(&["empty"]).contains("holds no results"));
+    // The folder of a comparison has a page of its own.
+    std::fs::create_dir(place.path("compared")).unwrap();
+    place.write("compared/results.json", "{}");
+    let compared = refused(&["compared"]);
+    assert!(compared.contains("holds a comparison") && compared.contains("report.html"), "{compared}");
     place.write("file", "x");
     assert!(refused(&["out", "-o", "file"]).contains("expected a folder"));
     assert!(!place.path("out/report").exists(), "nothing is written before all is read");

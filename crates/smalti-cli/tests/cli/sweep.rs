@@ -23,6 +23,7 @@ rows = 2
 cols = 3
 [conditions.grid]
 luminance_cd_m2 = [20, 75]
+"exposure.time_ms" = [10]
 "#;
 
 /// A folder with the study in it.
@@ -310,4 +311,54 @@ fn a_full_disk_is_told_and_the_run_goes_on() {
     assert_eq!(on.code, 0, "{}", on.err);
     assert_eq!(sweep(&place, "whole", &[]).code, 0);
     assert_eq!(written, parts(&place.path("whole")));
+}
+
+/// A camera whose demosaicking suits no mosaic of the study, or conditions that make no difference.
+#[test]
+fn studies_whose_trials_cannot_differ_or_be_scored_are_told() {
+    let study = "camera = \"machine-vision\"\ncolors = [3, 4]\n[sample]\nfilters = 2\n[filters.gaussian_grid]\n[mosaics]\n";
+    let square = "[mosaics.tile]\nrows = 1\ncols = 3\n";
+    let place = place(&study.replace("colors = [3, 4]", "colors = [3]").replace("[mosaics]\n", square));
+    for dry in [&["--dry-run"][..], &[]] {
+        let run = sweep(&place, "out", dry);
+        assert_eq!((run.code, run.out.as_str()), (1, ""), "{}", run.err);
+        for part in [
+            "study.toml:1",
+            "hamilton-adams1997",
+            "no such mosaic",
+            "set = { \"isp.demosaic\" = \"bilinear\" }",
+        ] {
+            assert!(run.err.contains(part), "no {part} in {}", run.err);
+        }
+    }
+    assert!(place.names("out").is_empty());
+    // Some of the mosaics are Bayer mosaics.
+    let given = "given = [[\"bc\", \"ab\"], [\"ab\", \"cd\"]]\n";
+    place.write("study.toml", format!("{study}{given}"));
+    let run = sweep(&place, "some", &[]);
+    assert_eq!(run.code, 0, "{}", run.err);
+    assert!(run.err.contains("trials of 1 of 2 mosaics will have no scores"), "{}", run.err);
+    let text = place.ok("report some --pictures 0");
+    assert!(text.contains("Left out: 2 trials without some or all scores. Reason: "), "{text}");
+    assert!(!text.contains("No trial has scores"), "{text}");
+
+    // The same light for every luminance.
+    let lights = "[conditions.grid]\nluminance_cd_m2 = [1, 75]\n";
+    let cured = format!("set = {{ \"isp.demosaic\" = \"bilinear\" }}\n{study}{given}{lights}");
+    place.write("study.toml", &cured);
+    let run = sweep(&place, "same", &["--dry-run"]);
+    assert!(run.code == 0 && run.err.contains("the camera exposes automatically"), "{}", run.err);
+    assert!(run.err.contains("\"exposure.time_ms\" = 33") && run.err.lines().count() == 1, "{}", run.err);
+    place.write("study.toml", cured.replace("set = {", "set = { \"exposure.time_ms\" = 33,"));
+    assert_eq!(sweep(&place, "same", &["--dry-run"]).err, "");
+}
+
+#[test]
+#[cfg(target_os = "linux")]
+fn a_folder_that_cannot_be_made_is_told_once() {
+    let place = place(STUDY);
+    let run = sweep(&place, "/proc/foo", &[]);
+    assert_eq!(run.code, 1);
+    assert!(run.err.contains("cannot write /proc/foo") && !run.err.contains("finished parts"), "{}", run.err);
+    assert_eq!(run.err.matches("os error").count(), 1, "{}", run.err);
 }

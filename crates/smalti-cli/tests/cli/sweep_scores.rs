@@ -210,6 +210,10 @@ fn metrics_and_scenes_that_cannot_be_are_refused_where_they_say_so() {
     );
     let listed = "given = [[\"bc\", \"ab\"]]\n[[conditions.list]]\nluminance_cd_m2 = 5\n[[conditions.list]]\nluminance_cd_m2 = 0";
     fails(given, listed, &["study.toml:14", "0; expected a number above 0"]);
+    let other = "given = [[\"bc\", \"ab\"]]\n[[conditions.list]]\n\"optics.f_number\" = 2\n[[conditions.list]]\n\"optics.f_numbr\" = 4";
+    fails(given, other, &["no key `optics.f_numbr`", "did you mean `optics.f_number`?"]);
+    let fewer = "given = [[\"bc\", \"ab\"]]\n[[conditions.list]]\nluminance_cd_m2 = 5\nilluminant = \"A\"\n[[conditions.list]]\nluminance_cd_m2 = 9";
+    fails(given, fewer, &["lacks the key `illuminant` of the first entry"]);
 }
 
 /// A list of mosaics is held in memory: what would not fit is refused with what would.

@@ -145,7 +145,14 @@ fn read(
     if let Some(stem) = Path::new(&source.name).file_stem().filter(|_| unnamed) {
         description.name = stem.to_string_lossy().into_owned();
     }
-    let wrong = |key: &str, message: &str| Box::new(about(source, overrides, key, message));
+    let wrong = |key: &str, message: &str| {
+        let told = about(source, overrides, key, message);
+        Box::new(match mosaic {
+            // The mosaic does not suit a key of the camera, whose file may be built in.
+            Some(mosaic) if is_of_binning(key) && told.place.is_some() => mosaic.conflict(told),
+            _ => told,
+        })
+    };
     let mut notes = Vec::new();
     let table = files::filters_of_table(&mut description.sensor.cfa, &source.folder, &mut notes)
         .map_err(|e| wrong("sensor.cfa.filters", &e))?;
@@ -162,6 +169,11 @@ fn read(
         other => Box::new(Diagnostic::new(source.name.clone(), other.to_string())),
     })?;
     Ok(LoadedCamera { camera, stated, notes })
+}
+
+/// Whether a key is that of binning, which only some mosaics allow.
+fn is_of_binning(key: &str) -> bool {
+    key == "sensor.binning" || key.starts_with("sensor.binning.")
 }
 
 /// Shows an impossible value where it is stated: on the command line, in the file, or without a place if it is a default.

@@ -108,6 +108,12 @@ impl Mosaic {
         Ok(Self { argument: argument.into(), name: stem.unwrap_or_else(|| name.into()), cfa: array, notes })
     }
 
+    /// The error about a key of the camera that the mosaic does not allow, with what would mend it.
+    pub(super) fn conflict(&self, told: Diagnostic) -> Diagnostic {
+        let help = "--set sensor.binning=none turns off the binning of this camera".to_owned();
+        Diagnostic { help: Some(help), ..Diagnostic::new(&self.argument, told.message) }
+    }
+
     /// Replaces the mosaic of a camera and adds the mosaic to its name.
     pub(super) fn put_on(
         &self,

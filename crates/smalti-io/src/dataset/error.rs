@@ -18,7 +18,7 @@ pub enum DatasetError {
     Io(#[from] IoError),
     /// A file cannot be written because of missing space or permission. Finished parts are kept.
     #[error(
-        "cannot write {}: {source}; finished parts are kept; when it can be written, the same command resumes",
+        "cannot write {} (finished parts are kept, and the same command resumes when it can be written): {source}",
         path.display()
     )]
     NoSpace {
@@ -52,8 +52,17 @@ pub enum DatasetError {
         found: String,
     },
     /// The folder has no manifest.
-    #[error("{} holds no results: it has no manifest.json", dir.display())]
+    #[error("{} holds no results of a sweep: it has no manifest.json", dir.display())]
     NoResults {
+        /// The folder.
+        dir: PathBuf,
+    },
+    /// The folder holds the results of a comparison or an evaluation.
+    #[error(
+        "{} holds a comparison or an evaluation, whose page is {}; expected a folder that `smalti sweep` wrote",
+        dir.display(), dir.join("report.html").display()
+    )]
+    Comparison {
         /// The folder.
         dir: PathBuf,
     },
@@ -84,7 +93,7 @@ pub enum DatasetError {
     },
     /// A file cannot be locked, so that a second run in the folder would not be noticed.
     #[error(
-        "cannot lock {}: {source}; write to a local disk (with shards, one folder each, and merge them)",
+        "cannot lock {} (write to a local disk; with shards, one folder each, and merge them): {source}",
         path.display()
     )]
     Lock {

@@ -13,6 +13,9 @@ use super::shard::Shard;
 use super::{folder, part};
 use crate::write;
 
+/// The file that marks the results of a comparison or an evaluation.
+const COMPARISON: &str = "results.json";
+
 /// A locked folder of results, which this run fills alone or as one of several shards. The lock is released when the value is dropped or
 /// the process ends.
 #[derive(Debug)]
@@ -47,7 +50,7 @@ impl Run {
         shard: Option<Shard>,
     ) -> Result<Self, DatasetError> {
         folder::check_ours(dir)?;
-        write::begin_folder(dir, &[]).map_err(writing)?;
+        write::begin_folder(dir, &[])?;
         let locks = lock::acquire(dir, shard)?;
         settle_manifest(dir, &manifest)?;
         write::create_folder(&folder::parts_dir(dir)).map_err(writing)?;
@@ -137,7 +140,11 @@ impl Run {
 }
 
 pub(super) fn read_manifest(dir: &Path) -> Result<Manifest, DatasetError> {
-    Manifest::read(dir)?.ok_or_else(|| DatasetError::NoResults { dir: dir.to_owned() })
+    Manifest::read(dir)?.ok_or_else(|| {
+        let dir = dir.to_owned();
+        let is_comparison = dir.join(COMPARISON).is_file();
+        if is_comparison { DatasetError::Comparison { dir } } else { DatasetError::NoResults { dir } }
+    })
 }
 
 /// Writes the manifest into a new folder, or compares it with the existing one.

@@ -166,6 +166,12 @@ fn upsampled(
         }
         None => image,
     };
+    // The darkest reflectance that is upsampled is not 0, and a mean luminance would scale it to white.
+    if image.planes().data().iter().all(|&v| v <= 0.0) {
+        let expected =
+            "a pixel that is not black, since a scene without light cannot be scaled to a luminance";
+        return Err(IoError::field(path, "every pixel of the picture", "0".to_owned(), expected));
+    }
     let cube = options.upsampling.unwrap_or_default().spectra(&image, setting.grid).at(path)?;
     Ok(SpectralFile {
         name,

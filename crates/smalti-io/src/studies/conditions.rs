@@ -47,10 +47,11 @@ pub(super) fn conditions(
         }
         Some(Conditions::List(list)) => {
             points = list.iter().map(|point| point.clone().into_iter().collect()).collect();
-            let keys = |p: &Vec<(String, toml::Value)>| p.iter().map(|(k, _)| k.clone()).collect::<Vec<_>>();
-            if let Some(other) = points.iter().position(|p| keys(p) != keys(&points[0])) {
-                let message = "its keys differ from those of the first entry";
-                return Err(wrong(&format!("conditions.list[{other}]"), message));
+            for (i, point) in points.iter().enumerate() {
+                same_keys(&points[0], point).map_err(|(message, help)| {
+                    let shown = source.about_key(&format!("conditions.list[{i}]"), &message);
+                    Box::new(Diagnostic { help: help.or(shown.help.clone()), ..shown })
+                })?;
             }
         }
     }
@@ -58,6 +59,31 @@ pub(super) fn conditions(
     let place = |i: usize| if listed { format!("conditions.list[{i}]") } else { "conditions.grid".into() };
     let condition = |(i, point)| condition(file, source, &place(i), point, notes);
     points.into_iter().enumerate().map(condition).collect()
+}
+
+/// Checks that an entry of the list has the keys of the first one. The error names the first key that only one of them has, and the
+/// key that may be meant.
+fn same_keys(
+    first: &[(String, toml::Value)],
+    other: &[(String, toml::Value)],
+) -> Result<(), (String, Option<String>)> {
+    let lacks = |of: &[(String, toml::Value)], key: &str| of.iter().all(|(k, _)| k != key);
+    let only_in = |a: &[(String, toml::Value)], b: &[(String, toml::Value)]| -> Vec<String> {
+        a.iter().map(|(key, _)| key.clone()).filter(|key| lacks(b, key)).collect()
+    };
+    let (missing, added) = (only_in(first, other), only_in(other, first));
+    let meant = |key: &str| nearest(key, missing.iter().map(String::as_str));
+    match (added.first(), missing.first()) {
+        (Some(key), _) => {
+            let help = meant(key).map(|meant| format!("did you mean `{meant}`?"));
+            Err((format!("the first entry has no key `{key}`; all entries have the same keys"), help))
+        }
+        (None, Some(key)) => Err((
+            format!("it lacks the key `{key}` of the first entry; all entries have the same keys"),
+            None,
+        )),
+        (None, None) => Ok(()),
+    }
 }
 
 /// A TOML value in the form of the option `--set`.

@@ -3,6 +3,7 @@
 mod conditions;
 mod file;
 mod parcel;
+mod processing;
 
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -190,6 +191,7 @@ pub fn from_source_with_notes(source: &TomlSource) -> Result<LoadedStudy, Box<Di
         }
         _ => Box::new(Diagnostic::new(source.name.clone(), e.to_string())),
     })?;
+    processing::check(&trials, &file, source, &mut notes)?;
     Ok(LoadedStudy { trials, about: file.about, notes })
 }
 

@@ -2,11 +2,14 @@
 
 use serde_json::{Value, json};
 use smalti::camera::Camera;
-use smalti::experiment::{CameraDifference, EqualExposure, ExposurePolicy, FIELD_OF_VIEW, Outcome};
+use smalti::experiment::{
+    CameraDifference, EqualExposure, ExposurePolicy, FIELD_OF_VIEW, LimitingCamera, Outcome,
+};
 
 use super::columns::mean;
 use crate::TextTable;
 use crate::page::{Markup, Table, paragraph};
+use crate::words::time_ms;
 
 /// The headings of exposure time and saturated share in tables.
 pub(super) const EXPOSURE_HEADINGS: [&str; 2] = ["exposure ms", "saturated %"];
@@ -18,8 +21,7 @@ const UNEQUAL_VIEW: &str = "Every camera images a scene onto equally many sample
 pub(super) fn exposure_cells(outcome: &Outcome) -> [String; 2] {
     let times = outcome.scenes.iter().map(|(_, s)| s.scores.exposure_time_s * 1e3);
     let (least, most) = times.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), ms| (a.min(ms), b.max(ms)));
-    let text = |ms: f64| if ms < 10.0 { format!("{ms:.2}") } else { format!("{ms:.1}") };
-    let (least, most) = (text(least), text(most));
+    let (least, most) = (time_ms(least), time_ms(most));
     let times = if least == most { most } else { format!("{least}–{most}") };
     [times, format!("{:.2}", mean(outcome, |s| s.saturated_percent))]
 }
@@ -65,6 +67,8 @@ pub struct Conditions<'a> {
     pub cameras: &'a [Camera],
     /// What differs between the cameras besides the colour filter array.
     pub differences: &'a [CameraDifference],
+    /// The camera that makes equal exposure times much shorter than the others need.
+    pub limiting: Option<&'a LimitingCamera>,
     /// The label of each camera.
     pub labels: &'a [String],
 }
@@ -84,7 +88,14 @@ impl<'a> Conditions<'a> {
                 milliseconds(longest_s * 1e3)
             ),
         };
-        format!("Exposure time: {words}.")
+        let limiting = self.limiting.map_or_else(String::new, |LimitingCamera { label, factor }| {
+            let factor = if *factor < 10.0 { format!("{factor:.1}") } else { format!("{factor:.0}") };
+            format!(
+                " {label} saturates first and limits the times, which could be {factor} times as long without it: compare without it, or with \
+                 --exposure own."
+            )
+        });
+        format!("Exposure time: {words}.{limiting}")
     }
 
     /// The choice of the exposure times for results.json.
@@ -97,6 +108,7 @@ impl<'a> Conditions<'a> {
                 "policy": "equal",
                 "max_saturated_share": limits.saturated_share,
                 "max_exposure_s": limits.longest_s,
+                "limited_by": self.limiting.map(|l| json!({"camera": l.label, "factor": l.factor})),
             }),
         }
     }
@@ -142,7 +154,12 @@ impl<'a> Conditions<'a> {
     pub(super) fn markup(&self) -> Markup {
         let (rows, exposure) = (self.rows(), paragraph("help", self.exposure_line()));
         if rows.is_empty() {
-            let same = "The cameras differ in their colour filter arrays only.";
+            let same = match self.cameras {
+                [first, rest @ ..] if rest.iter().all(|c| c.is_same_as(first)) => {
+                    "The cameras are identical."
+                }
+                _ => "The cameras differ in their colour filter arrays only.",
+            };
             return if self.labels.len() > 1 { exposure.and(paragraph("help", same)) } else { exposure };
         }
         let table = Table::new("Differences between the cameras besides the colour filter array").text("Key");
@@ -168,5 +185,21 @@ mod tests {
             own_exposure(&[None, Some(0.25)]).contains("fixed (0.25 ms) for some and automatic for others")
         );
         assert_eq!(milliseconds(0.033 * 1e3), "33");
+    }
+
+    #[test]
+    fn the_camera_that_limits_equal_times_is_named() {
+        let limiting = LimitingCamera { label: "tiny".into(), factor: 412.0 };
+        let conditions = Conditions {
+            exposure: ExposurePolicy::Equal(EqualExposure::default()),
+            cameras: &[],
+            differences: &[],
+            limiting: Some(&limiting),
+            labels: &[],
+        };
+        let line = conditions.exposure_line();
+        assert!(line.contains("tiny saturates first") && line.contains("412 times as long"), "{line}");
+        assert_eq!(conditions.exposure_as_json()["limited_by"]["camera"], "tiny");
+        assert!(!Conditions { limiting: None, ..conditions }.exposure_line().contains("times as long"));
     }
 }

@@ -6,7 +6,7 @@ use smalti::numeric::Planes;
 
 use super::columns::{EVALUATE, SENSOR, headings};
 use super::conditions::Conditions;
-use super::evaluated_text::WITHOUT_NOISE;
+use super::evaluated_text::{clipped, without_noise};
 use super::figures::{self, Scored};
 use super::gallery::{self, Group, Map, Maps, Shot};
 use super::reliability::mark;
@@ -15,7 +15,7 @@ use super::{again, chart, tables};
 use crate::ReportError;
 use crate::page::{COMPARE, Markup, Page, Table, el, foot, paragraph};
 use crate::pictures::Pixels;
-use crate::words::listed;
+use crate::words::{listed, time_ms};
 
 const ALIASING: Maps = Maps {
     name: "Aliasing",
@@ -44,6 +44,8 @@ pub struct Evaluations<'a> {
     pub conditions: Conditions<'a>,
     /// For each camera one per luminance.
     pub results: &'a [(&'a Camera, Evaluation)],
+    /// Whether learned pipelines rendered the pictures.
+    pub learned: bool,
     /// In the same order.
     pub pictures: &'a [EvaluationPictures],
 }
@@ -163,15 +165,18 @@ fn scores(shots: &Evaluations<'_>) -> Markup {
     let mut table = headings(&EVALUATE).fold(table, Table::number).number("Exposure, ms");
     for (light, luminance) in shots.luminances_cd_m2.iter().enumerate() {
         let rows = shots.in_light(light).map(|(label, _, e, _)| {
-            let exposure_ms = format!("{:.2}", e.exposure.macbeth_s * 1e3);
+            let exposure_ms = time_ms(e.exposure.macbeth_s * 1e3);
             (vec![label.clone(), luminance.to_string()], e, vec![exposure_ms])
         });
         table = tables::scored(table, &EVALUATE, &rows.collect::<Vec<_>>(), None);
     }
     let all: Vec<&Evaluation> = shots.results.iter().map(|(_, e)| e).collect();
+    let lights = (0..shots.luminances_cd_m2.len()).flat_map(|light| shots.in_light(light));
+    let clipping = clipped(lights.map(|(label, _, e, _)| (label.as_str(), e)));
     Markup::from(table)
         .and(tables::meanings_of(&EVALUATE, &all))
-        .and(paragraph("help", WITHOUT_NOISE))
+        .and(paragraph("help", without_noise(shots.learned)))
+        .and(clipping.map(|text| paragraph("help", text)).into_iter().collect::<Markup>())
         .and(paragraph(
             "help",
             "MTF50 4:1 is that of an edge of low contrast. It differs from the other MTF50 where processing depends on contrast. ★ marks the \

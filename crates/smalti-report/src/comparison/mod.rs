@@ -21,6 +21,7 @@ mod results;
 mod sheets;
 mod summary;
 mod tables;
+mod target_times;
 mod text;
 mod verdict;
 

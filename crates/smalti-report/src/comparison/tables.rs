@@ -12,6 +12,7 @@ use super::reliability::meanings;
 use super::results::{Comparison, of_contender};
 use super::text::MTF50_AND_NOISE;
 use crate::page::{Markup, Table, el, paragraph};
+use crate::words::time_ms;
 
 /// The headings of [`COMPARE`] on the page.
 const HEADINGS: [&str; 6] = headings("MTF50, cy/mm");
@@ -96,7 +97,8 @@ pub(super) fn scores(report: &Comparison<'_>) -> Markup {
     }
     let all: Vec<&Outcome> = report.outcomes.iter().flatten().collect();
     let meanings = meanings_of(report.columns(), &all);
-    report.conditions.markup().and(Markup::from(table)).and(meanings).and(paragraph(
+    let times = report.target_times().into_iter().map(|line| paragraph("help", line)).collect::<Markup>();
+    report.conditions.markup().and(Markup::from(table)).and(times).and(meanings).and(paragraph(
         "help",
         "★ marks the best value in this light and those that do not differ from it: where the verdict finds no difference, and within 5 % for \
          MTF50 and 10 % for visual SNR and noise, which are single measurements. Higher is better for CPSNR, MTF50 and visual SNR, lower for the \
@@ -120,8 +122,8 @@ pub(super) fn scenes(report: &Comparison<'_>) -> Markup {
             let rows = report.of_scene(light, scene).map(|(contender, s)| {
                 let mut before = vec![report.scene_label(scene).to_owned()];
                 before.extend(of_contender(contender, luminance_cd_m2));
-                let exposure_ms = s.scores.exposure_time_s * 1e3;
-                (before, s, vec![format!("{:.1}", s.scores.saturated_percent), format!("{exposure_ms:.2}")])
+                let exposure_ms = time_ms(s.scores.exposure_time_s * 1e3);
+                (before, s, vec![format!("{:.1}", s.scores.saturated_percent), exposure_ms])
             });
             table = scored(table, &SCENES, &rows.collect::<Vec<_>>(), None);
         }

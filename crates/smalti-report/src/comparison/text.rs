@@ -31,8 +31,8 @@ impl Comparison<'_> {
         }
         let all: Vec<&Outcome> = self.outcomes.iter().flatten().collect();
         let meanings = meanings(reliabilities(self.columns(), &all));
-        let table = table(&header, &rows) + MTF50_AND_NOISE + "\n";
-        meanings.into_iter().fold(table, |out, meaning| out + &meaning + "\n")
+        let lines = meanings.into_iter().chain(self.target_times());
+        lines.fold(table(&header, &rows) + MTF50_AND_NOISE + "\n", |out, line| out + &line + "\n")
     }
 
     /// The largest difference between fixed point and single precision, as a line. Empty where none was computed.

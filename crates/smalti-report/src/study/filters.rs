@@ -63,10 +63,10 @@ fn curves(section: &Section<'_>, design: &Design) -> Result<(Vec<f64>, Vec<Vec<f
 
 fn caption(section: &Section<'_>, colors: u8, row: usize) -> String {
     let [delta_e, mtf50, _] = section.scores(row);
-    if section.results.has_plane() {
+    if section.results.ranks_by_color() {
         return format!("{colors} colours\nΔE {delta_e:.2}, {mtf50:.1} cy/mm");
     }
-    let first = section.results.measures.first();
+    let first = section.results.in_order().first().copied();
     let score = first.map_or_else(String::new, |m| format!("{} {}", m.header, m.text(row)));
     format!("{colors} colours\n{score}")
 }
@@ -154,7 +154,9 @@ fn leaves(
     section: &Section<'_>,
     book: &mut Book<'_>,
 ) -> Result<(), ReportError> {
-    let delta_e = |r: &usize| match section.results.measure(MAIN[0]).or(section.results.measures.first()) {
+    let first = section.results.in_order().first().copied();
+    let decisive = if section.results.ranks_by_color() { section.results.measure(MAIN[0]) } else { first };
+    let delta_e = |r: &usize| match decisive {
         Some(m) if m.better == Better::Higher => -m.at(*r),
         Some(m) => m.at(*r),
         None => f64::NAN,
@@ -169,7 +171,7 @@ fn leaves(
         .collect();
     let scene = photographer.scene(LEAVES, NoiseMode::All)?;
     let sheet = Sheet::new(2).title(format!("A scene with natural colours, {}", section.title())).note(
-        "The best and the worst design, by colour error where it is scored. With all noise; the brightness is adjusted for display.",
+        "The best and the worst design, by colour error or by the first metric of the study. With all noise; the brightness is adjusted for display.",
     );
     add(sheet, &scene, section, &shown, "scene", book)
 }

@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 
 use smalti::design::statistics::Objective;
 use smalti::design::{
-    ColumnValues, Condition, ConditionValue, Design, FilterFamily, MosaicFamily, ResultColumn, Study,
-    StudyResults, Trial, TrialProcessing, published,
+    ColumnValues, Condition, ConditionValue, Design, FilterFamily, MetricTarget, MosaicFamily, ResultColumn,
+    Study, StudyResults, Trial, TrialProcessing, published,
 };
 use smalti::metrics::{Better, CATALOG, MetricInfo};
 
@@ -33,13 +33,15 @@ pub(super) struct Measure {
     /// Digits after the decimal point.
     pub(super) digits: usize,
     pub(super) better: Better,
+    /// Its place among the columns, which have the order of the metrics of the study.
+    pub(super) place: usize,
     /// One per row; NaN where a trial has no such score.
     pub(super) values: Vec<f64>,
 }
 
 impl Measure {
     /// The metric of a column; `None` for columns that hold none.
-    fn new(ResultColumn { name: column, values, .. }: &ResultColumn) -> Option<Self> {
+    fn new((place, ResultColumn { name: column, values, .. }): (usize, &ResultColumn)) -> Option<Self> {
         let ColumnValues::Numbers(values) = values else { return None };
         // The metrics of a scene are named after the metric, then the scene.
         let of = |m: &&MetricInfo| column == m.name || column.starts_with(&format!("{}_", m.name));
@@ -68,6 +70,7 @@ impl Measure {
             header: format!("{title}{unit}{scene}"),
             digits,
             better: info.better,
+            place,
             values: values.clone(),
         })
     }
@@ -147,6 +150,24 @@ impl Results {
         self.measures.iter().find(|m| m.name == name)
     }
 
+    /// Whether no trial has any score.
+    pub(super) fn has_no_scores(&self) -> bool {
+        !self.measures.iter().any(|m| m.values.iter().any(|v| v.is_finite()))
+    }
+
+    /// The metrics that designs are compared by, in the order of the study.
+    pub(super) fn in_order(&self) -> Vec<&Measure> {
+        let mut all: Vec<&Measure> = self.measures.iter().filter(|m| m.decides()).collect();
+        all.sort_by_key(|m| m.place);
+        all
+    }
+
+    /// Whether designs are ranked by the rules for colour and resolution: the study scores both, and colour comes first.
+    pub(super) fn ranks_by_color(&self) -> bool {
+        let first = self.study().metrics.first();
+        self.has_plane() && first.is_none_or(|m| m.target() == MetricTarget::ColorPatches)
+    }
+
     /// Whether designs can be drawn as colour over resolution.
     pub(super) fn has_plane(&self) -> bool {
         self.measure(MAIN[0]).is_some() && self.measure(MAIN[1]).is_some()
@@ -224,7 +245,8 @@ fn measures(columns: &[ResultColumn]) -> Vec<Measure> {
     let has = |name: &str| columns.iter().any(|c| c.name == name);
     let mut all: Vec<Measure> = columns
         .iter()
-        .filter(|c| !VARIANTS.iter().any(|(variant, of)| c.name == *variant && has(of)))
+        .enumerate()
+        .filter(|(_, c)| !VARIANTS.iter().any(|(variant, of)| c.name == *variant && has(of)))
         .filter_map(Measure::new)
         .collect();
     all.sort_by_key(|m| MAIN.iter().position(|n| *n == m.name).unwrap_or(MAIN.len()));

@@ -9,7 +9,7 @@ use smalti::metrics::Better;
 
 use super::results::{MAIN, Measure, Results};
 use crate::ReportError;
-use crate::words::plain;
+use crate::words::{plain, time_ms};
 
 /// The confidence of each interval alone.
 pub(super) const CONFIDENCE: f64 = 0.95;
@@ -31,13 +31,13 @@ pub(super) enum Choice {
     Sharpness,
     /// Least aliasing, where it is scored and all mosaics have the same filters.
     Aliasing,
-    /// By the metrics of the study in their order, where it does not score both colour and resolution.
+    /// By the metrics of the study in their order, where it does not score both colour and resolution, or names another one first.
     Order,
 }
 
 impl Choice {
     fn of(results: &Results) -> Self {
-        if !results.has_plane() {
+        if !results.ranks_by_color() {
             return Self::Order;
         }
         let mut groups = results.data.trials.groups().filter(|(_, sets, mosaics)| sets * *mosaics as u64 > 0);
@@ -53,7 +53,7 @@ impl Choice {
             Self::Color => "least ΔE with MTF50 not below the median",
             Self::Sharpness => "largest MTF50, since the filters are the same in every mosaic",
             Self::Aliasing => "least aliasing, since the filters are the same in every mosaic",
-            Self::Order => "by the first metric of the table; equal designs by the next metric",
+            Self::Order => "by the first metric of the study; equal designs by the next metric",
         }
     }
 }
@@ -110,7 +110,7 @@ impl<'a> Section<'a> {
             if least > most {
                 return None;
             }
-            let [least, most] = [least, most].map(|ms| format!("{ms:.*}", if ms < 10.0 { 2 } else { 1 }));
+            let [least, most] = [least, most].map(time_ms);
             Some(if least == most {
                 format!("{target} {most} ms")
             } else {
@@ -152,7 +152,7 @@ impl<'a> Section<'a> {
         let objectives = |measures: &[&'a Measure]| -> Vec<Objective<'a>> {
             measures.iter().map(|m| m.objective(part(m))).collect()
         };
-        let all: Vec<&Measure> = results.measures.iter().filter(|m| m.decides()).collect();
+        let all = results.in_order();
         let choice = Choice::of(results);
         let rule = match choice {
             Choice::Color => {
@@ -168,7 +168,7 @@ impl<'a> Section<'a> {
             Choice::Order => Rule::Lexicographic(objectives(&all)),
         };
         let best = best_per_group(colors, &rule, BEST)?;
-        let last = match (results.has_plane(), results.measures.first()) {
+        let last = match (results.ranks_by_color(), all.first()) {
             (false, Some(m)) if m.better == Better::Higher => Objective::lower(part(m)),
             (false, Some(m)) => Objective::higher(part(m)),
             _ => Objective::higher(delta_e),
@@ -257,7 +257,7 @@ impl<'a> Section<'a> {
 /// Colour, resolution and noise where at least two of them are scored; otherwise all metrics.
 fn compared(results: &Results) -> Vec<&Measure> {
     let main: Vec<&Measure> = MAIN.iter().filter_map(|name| results.measure(name)).collect();
-    if main.len() < 2 { results.measures.iter().filter(|m| m.decides()).collect() } else { main }
+    if main.len() < 2 { results.in_order() } else { main }
 }
 
 /// Rows by the name of their filters, where filters have names.

@@ -107,13 +107,22 @@ fn head(results: &Results) -> String {
     }
     let mut problems: Vec<_> = results.problems.iter().collect();
     problems.sort_by_key(|(problem, count)| (std::cmp::Reverse(**count), (*problem).clone()));
+    if results.has_no_scores() {
+        out += "No trial has scores, so that the tables are empty.\n";
+    }
     for (problem, count) in problems.iter().take(PROBLEMS) {
-        out += &format!("Left out: {count} × {}\n", plain(problem));
+        out += &format!("{}\n", plain(&left_out(problem, **count)));
     }
     if problems.len() > PROBLEMS {
         out += &format!("Left out: {} more kinds of problems\n", problems.len() - PROBLEMS);
     }
     out
+}
+
+/// The number of trials that lack scores for one reason.
+pub(super) fn left_out(problem: &str, count: u64) -> String {
+    let trials = if count == 1 { "one trial".to_owned() } else { format!("{count} trials") };
+    format!("Left out: {trials} without some or all scores. Reason: {problem}")
 }
 
 /// A value and its confidence interval.
@@ -124,7 +133,12 @@ fn estimate(e: &Estimate, digits: usize) -> String {
     if !(e.low.is_finite() && e.high.is_finite()) {
         return format!("{:.digits$}", e.value);
     }
-    format!("{:.digits$} ({:.digits$}–{:.digits$})", e.value, e.low, e.high)
+    format!("{:.digits$} ({})", e.value, interval(e.low, e.high, digits))
+}
+
+/// The ends of an interval, with "to" between them, since a dash before a minus sign cannot be read.
+pub(super) fn interval(low: f64, high: f64, digits: usize) -> String {
+    format!("{low:.digits$} to {high:.digits$}").replace('-', "−")
 }
 
 /// The interval that holds 90 % of the designs.
@@ -258,4 +272,15 @@ fn front(section: &Section<'_>, table: &TextTable<'_>) -> Result<String, ReportE
         section.compared_in_words(),
         designs(section, &rows, table)?
     ))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn intervals_that_reach_below_zero_can_be_read() {
+        assert_eq!(interval(-5.09, 17.1, 2), "−5.09 to 17.10");
+        assert_eq!(interval(5.0, 7.0, 1), "5.0 to 7.0");
+    }
 }

@@ -2,6 +2,7 @@
 
 use thiserror::Error;
 
+use super::exposure_fault::{ExposureFault, Told};
 use crate::color::ImageError;
 use crate::color::jakob_hanika2019::UpliftError;
 use crate::isp::IspError;
@@ -82,6 +83,18 @@ pub enum CameraError {
     /// A reflectance cannot be computed from RGB.
     #[error(transparent)]
     Uplift(#[from] UpliftError),
+    /// A target of an evaluation cannot be measured with its exposure.
+    #[error("{}", Told(target, *time_s, fault))]
+    Exposure {
+        /// The target.
+        target: &'static str,
+        /// Its exposure time, s.
+        time_s: f64,
+        /// What is wrong with the exposure.
+        fault: ExposureFault,
+        /// The error of the metric.
+        metric: Box<MetricError>,
+    },
     /// A scene is invalid.
     #[error(transparent)]
     Scene(#[from] SceneError),

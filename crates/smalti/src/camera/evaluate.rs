@@ -30,6 +30,9 @@ use crate::spectrum::{Illuminant, Observer, Spectrum, WavelengthGrid};
 /// Luminance of the primaries of sRGB (IEC 61966-2-1).
 const SRGB_LUMINANCE: [f64; 3] = [0.2126, 0.7152, 0.0722];
 
+/// From this share of saturated samples on, the chart shows nothing but defects of pixels, percent.
+const WHOLLY_SATURATED_PERCENT: f64 = 99.5;
+
 /// Illumination of the targets and seed of the noise.
 #[derive(Debug, Clone, PartialEq)]
 pub struct EvaluationSettings {
@@ -261,11 +264,16 @@ pub fn evaluate_with(
     );
     let (noisy, reference) = (noisy?, reference?);
     let saturated_percent = noisy.saturated_percent();
+    if saturated_percent >= WHOLLY_SATURATED_PERCENT {
+        let nothing = MetricError::Undefined { quantity: "colour", reason: "all samples are saturated" };
+        return Err(chart.explained(nothing.into(), "the ColorChecker"));
+    }
     let noisy = chart.isp.render(&noisy)?;
     let light = setting.illuminant.photons(camera.grid())?;
-    let colors = chart::colors(&chart.clean, &light)?;
-    let noise = chart::noise(&noisy, &light)?;
-    let mtf50 = edge_mtf50(edge.clean.planes(), LUMINANCE, EDGE_REGION)?;
+    let colors = chart::colors(&chart.clean, &light).map_err(|e| chart.explained(e, "the ColorChecker"))?;
+    let noise = chart::noise(&noisy, &light).map_err(|e| chart.explained(e, "the ColorChecker"))?;
+    let mtf50 = edge_mtf50(edge.clean.planes(), LUMINANCE, EDGE_REGION)
+        .map_err(|e| edge.explained(e, "the slanted edge"))?;
     let low_contrast = match edge_mtf50(low_contrast.clean.planes(), LUMINANCE, EDGE_REGION) {
         Err(CameraError::Metric(MetricError::NoEdge(_) | MetricError::LowContrast { .. })) => {
             EdgeMtf50 { cy_per_px: f64::NAN, reliability: Mtf50Reliability::NoEdge }
@@ -314,6 +322,13 @@ struct TargetCapture<'a, 'i> {
     exposure: Exposure,
     isp: Box<dyn Isp + 'i>,
     clean: Image,
+}
+
+impl TargetCapture<'_, '_> {
+    /// The error of a metric, or the fault of the exposure where it explains the error.
+    fn explained(&self, error: CameraError, target: &'static str) -> CameraError {
+        self.camera.explained(error, target, &self.image, &self.exposure)
+    }
 }
 
 impl Target {

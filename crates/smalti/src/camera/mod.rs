@@ -11,6 +11,9 @@ mod dark_channel;
 pub mod description;
 mod error;
 pub(crate) mod evaluate;
+mod explained;
+mod exposure_fault;
+mod identity;
 mod light_gain;
 mod photograph;
 mod reference;
@@ -32,6 +35,7 @@ pub use evaluate::{
     Evaluation, EvaluationPictures, EvaluationSettings, ExposureTimes, GreyScores, IspFor, OpticalImages,
     PatchColors, PatchScores, evaluate, evaluate_with,
 };
+pub use exposure_fault::ExposureFault;
 pub use light_gain::{
     CameraAndIsp, LightGain, LightGainSettings, LightGains, MetricGain, light_gain, light_gains,
 };

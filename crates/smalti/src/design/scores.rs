@@ -214,7 +214,7 @@ impl Scores {
         }
         let targets = [
             ("sensitivities", of(&self.sensor)),
-            ("colours", of(&self.colors)),
+            ("colour error", of(&self.colors)),
             ("noise", of(&self.luminance_noise_percent)),
             ("edge", of(&self.edge)),
             ("zone plate", of(&self.zone_plate)),

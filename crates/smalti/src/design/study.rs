@@ -308,6 +308,11 @@ impl Trials {
         self.groups.iter().map(|g| (g.colors, g.sets, g.mosaics.len()))
     }
 
+    /// The mosaics of all designs, for each number of colours.
+    pub fn mosaics(&self) -> impl Iterator<Item = &Mosaic> {
+        self.groups.iter().filter(|g| g.sets > 0).flat_map(|g| &g.mosaics)
+    }
+
     /// The setup of a trial, that is its combination of condition and processing, counted from 0.
     #[must_use]
     pub fn setup_of(&self, number: u64) -> u64 {

@@ -10,6 +10,7 @@ use super::progress::{Stoppable, ensure_running};
 use super::training_statistics::ensure_mosaic;
 use super::{ExperimentError, Processing, Progress, Resources};
 use crate::camera::compare::{SeedScores, compare_seeds};
+use crate::camera::description::IspDescription;
 use crate::camera::{
     Camera, CameraError, Evaluation, EvaluationPictures, EvaluationSettings, PICTURE_METRICS, SceneScores,
     ScoreSettings, Setup, TrainingSettings, evaluate_with,
@@ -19,6 +20,9 @@ use crate::isp::{Classic, Isp, WhiteBalance};
 use crate::l3::{L3Error, Pipeline, Training, peak_ratio_db};
 use crate::sensor::RawImage;
 use crate::spectrum::{Illuminant, Spectrum};
+
+/// A luminance noise gain from which on a colour matrix explains why a picture cannot be measured.
+const AMPLIFIED: f64 = 5.0;
 
 /// A camera with its processing.
 #[derive(Clone, Copy)]
@@ -60,6 +64,24 @@ impl<'a> Contender<'a> {
         self.processing.is_defined_for(self.camera.sensor.cfa.mosaic())
     }
 
+    /// Whether a method for Bayer mosaics treats another channel than green as green, in words: of an array such as RCCB, the clear
+    /// channel. `None` for all other contenders.
+    #[must_use]
+    pub fn other_than_green(&self) -> Option<String> {
+        let cfa = &self.camera.sensor.cfa;
+        let phase = match self.processing {
+            Processing::Classic(demosaic) if demosaic.is_for_bayer() => cfa.mosaic().bayer_phase()?,
+            Processing::Classic(_) | Processing::L3 => return None,
+        };
+        let channel = &cfa.channels().get(phase.diagonal)?.name;
+        (!channel.eq_ignore_ascii_case("g")).then(|| {
+            format!(
+                "{}: the method takes channel {channel} for the green of a Bayer mosaic, whose correlation with red and blue it relies on",
+                self.name()
+            )
+        })
+    }
+
     /// The processing for scenes under an illuminant (photons). It fails once the caller stops the work.
     pub(super) fn isp<'b>(
         &self,
@@ -84,6 +106,15 @@ impl<'a> Contender<'a> {
         Ok(Box::new(Stoppable { isp, progress }))
     }
 
+    /// [`ColorMatrix::luminance_noise_gain`](crate::isp::ColorMatrix::luminance_noise_gain) of classic processing. `None` without a colour
+    /// matrix.
+    fn luminance_noise_gain(&self, illuminant: &Illuminant) -> Option<f64> {
+        let Processing::Classic(_) = self.processing else { return None };
+        let light = illuminant.photons(self.camera.grid()).ok()?;
+        let isp = self.camera.isp(&light, WhiteBalance::None).ok()?;
+        Some(isp.color_matrix.luminance_noise_gain())
+    }
+
     /// Scores the camera on the built-in targets; see [`evaluate_with`].
     ///
     /// # Errors
@@ -99,14 +130,17 @@ impl<'a> Contender<'a> {
             |key: &str, make: &dyn Fn() -> Result<_, CameraError>| resources.store.optical_image(key, make);
         let isp = |light: &Spectrum| self.isp(light, resources.progress);
         evaluate_with(self.camera, settings, &images, &isp).map_err(|e| {
-            let fixed = self.camera.description().exposure.time_ms.is_some();
-            let hint = match &e {
-                CameraError::Metric(_) if fixed => {
-                    ": the camera's exposure is fixed; the scenes may be too bright or too dark for it"
-                }
-                _ => "",
+            let gain = self.luminance_noise_gain(&settings.illuminant).filter(|gain| *gain > AMPLIFIED);
+            let matrix = match (&e, gain) {
+                (CameraError::Metric(_), Some(gain)) => format!(
+                    ": the colour matrix amplifies noise and interpolation errors {gain:.0} times, since `isp.color_noise_percent` is {}; \
+                     expected a larger value, such as {}",
+                    self.camera.description().isp.color_noise_percent,
+                    IspDescription::default().color_noise_percent,
+                ),
+                _ => String::new(),
             };
-            ExperimentError::stage(format!("{} at {} cd/m²{hint}", self.label, settings.luminance_cd_m2), e)
+            ExperimentError::stage(format!("{} at {} cd/m²{matrix}", self.label, settings.luminance_cd_m2), e)
         })
     }
 }

@@ -95,7 +95,8 @@ fn of_descriptions<'a>(
 ) -> Result<Vec<CameraDifference>, ExperimentError> {
     let of = |description: &CameraDescription| {
         let text = |e: serde_json::Error| CameraError::Text { message: e.to_string() };
-        let value = serde_json::to_value(description).map_err(text);
+        // Volts depend on the conversion gain, and are products of what the user states.
+        let value = serde_json::to_value(description.in_electrons()).map_err(text);
         let mut keys = BTreeMap::new();
         collect("", &value.in_context(|| description.name.clone())?, &mut keys);
         Ok(keys)

@@ -14,6 +14,8 @@ use crate::spectrum::Illuminant;
 
 /// Relative difference up to which exposure times count as equal.
 const SAME_TIME: f64 = 1e-6;
+/// The factor by which one camera must shorten the times of the others to be named: one stop.
+const NOTABLE_FACTOR: f64 = 2.0;
 
 /// The longest exposure time that suits every camera of a comparison.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -76,6 +78,16 @@ pub struct ExposurePlan {
     applied: ExposurePolicy,
     /// For equal times: for each scene, then for the chart, the edge and the zone plate, the time in each light, s.
     times_s: Vec<Vec<f64>>,
+    limiting: Option<LimitingCamera>,
+}
+
+/// A camera that makes the equal times of a comparison much shorter than the others need.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LimitingCamera {
+    /// Its label.
+    pub label: String,
+    /// How many times as long the exposures could be without it: the median over the pictures that it limits.
+    pub factor: f64,
 }
 
 /// Makes a target for a camera.
@@ -118,7 +130,7 @@ impl ExposurePlan {
         pictures: ComparedPictures<'_>,
         resources: Resources<'_>,
     ) -> Result<Self, ExperimentError> {
-        let own = Self { applied: ExposurePolicy::Own, times_s: Vec::new() };
+        let own = Self { applied: ExposurePolicy::Own, times_s: Vec::new(), limiting: None };
         let mut distinct: Vec<(&str, &Camera)> = Vec::new();
         for &(label, camera) in cameras {
             if !distinct.iter().any(|(_, known)| std::ptr::eq(*known, camera)) {
@@ -156,13 +168,21 @@ impl ExposurePlan {
                 .map(|light| of_light(light).fold(longest_s, f64::min))
                 .collect()
         };
-        Ok(Self { applied: ExposurePolicy::Equal(limits), times_s: metered.iter().map(common).collect() })
+        let times_s = metered.iter().map(common).collect();
+        let limiting = limiting(&cameras, &metered, longest_s);
+        Ok(Self { applied: ExposurePolicy::Equal(limits), times_s, limiting })
     }
 
     /// The policy that was applied: own times, one time, or equal times.
     #[must_use]
     pub fn applied(&self) -> ExposurePolicy {
         self.applied
+    }
+
+    /// The camera that makes equal times less than half as long as they could be without it, in most pictures.
+    #[must_use]
+    pub fn limiting(&self) -> Option<&LimitingCamera> {
+        self.limiting.as_ref()
     }
 
     /// The common time of a scene in a light of the settings, s; `None` for the own times of the cameras.
@@ -181,6 +201,30 @@ impl ExposurePlan {
         let [macbeth_s, edge_s, zone_plate_s] = [0, 1, 2].map(|target| self.scene_s(first + target, light));
         Some(ExposureTimes { macbeth_s: macbeth_s?, edge_s: edge_s?, zone_plate_s: zone_plate_s? })
     }
+}
+
+/// The camera that limits the times of most pictures by a notable factor. `metered` has the times of each camera for each picture.
+fn limiting(cameras: &[(&str, &Camera)], metered: &[Vec<Metered>], longest_s: f64) -> Option<LimitingCamera> {
+    let mut pictures = 0;
+    let mut factors: Vec<Vec<f64>> = vec![Vec::new(); cameras.len()];
+    for picture in metered {
+        let lights = picture.first().map_or(0, |m| m.longest.len());
+        for light in 0..lights {
+            pictures += 1;
+            let time = |m: &Metered| m.longest.get(light).map_or(longest_s, |t| t.min(longest_s));
+            let mut times: Vec<(f64, usize)> = picture.iter().map(time).zip(0..).collect();
+            times.sort_by(|a, b| a.0.total_cmp(&b.0));
+            if let [(least, camera), (next, _), ..] = times[..]
+                && let Some(of_camera) = factors.get_mut(camera).filter(|_| next > NOTABLE_FACTOR * least)
+            {
+                of_camera.push(next / least);
+            }
+        }
+    }
+    let (of_camera, (label, _)) = factors.iter_mut().zip(cameras).max_by_key(|(f, _)| f.len())?;
+    of_camera.sort_by(f64::total_cmp);
+    let factor = *of_camera.get(of_camera.len() / 2)?;
+    (2 * of_camera.len() > pictures).then(|| LimitingCamera { label: (*label).to_owned(), factor })
 }
 
 /// For each scene, then for each target, the times of each camera.

@@ -33,7 +33,7 @@ pub use default_training::{DefaultTraining, learn_default};
 pub use design::{DesignTask, DesignedCfa, Designs, design};
 pub use differences::{CameraDifference, FIELD_OF_VIEW, IspKeys, camera_differences};
 pub use error::ExperimentError;
-pub use exposure::{ComparedPictures, EqualExposure, ExposurePlan, ExposurePolicy};
+pub use exposure::{ComparedPictures, EqualExposure, ExposurePlan, ExposurePolicy, LimitingCamera};
 pub use labels::numbered;
 pub use learning::{Gathered, Learned, TrainingPair, TrainingRecord, TrainingSources, gather, learn, solve};
 pub use light_gain::{PairwiseLightGain, light_gain_between, light_gains_to_first};

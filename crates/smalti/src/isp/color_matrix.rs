@@ -80,6 +80,14 @@ impl ColorMatrix {
         self.xyz_white
     }
 
+    /// The standard deviation of Y per that of independent noise of equal variance in every channel. Errors of interpolation are
+    /// amplified similarly. It is about 1 for red, green and blue filters, and large for channels that are nearly sums of others if
+    /// the matrix was fitted without noise.
+    #[must_use]
+    pub fn luminance_noise_gain(&self) -> f64 {
+        self.xyz_from_camera.iter().map(|c| c[1] * c[1]).sum::<f64>().sqrt()
+    }
+
     /// X, Y, Z of one set of channels. Channels beyond those of the matrix are ignored.
     #[must_use]
     pub fn xyz(&self, camera: &[f64]) -> [f64; 3] {

@@ -63,7 +63,8 @@ pub enum L3Error {
     },
     /// Black or white level are not those that the pipeline was learned for.
     #[error(
-        "the raw image has black level {} and white level {}; the pipeline was learned for {} and {}",
+        "the raw image has black level {} and white level {}; the pipeline was learned for {} and {}; expected a pipeline that was learned for \
+         this camera (smalti train)",
         got[0], got[1], expected[0], expected[1]
     )]
     RawLevels {

@@ -107,6 +107,27 @@ fn equal_own_times_are_kept() {
     assert_eq!((stated.scene_s(1, 1), stated.targets(0).unwrap().edge_s), (Some(0.004), 0.004));
 }
 
+/// A camera that saturates early limits the times of most pictures; cameras within a stop of each other do not.
+#[test]
+fn the_camera_that_limits_the_times_is_known() {
+    let of_well = |full_well_e: f64| {
+        camera(|d| {
+            d.sensor.pixel.full_well_e = full_well_e;
+            d.exposure.time_ms = Some(10.0);
+        })
+    };
+    let limits = EqualExposure { saturated_share: 0.005, longest_s: 100.0 };
+    let plan = |wells: [f64; 3]| plan(&wells.map(of_well), ExposurePolicy::Equal(limits)).unwrap();
+    let limited = plan([9000.0, 90.0, 900.0]);
+    let limiting = limited.limiting().unwrap();
+    assert_eq!(limiting.label, "b");
+    // Ten times the well of the next camera; the dark signal counts too.
+    assert!((limiting.factor / 10.0 - 1.0).abs() < 0.05, "{limiting:?}");
+    assert_eq!(plan([9000.0, 6000.0, 9000.0]).limiting(), None);
+    // Two cameras of the same well: either could be left out without longer times.
+    assert_eq!(plan([9000.0, 90.0, 90.0]).limiting(), None);
+}
+
 #[test]
 fn impossible_exposures_name_the_setting() {
     let refused = |policy| match plan(&pair(), policy) {

@@ -15,6 +15,7 @@ use serde_json::{Value, json};
 
 use super::figures;
 use super::sections::Section;
+use super::text::left_out;
 use crate::ReportError;
 use crate::page::{Markup, Page, SWEEP, el, figure, foot, packed, runs};
 use crate::words::{grouped, plain, quoted};
@@ -77,8 +78,11 @@ fn lead(sources: &Sources<'_>, choice: &Choice) -> Markup {
                  of this page."
             ));
         }
+        if results.has_no_scores() {
+            warnings.push(format!("{name}No trial has scores, so that the tables and figures are empty."));
+        }
         for (problem, count) in results.problems.iter().take(5) {
-            warnings.push(format!("{name}Left out: {count} × {problem}"));
+            warnings.push(format!("{name}{}", left_out(problem, *count)));
         }
         out = out.and(warnings.into_iter().map(words::warning).collect::<Markup>());
     }

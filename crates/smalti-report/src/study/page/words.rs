@@ -7,7 +7,7 @@ use super::sources::Sources;
 use crate::ReportError;
 use crate::page::{Markup, Table, el};
 use crate::study::sections::{Group, Section};
-use crate::study::text::{condition_row, figures, is_spread, spread};
+use crate::study::text::{condition_row, figures, interval, is_spread, spread};
 
 /// Conditions with tables. report.json has all.
 const SECTIONS: usize = 20;
@@ -35,7 +35,7 @@ fn estimate(e: &Estimate, digits: usize) -> Markup {
     if !(e.low.is_finite() && e.high.is_finite()) {
         return value;
     }
-    value.and(el("span").class("interval").child(format!(" {:.digits$}–{:.digits$}", e.low, e.high)))
+    value.and(el("span").class("interval").child(format!(" {}", interval(e.low, e.high, digits))))
 }
 
 /// The paper's table 2, with intervals, for each section.

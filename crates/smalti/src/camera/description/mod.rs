@@ -3,6 +3,7 @@
 //! Every key has a default, so that a file names only what differs; the resolved description names all.
 
 mod binning;
+mod electrons;
 mod exchange;
 mod exposure;
 mod ideal;

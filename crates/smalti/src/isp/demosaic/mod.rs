@@ -57,6 +57,15 @@ impl Demosaic {
         }
     }
 
+    /// Whether the method is defined for Bayer mosaics only.
+    #[must_use]
+    pub fn is_for_bayer(self) -> bool {
+        match self {
+            Self::Bilinear => false,
+            Self::Malvar2004 | Self::HamiltonAdams1997 => true,
+        }
+    }
+
     /// One plane per channel, normalised to 0 at black level and 1 at white level, not clipped. Measured samples are kept. An
     /// image with all channels at every pixel is only normalised.
     ///

@@ -100,6 +100,14 @@ impl FixedRenderer<'_> {
 }
 
 impl Pipeline {
+    /// Checks that digital raw images with this black and white level are those of the pipeline.
+    ///
+    /// # Errors
+    /// [`L3Error::RawLevels`].
+    pub fn ensure_levels(&self, black_and_white: [f64; 2]) -> Result<(), L3Error> {
+        check_levels(self, black_and_white)
+    }
+
     /// Renders a raw image in single precision: one plane per output.
     ///
     /// The value of a pixel is offset + Σ weight · sample over its patch, with the kernels of its class.
@@ -242,16 +250,18 @@ fn check(pipeline: &Pipeline, raw: &RawImage, planes: &Planes) -> Result<[usize;
     Ok(phase)
 }
 
+fn check_levels(pipeline: &Pipeline, got: [f64; 2]) -> Result<(), L3Error> {
+    let expected = [pipeline.black_level(), pipeline.white_level()];
+    let differ = expected.iter().zip(got).any(|(a, b)| (a - b).abs() > LEVEL_TOLERANCE_DN);
+    if differ { Err(L3Error::RawLevels { expected, got }) } else { Ok(()) }
+}
+
 fn check_image(pipeline: &Pipeline, raw: &RawImage) -> Result<[usize; 2], L3Error> {
     let phase = phase_in(pipeline.axes().mosaic(), pipeline.channel_names(), raw)?;
     check_size(pipeline.axes(), raw.rows(), raw.cols())?;
     // Volts have their own levels; after normalisation they are equivalent.
     if matches!(raw.samples(), RawSamples::Digital(_)) {
-        let expected = [pipeline.black_level(), pipeline.white_level()];
-        let got = [raw.black_level(), raw.white_level()];
-        if expected.iter().zip(got).any(|(a, b)| (a - b).abs() > LEVEL_TOLERANCE_DN) {
-            return Err(L3Error::RawLevels { expected, got });
-        }
+        check_levels(pipeline, [raw.black_level(), raw.white_level()])?;
     }
     Ok(phase)
 }
