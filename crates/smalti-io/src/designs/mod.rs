@@ -20,14 +20,11 @@ use crate::{cameras, lights};
 static DESIGNS: &[BuiltinFile] = &[
     builtin!(
         "designs",
-        "pigments-4",
-        "Four filters of pigments in 2 × 2, for 1 to 80 cd/m², on the camera of the L³ slides"
-    ),
-    builtin!(
-        "designs",
         "pigments-3",
-        "Three filters of pigments in 2 × 2, for 1 to 80 cd/m², on the same camera"
+        "Three filters of pigments in 2 × 2, for 1 to 80 cd/m², on the camera of the L³ slides"
     ),
+    builtin!("designs", "pigments-4", "Four filters of pigments in 2 × 2, for the same camera and light"),
+    builtin!("designs", "pigments-6", "Six filters of pigments in 2 × 3, for the same camera and light"),
     builtin!(
         "designs",
         "free-4",
