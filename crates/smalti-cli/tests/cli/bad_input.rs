@@ -482,7 +482,7 @@ fn a_comparison_without_light_says_what_to_change() {
         ),
         (
             format!("compare bayer rgbw --illuminant line.csv {coarse} {small}"),
-            "choose an illuminant with power at the wavelengths of the camera",
+            "with power at the wavelengths of the channel",
         ),
         (
             format!("compare bayer rgbw --illuminant line.csv --processing bilinear {small}"),
@@ -491,5 +491,23 @@ fn a_comparison_without_light_says_what_to_change() {
     ] {
         fails(&place, &words.split_whitespace().collect::<Vec<_>>(), &[expected]);
         assert!(!place.path("o/results.json").exists());
+    }
+}
+
+/// Scores of colours that cannot be measured are not printed.
+#[test]
+fn a_channel_without_light_and_a_light_without_blue() {
+    let place = Place::new();
+    place.write("red.csv", "400,0\n590,0\n600,1\n700,1\n");
+    let compare = ["compare", "bayer", "--processing", "bilinear", "--luminance", "80", "-o", "out"];
+    let leaves = ["--scene", "dead-leaves?rows=48&cols=48&largest=30"];
+    let blind = ["--set", "sensor.cfa.filters.B={flat=0}"];
+    let channel = ["bayer under D65", "the channel B gets no light", "sensor.cfa.filters.B"];
+    fails(&place, &[&compare[..], &leaves, &blind].concat(), &channel);
+    fails(&place, &[&["evaluate", "bayer", "-o", "out"][..], &blind].concat(), &channel);
+    for words in [&["evaluate", "rgbw", "-o", "out"][..], &["compare", "rgbw", "-o", "out"]] {
+        let scene = if words[0] == "compare" { &leaves[..] } else { &[] };
+        let light = ["rgbw under", "red", "choose "];
+        fails(&place, &[words, scene, &["--illuminant", "red.csv"]].concat(), &light);
     }
 }

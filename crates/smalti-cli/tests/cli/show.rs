@@ -310,3 +310,14 @@ fn what_cannot_be_shown_says_why() {
         );
     }
 }
+
+/// A quantity that a file states in electrons is not shown with the default in volts that it replaces.
+#[test]
+fn a_quantity_in_electrons_stands_once() {
+    let place = Place::new();
+    place.write("own.toml", "[sensor]\ndsnu_e = 1.5\n[sensor.pixel]\nread_noise_e = 3.0\n");
+    let text = place.ok("show own.toml");
+    assert!(text.contains("read_noise_e") && text.contains("dsnu_e"), "{text}");
+    assert!(!text.contains("read_noise_mv") && !text.contains("dsnu_mv"), "{text}");
+    assert!(text.contains("dark_voltage_v_per_s"), "{text}");
+}

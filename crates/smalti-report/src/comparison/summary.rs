@@ -38,7 +38,10 @@ pub(super) fn summary(report: &Comparison<'_>) -> Markup {
         )
         .and(crossovers)
         .and(others.into_iter().collect::<Markup>())
-        .and(paragraph("help", format!("{brackets}{}", report.verdict_basis())))
+        .and(paragraph(
+            "help",
+            format!("{brackets}{} {}", report.verdict_basis(), Comparison::verdict_limits()),
+        ))
         .and(beside([difference_figure(report)].into_iter().chain(score_figure(report))))
         .and(values(report))
 }

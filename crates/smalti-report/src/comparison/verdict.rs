@@ -29,25 +29,29 @@ pub(super) struct LightWords {
 }
 
 impl Comparison<'_> {
-    /// What the intervals rest on, and which differences count as none, as sentences.
+    /// What the intervals rest on, as a sentence.
     pub(super) fn verdict_basis(&self) -> String {
         let Verdict { scenes, seeds, .. } = *self.verdict;
         let realisations =
             if seeds == 1 { "one noise realisation".into() } else { format!("{seeds} noise realisations") };
         let method = if scenes < LEAST_GROUPS { "Student's t" } else { "paired bootstrap" };
-        let basis = match (scenes, seeds) {
+        match (scenes, seeds) {
             (1, 1) => format!("One scene, {realisations}: differences have no confidence interval."),
             (1, _) => format!(
                 "One scene with {realisations}: the 95 % confidence intervals ({method}) cover the noise, not other scenes."
             ),
             (_, 1) => format!("{scenes} scenes, {realisations}; 95 % confidence intervals ({method})."),
             _ => format!("{scenes} scenes with {realisations} each; 95 % confidence intervals ({method})."),
-        };
+        }
+    }
+
+    /// Which differences count as none, as a sentence.
+    pub(super) fn verdict_limits() -> String {
         let least = |(metric, (name, unit, _)): (&&str, (&str, &str, usize))| {
             format!("{}{unit} in {name}", smallest_relevant(metric))
         };
         let least: Vec<String> = PICTURE_METRICS.iter().zip(WORDS).map(least).collect();
-        format!("{basis} Differences below {} count as none.", listed(&least))
+        format!("Differences below {} count as none.", listed(&least))
     }
 
     /// The verdict for each light.
@@ -93,7 +97,7 @@ impl Comparison<'_> {
         if self.contenders.len() < 2 {
             return String::new();
         }
-        let mut out = format!("Verdict. {}\n", self.verdict_basis());
+        let mut out = format!("Verdict. {}\n{}\n", self.verdict_basis(), Self::verdict_limits());
         for LightWords { luminance_cd_m2, metrics, cost, .. } in self.verdict_words() {
             out += &format!("  {luminance_cd_m2} cd/m²\n");
             for (name, words) in metrics {

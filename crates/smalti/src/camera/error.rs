@@ -43,7 +43,7 @@ pub enum CameraError {
     /// A channel gets no light, and fewer than three others see it.
     #[error(
         "the channel {channel} gets no light: its response to white is {percent:.2} % of that of the brightest channel, and fewer than three channels \
-         remain to measure colour. Another filter (sensor.cfa.filters.{channel}) or another illuminant is needed"
+         remain to measure colour; choose a broader illuminant, with power at the wavelengths of the channel, or another filter (sensor.cfa.filters.{channel})"
     )]
     DarkChannel {
         /// The name of the channel.
@@ -54,7 +54,7 @@ pub enum CameraError {
     /// Colour differences are not defined under a light of one colour.
     #[error(
         "the light covers too little of the visible range: {primary} of its white is {percent:.2} % of the largest of X, Y and Z, so that colours \
-         cannot be compared under it. Another illuminant is needed"
+         cannot be compared under it; choose a broader illuminant"
     )]
     NarrowLight {
         /// X, Y or Z.

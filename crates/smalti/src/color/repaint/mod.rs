@@ -18,6 +18,8 @@ mod closure;
 mod mixture;
 mod segments;
 
+use std::sync::atomic::{AtomicUsize, Ordering};
+
 use rayon::prelude::*;
 
 use self::closure::{LANES, Lanes, Wavelength, close};
@@ -48,6 +50,16 @@ const LIGHTEST: f32 = 0.9995;
 const TOLERANCE: f32 = 1e-3;
 /// Tolerance of that fit, ΔE*ab.
 const FIT_TOLERANCE: f64 = 0.1;
+
+/// An image as reflectances.
+#[derive(Debug, Clone)]
+pub struct Repainted {
+    /// The reflectances.
+    pub cube: SpectralCube,
+    /// The number of pixels whose colour under D65 differs from that of the image by more than 0.1 ΔE*ab (CIE 1976), because it lies at the
+    /// border of sRGB.
+    pub missed: usize,
+}
 
 impl Repaint {
     /// With the measured reflectances of the library, [`reflectance::surfaces`].
@@ -97,6 +109,15 @@ impl Repaint {
     /// # Errors
     /// When the image is in another colour space, or contains a value that is not finite.
     pub fn repaint_image(&self, image: &Image) -> Result<SpectralCube, UpliftError> {
+        Ok(self.repainted(image)?.cube)
+    }
+
+    /// [`Repaint::repaint_image`] with the number of pixels that have another colour.
+    ///
+    /// # Errors
+    /// As [`Repaint::repaint_image`].
+    pub fn repainted(&self, image: &Image) -> Result<Repainted, UpliftError> {
+        let missed = AtomicUsize::new(0);
         image.check_space(ColorSpace::LinearSrgb)?;
         image.check_finite()?;
         let (rows, cols) = (image.rows(), image.cols());
@@ -124,8 +145,9 @@ impl Repaint {
                 let mut work = vec![[0.0; LANES]; self.grid.len()];
                 for first in (0..cols).step_by(LANES) {
                     let count = LANES.min(cols - first);
-                    let scale =
+                    let (scale, far) =
                         self.paint(&picture, &segments, &mixtures, (row * cols + first, count), &mut work);
+                    missed.fetch_add(far, Ordering::Relaxed);
                     for (band, lanes) in bands.iter_mut().zip(&work) {
                         let out = &mut band[first..first + count];
                         for ((o, r), s) in out.iter_mut().zip(lanes).zip(scale) {
@@ -135,11 +157,11 @@ impl Repaint {
                 }
             });
         }
-        Ok(SpectralCube::new(self.grid, planes)?)
+        Ok(Repainted { cube: SpectralCube::new(self.grid, planes)?, missed: missed.into_inner() })
     }
 
-    /// The reflectances of some adjacent pixels of a row, from the first in the picture; and the factors that bring back
-    /// the values above 1.
+    /// The reflectances of some adjacent pixels of a row, from the first in the picture; the factors that bring back
+    /// the values above 1; and the number of pixels whose colour is missed.
     fn paint(
         &self,
         picture: &Picture,
@@ -147,7 +169,7 @@ impl Repaint {
         mixtures: &[Vec<f32>],
         (first, count): (usize, usize),
         work: &mut [Lanes],
-    ) -> Lanes {
+    ) -> (Lanes, usize) {
         let mut target = [[0.5; LANES]; 3];
         let mut scale = [1.0; LANES];
         let mut sum = vec![0.0f32; work.len()];
@@ -175,25 +197,32 @@ impl Repaint {
         }
         let base = work.to_vec();
         let error = close(&self.wavelengths, work, target);
-        for l in (0..count).filter(|&l| error[l] > TOLERANCE) {
-            self.fit_again(&base, work, l, target.map(|t| f64::from(t[l])));
-        }
-        scale
+        let far = (0..count)
+            .filter(|&l| error[l] > TOLERANCE)
+            .filter(|&l| !self.fit_again(&base, work, l, target.map(|t| f64::from(t[l]))))
+            .count();
+        (scale, far)
     }
 
-    /// The correction of one pixel in double precision, with damped steps.
+    /// The correction of one pixel in double precision, with damped steps; whether it has the colour.
     #[cold]
-    fn fit_again(&self, base: &[Lanes], work: &mut [Lanes], lane: usize, xyz: [f64; 3]) {
+    fn fit_again(&self, base: &[Lanes], work: &mut [Lanes], lane: usize, xyz: [f64; 3]) -> bool {
         let logit = |r: f32| {
             let r = f64::from(r.clamp(closure::DARKEST, closure::LIGHTEST));
             (r - 0.5) / (r * (1.0 - r)).sqrt()
         };
         let fit = self.fit.on(base.iter().map(|lanes| logit(lanes[lane])));
-        let coefficients = fit.solved(lab_from_xyz(xyz, [1.0; 3]), [0.0; 3], FIT_TOLERANCE);
+        let target = lab_from_xyz(xyz, [1.0; 3]);
+        let coefficients = fit.solved(target, [0.0; 3], FIT_TOLERANCE);
         for ((out, base), nm) in work.iter_mut().zip(base).zip(self.grid.wavelengths_nm()) {
             let x = logit(base[lane]) + polynomial(coefficients, position(nm));
             out[lane] = sigmoid(x) as f32;
         }
+        let painted: Vec<f64> = work.iter().map(|lanes| f64::from(lanes[lane])).collect();
+        let lab = lab_from_xyz(self.fit.xyz_of(&painted), [1.0; 3]);
+        let square: f64 = lab.iter().zip(target).map(|(a, b)| (a - b) * (a - b)).sum();
+        // Rounding to single precision costs up to 0.01.
+        square.sqrt() <= FIT_TOLERANCE + 0.01
     }
 
     fn picture(&self, image: &Image) -> Picture {

@@ -49,6 +49,27 @@ fn colours_under_d65_are_those_of_the_picture() {
     assert!(at(0.5) < 0.02 && at(0.999) < 0.2 && at(1.0) < 0.5);
 }
 
+/// Pixels of colours that no reflectance has, such as those of the primaries of sRGB, are counted.
+#[test]
+fn pixels_of_another_colour_are_counted() {
+    let repaint = repaint();
+    let primaries = picture(4, 6, |row, _| if row < 2 { [0.0, 0.9, 0.0] } else { [0.5; 3] });
+    for image in [patches(), primaries] {
+        let Repainted { cube, missed } = repaint.repainted(&image).unwrap();
+        let colours = colours(&repaint, &image, &cube);
+        let distance =
+            |[a, b]: &[[f64; 3]; 2]| a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum::<f64>().sqrt();
+        let beyond = |limit: f64| colours.iter().filter(|c| distance(c) > limit).count();
+        println!("{missed} of {} pixels missed", colours.len());
+        assert!(
+            (beyond(0.15)..=beyond(0.1)).contains(&missed),
+            "{missed}: {} to {}",
+            beyond(0.15),
+            beyond(0.1)
+        );
+    }
+}
+
 /// Of the reflectances of natural objects, which are not among the measured ones, the repainted ones are nearer to the
 /// truth than smooth ones, and so are their colours under an LED lamp.
 #[test]
