@@ -14,8 +14,8 @@ use crate::spectrum::Illuminant;
 
 /// Relative difference up to which exposure times count as equal.
 const SAME_TIME: f64 = 1e-6;
-/// The factor by which one camera must shorten the times of the others to be named: one stop.
-const NOTABLE_FACTOR: f64 = 2.0;
+/// The factor by which one camera must shorten the times of the others to be named: two stops.
+const NOTABLE_FACTOR: f64 = 4.0;
 
 /// The longest exposure time that suits every camera of a comparison.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -179,7 +179,7 @@ impl ExposurePlan {
         self.applied
     }
 
-    /// The camera that makes equal times less than half as long as they could be without it, in most pictures.
+    /// The camera that makes equal times less than a quarter of what they could be without it, in most pictures.
     #[must_use]
     pub fn limiting(&self) -> Option<&LimitingCamera> {
         self.limiting.as_ref()
