@@ -2,6 +2,7 @@
 //! optimum that is known.
 #![allow(missing_docs, clippy::unwrap_used, clippy::panic)]
 
+use smalti::camera::description::OpticsModelName;
 use smalti::camera::{Camera, CameraDescription};
 use smalti::design::DesignError;
 use smalti::design::light::{LightClasses, LightGatherer, LightSettings, LightStatistics};
@@ -310,6 +311,8 @@ fn filters_that_span_the_cones_see_every_flat_colour() {
     let mut d = CameraDescription::default();
     (d.sensor.adc_bits, d.sensor.pixel.read_noise_mv, d.sensor.pixel.dark_voltage_v_per_s) = (0, 0.0, 0.0);
     d.exposure.time_ms = Some(1e9);
+    // Without blur, the borders of flat scenes are flat as well.
+    d.optics.model = OpticsModelName::Pinhole;
     let camera = Camera::new(d, GRID).unwrap();
     let scenes: Vec<Scene> = smalti::spectrum::reflectance::natural(GRID)
         .unwrap()

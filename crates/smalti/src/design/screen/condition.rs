@@ -1,6 +1,6 @@
 //! Light and exposure that colour filter arrays are screened under.
 
-use super::{FilterResponses, sum_of_products};
+use super::responses::{FilterResponses, sum_of_products};
 use crate::camera::{Camera, CameraError};
 use crate::design::error::DesignError;
 use crate::sensor::Exposure;

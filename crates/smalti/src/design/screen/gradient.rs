@@ -4,9 +4,11 @@
 //! estimate, so that its change does not matter. A figure with the derivative Φ with respect to E therefore has the derivative
 //! Σᵢⱼ (W Φ Wᵀ)ᵢⱼ dGᵢⱼ − 2 Σᵢ (W Φ)ᵢ · dRᵢ.
 
+use super::expected::{ExpectedError, Figures};
 use super::kernel::{Layout, MAX_COMPONENTS, System, pairs};
 use super::lanes::{LANES, Lanes, ZERO, plus, plus_scaled};
-use super::{ExpectedError, Figures, FilterResponses, Screen, sum_of_products};
+use super::model::Screen;
+use super::responses::{FilterResponses, sum_of_products};
 use crate::numeric::simd::{Kernel, dispatch};
 use crate::sensor::Mosaic;
 
@@ -42,6 +44,8 @@ impl Screen {
         weights: impl Fn(&[ExpectedError]) -> (f64, Vec<FigureWeights>),
     ) -> ExpectedGradient {
         let layout = Layout::new(self, mosaic);
+        let fitted = responses.fitted(layout.filters(), self.components);
+        let responses = &*fitted;
         let mut forward = Forward::new(self, &layout, responses);
         dispatch(&mut forward);
         let times: Vec<_> = self.levels.iter().map(|l| l.limited_time(&self.white, responses)).collect();

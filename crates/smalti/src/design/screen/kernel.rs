@@ -2,7 +2,8 @@
 
 use super::condition::Level;
 use super::lanes::{Augmented, LANES, Lanes, ZERO, plus_scaled};
-use super::{FilterResponses, Screen};
+use super::model::Screen;
+use super::responses::FilterResponses;
 use crate::numeric::simd::{Kernel, dispatch};
 use crate::sensor::Mosaic;
 

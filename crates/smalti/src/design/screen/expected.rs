@@ -1,0 +1,103 @@
+//! The expected figures of colour filter arrays.
+
+use rayon::prelude::*;
+
+use super::condition::Level;
+use super::kernel;
+use super::lanes::{LANES, Lanes};
+use super::model::Screen;
+use super::responses::FilterResponses;
+use crate::design::error::DesignError;
+use crate::sensor::{Cfa, Mosaic};
+use crate::spectrum::Spectrum;
+
+/// The figures to compute.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Figures {
+    /// The CPSNR alone, whose computation takes no time beside that of the error covariances.
+    Cpsnr,
+    /// The colour difference as well: 24 differences for each class, position and condition.
+    All,
+}
+
+/// Expected figures of a colour filter array under one condition, averaged over classes and positions.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ExpectedError {
+    /// Peak signal-to-noise ratio over X, Y, Z together, peak at display white, dB.
+    pub cpsnr_db: f64,
+    /// Mean CIEDE2000 of the pixels; NaN unless asked for.
+    pub delta_e_2000: f64,
+    /// Exposure time, s.
+    pub time_s: f64,
+}
+
+impl Screen {
+    /// The expected errors of a colour filter array, one for each condition.
+    ///
+    /// # Errors
+    /// [`DesignError::Camera`] when its filters pass no light or are on other wavelengths.
+    pub fn expected(&self, cfa: &Cfa) -> Result<Vec<ExpectedError>, DesignError> {
+        let grid = self.electrons.first().map(Spectrum::grid).unwrap_or_default();
+        let cfa = cfa.on_grid(grid)?;
+        let transmittances: Vec<Spectrum> = cfa.channels().iter().map(|c| c.transmittance.clone()).collect();
+        let responses = self.responses(&transmittances);
+        let mut all = self.expected_of(cfa.mosaic(), std::slice::from_ref(&responses), Figures::All);
+        Ok(all.pop().unwrap_or_default())
+    }
+
+    /// The expected errors of several sets of filters in one mosaic, for each set and condition. A set has a filter for each
+    /// channel of the mosaic; those that it lacks see no light.
+    #[must_use]
+    pub fn expected_of(
+        &self,
+        mosaic: &Mosaic,
+        sets: &[FilterResponses],
+        figures: Figures,
+    ) -> Vec<Vec<ExpectedError>> {
+        let layout = kernel::Layout::new(self, mosaic);
+        let fitted: Vec<FilterResponses> =
+            sets.iter().map(|s| s.fitted(layout.filters(), self.components).into_owned()).collect();
+        let of_set = |(responses, errors): (&FilterResponses, Vec<Vec<[Lanes; 6]>>)| {
+            let of_level = |(level, errors): (&Level, &Vec<[Lanes; 6]>)| {
+                let time_s = level.time_s(&self.white, responses);
+                self.figures(errors, layout.positions(), figures, time_s)
+            };
+            self.levels.iter().zip(&errors).map(of_level).collect()
+        };
+        let chunks = fitted.par_chunks(kernel::SETS).flat_map_iter(|chunk| {
+            let errors = kernel::errors(self, &layout, chunk);
+            chunk.iter().zip(errors).map(of_set).collect::<Vec<_>>()
+        });
+        chunks.collect()
+    }
+
+    /// Figures from the error covariances of a condition, by position and group.
+    pub(super) fn figures(
+        &self,
+        errors: &[[Lanes; 6]],
+        positions: usize,
+        figures: Figures,
+        time_s: f64,
+    ) -> ExpectedError {
+        let (mut squares, mut delta_e) = (0.0, 0.0);
+        for (at, error) in errors.iter().enumerate() {
+            let group = at % self.groups;
+            for lane in 0..LANES {
+                let share = self.shares[group][lane];
+                if share <= 0.0 {
+                    continue;
+                }
+                let scaled = error.map(|e| e[lane] * self.per_white_squared[group][lane]);
+                squares += share * (scaled[0] + scaled[2] + scaled[5]) / 3.0;
+                if figures == Figures::All
+                    && let Some(color) = self.colors.get(group * LANES + lane)
+                {
+                    delta_e += share * color.mean(&scaled);
+                }
+            }
+        }
+        let n = positions as f64;
+        let delta_e_2000 = if figures == Figures::All { delta_e / n } else { f64::NAN };
+        ExpectedError { cpsnr_db: -10.0 * libm::log10(squares / n), delta_e_2000, time_s }
+    }
+}

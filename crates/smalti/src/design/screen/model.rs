@@ -1,0 +1,247 @@
+//! The statistics of the light in the layout of the kernels.
+
+use super::color_error::{ColorError, PACKED};
+use super::condition::{Level, ScreenCondition};
+use super::lanes::{LANES, Lanes, ZERO};
+use super::responses::{FilterResponses, sum_of_products};
+use crate::camera::{Camera, CameraError};
+use crate::design::error::DesignError;
+use crate::design::light::{LightClass, LightStatistics};
+use crate::spectrum::Spectrum;
+
+/// Patches below which a class is not used.
+const MIN_PATCHES: u64 = 64;
+/// The number of patches of all hues that the covariance of a hue is completed with: the covariance of a few hundred patches knows too
+/// few of its several hundred rows.
+const SHARED_PATCHES: f64 = 1000.0;
+
+/// The expected errors of colour filter arrays on one camera, from the statistics of the light on its pixels.
+#[derive(Debug, Clone)]
+pub struct Screen {
+    pub(super) taps: usize,
+    pub(super) components: usize,
+    pub(super) side: usize,
+    /// Number of vectors of classes.
+    pub(super) groups: usize,
+    /// Covariances of pixels i ≤ j, by pair, group, and the components of i and j.
+    pub(super) covariances: Vec<Lanes>,
+    /// Covariances of a pixel with X, Y, Z of the middle one, by pixel, group and component.
+    pub(super) crossed: Vec<[Lanes; 3]>,
+    /// Means, by pixel, group and component.
+    pub(super) means: Vec<Lanes>,
+    /// Variance of X, Y, Z of the middle pixel: (0, 0), (1, 0), (1, 1), (2, 0), (2, 1), (2, 2), by group.
+    pub(super) targets: Vec<[Lanes; 6]>,
+    /// Share of the patches that are of a class, by group.
+    pub(super) shares: Vec<Lanes>,
+    /// Mean of 1/w² over the patches of a class, w the luminance of display white, by group.
+    pub(super) per_white_squared: Vec<Lanes>,
+    /// Of each class, in the order of lanes.
+    pub(super) colors: Vec<ColorError>,
+    pub(super) levels: Vec<Level>,
+    /// For each component, the spectrum whose scalar product with the transmittance of a filter is its response, electrons per second.
+    pub(super) electrons: Vec<Spectrum>,
+    /// Response of a bare pixel to white of display luminance, by component.
+    pub(super) white: Vec<f64>,
+}
+
+impl Screen {
+    /// A screen for a camera, whose own filters do not matter, under conditions.
+    ///
+    /// # Errors
+    /// When the statistics are of another lens, pixel or light than the camera's, no class has enough patches, or a condition is invalid.
+    pub fn new(
+        camera: &Camera,
+        statistics: &LightStatistics,
+        conditions: &[ScreenCondition],
+    ) -> Result<Self, DesignError> {
+        if statistics.basis().grid() != camera.grid() {
+            return Err(DesignError::OtherLight { what: "wavelengths" });
+        }
+        let (side, components) = (statistics.settings().side, statistics.basis().len());
+        let taps = side * side;
+        let classes = usable(statistics)?;
+        let groups = classes.len().div_ceil(LANES);
+        let pairs = taps * (taps + 1) / 2;
+        let mut screen = Self {
+            taps,
+            components,
+            side,
+            groups,
+            covariances: vec![ZERO; pairs * groups * components * components],
+            crossed: vec![[ZERO; 3]; taps * groups * components],
+            means: vec![ZERO; taps * groups * components],
+            targets: vec![[ZERO; 6]; groups],
+            shares: vec![ZERO; groups],
+            per_white_squared: vec![ZERO; groups],
+            colors: Vec::with_capacity(classes.len()),
+            levels: Vec::new(),
+            electrons: electrons(camera, statistics)?,
+            white: statistics.white_coefficients().to_vec(),
+        };
+        let total: f64 = classes.iter().map(|c| c.patches).sum();
+        for (at, class) in classes.iter().enumerate() {
+            screen.fill(at, class, statistics, total);
+        }
+        // Lanes without a class would factor zeros; those of the first class are as good, with a share of 0.
+        for at in classes.len()..groups * LANES {
+            if let Some(class) = classes.first() {
+                screen.fill(at, &Usable { patches: 0.0, ..class.clone() }, statistics, total);
+            }
+        }
+        let squares = |c: &Usable| c.patches * c.per_white_squared;
+        let white_y = (total / classes.iter().map(squares).sum::<f64>()).sqrt();
+        screen.white.iter_mut().for_each(|c| *c *= white_y);
+        for condition in conditions {
+            screen.levels.push(Level::new(camera, condition)?);
+        }
+        Ok(screen)
+    }
+
+    /// Puts a class into its lane.
+    fn fill(&mut self, at: usize, class: &Usable, statistics: &LightStatistics, total: f64) {
+        let (group, lane, k) = (at / LANES, at % LANES, self.components);
+        let xyz = statistics.xyz();
+        let width = self.taps * k;
+        let covariance =
+            |i: usize, a: usize, j: usize, b: usize| class.covariance[(i * k + a) * width + j * k + b];
+        let mut pair = 0;
+        for i in 0..self.taps {
+            for j in i..self.taps {
+                for a in 0..k {
+                    for b in 0..k {
+                        let place = ((pair * self.groups + group) * k + a) * k + b;
+                        self.covariances[place][lane] = covariance(i, a, j, b);
+                    }
+                }
+                pair += 1;
+            }
+        }
+        let middle = self.taps / 2;
+        let seen = |row: &dyn Fn(usize) -> f64, c: usize| (0..k).map(|b| row(b) * xyz[b][c]).sum::<f64>();
+        for i in 0..self.taps {
+            for a in 0..k {
+                let place = (i * self.groups + group) * k + a;
+                self.means[place][lane] = class.mean[i * k + a];
+                for c in 0..3 {
+                    self.crossed[place][c][lane] = seen(&|b| covariance(i, a, middle, b), c);
+                }
+            }
+        }
+        for (entry, (c, d)) in PACKED.into_iter().enumerate() {
+            let row = |a: usize| seen(&|b| covariance(middle, a, middle, b), d);
+            self.targets[group][entry][lane] = seen(&row, c);
+        }
+        self.shares[group][lane] = class.patches / total;
+        self.per_white_squared[group][lane] = class.per_white_squared;
+        if self.colors.len() == at {
+            self.colors.push(ColorError::new(class.relative_xyz, statistics.white()));
+        }
+    }
+
+    /// Number of conditions.
+    #[must_use]
+    pub fn conditions(&self) -> usize {
+        self.levels.len()
+    }
+
+    /// Number of classes.
+    #[must_use]
+    pub fn classes(&self) -> usize {
+        self.shares.iter().flatten().filter(|share| **share > 0.0).count()
+    }
+
+    /// The responses of filters, given by their transmittances on the wavelengths of the camera.
+    #[must_use]
+    pub fn responses(&self, transmittances: &[Spectrum]) -> FilterResponses {
+        let of =
+            |t: &Spectrum| self.electrons.iter().map(|e| sum_of_products(e.values(), t.values())).collect();
+        FilterResponses(transmittances.iter().map(of).collect())
+    }
+
+    /// For each spectral component, the spectrum whose scalar product with a transmittance is the response of the filter: the derivatives
+    /// of [`Screen::responses`].
+    #[must_use]
+    pub fn response_spectra(&self) -> &[Spectrum] {
+        &self.electrons
+    }
+}
+
+/// A class with enough patches.
+#[derive(Debug, Clone)]
+struct Usable {
+    patches: f64,
+    mean: Vec<f64>,
+    /// Square, row by row.
+    covariance: Vec<f64>,
+    per_white_squared: f64,
+    relative_xyz: [f64; 3],
+}
+
+/// The classes with enough patches, their covariances completed with those of all hues.
+fn usable(statistics: &LightStatistics) -> Result<Vec<Usable>, DesignError> {
+    let rule = &statistics.settings().classes;
+    let n = statistics.coefficients();
+    let enough = |c: &&LightClass| c.moments.count() >= MIN_PATCHES;
+    let mut found = Vec::new();
+    let mut group: Option<(std::ops::Range<usize>, Vec<f64>)> = None;
+    for (number, class) in statistics.classes() {
+        if !enough(&class) {
+            continue;
+        }
+        let range = rule.of_all_hues(*number);
+        if group.as_ref().is_none_or(|(of, _)| *of != range) {
+            // The covariance about the mean of each hue.
+            let (mut sum, mut patches) = (vec![0.0; n * n], 0.0);
+            for (_, other) in statistics.classes().range(range.clone()) {
+                let count = other.moments.count() as f64;
+                let (_, covariance) = mean_and_covariance(other, n);
+                sum.iter_mut().zip(covariance).for_each(|(s, c)| *s += count * c);
+                patches += count;
+            }
+            sum.iter_mut().for_each(|s| *s /= patches);
+            group = Some((range, sum));
+        }
+        let (mean, mut covariance) = mean_and_covariance(class, n);
+        let patches = class.moments.count() as f64;
+        if let Some((_, shared)) = group.as_ref().filter(|(range, _)| range.len() > 1) {
+            let own = patches / (patches + SHARED_PATCHES);
+            covariance.iter_mut().zip(shared).for_each(|(c, s)| *c = own * *c + (1.0 - own) * s);
+        }
+        found.push(Usable {
+            patches,
+            mean,
+            covariance,
+            per_white_squared: class.per_white_squared / patches,
+            relative_xyz: class.relative_xyz.map(|v| v / patches),
+        });
+    }
+    if found.is_empty() {
+        return Err(DesignError::TooFewPatches { least: MIN_PATCHES });
+    }
+    Ok(found)
+}
+
+fn mean_and_covariance(class: &LightClass, n: usize) -> (Vec<f64>, Vec<f64>) {
+    let m = &class.moments;
+    let count = m.count().max(1) as f64;
+    let mean: Vec<f64> = (0..n).map(|i| m.get(0, 1 + i) / count).collect();
+    let mut covariance = vec![0.0; n * n];
+    for i in 0..n {
+        for j in i..n {
+            let value = m.get(1 + i, 1 + j) / count - mean[i] * mean[j];
+            covariance[i * n + j] = value;
+            covariance[j * n + i] = value;
+        }
+    }
+    (mean, covariance)
+}
+
+/// For each component, the electrons per second at each wavelength behind a filter of transmittance 1.
+fn electrons(camera: &Camera, statistics: &LightStatistics) -> Result<Vec<Spectrum>, DesignError> {
+    let grid = camera.grid();
+    let bare = camera.sensor.bare_responsivity_on(grid).map_err(CameraError::from)?;
+    let lens = camera.optics.transmittance_on(grid).map_err(CameraError::from)?;
+    let pixel = bare.times(&lens).and_then(|s| s.scaled(grid.step_nm())).map_err(CameraError::from)?;
+    let of = |c: &Spectrum| Ok(c.times(&pixel).map_err(CameraError::from)?);
+    statistics.basis().components().iter().map(of).collect()
+}
