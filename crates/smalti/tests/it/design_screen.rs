@@ -136,7 +136,8 @@ fn textbook(screen: &Screen, statistics: &LightStatistics, camera: &Camera, cfa:
                 .collect();
             for (tap, line) in g.iter_mut().enumerate() {
                 let signal: f64 = (0..n).map(|i| a[tap][i] * mean(i)).sum();
-                line[tap] += dark_e2 + signal;
+                // The last term stands for the precision of the statistics.
+                line[tap] += dark_e2 + signal + 1e-12 * signal * signal;
             }
             let middle = taps / 2 * k;
             let target =

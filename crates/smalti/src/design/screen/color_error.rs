@@ -161,19 +161,15 @@ mod tests {
         (0..count).map(draw).sum::<f64>() / f64::from(count)
     }
 
-    /// The quadrature is within 2.5 % of the sampled mean for errors of a few ΔE and within 5 % for those of 20 ΔE. The drawn means have a
-    /// standard error of 0.4 %.
+    /// The quadrature is within 5 % of the sampled mean for errors of 0.3 to 20 ΔE. The drawn means have a standard error of 0.4 %.
     #[test]
     fn errors_have_the_mean_difference_that_was_sampled() {
         for xyz in [[0.2, 0.2, 0.2], [0.3, 0.2, 0.05], [0.02, 0.02, 0.04]] {
-            for (relative, tolerance) in [(0.01f64, 0.025), (0.1, 0.025), (0.4, 0.05)] {
+            for relative in [0.01f64, 0.1, 0.4] {
                 let color = ColorError::new(xyz, WHITE);
                 let error = ERROR.map(|e| e * (0.5 * relative * xyz[1]).powi(2));
                 let (sampled, mean) = (sampled(&color, &error), color.mean(&error));
-                assert!(
-                    (mean / sampled - 1.0).abs() < tolerance,
-                    "{xyz:?}, {relative}: {mean} and {sampled}"
-                );
+                assert!((mean / sampled - 1.0).abs() < 0.05, "{xyz:?}, {relative}: {mean} and {sampled}");
             }
         }
     }
