@@ -52,7 +52,7 @@ fn wrong_design_files_name_the_key_and_the_line() {
         ("starts = 2", "stars = 2", "did you mean `starts`?"),
     ] {
         assert!(SMALL.contains(change), "{change}");
-        place.write("wrong.toml", &SMALL.replace(change, with));
+        place.write("wrong.toml", SMALL.replace(change, with));
         let run = place.run(&["design", "wrong.toml", "-o", "wrong", "--no-pipeline"]);
         assert_eq!(run.code, 1, "{with}");
         assert!(run.err.contains(message), "{with}:\n{}", run.err);

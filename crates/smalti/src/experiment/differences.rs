@@ -8,7 +8,7 @@ use super::ExperimentError;
 use super::error::StageContext;
 use crate::camera::{Camera, CameraDescription, CameraError};
 
-/// The field of view of [`SAMPLES`] samples along a row, as the key of a difference.
+/// The field of view of a thousand samples along a row, as the key of a difference.
 pub const FIELD_OF_VIEW: &str = "field of view of 1000 samples, degrees";
 
 /// Keys that a comparison of colour filter arrays varies, or that do not affect its scores: pictures have the size of the scene, and

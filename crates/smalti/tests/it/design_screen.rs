@@ -1,6 +1,6 @@
 //! The closed form of expected errors: against textbook Wiener estimation, against patches that are sampled, its derivatives, and an
 //! optimum that is known.
-#![allow(missing_docs, clippy::unwrap_used, clippy::panic)]
+#![allow(missing_docs, clippy::unwrap_used, clippy::panic, clippy::needless_range_loop)]
 
 use smalti::camera::description::OpticsModelName;
 use smalti::camera::{Camera, CameraDescription};

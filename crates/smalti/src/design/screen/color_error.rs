@@ -89,8 +89,7 @@ impl Root {
     fn of(error: &[f64; 6]) -> Option<Self> {
         let [a, b, c, d, e, f] = *error;
         let ridge = RIDGE * a.max(c).max(f);
-        // Written so that NaN fails.
-        if !(ridge > 0.0) {
+        if ridge.is_nan() || ridge <= 0.0 {
             return None;
         }
         let above = |pivot: f64| pivot.max(0.0) + ridge;

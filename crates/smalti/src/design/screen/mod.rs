@@ -1,6 +1,6 @@
 //! The expected error of a colour filter array in closed form: no scene is simulated.
 //!
-//! A patch of raw samples is x = A u + n: the coefficients u of the light on its pixels ([`LightStatistics`]), the linear map A of the
+//! A patch of raw samples is x = A u + n: the coefficients u of the light on its pixels ([`LightStatistics`](super::light::LightStatistics)), the linear map A of the
 //! filters at each pixel, and noise n. Within a class of patches with the covariance C of u, the best linear estimate of the colour
 //! M u₀ of the middle pixel leaves the error covariance
 //!
@@ -17,8 +17,12 @@
 mod color_error;
 mod condition;
 mod expected;
+// Indices that several arrays share read better than zipped iterators, and become vector code.
+#[allow(clippy::needless_range_loop)]
 mod gradient;
+#[allow(clippy::needless_range_loop)]
 mod kernel;
+#[allow(clippy::needless_range_loop)]
 mod lanes;
 mod model;
 mod responses;

@@ -114,6 +114,9 @@ impl SearchSettings {
     }
 }
 
+/// Parameters of each filter.
+type Parameters = Vec<Vec<f64>>;
+
 /// Filters that were found for a mosaic.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FoundFilters {
@@ -161,14 +164,15 @@ impl FilterSearch<'_> {
         let is_stopped = || stopped.load(std::sync::atomic::Ordering::Relaxed);
         let begin = |start: usize| {
             let mut random = Stream::new(seed ^ u64::from(item) << 32, PURPOSE, start as u32);
-            let parameters: Vec<Vec<f64>> =
+            let parameters: Parameters =
                 (0..mosaic.channels()).map(|_| self.space.random(&mut random)).collect();
-            (start, self.search(mosaic, &parameters, SHORT_STEPS.min(steps), &is_stopped))
+            let (parameters, cost) = self.search(mosaic, &parameters, SHORT_STEPS.min(steps), &is_stopped);
+            (cost, start, parameters)
         };
-        let mut begun: Vec<(usize, (Vec<Vec<f64>>, f64))> = (0..starts).into_par_iter().map(begin).collect();
-        begun.sort_by(|a, b| a.1.1.total_cmp(&b.1.1));
+        let mut begun: Vec<(f64, usize, Parameters)> = (0..starts).into_par_iter().map(begin).collect();
+        begun.sort_by(|a, b| a.0.total_cmp(&b.0));
         begun.truncate(starts.div_ceil(2));
-        let finish = |(start, (parameters, _)): (usize, (Vec<Vec<f64>>, f64))| {
+        let finish = |(_, start, parameters): (f64, usize, Parameters)| {
             let (mut parameters, mut cost) = self.search(mosaic, &parameters, steps, &is_stopped);
             let pruned: Vec<bool> = parameters.iter_mut().map(|p| self.space.prune(p)).collect();
             if pruned.contains(&true) {
@@ -188,7 +192,7 @@ impl FilterSearch<'_> {
     fn found(
         &self,
         mosaic: &Mosaic,
-        parameters: Vec<Vec<f64>>,
+        parameters: Parameters,
         cost: f64,
         start: usize,
     ) -> Result<FoundFilters, DesignError> {
@@ -206,7 +210,7 @@ impl FilterSearch<'_> {
         start: &[Vec<f64>],
         steps: usize,
         is_stopped: &impl Fn() -> bool,
-    ) -> (Vec<Vec<f64>>, f64) {
+    ) -> (Parameters, f64) {
         let each = self.space.parameters();
         let function = |flat: &[f64]| {
             let parameters: Vec<&[f64]> = flat.chunks_exact(each).collect();
