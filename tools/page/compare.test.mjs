@@ -113,7 +113,8 @@ test("the page opens with the verdict, its figure and its differences", () => wi
   for (const [i, light] of results.verdict.lights.entries()) {
     const words = await verdict.locator(".verdict").nth(i).locator("dd").first().textContent();
     const by = light.metrics[0].leads.find((_, k) => k !== light.metrics[0].best).by;
-    assert.ok(words.includes(`${by.value.toFixed(2)} dB [${by.interval.low.toFixed(2)}, ${by.interval.high.toFixed(2)}]`), words);
+    const [value, low, high] = [by.value, by.interval.low, by.interval.high].map((v) => v.toFixed(2).replace("-", "−"));
+    assert.ok(words.includes(`${value} dB [${low}, ${high}]`), words);
     // The difference from the first is that of the means of both, and lies in its interval.
     for (const [k, metric] of light.metrics.entries()) {
       const of = (contender) => results.results[2 * contender + i][metric.metric];
