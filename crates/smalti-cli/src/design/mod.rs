@@ -1,0 +1,133 @@
+//! `smalti design`: finds the best filters and mosaic and writes the camera with them.
+
+mod benchmark;
+mod document;
+mod files;
+mod summary;
+
+use std::path::PathBuf;
+use std::time::Instant;
+
+use anyhow::Context;
+use clap::Args;
+use smalti::design::Design;
+use smalti::design::light::LightStatistics;
+use smalti::experiment::{
+    DesignTask, DesignedCfa, Learned, Resources, TrainingSources, design, learn, light_statistics,
+};
+use smalti_io::designs::{self, LoadedDesign};
+use smalti_io::{l3, memory, write};
+
+use self::benchmark::benchmark;
+use self::document::document;
+use self::files::{mosaic_figure, write_filters};
+use self::summary::summary;
+use crate::args::Common;
+use crate::learning_args::LearningOptions;
+use crate::output::note;
+use crate::progress::Progress;
+
+#[derive(Debug, Clone, Args)]
+#[command(after_help = "Examples:\n  \
+    smalti design pigments-4 -o best                       the best four filters of pigments in 2 × 2\n  \
+    smalti compare best/camera.toml bayer --luminance 1,10,80   what they are worth on scenes that were not used\n  \
+    smalti design my-design.toml -o mine                   your own camera, pigments, light (smalti list design-keys)\n  \
+    smalti design --benchmark                              colour filter arrays that this machine screens per second\n\n\
+    The search minimises the expected error of the best linear pipeline in closed form. It needs the statistics of the light on the \
+    pixels, from the scenes that pipelines learn from, and simulates no picture. The printed figures are such expectations: they rank \
+    colour filter arrays as learned pipelines do and are not their scores. DIR holds the camera with the array that was found \
+    (camera.toml, filters.csv, mosaic.svg, camera.l3), the published mosaics with the best filters of the same kind (rivals/) and results.json.")]
+pub(crate) struct DesignArgs {
+    /// A built-in design (smalti list designs) or a TOML file
+    #[arg(required_unless_present = "benchmark", conflicts_with = "benchmark")]
+    pub(crate) design: Option<String>,
+    /// Folder for the results, created if needed
+    #[arg(short, long, default_value = "design", value_name = "DIR")]
+    pub(crate) output: PathBuf,
+    /// Measure how many colour filter arrays per second this machine screens; write nothing
+    #[arg(long)]
+    pub(crate) benchmark: bool,
+    /// Do not learn a pipeline for the array that was found
+    #[arg(long)]
+    pub(crate) no_pipeline: bool,
+    /// Print JSON
+    #[arg(long)]
+    pub(crate) json: bool,
+    // Last: the heading would apply to all arguments after it.
+    #[command(flatten)]
+    pub(crate) learning: LearningOptions,
+}
+
+/// Published mosaics that are written as cameras.
+const WRITTEN_RIVALS: usize = 5;
+
+pub(crate) fn run(args: &DesignArgs, common: &Common) -> anyhow::Result<()> {
+    let Some(name) = &args.design else { return benchmark(args, common) };
+    let LoadedDesign { task, camera: description, notes, .. } =
+        designs::load(name).map_err(|e| anyhow::anyhow!("{e}"))?;
+    notes.iter().for_each(|text| note(text, common));
+    write::ensure_can_fill(&args.output)?;
+    let progress = Progress::new(0, common.quiet);
+    let begun = Instant::now();
+    let statistics = statistics(&task, args, &progress)?;
+    let found = design(&task, &statistics, &progress)?;
+    let seconds = begun.elapsed().as_secs_f64();
+    let best = found.searched.first().and_then(DesignedCfa::design).context("no mosaic was searched")?;
+    let camera = smalti::camera::Camera::new(
+        smalti::camera::description::CameraDescription {
+            name: task.name.clone(),
+            ..best.camera(&description)
+        },
+        task.camera.grid(),
+    )?;
+    let pipeline = match args.no_pipeline {
+        true => None,
+        false => {
+            let sources = TrainingSources::<anyhow::Error> {
+                scenes: None,
+                illuminants: vec![task.illuminant.clone()],
+                stored_scenes: args.learning.training_set.stored(),
+                pairs: Vec::new(),
+                saved: Vec::new(),
+            };
+            let (settings, training) = (args.learning.settings(task.search.seed), args.learning.training());
+            let Learned { pipeline, .. } =
+                learn(&camera, &settings, &training, sources, &progress, memory::available_bytes())?;
+            Some(pipeline)
+        }
+    };
+    progress.finish();
+    let dir = &args.output;
+    write::begin_folder(dir, &["results.json"])?;
+    if let Some(pipeline) = &pipeline {
+        l3::write_table(&dir.join("camera.l3"), pipeline)?;
+    }
+    let toml = |design: &Design, name: &str| {
+        designs::camera_toml(design, &description, name).map_err(|e| anyhow::anyhow!("{e}"))
+    };
+    write::bytes(&dir.join("camera.toml"), toml(&best, &task.name)?.as_bytes())?;
+    write_filters(&dir.join("filters.csv"), &best, &task)?;
+    let figure = mosaic_figure(&best, &task)?;
+    write::bytes(&dir.join("mosaic.svg"), figure.svg().as_bytes())?;
+    let rivals: Vec<&DesignedCfa> = found.rivals.iter().take(WRITTEN_RIVALS).collect();
+    if !rivals.is_empty() {
+        write::begin_folder(&dir.join("rivals"), &[])?;
+    }
+    for rival in &rivals {
+        let Some(design) = rival.design() else { continue };
+        let text = toml(&design, &format!("{}, filters of {}", rival.name, task.name))?;
+        write::bytes(&dir.join("rivals").join(format!("{}.toml", rival.name)), text.as_bytes())?;
+    }
+    let document = document(&task, &statistics, &found, seconds);
+    write::bytes(&dir.join("results.json"), (serde_json::to_string_pretty(&document)? + "\n").as_bytes())?;
+    if args.json {
+        return crate::output::print_json(&document);
+    }
+    crate::print(&summary(&task, &statistics, &found, (dir, seconds)))
+}
+
+fn statistics(task: &DesignTask, args: &DesignArgs, progress: &Progress) -> anyhow::Result<LightStatistics> {
+    let resources =
+        Resources { training_scenes: args.learning.training_set.stored(), progress, ..Resources::default() };
+    Ok(light_statistics(&task.camera, &task.illuminant, None, &task.light, resources)?)
+}
