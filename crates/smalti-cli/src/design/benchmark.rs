@@ -2,6 +2,7 @@
 
 use std::time::Instant;
 
+use anyhow::Context;
 use serde_json::json;
 use smalti::design::light::{LightClasses, LightSettings};
 use smalti::design::screen::{Figures, FilterResponses, Screen};
@@ -26,7 +27,7 @@ pub(super) fn benchmark(args: &DesignArgs, common: &Common) -> anyhow::Result<()
     };
     let task = DesignTask { light: LightSettings { classes, ..task.light }, ..task };
     let progress = Progress::new(0, common.quiet);
-    let statistics = statistics(&task, args, &progress)?;
+    let statistics = statistics(&task, args, &progress)?.pop().context("expected an illuminant")?;
     progress.finish();
     let screen = Screen::new(&task.camera, &statistics, &task.conditions)?;
     let components = statistics.basis().len();

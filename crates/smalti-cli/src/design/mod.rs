@@ -85,7 +85,7 @@ pub(crate) fn run(args: &DesignArgs, common: &Common) -> anyhow::Result<()> {
         false => {
             let sources = TrainingSources::<anyhow::Error> {
                 scenes: None,
-                illuminants: vec![task.illuminant.clone()],
+                illuminants: task.illuminants.clone(),
                 stored_scenes: args.learning.training_set.stored(),
                 pairs: Vec::new(),
                 saved: Vec::new(),
@@ -118,6 +118,14 @@ pub(crate) fn run(args: &DesignArgs, common: &Common) -> anyhow::Result<()> {
         let text = toml(&design, &format!("{}, filters of {}", rival.name, task.name))?;
         write::bytes(&dir.join("rivals").join(format!("{}.toml", rival.name)), text.as_bytes())?;
     }
+    if !found.front.is_empty() {
+        write::begin_folder(&dir.join("front"), &[])?;
+    }
+    for (number, point) in (1..).zip(&found.front) {
+        let Some(design) = point.cfa.design() else { continue };
+        let text = toml(&design, &format!("{}, compromise {number}", task.name))?;
+        write::bytes(&dir.join("front").join(format!("{number}.toml")), text.as_bytes())?;
+    }
     let document = document(&task, &statistics, &found, seconds);
     write::bytes(&dir.join("results.json"), (serde_json::to_string_pretty(&document)? + "\n").as_bytes())?;
     if args.json {
@@ -126,8 +134,16 @@ pub(crate) fn run(args: &DesignArgs, common: &Common) -> anyhow::Result<()> {
     crate::print(&summary(&task, &statistics, &found, (dir, seconds)))
 }
 
-fn statistics(task: &DesignTask, args: &DesignArgs, progress: &Progress) -> anyhow::Result<LightStatistics> {
-    let resources =
-        Resources { training_scenes: args.learning.training_set.stored(), progress, ..Resources::default() };
-    Ok(light_statistics(&task.camera, &task.illuminant, None, &task.light, resources)?)
+/// The statistics of the light under each illuminant.
+fn statistics(
+    task: &DesignTask,
+    args: &DesignArgs,
+    progress: &Progress,
+) -> anyhow::Result<Vec<LightStatistics>> {
+    let stored = args.learning.training_set.stored();
+    let under = |illuminant| {
+        let resources = Resources { training_scenes: stored, progress, ..Resources::default() };
+        Ok(light_statistics(&task.camera, illuminant, None, &task.light, resources)?)
+    };
+    task.illuminants.iter().map(under).collect()
 }

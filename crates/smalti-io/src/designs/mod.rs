@@ -7,7 +7,9 @@ use serde::Deserialize;
 use smalti::camera::description::CameraDescription;
 use smalti::design::light::LightSettings;
 use smalti::design::screen::ScreenCondition;
-use smalti::design::search::{FilterSpace, Objective, SearchSettings};
+use smalti::design::search::{
+    Annealing, FilterSpace, Front, LayoutRules, Objective, SearchSettings, Tolerance,
+};
 use smalti::design::{Design, DesignError, MosaicFamily};
 use smalti::experiment::DesignTask;
 
@@ -61,9 +63,9 @@ struct DesignFile {
     #[serde(default)]
     #[cfg_attr(feature = "schema", schemars(with = "BTreeMap<String, serde_json::Value>"))]
     set: BTreeMap<String, toml::Value>,
-    /// Illuminant of the scenes: a name or a CSV file.
-    #[serde(default = "default_light")]
-    illuminant: String,
+    /// Illuminants of the scenes: names or CSV files. All count equally.
+    #[serde(default = "default_lights")]
+    illuminants: Vec<String>,
     /// Mean luminances of the scenes, cd/m². All count equally.
     #[serde(default = "default_luminances")]
     luminances_cd_m2: Vec<f64>,
@@ -76,14 +78,26 @@ struct DesignFile {
     filters: FilterSpace,
     /// The mosaics to search.
     mosaics: MosaicFamily,
-    /// Number of mosaics to draw for each number of filters. The default is all.
+    /// Number of mosaics to draw for each number of filters. By default all are tried if they are at most 256, and those of larger tiles are
+    /// annealed.
     mosaic_count: Option<u64>,
+    /// What every mosaic must fulfil.
+    #[serde(default)]
+    rules: LayoutRules,
+    /// How the layouts of large tiles are searched.
+    #[serde(default)]
+    annealing: Annealing,
     /// Whether the published mosaics compete, each with the best filters of the same kind.
     #[serde(default = "yes")]
     rivals: bool,
     /// What is minimised.
     #[serde(default)]
     objective: Objective,
+    /// Aims between which the best compromises are wanted as well.
+    front: Option<Front>,
+    /// How filters differ from those that were wanted.
+    #[serde(default)]
+    tolerance: Tolerance,
     /// The extent of the search.
     #[serde(default)]
     search: SearchSettings,
@@ -92,8 +106,8 @@ struct DesignFile {
     light: LightSettings,
 }
 
-fn default_light() -> String {
-    "D65".into()
+fn default_lights() -> Vec<String> {
+    vec!["D65".into()]
 }
 
 fn default_luminances() -> Vec<f64> {
@@ -132,12 +146,18 @@ pub fn load(name: &str) -> Result<LoadedDesign, Box<Diagnostic>> {
     let wrong = |key: &str, message: &str| Box::new(source.about_key(key, message));
     let mut notes = Vec::new();
     let mut filters = file.filters.clone();
-    if let FilterSpace::Pigments(pigments) = &mut filters {
-        for (at, filter) in pigments.library.iter_mut().enumerate() {
-            let key = format!("filters.pigments.library[{at}]");
+    if let Some((library, curves)) = filters.library_mut() {
+        for (at, filter) in curves.iter_mut().enumerate() {
+            let key = format!("filters.{library}[{at}]");
             let note = read_curve(filter, &source.folder).map_err(|e| wrong(&key, &e))?;
             tell(&mut notes, note);
         }
+    }
+    let mut rules = file.rules.clone();
+    for (letter, filter) in &mut rules.filters {
+        let note =
+            read_curve(filter, &source.folder).map_err(|e| wrong(&format!("rules.filters.{letter}"), &e))?;
+        tell(&mut notes, note);
     }
     if file.luminances_cd_m2.is_empty() {
         return Err(wrong("luminances_cd_m2", "expected at least one luminance"));
@@ -156,22 +176,33 @@ pub fn load(name: &str) -> Result<LoadedDesign, Box<Diagnostic>> {
     let camera_name = cameras::name_beside(&source.folder, &file.camera);
     let loaded = cameras::load_with_notes(&camera_name, &overrides, None)?;
     notes.extend(loaded.notes);
-    let (illuminant, note) = lights::load_with_note(&file.illuminant, &source.folder)
-        .map_err(|e| wrong("illuminant", &e.to_string()))?;
-    tell(&mut notes, note);
+    if file.illuminants.is_empty() {
+        return Err(wrong("illuminants", "expected at least one illuminant"));
+    }
+    let mut illuminants = Vec::new();
+    for (at, name) in file.illuminants.iter().enumerate() {
+        let (illuminant, note) = lights::load_with_note(name, &source.folder)
+            .map_err(|e| wrong(&format!("illuminants[{at}]"), &e.to_string()))?;
+        tell(&mut notes, note);
+        illuminants.push(illuminant);
+    }
     let camera = loaded.camera;
     let condition = |&luminance: &f64| ScreenCondition::of_camera(&camera, luminance, file.longest_ms * 1e-3);
     let stem = Path::new(&source.name).file_stem().map(|s| s.to_string_lossy().into_owned());
     let task = DesignTask {
         name: file.name.clone().or(stem).unwrap_or_else(|| source.name.clone()),
         conditions: file.luminances_cd_m2.iter().map(condition).collect(),
-        illuminant,
+        illuminants,
         colors: file.colors.clone(),
         filters,
         mosaics: file.mosaics.clone(),
         mosaic_count: file.mosaic_count,
+        rules,
+        annealing: file.annealing,
         rivals: file.rivals,
         objective: file.objective,
+        front: file.front.clone(),
+        tolerance: file.tolerance,
         search: file.search,
         light: file.light.clone(),
         camera,
@@ -198,25 +229,22 @@ pub fn camera_toml(
 fn check(task: &DesignTask, source: &TomlSource) -> Result<(), Box<Diagnostic>> {
     let shown = |table: &str, e: DesignError| match &e {
         DesignError::Key { key, message } => {
-            let key = if table.is_empty() { key.clone() } else { format!("{table}.{key}") };
+            // Families know the keys below their table only.
+            let is_whole = table.is_empty() || key.starts_with("rules.") || key == "colors";
+            let key = if is_whole { key.clone() } else { format!("{table}.{key}") };
             Box::new(source.about_key(&key, message))
         }
         _ => Box::new(source.about_key(if table.is_empty() { "colors" } else { table }, &e.to_string())),
     };
-    task.objective.validate().map_err(|e| shown("", e))?;
-    task.search.validate().map_err(|e| shown("", e))?;
+    task.validate().map_err(|e| shown("", e))?;
     task.light.validate().map_err(|e| shown("light", e))?;
     task.filters.sampled(task.camera.grid()).map_err(|e| shown("filters", e))?;
-    let mut mosaics = 0;
+    let mut has_mosaics = false;
     for &colors in &task.colors {
-        let seed = task.search.seed;
-        mosaics += task
-            .mosaics
-            .pick_layouts(colors, task.mosaic_count, seed)
-            .map_err(|e| shown("mosaics", e))?
-            .len();
+        let listed = task.listed_mosaics(colors).map_err(|e| shown("mosaics", e))?;
+        has_mosaics |= listed.is_none_or(|mosaics| !mosaics.is_empty());
     }
-    if mosaics == 0 {
+    if !has_mosaics {
         let message = format!("no mosaic has {:?} filters", task.colors);
         return Err(Box::new(source.about_key("mosaics", &message)));
     }

@@ -30,7 +30,7 @@ mod verdict;
 pub use comparison::{Compared, ComparisonSettings, compare};
 pub use contender::{Contender, ScoredScene, contenders, ensure_any_defined, pipelines, score_scene};
 pub use default_training::{DefaultTraining, learn_default};
-pub use design::{DesignTask, DesignedCfa, Designs, design};
+pub use design::{DesignTask, DesignedCfa, Designs, FrontPoint, design, screens};
 pub use differences::{CameraDifference, FIELD_OF_VIEW, IspKeys, camera_differences};
 pub use error::ExperimentError;
 pub use exposure::{ComparedPictures, EqualExposure, ExposurePlan, ExposurePolicy, LimitingCamera};

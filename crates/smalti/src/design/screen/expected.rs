@@ -21,10 +21,12 @@ pub enum Figures {
 }
 
 /// Expected figures of a colour filter array under one condition, averaged over classes and positions.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct ExpectedError {
     /// Peak signal-to-noise ratio over X, Y, Z together, peak at display white, dB.
     pub cpsnr_db: f64,
+    /// Peak signal-to-noise ratio of Y in the patches of the highest contrast, peak at display white, dB.
+    pub detail_db: f64,
     /// Mean CIEDE2000 of the pixels; NaN unless asked for.
     pub delta_e_2000: f64,
     /// Exposure time, s.
@@ -79,7 +81,7 @@ impl Screen {
         figures: Figures,
         time_s: f64,
     ) -> ExpectedError {
-        let (mut squares, mut delta_e) = (0.0, 0.0);
+        let (mut squares, mut detail, mut delta_e) = (0.0, 0.0, 0.0);
         for (at, error) in errors.iter().enumerate() {
             let group = at % self.groups;
             for lane in 0..LANES {
@@ -89,6 +91,7 @@ impl Screen {
                 }
                 let scaled = error.map(|e| e[lane] * self.per_white_squared[group][lane]);
                 squares += share * (scaled[0] + scaled[2] + scaled[5]) / 3.0;
+                detail += self.detailed[group][lane] * scaled[2];
                 if figures == Figures::All
                     && let Some(color) = self.colors.get(group * LANES + lane)
                 {
@@ -98,6 +101,8 @@ impl Screen {
         }
         let n = positions as f64;
         let delta_e_2000 = if figures == Figures::All { delta_e / n } else { f64::NAN };
-        ExpectedError { cpsnr_db: -10.0 * libm::log10(squares / n), delta_e_2000, time_s }
+        let decibels = |mean_square: f64| -10.0 * libm::log10(mean_square);
+        let detail_db = decibels(detail / n / self.detailed_share);
+        ExpectedError { cpsnr_db: decibels(squares / n), detail_db, delta_e_2000, time_s }
     }
 }

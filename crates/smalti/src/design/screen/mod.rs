@@ -29,6 +29,6 @@ mod responses;
 
 pub use condition::{ScreenCondition, ScreenTime};
 pub use expected::{ExpectedError, Figures};
-pub use gradient::{ExpectedGradient, FigureWeights};
+pub use gradient::{Differentiable, FigureWeights};
 pub use model::Screen;
 pub use responses::FilterResponses;
