@@ -10,7 +10,8 @@ use smalti::experiment::DesignTask;
 use smalti::sensor::Mosaic;
 use smalti_io::designs;
 
-use super::{DesignArgs, statistics};
+use super::DesignArgs;
+use super::light::statistics;
 use crate::args::Common;
 use crate::progress::Progress;
 
@@ -27,7 +28,7 @@ pub(super) fn benchmark(args: &DesignArgs, common: &Common) -> anyhow::Result<()
     };
     let task = DesignTask { light: LightSettings { classes, ..task.light }, ..task };
     let progress = Progress::new(0, common.quiet);
-    let statistics = statistics(&task, args, &progress)?.pop().context("expected an illuminant")?;
+    let statistics = statistics(&task, args, common, &progress)?.pop().context("expected an illuminant")?;
     progress.finish();
     let screen = Screen::new(&task.camera, &statistics, &task.conditions)?;
     let components = statistics.basis().len();

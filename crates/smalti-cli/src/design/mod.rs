@@ -3,6 +3,7 @@
 mod benchmark;
 mod document;
 mod files;
+mod light;
 mod summary;
 
 use std::path::PathBuf;
@@ -12,10 +13,8 @@ use anyhow::Context;
 use clap::Args;
 use smalti::design::Design;
 use smalti::design::light::LightStatistics;
-use smalti::experiment::{
-    DesignTask, DesignedCfa, Learned, Resources, TrainingSources, design, learn, light_statistics,
-};
-use smalti_io::designs::{self, LoadedDesign};
+use smalti::experiment::{DesignTask, DesignedCfa, Learned, TrainingSources, design, learn};
+use smalti_io::designs::{self, LoadedDesign, SearchLog};
 use smalti_io::{l3, memory, write};
 
 use self::benchmark::benchmark;
@@ -26,17 +25,21 @@ use crate::args::Common;
 use crate::learning_args::LearningOptions;
 use crate::output::note;
 use crate::progress::Progress;
+use crate::scene_args::SceneOptions;
+use crate::sweep::stops_resumably;
 
 #[derive(Debug, Clone, Args)]
 #[command(after_help = "Examples:\n  \
     smalti design pigments-4 -o best                       the best four filters of pigments in 2 × 2\n  \
     smalti compare best/camera.toml bayer --luminance 1,10,80   what they are worth on scenes that were not used\n  \
     smalti design my-design.toml -o mine                   your own camera, pigments, light (smalti list design-keys)\n  \
+    smalti design pigments-6 --light best/light/D65.light  the statistics of an earlier design again\n  \
     smalti design --benchmark                              colour filter arrays that this machine screens per second\n\n\
     The search minimises the expected error of the best linear pipeline in closed form. It needs the statistics of the light on the \
     pixels, from the scenes that pipelines learn from, and simulates no picture. The printed figures are such expectations: they rank \
     colour filter arrays as learned pipelines do and are not their scores. DIR holds the camera with the array that was found \
-    (camera.toml, filters.csv, mosaic.svg, camera.l3), the published mosaics with the best filters of the same kind (rivals/) and results.json.")]
+    (camera.toml, filters.csv, mosaic.svg, camera.l3), the published mosaics with the best filters of the same kind (rivals/), the compromises of a front \
+    (front/), the statistics of light (light/) and results.json. After Ctrl-C or a crash, the same command goes on where the search ended.")]
 pub(crate) struct DesignArgs {
     /// A built-in design (smalti list designs) or a TOML file
     #[arg(required_unless_present = "benchmark", conflicts_with = "benchmark")]
@@ -44,6 +47,12 @@ pub(crate) struct DesignArgs {
     /// Folder for the results, created if needed
     #[arg(short, long, default_value = "design", value_name = "DIR")]
     pub(crate) output: PathBuf,
+    /// A scene to gather the statistics of light from instead of the default set, built in or a file; may be given more than once
+    #[arg(long = "scene", value_name = "SCENE", conflicts_with = "light")]
+    pub(crate) scenes: Vec<String>,
+    /// Statistics of light that an earlier design wrote (DIR/light/NAME.light) instead of gathering them; several files of one illuminant are merged
+    #[arg(long, value_name = "FILE")]
+    pub(crate) light: Vec<PathBuf>,
     /// Measure how many colour filter arrays per second this machine screens; write nothing
     #[arg(long)]
     pub(crate) benchmark: bool,
@@ -56,6 +65,8 @@ pub(crate) struct DesignArgs {
     // Last: the heading would apply to all arguments after it.
     #[command(flatten)]
     pub(crate) learning: LearningOptions,
+    #[command(flatten, next_help_heading = "Properties that a --scene does not state")]
+    pub(crate) scene_options: SceneOptions,
 }
 
 /// Published mosaics that are written as cameras.
@@ -69,8 +80,13 @@ pub(crate) fn run(args: &DesignArgs, common: &Common) -> anyhow::Result<()> {
     write::ensure_can_fill(&args.output)?;
     let progress = Progress::new(0, common.quiet);
     let begun = Instant::now();
-    let statistics = statistics(&task, args, &progress)?;
-    let found = design(&task, &statistics, &progress)?;
+    let statistics = light::statistics(&task, args, common, &progress)?;
+    let log = SearchLog::open(&args.output, &task_text(&task, &statistics))?;
+    if log.known() > 0 {
+        note(&format!("{} parts of the search are those of an earlier run", log.known()), common);
+    }
+    stops_resumably(&args.output, "the search")?;
+    let found = design(&task, &statistics, &log, &progress)?;
     let seconds = begun.elapsed().as_secs_f64();
     let best = found.searched.first().and_then(DesignedCfa::design).context("no mosaic was searched")?;
     let camera = smalti::camera::Camera::new(
@@ -102,6 +118,7 @@ pub(crate) fn run(args: &DesignArgs, common: &Common) -> anyhow::Result<()> {
     if let Some(pipeline) = &pipeline {
         l3::write_table(&dir.join("camera.l3"), pipeline)?;
     }
+    light::keep(dir, &task, &statistics)?;
     let toml = |design: &Design, name: &str| {
         designs::camera_toml(design, &description, name).map_err(|e| anyhow::anyhow!("{e}"))
     };
@@ -134,16 +151,8 @@ pub(crate) fn run(args: &DesignArgs, common: &Common) -> anyhow::Result<()> {
     crate::print(&summary(&task, &statistics, &found, (dir, seconds)))
 }
 
-/// The statistics of the light under each illuminant.
-fn statistics(
-    task: &DesignTask,
-    args: &DesignArgs,
-    progress: &Progress,
-) -> anyhow::Result<Vec<LightStatistics>> {
-    let stored = args.learning.training_set.stored();
-    let under = |illuminant| {
-        let resources = Resources { training_scenes: stored, progress, ..Resources::default() };
-        Ok(light_statistics(&task.camera, illuminant, None, &task.light, resources)?)
-    };
-    task.illuminants.iter().map(under).collect()
+/// All that a search depends on, as text.
+fn task_text(task: &DesignTask, statistics: &[LightStatistics]) -> String {
+    let light: Vec<_> = statistics.iter().map(|s| (s.source(), s.patches(), s.parts().energy)).collect();
+    format!("{} {task:?} {light:?}", env!("CARGO_PKG_VERSION"))
 }

@@ -1,8 +1,11 @@
 //! Reading of design files: which colour filter array is wanted.
 
+mod log;
+
 use std::collections::BTreeMap;
 use std::path::Path;
 
+pub use log::{SEARCH_LOG, SearchLog};
 use serde::Deserialize;
 use smalti::camera::description::CameraDescription;
 use smalti::design::light::LightSettings;
@@ -27,6 +30,16 @@ static DESIGNS: &[BuiltinFile] = &[
     ),
     builtin!("designs", "pigments-4", "Four filters of pigments in 2 × 2, for the same camera and light"),
     builtin!("designs", "pigments-6", "Six filters of pigments in 2 × 3, for the same camera and light"),
+    builtin!(
+        "designs",
+        "pigments-front",
+        "The best compromises between noise in the dark and colour by day, three to six filters in 2 × 3"
+    ),
+    builtin!(
+        "designs",
+        "mixtures-16",
+        "Sixteen different mixtures of red, green and blue in 4 × 4, in the manner of learned arrays (Henz 2018)"
+    ),
     builtin!(
         "designs",
         "free-4",

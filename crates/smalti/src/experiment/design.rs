@@ -2,14 +2,15 @@
 
 use std::sync::{Mutex, PoisonError};
 
+use super::design_store::{DesignStore, KeptFind};
 use super::progress::ensure_running;
 use super::{ExperimentError, Progress};
 use crate::camera::Camera;
 use crate::design::light::{LightSettings, LightStatistics};
 use crate::design::screen::{ExpectedError, Screen, ScreenCondition};
 use crate::design::search::{
-    Annealing, FilterSearch, FilterSpace, FoundFilters, Front, Goal, LayoutRules, LayoutSearch, Objective,
-    SampledSpace, SearchSettings, Tolerance,
+    Annealing, FilterSearch, FilterSpace, FoundFilters, FoundLayout, Front, Goal, LayoutRules, LayoutSearch,
+    Objective, SampledSpace, SearchSettings, Tolerance,
 };
 use crate::design::{Design, DesignError, FilterSet, MosaicFamily, published};
 use crate::sensor::{Filter, Mosaic};
@@ -214,7 +215,7 @@ impl DesignTask {
 }
 
 /// Finds the filters for every mosaic of a task, those for the published mosaics, and the front. `statistics` has an entry for each illuminant. Each start
-/// is one step of progress.
+/// is one step of progress. What `store` has of an earlier run is not searched again.
 ///
 /// The same task gives the same arrays for any number of threads.
 ///
@@ -223,6 +224,7 @@ impl DesignTask {
 pub fn design(
     task: &DesignTask,
     statistics: &[LightStatistics],
+    store: &dyn DesignStore,
     progress: &dyn Progress,
 ) -> Result<Designs, ExperimentError> {
     task.validate()?;
@@ -235,7 +237,7 @@ pub fn design(
         .collect::<Result<Vec<_>, _>>()?
         .concat();
     let goal = task.objective.goal(&own);
-    let search = Search { task, screens: &screens, space: &space, progress };
+    let search = Search { task, screens: &screens, space: &space, store, progress };
     let free = search.filters(&goal, &[], task.search);
     let constrained = FilterSearch { given: &given, ..free };
     let mut candidates: Vec<Candidate> = Vec::new();
@@ -292,6 +294,7 @@ struct Search<'a> {
     task: &'a DesignTask,
     screens: &'a [Screen],
     space: &'a SampledSpace,
+    store: &'a dyn DesignStore,
     progress: &'a dyn Progress,
 }
 
@@ -311,13 +314,30 @@ impl<'a> Search<'a> {
         &self,
         filters: &FilterSearch<'a>,
         colors: usize,
-    ) -> Result<Vec<crate::design::search::FoundLayout>, ExperimentError> {
+    ) -> Result<Vec<FoundLayout>, ExperimentError> {
         let MosaicFamily::Tile(tile) = self.task.mosaics else { return Ok(Vec::new()) };
         let (rules, annealing) = (self.task.rules.of_tile(tile)?, self.task.annealing);
+        let part = format!("layouts of {colors} filters");
+        let layout = |kept: KeptFind| {
+            let mosaic = Mosaic::new(tile.rows, tile.cols, kept.cells).ok()?;
+            Some(FoundLayout { mosaic, parameters: kept.parameters, cost: kept.cost })
+        };
+        let kept: Option<Vec<FoundLayout>> =
+            self.store.find(&part).and_then(|kept| kept.into_iter().map(layout).collect());
+        if let Some(kept) = kept {
+            return Ok(kept);
+        }
         self.progress.expect((annealing.chains * annealing.rounds) as u64);
-        let done = self.live(format!("layouts of {colors} filters"));
+        let done = self.live(part.clone());
         let found = LayoutSearch { filters: *filters, rules: &rules, annealing }.layouts(colors, &done)?;
         ensure_running(self.progress)?;
+        let keep = |f: &FoundLayout| KeptFind {
+            cells: f.mosaic.cells().to_vec(),
+            parameters: f.parameters.clone(),
+            cost: f.cost,
+            start: 0,
+        };
+        self.store.keep(&part, &found.iter().map(keep).collect::<Vec<_>>());
         Ok(found)
     }
 
@@ -333,6 +353,7 @@ impl<'a> Search<'a> {
         }
     }
 
+    /// The filters of a mosaic, unless an earlier run has found them.
     fn run(
         &self,
         search: &FilterSearch<'_>,
@@ -340,8 +361,23 @@ impl<'a> Search<'a> {
         live: &(dyn Fn(f64) -> bool + Sync),
     ) -> Result<Vec<FoundFilters>, ExperimentError> {
         ensure_running(self.progress)?;
+        let SearchSettings { starts, steps, .. } = search.settings;
+        let part = format!("{} {} {starts} {steps}", candidate.item, candidate.name);
+        if let Some(kept) = self.store.find(&part) {
+            kept.iter().for_each(|_| self.progress.done());
+            let found =
+                kept.into_iter().map(|k| search.found(&candidate.mosaic, k.parameters, k.cost, k.start));
+            return Ok(found.collect::<Result<_, _>>()?);
+        }
         let found = search.filters(&candidate.mosaic, &candidate.first, candidate.item, live)?;
         ensure_running(self.progress)?;
+        let keep = |f: &FoundFilters| KeptFind {
+            cells: Vec::new(),
+            parameters: f.parameters.clone(),
+            cost: f.cost,
+            start: f.start,
+        };
+        self.store.keep(&part, &found.iter().map(keep).collect::<Vec<_>>());
         Ok(found)
     }
 

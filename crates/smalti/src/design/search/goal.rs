@@ -31,7 +31,8 @@ pub enum Over {
     /// Their mean.
     #[default]
     Mean,
-    /// The worst change from the camera's own array, as a soft maximum: an array that is better everywhere has a negative cost.
+    /// The worst change of any weighted figure under any condition from the camera's own array, as a soft maximum. An array that is better in every
+    /// figure everywhere has a negative cost.
     Worst,
 }
 
@@ -54,23 +55,28 @@ impl Objective {
     /// The goal under some conditions, whose expected errors with the camera's own array are `own`.
     #[must_use]
     pub fn goal(&self, own: &[ExpectedError]) -> Goal {
-        let figures = FigureWeights {
-            cpsnr_db: -self.cpsnr_db,
-            detail_db: -self.detail_db,
-            delta_e_2000: self.delta_e_2000,
-        };
+        let none = FigureWeights::default();
+        let figures = [
+            FigureWeights { cpsnr_db: -self.cpsnr_db, ..none },
+            FigureWeights { detail_db: -self.detail_db, ..none },
+            FigureWeights { delta_e_2000: self.delta_e_2000, ..none },
+        ];
         let n = own.len();
-        match self.over {
-            Over::Mean => Goal { aims: vec![Aim::mean(figures, n, |_| true)] },
+        let aims = match self.over {
+            Over::Mean => {
+                vec![Aim::mean(figures.iter().fold(none, |sum, figure| sum.plus(figure)), n, |_| true)]
+            }
             Over::Worst => {
-                let of = |at: usize| {
-                    let aim = Aim::mean(figures, n, |c| c == at);
+                let of = |(at, figure): (usize, &FigureWeights)| {
+                    let aim = Aim::mean(*figure, n, |c| c == at);
                     let offset = aim.value(own);
                     Aim { offset, ..aim }
                 };
-                Goal { aims: (0..n).map(of).collect() }
+                let weighted = figures.iter().filter(|figure| **figure != none);
+                weighted.flat_map(|figure| (0..n).map(move |at| (at, figure))).map(of).collect()
             }
-        }
+        };
+        Goal { aims }
     }
 }
 
@@ -289,7 +295,10 @@ mod tests {
         assert!(goal.cost(&own).abs() < 1e-12);
         // Better by 3 in the dark, worse by 1 in the light.
         let cost = goal.cost(&[expected(28.0, 9.0), expected(34.0, 3.0)]);
-        assert!((1.0 - 2f64.ln() / SHARPNESS - 1e-9..=1.0).contains(&cost), "{cost}");
+        assert!((1.0 - 4f64.ln() / SHARPNESS - 1e-9..=1.0).contains(&cost), "{cost}");
+        // A gain in one figure does not make up for a loss in another.
+        let cost = goal.cost(&[expected(28.0, 10.0), expected(38.0, 3.0)]);
+        assert!((1.0 - 4f64.ln() / SHARPNESS - 1e-9..=1.0).contains(&cost), "{cost}");
         // The mean would have preferred it.
         assert!(
             Objective::default().goal(&own).cost(&own) > {

@@ -125,11 +125,14 @@ impl FilterSearch<'_> {
         self.given.get(channel).is_some_and(Option::is_some)
     }
 
-    /// The filters of some parameters as a result.
-    fn found(
+    /// The filters of parameters that were found, with their expected errors.
+    ///
+    /// # Errors
+    /// When a parameter is not finite.
+    pub fn found(
         &self,
         mosaic: &Mosaic,
-        parameters: Parameters,
+        parameters: Vec<Vec<f64>>,
         cost: f64,
         start: usize,
     ) -> Result<FoundFilters, DesignError> {
