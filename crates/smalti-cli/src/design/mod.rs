@@ -3,17 +3,22 @@
 mod benchmark;
 mod document;
 mod files;
+mod page;
+mod proof;
+mod proof_options;
 mod summary;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use anyhow::Context;
 use clap::Args;
+use smalti::camera::CameraDescription;
 use smalti::design::Design;
 use smalti::design::light::LightStatistics;
 use smalti::experiment::{
-    DesignTask, DesignedCfa, Learned, Resources, TrainingSources, design, learn, light_statistics,
+    DesignTask, DesignedCfa, Learned, Resources, TrainingSources, analyse_design, design, learn,
+    light_statistics,
 };
 use smalti_io::designs::{self, LoadedDesign};
 use smalti_io::{l3, memory, write};
@@ -21,6 +26,9 @@ use smalti_io::{l3, memory, write};
 use self::benchmark::benchmark;
 use self::document::document;
 use self::files::{mosaic_figure, write_filters};
+use self::page::PAGE;
+use self::proof::{OWN, RESULTS};
+pub(crate) use self::proof_options::ProofOptions;
 use self::summary::summary;
 use crate::args::Common;
 use crate::learning_args::LearningOptions;
@@ -31,14 +39,20 @@ use crate::progress::Progress;
 #[command(after_help = "Examples:\n  \
     smalti design pigments-4 -o best                       the best four filters of pigments in 2 × 2\n  \
     smalti compare best/camera.toml bayer --luminance 1,10,80   what they are worth on scenes that were not used\n  \
+    smalti design pigments-4 -o best --prove               the same with all published mosaics, as a table and a page\n  \
+    smalti design best --prove --proof-patch 5,9           the proof of a finished search, or the rest of one that was stopped\n  \
     smalti design my-design.toml -o mine                   your own camera, pigments, light (smalti list design-keys)\n  \
     smalti design --benchmark                              colour filter arrays that this machine screens per second\n\n\
     The search minimises the expected error of the best linear pipeline in closed form. It needs the statistics of the light on the \
     pixels, from the scenes that pipelines learn from, and simulates no picture. The printed figures are such expectations: they rank \
     colour filter arrays as learned pipelines do and are not their scores. DIR holds the camera with the array that was found \
-    (camera.toml, filters.csv, mosaic.svg, camera.l3), the published mosaics with the best filters of the same kind (rivals/) and results.json.")]
+    (camera.toml, filters.csv, mosaic.svg, camera.l3), the published mosaics with the best filters of the same kind (rivals/), design.html and results.json.\n\n\
+    --prove learns pipelines for the array that was found, for the camera's own and for the published mosaics with the best filters of the \
+    same kind, and scores them on scenes that were not used. Its intervals hold together for all rivals, luminances and metrics. \
+    Another table has illuminants, f-numbers, deviations of the filters and other scenes. DIR/proof holds the scores (results.json) \
+    and the comparison with pictures (comparison/report.html). The cache keeps the scores, so that the same command resumes.")]
 pub(crate) struct DesignArgs {
-    /// A built-in design (smalti list designs) or a TOML file
+    /// A built-in design (smalti list designs), a TOML file, or with --prove the folder of a finished search
     #[arg(required_unless_present = "benchmark", conflicts_with = "benchmark")]
     pub(crate) design: Option<String>,
     /// Folder for the results, created if needed
@@ -53,16 +67,18 @@ pub(crate) struct DesignArgs {
     /// Print JSON
     #[arg(long)]
     pub(crate) json: bool,
+    #[command(flatten)]
+    pub(crate) proof: ProofOptions,
     // Last: the heading would apply to all arguments after it.
     #[command(flatten)]
     pub(crate) learning: LearningOptions,
 }
 
-/// Published mosaics that are written as cameras.
-const WRITTEN_RIVALS: usize = 5;
-
 pub(crate) fn run(args: &DesignArgs, common: &Common) -> anyhow::Result<()> {
     let Some(name) = &args.design else { return benchmark(args, common) };
+    if Path::new(name).is_dir() {
+        return proof::of_finished(Path::new(name), args, common);
+    }
     let LoadedDesign { task, camera: description, notes, .. } =
         designs::load(name).map_err(|e| anyhow::anyhow!("{e}"))?;
     notes.iter().for_each(|text| note(text, common));
@@ -74,10 +90,7 @@ pub(crate) fn run(args: &DesignArgs, common: &Common) -> anyhow::Result<()> {
     let seconds = begun.elapsed().as_secs_f64();
     let best = found.searched.first().and_then(DesignedCfa::design).context("no mosaic was searched")?;
     let camera = smalti::camera::Camera::new(
-        smalti::camera::description::CameraDescription {
-            name: task.name.clone(),
-            ..best.camera(&description)
-        },
+        CameraDescription { name: task.name.clone(), ..best.camera(&description) },
         task.camera.grid(),
     )?;
     let pipeline = match args.no_pipeline {
@@ -96,9 +109,12 @@ pub(crate) fn run(args: &DesignArgs, common: &Common) -> anyhow::Result<()> {
             Some(pipeline)
         }
     };
+    let analysis = analyse_design(&task, &statistics, &camera.sensor.cfa)?;
     progress.finish();
     let dir = &args.output;
-    write::begin_folder(dir, &["results.json"])?;
+    write::begin_folder(dir, &[RESULTS, PAGE])?;
+    let own = designs::own_camera_toml(&description).map_err(|e| anyhow::anyhow!("{e}"))?;
+    write::bytes(&dir.join(OWN), own.as_bytes())?;
     if let Some(pipeline) = &pipeline {
         l3::write_table(&dir.join("camera.l3"), pipeline)?;
     }
@@ -109,7 +125,7 @@ pub(crate) fn run(args: &DesignArgs, common: &Common) -> anyhow::Result<()> {
     write_filters(&dir.join("filters.csv"), &best, &task)?;
     let figure = mosaic_figure(&best, &task)?;
     write::bytes(&dir.join("mosaic.svg"), figure.svg().as_bytes())?;
-    let rivals: Vec<&DesignedCfa> = found.rivals.iter().take(WRITTEN_RIVALS).collect();
+    let rivals: Vec<&DesignedCfa> = found.rivals.iter().collect();
     if !rivals.is_empty() {
         write::begin_folder(&dir.join("rivals"), &[])?;
     }
@@ -118,12 +134,16 @@ pub(crate) fn run(args: &DesignArgs, common: &Common) -> anyhow::Result<()> {
         let text = toml(&design, &format!("{}, filters of {}", rival.name, task.name))?;
         write::bytes(&dir.join("rivals").join(format!("{}.toml", rival.name)), text.as_bytes())?;
     }
-    let document = document(&task, &statistics, &found, seconds);
-    write::bytes(&dir.join("results.json"), (serde_json::to_string_pretty(&document)? + "\n").as_bytes())?;
-    if args.json {
-        return crate::output::print_json(&document);
+    let document = document(&task, &statistics, &found, &analysis, seconds)?;
+    write::bytes(&dir.join(RESULTS), (serde_json::to_string_pretty(&document)? + "\n").as_bytes())?;
+    page::write(dir, &document, None)?;
+    if !args.json {
+        crate::print(&summary(&task, &statistics, &found, (dir, seconds)))?;
     }
-    crate::print(&summary(&task, &statistics, &found, (dir, seconds)))
+    if args.proof.prove {
+        return proof::run(dir, args, common);
+    }
+    if args.json { crate::output::print_json(&document) } else { Ok(()) }
 }
 
 fn statistics(task: &DesignTask, args: &DesignArgs, progress: &Progress) -> anyhow::Result<LightStatistics> {
