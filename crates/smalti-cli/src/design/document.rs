@@ -46,7 +46,10 @@ pub(super) fn document(
     let own = &task.camera.sensor.cfa;
     let grid = task.camera.grid();
     let sensor = &task.camera.sensor;
-    let of_own = |curve: &smalti::spectrum::Spectrum| curve.resampled(grid, Extrapolation::Error);
+    let mut shared = task.camera.optics.transmittance_on(grid)?;
+    if let Some(cut) = &sensor.ir_cut {
+        shared = shared.times(&cut.resampled(grid, Extrapolation::Error)?)?;
+    }
     Ok(json!({
         "name": task.name,
         "camera": task.camera.description().name,
@@ -55,8 +58,8 @@ pub(super) fn document(
         "search": task.search,
         "family": task.filters,
         "wavelengths_nm": grid.wavelengths_nm().collect::<Vec<_>>(),
-        "quantum_efficiency": of_own(&sensor.quantum_efficiency)?.values(),
-        "ir_cut": sensor.ir_cut.as_ref().map(of_own).transpose()?.map(|cut| cut.values().to_vec()),
+        "quantum_efficiency": sensor.quantum_efficiency.resampled(grid, Extrapolation::Error)?.values(),
+        "lens_and_ir_cut": shared.values(),
         "light": {
             "scenes": statistics.scenes(), "patches": statistics.patches(),
             "components": statistics.basis().len(), "energy_left_out": statistics.basis().left_out(),

@@ -17,8 +17,8 @@ use smalti::camera::CameraDescription;
 use smalti::design::Design;
 use smalti::design::light::LightStatistics;
 use smalti::experiment::{
-    DesignTask, DesignedCfa, Learned, Resources, TrainingSources, analyse_design, design, learn,
-    light_statistics,
+    DesignTask, DesignedCfa, Learned, Resources, TrainingSources, analyse_design, clear_transmittance,
+    design, learn, light_statistics,
 };
 use smalti_io::designs::{self, LoadedDesign};
 use smalti_io::{l3, memory, write};
@@ -109,7 +109,10 @@ pub(crate) fn run(args: &DesignArgs, common: &Common) -> anyhow::Result<()> {
             Some(pipeline)
         }
     };
-    let analysis = analyse_design(&task, &statistics, &camera.sensor.cfa)?;
+    let analysis = {
+        let (clear, cfa) = (clear_transmittance(&task.filters), &camera.sensor.cfa);
+        analyse_design(&task.camera, &statistics, &task.conditions, clear, cfa)?
+    };
     progress.finish();
     let dir = &args.output;
     write::begin_folder(dir, &[RESULTS, PAGE])?;

@@ -33,6 +33,62 @@ fn a_design_becomes_a_camera_that_other_commands_take() {
     }
 }
 
+/// Noise that leaves two exposures to learn from, few wavelengths, and small scenes.
+const QUICK: &str = "[set]\n\"sensor.pixel.read_noise_mv\" = 100\nwavelengths_nm = [400, 50, 700]\n";
+
+#[test]
+fn a_proof_is_a_comparison_with_the_rivals() {
+    let place = Place::new();
+    place
+        .write("small.toml", SMALL.replace("[filters.pigments]", &(QUICK.to_owned() + "[filters.pigments]")));
+    let scenes = "--scene dead-leaves?rows=64&cols=64&largest=40 --scene macbeth?patch=8 --seeds 2";
+    let options = "--training-set catalog --patch 3 --proof-patch 3";
+    let printed = place.ok(&format!("design small.toml -o best --no-pipeline --prove {scenes} {options}"));
+    for words in [
+        "small: one mosaic searched",
+        "Proof. small beats",
+        "under other conditions",
+        "illuminant LED",
+        "filters −5 nm",
+    ] {
+        assert!(printed.contains(words), "{words} is missing in\n{printed}");
+    }
+    let proof = place.json("best/proof/results.json");
+    let compared = place.json("best/proof/comparison/results.json");
+    let found = &proof["proofs"][0]["found"];
+    assert_eq!(found["label"], "small");
+    // The figures are those of `compare` for the same camera, scenes and seeds.
+    for (means, place) in [(found, 0), (&proof["proofs"][0]["rivals"][0], 1)] {
+        let of_comparison = &compared["results"][place];
+        for (i, key) in ["cpsnr_db", "pixel_delta_e_2000_mean", "scielab_mean"].into_iter().enumerate() {
+            let (a, b) = (means["means"][0][i].as_f64().unwrap(), of_comparison[key].as_f64().unwrap());
+            assert!((a - b).abs() < 1e-9, "{key}: {a} and {b}");
+        }
+    }
+    let rows = proof["robustness"]["rows"].as_array().unwrap();
+    assert_eq!(rows.len(), 10);
+    assert_eq!(rows[0]["found"], found["means"]);
+    for lead in proof["proofs"][0]["rivals"][0]["leads"][0].as_array().unwrap() {
+        let (alone, together) = (&lead["by"]["interval"], &lead["simultaneous"]);
+        assert!(together["low"].as_f64().unwrap() <= alone["low"].as_f64().unwrap(), "{lead}");
+    }
+    let page = String::from_utf8(place.read("best/design.html")).unwrap();
+    assert!(page.contains("id=\"proof\"") && page.contains("proof/comparison/report.html"));
+    // The proof of a finished search gives the same results, here from the cache of scores.
+    let text = place.read("best/proof/results.json");
+    let again = place.ok(&format!("design best --prove {scenes} {options} --json"));
+    assert_eq!(again.as_bytes(), text);
+    // A new search removes the page of the proof of the former array.
+    place.ok("design small.toml -o best --no-pipeline --training-set catalog");
+    let page = String::from_utf8(place.read("best/design.html")).unwrap();
+    assert!(page.contains("best --prove") && !page.contains("id=\"proof\""));
+    let run = place.run(&["design", "best"]);
+    assert!(run.code == 1 && run.err.contains("folder of a finished search"), "{}", run.err);
+    std::fs::create_dir(place.path("empty")).unwrap();
+    let run = place.run(&["design", "empty", "--prove"]);
+    assert!(run.code == 1 && run.err.contains("no results of a search"), "{}", run.err);
+}
+
 #[test]
 fn wrong_design_files_name_the_key_and_the_line() {
     let place = Place::new();

@@ -23,7 +23,8 @@ pub(super) fn section(document: &Document) -> Markup {
     Markup::from(el("div").class("cameras").children(each)).and(expectations(&arrays)).and(paragraph(
         "help",
         format!(
-            "Figures are expectations of the closed form under {}, from {} patches of {} scenes. They rank arrays as learned pipelines do; their              absolute values differ from scores.",
+            "Figures are expectations of the closed form under {}, from {} patches of {} scenes. They rank arrays as learned pipelines do; their \
+             absolute values differ from scores.",
             document.illuminant.name(),
             crate::words::grouped(document.light.patches),
             document.light.scenes,
@@ -48,14 +49,12 @@ fn drawing(document: &Document, name: &str, array: &Array) -> Markup {
     for (i, (curve, color)) in curves.iter().zip(&colors).enumerate() {
         plot = plot.line(Line::new(array.letter(i), nm, curve).color(*color).filled().width(2.5));
     }
-    plot = plot.line(
-        Line::new("quantum efficiency", nm, &document.quantum_efficiency)
-            .color(SHARED[0])
-            .dashed()
-            .width(2.0),
-    );
-    if let Some(cut) = &document.ir_cut {
-        plot = plot.line(Line::new("infrared cut", nm, cut).color(SHARED[1]).dashed().width(2.0));
+    let shared = [
+        ("quantum efficiency", &document.quantum_efficiency),
+        ("lens and infrared cut", &document.lens_and_ir_cut),
+    ];
+    for ((name, curve), color) in shared.into_iter().zip(SHARED) {
+        plot = plot.line(Line::new(name, nm, curve).color(color).dashed().width(2.0));
     }
     let about = match array.cost {
         Some(cost) => format!("{} filters, cost {cost:.3}", array.filters),

@@ -11,7 +11,7 @@ pub struct Document {
     pub(super) illuminant: Illuminant,
     pub(super) wavelengths_nm: Vec<f64>,
     pub(super) quantum_efficiency: Vec<f64>,
-    pub(super) ir_cut: Option<Vec<f64>>,
+    pub(super) lens_and_ir_cut: Vec<f64>,
     pub(super) light: Light,
     pub(super) seconds: f64,
     pub(super) own: Array,

@@ -9,7 +9,7 @@ use crate::{FigureError, OKABE_ITO, Rgb};
 
 /// The causes with their colours.
 const CAUSES: [(&str, Rgb); 3] =
-    [("noise", OKABE_ITO[4]), ("sampling", OKABE_ITO[0]), ("colour", OKABE_ITO[2])];
+    [("noise", OKABE_ITO[0]), ("sampling", OKABE_ITO[5]), ("colour", OKABE_ITO[2])];
 
 const WIDTH: f64 = 760.0;
 const LEFT: f64 = 232.0;
@@ -67,7 +67,9 @@ pub(super) fn section(document: &Document) -> Markup {
     Markup::from(el("div").class("beside").children(figures))
         .and(paragraph(
             "help",
-            "Noise is the difference from a sensor without noise. Sampling is the difference between that sensor and one that has every filter at              every pixel: aliasing and blur. Colour is the rest: the filters do not span the functions of the observer. Each is an expectation of the              closed form, and the three add up to the whole.",
+            "Noise is the difference from a sensor without noise. Sampling is the difference between that sensor and one that has every filter at \
+             every pixel: aliasing and blur. Colour is the rest: the filters do not span the functions of the observer. Each is an expectation of the \
+             closed form, and the three add up to the whole.",
         ))
         .and(el("details").child(el("summary").child("The shares as numbers")).child(table))
 }

@@ -5,7 +5,7 @@ use super::proof::{self, Proved};
 use super::proof_words::headline;
 use super::{arrays, limits, robustness, search, sensitivity};
 use crate::ReportError;
-use crate::page::{COMPARE, Markup, Page, copyable, el, foot, paragraph};
+use crate::page::{DESIGN, Markup, Page, copyable, el, foot, paragraph};
 use crate::words::quoted;
 
 /// The page of the results of a search as HTML, with its proof if there is one. `folder` is that of the results, for commands.
@@ -14,7 +14,7 @@ use crate::words::quoted;
 /// Never for results as the command writes them.
 pub fn page(document: &Document, proved: Option<&Proved<'_>>, folder: &str) -> Result<String, ReportError> {
     let mut page = Page::new(format!("{}: the best colour filter array", document.name))
-        .with(COMPARE)
+        .with(DESIGN)
         .lead(lead(document))
         .section("result", "Result", result(document, proved, folder))
         .section("arrays", "Arrays", arrays::section(document));
@@ -78,7 +78,8 @@ fn result(document: &Document, proved: Option<&Proved<'_>>, folder: &str) -> Mar
     paragraph("headline", text + ".")
         .and(paragraph(
             "help",
-            "Means over the luminances; less is better in ΔE2000. These are expectations and no scores. The following command learns pipelines for this              array and for its rivals, and scores them on scenes that were not used.",
+            "Means over the luminances; less is better in ΔE2000. These are expectations and no scores. The following command learns pipelines for this \
+             array and for its rivals, and scores them on scenes that were not used.",
         ))
         .and(copyable(&format!("smalti design {} --prove", quoted(folder)), "command"))
 }

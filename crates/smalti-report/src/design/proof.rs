@@ -3,7 +3,7 @@
 use smalti::camera::PICTURE_METRICS;
 use smalti::experiment::{Proof, ProofResult, RobustnessRow};
 
-use super::proof_words::{basis, by_light, headline, together};
+use super::proof_words::{basis, by_light, together};
 use crate::comparison::figures::{beside, drawn, look};
 use crate::comparison::verdict::WORDS;
 use crate::page::{Markup, Table, el, paragraph};
@@ -39,7 +39,7 @@ fn one(proof: &Proof) -> Markup {
             .child(el("dl").children(words.into_iter().map(metric)))
     });
     let all_rivals = el("details").child(el("summary").child("All rivals as numbers")).child(table(proof));
-    paragraph("headline", headline(proof))
+    Markup::from(el("h3").child(format!("Pipelines of {0} × {0}", proof.patch)))
         .and(paragraph("help", basis(proof)))
         .and(el("div").class("verdicts").children(cards))
         .and(beside((0..proof.luminances_cd_m2.len()).map(|light| leads(proof, light))))
@@ -86,8 +86,7 @@ fn leads(proof: &Proof, light: usize) -> Markup {
 fn table(proof: &Proof) -> Markup {
     let name = &proof.found.label;
     let mut table = Table::new(format!("Leads of {name}, with simultaneous 95 % intervals")).text("Rival");
-    for (metric, (word, unit, _)) in WORDS.iter().enumerate().take(PICTURE_METRICS.len()) {
-        let _ = metric;
+    for (word, unit, _) in &WORDS {
         for light in &proof.luminances_cd_m2 {
             let unit = unit.trim();
             let unit = if unit.is_empty() { String::new() } else { format!(", {unit}") };

@@ -37,7 +37,8 @@ pub(super) fn headline(proof: &Proof) -> String {
     };
     let beaten = proof.rivals.iter().filter(beaten).count();
     format!(
-        "{name} beats {beaten} of {count} rivals at every luminance in CPSNR and in ΔE2000. Of the {all} comparisons, it wins {wins}, loses {losses}, and          {ties} show no difference."
+        "{name} beats {beaten} of {count} rivals at every luminance in CPSNR and in ΔE2000. Of the {all} comparisons, it wins {wins}, loses {losses}, and \
+             {ties} show no difference."
     )
 }
 
@@ -49,7 +50,8 @@ pub(super) fn basis(proof: &Proof) -> String {
     };
     let count = |n: usize, one: &str| if n == 1 { format!("one {one}") } else { format!("{n} {one}s") };
     format!(
-        "Pipelines of {0} × {0} learned for each camera; {1} with {2} each, none used for training or for the search; light {3}. The 95 % intervals hold          together for all rivals, luminances and metrics ({method}).",
+        "Pipelines of {0} × {0} learned for each camera; {1} with {2} each, none used for training or for the search; light {3}. The 95 % intervals hold \
+             together for all rivals, luminances and metrics ({method}).",
         proof.patch,
         count(proof.scenes.len(), "scene"),
         count(proof.seeds as usize, "noise realisation"),

@@ -31,7 +31,9 @@ pub(super) fn section(proved: &Proved<'_>) -> Option<Markup> {
     Some(Markup::from(table).and(paragraph(
         "help",
         format!(
-            "A lead above 0 means that {name} is better than {rival}, the published mosaic with the best expected cost and filters of the same kind.              Scenes that can be relit are used in all rows but the last. Pipelines are learned for each illuminant and f-number. Filters that              deviate are rendered with the pipeline of the design. The intervals are those of single comparisons, not of all rows together.",
+            "A lead above 0 means that {name} is better than {rival}, the published mosaic with the best expected cost and filters of the same kind. \
+             Scenes that can be relit are used in all rows but the last. Pipelines are learned for each illuminant and f-number. Filters that \
+             deviate are rendered with the pipeline of the design. The intervals are those of single comparisons, not of all rows together.",
         ),
     )))
 }

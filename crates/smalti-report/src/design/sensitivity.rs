@@ -21,6 +21,7 @@ pub(super) fn section(document: &Document) -> Markup {
             filters.push(s.filter.as_deref());
         }
     }
+    filters.sort_unstable_by_key(|filter| (filter.is_none(), *filter));
     let mut table = Table::new("Change of the expected figures when filters deviate").text("Filter");
     for unit in ["dB", "ΔE2000"] {
         for deviation in &deviations {
@@ -56,7 +57,9 @@ pub(super) fn section(document: &Document) -> Markup {
     });
     Markup::new().and(headline.map(Markup::from).unwrap_or_default()).and(table).and(paragraph(
         "help",
-        "Expected figures of the closed form, means over the luminances, with the best linear pipeline for the filters as they are. In CPSNR a          change below 0 is a loss, in ΔE2000 a change above 0. A thickness changes the absorbance of the whole filter in proportion. A pipeline that was          learned for the design loses more on filters that deviate: the table of robustness measures that.",
+        "Expected figures of the closed form, means over the luminances, with the best linear pipeline for the filters as they are. In CPSNR a \
+             change below 0 is a loss, in ΔE2000 a change above 0. A thickness changes the absorbance of the whole filter in proportion. A pipeline that was \
+             learned for the design loses more on filters that deviate: the table of robustness measures that.",
     ))
 }
 

@@ -1,8 +1,9 @@
 //! What a design depends on and what limits it, in closed form.
 
-use super::{DesignTask, ExperimentError};
+use super::ExperimentError;
+use crate::camera::Camera;
 use crate::design::light::LightStatistics;
-use crate::design::screen::{ClassLimits, ExpectedError, Figures, MIN_PATCHES, Screen};
+use crate::design::screen::{ClassLimits, ExpectedError, Figures, MIN_PATCHES, Screen, ScreenCondition};
 use crate::design::search::FilterSpace;
 use crate::design::{DesignError, Deviation};
 use crate::sensor::Cfa;
@@ -35,18 +36,20 @@ pub struct Sensitivity {
     pub expected: Vec<ExpectedError>,
 }
 
-/// Analyses an array on the camera of a task. The expected errors are those of the best linear pipeline for the filters as they
+/// Analyses an array on a camera, whose own filters do not matter, under conditions. `clear` is the transmittance of a filter without
+/// absorbance, as for [`Deviation::of`]. The expected errors are those of the best linear pipeline for the filters as they
 /// are: a pipeline that was learned for filters that deviate otherwise loses more.
 ///
 /// # Errors
 /// When the statistics are of another camera.
 pub fn analyse_design(
-    task: &DesignTask,
+    camera: &Camera,
     statistics: &LightStatistics,
+    conditions: &[ScreenCondition],
+    clear: Option<f64>,
     cfa: &Cfa,
 ) -> Result<DesignAnalysis, ExperimentError> {
-    let screen = Screen::new(&task.camera, statistics, &task.conditions)?;
-    let clear = clear_transmittance(&task.filters);
+    let screen = Screen::new(camera, statistics, conditions)?;
     let nominal: Vec<Spectrum> = cfa.channels().iter().map(|c| c.transmittance.clone()).collect();
     let mut names = Vec::new();
     let mut sets = vec![screen.responses(&nominal)];

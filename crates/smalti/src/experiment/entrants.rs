@@ -22,6 +22,8 @@ use crate::spectrum::{Illuminant, Spectrum};
 
 /// Cameras whose pipelines are learned together, from the same optical images.
 const TOGETHER: usize = 8;
+/// Cameras whose training statistics the store keeps.
+const FEW: usize = 4;
 
 /// A camera that is scored.
 #[derive(Debug, Clone)]
@@ -190,7 +192,8 @@ pub fn score_entrants(
     resources.progress.expect(steps as u64);
     let announced = Announced(resources.progress);
     let images = WithoutStatistics(resources.store);
-    let inner = Resources { progress: &announced, store: &images, ..resources };
+    let store: &dyn Store = if entrants.len() > FEW { &images } else { resources.store };
+    let inner = Resources { progress: &announced, store, ..resources };
     let mut setups = Vec::new();
     for batch in batches {
         let cameras: Vec<Camera> = batch.iter().map(|i| entrants[*i].taught().clone()).collect();
