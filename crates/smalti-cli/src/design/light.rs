@@ -47,10 +47,10 @@ fn scenes(
             NamedScene::for_camera(&task.camera, name.clone(), scene, resolve::is_file(name), keeps_fov)?;
         Ok(named.scene.relit(illuminant)?)
     };
-    if args.scenes.is_empty() {
+    if args.light_scenes.is_empty() {
         return Ok(None);
     }
-    args.scenes.iter().map(scene).collect::<anyhow::Result<_>>().map(Some)
+    args.light_scenes.iter().map(scene).collect::<anyhow::Result<_>>().map(Some)
 }
 
 /// The statistics in files, those of one illuminant merged.

@@ -4,22 +4,29 @@ mod benchmark;
 mod document;
 mod files;
 mod light;
+mod page;
+mod proof;
+mod proof_options;
 mod summary;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use anyhow::Context;
 use clap::Args;
+use smalti::camera::CameraDescription;
 use smalti::design::Design;
 use smalti::design::light::LightStatistics;
-use smalti::experiment::{DesignTask, DesignedCfa, Learned, TrainingSources, design, learn};
+use smalti::experiment::{DesignTask, DesignedCfa, Learned, TrainingSources, analyse_design, design, learn};
 use smalti_io::designs::{self, LoadedDesign, SearchLog};
 use smalti_io::{l3, memory, write};
 
 use self::benchmark::benchmark;
 use self::document::document;
 use self::files::{mosaic_figure, write_filters};
+use self::page::PAGE;
+use self::proof::{OWN, RESULTS};
+pub(crate) use self::proof_options::ProofOptions;
 use self::summary::summary;
 use crate::args::Common;
 use crate::learning_args::LearningOptions;
@@ -32,6 +39,8 @@ use crate::sweep::stops_resumably;
 #[command(after_help = "Examples:\n  \
     smalti design pigments-4 -o best                       the best four filters of pigments in 2 × 2\n  \
     smalti compare best/camera.toml bayer --luminance 1,10,80   what they are worth on scenes that were not used\n  \
+    smalti design pigments-4 -o best --prove               the same with all published mosaics, as a table and a page\n  \
+    smalti design best --prove --proof-patch 5,9           the proof of a finished search, or the rest of one that was stopped\n  \
     smalti design my-design.toml -o mine                   your own camera, pigments, light (smalti list design-keys)\n  \
     smalti design pigments-6 --light best/light/D65.light  the statistics of an earlier design again\n  \
     smalti design --benchmark                              colour filter arrays that this machine screens per second\n\n\
@@ -39,9 +48,13 @@ use crate::sweep::stops_resumably;
     pixels, from the scenes that pipelines learn from, and simulates no picture. The printed figures are such expectations: they rank \
     colour filter arrays as learned pipelines do and are not their scores. DIR holds the camera with the array that was found \
     (camera.toml, filters.csv, mosaic.svg, camera.l3), the published mosaics with the best filters of the same kind (rivals/), the compromises of a front \
-    (front/), the statistics of light (light/) and results.json. After Ctrl-C or a crash, the same command goes on where the search ended.")]
+    (front/), the statistics of light (light/), design.html and results.json. After Ctrl-C or a crash, the same command goes on where the search ended.\n\n\
+    --prove learns pipelines for the array that was found, for the camera's own and for the published mosaics with the best filters of the \
+    same kind, and scores them on scenes that were not used. Its intervals hold together for all rivals, luminances and metrics. \
+    Another table has illuminants, f-numbers, deviations of the filters and other scenes. DIR/proof holds the scores (results.json) \
+    and the comparison with pictures (comparison/report.html). The cache keeps the scores, so that the same command resumes.")]
 pub(crate) struct DesignArgs {
-    /// A built-in design (smalti list designs) or a TOML file
+    /// A built-in design (smalti list designs), a TOML file, or with --prove the folder of a finished search
     #[arg(required_unless_present = "benchmark", conflicts_with = "benchmark")]
     pub(crate) design: Option<String>,
     /// Folder for the results, created if needed
@@ -49,7 +62,7 @@ pub(crate) struct DesignArgs {
     pub(crate) output: PathBuf,
     /// A scene to gather the statistics of light from instead of the default set, built in or a file; may be given more than once
     #[arg(long = "scene", value_name = "SCENE", conflicts_with = "light")]
-    pub(crate) scenes: Vec<String>,
+    pub(crate) light_scenes: Vec<String>,
     /// Statistics of light that an earlier design wrote (DIR/light/NAME.light) instead of gathering them; several files of one illuminant are merged
     #[arg(long, value_name = "FILE")]
     pub(crate) light: Vec<PathBuf>,
@@ -62,6 +75,8 @@ pub(crate) struct DesignArgs {
     /// Print JSON
     #[arg(long)]
     pub(crate) json: bool,
+    #[command(flatten)]
+    pub(crate) proof: ProofOptions,
     // Last: the heading would apply to all arguments after it.
     #[command(flatten)]
     pub(crate) learning: LearningOptions,
@@ -69,11 +84,11 @@ pub(crate) struct DesignArgs {
     pub(crate) scene_options: SceneOptions,
 }
 
-/// Published mosaics that are written as cameras.
-const WRITTEN_RIVALS: usize = 5;
-
 pub(crate) fn run(args: &DesignArgs, common: &Common) -> anyhow::Result<()> {
     let Some(name) = &args.design else { return benchmark(args, common) };
+    if Path::new(name).is_dir() {
+        return proof::of_finished(Path::new(name), args, common);
+    }
     let LoadedDesign { task, camera: description, notes, .. } =
         designs::load(name).map_err(|e| anyhow::anyhow!("{e}"))?;
     notes.iter().for_each(|text| note(text, common));
@@ -83,17 +98,18 @@ pub(crate) fn run(args: &DesignArgs, common: &Common) -> anyhow::Result<()> {
     let statistics = light::statistics(&task, args, common, &progress)?;
     let log = SearchLog::open(&args.output, &task_text(&task, &statistics))?;
     if log.known() > 0 {
-        note(&format!("{} parts of the search are those of an earlier run", log.known()), common);
+        let parts = match log.known() {
+            1 => "1 part of the search is that".to_owned(),
+            n => format!("{n} parts of the search are those"),
+        };
+        note(&format!("{parts} of an earlier run"), common);
     }
     stops_resumably(&args.output, "the search")?;
     let found = design(&task, &statistics, &log, &progress)?;
     let seconds = begun.elapsed().as_secs_f64();
     let best = found.searched.first().and_then(DesignedCfa::design).context("no mosaic was searched")?;
     let camera = smalti::camera::Camera::new(
-        smalti::camera::description::CameraDescription {
-            name: task.name.clone(),
-            ..best.camera(&description)
-        },
+        CameraDescription { name: task.name.clone(), ..best.camera(&description) },
         task.camera.grid(),
     )?;
     let pipeline = match args.no_pipeline {
@@ -112,9 +128,17 @@ pub(crate) fn run(args: &DesignArgs, common: &Common) -> anyhow::Result<()> {
             Some(pipeline)
         }
     };
+    let analysis = {
+        let (clear, cfa) = (task.filters.clear(), &camera.sensor.cfa);
+        // Under the first illuminant.
+        let statistics = statistics.first().context("expected an illuminant")?;
+        analyse_design(&task.camera, statistics, &task.conditions, clear, cfa)?
+    };
     progress.finish();
     let dir = &args.output;
-    write::begin_folder(dir, &["results.json"])?;
+    write::begin_folder(dir, &[RESULTS, PAGE])?;
+    let own = designs::own_camera_toml(&description).map_err(|e| anyhow::anyhow!("{e}"))?;
+    write::bytes(&dir.join(OWN), own.as_bytes())?;
     if let Some(pipeline) = &pipeline {
         l3::write_table(&dir.join("camera.l3"), pipeline)?;
     }
@@ -126,7 +150,7 @@ pub(crate) fn run(args: &DesignArgs, common: &Common) -> anyhow::Result<()> {
     write_filters(&dir.join("filters.csv"), &best, &task)?;
     let figure = mosaic_figure(&best, &task)?;
     write::bytes(&dir.join("mosaic.svg"), figure.svg().as_bytes())?;
-    let rivals: Vec<&DesignedCfa> = found.rivals.iter().take(WRITTEN_RIVALS).collect();
+    let rivals: Vec<&DesignedCfa> = found.rivals.iter().collect();
     if !rivals.is_empty() {
         write::begin_folder(&dir.join("rivals"), &[])?;
     }
@@ -143,12 +167,16 @@ pub(crate) fn run(args: &DesignArgs, common: &Common) -> anyhow::Result<()> {
         let text = toml(&design, &format!("{}, compromise {number}", task.name))?;
         write::bytes(&dir.join("front").join(format!("{number}.toml")), text.as_bytes())?;
     }
-    let document = document(&task, &statistics, &found, seconds);
-    write::bytes(&dir.join("results.json"), (serde_json::to_string_pretty(&document)? + "\n").as_bytes())?;
-    if args.json {
-        return crate::output::print_json(&document);
+    let document = document(&task, &statistics, &found, &analysis, seconds)?;
+    write::bytes(&dir.join(RESULTS), (serde_json::to_string_pretty(&document)? + "\n").as_bytes())?;
+    page::write(dir, &document, None)?;
+    if !args.json {
+        crate::print(&summary(&task, &statistics, &found, (dir, seconds)))?;
     }
-    crate::print(&summary(&task, &statistics, &found, (dir, seconds)))
+    if args.proof.prove {
+        return proof::run(dir, args, common);
+    }
+    if args.json { crate::output::print_json(&document) } else { Ok(()) }
 }
 
 /// All that a search depends on, as text.

@@ -234,8 +234,15 @@ pub fn camera_toml(
     fixed: &CameraDescription,
     name: &str,
 ) -> Result<String, Box<Diagnostic>> {
-    let camera = CameraDescription { name: name.to_owned(), ..design.camera(fixed) };
-    toml::to_string(&camera).map_err(|e| Box::new(Diagnostic::new(name, e.to_string())))
+    own_camera_toml(&CameraDescription { name: name.to_owned(), ..design.camera(fixed) })
+}
+
+/// The file of a camera as it is.
+///
+/// # Errors
+/// When a value cannot be written as TOML.
+pub fn own_camera_toml(camera: &CameraDescription) -> Result<String, Box<Diagnostic>> {
+    toml::to_string(camera).map_err(|e| Box::new(Diagnostic::new(&camera.name, e.to_string())))
 }
 
 /// Checks what can be checked before any scene is imaged, so that errors have their lines.

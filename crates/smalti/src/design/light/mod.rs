@@ -6,6 +6,7 @@
 //! ([`Screen`](super::screen::Screen)).
 
 mod basis;
+mod class_names;
 mod classes;
 mod gather;
 mod parts;

@@ -89,14 +89,10 @@ impl Screen {
                 if share <= 0.0 {
                     continue;
                 }
-                let scaled = error.map(|e| e[lane] * self.per_white_squared[group][lane]);
-                squares += share * (scaled[0] + scaled[2] + scaled[5]) / 3.0;
-                detail += self.detailed[group][lane] * scaled[2];
-                if figures == Figures::All
-                    && let Some(color) = self.colors.get(group * LANES + lane)
-                {
-                    delta_e += share * color.mean(&scaled);
-                }
+                let [square, difference] = self.figures_of(error, group, lane, figures);
+                squares += share * square;
+                detail += self.detailed[group][lane] * error[2][lane] * self.per_white_squared[group][lane];
+                delta_e += share * difference;
             }
         }
         let n = positions as f64;
@@ -104,5 +100,21 @@ impl Screen {
         let decibels = |mean_square: f64| -10.0 * libm::log10(mean_square);
         let detail_db = decibels(detail / n / self.detailed_share);
         ExpectedError { cpsnr_db: decibels(squares / n), detail_db, delta_e_2000, time_s }
+    }
+
+    /// The mean squared error, relative to display white, and CIEDE2000 of a class at one position.
+    pub(super) fn figures_of(
+        &self,
+        error: &[Lanes; 6],
+        group: usize,
+        lane: usize,
+        figures: Figures,
+    ) -> [f64; 2] {
+        let scaled = error.map(|e| e[lane] * self.per_white_squared[group][lane]);
+        let difference = match (figures, self.colors.get(group * LANES + lane)) {
+            (Figures::All, Some(color)) => color.mean(&scaled),
+            _ => 0.0,
+        };
+        [(scaled[0] + scaled[2] + scaled[5]) / 3.0, difference]
     }
 }

@@ -10,7 +10,7 @@ use crate::design::light::{LightClass, LightStatistics};
 use crate::spectrum::Spectrum;
 
 /// Patches below which a class is not used.
-const MIN_PATCHES: u64 = 64;
+pub(crate) const MIN_PATCHES: u64 = 64;
 /// The number of patches of all hues that the covariance of a hue is completed with: the covariance of a few hundred patches knows too
 /// few of its several hundred rows.
 const SHARED_PATCHES: f64 = 1000.0;

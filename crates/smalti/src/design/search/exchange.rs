@@ -78,7 +78,8 @@ impl FilterSearch<'_> {
                     spectra.iter().map(|s| s.values().iter().zip(t).map(|(a, b)| a * b).sum()).collect()
                 };
                 let of_set = |set: &Vec<Vec<f64>>| {
-                    let deviating = set.iter().zip(draw).map(|(t, d)| d.apply(t, self.space.grid()));
+                    let deviating =
+                        set.iter().zip(draw).map(|(t, d)| d.apply(t, self.space.grid(), self.space.clear()));
                     FilterResponses::new(deviating.map(|t| response(&t)).collect())
                 };
                 let responses: Vec<FilterResponses> = transmittances.iter().map(of_set).collect();

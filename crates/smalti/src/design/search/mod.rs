@@ -20,7 +20,7 @@ pub use goal::{Front, FrontAim, Goal, Objective, Over};
 pub use layouts::{Annealing, FoundLayout, LayoutRules, LayoutSearch, TileRules};
 pub use settings::SearchSettings;
 pub use space::{Dichroic, FilterSpace, FreeCurves, Measured, Mixtures, Pigments, SampledSpace};
-pub use tolerance::{Deviation, Tolerance};
+pub use tolerance::Tolerance;
 
 use super::error::DesignError;
 use super::screen::{Differentiable, ExpectedError, Figures, FilterResponses, Screen};
@@ -189,17 +189,20 @@ impl FilterSearch<'_> {
     pub fn cost(&self, mosaic: &Mosaic, parameters: &[Vec<f64>]) -> (f64, Vec<Vec<f64>>) {
         let transmittances = self.transmittances(parameters);
         let draws = self.tolerance.draws(transmittances.len(), self.settings.seed);
-        let grid = self.space.grid();
+        let (grid, clear) = (self.space.grid(), self.space.clear());
         let share = 1.0 / draws.len() as f64;
         let (mut cost, mut by_wanted) = (0.0, transmittances.clone());
         by_wanted.iter_mut().for_each(|g| g.fill(0.0));
         for draw in &draws {
-            let deviating: Vec<Vec<f64>> =
-                transmittances.iter().zip(draw).map(|(t, deviation)| deviation.apply(t, grid)).collect();
+            let deviating: Vec<Vec<f64>> = transmittances
+                .iter()
+                .zip(draw)
+                .map(|(t, deviation)| deviation.apply(t, grid, clear))
+                .collect();
             let (of_draw, by_deviating) = self.cost_of(mosaic, &deviating);
             cost += share * of_draw;
             for (channel, deviation) in draw.iter().enumerate() {
-                let by = deviation.by_wanted(&transmittances[channel], &by_deviating[channel], grid);
+                let by = deviation.by_wanted(&transmittances[channel], &by_deviating[channel], grid, clear);
                 by_wanted[channel].iter_mut().zip(by).for_each(|(sum, g)| *sum += share * g);
             }
         }

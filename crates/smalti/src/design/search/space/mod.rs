@@ -77,6 +77,7 @@ trait Curves: Debug + Send + Sync {
 #[derive(Debug, Clone)]
 pub struct SampledSpace {
     grid: WavelengthGrid,
+    clear: f64,
     curves: Arc<dyn Curves>,
 }
 
@@ -93,7 +94,18 @@ impl FilterSpace {
             Self::Measured(family) => Arc::new(measured::Sampled::new(family, grid)?),
             Self::Free(family) => Arc::new(free::Sampled::new(family, grid)?),
         };
-        Ok(SampledSpace { grid, curves })
+        Ok(SampledSpace { grid, clear: self.clear(), curves })
+    }
+
+    /// The transmittance of a filter without any absorbance.
+    #[must_use]
+    pub fn clear(&self) -> f64 {
+        match self {
+            Self::Pigments(family) => family.clear,
+            Self::Dichroic(family) => family.max_transmittance,
+            Self::Free(family) => family.max_transmittance,
+            Self::Mixtures(_) | Self::Measured(_) => 1.0,
+        }
     }
 
     /// The filters of its library, if it has one, and the key of the library.
@@ -119,6 +131,12 @@ impl SampledSpace {
     #[must_use]
     pub fn grid(&self) -> WavelengthGrid {
         self.grid
+    }
+
+    /// The transmittance of a filter without any absorbance.
+    #[must_use]
+    pub fn clear(&self) -> f64 {
+        self.clear
     }
 
     /// Random parameters of a filter.
