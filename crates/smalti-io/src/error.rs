@@ -110,7 +110,7 @@ pub enum ContentError {
     /// No learned pipeline and no statistics.
     Learned(#[from] L3Error),
     /// No statistics of light.
-    Light(#[from] DesignError),
+    Light(#[from] Box<DesignError>),
     /// The shape does not match the data.
     Shape(#[from] ShapeError),
 }

@@ -88,9 +88,11 @@ pub fn from_bytes(bytes: &[u8], path: &Path) -> Result<LightStatistics, IoError>
         let expected = format!("{} classes", numbered[0]);
         return Err(opened.wrong("tensor 'sums'", format!("of shape {shape:?}"), expected));
     }
-    let each = numbers.iter().zip(per_white_squared).zip(relative_xyz).zip(sums.chunks_exact(shape[1]));
-    let class = |(((number, per_white_squared), relative_xyz), sums): (((&u32, f64), [f64; 3]), &[f64])| {
-        ClassParts { number: *number as usize, sums: sums.to_vec(), per_white_squared, relative_xyz }
+    let class = |(at, number): (usize, &u32)| ClassParts {
+        number: *number as usize,
+        sums: sums[at * shape[1]..(at + 1) * shape[1]].to_vec(),
+        per_white_squared: per_white_squared[at],
+        relative_xyz: relative_xyz[at],
     };
     let parts = LightParts {
         settings: opened.json("settings")?,
@@ -104,9 +106,9 @@ pub fn from_bytes(bytes: &[u8], path: &Path) -> Result<LightStatistics, IoError>
         source: opened.text("source")?.to_owned(),
         scenes: opened.number("scenes")?,
         energy: opened.json("energy")?,
-        classes: each.map(class).collect(),
+        classes: numbers.iter().enumerate().map(class).collect(),
     };
-    LightStatistics::from_parts(parts).at(path)
+    LightStatistics::from_parts(parts).map_err(Box::new).at(path)
 }
 
 #[cfg(test)]
