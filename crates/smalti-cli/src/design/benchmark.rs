@@ -10,7 +10,7 @@ use smalti::experiment::DesignTask;
 use smalti::sensor::Mosaic;
 use smalti_io::designs;
 
-use super::DesignArgs;
+use super::args::DesignArgs;
 use super::light::statistics;
 use crate::args::Common;
 use crate::progress::Progress;

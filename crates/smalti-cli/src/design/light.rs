@@ -9,7 +9,7 @@ use smalti::scene::Scene;
 use smalti::spectrum::Illuminant;
 use smalti_io::{light, write};
 
-use super::DesignArgs;
+use super::args::DesignArgs;
 use crate::args::Common;
 use crate::output::note;
 use crate::progress::Progress;

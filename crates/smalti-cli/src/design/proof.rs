@@ -23,7 +23,8 @@ use smalti_report::comparison::{CameraArgument, CommandLine, Comparison, Conditi
 use smalti_report::design::{Proved, proof_text};
 use smalti_report::page::Markup;
 
-use super::{DesignArgs, page};
+use super::args::DesignArgs;
+use super::page;
 use crate::args::{Common, word_of};
 use crate::numbers::ensure_distinct;
 use crate::progress::Progress;
@@ -162,7 +163,7 @@ pub(super) fn run(dir: &Path, args: &DesignArgs, common: &Common) -> anyhow::Res
         "{}\n{} has the figures; see {}, and {} for the pictures\n",
         proof_text(&proved, &table::render),
         proof_dir.join(RESULTS).display(),
-        dir.join(super::PAGE).display(),
+        dir.join(page::PAGE).display(),
         proof_dir.join(COMPARISON).join(PAGE).display(),
     ))
 }

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Curves, check, check_share, logistic};
+use super::curves::{Curves, check, check_share, logistic};
 use crate::design::error::DesignError;
 use crate::numeric::philox::Stream;
 use crate::spectrum::WavelengthGrid;

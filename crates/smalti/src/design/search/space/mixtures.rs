@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Curves, library};
+use super::curves::{Curves, library};
 use crate::design::error::DesignError;
 use crate::numeric::philox::Stream;
 use crate::sensor::Filter;

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Curves, check, check_share, library, logistic};
+use super::curves::{Curves, check, check_share, library, logistic};
 use crate::design::error::DesignError;
 use crate::numeric::philox::Stream;
 use crate::sensor::Filter;

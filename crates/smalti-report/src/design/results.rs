@@ -1,6 +1,7 @@
-//! `results.json` of a search.
+//! The results of a search as JSON: `results.json` of the command, and what Python returns.
 
 use serde_json::{Value, json};
+use smalti::camera::CameraError;
 use smalti::design::Design;
 use smalti::design::light::LightStatistics;
 use smalti::design::screen::{CausedError, ClassLimits};
@@ -8,6 +9,8 @@ use smalti::design::screen::{ExpectedError, ScreenCondition};
 use smalti::experiment::{DesignAnalysis, DesignTask, DesignedCfa, Designs, FrontPoint, Sensitivity};
 use smalti::sensor::{Cfa, Filter};
 use smalti::spectrum::Extrapolation;
+
+use crate::ReportError;
 
 /// Expected errors with the illuminants and luminances of their conditions.
 fn expected(expected: &[ExpectedError], task: &DesignTask) -> Vec<Value> {
@@ -22,14 +25,17 @@ fn expected(expected: &[ExpectedError], task: &DesignTask) -> Vec<Value> {
     expected.iter().zip(conditions).map(of).collect()
 }
 
-/// Everything that was found.
-pub(super) fn document(
+/// Everything that a search found and its analysis. `statistics` has an entry for each illuminant; `seconds` is how long the search took.
+///
+/// # Errors
+/// When a curve of the camera does not cover its wavelengths.
+pub fn results(
     task: &DesignTask,
     statistics: &[LightStatistics],
     found: &Designs,
     analysis: &DesignAnalysis,
     seconds: f64,
-) -> anyhow::Result<Value> {
+) -> Result<Value, ReportError> {
     let curve = |f: &Filter| Some(f.spectrum(task.camera.grid()).ok()?.values().to_vec());
     let design = |d: &DesignedCfa| {
         let best = d.best();
@@ -55,7 +61,7 @@ pub(super) fn document(
     let own = &task.camera.sensor.cfa;
     let grid = task.camera.grid();
     let sensor = &task.camera.sensor;
-    let mut shared = task.camera.optics.transmittance_on(grid)?;
+    let mut shared = task.camera.optics.transmittance_on(grid).map_err(CameraError::from)?;
     if let Some(cut) = &sensor.ir_cut {
         shared = shared.times(&cut.resampled(grid, Extrapolation::Error)?)?;
     }
