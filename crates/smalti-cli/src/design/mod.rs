@@ -15,9 +15,8 @@ use std::time::Instant;
 use anyhow::Context;
 use smalti::camera::CameraDescription;
 use smalti::design::Design;
-use smalti::design::light::LightStatistics;
-use smalti::experiment::{DesignTask, DesignedCfa, Learned, TrainingSources, analyse_design, design, learn};
-use smalti_io::designs::{self, LoadedDesign, SearchLog};
+use smalti::experiment::{DesignedCfa, Learned, TrainingSources, analyse_design, design, learn};
+use smalti_io::designs::{self, LoadedDesign, SearchLog, task_text};
 use smalti_io::{l3, memory, write};
 
 pub(crate) use self::args::DesignArgs;
@@ -124,10 +123,4 @@ pub(crate) fn run(args: &DesignArgs, common: &Common) -> anyhow::Result<()> {
         return proof::run(dir, args, common);
     }
     if args.json { crate::output::print_json(&document) } else { Ok(()) }
-}
-
-/// All that a search depends on, as text.
-fn task_text(task: &DesignTask, statistics: &[LightStatistics]) -> String {
-    let light: Vec<_> = statistics.iter().map(|s| (s.source(), s.patches(), s.parts().energy)).collect();
-    format!("{} {task:?} {light:?}", env!("CARGO_PKG_VERSION"))
 }

@@ -7,7 +7,8 @@ use std::path::Path;
 use std::sync::{Mutex, PoisonError};
 
 use serde::{Deserialize, Serialize};
-use smalti::experiment::{DesignStore, KeptFind};
+use smalti::design::light::LightStatistics;
+use smalti::experiment::{DesignStore, DesignTask, KeptFind};
 
 use crate::{IoError, write};
 
@@ -30,6 +31,13 @@ struct Entry {
     found: Vec<KeptFind>,
 }
 
+/// All that a search depends on, as text for [`SearchLog::open`].
+#[must_use]
+pub fn task_text(task: &DesignTask, statistics: &[LightStatistics]) -> String {
+    let light: Vec<_> = statistics.iter().map(|s| (s.source(), s.patches(), s.parts().energy)).collect();
+    format!("{} {task:?} {light:?}", env!("CARGO_PKG_VERSION"))
+}
+
 /// The log of the search for one task.
 #[derive(Debug)]
 pub struct SearchLog {
@@ -38,7 +46,7 @@ pub struct SearchLog {
 }
 
 impl SearchLog {
-    /// Opens the log in a folder, which is made when it is absent. `task` is a text of all that the search depends on. What a log of another task
+    /// Opens the log in a folder, which is made when it is absent. `task` is the [`task_text`]. What a log of another task
     /// holds, and a last line that is not whole, are not used.
     ///
     /// # Errors

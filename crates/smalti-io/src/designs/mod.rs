@@ -5,7 +5,7 @@ mod log;
 use std::collections::BTreeMap;
 use std::path::Path;
 
-pub use log::{SEARCH_LOG, SearchLog};
+pub use log::{SEARCH_LOG, SearchLog, task_text};
 use serde::Deserialize;
 use smalti::camera::description::CameraDescription;
 use smalti::design::light::LightSettings;
