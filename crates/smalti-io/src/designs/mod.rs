@@ -29,11 +29,24 @@ static DESIGNS: &[BuiltinFile] = &[
         "Three filters of pigments in 2 × 2, for 1 to 80 cd/m², on the camera of the L³ slides"
     ),
     builtin!("designs", "pigments-4", "Four filters of pigments in 2 × 2, for the same camera and light"),
+    builtin!("designs", "pigments-5", "Five filters of pigments in 2 × 3, for the same camera and light"),
     builtin!("designs", "pigments-6", "Six filters of pigments in 2 × 3, for the same camera and light"),
+    builtin!("designs", "pigments-4x4", "Four filters of pigments in 4 × 4, whose layouts are annealed"),
+    builtin!("designs", "pigments-dark", "Three filters of pigments in 2 × 2, for 1 cd/m² alone"),
+    builtin!(
+        "designs",
+        "pigments-daylight",
+        "Three and four filters of pigments in 2 × 2, for 80 cd/m² alone"
+    ),
     builtin!(
         "designs",
         "pigments-front",
         "The best compromises between noise in the dark and colour by day, three to six filters in 2 × 3"
+    ),
+    builtin!(
+        "designs",
+        "dichroic-4",
+        "Four filters with two edges each in 2 × 2, such as interference filters"
     ),
     builtin!(
         "designs",
@@ -42,9 +55,11 @@ static DESIGNS: &[BuiltinFile] = &[
     ),
     builtin!(
         "designs",
-        "free-4",
-        "Four free filter curves in 2 × 2: the bound for any filters that can be made"
+        "free-3",
+        "Three free filter curves in 2 × 2: the bound for any filters that can be made"
     ),
+    builtin!("designs", "free-4", "Four free filter curves in 2 × 2"),
+    builtin!("designs", "free-6", "Six free filter curves in 2 × 3"),
 ];
 
 /// The built-in design files.
