@@ -8,10 +8,10 @@ use smalti::metrics::smallest_relevant;
 use super::columns::{COMPARE, COMPARE_PER_PIXEL, Column, SCENES, reliabilities};
 use super::conditions::exposure_cells;
 use super::figures::Scored;
-use super::reliability::meanings;
 use super::results::{Comparison, of_contender};
 use super::text::{MTF50_AND_NOISE, gain_cell};
 use crate::page::{Markup, Table, el, paragraph};
+use crate::reliability::meanings;
 use crate::words::time_ms;
 
 /// The headings of [`COMPARE`] on the page.

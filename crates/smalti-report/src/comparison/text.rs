@@ -5,9 +5,9 @@ use smalti::experiment::{Outcome, PairwiseLightGain};
 
 use super::columns::{headings, reliabilities};
 use super::conditions::{EXPOSURE_HEADINGS, exposure_cells};
-use super::reliability::meanings;
 use super::results::{Comparison, of_contender};
 use crate::TextTable;
+use crate::reliability::meanings;
 
 /// What resolution and noise of one row say together.
 pub(super) const MTF50_AND_NOISE: &str = "MTF50 is measured without noise, noise % on one capture. In little light, noise hides detail that MTF50 still counts.";
@@ -72,10 +72,13 @@ impl Comparison<'_> {
             };
             let rows: Vec<Vec<String>> = gains.metrics.iter().map(row).collect();
             out += &format!(
-                "\nAdditional light for {first} to match {other} at {} cd/m²\n{}{GAIN_BASIS}\n",
+                "\nAdditional light for {first} to match {other} at {} cd/m²\n{}",
                 gains.luminance_cd_m2,
                 table(&header, &rows),
             );
+        }
+        if !out.is_empty() {
+            out += &format!("{GAIN_BASIS}\n");
         }
         out
     }
