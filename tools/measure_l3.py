@@ -10,6 +10,7 @@ section `kinds` needs more than the built-in scenes: --spectral FILE names a spe
 
 import argparse
 import json
+import math
 import pathlib
 import shlex
 import subprocess
@@ -19,6 +20,9 @@ SMALTI = ""
 SLIDES = "bayer rgbw clarity kodak wang rgbcmy medical"
 CLASSIC = "--processing l3,bilinear,malvar2004,hamilton-adams1997"
 METRICS = {"cpsnr_db": "CPSNR, dB", "pixel_delta_e_2000_mean": "ΔE2000", "scielab_mean": "S-CIELAB"}
+SETS = ("natural", "charts")
+# The 0.975 quantiles of Student's distribution for the numbers of scenes of the two sets.
+STUDENT = {14: 2.160, 5: 2.776}
 
 
 def smalti(*words: str) -> None:
@@ -65,6 +69,11 @@ def table(head: list[str], body: list[list[str]]) -> None:
     print()
 
 
+def of_sets(name: str, words: str) -> dict[str, dict]:
+    """The results of a comparison on both sets of scenes."""
+    return {s: compare(name + ("" if s == "natural" else f"-{s}"), f"{words} --scenes {s}") for s in SETS}
+
+
 def estimate(e: dict) -> str:
     """A difference with its interval, bold where the interval excludes 0."""
     value = f"{e['value']:+.2f}".replace("-", "−")
@@ -73,6 +82,44 @@ def estimate(e: dict) -> str:
     low, high = e["interval"]["low"], e["interval"]["high"]
     value = f"**{value}**" if low * high > 0 else value
     return f"{value} [{low:.2f}, {high:.2f}]".replace("-", "−")
+
+
+def stops(gain: dict) -> str:
+    """A light gain with its interval, bold where the interval excludes 0. Ends beyond the search are bounds."""
+
+    def end(of: dict, digits: str) -> str:
+        (kind, value), = of.items()
+        return {"stops": f"{value:{digits}}", "more_than": f"> {value:g}", "less_than": f"< {value:g}"}[kind]
+
+    value = end(gain["gain"], "+.2f")
+    if gain["interval"] is None:
+        return value.replace("-", "−")
+    ends = [gain["interval"][name] for name in ("low", "high")]
+    low, high = (next(iter(e.values())) for e in ends)
+    value = f"**{value}**" if low * high > 0 else value
+    return f"{value} [{', '.join(end(e, '.2f') for e in ends)}]".replace("-", "−")
+
+
+def difference(a: dict, b: dict, metric: str) -> str:
+    """The mean difference of two rows of results of different runs, with Student's interval over the scenes."""
+    own = [[sum(seed[metric] for seed in s["by_seed"]) / len(s["by_seed"]) for s in r["scenes"]] for r in (a, b)]
+    by_scene = [x - y for x, y in zip(*own)]
+    n = len(by_scene)
+    mean = sum(by_scene) / n
+    half = STUDENT[n] * math.sqrt(sum((d - mean) ** 2 for d in by_scene) / (n - 1) / n)
+    return estimate({"value": mean, "interval": {"low": mean - half, "high": mean + half}})
+
+
+def paired(runs: dict[str, dict]) -> list[tuple[dict, dict]]:
+    """The rows of the natural scenes, each with that of the charts, ordered by light."""
+    both = list(zip(*(rows(runs[s]) for s in SETS)))
+    return sorted(both, key=lambda pair: pair[0]["light"])
+
+
+def both_sets(pair: tuple[dict, dict]) -> list[str]:
+    """Scores of pictures on both sets, and those of the chart and the edge."""
+    n, c = pair
+    return [*[f"{n[key]} · {c[key]}" for key in ("cpsnr", "de", "scielab")], n["mtf50"], n["snr"], n["noise"]]
 
 
 def metrics(results: dict, light: int) -> dict[str, dict]:
@@ -100,34 +147,35 @@ def rgbw() -> None:
     head = ["cd/m²", "solver", "camera", "CPSNR dB, natural · charts", "ΔE2000", "S-CIELAB", "MTF50 cy/mm", "visual SNR", "noise %"]
     table(head, body)
     table(["cd/m²", "solver", "scenes", *METRICS.values()], differences)
-    columns = [(k, solver) for k in range(2) for solver in ("wiener", "perceptual")]
-    stops = []
+    body = []
     for name in ("cpsnr_db", "pixel_delta_e_2000_mean", "scielab_mean", "visual_snr", "luminance_noise_percent"):
-        line = [name]
-        for k, solver in columns:
-            found = []
-            for scenes in ("natural", "charts"):
-                gain = next(m["gain"] for m in runs[scenes, solver]["light_gains"][k]["gains"]["metrics"] if m["metric"] == name)
-                found.append(f"{gain['stops']:+.2f}".replace("-", "−") if "stops" in gain else "–")
-            line.append(" · ".join(found) if found[0] != found[1] else found[0])
-        stops.append(line)
-    table(["metric, stops, natural · charts", "1 cd/m², wiener", "1, perceptual", "80, wiener", "80, perceptual"], stops)
-    for (scenes, solver), r in runs.items():
-        lead = metrics(r, 0)["cpsnr_db"]["leads"]
-        print(f"interval of the CPSNR lead at 1 cd/m² in stops, {scenes}, {solver}:", lead[0]["light"] or lead[1]["light"])
+        # The chart has no set of scenes.
+        for scenes in SETS if name in METRICS else ("natural",):
+            line = [name, scenes if name in METRICS else "chart"]
+            for k in range(2):
+                for solver in ("wiener", "perceptual"):
+                    found = runs[scenes, solver]["light_gains"][k]["gains"]["metrics"]
+                    line.append(stops(next(m for m in found if m["metric"] == name)))
+            body.append(line)
+    table(["metric, stops", "scenes", "1 cd/m², wiener", "1, perceptual", "80, wiener", "80, perceptual"], body)
 
 
 def curve() -> None:
     """RGBW − Bayer against light."""
-    r = compare("curve", "bayer rgbw --luminance 0.3,1,3,10,30,80")
+    runs = of_sets("curve", "bayer rgbw --luminance 0.3,1,3,10,30,80")
     body = []
-    for k, light in enumerate(r["verdict"]["lights"]):
-        of = metrics(r, k)
-        worth = next((m["light"] for m in of["cpsnr_db"]["leads"] if m["light"]), None)
-        stops = f"{worth['stops']['value']:.2f}" if worth and "stops" in worth and of["cpsnr_db"]["best"] == 1 else "–"
-        differences = [estimate(of[m]["from_first"][1]) for m in METRICS]
-        body.append([f"{light['luminance_cd_m2']:g}", differences[0], stops, *differences[1:]])
-    table(["cd/m²", "CPSNR, dB", "worth, stops", "ΔE2000", "S-CIELAB"], body)
+    for k, light in enumerate(runs["natural"]["verdict"]["lights"]):
+        for scenes in SETS:
+            of = metrics(runs[scenes], k)
+            lead = next((m["light"] for m in of["cpsnr_db"]["leads"] if m["light"]), None) if of["cpsnr_db"]["best"] == 1 else None
+            worth = "–"
+            if lead and "stops" in lead:
+                ends = lead["stops"]["interval"]
+                high = "…" if ends["high"] is None else f"{ends['high']:.2f}"
+                worth = f"{lead['stops']['value']:.2f} [{ends['low']:.2f}, {high}]"
+            differences = [estimate(of[m]["from_first"][1]) for m in METRICS]
+            body.append([f"{light['luminance_cd_m2']:g}", scenes, differences[0], worth, *differences[1:]])
+    table(["cd/m²", "scenes", "CPSNR, dB", "worth, stops", "ΔE2000", "S-CIELAB"], body)
 
 
 def score_table(results: dict, first: str = "camera") -> None:
@@ -139,71 +187,97 @@ def score_table(results: dict, first: str = "camera") -> None:
 
 def cameras() -> None:
     """All mosaics of the slides."""
-    r = compare("cameras", f"{SLIDES} --luminance 1,80")
-    score_table(r)
-    names = SLIDES.split()
-    for k, light in enumerate(r["verdict"]["lights"]):
-        of = metrics(r, k)["cpsnr_db"]
-        leads = [f"`{n}` {estimate(lead['by'])}" for n, lead in zip(names, of["leads"])]
-        print(f"{light['luminance_cd_m2']:g} cd/m²: `{names[of['best']]}` has the best mean CPSNR; leads over", ", ".join(leads))
+    runs = of_sets("cameras", f"{SLIDES} --luminance 1,80")
+    head = ["cd/m²", "camera", "CPSNR dB, natural · charts", "ΔE2000", "S-CIELAB", "MTF50 cy/mm", "visual SNR", "noise %"]
+    table(head, [[f"{n['light']:g}", n["camera"], *both_sets((n, c))] for n, c in paired(runs)])
+    names, body = SLIDES.split(), []
+    for k, light in enumerate(("1", "80")):
+        for number, name in enumerate(names[1:], 1):
+            for scenes in SETS:
+                of = metrics(runs[scenes], k)
+                body.append([light, name, scenes, *[estimate(of[m]["from_first"][number]) for m in METRICS]])
+    table(["cd/m²", "camera − bayer", "scenes", *METRICS.values()], body)
+    for scenes in SETS:
+        for k, light in enumerate(("1", "80")):
+            of = metrics(runs[scenes], k)["cpsnr_db"]
+            leads = [f"`{n}` {estimate(lead['by'])}" for n, lead in zip(names, of["leads"])]
+            print(f"{scenes}, {light} cd/m²: `{names[of['best']]}` has the best mean CPSNR; leads over", ", ".join(leads))
 
 
 def classic() -> None:
     """L³ against other processing on Bayer."""
-    r = compare("classic", f"bayer {CLASSIC} --luminance 1,10,80")
-    score_table(r, "pipeline")
-    for k, light in enumerate(r["verdict"]["lights"]):
-        for name, of in metrics(r, k).items():
-            print(f"{light['luminance_cd_m2']:g}", name, "best", of["best"], *[estimate(e) for e in of["from_first"]], sep=" | ")
-    r = compare("classic-charts", f"bayer {CLASSIC} --luminance 1,10,80 --scenes charts")
-    score_table(r, "pipeline")
-    loses(r, "")
+    runs = of_sets("classic", f"bayer {CLASSIC} --luminance 1,10,80")
+    margins(runs["natural"], "")
+    score_table(runs["natural"], "pipeline")
     quiet = "--set sensor.pixel.read_noise_mv=0 --set sensor.dsnu_mv=0 --set sensor.prnu_percent=0 --set sensor.pixel.dark_voltage_v_per_s=0"
     quiet += " --set sensor.adc_bits=16 --set sensor.pixel.conversion_gain_uv_per_e=0.02 --set sensor.pixel.full_well_e=718200000"
-    r = compare("classic-no-noise", f"bayer {CLASSIC} --luminance 20,80 --scenes charts {quiet} --set exposure.time_ms=1000000")
-    score_table(r, "pipeline")
-    loses(r, ", no noise")
+    no_noise = compare("classic-no-noise", f"bayer {CLASSIC} --luminance 20,80 --scenes charts {quiet} --set exposure.time_ms=1000000")
+    for results, what in ((runs["charts"], ""), (no_noise, ", no noise")):
+        score_table(results, "pipeline")
+        margins(results, what)
+        losses(results, what)
 
 
-def loses(results: dict, what: str) -> None:
-    """The margin of L³ over the best other method, and the scenes in which it loses."""
-    lights = sorted({r["luminance_cd_m2"] for r in results["results"]})
-    margins, losses = [], []
-    for light in lights:
-        at = [r for r in results["results"] if r["luminance_cd_m2"] == light]
-        own, others = at[0], at[1:]
-        line = [f"{light:g}{what}"]
+def margins(results: dict, what: str) -> None:
+    """By how much L³ is better than each other method, with intervals."""
+    body = []
+    for k, light in enumerate(results["verdict"]["lights"]):
+        for name, of in metrics(results, k).items():
+            sign = -1 if name == "cpsnr_db" else 1
+            line = []
+            for e in of["from_first"][1:]:
+                ends = sorted(sign * e["interval"][end] for end in ("low", "high"))
+                better = {"value": sign * e["value"], "interval": {"low": ends[0], "high": ends[1]}}
+                line.append(estimate(better).replace("+", ""))
+            body.append([f"{light['luminance_cd_m2']:g}{what}", METRICS[name], *line])
+    table(["cd/m²", "metric", *[f"over {r['pipeline']}" for r in results["results"][len(results["verdict"]["lights"]) :: len(results["verdict"]["lights"])]]], body)
+
+
+def losses(results: dict, what: str) -> None:
+    """The scenes in which L³ loses."""
+    found = []
+    for light in sorted({r["luminance_cd_m2"] for r in results["results"]}):
+        own, *others = (r for r in results["results"] if r["luminance_cd_m2"] == light)
         for metric, best, sign in (("cpsnr_db", max, 1), ("pixel_delta_e_2000_mean", min, -1), ("scielab_mean", min, -1)):
-            line.append(f"{own[metric] - best(o[metric] for o in others):+.2f}".replace("-", "−"))
             for i, scene in enumerate(own["scenes"]):
                 mine = scene["scores"][metric]
                 best_other = best(others, key=lambda o: o["scenes"][i]["scores"][metric])
                 theirs = best_other["scenes"][i]["scores"][metric]
                 if sign * (mine - theirs) < 0:
-                    losses.append([f"{light:g}{what}", scene["scene"].split("?")[0], METRICS[metric], f"{mine:.2f}", f"{theirs:.2f}", best_other["pipeline"]])
-        margins.append(line)
-    table(["cd/m²", *METRICS.values()], margins)
-    table(["cd/m²", "scene", "metric", "L³", "the best other", "by"], losses)
+                    found.append([f"{light:g}{what}", scene["scene"].split("?")[0], METRICS[metric], f"{mine:.2f}", f"{theirs:.2f}", best_other["pipeline"]])
+    table(["cd/m²", "scene", "metric", "L³", "the best other", "by"], found)
 
 
-def settings(prefix: str, lights: str, choices: dict[str, str], counts: bool) -> None:
-    """Bayer and RGBW with several settings of learning."""
-    body: dict[str, list[list[str]]] = {"bayer": [], "rgbw": []}
-    for name, words in choices.items():
-        r = compare(f"{prefix}-{name.replace(' ', '-')}", f"bayer rgbw --luminance {lights} {words}")
-        for camera, learned in zip(("bayer", "rgbw"), r["learned"]):
-            own = [line for line in rows(r) if line["camera"] == camera]
-            scores = [" · ".join(line[key] for line in own) for key in ("cpsnr", "de", "scielab", "mtf50", "snr", "noise")]
-            classes = [f"{learned['classes_that_occur']} / {learned['operators']}"] if counts else []
-            body[camera].append([camera, name, *classes, *scores])
-    head = ["camera", "setting", *(["classes / kernels"] if counts else []), *METRICS.values(), "MTF50 cy/mm", "visual SNR", "noise %"]
-    table(head, body["bayer"] + body["rgbw"])
+def settings(prefix: str, lights: str, choices: dict[str, str]) -> dict[str, dict[str, dict]]:
+    """The results of Bayer and RGBW with several settings of learning."""
+    return {name: of_sets(f"{prefix}-{name.replace(' ', '-')}", f"bayer rgbw --luminance {lights} {words}") for name, words in choices.items()}
+
+
+def gained(runs: dict[str, dict[str, dict]], setting: str, over: str) -> None:
+    """By how much the scores of one setting differ from those of another, for each camera, light and set of scenes."""
+    body = []
+    for i, of in enumerate(runs[setting]["natural"]["results"]):
+        for scenes in SETS:
+            a, b = (runs[name][scenes]["results"][i] for name in (setting, over))
+            body.append([of["camera"], f"{of['luminance_cd_m2']:g}", scenes, *[difference(a, b, m) for m in METRICS]])
+    table(["camera", "cd/m²", "scenes", *METRICS.values()], body)
 
 
 def textures() -> None:
     """Classes of orientation."""
     flat = "--textures flat-texture"
-    settings("textures", "1,10,80", {"flat-texture 10": flat, "flat-texture 16": f"{flat} --levels 16", "oriented 10": ""}, True)
+    runs = settings("textures", "1,10,80", {"flat-texture 10": flat, "flat-texture 16": f"{flat} --levels 16", "oriented 10": ""})
+    body = []
+    for i, camera in enumerate(("bayer", "rgbw")):
+        for name, of in runs.items():
+            learned = of["natural"]["learned"][i]
+            classes = f"{learned['classes_that_occur']} / {learned['operators']}"
+            for scenes in SETS:
+                own = [line for line in rows(of[scenes]) if line["camera"] == camera]
+                scores = [" · ".join(line[key] for line in own) for key in ("cpsnr", "de", "scielab", "mtf50")]
+                body.append([camera, name, classes, scenes, *scores])
+    table(["camera", "texture classes, levels", "classes / kernels", "scenes", *METRICS.values(), "MTF50 cy/mm"], body)
+    gained(runs, "oriented 10", "flat-texture 10")
 
 
 def alpha() -> None:
@@ -211,7 +285,17 @@ def alpha() -> None:
     choices = {"wiener": ""}
     for flat, texture in (("4,4", "1,1"), ("16,4", "1,4"), ("64,16", "4,16")):
         choices[f"{flat} and {texture}"] = f"--alpha-flat {flat} --alpha-texture {texture}"
-    settings("alpha", "1,10", choices, False)
+    runs = settings("alpha", "1,10", choices)
+    lines = {name: paired(of) for name, of in runs.items()}
+    body = []
+    for light in (1.0, 10.0):
+        for camera in ("bayer", "rgbw"):
+            for name, pairs in lines.items():
+                pair = next(p for p in pairs if (p[0]["light"], p[0]["camera"]) == (light, camera))
+                body.append([f"{light:g}", camera, name, *both_sets(pair)])
+    head = ["cd/m²", "camera", "α flat and texture", "CPSNR dB, natural · charts", "ΔE2000", "S-CIELAB", "MTF50 cy/mm", "visual SNR", "noise %"]
+    table(head, body)
+    gained(runs, "16,4 and 1,4", "wiener")
 
 
 def trained(name: str, words: str) -> str:

@@ -44,6 +44,7 @@ pub mod page;
 mod panel;
 mod pictures;
 mod plot;
+mod reliability;
 mod report_error;
 mod scale;
 mod shared;

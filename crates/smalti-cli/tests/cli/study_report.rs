@@ -148,20 +148,72 @@ fn detail_finer_than_the_pixels_is_marked() {
             centers.map(|(nm, sigma)| format!("{{ gaussian = {{ center_nm = {nm}, sigma_nm = {sigma} }} }}"));
         format!("[[filters.list]]\nfilters = [{}]\n", filters.join(", "))
     };
-    let study = |set: String| {
+    let study = |keys: &str, set: String| {
         place.write(
             "one.toml",
-            format!("camera = \"table1\"\ncolors = [3]\nmosaics = {{ given = [[\"bc\", \"ab\"]] }}\n{set}"),
+            format!(
+                "camera = \"table1\"\ncolors = [3]\nmosaics = {{ given = [[\"bc\", \"ab\"]] }}\n{keys}\n{set}"
+            ),
         );
         std::fs::remove_dir_all(place.path("out")).ok();
         place.ok("sweep one.toml -o out");
         place.ok("report out")
     };
     // Filters that overlap this much need a colour matrix that amplifies all detail, and what is aliased.
-    let absurd = study(set([(442, 45), (462, 33), (635, 42)]));
-    assert!(absurd.contains(" * ") && absurd.contains("* finer than the 178.6 cy/mm"), "{absurd}");
-    let sound = study(set([(455, 25), (540, 35), (600, 30)]));
-    assert!(!sound.contains('*'), "{sound}");
+    let absurd = study("", set([(442, 45), (462, 33), (635, 42)]));
+    assert!(absurd.contains(" * ") && absurd.contains("\n* MTF50 lies beyond the 0.5 cycles"), "{absurd}");
+    assert!(absurd.contains("Means contain the MTF50 of 1 designs beyond the Nyquist frequency"), "{absurd}");
+    let trial = |place: &Place| {
+        place.json("out/report/report.json")["studies"][0]["sections"][0]["colors"][0]["best"][0].clone()
+    };
+    assert_eq!(trial(&place)["mtf50_reliability"], "beyond-nyquist");
+    let sound = study("", set([(455, 25), (540, 35), (600, 30)]));
+    assert!(!sound.contains('*') && !sound.contains("Means contain"), "{sound}");
+    assert_eq!(trial(&place)["mtf50_reliability"], "reliable");
+    // In cycles per pixel, too.
+    let per_pixel = study("metrics = [\"mtf50_cy_per_px\"]", set([(442, 45), (462, 33), (635, 42)]));
+    assert!(per_pixel.contains(" * ") && per_pixel.contains("\n* MTF50 lies beyond"), "{per_pixel}");
+}
+
+/// Results state the exposure and the saturated share of every trial, whatever is scored.
+#[test]
+fn every_trial_has_its_exposure() {
+    let place = Place::new();
+    let reported = |keys: &str| {
+        place.write(
+            "one.toml",
+            format!(
+                "camera = \"bayer\"\ncolors = [3]\nmosaics = {{ given = [[\"bc\", \"ab\"]] }}\n{keys}\n[filters.gaussian_grid]\n[sample]\nfilters = 2\n"
+            ),
+        );
+        std::fs::remove_dir_all(place.path("out")).ok();
+        place.ok("sweep one.toml -o out");
+        place.ok("report out")
+    };
+    // Nothing is rendered for the Vora value.
+    let dim = reported("metrics = [\"vora_value\"]\nluminance_cd_m2 = 10");
+    assert!(dim.contains("Exposure: ColorChecker 100.0 ms (0.00 % of the samples saturated)."), "{dim}");
+    assert!(dim.lines().any(|l| l.contains("exposure ms  saturated %")), "{dim}");
+    let bright = reported("metrics = [\"vora_value\"]\nluminance_cd_m2 = 5000");
+    let trial = &place.json("out/report/report.json")["studies"][0]["sections"][0]["colors"][0]["best"][0];
+    let share = trial["macbeth_saturated_percent"].as_f64().unwrap();
+    assert!(share > 50.0 && trial["macbeth_time_s"] == 0.1, "{trial}");
+    assert!(bright.contains(&format!("{share:.2}")), "{bright}");
+    // Classic and learned processing look at the same chart.
+    let both = reported(
+        "metrics = [\"mtf50_cy_per_mm\", \"delta_e_76\"]\nluminance_cd_m2 = 500\nprocessing = [\"classic\", \"l3\"]",
+    );
+    assert!(both.contains(", edge 100.0 ms ("), "{both}");
+    let document = place.json("out/report/report.json");
+    let sections = document["studies"][0]["sections"].as_array().unwrap();
+    let shares = |i: usize| -> Vec<f64> {
+        let best = sections[i]["colors"][0]["best"].as_array().unwrap();
+        let mut trials: Vec<_> =
+            best.iter().map(|t| t["macbeth_saturated_percent"].as_f64().unwrap()).collect();
+        trials.sort_by(f64::total_cmp);
+        trials
+    };
+    assert_eq!(shares(0), shares(1));
 }
 
 #[test]

@@ -122,7 +122,14 @@ fn a_study_scores_what_it_names() {
     let saturated =
         ["dead_leaves_1", "leaves", "dead_leaves_3"].map(|scene| format!("saturated_percent_{scene}"));
     let saturated = saturated.each_ref().map(String::as_str);
-    let others = ["macbeth_time_s", "edge_time_s", "problem"];
+    let others = [
+        "macbeth_time_s",
+        "macbeth_saturated_percent",
+        "edge_time_s",
+        "edge_saturated_percent",
+        "mtf50_reliability",
+        "problem",
+    ];
     assert_eq!(all[from..], [&metrics[..], &saturated, &others].concat());
     let found = columns(&place, "out", &metrics);
     assert!(found.iter().flatten().all(|v| v.is_finite()), "{found:?}");
@@ -140,6 +147,8 @@ fn a_study_scores_what_it_names() {
         "CPSNR dB dead leaves 1",
         "aliasing %",
         "saturated % leaves",
+        "exposure ms",
+        "larger share of their raw samples that saturate",
         "no other design beats in MTF50, CPSNR dead leaves 1, CPSNR leaves, CPSNR dead leaves 3 and aliasing at once",
     ] {
         assert!(text.contains(words), "{words} is missing in\n{text}");

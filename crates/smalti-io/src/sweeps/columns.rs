@@ -1,8 +1,8 @@
 //! Columns of the results of a sweep, with one row per trial.
 
 use smalti::design::{
-    ConditionValue, DesignError, FilterFamily, FilterFigures, Metric, MetricTarget, ScoredTrial, Scores,
-    Study, StudyScene, Trials, column_of_key,
+    ConditionValue, DesignError, EdgeScores, FilterFamily, FilterFigures, Metric, MetricTarget, ScoredTrial,
+    Scores, Study, StudyScene, Trials, column_of_key,
 };
 use smalti::metrics::{CATALOG, MetricInfo};
 
@@ -32,8 +32,7 @@ fn scene_column(study: &Study, figure: &str, scene: usize) -> String {
     format!("{figure}_{own}{place}")
 }
 
-/// The share of saturated samples. Only scenes have it: the scores of targets come from a few patches and from captures without
-/// noise, and a capture of a whole target would cost as much as its scores.
+/// The share of saturated samples of a scene.
 const SATURATED: &str = "saturated_percent";
 
 /// Whether a metric of the study is measured on the edge target, which is then exposed.
@@ -104,8 +103,19 @@ pub fn schema(study: &Study) -> Vec<ColumnSpec> {
         all.push(column(&scene_column(study, SATURATED, scene), Float, "%", &doc));
     }
     all.push(column("macbeth_time_s", Float, "s", "Exposure time of the ColorChecker."));
+    let saturated = |target: &str| {
+        format!("Percentage of the raw samples of {target} at the white level, without noise.")
+    };
+    all.push(column("macbeth_saturated_percent", Float, "%", &saturated("the ColorChecker")));
     if looks_at_edge(study) {
         all.push(column("edge_time_s", Float, "s", "Exposure time of the edge."));
+        all.push(column("edge_saturated_percent", Float, "%", &saturated("the edge")));
+        all.push(column(
+            "mtf50_reliability",
+            Text,
+            "",
+            "Whether MTF50 is a resolution: reliable; beyond-nyquist, where the detail is aliased; plateau, where the response stays near one half or rises again; empty without an MTF50.",
+        ));
     }
     all.push(column("problem", Text, "", "Reason for missing scores; empty if the trial has all."));
     all
@@ -158,9 +168,14 @@ pub fn columns(trials: &Trials, rows: &[ScoredTrial]) -> Result<Vec<Column>, Des
         all.push(number(&|r| r.scores.as_ref().ok().and_then(saturated).unwrap_or(f64::NAN)));
     }
     all.push(number(&|r| r.scores.as_ref().map_or(f64::NAN, |s| s.macbeth_time_s)));
+    all.push(number(&|r| r.scores.as_ref().map_or(f64::NAN, |s| s.macbeth_saturated_percent)));
     if looks_at_edge(study) {
-        let time = |s: &Scores| Some(s.edge.as_ref()?.as_ref().ok()?.time_s);
-        all.push(number(&|r| r.scores.as_ref().ok().and_then(time).unwrap_or(f64::NAN)));
+        fn edge(r: &ScoredTrial) -> Option<&EdgeScores> {
+            r.scores.as_ref().ok()?.edge.as_ref()?.as_ref().ok()
+        }
+        all.push(number(&|r| edge(r).map_or(f64::NAN, |e| e.time_s)));
+        all.push(number(&|r| edge(r).map_or(f64::NAN, |e| e.saturated_percent)));
+        all.push(text(&|r| edge(r).map_or_else(String::new, |e| e.mtf50_reliability.name().into())));
     }
     all.push(text(&ScoredTrial::problem));
     Ok(all)

@@ -275,7 +275,8 @@ def light_gain(
 
     Returns:
         luminance_cd_m2, tried, and metrics: for each metric its name, the `gain` in stops ({"stops": v}, or {"more_than": v} or
-        {"less_than": v} beyond four stops), and the scores of both cameras in equal light (`own`, `target`).
+        {"less_than": v} beyond four stops), its 95 % confidence `interval` (`low` and `high` in the same form; None for a single scene), and
+        the scores of both cameras in equal light (`own`, `target`).
     """
     of = None if scenes is None else list(scenes)
     with _told(progress, f"{camera.name} against {other.name}", "picture") as told:

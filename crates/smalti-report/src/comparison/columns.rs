@@ -5,7 +5,7 @@ use smalti::experiment::{Outcome, ScoredScene};
 use smalti::metrics::esfr::Mtf50Reliability;
 use smalti::metrics::{Better, CATALOG};
 
-use super::reliability::mark;
+use crate::reliability::mark;
 
 /// A column of scores of a kind.
 pub struct Column<T: 'static> {

@@ -17,6 +17,8 @@ pub(super) const EXPOSURE_HEADINGS: [&str; 2] = ["exposure ms", "saturated %"];
 const UNEQUAL_VIEW: &str = "Every camera images a scene onto equally many samples, whatever its field of view. A sample of larger pitch collects the light of \
                             more area.";
 
+const BINNED_OR_NOT: &str = " For equal fields of view, compare the same pixels with sensor.binning \"digital\" and \"charge\", which collect the same light.";
+
 /// The range of the exposure times over the scenes, ms, and the mean share of saturated samples, percent.
 pub(super) fn exposure_cells(outcome: &Outcome) -> [String; 2] {
     let times = outcome.scenes.iter().map(|(_, s)| s.scores.exposure_time_s * 1e3);
@@ -138,7 +140,7 @@ impl<'a> Conditions<'a> {
         }
         let header: Vec<&str> =
             std::iter::once("key").chain(self.labels.iter().map(String::as_str)).collect();
-        let view = self.unequal_view().map_or_else(String::new, |words| words.to_owned() + "\n");
+        let view = self.unequal_view().map_or_else(String::new, |words| words + "\n");
         format!(
             "The cameras differ in more than the colour filter array:\n{}{view}\n{exposure}\n",
             table(&header, &rows)
@@ -146,8 +148,10 @@ impl<'a> Conditions<'a> {
     }
 
     /// What unequal fields of view mean for the scores, where they are unequal.
-    fn unequal_view(&self) -> Option<&'static str> {
-        self.differences.iter().any(|d| d.key == FIELD_OF_VIEW).then_some(UNEQUAL_VIEW)
+    fn unequal_view(&self) -> Option<String> {
+        let binned = self.cameras.iter().filter(|c| c.sensor.binning.is_some()).count();
+        let some = if (1..self.cameras.len()).contains(&binned) { BINNED_OR_NOT } else { "" };
+        self.differences.iter().any(|d| d.key == FIELD_OF_VIEW).then(|| format!("{UNEQUAL_VIEW}{some}"))
     }
 
     /// The same for a page.

@@ -9,12 +9,12 @@ use super::conditions::Conditions;
 use super::evaluated_text::{clipped, without_noise};
 use super::figures::{self, Scored};
 use super::gallery::{self, Group, Map, Maps, Shot};
-use super::reliability::mark;
 use super::results::CommandLine;
 use super::{again, chart, tables};
 use crate::ReportError;
 use crate::page::{COMPARE, Markup, Page, Table, el, foot, paragraph};
 use crate::pictures::Pixels;
+use crate::reliability::mark;
 use crate::words::{listed, time_ms};
 
 const ALIASING: Maps = Maps {

@@ -3,8 +3,8 @@
 use smalti::camera::Evaluation;
 
 use super::columns::{EVALUATE, SENSOR, headings, reliabilities};
-use super::reliability::meanings;
 use crate::TextTable;
+use crate::reliability::meanings;
 use crate::words::time_ms;
 
 /// What resolution and noise of one row say together.

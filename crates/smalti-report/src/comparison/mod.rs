@@ -16,7 +16,6 @@ mod kernels;
 mod learned;
 mod maps;
 mod page;
-mod reliability;
 mod results;
 mod sheets;
 mod summary;

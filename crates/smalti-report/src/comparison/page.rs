@@ -9,6 +9,7 @@ use super::figures::{self, Scored};
 use super::gallery::{self, Group, Shot};
 use super::maps::DIFFERENCES;
 use super::results::Comparison;
+use super::text::GAIN_BASIS;
 use super::{again, chart, crops, learned, summary, tables};
 use crate::page::{COMPARE, Markup, Page, el, foot, paragraph};
 use crate::pictures::Pixels;
@@ -191,11 +192,7 @@ fn light(report: &Comparison<'_>) -> Markup {
         out = out.and(gain_figures(report, &luminances));
     }
     out = out.and(tables::gains(report.gains));
-    out.and(paragraph(
-        "help",
-        "Where the gain is below 0, the first camera needs less light. Scenes, seeds and exposure times are those of the scores; visual \
-         SNR and noise are means over four captures of the ColorChecker.",
-    ))
+    out.and(paragraph("help", GAIN_BASIS))
 }
 
 /// The light gain against luminance, a figure for each camera to be equalled. Gains that are only bounded are in the tables alone.

@@ -8,10 +8,10 @@ use smalti::metrics::smallest_relevant;
 use super::columns::{COMPARE, COMPARE_PER_PIXEL, Column, SCENES, reliabilities};
 use super::conditions::exposure_cells;
 use super::figures::Scored;
-use super::reliability::meanings;
 use super::results::{Comparison, of_contender};
-use super::text::MTF50_AND_NOISE;
+use super::text::{MTF50_AND_NOISE, gain_cell};
 use crate::page::{Markup, Table, el, paragraph};
+use crate::reliability::meanings;
 use crate::words::time_ms;
 
 /// The headings of [`COMPARE`] on the page.
@@ -159,7 +159,7 @@ pub(super) fn gains(gains: &[PairwiseLightGain]) -> Markup {
                 metric_name(m.metric).to_owned(),
                 format!("{:.3}", m.own),
                 format!("{:.3}", m.target),
-                m.gain.to_string().replace(" stops", ""),
+                gain_cell(m, ""),
             ];
             table = table.row(cells, false);
         }

@@ -5,12 +5,23 @@ use smalti::experiment::{Outcome, PairwiseLightGain};
 
 use super::columns::{headings, reliabilities};
 use super::conditions::{EXPOSURE_HEADINGS, exposure_cells};
-use super::reliability::meanings;
 use super::results::{Comparison, of_contender};
 use crate::TextTable;
+use crate::reliability::meanings;
 
 /// What resolution and noise of one row say together.
 pub(super) const MTF50_AND_NOISE: &str = "MTF50 is measured without noise, noise % on one capture. In little light, noise hides detail that MTF50 still counts.";
+
+/// What a light gain and its interval rest on.
+pub(super) const GAIN_BASIS: &str = "Below 0, the first camera needs less light. 95 % confidence intervals in brackets: of scores of pictures over the scenes and \
+     noise realisations of the first table, of visual SNR and noise over four captures of the chart. The search ends at ±4 stops. MTF50 is \
+     measured without noise and therefore has no light gain.";
+
+/// A light gain with its interval: `+0.41 stops [+0.38, +0.46]`.
+pub(super) fn gain_cell(of: &MetricGain, unit: &str) -> String {
+    let interval = of.interval.map_or_else(String::new, |i| format!(" {i}"));
+    format!("{}{interval}", of.gain.to_string().replace(" stops", unit)).replace('-', "−")
+}
 
 impl Comparison<'_> {
     /// The scores, a row for each luminance and contender, and the meaning of marks at values.
@@ -56,16 +67,18 @@ impl Comparison<'_> {
                     g.metric.to_owned(),
                     format!("{:.3}", g.own),
                     format!("{:.3}", g.target),
-                    g.gain.to_string(),
+                    gain_cell(g, " stops"),
                 ]
             };
             let rows: Vec<Vec<String>> = gains.metrics.iter().map(row).collect();
             out += &format!(
-                "\nAdditional light for {first} to match {other} at {} cd/m²\n{}Scores of whole pictures are means over the scenes and noise realisations of the first table; visual SNR and noise \
-                 are means over four captures of the chart.\n",
+                "\nAdditional light for {first} to match {other} at {} cd/m²\n{}",
                 gains.luminance_cd_m2,
                 table(&header, &rows),
             );
+        }
+        if !out.is_empty() {
+            out += &format!("{GAIN_BASIS}\n");
         }
         out
     }

@@ -103,6 +103,7 @@ function readTrials(data, curves) {
     opticalSetups: data.optical_setups,
   };
   trials.tile = trials.words.find((w) => w.name === "tile");
+  trials.reliability = trials.words.find((w) => w.name === "mtf50_reliability");
   if (data.sections.length > 1) {
     // The study is named where there are several.
     const several = data.studies.length > 1;

@@ -89,6 +89,15 @@ function isBeyond(trials, column, row) {
 function isBeyondNyquist(trials, row) {
   return trials.columns.some((column) => isBeyond(trials, column, row));
 }
+// The edge response of such a trial stays near one half or rises again, so that a small change moves MTF50 far.
+function isPlateau(trials, row) {
+  const { reliability } = trials;
+  return reliability?.words[reliability.codes[row]] === "plateau";
+}
+function markOf(trials, column, row) {
+  if (isBeyond(trials, column, row)) return " beyond Nyquist";
+  return column.name.startsWith("mtf50_") && isPlateau(trials, row) ? " of a plateau" : null;
+}
 
 // How many in a hundred of the trials with as many colours are worse.
 function rankOf(trials, column, row) {
@@ -109,8 +118,8 @@ function figuresOf(trials, row) {
       make("th", { scope: "col", class: "number", title: "of the trials with as many colours" }, "Better than"))));
   const body = make("tbody");
   for (const column of trials.columns.filter((c) => !c.parameter && c.name !== "colors" && Number.isFinite(c.values[row]))) {
-    body.append(make("tr", { title: column.doc }, make("th", { scope: "row" }, column.label,
-        isBeyond(trials, column, row) ? make("span", { class: "beyond" }, " beyond Nyquist") : null),
+    const mark = markOf(trials, column, row);
+    body.append(make("tr", { title: column.doc }, make("th", { scope: "row" }, column.label, mark ? make("span", { class: "beyond" }, mark) : null),
       make("td", { class: "number" }, shown(column.values[row]), make("span", { class: "unit" }, column.unit.replace("cycles", "cy").replace("pixel", "px"))),
       make("td", { class: "number" }, rankOf(trials, column, row))));
   }
@@ -194,7 +203,7 @@ function commandOf(trials, row, options) {
 function showTrial(trials, row, panel) {
   const filters = filtersOf(trials, row);
   const number = trials.number[row];
-  const words = trials.words.filter((w) => w !== trials.tile && w.words[w.codes[row]]).map((w) => w.words[w.codes[row]]);
+  const words = trials.words.filter((w) => ![trials.tile, trials.reliability].includes(w) && w.words[w.codes[row]]).map((w) => w.words[w.codes[row]]);
   const tile = trials.tile ? trials.tile.words[trials.tile.codes[row]] : "";
   panel.replaceChildren(
     make("h3", {}, `Trial ${number}`),

@@ -144,6 +144,7 @@ async function startSweep(data) {
     for (const c of [view.x, view.y]) lines.push(`${c.label} ${shown(c.values[row])}`);
     if (view.color.column) lines.push(`${view.color.column.label} ${shown(view.color.column.values[row])}`);
     if (isBeyondNyquist(trials, row)) lines.push("MTF50 beyond Nyquist");
+    else if (isPlateau(trials, row)) lines.push("MTF50 of a plateau");
     return lines.join("\n");
   }
   function colorsOf() {

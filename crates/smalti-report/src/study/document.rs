@@ -1,8 +1,8 @@
 //! The report as one JSON document.
 
 use serde_json::{Map, Value, json};
-use smalti::design::FilterFigures;
 use smalti::design::statistics::{Estimate, Summary};
+use smalti::design::{ColumnValues, FilterFigures};
 
 use super::results::Results;
 use super::sections::{CONFIDENCE, Group, Section};
@@ -10,6 +10,15 @@ use crate::ReportError;
 
 /// The largest number of trials of a front in the document.
 const FRONT: usize = 1000;
+
+/// Columns that say under which conditions a trial was scored, and how far its resolution can be trusted.
+const CONDITIONS: [&str; 5] = [
+    "macbeth_time_s",
+    "macbeth_saturated_percent",
+    "edge_time_s",
+    "edge_saturated_percent",
+    "mtf50_reliability",
+];
 
 /// All that the tables contain and more. `figures` are the files, relative to the folder.
 pub(super) fn document(
@@ -96,6 +105,15 @@ fn trial(section: &Section<'_>, row: usize) -> Result<Value, ReportError> {
     out.insert("colors".into(), figures.len().into());
     for measure in &section.results.measures {
         out.insert(measure.name.clone(), measure.at(row).into());
+    }
+    for column in CONDITIONS {
+        match section.results.data.column(column).map(|c| &c.values) {
+            Some(ColumnValues::Numbers(values)) => out.insert(column.into(), values.get(row).copied().into()),
+            Some(ColumnValues::Texts(values)) => {
+                out.insert(column.into(), values.get(row).map(|t| &**t).into())
+            }
+            _ => None,
+        };
     }
     out.insert("filters".into(), trial.design.filters.label.clone().into());
     out.insert("tile".into(), trial.design.tile().into());

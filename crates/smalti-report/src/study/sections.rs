@@ -6,6 +6,7 @@ use std::ops::Range;
 use smalti::design::statistics::{Objective, Rule, Summary, best_per_group, pareto_front, summarize_groups};
 use smalti::design::{ColumnValues, Design};
 use smalti::metrics::Better;
+use smalti::metrics::esfr::{Mtf50Reliability, NYQUIST_CY_PER_PX};
 
 use super::results::{MAIN, Measure, Results};
 use crate::ReportError;
@@ -21,6 +22,33 @@ const MAX_NAMED: usize = 20_000;
 const MAX_LABELS: usize = 40;
 
 pub(super) const ALIASING: &str = "aliasing_percent";
+
+/// The columns of the exposure of a target.
+struct TargetColumns {
+    name: &'static str,
+    time_s: &'static str,
+    saturated_percent: &'static str,
+}
+
+const TARGETS: [TargetColumns; 2] = [
+    TargetColumns {
+        name: "ColorChecker",
+        time_s: "macbeth_time_s",
+        saturated_percent: "macbeth_saturated_percent",
+    },
+    TargetColumns { name: "edge", time_s: "edge_time_s", saturated_percent: "edge_saturated_percent" },
+];
+
+/// The least and the greatest of values as text, or the only one; `None` without values.
+fn range(values: impl Iterator<Item = f64>, text: impl Fn(f64) -> String, between: &str) -> Option<String> {
+    let (least, most) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(v), b.max(v)));
+    let ends = (least <= most).then(|| [least, most].map(text))?;
+    Some(if ends[0] == ends[1] { ends[1].clone() } else { ends.join(between) })
+}
+
+fn percent(share: f64) -> String {
+    format!("{share:.2}")
+}
 
 /// The rule that selects the best designs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -97,31 +125,67 @@ impl Group {
 }
 
 impl<'a> Section<'a> {
-    /// The exposure times of the targets, which automatic exposure chooses for each design, as a sentence; `None` where the results
-    /// have none.
-    pub(super) fn exposure_in_words(&self) -> Option<String> {
-        let range = |(column, target): (&str, &str)| {
-            let ColumnValues::Numbers(times_s) = &self.results.data.column(column)?.values else {
-                return None;
-            };
-            let times = times_s.get(self.rows.clone())?.iter().filter(|t| t.is_finite()).map(|t| t * 1e3);
-            let (least, most) =
-                times.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), t| (a.min(t), b.max(t)));
-            if least > most {
-                return None;
-            }
-            let [least, most] = [least, most].map(time_ms);
-            Some(if least == most {
-                format!("{target} {most} ms")
-            } else {
-                format!("{target} {least} to {most} ms")
-            })
+    /// A number of a row; `None` where the results or the trial lack it.
+    fn number(&self, column: &str, row: usize) -> Option<f64> {
+        match &self.results.data.column(column)?.values {
+            ColumnValues::Numbers(values) => values.get(row).copied().filter(|v| v.is_finite()),
+            _ => None,
+        }
+    }
+
+    /// The exposure times of the targets in rows, ms, and the larger share of saturated samples of each row, percent. A dash where
+    /// nothing is known.
+    pub(super) fn exposure_cells(&self, rows: &[usize]) -> [String; 2] {
+        let times = rows.iter().flat_map(|row| TARGETS.map(|t| self.number(t.time_s, *row)));
+        let times = times.flatten().map(|time_s| time_s * 1e3);
+        let larger = |row: &usize| {
+            TARGETS.iter().filter_map(|t| self.number(t.saturated_percent, *row)).reduce(f64::max)
         };
-        let times: Vec<String> = [("macbeth_time_s", "ColorChecker"), ("edge_time_s", "edge")]
-            .into_iter()
-            .filter_map(range)
-            .collect();
-        (!times.is_empty()).then(|| format!("Exposure: {}.", times.join(", ")))
+        [range(times, time_ms, "–"), range(rows.iter().filter_map(larger), percent, "–")]
+            .map(|range| range.unwrap_or_else(|| "–".into()))
+    }
+
+    /// The exposure of the targets, which automatic exposure chooses for each design, as a sentence; `None` where the results have none.
+    pub(super) fn exposure_in_words(&self) -> Option<String> {
+        let of_target = |target: &TargetColumns| {
+            let of = |column| self.rows.clone().filter_map(move |row| self.number(column, row));
+            let times = range(of(target.time_s).map(|time_s| time_s * 1e3), time_ms, " to ")?;
+            let share = match range(of(target.saturated_percent), percent, " to ") {
+                Some(share) => format!("{share} % of the samples saturated"),
+                None => "share of saturated samples not in these results".into(),
+            };
+            Some(format!("{} {times} ms ({share})", target.name))
+        };
+        let targets: Vec<String> = TARGETS.iter().filter_map(of_target).collect();
+        (!targets.is_empty()).then(|| format!("Exposure: {}.", targets.join(", ")))
+    }
+
+    /// Whether the MTF50 of a row can be trusted as a resolution. Results without this judgement have the sampling limit alone.
+    pub(super) fn reliability(&self, row: usize) -> Mtf50Reliability {
+        use Mtf50Reliability::{BeyondNyquist, Plateau, Reliable};
+        if let Some(ColumnValues::Texts(names)) =
+            self.results.data.column("mtf50_reliability").map(|c| &c.values)
+        {
+            let name = names.get(row).map_or("", |name| &**name);
+            return [BeyondNyquist, Plateau].into_iter().find(|r| r.name() == name).unwrap_or(Reliable);
+        }
+        let limits = [(MAIN[1], self.nyquist_cy_per_mm()), ("mtf50_cy_per_px", Some(NYQUIST_CY_PER_PX))];
+        let is_beyond = |(name, limit): (&str, Option<f64>)| {
+            limit.zip(self.number(name, row)).is_some_and(|(limit, mtf50)| mtf50 > limit)
+        };
+        if limits.into_iter().any(is_beyond) { BeyondNyquist } else { Reliable }
+    }
+
+    /// How many designs have an MTF50 that is no resolution, as a sentence; `None` if none.
+    pub(super) fn unreliable_in_words(&self) -> Option<String> {
+        let count = |of| self.rows.clone().filter(|row| self.reliability(*row) == of).count();
+        let [beyond, plateau] = [Mtf50Reliability::BeyondNyquist, Mtf50Reliability::Plateau].map(count);
+        (beyond + plateau > 0).then(|| {
+            format!(
+                "Means contain the MTF50 of {beyond} designs beyond the Nyquist frequency and of {plateau} whose edge response stays near one \
+                 half or rises again."
+            )
+        })
     }
 
     /// All sections of the results of a study.
@@ -229,11 +293,6 @@ impl<'a> Section<'a> {
     pub(super) fn nyquist_cy_per_mm(&self) -> Option<f64> {
         let (condition, _) = self.results.setup(self.setup)?;
         Some(0.5 / (condition.camera.sensor.sample_pitch_um()? * 1e-3))
-    }
-
-    /// Whether the MTF50 of a row lies beyond the Nyquist frequency: such detail is aliased, not resolved.
-    pub(super) fn beyond_nyquist(&self, row: usize) -> bool {
-        self.nyquist_cy_per_mm().is_some_and(|limit| self.scores(row)[1] > limit)
     }
 
     /// The metrics that the front compares, in words.

@@ -6,6 +6,7 @@ use smalti::design::{Design, FilterFamily};
 use super::results::{MAIN, Measure, Results};
 use super::sections::{Group, Section, label};
 use crate::ReportError;
+use crate::reliability::{mark, meanings};
 use crate::words::{TextTable, plain};
 
 /// Rows shown of the Pareto front.
@@ -17,8 +18,8 @@ const CONDITIONS: usize = 30;
 /// Problems shown of a study.
 const PROBLEMS: usize = 5;
 
-/// Marks an MTF50 beyond the Nyquist frequency.
-const BEYOND: &str = " *";
+/// The headings of the exposure of the targets.
+const EXPOSURE: [&str; 2] = ["exposure ms", "saturated %"];
 
 /// All tables of the results of studies. `shown` are the conditions of each study that have tables of their own.
 pub(super) fn text(
@@ -35,7 +36,9 @@ pub(super) fn text(
                 out += &format!("\n── {} ──\n", section.name);
             }
             out += &format!("\n{}", means(section, table));
-            out += &section.exposure_in_words().map_or_else(String::new, |words| words + "\n");
+            for words in section.exposure_in_words().into_iter().chain(section.unreliable_in_words()) {
+                out += &format!("{words}\n");
+            }
             if !section.labels.is_empty() && results.has_plane() {
                 let cloud = all.iter().filter(|(r, _)| !r.is_named()).find_map(|(_, s)| s.first());
                 out += &format!("\n{}", by_label(section, cloud, table));
@@ -46,10 +49,12 @@ pub(super) fn text(
                 designs(section, &best_rows(section), table)?
             );
             out += &front(section, table)?;
-            out += &finer_than_pixels(section);
+            out += &marks(section);
         }
         out.push('\n');
     }
+    out += "Exposure and saturated: exposure times of ColorChecker and edge, and the larger share of their raw samples that saturate without noise; – where \
+            results of an earlier version lack the share.\n";
     out += "Intervals in parentheses contain the mean with a confidence of 95 %. The interval of 90 % of the designs reaches from the 5th to the 95th percentile.\n";
     Ok(out)
 }
@@ -61,6 +66,7 @@ fn conditions(sections: &[Section<'_>], detailed: usize, table: &TextTable<'_>) 
     let header: Vec<&str> = ["condition", "designs"]
         .into_iter()
         .chain(measures.iter().map(|measure| measure.header.as_str()))
+        .chain(EXPOSURE)
         .collect();
     let rows: Vec<Vec<String>> = sections.iter().take(CONDITIONS).map(condition_row).collect();
     let mut out = format!("\nMeans of all designs under each condition\n{}", table(&header, &rows));
@@ -79,7 +85,7 @@ fn conditions(sections: &[Section<'_>], detailed: usize, table: &TextTable<'_>) 
     out
 }
 
-/// The name of a condition, the number of its designs and the mean of each metric over those that have it.
+/// The name of a condition, the number of its designs, the mean of each metric over those that have it, and their exposure.
 pub(super) fn condition_row(section: &Section<'_>) -> Vec<String> {
     let mean = |measure: &Measure| {
         let values = section.rows.clone().map(|row| measure.at(row)).filter(|v| v.is_finite());
@@ -87,7 +93,9 @@ pub(super) fn condition_row(section: &Section<'_>) -> Vec<String> {
         if count == 0 { "–".into() } else { format!("{:.*}", measure.digits, sum / count as f64) }
     };
     let designs = section.rows.len().to_string();
-    [section.name.clone(), designs].into_iter().chain(section.results.measures.iter().map(mean)).collect()
+    let means = section.results.measures.iter().map(mean);
+    let exposure = section.exposure_cells(&section.rows.clone().collect::<Vec<_>>());
+    [section.name.clone(), designs].into_iter().chain(means).chain(exposure).collect()
 }
 
 fn head(results: &Results) -> String {
@@ -175,13 +183,15 @@ pub(super) fn is_spread(name: &str) -> bool {
 fn by_label(section: &Section<'_>, cloud: Option<&Section<'_>>, table: &TextTable<'_>) -> String {
     let several = section.labels.values().flat_map(|g| g.values()).any(|rows| rows.len() > 1);
     let mut header = vec!["colours", "filters", "ΔE", "MTF50 cy/mm", "noise %"];
+    header.extend(EXPOSURE);
     header.extend(several.then_some("designs"));
-    let row = |colors: u8, name: &str, means: [f64; 3], count: usize| {
+    let row = |colors: u8, name: &str, means: [f64; 3], mark: &str, exposure: [String; 2], count: usize| {
         let [d, m, n] = means;
         let mut row = vec![colors.to_string(), name.to_owned()];
         // A study need not score noise.
         let noise = if n.is_finite() { format!("{n:.2}") } else { "–".into() };
-        row.extend([format!("{d:.2}"), format!("{m:.1}"), noise]);
+        row.extend([format!("{d:.2}"), format!("{m:.1}{mark}"), noise]);
+        row.extend(exposure);
         row.extend(several.then(|| count.to_string()));
         row
     };
@@ -193,18 +203,18 @@ fn by_label(section: &Section<'_>, cloud: Option<&Section<'_>>, table: &TextTabl
                 members.iter().map(|&r| section.scores(r)).filter(|s| s[0].is_finite()).collect();
             let mean = |i: usize| scores.iter().map(|s| s[i]).sum::<f64>() / scores.len() as f64;
             if !scores.is_empty() {
-                rows.push(row(group.colors, label, [0, 1, 2].map(mean), scores.len()));
+                // The mark of a mean is that of any of its designs.
+                let mark = members.iter().map(|&r| mark(section.reliability(r))).find(|m| !m.is_empty());
+                let (mark, exposure) = (mark.unwrap_or_default(), section.exposure_cells(members));
+                rows.push(row(group.colors, label, [0, 1, 2].map(mean), mark, exposure, scores.len()));
             }
         }
         let beside = cloud.and_then(|c| Some((c, c.groups.iter().find(|g| g.colors == group.colors)?)));
         if let Some((cloud, g)) = beside {
             let means = [&g.delta_e, &g.mtf50, &g.noise].map(|s| s.mean.value);
-            rows.push(row(
-                group.colors,
-                &format!("mean of {}", cloud.results.name()),
-                means,
-                g.delta_e.count,
-            ));
+            let name = format!("mean of {}", cloud.results.name());
+            let exposure = cloud.exposure_cells(&cloud.rows_of(group.colors).collect::<Vec<_>>());
+            rows.push(row(group.colors, &name, means, "", exposure, g.delta_e.count));
         }
     }
     table(&header, &rows)
@@ -213,10 +223,12 @@ fn by_label(section: &Section<'_>, cloud: Option<&Section<'_>>, table: &TextTabl
 fn design_row(section: &Section<'_>, row: usize) -> Result<Vec<String>, ReportError> {
     let trial = section.results.trial(row)?;
     let mut cells = vec![trial.design.filters.filters.len().to_string(), trial.number.to_string()];
+    let mark = mark(section.reliability(row));
     cells.extend(section.results.measures.iter().map(|m| {
-        let beyond = m.name == MAIN[1] && section.beyond_nyquist(row);
-        m.text(row) + if beyond { BEYOND } else { "" }
+        let is_resolution = m.name.starts_with("mtf50_") && m.at(row).is_finite();
+        m.text(row) + if is_resolution { mark } else { "" }
     }));
+    cells.extend(section.exposure_cells(&[row]));
     cells.extend([section.results.mosaic(&trial.design), filters(section, &trial.design)?]);
     Ok(cells)
 }
@@ -240,22 +252,18 @@ fn designs(section: &Section<'_>, rows: &[usize], table: &TextTable<'_>) -> Resu
     let header: Vec<&str> = ["colours", "trial"]
         .into_iter()
         .chain(measures)
+        .chain(EXPOSURE)
         .chain(["mosaic", "filters: centre/FWHM nm"])
         .collect();
     let rows = rows.iter().map(|&r| design_row(section, r)).collect::<Result<Vec<_>, ReportError>>()?;
     Ok(table(&header, &rows))
 }
 
-/// The explanation of the mark at an MTF50, where one is shown.
-fn finer_than_pixels(section: &Section<'_>) -> String {
-    let mut shown = best_rows(section).into_iter().chain(section.some_of_front(FRONT));
-    match section.nyquist_cy_per_mm().filter(|_| shown.any(|row| section.beyond_nyquist(row))) {
-        Some(limit) => format!(
-            "{} finer than the {limit:.1} cy/mm that the pixels sample (Nyquist frequency). Such detail is aliased, not resolved.\n",
-            BEYOND.trim_start()
-        ),
-        None => String::new(),
-    }
+/// The meaning of the marks at MTF50 that are shown.
+fn marks(section: &Section<'_>) -> String {
+    let shown = best_rows(section).into_iter().chain(section.some_of_front(FRONT));
+    let shown = shown.chain(section.labels.values().flat_map(|g| g.values()).flatten().copied());
+    meanings(shown.map(|row| section.reliability(row))).iter().map(|line| format!("{line}\n")).collect()
 }
 
 fn best_rows(section: &Section<'_>) -> Vec<usize> {

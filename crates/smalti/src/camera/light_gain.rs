@@ -1,6 +1,6 @@
 //! The light gain: how much more light one camera needs for the same image quality as another.
 
-use std::collections::HashMap;
+use std::collections::BTreeMap;
 use std::fmt;
 
 use serde::Serialize;
@@ -12,6 +12,8 @@ use super::{
 };
 use crate::isp::Isp;
 use crate::metrics::{Better, MetricError, metric_info};
+use crate::numeric::bootstrap::{Resamples, mean};
+use crate::numeric::crossing::{Differences, Places};
 use crate::scene::{Setting, macbeth};
 use crate::sensor::NoiseMode;
 use crate::spectrum::Illuminant;
@@ -151,6 +153,28 @@ impl Default for LightGainSettings {
     }
 }
 
+/// The 95 % interval of a light gain, by inversion of the test: the gains at which the paired differences of the scores do not
+/// contradict equal quality ([`crate::numeric::bootstrap`]).
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct GainInterval {
+    /// The lower end.
+    pub low: LightGain,
+    /// The upper end.
+    pub high: LightGain,
+}
+
+impl fmt::Display for GainInterval {
+    /// The ends in stops, such as `[+0.38, +0.46]`, or `[+0.38, > +4]` for an end beyond the search range.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let end = |gain| match gain {
+            LightGain::Stops(v) => format!("{v:+.2}"),
+            LightGain::MoreThan(v) => format!("> {v:+}"),
+            LightGain::LessThan(v) => format!("< {v:+}"),
+        };
+        write!(f, "[{}, {}]", end(self.low), end(self.high))
+    }
+}
+
 /// The light gain by one metric.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct MetricGain {
@@ -158,6 +182,9 @@ pub struct MetricGain {
     pub metric: &'static str,
     /// The light gain.
     pub gain: LightGain,
+    /// Its interval. For scores of pictures it covers scenes and seeds, for visual SNR and luminance noise captures of the chart
+    /// alone. `None` for a single picture, and where a score is not finite.
+    pub interval: Option<GainInterval>,
     /// The score of the camera at equal light.
     pub own: f64,
     /// The score of the reference camera.
@@ -198,22 +225,86 @@ pub fn light_gains(
     let targets = reference.qualities(0.0, settings)?;
     let camera = CameraUnderTest::new(a, settings, Some(&reference))?;
     drop(reference);
-    let mut known: HashMap<i64, [f64; METRICS.len()]> = HashMap::new();
-    let mut qualities = |stops: f64| -> Result<[f64; METRICS.len()], CameraError> {
-        // The search evaluates multiples of an eighth of a stop only.
-        let place = (stops * f64::from(1u32 << HALVINGS)).round() as i64;
-        match known.get(&place) {
-            Some(&q) => Ok(q),
-            None => Ok(*known.entry(place).or_insert(camera.qualities(stops, settings)?)),
+    // The search evaluates multiples of an eighth of a stop only.
+    let eighths = |stops: f64| (stops * f64::from(1u32 << HALVINGS)).round() as i64;
+    let mut known: BTreeMap<i64, Figures> = BTreeMap::new();
+    let mut figures = |stops: f64, metric: usize| -> Result<Vec<f64>, CameraError> {
+        let place = eighths(stops);
+        if !known.contains_key(&place) {
+            known.insert(place, camera.qualities(stops, settings)?);
         }
+        Ok(known[&place][metric].clone())
     };
+    let (scenes, seeds) = (settings.scenes.len(), settings.seed_count.max(1) as usize);
+    let pictures = (scenes * seeds > 1).then(|| Resamples::new(scenes, seeds, settings.seed));
+    let captures = Resamples::new(1, CHART_CAPTURES as usize, settings.seed);
     let mut metrics = Vec::with_capacity(METRICS.len());
-    for (i, (&metric, &target)) in METRICS.iter().zip(&targets).enumerate() {
-        let gain = light_gain(metric_info(metric)?.better, target, |stops| Ok(qualities(stops)?[i]))?;
-        metrics.push(MetricGain { metric, gain, own: qualities(0.0)?[i], target });
+    for (i, (&metric, target)) in METRICS.iter().zip(&targets).enumerate() {
+        let better = metric_info(metric)?.better;
+        let mut tried = Vec::new();
+        let gain = light_gain(better, mean(target), |stops| {
+            tried.push(stops);
+            Ok(mean(&figures(stops, i)?))
+        })?;
+        let sign = if better == Better::Higher { 1.0 } else { -1.0 };
+        let leads = |stops| -> Result<Vec<f64>, CameraError> {
+            Ok(figures(stops, i)?.iter().zip(target).map(|(own, target)| sign * (own - target)).collect())
+        };
+        let resamples = if i < PICTURE_METRICS.len() { pictures.as_ref() } else { Some(&captures) };
+        let interval = resamples.map_or(Ok(None), |r| gain_interval(gain, &tried, r, leads))?;
+        metrics.push(MetricGain {
+            metric,
+            gain,
+            interval,
+            own: mean(&figures(0.0, i)?),
+            target: mean(target),
+        });
     }
     Ok(LightGains { luminance_cd_m2: settings.luminance_cd_m2, metrics, tried: known.len() })
 }
+
+/// The interval of a light gain. `leads` are the paired differences from the reference at a number of stops, positive where the camera
+/// is better. From the gain outwards, they are evaluated in whole stops until they differ from 0 with certainty, at most to the ends of
+/// the search range. Between these places and those that the search has `tried`, they are interpolated linearly. `None` where the
+/// differences have no interval.
+fn gain_interval(
+    gain: LightGain,
+    tried: &[f64],
+    resamples: &Resamples,
+    mut leads: impl FnMut(f64) -> Result<Vec<f64>, CameraError>,
+) -> Result<Option<GainInterval>, CameraError> {
+    let (LightGain::Stops(stops) | LightGain::MoreThan(stops) | LightGain::LessThan(stops)) = gain;
+    let reach = f64::from(REACH_STOPS);
+    let mut end = |mut stops: f64, step: f64| -> Result<Option<f64>, CameraError> {
+        loop {
+            let Some(interval) = resamples.interval(&leads(stops)?) else { return Ok(None) };
+            let is_certain = if step < 0.0 { interval.high < 0.0 } else { interval.low > 0.0 };
+            if is_certain || stops == step * reach {
+                return Ok(Some(stops));
+            }
+            stops += step;
+        }
+    };
+    let (Some(first), Some(last)) = (end(stops.floor(), -1.0)?, end(stops.ceil(), 1.0)?) else {
+        return Ok(None);
+    };
+    let whole = (0..=2 * REACH_STOPS).map(|i| f64::from(i - REACH_STOPS));
+    let mut places: Vec<f64> = whole.chain(tried.iter().copied()).collect();
+    places.retain(|stops| (first..=last).contains(stops));
+    places.sort_unstable_by(f64::total_cmp);
+    places.dedup();
+    let at = places.into_iter().map(|stops| Ok((stops, leads(stops)?)));
+    let differences = Differences::new(at.collect::<Result<Vec<_>, CameraError>>()?);
+    let found = differences.interval(resamples).map(|Places { low, high }| GainInterval {
+        low: low.map_or(LightGain::LessThan(-reach), LightGain::Stops),
+        high: high.map_or(LightGain::MoreThan(reach), LightGain::Stops),
+    });
+    // Without a place at which the quality may be equal, the gain is out of reach with certainty.
+    Ok(Some(found.unwrap_or(GainInterval { low: gain, high: gain })))
+}
+
+/// The figures of each of [`METRICS`]: of all scenes and seeds, scene by scene, or of the captures of the chart.
+type Figures = [Vec<f64>; METRICS.len()];
 
 /// A camera with its processing, and the scenes and the chart imaged on it.
 struct CameraUnderTest<'a> {
@@ -259,44 +350,43 @@ impl<'a> CameraUnderTest<'a> {
         })
     }
 
-    /// The scores of [`METRICS`] with the light changed by `stops`.
-    fn qualities(
-        &self,
-        stops: f64,
-        settings: &LightGainSettings,
-    ) -> Result<[f64; METRICS.len()], CameraError> {
+    /// The figures with the light changed by `stops`.
+    fn qualities(&self, stops: f64, settings: &LightGainSettings) -> Result<Figures, CameraError> {
         let seeds = settings.seed..settings.seed.saturating_add(settings.seed_count.max(1));
-        let mut sums = [0.0; PICTURE_METRICS.len()];
+        let mut all = Figures::default();
         for (setup, isp) in &self.scenes {
             let lit = setup.in_light(stops.exp2())?;
-            let figures = compare_seeds(&lit, &**isp, seeds.clone(), &settings.score)?.figures;
-            for (metric, sum) in sums.iter_mut().enumerate() {
-                *sum += figures.iter().map(|f| f[metric]).sum::<f64>() / figures.len().max(1) as f64;
+            for of_seed in compare_seeds(&lit, &**isp, seeds.clone(), &settings.score)?.figures {
+                for (values, figure) in all.iter_mut().zip(of_seed) {
+                    values.push(figure);
+                }
             }
         }
-        let [cpsnr, delta_e, scielab] = sums.map(|sum| sum / self.scenes.len() as f64);
-        let [visual, luminance] = self.grey_noise(stops, settings.seed)?;
-        Ok([cpsnr, delta_e, scielab, visual, luminance])
+        [all[PICTURE_METRICS.len()], all[PICTURE_METRICS.len() + 1]] =
+            self.grey_noise(stops, settings.seed)?;
+        Ok(all)
     }
 
-    /// Visual SNR and luminance noise of the grey series, means over captures. When a patch has no signal, they are 0 and infinite,
+    /// Visual SNR and luminance noise of the grey series for each capture. When a patch has no signal, they are 0 and infinite,
     /// the worst values.
-    fn grey_noise(&self, stops: f64, seed: u64) -> Result<[f64; 2], CameraError> {
+    fn grey_noise(&self, stops: f64, seed: u64) -> Result<[Vec<f64>; 2], CameraError> {
         let (setup, isp) = &self.chart;
         let Setup { camera, image, light, exposure } = &setup.in_light(stops.exp2())?;
-        let (mut visual, mut luminance) = (0.0, 0.0);
+        let (mut visual, mut luminance) = (Vec::new(), Vec::new());
         for capture in 0..CHART_CAPTURES {
             let seed = seed.wrapping_add(capture);
             let picture = isp.render(&camera.sensor.capture(image, exposure, NoiseMode::All, seed)?)?;
             let noise = match chart::noise(&picture, light) {
                 Ok(noise) => noise,
-                Err(CameraError::Metric(MetricError::Undefined { .. })) => return Ok([0.0, f64::INFINITY]),
+                Err(CameraError::Metric(MetricError::Undefined { .. })) => {
+                    return Ok([0.0, f64::INFINITY].map(|worst| vec![worst; CHART_CAPTURES as usize]));
+                }
                 Err(e) => return Err(e),
             };
-            luminance += PatchScores::new(noise.luminance_noise_percent)?.mean;
-            visual += GreyScores::new(noise.visual_snr)?.median;
+            luminance.push(PatchScores::new(noise.luminance_noise_percent)?.mean);
+            visual.push(GreyScores::new(noise.visual_snr)?.median);
         }
-        Ok([visual, luminance].map(|sum| sum / CHART_CAPTURES as f64))
+        Ok([visual, luminance])
     }
 }
 
@@ -349,6 +439,47 @@ mod tests {
         assert!(matches!(jump, LightGain::Stops(s) if (0.25..=0.375).contains(&s)), "{jump}");
         assert!(light_gain(Better::Higher, 1.0, |_| Ok(f64::NAN)).is_err());
         assert!(light_gain(Better::Neither, 1.0, |_| Ok(1.0)).is_err());
+    }
+
+    /// Six scenes whose leads are 3 dB per stop, less the gain, with ±0.1 dB between them: the interval is that of the mean difference.
+    fn interval(gain_stops: f64) -> GainInterval {
+        let resamples = Resamples::new(6, 1, 1);
+        let of = |stops: f64| -> Vec<f64> {
+            (0..6u32).map(|i| 3.0 * (stops - gain_stops) + 0.1 * (f64::from(i) - 2.5)).collect()
+        };
+        let mut tried = Vec::new();
+        let gain = light_gain(Better::Higher, 0.0, |stops| {
+            tried.push(stops);
+            Ok(mean(&of(stops)))
+        });
+        gain_interval(gain.unwrap(), &tried, &resamples, |stops| Ok(of(stops))).unwrap().unwrap()
+    }
+
+    #[test]
+    fn the_interval_of_a_linear_quality_is_that_of_its_mean_difference() {
+        let mean_interval =
+            Resamples::new(6, 1, 1).interval(&[-0.25, -0.15, -0.05, 0.05, 0.15, 0.25]).unwrap();
+        for stops in [-2.3, -0.01, 0.4, 3.1] {
+            let GainInterval { low: LightGain::Stops(low), high: LightGain::Stops(high) } = interval(stops)
+            else {
+                panic!("{stops}")
+            };
+            let expected = [stops - mean_interval.high / 3.0, stops - mean_interval.low / 3.0];
+            assert!((low - expected[0]).abs() < 1e-6 && (high - expected[1]).abs() < 1e-6, "{low} to {high}");
+        }
+    }
+
+    /// An end beyond the search range is bounded, and so is a gain that lies beyond it with certainty.
+    #[test]
+    fn ends_out_of_reach_are_bounds() {
+        let near = interval(3.99);
+        assert!(
+            matches!(near, GainInterval { low: LightGain::Stops(_), high: LightGain::MoreThan(4.0) }),
+            "{near}"
+        );
+        assert!(near.to_string().ends_with(", > +4]"), "{near}");
+        assert_eq!(interval(6.0).to_string(), "[> +4, > +4]");
+        assert_eq!(interval(-6.0).to_string(), "[< -4, < -4]");
     }
 
     #[test]

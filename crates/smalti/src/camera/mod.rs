@@ -37,7 +37,7 @@ pub use evaluate::{
 };
 pub use exposure_fault::ExposureFault;
 pub use light_gain::{
-    CameraAndIsp, LightGain, LightGainSettings, LightGains, MetricGain, light_gain, light_gains,
+    CameraAndIsp, GainInterval, LightGain, LightGainSettings, LightGains, MetricGain, light_gain, light_gains,
 };
 pub use photograph::Photograph;
 pub use score::{PICTURE_METRICS, PictureScores, ScoreSettings, score_picture};

@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::camera::{CameraError, SensorColorimetry};
+use crate::metrics::esfr::Mtf50Reliability;
 
 /// A metric of a study, by its name in the [list of metrics](crate::metrics::CATALOG).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
@@ -132,8 +133,12 @@ pub struct EdgeScores {
     pub mtf50_cy_per_mm: f64,
     /// [`Metric::Mtf50CyPerPx`].
     pub mtf50_cy_per_px: f64,
+    /// Whether MTF50 can be trusted as a resolution.
+    pub mtf50_reliability: Mtf50Reliability,
     /// Exposure time, s.
     pub time_s: f64,
+    /// The share of the raw samples around the edge that saturate without noise, percent.
+    pub saturated_percent: f64,
 }
 
 /// Aliasing measured on a zone plate.
@@ -179,6 +184,8 @@ pub struct Scores {
     pub scenes: Vec<Result<SceneFigures, CameraError>>,
     /// Exposure time of the ColorChecker, s.
     pub macbeth_time_s: f64,
+    /// The share of the raw samples of the ColorChecker that saturate without noise, percent.
+    pub macbeth_saturated_percent: f64,
 }
 
 impl Scores {

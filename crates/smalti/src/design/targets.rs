@@ -76,6 +76,10 @@ struct Charts {
     colors: MetricResult<ColorScores>,
     noise: MetricResult<f64>,
     edge: MetricResult<EdgeScores>,
+    /// Exposure time of the ColorChecker, s.
+    time_s: f64,
+    /// The share of its samples that saturate without noise, percent.
+    saturated_percent: f64,
 }
 
 /// A capture of the edge without noise.
@@ -84,6 +88,7 @@ struct EdgeCapture {
     /// The region that is measured.
     region: Rect,
     time_s: f64,
+    saturated_percent: f64,
 }
 
 impl EdgeCapture {
@@ -92,7 +97,8 @@ impl EdgeCapture {
         let (first, end) = (EDGE_REGION.row, EDGE_REGION.row + EDGE_REGION.rows);
         let (sensor, row) = imaged.band(&camera.sensor, first, end, reach);
         let raw = sensor.capture_ideal(&imaged.pixels, &exposure)?;
-        Ok(Self { raw, region: relative_to(EDGE_REGION, row), time_s: exposure.time_s })
+        let saturated_percent = raw.saturated_percent();
+        Ok(Self { raw, region: relative_to(EDGE_REGION, row), time_s: exposure.time_s, saturated_percent })
     }
 }
 
@@ -105,6 +111,19 @@ fn relative_to(rect: Rect, row: usize) -> Rect {
 fn response(sensor: &Sensor, grid: WavelengthGrid) -> Result<Vec<Vec<f64>>, CameraError> {
     let on_grid = sensor.spectral_responsivity_on(grid)?;
     Ok(on_grid.iter().map(|r| r.values().iter().map(|v| v * grid.step_nm()).collect()).collect())
+}
+
+/// Whether every sample is the light of one pixel through one filter.
+fn has_independent_samples(sensor: &Sensor) -> bool {
+    let is_alone = sensor.crosstalk.is_none() && sensor.binning.is_none();
+    is_alone && sensor.architecture == ColorArchitecture::Mosaic
+}
+
+/// Normalised samples per photoelectron per second.
+fn samples_per_rate(sensor: &Sensor, exposure: &Exposure) -> Result<f64, CameraError> {
+    let levels = sensor.raw_levels(exposure)?;
+    let volts_per_rate = exposure.time_s * sensor.volts_per_electron(exposure) * exposure.analog_gain;
+    Ok(volts_per_rate / (levels.white_v - levels.black_v))
 }
 
 impl Targets {
@@ -166,7 +185,7 @@ impl Targets {
             None => None,
         };
         match linear {
-            Some(charts) => Ok(self.with_pictures(charts, &camera, &isp, exposure.time_s)),
+            Some(charts) => Ok(self.with_pictures(charts, &camera, &isp)),
             None => self.score_with(cfa, &isp, isp.demosaic.reach(cfa.mosaic())?),
         }
     }
@@ -195,13 +214,15 @@ impl Targets {
             let edge = EdgeCapture::new(imaged, cfa, reach)?;
             self.edge(&edge, isp.render(&edge.raw)?.planes(), chart::LUMINANCE)
         };
-        let charts = self.charts(&colors, &noise, &edge);
-        Ok(self.with_pictures(charts, &camera, isp, exposure.time_s))
+        let exposed = (exposure.time_s, self.saturated_percent(&camera.sensor, &exposure)?);
+        let charts = self.charts(exposed, &colors, &noise, &edge);
+        Ok(self.with_pictures(charts, &camera, isp))
     }
 
     /// Measures the chart and the edge where the metrics need them.
     fn charts(
         &self,
+        (time_s, saturated_percent): (f64, f64),
         colors: &dyn Fn() -> Result<ColorScores, CameraError>,
         noise: &dyn Fn() -> Result<f64, CameraError>,
         edge: &dyn Fn(&ImagedScene) -> Result<EdgeScores, CameraError>,
@@ -210,11 +231,13 @@ impl Targets {
             colors: self.measured.contains(&MetricTarget::ColorPatches).then(colors),
             noise: self.measured.contains(&MetricTarget::GreyPatches).then(noise),
             edge: self.edge.as_ref().map(edge),
+            time_s,
+            saturated_percent,
         }
     }
 
     /// Adds the scores of the sensor, and those on the zone plate and the scenes, which need whole pictures.
-    fn with_pictures(&self, charts: Charts, camera: &Camera, isp: &dyn Isp, macbeth_time_s: f64) -> Scores {
+    fn with_pictures(&self, charts: Charts, camera: &Camera, isp: &dyn Isp) -> Scores {
         let cfa = &camera.sensor.cfa;
         Scores {
             sensor: self.observer.as_ref().map(|observer| observer.colorimetry(camera)),
@@ -223,7 +246,8 @@ impl Targets {
             edge: charts.edge,
             zone_plate: self.zone_plate.as_ref().map(|zone| self.aliasing(zone, cfa, isp)),
             scenes: self.scenes.iter().map(|scene| scene.score(cfa, isp, self.seed)).collect(),
-            macbeth_time_s,
+            macbeth_time_s: charts.time_s,
+            macbeth_saturated_percent: charts.saturated_percent,
         }
     }
 
@@ -243,9 +267,7 @@ impl Targets {
         demosaic: Demosaic,
         mosaic: &Mosaic,
     ) -> Result<Option<Arc<PatchLight>>, CameraError> {
-        let sensor = &self.chart.camera.sensor;
-        let is_simple = sensor.crosstalk.is_none() && sensor.binning.is_none();
-        if !is_simple || sensor.architecture != ColorArchitecture::Mosaic {
+        if !has_independent_samples(&self.chart.camera.sensor) {
             return Ok(None);
         }
         let cache = || self.cache.lock().unwrap_or_else(PoisonError::into_inner);
@@ -278,15 +300,11 @@ impl Targets {
         let reach = patch_light.interpolation.reach();
         let response = response(sensor, self.chart.pixels.grid())?;
         let levels = sensor.raw_levels(exposure)?;
-        let range_v = levels.white_v - levels.black_v;
         // An offset below the range of the converter clips the dark signal.
-        let dark_v = exposure.zero_v();
-        let dark_clips = (levels.black_v - dark_v).abs() > 1e-9 * range_v;
-        // Normalised samples per photoelectron per second.
-        let gain = exposure.time_s * sensor.volts_per_electron(exposure) * exposure.analog_gain / range_v;
-        let maximum =
-            |response: &Vec<f64>| response.iter().zip(&self.brightest).map(|(r, b)| r * b).sum::<f64>();
-        let brightest = response.iter().map(maximum).fold(0.0, f64::max) * gain;
+        let dark_clips =
+            (levels.black_v - exposure.zero_v()).abs() > 1e-9 * (levels.white_v - levels.black_v);
+        let gain = samples_per_rate(sensor, exposure)?;
+        let brightest = self.brightest_rate(&response) * gain;
         if dark_clips || brightest > CLIPPING || isp.white_balance != WhiteBalance::None {
             return Ok(None);
         }
@@ -309,7 +327,27 @@ impl Targets {
             let edge = EdgeCapture::new(imaged, &sensor.cfa, reach)?;
             self.edge(&edge, &plane(&edge.raw)?, 0)
         };
-        Ok(Some(self.charts(&colors, &noise, &edge)))
+        // Nothing of the chart clips.
+        Ok(Some(self.charts((exposure.time_s, 0.0), &colors, &noise, &edge)))
+    }
+
+    /// A bound of the photoelectrons per second of every sample of the chart.
+    fn brightest_rate(&self, response: &[Vec<f64>]) -> f64 {
+        let bound =
+            |response: &Vec<f64>| response.iter().zip(&self.brightest).map(|(r, b)| r * b).sum::<f64>();
+        response.iter().map(bound).fold(0.0, f64::max)
+    }
+
+    /// The share of the samples of the chart that saturate without noise, percent. The chart is captured only where it may clip.
+    fn saturated_percent(&self, sensor: &Sensor, exposure: &Exposure) -> Result<f64, CameraError> {
+        let pixels = &self.chart.pixels;
+        if has_independent_samples(sensor) {
+            let rate = self.brightest_rate(&response(sensor, pixels.grid())?);
+            if rate * samples_per_rate(sensor, exposure)? <= CLIPPING {
+                return Ok(0.0);
+            }
+        }
+        Ok(sensor.capture_ideal(pixels, exposure)?.saturated_percent())
     }
 
     /// The capture of a row of patches, without noise or with the noise of a seed, and the patches in it.
@@ -356,7 +394,9 @@ impl Targets {
         Ok(EdgeScores {
             mtf50_cy_per_mm: mtf50.cy_per_mm(&self.chart.camera),
             mtf50_cy_per_px: mtf50.cy_per_px,
+            mtf50_reliability: mtf50.reliability,
             time_s: edge.time_s,
+            saturated_percent: edge.saturated_percent,
         })
     }
 }

@@ -2,6 +2,7 @@
 
 pub(crate) mod bloomfield_steiger1980;
 pub mod bootstrap;
+pub(crate) mod crossing;
 pub(crate) mod dense;
 pub mod elementary;
 pub mod fft;

@@ -3,8 +3,9 @@
 
 use smalti::camera::description::{ArchitectureName, PatternDescription};
 use smalti::camera::{
-    Camera, CameraAndIsp, CameraDescription, EvaluationSettings, LightGain, LightGainSettings, ScoreSettings,
-    Setup, TestScene, compare_on, evaluate, evaluate_with, light_gains, score_picture, test_scenes,
+    Camera, CameraAndIsp, CameraDescription, EvaluationSettings, GainInterval, LightGain, LightGainSettings,
+    ScoreSettings, Setup, TestScene, compare_on, evaluate, evaluate_with, light_gains, score_picture,
+    test_scenes,
 };
 use smalti::isp::{Isp, WhiteBalance};
 use smalti::numeric::Planes;
@@ -229,6 +230,7 @@ fn evaluating_with_the_classic_pipeline_is_evaluating() {
     );
 }
 
+/// The light gains of one scene with two seeds. Each interval has the gain in it.
 fn gains(a: &Camera, b: &Camera) -> Vec<(&'static str, LightGain)> {
     let isp = |camera: &Camera, light: &Spectrum| camera.isp(light, WhiteBalance::None);
     let (isp_a, isp_b) = (
@@ -237,10 +239,21 @@ fn gains(a: &Camera, b: &Camera) -> Vec<(&'static str, LightGain)> {
     );
     let settings = LightGainSettings {
         scenes: vec![TestScene::BuiltIn("dead-leaves?rows=192&cols=256&least=2&largest=60&seed=1001".into())],
+        seed_count: 2,
         ..LightGainSettings::default()
     };
     let (a, b) = (CameraAndIsp { camera: a, isp: &isp_a }, CameraAndIsp { camera: b, isp: &isp_b });
-    light_gains(a, b, &settings).unwrap().metrics.iter().map(|m| (m.metric, m.gain)).collect()
+    let found = light_gains(a, b, &settings).unwrap().metrics;
+    for m in &found {
+        let GainInterval { low, high } = m.interval.unwrap();
+        let [low, gain, high] = [low, m.gain, high].map(|end| match end {
+            LightGain::Stops(stops) => stops,
+            LightGain::MoreThan(_) => f64::INFINITY,
+            LightGain::LessThan(_) => f64::NEG_INFINITY,
+        });
+        assert!(low <= gain + 1e-6 && gain <= high + 1e-6, "{m:?}");
+    }
+    found.iter().map(|m| (m.metric, m.gain)).collect()
 }
 
 #[test]

@@ -90,7 +90,49 @@ fn check(camera: &Camera, cfa: &Cfa, scores: &Scores) {
     for (got, expected) in [(scores.macbeth_time_s, e.exposure.macbeth_s), (edge_time_s, e.exposure.edge_s)] {
         assert!((got / expected - 1.0).abs() < 1e-12, "{got} s, evaluate {expected} s");
     }
+    let edge = scores.edge.as_ref().unwrap().as_ref().unwrap();
+    assert_eq!(edge.mtf50_reliability, e.mtf50_reliability);
+    // Automatic exposure keeps the chart below saturation, but for noise.
+    assert_eq!((scores.macbeth_saturated_percent, edge.saturated_percent), (0.0, 0.0));
+    assert!(e.saturated_percent < 0.1, "{}", e.saturated_percent);
     assert_eq!(scores.problems().count(), 0);
+}
+
+/// The share of saturated samples is that of `evaluate`, which captures the chart with noise, here the photon noise of very many
+/// electrons, for samples that are bounded without a capture and for those that are not. (Read noise comes after the full well and
+/// takes half of the saturated samples below the white level again.)
+#[test]
+fn saturated_samples_are_those_of_evaluate() {
+    let share = |luminance_cd_m2: f64, binning: Option<BinningMode>| {
+        let mut d = description();
+        (d.sensor.prnu_percent, d.sensor.dsnu_mv) = (0.0, 0.0);
+        (d.sensor.pixel.read_noise_mv, d.sensor.pixel.dark_voltage_v_per_s) = (0.0, 0.0);
+        d.sensor.pixel.conversion_gain_uv_per_e *= 1e-4;
+        d.sensor.pixel.full_well_e *= 1e4;
+        d.exposure.time_ms = Some(1e5);
+        if binning.is_some() {
+            d.sensor.cfa.pattern = PatternDescription::Name("quad-bayer".into());
+            d.sensor.binning = binning.map(BinningDescription::Mode);
+        }
+        let (camera, cfa) = (Camera::new(d, GRID).unwrap(), cfa(SETS[0]));
+        let settings = EvaluationSettings { luminance_cd_m2, ..EvaluationSettings::default() };
+        // Metrics that need no capture have it too.
+        let targets =
+            Targets::new(&camera, &settings, &Metric::OF_SENSITIVITIES, &[], &|_, make| make()).unwrap();
+        let scores = targets.score(&cfa).unwrap();
+        let (e, _) = evaluate(&camera.with_cfa(cfa), &settings, &|_, make| make()).unwrap();
+        assert!(
+            (scores.macbeth_saturated_percent - e.saturated_percent).abs() < 0.5,
+            "{luminance_cd_m2} cd/m², {binning:?}: {}, evaluate {}",
+            scores.macbeth_saturated_percent,
+            e.saturated_percent
+        );
+        scores.macbeth_saturated_percent
+    };
+    for binning in [None, Some(BinningMode::Charge), Some(BinningMode::Digital)] {
+        let shares = [100.0, 1000.0, 3000.0].map(|light| share(light, binning));
+        assert!(shares[0] == 0.0 && shares[0] < shares[1] && shares[1] < shares[2], "{shares:?}");
+    }
 }
 
 #[test]

@@ -101,8 +101,11 @@ fn label(name: &str) -> String {
         "color_aliasing_percent" => "Colour aliasing".into(),
         "sensitivity_metamerism_index" => "Sensitivity metamerism index".into(),
         "metamer_mismatch_percent" => "Metamer mismatch".into(),
+        "mtf50_reliability" => "MTF50 as a resolution".into(),
         "macbeth_time_s" => "Exposure of the chart".into(),
+        "macbeth_saturated_percent" => "Saturated samples of the chart".into(),
         "edge_time_s" => "Exposure of the edge".into(),
+        "edge_saturated_percent" => "Saturated samples of the edge".into(),
         "tile" => "Mosaic".into(),
         other => capitalized(other.replace('_', " ")),
     }

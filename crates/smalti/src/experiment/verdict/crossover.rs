@@ -2,8 +2,8 @@
 
 use serde::Serialize;
 
-use super::crossing::Differences;
 use crate::numeric::bootstrap::{Estimate, Interval, Resamples};
+use crate::numeric::crossing::Differences;
 
 /// Two contenders, each leading the other at one of two luminances, between which no other shows a lead of either.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -32,13 +32,16 @@ pub(super) fn changes(leads: &[Option<f64>]) -> Vec<[usize; 2]> {
 /// The luminance at which two contenders are equal. `leads` are luminances in ascending order, and in each the leads of the
 /// contender that is better in more light, picture by picture.
 pub(super) fn equal_at(leads: Vec<(f64, Vec<f64>)>, resamples: Option<&Resamples>) -> Estimate {
-    let bright = leads.last().map_or(f64::NAN, |(cd_m2, _)| *cd_m2);
+    let end = |lead: Option<&(f64, Vec<f64>)>| lead.map_or(f64::NAN, |(cd_m2, _)| *cd_m2);
+    let (dim, bright) = (end(leads.first()), end(leads.last()));
     let differences = Differences::new(leads.into_iter().map(|(cd_m2, lead)| (cd_m2.ln(), lead)));
     let interval = resamples.and_then(|r| differences.interval(r));
     Estimate {
         value: differences.zero().map_or(f64::NAN, f64::exp),
-        interval: interval
-            .map(|places| Interval { low: places.low.exp(), high: places.high.map_or(bright, f64::exp) }),
+        interval: interval.map(|places| Interval {
+            low: places.low.map_or(dim, f64::exp),
+            high: places.high.map_or(bright, f64::exp),
+        }),
     }
 }
 

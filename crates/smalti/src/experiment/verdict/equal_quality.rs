@@ -2,8 +2,8 @@
 
 use serde::Serialize;
 
-use super::crossing::{Differences, Places};
 use crate::numeric::bootstrap::{Resamples, mean};
+use crate::numeric::crossing::{Differences, Places};
 
 /// The largest number of stops that is tried.
 const REACH_STOPS: usize = 4;
@@ -104,7 +104,7 @@ impl<'a> QualityAtMoreLight<'a> {
             };
         };
         let interval = self.resamples.and_then(|r| differences.interval(r));
-        let interval = interval.map(|Places { low, high }| StopsInterval { low, high });
+        let interval = interval.map(|Places { low, high }| StopsInterval { low: low.unwrap_or(0.0), high });
         MoreLight::Stops(LightStops { value, interval })
     }
 }

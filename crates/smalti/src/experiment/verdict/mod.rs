@@ -6,7 +6,6 @@
 //! A difference below [`smallest_relevant`] counts as none, with or without an interval. Intervals of several comparisons are not
 //! corrected for their number; those of a proof are ([`super::prove`]).
 
-mod crossing;
 mod crossover;
 mod equal_quality;
 

@@ -3,7 +3,7 @@
 use smalti::metrics::esfr::Mtf50Reliability;
 
 /// The mark of a value in a table; empty for a reliable one.
-pub(super) fn mark(reliability: Mtf50Reliability) -> &'static str {
+pub(crate) fn mark(reliability: Mtf50Reliability) -> &'static str {
     match reliability {
         Mtf50Reliability::Reliable => "",
         Mtf50Reliability::BeyondNyquist => " *",
@@ -13,7 +13,7 @@ pub(super) fn mark(reliability: Mtf50Reliability) -> &'static str {
 }
 
 /// The meaning of each mark that occurs, as sentences.
-pub(super) fn meanings(all: impl IntoIterator<Item = Mtf50Reliability>) -> Vec<String> {
+pub(crate) fn meanings(all: impl IntoIterator<Item = Mtf50Reliability>) -> Vec<String> {
     let mut found = [false; 3];
     for reliability in all {
         match reliability {

@@ -1,34 +1,34 @@
 //! Where a paired difference changes its sign.
 
-use crate::numeric::bootstrap::{Resamples, mean};
+use super::bootstrap::{Resamples, mean};
 
 /// Halvings of the search for an end of an interval.
 const HALVINGS: usize = 24;
 
 /// Paired differences of all members at several places, in ascending order. Between two places each is interpolated linearly.
-pub(super) struct Differences {
+pub(crate) struct Differences {
     places: Vec<f64>,
     members: Vec<Vec<f64>>,
 }
 
 /// The places at which the mean difference may be 0: those where its interval contains 0.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Places {
-    /// The first of them.
-    pub(super) low: f64,
+pub(crate) struct Places {
+    /// The first of them; `None` if the difference is not below 0 with certainty at any place before it.
+    pub(crate) low: Option<f64>,
     /// The last one; `None` if the difference is not above 0 with certainty at any place beyond it.
-    pub(super) high: Option<f64>,
+    pub(crate) high: Option<f64>,
 }
 
 impl Differences {
     /// The differences of all members at each place.
-    pub(super) fn new(at: impl IntoIterator<Item = (f64, Vec<f64>)>) -> Self {
+    pub(crate) fn new(at: impl IntoIterator<Item = (f64, Vec<f64>)>) -> Self {
         let (places, members) = at.into_iter().unzip();
         Self { places, members }
     }
 
     /// The first place at which the mean difference is not below 0.
-    pub(super) fn zero(&self) -> Option<f64> {
+    pub(crate) fn zero(&self) -> Option<f64> {
         let means: Vec<f64> = self.members.iter().map(|members| mean(members)).collect();
         let above = means.iter().position(|m| *m >= 0.0)?;
         let Some(before) = above.checked_sub(1) else { return self.places.first().copied() };
@@ -37,24 +37,18 @@ impl Differences {
     }
 
     /// The interval of [`Differences::zero`] by inversion of the test: with 95 % confidence, the true place is one at which the
-    /// measured differences do not contradict a mean of 0. It excludes the first place if and only if the difference there is below
-    /// 0 with certainty. `None` without intervals, and if the difference is below 0 with certainty everywhere.
-    pub(super) fn interval(&self, resamples: &Resamples) -> Option<Places> {
+    /// measured differences do not contradict a mean of 0. Its lower end is known if and only if the difference at the first place is
+    /// below 0 with certainty. `None` without intervals, and if the difference has the same sign with certainty everywhere.
+    pub(crate) fn interval(&self, resamples: &Resamples) -> Option<Places> {
         let ends = |members: &[f64]| resamples.interval(members);
         let at: Vec<_> = self.members.iter().map(|members| ends(members)).collect::<Option<_>>()?;
         let first = at.iter().position(|i| i.high >= 0.0)?;
-        let low = match first.checked_sub(1) {
-            None => *self.places.first()?,
-            Some(before) => self.search(before, |members| ends(members).is_some_and(|i| i.high >= 0.0)),
-        };
-        let last = at.iter().rposition(|i| i.low <= 0.0);
-        let high = match last {
-            None => Some(low),
-            Some(last) if last + 1 < at.len() => {
-                Some(self.search(last, |members| ends(members).is_some_and(|i| i.low > 0.0)))
-            }
-            Some(_) => None,
-        };
+        let low = first
+            .checked_sub(1)
+            .map(|before| self.search(before, |members| ends(members).is_some_and(|i| i.high >= 0.0)));
+        let last = at.iter().rposition(|i| i.low <= 0.0)?;
+        let high = (last + 1 < at.len())
+            .then(|| self.search(last, |members| ends(members).is_some_and(|i| i.low > 0.0)));
         Some(Places { low, high })
     }
 
@@ -82,10 +76,16 @@ mod tests {
         let line = Differences::new([0.0, 0.5, 2.0].map(at));
         assert!((line.zero().unwrap() - 1.0).abs() < 1e-12);
         let Places { low, high } = line.interval(&Resamples::new(2, 1, 1)).unwrap();
-        assert!((low - 0.87294).abs() < 1e-6 && (high.unwrap() - 1.12706).abs() < 1e-6, "{low} {high:?}");
+        assert!(
+            (low.unwrap() - 0.87294).abs() < 1e-6 && (high.unwrap() - 1.12706).abs() < 1e-6,
+            "{low:?} {high:?}"
+        );
         let short = Differences::new([0.0, 1.05].map(at)).interval(&Resamples::new(2, 1, 1)).unwrap();
-        assert!((short.low - 0.87294).abs() < 1e-6 && short.high.is_none());
+        assert!((short.low.unwrap() - 0.87294).abs() < 1e-6 && short.high.is_none());
+        let late = Differences::new([0.95, 2.0].map(at)).interval(&Resamples::new(2, 1, 1)).unwrap();
+        assert!(late.low.is_none() && (late.high.unwrap() - 1.12706).abs() < 1e-6);
         let below = Differences::new([0.0, 0.5].map(at));
         assert_eq!((below.zero(), below.interval(&Resamples::new(2, 1, 1))), (None, None));
+        assert_eq!(Differences::new([1.5, 2.0].map(at)).interval(&Resamples::new(2, 1, 1)), None);
     }
 }
