@@ -50,7 +50,7 @@ after(async () => {
 });
 
 const withPage = (options, doing, path = proved) => work(browser, path, options, (page) => page.locator(".drawing svg").first(), doing);
-const sections = (page) => page.locator("main section").evaluateAll((all) => all.map((s) => s.id));
+const sections = (page) => page.locator("main > section").evaluateAll((all) => all.map((s) => s.id));
 
 test("hostile names are shown and do nothing", () => withPage({}, async (page) => {
   assert.match(await page.title(), /^<\/script><script>alert/);
@@ -63,7 +63,7 @@ test("an unproved page states expectations and the command of the proof", () => 
   assert.match(await page.locator("#result pre").textContent(), /^smalti design plain --prove$/);
   // The array that was found and the camera's own, each with a tile and with the curves that all filters share.
   assert.equal(await page.locator("#arrays .camera").count(), 2);
-  for (const name of ["quantum efficiency", "lens and infrared cut"]) assert.equal(await page.locator("#arrays .camera").first().getByText(name, { exact: true }).count(), 1, name);
+  for (const name of ["quantum efficiency", "lens and infrared cut"]) assert.equal(await page.locator("#arrays .camera").first().locator("svg text").getByText(name, { exact: true }).count(), 1, name);
 }, plain));
 
 test("a proved page has the statement, all rivals, pictures and other conditions", () => withPage({}, async (page) => {
