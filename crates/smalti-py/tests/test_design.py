@@ -52,4 +52,4 @@ def test_designs_that_cannot_be_name_the_key(tmp_path: Path) -> None:
     with pytest.raises(smalti.SmaltiError, match="search.starts"):
         smalti.design(file, progress=False)
     with pytest.raises(smalti.SmaltiError, match="did you mean 'pigments-"):
-        smalti.design("pigments-5", progress=False)
+        smalti.design("pigments-9", progress=False)

@@ -179,7 +179,7 @@ fn wrong_design_files_name_the_key_and_the_line() {
         assert!(run.err.contains(message), "{with}:\n{}", run.err);
     }
     assert!(!place.path("wrong").exists());
-    let run = place.run(&["design", "pigments-5"]);
+    let run = place.run(&["design", "pigments-9"]);
     assert!(run.code == 1 && run.err.contains("did you mean 'pigments-"), "{}", run.err);
     assert_eq!(place.run(&["design"]).code, 2);
 }
