@@ -21,7 +21,8 @@ pub(super) fn together(lead: &ProvedLead, digits: usize) -> String {
 pub(super) fn headline(proof: &Proof) -> String {
     let (name, count) = (&proof.found.label, proof.rivals.len());
     if proof.beats_all() {
-        return format!("{name} beats all {count} rivals at every luminance, in CPSNR and in ΔE2000.");
+        let all = if count == 1 { "its one rival".to_owned() } else { format!("all {count} rivals") };
+        return format!("{name} beats {all} at every luminance, in CPSNR and in ΔE2000.");
     }
     let [mut wins, mut ties, mut losses] = [0; 3];
     for lead in proof.rivals.iter().flat_map(|r| &r.leads).flat_map(|leads| &leads[..STATED]) {
@@ -36,9 +37,13 @@ pub(super) fn headline(proof: &Proof) -> String {
         r.leads.iter().flat_map(|l| &l[..STATED]).all(|l| l.result() == ProofResult::Wins)
     };
     let beaten = proof.rivals.iter().filter(beaten).count();
+    let statement = match count {
+        1 => format!("{name} does not beat its one rival"),
+        _ => format!("{name} beats {beaten} of {count} rivals"),
+    };
     format!(
-        "{name} beats {beaten} of {count} rivals at every luminance in CPSNR and in ΔE2000. Of the {all} comparisons, it wins {wins}, loses {losses}, and \
-             {ties} show no difference."
+        "{statement} at every luminance in CPSNR and in ΔE2000. Of the {all} comparisons, it wins {wins}, loses {losses}, and {ties} show no \
+         difference."
     )
 }
 

@@ -154,7 +154,7 @@ fn a_proved_page_has_the_statement_and_the_tables() {
     };
     let html = page(&results(0), Some(&proved), "a").unwrap();
     for words in [
-        "six beats 0 of 1 rivals",
+        "six does not beat its one rival",
         "worse than rgbcmy: −0.50 dB [−0.70, −0.30]",
         "href=\"proof/comparison/report.html\"",
         "illuminant A",
