@@ -449,6 +449,22 @@ test("axes say that they are logarithmic; what lies beyond Nyquist is marked and
   }, coarse);
 });
 
+test("an MTF50 of a plateau is marked and said", async () => {
+  const flat = join(dir, "flat.html");
+  const html = await readFile(file, "utf8");
+  // What is reliable becomes a plateau.
+  assert.match(html, /"words":\["reliable",/);
+  await writeFile(flat, html.replace("\"words\":[\"reliable\",", "\"words\":[\"plateau\","));
+  await withPage({}, async (page) => {
+    await plot(page).focus();
+    await page.keyboard.press("Home");
+    assert.match(await count(page).textContent(), /, MTF50 of a plateau$/);
+    await page.keyboard.press("Enter");
+    assert.equal(await page.locator("section.design .beyond").first().textContent(), " of a plateau");
+    assert.ok(!(await page.locator("section.design .sub").textContent()).includes("plateau"));
+  }, flat);
+});
+
 test("histograms tell the share of each bin, by keys and by pointer", () => withPage({}, async (page) => {
   await brush(page, [0.2, 0.2, 0.7, 0.8]);
   const first = page.locator(".histogram").first();

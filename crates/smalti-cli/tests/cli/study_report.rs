@@ -162,7 +162,7 @@ fn detail_finer_than_the_pixels_is_marked() {
     // Filters that overlap this much need a colour matrix that amplifies all detail, and what is aliased.
     let absurd = study("", set([(442, 45), (462, 33), (635, 42)]));
     assert!(absurd.contains(" * ") && absurd.contains("\n* MTF50 lies beyond the 0.5 cycles"), "{absurd}");
-    assert!(absurd.contains("Means contain the MTF50 of 1 designs beyond the Nyquist frequency"), "{absurd}");
+    assert!(absurd.contains("Means contain the MTF50 of 1 design beyond the Nyquist frequency"), "{absurd}");
     let trial = |place: &Place| {
         place.json("out/report/report.json")["studies"][0]["sections"][0]["colors"][0]["best"][0].clone()
     };

@@ -121,7 +121,7 @@ pub const EVALUATE: [Column<Evaluation>; 9] = [
     ),
     column("noise %", "luminance_noise_percent", 2, |e| e.luminance_noise_percent.mean),
     column("aliasing %", "aliasing_percent", 1, |e| e.aliasing_percent),
-    column("clipped %", "saturated_percent", 1, |e| e.saturated_percent),
+    column("saturated %", "saturated_percent", 1, |e| e.saturated_percent),
     column("range dB", "dynamic_range_db", 1, |e| e.dynamic_range_db),
 ];
 

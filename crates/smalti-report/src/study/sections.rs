@@ -180,12 +180,12 @@ impl<'a> Section<'a> {
     pub(super) fn unreliable_in_words(&self) -> Option<String> {
         let count = |of| self.rows.clone().filter(|row| self.reliability(*row) == of).count();
         let [beyond, plateau] = [Mtf50Reliability::BeyondNyquist, Mtf50Reliability::Plateau].map(count);
-        (beyond + plateau > 0).then(|| {
-            format!(
-                "Means contain the MTF50 of {beyond} designs beyond the Nyquist frequency and of {plateau} whose edge response stays near one \
-                 half or rises again."
-            )
-        })
+        let designs = |count: usize| format!("{count} design{}", if count == 1 { "" } else { "s" });
+        let beyond = (beyond > 0).then(|| format!("{} beyond the Nyquist frequency", designs(beyond)));
+        let plateau = (plateau > 0)
+            .then(|| format!("{} whose edge response stays near one half or rises again", designs(plateau)));
+        let found: Vec<String> = beyond.into_iter().chain(plateau).collect();
+        (!found.is_empty()).then(|| format!("Means contain the MTF50 of {}.", found.join(" and ")))
     }
 
     /// All sections of the results of a study.
