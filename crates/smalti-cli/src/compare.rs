@@ -235,7 +235,7 @@ fn write_files(report: &Comparison<'_>, dir: &Path, document: &str) -> anyhow::R
 }
 
 /// The name of a scene without its folder, parameters and extension.
-fn scene_label(scene: &str) -> String {
+pub(crate) fn scene_label(scene: &str) -> String {
     let name = if resolve::is_file(scene) { scene } else { scene.split('?').next().unwrap_or(scene) };
     Path::new(name).file_stem().map_or_else(|| scene.to_owned(), |s| s.to_string_lossy().into_owned())
 }

@@ -105,7 +105,7 @@ pub(crate) fn run(args: &SweepArgs, common: &Common) -> anyhow::Result<()> {
         progress.note(&format!("the study has no design of {colors} colours"));
     }
     if !common.quiet {
-        tell_when_stopped(&output)?;
+        stops_resumably(&output, "the study")?;
     }
     let SweepSummary { scored, seconds, parts_missing } = run.run(&sweep, &progress)?;
     progress.finish();
@@ -137,10 +137,10 @@ fn folder_of(study: &str) -> PathBuf {
 }
 
 /// Reports on Ctrl-C how to resume. Every part on disk is complete, so the program can end at any moment.
-fn tell_when_stopped(output: &Path) -> anyhow::Result<()> {
+pub(crate) fn stops_resumably(output: &Path, what: &'static str) -> anyhow::Result<()> {
     let dir = output.display().to_string();
     ctrlc::set_handler(move || {
-        eprintln!("\nstopped; {dir} keeps the results so far, and the same command resumes the study");
+        eprintln!("\nstopped; {dir} keeps the results so far, and the same command resumes {what}");
         std::process::exit(STOPPED);
     })
     .context("listening for Ctrl-C")

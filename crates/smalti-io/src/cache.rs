@@ -1,4 +1,4 @@
-//! Optical images kept on disk between runs, found by the hash of what they were computed from.
+//! Optical images, training statistics and scores kept on disk between runs, found by the hash of what they were computed from.
 //!
 //! A cache may lose anything at any time: what is absent, cut short or damaged is `None`, and the caller computes
 //! it again. Entries are written atomically, so that several processes may share a folder.
@@ -11,7 +11,7 @@ use std::time::SystemTime;
 use blake3::{Hash, Hasher};
 use rayon::prelude::*;
 use smalti::camera::CameraError;
-use smalti::experiment::Store;
+use smalti::experiment::{PictureFigures, Store};
 use smalti::l3::Statistics;
 use smalti::numeric::Planes;
 use smalti::optics::{OPTICAL_IMAGE_REVISION, OpticalImage};
@@ -46,6 +46,28 @@ impl Store for Cache {
             });
         }
     }
+
+    fn scores(&self, key: &str) -> Option<PictureFigures> {
+        let path = self.path(&scores_key(key), SCORES_EXTENSION)?;
+        let scores = serde_json::from_slice(&fs::read(&path).ok()?).ok()?;
+        mark_used(&path);
+        Some(scores)
+    }
+
+    fn keep_scores(&self, key: &str, scores: &PictureFigures) {
+        let path = self.path(&scores_key(key), SCORES_EXTENSION);
+        if let (Some(dir), Some(path), Ok(text)) = (&self.dir, path, serde_json::to_vec(scores)) {
+            // A cache that cannot be written costs time, not the result.
+            let _ = write::create_folder(dir).and_then(|()| {
+                self.evict(dir, &path, self.limit_bytes);
+                write::bytes(&path, &text)
+            });
+        }
+    }
+}
+
+fn scores_key(key: &str) -> Hash {
+    hash(&[("scores", key.as_bytes())])
 }
 
 fn statistics_key(key: &str) -> Hash {
@@ -61,6 +83,7 @@ const VERSION: u32 = 1;
 const HEADER_LEN: usize = 8 + 4 + 32 + 3 * 8 + 3 * 8 + 4 + 4;
 const EXTENSION: &str = "smalti-oi";
 const STATISTICS_EXTENSION: &str = "smalti-l3";
+const SCORES_EXTENSION: &str = "smalti-scores";
 
 /// The hash of labelled parts. The lengths of labels and parts are hashed too: `("a", "bc")` and `("ab", "c")` differ.
 fn hash(parts: &[(&str, &[u8])]) -> Hash {
@@ -72,7 +95,7 @@ fn hash(parts: &[(&str, &[u8])]) -> Hash {
     hasher.finalize()
 }
 
-/// A folder of optical images and of statistics that pipelines are learned from.
+/// A folder of optical images, of statistics that pipelines are learned from, and of scores.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Cache {
     dir: Option<PathBuf>,
@@ -212,7 +235,7 @@ fn mark_used(path: &Path) {
 /// Whether a file is of a cache, finished or not.
 fn is_entry(path: &Path) -> bool {
     let name = path.to_string_lossy();
-    [EXTENSION, STATISTICS_EXTENSION].iter().any(|e| name.contains(e))
+    [EXTENSION, STATISTICS_EXTENSION, SCORES_EXTENSION].iter().any(|e| name.contains(e))
 }
 
 /// Fills `data` with what follows the header, and returns its CRC-32. Most of the time goes into the pages the
@@ -289,6 +312,8 @@ impl Header {
 
 #[cfg(test)]
 mod tests {
+    use smalti::experiment::LightFigures;
+
     use super::*;
 
     fn image(rows: usize, cols: usize, value: f32) -> OpticalImage {
@@ -342,6 +367,20 @@ mod tests {
         }
         cache.put(&k, &image(2, 3, 0.1)).unwrap();
         assert_eq!(cache.get(&k).unwrap(), image(2, 3, 0.1));
+    }
+
+    #[test]
+    fn scores_come_back_bit_for_bit() {
+        let dir = tempfile::tempdir().unwrap();
+        let cache = Cache::open(Some(dir.path().to_owned()));
+        let lights = vec![LightFigures { metrics: [vec![0.1 + 0.2, 1e-17], vec![3.0], vec![]], time_s: 0.1 }];
+        let scores = PictureFigures { lights };
+        cache.keep_scores("a", &scores);
+        assert_eq!(cache.scores("a"), Some(scores));
+        assert_eq!(cache.scores("b"), None);
+        let path = cache.path(&scores_key("a"), SCORES_EXTENSION).unwrap();
+        fs::write(&path, "{").unwrap();
+        assert_eq!(cache.scores("a"), None);
     }
 
     #[test]

@@ -5,6 +5,7 @@ use std::{fmt, io};
 
 use smalti::color::ImageError;
 use smalti::color::jakob_hanika2019::UpliftError;
+use smalti::design::DesignError;
 use smalti::l3::L3Error;
 use smalti::numeric::ShapeError;
 use smalti::scene::SceneError;
@@ -108,6 +109,8 @@ pub enum ContentError {
     Image(#[from] ImageError),
     /// No learned pipeline and no statistics.
     Learned(#[from] L3Error),
+    /// No statistics of light.
+    Light(#[from] Box<DesignError>),
     /// The shape does not match the data.
     Shape(#[from] ShapeError),
 }

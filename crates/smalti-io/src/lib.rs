@@ -10,6 +10,7 @@
 //! | [`picture`] | PNG, TIFF, JPEG, OpenEXR RGB in; PNG, TIFF out | [`smalti::color::Image`] |
 //! | [`dng`] | DNG | [`smalti::sensor::RawImage`] |
 //! | [`l3`] | `.l3` (safetensors) in and out; `.npz`, C header out | [`smalti::l3::Pipeline`], [`smalti::l3::Statistics`] |
+//! | [`light`] | `.light` (safetensors) | [`smalti::design::light::LightStatistics`] |
 //! | [`npz`] | `.npy` and `.npz` that hold a cube | [`SpectralFile`] |
 //! | [`spectral_tiff`] | TIFF of many bands | [`SpectralFile`] |
 //! | [`bands`] | folder of PNG, one a band (CAVE) | [`SpectralFile`] |
@@ -38,6 +39,7 @@ pub mod cache;
 mod camera_toml;
 pub mod cameras;
 pub mod comparisons;
+mod container;
 pub mod dataset;
 pub mod designs;
 mod diagnostic;
@@ -49,6 +51,7 @@ mod file;
 pub mod hdf5;
 mod icc;
 pub mod l3;
+pub mod light;
 pub mod lights;
 pub mod matlab;
 pub mod memory;

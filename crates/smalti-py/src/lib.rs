@@ -11,6 +11,7 @@ mod cluster;
 mod color;
 #[cfg(feature = "command")]
 mod command;
+mod design;
 mod error;
 mod evaluate;
 mod image;
@@ -40,6 +41,7 @@ mod _smalti {
         cfa::{PyCfa, cfas, filters},
         cluster::{PyPartMaker, PySharedFolder, PySharedPlace, scenes_in_files},
         color::{delta_e, lab, scielab_map, xyz},
+        design::{design_names, find_design},
         error::SmaltiError,
         evaluate::{
             PyEvaluation, PySceneScores, compare, evaluate, light_gain, score_pictures, score_scenes,

@@ -12,6 +12,7 @@
 //! | a self-contained HTML page | [`page::Page`] |
 //! | the report of studies | [`study::Report`] |
 //! | the report of a comparison, of evaluations | [`comparison::Comparison`], [`comparison::Evaluations`] |
+//! | the page of a design | [`design::page`] |
 //!
 //! Each is built step by step and drawn to a [`Figure`], which provides an SVG document and a PNG. Equal inputs give equal bytes, on
 //! machines without fonts as well: the text of a PNG is set in Inter, which the crate contains.
@@ -31,6 +32,7 @@ mod chart_colors;
 mod cloud;
 mod color;
 pub mod comparison;
+pub mod design;
 mod end_labels;
 mod error;
 mod figure;

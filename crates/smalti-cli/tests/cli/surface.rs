@@ -94,7 +94,10 @@ fn every_column_of_the_tables_is_a_listed_metric() {
     let metrics = place.ok("list metrics");
     for (command, headings) in [
         ("compare", &["CPSNR dB", "ΔE2000", "S-CIELAB", "MTF50 cy/mm", "visual SNR", "noise %"][..]),
-        ("evaluate", &["ΔE76", "ΔE2000", "MTF50 cy/mm", "MTF50 cy/px", "noise %", "aliasing %", "saturated %"]),
+        (
+            "evaluate",
+            &["ΔE76", "ΔE2000", "MTF50 cy/mm", "MTF50 cy/px", "noise %", "aliasing %", "saturated %"],
+        ),
         ("evaluate", &["MTF50 4:1 cy/px", "Vora value", "SMI", "metamer mismatch %"]),
     ] {
         for heading in headings {

@@ -1,13 +1,18 @@
 //! Reading of design files: which colour filter array is wanted.
 
+mod log;
+
 use std::collections::BTreeMap;
 use std::path::Path;
 
+pub use log::{SEARCH_LOG, SearchLog, task_text};
 use serde::Deserialize;
 use smalti::camera::description::CameraDescription;
 use smalti::design::light::LightSettings;
 use smalti::design::screen::ScreenCondition;
-use smalti::design::search::{FilterSpace, Objective, SearchSettings};
+use smalti::design::search::{
+    Annealing, FilterSpace, Front, LayoutRules, Objective, SearchSettings, Tolerance,
+};
 use smalti::design::{Design, DesignError, MosaicFamily};
 use smalti::experiment::DesignTask;
 
@@ -24,12 +29,37 @@ static DESIGNS: &[BuiltinFile] = &[
         "Three filters of pigments in 2 × 2, for 1 to 80 cd/m², on the camera of the L³ slides"
     ),
     builtin!("designs", "pigments-4", "Four filters of pigments in 2 × 2, for the same camera and light"),
+    builtin!("designs", "pigments-5", "Five filters of pigments in 2 × 3, for the same camera and light"),
     builtin!("designs", "pigments-6", "Six filters of pigments in 2 × 3, for the same camera and light"),
+    builtin!("designs", "pigments-4x4", "Four filters of pigments in 4 × 4, whose layouts are annealed"),
+    builtin!("designs", "pigments-dark", "Three filters of pigments in 2 × 2, for 1 cd/m² alone"),
     builtin!(
         "designs",
-        "free-4",
-        "Four free filter curves in 2 × 2: the bound for any filters that can be made"
+        "pigments-daylight",
+        "Three and four filters of pigments in 2 × 2, for 80 cd/m² alone"
     ),
+    builtin!(
+        "designs",
+        "pigments-front",
+        "The best compromises between noise in the dark and colour by day, three to six filters in 2 × 3"
+    ),
+    builtin!(
+        "designs",
+        "dichroic-4",
+        "Four filters with two edges each in 2 × 2, such as interference filters"
+    ),
+    builtin!(
+        "designs",
+        "mixtures-16",
+        "Sixteen different mixtures of red, green and blue in 4 × 4, in the manner of learned arrays (Henz 2018)"
+    ),
+    builtin!(
+        "designs",
+        "free-3",
+        "Three free filter curves in 2 × 2: the bound for any filters that can be made"
+    ),
+    builtin!("designs", "free-4", "Four free filter curves in 2 × 2"),
+    builtin!("designs", "free-6", "Six free filter curves in 2 × 3"),
 ];
 
 /// The built-in design files.
@@ -61,9 +91,9 @@ struct DesignFile {
     #[serde(default)]
     #[cfg_attr(feature = "schema", schemars(with = "BTreeMap<String, serde_json::Value>"))]
     set: BTreeMap<String, toml::Value>,
-    /// Illuminant of the scenes: a name or a CSV file.
-    #[serde(default = "default_light")]
-    illuminant: String,
+    /// Illuminants of the scenes: names or CSV files. All count equally.
+    #[serde(default = "default_lights")]
+    illuminants: Vec<String>,
     /// Mean luminances of the scenes, cd/m². All count equally.
     #[serde(default = "default_luminances")]
     luminances_cd_m2: Vec<f64>,
@@ -76,14 +106,26 @@ struct DesignFile {
     filters: FilterSpace,
     /// The mosaics to search.
     mosaics: MosaicFamily,
-    /// Number of mosaics to draw for each number of filters. The default is all.
+    /// Number of mosaics to draw for each number of filters. By default all are tried if they are at most 256, and those of larger tiles are
+    /// annealed.
     mosaic_count: Option<u64>,
+    /// What every mosaic must fulfil.
+    #[serde(default)]
+    rules: LayoutRules,
+    /// How the layouts of large tiles are searched.
+    #[serde(default)]
+    annealing: Annealing,
     /// Whether the published mosaics compete, each with the best filters of the same kind.
     #[serde(default = "yes")]
     rivals: bool,
     /// What is minimised.
     #[serde(default)]
     objective: Objective,
+    /// Aims between which the best compromises are wanted as well.
+    front: Option<Front>,
+    /// How filters differ from those that were wanted.
+    #[serde(default)]
+    tolerance: Tolerance,
     /// The extent of the search.
     #[serde(default)]
     search: SearchSettings,
@@ -92,8 +134,8 @@ struct DesignFile {
     light: LightSettings,
 }
 
-fn default_light() -> String {
-    "D65".into()
+fn default_lights() -> Vec<String> {
+    vec!["D65".into()]
 }
 
 fn default_luminances() -> Vec<f64> {
@@ -132,12 +174,18 @@ pub fn load(name: &str) -> Result<LoadedDesign, Box<Diagnostic>> {
     let wrong = |key: &str, message: &str| Box::new(source.about_key(key, message));
     let mut notes = Vec::new();
     let mut filters = file.filters.clone();
-    if let FilterSpace::Pigments(pigments) = &mut filters {
-        for (at, filter) in pigments.library.iter_mut().enumerate() {
-            let key = format!("filters.pigments.library[{at}]");
+    if let Some((library, curves)) = filters.library_mut() {
+        for (at, filter) in curves.iter_mut().enumerate() {
+            let key = format!("filters.{library}[{at}]");
             let note = read_curve(filter, &source.folder).map_err(|e| wrong(&key, &e))?;
             tell(&mut notes, note);
         }
+    }
+    let mut rules = file.rules.clone();
+    for (letter, filter) in &mut rules.filters {
+        let note =
+            read_curve(filter, &source.folder).map_err(|e| wrong(&format!("rules.filters.{letter}"), &e))?;
+        tell(&mut notes, note);
     }
     if file.luminances_cd_m2.is_empty() {
         return Err(wrong("luminances_cd_m2", "expected at least one luminance"));
@@ -156,22 +204,33 @@ pub fn load(name: &str) -> Result<LoadedDesign, Box<Diagnostic>> {
     let camera_name = cameras::name_beside(&source.folder, &file.camera);
     let loaded = cameras::load_with_notes(&camera_name, &overrides, None)?;
     notes.extend(loaded.notes);
-    let (illuminant, note) = lights::load_with_note(&file.illuminant, &source.folder)
-        .map_err(|e| wrong("illuminant", &e.to_string()))?;
-    tell(&mut notes, note);
+    if file.illuminants.is_empty() {
+        return Err(wrong("illuminants", "expected at least one illuminant"));
+    }
+    let mut illuminants = Vec::new();
+    for (at, name) in file.illuminants.iter().enumerate() {
+        let (illuminant, note) = lights::load_with_note(name, &source.folder)
+            .map_err(|e| wrong(&format!("illuminants[{at}]"), &e.to_string()))?;
+        tell(&mut notes, note);
+        illuminants.push(illuminant);
+    }
     let camera = loaded.camera;
     let condition = |&luminance: &f64| ScreenCondition::of_camera(&camera, luminance, file.longest_ms * 1e-3);
     let stem = Path::new(&source.name).file_stem().map(|s| s.to_string_lossy().into_owned());
     let task = DesignTask {
         name: file.name.clone().or(stem).unwrap_or_else(|| source.name.clone()),
         conditions: file.luminances_cd_m2.iter().map(condition).collect(),
-        illuminant,
+        illuminants,
         colors: file.colors.clone(),
         filters,
         mosaics: file.mosaics.clone(),
         mosaic_count: file.mosaic_count,
+        rules,
+        annealing: file.annealing,
         rivals: file.rivals,
         objective: file.objective,
+        front: file.front.clone(),
+        tolerance: file.tolerance,
         search: file.search,
         light: file.light.clone(),
         camera,
@@ -190,33 +249,37 @@ pub fn camera_toml(
     fixed: &CameraDescription,
     name: &str,
 ) -> Result<String, Box<Diagnostic>> {
-    let camera = CameraDescription { name: name.to_owned(), ..design.camera(fixed) };
-    toml::to_string(&camera).map_err(|e| Box::new(Diagnostic::new(name, e.to_string())))
+    own_camera_toml(&CameraDescription { name: name.to_owned(), ..design.camera(fixed) })
+}
+
+/// The file of a camera as it is.
+///
+/// # Errors
+/// When a value cannot be written as TOML.
+pub fn own_camera_toml(camera: &CameraDescription) -> Result<String, Box<Diagnostic>> {
+    toml::to_string(camera).map_err(|e| Box::new(Diagnostic::new(&camera.name, e.to_string())))
 }
 
 /// Checks what can be checked before any scene is imaged, so that errors have their lines.
 fn check(task: &DesignTask, source: &TomlSource) -> Result<(), Box<Diagnostic>> {
     let shown = |table: &str, e: DesignError| match &e {
         DesignError::Key { key, message } => {
-            let key = if table.is_empty() { key.clone() } else { format!("{table}.{key}") };
+            // Families know the keys below their table only.
+            let is_whole = table.is_empty() || key.starts_with("rules.") || key == "colors";
+            let key = if is_whole { key.clone() } else { format!("{table}.{key}") };
             Box::new(source.about_key(&key, message))
         }
         _ => Box::new(source.about_key(if table.is_empty() { "colors" } else { table }, &e.to_string())),
     };
-    task.objective.validate().map_err(|e| shown("", e))?;
-    task.search.validate().map_err(|e| shown("", e))?;
+    task.validate().map_err(|e| shown("", e))?;
     task.light.validate().map_err(|e| shown("light", e))?;
     task.filters.sampled(task.camera.grid()).map_err(|e| shown("filters", e))?;
-    let mut mosaics = 0;
+    let mut has_mosaics = false;
     for &colors in &task.colors {
-        let seed = task.search.seed;
-        mosaics += task
-            .mosaics
-            .pick_layouts(colors, task.mosaic_count, seed)
-            .map_err(|e| shown("mosaics", e))?
-            .len();
+        let listed = task.listed_mosaics(colors).map_err(|e| shown("mosaics", e))?;
+        has_mosaics |= listed.is_none_or(|mosaics| !mosaics.is_empty());
     }
-    if mosaics == 0 {
+    if !has_mosaics {
         let message = format!("no mosaic has {:?} filters", task.colors);
         return Err(Box::new(source.about_key("mosaics", &message)));
     }

@@ -4,8 +4,8 @@ use serde_json::json;
 use smalti::l3::{Axes, Levels};
 use smalti::sensor::Mosaic;
 
-use super::content::{Content, Opened};
 use crate::IoError;
+use crate::container::{Content, Opened};
 use crate::error::At;
 
 /// Adds all that `read` needs.

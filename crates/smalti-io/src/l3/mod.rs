@@ -15,7 +15,6 @@
 
 mod axes;
 mod c_header;
-mod content;
 mod npz;
 mod statistics;
 mod table;
@@ -24,3 +23,6 @@ pub use c_header::{Operations, c_prefix, operations, write_c_header};
 pub use npz::write_npz;
 pub use statistics::{read_statistics, statistics_from_bytes, write_statistics};
 pub use table::{read_table, table_from_bytes, write_table};
+
+/// What a file of another kind is not.
+const EXPECTED: &str = "a learned table of Smalti (.l3, a safetensors file)";

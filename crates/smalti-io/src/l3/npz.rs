@@ -6,8 +6,8 @@ use std::path::Path;
 use serde_json::{Map, Value};
 use smalti::l3::Pipeline;
 
-use super::content::Tensor;
 use super::table;
+use crate::container::Tensor;
 use crate::npz::zip_write::{Stored, end};
 use crate::{IoError, npy, write};
 

@@ -7,7 +7,7 @@ use serde_json::json;
 use smalti::l3::{ClassKey, Moments, Statistics};
 
 use super::axes;
-use super::content::{Content, Opened};
+use crate::container::{Content, Opened};
 use crate::error::At;
 use crate::{IoError, Limits, file};
 
@@ -56,7 +56,7 @@ pub fn read_statistics(path: &Path) -> Result<Statistics, IoError> {
 
 /// As [`read_statistics`], from memory; `path` is only named in errors.
 pub fn statistics_from_bytes(bytes: &[u8], path: &Path) -> Result<Statistics, IoError> {
-    let opened = Opened::new(bytes, path, FORMAT, VERSION)?;
+    let opened = Opened::new(bytes, path, super::EXPECTED, (FORMAT, VERSION))?;
     let axes = axes::read(&opened)?;
     let outputs: Vec<String> = opened.json("outputs")?;
     let levels = match opened.has("black_level") || opened.has("white_level") {

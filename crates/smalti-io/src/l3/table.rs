@@ -6,7 +6,7 @@ use serde_json::json;
 use smalti::l3::{Class, Kernels, Origin, Pipeline, PipelineParts};
 
 use super::axes;
-use super::content::{Content, Opened};
+use crate::container::{Content, Opened};
 use crate::error::At;
 use crate::{IoError, Limits, file};
 
@@ -59,7 +59,7 @@ pub fn read_table(path: &Path) -> Result<Pipeline, IoError> {
 
 /// As [`read_table`], from memory; `path` is only named in errors.
 pub fn table_from_bytes(bytes: &[u8], path: &Path) -> Result<Pipeline, IoError> {
-    let opened = Opened::new(bytes, path, FORMAT, VERSION)?;
+    let opened = Opened::new(bytes, path, super::EXPECTED, (FORMAT, VERSION))?;
     let axes = axes::read(&opened)?;
     let outputs: Vec<String> = opened.json("outputs")?;
     let (_, saturations) = opened.any::<u32>("saturations", 1)?;

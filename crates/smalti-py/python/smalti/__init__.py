@@ -11,7 +11,7 @@ with the message of the `smalti` command.
 """
 
 from ._command import command
-from ._long import Comparison, Light, Path, Progress, compare, gather, light_gain, report, solve, sweep, train
+from ._long import Comparison, Design, Light, Path, Progress, compare, design, gather, light_gain, report, solve, sweep, train
 from ._raws import read_camera_raw
 from ._smalti import (
     Camera,
@@ -36,6 +36,7 @@ from ._smalti import (
     cfas,
     cpsnr_db,
     delta_e,
+    designs,
     edge_sfr,
     evaluate,
     filters,
@@ -59,6 +60,7 @@ __all__ = [
     "Camera",
     "Cfa",
     "Comparison",
+    "Design",
     "EdgeResponse",
     "Evaluation",
     "Image",
@@ -84,6 +86,8 @@ __all__ = [
     "compare",
     "cpsnr_db",
     "delta_e",
+    "design",
+    "designs",
     "edge_sfr",
     "evaluate",
     "filters",

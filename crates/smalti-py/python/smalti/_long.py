@@ -283,6 +283,53 @@ def light_gain(
         return _smalti.light_gain(camera, other, pipelines, of, luminance_cd_m2, illuminant, seed, told)
 
 
+class Design(dict[str, Any]):
+    """The results of `design`, with the keys of the command's results.json.
+
+    Attributes:
+        camera: the camera with the colour filter array that was found.
+        rivals: the camera with each published mosaic and the best filters of the same kind, by the name of the mosaic; the best first.
+        front: the cameras of the compromises between the aims of the front.
+    """
+
+    def __init__(
+        self, results: dict[str, Any], camera: Camera, rivals: dict[str, Camera], front: list[Camera]
+    ) -> None:
+        super().__init__(results)
+        self.camera = camera
+        self.rivals = rivals
+        self.front = front
+
+
+def design(
+    source: Path,
+    *,
+    scenes: Sequence[Scene] | None = None,
+    training_set: Literal["all", "catalog"] = "all",
+    resume: Path | None = None,
+    progress: Progress = True,
+) -> Design:
+    """Finds the best colour filter array for a camera and its light, as `smalti design` does.
+
+    The figures are expectations of a closed form, which rank arrays as learned pipelines do. `compare` scores the cameras.
+
+    Args:
+        source: a built-in design (`smalti.designs()`) or a TOML file.
+        scenes: scenes to gather the statistics of light from; default those that pipelines learn from. They are relit with the
+            illuminants of the design.
+        training_set: the built-in scenes: "all", or "catalog" without photographs and path-traced scenes.
+        resume: a folder that keeps what the search has found, so that the same call goes on there after it was stopped.
+        progress: see `Progress`.
+
+    Raises:
+        SmaltiError: when a key or value of the design is invalid, or its rules conflict.
+    """
+    of = None if scenes is None else list(scenes)
+    with _told(progress, f"design {os.fspath(source)}", "step") as told:
+        results, camera, rivals, front = _smalti.find_design(source, of, training_set, resume, told)
+    return Design(results, camera, dict(rivals), front)
+
+
 @overload
 def sweep(
     study: Study | Path,

@@ -28,7 +28,7 @@ pub(super) struct Scored<'a> {
 pub(super) type Named = Vec<(String, Vec<f64>)>;
 
 /// The colour and symbol of a place in a list.
-pub(super) fn look(i: usize) -> (Rgb, Symbol) {
+pub(crate) fn look(i: usize) -> (Rgb, Symbol) {
     let colors = &OKABE_ITO[..7];
     (colors[i % colors.len()], SYMBOLS[i % SYMBOLS.len()])
 }
@@ -41,11 +41,11 @@ fn series(plot: Plot, name: &str, i: usize, x: &[f64], y: &[f64]) -> Plot {
 }
 
 /// A figure, or the reason why it cannot be drawn.
-pub(super) fn drawn(plot: &Plot) -> Markup {
+pub(crate) fn drawn(plot: &Plot) -> Markup {
     plot.draw().map_or_else(|e| paragraph("none", format!("No figure: {e}.")), |f| figure(&f))
 }
 
-pub(super) fn beside(figures: impl IntoIterator<Item = Markup>) -> Markup {
+pub(crate) fn beside(figures: impl IntoIterator<Item = Markup>) -> Markup {
     el("div").class("beside").children(figures).into()
 }
 

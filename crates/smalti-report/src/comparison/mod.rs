@@ -10,7 +10,7 @@ mod crops;
 mod document;
 mod evaluated;
 mod evaluated_text;
-mod figures;
+pub(crate) mod figures;
 mod gallery;
 mod kernels;
 mod learned;
@@ -22,7 +22,7 @@ mod summary;
 mod tables;
 mod target_times;
 mod text;
-mod verdict;
+pub(crate) mod verdict;
 
 pub use conditions::Conditions;
 pub use evaluated::{Evaluations, aliasing_picture, page as evaluation_page};

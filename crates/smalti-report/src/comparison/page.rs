@@ -92,6 +92,17 @@ fn page_beside(
         .html())
 }
 
+impl Comparison<'_> {
+    /// The region of each scene in which the cameras differ most, for another page; the pictures take at most `most` bytes.
+    ///
+    /// # Errors
+    /// When a picture cannot be converted.
+    pub fn telling_crops(&self, most: usize) -> Result<Markup, ReportError> {
+        let scenes = names::numbered(self.scene_labels.to_vec());
+        Ok(crops::crops(self, &groups(self, &scenes)?, &scenes, most).0)
+    }
+}
+
 fn lead(report: &Comparison<'_>) -> Markup {
     let lights: Vec<String> = report.luminances().iter().map(f64::to_string).collect();
     let text = format!(

@@ -13,7 +13,7 @@ use super::results::Comparison;
 use crate::words::listed;
 
 /// How a metric is written in sentences: its name, its unit, and digits behind the point.
-pub(super) const WORDS: [(&str, &str, usize); PICTURE_METRICS.len()] =
+pub(crate) const WORDS: [(&str, &str, usize); PICTURE_METRICS.len()] =
     [("CPSNR", " dB", 2), ("ΔE2000", "", 2), ("S-CIELAB", "", 2)];
 
 /// The verdict in one light.
@@ -224,7 +224,7 @@ impl Comparison<'_> {
 }
 
 /// A difference with its interval: `1.12 dB [0.71, 1.50]`.
-pub(super) fn amount(by: &Estimate, unit: &str, digits: usize) -> String {
+pub(crate) fn amount(by: &Estimate, unit: &str, digits: usize) -> String {
     let interval =
         by.interval.map_or_else(String::new, |i| format!(" [{:.digits$}, {:.digits$}]", i.low, i.high));
     format!("{:.digits$}{unit}{interval}", by.value).replace('-', "−")

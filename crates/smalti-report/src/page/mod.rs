@@ -100,6 +100,9 @@ pub const COMPARE: &[Piece] = &[
     Piece::new(include_str!("compare.css"), include_str!("compare.js")),
 ];
 
+/// What a page of a design is made of: the look of a comparison, without its viewer.
+pub const DESIGN: &[Piece] = &[Piece::new(include_str!("compare.css"), "")];
+
 /// A figure, in the colours of the page. Its title and note are in it.
 #[must_use]
 pub fn figure(drawing: &Figure) -> Markup {

@@ -1,6 +1,7 @@
 //! The light gain: how much more light one camera needs for the same image quality as another.
 
 use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
 use std::fmt;
 
 use serde::Serialize;
@@ -229,11 +230,11 @@ pub fn light_gains(
     let eighths = |stops: f64| (stops * f64::from(1u32 << HALVINGS)).round() as i64;
     let mut known: BTreeMap<i64, Figures> = BTreeMap::new();
     let mut figures = |stops: f64, metric: usize| -> Result<Vec<f64>, CameraError> {
-        let place = eighths(stops);
-        if !known.contains_key(&place) {
-            known.insert(place, camera.qualities(stops, settings)?);
-        }
-        Ok(known[&place][metric].clone())
+        let found = match known.entry(eighths(stops)) {
+            Entry::Occupied(entry) => entry.into_mut(),
+            Entry::Vacant(entry) => entry.insert(camera.qualities(stops, settings)?),
+        };
+        Ok(found[metric].clone())
     };
     let (scenes, seeds) = (settings.scenes.len(), settings.seed_count.max(1) as usize);
     let pictures = (scenes * seeds > 1).then(|| Resamples::new(scenes, seeds, settings.seed));

@@ -169,7 +169,7 @@ fn counted(colors: &[usize], sets: &[u64], mosaics: &[u64]) -> String {
 }
 
 impl DesignError {
-    pub(super) fn key(key: impl Into<String>, message: impl ToString) -> Self {
+    pub(crate) fn key(key: impl Into<String>, message: impl ToString) -> Self {
         Self::Key { key: key.into(), message: message.to_string() }
     }
 }

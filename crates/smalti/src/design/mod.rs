@@ -6,6 +6,7 @@
 //! without replacement and without memory.
 
 mod combinations;
+mod deviation;
 mod error;
 mod filters;
 mod imaged_scene;
@@ -29,6 +30,7 @@ mod training_scene;
 mod trial_picture;
 
 pub use combinations::{binomial, combination};
+pub use deviation::Deviation;
 pub use error::DesignError;
 pub use filters::{
     Dye, Dyes, FilterFamily, FilterFigures, FilterSet, GaussianGrid, Library, ListedSet, Rule, RuleName,

@@ -2,12 +2,14 @@
 
 use std::ops::Range;
 
-use super::contender::{Contender, score_scene};
+use super::contender::{Contender, ScoredScene, score_scene};
 use super::error::StageContext;
 use super::outcome::Outcome;
 use super::progress::ensure_running;
 use super::verdict::{LIGHT_METRIC, QualityAtMoreLight, Scores, Verdict};
-use super::{ComparedPictures, ExperimentError, ExposurePlan, ExposurePolicy, Processing, Resources};
+use super::{
+    ComparedPictures, ExperimentError, ExposurePlan, ExposurePolicy, Processing, Progress, Resources,
+};
 use crate::camera::compare::cpsnr_of_seeds;
 use crate::camera::{Camera, EvaluationSettings, ScoreSettings, Setup, TestScene};
 use crate::spectrum::Illuminant;
@@ -126,7 +128,7 @@ fn verdict(
 }
 
 /// The scenes on the camera of a contender, with the optical images of another camera where possible.
-fn imaged(
+pub(super) fn imaged(
     contender: &Contender<'_>,
     settings: &ComparisonSettings,
     others: &[Setup],
@@ -158,18 +160,7 @@ fn outcome(
         exposure: exposure.targets(light),
     };
     let (targets, pictures) = contender.evaluate(&targets, resources)?;
-    let mut scenes = Vec::with_capacity(setups.len());
-    for (i, (scene, setup)) in settings.scenes.iter().zip(setups).enumerate() {
-        let light = (luminance_cd_m2, exposure.scene_s(i, light));
-        let scored = score_scene(contender, setup, light, settings.seeds(), &settings.score, progress);
-        let scored = scored.map_err(|e| match e {
-            ExperimentError::Stage { context, source } => {
-                ExperimentError::Stage { context: format!("{context}, {}", scene.name()), source }
-            }
-            other => other,
-        })?;
-        scenes.push((scene.name().to_owned(), scored));
-    }
+    let scenes = scene_scores(contender, light, setups, settings, exposure, progress)?;
     let edge = pictures.edge_sfr().in_context(|| contender.name())?;
     let outcome = Outcome { luminance_cd_m2, targets, edge, scenes };
     let [cpsnr_db, delta_e, scielab] = outcome.means();
@@ -179,4 +170,28 @@ fn outcome(
     ));
     progress.done();
     Ok(outcome)
+}
+
+/// The scores of a contender on every scene at a luminance, with the names of the scenes.
+pub(super) fn scene_scores(
+    contender: &Contender<'_>,
+    light: usize,
+    setups: &[Setup],
+    settings: &ComparisonSettings,
+    exposure: &ExposurePlan,
+    progress: &dyn Progress,
+) -> Result<Vec<(String, ScoredScene)>, ExperimentError> {
+    let luminance_cd_m2 = settings.luminances_cd_m2[light];
+    let on_scene = |(i, (scene, setup)): (usize, (&TestScene, &Setup))| {
+        let light = (luminance_cd_m2, exposure.scene_s(i, light));
+        let scored = score_scene(contender, setup, light, settings.seeds(), &settings.score, progress);
+        let scored = scored.map_err(|e| match e {
+            ExperimentError::Stage { context, source } => {
+                ExperimentError::Stage { context: format!("{context}, {}", scene.name()), source }
+            }
+            other => other,
+        })?;
+        Ok((scene.name().to_owned(), scored))
+    };
+    settings.scenes.iter().zip(setups).enumerate().map(on_scene).collect()
 }

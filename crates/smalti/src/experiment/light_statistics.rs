@@ -8,6 +8,23 @@ use crate::design::light::{LightGatherer, LightSettings, LightStatistics};
 use crate::scene::Scene;
 use crate::spectrum::{Illuminant, Spectrum};
 
+/// A gatherer for the light on the pixels of a camera under an illuminant, with components of the reflectances that pipelines learn from.
+///
+/// # Errors
+/// When the camera bins or has crosstalk, or a setting is out of range.
+pub fn light_gatherer(
+    camera: &Camera,
+    illuminant: &Illuminant,
+    settings: &LightSettings,
+) -> Result<LightGatherer, ExperimentError> {
+    let context = || "statistics of light".to_owned();
+    let reflectances = training_reflectances(camera.grid()).in_context(context)?;
+    let light = illuminant.photons(camera.grid()).in_context(|| illuminant.name())?;
+    let lit = |s: &Spectrum| s.times(&light);
+    let spectra = reflectances.iter().map(lit).collect::<Result<Vec<_>, _>>().in_context(context)?;
+    Ok(LightGatherer::new(camera, illuminant, &spectra, settings)?)
+}
+
 /// Gathers the statistics of the light on the pixels of a camera, over the default training set under an illuminant or over given scenes,
 /// which have their field of view. Each scene is one step of progress.
 ///
@@ -20,12 +37,7 @@ pub fn light_statistics(
     settings: &LightSettings,
     resources: Resources<'_>,
 ) -> Result<LightStatistics, ExperimentError> {
-    let context = || "statistics of light".to_owned();
-    let reflectances = training_reflectances(camera.grid()).in_context(context)?;
-    let light = illuminant.photons(camera.grid()).in_context(|| illuminant.name())?;
-    let lit = |s: &Spectrum| s.times(&light);
-    let spectra = reflectances.iter().map(lit).collect::<Result<Vec<_>, _>>().in_context(context)?;
-    let gatherer = LightGatherer::new(camera, illuminant, &spectra, settings)?;
+    let gatherer = light_gatherer(camera, illuminant, settings)?;
     let mut statistics = gatherer.statistics();
     let progress = resources.progress;
     let mut add = |name: &str, scene: &dyn Fn() -> Result<Scene, ExperimentError>| {
@@ -42,6 +54,8 @@ pub fn light_statistics(
         }
         None => {
             let stored = resources.training_scenes;
+            let reflectances =
+                training_reflectances(camera.grid()).in_context(|| "statistics of light".to_owned())?;
             let set = training_scenes(std::slice::from_ref(illuminant), stored);
             progress.expect(set.len() as u64);
             for scene in &set {

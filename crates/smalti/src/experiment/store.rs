@@ -1,5 +1,6 @@
 //! The cache of experiments, and the resources that they may use.
 
+use super::picture_figures::PictureFigures;
 use super::{Progress, Silent};
 use crate::camera::{CameraError, NoStoredScenes, StoredTrainingScenes};
 use crate::l3::Statistics;
@@ -22,6 +23,14 @@ pub trait Store: Sync {
 
     /// Caches training statistics.
     fn keep_statistics(&self, key: &str, statistics: &Statistics);
+
+    /// The scores of a key; `None` when they are not cached.
+    fn scores(&self, _key: &str) -> Option<PictureFigures> {
+        None
+    }
+
+    /// Caches scores.
+    fn keep_scores(&self, _key: &str, _scores: &PictureFigures) {}
 }
 
 /// Caches nothing.

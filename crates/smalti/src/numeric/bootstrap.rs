@@ -76,9 +76,9 @@ pub fn mean(values: &[f64]) -> f64 {
 /// [`LEAST_GROUPS`] groups have none.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Resamples {
-    groups: usize,
-    members: usize,
-    weights: Vec<f64>,
+    pub(super) groups: usize,
+    pub(super) members: usize,
+    pub(super) weights: Vec<f64>,
 }
 
 impl Resamples {

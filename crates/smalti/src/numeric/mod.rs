@@ -17,6 +17,7 @@ pub mod poisson;
 pub(crate) mod products;
 mod rect;
 pub(crate) mod simd;
+pub mod simultaneous;
 
 pub use out_of_range::OutOfRange;
 pub(crate) use out_of_range::require;

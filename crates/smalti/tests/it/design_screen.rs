@@ -9,7 +9,11 @@ use smalti::design::light::{LightClasses, LightGatherer, LightSettings, LightSta
 use smalti::design::screen::{
     ExpectedError, FigureWeights, Figures, FilterResponses, Screen, ScreenCondition, ScreenTime,
 };
-use smalti::design::search::{FilterSearch, FilterSpace, FreeCurves, Objective, Pigments, SearchSettings};
+use smalti::design::search::{
+    Annealing, FilterSearch, FilterSpace, FreeCurves, Goal, LayoutRules, LayoutSearch, Measured, Objective,
+    Over, Pigments, SampledSpace, SearchSettings, Tolerance,
+};
+use smalti::design::{Symmetry, Tile};
 use smalti::experiment::{Resources, light_statistics};
 use smalti::scene::{Scene, Setting, catalog};
 use smalti::sensor::{Cfa, Channel, Filter, Mosaic, NoiseMode};
@@ -236,6 +240,18 @@ fn random_responses(filters: usize, components: usize) -> FilterResponses {
     FilterResponses::new((0..filters).map(|f| (0..components).map(|k| value(f, k)).collect()).collect())
 }
 
+/// A search with default settings.
+fn search<'a>(screens: &'a [Screen], space: &'a SampledSpace, goal: &'a Goal) -> FilterSearch<'a> {
+    FilterSearch {
+        screens,
+        space,
+        given: &[],
+        goal,
+        tolerance: Tolerance::default(),
+        settings: SearchSettings::default(),
+    }
+}
+
 #[test]
 fn derivatives_are_those_of_finite_differences() {
     let camera = camera();
@@ -249,20 +265,26 @@ fn derivatives_are_those_of_finite_differences() {
     let screen = Screen::new(&camera, &statistics, &[condition(), limited]).unwrap();
     let space = FilterSpace::Free(FreeCurves::default()).sampled(GRID).unwrap();
     let mosaic = Mosaic::new(2, 3, vec![0, 1, 2, 3, 0, 2]).unwrap();
-    let search = |objective| FilterSearch {
-        screen: &screen,
-        space: &space,
-        objective,
-        settings: SearchSettings::default(),
-    };
     let start: Vec<Vec<f64>> =
         (0..4).map(|f| (0..9).map(|j| f64::sin((f * 5 + j * 3) as f64)).collect()).collect();
-    let cpsnr = Objective { cpsnr_db: 1.0, delta_e_2000: 0.0 };
-    for (objective, tolerance) in [(cpsnr, 1e-6), (Objective::default(), 1e-5)] {
-        let search = search(objective);
-        let cost = |p: &[Vec<f64>]| search.cost(&mosaic, &p.iter().map(Vec::as_slice).collect::<Vec<_>>()).0;
-        let slices: Vec<&[f64]> = start.iter().map(Vec::as_slice).collect();
-        let (_, gradient) = search.cost(&mosaic, &slices);
+    let own = screen.expected(&bayer()).unwrap().repeat(2);
+    let cpsnr = Objective { delta_e_2000: 0.0, ..Objective::default() };
+    let detail = Objective { detail_db: 2.0, ..cpsnr };
+    let worst = Objective { over: Over::Worst, ..Objective::default() };
+    let spread = Tolerance { thickness: 0.1, shift_nm: 5.0, draws: 2 };
+    // Two screens, as of two illuminants.
+    let screens = [screen.clone(), screen];
+    for (objective, tolerance, least) in [
+        (cpsnr, Tolerance::default(), 1e-6),
+        (detail, Tolerance::default(), 1e-6),
+        (cpsnr, spread, 1e-6),
+        (Objective::default(), Tolerance::default(), 1e-5),
+        (worst, Tolerance::default(), 1e-5),
+    ] {
+        let goal = objective.goal(&own);
+        let search = FilterSearch { tolerance, ..search(&screens, &space, &goal) };
+        let cost = |p: &[Vec<f64>]| search.cost(&mosaic, p).0;
+        let (_, gradient) = search.cost(&mosaic, &start);
         let largest = gradient.iter().flatten().fold(0.0f64, |m, g| m.max(g.abs()));
         for (filter, knot) in [(0, 1), (1, 4), (2, 0), (3, 8), (2, 6)] {
             let moved = |by: f64| {
@@ -274,7 +296,7 @@ fn derivatives_are_those_of_finite_differences() {
             let h = 1e-3;
             let found = (8.0 * (moved(h) - moved(-h)) - (moved(2.0 * h) - moved(-2.0 * h))) / (12.0 * h);
             let error = (found - gradient[filter][knot]).abs() / largest;
-            assert!(error < tolerance, "{filter} {knot}: {found}, {}", gradient[filter][knot]);
+            assert!(error < least, "{filter} {knot}: {found}, {}", gradient[filter][knot]);
         }
     }
 }
@@ -293,12 +315,12 @@ fn one_set_has_the_figures_that_it_has_among_others() {
     let all = screen.expected_of(&mosaic, &sets, Figures::All);
     for (set, expected) in sets.iter().zip(&all) {
         assert_eq!(&screen.expected_of(&mosaic, std::slice::from_ref(set), Figures::All)[0], expected);
-        let gradient =
-            screen.gradient(&mosaic, set, Figures::All, |e| (0.0, vec![FigureWeights::default(); e.len()]));
+        let differentiable = screen.differentiable(&mosaic, set, Figures::All);
         let ExpectedError { cpsnr_db, delta_e_2000, .. } = expected[0];
-        assert!((gradient.expected[0].cpsnr_db - cpsnr_db).abs() < 1e-9);
-        assert!((gradient.expected[0].delta_e_2000 - delta_e_2000).abs() < 1e-9);
-        assert!(gradient.by_response.iter().flatten().all(|g| *g == 0.0));
+        assert!((differentiable.expected()[0].cpsnr_db - cpsnr_db).abs() < 1e-9);
+        assert!((differentiable.expected()[0].delta_e_2000 - delta_e_2000).abs() < 1e-9);
+        let by_response = differentiable.by_response(&[FigureWeights::default()]);
+        assert!(by_response.iter().flatten().all(|g| *g == 0.0));
     }
     // The colours of the tile only have to be shifted: the mean over its positions is the same.
     let shifted = screen.expected_of(&mosaic.shifted(1, 1), &sets[..1], Figures::Cpsnr);
@@ -370,9 +392,10 @@ fn a_search_is_reproducible_and_its_filters_can_be_made() {
     let screen = Screen::new(&camera, &statistics, &[condition()]).unwrap();
     let space = FilterSpace::Pigments(Pigments::default()).sampled(GRID).unwrap();
     let settings = SearchSettings { starts: 4, steps: 30, seed: 9 };
-    let search = FilterSearch { screen: &screen, space: &space, objective: Objective::default(), settings };
+    let (screens, goal) = ([screen], Objective::default().goal(&[ExpectedError::default()]));
+    let search = FilterSearch { settings, ..search(&screens, &space, &goal) };
     let mosaic = Mosaic::new(2, 2, vec![0, 1, 2, 1]).unwrap();
-    let run = || search.filters(&mosaic, 3, &|_| true).unwrap();
+    let run = || search.filters(&mosaic, &[], 3, &|_| true).unwrap();
     let found = run();
     assert_eq!(found, run());
     let one = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
@@ -386,7 +409,92 @@ fn a_search_is_reproducible_and_its_filters_can_be_made() {
         assert!(filters.transmittances.iter().all(|t| t.values().iter().all(|v| (0.0..=0.95).contains(v))));
     }
     // A stopped search keeps what it has found.
-    assert!(!search.filters(&mosaic, 3, &|_| false).unwrap().is_empty());
+    assert!(!search.filters(&mosaic, &[], 3, &|_| false).unwrap().is_empty());
+    // A search that begins with what was found ends no worse.
+    let again = search.filters(&mosaic, &[found[0].parameters.clone()], 4, &|_| true).unwrap();
+    assert!(again[0].cost <= found[0].cost);
+}
+
+/// Filters that are given stay as they are, and the others are found beside them.
+#[test]
+fn given_filters_are_kept() {
+    let camera = camera();
+    let settings =
+        LightSettings { side: 3, max_components: 5, step_px: 3, ..settings(LightClasses::default()) };
+    let statistics = statistics(&camera, &[leaves(&camera, 5)], &settings);
+    let screens = [Screen::new(&camera, &statistics, &[condition()]).unwrap()];
+    let space = FilterSpace::Free(FreeCurves::default()).sampled(GRID).unwrap();
+    let goal = Objective::default().goal(&[ExpectedError::default()]);
+    let clear = Filter::Flat(0.9).spectrum(GRID).unwrap();
+    let given = [None, Some(clear.clone())];
+    let settings = SearchSettings { starts: 3, steps: 20, seed: 1 };
+    let search = FilterSearch { given: &given, settings, ..search(&screens, &space, &goal) };
+    let mosaic = Mosaic::new(2, 2, vec![0, 1, 2, 1]).unwrap();
+    let found = search.filters(&mosaic, &[], 0, &|_| true).unwrap();
+    for filters in &found {
+        assert_eq!(filters.transmittances[1], clear);
+        assert!(filters.parameters[1].is_empty() && filters.transmittances[0] != filters.transmittances[2]);
+    }
+}
+
+/// A choice among filters is that of the cheapest of all sets, and the exchange of one at a time finds it as well.
+#[test]
+fn the_choice_among_filters_is_the_cheapest() {
+    let camera = camera();
+    let settings =
+        LightSettings { side: 3, max_components: 5, step_px: 4, ..settings(LightClasses::default()) };
+    let statistics = statistics(&camera, &[leaves(&camera, 5)], &settings);
+    let screens = [Screen::new(&camera, &statistics, &[condition()]).unwrap()];
+    let goal = Objective::default().goal(&[ExpectedError::default()]);
+    let mosaic = Mosaic::new(2, 2, vec![0, 1, 2, 1]).unwrap();
+    let curve =
+        |at: usize| Filter::Gaussian { center_nm: 420.0 + 13.0 * at as f64, sigma_nm: 40.0, peak: 0.9 };
+    let choose = |count: usize| {
+        let library = (0..count).map(curve).collect();
+        let space = FilterSpace::Measured(Measured { library }).sampled(GRID).unwrap();
+        let search = search(&screens, &space, &goal);
+        let found = search.filters(&mosaic, &[], 0, &|_| true).unwrap();
+        let cost = |set: [usize; 3]| search.cost(&mosaic, &set.map(|at| vec![at as f64])).0;
+        let all = (0..count * count * count).map(|n| [n % count, n / count % count, n / count / count]);
+        let best = all.map(cost).fold(f64::INFINITY, f64::min);
+        (found[0].cost, best)
+    };
+    // 6³ sets are all tried; 17³ are more than that.
+    for count in [6, 17] {
+        let (found, best) = choose(count);
+        assert!((found - best).abs() < 1e-9 * best.abs(), "{count}: {found} {best}");
+    }
+}
+
+/// Annealing finds the layout that is the best of all, in tiles that are small enough to try each.
+#[test]
+fn annealing_finds_what_enumeration_finds() {
+    let camera = camera();
+    let settings =
+        LightSettings { side: 3, max_components: 5, step_px: 3, ..settings(LightClasses::default()) };
+    let statistics = statistics(&camera, &[leaves(&camera, 5)], &settings);
+    let screens = [Screen::new(&camera, &statistics, &[condition()]).unwrap()];
+    let space = FilterSpace::Free(FreeCurves::default()).sampled(GRID).unwrap();
+    let goal = Objective::default().goal(&[ExpectedError::default()]);
+    let settings = SearchSettings { starts: 6, steps: 60, seed: 2 };
+    let search = FilterSearch { settings, ..search(&screens, &space, &goal) };
+    for (rows, cols, colors) in [(2, 2, 3), (2, 3, 3)] {
+        let tile = Tile { rows, cols, symmetry: Symmetry::ShiftMirror };
+        let rules = LayoutRules::default().of_tile(tile).unwrap();
+        let finish = |mosaic: &Mosaic, first: &[Vec<Vec<f64>>]| {
+            search.filters(mosaic, first, 0, &|_| true).unwrap()[0].cost
+        };
+        let listed = rules.all(colors).unwrap().unwrap();
+        let best = listed.iter().map(|m| finish(m, &[])).fold(f64::INFINITY, f64::min);
+        let annealing = Annealing { chains: 4, rounds: 3, moves: 60 };
+        let layouts = LayoutSearch { filters: search, rules: &rules, annealing };
+        let found = layouts.layouts(colors, &|_| true).unwrap();
+        let annealed = finish(&found[0].mosaic, std::slice::from_ref(&found[0].parameters));
+        assert!((annealed - best).abs() < 0.01, "{rows} × {cols}: {annealed} {best}");
+        assert_eq!(found, layouts.layouts(colors, &|_| true).unwrap());
+        let one = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
+        assert_eq!(found, one.install(|| layouts.layouts(colors, &|_| true).unwrap()));
+    }
 }
 
 #[test]

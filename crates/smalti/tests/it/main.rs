@@ -16,6 +16,7 @@ mod design_filters;
 mod design_learned;
 mod design_mosaics;
 mod design_preview;
+mod design_proof;
 mod design_screen;
 mod design_statistics;
 mod design_targets;

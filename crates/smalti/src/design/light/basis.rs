@@ -15,11 +15,11 @@ const OPAQUE: f64 = 1e-4;
 #[derive(Debug, Clone, PartialEq)]
 pub struct SpectralBasis {
     /// Light before the lens, arbitrary unit.
-    components: Vec<Spectrum>,
+    pub(super) components: Vec<Spectrum>,
     /// For each component, the weights of the light before the lens whose sum is its coefficient.
-    analysis: Vec<Vec<f64>>,
+    pub(super) analysis: Vec<Vec<f64>>,
     /// The share of the weighted energy that the components leave out of the spectra they were made of.
-    left_out: f64,
+    pub(super) left_out: f64,
 }
 
 impl SpectralBasis {

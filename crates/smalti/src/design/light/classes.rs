@@ -84,6 +84,11 @@ impl LightClasses {
         self.levels() * self.textures() * self.hue_count()
     }
 
+    /// The level of contrast of a class, from 0 for the lowest.
+    pub(in crate::design) fn contrast_of(&self, class: usize) -> usize {
+        (class / self.hue_count() % self.textures()).min(self.contrast_cuts.len())
+    }
+
     /// The classes that differ from a class in their hue alone, itself included.
     pub(in crate::design) fn of_all_hues(&self, class: usize) -> std::ops::Range<usize> {
         let hues = self.hue_count();

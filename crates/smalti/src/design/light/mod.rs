@@ -6,8 +6,10 @@
 //! ([`Screen`](super::screen::Screen)).
 
 mod basis;
+mod class_names;
 mod classes;
 mod gather;
+mod parts;
 
 use std::collections::BTreeMap;
 
@@ -16,6 +18,7 @@ use serde::{Deserialize, Serialize};
 pub use basis::SpectralBasis;
 pub use classes::LightClasses;
 pub use gather::LightGatherer;
+pub use parts::{ClassParts, LightParts};
 
 use super::error::DesignError;
 use crate::l3::Moments;

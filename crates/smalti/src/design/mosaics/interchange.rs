@@ -6,7 +6,7 @@ use super::group::{Group, Symmetry};
 use crate::sensor::Mosaic;
 
 /// The mosaics without those that equal an earlier one after a symmetry and an exchange of filters.
-pub(super) fn distinct(mosaics: Vec<Mosaic>, symmetry: Symmetry) -> Vec<Mosaic> {
+pub(in crate::design) fn distinct(mosaics: Vec<Mosaic>, symmetry: Symmetry) -> Vec<Mosaic> {
     let mut seen = BTreeSet::new();
     let is_new = |m: &Mosaic| seen.insert((m.rows(), m.cols(), smallest_image(m, symmetry)));
     mosaics.into_iter().filter(is_new).collect()

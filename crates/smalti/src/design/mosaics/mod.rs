@@ -10,7 +10,7 @@ mod tile;
 use serde::{Deserialize, Serialize};
 
 pub use group::Symmetry;
-use interchange::distinct;
+pub(super) use interchange::distinct;
 pub use published::published;
 pub(super) use request::MosaicRequest;
 use request::{THIS_TILE, sampled};

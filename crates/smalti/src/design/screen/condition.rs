@@ -32,10 +32,6 @@ impl ScreenCondition {
     }
 }
 
-/// Relative variance of a signal that is not known: the statistics are of single precision, and covariances are small differences of
-/// large sums. It matters for sensors without noise only.
-const UNKNOWN: f64 = 1e-12;
-
 /// A condition on a camera: its noise in electrons.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Level {
@@ -51,6 +47,15 @@ pub(super) struct Level {
 }
 
 impl Level {
+    /// Relative variance of a signal that is not known: the statistics are of single precision, and covariances are small differences of
+    /// large sums. It matters for sensors without noise only.
+    pub(super) const UNKNOWN: f64 = 1e-12;
+
+    /// The condition on a sensor without noise.
+    pub(super) fn without_noise(&self) -> Self {
+        Self { dark_e2: 0.0, per_e: 0.0, per_e2: Self::UNKNOWN, ..*self }
+    }
+
     pub(super) fn new(camera: &Camera, condition: &ScreenCondition) -> Result<Self, DesignError> {
         let ScreenCondition { luminance_cd_m2: luminance, time } = *condition;
         if !(luminance > 0.0 && luminance.is_finite()) {
@@ -71,7 +76,7 @@ impl Level {
         let probe_e = 0.1 * sensor.saturation_e(&exposure);
         let bright = noise(probe_e)?;
         let gains = sensor.nonuniformity.prnu_fraction;
-        let per_e2 = gains * gains / sensor.photodiodes_per_sample() + UNKNOWN;
+        let per_e2 = gains * gains / sensor.photodiodes_per_sample() + Self::UNKNOWN;
         let per_e = (bright.photon / squared / probe_e).max(0.0);
         Ok(Self { luminance, time, saturation_e: sensor.saturation_e(&exposure), dark_e2, per_e, per_e2 })
     }

@@ -21,10 +21,12 @@ pub enum Figures {
 }
 
 /// Expected figures of a colour filter array under one condition, averaged over classes and positions.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct ExpectedError {
     /// Peak signal-to-noise ratio over X, Y, Z together, peak at display white, dB.
     pub cpsnr_db: f64,
+    /// Peak signal-to-noise ratio of Y in the patches of the highest contrast, peak at display white, dB.
+    pub detail_db: f64,
     /// Mean CIEDE2000 of the pixels; NaN unless asked for.
     pub delta_e_2000: f64,
     /// Exposure time, s.
@@ -79,7 +81,7 @@ impl Screen {
         figures: Figures,
         time_s: f64,
     ) -> ExpectedError {
-        let (mut squares, mut delta_e) = (0.0, 0.0);
+        let (mut squares, mut detail, mut delta_e) = (0.0, 0.0, 0.0);
         for (at, error) in errors.iter().enumerate() {
             let group = at % self.groups;
             for lane in 0..LANES {
@@ -87,17 +89,32 @@ impl Screen {
                 if share <= 0.0 {
                     continue;
                 }
-                let scaled = error.map(|e| e[lane] * self.per_white_squared[group][lane]);
-                squares += share * (scaled[0] + scaled[2] + scaled[5]) / 3.0;
-                if figures == Figures::All
-                    && let Some(color) = self.colors.get(group * LANES + lane)
-                {
-                    delta_e += share * color.mean(&scaled);
-                }
+                let [square, difference] = self.figures_of(error, group, lane, figures);
+                squares += share * square;
+                detail += self.detailed[group][lane] * error[2][lane] * self.per_white_squared[group][lane];
+                delta_e += share * difference;
             }
         }
         let n = positions as f64;
         let delta_e_2000 = if figures == Figures::All { delta_e / n } else { f64::NAN };
-        ExpectedError { cpsnr_db: -10.0 * libm::log10(squares / n), delta_e_2000, time_s }
+        let decibels = |mean_square: f64| -10.0 * libm::log10(mean_square);
+        let detail_db = decibels(detail / n / self.detailed_share);
+        ExpectedError { cpsnr_db: decibels(squares / n), detail_db, delta_e_2000, time_s }
+    }
+
+    /// The mean squared error, relative to display white, and CIEDE2000 of a class at one position.
+    pub(super) fn figures_of(
+        &self,
+        error: &[Lanes; 6],
+        group: usize,
+        lane: usize,
+        figures: Figures,
+    ) -> [f64; 2] {
+        let scaled = error.map(|e| e[lane] * self.per_white_squared[group][lane]);
+        let difference = match (figures, self.colors.get(group * LANES + lane)) {
+            (Figures::All, Some(color)) => color.mean(&scaled),
+            _ => 0.0,
+        };
+        [(scaled[0] + scaled[2] + scaled[5]) / 3.0, difference]
     }
 }

@@ -17,60 +17,108 @@ use crate::sensor::Mosaic;
 pub struct FigureWeights {
     /// Of the CPSNR, per dB.
     pub cpsnr_db: f64,
+    /// Of the detail, per dB.
+    pub detail_db: f64,
     /// Of the mean CIEDE2000, per unit.
     pub delta_e_2000: f64,
 }
 
-/// Expected errors and the derivatives of their weighted sum.
-#[derive(Debug, Clone, PartialEq)]
-pub struct ExpectedGradient {
-    /// The expected errors, one for each condition.
-    pub expected: Vec<ExpectedError>,
-    /// The weighted sum of the figures.
-    pub sum: f64,
-    /// Its derivative with respect to the response of each filter to each component.
-    pub by_response: Vec<Vec<f64>>,
+impl FigureWeights {
+    /// The weighted sum of expected figures. A figure without a weight does not count, even if it was not computed.
+    #[must_use]
+    pub fn of(&self, expected: &ExpectedError) -> f64 {
+        let part = |weight: f64, figure: f64| if weight == 0.0 { 0.0 } else { weight * figure };
+        part(self.cpsnr_db, expected.cpsnr_db)
+            + part(self.detail_db, expected.detail_db)
+            + part(self.delta_e_2000, expected.delta_e_2000)
+    }
+
+    /// All weights times a factor.
+    #[must_use]
+    pub fn scaled(&self, factor: f64) -> Self {
+        let Self { cpsnr_db, detail_db, delta_e_2000 } = self;
+        Self {
+            cpsnr_db: cpsnr_db * factor,
+            detail_db: detail_db * factor,
+            delta_e_2000: delta_e_2000 * factor,
+        }
+    }
+
+    /// The sums of two sets of weights.
+    #[must_use]
+    pub fn plus(&self, other: &Self) -> Self {
+        Self {
+            cpsnr_db: self.cpsnr_db + other.cpsnr_db,
+            detail_db: self.detail_db + other.detail_db,
+            delta_e_2000: self.delta_e_2000 + other.delta_e_2000,
+        }
+    }
 }
 
-impl Screen {
-    /// The expected errors of filters in a mosaic, and the derivatives of a weighted sum of their figures. `weights` has an entry for each
-    /// condition, computed from the expected errors. Without [`Figures::All`] there is no colour difference to weigh.
+/// The expected errors of filters in a mosaic, with what their derivatives need.
+pub struct Differentiable<'a> {
+    forward: Forward<'a>,
+    /// The exposure time of each condition, s, and the filter that limits it.
+    times: Vec<(f64, Option<usize>)>,
+    expected: Vec<ExpectedError>,
+}
+
+impl Differentiable<'_> {
+    /// The expected errors, one for each condition.
     #[must_use]
-    pub fn gradient(
-        &self,
-        mosaic: &Mosaic,
-        responses: &FilterResponses,
-        figures: Figures,
-        weights: impl Fn(&[ExpectedError]) -> (f64, Vec<FigureWeights>),
-    ) -> ExpectedGradient {
-        let layout = Layout::new(self, mosaic);
-        let fitted = responses.fitted(layout.filters(), self.components);
-        let responses = &*fitted;
-        let mut forward = Forward::new(self, &layout, responses);
-        dispatch(&mut forward);
-        let times: Vec<_> = self.levels.iter().map(|l| l.limited_time(&self.white, responses)).collect();
-        let figures =
-            |level: usize| self.figures(&forward.errors[level], layout.positions(), figures, times[level].0);
-        let expected: Vec<ExpectedError> = (0..self.levels.len()).map(figures).collect();
-        let (sum, weights) = weights(&expected);
+    pub fn expected(&self) -> &[ExpectedError] {
+        &self.expected
+    }
+
+    /// The derivative of a weighted sum of the figures with respect to the response of each filter to each component. `weights` has an
+    /// entry for each condition; conditions without one do not count. A colour difference that was not computed cannot be weighted.
+    #[must_use]
+    pub fn by_response(&self, weights: &[FigureWeights]) -> Vec<Vec<f64>> {
+        let Forward { screen, layout, responses, .. } = &self.forward;
+        let mut weights = weights.to_vec();
+        weights.resize(screen.levels.len(), FigureWeights::default());
         let mut backward = Backward {
-            forward: &forward,
-            expected: &expected,
+            forward: &self.forward,
+            expected: &self.expected,
             weights: &weights,
-            by_response: vec![vec![ZERO; self.components]; layout.filters()],
-            by_scale: vec![0.0; self.levels.len()],
+            by_response: vec![vec![ZERO; screen.components]; layout.filters()],
+            by_scale: vec![0.0; screen.levels.len()],
         };
         dispatch(&mut backward);
         let mut by_response: Vec<Vec<f64>> =
             backward.by_response.iter().map(|f| f.iter().map(|lanes| lanes.iter().sum()).collect()).collect();
-        for ((by_scale, (time_s, limit)), level) in backward.by_scale.iter().zip(&times).zip(&self.levels) {
+        let limits = backward.by_scale.iter().zip(&self.times).zip(&screen.levels);
+        for ((by_scale, (time_s, limit)), level) in limits {
             // The time that white allows is saturation / rate, and its derivative −time / rate · d rate.
             let Some(channel) = *limit else { continue };
-            let rate = sum_of_products(&responses.0[channel], &self.white);
+            let rate = sum_of_products(&responses.0[channel], &screen.white);
             let factor = -by_scale * level.scale(*time_s) / rate;
-            by_response[channel].iter_mut().zip(&self.white).for_each(|(g, w)| *g += factor * w);
+            by_response[channel].iter_mut().zip(&screen.white).for_each(|(g, w)| *g += factor * w);
         }
-        ExpectedGradient { expected, sum, by_response }
+        by_response
+    }
+}
+
+impl Screen {
+    /// The expected errors of filters in a mosaic, which can be differentiated.
+    #[must_use]
+    pub fn differentiable(
+        &self,
+        mosaic: &Mosaic,
+        responses: &FilterResponses,
+        figures: Figures,
+    ) -> Differentiable<'_> {
+        let layout = Layout::new(self, mosaic);
+        let responses = responses.fitted(layout.filters(), self.components).into_owned();
+        let mut forward = Forward::new(self, layout, responses);
+        dispatch(&mut forward);
+        let times: Vec<_> =
+            self.levels.iter().map(|l| l.limited_time(&self.white, &forward.responses)).collect();
+        let of = |level: usize| {
+            self.figures(&forward.errors[level], forward.layout.positions(), figures, times[level].0)
+        };
+        let expected = (0..self.levels.len()).map(of).collect();
+        Differentiable { forward, times, expected }
     }
 
     /// Φ of each lane for the error covariance of a position and group.
@@ -84,8 +132,9 @@ impl Screen {
     ) -> [[Lanes; 3]; 3] {
         let mut phi = [[ZERO; 3]; 3];
         // CPSNR = −10 log₁₀ (mean square): its derivative with respect to the mean square.
-        let mean_square = libm::pow(10.0, -0.1 * expected.cpsnr_db);
-        let by_square = -10.0 / std::f64::consts::LN_10 / mean_square * weights.cpsnr_db / 3.0;
+        let by_square = |db: f64| -10.0 / std::f64::consts::LN_10 / libm::pow(10.0, -0.1 * db);
+        let by_color = by_square(expected.cpsnr_db) * weights.cpsnr_db / 3.0;
+        let by_detail = by_square(expected.detail_db) * weights.detail_db / self.detailed_share;
         for lane in 0..LANES {
             let share = self.shares[group][lane] / positions as f64;
             if share <= 0.0 {
@@ -93,8 +142,9 @@ impl Screen {
             }
             let scale = self.per_white_squared[group][lane];
             for (i, row) in phi.iter_mut().enumerate() {
-                row[i][lane] = share * scale * by_square;
+                row[i][lane] = share * scale * by_color;
             }
+            phi[1][1][lane] += scale * by_detail * self.detailed[group][lane] / positions as f64;
             if weights.delta_e_2000 != 0.0
                 && let Some(color) = self.colors.get(group * LANES + lane)
             {
@@ -113,8 +163,8 @@ impl Screen {
 /// Error covariances of one set of filters, and the best estimates.
 struct Forward<'a> {
     screen: &'a Screen,
-    layout: &'a Layout,
-    responses: &'a FilterResponses,
+    layout: Layout,
+    responses: FilterResponses,
     /// By condition, position and group.
     errors: Vec<Vec<[Lanes; 6]>>,
     /// W by condition, position, group and pixel.
@@ -124,7 +174,7 @@ struct Forward<'a> {
 }
 
 impl<'a> Forward<'a> {
-    fn new(screen: &'a Screen, layout: &'a Layout, responses: &'a FilterResponses) -> Self {
+    fn new(screen: &'a Screen, layout: Layout, responses: FilterResponses) -> Self {
         let each = layout.positions() * screen.groups;
         Self {
             screen,
@@ -164,7 +214,7 @@ impl Kernel for &mut Forward<'_> {
 
     #[inline(always)]
     fn run(self) {
-        let (screen, layout) = (self.screen, self.layout);
+        let (screen, layout) = (self.screen, &self.layout);
         let (positions, count, k) = (layout.positions(), pairs(screen.taps), screen.components);
         let mut products = vec![ZERO; positions * count];
         let mut system = System::new(screen);
@@ -191,11 +241,11 @@ impl Kernel for &mut Forward<'_> {
                 }
             }
             for position in 0..positions {
-                system.gather(screen, self.responses, layout.at(position), group);
+                system.gather(screen, &self.responses, layout.at(position), group);
                 let first = self.at(0, position, group);
                 self.means[first..first + screen.taps].copy_from_slice(&system.means);
                 for (level, condition) in screen.levels.iter().enumerate() {
-                    let time_s = condition.time_s(&screen.white, self.responses);
+                    let time_s = condition.time_s(&screen.white, &self.responses);
                     let products = &products[position * count..(position + 1) * count];
                     system.factor(products, &screen.targets[group], condition, condition.scale(time_s));
                     self.errors[level][position * screen.groups + group] = system.matrix.complement();
@@ -223,7 +273,7 @@ impl Kernel for &mut Backward<'_> {
     #[inline(always)]
     fn run(self) {
         let forward = self.forward;
-        let (screen, layout) = (forward.screen, forward.layout);
+        let (screen, layout) = (forward.screen, &forward.layout);
         let (positions, taps, k) = (layout.positions(), screen.taps, screen.components);
         // Σ over conditions of W Φ Wᵀ by position and pair.
         let count = pairs(taps);

@@ -24,11 +24,14 @@ mod gradient;
 mod kernel;
 #[allow(clippy::needless_range_loop)]
 mod lanes;
+mod limits;
 mod model;
 mod responses;
 
 pub use condition::{ScreenCondition, ScreenTime};
 pub use expected::{ExpectedError, Figures};
-pub use gradient::{ExpectedGradient, FigureWeights};
+pub use gradient::{Differentiable, FigureWeights};
+pub use limits::{CausedError, ClassLimits};
+pub(crate) use model::MIN_PATCHES;
 pub use model::Screen;
 pub use responses::FilterResponses;

@@ -10,7 +10,7 @@ use crate::design::light::{LightClass, LightStatistics};
 use crate::spectrum::Spectrum;
 
 /// Patches below which a class is not used.
-const MIN_PATCHES: u64 = 64;
+pub(crate) const MIN_PATCHES: u64 = 64;
 /// The number of patches of all hues that the covariance of a hue is completed with: the covariance of a few hundred patches knows too
 /// few of its several hundred rows.
 const SHARED_PATCHES: f64 = 1000.0;
@@ -33,6 +33,10 @@ pub struct Screen {
     pub(super) targets: Vec<[Lanes; 6]>,
     /// Share of the patches that are of a class, by group.
     pub(super) shares: Vec<Lanes>,
+    /// The same for the classes of the highest contrast, 0 for all others.
+    pub(super) detailed: Vec<Lanes>,
+    /// The sum of `detailed`.
+    pub(super) detailed_share: f64,
     /// Mean of 1/w² over the patches of a class, w the luminance of display white, by group.
     pub(super) per_white_squared: Vec<Lanes>,
     /// Of each class, in the order of lanes.
@@ -72,6 +76,8 @@ impl Screen {
             means: vec![ZERO; taps * groups * components],
             targets: vec![[ZERO; 6]; groups],
             shares: vec![ZERO; groups],
+            detailed: vec![ZERO; groups],
+            detailed_share: 0.0,
             per_white_squared: vec![ZERO; groups],
             colors: Vec::with_capacity(classes.len()),
             levels: Vec::new(),
@@ -79,6 +85,8 @@ impl Screen {
             white: statistics.white_coefficients().to_vec(),
         };
         let total: f64 = classes.iter().map(|c| c.patches).sum();
+        // The highest contrast of which there are patches.
+        let most = classes.iter().map(|c| c.contrast).max();
         for (at, class) in classes.iter().enumerate() {
             screen.fill(at, class, statistics, total);
         }
@@ -87,6 +95,10 @@ impl Screen {
             if let Some(class) = classes.first() {
                 screen.fill(at, &Usable { patches: 0.0, ..class.clone() }, statistics, total);
             }
+        }
+        for (at, class) in classes.iter().enumerate().filter(|(_, c)| Some(c.contrast) == most) {
+            screen.detailed[at / LANES][at % LANES] = class.patches / total;
+            screen.detailed_share += class.patches / total;
         }
         let squares = |c: &Usable| c.patches * c.per_white_squared;
         let white_y = (total / classes.iter().map(squares).sum::<f64>()).sqrt();
@@ -170,6 +182,8 @@ impl Screen {
 #[derive(Debug, Clone)]
 struct Usable {
     patches: f64,
+    /// The level of contrast, from the lowest.
+    contrast: usize,
     mean: Vec<f64>,
     /// Square, row by row.
     covariance: Vec<f64>,
@@ -209,6 +223,7 @@ fn usable(statistics: &LightStatistics) -> Result<Vec<Usable>, DesignError> {
         }
         found.push(Usable {
             patches,
+            contrast: rule.contrast_of(*number),
             mean,
             covariance,
             per_white_squared: class.per_white_squared / patches,

@@ -4,7 +4,7 @@
 //! from the paired bootstrap over scenes and seeds, or for fewer than five scenes from Student's distribution. The interval describes
 //! other scenes of the same kind, and with a single scene only other seeds. Where it contains 0, these scenes show no difference.
 //! A difference below [`smallest_relevant`] counts as none, with or without an interval. Intervals of several comparisons are not
-//! corrected for their number.
+//! corrected for their number; those of a proof are ([`super::prove`]).
 
 mod crossover;
 mod equal_quality;
@@ -78,7 +78,7 @@ pub enum Finding {
 
 impl Finding {
     /// What a difference in a metric shows.
-    fn of(by: &Estimate, metric: &str) -> Self {
+    pub(super) fn of(by: &Estimate, metric: &str) -> Self {
         match by.interval {
             Some(interval) if interval.contains(0.0) => Self::NoDifference,
             _ if smallest_relevant(metric).is_relevant(by.value, 0.0) => Self::Lead,
@@ -258,7 +258,7 @@ impl Scores<'_> {
 }
 
 /// 1 for a metric where higher is better, −1 for the others.
-fn sign(metric: usize) -> f64 {
+pub(super) fn sign(metric: usize) -> f64 {
     let info = PICTURE_METRICS.get(metric).and_then(|name| metric_info(name).ok());
     if info.is_some_and(|m| m.better == Better::Higher) { 1.0 } else { -1.0 }
 }

@@ -1,4 +1,4 @@
-//! The content of a `.l3` file: strings and arrays in the safetensors container, with a hash over all of them.
+//! Strings and arrays in the safetensors container, with a hash over all of them: learned tables and statistics.
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;
@@ -16,22 +16,21 @@ use crate::{IoError, write};
 
 /// The key of the hash. It is the only one that is not hashed.
 const HASH: &str = "blake3";
-const EXPECTED: &str = "a learned table of Smalti (.l3, a safetensors file)";
 /// The largest header; safetensors itself stops here.
 const MAX_HEADER: u64 = 100_000_000;
 
 /// An array on its way into a file.
-pub(super) struct Tensor {
-    pub(super) name: &'static str,
+pub(crate) struct Tensor {
+    pub(crate) name: &'static str,
     /// What NumPy calls the type of its elements.
-    pub(super) descr: &'static str,
-    pub(super) shape: Vec<usize>,
+    pub(crate) descr: &'static str,
+    pub(crate) shape: Vec<usize>,
     /// The elements in C order, little-endian.
-    pub(super) bytes: Vec<u8>,
+    pub(crate) bytes: Vec<u8>,
 }
 
 impl Tensor {
-    pub(super) fn new<T: Element>(
+    pub(crate) fn new<T: Element>(
         name: &'static str,
         shape: &[usize],
         data: impl IntoIterator<Item = T>,
@@ -56,17 +55,17 @@ fn dtype(descr: &str) -> &'static str {
 
 /// Strings and arrays on their way into a file.
 #[derive(Default)]
-pub(super) struct Content {
-    pub(super) metadata: BTreeMap<&'static str, String>,
-    pub(super) tensors: Vec<Tensor>,
+pub(crate) struct Content {
+    pub(crate) metadata: BTreeMap<&'static str, String>,
+    pub(crate) tensors: Vec<Tensor>,
 }
 
 impl Content {
-    pub(super) fn text(&mut self, key: &'static str, value: impl ToString) {
+    pub(crate) fn text(&mut self, key: &'static str, value: impl ToString) {
         self.metadata.insert(key, value.to_string());
     }
 
-    pub(super) fn tensor<T: Element>(
+    pub(crate) fn tensor<T: Element>(
         &mut self,
         name: &'static str,
         shape: &[usize],
@@ -77,7 +76,7 @@ impl Content {
 
     /// Writes the file. Equal content gives equal bytes, which the writer of the safetensors crate (its strings are in a
     /// hash map) does not promise.
-    pub(super) fn write(mut self, path: &Path) -> Result<(), IoError> {
+    pub(crate) fn write(mut self, path: &Path) -> Result<(), IoError> {
         // As safetensors orders them: the widest type first, so that every array is aligned.
         let width = |t: &Tensor| std::cmp::Reverse(t.descr.as_bytes().last().copied());
         self.tensors.sort_by_key(|t| (width(t), t.name));
@@ -138,7 +137,7 @@ fn hash<'a>(
 }
 
 /// The content of a file that has been checked against its hash.
-pub(super) struct Opened<'a> {
+pub(crate) struct Opened<'a> {
     path: &'a Path,
     metadata: BTreeMap<String, String>,
     tensors: SafeTensors<'a>,
@@ -146,13 +145,13 @@ pub(super) struct Opened<'a> {
 
 impl<'a> Opened<'a> {
     /// Opens a file of a format and version. Nothing is copied but its header.
-    pub(super) fn new(
+    pub(crate) fn new(
         bytes: &'a [u8],
         path: &'a Path,
-        format: &'static str,
-        version: &'static str,
+        expected: &'static str,
+        (format, version): (&'static str, &'static str),
     ) -> Result<Self, IoError> {
-        let unknown = || IoError::unknown(path, EXPECTED);
+        let unknown = || IoError::unknown(path, expected);
         let (length, rest) = bytes.split_first_chunk::<8>().ok_or_else(unknown)?;
         let length = u64::from_le_bytes(*length);
         if rest.first().is_some_and(|&b| b != b'{') || !(2..=MAX_HEADER).contains(&length) {
@@ -200,12 +199,12 @@ impl<'a> Opened<'a> {
         Err(IoError::Damaged { path: self.path.to_owned(), found, stated: stated.to_owned() })
     }
 
-    pub(super) fn path(&self) -> &'a Path {
+    pub(crate) fn path(&self) -> &'a Path {
         self.path
     }
 
     /// An error about a key or tensor.
-    pub(super) fn wrong(
+    pub(crate) fn wrong(
         &self,
         field: &str,
         found: impl Into<String>,
@@ -214,26 +213,26 @@ impl<'a> Opened<'a> {
         IoError::field(self.path, field, found, expected)
     }
 
-    pub(super) fn has(&self, key: &str) -> bool {
+    pub(crate) fn has(&self, key: &str) -> bool {
         self.metadata.contains_key(key)
     }
 
-    pub(super) fn text(&self, key: &str) -> Result<&str, IoError> {
+    pub(crate) fn text(&self, key: &str) -> Result<&str, IoError> {
         self.metadata.get(key).map(String::as_str).ok_or_else(|| self.wrong(key, "missing", "a string"))
     }
 
-    pub(super) fn number<T: std::str::FromStr>(&self, key: &str) -> Result<T, IoError> {
+    pub(crate) fn number<T: std::str::FromStr>(&self, key: &str) -> Result<T, IoError> {
         let text = self.text(key)?;
         text.parse().map_err(|_| self.wrong(key, format!("'{text}'"), "a number"))
     }
 
-    pub(super) fn json<T: DeserializeOwned>(&self, key: &str) -> Result<T, IoError> {
+    pub(crate) fn json<T: DeserializeOwned>(&self, key: &str) -> Result<T, IoError> {
         serde_json::from_str(self.text(key)?)
             .map_err(|e| self.wrong(key, format!("invalid ({e})"), "JSON as documented"))
     }
 
     /// The elements of an array of any shape of so many axes.
-    pub(super) fn any<T: Element>(&self, name: &str, axes: usize) -> Result<(Vec<usize>, Vec<T>), IoError> {
+    pub(crate) fn any<T: Element>(&self, name: &str, axes: usize) -> Result<(Vec<usize>, Vec<T>), IoError> {
         let field = || format!("tensor '{name}'");
         let wanted = dtype(T::DESCR);
         let Ok(view) = self.tensors.tensor(name) else {
@@ -247,7 +246,7 @@ impl<'a> Opened<'a> {
     }
 
     /// The elements of an array of a given shape.
-    pub(super) fn shaped<T: Element>(&self, name: &str, shape: &[usize]) -> Result<Vec<T>, IoError> {
+    pub(crate) fn shaped<T: Element>(&self, name: &str, shape: &[usize]) -> Result<Vec<T>, IoError> {
         let (found, data) = self.any(name, shape.len())?;
         if found != shape {
             let field = format!("tensor '{name}'");
