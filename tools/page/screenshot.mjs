@@ -36,7 +36,7 @@ if (what === "design") {
   await page.mouse.move(...at(await page.locator(".frame").last().boundingBox(), 0.4, 0.5));
   await page.waitForTimeout(300);
 }
-const part = what && page.locator(what === "design" ? "section.design" : "section#pictures");
+const part = what && what !== "whole" && page.locator(what === "design" ? "section.design" : "section#pictures");
 await (part || page).screenshot({ path: picture });
 await browser.close();
 if (faults.length > 0) throw new Error(faults.join("\n"));

@@ -107,7 +107,8 @@ pub(crate) fn run(args: &Evaluate, words: &[String], common: &Common) -> anyhow:
                 seed: args.camera_options.seed,
                 exposure: exposure.targets(light),
             };
-            let (scores, pictures) = contender.evaluate(&settings, resources)?;
+            let scored = contender.evaluate(&settings, resources);
+            let (scores, pictures) = scored.map_err(|e| exposure.explained(contender.label, e))?;
             shots.extend(args.output.is_some().then_some(pictures));
             results.push((contender.camera, scores));
             progress.done();

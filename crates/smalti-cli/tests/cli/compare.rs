@@ -327,6 +327,30 @@ fn the_camera_that_limits_equal_times_is_named() {
     assert!(!own.contains("saturates first") && !own.contains("MTF50 is measured with an exposure"), "{own}");
 }
 
+/// Where the times that one camera limits are too short for another one, the error names both and what would mend it.
+#[test]
+fn cameras_that_cannot_be_exposed_equally_are_named() {
+    let place = Place::new();
+    place.write("tiny.toml", "name = \"tiny\"\n[sensor.pixel]\nfull_well_e = 5\nread_noise_e = 1\n");
+    for words in [
+        format!("compare tiny.toml bayer --scene {LEAVES} --processing bilinear -o o"),
+        "evaluate tiny.toml bayer".into(),
+    ] {
+        let refused = run(
+            &place,
+            &format!("{words} --luminance 10 --exposure equal --set wavelengths_nm=[400,50,700]"),
+        );
+        assert_eq!(refused.code, 1, "{}", refused.err);
+        for part in [
+            "bayer at 10 cd/m²: the ColorChecker is too dark",
+            "; tiny saturates first and limits the equal exposure times, which could be",
+            "compare without it, or with the own exposure times of the cameras",
+        ] {
+            assert!(refused.err.contains(part), "{part} is missing in {}", refused.err);
+        }
+    }
+}
+
 /// A camera without any processing that is left is in no table of differences, and a clear channel is not green.
 #[test]
 fn cameras_that_are_left_out_are_not_compared() {

@@ -80,7 +80,10 @@ pub fn compare(
         if i > 0 {
             setups = imaged(contender, settings, &setups, resources)?;
         }
-        let at = |light: usize| outcome(contender, light, &setups, settings, &exposure, resources);
+        let at = |light: usize| {
+            let scored = outcome(contender, light, &setups, settings, &exposure, resources);
+            scored.map_err(|e| exposure.explained(contender.label, e))
+        };
         outcomes.push((0..settings.luminances_cd_m2.len()).map(at).collect::<Result<_, _>>()?);
     }
     let verdict = verdict(contenders, settings, &exposure, (&outcomes, setups), resources)?;

@@ -185,6 +185,18 @@ impl ExposurePlan {
         self.limiting.as_ref()
     }
 
+    /// The error of scoring a camera at these times, with the camera that limits them where that is another one.
+    #[must_use]
+    pub fn explained(&self, label: &str, error: ExperimentError) -> ExperimentError {
+        match (&self.limiting, error) {
+            (Some(limiting), source @ ExperimentError::Stage { .. }) if limiting.label != label => {
+                let LimitingCamera { label, factor } = limiting.clone();
+                ExperimentError::UnequalExposure { source: Box::new(source), limiting: label, factor }
+            }
+            (_, error) => error,
+        }
+    }
+
     /// The common time of a scene in a light of the settings, s; `None` for the own times of the cameras.
     #[must_use]
     pub fn scene_s(&self, scene: usize, light: usize) -> Option<f64> {
