@@ -47,7 +47,7 @@ fn a_proof_is_a_comparison_with_the_rivals() {
     let printed = place.ok(&format!("design small.toml -o best --no-pipeline --prove {scenes} {options}"));
     for words in [
         "small: one mosaic searched",
-        "Proof. small beats",
+        "Proof. small does not beat its one rival",
         "under other conditions",
         "illuminant LED",
         "filters −5 nm",

@@ -30,12 +30,12 @@ pub enum ExperimentError {
     },
     /// A camera cannot be scored at the equal exposure times that another camera limits.
     #[error(
-        "{source}; {limiting} saturates first and limits the equal exposure times, which could be {factor:.1} times as long without it: compare \
+        "{reason}; {limiting} saturates first and limits the equal exposure times, which could be {factor:.1} times as long without it: compare \
          without it, or with the own exposure times of the cameras"
     )]
     UnequalExposure {
-        /// The reason.
-        source: Box<ExperimentError>,
+        /// The reason, which is part of the message and not its source.
+        reason: Box<ExperimentError>,
         /// The label of the camera that limits the times.
         limiting: String,
         /// By how much the times could be longer without it.

@@ -189,9 +189,9 @@ impl ExposurePlan {
     #[must_use]
     pub fn explained(&self, label: &str, error: ExperimentError) -> ExperimentError {
         match (&self.limiting, error) {
-            (Some(limiting), source @ ExperimentError::Stage { .. }) if limiting.label != label => {
+            (Some(limiting), reason @ ExperimentError::Stage { .. }) if limiting.label != label => {
                 let LimitingCamera { label, factor } = limiting.clone();
-                ExperimentError::UnequalExposure { source: Box::new(source), limiting: label, factor }
+                ExperimentError::UnequalExposure { reason: Box::new(reason), limiting: label, factor }
             }
             (_, error) => error,
         }
