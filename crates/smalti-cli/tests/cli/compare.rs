@@ -336,10 +336,8 @@ fn cameras_that_cannot_be_exposed_equally_are_named() {
         format!("compare tiny.toml bayer --scene {LEAVES} --processing bilinear -o o"),
         "evaluate bayer tiny.toml".into(),
     ] {
-        let refused = run(
-            &place,
-            &format!("{words} --luminance 10 --exposure equal --set wavelengths_nm=[400,50,700]"),
-        );
+        let words = format!("{words} --luminance 10 --exposure equal --set wavelengths_nm=[400,50,700]");
+        let refused = place.run(&words.split_whitespace().collect::<Vec<_>>());
         assert_eq!(refused.code, 1, "{}", refused.err);
         for part in [
             "bayer at 10 cd/m²: the ColorChecker is too dark",
