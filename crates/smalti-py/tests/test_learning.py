@@ -131,8 +131,8 @@ def test_a_stop_of_aperture_is_a_stop_of_light() -> None:
     wide, narrow = smalti.Camera("bayer"), smalti.Camera("bayer", set={"optics.f_number": 4 * 2**0.5})
     seen: list[int] = []
     same = smalti.light_gain(wide, wide, scenes=scenes, progress=seen.append)
-    # Both cameras, in equal light: the scene, and the chart for its noise as often as for the other camera.
-    assert seen == sorted(seen) and same["tried"] == 1 and seen[-1] % 2 == 0
+    # In equal light for both cameras, and a stop on either side of it for the intervals.
+    assert seen == sorted(seen) and same["tried"] == 3 and seen[-1] % 4 == 0
     assert all(m["gain"] == {"stops": 0.0} and m["own"] == m["target"] for m in same["metrics"])
     gain = {m["metric"]: m["gain"]["stops"] for m in smalti.light_gain(narrow, wide, scenes=scenes)["metrics"]}
     assert gain["visual_snr"] == pytest.approx(1, abs=0.1) and gain["cpsnr_db"] == pytest.approx(1, abs=0.2)
