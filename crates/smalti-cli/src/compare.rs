@@ -68,7 +68,7 @@ pub(crate) struct Compare {
     #[arg(long, value_delimiter = ',', value_parser = processing(), default_value = "l3")]
     pub(crate) processing: Vec<Processing>,
     /// Also measure for each metric the light gain: the additional light, in stops, with which the first camera matches each other
-    /// camera, with the first processing method. Takes at least half a minute
+    /// camera, with the first processing method. Takes a minute or more for each camera and luminance
     #[arg(long)]
     pub(crate) light_gain: bool,
     /// A learned table (smalti train) to use instead of training; one for each camera, in their order
@@ -144,6 +144,7 @@ pub(crate) fn run(args: &Compare, words: &[String], common: &Common) -> anyhow::
     resolve::ensure_tables_fit(&args.pipelines, cameras.iter().zip(&given))?;
     let scenes = scenes(args, &illuminant)?;
     let lights = scene_lights(&illuminant, &scenes)?;
+    resolve::without_infrared(&cameras, &scenes, &illuminant)?.iter().for_each(|text| note(text, common));
     let pipelines = pipelines(&cameras, &labels, given, &args.processing, learning, &lights, resources)?;
     let (contenders, left_out) = contenders(&cameras, &labels, &pipelines, &args.processing)?;
     for name in &left_out {

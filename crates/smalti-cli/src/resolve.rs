@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, bail};
-use smalti::camera::{Camera, NOTABLE_INFRARED_SHARE, NOTABLE_UNSHARED_SHARE, UnsharedLight};
+use smalti::camera::{Camera, NOTABLE_INFRARED_SHARE, NOTABLE_UNSHARED_SHARE, TestScene, UnsharedLight};
 use smalti::l3::Pipeline;
 use smalti::scene::Scene;
 use smalti::spectrum::{Illuminant, Spectrum, WavelengthGrid};
@@ -35,7 +35,7 @@ pub(crate) fn with_cfa(name: &str, cfa: Option<&str>) -> anyhow::Result<String> 
 
 /// What a clear channel of a camera sees and the colour channels do not, under an illuminant (photons), in words with what would mend
 /// it; empty when that is little. The name of the camera is not in them.
-pub(crate) fn clear_channel_warnings(camera: &Camera, light: &Spectrum) -> anyhow::Result<Vec<String>> {
+fn clear_channel_warnings(camera: &Camera, light: &Spectrum) -> anyhow::Result<Vec<String>> {
     let notable = |u: &UnsharedLight| u.share >= NOTABLE_UNSHARED_SHARE;
     let words = |u: UnsharedLight| {
         let [first, last] = u.seen_nm;
@@ -70,6 +70,43 @@ fn infrared_note(camera: &Camera, light: &Spectrum) -> anyhow::Result<Option<Str
     }))
 }
 
+/// What is to be told of the light that a camera sees beside colour, under an illuminant (photons). The name of the camera is not in it.
+pub(crate) fn light_notes(camera: &Camera, light: &Spectrum) -> anyhow::Result<Vec<String>> {
+    let infrared = infrared_note(camera, light)?;
+    Ok(clear_channel_warnings(camera, light)?.into_iter().chain(infrared).collect())
+}
+
+/// The cameras for near infrared on scenes that contain none, in words; `None` without such cameras or scenes. `illuminant` is that of
+/// the comparison.
+pub(crate) fn without_infrared(
+    cameras: &[Camera],
+    scenes: &[TestScene],
+    illuminant: &Illuminant,
+) -> anyhow::Result<Option<String>> {
+    let ends_nm = scenes.iter().filter_map(TestScene::last_nm);
+    let (count, last_nm) = ends_nm.fold((0, 0.0f64), |(n, last), nm| (n + 1, last.max(nm)));
+    let mut names = Vec::new();
+    for camera in cameras {
+        let light = illuminant.photons(camera.grid())?;
+        let sees_more = camera.grid().wavelengths_nm().any(|nm| nm > last_nm);
+        if sees_more && infrared_note(camera, &light)?.is_some() {
+            names.push(camera.description().name.as_str());
+        }
+    }
+    Ok((count > 0 && !names.is_empty()).then(|| {
+        let which = match (count, scenes.len()) {
+            (1, 1) => "the scene contains".to_owned(),
+            (count, all) if count == all => "the scenes contain".to_owned(),
+            (count, all) => format!("{count} of {all} scenes contain"),
+        };
+        format!(
+            "{}: {which} no light above {last_nm:.0} nm, so that these figures leave out what near infrared does to colours; those of \
+             --scenes charts include it",
+            names.join(", "),
+        )
+    }))
+}
+
 /// The words of the command line for pages, with the cameras among them.
 pub(crate) fn command_line(words: &[String], cameras: &[String]) -> CommandLine {
     let argument =
@@ -90,8 +127,7 @@ pub(crate) fn cameras(
         notes.extend(told.into_iter().filter(|note| !notes.contains(note)).collect::<Vec<_>>());
         // One note for all cameras that it applies to.
         let light = illuminant.photons(camera.grid())?;
-        let infrared = infrared_note(&camera, &light)?;
-        for text in clear_channel_warnings(&camera, &light)?.into_iter().chain(infrared) {
+        for text in light_notes(&camera, &light)? {
             let name = camera.description().name.clone();
             match warnings.iter_mut().find(|(known, _)| *known == text) {
                 Some((_, names)) => names.push(name),

@@ -91,7 +91,7 @@ pub(crate) fn run(args: &Simulate, common: &Common) -> anyhow::Result<()> {
     let pipeline = args.pipeline.as_ref().map(|file| l3::read_table(file)).transpose()?;
     let scene = resolve::scene_for(&args.scene, &args.scene_options, &camera)?;
     let mut camera = camera.on_grid(scene.radiance().grid())?;
-    for text in resolve::clear_channel_warnings(&camera, scene.illuminant())? {
+    for text in resolve::light_notes(&camera, scene.illuminant())? {
         progress.note(&format!("{}: {text}", camera.description().name));
     }
     let keeps_fov = args.scene_options.states_fov(&args.scene);

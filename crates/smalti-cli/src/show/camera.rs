@@ -30,7 +30,7 @@ pub(super) fn datasheet(name: &str, overrides: &[Override], common: &Common) -> 
     let loaded = cameras::load_with_notes(name, overrides, None).map_err(|e| anyhow::anyhow!("{e}"))?;
     let own_toml = loaded.stated_toml().map_err(|e| anyhow::anyhow!("{e}"))?;
     let LoadedCamera { camera, stated, mut notes } = loaded;
-    let warnings = resolve::clear_channel_warnings(&camera, &Illuminant::D65.photons(camera.grid())?)?;
+    let warnings = resolve::light_notes(&camera, &Illuminant::D65.photons(camera.grid())?)?;
     notes.extend(warnings.iter().map(|text| format!("{}: {text}", stated.name)));
     notes.iter().for_each(|text| note(text, common));
     let (summary, toml) = if cameras::has_mosaic(name) {

@@ -181,8 +181,8 @@ class Comparison(list[dict[str, Any]]):
 
     Attributes:
         verdict: for each luminance ("lights") and metric the number of the best of "contenders" and its leads over the others, in the
-            unit of the metric and for CPSNR also as light, with 95 % intervals; and "crossovers", the luminances at which a lead
-            changes. The "finding" of a lead is "lead", "no_difference" (the interval contains 0) or "negligible" (below the
+            unit of the metric and for CPSNR also as light, with 95 % intervals; and "crossovers", the luminances between
+            which a lead changes. The "finding" of a lead is "lead", "no_difference" (the interval contains 0) or "negligible" (below the
             smallest relevant difference). Its "light" is "stops", "more_than" or "unreachable" (CPSNR stops rising with light,
             after a rise of "rise_db"); the end "high" of an interval is None where no measured light suffices with certainty.
     """

@@ -7,6 +7,9 @@ use smalti::metrics::{Better, CATALOG};
 
 use crate::reliability::mark;
 
+/// The heading of the MTF50 of the edge of low contrast, in every table.
+const LOW_CONTRAST: &str = "MTF50 4:1 cy/px";
+
 /// A column of scores of a kind.
 pub struct Column<T: 'static> {
     heading: &'static str,
@@ -70,7 +73,7 @@ pub(super) fn mean(outcome: &Outcome, of: impl Fn(&SceneScores) -> f64) -> f64 {
 }
 
 /// The scores of a comparison of cameras of equal pixel pitch.
-pub const COMPARE: [Column<Outcome>; 6] = compare(mtf50(
+pub const COMPARE: [Column<Outcome>; 7] = compare(mtf50(
     "MTF50 cy/mm",
     "mtf50_cy_per_mm",
     1,
@@ -80,7 +83,7 @@ pub const COMPARE: [Column<Outcome>; 6] = compare(mtf50(
 
 /// The scores of a comparison of cameras of different pixel pitches. They capture the scene with equally many pixels, so that
 /// resolutions per pixel can be compared and those per millimetre cannot.
-pub const COMPARE_PER_PIXEL: [Column<Outcome>; 6] = compare(mtf50(
+pub const COMPARE_PER_PIXEL: [Column<Outcome>; 7] = compare(mtf50(
     "MTF50 cy/px",
     "mtf50_cy_per_px",
     3,
@@ -88,12 +91,19 @@ pub const COMPARE_PER_PIXEL: [Column<Outcome>; 6] = compare(mtf50(
     |o| o.targets.mtf50_reliability,
 ));
 
-const fn compare(mtf50: Column<Outcome>) -> [Column<Outcome>; 6] {
+const fn compare(of_edge: Column<Outcome>) -> [Column<Outcome>; 7] {
     [
         column("CPSNR dB", "cpsnr_db", 2, |o| o.means()[0]),
         column("ΔE2000", "pixel_delta_e_2000_mean", 2, |o| o.means()[1]),
         column("S-CIELAB", "scielab_mean", 2, |o| o.means()[2]),
-        mtf50,
+        of_edge,
+        mtf50(
+            LOW_CONTRAST,
+            "mtf50_low_contrast_cy_per_px",
+            3,
+            |o| o.targets.mtf50_low_contrast_cy_per_px,
+            |o| o.targets.mtf50_low_contrast_reliability,
+        ),
         column("visual SNR", "visual_snr", 3, |o| o.targets.visual_snr.median),
         column("noise %", "luminance_noise_percent", 1, |o| o.targets.luminance_noise_percent.mean),
     ]
@@ -113,7 +123,7 @@ pub const EVALUATE: [Column<Evaluation>; 9] = [
     mtf50("MTF50 cy/mm", "mtf50_cy_per_mm", 1, |e| e.mtf50_cy_per_mm, |e| e.mtf50_reliability),
     mtf50("MTF50 cy/px", "mtf50_cy_per_px", 3, |e| e.mtf50_cy_per_px, |e| e.mtf50_reliability),
     mtf50(
-        "MTF50 4:1 cy/px",
+        LOW_CONTRAST,
         "mtf50_low_contrast_cy_per_px",
         3,
         |e| e.mtf50_low_contrast_cy_per_px,

@@ -84,8 +84,8 @@ impl<'a> Conditions<'a> {
             ExposurePolicy::Time(time_s) => format!("{} ms for all pictures", milliseconds(time_s * 1e3)),
             ExposurePolicy::Equal(EqualExposure { saturated_share, longest_s })
             | ExposurePolicy::AutoEqual(EqualExposure { saturated_share, longest_s }) => format!(
-                "equal for all cameras; for each scene the longest time at which at most {} % of the samples of any camera saturate, and at \
-                 most {} ms",
+                "equal for all cameras; for each scene the longest time at which at most {} % of the samples of any camera \
+                 saturate before noise, which adds to the share in the tables, and at most {} ms",
                 saturated_share * 100.0,
                 milliseconds(longest_s * 1e3)
             ),

@@ -77,7 +77,7 @@ impl<'a> Comparison<'a> {
     }
 
     /// The columns of the scores.
-    pub(super) fn columns(&self) -> &'static [Column<Outcome>; 6] {
+    pub(super) fn columns(&self) -> &'static [Column<Outcome>] {
         if self.has_one_pitch() { &COMPARE } else { &COMPARE_PER_PIXEL }
     }
 

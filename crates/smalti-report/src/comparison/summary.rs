@@ -19,7 +19,7 @@ pub(super) fn summary(report: &Comparison<'_>) -> Markup {
         let none = paragraph("none", "One camera was scored; a verdict needs two.");
         return none.and(beside(score_figure(report)));
     }
-    let mut lights = report.verdict_words();
+    let mut lights = report.verdict_words(listed);
     lights.sort_by(|a, b| a.luminance_cd_m2.total_cmp(&b.luminance_cd_m2));
     let crossovers: Markup =
         report.crossover_words(true).into_iter().map(|words| paragraph("crossover", words)).collect();

@@ -15,12 +15,20 @@ use crate::reliability::meanings;
 use crate::words::time_ms;
 
 /// The headings of [`COMPARE`] on the page.
-const HEADINGS: [&str; 6] = headings("MTF50, cy/mm");
+const HEADINGS: [&str; 7] = headings("MTF50, cy/mm");
 /// Those of [`COMPARE_PER_PIXEL`].
-const HEADINGS_PER_PIXEL: [&str; 6] = headings("MTF50, cy/px");
+const HEADINGS_PER_PIXEL: [&str; 7] = headings("MTF50, cy/px");
 
-const fn headings(mtf50: &'static str) -> [&'static str; 6] {
-    ["CPSNR, dB", "ΔE2000, mean", "S-CIELAB, ΔE*ab", mtf50, "Visual SNR, 1/ΔE", "Luminance noise, %"]
+const fn headings(mtf50: &'static str) -> [&'static str; 7] {
+    [
+        "CPSNR, dB",
+        "ΔE2000, mean",
+        "S-CIELAB, ΔE*ab",
+        mtf50,
+        "MTF50 of a 4:1 edge, cy/px",
+        "Visual SNR, 1/ΔE",
+        "Luminance noise, %",
+    ]
 }
 
 fn text(value: f64, digits: usize) -> String {
@@ -103,7 +111,7 @@ pub(super) fn scores(report: &Comparison<'_>) -> Markup {
         "★ marks the best value in this light and those that do not differ from it: where the verdict finds no difference, and within 5 % for \
          MTF50 and 10 % for visual SNR and noise, which are single measurements. Higher is better for CPSNR, MTF50 and visual SNR, lower for the \
          other columns. CPSNR, ΔE and S-CIELAB compare whole pictures with the scene as the standard observer sees it. MTF50 is that of a slanted \
-         edge; visual SNR and noise are those of the grey patches of a ColorChecker.",
+         edge, once of high contrast and once of 4:1, which is the one to compare where the processing is not linear, as of learned pipelines; visual SNR and noise are those of the grey patches of a ColorChecker.",
     ))
     .and(paragraph("help", MTF50_AND_NOISE))
 }

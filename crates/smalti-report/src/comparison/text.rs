@@ -6,15 +6,17 @@ use smalti::experiment::{Outcome, PairwiseLightGain};
 use super::columns::{headings, reliabilities};
 use super::conditions::{EXPOSURE_HEADINGS, exposure_cells};
 use super::results::{Comparison, of_contender};
+use super::tables::metric_name;
 use crate::TextTable;
 use crate::reliability::meanings;
 
 /// What resolution and noise of one row say together.
-pub(super) const MTF50_AND_NOISE: &str = "MTF50 is measured without noise, noise % on one capture. In little light, noise hides detail that MTF50 still counts.";
+pub(super) const MTF50_AND_NOISE: &str = "MTF50 is measured without noise, noise % on one capture. That of the 4:1 edge is the one to compare for learned pipelines, which are not linear. In little light, noise hides detail that MTF50 still counts.";
 
 /// What a light gain and its interval rest on.
 pub(super) const GAIN_BASIS: &str = "Below 0, the first camera needs less light. 95 % confidence intervals in brackets: of scores of pictures over the scenes and \
-     noise realisations of the first table, of visual SNR and noise over four captures of the chart. The search ends at ±4 stops. MTF50 is \
+     noise realisations of the first table, of visual SNR and noise over four captures of the chart. The table of scores has one capture. The verdict interpolates its stops of CPSNR between whole stops, this search \
+     between eighths, so the two differ by some hundredths. The search ends at ±4 stops. MTF50 is \
      measured without noise and therefore has no light gain.";
 
 /// A light gain with its interval: `+0.41 stops [+0.38, +0.46]`.
@@ -64,7 +66,7 @@ impl Comparison<'_> {
             let header = ["metric", first.as_str(), other.as_str(), "light gain"];
             let row = |g: &MetricGain| {
                 vec![
-                    g.metric.to_owned(),
+                    metric_name(g.metric).to_owned(),
                     format!("{:.3}", g.own),
                     format!("{:.3}", g.target),
                     gain_cell(g, " stops"),

@@ -7,7 +7,7 @@ use smalti::experiment::{
 };
 use smalti::metrics::esfr::Mtf50Reliability;
 use smalti::metrics::smallest_relevant;
-use smalti::numeric::bootstrap::{Interval, LEAST_GROUPS};
+use smalti::numeric::bootstrap::LEAST_GROUPS;
 
 use super::results::Comparison;
 use crate::words::listed;
@@ -54,8 +54,8 @@ impl Comparison<'_> {
         format!("Differences below {} count as none.", listed(&least))
     }
 
-    /// The verdict for each light.
-    pub(super) fn verdict_words(&self) -> Vec<LightWords> {
+    /// The verdict for each light. `list` joins the cameras behind the best one.
+    pub(super) fn verdict_words(&self, list: fn(&[String]) -> String) -> Vec<LightWords> {
         let of_light = |(light, verdict): (usize, &LightVerdict)| LightWords {
             luminance_cd_m2: verdict.luminance_cd_m2,
             leaders: self.leaders(verdict),
@@ -63,7 +63,7 @@ impl Comparison<'_> {
                 .metrics
                 .iter()
                 .zip(WORDS)
-                .map(|(metric, (name, unit, digits))| (name, self.by_metric(metric, unit, digits)))
+                .map(|(metric, (name, unit, digits))| (name, self.by_metric(metric, unit, digits, list)))
                 .collect(),
             cost: self.cost(light, verdict),
         };
@@ -77,15 +77,10 @@ impl Comparison<'_> {
             let name = name.map_or(c.metric, |(_, (name, ..))| name);
             let [dim, bright] = c.between_cd_m2;
             format!(
-                "{name}: {} is better below about {} cd/m²{}, {} above (interpolated between {dim} and {bright} cd/m²).",
+                "{name}: {} is better up to {dim} cd/m², {} from {bright} cd/m² on; between them, interpolation places the crossover near {} cd/m².",
                 self.contender_name(c.below),
-                significant(c.luminance_cd_m2.value),
-                c.luminance_cd_m2.interval.map_or_else(String::new, |Interval { low, high }| format!(
-                    " [{}, {}]",
-                    significant(low),
-                    significant(high)
-                )),
                 self.contender_name(c.above),
+                significant(c.interpolated_cd_m2),
             )
         };
         self.verdict.crossovers.iter().filter(|c| c.is_of_best == of_best).map(of).collect()
@@ -98,7 +93,7 @@ impl Comparison<'_> {
             return String::new();
         }
         let mut out = format!("Verdict. {}\n{}\n", self.verdict_basis(), Self::verdict_limits());
-        for LightWords { luminance_cd_m2, metrics, cost, .. } in self.verdict_words() {
+        for LightWords { luminance_cd_m2, metrics, cost, .. } in self.verdict_words(in_lines) {
             out += &format!("  {luminance_cd_m2} cd/m²\n");
             for (name, words) in metrics {
                 out += &format!("    {name:<9} {words}\n");
@@ -140,7 +135,13 @@ impl Comparison<'_> {
     }
 
     /// Who is the best by a metric, and by how much.
-    fn by_metric(&self, verdict: &MetricVerdict, unit: &str, digits: usize) -> String {
+    fn by_metric(
+        &self,
+        verdict: &MetricVerdict,
+        unit: &str,
+        digits: usize,
+        list: fn(&[String]) -> String,
+    ) -> String {
         let best = self.contender_name(verdict.best);
         let others: Vec<(usize, &Lead)> =
             verdict.leads.iter().enumerate().filter(|(number, _)| *number != verdict.best).collect();
@@ -174,7 +175,7 @@ impl Comparison<'_> {
             };
             return format!("{none} ({best} has the best mean)");
         }
-        let mut words = format!("{best} leads {}", listed(&behind));
+        let mut words = format!("{best} leads {}", list(&behind));
         if !same.is_empty() {
             words += &format!("; these scenes show no difference from {}", listed(&same));
         }
@@ -196,9 +197,9 @@ impl Comparison<'_> {
         /// The name of a score, that of its metric, whether higher is better, and its value where it can be trusted.
         type Single = (&'static str, &'static str, bool, fn(&Outcome) -> Option<f64>);
         let single: [Single; 3] = [
-            ("MTF50", "mtf50_cy_per_px", true, |o| {
-                let is_reliable = o.targets.mtf50_reliability == Mtf50Reliability::Reliable;
-                is_reliable.then_some(o.targets.mtf50_cy_per_px)
+            ("MTF50 of the 4:1 edge", "mtf50_low_contrast_cy_per_px", true, |o| {
+                let is_reliable = o.targets.mtf50_low_contrast_reliability == Mtf50Reliability::Reliable;
+                is_reliable.then_some(o.targets.mtf50_low_contrast_cy_per_px)
             }),
             ("visual SNR", "visual_snr", true, |o| Some(o.targets.visual_snr.median)),
             ("noise", "luminance_noise_percent", false, |o| Some(o.targets.luminance_noise_percent.mean)),
@@ -221,6 +222,18 @@ impl Comparison<'_> {
         }
         format!("{} is worse in {}; single measurements", self.contender_name(best), listed(&lost))
     }
+}
+
+/// The most cameras behind the best one that the terminal names in one line.
+const IN_ONE_LINE: usize = 1;
+
+/// Cameras behind the best one for the terminal: a line each if they are many.
+fn in_lines(behind: &[String]) -> String {
+    if behind.len() <= IN_ONE_LINE {
+        return listed(behind);
+    }
+    let lines: String = behind.iter().map(|one| format!("\n                {one}")).collect();
+    format!("{} cameras:{lines}", behind.len())
 }
 
 /// A difference with its interval: `1.12 dB [0.71, 1.50]`.

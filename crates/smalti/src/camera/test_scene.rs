@@ -65,6 +65,15 @@ impl TestScene {
         }
     }
 
+    /// The last wavelength that a given scene has light at, nm. `None` for a built-in scene, which has the wavelengths of each camera.
+    #[must_use]
+    pub fn last_nm(&self) -> Option<f64> {
+        match self {
+            Self::BuiltIn(_) => None,
+            Self::Given { scene, .. } => scene.radiance().grid().wavelengths_nm().last(),
+        }
+    }
+
     /// [`TestScene::before`] with the optical image of this scene on another camera, if lens, pixel pitch and wavelengths are the same.
     ///
     /// # Errors

@@ -243,10 +243,7 @@ impl Scores<'_> {
                         metric: name,
                         below,
                         above,
-                        luminance_cd_m2: equal_at(
-                            (dim..=bright).map(lead).collect(),
-                            self.resamples.as_ref(),
-                        ),
+                        interpolated_cd_m2: equal_at((dim..=bright).map(lead)),
                         between_cd_m2: [dim, bright].map(|place| cd_m2[place]),
                         is_of_best: is_best(dim, below) && is_best(bright, above),
                     });
