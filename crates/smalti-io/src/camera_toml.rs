@@ -80,6 +80,11 @@ impl TomlSource {
         if overrides.is_empty() {
             return Ok(description);
         }
+        let is_set = |key: &&str| overrides.iter().any(|o| o.key == *key);
+        if let Some([volts, electrons]) = TWIN_KEYS.iter().find(|twins| twins.iter().all(is_set)) {
+            let message = format!("{volts} and {electrons} are one quantity; expected one of them");
+            return Err(Box::new(Diagnostic::new("--set", message)));
+        }
         // All are applied before the result counts: one may need another, as a table's two required keys do. Of a
         // document that is wrong in the end, the override is blamed after which it never was right again.
         let mut result = Ok(description);
@@ -164,6 +169,15 @@ mod tests {
         assert_eq!(source("").describe(&psf).unwrap().optics.psf.unwrap().spacing_um, 1.0);
         let e = source("").describe(&[psf[0].clone(), set("name=x")]).unwrap_err().to_string();
         assert!(e.contains("--set optics.psf.file=p.npy: missing key `spacing_um`"), "{e}");
+    }
+
+    #[test]
+    fn a_quantity_is_not_set_in_volts_and_in_electrons() {
+        let set = |s: &str| s.parse::<Override>().unwrap();
+        let both = [set("sensor.pixel.read_noise_mv=1"), set("sensor.pixel.read_noise_e=2")];
+        let e = source("").describe(&both).unwrap_err().to_string();
+        assert!(e.contains("--set") && e.contains("are one quantity"), "{e}");
+        assert!(source("[sensor.pixel]\nread_noise_mv = 1").describe(&both[1..]).is_ok());
     }
 
     #[test]

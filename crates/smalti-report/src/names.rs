@@ -7,9 +7,10 @@ pub use smalti::experiment::numbered;
 const MAX_CHARS: usize = 100;
 
 /// The unit that the end of a key states. Longer ends come first.
-const UNITS: [(&str, &str); 19] = [
+const UNITS: [(&str, &str); 20] = [
     ("_uv_per_e", "µV/e⁻"),
     ("_v_per_s", "V/s"),
+    ("_e_per_s", "e⁻/s"),
     ("_dioptres_per_um", "dioptres/µm"),
     ("_dioptres", "dioptres"),
     ("_cd_m2", "cd/m²"),

@@ -155,8 +155,10 @@ pub fn where_shown(metric: &str) -> Option<String> {
         .map(|c| (c.metric, c.heading, "smalti compare of cameras of different pixel pitches"));
     let evaluate = EVALUATE.map(|c| (c.metric, c.heading, "smalti evaluate"));
     let sensor = SENSOR.map(|c| (c.metric, c.heading, "smalti evaluate"));
+    let saturated = ("saturated_percent", "saturated %", "smalti compare");
     let here = compare
         .iter()
+        .chain([&saturated])
         .chain([&per_pixel])
         .chain(&evaluate)
         .chain(&sensor)

@@ -11,7 +11,7 @@ use crate::TextTable;
 use crate::reliability::meanings;
 
 /// What resolution and noise of one row say together.
-pub(super) const MTF50_AND_NOISE: &str = "MTF50 is measured without noise, noise % on one capture. That of the 4:1 edge is the one to compare for learned pipelines, which are not linear. In little light, noise hides detail that MTF50 still counts.";
+pub(super) const MTF50_AND_NOISE: &str = "MTF50 is measured without noise, noise % on one capture. For learned pipelines, which are not linear, compare the MTF50 of the 4:1 edge. In little light, noise hides detail that MTF50 still counts.";
 
 /// What a light gain and its interval rest on.
 pub(super) const GAIN_BASIS: &str = "Below 0, the first camera needs less light. 95 % confidence intervals in brackets: of scores of pictures over the scenes and \

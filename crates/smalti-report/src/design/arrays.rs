@@ -1,6 +1,8 @@
 //! Mosaics and spectra of arrays, and their expected figures.
 
-use super::document::{Array, Document};
+use smalti::spectrum::Illuminant;
+
+use super::document::{Array, ArrayFigures, Document};
 use crate::comparison::figures::drawn;
 use crate::page::{Markup, Table, el, figure, paragraph};
 use crate::{Cell, Line, Mosaics, Plot, Rgb};
@@ -20,7 +22,7 @@ pub(super) fn compared(document: &Document) -> Vec<(String, &Array)> {
 pub(super) fn section(document: &Document) -> Markup {
     let arrays = compared(document);
     let each = arrays.iter().map(|(name, array)| drawing(document, name, array));
-    Markup::from(el("div").class("cameras").children(each)).and(expectations(&arrays)).and(paragraph(
+    Markup::from(el("div").class("cameras").children(each)).and(expectations(&arrays)).and(spectral(document, &arrays)).and(paragraph(
         "help",
         format!(
             "Figures are expectations of the closed form under {}, from {} patches of {} scenes. They rank arrays as learned pipelines do; their \
@@ -66,6 +68,46 @@ fn drawing(document: &Document, name: &str, array: &Array) -> Markup {
         .child(paragraph("help", about.replace('-', "−")))
         .child(el("div").class("filters-of").child(tile).child(drawn(&plot)))
         .into()
+}
+
+/// What follows from the spectra of the arrays alone.
+fn spectral(document: &Document, arrays: &[(String, &Array)]) -> Markup {
+    if arrays.iter().all(|(_, array)| array.figures.is_none()) {
+        return Markup::default();
+    }
+    let light = document.illuminants.first().map_or_else(String::new, Illuminant::name);
+    let headings = [
+        "Photon efficiency, %",
+        "Vora value",
+        "SMI",
+        "Metamer mismatch, %",
+        "Condition number",
+        "Luminance noise gain",
+    ];
+    let table = Table::new(format!("Light and colour under {light}")).text("Array");
+    let mut table = headings.into_iter().fold(table, Table::number);
+    for (i, (name, array)) in arrays.iter().enumerate() {
+        let of = |f: fn(&ArrayFigures) -> Option<f64>, digits: usize| {
+            let value = array.figures.as_ref().and_then(f);
+            value.map_or_else(|| "–".to_owned(), |v| format!("{v:.digits$}"))
+        };
+        let cells = [
+            name.clone(),
+            of(|f| Some(100.0 * f.photon_efficiency), 1),
+            of(|f| Some(f.vora_value), 3),
+            of(|f| Some(f.sensitivity_metamerism_index), 1),
+            of(|f| Some(f.metamer_mismatch_percent), 1),
+            of(|f| f.condition_number, 1),
+            of(|f| Some(f.luminance_noise_gain), 2),
+        ];
+        table = table.row(cells, i == 0);
+    }
+    Markup::from(table).and(paragraph(
+        "help",
+        "Photon efficiency is the mean response of the pixels to white, relative to pixels without filters. The Vora value is 1 and the sensitivity \
+         metamerism index (SMI) 100 for filters that tell colours apart as the observer does. The condition number is that of the matrix from the \
+         channels to X, Y, Z, each relative to white; the noise gain is that of the matrix for Y.",
+    ))
 }
 
 fn expectations(arrays: &[(String, &Array)]) -> Markup {

@@ -50,6 +50,8 @@ pub struct Array {
     #[serde(default)]
     pub(super) costs_of_starts: Vec<f64>,
     pub(super) transmittances: Option<Vec<Vec<f64>>>,
+    /// Absent in results of earlier versions.
+    pub(super) figures: Option<ArrayFigures>,
 }
 
 impl Array {
@@ -65,6 +67,17 @@ impl Array {
         let cols = rows.first().map_or(0, |row| row.len());
         (cols, rows.concat().bytes().map(|b| usize::from(b.wrapping_sub(b'a'))).collect())
     }
+}
+
+/// What an array makes of light and colour under the first illuminant, from its spectra alone.
+#[derive(Debug, Clone, Copy, Deserialize)]
+pub(super) struct ArrayFigures {
+    pub(super) photon_efficiency: f64,
+    pub(super) vora_value: f64,
+    pub(super) sensitivity_metamerism_index: f64,
+    pub(super) metamer_mismatch_percent: f64,
+    pub(super) condition_number: Option<f64>,
+    pub(super) luminance_noise_gain: f64,
 }
 
 /// Expected figures under an illuminant at a luminance.

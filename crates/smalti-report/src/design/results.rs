@@ -1,7 +1,7 @@
 //! The results of a search as JSON: `results.json` of the command, and what Python returns.
 
 use serde_json::{Value, json};
-use smalti::camera::CameraError;
+use smalti::camera::{CameraError, ColorimetricObserver};
 use smalti::design::Design;
 use smalti::design::light::LightStatistics;
 use smalti::design::screen::{CausedError, ClassLimits};
@@ -37,6 +37,10 @@ pub fn results(
     seconds: f64,
 ) -> Result<Value, ReportError> {
     let curve = |f: &Filter| Some(f.spectrum(task.camera.grid()).ok()?.values().to_vec());
+    let light = task.illuminants.first().and_then(|light| light.photons(task.camera.grid()).ok());
+    let observer = light.and_then(|light| ColorimetricObserver::new(&light).ok());
+    // Not defined for an array that is blind to much of the light.
+    let figures_of = |cfa: Cfa| task.camera.with_cfa(cfa).array_figures(observer.as_ref()?).ok();
     let design = |d: &DesignedCfa| {
         let best = d.best();
         let expected = expected(best.map_or(&[], |b| &b.expected), task);
@@ -44,8 +48,9 @@ pub fn results(
         // In the order of the letters of the tile.
         let transmittances: Option<Vec<Vec<f64>>> =
             arranged.as_ref().and_then(|a| a.filters.filters.iter().map(curve).collect());
+        let figures = arranged.as_ref().and_then(|a| figures_of(a.cfa(task.camera.grid()).ok()?));
         json!({
-            "name": d.name, "published": d.is_published, "tile": arranged.as_ref().map(Design::tile),
+            "figures": figures, "name": d.name, "published": d.is_published, "tile": arranged.as_ref().map(Design::tile),
             "filters": d.mosaic.channels(), "cost": best.map(|b| b.cost), "expected": expected,
             "costs_of_starts": d.found.iter().map(|f| f.cost).collect::<Vec<_>>(),
             "transmittances": transmittances,
@@ -82,7 +87,7 @@ pub fn results(
         "own": {
             "name": own.name(), "tile": tile(own), "filters": own.channels().len(),
             "letters": own.channels().iter().map(|c| c.name.clone()).collect::<Vec<_>>(),
-            "cost": found.goal.cost(&found.own), "expected": expected(&found.own, task),
+            "figures": figures_of(own.clone()), "cost": found.goal.cost(&found.own), "expected": expected(&found.own, task),
             "transmittances": own.channels().iter().map(|c| c.transmittance.values()).collect::<Vec<_>>(),
         },
         "analysis": analysed(analysis, task),

@@ -18,6 +18,10 @@ fn expected(shift: f64) -> Value {
 fn array(name: &str, shift: f64) -> Value {
     json!({
         "name": name, "tile": "ab/bc", "filters": 3, "cost": -0.5 - shift, "expected": expected(shift),
+        "figures": {
+            "photon_efficiency": 0.4125, "vora_value": 0.95, "sensitivity_metamerism_index": 82.0, "metamer_mismatch_percent": 3.0,
+            "condition_number": null, "luminance_noise_gain": 1.25,
+        },
         "costs_of_starts": [-0.5, -0.4], "transmittances": [[0.9, 0.2, 0.1], [0.1, 0.9, 0.1], [0.1, 0.2, 0.9]],
     })
 }

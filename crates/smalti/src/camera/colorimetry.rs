@@ -44,6 +44,12 @@ impl ColorimetricObserver {
         })
     }
 
+    /// The light (photons).
+    #[must_use]
+    pub fn light(&self) -> &Spectrum {
+        &self.light
+    }
+
     /// The colorimetry of the sensor of a camera on the grid of the light. As in the colour matrix, a channel whose response to
     /// white is below a thousandth of the brightest is left out.
     ///

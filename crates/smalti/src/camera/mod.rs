@@ -1,5 +1,6 @@
 //! The camera: optics, sensor and processing combined, its description, its evaluation and training, and comparisons of cameras.
 
+mod array_figures;
 // The file of the type that gives the module its name.
 #[allow(clippy::module_inception)]
 mod camera;
@@ -25,6 +26,7 @@ mod test_scene;
 mod training;
 pub(crate) mod training_set;
 
+pub use array_figures::ArrayFigures;
 pub use camera::Camera;
 pub use clear_channel::{NOTABLE_INFRARED_SHARE, NOTABLE_UNSHARED_SHARE, UnsharedLight};
 pub use colorimetry::{ColorimetricObserver, SensorColorimetry};

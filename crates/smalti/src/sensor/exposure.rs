@@ -48,7 +48,8 @@ impl Exposure {
 
     /// An error that names the analog offset unless `good`.
     pub(super) fn require_offset(&self, good: bool) -> Result<(), OutOfRange> {
-        let expected = "−1e3 to 1e3 V that leave some signal below the voltage swing (keys exposure.analog_offset_mv, sensor.pixel.voltage_swing_v)";
+        let expected = "−1e3 to 1e3 V that leave some signal below the voltage swing and the full well (keys exposure.analog_offset_mv, sensor.pixel.voltage_swing_v, \
+                        sensor.pixel.full_well_e)";
         require(good, "analog_offset_v", self.analog_offset_v, expected)
     }
 }
