@@ -123,8 +123,9 @@ pub(crate) fn run(args: &Compare, words: &[String], common: &Common) -> anyhow::
     ensure_distinct("--luminance", &args.luminance)?;
     ensure_distinct("--scene", &args.scenes)?;
     ensure_any_defined(&cameras, &args.processing)?;
+    let labels = names::numbered(cameras.iter().map(|c| c.description().name.clone()).collect());
     if args.pipelines.is_empty() {
-        resolve::note_identical(&cameras, common);
+        resolve::note_identical(&cameras, &labels, common);
     }
     args.exposure.note().iter().for_each(|text| note(text, common));
     write::ensure_can_fill(&args.output)?;
@@ -138,7 +139,6 @@ pub(crate) fn run(args: &Compare, words: &[String], common: &Common) -> anyhow::
         progress: &progress,
         memory_bytes: memory::available_bytes(),
     };
-    let labels = names::numbered(cameras.iter().map(|c| c.description().name.clone()).collect());
     let learning = (&settings, &training);
     let given = resolve::pipelines(&args.pipelines, cameras.len())?;
     resolve::ensure_tables_fit(&args.pipelines, cameras.iter().zip(&given))?;

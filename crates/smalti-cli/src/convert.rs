@@ -86,20 +86,20 @@ pub(crate) fn run(args: &Convert, common: &Common) -> anyhow::Result<()> {
     // Losses are reported for files only, since a built-in scene remains available.
     let report_losses = file.is_some();
     let notes = match (file, spectral) {
-        (Some(file), Some(options)) => write_spectral(args, file, &options)?,
+        (Some(file), Some(options)) => write_spectral(args, file, &options, common)?,
         (_, Some(options)) => {
-            let file = SpectralFile::of_scene(&scene(args)?);
+            let file = SpectralFile::of_scene(&scene(args, common)?);
             scene_file::write(path, &Whole::new(&file), &options)?
         }
-        (_, None) => write_picture(path, &scene(args)?)?,
+        (_, None) => write_picture(path, &scene(args, common)?)?,
     };
     notes.iter().filter(|_| report_losses).for_each(|note| progress.note(note));
     progress.finish();
     crate::print(&format!("{}\n", path.display()))
 }
 
-fn scene(args: &Convert) -> anyhow::Result<Scene> {
-    let scene = resolve::scene(&args.scene, &args.scene_options);
+fn scene(args: &Convert, common: &Common) -> anyhow::Result<Scene> {
+    let scene = resolve::scene(&args.scene, &args.scene_options, common);
     match &args.scene_options.wavelengths {
         Some(w) => scene.with_context(|| format!("--wavelengths {w}")),
         None => scene,
@@ -152,6 +152,7 @@ fn write_spectral(
     args: &Convert,
     file: Box<dyn Tiles>,
     options: &WriteOptions,
+    common: &Common,
 ) -> anyhow::Result<Vec<String>> {
     let path = &args.output;
     if !has_extension(path, &["npy"]) {
@@ -161,7 +162,7 @@ fn write_spectral(
     match Photons::new(file) {
         Ok(photons) => Ok(scene_file::write(path, &photons, options)?),
         Err(_) => {
-            let scene = SpectralFile::of_scene(&scene(args)?);
+            let scene = SpectralFile::of_scene(&scene(args, common)?);
             Ok(scene_file::write(path, &Whole::new(&scene), options)?)
         }
     }

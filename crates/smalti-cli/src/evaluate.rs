@@ -68,8 +68,9 @@ pub(crate) fn run(args: &Evaluate, words: &[String], common: &Common) -> anyhow:
     let illuminant = resolve::illuminant(&args.illuminant, common)?;
     let cameras = resolve::cameras(&args.cameras, &args.camera_options, &illuminant, common)?;
     ensure_distinct("--luminance", &args.luminance)?;
+    let labels = names::numbered(cameras.iter().map(|c| c.description().name.clone()).collect());
     if args.pipelines.is_empty() {
-        resolve::note_identical(&cameras, common);
+        resolve::note_identical(&cameras, &labels, common);
     }
     args.exposure.note().iter().for_each(|text| note(text, common));
     let tables = resolve::pipelines(&args.pipelines, cameras.len())?;
@@ -80,7 +81,6 @@ pub(crate) fn run(args: &Evaluate, words: &[String], common: &Common) -> anyhow:
     let cache = if args.no_cache { Cache::disabled() } else { Cache::open(None) };
     let progress = Progress::new((cameras.len() * args.luminance.len()) as u64, common.quiet);
     let resources = Resources { store: &cache, progress: &progress, ..Resources::default() };
-    let labels = names::numbered(cameras.iter().map(|c| c.description().name.clone()).collect());
     let tables = tables.into_iter().chain(std::iter::repeat_with(|| None));
     let set = |(camera, table): (&Camera, Option<_>)| {
         table.map(|pipeline| PipelineSet::of_any_light(&illuminant, camera, pipeline))

@@ -143,7 +143,7 @@ pub(crate) fn cameras(
 }
 
 /// Prints which cameras of a comparison are the same but for their names.
-pub(crate) fn note_identical(cameras: &[Camera], common: &Common) {
+pub(crate) fn note_identical(cameras: &[Camera], labels: &[String], common: &Common) {
     let mut told: Vec<usize> = Vec::new();
     for (i, camera) in cameras.iter().enumerate().filter(|_| !common.quiet) {
         let same: Vec<usize> =
@@ -153,7 +153,7 @@ pub(crate) fn note_identical(cameras: &[Camera], common: &Common) {
         }
         let names: Vec<&str> = std::iter::once(i)
             .chain(same.iter().copied())
-            .map(|c| cameras[c].description().name.as_str())
+            .filter_map(|c| labels.get(c).map(String::as_str))
             .collect();
         note(&format!("{} are identical cameras: their scores do not differ", names.join(" and ")), common);
         told.extend(same);
@@ -198,10 +198,15 @@ pub(crate) fn illuminant(name: &str, common: &Common) -> anyhow::Result<Illumina
 }
 
 /// A scene by name or file on the wavelengths of the command line, else on those that the camera states.
-pub(crate) fn scene_for(name: &str, options: &SceneOptions, camera: &Camera) -> anyhow::Result<Scene> {
+pub(crate) fn scene_for(
+    name: &str,
+    options: &SceneOptions,
+    camera: &Camera,
+    common: &Common,
+) -> anyhow::Result<Scene> {
     let given = options.wavelengths.as_deref().map(wavelengths).transpose()?;
     let stated = camera.description().wavelengths_nm.map(|_| camera.grid());
-    scene_on(name, options, given.or(stated))
+    scene_on(name, options, given.or(stated), common)
 }
 
 /// The options of reading a file.
@@ -218,12 +223,17 @@ pub(crate) fn read_options(options: &SceneOptions) -> anyhow::Result<ReadOptions
 }
 
 /// A scene by name or file.
-pub(crate) fn scene(name: &str, options: &SceneOptions) -> anyhow::Result<Scene> {
-    scene_on(name, options, options.wavelengths.as_deref().map(wavelengths).transpose()?)
+pub(crate) fn scene(name: &str, options: &SceneOptions, common: &Common) -> anyhow::Result<Scene> {
+    scene_on(name, options, options.wavelengths.as_deref().map(wavelengths).transpose()?, common)
 }
 
 /// A scene by name or file, on a wavelength grid if one is given.
-fn scene_on(name: &str, options: &SceneOptions, grid: Option<WavelengthGrid>) -> anyhow::Result<Scene> {
+fn scene_on(
+    name: &str,
+    options: &SceneOptions,
+    grid: Option<WavelengthGrid>,
+    common: &Common,
+) -> anyhow::Result<Scene> {
     if let Some(option) = options.of_files().filter(|_| !is_file(name)) {
         bail!("{name}: {option} applies to files, and this is a built-in scene");
     }
@@ -231,11 +241,7 @@ fn scene_on(name: &str, options: &SceneOptions, grid: Option<WavelengthGrid>) ->
         luminance_cd_m2: options.luminance,
         distance_m: options.distance,
         horizontal_fov_deg: options.fov,
-        illuminant: options
-            .illuminant
-            .as_deref()
-            .map(|name| lights::load(name, Path::new("")))
-            .transpose()?,
+        illuminant: options.illuminant.as_deref().map(|name| illuminant(name, common)).transpose()?,
         grid,
         read: read_options(options)?,
     };

@@ -89,7 +89,7 @@ pub(crate) fn run(args: &Simulate, common: &Common) -> anyhow::Result<()> {
     let LoadedCamera { camera, notes, .. } = resolve::camera(&args.camera, &args.camera_options)?;
     notes.iter().for_each(|note| progress.note(note));
     let pipeline = args.pipeline.as_ref().map(|file| l3::read_table(file)).transpose()?;
-    let scene = resolve::scene_for(&args.scene, &args.scene_options, &camera)?;
+    let scene = resolve::scene_for(&args.scene, &args.scene_options, &camera, common)?;
     let mut camera = camera.on_grid(scene.radiance().grid())?;
     for text in resolve::light_notes(&camera, scene.illuminant())? {
         progress.note(&format!("{}: {text}", camera.description().name));

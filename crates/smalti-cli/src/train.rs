@@ -115,7 +115,7 @@ pub(crate) fn run(args: &Train, common: &Common) -> anyhow::Result<()> {
     let progress = Progress::new(0, common.quiet);
     let pairs = args.pairs.chunks_exact(2);
     let sources = TrainingSources {
-        scenes: scenes(args, &camera)?,
+        scenes: scenes(args, &camera, common)?,
         illuminants: lights,
         stored_scenes: args.learning.training_set.stored(),
         pairs: pairs.map(|pair| pairs::pair(&pair[0], &pair[1], !args.no_align, &progress)).collect(),
@@ -155,10 +155,10 @@ fn folder_to_make(file: &Path) -> Option<&Path> {
 }
 
 /// The scenes of the command line.
-fn scenes(args: &Train, camera: &Camera) -> anyhow::Result<Option<Vec<NamedScene>>> {
+fn scenes(args: &Train, camera: &Camera, common: &Common) -> anyhow::Result<Option<Vec<NamedScene>>> {
     if !args.scenes.is_empty() {
         let scene = |name: &String| {
-            let scene = resolve::scene_for(name, &args.scene_options, camera)?;
+            let scene = resolve::scene_for(name, &args.scene_options, camera, common)?;
             let keeps_fov = args.scene_options.states_fov(name);
             Ok(NamedScene::for_camera(camera, name.clone(), scene, resolve::is_file(name), keeps_fov)?)
         };

@@ -99,8 +99,13 @@ impl PySpectrum {
 ///     wavelengths_nm: sampling wavelengths, nm, even steps; default 400, 410, … 700.
 #[pyfunction]
 #[pyo3(signature = (name, wavelengths_nm=None))]
-pub(crate) fn illuminant(name: &str, wavelengths_nm: Option<&Bound<'_, PyAny>>) -> PyResult<PySpectrum> {
-    let light = lights::load(name, std::path::Path::new("")).or_raise()?;
+pub(crate) fn illuminant(
+    py: Python<'_>,
+    name: &str,
+    wavelengths_nm: Option<&Bound<'_, PyAny>>,
+) -> PyResult<PySpectrum> {
+    let (light, note) = lights::load_with_note(name, std::path::Path::new("")).or_raise()?;
+    warn(py, note)?;
     Ok(PySpectrum(light.energy(grid_or_visible(wavelengths_nm)?).or_raise()?))
 }
 

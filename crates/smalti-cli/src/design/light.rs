@@ -27,7 +27,7 @@ pub(super) fn statistics(
     }
     let stored = args.learning.training_set.stored();
     let under = |illuminant: &Illuminant| {
-        let scenes = scenes(task, args, illuminant)?;
+        let scenes = scenes(task, args, illuminant, common)?;
         let resources = Resources { training_scenes: stored, progress, ..Resources::default() };
         Ok(light_statistics(&task.camera, illuminant, scenes.as_deref(), &task.light, resources)?)
     };
@@ -39,9 +39,10 @@ fn scenes(
     task: &DesignTask,
     args: &DesignArgs,
     illuminant: &Illuminant,
+    common: &Common,
 ) -> anyhow::Result<Option<Vec<Scene>>> {
     let scene = |name: &String| {
-        let scene = resolve::scene_for(name, &args.scene_options, &task.camera)?;
+        let scene = resolve::scene_for(name, &args.scene_options, &task.camera, common)?;
         let keeps_fov = args.scene_options.states_fov(name);
         let named =
             NamedScene::for_camera(&task.camera, name.clone(), scene, resolve::is_file(name), keeps_fov)?;

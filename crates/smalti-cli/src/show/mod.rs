@@ -89,7 +89,7 @@ pub(crate) fn run(args: &Show, common: &Common) -> anyhow::Result<()> {
             camera::datasheet(&resolve::with_cfa(&args.name, args.cfa.as_deref())?, &args.overrides, common)?
         }
         Kind::Cfa => cfa::datasheet(&args.name, options)?,
-        Kind::Scene => scene::datasheet(&args.name, options)?,
+        Kind::Scene => scene::datasheet(&args.name, options, common)?,
         Kind::Study => study::datasheet(&args.name)?,
         Kind::Illuminant => curve::illuminant(&args.name, options)?,
         Kind::Filter => curve::filter(&args.name, options)?,

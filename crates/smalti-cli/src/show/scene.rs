@@ -9,14 +9,15 @@ use smalti::spectrum::{Illuminant, Observer, Spectrum};
 use super::datasheet::{Datasheet, Part, four_digits};
 use super::picture::{self, Pixels};
 
+use crate::args::Common;
 use crate::resolve;
 use crate::scene_args::SceneOptions;
 
 /// The largest width of a picture in pixels.
 const MAX_PX: usize = 960;
 
-pub(super) fn datasheet(name: &str, options: &SceneOptions) -> anyhow::Result<Datasheet> {
-    let scene = resolve::scene(name, options).with_context(|| name.to_owned())?;
+pub(super) fn datasheet(name: &str, options: &SceneOptions, common: &Common) -> anyhow::Result<Datasheet> {
+    let scene = resolve::scene(name, options, common).with_context(|| name.to_owned())?;
     let (radiance, light) = (scene.radiance(), scene.illuminant());
     let (rows, cols, grid) = (radiance.rows(), radiance.cols(), radiance.grid());
     let xyz = Observer::Cie1931.xyz_from_photons(light)?;

@@ -478,7 +478,7 @@ fn a_comparison_without_light_says_what_to_change() {
             format!(
                 "compare phone table1 --exposure equal --set exposure.analog_offset_mv=1900 --processing bilinear {small}"
             ),
-            "below the voltage swing (keys exposure.analog_offset_mv, sensor.pixel.voltage_swing_v)",
+            "below the voltage swing and the full well (keys exposure.analog_offset_mv, sensor.pixel.voltage_swing_v, sensor.pixel.full_well_e)",
         ),
         (
             format!("compare bayer rgbw --illuminant line.csv {coarse} {small}"),

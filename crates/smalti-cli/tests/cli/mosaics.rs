@@ -267,7 +267,7 @@ fn a_clear_channel_that_sees_infrared_is_told() {
     assert!(run.err.contains("note: rgbw, bayer@rgbw-sony: ") && run.err.lines().count() == 2, "{}", run.err);
     // What is proposed mends it, and cameras for infrared are not for colour.
     place.ok(r#"show rgbw --set optics.ir_cut={builtin="hot-mirror"}"#);
-    place.ok("show rgbx");
+    assert!(told(&place, "show rgbx").err.contains("near infrared"));
     let run = told(&place, "evaluate rgbx --set wavelengths_nm=[400,50,800]");
     assert!(run.err.starts_with("note: rgbx: at least ") && run.err.contains("near infrared"), "{}", run.err);
     assert!(place.ok("list cameras").contains("near infrared, RGB and infrared without infrared cut"));

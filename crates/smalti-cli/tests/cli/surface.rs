@@ -30,9 +30,10 @@ fn every_list_is_text_and_json() {
         let name = camera["name"].as_str().unwrap();
         place.write("own.toml", camera["toml"].as_str().unwrap());
         place.ok(&format!(
-            "simulate {name} --scene uniform?size=8 --set sensor.rows=30 --set sensor.cols=40 -o a"
+            "simulate {name} --scene uniform?size=8 --set sensor.rows=30 --set sensor.cols=40 -o a -q"
         ));
-        place.ok("simulate own.toml --scene uniform?size=8 --set sensor.rows=30 --set sensor.cols=40 -o b");
+        place
+            .ok("simulate own.toml --scene uniform?size=8 --set sensor.rows=30 --set sensor.cols=40 -o b -q");
         assert!(place.read("a/raw.dng") == place.read("b/raw.dng"), "{name} from its own file");
     }
     let lights: Vec<Value> = serde_json::from_str(&place.ok("list illuminants --json")).unwrap();

@@ -147,19 +147,27 @@ pub fn headings<T>(columns: &[Column<T>]) -> impl Iterator<Item = &'static str> 
     columns.iter().map(|c| c.heading)
 }
 
+/// The heading of a metric in the table of a comparison; the name of the metric if it has no column there.
+pub(super) fn heading(metric: &'static str) -> &'static str {
+    COMPARE.iter().find(|c| c.metric == metric).map_or(metric, |c| c.heading)
+}
+
 /// The columns in which a metric is shown, in words; `None` for a metric without a column.
 #[must_use]
 pub fn where_shown(metric: &str) -> Option<String> {
     let compare = COMPARE.map(|c| (c.metric, c.heading, "smalti compare"));
-    let [.., per_pixel, _, _] = COMPARE_PER_PIXEL
-        .map(|c| (c.metric, c.heading, "smalti compare of cameras of different pixel pitches"));
+    let per_pixel = COMPARE_PER_PIXEL
+        .map(|c| (c.metric, c.heading, "smalti compare of cameras of different pixel pitches"))
+        .into_iter()
+        .filter(|(name, ..)| compare.iter().all(|(known, ..)| known != name))
+        .collect::<Vec<_>>();
     let evaluate = EVALUATE.map(|c| (c.metric, c.heading, "smalti evaluate"));
     let sensor = SENSOR.map(|c| (c.metric, c.heading, "smalti evaluate"));
     let saturated = ("saturated_percent", "saturated %", "smalti compare");
     let here = compare
         .iter()
         .chain([&saturated])
-        .chain([&per_pixel])
+        .chain(&per_pixel)
         .chain(&evaluate)
         .chain(&sensor)
         .filter(|(name, ..)| *name == metric);
@@ -170,6 +178,15 @@ pub fn where_shown(metric: &str) -> Option<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_metric_names_each_of_its_columns_once() {
+        let shown = |metric| where_shown(metric).unwrap_or_default();
+        let pitches = "'MTF50 cy/px' in smalti compare of cameras of different pixel pitches, 'MTF50 cy/px' in smalti evaluate";
+        assert_eq!(shown("mtf50_cy_per_px"), format!("column {pitches}"));
+        assert_eq!(shown("mtf50_low_contrast_cy_per_px").matches("smalti compare").count(), 1);
+        assert_eq!(where_shown("unknown"), None);
+    }
 
     #[test]
     fn every_column_is_a_metric_of_the_list() {

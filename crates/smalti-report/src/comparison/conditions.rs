@@ -85,7 +85,7 @@ impl<'a> Conditions<'a> {
             ExposurePolicy::Equal(EqualExposure { saturated_share, longest_s })
             | ExposurePolicy::AutoEqual(EqualExposure { saturated_share, longest_s }) => format!(
                 "equal for all cameras; for each scene the longest time at which at most {} % of the samples of any camera \
-                 saturate before noise, which adds to the share in the tables, and at most {} ms",
+                 saturate, and at most {} ms. Noise saturates further samples: the tables state the share of all",
                 saturated_share * 100.0,
                 milliseconds(longest_s * 1e3)
             ),

@@ -136,9 +136,9 @@ fn groups(report: &Comparison<'_>, scenes: &[String]) -> Result<Vec<Group>, Repo
                 picture: Pixels::of(&report.as_seen(&first.scores, &first.scores.reference)?),
                 maps: Vec::new(),
             }];
-            for (contender, s) in &all {
-                let s = &s.scores;
-                let scores = &s.scores;
+            for (contender, scored) in &all {
+                let seen = &scored.scores;
+                let scores = &seen.scores;
                 shots.push(Shot {
                     name: contender.name(),
                     is_reference: false,
@@ -146,7 +146,7 @@ fn groups(report: &Comparison<'_>, scenes: &[String]) -> Result<Vec<Group>, Repo
                         "CPSNR {:.1} dB, ΔE2000 {:.2}, S-CIELAB {:.2}",
                         scores.cpsnr_db, scores.pixel_delta_e_2000_mean, scores.scielab_mean
                     ),
-                    picture: Pixels::of(&report.as_seen(s, &s.picture)?),
+                    picture: Pixels::of(&report.as_seen(seen, &seen.picture)?),
                     maps: DIFFERENCES.iter().zip(tops).map(|(d, top)| d.map(scores, top)).collect(),
                 });
             }

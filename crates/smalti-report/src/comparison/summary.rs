@@ -28,8 +28,6 @@ pub(super) fn summary(report: &Comparison<'_>) -> Markup {
         let lines: Markup = others.into_iter().map(|words| paragraph("crossover", words)).collect();
         Markup::from(el("details").child(el("summary").child("Crossovers of the other cameras")).child(lines))
     });
-    let has_intervals = report.verdict.scenes * report.verdict.seeds > 1;
-    let brackets = if has_intervals { "Brackets contain 95 % confidence intervals. " } else { "" };
     paragraph("headline", headline(&lights, report.contenders.len()))
         .and(
             el("div")
@@ -38,10 +36,7 @@ pub(super) fn summary(report: &Comparison<'_>) -> Markup {
         )
         .and(crossovers)
         .and(others.into_iter().collect::<Markup>())
-        .and(paragraph(
-            "help",
-            format!("{brackets}{} {}", report.verdict_basis(), Comparison::verdict_limits()),
-        ))
+        .and(paragraph("help", format!("{} {}", report.verdict_basis(), Comparison::verdict_limits())))
         .and(beside([difference_figure(report)].into_iter().chain(score_figure(report))))
         .and(values(report))
 }
@@ -60,9 +55,14 @@ fn headline(lights: &[LightWords], contenders: usize) -> String {
         let at = format!("at {} cd/m²", listed(at));
         match leaders {
             [one] => format!("{at} {one} has the best CPSNR"),
-            all if all.len() == contenders => format!("{at} these scenes show no difference in CPSNR"),
+            all if all.len() == contenders => {
+                format!("{at} these scenes show no relevant difference in CPSNR")
+            }
             some => {
-                format!("{at} these scenes show no difference in CPSNR between the best, {}", listed(some))
+                format!(
+                    "{at} these scenes show no relevant difference in CPSNR between the best, {}",
+                    listed(some)
+                )
             }
         }
     };
@@ -74,7 +74,7 @@ fn headline(lights: &[LightWords], contenders: usize) -> String {
 /// The verdict in one light.
 fn card(light: &LightWords, contenders: usize) -> Markup {
     let winner = match &light.leaders[..] {
-        all if all.len() == contenders => "No difference in CPSNR".to_owned(),
+        all if all.len() == contenders => "No relevant difference in CPSNR".to_owned(),
         some => some.join(" or "),
     };
     let metric =

@@ -111,7 +111,7 @@ pub(super) fn scores(report: &Comparison<'_>) -> Markup {
         "★ marks the best value in this light and those that do not differ from it: where the verdict finds no difference, and within 5 % for \
          MTF50 and 10 % for visual SNR and noise, which are single measurements. Higher is better for CPSNR, MTF50 and visual SNR, lower for the \
          other columns. CPSNR, ΔE and S-CIELAB compare whole pictures with the scene as the standard observer sees it. MTF50 is that of a slanted \
-         edge, once of high contrast and once of 4:1, which is the one to compare where the processing is not linear, as of learned pipelines; visual SNR and noise are those of the grey patches of a ColorChecker.",
+         edge; visual SNR and noise are those of the grey patches of a ColorChecker.",
     ))
     .and(paragraph("help", MTF50_AND_NOISE))
 }

@@ -3,10 +3,9 @@
 use smalti::camera::MetricGain;
 use smalti::experiment::{Outcome, PairwiseLightGain};
 
-use super::columns::{headings, reliabilities};
+use super::columns::{heading, headings, reliabilities};
 use super::conditions::{EXPOSURE_HEADINGS, exposure_cells};
 use super::results::{Comparison, of_contender};
-use super::tables::metric_name;
 use crate::TextTable;
 use crate::reliability::meanings;
 
@@ -66,7 +65,7 @@ impl Comparison<'_> {
             let header = ["metric", first.as_str(), other.as_str(), "light gain"];
             let row = |g: &MetricGain| {
                 vec![
-                    metric_name(g.metric).to_owned(),
+                    heading(g.metric).to_owned(),
                     format!("{:.3}", g.own),
                     format!("{:.3}", g.target),
                     gain_cell(g, " stops"),

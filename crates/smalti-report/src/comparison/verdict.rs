@@ -20,7 +20,7 @@ pub(crate) const WORDS: [(&str, &str, usize); PICTURE_METRICS.len()] =
 pub(super) struct LightWords {
     /// Mean luminance of the scenes, cd/m².
     pub(super) luminance_cd_m2: f64,
-    /// The contenders with the best CPSNR between which these scenes show no difference.
+    /// The contenders with the best CPSNR between which these scenes show no relevant difference.
     pub(super) leaders: Vec<String>,
     /// For each metric its name and the verdict.
     pub(super) metrics: Vec<(&'static str, String)>,
@@ -38,10 +38,14 @@ impl Comparison<'_> {
         match (scenes, seeds) {
             (1, 1) => format!("One scene, {realisations}: differences have no confidence interval."),
             (1, _) => format!(
-                "One scene with {realisations}: the 95 % confidence intervals ({method}) cover the noise, not other scenes."
+                "One scene with {realisations}: the 95 % confidence intervals in brackets ({method}) cover the noise, not other scenes."
             ),
-            (_, 1) => format!("{scenes} scenes, {realisations}; 95 % confidence intervals ({method})."),
-            _ => format!("{scenes} scenes with {realisations} each; 95 % confidence intervals ({method})."),
+            (_, 1) => {
+                format!("{scenes} scenes, {realisations}; 95 % confidence intervals in brackets ({method}).")
+            }
+            _ => format!(
+                "{scenes} scenes with {realisations} each; 95 % confidence intervals in brackets ({method})."
+            ),
         }
     }
 
@@ -213,8 +217,11 @@ impl Comparison<'_> {
             let scores = scores.iter().enumerate().filter_map(finite);
             let (number, top) = scores.max_by(|a, b| (sign * a.1).total_cmp(&(sign * b.1)))?;
             let is_worse = sign * (top - own) > 0.0 && smallest_relevant(metric).is_relevant(own, top);
-            let percent = format!("{:+.0} %", 100.0 * (top / own - 1.0)).replace('-', "−");
-            is_worse.then(|| format!("{name} ({} {percent})", self.contender_name(number)))
+            let percent = (100.0 * (top / own - 1.0)).abs();
+            let direction = if top > own { "higher" } else { "lower" };
+            is_worse.then(|| {
+                format!("{name} (that of {} is {percent:.0} % {direction})", self.contender_name(number))
+            })
         };
         let lost: Vec<String> = single.iter().filter_map(lost).collect();
         if lost.is_empty() {
