@@ -259,7 +259,7 @@ fn what_is_given_twice_is_told() {
     let note =
         "note: bayer@quad-bayer and rgbw@quad-bayer are identical cameras: their scores do not differ\n";
     assert!(err("evaluate bayer rgbw --cfa quad-bayer", 0).contains(note));
-    assert!(err("evaluate bayer bayer", 0).contains("bayer and bayer are identical cameras"));
+    assert!(err("evaluate bayer bayer", 0).contains("1-bayer and 2-bayer are identical cameras"));
     assert_eq!(err("evaluate bayer bayer -q", 0), "");
     assert_eq!(err("evaluate bayer rgbw", 0), "");
     assert!(err("evaluate bayer --luminance 10,10", 1).contains("--luminance: 10 is given twice"));
