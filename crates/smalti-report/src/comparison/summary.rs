@@ -183,11 +183,11 @@ mod tests {
         let lights = [light(1.0, &["rgbw"]), light(10.0, &["rgbw"]), light(80.0, &["bayer", "rgbw"])];
         assert_eq!(
             headline(&lights, 2),
-            "At 1 and 10 cd/m² rgbw has the best CPSNR; at 80 cd/m² these scenes show no difference in CPSNR."
+            "At 1 and 10 cd/m² rgbw has the best CPSNR; at 80 cd/m² these scenes show no relevant difference in CPSNR."
         );
         assert_eq!(
             headline(&lights[2..], 3),
-            "At 80 cd/m² these scenes show no difference in CPSNR between the best, bayer and rgbw."
+            "At 80 cd/m² these scenes show no relevant difference in CPSNR between the best, bayer and rgbw."
         );
     }
 }
