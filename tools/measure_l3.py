@@ -6,6 +6,11 @@
 
 Each section is one or more runs of the command, whose results stay in the given folder and are used again by a later run of this script. Only the
 section `kinds` needs more than the built-in scenes: --spectral FILE names a spectral image of one's own. The section `greys` needs NumPy.
+
+    python3 tools/measure_l3.py target/release/smalti target/l3-catalog --training-set catalog > docs/reference/l3-catalog.md
+    python3 tools/measure_l3.py target/release/smalti target/l3 effect --against target/l3-catalog
+
+The first command makes the same figures with pipelines that learn from the catalogue alone, the second prints by how much every figure changes.
 """
 
 import argparse
@@ -17,12 +22,20 @@ import subprocess
 
 FOLDER = pathlib.Path()
 SMALTI = ""
+TRAINING_SET = "all"
+AGAINST: pathlib.Path | None = None
 SLIDES = "bayer rgbw clarity kodak wang rgbcmy medical"
 CLASSIC = "--processing l3,bilinear,malvar2004,hamilton-adams1997"
 METRICS = {"cpsnr_db": "CPSNR, dB", "pixel_delta_e_2000_mean": "ΔE2000", "scielab_mean": "S-CIELAB"}
 SETS = ("natural", "charts")
 # The 0.975 quantiles of Student's distribution for the numbers of scenes of the two sets.
 STUDENT = {14: 2.160, 5: 2.776}
+PHOTOGRAPHS = [f"photo-{name}" for name in ("astronaut", "brushes", "dahlia", "fig", "pagoda", "raccoon", "spices", "stream")]
+TARGETS = {
+    "mtf50": lambda t: t["mtf50_cy_per_mm"],
+    "visual_snr": lambda t: t["visual_snr"]["median"],
+    "noise": lambda t: t["luminance_noise_percent"]["mean"],
+}
 
 
 def smalti(*words: str) -> None:
@@ -35,8 +48,13 @@ def compare(name: str, words: str) -> dict:
     """The results of a comparison, from its folder if it was run before."""
     out = FOLDER / name
     if not (out / "results.json").exists():
-        smalti("compare", *shlex.split(words), "-o", str(out))
+        smalti("compare", *shlex.split(words), *learning(), "-o", str(out))
     return json.loads((out / "results.json").read_text())
+
+
+def learning() -> list[str]:
+    """The options of the training scenes."""
+    return [] if TRAINING_SET == "all" else ["--training-set", TRAINING_SET]
 
 
 def rows(results: dict) -> list[dict]:
@@ -302,7 +320,7 @@ def trained(name: str, words: str) -> str:
     """A learned table."""
     out = FOLDER / f"{name}.l3"
     if not out.exists():
-        smalti("train", *shlex.split(words), "-o", str(out))
+        smalti("train", *shlex.split(words), *learning(), "-o", str(out))
     return str(out)
 
 
@@ -329,11 +347,14 @@ def illuminants() -> None:
     body = []
     for light in ("D65", "A"):
         pipelines = " ".join(f"--pipeline {f}" for f in files.values())
-        r = compare(f"illuminants-{light}", f"bayer bayer bayer {pipelines} --illuminant {light} --scenes charts --luminance 10,80")
-        every = rows(r)
+        words = f"bayer bayer bayer {pipelines} --illuminant {light} --luminance 10,80"
+        # Rendered scenes have their own lights. The photographs and the charts can be relit.
+        scenes = {"natural": " ".join(f"--scene {name}" for name in PHOTOGRAPHS), "charts": "--scenes charts"}
+        runs = {s: compare(f"illuminants-{light}" + ("" if s == "natural" else f"-{s}"), f"{words} {chosen}") for s, chosen in scenes.items()}
+        every = list(zip(*(rows(runs[s]) for s in SETS)))
         for k, cd in enumerate(("10", "80")):
-            body += [[light, cd, name, line["cpsnr"], line["de"], line["scielab"]] for name, line in zip(tables, every[k::2])]
-    table(["tested under", "cd/m²", "learned under", "CPSNR dB", "ΔE2000", "S-CIELAB"], body)
+            body += [[light, cd, name, *both_sets(pair)[:3]] for name, pair in zip(tables, every[k::2])]
+    table(["tested under", "cd/m²", "learned under", "CPSNR dB, photographs · charts", "ΔE2000", "S-CIELAB"], body)
 
 
 def greys() -> None:
@@ -359,45 +380,102 @@ def greys() -> None:
 
 def artefacts() -> None:
     """The side-by-side pictures whose artefacts are described."""
-    compare("artefacts", "bayer rgbw rgbx rgbcmy medical clarity kodak wang --luminance 1,80 --scenes charts")
-    print("see", FOLDER / "artefacts" / "side-by-side")
+    of_sets("artefacts", "bayer rgbw rgbx rgbcmy medical clarity kodak wang --luminance 1,80")
+    print("see side-by-side in the folders artefacts and artefacts-charts")
 
 
 def fixed() -> None:
-    """The lowest PSNR of fixed point over the charts."""
-    r = compare("fixed", "bayer rgbw rgbx rgbcmy medical --luminance 1,80 --scenes charts")
+    """The lowest PSNR of fixed point over the scenes of each set."""
+    runs = of_sets("fixed", "bayer rgbw rgbx rgbcmy medical --luminance 1,80")
     body = []
-    for light in (1.0, 80.0):
-        at = [line for line in r["results"] if line["luminance_cd_m2"] == light]
-        body.append([f"{light:g}", *[f"{min(s['fixed_point_psnr_db'] for s in line['scenes']):.1f}" for line in at]])
-    table(["cd/m²", "bayer", "rgbw", "rgbx", "rgbcmy", "medical"], body)
+    for scenes in SETS:
+        for light in (1.0, 80.0):
+            at = [line for line in runs[scenes]["results"] if line["luminance_cd_m2"] == light]
+            body.append([f"{light:g}", scenes, *[f"{min(s['fixed_point_psnr_db'] for s in line['scenes']):.1f}" for line in at]])
+    table(["cd/m²", "scenes", "bayer", "rgbw", "rgbx", "rgbcmy", "medical"], body)
 
 
 def phone() -> None:
     """A camera that clips."""
-    r = compare("phone", f"phone {CLASSIC} --luminance 80 --scenes charts")
+    runs = of_sets("phone", f"phone {CLASSIC} --luminance 80")
     body = []
-    for line in r["results"]:
+    for line in runs["charts"]["results"]:
         scores = [f"{s['scores']['cpsnr_db']:.2f}" for s in line["scenes"]]
         body.append([line["pipeline"], *scores, f"{line['cpsnr_db']:.2f}", f"{line['scielab_mean']:.2f}"])
     table(["pipeline", "dead leaves", "ColorChecker", "resolution chart", "star", "room", "mean", "S-CIELAB"], body)
+    score_table(runs["natural"], "pipeline")
+    margins(runs["natural"], "")
+
+
+def effect() -> None:
+    """By how much figures change with the training scenes: those of the folder less those of --against, the range for each section."""
+    if AGAINST is None:
+        raise SystemExit("the section effect needs --against FOLDER, with the results of the other training scenes")
+    ranges, findings = {}, []
+    for own in sorted(FOLDER.glob("*/results.json")):
+        other = AGAINST / own.parent.name / "results.json"
+        if not other.exists():
+            raise SystemExit(f"{other} is missing: run the same sections with the other training scenes")
+        a, b = (json.loads(f.read_text()) for f in (own, other))
+        scenes = "charts" if "-charts" in own.parent.name or "no-noise" in own.parent.name else "natural"
+        section = own.parent.name.split("-")[0]
+        for x, y in zip(a["results"], b["results"], strict=True):
+            if x["pipeline"] in CLASSIC.split(",")[1:]:
+                continue
+            changed = {key: x[key] - y[key] for key in METRICS}
+            for key, of in TARGETS.items():
+                changed[key] = of(x["targets"]) - of(y["targets"])
+            changed["fixed_point_psnr_db"] = min(s["fixed_point_psnr_db"] for s in x["scenes"]) - min(s["fixed_point_psnr_db"] for s in y["scenes"])
+            for key, value in changed.items():
+                ranges.setdefault((section, scenes), {}).setdefault(key, []).append(value)
+        findings += changed_findings(own.parent.name, a, b)
+    keys = {"cpsnr_db": 2, "pixel_delta_e_2000_mean": 2, "scielab_mean": 2, "mtf50": 1, "visual_snr": 3, "noise": 1, "fixed_point_psnr_db": 1}
+    body = []
+    for (section, scenes), of in ranges.items():
+        ends = [(min(of[key]), max(of[key]), digits) for key, digits in keys.items()]
+        body.append([section, scenes, *[f"{low:+.{d}f} … {high:+.{d}f}".replace("-", "−") for low, high, d in ends]])
+    head = ["section", "scenes", *METRICS.values(), "MTF50 cy/mm", "visual SNR", "noise %", "fixed point, dB"]
+    table(head, body)
+    table(["run", "cd/m²", "metric", "of", "catalog", "default"], findings)
+
+
+def changed_findings(run: str, a: dict, b: dict) -> list[list[str]]:
+    """The differences from the first camera whose interval excludes 0 with one set of training scenes and not with the other."""
+    out = []
+    for k, light in enumerate(a["verdict"]["lights"]):
+        for name, of in metrics(a, k).items():
+            for number, (x, y) in enumerate(zip(of["from_first"], metrics(b, k)[name]["from_first"], strict=True)):
+                if None not in (x["interval"], y["interval"]) and sign(x) != sign(y):
+                    row = a["results"][number * len(a["verdict"]["lights"])]
+                    label = f"{row['camera']}, {row['pipeline']} − first"
+                    out.append([run, f"{light['luminance_cd_m2']:g}", METRICS[name], label, estimate(y), estimate(x)])
+    return out
+
+
+def sign(e: dict) -> int:
+    """The sign of a difference that its interval shows, or 0."""
+    return (e["interval"]["low"] > 0) - (e["interval"]["high"] < 0)
 
 
 def main() -> None:
-    global FOLDER, SMALTI
-    sections = {f.__name__: f for f in (rgbw, curve, cameras, classic, textures, alpha, kinds, illuminants, greys, fixed, phone, artefacts)}
+    global FOLDER, SMALTI, TRAINING_SET, AGAINST
+    every = (rgbw, curve, cameras, classic, textures, alpha, kinds, illuminants, greys, fixed, phone, artefacts)
+    sections = {f.__name__: f for f in (*every, effect)}
     p = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     p.add_argument("smalti", help="the command")
     p.add_argument("folder", type=pathlib.Path, help="where the results are kept")
     p.add_argument("sections", nargs="*", metavar="SECTION", help="all if none is given")
+    p.add_argument("--training-set", default="all", choices=["all", "catalog"], help="what the pipelines learn from")
+    p.add_argument("--against", type=pathlib.Path, metavar="FOLDER", help="results with other training scenes, for the section effect")
     p.add_argument("--spectral", type=pathlib.Path, help="a spectral image for the section kinds")
     args = p.parse_args()
     unknown = [name for name in args.sections if name not in sections]
     if unknown:
         p.error(f"no section is called {unknown[0]}; there are {', '.join(sections)}")
     FOLDER, SMALTI = args.folder, str(pathlib.Path(args.smalti).resolve())
+    TRAINING_SET, AGAINST = args.training_set, args.against
     FOLDER.mkdir(parents=True, exist_ok=True)
-    for name in args.sections or sections:
+    for name in args.sections or [f.__name__ for f in every]:
         print(f"\n## {name}", flush=True)
         kinds(args.spectral) if name == "kinds" else sections[name]()
 

@@ -14,8 +14,7 @@ pub(super) const MTF50_AND_NOISE: &str = "MTF50 is measured without noise, noise
 
 /// What a light gain and its interval rest on.
 pub(super) const GAIN_BASIS: &str = "Below 0, the first camera needs less light. 95 % confidence intervals in brackets: of scores of pictures over the scenes and \
-     noise realisations of the first table, of visual SNR and noise over four captures of the chart. The table of scores has one capture. The verdict interpolates its stops of CPSNR between whole stops, this search \
-     between eighths, so the two differ by some hundredths. The search ends at ±4 stops. MTF50 is \
+     noise realisations of the first table, of visual SNR and noise over four captures of the chart. The table of scores has one capture. The search ends at ±4 stops. MTF50 is \
      measured without noise and therefore has no light gain.";
 
 /// A light gain with its interval: `+0.41 stops [+0.38, +0.46]`.

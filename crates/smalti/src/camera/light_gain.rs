@@ -14,15 +14,15 @@ use super::{
 use crate::isp::Isp;
 use crate::metrics::{Better, MetricError, metric_info};
 use crate::numeric::bootstrap::{Resamples, mean};
-use crate::numeric::crossing::{Differences, Places};
+use crate::numeric::crossing::{Differences, Places, narrowed};
 use crate::scene::{Setting, macbeth};
 use crate::sensor::NoiseMode;
 use crate::spectrum::Illuminant;
 
 /// Range of the search in both directions, stops.
 const REACH_STOPS: i32 = 4;
-/// Bisections of the stop that contains the crossing; the remaining interval is interpolated.
-const HALVINGS: u32 = 3;
+/// The light of the search changes in multiples of this part of a stop, within which the crossing is interpolated.
+pub(crate) const STEP_STOPS: f64 = 0.125;
 
 /// Number of captures of the ColorChecker over which noise is averaged. Its patches are small: the gain is uncertain by a tenth
 /// of a stop with one capture and by half of that with four.
@@ -52,8 +52,8 @@ impl fmt::Display for LightGain {
 
 /// The light, in stops, at which `quality`, a function of light, equals `target`.
 ///
-/// The search changes the light in steps of one stop, at most four, until quality crosses the target. It bisects that stop
-/// three times and interpolates linearly within the last eighth of a stop. `quality` is evaluated at most 8 times, always at
+/// The search changes the light in steps of one stop, at most four, until quality crosses the target. It narrows that stop
+/// by halving to an eighth, in which it interpolates linearly. `quality` is evaluated at most 8 times, always at
 /// multiples of an eighth. It should improve with light; of several crossings, it finds the one nearest to equal light.
 ///
 /// # Errors
@@ -95,11 +95,7 @@ pub fn light_gain(
             near = far;
             continue;
         }
-        for _ in 0..HALVINGS {
-            let middle = f64::midpoint(near.0, far.0);
-            let there = (middle, lead(middle)?);
-            *(if (there.1 < 0.0) == behind { &mut near } else { &mut far }) = there;
-        }
+        [near, far] = narrowed(near, far, STEP_STOPS, lead)?;
         let share = near.1 / (near.1 - far.1);
         let share = if share.is_finite() { share } else { 0.5 };
         return Ok(LightGain::Stops(near.0 + share * (far.0 - near.0)));
@@ -227,7 +223,7 @@ pub fn light_gains(
     let camera = CameraUnderTest::new(a, settings, Some(&reference))?;
     drop(reference);
     // The search evaluates multiples of an eighth of a stop only.
-    let eighths = |stops: f64| (stops * f64::from(1u32 << HALVINGS)).round() as i64;
+    let eighths = |stops: f64| (stops / STEP_STOPS).round() as i64;
     let mut known: BTreeMap<i64, Figures> = BTreeMap::new();
     let mut figures = |stops: f64, metric: usize| -> Result<Vec<f64>, CameraError> {
         let found = match known.entry(eighths(stops)) {

@@ -38,6 +38,7 @@ pub use evaluate::{
     PatchColors, PatchScores, evaluate, evaluate_with,
 };
 pub use exposure_fault::ExposureFault;
+pub(crate) use light_gain::STEP_STOPS;
 pub use light_gain::{
     CameraAndIsp, GainInterval, LightGain, LightGainSettings, LightGains, MetricGain, light_gain, light_gains,
 };

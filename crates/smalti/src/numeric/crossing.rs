@@ -1,9 +1,31 @@
-//! Where a paired difference changes its sign.
+//! Where a difference changes its sign.
 
 use super::bootstrap::{Resamples, mean};
 
 /// Halvings of the search for an end of an interval.
 const HALVINGS: usize = 24;
+
+/// The two neighbouring multiples of `step` between which a function changes its sign, with its values there. `near` and `far` are
+/// multiples of `step` between which it does, with the values. The interval is halved.
+///
+/// # Errors
+/// Those of `value`.
+pub(crate) fn narrowed<E>(
+    mut near: (f64, f64),
+    mut far: (f64, f64),
+    step: f64,
+    mut value: impl FnMut(f64) -> Result<f64, E>,
+) -> Result<[(f64, f64); 2], E> {
+    loop {
+        let steps = ((far.0 - near.0) / step).round();
+        if steps.abs() < 1.5 {
+            return Ok([near, far]);
+        }
+        let place = near.0 + (steps / 2.0).trunc() * step;
+        let there = (place, value(place)?);
+        *(if (there.1 < 0.0) == (near.1 < 0.0) { &mut near } else { &mut far }) = there;
+    }
+}
 
 /// Paired differences of all members at several places, in ascending order. Between two places each is interpolated linearly.
 pub(crate) struct Differences {

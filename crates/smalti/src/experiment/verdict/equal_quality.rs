@@ -2,8 +2,9 @@
 
 use serde::Serialize;
 
+use crate::camera::STEP_STOPS;
 use crate::numeric::bootstrap::{Resamples, mean};
-use crate::numeric::crossing::{Differences, Places};
+use crate::numeric::crossing::{Differences, Places, narrowed};
 
 /// The largest number of stops that is tried.
 const REACH_STOPS: usize = 4;
@@ -48,11 +49,13 @@ pub(in super::super) struct QualityAtMoreLight<'a> {
     resamples: Option<&'a Resamples>,
     /// The differences at 0, 1, 2 … stops more light.
     at_stops: Vec<Vec<f64>>,
+    /// The differences at the eighths of a stop between which the mean reaches the target, as in a light gain.
+    nearest: Vec<(f64, Vec<f64>)>,
 }
 
 impl<'a> QualityAtMoreLight<'a> {
     /// Measures until the mean is not below that of `target` with certainty, and at most one stop more than its mean needs, four in
-    /// all, and none after CPSNR has stopped rising. `quality` gives the CPSNR of each picture with its light multiplied by a factor;
+    /// all, and none after CPSNR has stopped rising. Then narrows the stop in which the mean reaches the target, as a light gain does. `quality` gives the CPSNR of each picture with its light multiplied by a factor;
     /// `own` is that for the factor 1. All are in the order of `resamples`.
     ///
     /// # Errors
@@ -64,10 +67,20 @@ impl<'a> QualityAtMoreLight<'a> {
         mut quality: impl FnMut(f64) -> Result<Vec<f64>, E>,
     ) -> Result<Self, E> {
         let from = |quality: &[f64]| quality.iter().zip(target).map(|(q, t)| q - t).collect::<Vec<f64>>();
-        let mut measured = Self { resamples, at_stops: vec![from(own)] };
+        let mut measured = Self { resamples, at_stops: vec![from(own)], nearest: Vec::new() };
         while measured.is_open() {
             let more = quality((measured.at_stops.len() as f64).exp2())?;
             measured.at_stops.push(from(&more));
+        }
+        let means: Vec<f64> = measured.at_stops.iter().map(|d| mean(d)).collect();
+        if let Some(above) = means.iter().position(|m| *m >= 0.0).filter(|above| *above > 0) {
+            let [near, far] = [above - 1, above].map(|stops| (stops as f64, means[stops]));
+            narrowed(near, far, STEP_STOPS, |stops| {
+                let there = from(&quality(stops.exp2())?);
+                let lead = mean(&there);
+                measured.nearest.push((stops, there));
+                Ok(lead)
+            })?;
         }
         Ok(measured)
     }
@@ -91,7 +104,9 @@ impl<'a> QualityAtMoreLight<'a> {
 
     /// The light.
     pub(super) fn more_light(&self) -> MoreLight {
-        let places = self.at_stops.iter().enumerate().map(|(stops, d)| (stops as f64, d.clone()));
+        let whole = self.at_stops.iter().enumerate().map(|(stops, d)| (stops as f64, d.clone()));
+        let mut places: Vec<(f64, Vec<f64>)> = whole.chain(self.nearest.iter().cloned()).collect();
+        places.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
         let differences = Differences::new(places);
         let Some(value) = differences.zero() else {
             let means: Vec<f64> = self.at_stops.iter().map(|d| mean(d)).collect();
@@ -123,7 +138,7 @@ mod tests {
         let resamples = Resamples::new(SCENES, 1, 1);
         let at = |factor: f64| Ok::<_, ()>(own.iter().map(|v| v + rise(factor.log2())).collect());
         let measured = QualityAtMoreLight::measure(&own, &target, Some(&resamples), at).unwrap();
-        (measured.more_light(), measured.at_stops.len())
+        (measured.more_light(), measured.at_stops.len() + measured.nearest.len())
     }
 
     #[test]
@@ -142,9 +157,10 @@ mod tests {
 
     #[test]
     fn no_more_is_measured_than_needed() {
-        assert_eq!(light(0.6, |stops| 3.0 * stops).1, 2);
+        // 0 and 1 stop, and three halvings.
+        assert_eq!(light(0.6, |stops| 3.0 * stops).1, 5);
         // The mean is reached after one stop, but not with certainty.
-        assert_eq!(light(2.95, |stops| 3.0 * stops).1, 3);
+        assert_eq!(light(2.95, |stops| 3.0 * stops).1, 6);
     }
 
     /// Light that suffices, light out of reach, and light that does not help are three results.
