@@ -8,8 +8,8 @@
 The script makes all data: the raw images (`smalti simulate --noise none`), the ground truth (the same camera with three sensors
 behind a prism, so that every pixel has all channels), and the learned tables (`smalti train bayer --target bayer`: camera RGB instead of
 XYZ, so that L³ performs the same task as the others). One matrix, the least-squares matrix of the camera, then maps all results from camera RGB to
-XYZ. L³ has no colour correction of its own. The other methods demosaic samples with balanced white. The scenes are the test scenes of `smalti compare`, which are not used for training. They are
-exposed so that the brightest pixel is at 0.8 of saturation. The script prints the CPSNR in XYZ against the truth, in dB, with the largest Y of the
+XYZ. L³ has no colour correction of its own. The other methods demosaic samples with balanced white. The scenes are those test scenes of `smalti compare` that can be lit with D65: the charts, and of
+the natural scenes the photographs. None is used for training. They are exposed so that the brightest pixel is at 0.8 of saturation. The script prints the CPSNR in XYZ against the truth, in dB, with the largest Y of the
 truth as peak.
 """
 
@@ -34,14 +34,27 @@ with warnings.catch_warnings():
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 
-# Those of `test_scenes` in crates/smalti/src/camera/compare.rs, with the pixels they cover at two samples per pixel.
-SCENES = [
-    ("dead-leaves?rows=576&cols=768&least=2&largest=150&seed=1001", (288, 384)),
-    ("macbeth?patch=128", (256, 384)),
-    ("resolution-chart?rows=576", (288, 384)),
-    ("siemens-star?size=576", (288, 288)),
-    ("hdr?rows=384", (192, 288)),
-]
+# The scenes of each set with the pixels they cover at two samples per pixel.
+SCENES = {
+    # Those of `test_scenes` in crates/smalti/src/camera/compare.rs.
+    "charts": [
+        ("dead-leaves?rows=576&cols=768&least=2&largest=150&seed=1001", (288, 384)),
+        ("macbeth?patch=128", (256, 384)),
+        ("resolution-chart?rows=576", (288, 384)),
+        ("siemens-star?size=576", (288, 288)),
+        ("hdr?rows=384", (192, 288)),
+    ],
+    "photographs": [
+        ("photo-astronaut", (256, 256)),
+        ("photo-brushes", (288, 384)),
+        ("photo-dahlia", (213, 320)),
+        ("photo-fig", (288, 384)),
+        ("photo-pagoda", (213, 320)),
+        ("photo-raccoon", (288, 384)),
+        ("photo-spices", (240, 320)),
+        ("photo-stream", (288, 384)),
+    ],
+}
 
 # The training options of each L³ table.
 TABLES = {
@@ -63,6 +76,7 @@ BRIGHTEST = 0.8
 def arguments():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--smalti", default=ROOT / "target/release/smalti", type=pathlib.Path, help="the command to use")
+    parser.add_argument("--scenes", choices=SCENES, default="charts", help="the set of scenes (default charts)")
     parser.add_argument("--border", default=8, type=int, help="pixels left out at every edge (default 8)")
     parser.add_argument("--work", type=pathlib.Path, help="keep tables and images in this folder, and use what is there")
     parser.add_argument(
@@ -115,7 +129,7 @@ def main():
     if args.json:
         print(json.dumps(results, indent=2))
         return
-    print(f"{'':28}" + "".join(f"{spec.split('?')[0]:>18}" for spec, _ in SCENES) + f"{'mean':>9}")
+    print(f"{'':28}" + "".join(f"{spec.split('?')[0]:>18}" for spec, _ in SCENES[args.scenes]) + f"{'mean':>9}")
     for name in names:
         values = list(results[name].values())
         print(f"{name:28}" + "".join(f"{v:18.2f}" for v in values) + f"{np.mean(values):9.2f}")
@@ -140,12 +154,12 @@ def measure(args, work):
     # The methods of Malvar and Menon assume that detail is equal in all channels, so that they follow white balance, as in raw converters.
     white, _ = simulate(args, "uniform", (64, 64), 1000, work / "white", **{"sensor.architecture": "prism"})
     gains = white.mean((1, 2)).max() / white.mean((1, 2))
-    for number, (spec, size) in enumerate(SCENES):
+    for number, (spec, size) in enumerate(SCENES[args.scenes]):
         # The brightest pixel of the truth determines the luminance that brings it to the wanted level.
-        dim, _ = simulate(args, spec, size, 1, work / f"{number}-dim", **{"sensor.architecture": "prism"})
+        dim, _ = simulate(args, spec, size, 1, work / f"{args.scenes}-{number}-dim", **{"sensor.architecture": "prism"})
         light = round(BRIGHTEST / dim.max(), 4)
-        rgb, xyz = simulate(args, spec, size, light, work / f"{number}-truth", **{"sensor.architecture": "prism"})
-        folder = work / f"{number}-raw"
+        rgb, xyz = simulate(args, spec, size, light, work / f"{args.scenes}-{number}-truth", **{"sensor.architecture": "prism"})
+        folder = work / f"{args.scenes}-{number}-raw"
         raw, _ = simulate(args, spec, size, light, folder)
         # The picture behind the prism is camera RGB times the matrix of the camera, so that least squares recover this matrix.
         pixels = rgb.reshape(3, -1)
@@ -153,7 +167,8 @@ def measure(args, work):
         def to_xyz(image):
             return np.einsum("ij,jrc->irc", matrix, image)
         truth = to_xyz(rgb)
-        balance = np.tile(gains[[[0, 1], [1, 2]]], (size[0] // 2, size[1] // 2))
+        _, rows, cols = raw.shape
+        balance = np.tile(gains[[[0, 1], [1, 2]]], (rows // 2 + 1, cols // 2 + 1))[:rows, :cols]
         for name, method in classic.items():
             image = np.moveaxis(np.asarray(method(raw[0] * balance, "RGGB")), 2, 0) / gains[:, None, None]
             results[name][spec] = cpsnr(to_xyz(image), truth, args.border)

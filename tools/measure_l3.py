@@ -7,7 +7,7 @@
 Each section is one or more runs of the command, whose results stay in the given folder and are used again by a later run of this script. Only the
 section `kinds` needs more than the built-in scenes: --spectral FILE names a spectral image of one's own. The section `greys` needs NumPy.
 
-    python3 tools/measure_l3.py target/release/smalti target/l3-catalog --training-set catalog > docs/reference/l3-catalog.md
+    python3 tools/measure_l3.py target/release/smalti target/l3-catalog --training-set catalog
     python3 tools/measure_l3.py target/release/smalti target/l3 effect --against target/l3-catalog
 
 The first command makes the same figures with pipelines that learn from the catalogue alone, the second prints by how much every figure changes.

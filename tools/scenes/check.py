@@ -1,5 +1,7 @@
 """python -m scenes check: does a rendering give back the reflectance of a known card, and are the test spectra not those of training?"""
 
+import pathlib
+
 import mitsuba as mi
 import numpy as np
 
@@ -8,9 +10,15 @@ from . import codec, material, render, spectra
 CARDS = ["TCS 5", "TCS 32", "TCS 76", "Skin 36", "Cotton Fabric GDS437 White"]
 
 
+STORED = pathlib.Path(__file__).parents[2] / "crates/smalti-io/tests/data/cards"
+
+
 def recovered() -> float:
-    """Largest relative error of the mean reflectance of cards under an LED lamp at 40°, rendered, stored and decoded."""
+    """Largest relative error of the mean reflectance of cards under an LED lamp at 40°, rendered, stored and decoded.
+
+    Each card, with the light that a white diffuser in its place reflects, is stored for the tests of smalti-io."""
     worst = 0.0
+    STORED.mkdir(exist_ok=True)
     t = mi.ScalarTransform4f()
     angle = np.radians(40.0)
     irradiance = spectra.irradiance("LED-B3", 1000.0)
@@ -28,8 +36,10 @@ def recovered() -> float:
         )
         sensor = mi.load_dict({"type": "perspective", "fov": 20.0, "to_world": t.look_at([0, 0, 3], [0, 0, 0], [0, 1, 0])})
         picture = render.render(scene, sensor, 12, 16, 16, 1).radiance
-        stored = codec.decode(codec.encode(picture, irradiance / np.pi, {}, 3)).radiance
-        reflectance = stored.mean(axis=(0, 1)) * np.pi / (irradiance * np.cos(angle))
+        encoded = codec.encode(picture, irradiance * np.cos(angle) / np.pi, {"card": name, "lamp": "LED-B3"}, 3)
+        (STORED / f"{name.replace(' ', '-').lower()}.spc").write_bytes(encoded)
+        stored = codec.decode(encoded)
+        reflectance = stored.radiance.mean(axis=(0, 1)) / stored.light
         truth = spectra.reflectances()[name]
         error = float(np.abs(reflectance / truth - 1).max())
         print(f"{name}: largest error of a band {100 * error:.2f} %")

@@ -5,6 +5,12 @@ use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 
+use crate::terminal;
+
+/// Rows of a terminal that does not report them.
+const USUAL_ROWS: usize = 24;
+/// Rows for the bar, which may wrap, and the prompt.
+const BAR_ROWS: usize = 4;
 const TEMPLATE: &str = "{prefix}{bar:24} {human_pos}/{human_len}{rate}  {msg}  {elapsed}, about {eta} left";
 
 /// The number of steps, with the name of the current one.
@@ -52,9 +58,11 @@ impl smalti::experiment::Progress for Progress {
         self.bar.inc(1);
     }
 
-    /// Shows preliminary results above the bar; they disappear with it.
-    fn preliminary(&self, text: &str) {
-        self.bar.set_prefix(format!("{}{text}\n", self.bar.prefix()));
+    /// Shows preliminary results above the bar, as many lines as the terminal has room for; they disappear with it.
+    fn preliminary(&self, table: &str) {
+        let room = terminal::rows_of_errors().unwrap_or(USUAL_ROWS).saturating_sub(BAR_ROWS);
+        let lines = table.lines().take(room);
+        self.bar.set_prefix(lines.fold(String::new(), |shown, line| shown + line + "\n"));
     }
 
     /// Prints a note above the bar, unless quiet.

@@ -110,6 +110,12 @@ pub(crate) fn columns() -> Option<usize> {
     size().map(|(columns, _)| columns)
 }
 
+/// Height of the terminal of standard error in rows; `None` when it is no terminal.
+pub(crate) fn rows_of_errors() -> Option<usize> {
+    let (_, height) = terminal_size::terminal_size_of(std::io::stderr())?;
+    (height.0 > 0).then_some(height.0.into())
+}
+
 /// Ratio of height to width of a character; 2 where the terminal does not report it.
 pub(crate) fn cell_shape() -> f64 {
     #[cfg(unix)]

@@ -267,7 +267,7 @@ fn cameras_that_cannot_be() {
     for (pattern, words) in [
         (
             "[\"RG\", \"ZB\"]",
-            "'Z' at row 1, column 0 (counted from 0), but no filter has that name; filters: B, G, R",
+            "'Z' at row 1, column 0 (counted from 0), but no filter has that name (filters: B, G, R); add one or change the pattern",
         ),
         ("[\"RG\", \"B\"]", "a mosaic tile is a rectangle"),
         ("[\"\"]", "a mosaic tile is a rectangle"),

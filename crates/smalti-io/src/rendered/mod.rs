@@ -156,6 +156,93 @@ mod tests {
         }
     }
 
+    /// At most 1.5 MB for a scene, and 8 MB for the rendered test scenes together.
+    #[test]
+    fn stored_scenes_are_small() {
+        let mut rendered = 0;
+        for scene in names() {
+            let (Content::Rendered(bytes) | Content::Photograph(bytes)) = scene.content;
+            assert!(bytes.len() <= 1_500_000, "{}: {} bytes", scene.name, bytes.len());
+            rendered += if scene.has_one_light() { 0 } else { bytes.len() };
+        }
+        assert!(rendered <= 8_000_000, "{rendered} bytes");
+    }
+
+    /// The ratio of each sample to the light of its scene: the reflectance where this light alone illuminates it.
+    fn ratios(scene: &StoredScene) -> Vec<Vec<f64>> {
+        let loaded = scene.load().unwrap();
+        let planes = loaded.radiance().planes();
+        let ratio = |(band, light): (usize, &f64)| {
+            planes.plane(band).unwrap().iter().map(|v| f64::from(*v) / light).collect()
+        };
+        loaded.illuminant().values().iter().enumerate().map(ratio).collect()
+    }
+
+    /// The reflectances of photographs are those of surfaces: between 0 and 1 in every band.
+    #[test]
+    fn photographs_have_reflectances() {
+        for scene in names().iter().filter(|s| s.has_one_light()) {
+            let ratios = ratios(scene);
+            let all = || ratios.iter().flatten().copied();
+            let (least, largest) = (all().fold(f64::INFINITY, f64::min), all().fold(0.0, f64::max));
+            println!("{}: {least:.4} to {largest:.4}", scene.name);
+            assert!(least >= 0.0 && largest <= 1.0 + 1e-6, "{}: {least} to {largest}", scene.name);
+        }
+    }
+
+    /// Sum of the second differences of a spectrum over that of its values: 0.01 to 0.04 for smooth spectra, more for lines and bands.
+    fn roughness(spectrum: &[f64]) -> f64 {
+        let bends: f64 = spectrum.windows(3).map(|w| (w[0] - 2.0 * w[1] + w[2]).abs()).sum();
+        bends / spectrum.iter().sum::<f64>()
+    }
+
+    /// Rendered scenes have deep shade and highlights: the brightest and the darkest hundredth of their samples differ by a factor of 100
+    /// and more. Without the light, what remains of the mean spectrum is smooth like a reflectance. The street is left out there,
+    /// because lamps of several kinds illuminate it.
+    #[test]
+    fn rendered_scenes_have_plausible_ranges_and_spectra() {
+        for scene in names().iter().filter(|s| !s.has_one_light()) {
+            let ratios = ratios(scene);
+            let mut green = ratios[15].clone();
+            green.sort_by(f64::total_cmp);
+            let at = |share: f64| green[((green.len() - 1) as f64 * share) as usize];
+            let [shade, bright] = [0.01, 0.99].map(at);
+            assert!(
+                shade > 0.0 && bright > 100.0 * shade && bright < 1.1,
+                "{}: {shade} {bright}",
+                scene.name
+            );
+            let light = scene.load().unwrap().illuminant().values().to_vec();
+            let brightest = light.iter().copied().fold(0.0, f64::max);
+            // Without light there is no reflectance.
+            let lit: Vec<usize> = (0..light.len()).filter(|band| light[*band] > 0.05 * brightest).collect();
+            let mean = |band: &usize| ratios[*band].iter().sum::<f64>() / green.len() as f64;
+            let rough = roughness(&lit.iter().map(mean).collect::<Vec<_>>());
+            assert!(rough < 0.04 || scene.name == "natural-street", "{}: {rough}", scene.name);
+        }
+    }
+
+    /// Cards under an LED lamp, rendered by Mitsuba and stored by `tools/scenes/check.py`, have their measured reflectances to 2 %.
+    #[test]
+    fn rendered_cards_have_their_reflectances() {
+        let surfaces = smalti::spectrum::reflectance::surfaces(WavelengthGrid::VISIBLE).unwrap();
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/cards");
+        for card in ["TCS 5", "TCS 32", "TCS 76", "Skin 36", "Cotton Fabric GDS437 White"] {
+            let file = folder.join(format!("{}.spc", card.replace(' ', "-").to_lowercase()));
+            let file = components::decode(card, &std::fs::read(file).unwrap()).unwrap();
+            let scene =
+                file.into_scene(&Setting { illuminant: Illuminant::D65, ..Setting::default() }).unwrap();
+            let (_, truth) = surfaces.iter().find(|(name, _)| *name == card).unwrap();
+            let bands = scene.illuminant().values().iter().zip(truth.values()).enumerate();
+            for (band, (light, expected)) in bands {
+                let samples = scene.radiance().planes().plane(band).unwrap();
+                let mean = samples.iter().map(|v| f64::from(*v)).sum::<f64>() / samples.len() as f64;
+                let error = mean / light / expected - 1.0;
+                assert!(error.abs() < 0.02, "{card}, band {band}: {error}");
+            }
+        }
+    }
+
     #[test]
     fn photographs_are_scenes_in_daylight() {
         for scene in names().iter().filter(|s| s.has_one_light()) {

@@ -14,13 +14,15 @@ pub(super) const MTF50_AND_NOISE: &str = "MTF50 is measured without noise, noise
 
 /// What a light gain and its interval rest on.
 pub(super) const GAIN_BASIS: &str = "Below 0, the first camera needs less light. 95 % confidence intervals in brackets: of scores of pictures over the scenes and \
-     noise realisations of the first table, of visual SNR and noise over four captures of the chart. The table of scores has one capture. The search ends at ±4 stops. MTF50 is \
+     noise realisations of the first table, of visual SNR and noise over four captures of the chart. The table of scores has one capture. The search ends at ±4 stops. \
+     “Also” marks further light at which a score that does not rise steadily with light equals that of the other camera. MTF50 is \
      measured without noise and therefore has no light gain.";
 
-/// A light gain with its interval: `+0.41 stops [+0.38, +0.46]`.
+/// A light gain with its interval, `+0.41 stops [+0.38, +0.46]`, and where the scores are equal as well, `, also +0.90`.
 pub(super) fn gain_cell(of: &MetricGain, unit: &str) -> String {
     let interval = of.interval.map_or_else(String::new, |i| format!(" {i}"));
-    format!("{}{interval}", of.gain.to_string().replace(" stops", unit)).replace('-', "−")
+    let also: String = of.also_at_stops.iter().map(|stops| format!(", also {stops:+.2}")).collect();
+    format!("{}{interval}{also}", of.gain.to_string().replace(" stops", unit)).replace('-', "−")
 }
 
 impl Comparison<'_> {

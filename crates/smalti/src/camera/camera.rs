@@ -214,9 +214,21 @@ impl Camera {
     /// When no time is given and the rule finds no light.
     pub fn exposure_or(&self, time_s: Option<f64>, image: &OpticalImage) -> Result<Exposure, CameraError> {
         match time_s {
-            Some(time_s) => self.with_gain_for(Exposure { time_s, ..self.gain_and_offset() }, image),
+            Some(time_s) => self.exposure_for(time_s, image),
             None => self.exposure(image),
         }
+    }
+
+    /// The exposure with a given time, s, for light on the sensor.
+    ///
+    /// # Errors
+    /// When the conversion gain depends on the light and a stage fails.
+    pub(super) fn exposure_for<'a>(
+        &self,
+        time_s: f64,
+        light: impl Into<Light<'a>>,
+    ) -> Result<Exposure, CameraError> {
+        self.with_gain_for(Exposure { time_s, ..self.gain_and_offset() }, light)
     }
 
     /// The exposure time that the description states, s; `None` when a rule determines it.

@@ -10,6 +10,7 @@ use super::score::{PICTURE_METRICS, ReferenceToScore, picture_cpsnr_db};
 use super::{Camera, CameraError, PictureScores, ScoreSettings};
 use crate::color::Image;
 use crate::isp::Isp;
+use crate::numeric::Planes;
 use crate::optics::OpticalImage;
 use crate::scene::{Scene, Setting, catalog};
 use crate::sensor::{ElectronRates, Exposure, NoiseMode, RawImage};
@@ -163,7 +164,8 @@ pub fn compare_on(
     seed: u64,
     settings: &ScoreSettings,
 ) -> Result<SceneScores, CameraError> {
-    Ok(compare_seeds(setup, isp, seed..seed.saturating_add(1), settings)?.first)
+    let scene = IntegratedScene::new(setup.clone())?;
+    Ok(scene.compare_seeds((1.0, &setup.exposure), isp, seed..seed.saturating_add(1), settings)?.first)
 }
 
 /// A scene compared for several seeds.
@@ -176,67 +178,116 @@ pub(crate) struct SeedScores {
     pub(crate) figures: Vec<[f64; PICTURE_METRICS.len()]>,
 }
 
-/// [`compare_on`] for the first of several seeds, and the figures of the pictures for all of them, at least one.
-///
-/// # Errors
-/// As [`compare_on`].
-pub(crate) fn compare_seeds(
-    setup: &Setup,
-    isp: &dyn Isp,
-    seeds: Range<u64>,
-    settings: &ScoreSettings,
-) -> Result<SeedScores, CameraError> {
-    let Setup { camera, image, light, exposure } = setup;
-    let white = Observer::Cie1931.white(light)?;
-    // The seeds share the integral of the light over wavelength, and the reference.
-    let (rates, to_score) = rayon::join(
-        || ElectronRates::new(&camera.sensor, image),
-        || -> Result<_, CameraError> {
-            let reference = camera.reference_as_exposed(image, exposure, light)?;
-            Ok((ReferenceToScore::new(&reference, white, settings)?, reference))
-        },
-    );
-    let (rates, (to_score, reference)) = (rates?, to_score?);
-    let seed = seeds.start;
-    let scored = |seed: u64| -> Result<_, CameraError> {
-        let raw = camera.sensor.capture((&rates, 1.0), exposure, NoiseMode::All, seed)?;
-        let picture = isp.render(&raw)?;
-        Ok((to_score.score(&picture)?, picture, raw))
-    };
-    // Each stage has parts that use one thread.
-    let (first, others) = rayon::join(
-        || scored(seed),
-        || {
-            let others = (seed.saturating_add(1)..seeds.end).into_par_iter();
-            others.map(|seed| Ok(scored(seed)?.0.figures())).collect::<Result<Vec<_>, CameraError>>()
-        },
-    );
-    let ((scores, picture, raw), others) = (first?, others?);
-    let figures = std::iter::once(scores.figures()).chain(others).collect();
-    let (exposure_time_s, saturated_percent) = (exposure.time_s, raw.saturated_percent());
-    let first = SceneScores { scores, exposure_time_s, saturated_percent, seed, white, picture, reference };
-    Ok(SeedScores { first, raw, figures })
+/// A scene on a camera, integrated over wavelength once: all that captures and references at any multiple of its light need.
+pub(crate) struct IntegratedScene {
+    setup: Setup,
+    rates: ElectronRates,
+    /// The response of the standard observer.
+    seen: Planes,
 }
 
-/// The CPSNR of [`compare_on`] alone for each seed, dB, in a fraction of the time.
-///
-/// # Errors
-/// As [`compare_on`].
-pub(crate) fn cpsnr_of_seeds(
-    setup: &Setup,
-    isp: &dyn Isp,
-    seeds: Range<u64>,
-    settings: &ScoreSettings,
-) -> Result<Vec<f64>, CameraError> {
-    let Setup { camera, image, light, exposure } = setup;
-    let (rates, reference) = rayon::join(
-        || ElectronRates::new(&camera.sensor, image),
-        || camera.reference_as_exposed(image, exposure, light),
-    );
-    let (rates, reference) = (rates?, reference?);
-    let cpsnr_db = |seed: u64| {
-        let raw = camera.sensor.capture((&rates, 1.0), exposure, NoiseMode::All, seed)?;
-        picture_cpsnr_db(&isp.render(&raw)?, &reference, settings)
-    };
-    seeds.into_par_iter().map(cpsnr_db).collect()
+impl IntegratedScene {
+    /// Integrates the optical image.
+    ///
+    /// # Errors
+    /// When a curve does not cover the wavelengths of the image.
+    pub(crate) fn new(setup: Setup) -> Result<Self, CameraError> {
+        let Setup { camera, image, .. } = &setup;
+        let (rates, seen) =
+            rayon::join(|| ElectronRates::new(&camera.sensor, image), || camera.seen_by_observer(image));
+        let (rates, seen) = (rates?, seen?);
+        Ok(Self { setup, rates, seen })
+    }
+
+    /// The scene as it was imaged.
+    pub(crate) fn setup(&self) -> &Setup {
+        &self.setup
+    }
+
+    /// The illuminant at a multiple of its light.
+    ///
+    /// # Errors
+    /// When the factor is negative or not finite.
+    pub(crate) fn light(&self, factor: f64) -> Result<Spectrum, CameraError> {
+        Ok(self.setup.light.scaled(factor)?)
+    }
+
+    /// The exposure at a multiple of the light, with a time, s, or with that of the camera's description.
+    ///
+    /// # Errors
+    /// When no time is given and the rule finds no light.
+    pub(crate) fn exposure(&self, factor: f64, time_s: Option<f64>) -> Result<Exposure, CameraError> {
+        let Setup { camera, image, .. } = &self.setup;
+        let time_s = match time_s {
+            Some(time_s) => time_s,
+            None => camera.times_in_light(image, &[factor])?[0],
+        };
+        camera.exposure_for(time_s, (&self.rates, factor))
+    }
+
+    fn reference(&self, factor: f64, exposure: &Exposure) -> Result<Image, CameraError> {
+        let mut seen = self.seen.clone();
+        seen.data_mut().iter_mut().for_each(|v| *v *= factor as f32);
+        self.setup.camera.as_exposed(seen, exposure, &self.light(factor)?)
+    }
+
+    fn capture(&self, factor: f64, exposure: &Exposure, seed: u64) -> Result<RawImage, CameraError> {
+        Ok(self.setup.camera.sensor.capture((&self.rates, factor), exposure, NoiseMode::All, seed)?)
+    }
+
+    /// [`compare_on`] at a multiple of the light for the first of several seeds, and the figures of the pictures for all of them, at
+    /// least one.
+    ///
+    /// # Errors
+    /// As [`compare_on`].
+    pub(crate) fn compare_seeds(
+        &self,
+        (factor, exposure): (f64, &Exposure),
+        isp: &dyn Isp,
+        seeds: Range<u64>,
+        settings: &ScoreSettings,
+    ) -> Result<SeedScores, CameraError> {
+        let white = Observer::Cie1931.white(&self.light(factor)?)?;
+        let reference = self.reference(factor, exposure)?;
+        let to_score = ReferenceToScore::new(&reference, white, settings)?;
+        let seed = seeds.start;
+        let scored = |seed: u64| -> Result<_, CameraError> {
+            let raw = self.capture(factor, exposure, seed)?;
+            let picture = isp.render(&raw)?;
+            Ok((to_score.score(&picture)?, picture, raw))
+        };
+        // Each stage has parts that use one thread.
+        let (first, others) = rayon::join(
+            || scored(seed),
+            || {
+                let others = (seed.saturating_add(1)..seeds.end).into_par_iter();
+                others.map(|seed| Ok(scored(seed)?.0.figures())).collect::<Result<Vec<_>, CameraError>>()
+            },
+        );
+        let ((scores, picture, raw), others) = (first?, others?);
+        let figures = std::iter::once(scores.figures()).chain(others).collect();
+        let (exposure_time_s, saturated_percent) = (exposure.time_s, raw.saturated_percent());
+        let first =
+            SceneScores { scores, exposure_time_s, saturated_percent, seed, white, picture, reference };
+        Ok(SeedScores { first, raw, figures })
+    }
+
+    /// The CPSNR of [`compare_on`] alone at a multiple of the light for each seed, dB, in a fraction of the time.
+    ///
+    /// # Errors
+    /// As [`compare_on`].
+    pub(crate) fn cpsnr_of_seeds(
+        &self,
+        (factor, exposure): (f64, &Exposure),
+        isp: &dyn Isp,
+        seeds: Range<u64>,
+        settings: &ScoreSettings,
+    ) -> Result<Vec<f64>, CameraError> {
+        let reference = self.reference(factor, exposure)?;
+        let cpsnr_db = |seed: u64| {
+            let picture = isp.render(&self.capture(factor, exposure, seed)?)?;
+            picture_cpsnr_db(&picture, &reference, settings)
+        };
+        seeds.into_par_iter().map(cpsnr_db).collect()
+    }
 }

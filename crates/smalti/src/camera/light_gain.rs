@@ -7,7 +7,7 @@ use std::fmt;
 use serde::Serialize;
 
 use super::chart::{self, PATCH_SAMPLES};
-use super::compare::compare_seeds;
+use super::compare::IntegratedScene;
 use super::{
     Camera, CameraError, GreyScores, IspFor, PICTURE_METRICS, PatchScores, ScoreSettings, Setup, TestScene,
 };
@@ -16,7 +16,7 @@ use crate::metrics::{Better, MetricError, metric_info};
 use crate::numeric::bootstrap::{Resamples, mean};
 use crate::numeric::crossing::{Differences, Places, narrowed};
 use crate::scene::{Setting, macbeth};
-use crate::sensor::NoiseMode;
+use crate::sensor::{Exposure, NoiseMode};
 use crate::spectrum::Illuminant;
 
 /// Range of the search in both directions, stops.
@@ -182,6 +182,9 @@ pub struct MetricGain {
     /// Its interval. For scores of pictures it covers scenes and seeds, for visual SNR and luminance noise captures of the chart
     /// alone. `None` for a single picture, and where a score is not finite.
     pub interval: Option<GainInterval>,
+    /// Further stops, among the light that was tried, at which the scores are equal; empty for a score that rises or falls steadily
+    /// with light.
+    pub also_at_stops: Vec<f64>,
     /// The score of the camera at equal light.
     pub own: f64,
     /// The score of the reference camera.
@@ -249,15 +252,36 @@ pub fn light_gains(
         };
         let resamples = if i < PICTURE_METRICS.len() { pictures.as_ref() } else { Some(&captures) };
         let interval = resamples.map_or(Ok(None), |r| gain_interval(gain, &tried, r, leads))?;
+        let own = mean(&figures(0.0, i)?);
         metrics.push(MetricGain {
             metric,
             gain,
             interval,
-            own: mean(&figures(0.0, i)?),
+            also_at_stops: Vec::new(),
+            own,
             target: mean(target),
         });
     }
+    // The light that other metrics needed shows further crossings.
+    for (i, (found, target)) in metrics.iter_mut().zip(&targets).enumerate() {
+        let lead = |(eighths, figures): (&i64, &Figures)| {
+            (*eighths as f64 * STEP_STOPS, mean(&figures[i]) - mean(target))
+        };
+        found.also_at_stops = further_crossings(found.gain, &known.iter().map(lead).collect::<Vec<_>>());
+    }
     Ok(LightGains { luminance_cd_m2: settings.luminance_cd_m2, metrics, tried: known.len() })
+}
+
+/// The places, stops, at which leads change their sign, but for that of the gain. `leads` are those at places in ascending order,
+/// between which they are interpolated linearly.
+fn further_crossings(gain: LightGain, leads: &[(f64, f64)]) -> Vec<f64> {
+    let LightGain::Stops(gain) = gain else { return Vec::new() };
+    let pairs = leads.windows(2).filter_map(|pair| match pair {
+        [low, high] if (low.1 < 0.0) != (high.1 < 0.0) => Some((low, high)),
+        _ => None,
+    });
+    let crossings = pairs.map(|(low, high)| low.0 + low.1 / (low.1 - high.1) * (high.0 - low.0));
+    crossings.filter(|stops| (stops - gain).abs() > STEP_STOPS).collect()
 }
 
 /// The interval of a light gain. `leads` are the paired differences from the reference at a number of stops, positive where the camera
@@ -305,7 +329,7 @@ type Figures = [Vec<f64>; METRICS.len()];
 
 /// A camera with its processing, and the scenes and the chart imaged on it.
 struct CameraUnderTest<'a> {
-    scenes: Vec<(Setup, Box<dyn Isp + 'a>)>,
+    scenes: Vec<(IntegratedScene, Exposure, Box<dyn Isp + 'a>)>,
     chart: (Setup, Box<dyn Isp + 'a>),
 }
 
@@ -322,28 +346,27 @@ impl<'a> CameraUnderTest<'a> {
             grid: camera.grid(),
             ..Setting::default()
         };
-        let lent = |setup: Option<&Setup>| setup.map_or(Ok(None), |s| s.before(camera));
-        let with_isp = |setup: Setup| {
-            let isp = isp(&setup.light)?;
-            Ok::<_, CameraError>((setup, isp))
+        let scene = |(i, scene): (usize, &TestScene)| -> Result<_, CameraError> {
+            let lender = other.and_then(|o| o.scenes.get(i)).map(|s| s.0.setup());
+            let setup = scene.before_sharing(camera, &settings.illuminant, lender)?;
+            let scene = IntegratedScene::new(setup)?;
+            let exposure =
+                scene.exposure(settings.luminance_cd_m2, settings.times_s.get(i).copied().flatten())?;
+            let isp = isp(&scene.light(settings.luminance_cd_m2)?)?;
+            Ok((scene, exposure, isp))
         };
-        let scene = |(i, scene): (usize, &TestScene)| {
-            let setup = match lent(other.and_then(|o| o.scenes.get(i)).map(|s| &s.0))? {
-                Some(setup) => setup,
-                None => scene.before(camera, &settings.illuminant)?.in_light(settings.luminance_cd_m2)?,
-            };
-            with_isp(setup.exposed(settings.times_s.get(i).copied().flatten())?)
-        };
-        let chart = match lent(other.map(|o| &o.chart.0))? {
+        let lent = other.map(|o| o.chart.0.before(camera)).transpose()?.flatten();
+        let chart = match lent {
             Some(setup) => setup,
             None => {
                 let scene = macbeth::chart(PATCH_SAMPLES, &setting)?;
                 Setup::with_size(camera, scene, chart::SIZE_PX)?
             }
         };
+        let chart_isp = isp(&chart.light)?;
         Ok(Self {
             scenes: settings.scenes.iter().enumerate().map(scene).collect::<Result<_, _>>()?,
-            chart: with_isp(chart.exposed(settings.chart_s)?)?,
+            chart: (chart.exposed(settings.chart_s)?, chart_isp),
         })
     }
 
@@ -351,9 +374,9 @@ impl<'a> CameraUnderTest<'a> {
     fn qualities(&self, stops: f64, settings: &LightGainSettings) -> Result<Figures, CameraError> {
         let seeds = settings.seed..settings.seed.saturating_add(settings.seed_count.max(1));
         let mut all = Figures::default();
-        for (setup, isp) in &self.scenes {
-            let lit = setup.in_light(stops.exp2())?;
-            for of_seed in compare_seeds(&lit, &**isp, seeds.clone(), &settings.score)?.figures {
+        for (scene, exposure, isp) in &self.scenes {
+            let at = (settings.luminance_cd_m2 * stops.exp2(), exposure);
+            for of_seed in scene.compare_seeds(at, &**isp, seeds.clone(), &settings.score)?.figures {
                 for (values, figure) in all.iter_mut().zip(of_seed) {
                     values.push(figure);
                 }
@@ -464,6 +487,22 @@ mod tests {
             let expected = [stops - mean_interval.high / 3.0, stops - mean_interval.low / 3.0];
             assert!((low - expected[0]).abs() < 1e-6 && (high - expected[1]).abs() < 1e-6, "{low} to {high}");
         }
+    }
+
+    /// A score that rises, falls and rises again equals the target three times.
+    #[test]
+    fn further_crossings_are_found() {
+        let leads: Vec<(f64, f64)> = (-32..=32)
+            .map(|i| f64::from(i) * STEP_STOPS)
+            .map(|s| (s, (s + 1.0) * (s - 0.4) * (s - 2.0)))
+            .collect();
+        let found = further_crossings(LightGain::Stops(0.4), &leads);
+        assert!(
+            found.len() == 2 && (found[0] + 1.0).abs() < 0.02 && (found[1] - 2.0).abs() < 0.02,
+            "{found:?}"
+        );
+        let steady: Vec<(f64, f64)> = leads.iter().map(|(s, _)| (*s, s - 0.4)).collect();
+        assert!(further_crossings(LightGain::Stops(0.4), &steady).is_empty());
     }
 
     /// An end beyond the search range is bounded, and so is a gain that lies beyond it with certainty.

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use super::contender::{Contender, ScoredScene, score_scene};
+use super::contender::{Contender, ScoredScene, score_integrated};
 use super::error::StageContext;
 use super::outcome::Outcome;
 use super::progress::ensure_running;
@@ -10,8 +10,9 @@ use super::verdict::{LIGHT_METRIC, QualityAtMoreLight, Scores, Verdict};
 use super::{
     ComparedPictures, ExperimentError, ExposurePlan, ExposurePolicy, Processing, Progress, Resources,
 };
-use crate::camera::compare::cpsnr_of_seeds;
-use crate::camera::{Camera, EvaluationSettings, ScoreSettings, Setup, TestScene};
+use crate::camera::compare::IntegratedScene;
+use crate::camera::{Camera, Evaluation, EvaluationSettings, ScoreSettings, Setup, TestScene};
+use crate::metrics::esfr::EdgeSfr;
 use crate::spectrum::Illuminant;
 
 /// Settings of a comparison.
@@ -51,8 +52,10 @@ impl ComparisonSettings {
     }
 }
 
-/// Compares contenders on scenes. The result holds an outcome for each contender and luminance, each one step of progress, and a
-/// verdict. Cameras with the same lens and pixel pitch share the optical images.
+/// Compares contenders on scenes. The result holds an outcome for each contender and luminance, and a verdict. Cameras with the
+/// same lens and pixel pitch share the optical images. All contenders are scored on one scene before the next one, so that
+/// [`Progress::preliminary`] compares them from the first scene on. The targets and each scene are steps of progress, for each
+/// contender and luminance.
 ///
 /// # Errors
 /// When a contender lacks its pipeline, a stage fails, or the work is stopped.
@@ -61,10 +64,15 @@ pub fn compare(
     settings: &ComparisonSettings,
     resources: Resources<'_>,
 ) -> Result<Compared, ExperimentError> {
-    resources.progress.expect((contenders.len() * settings.luminances_cd_m2.len()) as u64);
+    let lights = settings.luminances_cd_m2.len();
+    resources.progress.expect((contenders.len() * lights * (settings.scenes.len() + 1)) as u64);
+    let without_pipeline = |c: &&Contender<'_>| c.processing == Processing::L3 && c.pipelines.is_none();
+    if let Some(contender) = contenders.iter().find(without_pipeline) {
+        return Err(ExperimentError::NoPipeline { camera: contender.label.to_owned() });
+    }
     let cameras: Vec<(&str, &Camera)> = contenders.iter().map(|c| (c.label, c.camera)).collect();
-    // The first camera's images serve the exposure times as well.
-    let mut setups = contenders.first().map_or(Ok(Vec::new()), |c| imaged(c, settings, &[], resources))?;
+    // The first camera's images serve the exposure times and the verdict as well.
+    let setups = contenders.first().map_or(Ok(Vec::new()), |c| imaged(c, settings, &[], resources))?;
     let pictures = ComparedPictures {
         scenes: &settings.scenes,
         luminances_cd_m2: &settings.luminances_cd_m2,
@@ -72,57 +80,95 @@ pub fn compare(
         setups: &setups,
     };
     let exposure = ExposurePlan::new(settings.exposure, &cameras, pictures, resources)?;
+    let explained = |c: &Contender<'_>, e: ExperimentError| exposure.explained(c.label, e);
     let mut outcomes = Vec::with_capacity(contenders.len());
-    for (i, contender) in contenders.iter().enumerate() {
-        if contender.processing == Processing::L3 && contender.pipelines.is_none() {
-            return Err(ExperimentError::NoPipeline { camera: contender.label.to_owned() });
-        }
-        if i > 0 {
-            setups = imaged(contender, settings, &setups, resources)?;
-        }
+    for contender in contenders {
         let at = |light: usize| {
-            let scored = outcome(contender, light, &setups, settings, &exposure, resources);
-            scored.map_err(|e| exposure.explained(contender.label, e))
+            let (targets, edge) = targets(contender, light, settings, &exposure, resources)?;
+            let luminance_cd_m2 = settings.luminances_cd_m2[light];
+            Ok(Outcome { luminance_cd_m2, targets, edge, scenes: Vec::new() })
         };
-        outcomes.push((0..settings.luminances_cd_m2.len()).map(at).collect::<Result<_, _>>()?);
+        let found = (0..lights).map(at).collect::<Result<Vec<_>, _>>();
+        outcomes.push(found.map_err(|e| explained(contender, e))?);
+    }
+    for (scene, first) in setups.iter().enumerate() {
+        let mut last = first.clone();
+        for (contender, outcomes) in contenders.iter().zip(&mut outcomes) {
+            last = image(contender, scene, settings, Some(&last), resources)?;
+            let scored = scene_scores(contender, (scene, &last), settings, &exposure, resources.progress);
+            let name = settings.scenes[scene].name();
+            for (outcome, scored) in outcomes.iter_mut().zip(scored.map_err(|e| explained(contender, e))?) {
+                outcome.scenes.push((name.to_owned(), scored));
+            }
+        }
+        let scored = [scene + 1, settings.scenes.len()];
+        resources.progress.preliminary(&preliminary_table(contenders, &outcomes, scored));
     }
     let verdict = verdict(contenders, settings, &exposure, (&outcomes, setups), resources)?;
     Ok(Compared { outcomes, exposure, verdict })
 }
 
-/// The verdict of a comparison. `last` are the scenes on the last contender's camera.
+/// The means over the scenes that are scored so far, of a number of scenes.
+fn preliminary_table(
+    contenders: &[Contender<'_>],
+    outcomes: &[Vec<Outcome>],
+    [scored, scenes]: [usize; 2],
+) -> String {
+    let lights = outcomes.first().map_or(0, Vec::len);
+    let width = contenders.iter().map(|c| c.name().chars().count()).max().unwrap_or(0);
+    let mut table = format!("Means over {scored} of {scenes} scenes");
+    for light in 0..lights {
+        for (contender, outcomes) in contenders.iter().zip(outcomes) {
+            let Some(outcome) = outcomes.get(light) else { continue };
+            let [cpsnr_db, delta_e, scielab] = outcome.means();
+            table += &format!(
+                "\n{:width$} {:>6} cd/m²  CPSNR {cpsnr_db:5.2} dB  ΔE2000 {delta_e:5.2}  S-CIELAB {scielab:5.2}",
+                contender.name(),
+                outcome.luminance_cd_m2,
+            );
+        }
+    }
+    table
+}
+
+/// The verdict of a comparison. `first` are the scenes on the first contender's camera.
 fn verdict(
     contenders: &[Contender<'_>],
     settings: &ComparisonSettings,
     exposure: &ExposurePlan,
-    (outcomes, last): (&[Vec<Outcome>], Vec<Setup>),
+    (outcomes, first): (&[Vec<Outcome>], Vec<Setup>),
     resources: Resources<'_>,
 ) -> Result<Verdict, ExperimentError> {
-    let mut imaged_on = (contenders.len().wrapping_sub(1), last);
+    let progress = resources.progress;
     let scores = Scores::new(outcomes, settings.seed);
     let cpsnr_db = |contender: usize, light: usize| -> Vec<f64> {
         let outcome = outcomes.get(contender).and_then(|o| o.get(light));
         outcome.map_or_else(Vec::new, |o| o.figures(LIGHT_METRIC))
     };
+    // The scenes on the camera of one contender at a time.
+    let mut integrated: Option<(usize, Vec<IntegratedScene>)> = None;
     let more_light = |number: usize, best: usize, light: usize| -> Result<_, ExperimentError> {
         let contender = &contenders[number];
         let luminance_cd_m2 = settings.luminances_cd_m2[light];
-        resources.progress.begin(&format!("{} at more than {luminance_cd_m2} cd/m²", contender.name()));
-        if imaged_on.0 != number {
-            imaged_on = (number, imaged(contender, settings, &imaged_on.1, resources)?);
+        progress.begin(&format!("{} at more than {luminance_cd_m2} cd/m²", contender.name()));
+        if integrated.as_ref().is_none_or(|(of, _)| *of != number) {
+            let imaged = imaged(contender, settings, &first, resources)?.into_iter();
+            let scenes = imaged.map(IntegratedScene::new).collect::<Result<_, _>>();
+            integrated = Some((number, scenes.in_context(|| contender.name())?));
         }
+        let scenes = integrated.as_ref().map_or(&[][..], |(_, scenes)| scenes);
         let quality = |factor: f64| -> Result<Vec<f64>, ExperimentError> {
-            let on_scene = |(i, setup): (usize, &Setup)| {
-                ensure_running(resources.progress)?;
+            let on_scene = |(i, scene): (usize, &IntegratedScene)| {
+                ensure_running(progress)?;
                 let scored = || {
-                    let exposed = setup.in_light(luminance_cd_m2)?.exposed(exposure.scene_s(i, light))?;
-                    let lit = exposed.in_light(factor)?;
-                    let isp = contender.isp(&lit.light, resources.progress)?;
-                    cpsnr_of_seeds(&lit, &*isp, settings.seeds(), &settings.score)
+                    let exposure = scene.exposure(luminance_cd_m2, exposure.scene_s(i, light))?;
+                    let at = luminance_cd_m2 * factor;
+                    let isp = contender.isp(&scene.light(at)?, progress)?;
+                    scene.cpsnr_of_seeds((at, &exposure), &*isp, settings.seeds(), &settings.score)
                 };
                 scored().in_context(|| contender.name())
             };
-            Ok(imaged_on.1.iter().enumerate().map(on_scene).collect::<Result<Vec<_>, _>>()?.concat())
+            Ok(scenes.iter().enumerate().map(on_scene).collect::<Result<Vec<_>, _>>()?.concat())
         };
         let (own, target) = (cpsnr_db(number, light), cpsnr_db(best, light));
         QualityAtMoreLight::measure(&own, &target, scores.resamples(), quality)
@@ -137,64 +183,70 @@ pub(super) fn imaged(
     others: &[Setup],
     resources: Resources<'_>,
 ) -> Result<Vec<Setup>, ExperimentError> {
-    let on_camera = |(i, scene): (usize, &TestScene)| {
-        ensure_running(resources.progress)?;
-        let setup = scene.before_sharing(contender.camera, &settings.illuminant, others.get(i));
-        setup.in_context(|| scene.name().to_owned())
-    };
-    settings.scenes.iter().enumerate().map(on_camera).collect()
+    let on_camera = |scene: usize| image(contender, scene, settings, others.get(scene), resources);
+    (0..settings.scenes.len()).map(on_camera).collect()
 }
 
-fn outcome(
+/// A scene on the camera of a contender, with the optical image of another camera if possible.
+fn image(
+    contender: &Contender<'_>,
+    scene: usize,
+    settings: &ComparisonSettings,
+    other: Option<&Setup>,
+    resources: Resources<'_>,
+) -> Result<Setup, ExperimentError> {
+    ensure_running(resources.progress)?;
+    let scene = &settings.scenes[scene];
+    let setup = scene.before_sharing(contender.camera, &settings.illuminant, other);
+    setup.in_context(|| scene.name().to_owned())
+}
+
+/// The scores of a contender on the targets at a luminance, with the response to the edge.
+fn targets(
     contender: &Contender<'_>,
     light: usize,
-    setups: &[Setup],
     settings: &ComparisonSettings,
     exposure: &ExposurePlan,
     resources: Resources<'_>,
-) -> Result<Outcome, ExperimentError> {
+) -> Result<(Evaluation, Option<EdgeSfr>), ExperimentError> {
     let (progress, luminance_cd_m2) = (resources.progress, settings.luminances_cd_m2[light]);
-    progress.begin(&format!("{} at {luminance_cd_m2} cd/m²", contender.name()));
-    let illuminant = settings.illuminant.clone();
+    progress.begin(&format!("{} at {luminance_cd_m2} cd/m², targets", contender.name()));
     let targets = EvaluationSettings {
         luminance_cd_m2,
-        illuminant,
+        illuminant: settings.illuminant.clone(),
         seed: settings.seed,
         exposure: exposure.targets(light),
     };
     let (targets, pictures) = contender.evaluate(&targets, resources)?;
-    let scenes = scene_scores(contender, light, setups, settings, exposure, progress)?;
     let edge = pictures.edge_sfr().in_context(|| contender.name())?;
-    let outcome = Outcome { luminance_cd_m2, targets, edge, scenes };
-    let [cpsnr_db, delta_e, scielab] = outcome.means();
-    progress.preliminary(&format!(
-        "{} at {luminance_cd_m2} cd/m²: CPSNR {cpsnr_db:.2} dB, ΔE2000 {delta_e:.2}, S-CIELAB {scielab:.2}",
-        contender.name()
-    ));
     progress.done();
-    Ok(outcome)
+    Ok((targets, edge))
 }
 
-/// The scores of a contender on every scene at a luminance, with the names of the scenes.
+/// The scores of a contender on a scene at every luminance.
 pub(super) fn scene_scores(
     contender: &Contender<'_>,
-    light: usize,
-    setups: &[Setup],
+    (number, setup): (usize, &Setup),
     settings: &ComparisonSettings,
     exposure: &ExposurePlan,
     progress: &dyn Progress,
-) -> Result<Vec<(String, ScoredScene)>, ExperimentError> {
-    let luminance_cd_m2 = settings.luminances_cd_m2[light];
-    let on_scene = |(i, (scene, setup)): (usize, (&TestScene, &Setup))| {
-        let light = (luminance_cd_m2, exposure.scene_s(i, light));
-        let scored = score_scene(contender, setup, light, settings.seeds(), &settings.score, progress);
+) -> Result<Vec<ScoredScene>, ExperimentError> {
+    let scene = settings.scenes[number].name();
+    let integrated = IntegratedScene::new(setup.clone());
+    let integrated = integrated.in_context(|| format!("{}, {scene}", contender.name()))?;
+    let at = |(light, luminance_cd_m2): (usize, &f64)| {
+        progress.begin(&format!("{} at {luminance_cd_m2} cd/m², {scene}", contender.name()));
+        let light = (*luminance_cd_m2, exposure.scene_s(number, light));
+        let seeds = settings.seeds();
+        let scored = score_integrated(contender, &integrated, light, seeds, &settings.score, progress);
         let scored = scored.map_err(|e| match e {
             ExperimentError::Stage { context, source } => {
-                ExperimentError::Stage { context: format!("{context}, {}", scene.name()), source }
+                ExperimentError::Stage { context: format!("{context}, {scene}"), source }
             }
             other => other,
         })?;
-        Ok((scene.name().to_owned(), scored))
+        progress.done();
+        Ok(scored)
     };
-    settings.scenes.iter().zip(setups).enumerate().map(on_scene).collect()
+    settings.luminances_cd_m2.iter().enumerate().map(at).collect()
 }

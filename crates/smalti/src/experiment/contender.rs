@@ -9,7 +9,7 @@ use super::lights::{LitPipeline, PipelineSet, SceneLight, ensure_lights_suffice}
 use super::progress::{Stoppable, ensure_running};
 use super::training_statistics::ensure_mosaic;
 use super::{ExperimentError, Processing, Progress, Resources};
-use crate::camera::compare::{SeedScores, compare_seeds};
+use crate::camera::compare::{IntegratedScene, SeedScores};
 use crate::camera::description::IspDescription;
 use crate::camera::{
     Camera, CameraError, Evaluation, EvaluationPictures, EvaluationSettings, PICTURE_METRICS, SceneScores,
@@ -245,6 +245,20 @@ pub fn contenders<'a>(
 pub fn score_scene(
     contender: &Contender<'_>,
     setup: &Setup,
+    light: (f64, Option<f64>),
+    seeds: Range<u64>,
+    score: &ScoreSettings,
+    progress: &dyn Progress,
+) -> Result<ScoredScene, ExperimentError> {
+    let integrated = IntegratedScene::new(setup.clone());
+    let scene = integrated.in_context(|| format!("{} at {} cd/m²", contender.name(), light.0))?;
+    score_integrated(contender, &scene, light, seeds, score, progress)
+}
+
+/// [`score_scene`] for a scene that is integrated over wavelength.
+pub(super) fn score_integrated(
+    contender: &Contender<'_>,
+    scene: &IntegratedScene,
     (luminance_cd_m2, time_s): (f64, Option<f64>),
     seeds: Range<u64>,
     score: &ScoreSettings,
@@ -252,10 +266,11 @@ pub fn score_scene(
 ) -> Result<ScoredScene, ExperimentError> {
     ensure_running(progress)?;
     let scored = || -> Result<_, CameraError> {
-        let lit = setup.in_light(luminance_cd_m2)?.exposed(time_s)?;
-        let isp = contender.isp(&lit.light, progress)?;
-        let SeedScores { first, raw, figures } = compare_seeds(&lit, &*isp, seeds, score)?;
-        let fixed_point_psnr_db = fixed_point_psnr_db(contender, &lit.light, &raw, &first.picture)?;
+        let (light, exposure) = (scene.light(luminance_cd_m2)?, scene.exposure(luminance_cd_m2, time_s)?);
+        let isp = contender.isp(&light, progress)?;
+        let at = (luminance_cd_m2, &exposure);
+        let SeedScores { first, raw, figures } = scene.compare_seeds(at, &*isp, seeds, score)?;
+        let fixed_point_psnr_db = fixed_point_psnr_db(contender, &light, &raw, &first.picture)?;
         Ok(ScoredScene { scores: first, by_seed: figures, fixed_point_psnr_db })
     };
     scored().in_context(|| format!("{} at {luminance_cd_m2} cd/m²", contender.name()))

@@ -7,13 +7,12 @@ use super::contender::{Contender, pipelines};
 use super::error::StageContext;
 use super::exposure::{ComparedPictures, ExposurePlan, ExposurePolicy};
 use super::picture_figures::{LightFigures, PictureFigures};
-use super::progress::ensure_running;
 use super::store::Store;
 use super::{ComparisonSettings, ExperimentError, Processing, Progress, Resources, scene_lights};
 use crate::camera::stable_text::stable_text;
 use crate::camera::{
-    Camera, CameraDescription, CameraError, PICTURE_METRICS, StoredTrainingScenes, TRAINING_SET_REVISION,
-    TestScene, TrainingSettings, training_scenes,
+    Camera, CameraDescription, CameraError, StoredTrainingScenes, TRAINING_SET_REVISION, TestScene,
+    TrainingSettings, training_scenes,
 };
 use crate::l3::{self, Statistics, Training};
 use crate::optics::OpticalImage;
@@ -188,7 +187,8 @@ pub fn score_entrants(
     }
     let illuminant = std::slice::from_ref(&settings.illuminant);
     let trained = grids.len() * training_scenes(illuminant, resources.training_scenes).len();
-    let steps = batches.len() * trained + missing.len() * settings.luminances_cd_m2.len();
+    let pictures = settings.luminances_cd_m2.len() * settings.scenes.len();
+    let steps = batches.len() * trained + missing.len() * pictures;
     resources.progress.expect(steps as u64);
     let announced = Announced(resources.progress);
     let images = WithoutStatistics(resources.store);
@@ -227,18 +227,16 @@ fn figures(
     };
     let own =
         ExposurePlan::new(ExposurePolicy::Own, &[(contender.label, contender.camera)], pictures, resources)?;
-    let at = |light: usize| {
-        ensure_running(progress)?;
-        progress.begin(&format!("{} at {} cd/m²", contender.label, settings.luminances_cd_m2[light]));
-        let scenes = scene_scores(contender, light, setups, settings, &own, progress)?;
-        let of = |metric: usize| -> Vec<f64> {
-            scenes.iter().flat_map(|(_, s)| s.by_seed.iter().map(move |f| f[metric])).collect()
-        };
-        let metrics: [Vec<f64>; PICTURE_METRICS.len()] = std::array::from_fn(of);
-        let times = scenes.iter().map(|(_, s)| s.scores.exposure_time_s);
-        let time_s = times.sum::<f64>() / scenes.len().max(1) as f64;
-        progress.done();
-        Ok::<_, ExperimentError>(LightFigures { metrics, time_s })
-    };
-    Ok(PictureFigures { lights: (0..settings.luminances_cd_m2.len()).map(at).collect::<Result<_, _>>()? })
+    let none = LightFigures { metrics: Default::default(), time_s: 0.0 };
+    let mut lights = vec![none; settings.luminances_cd_m2.len()];
+    for (number, setup) in setups.iter().enumerate() {
+        let scored = scene_scores(contender, (number, setup), settings, &own, progress)?;
+        for (light, scene) in lights.iter_mut().zip(scored) {
+            for (metric, values) in light.metrics.iter_mut().enumerate() {
+                values.extend(scene.by_seed.iter().map(|figures| figures[metric]));
+            }
+            light.time_s += scene.scores.exposure_time_s / setups.len() as f64;
+        }
+    }
+    Ok(PictureFigures { lights })
 }

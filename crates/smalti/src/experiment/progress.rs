@@ -22,8 +22,8 @@ pub trait Progress: Sync {
     /// A note for the user that is not an error.
     fn note(&self, _text: &str) {}
 
-    /// A result in words, before the whole result is complete.
-    fn preliminary(&self, _text: &str) {}
+    /// The results so far in words, a table of one or more lines. It replaces the previous one.
+    fn preliminary(&self, _table: &str) {}
 
     /// Whether the work should stop. The experiment checks this between steps and pictures, and then ends with
     /// [`ExperimentError::Stopped`].

@@ -41,7 +41,7 @@ pub enum CfaError {
     },
     /// A pattern uses a letter without a filter.
     #[error(
-        "the pattern uses '{letter}' at row {row}, column {col} (counted from 0), but no filter has that name; filters: {known}"
+        "the pattern uses '{letter}' at row {row}, column {col} (counted from 0), but no filter has that name (filters: {known}); add one or change the pattern"
     )]
     UnknownLetter {
         /// The letter.
