@@ -77,6 +77,22 @@ impl Content {
     /// Writes the file. Equal content gives equal bytes, which the writer of the safetensors crate (its strings are in a
     /// hash map) does not promise.
     pub(crate) fn write(mut self, path: &Path) -> Result<(), IoError> {
+        let header = self.header(path)?;
+        write::stream(path, |out| {
+            out.write_all(&header)?;
+            self.tensors.iter().try_for_each(|t| out.write_all(&t.bytes))
+        })
+    }
+
+    /// The bytes of the file; `path` is only named in errors.
+    pub(crate) fn into_bytes(mut self, path: &Path) -> Result<Vec<u8>, IoError> {
+        let mut bytes = self.header(path)?;
+        self.tensors.iter().for_each(|t| bytes.extend_from_slice(&t.bytes));
+        Ok(bytes)
+    }
+
+    /// What precedes the data. It sorts the tensors.
+    fn header(&mut self, path: &Path) -> Result<Vec<u8>, IoError> {
         // As safetensors orders them: the widest type first, so that every array is aligned.
         let width = |t: &Tensor| std::cmp::Reverse(t.descr.as_bytes().last().copied());
         self.tensors.sort_by_key(|t| (width(t), t.name));
@@ -98,11 +114,7 @@ impl Content {
         // The data begin at a multiple of 8 bytes.
         header.push_str(&" ".repeat(header.len().next_multiple_of(8) - header.len()));
         at_most(MAX_HEADER, path, "the description of how it was trained", header.len() as u64)?;
-        write::stream(path, |out| {
-            out.write_all(&(header.len() as u64).to_le_bytes())?;
-            out.write_all(header.as_bytes())?;
-            self.tensors.iter().try_for_each(|t| out.write_all(&t.bytes))
-        })
+        Ok([&(header.len() as u64).to_le_bytes(), header.as_bytes()].concat())
     }
 
     fn hash(&self) -> String {

@@ -21,6 +21,18 @@ const FORMAT: (&str, &str) = ("smalti-light-statistics", "1");
 /// # Errors
 /// [`IoError::Write`].
 pub fn write(path: &Path, statistics: &LightStatistics) -> Result<(), IoError> {
+    content(statistics).write(path)
+}
+
+/// The bytes of the file of [`write`]; `path` is only named in errors.
+///
+/// # Errors
+/// When the statistics have more classes or components than a file may have.
+pub fn to_bytes(statistics: &LightStatistics, path: &Path) -> Result<Vec<u8>, IoError> {
+    content(statistics).into_bytes(path)
+}
+
+fn content(statistics: &LightStatistics) -> Content {
     let parts = statistics.parts();
     let mut content = Content::default();
     content.text("format", FORMAT.0);
@@ -43,7 +55,7 @@ pub fn write(path: &Path, statistics: &LightStatistics) -> Result<(), IoError> {
     content.tensor("sums", &[classes.len(), triangle], classes.iter().flat_map(|c| c.sums.iter().copied()));
     content.tensor("per_white_squared", &[classes.len()], classes.iter().map(|c| c.per_white_squared));
     content.tensor("relative_xyz", &[classes.len(), 3], classes.iter().flat_map(|c| c.relative_xyz));
-    content.write(path)
+    content
 }
 
 /// Entries on and above the diagonal of the sums.

@@ -41,7 +41,7 @@ mod _smalti {
         cfa::{PyCfa, cfas, filters},
         cluster::{PyPartMaker, PySharedFolder, PySharedPlace, scenes_in_files},
         color::{delta_e, lab, scielab_map, xyz},
-        design::{design_names, find_design},
+        design::{PyDesignSearch, design_names},
         error::SmaltiError,
         evaluate::{
             PyEvaluation, PySceneScores, compare, evaluate, light_gain, score_pictures, score_scenes,

@@ -13,6 +13,7 @@ import fsspec  # type: ignore[import-untyped]
 import pytest
 import smalti
 from distributed import Client, LocalCluster
+from smalti import _cluster, _smalti
 
 import conftest
 from conftest import parts, whole_parts
@@ -198,3 +199,62 @@ def test_what_cannot_be_is_refused(client: Client, study: smalti.Study, tmp_path
     with pytest.raises(smalti.SmaltiError, match="is a file; expected a folder"):
         smalti.sweep(study, tmp_path / "file", client=client, progress=False)
     assert not (tmp_path / "out").exists()
+
+
+DESIGN = """
+camera = "bayer"
+colors = [3]
+luminances_cd_m2 = [1, 10]
+rivals = false
+[filters.pigments]
+[mosaics.tile]
+rows = 2
+cols = 3
+[search]
+starts = 2
+steps = 4
+[front]
+points = 1
+[[front.aims]]
+name = "dark"
+cpsnr_db = 1
+luminances_cd_m2 = [1]
+[[front.aims]]
+name = "bright"
+cpsnr_db = 1
+luminances_cd_m2 = [10]
+[light]
+side = 3
+max_components = 4
+step_px = 8
+"""
+
+
+def test_workers_search_what_one_process_finds(client: Client, tmp_path: Path) -> None:
+    file = tmp_path / "small.toml"
+    file.write_text(DESIGN)
+    scenes = [smalti.Scene("dead-leaves?rows=96&cols=128&largest=40")]
+    alone = smalti.design(file, scenes=scenes, progress=False)
+    told: list[int] = []
+    shared = smalti.design(file, scenes=scenes, resume=tmp_path / "log", client=client, progress=told.append)
+    assert shared["searched"] == alone["searched"] and shared["front"] == alone["front"]
+    # More mosaics than are searched in full: first short searches of all, then full ones, then the front.
+    assert len(shared["searched"]) > 6 and told == sorted(told) and told[-1] > len(shared["searched"]) + 6
+    # The log has every part: nothing is searched again, on a cluster or alone.
+    for again in (client, None):
+        told.clear()
+        smalti.design(file, scenes=scenes, resume=tmp_path / "log", client=again, progress=told.append if again else False)
+        assert told == []
+
+
+def test_workers_that_read_another_design_are_refused(client: Client, tmp_path: Path) -> None:
+    file = tmp_path / "small.toml"
+    file.write_text(DESIGN)
+    scenes = [smalti.Scene("dead-leaves?rows=96&cols=128&largest=40")]
+
+    search = _smalti.DesignSearch(file, scenes, "all", None, None, None)
+    file.write_text(DESIGN.replace("steps = 4", "steps = 5"))
+    with pytest.raises(smalti.SmaltiError, match=r"another design from .*small\.toml"):
+        _cluster.design(client, str(file), search, None)
+    with pytest.raises(smalti.SmaltiError, match="client is str; expected a dask"):
+        smalti.design(file, scenes=scenes, client="tcp://scheduler", progress=False)

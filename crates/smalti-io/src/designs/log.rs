@@ -26,9 +26,9 @@ struct Header {
 
 /// Every other line.
 #[derive(Serialize, Deserialize)]
-struct Entry {
-    part: String,
-    found: Vec<KeptFind>,
+pub(super) struct Entry {
+    pub(super) part: String,
+    pub(super) found: Vec<KeptFind>,
 }
 
 /// All that a search depends on, as text for [`SearchLog::open`].
@@ -36,6 +36,12 @@ struct Entry {
 pub fn task_text(task: &DesignTask, statistics: &[LightStatistics]) -> String {
     let light: Vec<_> = statistics.iter().map(|s| (s.source(), s.patches(), s.parts().energy)).collect();
     format!("{} {task:?} {light:?}", env!("CARGO_PKG_VERSION"))
+}
+
+/// The hash of a [`task_text`]: equal hashes mean that parts of one search fit the other.
+#[must_use]
+pub fn task_hash(task: &str) -> String {
+    blake3::hash(task.as_bytes()).to_hex().to_string()
 }
 
 /// The log of the search for one task.
@@ -53,7 +59,7 @@ impl SearchLog {
     /// [`IoError::Write`].
     pub fn open(dir: &Path, task: &str) -> Result<Self, IoError> {
         let path = dir.join(SEARCH_LOG);
-        let task = blake3::hash(task.as_bytes()).to_hex().to_string();
+        let task = task_hash(task);
         let known = std::fs::read_to_string(&path).map(|text| read(&text, &task)).unwrap_or_default();
         write::begin_folder(dir, &[])?;
         let header = Header { format: FORMAT.into(), task };
@@ -68,6 +74,12 @@ impl SearchLog {
         Ok(Self { known, file: Mutex::new(file) })
     }
 
+    /// What an earlier run has found, by part.
+    #[must_use]
+    pub fn found(&self) -> &HashMap<String, Vec<KeptFind>> {
+        &self.known
+    }
+
     /// Number of parts that an earlier run has searched.
     #[must_use]
     pub fn known(&self) -> usize {
@@ -75,7 +87,7 @@ impl SearchLog {
     }
 }
 
-fn line(value: &impl Serialize) -> String {
+pub(super) fn line(value: &impl Serialize) -> String {
     serde_json::to_string(value).unwrap_or_default() + "\n"
 }
 

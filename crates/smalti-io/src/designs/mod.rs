@@ -1,12 +1,14 @@
 //! Reading of design files: which colour filter array is wanted.
 
 mod log;
+mod shared;
 
 use std::collections::BTreeMap;
 use std::path::Path;
 
-pub use log::{SEARCH_LOG, SearchLog, task_text};
+pub use log::{SEARCH_LOG, SearchLog, task_hash, task_text};
 use serde::Deserialize;
+pub use shared::SharedSearch;
 use smalti::camera::description::CameraDescription;
 use smalti::design::light::LightSettings;
 use smalti::design::screen::ScreenCondition;

@@ -1,4 +1,5 @@
-"""Sweeps on the workers of a Dask cluster, which compute and write the parts of the results and report only their completion."""
+"""Sweeps and searches on the workers of a Dask cluster. Workers compute and write the parts of a sweep and report only their completion; those of a search
+return what they found."""
 
 from __future__ import annotations
 
@@ -14,7 +15,7 @@ import distributed
 from fsspec.core import url_to_fs  # type: ignore[import-untyped]
 from fsspec.implementations.local import LocalFileSystem  # type: ignore[import-untyped]
 
-from ._smalti import PartMaker, SharedFolder, SharedPlace, SmaltiError, Study, scenes_in_files
+from ._smalti import DesignSearch, PartMaker, SharedFolder, SharedPlace, SmaltiError, Study, scenes_in_files
 
 RETRIES = 3
 """Number of retries of a part that could not be written. Dask itself counts the workers that die."""
@@ -133,6 +134,13 @@ def _make(manifest: str, scenes: bytes, part: int, target: Target, cache: bool) 
     return part, size, time.monotonic() - start
 
 
+def _ensure_usable(client: Any) -> None:
+    if not isinstance(client, distributed.Client):
+        raise SmaltiError(f"client is {type(client).__name__}; expected a dask.distributed.Client")
+    if client.asynchronous:
+        raise SmaltiError("the client is asynchronous; expected asynchronous=False")
+
+
 def _threads(client: distributed.Client) -> int:
     return sum(client.nthreads().values())
 
@@ -182,10 +190,7 @@ def sweep(
     open_progress: Open,
 ) -> str | None:
     """See `smalti.sweep`. Returns the folder, or None for another file system."""
-    if not isinstance(client, distributed.Client):
-        raise SmaltiError(f"client is {type(client).__name__}; expected a dask.distributed.Client")
-    if client.asynchronous:
-        raise SmaltiError("the client is asynchronous; expected asynchronous=False")
+    _ensure_usable(client)
     place, target = _place(study, out, part_size)
     try:
         missing = place.missing()
@@ -204,3 +209,51 @@ def sweep(
     finally:
         place.close()
     return target if isinstance(target, str) else None
+
+
+_searches: dict[str, DesignSearch] = {}
+
+
+def _searched(source: str, light: list[bytes], task: str, part: str, known: list[str]) -> str | SmaltiError:
+    """Searches a part of a design on a worker; returns its line. A permanent error is returned, not raised, since Dask would retry the task."""
+    try:
+        with _preparing:
+            search = _searches.get(task)
+            if search is None:
+                search = DesignSearch(source, None, "all", None, light, None)
+                if search.hash() != task:
+                    return SmaltiError(
+                        f"a worker reads another design from {source}, or has another version of Smalti than the client; expected the same"
+                    )
+                _searches.clear()
+                _searches[task] = search
+        return search.search(part, known)
+    except SmaltiError as error:
+        return error
+
+
+def design(client: Any, source: str, search: DesignSearch, report: Callable[[int, int], None] | None) -> None:
+    """Searches on the workers all parts of a design. See `smalti.design`."""
+    _ensure_usable(client)
+    token, task, done = secrets.token_hex(8), search.hash(), 0
+    light = client.submit(list, search.light(), key=f"smalti-light-{token}", pure=False)
+    # Later parts begin with what earlier ones found.
+    while parts := search.open_parts():
+        known = client.submit(list, search.known(), key=f"smalti-known-{token}-{done}", pure=False)
+        sent = [
+            client.submit(
+                _searched, source, light, task, part, known, key=f"smalti-part-{token}-{done}-{i}", pure=False, retries=RETRIES
+            )
+            for i, part in enumerate(parts)
+        ]
+        try:
+            for count, future in enumerate(distributed.as_completed(sent), start=1):
+                line = future.result()
+                if isinstance(line, SmaltiError):
+                    raise line
+                search.add(line)
+                if report is not None:
+                    report(done + count, done + len(parts))
+        finally:
+            client.cancel(sent)
+        done += len(parts)

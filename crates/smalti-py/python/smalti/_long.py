@@ -307,6 +307,7 @@ def design(
     scenes: Sequence[Scene] | None = None,
     training_set: Literal["all", "catalog"] = "all",
     resume: Path | None = None,
+    client: Any = None,
     progress: Progress = True,
 ) -> Design:
     """Finds the best colour filter array for a camera and its light, as `smalti design` does.
@@ -319,6 +320,7 @@ def design(
             illuminants of the design.
         training_set: the built-in scenes: "all", or "catalog" without photographs and path-traced scenes.
         resume: a folder that keeps what the search has found, so that the same call goes on there after it was stopped.
+        client: a `dask.distributed.Client`, whose workers search the parts and find the same. They read `source` and the files that it names.
         progress: see `Progress`.
 
     Raises:
@@ -326,7 +328,14 @@ def design(
     """
     of = None if scenes is None else list(scenes)
     with _told(progress, f"design {os.fspath(source)}", "step") as told:
-        results, camera, rivals, front = _smalti.find_design(source, of, training_set, resume, told)
+        search = _smalti.DesignSearch(source, of, training_set, resume, None, None if client is not None else told)
+        if client is not None:
+            # Dask is needed only here.
+            from . import _cluster
+
+            name = os.path.abspath(source) if os.path.exists(source) else os.fspath(source)
+            _cluster.design(client, name, search, told)
+        results, camera, rivals, front = search.find(None if client is not None else told)
     return Design(results, camera, dict(rivals), front)
 
 

@@ -23,6 +23,13 @@ pub trait DesignStore: Sync {
 
     /// Keeps what a part found. A store that cannot keep it loses time and nothing else.
     fn keep(&self, part: &str, found: &[KeptFind]);
+
+    /// Whether this run searches a part that [`DesignStore::find`] does not know. The store of one of several processes that share a search
+    /// leaves the parts of the others to them. The search then ends with [`ExperimentError::OpenParts`](super::ExperimentError::OpenParts)
+    /// where it needs them.
+    fn takes(&self, _part: &str) -> bool {
+        true
+    }
 }
 
 /// Keeps nothing.

@@ -44,6 +44,9 @@ pub enum ExperimentError {
     /// The caller stopped the work.
     #[error("stopped")]
     Stopped,
+    /// A search that several processes share needs parts that this process leaves to others.
+    #[error("the search needs parts that other processes search")]
+    OpenParts,
     /// A condition of a study cannot be prepared, or a trial cannot be constructed.
     #[error(transparent)]
     Design(DesignError),
