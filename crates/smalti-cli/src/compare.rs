@@ -62,7 +62,7 @@ pub(crate) struct Compare {
     pub(crate) seeds: u64,
     /// Illuminant of charts, files and targets, and of the training for them: a name (smalti list illuminants) or a CSV. Natural
     /// scenes keep their own light, and each light has a pipeline of its own
-    #[arg(long, default_value = "D65", value_name = "NAME")]
+    #[arg(long, default_value = DEFAULT_LIGHT, value_name = "NAME")]
     pub(crate) illuminant: String,
     /// Processing methods, separated by commas
     #[arg(long, value_delimiter = ',', value_parser = processing(), default_value = "l3")]
@@ -115,6 +115,9 @@ fn processing() -> impl TypedValueParser<Value = Processing> {
     })
 }
 
+/// The illuminant of a comparison where none is stated.
+const DEFAULT_LIGHT: &str = "D65";
+
 /// `words` are the command line, for the page.
 pub(crate) fn run(args: &Compare, words: &[String], common: &Common) -> anyhow::Result<()> {
     let illuminant = resolve::illuminant(&args.illuminant, common)?;
@@ -144,6 +147,15 @@ pub(crate) fn run(args: &Compare, words: &[String], common: &Common) -> anyhow::
     resolve::ensure_tables_fit(&args.pipelines, cameras.iter().zip(&given))?;
     let scenes = scenes(args, &illuminant)?;
     let lights = scene_lights(&illuminant, &scenes)?;
+    if args.illuminant != DEFAULT_LIGHT && scenes.iter().all(TestScene::keeps_light) {
+        note(
+            &format!(
+                "every scene keeps its own light; {} illuminates the chart and the edge alone",
+                args.illuminant
+            ),
+            common,
+        );
+    }
     resolve::without_infrared(&cameras, &scenes, &illuminant)?.iter().for_each(|text| note(text, common));
     let pipelines = pipelines(&cameras, &labels, given, &args.processing, learning, &lights, resources)?;
     let (contenders, left_out) = contenders(&cameras, &labels, &pipelines, &args.processing)?;
@@ -173,6 +185,7 @@ pub(crate) fn run(args: &Compare, words: &[String], common: &Common) -> anyhow::
         Vec::new()
     };
     let scene_labels: Vec<String> = settings.scenes.iter().map(|s| scene_label(s.name())).collect();
+    let own_light: Vec<bool> = settings.scenes.iter().map(TestScene::keeps_light).collect();
     let learned_only = contenders.iter().all(|c| c.processing == Processing::L3);
     let isp = if learned_only { IspKeys::Unused } else { IspKeys::ColorMatrix };
     let conditions = Conditions {
@@ -192,6 +205,7 @@ pub(crate) fn run(args: &Compare, words: &[String], common: &Common) -> anyhow::
         conditions,
         gains: &gains,
         scene_labels: &scene_labels,
+        own_light: &own_light,
         illuminant: &args.illuminant,
         seed,
         verdict: &compared.verdict,

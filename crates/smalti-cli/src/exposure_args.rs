@@ -8,16 +8,16 @@ use crate::numbers::{number, positive};
 /// Options of the exposure times.
 #[derive(Debug, Clone, Args)]
 pub(crate) struct ExposureOptions {
-    /// Exposure times: own (the time or the rule of each camera), equal (for each scene the longest time at which no camera
+    /// Exposure times: own (the time or the rule of each camera), equal (for each scene or target the longest time at which no camera
     /// saturates more than --max-saturated of its samples before noise, at most --max-exposure), a time in seconds or with its unit (0.03,
     /// 30ms), or auto-equal (own if it is the same time for all cameras, otherwise equal)
-    #[arg(long, default_value = "auto-equal", value_name = "own|equal|auto-equal|TIME", value_parser = exposure)]
+    #[arg(long, default_value = "auto-equal", value_name = "own|equal|auto-equal|TIME", value_parser = exposure, allow_hyphen_values = true)]
     exposure: Exposure,
     /// Equal exposure: the largest share of saturated samples before noise, percent, 0 to less than 100 [default: 0.5]
     #[arg(long, value_name = "PERCENT", value_parser = percent)]
     max_saturated: Option<f64>,
     /// Equal exposure: the longest time, in seconds or with its unit [default: 33ms]
-    #[arg(long, value_name = "TIME", value_parser = seconds)]
+    #[arg(long, value_name = "TIME", value_parser = seconds, allow_hyphen_values = true)]
     max_exposure: Option<f64>,
 }
 
@@ -36,7 +36,9 @@ fn exposure(text: &str) -> Result<Exposure, String> {
         Some((_, policy)) => Ok(Exposure { policy, is_bare: false }),
         None => seconds(text)
             .map(|time_s| Exposure { policy: ExposurePolicy::Time(time_s), is_bare: positive(text).is_ok() })
-            .map_err(|_| "expected own, equal, auto-equal or a time such as 0.03 (seconds) or 30ms".into()),
+            .map_err(|_| {
+                "expected own, equal, auto-equal or a time above 0, such as 0.03 (seconds) or 30ms".into()
+            }),
     }
 }
 
@@ -98,6 +100,7 @@ mod tests {
         }
         let bare = |text: &str| exposure(text).unwrap().is_bare;
         assert!(bare("33") && bare("0.03") && !bare("33s") && !bare("33ms") && !bare("equal"));
+        assert!(exposure("-1").unwrap_err().contains("a time above 0"));
         assert_eq!(percent("0.5"), Ok(0.5));
         for wrong in ["100", "150", "-1", "nan", "x"] {
             assert!(percent(wrong).is_err(), "{wrong}");

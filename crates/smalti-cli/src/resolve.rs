@@ -3,7 +3,9 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, bail};
-use smalti::camera::{Camera, NOTABLE_INFRARED_SHARE, NOTABLE_UNSHARED_SHARE, TestScene, UnsharedLight};
+use smalti::camera::{
+    Camera, DarkChannel, NOTABLE_INFRARED_SHARE, NOTABLE_UNSHARED_SHARE, TestScene, UnsharedLight,
+};
 use smalti::l3::Pipeline;
 use smalti::scene::Scene;
 use smalti::spectrum::{Illuminant, Spectrum, WavelengthGrid};
@@ -70,10 +72,22 @@ fn infrared_note(camera: &Camera, light: &Spectrum) -> anyhow::Result<Option<Str
     }))
 }
 
-/// What is to be told of the light that a camera sees beside colour, under an illuminant (photons). The name of the camera is not in it.
+/// The channels of a camera that see almost nothing of an illuminant (photons), in words; empty when all see it.
+fn dark_channel_warnings(camera: &Camera, light: &Spectrum) -> anyhow::Result<Vec<String>> {
+    let words = |DarkChannel { channel, percent }| {
+        format!(
+            "the channel {channel} sees almost nothing of the illuminant: its response to white is {percent:.2} % of that of the brightest channel. Choose a \
+             broader illuminant, or another filter (sensor.cfa.filters.{channel})"
+        )
+    };
+    Ok(camera.dark_channels(light)?.into_iter().map(words).collect())
+}
+
+/// What is to be told of the light that a camera sees and does not see, under an illuminant (photons). The name of the camera is not in it.
 pub(crate) fn light_notes(camera: &Camera, light: &Spectrum) -> anyhow::Result<Vec<String>> {
-    let infrared = infrared_note(camera, light)?;
-    Ok(clear_channel_warnings(camera, light)?.into_iter().chain(infrared).collect())
+    let dark = dark_channel_warnings(camera, light)?;
+    let beside = clear_channel_warnings(camera, light)?.into_iter().chain(infrared_note(camera, light)?);
+    Ok(dark.into_iter().chain(beside).collect())
 }
 
 /// The cameras for near infrared on scenes that contain none, in words; `None` without such cameras or scenes. `illuminant` is that of
@@ -123,11 +137,19 @@ pub(crate) fn cameras(
 ) -> anyhow::Result<Vec<Camera>> {
     let (mut notes, mut warnings) = (Vec::<String>::new(), Vec::<(String, Vec<String>)>::new());
     let one = |name: &String| {
-        let LoadedCamera { camera, notes: told, .. } = camera(name, options)?;
+        let (options, left_out) = fitting(name, names, options)?;
+        let LoadedCamera { camera, notes: mut told, .. } = camera(name, &options)?;
+        told.extend(left_out);
         notes.extend(told.into_iter().filter(|note| !notes.contains(note)).collect::<Vec<_>>());
         // One note for all cameras that it applies to.
         let light = illuminant.photons(camera.grid())?;
-        for text in light_notes(&camera, &light)? {
+        // What makes colours impossible to measure is an error that follows.
+        let notes = if camera.ensure_measures_color(&light).is_ok() {
+            light_notes(&camera, &light)?
+        } else {
+            Vec::new()
+        };
+        for text in notes {
             let name = camera.description().name.clone();
             match warnings.iter_mut().find(|(known, _)| *known == text) {
                 Some((_, names)) => names.push(name),
@@ -140,6 +162,36 @@ pub(crate) fn cameras(
     let warnings = warnings.iter().map(|(text, names)| format!("{}: {text}", names.join(", ")));
     notes.into_iter().chain(warnings).for_each(|text| note(&text, common));
     Ok(cameras)
+}
+
+/// The options for one of several cameras: filters that the command line states for the mosaic of another one, such as `W` for
+/// `phone@rgbw`, do not concern a camera without such a letter. A note names them.
+fn fitting(
+    name: &str,
+    names: &[String],
+    options: &CameraOptions,
+) -> anyhow::Result<(CameraOptions, Option<String>)> {
+    let mut options = options.clone();
+    let others_have_mosaics = options.cfa.is_none() && names.iter().any(|other| cameras::has_mosaic(other));
+    if cameras::has_mosaic(name) || !others_have_mosaics {
+        return Ok((options, None));
+    }
+    let (filters, rest): (Vec<_>, Vec<_>) =
+        options.overrides.iter().cloned().partition(|o| cameras::filter_letter(o).is_some());
+    if filters.is_empty() {
+        return Ok((options, None));
+    }
+    let plain = camera(name, &CameraOptions { overrides: rest, ..options.clone() })?.camera;
+    let has = |letter: char| plain.sensor.cfa.channels().iter().any(|c| c.name == letter.to_string());
+    let mut left_out: Vec<String> =
+        filters.iter().filter_map(cameras::filter_letter).filter(|l| !has(*l)).map(String::from).collect();
+    left_out.dedup();
+    options.overrides.retain(|o| cameras::filter_letter(o).is_none_or(has));
+    let note = (!left_out.is_empty()).then(|| {
+        let letters = left_out.join(", ");
+        format!("{name}: the stated filter for {letters} is not used, since the mosaic has no such letter")
+    });
+    Ok((options, note))
 }
 
 /// Prints which cameras of a comparison are the same but for their names.

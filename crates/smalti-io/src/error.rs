@@ -36,6 +36,11 @@ pub enum IoError {
     /// The format is not one that is read or written here.
     #[error("{}: expected {expected}", path.display())]
     UnknownFormat { path: PathBuf, expected: &'static str },
+    /// A path-traced scene cannot have another light.
+    #[error(
+        "{name}: the scene keeps its own light, since its lamps have different spectra and surfaces reflect light on each other; expected no illuminant"
+    )]
+    Lamps { name: String },
     /// A decoder found the file malformed.
     #[error("{}: not a valid {format} file: {message}", path.display())]
     Decode { path: PathBuf, format: &'static str, message: String },

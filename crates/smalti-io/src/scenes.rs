@@ -73,10 +73,14 @@ pub fn names() -> impl Iterator<Item = (&'static str, &'static str)> {
 /// from a built-in file ([rendered]), or a file of any format that [`scene_file`] reads.
 ///
 /// # Errors
-/// When there is no such scene, a parameter is out of range, the file holds no scene, or it cannot be as asked.
+/// When there is no such scene, a parameter is out of range, the file holds no scene, or it cannot be as asked: a path-traced scene keeps its
+/// lamps.
 pub fn load(name: &str, request: &SceneRequest) -> Result<Scene, IoError> {
     let setting = request.setting();
     if let Some(scene) = rendered::find(name) {
+        if request.illuminant.is_some() && !scene.has_one_light() {
+            return Err(IoError::Lamps { name: name.to_owned() });
+        }
         return request.applied_to(scene.load()?).at(Path::new(name));
     }
     if !is_meant(name) {

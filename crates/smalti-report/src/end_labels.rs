@@ -14,6 +14,8 @@ const LINE: f64 = 1.2 * TICK.size;
 const LEADER: f64 = 16.0;
 const SIGN: f64 = 22.0;
 const MARGIN: f64 = 6.0;
+/// More than sums of widths are rounded by, pixels.
+const ROUNDING: f64 = 1e-6;
 
 /// The name of a series.
 struct EndLabel {
@@ -65,7 +67,8 @@ impl EndLabels {
             if let Some(symbol) = label.symbol {
                 draw_symbol(svg, symbol, (right + LEADER, y), 5.5, label.color, true);
             }
-            let name = fit(&label.name, TICK, room - LEADER - SIGN - MARGIN);
+            // The widest name needs all of the room, whose sum was rounded.
+            let name = fit(&label.name, TICK, room - LEADER - SIGN - MARGIN + ROUNDING);
             svg.text((right + LEADER + 10.0, y + 0.36 * TICK.size), Anchor::Start, TICK, INK, &name);
         }
     }

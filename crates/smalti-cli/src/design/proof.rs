@@ -196,8 +196,7 @@ fn scenes(args: &DesignArgs, illuminant: &Illuminant) -> anyhow::Result<Vec<Test
 
 /// Those that can be relit.
 fn relit(args: &DesignArgs, illuminant: &Illuminant) -> anyhow::Result<Vec<TestScene>> {
-    let keeps_light = |s: &TestScene| matches!(s, TestScene::Given { keeps_light: true, .. });
-    Ok(scenes(args, illuminant)?.into_iter().filter(|s| !keeps_light(s)).collect())
+    Ok(scenes(args, illuminant)?.into_iter().filter(|s| !s.keeps_light()).collect())
 }
 
 /// The command that makes the comparison with pictures again.
@@ -262,6 +261,7 @@ fn pictures(
         conditions,
         gains: &[],
         scene_labels: &scene_labels,
+        own_light: &settings.scenes.iter().map(TestScene::keeps_light).collect::<Vec<_>>(),
         illuminant: &settings.illuminant.name(),
         seed: settings.seed,
         verdict: &verdict,

@@ -505,6 +505,22 @@ fn a_channel_without_light_and_a_light_without_blue() {
     let channel = ["bayer under D65", "the channel B gets no light", "sensor.cfa.filters.B"];
     fails(&place, &[&compare[..], &leaves, &blind].concat(), &channel);
     fails(&place, &[&["evaluate", "bayer", "-o", "out"][..], &blind].concat(), &channel);
+    // A picture needs no colour, and three other channels suffice for scores; it is told all the same.
+    let told = "the channel B sees almost nothing of the illuminant: its response to white is 0.00 %";
+    for words in [
+        &["simulate", "bayer", "--scene", "macbeth?patch=8", "-o", "picture"][..],
+        &["evaluate", "rgbw", "--luminance", "80"],
+        &["show", "rgbw"],
+    ] {
+        let run = place.run(&[words, &blind].concat());
+        assert!(
+            run.code == 0 && (run.err.contains(told) || run.out.contains(told)),
+            "{words:?}: {}",
+            run.err
+        );
+    }
+    let lamps = ["simulate", "bayer", "--scene", "natural-street", "--illuminant", "A", "-o", "out"];
+    fails(&place, &lamps, &["natural-street: the scene keeps its own light", "expected no illuminant"]);
     for words in [&["evaluate", "rgbw", "-o", "out"][..], &["compare", "rgbw", "-o", "out"]] {
         let scene = if words[0] == "compare" { &leaves[..] } else { &[] };
         let light = ["rgbw under", "red", "choose "];

@@ -294,7 +294,9 @@ fn cameras_with_rules_of_their_own_are_compared_at_equal_times() {
     let refused = run(&place, &format!("{words} --exposure long"));
     assert!(
         refused.code == 2
-            && refused.err.contains("own, equal, auto-equal or a time such as 0.03 (seconds) or 30ms")
+            && refused
+                .err
+                .contains("own, equal, auto-equal or a time above 0, such as 0.03 (seconds) or 30ms")
     );
     let refused = run(&place, &format!("{words} --max-saturated 100"));
     assert!(refused.code == 2 && refused.err.contains("expected percent, 0 to less than 100"));
@@ -312,7 +314,7 @@ fn the_camera_that_limits_equal_times_is_named() {
          --set sensor.dsnu_mv=0 --set wavelengths_nm=[400,50,700] -o o"
     );
     let text = place.ok(&format!("{words} --exposure equal"));
-    assert!(text.contains("tiny saturates first and limits the times, which could be"), "{text}");
+    assert!(text.contains("tiny saturates first and limits the exposure times, which could be"), "{text}");
     let results = place.json("o/results.json");
     assert_eq!(results["exposure"]["limited_by"]["camera"], "tiny");
     assert!(results["exposure"]["limited_by"]["factor"].as_f64().unwrap() > 10.0);

@@ -78,7 +78,7 @@ fn a_camera_has_another_mosaic_wherever_it_is_named() {
 fn a_mosaic_that_the_camera_has_no_filters_for_says_what_would_mend_it() {
     let place = Place::new();
     let words = [
-        "letters W",
+        "the letter W",
         "it has R, G, B",
         "--set 'sensor.cfa.filters.W={ file = \"W.csv\" }'",
         "curves of its own",
@@ -91,6 +91,14 @@ fn a_mosaic_that_the_camera_has_no_filters_for_says_what_would_mend_it() {
     // In a comparison it does not apply to the mosaic without that letter, which is told.
     let run = told(&place, &format!("show cmv12000@quad-bayer {mono} --json"));
     assert!(run.err.contains("the stated filter for W is not used"), "{}", run.err);
+    // Nor to a camera that has its own mosaic, beside one that has another.
+    let run = told(
+        &place,
+        &format!("evaluate cmv12000 cmv12000@rgbw-sony {mono} --set isp.demosaic=bilinear --luminance 80"),
+    );
+    let note = "cmv12000: the stated filter for W is not used, since the mosaic has no such letter";
+    assert!(run.err.contains(note), "{}", run.err);
+    assert!(run.out.contains("cmv12000@rgbw-sony"), "{}", run.out);
 
     for (args, words) in [
         (["evaluate", "quad-bayer"], &["quad-bayer: this is a mosaic", "bayer@quad-bayer is the camera"][..]),
@@ -136,7 +144,7 @@ fn one_file_holds_the_filters_of_all_letters() {
     place.write("filters.csv", "nm,R,G,B,W\n400,0.1,0.2,0.9,0.9\n700,0.7,0.1,0.05,0.9\n");
     let run = told(&place, "show camera.toml --json");
     assert!(
-        run.err.contains("filters.csv: the columns W are not used, since the mosaic has R, G, B"),
+        run.err.contains("filters.csv: the column W is not used, since the mosaic has R, G, B"),
         "{}",
         run.err
     );

@@ -65,17 +65,19 @@ pub(super) fn fit_table(
     if !missing.is_empty() {
         return Err(format!(
             "{name} has no column {}; it has {}. Expected a column for each letter of the mosaic, or the filter stated beside the \
-             file, as in {{ file = {name:?}, {} = {{ builtin = \"white\" }} }}",
+             file, as in {{ file = {name:?}, {} = {{ file = \"{}.csv\" }} }}",
             listed(&missing),
             listed(letters),
+            missing[0],
             missing[0],
         ));
     }
     let unused: Vec<char> = letters.iter().copied().filter(|l| !wanted.contains(l)).collect();
     if !unused.is_empty() {
         unused.iter().for_each(|letter| drop(cfa.filters.remove(&letter.to_string())));
+        let (columns, are) = if unused.len() == 1 { ("column", "is") } else { ("columns", "are") };
         let (unused, wanted) = (listed(&unused), listed(&wanted));
-        notes.push(format!("{name}: the columns {unused} are not used, since the mosaic has {wanted}"));
+        notes.push(format!("{name}: the {columns} {unused} {are} not used, since the mosaic has {wanted}"));
     }
     Ok(())
 }

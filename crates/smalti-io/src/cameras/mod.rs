@@ -13,6 +13,7 @@ use smalti::spectrum::WavelengthGrid;
 
 use self::built_in::CAMERAS;
 use self::mosaics::Mosaic;
+pub use self::mosaics::filter_letter;
 use crate::camera_toml::Override;
 use crate::diagnostic::Diagnostic;
 use crate::toml_source::{BuiltinFile, TomlSource, beside, is_toml};

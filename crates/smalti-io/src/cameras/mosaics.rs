@@ -174,16 +174,20 @@ impl Mosaic {
     }
 }
 
+/// The letter whose filter an override states, as in `sensor.cfa.filters.W`; `None` for any other key.
+#[must_use]
+pub fn filter_letter(o: &Override) -> Option<char> {
+    o.key.strip_prefix(FILTERS)?.strip_prefix('.')?.split('.').next()?.chars().next()
+}
+
 /// The letters whose filters the command line states.
 fn stated_letters(overrides: &[Override], cfa: &CfaDescription) -> BTreeSet<char> {
-    let letter = |name: &str| name.split('.').next().and_then(|name| name.chars().next());
     let mut letters = BTreeSet::new();
     for o in overrides {
-        match o.key.strip_prefix(FILTERS) {
-            Some("") => letters.extend(cfa.filters.keys().filter_map(|name| letter(name))),
-            Some(rest) => letters.extend(rest.strip_prefix('.').and_then(letter)),
-            None => {}
+        if o.key == FILTERS {
+            letters.extend(cfa.filters.keys().filter_map(|name| name.chars().next()));
         }
+        letters.extend(filter_letter(o));
     }
     letters
 }

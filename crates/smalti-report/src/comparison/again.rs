@@ -10,12 +10,12 @@ use crate::words::quoted;
 /// The facts, one command that computes the results again, and the description of every camera.
 pub(super) fn section(
     command: &CommandLine,
-    (seed, light): (u64, &str),
+    (noise, light): (String, String),
     scenes: Option<String>,
     (cameras, labels): (&[Camera], &[String]),
 ) -> Result<Markup, ReportError> {
     let version = env!("CARGO_PKG_VERSION").to_owned();
-    let facts = [("Smalti", version), ("seed", seed.to_string()), ("light", light.to_owned())];
+    let facts = [("Smalti", version), ("noise", noise), ("light", light)];
     let facts = facts.into_iter().chain(scenes.map(|names| ("scenes", names)));
     let facts = facts.map(|(k, v)| Markup::from(el("dt").child(k)).and(el("dd").child(v)));
     let about = el("p").child("The same version of Smalti gives the same figures bit for bit, on any number of threads. The command first writes the files of cameras. Other files that it names must be unchanged.");

@@ -9,10 +9,22 @@ use smalti::experiment::{
 use super::columns::mean;
 use crate::TextTable;
 use crate::page::{Markup, Table, paragraph};
-use crate::words::time_ms;
+use crate::words::{listed, time_ms};
 
 /// The headings of exposure time and saturated share in tables.
 pub(super) const EXPOSURE_HEADINGS: [&str; 2] = ["exposure ms", "saturated %"];
+
+/// Keys that stand beside a verdict before others: those that decide how much light a pixel gets, and its noise.
+const FIRST_KEYS: [&str; 6] = [
+    "sensor.pixel.pitch_um",
+    "optics.f_number",
+    "exposure.time_ms",
+    "sensor.pixel.read_noise_e",
+    "optics.ir_cut",
+    "sensor.quantum_efficiency",
+];
+/// The most keys that stand beside a verdict; a table has all.
+const NAMED_KEYS: usize = 4;
 
 const UNEQUAL_VIEW: &str = "Every camera images a scene onto equally many samples, whatever its field of view. A sample of larger pitch collects the light of \
                             more area.";
@@ -76,6 +88,37 @@ pub struct Conditions<'a> {
 }
 
 impl<'a> Conditions<'a> {
+    /// What limits a verdict, as sentences that stand beside it: differences besides the colour filter array, and a camera that makes
+    /// equal exposure times short.
+    pub(super) fn reservations(&self) -> Vec<String> {
+        let mut keys: Vec<String> =
+            self.rows().into_iter().filter_map(|row| row.into_iter().next()).collect();
+        // The sort is stable, so that all others keep their order.
+        keys.sort_by_key(|key| FIRST_KEYS.iter().position(|first| first == key).unwrap_or(FIRST_KEYS.len()));
+        let differ = (!keys.is_empty()).then(|| {
+            let named = match keys.len() {
+                n if n > NAMED_KEYS => {
+                    let rest = n - NAMED_KEYS;
+                    let word = if rest == 1 { "key" } else { "keys" };
+                    format!("{} and {rest} further {word}", keys[..NAMED_KEYS].join(", "))
+                }
+                _ => listed(&keys),
+            };
+            format!("The cameras also differ in {named}; the verdict is about the whole cameras.")
+        });
+        differ.into_iter().chain(self.limited()).collect()
+    }
+
+    /// Which camera makes equal exposure times short, as a sentence.
+    fn limited(&self) -> Option<String> {
+        let LimitingCamera { label, factor } = self.limiting?;
+        let factor = if *factor < 10.0 { format!("{factor:.1}") } else { format!("{factor:.0}") };
+        Some(format!(
+            "{label} saturates first and limits the exposure times, which could be {factor} times as long without it: compare without it, or with \
+             --exposure own."
+        ))
+    }
+
     /// The choice of the exposure times as a sentence.
     #[must_use]
     pub fn exposure_line(&self) -> String {
@@ -90,13 +133,7 @@ impl<'a> Conditions<'a> {
                 milliseconds(longest_s * 1e3)
             ),
         };
-        let limiting = self.limiting.map_or_else(String::new, |LimitingCamera { label, factor }| {
-            let factor = if *factor < 10.0 { format!("{factor:.1}") } else { format!("{factor:.0}") };
-            format!(
-                " {label} saturates first and limits the times, which could be {factor} times as long without it: compare without it, or with \
-                 --exposure own."
-            )
-        });
+        let limiting = self.limited().map_or_else(String::new, |words| format!(" {words}"));
         format!("Exposure time: {words}.{limiting}")
     }
 

@@ -69,8 +69,8 @@ pub(super) fn crops(
     }
     let several = report.contenders.len() > 1;
     let about = if several {
-        "For each scene, the window and the luminance at which the errors of the cameras differ most: the mean over the window of the \
-         range of their S-CIELAB differences from the reference. Found automatically; the pixels are enlarged."
+        "Each crop is the region of a scene, and the luminance, in which the S-CIELAB errors of the best and the worst camera differ most. Found \
+         automatically; the pixels are enlarged."
     } else {
         "For each scene, the window and the luminance of the largest mean S-CIELAB difference from the reference. Found automatically; \
          the pixels are enlarged."

@@ -21,10 +21,13 @@ impl Comparison<'_> {
                 let scenes: Vec<Value> = o
                     .scenes
                     .iter()
-                    .map(|(name, s)| {
+                    .enumerate()
+                    .map(|(number, (name, s))| {
+                        let keeps_light = self.own_light.get(number).copied().unwrap_or_default();
                         let by_seed = s.by_seed.iter().zip(self.seed..).map(by_metric);
                         Ok(json!({
                             "scene": name,
+                            "light": if keeps_light { "its own" } else { self.illuminant },
                             "scores": serde_json::to_value(&s.scores)?,
                             "by_seed": by_seed.collect::<Vec<_>>(),
                             "fixed_point_psnr_db": s.fixed_point_psnr_db,

@@ -92,7 +92,12 @@ pub fn page(shots: &Evaluations<'_>) -> Result<String, ReportError> {
     );
     let charts = chart::colors(&scored);
     let cameras = (shots.cameras, shots.labels);
-    let again = again::section(shots.command, (shots.seed, shots.illuminant), None, cameras)?;
+    let again = again::section(
+        shots.command,
+        (format!("seed {}", shots.seed), shots.illuminant.to_owned()),
+        None,
+        cameras,
+    )?;
     Ok(Page::new(format!("{} evaluated", listed(shots.labels)))
         .with(COMPARE)
         .lead(el("p").child(lead))

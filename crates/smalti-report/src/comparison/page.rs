@@ -84,7 +84,7 @@ fn page_beside(
         .map(|(contender, pipeline, _)| learned::data(contender, pipeline))
         .collect::<Result<_, _>>()?;
     let (scenes, cameras) = (Some(report.scene_names()), (report.cameras, report.labels));
-    let again = again::section(report.command, (report.seed, report.illuminant), scenes, cameras)?;
+    let again = again::section(report.command, (report.seed_words(), report.light_words()), scenes, cameras)?;
     Ok(page
         .section("again", "Reproduction", again)
         .data("compare", json!({"learned": data}))
@@ -106,11 +106,11 @@ impl Comparison<'_> {
 fn lead(report: &Comparison<'_>) -> Markup {
     let lights: Vec<String> = report.luminances().iter().map(f64::to_string).collect();
     let text = format!(
-        "{} at {} cd/m², light {}, seed {}, all noise.",
+        "{} at {} cd/m², {}, all kinds of noise. Light: {}.",
         listed(report.scene_labels),
         listed(&lights),
-        report.illuminant,
-        report.seed
+        report.seed_words(),
+        report.light_words()
     );
     let lead = Markup::from(el("p").child(text));
     if report.left_out.is_empty() {

@@ -9,6 +9,7 @@ use smalti::l3::Pipeline;
 
 use super::columns::{COMPARE, COMPARE_PER_PIXEL, Column};
 use super::conditions::Conditions;
+use crate::words::listed;
 use crate::{ReportError, names};
 
 /// The command that made results, for their page.
@@ -50,7 +51,9 @@ pub struct Comparison<'a> {
     pub gains: &'a [PairwiseLightGain],
     /// The label of each scene.
     pub scene_labels: &'a [String],
-    /// The light of the scenes, as the command names it.
+    /// Whether each scene keeps its own light.
+    pub own_light: &'a [bool],
+    /// The light of the other scenes, of the chart and the edge, as the command names it.
     pub illuminant: &'a str,
     /// The first seed of the noise.
     pub seed: u64,
@@ -148,6 +151,32 @@ impl<'a> Comparison<'a> {
         match (self.verdict.scenes, self.verdict.seeds) {
             (1, 1) => "scores of one scene".into(),
             (scenes, seeds) => format!("means over {} and {}", count(scenes, "scene"), count(seeds, "seed")),
+        }
+    }
+
+    /// The light of the scenes in words.
+    pub(super) fn light_words(&self) -> String {
+        let own: Vec<String> = self
+            .scene_labels
+            .iter()
+            .zip(self.own_light)
+            .filter(|(_, own)| **own)
+            .map(|(s, _)| s.clone())
+            .collect();
+        match own.len() {
+            0 => self.illuminant.to_owned(),
+            n if n == self.scene_labels.len() => {
+                format!("that of each scene; {} on chart and edge", self.illuminant)
+            }
+            _ => format!("{}; {} keep their own", self.illuminant, listed(&own)),
+        }
+    }
+
+    /// The seeds of the noise in words.
+    pub(super) fn seed_words(&self) -> String {
+        match self.verdict.seeds {
+            0 | 1 => format!("seed {}", self.seed),
+            n => format!("seeds {} to {}", self.seed, self.seed.saturating_add(n as u64 - 1)),
         }
     }
 

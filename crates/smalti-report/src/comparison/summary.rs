@@ -5,7 +5,7 @@ use smalti::numeric::bootstrap::Interval;
 
 use super::figures::{LIGHT_SIZE, Named, against_light, beside, drawn, height, look};
 use super::results::Comparison;
-use super::verdict::{LightWords, WORDS, amount};
+use super::verdict::{LightWords, ONCE, WORDS, amount};
 use crate::page::{Markup, Table, el, paragraph};
 use crate::words::listed;
 use crate::{Line, Plot, Points, Scale};
@@ -28,7 +28,10 @@ pub(super) fn summary(report: &Comparison<'_>) -> Markup {
         let lines: Markup = others.into_iter().map(|words| paragraph("crossover", words)).collect();
         Markup::from(el("details").child(el("summary").child("Crossovers of the other cameras")).child(lines))
     });
+    let reservations: Markup =
+        report.conditions.reservations().into_iter().map(|words| paragraph("reservation", words)).collect();
     paragraph("headline", headline(&lights, report.contenders.len()))
+        .and(reservations)
         .and(
             el("div")
                 .class("verdicts")
@@ -58,12 +61,7 @@ fn headline(lights: &[LightWords], contenders: usize) -> String {
             all if all.len() == contenders => {
                 format!("{at} these scenes show no relevant difference in CPSNR")
             }
-            some => {
-                format!(
-                    "{at} these scenes show no relevant difference in CPSNR between the best, {}",
-                    listed(some)
-                )
-            }
+            some => format!("{at} {} share the best CPSNR", listed(some)),
         }
     };
     let sentence = groups.iter().map(one).collect::<Vec<_>>().join("; ") + ".";
@@ -74,18 +72,20 @@ fn headline(lights: &[LightWords], contenders: usize) -> String {
 /// The verdict in one light.
 fn card(light: &LightWords, contenders: usize) -> Markup {
     let winner = match &light.leaders[..] {
-        all if all.len() == contenders => "No relevant difference in CPSNR".to_owned(),
-        some => some.join(" or "),
+        all if all.len() == contenders => "No difference in CPSNR that these scenes can show".to_owned(),
+        some => format!("Best CPSNR: {}", some.join(" or ")),
     };
     let metric =
         |(name, words): &(&str, String)| Markup::from(el("dt").child(*name)).and(el("dd").child(words));
-    let cost = (!light.cost.is_empty())
-        .then(|| Markup::from(el("dt").child("Cost")).and(el("dd").child(&light.cost)));
+    let cost = |words: &String| Markup::from(el("dd").child(words));
+    let costs: Markup = light.costs.iter().map(cost).collect();
+    let costs =
+        (!light.costs.is_empty()).then(|| Markup::from(el("dt").child(format!("Cost ({ONCE})"))).and(costs));
     el("article")
         .class("verdict")
         .child(el("h3").child(format!("{} cd/m²", light.luminance_cd_m2)))
         .child(paragraph("winner", winner))
-        .child(el("dl").children(light.metrics.iter().map(metric)).children(cost))
+        .child(el("dl").children(light.metrics.iter().map(metric)).children(costs))
         .into()
 }
 
@@ -103,7 +103,11 @@ fn difference_figure(report: &Comparison<'_>) -> Markup {
     let (first, count) = (report.contender_name(0), report.contenders.len());
     let mut plot = Plot::new("Luminance (cd/m²)", "CPSNR difference (dB)")
         .title(format!("CPSNR: difference from {first}"))
-        .note("Bars are 95 % confidence intervals of the paired difference. Where a bar crosses the line of the first camera, these scenes show no difference.")
+        .note(if report.verdict.has_intervals() {
+            "Bars are 95 % confidence intervals of the paired difference. Where a bar crosses the line of the first camera, these scenes show no difference."
+        } else {
+            "One scene with one noise realisation has no confidence intervals."
+        })
         .x_scale(Scale::Log)
         .x_ticks(&luminances)
         .size(LIGHT_SIZE.0, height(count))
@@ -175,7 +179,7 @@ mod tests {
 
     fn light(luminance_cd_m2: f64, leaders: &[&str]) -> LightWords {
         let leaders = leaders.iter().map(|s| (*s).to_owned()).collect();
-        LightWords { luminance_cd_m2, leaders, metrics: Vec::new(), cost: String::new() }
+        LightWords { luminance_cd_m2, leaders, metrics: Vec::new(), costs: Vec::new() }
     }
 
     #[test]
@@ -185,9 +189,6 @@ mod tests {
             headline(&lights, 2),
             "At 1 and 10 cd/m² rgbw has the best CPSNR; at 80 cd/m² these scenes show no relevant difference in CPSNR."
         );
-        assert_eq!(
-            headline(&lights[2..], 3),
-            "At 80 cd/m² these scenes show no relevant difference in CPSNR between the best, bayer and rgbw."
-        );
+        assert_eq!(headline(&lights[2..], 3), "At 80 cd/m² bayer and rgbw share the best CPSNR.");
     }
 }

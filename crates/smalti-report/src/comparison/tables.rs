@@ -37,7 +37,7 @@ fn text(value: f64, digits: usize) -> String {
 
 /// Values as text, the best with a mark. Values that do not differ from the best are marked as well: by the verdict of the metric,
 /// else those nearer than the [smallest relevant difference](smallest_relevant). A single value has no mark, nor has one that cannot
-/// be trusted.
+/// be trusted, nor have values that are all the same.
 fn marked<T>(column: &Column<T>, of: &[&T], verdict: Option<&MetricVerdict>) -> Vec<Markup> {
     let sign = if column.is_higher_better() { 1.0 } else { -1.0 };
     let is_reliable = |of: &T| column.reliability(of) == Mtf50Reliability::Reliable;
@@ -51,9 +51,12 @@ fn marked<T>(column: &Column<T>, of: &[&T], verdict: Option<&MetricVerdict>) -> 
             is_reliable(of) && !smallest_relevant(column.metric).is_relevant((column.of)(of), best)
         }
     };
+    let mut texts = of.iter().map(|of| column.text(of));
+    let first = texts.next().unwrap_or_default();
+    let all_are_same = texts.all(|text| text == first);
     let one = |(row, of): (usize, &&T)| {
         let text = column.text(of);
-        if !is_best(row, of) {
+        if all_are_same || !is_best(row, of) {
             return text.into();
         }
         let star = el("span").attr("aria-hidden", "true").class("star").child("★");

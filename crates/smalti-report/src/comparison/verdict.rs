@@ -24,8 +24,8 @@ pub(super) struct LightWords {
     pub(super) leaders: Vec<String>,
     /// For each metric its name and the verdict.
     pub(super) metrics: Vec<(&'static str, String)>,
-    /// What the only camera that leads in CPSNR loses elsewhere. Empty if nothing.
-    pub(super) cost: String,
+    /// What each camera among the best in CPSNR loses elsewhere.
+    pub(super) costs: Vec<String>,
 }
 
 impl Comparison<'_> {
@@ -69,7 +69,7 @@ impl Comparison<'_> {
                 .zip(WORDS)
                 .map(|(metric, (name, unit, digits))| (name, self.by_metric(metric, unit, digits, list)))
                 .collect(),
-            cost: self.cost(light, verdict),
+            costs: self.costs(light, verdict),
         };
         self.verdict.lights.iter().enumerate().map(of_light).collect()
     }
@@ -81,7 +81,7 @@ impl Comparison<'_> {
             let name = name.map_or(c.metric, |(_, (name, ..))| name);
             let [dim, bright] = c.between_cd_m2;
             format!(
-                "{name}: {} is better up to {dim} cd/m², {} from {bright} cd/m² on; between them, interpolation places the crossover near {} cd/m².",
+                "{name}: {} is better up to {dim} cd/m², {} from {bright} cd/m² on; between them, interpolation places the crossover near {} cd/m² (no interval).",
                 self.contender_name(c.below),
                 self.contender_name(c.above),
                 significant(c.interpolated_cd_m2),
@@ -97,13 +97,19 @@ impl Comparison<'_> {
             return String::new();
         }
         let mut out = format!("Verdict. {}\n{}\n", self.verdict_basis(), Self::verdict_limits());
-        for LightWords { luminance_cd_m2, metrics, cost, .. } in self.verdict_words(in_lines) {
+        for line in self.conditions.reservations() {
+            out += &format!("{line}\n");
+        }
+        for LightWords { luminance_cd_m2, metrics, costs, .. } in self.verdict_words(in_lines) {
             out += &format!("  {luminance_cd_m2} cd/m²\n");
             for (name, words) in metrics {
                 out += &format!("    {name:<9} {words}\n");
             }
-            if !cost.is_empty() {
-                out += &format!("    but       {cost}\n");
+            if !costs.is_empty() {
+                out += &format!("    but, {ONCE}:\n");
+            }
+            for cost in costs {
+                out += &format!("      {cost}\n");
             }
         }
         for line in self.crossover_words(true) {
@@ -171,33 +177,45 @@ impl Comparison<'_> {
             .map(|(name, lead)| format!("{name} by {}{}", amount(&lead.by, unit, digits), light(lead)))
             .collect();
         let (same, near) = (names(with(Finding::NoDifference)), names(with(Finding::Negligible)));
+        let largest = others.iter().max_by(|a, b| a.1.by.value.total_cmp(&b.1.by.value));
         if behind.is_empty() {
             let none = if same.is_empty() {
                 "no relevant difference"
             } else {
                 "no difference that these scenes can show"
             };
-            return format!("{none} ({best} has the best mean)");
+            let largest = largest.map_or_else(String::new, |(number, lead)| {
+                format!(
+                    "; the largest, from {}, is {}",
+                    self.contender_name(*number),
+                    amount(&lead.by, unit, digits)
+                )
+            });
+            return format!("{none} ({best} has the best mean{largest})");
         }
-        let mut words = format!("{best} leads {}", list(&behind));
-        if !same.is_empty() {
-            words += &format!("; these scenes show no difference from {}", listed(&same));
-        }
-        if !near.is_empty() {
-            words += &format!("; no relevant difference from {}", listed(&near));
-        }
-        words
+        // Ties come first, so that nothing follows the list of those behind.
+        let ties = [(same, "no difference that these scenes can show"), (near, "no relevant difference")];
+        let ties = ties.into_iter().filter(|(names, _)| !names.is_empty());
+        let between = |names: Vec<String>| listed(&[vec![best.clone()], names].concat());
+        let ties: String = ties.map(|(names, none)| format!("{none} between {}; ", between(names))).collect();
+        format!("{ties}{best} leads {}", list(&behind))
     }
 
-    /// In which scores of the chart and the edge, which have no interval, the only leader in CPSNR is worse. Empty without such a
-    /// leader; the other metrics of pictures have verdicts of their own. An MTF50 that cannot be trusted does not count, and all are in
-    /// cycles per pixel, because the cameras capture the scene with equally many pixels.
-    fn cost(&self, light: usize, verdict: &LightVerdict) -> String {
-        let Some(cpsnr) = verdict.metrics.first() else { return String::new() };
-        let best = cpsnr.best;
-        if (0..self.contenders.len()).filter(|contender| cpsnr.is_among_best(*contender)).count() != 1 {
-            return String::new();
+    /// In which scores of the chart and the edge, which have no interval, each camera among the best in CPSNR is worse than another one,
+    /// a sentence each. Nothing where all cameras are among the best. The other metrics of pictures have verdicts of their own.
+    fn costs(&self, light: usize, verdict: &LightVerdict) -> Vec<String> {
+        let Some(cpsnr) = verdict.metrics.first() else { return Vec::new() };
+        let among: Vec<usize> =
+            (0..self.contenders.len()).filter(|contender| cpsnr.is_among_best(*contender)).collect();
+        if among.len() == self.contenders.len() {
+            return Vec::new();
         }
+        among.into_iter().filter_map(|contender| self.cost(light, contender)).collect()
+    }
+
+    /// What a camera loses in single scores. An MTF50 that cannot be trusted does not count, and all are in cycles per pixel, because the
+    /// cameras capture the scene with equally many pixels.
+    fn cost(&self, light: usize, best: usize) -> Option<String> {
         /// The name of a score, that of its metric, whether higher is better, and its value where it can be trusted.
         type Single = (&'static str, &'static str, bool, fn(&Outcome) -> Option<f64>);
         let single: [Single; 3] = [
@@ -224,13 +242,12 @@ impl Comparison<'_> {
             })
         };
         let lost: Vec<String> = single.iter().filter_map(lost).collect();
-        if lost.is_empty() {
-            return String::new();
-        }
-        format!("{} is worse in {}; single measurements", self.contender_name(best), listed(&lost))
+        (!lost.is_empty()).then(|| format!("{} is worse in {}", self.contender_name(best), listed(&lost)))
     }
 }
 
+/// How the scores of chart and edge are measured.
+pub(super) const ONCE: &str = "each measured once and without an interval";
 /// The most cameras behind the best one that the terminal names in one line.
 const IN_ONE_LINE: usize = 1;
 

@@ -2,6 +2,7 @@
 
 use super::{Camera, CameraError};
 use crate::isp::BLIND;
+use crate::sensor::Channel;
 use crate::spectrum::{Observer, Spectrum};
 
 /// With fewer channels that see the light, colour has fewer than three dimensions.
@@ -10,24 +11,44 @@ const COLORS: usize = 3;
 /// tungsten lamp and 0.0015 for the line of sodium at 589 nm.
 const LEAST_WHITE: f64 = 2e-3;
 
+/// A channel that sees almost nothing of a light.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DarkChannel {
+    /// Its name.
+    pub channel: String,
+    /// Its response to white, percent of that of the brightest channel: less than 0.1.
+    pub percent: f64,
+}
+
 impl Camera {
+    /// The channels that see almost nothing of a light (photons): their response to white is less than a thousandth of that of the brightest
+    /// one.
+    ///
+    /// # Errors
+    /// When a curve does not cover the wavelengths of the light.
+    pub fn dark_channels(&self, light: &Spectrum) -> Result<Vec<DarkChannel>, CameraError> {
+        let camera = self.on_grid(light.grid())?;
+        let white = |c: &Spectrum| Ok(c.times(light)?.integral());
+        let whites = camera.responsivities()?.iter().map(white).collect::<Result<Vec<f64>, CameraError>>()?;
+        let brightest = whites.iter().copied().fold(0.0, f64::max);
+        let of = |(channel, white): (&Channel, f64)| {
+            let percent = if brightest > 0.0 { 100.0 * white / brightest } else { 0.0 };
+            (brightest <= 0.0 || white < BLIND * brightest)
+                .then(|| DarkChannel { channel: channel.name.clone(), percent })
+        };
+        Ok(camera.sensor.cfa.channels().iter().zip(whites).filter_map(of).collect())
+    }
+
     /// Checks that colours can be measured under a light (photons): no channel is without light, unless three others see it; and the
     /// light has a white in all three of X, Y and Z. Cameras of fewer channels are not expected to measure colour.
     ///
     /// # Errors
     /// [`CameraError::DarkChannel`] and [`CameraError::NarrowLight`]; and when a curve does not cover the wavelengths of the light.
     pub fn ensure_measures_color(&self, light: &Spectrum) -> Result<(), CameraError> {
-        let camera = self.on_grid(light.grid())?;
-        let channels = camera.sensor.cfa.channels();
-        let white = |c: &Spectrum| Ok(c.times(light)?.integral());
-        let whites = camera.responsivities()?.iter().map(white).collect::<Result<Vec<f64>, CameraError>>()?;
-        let brightest = whites.iter().copied().fold(0.0, f64::max);
-        let is_dark = |white: &f64| brightest <= 0.0 || *white < BLIND * brightest;
-        let seeing = whites.iter().filter(|white| !is_dark(white)).count();
-        let darkest = whites.iter().enumerate().min_by(|a, b| a.1.total_cmp(b.1));
-        if let Some((number, white)) = darkest.filter(|(_, white)| is_dark(white) && seeing < COLORS) {
-            let channel = channels.get(number).map(|c| c.name.clone()).unwrap_or_default();
-            let percent = if brightest > 0.0 { 100.0 * white / brightest } else { 0.0 };
+        let dark = self.dark_channels(light)?;
+        let seeing = self.sensor.cfa.channels().len() - dark.len();
+        let darkest = dark.into_iter().min_by(|a, b| a.percent.total_cmp(&b.percent));
+        if let Some(DarkChannel { channel, percent }) = darkest.filter(|_| seeing < COLORS) {
             return Err(CameraError::DarkChannel { channel, percent });
         }
         let xyz = Observer::Cie1931.white(light)?;
@@ -67,6 +88,9 @@ mod tests {
         assert_eq!(dark, Err(CameraError::DarkChannel { channel: "B".into(), percent: 0.0 }));
         // W − R − G remains blue.
         assert_eq!(camera("rgbw", &["B"]).ensure_measures_color(&d65), Ok(()));
+        let blind = camera("rgbw", &["B"]).dark_channels(&d65).unwrap();
+        assert_eq!(blind, [DarkChannel { channel: "B".into(), percent: 0.0 }]);
+        assert_eq!(camera("rgbw", &[]).dark_channels(&d65), Ok(Vec::new()));
     }
 
     /// A light with nothing below 590 nm. A tungsten lamp is no such light.

@@ -31,6 +31,7 @@ pub use camera::Camera;
 pub use clear_channel::{NOTABLE_INFRARED_SHARE, NOTABLE_UNSHARED_SHARE, UnsharedLight};
 pub use colorimetry::{ColorimetricObserver, SensorColorimetry};
 pub use compare::{SceneScores, Setup, TEST_SAMPLES_PER_PX, compare_on, test_scenes};
+pub use dark_channel::DarkChannel;
 pub use description::CameraDescription;
 pub use error::CameraError;
 pub use evaluate::{

@@ -65,6 +65,12 @@ impl TestScene {
         }
     }
 
+    /// Whether the scene keeps its own light instead of that of the comparison.
+    #[must_use]
+    pub fn keeps_light(&self) -> bool {
+        matches!(self, Self::Given { keeps_light: true, .. })
+    }
+
     /// The last wavelength that a given scene has light at, nm. `None` for a built-in scene, which has the wavelengths of each camera.
     #[must_use]
     pub fn last_nm(&self) -> Option<f64> {

@@ -17,6 +17,12 @@ const IGNORED: [&str; 7] =
     ["name", "sensor.rows", "sensor.cols", "sensor.cfa", "isp.pipeline", "isp.white_balance", "isp.output"];
 /// Tables of a description; all other objects are values.
 const TABLES: [&str; 5] = ["optics", "sensor", "sensor.pixel", "exposure", "isp"];
+/// What the absence of a key means, where it is not the absence of the thing.
+const ABSENT: [(&str, &str); 3] = [
+    ("exposure.time_ms", "automatic"),
+    ("optics.ir_cut", "none stated"),
+    ("wavelengths_nm", "400 to 700 in steps of 10"),
+];
 /// The longest value that is stated in full, characters.
 const MAX_STATED: usize = 40;
 
@@ -110,7 +116,7 @@ fn of_descriptions<'a>(
     let difference = |key: &String| {
         let values: Vec<&Value> = cameras.iter().map(|c| c.get(key).unwrap_or(&Value::Null)).collect();
         let differs = values.windows(2).any(|pair| pair[0] != pair[1]);
-        differs.then(|| CameraDifference { key: key.clone(), values: stated(&values) })
+        differs.then(|| CameraDifference { key: key.clone(), values: stated(key, &values) })
     };
     Ok(names.into_iter().filter_map(difference).collect())
 }
@@ -130,17 +136,29 @@ fn collect(key: &str, value: &Value, keys: &mut BTreeMap<String, Value>) {
     }
 }
 
+/// A number with four significant digits and without trailing zeros.
+fn rounded(value: f64) -> String {
+    let magnitude = if value == 0.0 { 0 } else { libm::floor(libm::log10(value.abs())) as i32 };
+    if !(-4..6).contains(&magnitude) {
+        return format!("{value:.3e}");
+    }
+    let text = format!("{value:.*}", (3 - magnitude).max(0) as usize);
+    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
+}
+
 /// Values as text. Long ones, such as measured curves, get a letter each.
-fn stated<'a>(values: &[&'a Value]) -> Vec<String> {
+fn stated<'a>(key: &str, values: &[&'a Value]) -> Vec<String> {
     let mut long: Vec<&'a Value> = Vec::new();
     let one = |&value: &&'a Value| match value {
-        Value::Null => "none".to_owned(),
+        Value::Null => ABSENT.iter().find(|(of, _)| *of == key).map_or("none", |(_, words)| words).to_owned(),
+        Value::Number(number) => number.as_f64().map_or_else(|| number.to_string(), rounded),
         Value::String(text) => text.clone(),
         Value::Object(curve) if curve.len() == 1 && curve.contains_key("builtin") => {
             curve["builtin"].as_str().unwrap_or_default().to_owned()
         }
         Value::Object(curve) if curve.len() == 1 && curve.contains_key("flat") => {
-            format!("flat {}", curve["flat"])
+            let flat = curve["flat"].as_f64().map_or_else(|| curve["flat"].to_string(), rounded);
+            format!("flat {flat}")
         }
         other => {
             let text = other.to_string();
@@ -186,10 +204,17 @@ mod tests {
         let found = of_descriptions([&a, &b, &a], IspKeys::Unused).unwrap();
         let of = |key: &str| found.iter().find(|d| d.key == key).map(|d| d.values.clone()).unwrap();
         assert_eq!(found.len(), 5);
-        assert_eq!(of("wavelengths_nm"), ["none", "[400.0,50.0,700.0]", "none"]);
-        assert_eq!(of("exposure.time_ms"), ["20.0", "none", "20.0"]);
-        assert_eq!(of("sensor.pixel.pitch_um")[1], "1.0");
-        assert_eq!(of("optics.ir_cut")[1], "none");
+        let usual = "400 to 700 in steps of 10";
+        assert_eq!(of("wavelengths_nm"), [usual, "[400.0,50.0,700.0]", usual]);
+        assert_eq!(of("exposure.time_ms"), ["20", "automatic", "20"]);
+        assert_eq!(of("sensor.pixel.pitch_um")[1], "1");
+        assert_eq!(of("optics.ir_cut"), ["flat 0.5", "none stated", "flat 0.5"]);
+    }
+
+    #[test]
+    fn numbers_have_four_digits() {
+        let all = [0.0, 0.12531328320802, 25.5918, 71_820.0, 1.8, 1e-5, 3e7, -0.05].map(rounded);
+        assert_eq!(all, ["0", "0.1253", "25.59", "71820", "1.8", "1.000e-5", "3.000e7", "-0.05"]);
     }
 
     #[test]

@@ -24,7 +24,7 @@ pub struct ExchangedMosaic {
 #[non_exhaustive]
 pub enum ExchangeError {
     /// The camera has no filter for some letters of the mosaic, and states filters of its own, which a generic filter does not fit.
-    #[error("the mosaic has the letters {}, for which the camera has no filter; it has {}", listed(.missing), listed(.known))]
+    #[error("the mosaic has the {} {}, for which the camera has no filter; it has {}", if .missing.len() == 1 { "letter" } else { "letters" }, listed(.missing), listed(.known))]
     NoFilter {
         /// The letters without a filter, in alphabetical order.
         missing: Vec<char>,

@@ -41,6 +41,14 @@ pub struct Verdict {
     pub crossovers: Vec<Crossover>,
 }
 
+impl Verdict {
+    /// Whether differences have intervals: a single picture has none.
+    #[must_use]
+    pub fn has_intervals(&self) -> bool {
+        self.scenes * self.seeds > 1
+    }
+}
+
 /// The verdict at one luminance.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct LightVerdict {
@@ -211,8 +219,12 @@ impl<'a> Scores<'a> {
 }
 
 impl Scores<'_> {
-    /// The crossovers of all pairs of contenders. Lights in which neither leads lie within.
+    /// The crossovers of all pairs of contenders. Lights in which neither leads lie within. Differences without intervals, those of single
+    /// pictures, prove none.
     fn crossovers(&self, lights: &[LightVerdict]) -> Vec<Crossover> {
+        if self.resamples.is_none() {
+            return Vec::new();
+        }
         let mut order: Vec<usize> = (0..lights.len()).collect();
         order.sort_by(|a, b| lights[*a].luminance_cd_m2.total_cmp(&lights[*b].luminance_cd_m2));
         let cd_m2: Vec<f64> = order.iter().map(|light| lights[*light].luminance_cd_m2).collect();
