@@ -146,7 +146,7 @@ impl Screen {
         self.shares[group][lane] = class.patches / total;
         self.per_white_squared[group][lane] = class.per_white_squared;
         if self.colors.len() == at {
-            self.colors.push(ColorError::new(class.relative_xyz, statistics.white()));
+            self.colors.push(ColorError::new(&class.colors, statistics.white()));
         }
     }
 
@@ -188,7 +188,8 @@ struct Usable {
     /// Square, row by row.
     covariance: Vec<f64>,
     per_white_squared: f64,
-    relative_xyz: [f64; 3],
+    /// Colours of the middle pixel, relative to display white, with their shares.
+    colors: Vec<([f64; 3], f64)>,
 }
 
 /// The classes with enough patches, their covariances completed with those of all hues.
@@ -227,7 +228,7 @@ fn usable(statistics: &LightStatistics) -> Result<Vec<Usable>, DesignError> {
             mean,
             covariance,
             per_white_squared: class.per_white_squared / patches,
-            relative_xyz: class.relative_xyz.map(|v| v / patches),
+            colors: class.colors.means().collect(),
         });
     }
     if found.is_empty() {
