@@ -67,9 +67,16 @@ mod tests {
         assert_eq!(counts.iter().sum::<f64>(), 6.0);
         let means: Vec<([f64; 3], f64)> = colors.means().collect();
         assert_eq!(means.len(), 5);
-        assert!(means.iter().any(|(xyz, share)| (xyz[1] - 0.31).abs() < 1e-12 && (share - 1.0 / 3.0).abs() < 1e-12));
+        assert!(
+            means
+                .iter()
+                .any(|(xyz, share)| (xyz[1] - 0.31).abs() < 1e-12 && (share - 1.0 / 3.0).abs() < 1e-12)
+        );
         let mut twice = colors.clone();
         twice.merge(&colors);
-        assert_eq!(twice.means().map(|(xyz, _)| xyz).collect::<Vec<_>>(), means.iter().map(|m| m.0).collect::<Vec<_>>());
+        assert_eq!(
+            twice.means().map(|(xyz, _)| xyz).collect::<Vec<_>>(),
+            means.iter().map(|m| m.0).collect::<Vec<_>>()
+        );
     }
 }

@@ -80,7 +80,11 @@ pub struct LightClass {
 
 impl LightClass {
     fn new(coefficients: usize) -> Self {
-        Self { moments: Moments::new(coefficients, 0), per_white_squared: 0.0, colors: ClassColors::default() }
+        Self {
+            moments: Moments::new(coefficients, 0),
+            per_white_squared: 0.0,
+            colors: ClassColors::default(),
+        }
     }
 
     fn merge(&mut self, other: &Self) {

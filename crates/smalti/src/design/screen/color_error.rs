@@ -46,8 +46,11 @@ impl ColorError {
     pub(super) fn new(colors: &[([f64; 3], f64)], white: [f64; 3]) -> Self {
         let frequent = colors.iter().filter(|(_, share)| *share >= LEAST_SHARE);
         let total: f64 = frequent.clone().map(|(_, share)| share).sum();
-        let center =
-            |(xyz, share): &([f64; 3], f64)| Center { xyz: *xyz, lab: lab_from_xyz(*xyz, white), share: share / total };
+        let center = |(xyz, share): &([f64; 3], f64)| Center {
+            xyz: *xyz,
+            lab: lab_from_xyz(*xyz, white),
+            share: share / total,
+        };
         Self { colors: frequent.map(center).collect(), white }
     }
 

@@ -2,6 +2,7 @@
 
 use super::color_error::{ColorError, PACKED};
 use super::condition::{Level, ScreenCondition};
+use super::eye::Eye;
 use super::lanes::{LANES, Lanes, ZERO};
 use super::responses::{FilterResponses, sum_of_products};
 use crate::camera::{Camera, CameraError};
@@ -39,6 +40,8 @@ pub struct Screen {
     pub(super) detailed_share: f64,
     /// Mean of 1/w² over the patches of a class, w the luminance of display white, by group.
     pub(super) per_white_squared: Vec<Lanes>,
+    /// The opponent filters of the eye.
+    pub(super) eye: Eye,
     /// Of each class, in the order of lanes.
     pub(super) colors: Vec<ColorError>,
     pub(super) levels: Vec<Level>,
@@ -79,6 +82,7 @@ impl Screen {
             detailed: vec![ZERO; groups],
             detailed_share: 0.0,
             per_white_squared: vec![ZERO; groups],
+            eye: Eye::new(side)?,
             colors: Vec::with_capacity(classes.len()),
             levels: Vec::new(),
             electrons: electrons(camera, statistics)?,
