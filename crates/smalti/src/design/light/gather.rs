@@ -61,12 +61,11 @@ impl LightGatherer {
     ) -> Result<Self, DesignError> {
         settings.validate()?;
         if camera.sensor.binning.is_some() {
-            let message =
-                "the light of binned photodiodes cannot be described yet; state the camera without binning";
+            let message = "the light of binned photodiodes cannot be described yet; state a camera whose pixels are as large as the blocks";
             return Err(DesignError::key("sensor.binning", message));
         }
         if camera.sensor.crosstalk.is_some() {
-            let message = "crosstalk mixes the light of neighbouring filters, which the closed form does not describe yet";
+            let message = "crosstalk mixes the light of neighbouring filters, which the closed form does not describe yet; search with \"sensor.crosstalk_percent\" = 0 in [set], and compare the array on the camera itself";
             return Err(DesignError::key("sensor.crosstalk", message));
         }
         let grid = camera.grid();
