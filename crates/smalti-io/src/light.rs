@@ -6,7 +6,7 @@
 use std::path::Path;
 
 use serde_json::json;
-use smalti::design::light::{ClassParts, LightParts, LightStatistics};
+use smalti::design::light::{COLOR_GROUPS, ClassParts, LightParts, LightStatistics};
 use smalti::spectrum::WavelengthGrid;
 
 use crate::container::{Content, Opened};
@@ -14,7 +14,7 @@ use crate::error::At;
 use crate::{IoError, Limits, file};
 
 const EXPECTED: &str = "statistics of light (.light, a safetensors file)";
-const FORMAT: (&str, &str) = ("smalti-light-statistics", "1");
+const FORMAT: (&str, &str) = ("smalti-light-statistics", "2");
 
 /// Writes statistics so that they read back bit for bit: merging continues as if they had stayed in memory.
 ///
@@ -54,7 +54,8 @@ fn content(statistics: &LightStatistics) -> Content {
     content.tensor("classes", &[classes.len()], classes.iter().map(|c| c.number as u32));
     content.tensor("sums", &[classes.len(), triangle], classes.iter().flat_map(|c| c.sums.iter().copied()));
     content.tensor("per_white_squared", &[classes.len()], classes.iter().map(|c| c.per_white_squared));
-    content.tensor("relative_xyz", &[classes.len(), 3], classes.iter().flat_map(|c| c.relative_xyz));
+    let colors = classes.iter().flat_map(|c| c.colors.as_flattened().iter().copied());
+    content.tensor("colors", &[classes.len(), COLOR_GROUPS, 4], colors);
     content
 }
 
@@ -94,7 +95,11 @@ pub fn from_bytes(bytes: &[u8], path: &Path) -> Result<LightStatistics, IoError>
     let xyz: Vec<f64> = opened.shaped("xyz", &[count, 3])?;
     let (numbered, numbers) = opened.any::<u32>("classes", 1)?;
     let per_white_squared: Vec<f64> = opened.shaped("per_white_squared", &numbered)?;
-    let relative_xyz = triples(&opened.shaped::<f64>("relative_xyz", &[numbered[0], 3])?);
+    let colors: Vec<f64> = opened.shaped("colors", &[numbered[0], COLOR_GROUPS, 4])?;
+    let of_class = |at: usize| {
+        let number = |group: usize, i: usize| colors[(at * COLOR_GROUPS + group) * 4 + i];
+        std::array::from_fn(|group| std::array::from_fn(|i| number(group, i)))
+    };
     let (shape, sums) = opened.any::<f64>("sums", 2)?;
     if shape[0] != numbered[0] || shape[1] == 0 {
         let expected = format!("{} classes", numbered[0]);
@@ -104,7 +109,7 @@ pub fn from_bytes(bytes: &[u8], path: &Path) -> Result<LightStatistics, IoError>
         number: *number as usize,
         sums: sums[at * shape[1]..(at + 1) * shape[1]].to_vec(),
         per_white_squared: per_white_squared[at],
-        relative_xyz: relative_xyz[at],
+        colors: of_class(at),
     };
     let parts = LightParts {
         settings: opened.json("settings")?,
@@ -168,6 +173,7 @@ mod tests {
         assert!(key(&|p| p.xyz.truncate(1)).contains("xyz"));
         assert!(key(&|p| p.classes[0].number = 99).contains("class 99"));
         assert!(key(&|p| p.classes[0].sums.truncate(4)).contains("class"));
+        assert!(key(&|p| p.classes[0].colors[3][0] = -1.0).contains("class"));
         assert!(key(&|p| p.energy[0] = -1.0).contains("energy"));
     }
 }

@@ -20,7 +20,7 @@ use crate::scene_args::SceneOptions;
     The search minimises the expected error of the best linear pipeline in closed form. It needs the statistics of the light on the \
     pixels, from the scenes that pipelines learn from, and simulates no picture. The printed figures are such expectations: they rank \
     colour filter arrays as learned pipelines do and are not their scores. DIR holds the camera with the array that was found \
-    (camera.toml, filters.csv, mosaic.svg, camera.l3), the published mosaics with the best filters of the same kind (rivals/), the compromises of a front \
+    (camera.toml, filters.csv, mosaic.svg, mosaic.png, camera.l3), the published mosaics with the best filters of the same kind (rivals/), the compromises of a front \
     (front/), the statistics of light (light/), design.html and results.json. After Ctrl-C or a crash, the same command goes on where the search ended.\n\n\
     --prove learns pipelines for the array that was found, for the camera's own and for the published mosaics with the best filters of the \
     same kind, and scores them on scenes that were not used. Its intervals hold together for all rivals, luminances and metrics. \

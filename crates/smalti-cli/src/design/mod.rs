@@ -30,6 +30,9 @@ use crate::output::note;
 use crate::progress::Progress;
 use crate::sweep::stops_resumably;
 
+/// Pixels of `mosaic.png` per unit of the figure: enough for print and for displays of high resolution.
+const PNG_SCALE: f64 = 2.0;
+
 pub(crate) fn run(args: &DesignArgs, common: &Common) -> anyhow::Result<()> {
     let Some(name) = &args.design else { return benchmark(args, common) };
     if Path::new(name).is_dir() {
@@ -96,6 +99,7 @@ pub(crate) fn run(args: &DesignArgs, common: &Common) -> anyhow::Result<()> {
     write_filters(&dir.join("filters.csv"), &best, &task)?;
     let figure = mosaic_figure(&best, &task)?;
     write::bytes(&dir.join("mosaic.svg"), figure.svg().as_bytes())?;
+    write::bytes(&dir.join("mosaic.png"), &figure.png(PNG_SCALE)?)?;
     let rivals: Vec<&DesignedCfa> = found.rivals.iter().collect();
     if !rivals.is_empty() {
         write::begin_folder(&dir.join("rivals"), &[])?;

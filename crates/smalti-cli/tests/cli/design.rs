@@ -24,11 +24,12 @@ fn a_design_becomes_a_camera_that_other_commands_take() {
     assert_eq!(best["transmittances"].as_array().unwrap().len(), 3);
     assert!(place.read("best/filters.csv").starts_with(b"wavelength_nm,A,B,C\n"));
     assert!(place.read("best/mosaic.svg").starts_with(b"<svg"));
+    assert!(place.read("best/mosaic.png").starts_with(b"\x89PNG"));
     let shown: Value = serde_json::from_str(&place.ok("show best/camera.toml --json")).unwrap();
     assert_eq!(shown["name"], "small");
     // The same search gives the same files.
     place.ok("design small.toml -o again --no-pipeline --training-set catalog --threads 1");
-    for file in ["camera.toml", "filters.csv", "mosaic.svg"] {
+    for file in ["camera.toml", "filters.csv", "mosaic.svg", "mosaic.png"] {
         assert_eq!(place.read(&format!("best/{file}")), place.read(&format!("again/{file}")), "{file}");
     }
 }

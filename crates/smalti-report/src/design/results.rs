@@ -19,7 +19,7 @@ fn expected(expected: &[ExpectedError], task: &DesignTask) -> Vec<Value> {
     let of = |(e, (light, c)): (&ExpectedError, (String, &ScreenCondition))| {
         json!({
             "illuminant": light, "luminance_cd_m2": c.luminance_cd_m2, "cpsnr_db": e.cpsnr_db,
-            "detail_db": e.detail_db, "delta_e_2000": e.delta_e_2000, "time_s": e.time_s,
+            "detail_db": e.detail_db, "delta_e_2000": e.delta_e_2000, "scielab": e.scielab, "time_s": e.time_s,
         })
     };
     expected.iter().zip(conditions).map(of).collect()

@@ -67,7 +67,7 @@ impl Opponent {
     }
 
     /// X, Y, Z from luminance, red-green and blue-yellow.
-    fn inverse_matrix(self) -> Matrix3 {
+    pub(crate) const fn inverse_matrix(self) -> Matrix3 {
         const DEGREES_2: Matrix3 = known(inverse(&Opponent::Degrees2.matrix()));
         const DEGREES_10: Matrix3 = known(inverse(&Opponent::Degrees10.matrix()));
         match self {
@@ -161,7 +161,7 @@ impl Scielab {
     }
 
     /// The X, Y, Z planes of an image after the blur of the eye.
-    fn filtered(&self, image: &Image) -> Result<[Vec<f32>; 3], ScielabError> {
+    pub(crate) fn filtered(&self, image: &Image) -> Result<[Vec<f32>; 3], ScielabError> {
         let kernels = self.kernels()?;
         let opponent_from_xyz = self.opponent.matrix();
         let xyz_from_opponent = self.opponent.inverse_matrix();
@@ -169,6 +169,38 @@ impl Scielab {
         let shape = (image.rows(), image.cols());
         let blurred = [0, 1, 2].map(|c| blur(&opponent[c], shape, &kernels[c], self.extension));
         Ok(transformed(&xyz_from_opponent, blurred.each_ref().map(Vec::as_slice)))
+    }
+
+    /// The sums over all pixels of the product of the kernel of one opponent plane and that of another, displaced by 0 to `reach` rows
+    /// (slowest) and columns: what white noise that reaches two pixels keeps in common after the blur. The planes are in the order of
+    /// a packed symmetric matrix: (0, 0), (1, 0), (1, 1), (2, 0), (2, 1), (2, 2).
+    ///
+    /// # Errors
+    /// When `samples_per_degree` is not within 1–2000.
+    pub(crate) fn overlaps(&self, reach: usize) -> Result<Vec<[f64; 6]>, ScielabError> {
+        let kernels = self.kernels()?;
+        let at = |g: &Gaussian, i: isize| g.half.get(i.unsigned_abs()).map_or(0.0, |v| f64::from(*v));
+        let along = |a: &Gaussian, b: &Gaussian, by: usize| -> f64 {
+            let radius = a.half.len() as isize - 1;
+            (-radius..=radius).map(|i| at(a, i) * at(b, i + by as isize)).sum()
+        };
+        let mut out = vec![[0.0; 6]; (reach + 1) * (reach + 1)];
+        let mut entry = 0;
+        for first in 0..3 {
+            for second in 0..=first {
+                for a in &kernels[first] {
+                    for b in &kernels[second] {
+                        let line: Vec<f64> = (0..=reach).map(|by| along(a, b, by)).collect();
+                        let weight = f64::from(a.weight) * f64::from(b.weight);
+                        for (place, sums) in out.iter_mut().enumerate() {
+                            sums[entry] += weight * line[place / (reach + 1)] * line[place % (reach + 1)];
+                        }
+                    }
+                }
+                entry += 1;
+            }
+        }
+        Ok(out)
     }
 
     /// The Gaussians of each opponent plane with their weights and samples; every kernel sums to one.

@@ -271,6 +271,7 @@ fn derivatives_are_those_of_finite_differences() {
     let cpsnr = Objective { delta_e_2000: 0.0, ..Objective::default() };
     let detail = Objective { detail_db: 2.0, ..cpsnr };
     let worst = Objective { over: Over::Worst, ..Objective::default() };
+    let seen = Objective { cpsnr_db: 0.0, delta_e_2000: 0.3, scielab: 1.0, ..cpsnr };
     let spread = Tolerance { thickness: 0.1, shift_nm: 5.0, draws: 2 };
     // Two screens, as of two illuminants.
     let screens = [screen.clone(), screen];
@@ -279,6 +280,7 @@ fn derivatives_are_those_of_finite_differences() {
         (detail, Tolerance::default(), 1e-6),
         (cpsnr, spread, 1e-6),
         (Objective::default(), Tolerance::default(), 1e-5),
+        (seen, Tolerance::default(), 1e-5),
         (worst, Tolerance::default(), 1e-5),
     ] {
         let goal = objective.goal(&own);
@@ -316,9 +318,10 @@ fn one_set_has_the_figures_that_it_has_among_others() {
     for (set, expected) in sets.iter().zip(&all) {
         assert_eq!(&screen.expected_of(&mosaic, std::slice::from_ref(set), Figures::All)[0], expected);
         let differentiable = screen.differentiable(&mosaic, set, Figures::All);
-        let ExpectedError { cpsnr_db, delta_e_2000, .. } = expected[0];
+        let ExpectedError { cpsnr_db, delta_e_2000, scielab, .. } = expected[0];
         assert!((differentiable.expected()[0].cpsnr_db - cpsnr_db).abs() < 1e-9);
         assert!((differentiable.expected()[0].delta_e_2000 - delta_e_2000).abs() < 1e-9);
+        assert!((differentiable.expected()[0].scielab - scielab).abs() < 1e-9);
         let by_response = differentiable.by_response(&[FigureWeights::default()]);
         assert!(by_response.iter().flatten().all(|g| *g == 0.0));
     }

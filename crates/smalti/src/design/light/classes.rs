@@ -111,7 +111,7 @@ impl LightClasses {
 }
 
 /// 0 for neutral, then red, yellow, green and blue: quadrants about 0, 90, 180 and 270°.
-fn hue([_, a, b]: [f64; 3]) -> usize {
+pub(super) fn hue([_, a, b]: [f64; 3]) -> usize {
     if a * a + b * b < NEUTRAL_CHROMA * NEUTRAL_CHROMA {
         return 0;
     }

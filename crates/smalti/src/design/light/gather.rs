@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use super::super::error::DesignError;
 use super::classes::PatchFigures;
-use super::{LightClass, LightSettings, LightStatistics, SpectralBasis};
+use super::{ClassColors, LightClass, LightSettings, LightStatistics, SpectralBasis};
 use crate::camera::chart::LUMINANCE;
 use crate::camera::stable_text::stable_text;
 use crate::camera::{Camera, CameraError, ScoreSettings};
@@ -61,12 +61,11 @@ impl LightGatherer {
     ) -> Result<Self, DesignError> {
         settings.validate()?;
         if camera.sensor.binning.is_some() {
-            let message =
-                "the light of binned photodiodes cannot be described yet; state the camera without binning";
+            let message = "the light of binned photodiodes cannot be described yet; state a camera whose pixels are as large as the blocks";
             return Err(DesignError::key("sensor.binning", message));
         }
         if camera.sensor.crosstalk.is_some() {
-            let message = "crosstalk mixes the light of neighbouring filters, which the closed form does not describe yet";
+            let message = "crosstalk mixes the light of neighbouring filters, which the closed form does not describe yet; search with \"sensor.crosstalk_percent\" = 0 in [set], and compare the array on the camera itself";
             return Err(DesignError::key("sensor.crosstalk", message));
         }
         let grid = camera.grid();
@@ -146,7 +145,7 @@ impl LightGatherer {
             let class = LightClass {
                 moments,
                 per_white_squared: patches.len() as f64 / (white * white),
-                relative_xyz: self.sum_of_middles(&light, &patches).map(|v| v / white),
+                colors: self.middle_colors(&light, &patches, white),
             };
             statistics.classes.entry(number).or_insert_with(|| self.empty.empty_class()).merge(&class);
         }
@@ -285,16 +284,18 @@ impl LightGatherer {
         moments
     }
 
-    /// Σ X, Y, Z of the middle pixels.
-    fn sum_of_middles(&self, light: &Coefficients, patches: &[u32]) -> [f64; 3] {
-        let mut sum = [0.0; 3];
+    /// The colours of the middle pixels, relative to display white.
+    fn middle_colors(&self, light: &Coefficients, patches: &[u32], white: f64) -> ClassColors {
+        let mut colors = ClassColors::default();
         for &pixel in patches {
+            let mut xyz = [0.0; 3];
             let values = light.values[pixel as usize * light.count..].iter().take(light.count);
             for (value, of_component) in values.zip(&self.empty.xyz) {
-                sum.iter_mut().zip(of_component).for_each(|(s, m)| *s += f64::from(*value) * m);
+                xyz.iter_mut().zip(of_component).for_each(|(x, m)| *x += f64::from(*value) * m);
             }
+            colors.add(xyz.map(|v| v / white), self.empty.white);
         }
-        sum
+        colors
     }
 }
 

@@ -8,6 +8,7 @@
 mod basis;
 mod class_names;
 mod classes;
+mod colors;
 mod gather;
 mod parts;
 
@@ -17,6 +18,7 @@ use serde::{Deserialize, Serialize};
 
 pub use basis::SpectralBasis;
 pub use classes::LightClasses;
+pub use colors::{COLOR_GROUPS, ClassColors};
 pub use gather::LightGatherer;
 pub use parts::{ClassParts, LightParts};
 
@@ -72,19 +74,23 @@ pub struct LightClass {
     pub moments: Moments,
     /// Σ 1/w² over the patches, w the luminance of display white of their scene relative to its mean.
     pub per_white_squared: f64,
-    /// Σ (X, Y, Z)/w of the middle pixel.
-    pub relative_xyz: [f64; 3],
+    /// The colours of the middle pixels, relative to w.
+    pub colors: ClassColors,
 }
 
 impl LightClass {
     fn new(coefficients: usize) -> Self {
-        Self { moments: Moments::new(coefficients, 0), per_white_squared: 0.0, relative_xyz: [0.0; 3] }
+        Self {
+            moments: Moments::new(coefficients, 0),
+            per_white_squared: 0.0,
+            colors: ClassColors::default(),
+        }
     }
 
     fn merge(&mut self, other: &Self) {
         self.moments.merge(&other.moments);
         self.per_white_squared += other.per_white_squared;
-        self.relative_xyz.iter_mut().zip(other.relative_xyz).for_each(|(a, b)| *a += b);
+        self.colors.merge(&other.colors);
     }
 }
 

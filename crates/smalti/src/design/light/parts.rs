@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::super::error::DesignError;
-use super::{LightClass, LightSettings, LightStatistics, SpectralBasis};
+use super::{COLOR_GROUPS, ClassColors, LightClass, LightSettings, LightStatistics, SpectralBasis};
 use crate::camera::CameraError;
 use crate::l3::Moments;
 use crate::spectrum::{Spectrum, WavelengthGrid};
@@ -17,8 +17,8 @@ pub struct ClassParts {
     pub sums: Vec<f64>,
     /// Σ 1/w².
     pub per_white_squared: f64,
-    /// Σ (X, Y, Z)/w.
-    pub relative_xyz: [f64; 3],
+    /// For each group of [`ClassColors`], the number of patches and Σ (X, Y, Z)/w of the middle pixels.
+    pub colors: [[f64; 4]; COLOR_GROUPS],
 }
 
 /// [`LightStatistics`] as plain numbers. Statistics that are made of the parts of others equal them bit for bit.
@@ -58,7 +58,7 @@ impl LightStatistics {
             number: *number,
             sums: class.moments.sums().to_vec(),
             per_white_squared: class.per_white_squared,
-            relative_xyz: class.relative_xyz,
+            colors: *class.colors.groups(),
         };
         LightParts {
             settings: self.settings.clone(),
@@ -115,13 +115,15 @@ impl LightStatistics {
             let fits = class.number < settings.classes.count()
                 && class.per_white_squared > 0.0
                 && class.per_white_squared.is_finite()
-                && numbers(&class.relative_xyz);
+                && numbers(class.colors.as_flattened())
+                && class.colors.iter().all(|group| group[0] >= 0.0)
+                && class.colors.iter().any(|group| group[0] > 0.0);
             let (Some(moments), true) = (moments, fits) else {
                 let message = "expected the sums of at least one patch for a class of the settings";
                 return Err(DesignError::key(format!("class {}", class.number), message));
             };
-            let (per_white_squared, relative_xyz) = (class.per_white_squared, class.relative_xyz);
-            classes.insert(class.number, LightClass { moments, per_white_squared, relative_xyz });
+            let (per_white_squared, colors) = (class.per_white_squared, ClassColors(class.colors));
+            classes.insert(class.number, LightClass { moments, per_white_squared, colors });
         }
         let spectrum = |values| Spectrum::new(grid, values).map_err(CameraError::from);
         let components = components.into_iter().map(spectrum).collect::<Result<_, _>>()?;

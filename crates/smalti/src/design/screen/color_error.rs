@@ -1,11 +1,14 @@
-//! The mean colour difference that normal errors cause about a colour.
+//! The mean colour difference that normal errors cause about the colours of a class.
 
 use crate::color::cie1976::lab_from_xyz;
 use crate::color::difference::delta_e_2000;
+use crate::numeric::simd::{Kernel, dispatch};
 
 /// Row and column of the entries of a packed symmetric matrix.
 pub(super) const PACKED: [(usize, usize); 6] = [(0, 0), (1, 0), (1, 1), (2, 0), (2, 1), (2, 2)];
 
+/// Number of nodes of the mean over a normal vector in three dimensions.
+const NODES: usize = 24;
 /// Distances from the centre of the nodes, and the share of the first ones. They have the mean, the mean square and the mean cube of the
 /// length of a normal vector in three dimensions, 2√(2/π), 3 and 8√(2/π), so that linear and quadratic functions of the length are exact.
 const RADII: [f64; 2] = [1.066_298_511_131_054_1, 2.452_324_521_579_843];
@@ -17,66 +20,118 @@ const LONG: f64 = 0.850_650_808_352_039_9;
 const STEP: f64 = 1e-6;
 /// Smallest variance beside the largest one: covariances of errors may be singular.
 const RIDGE: f64 = 1e-10;
+/// Colours of a smaller share of the patches of a class are left out, because each costs as much time as a frequent one.
+const LEAST_SHARE: f64 = 0.01;
 
-/// A colour about which errors are distributed.
-#[derive(Debug, Clone, Copy, PartialEq)]
+/// A number of each node.
+type Nodes = [f64; NODES];
+
+/// The colours of a class, about which errors are distributed.
+#[derive(Debug, Clone, PartialEq)]
 pub(super) struct ColorError {
-    xyz: [f64; 3],
-    lab: [f64; 3],
+    colors: Vec<Center>,
     white: [f64; 3],
 }
 
+/// A colour and its share of the class.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Center {
+    xyz: [f64; 3],
+    lab: [f64; 3],
+    share: f64,
+}
+
 impl ColorError {
-    /// About X, Y, Z relative to display white; `white` is that of the illuminant with Y = 1.
-    pub(super) fn new(xyz: [f64; 3], white: [f64; 3]) -> Self {
-        Self { xyz, lab: lab_from_xyz(xyz, white), white }
+    /// About X, Y, Z relative to display white, each with its share; `white` is that of the illuminant with Y = 1.
+    pub(super) fn new(colors: &[([f64; 3], f64)], white: [f64; 3]) -> Self {
+        let frequent = colors.iter().filter(|(_, share)| *share >= LEAST_SHARE);
+        let total: f64 = frequent.clone().map(|(_, share)| share).sum();
+        let center = |(xyz, share): &([f64; 3], f64)| Center {
+            xyz: *xyz,
+            lab: lab_from_xyz(*xyz, white),
+            share: share / total,
+        };
+        Self { colors: frequent.map(center).collect(), white }
     }
 
-    /// CIEDE2000 of a colour, limited to X, Y, Z of at least 0.
-    fn difference(&self, xyz: [f64; 3]) -> f64 {
-        delta_e_2000(self.lab, lab_from_xyz(xyz.map(|v| v.max(0.0)), self.white))
-    }
-
-    /// The mean CIEDE2000 for normal errors of a packed covariance, by a quadrature of 24 nodes.
+    /// The mean CIEDE2000 for normal errors of a packed covariance, over the colours and by a quadrature of 24 nodes.
     pub(super) fn mean(&self, error: &[f64; 6]) -> f64 {
         let Some(root) = Root::of(error) else { return 0.0 };
-        nodes().map(|(z, weight)| weight * self.difference(root.apply(self.xyz, z))).sum()
+        let nodes = Normal::new();
+        let differences = dispatch(Differences { of: self, offsets: &root.offsets(&nodes) });
+        differences.iter().zip(&nodes.weights).map(|(d, w)| d * w).sum()
     }
 
     /// The derivative of [`ColorError::mean`] with respect to the covariance, as a symmetric matrix Φ: the change is Σ Φᵢⱼ dEᵢⱼ over all nine
     /// entries.
     pub(super) fn derivative(&self, error: &[f64; 6]) -> [[f64; 3]; 3] {
         let Some(root) = Root::of(error) else { return [[0.0; 3]; 3] };
+        let nodes = Normal::new();
+        let offsets = root.offsets(&nodes);
         let mut by_root = [[0.0; 3]; 3];
-        for (z, weight) in nodes() {
-            let at = root.apply(self.xyz, z);
-            for (i, row) in by_root.iter_mut().enumerate() {
-                let step = STEP * self.white[i];
-                let moved = |by: f64| {
-                    let mut at = at;
-                    at[i] += by;
-                    self.difference(at)
-                };
-                let slope = (moved(step) - moved(-step)) / (2.0 * step);
-                row.iter_mut().zip(z).take(i + 1).for_each(|(sum, z)| *sum += weight * slope * z);
+        for (i, row) in by_root.iter_mut().enumerate() {
+            let step = STEP * self.white[i];
+            let moved = |by: f64| {
+                let mut offsets = offsets;
+                offsets[i].iter_mut().for_each(|v| *v += by);
+                dispatch(Differences { of: self, offsets: &offsets })
+            };
+            let (above, below) = (moved(step), moved(-step));
+            for (at, weight) in nodes.weights.iter().enumerate() {
+                let slope = weight * (above[at] - below[at]) / (2.0 * step);
+                row.iter_mut().zip(&nodes.z).take(i + 1).for_each(|(sum, z)| *sum += slope * z[at]);
             }
         }
         root.by_matrix(&by_root)
     }
 }
 
+/// The mean difference over the colours at each node, whose offsets from a colour are X, Y, Z.
+///
+/// Pictures are scored as here ([`score_picture`](crate::camera::score_picture)): Y is limited at white and the chromaticity kept,
+/// and negative values stay.
+struct Differences<'a> {
+    of: &'a ColorError,
+    offsets: &'a [Nodes; 3],
+}
+
+impl Kernel for Differences<'_> {
+    type Output = Nodes;
+
+    #[inline(always)]
+    fn run(self) -> Nodes {
+        let (white, [x, y, z]) = (self.of.white, self.offsets);
+        let mut out = [0.0; NODES];
+        for center in &self.of.colors {
+            for i in 0..NODES {
+                let at = [center.xyz[0] + x[i], center.xyz[1] + y[i], center.xyz[2] + z[i]];
+                let limit = if at[1] > 1.0 { 1.0 / at[1] } else { 1.0 };
+                let lab = lab_from_xyz([at[0] * limit, at[1] * limit, at[2] * limit], white);
+                out[i] += center.share * delta_e_2000(center.lab, lab);
+            }
+        }
+        out
+    }
+}
+
 /// Nodes and weights of the mean over a normal vector in three dimensions.
-fn nodes() -> impl Iterator<Item = ([f64; 3], f64)> {
-    let shells = RADII.into_iter().zip([FIRST_SHARE, 1.0 - FIRST_SHARE]);
-    shells.flat_map(|(radius, share)| {
-        (0..12).map(move |corner| {
-            let sign = |bit: usize| if corner >> bit & 1 == 0 { radius } else { -radius };
-            let mut z = [0.0; 3];
-            z[corner / 4] = sign(0) * SHORT;
-            z[(corner / 4 + 1) % 3] = sign(1) * LONG;
-            (z, share / 12.0)
-        })
-    })
+struct Normal {
+    z: [Nodes; 3],
+    weights: Nodes,
+}
+
+impl Normal {
+    fn new() -> Self {
+        let (mut z, mut weights) = ([[0.0; NODES]; 3], [0.0; NODES]);
+        for node in 0..NODES {
+            let (shell, corner) = (node / 12, node % 12);
+            let sign = |bit: usize| if corner >> bit & 1 == 0 { RADII[shell] } else { -RADII[shell] };
+            z[corner / 4][node] = sign(0) * SHORT;
+            z[(corner / 4 + 1) % 3][node] = sign(1) * LONG;
+            weights[node] = [FIRST_SHARE, 1.0 - FIRST_SHARE][shell] / 12.0;
+        }
+        Self { z, weights }
+    }
 }
 
 /// The Cholesky factor of a covariance.
@@ -101,8 +156,10 @@ impl Root {
         Some(Self { factor: [[l00, 0.0, 0.0], [l10, l11, 0.0], [l20, l21, l22]] })
     }
 
-    fn apply(&self, center: [f64; 3], z: [f64; 3]) -> [f64; 3] {
-        std::array::from_fn(|i| center[i] + (0..=i).map(|j| self.factor[i][j] * z[j]).sum::<f64>())
+    /// The factor times each node.
+    fn offsets(&self, nodes: &Normal) -> [Nodes; 3] {
+        let of = |i: usize, at: usize| (0..=i).map(|j| self.factor[i][j] * nodes.z[j][at]).sum::<f64>();
+        std::array::from_fn(|i| std::array::from_fn(|at| of(i, at)))
     }
 
     /// The derivative with respect to the matrix from that with respect to its factor ([murray2016], section 3.1).
@@ -143,9 +200,14 @@ mod tests {
     const WHITE: [f64; 3] = [0.9504, 1.0, 1.0888];
     const ERROR: [f64; 6] = [2.0, 1.2, 1.5, 0.3, -0.2, 3.0];
 
-    /// The mean over 40 000 drawn errors.
+    fn one(xyz: [f64; 3]) -> ColorError {
+        ColorError::new(&[(xyz, 1.0)], WHITE)
+    }
+
+    /// The mean over 40 000 drawn errors about one colour, without a limit at white.
     fn sampled(color: &ColorError, error: &[f64; 6]) -> f64 {
         let root = Root::of(error).unwrap();
+        let center = color.colors[0];
         let mut random = Stream::new(3, 4, 5);
         let mut pair = || {
             let mut word = || (random.uniform() * 4_294_967_295.0) as u32;
@@ -155,7 +217,9 @@ mod tests {
         let count = 40_000;
         let draw = |_| {
             let ([x, y], [z, _]) = (pair(), pair());
-            color.difference(root.apply(color.xyz, [x, y, z]))
+            let z = [x, y, z];
+            let at = |i: usize| center.xyz[i] + (0..=i).map(|j| root.factor[i][j] * z[j]).sum::<f64>();
+            delta_e_2000(center.lab, lab_from_xyz([at(0), at(1), at(2)], WHITE))
         };
         (0..count).map(draw).sum::<f64>() / f64::from(count)
     }
@@ -165,7 +229,7 @@ mod tests {
     fn errors_have_the_mean_difference_that_was_sampled() {
         for xyz in [[0.2, 0.2, 0.2], [0.3, 0.2, 0.05], [0.02, 0.02, 0.04]] {
             for relative in [0.01f64, 0.1, 0.4] {
-                let color = ColorError::new(xyz, WHITE);
+                let color = one(xyz);
                 let error = ERROR.map(|e| e * (0.5 * relative * xyz[1]).powi(2));
                 let (sampled, mean) = (sampled(&color, &error), color.mean(&error));
                 assert!((mean / sampled - 1.0).abs() < 0.05, "{xyz:?}, {relative}: {mean} and {sampled}");
@@ -175,7 +239,11 @@ mod tests {
 
     #[test]
     fn nodes_have_the_moments_of_a_normal_vector() {
-        let mean = |f: &dyn Fn([f64; 3]) -> f64| nodes().map(|(z, w)| w * f(z)).sum::<f64>();
+        let nodes = Normal::new();
+        let mean = |f: &dyn Fn([f64; 3]) -> f64| -> f64 {
+            let value = |at: usize| nodes.weights[at] * f([0, 1, 2].map(|i| nodes.z[i][at]));
+            (0..NODES).map(value).sum()
+        };
         let length = |z: [f64; 3]| z.iter().map(|v| v * v).sum::<f64>().sqrt();
         assert!((mean(&|_| 1.0) - 1.0).abs() < 1e-14);
         assert!((mean(&length) - 2.0 * (2.0 / std::f64::consts::PI).sqrt()).abs() < 1e-12);
@@ -185,10 +253,31 @@ mod tests {
         }
     }
 
+    /// The mean over several colours is the mean of their means; rare colours do not count.
+    #[test]
+    fn frequent_colours_count_by_their_shares() {
+        let (a, b, rare) = ([0.3, 0.2, 0.05], [0.05, 0.08, 0.02], [0.01, 0.9, 0.01]);
+        let error = ERROR.map(|e| e * 1e-3);
+        let both = ColorError::new(&[(a, 0.745), (b, 0.248), (rare, 0.007)], WHITE);
+        let expected = (0.745 * one(a).mean(&error) + 0.248 * one(b).mean(&error)) / 0.993;
+        assert!((both.mean(&error) - expected).abs() < 1e-12);
+    }
+
+    /// Display white plus errors: what is brighter than white is shown as white.
+    #[test]
+    fn errors_above_white_are_limited_as_in_scores() {
+        let white = one(WHITE);
+        let along = [WHITE[0] * WHITE[0], WHITE[0], 1.0, WHITE[0] * WHITE[2], WHITE[2], WHITE[2] * WHITE[2]];
+        let grey = one(WHITE.map(|w| 0.5 * w));
+        let error = along.map(|e| e * 1e-4);
+        // Of errors of brightness alone, half lie above white and cause no difference.
+        assert!(white.mean(&error) < 0.6 * grey.mean(&error) && white.mean(&error) > 0.0);
+    }
+
     #[test]
     fn the_derivative_is_that_of_finite_differences() {
         for scale in [1e-5, 1e-3] {
-            let color = ColorError::new([0.3, 0.2, 0.15], WHITE);
+            let color = ColorError::new(&[([0.3, 0.2, 0.15], 0.7), ([0.05, 0.08, 0.02], 0.3)], WHITE);
             let error = ERROR.map(|e| e * scale);
             let derivative = color.derivative(&error);
             for (at, (i, j)) in PACKED.into_iter().enumerate() {

@@ -1,5 +1,6 @@
 //! Light and exposure that colour filter arrays are screened under.
 
+use super::lanes::Lanes;
 use super::responses::{FilterResponses, sum_of_products};
 use crate::camera::{Camera, CameraError};
 use crate::design::error::DesignError;
@@ -99,6 +100,13 @@ impl Level {
 
     pub(super) fn time_s(&self, white: &[f64], responses: &FilterResponses) -> f64 {
         self.limited_time(white, responses).0
+    }
+
+    /// The variance of samples with a mean, both in electrons divided by `scale`.
+    #[inline(always)]
+    pub(super) fn noise(&self, mean: Lanes, scale: f64) -> Lanes {
+        let (dark, per_e) = (self.dark_e2 / (scale * scale), self.per_e / scale);
+        mean.map(|mean| dark + mean * (per_e + self.per_e2 * mean))
     }
 
     /// Luminance times time: the factor from responses to electrons.

@@ -3,22 +3,15 @@
 use rayon::prelude::*;
 
 use super::condition::Level;
-use super::kernel;
+use super::figures::Figures;
+use super::kernel::{self, ErrorCovariances};
 use super::lanes::{LANES, Lanes};
+use super::layout::Layout;
 use super::model::Screen;
 use super::responses::FilterResponses;
 use crate::design::error::DesignError;
 use crate::sensor::{Cfa, Mosaic};
 use crate::spectrum::Spectrum;
-
-/// The figures to compute.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Figures {
-    /// The CPSNR alone, whose computation takes no time beside that of the error covariances.
-    Cpsnr,
-    /// The colour difference as well: 24 differences for each class, position and condition.
-    All,
-}
 
 /// Expected figures of a colour filter array under one condition, averaged over classes and positions.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -29,6 +22,10 @@ pub struct ExpectedError {
     pub detail_db: f64,
     /// Mean CIEDE2000 of the pixels; NaN unless asked for.
     pub delta_e_2000: f64,
+    /// Mean difference that the eye sees: CIEDE2000 of what the opponent filters of S-CIELAB pass of the error, at the viewing distance
+    /// of [`ScoreSettings`](crate::camera::ScoreSettings). NaN unless asked for. CIEDE2000 stands for the CIE 1976 formula of S-CIELAB, as in G. M. Johnson and
+    /// M. D. Fairchild (2003), "A top down description of S-CIELAB and CIEDE2000", *Color Res. Appl.* 28.
+    pub scielab: f64,
     /// Exposure time, s.
     pub time_s: f64,
 }
@@ -56,18 +53,18 @@ impl Screen {
         sets: &[FilterResponses],
         figures: Figures,
     ) -> Vec<Vec<ExpectedError>> {
-        let layout = kernel::Layout::new(self, mosaic);
+        let layout = Layout::new(self.side, mosaic);
         let fitted: Vec<FilterResponses> =
             sets.iter().map(|s| s.fitted(layout.filters(), self.components).into_owned()).collect();
-        let of_set = |(responses, errors): (&FilterResponses, Vec<Vec<[Lanes; 6]>>)| {
-            let of_level = |(level, errors): (&Level, &Vec<[Lanes; 6]>)| {
+        let of_set = |(responses, errors): (&FilterResponses, Vec<ErrorCovariances>)| {
+            let of_level = |(level, errors): (&Level, &ErrorCovariances)| {
                 let time_s = level.time_s(&self.white, responses);
                 self.figures(errors, layout.positions(), figures, time_s)
             };
             self.levels.iter().zip(&errors).map(of_level).collect()
         };
         let chunks = fitted.par_chunks(kernel::SETS).flat_map_iter(|chunk| {
-            let errors = kernel::errors(self, &layout, chunk);
+            let errors = kernel::errors(self, &layout, chunk, figures);
             chunk.iter().zip(errors).map(of_set).collect::<Vec<_>>()
         });
         chunks.collect()
@@ -76,13 +73,13 @@ impl Screen {
     /// Figures from the error covariances of a condition, by position and group.
     pub(super) fn figures(
         &self,
-        errors: &[[Lanes; 6]],
+        errors: &ErrorCovariances,
         positions: usize,
         figures: Figures,
         time_s: f64,
     ) -> ExpectedError {
         let (mut squares, mut detail, mut delta_e) = (0.0, 0.0, 0.0);
-        for (at, error) in errors.iter().enumerate() {
+        for (at, error) in errors.pixels.iter().enumerate() {
             let group = at % self.groups;
             for lane in 0..LANES {
                 let share = self.shares[group][lane];
@@ -96,10 +93,23 @@ impl Screen {
             }
         }
         let n = positions as f64;
-        let delta_e_2000 = if figures == Figures::All { delta_e / n } else { f64::NAN };
+        let delta_e_2000 = if figures == Figures::Cpsnr { f64::NAN } else { delta_e / n };
+        let scielab = if figures == Figures::All { self.seen(errors) / n } else { f64::NAN };
         let decibels = |mean_square: f64| -10.0 * libm::log10(mean_square);
         let detail_db = decibels(detail / n / self.detailed_share);
-        ExpectedError { cpsnr_db: decibels(squares / n), detail_db, delta_e_2000, time_s }
+        ExpectedError { cpsnr_db: decibels(squares / n), detail_db, delta_e_2000, scielab, time_s }
+    }
+
+    /// The sum over positions of the mean difference that the eye sees.
+    fn seen(&self, errors: &ErrorCovariances) -> f64 {
+        let mut sum = 0.0;
+        for (at, error) in errors.seen.iter().enumerate() {
+            let group = at % self.groups;
+            for lane in (0..LANES).filter(|lane| self.shares[group][*lane] > 0.0) {
+                sum += self.shares[group][lane] * self.figures_of(error, group, lane, Figures::Color)[1];
+            }
+        }
+        sum
     }
 
     /// The mean squared error, relative to display white, and CIEDE2000 of a class at one position.
@@ -112,7 +122,7 @@ impl Screen {
     ) -> [f64; 2] {
         let scaled = error.map(|e| e[lane] * self.per_white_squared[group][lane]);
         let difference = match (figures, self.colors.get(group * LANES + lane)) {
-            (Figures::All, Some(color)) => color.mean(&scaled),
+            (Figures::Color | Figures::All, Some(color)) => color.mean(&scaled),
             _ => 0.0,
         };
         [(scaled[0] + scaled[2] + scaled[5]) / 3.0, difference]

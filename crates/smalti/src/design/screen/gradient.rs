@@ -3,57 +3,21 @@
 //! With W = (A C Aᵀ + Σ)⁻¹ R, the change of the error covariance is dE = Wᵀ d(A C Aᵀ + Σ) W − dRᵀ W − Wᵀ dR: W itself is the best
 //! estimate, so that its change does not matter. A figure with the derivative Φ with respect to E therefore has the derivative
 //! Σᵢⱼ (W Φ Wᵀ)ᵢⱼ dGᵢⱼ − 2 Σᵢ (W Φ)ᵢ · dRᵢ.
+//!
+//! The error that the eye sees ([`super::eye`]) weights the noise Wᵀ Σ W differently, and W is not the best estimate for it. With the
+//! derivative D of such a figure with respect to W and Λ = (A C Aᵀ + Σ)⁻¹ D, the change of W adds Σᵢ Λᵢ · dRᵢ − Σᵢⱼ (Λ Wᵀ)ᵢⱼ dGᵢⱼ.
 
-use super::expected::{ExpectedError, Figures};
-use super::kernel::{Layout, MAX_COMPONENTS, System, pairs};
-use super::lanes::{LANES, Lanes, ZERO, plus, plus_scaled};
+use super::expected::ExpectedError;
+use super::eye::SampleNoise;
+use super::figures::Figures;
+use super::kernel::{ErrorCovariances, MAX_COMPONENTS, System, add, pairs, signal_error};
+use super::lanes::{Augmented, LANES, Lanes, ZERO, plus, plus_scaled};
+use super::layout::Layout;
 use super::model::Screen;
 use super::responses::{FilterResponses, sum_of_products};
+use super::weights::FigureWeights;
 use crate::numeric::simd::{Kernel, dispatch};
 use crate::sensor::Mosaic;
-
-/// The weights of the figures of one condition in a sum.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct FigureWeights {
-    /// Of the CPSNR, per dB.
-    pub cpsnr_db: f64,
-    /// Of the detail, per dB.
-    pub detail_db: f64,
-    /// Of the mean CIEDE2000, per unit.
-    pub delta_e_2000: f64,
-}
-
-impl FigureWeights {
-    /// The weighted sum of expected figures. A figure without a weight does not count, even if it was not computed.
-    #[must_use]
-    pub fn of(&self, expected: &ExpectedError) -> f64 {
-        let part = |weight: f64, figure: f64| if weight == 0.0 { 0.0 } else { weight * figure };
-        part(self.cpsnr_db, expected.cpsnr_db)
-            + part(self.detail_db, expected.detail_db)
-            + part(self.delta_e_2000, expected.delta_e_2000)
-    }
-
-    /// All weights times a factor.
-    #[must_use]
-    pub fn scaled(&self, factor: f64) -> Self {
-        let Self { cpsnr_db, detail_db, delta_e_2000 } = self;
-        Self {
-            cpsnr_db: cpsnr_db * factor,
-            detail_db: detail_db * factor,
-            delta_e_2000: delta_e_2000 * factor,
-        }
-    }
-
-    /// The sums of two sets of weights.
-    #[must_use]
-    pub fn plus(&self, other: &Self) -> Self {
-        Self {
-            cpsnr_db: self.cpsnr_db + other.cpsnr_db,
-            detail_db: self.detail_db + other.detail_db,
-            delta_e_2000: self.delta_e_2000 + other.delta_e_2000,
-        }
-    }
-}
 
 /// The expected errors of filters in a mosaic, with what their derivatives need.
 pub struct Differentiable<'a> {
@@ -108,9 +72,9 @@ impl Screen {
         responses: &FilterResponses,
         figures: Figures,
     ) -> Differentiable<'_> {
-        let layout = Layout::new(self, mosaic);
+        let layout = Layout::new(self.side, mosaic);
         let responses = responses.fitted(layout.filters(), self.components).into_owned();
-        let mut forward = Forward::new(self, layout, responses);
+        let mut forward = Forward::new(self, layout, responses, figures);
         dispatch(&mut forward);
         let times: Vec<_> =
             self.levels.iter().map(|l| l.limited_time(&self.white, &forward.responses)).collect();
@@ -158,6 +122,40 @@ impl Screen {
         }
         phi
     }
+
+    /// Φ of each lane for the error that the eye sees.
+    #[inline(always)]
+    fn seen_derivatives(
+        &self,
+        error: &[Lanes; 6],
+        group: usize,
+        positions: usize,
+        weight: f64,
+    ) -> [[Lanes; 3]; 3] {
+        let mut phi = [[ZERO; 3]; 3];
+        for lane in 0..LANES {
+            let share = self.shares[group][lane] / positions as f64;
+            let Some(color) = self.colors.get(group * LANES + lane).filter(|_| share > 0.0) else { continue };
+            let scale = self.per_white_squared[group][lane];
+            let of_color = color.derivative(&error.map(|e| e[lane] * scale));
+            for (row, of_color) in phi.iter_mut().zip(of_color) {
+                for (value, d) in row.iter_mut().zip(of_color) {
+                    value[lane] = share * scale * weight * d;
+                }
+            }
+        }
+        phi
+    }
+}
+
+/// What the figure of the eye adds to the derivative of one condition and group, by position and pixel.
+struct OfEye {
+    /// Φ of the error that the eye sees, by position.
+    phi: Vec<[[Lanes; 3]; 3]>,
+    /// Λ.
+    by_change: Vec<[Lanes; 3]>,
+    /// The derivative with respect to the variance of each sample, beside that through G.
+    by_variance: Vec<Lanes>,
 }
 
 /// Error covariances of one set of filters, and the best estimates.
@@ -165,8 +163,10 @@ struct Forward<'a> {
     screen: &'a Screen,
     layout: Layout,
     responses: FilterResponses,
-    /// By condition, position and group.
-    errors: Vec<Vec<[Lanes; 6]>>,
+    /// By condition.
+    errors: Vec<ErrorCovariances>,
+    /// The factored systems by condition, position and group; empty unless the eye's error is asked for.
+    factors: Vec<Augmented>,
     /// W by condition, position, group and pixel.
     estimates: Vec<[Lanes; 3]>,
     /// Means by position, group and pixel.
@@ -174,13 +174,15 @@ struct Forward<'a> {
 }
 
 impl<'a> Forward<'a> {
-    fn new(screen: &'a Screen, layout: Layout, responses: FilterResponses) -> Self {
+    fn new(screen: &'a Screen, layout: Layout, responses: FilterResponses, figures: Figures) -> Self {
         let each = layout.positions() * screen.groups;
+        let factors = if figures == Figures::All { screen.levels.len() * each } else { 0 };
         Self {
             screen,
             layout,
             responses,
-            errors: vec![vec![[ZERO; 6]; each]; screen.levels.len()],
+            errors: vec![ErrorCovariances::new(each, figures); screen.levels.len()],
+            factors: vec![Augmented::new(screen.taps); factors],
             estimates: vec![[ZERO; 3]; screen.levels.len() * each * screen.taps],
             means: vec![ZERO; each * screen.taps],
         }
@@ -190,6 +192,23 @@ impl<'a> Forward<'a> {
     #[inline(always)]
     fn at(&self, level: usize, position: usize, group: usize) -> usize {
         ((level * self.layout.positions() + position) * self.screen.groups + group) * self.screen.taps
+    }
+
+    /// The noise of a condition and group.
+    #[inline(always)]
+    fn noise(&self, level: usize, group: usize) -> SampleNoise {
+        let (screen, taps) = (self.screen, self.screen.taps);
+        let condition = &screen.levels[level];
+        let scale = condition.scale(condition.time_s(&screen.white, &self.responses));
+        let mut noise = SampleNoise::new(&self.layout);
+        for position in 0..self.layout.positions() {
+            let (first, means) = (self.at(level, position, group), self.at(0, position, group));
+            for tap in 0..taps {
+                noise.weights[position * taps + tap] = screen.eye.opponent(&self.estimates[first + tap]);
+                noise.variances[position * taps + tap] = condition.noise(self.means[means + tap], scale);
+            }
+        }
+        noise
     }
 }
 
@@ -248,9 +267,29 @@ impl Kernel for &mut Forward<'_> {
                     let time_s = condition.time_s(&screen.white, &self.responses);
                     let products = &products[position * count..(position + 1) * count];
                     system.factor(products, &screen.targets[group], condition, condition.scale(time_s));
-                    self.errors[level][position * screen.groups + group] = system.matrix.complement();
+                    let at = position * screen.groups + group;
+                    self.errors[level].pixels[at] = system.matrix.complement();
                     let first = self.at(level, position, group);
                     system.matrix.solve(&mut self.estimates[first..first + screen.taps]);
+                    if let Some(kept) = self.factors.get_mut(first / screen.taps) {
+                        kept.clone_from(&system.matrix);
+                    }
+                }
+            }
+            if self.factors.is_empty() {
+                continue;
+            }
+            for level in 0..screen.levels.len() {
+                let noise = self.noise(level, group);
+                let seen_noise = screen.eye.noise(&self.layout, &noise);
+                for position in 0..positions {
+                    let first = self.at(level, position, group);
+                    let estimates = &self.estimates[first..first + screen.taps];
+                    let variances = &noise.variances[position * screen.taps..][..screen.taps];
+                    let at = position * screen.groups + group;
+                    let mut seen = signal_error(&self.errors[level].pixels[at], estimates, variances);
+                    add(&mut seen, &seen_noise);
+                    self.errors[level].seen[at] = seen;
                 }
             }
         }
@@ -265,6 +304,55 @@ struct Backward<'a> {
     by_response: Vec<Vec<Lanes>>,
     /// By the product of luminance and time of each condition.
     by_scale: Vec<f64>,
+}
+
+impl Backward<'_> {
+    /// What the figure of the eye adds under a condition; `None` when it has no weight or was not computed.
+    #[inline(always)]
+    fn of_eye(&self, level: usize, group: usize) -> Option<OfEye> {
+        let forward = self.forward;
+        let (screen, layout, taps) = (forward.screen, &forward.layout, forward.screen.taps);
+        let (weight, positions) = (self.weights[level].scielab, layout.positions());
+        if weight == 0.0 || forward.factors.is_empty() {
+            return None;
+        }
+        let noise = forward.noise(level, group);
+        let mut of = OfEye {
+            phi: Vec::with_capacity(positions),
+            by_change: vec![[ZERO; 3]; positions * taps],
+            by_variance: vec![ZERO; positions * taps],
+        };
+        let mut sum = [[ZERO; 3]; 3];
+        for position in 0..positions {
+            let error = &forward.errors[level].seen[position * screen.groups + group];
+            let phi = screen.seen_derivatives(error, group, positions, weight);
+            for (sum, value) in sum.as_flattened_mut().iter_mut().zip(phi.as_flattened()) {
+                *sum = plus_scaled(*sum, 1.0, *value);
+            }
+            of.phi.push(phi);
+        }
+        screen.eye.derivative(layout, &noise, &sum, &mut of.by_change, &mut of.by_variance);
+        for position in 0..positions {
+            let first = forward.at(level, position, group);
+            let own = position * taps..(position + 1) * taps;
+            for (tap, w) in forward.estimates[first..first + taps].iter().enumerate() {
+                let at = own.start + tap;
+                // Of −Wᵀ Σ W.
+                for c in 0..3 {
+                    let mut sum = ZERO;
+                    for d in 0..3 {
+                        sum = plus(sum, of.phi[position][c][d], w[d]);
+                    }
+                    for lane in 0..LANES {
+                        of.by_change[at][c][lane] -= 2.0 * noise.variances[at][lane] * sum[lane];
+                        of.by_variance[at][lane] -= w[c][lane] * sum[lane];
+                    }
+                }
+            }
+            forward.factors[first / taps].solve_for(&mut of.by_change[own]);
+        }
+        Some(of)
+    }
 }
 
 impl Kernel for &mut Backward<'_> {
@@ -284,14 +372,22 @@ impl Kernel for &mut Backward<'_> {
             (vec![[ZERO; MAX_COMPONENTS]; filters], vec![[ZERO; MAX_COMPONENTS]; filters]);
         for group in 0..screen.groups {
             outer.fill(ZERO);
+            let of_eye: Vec<Option<OfEye>> =
+                (0..screen.levels.len()).map(|level| self.of_eye(level, group)).collect();
             for position in 0..positions {
                 let filter = layout.at(position);
                 let first = forward.at(0, position, group);
                 let means = &forward.means[first..first + taps];
                 for (level, condition) in screen.levels.iter().enumerate() {
-                    let error = &forward.errors[level][position * screen.groups + group];
+                    let error = &forward.errors[level].pixels[position * screen.groups + group];
                     let figures = (&self.expected[level], &self.weights[level]);
-                    let phi = screen.derivatives(error, group, positions, figures);
+                    let mut phi = screen.derivatives(error, group, positions, figures);
+                    let of_eye = of_eye[level].as_ref();
+                    if let Some(eye) = of_eye {
+                        let both = phi.as_flattened_mut().iter_mut().zip(eye.phi[position].as_flattened());
+                        both.for_each(|(sum, value)| *sum = plus_scaled(*sum, 1.0, *value));
+                    }
+                    let change = of_eye.map(|eye| &eye.by_change[position * taps..(position + 1) * taps]);
                     let first = forward.at(level, position, group);
                     let estimate = &forward.estimates[first..first + taps];
                     for (out, w) in weighted.iter_mut().zip(estimate) {
@@ -313,10 +409,20 @@ impl Kernel for &mut Backward<'_> {
                             for c in 0..3 {
                                 sum = plus(sum, weighted[i][c], estimate[j][c]);
                             }
+                            if let Some(change) = change {
+                                for c in 0..3 {
+                                    let one = plus(ZERO, change[i][c], estimate[j][c]);
+                                    let both = plus(one, change[j][c], estimate[i][c]);
+                                    sum = plus_scaled(sum, -0.5, both);
+                                }
+                            }
                             for lane in 0..LANES {
                                 outer[pair][lane] += sum[lane];
                             }
                             if i == j {
+                                if let Some(eye) = of_eye {
+                                    sum = plus_scaled(sum, 1.0, eye.by_variance[position * taps + i]);
+                                }
                                 // The variance of the noise: dark + μ per_e + μ² per_e².
                                 let gradient = &mut self.by_response[usize::from(filter[i])];
                                 let means_at = (i * screen.groups + group) * k;
@@ -338,7 +444,11 @@ impl Kernel for &mut Backward<'_> {
                         for (a, g) in gradient.iter_mut().enumerate() {
                             let mut sum = ZERO;
                             for c in 0..3 {
-                                sum = plus(sum, weighted[i][c], screen.crossed[crossed_at + a][c]);
+                                let mut weight = weighted[i][c];
+                                if let Some(change) = change {
+                                    weight = plus_scaled(weight, -0.5, change[i][c]);
+                                }
+                                sum = plus(sum, weight, screen.crossed[crossed_at + a][c]);
                             }
                             *g = plus_scaled(*g, -2.0, sum);
                         }

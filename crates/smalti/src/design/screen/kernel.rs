@@ -1,71 +1,49 @@
 //! The error covariances of sets of filters in one mosaic, eight classes at a time.
 
+use super::color_error::PACKED;
 use super::condition::Level;
+use super::eye::SampleNoise;
+use super::figures::Figures;
 use super::lanes::{Augmented, LANES, Lanes, ZERO, plus_scaled};
+use super::layout::Layout;
 use super::model::Screen;
 use super::responses::FilterResponses;
 use crate::numeric::simd::{Kernel, dispatch};
-use crate::sensor::Mosaic;
 
 /// Filters whose products with a covariance are summed in registers together.
 const FILTERS: usize = 4;
 /// Sets of filters that share one pass over the covariances, which do not stay in the cache.
 pub(super) const SETS: usize = 8;
 
-/// The filter of every pixel of a patch, for each position of its middle pixel in the tile.
-pub(super) struct Layout {
-    taps: usize,
-    filters: usize,
-    /// By position and pixel.
-    filter: Vec<u8>,
-}
-
-impl Layout {
-    pub(super) fn new(screen: &Screen, mosaic: &Mosaic) -> Self {
-        let (side, half) = (screen.side, screen.side / 2);
-        let mut filter = Vec::new();
-        for row in 0..mosaic.rows() {
-            for col in 0..mosaic.cols() {
-                for r in 0..side {
-                    for c in 0..side {
-                        let down = (row + r + half * (mosaic.rows() - 1)) % mosaic.rows();
-                        let right = (col + c + half * (mosaic.cols() - 1)) % mosaic.cols();
-                        filter.push(mosaic.channel_at(down, right) as u8);
-                    }
-                }
-            }
-        }
-        Self { taps: side * side, filters: mosaic.channels(), filter }
-    }
-
-    /// Number of positions in the tile.
-    pub(super) fn positions(&self) -> usize {
-        self.filter.len() / self.taps
-    }
-
-    pub(super) fn filters(&self) -> usize {
-        self.filters
-    }
-
-    /// The filter of each pixel of a patch.
-    #[inline(always)]
-    pub(super) fn at(&self, position: usize) -> &[u8] {
-        &self.filter[position * self.taps..(position + 1) * self.taps]
-    }
-}
-
 /// Pairs of pixels i ≤ j of a patch.
 pub(super) fn pairs(taps: usize) -> usize {
     taps * (taps + 1) / 2
 }
 
-/// The error covariances of sets of filters: by set, condition, position and group.
+/// The error covariances of one set of filters under one condition, by position and group.
+#[derive(Clone)]
+pub(super) struct ErrorCovariances {
+    /// Of the pixels.
+    pub(super) pixels: Vec<[Lanes; 6]>,
+    /// What the eye sees of them; empty unless asked for.
+    pub(super) seen: Vec<[Lanes; 6]>,
+}
+
+impl ErrorCovariances {
+    pub(super) fn new(each: usize, figures: Figures) -> Self {
+        let seen = if figures == Figures::All { vec![[ZERO; 6]; each] } else { Vec::new() };
+        Self { pixels: vec![[ZERO; 6]; each], seen }
+    }
+}
+
+/// The error covariances of sets of filters: by set and condition.
 pub(super) fn errors(
     screen: &Screen,
     layout: &Layout,
     sets: &[FilterResponses],
-) -> Vec<Vec<Vec<[Lanes; 6]>>> {
-    let mut work = Errors::new(screen, layout, sets);
+    figures: Figures,
+) -> Vec<Vec<ErrorCovariances>> {
+    let mut work = Errors::new(screen, layout, sets, figures);
     dispatch(&mut work);
     work.out
 }
@@ -89,19 +67,26 @@ struct Errors<'a> {
     padded: Vec<Vec<[f64; FILTERS]>>,
     /// A C Aᵀ of a group, by set, position and pair.
     products: Vec<Lanes>,
-    out: Vec<Vec<Vec<[Lanes; 6]>>>,
+    /// The best estimates of a position.
+    estimates: Vec<[Lanes; 3]>,
+    /// By condition; empty unless the eye's error is asked for.
+    noise: Vec<SampleNoise>,
+    out: Vec<Vec<ErrorCovariances>>,
 }
 
 impl<'a> Errors<'a> {
-    fn new(screen: &'a Screen, layout: &'a Layout, sets: &'a [FilterResponses]) -> Self {
+    fn new(screen: &'a Screen, layout: &'a Layout, sets: &'a [FilterResponses], figures: Figures) -> Self {
         let positions = layout.positions();
-        let of_level = vec![[ZERO; 6]; positions * screen.groups];
+        let of_level = ErrorCovariances::new(positions * screen.groups, figures);
+        let levels = if figures == Figures::All { screen.levels.len() } else { 0 };
         Self {
             screen,
             layout,
             sets,
             padded: sets.iter().map(|s| padded(s, screen.components)).collect(),
             products: vec![ZERO; sets.len() * positions * pairs(screen.taps)],
+            estimates: vec![[ZERO; 3]; screen.taps],
+            noise: (0..levels).map(|_| SampleNoise::new(layout)).collect(),
             out: vec![vec![of_level; screen.levels.len()]; sets.len()],
         }
     }
@@ -135,11 +120,53 @@ impl Kernel for &mut Errors<'_> {
                     let products = &self.products[(set * positions + position) * count..][..count];
                     for (level, condition) in screen.levels.iter().enumerate() {
                         let time_s = condition.time_s(&screen.white, responses);
-                        system.factor(products, &screen.targets[group], condition, condition.scale(time_s));
-                        self.out[set][level][position * screen.groups + group] = system.matrix.complement();
+                        let scale = condition.scale(time_s);
+                        system.factor(products, &screen.targets[group], condition, scale);
+                        let at = position * screen.groups + group;
+                        let out = &mut self.out[set][level];
+                        out.pixels[at] = system.matrix.complement();
+                        if let Some(noise) = self.noise.get_mut(level) {
+                            system.matrix.solve(&mut self.estimates);
+                            let first = position * screen.taps;
+                            for (tap, estimate) in self.estimates.iter().enumerate() {
+                                noise.variances[first + tap] = condition.noise(system.means[tap], scale);
+                                noise.weights[first + tap] = screen.eye.opponent(estimate);
+                            }
+                            let variances = &noise.variances[first..first + screen.taps];
+                            out.seen[at] = signal_error(&out.pixels[at], &self.estimates, variances);
+                        }
+                    }
+                }
+                for (noise, out) in self.noise.iter().zip(&mut self.out[set]) {
+                    let noise = screen.eye.noise(layout, noise);
+                    for seen in out.seen.iter_mut().skip(group).step_by(screen.groups) {
+                        add(seen, &noise);
                     }
                 }
             }
+        }
+    }
+}
+
+/// The error covariance without its part from noise, Wᵀ Σ W.
+#[inline(always)]
+pub(super) fn signal_error(error: &[Lanes; 6], estimates: &[[Lanes; 3]], variances: &[Lanes]) -> [Lanes; 6] {
+    let mut out = *error;
+    for (w, variance) in estimates.iter().zip(variances) {
+        for (out, (c, d)) in out.iter_mut().zip(PACKED) {
+            for lane in 0..LANES {
+                out[lane] -= w[c][lane] * variance[lane] * w[d][lane];
+            }
+        }
+    }
+    out
+}
+
+#[inline(always)]
+pub(super) fn add(sum: &mut [Lanes; 6], other: &[Lanes; 6]) {
+    for (sum, other) in sum.iter_mut().zip(other) {
+        for lane in 0..LANES {
+            sum[lane] += other[lane];
         }
     }
 }
@@ -155,7 +182,7 @@ fn add_pair(
 ) {
     let k = screen.components;
     let covariance = &screen.covariances[(pair * screen.groups + group) * k * k..][..k * k];
-    let blocks = layout.filters.div_ceil(FILTERS);
+    let blocks = layout.filters().div_ceil(FILTERS);
     // The product of the covariance with the filter of j, by component of i.
     let mut right = [[ZERO; FILTERS]; MAX_COMPONENTS];
     for block in 0..blocks {
@@ -237,15 +264,14 @@ impl System {
     #[inline(always)]
     pub(super) fn factor(&mut self, products: &[Lanes], targets: &[Lanes; 6], level: &Level, scale: f64) {
         let taps = self.means.len();
-        let (dark, per_e) = (level.dark_e2 / (scale * scale), level.per_e / scale);
         let mut pair = 0;
         for i in 0..taps {
             for j in i..taps {
                 let mut value = products[pair];
                 if i == j {
-                    let mean = self.means[i];
+                    let noise = level.noise(self.means[i], scale);
                     for lane in 0..LANES {
-                        value[lane] += dark + mean[lane] * (per_e + level.per_e2 * mean[lane]);
+                        value[lane] += noise[lane];
                     }
                 }
                 self.matrix.set(j, i, value);
@@ -257,7 +283,7 @@ impl System {
                 self.matrix.set(taps + c, i, *value);
             }
         }
-        for ((c, d), value) in super::color_error::PACKED.into_iter().zip(targets) {
+        for ((c, d), value) in PACKED.into_iter().zip(targets) {
             self.matrix.set(taps + c, taps + d, *value);
         }
         self.matrix.factor();

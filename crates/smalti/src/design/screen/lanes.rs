@@ -51,6 +51,7 @@ fn product(a: Lanes, b: Lanes) -> Lanes {
 /// [`Augmented::factor`], it is the Cholesky factor of G, the solutions L⁻¹ R below it, and the Schur complement Y − Rᵀ G⁻¹ R.
 ///
 /// `taps` is 1 more than a multiple of four, so that the three right-hand sides complete the last block.
+#[derive(Clone)]
 pub(super) struct Augmented {
     taps: usize,
     /// Blocks of the lower triangle, row by row; a block holds its columns.
@@ -139,19 +140,44 @@ impl Augmented {
         ]
     }
 
-    /// G⁻¹ R after [`Augmented::factor`]: three numbers for each row of G.
+    /// G⁻¹ B after [`Augmented::factor`], in place of B: three numbers for each row of G.
     #[inline(always)]
-    pub(super) fn solve(&self, out: &mut [[Lanes; 3]]) {
+    pub(super) fn solve_for(&self, b: &mut [[Lanes; 3]]) {
+        for k in 0..self.taps {
+            let mut sums = b[k];
+            for (j, known) in b[..k].iter().enumerate() {
+                let left = self.get(k, j);
+                for c in 0..3 {
+                    sums[c] = minus(sums[c], left, known[c]);
+                }
+            }
+            b[k] = sums.map(|s| product(s, self.inverse[k]));
+        }
+        self.substitute_back(b);
+    }
+
+    /// L⁻ᵀ Y in place of Y.
+    #[inline(always)]
+    fn substitute_back(&self, y: &mut [[Lanes; 3]]) {
         for k in (0..self.taps).rev() {
-            let mut sums = [self.get(self.taps, k), self.get(self.taps + 1, k), self.get(self.taps + 2, k)];
+            let mut sums = y[k];
             for i in k + 1..self.taps {
                 let below = self.get(i, k);
                 for c in 0..3 {
-                    sums[c] = minus(sums[c], below, out[i][c]);
+                    sums[c] = minus(sums[c], below, y[i][c]);
                 }
             }
-            out[k] = sums.map(|s| product(s, self.inverse[k]));
+            y[k] = sums.map(|s| product(s, self.inverse[k]));
         }
+    }
+
+    /// G⁻¹ R after [`Augmented::factor`]: three numbers for each row of G.
+    #[inline(always)]
+    pub(super) fn solve(&self, out: &mut [[Lanes; 3]]) {
+        for (k, out) in out.iter_mut().enumerate() {
+            *out = [0, 1, 2].map(|c| self.get(self.taps + c, k));
+        }
+        self.substitute_back(out);
     }
 }
 
@@ -245,6 +271,15 @@ mod tests {
             augmented.factor();
             let mut solved = vec![[ZERO; 3]; taps];
             augmented.solve(&mut solved);
+            // The same right-hand sides from outside the matrix.
+            let mut again: Vec<[Lanes; 3]> = (0..taps)
+                .map(|r| [0, 1, 2].map(|c| std::array::from_fn(|lane| all[lane][r * n + taps + c])))
+                .collect();
+            augmented.solve_for(&mut again);
+            for (a, b) in again.as_flattened().as_flattened().iter().zip(solved.as_flattened().as_flattened())
+            {
+                assert!((a - b).abs() < 1e-9 * b.abs().max(1.0));
+            }
             for (lane, a) in all.iter().enumerate() {
                 let mut g: Vec<f64> = (0..taps).flat_map(|r| a[r * n..r * n + taps].to_vec()).collect();
                 assert!(cholesky(&mut g, taps, 0.0));

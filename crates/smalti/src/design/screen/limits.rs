@@ -7,9 +7,10 @@
 
 use super::color_error::PACKED;
 use super::condition::Level;
-use super::expected::Figures;
+use super::figures::Figures;
 use super::kernel;
 use super::lanes::{Augmented, LANES, Lanes, ZERO, plus_scaled};
+use super::layout::Layout;
 use super::model::Screen;
 use super::responses::FilterResponses;
 use crate::sensor::Mosaic;
@@ -59,15 +60,16 @@ impl Screen {
     /// their patches, are the errors of [`Screen::expected_of`].
     #[must_use]
     pub fn limits(&self, mosaic: &Mosaic, responses: &FilterResponses) -> Vec<Vec<ClassLimits>> {
-        let layout = kernel::Layout::new(self, mosaic);
+        let layout = Layout::new(self.side, mosaic);
         let responses = responses.fitted(layout.filters(), self.components).into_owned();
         let set = std::slice::from_ref(&responses);
         let classes = |errors: &[[Lanes; 6]]| self.by_class(errors);
-        let of = |screen: &Self| kernel::errors(screen, &layout, set).pop().unwrap_or_default();
-        let noisy: Vec<Vec<CausedError>> = of(self).iter().map(|e| classes(e)).collect();
+        let of =
+            |screen: &Self| kernel::errors(screen, &layout, set, Figures::Color).pop().unwrap_or_default();
+        let noisy: Vec<Vec<CausedError>> = of(self).iter().map(|e| classes(&e.pixels)).collect();
         let levels = self.levels.iter().map(Level::without_noise).collect();
         let noiseless: Vec<Vec<CausedError>> =
-            of(&Self { levels, ..self.clone() }).iter().map(|e| classes(e)).collect();
+            of(&Self { levels, ..self.clone() }).iter().map(|e| classes(&e.pixels)).collect();
         let everywhere = classes(&self.with_every_filter(&responses));
         let patches: Vec<f64> = self.shares.iter().flatten().copied().filter(|s| *s > 0.0).collect();
         let of_condition = |(noisy, noiseless): (&Vec<CausedError>, &Vec<CausedError>)| {
@@ -96,7 +98,7 @@ impl Screen {
                 }
                 let mut sum = CausedError::default();
                 for error in errors.iter().skip(group).step_by(self.groups) {
-                    let figures = self.figures_of(error, group, lane, Figures::All);
+                    let figures = self.figures_of(error, group, lane, Figures::Color);
                     sum.squared_error += figures[0] / positions;
                     sum.delta_e_2000 += figures[1] / positions;
                 }

@@ -8,7 +8,8 @@
 //!
 //! where Σ is the variance of the noise at the mean light of the class ([kay1993], section 12.5). E depends on the position of the middle pixel in
 //! the tile. A pipeline that is learned for the array approximates this estimate, so that figures of E rank arrays as learned
-//! pipelines do; their absolute values are optimistic.
+//! pipelines do; their absolute values differ from scores.
+//! What the eye sees of the error at the viewing distance of S-CIELAB follows from E and the noise within it.
 //!
 //! The classes lie in the lanes of vectors: every step serves eight classes at once.
 //!
@@ -17,6 +18,9 @@
 mod color_error;
 mod condition;
 mod expected;
+#[allow(clippy::needless_range_loop)]
+mod eye;
+mod figures;
 // Indices that several arrays share read better than zipped iterators, and become vector code.
 #[allow(clippy::needless_range_loop)]
 mod gradient;
@@ -24,14 +28,18 @@ mod gradient;
 mod kernel;
 #[allow(clippy::needless_range_loop)]
 mod lanes;
+mod layout;
 mod limits;
 mod model;
 mod responses;
+mod weights;
 
 pub use condition::{ScreenCondition, ScreenTime};
-pub use expected::{ExpectedError, Figures};
-pub use gradient::{Differentiable, FigureWeights};
+pub use expected::ExpectedError;
+pub use figures::Figures;
+pub use gradient::Differentiable;
 pub use limits::{CausedError, ClassLimits};
 pub(crate) use model::MIN_PATCHES;
 pub use model::Screen;
 pub use responses::FilterResponses;
+pub use weights::FigureWeights;

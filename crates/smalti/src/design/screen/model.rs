@@ -2,6 +2,7 @@
 
 use super::color_error::{ColorError, PACKED};
 use super::condition::{Level, ScreenCondition};
+use super::eye::Eye;
 use super::lanes::{LANES, Lanes, ZERO};
 use super::responses::{FilterResponses, sum_of_products};
 use crate::camera::{Camera, CameraError};
@@ -39,6 +40,8 @@ pub struct Screen {
     pub(super) detailed_share: f64,
     /// Mean of 1/w² over the patches of a class, w the luminance of display white, by group.
     pub(super) per_white_squared: Vec<Lanes>,
+    /// The opponent filters of the eye.
+    pub(super) eye: Eye,
     /// Of each class, in the order of lanes.
     pub(super) colors: Vec<ColorError>,
     pub(super) levels: Vec<Level>,
@@ -79,6 +82,7 @@ impl Screen {
             detailed: vec![ZERO; groups],
             detailed_share: 0.0,
             per_white_squared: vec![ZERO; groups],
+            eye: Eye::new(side)?,
             colors: Vec::with_capacity(classes.len()),
             levels: Vec::new(),
             electrons: electrons(camera, statistics)?,
@@ -146,7 +150,7 @@ impl Screen {
         self.shares[group][lane] = class.patches / total;
         self.per_white_squared[group][lane] = class.per_white_squared;
         if self.colors.len() == at {
-            self.colors.push(ColorError::new(class.relative_xyz, statistics.white()));
+            self.colors.push(ColorError::new(&class.colors, statistics.white()));
         }
     }
 
@@ -188,7 +192,8 @@ struct Usable {
     /// Square, row by row.
     covariance: Vec<f64>,
     per_white_squared: f64,
-    relative_xyz: [f64; 3],
+    /// Colours of the middle pixel, relative to display white, with their shares.
+    colors: Vec<([f64; 3], f64)>,
 }
 
 /// The classes with enough patches, their covariances completed with those of all hues.
@@ -227,7 +232,7 @@ fn usable(statistics: &LightStatistics) -> Result<Vec<Usable>, DesignError> {
             mean,
             covariance,
             per_white_squared: class.per_white_squared / patches,
-            relative_xyz: class.relative_xyz.map(|v| v / patches),
+            colors: class.colors.means().collect(),
         });
     }
     if found.is_empty() {

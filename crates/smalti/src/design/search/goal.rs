@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::design::error::DesignError;
-use crate::design::screen::{ExpectedError, FigureWeights};
+use crate::design::screen::{ExpectedError, FigureWeights, Figures};
 
 /// Sharpness of the soft maximum of several costs, per unit. It lies below the maximum by at most the logarithm of their number divided by this.
 const SHARPNESS: f64 = 20.0;
@@ -19,6 +19,8 @@ pub struct Objective {
     pub detail_db: f64,
     /// Weight of a unit of mean CIEDE2000.
     pub delta_e_2000: f64,
+    /// Weight of a unit of the mean difference behind the opponent filters of S-CIELAB.
+    pub scielab: f64,
     /// How the sums under several luminances and illuminants become one cost.
     pub over: Over,
 }
@@ -39,7 +41,7 @@ pub enum Over {
 impl Default for Objective {
     /// A decibel of CPSNR counts as much as a colour difference of 1.
     fn default() -> Self {
-        Self { cpsnr_db: 1.0, detail_db: 0.0, delta_e_2000: 1.0, over: Over::Mean }
+        Self { cpsnr_db: 1.0, detail_db: 0.0, delta_e_2000: 1.0, scielab: 0.0, over: Over::Mean }
     }
 }
 
@@ -49,7 +51,7 @@ impl Objective {
     /// # Errors
     /// [`DesignError::Key`] when a weight is negative or not finite, or all are zero.
     pub fn validate(&self) -> Result<(), DesignError> {
-        ensure_weights("objective", [self.cpsnr_db, self.detail_db, self.delta_e_2000])
+        ensure_weights("objective", [self.cpsnr_db, self.detail_db, self.delta_e_2000, self.scielab])
     }
 
     /// The goal under some conditions, whose expected errors with the camera's own array are `own`.
@@ -60,6 +62,7 @@ impl Objective {
             FigureWeights { cpsnr_db: -self.cpsnr_db, ..none },
             FigureWeights { detail_db: -self.detail_db, ..none },
             FigureWeights { delta_e_2000: self.delta_e_2000, ..none },
+            FigureWeights { scielab: self.scielab, ..none },
         ];
         let n = own.len();
         let aims = match self.over {
@@ -80,14 +83,14 @@ impl Objective {
     }
 }
 
-/// Checks the weights of CPSNR, detail and CIEDE2000 in a table.
-fn ensure_weights(table: &str, weights: [f64; 3]) -> Result<(), DesignError> {
-    let keys = ["cpsnr_db", "detail_db", "delta_e_2000"];
+/// Checks the weights of CPSNR, detail, CIEDE2000 and S-CIELAB in a table.
+fn ensure_weights(table: &str, weights: [f64; 4]) -> Result<(), DesignError> {
+    let keys = ["cpsnr_db", "detail_db", "delta_e_2000", "scielab"];
     if let Some((key, value)) = keys.iter().zip(weights).find(|(_, w)| !(w.is_finite() && *w >= 0.0)) {
         return Err(DesignError::key(format!("{table}.{key}"), format!("{value}; expected 0 or more")));
     }
     if weights.iter().all(|w| *w == 0.0) {
-        let message = "expected a weight above 0: cpsnr_db, detail_db or delta_e_2000";
+        let message = "expected a weight above 0: cpsnr_db, detail_db, delta_e_2000 or scielab";
         return Err(DesignError::key(table, message));
     }
     Ok(())
@@ -125,6 +128,9 @@ pub struct FrontAim {
     /// Weight of a unit of mean CIEDE2000.
     #[serde(default)]
     pub delta_e_2000: f64,
+    /// Weight of a unit of the mean difference behind the opponent filters of S-CIELAB.
+    #[serde(default)]
+    pub scielab: f64,
     /// The luminances that it is about, cd/m². The default is all of the design.
     pub luminances_cd_m2: Option<Vec<f64>>,
 }
@@ -144,7 +150,7 @@ impl Front {
         }
         for (at, aim) in self.aims.iter().enumerate() {
             let table = format!("front.aims[{at}]");
-            ensure_weights(&table, [aim.cpsnr_db, aim.detail_db, aim.delta_e_2000])?;
+            ensure_weights(&table, [aim.cpsnr_db, aim.detail_db, aim.delta_e_2000, aim.scielab])?;
             let asked = aim.luminances_cd_m2.as_deref();
             let unknown = asked.and_then(|l| l.iter().find(|v| !luminances_cd_m2.contains(v)));
             if let Some(other) = unknown {
@@ -195,6 +201,7 @@ impl FrontAim {
             cpsnr_db: -self.cpsnr_db,
             detail_db: -self.detail_db,
             delta_e_2000: self.delta_e_2000,
+            scielab: self.scielab,
         };
         let asked = self.luminances_cd_m2.as_deref();
         let counts = |c: usize| asked.is_none_or(|l| luminances_cd_m2.get(c).is_some_and(|v| l.contains(v)));
@@ -255,9 +262,16 @@ impl Goal {
         self.differentiated(expected).0
     }
 
-    /// Whether a colour difference counts.
-    pub(super) fn has_color(&self) -> bool {
-        self.aims.iter().flat_map(|aim| &aim.weights).any(|w| w.delta_e_2000 != 0.0)
+    /// The figures that count.
+    pub(super) fn figures(&self) -> Figures {
+        let has = |of: fn(&FigureWeights) -> f64| {
+            self.aims.iter().flat_map(|aim| &aim.weights).any(|w| of(w) != 0.0)
+        };
+        match (has(|w| w.scielab), has(|w| w.delta_e_2000)) {
+            (true, _) => Figures::All,
+            (false, true) => Figures::Color,
+            (false, false) => Figures::Cpsnr,
+        }
     }
 
     /// The cost and its derivatives with respect to the figures of each condition.
@@ -284,7 +298,13 @@ mod tests {
     use super::*;
 
     fn expected(cpsnr_db: f64, delta_e_2000: f64) -> ExpectedError {
-        ExpectedError { cpsnr_db, detail_db: cpsnr_db + 3.0, delta_e_2000, time_s: 0.1 }
+        ExpectedError {
+            cpsnr_db,
+            detail_db: cpsnr_db + 3.0,
+            delta_e_2000,
+            scielab: 0.5 * delta_e_2000,
+            time_s: 0.1,
+        }
     }
 
     #[test]
@@ -310,7 +330,7 @@ mod tests {
     #[test]
     fn derivatives_are_those_of_finite_differences() {
         let own = [expected(25.0, 9.0), expected(35.0, 3.0)];
-        let objective = Objective { detail_db: 0.5, over: Over::Worst, ..Objective::default() };
+        let objective = Objective { detail_db: 0.5, scielab: 0.7, over: Over::Worst, ..Objective::default() };
         let goal = objective.goal(&own);
         let at = [expected(25.02, 9.0), expected(35.03, 3.01)];
         let (_, weights) = goal.differentiated(&at);
@@ -326,6 +346,7 @@ mod tests {
             assert!((slope(&|e, by| e.cpsnr_db += by) - weights[condition].cpsnr_db).abs() < 1e-7);
             assert!((slope(&|e, by| e.detail_db += by) - weights[condition].detail_db).abs() < 1e-7);
             assert!((slope(&|e, by| e.delta_e_2000 += by) - weights[condition].delta_e_2000).abs() < 1e-7);
+            assert!((slope(&|e, by| e.scielab += by) - weights[condition].scielab).abs() < 1e-7);
         }
     }
 
@@ -336,6 +357,7 @@ mod tests {
             cpsnr_db: 1.0,
             detail_db: 0.0,
             delta_e_2000: 0.0,
+            scielab: 0.0,
             luminances_cd_m2: None,
         };
         let two = Front { aims: vec![aim("a"), aim("b")], points: 5 };
@@ -362,6 +384,7 @@ mod tests {
             cpsnr_db: 1.0,
             detail_db: 0.0,
             delta_e_2000: 0.0,
+            scielab: 0.0,
             luminances_cd_m2: Some(vec![7.0]),
         };
         let front = Front { aims: vec![aim.clone(), aim], points: 5 };

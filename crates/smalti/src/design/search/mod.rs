@@ -245,6 +245,6 @@ impl FilterSearch<'_> {
     }
 
     fn figures(&self) -> Figures {
-        if self.goal.has_color() { Figures::All } else { Figures::Cpsnr }
+        self.goal.figures()
     }
 }
