@@ -18,12 +18,13 @@ fn tile_size(mosaic: &Mosaic) -> String {
 }
 
 /// The expected figures of all conditions, separated by slashes.
-fn figures(expected: &[ExpectedError]) -> [String; 3] {
+fn figures(expected: &[ExpectedError]) -> [String; 4] {
     let joined =
         |of: &dyn Fn(&ExpectedError) -> String| expected.iter().map(of).collect::<Vec<_>>().join(" / ");
     [
         joined(&|e| format!("{:.2}", e.cpsnr_db)),
         joined(&|e| format!("{:.2}", e.delta_e_2000)),
+        joined(&|e| format!("{:.2}", e.scielab)),
         joined(&|e| format!("{:.1}", e.time_s * 1e3)),
     ]
 }
@@ -37,18 +38,18 @@ pub(super) fn summary(
     let lights: Vec<String> = task.conditions.iter().map(|c| c.luminance_cd_m2.to_string()).collect();
     let row = |design: &DesignedCfa| {
         let Some(best) = design.best() else { return Vec::new() };
-        let [cpsnr, delta_e, time] = figures(&best.expected);
+        let [cpsnr, delta_e, scielab, time] = figures(&best.expected);
         let colors = design.mosaic.channels().to_string();
         let (name, size) = (design.name.clone(), tile_size(&design.mosaic));
-        vec![name, size, colors, format!("{:.3}", best.cost), cpsnr, delta_e, time]
+        vec![name, size, colors, format!("{:.3}", best.cost), cpsnr, delta_e, scielab, time]
     };
-    let header = ["mosaic", "tile", "filters", "cost", "CPSNR, dB", "ΔE2000", "exposure, ms"];
+    let header = ["mosaic", "tile", "filters", "cost", "CPSNR, dB", "ΔE2000", "S-CIELAB", "exposure, ms"];
     let mut rows: Vec<Vec<String>> = found.searched.iter().take(PRINTED).map(row).collect();
     let own = &task.camera.sensor.cfa;
-    let [cpsnr, delta_e, time] = figures(&found.own);
+    let [cpsnr, delta_e, scielab, time] = figures(&found.own);
     let cost = format!("{:.3}", found.goal.cost(&found.own));
     let (size, filters) = (tile_size(own.mosaic()), own.channels().len().to_string());
-    rows.push(vec!["the camera's own".into(), size, filters, cost, cpsnr, delta_e, time]);
+    rows.push(vec!["the camera's own".into(), size, filters, cost, cpsnr, delta_e, scielab, time]);
     let mut out = format!(
         "{}: {} searched in {seconds:.0} s; {} at {} cd/m²\n\n{}",
         task.name,
@@ -87,17 +88,20 @@ pub(super) fn summary(
 fn front(task: &DesignTask, points: &[FrontPoint]) -> String {
     let Some(front) = task.front.as_ref().filter(|_| !points.is_empty()) else { return String::new() };
     let names = front.aims.iter().map(|aim| aim.name.as_str());
-    let header: Vec<&str> =
-        ["camera", "mosaic", "filters"].into_iter().chain(names).chain(["CPSNR, dB", "ΔE2000"]).collect();
+    let header: Vec<&str> = ["camera", "mosaic", "filters"]
+        .into_iter()
+        .chain(names)
+        .chain(["CPSNR, dB", "ΔE2000", "S-CIELAB"])
+        .collect();
     let row = |(number, point): (usize, &FrontPoint)| {
-        let [cpsnr, delta_e, _] = figures(point.cfa.best().map_or(&[], |best| &best.expected));
+        let [cpsnr, delta_e, scielab, _] = figures(point.cfa.best().map_or(&[], |best| &best.expected));
         let mut cells = vec![
             format!("front/{}.toml", number + 1),
             point.cfa.name.clone(),
             point.cfa.mosaic.channels().to_string(),
         ];
         cells.extend(point.costs.iter().map(|cost| format!("{cost:.3}")));
-        cells.extend([cpsnr, delta_e]);
+        cells.extend([cpsnr, delta_e, scielab]);
         cells
     };
     let rows: Vec<Vec<String>> = points.iter().enumerate().map(row).collect();
