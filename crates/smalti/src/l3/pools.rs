@@ -1,7 +1,7 @@
 //! Moments of one class or of several pooled classes, including patches that are equivalent by symmetry.
 
 use super::symmetry::{Isometry, Member, Symmetry};
-use super::{Axes, Moments, Statistics, Textures, pipeline};
+use super::{Axes, Class, Moments, Statistics, Textures, pipeline};
 
 /// The combinations of clipped channels on the saturation axis: none clipped, and every combination with at
 /// least a given fraction of all patches. Ascending.
@@ -57,6 +57,18 @@ impl<'a> Pools<'a> {
             }
         }
         Self { axes, outputs: statistics.outputs().len(), seen }
+    }
+
+    /// Adds the numbers of patches to the classes of a pipeline.
+    pub(super) fn count_into(&self, classes: &mut [Class], saturations: usize) {
+        let (levels, textures) = (self.axes.level_count(), self.axes.textures().count());
+        let per_position = saturations * levels * textures;
+        for (own, seen) in classes.chunks_exact_mut(per_position).zip(&self.seen) {
+            for seen in seen {
+                own[(seen.saturation * levels + seen.level) * textures + seen.texture].count +=
+                    seen.moments.count();
+            }
+        }
     }
 
     /// The classes of a pool around the representative position of a group, once for every symmetry operation

@@ -23,7 +23,7 @@ mod gradient;
 #[allow(clippy::needless_range_loop)]
 mod kernel;
 #[allow(clippy::needless_range_loop)]
-mod lanes;
+pub(in crate::design) mod lanes;
 mod limits;
 mod model;
 mod responses;
