@@ -5,20 +5,19 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use super::class_light::{ClassLight, EvenPatches, LightSystem};
 use super::imaged_scene::brightest;
-use super::learning_settings::LearningSettings;
-use super::pipeline_trainer::{ExposedDesign, PipelineTrainer, SURFACE_PATCHES};
 use super::pixel_light::PixelLight;
 use super::targets::{has_independent_samples, response, samples_per_rate};
-use crate::camera::{Camera, CameraError};
+use super::training_data::{ExposedDesign, SURFACE_PATCHES, TrainingData};
+use crate::camera::CameraError;
 use crate::l3::{Axes, ClassPool, Pipeline, Solved, Solver, representatives, turns};
 use crate::numeric::dense::dot;
-use crate::sensor::{Cfa, Channel, Mosaic, NoiseMode, PixelSpectra, SensorError};
+use crate::sensor::{Cfa, Channel, Mosaic, NoiseMode, SensorError};
 use crate::spectrum::{Spectrum, WavelengthGrid};
 
 /// The key that selects this path, for messages.
 const KEY: &str = "l3.statistics";
-/// Spectral components of the light. Six and twelve give the same figures of designs within 0.003 ΔE 2000, 0.05 cycles per mm and
-/// 0.002 % luminance noise (`just learned-statistics`).
+/// Spectral components of the light. With twelve, the mean figures of 30 designs of each number of colours differ by at most 0.0025 ΔE
+/// 2000, 0.05 cycles per mm and 0.001 % luminance noise.
 const COMPONENTS: usize = 6;
 /// Number of mosaics with different classes whose statistics are kept, about 6 MB each.
 const KEPT: usize = 16;
@@ -26,6 +25,9 @@ const KEPT: usize = 16;
 /// saturation. Automatic exposure places the white patch of the ColorChecker at 95 % of saturation, and thus a perfect white at 105 %; what
 /// the sensor clips of the latter is among the differences that were measured.
 const MAX_SAMPLE: f64 = 1.1;
+
+/// Largest number of levels: the sums of a class take 0.4 MB while they are gathered.
+const MAX_LEVELS: usize = 64;
 
 /// What the classes of a neutral array depend on: the size of the tile, the translations of the mosaic, and the rotations and reflections
 /// that map it onto itself, a bit each.
@@ -49,11 +51,8 @@ pub(super) struct LightTrainer {
 }
 
 impl LightTrainer {
-    pub(super) fn new(
-        camera: &Camera,
-        settings: &LearningSettings,
-        pixels: &PixelSpectra,
-    ) -> Result<Self, CameraError> {
+    pub(super) fn new(data: &TrainingData) -> Result<Self, CameraError> {
+        let TrainingData { camera, settings, pixels, .. } = data;
         let refused = |message: &str| Err(CameraError::Key { key: KEY.into(), message: message.into() });
         if !has_independent_samples(&camera.sensor) {
             return refused(
@@ -64,6 +63,9 @@ impl LightTrainer {
         if settings.solver != Solver::Wiener {
             return refused("\"light\" needs the solver \"wiener\"; \"patches\" serves every solver");
         }
+        if settings.levels > MAX_LEVELS {
+            return refused("\"light\" has at most 64 levels; \"patches\" has up to 256");
+        }
         Ok(Self {
             light: Arc::new(PixelLight::new(&camera.sensor, pixels, COMPONENTS)?),
             brightest: Arc::new(brightest(pixels)),
@@ -72,33 +74,48 @@ impl LightTrainer {
     }
 
     /// The statistics for a mosaic are gathered, if they are not known yet.
-    pub(super) fn prepare(&self, trainer: &PipelineTrainer, mosaic: &Mosaic) -> Result<(), CameraError> {
-        self.classes(trainer, mosaic).map(|_| ())
+    pub(super) fn prepare(&self, data: &TrainingData, mosaic: &Mosaic) -> Result<(), CameraError> {
+        self.classes(data, mosaic).map(|_| ())
     }
 
     pub(super) fn pipeline(
         &self,
-        trainer: &PipelineTrainer,
+        data: &TrainingData,
         design: &ExposedDesign,
     ) -> Result<Pipeline, CameraError> {
         let ExposedDesign { camera, exposure, scale, axes, .. } = design;
         self.ensure_unsaturated(design)?;
-        let classes = self.classes(trainer, axes.mosaic())?;
+        let classes = self.classes(data, axes.mosaic())?;
         let gain = samples_per_rate(&camera.sensor, exposure)?;
         let channels = camera.sensor.cfa.channels();
         let responses = |c: &Channel| self.electrons(&c.transmittance).iter().map(|e| gain * e).collect();
         let responses = channels.iter().map(responses).collect();
         let positions = representatives(axes);
         let taps = |position: &usize| (0..axes.taps()).map(|tap| axes.channel_of(*position, tap)).collect();
-        let even = Surfaces::new(trainer, design, &positions);
+        let share = 1.0 / axes.positions() as f64;
+        // The mean response of a patch to white.
+        let white = |position: usize| {
+            (0..axes.taps()).map(|tap| design.white[axes.channel_of(position, tap)]).sum::<f64>()
+                / axes.taps() as f64
+        };
+        let even = Surfaces::new(data, design, &positions);
         let system = LightSystem {
             responses,
             scale: *scale,
             channels: positions.iter().map(taps).collect(),
             positions,
-            share: 1.0 / axes.positions() as f64,
+            share,
             noise: *axes.noise(),
             even: &|position, pool| even.pooled(position, pool),
+            counts: classes.patch_counts(axes),
+        };
+        let textures = axes.textures().count();
+        let count = |position: usize, level: usize, texture: usize| {
+            let of_light = classes.pixels().get(level * textures + texture).map_or(0.0, |n| n * share);
+            let pool = ClassPool { level: Some(level), texture: Some(texture) };
+            let at = system.positions.binary_search(&position).ok();
+            let uniform = at.and_then(|at| even.pooled(at, pool)).map_or(0.0, |even| even.count);
+            (of_light + uniform) as u64
         };
         let levels = camera.sensor.raw_levels(exposure)?;
         let source = classes.kernels(&system);
@@ -107,30 +124,34 @@ impl LightTrainer {
             outputs: ["X", "Y", "Z"].map(String::from).to_vec(),
             channel_names: channels.iter().map(|c| c.name.clone()).collect(),
             levels: [levels.black, levels.white],
-            trained: vec![classes.range(); axes.positions()],
+            trained: (0..axes.positions()).map(|p| classes.range().map(|r| r * white(p) as f32)).collect(),
+            count: &count,
             source: &source,
         };
         Ok(solved.pipeline(String::new())?)
     }
 
     /// The statistics for a mosaic.
-    fn classes(&self, trainer: &PipelineTrainer, mosaic: &Mosaic) -> Result<Arc<ClassLight>, CameraError> {
+    fn classes(&self, data: &TrainingData, mosaic: &Mosaic) -> Result<Arc<ClassLight>, CameraError> {
         let kept = || self.kept.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(found) = kept().iter().find(|k| k.mosaic == *mosaic) {
             return Ok(found.classes.clone());
         }
-        let clear = Spectrum::constant(trainer.camera.grid(), 1.0)?;
+        let clear = Spectrum::constant(data.camera.grid(), 1.0)?;
         let channel = |c: usize| Channel { name: c.to_string(), transmittance: clear.clone() };
         let channels = (0..mosaic.channels()).map(channel).collect();
         let neutral = Cfa::new("neutral", mosaic.clone(), channels).map_err(SensorError::from)?;
-        let neutral = trainer.exposed(&neutral)?;
+        let neutral = data.exposed(&neutral)?;
         let key = key(&neutral.axes);
         let known = kept().iter().find(|k| k.key == key).map(|k| k.classes.clone());
         // The lock is open while this is computed: a thread that waits for others may take up work that needs it.
         let gather = || {
             let (sensor, exposure) = (&neutral.camera.sensor, &neutral.exposure);
-            let seen = sensor.capture(&*trainer.pixels, exposure, NoiseMode::All, trainer.seed)?;
-            Ok::<_, CameraError>(Arc::new(ClassLight::new(&self.light, &trainer.seen, &neutral.axes, &seen)?))
+            let seen = sensor.capture(&*data.pixels, exposure, NoiseMode::All, data.seed)?;
+            let (axes, white) = (&neutral.axes, neutral.full as f32);
+            let even = f64::from(SURFACE_PATCHES) * data.surfaces.len() as f64 / axes.level_count() as f64;
+            let classes = ClassLight::new(&self.light, &data.seen, axes, &seen, white, even)?;
+            Ok::<_, CameraError>(Arc::new(classes))
         };
         let classes = known.map_or_else(gather, Ok)?;
         let mut kept = kept();
@@ -197,9 +218,9 @@ struct Surfaces {
 }
 
 impl Surfaces {
-    fn new(trainer: &PipelineTrainer, design: &ExposedDesign, positions: &[usize]) -> Self {
+    fn new(data: &TrainingData, design: &ExposedDesign, positions: &[usize]) -> Self {
         let axes = &design.axes;
-        let fields: Vec<(Vec<f64>, [f64; 3])> = trainer
+        let fields: Vec<(Vec<f64>, [f64; 3])> = data
             .surfaces
             .iter()
             .map(|(radiance, xyz)| (design.samples(radiance), xyz.map(|v| v * design.full)))

@@ -29,6 +29,7 @@ pub mod statistics;
 mod study;
 mod sweep;
 mod targets;
+mod training_data;
 mod training_scene;
 mod trial_picture;
 

@@ -60,3 +60,50 @@ impl ClassMap {
         Ok(Self { first: half, cols: cols - 2 * half, local, range })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::l3::{Levels, Pair, Statistics, Textures};
+    use crate::numeric::Planes;
+    use crate::numeric::philox::Stream;
+    use crate::sensor::{Mosaic, RawSamples, Sampling, SignalNoise};
+
+    /// The classes are those that training assigns.
+    #[test]
+    fn classes_are_those_of_training() {
+        let mut random = Stream::new(5, 1, 2);
+        let (rows, cols) = (60, 45);
+        let mosaic = Mosaic::new(2, 2, vec![0, 1, 1, 2]).unwrap();
+        let volts =
+            (0..rows * cols).map(|i| (0.3 + 0.01 * (i % 50) as f64 * random.uniform()) as f32).collect();
+        let names = ["R", "G", "B"].map(String::from).to_vec();
+        let sampling = Sampling::Mosaic(mosaic.clone());
+        let raw = RawImage::new(rows, cols, RawSamples::Analog(volts), sampling, names, 0.0, 1.0).unwrap();
+        let noise = SignalNoise { constant: 1e-3, ..SignalNoise::default() };
+        let axes = Axes::new(mosaic, 5, Levels::logarithmic(8, 0.1, 0.8).unwrap(), noise).unwrap();
+        let axes = axes.with_textures(Textures::Oriented);
+        let map = ClassMap::new(&axes, &raw).unwrap();
+        assert_eq!((map.first, map.cols, map.local.len()), (2, 41, 56 * 41));
+        let mut trained = Statistics::new(axes.clone(), vec!["Y".into()], true).unwrap();
+        let target = Planes::zeros(rows, cols, 1);
+        trained.add(&Pair { raw: &raw, seen: None, target: &target }).unwrap();
+        let mut counts = std::collections::BTreeMap::new();
+        map.local.iter().for_each(|class| *counts.entry(*class).or_insert(0u64) += 1);
+        assert!(counts.len() > 4);
+        let textures = axes.textures().count() as u16;
+        for (class, count) in counts {
+            let of_class = |k: &&crate::l3::ClassKey| k.level * textures + k.texture == class;
+            let keys = trained.classes().keys().filter(of_class);
+            assert_eq!(keys.map(|k| trained.classes()[k].count()).sum::<u64>(), count, "class {class}");
+        }
+        let range = trained
+            .trained()
+            .iter()
+            .fold([f32::INFINITY, f32::NEG_INFINITY], |all, r| [all[0].min(r[0]), all[1].max(r[1])]);
+        assert_eq!(map.range, range);
+        // A raw image of another mosaic is refused.
+        let other = Axes::new(Mosaic::new(1, 2, vec![0, 1]).unwrap(), 5, Levels::new(vec![]).unwrap(), noise);
+        assert!(ClassMap::new(&other.unwrap(), &raw).is_err());
+    }
+}

@@ -39,7 +39,8 @@ mod window;
 
 pub(crate) use class_map::ClassMap;
 pub(crate) use solved::{
-    ClassPool, PoolKernels, PoolSource, Solved, Turn, needed_pools, representatives, turns,
+    ClassPool, PatchCounts, PoolKernels, PoolSource, Solved, Turn, enough, needed_pools, representatives,
+    turns,
 };
 
 pub use axes::{Axes, ClassKey, MAX_SIDE, Textures};

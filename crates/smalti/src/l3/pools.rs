@@ -87,20 +87,10 @@ impl<'a> Pools<'a> {
         })
     }
 
-    /// Number of times the group repeats each patch of a pool: the symmetry operations that keep the position
-    /// and the texture.
-    fn repeats(&self, position: usize, members: &[Member], pool: Pool) -> u64 {
-        let stays = |m: &&Member| {
-            m.position == position
-                && pool.texture.is_none_or(|t| m.isometry.texture(self.axes.textures(), t) == t)
-        };
-        (members.iter().filter(stays).count() as u64).max(1)
-    }
-
     /// Number of patches in a pool, without repetitions.
     pub(super) fn count(&self, position: usize, members: &[Member], pool: Pool) -> u64 {
         let all: u64 = self.chosen(members, pool).map(|(_, s)| s.moments.count()).sum();
-        all / self.repeats(position, members, pool)
+        all / repeats(position, members, pool.texture, self.axes.textures())
     }
 
     /// Moments of a pool.
@@ -120,9 +110,22 @@ impl<'a> Pools<'a> {
             }
             sum.merge_permuted(seen.moments, &places);
         }
-        sum.divide(self.repeats(position, members, pool) as f64);
+        sum.divide(repeats(position, members, pool.texture, self.axes.textures()) as f64);
         sum
     }
+}
+
+/// Number of times a group repeats each patch of a texture class, or of all with `None`: the symmetry operations that keep the
+/// position and the texture.
+pub(super) fn repeats(
+    position: usize,
+    members: &[Member],
+    texture: Option<usize>,
+    textures: Textures,
+) -> u64 {
+    let stays =
+        |m: &&Member| m.position == position && texture.is_none_or(|t| m.isometry.texture(textures, t) == t);
+    (members.iter().filter(stays).count() as u64).max(1)
 }
 
 /// Whether a texture class is flat. Without texture classes, patches count as texture: detail lost by

@@ -5,11 +5,11 @@ use std::collections::BTreeSet;
 use std::sync::{Mutex, PoisonError};
 
 use super::fallback::{Filled, Source, Table};
-use super::pools::Pool;
+use super::pools::{Pool, repeats};
 use super::solve::Solution;
-use super::symmetry::{Isometry, Symmetry};
+use super::symmetry::{Isometry, Member, Symmetry};
 use super::train::{expanded, least_patches};
-use super::{Axes, L3Error, Pipeline, PipelineParts};
+use super::{Axes, L3Error, Pipeline, PipelineParts, Textures};
 
 /// Classes of a position to pool by level and texture; `None` pools a whole axis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -33,13 +33,49 @@ pub(crate) struct PoolKernels {
     pub(crate) offsets: Vec<f64>,
 }
 
-/// Numbers of patches and kernels of pools.
+/// Numbers of patches and kernels of pools around [representative](representatives) positions.
 pub(crate) trait PoolSource: Sync {
-    /// Number of patches.
-    fn count(&self, pool: ClassPool) -> u64;
+    /// Number of patches, without repetitions by symmetry.
+    fn count(&self, position: usize, pool: ClassPool) -> u64;
 
-    /// The kernels around a [representative](representatives) position; `None` where they are not known.
+    /// The kernels; `None` where they are not known.
     fn kernels(&self, position: usize, pool: ClassPool) -> Option<PoolKernels>;
+}
+
+/// Numbers of patches that a capture would have in each class, from those of all pixels.
+#[derive(Debug, Clone)]
+pub(crate) struct PatchCounts {
+    textures: Textures,
+    /// By level and texture, at each position.
+    classes: Vec<f64>,
+    groups: Vec<(usize, Vec<Member>)>,
+}
+
+impl PatchCounts {
+    /// `pixels` are the numbers of pixels by level and texture. A capture shows an equal share of them at each position.
+    pub(crate) fn new(axes: &Axes, pixels: &[f64]) -> Self {
+        let classes = pixels.iter().map(|n| n / axes.positions() as f64).collect();
+        Self { textures: axes.textures(), classes, groups: Symmetry::of(axes).groups }
+    }
+
+    /// Number of patches of a pool around a representative position and those that are equivalent, without repetitions; `even` is the
+    /// number of further flat patches of a level at each position.
+    pub(crate) fn count(&self, position: usize, pool: ClassPool, even: &dyn Fn(usize) -> f64) -> u64 {
+        let found = self.groups.binary_search_by_key(&position, |(p, _)| *p);
+        let members = found.map_or(&[][..], |at| self.groups[at].1.as_slice());
+        let count = self.textures.count();
+        let mut all = 0.0;
+        for member in members {
+            for (class, patches) in self.classes.iter().enumerate() {
+                let (level, texture) = (class / count, class % count);
+                let turned = member.isometry.texture(self.textures, texture);
+                if pool.level.is_none_or(|l| l == level) && pool.texture.is_none_or(|t| t == turned) {
+                    all += patches + if texture == 0 { even(level) } else { 0.0 };
+                }
+            }
+        }
+        (all / repeats(position, members, pool.texture, self.textures) as f64) as u64
+    }
 }
 
 /// A rotation or reflection that maps the mosaic onto itself.
@@ -73,15 +109,14 @@ pub(crate) fn representatives(axes: &Axes) -> Vec<usize> {
     Symmetry::of(axes).groups.iter().map(|(position, _)| *position).collect()
 }
 
-/// The pools whose kernels a pipeline needs, from the numbers of patches of all pools.
+/// The pools whose kernels a position of a pipeline needs, from the numbers of patches of all pools.
 pub(crate) fn needed_pools(
     axes: &Axes,
+    position: usize,
     count: &(dyn Fn(ClassPool) -> u64 + Sync),
-) -> Result<Vec<ClassPool>, L3Error> {
+) -> Result<BTreeSet<ClassPool>, L3Error> {
     struct Wanted<'a> {
         count: &'a (dyn Fn(ClassPool) -> u64 + Sync),
-        outputs: usize,
-        taps: usize,
         pools: &'a Mutex<BTreeSet<ClassPool>>,
     }
     impl Source for Wanted<'_> {
@@ -91,14 +126,18 @@ pub(crate) fn needed_pools(
 
         fn solve(&self, pool: Pool, _: bool, _: usize) -> Result<Solution, L3Error> {
             self.pools.lock().unwrap_or_else(PoisonError::into_inner).insert(pool.into());
-            Ok(Solution { weights: vec![0.0; self.outputs * self.taps], offsets: vec![0.0; self.outputs] })
+            Ok(Solution { weights: Vec::new(), offsets: Vec::new() })
         }
     }
     let pools = Mutex::default();
-    let source = Wanted { count, outputs: 1, taps: axes.taps(), pools: &pools };
-    Table::new(0, source, axes, 1, least_patches(axes)).filled(0.0)?;
-    let pools = pools.lock().unwrap_or_else(PoisonError::into_inner).iter().copied().collect();
-    Ok(pools)
+    let source = Wanted { count, pools: &pools };
+    Table::new(position, source, axes, 1, least_patches(axes)).filled(0.0)?;
+    Ok(pools.into_inner().unwrap_or_else(PoisonError::into_inner))
+}
+
+/// Patches that a pool needs to have kernels of its own.
+pub(crate) fn enough(axes: &Axes) -> u64 {
+    least_patches(axes)
 }
 
 /// A pipeline whose kernels come from a [`PoolSource`]. It has no classes of saturated patches.
@@ -110,6 +149,8 @@ pub(crate) struct Solved<'a> {
     pub(crate) levels: [f64; 2],
     /// Smallest and largest mean response of the patches, for each position.
     pub(crate) trained: Vec<[f32; 2]>,
+    /// Number of patches of a class at a representative position, by position, level and texture.
+    pub(crate) count: &'a dyn Fn(usize, usize, usize) -> u64,
     pub(crate) source: &'a dyn PoolSource,
 }
 
@@ -117,7 +158,8 @@ impl Solved<'_> {
     /// # Errors
     /// When kernels are missing or not finite.
     pub(crate) fn pipeline(self, provenance: String) -> Result<Pipeline, L3Error> {
-        let Self { axes, outputs, channel_names, levels: [black_level, white_level], trained, source } = self;
+        let Self { axes, outputs, channel_names, levels: [black_level, white_level], trained, count, source } =
+            self;
         let symmetry = Symmetry::of(axes);
         let table = |position: usize| {
             let own = PositionSource { position, source };
@@ -129,10 +171,10 @@ impl Solved<'_> {
         let (mut classes, kernels) = expanded(axes, outputs.len(), &symmetry, &tables, 1)?;
         let textures = axes.textures().count();
         let per_position = textures * axes.level_count();
-        for (i, class) in classes.iter_mut().enumerate() {
-            let place = i % per_position;
-            let own = ClassPool { level: Some(place / textures), texture: Some(place % textures) };
-            class.count = source.count(own);
+        for (own, classes) in symmetry.represented.iter().zip(classes.chunks_exact_mut(per_position)) {
+            for (place, class) in classes.iter_mut().enumerate() {
+                class.count = count(own.position, place / textures, place % textures);
+            }
         }
         Pipeline::from_parts(PipelineParts {
             axes: axes.clone(),
@@ -156,7 +198,7 @@ struct PositionSource<'a> {
 
 impl Source for PositionSource<'_> {
     fn count(&self, pool: Pool) -> u64 {
-        self.source.count(pool.into())
+        self.source.count(self.position, pool.into())
     }
 
     fn solve(&self, pool: Pool, _: bool, class: usize) -> Result<Solution, L3Error> {

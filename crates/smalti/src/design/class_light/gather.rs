@@ -45,16 +45,11 @@ impl<'a> Gatherer<'a> {
         self.members.iter().map(|(class, pixels)| (*class, pixels.as_slice()))
     }
 
-    /// The moments of the patches of all classes that fit.
-    pub(super) fn moments(&self, fits: &dyn Fn(usize) -> bool) -> Moments {
+    /// The moments of the patches of a class.
+    pub(super) fn moments(&self, class: usize) -> Moments {
         let coefficients = self.side * self.side * self.components;
         let stride = (1 + coefficients + self.targets.len()).next_multiple_of(LANES);
-        let pixels: Vec<u32> = self
-            .members()
-            .filter(|(class, _)| fits(*class))
-            .flat_map(|(_, pixels)| pixels)
-            .copied()
-            .collect();
+        let pixels = self.members.get(&class).map_or(&[][..], Vec::as_slice);
         let of_part = |part: &[u32]| {
             let mut sums = vec![0.0; stride * stride];
             let mut batch = vec![0.0; BATCH * stride];

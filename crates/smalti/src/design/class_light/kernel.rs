@@ -1,15 +1,11 @@
 //! The kernels of a design from the statistics of the light, for all pools and positions.
 
-use super::ClassLight;
+use super::statistics::{ClassLight, WIDE, Wide};
 use crate::design::screen::lanes::{Augmented, LANES, Lanes, ZERO, plus_scaled};
-use crate::l3::{ClassPool, PoolKernels, PoolSource};
+use crate::l3::{ClassPool, PatchCounts, PoolKernels, PoolSource};
 use crate::numeric::simd::{Kernel, dispatch};
 use crate::sensor::SignalNoise;
 
-/// Pools per vector in single precision.
-pub(super) const WIDE: usize = 16;
-/// A number of each pool.
-pub(super) type Wide = [f32; WIDE];
 /// Filters whose products with a covariance are summed in registers together.
 const FILTERS: usize = 4;
 /// Largest number of spectral components.
@@ -46,20 +42,22 @@ pub(in crate::design) struct LightSystem<'a> {
     pub(in crate::design) share: f64,
     pub(in crate::design) noise: SignalNoise,
     /// The uniform patches at one of these positions (by index) and in a pool.
-    pub(in crate::design) even: &'a dyn Fn(usize, ClassPool) -> Option<EvenPatches>,
+    pub(in crate::design) even: &'a (dyn Fn(usize, ClassPool) -> Option<EvenPatches> + Sync),
+    /// The numbers of patches of a capture.
+    pub(in crate::design) counts: PatchCounts,
 }
 
 /// The kernels of a design for all pools and positions.
 pub(in crate::design) struct DesignKernels<'a> {
     light: &'a ClassLight,
-    positions: Vec<usize>,
+    system: &'a LightSystem<'a>,
     /// By position and lane.
     kernels: Vec<Option<PoolKernels>>,
 }
 
 impl ClassLight {
     /// The kernels of a design.
-    pub(in crate::design) fn kernels(&self, system: &LightSystem<'_>) -> DesignKernels<'_> {
+    pub(in crate::design) fn kernels<'a>(&'a self, system: &'a LightSystem<'a>) -> DesignKernels<'a> {
         let mut work = Solve {
             light: self,
             system,
@@ -68,17 +66,22 @@ impl ClassLight {
             kernels: vec![None; system.positions.len() * self.pools.len()],
         };
         dispatch(&mut work);
-        DesignKernels { light: self, positions: system.positions.clone(), kernels: work.kernels }
+        DesignKernels { light: self, system, kernels: work.kernels }
     }
 }
 
 impl PoolSource for DesignKernels<'_> {
-    fn count(&self, pool: ClassPool) -> u64 {
-        self.light.count(pool) as u64
+    fn count(&self, position: usize, pool: ClassPool) -> u64 {
+        let Ok(at) = self.system.positions.binary_search(&position) else { return 0 };
+        let even = |level| {
+            let flat = ClassPool { level: Some(level), texture: Some(0) };
+            (self.system.even)(at, flat).map_or(0.0, |even| even.count)
+        };
+        self.system.counts.count(position, pool, &even)
     }
 
     fn kernels(&self, position: usize, pool: ClassPool) -> Option<PoolKernels> {
-        let at = self.positions.binary_search(&position).ok()?;
+        let at = self.system.positions.binary_search(&position).ok()?;
         let lane = self.light.pools.iter().position(|p| p.pool == pool)?;
         self.kernels.get(at * self.light.pools.len() + lane)?.clone()
     }
