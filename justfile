@@ -40,6 +40,10 @@ rankings:
 screening:
     cargo test --release -p smalti-io --test screening -- --ignored --nocapture
 
+# Compares the figures of 150 designs by pipelines from statistics of light with those by pipelines from patches.
+learned-statistics:
+    cargo test --release -p smalti-io --test learned_statistics -- --ignored --nocapture
+
 # Fuzzes one parser for a minute, or all parsers in turn: `just fuzz exr`, `just fuzz all 600`.
 fuzz target="all" seconds="60":
     fuzz/run {{target}} {{seconds}}

@@ -6,7 +6,8 @@ use std::time::{Duration, Instant};
 use anyhow::{Context, bail};
 use clap::Args;
 use serde_json::json;
-use smalti::design::{Sweep, Trials};
+use smalti::camera::OpticalImages;
+use smalti::design::{LearningSettings, LearningStatistics, Study, Sweep, TrialProcessing, Trials};
 use smalti_io::cache::Cache;
 use smalti_io::dataset::{self, ColumnKind, Plan, Shard};
 use smalti_io::studies::{self, LoadedStudy};
@@ -86,7 +87,7 @@ pub(crate) fn run(args: &SweepArgs, common: &Common) -> anyhow::Result<()> {
         return dry_run(args, &output, &trials, &plan, &sweep);
     }
     if args.benchmark {
-        return benchmark(args, &trials, &sweep);
+        return benchmark(args, &trials, &images);
     }
     let run = SweepRun::open(&trials, about, args.part_size, &output, args.shard)?;
     let to_do = run.trials();
@@ -148,16 +149,18 @@ pub(crate) fn stops_resumably(output: &Path, what: &'static str) -> anyhow::Resu
 
 /// Scores trials from all of the study for about `time`; the number scored, and trials per second.
 fn rate(trials: &Trials, sweep: &Sweep<'_>, time: Duration) -> anyhow::Result<(u64, f64)> {
-    // The preparation of a study is not part of the rate.
     let of_first = trials.end_of_condition(0).min(trials.len());
-    sweep.score(0..1, &|| true)?;
+    // Trials are ordered by number of colours: equal steps sample all of them.
+    let numbers = |part: u64, done: u64| -> Vec<u64> {
+        let stride = (of_first / part).max(1);
+        (0..part).map(|i| (i * stride + done % stride).min(of_first - 1)).collect()
+    };
+    // The preparation of a study and of its mosaics is not part of the rate.
+    sweep.score_numbers(&numbers(of_first.min(16), 0), &|| true)?;
     let (start, mut done, mut size) = (Instant::now(), 0, 32);
     loop {
         let part = size.min(of_first);
-        // Trials are ordered by number of colours: equal steps sample all of them.
-        let stride = (of_first / part).max(1);
-        let numbers: Vec<u64> = (0..part).map(|i| (i * stride + done % stride).min(of_first - 1)).collect();
-        sweep.score_numbers(&numbers, &|| true)?;
+        sweep.score_numbers(&numbers(part, done), &|| true)?;
         done += part;
         let elapsed = start.elapsed();
         if elapsed >= time {
@@ -227,17 +230,51 @@ fn dry_run(
     crate::print(&out)
 }
 
-fn benchmark(args: &SweepArgs, trials: &Trials, sweep: &Sweep<'_>) -> anyhow::Result<()> {
-    let (done, per_s) = rate(trials, sweep, Duration::from_secs(5))?;
+fn benchmark(args: &SweepArgs, trials: &Trials, images: OpticalImages<'_>) -> anyhow::Result<()> {
     let threads = rayon::current_num_threads();
+    let study = trials.study();
+    let time = Duration::from_secs(5);
+    // Studies with learned pipelines are measured with both ways of learning, their own first.
+    let mut measured = vec![(None, rate(trials, &Sweep::new(trials, images), time)?)];
+    if study.processing.contains(&TrialProcessing::L3) {
+        measured[0].0 = Some(study.l3.statistics);
+        let other = match study.l3.statistics {
+            LearningStatistics::Patches => LearningStatistics::Light,
+            LearningStatistics::Light => LearningStatistics::Patches,
+        };
+        let l3 = LearningSettings { statistics: other, ..study.l3.clone() };
+        let others = Trials::new(Study { l3, ..study.clone() })?;
+        let sweep = Sweep::new(&others, images);
+        // Cameras that this way of learning cannot serve have no rate of it.
+        if sweep.score(0..1, &|| true).is_ok_and(|scored| scored.iter().all(|s| s.scores.is_ok())) {
+            measured.push((Some(other), rate(&others, &sweep, time)?));
+        }
+    }
     if args.json {
-        let document =
-            json!({"study": trials.study().name, "trials": done, "trials_per_s": per_s, "threads": threads});
+        let rates: Vec<_> = measured
+            .iter()
+            .map(|(statistics, (done, per_s))| {
+                json!({"statistics": statistics, "trials": done, "trials_per_s": per_s})
+            })
+            .collect();
+        let (done, per_s) = measured[0].1;
+        let document = json!({
+            "study": study.name, "trials": done, "trials_per_s": per_s, "threads": threads, "rates": rates,
+        });
         return crate::output::print_json(&document);
     }
-    crate::print(&format!(
-        "{per_s:.0} trials per second on {threads} threads ({done} trials with all scenes, noise and metrics; nothing written)\n"
-    ))
+    for (statistics, (done, per_s)) in measured {
+        let learned = match statistics {
+            Some(LearningStatistics::Patches) => ", pipelines learned from patches",
+            Some(LearningStatistics::Light) => ", pipelines learned from statistics of light",
+            None => "",
+        };
+        crate::print(&format!(
+            "{per_s:.0} trials per second on {threads} threads ({done} trials with all scenes, noise and metrics; nothing \
+             written{learned})\n"
+        ))?;
+    }
+    Ok(())
 }
 
 /// A duration in seconds, minutes or hours.

@@ -55,12 +55,7 @@ impl ImagedScene {
 
     /// The maximum over the pixels at each wavelength, photons s⁻¹ nm⁻¹.
     pub(super) fn brightest(&self) -> Vec<f64> {
-        let (window, grid) = (self.pixels.window(), self.pixels.grid());
-        let maximum = |i: usize| {
-            let rows = (window.row..window.row + window.rows).flat_map(|row| self.pixels.line(row, i));
-            f64::from(rows.fold(0.0f32, |m, &v| m.max(v)))
-        };
-        (0..grid.len()).map(maximum).collect()
+        brightest(&self.pixels)
     }
 
     /// The camera with a colour filter array, and its exposure for this scene.
@@ -83,4 +78,14 @@ impl ImagedScene {
         let window = Window { row, col: 0, rows, cols: sensor.cols };
         (Sensor { window: Some(window), ..sensor.clone() }, row)
     }
+}
+
+/// The maximum over the pixels at each wavelength, photons s⁻¹ nm⁻¹.
+pub(super) fn brightest(pixels: &PixelSpectra) -> Vec<f64> {
+    let (window, grid) = (pixels.window(), pixels.grid());
+    let maximum = |i: usize| {
+        let rows = (window.row..window.row + window.rows).flat_map(|row| pixels.line(row, i));
+        f64::from(rows.fold(0.0f32, |m, &v| m.max(v)))
+    };
+    (0..grid.len()).map(maximum).collect()
 }

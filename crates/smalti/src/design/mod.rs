@@ -5,12 +5,15 @@
 //! colours. A [`FilterFamily`] computes any member from its number alone, so that a [`Permutation`] of the numbers draws
 //! without replacement and without memory.
 
+mod class_light;
 mod combinations;
 mod deviation;
 mod error;
 mod filters;
 mod imaged_scene;
+mod learning_settings;
 pub mod light;
+mod light_trainer;
 mod mosaics;
 mod patch_light;
 mod permutation;
@@ -26,6 +29,7 @@ pub mod statistics;
 mod study;
 mod sweep;
 mod targets;
+mod training_data;
 mod training_scene;
 mod trial_picture;
 
@@ -36,9 +40,10 @@ pub use filters::{
     Dye, Dyes, FilterFamily, FilterFigures, FilterSet, GaussianGrid, Library, ListedSet, Rule, RuleName,
     RuleTarget, Series,
 };
+pub use learning_settings::{LearningSettings, LearningStatistics};
 pub use mosaics::{MosaicFamily, Symmetry, Tile, published};
 pub use permutation::Permutation;
-pub use pipeline_trainer::{LearningSettings, PipelineTrainer};
+pub use pipeline_trainer::PipelineTrainer;
 pub use pixel_light::{PixelLight, QuantizedLight, QuantizedPlanes};
 pub use preview::{Preview, PreviewDesign, PreviewLight, PreviewScene, PreviewTraining, metered};
 pub use results::{ColumnValues, ResultColumn, StudyResults, column_of_key};

@@ -2,100 +2,32 @@
 //!
 //! The light of one training scene on every pixel and the X, Y, Z of the standard observer do not depend on the filters, so
 //! [`PipelineTrainer`] keeps them. Each design then needs a capture with noise and one without, one pass of statistics, and the
-//! solution of the kernels. A design is trained at its exposure for the ColorChecker of [`Targets`](super::Targets), so that
-//! noise and levels are those of its scores.
+//! solution of the kernels; or only the latter, with [statistics of the light](super::class_light). A design is trained at its
+//! exposure for the ColorChecker of [`Targets`](super::Targets), so that noise and levels are those of its scores.
 
 use std::sync::Arc;
 
-use serde::{Deserialize, Serialize};
-
 use super::imaged_scene::ImagedScene;
+use super::learning_settings::{LearningSettings, LearningStatistics};
+use super::light_trainer::LightTrainer;
 use super::targets::Targets;
+use super::training_data::{ExposedDesign, SURFACE_PATCHES, TrainingData, TrainingLight};
 use super::training_scene;
 use crate::camera::chart::LUMINANCE;
 use crate::camera::stable_text::stable_text;
 use crate::camera::{Camera, CameraError, OpticalImages};
-use crate::l3::{Axes, L3Error, Levels, Pair, Pipeline, Solver, Statistics, Textures, Training};
+use crate::l3::{Pair, Pipeline, Statistics, Training};
 use crate::numeric::Planes;
 use crate::scene::{self, Setting, macbeth};
-use crate::sensor::{Cfa, NoiseMode, PixelSpectra};
-use crate::spectrum::{Observer, Spectrum};
-
-/// Range of the cuts between levels, as fractions of the response to white. Outside it, noise and kernels change little.
-const LEVEL_RANGE: [f64; 2] = [0.03, 0.6];
-/// Least response of a channel to white, relative to the brightest channel. Levels need a response above 0.
-const MIN_WHITE: f64 = 1e-3;
-/// Number of patches that a uniform surface counts for at each position. Of 16, 64, 128 and 256, it is the smallest with which
-/// five sets of Gaussian filters all have a smaller ΔE 1976 and ΔE 2000 on the surfaces than the fitted colour matrix. Larger
-/// numbers cost some resolution and cause false colour on black-and-white patterns.
-const SURFACE_PATCHES: u32 = 128;
-
-/// Training settings for the pipelines of designs.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(deny_unknown_fields, default)]
-pub struct LearningSettings {
-    /// Side of the patch, pixels: 3, 5, 7, 9 or 11.
-    pub side: usize,
-    /// Number of response levels, 1 to 256. Few suffice, since all targets are exposed like the training scene.
-    pub levels: usize,
-    /// Texture classes.
-    pub textures: Textures,
-    /// Solver of the kernels.
-    pub solver: Solver,
-    /// Side of the training scene, pixels, 16 to 1024. Training time is proportional to its square.
-    pub size_px: usize,
-}
-
-impl Default for LearningSettings {
-    fn default() -> Self {
-        Self { side: 7, levels: 4, textures: Textures::Oriented, solver: Solver::Wiener, size_px: 320 }
-    }
-}
-
-impl LearningSettings {
-    /// Checks every field.
-    ///
-    /// # Errors
-    /// [`L3Error::Parameter`] with the first field that is out of its range.
-    pub fn validate(&self) -> Result<(), L3Error> {
-        let range = |name, value: usize, fits: bool, expected| {
-            if fits { Ok(()) } else { Err(L3Error::Parameter { name, value: value as f64, expected }) }
-        };
-        range("side", self.side, [3, 5, 7, 9, 11].contains(&self.side), "3, 5, 7, 9 or 11 pixels")?;
-        range("levels", self.levels, (1..=256).contains(&self.levels), "1 to 256")?;
-        range("size_px", self.size_px, (16..=1024).contains(&self.size_px), "16 to 1024 pixels")
-    }
-}
-
-/// The training scene on the pixels of a camera, with its reference.
-#[derive(Debug)]
-pub(super) struct TrainingLight {
-    pub(super) pixels: PixelSpectra,
-    /// X, Y, Z of the reference at every pixel.
-    pub(super) seen: Planes,
-    /// Y of the reference for white.
-    pub(super) white_y: f64,
-    /// Radiance of white, photons.
-    pub(super) light: Spectrum,
-}
+use crate::sensor::{Cfa, Mosaic, NoiseMode, PixelSpectra};
+use crate::spectrum::Observer;
 
 /// Trains the pipeline of any colour filter array on one camera. It keeps everything that does not depend on the filters.
 #[derive(Debug, Clone)]
 pub struct PipelineTrainer {
-    settings: LearningSettings,
-    /// The chart, on which the exposure is found.
-    pub(super) chart: Arc<ImagedScene>,
-    pub(super) camera: Camera,
-    pub(super) pixels: Arc<PixelSpectra>,
-    /// X, Y, Z of the reference at every pixel.
-    pub(super) seen: Arc<Planes>,
-    /// Uniform surfaces: radiance and X, Y, Z, with Y = 1 for fully lit white.
-    surfaces: Arc<Vec<(Spectrum, [f64; 3])>>,
-    /// Y of the reference for white.
-    pub(super) white_y: f64,
-    pub(super) light: Spectrum,
-    seed: u64,
+    pub(super) data: TrainingData,
+    /// `None` where pipelines are learned from patches.
+    from_light: Option<LightTrainer>,
 }
 
 impl PipelineTrainer {
@@ -117,9 +49,9 @@ impl PipelineTrainer {
         let camera = targets.chart.camera.with_size(size, size);
         let horizontal_fov_deg = camera.field_of_view_deg(size, setting.distance_m)?;
         let wide = Setting { horizontal_fov_deg, ..setting.clone() };
-        let key = stable_text(&("training", size, &wide, &camera.optics))?;
+        let key = stable_text(&("training", size, settings.scene, &wide, &camera.optics))?;
         let image = images(&key, &|| {
-            Ok(camera.optics.image(&training_scene::scene(&camera, size, &light, &wide)?)?)
+            Ok(camera.optics.image(&training_scene::scene(&camera, size, settings.scene, &light, &wide)?)?)
         })?;
         let luminance_cd_m2 = Observer::Cie1931.xyz_from_photons(&light)?[LUMINANCE];
         let white = scene::uniform(8, 8, &Setting { luminance_cd_m2, ..setting })?;
@@ -142,18 +74,12 @@ impl PipelineTrainer {
         light: TrainingLight,
         seed: u64,
     ) -> Result<Self, CameraError> {
-        settings.validate()?;
-        let TrainingLight { pixels, seen, white_y, light } = light;
-        let luminance_cd_m2 = Observer::Cie1931.xyz_from_photons(&light)?[LUMINANCE];
-        let xyz = |s: Spectrum| {
-            let seen = Observer::Cie1931.xyz_from_photons(&s)?.map(|v| v / luminance_cd_m2);
-            Ok::<_, CameraError>((s, seen))
+        let data = TrainingData::new(camera, settings, chart, light, seed)?;
+        let from_light = match settings.statistics {
+            LearningStatistics::Patches => None,
+            LearningStatistics::Light => Some(LightTrainer::new(&data)?),
         };
-        let surfaces =
-            training_scene::surfaces(&camera, &light)?.into_iter().map(xyz).collect::<Result<_, _>>()?;
-        let (settings, surfaces) = (settings.clone(), Arc::new(surfaces));
-        let (pixels, seen) = (Arc::new(pixels), Arc::new(seen));
-        Ok(Self { settings, chart, camera, pixels, seen, surfaces, white_y, light, seed })
+        Ok(Self { data, from_light })
     }
 
     /// Trains the pipeline of a colour filter array. Also returns its reach: each pixel of its pictures depends on samples at
@@ -162,48 +88,40 @@ impl PipelineTrainer {
     /// # Errors
     /// When the filters pass no light, the mosaic has more channels than L³ supports, or a stage fails.
     pub fn pipeline(&self, cfa: &Cfa) -> Result<(Pipeline, usize), CameraError> {
-        let (_, exposure) = self.chart.with_cfa(cfa)?;
-        let camera = self.camera.with_cfa(cfa.clone());
-        let y = &Observer::Cie1931.photon_weights(camera.grid())?[LUMINANCE];
-        let scale = camera.exposure_scale(&exposure, &self.light, y)?;
-        let responsivities = camera.responsivities()?;
-        let responses = |light: &Spectrum| -> Vec<f64> {
-            let of = |r: &Spectrum| r.values().iter().zip(light.values()).map(|(r, l)| r * l).sum();
-            responsivities.iter().map(of).collect()
+        let design = self.data.exposed(cfa)?;
+        let pipeline = match &self.from_light {
+            Some(trainer) => trainer.pipeline(&self.data, &design)?,
+            None => {
+                let training = Training { solver: self.data.settings.solver, ..Training::default() };
+                training.solve(&self.statistics(&design)?, String::new())?
+            }
         };
-        let white = responses(&self.light);
-        let brightest = white.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
-        // At this exposure, the response of the brightest channel to white equals Y of white.
-        let full = scale * self.white_y;
-        let white: Vec<f64> = white.iter().map(|w| (w / brightest).max(MIN_WHITE) * full).collect();
-        let noise = camera.sensor.signal_noise(&exposure)?;
-        let axes = Axes::new(cfa.mosaic().clone(), self.settings.side, self.levels(cfa, &white)?, noise)?
-            .with_levels_by_position(&white)?
-            .with_textures(self.settings.textures);
-        let mut statistics = Statistics::new(axes, ["X", "Y", "Z"].map(String::from).to_vec(), false)?;
-        let raw = camera.sensor.capture_ideal(&*self.pixels, &exposure)?;
-        let seen = camera.sensor.capture(&*self.pixels, &exposure, NoiseMode::All, self.seed)?;
-        let mut target = Planes::clone(&self.seen);
-        target.data_mut().iter_mut().for_each(|v| *v *= scale as f32);
-        statistics.add(&Pair { raw: &raw, seen: Some(&seen), target: &target })?;
-        for (radiance, xyz) in &*self.surfaces {
-            let samples: Vec<f64> = responses(radiance).iter().map(|r| r / brightest * full).collect();
-            statistics.add_even(&samples, &xyz.map(|v| v * full), SURFACE_PATCHES)?;
-        }
-        let training = Training { solver: self.settings.solver, ..Training::default() };
-        let pipeline = training.solve(&statistics, String::new())?;
         let reach = pipeline.reach();
         Ok((pipeline, reach))
     }
 
-    /// Cuts in equal ratios of the mean response over the tile.
-    fn levels(&self, cfa: &Cfa, white: &[f64]) -> Result<Levels, L3Error> {
-        let cells = cfa.mosaic().cells();
-        let sum: f64 = cells.iter().filter_map(|&c| white.get(usize::from(c))).sum();
-        let mean = sum / cells.len().max(1) as f64;
-        let [least, most] = LEVEL_RANGE;
-        let cuts = self.settings.levels.saturating_sub(1);
-        let cut = |i: usize| (mean * least * libm::pow(most / least, (i as f64 + 0.5) / cuts as f64)) as f32;
-        Levels::new((0..cuts).map(cut).collect())
+    /// Gathers what designs with a mosaic have in common, if it is not known yet. [`PipelineTrainer::pipeline`] does so when needed; doing
+    /// it before the designs of a sweep are scored on several threads avoids that each thread does it.
+    ///
+    /// # Errors
+    /// As [`PipelineTrainer::pipeline`].
+    pub fn prepare(&self, mosaic: &Mosaic) -> Result<(), CameraError> {
+        self.from_light.as_ref().map_or(Ok(()), |trainer| trainer.prepare(&self.data, mosaic))
+    }
+
+    /// The moments of the patches of a capture by a design.
+    fn statistics(&self, design: &ExposedDesign) -> Result<Statistics, CameraError> {
+        let (ExposedDesign { camera, exposure, scale, full, axes, .. }, data) = (design, &self.data);
+        let outputs = ["X", "Y", "Z"].map(String::from).to_vec();
+        let mut statistics = Statistics::new(axes.clone(), outputs, false)?;
+        let raw = camera.sensor.capture_ideal(&*data.pixels, exposure)?;
+        let seen = camera.sensor.capture(&*data.pixels, exposure, NoiseMode::All, data.seed)?;
+        let mut target = Planes::clone(&data.seen);
+        target.data_mut().iter_mut().for_each(|v| *v *= *scale as f32);
+        statistics.add(&Pair { raw: &raw, seen: Some(&seen), target: &target })?;
+        for (radiance, xyz) in &*data.surfaces {
+            statistics.add_even(&design.samples(radiance), &xyz.map(|v| v * full), SURFACE_PATCHES)?;
+        }
+        Ok(statistics)
     }
 }

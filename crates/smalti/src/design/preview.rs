@@ -6,9 +6,10 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 use super::imaged_scene::ImagedScene;
-use super::pipeline_trainer::{PipelineTrainer, TrainingLight};
+use super::pipeline_trainer::PipelineTrainer;
 use super::pixel_light::{PixelLight, QuantizedLight, QuantizedPlanes};
 use super::study::{Design, Study, TrialProcessing};
+use super::training_data::TrainingLight;
 use crate::camera::description::OpticsModelName;
 use crate::camera::{Camera, CameraDescription, CameraError, Setup};
 use crate::color::Image;
@@ -85,17 +86,18 @@ impl PreviewTraining {
         let components = |camera: &Camera, pixels: &PixelSpectra| {
             Ok::<_, CameraError>(PixelLight::new(&camera.sensor, pixels, max_components)?.quantized(STEPS))
         };
-        let chart = &trainer.chart;
-        let largest = trainer.seen.data().iter().fold(0.0f32, |m, v| m.max(*v));
+        let data = &trainer.data;
+        let chart = &data.chart;
+        let largest = data.seen.data().iter().fold(0.0f32, |m, v| m.max(*v));
         Ok(Self {
             chart: PreviewScene {
                 light: components(&chart.camera, &chart.pixels)?,
                 metered: chart.metered().map(|s| s.values().to_vec()),
             },
-            light: components(&trainer.camera, &trainer.pixels)?,
-            seen: QuantizedPlanes::new(&trainer.seen, f64::from(largest) / STEPS),
-            white_y: trainer.white_y,
-            white: trainer.light.values().to_vec(),
+            light: components(&data.camera, &data.pixels)?,
+            seen: QuantizedPlanes::new(&data.seen, f64::from(largest) / STEPS),
+            white_y: data.white_y,
+            white: data.light.values().to_vec(),
         })
     }
 

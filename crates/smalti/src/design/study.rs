@@ -6,9 +6,9 @@ use serde::{Deserialize, Serialize};
 
 use super::error::DesignError;
 use super::filters::{FilterFamily, FilterSet};
+use super::learning_settings::LearningSettings;
 use super::mosaics::{MosaicFamily, MosaicRequest};
 use super::permutation::Permutation;
-use super::pipeline_trainer::LearningSettings;
 use super::scenes::StudyScene;
 use super::scores::Metric;
 use crate::camera::description::{CfaDescription, PatternDescription};

@@ -12,6 +12,7 @@ use super::scores::{Metric, Scores};
 use super::study::{Trial, TrialProcessing, Trials};
 use super::targets::Targets;
 use crate::camera::{Camera, CameraError, EvaluationSettings, OpticalImages};
+use crate::sensor::Mosaic;
 
 /// Revision of the scores. It increases whenever scores change; a table must not mix revisions.
 pub const SCORES_REVISION: u32 = 7;
@@ -99,7 +100,7 @@ impl<'a> Sweep<'a> {
         let mut at = range.start;
         while at < range.end {
             let end = self.trials.end_of_condition(at).min(range.end);
-            rows.extend(self.score_under(self.trials.condition_of(at), (at..end).into_par_iter(), done)?);
+            rows.extend(self.score_under(self.trials.condition_of(at), at..end, done)?);
             at = end;
         }
         Ok(rows)
@@ -115,21 +116,28 @@ impl<'a> Sweep<'a> {
         done: &(dyn Fn() -> bool + Sync),
     ) -> Result<Vec<ScoredTrial>, DesignError> {
         let Some(&first) = numbers.first() else { return Ok(Vec::new()) };
-        self.score_under(self.trials.condition_of(first), numbers.par_iter().copied(), done)
+        self.score_under(self.trials.condition_of(first), numbers.iter().copied(), done)
     }
 
     fn score_under(
         &self,
         condition: usize,
-        numbers: impl ParallelIterator<Item = u64>,
+        numbers: impl Iterator<Item = u64>,
         done: &(dyn Fn() -> bool + Sync),
     ) -> Result<Vec<ScoredTrial>, DesignError> {
         let prepared = self.condition(condition)?;
-        let score = |number: u64| {
-            let scored = prepared.score(self.trials.trial(number)?);
+        let trials = numbers.map(|number| self.trials.trial(number)).collect::<Result<Vec<_>, _>>()?;
+        if let Some(trainer) = &prepared.trainer {
+            // Trials of a mosaic mostly follow each other. An error is that of each trial.
+            let learned = trials.iter().filter(|t| t.processing == TrialProcessing::L3);
+            let mosaics: Vec<&Mosaic> = learned.map(|t| &t.design.mosaic).collect();
+            mosaics.chunk_by(|a, b| a == b).for_each(|same| drop(trainer.prepare(same[0])));
+        }
+        let score = |trial: Trial| {
+            let scored = prepared.score(trial);
             if done() { Ok(scored) } else { Err(DesignError::Stopped) }
         };
-        numbers.map(score).collect()
+        trials.into_par_iter().map(score).collect()
     }
 
     fn condition(&self, index: usize) -> Result<Arc<PreparedCondition>, DesignError> {

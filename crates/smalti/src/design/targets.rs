@@ -108,19 +108,19 @@ fn relative_to(rect: Rect, row: usize) -> Rect {
 }
 
 /// Photoelectrons per photon times the wavelength step, for each channel.
-fn response(sensor: &Sensor, grid: WavelengthGrid) -> Result<Vec<Vec<f64>>, CameraError> {
+pub(super) fn response(sensor: &Sensor, grid: WavelengthGrid) -> Result<Vec<Vec<f64>>, CameraError> {
     let on_grid = sensor.spectral_responsivity_on(grid)?;
     Ok(on_grid.iter().map(|r| r.values().iter().map(|v| v * grid.step_nm()).collect()).collect())
 }
 
 /// Whether every sample is the light of one pixel through one filter.
-fn has_independent_samples(sensor: &Sensor) -> bool {
+pub(super) fn has_independent_samples(sensor: &Sensor) -> bool {
     let is_alone = sensor.crosstalk.is_none() && sensor.binning.is_none();
     is_alone && sensor.architecture == ColorArchitecture::Mosaic
 }
 
 /// Normalised samples per photoelectron per second.
-fn samples_per_rate(sensor: &Sensor, exposure: &Exposure) -> Result<f64, CameraError> {
+pub(super) fn samples_per_rate(sensor: &Sensor, exposure: &Exposure) -> Result<f64, CameraError> {
     let levels = sensor.raw_levels(exposure)?;
     let volts_per_rate = exposure.time_s * sensor.volts_per_electron(exposure) * exposure.analog_gain;
     Ok(volts_per_rate / (levels.white_v - levels.black_v))

@@ -14,14 +14,17 @@ const PIECE_PX: usize = 64;
 const BRIGHTNESS: [f32; 3] = [0.95, 0.95, 0.35];
 /// Relative illuminance of the uniform surfaces.
 const SHADES: [f64; 3] = [1.0, 0.6, 0.3];
+/// Seeds of leaves of one training scene: a multiple of the scales of leaves, and at least its pictures.
+const SCENE_SEEDS: usize = 4096;
 /// One picture of this many is a test pattern; the others are dead leaves.
 const PATTERN_INTERVAL: usize = 4;
 
 /// A square scene for `size_px` × `size_px` pixels of the sensor, with the field of view of the setting. `white` is the radiance
-/// of a perfect white diffuser in full light.
+/// of a perfect white diffuser in full light; scenes of different numbers have different leaves.
 pub(super) fn scene(
     camera: &Camera,
     size_px: usize,
+    number: u32,
     white: &Spectrum,
     setting: &Setting,
 ) -> Result<Scene, CameraError> {
@@ -31,7 +34,7 @@ pub(super) fn scene(
     let pieces = size_px.div_ceil(PIECE_PX);
     for i in 0..pieces * pieces {
         let (row, col) = (i / pieces * piece, i % pieces * piece);
-        let part = catalog::build(&spec(i, piece), setting, &reflectances)?;
+        let part = catalog::build(&spec(i, number, piece), setting, &reflectances)?;
         // Every scene has the mean luminance of the setting, so that their illuminants differ in strength.
         let light = BRIGHTNESS[i % BRIGHTNESS.len()] * (white.max() / part.illuminant().max()) as f32;
         let (rows, cols) = (piece.min(n - row), piece.min(n - col));
@@ -48,9 +51,9 @@ pub(super) fn scene(
 }
 
 /// The scene of one picture: dead leaves or a test pattern.
-fn spec(i: usize, n: usize) -> String {
+fn spec(i: usize, number: u32, n: usize) -> String {
     if i % PATTERN_INTERVAL != PATTERN_INTERVAL - 1 {
-        return dead_leaves(i, n);
+        return dead_leaves(i + SCENE_SEEDS * number as usize, n);
     }
     match i / PATTERN_INTERVAL % 5 {
         0 => format!("slanted-bar?size={}", n + 1),

@@ -6,17 +6,23 @@
 
 use rayon::prelude::*;
 
-use super::pools::{Pool, Pools, is_flat};
-use super::solve::{ClassSolver, Solution};
-use super::symmetry::Member;
+use super::pools::{Pool, is_flat};
+use super::solve::Solution;
 use super::{Axes, L3Error, Origin};
 
+/// What the kernels of one position are solved from.
+pub(super) trait Source: Sync {
+    /// Number of patches in a pool of classes.
+    fn count(&self, pool: Pool) -> u64;
+
+    /// The kernels of a pool. `flat` states whether they are for flat patches; `class` is the index of the class, for error messages.
+    fn solve(&self, pool: Pool, flat: bool, class: usize) -> Result<Solution, L3Error>;
+}
+
 /// The kernels of one position, by saturation, level and texture.
-pub(super) struct Table<'a> {
+pub(super) struct Table<'a, S> {
     pub(super) position: usize,
-    members: &'a [Member],
-    pools: &'a Pools<'a>,
-    solver: &'a ClassSolver<'a>,
+    source: S,
     axes: &'a Axes,
     /// Numbers of saturations, levels and textures.
     sizes: [usize; 3],
@@ -26,17 +32,10 @@ pub(super) struct Table<'a> {
 /// Kernels and their origins.
 pub(super) type Filled = Vec<(Solution, Origin)>;
 
-impl<'a> Table<'a> {
-    pub(super) fn new(
-        (position, members): (usize, &'a [Member]),
-        pools: &'a Pools<'a>,
-        solver: &'a ClassSolver<'a>,
-        axes: &'a Axes,
-        saturations: usize,
-        least: u64,
-    ) -> Self {
+impl<'a, S: Source> Table<'a, S> {
+    pub(super) fn new(position: usize, source: S, axes: &'a Axes, saturations: usize, least: u64) -> Self {
         let sizes = [saturations, axes.level_count(), axes.textures().count()];
-        Self { position, members, pools, solver, axes, sizes, least }
+        Self { position, source, axes, sizes, least }
     }
 
     /// Kernels of every class, in the order of a pipeline. For `smoothing`, see [`super::Training`].
@@ -70,15 +69,14 @@ impl<'a> Table<'a> {
     }
 
     fn count(&self, pool: Pool) -> u64 {
-        self.pools.count(self.position, self.members, pool)
+        self.source.count(pool)
     }
 
     /// Solves a pool for the kernels of a class.
     fn solve(&self, pool: Pool, index: usize) -> Result<Solution, L3Error> {
         let flat = is_flat(self.axes.textures(), self.place(index)[2]);
         let classes: usize = self.sizes.iter().product();
-        let moments = self.pools.moments(self.position, self.members, pool);
-        self.solver.solve(&moments, flat, self.position * classes + index)
+        self.source.solve(pool, flat, self.position * classes + index)
     }
 
     fn solve_when_enough(&self, pool: Pool, index: usize) -> Result<Option<Solution>, L3Error> {

@@ -14,6 +14,7 @@
 
 mod axes;
 mod blocks;
+mod class_map;
 mod classify;
 mod error;
 mod fallback;
@@ -29,11 +30,18 @@ mod registration;
 mod render;
 mod settings;
 mod solve;
+mod solved;
 mod statistics;
 mod summary;
 mod symmetry;
 mod train;
 mod window;
+
+pub(crate) use class_map::ClassMap;
+pub(crate) use solved::{
+    ClassPool, PatchCounts, PoolKernels, PoolSource, Solved, Turn, enough, needed_pools, representatives,
+    turns,
+};
 
 pub use axes::{Axes, ClassKey, MAX_SIDE, Textures};
 pub use error::L3Error;

@@ -63,7 +63,7 @@ impl Moments {
     }
 
     /// Adds moments of the same size whose entry `i` belongs to entry `places[i]` of these.
-    pub(super) fn merge_permuted(&mut self, other: &Self, places: &[usize]) {
+    pub(crate) fn merge_permuted(&mut self, other: &Self, places: &[usize]) {
         if self.size != other.size || places.len() != self.size {
             return;
         }
@@ -92,7 +92,7 @@ impl Moments {
     }
 
     /// Divides all entries, including the count.
-    pub(super) fn divide(&mut self, by: f64) {
+    pub(crate) fn divide(&mut self, by: f64) {
         self.sums.iter_mut().for_each(|s| *s /= by);
     }
 

@@ -1,7 +1,7 @@
 //! Moments of one class or of several pooled classes, including patches that are equivalent by symmetry.
 
 use super::symmetry::{Isometry, Member, Symmetry};
-use super::{Axes, Moments, Statistics, Textures, pipeline};
+use super::{Axes, Class, Moments, Statistics, Textures, pipeline};
 
 /// The combinations of clipped channels on the saturation axis: none clipped, and every combination with at
 /// least a given fraction of all patches. Ascending.
@@ -59,6 +59,18 @@ impl<'a> Pools<'a> {
         Self { axes, outputs: statistics.outputs().len(), seen }
     }
 
+    /// Adds the numbers of patches to the classes of a pipeline.
+    pub(super) fn count_into(&self, classes: &mut [Class], saturations: usize) {
+        let (levels, textures) = (self.axes.level_count(), self.axes.textures().count());
+        let per_position = saturations * levels * textures;
+        for (own, seen) in classes.chunks_exact_mut(per_position).zip(&self.seen) {
+            for seen in seen {
+                own[(seen.saturation * levels + seen.level) * textures + seen.texture].count +=
+                    seen.moments.count();
+            }
+        }
+    }
+
     /// The classes of a pool around the representative position of a group, once for every symmetry operation
     /// that maps a member to it.
     fn chosen(&self, members: &[Member], pool: Pool) -> impl Iterator<Item = (Member, TrainedClass<'a>)> {
@@ -75,20 +87,10 @@ impl<'a> Pools<'a> {
         })
     }
 
-    /// Number of times the group repeats each patch of a pool: the symmetry operations that keep the position
-    /// and the texture.
-    fn repeats(&self, position: usize, members: &[Member], pool: Pool) -> u64 {
-        let stays = |m: &&Member| {
-            m.position == position
-                && pool.texture.is_none_or(|t| m.isometry.texture(self.axes.textures(), t) == t)
-        };
-        (members.iter().filter(stays).count() as u64).max(1)
-    }
-
     /// Number of patches in a pool, without repetitions.
     pub(super) fn count(&self, position: usize, members: &[Member], pool: Pool) -> u64 {
         let all: u64 = self.chosen(members, pool).map(|(_, s)| s.moments.count()).sum();
-        all / self.repeats(position, members, pool)
+        all / repeats(position, members, pool.texture, self.axes.textures())
     }
 
     /// Moments of a pool.
@@ -108,9 +110,22 @@ impl<'a> Pools<'a> {
             }
             sum.merge_permuted(seen.moments, &places);
         }
-        sum.divide(self.repeats(position, members, pool) as f64);
+        sum.divide(repeats(position, members, pool.texture, self.axes.textures()) as f64);
         sum
     }
+}
+
+/// Number of times a group repeats each patch of a texture class, or of all with `None`: the symmetry operations that keep the
+/// position and the texture.
+pub(super) fn repeats(
+    position: usize,
+    members: &[Member],
+    texture: Option<usize>,
+    textures: Textures,
+) -> u64 {
+    let stays =
+        |m: &&Member| m.position == position && texture.is_none_or(|t| m.isometry.texture(textures, t) == t);
+    (members.iter().filter(stays).count() as u64).max(1)
 }
 
 /// Whether a texture class is flat. Without texture classes, patches count as texture: detail lost by

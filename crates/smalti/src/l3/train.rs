@@ -2,12 +2,12 @@
 
 use rayon::prelude::*;
 
-use super::fallback::{Filled, Table};
-use super::pools::{Pools, kept_saturations, trained};
+use super::fallback::{Filled, Source, Table};
+use super::pools::{Pool, Pools, kept_saturations, trained};
 use super::settings::Training;
-use super::solve::ClassSolver;
-use super::symmetry::Symmetry;
-use super::{Class, Kernels, L3Error, Origin, Pipeline, PipelineParts, Statistics};
+use super::solve::{ClassSolver, Solution};
+use super::symmetry::{Member, Symmetry};
+use super::{Axes, Class, Kernels, L3Error, Origin, Pipeline, PipelineParts, Statistics};
 
 /// Raised when learning gives other kernels for equal pairs and settings: statistics that were kept under another revision are not used.
 pub const REVISION: u32 = 5;
@@ -15,6 +15,30 @@ pub const REVISION: u32 = 5;
 /// Patches that a class needs by default, per tap. Kernels of p weights learned from n patches have an error that is larger
 /// by p/n on average than that of the best kernels: a tenth.
 const PATCHES_PER_TAP: u64 = 10;
+
+/// Patches that a class needs by default to have kernels of its own.
+pub(super) fn least_patches(axes: &Axes) -> u64 {
+    PATCHES_PER_TAP * axes.taps() as u64
+}
+
+/// The moments of the patches around one position, and of those that are equivalent by symmetry.
+struct Patches<'a> {
+    position: usize,
+    members: &'a [Member],
+    pools: &'a Pools<'a>,
+    solver: &'a ClassSolver<'a>,
+}
+
+impl Source for Patches<'_> {
+    fn count(&self, pool: Pool) -> u64 {
+        self.pools.count(self.position, self.members, pool)
+    }
+
+    fn solve(&self, pool: Pool, flat: bool, class: usize) -> Result<Solution, L3Error> {
+        self.solver.solve(&self.pools.moments(self.position, self.members, pool), flat, class)
+    }
+}
+
 impl Training {
     /// Solves the kernels of every class. `provenance` is JSON that describes the training; the pipeline keeps it.
     ///
@@ -33,14 +57,16 @@ impl Training {
         let symmetry = if self.symmetry { Symmetry::of(axes) } else { Symmetry::none(axes) };
         let pools = Pools::new(statistics, &saturations);
         let solver = ClassSolver::new(&self.solver, self.kernel, statistics);
-        let least = self.least_patches.unwrap_or(PATCHES_PER_TAP * axes.taps() as u64).max(1);
+        let least = self.least_patches.unwrap_or(least_patches(axes)).max(1);
         let tables = symmetry.groups.par_iter().map(|(position, members)| {
-            let group = (*position, members.as_slice());
-            let table = Table::new(group, &pools, &solver, axes, saturations.len(), least);
+            let patches = Patches { position: *position, members, pools: &pools, solver: &solver };
+            let table = Table::new(*position, patches, axes, saturations.len(), least);
             Ok((*position, table.filled(self.smoothing)?))
         });
         let tables: Vec<(usize, Filled)> = tables.collect::<Result<_, L3Error>>()?;
-        let (classes, kernels) = expanded(statistics, &pools, &symmetry, &tables, saturations.len())?;
+        let outputs = statistics.outputs().len();
+        let (mut classes, kernels) = expanded(axes, outputs, &symmetry, &tables, saturations.len())?;
+        pools.count_into(&mut classes, saturations.len());
         let pipeline = Pipeline::from_parts(PipelineParts {
             axes: axes.clone(),
             saturations,
@@ -57,18 +83,17 @@ impl Training {
     }
 }
 
-/// The tables of the representative positions, transformed to all positions, in the order of a pipeline.
-fn expanded(
-    statistics: &Statistics,
-    pools: &Pools<'_>,
+/// The tables of the representative positions, transformed to all positions, in the order of a pipeline. The counts of the classes
+/// are 0.
+pub(super) fn expanded(
+    axes: &Axes,
+    outputs: usize,
     symmetry: &Symmetry,
     tables: &[(usize, Filled)],
     saturations: usize,
 ) -> Result<(Vec<Class>, Kernels), L3Error> {
-    let axes = statistics.axes();
-    let (taps, outputs) = (axes.taps(), statistics.outputs().len());
-    let (levels, textures) = (axes.level_count(), axes.textures().count());
-    let count = saturations * levels * textures;
+    let (taps, textures) = (axes.taps(), axes.textures().count());
+    let count = saturations * axes.level_count() * textures;
     let mut classes = vec![Class { count: 0, origin: Origin::PooledLevels }; axes.positions() * count];
     let mut weights = vec![0.0; axes.positions() * count * outputs * taps];
     let mut offsets = vec![0.0; axes.positions() * count * outputs];
@@ -85,10 +110,6 @@ fn expanded(
                 row.iter().zip(&to).for_each(|(&w, &tap)| weights[row_at + tap] = w as f32);
                 offsets[class * outputs + output] = solution.offsets[output] as f32;
             }
-        }
-        for seen in &pools.seen[position] {
-            let class = (seen.saturation * levels + seen.level) * textures + seen.texture;
-            classes[position * count + class].count += seen.moments.count();
         }
     }
     Ok((classes, Kernels { weights, offsets }))

@@ -14,6 +14,7 @@ mod cfa_filters;
 mod conversion_gain;
 mod design_filters;
 mod design_learned;
+mod design_light_statistics;
 mod design_mosaics;
 mod design_preview;
 mod design_proof;

@@ -1,9 +1,9 @@
 //! Cholesky factorisation of several matrices at a time, one in each lane of a vector.
 
 /// Matrices per vector.
-pub(super) const LANES: usize = 8;
+pub(in crate::design) const LANES: usize = 8;
 /// A number of each matrix.
-pub(super) type Lanes = [f64; LANES];
+pub(in crate::design) type Lanes = [f64; LANES];
 /// Rows and columns of a block, whose sums stay in registers.
 const BLOCK: usize = 4;
 /// Pivots below this share of their diagonal entry count as zero: the sample adds nothing to the earlier ones.
@@ -12,7 +12,7 @@ const SINGULAR: f64 = 1e-13;
 /// The columns of a block.
 type Block = [[Lanes; BLOCK]; BLOCK];
 
-pub(super) const ZERO: Lanes = [0.0; LANES];
+pub(in crate::design) const ZERO: Lanes = [0.0; LANES];
 
 #[inline(always)]
 pub(super) fn plus(mut sum: Lanes, a: Lanes, b: Lanes) -> Lanes {
@@ -23,7 +23,7 @@ pub(super) fn plus(mut sum: Lanes, a: Lanes, b: Lanes) -> Lanes {
 }
 
 #[inline(always)]
-pub(super) fn plus_scaled(mut sum: Lanes, a: f64, b: Lanes) -> Lanes {
+pub(in crate::design) fn plus_scaled(mut sum: Lanes, a: f64, b: Lanes) -> Lanes {
     for i in 0..LANES {
         sum[i] += a * b[i];
     }
@@ -52,7 +52,7 @@ fn product(a: Lanes, b: Lanes) -> Lanes {
 ///
 /// `taps` is 1 more than a multiple of four, so that the three right-hand sides complete the last block.
 #[derive(Clone)]
-pub(super) struct Augmented {
+pub(in crate::design) struct Augmented {
     taps: usize,
     /// Blocks of the lower triangle, row by row; a block holds its columns.
     blocks: Vec<Block>,
@@ -62,7 +62,7 @@ pub(super) struct Augmented {
 
 impl Augmented {
     /// Zeros.
-    pub(super) fn new(taps: usize) -> Self {
+    pub(in crate::design) fn new(taps: usize) -> Self {
         let side = taps.div_ceil(BLOCK);
         Self {
             taps,
@@ -84,13 +84,13 @@ impl Augmented {
 
     /// Sets entry (row, col) with row ≥ col.
     #[inline(always)]
-    pub(super) fn set(&mut self, row: usize, col: usize, value: Lanes) {
+    pub(in crate::design) fn set(&mut self, row: usize, col: usize, value: Lanes) {
         self.blocks[Self::at(row / BLOCK, col / BLOCK)][col % BLOCK][row % BLOCK] = value;
     }
 
     /// Factors in place.
     #[inline(always)]
-    pub(super) fn factor(&mut self) {
+    pub(in crate::design) fn factor(&mut self) {
         let side = self.taps.div_ceil(BLOCK);
         for row in 0..side {
             for col in 0..=row {
@@ -173,7 +173,7 @@ impl Augmented {
 
     /// G⁻¹ R after [`Augmented::factor`]: three numbers for each row of G.
     #[inline(always)]
-    pub(super) fn solve(&self, out: &mut [[Lanes; 3]]) {
+    pub(in crate::design) fn solve(&self, out: &mut [[Lanes; 3]]) {
         for (k, out) in out.iter_mut().enumerate() {
             *out = [0, 1, 2].map(|c| self.get(self.taps + c, k));
         }

@@ -27,7 +27,7 @@ mod gradient;
 #[allow(clippy::needless_range_loop)]
 mod kernel;
 #[allow(clippy::needless_range_loop)]
-mod lanes;
+pub(in crate::design) mod lanes;
 mod layout;
 mod limits;
 mod model;

@@ -1,0 +1,277 @@
+//! Pipelines of designs from statistics of the light of the training scene.
+
+use std::collections::VecDeque;
+use std::sync::{Arc, Mutex, PoisonError};
+
+use super::class_light::{ClassLight, EvenPatches, LightSystem};
+use super::imaged_scene::brightest;
+use super::pixel_light::PixelLight;
+use super::targets::{has_independent_samples, response, samples_per_rate};
+use super::training_data::{ExposedDesign, SURFACE_PATCHES, TrainingData};
+use crate::camera::CameraError;
+use crate::l3::{Axes, ClassPool, Pipeline, Solved, Solver, representatives, turns};
+use crate::numeric::dense::dot;
+use crate::sensor::{Cfa, Channel, Mosaic, NoiseMode, SensorError};
+use crate::spectrum::{Spectrum, WavelengthGrid};
+
+/// The key that selects this path, for messages.
+const KEY: &str = "l3.statistics";
+/// Spectral components of the light. With twelve, the mean figures of 30 designs of each number of colours differ by at most 0.0025 ΔE
+/// 2000, 0.05 cycles per mm and 0.001 % luminance noise.
+const COMPONENTS: usize = 6;
+/// Number of mosaics with different classes whose statistics are kept, about 6 MB each.
+const KEPT: usize = 16;
+/// The largest sample of the light of the training scene, relative to saturation, that is described. Statistics of light know no
+/// saturation. Automatic exposure places the white patch of the ColorChecker at 95 % of saturation, and thus a perfect white at 105 %; what
+/// the sensor clips of the latter is among the differences that were measured.
+const MAX_SAMPLE: f64 = 1.1;
+
+/// Largest number of levels: the sums of a class take 0.4 MB while they are gathered.
+const MAX_LEVELS: usize = 64;
+
+/// What the classes of a neutral array depend on: the size of the tile, the translations of the mosaic, and the rotations and reflections
+/// that map it onto itself, a bit each.
+type Key = ([usize; 2], [[isize; 2]; 2], u8);
+
+/// The statistics for a mosaic, and for all with the same key.
+#[derive(Debug)]
+struct Kept {
+    mosaic: Mosaic,
+    key: Key,
+    classes: Arc<ClassLight>,
+}
+
+/// Learns pipelines from the light of the training scene. It keeps the statistics of the latest mosaics.
+#[derive(Debug, Clone)]
+pub(super) struct LightTrainer {
+    light: Arc<PixelLight>,
+    /// Maximum over the pixels at each wavelength, photons s⁻¹ nm⁻¹.
+    brightest: Arc<Vec<f64>>,
+    kept: Arc<Mutex<VecDeque<Kept>>>,
+}
+
+impl LightTrainer {
+    pub(super) fn new(data: &TrainingData) -> Result<Self, CameraError> {
+        let TrainingData { camera, settings, pixels, .. } = data;
+        let refused = |message: &str| Err(CameraError::Key { key: KEY.into(), message: message.into() });
+        if !has_independent_samples(&camera.sensor) {
+            return refused(
+                "\"light\" needs a sensor whose samples each see one filter, without binning and crosstalk; \"patches\" \
+                 serves every sensor",
+            );
+        }
+        if settings.solver != Solver::Wiener {
+            return refused("\"light\" needs the solver \"wiener\"; \"patches\" serves every solver");
+        }
+        if settings.levels > MAX_LEVELS {
+            return refused("\"light\" has at most 64 levels; \"patches\" has up to 256");
+        }
+        Ok(Self {
+            light: Arc::new(PixelLight::new(&camera.sensor, pixels, COMPONENTS)?),
+            brightest: Arc::new(brightest(pixels)),
+            kept: Arc::default(),
+        })
+    }
+
+    /// The statistics for a mosaic are gathered, if they are not known yet.
+    pub(super) fn prepare(&self, data: &TrainingData, mosaic: &Mosaic) -> Result<(), CameraError> {
+        self.classes(data, mosaic).map(|_| ())
+    }
+
+    pub(super) fn pipeline(
+        &self,
+        data: &TrainingData,
+        design: &ExposedDesign,
+    ) -> Result<Pipeline, CameraError> {
+        let ExposedDesign { camera, exposure, scale, axes, .. } = design;
+        self.ensure_unsaturated(design)?;
+        let classes = self.classes(data, axes.mosaic())?;
+        let gain = samples_per_rate(&camera.sensor, exposure)?;
+        let channels = camera.sensor.cfa.channels();
+        let responses = |c: &Channel| self.electrons(&c.transmittance).iter().map(|e| gain * e).collect();
+        let responses = channels.iter().map(responses).collect();
+        let positions = representatives(axes);
+        let taps = |position: &usize| (0..axes.taps()).map(|tap| axes.channel_of(*position, tap)).collect();
+        let share = 1.0 / axes.positions() as f64;
+        // The mean response of a patch to white.
+        let white = |position: usize| {
+            (0..axes.taps()).map(|tap| design.white[axes.channel_of(position, tap)]).sum::<f64>()
+                / axes.taps() as f64
+        };
+        let even = Surfaces::new(data, design, &positions);
+        let system = LightSystem {
+            responses,
+            scale: *scale,
+            channels: positions.iter().map(taps).collect(),
+            positions,
+            share,
+            noise: *axes.noise(),
+            even: &|position, pool| even.pooled(position, pool),
+            counts: classes.patch_counts(axes),
+        };
+        let textures = axes.textures().count();
+        let count = |position: usize, level: usize, texture: usize| {
+            let of_light = classes.pixels().get(level * textures + texture).map_or(0.0, |n| n * share);
+            let pool = ClassPool { level: Some(level), texture: Some(texture) };
+            let at = system.positions.binary_search(&position).ok();
+            let uniform = at.and_then(|at| even.pooled(at, pool)).map_or(0.0, |even| even.count);
+            (of_light + uniform) as u64
+        };
+        let levels = camera.sensor.raw_levels(exposure)?;
+        let source = classes.kernels(&system);
+        let solved = Solved {
+            axes,
+            outputs: ["X", "Y", "Z"].map(String::from).to_vec(),
+            channel_names: channels.iter().map(|c| c.name.clone()).collect(),
+            levels: [levels.black, levels.white],
+            trained: (0..axes.positions()).map(|p| classes.range().map(|r| r * white(p) as f32)).collect(),
+            count: &count,
+            source: &source,
+        };
+        Ok(solved.pipeline(String::new())?)
+    }
+
+    /// The statistics for a mosaic.
+    fn classes(&self, data: &TrainingData, mosaic: &Mosaic) -> Result<Arc<ClassLight>, CameraError> {
+        let kept = || self.kept.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(found) = kept().iter().find(|k| k.mosaic == *mosaic) {
+            return Ok(found.classes.clone());
+        }
+        let clear = Spectrum::constant(data.camera.grid(), 1.0)?;
+        let channel = |c: usize| Channel { name: c.to_string(), transmittance: clear.clone() };
+        let channels = (0..mosaic.channels()).map(channel).collect();
+        let neutral = Cfa::new("neutral", mosaic.clone(), channels).map_err(SensorError::from)?;
+        let neutral = data.exposed(&neutral)?;
+        let key = key(&neutral.axes);
+        let known = kept().iter().find(|k| k.key == key).map(|k| k.classes.clone());
+        // The lock is open while this is computed: a thread that waits for others may take up work that needs it.
+        let gather = || {
+            let (sensor, exposure) = (&neutral.camera.sensor, &neutral.exposure);
+            let seen = sensor.capture(&*data.pixels, exposure, NoiseMode::All, data.seed)?;
+            let (axes, white) = (&neutral.axes, neutral.full as f32);
+            let even = f64::from(SURFACE_PATCHES) * data.surfaces.len() as f64 / axes.level_count() as f64;
+            let classes = ClassLight::new(&self.light, &data.seen, axes, &seen, white, even)?;
+            Ok::<_, CameraError>(Arc::new(classes))
+        };
+        let classes = known.map_or_else(gather, Ok)?;
+        let mut kept = kept();
+        if kept.len() >= KEPT {
+            kept.pop_front();
+        }
+        kept.push_back(Kept { mosaic: mosaic.clone(), key, classes: classes.clone() });
+        Ok(classes)
+    }
+
+    /// # Errors
+    /// When the light of the training scene saturates a channel of the design by more than [`MAX_SAMPLE`].
+    fn ensure_unsaturated(&self, design: &ExposedDesign) -> Result<(), CameraError> {
+        let sensor = &design.camera.sensor;
+        let gain = samples_per_rate(sensor, &design.exposure)?;
+        for (channel, response) in sensor.cfa.channels().iter().zip(response(sensor, self.grid())?) {
+            let bound: f64 = response.iter().zip(&*self.brightest).map(|(r, b)| r * b).sum();
+            if bound * gain > MAX_SAMPLE && self.largest(&channel.transmittance) * gain > MAX_SAMPLE {
+                let message = format!(
+                    "the training scene saturates the channel {}, which \"light\" does not describe; expose less, or use \
+                     \"patches\"",
+                    channel.name
+                );
+                return Err(CameraError::Key { key: KEY.into(), message });
+            }
+        }
+        Ok(())
+    }
+
+    fn grid(&self) -> WavelengthGrid {
+        self.light.spectra().first().map(Spectrum::grid).unwrap_or_default()
+    }
+
+    /// Photoelectrons per second of a unit of each component behind a filter.
+    fn electrons(&self, transmittance: &Spectrum) -> Vec<f64> {
+        let step = self.grid().step_nm();
+        let of = |s: &Spectrum| step * dot(s.values(), transmittance.values());
+        self.light.spectra().iter().map(of).collect()
+    }
+
+    /// The most photoelectrons per second of a pixel of the training scene behind a filter.
+    fn largest(&self, transmittance: &Spectrum) -> f64 {
+        let electrons = self.electrons(transmittance);
+        let planes = self.light.planes();
+        let of = |i: usize| planes.planes().zip(&electrons).map(|(p, e)| f64::from(p[i]) * e).sum::<f64>();
+        (0..planes.plane_len()).map(of).fold(0.0, f64::max)
+    }
+}
+
+fn key(axes: &Axes) -> Key {
+    let tile = [axes.mosaic().rows(), axes.mosaic().cols()];
+    let bits = turns(axes).iter().fold(0, |bits, turn| bits | 1u8 << turn.number);
+    (tile, axes.contrast_pairs().map(|p| p.shift), bits)
+}
+
+/// The uniform surfaces at the positions of a design.
+struct Surfaces {
+    /// Samples of each channel and X, Y, Z.
+    fields: Vec<(Vec<f64>, [f64; 3])>,
+    /// The level of each, by position.
+    levels: Vec<Vec<usize>>,
+    /// By position and level, and last all levels.
+    pooled: Vec<Vec<Option<EvenPatches>>>,
+}
+
+impl Surfaces {
+    fn new(data: &TrainingData, design: &ExposedDesign, positions: &[usize]) -> Self {
+        let axes = &design.axes;
+        let fields: Vec<(Vec<f64>, [f64; 3])> = data
+            .surfaces
+            .iter()
+            .map(|(radiance, xyz)| (design.samples(radiance), xyz.map(|v| v * design.full)))
+            .filter(|(samples, _)| samples.iter().all(|v| *v < axes.clip()))
+            .collect();
+        let level = |position: usize, samples: &[f64]| {
+            let sum: f64 = (0..axes.taps()).map(|tap| samples[axes.channel_of(position, tap)]).sum();
+            axes.levels_at(position).level_of((sum / axes.taps() as f64) as f32)
+        };
+        let of_position = |p: &usize| fields.iter().map(|(samples, _)| level(*p, samples)).collect();
+        let levels: Vec<Vec<usize>> = positions.iter().map(of_position).collect();
+        let mut this = Self { fields, levels, pooled: Vec::new() };
+        let count = axes.level_count();
+        this.pooled = (0..positions.len())
+            .map(|at| (0..=count).map(|l| this.even(at, (l < count).then_some(l))).collect())
+            .collect();
+        this
+    }
+
+    /// The uniform patches of a pool, which are flat.
+    fn pooled(&self, position: usize, pool: ClassPool) -> Option<EvenPatches> {
+        if pool.texture.is_some_and(|t| t != 0) {
+            return None;
+        }
+        let of = self.pooled.get(position)?;
+        of.get(pool.level.unwrap_or(of.len() - 1))?.clone()
+    }
+
+    fn even(&self, position: usize, level: Option<usize>) -> Option<EvenPatches> {
+        let members: Vec<&(Vec<f64>, [f64; 3])> = self
+            .fields
+            .iter()
+            .zip(&self.levels[position])
+            .filter(|(_, l)| level.is_none_or(|level| level == **l))
+            .map(|(field, _)| field)
+            .collect();
+        let n = members.len() as f64;
+        let channels = members.first()?.0.len();
+        let mean_of =
+            |value: &dyn Fn(&(Vec<f64>, [f64; 3])) -> f64| members.iter().map(|m| value(m)).sum::<f64>() / n;
+        let mean: Vec<f64> = (0..channels).map(|c| mean_of(&|m| m.0[c])).collect();
+        let target = [0, 1, 2].map(|o| mean_of(&|m| m.1[o]));
+        let covariance = (0..channels * channels)
+            .map(|i| {
+                let (c, d) = (i / channels, i % channels);
+                mean_of(&|m| (m.0[c] - mean[c]) * (m.0[d] - mean[d]))
+            })
+            .collect();
+        let crossed = (0..channels)
+            .map(|c| [0, 1, 2].map(|o| mean_of(&|m| (m.0[c] - mean[c]) * (m.1[o] - target[o]))))
+            .collect();
+        Some(EvenPatches { count: n * f64::from(SURFACE_PATCHES), mean, covariance, target, crossed })
+    }
+}
