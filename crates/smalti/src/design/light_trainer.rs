@@ -207,10 +207,12 @@ fn key(axes: &Axes) -> Key {
     (tile, axes.contrast_pairs().map(|p| p.shift), bits)
 }
 
+/// Samples of each channel and X, Y, Z of a uniform surface.
+type Field = (Vec<f64>, [f64; 3]);
+
 /// The uniform surfaces at the positions of a design.
 struct Surfaces {
-    /// Samples of each channel and X, Y, Z.
-    fields: Vec<(Vec<f64>, [f64; 3])>,
+    fields: Vec<Field>,
     /// The level of each, by position.
     levels: Vec<Vec<usize>>,
     /// By position and level, and last all levels.
@@ -220,7 +222,7 @@ struct Surfaces {
 impl Surfaces {
     fn new(data: &TrainingData, design: &ExposedDesign, positions: &[usize]) -> Self {
         let axes = &design.axes;
-        let fields: Vec<(Vec<f64>, [f64; 3])> = data
+        let fields: Vec<Field> = data
             .surfaces
             .iter()
             .map(|(radiance, xyz)| (design.samples(radiance), xyz.map(|v| v * design.full)))
@@ -250,7 +252,7 @@ impl Surfaces {
     }
 
     fn even(&self, position: usize, level: Option<usize>) -> Option<EvenPatches> {
-        let members: Vec<&(Vec<f64>, [f64; 3])> = self
+        let members: Vec<&Field> = self
             .fields
             .iter()
             .zip(&self.levels[position])
@@ -259,8 +261,7 @@ impl Surfaces {
             .collect();
         let n = members.len() as f64;
         let channels = members.first()?.0.len();
-        let mean_of =
-            |value: &dyn Fn(&(Vec<f64>, [f64; 3])) -> f64| members.iter().map(|m| value(m)).sum::<f64>() / n;
+        let mean_of = |value: &dyn Fn(&Field) -> f64| members.iter().map(|m| value(m)).sum::<f64>() / n;
         let mean: Vec<f64> = (0..channels).map(|c| mean_of(&|m| m.0[c])).collect();
         let target = [0, 1, 2].map(|o| mean_of(&|m| m.1[o]));
         let covariance = (0..channels * channels)
