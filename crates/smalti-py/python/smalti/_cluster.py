@@ -232,7 +232,7 @@ def _searched(source: str, light: list[bytes], task: str, part: str, known: list
         return error
 
 
-def design(client: Any, source: str, search: DesignSearch, report: Callable[[int, int], None] | None) -> None:
+def design(client: Any, source: str, search: DesignSearch, report: Callable[[int, int], object] | None) -> None:
     """Searches on the workers all parts of a design. See `smalti.design`."""
     _ensure_usable(client)
     token, task, done = secrets.token_hex(8), search.hash(), 0

@@ -328,14 +328,27 @@ def design(
     """
     of = None if scenes is None else list(scenes)
     with _told(progress, f"design {os.fspath(source)}", "step") as told:
-        search = _smalti.DesignSearch(source, of, training_set, resume, None, None if client is not None else told)
+        gathered = 0
+
+        def gather(done: int, expected: int | None = None) -> None:
+            nonlocal gathered
+            gathered = done
+            if told is not None:
+                told(done, expected)
+
+        def find(done: int, expected: int | None = None) -> None:
+            if told is not None:
+                told(gathered + done, None if expected is None else gathered + expected)
+
+        search = _smalti.DesignSearch(source, of, training_set, resume, None, gather)
         if client is not None:
             # Dask is needed only here.
             from . import _cluster
 
             name = os.path.abspath(source) if os.path.exists(source) else os.fspath(source)
-            _cluster.design(client, name, search, told)
-        results, camera, rivals, front = search.find(None if client is not None else told)
+            _cluster.design(client, name, search, find)
+        # With a client, all parts are known by now.
+        results, camera, rivals, front = search.find(None if client is not None else find)
     return Design(results, camera, dict(rivals), front)
 
 
