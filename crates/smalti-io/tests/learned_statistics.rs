@@ -1,7 +1,7 @@
 //! Pipelines that are learned from statistics of light score designs as pipelines from patches do: by how much they differ, beside
 //! the spread of the latter over noise seeds and over training scenes.
 //!
-//! It takes a minute: `just learned-statistics`, or
+//! It takes half a minute: `just learned-statistics`, or
 //! `cargo test --release -p smalti-io --test learned_statistics -- --ignored --nocapture`.
 #![allow(missing_docs, clippy::unwrap_used, clippy::panic)]
 
@@ -33,10 +33,10 @@ const SETS: usize = 30;
 /// The metrics, with the greatest bias and root mean square difference relative to the larger spread, and the least rank correlation. The
 /// bounds are a tenth above what was measured.
 const METRICS: [(Metric, f64, f64, f64); 4] = [
-    (Metric::DeltaE76, 1.4, 2.2, 0.98),
-    (Metric::DeltaE2000, 2.4, 3.9, 0.96),
-    (Metric::Mtf50CyPerMm, 0.6, 2.5, 0.6),
-    (Metric::LuminanceNoise, 0.3, 0.7, 0.99),
+    (Metric::DeltaE76, 1.0, 1.6, 0.99),
+    (Metric::DeltaE2000, 1.15, 1.85, 0.97),
+    (Metric::Mtf50CyPerMm, 0.56, 2.3, 0.65),
+    (Metric::LuminanceNoise, 0.25, 0.76, 0.994),
 ];
 
 type Figures = Vec<[f64; 4]>;
@@ -93,9 +93,10 @@ fn statistics_of_light_score_designs_as_patches_do() {
         figures(&camera, &cfas, &LearningSettings { scene, ..LearningSettings::default() }, seed)
     };
     let seeds: Vec<Figures> = (1..=4).map(|seed| patches(0, seed)).collect();
-    let scenes: Vec<Figures> = (1..=3).map(|scene| patches(scene, 1)).collect();
+    let scenes: Vec<Figures> = (1..=7).map(|scene| patches(scene, 1)).collect();
     let settings = LearningSettings { statistics: LearningStatistics::Light, ..LearningSettings::default() };
     let light = figures(&camera, &cfas, &settings, 1);
+    let mut beyond = Vec::new();
     println!("colours, metric: mean; spread over noise seeds, training scenes; bias, rms; rank correlation");
     for group in 0..cfas.len() / SETS {
         let at = group * SETS..(group + 1) * SETS;
@@ -117,9 +118,10 @@ fn statistics_of_light_score_designs_as_patches_do() {
             );
             let larger = of_seeds.max(of_scenes);
             let case = format!("{} colours, {}", 3 + group, metric.name());
-            assert!(bias.abs() < most_bias * larger, "{case}: bias {bias}, spread {larger}");
-            assert!(rms < most_rms * larger, "{case}: rms {rms}, spread {larger}");
-            assert!(rank > least_rank, "{case}: rank correlation {rank}");
+            if !(bias.abs() < most_bias * larger && rms < most_rms * larger && rank > least_rank) {
+                beyond.push(case);
+            }
         }
     }
+    assert!(beyond.is_empty(), "beyond the bounds: {beyond:?}");
 }

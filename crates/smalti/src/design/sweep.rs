@@ -100,7 +100,7 @@ impl<'a> Sweep<'a> {
         let mut at = range.start;
         while at < range.end {
             let end = self.trials.end_of_condition(at).min(range.end);
-            rows.extend(self.score_under(self.trials.condition_of(at), at..end, done)?);
+            rows.extend(self.score_under(self.trials.condition_of(at), (at..end).into_par_iter(), done)?);
             at = end;
         }
         Ok(rows)
@@ -116,13 +116,13 @@ impl<'a> Sweep<'a> {
         done: &(dyn Fn() -> bool + Sync),
     ) -> Result<Vec<ScoredTrial>, DesignError> {
         let Some(&first) = numbers.first() else { return Ok(Vec::new()) };
-        self.score_under(self.trials.condition_of(first), numbers.iter().copied(), done)
+        self.score_under(self.trials.condition_of(first), numbers.par_iter().copied(), done)
     }
 
     fn score_under(
         &self,
         condition: usize,
-        numbers: impl Iterator<Item = u64>,
+        numbers: impl ParallelIterator<Item = u64>,
         done: &(dyn Fn() -> bool + Sync),
     ) -> Result<Vec<ScoredTrial>, DesignError> {
         let prepared = self.condition(condition)?;
