@@ -24,7 +24,7 @@ pub fn write(path: &Path, statistics: &LightStatistics) -> Result<(), IoError> {
     content(statistics).write(path)
 }
 
-/// The bytes of the file of [`write`]; `path` is only named in errors.
+/// The bytes of the file of [`write()`]; `path` is only named in errors.
 ///
 /// # Errors
 /// When the statistics have more classes or components than a file may have.
