@@ -204,8 +204,9 @@ def test_the_bar_of_a_comparison_counts_its_steps(monkeypatch: pytest.MonkeyPatc
     smalti.compare(
         [camera], processing=["l3", "bilinear"], pipelines=[pipeline], scenes=SCENES, luminances_cd_m2=[40.0, 80.0], cache=False,
     )  # fmt: skip
-    # Each kind of processing at each luminance. Neither a given pipeline nor a picture is a step.
-    assert (bar.n, bar.total) == (4, 4)
+    # Targets and each scene, for each kind of processing at each luminance. A given pipeline is no step.
+    steps = 2 * 2 * (1 + len(SCENES))
+    assert (bar.n, bar.total) == (steps, steps)
 
 
 def test_a_name_alone_is_that_of_the_test_set(command: Command, tmp_path: Path) -> None:
